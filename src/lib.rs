@@ -1,0 +1,3 @@
+//! Maquette.
+pub mod camera;
+pub mod math;

@@ -1,0 +1,3 @@
+//! The `maquette` program: parses, runs, sets the exit code.
+
+fn main() {}

@@ -1,0 +1,9 @@
+//! Layer 0: what every other layer may use, and what uses none of them.
+
+mod differences;
+pub mod stats;
+
+pub use differences::central_differences;
+
+/// Rigid motion in three dimensions, named by both frames: `camera_from_world * point_world` is a point in the camera frame.
+pub type Rigid3 = nalgebra::Isometry3<f64>;
