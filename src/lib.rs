@@ -1,3 +1,6 @@
 //! Maquette.
+pub mod body;
 pub mod camera;
+pub mod io;
 pub mod math;
+pub mod solver;

@@ -1,0 +1,101 @@
+//! The law of kinematics: its derivatives are those of its positions.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::{BodyModel, EllipsoidJacobians, Layout, Posed, State};
+use crate::math::central_differences;
+use crate::math::quadric::Ellipsoid;
+
+/// A derivative of the kinematics that is wrong.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("∂({what})[{row}]/∂δ[{component}] is {analytic} and {numeric} by differences")]
+pub struct KinematicsFault {
+    /// Which point or ellipsoid.
+    pub what: String,
+    /// Which of its numbers.
+    pub row: usize,
+    /// Which component of the state.
+    pub component: usize,
+    /// What the code says.
+    pub analytic: f64,
+    /// What differences say.
+    pub numeric: f64,
+}
+
+/// Checks the Jacobians of every exported point and ellipsoid of a model at a state.
+///
+/// # Errors
+/// The first entry that is off by more than `tolerance` (absolute, metres or square metres per unit).
+pub fn check_kinematics(
+    model: &BodyModel,
+    state: &State,
+    tolerance: f64,
+) -> Result<(), KinematicsFault> {
+    let layout = Layout::of(model);
+    let body = Posed::new(model, &state.shape, &state.motion);
+    for index in 0..model.points.len() {
+        let numeric = central_differences(layout.total(), 1e-3, |delta| {
+            let moved = layout.retract(state, delta);
+            let points = Posed::new(model, &moved.shape, &moved.motion).points();
+            DVector::from_column_slice(points[index].coords.as_slice())
+        });
+        compare(
+            &model.points[index].name,
+            &body.point_jacobian(index),
+            &numeric,
+            tolerance,
+        )?;
+    }
+    let mut jacobians = EllipsoidJacobians::new(model);
+    jacobians.update(&body, &body.ellipsoids());
+    for (index, primitive) in model.ellipsoids.iter().enumerate() {
+        let numeric = central_differences(layout.total(), 1e-3, |delta| {
+            let moved = layout.retract(state, delta);
+            numbers(&Posed::new(model, &moved.shape, &moved.motion).primitive(primitive))
+        });
+        let mut analytic = DMatrix::zeros(9, layout.total());
+        for (column, &component) in jacobians.components[index].iter().enumerate() {
+            analytic.set_column(component, &jacobians.values[index].column(column));
+        }
+        compare(
+            &format!("ellipsoid {index}"),
+            &analytic,
+            &numeric,
+            tolerance,
+        )?;
+    }
+    Ok(())
+}
+
+fn numbers(e: &Ellipsoid) -> DVector<f64> {
+    DVector::from_iterator(
+        9,
+        e.centre
+            .iter()
+            .copied()
+            .chain(Ellipsoid::INDEX.map(|(r, s)| e.shape[(r, s)])),
+    )
+}
+
+fn compare(
+    what: &str,
+    analytic: &DMatrix<f64>,
+    numeric: &DMatrix<f64>,
+    tolerance: f64,
+) -> Result<(), KinematicsFault> {
+    for component in 0..analytic.ncols() {
+        for row in 0..analytic.nrows() {
+            let (a, n) = (analytic[(row, component)], numeric[(row, component)]);
+            if (a - n).abs() > tolerance || a.is_nan() {
+                return Err(KinematicsFault {
+                    what: what.to_owned(),
+                    row,
+                    component,
+                    analytic: a,
+                    numeric: n,
+                });
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,200 @@
+//! Derivatives of points and ellipsoids with respect to motion and shape.
+//!
+//! A displacement turns a part about an axis ω through o, moves it by v, or stretches it:
+//! - rotation: ∂c = ω × (c − o), ∂A = \[ω\]A + (\[ω\]A)ᵀ. Joint j: ω its axis, o its origin; the root's
+//!   rotation R·exp(δ): ω the root's own axes, o its origin (PF02 eq. A.3, the cross-product form);
+//! - coefficient: ∂c = Σ over the translations t up the chain of R·∂t/∂s, and R·∂(centre)/∂s;
+//!   ∂A = R·diag(2·aᵢ·∂aᵢ/∂s)·Rᵀ.
+
+use nalgebra::{DMatrix, Matrix3, Vector3};
+
+use super::posed::scaled;
+use super::{BodyModel, Layout, PartId, Posed, Primitive, ScaledVector};
+use crate::math::quadric::Ellipsoid;
+
+/// ∂(9 numbers of each ellipsoid)/∂(state), only the components that move it.
+#[derive(Debug, Clone)]
+pub struct EllipsoidJacobians {
+    /// For each ellipsoid, which components of the state move it, ascending.
+    pub components: Vec<Vec<usize>>,
+    /// For each ellipsoid, 9 × its components.
+    pub values: Vec<DMatrix<f64>>,
+}
+
+impl EllipsoidJacobians {
+    /// Memory for a model's ellipsoids, to be filled by [`EllipsoidJacobians::update`].
+    pub fn new(model: &BodyModel) -> Self {
+        let layout = Layout::of(model);
+        let components: Vec<_> = model
+            .ellipsoids
+            .iter()
+            .map(|e| components(model, layout, e))
+            .collect();
+        let values = components
+            .iter()
+            .map(|c| DMatrix::zeros(9, c.len()))
+            .collect();
+        Self { components, values }
+    }
+
+    /// Fills the values at a pose.
+    pub fn update(&mut self, body: &Posed<'_>, ellipsoids: &[Ellipsoid]) {
+        let layout = Layout::of(body.model);
+        let all = body
+            .model
+            .ellipsoids
+            .iter()
+            .zip(ellipsoids)
+            .zip(&self.components)
+            .zip(&mut self.values);
+        for (((primitive, ellipsoid), components), values) in all {
+            values.fill(0.0);
+            fill(body, layout, primitive, ellipsoid, components, values);
+        }
+    }
+}
+
+fn components(model: &BodyModel, layout: Layout, primitive: &Primitive) -> Vec<usize> {
+    let chain = model.chain(model.parts[primitive.part.0].joint);
+    let translations = chain.iter().map(|j| &model.joints[j.0].translation);
+    let mut list: Vec<usize> = (0..layout.root())
+        .chain(chain.iter().map(|&j| layout.angle(j)))
+        .collect();
+    let scales = translations
+        .chain([&primitive.centre, &primitive.radii])
+        .flat_map(|v| v.scale);
+    list.extend(
+        scales
+            .filter_map(|s| s.coefficient())
+            .map(|c| layout.coefficient(c)),
+    );
+    list.sort_unstable();
+    list.dedup();
+    list
+}
+
+fn fill(
+    body: &Posed<'_>,
+    layout: Layout,
+    primitive: &Primitive,
+    ellipsoid: &Ellipsoid,
+    components: &[usize],
+    values: &mut DMatrix<f64>,
+) {
+    let column = |component: usize| components.binary_search(&component).unwrap_or(usize::MAX);
+    point_columns(
+        body,
+        layout,
+        primitive.part,
+        &primitive.centre,
+        |component, d| {
+            let c = column(component);
+            (0..3).for_each(|k| values[(k, c)] += d[k]);
+        },
+    );
+    // how the shape matrix turns
+    let mut turn = |component: usize, axis: Vector3<f64>| {
+        let half = axis.cross_matrix() * ellipsoid.shape;
+        add_shape(values, column(component), &(half + half.transpose()));
+    };
+    if layout.root() == 6 {
+        let root = body.frames[0].world_from_frame;
+        (0..3).for_each(|k| turn(3 + k, root.column(k).into_owned()));
+    }
+    for joint in body.model.chain(body.model.parts[primitive.part.0].joint) {
+        turn(layout.angle(joint), body.axes_world[joint.0]);
+    }
+    // how it stretches
+    let axes = body.frame(primitive.part).world_from_frame * primitive.part_from_primitive.matrix();
+    let radii = scaled(&primitive.radii, body.shape());
+    for k in 0..3 {
+        let scale = primitive.radii.scale[k];
+        if let Some(coefficient) = scale.coefficient() {
+            let slope = primitive.radii.value[k] * scale.evaluate(&body.shape().0).1;
+            let axis = axes.column(k);
+            let d = axis * axis.transpose() * (2.0 * radii[k] * slope);
+            add_shape(values, column(layout.coefficient(coefficient)), &d);
+        }
+    }
+}
+
+fn add_shape(values: &mut DMatrix<f64>, column: usize, d: &Matrix3<f64>) {
+    for (i, (r, s)) in Ellipsoid::INDEX.into_iter().enumerate() {
+        values[(3 + i, column)] += d[(r, s)];
+    }
+}
+
+/// Calls `add(component, ∂point)` for every component of the state that moves a point of a part.
+fn point_columns(
+    body: &Posed<'_>,
+    layout: Layout,
+    part: PartId,
+    place: &ScaledVector,
+    mut add: impl FnMut(usize, Vector3<f64>),
+) {
+    let point = body.point(part, place).coords;
+    if layout.root() == 6 {
+        let root = &body.frames[0];
+        (0..3).for_each(|k| add(k, Vector3::ith(k, 1.0)));
+        for k in 0..3 {
+            add(
+                3 + k,
+                root.world_from_frame
+                    .column(k)
+                    .cross(&(point - root.origin_world)),
+            );
+        }
+    }
+    for joint in body.model.chain(body.model.parts[part.0].joint) {
+        let origin = body.frames[joint.0 + 1].origin_world;
+        add(
+            layout.angle(joint),
+            body.axes_world[joint.0].cross(&(point - origin)),
+        );
+        let parent = body.model.joints[joint.0].parent.map_or(0, |p| p.0 + 1);
+        let frame = body.frames[parent].world_from_frame;
+        stretch_columns(
+            body,
+            layout,
+            &frame,
+            &body.model.joints[joint.0].translation,
+            &mut add,
+        );
+    }
+    let frame = body.frame(part).world_from_frame;
+    stretch_columns(body, layout, &frame, place, &mut add);
+}
+
+fn stretch_columns(
+    body: &Posed<'_>,
+    layout: Layout,
+    world_from_frame: &Matrix3<f64>,
+    vector: &ScaledVector,
+    add: &mut impl FnMut(usize, Vector3<f64>),
+) {
+    for k in 0..3 {
+        if let Some(coefficient) = vector.scale[k].coefficient() {
+            let slope = vector.value[k] * vector.scale[k].evaluate(&body.shape().0).1;
+            add(
+                layout.coefficient(coefficient),
+                world_from_frame.column(k) * slope,
+            );
+        }
+    }
+}
+
+impl Posed<'_> {
+    /// ∂(exported point)/∂(state), 3 × all components.
+    pub fn point_jacobian(&self, index: usize) -> DMatrix<f64> {
+        let layout = Layout::of(self.model);
+        let mut jacobian = DMatrix::zeros(3, layout.total());
+        let places = &self.model.points[index].places;
+        for (part, place) in places {
+            point_columns(self, layout, *part, place, |component, d| {
+                let mut column = jacobian.column_mut(component);
+                column += d / places.len() as f64;
+            });
+        }
+        jacobian
+    }
+}

@@ -1,0 +1,20 @@
+//! The body: a tree of single-axis joints that carries ellipsoids and metaballs.
+//!
+//! [`BodyModel`] is what never changes (topology, static transforms, primitives, limits, statistics);
+//! a state is a [`Shape`] and one [`Motion`] per frame; [`Posed`] is what kinematics makes of the
+//! three, computed once per evaluation and lent to every likelihood term.
+
+mod check;
+mod jacobian;
+mod model;
+mod posed;
+mod state;
+
+pub use check::{KinematicsFault, check_kinematics};
+pub use jacobian::EllipsoidJacobians;
+pub use model::{
+    BodyModel, CoefficientId, Joint, JointId, ModelError, NamedPoint, Part, PartId, Primitive,
+    Root, Scale, ScaledVector, ShapeStatistics,
+};
+pub use posed::Posed;
+pub use state::{Layout, Motion, Shape, State};

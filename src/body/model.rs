@@ -1,0 +1,279 @@
+//! The body model: what never changes while a recording is fitted.
+
+use nalgebra::{DMatrix, DVector, Rotation3, UnitVector3, Vector3};
+
+/// Index of a joint in [`BodyModel::joints`]; parents come first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct JointId(pub usize);
+
+/// Index of a part in [`BodyModel::parts`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct PartId(pub usize);
+
+/// Index of a shape coefficient.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct CoefficientId(pub usize);
+
+/// What a shape coefficient does to a length: a positive factor that is 1 at coefficient 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scale {
+    /// 1: this length is the same in every body.
+    Fixed,
+    /// eˢ (PF02 eq. 1: λ = eˢ, positive by construction).
+    Log(CoefficientId),
+    /// 2/(1 + e⁻ˢ): this length's share of a fixed total.
+    Share(CoefficientId),
+    /// 2/(1 + eˢ): what the other's share leaves.
+    Rest(CoefficientId),
+}
+
+impl Scale {
+    /// The coefficient that it reads, if any.
+    pub fn coefficient(self) -> Option<CoefficientId> {
+        match self {
+            Self::Fixed => None,
+            Self::Log(c) | Self::Share(c) | Self::Rest(c) => Some(c),
+        }
+    }
+
+    /// (factor, ∂factor/∂s).
+    pub fn evaluate(self, shape: &DVector<f64>) -> (f64, f64) {
+        let share = |s: f64| {
+            let half = 1.0 / (1.0 + (-s).exp());
+            (2.0 * half, 2.0 * half * (1.0 - half))
+        };
+        match self {
+            Self::Fixed => (1.0, 0.0),
+            Self::Log(c) => (shape[c.0].exp(), shape[c.0].exp()),
+            Self::Share(c) => share(shape[c.0]),
+            Self::Rest(c) => {
+                let (value, slope) = share(-shape[c.0]);
+                (value, -slope)
+            }
+        }
+    }
+}
+
+/// Three lengths, each with its own scale.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ScaledVector {
+    /// At coefficient 0, metres.
+    pub value: Vector3<f64>,
+    /// What scales x, y and z.
+    pub scale: [Scale; 3],
+}
+
+/// A joint: a static transform, then one rotation about one axis (PFD99 eq. 3, D = Rot(θ)·D_ini).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Joint {
+    /// Name of the angle, as exported.
+    pub name: String,
+    /// The joint before it; `None` is the root.
+    pub parent: Option<JointId>,
+    /// Static rotation D_ini.
+    pub parent_from_joint: Rotation3<f64>,
+    /// Static translation in the parent's frame.
+    pub translation: ScaledVector,
+    /// Axis of rotation in the joint's frame.
+    pub axis: UnitVector3<f64>,
+    /// Lower and upper limit, radians.
+    pub limits: (f64, f64),
+    /// Angle at rest, radians.
+    pub rest: f64,
+    /// Standard deviation of the angle about rest when nothing else is known, radians.
+    pub spread: f64,
+    /// Standard deviation of the angle's velocity, rad/s.
+    pub speed: f64,
+}
+
+/// An ellipsoid fixed to a part: a solid (ZS06), or the distance function of a metaball (PF02 eq. 6).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Primitive {
+    /// The part it is fixed to.
+    pub part: PartId,
+    /// Centre in the part's frame.
+    pub centre: ScaledVector,
+    /// Semi-axes along the primitive's own axes.
+    pub radii: ScaledVector,
+    /// Orientation in the part's frame.
+    pub part_from_primitive: Rotation3<f64>,
+}
+
+/// A rigid part: the frame after a joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Part {
+    /// Name, unique.
+    pub name: String,
+    /// The joint whose frame it is; `None` is the root's.
+    pub joint: Option<JointId>,
+}
+
+/// A point fixed to a part, as exported: a joint centre or a landmark.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NamedPoint {
+    /// Export name (Pose2Sim's for joint centres).
+    pub name: String,
+    /// The parts whose points are averaged: one, or two for a midpoint such as `Hip`.
+    pub places: Vec<(PartId, ScaledVector)>,
+}
+
+/// Gaussian of the shape coefficients, p(s).
+#[derive(Debug, Clone, PartialEq)]
+pub struct ShapeStatistics {
+    /// Mean, n.
+    pub mean: DVector<f64>,
+    /// Covariance, n × n: ΛΛᵀ + diag(ψ²).
+    pub covariance: DMatrix<f64>,
+}
+
+/// How the root moves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Root {
+    /// It does not: the root frame is the world.
+    Fixed,
+    /// Freely.
+    Free {
+        /// Standard deviation of the root's velocity, m/s.
+        speed: f64,
+        /// Standard deviation of the root's angular velocity, rad/s.
+        turn: f64,
+    },
+}
+
+/// An articulated body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BodyModel {
+    /// Name of the model.
+    pub name: String,
+    /// Names of the shape coefficients.
+    pub coefficients: Vec<String>,
+    /// p(s).
+    pub statistics: ShapeStatistics,
+    /// Free root or not.
+    pub root: Root,
+    /// Joints, parents first.
+    pub joints: Vec<Joint>,
+    /// Parts.
+    pub parts: Vec<Part>,
+    /// Ellipsoids (ZS06).
+    pub ellipsoids: Vec<Primitive>,
+    /// Metaballs (PF02).
+    pub metaballs: Vec<Primitive>,
+    /// Exported points.
+    pub points: Vec<NamedPoint>,
+    /// Lengths that are reported: name and the two points between which they are measured.
+    pub lengths: Vec<(String, usize, usize)>,
+}
+
+/// Why a model cannot be used.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ModelError {
+    /// A length that must be positive is not.
+    #[error("part {part}: radius {radius_m} m is not positive")]
+    Radius {
+        /// Part.
+        part: String,
+        /// Radius found.
+        radius_m: f64,
+    },
+    /// A joint's lower limit lies above its upper one.
+    #[error("joint {joint}: limits {low} to {high} rad are not in order")]
+    Limits {
+        /// Joint.
+        joint: String,
+        /// Lower.
+        low: f64,
+        /// Upper.
+        high: f64,
+    },
+    /// The covariance of p(s) has no inverse.
+    #[error(
+        "the shape coefficients' covariance is not positive definite: give each coefficient an sd > 0"
+    )]
+    Covariance,
+    /// A number that must be finite, or finite and positive, is not.
+    #[error("{place}: {value} is not a usable number")]
+    Number {
+        /// Where.
+        place: String,
+        /// Found.
+        value: f64,
+    },
+    /// No primitive at all.
+    #[error("the model has neither ellipsoids nor metaballs")]
+    Empty,
+}
+
+impl BodyModel {
+    /// Checks what kinematics and priors rely on: positive radii, ordered limits, a usable covariance.
+    ///
+    /// # Errors
+    /// The first fault found.
+    pub fn validate(&self) -> Result<(), ModelError> {
+        if self.ellipsoids.is_empty() && self.metaballs.is_empty() {
+            return Err(ModelError::Empty);
+        }
+        for primitive in self.ellipsoids.iter().chain(&self.metaballs) {
+            let part = || self.parts[primitive.part.0].name.clone();
+            if let Some(&radius_m) = primitive
+                .radii
+                .value
+                .iter()
+                .find(|r| r.is_nan() || **r <= 0.0)
+            {
+                return Err(ModelError::Radius {
+                    part: part(),
+                    radius_m,
+                });
+            }
+            if let Some(&value) = primitive.centre.value.iter().find(|v| !v.is_finite()) {
+                return Err(ModelError::Number {
+                    place: format!("centre of part {}", part()),
+                    value,
+                });
+            }
+        }
+        for joint in &self.joints {
+            let (low, high) = joint.limits;
+            if low.is_nan() || high.is_nan() || low >= high {
+                return Err(ModelError::Limits {
+                    joint: joint.name.clone(),
+                    low,
+                    high,
+                });
+            }
+            if let Some(value) = [joint.spread, joint.speed]
+                .into_iter()
+                .find(|v| v.is_nan() || *v <= 0.0)
+            {
+                return Err(ModelError::Number {
+                    place: format!("spread or speed of joint {}", joint.name),
+                    value,
+                });
+            }
+        }
+        let n = self.coefficients.len();
+        if n > 0 && self.statistics.covariance.clone().cholesky().is_none() {
+            return Err(ModelError::Covariance);
+        }
+        Ok(())
+    }
+
+    /// The joints from the root to a joint, that joint last.
+    pub fn chain(&self, joint: Option<JointId>) -> Vec<JointId> {
+        let mut chain: Vec<_> = std::iter::successors(joint, |j| self.joints[j.0].parent).collect();
+        chain.reverse();
+        chain
+    }
+
+    /// Index of an exported point.
+    pub fn point(&self, name: &str) -> Option<usize> {
+        self.points.iter().position(|p| p.name == name)
+    }
+
+    /// Index of a joint angle.
+    pub fn joint(&self, name: &str) -> Option<JointId> {
+        self.joints.iter().position(|j| j.name == name).map(JointId)
+    }
+}

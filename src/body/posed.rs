@@ -1,0 +1,109 @@
+//! Kinematics: model, shape and motion make a posed body (PFD99 eq. 2–3).
+
+use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
+
+use super::{BodyModel, Motion, PartId, Primitive, ScaledVector, Shape};
+use crate::math::quadric::Ellipsoid;
+
+/// The frame of a joint or of the root in the world.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Frame {
+    pub(super) world_from_frame: Matrix3<f64>,
+    pub(super) origin_world: Vector3<f64>,
+}
+
+/// A body in one pose. Computed once per evaluation; every term reads it.
+#[derive(Debug, Clone)]
+pub struct Posed<'a> {
+    /// The model.
+    pub model: &'a BodyModel,
+    pub(super) shape: &'a Shape,
+    /// The root's frame, then one per joint.
+    pub(super) frames: Vec<Frame>,
+    /// Axis of each joint in the world.
+    pub(super) axes_world: Vec<Vector3<f64>>,
+}
+
+impl<'a> Posed<'a> {
+    /// Poses a body: one loop over the joints, parents first.
+    ///
+    /// world_from_joint = world_from_parent · Trans(t(s)) · D_ini · Rot(axis, θ).
+    pub fn new(model: &'a BodyModel, shape: &'a Shape, motion: &Motion) -> Self {
+        let mut frames = Vec::with_capacity(1 + model.joints.len());
+        let mut axes_world = Vec::with_capacity(model.joints.len());
+        frames.push(Frame {
+            world_from_frame: motion.world_from_root.into_inner(),
+            origin_world: motion.position_world,
+        });
+        for (joint, &angle) in model.joints.iter().zip(motion.angles.iter()) {
+            let parent: Frame = frames[joint.parent.map_or(0, |p| p.0 + 1)];
+            let translation = scaled(&joint.translation, shape);
+            let world_from_static = parent.world_from_frame * joint.parent_from_joint.matrix();
+            let turn = Rotation3::from_axis_angle(&joint.axis, angle);
+            axes_world.push(world_from_static * joint.axis.into_inner());
+            frames.push(Frame {
+                world_from_frame: world_from_static * turn.matrix(),
+                origin_world: parent.origin_world + parent.world_from_frame * translation,
+            });
+        }
+        Self {
+            model,
+            shape,
+            frames,
+            axes_world,
+        }
+    }
+
+    /// s of this body.
+    pub fn shape(&self) -> &Shape {
+        self.shape
+    }
+
+    pub(super) fn frame(&self, part: PartId) -> &Frame {
+        &self.frames[self.model.parts[part.0].joint.map_or(0, |j| j.0 + 1)]
+    }
+
+    /// A point fixed to a part, in the world.
+    pub fn point(&self, part: PartId, place: &ScaledVector) -> Point3<f64> {
+        let frame = self.frame(part);
+        Point3::from(frame.origin_world + frame.world_from_frame * scaled(place, self.shape))
+    }
+
+    /// All exported points in the world, in the order of [`BodyModel::points`].
+    pub fn points(&self) -> Vec<Point3<f64>> {
+        let mean = |places: &[(PartId, ScaledVector)]| {
+            let sum: Vector3<f64> = places
+                .iter()
+                .map(|(part, place)| self.point(*part, place).coords)
+                .sum();
+            Point3::from(sum / places.len() as f64)
+        };
+        self.model.points.iter().map(|p| mean(&p.places)).collect()
+    }
+
+    /// A primitive as an ellipsoid in the world.
+    pub fn primitive(&self, primitive: &Primitive) -> Ellipsoid {
+        let frame = self.frame(primitive.part);
+        let axes = frame.world_from_frame * primitive.part_from_primitive.matrix();
+        let radii = scaled(&primitive.radii, self.shape);
+        let squared = Matrix3::from_diagonal(&radii.component_mul(&radii));
+        Ellipsoid {
+            centre: frame.origin_world
+                + frame.world_from_frame * scaled(&primitive.centre, self.shape),
+            shape: axes * squared * axes.transpose(),
+        }
+    }
+
+    /// The model's ellipsoids in the world.
+    pub fn ellipsoids(&self) -> Vec<Ellipsoid> {
+        self.model
+            .ellipsoids
+            .iter()
+            .map(|e| self.primitive(e))
+            .collect()
+    }
+}
+
+pub(super) fn scaled(vector: &ScaledVector, shape: &Shape) -> Vector3<f64> {
+    Vector3::from_fn(|i, _| vector.value[i] * vector.scale[i].evaluate(&shape.0).0)
+}

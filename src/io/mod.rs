@@ -1,0 +1,3 @@
+//! The only code that reads and writes files, and the only one that knows their units.
+
+pub mod model;

@@ -1,0 +1,424 @@
+//! From the file to the model: sides doubled, parents first, names resolved.
+
+use std::path::Path;
+
+use nalgebra::{DMatrix, DVector, Rotation3, UnitVector3, Vector3};
+
+use super::ModelFileError;
+use super::spec::{AxisSpec, JointSpec, ModelSpec, PartSpec, PointSpec, PrimitiveSpec};
+use crate::body::{
+    BodyModel, CoefficientId, Joint, JointId, NamedPoint, Part, PartId, Primitive, Root, Scale,
+    ScaledVector, ShapeStatistics,
+};
+
+/// The plane of symmetry is y = 0: the file describes the right side, the left is its mirror image.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Side {
+    Middle,
+    Right,
+    Left,
+}
+
+impl Side {
+    fn of(sides: bool) -> &'static [Side] {
+        if sides {
+            &[Side::Right, Side::Left]
+        } else {
+            &[Side::Middle]
+        }
+    }
+
+    fn suffix(self, name: &str) -> String {
+        match self {
+            Self::Middle => name.to_owned(),
+            Self::Right => format!("{name}_r"),
+            Self::Left => format!("{name}_l"),
+        }
+    }
+
+    fn place(self, v: [f64; 3]) -> Vector3<f64> {
+        Vector3::new(v[0], if self == Self::Left { -v[1] } else { v[1] }, v[2])
+    }
+
+    /// Axes of rotation mirror the other way round.
+    fn axis(self, v: Vector3<f64>) -> Vector3<f64> {
+        if self == Self::Left {
+            Vector3::new(-v[0], v[1], -v[2])
+        } else {
+            v
+        }
+    }
+
+    fn turn(self, degrees: [f64; 3]) -> Rotation3<f64> {
+        Rotation3::from_scaled_axis(self.axis(Vector3::from(degrees).map(f64::to_radians)))
+    }
+}
+
+pub(super) fn build(spec: &ModelSpec, path: &Path) -> Result<BodyModel, ModelFileError> {
+    let mut builder = Builder {
+        path,
+        model: empty(spec),
+    };
+    builder.model.statistics = builder.coefficients(spec)?;
+    for (part, side) in builder.parents_first(spec)? {
+        builder.part(part, side)?;
+    }
+    for point in &spec.points {
+        builder.point(point)?;
+    }
+    for length in &spec.lengths {
+        let place = format!("length {}", length.name);
+        let find = |name: &str| {
+            builder
+                .model
+                .point(name)
+                .ok_or_else(|| builder.missing(&place, "point", name))
+        };
+        let ends = (find(&length.from)?, find(&length.to)?);
+        builder
+            .model
+            .lengths
+            .push((length.name.clone(), ends.0, ends.1));
+    }
+    builder.unique()?;
+    builder
+        .model
+        .validate()
+        .map_err(|fault| ModelFileError::Model {
+            path: path.to_owned(),
+            fault,
+        })?;
+    Ok(builder.model)
+}
+
+fn empty(spec: &ModelSpec) -> BodyModel {
+    let root = match spec.root.fixed {
+        true => Root::Fixed,
+        false => Root::Free {
+            speed: spec.root.speed,
+            turn: spec.root.turn_deg.to_radians(),
+        },
+    };
+    BodyModel {
+        name: spec.name.clone(),
+        coefficients: Vec::new(),
+        statistics: ShapeStatistics {
+            mean: DVector::zeros(0),
+            covariance: DMatrix::zeros(0, 0),
+        },
+        root,
+        joints: Vec::new(),
+        parts: Vec::new(),
+        ellipsoids: Vec::new(),
+        metaballs: Vec::new(),
+        points: Vec::new(),
+        lengths: Vec::new(),
+    }
+}
+
+struct Builder<'a> {
+    path: &'a Path,
+    model: BodyModel,
+}
+
+impl Builder<'_> {
+    fn missing(&self, place: &str, kind: &'static str, name: &str) -> ModelFileError {
+        ModelFileError::Missing {
+            path: self.path.to_owned(),
+            place: place.to_owned(),
+            kind,
+            name: name.to_owned(),
+        }
+    }
+
+    /// p(s): covariance ΛΛᵀ + diag(sd²) from the loadings Λ on the named factors.
+    fn coefficients(&mut self, spec: &ModelSpec) -> Result<ShapeStatistics, ModelFileError> {
+        let mut rows = Vec::new();
+        for coefficient in &spec.coefficients {
+            let mut loadings = vec![0.0; spec.factors.len()];
+            for (factor, value) in &coefficient.loadings {
+                let place = format!("coefficient {}", coefficient.name);
+                let index = spec.factors.iter().position(|f| f == factor);
+                loadings[index.ok_or_else(|| self.missing(&place, "factor", factor))?] = *value;
+            }
+            for side in Side::of(coefficient.sides) {
+                self.model.coefficients.push(side.suffix(&coefficient.name));
+                rows.push((coefficient, loadings.clone()));
+            }
+        }
+        let n = rows.len();
+        let mean = DVector::from_iterator(n, rows.iter().map(|(c, _)| c.mean));
+        let covariance = DMatrix::from_fn(n, n, |i, j| {
+            let shared: f64 = rows[i].1.iter().zip(&rows[j].1).map(|(a, b)| a * b).sum();
+            shared + if i == j { rows[i].0.sd.powi(2) } else { 0.0 }
+        });
+        Ok(ShapeStatistics { mean, covariance })
+    }
+
+    fn parents_first<'s>(
+        &self,
+        spec: &'s ModelSpec,
+    ) -> Result<Vec<(&'s PartSpec, Side)>, ModelFileError> {
+        let roots = spec.parts.iter().filter(|p| p.parent.is_none()).count();
+        if roots != 1 {
+            return Err(ModelFileError::Roots {
+                path: self.path.to_owned(),
+                found: roots,
+            });
+        }
+        let mut placed: Vec<&str> = Vec::new();
+        let mut waiting: Vec<&PartSpec> = spec.parts.iter().collect();
+        let mut order = Vec::new();
+        while !waiting.is_empty() {
+            let (ready, rest): (Vec<&PartSpec>, Vec<&PartSpec>) = waiting.iter().partition(|p| {
+                p.parent
+                    .as_deref()
+                    .is_none_or(|name| placed.contains(&name))
+            });
+            let Some(_) = ready.first() else {
+                let lost = rest.iter().find(|p| {
+                    !spec
+                        .parts
+                        .iter()
+                        .any(|q| Some(&q.name) == p.parent.as_ref())
+                });
+                return Err(match lost {
+                    Some(p) => self.missing(
+                        &format!("part {}", p.name),
+                        "part",
+                        p.parent.as_deref().unwrap_or_default(),
+                    ),
+                    None => ModelFileError::Cycle {
+                        path: self.path.to_owned(),
+                        part: rest[0].name.clone(),
+                    },
+                });
+            };
+            placed.extend(ready.iter().map(|p| p.name.as_str()));
+            order.extend(
+                ready
+                    .into_iter()
+                    .flat_map(|p| Side::of(p.sides).iter().map(move |s| (p, *s))),
+            );
+            waiting = rest;
+        }
+        Ok(order)
+    }
+
+    fn part(&mut self, spec: &PartSpec, side: Side) -> Result<(), ModelFileError> {
+        let name = side.suffix(&spec.name);
+        let place = format!("part {name}");
+        let parent = match &spec.parent {
+            None => None,
+            Some(parent) => Some(self.part_named(parent, side, &place)?),
+        };
+        let mut joint = parent.and_then(|p: PartId| self.model.parts[p.0].joint);
+        let mut translation = self.scaled(side.place(spec.at), &spec.at_scale, side, &place)?;
+        let mut turn = side.turn(spec.turn_deg);
+        for joint_spec in &spec.joints {
+            let made = self.joint(joint_spec, side, joint, translation, turn)?;
+            self.model.joints.push(made);
+            joint = Some(JointId(self.model.joints.len() - 1));
+            translation = ScaledVector {
+                value: Vector3::zeros(),
+                scale: [Scale::Fixed; 3],
+            };
+            turn = Rotation3::identity();
+        }
+        self.model.parts.push(Part { name, joint });
+        let part = PartId(self.model.parts.len() - 1);
+        for primitive in &spec.ellipsoids {
+            let made = self.primitive(primitive, part, spec, side)?;
+            self.model.ellipsoids.push(made);
+        }
+        for primitive in &spec.metaballs {
+            let made = self.primitive(primitive, part, spec, side)?;
+            self.model.metaballs.push(made);
+        }
+        Ok(())
+    }
+
+    /// A part by its name in the file, on this side or in the middle.
+    fn part_named(&self, name: &str, side: Side, place: &str) -> Result<PartId, ModelFileError> {
+        let find = |wanted: &str| {
+            self.model
+                .parts
+                .iter()
+                .position(|p| p.name == wanted)
+                .map(PartId)
+        };
+        find(&side.suffix(name))
+            .or_else(|| find(name))
+            .ok_or_else(|| self.missing(place, "part", name))
+    }
+
+    fn joint(
+        &self,
+        spec: &JointSpec,
+        side: Side,
+        parent: Option<JointId>,
+        mut translation: ScaledVector,
+        mut turn: Rotation3<f64>,
+    ) -> Result<Joint, ModelFileError> {
+        let mut axis = self.axis(spec, side)?;
+        if let Some(dh) = &spec.dh {
+            let alpha = Rotation3::from_axis_angle(&Vector3::x_axis(), dh.alpha_deg.to_radians());
+            translation.value += turn * (alpha * Vector3::new(dh.a, 0.0, dh.d));
+            turn *=
+                alpha * Rotation3::from_axis_angle(&Vector3::z_axis(), dh.theta_deg.to_radians());
+            axis = Vector3::z_axis();
+        }
+        let radians = |d: f64| d.to_radians();
+        Ok(Joint {
+            name: side.suffix(&spec.name),
+            parent,
+            parent_from_joint: turn,
+            translation,
+            axis,
+            limits: (radians(spec.limits_deg[0]), radians(spec.limits_deg[1])),
+            rest: radians(spec.rest_deg),
+            spread: radians(spec.spread_deg),
+            speed: radians(spec.speed_deg),
+        })
+    }
+
+    fn axis(&self, spec: &JointSpec, side: Side) -> Result<UnitVector3<f64>, ModelFileError> {
+        let vector = match &spec.axis {
+            None if spec.dh.is_some() => Some(Vector3::z()),
+            None => None,
+            Some(AxisSpec::Vector(v)) => Some(Vector3::from(*v)),
+            Some(AxisSpec::Letter(letter)) => match letter.trim_start_matches(['+', '-']) {
+                "x" => Some(Vector3::x()),
+                "y" => Some(Vector3::y()),
+                "z" => Some(Vector3::z()),
+                _ => None,
+            }
+            .map(|v| if letter.starts_with('-') { -v } else { v }),
+        };
+        vector
+            .and_then(|v| UnitVector3::try_new(side.axis(v), 1e-9))
+            .ok_or_else(|| ModelFileError::Axis {
+                path: self.path.to_owned(),
+                joint: spec.name.clone(),
+                found: format!("{:?}", spec.axis),
+            })
+    }
+
+    fn primitive(
+        &self,
+        spec: &PrimitiveSpec,
+        part: PartId,
+        owner: &PartSpec,
+        side: Side,
+    ) -> Result<Primitive, ModelFileError> {
+        let place = format!("a primitive of part {}", owner.name);
+        let or_owner =
+            |own: &Option<[String; 3]>| own.clone().or_else(|| Some(owner.scale.clone()));
+        Ok(Primitive {
+            part,
+            centre: self.scaled(
+                side.place(spec.centre),
+                &or_owner(&spec.centre_scale),
+                side,
+                &place,
+            )?,
+            radii: self.scaled(
+                Vector3::from(spec.radii),
+                &or_owner(&spec.radii_scale),
+                side,
+                &place,
+            )?,
+            part_from_primitive: side.turn(spec.turn_deg),
+        })
+    }
+
+    fn scaled(
+        &self,
+        value: Vector3<f64>,
+        names: &Option<[String; 3]>,
+        side: Side,
+        place: &str,
+    ) -> Result<ScaledVector, ModelFileError> {
+        let mut scale = [Scale::Fixed; 3];
+        for (scale, name) in scale.iter_mut().zip(names.iter().flatten()) {
+            *scale = self.scale(name, side, place)?;
+        }
+        Ok(ScaledVector { value, scale })
+    }
+
+    /// "" is fixed, "name" e^s, "share:name" and "rest:name" the two parts of a fixed total.
+    fn scale(&self, text: &str, side: Side, place: &str) -> Result<Scale, ModelFileError> {
+        if text.is_empty() {
+            return Ok(Scale::Fixed);
+        }
+        let (kind, name) = text.split_once(':').unwrap_or(("", text));
+        let find = |wanted: &str| {
+            self.model
+                .coefficients
+                .iter()
+                .position(|c| c == wanted)
+                .map(CoefficientId)
+        };
+        let id = find(&side.suffix(name)).or_else(|| find(name));
+        match (kind, id) {
+            ("", Some(id)) => Ok(Scale::Log(id)),
+            ("share", Some(id)) => Ok(Scale::Share(id)),
+            ("rest", Some(id)) => Ok(Scale::Rest(id)),
+            _ => Err(self.missing(place, "coefficient", text)),
+        }
+    }
+
+    fn point(&mut self, spec: &PointSpec) -> Result<(), ModelFileError> {
+        let place = format!("point {}", spec.name);
+        if let Some(part) = &spec.part {
+            let sided = !self.model.parts.iter().any(|p| p.name == *part);
+            for &side in Side::of(sided) {
+                let prefix = ["", "R", "L"][side as usize];
+                let at = self.scaled(side.place(spec.at), &spec.at_scale, side, &place)?;
+                let places = vec![(self.part_named(part, side, &place)?, at)];
+                self.model.points.push(NamedPoint {
+                    name: format!("{prefix}{}", spec.name),
+                    places,
+                });
+            }
+            return Ok(());
+        }
+        let mut places = Vec::new();
+        for end in &spec.midpoint {
+            let index = self
+                .model
+                .point(end)
+                .ok_or_else(|| self.missing(&place, "point", end))?;
+            places.extend(self.model.points[index].places.clone());
+        }
+        if places.is_empty() {
+            return Err(self.missing(&place, "part", ""));
+        }
+        self.model.points.push(NamedPoint {
+            name: spec.name.clone(),
+            places,
+        });
+        Ok(())
+    }
+
+    fn unique(&self) -> Result<(), ModelFileError> {
+        let model = &self.model;
+        let lists: [(&'static str, Vec<&String>); 4] = [
+            ("coefficient", model.coefficients.iter().collect()),
+            ("part", model.parts.iter().map(|p| &p.name).collect()),
+            ("joint", model.joints.iter().map(|j| &j.name).collect()),
+            ("point", model.points.iter().map(|p| &p.name).collect()),
+        ];
+        for (kind, mut names) in lists {
+            names.sort();
+            if let Some(pair) = names.windows(2).find(|w| w[0] == w[1]) {
+                return Err(ModelFileError::Duplicate {
+                    path: self.path.to_owned(),
+                    kind,
+                    name: pair[0].clone(),
+                });
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,147 @@
+//! Body model files (`data/models/*.toml`): TOML to [`BodyModel`].
+//!
+//! `spec` is the file as it is written, `build` makes the model of it: sides are doubled, parents
+//! sorted first, names resolved, degrees turned to radians. Field by field: docs/formats.md.
+
+mod build;
+mod spec;
+
+use std::path::{Path, PathBuf};
+
+use crate::body::{BodyModel, ModelError};
+
+/// The models that come with the program: name and text.
+pub const SHIPPED: [(&str, &str); 2] = [
+    (
+        "human-ellipsoids",
+        include_str!("../../../data/models/human-ellipsoids.toml"),
+    ),
+    ("arm-2d", include_str!("../../../data/models/arm-2d.toml")),
+];
+
+/// Why a model file could not be used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ModelFileError {
+    /// Neither a shipped model nor a file.
+    #[error("no body model {name:?}: shipped are {shipped}; anything else must be a .toml file")]
+    Unknown {
+        /// What was asked for.
+        name: String,
+        /// What there is.
+        shipped: String,
+    },
+    /// The file cannot be read.
+    #[error("cannot read body model {path}: {source}")]
+    Read {
+        /// File.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// Not TOML, or not the keys that a model has.
+    #[error("{path}:{line}: {message}")]
+    Syntax {
+        /// File.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// The parser's words.
+        message: String,
+    },
+    /// A name that nothing defines.
+    #[error("{path}: {place} names the {kind} {name:?}, which the file does not define")]
+    Missing {
+        /// File.
+        path: PathBuf,
+        /// Where.
+        place: String,
+        /// part, coefficient, factor or point.
+        kind: &'static str,
+        /// The name.
+        name: String,
+    },
+    /// Two things of one name.
+    #[error("{path}: two {kind}s are named {name:?}")]
+    Duplicate {
+        /// File.
+        path: PathBuf,
+        /// part, joint, coefficient or point.
+        kind: &'static str,
+        /// The name.
+        name: String,
+    },
+    /// A part is its own ancestor.
+    #[error("{path}: part {part:?} is its own ancestor: break the cycle of `parent`")]
+    Cycle {
+        /// File.
+        path: PathBuf,
+        /// One part of the cycle.
+        part: String,
+    },
+    /// An axis that is neither ±x, ±y, ±z nor three numbers of positive length.
+    #[error(
+        "{path}: joint {joint}: the axis {found} is no direction: give \"x\", \"-y\" or three numbers"
+    )]
+    Axis {
+        /// File.
+        path: PathBuf,
+        /// Joint.
+        joint: String,
+        /// What stands there.
+        found: String,
+    },
+    /// No part without a parent, or more than one.
+    #[error("{path}: expected one part without a parent, found {found}")]
+    Roots {
+        /// File.
+        path: PathBuf,
+        /// How many.
+        found: usize,
+    },
+    /// The model itself is faulty.
+    #[error("{path}: {fault}")]
+    Model {
+        /// File.
+        path: PathBuf,
+        /// What is wrong.
+        fault: ModelError,
+    },
+}
+
+/// Loads a shipped model by name, or a file by path (relative to `folder`).
+///
+/// # Errors
+/// [`ModelFileError`] names the file, the place and what was expected.
+pub fn load(name: &str, folder: &Path) -> Result<BodyModel, ModelFileError> {
+    if let Some((_, text)) = SHIPPED.iter().find(|(shipped, _)| *shipped == name) {
+        return parse(text, Path::new(&format!("{name}.toml")));
+    }
+    if Path::new(name).extension().is_none_or(|e| e != "toml") {
+        let shipped = SHIPPED.map(|(n, _)| n).join(", ");
+        return Err(ModelFileError::Unknown {
+            name: name.to_owned(),
+            shipped,
+        });
+    }
+    let path = folder.join(name);
+    match std::fs::read_to_string(&path) {
+        Ok(text) => parse(&text, &path),
+        Err(source) => Err(ModelFileError::Read { path, source }),
+    }
+}
+
+/// Parses the text of a model file; `path` is what errors name.
+///
+/// # Errors
+/// As [`load`].
+pub fn parse(text: &str, path: &Path) -> Result<BodyModel, ModelFileError> {
+    let spec: spec::ModelSpec = toml::from_str(text).map_err(|e| ModelFileError::Syntax {
+        path: path.to_owned(),
+        line: e
+            .span()
+            .map_or(0, |s| text[..s.start].matches('\n').count() + 1),
+        message: e.message().to_owned(),
+    })?;
+    build::build(&spec, path)
+}

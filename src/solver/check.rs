@@ -1,0 +1,63 @@
+//! The law of every problem: what `linearize` says is what `cost` does.
+
+use nalgebra::DVector;
+
+use super::{NormalEquations, Problem};
+use crate::math::central_differences;
+
+/// How a linearisation contradicts its cost.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum LinearizationFault {
+    /// The two evaluations differ.
+    #[error("linearize returns {linearized}, cost returns {cost}")]
+    Cost {
+        /// What `linearize` returned.
+        linearized: f64,
+        /// What `cost` returned.
+        cost: f64,
+    },
+    /// One component of the gradient is wrong.
+    #[error("∂E/∂δ[{component}] is {analytic} in linearize and {numeric} by differences")]
+    Gradient {
+        /// Which component of δ.
+        component: usize,
+        /// What `linearize` added.
+        analytic: f64,
+        /// Central differences of `cost`.
+        numeric: f64,
+    },
+}
+
+/// Compares `linearize` with `cost` and with central differences of it at `x`.
+///
+/// The gradient must agree within `tolerance` of its largest component, with differences of step `h`.
+///
+/// # Errors
+/// The first disagreement that was found.
+pub fn check_linearization<P: Problem>(
+    problem: &P,
+    x: &P::State,
+    h: f64,
+    tolerance: f64,
+) -> Result<(), LinearizationFault> {
+    let mut equations = NormalEquations::zeros(problem.dimension());
+    let linearized = problem.linearize(x, &mut equations);
+    let cost = problem.cost(x);
+    if (linearized - cost).abs() > 1e-12 * cost.abs().max(1.0) {
+        return Err(LinearizationFault::Cost { linearized, cost });
+    }
+    let numeric = central_differences(problem.dimension(), h, |delta| {
+        DVector::from_element(1, problem.cost(&problem.retract(x, delta)))
+    });
+    let scale = numeric.amax().max(1e-3);
+    match (0..problem.dimension())
+        .find(|&i| (numeric[(0, i)] - equations.gradient[i]).abs() > tolerance * scale)
+    {
+        None => Ok(()),
+        Some(component) => Err(LinearizationFault::Gradient {
+            component,
+            analytic: equations.gradient[component],
+            numeric: numeric[(0, component)],
+        }),
+    }
+}

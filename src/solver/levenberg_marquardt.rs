@@ -1,0 +1,211 @@
+//! Gauss–Newton with Marquardt's damping.
+
+use nalgebra::DVector;
+
+use super::{NormalEquations, Problem};
+
+/// When to stop, and how careful to begin.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Options {
+    /// Evaluations of the linearised problem after the first, at most.
+    pub max_iterations: usize,
+    /// First λ; 0 would be Gauss–Newton.
+    pub damping: f64,
+    /// Ends when an accepted step lowers the cost by less than this fraction of it.
+    pub relative_decrease: f64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            max_iterations: 30,
+            damping: 1e-3,
+            relative_decrease: 1e-5,
+        }
+    }
+}
+
+/// How an optimisation ended; none of these is an error.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Termination {
+    /// The cost no longer falls by more than the tolerance.
+    Converged,
+    /// The iterations were used up.
+    OutOfIterations,
+    /// No damping gave a lower cost: a minimum to rounding, or a wrong derivative.
+    Stalled,
+}
+
+/// How an optimisation went.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Report {
+    /// Why it ended.
+    pub termination: Termination,
+    /// Linearisations after the first.
+    pub iterations: usize,
+    /// E at the start and after every accepted step: never rising.
+    pub costs: Vec<f64>,
+}
+
+/// The state of least cost that was found, with its quadratic model.
+#[derive(Debug, Clone)]
+pub struct Solution<S> {
+    /// x.
+    pub state: S,
+    /// E(x).
+    pub cost: f64,
+    /// g and H at x; H is the precision of the Laplace approximation.
+    pub equations: NormalEquations,
+    /// How it went.
+    pub report: Report,
+}
+
+const MAX_DAMPING: f64 = 1e8;
+
+/// Minimises a problem from `start`.
+///
+/// Every candidate is linearised at once (most are accepted, so a separate cost evaluation would be
+/// work done twice); a candidate of higher cost is dropped and λ grows by Nielsen's rule.
+///
+/// # Source
+/// Marquardt 1963 (scaling by diag H); Madsen, Nielsen, Tingleff 2004, algorithm 3.16.
+pub fn levenberg_marquardt<P: Problem>(
+    problem: &P,
+    start: P::State,
+    options: &Options,
+) -> Solution<P::State> {
+    let mut state = start;
+    let mut equations = NormalEquations::zeros(problem.dimension());
+    let mut candidate_equations = equations.clone();
+    let mut cost = problem.linearize(&state, &mut equations);
+    let mut costs = vec![cost];
+    let (mut lambda, mut growth) = (options.damping, 2.0);
+    let mut termination = Termination::OutOfIterations;
+    let mut iterations = 0;
+    while iterations < options.max_iterations {
+        let Some(delta) = equations
+            .minimizer(lambda)
+            .filter(|d| d.iter().all(|v| v.is_finite()))
+        else {
+            lambda = (lambda * 10.0).max(1e-6);
+            if lambda > MAX_DAMPING {
+                termination = Termination::Stalled;
+                break;
+            }
+            continue;
+        };
+        // try the step
+        iterations += 1;
+        let candidate = problem.retract(&state, &delta);
+        candidate_equations.clear();
+        let candidate_cost = problem.linearize(&candidate, &mut candidate_equations);
+        let decrease = cost - candidate_cost;
+        if decrease.is_nan() || decrease <= 0.0 {
+            // drop it, and be more careful
+            lambda = (lambda * growth).max(1e-9);
+            growth *= 2.0;
+            if lambda > MAX_DAMPING || negligible(&delta) {
+                termination = Termination::Stalled;
+                break;
+            }
+            continue;
+        }
+        // take it, and trust the model as far as it was right
+        let gain = decrease / equations.predicted_decrease(&delta).max(f64::MIN_POSITIVE);
+        lambda *= (1.0 - (2.0 * gain - 1.0).powi(3)).clamp(0.1, 1.0);
+        growth = 2.0;
+        state = candidate;
+        std::mem::swap(&mut equations, &mut candidate_equations);
+        cost = candidate_cost;
+        costs.push(cost);
+        if decrease <= options.relative_decrease * cost.abs() {
+            termination = Termination::Converged;
+            break;
+        }
+    }
+    equations.symmetrize();
+    Solution {
+        state,
+        cost,
+        equations,
+        report: Report {
+            termination,
+            iterations,
+            costs,
+        },
+    }
+}
+
+fn negligible(delta: &DVector<f64>) -> bool {
+    delta.amax() < 1e-12
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::DVector;
+
+    use super::*;
+    use crate::solver::check_linearization;
+
+    /// Rosenbrock's valley as residuals 10(y − x²), 1 − x; `slip` plants a wrong derivative.
+    struct Rosenbrock {
+        slip: f64,
+    }
+
+    impl Problem for Rosenbrock {
+        type State = [f64; 2];
+        fn dimension(&self) -> usize {
+            2
+        }
+        fn cost(&self, x: &[f64; 2]) -> f64 {
+            0.5 * ((10.0 * (x[1] - x[0] * x[0])).powi(2) + (1.0 - x[0]).powi(2))
+        }
+        fn linearize(&self, x: &[f64; 2], equations: &mut NormalEquations) -> f64 {
+            let rows = [
+                (
+                    10.0 * (x[1] - x[0] * x[0]),
+                    [-20.0 * x[0] + self.slip, 10.0],
+                ),
+                (1.0 - x[0], [-1.0, 0.0]),
+            ];
+            for (r, j) in rows {
+                for a in 0..2 {
+                    equations.gradient[a] += j[a] * r;
+                    (0..=a).for_each(|b| equations.hessian[(a, b)] += j[a] * j[b]);
+                }
+            }
+            self.cost(x)
+        }
+        fn retract(&self, x: &[f64; 2], delta: &DVector<f64>) -> [f64; 2] {
+            [x[0] + delta[0], x[1] + delta[1]]
+        }
+    }
+
+    #[test]
+    fn rosenbrock_is_solved_and_the_cost_never_rises() {
+        let solution = levenberg_marquardt(
+            &Rosenbrock { slip: 0.0 },
+            [-1.2, 1.0],
+            &Options {
+                max_iterations: 100,
+                relative_decrease: 1e-12,
+                ..Options::default()
+            },
+        );
+        approx::assert_relative_eq!(solution.state[0], 1.0, epsilon = 1e-6);
+        approx::assert_relative_eq!(solution.state[1], 1.0, epsilon = 1e-6);
+        assert!(
+            solution.report.costs.windows(2).all(|w| w[1] <= w[0]),
+            "{:?}",
+            solution.report.costs
+        );
+    }
+
+    #[test]
+    fn the_checker_passes_a_right_derivative_and_names_the_wrong_one() {
+        check_linearization(&Rosenbrock { slip: 0.0 }, &[-1.2, 1.0], 1e-4, 1e-7).unwrap();
+        let fault =
+            check_linearization(&Rosenbrock { slip: 0.5 }, &[-1.2, 1.0], 1e-4, 1e-7).unwrap_err();
+        assert!(fault.to_string().contains("∂E/∂δ[0]"), "{fault}");
+    }
+}
