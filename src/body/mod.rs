@@ -13,8 +13,8 @@ mod state;
 pub use check::{KinematicsFault, check_kinematics};
 pub use jacobian::EllipsoidJacobians;
 pub use model::{
-    BodyModel, CoefficientId, Joint, JointId, ModelError, NamedPoint, Part, PartId, Primitive,
-    Root, Scale, ScaledVector, ShapeStatistics,
+    BodyModel, CoefficientId, Joint, JointId, Limbs, ModelError, NamedPoint, Part, PartId, Pose,
+    Primitive, Root, Scale, ScaledVector, ShapeStatistics,
 };
 pub use posed::Posed;
 pub use state::{Layout, Motion, Shape, State};

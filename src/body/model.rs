@@ -140,6 +140,36 @@ pub enum Root {
     },
 }
 
+/// Which limbs a canonical pose bends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Limbs {
+    /// Legs: tried first, at every heading.
+    Legs,
+    /// Arms: tried on the best of those.
+    Arms,
+}
+
+/// A pose from which a search may start.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pose {
+    /// Name.
+    pub name: String,
+    /// What it bends.
+    pub limbs: Limbs,
+    /// Angles that it sets, radians; the others stay.
+    pub angles: Vec<(JointId, f64)>,
+}
+
+impl Pose {
+    /// Sets the pose's angles in a motion.
+    pub fn apply(&self, motion: &mut super::Motion) {
+        self.angles
+            .iter()
+            .for_each(|(joint, angle)| motion.angles[joint.0] = *angle);
+    }
+}
+
 /// An articulated body.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BodyModel {
@@ -161,6 +191,8 @@ pub struct BodyModel {
     pub metaballs: Vec<Primitive>,
     /// Exported points.
     pub points: Vec<NamedPoint>,
+    /// Canonical poses.
+    pub poses: Vec<Pose>,
     /// Lengths that are reported: name and the two points between which they are measured.
     pub lengths: Vec<(String, usize, usize)>,
 }

@@ -2,6 +2,7 @@
 
 mod differences;
 pub mod quadric;
+pub mod rotation;
 pub mod stats;
 
 pub use differences::central_differences;

@@ -7,8 +7,8 @@ use nalgebra::{DMatrix, DVector, Rotation3, UnitVector3, Vector3};
 use super::ModelFileError;
 use super::spec::{AxisSpec, JointSpec, ModelSpec, PartSpec, PointSpec, PrimitiveSpec};
 use crate::body::{
-    BodyModel, CoefficientId, Joint, JointId, NamedPoint, Part, PartId, Primitive, Root, Scale,
-    ScaledVector, ShapeStatistics,
+    BodyModel, CoefficientId, Joint, JointId, NamedPoint, Part, PartId, Pose, Primitive, Root,
+    Scale, ScaledVector, ShapeStatistics,
 };
 
 /// The plane of symmetry is y = 0: the file describes the right side, the left is its mirror image.
@@ -57,6 +57,7 @@ impl Side {
 pub(super) fn build(spec: &ModelSpec, path: &Path) -> Result<BodyModel, ModelFileError> {
     let mut builder = Builder {
         path,
+        scales: Vec::new(),
         model: empty(spec),
     };
     builder.model.statistics = builder.coefficients(spec)?;
@@ -65,6 +66,22 @@ pub(super) fn build(spec: &ModelSpec, path: &Path) -> Result<BodyModel, ModelFil
     }
     for point in &spec.points {
         builder.point(point)?;
+    }
+    for pose in &spec.poses {
+        let angle = |(name, degrees): (&String, &f64)| match builder.model.joint(name) {
+            Some(joint) => Ok((joint, degrees.to_radians())),
+            None => Err(builder.missing(&format!("pose {}", pose.name), "joint", name)),
+        };
+        let angles = pose
+            .angles_deg
+            .iter()
+            .map(angle)
+            .collect::<Result<_, _>>()?;
+        builder.model.poses.push(Pose {
+            name: pose.name.clone(),
+            limbs: pose.limbs,
+            angles,
+        });
     }
     for length in &spec.lengths {
         let place = format!("length {}", length.name);
@@ -112,12 +129,15 @@ fn empty(spec: &ModelSpec) -> BodyModel {
         ellipsoids: Vec::new(),
         metaballs: Vec::new(),
         points: Vec::new(),
+        poses: Vec::new(),
         lengths: Vec::new(),
     }
 }
 
 struct Builder<'a> {
     path: &'a Path,
+    /// The scale of each part, in the order of the model's parts.
+    scales: Vec<[String; 3]>,
     model: BodyModel,
 }
 
@@ -213,7 +233,8 @@ impl Builder<'_> {
             Some(parent) => Some(self.part_named(parent, side, &place)?),
         };
         let mut joint = parent.and_then(|p: PartId| self.model.parts[p.0].joint);
-        let mut translation = self.scaled(side.place(spec.at), &spec.at_scale, side, &place)?;
+        let at_scale = spec.at_scale.as_ref().or(parent.map(|p| &self.scales[p.0]));
+        let mut translation = self.scaled(side.place(spec.at), at_scale, side, &place)?;
         let mut turn = side.turn(spec.turn_deg);
         for joint_spec in &spec.joints {
             let made = self.joint(joint_spec, side, joint, translation, turn)?;
@@ -226,6 +247,7 @@ impl Builder<'_> {
             turn = Rotation3::identity();
         }
         self.model.parts.push(Part { name, joint });
+        self.scales.push(spec.scale.clone());
         let part = PartId(self.model.parts.len() - 1);
         for primitive in &spec.ellipsoids {
             let made = self.primitive(primitive, part, spec, side)?;
@@ -312,22 +334,13 @@ impl Builder<'_> {
         side: Side,
     ) -> Result<Primitive, ModelFileError> {
         let place = format!("a primitive of part {}", owner.name);
-        let or_owner =
-            |own: &Option<[String; 3]>| own.clone().or_else(|| Some(owner.scale.clone()));
+
+        let centre_scale = spec.centre_scale.as_ref().or(Some(&owner.scale));
+        let radii_scale = spec.radii_scale.as_ref().or(Some(&owner.scale));
         Ok(Primitive {
             part,
-            centre: self.scaled(
-                side.place(spec.centre),
-                &or_owner(&spec.centre_scale),
-                side,
-                &place,
-            )?,
-            radii: self.scaled(
-                Vector3::from(spec.radii),
-                &or_owner(&spec.radii_scale),
-                side,
-                &place,
-            )?,
+            centre: self.scaled(side.place(spec.centre), centre_scale, side, &place)?,
+            radii: self.scaled(Vector3::from(spec.radii), radii_scale, side, &place)?,
             part_from_primitive: side.turn(spec.turn_deg),
         })
     }
@@ -335,12 +348,12 @@ impl Builder<'_> {
     fn scaled(
         &self,
         value: Vector3<f64>,
-        names: &Option<[String; 3]>,
+        names: Option<&[String; 3]>,
         side: Side,
         place: &str,
     ) -> Result<ScaledVector, ModelFileError> {
         let mut scale = [Scale::Fixed; 3];
-        for (scale, name) in scale.iter_mut().zip(names.iter().flatten()) {
+        for (scale, name) in scale.iter_mut().zip(names.into_iter().flatten()) {
             *scale = self.scale(name, side, place)?;
         }
         Ok(ScaledVector { value, scale })
@@ -374,8 +387,10 @@ impl Builder<'_> {
             let sided = !self.model.parts.iter().any(|p| p.name == *part);
             for &side in Side::of(sided) {
                 let prefix = ["", "R", "L"][side as usize];
-                let at = self.scaled(side.place(spec.at), &spec.at_scale, side, &place)?;
-                let places = vec![(self.part_named(part, side, &place)?, at)];
+                let owner = self.part_named(part, side, &place)?;
+                let at_scale = spec.at_scale.as_ref().or(Some(&self.scales[owner.0]));
+                let at = self.scaled(side.place(spec.at), at_scale, side, &place)?;
+                let places = vec![(owner, at)];
                 self.model.points.push(NamedPoint {
                     name: format!("{prefix}{}", spec.name),
                     places,

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
+use crate::body::Limbs;
+
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ModelSpec {
@@ -17,6 +19,8 @@ pub(super) struct ModelSpec {
     pub(super) parts: Vec<PartSpec>,
     #[serde(default, rename = "point")]
     pub(super) points: Vec<PointSpec>,
+    #[serde(default, rename = "pose")]
+    pub(super) poses: Vec<PoseSpec>,
     #[serde(default, rename = "length")]
     pub(super) lengths: Vec<LengthSpec>,
 }
@@ -130,6 +134,15 @@ pub(super) struct PointSpec {
     pub(super) at_scale: Option<[String; 3]>,
     #[serde(default)]
     pub(super) midpoint: Vec<String>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PoseSpec {
+    pub(super) name: String,
+    pub(super) limbs: Limbs,
+    #[serde(default)]
+    pub(super) angles_deg: BTreeMap<String, f64>,
 }
 
 #[derive(Debug, Deserialize)]

@@ -1,0 +1,114 @@
+//! The frame posteriors, ZS06 eq. 2 and 3, as least-squares problems.
+
+use nalgebra::DVector;
+
+use super::prior::{PosePrior, ShapePrior, StepPrior};
+use crate::body::{BodyModel, Layout, Motion, Posed, Shape, State};
+use crate::likelihood::Term;
+use crate::solver::{NormalEquations, Problem};
+
+/// −log p(mₖ, s | Zₖ) = −log p(Zₖ | mₖ, s) − log p(s) − log p(mₖ) (eq. 2).
+pub struct KeyframePosterior<'a> {
+    /// The body.
+    pub model: &'a BodyModel,
+    /// p(s).
+    pub shape_prior: &'a ShapePrior,
+    /// p(mₖ): limits and rest.
+    pub pose_prior: &'a PosePrior,
+    /// p(Zₖ | mₖ, s).
+    pub terms: &'a [Box<dyn Term + 'a>],
+}
+
+/// −log p(mᵢ | mᵢ₋₁, s, Zᵢ) = −log p(Zᵢ | mᵢ, s) − log p(mᵢ | mᵢ₋₁) (eq. 3), shape given.
+pub struct FramePosterior<'a> {
+    /// The body.
+    pub model: &'a BodyModel,
+    /// s.
+    pub shape: &'a Shape,
+    /// p(mᵢ): limits and rest.
+    pub pose_prior: &'a PosePrior,
+    /// p(mᵢ | mᵢ₋₁) with the mean that mᵢ₋₁ predicts; uniform if `None`.
+    pub step: Option<(&'a StepPrior, &'a Motion)>,
+    /// p(Zᵢ | mᵢ, s).
+    pub terms: &'a [Box<dyn Term + 'a>],
+}
+
+fn data_cost(terms: &[Box<dyn Term + '_>], body: &Posed<'_>) -> f64 {
+    terms.iter().map(|t| t.cost(body)).sum()
+}
+
+fn linearize_data(terms: &[Box<dyn Term + '_>], body: &Posed<'_>, equations: &mut NormalEquations) -> f64 {
+    terms.iter().map(|t| t.linearize(body, equations)).sum()
+}
+
+impl Problem for KeyframePosterior<'_> {
+    type State = State;
+
+    fn dimension(&self) -> usize {
+        Layout::of(self.model).total()
+    }
+
+    fn cost(&self, x: &State) -> f64 {
+        let body = Posed::new(self.model, &x.shape, &x.motion);
+        data_cost(self.terms, &body) + self.shape_prior.cost(&x.shape) + self.pose_prior.cost(&x.motion)
+    }
+
+    fn linearize(&self, x: &State, equations: &mut NormalEquations) -> f64 {
+        let body = Posed::new(self.model, &x.shape, &x.motion);
+        let first = Layout::of(self.model).motion();
+        linearize_data(self.terms, &body, equations)
+            + self.shape_prior.linearize(&x.shape, first, equations)
+            + self.pose_prior.linearize(&x.motion, equations)
+    }
+
+    fn retract(&self, x: &State, delta: &DVector<f64>) -> State {
+        Layout::of(self.model).retract(x, delta)
+    }
+}
+
+impl FramePosterior<'_> {
+    /// −log p(Zᵢ | mᵢ, s) alone.
+    pub fn data_cost(&self, motion: &Motion) -> f64 {
+        data_cost(self.terms, &Posed::new(self.model, self.shape, motion))
+    }
+
+    /// −log p(mᵢ | mᵢ₋₁) alone: limits, rest and step.
+    pub fn motion_cost(&self, motion: &Motion) -> f64 {
+        self.pose_prior.cost(motion) + self.step.map_or(0.0, |(step, mean)| step.cost(mean, motion))
+    }
+}
+
+impl Problem for FramePosterior<'_> {
+    type State = Motion;
+
+    fn dimension(&self) -> usize {
+        Layout::of(self.model).motion()
+    }
+
+    fn cost(&self, x: &Motion) -> f64 {
+        self.data_cost(x) + self.motion_cost(x)
+    }
+
+    fn linearize(&self, x: &Motion, equations: &mut NormalEquations) -> f64 {
+        let body = Posed::new(self.model, self.shape, x);
+        linearize_data(self.terms, &body, equations)
+            + self.pose_prior.linearize(x, equations)
+            + self.step.map_or(0.0, |(step, mean)| step.linearize(mean, x, equations))
+    }
+
+    fn retract(&self, x: &Motion, delta: &DVector<f64>) -> Motion {
+        Layout::of(self.model).retract_motion(x, delta)
+    }
+}
+
+impl std::fmt::Debug for KeyframePosterior<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "KeyframePosterior({}, {} terms)", self.model.name, self.terms.len())
+    }
+}
+
+impl std::fmt::Debug for FramePosterior<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "FramePosterior({}, {} terms)", self.model.name, self.terms.len())
+    }
+}

@@ -1,0 +1,77 @@
+//! The visual hull of one frame: coarse voxels that every silhouette accepts.
+
+use nalgebra::{Point3, Vector3};
+
+use crate::camera::{Rig, closest_point};
+use crate::silhouette::FrameObservations;
+
+/// Where the body is, from carved voxels.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Hull {
+    /// Mean of the occupied voxels, metres.
+    pub centroid_world: Point3<f64>,
+    /// Height below which 0.5 % of them lie.
+    pub bottom: f64,
+    /// Height below which 99.8 % of them lie.
+    pub top: f64,
+    /// How many voxels are occupied.
+    pub voxels: usize,
+}
+
+/// Half the edge of the cube that is carved, and the edge of a voxel, metres.
+const REACH: f64 = 1.4;
+const VOXEL: f64 = 0.04;
+
+/// The point nearest to the rays through the silhouettes' centroids: where to look for the body.
+pub fn subject(rig: &Rig, frame: &FrameObservations) -> Option<Point3<f64>> {
+    let rays: Vec<_> =
+        frame.views.iter().map(|(camera, s)| rig.cameras[camera.0].ray(&s.centroid)).collect();
+    if rays.len() < 2 { None } else { closest_point(&rays) }
+}
+
+/// Carves the hull around the subject; `None` where no voxel survives.
+///
+/// A voxel is kept if it lies in every silhouette that its camera can see; with five or more such
+/// cameras one may disagree (a bitten mask must not cut a leg off).
+pub fn carve(rig: &Rig, frame: &FrameObservations) -> Option<Hull> {
+    let subject = subject(rig, frame)?;
+    let n = (2.0 * REACH / VOXEL) as i32;
+    let corner = subject - Vector3::repeat(REACH);
+    let mut heights = Vec::new();
+    let mut sum = Vector3::zeros();
+    for (i, j, k) in (0..n * n * n).map(|v| (v / (n * n), v / n % n, v % n)) {
+        let voxel = corner + Vector3::new(f64::from(i), f64::from(j), f64::from(k)) * VOXEL;
+        if occupied(rig, frame, &voxel) {
+            sum += voxel.coords;
+            heights.push(voxel.z);
+        }
+    }
+    if heights.is_empty() {
+        return None;
+    }
+    heights.sort_by(f64::total_cmp);
+    let quantile = |q: f64| heights[((heights.len() - 1) as f64 * q) as usize];
+    Some(Hull {
+        centroid_world: (sum / heights.len() as f64).into(),
+        bottom: quantile(0.005) - 0.5 * VOXEL,
+        top: quantile(0.998) + 0.5 * VOXEL,
+        voxels: heights.len(),
+    })
+}
+
+fn occupied(rig: &Rig, frame: &FrameObservations, voxel: &Point3<f64>) -> bool {
+    let (mut seen, mut missed) = (0, 0);
+    for (camera, silhouette) in &frame.views {
+        let camera = &rig.cameras[camera.0];
+        let Some(pixel) = camera.project_undistorted(voxel) else { continue };
+        if !camera.contains(&pixel) {
+            continue;
+        }
+        seen += 1;
+        missed += usize::from(!silhouette.contains(&pixel));
+        if missed > 1 {
+            return false;
+        }
+    }
+    seen >= 2 && (missed == 0 || seen >= 5)
+}

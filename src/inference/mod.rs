@@ -1,0 +1,23 @@
+//! p(θ | Z): ZS06's probability model and Algorithm 1.
+//!
+//! E(s, m₁..ₙ) = −log p(s) + Σᵢ \[−log p(Zᵢ | mᵢ, s)\] + Σᵢ \[−log p(mᵢ | mᵢ₋₁)\] (eq. 1, in logarithms).
+//!
+//! | factor, step                      | where            |
+//! |-----------------------------------|------------------|
+//! | p(s), p(m), p(mᵢ given mᵢ₋₁)      | [`prior`]        |
+//! | eq. 2 and 3 as problems           | [`frame`]        |
+//! | a pose from nothing               | [`hull`], [`start`] |
+//! | one hypothesis along the chain    | [`propagate`]    |
+//! | Algorithm 1                       | [`search`]       |
+//! | p_ε,σ(K)                          | [`confidence`]   |
+
+pub mod confidence;
+mod evidence;
+pub mod frame;
+pub mod hull;
+pub mod prior;
+pub mod propagate;
+pub mod search;
+pub mod start;
+
+pub use evidence::Evidence;

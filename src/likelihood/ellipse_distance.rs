@@ -1,0 +1,271 @@
+//! From a point to the outline of an ellipse, negative inside.
+//!
+//! With y = x − c, W = Σ⁻¹, u = W y, q = yᵀu, ρ = √q and g = ‖u‖ (so that ∇ρ = u/ρ):
+//!
+//! | variant    | d(x)                                       | exact for            |
+//! |------------|--------------------------------------------|----------------------|
+//! | published  | ‖y‖ (1 − 1/ρ)                              | circles              |
+//! | gradient   | (ρ − 1)/‖∇ρ‖ = (q − ρ)/g                   | circles, the outline |
+//! | orthogonal | ±‖x − f‖, f the nearest point of the outline | every ellipse      |
+//!
+//! The published one is radial: along the flank of a long ellipse it overstates the distance. The
+//! orthogonal one iterates on the foot point f, and its derivative needs no differentiated iteration:
+//! at f the outline moves by −∂q(f)/‖∇q(f)‖ along its normal, so ∂d = ∂q(f)/‖∇q(f)‖ with f held fixed.
+
+use nalgebra::{Matrix2, SVector, Vector2};
+
+use crate::math::quadric::Ellipse;
+
+/// Which distance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum EllipseDistance {
+    /// Radial; ZS06's report CTU–CMP–2005–23.
+    Published,
+    /// First order.
+    Gradient,
+    /// True distance, by Newton steps on the foot point.
+    Orthogonal,
+}
+
+/// An ellipse made ready for many distances.
+#[derive(Debug, Clone, Copy)]
+pub struct OutlineEllipse {
+    /// c.
+    pub centre: Vector2<f64>,
+    /// W = Σ⁻¹.
+    pub inverse: Matrix2<f64>,
+    /// Largest semi-axis, px.
+    pub reach: f64,
+    /// Smallest semi-axis, px.
+    pub girth: f64,
+    /// Lower Cholesky factor L of Σ.
+    pub root: Matrix2<f64>,
+}
+
+impl OutlineEllipse {
+    /// Prepares an ellipse.
+    pub fn new(ellipse: &Ellipse) -> Self {
+        let s = &ellipse.shape;
+        let determinant = s[(0, 0)] * s[(1, 1)] - s[(0, 1)] * s[(0, 1)];
+        let inverse = Matrix2::new(s[(1, 1)], -s[(0, 1)], -s[(0, 1)], s[(0, 0)]) / determinant;
+        let half = 0.5 * (s[(0, 0)] + s[(1, 1)]);
+        let spread = (half * half - determinant).max(0.0).sqrt();
+        let l00 = s[(0, 0)].sqrt();
+        let l10 = s[(0, 1)] / l00;
+        let l11 = (s[(1, 1)] - l10 * l10).max(0.0).sqrt();
+        let root = Matrix2::new(l00, 0.0, l10, l11);
+        let girth = (half - spread).max(0.0).sqrt();
+        Self { centre: ellipse.centre, inverse, reach: (half + spread).sqrt(), girth, root }
+    }
+
+    /// No point is nearer to the outline than this, and none farther inside than the smallest semi-axis.
+    #[inline]
+    pub fn lower_bound(&self, x: &Vector2<f64>) -> f64 {
+        ((x - self.centre).norm() - self.reach).max(-self.girth)
+    }
+
+    /// d and ∂d/∂(cx, cy, Σxx, Σxy, Σyy).
+    #[inline]
+    pub fn distance(&self, x: &Vector2<f64>, kind: EllipseDistance) -> (f64, SVector<f64, 5>) {
+        match kind {
+            EllipseDistance::Published => self.published(x),
+            EllipseDistance::Gradient => self.gradient(x),
+            EllipseDistance::Orthogonal => self.orthogonal(x),
+        }
+    }
+
+    fn published(&self, x: &Vector2<f64>) -> (f64, SVector<f64, 5>) {
+        let y = x - self.centre;
+        let u = self.inverse * y;
+        let rho = y.dot(&u).max(TINY).sqrt();
+        let norm = y.norm().max(TINY);
+        // ∂d = (1 − 1/ρ) ∂‖y‖ + ‖y‖/ρ² ∂ρ, ∂ρ = (−2uᵀ∂c − uᵀ∂Σu)/(2ρ)
+        let d_centre = -y / norm * (1.0 - 1.0 / rho) - u * (norm / rho.powi(3));
+        let slope = -0.5 * norm / rho.powi(3);
+        (norm * (1.0 - 1.0 / rho), with_outer(&d_centre, &u, &u, slope))
+    }
+
+    #[inline]
+    fn gradient(&self, x: &Vector2<f64>) -> (f64, SVector<f64, 5>) {
+        let y = x - self.centre;
+        let u = self.inverse * y;
+        let v = self.inverse * u;
+        let q = y.dot(&u).max(TINY);
+        let (rho, g) = (q.sqrt(), u.norm().max(TINY));
+        let d = (q - rho) / g;
+        // ∂d = (1 − 1/(2ρ)) ∂q/g − d ∂g/g;  ∂q = −2uᵀ∂c − uᵀ∂Σu;  g∂g = −vᵀ∂c − vᵀ∂Σu
+        let (a, b) = ((1.0 - 0.5 / rho) / g, d / (g * g));
+        let d_centre = u * (-2.0 * a) + v * b;
+        (d, with_outer(&d_centre, &(v * b - u * a), &u, 1.0))
+    }
+
+    fn orthogonal(&self, x: &Vector2<f64>) -> (f64, SVector<f64, 5>) {
+        let foot = self.foot(x);
+        let u = self.inverse * (foot - self.centre);
+        let g = u.norm().max(TINY);
+        let d = (x - foot).dot(&u) / g;
+        // ∂d = ∂q(f)/(2g): ∂q = −2uᵀ∂c − uᵀ∂Σu
+        (d, with_outer(&(-u / g), &u, &u, -0.5 / g))
+    }
+
+    /// The nearest point of the outline: f = c + L·(cos t, sin t) with (x − f) ⟂ ∂f/∂t, by Newton on t.
+    ///
+    /// From the radial projection the iteration converges to rounding for points outside or near the
+    /// outline; deep inside, where two foot points compete, it stops after 8 steps at a near one.
+    fn foot(&self, x: &Vector2<f64>) -> Vector2<f64> {
+        let y = x - self.centre;
+        let (l00, l10, l11) = (self.root[(0, 0)], self.root[(1, 0)], self.root[(1, 1)]);
+        // in the coordinates z = L⁻¹y the outline is the unit circle
+        let start = Vector2::new(y[0] / l00, (y[1] - l10 * y[0] / l00) / l11);
+        let mut t = start[1].atan2(start[0]);
+        for _ in 0..8 {
+            let (sin, cos) = t.sin_cos();
+            let f = Vector2::new(l00 * cos, l10 * cos + l11 * sin);
+            let f1 = Vector2::new(-l00 * sin, -l10 * sin + l11 * cos);
+            let miss = y - f;
+            // E = ½‖y − f‖²: E′ = −missᵀf₁, E″ = ‖f₁‖² + missᵀf (since f₂ = −f)
+            let (slope, curvature) = (-miss.dot(&f1), f1.norm_squared() + miss.dot(&f));
+            let step = if curvature > 0.1 * f1.norm_squared() {
+                -slope / curvature
+            } else {
+                -slope / f1.norm_squared()
+            };
+            t += step.clamp(-0.5, 0.5);
+            if step.abs() < 1e-12 {
+                break;
+            }
+        }
+        let (sin, cos) = t.sin_cos();
+        self.centre + Vector2::new(l00 * cos, l10 * cos + l11 * sin)
+    }
+}
+
+const TINY: f64 = 1e-12;
+
+/// (∂c, factor·aᵀ∂Σb) as five numbers.
+#[inline]
+fn with_outer(
+    d_centre: &Vector2<f64>,
+    a: &Vector2<f64>,
+    b: &Vector2<f64>,
+    factor: f64,
+) -> SVector<f64, 5> {
+    SVector::from([[
+        d_centre[0],
+        d_centre[1],
+        factor * a[0] * b[0],
+        factor * (a[0] * b[1] + a[1] * b[0]),
+        factor * a[1] * b[1],
+    ]])
+}
+
+/// The true distance, by bisection to rounding: the oracle that the others are tested against.
+///
+/// # Source
+/// Eberly, *Distance from a Point to an Ellipse* (2013): the root of
+/// F(t) = (a·y₀/(t+a²))² + (b·y₁/(t+b²))² − 1 on t > −b².
+pub fn exact_distance(ellipse: &Ellipse, x: &Vector2<f64>) -> f64 {
+    let eigen = ellipse.shape.symmetric_eigen();
+    let major = if eigen.eigenvalues[0] >= eigen.eigenvalues[1] { 0 } else { 1 };
+    let (a, b) = (eigen.eigenvalues[major].sqrt(), eigen.eigenvalues[1 - major].sqrt());
+    let y = eigen.eigenvectors.transpose() * (x - ellipse.centre);
+    let y = Vector2::new(y[major].abs(), y[1 - major].abs());
+    let foot = if y[1] > 0.0 {
+        let f = |t: f64| (a * y[0] / (t + a * a)).powi(2) + (b * y[1] / (t + b * b)).powi(2) - 1.0;
+        let (mut low, mut high) = (-b * b + b * y[1], -b * b + (a * a * y[0] * y[0] + b * b * y[1] * y[1]).sqrt());
+        for _ in 0..200 {
+            let middle = 0.5 * (low + high);
+            if f(middle) > 0.0 { low = middle } else { high = middle }
+        }
+        let t = 0.5 * (low + high);
+        Vector2::new(a * a * y[0] / (t + a * a), b * b * y[1] / (t + b * b))
+    } else if a * y[0] < a * a - b * b {
+        let x0 = a * a * y[0] / (a * a - b * b);
+        Vector2::new(x0, b * (1.0 - (x0 / a).powi(2)).max(0.0).sqrt())
+    } else {
+        Vector2::new(a, 0.0)
+    };
+    let inside = (y[0] / a).powi(2) + (y[1] / b).powi(2) < 1.0;
+    (y - foot).norm() * if inside { -1.0 } else { 1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::DVector;
+
+    use super::*;
+    use crate::math::central_differences;
+
+    const KINDS: [EllipseDistance; 3] =
+        [EllipseDistance::Published, EllipseDistance::Gradient, EllipseDistance::Orthogonal];
+
+    fn ellipse(n: &[f64]) -> Ellipse {
+        Ellipse { centre: Vector2::new(n[0], n[1]), shape: Matrix2::new(n[2], n[3], n[3], n[4]) }
+    }
+
+    const LONG: [f64; 5] = [10.0, -4.0, 900.0, 300.0, 250.0];
+
+    #[test]
+    fn a_point_on_the_outline_has_zero_distance() {
+        let e = OutlineEllipse::new(&ellipse(&LONG));
+        for k in 0..20 {
+            let (sin, cos) = (f64::from(k) * 0.314).sin_cos();
+            let x = e.centre + e.root * Vector2::new(cos, sin);
+            for kind in KINDS {
+                approx::assert_abs_diff_eq!(e.distance(&x, kind).0, 0.0, epsilon = 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn all_agree_on_a_circle() {
+        let e = OutlineEllipse::new(&ellipse(&[0.0, 0.0, 25.0, 0.0, 25.0]));
+        for kind in KINDS {
+            approx::assert_relative_eq!(e.distance(&Vector2::new(6.0, 8.0), kind).0, 5.0, epsilon = 1e-9);
+            approx::assert_relative_eq!(e.distance(&Vector2::new(0.0, 3.0), kind).0, -2.0, epsilon = 1e-9);
+        }
+    }
+
+    #[test]
+    fn the_orthogonal_distance_is_the_exact_one_outside_and_near_the_outline() {
+        let raw = ellipse(&LONG);
+        let e = OutlineEllipse::new(&raw);
+        for i in -12..=12 {
+            for j in -12..=12 {
+                let x = Vector2::new(10.0 + 6.0 * f64::from(i), -4.0 + 6.0 * f64::from(j));
+                let exact = exact_distance(&raw, &x);
+                if exact > -3.0 {
+                    let d = e.distance(&x, EllipseDistance::Orthogonal).0;
+                    approx::assert_abs_diff_eq!(d, exact, epsilon = 1e-6);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_radial_distance_overstates_along_the_flank_and_the_first_order_one_hardly() {
+        let raw = ellipse(&[0.0, 0.0, 2500.0, 0.0, 100.0]);
+        let e = OutlineEllipse::new(&raw);
+        let x = Vector2::new(40.0, 8.0);
+        let exact = exact_distance(&raw, &x);
+        assert!(e.distance(&x, EllipseDistance::Published).0 > 2.0 * exact);
+        approx::assert_relative_eq!(e.distance(&x, EllipseDistance::Gradient).0, exact, max_relative = 0.1);
+    }
+
+    #[test]
+    fn derivatives_are_those_of_the_distance() {
+        for kind in KINDS {
+            for x in [Vector2::new(50.0, 20.0), Vector2::new(14.0, 9.0), Vector2::new(12.0, 14.0)] {
+                let analytic = OutlineEllipse::new(&ellipse(&LONG)).distance(&x, kind).1;
+                let numeric = central_differences(5, 1e-2, |delta| {
+                    let n: Vec<f64> = LONG.iter().zip(delta.iter()).map(|(a, b)| a + b).collect();
+                    DVector::from_element(1, OutlineEllipse::new(&ellipse(&n)).distance(&x, kind).0)
+                });
+                for i in 0..5 {
+                    approx::assert_abs_diff_eq!(analytic[i], numeric[(0, i)], epsilon = 1e-8);
+                }
+            }
+        }
+    }
+}

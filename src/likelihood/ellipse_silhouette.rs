@@ -1,0 +1,329 @@
+//! Border pixels against the outlines of the projected ellipsoids (ZS06, App. C).
+//!
+//! *Published*: each border pixel's residual is its distance to the nearest ellipse.
+//!
+//! *Outline*: the published measure never punishes a limb that sticks out of the silhouette, nor a border
+//! pixel that lies inside the model. So, forwards, the residual is the signed distance to the outline of
+//! the **union**, min dᵢ, as the smooth minimum −τ ln Σ exp(−dᵢ/τ); and, back, samples of every ellipse's
+//! own outline are to lie inside the mask: their residual is the mask's distance transform there. (A
+//! sample hidden in another ellipse must lie inside the mask too, so no visibility is needed.)
+//!
+//! A border pixel errs by σ² = σ_px² + (σ_m·f/z)²: segmentation, and the ellipsoids' own mismatch with
+//! a body. Neighbouring pixels err together: a row weighs its length over the correlation length.
+
+use nalgebra::{DMatrix, Matrix3x4, SVector, Vector2};
+
+use super::Term;
+use super::ellipse_distance::{EllipseDistance, OutlineEllipse};
+use super::ellipse_sums::EllipseSums;
+use crate::body::{EllipsoidJacobians, Posed};
+use crate::camera::Camera;
+use crate::math::quadric::{Ellipsoid, ProjectionJacobian, project, project_with_jacobian};
+use crate::silhouette::{DistanceMap, Silhouette};
+use crate::solver::{Loss, NormalEquations};
+
+/// Which measure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Variant {
+    /// ZS06: distance to the nearest ellipse.
+    Published,
+    /// Signed distance to the union, and back.
+    Outline,
+}
+
+/// Settings of the ellipse likelihood.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct EllipseOptions {
+    /// Which measure.
+    pub variant: Variant,
+    /// Which point–ellipse distance; the published variant uses the published one.
+    pub distance: EllipseDistance,
+    /// σ_px: standard deviation of a border pixel, px.
+    pub sigma_px: f64,
+    /// σ_m: standard deviation of the body's surface about the ellipsoids, m.
+    pub sigma_m: f64,
+    /// Length along the border over which errors go together, m.
+    pub correlation_m: f64,
+    /// τ: width of the smooth minimum, m.
+    pub blend_m: f64,
+    /// Robust loss of forward and back residuals, in standard deviations.
+    pub loss: Loss,
+    /// Samples of each ellipse's outline; 0 leaves the back term out.
+    pub back_samples: usize,
+}
+
+impl Default for EllipseOptions {
+    fn default() -> Self {
+        Self {
+            variant: Variant::Outline,
+            distance: EllipseDistance::Gradient,
+            sigma_px: 1.0,
+            sigma_m: 0.01,
+            correlation_m: 0.05,
+            blend_m: 0.004,
+            loss: Loss::Cauchy(3.0),
+            back_samples: 24,
+        }
+    }
+}
+
+impl EllipseOptions {
+    /// ZS06's own measure.
+    pub fn published() -> Self {
+        Self {
+            variant: Variant::Published,
+            distance: EllipseDistance::Published,
+            back_samples: 0,
+            ..Self::default()
+        }
+    }
+}
+
+/// One camera's silhouette, ready for the likelihood.
+#[derive(Debug, Clone)]
+pub struct View<'a> {
+    projection: Matrix3x4<f64>,
+    points: Vec<Vector2<f64>>,
+    lengths_px: Vec<f64>,
+    outside: &'a DistanceMap,
+    px_per_m: f64,
+}
+
+impl<'a> View<'a> {
+    /// A silhouette thinned to one border point every `spacing_m`, of a body at depth `depth_m`.
+    pub fn new(camera: &Camera, silhouette: &'a Silhouette, depth_m: f64, spacing_m: f64) -> Self {
+        let px_per_m = 0.5 * (camera.intrinsics.fx_px + camera.intrinsics.fy_px) / depth_m;
+        let contour = silhouette.thinned(spacing_m * px_per_m);
+        Self {
+            projection: camera.projection(),
+            points: contour.iter().map(|p| p.pixel.coords).collect(),
+            lengths_px: contour.iter().map(|p| p.length_px).collect(),
+            outside: &silhouette.outside,
+            px_per_m,
+        }
+    }
+
+    /// Number of border points.
+    pub fn len(&self) -> usize {
+        self.points.len()
+    }
+
+    /// No border point at all.
+    pub fn is_empty(&self) -> bool {
+        self.points.is_empty()
+    }
+}
+
+/// −log p(silhouettes | m, s) of one frame.
+#[derive(Debug, Clone)]
+pub struct EllipseSilhouette<'a> {
+    views: Vec<View<'a>>,
+    options: EllipseOptions,
+}
+
+impl<'a> EllipseSilhouette<'a> {
+    /// The term of one frame's views.
+    pub fn new(views: Vec<View<'a>>, options: EllipseOptions) -> Self {
+        Self { views, options }
+    }
+
+    /// Number of independent observations that the border points stand for.
+    pub fn effective_observations(&self) -> f64 {
+        let length_m = |v: &View<'_>| v.lengths_px.iter().sum::<f64>() / v.px_per_m;
+        self.views.iter().map(length_m).sum::<f64>() / self.options.correlation_m
+    }
+
+    fn sigma_px(&self, view: &View<'_>) -> f64 {
+        self.options.sigma_px.hypot(self.options.sigma_m * view.px_per_m)
+    }
+
+    /// Calls `row(residual/σ, weight, derivatives by ellipse)` for every residual of a view.
+    fn rows(
+        &self,
+        view: &View<'_>,
+        ellipses: &[Option<OutlineEllipse>],
+        girths_m: &[f64],
+        mut row: impl FnMut(f64, f64, &[(usize, SVector<f64, 5>)]),
+    ) {
+        let precision = 1.0 / self.sigma_px(view);
+        let mut near = Vec::with_capacity(ellipses.len());
+        // forwards: from the border to the model
+        for (x, length_px) in view.points.iter().zip(&view.lengths_px) {
+            if let Some(d) = self.distance(view, ellipses, x, &mut near) {
+                near.iter_mut().for_each(|(_, slope)| *slope *= precision);
+                row(d * precision, length_px / (view.px_per_m * self.options.correlation_m), &near);
+            }
+        }
+        // back: from the model to the mask
+        let samples = self.options.back_samples;
+        for (i, ellipse) in ellipses.iter().enumerate() {
+            let Some(ellipse) = ellipse else { continue };
+            let weight = girths_m[i] / (samples as f64 * self.options.correlation_m);
+            for k in 0..samples {
+                let (sin, cos) = (std::f64::consts::TAU * k as f64 / samples as f64).sin_cos();
+                let x = ellipse.centre + ellipse.root * Vector2::new(cos, sin);
+                let (d, slope) = view.outside.sample(&x.into());
+                if d > 0.0 {
+                    let rows = [(i, outline_slope(ellipse, sin, cos, &slope) * precision)];
+                    row(d * precision, weight, &rows);
+                }
+            }
+        }
+    }
+
+    /// Distance of a border point to the model; `near` receives its derivative by ellipse.
+    fn distance(
+        &self,
+        view: &View<'_>,
+        ellipses: &[Option<OutlineEllipse>],
+        x: &Vector2<f64>,
+        near: &mut Vec<(usize, SVector<f64, 5>)>,
+    ) -> Option<f64> {
+        near.clear();
+        match self.options.variant {
+            Variant::Published => nearest(ellipses, x, self.options.distance, near),
+            Variant::Outline => {
+                smooth_union(ellipses, x, self.options.distance, self.options.blend_m * view.px_per_m, near)
+            }
+        }
+    }
+
+    fn perimeters(&self, body: &Posed<'_>) -> Vec<f64> {
+        // a constant of the state: the perimeter of the largest cross-section at coefficient 0
+        let perimeter = |r: nalgebra::Vector3<f64>| {
+            let sum = r.norm_squared() - r.min().powi(2);
+            std::f64::consts::TAU * (0.5 * sum).sqrt()
+        };
+        body.model.ellipsoids.iter().map(|e| perimeter(e.radii.value)).collect()
+    }
+}
+
+/// min |dᵢ| (ZS06, App. C), with its sign.
+fn nearest(
+    ellipses: &[Option<OutlineEllipse>],
+    x: &Vector2<f64>,
+    kind: EllipseDistance,
+    near: &mut Vec<(usize, SVector<f64, 5>)>,
+) -> Option<f64> {
+    let all = ellipses.iter().enumerate().filter_map(|(i, e)| Some((i, e.as_ref()?.distance(x, kind))));
+    let (i, (d, slope)) = all.min_by(|a, b| a.1.0.abs().total_cmp(&b.1.0.abs()))?;
+    near.push((i, slope));
+    Some(d)
+}
+
+/// Ellipses farther than this many τ beyond the nearest have no say in the smooth minimum.
+const REACH_IN_BLENDS: f64 = 12.0;
+
+/// −τ ln Σ exp(−dᵢ/τ): ∂ = Σ pᵢ ∂dᵢ with pᵢ ∝ exp(−dᵢ/τ).
+fn smooth_union(
+    ellipses: &[Option<OutlineEllipse>],
+    x: &Vector2<f64>,
+    kind: EllipseDistance,
+    blend: f64,
+    near: &mut Vec<(usize, SVector<f64, 5>)>,
+) -> Option<f64> {
+    let mut least = f64::INFINITY;
+    let mut distances: [f64; MAX_NEAR] = [0.0; MAX_NEAR];
+    for (i, ellipse) in ellipses.iter().enumerate() {
+        let Some(ellipse) = ellipse else { continue };
+        if ellipse.lower_bound(x) > least + REACH_IN_BLENDS * blend {
+            continue;
+        }
+        let (d, slope) = ellipse.distance(x, kind);
+        if d > least + REACH_IN_BLENDS * blend {
+            continue;
+        }
+        if d + REACH_IN_BLENDS * blend < least {
+            near.clear();
+        }
+        least = least.min(d);
+        if near.len() < MAX_NEAR {
+            distances[near.len()] = d;
+            near.push((i, slope));
+        }
+    }
+    if near.is_empty() {
+        return None;
+    }
+    let weights = distances.map(|d| (-(d - least) / blend).exp());
+    let sum: f64 = weights[..near.len()].iter().sum();
+    for ((_, slope), weight) in near.iter_mut().zip(weights) {
+        *slope *= weight / sum;
+    }
+    Some(least - blend * sum.ln())
+}
+
+const MAX_NEAR: usize = 12;
+
+/// ∂(slope·x)/∂(ellipse) for the sample x = c + L·(cos, sin), L the Cholesky factor of Σ.
+fn outline_slope(e: &OutlineEllipse, sin: f64, cos: f64, slope: &Vector2<f64>) -> SVector<f64, 5> {
+    let (l00, l10, l11) = (e.root[(0, 0)], e.root[(1, 0)], e.root[(1, 1)]);
+    // l00 = √Σxx, l10 = Σxy/l00, l11 = √(Σyy − l10²)
+    let by = |d00: f64, d10: f64, d11: f64| {
+        slope[0] * d00 * cos + slope[1] * (d10 * cos + d11 * sin)
+    };
+    let d00 = 0.5 / l00;
+    let d10 = -l10 / l00 * d00;
+    SVector::from([[
+        slope[0],
+        slope[1],
+        by(d00, d10, -l10 * d10 / l11),
+        by(0.0, 1.0 / l00, -l10 / (l00 * l11)),
+        by(0.0, 0.0, 0.5 / l11),
+    ]])
+}
+
+impl Term for EllipseSilhouette<'_> {
+    fn name(&self) -> &'static str {
+        "ellipses"
+    }
+
+    fn cost(&self, body: &Posed<'_>) -> f64 {
+        let ellipsoids = body.ellipsoids();
+        let girths_m = self.perimeters(body);
+        let mut cost = 0.0;
+        for view in &self.views {
+            let ellipses: Vec<_> = ellipsoids
+                .iter()
+                .map(|e| project(&view.projection, e).map(|e| OutlineEllipse::new(&e)))
+                .collect();
+            self.rows(view, &ellipses, &girths_m, |r, w, _| cost += 0.5 * w * self.options.loss.evaluate(r).0);
+        }
+        cost
+    }
+
+    fn linearize(&self, body: &Posed<'_>, equations: &mut NormalEquations) -> f64 {
+        let ellipsoids = body.ellipsoids();
+        let girths_m = self.perimeters(body);
+        let mut cost = 0.0;
+        let mut in_world = EllipseSums::<9>::new(ellipsoids.len());
+        let mut in_image = EllipseSums::<5>::new(ellipsoids.len());
+        for view in &self.views {
+            let (ellipses, projections) = project_all(&view.projection, &ellipsoids);
+            in_image.clear();
+            self.rows(view, &ellipses, &girths_m, |r, w, rows| {
+                let (rho, weight) = self.options.loss.evaluate(r);
+                cost += 0.5 * w * rho;
+                in_image.add(rows, r, w * weight);
+            });
+            in_world.add_camera(&in_image, &projections);
+        }
+        let mut jacobians = EllipsoidJacobians::new(body.model);
+        jacobians.update(body, &ellipsoids);
+        in_world.add_to(&jacobians, equations);
+        cost
+    }
+}
+
+fn project_all(
+    projection: &Matrix3x4<f64>,
+    ellipsoids: &[Ellipsoid],
+) -> (Vec<Option<OutlineEllipse>>, Vec<ProjectionJacobian>) {
+    let split = |e: &Ellipsoid| match project_with_jacobian(projection, e) {
+        Some((ellipse, jacobian)) => (Some(OutlineEllipse::new(&ellipse)), jacobian),
+        None => (None, ProjectionJacobian::zeros()),
+    };
+    ellipsoids.iter().map(split).unzip()
+}

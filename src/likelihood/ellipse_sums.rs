@@ -1,0 +1,113 @@
+//! Normal equations in the numbers of the ellipses, chained to the body once.
+//!
+//! In a camera an ellipse has 5 numbers, in the world an ellipsoid has 9. Rows are summed over the
+//! points in the 5, over the cameras in the 9, and only then multiplied with the body's Jacobian:
+//! H = Σᵢⱼ Jᵢᵀ (Σ_cameras Pᵢᵀ (Σ_points) Pⱼ) Jⱼ. A row that touches two ellipses (smooth minimum)
+//! adds a block to their pair.
+
+use nalgebra::{DMatrix, SMatrix, SVector};
+
+use crate::body::EllipsoidJacobians;
+use crate::math::quadric::ProjectionJacobian;
+use crate::solver::NormalEquations;
+
+/// Gradient and Hessian blocks, `N` numbers per ellipse.
+#[derive(Debug, Clone)]
+pub(super) struct EllipseSums<const N: usize> {
+    gradients: Vec<SVector<f64, N>>,
+    /// Where the block of a pair (i ≥ j) is; `NONE` if no row touched it.
+    places: Vec<u32>,
+    blocks: Vec<(usize, usize, SMatrix<f64, N, N>)>,
+}
+
+const NONE: u32 = u32::MAX;
+
+impl<const N: usize> EllipseSums<N> {
+    pub(super) fn new(ellipses: usize) -> Self {
+        Self {
+            gradients: vec![SVector::zeros(); ellipses],
+            places: vec![NONE; ellipses * ellipses],
+            blocks: Vec::with_capacity(4 * ellipses),
+        }
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.gradients.fill(SVector::zeros());
+        self.places.fill(NONE);
+        self.blocks.clear();
+    }
+
+    /// Adds one residual r of weight w whose derivative is `rows[k].1` in ellipse `rows[k].0`.
+    #[inline]
+    pub(super) fn add(&mut self, rows: &[(usize, SVector<f64, N>)], r: f64, w: f64) {
+        for (k, (i, a)) in rows.iter().enumerate() {
+            self.gradients[*i] += a * (w * r);
+            for (j, b) in &rows[..=k] {
+                let ((i, a), (j, b)) = if i >= j { ((i, a), (j, b)) } else { ((j, b), (i, a)) };
+                self.block(*i, *j).ger(w, a, b, 1.0);
+            }
+        }
+    }
+
+    fn block(&mut self, i: usize, j: usize) -> &mut SMatrix<f64, N, N> {
+        let place = &mut self.places[i * self.gradients.len() + j];
+        if *place == NONE {
+            *place = self.blocks.len() as u32;
+            self.blocks.push((i, j, SMatrix::zeros()));
+        }
+        &mut self.blocks[*place as usize].2
+    }
+}
+
+impl EllipseSums<9> {
+    /// Adds one camera's sums through its projection Jacobians.
+    pub(super) fn add_camera(&mut self, sums: &EllipseSums<5>, projections: &[ProjectionJacobian]) {
+        for (gradient, (g, p)) in self.gradients.iter_mut().zip(sums.gradients.iter().zip(projections)) {
+            *gradient += p.tr_mul(g);
+        }
+        for (i, j, block) in &sums.blocks {
+            let chained = projections[*i].tr_mul(block) * projections[*j];
+            *self.block(*i, *j) += chained;
+        }
+    }
+
+    /// Chains to the body: adds to the components that `equations` has.
+    pub(super) fn add_to(&self, jacobians: &EllipsoidJacobians, equations: &mut NormalEquations) {
+        let free: Vec<usize> = jacobians
+            .components
+            .iter()
+            .map(|c| c.partition_point(|&component| component < equations.gradient.len()))
+            .collect();
+        for (i, gradient) in self.gradients.iter().enumerate() {
+            for (column, &component) in jacobians.components[i][..free[i]].iter().enumerate() {
+                equations.gradient[component] += jacobians.values[i].column(column).dot(gradient);
+            }
+        }
+        for (i, j, block) in &self.blocks {
+            let left: DMatrix<f64> = block.tr_mul(&jacobians.values[*i].columns(0, free[*i]));
+            let product = left.tr_mul(&jacobians.values[*j].columns(0, free[*j]));
+            scatter(&product, &jacobians.components[*i], &jacobians.components[*j], i == j, equations);
+        }
+    }
+}
+
+/// Adds a block and, off the diagonal, its transpose, to the lower triangle of H.
+fn scatter(
+    product: &DMatrix<f64>,
+    rows: &[usize],
+    columns: &[usize],
+    diagonal: bool,
+    equations: &mut NormalEquations,
+) {
+    for (b, &column) in columns[..product.ncols()].iter().enumerate() {
+        for (a, &row) in rows[..product.nrows()].iter().enumerate() {
+            let value = product[(a, b)];
+            if row >= column {
+                equations.hessian[(row, column)] += value;
+            }
+            if !diagonal && column >= row {
+                equations.hessian[(column, row)] += value;
+            }
+        }
+    }
+}
