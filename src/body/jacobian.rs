@@ -6,11 +6,14 @@
 //! - coefficient: ∂c = Σ over the translations t up the chain of R·∂t/∂s, and R·∂(centre)/∂s;
 //!   ∂A = R·diag(2·aᵢ·∂aᵢ/∂s)·Rᵀ.
 
-use nalgebra::{DMatrix, Matrix3, Vector3};
+use nalgebra::{Const, DMatrix, Dyn, Matrix3, OMatrix, Vector3};
 
 use super::posed::scaled;
 use super::{BodyModel, Layout, PartId, Posed, Primitive, ScaledVector};
 use crate::math::quadric::Ellipsoid;
+
+/// 9 × any number of columns.
+pub type Matrix9xX = OMatrix<f64, Const<9>, Dyn>;
 
 /// ∂(9 numbers of each ellipsoid)/∂(state), only the components that move it.
 #[derive(Debug, Clone)]
@@ -18,7 +21,7 @@ pub struct EllipsoidJacobians {
     /// For each ellipsoid, which components of the state move it, ascending.
     pub components: Vec<Vec<usize>>,
     /// For each ellipsoid, 9 × its components.
-    pub values: Vec<DMatrix<f64>>,
+    pub values: Vec<Matrix9xX>,
 }
 
 impl EllipsoidJacobians {
@@ -32,7 +35,7 @@ impl EllipsoidJacobians {
             .collect();
         let values = components
             .iter()
-            .map(|c| DMatrix::zeros(9, c.len()))
+            .map(|c| Matrix9xX::zeros(c.len()))
             .collect();
         Self { components, values }
     }
@@ -79,7 +82,7 @@ fn fill(
     primitive: &Primitive,
     ellipsoid: &Ellipsoid,
     components: &[usize],
-    values: &mut DMatrix<f64>,
+    values: &mut Matrix9xX,
 ) {
     let column = |component: usize| components.binary_search(&component).unwrap_or(usize::MAX);
     point_columns(
@@ -118,7 +121,7 @@ fn fill(
     }
 }
 
-fn add_shape(values: &mut DMatrix<f64>, column: usize, d: &Matrix3<f64>) {
+fn add_shape(values: &mut Matrix9xX, column: usize, d: &Matrix3<f64>) {
     for (i, (r, s)) in Ellipsoid::INDEX.into_iter().enumerate() {
         values[(3 + i, column)] += d[(r, s)];
     }

@@ -11,7 +11,7 @@
 //! A border pixel errs by σ² = σ_px² + (σ_m·f/z)²: segmentation, and the ellipsoids' own mismatch with
 //! a body. Neighbouring pixels err together: a row weighs its length over the correlation length.
 
-use nalgebra::{DMatrix, Matrix3x4, SVector, Vector2};
+use nalgebra::{Matrix3x4, SVector, Vector2};
 
 use super::Term;
 use super::ellipse_distance::{EllipseDistance, OutlineEllipse};

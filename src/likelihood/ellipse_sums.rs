@@ -84,7 +84,7 @@ impl EllipseSums<9> {
             }
         }
         for (i, j, block) in &self.blocks {
-            let left: DMatrix<f64> = block.tr_mul(&jacobians.values[*i].columns(0, free[*i]));
+            let left = block.tr_mul(&jacobians.values[*i].columns(0, free[*i]));
             let product = left.tr_mul(&jacobians.values[*j].columns(0, free[*j]));
             scatter(&product, &jacobians.components[*i], &jacobians.components[*j], i == j, equations);
         }
