@@ -1,3 +1,5 @@
 //! Maquette.
 pub mod camera;
+pub mod image;
 pub mod math;
+pub mod silhouette;
