@@ -1,3 +1,4 @@
 //! Maquette.
 pub mod camera;
+pub mod io;
 pub mod math;

@@ -1,0 +1,3 @@
+//! Files in and out: the only code that knows formats and the units of files.
+
+pub mod calibration;
