@@ -2,6 +2,7 @@
 
 use super::{
     CalibrationError, CalibrationOptions,
+    error::one_line,
     natural_order::natural,
     opencv, opencv_storage, pose2sim, projection_matrix, qualisys,
     unchecked::{UncheckedCamera, check},
@@ -87,7 +88,7 @@ fn unknown_camera(rig: &Rig, path: &Path, name: &str) -> CalibrationError {
     CalibrationError::UnknownCamera {
         path: path.into(),
         camera: name.into(),
-        known: rig.names().collect::<Vec<_>>().join(", "),
+        known: one_line(&rig.names().collect::<Vec<_>>().join(", ")),
         hint: nearest.map_or(String::new(), |near| format!("; did you mean {near:?}?")),
     }
 }
