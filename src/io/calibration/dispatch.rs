@@ -131,10 +131,9 @@ fn file(path: &Path) -> Result<Vec<UncheckedCamera>, CalibrationError> {
     }
     let text = text(path)?;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let start = text.trim_start_matches('\u{feff}').trim_start();
-    match kind(&name, start) {
+    match kind(&name, text.trim_start()) {
         Kind::Toml => pose2sim::parse(path, &text),
-        Kind::Xml => xml(path, without_mark(&text), &stem),
+        Kind::Xml => xml(path, &text, &stem),
         Kind::Yaml if is_half(&name) => pair(path),
         Kind::Yaml => {
             let storage = opencv_storage::parse_yaml(path, &text)?;
@@ -190,11 +189,6 @@ fn xml(path: &Path, text: &str, stem: &str) -> Result<Vec<UncheckedCamera>, Cali
     }
 }
 
-/// Without the byte-order mark, which an XML declaration may not follow.
-fn without_mark(text: &str) -> &str {
-    text.trim_start_matches('\u{feff}')
-}
-
 /// Whether a file is one of EasyMocap's two.
 fn is_half(name: &str) -> bool {
     matches!(name, "intri.yml" | "extri.yml")
@@ -215,10 +209,11 @@ fn pair(path: &Path) -> Result<Vec<UncheckedCamera>, CalibrationError> {
     opencv::cameras(&storages, "camera")
 }
 
-/// The file's text; what is not UTF-8, as in remarks of older systems, is replaced.
+/// The file's text without byte-order mark; what is not UTF-8, as in remarks of older systems, is replaced.
 fn text(path: &Path) -> Result<String, CalibrationError> {
     let bytes = fs::read(path).map_err(|reason| unreadable(path, reason))?;
-    Ok(String::from_utf8_lossy(&bytes).into_owned())
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
+    Ok(String::from_utf8_lossy(bytes).into_owned())
 }
 
 fn unreadable(path: &Path, reason: std::io::Error) -> CalibrationError {
