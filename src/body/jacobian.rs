@@ -113,7 +113,7 @@ fn fill(
     for k in 0..3 {
         let scale = primitive.radii.scale[k];
         if let Some(coefficient) = scale.coefficient() {
-            let slope = primitive.radii.value[k] * scale.evaluate(&body.shape().0).1;
+            let slope = scale.apply(primitive.radii.value[k], &body.shape().0).1;
             let axis = axes.column(k);
             let d = axis * axis.transpose() * (2.0 * radii[k] * slope);
             add_shape(values, column(layout.coefficient(coefficient)), &d);
@@ -177,7 +177,7 @@ fn stretch_columns(
 ) {
     for k in 0..3 {
         if let Some(coefficient) = vector.scale[k].coefficient() {
-            let slope = vector.value[k] * vector.scale[k].evaluate(&body.shape().0).1;
+            let slope = vector.scale[k].apply(vector.value[k], &body.shape().0).1;
             add(
                 layout.coefficient(coefficient),
                 world_from_frame.column(k) * slope,

@@ -14,17 +14,21 @@ pub struct PartId(pub usize);
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct CoefficientId(pub usize);
 
-/// What a shape coefficient does to a length: a positive factor that is 1 at coefficient 0.
+/// What a shape coefficient s does to a length.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scale {
-    /// 1: this length is the same in every body.
+    /// Nothing: this length is the same in every body.
     Fixed,
-    /// eˢ (PF02 eq. 1: λ = eˢ, positive by construction).
+    /// Times eˢ (PF02 eq. 1: λ = eˢ, positive by construction).
     Log(CoefficientId),
-    /// 2/(1 + e⁻ˢ): this length's share of a fixed total.
+    /// Times 2/(1 + e⁻ˢ): this length's share of a fixed total.
     Share(CoefficientId),
-    /// 2/(1 + eˢ): what the other's share leaves.
+    /// Times 2/(1 + eˢ): what the other's share leaves.
     Rest(CoefficientId),
+    /// Plus s metres: where a joint lies in the flesh.
+    Shift(CoefficientId),
+    /// Minus s metres: the mirror image of a shift.
+    Unshift(CoefficientId),
 }
 
 impl Scale {
@@ -32,24 +36,28 @@ impl Scale {
     pub fn coefficient(self) -> Option<CoefficientId> {
         match self {
             Self::Fixed => None,
-            Self::Log(c) | Self::Share(c) | Self::Rest(c) => Some(c),
+            Self::Log(c) | Self::Share(c) | Self::Rest(c) | Self::Shift(c) | Self::Unshift(c) => {
+                Some(c)
+            }
         }
     }
 
-    /// (factor, ∂factor/∂s).
-    pub fn evaluate(self, shape: &DVector<f64>) -> (f64, f64) {
+    /// The length that a length `value` becomes, and its derivative with respect to s.
+    pub fn apply(self, value: f64, shape: &DVector<f64>) -> (f64, f64) {
         let share = |s: f64| {
             let half = 1.0 / (1.0 + (-s).exp());
-            (2.0 * half, 2.0 * half * (1.0 - half))
+            (2.0 * half * value, 2.0 * half * (1.0 - half) * value)
         };
         match self {
-            Self::Fixed => (1.0, 0.0),
-            Self::Log(c) => (shape[c.0].exp(), shape[c.0].exp()),
+            Self::Fixed => (value, 0.0),
+            Self::Log(c) => (value * shape[c.0].exp(), value * shape[c.0].exp()),
             Self::Share(c) => share(shape[c.0]),
             Self::Rest(c) => {
-                let (value, slope) = share(-shape[c.0]);
-                (value, -slope)
+                let (length, slope) = share(-shape[c.0]);
+                (length, -slope)
             }
+            Self::Shift(c) => (value + shape[c.0], 1.0),
+            Self::Unshift(c) => (value - shape[c.0], -1.0),
         }
     }
 }

@@ -105,5 +105,5 @@ impl<'a> Posed<'a> {
 }
 
 pub(super) fn scaled(vector: &ScaledVector, shape: &Shape) -> Vector3<f64> {
-    Vector3::from_fn(|i, _| vector.value[i] * vector.scale[i].evaluate(&shape.0).0)
+    Vector3::from_fn(|i, _| vector.scale[i].apply(vector.value[i], &shape.0).0)
 }

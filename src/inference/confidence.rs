@@ -49,7 +49,12 @@ pub fn sigma_of(estimates: &[f64]) -> Option<f64> {
 pub fn confidence(estimates: &[f64], epsilon: f64) -> Confidence {
     let sigma = sigma_of(estimates);
     let keyframes = estimates.len();
-    Confidence { epsilon, sigma, keyframes, p_within: sigma.map(|s| p_of_k(p_within(epsilon, s), keyframes)) }
+    Confidence {
+        epsilon,
+        sigma,
+        keyframes,
+        p_within: sigma.map(|s| p_of_k(p_within(epsilon, s), keyframes)),
+    }
 }
 
 /// The confidence that one of K whole vectors is within ±ε in every component.
@@ -58,20 +63,35 @@ pub fn confidence(estimates: &[f64], epsilon: f64) -> Confidence {
 /// its diagonal: σ = (1 − α)S + α·diag S, α = n/(n + K).
 pub fn joint_confidence(estimates: &[DVector<f64>], epsilon: f64) -> Confidence {
     let keyframes = estimates.len();
-    let none = Confidence { epsilon, sigma: None, keyframes, p_within: None };
+    let none = Confidence {
+        epsilon,
+        sigma: None,
+        keyframes,
+        p_within: None,
+    };
     if keyframes < 2 || estimates[0].is_empty() {
         return none;
     }
     let n = estimates[0].len();
     let mean = estimates.iter().sum::<DVector<f64>>() / keyframes as f64;
-    let sample = estimates.iter().map(|s| (s - &mean) * (s - &mean).transpose()).sum::<DMatrix<f64>>()
+    let sample = estimates
+        .iter()
+        .map(|s| (s - &mean) * (s - &mean).transpose())
+        .sum::<DMatrix<f64>>()
         / keyframes as f64;
     let alpha = n as f64 / (n + keyframes) as f64;
     let covariance = DMatrix::from_fn(n, n, |i, j| {
-        if i == j { sample[(i, i)] + 1e-16 } else { (1.0 - alpha) * sample[(i, j)] }
+        if i == j {
+            sample[(i, i)] + 1e-16
+        } else {
+            (1.0 - alpha) * sample[(i, j)]
+        }
     });
     let p = box_probability(&covariance, epsilon);
-    Confidence { p_within: p.map(|p| p_of_k(p, keyframes)), ..none }
+    Confidence {
+        p_within: p.map(|p| p_of_k(p, keyframes)),
+        ..none
+    }
 }
 
 /// P(|eᵢ| ≤ ε for all i), e ~ N(0, σ), by separation of variables over 4000 fixed samples.
@@ -131,6 +151,10 @@ mod tests {
     #[test]
     fn a_box_of_two_equal_numbers_is_nearly_that_of_one() {
         let covariance = DMatrix::from_row_slice(2, 2, &[1.0, 0.9999, 0.9999, 1.0]);
-        approx::assert_relative_eq!(box_probability(&covariance, 1.0).unwrap(), p_within(1.0, 1.0), epsilon = 0.01);
+        approx::assert_relative_eq!(
+            box_probability(&covariance, 1.0).unwrap(),
+            p_within(1.0, 1.0),
+            epsilon = 0.01
+        );
     }
 }

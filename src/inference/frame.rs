@@ -37,7 +37,11 @@ fn data_cost(terms: &[Box<dyn Term + '_>], body: &Posed<'_>) -> f64 {
     terms.iter().map(|t| t.cost(body)).sum()
 }
 
-fn linearize_data(terms: &[Box<dyn Term + '_>], body: &Posed<'_>, equations: &mut NormalEquations) -> f64 {
+fn linearize_data(
+    terms: &[Box<dyn Term + '_>],
+    body: &Posed<'_>,
+    equations: &mut NormalEquations,
+) -> f64 {
     terms.iter().map(|t| t.linearize(body, equations)).sum()
 }
 
@@ -50,7 +54,9 @@ impl Problem for KeyframePosterior<'_> {
 
     fn cost(&self, x: &State) -> f64 {
         let body = Posed::new(self.model, &x.shape, &x.motion);
-        data_cost(self.terms, &body) + self.shape_prior.cost(&x.shape) + self.pose_prior.cost(&x.motion)
+        data_cost(self.terms, &body)
+            + self.shape_prior.cost(&x.shape)
+            + self.pose_prior.cost(&x.motion)
     }
 
     fn linearize(&self, x: &State, equations: &mut NormalEquations) -> f64 {
@@ -74,7 +80,10 @@ impl FramePosterior<'_> {
 
     /// −log p(mᵢ | mᵢ₋₁) alone: limits, rest and step.
     pub fn motion_cost(&self, motion: &Motion) -> f64 {
-        self.pose_prior.cost(motion) + self.step.map_or(0.0, |(step, mean)| step.cost(mean, motion))
+        self.pose_prior.cost(motion)
+            + self
+                .step
+                .map_or(0.0, |(step, mean)| step.cost(mean, motion))
     }
 }
 
@@ -93,7 +102,9 @@ impl Problem for FramePosterior<'_> {
         let body = Posed::new(self.model, self.shape, x);
         linearize_data(self.terms, &body, equations)
             + self.pose_prior.linearize(x, equations)
-            + self.step.map_or(0.0, |(step, mean)| step.linearize(mean, x, equations))
+            + self
+                .step
+                .map_or(0.0, |(step, mean)| step.linearize(mean, x, equations))
     }
 
     fn retract(&self, x: &Motion, delta: &DVector<f64>) -> Motion {
@@ -103,12 +114,22 @@ impl Problem for FramePosterior<'_> {
 
 impl std::fmt::Debug for KeyframePosterior<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "KeyframePosterior({}, {} terms)", self.model.name, self.terms.len())
+        write!(
+            f,
+            "KeyframePosterior({}, {} terms)",
+            self.model.name,
+            self.terms.len()
+        )
     }
 }
 
 impl std::fmt::Debug for FramePosterior<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "FramePosterior({}, {} terms)", self.model.name, self.terms.len())
+        write!(
+            f,
+            "FramePosterior({}, {} terms)",
+            self.model.name,
+            self.terms.len()
+        )
     }
 }

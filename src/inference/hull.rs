@@ -24,9 +24,16 @@ const VOXEL: f64 = 0.04;
 
 /// The point nearest to the rays through the silhouettes' centroids: where to look for the body.
 pub fn subject(rig: &Rig, frame: &FrameObservations) -> Option<Point3<f64>> {
-    let rays: Vec<_> =
-        frame.views.iter().map(|(camera, s)| rig.cameras[camera.0].ray(&s.centroid)).collect();
-    if rays.len() < 2 { None } else { closest_point(&rays) }
+    let rays: Vec<_> = frame
+        .views
+        .iter()
+        .map(|(camera, s)| rig.cameras[camera.0].ray(&s.centroid))
+        .collect();
+    if rays.len() < 2 {
+        None
+    } else {
+        closest_point(&rays)
+    }
 }
 
 /// Carves the hull around the subject; `None` where no voxel survives.
@@ -63,7 +70,9 @@ fn occupied(rig: &Rig, frame: &FrameObservations, voxel: &Point3<f64>) -> bool {
     let (mut seen, mut missed) = (0, 0);
     for (camera, silhouette) in &frame.views {
         let camera = &rig.cameras[camera.0];
-        let Some(pixel) = camera.project_undistorted(voxel) else { continue };
+        let Some(pixel) = camera.project_undistorted(voxel) else {
+            continue;
+        };
         if !camera.contains(&pixel) {
             continue;
         }

@@ -19,5 +19,6 @@ pub mod prior;
 pub mod propagate;
 pub mod search;
 pub mod start;
+mod together;
 
 pub use evidence::Evidence;

@@ -20,7 +20,10 @@ impl ShapePrior {
         let n = statistics.mean.len();
         let precision = Cholesky::<f64, Dyn>::new(statistics.covariance.clone())
             .map_or_else(|| DMatrix::zeros(n, n), |c| c.inverse());
-        Self { mean: statistics.mean.clone(), precision }
+        Self {
+            mean: statistics.mean.clone(),
+            precision,
+        }
     }
 
     /// μ, the most probable shape.
@@ -126,7 +129,10 @@ impl StepPrior {
         }
         speeds.extend(model.joints.iter().map(|j| j.speed));
         let precision = speeds.into_iter().map(|v| (v * interval_s).powi(-2));
-        Self { layout, precision: DVector::from_iterator(layout.motion(), precision) }
+        Self {
+            layout,
+            precision: DVector::from_iterator(layout.motion(), precision),
+        }
     }
 
     /// −log p(mᵢ | mean), 0 at the mean.
@@ -136,7 +142,12 @@ impl StepPrior {
     }
 
     /// Adds gradient and Hessian with respect to mᵢ.
-    pub fn linearize(&self, mean: &Motion, motion: &Motion, equations: &mut NormalEquations) -> f64 {
+    pub fn linearize(
+        &self,
+        mean: &Motion,
+        motion: &Motion,
+        equations: &mut NormalEquations,
+    ) -> f64 {
         let delta = self.layout.motion_difference(mean, motion);
         for i in (0..delta.len()).filter(|i| self.layout.root() == 0 || !(3..6).contains(i)) {
             equations.add_single(i, 1.0, delta[i], self.precision[i]);

@@ -23,7 +23,11 @@ pub struct TrackOptions {
 
 impl Default for TrackOptions {
     fn default() -> Self {
-        Self { iterations: 5, motion_model: MotionModel::ConstantPosition, recovery_ratio: 2.0 }
+        Self {
+            iterations: 5,
+            motion_model: MotionModel::ConstantPosition,
+            recovery_ratio: 2.0,
+        }
     }
 }
 
@@ -82,7 +86,13 @@ const PATIENCE: usize = 10;
 impl Track {
     pub(super) fn new(ahead: Vec<usize>, keyframe: usize, fit: &FrameFit) -> Self {
         let last = (keyframe, fit.motion.clone());
-        Self { ahead, last, before: None, levels: vec![fit.level()], rest_until: 0 }
+        Self {
+            ahead,
+            last,
+            before: None,
+            levels: vec![fit.level()],
+            rest_until: 0,
+        }
     }
 
     pub(super) fn finished(&self) -> bool {
@@ -102,8 +112,12 @@ impl Track {
         while let Some(index) = (fits.len() < count).then(|| self.ahead.pop()).flatten() {
             let fit = self.fit(evidence, sequence, shape, options, index);
             self.levels.push(fit.level());
-            self.levels.drain(..self.levels.len().saturating_sub(MEMORY));
-            self.before = Some(std::mem::replace(&mut self.last, (index, fit.motion.clone())));
+            self.levels
+                .drain(..self.levels.len().saturating_sub(MEMORY));
+            self.before = Some(std::mem::replace(
+                &mut self.last,
+                (index, fit.motion.clone()),
+            ));
             fits.push((index, fit));
         }
         fits
@@ -119,7 +133,11 @@ impl Track {
     ) -> FrameFit {
         let frame = &sequence.frames[index];
         // the interval to the frame before, the step's prior, and where the frame is expected
-        let interval_frames = frame.frame.0.abs_diff(sequence.frames[self.last.0].frame.0).max(1) as f64;
+        let interval_frames = frame
+            .frame
+            .0
+            .abs_diff(sequence.frames[self.last.0].frame.0)
+            .max(1) as f64;
         let step = StepPrior::new(evidence.model, interval_frames / sequence.fps);
         let predicted = self.predicted(evidence, sequence, interval_frames);
         let mean = match options.motion_model {
@@ -137,7 +155,12 @@ impl Track {
             terms: &terms,
         };
         // the most probable motion from the prediction
-        let fit = solve(&posterior, predicted.clone(), options.iterations, observations);
+        let fit = solve(
+            &posterior,
+            predicted.clone(),
+            options.iterations,
+            observations,
+        );
         if self.plausible(&fit, options.recovery_ratio) {
             return fit;
         }
@@ -149,7 +172,10 @@ impl Track {
             .min_by(|a, b| a.cost().total_cmp(&b.cost()))
             .filter(|anew| anew.cost() < fit.cost());
         match anew {
-            Some(anew) => FrameFit { recovered: true, ..anew },
+            Some(anew) => FrameFit {
+                recovered: true,
+                ..anew
+            },
             None => fit,
         }
     }
@@ -159,10 +185,26 @@ impl Track {
         fit.level() <= ratio * usual || (self.rest_until > 0 && self.ahead.len() > self.rest_until)
     }
 
-    fn predicted(&self, evidence: &Evidence<'_>, sequence: Sequence<'_>, interval_frames: f64) -> Motion {
-        let Some((index, before)) = &self.before else { return self.last.1.clone() };
-        let past = sequence.frames[self.last.0].frame.0.abs_diff(sequence.frames[*index].frame.0).max(1);
-        extrapolate(Layout::of(evidence.model), before, &self.last.1, interval_frames / past as f64)
+    fn predicted(
+        &self,
+        evidence: &Evidence<'_>,
+        sequence: Sequence<'_>,
+        interval_frames: f64,
+    ) -> Motion {
+        let Some((index, before)) = &self.before else {
+            return self.last.1.clone();
+        };
+        let past = sequence.frames[self.last.0]
+            .frame
+            .0
+            .abs_diff(sequence.frames[*index].frame.0)
+            .max(1);
+        extrapolate(
+            Layout::of(evidence.model),
+            before,
+            &self.last.1,
+            interval_frames / past as f64,
+        )
     }
 }
 
@@ -173,11 +215,24 @@ pub(super) fn solve(
     max_iterations: usize,
     observations: f64,
 ) -> FrameFit {
-    let options = Options { max_iterations, damping: 1e-4, relative_decrease: 1e-4 };
+    let options = Options {
+        max_iterations,
+        damping: 1e-4,
+        relative_decrease: 1e-4,
+    };
     let solution = levenberg_marquardt(posterior, start, &options);
     let motion = solution.state;
     let pose = posterior.pose_prior.cost(&motion);
-    let step = posterior.step.map_or(0.0, |(step, mean)| step.cost(mean, &motion));
+    let step = posterior
+        .step
+        .map_or(0.0, |(step, mean)| step.cost(mean, &motion));
     let data = (solution.cost - pose - step).max(0.0);
-    FrameFit { motion, data, pose, step, observations, recovered: false }
+    FrameFit {
+        motion,
+        data,
+        pose,
+        step,
+        observations,
+        recovered: false,
+    }
 }

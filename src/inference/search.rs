@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use super::Evidence;
 use super::frame::FramePosterior;
 use super::propagate::{FrameFit, Sequence, Track, TrackOptions, solve};
+use super::together::{Member, refine};
 use super::start::{Detail, StartOptions, readings};
 use crate::body::{Motion, Shape};
 use crate::likelihood::Term;
@@ -19,6 +20,8 @@ pub struct SearchOptions {
     pub start: StartOptions,
     /// Settings of the tracking.
     pub track: TrackOptions,
+    /// Frames that are asked for one shape together after the keyframes were tried; 0 or 1: none (ZS06).
+    pub together: usize,
     /// Whether hypotheses that can no longer win are dropped; the winner is the same.
     pub pruning: Pruning,
 }
@@ -39,6 +42,7 @@ impl Default for SearchOptions {
             keyframe_every: 20,
             start: StartOptions::default(),
             track: TrackOptions::default(),
+            together: 16,
             pruning: Pruning::Exact,
         }
     }
@@ -52,6 +56,8 @@ pub enum Origin {
     Prior,
     /// argmax p(mₖ, s | Zₖ): the reading of that number, 0 the best.
     Keyframe(usize),
+    /// One shape for many frames at once, started from the best of the others.
+    Together,
 }
 
 /// A shape s*ₖ with the motion of its keyframe.
@@ -83,7 +89,13 @@ pub struct Trial {
 impl Trial {
     /// E of what was fitted: the sequence posterior's −log (eq. 1), or a lower bound if it was pruned.
     pub fn energy(&self) -> f64 {
-        self.shape_cost + self.frames.iter().flatten().map(FrameFit::cost).sum::<f64>()
+        self.shape_cost
+            + self
+                .frames
+                .iter()
+                .flatten()
+                .map(FrameFit::cost)
+                .sum::<f64>()
     }
 
     /// Every frame was fitted.
@@ -149,28 +161,36 @@ pub fn search(
         .flat_map_iter(|&k| keyframe_hypotheses(evidence, sequence, k, options, journal))
         .collect();
     // 2. first hypothesis: the mean of p(s), in the pose of the keyframe that was fitted best
-    let best = (0..found.len()).min_by(|&a, &b| {
-        found[a].keyframe_cost.total_cmp(&found[b].keyframe_cost)
-    })?;
+    let best = (0..found.len())
+        .min_by(|&a, &b| found[a].keyframe_cost.total_cmp(&found[b].keyframe_cost))?;
     let mut hypotheses = vec![mean_hypothesis(evidence, sequence, &found[best])];
     hypotheses.extend(found);
     journal.hypotheses(hypotheses.len());
     // 4. propagate every hypothesis along the chain, the most promising first: it bounds the others
-    let follow = |index: usize, bound: f64| {
+    let follow = |hypotheses: &[Hypothesis], index: usize, bound: f64| {
         let kept = journal.kept_trial(index);
         kept.unwrap_or_else(|| {
-            let trial = propagate(evidence, sequence, &hypotheses[index], options, (index, bound, journal));
+            let trial = propagate(
+                evidence,
+                sequence,
+                &hypotheses[index],
+                options,
+                (index, bound, journal),
+            );
             journal.keep_trial(index, &trial);
             trial
         })
     };
     let mut trials: Vec<Option<Trial>> = vec![None; hypotheses.len()];
     let mut bound = f64::INFINITY;
-    let order: Vec<usize> =
-        std::iter::once(best + 1).chain((0..hypotheses.len()).filter(|i| *i != best + 1)).collect();
+    let order: Vec<usize> = std::iter::once(best + 1)
+        .chain((0..hypotheses.len()).filter(|i| *i != best + 1))
+        .collect();
     for batch in [&order[..1]].into_iter().chain(order[1..].chunks(TOGETHER)) {
-        let done: Vec<(usize, Trial)> =
-            batch.par_iter().map(|&index| (index, follow(index, bound))).collect();
+        let done: Vec<(usize, Trial)> = batch
+            .par_iter()
+            .map(|&index| (index, follow(&hypotheses, index, bound)))
+            .collect();
         for (index, trial) in done {
             if trial.finished() && options.pruning == Pruning::Exact {
                 bound = bound.min(trial.energy());
@@ -178,18 +198,70 @@ pub fn search(
             trials[index] = Some(trial);
         }
     }
+    let mut trials: Vec<Trial> = trials.into_iter().flatten().collect();
+    // beyond the paper: one more hypothesis, the best one's frames asked for a shape together
+    if options.together > 1 {
+        let hypothesis = together_hypothesis(evidence, sequence, &trials[best_of(&trials)?], options.together);
+        hypotheses.push(hypothesis);
+        trials.push(follow(&hypotheses, trials.len(), bound));
+    }
     // 5. the most probable sequence posterior (eq. 1)
-    let trials: Vec<Trial> = trials.into_iter().flatten().collect();
-    let winner = (0..trials.len())
-        .filter(|&i| trials[i].finished())
-        .min_by(|&a, &b| trials[a].energy().total_cmp(&trials[b].energy()))?;
+    let winner = best_of(&trials)?;
     Some(Search { trials, winner })
 }
 
+fn best_of(trials: &[Trial]) -> Option<usize> {
+    let finished = (0..trials.len()).filter(|&i| trials[i].finished());
+    finished.min_by(|&a, &b| trials[a].energy().total_cmp(&trials[b].energy()))
+}
+
+/// The shape that up to `count` evenly spaced frames of a trial agree on.
+fn together_hypothesis(
+    evidence: &Evidence<'_>,
+    sequence: Sequence<'_>,
+    trial: &Trial,
+    count: usize,
+) -> Hypothesis {
+    let n = sequence.frames.len();
+    let spacing = n.div_ceil(count).max(1);
+    let mut members: Vec<Member<'_>> = (0..n)
+        .step_by(spacing)
+        .filter_map(|i| {
+            let motion = trial.frames[i].as_ref()?.motion.clone();
+            Some(Member { terms: evidence.terms(&sequence.frames[i], Detail::Fine), motion })
+        })
+        .collect();
+    let weight = (members.len() as f64).powf(-*TEMPER_);
+    let shape = refine(evidence, trial.hypothesis.shape.clone(), &mut members, weight);
+    let k = trial.hypothesis.keyframe;
+    let motion = trial.frames[k].as_ref().map_or_else(|| trial.hypothesis.motion.clone(), |f| f.motion.clone());
+    let fit = keyframe_fit(evidence, sequence, k, &shape, motion, 30);
+    Hypothesis {
+        origin: Origin::Together,
+        keyframe: k,
+        keyframe_cost: fit.cost() + evidence.shape_prior.cost(&shape),
+        motion: fit.motion,
+        shape,
+    }
+}
+
+/// K frames weigh as much as K^(1 − TEMPER) independent ones.
+static TEMPER_: std::sync::LazyLock<f64> = std::sync::LazyLock::new(|| std::env::var("TEMPER").ok().and_then(|v| v.parse().ok()).unwrap_or(0.5));
+
 fn keyframes(sequence: Sequence<'_>, every: usize) -> Vec<usize> {
     let usable = |&i: &usize| sequence.frames[i].views.len() >= 2;
-    let spaced: Vec<usize> = (0..sequence.frames.len()).step_by(every.max(1)).filter(usable).collect();
-    if spaced.is_empty() { (0..sequence.frames.len()).find(usable).into_iter().collect() } else { spaced }
+    let spaced: Vec<usize> = (0..sequence.frames.len())
+        .step_by(every.max(1))
+        .filter(usable)
+        .collect();
+    if spaced.is_empty() {
+        (0..sequence.frames.len())
+            .find(usable)
+            .into_iter()
+            .collect()
+    } else {
+        spaced
+    }
 }
 
 fn keyframe_hypotheses(
@@ -200,26 +272,44 @@ fn keyframe_hypotheses(
     journal: &dyn Journal,
 ) -> Vec<Hypothesis> {
     journal.kept_keyframe(keyframe).unwrap_or_else(|| {
-        let hypotheses: Vec<Hypothesis> = readings(evidence, &sequence.frames[keyframe], &options.start)
-            .into_iter()
-            .enumerate()
-            .map(|(reading, start)| Hypothesis {
-                origin: Origin::Keyframe(reading),
-                keyframe,
-                shape: start.state.shape,
-                motion: start.state.motion,
-                keyframe_cost: start.cost,
-            })
-            .collect();
+        let hypotheses: Vec<Hypothesis> =
+            readings(evidence, &sequence.frames[keyframe], &options.start)
+                .into_iter()
+                .enumerate()
+                .map(|(reading, start)| Hypothesis {
+                    origin: Origin::Keyframe(reading),
+                    keyframe,
+                    shape: start.state.shape,
+                    motion: start.state.motion,
+                    keyframe_cost: start.cost,
+                })
+                .collect();
         journal.keep_keyframe(keyframe, &hypotheses);
         hypotheses
     })
 }
 
-fn mean_hypothesis(evidence: &Evidence<'_>, sequence: Sequence<'_>, from: &Hypothesis) -> Hypothesis {
+fn mean_hypothesis(
+    evidence: &Evidence<'_>,
+    sequence: Sequence<'_>,
+    from: &Hypothesis,
+) -> Hypothesis {
     let shape = evidence.shape_prior.mean();
-    let fit = keyframe_fit(evidence, sequence, from.keyframe, &shape, from.motion.clone(), 30);
-    Hypothesis { origin: Origin::Prior, shape, motion: fit.motion.clone(), keyframe_cost: fit.cost(), ..from.clone() }
+    let fit = keyframe_fit(
+        evidence,
+        sequence,
+        from.keyframe,
+        &shape,
+        from.motion.clone(),
+        30,
+    );
+    Hypothesis {
+        origin: Origin::Prior,
+        shape,
+        motion: fit.motion.clone(),
+        keyframe_cost: fit.cost(),
+        ..from.clone()
+    }
 }
 
 /// The keyframe itself in eq. 1: no motion precedes it, so its step is uniform.
@@ -235,7 +325,13 @@ fn keyframe_fit(
     let observations = silhouettes.effective_observations();
     let terms: Vec<Box<dyn Term + '_>> = vec![Box::new(silhouettes)];
     let pose_prior = &evidence.pose_prior;
-    let posterior = FramePosterior { model: evidence.model, shape, pose_prior, step: None, terms: &terms };
+    let posterior = FramePosterior {
+        model: evidence.model,
+        shape,
+        pose_prior,
+        step: None,
+        terms: &terms,
+    };
     solve(&posterior, motion, iterations, observations)
 }
 
@@ -259,7 +355,8 @@ fn propagate(
     };
     trial.frames[k] = Some(fit);
     while trial.energy() <= bound && !(forward.finished() && backward.finished()) {
-        let step = |track: &mut Track| track.advance(evidence, sequence, shape, &options.track, STRIDE);
+        let step =
+            |track: &mut Track| track.advance(evidence, sequence, shape, &options.track, STRIDE);
         let (ahead, behind) = rayon::join(|| step(&mut forward), || step(&mut backward));
         journal.advanced(index, ahead.len() + behind.len());
         for (i, fit) in ahead.into_iter().chain(behind) {

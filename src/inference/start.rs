@@ -28,7 +28,11 @@ pub struct StartOptions {
 
 impl Default for StartOptions {
     fn default() -> Self {
-        Self { headings: 8, iterations: 12, kept: 6 }
+        Self {
+            headings: 8,
+            iterations: 12,
+            kept: 6,
+        }
     }
 }
 
@@ -42,7 +46,11 @@ pub struct Start {
 }
 
 /// The readings of one frame, best first: at most one per direction of view (front, back, …).
-pub fn readings(evidence: &Evidence<'_>, frame: &FrameObservations, options: &StartOptions) -> Vec<Start> {
+pub fn readings(
+    evidence: &Evidence<'_>,
+    frame: &FrameObservations,
+    options: &StartOptions,
+) -> Vec<Start> {
     // 1. where the body is, and how tall
     let hull = hull::carve(evidence.rig, frame);
     // 2. every canonical leg pose at every heading, a dozen iterations on thinned contours
@@ -52,7 +60,12 @@ pub fn readings(evidence: &Evidence<'_>, frame: &FrameObservations, options: &St
         .collect();
     keep_best(&mut starts, options.kept);
     // 3. the best of them try the arm poses
-    let arms: Vec<_> = evidence.model.poses.iter().filter(|p| p.limbs == Limbs::Arms).collect();
+    let arms: Vec<_> = evidence
+        .model
+        .poses
+        .iter()
+        .filter(|p| p.limbs == Limbs::Arms)
+        .collect();
     let with_arms: Vec<Start> = starts
         .iter()
         .flat_map(|start| arms.iter().map(move |pose| (start, pose)))
@@ -65,8 +78,10 @@ pub fn readings(evidence: &Evidence<'_>, frame: &FrameObservations, options: &St
     starts.extend(with_arms);
     keep_best(&mut starts, options.kept);
     // 4. refine, and keep the best of each heading
-    let mut refined: Vec<Start> =
-        starts.into_iter().map(|s| improve(evidence, frame, s.state, Detail::Fine, 30)).collect();
+    let mut refined: Vec<Start> = starts
+        .into_iter()
+        .map(|s| improve(evidence, frame, s.state, Detail::Fine, 30))
+        .collect();
     keep_best(&mut refined, options.kept);
     distinct_headings(refined)
 }
@@ -94,9 +109,16 @@ fn improve(
         pose_prior: &evidence.pose_prior,
         terms: &terms,
     };
-    let options = Options { max_iterations, damping: 1e-2, relative_decrease: 1e-4 };
+    let options = Options {
+        max_iterations,
+        damping: 1e-2,
+        relative_decrease: 1e-4,
+    };
     let solution = levenberg_marquardt(&problem, state, &options);
-    Start { state: solution.state, cost: solution.cost }
+    Start {
+        state: solution.state,
+        cost: solution.cost,
+    }
 }
 
 fn keep_best(starts: &mut Vec<Start>, kept: usize) {
@@ -104,11 +126,26 @@ fn keep_best(starts: &mut Vec<Start>, kept: usize) {
     starts.truncate(kept);
 }
 
-fn first_states(evidence: &Evidence<'_>, hull: Option<&Hull>, options: &StartOptions) -> Vec<State> {
+fn first_states(
+    evidence: &Evidence<'_>,
+    hull: Option<&Hull>,
+    options: &StartOptions,
+) -> Vec<State> {
     let model = evidence.model;
-    let legs: Vec<_> = model.poses.iter().filter(|p| p.limbs == Limbs::Legs).collect();
-    let shape = hull.map_or_else(|| evidence.shape_prior.mean(), |h| shape_of_height(model, h.top - h.bottom));
-    let headings = if model.root == Root::Fixed { 1 } else { options.headings };
+    let legs: Vec<_> = model
+        .poses
+        .iter()
+        .filter(|p| p.limbs == Limbs::Legs)
+        .collect();
+    let shape = hull.map_or_else(
+        || evidence.shape_prior.mean(),
+        |h| shape_of_height(model, h.top - h.bottom),
+    );
+    let headings = if model.root == Root::Fixed {
+        1
+    } else {
+        options.headings
+    };
     let mut states = Vec::new();
     for heading in 0..headings {
         let angle = std::f64::consts::TAU * heading as f64 / headings as f64;
@@ -119,12 +156,18 @@ fn first_states(evidence: &Evidence<'_>, hull: Option<&Hull>, options: &StartOpt
             motion.position_world.z = hull.top - vertical_extent(model, &shape).1;
         }
         if legs.is_empty() {
-            states.push(State { motion: motion.clone(), shape: shape.clone() });
+            states.push(State {
+                motion: motion.clone(),
+                shape: shape.clone(),
+            });
         }
         for pose in &legs {
             let mut posed = motion.clone();
             pose.apply(&mut posed);
-            states.push(State { motion: posed, shape: shape.clone() });
+            states.push(State {
+                motion: posed,
+                shape: shape.clone(),
+            });
         }
     }
     states
@@ -137,7 +180,9 @@ fn vertical_extent(model: &BodyModel, shape: &Shape) -> (f64, f64) {
         let half = e.shape[(2, 2)].sqrt();
         (e.centre.z - half, e.centre.z + half)
     });
-    spans.fold((f64::INFINITY, f64::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)))
+    spans.fold((f64::INFINITY, f64::NEG_INFINITY), |a, b| {
+        (a.0.min(b.0), a.1.max(b.1))
+    })
 }
 
 /// The most probable shape of a body that stands `height` tall: E\[s | h(s) = height\], h linearised.
@@ -169,7 +214,10 @@ fn distinct_headings(starts: Vec<Start>) -> Vec<Start> {
     let forward = |s: &Start| s.state.motion.world_from_root * Vector3::x();
     let mut distinct: Vec<Start> = Vec::new();
     for start in starts {
-        if distinct.iter().all(|kept| forward(kept).dot(&forward(&start)) < 0.0) {
+        if distinct
+            .iter()
+            .all(|kept| forward(kept).dot(&forward(&start)) < 0.0)
+        {
             distinct.push(start);
         }
     }

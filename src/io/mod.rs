@@ -1,3 +1,4 @@
 //! The only code that reads and writes files, and the only one that knows their units.
 
+pub mod calibration;
 pub mod model;

@@ -56,7 +56,13 @@ impl OutlineEllipse {
         let l11 = (s[(1, 1)] - l10 * l10).max(0.0).sqrt();
         let root = Matrix2::new(l00, 0.0, l10, l11);
         let girth = (half - spread).max(0.0).sqrt();
-        Self { centre: ellipse.centre, inverse, reach: (half + spread).sqrt(), girth, root }
+        Self {
+            centre: ellipse.centre,
+            inverse,
+            reach: (half + spread).sqrt(),
+            girth,
+            root,
+        }
     }
 
     /// No point is nearer to the outline than this, and none farther inside than the smallest semi-axis.
@@ -83,7 +89,10 @@ impl OutlineEllipse {
         // ∂d = (1 − 1/ρ) ∂‖y‖ + ‖y‖/ρ² ∂ρ, ∂ρ = (−2uᵀ∂c − uᵀ∂Σu)/(2ρ)
         let d_centre = -y / norm * (1.0 - 1.0 / rho) - u * (norm / rho.powi(3));
         let slope = -0.5 * norm / rho.powi(3);
-        (norm * (1.0 - 1.0 / rho), with_outer(&d_centre, &u, &u, slope))
+        (
+            norm * (1.0 - 1.0 / rho),
+            with_outer(&d_centre, &u, &u, slope),
+        )
     }
 
     #[inline]
@@ -167,16 +176,30 @@ fn with_outer(
 /// F(t) = (a·y₀/(t+a²))² + (b·y₁/(t+b²))² − 1 on t > −b².
 pub fn exact_distance(ellipse: &Ellipse, x: &Vector2<f64>) -> f64 {
     let eigen = ellipse.shape.symmetric_eigen();
-    let major = if eigen.eigenvalues[0] >= eigen.eigenvalues[1] { 0 } else { 1 };
-    let (a, b) = (eigen.eigenvalues[major].sqrt(), eigen.eigenvalues[1 - major].sqrt());
+    let major = if eigen.eigenvalues[0] >= eigen.eigenvalues[1] {
+        0
+    } else {
+        1
+    };
+    let (a, b) = (
+        eigen.eigenvalues[major].sqrt(),
+        eigen.eigenvalues[1 - major].sqrt(),
+    );
     let y = eigen.eigenvectors.transpose() * (x - ellipse.centre);
     let y = Vector2::new(y[major].abs(), y[1 - major].abs());
     let foot = if y[1] > 0.0 {
         let f = |t: f64| (a * y[0] / (t + a * a)).powi(2) + (b * y[1] / (t + b * b)).powi(2) - 1.0;
-        let (mut low, mut high) = (-b * b + b * y[1], -b * b + (a * a * y[0] * y[0] + b * b * y[1] * y[1]).sqrt());
+        let (mut low, mut high) = (
+            -b * b + b * y[1],
+            -b * b + (a * a * y[0] * y[0] + b * b * y[1] * y[1]).sqrt(),
+        );
         for _ in 0..200 {
             let middle = 0.5 * (low + high);
-            if f(middle) > 0.0 { low = middle } else { high = middle }
+            if f(middle) > 0.0 {
+                low = middle
+            } else {
+                high = middle
+            }
         }
         let t = 0.5 * (low + high);
         Vector2::new(a * a * y[0] / (t + a * a), b * b * y[1] / (t + b * b))
@@ -197,11 +220,17 @@ mod tests {
     use super::*;
     use crate::math::central_differences;
 
-    const KINDS: [EllipseDistance; 3] =
-        [EllipseDistance::Published, EllipseDistance::Gradient, EllipseDistance::Orthogonal];
+    const KINDS: [EllipseDistance; 3] = [
+        EllipseDistance::Published,
+        EllipseDistance::Gradient,
+        EllipseDistance::Orthogonal,
+    ];
 
     fn ellipse(n: &[f64]) -> Ellipse {
-        Ellipse { centre: Vector2::new(n[0], n[1]), shape: Matrix2::new(n[2], n[3], n[3], n[4]) }
+        Ellipse {
+            centre: Vector2::new(n[0], n[1]),
+            shape: Matrix2::new(n[2], n[3], n[3], n[4]),
+        }
     }
 
     const LONG: [f64; 5] = [10.0, -4.0, 900.0, 300.0, 250.0];
@@ -222,8 +251,16 @@ mod tests {
     fn all_agree_on_a_circle() {
         let e = OutlineEllipse::new(&ellipse(&[0.0, 0.0, 25.0, 0.0, 25.0]));
         for kind in KINDS {
-            approx::assert_relative_eq!(e.distance(&Vector2::new(6.0, 8.0), kind).0, 5.0, epsilon = 1e-9);
-            approx::assert_relative_eq!(e.distance(&Vector2::new(0.0, 3.0), kind).0, -2.0, epsilon = 1e-9);
+            approx::assert_relative_eq!(
+                e.distance(&Vector2::new(6.0, 8.0), kind).0,
+                5.0,
+                epsilon = 1e-9
+            );
+            approx::assert_relative_eq!(
+                e.distance(&Vector2::new(0.0, 3.0), kind).0,
+                -2.0,
+                epsilon = 1e-9
+            );
         }
     }
 
@@ -250,13 +287,21 @@ mod tests {
         let x = Vector2::new(40.0, 8.0);
         let exact = exact_distance(&raw, &x);
         assert!(e.distance(&x, EllipseDistance::Published).0 > 2.0 * exact);
-        approx::assert_relative_eq!(e.distance(&x, EllipseDistance::Gradient).0, exact, max_relative = 0.1);
+        approx::assert_relative_eq!(
+            e.distance(&x, EllipseDistance::Gradient).0,
+            exact,
+            max_relative = 0.1
+        );
     }
 
     #[test]
     fn derivatives_are_those_of_the_distance() {
         for kind in KINDS {
-            for x in [Vector2::new(50.0, 20.0), Vector2::new(14.0, 9.0), Vector2::new(12.0, 14.0)] {
+            for x in [
+                Vector2::new(50.0, 20.0),
+                Vector2::new(14.0, 9.0),
+                Vector2::new(12.0, 14.0),
+            ] {
                 let analytic = OutlineEllipse::new(&ellipse(&LONG)).distance(&x, kind).1;
                 let numeric = central_differences(5, 1e-2, |delta| {
                     let n: Vec<f64> = LONG.iter().zip(delta.iter()).map(|(a, b)| a + b).collect();

@@ -136,7 +136,9 @@ impl<'a> EllipseSilhouette<'a> {
     }
 
     fn sigma_px(&self, view: &View<'_>) -> f64 {
-        self.options.sigma_px.hypot(self.options.sigma_m * view.px_per_m)
+        self.options
+            .sigma_px
+            .hypot(self.options.sigma_m * view.px_per_m)
     }
 
     /// Calls `row(residual/σ, weight, derivatives by ellipse)` for every residual of a view.
@@ -153,7 +155,11 @@ impl<'a> EllipseSilhouette<'a> {
         for (x, length_px) in view.points.iter().zip(&view.lengths_px) {
             if let Some(d) = self.distance(view, ellipses, x, &mut near) {
                 near.iter_mut().for_each(|(_, slope)| *slope *= precision);
-                row(d * precision, length_px / (view.px_per_m * self.options.correlation_m), &near);
+                row(
+                    d * precision,
+                    length_px / (view.px_per_m * self.options.correlation_m),
+                    &near,
+                );
             }
         }
         // back: from the model to the mask
@@ -184,9 +190,13 @@ impl<'a> EllipseSilhouette<'a> {
         near.clear();
         match self.options.variant {
             Variant::Published => nearest(ellipses, x, self.options.distance, near),
-            Variant::Outline => {
-                smooth_union(ellipses, x, self.options.distance, self.options.blend_m * view.px_per_m, near)
-            }
+            Variant::Outline => smooth_union(
+                ellipses,
+                x,
+                self.options.distance,
+                self.options.blend_m * view.px_per_m,
+                near,
+            ),
         }
     }
 
@@ -196,7 +206,11 @@ impl<'a> EllipseSilhouette<'a> {
             let sum = r.norm_squared() - r.min().powi(2);
             std::f64::consts::TAU * (0.5 * sum).sqrt()
         };
-        body.model.ellipsoids.iter().map(|e| perimeter(e.radii.value)).collect()
+        body.model
+            .ellipsoids
+            .iter()
+            .map(|e| perimeter(e.radii.value))
+            .collect()
     }
 }
 
@@ -207,7 +221,10 @@ fn nearest(
     kind: EllipseDistance,
     near: &mut Vec<(usize, SVector<f64, 5>)>,
 ) -> Option<f64> {
-    let all = ellipses.iter().enumerate().filter_map(|(i, e)| Some((i, e.as_ref()?.distance(x, kind))));
+    let all = ellipses
+        .iter()
+        .enumerate()
+        .filter_map(|(i, e)| Some((i, e.as_ref()?.distance(x, kind))));
     let (i, (d, slope)) = all.min_by(|a, b| a.1.0.abs().total_cmp(&b.1.0.abs()))?;
     near.push((i, slope));
     Some(d)
@@ -261,9 +278,8 @@ const MAX_NEAR: usize = 12;
 fn outline_slope(e: &OutlineEllipse, sin: f64, cos: f64, slope: &Vector2<f64>) -> SVector<f64, 5> {
     let (l00, l10, l11) = (e.root[(0, 0)], e.root[(1, 0)], e.root[(1, 1)]);
     // l00 = √Σxx, l10 = Σxy/l00, l11 = √(Σyy − l10²)
-    let by = |d00: f64, d10: f64, d11: f64| {
-        slope[0] * d00 * cos + slope[1] * (d10 * cos + d11 * sin)
-    };
+    let by =
+        |d00: f64, d10: f64, d11: f64| slope[0] * d00 * cos + slope[1] * (d10 * cos + d11 * sin);
     let d00 = 0.5 / l00;
     let d10 = -l10 / l00 * d00;
     SVector::from([[
@@ -289,7 +305,9 @@ impl Term for EllipseSilhouette<'_> {
                 .iter()
                 .map(|e| project(&view.projection, e).map(|e| OutlineEllipse::new(&e)))
                 .collect();
-            self.rows(view, &ellipses, &girths_m, |r, w, _| cost += 0.5 * w * self.options.loss.evaluate(r).0);
+            self.rows(view, &ellipses, &girths_m, |r, w, _| {
+                cost += 0.5 * w * self.options.loss.evaluate(r).0
+            });
         }
         cost
     }

@@ -353,13 +353,17 @@ impl Builder<'_> {
         place: &str,
     ) -> Result<ScaledVector, ModelFileError> {
         let mut scale = [Scale::Fixed; 3];
-        for (scale, name) in scale.iter_mut().zip(names.into_iter().flatten()) {
-            *scale = self.scale(name, side, place)?;
+        for (axis, name) in names.into_iter().flatten().enumerate() {
+            let found = self.scale(name, side, place)?;
+            scale[axis] = match (found, side, axis) {
+                (Scale::Shift(c), Side::Left, 1) => Scale::Unshift(c),
+                _ => found,
+            };
         }
         Ok(ScaledVector { value, scale })
     }
 
-    /// "" is fixed, "name" e^s, "share:name" and "rest:name" the two parts of a fixed total.
+    /// "" is fixed, "name" eˢ, "share:name" and "rest:name" the parts of a total, "shift:name" adds s.
     fn scale(&self, text: &str, side: Side, place: &str) -> Result<Scale, ModelFileError> {
         if text.is_empty() {
             return Ok(Scale::Fixed);
@@ -377,6 +381,7 @@ impl Builder<'_> {
             ("", Some(id)) => Ok(Scale::Log(id)),
             ("share", Some(id)) => Ok(Scale::Share(id)),
             ("rest", Some(id)) => Ok(Scale::Rest(id)),
+            ("shift", Some(id)) => Ok(Scale::Shift(id)),
             _ => Err(self.missing(place, "coefficient", text)),
         }
     }
