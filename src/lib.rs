@@ -1,5 +1,6 @@
 //! Maquette.
 pub mod camera;
 pub mod image;
+pub mod io;
 pub mod math;
 pub mod silhouette;
