@@ -1,4 +1,4 @@
-//! Files in and out: the only rooms that touch the disk and know the units of files.
+//! Files in and out: the only code that knows formats and the units of files.
 
 pub mod calibration;
 pub mod manifest;
