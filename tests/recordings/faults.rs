@@ -19,7 +19,10 @@ fn a_missing_recording_is_named() {
         &["no/where: no such folder or file"],
     );
     let empty = tempfile::tempdir().expect("a folder");
-    assert_complains(open(empty.path()), &["no masks: expected masks/<camera>/"]);
+    assert_complains(
+        Recording::open(empty.path(), None),
+        &["no masks: expected masks/<camera>/"],
+    );
     let folder = recording(&["a", "b"]);
     fs::remove_file(folder.path().join("calibration.toml")).expect("removed");
     assert!(matches!(

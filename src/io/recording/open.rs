@@ -17,38 +17,18 @@ pub(super) fn open(path: &Path, fps: Option<f64>) -> Result<Recording, Recording
         Some(path) => Manifest::read(path)?,
         None => Manifest::default(),
     };
-    let fps = frame_rate(fps.or(manifest.fps), path)?;
     let mut notes = Vec::new();
-    let is_conventional = manifest.cameras.is_empty();
-    let cameras = cameras_with_masks(path, &folder, &manifest, &mut notes)?;
-    let listed = list_masks(&folder, &cameras)?;
     let sources = layout::calibration_paths(&folder, manifest.calibration.as_ref());
-    let options = CalibrationOptions {
-        unit: manifest.unit,
-        up: manifest.up,
-        image_sizes_px: image_sizes(&cameras, &listed),
-    };
-    let calibrated = layout::read_calibration(&sources, &options)?;
-    let masks = cameras.into_iter().zip(listed).collect();
-    let masks = if is_conventional {
-        only_calibrated(masks, &calibrated, &mut notes)
-    } else {
-        masks
-    };
-    let source = match sources.as_slice() {
-        [(_, source)] => source,
-        _ => path,
-    };
-    let rig = select(&calibrated, &masks, source, path)?;
+    let masks = masks_of_cameras(path, &folder, &manifest, &mut notes)?;
+    let (rig, masks) = calibrate(path, &manifest, masks, &sources, &mut notes)?;
+    let fps = frame_rate(fps.or(manifest.fps), path)?;
     let masks: Vec<_> = masks
         .iter()
         .map(|(camera, files)| by_frame(camera, files, &mut notes))
         .collect();
     let (frames, missing) = frames_and_missing(&masks);
-    if !frames
-        .iter()
-        .any(|frame| masks.iter().filter(|m| m.contains_key(frame)).count() > 1)
-    {
+    let views = |frame: &FrameIndex| masks.iter().filter(|m| m.contains_key(frame)).count();
+    if !frames.iter().any(|frame| views(frame) > 1) {
         notes.push(Note::NoCommonFrame);
     }
     let sources = sources
@@ -120,35 +100,79 @@ fn ignored_keys(manifest: &Manifest) -> Vec<&'static str> {
     .collect()
 }
 
-fn list_masks(folder: &Path, cameras: &[CameraFiles]) -> Result<Vec<MaskFiles>, RecordingError> {
-    let list = |camera: &CameraFiles| {
+/// The cameras that are used, each with its files.
+type CameraMasks = Vec<(CameraFiles, MaskFiles)>;
+
+fn masks_of_cameras(
+    path: &Path,
+    folder: &Path,
+    manifest: &Manifest,
+    notes: &mut Vec<Note>,
+) -> Result<CameraMasks, RecordingError> {
+    let list = |camera: CameraFiles| {
         let pattern = camera.masks.as_deref().unwrap_or_default();
         let files = mask_files::list(folder, pattern, &camera.name)?;
         if files.of_number.is_empty() {
             return Err(RecordingError::MissingMasks {
-                camera: camera.name.clone(),
                 pattern: folder.join(pattern),
+                camera: camera.name,
             });
         }
-        Ok(files)
+        Ok((camera, files))
     };
-    cameras.iter().map(list).collect()
+    let cameras = cameras_with_masks(path, folder, manifest, notes)?;
+    cameras.into_iter().map(list).collect()
+}
+
+/// Reads the calibration of the cameras; those of a manifest must all be in it.
+fn calibrate(
+    path: &Path,
+    manifest: &Manifest,
+    masks: CameraMasks,
+    sources: &[(Option<String>, PathBuf)],
+    notes: &mut Vec<Note>,
+) -> Result<(Rig, CameraMasks), RecordingError> {
+    let options = CalibrationOptions {
+        unit: manifest.unit,
+        up: manifest.up,
+        image_sizes_px: image_sizes(&masks),
+    };
+    let calibrated = layout::read_calibration(sources, &options)?;
+    let masks = if manifest.cameras.is_empty() {
+        only_calibrated(masks, &calibrated, notes)
+    } else {
+        masks
+    };
+    let source = match sources {
+        [(_, source)] => source,
+        _ => path,
+    };
+    let names: Vec<&str> = masks
+        .iter()
+        .map(|(camera, _)| camera.name.as_str())
+        .collect();
+    let rig = calibration::select(&calibrated, source, &names)?;
+    match names.as_slice() {
+        [camera] => Err(RecordingError::OneCamera {
+            path: path.into(),
+            camera: (*camera).into(),
+        }),
+        _ => Ok((rig, masks)),
+    }
 }
 
 /// Width and height of each camera's first mask, where that can be read.
-fn image_sizes(cameras: &[CameraFiles], listed: &[MaskFiles]) -> BTreeMap<String, [u32; 2]> {
+fn image_sizes(masks: &CameraMasks) -> BTreeMap<String, [u32; 2]> {
     let size = |files: &MaskFiles| mask_image::size_of(files.of_number.values().next()?).ok();
-    let cameras = cameras.iter().zip(listed);
-    cameras
+    masks
+        .iter()
         .filter_map(|(camera, files)| Some((camera.name.clone(), size(files)?)))
         .collect()
 }
 
-type CameraMasks = Vec<(CameraFiles, MaskFiles)>;
-
 /// In the order of the calibration, those that it has; a note of each that it has not, and of what has no masks.
 ///
-/// None at all is left to [`select`], which refuses it.
+/// Where it has none at all they are left as they are, to be refused.
 fn only_calibrated(masks: CameraMasks, calibrated: &Rig, notes: &mut Vec<Note>) -> CameraMasks {
     let position = |name: &str| calibrated.by_name(name).map(|(id, _)| id);
     let names: Vec<&str> = calibrated.names().collect();
@@ -173,27 +197,6 @@ fn only_calibrated(masks: CameraMasks, calibrated: &Rig, notes: &mut Vec<Note>) 
     }
     known.sort_by_key(|(camera, _)| position(&camera.name));
     known
-}
-
-/// The cameras that have masks, in their order; `source` is what they were calibrated by.
-fn select(
-    calibrated: &Rig,
-    masks: &CameraMasks,
-    source: &Path,
-    path: &Path,
-) -> Result<Rig, RecordingError> {
-    let names: Vec<&str> = masks
-        .iter()
-        .map(|(camera, _)| camera.name.as_str())
-        .collect();
-    let rig = calibration::select(calibrated, source, &names)?;
-    match names.as_slice() {
-        [camera] => Err(RecordingError::OneCamera {
-            path: path.into(),
-            camera: (*camera).into(),
-        }),
-        _ => Ok(rig),
-    }
 }
 
 /// The masks by frame: number + `offset_frames`.
