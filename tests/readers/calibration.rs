@@ -271,6 +271,14 @@ fn of_a_folder_the_last_toml_by_name_is_read_and_manifests_are_not() {
 }
 
 #[test]
+fn a_byte_order_mark_is_passed_over() {
+    for (name, text) in [("a.toml", POSE2SIM), ("a.qca.txt", QUALISYS)] {
+        let rig = read_text(name, &format!("\u{feff}{text}"), &defaults()).unwrap();
+        assert_same(&rig, &expected(lens()));
+    }
+}
+
+#[test]
 fn the_cameras_of_a_manifest_come_in_its_order() {
     let rig = expected(lens());
     let chosen = select(&rig, Path::new("a.toml"), &["cam2", "cam1"]).unwrap();

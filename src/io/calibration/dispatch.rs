@@ -2,6 +2,7 @@
 
 use super::{
     CalibrationError, CalibrationOptions,
+    error::one_line,
     natural_order::natural,
     opencv, opencv_storage, pose2sim, projection_matrix, qualisys,
     unchecked::{UncheckedCamera, check},
@@ -87,7 +88,7 @@ fn unknown_camera(rig: &Rig, path: &Path, name: &str) -> CalibrationError {
     CalibrationError::UnknownCamera {
         path: path.into(),
         camera: name.into(),
-        known: rig.names().collect::<Vec<_>>().join(", "),
+        known: one_line(&rig.names().collect::<Vec<_>>().join(", ")),
         hint: nearest.map_or(String::new(), |near| format!("; did you mean {near:?}?")),
     }
 }
@@ -130,10 +131,9 @@ fn file(path: &Path) -> Result<Vec<UncheckedCamera>, CalibrationError> {
     }
     let text = text(path)?;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let start = text.trim_start_matches('\u{feff}').trim_start();
-    match kind(&name, start) {
+    match kind(&name, text.trim_start()) {
         Kind::Toml => pose2sim::parse(path, &text),
-        Kind::Xml => xml(path, without_mark(&text), &stem),
+        Kind::Xml => xml(path, &text, &stem),
         Kind::Yaml if is_half(&name) => pair(path),
         Kind::Yaml => {
             let storage = opencv_storage::parse_yaml(path, &text)?;
@@ -189,11 +189,6 @@ fn xml(path: &Path, text: &str, stem: &str) -> Result<Vec<UncheckedCamera>, Cali
     }
 }
 
-/// Without the byte-order mark, which an XML declaration may not follow.
-fn without_mark(text: &str) -> &str {
-    text.trim_start_matches('\u{feff}')
-}
-
 /// Whether a file is one of EasyMocap's two.
 fn is_half(name: &str) -> bool {
     matches!(name, "intri.yml" | "extri.yml")
@@ -214,10 +209,11 @@ fn pair(path: &Path) -> Result<Vec<UncheckedCamera>, CalibrationError> {
     opencv::cameras(&storages, "camera")
 }
 
-/// The file's text; what is not UTF-8, as in remarks of older systems, is replaced.
+/// The file's text without byte-order mark; what is not UTF-8, as in remarks of older systems, is replaced.
 fn text(path: &Path) -> Result<String, CalibrationError> {
     let bytes = fs::read(path).map_err(|reason| unreadable(path, reason))?;
-    Ok(String::from_utf8_lossy(&bytes).into_owned())
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
+    Ok(String::from_utf8_lossy(bytes).into_owned())
 }
 
 fn unreadable(path: &Path, reason: std::io::Error) -> CalibrationError {

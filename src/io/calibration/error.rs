@@ -20,7 +20,7 @@ impl Place {
         Self {
             path: path.to_owned(),
             line,
-            camera: camera.map(str::to_owned),
+            camera: camera.map(one_line),
         }
     }
 }
@@ -36,6 +36,12 @@ impl fmt::Display for Place {
         }
         Ok(())
     }
+}
+
+/// A text from a file, in one line whatever it holds.
+pub(super) fn one_line(text: &str) -> String {
+    let printable = |c: char| if c.is_control() { ' ' } else { c };
+    text.chars().map(printable).collect()
 }
 
 /// Why a calibration could not be used, in one line for a person.

@@ -121,7 +121,7 @@ pub(super) fn parse_xml(path: &Path, text: &str) -> Result<Storage, CalibrationE
 pub(super) fn parse_yaml(path: &Path, text: &str) -> Result<Storage, CalibrationError> {
     let mut blocks: Vec<Block> = Vec::new();
     for (index, line) in text.lines().enumerate() {
-        let line = line.trim_end().trim_start_matches('\u{feff}');
+        let line = line.trim_end();
         let is_marker = line.starts_with('%') || line == "---" || line == "...";
         if is_marker || line.trim_start().starts_with('#') || line.is_empty() {
             continue;
@@ -131,16 +131,12 @@ pub(super) fn parse_yaml(path: &Path, text: &str) -> Result<Storage, Calibration
             let block = blocks
                 .last_mut()
                 .ok_or_else(|| not_a_key(path, index, line))?;
-            block.lines.push(line.trim_start().into());
+            block.push(line);
         } else {
             let (key, rest) = line
                 .split_once(':')
                 .ok_or_else(|| not_a_key(path, index, line))?;
-            blocks.push(Block {
-                key: unquoted(key.trim()).into(),
-                line: index + 1,
-                lines: vec![rest.trim_start().into()],
-            });
+            blocks.push(Block::new(unquoted(key.trim()), index + 1, rest));
         }
     }
     if let Some(block) = blocks.iter().find(|block| block.is_open()) {
@@ -169,14 +165,33 @@ struct Block {
     key: String,
     line: usize,
     lines: Vec<String>,
+    /// Brackets so far.
+    opened: usize,
+    closed: usize,
 }
 
 impl Block {
+    fn new(key: &str, line: usize, rest: &str) -> Self {
+        let mut block = Self {
+            key: key.into(),
+            line,
+            lines: Vec::new(),
+            opened: 0,
+            closed: 0,
+        };
+        block.push(rest);
+        block
+    }
+
+    fn push(&mut self, line: &str) {
+        self.opened += line.matches('[').count();
+        self.closed += line.matches(']').count();
+        self.lines.push(line.trim_start().into());
+    }
+
     /// Whether a bracket is still open.
     fn is_open(&self) -> bool {
-        let count =
-            |bracket| -> usize { self.lines.iter().map(|l| l.matches(bracket).count()).sum() };
-        count('[') > count(']')
+        self.opened > self.closed
     }
 
     fn entry(&self) -> Entry {

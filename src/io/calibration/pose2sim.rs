@@ -6,6 +6,7 @@
 
 use super::{
     CalibrationError, Place, Unit,
+    error::one_line,
     natural_order::natural,
     unchecked::{Lens, Numbers, Size, UncheckedCamera},
 };
@@ -44,7 +45,7 @@ fn syntax(path: &Path, text: &str, error: &toml::de::Error) -> CalibrationError 
     CalibrationError::Syntax {
         place: Place::new(path, line, None),
         expected: "TOML",
-        found: error.message().replace('\n', ", "),
+        found: one_line(&error.message().replace('\n', ", ")),
     }
 }
 

@@ -7,7 +7,8 @@
 //! The lens corrects: with w = (u − c_u, a·(v − c_v)) in **pixels** of the distorted image and ρ = |w|, the undistorted
 //! image is at c + w·(1 + k₁ρ² + k₂ρ⁴ + k₃ρ⁶); `VICON_RADIAL2="ViconRadial2 c_u c_v k₁ k₂ k₃"` also gives the centre,
 //! `VICON_RADIAL="k₁ k₂"` has the principal point there. On normalised coordinates the coefficients are multiplied by
-//! f², f⁴, f⁶, as Vicon's own plug-in for Unreal does with them.
+//! f², f⁴, f⁶, as Vicon's own plug-in for Unreal does with them; the direction is that of the reader in Imaginarium's
+//! GRIP. No file with known truth was at hand to confirm either.
 //!
 //! **Differs** from the readers of OpenCap and Pose2Sim, which hand the tokens to OpenCV as they stand, where a k₁ of some
 //! 1e-8 per square pixel does nothing. Coefficients so large that in pixels they would bend the corner of the image

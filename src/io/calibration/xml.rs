@@ -1,6 +1,6 @@
 //! XML with lines and cameras in its errors.
 
-use super::{CalibrationError, Place, unchecked::Numbers};
+use super::{CalibrationError, Place, error::one_line, unchecked::Numbers};
 use roxmltree::{Document, Node};
 use std::path::Path;
 
@@ -9,7 +9,7 @@ pub(super) fn document<'a>(path: &Path, text: &'a str) -> Result<Document<'a>, C
     Document::parse(text).map_err(|error| CalibrationError::Syntax {
         place: Place::new(path, Some(error.pos().row as usize), None),
         expected: "XML",
-        found: error.to_string(),
+        found: one_line(&error.to_string()),
     })
 }
 
