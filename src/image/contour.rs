@@ -8,6 +8,8 @@ use super::{Plane, Runs};
 const MARGIN: usize = 3;
 /// ½ of the blurred foreground, which is 16 · 16.
 const LEVEL: u16 = 128;
+/// A polyline is never resampled to more points.
+const MOST_POINTS: f64 = 1e6;
 
 /// The outer and inner borders of a mask as closed polylines; the last point is joined to the first.
 ///
@@ -49,8 +51,8 @@ pub fn resample(closed: &[Point2<f64>], spacing_px: f64) -> Vec<Point2<f64>> {
     let next = closed.iter().cycle().skip(1);
     let segments: Vec<_> = closed.iter().zip(next).collect();
     let length: f64 = segments.iter().map(|(a, b)| (*b - *a).norm()).sum();
-    let count = (length / spacing_px).round().max(3.0);
-    if length <= 0.0 || spacing_px <= 0.0 || !count.is_finite() {
+    let count = (length / spacing_px).round().clamp(3.0, MOST_POINTS);
+    if length <= 0.0 || spacing_px <= 0.0 || count.is_nan() {
         return Vec::new();
     }
     let arc = length / count;

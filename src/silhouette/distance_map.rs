@@ -70,31 +70,27 @@ impl DistanceMap {
     /// Distance from an undistorted pixel to the silhouette, px, and its gradient; both 0 inside and beyond the image.
     ///
     /// The gradient is exactly that of the value: of the bilinear interpolant of the cell, and beyond the grid of the
-    /// interpolant at the nearest point of its box plus the distance to that point.
+    /// interpolant at the nearest point of its box plus the distance to that point. NaN gives NaN.
     pub fn sample(&self, pixel: &Point2<f64>) -> (f64, Vector2<f64>) {
+        if pixel.x.is_nan() || pixel.y.is_nan() {
+            return (f64::NAN, Vector2::repeat(f64::NAN));
+        }
         let nearest = pixel.sup(&self.low).inf(&self.high());
-        let (value, mut gradient) = self.interpolated(&nearest);
+        let (value, gradient) = self.interpolated(&nearest);
         let beyond = pixel - nearest;
         let distance = beyond.norm();
-        if distance > 0.0 {
-            if !self.sees(pixel) || value.is_nan() {
-                return (0.0, Vector2::zeros());
-            }
-            let is_held = beyond.map(|component| component.abs() > 0.0);
-            gradient = gradient.zip_map(&is_held, |g, is_held| if is_held { 0.0 } else { g });
-            let outside = if value > 0.0 { value } else { 0.0 };
-            let slope = if value > 0.0 {
-                gradient
-            } else {
-                Vector2::zeros()
-            };
-            return (outside + distance, slope + beyond / distance);
-        }
-        if value > 0.0 {
-            (value, gradient)
-        } else {
+        let is_unknown = value.is_nan() || (distance > 0.0 && !self.sees(pixel));
+        let (outside, slope) = if is_unknown || value <= 0.0 {
             (0.0, Vector2::zeros())
+        } else {
+            (value, gradient)
+        };
+        if is_unknown || distance <= 0.0 {
+            return (outside, slope);
         }
+        // the nearest point follows the pixel only along the side of the box
+        let along = slope.zip_map(&beyond, |g, held| if held.abs() > 0.0 { 0.0 } else { g });
+        (outside + distance, along + beyond / distance)
     }
 
     /// Whether an undistorted pixel lies in the camera's image.

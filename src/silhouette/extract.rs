@@ -38,7 +38,7 @@ pub enum Rejected {
         area_px: usize,
     },
     /// The mask is not of the size that the camera was calibrated for.
-    #[error("the mask is {found:?} px, expected {expected:?} px")]
+    #[error("the mask is {} × {} px, expected {} × {} px", found.0, found.1, expected.0, expected.1)]
     Size {
         /// Width and height of the calibration.
         expected: (usize, usize),

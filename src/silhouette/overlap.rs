@@ -4,8 +4,10 @@ use nalgebra::Point2;
 
 use super::Silhouette;
 
-/// Steps along the height of what is compared.
+/// Steps along the longer side of the silhouette's box.
 const STEPS: f64 = 150.0;
+/// At most so many along that of both boxes, so that a model gone astray costs no more.
+const MOST_STEPS: f64 = 600.0;
 
 /// Areas of the intersection and of the union of a silhouette and a model, undistorted px².
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,7 +32,8 @@ impl Overlap {
 impl Silhouette {
     /// Overlap with the model whose pixels are those for which `is_model` holds; `model_bounds` is a box around them.
     ///
-    /// Counted on a square grid of max(1 px, size/150) over both boxes, size being the longer side of the silhouette's.
+    /// Counted on a square grid over both boxes, of 1/150 of the longer side of the silhouette's box or 1/600 of that of
+    /// both, whichever is more, and at least 1 px.
     /// What lies beyond the image counts for neither: there the silhouette is unknown.
     pub fn overlap(
         &self,
@@ -38,10 +41,13 @@ impl Silhouette {
         is_model: impl Fn(&Point2<f64>) -> bool,
     ) -> Overlap {
         let (low, high) = self.bounds;
-        let step = ((high - low).max() / STEPS).max(1.0);
+        let size_px = (high - low).max();
         let (image_low, image_high) = self.outside.image_bounds();
         let low = low.inf(&model_bounds.0).sup(&image_low);
         let high = high.sup(&model_bounds.1).inf(&image_high);
+        let step = (size_px / STEPS)
+            .max((high - low).max() / MOST_STEPS)
+            .max(1.0);
         let nodes = |from: f64, to: f64| ((to - from) / step).ceil().max(0.0) as usize;
         let (mut intersection, mut union) = (0usize, 0usize);
         for row in 0..nodes(low.y, high.y) {

@@ -1,0 +1,10 @@
+//! Recordings on disk: good ones of every layout, each way to be bad, and the shared ones.
+
+#[path = "recordings/faults.rs"]
+mod faults;
+#[path = "recordings/layouts.rs"]
+mod layouts;
+#[path = "recordings/shared_data.rs"]
+mod shared_data;
+#[path = "recordings/tiny.rs"]
+mod tiny;
