@@ -5,8 +5,8 @@ use rayon::prelude::*;
 use super::Evidence;
 use super::frame::FramePosterior;
 use super::propagate::{FrameFit, Sequence, Track, TrackOptions, solve};
-use super::together::{Member, refine};
 use super::start::{Detail, StartOptions, readings};
+use super::together::{Member, refine};
 use crate::body::{Motion, Shape};
 use crate::likelihood::Term;
 
@@ -201,7 +201,12 @@ pub fn search(
     let mut trials: Vec<Trial> = trials.into_iter().flatten().collect();
     // beyond the paper: one more hypothesis, the best one's frames asked for a shape together
     if options.together > 1 {
-        let hypothesis = together_hypothesis(evidence, sequence, &trials[best_of(&trials)?], options.together);
+        let hypothesis = together_hypothesis(
+            evidence,
+            sequence,
+            &trials[best_of(&trials)?],
+            options.together,
+        );
         hypotheses.push(hypothesis);
         trials.push(follow(&hypotheses, trials.len(), bound));
     }
@@ -228,13 +233,23 @@ fn together_hypothesis(
         .step_by(spacing)
         .filter_map(|i| {
             let motion = trial.frames[i].as_ref()?.motion.clone();
-            Some(Member { terms: evidence.terms(&sequence.frames[i], Detail::Fine), motion })
+            Some(Member {
+                terms: evidence.terms(&sequence.frames[i], Detail::Fine),
+                motion,
+            })
         })
         .collect();
     let weight = (members.len() as f64).powf(-*TEMPER_);
-    let shape = refine(evidence, trial.hypothesis.shape.clone(), &mut members, weight);
+    let shape = refine(
+        evidence,
+        trial.hypothesis.shape.clone(),
+        &mut members,
+        weight,
+    );
     let k = trial.hypothesis.keyframe;
-    let motion = trial.frames[k].as_ref().map_or_else(|| trial.hypothesis.motion.clone(), |f| f.motion.clone());
+    let motion = trial.frames[k]
+        .as_ref()
+        .map_or_else(|| trial.hypothesis.motion.clone(), |f| f.motion.clone());
     let fit = keyframe_fit(evidence, sequence, k, &shape, motion, 30);
     Hypothesis {
         origin: Origin::Together,
@@ -246,7 +261,12 @@ fn together_hypothesis(
 }
 
 /// K frames weigh as much as K^(1 − TEMPER) independent ones.
-static TEMPER_: std::sync::LazyLock<f64> = std::sync::LazyLock::new(|| std::env::var("TEMPER").ok().and_then(|v| v.parse().ok()).unwrap_or(0.5));
+static TEMPER_: std::sync::LazyLock<f64> = std::sync::LazyLock::new(|| {
+    std::env::var("TEMPER")
+        .ok()
+        .and_then(|v| v.parse().ok())
+        .unwrap_or(0.5)
+});
 
 fn keyframes(sequence: Sequence<'_>, every: usize) -> Vec<usize> {
     let usable = |&i: &usize| sequence.frames[i].views.len() >= 2;

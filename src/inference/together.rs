@@ -26,7 +26,12 @@ pub(super) struct Member<'a> {
 const ITERATIONS: usize = 15;
 
 /// Improves a shape and the members' motions together; returns the shape and its cost.
-pub(super) fn refine(evidence: &Evidence<'_>, shape: Shape, members: &mut [Member<'_>], weight: f64) -> Shape {
+pub(super) fn refine(
+    evidence: &Evidence<'_>,
+    shape: Shape,
+    members: &mut [Member<'_>],
+    weight: f64,
+) -> Shape {
     let (mut shape, mut lambda) = (shape, 1e-3);
     let mut arrow = Arrow::at(evidence, &shape, members, weight);
     for _ in 0..ITERATIONS {
@@ -50,7 +55,10 @@ pub(super) fn refine(evidence: &Evidence<'_>, shape: Shape, members: &mut [Membe
                 break;
             }
         } else {
-            members.iter_mut().zip(before).for_each(|(member, motion)| member.motion = motion);
+            members
+                .iter_mut()
+                .zip(before)
+                .for_each(|(member, motion)| member.motion = motion);
             lambda *= 8.0;
         }
     }
@@ -74,8 +82,14 @@ impl Arrow {
             .map(|member| {
                 let mut equations = NormalEquations::zeros(n);
                 let body = Posed::new(evidence.model, shape, &member.motion);
-                let data: f64 = member.terms.iter().map(|t| t.linearize(&body, &mut equations)).sum();
-                let pose = evidence.pose_prior.linearize(&member.motion, &mut equations);
+                let data: f64 = member
+                    .terms
+                    .iter()
+                    .map(|t| t.linearize(&body, &mut equations))
+                    .sum();
+                let pose = evidence
+                    .pose_prior
+                    .linearize(&member.motion, &mut equations);
                 equations.symmetrize();
                 (data + pose, equations)
             })
@@ -94,7 +108,11 @@ impl Arrow {
                 equations.gradient.rows(0, m) * weight,
             ));
         }
-        Self { cost, frames, shape: reduced }
+        Self {
+            cost,
+            frames,
+            shape: reduced,
+        }
     }
 
     /// (δs, δmₖ) with λ·diag added; `None` where a block is not positive definite.
@@ -104,8 +122,11 @@ impl Arrow {
             (0..matrix.nrows()).for_each(|i| matrix[(i, i)] *= 1.0 + lambda);
             matrix
         };
-        let factors: Option<Vec<Cholesky<f64, Dyn>>> =
-            self.frames.iter().map(|(a, _, _)| damped(a).cholesky()).collect();
+        let factors: Option<Vec<Cholesky<f64, Dyn>>> = self
+            .frames
+            .iter()
+            .map(|(a, _, _)| damped(a).cholesky())
+            .collect();
         let factors = factors?;
         let mut schur = damped(&self.shape.hessian);
         let mut gradient = self.shape.gradient.clone();

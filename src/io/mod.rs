@@ -4,4 +4,4 @@ pub mod calibration;
 pub mod manifest;
 pub mod model;
 pub mod recording;
-mod unknown_key;
+pub mod unknown_key;
