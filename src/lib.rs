@@ -1,6 +1,9 @@
 //! Maquette.
 pub mod body;
 pub mod camera;
+pub mod image;
 pub mod io;
 pub mod math;
+pub mod render;
 pub mod solver;
+pub mod synth;
