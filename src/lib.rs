@@ -5,5 +5,6 @@ pub mod image;
 pub mod io;
 pub mod math;
 pub mod render;
+pub mod silhouette;
 pub mod solver;
 pub mod synth;

@@ -1,1 +1,26 @@
-//! Calibrated cameras.
+//! Calibrated cameras: where a point of the world is seen, and where in the world a pixel looks.
+//!
+//! A [`Camera`] is a pose (`camera_from_world`), [`Intrinsics`] K and a lens [`Distortion`]. The camera frame is
+//! right-handed with x right, y down, z forward, as in OpenCV; pixel (0, 0) is the centre of the top-left pixel.
+//! Two kinds of pixel coordinates occur: **distorted** ones, as in the recorded image, and **undistorted** ones,
+//! where the camera is exactly K·\[R|t\]. Contours, likelihoods and rays work in undistorted ones;
+//! [`Camera::undistort`] and [`Camera::distort`] go from one to the other.
+//!
+//! A [`Rig`] is all cameras of a recording in one world; [`Rig::common_view`] says whether they look at one volume.
+//! [`check_projection`] is the law that every camera model here obeys.
+
+mod check;
+mod common_view;
+mod distortion;
+mod intrinsics;
+mod pinhole;
+mod ray;
+mod rig;
+
+pub use check::{ProjectionFault, ProjectionModel, check_projection};
+pub use common_view::{Blindness, CommonView};
+pub use distortion::Distortion;
+pub use intrinsics::Intrinsics;
+pub use pinhole::Camera;
+pub use ray::{Ray, closest_point};
+pub use rig::{CameraId, Rig};

@@ -1,3 +1,7 @@
-//! The only code that reads and writes files, and the only one that knows their units.
+//! Files in and out: the only code that knows formats and the units of files.
 
+pub mod calibration;
+pub mod manifest;
 pub mod model;
+pub mod recording;
+pub mod unknown_key;

@@ -1,0 +1,86 @@
+//! A rectangle of values.
+
+/// A `width × height` rectangle of values, row by row, without padding.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plane<T> {
+    width: usize,
+    height: usize,
+    values: Vec<T>,
+}
+
+impl<T: Copy> Plane<T> {
+    /// A plane that holds `value` everywhere.
+    pub fn filled(width: usize, height: usize, value: T) -> Self {
+        Self {
+            width,
+            height,
+            values: vec![value; width * height],
+        }
+    }
+
+    /// A plane of the given row-major values; `None` unless there are exactly `width · height` of them.
+    pub fn from_values(width: usize, height: usize, values: Vec<T>) -> Option<Self> {
+        (width.checked_mul(height)? == values.len()).then_some(Self {
+            width,
+            height,
+            values,
+        })
+    }
+
+    /// Columns.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Rows.
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// Value at column `x` of row `y`; `None` outside.
+    pub fn get(&self, x: usize, y: usize) -> Option<T> {
+        self.row(y).get(x).copied()
+    }
+
+    /// Row `y`; empty if there is no such row.
+    pub fn row(&self, y: usize) -> &[T] {
+        let start = y.saturating_mul(self.width);
+        self.values
+            .get(start..start.saturating_add(self.width))
+            .unwrap_or(&[])
+    }
+
+    /// Row `y`, to be written; empty if there is no such row.
+    pub fn row_mut(&mut self, y: usize) -> &mut [T] {
+        let start = y.saturating_mul(self.width);
+        self.values
+            .get_mut(start..start.saturating_add(self.width))
+            .unwrap_or(&mut [])
+    }
+
+    /// All values, row by row.
+    pub fn values(&self) -> &[T] {
+        &self.values
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_follow_each_other_and_nothing_lies_outside() {
+        let plane = Plane::from_values(3, 2, vec![1, 2, 3, 4, 5, 6]).unwrap();
+        assert_eq!(plane.row(1), &[4, 5, 6]);
+        assert_eq!(plane.get(2, 0), Some(3));
+        assert_eq!(plane.get(3, 0), None);
+        assert_eq!(plane.get(0, 2), None);
+        assert!(plane.row(usize::MAX).is_empty());
+    }
+
+    #[test]
+    fn a_wrong_number_of_values_is_no_plane() {
+        assert!(Plane::from_values(3, 2, vec![0; 5]).is_none());
+        assert!(Plane::<u8>::from_values(usize::MAX, 2, vec![]).is_none());
+    }
+}

@@ -1,0 +1,341 @@
+//! `sequence.toml`: what a recording consists of.
+//!
+//! ```toml
+//! fps = 50.0
+//! calibration = "calibration.toml"   # or { cam1 = "cam1/config.xml", cam2 = "cam2/config.xml" }
+//! unit = "m"                         # of the calibration: m | mm
+//! up = "z"                           # of the calibration's world: z | -z | y | -y
+//! body = "human-ellipsoids"          # a shipped model or a path
+//! [[camera]]
+//! name = "cam_01"
+//! masks = "masks/cam_01/%06d.png"    # printf pattern, folder, or glob
+//! ```
+//!
+//! Per camera also `images`, `video`, `background` and `offset_frames`, and `points` and `start` for the recording.
+//! Paths are relative to the file. Every key is optional but a camera's `name`; what is left out is looked for where
+//! a folder without manifest has it.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::{fs, io};
+
+use serde::Deserialize;
+use toml::de::{DeTable, DeValue};
+
+use super::calibration::{Unit, Up};
+use super::unknown_key::{UnknownKey, line_of};
+
+const KEYS: &[&str] = &[
+    "fps",
+    "calibration",
+    "unit",
+    "up",
+    "body",
+    "points",
+    "start",
+    "camera",
+];
+const CAMERA_KEYS: &[&str] = &[
+    "name",
+    "masks",
+    "images",
+    "video",
+    "background",
+    "offset_frames",
+];
+
+/// A recording's manifest, as written.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(default)]
+pub struct Manifest {
+    /// Frames per second; positive.
+    pub fps: Option<f64>,
+    /// The calibration file or files.
+    pub calibration: Option<CalibrationFiles>,
+    /// Unit of the calibration; `None`: that of its format.
+    pub unit: Option<Unit>,
+    /// Which axis of the calibration's world points up.
+    pub up: Up,
+    /// A shipped body model or the path of one.
+    pub body: Option<String>,
+    /// 3-D points of the surface.
+    pub points: Option<PathBuf>,
+    /// Reserved for a known start pose.
+    pub start: Option<toml::Value>,
+    /// The cameras, in the order in which they are numbered.
+    #[serde(rename = "camera")]
+    pub cameras: Vec<CameraFiles>,
+}
+
+/// One calibration file for all cameras, or one for each.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "calibration: expected a path or a table of camera = path"
+)]
+pub enum CalibrationFiles {
+    /// All cameras in one file.
+    One(PathBuf),
+    /// Camera name → file.
+    PerCamera(BTreeMap<String, PathBuf>),
+}
+
+/// What one camera recorded.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
+pub struct CameraFiles {
+    /// Its name in the calibration.
+    pub name: String,
+    /// Masks: printf pattern, folder, or glob.
+    pub masks: Option<String>,
+    /// Images: printf pattern, folder, or glob.
+    pub images: Option<String>,
+    /// A video.
+    pub video: Option<PathBuf>,
+    /// An image or a video of the empty scene.
+    pub background: Option<PathBuf>,
+    /// Added to the numbers of this camera's files, so that those of one moment agree: a camera that started three
+    /// frames after the others has 3.
+    #[serde(default)]
+    pub offset_frames: i64,
+}
+
+/// Why a manifest could not be used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ManifestError {
+    /// The file cannot be read.
+    #[error("{}: cannot be read: {source}", path.display())]
+    Read {
+        /// The manifest.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// Not TOML, or a value of the wrong kind.
+    #[error("{}:{line}: {}", path.display(), source.message().replace('\n', ", "))]
+    Syntax {
+        /// The manifest.
+        path: PathBuf,
+        /// From 1.
+        line: usize,
+        /// What the parser expected.
+        source: Box<toml::de::Error>,
+    },
+    /// A key that means nothing.
+    #[error("{}:{}: {key}", path.display(), key.line)]
+    UnknownKey {
+        /// The manifest.
+        path: PathBuf,
+        /// The key, its line and its neighbour.
+        key: Box<UnknownKey>,
+    },
+    /// A frame rate that is not positive.
+    #[error("{}:{line}: fps = {fps}: expected a positive number", path.display())]
+    Fps {
+        /// The manifest.
+        path: PathBuf,
+        /// From 1.
+        line: usize,
+        /// As written.
+        fps: f64,
+    },
+    /// Two cameras of the same name.
+    #[error("{}: camera {name:?} is listed {count} times: names must differ", path.display())]
+    DuplicateCamera {
+        /// The manifest.
+        path: PathBuf,
+        /// The name.
+        name: String,
+        /// How often it occurs.
+        count: usize,
+    },
+}
+
+impl Manifest {
+    /// Reads and checks a manifest.
+    ///
+    /// # Errors
+    /// [`ManifestError`], with the line where there is one.
+    pub fn read(path: &Path) -> Result<Self, ManifestError> {
+        let text = fs::read_to_string(path).map_err(|source| ManifestError::Read {
+            path: path.into(),
+            source,
+        })?;
+        Self::parse(&text, path)
+    }
+
+    /// Checks the text of a manifest; `path` is for messages.
+    ///
+    /// # Errors
+    /// [`ManifestError`], with the line where there is one.
+    pub fn parse(text: &str, path: &Path) -> Result<Self, ManifestError> {
+        let syntax = |source: toml::de::Error| ManifestError::Syntax {
+            path: path.into(),
+            line: line_of(text, source.span().map_or(0, |span| span.start)),
+            source: Box::new(source),
+        };
+        let table = DeTable::parse(text).map_err(syntax)?;
+        if let Some(key) = first_unknown_key(text, table.get_ref()) {
+            return Err(ManifestError::UnknownKey {
+                path: path.into(),
+                key: Box::new(key),
+            });
+        }
+        let manifest: Self = toml::from_str(text).map_err(syntax)?;
+        manifest.check_fps(text, table.get_ref(), path)?;
+        manifest.check_names(path)?;
+        Ok(manifest)
+    }
+
+    fn check_fps(&self, text: &str, table: &DeTable<'_>, path: &Path) -> Result<(), ManifestError> {
+        match self.fps {
+            Some(fps) if !(fps > 0.0 && fps.is_finite()) => {
+                let key = table.keys().find(|key| key.get_ref() == "fps");
+                Err(ManifestError::Fps {
+                    path: path.into(),
+                    line: line_of(text, key.map_or(0, |key| key.span().start)),
+                    fps,
+                })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn check_names(&self, path: &Path) -> Result<(), ManifestError> {
+        let count = |name: &str| self.cameras.iter().filter(|c| c.name == name).count();
+        match self.cameras.iter().find(|camera| count(&camera.name) > 1) {
+            Some(camera) => Err(ManifestError::DuplicateCamera {
+                path: path.into(),
+                name: camera.name.clone(),
+                count: count(&camera.name),
+            }),
+            None => Ok(()),
+        }
+    }
+}
+
+fn first_unknown_key(text: &str, table: &DeTable<'_>) -> Option<UnknownKey> {
+    let in_cameras = table
+        .iter()
+        .filter(|(key, _)| key.get_ref() == "camera")
+        .filter_map(|(_, value)| match value.get_ref() {
+            DeValue::Array(cameras) => Some(cameras.iter()),
+            _ => None,
+        })
+        .flatten()
+        .filter_map(|camera| match camera.get_ref() {
+            DeValue::Table(camera) => UnknownKey::first_in(text, camera, CAMERA_KEYS),
+            _ => None,
+        });
+    UnknownKey::first_in(text, table, KEYS)
+        .into_iter()
+        .chain(in_cameras)
+        .min_by_key(|unknown| unknown.line)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(text: &str) -> Result<Manifest, ManifestError> {
+        Manifest::parse(text, Path::new("walk/sequence.toml"))
+    }
+
+    fn message(text: &str) -> String {
+        parse(text).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn every_key_is_read() {
+        let manifest = parse(
+            r#"
+            fps = 50
+            calibration = { left = "left.xml", right = "right.xml" }
+            unit = "mm"
+            up = "-z"
+            body = "human-ellipsoids"
+            points = "points.ply"
+            start = { frame = 3 }
+            [[camera]]
+            name = "left"
+            masks = "masks/%06d.png"
+            images = "images"
+            video = "left.avi"
+            background = "empty.png"
+            offset_frames = -2
+            [[camera]]
+            name = "right"
+            "#,
+        )
+        .unwrap();
+        assert_eq!(manifest.fps, Some(50.0));
+        assert_eq!(manifest.unit, Some(Unit::Millimetre));
+        assert_eq!(manifest.up, Up::MinusZ);
+        assert_eq!(manifest.body.as_deref(), Some("human-ellipsoids"));
+        let Some(CalibrationFiles::PerCamera(files)) = &manifest.calibration else {
+            panic!("{manifest:?}");
+        };
+        assert_eq!(files["right"], PathBuf::from("right.xml"));
+        let left = &manifest.cameras[0];
+        assert_eq!(
+            (left.offset_frames, left.images.as_deref()),
+            (-2, Some("images"))
+        );
+        assert_eq!(manifest.cameras[1].name, "right");
+    }
+
+    #[test]
+    fn unknown_keys_are_refused_with_line_and_neighbour() {
+        assert_eq!(
+            message("fps = 50\n[[camera]]\nname = \"a\"\nmask = \"m\"\n"),
+            "walk/sequence.toml:4: unknown key \"mask\"; did you mean \"masks\"? (known here: \
+             name, masks, images, video, background, offset_frames)"
+        );
+        assert!(
+            message("calibrations = 3")
+                .contains(":1: unknown key \"calibrations\"; did you mean \"calibration\"?")
+        );
+    }
+
+    #[test]
+    fn a_frame_rate_that_is_not_positive_is_refused() {
+        for fps in ["0.0", "-25", "nan", "inf"] {
+            let text = format!("body = \"b\"\nfps = {fps}\n");
+            assert!(
+                matches!(parse(&text), Err(ManifestError::Fps { line: 2, .. })),
+                "{fps}"
+            );
+        }
+    }
+
+    #[test]
+    fn values_of_the_wrong_kind_are_named_with_their_line() {
+        for (text, line, part) in [
+            ("fps = 50\nunit = \"cm\"", 2, "`cm`"),
+            ("fps = 50\n\nup = \"x\"", 3, "`x`"),
+            ("fps = \"fast\"", 1, "fast"),
+            ("calibration = 7", 1, "expected a path or a table"),
+            ("fps = 50\n[[camera]]\nmasks = \"m\"", 2, "`name`"),
+            ("fps = 50\ncamera = 3", 2, "expected a sequence"),
+            ("fps = 50\nfps = 60", 2, "duplicate key"),
+            ("fps = = 2", 1, ""),
+        ] {
+            let message = message(text);
+            assert!(
+                message.starts_with(&format!("walk/sequence.toml:{line}: ")),
+                "{message}"
+            );
+            assert!(message.contains(part), "{message}");
+            assert!(!message.contains('\n'), "{message}");
+        }
+    }
+
+    #[test]
+    fn two_cameras_of_one_name_are_refused() {
+        let text = "[[camera]]\nname = \"a\"\n[[camera]]\nname = \"a\"\n";
+        assert_eq!(
+            message(text),
+            "walk/sequence.toml: camera \"a\" is listed 2 times: names must differ"
+        );
+    }
+}

@@ -1,0 +1,140 @@
+//! Why a recording could not be used.
+
+use std::io;
+use std::path::PathBuf;
+
+use super::MaskFault;
+use crate::io::calibration::CalibrationError;
+use crate::io::manifest::ManifestError;
+use crate::silhouette::FrameIndex;
+
+/// Why a recording could not be used, in one line that says what to mend.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RecordingError {
+    /// Neither a folder nor a manifest.
+    #[error("{}: no such folder or file", path.display())]
+    NotFound {
+        /// As given.
+        path: PathBuf,
+    },
+    /// The manifest is at fault.
+    #[error(transparent)]
+    Manifest(#[from] ManifestError),
+    /// The calibration is at fault.
+    #[error(transparent)]
+    Calibration(#[from] CalibrationError),
+    /// A folder that cannot be listed.
+    #[error("{}: the folder cannot be read: {source}", path.display())]
+    Folder {
+        /// The folder.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// No frame rate anywhere.
+    #[error(
+        "{}: the frame rate is not known: give --fps, or fps = … in sequence.toml", path.display()
+    )]
+    NoFps {
+        /// The recording.
+        path: PathBuf,
+    },
+    /// A frame rate given from outside that is not positive.
+    #[error("frame rate {fps}: expected a positive number")]
+    Fps {
+        /// As given.
+        fps: f64,
+    },
+    /// No camera has masks.
+    #[error(
+        "{}: no masks: expected masks/<camera>/ beside the calibration, or masks = … for each camera in sequence.toml{}",
+        path.display(),
+        only_pictures(without_masks)
+    )]
+    NoMasks {
+        /// The recording.
+        path: PathBuf,
+        /// The cameras that the manifest lists, none of which has masks.
+        without_masks: Vec<String>,
+    },
+    /// A camera's masks were promised and are not there.
+    #[error("camera {camera}: no mask at {}", pattern.display())]
+    MissingMasks {
+        /// The camera.
+        camera: String,
+        /// Where they should be.
+        pattern: PathBuf,
+    },
+    /// A pattern that is none.
+    #[error("camera {camera}: masks = {pattern:?}: expected {expected}")]
+    Pattern {
+        /// The camera.
+        camera: String,
+        /// As written.
+        pattern: String,
+        /// What a pattern looks like.
+        expected: &'static str,
+    },
+    /// Two masks of one frame.
+    #[error("camera {camera}: {} and {} are both number {number}", first.display(), second.display())]
+    DuplicateFrame {
+        /// The camera.
+        camera: String,
+        /// The number in both names.
+        number: u64,
+        /// One file.
+        first: PathBuf,
+        /// The other.
+        second: PathBuf,
+    },
+    /// A single camera.
+    #[error(
+        "{}: one camera only ({camera}): how far away and how large the person is cannot be told apart; expected two or more",
+        path.display()
+    )]
+    OneCamera {
+        /// The recording.
+        path: PathBuf,
+        /// The camera.
+        camera: String,
+    },
+    /// A mask that cannot be used.
+    #[error("{}: camera {camera}, {frame}: {fault}", path.display())]
+    Mask {
+        /// The file.
+        path: PathBuf,
+        /// The camera.
+        camera: String,
+        /// The frame.
+        frame: FrameIndex,
+        /// Why.
+        fault: Box<MaskFault>,
+    },
+    /// An input that cannot be read for its checksum.
+    #[error("{}: cannot be read: {source}", path.display())]
+    Checksum {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// A frame was asked for that the recording does not have.
+    #[error("frame at position {position} of a recording of {count}")]
+    NoFrame {
+        /// Position asked for, from 0.
+        position: usize,
+        /// Number of frames.
+        count: usize,
+    },
+}
+
+fn only_pictures(cameras: &[String]) -> String {
+    match cameras {
+        [] => String::new(),
+        cameras => format!(
+            "; {} have none: images and video must be segmented first",
+            cameras.join(", ")
+        ),
+    }
+}

@@ -1,0 +1,136 @@
+//! Where a folder without manifest, or a manifest that leaves things out, has its files.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::RecordingError;
+use crate::camera::Rig;
+use crate::io::calibration::{self, CalibrationError, CalibrationOptions};
+use crate::io::manifest::{CalibrationFiles, CameraFiles};
+
+const MANIFEST: &str = "sequence.toml";
+const MASKS: &str = "masks";
+
+/// The folder of a recording and its manifest, if it has one.
+pub(super) fn locate(path: &Path) -> Result<(PathBuf, Option<PathBuf>), RecordingError> {
+    if path.is_dir() {
+        let manifest = path.join(MANIFEST);
+        let manifest = manifest.is_file().then_some(manifest);
+        Ok((path.into(), manifest))
+    } else if path.is_file() {
+        let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+        Ok((folder, Some(path.into())))
+    } else {
+        Err(RecordingError::NotFound { path: path.into() })
+    }
+}
+
+/// One camera for each folder `masks/<camera>`, by name.
+pub(super) fn conventional_cameras(folder: &Path) -> Result<Vec<CameraFiles>, RecordingError> {
+    let masks = folder.join(MASKS);
+    if !masks.is_dir() {
+        return Ok(Vec::new());
+    }
+    let unreadable = |source| RecordingError::Folder {
+        path: masks.clone(),
+        source,
+    };
+    let mut cameras = Vec::new();
+    for entry in fs::read_dir(&masks).map_err(unreadable)? {
+        let path = entry.map_err(unreadable)?.path();
+        let name = path
+            .file_name()
+            .map(|name| name.to_string_lossy().into_owned());
+        if let Some(name) = name.filter(|name| path.is_dir() && !name.starts_with('.')) {
+            cameras.push(CameraFiles {
+                masks: Some(format!("{MASKS}/{name}")),
+                name,
+                ..CameraFiles::default()
+            });
+        }
+    }
+    cameras.sort_by(|a, b| a.name.cmp(&b.name));
+    Ok(cameras)
+}
+
+/// The files or folders that the calibration is read from.
+pub(super) fn calibration_paths(
+    folder: &Path,
+    files: Option<&CalibrationFiles>,
+) -> Vec<(Option<String>, PathBuf)> {
+    match files {
+        Some(CalibrationFiles::One(path)) => vec![(None, folder.join(path))],
+        Some(CalibrationFiles::PerCamera(files)) => files
+            .iter()
+            .map(|(camera, path)| (Some(camera.clone()), folder.join(path)))
+            .collect(),
+        None => vec![(None, conventional_calibration(folder))],
+    }
+}
+
+/// Reads what [`calibration_paths`] found.
+pub(super) fn read_calibration(
+    paths: &[(Option<String>, PathBuf)],
+    options: &CalibrationOptions,
+) -> Result<Rig, CalibrationError> {
+    match paths {
+        [(None, path)] => calibration::read(path, options),
+        paths => {
+            let named = paths
+                .iter()
+                .filter_map(|(camera, path)| Some((camera.clone()?, path.clone())));
+            calibration::read_per_camera(&named.collect::<Vec<_>>(), options)
+        }
+    }
+}
+
+/// `calibration.toml`, else another `calibration.*`, else a folder `calib…`, else the recording's folder itself; in a
+/// folder the reader looks for its formats.
+fn conventional_calibration(folder: &Path) -> PathBuf {
+    let mut candidates: Vec<(u8, PathBuf)> = entries(folder)
+        .into_iter()
+        .filter_map(|path| Some((calibration_rank(&path)?, path)))
+        .collect();
+    candidates.sort();
+    let best = candidates.into_iter().next();
+    best.map_or_else(|| folder.into(), |(_, path)| path)
+}
+
+fn calibration_rank(path: &Path) -> Option<u8> {
+    let stem = path.file_stem()?.to_string_lossy().to_lowercase();
+    match (path.is_dir(), stem == "calibration") {
+        (false, true) if path.extension().is_some_and(|e| e == "toml") => Some(0),
+        (false, true) => Some(1),
+        (true, _) if stem.starts_with("calib") => Some(2),
+        _ => None,
+    }
+}
+
+/// The files that may have been read when a calibration is read from `source`: itself, the other half of EasyMocap's
+/// two, or the calibrations of a folder.
+pub(super) fn files_behind(source: &Path) -> Vec<PathBuf> {
+    let name = source.file_name().unwrap_or_default();
+    if source.is_dir() {
+        let mut files = entries(source);
+        files.retain(|path| {
+            let extension = path.extension().unwrap_or_default().to_string_lossy();
+            let is_description = ["toml", "yml", "txt", "xcp"].contains(&extension.as_ref());
+            path.is_file() && is_description && path.file_name() != Some(MANIFEST.as_ref())
+        });
+        files
+    } else if name == "intri.yml" || name == "extri.yml" {
+        ["intri.yml", "extri.yml"]
+            .map(|half| source.with_file_name(half))
+            .to_vec()
+    } else {
+        vec![source.into()]
+    }
+}
+
+/// What a folder holds, by name; nothing if it cannot be read.
+fn entries(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut paths: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
+    paths.sort();
+    paths
+}

@@ -1,0 +1,129 @@
+//! One mask, from its file.
+
+use std::io::{self, Cursor};
+use std::path::Path;
+
+use image::{DynamicImage, ImageDecoder, ImageError, ImageReader, Limits};
+
+use crate::image::{Mask, Plane};
+
+/// No camera of a laboratory has more columns or rows.
+const MOST_PX: u32 = 32_768;
+/// Bytes that a decoder may take.
+const MOST_BYTES: u64 = 1 << 30;
+/// A picture with nothing brighter than this fraction of its range holds labels, not a mask.
+const LABEL_FRACTION: f64 = 0.125;
+
+/// Why a mask could not be used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum MaskFault {
+    /// The file cannot be read.
+    #[error("the mask cannot be read: {0}")]
+    Unreadable(#[source] io::Error),
+    /// The file is no image, or a broken one.
+    #[error("the mask cannot be decoded: {0}")]
+    Undecodable(#[source] ImageError),
+    /// Larger than any camera's image.
+    #[error("the mask is larger than {MOST_PX} × {MOST_PX} px: {0}")]
+    TooLarge(#[source] ImageError),
+    /// Another size than the camera was calibrated for.
+    #[error(
+        "the mask is {} × {} px, expected {} × {} px as calibrated",
+        found[0], found[1], expected[0], expected[1]
+    )]
+    Size {
+        /// Width and height of the calibration.
+        expected: [u32; 2],
+        /// Width and height of the mask.
+        found: [u32; 2],
+    },
+    /// All values are small, and some are zero: labels rather than black and white.
+    #[error(
+        "the mask's values are 0 to {brightest} of {range}: these look like labels; expected foreground brighter than {}",
+        range / 2
+    )]
+    Labels {
+        /// Largest value.
+        brightest: u32,
+        /// Largest value possible.
+        range: u32,
+    },
+}
+
+/// Width and height that the header of an image states.
+pub(super) fn size_of(path: &Path) -> Result<[u32; 2], MaskFault> {
+    let bytes = std::fs::read(path).map_err(MaskFault::Unreadable)?;
+    let (width, height) = decoder(&bytes)?.dimensions();
+    Ok([width, height])
+}
+
+/// Reads a mask: foreground is what is brighter than half of the range.
+///
+/// The brightness is the luma of a colour image. In an image with transparency the opacity decides instead, unless it
+/// is opaque everywhere: so both a white figure and a cut-out photograph on transparent ground are masks.
+pub(super) fn read(path: &Path, expected: [u32; 2]) -> Result<Mask, MaskFault> {
+    let bytes = std::fs::read(path).map_err(MaskFault::Unreadable)?;
+    let decoder = decoder(&bytes)?;
+    let found = [decoder.dimensions().0, decoder.dimensions().1];
+    if found != expected {
+        return Err(MaskFault::Size { expected, found });
+    }
+    let picture = DynamicImage::from_decoder(decoder).map_err(fault)?;
+    if picture.color().has_alpha() {
+        let pixels = picture.into_luma_alpha16();
+        let is_cut_out = pixels.pixels().any(|pixel| pixel.0[1] <= u16::MAX / 2);
+        let channel = usize::from(is_cut_out);
+        let values = pixels.pixels().map(|pixel| pixel.0[channel]).collect();
+        mask(values, found, (u16::MAX / 2, u16::MAX))
+    } else if picture.color().bytes_per_pixel() == picture.color().channel_count() {
+        mask(
+            picture.into_luma8().into_raw(),
+            found,
+            (u8::MAX / 2, u8::MAX),
+        )
+    } else {
+        mask(
+            picture.into_luma16().into_raw(),
+            found,
+            (u16::MAX / 2, u16::MAX),
+        )
+    }
+}
+
+fn decoder(bytes: &[u8]) -> Result<impl ImageDecoder + '_, MaskFault> {
+    let mut reader = ImageReader::new(Cursor::new(bytes))
+        .with_guessed_format()
+        .map_err(MaskFault::Unreadable)?;
+    let mut limits = Limits::default();
+    limits.max_image_width = Some(MOST_PX);
+    limits.max_image_height = Some(MOST_PX);
+    limits.max_alloc = Some(MOST_BYTES);
+    reader.limits(limits);
+    reader.into_decoder().map_err(fault)
+}
+
+fn fault(error: ImageError) -> MaskFault {
+    match error {
+        ImageError::Limits(_) => MaskFault::TooLarge(error),
+        error => MaskFault::Undecodable(error),
+    }
+}
+
+/// The mask of one value a pixel, from 0 to `range`; foreground is above `half`.
+fn mask<T>(values: Vec<T>, size: [u32; 2], (half, range): (T, T)) -> Result<Mask, MaskFault>
+where
+    T: Copy + Ord + Default + Into<u32>,
+{
+    let range: u32 = range.into();
+    let brightest: u32 = values.iter().copied().max().unwrap_or_default().into();
+    let darkest: u32 = values.iter().copied().min().unwrap_or_default().into();
+    let is_dim = f64::from(brightest) < LABEL_FRACTION * f64::from(range);
+    if is_dim && darkest == 0 && brightest > 0 {
+        return Err(MaskFault::Labels { brightest, range });
+    }
+    // a decoder gives as many values as it promised pixels
+    let plane = Plane::from_values(size[0] as usize, size[1] as usize, values);
+    let plane = plane.unwrap_or_else(|| Plane::filled(0, 0, T::default()));
+    Ok(Mask::brighter_than(&plane, half))
+}

@@ -1,0 +1,164 @@
+//! A recording on disk: which cameras, which frames, and each frame's silhouettes when they are asked for.
+//!
+//! [`Recording::open`] reads the manifest and the calibration and lists the masks; [`Recording::load_frame`] reads the
+//! masks of one frame. Nothing is kept in between, so frames can be streamed, and loaded by many threads.
+
+mod error;
+mod layout;
+mod mask_files;
+mod mask_image;
+mod note;
+mod open;
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::camera::{Camera, CameraId, Rig};
+use crate::silhouette::{self, FrameIndex, FrameObservations, SilhouetteOptions};
+
+pub use error::RecordingError;
+pub use mask_image::MaskFault;
+pub use note::Note;
+
+/// Calibrated masks of one person, frame by frame.
+#[derive(Clone, Debug)]
+pub struct Recording {
+    /// Frames per second.
+    pub fps: f64,
+    /// The cameras that have masks, in the order of the manifest.
+    pub rig: Rig,
+    /// The frames of which at least one camera has a mask, ascending.
+    pub frames: Vec<FrameIndex>,
+    /// The masks that are not there.
+    pub missing: Vec<Missing>,
+    /// What the user should know.
+    pub notes: Vec<Note>,
+    /// The body model that the manifest names.
+    pub body: Option<String>,
+    /// The folder that the manifest's paths are relative to.
+    pub folder: PathBuf,
+    /// Manifest and calibration.
+    descriptions: Vec<PathBuf>,
+    /// Frame → mask, for each camera of the rig.
+    masks: Vec<BTreeMap<FrameIndex, PathBuf>>,
+}
+
+/// Frames of which one camera has no mask, others have.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Missing {
+    /// The camera.
+    pub camera: CameraId,
+    /// The frames, ascending.
+    pub frames: Vec<FrameIndex>,
+}
+
+/// Fingerprint of one input: a file, or all masks of a camera.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct InputChecksum {
+    /// Path of the file relative to the recording's folder, or `masks of <camera>`.
+    pub input: String,
+    /// Number of files.
+    pub files: usize,
+    /// BLAKE3 of the file; of several, of their BLAKE3 sums one after another, in the order of the frames. Hexadecimal.
+    pub blake3: String,
+}
+
+impl Recording {
+    /// Opens a folder or a manifest; `fps` overrides the manifest's frame rate.
+    ///
+    /// A folder with a `sequence.toml` is read by it. One without needs a `calibration.*` (or another calibration that
+    /// [`crate::io::calibration::read`] finds in the folder) and the masks in `masks/<camera>/`, and the frame rate
+    /// from outside. No mask is read but the first header of each camera, for calibrations without image size.
+    ///
+    /// # Errors
+    /// [`RecordingError`] if something is missing, contradictory, or cannot be read.
+    pub fn open(path: &Path, fps: Option<f64>) -> Result<Self, RecordingError> {
+        open::open(path, fps)
+    }
+
+    /// The silhouettes of the frame at `position` in [`Recording::frames`].
+    ///
+    /// # Errors
+    /// [`RecordingError::Mask`] for the first mask that cannot be used, in the order of the rig, and
+    /// [`RecordingError::NoFrame`]. A mask that is read and shows no silhouette is no error: it is listed as rejected.
+    pub fn load_frame(
+        &self,
+        position: usize,
+        options: &SilhouetteOptions,
+    ) -> Result<FrameObservations, RecordingError> {
+        let frame = self.frames.get(position).copied();
+        let frame = frame.ok_or(RecordingError::NoFrame {
+            position,
+            count: self.frames.len(),
+        })?;
+        let mut observations = FrameObservations {
+            frame,
+            views: Vec::new(),
+            rejected: Vec::new(),
+        };
+        for (id, camera) in self.rig.iter() {
+            let Some(path) = self.mask_path(id, frame) else {
+                continue;
+            };
+            let mask = mask_image::read(path, [camera.width_px, camera.height_px]);
+            let mask = mask.map_err(|fault| mask_error(path, camera, frame, fault))?;
+            match silhouette::extract(&mask, camera, options) {
+                Ok(silhouette) => observations.views.push((id, silhouette)),
+                Err(reason) => observations.rejected.push((id, reason)),
+            }
+        }
+        Ok(observations)
+    }
+
+    /// The mask of a camera in a frame; `None` if it is missing.
+    pub fn mask_path(&self, camera: CameraId, frame: FrameIndex) -> Option<&Path> {
+        let path = self.masks.get(camera.0)?.get(&frame)?;
+        Some(path)
+    }
+
+    /// Fingerprints of everything that the recording is read from: manifest, calibration, then each camera's masks.
+    ///
+    /// # Errors
+    /// [`RecordingError::Checksum`] for a file that cannot be read.
+    pub fn checksums(&self) -> Result<Vec<InputChecksum>, RecordingError> {
+        let mut checksums = Vec::new();
+        for path in &self.descriptions {
+            let input = path.strip_prefix(&self.folder).unwrap_or(path);
+            checksums.push(InputChecksum {
+                input: input.display().to_string(),
+                files: 1,
+                blake3: checksum(path)?.to_string(),
+            });
+        }
+        for (camera, masks) in self.rig.cameras.iter().zip(&self.masks) {
+            let mut all = blake3::Hasher::new();
+            for path in masks.values() {
+                all.update(checksum(path)?.as_bytes());
+            }
+            checksums.push(InputChecksum {
+                input: format!("masks of {}", camera.name),
+                files: masks.len(),
+                blake3: all.finalize().to_string(),
+            });
+        }
+        Ok(checksums)
+    }
+}
+
+fn mask_error(path: &Path, camera: &Camera, frame: FrameIndex, fault: MaskFault) -> RecordingError {
+    RecordingError::Mask {
+        path: path.into(),
+        camera: camera.name.clone(),
+        frame,
+        fault: Box::new(fault),
+    }
+}
+
+fn checksum(path: &Path) -> Result<blake3::Hash, RecordingError> {
+    let bytes = fs::read(path).map_err(|source| RecordingError::Checksum {
+        path: path.into(),
+        source,
+    })?;
+    Ok(blake3::hash(&bytes))
+}

@@ -1,0 +1,79 @@
+//! What is odd about a recording without being wrong.
+
+use std::fmt;
+
+/// Something about a recording that its user should know, in one line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Note {
+    /// Keys of the manifest that are not used because there are masks.
+    Ignored {
+        /// The keys.
+        keys: Vec<&'static str>,
+    },
+    /// A camera of the manifest without masks, among others that have some.
+    WithoutMasks {
+        /// The camera.
+        camera: String,
+    },
+    /// A folder of masks whose name is no calibrated camera's.
+    Uncalibrated {
+        /// Name of the folder.
+        camera: String,
+        /// The calibrated camera whose name is most like it.
+        nearest: String,
+    },
+    /// Calibrated cameras for which there is no folder of masks.
+    Unmasked {
+        /// The cameras.
+        cameras: Vec<String>,
+    },
+    /// Images whose names hold no number.
+    Unnumbered {
+        /// The camera.
+        camera: String,
+        /// How many.
+        files: usize,
+    },
+    /// Masks that `offset_frames` moves before frame 0.
+    BeforeFirst {
+        /// The camera.
+        camera: String,
+        /// How many.
+        files: usize,
+    },
+    /// No frame is seen by two cameras.
+    NoCommonFrame,
+}
+
+impl fmt::Display for Note {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Ignored { keys } => {
+                write!(f, "{}: not used, the masks are", keys.join(", "))
+            }
+            Self::WithoutMasks { camera } => {
+                write!(f, "camera {camera}: no masks in the manifest: not used")
+            }
+            Self::Uncalibrated { camera, nearest } => write!(
+                f,
+                "masks/{camera}: no camera of this name is calibrated (the nearest is {nearest}): not used"
+            ),
+            Self::Unmasked { cameras } => {
+                write!(f, "no masks for {}: not used", cameras.join(", "))
+            }
+            Self::Unnumbered { camera, files } => write!(
+                f,
+                "camera {camera}: {files} images without a frame number in their names: not used"
+            ),
+            Self::BeforeFirst { camera, files } => write!(
+                f,
+                "camera {camera}: {files} masks lie before frame 0 by offset_frames: not used"
+            ),
+            Self::NoCommonFrame => write!(
+                f,
+                "no frame has masks of two cameras: do the numbers of the files agree? offset_frames shifts them"
+            ),
+        }
+    }
+}

@@ -1,0 +1,246 @@
+//! From a folder to a list of frames.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use super::mask_files::{self, MaskFiles};
+use super::{Missing, Note, Recording, RecordingError, layout, mask_image};
+use crate::camera::{CameraId, Rig};
+use crate::io::calibration::{self, CalibrationOptions};
+use crate::io::manifest::{CameraFiles, Manifest};
+use crate::io::unknown_key::nearest;
+use crate::silhouette::FrameIndex;
+
+pub(super) fn open(path: &Path, fps: Option<f64>) -> Result<Recording, RecordingError> {
+    let (folder, manifest_path) = layout::locate(path)?;
+    let manifest = match &manifest_path {
+        Some(path) => Manifest::read(path)?,
+        None => Manifest::default(),
+    };
+    let fps = frame_rate(fps.or(manifest.fps), path)?;
+    let mut notes = Vec::new();
+    let is_conventional = manifest.cameras.is_empty();
+    let cameras = cameras_with_masks(path, &folder, &manifest, &mut notes)?;
+    let listed = list_masks(&folder, &cameras)?;
+    let sources = layout::calibration_paths(&folder, manifest.calibration.as_ref());
+    let options = CalibrationOptions {
+        unit: manifest.unit,
+        up: manifest.up,
+        image_sizes_px: image_sizes(&cameras, &listed),
+    };
+    let calibrated = layout::read_calibration(&sources, &options)?;
+    let masks = cameras.into_iter().zip(listed).collect();
+    let masks = if is_conventional {
+        only_calibrated(masks, &calibrated, &mut notes)
+    } else {
+        masks
+    };
+    let source = match sources.as_slice() {
+        [(_, source)] => source,
+        _ => path,
+    };
+    let rig = select(&calibrated, &masks, source, path)?;
+    let masks: Vec<_> = masks
+        .iter()
+        .map(|(camera, files)| by_frame(camera, files, &mut notes))
+        .collect();
+    let (frames, missing) = frames_and_missing(&masks);
+    if !frames
+        .iter()
+        .any(|frame| masks.iter().filter(|m| m.contains_key(frame)).count() > 1)
+    {
+        notes.push(Note::NoCommonFrame);
+    }
+    let sources = sources
+        .iter()
+        .flat_map(|(_, source)| layout::files_behind(source));
+    Ok(Recording {
+        fps,
+        rig,
+        frames,
+        missing,
+        notes,
+        body: manifest.body,
+        folder,
+        descriptions: manifest_path.iter().cloned().chain(sources).collect(),
+        masks,
+    })
+}
+
+fn frame_rate(fps: Option<f64>, path: &Path) -> Result<f64, RecordingError> {
+    match fps {
+        Some(fps) if fps > 0.0 && fps.is_finite() => Ok(fps),
+        Some(fps) => Err(RecordingError::Fps { fps }),
+        None => Err(RecordingError::NoFps { path: path.into() }),
+    }
+}
+
+/// The cameras of the manifest, or of the folder where it lists none, that have masks.
+fn cameras_with_masks(
+    path: &Path,
+    folder: &Path,
+    manifest: &Manifest,
+    notes: &mut Vec<Note>,
+) -> Result<Vec<CameraFiles>, RecordingError> {
+    let cameras = if manifest.cameras.is_empty() {
+        layout::conventional_cameras(folder)?
+    } else {
+        manifest.cameras.clone()
+    };
+    let (with, without): (Vec<_>, Vec<_>) = cameras
+        .into_iter()
+        .partition(|camera| camera.masks.is_some());
+    if with.is_empty() {
+        return Err(RecordingError::NoMasks {
+            path: path.into(),
+            without_masks: without.into_iter().map(|camera| camera.name).collect(),
+        });
+    }
+    let keys = ignored_keys(manifest);
+    if !keys.is_empty() {
+        notes.push(Note::Ignored { keys });
+    }
+    notes.extend(without.into_iter().map(|camera| Note::WithoutMasks {
+        camera: camera.name,
+    }));
+    Ok(with)
+}
+
+fn ignored_keys(manifest: &Manifest) -> Vec<&'static str> {
+    let any = |has: fn(&CameraFiles) -> bool| manifest.cameras.iter().any(has);
+    [
+        ("images", any(|camera| camera.images.is_some())),
+        ("video", any(|camera| camera.video.is_some())),
+        ("background", any(|camera| camera.background.is_some())),
+        ("points", manifest.points.is_some()),
+        ("start", manifest.start.is_some()),
+    ]
+    .into_iter()
+    .filter_map(|(key, is_given)| is_given.then_some(key))
+    .collect()
+}
+
+fn list_masks(folder: &Path, cameras: &[CameraFiles]) -> Result<Vec<MaskFiles>, RecordingError> {
+    let list = |camera: &CameraFiles| {
+        let pattern = camera.masks.as_deref().unwrap_or_default();
+        let files = mask_files::list(folder, pattern, &camera.name)?;
+        if files.of_number.is_empty() {
+            return Err(RecordingError::MissingMasks {
+                camera: camera.name.clone(),
+                pattern: folder.join(pattern),
+            });
+        }
+        Ok(files)
+    };
+    cameras.iter().map(list).collect()
+}
+
+/// Width and height of each camera's first mask, where that can be read.
+fn image_sizes(cameras: &[CameraFiles], listed: &[MaskFiles]) -> BTreeMap<String, [u32; 2]> {
+    let size = |files: &MaskFiles| mask_image::size_of(files.of_number.values().next()?).ok();
+    let cameras = cameras.iter().zip(listed);
+    cameras
+        .filter_map(|(camera, files)| Some((camera.name.clone(), size(files)?)))
+        .collect()
+}
+
+type CameraMasks = Vec<(CameraFiles, MaskFiles)>;
+
+/// In the order of the calibration, those that it has; a note of each that it has not, and of what has no masks.
+///
+/// None at all is left to [`select`], which refuses it.
+fn only_calibrated(masks: CameraMasks, calibrated: &Rig, notes: &mut Vec<Note>) -> CameraMasks {
+    let position = |name: &str| calibrated.by_name(name).map(|(id, _)| id);
+    let names: Vec<&str> = calibrated.names().collect();
+    let (mut known, unknown): (CameraMasks, CameraMasks) = masks
+        .into_iter()
+        .partition(|(camera, _)| position(&camera.name).is_some());
+    if known.is_empty() {
+        return unknown;
+    }
+    notes.extend(unknown.into_iter().map(|(camera, _)| Note::Uncalibrated {
+        nearest: nearest(&camera.name, &names).unwrap_or_default().into(),
+        camera: camera.name,
+    }));
+    let is_masked = |name: &&str| known.iter().any(|(camera, _)| camera.name == **name);
+    let cameras: Vec<String> = names
+        .iter()
+        .filter(|name| !is_masked(name))
+        .map(|name| (*name).into())
+        .collect();
+    if !cameras.is_empty() {
+        notes.push(Note::Unmasked { cameras });
+    }
+    known.sort_by_key(|(camera, _)| position(&camera.name));
+    known
+}
+
+/// The cameras that have masks, in their order; `source` is what they were calibrated by.
+fn select(
+    calibrated: &Rig,
+    masks: &CameraMasks,
+    source: &Path,
+    path: &Path,
+) -> Result<Rig, RecordingError> {
+    let names: Vec<&str> = masks
+        .iter()
+        .map(|(camera, _)| camera.name.as_str())
+        .collect();
+    let rig = calibration::select(calibrated, source, &names)?;
+    match names.as_slice() {
+        [camera] => Err(RecordingError::OneCamera {
+            path: path.into(),
+            camera: (*camera).into(),
+        }),
+        _ => Ok(rig),
+    }
+}
+
+/// The masks by frame: number + `offset_frames`.
+fn by_frame(
+    camera: &CameraFiles,
+    files: &MaskFiles,
+    notes: &mut Vec<Note>,
+) -> BTreeMap<FrameIndex, PathBuf> {
+    let frame = |number: u64| {
+        let shifted = number.checked_add_signed(camera.offset_frames)?;
+        Some(FrameIndex(usize::try_from(shifted).ok()?))
+    };
+    let masks: BTreeMap<_, _> = files
+        .of_number
+        .iter()
+        .filter_map(|(number, path)| Some((frame(*number)?, path.clone())))
+        .collect();
+    let (camera, unnumbered) = (camera.name.clone(), files.unnumbered);
+    let before = files.of_number.len() - masks.len();
+    if before > 0 {
+        let camera = camera.clone();
+        notes.push(Note::BeforeFirst {
+            camera,
+            files: before,
+        });
+    }
+    if unnumbered > 0 {
+        notes.push(Note::Unnumbered {
+            camera,
+            files: unnumbered,
+        });
+    }
+    masks
+}
+
+fn frames_and_missing(masks: &[BTreeMap<FrameIndex, PathBuf>]) -> (Vec<FrameIndex>, Vec<Missing>) {
+    let frames: BTreeSet<FrameIndex> = masks.iter().flat_map(|m| m.keys().copied()).collect();
+    let frames: Vec<FrameIndex> = frames.into_iter().collect();
+    let missing = masks.iter().enumerate().filter_map(|(i, masks)| {
+        let lacking = frames
+            .iter()
+            .copied()
+            .filter(|frame| !masks.contains_key(frame));
+        let frames: Vec<FrameIndex> = lacking.collect();
+        let camera = CameraId(i);
+        (!frames.is_empty()).then_some(Missing { camera, frames })
+    });
+    let missing = missing.collect();
+    (frames, missing)
+}

@@ -1,0 +1,228 @@
+//! How far a pixel is outside a silhouette.
+
+use nalgebra::{Point2, Vector2};
+
+use crate::image::{NearestPoints, Scanlines};
+
+/// Rows by which the outline of the image is cut.
+const IMAGE_ROWS: usize = 256;
+
+/// Distance to a silhouette, on a grid around it. Undistorted pixels.
+///
+/// A node holds the exact distance to the border polygons, negative inside, so that the zero of the interpolant lies on
+/// the border and not somewhere in the cell that it crosses. Nodes beyond the camera's image are unknown.
+#[derive(Clone, Debug)]
+pub struct DistanceMap {
+    low: Point2<f64>,
+    cell: Vector2<f64>,
+    columns: usize,
+    rows: usize,
+    /// Signed distance, px, row by row; NaN beyond the image.
+    signed: Vec<f32>,
+    image: Scanlines,
+    image_bounds: (Point2<f64>, Point2<f64>),
+}
+
+/// What a distance map covers.
+pub(super) struct MapExtent {
+    /// The silhouette's box.
+    pub(super) bounds: (Point2<f64>, Point2<f64>),
+    /// How far to go beyond it, over the longer side of the box.
+    pub(super) margin: f64,
+    /// Cells along the longer side of the map.
+    pub(super) cells: usize,
+}
+
+impl DistanceMap {
+    pub(super) fn new(
+        polygons: &[Vec<Point2<f64>>],
+        image_outline: Vec<Point2<f64>>,
+        extent: &MapExtent,
+    ) -> Self {
+        let (low, high) = extent.bounds;
+        let image_bounds = image_outline
+            .iter()
+            .fold((low, high), |(l, h), p| (l.inf(p), h.sup(p)));
+        let margin = Vector2::repeat(extent.margin * (high - low).max());
+        // a hair inside the image, so that its outermost nodes are known
+        let hair = Vector2::repeat(1e-3);
+        let low = (low - margin).sup(&(image_bounds.0 + hair));
+        let high = (high + margin).inf(&(image_bounds.1 - hair));
+        let size = (high - low).map(|side| side.max(1.0));
+        let cell_px = (size.max() / extent.cells as f64).max(1.0);
+        let cells = size.map(|side| (side / cell_px).ceil().max(1.0));
+        let outline = [image_outline];
+        let image_step = (image_bounds.1.y - image_bounds.0.y) / IMAGE_ROWS as f64;
+        let image_top = image_bounds.0.y + 0.5 * image_step;
+        let mut map = Self {
+            low,
+            cell: size.component_div(&cells),
+            columns: cells.x as usize + 1,
+            rows: cells.y as usize + 1,
+            signed: Vec::new(),
+            image: Scanlines::new(&outline, (image_top, image_step), IMAGE_ROWS),
+            image_bounds,
+        };
+        map.fill(polygons, &outline);
+        map
+    }
+
+    /// Distance from an undistorted pixel to the silhouette, px, and its gradient; both 0 inside and beyond the image.
+    ///
+    /// The gradient is exactly that of the value: of the bilinear interpolant of the cell, and beyond the grid of the
+    /// interpolant at the nearest point of its box plus the distance to that point.
+    pub fn sample(&self, pixel: &Point2<f64>) -> (f64, Vector2<f64>) {
+        let nearest = pixel.sup(&self.low).inf(&self.high());
+        let (value, mut gradient) = self.interpolated(&nearest);
+        let beyond = pixel - nearest;
+        let distance = beyond.norm();
+        if distance > 0.0 {
+            if !self.sees(pixel) || value.is_nan() {
+                return (0.0, Vector2::zeros());
+            }
+            let is_held = beyond.map(|component| component.abs() > 0.0);
+            gradient = gradient.zip_map(&is_held, |g, is_held| if is_held { 0.0 } else { g });
+            let outside = if value > 0.0 { value } else { 0.0 };
+            let slope = if value > 0.0 {
+                gradient
+            } else {
+                Vector2::zeros()
+            };
+            return (outside + distance, slope + beyond / distance);
+        }
+        if value > 0.0 {
+            (value, gradient)
+        } else {
+            (0.0, Vector2::zeros())
+        }
+    }
+
+    /// Whether an undistorted pixel lies in the camera's image.
+    pub fn sees(&self, pixel: &Point2<f64>) -> bool {
+        self.image.contains(pixel)
+    }
+
+    /// A box around the undistorted image.
+    pub fn image_bounds(&self) -> (Point2<f64>, Point2<f64>) {
+        self.image_bounds
+    }
+
+    pub(super) fn heap_bytes(&self) -> usize {
+        4 * self.signed.capacity() + self.image.heap_bytes()
+    }
+
+    fn high(&self) -> Point2<f64> {
+        let cells = Vector2::new(self.columns as f64 - 1.0, self.rows as f64 - 1.0);
+        self.low + self.cell.component_mul(&cells)
+    }
+
+    /// Bilinear interpolant at a point of the grid's box and its gradient; NaN where a corner is unknown.
+    fn interpolated(&self, point: &Point2<f64>) -> (f64, Vector2<f64>) {
+        let at = (point - self.low).component_div(&self.cell);
+        let x = (at.x as usize).min(self.columns - 2);
+        let y = (at.y as usize).min(self.rows - 2);
+        let (s, t) = (at.x - x as f64, at.y - y as f64);
+        let node = |x: usize, y: usize| f64::from(self.signed[y * self.columns + x]);
+        let (a, b, c, d) = (
+            node(x, y),
+            node(x + 1, y),
+            node(x, y + 1),
+            node(x + 1, y + 1),
+        );
+        let (upper, lower) = (a + s * (b - a), c + s * (d - c));
+        let by_s = (b - a) + t * ((d - c) - (b - a));
+        let gradient = Vector2::new(by_s, lower - upper).component_div(&self.cell);
+        (upper + t * (lower - upper), gradient)
+    }
+
+    fn fill(&mut self, polygons: &[Vec<Point2<f64>>], image_outline: &[Vec<Point2<f64>>]) {
+        let segments = segments(polygons);
+        let mut nearest = NearestPoints::new(segments.iter().map(|s| s.from));
+        let (top_and_step, rows) = ((self.low.y, self.cell.y), self.rows);
+        let inside = Scanlines::new(polygons, top_and_step, rows);
+        let image = Scanlines::new(image_outline, top_and_step, rows);
+        self.signed = vec![f32::NAN; self.columns * rows];
+        for (row, signed) in self.signed.chunks_exact_mut(self.columns).enumerate() {
+            let y = self.low.y + row as f64 * self.cell.y;
+            let mut is_inside = Crossings::new(inside.row(row));
+            let mut is_seen = Crossings::new(image.row(row));
+            let nodes = (self.low.x, self.cell.x);
+            nearest.along_row(y, nodes, self.columns, |i, point| {
+                let node = Point2::new(self.low.x + i as f64 * self.cell.x, y);
+                let distance = segments[point].distance_around(&node, &segments);
+                let sign = if is_inside.odd_before(node.x) {
+                    -1.0
+                } else {
+                    1.0
+                };
+                if is_seen.odd_before(node.x) {
+                    signed[i] = (sign * distance) as f32;
+                }
+            });
+        }
+    }
+}
+
+/// A step of a border polygon, and the one that ends where it starts.
+struct Segment {
+    from: Point2<f64>,
+    along: Vector2<f64>,
+    before: usize,
+}
+
+fn segments(polygons: &[Vec<Point2<f64>>]) -> Vec<Segment> {
+    let mut segments = Vec::with_capacity(polygons.iter().map(Vec::len).sum());
+    for polygon in polygons {
+        let first = segments.len();
+        for (k, (a, b)) in polygon
+            .iter()
+            .zip(polygon.iter().cycle().skip(1))
+            .enumerate()
+        {
+            segments.push(Segment {
+                from: *a,
+                along: b - a,
+                before: first + (k + polygon.len() - 1) % polygon.len(),
+            });
+        }
+    }
+    segments
+}
+
+impl Segment {
+    /// Distance to this segment or the one before it, whichever is nearer.
+    fn distance_around(&self, point: &Point2<f64>, segments: &[Self]) -> f64 {
+        let before = segments[self.before].squared_distance(point);
+        self.squared_distance(point).min(before).sqrt()
+    }
+
+    fn squared_distance(&self, point: &Point2<f64>) -> f64 {
+        let to = point - self.from;
+        let length = self.along.norm_squared();
+        let fraction = (to.dot(&self.along) / length.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+        (to - self.along * fraction).norm_squared()
+    }
+}
+
+/// Counts the crossings left of ever larger abscissas.
+struct Crossings<'a> {
+    row: &'a [f32],
+    passed: usize,
+}
+
+impl<'a> Crossings<'a> {
+    fn new(row: &'a [f32]) -> Self {
+        Self { row, passed: 0 }
+    }
+
+    fn odd_before(&mut self, x: f64) -> bool {
+        while self
+            .row
+            .get(self.passed)
+            .is_some_and(|c| f64::from(*c) <= x)
+        {
+            self.passed += 1;
+        }
+        self.passed % 2 == 1
+    }
+}

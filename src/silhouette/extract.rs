@@ -1,0 +1,266 @@
+//! From a mask to a silhouette.
+
+use nalgebra::{Point2, Vector2};
+
+use super::distance_map::MapExtent;
+use super::{ContourPoint, DistanceMap, Silhouette, SilhouetteOptions};
+use crate::camera::Camera;
+use crate::image::{Mask, Runs, Scanlines, clean, resample, trace};
+
+/// Border points closer than this to the image edge are on it: the blur of the border reaches two pixels.
+const EDGE_PX: f64 = 2.0;
+/// Foreground over more than this fraction of the outermost pixels is no person.
+const FULL_FRACTION: f64 = 0.9;
+/// Points of the image's own outline along each side, for the bend that the lens gives it.
+const OUTLINE_STEPS: usize = 24;
+/// Rows by which the inside of a silhouette is cut, unless they would be closer than a pixel.
+const INSIDE_ROWS: f64 = 1000.0;
+
+/// Why a mask shows no silhouette.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Rejected {
+    /// No foreground.
+    #[error("the mask is empty")]
+    Empty,
+    /// Foreground nearly all along the image edge.
+    #[error(
+        "the foreground covers {edge_percent:.0} % of the image edge: is foreground white and background black?"
+    )]
+    Full {
+        /// How much of the outermost pixels is foreground.
+        edge_percent: f64,
+    },
+    /// Foreground too thin to have a border, or with no border inside the image.
+    #[error("the foreground of {area_px} px has no border inside the image")]
+    NoBorder {
+        /// Number of foreground pixels.
+        area_px: usize,
+    },
+    /// The mask is not of the size that the camera was calibrated for.
+    #[error("the mask is {found:?} px, expected {expected:?} px")]
+    Size {
+        /// Width and height of the calibration.
+        expected: (usize, usize),
+        /// Width and height of the mask.
+        found: (usize, usize),
+    },
+}
+
+/// The silhouette that a mask shows.
+///
+/// Specks away and small holes filled ([`clean`]), borders traced ([`trace`]) and resampled at equal arc length
+/// ([`resample`]) in the image as recorded, and only then undistorted, point by point. What a pixel outside the lens's
+/// model would be is left out.
+///
+/// `options` are taken as validated.
+///
+/// # Errors
+/// [`Rejected`] if the mask has not the camera's size or nothing in it can be a person's silhouette.
+pub fn extract(
+    mask: &Mask,
+    camera: &Camera,
+    options: &SilhouetteOptions,
+) -> Result<Silhouette, Rejected> {
+    let runs = usable_runs(mask, camera)?;
+    let cleaned = clean(&runs, &options.clean);
+    let no_border = Rejected::NoBorder {
+        area_px: cleaned.area(),
+    };
+    let region = cleaned.region().ok_or(Rejected::Empty)?;
+    let size_px = (region.right - region.left).max(region.bottom - region.top) as f64;
+    let spacing_px = options.spacing_px.max(size_px / options.points_per_size);
+    let borders: Vec<Border> = trace(&cleaned)
+        .iter()
+        .map(|closed| Border::new(&resample(closed, spacing_px), camera))
+        .collect();
+    let polygons: Vec<_> = borders.iter().map(|border| border.pixels.clone()).collect();
+    let (area_px, centroid) = area_and_centroid(&polygons).ok_or(no_border)?;
+    let bounds = bounds(polygons.iter().flatten()).ok_or(no_border)?;
+    let (contour, pieces, cut_px) = contour(&borders);
+    if contour.is_empty() {
+        return Err(no_border);
+    }
+    let extent = MapExtent {
+        bounds,
+        margin: options.map_margin,
+        cells: options.map_cells,
+    };
+    Ok(Silhouette {
+        outside: DistanceMap::new(&polygons, image_outline(camera), &extent),
+        inside: inside(&polygons, bounds),
+        contour,
+        area_px,
+        centroid,
+        bounds,
+        cut_px,
+        pieces,
+    })
+}
+
+fn usable_runs(mask: &Mask, camera: &Camera) -> Result<Runs, Rejected> {
+    let expected = (camera.width_px as usize, camera.height_px as usize);
+    let found = (mask.width(), mask.height());
+    if found != expected {
+        return Err(Rejected::Size { expected, found });
+    }
+    let runs = Runs::of(mask);
+    if runs.area() == 0 {
+        return Err(Rejected::Empty);
+    }
+    let edge_percent = 100.0 * foreground_of_edge(mask);
+    if edge_percent > 100.0 * FULL_FRACTION {
+        return Err(Rejected::Full { edge_percent });
+    }
+    Ok(runs)
+}
+
+/// Fraction of the outermost pixels that is foreground.
+fn foreground_of_edge(mask: &Mask) -> f64 {
+    let ends = |y: usize| {
+        let row = mask.row(y);
+        row.first().into_iter().chain(row.last())
+    };
+    let last = mask.height().saturating_sub(1);
+    let pixels = (0..mask.height()).flat_map(ends);
+    let pixels = pixels.chain(mask.row(0)).chain(mask.row(last));
+    let (count, set) = pixels.fold((0u32, 0u32), |(count, set), pixel| {
+        (count + 1, set + u32::from(*pixel))
+    });
+    f64::from(set) / f64::from(count.max(1))
+}
+
+/// One closed border, undistorted.
+struct Border {
+    pixels: Vec<Point2<f64>>,
+    is_on_image_edge: Vec<bool>,
+}
+
+impl Border {
+    fn new(recorded: &[Point2<f64>], camera: &Camera) -> Self {
+        let (right, bottom) = (
+            f64::from(camera.width_px) - 0.5 - EDGE_PX,
+            f64::from(camera.height_px) - 0.5 - EDGE_PX,
+        );
+        let inner = EDGE_PX - 0.5..=right;
+        let is_inner =
+            |p: &Point2<f64>| inner.contains(&p.x) && (EDGE_PX - 0.5..=bottom).contains(&p.y);
+        let (pixels, is_on_image_edge) = recorded
+            .iter()
+            .filter_map(|pixel| Some((camera.undistort(pixel)?, !is_inner(pixel))))
+            .unzip();
+        Self {
+            pixels,
+            is_on_image_edge,
+        }
+    }
+
+    /// The contour point at `i`; `None` on the image edge, or where the border turns back on itself.
+    ///
+    /// The tangent is that from neighbour to neighbour, those on the image edge left out.
+    fn point(&self, i: usize) -> Option<ContourPoint> {
+        let count = self.pixels.len();
+        let neighbour = |j: usize| if self.is_on_image_edge[j] { i } else { j };
+        let (before, after) = (
+            neighbour((i + count - 1) % count),
+            neighbour((i + 1) % count),
+        );
+        let along = self.pixels[after] - self.pixels[before];
+        // foreground on the left on the screen: with y down, outward is (−dy, dx)
+        let normal = Vector2::new(-along.y, along.x).try_normalize(f64::EPSILON)?;
+        (!self.is_on_image_edge[i]).then_some(ContourPoint {
+            pixel: self.pixels[i],
+            normal,
+            length_px: self.length_at(i),
+        })
+    }
+
+    /// Half of the way to each neighbour.
+    fn length_at(&self, i: usize) -> f64 {
+        let count = self.pixels.len();
+        let to = |j: usize| (self.pixels[j % count] - self.pixels[i]).norm();
+        0.5 * (to(i + count - 1) + to(i + 1))
+    }
+}
+
+/// All contour points, the index of the first point of each unbroken piece, and the length that lies on the image edge.
+fn contour(borders: &[Border]) -> (Vec<ContourPoint>, Vec<usize>, f64) {
+    let (mut contour, mut pieces, mut cut_px) = (Vec::new(), Vec::new(), 0.0);
+    for border in borders {
+        let count = border.pixels.len();
+        let start = border.is_on_image_edge.iter().position(|is_on| *is_on);
+        let mut is_broken = true;
+        for i in (0..count).map(|k| (k + start.unwrap_or(0)) % count) {
+            match border.point(i) {
+                Some(point) => {
+                    if is_broken {
+                        pieces.push(contour.len());
+                    }
+                    contour.push(point);
+                    is_broken = false;
+                }
+                None => {
+                    is_broken = true;
+                    cut_px += border.length_at(i);
+                }
+            }
+        }
+    }
+    contour.shrink_to_fit();
+    (contour, pieces, cut_px)
+}
+
+/// Area with the holes taken off, and its centroid (Green); `None` if the area is not positive.
+fn area_and_centroid(polygons: &[Vec<Point2<f64>>]) -> Option<(f64, Point2<f64>)> {
+    let mut doubled = 0.0;
+    let mut moment = Vector2::zeros();
+    for polygon in polygons {
+        for (a, b) in polygon.iter().zip(polygon.iter().cycle().skip(1)) {
+            let cross = b.x * a.y - a.x * b.y;
+            doubled += cross;
+            moment += (a.coords + b.coords) * cross;
+        }
+    }
+    (doubled > 0.0).then(|| (0.5 * doubled, Point2::from(moment / (3.0 * doubled))))
+}
+
+fn bounds<'a>(
+    mut points: impl Iterator<Item = &'a Point2<f64>>,
+) -> Option<(Point2<f64>, Point2<f64>)> {
+    let first = points.next()?;
+    Some(points.fold((*first, *first), |(low, high), point| {
+        (low.inf(point), high.sup(point))
+    }))
+}
+
+fn inside(polygons: &[Vec<Point2<f64>>], (low, high): (Point2<f64>, Point2<f64>)) -> Scanlines {
+    let height = high.y - low.y;
+    let step = (height / INSIDE_ROWS).max(1.0);
+    // half a step off the top: no row runs along a horizontal border
+    Scanlines::new(
+        polygons,
+        (low.y + 0.5 * step, step),
+        (height / step).ceil() as usize,
+    )
+}
+
+/// The outline of the image itself, undistorted.
+fn image_outline(camera: &Camera) -> Vec<Point2<f64>> {
+    let (right, bottom) = (
+        f64::from(camera.width_px) - 0.5,
+        f64::from(camera.height_px) - 0.5,
+    );
+    let corners = [
+        Point2::new(-0.5, -0.5),
+        Point2::new(right, -0.5),
+        Point2::new(right, bottom),
+        Point2::new(-0.5, bottom),
+    ];
+    let sides = corners.iter().zip(corners.iter().cycle().skip(1));
+    sides
+        .flat_map(|(a, b)| {
+            (0..OUTLINE_STEPS).map(move |k| a + (b - a) * (k as f64 / OUTLINE_STEPS as f64))
+        })
+        .filter_map(|pixel| camera.undistort(&pixel))
+        .collect()
+}

@@ -1,0 +1,29 @@
+//! What one frame shows.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use super::{Rejected, Silhouette};
+use crate::camera::CameraId;
+
+/// Number of a frame of the recording: its time is index/fps. Frames may be missing between two indices.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct FrameIndex(pub usize);
+
+impl fmt::Display for FrameIndex {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "frame {}", self.0)
+    }
+}
+
+/// The silhouettes of one frame, at most one for each camera, in the order of the rig.
+#[derive(Clone, Debug)]
+pub struct FrameObservations {
+    /// Which frame.
+    pub frame: FrameIndex,
+    /// The silhouettes of the cameras that have a usable mask.
+    pub views: Vec<(CameraId, Silhouette)>,
+    /// The cameras whose mask could be read and shows no silhouette, and why.
+    pub rejected: Vec<(CameraId, Rejected)>,
+}

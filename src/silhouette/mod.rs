@@ -1,0 +1,19 @@
+//! What a frame shows of the person: silhouettes in undistorted pixels, one for each camera.
+//!
+//! [`extract`] makes a [`Silhouette`] of a mask: specks and small holes away, the sub-pixel border as points with
+//! outward normals, what lies inside, and a [`DistanceMap`] of what lies outside. A silhouette knows neither the body
+//! nor any other camera. A [`FrameObservations`] is all that one frame shows.
+
+mod distance_map;
+mod extract;
+mod frame;
+mod options;
+mod outline;
+mod overlap;
+
+pub use distance_map::DistanceMap;
+pub use extract::{Rejected, extract};
+pub use frame::{FrameIndex, FrameObservations};
+pub use options::{InvalidOption, SilhouetteOptions};
+pub use outline::{ContourPoint, Silhouette};
+pub use overlap::Overlap;

@@ -1,0 +1,64 @@
+//! How well a model covers a silhouette.
+
+use nalgebra::Point2;
+
+use super::Silhouette;
+
+/// Steps along the height of what is compared.
+const STEPS: f64 = 150.0;
+
+/// Areas of the intersection and of the union of a silhouette and a model, undistorted px².
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Overlap {
+    /// In both.
+    pub intersection: f64,
+    /// In at least one.
+    pub union: f64,
+}
+
+impl Overlap {
+    /// Intersection over union, 0 (apart) to 1 (the same); 0 if both are empty.
+    pub fn iou(&self) -> f64 {
+        if self.union > 0.0 {
+            self.intersection / self.union
+        } else {
+            0.0
+        }
+    }
+}
+
+impl Silhouette {
+    /// Overlap with the model whose pixels are those for which `is_model` holds; `model_bounds` is a box around them.
+    ///
+    /// Counted on a square grid of max(1 px, size/150) over both boxes, size being the longer side of the silhouette's.
+    /// What lies beyond the image counts for neither: there the silhouette is unknown.
+    pub fn overlap(
+        &self,
+        model_bounds: (Point2<f64>, Point2<f64>),
+        is_model: impl Fn(&Point2<f64>) -> bool,
+    ) -> Overlap {
+        let (low, high) = self.bounds;
+        let step = ((high - low).max() / STEPS).max(1.0);
+        let (image_low, image_high) = self.outside.image_bounds();
+        let low = low.inf(&model_bounds.0).sup(&image_low);
+        let high = high.sup(&model_bounds.1).inf(&image_high);
+        let nodes = |from: f64, to: f64| ((to - from) / step).ceil().max(0.0) as usize;
+        let (mut intersection, mut union) = (0usize, 0usize);
+        for row in 0..nodes(low.y, high.y) {
+            for column in 0..nodes(low.x, high.x) {
+                let offset = nalgebra::Vector2::new(column as f64 + 0.5, row as f64 + 0.5) * step;
+                let pixel = low + offset;
+                let (mask, model) = (self.contains(&pixel), is_model(&pixel));
+                if (mask || model) && self.sees(&pixel) {
+                    union += 1;
+                    intersection += usize::from(mask && model);
+                }
+            }
+        }
+        let cell = step * step;
+        Overlap {
+            intersection: intersection as f64 * cell,
+            union: union as f64 * cell,
+        }
+    }
+}
