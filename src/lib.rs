@@ -6,5 +6,7 @@ pub mod inference;
 pub mod io;
 pub mod likelihood;
 pub mod math;
+pub mod render;
 pub mod silhouette;
 pub mod solver;
+pub mod synth;
