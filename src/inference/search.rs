@@ -42,7 +42,7 @@ impl Default for SearchOptions {
             keyframe_every: 20,
             start: StartOptions::default(),
             track: TrackOptions::default(),
-            together: 16,
+            together: 32,
             pruning: Pruning::Exact,
         }
     }
