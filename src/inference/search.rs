@@ -42,7 +42,7 @@ impl Default for SearchOptions {
             keyframe_every: 20,
             start: StartOptions::default(),
             track: TrackOptions::default(),
-            together: 32,
+            together: 64,
             pruning: Pruning::Exact,
         }
     }
