@@ -239,7 +239,7 @@ fn together_hypothesis(
             })
         })
         .collect();
-    let weight = (members.len() as f64).powf(-*TEMPER_);
+    let weight = (members.len() as f64).powf(-TEMPER);
     let shape = refine(
         evidence,
         trial.hypothesis.shape.clone(),
@@ -261,12 +261,7 @@ fn together_hypothesis(
 }
 
 /// K frames weigh as much as K^(1 − TEMPER) independent ones.
-static TEMPER_: std::sync::LazyLock<f64> = std::sync::LazyLock::new(|| {
-    std::env::var("TEMPER")
-        .ok()
-        .and_then(|v| v.parse().ok())
-        .unwrap_or(0.5)
-});
+const TEMPER: f64 = 0.5;
 
 fn keyframes(sequence: Sequence<'_>, every: usize) -> Vec<usize> {
     let usable = |&i: &usize| sequence.frames[i].views.len() >= 2;
