@@ -1,4 +1,19 @@
-//! Maquette.
+#![doc = include_str!("../README.md")]
+//!
+//! # The posterior
+//!
+//! E(s, m₁..ₙ) = −log p(s) + Σᵢ \[−log p(Zᵢ | mᵢ, s)\] + Σᵢ \[−log p(mᵢ | mᵢ₋₁)\]
+//!
+//! | factor                       | room                                                    |
+//! |------------------------------|---------------------------------------------------------|
+//! | s, mᵢ: the body              | [`body`]                                                |
+//! | Zᵢ: what the cameras show    | [`camera`], [`image`], [`silhouette`]                   |
+//! | p(Zᵢ given mᵢ, s)            | [`likelihood`]                                          |
+//! | p(s), p(mᵢ given mᵢ₋₁), argmax | [`inference`]                                         |
+//! | least squares                | [`solver`]                                              |
+//! | recordings with truth        | [`synth`], [`render`]                                   |
+//! | files                        | [`io`]                                                  |
+
 pub mod body;
 pub mod camera;
 pub mod image;

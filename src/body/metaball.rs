@@ -115,7 +115,7 @@ mod tests {
         let shrink = (0.5 * 2.0_f64.ln()).sqrt();
         for (k, radius) in radii.iter().enumerate() {
             let axis = Rotation3::from_scaled_axis(turn) * Vector3::ith(k, 1.0);
-            let on_skin = centre + axis * radius * shrink;
+            let on_skin = centre + axis * (radius * shrink);
             approx::assert_relative_eq!(field.value(&on_skin), THRESHOLD, epsilon = 1e-12);
         }
         approx::assert_relative_eq!(field.value(&centre), 1.0);
@@ -137,7 +137,9 @@ mod tests {
                 let moved = point + Vector3::new(delta[0], delta[1], delta[2]);
                 DVector::from_element(1, field.value(&moved))
             });
-            approx::assert_relative_eq!(numeric.transpose(), gradient, epsilon = 1e-8);
+            for (n, g) in numeric.iter().zip(&gradient) {
+                approx::assert_relative_eq!(n, g, epsilon = 1e-8);
+            }
         }
     }
 

@@ -4,4 +4,6 @@ pub mod calibration;
 pub mod manifest;
 pub mod model;
 pub mod recording;
+pub mod synthetic;
+pub mod trc;
 pub mod unknown_key;

@@ -37,8 +37,6 @@ pub struct OutlineEllipse {
     pub inverse: Matrix2<f64>,
     /// Largest semi-axis, px.
     pub reach: f64,
-    /// Smallest semi-axis, px.
-    pub girth: f64,
     /// Lower Cholesky factor L of Σ.
     pub root: Matrix2<f64>,
 }
@@ -55,20 +53,19 @@ impl OutlineEllipse {
         let l10 = s[(0, 1)] / l00;
         let l11 = (s[(1, 1)] - l10 * l10).max(0.0).sqrt();
         let root = Matrix2::new(l00, 0.0, l10, l11);
-        let girth = (half - spread).max(0.0).sqrt();
         Self {
             centre: ellipse.centre,
             inverse,
             reach: (half + spread).sqrt(),
-            girth,
             root,
         }
     }
 
-    /// No point is nearer to the outline than this, and none farther inside than the smallest semi-axis.
+    /// Whether every point of the ellipse is farther from x than `distance` (true at once for most).
     #[inline]
-    pub fn lower_bound(&self, x: &Vector2<f64>) -> f64 {
-        ((x - self.centre).norm() - self.reach).max(-self.girth)
+    pub fn is_farther_than(&self, distance: f64, x: &Vector2<f64>) -> bool {
+        let limit = distance + self.reach;
+        limit < 0.0 || (x - self.centre).norm_squared() > limit * limit
     }
 
     /// d and ∂d/∂(cx, cy, Σxx, Σxy, Σyy).

@@ -61,8 +61,8 @@ impl Default for EllipseOptions {
             distance: EllipseDistance::Gradient,
             sigma_px: 1.0,
             sigma_m: 0.01,
-            correlation_m: 0.05,
-            blend_m: 0.004,
+            correlation_m: 0.1,
+            blend_m: 0.003,
             loss: Loss::Cauchy(3.0),
             back_samples: 24,
         }
@@ -121,12 +121,22 @@ impl<'a> View<'a> {
 pub struct EllipseSilhouette<'a> {
     views: Vec<View<'a>>,
     options: EllipseOptions,
+    /// (sin, cos) of the samples of every ellipse's outline.
+    circle: Vec<(f64, f64)>,
 }
 
 impl<'a> EllipseSilhouette<'a> {
     /// The term of one frame's views.
     pub fn new(views: Vec<View<'a>>, options: EllipseOptions) -> Self {
-        Self { views, options }
+        let turn = std::f64::consts::TAU / options.back_samples as f64;
+        let circle = (0..options.back_samples)
+            .map(|k| (turn * k as f64).sin_cos())
+            .collect();
+        Self {
+            views,
+            options,
+            circle,
+        }
     }
 
     /// Number of independent observations that the border points stand for.
@@ -151,9 +161,10 @@ impl<'a> EllipseSilhouette<'a> {
     ) {
         let precision = 1.0 / self.sigma_px(view);
         let mut near = Vec::with_capacity(ellipses.len());
+        let mut hint = 0;
         // forwards: from the border to the model
         for (x, length_px) in view.points.iter().zip(&view.lengths_px) {
-            if let Some(d) = self.distance(view, ellipses, x, &mut near) {
+            if let Some(d) = self.distance(view, ellipses, x, (&mut hint, &mut near)) {
                 near.iter_mut().for_each(|(_, slope)| *slope *= precision);
                 row(
                     d * precision,
@@ -163,12 +174,10 @@ impl<'a> EllipseSilhouette<'a> {
             }
         }
         // back: from the model to the mask
-        let samples = self.options.back_samples;
         for (i, ellipse) in ellipses.iter().enumerate() {
             let Some(ellipse) = ellipse else { continue };
-            let weight = girths_m[i] / (samples as f64 * self.options.correlation_m);
-            for k in 0..samples {
-                let (sin, cos) = (std::f64::consts::TAU * k as f64 / samples as f64).sin_cos();
+            let weight = girths_m[i] / (self.circle.len() as f64 * self.options.correlation_m);
+            for &(sin, cos) in &self.circle {
                 let x = ellipse.centre + ellipse.root * Vector2::new(cos, sin);
                 let (d, slope) = view.outside.sample(&x.into());
                 if d > 0.0 {
@@ -185,18 +194,15 @@ impl<'a> EllipseSilhouette<'a> {
         view: &View<'_>,
         ellipses: &[Option<OutlineEllipse>],
         x: &Vector2<f64>,
-        near: &mut Vec<(usize, SVector<f64, 5>)>,
+        (hint, near): (&mut usize, &mut Vec<(usize, SVector<f64, 5>)>),
     ) -> Option<f64> {
         near.clear();
         match self.options.variant {
             Variant::Published => nearest(ellipses, x, self.options.distance, near),
-            Variant::Outline => smooth_union(
-                ellipses,
-                x,
-                self.options.distance,
-                self.options.blend_m * view.px_per_m,
-                near,
-            ),
+            Variant::Outline => {
+                let blend = self.options.blend_m * view.px_per_m;
+                smooth_union(ellipses, x, (self.options.distance, blend), hint, near)
+            }
         }
     }
 
@@ -234,31 +240,35 @@ fn nearest(
 const REACH_IN_BLENDS: f64 = 12.0;
 
 /// −τ ln Σ exp(−dᵢ/τ): ∂ = Σ pᵢ ∂dᵢ with pᵢ ∝ exp(−dᵢ/τ).
+///
+/// `hint` is an ellipse that is likely near (that of the neighbouring border point) and becomes the
+/// nearest one: it bounds the others, so that few distances are computed; the sum depends on it by e⁻¹².
 fn smooth_union(
     ellipses: &[Option<OutlineEllipse>],
     x: &Vector2<f64>,
-    kind: EllipseDistance,
-    blend: f64,
+    (kind, blend): (EllipseDistance, f64),
+    hint: &mut usize,
     near: &mut Vec<(usize, SVector<f64, 5>)>,
 ) -> Option<f64> {
-    let mut least = f64::INFINITY;
-    let mut distances: [f64; MAX_NEAR] = [0.0; MAX_NEAR];
+    let reach = REACH_IN_BLENDS * blend;
+    let mut least = ellipses[*hint]
+        .as_ref()
+        .map_or(f64::INFINITY, |e| e.distance(x, kind).0);
+    let mut distances = [0.0; MAX_NEAR];
     for (i, ellipse) in ellipses.iter().enumerate() {
-        let Some(ellipse) = ellipse else { continue };
-        if ellipse.lower_bound(x) > least + REACH_IN_BLENDS * blend {
+        let Some(ellipse) = ellipse
+            .as_ref()
+            .filter(|e| !e.is_farther_than(least + reach, x))
+        else {
             continue;
-        }
+        };
         let (d, slope) = ellipse.distance(x, kind);
-        if d > least + REACH_IN_BLENDS * blend {
-            continue;
-        }
-        if d + REACH_IN_BLENDS * blend < least {
-            near.clear();
-        }
-        least = least.min(d);
-        if near.len() < MAX_NEAR {
+        if d <= least + reach && near.len() < MAX_NEAR {
             distances[near.len()] = d;
             near.push((i, slope));
+            if d < least {
+                (least, *hint) = (d, i);
+            }
         }
     }
     if near.is_empty() {
@@ -272,7 +282,8 @@ fn smooth_union(
     Some(least - blend * sum.ln())
 }
 
-const MAX_NEAR: usize = 12;
+/// No more ellipses than this overlap at one border point.
+const MAX_NEAR: usize = 16;
 
 /// ∂(slope·x)/∂(ellipse) for the sample x = c + L·(cos, sin), L the Cholesky factor of Σ.
 fn outline_slope(e: &OutlineEllipse, sin: f64, cos: f64, slope: &Vector2<f64>) -> SVector<f64, 5> {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::curves::{Curve, JOINTS, Normative, PELVIS, Place};
+use super::curves::{Curve, JOINTS, Normative, PELVIS, Place, Spread};
 
 /// Angles over the gait cycle, and how many cycles there are in a second.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,49 +22,22 @@ pub struct Gait {
 const STRIDE_HZ: f64 = 0.94;
 /// Standard deviation between persons, relative (Winter 1991: 5–6 %).
 const STRIDE_SD: f64 = 0.055;
-/// Standard deviation of a curve's amplitude between persons, relative.
-const GAIN_SD: f64 = 0.08;
-/// Standard deviation of a curve's timing between persons, in cycles.
-const ADVANCE_SD: f64 = 0.008;
-/// Left against right of one person, as a fraction of the difference between persons.
-const ASYMMETRY: f64 = 0.3;
+/// Standard deviation of the legs' common amplitude, and so of the step length, relative (Öberg et al. 1993: 6–8 %).
+const STEP_SD: f64 = 0.06;
+/// Standard deviation of the bend of the knees, degrees (Kadaba et al. 1990: about 5° with marker placement).
+const BEND_SD_DEG: f64 = 2.5;
+/// Standard deviation of the amplitude of trunk and arms, relative.
+const SWING_SD: f64 = 0.15;
+/// Standard deviation of the timing of trunk and arms, in cycles.
+const ADVANCE_SD: f64 = 0.015;
+/// What is left to each single curve, and to left against right: degrees.
+const SINGLE_SD_DEG: f64 = 0.4;
 
-/// How one curve departs from the norm, in standard deviations.
+/// What all curves of a person have in common.
 #[derive(Clone, Copy)]
-struct Departure {
-    gain: f64,
-    offset: f64,
-    advance: f64,
-}
-
-impl Departure {
-    const NONE: Self = Self {
-        gain: 0.0,
-        offset: 0.0,
-        advance: 0.0,
-    };
-
-    fn draw(rng: &mut impl Rng) -> Self {
-        Self {
-            gain: bounded_normal(rng),
-            offset: bounded_normal(rng),
-            advance: bounded_normal(rng),
-        }
-    }
-
-    fn plus(self, factor: f64, other: Self) -> Self {
-        Self {
-            gain: self.gain + factor * other.gain,
-            offset: self.offset + factor * other.offset,
-            advance: self.advance + factor * other.advance,
-        }
-    }
-
-    fn apply(self, normative: &Normative) -> Curve {
-        let offset = self.offset * normative.sd_deg.to_radians();
-        let varied = normative.curve().varied(1.0 + GAIN_SD * self.gain, offset);
-        varied.advanced(ADVANCE_SD * self.advance)
-    }
+struct Person {
+    step_gain: f64,
+    bend_deg: f64,
 }
 
 /// A standard normal number, drawn again beyond ±2.
@@ -80,37 +53,54 @@ fn bounded_normal(rng: &mut impl Rng) -> f64 {
 impl Gait {
     /// The mean of healthy adults.
     pub fn normative() -> Self {
-        Self::departing(STRIDE_HZ, || Departure::NONE)
+        Self::departing(&mut || 0.0)
     }
 
-    /// A healthy person's: gains, offsets and timing of every curve, and the cadence, drawn about the mean.
+    /// A healthy person's: cadence, step length, bend of the knees, swing and timing, drawn about the mean.
     pub fn personal(rng: &mut impl Rng) -> Self {
-        let stride_hz = STRIDE_HZ * (1.0 + STRIDE_SD * bounded_normal(rng));
-        Self::departing(stride_hz, || Departure::draw(rng))
+        Self::departing(&mut || bounded_normal(rng))
     }
 
-    fn departing(stride_hz: f64, mut draw: impl FnMut() -> Departure) -> Self {
-        let pelvis = PELVIS.each_ref().map(|n| draw().apply(n));
+    /// A gait that departs from the mean by the standard deviations that `draw` gives.
+    fn departing(draw: &mut impl FnMut() -> f64) -> Self {
+        let stride_hz = STRIDE_HZ * (1.0 + STRIDE_SD * draw());
+        let person = Person {
+            step_gain: 1.0 + STEP_SD * draw(),
+            bend_deg: BEND_SD_DEG * draw(),
+        };
+        let pelvis = PELVIS.each_ref().map(|n| depart(n, person, draw));
         let mut joints = BTreeMap::new();
         for normative in &JOINTS {
-            let person = draw();
-            match normative.place {
-                Place::Middle => {
-                    joints.insert(normative.joint.to_owned(), person.apply(normative));
-                }
-                Place::BothSides => {
-                    for (side, half_cycle) in [("r", 0.0), ("l", 0.5)] {
-                        let curve = person.plus(ASYMMETRY, draw()).apply(normative);
-                        let name = format!("{}_{side}", normative.joint);
-                        joints.insert(name, curve.advanced(half_cycle));
-                    }
-                }
+            let name = normative.joint;
+            let curve = depart(normative, person, draw);
+            if normative.place == Place::Middle {
+                joints.insert(name.to_owned(), curve);
+                continue;
+            }
+            for (side, half_cycle) in [("r", 0.0), ("l", 0.5)] {
+                let own = curve.varied(1.0, (SINGLE_SD_DEG * draw()).to_radians());
+                joints.insert(format!("{name}_{side}"), own.advanced(half_cycle));
             }
         }
         Self {
             stride_hz,
             pelvis,
             joints,
+        }
+    }
+}
+
+fn depart(normative: &Normative, person: Person, draw: &mut impl FnMut() -> f64) -> Curve {
+    let curve = normative.curve();
+    match normative.spread {
+        Spread::Legs(bend) => {
+            let offset_deg = bend * person.bend_deg + SINGLE_SD_DEG * draw();
+            curve.varied(person.step_gain, offset_deg.to_radians())
+        }
+        Spread::Own(sd_deg) => {
+            let (gain, offset_deg) = (1.0 + SWING_SD * draw(), sd_deg * draw());
+            let varied = curve.varied(gain, offset_deg.to_radians());
+            varied.advanced(ADVANCE_SD * draw())
         }
     }
 }

@@ -12,7 +12,7 @@
 //! | `contact.rs` | soles, and how the floor holds them                                         |
 //! | `walk.rs`    | [`Walk`]: the motion of a model that walks                                  |
 //! | `noise.rs`   | [`SegmentationErrors`]: what a segmentation does to a true mask             |
-//! | `recording.rs` | [`Synthetic`]: all of it together; [`sample_walker`]: the sample recording |
+//! | `recording.rs` | [`Synthetic`]: all of it together; [`Recipe`], [`sample_walker`]: how it is made |
 
 mod contact;
 mod curves;
@@ -26,7 +26,7 @@ mod walk;
 pub use curves::Curve;
 pub use gait::Gait;
 pub use noise::SegmentationErrors;
-pub use recording::{Synthetic, sample_walker};
+pub use recording::{Recipe, Synthetic, sample_walker};
 pub use scene::Ring;
 pub use shape::draw_shape;
 pub use walk::{Walk, WalkError};

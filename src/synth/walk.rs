@@ -34,13 +34,15 @@ pub enum WalkError {
         point: &'static str,
     },
     /// A frame rate that is none.
-    #[error("expected a frame rate above 0 Hz, found {fps}")]
+    #[error("expected a frame rate above 0 and up to {FASTEST} Hz, found {fps}")]
     Rate {
         /// Found.
         fps: f64,
     },
 }
 
+/// No camera records a person with more frames per second.
+const FASTEST: f64 = 1e5;
 /// Steps of the integration along the floor between two frames.
 const SUBSTEPS: usize = 4;
 /// How far angles stay within their limits.
@@ -55,7 +57,7 @@ impl Walk {
     /// those of the legs. Joints that the gait does not know stay at rest.
     ///
     /// # Errors
-    /// [`WalkError`] if the model has no feet or `fps` is not positive.
+    /// [`WalkError`] if the model has no feet or `fps` is no frame rate.
     pub fn motions(
         &self,
         model: &BodyModel,
@@ -63,7 +65,7 @@ impl Walk {
         fps: f64,
         frames: usize,
     ) -> Result<Vec<Motion>, WalkError> {
-        if !(fps > 0.0 && fps.is_finite()) {
+        if !(fps > 0.0 && fps <= FASTEST) {
             return Err(WalkError::Rate { fps });
         }
         let foot = |point: &'static str| {
@@ -76,7 +78,7 @@ impl Walk {
         let feet = [foot("RBigToe")?, foot("LBigToe")?];
         let advance = self.gait.stride_hz / (fps * SUBSTEPS as f64);
         let mut position = Vector3::zeros();
-        let mut motions = Vec::with_capacity(frames);
+        let mut motions = Vec::new();
         let mut now = self.at_origin(model, self.start_phase);
         for step in 0..frames.saturating_sub(1) * SUBSTEPS + 1 {
             let phase = self.start_phase + step as f64 * advance;

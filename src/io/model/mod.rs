@@ -4,6 +4,7 @@
 //! sorted first, names resolved, degrees turned to radians. Field by field: docs/formats.md.
 
 mod build;
+mod side;
 mod spec;
 
 use std::path::{Path, PathBuf};
