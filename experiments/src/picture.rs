@@ -87,15 +87,29 @@ impl Panel {
 
     /// A curve; no legend entry for an empty name.
     pub fn curve(mut self, name: &str, colour: &str, points: &[(f64, f64)]) -> Self {
-        let line = LinePlot::new().with_data(points.iter().copied()).with_color(colour).with_stroke_width(2.0);
-        self.plots.push(Plot::Line(if name.is_empty() { line } else { line.with_legend(name) }));
+        let line = LinePlot::new()
+            .with_data(points.iter().copied())
+            .with_color(colour)
+            .with_stroke_width(2.0);
+        self.plots.push(Plot::Line(if name.is_empty() {
+            line
+        } else {
+            line.with_legend(name)
+        }));
         self
     }
 
     /// A dashed curve.
     pub fn dashed(mut self, name: &str, colour: &str, points: &[(f64, f64)]) -> Self {
-        let line = LinePlot::new().with_data(points.iter().copied()).with_color(colour).with_dashed();
-        self.plots.push(Plot::Line(if name.is_empty() { line } else { line.with_legend(name) }));
+        let line = LinePlot::new()
+            .with_data(points.iter().copied())
+            .with_color(colour)
+            .with_dashed();
+        self.plots.push(Plot::Line(if name.is_empty() {
+            line
+        } else {
+            line.with_legend(name)
+        }));
         self
     }
 
@@ -106,7 +120,11 @@ impl Panel {
             .with_color(colour)
             .with_size(4.0)
             .with_marker(MarkerShape::Circle);
-        self.plots.push(Plot::Scatter(if name.is_empty() { marks } else { marks.with_legend(name) }));
+        self.plots.push(Plot::Scatter(if name.is_empty() {
+            marks
+        } else {
+            marks.with_legend(name)
+        }));
         self
     }
 
@@ -117,7 +135,11 @@ impl Panel {
             .with_color(colour)
             .with_y_err(points.iter().map(|p| p.2))
             .with_stroke_width(1.5);
-        self.plots.push(Plot::Line(if name.is_empty() { line } else { line.with_legend(name) }));
+        self.plots.push(Plot::Line(if name.is_empty() {
+            line
+        } else {
+            line.with_legend(name)
+        }));
         self
     }
 
@@ -130,7 +152,11 @@ impl Panel {
         )
         .with_color(colour)
         .with_opacity(0.2);
-        self.plots.push(Plot::Band(if name.is_empty() { band } else { band.with_legend(name) }));
+        self.plots.push(Plot::Band(if name.is_empty() {
+            band
+        } else {
+            band.with_legend(name)
+        }));
         self
     }
 
@@ -138,7 +164,10 @@ impl Panel {
     pub fn bars(mut self, series: &[(&str, &str)], groups: &[(String, Vec<f64>)]) -> Self {
         let mut bars = BarPlot::new().with_width(0.8);
         for (label, values) in groups {
-            let values = values.iter().zip(series).map(|(value, (_, colour))| (*value, (*colour).to_owned()));
+            let values = values
+                .iter()
+                .zip(series)
+                .map(|(value, (_, colour))| (*value, (*colour).to_owned()));
             bars = bars.with_group(label.clone(), values.collect::<Vec<_>>());
         }
         let names: Vec<&str> = series.iter().map(|(name, _)| *name).collect();
@@ -153,7 +182,11 @@ impl Panel {
     /// A vertical line at an abscissa.
     pub fn rule_at(mut self, x: f64, label: &str) -> Self {
         let rule = ReferenceLine::vertical(x).with_color(colour::BLACK);
-        self.rules.push(if label.is_empty() { rule } else { rule.with_label(label) });
+        self.rules.push(if label.is_empty() {
+            rule
+        } else {
+            rule.with_label(label)
+        });
         self
     }
 
@@ -164,13 +197,12 @@ impl Panel {
             font_family: Some("Helvetica, Arial, sans-serif".into()),
             ..Theme::light()
         };
-        let mut layout = if self.categories.is_empty() {
-            Layout::new(self.ranges.0, self.ranges.1)
+        let mut layout = Layout::auto_from_plots(&self.plots);
+        if self.categories.is_empty() {
+            layout = layout
                 .with_x_axis_min(self.ranges.0.0)
-                .with_x_axis_max(self.ranges.0.1)
-        } else {
-            Layout::auto_from_plots(&self.plots)
-        };
+                .with_x_axis_max(self.ranges.0.1);
+        }
         layout = layout
             .with_y_axis_min(self.ranges.1.0)
             .with_y_axis_max(self.ranges.1.1)
@@ -188,7 +220,10 @@ impl Panel {
         if self.equal == Aspect::Equal {
             layout = layout.with_equal_aspect();
         }
-        self.rules.iter().cloned().fold(layout, Layout::with_reference_line)
+        self.rules
+            .iter()
+            .cloned()
+            .fold(layout, Layout::with_reference_line)
     }
 }
 

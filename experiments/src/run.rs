@@ -1,6 +1,9 @@
 //! One run of an experiment.
 
-#![allow(clippy::print_stdout, reason = "tables and numbers are what an experiment is run for")]
+#![allow(
+    clippy::print_stdout,
+    reason = "tables and numbers are what an experiment is run for"
+)]
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -113,7 +116,10 @@ impl Run {
     /// [`RunError::Write`].
     pub fn table(&self, title: &str, table: &Table) -> Result<(), RunError> {
         println!("\n{title}\n\n{table}");
-        write(&self.folder().join(format!("{}.csv", table.name)), &table.csv())
+        write(
+            &self.folder().join(format!("{}.csv", table.name)),
+            &table.csv(),
+        )
     }
 
     /// Prints a line.
@@ -173,17 +179,26 @@ impl Run {
         }
         let out = out(&expected, &self.numbers);
         out.iter().for_each(|line| println!("{line}"));
-        Ok(if out.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+        Ok(if out.is_empty() {
+            ExitCode::SUCCESS
+        } else {
+            ExitCode::FAILURE
+        })
     }
 
     fn folder(&self) -> PathBuf {
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("out").join(self.name)
+        Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("out")
+            .join(self.name)
     }
 }
 
 fn read_expected(name: &str) -> Result<ExpectedNumbers, RunError> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("expected/{name}.toml"));
-    let text = fs::read_to_string(&path).map_err(|source| RunError::Read { path: path.clone(), source })?;
+    let text = fs::read_to_string(&path).map_err(|source| RunError::Read {
+        path: path.clone(),
+        source,
+    })?;
     toml::from_str(&text).map_err(|source| RunError::Expected { path, source })
 }
 
@@ -191,5 +206,8 @@ fn write(path: &Path, text: &str) -> Result<(), RunError> {
     let folder = path.parent().unwrap_or(path);
     fs::create_dir_all(folder)
         .and_then(|()| fs::write(path, text))
-        .map_err(|source| RunError::Write { path: path.to_owned(), source })
+        .map_err(|source| RunError::Write {
+            path: path.to_owned(),
+            source,
+        })
 }

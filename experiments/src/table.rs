@@ -15,7 +15,11 @@ impl Table {
     /// A table without rows.
     pub fn new(name: &'static str, columns: &[&str]) -> Self {
         let columns = columns.iter().map(|c| (*c).to_owned()).collect();
-        Self { name, columns, rows: Vec::new() }
+        Self {
+            name,
+            columns,
+            rows: Vec::new(),
+        }
     }
 
     /// Adds a row; missing cells stay empty.
@@ -35,7 +39,10 @@ impl Table {
             }
         };
         let line = |row: &Vec<String>| row.iter().map(quoted).collect::<Vec<_>>().join(",") + "\n";
-        std::iter::once(&self.columns).chain(&self.rows).map(line).collect()
+        std::iter::once(&self.columns)
+            .chain(&self.rows)
+            .map(line)
+            .collect()
     }
 }
 
@@ -43,11 +50,17 @@ impl fmt::Display for Table {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let width = |c: usize| {
             let cells = self.rows.iter().map(|row| row[c].chars().count());
-            cells.chain([self.columns[c].chars().count(), 3]).max().unwrap_or(3)
+            cells
+                .chain([self.columns[c].chars().count(), 3])
+                .max()
+                .unwrap_or(3)
         };
         let widths: Vec<usize> = (0..self.columns.len()).map(width).collect();
         let mut line = |cells: &[String]| {
-            let padded = cells.iter().zip(&widths).map(|(cell, &w)| format!("{cell:w$}"));
+            let padded = cells
+                .iter()
+                .zip(&widths)
+                .map(|(cell, &w)| format!("{cell:w$}"));
             writeln!(f, "| {} |", padded.collect::<Vec<_>>().join(" | "))
         };
         line(&self.columns)?;
