@@ -99,3 +99,21 @@ fn compare(
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sign_error_in_one_row_is_found_and_named() {
+        let numeric = DMatrix::from_row_slice(2, 2, &[1.0, 2.0, 3.0, 4.0]);
+        let mut analytic = numeric.clone();
+        assert_eq!(compare("RKnee", &analytic, &numeric, 1e-9), Ok(()));
+        analytic[(1, 0)] = -3.0;
+        let fault = compare("RKnee", &analytic, &numeric, 1e-9).unwrap_err();
+        assert_eq!(
+            fault.to_string(),
+            "∂(RKnee)[1]/∂δ[0] is -3 and 3 by differences"
+        );
+    }
+}

@@ -1,0 +1,300 @@
+//! Body model files: what is right is read as written, what is wrong is named in one line.
+
+use std::path::Path;
+
+use maquette::body::{BodyModel, Layout, Posed, Root, Shape};
+use maquette::body::{JointId, Motion};
+use maquette::io::model::{self, ModelFileError};
+
+const ARM: &str = r#"
+name = "test-arm"
+root = { fixed = true }
+factors = ["size"]
+
+[[coefficient]]
+name = "length"
+sd = 0.05
+loadings = { size = 0.1 }
+
+[[coefficient]]
+name = "place"
+sd = 0.01
+
+[[part]]
+name = "upper"
+scale = ["", "", "length"]
+[[part.ellipsoid]]
+centre = [0.0, 0.0, -0.15]
+radii = [0.04, 0.05, 0.16]
+
+[[part]]
+name = "lower"
+parent = "upper"
+sides = true
+at = [0.0, -0.02, -0.3]
+at_scale = ["", "shift:place", "length"]
+[[part.joint]]
+name = "elbow"
+axis = "-y"
+limits_deg = [0.0, 150.0]
+spread_deg = 40.0
+speed_deg = 200.0
+[[part.ellipsoid]]
+centre = [0.0, 0.0, -0.12]
+radii = [0.03, 0.03, 0.14]
+
+[[point]]
+name = "Elbow"
+part = "lower"
+"#;
+
+fn parse(text: &str) -> Result<BodyModel, ModelFileError> {
+    model::parse(text, Path::new("arm.toml"))
+}
+
+fn complaint(from: &str, to: &str) -> String {
+    assert!(
+        ARM.contains(from),
+        "the fault is planted in text that is there"
+    );
+    let message = parse(&ARM.replacen(from, to, 1))
+        .expect_err("the fault is noticed")
+        .to_string();
+    assert!(!message.contains('\n'), "{message}");
+    message
+}
+
+#[test]
+fn the_left_side_is_the_mirror_image_of_the_right() {
+    let model = parse(ARM).unwrap();
+    let mut motion = Motion::rest(&model);
+    motion.angles.fill(0.7);
+    let mut shape = Shape(model.statistics.mean.clone());
+    shape.0[1] = 0.005;
+    let points = Posed::new(&model, &shape, &motion).points();
+    let [right, left] = ["RElbow", "LElbow"].map(|name| points[model.point(name).unwrap()]);
+    approx::assert_relative_eq!(right.y, -0.015, epsilon = 1e-12);
+    approx::assert_relative_eq!(left.y, 0.015, epsilon = 1e-12);
+    approx::assert_relative_eq!(right.z, left.z, epsilon = 1e-12);
+    assert_eq!(model.root, Root::Fixed);
+    assert_eq!(Layout::of(&model).total(), 4);
+}
+
+#[test]
+fn coefficients_that_share_a_factor_are_correlated() {
+    let covariance = parse(ARM).unwrap().statistics.covariance;
+    approx::assert_relative_eq!(
+        covariance[(0, 0)],
+        0.05_f64.powi(2) + 0.1_f64.powi(2),
+        epsilon = 1e-15
+    );
+    approx::assert_relative_eq!(covariance[(0, 1)], 0.0);
+}
+
+#[test]
+fn denavit_hartenberg_parameters_are_one_way_to_write_the_static_transform() {
+    // a planar two-link arm in modified DH: joint 2 lies a = 0.3 along x of joint 1, both turn about z
+    let text = r#"
+name = "planar"
+root = { fixed = true }
+[[part]]
+name = "base"
+[[part.joint]]
+name = "q1"
+dh = {}
+limits_deg = [-180.0, 180.0]
+spread_deg = 90.0
+speed_deg = 90.0
+[[part.ellipsoid]]
+centre = [0.15, 0.0, 0.0]
+radii = [0.15, 0.05, 0.05]
+[[part]]
+name = "link"
+parent = "base"
+[[part.joint]]
+name = "q2"
+dh = { a = 0.3 }
+limits_deg = [-180.0, 180.0]
+spread_deg = 90.0
+speed_deg = 90.0
+[[point]]
+name = "Tip"
+part = "link"
+at = [0.2, 0.0, 0.0]
+"#;
+    let model = parse(text).unwrap();
+    let shape = Shape(model.statistics.mean.clone());
+    let mut motion = Motion::rest(&model);
+    (motion.angles[0], motion.angles[1]) = (0.4, 0.5);
+    let tip = Posed::new(&model, &shape, &motion).points()[0];
+    approx::assert_relative_eq!(
+        tip.x,
+        0.3 * 0.4_f64.cos() + 0.2 * 0.9_f64.cos(),
+        epsilon = 1e-12
+    );
+    approx::assert_relative_eq!(
+        tip.y,
+        0.3 * 0.4_f64.sin() + 0.2 * 0.9_f64.sin(),
+        epsilon = 1e-12
+    );
+}
+
+#[test]
+fn the_human_is_as_tall_and_as_long_as_its_sources_say() {
+    let model = model::load("human-ellipsoids", Path::new("")).unwrap();
+    let shape = Shape(model.statistics.mean.clone());
+    let mut motion = Motion::rest(&model);
+    motion.angles.fill(0.0);
+    let body = Posed::new(&model, &shape, &motion);
+    let points = body.points();
+    let length = |a: &str, b: &str| {
+        (points[model.point(a).unwrap()] - points[model.point(b).unwrap()]).norm() / 1.70
+    };
+    // fractions of stature, docs/anthropometry.md sections 2 and 10
+    for (a, b, fraction) in [
+        ("RHip", "RKnee", 0.2426),
+        ("RKnee", "RAnkle", 0.245),
+        ("RShoulder", "RElbow", 0.160),
+        ("RElbow", "RWrist", 0.153),
+        ("RHip", "LHip", 0.100),
+        ("RShoulder", "LShoulder", 0.201),
+    ] {
+        approx::assert_relative_eq!(length(a, b), fraction, epsilon = 0.001);
+    }
+    let heights =
+        |z: f64, e: &maquette::math::quadric::Ellipsoid| e.centre.z + z * e.shape[(2, 2)].sqrt();
+    let ellipsoids = body.ellipsoids();
+    let top = ellipsoids
+        .iter()
+        .map(|e| heights(1.0, e))
+        .fold(f64::MIN, f64::max);
+    let sole = ellipsoids
+        .iter()
+        .map(|e| heights(-1.0, e))
+        .fold(f64::MAX, f64::min);
+    approx::assert_relative_eq!(top - sole, 1.70, epsilon = 0.025);
+    assert!(model.parts.len() >= 15);
+}
+
+#[test]
+fn a_knee_bends_backwards_and_a_hip_forwards() {
+    let model = model::load("human-ellipsoids", Path::new("")).unwrap();
+    let shape = Shape(model.statistics.mean.clone());
+    for (joint, point, forwards) in [
+        ("hip_flexion_l", "LKnee", true),
+        ("knee_flexion_r", "RAnkle", false),
+    ] {
+        let mut motion = Motion::rest(&model);
+        let JointId(index) = model.joint(joint).unwrap();
+        let ahead = |motion: &Motion| {
+            Posed::new(&model, &shape, motion).points()[model.point(point).unwrap()].x
+        };
+        let before = ahead(&motion);
+        motion.angles[index] += 0.5;
+        assert_eq!(ahead(&motion) > before, forwards, "{joint}");
+    }
+}
+
+#[test]
+fn a_cycle_of_parents_is_named() {
+    let message = complaint(
+        "name = \"upper\"\n",
+        "name = \"upper\"\nparent = \"lower\"\n",
+    );
+    assert_eq!(
+        message,
+        "arm.toml: expected one part without a parent, found 0"
+    );
+    let cycle = ARM.to_owned()
+        + "[[part]]\nname = \"a\"\nparent = \"b\"\n[[part]]\nname = \"b\"\nparent = \"a\"\n";
+    let message = parse(&cycle).unwrap_err().to_string();
+    assert_eq!(
+        message,
+        "arm.toml: part \"a\" is its own ancestor: break the cycle of `parent`"
+    );
+}
+
+#[test]
+fn a_missing_parent_is_named() {
+    let message = complaint("parent = \"upper\"", "parent = \"uper\"");
+    assert_eq!(
+        message,
+        "arm.toml: part lower names the part \"uper\", which the file does not define"
+    );
+}
+
+#[test]
+fn a_negative_radius_is_named() {
+    let message = complaint("radii = [0.04, 0.05, 0.16]", "radii = [0.04, -0.05, 0.16]");
+    assert_eq!(
+        message,
+        "arm.toml: part upper: radius -0.05 m is not positive"
+    );
+}
+
+#[test]
+fn an_unknown_key_is_named_with_its_line() {
+    let message = complaint("sides = true", "side = true");
+    assert!(
+        message.starts_with("arm.toml:25: unknown field `side`"),
+        "{message}"
+    );
+}
+
+#[test]
+fn other_faults_are_named_too() {
+    for (from, to, said) in [
+        (
+            "shift:place",
+            "shift:plaice",
+            "arm.toml: part lower_r names the coefficient \"shift:plaice\"",
+        ),
+        (
+            "{ size = 0.1 }",
+            "{ sise = 0.1 }",
+            "arm.toml: coefficient length names the factor \"sise\"",
+        ),
+        (
+            "[0.0, 150.0]",
+            "[150.0, 0.0]",
+            "arm.toml: joint elbow_r: limits",
+        ),
+        (
+            "axis = \"-y\"",
+            "axis = \"w\"",
+            "arm.toml: joint elbow: the axis",
+        ),
+        (
+            "name = \"place\"\nsd = 0.01",
+            "name = \"place\"\nsd = 0.0",
+            "arm.toml: the shape coefficients' covariance",
+        ),
+        (
+            "[[point]]",
+            "[[point]]
+name = \"Elbow\"
+part = \"lower\"
+[[point]]",
+            "arm.toml: two points are named \"LElbow\"",
+        ),
+        (
+            "spread_deg = 40.0",
+            "spread_deg = nan",
+            "arm.toml: spread or speed of joint elbow_r",
+        ),
+        ("name = \"test-arm\"", "name = ", "arm.toml:2:"),
+    ] {
+        let message = complaint(from, to);
+        assert!(message.starts_with(said), "{message}");
+    }
+}
+
+#[test]
+fn a_model_that_is_not_shipped_is_answered_with_those_that_are() {
+    let message = model::load("humen", Path::new("")).unwrap_err().to_string();
+    assert!(message.contains("human-ellipsoids"), "{message}");
+    let message = model::load("none.toml", Path::new("nowhere"))
+        .unwrap_err()
+        .to_string();
+    assert!(message.starts_with("cannot read body model"), "{message}");
+}
