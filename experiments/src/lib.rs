@@ -11,9 +11,13 @@
 //! | [`table`]   | tables, as Markdown and as CSV                                                  |
 //! | [`picture`] | panels of curves and bars in one style, as SVG                                  |
 //! | [`arm`]     | an arm of two bars, its cameras and silhouettes (ZS06, Fig. 2)                 |
+//! | [`walker`]  | a walking person of metaballs, seen by seven cameras                           |
+//! | [`metrics`] | how far fitted joint centres are from the true ones                             |
 
 pub mod arm;
 pub mod expected;
+pub mod metrics;
 pub mod picture;
 pub mod run;
 pub mod table;
+pub mod walker;
