@@ -64,7 +64,7 @@ impl Default for EllipseOptions {
             correlation_m: 0.1,
             blend_m: 0.003,
             loss: Loss::Cauchy(3.0),
-            back_samples: 24,
+            back_samples: 16,
         }
     }
 }
@@ -237,12 +237,12 @@ fn nearest(
 }
 
 /// Ellipses farther than this many τ beyond the nearest have no say in the smooth minimum.
-const REACH_IN_BLENDS: f64 = 12.0;
+const REACH_IN_BLENDS: f64 = 8.0;
 
 /// −τ ln Σ exp(−dᵢ/τ): ∂ = Σ pᵢ ∂dᵢ with pᵢ ∝ exp(−dᵢ/τ).
 ///
 /// `hint` is an ellipse that is likely near (that of the neighbouring border point) and becomes the
-/// nearest one: it bounds the others, so that few distances are computed; the sum depends on it by e⁻¹².
+/// nearest one: it bounds the others, so that few distances are computed; the sum depends on it by e⁻⁸.
 fn smooth_union(
     ellipses: &[Option<OutlineEllipse>],
     x: &Vector2<f64>,
