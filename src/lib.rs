@@ -6,5 +6,6 @@ pub mod inference;
 pub mod io;
 pub mod likelihood;
 pub mod math;
+pub mod pipeline;
 pub mod silhouette;
 pub mod solver;
