@@ -1,7 +1,9 @@
 //! Files in and out: the only code that knows formats and the units of files.
 
 pub mod calibration;
+pub mod journal;
 pub mod manifest;
 pub mod model;
+pub mod out_folder;
 pub mod recording;
 pub mod unknown_key;
