@@ -1,4 +1,20 @@
-//! Maquette.
+#![doc = include_str!("../README.md")]
+//!
+//! # The posterior
+//!
+//! E(s, m₁..ₙ) = −log p(s) + Σᵢ \[−log p(Zᵢ | mᵢ, s)\] + Σᵢ \[−log p(mᵢ | mᵢ₋₁)\]
+//!
+//! | factor                       | room                                                    |
+//! |------------------------------|---------------------------------------------------------|
+//! | s, mᵢ: the body              | [`body`]                                                |
+//! | Zᵢ: what the cameras show    | [`camera`], [`image`], [`silhouette`]                   |
+//! | p(Zᵢ given mᵢ, s)            | [`likelihood`]                                          |
+//! | p(s), p(mᵢ given mᵢ₋₁), argmax | [`inference`]                                         |
+//! | least squares                | [`solver`]                                              |
+//! | recordings with truth        | [`synth`], [`render`]                                   |
+//! | the order of the stages      | [`pipeline`]                                            |
+//! | files                        | [`io`]                                                  |
+
 pub mod body;
 pub mod camera;
 pub mod image;
@@ -7,5 +23,7 @@ pub mod io;
 pub mod likelihood;
 pub mod math;
 pub mod pipeline;
+pub mod render;
 pub mod silhouette;
 pub mod solver;
+pub mod synth;

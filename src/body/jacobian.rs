@@ -13,7 +13,7 @@ use super::{BodyModel, Layout, PartId, Posed, Primitive, ScaledVector};
 use crate::math::quadric::Ellipsoid;
 
 /// 9 × any number of columns.
-pub type Matrix9xX = OMatrix<f64, Const<9>, Dyn>;
+pub(crate) type Matrix9xX = OMatrix<f64, Const<9>, Dyn>;
 
 /// ∂(9 numbers of each ellipsoid)/∂(state), only the components that move it.
 #[derive(Debug, Clone)]

@@ -6,6 +6,7 @@
 
 mod check;
 mod jacobian;
+pub mod metaball;
 mod model;
 mod posed;
 mod state;

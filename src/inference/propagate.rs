@@ -105,13 +105,15 @@ impl Track {
         evidence: &Evidence<'_>,
         sequence: Sequence<'_>,
         shape: &Shape,
-        options: &TrackOptions,
+        (options, start): (&TrackOptions, &StartOptions),
         count: usize,
     ) -> Vec<(usize, FrameFit)> {
         let mut fits = Vec::new();
         while let Some(index) = (fits.len() < count).then(|| self.ahead.pop()).flatten() {
-            let fit = self.fit(evidence, sequence, shape, options, index);
-            self.levels.push(fit.level());
+            let fit = self.fit(evidence, sequence, shape, (options, start), index);
+            if fit.observations > 0.0 {
+                self.levels.push(fit.level());
+            }
             self.levels
                 .drain(..self.levels.len().saturating_sub(MEMORY));
             self.before = Some(std::mem::replace(
@@ -128,7 +130,7 @@ impl Track {
         evidence: &Evidence<'_>,
         sequence: Sequence<'_>,
         shape: &Shape,
-        options: &TrackOptions,
+        (options, start): (&TrackOptions, &StartOptions),
         index: usize,
     ) -> FrameFit {
         let frame = &sequence.frames[index];
@@ -166,7 +168,7 @@ impl Track {
         }
         // lost: search the frame anew, and take what is more probable
         self.rest_until = self.ahead.len().saturating_sub(PATIENCE);
-        let anew = readings(evidence, frame, &StartOptions::default())
+        let anew = readings(evidence, frame, start)
             .into_iter()
             .map(|start| solve(&posterior, start.state.motion, 30, observations))
             .min_by(|a, b| a.cost().total_cmp(&b.cost()))

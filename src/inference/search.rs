@@ -3,12 +3,14 @@
 use rayon::prelude::*;
 
 use super::Evidence;
-use super::frame::FramePosterior;
-use super::propagate::{FrameFit, Sequence, Track, TrackOptions, solve};
-use super::start::{Detail, StartOptions, readings};
-use super::together::{Member, refine};
-use crate::body::{Motion, Shape};
-use crate::likelihood::Term;
+use super::hypothesis::best_of;
+pub use super::hypothesis::{Hypothesis, Origin, Search, Trial};
+pub use super::journal::{Journal, NoJournal};
+use super::keyframe::{
+    keyframe_fit, keyframe_hypotheses, keyframes, mean_hypothesis, together_hypothesis,
+};
+use super::propagate::{Sequence, Track, TrackOptions};
+use super::start::StartOptions;
 
 /// Settings of the search.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -42,346 +44,156 @@ impl Default for SearchOptions {
             keyframe_every: 20,
             start: StartOptions::default(),
             track: TrackOptions::default(),
-            together: 16,
+            together: 64,
             pruning: Pruning::Exact,
         }
     }
 }
 
-/// Where a shape hypothesis comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Origin {
-    /// The mean of p(s).
-    Prior,
-    /// argmax p(mₖ, s | Zₖ): the reading of that number, 0 the best.
-    Keyframe(usize),
-    /// One shape for many frames at once, started from the best of the others.
-    Together,
-}
-
-/// A shape s*ₖ with the motion of its keyframe.
-#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Hypothesis {
-    /// Where it comes from.
-    pub origin: Origin,
-    /// Position of the keyframe among the frames.
-    pub keyframe: usize,
-    /// s.
-    pub shape: Shape,
-    /// mₖ.
-    pub motion: Motion,
-    /// −log p(mₖ, s | Zₖ) at the keyframe.
-    pub keyframe_cost: f64,
-}
-
-/// What became of a hypothesis.
-#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Trial {
-    /// The hypothesis.
-    pub hypothesis: Hypothesis,
-    /// −log p(s).
-    pub shape_cost: f64,
-    /// The frames that were fitted; all of them unless it was pruned.
-    pub frames: Vec<Option<FrameFit>>,
-}
-
-impl Trial {
-    /// E of what was fitted: the sequence posterior's −log (eq. 1), or a lower bound if it was pruned.
-    pub fn energy(&self) -> f64 {
-        self.shape_cost
-            + self
-                .frames
-                .iter()
-                .flatten()
-                .map(FrameFit::cost)
-                .sum::<f64>()
-    }
-
-    /// Every frame was fitted.
-    pub fn finished(&self) -> bool {
-        self.frames.iter().all(Option::is_some)
-    }
-}
-
-/// What Algorithm 1 found.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Search {
-    /// All hypotheses in the order of their keyframes, the prior's first.
-    pub trials: Vec<Trial>,
-    /// Which of them is the most probable.
-    pub winner: usize,
-}
-
-/// Keeps what is finished and tells how far the search is; the search itself has no memory.
-pub trait Journal: Sync {
-    /// The hypotheses of a keyframe, if an earlier run kept them.
-    fn kept_keyframe(&self, _keyframe: usize) -> Option<Vec<Hypothesis>> {
-        None
-    }
-    /// A keyframe is finished.
-    fn keep_keyframe(&self, _keyframe: usize, _hypotheses: &[Hypothesis]) {}
-    /// The trial of a hypothesis, if an earlier run kept it.
-    fn kept_trial(&self, _index: usize) -> Option<Trial> {
-        None
-    }
-    /// A trial is finished or pruned.
-    fn keep_trial(&self, _index: usize, _trial: &Trial) {}
-    /// The hypotheses are known: this many will be tried.
-    fn hypotheses(&self, _count: usize) {}
-    /// Frames of a hypothesis were fitted.
-    fn advanced(&self, _index: usize, _frames: usize) {}
-}
-
-/// Keeps nothing.
-#[derive(Debug, Clone, Copy)]
-pub struct NoJournal;
-impl Journal for NoJournal {}
-
 /// Hypotheses that are followed at the same time, and frames between two looks at the bound.
 ///
 /// Constants, not the number of threads: what is pruned must not depend on the machine.
-const TOGETHER: usize = 4;
+const ABREAST: usize = 4;
 const STRIDE: usize = 8;
 
 /// Algorithm 1: the most probable shape and motion of a sequence.
 ///
-/// `None` if no frame shows anything to two cameras.
+/// `None` if no keyframe shows a body to two cameras.
+///
+/// # Source
+/// ZS06, Algorithm 1. Differs: a keyframe gives one hypothesis for each reading (front, back); tracks run
+/// both ways from the keyframe; hypotheses that can no longer win are dropped, exactly; and when the
+/// keyframes were tried, the best one's frames are asked for one shape together.
 pub fn search(
     evidence: &Evidence<'_>,
     sequence: Sequence<'_>,
     options: &SearchOptions,
     journal: &dyn Journal,
 ) -> Option<Search> {
+    let run = Run {
+        evidence,
+        sequence,
+        options,
+        journal,
+    };
     // 1. the keyframes K
     let keyframes = keyframes(sequence, options.keyframe_every);
     // 3. one hypothesis from each keyframe and reading: argmax p(mₖ, s | Zₖ)
     let found: Vec<Hypothesis> = keyframes
         .par_iter()
-        .flat_map_iter(|&k| keyframe_hypotheses(evidence, sequence, k, options, journal))
+        .flat_map_iter(|&k| run.keyframe(k))
         .collect();
     // 2. first hypothesis: the mean of p(s), in the pose of the keyframe that was fitted best
-    let best = (0..found.len())
-        .min_by(|&a, &b| found[a].keyframe_cost.total_cmp(&found[b].keyframe_cost))?;
-    let mut hypotheses = vec![mean_hypothesis(evidence, sequence, &found[best])];
+    let by_cost =
+        |a: &usize, b: &usize| found[*a].keyframe_cost.total_cmp(&found[*b].keyframe_cost);
+    let promising = (0..found.len()).min_by(by_cost)?;
+    let mut hypotheses = vec![mean_hypothesis(evidence, sequence, &found[promising])];
     hypotheses.extend(found);
-    journal.hypotheses(hypotheses.len());
-    // 4. propagate every hypothesis along the chain, the most promising first: it bounds the others
-    let follow = |hypotheses: &[Hypothesis], index: usize, bound: f64| {
-        let kept = journal.kept_trial(index);
-        kept.unwrap_or_else(|| {
-            let trial = propagate(
-                evidence,
-                sequence,
-                &hypotheses[index],
-                options,
-                (index, bound, journal),
-            );
-            journal.keep_trial(index, &trial);
-            trial
-        })
-    };
-    let mut trials: Vec<Option<Trial>> = vec![None; hypotheses.len()];
-    let mut bound = f64::INFINITY;
-    let order: Vec<usize> = std::iter::once(best + 1)
-        .chain((0..hypotheses.len()).filter(|i| *i != best + 1))
-        .collect();
-    for batch in [&order[..1]].into_iter().chain(order[1..].chunks(TOGETHER)) {
-        let done: Vec<(usize, Trial)> = batch
-            .par_iter()
-            .map(|&index| (index, follow(&hypotheses, index, bound)))
-            .collect();
-        for (index, trial) in done {
-            if trial.finished() && options.pruning == Pruning::Exact {
-                bound = bound.min(trial.energy());
-            }
-            trials[index] = Some(trial);
-        }
-    }
-    let mut trials: Vec<Trial> = trials.into_iter().flatten().collect();
+    // 4. propagate every hypothesis along the chain: argmax p(mᵢ | mᵢ₋₁, s, Zᵢ)
+    let mut trials = run.follow_all(&hypotheses, promising + 1);
     // beyond the paper: one more hypothesis, the best one's frames asked for a shape together
     if options.together > 1 {
-        let hypothesis = together_hypothesis(
-            evidence,
-            sequence,
-            &trials[best_of(&trials)?],
-            options.together,
-        );
-        hypotheses.push(hypothesis);
-        trials.push(follow(&hypotheses, trials.len(), bound));
+        let best = &trials[best_of(&trials)?];
+        let together = together_hypothesis(evidence, sequence, best, options.together);
+        let bound = run.bound(best);
+        trials.push(run.follow(trials.len(), &together, bound));
     }
     // 5. the most probable sequence posterior (eq. 1)
     let winner = best_of(&trials)?;
     Some(Search { trials, winner })
 }
 
-fn best_of(trials: &[Trial]) -> Option<usize> {
-    let finished = (0..trials.len()).filter(|&i| trials[i].finished());
-    finished.min_by(|&a, &b| trials[a].energy().total_cmp(&trials[b].energy()))
+/// One search: what its steps share.
+struct Run<'a> {
+    evidence: &'a Evidence<'a>,
+    sequence: Sequence<'a>,
+    options: &'a SearchOptions,
+    journal: &'a dyn Journal,
 }
 
-/// The shape that up to `count` evenly spaced frames of a trial agree on.
-fn together_hypothesis(
-    evidence: &Evidence<'_>,
-    sequence: Sequence<'_>,
-    trial: &Trial,
-    count: usize,
-) -> Hypothesis {
-    let n = sequence.frames.len();
-    let spacing = n.div_ceil(count).max(1);
-    let mut members: Vec<Member<'_>> = (0..n)
-        .step_by(spacing)
-        .filter_map(|i| {
-            let motion = trial.frames[i].as_ref()?.motion.clone();
-            Some(Member {
-                terms: evidence.terms(&sequence.frames[i], Detail::Fine),
-                motion,
-            })
+impl Run<'_> {
+    fn keyframe(&self, keyframe: usize) -> Vec<Hypothesis> {
+        self.journal.kept_keyframe(keyframe).unwrap_or_else(|| {
+            let start = &self.options.start;
+            let found = keyframe_hypotheses(self.evidence, self.sequence, keyframe, start);
+            self.journal.keep_keyframe(keyframe, &found);
+            found
         })
-        .collect();
-    let weight = (members.len() as f64).powf(-*TEMPER_);
-    let shape = refine(
-        evidence,
-        trial.hypothesis.shape.clone(),
-        &mut members,
-        weight,
-    );
-    let k = trial.hypothesis.keyframe;
-    let motion = trial.frames[k]
-        .as_ref()
-        .map_or_else(|| trial.hypothesis.motion.clone(), |f| f.motion.clone());
-    let fit = keyframe_fit(evidence, sequence, k, &shape, motion, 30);
-    Hypothesis {
-        origin: Origin::Together,
-        keyframe: k,
-        keyframe_cost: fit.cost() + evidence.shape_prior.cost(&shape),
-        motion: fit.motion,
-        shape,
     }
-}
 
-/// K frames weigh as much as K^(1 − TEMPER) independent ones.
-static TEMPER_: std::sync::LazyLock<f64> = std::sync::LazyLock::new(|| {
-    std::env::var("TEMPER")
-        .ok()
-        .and_then(|v| v.parse().ok())
-        .unwrap_or(0.5)
-});
-
-fn keyframes(sequence: Sequence<'_>, every: usize) -> Vec<usize> {
-    let usable = |&i: &usize| sequence.frames[i].views.len() >= 2;
-    let spaced: Vec<usize> = (0..sequence.frames.len())
-        .step_by(every.max(1))
-        .filter(usable)
-        .collect();
-    if spaced.is_empty() {
-        (0..sequence.frames.len())
-            .find(usable)
-            .into_iter()
-            .collect()
-    } else {
-        spaced
-    }
-}
-
-fn keyframe_hypotheses(
-    evidence: &Evidence<'_>,
-    sequence: Sequence<'_>,
-    keyframe: usize,
-    options: &SearchOptions,
-    journal: &dyn Journal,
-) -> Vec<Hypothesis> {
-    journal.kept_keyframe(keyframe).unwrap_or_else(|| {
-        let hypotheses: Vec<Hypothesis> =
-            readings(evidence, &sequence.frames[keyframe], &options.start)
-                .into_iter()
-                .enumerate()
-                .map(|(reading, start)| Hypothesis {
-                    origin: Origin::Keyframe(reading),
-                    keyframe,
-                    shape: start.state.shape,
-                    motion: start.state.motion,
-                    keyframe_cost: start.cost,
-                })
-                .collect();
-        journal.keep_keyframe(keyframe, &hypotheses);
-        hypotheses
-    })
-}
-
-fn mean_hypothesis(
-    evidence: &Evidence<'_>,
-    sequence: Sequence<'_>,
-    from: &Hypothesis,
-) -> Hypothesis {
-    let shape = evidence.shape_prior.mean();
-    let fit = keyframe_fit(
-        evidence,
-        sequence,
-        from.keyframe,
-        &shape,
-        from.motion.clone(),
-        30,
-    );
-    Hypothesis {
-        origin: Origin::Prior,
-        shape,
-        motion: fit.motion.clone(),
-        keyframe_cost: fit.cost(),
-        ..from.clone()
-    }
-}
-
-/// The keyframe itself in eq. 1: no motion precedes it, so its step is uniform.
-fn keyframe_fit(
-    evidence: &Evidence<'_>,
-    sequence: Sequence<'_>,
-    keyframe: usize,
-    shape: &Shape,
-    motion: Motion,
-    iterations: usize,
-) -> FrameFit {
-    let silhouettes = evidence.silhouettes(&sequence.frames[keyframe], Detail::Fine);
-    let observations = silhouettes.effective_observations();
-    let terms: Vec<Box<dyn Term + '_>> = vec![Box::new(silhouettes)];
-    let pose_prior = &evidence.pose_prior;
-    let posterior = FramePosterior {
-        model: evidence.model,
-        shape,
-        pose_prior,
-        step: None,
-        terms: &terms,
-    };
-    solve(&posterior, motion, iterations, observations)
-}
-
-/// Follows a hypothesis both ways until every frame is fitted or its partial sum exceeds `bound`.
-fn propagate(
-    evidence: &Evidence<'_>,
-    sequence: Sequence<'_>,
-    hypothesis: &Hypothesis,
-    options: &SearchOptions,
-    (index, bound, journal): (usize, f64, &dyn Journal),
-) -> Trial {
-    let (shape, k) = (&hypothesis.shape, hypothesis.keyframe);
-    let fit = keyframe_fit(evidence, sequence, k, shape, hypothesis.motion.clone(), 10);
-    let n = sequence.frames.len();
-    let mut forward = Track::new((k + 1..n).rev().collect(), k, &fit);
-    let mut backward = Track::new((0..k).collect(), k, &fit);
-    let mut trial = Trial {
-        hypothesis: hypothesis.clone(),
-        shape_cost: evidence.shape_prior.cost(shape),
-        frames: vec![None; n],
-    };
-    trial.frames[k] = Some(fit);
-    while trial.energy() <= bound && !(forward.finished() && backward.finished()) {
-        let step =
-            |track: &mut Track| track.advance(evidence, sequence, shape, &options.track, STRIDE);
-        let (ahead, behind) = rayon::join(|| step(&mut forward), || step(&mut backward));
-        journal.advanced(index, ahead.len() + behind.len());
-        for (i, fit) in ahead.into_iter().chain(behind) {
-            trial.frames[i] = Some(fit);
+    /// The energy above which no other hypothesis can win.
+    fn bound(&self, finished: &Trial) -> f64 {
+        match self.options.pruning {
+            Pruning::Exact => finished.energy(),
+            Pruning::Off => f64::INFINITY,
         }
     }
-    trial
+
+    /// Follows the most promising hypothesis first, so that it bounds the others.
+    fn follow_all(&self, hypotheses: &[Hypothesis], promising: usize) -> Vec<Trial> {
+        self.journal.hypotheses(hypotheses.len());
+        let others: Vec<usize> = (0..hypotheses.len()).filter(|i| *i != promising).collect();
+        let mut trials: Vec<Option<Trial>> = vec![None; hypotheses.len()];
+        let mut bound = f64::INFINITY;
+        for batch in [&[promising][..]].into_iter().chain(others.chunks(ABREAST)) {
+            let follow = |&index: &usize| (index, self.follow(index, &hypotheses[index], bound));
+            let done: Vec<(usize, Trial)> = batch.par_iter().map(follow).collect();
+            for (index, trial) in done {
+                if trial.finished() {
+                    bound = bound.min(self.bound(&trial));
+                }
+                trials[index] = Some(trial);
+            }
+        }
+        trials.into_iter().flatten().collect()
+    }
+
+    fn follow(&self, index: usize, hypothesis: &Hypothesis, bound: f64) -> Trial {
+        self.journal.kept_trial(index).unwrap_or_else(|| {
+            let trial = self.propagate(index, hypothesis, bound);
+            self.journal.keep_trial(index, &trial);
+            trial
+        })
+    }
+
+    /// Follows a hypothesis both ways until every frame is fitted or its partial sum exceeds `bound`.
+    fn propagate(&self, index: usize, hypothesis: &Hypothesis, bound: f64) -> Trial {
+        let Self {
+            evidence,
+            sequence,
+            options,
+            journal,
+        } = *self;
+        let (shape, k, n) = (
+            &hypothesis.shape,
+            hypothesis.keyframe,
+            sequence.frames.len(),
+        );
+        let fit = keyframe_fit(evidence, sequence, k, shape, hypothesis.motion.clone());
+        let mut forward = Track::new((k + 1..n).rev().collect(), k, &fit);
+        let mut backward = Track::new((0..k).collect(), k, &fit);
+        let mut trial = Trial {
+            hypothesis: hypothesis.clone(),
+            shape_cost: evidence.shape_prior.cost(shape),
+            frames: vec![None; n],
+        };
+        trial.frames[k] = Some(fit);
+        while trial.energy() <= bound && !(forward.finished() && backward.finished()) {
+            let step = |track: &mut Track| {
+                track.advance(
+                    evidence,
+                    sequence,
+                    shape,
+                    (&options.track, &options.start),
+                    STRIDE,
+                )
+            };
+            let (ahead, behind) = rayon::join(|| step(&mut forward), || step(&mut backward));
+            journal.advanced(index, ahead.len() + behind.len());
+            for (i, fit) in ahead.into_iter().chain(behind) {
+                trial.frames[i] = Some(fit);
+            }
+        }
+        trial
+    }
 }

@@ -53,6 +53,9 @@ pub fn readings(
 ) -> Vec<Start> {
     // 1. where the body is, and how tall
     let hull = hull::carve(evidence.rig, frame);
+    if hull.is_none() && evidence.model.root != Root::Fixed {
+        return Vec::new();
+    }
     // 2. every canonical leg pose at every heading, a dozen iterations on thinned contours
     let mut starts: Vec<Start> = first_states(evidence, hull.as_ref(), options)
         .into_iter()

@@ -6,7 +6,7 @@
 //! (Σ Cₖ − Bₖ Aₖ⁻¹ Bₖᵀ) δs = −Σ (gₛₖ − Bₖ Aₖ⁻¹ gₘₖ), then δmₖ = −Aₖ⁻¹ (gₘₖ + Bₖᵀ δs).
 //!
 //! The body's mismatch with the model repeats in every frame, so K frames are not K times the evidence
-//! about s: their data are tempered by 1/K^(1 − `independence`).
+//! about s: each frame's cost is weighed by 1/√K, which makes them √K times.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rayon::prelude::*;
@@ -22,16 +22,15 @@ pub(super) struct Member<'a> {
     pub(super) motion: Motion,
 }
 
+/// K frames weigh as much as K^(1 − TEMPER) independent ones.
+const TEMPER: f64 = 0.5;
+
 /// Iterations of the arrow-shaped problem.
 const ITERATIONS: usize = 15;
 
-/// Improves a shape and the members' motions together; returns the shape and its cost.
-pub(super) fn refine(
-    evidence: &Evidence<'_>,
-    shape: Shape,
-    members: &mut [Member<'_>],
-    weight: f64,
-) -> Shape {
+/// The shape that the members agree on, from a first one; improves their motions with it.
+pub(super) fn refine(evidence: &Evidence<'_>, shape: Shape, members: &mut [Member<'_>]) -> Shape {
+    let weight = (members.len() as f64).powf(-TEMPER);
     let (mut shape, mut lambda) = (shape, 1e-3);
     let mut arrow = Arrow::at(evidence, &shape, members, weight);
     for _ in 0..ITERATIONS {

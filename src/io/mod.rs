@@ -6,4 +6,6 @@ pub mod manifest;
 pub mod model;
 pub mod out_folder;
 pub mod recording;
+pub mod synthetic;
+pub mod trc;
 pub mod unknown_key;

@@ -61,8 +61,8 @@ impl Default for EllipseOptions {
             distance: EllipseDistance::Gradient,
             sigma_px: 1.0,
             sigma_m: 0.01,
-            correlation_m: 0.05,
-            blend_m: 0.004,
+            correlation_m: 0.1,
+            blend_m: 0.003,
             loss: Loss::Cauchy(3.0),
             back_samples: 24,
         }

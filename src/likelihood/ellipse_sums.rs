@@ -94,33 +94,25 @@ impl EllipseSums<9> {
         for (i, j, block) in &self.blocks {
             let left = block.tr_mul(&jacobians.values[*i].columns(0, free[*i]));
             let product = left.tr_mul(&jacobians.values[*j].columns(0, free[*j]));
-            scatter(
-                &product,
-                &jacobians.components[*i],
-                &jacobians.components[*j],
-                i == j,
-                equations,
-            );
+            let components = [*i, *j].map(|k| jacobians.components[k].as_slice());
+            scatter(&product, components, equations);
+            if i != j {
+                scatter(
+                    &product.transpose(),
+                    [components[1], components[0]],
+                    equations,
+                );
+            }
         }
     }
 }
 
-/// Adds a block and, off the diagonal, its transpose, to the lower triangle of H.
-fn scatter(
-    product: &DMatrix<f64>,
-    rows: &[usize],
-    columns: &[usize],
-    diagonal: bool,
-    equations: &mut NormalEquations,
-) {
-    for (b, &column) in columns[..product.ncols()].iter().enumerate() {
-        for (a, &row) in rows[..product.nrows()].iter().enumerate() {
-            let value = product[(a, b)];
+/// Adds a block to the lower triangle of H.
+fn scatter(block: &DMatrix<f64>, [rows, columns]: [&[usize]; 2], equations: &mut NormalEquations) {
+    for (b, &column) in columns[..block.ncols()].iter().enumerate() {
+        for (a, &row) in rows[..block.nrows()].iter().enumerate() {
             if row >= column {
-                equations.hessian[(row, column)] += value;
-            }
-            if !diagonal && column >= row {
-                equations.hessian[(column, row)] += value;
+                equations.hessian[(row, column)] += block[(a, b)];
             }
         }
     }

@@ -5,54 +5,12 @@ use std::path::Path;
 use nalgebra::{DMatrix, DVector, Rotation3, UnitVector3, Vector3};
 
 use super::ModelFileError;
+use super::side::{Side, Sides};
 use super::spec::{AxisSpec, JointSpec, ModelSpec, PartSpec, PointSpec, PrimitiveSpec};
 use crate::body::{
     BodyModel, CoefficientId, Joint, JointId, NamedPoint, Part, PartId, Pose, Primitive, Root,
     Scale, ScaledVector, ShapeStatistics,
 };
-
-/// The plane of symmetry is y = 0: the file describes the right side, the left is its mirror image.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Side {
-    Middle,
-    Right,
-    Left,
-}
-
-impl Side {
-    fn of(sides: bool) -> &'static [Side] {
-        if sides {
-            &[Side::Right, Side::Left]
-        } else {
-            &[Side::Middle]
-        }
-    }
-
-    fn suffix(self, name: &str) -> String {
-        match self {
-            Self::Middle => name.to_owned(),
-            Self::Right => format!("{name}_r"),
-            Self::Left => format!("{name}_l"),
-        }
-    }
-
-    fn place(self, v: [f64; 3]) -> Vector3<f64> {
-        Vector3::new(v[0], if self == Self::Left { -v[1] } else { v[1] }, v[2])
-    }
-
-    /// Axes of rotation mirror the other way round.
-    fn axis(self, v: Vector3<f64>) -> Vector3<f64> {
-        if self == Self::Left {
-            Vector3::new(-v[0], v[1], -v[2])
-        } else {
-            v
-        }
-    }
-
-    fn turn(self, degrees: [f64; 3]) -> Rotation3<f64> {
-        Rotation3::from_scaled_axis(self.axis(Vector3::from(degrees).map(f64::to_radians)))
-    }
-}
 
 pub(super) fn build(spec: &ModelSpec, path: &Path) -> Result<BodyModel, ModelFileError> {
     let mut builder = Builder {
@@ -161,7 +119,7 @@ impl Builder<'_> {
                 let index = spec.factors.iter().position(|f| f == factor);
                 loadings[index.ok_or_else(|| self.missing(&place, "factor", factor))?] = *value;
             }
-            for side in Side::of(coefficient.sides) {
+            for side in coefficient.sides.each() {
                 self.model.coefficients.push(side.suffix(&coefficient.name));
                 rows.push((coefficient, loadings.clone()));
             }
@@ -218,7 +176,7 @@ impl Builder<'_> {
             order.extend(
                 ready
                     .into_iter()
-                    .flat_map(|p| Side::of(p.sides).iter().map(move |s| (p, *s))),
+                    .flat_map(|p| p.sides.each().iter().map(move |s| (p, *s))),
             );
             waiting = rest;
         }
@@ -389,8 +347,8 @@ impl Builder<'_> {
     fn point(&mut self, spec: &PointSpec) -> Result<(), ModelFileError> {
         let place = format!("point {}", spec.name);
         if let Some(part) = &spec.part {
-            let sided = !self.model.parts.iter().any(|p| p.name == *part);
-            for &side in Side::of(sided) {
+            let sided = Sides::from(!self.model.parts.iter().any(|p| p.name == *part));
+            for &side in sided.each() {
                 let prefix = ["", "R", "L"][side as usize];
                 let owner = self.part_named(part, side, &place)?;
                 let at_scale = spec.at_scale.as_ref().or(Some(&self.scales[owner.0]));

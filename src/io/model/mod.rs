@@ -4,6 +4,7 @@
 //! sorted first, names resolved, degrees turned to radians. Field by field: docs/formats.md.
 
 mod build;
+mod side;
 mod spec;
 
 use std::path::{Path, PathBuf};
@@ -11,10 +12,14 @@ use std::path::{Path, PathBuf};
 use crate::body::{BodyModel, ModelError};
 
 /// The models that come with the program: name and text.
-pub const SHIPPED: [(&str, &str); 2] = [
+pub const SHIPPED: [(&str, &str); 3] = [
     (
         "human-ellipsoids",
         include_str!("../../../data/models/human-ellipsoids.toml"),
+    ),
+    (
+        "walker-metaballs",
+        include_str!("../../../data/models/walker-metaballs.toml"),
     ),
     ("arm-2d", include_str!("../../../data/models/arm-2d.toml")),
 ];

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
+use super::side::Sides;
 use crate::body::Limbs;
 
 #[derive(Debug, Deserialize)]
@@ -54,7 +55,7 @@ pub(super) struct CoefficientSpec {
     #[serde(default)]
     pub(super) loadings: BTreeMap<String, f64>,
     #[serde(default)]
-    pub(super) sides: bool,
+    pub(super) sides: Sides,
 }
 
 #[derive(Debug, Deserialize)]
@@ -63,7 +64,7 @@ pub(super) struct PartSpec {
     pub(super) name: String,
     pub(super) parent: Option<String>,
     #[serde(default)]
-    pub(super) sides: bool,
+    pub(super) sides: Sides,
     #[serde(default)]
     pub(super) at: [f64; 3],
     pub(super) at_scale: Option<[String; 3]>,

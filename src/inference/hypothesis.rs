@@ -1,0 +1,75 @@
+//! A shape hypothesis, what became of it, and which one won.
+
+use super::propagate::FrameFit;
+use crate::body::{Motion, Shape};
+
+/// Where a shape hypothesis comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Origin {
+    /// The mean of p(s).
+    Prior,
+    /// argmax p(mₖ, s | Zₖ): the reading of that number, 0 the best.
+    Keyframe(usize),
+    /// One shape for many frames at once, started from the best of the others.
+    Together,
+}
+
+/// A shape s*ₖ with the motion of its keyframe.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Hypothesis {
+    /// Where it comes from.
+    pub origin: Origin,
+    /// Position of the keyframe among the frames.
+    pub keyframe: usize,
+    /// s.
+    pub shape: Shape,
+    /// mₖ.
+    pub motion: Motion,
+    /// −log p(mₖ, s | Zₖ) at the keyframe.
+    pub keyframe_cost: f64,
+}
+
+/// What became of a hypothesis.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Trial {
+    /// The hypothesis.
+    pub hypothesis: Hypothesis,
+    /// −log p(s).
+    pub shape_cost: f64,
+    /// The frames that were fitted; all of them unless it was pruned.
+    pub frames: Vec<Option<FrameFit>>,
+}
+
+impl Trial {
+    /// E of what was fitted: the sequence posterior's −log (eq. 1), or a lower bound if it was pruned.
+    pub fn energy(&self) -> f64 {
+        self.shape_cost
+            + self
+                .frames
+                .iter()
+                .flatten()
+                .map(FrameFit::cost)
+                .sum::<f64>()
+    }
+
+    /// Every frame was fitted.
+    pub fn finished(&self) -> bool {
+        self.frames.iter().all(Option::is_some)
+    }
+}
+
+/// The finished trial of least energy.
+pub(super) fn best_of(trials: &[Trial]) -> Option<usize> {
+    let finished = (0..trials.len()).filter(|&i| trials[i].finished());
+    finished.min_by(|&a, &b| trials[a].energy().total_cmp(&trials[b].energy()))
+}
+
+/// What Algorithm 1 found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Search {
+    /// All hypotheses in the order of their keyframes, the prior's first.
+    pub trials: Vec<Trial>,
+    /// Which of them is the most probable.
+    pub winner: usize,
+}

@@ -1,0 +1,131 @@
+//! The shape hypotheses: from each keyframe (ZS06, Alg. 1, line 3), from the prior (line 2), from all together.
+
+use super::evidence::Evidence;
+use super::frame::FramePosterior;
+use super::hypothesis::{Hypothesis, Origin, Trial};
+use super::propagate::{FrameFit, Sequence, solve};
+use super::start::{Detail, StartOptions, readings};
+use super::together::{Member, refine};
+use crate::body::{Motion, Shape};
+use crate::likelihood::Term;
+
+/// The keyframes K: every `every`-th frame that two cameras see, or the first such frame.
+pub(super) fn keyframes(sequence: Sequence<'_>, every: usize) -> Vec<usize> {
+    let usable = |&i: &usize| sequence.frames[i].views.len() >= 2;
+    let all = 0..sequence.frames.len();
+    let spaced: Vec<usize> = all.clone().step_by(every.max(1)).filter(usable).collect();
+    if spaced.is_empty() {
+        all.into_iter().find(usable).into_iter().collect()
+    } else {
+        spaced
+    }
+}
+
+/// argmax p(mₖ, s | Zₖ) of one keyframe (eq. 2), one hypothesis for each reading.
+pub(super) fn keyframe_hypotheses(
+    evidence: &Evidence<'_>,
+    sequence: Sequence<'_>,
+    keyframe: usize,
+    options: &StartOptions,
+) -> Vec<Hypothesis> {
+    let starts = readings(evidence, &sequence.frames[keyframe], options)
+        .into_iter()
+        .enumerate();
+    let hypothesis = |(reading, start): (usize, super::start::Start)| Hypothesis {
+        origin: Origin::Keyframe(reading),
+        keyframe,
+        shape: start.state.shape,
+        motion: start.state.motion,
+        keyframe_cost: start.cost,
+    };
+    starts.map(hypothesis).collect()
+}
+
+/// The mean of p(s), in the pose of another hypothesis.
+pub(super) fn mean_hypothesis(
+    evidence: &Evidence<'_>,
+    sequence: Sequence<'_>,
+    from: &Hypothesis,
+) -> Hypothesis {
+    let shape = evidence.shape_prior.mean();
+    at_keyframe(
+        evidence,
+        sequence,
+        Origin::Prior,
+        shape,
+        (from.keyframe, from.motion.clone()),
+    )
+}
+
+/// The shape that up to `count` evenly spaced frames of a trial agree on.
+pub(super) fn together_hypothesis(
+    evidence: &Evidence<'_>,
+    sequence: Sequence<'_>,
+    trial: &Trial,
+    count: usize,
+) -> Hypothesis {
+    let n = sequence.frames.len();
+    let member = |i: usize| {
+        let motion = trial.frames[i].as_ref()?.motion.clone();
+        Some(Member {
+            terms: evidence.terms(&sequence.frames[i], Detail::Fine),
+            motion,
+        })
+    };
+    let mut members: Vec<Member<'_>> = (0..n)
+        .step_by(n.div_ceil(count).max(1))
+        .filter_map(member)
+        .collect();
+    let shape = refine(evidence, trial.hypothesis.shape.clone(), &mut members);
+    let k = trial.hypothesis.keyframe;
+    let fitted = trial.frames[k]
+        .as_ref()
+        .map_or(&trial.hypothesis.motion, |f| &f.motion);
+    at_keyframe(
+        evidence,
+        sequence,
+        Origin::Together,
+        shape,
+        (k, fitted.clone()),
+    )
+}
+
+fn at_keyframe(
+    evidence: &Evidence<'_>,
+    sequence: Sequence<'_>,
+    origin: Origin,
+    shape: Shape,
+    (keyframe, motion): (usize, Motion),
+) -> Hypothesis {
+    let fit = keyframe_fit(evidence, sequence, keyframe, &shape, motion);
+    let keyframe_cost = fit.cost() + evidence.shape_prior.cost(&shape);
+    Hypothesis {
+        origin,
+        keyframe,
+        keyframe_cost,
+        motion: fit.motion,
+        shape,
+    }
+}
+
+/// The keyframe itself in eq. 1: no motion precedes it, so its step is uniform.
+pub(super) fn keyframe_fit(
+    evidence: &Evidence<'_>,
+    sequence: Sequence<'_>,
+    keyframe: usize,
+    shape: &Shape,
+    motion: Motion,
+) -> FrameFit {
+    let silhouettes = evidence.silhouettes(&sequence.frames[keyframe], Detail::Fine);
+    let observations = silhouettes.effective_observations();
+    let terms: Vec<Box<dyn Term + '_>> = vec![Box::new(silhouettes)];
+    let pose_prior = &evidence.pose_prior;
+    let posterior = FramePosterior {
+        model: evidence.model,
+        shape,
+        pose_prior,
+        step: None,
+        terms: &terms,
+    };
+    solve(&posterior, motion, 30, observations)
+}

@@ -1,0 +1,266 @@
+//! A synthetic recording as a folder, with its truth.
+//!
+//! | file                        | content                                                              |
+//! |-----------------------------|----------------------------------------------------------------------|
+//! | `sequence.toml`             | manifest                                                             |
+//! | `calibration.toml`          | cameras, as Pose2Sim writes them                                     |
+//! | `masks/<camera>/%06d.png`   | masks, 0 and 255                                                     |
+//! | `truth.trc`                 | joint centres of every frame                                         |
+//! | `truth.json`                | [`Truth`]: lengths, coefficients, pelvis and angles of every frame   |
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use ::image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use ::image::{ExtendedColorType, ImageEncoder, ImageError};
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::calibration;
+use super::trc::{Trajectories, write_trc};
+use crate::body::Posed;
+use crate::camera::{Camera, CameraId};
+use crate::image::Mask;
+use crate::silhouette::FrameIndex;
+use crate::synth::Synthetic;
+
+/// Why a synthetic recording could not be written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SyntheticError {
+    /// The folder holds something already.
+    #[error("{}: this folder is not empty: nothing was written", path.display())]
+    NotEmpty {
+        /// Folder.
+        path: PathBuf,
+    },
+    /// A file or folder that cannot be written.
+    #[error("{}: cannot be written: {source}", path.display())]
+    Write {
+        /// File or folder.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A mask that cannot be encoded.
+    #[error("{}: the mask cannot be encoded: {source}", path.display())]
+    Encode {
+        /// File.
+        path: PathBuf,
+        /// Why.
+        source: ImageError,
+    },
+    /// Truth that is no JSON, because a number in it is not finite.
+    #[error("{}: the truth cannot be written: {source}", path.display())]
+    Truth {
+        /// File.
+        path: PathBuf,
+        /// Why.
+        source: serde_json::Error,
+    },
+}
+
+/// What is true of a synthetic recording; `truth.json`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Truth {
+    /// Frames per second.
+    pub fps: f64,
+    /// Number of frames.
+    pub frames: usize,
+    /// Name of the body model.
+    pub model: String,
+    /// Seed of the segmentation errors.
+    pub seed: u64,
+    /// Shape coefficients s, logarithms.
+    pub coefficients: BTreeMap<String, f64>,
+    /// The model's lengths, metres.
+    pub lengths_m: BTreeMap<String, f64>,
+    /// The root's origin in each frame, world, metres.
+    pub root_position_m: Vec<[f64; 3]>,
+    /// The root's orientation in each frame, world from root, as a rotation vector, radians.
+    pub root_rotation_rad: Vec<[f64; 3]>,
+    /// Each joint's angle in each frame, degrees.
+    pub angles_deg: BTreeMap<String, Vec<f64>>,
+}
+
+impl Truth {
+    /// The truth of a recording.
+    pub fn of(synthetic: &Synthetic) -> Self {
+        let Synthetic {
+            model,
+            shape,
+            motions,
+            ..
+        } = synthetic;
+        let named = |names: &[String], values: &[f64]| {
+            names.iter().cloned().zip(values.iter().copied()).collect()
+        };
+        let angles = model.joints.iter().enumerate().map(|(j, joint)| {
+            let over_time = motions.iter().map(|m| m.angles[j].to_degrees());
+            (joint.name.clone(), over_time.collect())
+        });
+        Self {
+            fps: synthetic.fps,
+            frames: motions.len(),
+            model: model.name.clone(),
+            seed: synthetic.seed,
+            coefficients: named(&model.coefficients, shape.0.as_slice()),
+            lengths_m: lengths(synthetic),
+            root_position_m: motions.iter().map(|m| m.position_world.into()).collect(),
+            root_rotation_rad: motions
+                .iter()
+                .map(|m| m.world_from_root.scaled_axis().into())
+                .collect(),
+            angles_deg: angles.collect(),
+        }
+    }
+}
+
+/// The model's lengths in the first frame. Those within a limb are the same in all.
+fn lengths(synthetic: &Synthetic) -> BTreeMap<String, f64> {
+    let Some(points) = synthetic.points(FrameIndex(0)) else {
+        return BTreeMap::new();
+    };
+    let length = |(name, from, to): &(String, usize, usize)| {
+        (name.clone(), (points[*to] - points[*from]).norm())
+    };
+    synthetic.model.lengths.iter().map(length).collect()
+}
+
+/// Writes a recording into a folder that is empty or does not exist.
+///
+/// Everything is written beside it first and moved there at the end: a failure leaves nothing.
+///
+/// # Errors
+/// [`SyntheticError`] names the file and why.
+pub fn write(synthetic: &Synthetic, folder: &Path) -> Result<(), SyntheticError> {
+    let failed = |path: &Path| {
+        let path = path.to_owned();
+        |source| SyntheticError::Write { path, source }
+    };
+    if fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some()) {
+        let path = folder.to_owned();
+        return Err(SyntheticError::NotEmpty { path });
+    }
+    let parent = match folder.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    fs::create_dir_all(parent).map_err(failed(parent))?;
+    let scratch = tempfile::Builder::new()
+        .prefix(".maquette-synth-")
+        .tempdir_in(parent)
+        .map_err(failed(parent))?;
+    let whole = scratch.path().join("recording");
+    fill(synthetic, &whole)?;
+    if folder.is_dir() {
+        fs::remove_dir(folder).map_err(failed(folder))?;
+    }
+    fs::rename(&whole, folder).map_err(failed(folder))
+}
+
+fn fill(synthetic: &Synthetic, folder: &Path) -> Result<(), SyntheticError> {
+    for (_, camera) in synthetic.rig.iter() {
+        let path = masks_of(folder, camera);
+        fs::create_dir_all(&path).map_err(|source| SyntheticError::Write { path, source })?;
+    }
+    let rig = &synthetic.rig;
+    let all = rig.iter().flat_map(|(id, camera)| {
+        (0..synthetic.frames()).map(move |frame| (FrameIndex(frame), id, camera))
+    });
+    let all: Vec<_> = all.collect();
+    all.into_par_iter().try_for_each(|(frame, id, camera)| {
+        let path = masks_of(folder, camera).join(format!("{:06}.png", frame.0));
+        write_mask(synthetic, frame, id, path)
+    })?;
+    let text_file = |name: &str, text: String| {
+        let path = folder.join(name);
+        fs::write(&path, text).map_err(|source| SyntheticError::Write { path, source })
+    };
+    text_file("calibration.toml", calibration::write_toml(rig))?;
+    text_file("sequence.toml", manifest(synthetic))?;
+    text_file(
+        "truth.trc",
+        write_trc(&trajectories(synthetic), "truth.trc"),
+    )?;
+    text_file("truth.json", truth_text(synthetic, folder)?)
+}
+
+fn masks_of(folder: &Path, camera: &Camera) -> PathBuf {
+    folder.join("masks").join(&camera.name)
+}
+
+fn write_mask(
+    synthetic: &Synthetic,
+    frame: FrameIndex,
+    camera: CameraId,
+    path: PathBuf,
+) -> Result<(), SyntheticError> {
+    let Some(mask) = synthetic.mask(frame, camera) else {
+        return Ok(());
+    };
+    match encode(&mask) {
+        Ok(bytes) => {
+            fs::write(&path, bytes).map_err(|source| SyntheticError::Write { path, source })
+        }
+        Err(source) => Err(SyntheticError::Encode { path, source }),
+    }
+}
+
+/// An 8-bit grey PNG, 0 and 255.
+fn encode(mask: &Mask) -> Result<Vec<u8>, ImageError> {
+    let rows = (0..mask.height()).flat_map(|y| mask.row(y));
+    let pixels: Vec<u8> = rows.map(|v| v * 255).collect();
+    let mut bytes = Vec::new();
+    let (width, height) = (mask.width() as u32, mask.height() as u32);
+    PngEncoder::new_with_quality(&mut bytes, CompressionType::Best, FilterType::Up).write_image(
+        &pixels,
+        width,
+        height,
+        ExtendedColorType::L8,
+    )?;
+    Ok(bytes)
+}
+
+fn manifest(synthetic: &Synthetic) -> String {
+    let Synthetic {
+        fps, seed, model, ..
+    } = synthetic;
+    let mut text = format!(
+        "# Synthetic: model {}, seed {seed}. The truth is in truth.trc and truth.json.\n\
+         fps = {fps:?}\ncalibration = \"calibration.toml\"\nunit = \"m\"\nup = \"z\"\n",
+        model.name.escape_debug()
+    );
+    for name in synthetic.rig.names() {
+        text.push_str(&format!(
+            "\n[[camera]]\nname = {name:?}\nmasks = \"masks/{name}/%06d.png\"\n"
+        ));
+    }
+    text
+}
+
+/// The joint centres of every frame.
+pub fn trajectories(synthetic: &Synthetic) -> Trajectories {
+    let Synthetic { model, shape, .. } = synthetic;
+    let points = |m| {
+        Posed::new(model, shape, m)
+            .points()
+            .into_iter()
+            .map(Some)
+            .collect()
+    };
+    Trajectories {
+        rate_hz: synthetic.fps,
+        names: model.points.iter().map(|p| p.name.clone()).collect(),
+        frames: synthetic.motions.iter().map(points).collect(),
+    }
+}
+
+fn truth_text(synthetic: &Synthetic, folder: &Path) -> Result<String, SyntheticError> {
+    let text = serde_json::to_string(&Truth::of(synthetic));
+    text.map_err(|source| SyntheticError::Truth {
+        path: folder.join("truth.json"),
+        source,
+    })
+}

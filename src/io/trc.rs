@@ -1,0 +1,23 @@
+//! TRC: trajectories of named points, as Pose2Sim and OpenSim exchange them.
+//!
+//! Tab-separated text; three header lines, one with the names, one with X1 Y1 Z1 …, then a row per frame. The file's
+//! world is Y up: (X, Y, Z) of our Z-up world stands there as (Y, Z, X).
+
+mod read;
+mod write;
+
+use nalgebra::Point3;
+
+pub use read::{TrcError, read_trc};
+pub use write::write_trc;
+
+/// Points over time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trajectories {
+    /// Frames per second.
+    pub rate_hz: f64,
+    /// Names of the points.
+    pub names: Vec<String>,
+    /// For each frame one place for each name, in the world (Z up, metres); `None` where a point is missing.
+    pub frames: Vec<Vec<Option<Point3<f64>>>>,
+}

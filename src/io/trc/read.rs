@@ -1,0 +1,167 @@
+//! Trajectories from any program's TRC.
+
+use std::path::{Path, PathBuf};
+
+use nalgebra::Point3;
+
+use super::Trajectories;
+
+/// Why a TRC file could not be used.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TrcError {
+    /// No line that starts with `Frame#`.
+    #[error("{}: expected a line that starts with Frame#, found none: this is no TRC file", path.display())]
+    NoNames {
+        /// File.
+        path: PathBuf,
+    },
+    /// No line of numbers before the names.
+    #[error("{}:{line}: expected the values of DataRate … OrigNumFrames, found {found:?}", path.display())]
+    Header {
+        /// File.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// What stands there.
+        found: String,
+    },
+    /// A frame rate that is none.
+    #[error("{}:{line}: expected a data rate above 0 Hz, found {found:?}", path.display())]
+    Rate {
+        /// File.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// What stands there.
+        found: String,
+    },
+    /// A unit that is neither metre nor millimetre.
+    #[error("{}:{line}: expected the unit m or mm, found {found:?}", path.display())]
+    Unit {
+        /// File.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// What stands there.
+        found: String,
+    },
+    /// A cell that is not a number.
+    #[error("{}:{line}: point {point}: expected a number or nothing, found {found:?}", path.display())]
+    Cell {
+        /// File.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// Name of the point.
+        point: String,
+        /// What stands there.
+        found: String,
+    },
+}
+
+/// The points of a TRC file's text; `path` is what errors name.
+///
+/// Takes Pose2Sim's, OpenSim's and caliscope's: metres or millimetres, padded cells, marker names with spaces, an
+/// empty line before the data or none, trailing tabs, and empty or NaN cells for a missing point. Frame numbers,
+/// times and the stated number of frames are not relied on: rows are frames in order.
+///
+/// # Errors
+/// [`TrcError`] names the line and what was expected.
+pub fn read_trc(text: &str, path: &Path) -> Result<Trajectories, TrcError> {
+    let mut lines = text.lines().enumerate().map(|(i, line)| (i + 1, line));
+    let mut header = (1, "");
+    let names = loop {
+        match lines.next() {
+            Some((_, line)) if line.trim_start().starts_with("Frame#") => break names_of(line),
+            Some((i, line)) if !line.trim().is_empty() => header = (i, line),
+            Some(_) => {}
+            None => {
+                return Err(TrcError::NoNames {
+                    path: path.to_owned(),
+                });
+            }
+        }
+    };
+    let (rate_hz, metres) = rate_and_unit(header, path)?;
+    let mut frames = Vec::new();
+    let is_data = |row: &str| !row.trim().is_empty() && !row.trim_start().starts_with("X1");
+    for (line, row) in lines.filter(|(_, row)| is_data(row)) {
+        frames.push(frame_of(row, line, &names, metres, path)?);
+    }
+    Ok(Trajectories {
+        rate_hz,
+        names,
+        frames,
+    })
+}
+
+/// The cells after Frame# and Time that are not empty.
+fn names_of(line: &str) -> Vec<String> {
+    let cells = line.split('\t').skip(2).map(str::trim);
+    cells.filter(|c| !c.is_empty()).map(str::to_owned).collect()
+}
+
+/// The data rate, and the metres of one unit.
+fn rate_and_unit((line, text): (usize, &str), path: &Path) -> Result<(f64, f64), TrcError> {
+    let path = || path.to_owned();
+    let cells: Vec<&str> = text
+        .split('\t')
+        .map(str::trim)
+        .filter(|c| !c.is_empty())
+        .collect();
+    let [rate, _, _, _, unit, ..] = cells[..] else {
+        let found = text.to_owned();
+        return Err(TrcError::Header {
+            path: path(),
+            line,
+            found,
+        });
+    };
+    let metres = match unit.to_ascii_lowercase().as_str() {
+        "m" => 1.0,
+        "mm" => 1e-3,
+        _ => {
+            let found = unit.to_owned();
+            return Err(TrcError::Unit {
+                path: path(),
+                line,
+                found,
+            });
+        }
+    };
+    match rate.parse::<f64>() {
+        Ok(rate_hz) if rate_hz > 0.0 && rate_hz.is_finite() => Ok((rate_hz, metres)),
+        _ => Err(TrcError::Rate {
+            path: path(),
+            line,
+            found: rate.to_owned(),
+        }),
+    }
+}
+
+fn frame_of(
+    row: &str,
+    line: usize,
+    names: &[String],
+    metres: f64,
+    path: &Path,
+) -> Result<Vec<Option<Point3<f64>>>, TrcError> {
+    let mut cells = row.split('\t').skip(2).map(str::trim);
+    let mut point = |name: &String| {
+        let mut coordinate = || match cells.next() {
+            None | Some("") => Ok(f64::NAN),
+            Some(cell) => cell.parse::<f64>().map_err(|_| TrcError::Cell {
+                path: path.to_owned(),
+                line,
+                point: name.clone(),
+                found: cell.to_owned(),
+            }),
+        };
+        let (y, z, x) = (coordinate()?, coordinate()?, coordinate()?);
+        let point_world = Point3::new(x, y, z) * metres;
+        let is_there = point_world.iter().all(|v| v.is_finite());
+        Ok(is_there.then_some(point_world))
+    };
+    names.iter().map(&mut point).collect()
+}

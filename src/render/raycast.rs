@@ -1,0 +1,186 @@
+//! Silhouettes of a metaball body by casting rays.
+
+use nalgebra::{Matrix3, Point2, Vector2, Vector3};
+
+use super::profile::{Bump, RayProfile};
+use crate::body::metaball::{Field, Metaball, THRESHOLD};
+use crate::camera::Camera;
+use crate::image::{Mask, Plane};
+use crate::math::quadric::{self, Ellipsoid};
+
+/// A metaball is left out of a ray that it does not come nearer than this d: e^(−2·6) ≈ 6·10⁻⁶ of F.
+const FARTHEST: f64 = 6.0;
+
+/// Side of the square tiles for which the metaballs in reach are listed.
+const TILE_PX: usize = 16;
+
+/// The mask of a body in a camera: the pixels whose line of sight meets F ≥ T.
+///
+/// Pixels are those of the recorded, distorted image; each is undistorted and its ray cast from its centre.
+/// Rays are followed in depth, in the camera frame: x(t) = t·(u, v, 1), so that t > 0 lies before the camera.
+pub fn silhouette(camera: &Camera, field: &Field) -> Mask {
+    let seen: Vec<Seen> = field
+        .metaballs
+        .iter()
+        .filter_map(|m| Seen::new(camera, m))
+        .collect();
+    let (width, height) = (camera.width_px as usize, camera.height_px as usize);
+    let mut pixels = Plane::filled(width, height, 0u8);
+    for top in (0..height).step_by(TILE_PX) {
+        for left in (0..width).step_by(TILE_PX) {
+            let near = seen_in_tile(camera, &seen, left, top);
+            if !near.is_empty() {
+                let right = (left + TILE_PX).min(width);
+                let mut caster = Caster::new(camera, near);
+                for y in top..(top + TILE_PX).min(height) {
+                    for (x, pixel) in (left..right).zip(&mut pixels.row_mut(y)[left..right]) {
+                        *pixel = u8::from(caster.hits(x, y));
+                    }
+                }
+            }
+        }
+    }
+    Mask::brighter_than(&pixels, 0)
+}
+
+/// A rectangle of undistorted pixels.
+#[derive(Debug, Clone, Copy)]
+struct Frame {
+    low: Vector2<f64>,
+    high: Vector2<f64>,
+}
+
+impl Frame {
+    fn meets(&self, other: &Self) -> bool {
+        let on = |k: usize| self.low[k] < other.high[k] && other.low[k] < self.high[k];
+        on(0) && on(1)
+    }
+}
+
+/// A metaball as one camera sees it.
+#[derive(Debug, Clone, Copy)]
+struct Seen {
+    /// A⁻¹ in the camera frame.
+    precision: Matrix3<f64>,
+    /// A⁻¹ c.
+    pull: Vector3<f64>,
+    /// cᵀ A⁻¹ c.
+    constant: f64,
+    /// Where d can be less than [`FARTHEST`]; `None` if that is around the camera.
+    frame: Option<Frame>,
+}
+
+impl Seen {
+    /// `None` if all of it that matters is behind the camera.
+    fn new(camera: &Camera, metaball: &Metaball) -> Option<Self> {
+        let reach = Ellipsoid {
+            centre: metaball.ellipsoid.centre,
+            shape: metaball.ellipsoid.shape * FARTHEST,
+        };
+        let camera_from_world = camera.camera_from_world;
+        let turn = camera_from_world.rotation.to_rotation_matrix();
+        let centre = camera_from_world.transform_point(&metaball.ellipsoid.centre.into());
+        let depth_radius = (turn.matrix() * reach.shape * turn.matrix().transpose())[(2, 2)].sqrt();
+        if centre.z + depth_radius <= 0.0 {
+            return None;
+        }
+        let precision = turn.matrix() * metaball.precision * turn.matrix().transpose();
+        let pull = precision * centre.coords;
+        let frame = quadric::project(&camera.projection(), &reach).map(|ellipse| {
+            let half = Vector2::new(ellipse.shape[(0, 0)].sqrt(), ellipse.shape[(1, 1)].sqrt());
+            Frame {
+                low: ellipse.centre - half,
+                high: ellipse.centre + half,
+            }
+        });
+        Some(Self {
+            precision,
+            pull,
+            constant: centre.coords.dot(&pull),
+            frame,
+        })
+    }
+
+    /// d₀ and the bump on the ray t·`direction`; `None` if the ray stays farther than [`FARTHEST`].
+    fn bump(&self, direction: &Vector3<f64>) -> Option<Bump> {
+        let a = direction.dot(&(self.precision * direction));
+        let at = direction.dot(&self.pull) / a;
+        let nearest = self.constant - a * at * at;
+        (nearest < FARTHEST).then(|| Bump {
+            peak: (-2.0 * nearest).exp(),
+            at,
+            sharpness: 4.0 * a,
+        })
+    }
+}
+
+/// The metaballs that rays through a tile can meet.
+fn seen_in_tile(camera: &Camera, seen: &[Seen], left: usize, top: usize) -> Vec<Seen> {
+    let tile = undistorted_tile(camera, left, top);
+    let in_reach = |s: &&Seen| match (&tile, &s.frame) {
+        (Some(tile), Some(frame)) => tile.meets(frame),
+        _ => true,
+    };
+    seen.iter().filter(in_reach).copied().collect()
+}
+
+/// Bounds of a tile in undistorted pixels; `None` if a corner has no line of sight.
+fn undistorted_tile(camera: &Camera, left: usize, top: usize) -> Option<Frame> {
+    // one pixel more on each side: a lens bends the straight edges between the corners a little
+    let (left, top) = (left as f64 - 1.0, top as f64 - 1.0);
+    let side = TILE_PX as f64 + 1.0;
+    let corners = [(0.0, 0.0), (side, 0.0), (0.0, side), (side, side)];
+    let mut frame: Option<Frame> = None;
+    for (x, y) in corners {
+        let corner = camera.undistort(&Point2::new(left + x, top + y))?.coords;
+        frame = Some(match frame {
+            None => Frame {
+                low: corner,
+                high: corner,
+            },
+            Some(f) => Frame {
+                low: f.low.inf(&corner),
+                high: f.high.sup(&corner),
+            },
+        });
+    }
+    frame
+}
+
+/// Casts the rays of one tile.
+struct Caster<'a> {
+    camera: &'a Camera,
+    near: Vec<Seen>,
+    profile: RayProfile,
+}
+
+impl<'a> Caster<'a> {
+    fn new(camera: &'a Camera, near: Vec<Seen>) -> Self {
+        Self {
+            camera,
+            near,
+            profile: RayProfile::default(),
+        }
+    }
+
+    fn hits(&mut self, x: usize, y: usize) -> bool {
+        let pixel = Point2::new(x as f64, y as f64);
+        let Some(undistorted) = self.camera.undistort(&pixel) else {
+            return false;
+        };
+        let direction = self.camera.intrinsics.normalized(&undistorted).push(1.0);
+        self.profile.bumps.clear();
+        for i in 0..self.near.len() {
+            let Some(bump) = self.near[i].bump(&direction) else {
+                continue;
+            };
+            if bump.peak >= THRESHOLD && bump.at >= 0.0 {
+                // the next pixel most likely meets the same metaball
+                self.near.swap(0, i);
+                return true;
+            }
+            self.profile.bumps.push(bump);
+        }
+        self.profile.reaches(THRESHOLD)
+    }
+}

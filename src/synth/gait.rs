@@ -1,0 +1,133 @@
+//! One person's way of walking.
+
+use std::collections::BTreeMap;
+
+use rand::Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+use super::curves::{Curve, JOINTS, Normative, PELVIS, Place, Spread};
+
+/// Angles over the gait cycle, and how many cycles there are in a second.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Gait {
+    /// Strides (pairs of steps) per second.
+    pub stride_hz: f64,
+    /// Tilt forwards, right side up, right side forwards, in the cycle of the right foot.
+    pub pelvis: [Curve; 3],
+    /// By joint name; every curve in the cycle of the right foot.
+    pub joints: BTreeMap<String, Curve>,
+}
+
+/// Mean strides per second: 113 steps a minute (Perry & Burnfield 2010, ch. 24, adults at their own speed).
+const STRIDE_HZ: f64 = 0.94;
+/// Standard deviation between persons, relative (Winter 1991: 5–6 %).
+const STRIDE_SD: f64 = 0.055;
+/// Standard deviation of the legs' common amplitude, and so of the step length, relative (Öberg et al. 1993: 6–8 %).
+const STEP_SD: f64 = 0.06;
+/// Standard deviation of the bend of the knees, degrees (Kadaba et al. 1990: about 5° with marker placement).
+const BEND_SD_DEG: f64 = 2.5;
+/// Standard deviation of the amplitude of trunk and arms, relative.
+const SWING_SD: f64 = 0.15;
+/// Standard deviation of the timing of trunk and arms, in cycles.
+const ADVANCE_SD: f64 = 0.015;
+/// What is left to each single curve, and to left against right: degrees.
+const SINGLE_SD_DEG: f64 = 0.4;
+
+/// What all curves of a person have in common.
+#[derive(Clone, Copy)]
+struct Person {
+    step_gain: f64,
+    bend_deg: f64,
+}
+
+/// A standard normal number, drawn again beyond ±2.
+fn bounded_normal(rng: &mut impl Rng) -> f64 {
+    loop {
+        let z: f64 = StandardNormal.sample(rng);
+        if z.abs() < 2.0 {
+            return z;
+        }
+    }
+}
+
+impl Gait {
+    /// The mean of healthy adults.
+    pub fn normative() -> Self {
+        Self::departing(&mut || 0.0)
+    }
+
+    /// A healthy person's: cadence, step length, bend of the knees, swing and timing, drawn about the mean.
+    pub fn personal(rng: &mut impl Rng) -> Self {
+        Self::departing(&mut || bounded_normal(rng))
+    }
+
+    /// A gait that departs from the mean by the standard deviations that `draw` gives.
+    fn departing(draw: &mut impl FnMut() -> f64) -> Self {
+        let stride_hz = STRIDE_HZ * (1.0 + STRIDE_SD * draw());
+        let person = Person {
+            step_gain: 1.0 + STEP_SD * draw(),
+            bend_deg: BEND_SD_DEG * draw(),
+        };
+        let pelvis = PELVIS.each_ref().map(|n| depart(n, person, draw));
+        let mut joints = BTreeMap::new();
+        for normative in &JOINTS {
+            let name = normative.joint;
+            let curve = depart(normative, person, draw);
+            if normative.place == Place::Middle {
+                joints.insert(name.to_owned(), curve);
+                continue;
+            }
+            for (side, half_cycle) in [("r", 0.0), ("l", 0.5)] {
+                let own = curve.varied(1.0, (SINGLE_SD_DEG * draw()).to_radians());
+                joints.insert(format!("{name}_{side}"), own.advanced(half_cycle));
+            }
+        }
+        Self {
+            stride_hz,
+            pelvis,
+            joints,
+        }
+    }
+}
+
+fn depart(normative: &Normative, person: Person, draw: &mut impl FnMut() -> f64) -> Curve {
+    let curve = normative.curve();
+    match normative.spread {
+        Spread::Legs(bend) => {
+            let offset_deg = bend * person.bend_deg + SINGLE_SD_DEG * draw();
+            curve.varied(person.step_gain, offset_deg.to_radians())
+        }
+        Spread::Own(sd_deg) => {
+            let (gain, offset_deg) = (1.0 + SWING_SD * draw(), sd_deg * draw());
+            let varied = curve.varied(gain, offset_deg.to_radians());
+            varied.advanced(ADVANCE_SD * draw())
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+
+    use super::*;
+
+    #[test]
+    fn the_left_leg_does_what_the_right_does_half_a_cycle_later() {
+        let gait = Gait::normative();
+        for phase in [0.0, 0.3, 0.9] {
+            let (right, left) = (
+                &gait.joints["knee_flexion_r"],
+                &gait.joints["knee_flexion_l"],
+            );
+            approx::assert_relative_eq!(left.at(phase + 0.5), right.at(phase), epsilon = 1e-12);
+        }
+    }
+
+    #[test]
+    fn one_seed_is_one_person_and_another_seed_another() {
+        let person = |seed| Gait::personal(&mut ChaCha8Rng::seed_from_u64(seed));
+        assert_eq!(person(1), person(1));
+        assert_ne!(person(1), person(2));
+    }
+}

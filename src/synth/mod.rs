@@ -1,0 +1,32 @@
+//! Synthetic recordings: a body, a walk, cameras and segmentation errors, with the truth beside them.
+//!
+//! Everything is a function of its arguments and a seed; frames and cameras draw from streams of their own, so
+//! they can be made in any order and in parallel.
+//!
+//! | file         | holds                                                                      |
+//! |--------------|----------------------------------------------------------------------------|
+//! | `scene.rs`   | [`Ring`]: cameras around a volume                                           |
+//! | `shape.rs`   | [`draw_shape`]: a body drawn from a model's statistics                      |
+//! | `curves.rs`  | [`Curve`], normative joint angles over the gait cycle                       |
+//! | `gait.rs`    | [`Gait`]: one person's way of walking                                       |
+//! | `contact.rs` | soles, and how the floor holds them                                         |
+//! | `walk.rs`    | [`Walk`]: the motion of a model that walks                                  |
+//! | `noise.rs`   | [`SegmentationErrors`]: what a segmentation does to a true mask             |
+//! | `recording.rs` | [`Synthetic`]: all of it together; [`Recipe`], [`sample_walker`]: how it is made |
+
+mod contact;
+mod curves;
+mod gait;
+mod noise;
+mod recording;
+mod scene;
+mod shape;
+mod walk;
+
+pub use curves::Curve;
+pub use gait::Gait;
+pub use noise::SegmentationErrors;
+pub use recording::{Recipe, Synthetic, sample_walker};
+pub use scene::Ring;
+pub use shape::draw_shape;
+pub use walk::{Walk, WalkError};

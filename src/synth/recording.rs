@@ -1,0 +1,151 @@
+//! A synthetic recording and its truth.
+
+use nalgebra::Point3;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+use super::{Gait, Ring, SegmentationErrors, Walk, WalkError, draw_shape};
+use crate::body::metaball::Field;
+use crate::body::{BodyModel, Motion, Posed, Shape};
+use crate::camera::{CameraId, Distortion, Rig};
+use crate::image::Mask;
+use crate::render;
+use crate::silhouette::FrameIndex;
+
+/// What a recording would show, and what is true of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Synthetic {
+    /// The body's model; its metaballs are what the cameras see.
+    pub model: BodyModel,
+    /// s, the true shape.
+    pub shape: Shape,
+    /// m, the true motion of each frame.
+    pub motions: Vec<Motion>,
+    /// The cameras.
+    pub rig: Rig,
+    /// Frames per second.
+    pub fps: f64,
+    /// Errors of the segmentation; `None` for true masks.
+    pub errors: Option<SegmentationErrors>,
+    /// Seed of those errors.
+    pub seed: u64,
+}
+
+impl Synthetic {
+    /// Number of frames.
+    pub fn frames(&self) -> usize {
+        self.motions.len()
+    }
+
+    /// The body in a frame; `None` if there is no such frame.
+    pub fn posed(&self, frame: FrameIndex) -> Option<Posed<'_>> {
+        let motion = self.motions.get(frame.0)?;
+        Some(Posed::new(&self.model, &self.shape, motion))
+    }
+
+    /// The model's points (joint centres) in a frame, in the world.
+    pub fn points(&self, frame: FrameIndex) -> Option<Vec<Point3<f64>>> {
+        self.posed(frame).map(|body| body.points())
+    }
+
+    /// The true silhouette; `None` if there is no such frame or camera.
+    pub fn true_mask(&self, frame: FrameIndex, camera: CameraId) -> Option<Mask> {
+        let field = Field::of(&self.posed(frame)?);
+        Some(render::silhouette(self.rig.camera(camera)?, &field))
+    }
+
+    /// The silhouette as it was segmented.
+    ///
+    /// Frame and camera have a random stream of their own: a mask does not depend on which others were made.
+    pub fn mask(&self, frame: FrameIndex, camera: CameraId) -> Option<Mask> {
+        let truth = self.true_mask(frame, camera)?;
+        let Some(errors) = &self.errors else {
+            return Some(truth);
+        };
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        let cameras = self.rig.cameras.len();
+        rng.set_stream((FIRST_MASK + frame.0 * cameras + camera.0) as u64);
+        Some(errors.apply(&truth, &mut rng))
+    }
+}
+
+/// What a synthetic recording of a walking person is made of.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recipe {
+    /// Seed of everything that is drawn: body, gait, places of the cameras, segmentation errors.
+    pub seed: u64,
+    /// Number of frames; `None` for one gait cycle.
+    pub frames: Option<usize>,
+    /// Frames per second.
+    pub fps: f64,
+    /// The cameras.
+    pub ring: Ring,
+    /// Errors of the segmentation; `None` for true masks.
+    pub errors: Option<SegmentationErrors>,
+}
+
+impl Default for Recipe {
+    /// The sample recording: one gait cycle at 50 Hz, six cameras with a little distortion, mild errors.
+    fn default() -> Self {
+        let coefficients = [-0.12, 0.06, 0.0004, -0.0003];
+        Self {
+            seed: 1,
+            frames: None,
+            fps: 50.0,
+            ring: Ring {
+                distortion: Distortion::brown_conrady(&coefficients).unwrap_or(Distortion::None),
+                ..Ring::default()
+            },
+            errors: Some(SegmentationErrors::MILD),
+        }
+    }
+}
+
+/// Random streams of [`Recipe::walker`]; the masks' streams follow.
+const BODY: u64 = 1;
+const GAIT: u64 = 2;
+const SCENE: u64 = 3;
+const FIRST_MASK: usize = 16;
+
+impl Recipe {
+    /// A person drawn from the model, who walks with a gait of their own along x through the middle of the ring.
+    ///
+    /// # Errors
+    /// [`WalkError`] if the model has no feet or the frame rate is none.
+    pub fn walker(&self, model: &BodyModel) -> Result<Synthetic, WalkError> {
+        let stream = |stream| {
+            let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+            rng.set_stream(stream);
+            rng
+        };
+        let shape = draw_shape(model, &mut stream(BODY));
+        let walk = Walk {
+            gait: Gait::personal(&mut stream(GAIT)),
+            heading: 0.0,
+            middle_world: self.ring.target_world.coords.xy(),
+            start_phase: 0.0,
+        };
+        let cycle = (self.fps / walk.gait.stride_hz).ceil() as usize;
+        Ok(Synthetic {
+            model: model.clone(),
+            motions: walk.motions(model, &shape, self.fps, self.frames.unwrap_or(cycle))?,
+            shape,
+            rig: self.ring.placed(&mut stream(SCENE)),
+            fps: self.fps,
+            errors: self.errors,
+            seed: self.seed,
+        })
+    }
+}
+
+/// The sample recording of a model: the default [`Recipe`] with a seed.
+///
+/// # Errors
+/// [`WalkError`] if the model has no feet.
+pub fn sample_walker(model: &BodyModel, seed: u64) -> Result<Synthetic, WalkError> {
+    let recipe = Recipe {
+        seed,
+        ..Recipe::default()
+    };
+    recipe.walker(model)
+}
