@@ -14,9 +14,11 @@
 //! | recordings with truth        | [`synth`], [`render`]                                   |
 //! | the order of the stages      | [`pipeline`]                                            |
 //! | files                        | [`io`]                                                  |
+//! | the program                  | [`cli`]                                                 |
 
 pub mod body;
 pub mod camera;
+pub mod cli;
 pub mod image;
 pub mod inference;
 pub mod io;

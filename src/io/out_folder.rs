@@ -106,6 +106,13 @@ impl OutFolder {
         self.path.join(".journal")
     }
 
+    /// Takes back what was begun: the journal, and the folder itself if nothing else is in it.
+    pub fn abandon(&self) {
+        // what cannot be removed is in nobody's way
+        let _ = fs::remove_dir_all(self.journal());
+        let _ = fs::remove_dir(&self.path);
+    }
+
     /// A folder within it to write a result into, before it is published.
     ///
     /// # Errors

@@ -65,6 +65,17 @@ pub struct InputChecksum {
     pub blake3: String,
 }
 
+impl InputChecksum {
+    /// The fingerprint of a text.
+    pub fn of_text(input: String, text: &str) -> Self {
+        Self {
+            input,
+            files: 1,
+            blake3: blake3::hash(text.as_bytes()).to_string(),
+        }
+    }
+}
+
 impl Recording {
     /// Opens a folder or a manifest; `fps` overrides the manifest's frame rate.
     ///
