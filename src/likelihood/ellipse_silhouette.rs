@@ -116,6 +116,33 @@ impl<'a> View<'a> {
     }
 }
 
+/// Distances of one view's border points to the model, without sign.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ViewResiduals {
+    /// Number of border points.
+    pub points: usize,
+    /// Root mean square, px.
+    pub rms_px: f64,
+    /// Median, px.
+    pub median_px: f64,
+    /// 95th percentile, px.
+    pub p95_px: f64,
+}
+
+impl ViewResiduals {
+    fn of(mut distances_px: Vec<f64>) -> Option<Self> {
+        distances_px.sort_by(f64::total_cmp);
+        let points = distances_px.len();
+        let quantile = |q: f64| distances_px[((points - 1) as f64 * q).round() as usize];
+        (points > 0).then(|| Self {
+            points,
+            rms_px: (distances_px.iter().map(|d| d * d).sum::<f64>() / points as f64).sqrt(),
+            median_px: quantile(0.5),
+            p95_px: quantile(0.95),
+        })
+    }
+}
+
 /// −log p(silhouettes | m, s) of one frame.
 #[derive(Debug, Clone)]
 pub struct EllipseSilhouette<'a> {
@@ -143,6 +170,22 @@ impl<'a> EllipseSilhouette<'a> {
     pub fn effective_observations(&self) -> f64 {
         let length_m = |v: &View<'_>| v.lengths_px.iter().sum::<f64>() / v.px_per_m;
         self.views.iter().map(length_m).sum::<f64>() / self.options.correlation_m
+    }
+
+    /// How far each view's border points are from the model; `None` where no ellipsoid is before the camera.
+    pub fn residuals(&self, body: &Posed<'_>) -> Vec<Option<ViewResiduals>> {
+        let ellipsoids = body.ellipsoids();
+        let of = |view: &View<'_>| {
+            let ellipses: Vec<_> = ellipsoids
+                .iter()
+                .map(|e| project(&view.projection, e).map(|e| OutlineEllipse::new(&e)))
+                .collect();
+            let mut near = Vec::with_capacity(ellipses.len());
+            let mut distance = |x| self.distance(view, &ellipses, x, &mut near);
+            let distances = view.points.iter().filter_map(|x| distance(x).map(f64::abs));
+            ViewResiduals::of(distances.collect())
+        };
+        self.views.iter().map(of).collect()
     }
 
     fn sigma_px(&self, view: &View<'_>) -> f64 {

@@ -12,7 +12,7 @@ mod ellipse_silhouette;
 mod ellipse_sums;
 
 pub use ellipse_distance::{EllipseDistance, OutlineEllipse, exact_distance};
-pub use ellipse_silhouette::{EllipseOptions, EllipseSilhouette, Variant, View};
+pub use ellipse_silhouette::{EllipseOptions, EllipseSilhouette, Variant, View, ViewResiduals};
 
 use crate::body::Posed;
 use crate::solver::NormalEquations;
