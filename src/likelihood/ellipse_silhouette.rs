@@ -181,7 +181,8 @@ impl<'a> EllipseSilhouette<'a> {
                 .map(|e| project(&view.projection, e).map(|e| OutlineEllipse::new(&e)))
                 .collect();
             let mut near = Vec::with_capacity(ellipses.len());
-            let mut distance = |x| self.distance(view, &ellipses, x, &mut near);
+            let mut hint = 0;
+            let mut distance = |x| self.distance(view, &ellipses, x, (&mut hint, &mut near));
             let distances = view.points.iter().filter_map(|x| distance(x).map(f64::abs));
             ViewResiduals::of(distances.collect())
         };
