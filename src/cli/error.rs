@@ -71,13 +71,13 @@ pub(super) fn of_arguments(fault: &clap::Error) -> String {
         .lines()
         .map(str::trim)
         .take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more information"))
-        .filter(|line| !line.is_empty())
+        .filter(|line| !line.is_empty() && !line.starts_with("tip: to pass"))
         .collect();
     let (first, rest) = lines.split_first().unwrap_or((&"", &[]));
     let first = first.trim_start_matches("error: ");
     let rest = rest.join(", ");
     match (rest.as_str(), first.ends_with(':')) {
-        ("", _) => format!("{first} (maquette --help says more)"),
+        ("", _) => format!("{first} (--help says more)"),
         (rest, true) => format!("{first} {rest}"),
         (rest, false) => format!("{first}; {rest}"),
     }

@@ -29,21 +29,23 @@ use crate::silhouette::FrameObservations;
 /// The body that is fitted when nobody names one.
 const DEFAULT_BODY: &str = "human-ellipsoids";
 
-/// Arguments of `maquette fit`.
-#[derive(Debug, Args)]
-#[command(
-    long_about = "Fit a body to a recording: shape, motion and confidence.\n\n\
-    The recording is a folder with a calibration and masks/<camera>/*.png (white where the person is, the frame number \
-    in the name), or a sequence.toml that says where things are. Into OUT go result.json (everything), joints.trc (joint \
-    centres, for OpenSim and others) and, on request, overlays/. A run that was stopped can be continued with --resume.",
-    after_help = "\
+pub(super) const ABOUT: &str = "\
+Fit a body to a recording: shape, motion and confidence.
+
+The recording is a folder with a calibration and masks/<camera>/*.png (white where the person is, the frame number \
+in the name), or a sequence.toml that says where things are. Into OUT go result.json (everything), joints.trc (joint \
+centres, for OpenSim and others) and, on request, overlays/. A run that was stopped can be continued with --resume.";
+
+pub(super) const EXAMPLES: &str = "\
 Examples:
   maquette fit my-recording --fps 50 --out out/me
   maquette fit my-recording/sequence.toml --out out/me --overlays
-  maquette fit my-recording --fps 50 --out out/me --resume        go on after an interruption
+  maquette fit my-recording --fps 50 --out out/me --resume        (go on after an interruption)
   maquette fit my-recording --fps 50 --out out/short --frames 100:300 --keyframe-every 10
-  maquette fit my-recording --fps 50 --out out/me --json --quiet  for other programs"
-)]
+  maquette fit my-recording --fps 50 --out out/me --json --quiet  (for other programs)";
+
+/// Arguments of `maquette fit`.
+#[derive(Debug, Args)]
 pub(super) struct FitArguments {
     /// Folder with calibration and masks, or a sequence.toml
     recording: PathBuf,

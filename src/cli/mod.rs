@@ -42,21 +42,26 @@ struct Arguments {
 
 const EXAMPLES: &str = "\
 Examples:
-  maquette fit data/sequences/walker --out out/walker     the sample recording
-  maquette fit my-recording --fps 50 --out out/me         a folder with calibration.* and masks/<camera>/
-  maquette fit my-recording --fps 50 --out out/me --overwrite --overlays
-                                                          the same again, with pictures of the fit
-  maquette synth out/somebody --seed 7                    a recording of somebody else, with the truth
+  the sample recording:
+    maquette fit data/sequences/walker --out out/walker
+  a folder of your own with calibration.* and masks/<camera>/:
+    maquette fit my-recording --fps 50 --out out/me
+  the same again, with pictures of the fit:
+    maquette fit my-recording --fps 50 --out out/me --overwrite --overlays
+  a recording of somebody else, with the truth:
+    maquette synth out/somebody --seed 7
 
 What a recording may hold and what the results mean: docs/formats.md";
 
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Fit a body to a recording: shape, motion and confidence
+    #[command(long_about = fit::ABOUT, after_help = fit::EXAMPLES)]
     Fit(fit::FitArguments),
     /// List the body models that come with the program
     Models,
     /// Make a recording of a walking person, with the truth beside it
+    #[command(long_about = synth::ABOUT)]
     Synth(synth::SynthArguments),
 }
 

@@ -9,13 +9,14 @@ use super::print;
 use crate::io::{model, synthetic};
 use crate::synth::{Recipe, Ring, SegmentationErrors};
 
+pub(super) const ABOUT: &str = "\
+Make a recording of a walking person, with the truth beside it.
+
+A body and a way of walking are drawn from the seed, and ray-cast into a ring of cameras. The folder can be given to \
+`maquette fit`; truth.trc and truth.json hold what is true of it. The same arguments give the same files.";
+
 /// Arguments of `maquette synth`.
 #[derive(Debug, Args)]
-#[command(
-    long_about = "Make a recording of a walking person, with the truth beside it.\n\n\
-    A body and a way of walking are drawn from the seed, and ray-cast into a ring of cameras. The folder can be given \
-    to `maquette fit`; truth.trc and truth.json hold what is true of it. The same arguments give the same files."
-)]
 pub(super) struct SynthArguments {
     /// Folder to write into; it must be empty or new
     out: PathBuf,

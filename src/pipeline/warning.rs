@@ -27,7 +27,7 @@ pub enum Warning {
     },
     /// The body covers the silhouettes badly altogether.
     PoorFit {
-        /// Mean overlap.
+        /// Median over the cameras of their mean overlap.
         iou: f64,
     },
     /// The chosen body is one that hardly anybody has.
@@ -230,10 +230,11 @@ fn of_overlaps(rig: &Rig, frames: &[FittedFrame], cameras: &[CameraQuality]) -> 
     let Some(usual) = median(&mut overlaps.iter().map(|(_, iou)| *iou).collect()) else {
         return warnings;
     };
-    if usual < POOR_IOU {
-        warnings.push(Warning::PoorFit { iou: usual });
-    }
     let seen: Vec<&CameraQuality> = cameras.iter().filter(|c| c.frames > 0).collect();
+    let of_cameras = median(&mut seen.iter().map(|c| c.mean_iou).collect());
+    if let Some(iou) = of_cameras.filter(|iou| *iou < POOR_IOU) {
+        warnings.push(Warning::PoorFit { iou });
+    }
     for quality in &seen {
         let others = seen.iter().filter(|c| c.camera != quality.camera);
         let others_iou = median(&mut others.map(|c| c.mean_iou).collect());

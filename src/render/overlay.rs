@@ -55,9 +55,9 @@ pub fn overlay(camera: &Camera, mask: &Mask, body: &Posed<'_>) -> Canvas {
     };
     // the body's outline, and fainter its parts'
     let (outer, inner) = outlines(camera, body);
-    canvas.draw(&inner, pen(OUTLINE, 0.35, 0.8));
-    canvas.draw(&outer, pen(SHADE, 0.55, 3.6));
-    canvas.draw(&outer, pen(OUTLINE, 1.0, 1.8));
+    canvas.draw(&inner, pen(OUTLINE, 0.45, 0.8));
+    canvas.draw(&outer, pen(SHADE, 0.45, 3.0));
+    canvas.draw(&outer, pen(OUTLINE, 1.0, 1.4));
     // the bones, side by side in their colours
     let points = body.points();
     let (bones, joints) = (bones(body.model), used_points(body.model));
