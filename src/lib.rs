@@ -12,15 +12,19 @@
 //! | p(s), p(mᵢ given mᵢ₋₁), argmax | [`inference`]                                         |
 //! | least squares                | [`solver`]                                              |
 //! | recordings with truth        | [`synth`], [`render`]                                   |
+//! | the order of the stages      | [`pipeline`]                                            |
 //! | files                        | [`io`]                                                  |
+//! | the program                  | [`cli`]                                                 |
 
 pub mod body;
 pub mod camera;
+pub mod cli;
 pub mod image;
 pub mod inference;
 pub mod io;
 pub mod likelihood;
 pub mod math;
+pub mod pipeline;
 pub mod render;
 pub mod silhouette;
 pub mod solver;

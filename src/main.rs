@@ -1,3 +1,7 @@
-//! The `maquette` program: parses, runs, sets the exit code.
+//! The program: everything is in the library's `cli`.
 
-fn main() {}
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    maquette::cli::run(std::env::args_os())
+}

@@ -12,6 +12,7 @@ fn read(text: &str) -> Result<Trajectories, TrcError> {
 fn two_points() -> Trajectories {
     Trajectories {
         rate_hz: 59.94,
+        first_frame: 0,
         names: vec!["RHip".into(), "Big toe".into()],
         frames: vec![
             vec![Some(Point3::new(1.25, -0.5, 0.875)), None],
@@ -40,6 +41,18 @@ fn the_layout_is_that_of_pose2sim() {
     assert_eq!(lines[3], "Frame#\tTime\tRHip\t\t\tBig toe\t\t\t");
     assert_eq!(lines[4], "\t\tX1\tY1\tZ1\tX2\tY2\tZ2\t");
     assert_eq!(lines[5], "1\t0.000000\t-0.500000\t0.875000\t1.250000\t\t\t");
+}
+
+#[test]
+fn a_recording_that_begins_later_keeps_its_frame_numbers_and_times() {
+    let late = Trajectories {
+        rate_hz: 50.0,
+        first_frame: 100,
+        ..two_points()
+    };
+    let text = write_trc(&late, "walk.trc");
+    assert!(text.contains("\n101\t2.000000\t") && text.contains("\n102\t2.020000\t"));
+    assert_eq!(read(&text).unwrap(), late);
 }
 
 #[test]

@@ -3,7 +3,8 @@
 use super::{Component, Connectivity, Runs};
 
 /// What a mask is cleaned of. All four are fractions of the person's own size in the image, so they hold at any resolution.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct CleanOptions {
     /// Components of at least this fraction of the largest one's area are kept wherever they are (default 0.05: a leg
     /// cut off by an occluder is 0.1 and more).

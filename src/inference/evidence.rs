@@ -10,7 +10,7 @@ use crate::silhouette::FrameObservations;
 
 /// One border point per this length in coarse and in fine evaluations, m.
 const COARSE_SPACING_M: f64 = 0.05;
-const FINE_SPACING_M: f64 = 0.016;
+const FINE_SPACING_M: f64 = 0.02;
 
 /// Coarse evaluations forgive this much mismatch, m.
 const COARSE_SIGMA_M: f64 = 0.03;

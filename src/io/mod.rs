@@ -1,9 +1,13 @@
 //! Files in and out: the only code that knows formats and the units of files.
 
 pub mod calibration;
+pub mod journal;
 pub mod manifest;
 pub mod model;
+pub mod out_folder;
+pub mod overlays;
 pub mod recording;
+pub mod result;
 pub mod synthetic;
 pub mod trc;
 pub mod unknown_key;

@@ -252,6 +252,7 @@ pub fn trajectories(synthetic: &Synthetic) -> Trajectories {
     };
     Trajectories {
         rate_hz: synthetic.fps,
+        first_frame: 0,
         names: model.points.iter().map(|p| p.name.clone()).collect(),
         frames: synthetic.motions.iter().map(points).collect(),
     }

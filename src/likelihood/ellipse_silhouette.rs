@@ -16,6 +16,7 @@ use nalgebra::{Matrix3x4, SVector, Vector2};
 use super::Term;
 use super::ellipse_distance::{EllipseDistance, OutlineEllipse};
 use super::ellipse_sums::EllipseSums;
+use super::union::{nearest, smooth_union};
 use crate::body::{EllipsoidJacobians, Posed};
 use crate::camera::Camera;
 use crate::math::quadric::{Ellipsoid, ProjectionJacobian, project, project_with_jacobian};
@@ -64,7 +65,7 @@ impl Default for EllipseOptions {
             correlation_m: 0.1,
             blend_m: 0.003,
             loss: Loss::Cauchy(3.0),
-            back_samples: 24,
+            back_samples: 16,
         }
     }
 }
@@ -116,6 +117,33 @@ impl<'a> View<'a> {
     }
 }
 
+/// Distances of one view's border points to the model, without sign.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ViewResiduals {
+    /// Number of border points.
+    pub points: usize,
+    /// Root mean square, px.
+    pub rms_px: f64,
+    /// Median, px.
+    pub median_px: f64,
+    /// 95th percentile, px.
+    pub p95_px: f64,
+}
+
+impl ViewResiduals {
+    fn of(mut distances_px: Vec<f64>) -> Option<Self> {
+        distances_px.sort_by(f64::total_cmp);
+        let points = distances_px.len();
+        let quantile = |q: f64| distances_px[((points - 1) as f64 * q).round() as usize];
+        (points > 0).then(|| Self {
+            points,
+            rms_px: (distances_px.iter().map(|d| d * d).sum::<f64>() / points as f64).sqrt(),
+            median_px: quantile(0.5),
+            p95_px: quantile(0.95),
+        })
+    }
+}
+
 /// −log p(silhouettes | m, s) of one frame.
 #[derive(Debug, Clone)]
 pub struct EllipseSilhouette<'a> {
@@ -143,6 +171,23 @@ impl<'a> EllipseSilhouette<'a> {
     pub fn effective_observations(&self) -> f64 {
         let length_m = |v: &View<'_>| v.lengths_px.iter().sum::<f64>() / v.px_per_m;
         self.views.iter().map(length_m).sum::<f64>() / self.options.correlation_m
+    }
+
+    /// How far each view's border points are from the model; `None` where no ellipsoid is before the camera.
+    pub fn residuals(&self, body: &Posed<'_>) -> Vec<Option<ViewResiduals>> {
+        let ellipsoids = body.ellipsoids();
+        let of = |view: &View<'_>| {
+            let ellipses: Vec<_> = ellipsoids
+                .iter()
+                .map(|e| project(&view.projection, e).map(|e| OutlineEllipse::new(&e)))
+                .collect();
+            let mut near = Vec::with_capacity(ellipses.len());
+            let mut hint = 0;
+            let mut distance = |x| self.distance(view, &ellipses, x, (&mut hint, &mut near));
+            let distances = view.points.iter().filter_map(|x| distance(x).map(f64::abs));
+            ViewResiduals::of(distances.collect())
+        };
+        self.views.iter().map(of).collect()
     }
 
     fn sigma_px(&self, view: &View<'_>) -> f64 {
@@ -219,71 +264,6 @@ impl<'a> EllipseSilhouette<'a> {
             .collect()
     }
 }
-
-/// min |dᵢ| (ZS06, App. C), with its sign.
-fn nearest(
-    ellipses: &[Option<OutlineEllipse>],
-    x: &Vector2<f64>,
-    kind: EllipseDistance,
-    near: &mut Vec<(usize, SVector<f64, 5>)>,
-) -> Option<f64> {
-    let all = ellipses
-        .iter()
-        .enumerate()
-        .filter_map(|(i, e)| Some((i, e.as_ref()?.distance(x, kind))));
-    let (i, (d, slope)) = all.min_by(|a, b| a.1.0.abs().total_cmp(&b.1.0.abs()))?;
-    near.push((i, slope));
-    Some(d)
-}
-
-/// Ellipses farther than this many τ beyond the nearest have no say in the smooth minimum.
-const REACH_IN_BLENDS: f64 = 12.0;
-
-/// −τ ln Σ exp(−dᵢ/τ): ∂ = Σ pᵢ ∂dᵢ with pᵢ ∝ exp(−dᵢ/τ).
-///
-/// `hint` is an ellipse that is likely near (that of the neighbouring border point) and becomes the
-/// nearest one: it bounds the others, so that few distances are computed; the sum depends on it by e⁻¹².
-fn smooth_union(
-    ellipses: &[Option<OutlineEllipse>],
-    x: &Vector2<f64>,
-    (kind, blend): (EllipseDistance, f64),
-    hint: &mut usize,
-    near: &mut Vec<(usize, SVector<f64, 5>)>,
-) -> Option<f64> {
-    let reach = REACH_IN_BLENDS * blend;
-    let mut least = ellipses[*hint]
-        .as_ref()
-        .map_or(f64::INFINITY, |e| e.distance(x, kind).0);
-    let mut distances = [0.0; MAX_NEAR];
-    for (i, ellipse) in ellipses.iter().enumerate() {
-        let Some(ellipse) = ellipse
-            .as_ref()
-            .filter(|e| !e.is_farther_than(least + reach, x))
-        else {
-            continue;
-        };
-        let (d, slope) = ellipse.distance(x, kind);
-        if d <= least + reach && near.len() < MAX_NEAR {
-            distances[near.len()] = d;
-            near.push((i, slope));
-            if d < least {
-                (least, *hint) = (d, i);
-            }
-        }
-    }
-    if near.is_empty() {
-        return None;
-    }
-    let weights = distances.map(|d| (-(d - least) / blend).exp());
-    let sum: f64 = weights[..near.len()].iter().sum();
-    for ((_, slope), weight) in near.iter_mut().zip(weights) {
-        *slope *= weight / sum;
-    }
-    Some(least - blend * sum.ln())
-}
-
-/// No more ellipses than this overlap at one border point.
-const MAX_NEAR: usize = 16;
 
 /// ∂(slope·x)/∂(ellipse) for the sample x = c + L·(cos, sin), L the Cholesky factor of Σ.
 fn outline_slope(e: &OutlineEllipse, sin: f64, cos: f64, slope: &Vector2<f64>) -> SVector<f64, 5> {

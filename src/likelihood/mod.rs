@@ -10,9 +10,10 @@
 mod ellipse_distance;
 mod ellipse_silhouette;
 mod ellipse_sums;
+mod union;
 
 pub use ellipse_distance::{EllipseDistance, OutlineEllipse, exact_distance};
-pub use ellipse_silhouette::{EllipseOptions, EllipseSilhouette, Variant, View};
+pub use ellipse_silhouette::{EllipseOptions, EllipseSilhouette, Variant, View, ViewResiduals};
 
 use crate::body::Posed;
 use crate::solver::NormalEquations;

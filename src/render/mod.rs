@@ -1,14 +1,20 @@
-//! What a camera would see of a body.
+//! What a camera would see of a body, and pictures for people to look at.
 //!
 //! | file         | holds                                                             |
 //! |--------------|-------------------------------------------------------------------|
 //! | `raycast.rs` | [`silhouette`]: the mask of a metaball body, by casting rays       |
 //! | `profile.rs` | [`RayProfile`]: the field along one ray, as a sum of bumps          |
+//! | `canvas.rs`  | [`Canvas`]: smooth lines and dots in a picture                      |
+//! | `overlay.rs` | [`overlay`]: a mask with the fitted outline and joints over it      |
 //!
 //! Nothing here is shared with the likelihoods: what is rendered here is what they are tested on.
 
+mod canvas;
+mod overlay;
 mod profile;
 mod raycast;
 
+pub use canvas::{Canvas, Pen, Rgb};
+pub use overlay::overlay;
 pub use profile::{Bump, RayProfile};
 pub use raycast::silhouette;

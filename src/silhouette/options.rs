@@ -1,9 +1,12 @@
 //! How silhouettes are taken from masks.
 
+use serde::{Deserialize, Serialize};
+
 use crate::image::CleanOptions;
 
 /// How a silhouette is taken from a mask. "Size" is the longer side of the person's box in the image.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct SilhouetteOptions {
     /// Specks and holes.
     pub clean: CleanOptions,

@@ -119,8 +119,17 @@ pub enum ModelFileError {
 /// # Errors
 /// [`ModelFileError`] names the file, the place and what was expected.
 pub fn load(name: &str, folder: &Path) -> Result<BodyModel, ModelFileError> {
+    let (text, path) = text_of(name, folder)?;
+    parse(&text, &path)
+}
+
+/// The text of a shipped model by name, or of a file by path (relative to `folder`), and what errors call it.
+///
+/// # Errors
+/// [`ModelFileError::Unknown`] and [`ModelFileError::Read`].
+pub fn text_of(name: &str, folder: &Path) -> Result<(String, PathBuf), ModelFileError> {
     if let Some((_, text)) = SHIPPED.iter().find(|(shipped, _)| *shipped == name) {
-        return parse(text, Path::new(&format!("{name}.toml")));
+        return Ok(((*text).to_owned(), PathBuf::from(format!("{name}.toml"))));
     }
     if Path::new(name).extension().is_none_or(|e| e != "toml") {
         let shipped = SHIPPED.map(|(n, _)| n).join(", ");
@@ -131,7 +140,7 @@ pub fn load(name: &str, folder: &Path) -> Result<BodyModel, ModelFileError> {
     }
     let path = folder.join(name);
     match std::fs::read_to_string(&path) {
-        Ok(text) => parse(&text, &path),
+        Ok(text) => Ok((text, path)),
         Err(source) => Err(ModelFileError::Read { path, source }),
     }
 }

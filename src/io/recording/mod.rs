@@ -15,6 +15,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::camera::{Camera, CameraId, Rig};
+use crate::image::Mask;
 use crate::silhouette::{self, FrameIndex, FrameObservations, SilhouetteOptions};
 
 pub use error::RecordingError;
@@ -56,12 +57,23 @@ pub struct Missing {
 /// Fingerprint of one input: a file, or all masks of a camera.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InputChecksum {
-    /// Path of the file relative to the recording's folder, or `masks of <camera>`.
+    /// Path of the file relative to the recording's folder (of a file elsewhere its name), or `masks of <camera>`.
     pub input: String,
     /// Number of files.
     pub files: usize,
     /// BLAKE3 of the file; of several, of their BLAKE3 sums one after another, in the order of the frames. Hexadecimal.
     pub blake3: String,
+}
+
+impl InputChecksum {
+    /// The fingerprint of a text.
+    pub fn of_text(input: String, text: &str) -> Self {
+        Self {
+            input,
+            files: 1,
+            blake3: blake3::hash(text.as_bytes()).to_string(),
+        }
+    }
 }
 
 impl Recording {
@@ -98,11 +110,9 @@ impl Recording {
             rejected: Vec::new(),
         };
         for (id, camera) in self.rig.iter() {
-            let Some(path) = self.mask_path(id, frame) else {
+            let Some(mask) = self.load_mask(id, frame)? else {
                 continue;
             };
-            let mask = mask_image::read(path, [camera.width_px, camera.height_px]);
-            let mask = mask.map_err(|fault| mask_error(path, camera, frame, fault))?;
             match silhouette::extract(&mask, camera, options) {
                 Ok(silhouette) => observations.views.push((id, silhouette)),
                 Err(reason) => observations.rejected.push((id, reason)),
@@ -117,6 +127,31 @@ impl Recording {
         Some(path)
     }
 
+    /// The mask of a camera in a frame as it was read; `None` if it is missing.
+    ///
+    /// # Errors
+    /// [`RecordingError::Mask`] if it cannot be used.
+    pub fn load_mask(
+        &self,
+        camera: CameraId,
+        frame: FrameIndex,
+    ) -> Result<Option<Mask>, RecordingError> {
+        let (Some(path), Some(known)) = (self.mask_path(camera, frame), self.rig.camera(camera))
+        else {
+            return Ok(None);
+        };
+        let mask = mask_image::read(path, [known.width_px, known.height_px]);
+        let mask = mask.map_err(|fault| mask_error(path, known, frame, fault))?;
+        Ok(Some(mask))
+    }
+
+    /// A file's path relative to the recording's folder; of a file elsewhere its name alone.
+    fn name_of(&self, path: &Path) -> String {
+        let relative = path.strip_prefix(&self.folder).ok();
+        let name = relative.or_else(|| path.file_name().map(Path::new));
+        name.unwrap_or(path).display().to_string()
+    }
+
     /// Fingerprints of everything that the recording is read from: manifest, calibration, then each camera's masks.
     ///
     /// # Errors
@@ -124,9 +159,8 @@ impl Recording {
     pub fn checksums(&self) -> Result<Vec<InputChecksum>, RecordingError> {
         let mut checksums = Vec::new();
         for path in &self.descriptions {
-            let input = path.strip_prefix(&self.folder).unwrap_or(path);
             checksums.push(InputChecksum {
-                input: input.display().to_string(),
+                input: self.name_of(path),
                 files: 1,
                 blake3: checksum(path)?.to_string(),
             });

@@ -63,8 +63,8 @@ pub enum TrcError {
 /// The points of a TRC file's text; `path` is what errors name.
 ///
 /// Takes Pose2Sim's, OpenSim's and caliscope's: metres or millimetres, padded cells, marker names with spaces, an
-/// empty line before the data or none, trailing tabs, and empty or NaN cells for a missing point. Frame numbers,
-/// times and the stated number of frames are not relied on: rows are frames in order.
+/// empty line before the data or none, trailing tabs, and empty or NaN cells for a missing point. Times, the stated
+/// number of frames, and frame numbers after the first row's are not relied on: rows are frames in order.
 ///
 /// # Errors
 /// [`TrcError`] names the line and what was expected.
@@ -86,14 +86,25 @@ pub fn read_trc(text: &str, path: &Path) -> Result<Trajectories, TrcError> {
     let (rate_hz, metres) = rate_and_unit(header, path)?;
     let mut frames = Vec::new();
     let is_data = |row: &str| !row.trim().is_empty() && !row.trim_start().starts_with("X1");
+    let mut first_frame = 0;
     for (line, row) in lines.filter(|(_, row)| is_data(row)) {
+        if frames.is_empty() {
+            first_frame = number_of(row).saturating_sub(1);
+        }
         frames.push(frame_of(row, line, &names, metres, path)?);
     }
     Ok(Trajectories {
         rate_hz,
+        first_frame,
         names,
         frames,
     })
+}
+
+/// What stands under Frame#; 1 where that is no number.
+fn number_of(row: &str) -> usize {
+    let cell = row.split('\t').next().unwrap_or_default();
+    cell.trim().parse().unwrap_or(1)
 }
 
 /// The cells after Frame# and Time that are not empty.

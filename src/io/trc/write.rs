@@ -6,12 +6,13 @@ use nalgebra::Point3;
 
 use super::Trajectories;
 
-/// The text of a TRC file in Pose2Sim's layout: metres, Y up, frames from 1, time from 0 s.
+/// The text of a TRC file in Pose2Sim's layout: metres, Y up; frame 0 stands there as 1, at 0 s.
 ///
 /// `file_name` is what the first line repeats. Numbers have six decimals (1 µm); a missing point is three empty cells.
 pub fn write_trc(trajectories: &Trajectories, file_name: &str) -> String {
     let Trajectories {
         rate_hz,
+        first_frame,
         names,
         frames,
     } = trajectories;
@@ -22,7 +23,9 @@ pub fn write_trc(trajectories: &Trajectories, file_name: &str) -> String {
     );
     push(
         &mut text,
-        format_args!("{rate_hz}\t{rate_hz}\t{count}\t{points}\tm\t{rate_hz}\t0\t{count}\n"),
+        format_args!(
+            "{rate_hz}\t{rate_hz}\t{count}\t{points}\tm\t{rate_hz}\t{first_frame}\t{count}\n"
+        ),
     );
     text.push_str("Frame#\tTime");
     for name in names {
@@ -33,7 +36,7 @@ pub fn write_trc(trajectories: &Trajectories, file_name: &str) -> String {
         push(&mut text, format_args!("\tX{i}\tY{i}\tZ{i}"));
     }
     text.push_str("\t\n");
-    for (k, frame) in frames.iter().enumerate() {
+    for (k, frame) in (*first_frame..).zip(frames) {
         push(
             &mut text,
             format_args!("{}\t{:.6}", k + 1, k as f64 / rate_hz),

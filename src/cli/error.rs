@@ -1,0 +1,103 @@
+//! What went wrong, in one line.
+
+use crate::io::journal::JournalError;
+use crate::io::model::ModelFileError;
+use crate::io::out_folder::OutError;
+use crate::io::overlays::OverlayError;
+use crate::io::recording::RecordingError;
+use crate::io::synthetic::SyntheticError;
+use crate::pipeline::FitError;
+use crate::synth::WalkError;
+
+/// Why a command could not be carried out.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum CliError {
+    /// Arguments that make no sense.
+    #[error("{0}")]
+    Arguments(String),
+    /// The recording.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// No frame of the recording is in the range asked for.
+    #[error(
+        "--frames {range}: no frame of the recording lies in this range: it has {first} to {last}"
+    )]
+    NoFrames {
+        /// As asked for.
+        range: String,
+        /// First frame of the recording.
+        first: usize,
+        /// Last frame of the recording.
+        last: usize,
+    },
+    /// The body.
+    #[error(transparent)]
+    Model(#[from] ModelFileError),
+    /// What cannot be fitted.
+    #[error(transparent)]
+    Fit(#[from] FitError),
+    /// The result's folder.
+    #[error(transparent)]
+    Out(#[from] OutError),
+    /// A run that cannot be continued.
+    #[error(transparent)]
+    Journal(#[from] JournalError),
+    /// The pictures.
+    #[error(transparent)]
+    Overlay(#[from] OverlayError),
+    /// The threads.
+    #[error("--threads {threads}: {source}")]
+    Threads {
+        /// As asked for.
+        threads: usize,
+        /// Why not.
+        source: rayon::ThreadPoolBuildError,
+    },
+    /// A body that cannot walk.
+    #[error(transparent)]
+    Walk(#[from] WalkError),
+    /// A synthetic recording that cannot be written.
+    #[error(transparent)]
+    Synthetic(#[from] SyntheticError),
+    /// A result that is no JSON.
+    #[error("result.json: {0}")]
+    Json(#[from] serde_json::Error),
+}
+
+/// What clap says about arguments, without usage and hints to help, in one line.
+pub(super) fn of_arguments(fault: &clap::Error) -> String {
+    let text = fault.render().to_string();
+    let lines: Vec<&str> = text
+        .lines()
+        .map(str::trim)
+        .take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more information"))
+        .filter(|line| !line.is_empty() && !line.starts_with("tip: to pass"))
+        .collect();
+    let (first, rest) = lines.split_first().unwrap_or((&"", &[]));
+    let first = first.trim_start_matches("error: ");
+    let rest = rest.join(", ");
+    match (rest.as_str(), first.ends_with(':')) {
+        ("", _) => format!("{first} (--help says more)"),
+        (rest, true) => format!("{first} {rest}"),
+        (rest, false) => format!("{first}; {rest}"),
+    }
+}
+
+/// A text in one line, whatever file names and parsers put into it.
+pub(super) fn one_line(text: &str) -> String {
+    let lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
+    let joined = lines.collect::<Vec<_>>().join(", ");
+    let printable = |c: char| if c.is_control() { ' ' } else { c };
+    joined.chars().map(printable).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_text_of_several_lines_becomes_one() {
+        assert_eq!(one_line("a: b\n  |\n  ^ c\r\n\n"), "a: b, |, ^ c");
+        assert_eq!(one_line("odd\u{7}name"), "odd name");
+    }
+}

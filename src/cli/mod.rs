@@ -1,0 +1,108 @@
+//! The command line: arguments in, tables out; the only room that knows the terminal and the clock.
+//!
+//! | file          | holds                                                          |
+//! |---------------|----------------------------------------------------------------|
+//! | `fit.rs`      | `maquette fit`: reads, calls the pipeline, writes               |
+//! | `synth.rs`    | `maquette synth`                                                |
+//! | `models.rs`   | `maquette models`                                               |
+//! | `progress.rs` | a bar for each stage                                            |
+//! | `summary.rs`  | what is said of a fit, for a person and as JSON                 |
+//! | `table.rs`    | columns                                                         |
+//! | `error.rs`    | what went wrong, in one line                                    |
+//!
+//! Exit code 0, or 2 for arguments or input that cannot be used, with one line on standard error.
+
+mod error;
+mod fit;
+mod models;
+mod progress;
+mod summary;
+mod synth;
+mod table;
+
+use std::ffi::OsString;
+use std::io::Write;
+use std::process::ExitCode;
+
+use clap::error::ErrorKind;
+use clap::{Parser, Subcommand};
+
+use error::{CliError, one_line};
+
+/// How a person is built and moves, from cameras that see them from several sides.
+///
+/// Maquette fits a jointed body to the outlines of a person in calibrated recordings, without markers, clicks or a
+/// start pose. It gives segment lengths, joint centres and joint angles, and says how sure it is.
+#[derive(Debug, Parser)]
+#[command(name = "maquette", version, arg_required_else_help = true, after_help = EXAMPLES)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  the sample recording:
+    maquette fit data/sequences/walker --out out/walker
+  a folder of your own with calibration.* and masks/<camera>/:
+    maquette fit my-recording --fps 50 --out out/me
+  the same again, with pictures of the fit:
+    maquette fit my-recording --fps 50 --out out/me --overwrite --overlays
+  a recording of somebody else, with the truth:
+    maquette synth out/somebody --seed 7
+
+What a recording may hold and what the results mean: docs/formats.md";
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Fit a body to a recording: shape, motion and confidence
+    #[command(long_about = fit::ABOUT, after_help = fit::EXAMPLES)]
+    Fit(fit::FitArguments),
+    /// List the body models that come with the program
+    Models,
+    /// Make a recording of a walking person, with the truth beside it
+    #[command(long_about = synth::ABOUT)]
+    Synth(synth::SynthArguments),
+}
+
+/// Runs the program; what it prints goes to standard output, progress and errors to standard error.
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let done = match Arguments::try_parse_from(arguments) {
+        Ok(arguments) => match arguments.command {
+            Command::Fit(arguments) => fit::run(&arguments),
+            Command::Models => models::run(),
+            Command::Synth(arguments) => synth::run(&arguments),
+        },
+        Err(fault) if is_help(fault.kind()) => {
+            print(&fault.render().to_string());
+            Ok(())
+        }
+        Err(fault) => Err(CliError::Arguments(error::of_arguments(&fault))),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(fault) => {
+            complain("error", &one_line(&fault.to_string()));
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn is_help(kind: ErrorKind) -> bool {
+    matches!(
+        kind,
+        ErrorKind::DisplayHelp
+            | ErrorKind::DisplayVersion
+            | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand
+    )
+}
+
+/// Prints to standard output. Whoever closed it, as `| head` does, does not want more: no fault.
+fn print(text: &str) {
+    let _ = std::io::stdout().lock().write_all(text.as_bytes());
+}
+
+/// Prints one line to standard error.
+fn complain(kind: &str, line: &str) {
+    let _ = writeln!(std::io::stderr().lock(), "{kind}: {line}");
+}

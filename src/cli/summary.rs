@@ -1,0 +1,152 @@
+//! What is said of a fit: tables for a person, or JSON.
+
+use std::path::Path;
+
+use serde_json::json;
+
+use super::table::Table;
+use crate::inference::confidence::Confidence;
+use crate::io::result::{HypothesisPart, OriginPart, OutcomePart, ResultFile};
+
+/// What a run says at its end.
+#[derive(Debug)]
+pub(super) struct Summary<'a> {
+    pub(super) result: &'a ResultFile,
+    pub(super) out: &'a Path,
+    pub(super) seconds: f64,
+}
+
+impl Summary<'_> {
+    /// The same as JSON, in one object.
+    pub(super) fn json(&self) -> String {
+        let result = self.result;
+        let hypotheses: Vec<_> = result
+            .hypotheses
+            .iter()
+            .map(|h| {
+                json!({
+                    "origin": h.origin, "reading": h.reading, "keyframe": h.keyframe, "outcome": h.outcome,
+                    "frames_fitted": h.frames_fitted, "minus_log_posterior": h.minus_log_posterior.total, "iou": h.iou,
+                })
+            })
+            .collect();
+        let summary = json!({
+            "out": self.out.display().to_string(),
+            "seconds": self.seconds,
+            "body": result.body,
+            "frames": result.recording.frames,
+            "lengths": result.shape.lengths,
+            "confidence_of": result.shape.confidence_of,
+            "hypotheses": hypotheses,
+            "winner": result.winner,
+            "cameras": result.quality.cameras,
+            "warnings": result.warnings,
+        });
+        format!("{summary:#}\n")
+    }
+
+    /// Tables for a person.
+    pub(super) fn text(&self) -> String {
+        let recording = &self.result.recording;
+        let sections = [
+            format!(
+                "{} fitted to {} frames of {} cameras at {} Hz in {:.1} s\n",
+                self.result.body,
+                recording.frames,
+                recording.cameras.len(),
+                recording.fps,
+                self.seconds
+            ),
+            self.hypotheses(),
+            self.shape(),
+            self.cameras(),
+            self.warnings(),
+            format!("Written into {}\n", self.out.display()),
+        ];
+        let filled = sections.into_iter().filter(|section| !section.is_empty());
+        filled.collect::<Vec<_>>().join("\n")
+    }
+
+    fn hypotheses(&self) -> String {
+        let mut table = Table::new(&["hypothesis", "keyframe", "−log posterior", "overlap"]);
+        for (i, hypothesis) in self.result.hypotheses.iter().enumerate() {
+            let mark = if i == self.result.winner { "▸" } else { " " };
+            table.row(vec![
+                format!("{mark} {}", origin(hypothesis)),
+                hypothesis.keyframe.to_string(),
+                match hypothesis.outcome {
+                    OutcomePart::Pruned => {
+                        format!("pruned after {} frames", hypothesis.frames_fitted)
+                    }
+                    _ => format!("{:.1}", hypothesis.minus_log_posterior.total),
+                },
+                or_dash(hypothesis.iou, |iou| format!("{iou:.3}")),
+            ]);
+        }
+        table.text()
+    }
+
+    fn shape(&self) -> String {
+        let lengths = &self.result.shape.lengths;
+        let Some(first) = lengths.first() else {
+            return String::new();
+        };
+        let Confidence {
+            epsilon, keyframes, ..
+        } = first.confidence;
+        let within = format!("p within {} cm", 100.0 * epsilon);
+        let mut table = Table::new(&["length", "cm", "± σ", &within]);
+        for length in lengths {
+            table.row(vec![
+                length.name.clone(),
+                format!("{:.1}", 100.0 * length.length_m),
+                or_dash(length.confidence.sigma, |sigma| {
+                    format!("± {:.1}", 100.0 * sigma)
+                }),
+                or_dash(length.confidence.p_within, |p| format!("{p:.3}")),
+            ]);
+        }
+        format!(
+            "{}  σ: spread of the {keyframes} keyframes' estimates. p: that one of them is within {} cm of the model's optimum,\n  \
+             which is not the true length: an error that all keyframes share does not show.\n",
+            table.text(),
+            100.0 * epsilon,
+        )
+    }
+
+    fn cameras(&self) -> String {
+        let mut table = Table::new(&["camera", "frames", "overlap", "border off by", "RMS"]);
+        for camera in &self.result.quality.cameras {
+            table.row(vec![
+                camera.camera.clone(),
+                camera.frames.to_string(),
+                format!("{:.3}", camera.mean_iou),
+                or_dash(camera.median_px, |px| format!("{px:.1} px")),
+                or_dash(camera.rms_px, |px| format!("{px:.1} px")),
+            ]);
+        }
+        table.text()
+    }
+
+    fn warnings(&self) -> String {
+        let lines = self
+            .result
+            .warnings
+            .iter()
+            .map(|warning| format!("  ! {warning}\n"));
+        lines.collect()
+    }
+}
+
+fn origin(hypothesis: &HypothesisPart) -> String {
+    match (hypothesis.origin, hypothesis.reading) {
+        (OriginPart::Prior, _) => "mean body".into(),
+        (OriginPart::Together, _) => "frames together".into(),
+        (OriginPart::Keyframe, None | Some(0)) => "keyframe".into(),
+        (OriginPart::Keyframe, Some(reading)) => format!("keyframe, reading {}", reading + 1),
+    }
+}
+
+fn or_dash(value: Option<f64>, text: impl Fn(f64) -> String) -> String {
+    value.map_or("–".into(), text)
+}

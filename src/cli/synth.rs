@@ -1,0 +1,85 @@
+//! `maquette synth`.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+
+use super::error::CliError;
+use super::print;
+use crate::io::{model, synthetic};
+use crate::synth::{Recipe, Ring, SegmentationErrors};
+
+pub(super) const ABOUT: &str = "\
+Make a recording of a walking person, with the truth beside it.
+
+A body and a way of walking are drawn from the seed, and ray-cast into a ring of cameras. The folder can be given to \
+`maquette fit`; truth.trc and truth.json hold what is true of it. The same arguments give the same files.";
+
+/// Arguments of `maquette synth`.
+#[derive(Debug, Args)]
+pub(super) struct SynthArguments {
+    /// Folder to write into; it must be empty or new
+    out: PathBuf,
+    /// Who walks, and how: any number
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Number of cameras around the person
+    #[arg(long, default_value_t = 6, value_parser = clap::value_parser!(u16).range(1..=64))]
+    cameras: u16,
+    /// Number of frames [default: one gait cycle]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    frames: Option<u32>,
+    /// Frames per second
+    #[arg(long, default_value_t = 50.0, value_parser = positive)]
+    fps: f64,
+    /// Errors of the segmentation
+    #[arg(long, value_enum, default_value_t = Noise::Mild)]
+    noise: Noise,
+    /// Body model with metaballs: a shipped one or a .toml file
+    #[arg(long, default_value = "walker-metaballs")]
+    body: String,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Noise {
+    /// True masks
+    None,
+    /// As a good background subtraction makes them
+    Mild,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
+        _ => Err("expected a positive number".into()),
+    }
+}
+
+/// Makes and writes the recording.
+pub(super) fn run(arguments: &SynthArguments) -> Result<(), CliError> {
+    let default = Recipe::default();
+    let recipe = Recipe {
+        seed: arguments.seed,
+        frames: arguments.frames.map(|frames| frames as usize),
+        fps: arguments.fps,
+        ring: Ring {
+            cameras: arguments.cameras.into(),
+            ..default.ring
+        },
+        errors: match arguments.noise {
+            Noise::None => None,
+            Noise::Mild => Some(SegmentationErrors::MILD),
+        },
+    };
+    let model = model::load(&arguments.body, Path::new(""))?;
+    let recording = recipe.walker(&model)?;
+    synthetic::write(&recording, &arguments.out)?;
+    print(&format!(
+        "{}: {} frames of {} cameras at {} Hz; the truth is in truth.trc and truth.json\n",
+        arguments.out.display(),
+        recording.frames(),
+        arguments.cameras,
+        arguments.fps,
+    ));
+    Ok(())
+}

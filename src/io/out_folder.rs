@@ -1,0 +1,252 @@
+//! The folder that a result is written into: nothing in it is lost, nothing in it is ever half written.
+
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use tempfile::TempDir;
+
+/// Why a result cannot be written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum OutError {
+    /// The folder holds something already.
+    #[error(
+        "{}: this folder is not empty: give --overwrite to replace a result in it, --resume to continue one, or another --out",
+        path.display()
+    )]
+    NotEmpty {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// A file stands where the folder should be.
+    #[error("{}: this is a file: expected a folder, or a name that is free", path.display())]
+    NotAFolder {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A file or folder that cannot be written.
+    #[error("{}: cannot be written: {source}", path.display())]
+    Write {
+        /// The file or folder.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+}
+
+impl OutError {
+    pub(super) fn write(path: &Path, source: io::Error) -> Self {
+        Self::Write {
+            path: path.into(),
+            source,
+        }
+    }
+}
+
+/// What to do with a folder that holds something.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Existing {
+    /// Leave it alone.
+    Refuse,
+    /// Continue the run that was begun there.
+    Resume,
+    /// Replace the result; the old one stays until the new one is complete.
+    Overwrite,
+}
+
+/// Whether a result may be written into a folder; nothing is written yet.
+///
+/// # Errors
+/// [`OutError`] if it is a file, lies below a file, or holds something and is to be left alone.
+pub fn check_out(folder: &Path, existing: Existing) -> Result<(), OutError> {
+    let standing = folder
+        .ancestors()
+        .find(|path| path.exists() || path.as_os_str().is_empty());
+    if let Some(path) = standing.filter(|path| path.is_file()) {
+        return Err(OutError::NotAFolder { path: path.into() });
+    }
+    let is_empty = || match fs::read_dir(folder) {
+        Ok(mut entries) => entries.next().is_none(),
+        Err(_) => true,
+    };
+    if existing == Existing::Refuse && !is_empty() {
+        return Err(OutError::NotEmpty {
+            path: folder.into(),
+        });
+    }
+    Ok(())
+}
+
+/// Everything that a run writes into the folder but its journal, in the order in which it is replaced: the result last,
+/// so that where it stands all of it stands.
+const RESULTS: [&str; 3] = ["overlays", "joints.trc", "result.json"];
+
+/// Names of what is still being written begin so.
+const UNFINISHED: &str = ".writing-";
+
+/// A folder that results are written into.
+#[derive(Debug)]
+pub struct OutFolder {
+    path: PathBuf,
+}
+
+impl OutFolder {
+    /// Makes the folder, if it is not there.
+    ///
+    /// # Errors
+    /// [`OutError::Write`] if it cannot be made.
+    pub fn open(path: &Path) -> Result<Self, OutError> {
+        fs::create_dir_all(path).map_err(|source| OutError::write(path, source))?;
+        Ok(Self { path: path.into() })
+    }
+
+    /// Where the journal of a run is.
+    pub fn journal(&self) -> PathBuf {
+        self.path.join(".journal")
+    }
+
+    /// Takes back what was begun: the journal, and the folder itself if nothing else is in it.
+    pub fn abandon(&self) {
+        // what cannot be removed is in nobody's way
+        let _ = fs::remove_dir_all(self.journal());
+        let _ = fs::remove_dir(&self.path);
+    }
+
+    /// A folder within it to write a result into, before it is published.
+    ///
+    /// # Errors
+    /// [`OutError::Write`] if it cannot be made.
+    pub fn scratch(&self) -> Result<TempDir, OutError> {
+        let scratch = tempfile::Builder::new()
+            .prefix(UNFINISHED)
+            .tempdir_in(&self.path);
+        scratch.map_err(|source| OutError::write(&self.path, source))
+    }
+
+    /// Puts what was written into a scratch folder into the places of an older result, and removes what that had more.
+    ///
+    /// # Errors
+    /// [`OutError::Write`] names what could not be replaced.
+    pub fn publish(&self, scratch: TempDir) -> Result<(), OutError> {
+        for name in RESULTS {
+            let (new, place) = (scratch.path().join(name), self.path.join(name));
+            replace(&new, &place).map_err(|source| OutError::write(&place, source))?;
+        }
+        drop(scratch);
+        remove_unfinished(&self.path);
+        remove_unfinished(&self.journal());
+        Ok(())
+    }
+}
+
+fn replace(new: &Path, place: &Path) -> io::Result<()> {
+    if place.is_dir() {
+        fs::remove_dir_all(place)?;
+    }
+    match (new.exists(), place.exists()) {
+        (true, _) => fs::rename(new, place),
+        (false, true) => fs::remove_file(place),
+        (false, false) => Ok(()),
+    }
+}
+
+/// Removes what a run that was stopped was writing; what cannot be removed does no harm.
+fn remove_unfinished(folder: &Path) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let path = entry.path();
+        if entry.file_name().to_string_lossy().starts_with(UNFINISHED) {
+            let removed = if path.is_dir() {
+                fs::remove_dir_all(path)
+            } else {
+                fs::remove_file(path)
+            };
+            drop(removed);
+        }
+    }
+}
+
+/// Writes a file beside its place and moves it there, so that it is whole or absent.
+///
+/// # Errors
+/// [`OutError::Write`] names the file.
+pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), OutError> {
+    let parent = match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    let write = || {
+        let mut file = tempfile::Builder::new()
+            .prefix(UNFINISHED)
+            .tempfile_in(parent)?;
+        file.write_all(bytes)?;
+        file.as_file().sync_all()?;
+        file.persist(path).map_err(|error| error.error)?;
+        Ok(())
+    };
+    write().map_err(|source| OutError::write(path, source))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_that_holds_something_is_left_alone_unless_told_otherwise() {
+        let folder = tempfile::tempdir().unwrap();
+        assert!(check_out(folder.path(), Existing::Refuse).is_ok());
+        assert!(check_out(&folder.path().join("a/b"), Existing::Refuse).is_ok());
+        fs::write(folder.path().join("notes.txt"), "mine").unwrap();
+        let refused = check_out(folder.path(), Existing::Refuse);
+        assert!(matches!(refused, Err(OutError::NotEmpty { .. })));
+        for existing in [Existing::Resume, Existing::Overwrite] {
+            assert!(check_out(folder.path(), existing).is_ok());
+        }
+    }
+
+    #[test]
+    fn a_file_is_no_folder_and_nothing_can_lie_below_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("file");
+        fs::write(&file, "").unwrap();
+        for path in [file.clone(), file.join("out")] {
+            let refused = check_out(&path, Existing::Overwrite);
+            assert!(matches!(refused, Err(OutError::NotAFolder { .. })));
+        }
+    }
+
+    #[test]
+    fn a_file_appears_whole_and_leaves_nothing_beside_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("result.json");
+        write_atomically(&path, b"old").unwrap();
+        write_atomically(&path, b"new").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+        let nowhere = folder.path().join("no/where");
+        let message = write_atomically(&nowhere, b"").unwrap_err().to_string();
+        assert!(message.contains("no/where: cannot be written"), "{message}");
+    }
+
+    #[test]
+    fn a_published_result_replaces_the_older_one_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        fs::create_dir_all(at("overlays/cam")).unwrap();
+        for (name, text) in [
+            ("result.json", "old"),
+            ("notes.txt", "mine"),
+            (".writing-abc", "left by a kill"),
+        ] {
+            fs::write(at(name), text).unwrap();
+        }
+        let out = OutFolder::open(folder.path()).unwrap();
+        let scratch = out.scratch().unwrap();
+        fs::write(scratch.path().join("result.json"), "new").unwrap();
+        assert_eq!(fs::read(at("result.json")).unwrap(), b"old");
+        out.publish(scratch).unwrap();
+        assert_eq!(fs::read(at("result.json")).unwrap(), b"new");
+        assert_eq!(fs::read(at("notes.txt")).unwrap(), b"mine");
+        assert!(!at("overlays").exists() && !at(".writing-abc").exists());
+    }
+}

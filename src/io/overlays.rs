@@ -1,0 +1,134 @@
+//! Pictures of the fit over the masks: `<camera>/%06d.png`.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use ::image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use ::image::{ExtendedColorType, ImageEncoder, ImageError};
+use rayon::prelude::*;
+
+use super::recording::{Recording, RecordingError};
+use crate::body::{BodyModel, Posed};
+use crate::camera::CameraId;
+use crate::pipeline::{Fit, FittedFrame};
+use crate::render::{Canvas, overlay};
+
+/// Why an overlay could not be written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum OverlayError {
+    /// The mask under it cannot be read any more.
+    #[error(transparent)]
+    Mask(#[from] RecordingError),
+    /// A file or folder that cannot be written.
+    #[error("{}: cannot be written: {source}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A picture that cannot be encoded.
+    #[error("{}: the picture cannot be encoded: {source}", path.display())]
+    Encode {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: ImageError,
+    },
+}
+
+/// Writes a picture for each mask of each fitted frame into a folder; `done` is called after each.
+///
+/// # Errors
+/// [`OverlayError`] for the first that fails.
+pub fn write(
+    folder: &Path,
+    recording: &Recording,
+    model: &BodyModel,
+    fit: &Fit,
+    done: &(dyn Fn() + Sync),
+) -> Result<(), OverlayError> {
+    let cameras: Vec<(CameraId, PathBuf)> = recording
+        .rig
+        .iter()
+        .map(|(id, camera)| (id, folder.join(file_name(&camera.name))))
+        .collect();
+    for (_, path) in &cameras {
+        fs::create_dir_all(path).map_err(|source| OverlayError::Write {
+            path: path.clone(),
+            source,
+        })?;
+    }
+    let all: Vec<_> = fit
+        .frames
+        .iter()
+        .flat_map(|frame| cameras.iter().map(move |(id, path)| (frame, *id, path)))
+        .collect();
+    all.into_par_iter().try_for_each(|(frame, id, folder)| {
+        if let Some(canvas) = picture(recording, model, fit, (frame, id))? {
+            write_picture(&canvas, folder.join(format!("{:06}.png", frame.frame.0)))?;
+        }
+        done();
+        Ok(())
+    })
+}
+
+/// `None` where the camera has no mask of the frame.
+fn picture(
+    recording: &Recording,
+    model: &BodyModel,
+    fit: &Fit,
+    (frame, id): (&FittedFrame, CameraId),
+) -> Result<Option<Canvas>, RecordingError> {
+    let mask = recording.load_mask(id, frame.frame)?;
+    let body = Posed::new(model, &fit.shape, &frame.fit.motion);
+    let over = |mask| Some(overlay(recording.rig.camera(id)?, &mask, &body));
+    Ok(mask.and_then(over))
+}
+
+fn write_picture(canvas: &Canvas, path: PathBuf) -> Result<(), OverlayError> {
+    let pixels = canvas.pixels();
+    let mut bytes = Vec::new();
+    let encoder =
+        PngEncoder::new_with_quality(&mut bytes, CompressionType::Fast, FilterType::Adaptive);
+    let (width, height) = (pixels.width() as u32, pixels.height() as u32);
+    match encoder.write_image(
+        pixels.values().as_flattened(),
+        width,
+        height,
+        ExtendedColorType::Rgb8,
+    ) {
+        Ok(()) => fs::write(&path, bytes).map_err(|source| OverlayError::Write { path, source }),
+        Err(source) => Err(OverlayError::Encode { path, source }),
+    }
+}
+
+/// A camera's name as the name of a folder, whatever it holds.
+fn file_name(camera: &str) -> String {
+    let plain = |c: char| {
+        if c.is_alphanumeric() || "-_. ".contains(c) {
+            c
+        } else {
+            '_'
+        }
+    };
+    let name: String = camera.chars().map(plain).collect();
+    match name.trim_matches(['.', ' ']) {
+        "" => "camera".into(),
+        name => name.into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_camera_can_be_named_out_of_its_folder() {
+        assert_eq!(file_name("cam_01"), "cam_01");
+        assert_eq!(file_name("../../left"), "_.._left");
+        assert_eq!(file_name("a/b\\c:d"), "a_b_c_d");
+        assert_eq!(file_name(".."), "camera");
+    }
+}

@@ -1,0 +1,286 @@
+//! `result.json`, field by field; the same with more words in docs/formats.md.
+
+use serde::{Deserialize, Serialize};
+
+use crate::inference::confidence::Confidence;
+use crate::pipeline::FitOptions;
+
+/// What a fit found, and what it was made from. Version 1.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ResultFile {
+    /// `maquette-result`.
+    pub format: String,
+    /// 1.
+    pub version: u32,
+    /// What wrote it.
+    pub program: Program,
+    /// What was recorded.
+    pub recording: RecordingPart,
+    /// Fingerprints of everything that was read.
+    pub inputs: Vec<InputPart>,
+    /// Every option, also those left at their defaults.
+    pub options: FitOptions,
+    /// Name of the body model.
+    pub body: String,
+    /// s.
+    pub shape: ShapePart,
+    /// m₁ … mₙ.
+    pub motion: MotionPart,
+    /// Everything that was tried.
+    pub hypotheses: Vec<HypothesisPart>,
+    /// Index into `hypotheses` of the one that `shape` and `motion` are of.
+    pub winner: usize,
+    /// How well the body covers the masks.
+    pub quality: QualityPart,
+    /// What a person should know, in plain words.
+    pub warnings: Vec<String>,
+}
+
+/// A program and its version.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Program {
+    /// `maquette`.
+    pub name: String,
+    /// As in Cargo.toml.
+    pub version: String,
+}
+
+/// What was recorded, and what of it was missing.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RecordingPart {
+    /// Frames per second.
+    pub fps: f64,
+    /// Number of frames that were fitted.
+    pub frames: usize,
+    /// Number of the first.
+    pub first_frame: usize,
+    /// Number of the last.
+    pub last_frame: usize,
+    /// Names of the cameras.
+    pub cameras: Vec<String>,
+    /// Masks that are not there.
+    pub missing: Vec<MissingPart>,
+    /// Masks that show nobody.
+    pub rejected: Vec<RejectedPart>,
+}
+
+/// Frames of which a camera has no mask.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MissingPart {
+    /// The camera.
+    pub camera: String,
+    /// The frames.
+    pub frames: Vec<usize>,
+}
+
+/// A mask that shows nobody.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RejectedPart {
+    /// The frame.
+    pub frame: usize,
+    /// The camera.
+    pub camera: String,
+    /// Why.
+    pub reason: String,
+}
+
+/// Fingerprint of one input.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct InputPart {
+    /// A file, all masks of a camera, or the body.
+    pub input: String,
+    /// Number of files.
+    pub files: usize,
+    /// BLAKE3, hexadecimal; of several files, of their BLAKE3 sums one after another.
+    pub blake3: String,
+}
+
+/// The shape of the winner.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ShapePart {
+    /// The coefficients s.
+    pub coefficients: Vec<CoefficientPart>,
+    /// The lengths that they make.
+    pub lengths: Vec<LengthPart>,
+    /// What the confidences are a confidence of.
+    pub confidence_of: String,
+    /// Of all coefficients at once.
+    pub all_coefficients: Confidence,
+    /// Of all lengths at once.
+    pub all_lengths: Confidence,
+}
+
+/// One shape coefficient.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CoefficientPart {
+    /// Its name in the model.
+    pub name: String,
+    /// s: a logarithm, or metres of a shift.
+    pub value: f64,
+    /// Mean of p(s).
+    pub prior_mean: f64,
+    /// Standard deviation of p(s).
+    pub prior_sd: f64,
+    /// How far the keyframes agree.
+    pub confidence: Confidence,
+}
+
+/// One length.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LengthPart {
+    /// Its name in the model.
+    pub name: String,
+    /// The point where it begins.
+    pub from: String,
+    /// The point where it ends.
+    pub to: String,
+    /// Metres, at rest.
+    pub length_m: f64,
+    /// How far the keyframes agree.
+    pub confidence: Confidence,
+}
+
+/// The motion of the winner.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct MotionPart {
+    /// Names of the angles, in the order of `angles_rad`.
+    pub angles: Vec<String>,
+    /// Names of the points, in the order of `points_m`.
+    pub points: Vec<String>,
+    /// Frame by frame.
+    pub frames: Vec<FramePart>,
+}
+
+/// The motion of one frame. World: metres, Z up.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FramePart {
+    /// Number of the frame.
+    pub frame: usize,
+    /// Its time, frame / fps.
+    pub time_s: f64,
+    /// Number of cameras that see the person; 0: the motion is a guess.
+    pub views: usize,
+    /// The track was lost here and the frame searched anew.
+    pub recovered: bool,
+    /// The root's origin.
+    pub position_m: [f64; 3],
+    /// The root's orientation, world from root, as axis times angle.
+    pub rotation_rad: [f64; 3],
+    /// The joints' angles.
+    pub angles_rad: Vec<f64>,
+    /// The points' places.
+    pub points_m: Vec<[f64; 3]>,
+    /// −log p(Zᵢ | mᵢ, s).
+    pub data: f64,
+    /// −log p of limits and rest.
+    pub pose: f64,
+    /// −log p(mᵢ | its neighbour on the keyframe's side).
+    pub step: f64,
+}
+
+/// A hypothesis.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct HypothesisPart {
+    /// Where its shape is from.
+    pub origin: OriginPart,
+    /// Of a keyframe: which reading, 0 the most probable there.
+    pub reading: Option<usize>,
+    /// Number of the frame from which it was followed.
+    pub keyframe: usize,
+    /// What became of it.
+    pub outcome: OutcomePart,
+    /// Frames that were fitted.
+    pub frames_fitted: usize,
+    /// −log of the sequence posterior up to a constant (eq. 1), or a lower bound of it if pruned.
+    pub minus_log_posterior: PosteriorPart,
+    /// −log p(mₖ, s | Zₖ) at the keyframe.
+    pub keyframe_cost: f64,
+    /// Mean overlap over at most ten fitted frames.
+    pub iou: Option<f64>,
+    /// s.
+    pub coefficients: Vec<f64>,
+    /// The lengths, in the order of `shape.lengths`.
+    pub lengths_m: Vec<f64>,
+}
+
+/// Where the shape of a hypothesis is from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum OriginPart {
+    /// The mean of p(s).
+    Prior,
+    /// One keyframe.
+    Keyframe,
+    /// Many frames at once.
+    Together,
+}
+
+/// What became of a hypothesis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum OutcomePart {
+    /// The most probable.
+    Won,
+    /// Followed to the end.
+    Finished,
+    /// Dropped when it could no longer win.
+    Pruned,
+}
+
+/// E and its parts.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct PosteriorPart {
+    /// The sum of the parts.
+    pub total: f64,
+    /// −log p(s).
+    pub shape: f64,
+    /// Σ −log p(Zᵢ | mᵢ, s).
+    pub data: f64,
+    /// Σ −log p of limits and rest.
+    pub pose: f64,
+    /// Σ −log p(mᵢ | mᵢ₋₁).
+    pub step: f64,
+}
+
+/// How well the body covers the masks.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct QualityPart {
+    /// Camera by camera.
+    pub cameras: Vec<CameraPart>,
+    /// View by view, in the order of the frames.
+    pub views: Vec<ViewPart>,
+}
+
+/// All views of one camera.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CameraPart {
+    /// The camera.
+    pub camera: String,
+    /// Frames in which it sees the person.
+    pub frames: usize,
+    /// Mean overlap (intersection over union) over them.
+    pub mean_iou: f64,
+    /// Median over them of `median_px`.
+    pub median_px: Option<f64>,
+    /// Root mean square over all border points.
+    pub rms_px: Option<f64>,
+}
+
+/// One silhouette and the body over it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ViewPart {
+    /// Number of the frame.
+    pub frame: usize,
+    /// The camera.
+    pub camera: String,
+    /// Intersection over union.
+    pub iou: f64,
+    /// Number of border points that were compared.
+    pub points: usize,
+    /// Root mean square of their distances to the model's outline.
+    pub rms_px: Option<f64>,
+    /// Median of them.
+    pub median_px: Option<f64>,
+    /// 95th percentile of them.
+    pub p95_px: Option<f64>,
+}

@@ -1,0 +1,140 @@
+//! The settings of a fit, one field for each stage.
+
+use serde::{Deserialize, Serialize};
+
+use crate::inference::search::SearchOptions;
+use crate::likelihood::EllipseOptions;
+use crate::silhouette::{InvalidOption, SilhouetteOptions};
+use crate::solver::Loss;
+
+/// The settings of a fit. Every default is stated where its field is.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct FitOptions {
+    /// From masks to silhouettes.
+    pub silhouettes: SilhouetteOptions,
+    /// −log p(Z | m, s).
+    pub likelihood: EllipseOptions,
+    /// Algorithm 1.
+    pub search: SearchOptions,
+    /// ε of the confidence.
+    pub confidence: ConfidenceOptions,
+}
+
+/// How near an estimate must be to count as right: ε of p_ε,σ(K) (ZS06).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ConfidenceOptions {
+    /// ε of a length, m (default 0.02).
+    pub epsilon_m: f64,
+    /// ε of a shape coefficient (default 0.05): 5 % of a width or length, 0.05 m of a shift.
+    pub epsilon_coefficient: f64,
+}
+
+impl Default for ConfidenceOptions {
+    fn default() -> Self {
+        Self {
+            epsilon_m: 0.02,
+            epsilon_coefficient: 0.05,
+        }
+    }
+}
+
+/// Name, value, least and most.
+type Range = (&'static str, f64, f64, f64);
+
+impl FitOptions {
+    /// Whether every option is in its range.
+    ///
+    /// # Errors
+    /// [`InvalidOption`] for the first that is not.
+    pub fn validate(&self) -> Result<(), InvalidOption> {
+        self.silhouettes.validate()?;
+        let ranges = [
+            self.ranges_of_likelihood().as_slice(),
+            self.ranges_of_search().as_slice(),
+            &[
+                ("epsilon_m", self.confidence.epsilon_m, 1e-6, 10.0),
+                (
+                    "epsilon_coefficient",
+                    self.confidence.epsilon_coefficient,
+                    1e-6,
+                    10.0,
+                ),
+            ],
+        ]
+        .concat();
+        let outside = |(_, value, least, most): &Range| !(*least..=*most).contains(value);
+        match ranges.into_iter().find(outside) {
+            Some((name, value, least, most)) => Err(InvalidOption {
+                name,
+                value,
+                least,
+                most,
+            }),
+            None => Ok(()),
+        }
+    }
+
+    fn ranges_of_likelihood(&self) -> [Range; 6] {
+        let likelihood = &self.likelihood;
+        let width = match likelihood.loss {
+            Loss::Squared => 1.0,
+            Loss::Cauchy(width) | Loss::Geman(width) => width,
+        };
+        let samples = likelihood.back_samples as f64;
+        [
+            ("sigma_px", likelihood.sigma_px, 0.01, 100.0),
+            ("sigma_m", likelihood.sigma_m, 0.0, 1.0),
+            ("correlation_m", likelihood.correlation_m, 1e-4, 10.0),
+            ("blend_m", likelihood.blend_m, 1e-5, 1.0),
+            ("loss", width, 0.1, 1e6),
+            ("back_samples", samples, 0.0, 1000.0),
+        ]
+    }
+
+    fn ranges_of_search(&self) -> [Range; 7] {
+        let (search, start) = (&self.search, &self.search.start);
+        let track = &search.track;
+        let many = 1e6;
+        [
+            ("keyframe_every", search.keyframe_every as f64, 1.0, many),
+            ("together", search.together as f64, 0.0, many),
+            ("start.headings", start.headings as f64, 1.0, 360.0),
+            ("start.iterations", start.iterations as f64, 1.0, 1000.0),
+            ("start.kept", start.kept as f64, 1.0, 1000.0),
+            ("track.iterations", track.iterations as f64, 1.0, 1000.0),
+            ("track.recovery_ratio", track.recovery_ratio, 1.0, many),
+        ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_defaults_are_valid_and_survive_being_written() {
+        let options = FitOptions::default();
+        assert_eq!(options.validate(), Ok(()));
+        let text = serde_json::to_string(&options).unwrap();
+        assert_eq!(serde_json::from_str::<FitOptions>(&text).unwrap(), options);
+    }
+
+    #[test]
+    fn nonsense_is_named_with_its_range() {
+        let mut options = FitOptions::default();
+        options.search.keyframe_every = 0;
+        let message = options.validate().unwrap_err().to_string();
+        assert_eq!(message, "option keyframe_every = 0: expected 1 to 1000000");
+        let mut options = FitOptions::default();
+        options.likelihood.sigma_px = f64::NAN;
+        assert_eq!(options.validate().unwrap_err().name, "sigma_px");
+        let mut options = FitOptions::default();
+        options.likelihood.loss = Loss::Cauchy(0.0);
+        assert_eq!(options.validate().unwrap_err().name, "loss");
+        let mut options = FitOptions::default();
+        options.confidence.epsilon_m = -0.02;
+        assert_eq!(options.validate().unwrap_err().name, "epsilon_m");
+    }
+}

@@ -1,0 +1,267 @@
+//! Whether cameras, masks and body speak of one scene, before anything is fitted to it.
+//!
+//! Two cameras *agree* about a frame if the two lines of sight through the middles of their silhouettes come
+//! nearest to each other before both, at a point that both see near their silhouette. Only pixels are compared, so
+//! this holds in every unit of length; the unit shows in how large the silhouettes are where the cameras agree.
+
+use nalgebra::Vector3;
+
+use super::Warning;
+use crate::body::{BodyModel, Motion, Posed, Shape};
+use crate::camera::{Camera, CameraId, Rig, closest_point};
+use crate::inference::hull;
+use crate::math::stats::median;
+use crate::silhouette::{FrameIndex, FrameObservations, Rejected, Silhouette};
+
+/// Frames that are looked at, evenly spaced.
+const SAMPLED_FRAMES: usize = 50;
+/// A camera that agrees with others in less than this share of their meetings is odd: the worst of good cameras
+/// beside a bad one is one of two, at one half.
+const ODD: f64 = 0.2;
+/// Seen size over the body's size, and its inverse, beyond which the unit is doubted: nobody is six times as tall.
+const SIZE_RATIO: f64 = 6.0;
+
+/// Why a recording cannot be fitted.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SceneFault {
+    /// The body has nothing that a silhouette could be compared with.
+    #[error("body {body}: it has no ellipsoids, and they are what is fitted to silhouettes")]
+    NoEllipsoids {
+        /// Name of the body.
+        body: String,
+    },
+    /// No frame at all.
+    #[error("no frame to fit")]
+    NoFrames,
+    /// No mask shows anybody.
+    #[error(
+        "none of the {masks} masks shows a person: camera {camera}, {frame}: {reason}, and so on"
+    )]
+    NothingSeen {
+        /// How many masks there are.
+        masks: usize,
+        /// A camera.
+        camera: String,
+        /// A frame.
+        frame: FrameIndex,
+        /// Why its mask shows nobody.
+        reason: Rejected,
+    },
+    /// No frame shows the person to two cameras.
+    #[error(
+        "no frame shows the person to two cameras at once (camera {camera} sees the person in {frames} frames): how far away and how large the person is cannot be told apart"
+    )]
+    NeverTwo {
+        /// The camera that sees most.
+        camera: String,
+        /// In how many frames.
+        frames: usize,
+    },
+    /// Cameras that look elsewhere.
+    #[error(
+        "{} {} no volume in common with the other cameras ({why}): check {} calibration, and unit and up in sequence.toml",
+        listed(cameras), if cameras.len() == 1 { "sees" } else { "see" }, if cameras.len() == 1 { "its" } else { "their" }
+    )]
+    NoCommonView {
+        /// The cameras.
+        cameras: Vec<String>,
+        /// Where the first of them has what the others see.
+        why: String,
+    },
+    /// Nobody is so tall.
+    #[error(
+        "the masks show something {seen_m:.3} m large, the body {body} is {body_m:.2} m: check unit in sequence.toml (m or mm), and the body"
+    )]
+    Size {
+        /// Size of what is seen, m.
+        seen_m: f64,
+        /// Name of the body.
+        body: String,
+        /// Its size, m.
+        body_m: f64,
+    },
+}
+
+fn listed(cameras: &[String]) -> String {
+    let word = if cameras.len() == 1 {
+        "camera"
+    } else {
+        "cameras"
+    };
+    format!("{word} {}", cameras.join(", "))
+}
+
+/// Whether anything is seen, by at least two cameras, that look at one place, in a size that the body can have.
+///
+/// A camera without a point in common with the others by calibration alone is a fault only if its silhouettes
+/// confirm that: along a corridor no point need be seen by all. One whose silhouettes alone disagree is a warning.
+///
+/// # Errors
+/// [`SceneFault`], the most basic first.
+pub fn check_scene(
+    model: &BodyModel,
+    rig: &Rig,
+    frames: &[FrameObservations],
+) -> Result<Vec<Warning>, SceneFault> {
+    // 1. something is there to be compared, and two cameras see it
+    if model.ellipsoids.is_empty() {
+        let body = model.name.clone();
+        return Err(SceneFault::NoEllipsoids { body });
+    }
+    seen_by_two(rig, frames)?;
+    // 2. the cameras agree where it is
+    let step = frames.len().div_ceil(SAMPLED_FRAMES).max(1);
+    let sampled: Vec<&FrameObservations> = frames.iter().step_by(step).collect();
+    let odd = odd_cameras(rig, &sampled);
+    let warnings = common_view(rig, &odd)?;
+    // 3. it is as large as the body
+    size(model, rig, &sampled)?;
+    Ok(warnings)
+}
+
+fn seen_by_two(rig: &Rig, frames: &[FrameObservations]) -> Result<(), SceneFault> {
+    if frames.iter().any(|frame| frame.views.len() >= 2) {
+        return Ok(());
+    }
+    let seen = |id: CameraId| {
+        let sees = |f: &&FrameObservations| f.views.iter().any(|(camera, _)| *camera == id);
+        frames.iter().filter(sees).count()
+    };
+    let most = rig
+        .iter()
+        .map(|(id, camera)| (seen(id), camera))
+        .max_by_key(|(n, _)| *n);
+    match most {
+        Some((count, camera)) if count > 0 => Err(SceneFault::NeverTwo {
+            camera: camera.name.clone(),
+            frames: count,
+        }),
+        _ => Err(nothing_seen(rig, frames)),
+    }
+}
+
+fn nothing_seen(rig: &Rig, frames: &[FrameObservations]) -> SceneFault {
+    let mut rejected = frames
+        .iter()
+        .flat_map(|f| f.rejected.iter().map(|r| (f.frame, *r)));
+    let first = rejected.next();
+    let named =
+        first.and_then(|(frame, (id, reason))| Some((frame, rig.camera(id)?.name.clone(), reason)));
+    match named {
+        Some((frame, camera, reason)) => SceneFault::NothingSeen {
+            masks: 1 + rejected.count(),
+            camera,
+            frame,
+            reason,
+        },
+        None => SceneFault::NoFrames,
+    }
+}
+
+/// The cameras that agree with hardly any other.
+fn odd_cameras(rig: &Rig, frames: &[&FrameObservations]) -> Vec<CameraId> {
+    let count = rig.cameras.len();
+    let (mut meetings, mut agreements) = (vec![0usize; count], vec![0usize; count]);
+    for frame in frames {
+        for (k, (i, a)) in frame.views.iter().enumerate() {
+            for (j, b) in &frame.views[..k] {
+                let agree = agree((&rig.cameras[i.0], a), (&rig.cameras[j.0], b));
+                for camera in [i.0, j.0] {
+                    meetings[camera] += 1;
+                    agreements[camera] += usize::from(agree);
+                }
+            }
+        }
+    }
+    let is_odd =
+        |i: &usize| meetings[*i] > 0 && (agreements[*i] as f64) < ODD * meetings[*i] as f64;
+    (0..count).filter(is_odd).map(CameraId).collect()
+}
+
+fn agree(a: (&Camera, &Silhouette), b: (&Camera, &Silhouette)) -> bool {
+    let rays = [a, b].map(|(camera, silhouette)| camera.ray(&silhouette.centroid));
+    closest_point(&rays).is_some_and(|point| {
+        [a, b].iter().all(|(camera, silhouette)| {
+            let (low, high) = silhouette.bounds;
+            let margin = (high - low) * 0.5;
+            camera.project_undistorted(&point).is_some_and(|pixel| {
+                let (low, high) = (low - margin, high + margin);
+                low.x <= pixel.x && pixel.x <= high.x && low.y <= pixel.y && pixel.y <= high.y
+            })
+        })
+    })
+}
+
+/// Refuses the odd cameras that share no point with the others, and warns of the other odd ones.
+fn common_view(rig: &Rig, odd: &[CameraId]) -> Result<Vec<Warning>, SceneFault> {
+    let names = |ids: &[CameraId]| -> Vec<String> {
+        let camera = |id: &CameraId| Some(rig.camera(*id)?.name.clone());
+        ids.iter().filter_map(camera).collect()
+    };
+    let blind = rig.common_view().map_or(Vec::new(), |view| view.blind);
+    let both: Vec<_> = blind.iter().filter(|(id, _)| odd.contains(id)).collect();
+    if let Some((_, why)) = both.first() {
+        // without a majority nobody can say which camera is right
+        let lost: Vec<CameraId> = if rig.cameras.len() - odd.len() < 2 {
+            odd.to_vec()
+        } else {
+            both.iter().map(|(id, _)| *id).collect()
+        };
+        return Err(SceneFault::NoCommonView {
+            cameras: names(&lost),
+            why: why.to_string(),
+        });
+    }
+    if rig.cameras.len() - odd.len() < 2 {
+        return Err(SceneFault::NoCommonView {
+            cameras: names(odd),
+            why: "has the person elsewhere".into(),
+        });
+    }
+    let warning = |camera| Warning::OddCamera { camera };
+    Ok(names(odd).into_iter().map(warning).collect())
+}
+
+fn size(model: &BodyModel, rig: &Rig, frames: &[&FrameObservations]) -> Result<(), SceneFault> {
+    let mut sizes: Vec<f64> = frames
+        .iter()
+        .flat_map(|frame| {
+            let subject = hull::subject(rig, frame);
+            frame.views.iter().filter_map(move |(id, silhouette)| {
+                let camera = &rig.cameras[id.0];
+                let depth = (camera.camera_from_world * subject?).z;
+                let (low, high) = silhouette.bounds;
+                let size_px = (high - low).max();
+                (depth > 0.0).then(|| {
+                    size_px * depth * 2.0 / (camera.intrinsics.fx_px + camera.intrinsics.fy_px)
+                })
+            })
+        })
+        .collect();
+    let body_m = body_size(model);
+    match median(&mut sizes) {
+        Some(seen_m) if seen_m > SIZE_RATIO * body_m || seen_m * SIZE_RATIO < body_m => {
+            Err(SceneFault::Size {
+                seen_m,
+                body: model.name.clone(),
+                body_m,
+            })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Longest side of the box around the mean body at rest.
+fn body_size(model: &BodyModel) -> f64 {
+    let shape = Shape(model.statistics.mean.clone());
+    let body = Posed::new(model, &shape, &Motion::rest(model));
+    let boxes = body.ellipsoids().into_iter().map(|e| {
+        let half = e.shape.diagonal().map(f64::sqrt);
+        (e.centre - half, e.centre + half)
+    });
+    let (low, high) = boxes
+        .reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)))
+        .unwrap_or((Vector3::zeros(), Vector3::zeros()));
+    (high - low).max()
+}

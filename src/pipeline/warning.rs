@@ -1,0 +1,319 @@
+//! What a person should know about a fit, in plain words.
+
+use std::fmt;
+
+use super::{CameraQuality, FittedFrame, ShapeConfidence};
+use crate::camera::{CameraId, Rig};
+use crate::math::stats::median;
+use crate::silhouette::{FrameIndex, FrameObservations, Rejected};
+
+/// Something about a fit that its reader should know, in one line.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Warning {
+    /// A camera whose silhouettes lie elsewhere than the others'.
+    OddCamera {
+        /// Its name.
+        camera: String,
+    },
+    /// A camera that the body covers worse than the others.
+    WeakCamera {
+        /// Its name.
+        camera: String,
+        /// Its mean overlap.
+        iou: f64,
+        /// The median of the others'.
+        others_iou: f64,
+    },
+    /// The body covers the silhouettes badly altogether.
+    PoorFit {
+        /// Median over the cameras of their mean overlap.
+        iou: f64,
+    },
+    /// The chosen body is one that hardly anybody has.
+    OddBody {
+        /// −log p(s) of its shape, over half the number of coefficients: 1 is usual.
+        ratio: f64,
+    },
+    /// Masks that show nobody.
+    Rejected {
+        /// The camera.
+        camera: String,
+        /// The frames.
+        frames: Frames,
+        /// Why the first of them shows nobody.
+        reason: Rejected,
+    },
+    /// Frames that no camera sees.
+    Unseen {
+        /// The frames.
+        frames: Frames,
+    },
+    /// Frames that one camera sees.
+    OneView {
+        /// The frames.
+        frames: Frames,
+    },
+    /// Frames in which the tracking was lost and that were searched anew.
+    Recovered {
+        /// The frames.
+        frames: Frames,
+    },
+    /// Frames that the body covers much worse than the rest.
+    Lost {
+        /// The frames.
+        frames: Frames,
+        /// Their mean overlap.
+        iou: f64,
+    },
+    /// Too few keyframes for a confidence that means much.
+    FewKeyframes {
+        /// K.
+        keyframes: usize,
+    },
+}
+
+/// Frame numbers, written as ranges: 3–7, 12.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Frames(pub Vec<FrameIndex>);
+
+impl fmt::Display for Frames {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut ranges: Vec<(usize, usize)> = Vec::new();
+        for FrameIndex(frame) in &self.0 {
+            match ranges.last_mut() {
+                Some((_, last)) if *last + 1 == *frame => *last = *frame,
+                _ => ranges.push((*frame, *frame)),
+            }
+        }
+        let shown = ranges.iter().take(MOST_RANGES).map(|(a, b)| match b - a {
+            0 => a.to_string(),
+            1 => format!("{a}, {b}"),
+            _ => format!("{a}–{b}"),
+        });
+        f.write_str(&shown.collect::<Vec<_>>().join(", "))?;
+        if ranges.len() > MOST_RANGES {
+            f.write_str(", …")?;
+        }
+        Ok(())
+    }
+}
+
+/// More ranges of frames than these are not read by anybody.
+const MOST_RANGES: usize = 6;
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let frames = |frames: &Frames| match frames.0.len() {
+            1 => format!("1 frame ({frames})"),
+            n => format!("{n} frames ({frames})"),
+        };
+        match self {
+            Self::OddCamera { camera } => write!(
+                f,
+                "{camera} has the person elsewhere than the other cameras: check its calibration, unit and up, and offset_frames"
+            ),
+            Self::WeakCamera {
+                camera,
+                iou,
+                others_iou,
+            } => write!(
+                f,
+                "{camera} overlaps {iou:.2}, the others {others_iou:.2}: check its calibration and its masks"
+            ),
+            Self::PoorFit { iou } => write!(
+                f,
+                "the body covers the silhouettes badly (overlap {iou:.2}): is this the right body, and is up right in sequence.toml?"
+            ),
+            Self::OddBody { ratio } => write!(
+                f,
+                "the chosen body is a rare one ({ratio:.0} times the usual −log p(s)): check up and unit, and the masks"
+            ),
+            Self::Rejected {
+                camera,
+                frames: of,
+                reason,
+            } => {
+                write!(f, "{camera} shows nobody in {}: {reason}", frames(of))
+            }
+            Self::Unseen { frames: of } => write!(
+                f,
+                "no camera sees the person in {}: the motion there is a guess",
+                frames(of)
+            ),
+            Self::OneView { frames: of } => write!(
+                f,
+                "only one camera sees the person in {}: the depth there rests on the frames around",
+                frames(of)
+            ),
+            Self::Recovered { frames: of } => {
+                write!(f, "the track was lost and found again in {}", frames(of))
+            }
+            Self::Lost { frames: of, iou } => write!(
+                f,
+                "the body covers {} much worse than the rest (overlap {iou:.2}): look at the overlays",
+                frames(of)
+            ),
+            Self::FewKeyframes { keyframes: 0 | 1 } => write!(
+                f,
+                "one keyframe only, so there is no confidence: a smaller --keyframe-every gives more"
+            ),
+            Self::FewKeyframes { keyframes } => write!(
+                f,
+                "{keyframes} keyframes only: their spread σ is itself uncertain; a smaller --keyframe-every gives more"
+            ),
+        }
+    }
+}
+
+/// Keyframes from which σ is not called uncertain: its relative error is 1/√(2(K − 1)), 35 % at five.
+const ENOUGH_KEYFRAMES: usize = 5;
+/// An overlap below this is bad: bodies and masks of other people still overlap as much.
+const POOR_IOU: f64 = 0.65;
+/// A camera this much below the median of the others is weak.
+const WEAK_BY: f64 = 0.08;
+/// A frame below this share of the median frame's overlap is lost.
+const LOST_SHARE: f64 = 0.8;
+
+/// A shape this many times as improbable as usual is rare: upside-down cameras gave 43, real bodies up to 5.
+const RARE: f64 = 10.0;
+
+/// Whether the chosen body is hardly anybody's; ½n is what −log p(s) is on average.
+pub(super) fn of_body(shape_cost: f64, coefficients: usize) -> Option<Warning> {
+    let ratio = shape_cost / (0.5 * coefficients as f64);
+    (ratio > RARE).then_some(Warning::OddBody { ratio })
+}
+
+/// What is to be said about the observations and the fit, worst first.
+pub(super) fn warnings(
+    rig: &Rig,
+    observations: &[FrameObservations],
+    frames: &[FittedFrame],
+    cameras: &[CameraQuality],
+    confidence: &ShapeConfidence,
+) -> Vec<Warning> {
+    let mut warnings = of_overlaps(rig, frames, cameras);
+    let those = |is: &dyn Fn(&&FittedFrame) -> bool| {
+        Frames(frames.iter().filter(is).map(|f| f.frame).collect())
+    };
+    let (unseen, one) = (
+        those(&|f| f.views.is_empty()),
+        those(&|f| f.views.len() == 1),
+    );
+    let recovered = those(&|f| f.fit.recovered);
+    for (frames, warning) in [
+        (
+            unseen,
+            (|frames| Warning::Unseen { frames }) as fn(Frames) -> Warning,
+        ),
+        (one, |frames| Warning::OneView { frames }),
+        (recovered, |frames| Warning::Recovered { frames }),
+    ] {
+        if !frames.0.is_empty() {
+            warnings.push(warning(frames));
+        }
+    }
+    warnings.extend(of_rejected(rig, observations));
+    let keyframes = confidence.keyframes();
+    if keyframes < ENOUGH_KEYFRAMES {
+        warnings.push(Warning::FewKeyframes { keyframes });
+    }
+    warnings
+}
+
+fn of_overlaps(rig: &Rig, frames: &[FittedFrame], cameras: &[CameraQuality]) -> Vec<Warning> {
+    let mut warnings = Vec::new();
+    let overlaps: Vec<(FrameIndex, f64)> = frames
+        .iter()
+        .filter_map(|f| Some((f.frame, f.mean_iou()?)))
+        .collect();
+    let Some(usual) = median(&mut overlaps.iter().map(|(_, iou)| *iou).collect()) else {
+        return warnings;
+    };
+    let seen: Vec<&CameraQuality> = cameras.iter().filter(|c| c.frames > 0).collect();
+    let of_cameras = median(&mut seen.iter().map(|c| c.mean_iou).collect());
+    if let Some(iou) = of_cameras.filter(|iou| *iou < POOR_IOU) {
+        warnings.push(Warning::PoorFit { iou });
+    }
+    for quality in &seen {
+        let others = seen.iter().filter(|c| c.camera != quality.camera);
+        let others_iou = median(&mut others.map(|c| c.mean_iou).collect());
+        if let Some(others_iou) = others_iou.filter(|iou| quality.mean_iou < iou - WEAK_BY) {
+            warnings.push(Warning::WeakCamera {
+                camera: name(rig, quality.camera),
+                iou: quality.mean_iou,
+                others_iou,
+            });
+        }
+    }
+    let lost: Vec<(FrameIndex, f64)> = overlaps
+        .into_iter()
+        .filter(|(_, iou)| *iou < LOST_SHARE * usual)
+        .collect();
+    if !lost.is_empty() {
+        let iou = lost.iter().map(|(_, iou)| iou).sum::<f64>() / lost.len() as f64;
+        let frames = Frames(lost.into_iter().map(|(frame, _)| frame).collect());
+        warnings.push(Warning::Lost { frames, iou });
+    }
+    warnings
+}
+
+fn of_rejected(rig: &Rig, observations: &[FrameObservations]) -> Vec<Warning> {
+    let of = |(id, _): (CameraId, _)| {
+        let rejected: Vec<(FrameIndex, Rejected)> = observations
+            .iter()
+            .flat_map(|o| o.rejected.iter().map(move |(c, why)| (o.frame, *c, *why)))
+            .filter_map(|(frame, camera, why)| (camera == id).then_some((frame, why)))
+            .collect();
+        let reason = rejected.first()?.1;
+        let frames = Frames(rejected.into_iter().map(|(frame, _)| frame).collect());
+        Some(Warning::Rejected {
+            camera: name(rig, id),
+            frames,
+            reason,
+        })
+    };
+    rig.iter().filter_map(of).collect()
+}
+
+fn name(rig: &Rig, id: CameraId) -> String {
+    rig.camera(id)
+        .map_or_else(|| id.to_string(), |camera| camera.name.clone())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_are_listed_as_ranges() {
+        let of = |numbers: &[usize]| {
+            Frames(numbers.iter().copied().map(FrameIndex).collect()).to_string()
+        };
+        assert_eq!(of(&[3, 4, 5, 9, 11, 12]), "3–5, 9, 11, 12");
+        assert_eq!(of(&[0, 2, 4, 6, 8, 10, 12]), "0, 2, 4, 6, 8, 10, …");
+        assert_eq!(of(&[]), "");
+    }
+
+    #[test]
+    fn a_body_that_hardly_anybody_has_is_told() {
+        assert_eq!(of_body(60.0, 39), None);
+        assert_eq!(
+            of_body(837.0, 39).unwrap().to_string(),
+            "the chosen body is a rare one (43 times the usual −log p(s)): check up and unit, and the masks"
+        );
+    }
+
+    #[test]
+    fn a_weak_camera_is_told_as_a_person_would() {
+        let warning = Warning::WeakCamera {
+            camera: "cam_03".into(),
+            iou: 0.714,
+            others_iou: 0.931,
+        };
+        assert_eq!(
+            warning.to_string(),
+            "cam_03 overlaps 0.71, the others 0.93: check its calibration and its masks"
+        );
+    }
+}

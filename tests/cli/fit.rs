@@ -1,0 +1,233 @@
+//! A recording from end to end.
+
+use std::path::Path;
+
+use image::{GrayImage, Luma};
+use maquette::io::result::ResultFile;
+use maquette::io::trc::{Trajectories, read_trc};
+
+use crate::arm::{Arm, FRAMES, SHAPE, SIZE, points, rig};
+
+fn joints(arm: &Arm, out: &str) -> Trajectories {
+    let text = String::from_utf8(arm.bytes(out, "joints.trc")).expect("UTF-8");
+    read_trc(&text, Path::new("joints.trc")).expect("a TRC file")
+}
+
+#[test]
+fn a_recording_is_fitted_from_end_to_end() {
+    let arm = Arm::new();
+    let said = arm.fit("out", &["--overlays"]).succeeded();
+    assert_eq!(said.err, "", "no terminal, no progress");
+    for part in [
+        "arm-2d fitted to 6 frames of 3 cameras at 10 Hz",
+        "upper",
+        "cam_03",
+        "▸",
+    ] {
+        assert!(said.out.contains(part), "{part} not in {}", said.out);
+    }
+    // the shape, from lengths in metres
+    let result = arm.result("out");
+    let upper = result["shape"]["lengths"][0]["length_m"]
+        .as_f64()
+        .expect("a length");
+    let truth = 2.0 / (1.0 + (-SHAPE).exp());
+    assert!((upper - truth).abs() < 0.02, "{upper} {truth}");
+    // the motion, as points
+    let joints = joints(&arm, "out");
+    assert_eq!(joints.names, ["Elbow", "Tip", "Shoulder"]);
+    assert_eq!(joints.frames.len(), FRAMES);
+    for (frame, found) in joints.frames.iter().enumerate() {
+        for (found, truth) in found.iter().zip(points(frame)) {
+            let error = (found.expect("a point") - truth).norm();
+            assert!(error < 0.03, "frame {frame}: {error} m");
+        }
+    }
+    // a picture for each mask
+    let picture = image::load_from_memory(&arm.bytes("out", "overlays/cam_02/000003.png"));
+    let picture = picture.expect("a picture");
+    assert_eq!((picture.width(), picture.height()), SIZE);
+}
+
+#[test]
+fn the_result_says_what_it_is_made_of() {
+    let arm = Arm::new();
+    arm.fit("out", &["--quiet"]).succeeded();
+    let text = String::from_utf8(arm.bytes("out", "result.json")).expect("UTF-8");
+    assert!(
+        !text.contains(&arm.recording().display().to_string()),
+        "a path of this machine"
+    );
+    let result: ResultFile = serde_json::from_str(&text).expect("the documented fields");
+    assert_eq!(
+        (result.format.as_str(), result.version),
+        ("maquette-result", 1)
+    );
+    assert_eq!(result.recording.cameras, ["cam_01", "cam_02", "cam_03"]);
+    assert_eq!(result.options.search.keyframe_every, 2);
+    let inputs: Vec<&str> = result.inputs.iter().map(|i| i.input.as_str()).collect();
+    let expected = [
+        "calibration.toml",
+        "masks of cam_01",
+        "masks of cam_02",
+        "masks of cam_03",
+        "body arm-2d",
+    ];
+    assert_eq!(inputs, expected);
+    assert_eq!(result.quality.views.len(), 3 * FRAMES);
+    for camera in &result.quality.cameras {
+        assert!(camera.mean_iou > 0.9, "{camera:?}");
+        assert!(camera.median_px.is_some_and(|px| px < 0.4), "{camera:?}");
+    }
+    for hypothesis in &result.hypotheses {
+        let sum = hypothesis.minus_log_posterior;
+        let parts = sum.shape + sum.data + sum.pose + sum.step;
+        approx::assert_relative_eq!(sum.total, parts, max_relative = 1e-9);
+    }
+    let winner = &result.hypotheses[result.winner];
+    let finished = result
+        .hypotheses
+        .iter()
+        .filter(|h| h.frames_fitted == FRAMES);
+    let least = finished
+        .map(|h| h.minus_log_posterior.total)
+        .fold(f64::INFINITY, f64::min);
+    approx::assert_relative_eq!(winner.minus_log_posterior.total, least);
+    assert_eq!(result.shape.all_lengths.keyframes, 3);
+}
+
+#[test]
+fn the_bytes_do_not_depend_on_the_number_of_threads() {
+    let arm = Arm::new();
+    for threads in ["1", "2", "8"] {
+        arm.fit(threads, &["--threads", threads, "--quiet"])
+            .succeeded();
+    }
+    for name in ["result.json", "joints.trc"] {
+        assert_eq!(arm.bytes("1", name), arm.bytes("2", name), "{name}");
+        assert_eq!(arm.bytes("1", name), arm.bytes("8", name), "{name}");
+    }
+}
+
+#[test]
+fn without_pruning_the_same_hypothesis_wins_with_the_same_posterior() {
+    let arm = Arm::new();
+    arm.fit("pruned", &["--quiet"]).succeeded();
+    arm.fit("all", &["--quiet", "--no-pruning"]).succeeded();
+    let (pruned, all) = (arm.result("pruned"), arm.result("all"));
+    assert_eq!(pruned["winner"], all["winner"]);
+    assert_eq!(pruned["motion"], all["motion"]);
+    let outcomes = all["hypotheses"].as_array().expect("hypotheses").iter();
+    assert!(outcomes.clone().all(|h| h["outcome"] != "pruned"));
+}
+
+#[test]
+fn quiet_says_nothing_and_json_says_the_summary() {
+    let arm = Arm::new();
+    let said = arm.fit("quiet", &["--quiet"]).succeeded();
+    assert_eq!((said.out.as_str(), said.err.as_str()), ("", ""));
+    let said = arm.fit("json", &["--json"]).succeeded();
+    let summary: serde_json::Value = serde_json::from_str(&said.out).expect("JSON");
+    assert_eq!(summary["frames"], FRAMES);
+    assert_eq!(summary["cameras"][2]["camera"], "cam_03");
+    assert_eq!(summary["lengths"], arm.result("json")["shape"]["lengths"]);
+}
+
+#[test]
+fn the_published_likelihood_is_another_one() {
+    let arm = Arm::new();
+    arm.fit("outline", &["--quiet"]).succeeded();
+    arm.fit("published", &["--quiet", "--likelihood", "published"])
+        .succeeded();
+    let (outline, published) = (arm.result("outline"), arm.result("published"));
+    assert_eq!(published["options"]["likelihood"]["variant"], "published");
+    assert_ne!(outline["motion"], published["motion"]);
+}
+
+#[test]
+fn some_frames_may_be_chosen() {
+    let arm = Arm::new();
+    arm.fit("some", &["--quiet", "--frames", "2:4"]).succeeded();
+    let result = arm.result("some");
+    let recording = &result["recording"];
+    assert_eq!(
+        (&recording["first_frame"], &recording["last_frame"]),
+        (&2.into(), &4.into())
+    );
+    approx::assert_relative_eq!(
+        result["motion"]["frames"][0]["time_s"].as_f64().expect("s"),
+        0.2
+    );
+    let joints = joints(&arm, "some");
+    assert_eq!((joints.first_frame, joints.frames.len()), (2, 3));
+}
+
+#[test]
+fn what_was_missing_is_said() {
+    let arm = Arm::new();
+    let empty = GrayImage::from_pixel(SIZE.0, SIZE.1, Luma([0]));
+    // frame 3: nobody in any mask; frame 4: one camera sees the arm; frame 5: no mask of one camera
+    for camera in ["cam_01", "cam_02", "cam_03"] {
+        arm.write_mask(camera, 3, &empty);
+    }
+    for camera in ["cam_01", "cam_02"] {
+        arm.write_mask(camera, 4, &empty);
+    }
+    std::fs::remove_file(arm.mask_path("cam_02", 5)).expect("removed");
+    let said = arm.fit("out", &[]).succeeded().out;
+    for part in [
+        "no camera sees the person in 1 frame (3)",
+        "only one camera sees the person in 1 frame (4)",
+        "cam_01 shows nobody in 2 frames (3, 4): the mask is empty",
+    ] {
+        assert!(said.contains(part), "{part} not in {said}");
+    }
+    let result = arm.result("out");
+    assert_eq!(result["recording"]["missing"][0]["camera"], "cam_02");
+    assert_eq!(result["recording"]["missing"][0]["frames"][0], 5);
+    assert_eq!(
+        result["recording"]["rejected"].as_array().map(Vec::len),
+        Some(5)
+    );
+    let views = |frame: usize| result["motion"]["frames"][frame]["views"].as_u64();
+    assert_eq!(
+        [2, 3, 4, 5].map(views),
+        [Some(3), Some(0), Some(1), Some(2)]
+    );
+    let joints = joints(&arm, "out");
+    assert!(joints.frames[3].iter().all(Option::is_none));
+    assert!(joints.frames[4].iter().all(Option::is_some));
+}
+
+#[test]
+fn a_gap_in_the_frame_numbers_is_a_gap_in_time() {
+    let arm = Arm::new();
+    for camera in &rig().cameras {
+        std::fs::remove_file(arm.mask_path(&camera.name, 2)).expect("removed");
+    }
+    arm.fit("out", &["--quiet"]).succeeded();
+    let joints = joints(&arm, "out");
+    assert_eq!(joints.frames.len(), FRAMES);
+    assert!(joints.frames[2].iter().all(Option::is_none));
+    assert_eq!(arm.result("out")["recording"]["frames"], FRAMES - 1);
+}
+
+#[test]
+fn a_camera_that_looks_elsewhere_than_the_masks_say_is_told() {
+    let arm = Arm::new();
+    // the masks of one camera are moved by half of the picture
+    let camera = &rig().cameras[1];
+    for frame in 0..FRAMES {
+        let mask = crate::arm::mask(camera, frame);
+        let moved = GrayImage::from_fn(SIZE.0, SIZE.1, |x, y| {
+            let from = (x + SIZE.0 / 2, y + SIZE.1 / 2);
+            let value = mask.get_pixel_checked(from.0, from.1);
+            value.copied().unwrap_or(Luma([0]))
+        });
+        arm.write_mask(&camera.name, frame, &moved);
+    }
+    let said = arm.fit("out", &[]).succeeded().out;
+    let part = "cam_02 has the person elsewhere than the other cameras";
+    assert!(said.contains(part), "{said}");
+    assert!(!said.contains("is this the right body"), "{said}");
+}

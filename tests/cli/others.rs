@@ -1,0 +1,70 @@
+//! The smaller commands.
+
+use maquette::io::recording::Recording;
+
+use crate::arm::{Arm, run};
+
+#[test]
+fn without_arguments_the_program_says_what_it_is_for() {
+    let said = run::<&str>(&[]).succeeded();
+    for part in ["Usage: maquette", "fit", "Examples:", "--out out/walker"] {
+        assert!(said.out.contains(part), "{part} not in {}", said.out);
+    }
+    assert_eq!(said.err, "");
+    let help = run(&["fit", "--help"]).succeeded().out;
+    for part in [
+        "--keyframe-every",
+        "[default: 20]",
+        "joints.trc",
+        "--resume",
+    ] {
+        assert!(help.contains(part), "{part} not in {help}");
+    }
+    let version = run(&["--version"]).succeeded().out;
+    assert_eq!(
+        version.trim(),
+        format!("maquette {}", env!("CARGO_PKG_VERSION"))
+    );
+}
+
+#[test]
+fn every_shipped_model_is_listed() {
+    let said = run(&["models"]).succeeded().out;
+    for (name, _) in maquette::io::model::SHIPPED {
+        assert!(said.contains(name), "{name} not in {said}");
+    }
+}
+
+#[test]
+fn a_synthetic_recording_can_be_read_and_is_not_written_over() {
+    let place = Arm::new();
+    let out = place.out("somebody").display().to_string();
+    let make = |seed| {
+        run(&[
+            "synth",
+            &out,
+            "--seed",
+            seed,
+            "--cameras",
+            "2",
+            "--frames",
+            "1",
+            "--noise",
+            "none",
+        ])
+    };
+    let said = make("3").succeeded();
+    assert!(
+        said.out.contains("1 frames of 2 cameras at 50 Hz"),
+        "{}",
+        said.out
+    );
+    let recording = Recording::open(&place.out("somebody"), None).expect("a recording");
+    assert_eq!(
+        (recording.rig.cameras.len(), recording.frames.len()),
+        (2, 1)
+    );
+    make("4").refused(&["this folder is not empty"]);
+    run(&["synth", &out, "--fps", "0"]).refused(&["expected a positive number"]);
+    run(&["synth", &out, "--cameras", "0"]).refused(&["0 is not in 1..=64"]);
+}

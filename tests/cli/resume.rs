@@ -1,0 +1,124 @@
+//! Runs that were stopped, and results that are there already.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use crate::arm::{Arm, program};
+
+fn journal_files(out: &Path) -> Vec<String> {
+    let entries = fs::read_dir(out.join(".journal")).into_iter().flatten();
+    let mut names: Vec<String> = entries
+        .flatten()
+        .map(|entry| entry.file_name().to_string_lossy().into_owned())
+        .collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn a_run_that_lost_its_end_continues_to_the_same_bytes() {
+    let arm = Arm::new();
+    arm.fit("whole", &["--quiet"]).succeeded();
+    arm.fit("cut", &["--quiet"]).succeeded();
+    let out = arm.out("cut");
+    let journal = out.join(".journal");
+    fs::remove_file(out.join("result.json")).expect("removed");
+    for name in ["trial-0002.json", "keyframe-000002.json"] {
+        fs::remove_file(journal.join(name)).expect("removed");
+    }
+    let half = fs::read(journal.join("trial-0003.json")).expect("a trial");
+    fs::write(journal.join("trial-0003.json"), &half[..half.len() / 2]).expect("written");
+    fs::write(journal.join(".writing-abc"), "left by a kill").expect("written");
+    arm.fit("cut", &["--quiet", "--resume"]).succeeded();
+    for name in ["result.json", "joints.trc"] {
+        assert_eq!(arm.bytes("whole", name), arm.bytes("cut", name), "{name}");
+    }
+    assert_eq!(journal_files(&out), journal_files(&arm.out("whole")));
+}
+
+#[test]
+fn a_run_that_was_killed_at_any_time_continues_to_the_same_bytes() {
+    let arm = Arm::new();
+    arm.fit("whole", &["--quiet"]).succeeded();
+    for (i, wanted) in ["run.json", "keyframe-000002.json", "trial-0001.json"]
+        .iter()
+        .enumerate()
+    {
+        let name = format!("killed-{i}");
+        let awaited = arm.out(&name).join(".journal").join(wanted);
+        let mut child = Command::new(program())
+            .args(arm.fit_arguments(&name))
+            .stdout(Stdio::null())
+            .spawn()
+            .expect("started");
+        let start = Instant::now();
+        while !awaited.exists() && start.elapsed() < Duration::from_secs(20) {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        child.kill().expect("killed");
+        child.wait().expect("ended");
+        arm.fit(&name, &["--quiet", "--resume"]).succeeded();
+        assert_eq!(
+            arm.bytes("whole", "result.json"),
+            arm.bytes(&name, "result.json"),
+            "{wanted}"
+        );
+    }
+}
+
+#[test]
+fn to_resume_what_was_never_begun_is_to_begin() {
+    let arm = Arm::new();
+    arm.fit("out", &["--quiet", "--resume"]).succeeded();
+    assert!(arm.out("out").join("result.json").exists());
+}
+
+#[test]
+fn another_option_or_input_is_not_continued_and_nothing_is_lost() {
+    let arm = Arm::new();
+    arm.fit("out", &["--quiet"]).succeeded();
+    let before = (
+        arm.bytes("out", "result.json"),
+        journal_files(&arm.out("out")),
+    );
+    arm.fit("out", &["--resume", "--likelihood", "published"])
+        .refused(&["started with another options likelihood", "--overwrite"]);
+    arm.fit("out", &["--resume", "--frames", "0:3"])
+        .refused(&["started with another last frame (5, now 3)"]);
+    let other = crate::arm::mask(&crate::arm::rig().cameras[0], 0);
+    arm.write_mask("cam_01", 1, &other);
+    arm.fit("out", &["--resume"])
+        .refused(&["inputs masks of cam_01"]);
+    let after = (
+        arm.bytes("out", "result.json"),
+        journal_files(&arm.out("out")),
+    );
+    assert_eq!(before, after);
+}
+
+#[test]
+fn a_result_is_replaced_only_on_request_and_only_by_a_complete_one() {
+    let arm = Arm::new();
+    arm.fit("out", &["--quiet", "--overlays"]).succeeded();
+    fs::write(arm.out("out").join("notes.txt"), "mine").expect("written");
+    let before = arm.bytes("out", "result.json");
+    arm.fit("out", &[])
+        .refused(&["out: this folder is not empty", "--overwrite", "--resume"]);
+    // a fault in the input is found before anything is touched
+    let calibration = fs::read_to_string(arm.recording().join("calibration.toml")).expect("read");
+    arm.write("calibration.toml", "nonsense");
+    arm.fit("out", &["--overwrite"])
+        .refused(&["calibration.toml"]);
+    assert_eq!(arm.bytes("out", "result.json"), before);
+    arm.write("calibration.toml", &calibration);
+    arm.fit("out", &["--quiet", "--overwrite", "--frames", "0:3"])
+        .succeeded();
+    assert_eq!(arm.result("out")["recording"]["frames"], 4);
+    assert_eq!(arm.bytes("out", "notes.txt"), b"mine");
+    assert!(
+        !arm.out("out").join("overlays").exists(),
+        "pictures of the older result"
+    );
+}
