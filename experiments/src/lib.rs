@@ -1,1 +1,23 @@
 //! What the experiments share.
+//!
+//! Each binary in `src/bin` repeats one experiment: it prints tables, writes them with pictures and a
+//! record of the run into `experiments/out/<name>/`, and ends with exit code 1 when a number has left
+//! the tolerance that `experiments/expected/<name>.toml` gives it.
+//!
+//! | module      | holds                                                                         |
+//! |-------------|-------------------------------------------------------------------------------|
+//! | [`run`]     | one run: arguments, numbers, files written, the check at the end               |
+//! | [`expected`]| the numbers that a run must reach                                              |
+//! | [`table`]   | tables, as Markdown and as CSV                                                  |
+//! | [`picture`] | panels of curves and bars in one style, as SVG                                  |
+//! | [`arm`]     | an arm of two bars, its cameras and silhouettes (ZS06, Fig. 2)                 |
+//! | [`walker`]  | a walking person of metaballs, seen by seven cameras                           |
+//! | [`metrics`] | how far fitted joint centres are from the true ones                             |
+
+pub mod arm;
+pub mod expected;
+pub mod metrics;
+pub mod picture;
+pub mod run;
+pub mod table;
+pub mod walker;

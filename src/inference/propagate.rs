@@ -26,7 +26,7 @@ impl Default for TrackOptions {
         Self {
             iterations: 5,
             motion_model: MotionModel::ConstantPosition,
-            recovery_ratio: 2.0,
+            recovery_ratio: 3.0,
         }
     }
 }

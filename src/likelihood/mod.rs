@@ -10,6 +10,7 @@
 mod ellipse_distance;
 mod ellipse_silhouette;
 mod ellipse_sums;
+mod union;
 
 pub use ellipse_distance::{EllipseDistance, OutlineEllipse, exact_distance};
 pub use ellipse_silhouette::{EllipseOptions, EllipseSilhouette, Variant, View, ViewResiduals};

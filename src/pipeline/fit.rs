@@ -12,7 +12,7 @@ use crate::inference::propagate::{FrameFit, Sequence};
 use crate::inference::search::{Journal, Trial, search};
 use crate::silhouette::{FrameIndex, FrameObservations, InvalidOption};
 
-use super::warning::warnings;
+use super::warning::{of_body, warnings};
 
 /// The most probable shape and motion, what else was tried, and how good and how sure they are.
 #[derive(Debug, Clone)]
@@ -126,10 +126,12 @@ pub fn fit(
     let frames = fitted_frames(&evidence, observations, &found.trials[found.winner]);
     let views: Vec<&[ViewQuality]> = frames.iter().map(|f| f.views.as_slice()).collect();
     let cameras = quality::of_cameras(rig, &views);
+    let shape_cost = found.trials[found.winner].shape_cost;
     let hypotheses = found.trials.into_iter();
     let hypotheses = hypotheses.map(|trial| tried(model, rig, observations, trial));
     let hypotheses = hypotheses.collect();
     // 5. what a person should know of it
+    notes.extend(of_body(shape_cost, shape.0.len()));
     notes.extend(warnings(rig, observations, &frames, &cameras, &confidence));
     Ok(Fit {
         lengths_m: rest_lengths_m(model, &shape),

@@ -30,6 +30,11 @@ pub enum Warning {
         /// Median over the cameras of their mean overlap.
         iou: f64,
     },
+    /// The chosen body is one that hardly anybody has.
+    OddBody {
+        /// −log p(s) of its shape, over half the number of coefficients: 1 is usual.
+        ratio: f64,
+    },
     /// Masks that show nobody.
     Rejected {
         /// The camera.
@@ -120,6 +125,10 @@ impl fmt::Display for Warning {
                 f,
                 "the body covers the silhouettes badly (overlap {iou:.2}): is this the right body, and is up right in sequence.toml?"
             ),
+            Self::OddBody { ratio } => write!(
+                f,
+                "the chosen body is a rare one ({ratio:.0} times the usual −log p(s)): check up and unit, and the masks"
+            ),
             Self::Rejected {
                 camera,
                 frames: of,
@@ -165,6 +174,15 @@ const POOR_IOU: f64 = 0.65;
 const WEAK_BY: f64 = 0.08;
 /// A frame below this share of the median frame's overlap is lost.
 const LOST_SHARE: f64 = 0.8;
+
+/// A shape this many times as improbable as usual is rare: upside-down cameras gave 43, real bodies up to 5.
+const RARE: f64 = 10.0;
+
+/// Whether the chosen body is hardly anybody's; ½n is what −log p(s) is on average.
+pub(super) fn of_body(shape_cost: f64, coefficients: usize) -> Option<Warning> {
+    let ratio = shape_cost / (0.5 * coefficients as f64);
+    (ratio > RARE).then_some(Warning::OddBody { ratio })
+}
 
 /// What is to be said about the observations and the fit, worst first.
 pub(super) fn warnings(
@@ -275,6 +293,15 @@ mod tests {
         assert_eq!(of(&[3, 4, 5, 9, 11, 12]), "3–5, 9, 11, 12");
         assert_eq!(of(&[0, 2, 4, 6, 8, 10, 12]), "0, 2, 4, 6, 8, 10, …");
         assert_eq!(of(&[]), "");
+    }
+
+    #[test]
+    fn a_body_that_hardly_anybody_has_is_told() {
+        assert_eq!(of_body(60.0, 39), None);
+        assert_eq!(
+            of_body(837.0, 39).unwrap().to_string(),
+            "the chosen body is a rare one (43 times the usual −log p(s)): check up and unit, and the masks"
+        );
     }
 
     #[test]

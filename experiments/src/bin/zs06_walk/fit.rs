@@ -1,0 +1,173 @@
+//! The recording, the likelihoods, and what Algorithm 1 makes of them.
+
+use std::time::Instant;
+
+use experiments::metrics::{frame_error_mm, offset_errors_mm, trajectories};
+use maquette::body::BodyModel;
+use maquette::camera::Rig;
+use maquette::inference::Evidence;
+use maquette::inference::propagate::Sequence;
+use maquette::inference::search::{NoJournal, Origin, SearchOptions, Trial, search};
+use maquette::io::trc::Trajectories;
+use maquette::likelihood::{EllipseDistance, EllipseOptions, Variant};
+use maquette::silhouette::FrameObservations;
+
+/// A likelihood by name.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Named {
+    pub(crate) name: &'static str,
+    pub(crate) likelihood: EllipseOptions,
+}
+
+/// From the default to the published likelihood, one thing changed at a time.
+pub(crate) fn variants() -> [Named; 6] {
+    let outline = EllipseOptions::default();
+    let with = |distance| EllipseOptions {
+        distance,
+        ..outline
+    };
+    let no_back = EllipseOptions {
+        back_samples: 0,
+        ..outline
+    };
+    let nearest = EllipseOptions {
+        variant: Variant::Published,
+        ..no_back
+    };
+    let named = |name, likelihood| Named { name, likelihood };
+    [
+        named("outline", outline),
+        named("orthogonal", with(EllipseDistance::Orthogonal)),
+        named("radial", with(EllipseDistance::Published)),
+        named("no_back", no_back),
+        named("nearest", nearest),
+        named("published", EllipseOptions::published()),
+    ]
+}
+
+/// As published, every 20th frame a keyframe; and one hypothesis from many frames together.
+pub(crate) fn options() -> SearchOptions {
+    SearchOptions {
+        keyframe_every: 20,
+        ..SearchOptions::default()
+    }
+}
+
+/// What is fitted, and the truth.
+pub(crate) struct Scene<'a> {
+    pub(crate) model: &'a BodyModel,
+    pub(crate) rig: &'a Rig,
+    pub(crate) frames: Vec<FrameObservations>,
+    pub(crate) truth: Trajectories,
+    pub(crate) fps: f64,
+}
+
+/// What one likelihood makes of the recording.
+pub(crate) struct Fit {
+    pub(crate) name: &'static str,
+    /// With the hypothesis from many frames together.
+    pub(crate) together: Track,
+    /// The most probable of the keyframes' hypotheses alone, as published.
+    pub(crate) keyframes: Track,
+    /// Keyframes, and how many start within 50 mm of the truth.
+    pub(crate) starts: (usize, usize),
+    pub(crate) seconds: f64,
+}
+
+/// The chosen motion.
+pub(crate) struct Track {
+    pub(crate) fit: Trajectories,
+    /// Frames that the search gave up and searched anew.
+    pub(crate) searched_anew: usize,
+    pub(crate) losses: Losses,
+}
+
+/// Joints farther than 50 mm from where their mean offset puts them.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Losses {
+    /// Frames with such a joint.
+    pub(crate) frames: usize,
+    /// Joints that were lost, once for each time.
+    pub(crate) lost: usize,
+    /// Those of them that came back before the end.
+    pub(crate) recovered: usize,
+}
+
+const LOST_MM: f64 = 50.0;
+const START_MM: f64 = 50.0;
+
+impl Scene<'_> {
+    pub(crate) fn fit(&self, Named { name, likelihood }: Named) -> Option<Fit> {
+        let evidence = Evidence::new(self.model, self.rig, likelihood);
+        let sequence = Sequence {
+            frames: &self.frames,
+            fps: self.fps,
+        };
+        let started = Instant::now();
+        let found = search(&evidence, sequence, &options(), &NoJournal)?;
+        let seconds = started.elapsed().as_secs_f64();
+        // a trial that the keyframes' best one pruned cannot be better than it
+        let published = found
+            .trials
+            .iter()
+            .filter(|t| t.hypothesis.origin != Origin::Together);
+        let published = published.filter(|t| t.finished());
+        let published = published.min_by(|a, b| a.energy().total_cmp(&b.energy()))?;
+        let best = found
+            .trials
+            .iter()
+            .filter(|t| t.hypothesis.origin == Origin::Keyframe(0));
+        let starts: Vec<f64> = best.filter_map(|t| self.start_error_mm(t)).collect();
+        Some(Fit {
+            name,
+            together: self.track(found.trials.get(found.winner)?),
+            keyframes: self.track(published),
+            starts: (
+                starts.len(),
+                starts.iter().filter(|e| **e <= START_MM).count(),
+            ),
+            seconds,
+        })
+    }
+
+    fn track(&self, trial: &Trial) -> Track {
+        let fits = || trial.frames.iter().flatten();
+        let motions: Vec<_> = fits().map(|f| f.motion.clone()).collect();
+        let fit = trajectories(self.model, &trial.hypothesis.shape, &motions, self.fps);
+        Track {
+            losses: Losses::of(&offset_errors_mm(&self.truth, &fit)),
+            searched_anew: fits().filter(|f| f.recovered).count(),
+            fit,
+        }
+    }
+
+    /// Mean distance of the limb joints at the keyframe itself.
+    fn start_error_mm(&self, trial: &Trial) -> Option<f64> {
+        let (shape, motion) = (&trial.hypothesis.shape, trial.hypothesis.motion.clone());
+        let start = trajectories(self.model, shape, &[motion], self.fps);
+        let truth = Trajectories {
+            frames: vec![self.truth.frames.get(trial.hypothesis.keyframe)?.clone()],
+            ..self.truth.clone()
+        };
+        frame_error_mm(&truth, &start, 0)
+    }
+}
+
+impl Losses {
+    fn of(errors_mm: &[Vec<f64>]) -> Self {
+        let mut losses = Self::default();
+        let mut before: Vec<bool> = errors_mm
+            .first()
+            .map_or(Vec::new(), |e| vec![false; e.len()]);
+        for frame in errors_mm {
+            let now: Vec<bool> = frame.iter().map(|e| *e > LOST_MM).collect();
+            losses.frames += usize::from(now.contains(&true));
+            for (was, is) in before.iter().zip(&now) {
+                losses.lost += usize::from(*is && !was);
+                losses.recovered += usize::from(*was && !is);
+            }
+            before = now;
+        }
+        losses
+    }
+}
