@@ -126,11 +126,17 @@ impl OutFolder {
 
     /// Puts what was written into a scratch folder into the places of an older result, and removes what that had more.
     ///
+    /// Where there is no older result, nothing is removed that is not replaced.
+    ///
     /// # Errors
     /// [`OutError::Write`] names what could not be replaced.
     pub fn publish(&self, scratch: TempDir) -> Result<(), OutError> {
+        let had_result = self.path.join("result.json").exists();
         for name in RESULTS {
             let (new, place) = (scratch.path().join(name), self.path.join(name));
+            if !new.exists() && !had_result {
+                continue;
+            }
             replace(&new, &place).map_err(|source| OutError::write(&place, source))?;
         }
         drop(scratch);

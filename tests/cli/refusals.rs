@@ -20,7 +20,6 @@ fn check(cases: &[Case]) {
         let arm = Arm::new();
         spoil(&arm);
         let ran = arm.fit("out", arguments);
-        println!("{name}: {}", ran.err.trim_end());
         ran.refused(parts);
         assert!(!arm.out("out").exists(), "{name}: something was written");
     }
@@ -58,179 +57,184 @@ fn spoil_mask(arm: &Arm, spoil: impl Fn(&mut Vec<u8>)) {
     fs::write(path, bytes).expect("written");
 }
 
+const CALIBRATIONS: &[Case] = &[
+    (
+        "missing",
+        |arm| fs::remove_file(arm.recording().join("calibration.toml")).expect("removed"),
+        &[],
+        &["no calibration in this folder"],
+    ),
+    (
+        "unreadable",
+        |arm| arm.write("calibration.toml", "[cam_01\n"),
+        &[],
+        &["calibration.toml:1"],
+    ),
+    (
+        "focal length 0",
+        |arm| edit_calibration(arm, "150.0", "0.0"),
+        &[],
+        &[
+            "calibration.toml:",
+            "camera cam_01",
+            "focal length 0 px is not positive",
+        ],
+    ),
+    (
+        "NaN",
+        |arm| edit_calibration(arm, "150.0", "nan"),
+        &[],
+        &["camera cam_01", "expected a finite number, found NaN"],
+    ),
+    (
+        "not a rotation",
+        |arm| {
+            edit_calibration(
+                arm,
+                "rotation = [",
+                "rotation = [[1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 1.0]] # [",
+            );
+        },
+        &[],
+        &["camera cam_01", "rotation"],
+    ),
+    (
+        "two cameras of one name",
+        |arm| edit_calibration(arm, "name = \"cam_02\"", "name = \"cam_01\""),
+        &[],
+        &["cam_01"],
+    ),
+    (
+        "a camera that looks away",
+        look_away,
+        &[],
+        &[
+            "camera cam_02 sees no volume in common with the other cameras",
+            "unit and up",
+        ],
+    ),
+    (
+        "millimetres taken for metres",
+        |arm| arm.write("sequence.toml", "fps = 10\nunit = \"mm\"\n"),
+        &[],
+        &["the masks show something 0.00", "check unit"],
+    ),
+];
+
 #[test]
 fn calibrations_that_cannot_be_used() {
-    check(&[
-        (
-            "missing",
-            |arm| fs::remove_file(arm.recording().join("calibration.toml")).expect("removed"),
-            &[],
-            &["no calibration in this folder"],
-        ),
-        (
-            "unreadable",
-            |arm| arm.write("calibration.toml", "[cam_01\n"),
-            &[],
-            &["calibration.toml:1"],
-        ),
-        (
-            "focal length 0",
-            |arm| edit_calibration(arm, "150.0", "0.0"),
-            &[],
-            &[
-                "calibration.toml:",
-                "camera cam_01",
-                "focal length 0 px is not positive",
-            ],
-        ),
-        (
-            "NaN",
-            |arm| edit_calibration(arm, "150.0", "nan"),
-            &[],
-            &["camera cam_01", "expected a finite number, found NaN"],
-        ),
-        (
-            "not a rotation",
-            |arm| {
-                edit_calibration(
-                    arm,
-                    "rotation = [",
-                    "rotation = [[1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 1.0]] # [",
-                );
-            },
-            &[],
-            &["camera cam_01", "rotation"],
-        ),
-        (
-            "two cameras of one name",
-            |arm| edit_calibration(arm, "name = \"cam_02\"", "name = \"cam_01\""),
-            &[],
-            &["cam_01"],
-        ),
-        (
-            "a camera that looks away",
-            look_away,
-            &[],
-            &[
-                "camera cam_02 sees no volume in common with the other cameras",
-                "unit and up",
-            ],
-        ),
-        (
-            "millimetres taken for metres",
-            |arm| arm.write("sequence.toml", "fps = 10\nunit = \"mm\"\n"),
-            &[],
-            &["the masks show something 0.00", "check unit"],
-        ),
-    ]);
+    check(CALIBRATIONS);
 }
+
+const MASKS: &[Case] = &[
+    (
+        "no masks",
+        |arm| fs::remove_dir_all(arm.recording().join("masks")).expect("removed"),
+        &[],
+        &["no masks: expected masks/<camera>/"],
+    ),
+    (
+        "truncated",
+        |arm| spoil_mask(arm, |bytes| bytes.truncate(bytes.len() / 2)),
+        &[],
+        &["masks/cam_02/000004.png: camera cam_02, frame 4: the mask cannot be decoded"],
+    ),
+    (
+        "an absurd header",
+        |arm| {
+            spoil_mask(arm, |bytes| {
+                bytes[16..20].copy_from_slice(&100_000u32.to_be_bytes());
+                bytes[20..24].copy_from_slice(&100_000u32.to_be_bytes());
+            });
+        },
+        &[],
+        &["camera cam_02, frame 4: "],
+    ),
+    (
+        "another size",
+        |arm| arm.write_mask("cam_03", 2, &GrayImage::new(80, 60)),
+        &[],
+        &["camera cam_03, frame 2: the mask is 80 × 60 px, expected 160 × 120 px"],
+    ),
+    (
+        "all empty",
+        |arm| fill_masks(arm, 0),
+        &[],
+        &["none of the 18 masks shows a person", "the mask is empty"],
+    ),
+    (
+        "all full",
+        |arm| fill_masks(arm, 255),
+        &[],
+        &["none of the 18 masks shows a person", "image edge"],
+    ),
+    (
+        "one camera has all there is to see",
+        |arm| {
+            fill_masks(arm, 0);
+            arm.write_mask("cam_02", 0, &mask(&rig().cameras[1], 0));
+        },
+        &[],
+        &[
+            "no frame shows the person to two cameras at once (camera cam_02",
+            "cannot be told apart",
+        ],
+    ),
+    (
+        "one camera only",
+        |arm| {
+            for camera in ["cam_02", "cam_03"] {
+                fs::remove_dir_all(arm.recording().join("masks").join(camera)).expect("removed");
+            }
+        },
+        &[],
+        &["one camera only (cam_01)", "cannot be told apart"],
+    ),
+];
 
 #[test]
 fn masks_that_cannot_be_used() {
-    check(&[
-        (
-            "no masks",
-            |arm| fs::remove_dir_all(arm.recording().join("masks")).expect("removed"),
-            &[],
-            &["no masks: expected masks/<camera>/"],
-        ),
-        (
-            "truncated",
-            |arm| spoil_mask(arm, |bytes| bytes.truncate(bytes.len() / 2)),
-            &[],
-            &["masks/cam_02/000004.png: camera cam_02, frame 4: the mask cannot be decoded"],
-        ),
-        (
-            "an absurd header",
-            |arm| {
-                spoil_mask(arm, |bytes| {
-                    bytes[16..20].copy_from_slice(&100_000u32.to_be_bytes());
-                    bytes[20..24].copy_from_slice(&100_000u32.to_be_bytes());
-                });
-            },
-            &[],
-            &["camera cam_02, frame 4: "],
-        ),
-        (
-            "another size",
-            |arm| arm.write_mask("cam_03", 2, &GrayImage::new(80, 60)),
-            &[],
-            &["camera cam_03, frame 2: the mask is 80 × 60 px, expected 160 × 120 px"],
-        ),
-        (
-            "all empty",
-            |arm| fill_masks(arm, 0),
-            &[],
-            &["none of the 18 masks shows a person", "the mask is empty"],
-        ),
-        (
-            "all full",
-            |arm| fill_masks(arm, 255),
-            &[],
-            &["none of the 18 masks shows a person", "image edge"],
-        ),
-        (
-            "one camera has all there is to see",
-            |arm| {
-                fill_masks(arm, 0);
-                arm.write_mask("cam_02", 0, &mask(&rig().cameras[1], 0));
-            },
-            &[],
-            &[
-                "no frame shows the person to two cameras at once (camera cam_02",
-                "cannot be told apart",
-            ],
-        ),
-        (
-            "one camera only",
-            |arm| {
-                for camera in ["cam_02", "cam_03"] {
-                    fs::remove_dir_all(arm.recording().join("masks").join(camera))
-                        .expect("removed");
-                }
-            },
-            &[],
-            &["one camera only (cam_01)", "cannot be told apart"],
-        ),
-    ]);
+    check(MASKS);
 }
+
+const MANIFESTS: &[Case] = &[
+    (
+        "a camera that is not calibrated",
+        |arm| {
+            arm.write(
+                "sequence.toml",
+                "[[camera]]\nname = \"cam_9\"\nmasks = \"masks/cam_01\"\n",
+            )
+        },
+        &[],
+        &["no camera \"cam_9\"", "cam_01, cam_02, cam_03"],
+    ),
+    (
+        "two cameras of one name",
+        |arm| {
+            let camera = "[[camera]]\nname = \"cam_01\"\nmasks = \"masks/cam_01\"\n";
+            arm.write("sequence.toml", &format!("{camera}{camera}"));
+        },
+        &[],
+        &["camera \"cam_01\" is listed 2 times"],
+    ),
+    (
+        "an unknown key",
+        |arm| arm.write("sequence.toml", "fsp = 10\n"),
+        &[],
+        &["sequence.toml:1: unknown key \"fsp\"; did you mean \"fps\"?"],
+    ),
+    (
+        "fps 0",
+        |arm| arm.write("sequence.toml", "body = \"arm-2d\"\nfps = 0\n"),
+        &[],
+        &["sequence.toml:2: fps = 0: expected a positive number"],
+    ),
+];
 
 #[test]
 fn manifests_that_cannot_be_used() {
-    check(&[
-        (
-            "a camera that is not calibrated",
-            |arm| {
-                arm.write(
-                    "sequence.toml",
-                    "[[camera]]\nname = \"cam_9\"\nmasks = \"masks/cam_01\"\n",
-                )
-            },
-            &[],
-            &["no camera \"cam_9\"", "cam_01, cam_02, cam_03"],
-        ),
-        (
-            "two cameras of one name",
-            |arm| {
-                let camera = "[[camera]]\nname = \"cam_01\"\nmasks = \"masks/cam_01\"\n";
-                arm.write("sequence.toml", &format!("{camera}{camera}"));
-            },
-            &[],
-            &["camera \"cam_01\" is listed 2 times"],
-        ),
-        (
-            "an unknown key",
-            |arm| arm.write("sequence.toml", "fsp = 10\n"),
-            &[],
-            &["sequence.toml:1: unknown key \"fsp\"; did you mean \"fps\"?"],
-        ),
-        (
-            "fps 0",
-            |arm| arm.write("sequence.toml", "body = \"arm-2d\"\nfps = 0\n"),
-            &[],
-            &["sequence.toml:2: fps = 0: expected a positive number"],
-        ),
-    ]);
+    check(MANIFESTS);
 }
 
 #[test]

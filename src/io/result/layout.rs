@@ -31,16 +31,13 @@ impl Layout {
         writer.write_all(bracket)
     }
 
-    fn item<W: Write + ?Sized>(&mut self, writer: &mut W, first: bool) -> io::Result<()> {
-        if !first {
-            writer.write_all(b",")?;
-        }
-        if self.level <= SPREAD_LEVELS {
-            self.new_line(writer)
-        } else if first {
-            Ok(())
-        } else {
-            writer.write_all(b" ")
+    /// Begins an item; `comma` is what separates it from the one before, empty if it is the first.
+    fn item<W: Write + ?Sized>(&mut self, writer: &mut W, comma: &[u8]) -> io::Result<()> {
+        writer.write_all(comma)?;
+        match (self.level <= SPREAD_LEVELS, comma.is_empty()) {
+            (true, _) => self.new_line(writer),
+            (false, true) => Ok(()),
+            (false, false) => writer.write_all(b" "),
         }
     }
 
@@ -49,6 +46,9 @@ impl Layout {
         (0..self.level).try_for_each(|_| writer.write_all(b"  "))
     }
 }
+
+/// What separates an item from the one before, by whether it is the first.
+const SEPARATOR: [&[u8]; 2] = [b",", b""];
 
 impl Formatter for Layout {
     fn begin_array<W: Write + ?Sized>(&mut self, writer: &mut W) -> io::Result<()> {
@@ -60,7 +60,7 @@ impl Formatter for Layout {
     }
 
     fn begin_array_value<W: Write + ?Sized>(&mut self, w: &mut W, first: bool) -> io::Result<()> {
-        self.item(w, first)
+        self.item(w, SEPARATOR[usize::from(first)])
     }
 
     fn end_array_value<W: Write + ?Sized>(&mut self, _: &mut W) -> io::Result<()> {
@@ -77,7 +77,7 @@ impl Formatter for Layout {
     }
 
     fn begin_object_key<W: Write + ?Sized>(&mut self, w: &mut W, first: bool) -> io::Result<()> {
-        self.item(w, first)
+        self.item(w, SEPARATOR[usize::from(first)])
     }
 
     fn begin_object_value<W: Write + ?Sized>(&mut self, writer: &mut W) -> io::Result<()> {

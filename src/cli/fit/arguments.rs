@@ -1,0 +1,146 @@
+//! What `maquette fit` is told.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use clap::{Args, ValueEnum};
+
+use crate::cli::error::CliError;
+use crate::cli::progress::Progress;
+use crate::inference::search::Pruning;
+use crate::io::out_folder::Existing;
+use crate::likelihood::EllipseOptions;
+use crate::pipeline::{FitError, FitOptions};
+
+pub(in crate::cli) const ABOUT: &str = "\
+Fit a body to a recording: shape, motion and confidence.
+
+The recording is a folder with a calibration and masks/<camera>/*.png (white where the person is, the frame number \
+in the name), or a sequence.toml that says where things are. Into OUT go result.json (everything), joints.trc (joint \
+centres, for OpenSim and others) and, on request, overlays/. A run that was stopped can be continued with --resume.";
+
+pub(in crate::cli) const EXAMPLES: &str = "\
+Examples:
+  maquette fit my-recording --fps 50 --out out/me
+  maquette fit my-recording/sequence.toml --out out/me --overlays
+  maquette fit my-recording --fps 50 --out out/me --resume        (go on after an interruption)
+  maquette fit my-recording --fps 50 --out out/short --frames 100:300 --keyframe-every 10
+  maquette fit my-recording --fps 50 --out out/me --json --quiet  (for other programs)";
+
+/// Arguments of `maquette fit`.
+#[derive(Debug, Args)]
+pub(in crate::cli) struct FitArguments {
+    /// Folder with calibration and masks, or a sequence.toml
+    pub(super) recording: PathBuf,
+    /// Folder for the result; it must be empty or new
+    #[arg(long)]
+    pub(super) out: PathBuf,
+    /// Frames per second; overrides sequence.toml
+    #[arg(long, allow_negative_numbers = true)]
+    pub(super) fps: Option<f64>,
+    /// Body model: a shipped one (see `maquette models`) or a .toml file [default: that of sequence.toml, or human-ellipsoids]
+    #[arg(long, value_name = "NAME|FILE")]
+    pub(super) body: Option<String>,
+    /// Fit only the frames of these numbers, both included
+    #[arg(long, value_name = "FIRST:LAST")]
+    pub(super) frames: Option<FrameRange>,
+    /// Every how many frames a keyframe proposes a body
+    #[arg(long, value_name = "FRAMES", default_value_t = 20)]
+    keyframe_every: usize,
+    /// How outlines are compared
+    #[arg(long, value_enum, default_value_t = Likelihood::Outline)]
+    likelihood: Likelihood,
+    /// Follow every proposed body to the end, also when it can no longer win
+    #[arg(long)]
+    no_pruning: bool,
+    /// Threads; the result does not depend on it [default: all cores]
+    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
+    pub(super) threads: usize,
+    /// Write pictures of the fit over the masks into OUT/overlays
+    #[arg(long)]
+    pub(super) overlays: bool,
+    /// Continue a run that was stopped
+    #[arg(long, conflicts_with = "overwrite")]
+    resume: bool,
+    /// Replace the result in OUT when the new one is complete
+    #[arg(long)]
+    overwrite: bool,
+    /// Print nothing but errors
+    #[arg(long)]
+    pub(super) quiet: bool,
+    /// Print the summary as JSON
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Likelihood {
+    /// Signed distance to the outline of the whole body, and back
+    Outline,
+    /// Distance to the nearest ellipse, as Zimmermann and Svoboda published it
+    Published,
+}
+
+/// Frame numbers, both included.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct FrameRange {
+    pub(super) first: usize,
+    pub(super) last: usize,
+}
+
+impl FromStr for FrameRange {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let parsed = text.split_once(':').and_then(|(first, last)| {
+            let (first, last) = (first.trim().parse().ok()?, last.trim().parse().ok()?);
+            (first <= last).then_some(Self { first, last })
+        });
+        parsed.ok_or_else(|| "expected FIRST:LAST, two frame numbers in order".into())
+    }
+}
+
+impl FitArguments {
+    pub(super) fn options(&self) -> Result<FitOptions, CliError> {
+        let mut options = FitOptions::default();
+        options.search.keyframe_every = self.keyframe_every;
+        if self.no_pruning {
+            options.search.pruning = Pruning::Off;
+        }
+        if self.likelihood == Likelihood::Published {
+            options.likelihood = EllipseOptions::published();
+        }
+        options.validate().map_err(FitError::from)?;
+        Ok(options)
+    }
+
+    pub(super) fn existing(&self) -> Existing {
+        match (self.resume, self.overwrite) {
+            (true, _) => Existing::Resume,
+            (false, true) => Existing::Overwrite,
+            (false, false) => Existing::Refuse,
+        }
+    }
+
+    pub(super) fn progress(&self) -> Progress {
+        if self.quiet {
+            Progress::Hidden
+        } else {
+            Progress::Shown
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_range_of_frames_is_two_numbers_in_order() {
+        let range = FrameRange { first: 3, last: 7 };
+        assert_eq!("3:7".parse(), Ok(range));
+        for text in ["7:3", "3", "3:", ":", "a:b", "-1:4"] {
+            assert!(text.parse::<FrameRange>().is_err(), "{text}");
+        }
+    }
+}

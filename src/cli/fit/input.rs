@@ -1,0 +1,119 @@
+//! Everything that `maquette fit` reads.
+
+use std::path::Path;
+
+use rayon::prelude::*;
+use serde_json::{Value, json};
+
+use super::arguments::{FitArguments, FrameRange};
+use crate::body::BodyModel;
+use crate::cli::error::CliError;
+use crate::cli::progress::Progress;
+use crate::io::model;
+use crate::io::out_folder::check_out;
+use crate::io::recording::{InputChecksum, Recording};
+use crate::pipeline::{FitError, FitOptions, check_scene};
+use crate::silhouette::FrameObservations;
+
+/// The body that is fitted when nobody names one.
+const DEFAULT_BODY: &str = "human-ellipsoids";
+
+/// Everything that is read before anything is fitted.
+pub(super) struct Input {
+    pub(super) options: FitOptions,
+    pub(super) recording: Recording,
+    pub(super) model: BodyModel,
+    pub(super) observations: Vec<FrameObservations>,
+    pub(super) checksums: Vec<InputChecksum>,
+}
+
+/// Reads and checks everything; nothing is written.
+pub(super) fn read(arguments: &FitArguments) -> Result<Input, CliError> {
+    let options = arguments.options()?;
+    check_out(&arguments.out, arguments.existing())?;
+    let recording = Recording::open(&arguments.recording, arguments.fps)?;
+    let (model, body) = body(arguments.body.as_deref(), &recording)?;
+    let positions = positions(&recording, arguments.frames)?;
+    let observations = observe(&recording, &positions, &options, arguments.progress())?;
+    check_scene(&model, &recording.rig, &observations).map_err(FitError::from)?;
+    let mut checksums = recording.checksums()?;
+    checksums.push(body);
+    Ok(Input {
+        options,
+        recording,
+        model,
+        observations,
+        checksums,
+    })
+}
+
+/// The body that was asked for, or that the recording names, and its fingerprint.
+fn body(
+    asked: Option<&str>,
+    recording: &Recording,
+) -> Result<(BodyModel, InputChecksum), CliError> {
+    let (name, folder) = match (asked, recording.body.as_deref()) {
+        (Some(name), _) => (name, Path::new("")),
+        (None, Some(name)) => (name, recording.folder.as_path()),
+        (None, None) => (DEFAULT_BODY, Path::new("")),
+    };
+    let (text, path) = model::text_of(name, folder)?;
+    let model = model::parse(&text, &path)?;
+    let checksum = InputChecksum::of_text(format!("body {}", model.name), &text);
+    Ok((model, checksum))
+}
+
+/// Positions of the frames to be fitted.
+fn positions(recording: &Recording, range: Option<FrameRange>) -> Result<Vec<usize>, CliError> {
+    let frames = &recording.frames;
+    let Some(range) = range else {
+        return Ok((0..frames.len()).collect());
+    };
+    let is_in = |i: &usize| (range.first..=range.last).contains(&frames[*i].0);
+    let positions: Vec<usize> = (0..frames.len()).filter(is_in).collect();
+    if positions.is_empty() {
+        return Err(CliError::NoFrames {
+            range: format!("{}:{}", range.first, range.last),
+            first: frames.first().map_or(0, |f| f.0),
+            last: frames.last().map_or(0, |f| f.0),
+        });
+    }
+    Ok(positions)
+}
+
+/// The silhouettes of the frames; masks are dropped as soon as they are traced.
+fn observe(
+    recording: &Recording,
+    positions: &[usize],
+    options: &FitOptions,
+    progress: Progress,
+) -> Result<Vec<FrameObservations>, CliError> {
+    let bar = progress.bar("reading masks", positions.len());
+    let load = |position: &usize| {
+        let observed = recording.load_frame(*position, &options.silhouettes);
+        bar.inc(1);
+        observed
+    };
+    let loaded: Vec<Result<_, _>> = positions.par_iter().map(load).collect();
+    bar.finish_and_clear();
+    // the first fault in the order of the frames, whichever thread met one first
+    Ok(loaded.into_iter().collect::<Result<_, _>>()?)
+}
+
+/// What the result depends on: two runs of one identity have the same result.
+pub(super) fn identity(input: &Input) -> Value {
+    let inputs: serde_json::Map<String, Value> = input
+        .checksums
+        .iter()
+        .map(|c| (c.input.clone(), c.blake3.clone().into()))
+        .collect();
+    let frames = |o: Option<&FrameObservations>| o.map(|o| o.frame.0);
+    json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "inputs": inputs,
+        "fps": input.recording.fps,
+        "first frame": frames(input.observations.first()),
+        "last frame": frames(input.observations.last()),
+        "options": input.options,
+    })
+}
