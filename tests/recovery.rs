@@ -1,0 +1,237 @@
+//! Truth in, estimate out: a walking person who is exactly the model, before four cameras.
+
+mod ellipsoid_person;
+
+use std::sync::LazyLock;
+
+use maquette::body::{BodyModel, JointId, Motion, Posed, Shape, State};
+use maquette::camera::Rig;
+use maquette::inference::Evidence;
+use maquette::inference::frame::KeyframePosterior;
+use maquette::inference::prior::{PosePrior, ShapePrior};
+use maquette::inference::propagate::Sequence;
+use maquette::inference::search::{NoJournal, Pruning, Search, SearchOptions, search};
+use maquette::inference::start::{Detail, StartOptions, readings};
+use maquette::likelihood::EllipseOptions;
+use maquette::silhouette::FrameObservations;
+use maquette::solver::{Options, Solution, levenberg_marquardt};
+use maquette::synth::draw_shape;
+use nalgebra::{DVector, Rotation3, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use ellipsoid_person::{human, observe, rig, walk};
+
+const LIMB_JOINTS: [&str; 12] = [
+    "RHip",
+    "RKnee",
+    "RAnkle",
+    "RShoulder",
+    "RElbow",
+    "RWrist",
+    "LHip",
+    "LKnee",
+    "LAnkle",
+    "LShoulder",
+    "LElbow",
+    "LWrist",
+];
+const FPS: f64 = 25.0;
+const FRAMES: usize = 20;
+
+/// A person drawn from p(s), twenty frames of walking.
+struct Scene {
+    model: BodyModel,
+    rig: Rig,
+    shape: Shape,
+    motions: Vec<Motion>,
+    frames: Vec<FrameObservations>,
+}
+
+static SCENE: LazyLock<Scene> = LazyLock::new(|| {
+    let (model, rig) = (human(), rig(4));
+    let shape = draw_shape(&model, &mut ChaCha8Rng::seed_from_u64(70));
+    let motions = walk(&model, &shape, FPS, FRAMES);
+    let bodies = motions
+        .iter()
+        .map(|motion| Posed::new(&model, &shape, motion));
+    let frames = bodies
+        .enumerate()
+        .map(|(i, body)| observe(&body, &rig, i))
+        .collect();
+    Scene {
+        rig,
+        motions,
+        frames,
+        shape,
+        model,
+    }
+});
+
+impl Scene {
+    fn evidence(&self) -> Evidence<'_> {
+        Evidence::new(&self.model, &self.rig, EllipseOptions::default())
+    }
+
+    /// Mean distance of the limb joints from the truth in a frame, mm.
+    fn error_mm(&self, shape: &Shape, motion: &Motion, frame: usize) -> f64 {
+        let fit = Posed::new(&self.model, shape, motion).points();
+        let truth = Posed::new(&self.model, &self.shape, &self.motions[frame]).points();
+        let distance = |name: &&str| {
+            let index = self.model.point(name).expect("the model has the joint");
+            1e3 * (fit[index] - truth[index]).norm()
+        };
+        LIMB_JOINTS.iter().map(distance).sum::<f64>() / LIMB_JOINTS.len() as f64
+    }
+
+    /// argmax p(mₖ, s | Zₖ) from a start.
+    fn fit_keyframe(&self, frame: usize, start: State) -> Solution<State> {
+        let terms = self.evidence().terms(&self.frames[frame], Detail::Fine);
+        let problem = KeyframePosterior {
+            model: &self.model,
+            shape_prior: &ShapePrior::of(&self.model),
+            pose_prior: &PosePrior::of(&self.model),
+            terms: &terms,
+        };
+        let options = Options {
+            max_iterations: 60,
+            ..Options::default()
+        };
+        levenberg_marquardt(&problem, start, &options)
+    }
+
+    /// The true motion, every angle off by up to 0.08 rad and the body by up to 3 cm; the mean shape.
+    fn perturbed(&self, frame: usize, seed: u64) -> State {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut motion = self.motions[frame].clone();
+        let mut draw = |size: f64| size * rng.random_range(-1.0..1.0);
+        motion.angles += DVector::from_fn(motion.angles.len(), |_, _| draw(0.08));
+        motion.position_world += Vector3::new(draw(0.03), draw(0.03), draw(0.03));
+        State {
+            motion,
+            shape: ShapePrior::of(&self.model).mean(),
+        }
+    }
+
+    /// The same silhouettes to the eye: turned to the other side, left and right exchanged.
+    fn mirrored(&self, motion: &Motion) -> Motion {
+        let mut mirrored = motion.clone();
+        mirrored.world_from_root *=
+            Rotation3::from_axis_angle(&Vector3::z_axis(), std::f64::consts::PI);
+        for (index, joint) in self.model.joints.iter().enumerate() {
+            let twin = match joint.name.strip_suffix("_r") {
+                Some(name) => Some(format!("{name}_l")),
+                None => joint
+                    .name
+                    .strip_suffix("_l")
+                    .map(|name| format!("{name}_r")),
+            };
+            if let Some(JointId(twin)) = twin.and_then(|name| self.model.joint(&name)) {
+                mirrored.angles[index] = motion.angles[twin];
+            }
+        }
+        mirrored
+    }
+}
+
+/// Two keyframes, and a narrow search at each: the tests are about what comes after.
+fn options(pruning: Pruning) -> SearchOptions {
+    SearchOptions {
+        keyframe_every: 10,
+        start: StartOptions {
+            headings: 4,
+            iterations: 6,
+            kept: 2,
+        },
+        together: 4,
+        pruning,
+        ..SearchOptions::default()
+    }
+}
+
+fn found(frames: usize, pruning: Pruning) -> Search {
+    let sequence = Sequence {
+        frames: &SCENE.frames[..frames],
+        fps: FPS,
+    };
+    search(&SCENE.evidence(), sequence, &options(pruning), &NoJournal)
+        .expect("four cameras see the person")
+}
+
+/// The whole sequence.
+static FOUND: LazyLock<Search> = LazyLock::new(|| found(FRAMES, Pruning::Exact));
+
+#[test]
+fn a_keyframe_recovers_the_joints_from_a_perturbed_start() {
+    for frame in (0..FRAMES).step_by(4) {
+        let start = SCENE.perturbed(frame, 71 + frame as u64);
+        let before = SCENE.error_mm(&start.shape, &start.motion, frame);
+        let fit = SCENE.fit_keyframe(frame, start).state;
+        let after = SCENE.error_mm(&fit.shape, &fit.motion, frame);
+        assert!(
+            before > 25.0 && after < 12.0,
+            "frame {frame}: {before:.1} to {after:.1} mm"
+        );
+    }
+}
+
+#[test]
+fn the_search_finds_the_motion_without_a_start() {
+    let winner = &FOUND.trials[FOUND.winner];
+    let fits = winner.frames.iter().flatten().enumerate();
+    let errors: Vec<f64> = fits
+        .map(|(i, fit)| SCENE.error_mm(&winner.hypothesis.shape, &fit.motion, i))
+        .collect();
+    assert_eq!(errors.len(), FRAMES);
+    assert!(errors.iter().all(|e| *e < 12.0), "{errors:.0?} mm");
+}
+
+#[test]
+fn pruning_changes_neither_the_winner_nor_a_bit_of_its_energy() {
+    let all = found(FRAMES, Pruning::Off);
+    assert!(all.trials.iter().all(|t| t.finished()));
+    assert!(
+        FOUND.trials.iter().any(|t| !t.finished()),
+        "nothing was pruned"
+    );
+    assert_eq!(FOUND.winner, all.winner);
+    let [pruned, all] = [&*FOUND, &all].map(|s| &s.trials[s.winner]);
+    assert_eq!(pruned.energy().to_bits(), all.energy().to_bits());
+    assert_eq!(pruned, all);
+}
+
+#[test]
+fn the_result_is_the_same_for_one_two_and_eight_threads() {
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        pool.expect("threads are there")
+            .install(|| found(6, Pruning::Exact))
+    };
+    let one = with(1);
+    assert!(one == with(2) && one == with(8));
+}
+
+#[test]
+fn a_mirrored_start_costs_more_and_is_not_the_first_reading() {
+    let frame = 3;
+    let right = SCENE.fit_keyframe(frame, SCENE.perturbed(frame, 73));
+    let mut start = SCENE.perturbed(frame, 73);
+    start.motion = SCENE.mirrored(&start.motion);
+    let mirrored = SCENE.fit_keyframe(frame, start);
+    assert!(
+        mirrored.cost > 1.5 * right.cost,
+        "{} against {}",
+        mirrored.cost,
+        right.cost
+    );
+    let first = readings(
+        &SCENE.evidence(),
+        &SCENE.frames[frame],
+        &StartOptions::default(),
+    )
+    .remove(0);
+    let forward = |motion: &Motion| motion.world_from_root * Vector3::x();
+    let truth = forward(&SCENE.motions[frame]);
+    assert!(forward(&first.state.motion).dot(&truth) > 0.9);
+    assert!(forward(&mirrored.state.motion).dot(&truth) < 0.0);
+}
