@@ -51,6 +51,7 @@ pub fn trajectories(
     };
     Trajectories {
         rate_hz,
+        first_frame: 0,
         names: model.points.iter().map(|p| p.name.clone()).collect(),
         frames: motions.iter().map(points).collect(),
     }

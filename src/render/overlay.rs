@@ -242,12 +242,8 @@ mod tests {
             SIDES[2]
         );
         let (outer, inner) = outlines(&camera, &body);
-        assert!(
-            outer.len() > 80 && inner.len() < 10,
-            "{} {}",
-            outer.len(),
-            inner.len()
-        );
+        // the two ellipsoids touch in one point; seen in perspective their ends overlap by a hair
+        assert!(inner.len() <= 4 && outer.len() >= 92);
         let [top, _] = outer[24];
         assert_ne!(
             at(top.x.round() as usize, top.y.round() as usize),

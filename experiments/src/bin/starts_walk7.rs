@@ -1,0 +1,85 @@
+//! Starts without clicks: each of 20 frames of `walk7` as the only keyframe, no pose given.
+//!
+//! The best reading of a frame lands when its limb joints are within 50 mm of the truth on average.
+
+use std::error::Error;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use experiments::metrics::{frame_error_mm, trajectories};
+use experiments::run::Run;
+use experiments::table::Table;
+use maquette::inference::Evidence;
+use maquette::inference::start::{StartOptions, readings};
+use maquette::io::model;
+use maquette::io::recording::Recording;
+use maquette::io::trc::{Trajectories, read_trc};
+use maquette::likelihood::EllipseOptions;
+use maquette::silhouette::SilhouetteOptions;
+use rayon::prelude::*;
+
+const STARTS: usize = 20;
+const NEAR_MM: f64 = 50.0;
+
+fn main() -> Result<ExitCode, Box<dyn Error>> {
+    let mut run = Run::start("starts_walk7");
+    let folder = shared().join("data/walk7");
+    if !folder.is_dir() {
+        run.say(&format!("skipped: no recording in {}", folder.display()));
+        return Ok(ExitCode::SUCCESS);
+    }
+    let recording = Recording::open(&folder, Some(50.0))?;
+    let truth = {
+        let path = folder.join("truth.trc");
+        read_trc(&std::fs::read_to_string(&path)?, &path)?
+    };
+    let body = model::load("human-ellipsoids", Path::new(""))?;
+    let evidence = Evidence::new(&body, &recording.rig, EllipseOptions::default());
+    // 20 frames, evenly over the recording
+    let frames: Vec<usize> = (0..STARTS)
+        .map(|i| i * recording.frames.len() / STARTS)
+        .collect();
+    let starts = frames.par_iter().map(|&position| {
+        let frame = recording.load_frame(position, &SilhouetteOptions::default())?;
+        let best = readings(&evidence, &frame, &StartOptions::default())
+            .into_iter()
+            .next();
+        let error = best.and_then(|start| {
+            let motion = [start.state.motion];
+            let fit = trajectories(&body, &start.state.shape, &motion, recording.fps);
+            frame_error_mm(&only(&truth, frame.frame.0)?, &fit, 0)
+        });
+        Ok((frame.frame.0, error))
+    });
+    let starts: Result<Vec<(usize, Option<f64>)>, Box<dyn Error + Send + Sync>> = starts.collect();
+    let mut table = Table::new("starts", &["frame", "joints, mm"]);
+    let starts = starts.map_err(|e| e.to_string())?;
+    for (frame, error) in &starts {
+        table.row([
+            frame.to_string(),
+            error.map_or_else(|| "no start".to_owned(), |e| format!("{e:.1}")),
+        ]);
+    }
+    run.table("Best reading of each frame", &table)?;
+    let near = starts
+        .iter()
+        .filter(|(_, e)| e.is_some_and(|e| e <= NEAR_MM))
+        .count();
+    run.say(&format!("{near} of {STARTS} within {NEAR_MM} mm"));
+    run.number("starts_within_50_mm", near as f64);
+    Ok(run.finish()?)
+}
+
+/// One frame of the truth.
+fn only(truth: &Trajectories, frame: usize) -> Option<Trajectories> {
+    Some(Trajectories {
+        frames: vec![truth.frames.get(frame)?.clone()],
+        ..truth.clone()
+    })
+}
+
+/// Where the data lie that are shared by projects.
+fn shared() -> PathBuf {
+    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared");
+    std::env::var_os("MAQUETTE_SHARED").map_or(beside, PathBuf::from)
+}
