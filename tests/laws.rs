@@ -1,9 +1,9 @@
 //! The law of every problem, `linearize` says what `cost` does: posteriors with every likelihood, and priors.
 //!
-//! Likelihoods are smooth only piece by piece: the nearest ellipse changes, a distance map is bilinear, an
-//! ellipse beyond 12 τ is dropped from the smooth minimum. So the steps are short (1e-6: of a thousand
-//! samples less than one crosses a piece's border) and the tolerance is 1e-4 of the largest component for
-//! the whole posterior; a wrong derivative is off by far more.
+//! Likelihoods are smooth only piece by piece: the nearest ellipse changes, a distance map is bilinear, the
+//! smooth minimum leaves out what is e⁻⁸ of the nearest. So the steps are short, and a law is broken only if it
+//! fails at each of three states a hair apart: a border between pieces is crossed at one, a wrong derivative
+//! is wrong at all.
 
 mod ellipsoid_person;
 
@@ -18,7 +18,7 @@ use maquette::likelihood::{
     EllipseDistance, EllipseOptions, EllipseSilhouette, Term, Variant, View,
 };
 use maquette::silhouette::FrameObservations;
-use maquette::solver::{Loss, NormalEquations, Problem, check_linearization};
+use maquette::solver::{LinearizationFault, Loss, NormalEquations, Problem, check_linearization};
 use nalgebra::{DVector, Rotation3, Unit, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -27,7 +27,12 @@ use rayon::prelude::*;
 use ellipsoid_person::{human, observe, rig, walk};
 
 const STEP: f64 = 1e-6;
+/// One border point per this length, metres: few enough for ten thousand evaluations.
+const SPACING_M: f64 = 0.05;
+/// Of the largest component of the gradient.
 const TOLERANCE: f64 = 1e-4;
+/// How far the states are apart at which a law is tried.
+const HAIR: f64 = 1e-5;
 
 /// One frame of the walk, seen by three cameras.
 struct Scene {
@@ -54,10 +59,19 @@ impl Scene {
 
     /// The truth moved by random amounts of this size: metres, radians and coefficients.
     fn moved(&self, size: f64, seed: u64) -> State {
+        self.displaced(&self.truth, size, seed)
+    }
+
+    /// A state a hair beside another.
+    fn nudged(&self, state: &State, seed: u64) -> State {
+        self.displaced(state, HAIR, seed)
+    }
+
+    fn displaced(&self, state: &State, size: f64, seed: u64) -> State {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let layout = Layout::of(&self.model);
         let delta = DVector::from_fn(layout.total(), |_, _| size * rng.random_range(-1.0..1.0));
-        layout.retract(&self.truth, &delta)
+        layout.retract(state, &delta)
     }
 
     /// Standing straight where the person is, every angle 1e-8: knees and elbows at their singularity.
@@ -77,11 +91,11 @@ impl Scene {
         ]
     }
 
-    fn terms(&self, options: EllipseOptions) -> Vec<Box<dyn Term + '_>> {
+    fn terms(&self, options: EllipseOptions, spacing_m: f64) -> Vec<Box<dyn Term + '_>> {
         let mut views = Vec::new();
         for (id, silhouette) in &self.frame.views {
             let camera = self.rig.camera(*id).expect("the rig's own camera");
-            views.push(View::new(camera, silhouette, 4.6, 0.03));
+            views.push(View::new(camera, silhouette, 4.6, spacing_m));
         }
         vec![Box::new(EllipseSilhouette::new(views, options))]
     }
@@ -116,19 +130,25 @@ fn likelihoods() -> Vec<(&'static str, EllipseOptions)> {
 }
 
 /// Checks a law for every likelihood in every regime, and names all that break it.
-fn check_all(law: impl Fn(&Scene, &[Box<dyn Term + '_>], &State) -> Option<String> + Sync) {
+fn check_all(
+    law: impl Fn(&Scene, &[Box<dyn Term + '_>], &State) -> Result<(), LinearizationFault> + Sync,
+) {
     let scene = Scene::new();
     let broken: Vec<String> = likelihoods()
         .into_par_iter()
         .flat_map_iter(|(name, options)| {
-            let terms = scene.terms(options);
-            let faults = scene.regimes().into_iter().filter_map(|(regime, state)| {
-                Some(format!(
-                    "{name}, {regime}: {}",
-                    law(&scene, &terms, &state)?
-                ))
+            let terms = scene.terms(options, SPACING_M);
+            let regimes = scene.regimes().into_iter().filter_map(|(regime, state)| {
+                let states = [
+                    state.clone(),
+                    scene.nudged(&state, 50),
+                    scene.nudged(&state, 51),
+                ];
+                let faults = states.iter().map(|state| law(&scene, &terms, state).err());
+                let faults: Option<Vec<_>> = faults.collect();
+                Some(format!("{name}, {regime}: {}", faults?[0]))
             });
-            faults.collect::<Vec<_>>()
+            regimes.collect::<Vec<_>>()
         })
         .collect();
     assert!(broken.is_empty(), "{}", broken.join("\n"));
@@ -143,8 +163,7 @@ fn the_keyframe_posterior_is_linearized_right_with_every_likelihood() {
             pose_prior: &PosePrior::of(&scene.model),
             terms,
         };
-        let checked = check_linearization(&problem, state, STEP, TOLERANCE);
-        checked.err().map(|fault| fault.to_string())
+        check_linearization(&problem, state, STEP, TOLERANCE)
     });
 }
 
@@ -159,8 +178,7 @@ fn the_frame_posterior_is_linearized_right_with_every_likelihood() {
             step: Some((&step, &scene.truth.motion)),
             terms,
         };
-        let checked = check_linearization(&problem, &state.motion, STEP, TOLERANCE);
-        checked.err().map(|fault| fault.to_string())
+        check_linearization(&problem, &state.motion, STEP, TOLERANCE)
     });
 }
 
@@ -171,7 +189,7 @@ fn a_likelihood_alone_has_no_other_gradient_in_the_motion_when_the_shape_is_free
     for (_, options) in likelihoods() {
         let state = scene.moved(0.05, 42);
         let body = Posed::new(&scene.model, &state.shape, &state.motion);
-        let terms = scene.terms(options);
+        let terms = scene.terms(options, SPACING_M);
         let mut all = NormalEquations::zeros(layout.total());
         let mut motion = NormalEquations::zeros(layout.motion());
         terms[0].linearize(&body, &mut all);
@@ -179,6 +197,39 @@ fn a_likelihood_alone_has_no_other_gradient_in_the_motion_when_the_shape_is_free
         let m = layout.motion();
         assert_eq!(all.gradient.rows(0, m), motion.gradient.rows(0, m));
         assert_eq!(all.hessian.view((0, 0), (m, m)), motion.hessian);
+    }
+}
+
+/// Also for a body far from its silhouette, whose nearest ellipse may come after many others.
+///
+/// The first-order distance falls short of the true one far outside, where ellipses are spared by a bound of
+/// the true one: 2 %.
+#[test]
+fn the_order_of_the_border_points_does_not_matter() {
+    let mut scene = Scene::new();
+    let states: Vec<State> = (60..68).map(|seed| scene.moved(0.4, seed)).collect();
+    let costs = |scene: &Scene, distance| -> Vec<f64> {
+        let options = EllipseOptions {
+            distance,
+            ..EllipseOptions::default()
+        };
+        // all points: thinning would keep others
+        let terms = scene.terms(options, 1e-6);
+        let cost = |s: &State| terms[0].cost(&Posed::new(&scene.model, &s.shape, &s.motion));
+        states.iter().map(cost).collect()
+    };
+    let kinds = [
+        (EllipseDistance::Orthogonal, 1e-3),
+        (EllipseDistance::Gradient, 2e-2),
+    ];
+    let forwards = kinds.map(|(kind, _)| costs(&scene, kind));
+    for (_, silhouette) in &mut scene.frame.views {
+        silhouette.contour.reverse();
+    }
+    for ((kind, tolerance), forwards) in kinds.into_iter().zip(forwards) {
+        for (one, other) in forwards.iter().zip(costs(&scene, kind)) {
+            approx::assert_relative_eq!(*one, other, max_relative = tolerance);
+        }
     }
 }
 
@@ -282,7 +333,14 @@ fn the_step_prior_is_linearized_right_for_rotations_up_to_nearly_half_a_turn() {
                 },
             };
             let layout = Layout::of(&model);
-            for angle in [0.0, 1e-8, 0.3, 1.5, 3.0] {
+            // at the mean the gradient vanishes, and the logarithm of a rotation is known to 1e-8 only
+            for (angle, tolerance) in [
+                (0.0, 1e-2),
+                (1e-8, 1e-2),
+                (0.3, 1e-6),
+                (1.5, 1e-6),
+                (3.0, 1e-6),
+            ] {
                 let mut delta = DVector::zeros(layout.total());
                 delta.rows_mut(0, layout.motion()).fill(0.1 * angle);
                 if layout.root() == 6 {
@@ -290,7 +348,7 @@ fn the_step_prior_is_linearized_right_for_rotations_up_to_nearly_half_a_turn() {
                     delta.fixed_rows_mut::<3>(3).copy_from(&(*axis * angle));
                 }
                 let state = layout.retract(&mean, &delta);
-                check_linearization(&problem, &state, 1e-4, 1e-6).unwrap();
+                check_linearization(&problem, &state, 1e-3, tolerance).unwrap();
             }
         }
     }

@@ -1,6 +1,6 @@
 //! The unknowns, and where each stands in a displacement.
 
-use nalgebra::{DVector, Rotation3, Vector3};
+use nalgebra::{DVector, Rotation3, UnitQuaternion, Vector3};
 
 use super::{BodyModel, CoefficientId, JointId, Root};
 
@@ -111,7 +111,9 @@ impl Layout {
             delta
                 .rows_mut(0, 3)
                 .copy_from(&(to.position_world - from.position_world));
-            let turn = (from.world_from_root.inverse() * to.world_from_root).scaled_axis();
+            // through a quaternion: the angle from a trace loses half its digits near 0
+            let turn = from.world_from_root.inverse() * to.world_from_root;
+            let turn = UnitQuaternion::from_rotation_matrix(&turn).scaled_axis();
             delta.rows_mut(3, 3).copy_from(&turn);
         }
         delta

@@ -24,7 +24,7 @@ pub struct TrackOptions {
 impl Default for TrackOptions {
     fn default() -> Self {
         Self {
-            iterations: 5,
+            iterations: 4,
             motion_model: MotionModel::ConstantPosition,
             recovery_ratio: 3.0,
         }

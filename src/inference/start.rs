@@ -115,7 +115,7 @@ fn improve(
     let options = Options {
         max_iterations,
         damping: 1e-2,
-        relative_decrease: 1e-4,
+        relative_decrease: if detail == Detail::Coarse { 1e-3 } else { 1e-4 },
     };
     let solution = levenberg_marquardt(&problem, state, &options);
     Start {

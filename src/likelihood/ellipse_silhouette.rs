@@ -173,6 +173,11 @@ impl<'a> EllipseSilhouette<'a> {
         self.views.iter().map(length_m).sum::<f64>() / self.options.correlation_m
     }
 
+    /// Number of border points in all views.
+    pub fn border_points(&self) -> usize {
+        self.views.iter().map(View::len).sum()
+    }
+
     /// How far each view's border points are from the model; `None` where no ellipsoid is before the camera.
     pub fn residuals(&self, body: &Posed<'_>) -> Vec<Option<ViewResiduals>> {
         let ellipsoids = body.ellipsoids();

@@ -5,7 +5,7 @@
 //! H = Σᵢⱼ Jᵢᵀ (Σ_cameras Pᵢᵀ (Σ_points) Pⱼ) Jⱼ. A row that touches two ellipses (smooth minimum)
 //! adds a block to their pair.
 
-use nalgebra::{DMatrix, SMatrix, SVector};
+use nalgebra::{SMatrix, SVector};
 
 use crate::body::EllipsoidJacobians;
 use crate::math::quadric::ProjectionJacobian;
@@ -92,27 +92,19 @@ impl EllipseSums<9> {
             }
         }
         for (i, j, block) in &self.blocks {
-            let left = block.tr_mul(&jacobians.values[*i].columns(0, free[*i]));
-            let product = left.tr_mul(&jacobians.values[*j].columns(0, free[*j]));
-            let components = [*i, *j].map(|k| jacobians.components[k].as_slice());
-            scatter(&product, components, equations);
-            if i != j {
-                scatter(
-                    &product.transpose(),
-                    [components[1], components[0]],
-                    equations,
-                );
-            }
-        }
-    }
-}
-
-/// Adds a block to the lower triangle of H.
-fn scatter(block: &DMatrix<f64>, [rows, columns]: [&[usize]; 2], equations: &mut NormalEquations) {
-    for (b, &column) in columns[..block.ncols()].iter().enumerate() {
-        for (a, &row) in rows[..block.nrows()].iter().enumerate() {
-            if row >= column {
-                equations.hessian[(row, column)] += block[(a, b)];
+            let (rows, columns) = (
+                &jacobians.components[*i][..free[*i]],
+                &jacobians.components[*j][..free[*j]],
+            );
+            for (b, &column) in columns.iter().enumerate() {
+                let pull = block * jacobians.values[*j].column(b);
+                // a pair's block stands for its transpose too; on the diagonal half of it is enough
+                let first = if i == j { b } else { 0 };
+                for (a, &row) in rows.iter().enumerate().skip(first) {
+                    let value = jacobians.values[*i].column(a).dot(&pull);
+                    let twice = if i != j && row == column { 2.0 } else { 1.0 };
+                    equations.hessian[(row.max(column), row.min(column))] += twice * value;
+                }
             }
         }
     }

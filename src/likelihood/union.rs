@@ -58,11 +58,13 @@ pub(super) fn smooth_union(
     if near.is_empty() {
         return None;
     }
-    let weights = distances.map(|d| (-(d - least) / blend).exp());
-    let sum: f64 = weights[..near.len()].iter().sum();
-    for ((_, slope), weight) in near.iter_mut().zip(weights) {
-        *slope *= weight / sum;
+    let mut sum = 0.0;
+    for ((_, slope), d) in near.iter_mut().zip(distances) {
+        let weight = (-(d - least) / blend).exp();
+        sum += weight;
+        *slope *= weight;
     }
+    near.iter_mut().for_each(|(_, slope)| *slope /= sum);
     Some(least - blend * sum.ln())
 }
 
