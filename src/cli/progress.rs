@@ -1,10 +1,11 @@
 //! A bar for each stage, with the time left, on standard error.
 
 use std::collections::BTreeMap;
+use std::fmt::Write;
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 
 use crate::inference::search::{Hypothesis, Journal, Trial};
 
@@ -16,21 +17,40 @@ pub(super) enum Progress {
 }
 
 impl Progress {
-    /// The bar of a stage of `steps` steps.
+    /// The bar of a stage of `steps` steps, to be seen at once.
     pub(super) fn bar(self, stage: &'static str, steps: usize) -> ProgressBar {
+        let bar = self.bar_for_later(stage);
+        bar.set_length(steps as u64);
+        begin(&bar);
+        bar
+    }
+
+    /// The bar of a stage that has not begun.
+    fn bar_for_later(self, stage: &'static str) -> ProgressBar {
         if self == Self::Hidden {
             return ProgressBar::hidden();
         }
-        let bar = ProgressBar::new(steps as u64).with_prefix(stage);
-        let style =
-            ProgressStyle::with_template("{prefix:<14} {bar:32} {pos:>6}/{len:<6} {eta:>4} left");
-        if let Ok(style) = style {
-            bar.set_style(style.progress_chars("━╸ "));
+        let bar = ProgressBar::new(0).with_prefix(stage);
+        match ProgressStyle::with_template("{prefix:<14} {bar:32} {pos:>6}/{len:<6} {left}") {
+            Ok(style) => bar.with_style(style.progress_chars("━╸ ").with_key("left", write_left)),
+            Err(_) => bar,
         }
-        if !bar.is_hidden() {
-            bar.enable_steady_tick(Duration::from_millis(250));
-        }
-        bar
+    }
+}
+
+/// Shows a bar, and keeps its clock going while a step takes long.
+fn begin(bar: &ProgressBar) {
+    bar.reset_eta();
+    if !bar.is_hidden() {
+        bar.enable_steady_tick(Duration::from_millis(250));
+    }
+}
+
+/// The time left; nothing until something is known of it.
+fn write_left(state: &ProgressState, text: &mut dyn Write) {
+    if state.pos() > 0 {
+        // a bar that cannot be written is no fault
+        let _ = write!(text, "{:#} left", HumanDuration(state.eta()));
     }
 }
 
@@ -55,7 +75,7 @@ impl<'a> Watched<'a> {
         Self {
             journal,
             keyframes: progress.bar("keyframes", keyframes),
-            trials: progress.bar("hypotheses", 0),
+            trials: progress.bar_for_later("hypotheses"),
             frames,
             fitted: Mutex::default(),
         }
@@ -71,7 +91,16 @@ impl<'a> Watched<'a> {
     fn close(&self, index: usize) {
         let mut fitted = self.fitted.lock().unwrap_or_else(PoisonError::into_inner);
         let before = fitted.insert(index, self.frames).unwrap_or(0);
-        self.trials.inc(self.frames.saturating_sub(before) as u64);
+        self.advance(self.frames.saturating_sub(before));
+    }
+
+    /// Moves the bar, which grows where one hypothesis more is tried than were announced.
+    fn advance(&self, frames: usize) {
+        let after = self.trials.position() + frames as u64;
+        if self.trials.length().is_some_and(|length| after > length) {
+            self.trials.inc_length(self.frames as u64);
+        }
+        self.trials.inc(frames as u64);
     }
 }
 
@@ -104,13 +133,13 @@ impl Journal for Watched<'_> {
         self.journal.hypotheses(count);
         self.keyframes.finish_and_clear();
         self.trials.set_length((count * self.frames) as u64);
-        self.trials.reset_eta();
+        begin(&self.trials);
     }
 
     fn advanced(&self, index: usize, frames: usize) {
         self.journal.advanced(index, frames);
         let mut fitted = self.fitted.lock().unwrap_or_else(PoisonError::into_inner);
         *fitted.entry(index).or_default() += frames;
-        self.trials.inc(frames as u64);
+        self.advance(frames);
     }
 }

@@ -50,9 +50,9 @@ impl Summary<'_> {
         let recording = &self.result.recording;
         let sections = [
             format!(
-                "{} fitted to {} frames of {} cameras at {} Hz in {:.1} s\n",
+                "{} fitted to {} of {} cameras at {} Hz in {:.1} s\n",
                 self.result.body,
-                recording.frames,
+                counted(recording.frames, "frame"),
                 recording.cameras.len(),
                 recording.fps,
                 self.seconds
@@ -76,7 +76,10 @@ impl Summary<'_> {
                 hypothesis.keyframe.to_string(),
                 match hypothesis.outcome {
                     OutcomePart::Pruned => {
-                        format!("pruned after {} frames", hypothesis.frames_fitted)
+                        format!(
+                            "pruned after {}",
+                            counted(hypothesis.frames_fitted, "frame")
+                        )
                     }
                     _ => format!("{:.1}", hypothesis.minus_log_posterior.total),
                 },
@@ -103,8 +106,11 @@ impl Summary<'_> {
                 or_dash(length.confidence.sigma, |sigma| {
                     format!("± {:.1}", 100.0 * sigma)
                 }),
-                or_dash(length.confidence.p_within, |p| format!("{p:.3}")),
+                or_dash(length.confidence.p_within, probability),
             ]);
+        }
+        if keyframes < 2 {
+            return table.text();
         }
         format!(
             "{}  σ: spread of the {keyframes} keyframes' estimates. p: that one of them is within {} cm of the model's optimum,\n  \
@@ -144,6 +150,21 @@ fn origin(hypothesis: &HypothesisPart) -> String {
         (OriginPart::Together, _) => "frames together".into(),
         (OriginPart::Keyframe, None | Some(0)) => "keyframe".into(),
         (OriginPart::Keyframe, Some(reading)) => format!("keyframe, reading {}", reading + 1),
+    }
+}
+
+/// A number of things: 1 frame, 2 frames.
+pub(super) fn counted(count: usize, thing: &str) -> String {
+    let plural = if count == 1 { "" } else { "s" };
+    format!("{count} {thing}{plural}")
+}
+
+/// Three decimals, and never a certainty that nobody has.
+fn probability(p: f64) -> String {
+    if p > 0.9995 {
+        "> 0.999".into()
+    } else {
+        format!("{p:.3}")
     }
 }
 

@@ -6,6 +6,7 @@ use clap::{Args, ValueEnum};
 
 use super::error::CliError;
 use super::print;
+use super::summary::counted;
 use crate::io::{model, synthetic};
 use crate::synth::{Recipe, Ring, SegmentationErrors};
 
@@ -75,9 +76,9 @@ pub(super) fn run(arguments: &SynthArguments) -> Result<(), CliError> {
     let recording = recipe.walker(&model)?;
     synthetic::write(&recording, &arguments.out)?;
     print(&format!(
-        "{}: {} frames of {} cameras at {} Hz; the truth is in truth.trc and truth.json\n",
+        "{}: {} of {} cameras at {} Hz; the truth is in truth.trc and truth.json\n",
         arguments.out.display(),
-        recording.frames(),
+        counted(recording.frames(), "frame"),
         arguments.cameras,
         arguments.fps,
     ));

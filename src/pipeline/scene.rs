@@ -50,7 +50,7 @@ pub enum SceneFault {
     },
     /// No frame shows the person to two cameras.
     #[error(
-        "no frame shows the person to two cameras at once (camera {camera} sees the person in {frames} frames): how far away and how large the person is cannot be told apart"
+        "no frame shows the person to two cameras at once (most are shown by camera {camera}: {frames}), so how far away and how large the person is cannot be told apart; do the numbers in the names of the masks agree between cameras?"
     )]
     NeverTwo {
         /// The camera that sees most.

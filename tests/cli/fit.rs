@@ -96,6 +96,41 @@ fn the_result_says_what_it_is_made_of() {
     assert_eq!(result.shape.all_lengths.keyframes, 3);
 }
 
+/// Every key of the objects in a value, but of `options`, which the code describes.
+fn keys(value: &serde_json::Value, found: &mut std::collections::BTreeSet<String>) {
+    match value {
+        serde_json::Value::Object(object) => {
+            for (key, inner) in object {
+                found.insert(key.clone());
+                if key != "options" {
+                    keys(inner, found);
+                }
+            }
+        }
+        serde_json::Value::Array(items) => items.iter().for_each(|item| keys(item, found)),
+        _ => {}
+    }
+}
+
+#[test]
+fn every_field_of_the_result_stands_in_the_description_of_formats() {
+    let arm = Arm::new();
+    arm.fit("out", &["--quiet"]).succeeded();
+    let mut found = std::collections::BTreeSet::new();
+    keys(&arm.result("out"), &mut found);
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/formats.md");
+    let formats = std::fs::read_to_string(path).expect("part of the repository");
+    let section = formats.split("## `result.json`").nth(1).expect("a section");
+    let words: Vec<&str> = section
+        .split(|c: char| !(c.is_alphanumeric() || c == '_'))
+        .collect();
+    let missing: Vec<&String> = found
+        .iter()
+        .filter(|k| !words.contains(&k.as_str()))
+        .collect();
+    assert!(found.len() > 60 && missing.is_empty(), "{missing:?}");
+}
+
 #[test]
 fn the_bytes_do_not_depend_on_the_number_of_threads() {
     let arm = Arm::new();

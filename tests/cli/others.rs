@@ -55,7 +55,7 @@ fn a_synthetic_recording_can_be_read_and_is_not_written_over() {
     };
     let said = make("3").succeeded();
     assert!(
-        said.out.contains("1 frames of 2 cameras at 50 Hz"),
+        said.out.contains("1 frame of 2 cameras at 50 Hz"),
         "{}",
         said.out
     );

@@ -176,7 +176,7 @@ const MASKS: &[Case] = &[
         },
         &[],
         &[
-            "no frame shows the person to two cameras at once (camera cam_02",
+            "no frame shows the person to two cameras at once (most are shown by camera cam_02: 1)",
             "cannot be told apart",
         ],
     ),

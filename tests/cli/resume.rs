@@ -90,7 +90,7 @@ fn another_option_or_input_is_not_continued_and_nothing_is_lost() {
     let other = crate::arm::mask(&crate::arm::rig().cameras[0], 0);
     arm.write_mask("cam_01", 1, &other);
     arm.fit("out", &["--resume"])
-        .refused(&["inputs masks of cam_01"]);
+        .refused(&["another inputs 2: masks of cam_01"]);
     let after = (
         arm.bytes("out", "result.json"),
         journal_files(&arm.out("out")),

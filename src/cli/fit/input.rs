@@ -102,10 +102,10 @@ fn observe(
 
 /// What the result depends on: two runs of one identity have the same result.
 pub(super) fn identity(input: &Input) -> Value {
-    let inputs: serde_json::Map<String, Value> = input
-        .checksums
-        .iter()
-        .map(|c| (c.input.clone(), c.blake3.clone().into()))
+    // numbered, for two files elsewhere may have one name
+    let inputs: serde_json::Map<String, Value> = (1..)
+        .zip(&input.checksums)
+        .map(|(i, c)| (format!("{i}: {}", c.input), c.blake3.clone().into()))
         .collect();
     let frames = |o: Option<&FrameObservations>| o.map(|o| o.frame.0);
     json!({

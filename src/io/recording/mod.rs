@@ -57,7 +57,7 @@ pub struct Missing {
 /// Fingerprint of one input: a file, or all masks of a camera.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InputChecksum {
-    /// Path of the file relative to the recording's folder (of a file elsewhere its name), or `masks of <camera>`.
+    /// Path of the file relative to the recording's folder (of a file elsewhere its name and that of its folder), or `masks of <camera>`.
     pub input: String,
     /// Number of files.
     pub files: usize,
@@ -145,11 +145,14 @@ impl Recording {
         Ok(Some(mask))
     }
 
-    /// A file's path relative to the recording's folder; of a file elsewhere its name alone.
+    /// A file's path relative to the recording's folder; of a file elsewhere its name and that of its folder.
     fn name_of(&self, path: &Path) -> String {
-        let relative = path.strip_prefix(&self.folder).ok();
-        let name = relative.or_else(|| path.file_name().map(Path::new));
-        name.unwrap_or(path).display().to_string()
+        if let Ok(relative) = path.strip_prefix(&self.folder) {
+            return relative.display().to_string();
+        }
+        let folder = path.parent().and_then(Path::file_name);
+        let name = folder.into_iter().chain(path.file_name());
+        name.collect::<PathBuf>().display().to_string()
     }
 
     /// Fingerprints of everything that the recording is read from: manifest, calibration, then each camera's masks.
