@@ -18,6 +18,9 @@ use maquette::likelihood::EllipseOptions;
 use maquette::silhouette::SilhouetteOptions;
 use rayon::prelude::*;
 
+/// A frame, and the mean error of its limb joints in mm; `None` without a start.
+type Landing = (usize, Option<f64>);
+
 const STARTS: usize = 20;
 const NEAR_MM: f64 = 50.0;
 
@@ -51,7 +54,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         });
         Ok((frame.frame.0, error))
     });
-    let starts: Result<Vec<(usize, Option<f64>)>, Box<dyn Error + Send + Sync>> = starts.collect();
+    let starts: Result<Vec<Landing>, Box<dyn Error + Send + Sync>> = starts.collect();
     let mut table = Table::new("starts", &["frame", "joints, mm"]);
     let starts = starts.map_err(|e| e.to_string())?;
     for (frame, error) in &starts {
