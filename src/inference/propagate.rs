@@ -82,6 +82,8 @@ pub(super) struct Track {
 /// Frames whose usual cost is remembered, and frames to wait after a search that did not help.
 const MEMORY: usize = 15;
 const PATIENCE: usize = 10;
+/// Frames from which the usual cost is known: right beside the keyframe nothing is called lost.
+const SETTLED: usize = 5;
 
 impl Track {
     pub(super) fn new(ahead: Vec<usize>, keyframe: usize, fit: &FrameFit) -> Self {
@@ -184,7 +186,9 @@ impl Track {
 
     fn plausible(&self, fit: &FrameFit, ratio: f64) -> bool {
         let usual = median(&mut self.levels.clone()).unwrap_or(f64::INFINITY);
-        fit.level() <= ratio * usual || (self.rest_until > 0 && self.ahead.len() > self.rest_until)
+        self.levels.len() < SETTLED
+            || fit.level() <= ratio * usual
+            || (self.rest_until > 0 && self.ahead.len() > self.rest_until)
     }
 
     fn predicted(
