@@ -248,8 +248,9 @@ where
     L: Fn(&State, &mut NormalEquations) -> f64,
 {
     type State = State;
-    fn dimension(&self) -> usize {
-        Layout::of(self.model).total()
+    type Model = NormalEquations;
+    fn empty_model(&self) -> NormalEquations {
+        NormalEquations::zeros(Layout::of(self.model).total())
     }
     fn cost(&self, x: &State) -> f64 {
         (self.cost)(x)

@@ -47,9 +47,10 @@ fn linearize_data(
 
 impl Problem for KeyframePosterior<'_> {
     type State = State;
+    type Model = NormalEquations;
 
-    fn dimension(&self) -> usize {
-        Layout::of(self.model).total()
+    fn empty_model(&self) -> NormalEquations {
+        NormalEquations::zeros(Layout::of(self.model).total())
     }
 
     fn cost(&self, x: &State) -> f64 {
@@ -89,9 +90,10 @@ impl FramePosterior<'_> {
 
 impl Problem for FramePosterior<'_> {
     type State = Motion;
+    type Model = NormalEquations;
 
-    fn dimension(&self) -> usize {
-        Layout::of(self.model).motion()
+    fn empty_model(&self) -> NormalEquations {
+        NormalEquations::zeros(Layout::of(self.model).motion())
     }
 
     fn cost(&self, x: &Motion) -> f64 {

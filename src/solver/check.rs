@@ -2,7 +2,7 @@
 
 use nalgebra::DVector;
 
-use super::{NormalEquations, Problem};
+use super::{Problem, QuadraticModel};
 use crate::math::central_differences;
 
 /// How a linearisation contradicts its cost.
@@ -40,23 +40,22 @@ pub fn check_linearization<P: Problem>(
     h: f64,
     tolerance: f64,
 ) -> Result<(), LinearizationFault> {
-    let mut equations = NormalEquations::zeros(problem.dimension());
-    let linearized = problem.linearize(x, &mut equations);
+    let mut model = problem.empty_model();
+    let linearized = problem.linearize(x, &mut model);
+    let gradient = model.gradient();
     let cost = problem.cost(x);
     if (linearized - cost).abs() > 1e-12 * cost.abs().max(1.0) {
         return Err(LinearizationFault::Cost { linearized, cost });
     }
-    let numeric = central_differences(problem.dimension(), h, |delta| {
+    let numeric = central_differences(gradient.len(), h, |delta| {
         DVector::from_element(1, problem.cost(&problem.retract(x, delta)))
     });
     let scale = numeric.amax().max(1e-3);
-    match (0..problem.dimension())
-        .find(|&i| (numeric[(0, i)] - equations.gradient[i]).abs() > tolerance * scale)
-    {
+    match (0..gradient.len()).find(|&i| (numeric[(0, i)] - gradient[i]).abs() > tolerance * scale) {
         None => Ok(()),
         Some(component) => Err(LinearizationFault::Gradient {
             component,
-            analytic: equations.gradient[component],
+            analytic: gradient[component],
             numeric: numeric[(0, component)],
         }),
     }

@@ -2,7 +2,7 @@
 
 use nalgebra::DVector;
 
-use super::{NormalEquations, Problem};
+use super::{Problem, QuadraticModel};
 
 /// When to stop, and how careful to begin.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,13 +49,13 @@ pub struct Report {
 
 /// The state of least cost that was found, with its quadratic model.
 #[derive(Debug, Clone)]
-pub struct Solution<S> {
+pub struct Solution<S, M> {
     /// x.
     pub state: S,
     /// E(x).
     pub cost: f64,
     /// g and H at x; H is the precision of the Laplace approximation.
-    pub equations: NormalEquations,
+    pub model: M,
     /// How it went.
     pub report: Report,
 }
@@ -73,17 +73,17 @@ pub fn levenberg_marquardt<P: Problem>(
     problem: &P,
     start: P::State,
     options: &Options,
-) -> Solution<P::State> {
+) -> Solution<P::State, P::Model> {
     let mut state = start;
-    let mut equations = NormalEquations::zeros(problem.dimension());
-    let mut candidate_equations = equations.clone();
-    let mut cost = problem.linearize(&state, &mut equations);
+    let mut model = problem.empty_model();
+    let mut candidate_model = model.clone();
+    let mut cost = problem.linearize(&state, &mut model);
     let mut costs = vec![cost];
     let (mut lambda, mut growth) = (options.damping, 2.0);
     let mut termination = Termination::OutOfIterations;
     let mut iterations = 0;
     while iterations < options.max_iterations {
-        let Some(delta) = equations
+        let Some(delta) = model
             .minimizer(lambda)
             .filter(|d| d.iter().all(|v| v.is_finite()))
         else {
@@ -97,8 +97,8 @@ pub fn levenberg_marquardt<P: Problem>(
         // try the step
         iterations += 1;
         let candidate = problem.retract(&state, &delta);
-        candidate_equations.clear();
-        let candidate_cost = problem.linearize(&candidate, &mut candidate_equations);
+        candidate_model.clear();
+        let candidate_cost = problem.linearize(&candidate, &mut candidate_model);
         let decrease = cost - candidate_cost;
         if decrease.is_nan() || decrease <= 0.0 {
             // drop it, and be more careful
@@ -111,11 +111,11 @@ pub fn levenberg_marquardt<P: Problem>(
             continue;
         }
         // take it, and trust the model as far as it was right
-        let gain = decrease / equations.predicted_decrease(&delta).max(f64::MIN_POSITIVE);
+        let gain = decrease / model.predicted_decrease(&delta).max(f64::MIN_POSITIVE);
         lambda *= (1.0 - (2.0 * gain - 1.0).powi(3)).clamp(0.1, 1.0);
         growth = 2.0;
         state = candidate;
-        std::mem::swap(&mut equations, &mut candidate_equations);
+        std::mem::swap(&mut model, &mut candidate_model);
         cost = candidate_cost;
         costs.push(cost);
         if decrease <= options.relative_decrease * cost.abs() {
@@ -123,11 +123,10 @@ pub fn levenberg_marquardt<P: Problem>(
             break;
         }
     }
-    equations.symmetrize();
     Solution {
         state,
         cost,
-        equations,
+        model,
         report: Report {
             termination,
             iterations,
@@ -145,7 +144,7 @@ mod tests {
     use nalgebra::DVector;
 
     use super::*;
-    use crate::solver::check_linearization;
+    use crate::solver::{NormalEquations, check_linearization};
 
     /// Rosenbrock's valley as residuals 10(y − x²), 1 − x; `slip` plants a wrong derivative.
     struct Rosenbrock {
@@ -154,8 +153,9 @@ mod tests {
 
     impl Problem for Rosenbrock {
         type State = [f64; 2];
-        fn dimension(&self) -> usize {
-            2
+        type Model = NormalEquations;
+        fn empty_model(&self) -> NormalEquations {
+            NormalEquations::zeros(2)
         }
         fn cost(&self, x: &[f64; 2]) -> f64 {
             0.5 * ((10.0 * (x[1] - x[0] * x[0])).powi(2) + (1.0 - x[0]).powi(2))

@@ -2,6 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::QuadraticModel;
+
 /// `E(x ⊞ δ) ≈ E(x) + gᵀδ + ½ δᵀHδ`, with E = ½ Σ w r², g = JᵀWr, H = JᵀWJ.
 ///
 /// Only the lower triangle of `hessian` is filled by the terms; [`NormalEquations::symmetrize`]
@@ -23,12 +25,6 @@ impl NormalEquations {
         }
     }
 
-    /// Sets everything back to zero, keeping the memory.
-    pub fn clear(&mut self) {
-        self.hessian.fill(0.0);
-        self.gradient.fill(0.0);
-    }
-
     /// Adds one scalar residual `r` with weight `w` and a Jacobian that is zero but in component `i`.
     pub fn add_single(&mut self, i: usize, slope: f64, r: f64, w: f64) {
         self.gradient[i] += w * slope * r;
@@ -39,9 +35,19 @@ impl NormalEquations {
     pub fn symmetrize(&mut self) {
         self.hessian.fill_upper_triangle_with_lower_triangle();
     }
+}
 
-    /// The δ that minimises the model with λ·(diag H + ε) added; `None` where H is not positive definite.
-    pub fn minimizer(&self, lambda: f64) -> Option<DVector<f64>> {
+impl QuadraticModel for NormalEquations {
+    fn clear(&mut self) {
+        self.hessian.fill(0.0);
+        self.gradient.fill(0.0);
+    }
+
+    fn gradient(&self) -> DVector<f64> {
+        self.gradient.clone()
+    }
+
+    fn minimizer(&self, lambda: f64) -> Option<DVector<f64>> {
         let mut damped = self.hessian.clone();
         let floor = 1e-9 * damped.diagonal().amax().max(f64::MIN_POSITIVE);
         for i in 0..damped.nrows() {
@@ -50,8 +56,7 @@ impl NormalEquations {
         Some(damped.cholesky()?.solve(&-&self.gradient))
     }
 
-    /// E(x) − model(δ) = −gᵀδ − ½ δᵀHδ.
-    pub fn predicted_decrease(&self, delta: &DVector<f64>) -> f64 {
+    fn predicted_decrease(&self, delta: &DVector<f64>) -> f64 {
         let mut product = DVector::zeros(delta.len());
         product.sygemv(1.0, &self.hessian, delta, 0.0);
         -self.gradient.dot(delta) - 0.5 * delta.dot(&product)
