@@ -12,7 +12,8 @@ use std::path::Path;
 use maquette::body::{BodyModel, Layout, Motion, Posed, Shape, State};
 use maquette::camera::Rig;
 use maquette::inference::frame::{FramePosterior, KeyframePosterior};
-use maquette::inference::prior::{PosePrior, ShapePrior, StepPrior};
+use maquette::inference::prior::{PosePrior, ShapePrior};
+use maquette::inference::step::StepPrior;
 use maquette::io::model;
 use maquette::likelihood::{
     EllipseDistance, EllipseOptions, EllipseSilhouette, Term, Variant, View,

@@ -2,7 +2,8 @@
 
 use nalgebra::DVector;
 
-use super::prior::{PosePrior, ShapePrior, StepPrior};
+use super::prior::{PosePrior, ShapePrior};
+use super::step::StepPrior;
 use crate::body::{BodyModel, Layout, Motion, Posed, Shape, State};
 use crate::likelihood::Term;
 use crate::solver::{NormalEquations, Problem};

@@ -11,17 +11,21 @@
 //! | Algorithm 1                       | [`search`]       |
 //! | p_ε,σ(K)                          | [`confidence`]   |
 
+pub mod chain;
 pub mod confidence;
 mod evidence;
 pub mod frame;
 pub mod hull;
 mod hypothesis;
+pub mod joint;
 mod journal;
 mod keyframe;
 pub mod prior;
 pub mod propagate;
 pub mod search;
+pub mod sequence;
 pub mod start;
+pub mod step;
 mod together;
 
 pub use evidence::Evidence;

@@ -1,9 +1,8 @@
-//! p(s) and p(mᵢ | mᵢ₋₁): the factors that know no image.
+//! p(s) and p(m): the factors of one shape and one motion that know no image.
 
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix3};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-use crate::body::{BodyModel, Layout, Motion, Root, Shape};
-use crate::math::rotation::right_jacobian_inverse;
+use crate::body::{BodyModel, Layout, Motion, Shape};
 use crate::solver::NormalEquations;
 
 /// −log p(s) = ½ (s − μ)ᵀ Σ⁻¹ (s − μ): Gaussian on the logarithmic coefficients.
@@ -48,16 +47,6 @@ impl ShapePrior {
         hessian += &self.precision;
         0.5 * offset.dot(&pull)
     }
-}
-
-/// What the next motion is expected to be.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum MotionModel {
-    /// mᵢ about mᵢ₋₁ (ZS06).
-    ConstantPosition,
-    /// mᵢ about mᵢ₋₁ ⊞ (mᵢ₋₁ ⊟ mᵢ₋₂).
-    ConstantVelocity,
 }
 
 /// p(m): joint limits as a smooth barrier, and a wide Gaussian about rest where nothing is seen.
@@ -110,62 +99,4 @@ impl PosePrior {
         }
         self.cost(motion)
     }
-}
-
-/// p(mᵢ | mᵢ₋₁): Gaussian of the displacement mᵢ ⊟ mean, with the model's speeds times the frame interval.
-#[derive(Debug, Clone)]
-pub struct StepPrior {
-    layout: Layout,
-    precision: DVector<f64>,
-}
-
-impl StepPrior {
-    /// The prior of a step of `interval_s` seconds.
-    pub fn new(model: &BodyModel, interval_s: f64) -> Self {
-        let layout = Layout::of(model);
-        let mut speeds = Vec::with_capacity(layout.motion());
-        if let Root::Free { speed, turn } = model.root {
-            speeds.extend([speed, speed, speed, turn, turn, turn]);
-        }
-        speeds.extend(model.joints.iter().map(|j| j.speed));
-        let precision = speeds.into_iter().map(|v| (v * interval_s).powi(-2));
-        Self {
-            layout,
-            precision: DVector::from_iterator(layout.motion(), precision),
-        }
-    }
-
-    /// −log p(mᵢ | mean), 0 at the mean.
-    pub fn cost(&self, mean: &Motion, motion: &Motion) -> f64 {
-        let delta = self.layout.motion_difference(mean, motion);
-        0.5 * delta.component_mul(&delta).dot(&self.precision)
-    }
-
-    /// Adds gradient and Hessian with respect to mᵢ.
-    pub fn linearize(
-        &self,
-        mean: &Motion,
-        motion: &Motion,
-        equations: &mut NormalEquations,
-    ) -> f64 {
-        let delta = self.layout.motion_difference(mean, motion);
-        for i in (0..delta.len()).filter(|i| self.layout.root() == 0 || !(3..6).contains(i)) {
-            equations.add_single(i, 1.0, delta[i], self.precision[i]);
-        }
-        if self.layout.root() == 6 {
-            let phi = delta.fixed_rows::<3>(3).into_owned();
-            let jacobian = right_jacobian_inverse(&phi);
-            let weight = Matrix3::from_diagonal(&self.precision.fixed_rows::<3>(3).into_owned());
-            let mut gradient = equations.gradient.fixed_rows_mut::<3>(3);
-            gradient += jacobian.transpose() * weight * phi;
-            let mut hessian = equations.hessian.fixed_view_mut::<3, 3>(3, 3);
-            hessian += jacobian.transpose() * weight * jacobian;
-        }
-        0.5 * delta.component_mul(&delta).dot(&self.precision)
-    }
-}
-
-/// The motion that follows two others at constant velocity: m₁ ⊞ (m₁ ⊟ m₀)·ratio.
-pub fn extrapolate(layout: Layout, before: &Motion, last: &Motion, ratio: f64) -> Motion {
-    layout.retract_motion(last, &(layout.motion_difference(before, last) * ratio))
 }

@@ -2,8 +2,8 @@
 
 use super::Evidence;
 use super::frame::FramePosterior;
-use super::prior::{MotionModel, StepPrior, extrapolate};
 use super::start::{Detail, StartOptions, readings};
+use super::step::{MotionModel, StepPrior, extrapolate};
 use crate::body::{Layout, Motion, Shape};
 use crate::math::stats::median;
 use crate::silhouette::FrameObservations;

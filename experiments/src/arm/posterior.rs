@@ -3,9 +3,9 @@
 use maquette::body::{Motion, Shape};
 use maquette::inference::Evidence;
 use maquette::inference::frame::FramePosterior;
-use maquette::inference::prior::StepPrior;
 use maquette::inference::propagate::Sequence;
 use maquette::inference::start::Detail;
+use maquette::inference::step::StepPrior;
 use maquette::solver::{Options, levenberg_marquardt};
 use nalgebra::DVector;
 use rayon::prelude::*;
