@@ -6,12 +6,12 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3};
 
+use super::Evidence;
 use super::chain::ChainPrior;
 use super::propagate::Sequence;
 use super::sequence::{SequencePosterior, SequenceState};
 use super::start::Detail;
 use super::step::MotionModel;
-use super::Evidence;
 use crate::body::{BodyModel, Layout, Motion, Posed, Shape};
 use crate::likelihood::Term;
 use crate::solver::{BorderedChain, Marginal, Options, Report, levenberg_marquardt};
@@ -30,7 +30,11 @@ pub struct JointOptions {
 
 impl Default for JointOptions {
     fn default() -> Self {
-        Self { iterations: 25, motion_model: MotionModel::ConstantVelocity, shape_weight: 8.0 }
+        Self {
+            iterations: 25,
+            motion_model: MotionModel::ConstantVelocity,
+            shape_weight: 8.0,
+        }
     }
 }
 
@@ -72,8 +76,11 @@ pub fn joint_optimum(
     start: SequenceState,
     options: &JointOptions,
 ) -> Joint {
-    let terms: Vec<Vec<Box<dyn Term + '_>>> =
-        sequence.frames.iter().map(|f| evidence.terms(f, Detail::Fine)).collect();
+    let terms: Vec<Vec<Box<dyn Term + '_>>> = sequence
+        .frames
+        .iter()
+        .map(|f| evidence.terms(f, Detail::Fine))
+        .collect();
     let seconds = intervals(sequence);
     let posterior = SequencePosterior {
         model: evidence.model,
@@ -85,9 +92,18 @@ pub fn joint_optimum(
         terms: &terms,
         data_weight: 1.0,
     };
-    let solver = Options { max_iterations: options.iterations, damping: 1e-4, relative_decrease: 1e-5 };
+    let solver = Options {
+        max_iterations: options.iterations,
+        damping: 1e-4,
+        relative_decrease: 1e-5,
+    };
     let solution = levenberg_marquardt(&posterior, start, &solver);
-    let uncertainty = uncertainty(evidence.model, &solution.state, &solution.model, options.shape_weight);
+    let uncertainty = uncertainty(
+        evidence.model,
+        &solution.state,
+        &solution.model,
+        options.shape_weight,
+    );
     Joint {
         shape: solution.state.shape,
         motions: solution.state.motions,
@@ -100,7 +116,9 @@ pub fn joint_optimum(
 pub fn intervals(sequence: Sequence<'_>) -> Vec<f64> {
     let number = |i: usize| sequence.frames[i].frame.0;
     let before = |i: usize| number(i) - number(i.saturating_sub(1));
-    (0..sequence.frames.len()).map(|i| before(i).max(1) as f64 / sequence.fps).collect()
+    (0..sequence.frames.len())
+        .map(|i| before(i).max(1) as f64 / sequence.fps)
+        .collect()
 }
 
 /// Covariances from H⁻¹, with the shape's widened τ times:
@@ -122,7 +140,11 @@ fn uncertainty(
     (complete && frames.len() == state.motions.len()).then_some(Uncertainty { shape, frames })
 }
 
-fn frame_uncertainty(body: &Posed<'_>, marginal: &Marginal<'_>, tau: f64) -> Option<FrameUncertainty> {
+fn frame_uncertainty(
+    body: &Posed<'_>,
+    marginal: &Marginal<'_>,
+    tau: f64,
+) -> Option<FrameUncertainty> {
     let layout = Layout::of(body.model);
     let (m, p) = (layout.motion(), layout.total() - layout.motion());
     let mut motion = marginal.frame.clone();
@@ -132,8 +154,10 @@ fn frame_uncertainty(body: &Posed<'_>, marginal: &Marginal<'_>, tau: f64) -> Opt
     }
     let mut all = DMatrix::zeros(m + p, m + p);
     all.view_mut((0, 0), (m, m)).copy_from(&motion);
-    all.view_mut((m, 0), (p, m)).copy_from(&(marginal.cross * tau));
-    all.view_mut((m, m), (p, p)).copy_from(&(marginal.shared * tau));
+    all.view_mut((m, 0), (p, m))
+        .copy_from(&(marginal.cross * tau));
+    all.view_mut((m, m), (p, p))
+        .copy_from(&(marginal.shared * tau));
     all.fill_upper_triangle_with_lower_triangle();
     let point = |index: usize| {
         let jacobian = body.point_jacobian(index);
