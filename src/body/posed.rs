@@ -69,6 +69,14 @@ impl<'a> Posed<'a> {
         Point3::from(frame.origin_world + frame.world_from_frame * scaled(place, self.shape))
     }
 
+    /// A point of the world in the frame of a part.
+    pub fn in_part(&self, part: PartId, point_world: &Point3<f64>) -> Vector3<f64> {
+        let frame = self.frame(part);
+        frame
+            .world_from_frame
+            .tr_mul(&(point_world.coords - frame.origin_world))
+    }
+
     /// All exported points in the world, in the order of [`BodyModel::points`].
     pub fn points(&self) -> Vec<Point3<f64>> {
         let mean = |places: &[(PartId, ScaledVector)]| {

@@ -7,13 +7,16 @@
 use nalgebra::{DMatrix, DVector, Matrix3};
 
 use super::Evidence;
+use rayon::prelude::*;
+
 use super::chain::ChainPrior;
+use super::noise::Noise;
 use super::propagate::Sequence;
 use super::sequence::{SequencePosterior, SequenceState};
 use super::start::Detail;
 use super::step::MotionModel;
 use crate::body::{BodyModel, Layout, Motion, Posed, Shape};
-use crate::likelihood::Term;
+use crate::likelihood::{Residual, Term};
 use crate::solver::{BorderedChain, Marginal, Options, Report, levenberg_marquardt};
 
 /// Settings of the joint optimum.
@@ -24,8 +27,8 @@ pub struct JointOptions {
     pub iterations: usize,
     /// How a motion follows the others.
     pub motion_model: MotionModel,
-    /// τ: how many times p(s) counts.
-    pub shape_weight: f64,
+    /// How often the noise is estimated anew and the optimum taken again.
+    pub rounds: usize,
 }
 
 impl Default for JointOptions {
@@ -33,7 +36,7 @@ impl Default for JointOptions {
         Self {
             iterations: 25,
             motion_model: MotionModel::ConstantVelocity,
-            shape_weight: 8.0,
+            rounds: 2,
         }
     }
 }
@@ -45,6 +48,8 @@ pub struct Joint {
     pub shape: Shape,
     /// m₁..ₙ.
     pub motions: Vec<Motion>,
+    /// How the residuals err.
+    pub noise: Noise,
     /// How sure they are; `None` where the matrix is singular.
     pub uncertainty: Option<Uncertainty>,
     /// How the optimisation went.
@@ -82,34 +87,66 @@ pub fn joint_optimum(
         .map(|f| evidence.terms(f, Detail::Fine))
         .collect();
     let seconds = intervals(sequence);
-    let posterior = SequencePosterior {
-        model: evidence.model,
-        shape_prior: &evidence.shape_prior,
-        shape_weight: options.shape_weight,
-        pose_prior: &evidence.pose_prior,
-        chain_prior: &ChainPrior::new(evidence.model, options.motion_model),
-        seconds: &seconds,
-        terms: &terms,
-        data_weight: 1.0,
-    };
+    let times: Vec<f64> = seconds
+        .iter()
+        .scan(0.0, |t, s| {
+            *t += s;
+            Some(*t)
+        })
+        .collect();
+    let chain_prior = ChainPrior::new(evidence.model, options.motion_model);
     let solver = Options {
         max_iterations: options.iterations,
         damping: 1e-4,
         relative_decrease: 1e-5,
     };
-    let solution = levenberg_marquardt(&posterior, start, &solver);
+    let posterior = |noise: &Noise| SequencePosterior {
+        model: evidence.model,
+        shape_prior: &evidence.shape_prior,
+        shape_weight: noise.over_time,
+        pose_prior: &evidence.pose_prior,
+        chain_prior: &chain_prior,
+        seconds: &seconds,
+        terms: &terms,
+        data_weight: noise.data_weight(),
+    };
+    let mut noise = Noise {
+        scale: 1.0,
+        along_border: 1.0,
+        repeated: 1.0,
+        over_time: (seconds.len() as f64).sqrt(),
+    };
+    let mut solution = levenberg_marquardt(&posterior(&noise), start, &solver);
+    for _ in 0..options.rounds {
+        noise = Noise::of(&residuals(evidence.model, &terms, &solution.state), &times);
+        solution = levenberg_marquardt(&posterior(&noise), solution.state, &solver);
+    }
     let uncertainty = uncertainty(
         evidence.model,
         &solution.state,
         &solution.model,
-        options.shape_weight,
+        noise.over_time,
     );
     Joint {
         shape: solution.state.shape,
         motions: solution.state.motions,
+        noise,
         uncertainty,
         report: solution.report,
     }
+}
+
+fn residuals(
+    model: &BodyModel,
+    terms: &[Vec<Box<dyn Term + '_>>],
+    state: &SequenceState,
+) -> Vec<Vec<Residual>> {
+    let frames = terms.par_iter().zip(&state.motions);
+    let of_frame = |(terms, motion): (&Vec<Box<dyn Term + '_>>, &Motion)| {
+        let body = Posed::new(model, &state.shape, motion);
+        terms.iter().flat_map(|t| t.residuals(&body)).collect()
+    };
+    frames.map(of_frame).collect()
 }
 
 /// Seconds from each frame's predecessor.

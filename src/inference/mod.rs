@@ -20,6 +20,7 @@ mod hypothesis;
 pub mod joint;
 mod journal;
 mod keyframe;
+pub mod noise;
 pub mod prior;
 pub mod propagate;
 pub mod search;

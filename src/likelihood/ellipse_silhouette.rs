@@ -11,14 +11,14 @@
 //! A border pixel errs by σ² = σ_px² + (σ_m·f/z)²: segmentation, and the ellipsoids' own mismatch with
 //! a body. Neighbouring pixels err together: a row weighs its length over the correlation length.
 
-use nalgebra::{Matrix3x4, SVector, Vector2};
+use nalgebra::{Matrix3, Matrix3x4, Point3, SVector, Vector2};
 
-use super::Term;
 use super::ellipse_distance::{EllipseDistance, OutlineEllipse};
 use super::ellipse_sums::EllipseSums;
 use super::union::{nearest, smooth_union};
+use super::{Residual, Term};
 use crate::body::{EllipsoidJacobians, Posed};
-use crate::camera::Camera;
+use crate::camera::{Camera, Ray};
 use crate::math::quadric::{Ellipsoid, ProjectionJacobian, project, project_with_jacobian};
 use crate::silhouette::{DistanceMap, Silhouette};
 use crate::solver::{Loss, NormalEquations};
@@ -87,6 +87,8 @@ impl EllipseOptions {
 pub struct View<'a> {
     projection: Matrix3x4<f64>,
     points: Vec<Vector2<f64>>,
+    /// Their lines of sight.
+    rays: Vec<Ray>,
     lengths_px: Vec<f64>,
     outside: &'a DistanceMap,
     px_per_m: f64,
@@ -100,6 +102,7 @@ impl<'a> View<'a> {
         Self {
             projection: camera.projection(),
             points: contour.iter().map(|p| p.pixel.coords).collect(),
+            rays: contour.iter().map(|p| camera.ray(&p.pixel)).collect(),
             lengths_px: contour.iter().map(|p| p.length_px).collect(),
             outside: &silhouette.outside,
             px_per_m,
@@ -238,6 +241,39 @@ impl<'a> EllipseSilhouette<'a> {
         }
     }
 
+    /// The forward residuals of one view, each where its line of sight touches the nearest ellipsoid.
+    fn residuals_of(
+        &self,
+        source: usize,
+        view: &View<'_>,
+        body: &Posed<'_>,
+        ellipsoids: &[Ellipsoid],
+    ) -> Vec<Residual> {
+        let (ellipses, _) = project_all(&view.projection, ellipsoids);
+        let precision = 1.0 / self.sigma_px(view);
+        let mut near = Vec::with_capacity(ellipses.len());
+        let mut hint = 0;
+        let mut residuals = Vec::with_capacity(view.points.len());
+        let points = view.points.iter().zip(&view.rays).zip(&view.lengths_px);
+        for ((x, ray), length_px) in points {
+            let Some(distance) = self.distance(view, &ellipses, x, (&mut hint, &mut near)) else {
+                continue;
+            };
+            let largest = near.iter().max_by(|a, b| a.1.norm().total_cmp(&b.1.norm()));
+            let Some(&(index, _)) = largest else { continue };
+            let part = body.model.ellipsoids[index].part;
+            let touched = body.in_part(part, &contact(ray, &ellipsoids[index]));
+            residuals.push(Residual {
+                source,
+                value: distance * precision,
+                weight: length_px / (view.px_per_m * self.options.correlation_m),
+                part,
+                place_part: touched,
+            });
+        }
+        residuals
+    }
+
     /// Distance of a border point to the model; `near` receives its derivative by ellipse.
     fn distance(
         &self,
@@ -268,6 +304,14 @@ impl<'a> EllipseSilhouette<'a> {
             .map(|e| perimeter(e.radii.value))
             .collect()
     }
+}
+
+/// The point of a ray that is nearest to an ellipsoid's centre in the ellipsoid's own measure.
+fn contact(ray: &Ray, ellipsoid: &Ellipsoid) -> Point3<f64> {
+    let inverse = ellipsoid.shape.cholesky().map(|c| c.inverse());
+    let pull = inverse.unwrap_or_else(Matrix3::identity) * ray.direction_world.into_inner();
+    let offset = ellipsoid.centre - ray.origin_world.coords;
+    ray.point_at(offset.dot(&pull) / ray.direction_world.dot(&pull))
 }
 
 /// ∂(slope·x)/∂(ellipse) for the sample x = c + L·(cos, sin), L the Cholesky factor of Σ.
@@ -328,6 +372,14 @@ impl Term for EllipseSilhouette<'_> {
         jacobians.update(body, &ellipsoids);
         in_world.add_to(&jacobians, equations);
         cost
+    }
+
+    fn residuals(&self, body: &Posed<'_>) -> Vec<Residual> {
+        let ellipsoids = body.ellipsoids();
+        let views = self.views.iter().enumerate();
+        views
+            .flat_map(|(source, view)| self.residuals_of(source, view, body, &ellipsoids))
+            .collect()
     }
 }
 

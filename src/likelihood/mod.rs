@@ -15,8 +15,25 @@ mod union;
 pub use ellipse_distance::{EllipseDistance, OutlineEllipse, exact_distance};
 pub use ellipse_silhouette::{EllipseOptions, EllipseSilhouette, Variant, View, ViewResiduals};
 
-use crate::body::Posed;
+use nalgebra::Vector3;
+
+use crate::body::{PartId, Posed};
 use crate::solver::NormalEquations;
+
+/// One residual, and where on the body it was measured.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Residual {
+    /// Which of the frame's views, or other source of data, it is from.
+    pub source: usize,
+    /// r/σ.
+    pub value: f64,
+    /// w: the number of independent observations that it stands for.
+    pub weight: f64,
+    /// The part on which it was measured.
+    pub part: PartId,
+    /// Where on it, in the part's frame, metres.
+    pub place_part: Vector3<f64>,
+}
 
 /// −log p(one kind of data | pose and shape), up to a constant; never negative.
 pub trait Term: Send + Sync {
@@ -29,4 +46,6 @@ pub trait Term: Send + Sync {
     /// Components of the state beyond the dimension of `equations` are held fixed: a problem in the
     /// motion alone passes equations of the motion's dimension.
     fn linearize(&self, body: &Posed<'_>, equations: &mut NormalEquations) -> f64;
+    /// The residuals at a pose, those of one source in the order of its data (along a border).
+    fn residuals(&self, body: &Posed<'_>) -> Vec<Residual>;
 }

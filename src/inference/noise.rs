@@ -1,0 +1,178 @@
+//! How the residuals err, estimated from the recording itself.
+//!
+//! A likelihood that takes every row for an independent observation of its stated σ is far too sure of itself:
+//!
+//! 1. *scale*: the residuals may be larger or smaller than stated. κ² = mean of (r/σ)².
+//! 2. *along the border* neighbouring rows err together. With the autocorrelation ρ(u) over the distance u in
+//!    units of what was stated to go together, λ = ∫ρ(u)du of them are one observation.
+//! 3. *over time* the flesh's mismatch with the model returns in every frame and camera that shows the same place
+//!    of the body. Let y be the mean residual of one place in one view: Var y = V = P + I, P what returns (the
+//!    mean product of two y of one place far apart in time), I what does not. N of them are worth
+//!    V/(P + I′/N), with I′ = I and what it shares with its neighbours in time.
+//!
+//! The data's cost is divided by κ²λ, for all unknowns alike. What returns is no noise that a frame's motion
+//! would average out, but neither are n frames n times the evidence about s: p(s) counts τ = N/N_eff times
+//! against the data, which is the same as weighing the data by 1/τ where they speak of s.
+
+use std::collections::BTreeMap;
+
+use crate::likelihood::Residual;
+
+/// How the residuals of a recording err.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Noise {
+    /// κ: residuals over their stated standard deviation, root mean square.
+    pub scale: f64,
+    /// λ: how many of the stated independent observations along a border are one.
+    pub along_border: f64,
+    /// √(P/V): which part of a place's mean residual returns in every frame.
+    pub repeated: f64,
+    /// τ: how many observations of s are one.
+    pub over_time: f64,
+}
+
+/// A place of the body: edge of the cubes into which a part's frame is divided, metres.
+const CELL_M: f64 = 0.1;
+/// Residuals beyond this many κ count as this many: outliers.
+const CLIP: f64 = 3.0;
+/// Places are looked at again after this long, seconds: what is alike then, returns.
+const APART_S: f64 = 0.4;
+
+impl Noise {
+    /// From the residuals of every frame at the optimum, and the frames' times.
+    pub fn of(frames: &[Vec<Residual>], seconds: &[f64]) -> Self {
+        let scale = scale_of(frames);
+        let places = places(frames, seconds, scale);
+        let (repeated, over_time) = over_time(&places);
+        Self {
+            scale,
+            along_border: along_border(frames, scale),
+            repeated,
+            over_time,
+        }
+    }
+
+    /// What the data's cost is to be multiplied with: 1/(κ²λ).
+    pub fn data_weight(&self) -> f64 {
+        1.0 / (self.scale * self.scale * self.along_border)
+    }
+}
+
+/// κ, with outliers clipped at three times itself.
+fn scale_of(frames: &[Vec<Residual>]) -> f64 {
+    let mut scale = f64::INFINITY;
+    for _ in 0..20 {
+        let limit = CLIP * scale;
+        let (mut sum, mut weights) = (0.0, 0.0);
+        for r in frames.iter().flatten() {
+            sum += r.weight * r.value.clamp(-limit, limit).powi(2);
+            weights += r.weight;
+        }
+        if weights <= 0.0 {
+            return 1.0;
+        }
+        scale = (sum / weights).sqrt().max(1e-6);
+    }
+    scale
+}
+
+/// λ = 2∫₀^∞ρ du, up to where ρ falls below 0.05.
+fn along_border(frames: &[Vec<Residual>], scale: f64) -> f64 {
+    const BIN: f64 = 0.2;
+    const BINS: usize = 100;
+    let (mut products, mut counts) = ([0.0; BINS], [0.0; BINS]);
+    for frame in frames {
+        for border in frame.chunk_by(|a, b| a.source == b.source) {
+            let mut at = 0.0;
+            let placed: Vec<(f64, f64)> = border
+                .iter()
+                .map(|r| {
+                    at += r.weight;
+                    (at - 0.5 * r.weight, (r.value / scale).clamp(-CLIP, CLIP))
+                })
+                .collect();
+            for (i, (u, r)) in placed.iter().enumerate() {
+                for (v, other) in &placed[i..] {
+                    let bin = ((v - u) / BIN).round() as usize;
+                    if bin >= BINS {
+                        break;
+                    }
+                    products[bin] += r * other;
+                    counts[bin] += 1.0;
+                }
+            }
+        }
+    }
+    let mean = |k: usize| products[k] / f64::max(counts[k], 1.0);
+    let rho = |k: usize| mean(k) / mean(0).max(1e-12);
+    let together = (1..BINS)
+        .map(rho)
+        .take_while(|rho| *rho > 0.05)
+        .sum::<f64>();
+    BIN * (1.0 + 2.0 * together)
+}
+
+/// The mean residuals of one place, in the order of time.
+type Place = Vec<(f64, f64)>;
+
+fn places(frames: &[Vec<Residual>], seconds: &[f64], scale: f64) -> Vec<Place> {
+    let mut places: BTreeMap<(usize, [i32; 3]), Place> = BTreeMap::new();
+    for (frame, time) in frames.iter().zip(seconds) {
+        let mut seen: BTreeMap<(usize, [i32; 3], usize), (f64, f64)> = BTreeMap::new();
+        for r in frame {
+            let cell = [0, 1, 2].map(|k| (r.place_part[k] / CELL_M).floor() as i32);
+            let (sum, weight) = seen.entry((r.part.0, cell, r.source)).or_default();
+            *sum += r.weight * (r.value / scale).clamp(-CLIP, CLIP);
+            *weight += r.weight;
+        }
+        for ((part, cell, _), (sum, weight)) in seen {
+            places
+                .entry((part, cell))
+                .or_default()
+                .push((*time, sum / weight.max(1e-12)));
+        }
+    }
+    places.into_values().collect()
+}
+
+/// (√(P/V), τ).
+fn over_time(places: &[Place]) -> (f64, f64) {
+    // sums of products: of each with itself, with its neighbours in time, with those far apart
+    let (mut own, mut count) = (0.0, 0.0);
+    let (mut near, mut near_pairs) = (0.0, 0.0);
+    let (mut far, mut far_pairs) = (0.0, 0.0);
+    for place in places {
+        let n = place.len() as f64;
+        let sum: f64 = place.iter().map(|(_, y)| y).sum();
+        let squares: f64 = place.iter().map(|(_, y)| y * y).sum();
+        let (mut close, mut close_pairs) = (0.0, 0.0);
+        for (i, (t, y)) in place.iter().enumerate() {
+            for (_, other) in place[i + 1..].iter().take_while(|(u, _)| u - t < APART_S) {
+                close += 2.0 * y * other;
+                close_pairs += 2.0;
+            }
+        }
+        own += squares;
+        count += n;
+        near += close;
+        near_pairs += close_pairs;
+        far += sum * sum - squares - close;
+        far_pairs += n * (n - 1.0) - close_pairs;
+    }
+    if count < 1.0 || own <= 0.0 {
+        return (0.0, 1.0);
+    }
+    let v = own / count;
+    // a recording too short to tell: all of it may return
+    let p = if far_pairs > 0.0 {
+        (far / far_pairs).clamp(0.0, v)
+    } else {
+        v
+    };
+    let independent = ((own + near - p * (near_pairs + count)) / count).max(1e-6 * v);
+    let worth: f64 = places
+        .iter()
+        .map(|place| v / (p + independent / place.len() as f64))
+        .sum();
+    ((p / v).sqrt(), (count / worth).max(1.0))
+}
