@@ -143,7 +143,6 @@ fn options(pruning: Pruning) -> SearchOptions {
             iterations: 6,
             kept: 2,
         },
-        together: 4,
         pruning,
         ..SearchOptions::default()
     }

@@ -147,7 +147,6 @@ impl Summary<'_> {
 fn origin(hypothesis: &HypothesisPart) -> String {
     match (hypothesis.origin, hypothesis.reading) {
         (OriginPart::Prior, _) => "mean body".into(),
-        (OriginPart::Together, _) => "frames together".into(),
         (OriginPart::Keyframe, None | Some(0)) => "keyframe".into(),
         (OriginPart::Keyframe, Some(reading)) => format!("keyframe, reading {}", reading + 1),
     }

@@ -4,9 +4,9 @@ use super::hull;
 use super::prior::{PosePrior, ShapePrior};
 use super::start::Detail;
 use crate::body::BodyModel;
-use crate::camera::Rig;
-use crate::likelihood::{EllipseOptions, EllipseSilhouette, Term, View};
-use crate::silhouette::FrameObservations;
+use crate::camera::{Camera, CameraId, Rig};
+use crate::likelihood::{EllipseSilhouette, LikelihoodOptions, Measure, Term, View};
+use crate::silhouette::{FrameObservations, Silhouette};
 
 /// One border point per this length in coarse and in fine evaluations, m.
 const COARSE_SPACING_M: f64 = 0.05;
@@ -14,6 +14,8 @@ const FINE_SPACING_M: f64 = 0.02;
 
 /// Coarse evaluations forgive this much mismatch, m.
 const COARSE_SIGMA_M: f64 = 0.03;
+/// And look at so few samples of each ellipse's outline.
+const COARSE_BACK_SAMPLES: usize = 12;
 
 /// Body, priors, cameras and likelihood; shared by all keyframes, hypotheses and threads.
 #[derive(Debug, Clone)]
@@ -26,18 +28,26 @@ pub struct Evidence<'a> {
     pub shape_prior: ShapePrior,
     /// p(m).
     pub pose_prior: PosePrior,
-    likelihood: EllipseOptions,
+    /// What silhouettes and points are compared with.
+    pub measure: Measure,
+    likelihood: LikelihoodOptions,
 }
 
 impl<'a> Evidence<'a> {
     /// Puts a model's priors beside the cameras and the likelihood.
-    pub fn new(model: &'a BodyModel, rig: &'a Rig, likelihood: EllipseOptions) -> Self {
+    pub fn new(
+        model: &'a BodyModel,
+        rig: &'a Rig,
+        likelihood: LikelihoodOptions,
+        measure: Measure,
+    ) -> Self {
         let (shape_prior, pose_prior) = (ShapePrior::of(model), PosePrior::of(model));
         Self {
             model,
             rig,
             shape_prior,
             pose_prior,
+            measure,
             likelihood,
         }
     }
@@ -48,39 +58,33 @@ impl<'a> Evidence<'a> {
         frame: &'f FrameObservations,
         detail: Detail,
     ) -> Vec<Box<dyn Term + 'f>> {
-        vec![Box::new(self.silhouettes(frame, detail))]
-    }
-
-    /// The silhouette term alone.
-    pub fn silhouettes<'f>(
-        &self,
-        frame: &'f FrameObservations,
-        detail: Detail,
-    ) -> EllipseSilhouette<'f> {
-        let subject = hull::subject(self.rig, frame);
-        let (spacing_m, options) = match detail {
-            Detail::Fine => (FINE_SPACING_M, self.likelihood),
-            Detail::Coarse => {
-                let sigma_m = self.likelihood.sigma_m.max(COARSE_SIGMA_M);
-                (
-                    COARSE_SPACING_M,
-                    EllipseOptions {
-                        sigma_m,
-                        back_samples: self.likelihood.back_samples.min(12),
-                        ..self.likelihood
-                    },
-                )
-            }
+        let (likelihood, spacing_m) = match detail {
+            Detail::Fine => (self.likelihood, FINE_SPACING_M),
+            Detail::Coarse => (coarse(self.likelihood), COARSE_SPACING_M),
         };
-        let view =
-            |(id, silhouette): &'f (crate::camera::CameraId, crate::silhouette::Silhouette)| {
+        let subject = hull::subject(self.rig, frame);
+        let depth_m = |camera: &Camera| {
+            let depth = subject.map(|p| (camera.camera_from_world * p).z);
+            let depth = depth.filter(|z| *z > 0.0);
+            depth.unwrap_or_else(|| camera.centre_world().coords.norm())
+        };
+        let mut terms: Vec<Box<dyn Term + 'f>> = Vec::new();
+        if self.measure.has_ellipses() {
+            let view = |(id, silhouette): &'f (CameraId, Silhouette)| {
                 let camera = &self.rig.cameras[id.0];
-                let depth = subject
-                    .map(|p| (camera.camera_from_world * p).z)
-                    .filter(|z| *z > 0.0);
-                let depth_m = depth.unwrap_or_else(|| camera.centre_world().coords.norm());
-                View::new(camera, silhouette, depth_m, spacing_m)
+                View::new(camera, silhouette, depth_m(camera), spacing_m)
             };
-        EllipseSilhouette::new(frame.views.iter().map(view).collect(), options)
+            let views = frame.views.iter().map(view).collect();
+            terms.push(Box::new(EllipseSilhouette::new(views, likelihood.ellipses)));
+        }
+        terms
     }
+}
+
+/// The same likelihood, forgiving.
+fn coarse(mut likelihood: LikelihoodOptions) -> LikelihoodOptions {
+    let ellipses = &mut likelihood.ellipses;
+    ellipses.sigma_m = ellipses.sigma_m.max(COARSE_SIGMA_M);
+    ellipses.back_samples = ellipses.back_samples.min(COARSE_BACK_SAMPLES);
+    likelihood
 }

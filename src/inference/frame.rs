@@ -3,6 +3,7 @@
 use nalgebra::DVector;
 
 use super::prior::{PosePrior, ShapePrior};
+use super::propagate::FrameFit;
 use super::step::StepPrior;
 use crate::body::{BodyModel, Layout, Motion, Posed, Shape, State};
 use crate::likelihood::Term;
@@ -75,17 +76,22 @@ impl Problem for KeyframePosterior<'_> {
 }
 
 impl FramePosterior<'_> {
-    /// −log p(Zᵢ | mᵢ, s) alone.
-    pub fn data_cost(&self, motion: &Motion) -> f64 {
-        data_cost(self.terms, &Posed::new(self.model, self.shape, motion))
+    fn step_cost(&self, motion: &Motion) -> f64 {
+        let cost = |(step, mean): (&StepPrior, &Motion)| step.cost(mean, motion);
+        self.step.map_or(0.0, cost)
     }
 
-    /// −log p(mᵢ | mᵢ₋₁) alone: limits, rest and step.
-    pub fn motion_cost(&self, motion: &Motion) -> f64 {
-        self.pose_prior.cost(motion)
-            + self
-                .step
-                .map_or(0.0, |(step, mean)| step.cost(mean, motion))
+    /// A motion and the parts of its cost, which is known.
+    pub(super) fn taken_apart(&self, motion: Motion, cost: f64) -> FrameFit {
+        let (pose, step) = (self.pose_prior.cost(&motion), self.step_cost(&motion));
+        FrameFit {
+            motion,
+            data: (cost - pose - step).max(0.0),
+            pose,
+            step,
+            observations: self.terms.iter().map(|t| t.observations()).sum(),
+            recovered: false,
+        }
     }
 }
 
@@ -98,7 +104,9 @@ impl Problem for FramePosterior<'_> {
     }
 
     fn cost(&self, x: &Motion) -> f64 {
-        self.data_cost(x) + self.motion_cost(x)
+        data_cost(self.terms, &Posed::new(self.model, self.shape, x))
+            + self.pose_prior.cost(x)
+            + self.step_cost(x)
     }
 
     fn linearize(&self, x: &Motion, equations: &mut NormalEquations) -> f64 {

@@ -11,8 +11,6 @@ pub enum Origin {
     Prior,
     /// argmax p(mₖ, s | Zₖ): the reading of that number, 0 the best.
     Keyframe(usize),
-    /// One shape for many frames at once, started from the best of the others.
-    Together,
 }
 
 /// A shape s*ₖ with the motion of its keyframe.

@@ -16,7 +16,7 @@ use super::sequence::{SequencePosterior, SequenceState};
 use super::start::Detail;
 use super::step::MotionModel;
 use crate::body::{BodyModel, Layout, Motion, Posed, Shape};
-use crate::likelihood::{Residual, Term};
+use crate::likelihood::{PlacedResidual, Term};
 use crate::solver::{BorderedChain, Marginal, Options, Report, levenberg_marquardt};
 
 /// Settings of the joint optimum.
@@ -140,7 +140,7 @@ fn residuals(
     model: &BodyModel,
     terms: &[Vec<Box<dyn Term + '_>>],
     state: &SequenceState,
-) -> Vec<Vec<Residual>> {
+) -> Vec<Vec<PlacedResidual>> {
     let frames = terms.par_iter().zip(&state.motions);
     let of_frame = |(terms, motion): (&Vec<Box<dyn Term + '_>>, &Motion)| {
         let body = Posed::new(model, &state.shape, motion);

@@ -1,13 +1,11 @@
-//! The shape hypotheses: from each keyframe (ZS06, Alg. 1, line 3), from the prior (line 2), from all together.
+//! The shape hypotheses: from each keyframe (ZS06, Alg. 1, line 3), from the prior (line 2).
 
 use super::evidence::Evidence;
 use super::frame::FramePosterior;
-use super::hypothesis::{Hypothesis, Origin, Trial};
+use super::hypothesis::{Hypothesis, Origin};
 use super::propagate::{FrameFit, Sequence, solve};
 use super::start::{Detail, StartOptions, readings};
-use super::together::{Member, refine};
 use crate::body::{Motion, Shape};
-use crate::likelihood::Term;
 
 /// The keyframes K: every `every`-th frame that two cameras see, or the first such frame.
 pub(super) fn keyframes(sequence: Sequence<'_>, every: usize) -> Vec<usize> {
@@ -48,61 +46,12 @@ pub(super) fn mean_hypothesis(
     from: &Hypothesis,
 ) -> Hypothesis {
     let shape = evidence.shape_prior.mean();
-    at_keyframe(
-        evidence,
-        sequence,
-        Origin::Prior,
-        shape,
-        (from.keyframe, from.motion.clone()),
-    )
-}
-
-/// The shape that up to `count` evenly spaced frames of a trial agree on.
-pub(super) fn together_hypothesis(
-    evidence: &Evidence<'_>,
-    sequence: Sequence<'_>,
-    trial: &Trial,
-    count: usize,
-) -> Hypothesis {
-    let n = sequence.frames.len();
-    let member = |i: usize| {
-        let motion = trial.frames[i].as_ref()?.motion.clone();
-        Some(Member {
-            terms: evidence.terms(&sequence.frames[i], Detail::Fine),
-            motion,
-        })
-    };
-    let mut members: Vec<Member<'_>> = (0..n)
-        .step_by(n.div_ceil(count).max(1))
-        .filter_map(member)
-        .collect();
-    let shape = refine(evidence, trial.hypothesis.shape.clone(), &mut members);
-    let k = trial.hypothesis.keyframe;
-    let fitted = trial.frames[k]
-        .as_ref()
-        .map_or(&trial.hypothesis.motion, |f| &f.motion);
-    at_keyframe(
-        evidence,
-        sequence,
-        Origin::Together,
-        shape,
-        (k, fitted.clone()),
-    )
-}
-
-fn at_keyframe(
-    evidence: &Evidence<'_>,
-    sequence: Sequence<'_>,
-    origin: Origin,
-    shape: Shape,
-    (keyframe, motion): (usize, Motion),
-) -> Hypothesis {
-    let fit = keyframe_fit(evidence, sequence, keyframe, &shape, motion);
-    let keyframe_cost = fit.cost() + evidence.shape_prior.cost(&shape);
+    let keyframe = from.keyframe;
+    let fit = keyframe_fit(evidence, sequence, keyframe, &shape, from.motion.clone());
     Hypothesis {
-        origin,
+        origin: Origin::Prior,
         keyframe,
-        keyframe_cost,
+        keyframe_cost: fit.cost() + evidence.shape_prior.cost(&shape),
         motion: fit.motion,
         shape,
     }
@@ -116,9 +65,7 @@ pub(super) fn keyframe_fit(
     shape: &Shape,
     motion: Motion,
 ) -> FrameFit {
-    let silhouettes = evidence.silhouettes(&sequence.frames[keyframe], Detail::Fine);
-    let observations = silhouettes.effective_observations();
-    let terms: Vec<Box<dyn Term + '_>> = vec![Box::new(silhouettes)];
+    let terms = evidence.terms(&sequence.frames[keyframe], Detail::Fine);
     let pose_prior = &evidence.pose_prior;
     let posterior = FramePosterior {
         model: evidence.model,
@@ -127,5 +74,5 @@ pub(super) fn keyframe_fit(
         step: None,
         terms: &terms,
     };
-    solve(&posterior, motion, 30, observations)
+    solve(&posterior, motion, 30)
 }

@@ -9,6 +9,8 @@
 //! | a pose from nothing               | [`hull`], [`start`] |
 //! | one hypothesis along the chain    | [`propagate`]    |
 //! | Algorithm 1                       | [`search`]       |
+//! | eq. 1 as a problem of all frames  | [`chain`], [`sequence`] |
+//! | its optimum, how sure it is       | [`joint`], [`noise`] |
 //! | p_ε,σ(K)                          | [`confidence`]   |
 
 pub mod chain;
@@ -27,6 +29,5 @@ pub mod search;
 pub mod sequence;
 pub mod start;
 pub mod step;
-mod together;
 
 pub use evidence::Evidence;

@@ -16,7 +16,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::likelihood::Residual;
+use crate::likelihood::{PlacedResidual, Source};
 
 /// How the residuals of a recording err.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -40,7 +40,7 @@ const APART_S: f64 = 0.4;
 
 impl Noise {
     /// From the residuals of every frame at the optimum, and the frames' times.
-    pub fn of(frames: &[Vec<Residual>], seconds: &[f64]) -> Self {
+    pub fn of(frames: &[Vec<PlacedResidual>], seconds: &[f64]) -> Self {
         let scale = scale_of(frames);
         let places = places(frames, seconds, scale);
         let (repeated, over_time) = over_time(&places);
@@ -59,7 +59,7 @@ impl Noise {
 }
 
 /// κ, with outliers clipped at three times itself.
-fn scale_of(frames: &[Vec<Residual>]) -> f64 {
+fn scale_of(frames: &[Vec<PlacedResidual>]) -> f64 {
     let mut scale = f64::INFINITY;
     for _ in 0..20 {
         let limit = CLIP * scale;
@@ -77,7 +77,7 @@ fn scale_of(frames: &[Vec<Residual>]) -> f64 {
 }
 
 /// λ = 2∫₀^∞ρ du, up to where ρ falls below 0.05.
-fn along_border(frames: &[Vec<Residual>], scale: f64) -> f64 {
+fn along_border(frames: &[Vec<PlacedResidual>], scale: f64) -> f64 {
     const BIN: f64 = 0.2;
     const BINS: usize = 100;
     let (mut products, mut counts) = ([0.0; BINS], [0.0; BINS]);
@@ -115,10 +115,10 @@ fn along_border(frames: &[Vec<Residual>], scale: f64) -> f64 {
 /// The mean residuals of one place, in the order of time.
 type Place = Vec<(f64, f64)>;
 
-fn places(frames: &[Vec<Residual>], seconds: &[f64], scale: f64) -> Vec<Place> {
+fn places(frames: &[Vec<PlacedResidual>], seconds: &[f64], scale: f64) -> Vec<Place> {
     let mut places: BTreeMap<(usize, [i32; 3]), Place> = BTreeMap::new();
     for (frame, time) in frames.iter().zip(seconds) {
-        let mut seen: BTreeMap<(usize, [i32; 3], usize), (f64, f64)> = BTreeMap::new();
+        let mut seen: BTreeMap<(usize, [i32; 3], Source), (f64, f64)> = BTreeMap::new();
         for r in frame {
             let cell = [0, 1, 2].map(|k| (r.place_part[k] / CELL_M).floor() as i32);
             let (sum, weight) = seen.entry((r.part.0, cell, r.source)).or_default();

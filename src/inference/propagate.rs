@@ -148,9 +148,7 @@ impl Track {
             MotionModel::ConstantPosition => &self.last.1,
             MotionModel::ConstantVelocity => &predicted,
         };
-        let silhouettes = evidence.silhouettes(frame, Detail::Fine);
-        let observations = silhouettes.effective_observations();
-        let terms: Vec<Box<dyn crate::likelihood::Term + '_>> = vec![Box::new(silhouettes)];
+        let terms = evidence.terms(frame, Detail::Fine);
         let posterior = FramePosterior {
             model: evidence.model,
             shape,
@@ -159,12 +157,7 @@ impl Track {
             terms: &terms,
         };
         // the most probable motion from the prediction
-        let fit = solve(
-            &posterior,
-            predicted.clone(),
-            options.iterations,
-            observations,
-        );
+        let fit = solve(&posterior, predicted.clone(), options.iterations);
         if self.plausible(&fit, options.recovery_ratio) {
             return fit;
         }
@@ -172,7 +165,7 @@ impl Track {
         self.rest_until = self.ahead.len().saturating_sub(PATIENCE);
         let anew = readings(evidence, frame, start)
             .into_iter()
-            .map(|start| solve(&posterior, start.state.motion, 30, observations))
+            .map(|start| solve(&posterior, start.state.motion, 30))
             .min_by(|a, b| a.cost().total_cmp(&b.cost()))
             .filter(|anew| anew.cost() < fit.cost());
         match anew {
@@ -219,7 +212,6 @@ pub(super) fn solve(
     posterior: &FramePosterior<'_>,
     start: Motion,
     max_iterations: usize,
-    observations: f64,
 ) -> FrameFit {
     let options = Options {
         max_iterations,
@@ -227,18 +219,5 @@ pub(super) fn solve(
         relative_decrease: 1e-4,
     };
     let solution = levenberg_marquardt(posterior, start, &options);
-    let motion = solution.state;
-    let pose = posterior.pose_prior.cost(&motion);
-    let step = posterior
-        .step
-        .map_or(0.0, |(step, mean)| step.cost(mean, &motion));
-    let data = (solution.cost - pose - step).max(0.0);
-    FrameFit {
-        motion,
-        data,
-        pose,
-        step,
-        observations,
-        recovered: false,
-    }
+    posterior.taken_apart(solution.state, solution.cost)
 }

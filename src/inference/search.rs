@@ -6,9 +6,7 @@ use super::Evidence;
 use super::hypothesis::best_of;
 pub use super::hypothesis::{Hypothesis, Origin, Search, Trial};
 pub use super::journal::{Journal, NoJournal};
-use super::keyframe::{
-    keyframe_fit, keyframe_hypotheses, keyframes, mean_hypothesis, together_hypothesis,
-};
+use super::keyframe::{keyframe_fit, keyframe_hypotheses, keyframes, mean_hypothesis};
 use super::propagate::{Sequence, Track, TrackOptions};
 use super::start::StartOptions;
 
@@ -22,8 +20,6 @@ pub struct SearchOptions {
     pub start: StartOptions,
     /// Settings of the tracking.
     pub track: TrackOptions,
-    /// Frames that are asked for one shape together after the keyframes were tried; 0 or 1: none (ZS06).
-    pub together: usize,
     /// Whether hypotheses that can no longer win are dropped; the winner is the same.
     pub pruning: Pruning,
 }
@@ -44,7 +40,6 @@ impl Default for SearchOptions {
             keyframe_every: 20,
             start: StartOptions::default(),
             track: TrackOptions::default(),
-            together: 64,
             pruning: Pruning::Exact,
         }
     }
@@ -62,8 +57,7 @@ const STRIDE: usize = 8;
 ///
 /// # Source
 /// ZS06, Algorithm 1. Differs: a keyframe gives one hypothesis for each reading (front, back); tracks run
-/// both ways from the keyframe; hypotheses that can no longer win are dropped, exactly; and when the
-/// keyframes were tried, the best one's frames are asked for one shape together.
+/// both ways from the keyframe; hypotheses that can no longer win are dropped, exactly.
 pub fn search(
     evidence: &Evidence<'_>,
     sequence: Sequence<'_>,
@@ -90,14 +84,7 @@ pub fn search(
     let mut hypotheses = vec![mean_hypothesis(evidence, sequence, &found[promising])];
     hypotheses.extend(found);
     // 4. propagate every hypothesis along the chain: argmax p(mᵢ | mᵢ₋₁, s, Zᵢ)
-    let mut trials = run.follow_all(&hypotheses, promising + 1);
-    // beyond the paper: one more hypothesis, the best one's frames asked for a shape together
-    if options.together > 1 {
-        let best = &trials[best_of(&trials)?];
-        let together = together_hypothesis(evidence, sequence, best, options.together);
-        let bound = run.bound(best);
-        trials.push(run.follow(trials.len(), &together, bound));
-    }
+    let trials = run.follow_all(&hypotheses, promising + 1);
     // 5. the most probable sequence posterior (eq. 1)
     let winner = best_of(&trials)?;
     Some(Search { trials, winner })

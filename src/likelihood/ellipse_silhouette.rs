@@ -16,7 +16,7 @@ use nalgebra::{Matrix3, Matrix3x4, Point3, SVector, Vector2};
 use super::ellipse_distance::{EllipseDistance, OutlineEllipse};
 use super::ellipse_sums::EllipseSums;
 use super::union::{nearest, smooth_union};
-use super::{Residual, Term};
+use super::{PlacedResidual, Source, Term};
 use crate::body::{EllipsoidJacobians, Posed};
 use crate::camera::{Camera, Ray};
 use crate::math::quadric::{Ellipsoid, ProjectionJacobian, project, project_with_jacobian};
@@ -120,33 +120,6 @@ impl<'a> View<'a> {
     }
 }
 
-/// Distances of one view's border points to the model, without sign.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ViewResiduals {
-    /// Number of border points.
-    pub points: usize,
-    /// Root mean square, px.
-    pub rms_px: f64,
-    /// Median, px.
-    pub median_px: f64,
-    /// 95th percentile, px.
-    pub p95_px: f64,
-}
-
-impl ViewResiduals {
-    fn of(mut distances_px: Vec<f64>) -> Option<Self> {
-        distances_px.sort_by(f64::total_cmp);
-        let points = distances_px.len();
-        let quantile = |q: f64| distances_px[((points - 1) as f64 * q).round() as usize];
-        (points > 0).then(|| Self {
-            points,
-            rms_px: (distances_px.iter().map(|d| d * d).sum::<f64>() / points as f64).sqrt(),
-            median_px: quantile(0.5),
-            p95_px: quantile(0.95),
-        })
-    }
-}
-
 /// −log p(silhouettes | m, s) of one frame.
 #[derive(Debug, Clone)]
 pub struct EllipseSilhouette<'a> {
@@ -170,32 +143,9 @@ impl<'a> EllipseSilhouette<'a> {
         }
     }
 
-    /// Number of independent observations that the border points stand for.
-    pub fn effective_observations(&self) -> f64 {
-        let length_m = |v: &View<'_>| v.lengths_px.iter().sum::<f64>() / v.px_per_m;
-        self.views.iter().map(length_m).sum::<f64>() / self.options.correlation_m
-    }
-
     /// Number of border points in all views.
     pub fn border_points(&self) -> usize {
         self.views.iter().map(View::len).sum()
-    }
-
-    /// How far each view's border points are from the model; `None` where no ellipsoid is before the camera.
-    pub fn residuals(&self, body: &Posed<'_>) -> Vec<Option<ViewResiduals>> {
-        let ellipsoids = body.ellipsoids();
-        let of = |view: &View<'_>| {
-            let ellipses: Vec<_> = ellipsoids
-                .iter()
-                .map(|e| project(&view.projection, e).map(|e| OutlineEllipse::new(&e)))
-                .collect();
-            let mut near = Vec::with_capacity(ellipses.len());
-            let mut hint = 0;
-            let mut distance = |x| self.distance(view, &ellipses, x, (&mut hint, &mut near));
-            let distances = view.points.iter().filter_map(|x| distance(x).map(f64::abs));
-            ViewResiduals::of(distances.collect())
-        };
-        self.views.iter().map(of).collect()
     }
 
     fn sigma_px(&self, view: &View<'_>) -> f64 {
@@ -248,9 +198,9 @@ impl<'a> EllipseSilhouette<'a> {
         view: &View<'_>,
         body: &Posed<'_>,
         ellipsoids: &[Ellipsoid],
-    ) -> Vec<Residual> {
+    ) -> Vec<PlacedResidual> {
         let (ellipses, _) = project_all(&view.projection, ellipsoids);
-        let precision = 1.0 / self.sigma_px(view);
+        let sigma = self.sigma_px(view);
         let mut near = Vec::with_capacity(ellipses.len());
         let mut hint = 0;
         let mut residuals = Vec::with_capacity(view.points.len());
@@ -263,9 +213,10 @@ impl<'a> EllipseSilhouette<'a> {
             let Some(&(index, _)) = largest else { continue };
             let part = body.model.ellipsoids[index].part;
             let touched = body.in_part(part, &contact(ray, &ellipsoids[index]));
-            residuals.push(Residual {
-                source,
-                value: distance * precision,
+            residuals.push(PlacedResidual {
+                source: Source::View(source),
+                value: distance / sigma,
+                sigma,
                 weight: length_px / (view.px_per_m * self.options.correlation_m),
                 part,
                 place_part: touched,
@@ -336,6 +287,11 @@ impl Term for EllipseSilhouette<'_> {
         "ellipses"
     }
 
+    fn observations(&self) -> f64 {
+        let length_m = |v: &View<'_>| v.lengths_px.iter().sum::<f64>() / v.px_per_m;
+        self.views.iter().map(length_m).sum::<f64>() / self.options.correlation_m
+    }
+
     fn cost(&self, body: &Posed<'_>) -> f64 {
         let ellipsoids = body.ellipsoids();
         let girths_m = self.perimeters(body);
@@ -374,7 +330,7 @@ impl Term for EllipseSilhouette<'_> {
         cost
     }
 
-    fn residuals(&self, body: &Posed<'_>) -> Vec<Residual> {
+    fn residuals(&self, body: &Posed<'_>) -> Vec<PlacedResidual> {
         let ellipsoids = body.ellipsoids();
         let views = self.views.iter().enumerate();
         views

@@ -10,23 +10,37 @@
 mod ellipse_distance;
 mod ellipse_silhouette;
 mod ellipse_sums;
+mod options;
 mod union;
 
 pub use ellipse_distance::{EllipseDistance, OutlineEllipse, exact_distance};
-pub use ellipse_silhouette::{EllipseOptions, EllipseSilhouette, Variant, View, ViewResiduals};
+pub use ellipse_silhouette::{EllipseOptions, EllipseSilhouette, Variant, View};
+
+pub use options::{LikelihoodOptions, Measure};
 
 use nalgebra::Vector3;
 
 use crate::body::{PartId, Posed};
 use crate::solver::NormalEquations;
 
+/// What an observation is from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Source {
+    /// A silhouette: its position among the frame's views.
+    View(usize),
+    /// A cloud of points.
+    Cloud,
+}
+
 /// One residual, and where on the body it was measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Residual {
-    /// Which of the frame's views, or other source of data, it is from.
-    pub source: usize,
+pub struct PlacedResidual {
+    /// What it is from.
+    pub source: Source,
     /// r/σ.
     pub value: f64,
+    /// σ, px for a view, metres for a cloud.
+    pub sigma: f64,
     /// w: the number of independent observations that it stands for.
     pub weight: f64,
     /// The part on which it was measured.
@@ -41,11 +55,13 @@ pub trait Term: Send + Sync {
     fn name(&self) -> &'static str;
     /// The term at a pose.
     fn cost(&self, body: &Posed<'_>) -> f64;
+    /// Number of independent observations that its rows stand for.
+    fn observations(&self) -> f64;
     /// Adds JᵀWJ and JᵀWr and returns the cost.
     ///
     /// Components of the state beyond the dimension of `equations` are held fixed: a problem in the
     /// motion alone passes equations of the motion's dimension.
     fn linearize(&self, body: &Posed<'_>, equations: &mut NormalEquations) -> f64;
     /// The residuals at a pose, those of one source in the order of its data (along a border).
-    fn residuals(&self, body: &Posed<'_>) -> Vec<Residual>;
+    fn residuals(&self, body: &Posed<'_>) -> Vec<PlacedResidual>;
 }

@@ -107,7 +107,6 @@ mod tests {
             trial(&model, Origin::Keyframe(0), 0, (0.1, 5.0)),
             trial(&model, Origin::Keyframe(1), 0, (7.0, 6.0)),
             trial(&model, Origin::Keyframe(0), 20, (0.3, 4.0)),
-            trial(&model, Origin::Together, 0, (8.0, 1.0)),
         ];
         let found = ShapeConfidence::of(&model, &trials, &ConfidenceOptions::default());
         assert_eq!(found.keyframes(), 2);

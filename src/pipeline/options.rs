@@ -93,13 +93,12 @@ impl FitOptions {
         ]
     }
 
-    fn ranges_of_search(&self) -> [Range; 7] {
+    fn ranges_of_search(&self) -> [Range; 6] {
         let (search, start) = (&self.search, &self.search.start);
         let track = &search.track;
         let many = 1e6;
         [
             ("keyframe_every", search.keyframe_every as f64, 1.0, many),
-            ("together", search.together as f64, 0.0, many),
             ("start.headings", start.headings as f64, 1.0, 360.0),
             ("start.iterations", start.iterations as f64, 1.0, 1000.0),
             ("start.kept", start.kept as f64, 1.0, 1000.0),

@@ -168,7 +168,6 @@ fn hypotheses(fit: &Fit, model: &BodyModel) -> Vec<HypothesisPart> {
         let (origin, reading) = match hypothesis.origin {
             Origin::Prior => (OriginPart::Prior, None),
             Origin::Keyframe(reading) => (OriginPart::Keyframe, Some(reading)),
-            Origin::Together => (OriginPart::Together, None),
         };
         let outcome = match tried.trial.finished() {
             _ if i == fit.winner => OutcomePart::Won,

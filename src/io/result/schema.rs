@@ -211,8 +211,6 @@ pub enum OriginPart {
     Prior,
     /// One keyframe.
     Keyframe,
-    /// Many frames at once.
-    Together,
 }
 
 /// What became of a hypothesis.

@@ -55,7 +55,6 @@ pub(crate) fn likelihoods() -> [(&'static str, EllipseOptions); 4] {
 pub(crate) fn options() -> SearchOptions {
     SearchOptions {
         keyframe_every: 1,
-        together: 0,
         pruning: Pruning::Off,
         ..SearchOptions::default()
     }
