@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::FieldSample;
-use crate::body::Posed;
+use crate::body::{BodyModel, Motion, PartId, Posed, Shape};
 use crate::math::quadric::Ellipsoid;
 
 /// One primitive of the field: an ellipsoidal Gaussian.
@@ -45,7 +45,7 @@ impl Metaball {
 pub struct Field {
     /// The primitives, in the model's order.
     pub metaballs: Vec<Metaball>,
-    /// The metaballs of each limb, in the order of [`BodyModel::limbs`](crate::body::BodyModel::limbs).
+    /// The metaballs of each limb, in the order of [`BodyModel::limbs`].
     pub limbs: Vec<Vec<usize>>,
     /// The place of each metaball in the list that it was made from.
     pub(super) sources: Vec<usize>,
@@ -56,7 +56,7 @@ impl Field {
     pub fn of(body: &Posed<'_>) -> Self {
         let primitives = &body.model.metaballs;
         let all = Self::new(primitives.iter().map(|m| body.primitive(m)));
-        let of_parts = |parts: Vec<crate::body::PartId>| {
+        let of_parts = |parts: Vec<PartId>| {
             let is_there = |&i: &usize| parts.contains(&primitives[all.sources[i]].part);
             (0..all.metaballs.len()).filter(is_there).collect()
         };
@@ -110,10 +110,18 @@ impl Field {
         sample.update(self, point_world).then_some(sample)
     }
 
-    /// An upper bound of F in ordinary poses: 1.5 × the largest sum at any metaball's centre.
+    /// What F hardly exceeds in any pose: 1.5 × the largest F at any metaball's centre, and at least 1.5.
     pub fn ceiling(&self) -> f64 {
         let centres = self.metaballs.iter().map(|m| m.ellipsoid.centre);
         1.5 * centres.map(|c| self.value(&c)).fold(1.0, f64::max)
+    }
+}
+
+impl BodyModel {
+    /// [`Field::ceiling`] of the mean shape at rest: a constant of the model.
+    pub fn field_ceiling(&self) -> f64 {
+        let shape = Shape(self.statistics.mean.clone());
+        Field::of(&Posed::new(self, &shape, &Motion::rest(self))).ceiling()
     }
 }
 

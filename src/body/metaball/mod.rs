@@ -19,6 +19,7 @@ mod slopes;
 
 pub use check::{FieldFault, check_field};
 pub use field::{Field, Metaball};
+pub(crate) use sample::NEGLIGIBLE;
 pub use sample::{FieldSample, Share};
 pub use slopes::{FieldRow, FieldSlopes};
 
