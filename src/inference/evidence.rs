@@ -5,7 +5,9 @@ use super::prior::{PosePrior, ShapePrior};
 use super::start::Detail;
 use crate::body::BodyModel;
 use crate::camera::{Camera, CameraId, Rig};
-use crate::likelihood::{EllipseSilhouette, LikelihoodOptions, Measure, Term, View};
+use crate::likelihood::{
+    EllipseSilhouette, LikelihoodOptions, Measure, RayView, SilhouetteRays, Term, View,
+};
 use crate::silhouette::{FrameObservations, Silhouette};
 
 /// One border point per this length in coarse and in fine evaluations, m.
@@ -31,6 +33,7 @@ pub struct Evidence<'a> {
     /// What silhouettes and points are compared with.
     pub measure: Measure,
     likelihood: LikelihoodOptions,
+    field_ceiling: f64,
 }
 
 impl<'a> Evidence<'a> {
@@ -49,6 +52,7 @@ impl<'a> Evidence<'a> {
             pose_prior,
             measure,
             likelihood,
+            field_ceiling: model.field_ceiling(),
         }
     }
 
@@ -77,6 +81,15 @@ impl<'a> Evidence<'a> {
             let views = frame.views.iter().map(view).collect();
             terms.push(Box::new(EllipseSilhouette::new(views, likelihood.ellipses)));
         }
+        if self.measure.has_metaballs() {
+            let view = |(id, silhouette): &'f (CameraId, Silhouette)| {
+                let camera = &self.rig.cameras[id.0];
+                RayView::new(camera, silhouette, depth_m(camera), spacing_m)
+            };
+            let views = frame.views.iter().map(view).collect();
+            let rays = SilhouetteRays::new(views, likelihood.rays, self.field_ceiling);
+            terms.push(Box::new(rays));
+        }
         terms
     }
 }
@@ -86,5 +99,6 @@ fn coarse(mut likelihood: LikelihoodOptions) -> LikelihoodOptions {
     let ellipses = &mut likelihood.ellipses;
     ellipses.sigma_m = ellipses.sigma_m.max(COARSE_SIGMA_M);
     ellipses.back_samples = ellipses.back_samples.min(COARSE_BACK_SAMPLES);
+    likelihood.rays.sigma_m = likelihood.rays.sigma_m.max(COARSE_SIGMA_M);
     likelihood
 }

@@ -4,14 +4,14 @@
 //! matrix of eq. 1 is block-tridiagonal (block-pentadiagonal with constant velocity), and a step is one pass
 //! forwards and one backwards: O(n). Algorithm 1's winner is its start.
 
-use nalgebra::{DMatrix, DVector, Matrix3};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::Evidence;
 use rayon::prelude::*;
 
 use super::chain::ChainPrior;
 use super::noise::Noise;
-use super::propagate::Sequence;
+use super::propagate::{FrameFit, Sequence};
 use super::sequence::{SequencePosterior, SequenceState};
 use super::start::Detail;
 use super::step::MotionModel;
@@ -46,8 +46,8 @@ impl Default for JointOptions {
 pub struct Joint {
     /// s.
     pub shape: Shape,
-    /// m₁..ₙ.
-    pub motions: Vec<Motion>,
+    /// m₁..ₙ and what each costs.
+    pub frames: Vec<FrameFit>,
     /// How the residuals err.
     pub noise: Noise,
     /// How sure they are; `None` where the matrix is singular.
@@ -68,8 +68,12 @@ pub struct Uncertainty {
 /// Standard deviations of one frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrameUncertainty {
-    /// Of the motion's components, in the order of [`Layout`].
-    pub motion_sd: DVector<f64>,
+    /// Of the root's origin, world axes; 0 if it is fixed.
+    pub position_sd_m: Vector3<f64>,
+    /// Of the root's orientation, about its own axes; 0 if it is fixed.
+    pub rotation_sd: Vector3<f64>,
+    /// Of the angles.
+    pub angles_sd: DVector<f64>,
     /// Covariance of each exported point, square metres.
     pub points: Vec<Matrix3<f64>>,
 }
@@ -127,9 +131,10 @@ pub fn joint_optimum(
         &solution.model,
         noise.over_time,
     );
+    let frames = posterior(&Noise::NOMINAL).taken_apart(&solution.state);
     Joint {
         shape: solution.state.shape,
-        motions: solution.state.motions,
+        frames,
         noise,
         uncertainty,
         report: solution.report,
@@ -144,7 +149,10 @@ fn residuals(
     let frames = terms.par_iter().zip(&state.motions);
     let of_frame = |(terms, motion): (&Vec<Box<dyn Term + '_>>, &Motion)| {
         let body = Posed::new(model, &state.shape, motion);
-        terms.iter().flat_map(|t| t.residuals(&body)).collect()
+        terms
+            .iter()
+            .flat_map(|t| t.placed_residuals(&body))
+            .collect()
     };
     frames.map(of_frame).collect()
 }
@@ -196,13 +204,20 @@ fn frame_uncertainty(
     all.view_mut((m, m), (p, p))
         .copy_from(&(marginal.shared * tau));
     all.fill_upper_triangle_with_lower_triangle();
+    let sd = motion.diagonal().map(|v| v.max(0.0).sqrt());
+    let root = |first: usize| match layout.root() {
+        6 => Vector3::new(sd[first], sd[first + 1], sd[first + 2]),
+        _ => Vector3::zeros(),
+    };
     let point = |index: usize| {
         let jacobian = body.point_jacobian(index);
         let covariance = &jacobian * &all * jacobian.transpose();
         covariance.fixed_view::<3, 3>(0, 0).into_owned()
     };
     Some(FrameUncertainty {
-        motion_sd: motion.diagonal().map(|v| v.max(0.0).sqrt()),
+        position_sd_m: root(0),
+        rotation_sd: root(3),
+        angles_sd: sd.rows(layout.root(), m - layout.root()).into_owned(),
         points: (0..body.model.points.len()).map(point).collect(),
     })
 }

@@ -39,6 +39,14 @@ const CLIP: f64 = 3.0;
 const APART_S: f64 = 0.4;
 
 impl Noise {
+    /// As stated: every row's σ and weight are right.
+    pub const NOMINAL: Self = Self {
+        scale: 1.0,
+        along_border: 1.0,
+        repeated: 0.0,
+        over_time: 1.0,
+    };
+
     /// From the residuals of every frame at the optimum, and the frames' times.
     pub fn of(frames: &[Vec<PlacedResidual>], seconds: &[f64]) -> Self {
         let scale = scale_of(frames);

@@ -5,11 +5,12 @@
 //! A frame's terms touch its own motion and the shape, a motion's factor touches its neighbours: g and H are a
 //! [`BorderedChain`] with the shape as border. τ tempers the data's weight on s: see [`super::joint`].
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::chain::ChainPrior;
 use super::prior::{PosePrior, ShapePrior};
+use super::propagate::FrameFit;
 use crate::body::{BodyModel, Layout, Motion, Posed, Shape};
 use crate::likelihood::Term;
 use crate::solver::{BorderedChain, Link, NormalEquations, Problem};
@@ -82,6 +83,24 @@ impl SequencePosterior<'_> {
             corner.gradient += equations.gradient.rows(m, p);
         }
         (cost, corner)
+    }
+}
+
+impl SequencePosterior<'_> {
+    /// Every motion and the parts of its cost, the data's as they are stated.
+    pub(super) fn taken_apart(&self, x: &SequenceState) -> Vec<FrameFit> {
+        let one = |(i, motion): (usize, &Motion)| {
+            let body = Posed::new(self.model, &x.shape, motion);
+            FrameFit {
+                motion: motion.clone(),
+                data: self.terms[i].iter().map(|t| t.cost(&body)).sum(),
+                pose: self.pose_prior.cost(motion),
+                step: self.chain_prior.cost(&x.motions, self.seconds, i),
+                observations: self.terms[i].iter().map(|t| t.observations()).sum(),
+                recovered: false,
+            }
+        };
+        x.motions.par_iter().enumerate().map(one).collect()
     }
 }
 
@@ -164,10 +183,4 @@ impl std::fmt::Debug for SequencePosterior<'_> {
             self.terms.len()
         )
     }
-}
-
-/// Symmetric, from the lower triangle.
-pub(super) fn symmetric(mut lower: DMatrix<f64>) -> DMatrix<f64> {
-    lower.fill_upper_triangle_with_lower_triangle();
-    lower
 }

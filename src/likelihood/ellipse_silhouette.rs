@@ -330,7 +330,7 @@ impl Term for EllipseSilhouette<'_> {
         cost
     }
 
-    fn residuals(&self, body: &Posed<'_>) -> Vec<PlacedResidual> {
+    fn placed_residuals(&self, body: &Posed<'_>) -> Vec<PlacedResidual> {
         let ellipsoids = body.ellipsoids();
         let views = self.views.iter().enumerate();
         views

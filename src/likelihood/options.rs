@@ -1,6 +1,6 @@
 //! Which terms a likelihood is made of, and the settings of each.
 
-use super::EllipseOptions;
+use super::{EllipseOptions, RayOptions};
 
 /// What silhouettes and points are compared with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -32,4 +32,6 @@ impl Measure {
 pub struct LikelihoodOptions {
     /// Silhouettes against ellipsoids.
     pub ellipses: EllipseOptions,
+    /// Silhouettes against metaballs.
+    pub rays: RayOptions,
 }

@@ -3,13 +3,18 @@
 use nalgebra::Point3;
 use rayon::prelude::*;
 
+use super::measures::Measures;
 use super::quality::{self, CameraQuality, ViewQuality, mean};
+use super::uncertainty::ShapeUncertainty;
 use super::{FitOptions, SceneFault, ShapeConfidence, Warning, check_scene, rest_lengths_m};
 use crate::body::{BodyModel, Posed, Shape};
 use crate::camera::Rig;
 use crate::inference::Evidence;
+use crate::inference::joint::{FrameUncertainty, JointOptions, Uncertainty, joint_optimum};
+use crate::inference::noise::Noise;
 use crate::inference::propagate::{FrameFit, Sequence};
 use crate::inference::search::{Journal, Trial, search};
+use crate::inference::sequence::SequenceState;
 use crate::silhouette::{FrameIndex, FrameObservations, InvalidOption};
 
 use super::warning::{of_body, warnings};
@@ -17,13 +22,17 @@ use super::warning::{of_body, warnings};
 /// The most probable shape and motion, what else was tried, and how good and how sure they are.
 #[derive(Debug, Clone)]
 pub struct Fit {
-    /// s of the winner.
+    /// s.
     pub shape: Shape,
+    /// How sure it is; only of the joint optimum.
+    pub uncertainty: Option<ShapeUncertainty>,
+    /// How the residuals err, as the joint optimum found it.
+    pub noise: Option<Noise>,
     /// Its lengths at rest, metres, in the order of [`BodyModel::lengths`].
     pub lengths_m: Vec<f64>,
-    /// The motion of the winner, frame by frame.
+    /// The motion, frame by frame.
     pub frames: Vec<FittedFrame>,
-    /// Every hypothesis: the prior's mean, the keyframes' readings, then the one of many frames together.
+    /// Every hypothesis of Algorithm 1: the prior's mean, then the keyframes' readings.
     pub hypotheses: Vec<TriedHypothesis>,
     /// Which of them won.
     pub winner: usize,
@@ -35,13 +44,15 @@ pub struct Fit {
     pub warnings: Vec<Warning>,
 }
 
-/// One frame of the winner.
+/// One frame.
 #[derive(Debug, Clone)]
 pub struct FittedFrame {
     /// Which frame.
     pub frame: FrameIndex,
     /// m and its costs.
     pub fit: FrameFit,
+    /// How sure m is; only of the joint optimum.
+    pub uncertainty: Option<FrameUncertainty>,
     /// The model's points in the world, in the order of [`BodyModel::points`].
     pub points_world: Vec<Point3<f64>>,
     /// How well each silhouette is covered; empty where no camera saw anything and the motion is a guess.
@@ -88,6 +99,14 @@ pub enum FitError {
     /// Cameras, masks and body do not speak of one scene.
     #[error(transparent)]
     Scene(#[from] SceneFault),
+    /// The body has not what was asked to be compared.
+    #[error("the body {model} has no {lacking}: choose another body or another --likelihood")]
+    Primitives {
+        /// Name of the body.
+        model: String,
+        /// What it lacks.
+        lacking: &'static str,
+    },
     /// No hypothesis could be followed through the sequence.
     #[error("no hypothesis could be followed through the {frames} frames")]
     NoHypothesis {
@@ -114,28 +133,40 @@ pub fn fit(
     // 1. do cameras and masks agree
     let mut notes = check_scene(model, rig, observations)?;
     // 2. Algorithm 1
-    let evidence = Evidence::new(model, rig, options.likelihood);
-    let found = search(&evidence, sequence, &options.search, journal);
+    let measures = Measures::of(model, options.measure)?;
+    let evidence = |measure| Evidence::new(model, rig, options.likelihood, measure);
+    let coarse = evidence(measures.search);
+    let found = search(&coarse, sequence, &options.search, journal);
     let found = found.ok_or(FitError::NoHypothesis {
         frames: observations.len(),
     })?;
-    // 3. how far the keyframes agree
+    // 3. the joint optimum, from its winner
+    let winner = &found.trials[found.winner];
+    let fine = evidence(measures.joint);
+    let (estimate, looked_at) = match &options.joint {
+        Some(joint) => (Estimate::joint(&fine, sequence, winner, joint), &fine),
+        None => (Estimate::tracked(winner), &coarse),
+    };
+    // 4. how far the keyframes agree
     let confidence = ShapeConfidence::of(model, &found.trials, &options.confidence);
-    // 4. how well the body covers the masks
-    let shape = found.trials[found.winner].hypothesis.shape.clone();
-    let frames = fitted_frames(&evidence, observations, &found.trials[found.winner]);
+    // 5. how well the body covers the masks
+    let frames = fitted_frames(looked_at, observations, &estimate);
     let views: Vec<&[ViewQuality]> = frames.iter().map(|f| f.views.as_slice()).collect();
     let cameras = quality::of_cameras(rig, &views);
-    let shape_cost = found.trials[found.winner].shape_cost;
+    let shape_cost = coarse.shape_prior.cost(&estimate.shape);
     let hypotheses = found.trials.into_iter();
-    let hypotheses = hypotheses.map(|trial| tried(model, rig, observations, trial));
+    let hypotheses = hypotheses.map(|trial| tried(&coarse, observations, trial));
     let hypotheses = hypotheses.collect();
-    // 5. what a person should know of it
-    notes.extend(of_body(shape_cost, shape.0.len()));
+    // 6. what a person should know of it
+    notes.extend(of_body(shape_cost, estimate.shape.0.len()));
     notes.extend(warnings(rig, observations, &frames, &cameras, &confidence));
     Ok(Fit {
-        lengths_m: rest_lengths_m(model, &shape),
-        shape,
+        lengths_m: rest_lengths_m(model, &estimate.shape),
+        uncertainty: estimate
+            .uncertainty
+            .map(|u| ShapeUncertainty::of(model, &estimate.shape, u.shape)),
+        noise: estimate.noise,
+        shape: estimate.shape,
         frames,
         hypotheses,
         winner: found.winner,
@@ -145,30 +176,72 @@ pub fn fit(
     })
 }
 
+/// The most probable shape and motion, of the last stage.
+struct Estimate {
+    shape: Shape,
+    frames: Vec<FrameFit>,
+    noise: Option<Noise>,
+    uncertainty: Option<Uncertainty>,
+}
+
+impl Estimate {
+    /// The winner as it was tracked.
+    fn tracked(winner: &Trial) -> Self {
+        Self {
+            shape: winner.hypothesis.shape.clone(),
+            frames: winner.frames.iter().flatten().cloned().collect(),
+            noise: None,
+            uncertainty: None,
+        }
+    }
+
+    /// The joint optimum that is reached from the winner.
+    fn joint(
+        evidence: &Evidence<'_>,
+        sequence: Sequence<'_>,
+        winner: &Trial,
+        options: &JointOptions,
+    ) -> Self {
+        let tracked = winner.frames.iter().flatten();
+        let start = SequenceState {
+            shape: winner.hypothesis.shape.clone(),
+            motions: tracked.clone().map(|fit| fit.motion.clone()).collect(),
+        };
+        let joint = joint_optimum(evidence, sequence, start, options);
+        let frames = joint.frames.into_iter().zip(tracked);
+        let frames = frames.map(|(fit, tracked)| FrameFit {
+            recovered: tracked.recovered,
+            ..fit
+        });
+        Self {
+            shape: joint.shape,
+            frames: frames.collect(),
+            noise: Some(joint.noise),
+            uncertainty: joint.uncertainty,
+        }
+    }
+}
+
 fn fitted_frames(
     evidence: &Evidence<'_>,
     observations: &[FrameObservations],
-    winner: &Trial,
+    estimate: &Estimate,
 ) -> Vec<FittedFrame> {
-    let shape = &winner.hypothesis.shape;
-    let fitted: Vec<_> = observations.iter().zip(&winner.frames).collect();
-    fitted
-        .par_iter()
-        .filter_map(|(observed, fit)| {
-            let fit = fit.as_ref()?;
-            Some(FittedFrame {
-                frame: observed.frame,
-                points_world: Posed::new(evidence.model, shape, &fit.motion).points(),
-                views: quality::of_frame(evidence, observed, shape, fit),
-                fit: fit.clone(),
-            })
+    let shape = &estimate.shape;
+    let frames = observations.par_iter().zip(&estimate.frames).enumerate();
+    frames
+        .map(|(i, (observed, fit))| FittedFrame {
+            frame: observed.frame,
+            points_world: Posed::new(evidence.model, shape, &fit.motion).points(),
+            views: quality::of_frame(evidence, observed, shape, &fit.motion),
+            uncertainty: estimate.uncertainty.as_ref().map(|u| u.frames[i].clone()),
+            fit: fit.clone(),
         })
         .collect()
 }
 
 fn tried(
-    model: &BodyModel,
-    rig: &Rig,
+    evidence: &Evidence<'_>,
     observations: &[FrameObservations],
     trial: Trial,
 ) -> TriedHypothesis {
@@ -176,7 +249,7 @@ fn tried(
     TriedHypothesis {
         keyframe: observations[trial.hypothesis.keyframe].frame,
         fitted: trial.frames.iter().flatten().count(),
-        iou: quality::sampled_iou((model, rig), observations, shape, &trial.frames),
+        iou: quality::sampled_iou(evidence, observations, shape, &trial.frames),
         trial,
     }
 }

@@ -2,23 +2,42 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::inference::joint::JointOptions;
 use crate::inference::search::SearchOptions;
-use crate::likelihood::EllipseOptions;
+use crate::likelihood::{LikelihoodOptions, Measure};
 use crate::silhouette::{InvalidOption, SilhouetteOptions};
 use crate::solver::Loss;
 
 /// The settings of a fit. Every default is stated where its field is.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct FitOptions {
     /// From masks to silhouettes.
     pub silhouettes: SilhouetteOptions,
     /// −log p(Z | m, s).
-    pub likelihood: EllipseOptions,
+    pub likelihood: LikelihoodOptions,
+    /// What silhouettes are compared with. By default Algorithm 1 looks at the ellipsoids, which are fast, and the
+    /// joint optimum at the metaballs, which are fine; whichever of them the model has.
+    pub measure: Option<Measure>,
     /// Algorithm 1.
     pub search: SearchOptions,
+    /// The joint optimum; none: the winner of Algorithm 1 as it was tracked.
+    pub joint: Option<JointOptions>,
     /// ε of the confidence.
     pub confidence: ConfidenceOptions,
+}
+
+impl Default for FitOptions {
+    fn default() -> Self {
+        Self {
+            silhouettes: SilhouetteOptions::default(),
+            likelihood: LikelihoodOptions::default(),
+            measure: None,
+            search: SearchOptions::default(),
+            joint: Some(JointOptions::default()),
+            confidence: ConfidenceOptions::default(),
+        }
+    }
 }
 
 /// How near an estimate must be to count as right: ε of p_ε,σ(K) (ZS06).
@@ -77,7 +96,7 @@ impl FitOptions {
     }
 
     fn ranges_of_likelihood(&self) -> [Range; 6] {
-        let likelihood = &self.likelihood;
+        let likelihood = &self.likelihood.ellipses;
         let width = match likelihood.loss {
             Loss::Squared => 1.0,
             Loss::Cauchy(width) | Loss::Geman(width) => width,
@@ -127,10 +146,10 @@ mod tests {
         let message = options.validate().unwrap_err().to_string();
         assert_eq!(message, "option keyframe_every = 0: expected 1 to 1000000");
         let mut options = FitOptions::default();
-        options.likelihood.sigma_px = f64::NAN;
+        options.likelihood.ellipses.sigma_px = f64::NAN;
         assert_eq!(options.validate().unwrap_err().name, "sigma_px");
         let mut options = FitOptions::default();
-        options.likelihood.loss = Loss::Cauchy(0.0);
+        options.likelihood.ellipses.loss = Loss::Cauchy(0.0);
         assert_eq!(options.validate().unwrap_err().name, "loss");
         let mut options = FitOptions::default();
         options.confidence.epsilon_m = -0.02;

@@ -1,15 +1,14 @@
 //! How well the fitted body covers what the cameras saw.
 
-use nalgebra::{Point2, Vector2};
 use rayon::prelude::*;
 
-use crate::body::{BodyModel, Posed, Shape};
-use crate::camera::{Camera, CameraId, Rig};
+use super::overlap::iou;
+use crate::body::{Motion, Posed, Shape};
+use crate::camera::{CameraId, Rig};
 use crate::inference::Evidence;
 use crate::inference::propagate::FrameFit;
 use crate::inference::start::Detail;
-use crate::likelihood::ViewResiduals;
-use crate::math::quadric::{Ellipse, project};
+use crate::likelihood::{PlacedResidual, Source};
 use crate::math::stats::median;
 use crate::silhouette::{FrameObservations, Silhouette};
 
@@ -39,14 +38,34 @@ pub struct CameraQuality {
     pub rms_px: Option<f64>,
 }
 
-/// The model's ellipses in a camera, in undistorted pixels; those around or behind it are left out.
-pub fn projected_ellipses(camera: &Camera, body: &Posed<'_>) -> Vec<Ellipse> {
-    let projection = camera.projection();
-    let ellipsoids = body.ellipsoids();
-    ellipsoids
-        .iter()
-        .filter_map(|e| project(&projection, e))
-        .collect()
+/// Distances of one view's border points to the model, without sign.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ViewResiduals {
+    /// Number of border points.
+    pub points: usize,
+    /// Root mean square, px.
+    pub rms_px: f64,
+    /// Median, px.
+    pub median_px: f64,
+    /// 95th percentile, px.
+    pub p95_px: f64,
+}
+
+impl ViewResiduals {
+    /// Of the residuals of one view; `None` without any.
+    fn of(residuals: &[PlacedResidual], view: usize) -> Option<Self> {
+        let of_view = residuals.iter().filter(|r| r.source == Source::View(view));
+        let mut distances_px: Vec<f64> = of_view.map(|r| (r.value * r.sigma).abs()).collect();
+        distances_px.sort_by(f64::total_cmp);
+        let points = distances_px.len();
+        let quantile = |q: f64| distances_px[((points - 1) as f64 * q).round() as usize];
+        (points > 0).then(|| Self {
+            points,
+            rms_px: (distances_px.iter().map(|d| d * d).sum::<f64>() / points as f64).sqrt(),
+            median_px: quantile(0.5),
+            p95_px: quantile(0.95),
+        })
+    }
 }
 
 /// The quality of every view of one frame, in the order of its views.
@@ -54,16 +73,25 @@ pub(super) fn of_frame(
     evidence: &Evidence<'_>,
     frame: &FrameObservations,
     shape: &Shape,
-    fit: &FrameFit,
+    motion: &Motion,
 ) -> Vec<ViewQuality> {
-    let body = Posed::new(evidence.model, shape, &fit.motion);
-    let residuals = evidence.silhouettes(frame, Detail::Fine).residuals(&body);
-    let views = frame.views.iter().zip(residuals);
+    let body = Posed::new(evidence.model, shape, motion);
+    let terms = evidence.terms(frame, Detail::Fine);
+    // a border point is measured once: by the last term, the finest
+    let residuals = terms
+        .last()
+        .map_or_else(Vec::new, |t| t.placed_residuals(&body));
+    let views = frame.views.iter().enumerate();
     views
-        .map(|((id, silhouette), residuals)| ViewQuality {
+        .map(|(view, (id, silhouette))| ViewQuality {
             camera: *id,
-            residuals,
-            iou: iou(&evidence.rig.cameras[id.0], silhouette, &body),
+            residuals: ViewResiduals::of(&residuals, view),
+            iou: iou(
+                &evidence.rig.cameras[id.0],
+                silhouette,
+                &body,
+                evidence.measure,
+            ),
         })
         .collect()
 }
@@ -73,7 +101,7 @@ const SAMPLED_FRAMES: usize = 10;
 
 /// Mean overlap over at most ten evenly spaced fitted frames of a hypothesis; `None` if nothing was seen in them.
 pub(super) fn sampled_iou(
-    (model, rig): (&BodyModel, &Rig),
+    evidence: &Evidence<'_>,
     observations: &[FrameObservations],
     shape: &Shape,
     fits: &[Option<FrameFit>],
@@ -88,56 +116,14 @@ pub(super) fn sampled_iou(
         .par_iter()
         .step_by(step)
         .flat_map_iter(|(frame, fit)| {
-            let body = Posed::new(model, shape, &fit.motion);
-            let of = move |(id, s): &(CameraId, Silhouette)| iou(&rig.cameras[id.0], s, &body);
+            let body = Posed::new(evidence.model, shape, &fit.motion);
+            let of = move |(id, s): &(CameraId, Silhouette)| {
+                iou(&evidence.rig.cameras[id.0], s, &body, evidence.measure)
+            };
             frame.views.iter().map(of)
         })
         .collect();
     mean(&overlaps)
-}
-
-/// Intersection over union of a silhouette and the union of the model's ellipses.
-fn iou(camera: &Camera, silhouette: &Silhouette, body: &Posed<'_>) -> f64 {
-    let ellipses: Vec<Covering> = projected_ellipses(camera, body)
-        .iter()
-        .map(Covering::new)
-        .collect();
-    let nothing = (silhouette.bounds.0, silhouette.bounds.0);
-    let bounds = ellipses
-        .iter()
-        .map(|e| (e.low, e.high))
-        .reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)))
-        .unwrap_or(nothing);
-    let overlap = silhouette.overlap(bounds, |pixel| ellipses.iter().any(|e| e.contains(pixel)));
-    overlap.iou()
-}
-
-/// An ellipse, its box, and Σ⁻¹.
-struct Covering {
-    low: Point2<f64>,
-    high: Point2<f64>,
-    centre: Vector2<f64>,
-    inverse: [f64; 3],
-}
-
-impl Covering {
-    fn new(ellipse: &Ellipse) -> Self {
-        let s = &ellipse.shape;
-        let determinant = s[(0, 0)] * s[(1, 1)] - s[(0, 1)] * s[(0, 1)];
-        let half = Vector2::new(s[(0, 0)].sqrt(), s[(1, 1)].sqrt());
-        Self {
-            low: Point2::from(ellipse.centre - half),
-            high: Point2::from(ellipse.centre + half),
-            centre: ellipse.centre,
-            inverse: [s[(1, 1)], -s[(0, 1)], s[(0, 0)]].map(|v| v / determinant),
-        }
-    }
-
-    fn contains(&self, pixel: &Point2<f64>) -> bool {
-        let y = pixel.coords - self.centre;
-        let [xx, xy, yy] = self.inverse;
-        xx * y.x * y.x + 2.0 * xy * y.x * y.y + yy * y.y * y.y <= 1.0
-    }
 }
 
 /// Each camera over all frames.

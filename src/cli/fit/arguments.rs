@@ -9,7 +9,7 @@ use crate::cli::error::CliError;
 use crate::cli::progress::Progress;
 use crate::inference::search::Pruning;
 use crate::io::out_folder::Existing;
-use crate::likelihood::EllipseOptions;
+use crate::likelihood::{EllipseOptions, Measure};
 use crate::pipeline::{FitError, FitOptions};
 
 pub(in crate::cli) const ABOUT: &str = "\
@@ -47,9 +47,12 @@ pub(in crate::cli) struct FitArguments {
     /// Every how many frames a keyframe proposes a body
     #[arg(long, value_name = "FRAMES", default_value_t = 20)]
     keyframe_every: usize,
-    /// How outlines are compared
-    #[arg(long, value_enum, default_value_t = Likelihood::Outline)]
-    likelihood: Likelihood,
+    /// What outlines are compared with, in every stage [default: ellipses first, then metaballs if the body has them]
+    #[arg(long, value_enum)]
+    likelihood: Option<Likelihood>,
+    /// Whether all frames are fitted at once in the end, with a standard deviation for every number
+    #[arg(long, value_enum, default_value_t = Switch::On)]
+    joint: Switch,
     /// Follow every proposed body to the end, also when it can no longer win
     #[arg(long)]
     no_pruning: bool,
@@ -75,10 +78,30 @@ pub(in crate::cli) struct FitArguments {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Likelihood {
-    /// Signed distance to the outline of the whole body, and back
-    Outline,
+    /// Signed distance to the outline of all ellipses, and back
+    Ellipses,
     /// Distance to the nearest ellipse, as Zimmermann and Svoboda published it
     Published,
+    /// Lines of sight and points against the skin of the metaballs
+    Metaballs,
+    /// Both ellipses and metaballs
+    Both,
+}
+
+impl Likelihood {
+    fn measure(self) -> Measure {
+        match self {
+            Self::Ellipses | Self::Published => Measure::Ellipses,
+            Self::Metaballs => Measure::Metaballs,
+            Self::Both => Measure::Both,
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Switch {
+    On,
+    Off,
 }
 
 /// Frame numbers, both included.
@@ -107,8 +130,12 @@ impl FitArguments {
         if self.no_pruning {
             options.search.pruning = Pruning::Off;
         }
-        if self.likelihood == Likelihood::Published {
-            options.likelihood = EllipseOptions::published();
+        options.measure = self.likelihood.map(Likelihood::measure);
+        if self.likelihood == Some(Likelihood::Published) {
+            options.likelihood.ellipses = EllipseOptions::published();
+        }
+        if self.joint == Switch::Off {
+            options.joint = None;
         }
         options.validate().map_err(FitError::from)?;
         Ok(options)

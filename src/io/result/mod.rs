@@ -20,9 +20,9 @@ use serde_json::Serializer;
 pub use joints::trajectories;
 pub use parts::Provenance;
 pub use schema::{
-    CameraPart, CoefficientPart, FramePart, HypothesisPart, InputPart, LengthPart, MissingPart,
-    MotionPart, OriginPart, OutcomePart, PosteriorPart, Program, QualityPart, RecordingPart,
-    RejectedPart, ResultFile, ShapePart, ViewPart,
+    CameraPart, CoefficientPart, FramePart, FrameSdPart, HypothesisPart, InputPart, LengthPart,
+    MissingPart, MotionPart, NoisePart, OriginPart, OutcomePart, PosteriorPart, Program,
+    QualityPart, RecordingPart, RejectedPart, ResultFile, ShapePart, ViewPart,
 };
 
 impl ResultFile {

@@ -1,12 +1,15 @@
 //! How a fit is written down.
 
 use super::schema::{
-    CameraPart, CoefficientPart, FramePart, HypothesisPart, InputPart, LengthPart, MissingPart,
-    MotionPart, OriginPart, OutcomePart, PosteriorPart, Program, QualityPart, RecordingPart,
-    RejectedPart, ResultFile, ShapePart, ViewPart,
+    CameraPart, CoefficientPart, FramePart, FrameSdPart, HypothesisPart, InputPart, LengthPart,
+    MissingPart, MotionPart, NoisePart, OriginPart, OutcomePart, PosteriorPart, Program,
+    QualityPart, RecordingPart, RejectedPart, ResultFile, ShapePart, ViewPart,
 };
+use nalgebra::Matrix3;
+
 use crate::body::BodyModel;
 use crate::camera::{CameraId, Rig};
+use crate::inference::joint::FrameUncertainty;
 use crate::inference::search::Origin;
 use crate::io::recording::{InputChecksum, Recording};
 use crate::pipeline::{Fit, FitOptions, FittedFrame, TriedHypothesis, rest_lengths_m};
@@ -115,6 +118,10 @@ fn shape(fit: &Fit, model: &BodyModel) -> ShapePart {
     let coefficient = |(i, name): (usize, &String)| CoefficientPart {
         name: name.clone(),
         value: fit.shape.0[i],
+        sd: fit
+            .uncertainty
+            .as_ref()
+            .map(|u| u.covariance[(i, i)].sqrt()),
         prior_mean: statistics.mean[i],
         prior_sd: statistics.covariance[(i, i)].sqrt(),
         confidence: fit.confidence.coefficients[i].clone(),
@@ -125,6 +132,7 @@ fn shape(fit: &Fit, model: &BodyModel) -> ShapePart {
         from: point(*from),
         to: point(*to),
         length_m: fit.lengths_m[i],
+        sd_m: fit.uncertainty.as_ref().map(|u| u.lengths_sd_m[i]),
         confidence: fit.confidence.lengths[i].clone(),
     };
     ShapePart {
@@ -135,6 +143,12 @@ fn shape(fit: &Fit, model: &BodyModel) -> ShapePart {
             .map(coefficient)
             .collect(),
         lengths: model.lengths.iter().enumerate().map(length).collect(),
+        noise: fit.noise.map(|noise| NoisePart {
+            scale: noise.scale,
+            along_border: noise.along_border,
+            repeated: noise.repeated,
+            over_time: noise.over_time,
+        }),
         confidence_of: CONFIDENCE_OF.into(),
         all_coefficients: fit.confidence.all_coefficients.clone(),
         all_lengths: fit.confidence.all_lengths.clone(),
@@ -156,9 +170,20 @@ fn frame(fitted: &FittedFrame, fps: f64) -> FramePart {
             .iter()
             .map(|p| p.coords.into())
             .collect(),
+        sd: fitted.uncertainty.as_ref().map(frame_sd),
         data: fitted.fit.data,
         pose: fitted.fit.pose,
         step: fitted.fit.step,
+    }
+}
+
+fn frame_sd(uncertainty: &FrameUncertainty) -> FrameSdPart {
+    let point = |covariance: &Matrix3<f64>| covariance.diagonal().map(f64::sqrt).into();
+    FrameSdPart {
+        position_m: uncertainty.position_sd_m.into(),
+        rotation_rad: uncertainty.rotation_sd.into(),
+        angles_rad: uncertainty.angles_sd.as_slice().to_vec(),
+        points_m: uncertainty.points.iter().map(point).collect(),
     }
 }
 

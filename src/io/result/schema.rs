@@ -102,6 +102,8 @@ pub struct ShapePart {
     pub coefficients: Vec<CoefficientPart>,
     /// The lengths that they make.
     pub lengths: Vec<LengthPart>,
+    /// How the residuals err; only of the joint optimum.
+    pub noise: Option<NoisePart>,
     /// What the confidences are a confidence of.
     pub confidence_of: String,
     /// Of all coefficients at once.
@@ -117,6 +119,8 @@ pub struct CoefficientPart {
     pub name: String,
     /// s: a logarithm, or metres of a shift.
     pub value: f64,
+    /// Its standard deviation, of the joint optimum.
+    pub sd: Option<f64>,
     /// Mean of p(s).
     pub prior_mean: f64,
     /// Standard deviation of p(s).
@@ -136,6 +140,8 @@ pub struct LengthPart {
     pub to: String,
     /// Metres, at rest.
     pub length_m: f64,
+    /// Its standard deviation, of the joint optimum.
+    pub sd_m: Option<f64>,
     /// How far the keyframes agree.
     pub confidence: Confidence,
 }
@@ -170,12 +176,40 @@ pub struct FramePart {
     pub angles_rad: Vec<f64>,
     /// The points' places.
     pub points_m: Vec<[f64; 3]>,
+    /// Standard deviations, of the joint optimum.
+    pub sd: Option<FrameSdPart>,
     /// −log p(Zᵢ | mᵢ, s).
     pub data: f64,
     /// −log p of limits and rest.
     pub pose: f64,
-    /// −log p(mᵢ | its neighbour on the keyframe's side).
+    /// −log p(mᵢ | its neighbours).
     pub step: f64,
+}
+
+/// Standard deviations of one frame.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FrameSdPart {
+    /// Of the root's origin, world axes.
+    pub position_m: [f64; 3],
+    /// Of the root's orientation, about the root's own axes.
+    pub rotation_rad: [f64; 3],
+    /// Of the joints' angles.
+    pub angles_rad: Vec<f64>,
+    /// Of the points' places, world axes.
+    pub points_m: Vec<[f64; 3]>,
+}
+
+/// How the residuals err, estimated from the recording.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct NoisePart {
+    /// Residuals over their stated standard deviation, root mean square.
+    pub scale: f64,
+    /// How many of the stated independent observations along a border are one.
+    pub along_border: f64,
+    /// Which part of a place's mean residual returns in every frame.
+    pub repeated: f64,
+    /// How many observations of the shape, over frames and cameras, are one.
+    pub over_time: f64,
 }
 
 /// A hypothesis.

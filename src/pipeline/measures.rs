@@ -1,0 +1,50 @@
+//! Which stage looks at what.
+
+use super::FitError;
+use crate::body::BodyModel;
+use crate::likelihood::Measure;
+
+/// What each stage compares the silhouettes with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Measures {
+    /// Algorithm 1.
+    pub(super) search: Measure,
+    /// The joint optimum.
+    pub(super) joint: Measure,
+}
+
+impl Measures {
+    /// What was asked for, in every stage; or the ellipsoids first and the metaballs then, as far as the model has them.
+    pub(super) fn of(model: &BodyModel, asked: Option<Measure>) -> Result<Self, FitError> {
+        let lacks = |measure: Measure| {
+            (measure.has_ellipses() && model.ellipsoids.is_empty())
+                || (measure.has_metaballs() && model.metaballs.is_empty())
+        };
+        match asked {
+            Some(measure) if lacks(measure) => Err(FitError::Primitives {
+                model: model.name.clone(),
+                lacking: if model.metaballs.is_empty() {
+                    "metaballs"
+                } else {
+                    "ellipsoids"
+                },
+            }),
+            Some(measure) => Ok(Self {
+                search: measure,
+                joint: measure,
+            }),
+            None => Ok(Self {
+                search: if lacks(Measure::Ellipses) {
+                    Measure::Metaballs
+                } else {
+                    Measure::Ellipses
+                },
+                joint: if lacks(Measure::Metaballs) {
+                    Measure::Ellipses
+                } else {
+                    Measure::Metaballs
+                },
+            }),
+        }
+    }
+}

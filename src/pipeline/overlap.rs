@@ -1,0 +1,136 @@
+//! How much of a silhouette the body covers.
+
+use nalgebra::{Point2, Vector2};
+
+use crate::body::metaball::Field;
+use crate::body::{Posed, Primitive};
+use crate::camera::{Camera, Distortion, Intrinsics};
+use crate::likelihood::Measure;
+use crate::math::quadric::{Ellipse, project};
+use crate::render;
+use crate::silhouette::Silhouette;
+
+/// The model's ellipses in a camera, in undistorted pixels; those around or behind it are left out.
+pub fn projected_ellipses(camera: &Camera, body: &Posed<'_>) -> Vec<Ellipse> {
+    projected(camera, body, &body.model.ellipsoids)
+}
+
+fn projected(camera: &Camera, body: &Posed<'_>, primitives: &[Primitive]) -> Vec<Ellipse> {
+    let projection = camera.projection();
+    let each = primitives.iter().map(|p| body.primitive(p));
+    each.filter_map(|e| project(&projection, &e)).collect()
+}
+
+/// Intersection over union of a silhouette and the body as it was measured: the skin of its metaballs, or the
+/// union of its ellipses.
+pub(super) fn iou(
+    camera: &Camera,
+    silhouette: &Silhouette,
+    body: &Posed<'_>,
+    measure: Measure,
+) -> f64 {
+    if measure.has_metaballs() && !body.model.metaballs.is_empty() {
+        skin_iou(camera, silhouette, body)
+    } else {
+        ellipses_iou(camera, silhouette, body)
+    }
+}
+
+fn ellipses_iou(camera: &Camera, silhouette: &Silhouette, body: &Posed<'_>) -> f64 {
+    let ellipses: Vec<Covering> = projected_ellipses(camera, body)
+        .iter()
+        .map(Covering::new)
+        .collect();
+    let bounds = bounds(silhouette, &ellipses);
+    let overlap = silhouette.overlap(bounds, |pixel| ellipses.iter().any(|e| e.contains(pixel)));
+    overlap.iou()
+}
+
+/// Pixels along the longer side of the picture in which the skin is rendered.
+const SKIN_STEPS: f64 = 200.0;
+
+/// The skin is rendered by a camera without distortion that looks at the box of silhouette and body.
+fn skin_iou(camera: &Camera, silhouette: &Silhouette, body: &Posed<'_>) -> f64 {
+    let balls: Vec<Covering> = projected(camera, body, &body.model.metaballs)
+        .iter()
+        .map(Covering::new)
+        .collect();
+    let bounds = bounds(silhouette, &balls);
+    let (low, high) = (
+        silhouette.bounds.0.inf(&bounds.0),
+        silhouette.bounds.1.sup(&bounds.1),
+    );
+    let (low, high) = clipped(camera, low, high);
+    let step = ((high - low).max() / SKIN_STEPS).max(1.0);
+    let window = window(camera, (low, high), step);
+    let mask = render::silhouette(&window, &Field::of(body));
+    let is_model = |pixel: &Point2<f64>| {
+        let place = (pixel - low) / step;
+        let (x, y) = (place.x as usize, place.y as usize);
+        x < mask.width() && y < mask.height() && mask.is_foreground(x, y)
+    };
+    silhouette.overlap((low, high), is_model).iou()
+}
+
+/// A box no larger than three images, so that a body close to the camera costs no more.
+fn clipped(camera: &Camera, low: Point2<f64>, high: Point2<f64>) -> (Point2<f64>, Point2<f64>) {
+    let size = Vector2::new(f64::from(camera.width_px), f64::from(camera.height_px));
+    let (least, most) = (Point2::from(-size), Point2::from(size * 2.0));
+    (low.sup(&least), high.inf(&most))
+}
+
+/// The camera that sees a box of the undistorted image, one pixel for each `step` of it.
+fn window(camera: &Camera, (low, high): (Point2<f64>, Point2<f64>), step: f64) -> Camera {
+    let k = &camera.intrinsics;
+    let steps = |length: f64| (length / step).ceil().max(1.0) as u32;
+    Camera {
+        width_px: steps(high.x - low.x),
+        height_px: steps(high.y - low.y),
+        // the centre of pixel 0 lies half a step inside the box
+        intrinsics: Intrinsics {
+            fx_px: k.fx_px / step,
+            fy_px: k.fy_px / step,
+            cx_px: (k.cx_px - low.x) / step - 0.5,
+            cy_px: (k.cy_px - low.y) / step - 0.5,
+            skew_px: k.skew_px / step,
+        },
+        distortion: Distortion::None,
+        ..camera.clone()
+    }
+}
+
+fn bounds(silhouette: &Silhouette, ellipses: &[Covering]) -> (Point2<f64>, Point2<f64>) {
+    let nothing = (silhouette.bounds.0, silhouette.bounds.0);
+    let boxes = ellipses.iter().map(|e| (e.low, e.high));
+    boxes
+        .reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)))
+        .unwrap_or(nothing)
+}
+
+/// An ellipse, its box, and Σ⁻¹.
+struct Covering {
+    low: Point2<f64>,
+    high: Point2<f64>,
+    centre: Vector2<f64>,
+    inverse: [f64; 3],
+}
+
+impl Covering {
+    fn new(ellipse: &Ellipse) -> Self {
+        let s = &ellipse.shape;
+        let determinant = s[(0, 0)] * s[(1, 1)] - s[(0, 1)] * s[(0, 1)];
+        let half = Vector2::new(s[(0, 0)].sqrt(), s[(1, 1)].sqrt());
+        Self {
+            low: Point2::from(ellipse.centre - half),
+            high: Point2::from(ellipse.centre + half),
+            centre: ellipse.centre,
+            inverse: [s[(1, 1)], -s[(0, 1)], s[(0, 0)]].map(|v| v / determinant),
+        }
+    }
+
+    fn contains(&self, pixel: &Point2<f64>) -> bool {
+        let y = pixel.coords - self.centre;
+        let [xx, xy, yy] = self.inverse;
+        xx * y.x * y.x + 2.0 * xy * y.x * y.y + yy * y.y * y.y <= 1.0
+    }
+}
