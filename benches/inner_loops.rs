@@ -20,8 +20,8 @@ use maquette::inference::prior::StepPrior;
 use maquette::inference::start::{Detail, StartOptions, readings};
 use maquette::io::model;
 use maquette::likelihood::{
-    EllipseOptions, PointField, PointOptions, RayOptions, RayView, SilhouetteRays, SurfacePoint,
-    Term,
+    EllipseOptions, PointField, PointOptions, RayOptions, RayView, SilhouetteRays, SkinScale,
+    SurfacePoint, Term,
 };
 use maquette::silhouette::{FrameIndex, FrameObservations, SilhouetteOptions, extract};
 use maquette::solver::{NormalEquations, Options, levenberg_marquardt};
@@ -79,7 +79,7 @@ fn field_rate() -> f64 {
         shares = 0;
         for r in &touched {
             sampler.sample(&r.contact_world.coords, None, &mut sample);
-            slopes.row(&sample, 1.0, &Vector3::zeros(), &mut row);
+            slopes.row(&sample, |_| 1.0, &Vector3::zeros(), &mut row);
             shares += sample.shares.len();
             divan::black_box(&row);
         }
@@ -201,7 +201,7 @@ impl Walker {
     fn new() -> Self {
         let scene = Scene::new();
         let model = model::load("walker-metaballs", Path::new("")).expect("a shipped model");
-        let (shape, ceiling) = (Shape(model.statistics.mean.clone()), model.field_ceiling());
+        let (shape, scale) = (Shape(model.statistics.mean.clone()), SkinScale::of(&model));
         let hull = hull::carve(&scene.recording.rig, &scene.frames[0]).expect("a body is seen");
         let motion = Motion {
             position_world: hull.centroid_world.coords,
@@ -215,13 +215,13 @@ impl Walker {
                 .expect("the rig's own camera");
             RayView::new(camera, silhouette, 4.6, 0.02)
         });
-        let rays = SilhouetteRays::new(views.collect(), RayOptions::default(), ceiling);
+        let rays = SilhouetteRays::new(views.collect(), RayOptions::default(), scale.clone());
         let touched = rays.residuals(&Posed::new(&model, &shape, &motion));
         let points = touched.iter().map(|r| SurfacePoint {
             position_world: r.contact_world,
             sigma_m: 0.002,
         });
-        let points = PointField::new(points.collect(), PointOptions::default(), ceiling);
+        let points = PointField::new(points.collect(), PointOptions::default(), scale);
         let balls = model.metaballs.len();
         let pairs = (rays.border_points() * balls, touched.len() * balls);
         Self {
@@ -285,7 +285,7 @@ fn field_with_slopes(bencher: divan::Bencher<'_, '_>) {
         let mut sum = 0.0;
         for r in &touched {
             sampler.sample(&r.contact_world.coords, None, &mut sample);
-            slopes.row(&sample, 1.0, &Vector3::zeros(), &mut row);
+            slopes.row(&sample, |_| 1.0, &Vector3::zeros(), &mut row);
             sum += row.values.iter().sum::<f64>();
         }
         sum
