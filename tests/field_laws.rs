@@ -19,7 +19,7 @@ use maquette::inference::prior::{PosePrior, ShapePrior, StepPrior};
 use maquette::io::model;
 use maquette::likelihood::{
     Derivatives, PointField, PointOptions, RayOptions, RayView, Residual, SilhouetteRays,
-    SurfacePoint, Term, associate,
+    SkinScale, SurfacePoint, Term, associate,
 };
 use maquette::render::silhouette;
 use maquette::silhouette::{Silhouette, SilhouetteOptions, extract};
