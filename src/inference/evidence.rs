@@ -6,7 +6,8 @@ use super::start::Detail;
 use crate::body::BodyModel;
 use crate::camera::{Camera, CameraId, Rig};
 use crate::likelihood::{
-    EllipseSilhouette, LikelihoodOptions, Measure, RayView, SilhouetteRays, Term, View,
+    EllipseSilhouette, LikelihoodOptions, Measure, PointField, RayView, SilhouetteRays, SkinScale,
+    SurfacePoint, Term, View,
 };
 use crate::silhouette::{FrameObservations, Silhouette};
 
@@ -33,7 +34,7 @@ pub struct Evidence<'a> {
     /// What silhouettes and points are compared with.
     pub measure: Measure,
     likelihood: LikelihoodOptions,
-    field_ceiling: f64,
+    skin_scale: SkinScale,
 }
 
 impl<'a> Evidence<'a> {
@@ -52,7 +53,7 @@ impl<'a> Evidence<'a> {
             pose_prior,
             measure,
             likelihood,
-            field_ceiling: model.field_ceiling(),
+            skin_scale: SkinScale::of(model),
         }
     }
 
@@ -87,7 +88,7 @@ impl<'a> Evidence<'a> {
                 RayView::new(camera, silhouette, depth_m(camera), spacing_m)
             };
             let views = frame.views.iter().map(view).collect();
-            let rays = SilhouetteRays::new(views, likelihood.rays, self.field_ceiling);
+            let rays = SilhouetteRays::new(views, likelihood.rays, self.skin_scale.clone());
             terms.push(Box::new(rays));
         }
         terms
