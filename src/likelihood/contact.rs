@@ -228,7 +228,7 @@ fn slope(bumps: &[Bump], t: f64) -> Slope {
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::Matrix3;
+    use nalgebra::{Matrix3, Unit};
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 
@@ -255,7 +255,8 @@ mod tests {
             let field = balls(&mut rng, 12);
             let mut rays = RayField::new(&field, Vector3::new(0.0, 0.0, 1.0));
             let aside = |rng: &mut ChaCha8Rng| rng.random_range(-0.1..0.1);
-            let direction = Vector3::new(1.0, aside(&mut rng), aside(&mut rng)).normalize();
+            let direction = Vector3::new(1.0, aside(&mut rng), aside(&mut rng));
+            let direction = Unit::new_normalize(direction).into_inner();
             let contact = rays.contact(&direction, &mut near).unwrap();
             let sample = field.sample(&rays.point(&direction, contact.t)).unwrap();
             let slope = sample.log_gradient.dot(&direction);

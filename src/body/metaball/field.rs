@@ -77,6 +77,11 @@ impl Field {
         }
     }
 
+    /// The place of a metaball in the list that the field was made from: [`BodyModel::metaballs`] for a body's.
+    pub fn source(&self, metaball: usize) -> Option<usize> {
+        self.sources.get(metaball).copied()
+    }
+
     /// F(x) = max over limbs of Σ exp(−2 dᵢ(x)); more than [`THRESHOLD`](super::THRESHOLD) inside the body.
     ///
     /// # Source
