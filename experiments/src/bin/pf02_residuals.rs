@@ -101,7 +101,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         panels.push(panel(way, &shares));
     }
     run.table("found, %", &table)?;
-    run.picture("basins", &svg(3, (360.0, 330.0), panels))?;
+    run.picture("basins", &svg(3, (430.0, 320.0), panels))?;
     Ok(run.finish()?)
 }
 
@@ -210,7 +210,7 @@ fn panel(way: &Way, shares: &[Vec<f64>]) -> Panel {
     ];
     let empty = Panel::new(way.title, "start off by, cm", "found, %")
         .ranges((0.0, 50.0), (0.0, 105.0))
-        .legend(LegendPosition::InsideTopRight);
+        .legend(LegendPosition::OutsideRightTop);
     ANGLES_DEG
         .iter()
         .enumerate()

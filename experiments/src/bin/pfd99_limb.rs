@@ -305,7 +305,7 @@ fn turns_picture(together: &[Fitted], turns: &[Fitted]) -> String {
     };
     let panel = Panel::new(
         "three metaballs, 60 arms",
-        "linearisations",
+        "steps",
         "log₁₀ of (cost / least − 1), median",
     )
     .ranges((0.0, 80.0), (-6.5, 2.5))

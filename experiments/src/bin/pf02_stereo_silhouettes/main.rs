@@ -3,7 +3,7 @@
 //!
 //! 60 arms in other poses 2.5 m before a pair of cameras 15 cm apart: points with 15 mm of noise in depth (more where
 //! the skin slants away, none beyond 60°), one in fifty false; ragged silhouettes. Model `limb-arm` with PF02's residual T − F
-//! and with the distance; p(s) ten times as wide as the model's, so that the data decide, and as it is.
+//! and with the distance; p(s) three times as wide as the model's, so that the data decide, and as it is.
 
 mod pictures;
 
@@ -32,7 +32,7 @@ use rayon::prelude::*;
 
 const DRAWS: u64 = 60;
 const BASELINE: f64 = 0.15;
-const WIDE: f64 = 10.0;
+const WIDE: f64 = 3.0;
 const PAIR: StereoPair = StereoPair {
     baseline: BASELINE,
     disparity_sd_px: 0.33,
