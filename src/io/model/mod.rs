@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use crate::body::{BodyModel, ModelError};
 
 /// The models that come with the program: name and text.
-pub const SHIPPED: [(&str, &str); 4] = [
+pub const SHIPPED: [(&str, &str); 6] = [
     (
         "human-ellipsoids",
         include_str!("../../../data/models/human-ellipsoids.toml"),
@@ -26,6 +26,11 @@ pub const SHIPPED: [(&str, &str); 4] = [
     (
         "walker-metaballs",
         include_str!("../../../data/models/walker-metaballs.toml"),
+    ),
+    ("arm", include_str!("../../../data/models/arm.toml")),
+    (
+        "arm-ellipsoids",
+        include_str!("../../../data/models/arm-ellipsoids.toml"),
     ),
     ("arm-2d", include_str!("../../../data/models/arm-2d.toml")),
 ];
