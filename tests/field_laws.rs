@@ -19,11 +19,14 @@ use maquette::inference::prior::{PosePrior, ShapePrior, StepPrior};
 use maquette::io::model;
 use maquette::likelihood::{
     Derivatives, PointField, PointOptions, RayOptions, RayView, Residual, SilhouetteRays,
-    SurfacePoint, Term, associate,
+    SkinScale, SurfacePoint, Term, associate,
 };
 use maquette::render::silhouette;
 use maquette::silhouette::{Silhouette, SilhouetteOptions, extract};
-use maquette::solver::{LinearizationFault, Loss, NormalEquations, Problem, check_linearization};
+use maquette::solver::{
+    LinearizationFault, Loss, NormalEquations, Options, Problem, check_linearization,
+    levenberg_marquardt,
+};
 use nalgebra::{DVector, Point3, Rotation3, Unit, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -92,7 +95,7 @@ impl Scene {
     fn rays(&self, options: RayOptions) -> SilhouetteRays {
         let views = self.rig.iter().zip(&self.silhouettes);
         let views = views.map(|((_, camera), seen)| RayView::new(camera, seen, 4.6, 0.1));
-        SilhouetteRays::new(views.collect(), options, self.model.field_ceiling())
+        SilhouetteRays::new(views.collect(), options, SkinScale::of(&self.model))
     }
 
     /// Points on the skin of the truth: rays from each metaball's centre outwards.
@@ -119,7 +122,7 @@ impl Scene {
     }
 
     fn points(&self, options: PointOptions) -> PointField {
-        PointField::new(self.surface(), options, self.model.field_ceiling())
+        PointField::new(self.surface(), options, SkinScale::of(&self.model))
     }
 
     /// Points that stay with the limb that they are on at the truth.
@@ -354,4 +357,37 @@ fn a_held_point_pulls_its_own_limb_when_another_is_nearer() {
     let body = Posed::new(&scene.model, &state.shape, &state.motion);
     let (free, held) = (scene.points(PointOptions::default()), scene.held_points());
     assert!(held.cost(&body) > free.cost(&body) * 1.05);
+}
+
+/// Mean distance of the exported points from the truth after a fit of the motion, m.
+fn error_after_fit(scene: &Scene, term: Box<dyn Term>, start: &State) -> f64 {
+    let terms = [term];
+    let problem = FramePosterior {
+        model: &scene.model,
+        shape: &scene.truth.shape,
+        pose_prior: &PosePrior::of(&scene.model),
+        step: None,
+        terms: &terms,
+    };
+    let options = Options {
+        max_iterations: 30,
+        ..Options::default()
+    };
+    let found = levenberg_marquardt(&problem, start.motion.clone(), &options).state;
+    let points = |motion| Posed::new(&scene.model, &scene.truth.shape, motion).points();
+    let pairs = points(&found).into_iter().zip(points(&scene.truth.motion));
+    let distances: Vec<f64> = pairs.map(|(a, b)| (a - b).norm()).collect();
+    distances.iter().sum::<f64>() / distances.len() as f64
+}
+
+#[test]
+fn a_fit_to_lines_of_sight_or_to_points_finds_the_pose() {
+    let scene = Scene::new();
+    let start = scene.displaced(&scene.truth, 0.1, 44);
+    let rays = scene.rays(RayOptions::default());
+    let error = error_after_fit(&scene, Box::new(rays), &start);
+    assert!(error < 0.02, "rays: {error}");
+    let points = scene.points(PointOptions::default());
+    let error = error_after_fit(&scene, Box::new(points), &start);
+    assert!(error < 0.02, "points: {error}");
 }

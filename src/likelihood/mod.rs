@@ -25,7 +25,7 @@ pub use ellipse_distance::{EllipseDistance, OutlineEllipse, exact_distance};
 pub use ellipse_silhouette::{EllipseOptions, EllipseSilhouette, Variant, View, ViewResiduals};
 pub use point_field::{PointField, PointOptions, PointResidual, SurfacePoint};
 pub use silhouette_ray::{RayOptions, RayResidual, RayView, SilhouetteRays};
-pub use skin_distance::{Derivatives, Residual, SkinDistance, SkinResidual};
+pub use skin_distance::{Derivatives, Residual, SkinResidual, SkinScale};
 
 use crate::body::Posed;
 use crate::solver::NormalEquations;

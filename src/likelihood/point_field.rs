@@ -1,18 +1,18 @@
 //! Points of the surface against the skin (PF02 § 3.1, eq. 7; PFD99 eq. 13).
 //!
-//! The residual is the skin distance at the point, see [`SkinDistance`]; the point itself does not move, so
-//! dr/dθ = α ∂(ln F)/∂θ + β·∂(∇ ln F)/∂θ.
+//! The residual is the skin distance at the point, see [`SkinScale`]; the point itself does not move, so
+//! dr/dθ = Σ wᵢ αᵢ ∂(ln fᵢ)/∂θ.
 //!
 //! A point errs by σ² = σᵢ² + σ_m²: its own error, and the skin's mismatch with the body. Neighbours err together,
 //! by the mismatch at least: space is cut into cells of the correlation length, and the points of a cell share the
 //! weight of one observation. So a dense cloud says no more than a sparse one, and a dense place in it neither.
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 
 use super::Term;
 use super::association::associate;
 use super::limb_sums::LimbSums;
-use super::skin_distance::{Derivatives, Residual, SkinDistance, SkinResidual};
+use super::skin_distance::{Derivatives, Residual, SkinResidual, SkinScale};
 use crate::body::Posed;
 use crate::body::metaball::{Field, FieldRow, FieldSample, FieldSlopes, Sampler};
 use crate::solver::{Loss, NormalEquations};
@@ -77,7 +77,7 @@ pub struct PointField {
     /// Limb of each point; empty where the largest counts.
     limbs: Vec<usize>,
     options: PointOptions,
-    distance: SkinDistance,
+    scale: SkinScale,
 }
 
 /// One point at one state.
@@ -89,15 +89,15 @@ struct Touch {
 }
 
 impl PointField {
-    /// The term of one frame's points, each of which belongs to the limb that is largest at it; `ceiling` is the
-    /// model's, see [`BodyModel::field_ceiling`](crate::body::BodyModel::field_ceiling).
-    pub fn new(points: Vec<SurfacePoint>, options: PointOptions, ceiling: f64) -> Self {
+    /// The term of one frame's points, each of which belongs to the limb that is largest at it; `scale` is the
+    /// model's.
+    pub fn new(points: Vec<SurfacePoint>, options: PointOptions, scale: SkinScale) -> Self {
         Self {
             weights: weights(&points, options.correlation_m),
             points,
             limbs: Vec::new(),
             options,
-            distance: SkinDistance::new(options.residual, options.derivatives, ceiling),
+            scale,
         }
     }
 
@@ -128,6 +128,7 @@ impl PointField {
     }
 
     fn touches(&self, field: &Field, mut each: impl FnMut(&Touch, &FieldSample)) {
+        let kind = (self.options.residual, self.options.derivatives);
         let mut sampler = Sampler::new(field);
         let mut sample = FieldSample::default();
         for (index, (point, &weight)) in self.points.iter().zip(&self.weights).enumerate() {
@@ -135,9 +136,7 @@ impl PointField {
             if !sampler.sample(&point.position_world.coords, limb, &mut sample) {
                 continue;
             }
-            let residual = self
-                .distance
-                .evaluate(sample.log_value, &sample.log_gradient);
+            let residual = self.scale.residual(kind, field, &sample);
             let touch = Touch {
                 point: index,
                 sigma_m: point.sigma_m.hypot(self.options.sigma_m),
@@ -180,13 +179,10 @@ impl Term for PointField {
         self.touches(&field, |touch, sample| {
             let (rho, weight) = touch.loss(self.options.loss);
             cost += 0.5 * rho;
-            let SkinResidual {
-                distance_m,
-                alpha,
-                beta,
-            } = touch.residual;
-            slopes.row(sample, alpha, &beta, &mut row);
-            sums.add(sample.limb, &row.values, distance_m, weight);
+            let r = touch.residual;
+            let alpha = |i| r.alpha + r.gamma * self.scale.length_m(&field, i);
+            slopes.row(sample, alpha, &Vector3::zeros(), &mut row);
+            sums.add(sample.limb, &row.values, r.distance_m, weight);
         });
         sums.add_to(&slopes, equations);
         cost
@@ -238,8 +234,8 @@ mod tests {
     #[test]
     fn a_dense_cloud_says_no_more_than_a_sparse_one() {
         let cloud = |count: usize| {
-            let points = (0..count).map(|i| point(i as f64 / count as f64)).collect();
-            PointField::new(points, PointOptions::default(), 3.0).effective_observations()
+            let points: Vec<_> = (0..count).map(|i| point(i as f64 / count as f64)).collect();
+            weights(&points, 0.1).iter().sum::<f64>()
         };
         approx::assert_relative_eq!(cloud(100), 10.0, epsilon = 1e-9);
         approx::assert_relative_eq!(cloud(10_000), 10.0, epsilon = 1e-9);
