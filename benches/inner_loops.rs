@@ -134,9 +134,8 @@ fn observe(recording: &Synthetic, frame: FrameIndex) -> FrameObservations {
     };
     let views = recording.rig.iter().filter_map(view).collect();
     FrameObservations {
-        frame,
         views,
-        rejected: Vec::new(),
+        ..FrameObservations::nothing(frame)
     }
 }
 

@@ -7,7 +7,7 @@
 //! | factor                       | room                                                    |
 //! |------------------------------|---------------------------------------------------------|
 //! | s, mᵢ: the body              | [`body`]                                                |
-//! | Zᵢ: what the cameras show    | [`camera`], [`image`], [`silhouette`]                   |
+//! | Zᵢ: what the cameras show    | [`camera`], [`image`], [`silhouette`], [`stereo`]       |
 //! | p(Zᵢ given mᵢ, s)            | [`likelihood`]                                          |
 //! | p(s), p(mᵢ given mᵢ₋₁), argmax | [`inference`]                                         |
 //! | least squares                | [`solver`]                                              |
@@ -28,4 +28,5 @@ pub mod pipeline;
 pub mod render;
 pub mod silhouette;
 pub mod solver;
+pub mod stereo;
 pub mod synth;

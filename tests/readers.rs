@@ -10,3 +10,5 @@ mod calibration_faults;
 mod calibration_samples;
 #[path = "readers/calibration_shared.rs"]
 mod calibration_shared;
+#[path = "readers/clouds.rs"]
+mod clouds;

@@ -4,6 +4,8 @@
 mod faults;
 #[path = "recordings/layouts.rs"]
 mod layouts;
+#[path = "recordings/points.rs"]
+mod points;
 #[path = "recordings/shared_data.rs"]
 mod shared_data;
 #[path = "recordings/tiny.rs"]

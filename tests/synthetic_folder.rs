@@ -8,7 +8,7 @@ use maquette::io::recording::Recording;
 use maquette::io::synthetic::{SyntheticError, trajectories, write};
 use maquette::io::{model, trc};
 use maquette::silhouette::{FrameIndex, SilhouetteOptions};
-use maquette::synth::{Ring, Synthetic, sample_walker};
+use maquette::synth::{Ring, StereoPair, Synthetic, sample_walker};
 use nalgebra::Point3;
 
 fn sample() -> Synthetic {
@@ -28,6 +28,7 @@ fn small() -> Synthetic {
         ..Ring::default()
     };
     synthetic.rig = ring.regular();
+    synthetic.stereo = Some(StereoPair::default());
     synthetic
 }
 
@@ -54,6 +55,9 @@ fn what_is_written_is_read_as_a_recording() {
         .load_frame(1, &SilhouetteOptions::default())
         .unwrap();
     assert_eq!(observed.views.len(), 2, "{:?}", observed.rejected);
+    let cloud = |camera| synthetic.cloud(FrameIndex(1), CameraId(camera)).unwrap();
+    assert_eq!(observed.points, [cloud(0), cloud(1)].concat());
+    assert!(recording.notes.is_empty() && observed.points.len() > 50);
 }
 
 #[test]

@@ -16,6 +16,7 @@
 
 pub mod arm;
 pub mod expected;
+pub mod limb;
 pub mod metrics;
 pub mod picture;
 pub mod run;

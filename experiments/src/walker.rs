@@ -46,6 +46,7 @@ pub fn recording(frames: usize, seed: u64) -> Result<Synthetic, WalkerError> {
             ..Ring::default()
         },
         errors: Some(SegmentationErrors::MILD),
+        stereo: None,
     };
     Ok(recipe.walker(&body)?)
 }
@@ -60,11 +61,7 @@ pub fn observe(recording: &Synthetic) -> Vec<FrameObservations> {
 }
 
 fn observe_frame(recording: &Synthetic, rig: &Rig, frame: FrameIndex) -> FrameObservations {
-    let mut observations = FrameObservations {
-        frame,
-        views: Vec::new(),
-        rejected: Vec::new(),
-    };
+    let mut observations = FrameObservations::nothing(frame);
     for (id, camera) in rig.iter() {
         let Some(mask) = recording.mask(frame, id) else {
             continue;

@@ -8,7 +8,7 @@ use super::error::CliError;
 use super::print;
 use super::summary::counted;
 use crate::io::{model, synthetic};
-use crate::synth::{Recipe, Ring, SegmentationErrors};
+use crate::synth::{Recipe, Ring, SegmentationErrors, StereoPair};
 
 pub(super) const ABOUT: &str = "\
 Make a recording of a walking person, with the truth beside it.
@@ -36,6 +36,9 @@ pub(super) struct SynthArguments {
     /// Errors of the segmentation
     #[arg(long, value_enum, default_value_t = Noise::Mild)]
     noise: Noise,
+    /// Points on the skin too, as a second camera beside each would let it see them
+    #[arg(long)]
+    points: bool,
     /// Body model with metaballs: a shipped one or a .toml file
     #[arg(long, default_value = "walker-metaballs")]
     body: String,
@@ -71,6 +74,7 @@ pub(super) fn run(arguments: &SynthArguments) -> Result<(), CliError> {
             Noise::None => None,
             Noise::Mild => Some(SegmentationErrors::MILD),
         },
+        stereo: arguments.points.then(StereoPair::default),
     };
     let model = model::load(&arguments.body, Path::new(""))?;
     let recording = recipe.walker(&model)?;

@@ -11,7 +11,8 @@
 //! masks = "masks/cam_01/%06d.png"    # printf pattern, folder, or glob
 //! ```
 //!
-//! Per camera also `images`, `video`, `background` and `offset_frames`, and `points` and `start` for the recording.
+//! Per camera also `images`, `video`, `background` and `offset_frames`; for the recording `points`, `points_unit` and
+//! `start`.
 //! Paths are relative to the file. Every key is optional but a camera's `name`; what is left out is looked for where
 //! a folder without manifest has it.
 
@@ -32,6 +33,7 @@ const KEYS: &[&str] = &[
     "up",
     "body",
     "points",
+    "points_unit",
     "start",
     "camera",
 ];
@@ -58,8 +60,10 @@ pub struct Manifest {
     pub up: Up,
     /// A shipped body model or the path of one.
     pub body: Option<String>,
-    /// 3-D points of the surface.
-    pub points: Option<PathBuf>,
+    /// Points on the surface, of each frame: printf pattern, folder, or glob.
+    pub points: Option<String>,
+    /// Unit of the points; metres if left out.
+    pub points_unit: Option<Unit>,
     /// Reserved for a known start pose.
     pub start: Option<toml::Value>,
     /// The cameras, in the order in which they are numbered.
@@ -254,7 +258,8 @@ mod tests {
             unit = "mm"
             up = "-z"
             body = "human-ellipsoids"
-            points = "points.ply"
+            points = "points/%06d.ply"
+            points_unit = "mm"
             start = { frame = 3 }
             [[camera]]
             name = "left"
@@ -271,6 +276,8 @@ mod tests {
         assert_eq!(manifest.fps, Some(50.0));
         assert_eq!(manifest.unit, Some(Unit::Millimetre));
         assert_eq!(manifest.up, Up::MinusZ);
+        assert_eq!(manifest.points.as_deref(), Some("points/%06d.ply"));
+        assert_eq!(manifest.points_unit, Some(Unit::Millimetre));
         assert_eq!(manifest.body.as_deref(), Some("human-ellipsoids"));
         let Some(CalibrationFiles::PerCamera(files)) = &manifest.calibration else {
             panic!("{manifest:?}");

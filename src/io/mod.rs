@@ -1,6 +1,7 @@
 //! Files in and out: the only code that knows formats and the units of files.
 
 pub mod calibration;
+pub mod cloud;
 pub mod journal;
 pub mod manifest;
 pub mod model;

@@ -5,6 +5,7 @@
 //! | `sequence.toml`             | manifest                                                             |
 //! | `calibration.toml`          | cameras, as Pose2Sim writes them                                     |
 //! | `masks/<camera>/%06d.png`   | masks, 0 and 255                                                     |
+//! | `points/%06d.ply`           | points on the skin, where the recording has a [`crate::synth::StereoPair`] |
 //! | `truth.trc`                 | joint centres of every frame                                         |
 //! | `truth.json`                | [`Truth`]: lengths, coefficients, pelvis and angles of every frame   |
 
@@ -18,6 +19,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::calibration;
+use super::cloud::write_ply;
 use super::trc::{Trajectories, write_trc};
 use crate::body::Posed;
 use crate::camera::{Camera, CameraId};
@@ -174,6 +176,7 @@ fn fill(synthetic: &Synthetic, folder: &Path) -> Result<(), SyntheticError> {
         let path = masks_of(folder, camera).join(format!("{:06}.png", frame.0));
         write_mask(synthetic, frame, id, path)
     })?;
+    write_clouds(synthetic, folder)?;
     let text_file = |name: &str, text: String| {
         let path = folder.join(name);
         fs::write(&path, text).map_err(|source| SyntheticError::Write { path, source })
@@ -208,6 +211,27 @@ fn write_mask(
     }
 }
 
+/// The points of all cameras together, a file for each frame.
+fn write_clouds(synthetic: &Synthetic, folder: &Path) -> Result<(), SyntheticError> {
+    if synthetic.stereo.is_none() {
+        return Ok(());
+    }
+    let folder = folder.join("points");
+    let failed = |path: &Path| {
+        let path = path.to_owned();
+        |source| SyntheticError::Write { path, source }
+    };
+    fs::create_dir_all(&folder).map_err(failed(&folder))?;
+    let frames: Vec<usize> = (0..synthetic.frames()).collect();
+    frames.into_par_iter().try_for_each(|frame| {
+        let of_cameras = synthetic.rig.iter();
+        let of_cameras = of_cameras.filter_map(|(id, _)| synthetic.cloud(FrameIndex(frame), id));
+        let points: Vec<_> = of_cameras.flatten().collect();
+        let path = folder.join(format!("{frame:06}.ply"));
+        fs::write(&path, write_ply(&points)).map_err(failed(&path))
+    })
+}
+
 /// An 8-bit grey PNG, 0 and 255.
 fn encode(mask: &Mask) -> Result<Vec<u8>, ImageError> {
     let rows = (0..mask.height()).flat_map(|y| mask.row(y));
@@ -232,6 +256,9 @@ fn manifest(synthetic: &Synthetic) -> String {
          fps = {fps:?}\ncalibration = \"calibration.toml\"\nunit = \"m\"\nup = \"z\"\n",
         model.name.escape_debug()
     );
+    if synthetic.stereo.is_some() {
+        text.push_str("points = \"points/%06d.ply\"\npoints_unit = \"m\"\n");
+    }
     for name in synthetic.rig.names() {
         text.push_str(&format!(
             "\n[[camera]]\nname = {name:?}\nmasks = \"masks/{name}/%06d.png\"\n"

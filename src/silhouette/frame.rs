@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Rejected, Silhouette};
 use crate::camera::CameraId;
+use crate::stereo::{CloudPoint, LeftOut};
 
 /// Number of a frame of the recording: its time is index/fps. Frames may be missing between two indices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -17,7 +18,7 @@ impl fmt::Display for FrameIndex {
     }
 }
 
-/// The silhouettes of one frame, at most one for each camera, in the order of the rig.
+/// The silhouettes of one frame, at most one for each camera, in the order of the rig, and its points in space.
 #[derive(Clone, Debug)]
 pub struct FrameObservations {
     /// Which frame.
@@ -26,4 +27,26 @@ pub struct FrameObservations {
     pub views: Vec<(CameraId, Silhouette)>,
     /// The cameras whose mask could be read and shows no silhouette, and why.
     pub rejected: Vec<(CameraId, Rejected)>,
+    /// Points on the surface; empty where there are none.
+    pub points: Vec<CloudPoint>,
+    /// What else the source of the points held.
+    pub points_left_out: LeftOut,
+}
+
+impl FrameObservations {
+    /// A frame of which nothing is known yet.
+    pub fn nothing(frame: FrameIndex) -> Self {
+        Self {
+            frame,
+            views: Vec::new(),
+            rejected: Vec::new(),
+            points: Vec::new(),
+            points_left_out: LeftOut::default(),
+        }
+    }
+
+    /// Whether anything was seen of the body: a silhouette, or points.
+    pub fn is_observed(&self) -> bool {
+        !(self.views.is_empty() && self.points.is_empty())
+    }
 }

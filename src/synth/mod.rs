@@ -11,9 +11,11 @@
 //! | `gait.rs`    | [`Gait`]: one person's way of walking                                       |
 //! | `contact.rs` | soles, and how the floor holds them                                         |
 //! | `walk.rs`    | [`Walk`]: the motion of a model that walks                                  |
+//! | `cloud.rs`   | [`StereoPair`]: the points that stereo would see on the skin                |
 //! | `noise.rs`   | [`SegmentationErrors`]: what a segmentation does to a true mask             |
 //! | `recording.rs` | [`Synthetic`]: all of it together; [`Recipe`], [`sample_walker`]: how it is made |
 
+mod cloud;
 mod contact;
 mod curves;
 mod gait;
@@ -23,6 +25,7 @@ mod scene;
 mod shape;
 mod walk;
 
+pub use cloud::StereoPair;
 pub use curves::Curve;
 pub use gait::Gait;
 pub use noise::SegmentationErrors;

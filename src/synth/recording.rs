@@ -4,13 +4,14 @@ use nalgebra::Point3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use super::{Gait, Ring, SegmentationErrors, Walk, WalkError, draw_shape};
+use super::{Gait, Ring, SegmentationErrors, StereoPair, Walk, WalkError, draw_shape};
 use crate::body::metaball::Field;
 use crate::body::{BodyModel, Motion, Posed, Shape};
 use crate::camera::{CameraId, Distortion, Rig};
 use crate::image::Mask;
 use crate::render;
 use crate::silhouette::FrameIndex;
+use crate::stereo::CloudPoint;
 
 /// What a recording would show, and what is true of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,7 +28,9 @@ pub struct Synthetic {
     pub fps: f64,
     /// Errors of the segmentation; `None` for true masks.
     pub errors: Option<SegmentationErrors>,
-    /// Seed of those errors.
+    /// A second camera beside each, with which it sees points on the skin; `None` for no points.
+    pub stereo: Option<StereoPair>,
+    /// Seed of the errors.
     pub seed: u64,
 }
 
@@ -67,6 +70,18 @@ impl Synthetic {
         rng.set_stream((FIRST_MASK + frame.0 * cameras + camera.0) as u64);
         Some(errors.apply(&truth, &mut rng))
     }
+
+    /// The points that one camera and its twin see; none without [`Synthetic::stereo`].
+    ///
+    /// `None` if there is no such frame or camera. Frame and camera have a random stream of their own.
+    pub fn cloud(&self, frame: FrameIndex, camera: CameraId) -> Option<Vec<CloudPoint>> {
+        let (body, seeing) = (self.posed(frame)?, self.rig.camera(camera)?);
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        let cameras = self.rig.cameras.len();
+        rng.set_stream(FIRST_CLOUD + (frame.0 * cameras + camera.0) as u64);
+        let points = self.stereo.map(|pair| pair.points(seeing, &body, &mut rng));
+        Some(points.unwrap_or_default())
+    }
 }
 
 /// What a synthetic recording of a walking person is made of.
@@ -82,6 +97,8 @@ pub struct Recipe {
     pub ring: Ring,
     /// Errors of the segmentation; `None` for true masks.
     pub errors: Option<SegmentationErrors>,
+    /// A second camera beside each, with which it sees points on the skin; `None` for no points.
+    pub stereo: Option<StereoPair>,
 }
 
 impl Default for Recipe {
@@ -97,15 +114,17 @@ impl Default for Recipe {
                 ..Ring::default()
             },
             errors: Some(SegmentationErrors::MILD),
+            stereo: None,
         }
     }
 }
 
-/// Random streams of [`Recipe::walker`]; the masks' streams follow.
+/// Random streams of [`Recipe::walker`]; those of masks and points follow.
 const BODY: u64 = 1;
 const GAIT: u64 = 2;
 const SCENE: u64 = 3;
 const FIRST_MASK: usize = 16;
+const FIRST_CLOUD: u64 = 1 << 40;
 
 impl Recipe {
     /// A person drawn from the model, who walks with a gait of their own along x through the middle of the ring.
@@ -133,6 +152,7 @@ impl Recipe {
             rig: self.ring.placed(&mut stream(SCENE)),
             fps: self.fps,
             errors: self.errors,
+            stereo: self.stereo,
             seed: self.seed,
         })
     }

@@ -47,9 +47,8 @@ pub(crate) fn observe(body: &Posed<'_>, rig: &Rig, frame: usize) -> FrameObserva
             .expect("the person is in the image")
     };
     FrameObservations {
-        frame: FrameIndex(frame),
         views: rig.iter().map(|(id, c)| (id, silhouette(c))).collect(),
-        rejected: Vec::new(),
+        ..FrameObservations::nothing(FrameIndex(frame))
     }
 }
 

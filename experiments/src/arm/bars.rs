@@ -143,11 +143,7 @@ pub fn observe(
     seed: u64,
 ) -> Vec<FrameObservations> {
     let frame = |(index, &phi): (usize, &f64)| {
-        let mut frame = FrameObservations {
-            frame: FrameIndex(index),
-            views: Vec::new(),
-            rejected: Vec::new(),
-        };
+        let mut frame = FrameObservations::nothing(FrameIndex(index));
         for (id, camera) in rig.iter() {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);
             rng.set_stream((index * rig.cameras.len() + id.0) as u64);

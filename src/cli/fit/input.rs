@@ -31,10 +31,12 @@ pub(super) struct Input {
 pub(super) fn read(arguments: &FitArguments) -> Result<Input, CliError> {
     let options = arguments.options()?;
     check_out(&arguments.out, arguments.existing())?;
-    let recording = Recording::open(&arguments.recording, arguments.fps)?;
+    let mut recording = Recording::open(&arguments.recording, arguments.fps)?;
     let (model, body) = body(arguments.body.as_deref(), &recording)?;
     let positions = positions(&recording, arguments.frames)?;
     let observations = observe(&recording, &positions, &options, arguments.progress())?;
+    let notes = recording.notes_of_points(&observations);
+    recording.notes.extend(notes);
     check_scene(&model, &recording.rig, &observations).map_err(FitError::from)?;
     let mut checksums = recording.checksums()?;
     checksums.push(body);

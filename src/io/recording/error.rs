@@ -3,8 +3,9 @@
 use std::io;
 use std::path::PathBuf;
 
-use super::MaskFault;
+use super::{MaskFault, ScaleFault};
 use crate::io::calibration::CalibrationError;
+use crate::io::cloud::CloudError;
 use crate::io::manifest::ManifestError;
 use crate::silhouette::FrameIndex;
 
@@ -67,20 +68,20 @@ pub enum RecordingError {
         pattern: PathBuf,
     },
     /// A pattern that is none.
-    #[error("camera {camera}: masks = {pattern:?}: expected {expected}")]
+    #[error("{key} = {pattern:?}: expected {expected}")]
     Pattern {
-        /// The camera.
-        camera: String,
+        /// Whose: `camera left: masks` or `points`.
+        key: String,
         /// As written.
         pattern: String,
         /// What a pattern looks like.
         expected: &'static str,
     },
-    /// Two masks of one frame.
-    #[error("camera {camera}: {} and {} are both number {number}", first.display(), second.display())]
+    /// Two masks of one camera, or two clouds, of one frame.
+    #[error("{key}: {} and {} are both number {number}", first.display(), second.display())]
     DuplicateFrame {
-        /// The camera.
-        camera: String,
+        /// Whose: `camera left: masks` or `points`.
+        key: String,
         /// The number in both names.
         number: u64,
         /// One file.
@@ -110,6 +111,30 @@ pub enum RecordingError {
         frame: FrameIndex,
         /// Why.
         fault: Box<MaskFault>,
+    },
+    /// Point clouds were promised and are not there.
+    #[error("points: no point cloud (.ply, .xyz, .txt, .csv) at {}", pattern.display())]
+    MissingPoints {
+        /// Where they should be.
+        pattern: PathBuf,
+    },
+    /// A point cloud that cannot be used.
+    #[error("{frame}: {source}")]
+    Cloud {
+        /// The frame.
+        frame: FrameIndex,
+        /// Why, with the file.
+        source: Box<CloudError>,
+    },
+    /// A point cloud of another size than the cameras' view.
+    #[error("{}: {frame}: {fault}", path.display())]
+    PointsScale {
+        /// The file.
+        path: PathBuf,
+        /// The frame.
+        frame: FrameIndex,
+        /// How the sizes differ.
+        fault: ScaleFault,
     },
     /// An input that cannot be read for its checksum.
     #[error("{}: cannot be read: {source}", path.display())]

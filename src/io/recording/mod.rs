@@ -1,14 +1,15 @@
-//! A recording on disk: which cameras, which frames, and each frame's silhouettes when they are asked for.
+//! A recording on disk: which cameras, which frames, and each frame's silhouettes and points when they are asked for.
 //!
-//! [`Recording::open`] reads the manifest and the calibration and lists the masks; [`Recording::load_frame`] reads the
-//! masks of one frame. Nothing is kept in between, so frames can be streamed, and loaded by many threads.
+//! [`Recording::open`] reads the manifest and the calibration and lists the masks and point clouds;
+//! [`Recording::load_frame`] reads those of one frame. Nothing is kept in between, so frames can be streamed, and loaded by many threads.
 
 mod error;
 mod layout;
-mod mask_files;
 mod mask_image;
 mod note;
+mod numbered_files;
 mod open;
+mod points;
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -21,6 +22,7 @@ use crate::silhouette::{self, FrameIndex, FrameObservations, SilhouetteOptions};
 pub use error::RecordingError;
 pub use mask_image::MaskFault;
 pub use note::Note;
+pub use points::{MOST_POINTS, ScaleFault};
 
 /// Calibrated masks of one person, frame by frame.
 #[derive(Clone, Debug)]
@@ -29,7 +31,7 @@ pub struct Recording {
     pub fps: f64,
     /// The cameras that have masks, in the order of the manifest.
     pub rig: Rig,
-    /// The frames of which at least one camera has a mask, ascending.
+    /// The frames of which at least one camera has a mask, or that have points, ascending.
     pub frames: Vec<FrameIndex>,
     /// The masks that are not there.
     pub missing: Vec<Missing>,
@@ -43,6 +45,7 @@ pub struct Recording {
     descriptions: Vec<PathBuf>,
     /// Frame → mask, for each camera of the rig.
     masks: Vec<BTreeMap<FrameIndex, PathBuf>>,
+    points: points::PointFiles,
 }
 
 /// Frames of which one camera has no mask, others have.
@@ -54,10 +57,10 @@ pub struct Missing {
     pub frames: Vec<FrameIndex>,
 }
 
-/// Fingerprint of one input: a file, or all masks of a camera.
+/// Fingerprint of one input: a file, all masks of a camera, or all points.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InputChecksum {
-    /// Path of the file relative to the recording's folder (of a file elsewhere its name and that of its folder), or `masks of <camera>`.
+    /// Path of the file relative to the recording's folder (of a file elsewhere its name and that of its folder), `masks of <camera>`, or `points`.
     pub input: String,
     /// Number of files.
     pub files: usize,
@@ -89,10 +92,13 @@ impl Recording {
         open::open(path, fps)
     }
 
-    /// The silhouettes of the frame at `position` in [`Recording::frames`].
+    /// The silhouettes and points of the frame at `position` in [`Recording::frames`].
+    ///
+    /// Of more than [`MOST_POINTS`] points as many are taken, evenly; [`Recording::notes_of_points`] says so.
     ///
     /// # Errors
-    /// [`RecordingError::Mask`] for the first mask that cannot be used, in the order of the rig, and
+    /// [`RecordingError::Mask`] for the first mask that cannot be used, in the order of the rig,
+    /// [`RecordingError::Cloud`] and [`RecordingError::PointsScale`] for points that cannot, and
     /// [`RecordingError::NoFrame`]. A mask that is read and shows no silhouette is no error: it is listed as rejected.
     pub fn load_frame(
         &self,
@@ -104,11 +110,7 @@ impl Recording {
             position,
             count: self.frames.len(),
         })?;
-        let mut observations = FrameObservations {
-            frame,
-            views: Vec::new(),
-            rejected: Vec::new(),
-        };
+        let mut observations = FrameObservations::nothing(frame);
         for (id, camera) in self.rig.iter() {
             let Some(mask) = self.load_mask(id, frame)? else {
                 continue;
@@ -118,7 +120,14 @@ impl Recording {
                 Err(reason) => observations.rejected.push((id, reason)),
             }
         }
+        let cloud = self.points.load(frame)?;
+        (observations.points, observations.points_left_out) = (cloud.points, cloud.left_out);
         Ok(observations)
+    }
+
+    /// What the user should know of the points of the frames that were loaded.
+    pub fn notes_of_points(&self, observations: &[FrameObservations]) -> Vec<Note> {
+        self.points.notes(observations)
     }
 
     /// The mask of a camera in a frame; `None` if it is missing.
@@ -155,7 +164,8 @@ impl Recording {
         name.collect::<PathBuf>().display().to_string()
     }
 
-    /// Fingerprints of everything that the recording is read from: manifest, calibration, then each camera's masks.
+    /// Fingerprints of everything that the recording is read from: manifest, calibration, each camera's masks, then the
+    /// points.
     ///
     /// # Errors
     /// [`RecordingError::Checksum`] for a file that cannot be read.
@@ -169,15 +179,11 @@ impl Recording {
             });
         }
         for (camera, masks) in self.rig.cameras.iter().zip(&self.masks) {
-            let mut all = blake3::Hasher::new();
-            for path in masks.values() {
-                all.update(checksum(path)?.as_bytes());
-            }
-            checksums.push(InputChecksum {
-                input: format!("masks of {}", camera.name),
-                files: masks.len(),
-                blake3: all.finalize().to_string(),
-            });
+            let input = format!("masks of {}", camera.name);
+            checksums.push(checksum_of_all(input, masks.values())?);
+        }
+        if self.points.frames().next().is_some() {
+            checksums.push(checksum_of_all("points".into(), self.points.paths())?);
         }
         Ok(checksums)
     }
@@ -190,6 +196,22 @@ fn mask_error(path: &Path, camera: &Camera, frame: FrameIndex, fault: MaskFault)
         frame,
         fault: Box::new(fault),
     }
+}
+
+fn checksum_of_all<'a>(
+    input: String,
+    paths: impl Iterator<Item = &'a PathBuf>,
+) -> Result<InputChecksum, RecordingError> {
+    let (mut all, mut files) = (blake3::Hasher::new(), 0);
+    for path in paths {
+        all.update(checksum(path)?.as_bytes());
+        files += 1;
+    }
+    Ok(InputChecksum {
+        input,
+        files,
+        blake3: all.finalize().to_string(),
+    })
 }
 
 fn checksum(path: &Path) -> Result<blake3::Hash, RecordingError> {

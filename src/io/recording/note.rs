@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::pipeline::Frames;
+
 /// Something about a recording that its user should know, in one line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
@@ -44,6 +46,39 @@ pub enum Note {
     },
     /// No frame is seen by two cameras.
     NoCommonFrame,
+    /// Point clouds without a number in their names.
+    UnnumberedPoints {
+        /// How many.
+        files: usize,
+    },
+    /// Only some of the frames have points.
+    PointsMissing {
+        /// How many frames have points.
+        with: usize,
+        /// How many frames there are.
+        frames: usize,
+    },
+    /// Point clouds without a usable point.
+    PointsEmpty {
+        /// The frames.
+        frames: Frames,
+    },
+    /// Points that are not finite or have no positive spread.
+    PointsUnusable {
+        /// How many.
+        points: usize,
+        /// The frames that have them.
+        frames: Frames,
+    },
+    /// Clouds of more points than are used.
+    PointsThinned {
+        /// The largest of them.
+        most_points: usize,
+        /// How many are used of each.
+        used: usize,
+        /// The frames.
+        frames: Frames,
+    },
 }
 
 impl fmt::Display for Note {
@@ -73,6 +108,29 @@ impl fmt::Display for Note {
             Self::NoCommonFrame => write!(
                 f,
                 "no frame has masks of two cameras: do the numbers of the files agree? offset_frames shifts them"
+            ),
+            Self::UnnumberedPoints { files } => write!(
+                f,
+                "points: {files} files without a frame number in their names: not used"
+            ),
+            Self::PointsMissing { with, frames } => write!(
+                f,
+                "points: {with} of {frames} frames have some: used where they are"
+            ),
+            Self::PointsEmpty { frames } => {
+                write!(f, "points: no usable point in frames {frames}")
+            }
+            Self::PointsUnusable { points, frames } => write!(
+                f,
+                "points: {points} are not finite or have no positive spread, in frames {frames}: left out"
+            ),
+            Self::PointsThinned {
+                most_points,
+                used,
+                frames,
+            } => write!(
+                f,
+                "points: up to {most_points} in a frame, thinned evenly to {used} in frames {frames}"
             ),
         }
     }

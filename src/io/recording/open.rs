@@ -3,7 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use super::mask_files::{self, MaskFiles};
+use super::numbered_files::{self, NumberedFiles, Wanted};
+use super::points::PointFiles;
 use super::{Missing, Note, Recording, RecordingError, layout, mask_image};
 use crate::camera::{CameraId, Rig};
 use crate::io::calibration::{self, CalibrationOptions};
@@ -26,7 +27,9 @@ pub(super) fn open(path: &Path, fps: Option<f64>) -> Result<Recording, Recording
         .iter()
         .map(|(camera, files)| by_frame(camera, files, &mut notes))
         .collect();
-    let (frames, missing) = frames_and_missing(&masks);
+    let points = PointFiles::find(&folder, &manifest, &rig, &mut notes)?;
+    let (frames, missing) = frames_and_missing(&masks, &points);
+    notes.extend(points.missing(frames.len()));
     let views = |frame: &FrameIndex| masks.iter().filter(|m| m.contains_key(frame)).count();
     if !frames.iter().any(|frame| views(frame) > 1) {
         notes.push(Note::NoCommonFrame);
@@ -44,6 +47,7 @@ pub(super) fn open(path: &Path, fps: Option<f64>) -> Result<Recording, Recording
         folder,
         descriptions: manifest_path.iter().cloned().chain(sources).collect(),
         masks,
+        points,
     })
 }
 
@@ -92,7 +96,6 @@ fn ignored_keys(manifest: &Manifest) -> Vec<&'static str> {
         ("images", any(|camera| camera.images.is_some())),
         ("video", any(|camera| camera.video.is_some())),
         ("background", any(|camera| camera.background.is_some())),
-        ("points", manifest.points.is_some()),
         ("start", manifest.start.is_some()),
     ]
     .into_iter()
@@ -101,7 +104,7 @@ fn ignored_keys(manifest: &Manifest) -> Vec<&'static str> {
 }
 
 /// The cameras that are used, each with its files.
-type CameraMasks = Vec<(CameraFiles, MaskFiles)>;
+type CameraMasks = Vec<(CameraFiles, NumberedFiles)>;
 
 fn masks_of_cameras(
     path: &Path,
@@ -111,7 +114,11 @@ fn masks_of_cameras(
 ) -> Result<CameraMasks, RecordingError> {
     let list = |camera: CameraFiles| {
         let pattern = camera.masks.as_deref().unwrap_or_default();
-        let files = mask_files::list(folder, pattern, &camera.name)?;
+        let wanted = Wanted {
+            key: &format!("camera {}: masks", camera.name),
+            is_kind: numbered_files::is_image,
+        };
+        let files = numbered_files::list(folder, pattern, &wanted)?;
         if files.of_number.is_empty() {
             return Err(RecordingError::MissingMasks {
                 pattern: folder.join(pattern),
@@ -163,7 +170,7 @@ fn calibrate(
 
 /// Width and height of each camera's first mask, where that can be read.
 fn image_sizes(masks: &CameraMasks) -> BTreeMap<String, [u32; 2]> {
-    let size = |files: &MaskFiles| mask_image::size_of(files.of_number.values().next()?).ok();
+    let size = |files: &NumberedFiles| mask_image::size_of(files.of_number.values().next()?).ok();
     masks
         .iter()
         .filter_map(|(camera, files)| Some((camera.name.clone(), size(files)?)))
@@ -202,7 +209,7 @@ fn only_calibrated(masks: CameraMasks, calibrated: &Rig, notes: &mut Vec<Note>) 
 /// The masks by frame: number + `offset_frames`.
 fn by_frame(
     camera: &CameraFiles,
-    files: &MaskFiles,
+    files: &NumberedFiles,
     notes: &mut Vec<Note>,
 ) -> BTreeMap<FrameIndex, PathBuf> {
     let frame = |number: u64| {
@@ -232,8 +239,13 @@ fn by_frame(
     masks
 }
 
-fn frames_and_missing(masks: &[BTreeMap<FrameIndex, PathBuf>]) -> (Vec<FrameIndex>, Vec<Missing>) {
-    let frames: BTreeSet<FrameIndex> = masks.iter().flat_map(|m| m.keys().copied()).collect();
+/// The frames of which there is a mask or a cloud, and the masks that are lacking.
+fn frames_and_missing(
+    masks: &[BTreeMap<FrameIndex, PathBuf>],
+    points: &PointFiles,
+) -> (Vec<FrameIndex>, Vec<Missing>) {
+    let masked = masks.iter().flat_map(|m| m.keys().copied());
+    let frames: BTreeSet<FrameIndex> = masked.chain(points.frames()).collect();
     let frames: Vec<FrameIndex> = frames.into_iter().collect();
     let missing = masks.iter().enumerate().filter_map(|(i, masks)| {
         let lacking = frames

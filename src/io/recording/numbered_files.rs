@@ -1,4 +1,4 @@
-//! Which files are masks, and of which frames.
+//! Which files are masks or point clouds, and of which frames.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -8,27 +8,35 @@ use image::ImageFormat;
 
 use super::RecordingError;
 
-/// The masks of one camera.
+/// The masks of one camera, or the point clouds.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct MaskFiles {
+pub(super) struct NumberedFiles {
     /// Number in the file's name → file.
     pub(super) of_number: BTreeMap<u64, PathBuf>,
-    /// Images without a number.
+    /// Files of the kind without a number.
     pub(super) unnumbered: usize,
 }
 
-/// The masks that `pattern` names, relative to `folder`: a printf pattern, a glob, a folder, or one file.
+/// What is looked for.
+pub(super) struct Wanted<'a> {
+    /// Whose it is, for messages: `camera left: masks` or `points`.
+    pub(super) key: &'a str,
+    /// Whether a file's name is one of the kind; asked where the pattern itself is not as exact as a printf pattern.
+    pub(super) is_kind: fn(&Path) -> bool,
+}
+
+/// The files that `pattern` names, relative to `folder`: a printf pattern, a glob, a folder, or one file.
 ///
 /// The number is what `%d` stands for, otherwise the last group of digits in the name before its extension.
-/// Hidden files and what has not the extension of an image are passed over.
+/// Hidden files and what is not of the kind are passed over.
 pub(super) fn list(
     folder: &Path,
     pattern: &str,
-    camera: &str,
-) -> Result<MaskFiles, RecordingError> {
+    wanted: &Wanted<'_>,
+) -> Result<NumberedFiles, RecordingError> {
     let whole = folder.join(pattern);
     let bad_pattern = |expected| RecordingError::Pattern {
-        camera: camera.into(),
+        key: wanted.key.into(),
         pattern: pattern.into(),
         expected,
     };
@@ -42,7 +50,7 @@ pub(super) fn list(
             .collect()
     } else {
         let files = if whole.is_dir() {
-            images(files_of(&whole)?)
+            of_kind(files_of(&whole)?, wanted)
         } else if whole.is_file() {
             vec![whole]
         } else if pattern.contains(['*', '?', '[']) {
@@ -50,7 +58,7 @@ pub(super) fn list(
             let found = glob::glob(&format!("{escaped}/{pattern}")).map_err(|_| {
                 bad_pattern("a glob with balanced brackets and ** alone in its place")
             })?;
-            images(found.filter_map(Result::ok).collect())
+            of_kind(found.filter_map(Result::ok).collect(), wanted)
         } else {
             Vec::new()
         };
@@ -59,14 +67,14 @@ pub(super) fn list(
             .map(|path| (last_number(&path), path))
             .collect()
     };
-    collect(numbered, camera)
+    collect(numbered, wanted)
 }
 
 fn collect(
     numbered: Vec<(Option<u64>, PathBuf)>,
-    camera: &str,
-) -> Result<MaskFiles, RecordingError> {
-    let mut files = MaskFiles::default();
+    wanted: &Wanted<'_>,
+) -> Result<NumberedFiles, RecordingError> {
+    let mut files = NumberedFiles::default();
     for (number, path) in numbered {
         let Some(number) = number else {
             files.unnumbered += 1;
@@ -74,7 +82,7 @@ fn collect(
         };
         if let Some(first) = files.of_number.insert(number, path.clone()) {
             return Err(RecordingError::DuplicateFrame {
-                camera: camera.into(),
+                key: wanted.key.into(),
                 number,
                 first,
                 second: path,
@@ -98,15 +106,19 @@ fn files_of(folder: &Path) -> Result<Vec<PathBuf>, RecordingError> {
     Ok(files)
 }
 
-fn images(files: Vec<PathBuf>) -> Vec<PathBuf> {
-    let is_image = |path: &PathBuf| {
-        let is_hidden = path
-            .file_name()
-            .is_some_and(|name| name.to_string_lossy().starts_with('.'));
-        let format = ImageFormat::from_path(path);
-        !is_hidden && format.is_ok_and(|format| format.reading_enabled())
+fn of_kind(files: Vec<PathBuf>, wanted: &Wanted<'_>) -> Vec<PathBuf> {
+    let is_hidden = |path: &Path| {
+        path.file_name()
+            .is_some_and(|name| name.to_string_lossy().starts_with('.'))
     };
-    files.into_iter().filter(is_image).collect()
+    let mut files = files;
+    files.retain(|path| !is_hidden(path) && (wanted.is_kind)(path));
+    files
+}
+
+/// Whether a file's name is that of an image that can be read.
+pub(super) fn is_image(path: &Path) -> bool {
+    ImageFormat::from_path(path).is_ok_and(|format| format.reading_enabled())
 }
 
 /// `prefix%06dsuffix` in one folder.

@@ -1,0 +1,88 @@
+//! Point clouds: PLY, XYZ and CSV in, PLY out.
+//!
+//! | file         | holds                                                                        |
+//! |--------------|------------------------------------------------------------------------------|
+//! | `columns.rs` | which numbers of a point a file has, and the point they make                 |
+//! | `ply.rs`     | PLY, ascii and binary                                                        |
+//! | `text.rs`    | XYZ (numbers with blanks between) and CSV (with a header)                    |
+//! | `write.rs`   | PLY, binary                                                                  |
+//!
+//! A file's points are taken as they are; their unit and their world are the recording's affair.
+
+mod columns;
+mod error;
+mod ply;
+mod text;
+mod write;
+
+use std::fs;
+use std::path::Path;
+
+use crate::stereo::Cloud;
+
+pub use error::CloudError;
+pub use write::ply as write_ply;
+
+/// Larger files are refused before they are read.
+const MOST_BYTES: u64 = 1 << 28;
+
+/// What the name of a file says it holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Ply,
+    Xyz,
+    Csv,
+}
+
+impl Kind {
+    fn of(path: &Path) -> Option<Self> {
+        let extension = path.extension()?.to_str()?.to_lowercase();
+        match extension.as_str() {
+            "ply" => Some(Self::Ply),
+            "xyz" | "txt" => Some(Self::Xyz),
+            "csv" => Some(Self::Csv),
+            _ => None,
+        }
+    }
+}
+
+/// Whether a file's name is that of a point cloud.
+pub fn is_cloud(path: &Path) -> bool {
+    Kind::of(path).is_some()
+}
+
+/// The usable points of a file, and how many are not.
+///
+/// # Errors
+/// [`CloudError`] with the line or the byte where there is one.
+pub fn read(path: &Path) -> Result<Cloud, CloudError> {
+    let unreadable = |source| CloudError::Read {
+        path: path.into(),
+        source,
+    };
+    let bytes = fs::metadata(path).map_err(unreadable)?.len();
+    if bytes > MOST_BYTES {
+        return Err(CloudError::TooLarge {
+            path: path.into(),
+            bytes,
+            most: MOST_BYTES,
+        });
+    }
+    parse(&fs::read(path).map_err(unreadable)?, path)
+}
+
+/// [`read`] of bytes that are there already; the name of `path` says what they are. No bytes are no points.
+///
+/// # Errors
+/// As [`read`].
+pub fn parse(bytes: &[u8], path: &Path) -> Result<Cloud, CloudError> {
+    let kind = Kind::of(path).ok_or_else(|| CloudError::Kind { path: path.into() })?;
+    if bytes.is_empty() {
+        return Ok(Cloud::default());
+    }
+    match kind {
+        Kind::Ply => ply::parse(bytes, path),
+        Kind::Xyz => text::parse_xyz(bytes, path),
+        Kind::Csv => text::parse_csv(bytes, path),
+    }
+}
