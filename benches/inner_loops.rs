@@ -118,7 +118,7 @@ impl Scene {
     }
 
     fn evidence(&self) -> Evidence<'_> {
-        Evidence::new(&self.model, &self.recording.rig, EllipseOptions::default())
+        Evidence::of_ellipses(&self.model, &self.recording.rig, EllipseOptions::default())
     }
 }
 

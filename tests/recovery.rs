@@ -14,7 +14,7 @@ use maquette::inference::search::{NoJournal, Pruning, Search, SearchOptions, sea
 use maquette::inference::start::{Detail, StartOptions, readings};
 use maquette::likelihood::EllipseOptions;
 use maquette::silhouette::FrameObservations;
-use maquette::solver::{Options, Solution, levenberg_marquardt};
+use maquette::solver::{NormalEquations, Options, Solution, levenberg_marquardt};
 use maquette::synth::draw_shape;
 use nalgebra::{DVector, Rotation3, Vector3};
 use rand::{RngExt, SeedableRng};
@@ -70,7 +70,7 @@ static SCENE: LazyLock<Scene> = LazyLock::new(|| {
 
 impl Scene {
     fn evidence(&self) -> Evidence<'_> {
-        Evidence::new(&self.model, &self.rig, EllipseOptions::default())
+        Evidence::of_ellipses(&self.model, &self.rig, EllipseOptions::default())
     }
 
     /// Mean distance of the limb joints from the truth in a frame, mm.
@@ -85,7 +85,7 @@ impl Scene {
     }
 
     /// argmax p(mₖ, s | Zₖ) from a start.
-    fn fit_keyframe(&self, frame: usize, start: State) -> Solution<State> {
+    fn fit_keyframe(&self, frame: usize, start: State) -> Solution<State, NormalEquations> {
         let terms = self.evidence().terms(&self.frames[frame], Detail::Fine);
         let problem = KeyframePosterior {
             model: &self.model,

@@ -6,8 +6,8 @@ use super::start::Detail;
 use crate::body::BodyModel;
 use crate::camera::{Camera, CameraId, Rig};
 use crate::likelihood::{
-    EllipseSilhouette, LikelihoodOptions, Measure, PointField, RayView, SilhouetteRays, SkinScale,
-    SurfacePoint, Term, View,
+    EllipseOptions, EllipseSilhouette, LikelihoodOptions, Measure, PointField, RayView,
+    SilhouetteRays, SkinScale, SurfacePoint, Term, View,
 };
 use crate::silhouette::{FrameObservations, Silhouette};
 
@@ -57,6 +57,15 @@ impl<'a> Evidence<'a> {
         }
     }
 
+    /// A model's priors and the ellipse likelihood alone (ZS06).
+    pub fn of_ellipses(model: &'a BodyModel, rig: &'a Rig, ellipses: EllipseOptions) -> Self {
+        let likelihood = LikelihoodOptions {
+            ellipses,
+            ..LikelihoodOptions::default()
+        };
+        Self::new(model, rig, likelihood, Measure::Ellipses)
+    }
+
     /// The terms of −log p(Zᵢ | mᵢ, s).
     pub fn terms<'f>(
         &self,
@@ -91,6 +100,11 @@ impl<'a> Evidence<'a> {
             let rays = SilhouetteRays::new(views, likelihood.rays, self.skin_scale.clone());
             terms.push(Box::new(rays));
         }
+        if self.measure.has_metaballs() && !frame.points.is_empty() {
+            let points = frame.points.iter().map(SurfacePoint::from).collect();
+            let field = PointField::new(points, likelihood.points, self.skin_scale.clone());
+            terms.push(Box::new(field));
+        }
         terms
     }
 }
@@ -101,5 +115,6 @@ fn coarse(mut likelihood: LikelihoodOptions) -> LikelihoodOptions {
     ellipses.sigma_m = ellipses.sigma_m.max(COARSE_SIGMA_M);
     ellipses.back_samples = ellipses.back_samples.min(COARSE_BACK_SAMPLES);
     likelihood.rays.sigma_m = likelihood.rays.sigma_m.max(COARSE_SIGMA_M);
+    likelihood.points.sigma_m = likelihood.points.sigma_m.max(COARSE_SIGMA_M);
     likelihood
 }

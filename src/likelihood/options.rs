@@ -1,6 +1,6 @@
 //! Which terms a likelihood is made of, and the settings of each.
 
-use super::{EllipseOptions, RayOptions};
+use super::{EllipseOptions, PointOptions, RayOptions};
 
 /// What silhouettes and points are compared with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -34,4 +34,6 @@ pub struct LikelihoodOptions {
     pub ellipses: EllipseOptions,
     /// Silhouettes against metaballs.
     pub rays: RayOptions,
+    /// Points against metaballs.
+    pub points: PointOptions,
 }

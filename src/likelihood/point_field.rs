@@ -16,6 +16,7 @@ use super::{PlacedResidual, Source, Term};
 use crate::body::Posed;
 use crate::body::metaball::{Field, FieldRow, FieldSample, FieldSlopes, Sampler};
 use crate::solver::{Loss, NormalEquations};
+use crate::stereo::{CloudPoint, Spread};
 
 /// Settings of the point likelihood.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -52,6 +53,21 @@ pub struct SurfacePoint {
     pub position_world: Point3<f64>,
     /// σᵢ: standard deviation of a coordinate, m; 0 where it is not known.
     pub sigma_m: f64,
+}
+
+impl From<&CloudPoint> for SurfacePoint {
+    /// A covariance counts by its mean over the directions: the one along the skin's normal would change with the pose.
+    fn from(point: &CloudPoint) -> Self {
+        let sigma_m = match point.spread {
+            Spread::Unknown => 0.0,
+            Spread::Isotropic(sigma_m) => sigma_m,
+            Spread::Full(covariance) => (covariance.trace() / 3.0).sqrt(),
+        };
+        Self {
+            position_world: point.position_world,
+            sigma_m,
+        }
+    }
 }
 
 /// The residual of one point.

@@ -72,7 +72,7 @@ impl<'a> LimbFit<'a> {
     }
 
     /// Minimum from a start.
-    pub fn solve(&self, start: State, max_iterations: usize) -> Solution<State> {
+    pub fn solve(&self, start: State, max_iterations: usize) -> Solution<State, NormalEquations> {
         let options = Options {
             max_iterations,
             relative_decrease: 1e-6,
@@ -97,9 +97,10 @@ fn coefficients_of_joints(model: &BodyModel) -> Vec<bool> {
 
 impl Problem for LimbFit<'_> {
     type State = State;
+    type Model = NormalEquations;
 
-    fn dimension(&self) -> usize {
-        self.held.len()
+    fn empty_model(&self) -> NormalEquations {
+        NormalEquations::zeros(self.held.len())
     }
 
     fn cost(&self, x: &State) -> f64 {
@@ -175,9 +176,10 @@ impl Alignment<'_> {
 
 impl Problem for Alignment<'_> {
     type State = Motion;
+    type Model = NormalEquations;
 
-    fn dimension(&self) -> usize {
-        Layout::of(self.model).motion()
+    fn empty_model(&self) -> NormalEquations {
+        NormalEquations::zeros(Layout::of(self.model).motion())
     }
 
     fn cost(&self, x: &Motion) -> f64 {
@@ -186,7 +188,7 @@ impl Problem for Alignment<'_> {
 
     fn linearize(&self, x: &Motion, equations: &mut NormalEquations) -> f64 {
         let offsets = self.offsets(x);
-        let slopes = central_differences(self.dimension(), 1e-4, |d| {
+        let slopes = central_differences(equations.gradient.len(), 1e-4, |d| {
             self.offsets(&self.retract(x, d))
         });
         equations.gradient += slopes.transpose() * &offsets;

@@ -104,7 +104,7 @@ impl<'a> Scene<'a> {
         name: &'static str,
         likelihood: EllipseOptions,
     ) -> Option<Analysis> {
-        let evidence = Evidence::new(self.model, &self.rig, likelihood);
+        let evidence = Evidence::of_ellipses(self.model, &self.rig, likelihood);
         let sequence = |frames| Sequence { frames, fps: FPS };
         let searches: Vec<Search> = self
             .recordings

@@ -57,7 +57,7 @@ pub(crate) fn estimate(model: &BodyModel, seed: u64) -> Estimates {
         loss: Loss::Squared,
         ..EllipseOptions::default()
     };
-    let evidence = Evidence::new(model, &rig, likelihood);
+    let evidence = Evidence::of_ellipses(model, &rig, likelihood);
     let terms: Vec<_> = frames
         .iter()
         .map(|f| evidence.terms(f, Detail::Fine))

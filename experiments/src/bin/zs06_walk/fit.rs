@@ -98,7 +98,7 @@ const START_MM: f64 = 50.0;
 
 impl Scene<'_> {
     pub(crate) fn fit(&self, Named { name, likelihood }: Named) -> Option<Fit> {
-        let evidence = Evidence::new(self.model, self.rig, likelihood);
+        let evidence = Evidence::of_ellipses(self.model, self.rig, likelihood);
         let sequence = Sequence {
             frames: &self.frames,
             fps: self.fps,
