@@ -378,7 +378,7 @@ fn faults_of_an_extension_are_named() {
         (
             "[[part.metaball]]",
             "parent = \"upper\"\n[[part.metaball]]",
-            "flesh.toml:14: unknown field `parent`",
+            "flesh.toml:15: unknown field `parent`",
         ),
         (
             "extends = \"arm.toml\"",
