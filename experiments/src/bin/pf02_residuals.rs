@@ -1,14 +1,14 @@
 //! The published residual T − F against the distance: from how far does a fit to points find the arm?
 //!
-//! 40 arms, points on all their skin from three pairs of cameras; model `limb-arm`. Every start is off by a distance and by
+//! 40 arms, points on all their skin from three pairs of cameras; model `arm`. Every start is off by a distance and by
 //! an angle in directions that are drawn; a fit has found the arm when shoulder, elbow and wrist are within 2 cm.
 
 use std::error::Error;
 use std::process::ExitCode;
 
 use experiments::limb::{
-    ArmTruth, LimbFit, aligned, joints, limb_arm, limb_errors, pose, surface_points, three_cameras,
-    true_arm,
+    ArmTruth, LimbErrors, LimbFit, aligned, joints, limb_arm, limb_errors, pose, surface_points,
+    three_cameras, true_arm,
 };
 use experiments::picture::{Panel, colour, svg};
 use experiments::run::Run;
@@ -16,7 +16,10 @@ use experiments::table::Table;
 use kuva::plot::LegendPosition;
 use maquette::body::{BodyModel, Posed, Shape, State};
 use maquette::inference::prior::{PosePrior, ShapePrior};
-use maquette::likelihood::{Derivatives, PointField, PointOptions, Residual, SurfacePoint, Term};
+use maquette::likelihood::{
+    Derivatives, PointField, PointOptions, Residual, SkinScale, SurfacePoint, Term,
+};
+use maquette::math::stats::median;
 use maquette::solver::Loss;
 use maquette::synth::StereoPair;
 use nalgebra::{Rotation3, Unit, Vector3};
@@ -98,6 +101,10 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     for way in &WAYS {
         let shares = way.shares(&arm, &draws);
         report(&mut run, &mut table, way, &shares);
+        run.number(
+            format!("{}_inflation_pct", way.name),
+            way.inflation(&arm, &draws),
+        );
         panels.push(panel(way, &shares));
     }
     run.table("found, %", &table)?;
@@ -143,6 +150,27 @@ fn direction(rng: &mut impl Rng) -> Unit<Vector3<f64>> {
 impl Way {
     /// For each distance and angle the share of the arms that were found.
     fn shares(&self, arm: &BodyModel, draws: &[Draw]) -> Vec<Vec<f64>> {
+        let share = |distance: f64, angle: f64| {
+            let errors = draws
+                .par_iter()
+                .map(|draw| self.fit(arm, draw, distance, angle));
+            let found = errors.filter(|errors| errors.joints_mm < FOUND_MM).count();
+            100.0 * found as f64 / draws.len() as f64
+        };
+        let row = |distance: &f64| ANGLES_DEG.iter().map(|a| share(*distance, *a)).collect();
+        DISTANCES.iter().map(row).collect()
+    }
+
+    /// Median inflation of the limbs where the start is right, %.
+    fn inflation(&self, arm: &BodyModel, draws: &[Draw]) -> f64 {
+        let each = draws.par_iter().map(|draw| {
+            let widths = self.fit(arm, draw, 0.0, 0.0).width_pct;
+            0.5 * (widths[0] + widths[1])
+        });
+        median(&mut each.collect()).unwrap_or(f64::NAN)
+    }
+
+    fn fit(&self, arm: &BodyModel, draw: &Draw, distance: f64, angle: f64) -> LimbErrors {
         let options = PointOptions {
             residual: self.residual,
             loss: self.loss,
@@ -150,22 +178,12 @@ impl Way {
             ..PointOptions::default()
         };
         let (prior, pose_prior) = (ShapePrior::of(arm), PosePrior::of(arm));
-        let is_found = |draw: &Draw, distance: f64, angle: f64| {
-            let term = PointField::new(draw.points.clone(), options, arm.field_ceiling());
-            let terms: Vec<Box<dyn Term>> = vec![Box::new(term)];
-            let fit = LimbFit::new(arm, (&prior, &pose_prior), &terms);
-            let state = fit.solve(draw.start(distance, angle), 100).state;
-            let body = Posed::new(arm, &state.shape, &state.motion);
-            limb_errors(&body, &draw.truth.posed()).joints_mm < FOUND_MM
-        };
-        let share = |distance: f64, angle: f64| {
-            let found = draws
-                .par_iter()
-                .filter(|draw| is_found(draw, distance, angle));
-            100.0 * found.count() as f64 / draws.len() as f64
-        };
-        let row = |distance: &f64| ANGLES_DEG.iter().map(|a| share(*distance, *a)).collect();
-        DISTANCES.iter().map(row).collect()
+        let term = PointField::new(draw.points.clone(), options, SkinScale::of(arm));
+        let terms: Vec<Box<dyn Term>> = vec![Box::new(term)];
+        let fit = LimbFit::new(arm, (&prior, &pose_prior), &terms);
+        let state = fit.solve(draw.start(distance, angle), 100).state;
+        let body = Posed::new(arm, &state.shape, &state.motion);
+        limb_errors(&body, &draw.truth.posed())
     }
 }
 

@@ -1,6 +1,6 @@
 //! PF02 App. A.2: lines of sight with complete derivatives against first-order ones.
 //!
-//! 20 arms before three cameras, ten starts each, up to 15 cm and 40° off. Silhouettes alone; model `limb-arm`. With the
+//! 20 arms before three cameras, ten starts each, up to 15 cm and 40° off. Silhouettes alone; model `arm`. With the
 //! distance as residual the complete gradient has second derivatives of F; PF02's residual T − F has none, since ∇F·r
 //! vanishes at the contact. Ways of one residual have one cost; its optimum is the least that any of them reached for
 //! that arm. A start has arrived in its basin when its cost is within 5 % of that, and at it within 0.1 %.
@@ -17,7 +17,9 @@ use experiments::table::Table;
 use kuva::plot::LegendPosition;
 use maquette::body::{BodyModel, Posed, Shape, State};
 use maquette::inference::prior::{PosePrior, ShapePrior};
-use maquette::likelihood::{Derivatives, RayOptions, RayView, Residual, SilhouetteRays, Term};
+use maquette::likelihood::{
+    Derivatives, RayOptions, RayView, Residual, SilhouetteRays, SkinScale, Term,
+};
 use maquette::math::stats::median;
 use maquette::solver::{Loss, Termination};
 use nalgebra::{Rotation3, Unit, Vector3};
@@ -263,11 +265,11 @@ impl Way {
             loss: self.loss,
             ..RayOptions::default()
         };
-        let ceiling = arm.field_ceiling();
+        let scale = SkinScale::of(arm);
         vec![Box::new(SilhouetteRays::new(
             draw.views.clone(),
             rays,
-            ceiling,
+            scale,
         ))]
     }
 }

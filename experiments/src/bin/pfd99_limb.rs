@@ -18,7 +18,7 @@ use kuva::plot::LegendPosition;
 use maquette::body::{BodyModel, Posed, Shape, State};
 use maquette::inference::prior::PosePrior;
 use maquette::likelihood::{
-    PointField, PointOptions, RayOptions, RayView, SilhouetteRays, SurfacePoint, Term,
+    PointField, PointOptions, RayOptions, RayView, SilhouetteRays, SkinScale, SurfacePoint, Term,
 };
 use maquette::math::stats::median;
 use maquette::synth::StereoPair;
@@ -139,9 +139,9 @@ fn fits(arm: &BodyModel, draws: &[Draw], order: Order) -> Vec<Fitted> {
 }
 
 fn fit(arm: &BodyModel, draw: &Draw, order: Order) -> Fitted {
-    let ceiling = arm.field_ceiling();
-    let points = PointField::new(draw.points.clone(), PointOptions::default(), ceiling);
-    let rays = SilhouetteRays::new(draw.views.clone(), RayOptions::default(), ceiling);
+    let scale = SkinScale::of(arm);
+    let points = PointField::new(draw.points.clone(), PointOptions::default(), scale.clone());
+    let rays = SilhouetteRays::new(draw.views.clone(), RayOptions::default(), scale);
     let terms: Vec<Box<dyn Term>> = vec![Box::new(points), Box::new(rays)];
     let (prior, pose_prior) = (widened(arm, WIDE), PosePrior::of(arm));
     let new = || LimbFit::new(arm, (&prior, &pose_prior), &terms);

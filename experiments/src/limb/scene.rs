@@ -1,7 +1,7 @@
 //! The true arm, its cameras, and what they see.
 
 use maquette::body::metaball::Field;
-use maquette::body::{BodyModel, Motion, Posed, Shape};
+use maquette::body::{BodyModel, Motion, Posed, Root, Shape};
 use maquette::camera::{Camera, Rig};
 use maquette::io::model::{self, ModelFileError};
 use maquette::likelihood::{RayView, SurfacePoint};
@@ -47,21 +47,29 @@ pub fn true_arm() -> Result<BodyModel, ModelFileError> {
     model::parse(include_str!("true-arm.toml"), Path::new("true-arm.toml"))
 }
 
-/// The model of three metaballs for each limb.
+/// The shipped `arm`, three metaballs a limb, free to move.
 ///
 /// # Errors
 /// As [`true_arm`].
 pub fn limb_arm() -> Result<BodyModel, ModelFileError> {
-    model::parse(include_str!("limb-arm.toml"), Path::new("limb-arm.toml"))
+    model::load("arm", Path::new("")).map(free)
 }
 
-/// The model of one ellipsoid for each limb.
+/// The shipped `arm-ellipsoids`, one ellipsoid a limb, free to move.
 ///
 /// # Errors
 /// As [`true_arm`].
 pub fn ellipsoid_arm() -> Result<BodyModel, ModelFileError> {
-    let text = include_str!("ellipsoid-arm.toml");
-    model::parse(text, Path::new("ellipsoid-arm.toml"))
+    model::load("arm-ellipsoids", Path::new("")).map(free)
+}
+
+/// A model whose shoulder is not held: where it is and how it is turned is found, too.
+fn free(mut model: BodyModel) -> BodyModel {
+    model.root = Root::Free {
+        speed: 1.0,
+        turn: 200.0_f64.to_radians(),
+    };
+    model
 }
 
 /// The model of fifteen metaballs.

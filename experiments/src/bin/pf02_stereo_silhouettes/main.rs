@@ -2,7 +2,7 @@
 //! images.
 //!
 //! 60 arms in other poses 2.5 m before a pair of cameras 15 cm apart: points with 15 mm of noise in depth (more where
-//! the skin slants away, none beyond 60°), one in fifty false; ragged silhouettes. Model `limb-arm` with PF02's residual T − F
+//! the skin slants away, none beyond 60°), one in fifty false; ragged silhouettes. Model `arm` with PF02's residual T − F
 //! and with the distance; p(s) three times as wide as the model's, so that the data decide, and as it is.
 
 mod pictures;
@@ -19,7 +19,7 @@ use experiments::table::Table;
 use maquette::body::{BodyModel, Posed, Shape, State};
 use maquette::inference::prior::{PosePrior, ShapePrior};
 use maquette::likelihood::{
-    Derivatives, PointField, PointOptions, RayOptions, RayView, Residual, SilhouetteRays,
+    PointField, PointOptions, RayOptions, RayView, Residual, SilhouetteRays, SkinScale,
     SurfacePoint, Term,
 };
 use maquette::math::stats::median;
@@ -42,12 +42,19 @@ const PAIR: StereoPair = StereoPair {
     outlier_range: 0.15,
 };
 
+/// What is fitted to.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Data {
+    Stereo,
+    Both,
+}
+
 /// A way to fit.
 struct Way {
     name: &'static str,
     title: &'static str,
     residual: Residual,
-    with_silhouettes: bool,
+    data: Data,
     prior_factor: f64,
 }
 
@@ -56,36 +63,42 @@ const WAYS: [Way; 6] = [
         "field_stereo",
         "T − F, stereo",
         Residual::Field,
-        false,
+        Data::Stereo,
         WIDE,
     ),
-    way("field_both", "T − F, both", Residual::Field, true, WIDE),
+    way(
+        "field_both",
+        "T − F, both",
+        Residual::Field,
+        Data::Both,
+        WIDE,
+    ),
     way(
         "metric_stereo",
         "distance, stereo",
         Residual::Metric,
-        false,
+        Data::Stereo,
         WIDE,
     ),
     way(
         "metric_both",
         "distance, both",
         Residual::Metric,
-        true,
+        Data::Both,
         WIDE,
     ),
     way(
         "prior_stereo",
         "distance, stereo, p(s)",
         Residual::Metric,
-        false,
+        Data::Stereo,
         1.0,
     ),
     way(
         "prior_both",
         "distance, both, p(s)",
         Residual::Metric,
-        true,
+        Data::Both,
         1.0,
     ),
 ];
@@ -94,14 +107,14 @@ const fn way(
     name: &'static str,
     title: &'static str,
     residual: Residual,
-    with_silhouettes: bool,
+    data: Data,
     prior_factor: f64,
 ) -> Way {
     Way {
         name,
         title,
         residual,
-        with_silhouettes,
+        data,
         prior_factor,
     }
 }
@@ -189,24 +202,18 @@ impl Way {
             ShapePrior::of(arm)
         };
         let pose_prior = PosePrior::of(arm);
-        // lines of sight: first-order steps find the basin, complete ones the optimum (pf02_second_derivatives)
-        let orders = [Derivatives::FirstOrder, Derivatives::Complete];
-        orders
-            .into_iter()
-            .fold(draw.start.clone(), |start, derivatives| {
-                let terms = self.terms(arm, draw, derivatives);
-                let fit = LimbFit::new(arm, (&prior, &pose_prior), &terms);
-                fit.solve(start, 200).state
-            })
+        let terms = self.terms(arm, draw);
+        let fit = LimbFit::new(arm, (&prior, &pose_prior), &terms);
+        fit.solve(draw.start.clone(), 200).state
     }
 
-    fn terms(&self, arm: &BodyModel, draw: &Draw, derivatives: Derivatives) -> Vec<Box<dyn Term>> {
+    fn terms(&self, arm: &BodyModel, draw: &Draw) -> Vec<Box<dyn Term>> {
         // the published residual saturates by itself
         let loss = match self.residual {
             Residual::Field => Loss::Squared,
             Residual::Metric => Loss::Cauchy(3.0),
         };
-        let ceiling = arm.field_ceiling();
+        let scale = SkinScale::of(arm);
         let points = PointOptions {
             residual: self.residual,
             loss,
@@ -214,20 +221,19 @@ impl Way {
         };
         let rays = RayOptions {
             residual: self.residual,
-            derivatives,
             loss,
             ..RayOptions::default()
         };
         let mut terms: Vec<Box<dyn Term>> = vec![Box::new(PointField::new(
             draw.points.clone(),
             points,
-            ceiling,
+            scale.clone(),
         ))];
-        if self.with_silhouettes {
+        if self.data == Data::Both {
             terms.push(Box::new(SilhouetteRays::new(
                 draw.views.clone(),
                 rays,
-                ceiling,
+                scale,
             )));
         }
         terms

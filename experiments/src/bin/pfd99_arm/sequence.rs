@@ -7,7 +7,7 @@ use maquette::body::{BodyModel, Motion, Posed, Shape, State};
 use maquette::camera::Rig;
 use maquette::inference::frame::FramePosterior;
 use maquette::inference::prior::{PosePrior, ShapePrior, StepPrior};
-use maquette::likelihood::{PointField, PointOptions, SurfacePoint, Term};
+use maquette::likelihood::{PointField, PointOptions, SkinScale, SurfacePoint, Term};
 use maquette::solver::{Options, levenberg_marquardt};
 use maquette::synth::StereoPair;
 use nalgebra::{DVector, Point3, Rotation3, Vector3};
@@ -144,7 +144,7 @@ fn follow(arm: &BodyModel, shape: &Shape, frames: &[ArmFrame], starts: &[Motion]
 
 fn terms<'a>(arm: &BodyModel, frame: &ArmFrame) -> Vec<Box<dyn Term + 'a>> {
     let options = PointOptions::default();
-    let term = PointField::new(frame.points.clone(), options, arm.field_ceiling());
+    let term = PointField::new(frame.points.clone(), options, SkinScale::of(arm));
     vec![Box::new(term)]
 }
 
@@ -153,7 +153,7 @@ pub(crate) fn skin_off_mm(arm: &BodyModel, body: &Posed<'_>, frame: &ArmFrame) -
     let term = PointField::new(
         frame.skin.clone(),
         PointOptions::default(),
-        arm.field_ceiling(),
+        SkinScale::of(arm),
     );
     let residuals = term.residuals(body);
     let sum: f64 = residuals.iter().map(|r| r.residual_m.abs()).sum();
