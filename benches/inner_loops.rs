@@ -24,7 +24,7 @@ use maquette::likelihood::{
     SurfacePoint, Term,
 };
 use maquette::silhouette::{FrameIndex, FrameObservations, SilhouetteOptions, extract};
-use maquette::solver::{NormalEquations, Options, levenberg_marquardt};
+use maquette::solver::{NormalEquations, Options, QuadraticModel, levenberg_marquardt};
 use maquette::synth::{Recipe, Ring, Synthetic};
 use nalgebra::Vector3;
 
@@ -144,7 +144,8 @@ fn observe(recording: &Synthetic, frame: FrameIndex) -> FrameObservations {
 fn frame_linearization(bencher: divan::Bencher<'_, '_>) {
     let scene = Scene::new();
     let evidence = scene.evidence();
-    let term = evidence.silhouettes(&scene.frames[0], Detail::Fine);
+    let terms = evidence.terms(&scene.frames[0], Detail::Fine);
+    let term = terms.first().expect("ellipses are compared");
     let hull = hull::carve(&scene.recording.rig, &scene.frames[0]).expect("a body is seen");
     let shape = Shape(scene.model.statistics.mean.clone());
     let motion = Motion {
@@ -152,7 +153,8 @@ fn frame_linearization(bencher: divan::Bencher<'_, '_>) {
         ..Motion::rest(&scene.model)
     };
     let mut equations = NormalEquations::zeros(Layout::of(&scene.model).motion());
-    let items = term.border_points() * scene.model.ellipsoids.len();
+    let points = term.placed_residuals(&Posed::new(&scene.model, &shape, &motion));
+    let items = points.len() * scene.model.ellipsoids.len();
     bencher.counter(ItemsCount::new(items)).bench_local(|| {
         equations.clear();
         term.linearize(&Posed::new(&scene.model, &shape, &motion), &mut equations)

@@ -5,6 +5,9 @@ use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
 use super::{BodyModel, Motion, PartId, Primitive, ScaledVector, Shape};
 use crate::math::quadric::Ellipsoid;
 
+/// Radius of the skin of one metaball over its own: exp(−2d) = ½ at √d = √(½ ln 2).
+const SKIN_OF_ONE: f64 = 0.588_705;
+
 /// The frame of a joint or of the root in the world.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Frame {
@@ -100,6 +103,22 @@ impl<'a> Posed<'a> {
                 + frame.world_from_frame * scaled(&primitive.centre, self.shape),
             shape: axes * squared * axes.transpose(),
         }
+    }
+
+    /// The box around the body: its ellipsoids, or else the skins that its metaballs would have alone.
+    ///
+    /// Least and greatest x, y, z in the world, metres; `None` for a body of neither.
+    pub fn bounds(&self) -> Option<(Vector3<f64>, Vector3<f64>)> {
+        let (primitives, size) = match self.model.ellipsoids.as_slice() {
+            [] => (&self.model.metaballs, SKIN_OF_ONE),
+            _ => (&self.model.ellipsoids, 1.0),
+        };
+        let boxes = primitives.iter().map(|p| {
+            let e = self.primitive(p);
+            let half = e.shape.diagonal().map(f64::sqrt) * size;
+            (e.centre - half, e.centre + half)
+        });
+        boxes.reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)))
     }
 
     /// The model's ellipsoids in the world.

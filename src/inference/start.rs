@@ -179,13 +179,8 @@ fn first_states(
 /// Lowest and highest point of the body at rest, about its root.
 fn vertical_extent(model: &BodyModel, shape: &Shape) -> (f64, f64) {
     let body = Posed::new(model, shape, &Motion::rest(model));
-    let spans = body.ellipsoids().into_iter().map(|e| {
-        let half = e.shape[(2, 2)].sqrt();
-        (e.centre.z - half, e.centre.z + half)
-    });
-    spans.fold((f64::INFINITY, f64::NEG_INFINITY), |a, b| {
-        (a.0.min(b.0), a.1.max(b.1))
-    })
+    body.bounds()
+        .map_or((0.0, 0.0), |(low, high)| (low.z, high.z))
 }
 
 /// The most probable shape of a body that stands `height` tall: E\[s | h(s) = height\], h linearised.

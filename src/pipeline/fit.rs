@@ -4,19 +4,24 @@ use nalgebra::Point3;
 use rayon::prelude::*;
 
 use super::measures::Measures;
+use super::points::{self, PointQuality};
 use super::quality::{self, CameraQuality, ViewQuality, mean};
 use super::uncertainty::ShapeUncertainty;
 use super::{FitOptions, SceneFault, ShapeConfidence, Warning, check_scene, rest_lengths_m};
-use crate::body::{BodyModel, Posed, Shape};
+use crate::body::{BodyModel, Motion, Posed, Shape};
 use crate::camera::Rig;
 use crate::inference::Evidence;
-use crate::inference::joint::{FrameUncertainty, JointOptions, Uncertainty, joint_optimum};
+use crate::inference::chain::ChainPrior;
+use crate::inference::joint::{
+    FrameUncertainty, JointOptions, Uncertainty, intervals, joint_optimum,
+};
 use crate::inference::noise::Noise;
 use crate::inference::propagate::{FrameFit, Sequence};
 use crate::inference::search::{Journal, Trial, search};
 use crate::inference::sequence::SequenceState;
 use crate::silhouette::{FrameIndex, FrameObservations, InvalidOption};
 
+use super::unseen::{self, prior_angles_sd};
 use super::warning::{of_body, warnings};
 
 /// The most probable shape and motion, what else was tried, and how good and how sure they are.
@@ -57,6 +62,8 @@ pub struct FittedFrame {
     pub points_world: Vec<Point3<f64>>,
     /// How well each silhouette is covered; empty where no camera saw anything and the motion is a guess.
     pub views: Vec<ViewQuality>,
+    /// How well its points agree with both; `None` if it has none.
+    pub points: Option<PointQuality>,
 }
 
 impl FittedFrame {
@@ -160,6 +167,12 @@ pub fn fit(
     // 6. what a person should know of it
     notes.extend(of_body(shape_cost, estimate.shape.0.len()));
     notes.extend(warnings(rig, observations, &frames, &cameras, &confidence));
+    notes.extend(points::warnings(&frames, observations));
+    notes.extend(
+        options
+            .joint
+            .and_then(|joint| unseen(model, sequence, &frames, &joint)),
+    );
     Ok(Fit {
         lengths_m: rest_lengths_m(model, &estimate.shape),
         uncertainty: estimate
@@ -222,6 +235,19 @@ impl Estimate {
     }
 }
 
+/// What nothing sees of the body, by how much less sure the priors alone would be.
+fn unseen(
+    model: &BodyModel,
+    sequence: Sequence<'_>,
+    frames: &[FittedFrame],
+    joint: &JointOptions,
+) -> Option<Warning> {
+    let motions: Vec<Motion> = frames.iter().map(|f| f.fit.motion.clone()).collect();
+    let chain_prior = ChainPrior::new(model, joint.motion_model);
+    let prior = prior_angles_sd(model, &chain_prior, &motions, &intervals(sequence))?;
+    unseen::warning(model, frames, &prior)
+}
+
 fn fitted_frames(
     evidence: &Evidence<'_>,
     observations: &[FrameObservations],
@@ -230,12 +256,16 @@ fn fitted_frames(
     let shape = &estimate.shape;
     let frames = observations.par_iter().zip(&estimate.frames).enumerate();
     frames
-        .map(|(i, (observed, fit))| FittedFrame {
-            frame: observed.frame,
-            points_world: Posed::new(evidence.model, shape, &fit.motion).points(),
-            views: quality::of_frame(evidence, observed, shape, &fit.motion),
-            uncertainty: estimate.uncertainty.as_ref().map(|u| u.frames[i].clone()),
-            fit: fit.clone(),
+        .map(|(i, (observed, fit))| {
+            let body = Posed::new(evidence.model, shape, &fit.motion);
+            FittedFrame {
+                frame: observed.frame,
+                points_world: body.points(),
+                views: quality::of_frame(evidence, observed, &body),
+                points: points::of_frame(evidence, observed, &body),
+                uncertainty: estimate.uncertainty.as_ref().map(|u| u.frames[i].clone()),
+                fit: fit.clone(),
+            }
         })
         .collect()
 }

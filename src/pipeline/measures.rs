@@ -4,6 +4,14 @@ use super::FitError;
 use crate::body::BodyModel;
 use crate::likelihood::Measure;
 
+/// Whether the body has what it was asked to be compared by; known before anything is searched.
+///
+/// # Errors
+/// [`FitError::Primitives`] if it has not.
+pub fn check_measure(model: &BodyModel, asked: Option<Measure>) -> Result<(), FitError> {
+    Measures::of(model, asked).map(|_| ())
+}
+
 /// What each stage compares the silhouettes with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Measures {

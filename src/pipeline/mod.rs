@@ -6,7 +6,7 @@
 //! | 2. Algorithm 1                      | [`crate::inference::search`]       |
 //! | 3. the joint optimum                | [`crate::inference::joint`]        |
 //! | 4. how far the keyframes agree      | [`ShapeConfidence`]                |
-//! | 5. how well the body covers the masks | [`ViewQuality`], [`CameraQuality`] |
+//! | 5. how well the body covers the masks, and lies on the points | [`ViewQuality`], [`CameraQuality`], [`PointQuality`] |
 //! | 6. what a person should know of it  | [`Warning`]                        |
 
 mod confidence;
@@ -14,16 +14,21 @@ mod fit;
 mod measures;
 mod options;
 mod overlap;
+mod points;
 mod quality;
 mod scene;
 mod uncertainty;
+mod unseen;
 mod warning;
 
 pub use confidence::{ShapeConfidence, rest_lengths_m};
 pub use fit::{Fit, FitError, FittedFrame, TriedHypothesis, fit};
+pub use measures::check_measure;
 pub use options::{ConfidenceOptions, FitOptions};
 pub use overlap::projected_ellipses;
+pub use points::PointQuality;
 pub use quality::{CameraQuality, ViewQuality, ViewResiduals};
 pub use scene::{SceneFault, check_scene};
 pub use uncertainty::ShapeUncertainty;
+pub use unseen::prior_angles_sd;
 pub use warning::{Frames, Warning};

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::overlap::iou;
-use crate::body::{Motion, Posed, Shape};
+use crate::body::{Posed, Shape};
 use crate::camera::{CameraId, Rig};
 use crate::inference::Evidence;
 use crate::inference::propagate::FrameFit;
@@ -72,15 +72,17 @@ impl ViewResiduals {
 pub(super) fn of_frame(
     evidence: &Evidence<'_>,
     frame: &FrameObservations,
-    shape: &Shape,
-    motion: &Motion,
+    body: &Posed<'_>,
 ) -> Vec<ViewQuality> {
-    let body = Posed::new(evidence.model, shape, motion);
     let terms = evidence.terms(frame, Detail::Fine);
-    // a border point is measured once: by the last term, the finest
-    let residuals = terms
-        .last()
-        .map_or_else(Vec::new, |t| t.placed_residuals(&body));
+    let is_of_view = |r: &PlacedResidual| matches!(r.source, Source::View(_));
+    // a border point is measured once: by the last term that looks at borders, the finest
+    let each = terms.iter().rev().map(|t| t.placed_residuals(body));
+    let of_views = each.map(|all| all.into_iter().filter(is_of_view).collect::<Vec<_>>());
+    let residuals = of_views
+        .into_iter()
+        .find(|all| !all.is_empty())
+        .unwrap_or_default();
     let views = frame.views.iter().enumerate();
     views
         .map(|(view, (id, silhouette))| ViewQuality {
@@ -89,7 +91,7 @@ pub(super) fn of_frame(
             iou: iou(
                 &evidence.rig.cameras[id.0],
                 silhouette,
-                &body,
+                body,
                 evidence.measure,
             ),
         })

@@ -4,8 +4,6 @@
 //! nearest to each other before both, at a point that both see near their silhouette. Only pixels are compared, so
 //! this holds in every unit of length; the unit shows in how large the silhouettes are where the cameras agree.
 
-use nalgebra::Vector3;
-
 use super::Warning;
 use crate::body::{BodyModel, Motion, Posed, Shape};
 use crate::camera::{Camera, CameraId, Rig, closest_point};
@@ -25,12 +23,6 @@ const SIZE_RATIO: f64 = 6.0;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneFault {
-    /// The body has nothing that a silhouette could be compared with.
-    #[error("body {body}: it has no ellipsoids, and they are what is fitted to silhouettes")]
-    NoEllipsoids {
-        /// Name of the body.
-        body: String,
-    },
     /// No frame at all.
     #[error("no frame to fit")]
     NoFrames,
@@ -47,6 +39,14 @@ pub enum SceneFault {
         frame: FrameIndex,
         /// Why its mask shows nobody.
         reason: Rejected,
+    },
+    /// Points and no silhouette.
+    #[error(
+        "{frames} frames have points and no silhouettes: points alone do not show where a search begins, so masks of at least two cameras are needed in one frame at least"
+    )]
+    PointsOnly {
+        /// How many frames.
+        frames: usize,
     },
     /// No frame shows the person to two cameras.
     #[error(
@@ -104,11 +104,7 @@ pub fn check_scene(
     rig: &Rig,
     frames: &[FrameObservations],
 ) -> Result<Vec<Warning>, SceneFault> {
-    // 1. something is there to be compared, and two cameras see it
-    if model.ellipsoids.is_empty() {
-        let body = model.name.clone();
-        return Err(SceneFault::NoEllipsoids { body });
-    }
+    // 1. two cameras see something
     seen_by_two(rig, frames)?;
     // 2. the cameras agree where it is
     let step = frames.len().div_ceil(SAMPLED_FRAMES).max(1);
@@ -154,6 +150,9 @@ fn nothing_seen(rig: &Rig, frames: &[FrameObservations]) -> SceneFault {
             camera,
             frame,
             reason,
+        },
+        None if frames.iter().any(FrameObservations::is_observed) => SceneFault::PointsOnly {
+            frames: frames.len(),
         },
         None => SceneFault::NoFrames,
     }
@@ -256,12 +255,5 @@ fn size(model: &BodyModel, rig: &Rig, frames: &[&FrameObservations]) -> Result<(
 fn body_size(model: &BodyModel) -> f64 {
     let shape = Shape(model.statistics.mean.clone());
     let body = Posed::new(model, &shape, &Motion::rest(model));
-    let boxes = body.ellipsoids().into_iter().map(|e| {
-        let half = e.shape.diagonal().map(f64::sqrt);
-        (e.centre - half, e.centre + half)
-    });
-    let (low, high) = boxes
-        .reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)))
-        .unwrap_or((Vector3::zeros(), Vector3::zeros()));
-    (high - low).max()
+    body.bounds().map_or(0.0, |(low, high)| (high - low).max())
 }

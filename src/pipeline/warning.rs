@@ -66,6 +66,27 @@ pub enum Warning {
         /// Their mean overlap.
         iou: f64,
     },
+    /// Points that lie outside the silhouettes.
+    PointsOutside {
+        /// The frames.
+        frames: Frames,
+        /// Which share of their points, median over the frames.
+        share: f64,
+        /// By how much, median, m.
+        by_m: f64,
+    },
+    /// Points that are off the skin of a body that covers the silhouettes.
+    PointsOffSkin {
+        /// The frames.
+        frames: Frames,
+        /// By how much, median, m.
+        by_m: f64,
+    },
+    /// Parts that nothing sees.
+    KeepsPrior {
+        /// Their names.
+        parts: Vec<String>,
+    },
     /// Too few keyframes for a confidence that means much.
     FewKeyframes {
         /// K.
@@ -154,6 +175,38 @@ impl fmt::Display for Warning {
                 "the body covers {} much worse than the rest (overlap {iou:.2}): look at the overlays",
                 frames(of)
             ),
+            Self::PointsOutside {
+                frames: of,
+                share,
+                by_m,
+            } => write!(
+                f,
+                "points and silhouettes disagree in {}: {:.0} % of the points lie outside a silhouette, by {by_m:.2} m: check the points' numbers, unit and world",
+                frames(of),
+                100.0 * share
+            ),
+            Self::PointsOffSkin { frames: of, by_m } => write!(
+                f,
+                "points and silhouettes disagree in {}: half of the points lie {by_m:.2} m or more off the skin: check the points' numbers, unit and world",
+                frames(of)
+            ),
+            Self::KeepsPrior { parts } => {
+                let keep = if parts.len() == 1 {
+                    "keeps its"
+                } else {
+                    "keep their"
+                };
+                write!(
+                    f,
+                    "{} {keep} prior: nothing sees how {} turned",
+                    parts.join(", "),
+                    if parts.len() == 1 {
+                        "it is"
+                    } else {
+                        "they are"
+                    }
+                )
+            }
             Self::FewKeyframes { keyframes: 0 | 1 } => write!(
                 f,
                 "one keyframe only, so there is no confidence: a smaller --keyframe-every gives more"
@@ -169,7 +222,7 @@ impl fmt::Display for Warning {
 /// Keyframes from which σ is not called uncertain: its relative error is 1/√(2(K − 1)), 35 % at five.
 const ENOUGH_KEYFRAMES: usize = 5;
 /// An overlap below this is bad: bodies and masks of other people still overlap as much.
-const POOR_IOU: f64 = 0.65;
+pub(super) const POOR_IOU: f64 = 0.65;
 /// A camera this much below the median of the others is weak.
 const WEAK_BY: f64 = 0.08;
 /// A frame below this share of the median frame's overlap is lost.

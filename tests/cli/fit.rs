@@ -175,7 +175,8 @@ fn the_published_likelihood_is_another_one() {
     arm.fit("published", &["--quiet", "--likelihood", "published"])
         .succeeded();
     let (outline, published) = (arm.result("outline"), arm.result("published"));
-    assert_eq!(published["options"]["likelihood"]["variant"], "published");
+    let ellipses = &published["options"]["likelihood"]["ellipses"];
+    assert_eq!(ellipses["variant"], "published");
     assert_ne!(outline["motion"], published["motion"]);
 }
 

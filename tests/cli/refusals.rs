@@ -277,8 +277,25 @@ fn bodies_that_cannot_be_used() {
     let arm = Arm::new();
     arm.fit_with_body("out", "human")
         .refused(&["no body model \"human\": shipped are human-ellipsoids"]);
-    arm.fit_with_body("out", "walker-metaballs")
-        .refused(&["no ellipsoids"]);
+}
+
+#[test]
+fn a_body_without_what_it_is_to_be_compared_by() {
+    let arm = Arm::new();
+    for likelihood in ["metaballs", "both"] {
+        arm.fit("out", &["--likelihood", likelihood])
+            .refused(&["the body arm-2d has no metaballs", "another --likelihood"]);
+    }
+    let mut arguments = arm.fit_arguments("out");
+    arguments.extend(["--body", "walker-metaballs", "--likelihood", "ellipses"].map(Into::into));
+    arguments.retain(|a| a != "arm-2d");
+    let first = arguments
+        .iter()
+        .position(|a| a == "--body")
+        .expect("a body");
+    arguments.remove(first);
+    run(&arguments).refused(&["the body walker-metaballs has no ellipsoids"]);
+    assert!(!arm.out("out").exists());
 }
 
 #[test]

@@ -12,7 +12,7 @@ use crate::cli::progress::Progress;
 use crate::io::model;
 use crate::io::out_folder::check_out;
 use crate::io::recording::{InputChecksum, Recording};
-use crate::pipeline::{FitError, FitOptions, check_scene};
+use crate::pipeline::{FitError, FitOptions, check_measure, check_scene};
 use crate::silhouette::FrameObservations;
 
 /// The body that is fitted when nobody names one.
@@ -33,6 +33,7 @@ pub(super) fn read(arguments: &FitArguments) -> Result<Input, CliError> {
     check_out(&arguments.out, arguments.existing())?;
     let mut recording = Recording::open(&arguments.recording, arguments.fps)?;
     let (model, body) = body(arguments.body.as_deref(), &recording)?;
+    check_measure(&model, options.measure)?;
     let positions = positions(&recording, arguments.frames)?;
     let observations = observe(&recording, &positions, &options, arguments.progress())?;
     let notes = recording.notes_of_points(&observations);

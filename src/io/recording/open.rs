@@ -74,6 +74,9 @@ fn cameras_with_masks(
     let (with, without): (Vec<_>, Vec<_>) = cameras
         .into_iter()
         .partition(|camera| camera.masks.is_some());
+    if with.is_empty() && PointFiles::are_promised(folder, manifest) {
+        return Err(RecordingError::PointsOnly { path: path.into() });
+    }
     if with.is_empty() {
         return Err(RecordingError::NoMasks {
             path: path.into(),

@@ -120,6 +120,11 @@ pub(super) struct PointFiles {
 }
 
 impl PointFiles {
+    /// Whether a recording has, or says that it has, points.
+    pub(super) fn are_promised(folder: &Path, manifest: &Manifest) -> bool {
+        pattern(folder, manifest).is_some()
+    }
+
     /// The clouds that the manifest names, else those in the folder `points`, if there is one.
     pub(super) fn find(
         folder: &Path,
@@ -127,10 +132,7 @@ impl PointFiles {
         rig: &Rig,
         notes: &mut Vec<Note>,
     ) -> Result<Self, RecordingError> {
-        let pattern = match &manifest.points {
-            Some(pattern) => Some(pattern.as_str()),
-            None => folder.join(FOLDER).is_dir().then_some(FOLDER),
-        };
+        let pattern = pattern(folder, manifest);
         let wanted = Wanted {
             key: "points",
             is_kind: is_cloud,
@@ -220,5 +222,13 @@ impl PointFiles {
             frames,
         });
         [empty, unusable, thinned].into_iter().flatten().collect()
+    }
+}
+
+/// The manifest's pattern, or the folder `points`, if there is one.
+fn pattern<'m>(folder: &Path, manifest: &'m Manifest) -> Option<&'m str> {
+    match &manifest.points {
+        Some(pattern) => Some(pattern.as_str()),
+        None => folder.join(FOLDER).is_dir().then_some(FOLDER),
     }
 }

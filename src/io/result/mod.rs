@@ -21,7 +21,7 @@ pub use joints::trajectories;
 pub use parts::Provenance;
 pub use schema::{
     CameraPart, CoefficientPart, FramePart, FrameSdPart, HypothesisPart, InputPart, LengthPart,
-    MissingPart, MotionPart, NoisePart, OriginPart, OutcomePart, PosteriorPart, Program,
+    MissingPart, MotionPart, NoisePart, OriginPart, OutcomePart, PointPart, PosteriorPart, Program,
     QualityPart, RecordingPart, RejectedPart, ResultFile, ShapePart, ViewPart,
 };
 

@@ -2,7 +2,7 @@
 
 use super::schema::{
     CameraPart, CoefficientPart, FramePart, FrameSdPart, HypothesisPart, InputPart, LengthPart,
-    MissingPart, MotionPart, NoisePart, OriginPart, OutcomePart, PosteriorPart, Program,
+    MissingPart, MotionPart, NoisePart, OriginPart, OutcomePart, PointPart, PosteriorPart, Program,
     QualityPart, RecordingPart, RejectedPart, ResultFile, ShapePart, ViewPart,
 };
 use nalgebra::Matrix3;
@@ -241,8 +241,19 @@ fn quality(fit: &Fit, rig: &Rig) -> QualityPart {
             p95_px: view.residuals.map(|r| r.p95_px),
         })
     });
+    let points = fit.frames.iter().filter_map(|fitted| {
+        let quality = fitted.points.as_ref()?;
+        Some(PointPart {
+            frame: fitted.frame.0,
+            points: quality.points,
+            outside: quality.outside,
+            outside_m: quality.outside_m,
+            off_skin_m: quality.off_skin_m,
+        })
+    });
     QualityPart {
         cameras: cameras.collect(),
         views: views.collect(),
+        points: points.collect(),
     }
 }

@@ -281,6 +281,23 @@ pub struct QualityPart {
     pub cameras: Vec<CameraPart>,
     /// View by view, in the order of the frames.
     pub views: Vec<ViewPart>,
+    /// Frame by frame, those that have points.
+    pub points: Vec<PointPart>,
+}
+
+/// The points of one frame, its silhouettes and the body.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PointPart {
+    /// Number of the frame.
+    pub frame: usize,
+    /// Number of points.
+    pub points: usize,
+    /// Which share of them lies outside a silhouette, by more than three standard deviations.
+    pub outside: f64,
+    /// Median of how far those lie outside.
+    pub outside_m: Option<f64>,
+    /// Median distance from the skin; of points that were compared with one.
+    pub off_skin_m: Option<f64>,
 }
 
 /// All views of one camera.

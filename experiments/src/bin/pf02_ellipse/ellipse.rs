@@ -80,7 +80,7 @@ pub(crate) struct Fit<'a> {
 
 impl Fit<'_> {
     /// Minimum from a start.
-    pub(crate) fn solve(&self, start: Ellipse) -> Solution<Ellipse> {
+    pub(crate) fn solve(&self, start: Ellipse) -> Solution<Ellipse, NormalEquations> {
         let options = Options {
             max_iterations: 300,
             relative_decrease: 1e-10,
@@ -122,9 +122,10 @@ impl Fit<'_> {
 
 impl Problem for Fit<'_> {
     type State = Ellipse;
+    type Model = NormalEquations;
 
-    fn dimension(&self) -> usize {
-        DIMENSION
+    fn empty_model(&self) -> NormalEquations {
+        NormalEquations::zeros(DIMENSION)
     }
 
     fn cost(&self, x: &Ellipse) -> f64 {

@@ -21,8 +21,8 @@ pub(crate) fn report(run: &mut Run, scene: &Scene<'_>, fits: &[Fit]) -> Result<(
         &ablation("keyframes", scene, fits, |f| &f.keyframes),
     )?;
     run.table(
-        "The same with a hypothesis from 64 frames together",
-        &ablation("together", scene, fits, |f| &f.together),
+        "The joint optimum of all frames, from the most probable of them",
+        &ablation("joint", scene, fits, |f| &f.joint),
     )?;
     Ok(())
 }
@@ -46,8 +46,8 @@ fn numbers(run: &mut Run, scene: &Scene<'_>, fits: &[Fit]) {
         for (what, value) in figures(scene, &fit.keyframes) {
             run.number(format!("{}_{what}", fit.name), value);
         }
-        for (what, value) in figures(scene, &fit.together) {
-            run.number(format!("{}_together_{what}", fit.name), value);
+        for (what, value) in figures(scene, &fit.joint) {
+            run.number(format!("{}_joint_{what}", fit.name), value);
         }
         let (keyframes, near) = fit.starts;
         run.number(
@@ -74,7 +74,7 @@ fn ablation(
         "frames with a joint lost",
         "joints lost (found again)",
         "frames searched anew",
-        "search, s",
+        "search and joint optimum, s",
     ];
     let mut table = Table::new(name, &columns);
     for fit in fits {
@@ -92,7 +92,7 @@ fn ablation(
             chosen.losses.frames.to_string(),
             format!("{} ({})", chosen.losses.lost, chosen.losses.recovered),
             chosen.searched_anew.to_string(),
-            format!("{:.0}", fit.seconds),
+            fit.seconds.map(|s| format!("{s:.0}")).join(" + "),
         ]);
     }
     table
@@ -113,7 +113,7 @@ fn lengths(scene: &Scene<'_>, fits: &[Fit]) -> Table {
     let mut columns = vec!["length".to_owned(), "truth".to_owned()];
     for fit in &shown {
         columns.push(fit.name.to_owned());
-        columns.push(format!("{} together", fit.name));
+        columns.push(format!("{} joint", fit.name));
     }
     let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
     let mut table = Table::new("lengths", &columns);
@@ -127,7 +127,7 @@ fn lengths(scene: &Scene<'_>, fits: &[Fit]) -> Table {
         };
         let cells = shown
             .iter()
-            .flat_map(|f| [cell(&f.keyframes), cell(&f.together)]);
+            .flat_map(|f| [cell(&f.keyframes), cell(&f.joint)]);
         table.row(
             [name, format!("{:.1}", 1e2 * truth)]
                 .into_iter()

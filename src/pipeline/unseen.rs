@@ -1,0 +1,85 @@
+//! Which parts nothing sees: their angles are as uncertain as the priors alone leave them.
+//!
+//! The priors alone are p(m) and p(mᵢ | mᵢ₋₁, …), linearised at the same motions; their H is the same chain without data.
+//! Nothing but data holds the root, so it is held here: no angle depends on it in the priors.
+
+use nalgebra::DVector;
+
+use super::{FittedFrame, Warning};
+use crate::body::{BodyModel, Layout, Motion};
+use crate::inference::chain::ChainPrior;
+use crate::inference::prior::PosePrior;
+use crate::solver::{BorderedChain, NormalEquations};
+
+/// An angle whose standard deviation is at least this share of what the priors leave has learnt nothing from the data.
+const UNTOUCHED: f64 = 0.9;
+
+/// Standard deviations of every frame's angles if nothing were seen, rad; `None` where the priors leave them free.
+///
+/// `seconds[i]` lie between frames i − 1 and i.
+pub fn prior_angles_sd(
+    model: &BodyModel,
+    chain_prior: &ChainPrior,
+    motions: &[Motion],
+    seconds: &[f64],
+) -> Option<Vec<DVector<f64>>> {
+    let layout = Layout::of(model);
+    let (m, root) = (layout.motion(), layout.root());
+    let pose_prior = PosePrior::of(model);
+    let mut chain = BorderedChain::zeros(motions.len(), m, 0, chain_prior.reach());
+    for (i, motion) in motions.iter().enumerate() {
+        let mut equations = NormalEquations::zeros(m);
+        pose_prior.linearize(motion, &mut equations);
+        let link = &mut chain.links[i];
+        link.diagonal += equations.hessian;
+        (0..root).for_each(|k| link.diagonal[(k, k)] += 1.0);
+        chain_prior.linearize(motions, seconds, i, &mut chain.links);
+    }
+    let mut all = Vec::with_capacity(motions.len());
+    let complete = chain.marginals(|_, marginal| {
+        let variances = marginal.frame.diagonal().rows(root, m - root).into_owned();
+        all.push(variances.map(f64::sqrt));
+    });
+    all.reverse();
+    complete.then_some(all)
+}
+
+/// The parts all of whose own angles keep their prior in most of the frames that anything sees.
+pub(super) fn warning(
+    model: &BodyModel,
+    frames: &[FittedFrame],
+    prior: &[DVector<f64>],
+) -> Option<Warning> {
+    let seen: Vec<(&DVector<f64>, &DVector<f64>)> = frames
+        .iter()
+        .zip(prior)
+        .filter(|(f, _)| !f.views.is_empty() || f.points.is_some())
+        .filter_map(|(f, prior)| Some((&f.uncertainty.as_ref()?.angles_sd, prior)))
+        .collect();
+    let keeps = |part: usize| {
+        let own = own_joints(model, part);
+        let untouched = |(sd, prior): &&(&DVector<f64>, &DVector<f64>)| {
+            own.iter().all(|j| sd[*j] >= UNTOUCHED * prior[*j])
+        };
+        !own.is_empty() && 2 * seen.iter().filter(untouched).count() > seen.len()
+    };
+    let parts: Vec<String> = (0..model.parts.len())
+        .filter(|part| keeps(*part))
+        .map(|part| model.parts[part].name.clone())
+        .collect();
+    (!parts.is_empty()).then_some(Warning::KeepsPrior { parts })
+}
+
+/// The joints between a part and the part that it hangs on.
+fn own_joints(model: &BodyModel, part: usize) -> Vec<usize> {
+    let last = model.parts[part].joint;
+    let is_other = |joint| {
+        let mut others = model.parts.iter().filter(|p| p.joint != last);
+        others.any(|p| p.joint == Some(joint))
+    };
+    let chain = model.chain(last).into_iter().rev();
+    chain
+        .take_while(|joint| !is_other(*joint))
+        .map(|joint| joint.0)
+        .collect()
+}
