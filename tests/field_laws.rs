@@ -15,7 +15,8 @@ use maquette::body::metaball::Field;
 use maquette::body::{BodyModel, Layout, Posed, Shape, State};
 use maquette::camera::Rig;
 use maquette::inference::frame::{FramePosterior, KeyframePosterior};
-use maquette::inference::prior::{PosePrior, ShapePrior, StepPrior};
+use maquette::inference::prior::{PosePrior, ShapePrior};
+use maquette::inference::step::StepPrior;
 use maquette::io::model;
 use maquette::likelihood::{
     Derivatives, PointField, PointOptions, RayOptions, RayView, Residual, SilhouetteRays,
@@ -193,8 +194,9 @@ struct Alone<'a> {
 impl Problem for Alone<'_> {
     type State = State;
 
-    fn dimension(&self) -> usize {
-        Layout::of(self.model).total()
+    type Model = NormalEquations;
+    fn empty_model(&self) -> NormalEquations {
+        NormalEquations::zeros(Layout::of(self.model).total())
     }
 
     fn cost(&self, x: &State) -> f64 {
