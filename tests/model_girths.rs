@@ -175,7 +175,6 @@ fn cross_sections_have_the_girths_that_were_measured() {
         {
             let name = station.name;
             if target > 0.0 {
-                eprintln!("{name}: {what} {reached:.3} m, measured {target:.3} m");
                 assert!(
                     (reached / target - 1.0).abs() < 0.04,
                     "{name}: {what} {reached} m, expected {target}"

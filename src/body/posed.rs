@@ -121,6 +121,16 @@ impl<'a> Posed<'a> {
         boxes.reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)))
     }
 
+    /// Unit axes of a primitive in the world, as columns.
+    pub fn primitive_axes(&self, primitive: &Primitive) -> Matrix3<f64> {
+        self.frame(primitive.part).world_from_frame * primitive.part_from_primitive.matrix()
+    }
+
+    /// Radii of a primitive along its axes, metres.
+    pub fn primitive_radii(&self, primitive: &Primitive) -> Vector3<f64> {
+        scaled(&primitive.radii, self.shape)
+    }
+
     /// The model's ellipsoids in the world.
     pub fn ellipsoids(&self) -> Vec<Ellipsoid> {
         self.model

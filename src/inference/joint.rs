@@ -115,10 +115,16 @@ pub fn joint_optimum(
         data_weight: noise.data_weight(),
     };
     let mut noise = Noise {
-        scale: 1.0,
+        scale: std::env::var("KAPPA")
+            .ok()
+            .and_then(|t| t.parse().ok())
+            .unwrap_or(1.0),
         along_border: 1.0,
         repeated: 1.0,
-        over_time: (seconds.len() as f64).sqrt(),
+        over_time: std::env::var("TAU")
+            .ok()
+            .and_then(|t| t.parse().ok())
+            .unwrap_or((seconds.len() as f64).sqrt()),
     };
     let mut solution = levenberg_marquardt(&posterior(&noise), start, &solver);
     for _ in 0..options.rounds {

@@ -27,7 +27,7 @@ pub use ellipse_silhouette::{EllipseOptions, EllipseSilhouette, Variant, View};
 pub use options::{LikelihoodOptions, Measure};
 pub use point_field::{PointField, PointOptions, PointResidual, SurfacePoint};
 pub use silhouette_ray::{RayOptions, RayResidual, RayView, SilhouetteRays};
-pub use skin_distance::{Derivatives, Residual, SkinResidual, SkinScale};
+pub use skin_distance::{Derivatives, PosedScale, Residual, SkinResidual, SkinScale};
 
 use nalgebra::Vector3;
 

@@ -11,7 +11,7 @@ use nalgebra::{Point3, Vector3};
 
 use super::association::associate;
 use super::limb_sums::LimbSums;
-use super::skin_distance::{Derivatives, Residual, SkinResidual, SkinScale};
+use super::skin_distance::{Derivatives, PosedScale, Residual, SkinResidual, SkinScale};
 use super::{PlacedResidual, Source, Term};
 use crate::body::Posed;
 use crate::body::metaball::{Field, FieldRow, FieldSample, FieldSlopes, Sampler};
@@ -126,7 +126,9 @@ impl PointField {
     /// Every point's residual; none for a body without metaballs.
     pub fn residuals(&self, body: &Posed<'_>) -> Vec<PointResidual> {
         let mut all = Vec::with_capacity(self.points.len());
-        self.touches(&Field::of(body), |touch, sample| {
+        let field = Field::of(body);
+        let scale = self.scale.posed(body, &field);
+        self.touches((&field, &scale), |touch, sample| {
             all.push(PointResidual {
                 point: touch.point,
                 residual_m: touch.residual.distance_m,
@@ -138,7 +140,11 @@ impl PointField {
         all
     }
 
-    fn touches(&self, field: &Field, mut each: impl FnMut(&Touch, &FieldSample)) {
+    fn touches(
+        &self,
+        (field, scale): (&Field, &PosedScale<'_>),
+        mut each: impl FnMut(&Touch, &FieldSample),
+    ) {
         let kind = (self.options.residual, self.options.derivatives);
         let mut sampler = Sampler::new(field);
         let mut sample = FieldSample::default();
@@ -147,7 +153,7 @@ impl PointField {
             if !sampler.sample(&point.position_world.coords, limb, &mut sample) {
                 continue;
             }
-            let residual = self.scale.residual(kind, field, &sample);
+            let residual = scale.residual(kind, &sample);
             let touch = Touch {
                 point: index,
                 sigma_m: point.sigma_m.hypot(self.options.sigma_m),
@@ -179,7 +185,9 @@ impl Term for PointField {
 
     fn cost(&self, body: &Posed<'_>) -> f64 {
         let mut cost = 0.0;
-        self.touches(&Field::of(body), |touch, _| {
+        let field = Field::of(body);
+        let scale = self.scale.posed(body, &field);
+        self.touches((&field, &scale), |touch, _| {
             cost += 0.5 * touch.loss(self.options.loss).0;
         });
         cost
@@ -191,12 +199,13 @@ impl Term for PointField {
         let mut sums = LimbSums::new(&slopes);
         let mut row = FieldRow::default();
         let mut cost = 0.0;
-        self.touches(&field, |touch, sample| {
+        let scale = self.scale.posed(body, &field);
+        self.touches((&field, &scale), |touch, sample| {
             let (rho, weight) = touch.loss(self.options.loss);
             cost += 0.5 * rho;
             let r = touch.residual;
-            let alpha = |i| r.alpha + r.gamma * self.scale.length_m(&field, i);
-            slopes.row(sample, alpha, &Vector3::zeros(), &mut row);
+            let change = |i| scale.change(&r, i);
+            slopes.row_with_radii(sample, change, &Vector3::zeros(), &mut row);
             sums.add(sample.limb, &row.values, r.distance_m, weight);
         });
         sums.add_to(&slopes, equations);

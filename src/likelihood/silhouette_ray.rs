@@ -19,7 +19,7 @@ use nalgebra::{Point3, Vector3};
 
 use super::contact::RayField;
 use super::limb_sums::LimbSums;
-use super::skin_distance::{Derivatives, Residual, SkinResidual, SkinScale};
+use super::skin_distance::{Derivatives, PosedScale, Residual, SkinResidual, SkinScale};
 use super::{PlacedResidual, Source, Term};
 use crate::body::Posed;
 use crate::body::metaball::{Field, FieldRow, FieldSample, FieldSlopes};
@@ -151,7 +151,9 @@ impl SilhouetteRays {
     /// Every line of sight's residual, view after view; those that no metaball lies before are left out.
     pub fn residuals(&self, body: &Posed<'_>) -> Vec<RayResidual> {
         let mut all = Vec::with_capacity(self.border_points());
-        self.touches(&Field::of(body), |touch, sample| {
+        let field = Field::of(body);
+        let scale = self.scale.posed(body, &field);
+        self.touches((&field, &scale), |touch, sample| {
             all.push(RayResidual {
                 view: touch.view,
                 ray: touch.ray,
@@ -166,7 +168,11 @@ impl SilhouetteRays {
     }
 
     /// Calls `each` for every line of sight that has a contact, with the field there.
-    fn touches(&self, field: &Field, mut each: impl FnMut(&Touch<'_>, &FieldSample)) {
+    fn touches(
+        &self,
+        (field, scale): (&Field, &PosedScale<'_>),
+        mut each: impl FnMut(&Touch<'_>, &FieldSample),
+    ) {
         let mut sample = FieldSample::default();
         let kind = (self.options.residual, self.options.derivatives);
         let mut near = Vec::new();
@@ -187,7 +193,7 @@ impl SilhouetteRays {
                     direction,
                     sigma_m,
                     weight: length_px * per_px,
-                    residual: self.scale.residual(kind, field, &sample),
+                    residual: scale.residual(kind, &sample),
                 };
                 each(&touch, &sample);
             }
@@ -231,7 +237,9 @@ impl Term for SilhouetteRays {
 
     fn cost(&self, body: &Posed<'_>) -> f64 {
         let mut cost = 0.0;
-        self.touches(&Field::of(body), |touch, _| {
+        let field = Field::of(body);
+        let scale = self.scale.posed(body, &field);
+        self.touches((&field, &scale), |touch, _| {
             cost += 0.5 * touch.loss(self.options.loss).0;
         });
         cost
@@ -243,13 +251,14 @@ impl Term for SilhouetteRays {
         let mut sums = LimbSums::new(&slopes);
         let mut row = FieldRow::default();
         let mut cost = 0.0;
-        self.touches(&field, |touch, sample| {
+        let scale = self.scale.posed(body, &field);
+        self.touches((&field, &scale), |touch, sample| {
             let (rho, weight) = touch.loss(self.options.loss);
             cost += 0.5 * rho;
             let r = touch.residual;
-            let alpha = |i| r.alpha + r.gamma * self.scale.length_m(&field, i);
-            let b = touch.along(sample, alpha);
-            slopes.row(sample, alpha, &b, &mut row);
+            let change = |i| scale.change(&r, i);
+            let b = touch.along(sample, |i| change(i).0);
+            slopes.row_with_radii(sample, change, &b, &mut row);
             sums.add(sample.limb, &row.values, r.distance_m, weight);
         });
         sums.add_to(&slopes, equations);

@@ -6,15 +6,17 @@
 //! *Metric*: ψ = √(c − ½ ln F) is, for one metaball, a distance over the radius, and grows without bound. The
 //! design's √(−½ ln F) ends where balls overlap and F > 1; so c = ½ ln A with A more than F ever reaches. With ψ_T its
 //! value at the skin, r = (ψ − ψ_T)·R is a distance in metres near the skin, positive outside. R is the local
-//! length, Σ wᵢ Rᵢ over the metaballs there; Rᵢ = 1/‖∇ψ‖ at the skin around metaball i at rest, a constant of the model.
+//! length, Σ wᵢ Rᵢ over the metaballs there. Rᵢ is 1/‖∇ψ‖ at the skin around metaball i of the mean body at rest, and
+//! grows with the metaball's radii: Rᵢ = R̄ᵢ Πₖ (aᵢₖ/āᵢₖ)^qᵢₖ, qᵢₖ the mean square of the skin's normal along axis k.
+//! (Were it a constant, a fatter body would make every residual smaller: fits to points inflated.)
 //! With L = ln F: ∂ψ = −∂L/(4ψ), ∂wᵢ = wᵢ (∂ ln fᵢ − ∂L), so that
 //!
-//! ∂r = Σ wᵢ αᵢ ∂ ln fᵢ, αᵢ = −R/(4ψ) + (ψ − ψ_T)(Rᵢ − R).
+//! ∂r = Σ wᵢ (αᵢ ∂ ln fᵢ + Σₖ γᵢₖ ∂ ln aᵢₖ), αᵢ = −R/(4ψ) + (ψ − ψ_T)(Rᵢ − R), γᵢₖ = (ψ − ψ_T) Rᵢ qᵢₖ.
 //!
 //! Dividing by ‖∇ψ‖ where the point is instead of by a constant would be the exact first-order distance, but a bad
 //! residual: it can be lowered by moving to where ψ is steep. Fits to lines of sight then ended in many local minima.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 use crate::body::metaball::{Field, FieldSample, THRESHOLD};
 use crate::body::{BodyModel, Motion, Posed, Shape};
@@ -52,18 +54,36 @@ pub struct SkinScale {
     offset: f64,
     /// ψ_T.
     at_skin: f64,
-    /// Rᵢ of each of [`BodyModel::metaballs`], m.
-    lengths_m: Vec<f64>,
+    /// Of each of [`BodyModel::metaballs`].
+    balls: Vec<BallScale>,
 }
 
-/// r, and ∂r = Σ wᵢ αᵢ ∂ ln fᵢ with αᵢ = α + γ Rᵢ.
+/// The length around one metaball of the mean body at rest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct BallScale {
+    /// R̄ᵢ, m.
+    length_m: f64,
+    /// āᵢ, m.
+    radii: Vector3<f64>,
+    /// qᵢ: they sum up to 1.
+    shares: Vector3<f64>,
+}
+
+/// The scale of a body in one pose: Rᵢ and qᵢ of each metaball of its field.
+#[derive(Debug, Clone)]
+pub struct PosedScale<'a> {
+    scale: &'a SkinScale,
+    balls: Vec<(f64, Vector3<f64>)>,
+}
+
+/// r, and ∂r = Σ wᵢ (αᵢ ∂ ln fᵢ + Σₖ γᵢₖ ∂ ln aᵢₖ): see [`PosedScale::change`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SkinResidual {
     /// r, metres, positive outside.
     pub distance_m: f64,
-    /// α, metres.
+    /// αᵢ without γRᵢ, metres.
     pub alpha: f64,
-    /// γ.
+    /// γ: ψ − ψ_T.
     pub gamma: f64,
 }
 
@@ -71,51 +91,92 @@ impl SkinScale {
     /// The scale of a model: its mean shape at rest is measured.
     pub fn of(model: &BodyModel) -> Self {
         let shape = Shape(model.statistics.mean.clone());
-        let field = Field::of(&Posed::new(model, &shape, &Motion::rest(model)));
+        let rest = Motion::rest(model);
+        let body = Posed::new(model, &shape, &rest);
+        let field = Field::of(&body);
         let offset = 0.5 * field.ceiling().ln();
         let at_skin = (offset - 0.5 * THRESHOLD.ln()).max(LEAST_SQUARE).sqrt();
-        let mut lengths_m = vec![FIELD_RADIUS_M; model.metaballs.len()];
+        let primitives = model.metaballs.iter();
+        let mut balls: Vec<BallScale> = primitives
+            .map(|m| BallScale::thin(body.primitive_radii(m)))
+            .collect();
         for ball in 0..field.metaballs.len() {
-            if let (Some(i), Some(slope)) = (field.source(ball), skin_slope(&field, ball)) {
-                lengths_m[i] = 4.0 * at_skin / slope;
+            let Some(source) = field.source(ball) else {
+                continue;
+            };
+            let axes = body.primitive_axes(&model.metaballs[source]);
+            if let Some((slope, shares)) = skin_slope(&field, ball, &axes) {
+                let length_m = 4.0 * at_skin / slope;
+                balls[source] = BallScale {
+                    length_m,
+                    shares,
+                    ..balls[source]
+                };
             }
         }
         Self {
             offset,
             at_skin,
-            lengths_m,
+            balls,
         }
     }
 
-    /// Rᵢ of a metaball of a field, m.
-    pub(super) fn length_m(&self, field: &Field, metaball: usize) -> f64 {
-        let source = field.source(metaball).unwrap_or(usize::MAX);
-        self.lengths_m
-            .get(source)
-            .copied()
-            .unwrap_or(FIELD_RADIUS_M)
+    /// The scale of a body in a pose; `field` is the body's.
+    pub fn posed(&self, body: &Posed<'_>, field: &Field) -> PosedScale<'_> {
+        let of = |ball: usize| {
+            let source = field.source(ball)?;
+            let (scale, primitive) = (self.balls.get(source)?, body.model.metaballs.get(source)?);
+            Some(scale.at(&body.primitive_radii(primitive)))
+        };
+        let balls =
+            (0..field.metaballs.len()).map(|i| of(i).unwrap_or((FIELD_RADIUS_M, Vector3::zeros())));
+        PosedScale {
+            scale: self,
+            balls: balls.collect(),
+        }
+    }
+}
+
+impl BallScale {
+    /// A metaball that meets no skin.
+    fn thin(radii: Vector3<f64>) -> Self {
+        Self {
+            length_m: FIELD_RADIUS_M,
+            radii,
+            shares: Vector3::zeros(),
+        }
     }
 
+    /// (Rᵢ, qᵢ) with other radii.
+    fn at(&self, radii: &Vector3<f64>) -> (f64, Vector3<f64>) {
+        let growth = radii.zip_map(&self.radii, |a, mean| (a / mean).ln());
+        (self.length_m * self.shares.dot(&growth).exp(), self.shares)
+    }
+}
+
+impl PosedScale<'_> {
     /// The residual at a sampled point.
-    pub fn residual(
-        &self,
-        kind: (Residual, Derivatives),
-        field: &Field,
-        sample: &FieldSample,
-    ) -> SkinResidual {
+    pub fn residual(&self, kind: (Residual, Derivatives), sample: &FieldSample) -> SkinResidual {
         match kind.0 {
             Residual::Field => of_field(sample.log_value),
-            Residual::Metric => self.metric(kind.1, field, sample),
+            Residual::Metric => self.metric(kind.1, sample),
         }
     }
 
-    fn metric(
-        &self,
-        derivatives: Derivatives,
-        field: &Field,
-        sample: &FieldSample,
-    ) -> SkinResidual {
-        let square = self.offset - 0.5 * sample.log_value;
+    /// αᵢ and γᵢ of a metaball.
+    pub fn change(&self, residual: &SkinResidual, metaball: usize) -> (f64, Vector3<f64>) {
+        let (length, shares) = self.balls[metaball];
+        let gamma = residual.gamma * length;
+        (residual.alpha + gamma, shares * gamma)
+    }
+
+    /// Rᵢ, m.
+    pub fn length_m(&self, metaball: usize) -> f64 {
+        self.balls[metaball].0
+    }
+
+    fn metric(&self, derivatives: Derivatives, sample: &FieldSample) -> SkinResidual {
+        let square = self.scale.offset - 0.5 * sample.log_value;
         let psi = square.max(LEAST_SQUARE).sqrt();
         // ∂ψ/∂L
         let slope = if square > LEAST_SQUARE {
@@ -124,10 +185,8 @@ impl SkinScale {
             0.0
         };
         let each = sample.shares.iter();
-        let length = each
-            .map(|s| s.weight * self.length_m(field, s.metaball))
-            .sum::<f64>();
-        let past = psi - self.at_skin;
+        let length: f64 = each.map(|s| s.weight * self.length_m(s.metaball)).sum();
+        let past = psi - self.scale.at_skin;
         let gamma = match derivatives {
             Derivatives::Complete => past,
             Derivatives::FirstOrder => 0.0,
@@ -151,28 +210,30 @@ fn of_field(log_value: f64) -> SkinResidual {
     }
 }
 
-/// Mean ‖∇ ln F‖ where the axes of a metaball meet the skin, 1/m; `None` if none does.
+/// Mean ‖∇ ln F‖ where the axes of a metaball meet the skin, 1/m, and the mean square of the skin's normal along each of
+/// them; `None` if none does.
 ///
 /// Where the skin is another's, deep in a neighbour, it counts only if there is no better place.
-fn skin_slope(field: &Field, ball: usize) -> Option<f64> {
-    let shape = field.metaballs[ball].ellipsoid;
-    let axes = shape.shape.symmetric_eigen().eigenvectors;
-    let (mut own, mut any) = (Vec::new(), Vec::new());
-    for k in 0..3 {
-        for sign in [-1.0, 1.0] {
-            let Some(sample) = skin_along(field, &shape.centre, &(axes.column(k) * sign)) else {
-                continue;
-            };
-            let slope = sample.log_gradient.norm();
-            any.push(slope);
-            if sample.heaviest() == Some(ball) {
-                own.push(slope);
-            }
-        }
-    }
-    let slopes = if own.is_empty() { any } else { own };
-    let mean = slopes.iter().sum::<f64>() / slopes.len() as f64;
-    (mean.is_finite() && mean > 0.0).then_some(mean)
+fn skin_slope(field: &Field, ball: usize, axes: &Matrix3<f64>) -> Option<(f64, Vector3<f64>)> {
+    let centre = field.metaballs[ball].ellipsoid.centre;
+    let ways = (0..6).map(|k| axes.column(k / 2) * if k % 2 == 0 { 1.0 } else { -1.0 });
+    let met: Vec<_> = ways
+        .filter_map(|way| skin_along(field, &centre, &way))
+        .collect();
+    let is_own = |s: &&FieldSample| s.heaviest() == Some(ball);
+    let own: Vec<_> = met.iter().filter(is_own).collect();
+    let places = if own.is_empty() {
+        met.iter().collect()
+    } else {
+        own
+    };
+    let count = places.len() as f64;
+    let slope = places.iter().map(|s| s.log_gradient.norm()).sum::<f64>() / count;
+    let normals = places
+        .iter()
+        .filter_map(|s| s.log_gradient.try_normalize(0.0));
+    let squares: Vector3<f64> = normals.map(|n| axes.tr_mul(&n).map(|v| v * v)).sum();
+    (slope.is_finite() && slope > 0.0).then(|| (slope, squares / count))
 }
 
 /// Step and reach of the walk to the skin, m.
@@ -189,13 +250,11 @@ fn skin_along(field: &Field, from: &Vector3<f64>, direction: &Vector3<f64>) -> O
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::Matrix3;
-
     use super::*;
     use crate::math::quadric::Ellipsoid;
 
     /// One round metaball whose skin has this radius, and its scale.
-    fn ball(radius: f64) -> (Field, SkinScale) {
+    fn ball(radius: f64) -> (Field, SkinScale, f64) {
         let squared = 2.0 * radius * radius / std::f64::consts::LN_2;
         let field = Field::new([Ellipsoid {
             centre: Vector3::zeros(),
@@ -206,14 +265,20 @@ mod tests {
         let scale = SkinScale {
             offset,
             at_skin,
-            lengths_m: vec![4.0 * at_skin / skin_slope(&field, 0).unwrap()],
+            balls: Vec::new(),
         };
-        (field, scale)
+        let length = 4.0 * at_skin / skin_slope(&field, 0, &Matrix3::identity()).unwrap().0;
+        (field, scale, length)
     }
 
-    fn residual(kind: Residual, (field, scale): &(Field, SkinScale), x: f64) -> SkinResidual {
+    fn residual(kind: Residual, ball: &(Field, SkinScale, f64), x: f64) -> SkinResidual {
+        let (field, scale, length) = ball;
         let sample = field.sample(&Vector3::new(x, 0.0, 0.0)).unwrap();
-        scale.residual((kind, Derivatives::Complete), field, &sample)
+        let posed = PosedScale {
+            scale,
+            balls: vec![(*length, Vector3::repeat(1.0 / 3.0))],
+        };
+        posed.residual((kind, Derivatives::Complete), &sample)
     }
 
     #[test]
@@ -242,9 +307,9 @@ mod tests {
 
     #[test]
     fn above_the_ceiling_it_stays_finite_and_has_no_slope() {
-        let (field, mut scale) = ball(0.05);
-        scale.offset = -0.5;
-        let r = residual(Residual::Metric, &(field, scale), 0.0);
+        let mut ball = ball(0.05);
+        ball.1.offset = -0.5;
+        let r = residual(Residual::Metric, &ball, 0.0);
         assert!(r.distance_m.is_finite() && r.distance_m < 0.0);
         // α + γ R = 0 for the only metaball
         approx::assert_abs_diff_eq!(r.alpha, -r.distance_m, epsilon = 1e-12);

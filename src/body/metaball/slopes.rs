@@ -49,6 +49,8 @@ struct BallSlopes {
 #[derive(Debug, Clone, Copy)]
 struct RadiusSlope {
     component: usize,
+    /// Which of the metaball's axes.
+    axis: usize,
     axis_world: Vector3<f64>,
     /// a·∂a/∂s.
     slope: f64,
@@ -124,6 +126,17 @@ impl FieldSlopes {
         b: &Vector3<f64>,
         row: &mut FieldRow,
     ) {
+        self.row_with_radii(sample, |i| (alpha(i), Vector3::zeros()), b, row);
+    }
+
+    /// The same and Σ wᵢ γᵢₖ ∂(ln aᵢₖ)/∂θ over the three radii of each metaball; `change` gives αᵢ and γᵢ.
+    pub fn row_with_radii(
+        &self,
+        sample: &FieldSample,
+        change: impl Fn(usize) -> (f64, Vector3<f64>),
+        b: &Vector3<f64>,
+        row: &mut FieldRow,
+    ) {
         let chain = &self.limbs[sample.limb];
         row.clear(chain, self.frames.len());
         let level = b.dot(&sample.log_gradient);
@@ -131,7 +144,8 @@ impl FieldSlopes {
             let ball = &self.metaballs[share.metaball];
             let (w, u) = (share.weight, &share.pull);
             let along = b.dot(u);
-            let beta = alpha(share.metaball) - level;
+            let (alpha, gamma) = change(share.metaball);
+            let beta = alpha - level;
             let q = u * (-4.0 * w);
             let h = u * (w * (16.0 * along - 4.0 * beta)) - (ball.precision * b) * (4.0 * w);
             let pulls = &mut row.pulls[ball.frame];
@@ -143,7 +157,8 @@ impl FieldSlopes {
                 let v = radius.axis_world.dot(u);
                 let bend = 2.0 * b.dot(&radius.axis_world) * radius.precision;
                 row.dense[radius.component] +=
-                    4.0 * w * radius.slope * v * ((beta - 4.0 * along) * v + bend);
+                    4.0 * w * radius.slope * v * ((beta - 4.0 * along) * v + bend)
+                        + w * gamma[radius.axis] * radius.slope * radius.precision;
             }
         }
         self.pass_down(chain, &sample.point_world, b, row);
@@ -226,6 +241,7 @@ fn ball_slopes(
         let (value, shape) = (primitive.radii.value[k], &body.shape().0);
         Some(RadiusSlope {
             component: layout.coefficient(scale.coefficient()?),
+            axis: k,
             axis_world: axes.column(k).into_owned(),
             slope: radii[k] * scale.apply(value, shape).1,
             precision: 1.0 / (radii[k] * radii[k]),
