@@ -206,8 +206,7 @@ fn frame_uncertainty(
     let point = |index: usize| {
         let jacobian = body.point_jacobian(index);
         let covariance = &jacobian * &all * jacobian.transpose();
-        let placed = Matrix3::identity() * body.model.points[index].sd_m.powi(2);
-        covariance.fixed_view::<3, 3>(0, 0) + placed
+        covariance.fixed_view::<3, 3>(0, 0) + body.point_spread(index)
     };
     Some(FrameUncertainty {
         position_sd_m: root(0),
