@@ -78,6 +78,9 @@ pub struct FrameUncertainty {
     pub points: Vec<Matrix3<f64>>,
 }
 
+/// What one frame shows, as terms of −log p(Zᵢ | mᵢ, s).
+pub type Terms<'a> = Vec<Box<dyn Term + 'a>>;
+
 /// The joint optimum of a sequence, from a first shape and motion.
 pub fn joint_optimum(
     evidence: &Evidence<'_>,
@@ -85,12 +88,19 @@ pub fn joint_optimum(
     start: SequenceState,
     options: &JointOptions,
 ) -> Joint {
-    let terms: Vec<Vec<Box<dyn Term + '_>>> = sequence
-        .frames
-        .iter()
-        .map(|f| evidence.terms(f, Detail::Fine))
-        .collect();
-    let seconds = intervals(sequence);
+    let frames = sequence.frames.par_iter();
+    let terms: Vec<Terms<'_>> = frames.map(|f| evidence.terms(f, Detail::Fine)).collect();
+    joint_optimum_of(evidence, &terms, &intervals(sequence), start, options)
+}
+
+/// The joint optimum of what each frame shows; `seconds[i]` lie between frames i − 1 and i.
+pub fn joint_optimum_of<'a>(
+    evidence: &Evidence<'_>,
+    terms: &[Terms<'a>],
+    seconds: &[f64],
+    start: SequenceState,
+    options: &JointOptions,
+) -> Joint {
     let times: Vec<f64> = seconds
         .iter()
         .scan(0.0, |t, s| {
@@ -110,8 +120,8 @@ pub fn joint_optimum(
         shape_weight: noise.over_time,
         pose_prior: &evidence.pose_prior,
         chain_prior: &chain_prior,
-        seconds: &seconds,
-        terms: &terms,
+        seconds,
+        terms,
         data_weight: noise.data_weight(),
     };
     let mut noise = Noise {
@@ -122,7 +132,7 @@ pub fn joint_optimum(
     };
     let mut solution = levenberg_marquardt(&posterior(&noise), start, &solver);
     for _ in 0..options.rounds {
-        noise = Noise::of(&residuals(evidence.model, &terms, &solution.state), &times);
+        noise = Noise::of(&residuals(evidence.model, terms, &solution.state), &times);
         solution = levenberg_marquardt(&posterior(&noise), solution.state, &solver);
     }
     let uncertainty = uncertainty(
