@@ -5,23 +5,26 @@ use kuva::plot::LegendPosition;
 use maquette::io::trc::Trajectories;
 
 use crate::arms::{ARMS, Arm};
-use crate::recording::HIDDEN_S;
+use crate::recording::held_s;
 use crate::ways::{Scene, Way};
 
-const COLOURS: [&str; 4] = [colour::ORANGE, colour::PURPLE, colour::GREEN, colour::BLUE];
+/// Ways that are drawn, with their colours: frame by frame, and all frames at once.
+const DRAWN: [[(&str, &str); 2]; 2] = [
+    [("published", colour::PURPLE), ("metaballs", colour::ORANGE)],
+    [
+        ("joint_ellipses", colour::GREEN),
+        ("joint_metaballs", colour::BLUE),
+    ],
+];
 
 /// Flexion of both elbows against the truth: frame by frame, and the joint optimum with twice its standard deviation.
 pub(crate) fn elbow(scene: &Scene<'_>, ways: &[Way]) -> String {
-    let joint = ways.iter().filter(|w| !w.elbow_sd_deg.is_empty()).count();
-    let (tracked, joint) = ways.split_at(ways.len() - joint);
-    let rows = [
-        ("frame by frame", tracked, COLOURS[0..2].to_vec()),
-        ("joint optimum ± 2 SD", joint, COLOURS[2..4].to_vec()),
-    ];
+    let rows = ["frame by frame", "joint optimum ± 2 SD"];
     let mut panels = Vec::new();
-    for (title, ways, colours) in rows {
+    for (title, drawn) in rows.into_iter().zip(DRAWN) {
         for (side, arm) in ARMS.into_iter().enumerate() {
             let mut panel = held_marked(
+                scene,
                 Panel::new(
                     &format!("{} elbow, {title}", arm.name),
                     "time (s)",
@@ -29,17 +32,20 @@ pub(crate) fn elbow(scene: &Scene<'_>, ways: &[Way]) -> String {
                 )
                 .ranges((0.0, end(scene)), (0.0, 150.0)),
             );
-            if side == 0 {
+            if side == 1 {
                 panel = panel.legend(LegendPosition::InsideTopRight);
             }
-            let named = |name: &'static str| if side == 0 { name } else { "" };
-            for (way, colour) in ways.iter().zip(&colours) {
+            let named = |name: &'static str| if side == 1 { name } else { "" };
+            for (way, colour) in chosen(ways, &drawn) {
                 let curve = flexion(scene, arm, &way.fit);
                 let sd = way.elbow_sd_deg.iter().map(|sd| 2.0 * sd[side]);
                 let band = curve.iter().zip(sd);
                 let band = band.map(|(&(t, deg), sd)| (t, (deg - sd).max(0.0), deg + sd));
-                panel = panel.band("", colour, &band.collect::<Vec<_>>());
-                panel = panel.curve(named(short(way)), colour, &curve);
+                let band: Vec<_> = band.collect();
+                if !band.is_empty() {
+                    panel = panel.band("", colour, &band);
+                }
+                panel = panel.curve(named(way.title), colour, &curve);
             }
             let truth = flexion(scene, arm, &scene.truth);
             panels.push(panel.dashed(named("truth"), colour::BLACK, &truth));
@@ -56,30 +62,37 @@ pub(crate) fn wrist(scene: &Scene<'_>, ways: &[Way]) -> String {
             "time (s)",
             "distance from the truth (mm)",
         )
-        .ranges((0.0, end(scene)), (0.0, 400.0));
-        if side == 0 {
+        .ranges((0.0, end(scene)), (0.0, 600.0));
+        if side == 1 {
             panel = panel.legend(LegendPosition::InsideTopRight);
         }
-        for (way, colour) in ways.iter().zip(COLOURS) {
+        for (way, colour) in chosen(ways, DRAWN.as_flattened()) {
             let at = |f: usize| {
                 let error = arm.error(&scene.truth, &way.fit, f)?;
                 Some((f as f64 / scene.fps, 1e3 * error.wrist_m))
             };
             let curve: Vec<_> = (0..scene.frames.len()).filter_map(at).collect();
-            panel = panel.curve(if side == 0 { way.title } else { "" }, colour, &curve);
+            panel = panel.curve(if side == 1 { way.title } else { "" }, colour, &curve);
         }
-        held_marked(panel)
+        held_marked(scene, panel)
     };
     let panels = ARMS.into_iter().enumerate().map(panel).collect();
     svg(2, (520.0, 320.0), panels)
 }
 
-fn held_marked(panel: Panel) -> Panel {
-    panel.rule_at(HIDDEN_S[1], "").rule_at(HIDDEN_S[2], "")
+fn chosen<'a>(
+    ways: &'a [Way],
+    drawn: &[(&str, &'static str)],
+) -> impl Iterator<Item = (&'a Way, &'static str)> {
+    drawn.iter().filter_map(|(name, colour)| {
+        let way = ways.iter().find(|way| way.name == *name)?;
+        Some((way, *colour))
+    })
 }
 
-fn short(way: &Way) -> &'static str {
-    way.title.split(',').next().unwrap_or(way.title)
+fn held_marked(scene: &Scene<'_>, panel: Panel) -> Panel {
+    let rules = held_s(scene.frames.len());
+    rules.into_iter().fold(panel, |p, at| p.rule_at(at, ""))
 }
 
 fn flexion(scene: &Scene<'_>, arm: Arm, of: &Trajectories) -> Vec<(f64, f64)> {

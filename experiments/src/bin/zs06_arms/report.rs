@@ -17,8 +17,8 @@ pub(crate) fn report(
     scene: &Scene<'_>,
     ways: &[Way],
 ) -> Result<(), Box<dyn Error>> {
-    let is_held = |frame: usize| held(frame as f64 / scene.fps) >= 0.5;
     let frames = scene.frames.len();
+    let is_held = |frame: usize| held(frame, frames) >= 0.5;
     let hidden = (0..frames).filter(|&f| is_held(f)).count();
     for (arm, [held, swinging]) in ["right", "left"].into_iter().zip(visible(recording)) {
         run.number(format!("visible_{arm}_held_pct"), 100.0 * held);

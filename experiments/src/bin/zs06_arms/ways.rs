@@ -1,4 +1,4 @@
-//! Four ways from silhouettes to the motion of the arms.
+//! The ways from silhouettes to the motion of the arms.
 
 use std::time::Instant;
 
@@ -11,7 +11,7 @@ use maquette::inference::propagate::Sequence;
 use maquette::inference::search::{Hypothesis, Journal, NoJournal, SearchOptions, Trial, search};
 use maquette::inference::sequence::SequenceState;
 use maquette::io::trc::Trajectories;
-use maquette::likelihood::{LikelihoodOptions, Measure};
+use maquette::likelihood::{EllipseOptions, LikelihoodOptions, Measure};
 use maquette::silhouette::FrameObservations;
 
 /// What is fitted, and the truth.
@@ -51,36 +51,34 @@ impl Journal for Only<'_> {
 
 impl Scene<'_> {
     pub(crate) fn ways(&self) -> Option<Vec<Way>> {
-        let (ellipses, metaballs) = (
-            self.evidence(Measure::Ellipses),
-            self.evidence(Measure::Metaballs),
-        );
+        let outline = self.evidence(Measure::Ellipses, EllipseOptions::default());
+        let metaballs = self.evidence(Measure::Metaballs, EllipseOptions::default());
         // frame by frame
-        let started = Instant::now();
-        let found = search(&ellipses, self.sequence(), &options(), &NoJournal)?;
-        let winner = &found.trials[found.winner];
-        let tracked = self.tracked("ellipses", "ellipses, frame by frame", winner, started);
-        let started = Instant::now();
-        let again = search(
-            &metaballs,
-            self.sequence(),
-            &options(),
-            &Only(&winner.hypothesis),
-        )?;
-        let same = |t: &&Trial| t.finished() && t.hypothesis.shape == winner.hypothesis.shape;
-        let followed = again.trials.iter().find(same)?;
-        let soft = self.tracked("metaballs", "metaballs, frame by frame", followed, started);
+        let published = self.evidence(Measure::Ellipses, EllipseOptions::published());
+        let published = self.searched("published", "published ellipses", &published, &NoJournal)?;
+        let tracked = self.searched("outline", "outline of the ellipses", &outline, &NoJournal)?;
+        let (tracked, winner) = tracked;
+        let only = Only(&winner.hypothesis);
+        let (soft, _) = self.searched("metaballs", "metaballs", &metaballs, &only)?;
+        let all = self.evidence(Measure::Both, EllipseOptions::default());
+        let (both, _) = self.searched("both", "outline and metaballs", &all, &only)?;
         // all frames at once
         let joint = [
-            ("joint_ellipses", "ellipses, joint optimum", &ellipses),
-            ("joint_metaballs", "metaballs, joint optimum", &metaballs),
+            ("joint_ellipses", "joint optimum, outline", &outline),
+            ("joint_metaballs", "joint optimum, metaballs", &metaballs),
+            ("joint_both", "joint optimum, outline and metaballs", &all),
         ];
-        let joint = joint.map(|(name, title, evidence)| self.joint(name, title, evidence, winner));
-        Some([tracked, soft].into_iter().chain(joint).collect())
+        let joint = joint.map(|(name, title, evidence)| self.joint(name, title, evidence, &winner));
+        let tracked = [published.0, tracked, soft, both];
+        Some(tracked.into_iter().chain(joint).collect())
     }
 
-    fn evidence(&self, measure: Measure) -> Evidence<'_> {
-        Evidence::new(self.model, self.rig, LikelihoodOptions::default(), measure)
+    fn evidence(&self, measure: Measure, ellipses: EllipseOptions) -> Evidence<'_> {
+        let likelihood = LikelihoodOptions {
+            ellipses,
+            ..LikelihoodOptions::default()
+        };
+        Evidence::new(self.model, self.rig, likelihood, measure)
     }
 
     fn sequence(&self) -> Sequence<'_> {
@@ -90,20 +88,33 @@ impl Scene<'_> {
         }
     }
 
-    fn tracked(
+    /// Algorithm 1, and its winner.
+    fn searched(
         &self,
         name: &'static str,
         title: &'static str,
-        trial: &Trial,
-        started: Instant,
-    ) -> Way {
-        Way {
+        evidence: &Evidence<'_>,
+        journal: &dyn Journal,
+    ) -> Option<(Way, Trial)> {
+        let started = Instant::now();
+        let found = search(evidence, self.sequence(), &options(), journal)?;
+        // the mean's trial gives way to the only one that is to be followed
+        let is_wanted = |t: &Trial| {
+            journal
+                .kept_keyframe(t.hypothesis.keyframe)
+                .is_none_or(|only| only.contains(&t.hypothesis))
+        };
+        let wanted = |t: &&Trial| t.finished() && is_wanted(t);
+        let by_energy = |a: &&Trial, b: &&Trial| a.energy().total_cmp(&b.energy());
+        let winner = found.trials.iter().filter(wanted).min_by(by_energy)?;
+        let way = Way {
             name,
             title,
-            fit: self.trajectories(&trial.hypothesis.shape, &motions(trial)),
+            fit: self.trajectories(&winner.hypothesis.shape, &motions(winner)),
             elbow_sd_deg: Vec::new(),
             seconds: started.elapsed().as_secs_f64(),
-        }
+        };
+        Some((way, winner.clone()))
     }
 
     fn joint(
@@ -149,7 +160,7 @@ fn motions(trial: &Trial) -> Vec<Motion> {
     fits.map(|f| f.motion.clone()).collect()
 }
 
-/// As published: every 20th frame a keyframe.
+/// As published, every 20th frame a keyframe.
 fn options() -> SearchOptions {
     SearchOptions {
         keyframe_every: 20,
