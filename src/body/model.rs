@@ -123,6 +123,9 @@ pub struct NamedPoint {
     pub name: String,
     /// The parts whose points are averaged: one, or two for a midpoint such as `Hip`.
     pub places: Vec<(PartId, ScaledVector)>,
+    /// Standard deviation of each coordinate of where it lies in the flesh, metres: sources that say where a joint's
+    /// centre is differ, and no silhouette shows it.
+    pub sd_m: f64,
 }
 
 /// Gaussian of the shape coefficients, p(s).
@@ -292,6 +295,12 @@ impl BodyModel {
                     value,
                 });
             }
+        }
+        if let Some(point) = self.points.iter().find(|p| !(0.0..=1.0).contains(&p.sd_m)) {
+            return Err(ModelError::Number {
+                place: format!("sd of point {}", point.name),
+                value: point.sd_m,
+            });
         }
         let n = self.coefficients.len();
         if n > 0 && self.statistics.covariance.clone().cholesky().is_none() {

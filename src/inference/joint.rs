@@ -17,7 +17,9 @@ use super::start::Detail;
 use super::step::MotionModel;
 use crate::body::{BodyModel, Layout, Motion, Posed, Shape};
 use crate::likelihood::{PlacedResidual, Term};
-use crate::solver::{BorderedChain, Marginal, Options, Report, levenberg_marquardt};
+use crate::solver::{
+    BorderedChain, Marginal, Options, Problem, QuadraticModel, Report, levenberg_marquardt,
+};
 
 /// Settings of the joint optimum.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -27,8 +29,6 @@ pub struct JointOptions {
     pub iterations: usize,
     /// How a motion follows the others.
     pub motion_model: MotionModel,
-    /// How often the noise is estimated anew and the optimum taken again.
-    pub rounds: usize,
 }
 
 impl Default for JointOptions {
@@ -36,7 +36,6 @@ impl Default for JointOptions {
         Self {
             iterations: 25,
             motion_model: MotionModel::ConstantVelocity,
-            rounds: 2,
         }
     }
 }
@@ -74,7 +73,7 @@ pub struct FrameUncertainty {
     pub rotation_sd: Vector3<f64>,
     /// Of the angles.
     pub angles_sd: DVector<f64>,
-    /// Covariance of each exported point, square metres.
+    /// Covariance of each exported point, square metres: the estimate's, and of where it lies in the flesh.
     pub points: Vec<Matrix3<f64>>,
 }
 
@@ -114,30 +113,19 @@ pub fn joint_optimum(
         terms: &terms,
         data_weight: noise.data_weight(),
     };
-    let mut noise = Noise {
-        scale: std::env::var("KAPPA")
-            .ok()
-            .and_then(|t| t.parse().ok())
-            .unwrap_or(1.0),
-        along_border: 1.0,
-        repeated: 1.0,
-        over_time: std::env::var("TAU")
-            .ok()
-            .and_then(|t| t.parse().ok())
-            .unwrap_or((seconds.len() as f64).sqrt()),
-    };
-    let mut solution = levenberg_marquardt(&posterior(&noise), start, &solver);
-    for _ in 0..options.rounds {
-        noise = Noise::of(&residuals(evidence.model, &terms, &solution.state), &times);
-        solution = levenberg_marquardt(&posterior(&noise), solution.state, &solver);
-    }
-    let uncertainty = uncertainty(
-        evidence.model,
-        &solution.state,
-        &solution.model,
-        noise.over_time,
-    );
-    let frames = posterior(&Noise::NOMINAL).taken_apart(&solution.state);
+    // 1. the optimum, every row as it is stated
+    let stated = Noise::stated(sequence.frames.len());
+    let solution = levenberg_marquardt(&posterior(&stated), start, &solver);
+    // 2. how the residuals err there
+    let residuals = residuals(evidence.model, &terms, &solution.state);
+    let noise = Noise::of(&residuals, &times);
+    // 3. how sure the optimum is, with rows that err so
+    let sharp = posterior(&noise);
+    let mut chain = solution.model;
+    chain.clear();
+    sharp.linearize(&solution.state, &mut chain);
+    let uncertainty = uncertainty(evidence.model, &solution.state, &chain, noise.over_time);
+    let frames = sharp.taken_apart(&solution.state);
     Joint {
         shape: solution.state.shape,
         frames,
@@ -218,7 +206,8 @@ fn frame_uncertainty(
     let point = |index: usize| {
         let jacobian = body.point_jacobian(index);
         let covariance = &jacobian * &all * jacobian.transpose();
-        covariance.fixed_view::<3, 3>(0, 0).into_owned()
+        let placed = Matrix3::identity() * body.model.points[index].sd_m.powi(2);
+        covariance.fixed_view::<3, 3>(0, 0) + placed
     };
     Some(FrameUncertainty {
         position_sd_m: root(0),

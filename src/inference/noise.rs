@@ -39,13 +39,16 @@ const CLIP: f64 = 3.0;
 const APART_S: f64 = 0.4;
 
 impl Noise {
-    /// As stated: every row's σ and weight are right.
-    pub const NOMINAL: Self = Self {
-        scale: 1.0,
-        along_border: 1.0,
-        repeated: 0.0,
-        over_time: 1.0,
-    };
+    /// As stated: every row's σ and weight are right; and n frames, of which nothing is known yet, are √n times the
+    /// evidence about s that one is.
+    pub fn stated(frames: usize) -> Self {
+        Self {
+            scale: 1.0,
+            along_border: 1.0,
+            repeated: 0.0,
+            over_time: (frames as f64).sqrt().max(1.0),
+        }
+    }
 
     /// From the residuals of every frame at the optimum, and the frames' times.
     pub fn of(frames: &[Vec<PlacedResidual>], seconds: &[f64]) -> Self {

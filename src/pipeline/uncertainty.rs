@@ -1,4 +1,6 @@
 //! How sure the shape and its lengths are.
+//!
+//! A length is as sure as the coefficients that make it, and as the places of its two ends in the flesh.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -25,7 +27,9 @@ impl ShapeUncertainty {
             let along = (points[*to] - points[*from]).try_normalize(1e-12)?;
             let moved = body.point_jacobian(*to) - body.point_jacobian(*from);
             let gradient: DVector<f64> = moved.columns(first, coefficients).tr_mul(&along);
-            Some(gradient.dot(&(&covariance * &gradient)).max(0.0).sqrt())
+            let ends = [from, to].map(|end| model.points[*end].sd_m.powi(2));
+            let variance = gradient.dot(&(&covariance * &gradient)).max(0.0);
+            Some((variance + ends[0] + ends[1]).sqrt())
         };
         let lengths_sd_m = model
             .lengths

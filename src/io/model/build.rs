@@ -357,6 +357,7 @@ impl Builder<'_> {
                 self.model.points.push(NamedPoint {
                     name: format!("{prefix}{}", spec.name),
                     places,
+                    sd_m: spec.sd,
                 });
             }
             return Ok(());
@@ -375,6 +376,7 @@ impl Builder<'_> {
         self.model.points.push(NamedPoint {
             name: spec.name.clone(),
             places,
+            sd_m: spec.sd,
         });
         Ok(())
     }
