@@ -98,26 +98,34 @@ impl Summary<'_> {
             epsilon, keyframes, ..
         } = first.confidence;
         let within = format!("p within {} cm", 100.0 * epsilon);
-        let mut table = Table::new(&["length", "cm", "± σ", &within]);
+        let has_sd = lengths.iter().any(|length| length.sd_m.is_some());
+        let mut headings = vec!["length", "cm"];
+        headings.extend(has_sd.then_some("± SD"));
+        headings.extend(["± σ", &within]);
+        let mut table = Table::new(&headings);
+        let cm = |metres: f64| format!("± {:.1}", 100.0 * metres);
         for length in lengths {
-            table.row(vec![
+            let mut row = vec![
                 length.name.clone(),
                 format!("{:.1}", 100.0 * length.length_m),
-                or_dash(length.confidence.sigma, |sigma| {
-                    format!("± {:.1}", 100.0 * sigma)
-                }),
-                or_dash(length.confidence.p_within, probability),
-            ]);
+            ];
+            row.extend(has_sd.then(|| or_dash(length.sd_m, cm)));
+            row.push(or_dash(length.confidence.sigma, cm));
+            row.push(or_dash(length.confidence.p_within, probability));
+            table.row(row);
         }
-        if keyframes < 2 {
-            return table.text();
+        let mut text = table.text();
+        if has_sd {
+            text += "  SD: of the true length, from all frames at once.\n";
         }
-        format!(
-            "{}  σ: spread of the {keyframes} keyframes' estimates. p: that one of them is within {} cm of the model's optimum,\n  \
-             which is not the true length: an error that all keyframes share does not show.\n",
-            table.text(),
-            100.0 * epsilon,
-        )
+        if keyframes > 1 {
+            text += &format!(
+                "  σ: spread of the {keyframes} keyframes' estimates. p: that one of them is within {} cm of the model's optimum,\n  \
+                 which is not the true length: an error that all keyframes share does not show.\n",
+                100.0 * epsilon,
+            );
+        }
+        text
     }
 
     fn cameras(&self) -> String {

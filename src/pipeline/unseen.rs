@@ -83,3 +83,79 @@ fn own_joints(model: &BodyModel, part: usize) -> Vec<usize> {
         .map(|joint| joint.0)
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use nalgebra::Vector3;
+
+    use super::*;
+    use crate::inference::joint::FrameUncertainty;
+    use crate::inference::propagate::FrameFit;
+    use crate::pipeline::PointQuality;
+    use crate::silhouette::FrameIndex;
+
+    /// A frame whose angles are as uncertain as this; it has points, or nothing at all.
+    fn frame(model: &BodyModel, number: usize, angles_sd: [f64; 4], seen: bool) -> FittedFrame {
+        let points = PointQuality {
+            points: 1,
+            outside: 0.0,
+            outside_m: None,
+            off_skin_m: None,
+        };
+        FittedFrame {
+            frame: FrameIndex(number),
+            fit: FrameFit {
+                motion: Motion::rest(model),
+                data: 0.0,
+                pose: 0.0,
+                step: 0.0,
+                observations: 0.0,
+                recovered: false,
+            },
+            uncertainty: Some(FrameUncertainty {
+                position_sd_m: Vector3::zeros(),
+                rotation_sd: Vector3::zeros(),
+                angles_sd: DVector::from_row_slice(&angles_sd),
+                points: Vec::new(),
+            }),
+            points_world: Vec::new(),
+            views: Vec::new(),
+            points: seen.then_some(points),
+        }
+    }
+
+    fn said(frames: &[([f64; 4], bool)]) -> Option<String> {
+        let model = crate::io::model::load("arm", Path::new("")).unwrap();
+        let fitted = |(i, (sd, seen)): (usize, &([f64; 4], bool))| frame(&model, i, *sd, *seen);
+        let fitted: Vec<FittedFrame> = frames.iter().enumerate().map(fitted).collect();
+        let prior = vec![DVector::repeat(4, 0.5); frames.len()];
+        Some(warning(&model, &fitted, &prior)?.to_string())
+    }
+
+    #[test]
+    fn a_part_whose_angles_keep_their_prior_in_most_frames_is_named() {
+        let (blind, sure) = ([0.1, 0.1, 0.1, 0.48], [0.1; 4]);
+        let forearm = "forearm keeps its prior: nothing sees how it is turned";
+        let frames = [(blind, true), (blind, true), (sure, true)];
+        assert_eq!(said(&frames).unwrap(), forearm);
+        assert_eq!(said(&[(blind, true), (sure, true), (sure, true)]), None);
+        let all = [0.5; 4];
+        assert_eq!(
+            said(&[(all, true)]).unwrap(),
+            "upper_arm, forearm keep their prior: nothing sees how they are turned"
+        );
+    }
+
+    #[test]
+    fn one_angle_of_three_that_is_unseen_is_no_part() {
+        assert_eq!(said(&[([0.1, 0.1, 0.5, 0.1], true)]), None);
+    }
+
+    #[test]
+    fn frames_in_which_nothing_is_seen_at_all_do_not_count() {
+        assert_eq!(said(&[([0.5; 4], false), ([0.1; 4], true)]), None);
+        assert_eq!(said(&[([0.5; 4], false)]), None);
+    }
+}

@@ -5,9 +5,10 @@ use std::f64::consts::TAU;
 use nalgebra::{Matrix2, Point2, Point3, Vector2};
 
 use super::{Canvas, Pen, Rgb};
+use crate::body::metaball::Field;
 use crate::body::{BodyModel, Posed};
 use crate::camera::Camera;
-use crate::image::Mask;
+use crate::image::{Mask, Runs, trace};
 use crate::math::quadric::{Ellipse, project};
 
 const BACKGROUND: Rgb = [26, 28, 33];
@@ -42,9 +43,10 @@ const BONES: [(&str, &str); 16] = [
     ("LElbow", "LWrist"),
 ];
 
-/// The mask in grey, the outline of the whole body, thinly the outlines of its parts within, bones and joints.
+/// The mask in grey, the outline of the whole body, bones and joints.
 ///
-/// Everything stands where the recorded, distorted image has it. Right limbs are red, left ones blue.
+/// The outline is that of the skin of a body of metaballs; of one of ellipsoids it is that of their ellipses, with
+/// thinly those within. Everything stands where the recorded, distorted image has it. Right limbs are red, left ones blue.
 pub fn overlay(camera: &Camera, mask: &Mask, body: &Posed<'_>) -> Canvas {
     let mut canvas = Canvas::of_mask(mask, BACKGROUND, PERSON);
     let unit = (f64::from(camera.width_px.max(camera.height_px)) / USUAL_PX).max(0.4);
@@ -54,7 +56,11 @@ pub fn overlay(camera: &Camera, mask: &Mask, body: &Posed<'_>) -> Canvas {
         width_px: width * unit,
     };
     // the body's outline, and fainter its parts'
-    let (outer, inner) = outlines(camera, body);
+    let (outer, inner) = if body.model.metaballs.is_empty() {
+        outlines(camera, body)
+    } else {
+        (outline_of_skin(camera, body), Vec::new())
+    };
     canvas.draw(&inner, pen(OUTLINE, 0.45, 0.8));
     canvas.draw(&outer, pen(SHADE, 0.45, 3.0));
     canvas.draw(&outer, pen(OUTLINE, 1.0, 1.4));
@@ -88,6 +94,17 @@ pub fn overlay(camera: &Camera, mask: &Mask, body: &Posed<'_>) -> Canvas {
 }
 
 type Segments = Vec<[Point2<f64>; 2]>;
+
+/// The border of what the camera sees of the skin, in the recorded image.
+fn outline_of_skin(camera: &Camera, body: &Posed<'_>) -> Segments {
+    let mask = super::silhouette(camera, &Field::of(body));
+    let borders = trace(&Runs::of(&mask));
+    let closed = borders.iter().flat_map(|border| {
+        let next = border.iter().cycle().skip(1);
+        border.iter().zip(next).map(|(a, b)| [*a, *b])
+    });
+    closed.collect()
+}
 
 /// What of the parts' outlines bounds the whole body, and what lies within it.
 fn outlines(camera: &Camera, body: &Posed<'_>) -> (Segments, Segments) {
@@ -249,6 +266,25 @@ mod tests {
             at(top.x.round() as usize, top.y.round() as usize),
             BACKGROUND
         );
+    }
+
+    #[test]
+    fn a_body_of_metaballs_has_the_outline_of_its_skin() {
+        let model = crate::io::model::load("arm", Path::new("")).unwrap();
+        let shape = Shape(model.statistics.mean.clone());
+        let body = Posed::new(&model, &shape, &Motion::rest(&model));
+        let camera = camera();
+        let field = Field::of(&body);
+        let outline = outline_of_skin(&camera, &body);
+        assert!(outline.len() > 50, "{}", outline.len());
+        for (k, [a, b]) in outline.iter().enumerate() {
+            assert_eq!(*b, outline[(k + 1) % outline.len()][0]);
+            // half a pixel, 1 cm, off the skin at most, seen along the line of sight
+            let ray = camera.ray(a);
+            let along = (0..400).map(|i| ray.point_at(3.0 + 0.005 * f64::from(i)).coords);
+            let highest = along.map(|x| field.value(&x)).fold(0.0, f64::max);
+            assert!((0.25..0.85).contains(&highest), "{a}: {highest}");
+        }
     }
 
     #[test]

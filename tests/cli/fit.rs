@@ -3,8 +3,11 @@
 use std::path::Path;
 
 use image::{GrayImage, Luma};
+use maquette::io::cloud::write_ply;
 use maquette::io::result::ResultFile;
 use maquette::io::trc::{Trajectories, read_trc};
+use maquette::stereo::{CloudPoint, Spread};
+use nalgebra::Vector3;
 
 use crate::arm::{Arm, FRAMES, SHAPE, SIZE, points, rig};
 
@@ -23,6 +26,8 @@ fn a_recording_is_fitted_from_end_to_end() {
         "upper",
         "cam_03",
         "▸",
+        "± SD",
+        "SD: of the true length",
     ] {
         assert!(said.out.contains(part), "{part} not in {}", said.out);
     }
@@ -42,6 +47,21 @@ fn a_recording_is_fitted_from_end_to_end() {
             let error = (found.expect("a point") - truth).norm();
             assert!(error < 0.03, "frame {frame}: {error} m");
         }
+    }
+    // how sure, of every length, coefficient and frame
+    assert!(
+        result["shape"]["lengths"][0]["sd_m"]
+            .as_f64()
+            .is_some_and(|sd| sd > 0.0)
+    );
+    assert!(
+        result["shape"]["noise"]["over_time"]
+            .as_f64()
+            .is_some_and(|tau| tau >= 1.0)
+    );
+    for frame in result["motion"]["frames"].as_array().expect("frames") {
+        let sd = frame["sd"]["angles_rad"][0].as_f64();
+        assert!(sd.is_some_and(|sd| sd > 0.0 && sd < 0.2), "{frame}");
     }
     // a picture for each mask
     let picture = image::load_from_memory(&arm.bytes("out", "overlays/cam_02/000003.png"));
@@ -181,6 +201,17 @@ fn the_published_likelihood_is_another_one() {
 }
 
 #[test]
+fn without_the_joint_optimum_there_is_no_standard_deviation() {
+    let arm = Arm::new();
+    let said = arm.fit("out", &["--joint", "off"]).succeeded().out;
+    assert!(!said.contains("± SD"), "{said}");
+    let result = arm.result("out");
+    assert!(result["options"]["joint"].is_null() && result["shape"]["noise"].is_null());
+    assert!(result["shape"]["lengths"][0]["sd_m"].is_null());
+    assert!(result["motion"]["frames"][0]["sd"].is_null());
+}
+
+#[test]
 fn some_frames_may_be_chosen() {
     let arm = Arm::new();
     arm.fit("some", &["--quiet", "--frames", "2:4"]).succeeded();
@@ -266,4 +297,44 @@ fn a_camera_that_looks_elsewhere_than_the_masks_say_is_told() {
     let part = "cam_02 has the person elsewhere than the other cameras";
     assert!(said.contains(part), "{said}");
     assert!(!said.contains("is this the right body"), "{said}");
+}
+
+/// Points on the bone of the upper part, which all silhouettes show, moved by this.
+fn write_points(arm: &Arm, by_m: Vector3<f64>) {
+    for frame in 0..FRAMES {
+        let ends = points(frame);
+        let cloud: Vec<CloudPoint> = (0..60)
+            .map(|i| ends[2] + (ends[0] - ends[2]) * (0.1 + 0.8 * f64::from(i) / 60.0))
+            .map(|point| CloudPoint {
+                position_world: point + by_m,
+                spread: Spread::Isotropic(0.002),
+            })
+            .collect();
+        let path = arm.recording().join(format!("points/{frame:06}.ply"));
+        std::fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+        std::fs::write(path, write_ply(&cloud)).expect("written");
+    }
+}
+
+#[test]
+fn points_that_disagree_with_the_silhouettes_are_told_with_their_frames() {
+    let part = "points and silhouettes disagree";
+    let arm = Arm::new();
+    write_points(&arm, Vector3::zeros());
+    let said = arm.fit("agree", &[]).succeeded().out;
+    assert!(!said.contains(part), "{said}");
+    write_points(&arm, Vector3::z() * 0.5);
+    let said = arm.fit("disagree", &[]).succeeded().out;
+    let told = "points and silhouettes disagree in 6 frames (0–5): 100 % of the points lie outside a silhouette, by 0.";
+    assert!(said.contains(told), "{said}");
+    let result = arm.result("disagree");
+    let quality = &result["quality"]["points"][3];
+    assert_eq!(quality["points"], 60);
+    assert_eq!(quality["outside"], 1.0);
+    assert!(
+        quality["outside_m"]
+            .as_f64()
+            .is_some_and(|m| (0.1..0.5).contains(&m)),
+        "{quality}"
+    );
 }

@@ -134,6 +134,18 @@ const MASKS: &[Case] = &[
         &["no masks: expected masks/<camera>/"],
     ),
     (
+        "points only",
+        |arm| {
+            fs::rename(
+                arm.recording().join("masks"),
+                arm.recording().join("points"),
+            )
+            .expect("renamed");
+        },
+        &[],
+        &["points but no masks", "masks of at least two cameras"],
+    ),
+    (
         "truncated",
         |arm| spoil_mask(arm, |bytes| bytes.truncate(bytes.len() / 2)),
         &[],

@@ -1,0 +1,10 @@
+//! The sequence posterior and the joint optimum: laws, truth in and estimate out, and what nothing sees.
+
+#[path = "joint/laws.rs"]
+mod laws;
+#[path = "joint/recovery.rs"]
+mod recovery;
+#[path = "joint/scene.rs"]
+mod scene;
+#[path = "joint/unseen.rs"]
+mod unseen;

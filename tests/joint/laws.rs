@@ -1,0 +1,312 @@
+//! `linearize` says what `cost` does, and H is the Gauss–Newton matrix.
+//!
+//! As in `tests/laws.rs` the likelihoods are smooth piece by piece: a law is broken if it fails at three states a hair
+//! apart.
+
+use maquette::body::{BodyModel, Layout, Motion, Shape};
+use maquette::inference::chain::{ChainPrior, SWING_HZ};
+use maquette::inference::prior::{PosePrior, ShapePrior};
+use maquette::inference::sequence::{SequencePosterior, SequenceState};
+use maquette::inference::start::Detail;
+use maquette::inference::step::MotionModel;
+use maquette::likelihood::{Measure, Term};
+use maquette::math::central_differences;
+use maquette::solver::{BorderedChain, Problem, QuadraticModel, check_linearization};
+use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
+
+use crate::scene::Scene;
+
+const MODELS: [MotionModel; 2] = [MotionModel::ConstantPosition, MotionModel::ConstantVelocity];
+/// Unequal, as where frames are missing; the first is not read.
+const SECONDS: [f64; 4] = [0.02, 0.1, 0.3, 0.1];
+const HAIR: f64 = 1e-5;
+
+/// The sequence posterior of a scene with weights that are not 1.
+struct Posterior<'a> {
+    scene: &'a Scene,
+    shape_prior: ShapePrior,
+    pose_prior: PosePrior,
+    chain_prior: ChainPrior,
+    terms: Vec<Vec<Box<dyn Term + 'a>>>,
+}
+
+impl<'a> Posterior<'a> {
+    fn new(scene: &'a Scene, motion_model: MotionModel, measure: Measure) -> Self {
+        let evidence = scene.evidence(measure);
+        let terms = |f| evidence.terms(f, Detail::Coarse);
+        Self {
+            shape_prior: ShapePrior::of(&scene.model),
+            pose_prior: PosePrior::of(&scene.model),
+            chain_prior: ChainPrior::new(&scene.model, motion_model),
+            terms: scene.frames.iter().map(terms).collect(),
+            scene,
+        }
+    }
+
+    /// Of the priors alone.
+    fn blind(scene: &'a Scene, motion_model: MotionModel) -> Self {
+        let mut blind = Self::new(scene, motion_model, Measure::Metaballs);
+        blind.terms.iter_mut().for_each(Vec::clear);
+        blind
+    }
+
+    fn problem(&self) -> SequencePosterior<'_> {
+        SequencePosterior {
+            model: &self.scene.model,
+            shape_prior: &self.shape_prior,
+            shape_weight: 3.0,
+            pose_prior: &self.pose_prior,
+            chain_prior: &self.chain_prior,
+            seconds: &SECONDS[..self.terms.len()],
+            terms: &self.terms,
+            data_weight: 0.4,
+        }
+    }
+}
+
+/// Every angle and turn 1e-8: knees and elbows at their singularity.
+fn straight(state: &SequenceState) -> SequenceState {
+    let mut state = state.clone();
+    for motion in &mut state.motions {
+        motion.world_from_root = Rotation3::from_scaled_axis(Vector3::repeat(1e-8));
+        motion.angles.fill(1e-8);
+    }
+    state
+}
+
+/// Checks the law in every regime with both motion models.
+fn check(scene: &Scene, measure: Measure, (step, tolerance): (f64, f64)) {
+    for motion_model in MODELS {
+        let posterior = Posterior::new(scene, motion_model, measure);
+        for (regime, state) in [
+            ("at the truth", scene.truth.clone()),
+            ("straight", straight(&scene.truth)),
+            ("ordinary", scene.moved(&scene.truth, 0.05, 40)),
+            ("random", scene.moved(&scene.truth, 0.4, 41)),
+        ] {
+            let fault = |seed: Option<u64>| {
+                let state = seed.map_or(state.clone(), |s| scene.moved(&state, HAIR, s));
+                check_linearization(&posterior.problem(), &state, step, tolerance).err()
+            };
+            let faults: Option<Vec<_>> =
+                [None, Some(50), Some(51)].into_iter().map(fault).collect();
+            if let Some(faults) = faults {
+                panic!("{motion_model:?}, {regime}: {}", faults[0]);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_sequence_posterior_is_linearized_right_for_a_free_root() {
+    check(
+        &Scene::person("human-metaballs", 3),
+        Measure::Ellipses,
+        (1e-6, 1e-4),
+    );
+}
+
+#[test]
+fn the_sequence_posterior_is_linearized_right_for_a_fixed_root() {
+    check(&Scene::arm(4), Measure::Metaballs, (1e-5, 1e-5));
+}
+
+/// Ellipses, lines of sight and points at once.
+#[test]
+fn the_sequence_posterior_is_linearized_right_with_all_terms_together() {
+    let scene = Scene::arm(2);
+    let terms = Posterior::new(&scene, MODELS[0], Measure::Both).terms;
+    assert_eq!(terms[0].len(), 3);
+    check(&scene, Measure::Both, (1e-6, 1e-4));
+}
+
+#[test]
+fn one_frame_alone_is_a_sequence() {
+    check(&Scene::arm(1), Measure::Metaballs, (1e-5, 1e-5));
+}
+
+/// Within the limits, of a fixed root, priors and steps are quadratic: the model is exact, however long the step.
+#[test]
+fn where_all_residuals_are_linear_the_model_is_the_cost() {
+    let scene = Scene::arm(4);
+    let state = scene.truth.clone();
+    for motion_model in MODELS {
+        let posterior = Posterior::blind(&scene, motion_model);
+        let problem = posterior.problem();
+        let mut model = problem.empty_model();
+        let cost = problem.linearize(&state, &mut model);
+        for seed in 0..5 {
+            let size = model.gradient().len();
+            let step = DVector::from_fn(size, |i, _| {
+                0.1 * ((i as f64 + 1.7) * (seed + 1) as f64).sin()
+            });
+            let decrease = cost - problem.cost(&problem.retract(&state, &step));
+            approx::assert_relative_eq!(
+                model.predicted_decrease(&step),
+                decrease,
+                max_relative = 1e-9
+            );
+        }
+        // and one step of Newton's is the minimum
+        let step = model.minimizer(0.0).expect("the priors hold every angle");
+        let least = problem.retract(&state, &step);
+        let mut there = problem.empty_model();
+        problem.linearize(&least, &mut there);
+        assert!(there.gradient().amax() < 1e-8 * model.gradient().amax());
+    }
+}
+
+/// JᵀWJ of numerically differentiated residuals: velocities, and their differences.
+fn dense(model: &BodyModel, motions: &[Motion], motion_model: MotionModel) -> DMatrix<f64> {
+    let layout = Layout::of(model);
+    let m = layout.motion();
+    let speeds = speeds(model);
+    let rows = |delta: &DVector<f64>| {
+        let moved =
+            |i: usize| layout.retract_motion(&motions[i], &delta.rows(i * m, m).into_owned());
+        let moved: Vec<Motion> = (0..motions.len()).map(moved).collect();
+        let velocity = |i: usize| layout.motion_difference(&moved[i - 1], &moved[i]) / SECONDS[i];
+        let mut rows = Vec::new();
+        for i in 1..motions.len() {
+            rows.extend(velocity(i).component_div(&speeds).iter());
+            if motion_model == MotionModel::ConstantVelocity && i > 1 {
+                let sd = std::f64::consts::TAU * SWING_HZ * 0.5 * (SECONDS[i] + SECONDS[i - 1]);
+                let change = velocity(i) - velocity(i - 1);
+                rows.extend(change.component_div(&(&speeds * sd)).iter());
+            }
+        }
+        DVector::from_vec(rows)
+    };
+    let jacobian = central_differences(motions.len() * m, 1e-5, rows);
+    jacobian.tr_mul(&jacobian)
+}
+
+fn speeds(model: &BodyModel) -> DVector<f64> {
+    let root = match model.root {
+        maquette::body::Root::Free { speed, turn } => vec![speed, speed, speed, turn, turn, turn],
+        maquette::body::Root::Fixed => Vec::new(),
+    };
+    let joints = model.joints.iter().map(|j| j.speed);
+    DVector::from_vec(root.into_iter().chain(joints).collect())
+}
+
+fn assembled(chain: &BorderedChain) -> DMatrix<f64> {
+    let (n, m) = (chain.links.len(), chain.links[0].gradient.len());
+    let mut all = DMatrix::zeros(n * m, n * m);
+    for (i, link) in chain.links.iter().enumerate() {
+        let mut put = |before: usize, block: &DMatrix<f64>| {
+            let place = (i * m, (i - before) * m);
+            all.view_mut(place, (m, m)).copy_from(block);
+        };
+        put(0, &link.diagonal);
+        for (k, coupling) in link.couplings.iter().enumerate() {
+            put(k + 1, coupling);
+        }
+    }
+    all.fill_upper_triangle_with_lower_triangle();
+    all
+}
+
+/// Motions with the body turned by up to nearly half a turn from one to the next.
+fn tumbling(scene: &Scene, turn: f64) -> Vec<Motion> {
+    let axes = [
+        Vector3::new(1.0, -2.0, 0.5),
+        Vector3::new(0.2, 0.3, 1.0),
+        Vector3::new(-1.0, 0.1, 0.4),
+    ];
+    let mut motions = scene.moved(&scene.truth, 0.3, 42).motions;
+    for i in 1..motions.len() {
+        let by = Rotation3::from_scaled_axis(axes[i - 1] * (turn / axes[i - 1].norm()));
+        motions[i].world_from_root = motions[i - 1].world_from_root * by;
+    }
+    motions
+}
+
+#[test]
+fn the_chain_is_the_gauss_newton_matrix_of_its_residuals_for_turns_up_to_nearly_half() {
+    let scene = Scene::person("walker-metaballs", 4);
+    let layout = Layout::of(&scene.model);
+    for motion_model in MODELS {
+        let prior = ChainPrior::new(&scene.model, motion_model);
+        for turn in [1e-8, 0.3, 1.5, 2.9] {
+            let motions = tumbling(&scene, turn);
+            let mut chain = BorderedChain::zeros(4, layout.motion(), 0, prior.reach());
+            let each = |i| prior.linearize(&motions, &SECONDS, i, &mut chain.links);
+            let cost: f64 = (0..4).map(each).sum();
+            let alone: f64 = (0..4).map(|i| prior.cost(&motions, &SECONDS, i)).sum();
+            approx::assert_relative_eq!(cost, alone, max_relative = 1e-12);
+            let expected = dense(&scene.model, &motions, motion_model);
+            let difference = (assembled(&chain) - &expected).amax();
+            assert!(
+                difference < 1e-6 * expected.amax(),
+                "{motion_model:?}, {turn}: {difference}"
+            );
+        }
+    }
+}
+
+/// A chain prior by itself.
+struct Steps<'a> {
+    model: &'a BodyModel,
+    prior: ChainPrior,
+}
+
+impl Problem for Steps<'_> {
+    type State = Vec<Motion>;
+    type Model = BorderedChain;
+    fn empty_model(&self) -> BorderedChain {
+        BorderedChain::zeros(4, Layout::of(self.model).motion(), 0, self.prior.reach())
+    }
+    fn cost(&self, x: &Vec<Motion>) -> f64 {
+        (0..4).map(|i| self.prior.cost(x, &SECONDS, i)).sum()
+    }
+    fn linearize(&self, x: &Vec<Motion>, chain: &mut BorderedChain) -> f64 {
+        let each = |i| self.prior.linearize(x, &SECONDS, i, &mut chain.links);
+        (0..4).map(each).sum()
+    }
+    fn retract(&self, x: &Vec<Motion>, delta: &DVector<f64>) -> Vec<Motion> {
+        let layout = Layout::of(self.model);
+        let m = layout.motion();
+        let moved = |(i, motion): (usize, &Motion)| {
+            layout.retract_motion(motion, &delta.rows(i * m, m).into_owned())
+        };
+        x.iter().enumerate().map(moved).collect()
+    }
+}
+
+#[test]
+fn the_chain_prior_is_linearized_right_for_turns_up_to_nearly_half() {
+    let scene = Scene::person("walker-metaballs", 4);
+    for motion_model in MODELS {
+        let steps = Steps {
+            model: &scene.model,
+            prior: ChainPrior::new(&scene.model, motion_model),
+        };
+        for turn in [1e-8, 0.3, 1.5, 2.9] {
+            let motions = tumbling(&scene, turn);
+            check_linearization(&steps, &motions, 1e-5, 1e-6)
+                .unwrap_or_else(|fault| panic!("{motion_model:?}, {turn}: {fault}"));
+        }
+    }
+}
+
+#[test]
+fn the_mean_shape_has_no_cost_and_the_weights_count() {
+    let scene = Scene::arm(2);
+    let posterior = Posterior::blind(&scene, MODELS[0]);
+    let cost = |weight, shape| {
+        let problem = SequencePosterior {
+            shape_weight: weight,
+            ..posterior.problem()
+        };
+        problem.cost(&SequenceState {
+            shape,
+            ..scene.truth.clone()
+        })
+    };
+    let mean = Shape(scene.model.statistics.mean.clone());
+    let other = scene.truth.shape.clone();
+    approx::assert_relative_eq!(cost(1.0, mean.clone()), cost(9.0, mean.clone()));
+    let own = |weight| cost(weight, other.clone()) - cost(weight, mean.clone());
+    approx::assert_relative_eq!(own(9.0), 9.0 * own(1.0), max_relative = 1e-9);
+}

@@ -1,0 +1,176 @@
+//! Short recordings of a body that is exactly the model, with their truth.
+
+use std::path::Path;
+
+use maquette::body::metaball::Field;
+use maquette::body::{BodyModel, Layout, Motion, Posed, Shape};
+use maquette::camera::Rig;
+use maquette::inference::Evidence;
+use maquette::inference::propagate::Sequence;
+use maquette::inference::sequence::SequenceState;
+use maquette::io::model;
+use maquette::likelihood::{LikelihoodOptions, Measure};
+use maquette::render::silhouette;
+use maquette::silhouette::{FrameIndex, FrameObservations, SilhouetteOptions, extract};
+use maquette::stereo::{CloudPoint, Spread};
+use maquette::synth::{Gait, Ring, Walk};
+use nalgebra::{DVector, Point3, Unit, Vector2, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+pub(crate) const FPS: f64 = 10.0;
+
+/// A body in motion before cameras.
+pub(crate) struct Scene {
+    pub(crate) model: BodyModel,
+    pub(crate) rig: Rig,
+    pub(crate) frames: Vec<FrameObservations>,
+    pub(crate) truth: SequenceState,
+}
+
+fn load(name: &str) -> BodyModel {
+    model::load(name, Path::new("")).expect("a shipped model")
+}
+
+impl Scene {
+    /// The arm of metaballs, its shoulder fixed, seen as silhouettes and as points.
+    pub(crate) fn arm(frames: usize) -> Self {
+        let model = load("arm");
+        let mut shape = Shape(model.statistics.mean.clone());
+        shape.0[0] += 0.03;
+        shape.0[3] -= 0.03;
+        let motion = |i: usize| {
+            let (t, mut motion) = (i as f64 / FPS, Motion::rest(&model));
+            motion.angles[0] = 0.4 + 0.5 * t;
+            motion.angles[1] = 0.6 - 0.2 * t;
+            motion.angles[3] = 0.7 + 0.6 * t;
+            motion
+        };
+        let ring = Ring {
+            cameras: 3,
+            radius: 1.6,
+            height: 0.1,
+            target_world: Point3::new(0.1, -0.1, -0.2),
+            focal_px: 200.0,
+            width_px: 160,
+            height_px: 120,
+            ..Ring::default()
+        };
+        let truth = SequenceState {
+            motions: (0..frames).map(motion).collect(),
+            shape,
+        };
+        Self::seen(model, ring.regular(), truth)
+    }
+
+    /// A walking person of ellipsoids and metaballs.
+    pub(crate) fn person(name: &str, frames: usize) -> Self {
+        let model = load(name);
+        let ring = Ring {
+            cameras: 3,
+            focal_px: 245.0,
+            width_px: 240,
+            height_px: 180,
+            ..Ring::default()
+        };
+        let walk = Walk {
+            gait: Gait::normative(),
+            heading: 0.2,
+            middle_world: Vector2::new(0.05, -0.1),
+            start_phase: 0.1,
+        };
+        let shape = Shape(model.statistics.mean.clone());
+        let motions = walk.motions(&model, &shape, FPS, frames).expect("feet");
+        Self::seen(model, ring.regular(), SequenceState { shape, motions })
+    }
+
+    /// The skin's silhouettes, and a point of it from every metaball outwards.
+    fn seen(model: BodyModel, rig: Rig, truth: SequenceState) -> Self {
+        let frame = |(i, motion): (usize, &Motion)| {
+            let field = Field::of(&Posed::new(&model, &truth.shape, motion));
+            let seen = |(id, camera)| {
+                let mask = silhouette(camera, &field);
+                let options = SilhouetteOptions::default();
+                (id, extract(&mask, camera, &options).expect("it is seen"))
+            };
+            FrameObservations {
+                views: rig.iter().map(seen).collect(),
+                points: surface(&field, 20, i as u64),
+                ..FrameObservations::nothing(FrameIndex(i))
+            }
+        };
+        let frames = truth.motions.iter().enumerate().map(frame).collect();
+        Self {
+            frames,
+            model,
+            rig,
+            truth,
+        }
+    }
+
+    pub(crate) fn evidence(&self, measure: Measure) -> Evidence<'_> {
+        Evidence::new(
+            &self.model,
+            &self.rig,
+            LikelihoodOptions::default(),
+            measure,
+        )
+    }
+
+    pub(crate) fn sequence(&self) -> Sequence<'_> {
+        Sequence {
+            frames: &self.frames,
+            fps: FPS,
+        }
+    }
+
+    /// Every component of every motion and of the shape moved by up to this: metres, radians, coefficients.
+    pub(crate) fn moved(&self, state: &SequenceState, size: f64, seed: u64) -> SequenceState {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let layout = Layout::of(&self.model);
+        let mut draw = |n| DVector::from_fn(n, |_, _| size * rng.random_range(-1.0..1.0));
+        SequenceState {
+            motions: state
+                .motions
+                .iter()
+                .map(|motion| layout.retract_motion(motion, &draw(layout.motion())))
+                .collect(),
+            shape: Shape(&state.shape.0 + draw(state.shape.0.len())),
+        }
+    }
+
+    /// Mean distance of the exported points from the truth, mm.
+    pub(crate) fn error_mm(&self, shape: &Shape, motions: &[Motion]) -> f64 {
+        let points = |shape, motion| Posed::new(&self.model, shape, motion).points();
+        let pairs = motions.iter().zip(&self.truth.motions);
+        let errors: Vec<f64> = pairs
+            .flat_map(|(fit, truth)| {
+                let fit = points(shape, fit).into_iter();
+                let distance = |(a, b): (Point3<f64>, Point3<f64>)| 1e3 * (a - b).norm();
+                fit.zip(points(&self.truth.shape, truth))
+                    .map(distance)
+                    .collect::<Vec<_>>()
+            })
+            .collect();
+        errors.iter().sum::<f64>() / errors.len() as f64
+    }
+}
+
+/// Points of the skin: `each` from the centre of every metaball outwards.
+pub(crate) fn surface(field: &Field, each: usize, seed: u64) -> Vec<CloudPoint> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut points = Vec::new();
+    for ball in &field.metaballs {
+        for _ in 0..each {
+            let out = Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0));
+            let out = Unit::new_normalize(out).into_inner();
+            let steps = (0..300).map(|i| ball.ellipsoid.centre + out * (1e-3 * f64::from(i)));
+            let mut outside = steps.skip_while(|x| field.value(x) > 0.5);
+            points.extend(outside.next().map(|x| CloudPoint {
+                position_world: Point3::from(x),
+                spread: Spread::Isotropic(0.002),
+            }));
+        }
+    }
+    points
+}

@@ -1,0 +1,194 @@
+//! How residuals err is found again from simulated ones whose scale, correlation and repetition are known.
+//!
+//! Every number is drawn with a fixed seed. The tolerances are three to four standard errors of the estimates.
+
+use maquette::body::PartId;
+use maquette::inference::noise::Noise;
+use maquette::likelihood::{PlacedResidual, Source};
+use nalgebra::Vector3;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+const FPS: f64 = 25.0;
+const FRAMES: usize = 120;
+const VIEWS: usize = 4;
+/// Rows of a border, and the observations that each is stated to be.
+const ROWS: usize = 150;
+const WEIGHT: f64 = 0.2;
+/// Rows that lie at one place of the body.
+const ROWS_A_PLACE: usize = 10;
+
+/// What is simulated.
+#[derive(Clone, Copy)]
+struct Truth {
+    /// Standard deviation, of stated ones.
+    scale: f64,
+    /// Length over which neighbours go together, ρ(u) = exp(−u/length), in stated observations; 0: not at all.
+    length: f64,
+    /// Share of the variance that belongs to the place and returns in every frame and view.
+    repeated: f64,
+}
+
+const INDEPENDENT: Truth = Truth {
+    scale: 1.0,
+    length: 0.0,
+    repeated: 0.0,
+};
+
+fn normal(rng: &mut ChaCha8Rng) -> f64 {
+    StandardNormal.sample(rng)
+}
+
+/// ROWS values of variance 1 that go together over `length`.
+fn border(length: f64, rng: &mut ChaCha8Rng) -> Vec<f64> {
+    let rho = if length > 0.0 {
+        (-WEIGHT / length).exp()
+    } else {
+        0.0
+    };
+    let mut last = normal(rng);
+    let mut next = |_| {
+        last = rho * last + (1.0 - rho * rho).sqrt() * normal(rng);
+        last
+    };
+    (0..ROWS).map(&mut next).collect()
+}
+
+/// One place every ten rows, ten centimetres apart.
+fn row(view: usize, index: usize, value: f64) -> PlacedResidual {
+    PlacedResidual {
+        source: Source::View(view),
+        value,
+        sigma: 1.0,
+        weight: WEIGHT,
+        part: PartId(0),
+        place_part: Vector3::new(0.05, 0.05, 0.05 + 0.1 * (index / ROWS_A_PLACE) as f64),
+    }
+}
+
+fn simulate(truth: Truth, seed: u64) -> (Vec<Vec<PlacedResidual>>, Vec<f64>) {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let returning = border(truth.length, &mut rng);
+    let frame = |_| -> Vec<PlacedResidual> {
+        let views = (0..VIEWS).flat_map(|view| {
+            let own = border(truth.length, &mut rng);
+            let both = returning.iter().zip(own).enumerate();
+            let (again, new) = (truth.repeated.sqrt(), (1.0 - truth.repeated).sqrt());
+            let value = |(i, (r, o)): (usize, (&f64, f64))| {
+                row(view, i, truth.scale * (again * r + new * o))
+            };
+            both.map(value).collect::<Vec<_>>()
+        });
+        views.collect()
+    };
+    let frames = (0..FRAMES).map(frame).collect();
+    let seconds = (0..FRAMES).map(|i| i as f64 / FPS).collect();
+    (frames, seconds)
+}
+
+fn estimated(truth: Truth, seed: u64) -> Noise {
+    let (frames, seconds) = simulate(truth, seed);
+    Noise::of(&frames, &seconds)
+}
+
+#[test]
+fn residuals_that_err_as_stated_and_independently_are_found_so() {
+    let noise = estimated(INDEPENDENT, 1);
+    // clipped at three standard deviations: 0.4 % of a normal's variance
+    approx::assert_relative_eq!(noise.scale, 1.0, max_relative = 0.01);
+    // each row is an observation of its own, five to one that was stated
+    approx::assert_relative_eq!(noise.along_border, WEIGHT, max_relative = 0.05);
+    assert!(noise.repeated < 0.1, "{noise:?}");
+    // P is known to V·√2/(N√places), so τ = 1 + N·P/V to 0.37, and never below 1
+    assert!(noise.over_time < 2.1, "{noise:?}");
+}
+
+#[test]
+fn the_scale_is_found_whatever_it_is() {
+    for scale in [0.3, 1.7, 5.0] {
+        let noise = estimated(
+            Truth {
+                scale,
+                ..INDEPENDENT
+            },
+            2,
+        );
+        approx::assert_relative_eq!(noise.scale, scale, max_relative = 0.01);
+        let weight = 1.0 / (noise.scale * noise.scale * noise.along_border);
+        approx::assert_relative_eq!(noise.data_weight(), weight);
+    }
+}
+
+/// λ = ∫exp(−|u|/l)du = 2l; what lies below ρ = 0.05 is left out, 5 % of it.
+#[test]
+fn the_length_along_the_border_is_found() {
+    for length in [0.5, 1.0, 2.0] {
+        let truth = Truth {
+            length,
+            ..INDEPENDENT
+        };
+        let found = estimated(truth, 3).along_border;
+        approx::assert_relative_eq!(found, 2.0 * length * 0.95, max_relative = 0.1);
+    }
+}
+
+/// Of V = P + I of a place's mean residual, P is `repeated` of the whole: both go together alike along the border.
+#[test]
+fn what_returns_in_every_frame_is_found() {
+    for repeated in [0.2, 0.5, 0.9] {
+        let truth = Truth {
+            length: 1.0,
+            repeated,
+            ..INDEPENDENT
+        };
+        // there are few places, and each returns with one draw: the variance of 15 squares, averaged over five seeds
+        let seeds = 10..15;
+        let count = 5.0;
+        let found: f64 = seeds
+            .map(|seed| estimated(truth, seed).repeated.powi(2))
+            .sum();
+        approx::assert_abs_diff_eq!(found / count, repeated, epsilon = 0.12);
+    }
+}
+
+#[test]
+fn the_more_returns_the_fewer_observations_are_worth_one() {
+    let over_time = |repeated| {
+        let truth = Truth {
+            repeated,
+            ..INDEPENDENT
+        };
+        estimated(truth, 4).over_time
+    };
+    let [none, some, most] = [0.0, 0.3, 0.9].map(over_time);
+    assert!(none < some && some < most, "{none} {some} {most}");
+    // if everything returned, the N observations of a place would be worth one
+    let all = (FRAMES * VIEWS) as f64;
+    assert!(most > 0.5 * all && most <= all, "{most} of {all}");
+}
+
+#[test]
+fn a_few_wild_rows_change_little() {
+    let (mut frames, seconds) = simulate(INDEPENDENT, 5);
+    for frame in &mut frames {
+        frame.iter_mut().step_by(100).for_each(|r| r.value = 1e3);
+    }
+    let noise = Noise::of(&frames, &seconds);
+    // 1 % of rows at the limit of 3 κ: κ² = 0.99 + 0.09 κ²
+    assert!((1.0..1.1).contains(&noise.scale), "{noise:?}");
+}
+
+#[test]
+fn nothing_seen_is_no_fault() {
+    for frames in [vec![], vec![Vec::new(); 3]] {
+        let seconds = vec![0.0; frames.len()];
+        let noise = Noise::of(&frames, &seconds);
+        let numbers = [noise.scale, noise.along_border, noise.over_time];
+        assert!(
+            numbers.iter().all(|v| v.is_finite() && *v > 0.0),
+            "{noise:?}"
+        );
+        assert!(noise.data_weight().is_finite());
+    }
+}
