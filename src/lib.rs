@@ -27,5 +27,6 @@ pub mod math;
 pub mod pipeline;
 pub mod render;
 pub mod silhouette;
+pub mod skin;
 pub mod solver;
 pub mod synth;
