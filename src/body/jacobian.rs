@@ -168,7 +168,8 @@ fn point_columns(
     stretch_columns(body, layout, &frame, place, &mut add);
 }
 
-fn stretch_columns(
+/// Calls `add(component, ∂vector)` for every coefficient that stretches a vector of a frame.
+pub(super) fn stretch_columns(
     body: &Posed<'_>,
     layout: Layout,
     world_from_frame: &Matrix3<f64>,

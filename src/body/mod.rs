@@ -6,6 +6,7 @@
 
 mod check;
 mod jacobian;
+mod limbs;
 pub mod metaball;
 mod model;
 mod posed;

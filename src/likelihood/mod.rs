@@ -3,17 +3,24 @@
 //! | term                 | data                         | residual, unit            | source          |
 //! |----------------------|------------------------------|---------------------------|-----------------|
 //! | [`EllipseSilhouette`] | border points, distance map | distance to outlines, px  | ZS06, App. C    |
+//! | [`SilhouetteRays`]   | border points                | distance to the skin, m   | PF02 § 3.2      |
 //!
 //! Every term is ½ Σ w ρ((r/σ)²): r in the unit of its data, σ its standard deviation in that unit
 //! (PFD99 eq. 11), w the number of independent observations that a row stands for, ρ a robust loss.
 
+mod contact;
 mod ellipse_distance;
 mod ellipse_silhouette;
 mod ellipse_sums;
+mod limb_sums;
+mod silhouette_ray;
+mod skin_distance;
 mod union;
 
 pub use ellipse_distance::{EllipseDistance, OutlineEllipse, exact_distance};
 pub use ellipse_silhouette::{EllipseOptions, EllipseSilhouette, Variant, View, ViewResiduals};
+pub use silhouette_ray::{RayOptions, RayResidual, RayView, SilhouetteRays};
+pub use skin_distance::{Derivatives, Residual, SkinDistance, SkinResidual};
 
 use crate::body::Posed;
 use crate::solver::NormalEquations;

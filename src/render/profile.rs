@@ -20,7 +20,7 @@ impl Bump {
     }
 }
 
-/// The field along one ray, t ≥ 0.
+/// The field of one limb along a ray, t ≥ 0.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct RayProfile {
     /// The metaballs near the ray, in any order.

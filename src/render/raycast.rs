@@ -14,16 +14,17 @@ const FARTHEST: f64 = 6.0;
 /// Side of the square tiles for which the metaballs in reach are listed.
 const TILE_PX: usize = 16;
 
-/// The mask of a body in a camera: the pixels whose line of sight meets F ≥ T.
+/// The mask of a body in a camera: the pixels whose line of sight meets F ≥ T, F the largest of the limbs' sums.
 ///
 /// Pixels are those of the recorded, distorted image; each is undistorted and its ray cast from its centre.
 /// Rays are followed in depth, in the camera frame: x(t) = t·(u, v, 1), so that t > 0 lies before the camera.
 pub fn silhouette(camera: &Camera, field: &Field) -> Mask {
-    let seen: Vec<Seen> = field
-        .metaballs
-        .iter()
-        .filter_map(|m| Seen::new(camera, m))
-        .collect();
+    // a metaball that is in several limbs is seen in each of them
+    let of_limb = |(limb, balls): (usize, &Vec<usize>)| -> Vec<Seen> {
+        let seen = |&i: &usize| Seen::new(camera, limb, &field.metaballs[i]);
+        balls.iter().filter_map(seen).collect()
+    };
+    let seen: Vec<Seen> = field.limbs.iter().enumerate().flat_map(of_limb).collect();
     let (width, height) = (camera.width_px as usize, camera.height_px as usize);
     let mut pixels = Plane::filled(width, height, 0u8);
     for top in (0..height).step_by(TILE_PX) {
@@ -31,7 +32,7 @@ pub fn silhouette(camera: &Camera, field: &Field) -> Mask {
             let near = seen_in_tile(camera, &seen, left, top);
             if !near.is_empty() {
                 let right = (left + TILE_PX).min(width);
-                let mut caster = Caster::new(camera, near);
+                let mut caster = Caster::new(camera, near, field.limbs.len());
                 for y in top..(top + TILE_PX).min(height) {
                     for (x, pixel) in (left..right).zip(&mut pixels.row_mut(y)[left..right]) {
                         *pixel = u8::from(caster.hits(x, y));
@@ -60,6 +61,8 @@ impl Frame {
 /// A metaball as one camera sees it.
 #[derive(Debug, Clone, Copy)]
 struct Seen {
+    /// The limb within which it blends.
+    limb: usize,
     /// A⁻¹ in the camera frame.
     precision: Matrix3<f64>,
     /// A⁻¹ c.
@@ -72,7 +75,7 @@ struct Seen {
 
 impl Seen {
     /// `None` if all of it that matters is behind the camera.
-    fn new(camera: &Camera, metaball: &Metaball) -> Option<Self> {
+    fn new(camera: &Camera, limb: usize, metaball: &Metaball) -> Option<Self> {
         let reach = Ellipsoid {
             centre: metaball.ellipsoid.centre,
             shape: metaball.ellipsoid.shape * FARTHEST,
@@ -94,6 +97,7 @@ impl Seen {
             }
         });
         Some(Self {
+            limb,
             precision,
             pull,
             constant: centre.coords.dot(&pull),
@@ -151,15 +155,16 @@ fn undistorted_tile(camera: &Camera, left: usize, top: usize) -> Option<Frame> {
 struct Caster<'a> {
     camera: &'a Camera,
     near: Vec<Seen>,
-    profile: RayProfile,
+    /// One for each limb.
+    profiles: Vec<RayProfile>,
 }
 
 impl<'a> Caster<'a> {
-    fn new(camera: &'a Camera, near: Vec<Seen>) -> Self {
+    fn new(camera: &'a Camera, near: Vec<Seen>, limbs: usize) -> Self {
         Self {
             camera,
             near,
-            profile: RayProfile::default(),
+            profiles: vec![RayProfile::default(); limbs],
         }
     }
 
@@ -169,7 +174,7 @@ impl<'a> Caster<'a> {
             return false;
         };
         let direction = self.camera.intrinsics.normalized(&undistorted).push(1.0);
-        self.profile.bumps.clear();
+        self.profiles.iter_mut().for_each(|p| p.bumps.clear());
         for i in 0..self.near.len() {
             let Some(bump) = self.near[i].bump(&direction) else {
                 continue;
@@ -179,8 +184,8 @@ impl<'a> Caster<'a> {
                 self.near.swap(0, i);
                 return true;
             }
-            self.profile.bumps.push(bump);
+            self.profiles[self.near[i].limb].bumps.push(bump);
         }
-        self.profile.reaches(THRESHOLD)
+        self.profiles.iter().any(|p| p.reaches(THRESHOLD))
     }
 }

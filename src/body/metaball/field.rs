@@ -1,19 +1,10 @@
-//! Metaballs: a smooth skin around the skeleton (PF02 § 2.2–2.3).
-//!
-//! | symbol | here                       | unit | frame |
-//! |--------|----------------------------|------|-------|
-//! | F      | [`Field::value`]           | 1    |       |
-//! | T      | [`THRESHOLD`]              | 1    |       |
-//! | d      | [`Metaball::distance`]     | 1    |       |
-//! | QS     | a square root of [`Metaball::precision`] | m⁻¹ | world |
+//! The field of a posed body.
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::Posed;
+use super::FieldSample;
+use crate::body::{BodyModel, Motion, PartId, Posed, Shape};
 use crate::math::quadric::Ellipsoid;
-
-/// T: the skin is where F = T (PF02 eq. 2).
-pub const THRESHOLD: f64 = 0.5;
 
 /// One primitive of the field: an ellipsoidal Gaussian.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,43 +40,88 @@ impl Metaball {
     }
 }
 
-/// F = Σ fᵢ of a body in one pose.
+/// F of a body in one pose: the largest of its limbs' sums Σ fᵢ.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Field {
     /// The primitives, in the model's order.
     pub metaballs: Vec<Metaball>,
+    /// The metaballs of each limb, in the order of [`BodyModel::limbs`].
+    pub limbs: Vec<Vec<usize>>,
+    /// The place of each metaball in the list that it was made from.
+    pub(super) sources: Vec<usize>,
 }
 
 impl Field {
     /// The field of a posed body's metaballs.
     pub fn of(body: &Posed<'_>) -> Self {
-        Self::new(body.model.metaballs.iter().map(|m| body.primitive(m)))
+        let primitives = &body.model.metaballs;
+        let all = Self::new(primitives.iter().map(|m| body.primitive(m)));
+        let of_parts = |parts: Vec<PartId>| {
+            let is_there = |&i: &usize| parts.contains(&primitives[all.sources[i]].part);
+            (0..all.metaballs.len()).filter(is_there).collect()
+        };
+        let limbs = body.model.limbs().into_iter().map(of_parts).collect();
+        Self { limbs, ..all }
     }
 
-    /// The field of the given ellipsoids d = 1; flat ones are left out.
+    /// The field of the given ellipsoids d = 1, all in one limb; flat ones are left out.
     pub fn new(ellipsoids: impl IntoIterator<Item = Ellipsoid>) -> Self {
+        let each = ellipsoids.into_iter().enumerate();
+        let (sources, metaballs): (Vec<_>, Vec<_>) = each
+            .filter_map(|(i, e)| Some((i, Metaball::new(e)?)))
+            .unzip();
         Self {
-            metaballs: ellipsoids.into_iter().filter_map(Metaball::new).collect(),
+            limbs: vec![(0..metaballs.len()).collect()],
+            metaballs,
+            sources,
         }
     }
 
-    /// F(x) = Σ exp(−2 dᵢ(x)); more than [`THRESHOLD`] inside the body.
+    /// F(x) = max over limbs of Σ exp(−2 dᵢ(x)); more than [`THRESHOLD`](super::THRESHOLD) inside the body.
     ///
     /// # Source
-    /// PF02 eq. 3, 4.
+    /// PF02 eq. 3, 4; limbs: PFD99 § 3.3.
     pub fn value(&self, point_world: &Vector3<f64>) -> f64 {
-        let each = self.metaballs.iter();
-        each.map(|m| (-2.0 * m.distance(point_world)).exp()).sum()
+        let of = |i: &usize| (-2.0 * self.metaballs[*i].distance(point_world)).exp();
+        let sums = self.limbs.iter().map(|limb| limb.iter().map(of).sum());
+        sums.fold(0.0, f64::max)
     }
 
     /// F(x) and ∇F(x) = −4 Σ fᵢ Aᵢ⁻¹ (x − cᵢ), 1/m, which points into the body.
     ///
     /// # Source
-    /// PF02 eq. 3, 4, 6 and App. A.1.
+    /// PF02 eq. 3, 4, 6 and App. A.1; limbs: PFD99 § 3.3.
     pub fn value_and_gradient(&self, point_world: &Vector3<f64>) -> (f64, Vector3<f64>) {
-        let each = self.metaballs.iter();
-        each.map(|m| m.value_and_gradient(point_world))
-            .fold((0.0, Vector3::zeros()), |sum, f| (sum.0 + f.0, sum.1 + f.1))
+        let of_limb = |limb: &Vec<usize>| {
+            limb.iter()
+                .map(|&i| self.metaballs[i].value_and_gradient(point_world))
+                .fold((0.0, Vector3::zeros()), |sum, f| (sum.0 + f.0, sum.1 + f.1))
+        };
+        let larger = |a: (f64, Vector3<f64>), b: (f64, Vector3<f64>)| if b.0 > a.0 { b } else { a };
+        let sums = self.limbs.iter().map(of_limb);
+        sums.fold((0.0, Vector3::zeros()), larger)
+    }
+
+    /// ln F and its derivatives in the limb whose sum is largest; `None` without metaballs.
+    ///
+    /// In logarithms, so that nothing underflows far from the body.
+    pub fn sample(&self, point_world: &Vector3<f64>) -> Option<FieldSample> {
+        let mut sample = FieldSample::default();
+        sample.update(self, point_world).then_some(sample)
+    }
+
+    /// What F hardly exceeds in any pose: 1.5 × the largest F at any metaball's centre, and at least 1.5.
+    pub fn ceiling(&self) -> f64 {
+        let centres = self.metaballs.iter().map(|m| m.ellipsoid.centre);
+        1.5 * centres.map(|c| self.value(&c)).fold(1.0, f64::max)
+    }
+}
+
+impl BodyModel {
+    /// [`Field::ceiling`] of the mean shape at rest: a constant of the model.
+    pub fn field_ceiling(&self) -> f64 {
+        let shape = Shape(self.statistics.mean.clone());
+        Field::of(&Posed::new(self, &shape, &Motion::rest(self))).ceiling()
     }
 }
 
@@ -95,6 +131,7 @@ mod tests {
     use rand::{RngExt, SeedableRng};
 
     use super::*;
+    use crate::body::metaball::THRESHOLD;
     use crate::math::central_differences;
 
     fn ellipsoid(centre: Vector3<f64>, radii: Vector3<f64>, turn: Vector3<f64>) -> Ellipsoid {

@@ -1,0 +1,140 @@
+//! The law of the field: its derivatives in space and state are those of its values.
+
+use nalgebra::{DMatrix, DVector, Point3, Vector3};
+
+use super::{Field, FieldRow, FieldSample, FieldSlopes};
+use crate::body::{BodyModel, Layout, Posed, State};
+use crate::math::central_differences;
+
+/// A derivative of the field that is wrong.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("∂({what})/∂{of}[{component}] at {point_world} is {analytic} and {numeric} by differences")]
+pub struct FieldFault {
+    /// `ln F`, or a component of ∇ ln F.
+    pub what: &'static str,
+    /// `x`, or `δ` for the state.
+    pub of: &'static str,
+    /// Which component.
+    pub component: usize,
+    /// Where.
+    pub point_world: Point3<f64>,
+    /// What the code says.
+    pub analytic: f64,
+    /// What differences say.
+    pub numeric: f64,
+}
+
+/// Rows of the checked Jacobians.
+const ROWS: [&str; 4] = ["ln F", "∂x ln F", "∂y ln F", "∂z ln F"];
+
+/// Step of the differences, metres, radians and coefficients.
+const STEP: f64 = 1e-4;
+
+/// Checks ∂/∂x and ∂/∂θ of ln F and ∇ ln F at a state and a point, in the limb that is largest there.
+///
+/// # Errors
+/// The first entry that is off by more than `tolerance` of the largest of its row (but at least of 1 for ln F and
+/// of 1/m for its gradient).
+pub fn check_field(
+    model: &BodyModel,
+    state: &State,
+    point_world: &Point3<f64>,
+    tolerance: f64,
+) -> Result<(), FieldFault> {
+    let x = point_world.coords;
+    let body = Posed::new(model, &state.shape, &state.motion);
+    let field = Field::of(&body);
+    let Some(sample) = field.sample(&x) else {
+        return Ok(());
+    };
+    let compare = |of, analytic: &DMatrix<f64>, numeric: &DMatrix<f64>| {
+        compare(of, point_world, analytic, numeric, tolerance)
+    };
+    let at = |field: &Field, x: &Vector3<f64>| {
+        let mut moved = FieldSample::default();
+        moved.update_limb(field, sample.limb, x, &field.limbs[sample.limb]);
+        numbers(&moved)
+    };
+    let numeric = central_differences(3, STEP, |d| {
+        at(&field, &(x + Vector3::new(d[0], d[1], d[2])))
+    });
+    compare("x", &in_space(&sample), &numeric)?;
+    let layout = Layout::of(model);
+    let numeric = central_differences(layout.total(), STEP, |delta| {
+        let moved = layout.retract(state, delta);
+        let body = Posed::new(model, &moved.shape, &moved.motion);
+        at(&Field::of(&body), &x)
+    });
+    let analytic = in_state(&FieldSlopes::new(&body, &field), &sample, layout.total());
+    compare("δ", &analytic, &numeric)
+}
+
+fn numbers(sample: &FieldSample) -> DVector<f64> {
+    let gradient = sample.log_gradient.iter().copied();
+    DVector::from_iterator(4, std::iter::once(sample.log_value).chain(gradient))
+}
+
+fn in_space(sample: &FieldSample) -> DMatrix<f64> {
+    DMatrix::from_fn(4, 3, |row, k| match row.checked_sub(1) {
+        None => sample.log_gradient[k],
+        Some(i) => sample.log_hessian[(i, k)],
+    })
+}
+
+fn in_state(slopes: &FieldSlopes, sample: &FieldSample, total: usize) -> DMatrix<f64> {
+    let mut jacobian = DMatrix::zeros(4, total);
+    let mut row = FieldRow::default();
+    for i in 0..4 {
+        match i {
+            0 => slopes.row(sample, 1.0, &Vector3::zeros(), &mut row),
+            _ => slopes.row(sample, 0.0, &Vector3::ith(i - 1, 1.0), &mut row),
+        }
+        for (&component, &value) in slopes.components(sample.limb).iter().zip(&row.values) {
+            jacobian[(i, component)] = value;
+        }
+    }
+    jacobian
+}
+
+fn compare(
+    of: &'static str,
+    point_world: &Point3<f64>,
+    analytic: &DMatrix<f64>,
+    numeric: &DMatrix<f64>,
+    tolerance: f64,
+) -> Result<(), FieldFault> {
+    for (row, what) in ROWS.into_iter().enumerate() {
+        let scale = numeric.row(row).amax().max(1.0);
+        for component in 0..analytic.ncols() {
+            let (a, n) = (analytic[(row, component)], numeric[(row, component)]);
+            if (a - n).abs() > tolerance * scale || a.is_nan() {
+                return Err(FieldFault {
+                    what,
+                    of,
+                    component,
+                    point_world: *point_world,
+                    analytic: a,
+                    numeric: n,
+                });
+            }
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sign_error_in_one_entry_is_found_and_named() {
+        let numeric = DMatrix::from_fn(4, 2, |i, j| 1.0 + (i * 2 + j) as f64);
+        let mut analytic = numeric.clone();
+        let point = Point3::origin();
+        assert_eq!(compare("δ", &point, &analytic, &numeric, 1e-9), Ok(()));
+        analytic[(2, 1)] = -6.0;
+        let fault = compare("δ", &point, &analytic, &numeric, 1e-9).unwrap_err();
+        let told = "∂(∂y ln F)/∂δ[1] at {0, 0, 0} is -6 and 6 by differences";
+        assert_eq!(fault.to_string(), told);
+    }
+}

@@ -1,0 +1,27 @@
+//! Metaballs: a smooth skin around the skeleton (PF02 § 2.2–2.3), and all derivatives of its field.
+//!
+//! | symbol | here                       | unit | frame |
+//! |--------|----------------------------|------|-------|
+//! | F      | [`Field::value`]           | 1    |       |
+//! | T      | [`THRESHOLD`]              | 1    |       |
+//! | d      | [`Metaball::distance`]     | 1    |       |
+//! | QS     | a square root of [`Metaball::precision`] | m⁻¹ | world |
+//! | ∂²/∂xᵢ∂xⱼ (A.4) | [`FieldSample::hessian`] | m⁻² | world |
+//! | ∂/∂θ, ∂²/∂xᵢ∂θ (A.2, A.3, A.5) | [`FieldSlopes::row`] | 1, m⁻¹ | world |
+//!
+//! **Differs** from PF02 eq. 3: a sum over a limb, and the largest of the sums, for which
+//! [`BodyModel::limbs`](super::BodyModel::limbs) has the reason.
+
+mod check;
+mod field;
+mod sample;
+mod slopes;
+
+pub use check::{FieldFault, check_field};
+pub use field::{Field, Metaball};
+pub(crate) use sample::NEGLIGIBLE;
+pub use sample::{FieldSample, Share};
+pub use slopes::{FieldRow, FieldSlopes};
+
+/// T: the skin is where F = T (PF02 eq. 2).
+pub const THRESHOLD: f64 = 0.5;

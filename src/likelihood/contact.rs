@@ -1,0 +1,294 @@
+//! Where a line of sight comes closest to the skin: x* = argmax F on the ray (PF02 § 3.2).
+//!
+//! On the ray o + t r each distance is a parabola, dᵢ(t) = dᵢ₀ + aᵢ (t − tᵢ)². With P = Aᵢ⁻¹ and e = cᵢ − o:
+//! aᵢ = rᵀPr, tᵢ = rᵀPe/aᵢ, dᵢ₀ = eᵀPe − aᵢ tᵢ²; Pe and eᵀPe are the same for all rays of a camera. So ln F
+//! is a mixture in one dimension, which is climbed from the ball that the ray comes nearest to, first by mean
+//! shift, t ← Σ w a tᵢ/Σ w a (a step that never lowers F), then by Newton.
+//!
+//! **Differs** from the text of PF02, whose "lowest value" of F can only be its largest: the distance's lowest.
+
+use nalgebra::Vector3;
+
+use crate::body::metaball::{Field, NEGLIGIBLE};
+
+/// A climb ends when a Newton step is less than this, metres; the error is then of the order of its square.
+const LAST_STEP_M: f64 = 1e-7;
+
+/// A climb ends after so many steps in any case; most take four.
+const MOST_STEPS: usize = 60;
+
+/// A field as seen from one point.
+#[derive(Debug, Clone)]
+pub(super) struct RayField<'f> {
+    field: &'f Field,
+    origin_world: Vector3<f64>,
+    /// P: xx, yy, zz, xy, xz, yz; one for each metaball.
+    precision: [Vec<f64>; 6],
+    /// Pe.
+    pull: [Vec<f64>; 3],
+    /// eᵀPe.
+    constant: Vec<f64>,
+    /// a, tᵢ and dᵢ₀ on the present ray.
+    sharpness: Vec<f64>,
+    at: Vec<f64>,
+    nearest: Vec<f64>,
+    /// The metaballs of the limb that is being climbed.
+    bumps: Vec<Bump>,
+}
+
+/// What one metaball adds along the ray.
+#[derive(Debug, Clone, Copy)]
+struct Bump {
+    nearest: f64,
+    at: f64,
+    sharpness: f64,
+}
+
+/// ln F(t) and its derivatives, and where mean shift goes.
+#[derive(Debug, Clone, Copy)]
+struct Slope {
+    value: f64,
+    first: f64,
+    second: f64,
+    mean: f64,
+}
+
+/// Where F is largest on a ray.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Contact {
+    pub(super) limb: usize,
+    /// In units of the ray's direction.
+    pub(super) t: f64,
+}
+
+impl<'f> RayField<'f> {
+    pub(super) fn new(field: &'f Field, origin_world: Vector3<f64>) -> Self {
+        const ENTRIES: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
+        let balls = &field.metaballs;
+        let precision = ENTRIES.map(|entry| balls.iter().map(|m| m.precision[entry]).collect());
+        let offset = |i: usize| balls[i].ellipsoid.centre - origin_world;
+        let pulls: Vec<_> = (0..balls.len())
+            .map(|i| balls[i].precision * offset(i))
+            .collect();
+        let constant = pulls
+            .iter()
+            .enumerate()
+            .map(|(i, pull)| pull.dot(&offset(i)));
+        Self {
+            field,
+            origin_world,
+            precision,
+            pull: [0, 1, 2].map(|k| pulls.iter().map(|p| p[k]).collect()),
+            constant: constant.collect(),
+            sharpness: vec![0.0; balls.len()],
+            at: vec![0.0; balls.len()],
+            nearest: vec![0.0; balls.len()],
+            bumps: Vec::new(),
+        }
+    }
+
+    /// A point of the ray.
+    pub(super) fn point(&self, direction: &Vector3<f64>, t: f64) -> Vector3<f64> {
+        self.origin_world + direction * t
+    }
+
+    /// The largest F on a ray, and in `near` the metaballs of its limb that have a say there.
+    ///
+    /// Metaballs that the ray comes closest to behind its origin do not count; `None` if none is left.
+    pub(super) fn contact(
+        &mut self,
+        direction: &Vector3<f64>,
+        near: &mut Vec<usize>,
+    ) -> Option<Contact> {
+        self.approach(direction);
+        let least = |limb: &Vec<usize>| {
+            let nearest = limb.iter().map(|&i| self.nearest[i]);
+            nearest.fold(f64::INFINITY, f64::min)
+        };
+        let leasts: Vec<f64> = self.field.limbs.iter().map(least).collect();
+        let first = (0..leasts.len()).min_by(|&a, &b| leasts[a].total_cmp(&leasts[b]))?;
+        if !leasts[first].is_finite() {
+            return None;
+        }
+        let mut highest = self.climb_limb(first, leasts[first], f64::NEG_INFINITY)?;
+        for limb in (0..leasts.len()).filter(|&l| l != first && leasts[l].is_finite()) {
+            if let Some(found) = self.climb_limb(limb, leasts[limb], highest.1) {
+                highest = found;
+            }
+        }
+        let limb = highest.0.limb;
+        let reach = leasts[limb] + NEGLIGIBLE;
+        near.clear();
+        near.extend(
+            self.field.limbs[limb]
+                .iter()
+                .filter(|&&i| self.nearest[i] < reach),
+        );
+        Some(highest.0)
+    }
+
+    /// a, tᵢ and dᵢ₀ of every metaball.
+    fn approach(&mut self, direction: &Vector3<f64>) {
+        let (x, y, z) = (direction.x, direction.y, direction.z);
+        let squares = [x * x, y * y, z * z, 2.0 * x * y, 2.0 * x * z, 2.0 * y * z];
+        let n = self.constant.len();
+        let [p0, p1, p2, p3, p4, p5] = self.precision.each_ref().map(|p| &p[..n]);
+        let [q0, q1, q2] = self.pull.each_ref().map(|p| &p[..n]);
+        let constant = &self.constant[..n];
+        let (sharpness, at) = (&mut self.sharpness[..n], &mut self.at[..n]);
+        let nearest = &mut self.nearest[..n];
+        for i in 0..n {
+            let a = (p0[i] * squares[0] + p1[i] * squares[1] + p2[i] * squares[2])
+                + (p3[i] * squares[3] + p4[i] * squares[4] + p5[i] * squares[5]);
+            let along = q0[i] * x + q1[i] * y + q2[i] * z;
+            let t = along / a;
+            sharpness[i] = a;
+            at[i] = t;
+            let d = constant[i] - along * t;
+            nearest[i] = if t > 0.0 { d } else { f64::INFINITY };
+        }
+    }
+
+    /// The summit of a limb, and ln F there; `None` if it is not above `beat`.
+    fn climb_limb(&mut self, limb: usize, least: f64, beat: f64) -> Option<(Contact, f64)> {
+        self.bumps.clear();
+        let mut start = 0.0;
+        for &i in &self.field.limbs[limb] {
+            let nearest = self.nearest[i] - least;
+            if nearest < NEGLIGIBLE {
+                let (at, sharpness) = (self.at[i], self.sharpness[i]);
+                if nearest <= 0.0 {
+                    start = at;
+                }
+                self.bumps.push(Bump {
+                    nearest,
+                    at,
+                    sharpness,
+                });
+            }
+        }
+        // no point has more than all summits together
+        let most = (self.bumps.len() as f64).ln() - 2.0 * least;
+        if most <= beat {
+            return None;
+        }
+        let (t, value) = climb(&self.bumps, start);
+        let value = value - 2.0 * least;
+        (value > beat).then_some((Contact { limb, t }, value))
+    }
+}
+
+/// The summit reached from `start`, and ln F there.
+fn climb(bumps: &[Bump], start: f64) -> (f64, f64) {
+    let mut t = start;
+    let mut here = slope(bumps, t);
+    for _ in 0..MOST_STEPS {
+        let newton = -here.first / here.second;
+        if here.second < 0.0 && newton.abs() < LAST_STEP_M {
+            t += newton;
+            break;
+        }
+        // Newton only where it climbs: elsewhere mean shift does
+        let mut next = if here.second < 0.0 {
+            t + newton
+        } else {
+            here.mean
+        };
+        let mut there = slope(bumps, next);
+        if there.value < here.value && here.second < 0.0 {
+            next = here.mean;
+            there = slope(bumps, next);
+        }
+        (t, here) = (next, there);
+    }
+    (t, here.value)
+}
+
+fn slope(bumps: &[Bump], t: f64) -> Slope {
+    let (mut sum, mut first, mut second) = (0.0, 0.0, 0.0);
+    let (mut pull, mut weight) = (0.0, 0.0);
+    for bump in bumps {
+        let off = t - bump.at;
+        let lean = bump.sharpness * off;
+        let f = (-2.0 * (bump.nearest + lean * off)).exp();
+        sum += f;
+        first += f * lean;
+        second += f * (4.0 * lean * lean - bump.sharpness);
+        weight += f * bump.sharpness;
+        pull += f * bump.sharpness * bump.at;
+    }
+    let first = -4.0 * first / sum;
+    Slope {
+        value: sum.ln(),
+        first,
+        second: 4.0 * second / sum - first * first,
+        mean: pull / weight,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Matrix3;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    use super::*;
+    use crate::math::quadric::Ellipsoid;
+
+    fn balls(rng: &mut ChaCha8Rng, count: usize) -> Field {
+        let ball = |_| {
+            let mut draw = |reach: f64| Vector3::from_fn(|_, _| rng.random_range(-reach..reach));
+            let root = Matrix3::from_columns(&[draw(0.1), draw(0.1), draw(0.1)]);
+            Ellipsoid {
+                centre: Vector3::new(4.0, 0.0, 1.0) + draw(0.3),
+                shape: root * root.transpose() + Matrix3::identity() * 2e-3,
+            }
+        };
+        Field::new((0..count).map(ball).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn at_the_contact_the_field_rises_in_no_direction_of_the_ray() {
+        let mut rng = ChaCha8Rng::seed_from_u64(80);
+        let mut near = Vec::new();
+        for _ in 0..300 {
+            let field = balls(&mut rng, 12);
+            let mut rays = RayField::new(&field, Vector3::new(0.0, 0.0, 1.0));
+            let aside = |rng: &mut ChaCha8Rng| rng.random_range(-0.1..0.1);
+            let direction = Vector3::new(1.0, aside(&mut rng), aside(&mut rng)).normalize();
+            let contact = rays.contact(&direction, &mut near).unwrap();
+            let sample = field.sample(&rays.point(&direction, contact.t)).unwrap();
+            let slope = sample.log_gradient.dot(&direction);
+            let bend = direction.dot(&(sample.log_hessian * direction));
+            assert!((slope / bend).abs() < 1e-12 && bend < 0.0, "{slope} {bend}");
+        }
+    }
+
+    #[test]
+    fn the_contact_is_where_marching_finds_the_highest_of_all_limbs() {
+        let mut rng = ChaCha8Rng::seed_from_u64(81);
+        let mut near = Vec::new();
+        for _ in 0..100 {
+            let mut field = balls(&mut rng, 7);
+            // one ball has one summit
+            field.limbs = (0..7).map(|i| vec![i]).chain([Vec::new()]).collect();
+            let origin = Vector3::new(0.0, 0.0, 1.0);
+            let mut rays = RayField::new(&field, origin);
+            let direction = Vector3::new(1.0, rng.random_range(-0.1..0.1), 0.02);
+            let contact = rays.contact(&direction, &mut near).unwrap();
+            let at = |t: f64| field.sample(&(origin + direction * t)).unwrap();
+            let marched = (0..1000).map(|i| at(3.0 + 2e-3 * f64::from(i)).log_value);
+            let highest = marched.fold(f64::NEG_INFINITY, f64::max);
+            let found = at(contact.t);
+            assert!(found.log_value >= highest, "{found:?} {highest}");
+            assert_eq!(found.limb, contact.limb);
+        }
+    }
+
+    #[test]
+    fn what_is_behind_the_camera_has_no_contact() {
+        let field = balls(&mut ChaCha8Rng::seed_from_u64(82), 5);
+        let mut rays = RayField::new(&field, Vector3::new(6.0, 0.0, 1.0));
+        assert_eq!(rays.contact(&Vector3::x(), &mut Vec::new()), None);
+    }
+}
