@@ -40,6 +40,7 @@ use flesh::Flesh;
 pub use mesh::{Mesh, MeshFault, check_watertight};
 pub use patch::{Patch, PatchPoint};
 use plan::Chain;
+use rim::Rim;
 use surface::{Grid, Surface};
 
 /// Where the vertices stand.
@@ -216,7 +217,7 @@ impl Skinner<'_> {
         Ok(())
     }
 
-    fn fork(&mut self, grid: &Grid, legs: [&Chain; 2], flesh: &Flesh) -> Option<[Vec<u32>; 2]> {
+    fn fork(&mut self, grid: &Grid, legs: [&Chain; 2], flesh: &Flesh) -> Option<[Rim; 2]> {
         let roots = legs.map(|leg| tube::origin(self.body, leg.parts[0]));
         let middle: Vector3<f64> = (roots[0] + roots[1]) * 0.5;
         let all = legs.iter().fold(flesh.clone(), |all, leg| {
@@ -240,14 +241,15 @@ impl Skinner<'_> {
         self.limb(limb, &rim, base)
     }
 
-    fn limb(&mut self, limb: &Chain, rim: &[u32], base: &Flesh) -> Result<(), SkinError> {
+    fn limb(&mut self, limb: &Chain, rim: &Rim, base: &Flesh) -> Result<(), SkinError> {
         let own = Flesh::of(self.body, limb);
         let with_base = own.with(base);
         let flesh = [&own, &with_base];
-        let tube = tube::limb(self.body, limb, &self.surface.positions(rim), flesh)?;
+        let points = self.surface.positions(&rim.vertices);
+        let tube = tube::limb(self.body, limb, (&points, rim.straight_on), flesh)?;
         let grid = self
             .surface
-            .tessellate(&tube, Some(rim), flesh, self.options);
+            .tessellate(&tube, Some(&rim.vertices), flesh, self.options);
         let mut grid = grid.ok_or_else(|| self.thin(limb))?;
         for branch in &limb.limbs {
             self.through_hole(branch, &mut grid, &own)?;

@@ -12,6 +12,15 @@ const ROOM: f64 = 1.25;
 /// How far the ridge between two limbs may lie outside the trunk's own flesh, metres.
 const RIDGE: f64 = 0.03;
 
+/// A closed loop of vertices that a limb begins with.
+#[derive(Debug, Clone)]
+pub(super) struct Rim {
+    /// Counter-clockwise about the way into the limb.
+    pub(super) vertices: Vec<u32>,
+    /// The direction into the limb in a pose in which it does not bend; `None`: across the rim.
+    pub(super) straight_on: Option<Vector3<f64>>,
+}
+
 /// The rims of two limbs that grow out of the first row of a trunk, as legs do, the one on the side of angle −π/2 first.
 ///
 /// Each is one half of that row, and the ridge between the limbs, which both share: from the back (angle π) below the
@@ -23,7 +32,7 @@ pub(super) fn fork(
     middle: &Vector3<f64>,
     flesh: [&Flesh; 2],
     per_m: f64,
-) -> Option<[Vec<u32>; 2]> {
+) -> Option<[Rim; 2]> {
     let (first, half) = (&grid.rows[0], grid.columns / 2);
     let ends = [first[0], first[half]].map(|i| surface.vertices[i as usize]);
     let above = (surface.positions(first).iter().sum::<Vector3<f64>>()) / first.len() as f64;
@@ -68,7 +77,10 @@ pub(super) fn fork(
     let side = |from: usize, to: usize| (to..=from).rev().map(|j| first[j % grid.columns]);
     let right = side(grid.columns, half).chain(ridge.iter().rev().copied());
     let left = side(half, 0).chain(ridge.iter().copied());
-    Some([right.collect(), left.collect()])
+    Some([right.collect(), left.collect()].map(|vertices| Rim {
+        vertices,
+        straight_on: Some(down),
+    }))
 }
 
 /// The point of a polyline at a distance along it.
@@ -91,7 +103,7 @@ pub(super) fn hole(
     grid: &mut Grid,
     root: &Vector3<f64>,
     radius: f64,
-) -> Option<Vec<u32>> {
+) -> Option<Rim> {
     let (rows, columns) = (grid.rows.len(), grid.columns);
     let place = |i: usize, j: usize| surface.vertices[grid.rows[i][j % columns] as usize];
     // rows that are no pole and no end
@@ -137,5 +149,8 @@ pub(super) fn hole(
     let ahead = (low[0]..high[0]).map(|i| at(i, high[1]));
     let top = (low[1] + 1..=high[1]).rev().map(|j| at(high[0], j));
     let back = (low[0] + 1..=high[0]).rev().map(|i| at(i, low[1]));
-    Some(bottom.chain(ahead).chain(top).chain(back).collect())
+    Some(Rim {
+        vertices: bottom.chain(ahead).chain(top).chain(back).collect(),
+        straight_on: None,
+    })
 }

@@ -115,9 +115,19 @@ impl Surface {
         }
     }
 
-    /// The finished mesh.
+    /// The finished mesh, without the vertices within holes.
     pub(super) fn mesh(self) -> Mesh {
-        Mesh::new(self.vertices, self.triangles)
+        let mut index = vec![None; self.vertices.len()];
+        for corner in self.triangles.iter().flatten() {
+            index[*corner as usize] = Some(0);
+        }
+        let kept = index.iter_mut().flatten();
+        (0..).zip(kept).for_each(|(new, old)| *old = new);
+        let is_kept = |(vertex, index): (Vector3<f64>, &Option<u32>)| index.map(|_| vertex);
+        let vertices = self.vertices.into_iter().zip(&index).filter_map(is_kept);
+        let corner = |old: u32| index[old as usize].unwrap_or_default();
+        let triangles = self.triangles.iter().map(|t| t.map(corner));
+        Mesh::new(vertices.collect(), triangles.collect())
     }
 }
 

@@ -109,10 +109,12 @@ pub(super) fn trunk(
 }
 
 /// A limb's samples: its rim, the joint, its cross-sections, its tip.
+///
+/// With the rim comes the direction from which the limb's bend is counted, if that is not across it.
 pub(super) fn limb(
     body: &Posed<'_>,
     chain: &Chain,
-    rim: &[Vector3<f64>],
+    (rim, straight_on): (&[Vector3<f64>], Option<Vector3<f64>>),
     flesh: [&Flesh; 2],
 ) -> Result<Tube, SkinError> {
     let [own, with_base] = flesh;
@@ -136,7 +138,8 @@ pub(super) fn limb(
     nodes.extend(joints);
     nodes.push(far);
     let axis = Axis::new(&nodes, own);
-    let rim_frame = Frame::new(middle, outwards, rim[0] - middle);
+    let straight_on = straight_on.unwrap_or(outwards);
+    let rim_frame = Frame::new(middle, straight_on, rim[0] - middle);
     let frame = rim_frame.carried(nodes[0], along);
     let stations = axis.stations(SPACING, [0.0, roundness(&axis.at_end(1), &frame, own)]);
     let sections = sections(body, chain, &stations, frame, own)?;
@@ -200,6 +203,8 @@ fn joint(
     let chords = pairs().map(|(a, b)| (b - a).norm());
     let mean = chords.sum::<f64>() / rings[0].len() as f64;
     let steps = (mean / SPACING).ceil().max(3.0) as usize;
+    let from_middle = rings[0].iter().map(|p| (p - middles[0]).norm());
+    let radius = from_middle.sum::<f64>() / rings[0].len() as f64;
     let curve = |ends: [Vector3<f64>; 2], t: f64| {
         let chord = (ends[1] - ends[0]).norm();
         let tangents = [0, 1].map(|k| directions[k] * (TANGENTS[k] * chord));
@@ -216,7 +221,8 @@ fn joint(
             let guess = curve([*a, *b], t);
             let (to, distance) = (guess - middle, (guess - middle).norm());
             let ray = to / distance.max(1e-9);
-            match flesh.cast(&middle, &ray, 1.6 * distance) {
+            let farthest = (2.5 * distance).min(1.6 * distance.max(radius));
+            match flesh.cast(&middle, &ray, farthest) {
                 Hit::Skin(found) if found > 0.6 * distance => middle + ray * found,
                 _ => guess,
             }
