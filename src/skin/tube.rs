@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::Vector3;
+use nalgebra::{Rotation3, Vector3};
 
 use super::SkinError;
 use super::axis::{Axis, Frame, Station};
@@ -148,12 +148,13 @@ pub(super) fn limb(
     let first = cast.next().ok_or_else(|| thin(body, chain))?;
     let centre = sections[0].frame.origin;
     let mut rows = vec![rim.to_vec()];
-    rows.extend(joint(
-        [middle, centre],
-        [outwards, along],
-        [rim, &first],
-        with_base,
-    ));
+    let join = Joint {
+        middles: [middle, centre],
+        ways: [outwards, along],
+        rings: [rim, &first],
+        turn: Rotation3::rotation_between(&straight_on, &along).unwrap_or_else(Rotation3::identity),
+    };
+    rows.extend(join.rows(with_base));
     let joint = rows.len();
     rows.push(first);
     rows.extend(cast);
@@ -191,45 +192,67 @@ fn angles_of(rim: &[Vector3<f64>], frame: &Frame) -> Vec<f64> {
     (0..rim.len()).map(|j| ahead + equal(j)).collect()
 }
 
-/// Rows between a rim and the first cross-section: along Hermite curves, and from there to the skin by rays from an
-/// axis that curves alike. A point whose ray finds no skin near by stays on its curve.
-fn joint(
+/// What joins a rim to the first cross-section of a limb.
+struct Joint<'a> {
+    /// Middles of the two.
     middles: [Vector3<f64>; 2],
-    directions: [Vector3<f64>; 2],
-    rings: [&[Vector3<f64>]; 2],
-    flesh: &Flesh,
-) -> Vec<Vec<Vector3<f64>>> {
-    let pairs = || rings[0].iter().zip(rings[1]);
-    let chords = pairs().map(|(a, b)| (b - a).norm());
-    let mean = chords.sum::<f64>() / rings[0].len() as f64;
-    let steps = (mean / SPACING).ceil().max(3.0) as usize;
-    let from_middle = rings[0].iter().map(|p| (p - middles[0]).norm());
-    let radius = from_middle.sum::<f64>() / rings[0].len() as f64;
-    let curve = |ends: [Vector3<f64>; 2], t: f64| {
-        let chord = (ends[1] - ends[0]).norm();
-        let tangents = [0, 1].map(|k| directions[k] * (TANGENTS[k] * chord));
-        let (t2, t3) = (t * t, t * t * t);
-        ends[0] * (2.0 * t3 - 3.0 * t2 + 1.0)
-            + tangents[0] * (t3 - 2.0 * t2 + t)
-            + ends[1] * (3.0 * t2 - 2.0 * t3)
-            + tangents[1] * (t3 - t2)
-    };
-    let row = |step: usize| {
-        let t = step as f64 / steps as f64;
-        let middle = curve(middles, t);
-        let point = |(a, b): (&Vector3<f64>, &Vector3<f64>)| {
-            let guess = curve([*a, *b], t);
-            let (to, distance) = (guess - middle, (guess - middle).norm());
-            let ray = to / distance.max(1e-9);
-            let farthest = (2.5 * distance).min(1.6 * distance.max(radius));
-            match flesh.cast(&middle, &ray, farthest) {
-                Hit::Skin(found) if found > 0.6 * distance => middle + ray * found,
-                _ => guess,
-            }
+    /// The way into the rim, and on from the cross-section.
+    ways: [Vector3<f64>; 2],
+    /// Their points.
+    rings: [&'a [Vector3<f64>]; 2],
+    /// The turn from one to the other.
+    turn: Rotation3<f64>,
+}
+
+impl Joint<'_> {
+    /// Rows between the two: rays from an axis that curves from middle to middle, in directions that turn from those of
+    /// the rim to those of the cross-section. A ray that finds no skin near by ends where both would have it.
+    fn rows(&self, flesh: &Flesh) -> Vec<Vec<Vector3<f64>>> {
+        let [rim, ring] = self.rings;
+        let count = rim.len() as f64;
+        let chords = rim.iter().zip(ring).map(|(a, b)| (b - a).norm());
+        let steps = (chords.sum::<f64>() / count / SPACING).ceil().max(3.0) as usize;
+        let radii = rim.iter().map(|p| (p - self.middles[0]).norm());
+        let radius = radii.sum::<f64>() / count;
+        let row = |step: usize| {
+            let t = step as f64 / steps as f64;
+            let middle = self.middle(t);
+            let point = |(a, b): (&Vector3<f64>, &Vector3<f64>)| {
+                let to = self.direction(a, b, t);
+                let distance = to.norm();
+                let ray = to / distance.max(1e-9);
+                let farthest = (2.5 * distance).min(1.6 * distance.max(radius));
+                match flesh.cast(&middle, &ray, farthest) {
+                    Hit::Skin(found) if found > 0.6 * distance => middle + ray * found,
+                    _ => middle + to,
+                }
+            };
+            rim.iter().zip(ring).map(point).collect()
         };
-        pairs().map(point).collect()
-    };
-    (1..steps).map(row).collect()
+        (1..steps).map(row).collect()
+    }
+
+    /// A Hermite curve from middle to middle.
+    fn middle(&self, t: f64) -> Vector3<f64> {
+        let [a, b] = self.middles;
+        let chord = (b - a).norm();
+        let [out, on] = [0, 1].map(|k| self.ways[k] * (TANGENTS[k] * chord));
+        let (t2, t3) = (t * t, t * t * t);
+        a * (2.0 * t3 - 3.0 * t2 + 1.0)
+            + out * (t3 - 2.0 * t2 + t)
+            + b * (3.0 * t2 - 2.0 * t3)
+            + on * (t3 - t2)
+    }
+
+    /// From the axis to the guessed place of a point between one of the rim and one of the cross-section.
+    fn direction(&self, a: &Vector3<f64>, b: &Vector3<f64>, t: f64) -> Vector3<f64> {
+        let (first, last) = (a - self.middles[0], b - self.middles[1]);
+        let lengths = [first.norm().max(1e-9), last.norm().max(1e-9)];
+        let unturned = self.turn.inverse() * last;
+        let between = first * ((1.0 - t) / lengths[0]) + unturned * (t / lengths[1]);
+        let length = lengths[0] * (1.0 - t) + lengths[1] * t;
+        self.turn.powf(t) * between * (length / between.norm().max(1e-3))
+    }
 }
 
 /// Middle of a loop of points, and the direction about which it runs counter-clockwise.
