@@ -3,6 +3,7 @@
 pub mod calibration;
 pub mod journal;
 pub mod manifest;
+pub mod mesh;
 pub mod model;
 pub mod out_folder;
 pub mod overlays;

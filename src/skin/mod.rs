@@ -133,13 +133,11 @@ pub enum SkinError {
     },
     /// Parts without flesh along their axis.
     #[error(
-        "parts {first} to {last}: the sum of their metaballs does not reach 1/2 along their axis, so they have no skin: make the metaballs larger or move them nearer to each other"
+        "{parts}: the sum of their metaballs does not reach 1/2 all along the axis, so there is no skin: make the metaballs larger or move them nearer to each other"
     )]
     Thin {
-        /// First part of the chain.
-        first: String,
-        /// Last part of the chain.
-        last: String,
+        /// `part` and its name, or `parts` and the names of first and last.
+        parts: String,
     },
     /// A limb that finds no place on the tube that it grows out of.
     #[error(

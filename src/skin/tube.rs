@@ -348,9 +348,11 @@ fn tip(
 }
 
 pub(super) fn thin(body: &Posed<'_>, chain: &Chain) -> SkinError {
-    let name = |part: &PartId| body.model.parts[part.0].name.clone();
-    SkinError::Thin {
-        first: chain.parts.first().map(name).unwrap_or_default(),
-        last: chain.parts.last().map(name).unwrap_or_default(),
-    }
+    let name = |part: &PartId| body.model.parts[part.0].name.as_str();
+    let parts = match chain.parts.as_slice() {
+        [first, .., last] => format!("parts {} to {}", name(first), name(last)),
+        [only] => format!("part {}", name(only)),
+        [] => String::new(),
+    };
+    SkinError::Thin { parts }
 }
