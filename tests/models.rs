@@ -298,3 +298,117 @@ fn a_model_that_is_not_shipped_is_answered_with_those_that_are() {
         .to_string();
     assert!(message.starts_with("cannot read body model"), "{message}");
 }
+
+/// A folder with `arm.toml` and files that extend it or each other.
+fn folder_of(files: &[(&str, &str)]) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, text) in [("arm.toml", ARM)].iter().chain(files) {
+        std::fs::write(folder.path().join(name), text).expect("it can be written");
+    }
+    folder
+}
+
+const FLESH: &str = r#"
+name = "flesh"
+extends = "arm.toml"
+factors = ["size", "girth"]
+[[coefficient]]
+name = "thickness"
+sd = 0.02
+loadings = { girth = 0.05 }
+[[coefficient]]
+name = "length"
+sd = 0.03
+loadings = { size = 0.1, girth = 0.01 }
+[[part]]
+name = "lower"
+[[part.metaball]]
+centre = [0.0, 0.01, -0.1]
+radii = [0.05, 0.05, 0.1]
+radii_scale = ["thickness", "thickness", "length"]
+"#;
+
+#[test]
+fn an_extension_has_the_others_skeleton_and_flesh_of_its_own() {
+    let folder = folder_of(&[("flesh.toml", FLESH)]);
+    let model = model::load("flesh.toml", folder.path()).unwrap();
+    let other = parse(ARM).unwrap();
+    assert_eq!(model.name, "flesh");
+    assert_eq!(
+        (&model.joints, &model.points),
+        (&other.joints, &other.points)
+    );
+    assert_eq!(model.ellipsoids, other.ellipsoids);
+    assert_eq!(model.metaballs.len(), 2, "one a side");
+    approx::assert_relative_eq!(model.metaballs[1].centre.value.y, -0.01);
+    // a coefficient of the other's name takes its place, a new one comes last
+    assert_eq!(model.coefficients, ["length", "place", "thickness"]);
+    let covariance = &model.statistics.covariance;
+    approx::assert_relative_eq!(
+        covariance[(0, 0)],
+        0.03_f64.powi(2) + 0.1_f64.powi(2) + 0.01_f64.powi(2),
+        epsilon = 1e-15
+    );
+    approx::assert_relative_eq!(covariance[(0, 2)], 0.05 * 0.01, epsilon = 1e-15);
+}
+
+#[test]
+fn faults_of_an_extension_are_named() {
+    for (from, to, said) in [
+        (
+            "extends = \"arm.toml\"",
+            "extends = \"amr.toml\"",
+            "what it extends: cannot read body model",
+        ),
+        (
+            "extends = \"arm.toml\"",
+            "extends = \"amr\"",
+            "what it extends: no body model \"amr\"",
+        ),
+        (
+            "name = \"lower\"",
+            "name = \"lowr\"",
+            "the extension of arm.toml names the part \"lowr\"",
+        ),
+        (
+            "girth = 0.05",
+            "grith = 0.05",
+            "coefficient thickness names the factor \"grith\"",
+        ),
+        (
+            "[[part.metaball]]",
+            "parent = \"upper\"\n[[part.metaball]]",
+            "flesh.toml:15: unknown field `parent`",
+        ),
+        (
+            "extends = \"arm.toml\"",
+            "extends = \"flesh.toml\"",
+            "flesh.toml extends itself",
+        ),
+        (
+            "extends = \"arm.toml\"",
+            "extends = \"round.toml\"",
+            "flesh.toml extends itself",
+        ),
+        (
+            "extends = \"arm.toml\"",
+            "extends = \"broken.toml\"",
+            "broken.toml: joint elbow: the axis",
+        ),
+    ] {
+        assert!(FLESH.contains(from), "{from}");
+        let text = FLESH.replacen(from, to, 1);
+        let broken = ARM.replacen("axis = \"-y\"", "axis = \"w\"", 1);
+        let round = "name = \"round\"\nextends = \"./flesh.toml\"\n";
+        let folder = folder_of(&[
+            ("flesh.toml", &text),
+            ("broken.toml", &broken),
+            ("round.toml", round),
+        ]);
+        let message = model::load("flesh.toml", folder.path())
+            .unwrap_err()
+            .to_string();
+        assert!(message.contains(said), "{message}");
+        assert!(!message.contains('\n'), "{message}");
+    }
+}

@@ -1,9 +1,11 @@
 //! Body model files (`data/models/*.toml`): TOML to [`BodyModel`].
 //!
-//! `spec` is the file as it is written, `build` makes the model of it: sides are doubled, parents
-//! sorted first, names resolved, degrees turned to radians. Field by field: docs/formats.md.
+//! `spec` is the file as it is written, `extend` adds what the file that it extends says, `build` makes the
+//! model of it: sides are doubled, parents sorted first, names resolved, degrees turned to radians. Field by
+//! field: docs/formats.md.
 
 mod build;
+mod extend;
 mod side;
 mod spec;
 
@@ -12,14 +14,23 @@ use std::path::{Path, PathBuf};
 use crate::body::{BodyModel, ModelError};
 
 /// The models that come with the program: name and text.
-pub const SHIPPED: [(&str, &str); 3] = [
+pub const SHIPPED: [(&str, &str); 6] = [
     (
         "human-ellipsoids",
         include_str!("../../../data/models/human-ellipsoids.toml"),
     ),
     (
+        "human-metaballs",
+        include_str!("../../../data/models/human-metaballs.toml"),
+    ),
+    (
         "walker-metaballs",
         include_str!("../../../data/models/walker-metaballs.toml"),
+    ),
+    ("arm", include_str!("../../../data/models/arm.toml")),
+    (
+        "arm-ellipsoids",
+        include_str!("../../../data/models/arm-ellipsoids.toml"),
     ),
     ("arm-2d", include_str!("../../../data/models/arm-2d.toml")),
 ];
@@ -104,6 +115,20 @@ pub enum ModelFileError {
         /// How many.
         found: usize,
     },
+    /// The model that is extended cannot be used.
+    #[error("{path}: what it extends: {fault}")]
+    Base {
+        /// File.
+        path: PathBuf,
+        /// What is wrong with the other.
+        fault: Box<ModelFileError>,
+    },
+    /// A file extends itself, by way of others or not.
+    #[error("{path} extends itself: break the cycle of `extends`")]
+    ExtendsItself {
+        /// File.
+        path: PathBuf,
+    },
     /// The model itself is faulty.
     #[error("{path}: {fault}")]
     Model {
@@ -150,12 +175,16 @@ pub fn text_of(name: &str, folder: &Path) -> Result<(String, PathBuf), ModelFile
 /// # Errors
 /// As [`load`].
 pub fn parse(text: &str, path: &Path) -> Result<BodyModel, ModelFileError> {
-    let spec: spec::ModelSpec = toml::from_str(text).map_err(|e| ModelFileError::Syntax {
+    let spec = extend::whole(text, path, &mut Vec::new())?;
+    build::build(&spec, path)
+}
+
+fn toml_of<T: serde::de::DeserializeOwned>(text: &str, path: &Path) -> Result<T, ModelFileError> {
+    toml::from_str(text).map_err(|e| ModelFileError::Syntax {
         path: path.to_owned(),
         line: e
             .span()
             .map_or(0, |s| text[..s.start].matches('\n').count() + 1),
         message: e.message().to_owned(),
-    })?;
-    build::build(&spec, path)
+    })
 }

@@ -1,0 +1,113 @@
+//! A model file that extends another: the other's skeleton, with coefficients and metaballs of its own.
+
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+
+use super::spec::{CoefficientSpec, ModelSpec, PrimitiveSpec};
+use super::{ModelFileError, SHIPPED, build, text_of, toml_of};
+
+/// The one key that tells an extension from a model of its own.
+#[derive(Debug, Deserialize)]
+struct Head {
+    extends: Option<String>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ExtensionSpec {
+    name: String,
+    extends: String,
+    #[serde(default)]
+    factors: Vec<String>,
+    #[serde(default, rename = "coefficient")]
+    coefficients: Vec<CoefficientSpec>,
+    #[serde(default, rename = "part")]
+    parts: Vec<FleshSpec>,
+}
+
+/// What an extension may add to a part.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FleshSpec {
+    name: String,
+    #[serde(rename = "metaball")]
+    metaballs: Vec<PrimitiveSpec>,
+}
+
+/// The whole model of a file: what it says itself, and before that what the files say that it extends.
+///
+/// `extending` are the files on the way here, outermost first.
+pub(super) fn whole(
+    text: &str,
+    path: &Path,
+    extending: &mut Vec<PathBuf>,
+) -> Result<ModelSpec, ModelFileError> {
+    if toml_of::<Head>(text, path)?.extends.is_none() {
+        return toml_of(text, path);
+    }
+    let own: ExtensionSpec = toml_of(text, path)?;
+    extending.push(one_name(path));
+    let base = base(&own.extends, path, extending).map_err(|fault| match fault {
+        ModelFileError::ExtendsItself { .. } => fault,
+        fault => ModelFileError::Base {
+            path: path.to_owned(),
+            fault: Box::new(fault),
+        },
+    })?;
+    merged(base, own, path)
+}
+
+/// The model that is extended, checked on its own so that its faults are told with its own name.
+fn base(
+    name: &str,
+    path: &Path,
+    extending: &mut Vec<PathBuf>,
+) -> Result<ModelSpec, ModelFileError> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let (text, base_path) = text_of(name, folder)?;
+    let is_shipped = SHIPPED.iter().any(|(shipped, _)| *shipped == name);
+    if !is_shipped && extending.contains(&one_name(&base_path)) {
+        return Err(ModelFileError::ExtendsItself { path: base_path });
+    }
+    let base = whole(&text, &base_path, extending)?;
+    build::build(&base, &base_path)?;
+    Ok(base)
+}
+
+/// A file's path as it is, whichever way it was written; a path that is no file's stays.
+fn one_name(path: &Path) -> PathBuf {
+    std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned())
+}
+
+fn merged(
+    mut base: ModelSpec,
+    own: ExtensionSpec,
+    path: &Path,
+) -> Result<ModelSpec, ModelFileError> {
+    base.name = own.name;
+    let new = own
+        .factors
+        .into_iter()
+        .filter(|f| !base.factors.contains(f));
+    base.factors.extend(new.collect::<Vec<_>>());
+    let inherited = base.coefficients.len();
+    for coefficient in own.coefficients {
+        let known = &mut base.coefficients[..inherited];
+        match known.iter_mut().find(|c| c.name == coefficient.name) {
+            Some(replaced) => *replaced = coefficient,
+            None => base.coefficients.push(coefficient),
+        }
+    }
+    for flesh in own.parts {
+        let part = base.parts.iter_mut().find(|p| p.name == flesh.name);
+        let part = part.ok_or_else(|| ModelFileError::Missing {
+            path: path.to_owned(),
+            place: format!("the extension of {}", own.extends),
+            kind: "part",
+            name: flesh.name.clone(),
+        })?;
+        part.metaballs.extend(flesh.metaballs);
+    }
+    Ok(base)
+}

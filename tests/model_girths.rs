@@ -1,0 +1,293 @@
+//! The skin of the shipped bodies against the measurements that they were drawn from: docs/anthropometry.md.
+
+use std::path::Path;
+
+use maquette::body::metaball::{Field, THRESHOLD};
+use maquette::body::{BodyModel, Motion, Posed, Scale, Shape};
+use maquette::io::model;
+use nalgebra::{Point2, Rotation3, Vector2, Vector3};
+
+const LEG: &[&str] = &["foot_r", "shank_r", "thigh_r", "pelvis"];
+const OTHER_LEG: &[&str] = &["foot_l", "shank_l", "thigh_l", "pelvis"];
+const ARM: &[&str] = &["hand_r", "forearm_r", "upper_arm_r", "thorax"];
+const TRUNK: &[&str] = &["thorax", "abdomen", "pelvis"];
+const HEAD: &[&str] = &["head", "neck", "thorax"];
+
+const DIRECTIONS: u32 = 72;
+
+/// A cross-section of the mean body: where it is, and what is measured there, in metres; 0 is not measured.
+struct Station {
+    name: &'static str,
+    /// The limbs that meet there.
+    limbs: &'static [&'static [&'static str]],
+    /// The part in whose frame the section is given.
+    part: &'static str,
+    inside: [f64; 3],
+    /// The plane's turn about y, degrees.
+    lean_deg: f64,
+    girth: f64,
+    breadth: f64,
+    depth: f64,
+}
+
+const LEVEL: Station = Station {
+    name: "",
+    limbs: &[],
+    part: "pelvis",
+    inside: [0.0; 3],
+    lean_deg: 0.0,
+    girth: 0.0,
+    breadth: 0.0,
+    depth: 0.0,
+};
+
+/// Section 11 of docs/anthropometry.md. Heads and only heads carry 9 mm of hair.
+#[rustfmt::skip]
+const STATIONS: [Station; 18] = [
+    Station { name: "hips", limbs: &[TRUNK, LEG, OTHER_LEG], inside: [0.0, 0.0, -0.03], girth: 1.022, breadth: 0.351, depth: 0.240, ..LEVEL },
+    Station { name: "waist", limbs: &[TRUNK], part: "abdomen", inside: [0.01, 0.0, 0.015], girth: 0.901, breadth: 0.314, depth: 0.227, ..LEVEL },
+    Station { name: "chest", limbs: &[TRUNK], part: "thorax", inside: [0.03, 0.0, 0.061], girth: 1.003, depth: 0.250, ..LEVEL },
+    Station { name: "neck", limbs: &[HEAD], part: "neck", inside: [0.0, 0.0, 0.028], lean_deg: 22.0, girth: 0.364, ..LEVEL },
+    Station { name: "head", limbs: &[HEAD], part: "head", inside: [0.015, 0.0, 0.045], breadth: 0.160, depth: 0.204, ..LEVEL },
+    Station { name: "thigh at 20 %", limbs: &[LEG], part: "thigh_r", inside: [0.0, 0.0, -0.0825], girth: 0.618, ..LEVEL },
+    Station { name: "thigh at 50 %", limbs: &[LEG], part: "thigh_r", inside: [0.0, 0.0, -0.206], girth: 0.528, ..LEVEL },
+    Station { name: "thigh at 88 %", limbs: &[LEG], part: "thigh_r", inside: [0.0, 0.0, -0.363], girth: 0.407, ..LEVEL },
+    Station { name: "knee", limbs: &[LEG], part: "shank_r", breadth: 0.106, depth: 0.118, ..LEVEL },
+    Station { name: "calf", limbs: &[LEG], part: "shank_r", inside: [-0.016, 0.0, -0.125], girth: 0.381, ..LEVEL },
+    Station { name: "ankle", limbs: &[LEG], part: "shank_r", inside: [-0.006, 0.0, -0.362], girth: 0.223, ..LEVEL },
+    Station { name: "malleoli", limbs: &[LEG], part: "foot_r", inside: [-0.006, 0.0, 0.0], breadth: 0.072, ..LEVEL },
+    Station { name: "biceps", limbs: &[ARM], part: "upper_arm_r", inside: [0.0, 0.0, -0.136], girth: 0.308, ..LEVEL },
+    Station { name: "above the elbow", limbs: &[ARM], part: "upper_arm_r", inside: [0.0, 0.0, -0.231], girth: 0.258, ..LEVEL },
+    Station { name: "elbow", limbs: &[ARM], part: "forearm_r", breadth: 0.078, ..LEVEL },
+    Station { name: "forearm", limbs: &[ARM], part: "forearm_r", inside: [0.0, 0.0, -0.055], girth: 0.273, ..LEVEL },
+    Station { name: "wrist", limbs: &[ARM], part: "hand_r", girth: 0.165, breadth: 0.044, depth: 0.060, ..LEVEL },
+    Station { name: "hand", limbs: &[ARM], part: "hand_r", inside: [0.003, 0.0, -0.075], girth: 0.199, ..LEVEL },
+];
+
+fn human() -> (BodyModel, Shape, Motion) {
+    let model = model::load("human-metaballs", Path::new("")).expect("shipped models are right");
+    let shape = Shape(model.statistics.mean.clone());
+    let mut motion = Motion::rest(&model);
+    motion.angles.fill(0.0);
+    // away from the trunk, so that an arm's section is the arm's
+    for name in ["shoulder_abduction_r", "shoulder_abduction_l"] {
+        motion.angles[model.joint(name).expect("it has shoulders").0] = 30_f64.to_radians();
+    }
+    (model, shape, motion)
+}
+
+/// The sum of the metaballs of some parts.
+fn limb(body: &Posed<'_>, parts: &[&str]) -> Field {
+    let model = body.model;
+    let is_in = |part: usize| parts.contains(&model.parts[part].name.as_str());
+    let balls = model.metaballs.iter().filter(|m| is_in(m.part.0));
+    Field::new(balls.map(|m| body.primitive(m)))
+}
+
+/// The first place on a ray from inside where F falls to T, to a hundredth of a millimetre.
+fn skin(value: impl Fn(&Vector3<f64>) -> f64, inside: &Vector3<f64>, ray: &Vector3<f64>) -> f64 {
+    let outside = |t: f64| value(&(inside + ray * t)) < THRESHOLD;
+    let step = 1e-3;
+    let mut low = 0.0;
+    assert!(!outside(low), "{inside} is not inside");
+    while !outside(low + step) {
+        low += step;
+        assert!(low < 0.5, "no skin on the ray");
+    }
+    let mut high = low + step;
+    while high - low > 1e-5 {
+        let middle = 0.5 * (low + high);
+        (low, high) = if outside(middle) {
+            (low, middle)
+        } else {
+            (middle, high)
+        };
+    }
+    0.5 * (low + high)
+}
+
+/// A frame whose origin and z axis a part has, from the part's three points in the model.
+fn frame(body: &Posed<'_>, part: &str) -> (Vector3<f64>, Rotation3<f64>) {
+    let model = body.model;
+    let id = maquette::body::PartId(model.parts.iter().position(|p| p.name == part).expect(part));
+    let at = |value: Vector3<f64>| {
+        let scale = [Scale::Fixed; 3];
+        body.point(id, &maquette::body::ScaledVector { value, scale })
+            .coords
+    };
+    let origin = at(Vector3::zeros());
+    let columns = [Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| at(axis) - origin);
+    (
+        origin,
+        Rotation3::from_matrix_unchecked(nalgebra::Matrix3::from_columns(&columns)),
+    )
+}
+
+/// Girth as a tape measures it, breadth (along y) and depth of a section.
+fn section(body: &Posed<'_>, station: &Station) -> [f64; 3] {
+    let limbs: Vec<Field> = station
+        .limbs
+        .iter()
+        .map(|parts| limb(body, parts))
+        .collect();
+    let value = |p: &Vector3<f64>| limbs.iter().map(|f| f.value(p)).fold(0.0, f64::max);
+    let (origin, turn) = frame(body, station.part);
+    let inside = origin + turn * Vector3::from(station.inside);
+    let lean = Rotation3::from_axis_angle(&Vector3::y_axis(), station.lean_deg.to_radians());
+    let outline: Vec<Point2<f64>> = (0..DIRECTIONS)
+        .map(|i| {
+            let angle = std::f64::consts::TAU * f64::from(i) / f64::from(DIRECTIONS);
+            let direction = Vector2::new(angle.cos(), angle.sin());
+            let ray = turn * (lean * direction.push(0.0));
+            Point2::from(direction * skin(value, &inside, &ray))
+        })
+        .collect();
+    let extent = |k: usize| {
+        let values = outline.iter().map(|p| p[k]);
+        values.clone().fold(f64::MIN, f64::max) - values.fold(f64::MAX, f64::min)
+    };
+    [tape(&outline), extent(1), extent(0)]
+}
+
+/// Perimeter of the convex hull: a tape spans hollows (Cauchy: mean width times π).
+fn tape(outline: &[Point2<f64>]) -> f64 {
+    let count = 720;
+    let width = |i: i32| {
+        let angle = std::f64::consts::PI * f64::from(i) / f64::from(count);
+        let direction = Vector2::new(angle.cos(), angle.sin());
+        let along = outline.iter().map(|p| p.coords.dot(&direction));
+        along.clone().fold(f64::MIN, f64::max) - along.fold(f64::MAX, f64::min)
+    };
+    std::f64::consts::PI * (0..count).map(width).sum::<f64>() / f64::from(count)
+}
+
+#[test]
+fn cross_sections_have_the_girths_that_were_measured() {
+    let (model, shape, motion) = human();
+    let body = Posed::new(&model, &shape, &motion);
+    for station in &STATIONS {
+        let reached = section(&body, station);
+        let targets = [station.girth, station.breadth, station.depth];
+        for ((what, reached), target) in ["girth", "breadth", "depth"]
+            .iter()
+            .zip(reached)
+            .zip(targets)
+        {
+            let name = station.name;
+            if target > 0.0 {
+                eprintln!("{name}: {what} {reached:.3} m, measured {target:.3} m");
+                assert!(
+                    (reached / target - 1.0).abs() < 0.04,
+                    "{name}: {what} {reached} m, expected {target}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn the_skin_is_as_tall_as_the_ellipsoids_and_as_its_source() {
+    let (model, shape, motion) = human();
+    let body = Posed::new(&model, &shape, &motion);
+    let (head, foot) = (limb(&body, HEAD), limb(&body, LEG));
+    let centre = frame(&body, "head").0 + Vector3::new(0.01, 0.0, 0.07);
+    let top = centre.z + skin(|p| head.value(p), &centre, &Vector3::z());
+    let ankle = frame(&body, "foot_r").0;
+    let sole = |x: f64| {
+        let inside = ankle + Vector3::new(x, 0.0, -0.05);
+        inside.z - skin(|p| foot.value(p), &inside, &-Vector3::z())
+    };
+    let sole = [-0.04, -0.02, 0.0, 0.1, 0.13]
+        .map(sole)
+        .into_iter()
+        .fold(f64::MAX, f64::min);
+    let height = |sign: f64| {
+        let each = body.ellipsoids().into_iter();
+        each.map(|e| sign * e.centre.z + e.shape[(2, 2)].sqrt())
+            .fold(f64::MIN, f64::max)
+    };
+    approx::assert_relative_eq!(top - sole, 1.70, epsilon = 0.017);
+    approx::assert_relative_eq!(top - sole, height(1.0) + height(-1.0), epsilon = 0.012);
+}
+
+#[test]
+fn the_left_skin_is_the_mirror_image_of_the_right() {
+    let (model, shape, motion) = human();
+    let body = Posed::new(&model, &shape, &motion);
+    let field = Field::of(&body);
+    for ball in &field.metaballs {
+        let point = ball.ellipsoid.centre + Vector3::new(0.03, -0.05, 0.02);
+        let mirrored = Vector3::new(point.x, -point.y, point.z);
+        approx::assert_relative_eq!(field.value(&point), field.value(&mirrored), epsilon = 1e-12);
+    }
+}
+
+#[test]
+fn no_limb_has_a_hole() {
+    let (model, shape, motion) = human();
+    let body = Posed::new(&model, &shape, &motion);
+    let place = |part: &str, at: [f64; 3]| {
+        let (origin, turn) = frame(&body, part);
+        origin + turn * Vector3::from(at)
+    };
+    let leg = [
+        place("thigh_r", [0.0; 3]),
+        place("shank_r", [0.0; 3]),
+        place("foot_r", [0.0, 0.0, -0.01]),
+    ];
+    let foot = [
+        leg[2],
+        place("foot_r", [0.06, 0.0, -0.045]),
+        place("foot_r", [0.165, 0.0, -0.06]),
+    ];
+    let arm = [
+        place("upper_arm_r", [0.0; 3]),
+        place("forearm_r", [0.0; 3]),
+        place("hand_r", [0.0; 3]),
+    ];
+    let hand = [arm[2], place("hand_r", [0.003, 0.0, -0.14])];
+    let trunk = [
+        place("pelvis", [0.0, 0.0, -0.02]),
+        place("abdomen", [0.02, 0.0, 0.0]),
+        place("thorax", [0.02, 0.0, 0.0]),
+        place("neck", [-0.01, 0.0, 0.0]),
+        place("head", [0.01, 0.0, 0.09]),
+    ];
+    let lines: [(&[Vector3<f64>], &[&str]); 5] = [
+        (&leg, LEG),
+        (&foot, LEG),
+        (&arm, ARM),
+        (&hand, ARM),
+        (&trunk[..3], TRUNK),
+    ];
+    for (line, parts) in lines.into_iter().chain([(&trunk[2..], HEAD)]) {
+        let field = limb(&body, parts);
+        for ends in line.windows(2) {
+            for i in 0..=50 {
+                let point = ends[0].lerp(&ends[1], f64::from(i) / 50.0);
+                assert!(
+                    field.value(&point) > 1.0,
+                    "{} at {point} of {parts:?}",
+                    field.value(&point)
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn every_ball_of_a_leg_and_of_the_trunk_can_shift_in_its_part() {
+    let (model, ..) = human();
+    assert!(
+        model.coefficients.len() < 95,
+        "{}",
+        model.coefficients.len()
+    );
+    for ball in &model.metaballs {
+        let part = model.parts[ball.part.0].name.as_str();
+        let shifts = matches!(ball.centre.scale[0], Scale::Shift(_));
+        let fixed =
+            part.starts_with("foot") || part.starts_with("hand") || part.starts_with("forearm");
+        assert!(shifts || fixed, "{part}: {:?}", ball.centre);
+    }
+}
