@@ -10,6 +10,7 @@
 use std::path::Path;
 
 use divan::counter::ItemsCount;
+use maquette::body::metaball::{Field, FieldRow, FieldSample, FieldSlopes, Sampler};
 use maquette::body::{BodyModel, Layout, Motion, Posed, Shape};
 use maquette::camera::CameraId;
 use maquette::inference::Evidence;
@@ -18,13 +19,72 @@ use maquette::inference::hull;
 use maquette::inference::prior::StepPrior;
 use maquette::inference::start::{Detail, StartOptions, readings};
 use maquette::io::model;
-use maquette::likelihood::{EllipseOptions, Term};
+use maquette::likelihood::{
+    EllipseOptions, PointField, PointOptions, RayOptions, RayView, SilhouetteRays, SkinScale,
+    SurfacePoint, Term,
+};
 use maquette::silhouette::{FrameIndex, FrameObservations, SilhouetteOptions, extract};
 use maquette::solver::{NormalEquations, Options, levenberg_marquardt};
 use maquette::synth::{Recipe, Ring, Synthetic};
+use nalgebra::Vector3;
 
+#[allow(clippy::print_stdout, reason = "a benchmark reports to the terminal")]
 fn main() {
+    let (peak, reached) = (multiply_add_peak(), field_rate());
+    println!("one core, multiply and add from registers: {peak:.2} Gflop/s");
+    println!(
+        "field with all slopes: {reached:.2} Gflop/s, {:.0} % of that",
+        100.0 * reached / peak
+    );
     divan::main();
+}
+
+/// Least time of several runs, seconds.
+fn fastest(mut run: impl FnMut()) -> f64 {
+    let time = |_| {
+        let start = std::time::Instant::now();
+        run();
+        start.elapsed().as_secs_f64()
+    };
+    (0..50).map(time).fold(f64::INFINITY, f64::min)
+}
+
+/// Gflop/s of x ← x·a + b in registers, for the instructions that this build may use.
+fn multiply_add_peak() -> f64 {
+    const LANES: usize = 24;
+    const TURNS: usize = 100_000;
+    let (a, b) = (divan::black_box(0.999_999), divan::black_box(1e-6));
+    let seconds = fastest(|| {
+        let mut x = [1.0_f64; LANES];
+        for _ in 0..TURNS {
+            x.iter_mut().for_each(|x| *x = *x * a + b);
+        }
+        divan::black_box(x);
+    });
+    (2 * LANES * TURNS) as f64 / seconds * 1e-9
+}
+
+/// Gflop/s of [`field_with_slopes`], counted from the source: 19 for each distance and 220 for each metaball that has
+/// a say, an exponential as 20.
+fn field_rate() -> f64 {
+    let walker = Walker::new();
+    let body = Posed::new(&walker.model, &walker.shape, &walker.motion);
+    let field = Field::of(&body);
+    let slopes = FieldSlopes::new(&body, &field);
+    let touched = walker.rays.residuals(&body);
+    let (mut sampler, mut sample) = (Sampler::new(&field), FieldSample::default());
+    let mut row = FieldRow::default();
+    let mut shares = 0;
+    let seconds = fastest(|| {
+        shares = 0;
+        for r in &touched {
+            sampler.sample(&r.contact_world.coords, None, &mut sample);
+            slopes.row(&sample, |_| 1.0, &Vector3::zeros(), &mut row);
+            shares += sample.shares.len();
+            divan::black_box(&row);
+        }
+    });
+    (19 * walker.pairs.1 + 220 * shares) as f64 / seconds * 1e-9
 }
 
 /// A synthetic walk before seven cameras, two of its frames, and the fit of the first.
@@ -124,4 +184,110 @@ fn hypothesis_frame(bencher: divan::Bencher<'_, '_>) {
     bencher
         .counter(ItemsCount::new(1_usize))
         .bench_local(|| levenberg_marquardt(&posterior, before.motion.clone(), &options).cost);
+}
+
+/// The metaball walker himself, his lines of sight and points of his skin.
+struct Walker {
+    model: BodyModel,
+    shape: Shape,
+    motion: Motion,
+    rays: SilhouetteRays,
+    points: PointField,
+    /// Ray–metaball and point–metaball pairs.
+    pairs: (usize, usize),
+}
+
+impl Walker {
+    fn new() -> Self {
+        let scene = Scene::new();
+        let model = model::load("walker-metaballs", Path::new("")).expect("a shipped model");
+        let (shape, scale) = (Shape(model.statistics.mean.clone()), SkinScale::of(&model));
+        let hull = hull::carve(&scene.recording.rig, &scene.frames[0]).expect("a body is seen");
+        let motion = Motion {
+            position_world: hull.centroid_world.coords,
+            ..Motion::rest(&model)
+        };
+        let views = scene.frames[0].views.iter().map(|(id, silhouette)| {
+            let camera = scene
+                .recording
+                .rig
+                .camera(*id)
+                .expect("the rig's own camera");
+            RayView::new(camera, silhouette, 4.6, 0.02)
+        });
+        let rays = SilhouetteRays::new(views.collect(), RayOptions::default(), scale.clone());
+        let touched = rays.residuals(&Posed::new(&model, &shape, &motion));
+        let points = touched.iter().map(|r| SurfacePoint {
+            position_world: r.contact_world,
+            sigma_m: 0.002,
+        });
+        let points = PointField::new(points.collect(), PointOptions::default(), scale);
+        let balls = model.metaballs.len();
+        let pairs = (rays.border_points() * balls, touched.len() * balls);
+        Self {
+            model,
+            shape,
+            motion,
+            rays,
+            points,
+            pairs,
+        }
+    }
+
+    fn linearize(&self, bencher: divan::Bencher<'_, '_>, term: &dyn Term, pairs: usize) {
+        let mut equations = NormalEquations::zeros(Layout::of(&self.model).total());
+        bencher.counter(ItemsCount::new(pairs)).bench_local(|| {
+            equations.clear();
+            let body = Posed::new(&self.model, &self.shape, &self.motion);
+            term.linearize(&body, &mut equations)
+        });
+    }
+}
+
+/// JᵀWJ and JᵀWr of one frame's lines of sight, shape and motion; items are ray–metaball pairs.
+#[divan::bench]
+fn ray_linearization(bencher: divan::Bencher<'_, '_>) {
+    let walker = Walker::new();
+    walker.linearize(bencher, &walker.rays, walker.pairs.0);
+}
+
+/// The cost of one frame's lines of sight alone.
+#[divan::bench]
+fn ray_cost(bencher: divan::Bencher<'_, '_>) {
+    let walker = Walker::new();
+    let items = ItemsCount::new(walker.pairs.0);
+    bencher.counter(items).bench_local(|| {
+        walker
+            .rays
+            .cost(&Posed::new(&walker.model, &walker.shape, &walker.motion))
+    });
+}
+
+/// JᵀWJ and JᵀWr of as many points on the skin, shape and motion; items are point–metaball pairs.
+#[divan::bench]
+fn point_linearization(bencher: divan::Bencher<'_, '_>) {
+    let walker = Walker::new();
+    walker.linearize(bencher, &walker.points, walker.pairs.1);
+}
+
+/// F with ∇ and ∂/∂θ at points on the skin; items are point–metaball pairs.
+#[divan::bench]
+fn field_with_slopes(bencher: divan::Bencher<'_, '_>) {
+    let walker = Walker::new();
+    let body = Posed::new(&walker.model, &walker.shape, &walker.motion);
+    let field = Field::of(&body);
+    let slopes = FieldSlopes::new(&body, &field);
+    let touched = walker.rays.residuals(&body);
+    let (mut sampler, mut sample) = (Sampler::new(&field), FieldSample::default());
+    let mut row = FieldRow::default();
+    let items = ItemsCount::new(walker.pairs.1);
+    bencher.counter(items).bench_local(|| {
+        let mut sum = 0.0;
+        for r in &touched {
+            sampler.sample(&r.contact_world.coords, None, &mut sample);
+            slopes.row(&sample, |_| 1.0, &Vector3::zeros(), &mut row);
+            sum += row.values.iter().sum::<f64>();
+        }
+        sum
+    });
 }

@@ -177,11 +177,11 @@ fn compare(
     let total = Layout::of(model).total();
     for k in 0..3 {
         let mut analytic = vec![(0.0, 0.0); total];
-        slopes.row(&sample, 1.0, &Vector3::zeros(), &mut row);
+        slopes.row(&sample, |_| 1.0, &Vector3::zeros(), &mut row);
         for (&c, &value) in slopes.components(sample.limb).iter().zip(&row.values) {
             analytic[c].0 = value;
         }
-        slopes.row(&sample, 0.0, &Vector3::ith(k, 1.0), &mut row);
+        slopes.row(&sample, |_| 0.0, &Vector3::ith(k, 1.0), &mut row);
         for (&c, &value) in slopes.components(sample.limb).iter().zip(&row.values) {
             analytic[c].1 = value;
         }

@@ -1,15 +1,16 @@
 //! Lines of sight of border pixels against the skin (PF02 § 3.2, App. A.2).
 //!
 //! A line of sight through the silhouette's border touches the skin: on it, F is largest at x*, and is T there.
-//! The residual is the skin distance r at x*, see [`SkinDistance`]: ∂r = α ∂L + β·∂p with L = ln F, p = ∇L.
+//! The residual is the skin distance r at x*, see [`SkinScale`]: ∂r = Σ wᵢ αᵢ ∂ ln fᵢ at a fixed point.
 //!
-//! x* = o + t* r moves along the ray as the state changes. It stays where ∂L/∂t = r·p = 0, so with K = ∇²L
+//! x* = o + t* r moves along the ray as the state changes. It stays where ∂(ln F)/∂t = r·p = 0, p = ∇ ln F, so with
+//! K = ∇² ln F
 //!
 //! dt*/dθ = −(rᵀ ∂p/∂θ)/(rᵀKr)
 //!
-//! (PF02's −(rᵀ ∂∇F/∂θ)/(rᵀ∇²F r): the same, as r·p = 0). L does not see it, dL/dθ = ∂L/∂θ + (p·r) dt*/dθ; p
-//! does, dp/dθ = ∂p/∂θ + K r dt*/dθ. So dr/dθ = α ∂L/∂θ + (β − r (rᵀKβ)/(rᵀKr))·∂p/∂θ: one row of
-//! [`FieldSlopes`], with another b. The published residual sees L alone, and needs no second derivative.
+//! (PF02's −(rᵀ ∂∇F/∂θ)/(rᵀ∇²F r): the same, as r·p = 0). F does not see it, as it is largest there; the local length
+//! does, by e = Σ wᵢ αᵢ ∂(ln fᵢ)/∂t. So dr/dθ = Σ wᵢ αᵢ ∂(ln fᵢ)/∂θ + b·∂p/∂θ with b = −r e/(rᵀKr): one row of
+//! [`FieldSlopes`]. The published residual sees F alone, and needs no second derivative.
 //!
 //! A border pixel errs by σ² = (σ_px z/f)² + σ_m², metres at the contact: segmentation, and the model's own
 //! mismatch with a body. Neighbours err together: a row weighs its length over the correlation length.
@@ -19,7 +20,7 @@ use nalgebra::{Point3, Vector3};
 use super::Term;
 use super::contact::RayField;
 use super::limb_sums::LimbSums;
-use super::skin_distance::{Derivatives, Residual, SkinDistance, SkinResidual};
+use super::skin_distance::{Derivatives, Residual, SkinResidual, SkinScale};
 use crate::body::Posed;
 use crate::body::metaball::{Field, FieldRow, FieldSample, FieldSlopes};
 use crate::camera::Camera;
@@ -116,7 +117,7 @@ pub struct RayResidual {
 pub struct SilhouetteRays {
     views: Vec<RayView>,
     options: RayOptions,
-    distance: SkinDistance,
+    scale: SkinScale,
 }
 
 /// One line of sight at one state.
@@ -133,13 +134,12 @@ struct Touch<'a> {
 const FLATTEST: f64 = -1e-3;
 
 impl SilhouetteRays {
-    /// The term of one frame's views; `ceiling` is the model's, see [`Field::ceiling`] and
-    /// [`BodyModel::field_ceiling`](crate::body::BodyModel::field_ceiling).
-    pub fn new(views: Vec<RayView>, options: RayOptions, ceiling: f64) -> Self {
+    /// The term of one frame's views; `scale` is the model's.
+    pub fn new(views: Vec<RayView>, options: RayOptions, scale: SkinScale) -> Self {
         Self {
             views,
             options,
-            distance: SkinDistance::new(options.residual, options.derivatives, ceiling),
+            scale,
         }
     }
 
@@ -174,6 +174,7 @@ impl SilhouetteRays {
     /// Calls `each` for every line of sight that has a contact, with the field there.
     fn touches(&self, field: &Field, mut each: impl FnMut(&Touch<'_>, &FieldSample)) {
         let mut sample = FieldSample::default();
+        let kind = (self.options.residual, self.options.derivatives);
         let mut near = Vec::new();
         for (index, view) in self.views.iter().enumerate() {
             let mut rays = RayField::new(field, view.origin_world);
@@ -192,9 +193,7 @@ impl SilhouetteRays {
                     direction,
                     sigma_m,
                     weight: length_px * per_px,
-                    residual: self
-                        .distance
-                        .evaluate(sample.log_value, &sample.log_gradient),
+                    residual: self.scale.residual(kind, field, &sample),
                 };
                 each(&touch, &sample);
             }
@@ -210,15 +209,19 @@ impl Touch<'_> {
         (self.weight * rho, self.weight * slope * precision)
     }
 
-    /// β with the contact's own motion along the ray.
-    fn total_beta(&self, sample: &FieldSample) -> Vector3<f64> {
-        let beta = self.residual.beta;
-        let bent = sample.log_hessian * self.direction;
-        let curvature = self.direction.dot(&bent);
-        if curvature > FLATTEST {
-            return beta;
+    /// b: what the contact's own motion along the ray adds.
+    fn along(&self, sample: &FieldSample, alpha: impl Fn(usize) -> f64) -> Vector3<f64> {
+        let r = self.direction;
+        let curvature = r.dot(&(sample.log_hessian * r));
+        // only differences of αᵢ matter: without them F is at its summit
+        if self.residual.gamma.abs() < f64::MIN_POSITIVE || curvature > FLATTEST {
+            return Vector3::zeros();
         }
-        beta - self.direction * (bent.dot(&beta) / curvature)
+        let each = sample.shares.iter();
+        let slope: f64 = each
+            .map(|s| -4.0 * s.weight * alpha(s.metaball) * s.pull.dot(r))
+            .sum();
+        r * (-slope / curvature)
     }
 }
 
@@ -244,10 +247,11 @@ impl Term for SilhouetteRays {
         self.touches(&field, |touch, sample| {
             let (rho, weight) = touch.loss(self.options.loss);
             cost += 0.5 * rho;
-            let beta = touch.total_beta(sample);
-            slopes.row(sample, touch.residual.alpha, &beta, &mut row);
-            let r = touch.residual.distance_m;
-            sums.add(sample.limb, &row.values, r, weight);
+            let r = touch.residual;
+            let alpha = |i| r.alpha + r.gamma * self.scale.length_m(&field, i);
+            let b = touch.along(sample, alpha);
+            slopes.row(sample, alpha, &b, &mut row);
+            sums.add(sample.limb, &row.values, r.distance_m, weight);
         });
         sums.add_to(&slopes, equations);
         cost

@@ -4,20 +4,20 @@
 //! has at the skin of a limb of radius 5 cm (ln 2 / 5 cm), so that its σ is in metres like the other's.
 //!
 //! *Metric*: ψ = √(c − ½ ln F) is, for one metaball, a distance over the radius, and grows without bound. The
-//! design's √(−½ ln F) ends where balls overlap and F > 1; so c = ½ ln A with A more than F ever reaches, see
-//! [`Field::ceiling`](crate::body::metaball::Field::ceiling). With ψ_T its value at the skin,
+//! design's √(−½ ln F) ends where balls overlap and F > 1; so c = ½ ln A with A more than F ever reaches. With ψ_T its
+//! value at the skin, r = (ψ − ψ_T)·R is a distance in metres near the skin, positive outside. R is the local
+//! length, Σ wᵢ Rᵢ over the metaballs there; Rᵢ = 1/‖∇ψ‖ at the skin around metaball i at rest, a constant of the model.
+//! With L = ln F: ∂ψ = −∂L/(4ψ), ∂wᵢ = wᵢ (∂ ln fᵢ − ∂L), so that
 //!
-//! r = δ/√s, δ = ψ − ψ_T, s = ‖∇ψ‖² + κ² h, h = δ²/(δ² + ρ²),
+//! ∂r = Σ wᵢ αᵢ ∂ ln fᵢ, αᵢ = −R/(4ψ) + (ψ − ψ_T)(Rᵢ − R).
 //!
-//! is the distance in metres to first order near the skin, positive outside. There h vanishes; away from the skin
-//! κ = 1/(0.25 m) keeps r finite where ∇ψ is 0, on a limb's axis and at a saddle between two metaballs. With
-//! L = ln F and p = ∇L: ‖∇ψ‖² = p·p/(16ψ²), ∂ψ = −∂L/(4ψ), so that
-//!
-//! ∂s = p·∂p/(8ψ²) + (2κ²ρ²δ/(δ² + ρ²)² − p·p/(8ψ³)) ∂ψ, ∂r = ∂ψ/√s − ½ δ s^(−3/2) ∂s = α ∂L + β·∂p.
+//! Dividing by ‖∇ψ‖ where the point is instead of by a constant would be the exact first-order distance, but a bad
+//! residual: it can be lowered by moving to where ψ is steep. Fits to lines of sight then ended in many local minima.
 
 use nalgebra::Vector3;
 
-use crate::body::metaball::THRESHOLD;
+use crate::body::metaball::{Field, FieldSample, THRESHOLD};
+use crate::body::{BodyModel, Motion, Posed, Shape};
 
 /// Which residual.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -25,7 +25,7 @@ use crate::body::metaball::THRESHOLD;
 pub enum Residual {
     /// PF02: T − F, over the slope of a limb of radius 5 cm.
     Field,
-    /// Distance to the skin, metres to first order.
+    /// Distance to the skin, metres.
     Metric,
 }
 
@@ -33,17 +33,11 @@ pub enum Residual {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Derivatives {
-    /// First and second ones: the gradient is that of the cost.
+    /// All: the gradient is that of the cost.
     Complete,
-    /// PF02's simpler variant: without every second derivative of F.
+    /// PF02's simpler variant: as if neither the contact on a ray moved nor the local length changed.
     FirstOrder,
 }
-
-/// κ, 1/m.
-const LEAST_SLOPE: f64 = 4.0;
-
-/// ρ: how far from the skin, in ψ, κ begins to matter.
-const NEAR: f64 = 0.3;
 
 /// The radius of the limb whose slope scales the field's residual, m.
 const FIELD_RADIUS_M: f64 = 0.05;
@@ -51,50 +45,77 @@ const FIELD_RADIUS_M: f64 = 0.05;
 /// Least ψ²: beneath it F is more than its ceiling, and ψ stays as it is.
 const LEAST_SQUARE: f64 = 1e-3;
 
-/// The measure of how far a point is from the skin.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SkinDistance {
-    residual: Residual,
-    derivatives: Derivatives,
+/// What turns a model's field into metres: constants of the model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SkinScale {
     /// c.
     offset: f64,
     /// ψ_T.
     at_skin: f64,
+    /// Rᵢ of each of [`BodyModel::metaballs`], m.
+    lengths_m: Vec<f64>,
 }
 
-/// r, and ∂r = α ∂(ln F) + β·∂(∇ ln F).
+/// r, and ∂r = Σ wᵢ αᵢ ∂ ln fᵢ with αᵢ = α + γ Rᵢ.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SkinResidual {
     /// r, metres, positive outside.
     pub distance_m: f64,
     /// α, metres.
     pub alpha: f64,
-    /// β, square metres.
-    pub beta: Vector3<f64>,
+    /// γ.
+    pub gamma: f64,
 }
 
-impl SkinDistance {
-    /// A measure for a model whose field stays below `ceiling`.
-    pub fn new(residual: Residual, derivatives: Derivatives, ceiling: f64) -> Self {
-        let offset = 0.5 * ceiling.ln();
+impl SkinScale {
+    /// The scale of a model: its mean shape at rest is measured.
+    pub fn of(model: &BodyModel) -> Self {
+        let shape = Shape(model.statistics.mean.clone());
+        let field = Field::of(&Posed::new(model, &shape, &Motion::rest(model)));
+        let offset = 0.5 * field.ceiling().ln();
+        let at_skin = (offset - 0.5 * THRESHOLD.ln()).max(LEAST_SQUARE).sqrt();
+        let mut lengths_m = vec![FIELD_RADIUS_M; model.metaballs.len()];
+        for ball in 0..field.metaballs.len() {
+            if let (Some(i), Some(slope)) = (field.source(ball), skin_slope(&field, ball)) {
+                lengths_m[i] = 4.0 * at_skin / slope;
+            }
+        }
         Self {
-            residual,
-            derivatives,
             offset,
-            at_skin: (offset - 0.5 * THRESHOLD.ln()).max(LEAST_SQUARE).sqrt(),
+            at_skin,
+            lengths_m,
         }
     }
 
-    /// The residual from ln F and ∇ ln F, world frame, 1/m.
-    pub fn evaluate(&self, log_value: f64, log_gradient: &Vector3<f64>) -> SkinResidual {
-        match self.residual {
-            Residual::Field => field(log_value),
-            Residual::Metric => self.metric(log_value, log_gradient),
+    /// Rᵢ of a metaball of a field, m.
+    pub(super) fn length_m(&self, field: &Field, metaball: usize) -> f64 {
+        let source = field.source(metaball).unwrap_or(usize::MAX);
+        self.lengths_m
+            .get(source)
+            .copied()
+            .unwrap_or(FIELD_RADIUS_M)
+    }
+
+    /// The residual at a sampled point.
+    pub fn residual(
+        &self,
+        kind: (Residual, Derivatives),
+        field: &Field,
+        sample: &FieldSample,
+    ) -> SkinResidual {
+        match kind.0 {
+            Residual::Field => of_field(sample.log_value),
+            Residual::Metric => self.metric(kind.1, field, sample),
         }
     }
 
-    fn metric(&self, log_value: f64, p: &Vector3<f64>) -> SkinResidual {
-        let square = self.offset - 0.5 * log_value;
+    fn metric(
+        &self,
+        derivatives: Derivatives,
+        field: &Field,
+        sample: &FieldSample,
+    ) -> SkinResidual {
+        let square = self.offset - 0.5 * sample.log_value;
         let psi = square.max(LEAST_SQUARE).sqrt();
         // ∂ψ/∂L
         let slope = if square > LEAST_SQUARE {
@@ -102,105 +123,130 @@ impl SkinDistance {
         } else {
             0.0
         };
-        let scale = 1.0 / (psi * psi);
-        let steepness = p.norm_squared() * scale;
+        let each = sample.shares.iter();
+        let length = each
+            .map(|s| s.weight * self.length_m(field, s.metaball))
+            .sum::<f64>();
         let past = psi - self.at_skin;
-        let away = 1.0 / (past * past + NEAR * NEAR);
-        let stiff = LEAST_SLOPE * LEAST_SLOPE * past * away;
-        let squared = steepness / 16.0 + stiff * past;
-        // deep in the skin's own tangent plane both vanish only together, at no slope at all
-        let length = 1.0 / squared.max(f64::MIN_POSITIVE).sqrt();
-        let (mut alpha, mut beta) = (length * slope, Vector3::zeros());
-        if self.derivatives == Derivatives::Complete {
-            // ∂r/∂s, ∂s/∂ψ
-            let by_squared = -0.5 * past * length / squared;
-            let by_psi = 2.0 * stiff * NEAR * NEAR * away - steepness / (8.0 * psi);
-            alpha += by_squared * by_psi * slope;
-            beta = p * (by_squared * scale / 8.0);
-        }
+        let gamma = match derivatives {
+            Derivatives::Complete => past,
+            Derivatives::FirstOrder => 0.0,
+        };
         SkinResidual {
             distance_m: past * length,
-            alpha,
-            beta,
+            alpha: length * (slope - gamma),
+            gamma,
         }
     }
 }
 
-fn field(log_value: f64) -> SkinResidual {
+fn of_field(log_value: f64) -> SkinResidual {
     let metres = FIELD_RADIUS_M / std::f64::consts::LN_2;
     // a point deep within, in a pose that no body takes, must not give an infinite residual
     let value = log_value.min(50.0).exp();
     SkinResidual {
         distance_m: (THRESHOLD - value) * metres,
         alpha: -value * metres,
-        beta: Vector3::zeros(),
+        gamma: 0.0,
     }
+}
+
+/// Mean ‖∇ ln F‖ where the axes of a metaball meet the skin, 1/m; `None` if none does.
+///
+/// Where the skin is another's, deep in a neighbour, it counts only if there is no better place.
+fn skin_slope(field: &Field, ball: usize) -> Option<f64> {
+    let shape = field.metaballs[ball].ellipsoid;
+    let axes = shape.shape.symmetric_eigen().eigenvectors;
+    let (mut own, mut any) = (Vec::new(), Vec::new());
+    for k in 0..3 {
+        for sign in [-1.0, 1.0] {
+            let Some(sample) = skin_along(field, &shape.centre, &(axes.column(k) * sign)) else {
+                continue;
+            };
+            let slope = sample.log_gradient.norm();
+            any.push(slope);
+            if sample.heaviest() == Some(ball) {
+                own.push(slope);
+            }
+        }
+    }
+    let slopes = if own.is_empty() { any } else { own };
+    let mean = slopes.iter().sum::<f64>() / slopes.len() as f64;
+    (mean.is_finite() && mean > 0.0).then_some(mean)
+}
+
+/// Step and reach of the walk to the skin, m.
+const STEP_M: f64 = 0.004;
+const REACH_M: f64 = 0.6;
+
+/// The field where a walk from a point first leaves the body.
+fn skin_along(field: &Field, from: &Vector3<f64>, direction: &Vector3<f64>) -> Option<FieldSample> {
+    let steps = (REACH_M / STEP_M) as usize;
+    let mut walk = (0..steps).map(|i| from + direction * (i as f64 * STEP_M));
+    let outside = walk.find(|x| field.value(x) < THRESHOLD)?;
+    field.sample(&(outside - direction * (0.5 * STEP_M)))
 }
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::DVector;
+    use nalgebra::Matrix3;
 
     use super::*;
-    use crate::math::central_differences;
+    use crate::math::quadric::Ellipsoid;
 
-    /// ln F and ∇ ln F on the axis of one round metaball whose skin has this radius.
-    fn ball(x: f64, radius: f64) -> (f64, Vector3<f64>) {
-        let d = 0.5 * std::f64::consts::LN_2 * (x / radius).powi(2);
-        (-2.0 * d, Vector3::new(-4.0 * d / x, 0.0, 0.0))
+    /// One round metaball whose skin has this radius, and its scale.
+    fn ball(radius: f64) -> (Field, SkinScale) {
+        let squared = 2.0 * radius * radius / std::f64::consts::LN_2;
+        let field = Field::new([Ellipsoid {
+            centre: Vector3::zeros(),
+            shape: Matrix3::identity() * squared,
+        }]);
+        let offset = 0.5 * 3.0_f64.ln();
+        let at_skin = (offset + 0.5 * 2.0_f64.ln()).sqrt();
+        let scale = SkinScale {
+            offset,
+            at_skin,
+            lengths_m: vec![4.0 * at_skin / skin_slope(&field, 0).unwrap()],
+        };
+        (field, scale)
+    }
+
+    fn residual(kind: Residual, (field, scale): &(Field, SkinScale), x: f64) -> SkinResidual {
+        let sample = field.sample(&Vector3::new(x, 0.0, 0.0)).unwrap();
+        scale.residual((kind, Derivatives::Complete), field, &sample)
     }
 
     #[test]
     fn near_the_skin_it_is_the_distance() {
-        let metric = SkinDistance::new(Residual::Metric, Derivatives::Complete, 3.0);
         for radius in [0.03, 0.06, 0.15] {
-            for off in [-1e-4, 1e-4, 2e-3] {
-                let (value, gradient) = ball(radius + off, radius);
-                let r = metric.evaluate(value, &gradient).distance_m;
-                approx::assert_relative_eq!(r, off, max_relative = 0.05);
+            let ball = ball(radius);
+            for off in [-2e-3, -1e-4, 1e-4, 2e-3] {
+                let r = residual(Residual::Metric, &ball, radius + off).distance_m;
+                // the skin is found by the half step
+                approx::assert_relative_eq!(r, off, max_relative = 0.1);
             }
         }
     }
 
     #[test]
     fn it_grows_with_the_distance_and_the_fields_residual_does_not() {
-        let measure = |kind, x| {
-            let (value, gradient) = ball(x, 0.05);
-            SkinDistance::new(kind, Derivatives::Complete, 3.0)
-                .evaluate(value, &gradient)
-                .distance_m
-        };
+        let ball = ball(0.05);
+        let measure = |kind, x| residual(kind, &ball, x).distance_m;
         let far = [1e-6, 0.02, 0.05, 0.1, 0.3, 1.0, 3.0];
         let metric = far.map(|x| measure(Residual::Metric, x));
         assert!(metric.is_sorted_by(|a, b| a < b), "{metric:?}");
-        assert!(metric[0].is_finite() && metric[6] > 0.5, "{metric:?}");
+        assert!(metric[0].is_finite() && metric[6] > 2.0, "{metric:?}");
         let saturated = measure(Residual::Field, 3.0) - measure(Residual::Field, 1.0);
         assert!(saturated.abs() < 1e-12);
     }
 
     #[test]
-    fn the_slopes_are_those_of_the_residual() {
-        for kind in [Residual::Field, Residual::Metric] {
-            let measure = SkinDistance::new(kind, Derivatives::Complete, 3.0);
-            // outside, near the skin, deep inside, on an axis, and above the ceiling
-            for (value, p) in [
-                (-40.0, Vector3::new(-80.0, 20.0, 3.0)),
-                (-0.7, Vector3::new(20.0, -10.0, 3.0)),
-                (0.9, Vector3::new(3.0, 4.0, -2.0)),
-                (0.5, Vector3::zeros()),
-                (1.5, Vector3::new(1.0, 2.0, 3.0)),
-            ] {
-                let numeric = central_differences(4, 1e-4, |d| {
-                    let moved = p + Vector3::new(d[1], d[2], d[3]);
-                    let r = measure.evaluate(value + d[0], &moved);
-                    DVector::from_element(1, r.distance_m)
-                });
-                let r = measure.evaluate(value, &p);
-                let slopes = [r.alpha, r.beta.x, r.beta.y, r.beta.z];
-                for (a, n) in slopes.iter().zip(&numeric) {
-                    approx::assert_abs_diff_eq!(a, n, epsilon = 1e-9);
-                }
-            }
-        }
+    fn above_the_ceiling_it_stays_finite_and_has_no_slope() {
+        let (field, mut scale) = ball(0.05);
+        scale.offset = -0.5;
+        let r = residual(Residual::Metric, &(field, scale), 0.0);
+        assert!(r.distance_m.is_finite() && r.distance_m < 0.0);
+        // α + γ R = 0 for the only metaball
+        approx::assert_abs_diff_eq!(r.alpha, -r.distance_m, epsilon = 1e-12);
     }
 }

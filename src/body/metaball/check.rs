@@ -86,8 +86,8 @@ fn in_state(slopes: &FieldSlopes, sample: &FieldSample, total: usize) -> DMatrix
     let mut row = FieldRow::default();
     for i in 0..4 {
         match i {
-            0 => slopes.row(sample, 1.0, &Vector3::zeros(), &mut row),
-            _ => slopes.row(sample, 0.0, &Vector3::ith(i - 1, 1.0), &mut row),
+            0 => slopes.row(sample, |_| 1.0, &Vector3::zeros(), &mut row),
+            _ => slopes.row(sample, |_| 0.0, &Vector3::ith(i - 1, 1.0), &mut row),
         }
         for (&component, &value) in slopes.components(sample.limb).iter().zip(&row.values) {
             jacobian[(i, component)] = value;

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::FieldSample;
-use crate::body::{BodyModel, Motion, PartId, Posed, Shape};
+use crate::body::{PartId, Posed};
 use crate::math::quadric::Ellipsoid;
 
 /// One primitive of the field: an ellipsoidal Gaussian.
@@ -45,7 +45,7 @@ impl Metaball {
 pub struct Field {
     /// The primitives, in the model's order.
     pub metaballs: Vec<Metaball>,
-    /// The metaballs of each limb, in the order of [`BodyModel::limbs`].
+    /// The metaballs of each limb, in the order of [`BodyModel::limbs`](crate::body::BodyModel::limbs).
     pub limbs: Vec<Vec<usize>>,
     /// The place of each metaball in the list that it was made from.
     pub(super) sources: Vec<usize>,
@@ -75,6 +75,11 @@ impl Field {
             metaballs,
             sources,
         }
+    }
+
+    /// The place of a metaball in the list that the field was made from: [`BodyModel::metaballs`](crate::body::BodyModel::metaballs) for a body's.
+    pub fn source(&self, metaball: usize) -> Option<usize> {
+        self.sources.get(metaball).copied()
     }
 
     /// F(x) = max over limbs of Σ exp(−2 dᵢ(x)); more than [`THRESHOLD`](super::THRESHOLD) inside the body.
@@ -114,14 +119,6 @@ impl Field {
     pub fn ceiling(&self) -> f64 {
         let centres = self.metaballs.iter().map(|m| m.ellipsoid.centre);
         1.5 * centres.map(|c| self.value(&c)).fold(1.0, f64::max)
-    }
-}
-
-impl BodyModel {
-    /// [`Field::ceiling`] of the mean shape at rest: a constant of the model.
-    pub fn field_ceiling(&self) -> f64 {
-        let shape = Shape(self.statistics.mean.clone());
-        Field::of(&Posed::new(self, &shape, &Motion::rest(self))).ceiling()
     }
 }
 

@@ -15,12 +15,14 @@
 mod check;
 mod field;
 mod sample;
+mod sampler;
 mod slopes;
 
 pub use check::{FieldFault, check_field};
 pub use field::{Field, Metaball};
 pub(crate) use sample::NEGLIGIBLE;
 pub use sample::{FieldSample, Share};
+pub use sampler::Sampler;
 pub use slopes::{FieldRow, FieldSlopes};
 
 /// T: the skin is where F = T (PF02 eq. 2).

@@ -1,8 +1,8 @@
 //! Derivatives of the field with respect to the state (PF02 eq. A.2, A.3, A.5).
 //!
-//! Whatever a residual is, its derivative is α ∂(ln F)/∂θ + b·∂(∇ ln F)/∂θ with a number α and a vector b
-//! that do not depend on θ. With q = ∇f/F = −4 w u, M = ∇²f/F = w (16 uuᵀ − 4 A⁻¹), p = ∇ ln F and
-//! β = α − b·p, what one metaball adds to it is, at a fixed point x,
+//! Whatever a residual is, its derivative is Σ wᵢ αᵢ ∂(ln fᵢ)/∂θ + b·∂(∇ ln F)/∂θ with numbers αᵢ and a vector b;
+//! the same α for all is α ∂(ln F)/∂θ. With q = ∇f/F = −4 w u, M = ∇²f/F = w (16 uuᵀ − 4 A⁻¹), p = ∇ ln F
+//! and β = αᵢ − b·p, what one metaball adds to it is, at a fixed point x,
 //!
 //! - turned by ω about o: ∂f = −∇f·v, ∂∇f = −∇²f v + ω × ∇f, v = ω × (x − o), so
 //!   ω·(q × b − (x − o) × h) with **h = β q + M b**;
@@ -110,21 +110,28 @@ impl FieldSlopes {
         self.limbs.len()
     }
 
-    /// α ∂(ln F)/∂θ + b·∂(∇ ln F)/∂θ at a fixed point, for the components of the sample's limb.
+    /// Σ wᵢ αᵢ ∂(ln fᵢ)/∂θ + b·∂(∇ ln F)/∂θ at a fixed point, for the components of the sample's limb.
     ///
-    /// `alpha` = 1, `b` = 0 is the derivative of ln F; `alpha` = 0, `b` = eₖ that of (∇ ln F)ₖ. Those of F and
-    /// ∇F follow: ∂F = F ∂ ln F, ∂∇F = F (∂∇ ln F + ∇ ln F ∂ ln F).
+    /// `alpha` gives αᵢ of the metaball i of the field. 1 for all and `b` = 0 is the derivative of ln F; 0 for all and
+    /// `b` = eₖ that of (∇ ln F)ₖ. Those of F and ∇F follow: ∂F = F ∂ ln F, ∂∇F = F (∂∇ ln F + ∇ ln F ∂ ln F).
     ///
     /// # Source
     /// PF02 eq. A.2, A.3, A.5; the sums over parts are ours.
-    pub fn row(&self, sample: &FieldSample, alpha: f64, b: &Vector3<f64>, row: &mut FieldRow) {
+    pub fn row(
+        &self,
+        sample: &FieldSample,
+        alpha: impl Fn(usize) -> f64,
+        b: &Vector3<f64>,
+        row: &mut FieldRow,
+    ) {
         let chain = &self.limbs[sample.limb];
         row.clear(chain, self.frames.len());
-        let beta = alpha - b.dot(&sample.log_gradient);
+        let level = b.dot(&sample.log_gradient);
         for share in &sample.shares {
             let ball = &self.metaballs[share.metaball];
             let (w, u) = (share.weight, &share.pull);
             let along = b.dot(u);
+            let beta = alpha(share.metaball) - level;
             let q = u * (-4.0 * w);
             let h = u * (w * (16.0 * along - 4.0 * beta)) - (ball.precision * b) * (4.0 * w);
             let pulls = &mut row.pulls[ball.frame];
