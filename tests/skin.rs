@@ -111,33 +111,55 @@ fn distance(field: &Field, point: &nalgebra::Vector3<f64>) -> f64 {
     (value - THRESHOLD).abs() / gradient.norm().max(1e-9)
 }
 
-#[test]
-fn the_skin_is_closed_outward_and_on_the_field_in_every_pose() {
-    let model = walker();
-    let shape = shape(&model);
+fn check_poses(model: &BodyModel, slack: f64) {
+    let shape = shape(model);
     for (name, angles, near, against) in POSES {
-        let motion = motion(&model, angles);
-        let body = Posed::new(&model, &shape, &motion);
+        let motion = motion(model, angles);
+        let body = Posed::new(model, &shape, &motion);
         let mesh = skin(&body, &SkinOptions::default()).expect("a skin");
         check(name, &mesh);
-        // 65 litres, as 1.82 m and a slim build have it
+        // 64 to 70 litres, as these two bodies have it
         let volume = mesh.volume();
         assert!((0.055..0.075).contains(&volume), "{name}: {volume} m³");
         let field = Field::of(&body);
         let count = mesh.vertices.len() as f64;
         let is_near = |v: &&nalgebra::Vector3<f64>| distance(&field, v) < 0.003;
         let share = mesh.vertices.iter().filter(is_near).count() as f64 / count;
-        assert!(share > *near, "{name}: {share} within 3 mm");
+        assert!(share > *near - slack, "{name}: {share} within 3 mm");
         let falls = |(v, n): (&nalgebra::Vector3<f64>, &nalgebra::Vector3<f64>)| {
             field.value_and_gradient(v).1.dot(n) < 0.0
         };
         let each = mesh.vertices.iter().zip(&mesh.normals);
         let share = each.filter(|pair| !falls(*pair)).count() as f64 / count;
         assert!(
-            share < *against,
+            share < *against + slack,
             "{name}: {share} of the normals point inwards"
         );
     }
+}
+
+#[test]
+fn the_skin_is_closed_outward_and_on_the_field_in_every_pose() {
+    check_poses(&walker(), 0.0);
+}
+
+#[test]
+fn so_is_that_of_another_body() {
+    let model = model::load("human-metaballs", Path::new("")).expect("a shipped model");
+    check_poses(&model, 0.03);
+}
+
+#[test]
+fn every_vertex_of_an_arm_is_on_the_field() {
+    let model = model::load("arm", Path::new("")).expect("a shipped model");
+    let (shape, motion) = (shape(&model), motion(&model, &[("elbow_flexion", 100.0)]));
+    let body = Posed::new(&model, &shape, &motion);
+    let mesh = skin(&body, &SkinOptions::default()).expect("a skin");
+    check("arm", &mesh);
+    let field = Field::of(&body);
+    let farthest = mesh.vertices.iter().map(|v| distance(&field, v));
+    let farthest = farthest.fold(0.0, f64::max);
+    assert!(farthest < 1e-4, "{farthest} m");
 }
 
 #[test]

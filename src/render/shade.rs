@@ -1,12 +1,13 @@
 //! A shaded picture of a metaball body.
 
-use nalgebra::{Point2, Point3, UnitQuaternion, Vector3};
+use nalgebra::{Point2, Point3, UnitQuaternion, Vector2, Vector3};
 
 use super::{Bump, Canvas, RayProfile, Rgb};
 use crate::body::metaball::{Field, Metaball, THRESHOLD};
 use crate::camera::{Camera, Distortion, Intrinsics};
 use crate::image::Plane;
 use crate::math::Rigid3;
+use crate::math::quadric::{Ellipsoid, project};
 
 const BACKGROUND: Rgb = [255, 255, 255];
 /// Colour of the skin in full light.
@@ -19,6 +20,8 @@ const LAMP: [f64; 3] = [-0.4, -0.6, -0.75];
 const FARTHEST: f64 = 6.0;
 /// Step of a ray by the width of the narrowest bump on it.
 const STEP: f64 = 0.25;
+/// Share of a portrait's width or height that the body fills.
+const FILLED: f64 = 0.86;
 /// Rays across a pixel, and down it.
 const RAYS: usize = 2;
 
@@ -164,20 +167,48 @@ pub fn portrait_camera(field: &Field, width_px: u32, height_px: u32) -> Option<C
     let flip = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
     let rotation = flip * turn;
     let translation = -(rotation * eye.coords);
-    let focal_px = 1.85 * f64::from(width_px.min(height_px).max(1));
-    Some(Camera {
+    let mut camera = Camera {
         name: "portrait".into(),
         width_px,
         height_px,
         intrinsics: Intrinsics {
-            fx_px: focal_px,
-            fy_px: focal_px,
-            cx_px: 0.5 * (f64::from(width_px) - 1.0),
-            cy_px: 0.5 * (f64::from(height_px) - 1.0),
+            fx_px: 1.0,
+            fy_px: 1.0,
+            cx_px: 0.0,
+            cy_px: 0.0,
             skew_px: 0.0,
         },
         distortion: Distortion::None,
         camera_from_world: Rigid3::from_parts(translation.into(), rotation),
+    };
+    camera.intrinsics = framed(&camera, field)?;
+    Some(camera)
+}
+
+/// The camera matrix with which what a camera of focal length 1 sees of a body fills the image, but for a margin.
+fn framed(camera: &Camera, field: &Field) -> Option<Intrinsics> {
+    let mut bounds: Option<(Vector2<f64>, Vector2<f64>)> = None;
+    for ball in &field.metaballs {
+        let own_skin = Ellipsoid {
+            centre: ball.ellipsoid.centre,
+            shape: ball.ellipsoid.shape * (0.5 * std::f64::consts::LN_2),
+        };
+        let ellipse = project(&camera.projection(), &own_skin)?;
+        let half = ellipse.shape.diagonal().map(f64::sqrt);
+        let (low, high) = (ellipse.centre - half, ellipse.centre + half);
+        bounds = Some(bounds.map_or((low, high), |b| (b.0.inf(&low), b.1.sup(&high))));
+    }
+    let (low, high) = bounds?;
+    let (width, height) = (f64::from(camera.width_px), f64::from(camera.height_px));
+    let extent = high - low;
+    let focal_px = FILLED * (width / extent.x).min(height / extent.y);
+    let middle = (low + high) * (0.5 * focal_px);
+    Some(Intrinsics {
+        fx_px: focal_px,
+        fy_px: focal_px,
+        cx_px: 0.5 * (width - 1.0) - middle.x,
+        cy_px: 0.5 * (height - 1.0) - middle.y,
+        skew_px: 0.0,
     })
 }
 
@@ -218,7 +249,7 @@ mod tests {
 
     #[test]
     fn what_faces_the_lamp_is_brighter() {
-        let ball = crate::math::quadric::Ellipsoid {
+        let ball = Ellipsoid {
             centre: Vector3::zeros(),
             shape: nalgebra::Matrix3::identity(),
         };

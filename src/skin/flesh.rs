@@ -105,12 +105,15 @@ impl Flesh {
         sums.fold((0.0, Vector3::zeros()), larger)
     }
 
+    /// The share of the chain's own metaballs in F.
+    pub(super) fn own_share(&self, point: &Vector3<f64>) -> f64 {
+        let own = self.limbs.iter().map(|limb| limb.own.value(point));
+        own.fold(0.0, f64::max) / self.value(point).max(f64::MIN_POSITIVE)
+    }
+
     /// Whether the flesh that the chain grows out of takes over here: it makes most of F, and F rises along the ray.
     fn ends_at(&self, point: &Vector3<f64>, ray: &Vector3<f64>) -> bool {
-        let own = self.limbs.iter().map(|limb| limb.own.value(point));
-        let own = own.fold(0.0, f64::max);
-        let (value, gradient) = self.value_and_gradient(point);
-        own < 0.5 * value && gradient.dot(ray) > 0.0
+        self.own_share(point) < 0.5 && self.value_and_gradient(point).1.dot(ray) > 0.0
     }
 
     /// Casts a ray from within the flesh: to the skin, or to where flesh that is not the chain's own begins, or to the

@@ -17,6 +17,8 @@ const SPACING: f64 = 0.02;
 const CLEARANCE: f64 = 0.25;
 /// The latest place of that cross-section on its segment, a share of its length.
 const LATEST: f64 = 0.6;
+/// Least share of the limb's own metaballs in F there.
+const OWN: f64 = 0.7;
 /// How far up the first segment of the trunk two legs part, a share of its length.
 const FORK: f64 = 0.75;
 /// How far a joint between rim and limb bulges: length of the curve's tangents by its chord.
@@ -133,7 +135,13 @@ pub(super) fn limb(
         .iter()
         .map(|p| (p - root).dot(&along))
         .fold(0.0, f64::max);
-    let place = (beyond + CLEARANCE * radius).min(LATEST * (next - root).norm());
+    let latest = LATEST * (next - root).norm();
+    let mut place = beyond + CLEARANCE * radius;
+    // and where the limb's own flesh is most of what there is
+    while place < latest && own.own_share(&(root + along * place)) < OWN {
+        place += SPACING;
+    }
+    let place = place.min(latest);
     let mut nodes = vec![root + along * place];
     nodes.extend(joints);
     nodes.push(far);

@@ -175,13 +175,18 @@ mod tests {
         let no_material = |_: &std::path::Path| Err(tobj::LoadError::OpenFileFailed);
         let (models, _) = tobj::load_obj_buf(&mut &bytes[..], &options, no_material).unwrap();
         let read = &models[0].mesh;
-        let flat = |v: &[Vector3<f64>]| -> Vec<f32> {
-            v.iter().flat_map(|v| v.iter().map(|x| *x as f32)).collect()
+        // it numbers vertices anew, in the order in which triangles name them
+        let corners = mesh.triangles.concat();
+        let check = |numbers: &[f32], indices: &[u32], expected: &[Vector3<f64>]| {
+            assert_eq!(indices.len(), corners.len());
+            for (index, corner) in indices.iter().zip(&corners) {
+                let read = &numbers[3 * *index as usize..][..3];
+                let expected = expected[*corner as usize].map(|x| x as f32);
+                assert_eq!(read, expected.as_slice());
+            }
         };
-        assert_eq!(read.positions, flat(&mesh.vertices));
-        assert_eq!(read.normals, flat(&mesh.normals));
-        assert_eq!(read.indices, mesh.triangles.concat());
-        assert_eq!(read.normal_indices, mesh.triangles.concat());
+        check(&read.positions, &read.indices, &mesh.vertices);
+        check(&read.normals, &read.normal_indices, &mesh.normals);
     }
 
     #[test]
