@@ -160,7 +160,7 @@ mod tests {
         assert_eq!(binary.0[2], "comment metres, Z up");
         for (row, (v, n)) in binary.1.iter().zip(mesh.vertices.iter().zip(&mesh.normals)) {
             let expected = [v.x, v.y, v.z, n.x, n.y, n.z].map(|x| x as f32);
-            assert_eq!(*row, expected);
+            assert_eq!(row.map(f32::to_bits), expected.map(f32::to_bits));
         }
         let corners = mesh.triangles.iter().map(|t| t.map(|c| c as i32));
         assert!(binary.2.iter().copied().eq(corners));
@@ -197,7 +197,7 @@ mod tests {
         let turned = rows.iter().map(|r| Vector3::new(r[0], r[1], r[2]).cast());
         let turned = Mesh::new(turned.collect(), mesh.triangles.clone());
         approx::assert_relative_eq!(turned.volume(), mesh.volume(), epsilon = 1e-6);
-        assert_eq!(rows[3][1], 3.5);
+        approx::assert_relative_eq!(rows[3][1], 3.5);
     }
 
     #[test]
