@@ -64,7 +64,7 @@ pub struct SkinOptions {
 }
 
 impl Default for SkinOptions {
-    /// About 5 000 vertices for a person.
+    /// About 12 000 vertices for a person.
     fn default() -> Self {
         Self {
             around: 48,
