@@ -26,6 +26,9 @@ struct Arguments {
     /// Write the pictures into docs/experiments too
     #[arg(long)]
     docs: bool,
+    /// A shorter recording, with expected numbers of its own; only some experiments have one
+    #[arg(long)]
+    quick: bool,
     /// Seed of everything that is drawn; expected numbers are checked for the default only
     #[arg(long, default_value_t = SEED)]
     seed: u64,
@@ -99,6 +102,17 @@ impl Run {
         self.arguments.seed
     }
 
+    /// A shorter recording was asked for.
+    pub fn is_quick(&self) -> bool {
+        self.arguments.quick
+    }
+
+    /// The name of its files.
+    fn file_name(&self) -> String {
+        let quick = if self.is_quick() { "_quick" } else { "" };
+        format!("{}{quick}", self.name)
+    }
+
     /// Keeps a setting for the record.
     pub fn setting(&mut self, name: &str, value: impl Serialize) {
         let value = serde_json::to_value(value).unwrap_or(serde_json::Value::Null);
@@ -158,7 +172,7 @@ impl Run {
         };
         let text = serde_json::to_string_pretty(&record).unwrap_or_default();
         write(&self.folder().join("record.json"), &text)?;
-        let expected = read_expected(self.name)?;
+        let expected = read_expected(&self.file_name())?;
         let mut table = Table::new("numbers", &["number", "here", "expected", "paper"]);
         for (name, value) in &self.numbers {
             let known = expected.get(name).copied().unwrap_or_default();
@@ -189,7 +203,7 @@ impl Run {
     fn folder(&self) -> PathBuf {
         Path::new(env!("CARGO_MANIFEST_DIR"))
             .join("out")
-            .join(self.name)
+            .join(self.file_name())
     }
 }
 

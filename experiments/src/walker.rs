@@ -31,13 +31,21 @@ pub enum WalkerError {
 /// # Errors
 /// [`WalkerError`]; the shipped model has none.
 pub fn recording(frames: usize, seed: u64) -> Result<Synthetic, WalkerError> {
+    seen_by(7, Some(frames), seed)
+}
+
+/// The same, seen by another number of cameras; one gait cycle if no number of frames is given.
+///
+/// # Errors
+/// [`WalkerError`]; the shipped model has none.
+pub fn seen_by(cameras: usize, frames: Option<usize>, seed: u64) -> Result<Synthetic, WalkerError> {
     let body = model::load("walker-metaballs", Path::new(""))?;
     let recipe = Recipe {
         seed,
-        frames: Some(frames),
+        frames,
         fps: 50.0,
         ring: Ring {
-            cameras: 7,
+            cameras,
             radius: 6.0,
             height: 2.2,
             focal_px: 560.0,

@@ -123,9 +123,9 @@ pub struct NamedPoint {
     pub name: String,
     /// The parts whose points are averaged: one, or two for a midpoint such as `Hip`.
     pub places: Vec<(PartId, ScaledVector)>,
-    /// Standard deviation of each coordinate of where it lies in the flesh, metres: sources that say where a joint's
-    /// centre is differ, and no silhouette shows it.
-    pub sd_m: f64,
+    /// Standard deviations of where it lies in the flesh along the axes of its (first) part, metres: sources that say
+    /// where a joint's centre is differ, and no silhouette shows it.
+    pub sd_m: Vector3<f64>,
 }
 
 /// Gaussian of the shape coefficients, p(s).
@@ -296,11 +296,11 @@ impl BodyModel {
                 });
             }
         }
-        if let Some(point) = self.points.iter().find(|p| !(0.0..=1.0).contains(&p.sd_m)) {
-            return Err(ModelError::Number {
-                place: format!("sd of point {}", point.name),
-                value: point.sd_m,
-            });
+        for point in &self.points {
+            if let Some(&value) = point.sd_m.iter().find(|sd| !(0.0..=1.0).contains(*sd)) {
+                let place = format!("sd of point {}", point.name);
+                return Err(ModelError::Number { place, value });
+            }
         }
         let n = self.coefficients.len();
         if n > 0 && self.statistics.covariance.clone().cholesky().is_none() {

@@ -4,7 +4,7 @@
 //! matrix of eq. 1 is block-tridiagonal (block-pentadiagonal with constant velocity), and a step is one pass
 //! forwards and one backwards: O(n). Algorithm 1's winner is its start.
 
-use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix3, Vector3};
 
 use super::Evidence;
 use rayon::prelude::*;
@@ -77,6 +77,15 @@ pub struct FrameUncertainty {
     pub points: Vec<Matrix3<f64>>,
 }
 
+/// The fraction of E below which a step's decrease ends the optimisation.
+///
+/// E of n frames of m components errs by √(nm/2) about its optimum under its own posterior, 65 for 200 frames of a
+/// body; this fraction of it is a few units.
+const TOLERANCE: f64 = 1e-4;
+
+/// What one frame shows, as terms of −log p(Zᵢ | mᵢ, s).
+pub type Terms<'a> = Vec<Box<dyn Term + 'a>>;
+
 /// The joint optimum of a sequence, from a first shape and motion.
 pub fn joint_optimum(
     evidence: &Evidence<'_>,
@@ -84,12 +93,19 @@ pub fn joint_optimum(
     start: SequenceState,
     options: &JointOptions,
 ) -> Joint {
-    let terms: Vec<Vec<Box<dyn Term + '_>>> = sequence
-        .frames
-        .iter()
-        .map(|f| evidence.terms(f, Detail::Fine))
-        .collect();
-    let seconds = intervals(sequence);
+    let frames = sequence.frames.par_iter();
+    let terms: Vec<Terms<'_>> = frames.map(|f| evidence.terms(f, Detail::Fine)).collect();
+    joint_optimum_of(evidence, &terms, &intervals(sequence), start, options)
+}
+
+/// The joint optimum of what each frame shows; `seconds[i]` lie between frames i − 1 and i.
+pub fn joint_optimum_of<'a>(
+    evidence: &Evidence<'_>,
+    terms: &[Terms<'a>],
+    seconds: &[f64],
+    start: SequenceState,
+    options: &JointOptions,
+) -> Joint {
     let times: Vec<f64> = seconds
         .iter()
         .scan(0.0, |t, s| {
@@ -101,7 +117,7 @@ pub fn joint_optimum(
     let solver = Options {
         max_iterations: options.iterations,
         damping: 1e-4,
-        relative_decrease: 1e-5,
+        relative_decrease: TOLERANCE,
     };
     let posterior = |noise: &Noise| SequencePosterior {
         model: evidence.model,
@@ -109,15 +125,15 @@ pub fn joint_optimum(
         shape_weight: noise.over_time,
         pose_prior: &evidence.pose_prior,
         chain_prior: &chain_prior,
-        seconds: &seconds,
-        terms: &terms,
+        seconds,
+        terms,
         data_weight: noise.data_weight(),
     };
     // 1. the optimum, every row as it is stated
-    let stated = Noise::stated(sequence.frames.len());
+    let stated = Noise::stated(terms.len());
     let solution = levenberg_marquardt(&posterior(&stated), start, &solver);
     // 2. how the residuals err there
-    let residuals = residuals(evidence.model, &terms, &solution.state);
+    let residuals = residuals(evidence.model, terms, &solution.state);
     let noise = Noise::of(&residuals, &times);
     // 3. how sure the optimum is, with rows that err so
     let sharp = posterior(&noise);
@@ -170,10 +186,15 @@ fn uncertainty(
 ) -> Option<Uncertainty> {
     let mut frames = Vec::new();
     let mut shape = DMatrix::zeros(0, 0);
+    let mut factor = None;
     let complete = chain.marginals(|i, marginal| {
-        shape = marginal.shared * tau;
+        // the same in every frame
+        let factor = factor.get_or_insert_with(|| {
+            shape = marginal.shared * tau;
+            marginal.shared.clone().cholesky()
+        });
         let body = Posed::new(model, &state.shape, &state.motions[i]);
-        frames.extend(frame_uncertainty(&body, marginal, tau));
+        frames.extend(frame_uncertainty(&body, marginal, factor.as_ref(), tau));
     });
     frames.reverse();
     (complete && frames.len() == state.motions.len()).then_some(Uncertainty { shape, frames })
@@ -182,13 +203,14 @@ fn uncertainty(
 fn frame_uncertainty(
     body: &Posed<'_>,
     marginal: &Marginal<'_>,
+    shared: Option<&Cholesky<f64, Dyn>>,
     tau: f64,
 ) -> Option<FrameUncertainty> {
     let layout = Layout::of(body.model);
     let (m, p) = (layout.motion(), layout.total() - layout.motion());
     let mut motion = marginal.frame.clone();
     if p > 0 {
-        let depends = marginal.shared.clone().cholesky()?.solve(marginal.cross);
+        let depends = shared?.solve(marginal.cross);
         motion += marginal.cross.tr_mul(&depends) * (tau - 1.0);
     }
     let mut all = DMatrix::zeros(m + p, m + p);
@@ -206,8 +228,7 @@ fn frame_uncertainty(
     let point = |index: usize| {
         let jacobian = body.point_jacobian(index);
         let covariance = &jacobian * &all * jacobian.transpose();
-        let placed = Matrix3::identity() * body.model.points[index].sd_m.powi(2);
-        covariance.fixed_view::<3, 3>(0, 0) + placed
+        covariance.fixed_view::<3, 3>(0, 0) + body.point_spread(index)
     };
     Some(FrameUncertainty {
         position_sd_m: root(0),

@@ -10,7 +10,9 @@
 //!    mean product of two y of one place far apart in time), I what does not. N of them are worth
 //!    V/(P + I′/N), with I′ = I and what it shares with its neighbours in time.
 //!
-//! The data's cost is divided by κ²λ, for all unknowns alike. What returns is no noise that a frame's motion
+//!    Within a frame, k cameras that show a place share P as well: k of its y are worth k/μ, μ = 1 + (k − 1)·P/V.
+//!
+//! The data's cost is divided by κ²λμ, for all unknowns alike. What returns is no noise that a frame's motion
 //! would average out, but neither are n frames n times the evidence about s: p(s) counts τ = N/N_eff times
 //! against the data, which is the same as weighing the data by 1/τ where they speak of s.
 
@@ -25,6 +27,8 @@ pub struct Noise {
     pub scale: f64,
     /// λ: how many of the stated independent observations along a border are one.
     pub along_border: f64,
+    /// μ: how many cameras that show one place in one frame are one.
+    pub within_frame: f64,
     /// √(P/V): which part of a place's mean residual returns in every frame.
     pub repeated: f64,
     /// τ: how many observations of s are one.
@@ -45,6 +49,7 @@ impl Noise {
         Self {
             scale: 1.0,
             along_border: 1.0,
+            within_frame: 1.0,
             repeated: 0.0,
             over_time: (frames as f64).sqrt().max(1.0),
         }
@@ -58,14 +63,15 @@ impl Noise {
         Self {
             scale,
             along_border: along_border(frames, scale),
+            within_frame: 1.0 + (views_of_a_place(&places) - 1.0) * repeated * repeated,
             repeated,
             over_time,
         }
     }
 
-    /// What the data's cost is to be multiplied with: 1/(κ²λ).
+    /// What the data's cost is to be multiplied with: 1/(κ²λμ).
     pub fn data_weight(&self) -> f64 {
-        1.0 / (self.scale * self.scale * self.along_border)
+        1.0 / (self.scale * self.scale * self.along_border * self.within_frame)
     }
 }
 
@@ -144,6 +150,18 @@ fn places(frames: &[Vec<PlacedResidual>], seconds: &[f64], scale: f64) -> Vec<Pl
         }
     }
     places.into_values().collect()
+}
+
+/// k, as a mean over all y.
+fn views_of_a_place(places: &[Place]) -> f64 {
+    let (mut squares, mut count) = (0usize, 0usize);
+    for place in places {
+        for at_once in place.chunk_by(|a, b| a.0.total_cmp(&b.0).is_eq()) {
+            squares += at_once.len() * at_once.len();
+            count += at_once.len();
+        }
+    }
+    squares as f64 / count.max(1) as f64
 }
 
 /// (√(P/V), τ).

@@ -11,7 +11,7 @@ pub struct Options {
     pub max_iterations: usize,
     /// First λ; 0 would be Gauss–Newton.
     pub damping: f64,
-    /// Ends when an accepted step lowers the cost by less than this fraction of it.
+    /// Ends when an accepted step lowers the cost by less than this fraction of it, or a dropped one promised less.
     pub relative_decrease: f64,
 }
 
@@ -101,7 +101,11 @@ pub fn levenberg_marquardt<P: Problem>(
         let candidate_cost = problem.linearize(&candidate, &mut candidate_model);
         let decrease = cost - candidate_cost;
         if decrease.is_nan() || decrease <= 0.0 {
-            // drop it, and be more careful
+            // drop it; with more care less is to be had than it promised
+            if model.predicted_decrease(&delta) <= options.relative_decrease * cost.abs() {
+                termination = Termination::Converged;
+                break;
+            }
             lambda = (lambda * growth).max(1e-9);
             growth *= 2.0;
             if lambda > MAX_DAMPING || negligible(&delta) {
@@ -199,6 +203,35 @@ mod tests {
             "{:?}",
             solution.report.costs
         );
+    }
+
+    /// |x| made of halves that meet in a kink, where every step of the right half's model is too long.
+    struct Kink;
+
+    impl Problem for Kink {
+        type State = f64;
+        type Model = NormalEquations;
+        fn empty_model(&self) -> NormalEquations {
+            NormalEquations::zeros(1)
+        }
+        fn cost(&self, x: &f64) -> f64 {
+            1.0 + 1e-6 * x.max(-1e6 * x)
+        }
+        fn linearize(&self, x: &f64, equations: &mut NormalEquations) -> f64 {
+            equations.gradient[0] += 1e-6;
+            equations.hessian[(0, 0)] += 1e-6;
+            self.cost(x)
+        }
+        fn retract(&self, x: &f64, delta: &DVector<f64>) -> f64 {
+            x + delta[0]
+        }
+    }
+
+    #[test]
+    fn a_dropped_step_that_promised_less_than_the_tolerance_ends_it() {
+        let solution = levenberg_marquardt(&Kink, 0.0, &Options::default());
+        assert_eq!(solution.report.termination, Termination::Converged);
+        assert_eq!(solution.report.iterations, 1);
     }
 
     #[test]

@@ -357,7 +357,7 @@ impl Builder<'_> {
                 self.model.points.push(NamedPoint {
                     name: format!("{prefix}{}", spec.name),
                     places,
-                    sd_m: spec.sd,
+                    sd_m: spec.sd.into(),
                 });
             }
             return Ok(());
@@ -376,7 +376,7 @@ impl Builder<'_> {
         self.model.points.push(NamedPoint {
             name: spec.name.clone(),
             places,
-            sd_m: spec.sd,
+            sd_m: spec.sd.into(),
         });
         Ok(())
     }

@@ -134,7 +134,7 @@ pub(super) struct PointSpec {
     pub(super) at: [f64; 3],
     pub(super) at_scale: Option<[String; 3]>,
     #[serde(default)]
-    pub(super) sd: f64,
+    pub(super) sd: [f64; 3],
     #[serde(default)]
     pub(super) midpoint: Vec<String>,
 }

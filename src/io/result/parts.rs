@@ -146,6 +146,7 @@ fn shape(fit: &Fit, model: &BodyModel) -> ShapePart {
         noise: fit.noise.map(|noise| NoisePart {
             scale: noise.scale,
             along_border: noise.along_border,
+            within_frame: noise.within_frame,
             repeated: noise.repeated,
             over_time: noise.over_time,
         }),

@@ -206,6 +206,8 @@ pub struct NoisePart {
     pub scale: f64,
     /// How many of the stated independent observations along a border are one.
     pub along_border: f64,
+    /// How many cameras that show one place of the body in one frame are one.
+    pub within_frame: f64,
     /// Which part of a place's mean residual returns in every frame.
     pub repeated: f64,
     /// How many observations of the shape, over frames and cameras, are one.
