@@ -24,7 +24,9 @@ use maquette::likelihood::{
     SurfacePoint, Term,
 };
 use maquette::silhouette::{FrameIndex, FrameObservations, SilhouetteOptions, extract};
-use maquette::solver::{NormalEquations, Options, QuadraticModel, levenberg_marquardt};
+use maquette::solver::{
+    BorderedChain, NormalEquations, Options, QuadraticModel, levenberg_marquardt,
+};
 use maquette::synth::{Recipe, Ring, Synthetic};
 use nalgebra::Vector3;
 
@@ -291,4 +293,45 @@ fn field_with_slopes(bencher: divan::Bencher<'_, '_>) {
         }
         sum
     });
+}
+
+/// One step of the joint optimum: factor, forwards, backwards; a person's motions and shape, constant velocity.
+/// Items are frames.
+#[divan::bench(args = [200, 2000])]
+fn joint_step(bencher: divan::Bencher<'_, '_>, frames: usize) {
+    let chain = person_chain(frames);
+    bencher
+        .counter(ItemsCount::new(frames))
+        .bench_local(|| chain.minimizer(1e-4));
+}
+
+/// The marginal covariances of every frame; items are frames.
+#[divan::bench(args = [200, 2000])]
+fn joint_marginals(bencher: divan::Bencher<'_, '_>, frames: usize) {
+    let chain = person_chain(frames);
+    bencher.counter(ItemsCount::new(frames)).bench_local(|| {
+        chain.marginals(|_, marginal| {
+            let _ = divan::black_box(marginal.frame[(0, 0)]);
+        })
+    });
+}
+
+/// A positive definite chain of the size of `human-metaballs`.
+fn person_chain(frames: usize) -> BorderedChain {
+    let model = model::load("human-metaballs", Path::new("")).expect("a shipped model");
+    let layout = Layout::of(&model);
+    let (m, p) = (layout.motion(), layout.total() - layout.motion());
+    let mut chain = BorderedChain::zeros(frames, m, p, 2);
+    for (i, link) in chain.links.iter_mut().enumerate() {
+        link.diagonal.fill_with_identity();
+        link.diagonal *= 10.0;
+        let couplings = link.couplings.iter_mut();
+        couplings.for_each(|c| *c = -nalgebra::DMatrix::identity(m, m));
+        link.border.fill(1e-3);
+        link.gradient.fill((i as f64).sin());
+    }
+    chain.corner.fill_with_identity();
+    chain.corner *= frames as f64;
+    chain.corner_gradient.fill(1.0);
+    chain
 }
