@@ -11,6 +11,7 @@
 //! | p(Zᵢ given mᵢ, s)            | [`likelihood`]                                          |
 //! | p(s), p(mᵢ given mᵢ₋₁), argmax | [`inference`]                                         |
 //! | least squares                | [`solver`]                                              |
+//! | the skin as a mesh           | [`skin`]                                                |
 //! | recordings with truth        | [`synth`], [`render`]                                   |
 //! | the order of the stages      | [`pipeline`]                                            |
 //! | files                        | [`io`]                                                  |
@@ -27,6 +28,7 @@ pub mod math;
 pub mod pipeline;
 pub mod render;
 pub mod silhouette;
+pub mod skin;
 pub mod solver;
 pub mod stereo;
 pub mod synth;

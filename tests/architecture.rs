@@ -12,7 +12,7 @@ const LAYERS: &[&[&str]] = &[
     &["math"],
     &["camera", "image", "solver"],
     &["body", "stereo"],
-    &["silhouette", "render"],
+    &["silhouette", "render", "skin"],
     &["likelihood"],
     &["inference", "synth", "gait"],
     &["pipeline"],

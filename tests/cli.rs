@@ -10,3 +10,5 @@ mod others;
 mod refusals;
 #[path = "cli/resume.rs"]
 mod resume;
+#[path = "cli/skin.rs"]
+mod skin;

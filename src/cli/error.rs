@@ -5,8 +5,10 @@ use crate::io::model::ModelFileError;
 use crate::io::out_folder::OutError;
 use crate::io::overlays::OverlayError;
 use crate::io::recording::RecordingError;
+use crate::io::result::ResultError;
 use crate::io::synthetic::SyntheticError;
 use crate::pipeline::FitError;
+use crate::skin::SkinError;
 use crate::synth::WalkError;
 
 /// Why a command could not be carried out.
@@ -30,6 +32,28 @@ pub(super) enum CliError {
         /// Last frame of the recording.
         last: usize,
     },
+    /// No fitted frame is what was asked for.
+    #[error("{asked}: no fitted frame has such a number: the result has {first} to {last}")]
+    NotFitted {
+        /// As asked for.
+        asked: String,
+        /// First fitted frame.
+        first: usize,
+        /// Last fitted frame.
+        last: usize,
+    },
+    /// A mesh of no known format.
+    #[error("--skin {}: expected a name that ends in .ply or .obj", path.display())]
+    MeshFormat {
+        /// As asked for.
+        path: std::path::PathBuf,
+    },
+    /// A result that cannot be read.
+    #[error(transparent)]
+    Result(#[from] ResultError),
+    /// A body that has no skin.
+    #[error(transparent)]
+    Skin(#[from] SkinError),
     /// The body.
     #[error(transparent)]
     Model(#[from] ModelFileError),

@@ -6,7 +6,7 @@ mod input;
 use std::fs;
 use std::time::Instant;
 
-pub(super) use arguments::{ABOUT, EXAMPLES, FitArguments};
+pub(super) use arguments::{ABOUT, EXAMPLES, FitArguments, FrameRange};
 use input::{Input, identity, read};
 
 use super::error::{CliError, one_line};

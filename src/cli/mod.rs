@@ -5,6 +5,7 @@
 //! | `fit.rs`      | `maquette fit`: reads, calls the pipeline, writes               |
 //! | `synth.rs`    | `maquette synth`                                                |
 //! | `models.rs`   | `maquette models`                                               |
+//! | `skin.rs`     | `maquette skin`, and the skins of `maquette models`             |
 //! | `progress.rs` | a bar for each stage                                            |
 //! | `summary.rs`  | what is said of a fit, for a person and as JSON                 |
 //! | `table.rs`    | columns                                                         |
@@ -16,6 +17,7 @@ mod error;
 mod fit;
 mod models;
 mod progress;
+mod skin;
 mod summary;
 mod synth;
 mod table;
@@ -48,6 +50,8 @@ Examples:
     maquette fit my-recording --fps 50 --out out/me
   the same again, with pictures of the fit:
     maquette fit my-recording --fps 50 --out out/me --overwrite --overlays
+  the fitted body's skin, a mesh and a picture for each frame (models with metaballs):
+    maquette skin out/me --picture
   a recording of somebody else, with the truth:
     maquette synth out/somebody --seed 7
 
@@ -58,8 +62,12 @@ enum Command {
     /// Fit a body to a recording: shape, motion and confidence
     #[command(long_about = fit::ABOUT, after_help = fit::EXAMPLES)]
     Fit(fit::FitArguments),
-    /// List the body models that come with the program
-    Models,
+    /// Make the skin of a fitted body, as meshes and pictures
+    #[command(long_about = skin::ABOUT, after_help = skin::EXAMPLES)]
+    Skin(skin::SkinArguments),
+    /// List the body models that come with the program, or show one
+    #[command(long_about = models::ABOUT)]
+    Models(models::ModelsArguments),
     /// Make a recording of a walking person, with the truth beside it
     #[command(long_about = synth::ABOUT)]
     Synth(synth::SynthArguments),
@@ -70,7 +78,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let done = match Arguments::try_parse_from(arguments) {
         Ok(arguments) => match arguments.command {
             Command::Fit(arguments) => fit::run(&arguments),
-            Command::Models => models::run(),
+            Command::Skin(arguments) => skin::run(&arguments),
+            Command::Models(arguments) => models::run(&arguments),
             Command::Synth(arguments) => synth::run(&arguments),
         },
         Err(fault) if is_help(fault.kind()) => {

@@ -4,6 +4,7 @@ pub mod calibration;
 pub mod cloud;
 pub mod journal;
 pub mod manifest;
+pub mod mesh;
 pub mod model;
 pub mod out_folder;
 pub mod overlays;

@@ -78,9 +78,9 @@ pub fn check_out(folder: &Path, existing: Existing) -> Result<(), OutError> {
     Ok(())
 }
 
-/// Everything that a run writes into the folder but its journal, in the order in which it is replaced: the result last,
-/// so that where it stands all of it stands.
-const RESULTS: [&str; 3] = ["overlays", "joints.trc", "result.json"];
+/// Everything that a run writes into the folder but its journal, and the skins made of it, in the order in which it is
+/// replaced: the result last, so that where it stands all of it stands.
+const RESULTS: [&str; 4] = ["overlays", "skin", "joints.trc", "result.json"];
 
 /// Names of what is still being written begin so.
 const UNFINISHED: &str = ".writing-";

@@ -87,7 +87,11 @@ fn picture(
     Ok(mask.and_then(over))
 }
 
-fn write_picture(canvas: &Canvas, path: PathBuf) -> Result<(), OverlayError> {
+/// Writes a picture as PNG.
+///
+/// # Errors
+/// [`OverlayError::Write`] and [`OverlayError::Encode`].
+pub fn write_picture(canvas: &Canvas, path: PathBuf) -> Result<(), OverlayError> {
     let pixels = canvas.pixels();
     let mut bytes = Vec::new();
     let encoder =

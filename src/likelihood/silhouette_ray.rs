@@ -152,7 +152,7 @@ impl SilhouetteRays {
     pub fn residuals(&self, body: &Posed<'_>) -> Vec<RayResidual> {
         let mut all = Vec::with_capacity(self.border_points());
         let field = Field::of(body);
-        let scale = self.scale.posed(body, &field);
+        let scale = self.scale.constant(&field);
         self.touches((&field, &scale), |touch, sample| {
             all.push(RayResidual {
                 view: touch.view,
@@ -238,7 +238,7 @@ impl Term for SilhouetteRays {
     fn cost(&self, body: &Posed<'_>) -> f64 {
         let mut cost = 0.0;
         let field = Field::of(body);
-        let scale = self.scale.posed(body, &field);
+        let scale = self.scale.constant(&field);
         self.touches((&field, &scale), |touch, _| {
             cost += 0.5 * touch.loss(self.options.loss).0;
         });
@@ -251,7 +251,7 @@ impl Term for SilhouetteRays {
         let mut sums = LimbSums::new(&slopes);
         let mut row = FieldRow::default();
         let mut cost = 0.0;
-        let scale = self.scale.posed(body, &field);
+        let scale = self.scale.constant(&field);
         self.touches((&field, &scale), |touch, sample| {
             let (rho, weight) = touch.loss(self.options.loss);
             cost += 0.5 * rho;

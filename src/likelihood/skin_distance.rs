@@ -8,7 +8,9 @@
 //! value at the skin, r = (ψ − ψ_T)·R is a distance in metres near the skin, positive outside. R is the local
 //! length, Σ wᵢ Rᵢ over the metaballs there. Rᵢ is 1/‖∇ψ‖ at the skin around metaball i of the mean body at rest, and
 //! grows with the metaball's radii: Rᵢ = R̄ᵢ Πₖ (aᵢₖ/āᵢₖ)^qᵢₖ, qᵢₖ the mean square of the skin's normal along axis k.
-//! (Were it a constant, a fatter body would make every residual smaller: fits to points inflated.)
+//! (Were it a constant, a fatter body would make every residual smaller: fits to points inflated. For lines of sight it
+//! is one, qᵢₖ = 0: a border is seen from all sides, so there is less to gain by fattening; but masks have outliers of
+//! tens of centimetres, and a body that grows thin across them made those smaller at a walk in a busy room.)
 //! With L = ln F: ∂ψ = −∂L/(4ψ), ∂wᵢ = wᵢ (∂ ln fᵢ − ∂L), so that
 //!
 //! ∂r = Σ wᵢ (αᵢ ∂ ln fᵢ + Σₖ γᵢₖ ∂ ln aᵢₖ), αᵢ = −R/(4ψ) + (ψ − ψ_T)(Rᵢ − R), γᵢₖ = (ψ − ψ_T) Rᵢ qᵢₖ.
@@ -118,6 +120,16 @@ impl SkinScale {
             offset,
             at_skin,
             balls,
+        }
+    }
+
+    /// R̄ᵢ whatever the shape: for lines of sight, see the module.
+    pub fn constant(&self, field: &Field) -> PosedScale<'_> {
+        let of = |ball: usize| Some(self.balls.get(field.source(ball)?)?.length_m);
+        let lengths = (0..field.metaballs.len()).map(|i| of(i).unwrap_or(FIELD_RADIUS_M));
+        PosedScale {
+            scale: self,
+            balls: lengths.map(|length| (length, Vector3::zeros())).collect(),
         }
     }
 

@@ -38,6 +38,11 @@ impl Canvas {
         Self { pixels }
     }
 
+    /// A picture as it is.
+    pub fn of_pixels(pixels: Plane<Rgb>) -> Self {
+        Self { pixels }
+    }
+
     /// The picture.
     pub fn pixels(&self) -> &Plane<Rgb> {
         &self.pixels

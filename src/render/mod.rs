@@ -5,6 +5,7 @@
 //! | `raycast.rs` | [`silhouette`]: the mask of a metaball body, by casting rays       |
 //! | `profile.rs` | [`RayProfile`]: the field along one ray, as a sum of bumps          |
 //! | `canvas.rs`  | [`Canvas`]: smooth lines and dots in a picture                      |
+//! | `shade.rs`   | [`shade`]: a shaded picture of a metaball body                      |
 //! | `overlay.rs` | [`overlay`]: a mask with the fitted outline and joints over it      |
 //!
 //! Nothing here is shared with the likelihoods: what is rendered here is what they are tested on.
@@ -13,8 +14,10 @@ mod canvas;
 mod overlay;
 mod profile;
 mod raycast;
+mod shade;
 
 pub use canvas::{Canvas, Pen, Rgb};
 pub use overlay::overlay;
 pub use profile::{Bump, RayProfile};
 pub use raycast::silhouette;
+pub use shade::{portrait_camera, shade};

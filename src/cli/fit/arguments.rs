@@ -106,9 +106,9 @@ enum Switch {
 
 /// Frame numbers, both included.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct FrameRange {
-    pub(super) first: usize,
-    pub(super) last: usize,
+pub(in crate::cli) struct FrameRange {
+    pub(in crate::cli) first: usize,
+    pub(in crate::cli) last: usize,
 }
 
 impl FromStr for FrameRange {

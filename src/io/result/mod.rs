@@ -5,6 +5,7 @@
 //! | `schema.rs`  | [`ResultFile`], field by field                               |
 //! | `parts.rs`   | how a fit is written down in it                              |
 //! | `layout.rs`  | where its lines break                                        |
+//! | `read.rs`    | a result read back                                          |
 //! | `joints.rs`  | [`trajectories`]: the points, in Pose2Sim's order            |
 //!
 //! The same fit gives the same bytes: no clock, no path of this machine.
@@ -12,6 +13,7 @@
 mod joints;
 mod layout;
 mod parts;
+mod read;
 mod schema;
 
 use serde::Serialize;
@@ -19,6 +21,7 @@ use serde_json::Serializer;
 
 pub use joints::trajectories;
 pub use parts::Provenance;
+pub use read::ResultError;
 pub use schema::{
     CameraPart, CoefficientPart, FramePart, FrameSdPart, HypothesisPart, InputPart, LengthPart,
     MissingPart, MotionPart, NoisePart, OriginPart, OutcomePart, PointPart, PosteriorPart, Program,

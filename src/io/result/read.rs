@@ -1,0 +1,115 @@
+//! A result read back: the body as it was fitted.
+
+use std::path::{Path, PathBuf};
+
+use nalgebra::{DVector, Rotation3, Vector3};
+
+use super::{FramePart, ResultFile};
+use crate::body::{BodyModel, Motion, Shape};
+
+/// Why a result cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ResultError {
+    /// No result there.
+    #[error(
+        "{}: cannot be read: {source}; expected the folder of a finished `maquette fit`",
+        path.display()
+    )]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// Not the fields of a result.
+    #[error("{}:{}: not a result of `maquette fit`: {source}", path.display(), source.line())]
+    Syntax {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        source: serde_json::Error,
+    },
+    /// A result of another body than the one that is given.
+    #[error(
+        "the result is of body model {body} with {expected} {kind}; the model {found_body} that is given has {found} or other names"
+    )]
+    Body {
+        /// Name of the model in the result.
+        body: String,
+        /// Name of the model that is given.
+        found_body: String,
+        /// angles or shape coefficients.
+        kind: &'static str,
+        /// Their number in the result.
+        expected: usize,
+        /// Their number in the model.
+        found: usize,
+    },
+}
+
+impl ResultFile {
+    /// Reads the `result.json` of a folder.
+    ///
+    /// # Errors
+    /// [`ResultError::Read`] and [`ResultError::Syntax`].
+    pub fn read(folder: &Path) -> Result<Self, ResultError> {
+        let path = folder.join("result.json");
+        match std::fs::read(&path) {
+            Ok(bytes) => {
+                let parsed = serde_json::from_slice(&bytes);
+                parsed.map_err(|source| ResultError::Syntax { path, source })
+            }
+            Err(source) => Err(ResultError::Read { path, source }),
+        }
+    }
+
+    /// s, if the result is of this model.
+    ///
+    /// # Errors
+    /// [`ResultError::Body`] if the coefficients or angles of the model have other names.
+    pub fn shape_of(&self, model: &BodyModel) -> Result<Shape, ResultError> {
+        let coefficients = &self.shape.coefficients;
+        let names = coefficients.iter().map(|c| c.name.as_str());
+        let expected = model.coefficients.iter().map(String::as_str);
+        if !names.eq(expected) {
+            let counts = (coefficients.len(), model.coefficients.len());
+            return Err(self.other_body(model, "shape coefficients", counts));
+        }
+        let angles = self.motion.angles.iter().map(String::as_str);
+        let joints = model.joints.iter().map(|j| j.name.as_str());
+        let whole = |frame: &FramePart| frame.angles_rad.len() == model.joints.len();
+        if !angles.eq(joints) || !self.motion.frames.iter().all(whole) {
+            let counts = (self.motion.angles.len(), model.joints.len());
+            return Err(self.other_body(model, "angles", counts));
+        }
+        let values = coefficients.iter().map(|c| c.value);
+        Ok(Shape(DVector::from_iterator(coefficients.len(), values)))
+    }
+
+    fn other_body(
+        &self,
+        model: &BodyModel,
+        kind: &'static str,
+        (expected, found): (usize, usize),
+    ) -> ResultError {
+        ResultError::Body {
+            body: self.body.clone(),
+            found_body: model.name.clone(),
+            kind,
+            expected,
+            found,
+        }
+    }
+}
+
+impl FramePart {
+    /// mᵢ.
+    pub fn motion(&self) -> Motion {
+        Motion {
+            position_world: Vector3::from(self.position_m),
+            world_from_root: Rotation3::from_scaled_axis(Vector3::from(self.rotation_rad)),
+            angles: DVector::from_column_slice(&self.angles_rad),
+        }
+    }
+}
