@@ -150,11 +150,11 @@ fn the_human_is_as_tall_and_as_long_as_its_sources_say() {
     let length = |a: &str, b: &str| {
         (points[model.point(a).unwrap()] - points[model.point(b).unwrap()]).norm() / 1.70
     };
-    // fractions of stature, docs/anthropometry.md sections 2 and 10
+    // fractions of stature, docs/anthropometry.md sections 2, 10 and 12
     for (a, b, fraction) in [
         ("RHip", "RKnee", 0.2426),
         ("RKnee", "RAnkle", 0.245),
-        ("RShoulder", "RElbow", 0.160),
+        ("RShoulder", "RElbow", 0.156),
         ("RElbow", "RWrist", 0.153),
         ("RHip", "LHip", 0.100),
         ("RShoulder", "LShoulder", 0.201),

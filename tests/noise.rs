@@ -115,7 +115,7 @@ fn the_scale_is_found_whatever_it_is() {
             2,
         );
         approx::assert_relative_eq!(noise.scale, scale, max_relative = 0.01);
-        let weight = 1.0 / (noise.scale * noise.scale * noise.along_border);
+        let weight = 1.0 / (noise.scale.powi(2) * noise.along_border * noise.within_frame);
         approx::assert_relative_eq!(noise.data_weight(), weight);
     }
 }
@@ -166,6 +166,21 @@ fn the_more_returns_the_fewer_observations_are_worth_one() {
     // if everything returned, the N observations of a place would be worth one
     let all = (FRAMES * VIEWS) as f64;
     assert!(most > 0.5 * all && most <= all, "{most} of {all}");
+}
+
+/// μ = 1 + (k − 1)·P/V of the k = 4 cameras that show every place.
+#[test]
+fn cameras_that_show_one_place_share_what_returns() {
+    let alone = estimated(INDEPENDENT, 6);
+    assert!((1.0..1.02).contains(&alone.within_frame), "{alone:?}");
+    let truth = Truth {
+        repeated: 0.9,
+        ..INDEPENDENT
+    };
+    let shared = estimated(truth, 6);
+    let expected = 1.0 + (VIEWS as f64 - 1.0) * shared.repeated.powi(2);
+    approx::assert_relative_eq!(shared.within_frame, expected, max_relative = 1e-9);
+    assert!(shared.within_frame > 3.0, "{shared:?}");
 }
 
 #[test]

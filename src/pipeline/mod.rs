@@ -20,6 +20,7 @@ mod scene;
 mod uncertainty;
 mod unseen;
 mod warning;
+mod warning_text;
 
 pub use confidence::{ShapeConfidence, rest_lengths_m};
 pub use fit::{Fit, FitError, FittedFrame, TriedHypothesis, fit};

@@ -143,3 +143,69 @@ impl Disagreement {
         Some(warning(Frames(self.frames), share, by_m))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use nalgebra::Point3;
+
+    use super::*;
+    use crate::body::Motion;
+    use crate::inference::propagate::FrameFit;
+    use crate::silhouette::FrameIndex;
+    use crate::stereo::Spread;
+
+    /// What is said of two frames of points, known to 2 mm, of this quality.
+    fn said(outside: Option<(f64, f64)>, off_skin_m: Option<f64>) -> Vec<String> {
+        let model = crate::io::model::load("arm", Path::new("")).unwrap();
+        let fitted = |number| FittedFrame {
+            frame: FrameIndex(number),
+            fit: FrameFit {
+                motion: Motion::rest(&model),
+                data: 0.0,
+                pose: 0.0,
+                step: 0.0,
+                observations: 0.0,
+                recovered: false,
+            },
+            uncertainty: None,
+            points_world: Vec::new(),
+            views: Vec::new(),
+            points: Some(PointQuality {
+                points: 1,
+                outside: outside.map_or(0.0, |(share, _)| share),
+                outside_m: outside.map(|(_, by_m)| by_m),
+                off_skin_m,
+            }),
+        };
+        let observed = |number| FrameObservations {
+            points: vec![CloudPoint {
+                position_world: Point3::origin(),
+                spread: Spread::Isotropic(0.002),
+            }],
+            ..FrameObservations::nothing(FrameIndex(number))
+        };
+        let told = warnings(&[fitted(7), fitted(8)], &[observed(7), observed(8)]);
+        told.iter().map(ToString::to_string).collect()
+    }
+
+    #[test]
+    fn points_off_the_skin_are_told_once_they_are_far_beyond_their_deviation() {
+        assert_eq!(said(None, None), [""; 0]);
+        // σ is 1.02 cm with the surface's own
+        assert_eq!(said(None, Some(0.03)), [""; 0]);
+        let told = said(None, Some(0.12));
+        let start = "points and silhouettes disagree in 2 frames (7, 8): half of the points lie 0.12 m or more off the skin";
+        assert!(told.len() == 1 && told[0].starts_with(start), "{told:?}");
+    }
+
+    #[test]
+    fn points_outside_are_told_once_and_not_as_off_the_skin_too() {
+        let told = said(Some((0.6, 0.3)), Some(0.2));
+        let start = "points and silhouettes disagree in 2 frames (7, 8): 60 % of the points lie outside a silhouette, by 0.30 m";
+        assert!(told.len() == 1 && told[0].starts_with(start), "{told:?}");
+        // a limb that a bitten mask lacks
+        assert_eq!(said(Some((0.2, 0.3)), Some(0.01)), [""; 0]);
+    }
+}

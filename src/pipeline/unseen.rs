@@ -96,16 +96,19 @@ mod tests {
     use crate::pipeline::PointQuality;
     use crate::silhouette::FrameIndex;
 
-    /// A frame whose angles are as uncertain as this; it has points, or nothing at all.
-    fn frame(model: &BodyModel, number: usize, angles_sd: [f64; 4], seen: bool) -> FittedFrame {
-        let points = PointQuality {
-            points: 1,
-            outside: 0.0,
-            outside_m: None,
-            off_skin_m: None,
-        };
+    const SEEN: Option<PointQuality> = Some(PointQuality {
+        points: 1,
+        outside: 0.0,
+        outside_m: None,
+        off_skin_m: None,
+    });
+
+    /// What a frame shows, and how uncertain its angles are.
+    type Case = ([f64; 4], Option<PointQuality>);
+
+    fn frame(model: &BodyModel, (angles_sd, points): &Case) -> FittedFrame {
         FittedFrame {
-            frame: FrameIndex(number),
+            frame: FrameIndex(0),
             fit: FrameFit {
                 motion: Motion::rest(model),
                 data: 0.0,
@@ -117,19 +120,18 @@ mod tests {
             uncertainty: Some(FrameUncertainty {
                 position_sd_m: Vector3::zeros(),
                 rotation_sd: Vector3::zeros(),
-                angles_sd: DVector::from_row_slice(&angles_sd),
+                angles_sd: DVector::from_row_slice(angles_sd),
                 points: Vec::new(),
             }),
             points_world: Vec::new(),
             views: Vec::new(),
-            points: seen.then_some(points),
+            points: *points,
         }
     }
 
-    fn said(frames: &[([f64; 4], bool)]) -> Option<String> {
+    fn said(frames: &[Case]) -> Option<String> {
         let model = crate::io::model::load("arm", Path::new("")).unwrap();
-        let fitted = |(i, (sd, seen)): (usize, &([f64; 4], bool))| frame(&model, i, *sd, *seen);
-        let fitted: Vec<FittedFrame> = frames.iter().enumerate().map(fitted).collect();
+        let fitted: Vec<FittedFrame> = frames.iter().map(|case| frame(&model, case)).collect();
         let prior = vec![DVector::repeat(4, 0.5); frames.len()];
         Some(warning(&model, &fitted, &prior)?.to_string())
     }
@@ -138,24 +140,24 @@ mod tests {
     fn a_part_whose_angles_keep_their_prior_in_most_frames_is_named() {
         let (blind, sure) = ([0.1, 0.1, 0.1, 0.48], [0.1; 4]);
         let forearm = "forearm keeps its prior: nothing sees how it is turned";
-        let frames = [(blind, true), (blind, true), (sure, true)];
+        let frames = [(blind, SEEN), (blind, SEEN), (sure, SEEN)];
         assert_eq!(said(&frames).unwrap(), forearm);
-        assert_eq!(said(&[(blind, true), (sure, true), (sure, true)]), None);
+        assert_eq!(said(&[(blind, SEEN), (sure, SEEN), (sure, SEEN)]), None);
         let all = [0.5; 4];
         assert_eq!(
-            said(&[(all, true)]).unwrap(),
+            said(&[(all, SEEN)]).unwrap(),
             "upper_arm, forearm keep their prior: nothing sees how they are turned"
         );
     }
 
     #[test]
     fn one_angle_of_three_that_is_unseen_is_no_part() {
-        assert_eq!(said(&[([0.1, 0.1, 0.5, 0.1], true)]), None);
+        assert_eq!(said(&[([0.1, 0.1, 0.5, 0.1], SEEN)]), None);
     }
 
     #[test]
     fn frames_in_which_nothing_is_seen_at_all_do_not_count() {
-        assert_eq!(said(&[([0.5; 4], false), ([0.1; 4], true)]), None);
-        assert_eq!(said(&[([0.5; 4], false)]), None);
+        assert_eq!(said(&[([0.5; 4], None), ([0.1; 4], SEEN)]), None);
+        assert_eq!(said(&[([0.5; 4], None)]), None);
     }
 }
