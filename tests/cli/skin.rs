@@ -65,7 +65,15 @@ fn the_skin_of_each_fitted_frame_is_written_and_pictured() {
     assert!((0.01..0.5).contains(&share), "{share} of the picture");
     run(&["skin", &out, "--body", &body, "--rest", "--quiet"]).succeeded();
     assert!(arm.out("out").join("skin/rest.ply").exists());
-    // what cannot be
+}
+
+#[test]
+fn a_skin_that_cannot_be_is_refused_and_a_new_fit_takes_the_old_ones_away() {
+    let arm = Arm::new();
+    let body = soft_arm(&arm);
+    arm.fit_with_body("out", &body).succeeded();
+    let out = arm.out("out").display().to_string();
+    run(&["skin", &out, "--body", &body, "--rest", "--quiet"]).succeeded();
     let refused = |more: &[&str], parts: &[&str]| {
         let mut arguments = vec!["skin", &out, "--body", &body];
         arguments.extend(more);
@@ -86,7 +94,6 @@ fn the_skin_of_each_fitted_frame_is_written_and_pictured() {
         "walker-metaballs",
     ]);
     run(&["skin", &out]).refused(&["no body model \"soft-arm\""]);
-    // a new fit takes the skins of the old one away
     let mut again = arm.fit_arguments("out");
     again.push("--overwrite".into());
     run(&again).succeeded();

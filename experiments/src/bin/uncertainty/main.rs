@@ -31,10 +31,7 @@ const KINDS: [(Kind, &str, &str); 3] = [
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
     let mut run = Run::start("uncertainty");
-    let recordings: u64 = std::env::var("RECORDINGS")
-        .ok()
-        .and_then(|n| n.parse().ok())
-        .unwrap_or(200);
+    let recordings = if run.is_quick() { 16 } else { 200 };
     run.setting("recordings", recordings);
     let (body, person) = (
         model::load("human-metaballs", Path::new(""))?,

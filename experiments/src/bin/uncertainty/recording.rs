@@ -4,8 +4,8 @@ use experiments::walker::observe;
 use maquette::body::{BodyModel, Posed};
 use maquette::inference::propagate::Sequence;
 use maquette::inference::search::NoJournal;
-use maquette::pipeline::{FitOptions, fit, rest_lengths_m};
-use maquette::synth::{Recipe, Ring, SegmentationErrors};
+use maquette::pipeline::{Fit, FitOptions, FittedFrame, fit, rest_lengths_m};
+use maquette::synth::{Recipe, Ring, SegmentationErrors, Synthetic};
 use nalgebra::Vector3;
 
 /// What a number is.
@@ -62,68 +62,62 @@ pub(crate) fn deviations(
         frames: &observations,
         fps: truth.fps,
     };
-    let found = fit(
-        body,
-        &truth.rig,
-        sequence,
-        &FitOptions::default(),
-        &NoJournal,
-    )
-    .ok()?;
-    let mut deviations = Vec::new();
-    let mut add = |kind, name: &str, error: f64, sd: f64| {
-        deviations.push(Deviation {
-            kind,
-            name: name.to_owned(),
-            z: error / sd,
-            sd,
-        });
-    };
-    // lengths
+    let options = FitOptions::default();
+    let found = fit(body, &truth.rig, sequence, &options, &NoJournal).ok()?;
+    let mut deviations = of_lengths(body, &truth, &found)?;
+    for frame in found.frames.iter().step_by(EVERY) {
+        deviations.extend(of_frame(body, &truth, frame)?);
+    }
+    Some(deviations)
+}
+
+fn deviation(kind: Kind, name: &str, error: f64, sd: f64) -> Deviation {
+    Deviation {
+        kind,
+        name: name.to_owned(),
+        z: error / sd,
+        sd,
+    }
+}
+
+fn of_lengths(body: &BodyModel, truth: &Synthetic, found: &Fit) -> Option<Vec<Deviation>> {
     let uncertainty = found.uncertainty.as_ref()?;
-    let true_lengths = rest_lengths_m(person, &truth.shape);
-    for (i, (name, _, _)) in body.lengths.iter().enumerate() {
-        let Some(j) = person.lengths.iter().position(|l| l.0 == *name) else {
-            continue;
-        };
-        add(
+    let true_lengths = rest_lengths_m(&truth.model, &truth.shape);
+    let lengths = body.lengths.iter().enumerate();
+    let of = |(i, (name, _, _)): (usize, &(String, usize, usize))| {
+        let j = truth.model.lengths.iter().position(|l| l.0 == *name)?;
+        let error = found.lengths_m[i] - true_lengths[j];
+        Some(deviation(
             Kind::Length,
             name,
-            found.lengths_m[i] - true_lengths[j],
+            error,
             uncertainty.lengths_sd_m[i],
-        );
+        ))
+    };
+    Some(lengths.filter_map(of).collect())
+}
+
+fn of_frame(body: &BodyModel, truth: &Synthetic, frame: &FittedFrame) -> Option<Vec<Deviation>> {
+    let sd = frame.uncertainty.as_ref()?;
+    let person = &truth.model;
+    let motion = &truth.motions[frame.frame.0];
+    let mut deviations = Vec::new();
+    for (i, joint) in body.joints.iter().enumerate() {
+        let Some(j) = person.joint(&joint.name) else {
+            continue;
+        };
+        let error = frame.fit.motion.angles[i] - motion.angles[j.0];
+        deviations.push(deviation(Kind::Angle, &joint.name, error, sd.angles_sd[i]));
     }
-    for frame in found.frames.iter().step_by(EVERY) {
-        let sd = frame.uncertainty.as_ref()?;
-        let motion = &truth.motions[frame.frame.0];
-        // angles
-        for (i, joint) in body.joints.iter().enumerate() {
-            let Some(j) = person.joint(&joint.name) else {
-                continue;
-            };
-            add(
-                Kind::Angle,
-                &joint.name,
-                frame.fit.motion.angles[i] - motion.angles[j.0],
-                sd.angles_sd[i],
-            );
-        }
-        // joint centres
-        let points = Posed::new(person, &truth.shape, motion).points();
-        for (i, point) in body.points.iter().enumerate() {
-            let Some(j) = person.point(&point.name) else {
-                continue;
-            };
-            let error: Vector3<f64> = frame.points_world[i] - points[j];
-            for k in 0..3 {
-                add(
-                    Kind::Joint,
-                    &point.name,
-                    error[k],
-                    sd.points[i][(k, k)].sqrt(),
-                );
-            }
-        }
+    let points = Posed::new(person, &truth.shape, motion).points();
+    for (i, point) in body.points.iter().enumerate() {
+        let Some(j) = person.point(&point.name) else {
+            continue;
+        };
+        let error: Vector3<f64> = frame.points_world[i] - points[j];
+        let spread = sd.points[i].diagonal().map(f64::sqrt);
+        let each = (0..3).map(|k| deviation(Kind::Joint, &point.name, error[k], spread[k]));
+        deviations.extend(each);
     }
     Some(deviations)
 }

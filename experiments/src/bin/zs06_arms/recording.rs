@@ -85,11 +85,11 @@ pub(crate) fn held_s(frames: usize) -> [f64; 2] {
 pub(crate) fn visible(recording: &Synthetic) -> [[f64; 2]; 2] {
     ["_r", "_l"].map(|side| {
         let arm = Synthetic {
-            model: with_parts(&recording.model, side, true),
+            model: with_parts(&recording.model, side, Keep::Arm),
             ..recording.clone()
         };
         let rest = Synthetic {
-            model: with_parts(&recording.model, side, false),
+            model: with_parts(&recording.model, side, Keep::Rest),
             ..recording.clone()
         };
         let mut sums = [(0.0, 0.0); 2];
@@ -114,13 +114,21 @@ pub(crate) fn visible(recording: &Synthetic) -> [[f64; 2]; 2] {
     })
 }
 
+/// Which metaballs a body keeps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Keep {
+    /// Those of one arm.
+    Arm,
+    /// All others.
+    Rest,
+}
+
 /// The body with one arm's metaballs alone, or without them.
-fn with_parts(model: &BodyModel, side: &str, the_arm: bool) -> BodyModel {
+fn with_parts(model: &BodyModel, side: &str, keep: Keep) -> BodyModel {
     let arm = ["upper_arm", "forearm", "hand"].map(|part| format!("{part}{side}"));
     let is_arm = |part: usize| arm.contains(&model.parts[part].name);
-    let mut model = model.clone();
-    model.metaballs = (model.metaballs.into_iter())
-        .filter(|ball| is_arm(ball.part.0) == the_arm)
-        .collect();
-    model
+    let mut kept = model.clone();
+    kept.metaballs
+        .retain(|ball| is_arm(ball.part.0) == (keep == Keep::Arm));
+    kept
 }
