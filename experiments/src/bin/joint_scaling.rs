@@ -29,7 +29,7 @@ use maquette::silhouette::FrameObservations;
 use maquette::solver::{Problem, QuadraticModel};
 use maquette::synth::Synthetic;
 
-/// Frames, and how often each is timed: the least counts.
+/// Frames, and how often each is timed.
 const LENGTHS: [(usize, usize); 3] = [(200, 10), (2_000, 3), (20_000, 1)];
 const INTERVAL_S: f64 = 0.02;
 
@@ -49,21 +49,16 @@ struct Cycle<'a> {
 }
 
 /// What one length took, milliseconds and kilobytes a frame.
+#[derive(Default)]
 struct Cost {
     frames: usize,
-    linearisation_ms: f64,
-    step_ms: f64,
-    marginals_ms: f64,
-    /// Of all threads.
+    /// Linearisation, step, marginals.
+    stages_ms: [f64; 3],
+    /// The three together, of all threads.
     processor_ms: f64,
+    /// A joint optimum of one step and one round.
     whole_ms: f64,
     memory_kb: f64,
-}
-
-impl Cost {
-    fn once_ms(&self) -> f64 {
-        self.linearisation_ms + self.step_ms + self.marginals_ms
-    }
 }
 
 fn scaling(run: &mut Run, model: &BodyModel) -> Result<(), Box<dyn Error>> {
@@ -93,8 +88,8 @@ fn scaling(run: &mut Run, model: &BodyModel) -> Result<(), Box<dyn Error>> {
     };
     let time = panel(
         "linearisation, step and marginals",
-        "time a frame (ms)",
-        Cost::once_ms,
+        "processor time a frame (ms)",
+        |c| c.processor_ms,
     );
     let memory = panel("the joint optimum", "memory a frame (kB)", |c| c.memory_kb);
     run.picture("costs", &svg(2, (420.0, 280.0), vec![time, memory]))?;
@@ -148,39 +143,28 @@ impl Cycle<'_> {
 
     fn cost(&self, length: usize, times: usize, before_kb: f64) -> Cost {
         let (terms, seconds) = (self.terms(length), vec![INTERVAL_S; length]);
-        let per_frame_ms = |started: Instant| 1e3 * started.elapsed().as_secs_f64() / length as f64;
         let options = JointOptions {
             iterations: 1,
             ..JointOptions::default()
         };
-        let mut least = [f64::INFINITY; 5];
+        let mut cost = Cost::default();
         for _ in 0..times {
+            let share = 1.0 / times as f64;
             let before_s = processor_s();
             let stages = self.stages_ms(&terms, &seconds);
-            least[4] = least[4].min(1e3 * (processor_s() - before_s) / length as f64);
-            for (least, ms) in least.iter_mut().zip(stages) {
-                *least = least.min(ms);
+            cost.processor_ms += share * 1e3 * (processor_s() - before_s) / length as f64;
+            for (mean, ms) in cost.stages_ms.iter_mut().zip(stages) {
+                *mean += share * ms;
             }
             let state = self.state(length);
             let started = Instant::now();
             joint_optimum_of(&self.evidence, &terms, &seconds, state, &options);
-            least[3] = least[3].min(per_frame_ms(started));
+            cost.whole_ms += share * 1e3 * started.elapsed().as_secs_f64() / length as f64;
         }
-        let [
-            linearisation_ms,
-            step_ms,
-            marginals_ms,
-            whole_ms,
-            processor_ms,
-        ] = least;
         Cost {
             frames: length,
-            linearisation_ms,
-            step_ms,
-            marginals_ms,
-            processor_ms,
-            whole_ms,
             memory_kb: (memory_kb("VmHWM:") - before_kb) / length as f64,
+            ..cost
         }
     }
 
@@ -252,28 +236,28 @@ fn report(run: &mut Run, costs: &[Cost]) -> Result<(), Box<dyn Error>> {
     ];
     let mut table = Table::new("costs", &columns);
     for c in costs {
+        let [linearisation, step, marginals] = c.stages_ms;
+        let once = linearisation + step + marginals;
         let figures = [
-            c.linearisation_ms,
-            c.step_ms,
-            c.marginals_ms,
-            c.once_ms(),
+            linearisation,
+            step,
+            marginals,
+            once,
             c.processor_ms,
             c.whole_ms,
         ];
         let figures = figures.map(|ms| format!("{ms:.3}"));
         let cells = std::iter::once(c.frames.to_string()).chain(figures);
         table.row(cells.chain([format!("{:.0}", c.memory_kb)]));
-        run.number(format!("ms_a_frame_{}", c.frames), c.once_ms());
+        run.number(format!("ms_a_frame_{}", c.frames), once);
         run.number(format!("processor_ms_a_frame_{}", c.frames), c.processor_ms);
         run.number(format!("kb_a_frame_{}", c.frames), c.memory_kb);
     }
     if let [first, .., last] = costs {
-        run.number("time_growth", last.once_ms() / first.once_ms());
         run.number(
             "processor_time_growth",
             last.processor_ms / first.processor_ms,
         );
-        run.number("whole_growth", last.whole_ms / first.whole_ms);
         run.number("memory_growth", last.memory_kb / first.memory_kb);
     }
     run.table("A frame of three cameras", &table)?;
@@ -288,10 +272,13 @@ fn seven_cameras(run: &mut Run, model: &BodyModel) -> Result<(), Box<dyn Error>>
         frames: &frames,
         fps: recording.fps,
     };
-    let mut table = Table::new(
-        "seven",
-        &["likelihood", "seconds", "last round's iterations"],
-    );
+    let columns = [
+        "likelihood",
+        "seconds",
+        "of the processors, s",
+        "steps of the last round",
+    ];
+    let mut table = Table::new("seven", &columns);
     for (name, measure) in [
         ("ellipses", Measure::Ellipses),
         ("metaballs", Measure::Metaballs),

@@ -84,14 +84,11 @@ pub(crate) fn held_s(frames: usize) -> [f64; 2] {
 /// every tenth frame, of the frames in which the arms are held and of the others; right arm, left arm.
 pub(crate) fn visible(recording: &Synthetic) -> [[f64; 2]; 2] {
     ["_r", "_l"].map(|side| {
-        let arm = Synthetic {
-            model: with_parts(&recording.model, side, Keep::Arm),
+        let of = |kept| Synthetic {
+            model: with_parts(&recording.model, side, kept),
             ..recording.clone()
         };
-        let rest = Synthetic {
-            model: with_parts(&recording.model, side, Keep::Rest),
-            ..recording.clone()
-        };
+        let (arm, rest) = (of(Kept::Arm), of(Kept::Rest));
         let mut sums = [(0.0, 0.0); 2];
         for frame in (0..recording.frames()).step_by(10) {
             let held = held(frame, recording.frames());
@@ -114,21 +111,19 @@ pub(crate) fn visible(recording: &Synthetic) -> [[f64; 2]; 2] {
     })
 }
 
-/// Which metaballs a body keeps.
+/// What is left of a body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Keep {
-    /// Those of one arm.
+enum Kept {
     Arm,
-    /// All others.
     Rest,
 }
 
 /// The body with one arm's metaballs alone, or without them.
-fn with_parts(model: &BodyModel, side: &str, keep: Keep) -> BodyModel {
+fn with_parts(model: &BodyModel, side: &str, kept: Kept) -> BodyModel {
     let arm = ["upper_arm", "forearm", "hand"].map(|part| format!("{part}{side}"));
     let is_arm = |part: usize| arm.contains(&model.parts[part].name);
-    let mut kept = model.clone();
-    kept.metaballs
-        .retain(|ball| is_arm(ball.part.0) == (keep == Keep::Arm));
-    kept
+    let mut left = model.clone();
+    left.metaballs
+        .retain(|ball| is_arm(ball.part.0) == (kept == Kept::Arm));
+    left
 }
