@@ -80,7 +80,7 @@ fn field_rate() -> f64 {
     let seconds = fastest(|| {
         shares = 0;
         for r in &touched {
-            sampler.sample(&r.contact_world.coords, None, &mut sample);
+            sampler.sample(&r.place_world.coords, None, &mut sample);
             slopes.row(&sample, |_| 1.0, &Vector3::zeros(), &mut row);
             shares += sample.shares.len();
             divan::black_box(&row);
@@ -221,7 +221,7 @@ impl Walker {
         let rays = SilhouetteRays::new(views.collect(), RayOptions::default(), scale.clone());
         let touched = rays.residuals(&Posed::new(&model, &shape, &motion));
         let points = touched.iter().map(|r| SurfacePoint {
-            position_world: r.contact_world,
+            position_world: r.place_world,
             sigma_m: 0.002,
         });
         let points = PointField::new(points.collect(), PointOptions::default(), scale);
@@ -287,7 +287,7 @@ fn field_with_slopes(bencher: divan::Bencher<'_, '_>) {
     bencher.counter(items).bench_local(|| {
         let mut sum = 0.0;
         for r in &touched {
-            sampler.sample(&r.contact_world.coords, None, &mut sample);
+            sampler.sample(&r.place_world.coords, None, &mut sample);
             slopes.row(&sample, |_| 1.0, &Vector3::zeros(), &mut row);
             sum += row.values.iter().sum::<f64>();
         }

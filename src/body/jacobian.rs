@@ -9,7 +9,7 @@
 use nalgebra::{Const, DMatrix, Dyn, Matrix3, OMatrix, Vector3};
 
 use super::posed::scaled;
-use super::{BodyModel, Layout, PartId, Posed, Primitive, ScaledVector};
+use super::{BodyModel, FrameId, Layout, Posed, Primitive, ScaledVector};
 use crate::math::quadric::Ellipsoid;
 
 /// 9 × any number of columns.
@@ -58,10 +58,10 @@ impl EllipsoidJacobians {
 }
 
 fn components(model: &BodyModel, layout: Layout, primitive: &Primitive) -> Vec<usize> {
-    let chain = model.chain(model.parts[primitive.part.0].joint);
-    let translations = chain.iter().map(|j| &model.joints[j.0].translation);
+    let joints: Vec<_> = model.path(primitive.frame).map(|(_, t)| t.joint).collect();
+    let translations = joints.iter().map(|j| &model.joints[j.0].translation);
     let mut list: Vec<usize> = (0..layout.root())
-        .chain(chain.iter().map(|&j| layout.angle(j)))
+        .chain(joints.iter().map(|&j| layout.angle(j)))
         .collect();
     let scales = translations
         .chain([&primitive.centre, &primitive.radii])
@@ -88,7 +88,7 @@ fn fill(
     point_columns(
         body,
         layout,
-        primitive.part,
+        primitive.frame,
         &primitive.centre,
         |component, d| {
             let c = column(component);
@@ -104,12 +104,14 @@ fn fill(
         let root = body.frames[0].world_from_frame;
         (0..3).for_each(|k| turn(3 + k, root.column(k).into_owned()));
     }
-    for joint in body.model.chain(body.model.parts[primitive.part.0].joint) {
-        turn(layout.angle(joint), body.axes_world[joint.0]);
+    for (frame, by) in body.model.path(primitive.frame) {
+        turn(layout.angle(by.joint), body.turns_world[frame.0]);
     }
     // how it stretches
-    let axes = body.frame(primitive.part).world_from_frame * primitive.part_from_primitive.matrix();
-    let radii = scaled(&primitive.radii, body.shape());
+    let (axes, radii) = (
+        body.primitive_axes(primitive),
+        body.primitive_radii(primitive),
+    );
     for k in 0..3 {
         let scale = primitive.radii.scale[k];
         if let Some(coefficient) = scale.coefficient() {
@@ -127,15 +129,16 @@ fn add_shape(values: &mut Matrix9xX, column: usize, d: &Matrix3<f64>) {
     }
 }
 
-/// Calls `add(component, ∂point)` for every component of the state that moves a point of a part.
+/// Calls `add(component, ∂point)` for every component of the state that moves a point of a frame.
 fn point_columns(
     body: &Posed<'_>,
     layout: Layout,
-    part: PartId,
+    frame: FrameId,
     place: &ScaledVector,
     mut add: impl FnMut(usize, Vector3<f64>),
 ) {
-    let point = body.point(part, place).coords;
+    let own = body.frames[frame.0];
+    let point = own.origin_world + own.world_from_frame * scaled(place, body.shape());
     if layout.root() == 6 {
         let root = &body.frames[0];
         (0..3).for_each(|k| add(k, Vector3::ith(k, 1.0)));
@@ -148,24 +151,17 @@ fn point_columns(
             );
         }
     }
-    for joint in body.model.chain(body.model.parts[part.0].joint) {
-        let origin = body.frames[joint.0 + 1].origin_world;
+    for (frame, by) in body.model.path(frame) {
+        let arm = point - body.frames[frame.0].origin_world;
         add(
-            layout.angle(joint),
-            body.axes_world[joint.0].cross(&(point - origin)),
+            layout.angle(by.joint),
+            body.turns_world[frame.0].cross(&arm),
         );
-        let parent = body.model.joints[joint.0].parent.map_or(0, |p| p.0 + 1);
-        let frame = body.frames[parent].world_from_frame;
-        stretch_columns(
-            body,
-            layout,
-            &frame,
-            &body.model.joints[joint.0].translation,
-            &mut add,
-        );
+        let parent = body.frames[by.parent.0].world_from_frame;
+        let translation = &body.model.joints[by.joint.0].translation;
+        stretch_columns(body, layout, &parent, translation, &mut add);
     }
-    let frame = body.frame(part).world_from_frame;
-    stretch_columns(body, layout, &frame, place, &mut add);
+    stretch_columns(body, layout, &own.world_from_frame, place, &mut add);
 }
 
 /// Calls `add(component, ∂vector)` for every coefficient that stretches a vector of a frame.
@@ -194,7 +190,8 @@ impl Posed<'_> {
         let mut jacobian = DMatrix::zeros(3, layout.total());
         let places = &self.model.points[index].places;
         for (part, place) in places {
-            point_columns(self, layout, *part, place, |component, d| {
+            let frame = FrameId::of(self.model.parts[part.0].joint);
+            point_columns(self, layout, frame, place, |component, d| {
                 let mut column = jacobian.column_mut(component);
                 column += d / places.len() as f64;
             });

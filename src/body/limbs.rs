@@ -75,7 +75,7 @@ mod tests {
 
     use super::*;
     use crate::body::{
-        Joint, JointId, Part, Primitive, Root, Scale, ScaledVector, ShapeStatistics,
+        FrameId, Joint, JointId, Part, Primitive, Root, Scale, ScaledVector, ShapeStatistics,
     };
 
     fn fixed(value: [f64; 3]) -> ScaledVector {
@@ -102,6 +102,7 @@ mod tests {
         };
         let ball = |part: usize| Primitive {
             part: PartId(part),
+            frame: FrameId::of(joint_of(part)),
             centre: fixed([0.1, 0.0, 0.0]),
             radii: fixed([0.1; 3]),
             part_from_primitive: Rotation3::identity(),
@@ -116,6 +117,7 @@ mod tests {
             },
             root: Root::Fixed,
             joints: parts[1..].iter().map(joint).collect(),
+            followers: Vec::new(),
             parts: (0..parts.len())
                 .map(|i| Part {
                     name: parts[i].0.into(),

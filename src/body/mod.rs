@@ -15,8 +15,8 @@ mod state;
 pub use check::{KinematicsFault, check_kinematics};
 pub use jacobian::EllipsoidJacobians;
 pub use model::{
-    BodyModel, CoefficientId, Joint, JointId, Limbs, ModelError, NamedPoint, Part, PartId, Pose,
-    Primitive, Root, Scale, ScaledVector, ShapeStatistics,
+    BodyModel, CoefficientId, FrameId, Joint, JointId, Limbs, ModelError, NamedPoint, Part, PartId,
+    Pose, Primitive, Root, Scale, ScaledVector, ShapeStatistics, Turn,
 };
 pub use posed::Posed;
 pub use state::{Layout, Motion, Shape, State};

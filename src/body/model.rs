@@ -6,6 +6,17 @@ use nalgebra::{DMatrix, DVector, Rotation3, UnitVector3, Vector3};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct JointId(pub usize);
 
+/// Index of a frame: 0 is the root's, 1 + j that of joint j, then those of [`BodyModel::followers`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct FrameId(pub usize);
+
+impl FrameId {
+    /// The frame of a joint, or the root's.
+    pub fn of(joint: Option<JointId>) -> Self {
+        Self(joint.map_or(0, |j| j.0 + 1))
+    }
+}
+
 /// Index of a part in [`BodyModel::parts`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct PartId(pub usize);
@@ -94,16 +105,32 @@ pub struct Joint {
     pub speed: f64,
 }
 
+/// How a frame turns against another: about a joint's axis, by a share of its angle.
+///
+/// Skin near a joint is tied to both of its bones, and turns by less than the farther one: linear blend skinning.
+/// A frame with a share below 1 is such flesh's; in a body at angle 0 it is the joint's own.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Turn {
+    /// The frame against which it turns; lower than its own.
+    pub parent: FrameId,
+    /// The joint whose translation, axis and angle it takes.
+    pub joint: JointId,
+    /// Part of the angle, 0 to 1; 1 is the joint itself.
+    pub share: f64,
+}
+
 /// An ellipsoid fixed to a part: a solid (ZS06), or the distance function of a metaball (PF02 eq. 6).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Primitive {
-    /// The part it is fixed to.
+    /// The part it belongs to.
     pub part: PartId,
-    /// Centre in the part's frame.
+    /// The frame it is fixed to: its part's, or one that follows it by less.
+    pub frame: FrameId,
+    /// Centre in its frame.
     pub centre: ScaledVector,
     /// Semi-axes along the primitive's own axes.
     pub radii: ScaledVector,
-    /// Orientation in the part's frame.
+    /// Orientation in its frame.
     pub part_from_primitive: Rotation3<f64>,
 }
 
@@ -194,6 +221,8 @@ pub struct BodyModel {
     pub root: Root,
     /// Joints, parents first.
     pub joints: Vec<Joint>,
+    /// Frames of flesh that follows a joint by less than its angle; parents first.
+    pub followers: Vec<Turn>,
     /// Parts.
     pub parts: Vec<Part>,
     /// Ellipsoids (ZS06).
@@ -314,6 +343,30 @@ impl BodyModel {
         let mut chain: Vec<_> = std::iter::successors(joint, |j| self.joints[j.0].parent).collect();
         chain.reverse();
         chain
+    }
+
+    /// Number of frames.
+    pub fn frames(&self) -> usize {
+        1 + self.joints.len() + self.followers.len()
+    }
+
+    /// How a frame turns; `None` for the root's.
+    pub fn turn(&self, frame: FrameId) -> Option<Turn> {
+        let joint = frame.0.checked_sub(1)?;
+        match self.joints.get(joint) {
+            Some(own) => Some(Turn {
+                parent: FrameId::of(own.parent),
+                joint: JointId(joint),
+                share: 1.0,
+            }),
+            None => self.followers.get(joint - self.joints.len()).copied(),
+        }
+    }
+
+    /// A frame and those that carry it, up to the one on the root.
+    pub fn path(&self, frame: FrameId) -> impl Iterator<Item = (FrameId, Turn)> {
+        let with_turn = |frame| Some((frame, self.turn(frame)?));
+        std::iter::successors(with_turn(frame), move |(_, turn)| with_turn(turn.parent))
     }
 
     /// Index of an exported point.

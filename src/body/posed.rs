@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
 
-use super::{BodyModel, Motion, PartId, Primitive, ScaledVector, Shape};
+use super::{BodyModel, FrameId, Motion, PartId, Primitive, ScaledVector, Shape};
 use crate::math::quadric::Ellipsoid;
 
 /// Radius of the skin of one metaball over its own: exp(−2d) = ½ at √d = √(½ ln 2).
@@ -21,31 +21,33 @@ pub struct Posed<'a> {
     /// The model.
     pub model: &'a BodyModel,
     pub(super) shape: &'a Shape,
-    /// The root's frame, then one per joint.
+    /// By [`FrameId`](super::FrameId).
     pub(super) frames: Vec<Frame>,
-    /// Axis of each joint in the world.
-    pub(super) axes_world: Vec<Vector3<f64>>,
+    /// By frame, of those that turn: how it turns in the world when the angle of its joint grows by one.
+    pub(super) turns_world: Vec<Vector3<f64>>,
 }
 
 impl<'a> Posed<'a> {
-    /// Poses a body: one loop over the joints, parents first.
+    /// Poses a body: one loop over the frames, parents first.
     ///
-    /// world_from_joint = world_from_parent · Trans(t(s)) · D_ini · Rot(axis, θ).
+    /// world_from_frame = world_from_parent · Trans(t(s)) · D_ini · Rot(axis, share · θ).
     pub fn new(model: &'a BodyModel, shape: &'a Shape, motion: &Motion) -> Self {
-        let mut frames = Vec::with_capacity(1 + model.joints.len());
-        let mut axes_world = Vec::with_capacity(model.joints.len());
+        let mut frames: Vec<Frame> = Vec::with_capacity(model.frames());
+        let mut turns_world = vec![Vector3::zeros()];
         frames.push(Frame {
             world_from_frame: motion.world_from_root.into_inner(),
             origin_world: motion.position_world,
         });
-        for (joint, &angle) in model.joints.iter().zip(motion.angles.iter()) {
-            let parent: Frame = frames[joint.parent.map_or(0, |p| p.0 + 1)];
+        for turn in (1..model.frames()).filter_map(|i| model.turn(FrameId(i))) {
+            let joint = &model.joints[turn.joint.0];
+            let parent = frames[turn.parent.0];
             let translation = scaled(&joint.translation, shape);
             let world_from_static = parent.world_from_frame * joint.parent_from_joint.matrix();
-            let turn = Rotation3::from_axis_angle(&joint.axis, angle);
-            axes_world.push(world_from_static * joint.axis.into_inner());
+            let angle = turn.share * motion.angles[turn.joint.0];
+            let turned = Rotation3::from_axis_angle(&joint.axis, angle);
+            turns_world.push(world_from_static * (joint.axis.into_inner() * turn.share));
             frames.push(Frame {
-                world_from_frame: world_from_static * turn.matrix(),
+                world_from_frame: world_from_static * turned.matrix(),
                 origin_world: parent.origin_world + parent.world_from_frame * translation,
             });
         }
@@ -53,7 +55,7 @@ impl<'a> Posed<'a> {
             model,
             shape,
             frames,
-            axes_world,
+            turns_world,
         }
     }
 
@@ -63,7 +65,7 @@ impl<'a> Posed<'a> {
     }
 
     pub(super) fn frame(&self, part: PartId) -> &Frame {
-        &self.frames[self.model.parts[part.0].joint.map_or(0, |j| j.0 + 1)]
+        &self.frames[FrameId::of(self.model.parts[part.0].joint).0]
     }
 
     /// A point fixed to a part, in the world.
@@ -105,9 +107,11 @@ impl<'a> Posed<'a> {
 
     /// A primitive as an ellipsoid in the world.
     pub fn primitive(&self, primitive: &Primitive) -> Ellipsoid {
-        let frame = self.frame(primitive.part);
-        let axes = frame.world_from_frame * primitive.part_from_primitive.matrix();
-        let radii = scaled(&primitive.radii, self.shape);
+        let frame = &self.frames[primitive.frame.0];
+        let (axes, radii) = (
+            self.primitive_axes(primitive),
+            self.primitive_radii(primitive),
+        );
         let squared = Matrix3::from_diagonal(&radii.component_mul(&radii));
         Ellipsoid {
             centre: frame.origin_world
@@ -134,7 +138,7 @@ impl<'a> Posed<'a> {
 
     /// Unit axes of a primitive in the world, as columns.
     pub fn primitive_axes(&self, primitive: &Primitive) -> Matrix3<f64> {
-        self.frame(primitive.part).world_from_frame * primitive.part_from_primitive.matrix()
+        self.frames[primitive.frame.0].world_from_frame * primitive.part_from_primitive.matrix()
     }
 
     /// Radii of a primitive along its axes, metres.

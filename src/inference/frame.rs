@@ -35,16 +35,23 @@ pub struct FramePosterior<'a> {
     pub terms: &'a [Box<dyn Term + 'a>],
 }
 
-fn data_cost(terms: &[Box<dyn Term + '_>], body: &Posed<'_>) -> f64 {
+/// −log p(Zᵢ | mᵢ, s).
+pub(super) fn data_cost(terms: &[Box<dyn Term + '_>], body: &Posed<'_>) -> f64 {
     terms.iter().map(|t| t.cost(body)).sum()
 }
 
-fn linearize_data(
+/// The same, and its rows added to the equations.
+pub(super) fn linearize_data(
     terms: &[Box<dyn Term + '_>],
     body: &Posed<'_>,
     equations: &mut NormalEquations,
 ) -> f64 {
     terms.iter().map(|t| t.linearize(body, equations)).sum()
+}
+
+/// Number of independent observations behind them.
+pub(super) fn observations(terms: &[Box<dyn Term + '_>]) -> f64 {
+    terms.iter().map(|t| t.observations()).sum()
 }
 
 impl Problem for KeyframePosterior<'_> {
@@ -89,7 +96,7 @@ impl FramePosterior<'_> {
             data: (cost - pose - step).max(0.0),
             pose,
             step,
-            observations: self.terms.iter().map(|t| t.observations()).sum(),
+            observations: observations(self.terms),
             recovered: false,
         }
     }

@@ -5,10 +5,9 @@
 //! forwards and one backwards: O(n). Algorithm 1's winner is its start.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix3, Vector3};
-
-use super::Evidence;
 use rayon::prelude::*;
 
+use super::Evidence;
 use super::chain::ChainPrior;
 use super::noise::Noise;
 use super::propagate::{FrameFit, Sequence};
@@ -153,11 +152,11 @@ pub fn joint_optimum_of<'a>(
 
 fn residuals(
     model: &BodyModel,
-    terms: &[Vec<Box<dyn Term + '_>>],
+    terms: &[Terms<'_>],
     state: &SequenceState,
 ) -> Vec<Vec<PlacedResidual>> {
     let frames = terms.par_iter().zip(&state.motions);
-    let of_frame = |(terms, motion): (&Vec<Box<dyn Term + '_>>, &Motion)| {
+    let of_frame = |(terms, motion): (&Terms<'_>, &Motion)| {
         let body = Posed::new(model, &state.shape, motion);
         terms
             .iter()

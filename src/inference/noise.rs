@@ -2,11 +2,12 @@
 //!
 //! A likelihood that takes every row for an independent observation of its stated σ is far too sure of itself:
 //!
-//! 1. *scale*: the residuals may be larger or smaller than stated. κ² = mean of (r/σ)².
+//! 1. *scale*: the residuals may be larger or smaller than stated. With ψ = ρ′·r/σ, what the robust loss lets through
+//!    of a residual, κ² = Σwψ²/Σwρ′: the covariance of a robust estimate is κ²H⁻¹ (Huber's, H with the weights wρ′).
 //! 2. *along the border* neighbouring rows err together. With the autocorrelation ρ(u) over the distance u in
-//!    units of what was stated to go together, λ = ∫ρ(u)du of them are one observation.
+//!    units of what was stated to go together, λ = ∫ρ(u)du of them are one observation. ρ is that of ψ.
 //! 3. *over time* the flesh's mismatch with the model returns in every frame and camera that shows the same place
-//!    of the body. Let y be the mean residual of one place in one view: Var y = V = P + I, P what returns (the
+//!    of the body. Let y be the mean ψ of one place in one view: Var y = V = P + I, P what returns (the
 //!    mean product of two y of one place far apart in time), I what does not. N of them are worth
 //!    V/(P + I′/N), with I′ = I and what it shares with its neighbours in time.
 //!
@@ -23,7 +24,7 @@ use crate::likelihood::{PlacedResidual, Source};
 /// How the residuals of a recording err.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Noise {
-    /// κ: residuals over their stated standard deviation, root mean square.
+    /// κ: by how much the residuals are larger than stated, as far as the robust loss lets them through.
     pub scale: f64,
     /// λ: how many of the stated independent observations along a border are one.
     pub along_border: f64,
@@ -37,8 +38,6 @@ pub struct Noise {
 
 /// A place of the body: edge of the cubes into which a part's frame is divided, metres.
 const CELL_M: f64 = 0.1;
-/// Residuals beyond this many κ count as this many: outliers.
-const CLIP: f64 = 3.0;
 /// Places are looked at again after this long, seconds: what is alike then, returns.
 const APART_S: f64 = 0.4;
 
@@ -58,11 +57,11 @@ impl Noise {
     /// From the residuals of every frame at the optimum, and the frames' times.
     pub fn of(frames: &[Vec<PlacedResidual>], seconds: &[f64]) -> Self {
         let scale = scale_of(frames);
-        let places = places(frames, seconds, scale);
+        let places = places(frames, seconds);
         let (repeated, over_time) = over_time(&places);
         Self {
             scale,
-            along_border: along_border(frames, scale),
+            along_border: along_border(frames),
             within_frame: 1.0 + (views_of_a_place(&places) - 1.0) * repeated * repeated,
             repeated,
             over_time,
@@ -75,26 +74,26 @@ impl Noise {
     }
 }
 
-/// κ, with outliers clipped at three times itself.
+/// ψ.
+fn influence(residual: &PlacedResidual) -> f64 {
+    residual.trust * residual.value
+}
+
+/// κ.
 fn scale_of(frames: &[Vec<PlacedResidual>]) -> f64 {
-    let mut scale = f64::INFINITY;
-    for _ in 0..20 {
-        let limit = CLIP * scale;
-        let (mut sum, mut weights) = (0.0, 0.0);
-        for r in frames.iter().flatten() {
-            sum += r.weight * r.value.clamp(-limit, limit).powi(2);
-            weights += r.weight;
-        }
-        if weights <= 0.0 {
-            return 1.0;
-        }
-        scale = (sum / weights).sqrt().max(1e-6);
+    let (mut squares, mut weights) = (0.0, 0.0);
+    for r in frames.iter().flatten() {
+        squares += r.weight * influence(r).powi(2);
+        weights += r.weight * r.trust;
     }
-    scale
+    if weights <= 0.0 {
+        return 1.0;
+    }
+    (squares / weights).sqrt().max(1e-6)
 }
 
 /// λ = 2∫₀^∞ρ du, up to where ρ falls below 0.05.
-fn along_border(frames: &[Vec<PlacedResidual>], scale: f64) -> f64 {
+fn along_border(frames: &[Vec<PlacedResidual>]) -> f64 {
     const BIN: f64 = 0.2;
     const BINS: usize = 100;
     let (mut products, mut counts) = ([0.0; BINS], [0.0; BINS]);
@@ -105,7 +104,7 @@ fn along_border(frames: &[Vec<PlacedResidual>], scale: f64) -> f64 {
                 .iter()
                 .map(|r| {
                     at += r.weight;
-                    (at - 0.5 * r.weight, (r.value / scale).clamp(-CLIP, CLIP))
+                    (at - 0.5 * r.weight, influence(r))
                 })
                 .collect();
             for (i, (u, r)) in placed.iter().enumerate() {
@@ -132,14 +131,14 @@ fn along_border(frames: &[Vec<PlacedResidual>], scale: f64) -> f64 {
 /// The mean residuals of one place, in the order of time.
 type Place = Vec<(f64, f64)>;
 
-fn places(frames: &[Vec<PlacedResidual>], seconds: &[f64], scale: f64) -> Vec<Place> {
+fn places(frames: &[Vec<PlacedResidual>], seconds: &[f64]) -> Vec<Place> {
     let mut places: BTreeMap<(usize, [i32; 3]), Place> = BTreeMap::new();
     for (frame, time) in frames.iter().zip(seconds) {
         let mut seen: BTreeMap<(usize, [i32; 3], Source), (f64, f64)> = BTreeMap::new();
         for r in frame {
             let cell = [0, 1, 2].map(|k| (r.place_part[k] / CELL_M).floor() as i32);
             let (sum, weight) = seen.entry((r.part.0, cell, r.source)).or_default();
-            *sum += r.weight * (r.value / scale).clamp(-CLIP, CLIP);
+            *sum += r.weight * influence(r);
             *weight += r.weight;
         }
         for ((part, cell, _), (sum, weight)) in seen {

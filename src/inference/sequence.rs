@@ -9,6 +9,7 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::chain::ChainPrior;
+use super::frame::{data_cost, linearize_data, observations};
 use super::prior::{PosePrior, ShapePrior};
 use super::propagate::FrameFit;
 use crate::body::{BodyModel, Layout, Motion, Posed, Shape};
@@ -51,10 +52,7 @@ impl SequencePosterior<'_> {
     /// −log p(Zᵢ | mᵢ, s) − log p(mᵢ) of one frame, added to its equations.
     fn linearize_frame(&self, x: &SequenceState, i: usize, equations: &mut NormalEquations) -> f64 {
         let body = Posed::new(self.model, &x.shape, &x.motions[i]);
-        let data: f64 = self.terms[i]
-            .iter()
-            .map(|t| t.linearize(&body, equations))
-            .sum();
+        let data = linearize_data(&self.terms[i], &body, equations);
         equations.hessian *= self.data_weight;
         equations.gradient *= self.data_weight;
         self.data_weight * data + self.pose_prior.linearize(&x.motions[i], equations)
@@ -93,10 +91,10 @@ impl SequencePosterior<'_> {
             let body = Posed::new(self.model, &x.shape, motion);
             FrameFit {
                 motion: motion.clone(),
-                data: self.terms[i].iter().map(|t| t.cost(&body)).sum(),
+                data: data_cost(&self.terms[i], &body),
                 pose: self.pose_prior.cost(motion),
                 step: self.chain_prior.cost(&x.motions, self.seconds, i),
-                observations: self.terms[i].iter().map(|t| t.observations()).sum(),
+                observations: observations(&self.terms[i]),
                 recovered: false,
             }
         };
@@ -120,15 +118,9 @@ impl Problem for SequencePosterior<'_> {
     }
 
     fn cost(&self, x: &SequenceState) -> f64 {
-        let one = |i: usize| {
-            let body = Posed::new(self.model, &x.shape, &x.motions[i]);
-            let data: f64 = self.terms[i].iter().map(|t| t.cost(&body)).sum();
-            self.data_weight * data
-                + self.pose_prior.cost(&x.motions[i])
-                + self.chain_prior.cost(&x.motions, self.seconds, i)
-        };
-        let each: Vec<f64> = (0..x.motions.len()).into_par_iter().map(one).collect();
-        each.iter().sum::<f64>() + self.shape_weight * self.shape_prior.cost(&x.shape)
+        let cost = |f: FrameFit| self.data_weight * f.data + f.pose + f.step;
+        let each = self.taken_apart(x).into_iter().map(cost);
+        each.sum::<f64>() + self.shape_weight * self.shape_prior.cost(&x.shape)
     }
 
     fn linearize(&self, x: &SequenceState, model: &mut BorderedChain) -> f64 {

@@ -113,13 +113,13 @@ impl<'f> RayField<'f> {
         let limbs = 0..self.leasts.len();
         let nearer = |a: &usize, b: &usize| self.leasts[*a].total_cmp(&self.leasts[*b]);
         let first = limbs.clone().min_by(nearer)?;
-        let mut highest = self.climb_limb(first, f64::NEG_INFINITY)?;
-        for limb in limbs.filter(|&l| l != first) {
-            if let Some(found) = self.climb_limb(limb, highest.1) {
-                highest = found;
-            }
+        let mut highest: Option<(Contact, f64)> = None;
+        for limb in std::iter::once(first).chain(limbs.filter(|&l| l != first)) {
+            let beat = highest.map_or(f64::NEG_INFINITY, |(_, value)| value);
+            highest = self.climb_limb(limb, beat).or(highest);
         }
-        let limb = highest.0.limb;
+        let (highest, _) = highest?;
+        let limb = highest.limb;
         let reach = self.leasts[limb] + NEGLIGIBLE;
         near.clear();
         near.extend(
@@ -127,7 +127,7 @@ impl<'f> RayField<'f> {
                 .iter()
                 .filter(|&&i| self.nearest[i] < reach),
         );
-        Some(highest.0)
+        Some(highest)
     }
 
     /// a, tᵢ and dᵢ₀ of every metaball.

@@ -216,6 +216,7 @@ impl<'a> EllipseSilhouette<'a> {
             residuals.push(PlacedResidual {
                 source: Source::View(source),
                 value: distance / sigma,
+                trust: self.options.loss.evaluate(distance / sigma).1,
                 sigma,
                 weight: length_px / (view.px_per_m * self.options.correlation_m),
                 part,

@@ -15,19 +15,22 @@ mod ellipse_distance;
 mod ellipse_silhouette;
 mod ellipse_sums;
 mod limb_sums;
+mod local_length;
 mod options;
 mod point_field;
 mod silhouette_ray;
 mod skin_distance;
+mod skin_term;
 mod union;
 
 pub use association::{Belonging, associate};
 pub use ellipse_distance::{EllipseDistance, OutlineEllipse, exact_distance};
 pub use ellipse_silhouette::{EllipseOptions, EllipseSilhouette, Variant, View};
 pub use options::{LikelihoodOptions, Measure};
-pub use point_field::{PointField, PointOptions, PointResidual, SurfacePoint};
-pub use silhouette_ray::{RayOptions, RayResidual, RayView, SilhouetteRays};
+pub use point_field::{PointField, PointOptions, SurfacePoint};
+pub use silhouette_ray::{RayOptions, RayView, SilhouetteRays};
 pub use skin_distance::{Derivatives, PosedScale, Residual, SkinResidual, SkinScale};
+pub use skin_term::SkinTouch;
 
 use nalgebra::Vector3;
 
@@ -50,6 +53,8 @@ pub struct PlacedResidual {
     pub source: Source,
     /// r/σ.
     pub value: f64,
+    /// ρ′: what the robust loss leaves of its weight, 1 for an inlier.
+    pub trust: f64,
     /// σ, px for a view, metres for a cloud.
     pub sigma: f64,
     /// w: the number of independent observations that it stands for.

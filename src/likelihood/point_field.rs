@@ -7,14 +7,14 @@
 //! by the mismatch at least: space is cut into cells of the correlation length, and the points of a cell share the
 //! weight of one observation. So a dense cloud says no more than a sparse one, and a dense place in it neither.
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::Point3;
 
 use super::association::associate;
-use super::limb_sums::LimbSums;
-use super::skin_distance::{Derivatives, PosedScale, Residual, SkinResidual, SkinScale};
+use super::skin_distance::{Derivatives, PosedScale, Residual, SkinScale};
+use super::skin_term::{self, SkinTerm, SkinTouch, Touch};
 use super::{PlacedResidual, Source, Term};
 use crate::body::Posed;
-use crate::body::metaball::{Field, FieldRow, FieldSample, FieldSlopes, Sampler};
+use crate::body::metaball::{Field, FieldSample, Sampler};
 use crate::solver::{Loss, NormalEquations};
 use crate::stereo::{CloudPoint, Spread};
 
@@ -70,21 +70,6 @@ impl From<&CloudPoint> for SurfacePoint {
     }
 }
 
-/// The residual of one point.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PointResidual {
-    /// Which point, in the order given.
-    pub point: usize,
-    /// Distance from the skin, positive outside, m.
-    pub residual_m: f64,
-    /// Its standard deviation, m.
-    pub sigma_m: f64,
-    /// Number of independent observations that it stands for.
-    pub weight: f64,
-    /// The metaball of largest weight: index in [`Field::metaballs`].
-    pub metaball: usize,
-}
-
 /// −log p(points | m, s) of one frame.
 #[derive(Debug, Clone)]
 pub struct PointField {
@@ -94,14 +79,6 @@ pub struct PointField {
     limbs: Vec<usize>,
     options: PointOptions,
     scale: SkinScale,
-}
-
-/// One point at one state.
-struct Touch {
-    point: usize,
-    sigma_m: f64,
-    weight: f64,
-    residual: SkinResidual,
 }
 
 impl PointField {
@@ -123,27 +100,26 @@ impl PointField {
         self.limbs = associate(body, points).iter().map(|b| b.limb).collect();
     }
 
-    /// Every point's residual; none for a body without metaballs.
-    pub fn residuals(&self, body: &Posed<'_>) -> Vec<PointResidual> {
-        let mut all = Vec::with_capacity(self.points.len());
-        let field = Field::of(body);
-        let scale = self.scale.posed(body, &field);
-        self.touches((&field, &scale), |touch, sample| {
-            all.push(PointResidual {
-                point: touch.point,
-                residual_m: touch.residual.distance_m,
-                sigma_m: touch.sigma_m,
-                weight: touch.weight,
-                metaball: sample.heaviest().unwrap_or_default(),
-            });
-        });
-        all
+    /// Every point where it is; none for a body without metaballs.
+    pub fn residuals(&self, body: &Posed<'_>) -> Vec<SkinTouch> {
+        skin_term::all_touches(self, body)
+    }
+}
+
+impl SkinTerm for PointField {
+    fn loss(&self) -> Loss {
+        self.options.loss
+    }
+
+    fn scale(&self, body: &Posed<'_>, field: &Field) -> PosedScale<'_> {
+        self.scale.posed(body, field)
     }
 
     fn touches(
         &self,
-        (field, scale): (&Field, &PosedScale<'_>),
-        mut each: impl FnMut(&Touch, &FieldSample),
+        field: &Field,
+        scale: &PosedScale<'_>,
+        mut each: impl FnMut(&Touch<'_>, &FieldSample),
     ) {
         let kind = (self.options.residual, self.options.derivatives);
         let mut sampler = Sampler::new(field);
@@ -153,24 +129,17 @@ impl PointField {
             if !sampler.sample(&point.position_world.coords, limb, &mut sample) {
                 continue;
             }
-            let residual = scale.residual(kind, &sample);
+            let sigma_m = point.sigma_m.hypot(self.options.sigma_m);
             let touch = Touch {
-                point: index,
-                sigma_m: point.sigma_m.hypot(self.options.sigma_m),
+                source: Source::Cloud,
+                sigma_m,
+                sigma: sigma_m,
                 weight,
-                residual,
+                residual: scale.residual(kind, &sample),
+                line: None,
             };
             each(&touch, &sample);
         }
-    }
-}
-
-impl Touch {
-    /// (ρ, what a row weighs in units of 1/m²), ρ with its weight.
-    fn loss(&self, loss: Loss) -> (f64, f64) {
-        let (rho, slope) = loss.evaluate(self.residual.distance_m / self.sigma_m);
-        let precision = 1.0 / (self.sigma_m * self.sigma_m);
-        (self.weight * rho, self.weight * slope * precision)
     }
 }
 
@@ -184,49 +153,15 @@ impl Term for PointField {
     }
 
     fn cost(&self, body: &Posed<'_>) -> f64 {
-        let mut cost = 0.0;
-        let field = Field::of(body);
-        let scale = self.scale.posed(body, &field);
-        self.touches((&field, &scale), |touch, _| {
-            cost += 0.5 * touch.loss(self.options.loss).0;
-        });
-        cost
+        skin_term::cost(self, body)
     }
 
     fn linearize(&self, body: &Posed<'_>, equations: &mut NormalEquations) -> f64 {
-        let field = Field::of(body);
-        let slopes = FieldSlopes::new(body, &field);
-        let mut sums = LimbSums::new(&slopes);
-        let mut row = FieldRow::default();
-        let mut cost = 0.0;
-        let scale = self.scale.posed(body, &field);
-        self.touches((&field, &scale), |touch, sample| {
-            let (rho, weight) = touch.loss(self.options.loss);
-            cost += 0.5 * rho;
-            let r = touch.residual;
-            let change = |i| scale.change(&r, i);
-            slopes.row_with_radii(sample, change, &Vector3::zeros(), &mut row);
-            sums.add(sample.limb, &row.values, r.distance_m, weight);
-        });
-        sums.add_to(&slopes, equations);
-        cost
+        skin_term::linearize(self, body, equations)
     }
 
     fn placed_residuals(&self, body: &Posed<'_>) -> Vec<PlacedResidual> {
-        let field = Field::of(body);
-        let placed = |r: PointResidual| {
-            let source = field.source(r.metaball).unwrap_or_default();
-            let part = body.model.metaballs[source].part;
-            PlacedResidual {
-                source: Source::Cloud,
-                value: r.residual_m / r.sigma_m,
-                sigma: r.sigma_m,
-                weight: r.weight,
-                part,
-                place_part: body.in_part(part, &self.points[r.point].position_world),
-            }
-        };
-        self.residuals(body).into_iter().map(placed).collect()
+        skin_term::placed(self, body)
     }
 }
 

@@ -6,21 +6,19 @@
 //! *Metric*: ψ = √(c − ½ ln F) is, for one metaball, a distance over the radius, and grows without bound. The
 //! design's √(−½ ln F) ends where balls overlap and F > 1; so c = ½ ln A with A more than F ever reaches. With ψ_T its
 //! value at the skin, r = (ψ − ψ_T)·R is a distance in metres near the skin, positive outside. R is the local
-//! length, Σ wᵢ Rᵢ over the metaballs there. Rᵢ is 1/‖∇ψ‖ at the skin around metaball i of the mean body at rest, and
-//! grows with the metaball's radii: Rᵢ = R̄ᵢ Πₖ (aᵢₖ/āᵢₖ)^qᵢₖ, qᵢₖ the mean square of the skin's normal along axis k.
-//! (Were it a constant, a fatter body would make every residual smaller: fits to points inflated. For lines of sight it
-//! is one, qᵢₖ = 0: a border is seen from all sides, so there is less to gain by fattening; but masks have outliers of
-//! tens of centimetres, and a body that grows thin across them made those smaller at a walk in a busy room.)
-//! With L = ln F: ∂ψ = −∂L/(4ψ), ∂wᵢ = wᵢ (∂ ln fᵢ − ∂L), so that
+//! length, Σ wᵢ Rᵢ over the metaballs there ([`local_length`](super::local_length)): on the mean body 1/‖∇ψ‖ at the skin
+//! around metaball i, and longer where a radius along the skin's normal is. With L = ln F: ∂ψ = −∂L/(4ψ),
+//! ∂wᵢ = wᵢ (∂ ln fᵢ − ∂L), so that
 //!
-//! ∂r = Σ wᵢ (αᵢ ∂ ln fᵢ + Σₖ γᵢₖ ∂ ln aᵢₖ), αᵢ = −R/(4ψ) + (ψ − ψ_T)(Rᵢ − R), γᵢₖ = (ψ − ψ_T) Rᵢ qᵢₖ.
+//! ∂r = Σ wᵢ (αᵢ ∂ ln fᵢ + γᵢ ∂ ln Rᵢ), αᵢ = −R/(4ψ) + (ψ − ψ_T)(Rᵢ − R), γᵢ = (ψ − ψ_T) Rᵢ.
 //!
 //! Dividing by ‖∇ψ‖ where the point is instead of by a constant would be the exact first-order distance, but a bad
 //! residual: it can be lowered by moving to where ψ is steep. Fits to lines of sight then ended in many local minima.
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::body::metaball::{Field, FieldSample, THRESHOLD};
+use super::local_length::{LocalLength, MeanLength};
+use crate::body::metaball::{BallChange, Field, FieldSample, Share, THRESHOLD};
 use crate::body::{BodyModel, Motion, Posed, Shape};
 
 /// Which residual.
@@ -57,35 +55,25 @@ pub struct SkinScale {
     /// ψ_T.
     at_skin: f64,
     /// Of each of [`BodyModel::metaballs`].
-    balls: Vec<BallScale>,
+    balls: Vec<MeanLength>,
 }
 
-/// The length around one metaball of the mean body at rest.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct BallScale {
-    /// R̄ᵢ, m.
-    length_m: f64,
-    /// āᵢ, m.
-    radii: Vector3<f64>,
-    /// qᵢ: they sum up to 1.
-    shares: Vector3<f64>,
-}
-
-/// The scale of a body in one pose: Rᵢ and qᵢ of each metaball of its field.
+/// The scale of a body in one pose.
 #[derive(Debug, Clone)]
 pub struct PosedScale<'a> {
     scale: &'a SkinScale,
-    balls: Vec<(f64, Vector3<f64>)>,
+    /// Of each of [`Field::metaballs`].
+    balls: Vec<LocalLength>,
 }
 
-/// r, and ∂r = Σ wᵢ (αᵢ ∂ ln fᵢ + Σₖ γᵢₖ ∂ ln aᵢₖ): see [`PosedScale::change`].
+/// r, and ∂r = Σ wᵢ (αᵢ ∂ ln fᵢ + γᵢ ∂ ln Rᵢ): see [`PosedScale::change`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SkinResidual {
     /// r, metres, positive outside.
     pub distance_m: f64,
-    /// αᵢ without γRᵢ, metres.
+    /// αᵢ without γᵢ, metres.
     pub alpha: f64,
-    /// γ: ψ − ψ_T.
+    /// γᵢ/Rᵢ: ψ − ψ_T.
     pub gamma: f64,
 }
 
@@ -99,21 +87,19 @@ impl SkinScale {
         let offset = 0.5 * field.ceiling().ln();
         let at_skin = (offset - 0.5 * THRESHOLD.ln()).max(LEAST_SQUARE).sqrt();
         let primitives = model.metaballs.iter();
-        let mut balls: Vec<BallScale> = primitives
-            .map(|m| BallScale::thin(body.primitive_radii(m)))
+        let mut balls: Vec<MeanLength> = primitives
+            .map(|m| MeanLength {
+                length_m: FIELD_RADIUS_M,
+                radii: body.primitive_radii(m),
+            })
             .collect();
         for ball in 0..field.metaballs.len() {
             let Some(source) = field.source(ball) else {
                 continue;
             };
             let axes = body.primitive_axes(&model.metaballs[source]);
-            if let Some((slope, shares)) = skin_slope(&field, ball, &axes) {
-                let length_m = 4.0 * at_skin / slope;
-                balls[source] = BallScale {
-                    length_m,
-                    shares,
-                    ..balls[source]
-                };
+            if let Some(slope) = skin_slope(&field, ball, &axes) {
+                balls[source].length_m = 4.0 * at_skin / slope;
             }
         }
         Self {
@@ -123,46 +109,18 @@ impl SkinScale {
         }
     }
 
-    /// R̄ᵢ whatever the shape: for lines of sight, see the module.
-    pub fn constant(&self, field: &Field) -> PosedScale<'_> {
-        let of = |ball: usize| Some(self.balls.get(field.source(ball)?)?.length_m);
-        let lengths = (0..field.metaballs.len()).map(|i| of(i).unwrap_or(FIELD_RADIUS_M));
-        PosedScale {
-            scale: self,
-            balls: lengths.map(|length| (length, Vector3::zeros())).collect(),
-        }
-    }
-
     /// The scale of a body in a pose; `field` is the body's.
     pub fn posed(&self, body: &Posed<'_>, field: &Field) -> PosedScale<'_> {
         let of = |ball: usize| {
             let source = field.source(ball)?;
-            let (scale, primitive) = (self.balls.get(source)?, body.model.metaballs.get(source)?);
-            Some(scale.at(&body.primitive_radii(primitive)))
+            let (mean, primitive) = (self.balls.get(source)?, body.model.metaballs.get(source)?);
+            let radii = body.primitive_radii(primitive);
+            Some(mean.with(&radii, body.primitive_axes(primitive)))
         };
-        let balls =
-            (0..field.metaballs.len()).map(|i| of(i).unwrap_or((FIELD_RADIUS_M, Vector3::zeros())));
         PosedScale {
             scale: self,
-            balls: balls.collect(),
+            balls: (0..field.metaballs.len()).filter_map(of).collect(),
         }
-    }
-}
-
-impl BallScale {
-    /// A metaball that meets no skin.
-    fn thin(radii: Vector3<f64>) -> Self {
-        Self {
-            length_m: FIELD_RADIUS_M,
-            radii,
-            shares: Vector3::zeros(),
-        }
-    }
-
-    /// (Rᵢ, qᵢ) with other radii.
-    fn at(&self, radii: &Vector3<f64>) -> (f64, Vector3<f64>) {
-        let growth = radii.zip_map(&self.radii, |a, mean| (a / mean).ln());
-        (self.length_m * self.shares.dot(&growth).exp(), self.shares)
     }
 }
 
@@ -175,16 +133,22 @@ impl PosedScale<'_> {
         }
     }
 
-    /// αᵢ and γᵢ of a metaball.
-    pub fn change(&self, residual: &SkinResidual, metaball: usize) -> (f64, Vector3<f64>) {
-        let (length, shares) = self.balls[metaball];
-        let gamma = residual.gamma * length;
-        (residual.alpha + gamma, shares * gamma)
-    }
-
-    /// Rᵢ, m.
-    pub fn length_m(&self, metaball: usize) -> f64 {
-        self.balls[metaball].0
+    /// What the residual sees of a metaball.
+    pub fn change(&self, residual: &SkinResidual, field: &Field, share: &Share) -> BallChange {
+        if residual.gamma.abs() < f64::MIN_POSITIVE {
+            return BallChange {
+                alpha: residual.alpha,
+                ..BallChange::default()
+            };
+        }
+        let local = &self.balls[share.metaball];
+        let gamma = residual.gamma * local.value_m(&share.pull);
+        let slopes = local.slopes(&share.pull, &field.metaballs[share.metaball]);
+        BallChange {
+            alpha: residual.alpha + gamma,
+            place: slopes.place * gamma,
+            radii: slopes.radii * gamma,
+        }
     }
 
     fn metric(&self, derivatives: Derivatives, sample: &FieldSample) -> SkinResidual {
@@ -197,7 +161,9 @@ impl PosedScale<'_> {
             0.0
         };
         let each = sample.shares.iter();
-        let length: f64 = each.map(|s| s.weight * self.length_m(s.metaball)).sum();
+        let length: f64 = each
+            .map(|s| s.weight * self.balls[s.metaball].value_m(&s.pull))
+            .sum();
         let past = psi - self.scale.at_skin;
         let gamma = match derivatives {
             Derivatives::Complete => past,
@@ -222,11 +188,10 @@ fn of_field(log_value: f64) -> SkinResidual {
     }
 }
 
-/// Mean ‖∇ ln F‖ where the axes of a metaball meet the skin, 1/m, and the mean square of the skin's normal along each of
-/// them; `None` if none does.
+/// Mean ‖∇ ln F‖ where the axes of a metaball meet the skin, 1/m; `None` if none does.
 ///
 /// Where the skin is another's, deep in a neighbour, it counts only if there is no better place.
-fn skin_slope(field: &Field, ball: usize, axes: &Matrix3<f64>) -> Option<(f64, Vector3<f64>)> {
+fn skin_slope(field: &Field, ball: usize, axes: &Matrix3<f64>) -> Option<f64> {
     let centre = field.metaballs[ball].ellipsoid.centre;
     let ways = (0..6).map(|k| axes.column(k / 2) * if k % 2 == 0 { 1.0 } else { -1.0 });
     let met: Vec<_> = ways
@@ -239,13 +204,8 @@ fn skin_slope(field: &Field, ball: usize, axes: &Matrix3<f64>) -> Option<(f64, V
     } else {
         own
     };
-    let count = places.len() as f64;
-    let slope = places.iter().map(|s| s.log_gradient.norm()).sum::<f64>() / count;
-    let normals = places
-        .iter()
-        .filter_map(|s| s.log_gradient.try_normalize(0.0));
-    let squares: Vector3<f64> = normals.map(|n| axes.tr_mul(&n).map(|v| v * v)).sum();
-    (slope.is_finite() && slope > 0.0).then(|| (slope, squares / count))
+    let slope = places.iter().map(|s| s.log_gradient.norm()).sum::<f64>() / places.len() as f64;
+    (slope.is_finite() && slope > 0.0).then_some(slope)
 }
 
 /// Step and reach of the walk to the skin, m.
@@ -266,7 +226,7 @@ mod tests {
     use crate::math::quadric::Ellipsoid;
 
     /// One round metaball whose skin has this radius, and its scale.
-    fn ball(radius: f64) -> (Field, SkinScale, f64) {
+    fn ball(radius: f64) -> (Field, SkinScale) {
         let squared = 2.0 * radius * radius / std::f64::consts::LN_2;
         let field = Field::new([Ellipsoid {
             centre: Vector3::zeros(),
@@ -274,21 +234,22 @@ mod tests {
         }]);
         let offset = 0.5 * 3.0_f64.ln();
         let at_skin = (offset + 0.5 * 2.0_f64.ln()).sqrt();
+        let length_m = 4.0 * at_skin / skin_slope(&field, 0, &Matrix3::identity()).unwrap();
+        let radii = Vector3::repeat(squared.sqrt());
         let scale = SkinScale {
             offset,
             at_skin,
-            balls: Vec::new(),
+            balls: vec![MeanLength { length_m, radii }],
         };
-        let length = 4.0 * at_skin / skin_slope(&field, 0, &Matrix3::identity()).unwrap().0;
-        (field, scale, length)
+        (field, scale)
     }
 
-    fn residual(kind: Residual, ball: &(Field, SkinScale, f64), x: f64) -> SkinResidual {
-        let (field, scale, length) = ball;
+    fn residual(kind: Residual, (field, scale): &(Field, SkinScale), x: f64) -> SkinResidual {
         let sample = field.sample(&Vector3::new(x, 0.0, 0.0)).unwrap();
+        let mean = scale.balls[0];
         let posed = PosedScale {
             scale,
-            balls: vec![(*length, Vector3::repeat(1.0 / 3.0))],
+            balls: vec![mean.with(&mean.radii, Matrix3::identity())],
         };
         posed.residual((kind, Derivatives::Complete), &sample)
     }
@@ -323,7 +284,7 @@ mod tests {
         ball.1.offset = -0.5;
         let r = residual(Residual::Metric, &ball, 0.0);
         assert!(r.distance_m.is_finite() && r.distance_m < 0.0);
-        // α + γ R = 0 for the only metaball
+        // only the local length changes it
         approx::assert_abs_diff_eq!(r.alpha, -r.distance_m, epsilon = 1e-12);
     }
 }

@@ -22,6 +22,21 @@ pub fn central_differences(
     DMatrix::from_columns(&columns)
 }
 
+/// The first entry, column after column, in which two Jacobians differ by more than its row's tolerance, or that is no
+/// number: (row, column).
+pub fn first_difference(
+    analytic: &DMatrix<f64>,
+    numeric: &DMatrix<f64>,
+    tolerance: impl Fn(usize) -> f64,
+) -> Option<(usize, usize)> {
+    let rows = analytic.nrows();
+    let mut entries = (0..analytic.ncols()).flat_map(|c| (0..rows).map(move |r| (r, c)));
+    entries.find(|&at| {
+        let off = (analytic[at] - numeric[at]).abs();
+        off.is_nan() || off > tolerance(at.0)
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

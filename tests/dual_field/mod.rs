@@ -1,6 +1,6 @@
 //! The metaball field written anew in hyper-dual numbers: kinematics, ellipsoids and ln F, nothing shared.
 
-use maquette::body::{BodyModel, Layout, PartId, Root, Scale, ScaledVector, State};
+use maquette::body::{BodyModel, FrameId, Layout, PartId, Root, Scale, ScaledVector, State};
 use nalgebra::{Matrix3, Point3};
 use num_dual::{DualNum, HyperDual64};
 
@@ -52,8 +52,7 @@ impl<'a> DualField<'a> {
             if !self.parts.contains(&ball.part) {
                 continue;
             }
-            let joint = self.model.parts[ball.part.0].joint;
-            let (turn, origin) = &frames[joint.map_or(0, |j| j.0 + 1)];
+            let (turn, origin) = &frames[ball.frame.0];
             let centre = add(*origin, times(turn, scaled(&ball.centre, &shape)));
             let axes = product(turn, &constant(ball.part_from_primitive.matrix()));
             let radii = scaled(&ball.radii, &shape);
@@ -89,9 +88,10 @@ impl<'a> DualField<'a> {
             turn = product(&turn, &[[one, -c, b], [c, one, -a], [-b, a, one]]);
         }
         let mut frames = vec![(turn, origin)];
-        for (index, joint) in self.model.joints.iter().enumerate() {
-            let (parent, start) = frames[joint.parent.map_or(0, |p| p.0 + 1)];
-            let angle = dual(motion.angles[index], layout.root() + index);
+        for turn in (1..self.model.frames()).filter_map(|i| self.model.turn(FrameId(i))) {
+            let joint = &self.model.joints[turn.joint.0];
+            let (parent, start) = frames[turn.parent.0];
+            let angle = dual(motion.angles[turn.joint.0], layout.angle(turn.joint)) * turn.share;
             let axis = [0, 1, 2].map(|k| joint.axis[k]);
             let fixed = product(&parent, &constant(joint.parent_from_joint.matrix()));
             frames.push((

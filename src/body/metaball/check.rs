@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector, Point3, Vector3};
 
 use super::{Field, FieldRow, FieldSample, FieldSlopes};
 use crate::body::{BodyModel, Layout, Posed, State};
-use crate::math::central_differences;
+use crate::math::{central_differences, first_difference};
 
 /// A derivative of the field that is wrong.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -103,23 +103,18 @@ fn compare(
     numeric: &DMatrix<f64>,
     tolerance: f64,
 ) -> Result<(), FieldFault> {
-    for (row, what) in ROWS.into_iter().enumerate() {
-        let scale = numeric.row(row).amax().max(1.0);
-        for component in 0..analytic.ncols() {
-            let (a, n) = (analytic[(row, component)], numeric[(row, component)]);
-            if (a - n).abs() > tolerance * scale || a.is_nan() {
-                return Err(FieldFault {
-                    what,
-                    of,
-                    component,
-                    point_world: *point_world,
-                    analytic: a,
-                    numeric: n,
-                });
-            }
-        }
+    let scaled = |row: usize| tolerance * numeric.row(row).amax().max(1.0);
+    match first_difference(analytic, numeric, scaled) {
+        None => Ok(()),
+        Some((row, component)) => Err(FieldFault {
+            what: ROWS[row],
+            of,
+            component,
+            point_world: *point_world,
+            analytic: analytic[(row, component)],
+            numeric: numeric[(row, component)],
+        }),
     }
-    Ok(())
 }
 
 #[cfg(test)]

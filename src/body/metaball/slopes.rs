@@ -9,38 +9,40 @@
 //! - moved by t: −t·h;
 //! - radius a along the axis e, ȧ = ∂a/∂θ, v = e·u: 4 w a ȧ ((β − 4 b·u) v² + 2 v (b·e)/a²).
 //!
-//! So a part passes on two vectors, Σq and Σh, whatever hangs on it, and each joint takes one cross product.
+//! A residual may see more of a metaball than fᵢ: something else that is fixed to it, whose gradient in space is γ. That
+//! adds w γ to h, and w (ȧ/a) times its slope by ln a to a radius.
+//!
+//! So a frame passes on two vectors, Σq and Σh, whatever hangs on it, and each joint takes one cross product.
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::{Field, FieldSample};
+use super::{Field, FieldSample, Share};
 use crate::body::jacobian::stretch_columns;
-use crate::body::posed::scaled;
-use crate::body::{BodyModel, JointId, Layout, PartId, Posed, Primitive};
+use crate::body::{BodyModel, FrameId, Layout, Posed, Primitive};
 
 /// All that the derivatives of a field need, computed once per pose.
 #[derive(Debug, Clone)]
 pub struct FieldSlopes {
     root: Option<Matrix3<f64>>,
-    /// The root's frame, then one per joint.
+    /// By [`FrameId`].
     frames: Vec<FrameSlopes>,
     metaballs: Vec<BallSlopes>,
-    limbs: Vec<Chain>,
+    limbs: Vec<Branch>,
 }
 
 /// How a frame is turned and moved by its own joint.
 #[derive(Debug, Clone)]
 struct FrameSlopes {
     origin_world: Vector3<f64>,
-    /// Component and axis of the joint; the root has none.
-    joint: Option<(usize, Vector3<f64>)>,
+    /// The frame that carries it, the component that turns it and how; the root has none.
+    turn: Option<(FrameId, usize, Vector3<f64>)>,
     stretch: Vec<(usize, Vector3<f64>)>,
 }
 
-/// How a metaball changes within its part.
+/// How a metaball changes within its frame.
 #[derive(Debug, Clone)]
 struct BallSlopes {
-    frame: usize,
+    frame: FrameId,
     precision: Matrix3<f64>,
     centre: Vec<(usize, Vector3<f64>)>,
     radii: Vec<RadiusSlope>,
@@ -60,11 +62,22 @@ struct RadiusSlope {
 
 /// The frames that move a limb and the components that change it.
 #[derive(Debug, Clone)]
-struct Chain {
-    /// From the tip to the root, which is frame 0.
-    frames: Vec<usize>,
+struct Branch {
+    /// Each before the one that carries it; the last is the root's.
+    frames: Vec<FrameId>,
     /// Ascending.
     components: Vec<usize>,
+}
+
+/// What a residual sees of one metaball, over its weight.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct BallChange {
+    /// αᵢ: by ln fᵢ.
+    pub alpha: f64,
+    /// By the place in the metaball's frame, apart from fᵢ; world, 1/m.
+    pub place: Vector3<f64>,
+    /// By ln a of each radius, apart from fᵢ.
+    pub radii: Vector3<f64>,
 }
 
 /// One row: the components of a limb and the memory to compute their values.
@@ -89,10 +102,9 @@ impl FieldSlopes {
             .zip(&field.metaballs)
             .map(|(p, m)| ball_slopes(body, layout, p, m.precision))
             .collect();
-        let limbs = body.model.limbs();
-        let limbs = limbs.iter().zip(&field.limbs).map(|(parts, balls)| {
-            let balls = balls.iter().map(|&i| &metaballs[i]);
-            chain(body.model, layout, parts, &frames, balls)
+        let limbs = field.limbs.iter().map(|balls| {
+            let balls: Vec<_> = balls.iter().map(|&i| &metaballs[i]).collect();
+            branch(body.model, layout, &frames, &balls)
         });
         Self {
             root: (layout.root() == 6).then_some(body.frames[0].world_from_frame),
@@ -126,29 +138,34 @@ impl FieldSlopes {
         b: &Vector3<f64>,
         row: &mut FieldRow,
     ) {
-        self.row_with_radii(sample, |i| (alpha(i), Vector3::zeros()), b, row);
+        let change = |share: &Share| BallChange {
+            alpha: alpha(share.metaball),
+            ..BallChange::default()
+        };
+        self.row_of(sample, change, b, row);
     }
 
-    /// The same and Σ wᵢ γᵢₖ ∂(ln aᵢₖ)/∂θ over the three radii of each metaball; `change` gives αᵢ and γᵢ.
-    pub fn row_with_radii(
+    /// The same with whatever else the residual sees of each metaball.
+    pub fn row_of(
         &self,
         sample: &FieldSample,
-        change: impl Fn(usize) -> (f64, Vector3<f64>),
+        change: impl Fn(&Share) -> BallChange,
         b: &Vector3<f64>,
         row: &mut FieldRow,
     ) {
-        let chain = &self.limbs[sample.limb];
-        row.clear(chain, self.frames.len());
+        let branch = &self.limbs[sample.limb];
+        row.clear(branch, self.frames.len());
         let level = b.dot(&sample.log_gradient);
         for share in &sample.shares {
             let ball = &self.metaballs[share.metaball];
             let (w, u) = (share.weight, &share.pull);
             let along = b.dot(u);
-            let (alpha, gamma) = change(share.metaball);
-            let beta = alpha - level;
+            let change = change(share);
+            let beta = change.alpha - level;
             let q = u * (-4.0 * w);
-            let h = u * (w * (16.0 * along - 4.0 * beta)) - (ball.precision * b) * (4.0 * w);
-            let pulls = &mut row.pulls[ball.frame];
+            let h = u * (w * (16.0 * along - 4.0 * beta)) - (ball.precision * b) * (4.0 * w)
+                + change.place * w;
+            let pulls = &mut row.pulls[ball.frame.0];
             *pulls = (pulls.0 + q, pulls.1 + h);
             for (component, moved) in &ball.centre {
                 row.dense[*component] -= moved.dot(&h);
@@ -158,29 +175,30 @@ impl FieldSlopes {
                 let bend = 2.0 * b.dot(&radius.axis_world) * radius.precision;
                 row.dense[radius.component] +=
                     4.0 * w * radius.slope * v * ((beta - 4.0 * along) * v + bend)
-                        + w * gamma[radius.axis] * radius.slope * radius.precision;
+                        + w * change.radii[radius.axis] * radius.slope * radius.precision;
             }
         }
-        self.pass_down(chain, &sample.point_world, b, row);
+        self.pass_down(branch, &sample.point_world, b, row);
         row.values
-            .extend(chain.components.iter().map(|&c| row.dense[c]));
+            .extend(branch.components.iter().map(|&c| row.dense[c]));
     }
 
     /// Sums over what hangs on each frame, from the tip to the root.
-    fn pass_down(&self, chain: &Chain, x: &Vector3<f64>, b: &Vector3<f64>, row: &mut FieldRow) {
-        let (mut q, mut h) = (Vector3::zeros(), Vector3::zeros());
-        for &index in &chain.frames {
-            let frame = &self.frames[index];
-            q += row.pulls[index].0;
-            h += row.pulls[index].1;
+    fn pass_down(&self, branch: &Branch, x: &Vector3<f64>, b: &Vector3<f64>, row: &mut FieldRow) {
+        for index in &branch.frames {
+            let frame = &self.frames[index.0];
+            let (q, h) = row.pulls[index.0];
             for (component, moved) in &frame.stretch {
                 row.dense[*component] -= moved.dot(&h);
             }
-            if let Some((component, axis)) = &frame.joint {
+            if let Some((parent, component, axis)) = &frame.turn {
                 let turn = q.cross(b) - (x - frame.origin_world).cross(&h);
                 row.dense[*component] += axis.dot(&turn);
+                let pulls = &mut row.pulls[parent.0];
+                *pulls = (pulls.0 + q, pulls.1 + h);
             }
         }
+        let (q, h) = row.pulls[0];
         if let Some(world_from_root) = &self.root {
             let turn = q.cross(b) - (x - self.frames[0].origin_world).cross(&h);
             let turn = world_from_root.tr_mul(&turn);
@@ -193,33 +211,37 @@ impl FieldSlopes {
 }
 
 impl FieldRow {
-    fn clear(&mut self, chain: &Chain, frames: usize) {
-        let last = chain.components.last().map_or(0, |c| c + 1);
+    fn clear(&mut self, branch: &Branch, frames: usize) {
+        let last = branch.components.last().map_or(0, |c| c + 1);
         if self.dense.len() < last {
             self.dense.resize(last, 0.0);
         }
         self.pulls.resize(frames, Default::default());
         self.values.clear();
-        chain.components.iter().for_each(|&c| self.dense[c] = 0.0);
-        chain
+        branch.components.iter().for_each(|&c| self.dense[c] = 0.0);
+        branch
             .frames
             .iter()
-            .for_each(|&f| self.pulls[f] = Default::default());
+            .for_each(|f| self.pulls[f.0] = Default::default());
     }
 }
 
 fn frame_slopes(body: &Posed<'_>, layout: Layout, frame: usize) -> FrameSlopes {
     let mut stretch = Vec::new();
-    let joint = frame.checked_sub(1).map(|index| {
-        let joint = &body.model.joints[index];
-        let parent = body.frames[joint.parent.map_or(0, |p| p.0 + 1)].world_from_frame;
+    let turn = body.model.turn(FrameId(frame)).map(|turn| {
+        let translation = &body.model.joints[turn.joint.0].translation;
+        let parent = body.frames[turn.parent.0].world_from_frame;
         let mut add = |component, moved| stretch.push((component, moved));
-        stretch_columns(body, layout, &parent, &joint.translation, &mut add);
-        (layout.angle(JointId(index)), body.axes_world[index])
+        stretch_columns(body, layout, &parent, translation, &mut add);
+        (
+            turn.parent,
+            layout.angle(turn.joint),
+            body.turns_world[frame],
+        )
     });
     FrameSlopes {
         origin_world: body.frames[frame].origin_world,
-        joint,
+        turn,
         stretch,
     }
 }
@@ -230,12 +252,14 @@ fn ball_slopes(
     primitive: &Primitive,
     precision: Matrix3<f64>,
 ) -> BallSlopes {
-    let world_from_part = body.frame(primitive.part).world_from_frame;
+    let world_from_frame = body.frames[primitive.frame.0].world_from_frame;
     let mut centre = Vec::new();
     let mut add = |component, moved| centre.push((component, moved));
-    stretch_columns(body, layout, &world_from_part, &primitive.centre, &mut add);
-    let axes = world_from_part * primitive.part_from_primitive.matrix();
-    let radii = scaled(&primitive.radii, body.shape());
+    stretch_columns(body, layout, &world_from_frame, &primitive.centre, &mut add);
+    let (axes, radii) = (
+        body.primitive_axes(primitive),
+        body.primitive_radii(primitive),
+    );
     let slope = |k: usize| {
         let scale = primitive.radii.scale[k];
         let (value, shape) = (primitive.radii.value[k], &body.shape().0);
@@ -248,31 +272,29 @@ fn ball_slopes(
         })
     };
     BallSlopes {
-        frame: frame_of(body.model, primitive.part),
+        frame: primitive.frame,
         precision,
         centre,
         radii: (0..3).filter_map(slope).collect(),
     }
 }
 
-fn frame_of(model: &BodyModel, part: PartId) -> usize {
-    model.parts[part.0].joint.map_or(0, |j| j.0 + 1)
-}
-
-fn chain<'a>(
+fn branch(
     model: &BodyModel,
     layout: Layout,
-    parts: &[PartId],
     frames: &[FrameSlopes],
-    balls: impl Iterator<Item = &'a BallSlopes>,
-) -> Chain {
-    let tip = parts.first().and_then(|p| model.parts[p.0].joint);
-    let joints = model.chain(tip);
-    let chain_frames: Vec<usize> = joints.iter().rev().map(|j| j.0 + 1).chain([0]).collect();
+    balls: &[&BallSlopes],
+) -> Branch {
+    let paths = balls.iter().flat_map(|ball| model.path(ball.frame));
+    let mut on_root: Vec<FrameId> = paths.map(|(frame, _)| frame).chain([FrameId(0)]).collect();
+    // a frame's number is above that of the one that carries it
+    on_root.sort_unstable_by(|a, b| b.cmp(a));
+    on_root.dedup();
     let mut components: Vec<usize> = (0..layout.root()).collect();
-    for &frame in &chain_frames {
-        components.extend(frames[frame].joint.iter().map(|(c, _)| *c));
-        components.extend(frames[frame].stretch.iter().map(|(c, _)| *c));
+    for frame in &on_root {
+        let frame = &frames[frame.0];
+        components.extend(frame.turn.iter().map(|(_, c, _)| *c));
+        components.extend(frame.stretch.iter().map(|(c, _)| *c));
     }
     for ball in balls {
         components.extend(ball.centre.iter().map(|(c, _)| *c));
@@ -280,8 +302,8 @@ fn chain<'a>(
     }
     components.sort_unstable();
     components.dedup();
-    Chain {
-        frames: chain_frames,
+    Branch {
+        frames: on_root,
         components,
     }
 }

@@ -8,8 +8,8 @@ use super::ModelFileError;
 use super::side::{Side, Sides};
 use super::spec::{AxisSpec, JointSpec, ModelSpec, PartSpec, PointSpec, PrimitiveSpec};
 use crate::body::{
-    BodyModel, CoefficientId, Joint, JointId, NamedPoint, Part, PartId, Pose, Primitive, Root,
-    Scale, ScaledVector, ShapeStatistics,
+    BodyModel, CoefficientId, FrameId, Joint, JointId, ModelError, NamedPoint, Part, PartId, Pose,
+    Primitive, Root, Scale, ScaledVector, ShapeStatistics, Turn,
 };
 
 pub(super) fn build(spec: &ModelSpec, path: &Path) -> Result<BodyModel, ModelFileError> {
@@ -19,8 +19,13 @@ pub(super) fn build(spec: &ModelSpec, path: &Path) -> Result<BodyModel, ModelFil
         model: empty(spec),
     };
     builder.model.statistics = builder.coefficients(spec)?;
-    for (part, side) in builder.parents_first(spec)? {
-        builder.part(part, side)?;
+    let parts = builder.parents_first(spec)?;
+    for (part, side) in &parts {
+        builder.part(part, *side)?;
+    }
+    // frames of flesh are numbered after all joints
+    for (id, (part, side)) in parts.iter().enumerate() {
+        builder.flesh(part, PartId(id), *side)?;
     }
     for point in &spec.points {
         builder.point(point)?;
@@ -56,13 +61,8 @@ pub(super) fn build(spec: &ModelSpec, path: &Path) -> Result<BodyModel, ModelFil
             .push((length.name.clone(), ends.0, ends.1));
     }
     builder.unique()?;
-    builder
-        .model
-        .validate()
-        .map_err(|fault| ModelFileError::Model {
-            path: path.to_owned(),
-            fault,
-        })?;
+    let checked = builder.model.validate();
+    checked.map_err(|fault| builder.fault(fault))?;
     Ok(builder.model)
 }
 
@@ -83,6 +83,7 @@ fn empty(spec: &ModelSpec) -> BodyModel {
         },
         root,
         joints: Vec::new(),
+        followers: Vec::new(),
         parts: Vec::new(),
         ellipsoids: Vec::new(),
         metaballs: Vec::new(),
@@ -100,6 +101,13 @@ struct Builder<'a> {
 }
 
 impl Builder<'_> {
+    fn fault(&self, fault: ModelError) -> ModelFileError {
+        ModelFileError::Model {
+            path: self.path.to_owned(),
+            fault,
+        }
+    }
+
     fn missing(&self, place: &str, kind: &'static str, name: &str) -> ModelFileError {
         ModelFileError::Missing {
             path: self.path.to_owned(),
@@ -206,16 +214,64 @@ impl Builder<'_> {
         }
         self.model.parts.push(Part { name, joint });
         self.scales.push(spec.scale.clone());
-        let part = PartId(self.model.parts.len() - 1);
+        Ok(())
+    }
+
+    fn flesh(&mut self, spec: &PartSpec, part: PartId, side: Side) -> Result<(), ModelFileError> {
+        let mut frames = Vec::new();
         for primitive in &spec.ellipsoids {
-            let made = self.primitive(primitive, part, spec, side)?;
+            let frame = self.frame_following(spec, part, primitive.follows, &mut frames)?;
+            let made = self.primitive(primitive, (part, frame), spec, side)?;
             self.model.ellipsoids.push(made);
         }
         for primitive in &spec.metaballs {
-            let made = self.primitive(primitive, part, spec, side)?;
+            let frame = self.frame_following(spec, part, primitive.follows, &mut frames)?;
+            let made = self.primitive(primitive, (part, frame), spec, side)?;
             self.model.metaballs.push(made);
         }
         Ok(())
+    }
+
+    /// The frame that turns by a share of what the part's own joints turn; `made` are those there are.
+    fn frame_following(
+        &mut self,
+        spec: &PartSpec,
+        part: PartId,
+        share: f64,
+        made: &mut Vec<(f64, FrameId)>,
+    ) -> Result<FrameId, ModelFileError> {
+        if !(0.0..=1.0).contains(&share) {
+            let place = format!("follows of part {}", spec.name);
+            let fault = ModelError::Number {
+                place,
+                value: share,
+            };
+            return Err(self.fault(fault));
+        }
+        let mut frame = FrameId::of(self.model.parts[part.0].joint);
+        if share.total_cmp(&1.0).is_eq() {
+            return Ok(frame);
+        }
+        if let Some((_, frame)) = made.iter().find(|(s, _)| s.total_cmp(&share).is_eq()) {
+            return Ok(*frame);
+        }
+        let path = self.model.path(frame).take(spec.joints.len());
+        let own: Vec<Turn> = path.map(|(_, turn)| turn).collect();
+        if let Some(first) = own.last() {
+            frame = first.parent;
+        }
+        for turn in own.into_iter().rev() {
+            let parent = frame;
+            frame = FrameId(self.model.frames());
+            let turn = Turn {
+                parent,
+                share,
+                ..turn
+            };
+            self.model.followers.push(turn);
+        }
+        made.push((share, frame));
+        Ok(frame)
     }
 
     /// A part by its name in the file, on this side or in the middle.
@@ -287,7 +343,7 @@ impl Builder<'_> {
     fn primitive(
         &self,
         spec: &PrimitiveSpec,
-        part: PartId,
+        (part, frame): (PartId, FrameId),
         owner: &PartSpec,
         side: Side,
     ) -> Result<Primitive, ModelFileError> {
@@ -297,6 +353,7 @@ impl Builder<'_> {
         let radii_scale = spec.radii_scale.as_ref().or(Some(&owner.scale));
         Ok(Primitive {
             part,
+            frame,
             centre: self.scaled(side.place(spec.centre), centre_scale, side, &place)?,
             radii: self.scaled(Vector3::from(spec.radii), radii_scale, side, &place)?,
             part_from_primitive: side.turn(spec.turn_deg),

@@ -123,6 +123,12 @@ pub(super) struct PrimitiveSpec {
     pub(super) radii_scale: Option<[String; 3]>,
     #[serde(default)]
     pub(super) turn_deg: [f64; 3],
+    #[serde(default = "rigid")]
+    pub(super) follows: f64,
+}
+
+fn rigid() -> f64 {
+    1.0
 }
 
 #[derive(Debug, Deserialize)]

@@ -1,0 +1,159 @@
+//! What lines of sight and points share: each touches the field at a place, and is one row of the normal equations.
+
+use nalgebra::{Point3, Vector3};
+
+use super::limb_sums::LimbSums;
+use super::skin_distance::{PosedScale, SkinResidual};
+use super::{PlacedResidual, Source};
+use crate::body::Posed;
+use crate::body::metaball::{BallChange, Field, FieldRow, FieldSample, FieldSlopes, Share};
+use crate::solver::{Loss, NormalEquations};
+
+/// One observation where it touches the field.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SkinTouch {
+    /// What it is from.
+    pub source: Source,
+    /// Distance of the skin, positive where the place lies outside it, m.
+    pub residual_m: f64,
+    /// Its standard deviation, m.
+    pub sigma_m: f64,
+    /// The same in the unit of its source, see [`PlacedResidual::sigma`].
+    pub sigma: f64,
+    /// Number of independent observations that it stands for.
+    pub weight: f64,
+    /// Where it touches.
+    pub place_world: Point3<f64>,
+    /// The metaball of largest weight there: index in [`Field::metaballs`].
+    pub metaball: usize,
+}
+
+/// An observation at one state.
+pub(super) struct Touch<'a> {
+    pub(super) source: Source,
+    pub(super) sigma_m: f64,
+    pub(super) sigma: f64,
+    pub(super) weight: f64,
+    pub(super) residual: SkinResidual,
+    /// The line on which the place is where F is largest; `None`: the place stays.
+    pub(super) line: Option<&'a Vector3<f64>>,
+}
+
+/// Curvatures of ln F along a line that are not below this have no defined summit, 1/m².
+const FLATTEST: f64 = -1e-3;
+
+impl Touch<'_> {
+    /// (ρ, what a row weighs in units of 1/m²), ρ with its weight.
+    fn loss(&self, loss: Loss) -> (f64, f64) {
+        let (rho, slope) = loss.evaluate(self.residual.distance_m / self.sigma_m);
+        let precision = 1.0 / (self.sigma_m * self.sigma_m);
+        (self.weight * rho, self.weight * slope * precision)
+    }
+
+    /// b: what the place's own motion along its line adds.
+    fn along(&self, sample: &FieldSample, change: impl Fn(&Share) -> BallChange) -> Vector3<f64> {
+        // only the local length sees the motion: F is at its summit
+        let line = self
+            .line
+            .filter(|_| self.residual.gamma.abs() >= f64::MIN_POSITIVE);
+        let Some(r) = line else {
+            return Vector3::zeros();
+        };
+        let curvature = r.dot(&(sample.log_hessian * r));
+        if curvature > FLATTEST {
+            return Vector3::zeros();
+        }
+        let slope = |share: &Share| {
+            let change = change(share);
+            share.weight * (change.place - share.pull * (4.0 * change.alpha)).dot(r)
+        };
+        r * (-sample.shares.iter().map(slope).sum::<f64>() / curvature)
+    }
+}
+
+/// A likelihood of observations that touch the skin.
+pub(super) trait SkinTerm {
+    /// The robust loss.
+    fn loss(&self) -> Loss;
+    /// What makes a distance of the field.
+    fn scale(&self, body: &Posed<'_>, field: &Field) -> PosedScale<'_>;
+    /// Calls `each` for every observation that touches the field, with the field there.
+    fn touches(
+        &self,
+        field: &Field,
+        scale: &PosedScale<'_>,
+        each: impl FnMut(&Touch<'_>, &FieldSample),
+    );
+}
+
+/// ½ Σ w ρ.
+pub(super) fn cost(term: &impl SkinTerm, body: &Posed<'_>) -> f64 {
+    let field = Field::of(body);
+    let mut cost = 0.0;
+    term.touches(&field, &term.scale(body, &field), |touch, _| {
+        cost += 0.5 * touch.loss(term.loss()).0;
+    });
+    cost
+}
+
+/// The same, and its rows added to the equations.
+pub(super) fn linearize(
+    term: &impl SkinTerm,
+    body: &Posed<'_>,
+    equations: &mut NormalEquations,
+) -> f64 {
+    let field = Field::of(body);
+    let scale = term.scale(body, &field);
+    let slopes = FieldSlopes::new(body, &field);
+    let mut sums = LimbSums::new(&slopes);
+    let mut row = FieldRow::default();
+    let mut cost = 0.0;
+    term.touches(&field, &scale, |touch, sample| {
+        let (rho, weight) = touch.loss(term.loss());
+        cost += 0.5 * rho;
+        let r = touch.residual;
+        let change = |share: &Share| scale.change(&r, &field, share);
+        let b = touch.along(sample, change);
+        slopes.row_of(sample, change, &b, &mut row);
+        sums.add(sample.limb, &row.values, r.distance_m, weight);
+    });
+    sums.add_to(&slopes, equations);
+    cost
+}
+
+/// Every observation that touches the field, in the order of the data.
+pub(super) fn all_touches(term: &impl SkinTerm, body: &Posed<'_>) -> Vec<SkinTouch> {
+    let field = Field::of(body);
+    let mut all = Vec::new();
+    term.touches(&field, &term.scale(body, &field), |touch, sample| {
+        all.push(SkinTouch {
+            source: touch.source,
+            residual_m: touch.residual.distance_m,
+            sigma_m: touch.sigma_m,
+            sigma: touch.sigma,
+            weight: touch.weight,
+            place_world: Point3::from(sample.point_world),
+            metaball: sample.heaviest().unwrap_or_default(),
+        });
+    });
+    all
+}
+
+/// The same, placed on the parts of the body.
+pub(super) fn placed(term: &impl SkinTerm, body: &Posed<'_>) -> Vec<PlacedResidual> {
+    let field = Field::of(body);
+    let placed = |touch: SkinTouch| {
+        let source = field.source(touch.metaball).unwrap_or_default();
+        let part = body.model.metaballs[source].part;
+        PlacedResidual {
+            source: touch.source,
+            value: touch.residual_m / touch.sigma_m,
+            trust: term.loss().evaluate(touch.residual_m / touch.sigma_m).1,
+            sigma: touch.sigma,
+            weight: touch.weight,
+            part,
+            place_part: body.in_part(part, &touch.place_world),
+        }
+    };
+    all_touches(term, body).into_iter().map(placed).collect()
+}

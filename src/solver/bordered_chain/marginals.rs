@@ -1,0 +1,120 @@
+//! Covariances of a chain: the blocks of H⁻¹ that lie where L has blocks, in one pass backwards, without the others.
+//!
+//! Takahashi's recursion: with R the rows of L below frame i, Σ_Ri = −Σ_RR·L_Ri·Lᵢᵢ⁻¹ and
+//! Σᵢᵢ = Lᵢᵢ⁻ᵀLᵢᵢ⁻¹ − Σᵢ_R·L_Ri·Lᵢᵢ⁻¹.
+//!
+//! # Source
+//! Takahashi, Fagan, Chen 1973; Rue & Held 2005, *Gaussian Markov Random Fields*, § 2.3.
+
+use std::cmp::Ordering;
+
+use nalgebra::DMatrix;
+
+use super::BorderedChain;
+use super::factor::Factor;
+
+/// The covariances of one frame and of what all frames share: blocks of H⁻¹.
+#[derive(Debug)]
+pub struct Marginal<'a> {
+    /// Σᵢᵢ, m × m.
+    pub frame: &'a DMatrix<f64>,
+    /// Σ of the shared components with the frame's, p × m.
+    pub cross: &'a DMatrix<f64>,
+    /// Σ of the shared components, p × p.
+    pub shared: &'a DMatrix<f64>,
+}
+
+impl BorderedChain {
+    /// Calls `visit(i, Σ)` for every frame, the last one first; `false` if H is not positive definite.
+    pub fn marginals(&self, mut visit: impl FnMut(usize, &Marginal<'_>)) -> bool {
+        let Some(factor) = Factor::of(self, 0.0) else {
+            return false;
+        };
+        let shared = inverse_of_square(&factor.corner);
+        // Σ of the frames behind, nearest first: (frame, cross with shared, with the frames behind it)
+        let mut behind: Vec<Behind> = Vec::new();
+        for (i, link) in factor.links.iter().enumerate().rev() {
+            let reach = behind.len();
+            let below = |k: usize| &factor.links[i + k + 1].couplings[k];
+            // W = L_Ri · Lᵢᵢ⁻¹ for every row block R below
+            let w: Vec<DMatrix<f64>> = (0..reach)
+                .map(|k| divided_right_t(below(k), &link.diagonal))
+                .collect();
+            let w_border = divided_right_t(&link.border, &link.diagonal);
+            // Σ_Ri = −Σ_RR W
+            let mut cross = -(&shared * &w_border);
+            for (b, w) in behind.iter().zip(&w) {
+                cross.gemm(-1.0, &b.cross, w, 1.0);
+            }
+            let to_behind: Vec<DMatrix<f64>> = (0..reach)
+                .map(|k| {
+                    let mut block = -(behind[k].cross.transpose() * &w_border);
+                    for (l, w) in w.iter().enumerate() {
+                        block -= between(&behind, k, l) * w;
+                    }
+                    block
+                })
+                .collect();
+            // Σᵢᵢ = Lᵢᵢ⁻ᵀLᵢᵢ⁻¹ − Σᵢ_R W
+            let mut frame = inverse_of_square(&link.diagonal) - cross.transpose() * &w_border;
+            for (block, w) in to_behind.iter().zip(&w) {
+                frame -= block.transpose() * w;
+            }
+            // rounding that breaks the symmetry grows from frame to frame
+            frame = (&frame + frame.transpose()) * 0.5;
+            visit(
+                i,
+                &Marginal {
+                    frame: &frame,
+                    cross: &cross,
+                    shared: &shared,
+                },
+            );
+            behind.insert(
+                0,
+                Behind {
+                    frame,
+                    cross,
+                    to_behind,
+                },
+            );
+            behind.truncate(self.reach());
+        }
+        true
+    }
+
+    fn reach(&self) -> usize {
+        self.links.last().map_or(0, |l| l.couplings.len())
+    }
+}
+
+/// Covariances of a frame that was visited: its own, with the shared components, with the frames behind it.
+struct Behind {
+    frame: DMatrix<f64>,
+    cross: DMatrix<f64>,
+    /// Σ(frame behind by k + 1, this frame).
+    to_behind: Vec<DMatrix<f64>>,
+}
+
+/// Σ(k, l) of two frames behind.
+fn between(behind: &[Behind], k: usize, l: usize) -> DMatrix<f64> {
+    match k.cmp(&l) {
+        Ordering::Equal => behind[k].frame.clone(),
+        Ordering::Greater => behind[l].to_behind[k - l - 1].clone(),
+        Ordering::Less => behind[k].to_behind[l - k - 1].transpose(),
+    }
+}
+
+/// block · L⁻¹.
+fn divided_right_t(block: &DMatrix<f64>, lower: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut transposed = block.transpose();
+    lower.tr_solve_lower_triangular_mut(&mut transposed);
+    transposed.transpose()
+}
+
+/// (LLᵀ)⁻¹.
+fn inverse_of_square(lower: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut inverse = DMatrix::identity(lower.nrows(), lower.nrows());
+    lower.solve_lower_triangular_mut(&mut inverse);
+    inverse.tr_mul(&inverse)
+}
