@@ -3,5 +3,6 @@
 //! A [`Cloud`] is what one frame has of them, from any source. It knows neither cameras nor body.
 
 mod cloud;
+pub mod correlation;
 
 pub use cloud::{Cloud, CloudPoint, LeftOut, Spread};
