@@ -2,7 +2,15 @@
 //!
 //! A [`Cloud`] is what one frame has of them, from any source. It knows neither cameras nor body.
 
+mod bicubic;
 mod cloud;
 pub mod correlation;
+mod intersection;
+pub mod matching;
+mod rectify;
+mod view;
 
 pub use cloud::{Cloud, CloudPoint, LeftOut, Spread};
+pub use intersection::{Intersection, Sighting, intersect};
+pub use rectify::{RectifiedPair, RectifyError, rectify};
+pub use view::{View, ViewError};

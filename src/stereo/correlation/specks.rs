@@ -8,7 +8,7 @@ const MOST_STEP_PX: f32 = 1.0;
 /// Sets the disparities of every region of fewer than `least` pixels to NaN; returns how many pixels that were.
 ///
 /// Two pixels side by side or one above the other are of one region if their disparities differ by at most 1 px.
-pub(super) fn remove(disparities: &mut Plane<f32>, least: usize) -> usize {
+pub(in crate::stereo) fn remove(disparities: &mut Plane<f32>, least: usize) -> usize {
     let (runs, mut regions) = regions(disparities);
     let mut removed = 0;
     for run in runs {
