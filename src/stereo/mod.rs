@@ -8,6 +8,7 @@ pub mod correlation;
 mod intersection;
 pub mod matching;
 mod rectify;
+pub mod tracking;
 mod view;
 
 pub use cloud::{Cloud, CloudPoint, LeftOut, Spread};

@@ -62,7 +62,7 @@ impl Epipolar {
 }
 
 /// The point that the template's pixel shows at an inverse depth.
-pub(super) fn point_world(
+pub(in crate::stereo) fn point_world(
     template: &Camera,
     pixel: &Point2<f64>,
     inverse_depth: f64,

@@ -25,8 +25,10 @@ use rayon::prelude::*;
 use super::view::View;
 use super::{CloudPoint, Spread};
 use crate::image::{Mask, Plane};
-use epipolar::{Epipolar, point_world};
-use multi_image::{Match, Patch, Plane3, Unmatched, fit};
+use epipolar::Epipolar;
+pub(super) use epipolar::point_world;
+pub(super) use multi_image::{Match, Patch, Plane3, pixels_around};
+use multi_image::{Unmatched, fit};
 
 /// How surfaces are matched.
 #[derive(Debug, Clone, PartialEq)]
@@ -117,7 +119,7 @@ pub struct MatchedPoint {
     /// The images used, a bit each, in the order given.
     pub images: u32,
     /// The plane of the patch, for neighbours and other frames.
-    plane: Plane3,
+    pub(super) plane: Plane3,
 }
 
 /// What was matched, and what was not.
@@ -189,6 +191,26 @@ impl<'a> Stage<'a> {
             .filter_map(|o| o.epipolar.seen(&o.epipolar.direction(&pixel), w));
         seen.map(|seen| seen.by_inverse_depth.norm())
             .fold(0.0, f64::max)
+    }
+
+    /// Matches a patch in all images.
+    pub(super) fn find_patch(
+        &self,
+        patch: &Patch,
+        start: &Plane3,
+        options: &MatchOptions,
+    ) -> Option<Match> {
+        let all = u32::MAX >> (32 - self.others.len());
+        fit(self, patch, start, all, options).ok()
+    }
+
+    /// Where a place of the template is seen in each other image.
+    pub(super) fn images_of(&self, place: &Point2<f64>, w: f64) -> Option<Vec<Point2<f64>>> {
+        let seen = self
+            .others
+            .iter()
+            .map(|o| o.epipolar.seen(&o.epipolar.direction(place), w));
+        seen.map(|seen| Some(seen?.pixel)).collect()
     }
 
     /// Matches the patch at a pixel in all images, else in all but one, as long as these are enough.

@@ -14,6 +14,7 @@
 use nalgebra::{Matrix3, Point2, Vector3};
 
 use super::{MatchOptions, Stage};
+use crate::image::{Mask, Plane};
 use crate::stereo::bicubic::sample;
 
 /// Steps after which a patch that still moves is given up.
@@ -31,9 +32,9 @@ const SLOPE_SD: f64 = 0.5;
 
 /// A plane before the template's camera: inverse depth at a pixel and its slopes, 1/m and 1/(m·px).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Plane3 {
-    pub(super) w: f64,
-    pub(super) slope: [f64; 2],
+pub(in crate::stereo) struct Plane3 {
+    pub(in crate::stereo) w: f64,
+    pub(in crate::stereo) slope: [f64; 2],
 }
 
 impl Plane3 {
@@ -48,8 +49,8 @@ impl Plane3 {
 
 /// A patch that was found.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Match {
-    pub(super) plane: Plane3,
+pub(in crate::stereo) struct Match {
+    pub(in crate::stereo) plane: Plane3,
     /// Standard deviation of w, 1/m, from the normal matrix.
     pub(super) sigma: f64,
     /// The same in the image where it is largest, px.
@@ -62,7 +63,7 @@ pub(super) struct Match {
 
 /// Why no match was found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Unmatched {
+pub(in crate::stereo) enum Unmatched {
     /// Too little of the patch is seen.
     Unseen,
     /// The normal matrix says that it cannot be placed.
@@ -77,7 +78,7 @@ pub(super) enum Unmatched {
 
 /// The template's patch: places relative to its middle, and brightness.
 #[derive(Debug, Clone)]
-pub(super) struct Patch {
+pub(in crate::stereo) struct Patch {
     middle: Point2<f64>,
     pixels: Vec<(f64, f64, f32)>,
     /// Pixels of a whole patch.
@@ -106,14 +107,44 @@ impl Patch {
         }
     }
 
+    /// The same around a place between the pixels.
+    pub(in crate::stereo) fn around(stage: &Stage<'_>, middle: Point2<f64>, radius: usize) -> Self {
+        let pixels = pixels_around(&stage.template.image, stage.mask, middle, radius);
+        Self {
+            middle,
+            pixels,
+            whole: (2 * radius + 1).pow(2),
+        }
+    }
+
     pub(super) fn middle(&self) -> Point2<f64> {
         self.middle
     }
 
     /// Place relative to the middle and brightness of each pixel.
-    pub(super) fn pixels(&self) -> &[(f64, f64, f32)] {
+    pub(in crate::stereo) fn pixels(&self) -> &[(f64, f64, f32)] {
         &self.pixels
     }
+}
+
+/// Brightness around a place between the pixels, one pixel apart, without what the mask or the image does not show.
+pub(in crate::stereo) fn pixels_around(
+    image: &Plane<f32>,
+    mask: Option<&Mask>,
+    middle: Point2<f64>,
+    radius: usize,
+) -> Vec<(f64, f64, f32)> {
+    let side = 2 * radius + 1;
+    let pixels = (0..side * side).filter_map(|i| {
+        let [dx, dy] = [i % side, i / side].map(|k| k as f64 - radius as f64);
+        let place = Point2::new(middle.x + dx, middle.y + dy);
+        let value = sample(image, place.x, place.y)?.value;
+        // a sample lies at (1, 1) or further
+        let shown = mask
+            .is_none_or(|m| m.is_foreground(place.x.round() as usize, place.y.round() as usize));
+        (value.is_finite() && shown).then_some((dx, dy, value))
+    });
+    pixels.collect()
 }
 
 /// Sums over a patch in one image.
@@ -226,7 +257,7 @@ fn reduced((sums, reach): (Sums, f64)) -> Option<Reduced> {
 }
 
 /// Moves the plane until the patch looks alike in all `images` (bits).
-pub(super) fn fit(
+pub(in crate::stereo) fn fit(
     stage: &Stage<'_>,
     patch: &Patch,
     start: &Plane3,

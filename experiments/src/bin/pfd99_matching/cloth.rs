@@ -14,7 +14,7 @@ const FOCAL_PX: f64 = 1247.0;
 const STEP_M: f64 = 0.04;
 
 /// View `number` as a camera at x = 40 mm · number.
-pub fn view(folder: &Path, number: usize) -> Result<View, Fault> {
+pub(crate) fn view(folder: &Path, number: usize) -> Result<View, Fault> {
     let image = grey(&folder.join(format!("view{number}.pgm")))?;
     let camera = Camera {
         name: format!("view{number}"),
@@ -37,7 +37,7 @@ pub fn view(folder: &Path, number: usize) -> Result<View, Fault> {
 }
 
 /// The shift from view 3 to view 5 (or from 1 to 3) of a point at a depth, px.
-pub fn shift_px(depth: f64) -> f64 {
+pub(crate) fn shift_px(depth: f64) -> f64 {
     2.0 * STEP_M * FOCAL_PX / depth
 }
 
@@ -46,7 +46,7 @@ pub fn shift_px(depth: f64) -> f64 {
 /// `disp1` is given in steps of a third of a pixel between views 1 and 5. A pixel x₁ of view 1 lies at x₁ − d/2 in view 3;
 /// between two of the same surface the shift is interpolated, and of several the nearest counts. `disp5` fills what
 /// view 1 does not see.
-pub fn truth(folder: &Path) -> Result<Plane<f64>, Fault> {
+pub(crate) fn truth(folder: &Path) -> Result<Plane<f64>, Fault> {
     let from_left = warped(&grey(&folder.join("disp1.pgm"))?, -1.0);
     let from_right = warped(&grey(&folder.join("disp5.pgm"))?, 1.0);
     let values = from_left.values().iter().zip(from_right.values());

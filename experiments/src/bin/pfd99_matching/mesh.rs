@@ -11,22 +11,22 @@ use crate::Fault;
 const CELL: f64 = 0.06;
 
 /// A surface of one frame.
-pub struct Mesh {
-    pub vertices: Vec<Point3<f64>>,
+pub(crate) struct Mesh {
+    pub(crate) vertices: Vec<Point3<f64>>,
     triangles: Vec<[usize; 3]>,
     cells: HashMap<[i64; 3], Vec<usize>>,
 }
 
 /// A place on the surface: a triangle, and the weights of its corners.
 #[derive(Clone, Copy)]
-pub struct Place {
-    pub triangle: usize,
-    pub weights: [f64; 3],
+pub(crate) struct Place {
+    pub(crate) triangle: usize,
+    pub(crate) weights: [f64; 3],
 }
 
 impl Mesh {
     /// Reads a binary PLY of floats with triangles.
-    pub fn read(path: &Path) -> Result<Self, Fault> {
+    pub(crate) fn read(path: &Path) -> Result<Self, Fault> {
         let bytes = std::fs::read(path)?;
         let end = b"end_header\n";
         let at = bytes
@@ -80,7 +80,7 @@ impl Mesh {
     }
 
     /// The nearest place of the surface and its distance, m; `None` beyond 6 cm.
-    pub fn nearest(&self, point: &Point3<f64>) -> Option<(f64, Place)> {
+    pub(crate) fn nearest(&self, point: &Point3<f64>) -> Option<(f64, Place)> {
         let [x, y, z] = cell(point);
         let around = (0..27).map(|i| [x + i % 3 - 1, y + i / 3 % 3 - 1, z + i / 9 - 1]);
         let near = around.filter_map(|cell| self.cells.get(&cell)).flatten();
@@ -98,7 +98,7 @@ impl Mesh {
     }
 
     /// Where a place is in this frame.
-    pub fn at(&self, place: &Place) -> Point3<f64> {
+    pub(crate) fn at(&self, place: &Place) -> Point3<f64> {
         let corners = self.triangles[place.triangle];
         let sum = corners
             .iter()

@@ -5,55 +5,148 @@ use std::time::Instant;
 
 use experiments::run::Run;
 use maquette::camera::CameraId;
-use maquette::image::{Mask, luma};
+use maquette::image::luma;
 use maquette::io::frames::Footage;
 use maquette::io::recording::Recording;
 use maquette::silhouette::FrameIndex;
 use maquette::stereo::View;
 use maquette::stereo::matching::{MatchOptions, match_surface};
+use maquette::stereo::tracking::{FilterOptions, Shown, TrackOptions, Tracker, Trajectory, filter};
 
 use crate::Fault;
 use crate::mesh::Mesh;
 
-/// Left, centre and right of a frame, and the centre's mask.
-pub struct Triplet {
-    pub views: Vec<View>,
-    pub mask: Mask,
-}
+/// Frames after which tracks are compared with the true paths.
+const TRACKED_FRAMES: usize = 10;
+/// Tracks begin in these frames.
+const FIRST_FRAMES: [usize; 3] = [0, 14, 28];
+/// A track on its place is no farther from it, mm.
+const ON_PLACE_MM: f64 = 15.0;
 
-pub fn triplets(folder: &Path, last: usize) -> Result<Vec<Triplet>, Fault> {
+/// Centre, left and right of every frame, with the masks.
+pub(crate) fn triplets(folder: &Path, last: usize) -> Result<Vec<Shown>, Fault> {
     let footage = Footage::open(folder, None)?;
     let recording = Recording::open(folder, None)?;
     let mut all = Vec::new();
-    for (frame, pictures) in footage.frame_sets(0..=last) {
-        let views = footage.rig.cameras.iter().zip(pictures);
-        let views = views
-            .map(|(camera, picture)| Ok(View::of(camera, &luma(&picture.ok_or("no picture")?))?));
-        let mask = recording
-            .load_mask(CameraId(1), FrameIndex(frame.0))?
-            .ok_or("no mask")?;
-        all.push(Triplet {
-            views: views.collect::<Result<_, Fault>>()?,
-            mask,
-        });
+    for (frame, mut pictures) in footage.frame_sets(0..=last) {
+        let mut shown = Shown {
+            views: Vec::new(),
+            masks: Vec::new(),
+        };
+        for camera in [1, 0, 2] {
+            let picture = pictures[camera].take().ok_or("no picture")?;
+            shown
+                .views
+                .push(View::of(&footage.rig.cameras[camera], &luma(&picture))?);
+            shown
+                .masks
+                .push(recording.load_mask(CameraId(camera), FrameIndex(frame.0))?);
+        }
+        all.push(shown);
     }
     Ok(all)
 }
 
-pub fn measure(run: &mut Run, folder: &Path) -> Result<(), Fault> {
+/// Points of all frames, and tracks, against the true surface.
+pub(crate) fn measure(run: &mut Run, folder: &Path) -> Result<(), Fault> {
+    let frames = triplets(folder, 39)?;
+    points(run, folder, &frames)?;
+    tracks(run, folder, &frames)
+}
+
+fn tracks(run: &mut Run, folder: &Path, frames: &[Shown]) -> Result<(), Fault> {
+    let mut counts = [0usize; 5];
+    for first in FIRST_FRAMES {
+        let [centre, left, right] = &frames[first].views[..] else {
+            return Err("three cameras expected".into());
+        };
+        let mask = frames[first].masks[0].as_ref();
+        let found = match_surface(centre, &[left, right], mask, &[], &MatchOptions::default())?;
+        let start = Instant::now();
+        let mut tracker = Tracker::start(
+            first,
+            frames[first].clone(),
+            &found.points,
+            TrackOptions::default(),
+        )?;
+        for next in &frames[first + 1..=first + TRACKED_FRAMES] {
+            tracker.advance(next.clone())?;
+        }
+        let seconds = start.elapsed().as_secs_f64() / TRACKED_FRAMES as f64;
+        let all = tracker.finish(25.0);
+        let filtered = filter(&all, &FilterOptions::default());
+        let raw = on_place(folder, first, &all)?;
+        let good = on_place(folder, first, &filtered.trajectories)?;
+        run.say(&format!(
+            "tracks from frame {first}: {} begun, {} followed for {TRACKED_FRAMES} frames, {} of them on their place; after the filters {} and {} ({} truncated, {} removed); {seconds:.2} s a frame",
+            found.points.len(), raw.0, raw.1, good.0, good.1, filtered.truncated, filtered.removed
+        ));
+        for (count, here) in
+            counts
+                .iter_mut()
+                .zip([found.points.len(), raw.0, raw.1, good.0, good.1])
+        {
+            *count += here;
+        }
+    }
+    let [begun, followed, _, kept, _] = counts;
+    run.number(
+        "tracks_on_place_unfiltered",
+        counts[2] as f64 / followed as f64,
+    );
+    run.number("tracks_on_place", counts[4] as f64 / kept as f64);
+    run.number("tracks_kept", kept as f64 / begun as f64);
+    run.say(&format!(
+        "tracks: on their place {:.1} %, unfiltered {:.1} %",
+        100.0 * counts[4] as f64 / kept as f64,
+        100.0 * counts[2] as f64 / followed as f64
+    ));
+    Ok(())
+}
+
+/// Trajectories that last, and those whose last point is on the place of the surface where the first one was.
+fn on_place(
+    folder: &Path,
+    first: usize,
+    trajectories: &[Trajectory],
+) -> Result<(usize, usize), Fault> {
+    let mesh = |frame: usize| Mesh::read(&folder.join(format!("surface/{frame:06}.ply")));
+    let (before, after) = (mesh(first)?, mesh(first + TRACKED_FRAMES)?);
+    let (mut lasting, mut right) = (0, 0);
+    for trajectory in trajectories {
+        let Some(end) = trajectory.at(first + TRACKED_FRAMES) else {
+            continue;
+        };
+        lasting += 1;
+        let place = before
+            .nearest(&trajectory.points[0].position_world)
+            .map(|found| found.1);
+        let off = place.map(|place| 1000.0 * (after.at(&place) - end.position_world).norm());
+        right += usize::from(off.is_some_and(|off| off <= ON_PLACE_MM));
+    }
+    Ok((lasting, right))
+}
+
+fn points(run: &mut Run, folder: &Path, frames: &[Shown]) -> Result<(), Fault> {
     let options = MatchOptions {
         spacing_px: 1,
         least_images: 1,
         ..MatchOptions::default()
     };
     let (mut off, mut ratios, mut least) = (Vec::new(), Vec::new(), usize::MAX);
-    for (i, triplet) in triplets(folder, 39)?.iter().enumerate().step_by(13) {
+    for (i, shown) in frames.iter().enumerate().step_by(13) {
         let mesh = Mesh::read(&folder.join(format!("surface/{i:06}.ply")))?;
         let start = Instant::now();
-        let [left, centre, right] = &triplet.views[..] else {
+        let [centre, left, right] = &shown.views[..] else {
             return Err("three cameras expected".into());
         };
-        let found = match_surface(centre, &[left, right], Some(&triplet.mask), &[], &options)?;
+        let found = match_surface(
+            centre,
+            &[left, right],
+            shown.masks[0].as_ref(),
+            &[],
+            &options,
+        )?;
         let seconds = start.elapsed().as_secs_f64();
         let mut here = Vec::new();
         for point in &found.points {
@@ -86,7 +179,7 @@ pub fn measure(run: &mut Run, folder: &Path) -> Result<(), Fault> {
 }
 
 /// Median and 95 %.
-pub fn quantiles(values: &mut [f64]) -> (f64, f64) {
+pub(crate) fn quantiles(values: &mut [f64]) -> (f64, f64) {
     values.sort_by(f64::total_cmp);
     let at = |share: f64| {
         values
