@@ -301,7 +301,7 @@ impl Work<'_> {
             let map = map.map_err(|e| CliError::Stereo(e.to_string()))?;
             let infinity =
                 map.pair.left.camera.intrinsics.cx_px - map.pair.right.camera.intrinsics.cx_px;
-            let disparities = map.disparities.map(|d| d - infinity as f32);
+            let disparities = map.disparities.map(|d| (d - infinity as f32).abs());
             let name = format!("{frame:06}_{}", i + 1);
             self.out.disparity(&name, &disparities)?;
             if self.arguments.pictures {

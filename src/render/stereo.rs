@@ -11,27 +11,16 @@ use crate::stereo::tracking::TrackPoint;
 
 /// Turn of the side view about the vertical, rad.
 const SIDE_TURN: f64 = 0.7;
+/// One arrow in a square of so many pixels.
+const ARROW_CELL_PX: f64 = 9.0;
 /// An arrow shows the way of so much time, s.
-const ARROW_S: f64 = 0.08;
+const ARROW_S: f64 = 0.15;
 /// Speed of the reddest arrow, m/s.
-const FASTEST: f64 = 3.0;
+const FASTEST: f64 = 2.5;
 
 /// Values in colour from blue (the least of the middle 98 %) over green to red; black where there are none.
 pub fn in_colour(values: &Plane<f32>) -> Canvas {
-    let mut known: Vec<f32> = values
-        .values()
-        .iter()
-        .copied()
-        .filter(|v| v.is_finite())
-        .collect();
-    known.sort_by(f32::total_cmp);
-    let at = |share: f64| {
-        known
-            .get((share * known.len() as f64) as usize)
-            .copied()
-            .unwrap_or(0.0)
-    };
-    let (low, high) = (at(0.01), at(0.99).max(at(0.01) + f32::EPSILON));
+    let (low, high) = middle_98_percent(values.values().to_vec());
     Canvas::of_pixels(values.map(|v| {
         if v.is_finite() {
             rainbow((v - low) / (high - low))
@@ -39,6 +28,20 @@ pub fn in_colour(values: &Plane<f32>) -> Canvas {
             [0; 3]
         }
     }))
+}
+
+/// The least and the largest but for a hundredth at either end.
+fn middle_98_percent(mut values: Vec<f32>) -> (f32, f32) {
+    values.retain(|v| v.is_finite());
+    values.sort_by(f32::total_cmp);
+    let last = values.len().saturating_sub(1);
+    let at = |share: f64| {
+        values
+            .get((share * last as f64) as usize)
+            .copied()
+            .unwrap_or(0.0)
+    };
+    (at(0.01), at(0.99).max(at(0.01) + 1e-3))
 }
 
 /// Blue at 0, red at 1.
@@ -61,9 +64,7 @@ pub fn cloud_from_the_side(camera: &Camera, points: &[CloudPoint]) -> Canvas {
         .map(|p| p.position_world.coords / count)
         .sum::<Vector3<f64>>();
     let side = turned_about(camera, &middle.into());
-    let (low, high) = depths().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), z| {
-        (l.min(z), h.max(z))
-    });
+    let (low, high) = middle_98_percent(depths().map(|z| z as f32).collect());
     let mut pixels = Plane::filled(
         camera.width_px as usize,
         camera.height_px as usize,
@@ -81,11 +82,11 @@ pub fn cloud_from_the_side(camera: &Camera, points: &[CloudPoint]) -> Canvas {
         let Some(pixel) = side.project_undistorted(point) else {
             continue;
         };
-        let share = ((camera.camera_from_world * point).z - low) / (high - low).max(1e-9);
+        let share = ((camera.camera_from_world * point).z as f32 - low) / (high - low);
         let (x, y) = (pixel.x.round(), pixel.y.round());
         if x >= 0.0 && y >= 0.0 {
             if let Some(pixel) = pixels.row_mut(y as usize).get_mut(x as usize) {
-                *pixel = rainbow(1.0 - share as f32);
+                *pixel = rainbow(1.0 - share);
             }
         }
     }
@@ -108,17 +109,22 @@ pub fn vector_field(camera: &Camera, image: &Plane<f32>, points: &[TrackPoint]) 
     let grey = image.map(|v| [(0.6 * v) as u8; 3]);
     let mut canvas = Canvas::of_pixels(grey);
     let mut by_speed = [const { Vec::new() }; 4];
+    let mut taken = std::collections::BTreeSet::new();
     for point in points {
         let to = point.position_world + point.velocity * ARROW_S;
         let ends = [point.position_world, to].map(|p| camera.project_undistorted(&p));
         let [Some(from), Some(to)] = ends else {
             continue;
         };
+        let cell = [from.x, from.y].map(|x| (x / ARROW_CELL_PX).floor() as i64);
+        if !taken.insert(cell) {
+            continue;
+        }
         let class = (3.99 * (point.velocity.norm() / FASTEST).clamp(0.0, 1.0)) as usize;
         by_speed[class].extend(arrow(from, to));
     }
     for (class, segments) in by_speed.iter().enumerate() {
-        let color = [255, 230 - 70 * class as u8, 40];
+        let color = [255, 240 - 78 * class as u8, 30];
         canvas.draw(
             segments,
             Pen {

@@ -44,18 +44,23 @@ impl RectifiedPair {
         let infinity = self.left.camera.intrinsics.cx_px - self.right.camera.intrinsics.cx_px;
         let base = self.left.camera.intrinsics.fx_px * self.baseline();
         let third = f64::from(self.left.camera.width_px.min(self.right.camera.width_px)) / 3.0;
+        let third = third * base.signum();
         let (far, near) = depth.map_or((0.0, third), |(near, far)| (base / far, base / near));
-        let first = (infinity + far).floor() - 1.0;
-        let count = (near - far).ceil().clamp(0.0, MOST_DISPARITIES - 3.0) + 3.0;
+        let count = (near - far).abs().ceil().clamp(0.0, MOST_DISPARITIES - 3.0) + 3.0;
+        let least = if near > far {
+            far - 1.0
+        } else {
+            far + 2.0 - count
+        };
         DisparityRange {
-            first: first as i32,
+            first: (infinity + least).floor() as i32,
             count: count as usize,
         }
     }
 
-    /// Distance between the cameras, m.
+    /// How far the second camera stands to the right of the first, m; negative to the left.
     pub fn baseline(&self) -> f64 {
-        (self.right.camera.centre_world() - self.left.camera.centre_world()).norm()
+        (self.left.camera.camera_from_world * self.right.camera.centre_world()).x
     }
 }
 

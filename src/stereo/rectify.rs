@@ -1,6 +1,6 @@
 //! Two images turned so that a point is in the same row of both.
 
-use nalgebra::{Matrix3, Point2, Rotation3, UnitQuaternion};
+use nalgebra::{Matrix3, Point2, Rotation3, UnitQuaternion, Vector3};
 
 use super::view::{View, resampled};
 use crate::camera::{Camera, Intrinsics};
@@ -12,8 +12,8 @@ const MOST_STRETCH: f64 = 2.0;
 
 /// A pair of images whose rows correspond.
 ///
-/// For a point X, u_left − u_right = f·B/Z + (c_left − c_right), with f the common focal length, B the distance
-/// between the cameras, Z the depth and c the principal points' columns; v is the same in both.
+/// For a point X, u_left − u_right = f·B/Z + (c_left − c_right), with f the common focal length, B how far the second
+/// camera stands to the right of the first (negative: to the left), Z the depth and c the principal points' columns; v is the same in both.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RectifiedPair {
     /// The first camera, turned about its centre.
@@ -61,7 +61,7 @@ pub enum RectifyError {
 
 /// Turns both cameras about their centres so that rows run along the line between them, and resamples their images.
 ///
-/// x = (c₂ − c₁)/|c₂ − c₁|; z is the mean of both optical axes, made perpendicular to x; y = z × x.
+/// x = ±(c₂ − c₁)/|c₂ − c₁|, the one that points to the right in the first image; z is the mean of both optical axes, made perpendicular to x; y = z × x.
 ///
 /// # Errors
 /// [`RectifyError`] for cameras in one place, and cameras that do not look side by side.
@@ -100,7 +100,7 @@ fn rotation(first: &Camera, second: &Camera) -> Result<Rotation3<f64>, RectifyEr
     let (left, right) = (first.name.clone(), second.name.clone());
     let baseline = second.centre_world() - first.centre_world();
     // nearer than a thousandth of a millimetre is no distance
-    let Some(x) = baseline.try_normalize(1e-6) else {
+    let Some(along) = baseline.try_normalize(1e-6) else {
         let distance_mm = 1000.0 * baseline.norm();
         return Err(RectifyError::NoBaseline {
             left,
@@ -108,6 +108,9 @@ fn rotation(first: &Camera, second: &Camera) -> Result<Rotation3<f64>, RectifyEr
             distance_mm,
         });
     };
+    // upright, as the first camera is: disparities are negative where the second camera stands to its left
+    let right_of_first = first.camera_from_world.rotation.inverse() * Vector3::x();
+    let x = along * along.dot(&right_of_first).signum();
     let axes = [first, second].map(|camera| camera.optical_axis().direction_world.into_inner());
     let mean = axes[0] + axes[1];
     let across = mean - x * mean.dot(&x);

@@ -33,15 +33,16 @@ use multi_image::{Unmatched, fit};
 /// How surfaces are matched.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MatchOptions {
-    /// A patch has (2·radius + 1)² pixels. 6: 13 × 13 (PFD99).
+    /// A patch has (2·radius + 1)² pixels. 5: 11 × 11; 6 is PFD99's 13 × 13, too large for a curved limb far away.
     pub radius_px: usize,
-    /// The larger patch where that one fails. 9: 19 × 19.
+    /// The larger patch where that one fails. 8: 17 × 17.
     pub larger_radius_px: usize,
     /// Distance of neighbouring points in the template. 2.
     pub spacing_px: usize,
     /// Images besides the template in which a point must be found. 2: triplets (PFD99).
     pub least_images: usize,
-    /// Least correlation coefficient of the template's patch with that of any image. 0.8.
+    /// Least correlation coefficient of the template's patch with that of any image. Noise lowers it without harm: the
+    /// standard deviation is the stricter judge. 0.6.
     pub least_correlation: f64,
     /// Largest standard deviation of a match by its normal matrix, px. 0.2.
     pub most_sigma_px: f64,
@@ -58,11 +59,11 @@ pub struct MatchOptions {
 impl Default for MatchOptions {
     fn default() -> Self {
         Self {
-            radius_px: 6,
-            larger_radius_px: 9,
+            radius_px: 5,
+            larger_radius_px: 8,
             spacing_px: 2,
             least_images: 2,
-            least_correlation: 0.8,
+            least_correlation: 0.6,
             most_sigma_px: 0.2,
             model_sigma_px: 0.05,
             depth: None,

@@ -13,8 +13,6 @@ const STEP_PX: f64 = 0.7;
 const MOST_STEPS: usize = 2000;
 /// A third of an image: the largest shift that is tried where no depth is given.
 const LARGEST_SHIFT: f64 = 1.0 / 3.0;
-/// Least correlation of the best place, in the image where it is least.
-const LEAST_CORRELATION: f64 = 0.75;
 /// How much less any other place must have.
 const LEAST_LEAD: f64 = 0.05;
 /// Places nearer than this are the same place, px.
@@ -132,7 +130,7 @@ fn along_the_line(
         .iter()
         .filter(|place| (place.1 - best.1).abs() > SAME_PX);
     let next = elsewhere.map(|place| place.0).fold(-1.0, f64::max);
-    (best.0 >= LEAST_CORRELATION && next <= best.0 - LEAST_LEAD).then_some(Seed {
+    (best.0 >= options.least_correlation && next <= best.0 - LEAST_LEAD).then_some(Seed {
         pixel,
         plane: Plane3 {
             w: best.2,

@@ -130,7 +130,6 @@ fn on_place(
 fn points(run: &mut Run, folder: &Path, frames: &[Shown]) -> Result<(), Fault> {
     let options = MatchOptions {
         spacing_px: 1,
-        least_images: 1,
         ..MatchOptions::default()
     };
     let (mut off, mut ratios, mut least) = (Vec::new(), Vec::new(), usize::MAX);
