@@ -48,6 +48,10 @@ pub(super) fn band<const D: usize>(input: &Input<'_>, rows: Range<usize>, found:
     }
     let width = input.width_left.max(1);
     for (y, found) in rows.step_by(ABREAST).zip(found.chunks_mut(ABREAST * width)) {
+        // a last row may be alone: the other one goes along all the same, and must not overflow
+        if found.len() < ABREAST * width {
+            work.rows[1].sums.fill(Lane([0; D]));
+        }
         for (i, _) in found.chunks(width).enumerate() {
             work.costs(input, y + i, i);
             work.from_above(input.options, i);

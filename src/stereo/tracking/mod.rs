@@ -31,7 +31,7 @@ pub struct TrackOptions {
     pub search_px: usize,
     /// The same where there is no motion yet to predict from. 24.
     pub first_search_px: usize,
-    /// Least correlation coefficient with the patch of the frame before. 0.8.
+    /// Least correlation coefficient with the patch of the frame before. 0.6.
     pub least_correlation: f64,
     /// Largest standard deviation of the place by the normal matrix, px. 0.3.
     pub most_sigma_px: f64,
@@ -47,7 +47,7 @@ impl Default for TrackOptions {
             radius_px: 6,
             search_px: 10,
             first_search_px: 24,
-            least_correlation: 0.8,
+            least_correlation: 0.6,
             most_sigma_px: 0.3,
             most_difference_px: 0.7,
             spatial: MatchOptions::default(),
@@ -134,7 +134,8 @@ impl Tracker {
     /// [`MatchError`] for cameras in one place, and another number of views than before.
     pub fn advance(&mut self, next: Shown) -> Result<(), MatchError> {
         if next.views.len() != self.shown.views.len() {
-            let (expected, found) = (self.shown.views.len(), next.views.len());
+            let beside = |shown: &Shown| shown.views.len().saturating_sub(1);
+            let (expected, found) = (beside(&self.shown), beside(&next));
             return Err(MatchError::Images { expected, found });
         }
         let (here, there) = (stage(&self.shown)?, stage(&next)?);
