@@ -81,7 +81,7 @@ pub(super) enum CliError {
     },
     /// The pictures of a recording.
     #[error(transparent)]
-    Frames(#[from] FramesError),
+    Frames(Box<FramesError>),
     /// What cannot be matched.
     #[error("{0}")]
     Stereo(String),
@@ -97,6 +97,12 @@ pub(super) enum CliError {
     /// A result that is no JSON.
     #[error("result.json: {0}")]
     Json(#[from] serde_json::Error),
+}
+
+impl From<FramesError> for CliError {
+    fn from(fault: FramesError) -> Self {
+        Self::Frames(Box::new(fault))
+    }
 }
 
 /// What clap says about arguments, without usage and hints to help, in one line.

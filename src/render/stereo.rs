@@ -84,10 +84,10 @@ pub fn cloud_from_the_side(camera: &Camera, points: &[CloudPoint]) -> Canvas {
         };
         let share = ((camera.camera_from_world * point).z as f32 - low) / (high - low);
         let (x, y) = (pixel.x.round(), pixel.y.round());
-        if x >= 0.0 && y >= 0.0 {
-            if let Some(pixel) = pixels.row_mut(y as usize).get_mut(x as usize) {
-                *pixel = rainbow(1.0 - share);
-            }
+        let inside = x >= 0.0 && y >= 0.0;
+        let row = pixels.row_mut(y as usize);
+        if let Some(pixel) = row.get_mut(x as usize).filter(|_| inside) {
+            *pixel = rainbow(1.0 - share);
         }
     }
     Canvas::of_pixels(pixels)

@@ -44,7 +44,7 @@ pub(super) fn band<const D: usize>(input: &Input<'_>, rows: Range<usize>, found:
     let mut work = Work::<D>::new(input);
     for y in rows.start.saturating_sub(RUN_UP)..rows.start {
         work.costs(input, y, 0);
-        work.from_above(input.options, 0);
+        work.go_down(input.options, 0);
     }
     let width = input.width_left.max(1);
     for (y, found) in rows.step_by(ABREAST).zip(found.chunks_mut(ABREAST * width)) {
@@ -54,7 +54,7 @@ pub(super) fn band<const D: usize>(input: &Input<'_>, rows: Range<usize>, found:
         }
         for (i, _) in found.chunks(width).enumerate() {
             work.costs(input, y + i, i);
-            work.from_above(input.options, i);
+            work.go_down(input.options, i);
         }
         work.along_the_rows(input.options);
         for (i, found) in found.chunks_mut(width).enumerate() {
@@ -87,8 +87,8 @@ impl<const D: usize> Path<D> {
         let from_any = self.least.saturating_add(p2);
         let mut beside = [u8::MAX; D];
         beside[1..].copy_from_slice(&self.costs.0[..D - 1]);
-        for d in 0..D - 1 {
-            beside[d] = beside[d].min(self.costs.0[d + 1]);
+        for (beside, above) in beside.iter_mut().zip(&self.costs.0[1..]) {
+            *beside = (*beside).min(*above);
         }
         let mut next = [0; D];
         for d in 0..D {
@@ -208,7 +208,7 @@ impl<const D: usize> Work<D> {
     }
 
     #[inline(always)]
-    fn from_above(&mut self, options: &CorrelationOptions, i: usize) {
+    fn go_down(&mut self, options: &CorrelationOptions, i: usize) {
         let penalties = (options.step_penalty, options.jump_penalty);
         let Row { costs, sums } = &mut self.rows[i];
         for ((above, costs), sums) in self.above.iter_mut().zip(costs).zip(sums) {

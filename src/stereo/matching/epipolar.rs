@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Point2, Point3, Vector2, Vector3};
 
-use crate::camera::Camera;
+use crate::camera::{Camera, Intrinsics};
 
 /// The way from the template's image to another one.
 ///
@@ -23,15 +23,14 @@ pub(super) struct Seen {
 }
 
 impl Epipolar {
-    /// `None` for a camera matrix without inverse.
-    pub(super) fn new(template: &Camera, other: &Camera) -> Option<Self> {
+    pub(super) fn new(template: &Camera, other: &Camera) -> Self {
         let other_from_template = other.camera_from_world * template.camera_from_world.inverse();
         let rotation = other_from_template.rotation.to_rotation_matrix();
         let k = other.intrinsics.matrix();
-        Some(Self {
-            at_infinity: k * rotation.matrix() * template.intrinsics.matrix().try_inverse()?,
+        Self {
+            at_infinity: k * rotation.matrix() * inverse(&template.intrinsics),
             epipole: k * other_from_template.translation.vector,
-        })
+        }
     }
 
     /// H·p̃.
@@ -59,6 +58,15 @@ impl Epipolar {
             }
         })
     }
+}
+
+/// K⁻¹: normalised coordinates are affine in the pixel.
+fn inverse(intrinsics: &Intrinsics) -> Matrix3<f64> {
+    let of = |x, y| intrinsics.normalized(&Point2::new(x, y));
+    let origin = of(0.0, 0.0);
+    let columns = [of(1.0, 0.0) - origin, of(0.0, 1.0) - origin];
+    let [a, b] = columns.map(|c| Vector3::new(c.x, c.y, 0.0));
+    Matrix3::from_columns(&[a, b, Vector3::new(origin.x, origin.y, 1.0)])
 }
 
 /// The point that the template's pixel shows at an inverse depth.

@@ -159,15 +159,16 @@ impl<'a> Stage<'a> {
     ) -> Result<Self, MatchError> {
         let other = |view: &&'a View| {
             let distance = (view.camera.centre_world() - template.camera.centre_world()).norm();
-            let epipolar =
-                Epipolar::new(&template.camera, &view.camera).filter(|_| distance > 1e-6);
-            let epipolar = epipolar.ok_or_else(|| MatchError::NoBaseline {
-                template: template.camera.name.clone(),
-                other: view.camera.name.clone(),
-            })?;
+            // nearer than a thousandth of a millimetre is one place
+            if distance < 1e-6 {
+                return Err(MatchError::NoBaseline {
+                    template: template.camera.name.clone(),
+                    other: view.camera.name.clone(),
+                });
+            }
             Ok(Other {
-                view: *view,
-                epipolar,
+                view,
+                epipolar: Epipolar::new(&template.camera, &view.camera),
             })
         };
         let others = others.iter().map(other).collect::<Result<_, _>>()?;

@@ -272,8 +272,8 @@ pub(in crate::stereo) fn fit(
         let views = views(stage, patch, &plane, images)?;
         let reach = views.iter().map(|view| view.reach).fold(0.0, f64::max);
         let (normal, right, variance) = combined(&views, &plane, reach);
-        let inverse = normal.try_inverse().ok_or(Unmatched::NoTexture)?;
-        let mut step = inverse * right;
+        let factor = normal.cholesky().ok_or(Unmatched::NoTexture)?;
+        let mut step = factor.solve(&right);
         let longest = step.x.abs() * reach;
         if !longest.is_finite() {
             return Err(Unmatched::NoTexture);
@@ -285,7 +285,7 @@ pub(in crate::stereo) fn fit(
             return Err(Unmatched::Astray);
         }
         if longest < AT_REST_PX {
-            let sigma = (variance * inverse.m11).sqrt();
+            let sigma = (variance * factor.solve(&Vector3::x()).x).sqrt();
             let correlation = views
                 .iter()
                 .map(|view| view.correlation)

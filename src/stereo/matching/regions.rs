@@ -83,29 +83,28 @@ impl Region<'_> {
         let plane = seed
             .plane
             .moved(offset(start.0, seed.pixel.0), offset(start.1, seed.pixel.1));
-        self.visit(start, &plane, 0.0);
-        let mut horizontally = true;
+        self.visit(start, &plane);
+        let mut along = [(1, 0), (-1, 0)];
+        let mut across = [(0, 1), (0, -1)];
         let mut fresh: Vec<Node> = self.found.keys().copied().collect();
         let mut before = Vec::new();
         while !fresh.is_empty() {
             let mut found = Vec::new();
             for node in before.iter().chain(&fresh) {
-                for forwards in [true, false] {
-                    found.extend(self.walk(*node, horizontally, forwards));
+                for step in along {
+                    found.extend(self.walk(*node, step));
                 }
             }
-            horizontally = !horizontally;
+            std::mem::swap(&mut along, &mut across);
             before = std::mem::replace(&mut fresh, found);
         }
         self.found
     }
 
     /// On from a found place as long as the next one is found.
-    fn walk(&mut self, from: Node, horizontally: bool, forwards: bool) -> Vec<Node> {
+    fn walk(&mut self, from: Node, (dx, dy): (isize, isize)) -> Vec<Node> {
         let mut found = Vec::new();
         let mut here = from;
-        let step = if forwards { 1 } else { -1 };
-        let (dx, dy) = if horizontally { (step, 0) } else { (0, step) };
         while let (Some(x), Some(y)) =
             (here.0.checked_add_signed(dx), here.1.checked_add_signed(dy))
         {
@@ -114,7 +113,7 @@ impl Region<'_> {
             };
             let spacing = self.options.spacing_px as f64;
             let expected = plane.moved(dx as f64 * spacing, dy as f64 * spacing);
-            if !self.visit((x, y), &expected, spacing) {
+            if !self.visit((x, y), &expected) {
                 break;
             }
             here = (x, y);
@@ -124,7 +123,7 @@ impl Region<'_> {
     }
 
     /// Whether a place is of this region, was not found before, and is found now.
-    fn visit(&mut self, node: Node, expected: &Plane3, _from_px: f64) -> bool {
+    fn visit(&mut self, node: Node, expected: &Plane3) -> bool {
         let mine = self.owners.get(node.0, node.1) == Some(self.owner);
         let pixel = (
             node.0 * self.options.spacing_px,

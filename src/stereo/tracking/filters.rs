@@ -137,9 +137,12 @@ fn uniform(
     (0..end).take_while(good).count()
 }
 
-/// Velocities by frame and cell of space.
+/// A place and a velocity.
+type Motion = (Point3<f64>, Vector3<f64>);
+
+/// Motions by frame and cell of space.
 struct Neighbours {
-    cells: HashMap<(usize, [i64; 3]), Vec<(Point3<f64>, Vector3<f64>)>>,
+    cells: HashMap<(usize, [i64; 3]), Vec<Motion>>,
 }
 
 impl Neighbours {

@@ -93,8 +93,8 @@ pub(super) fn fit(
     let (mut place, mut map) = (*start, Matrix2::identity());
     for _ in 0..MOST_STEPS {
         let (normal, right, variance, correlation) = equations(patch, image, &place, &map)?;
-        let inverse = normal.try_inverse()?;
-        let step = inverse * right;
+        let factor = normal.cholesky()?;
+        let step = factor.solve(&right);
         place += Vector2::new(step[0], step[1]);
         map += Matrix2::new(step[2], step[3], step[4], step[5]);
         // NaN is not near
@@ -103,7 +103,7 @@ pub(super) fn fit(
             return None;
         }
         if step[0].hypot(step[1]) < AT_REST_PX {
-            let spread = inverse.fixed_view::<2, 2>(0, 0).into_owned() * variance;
+            let spread = factor.inverse().fixed_view::<2, 2>(0, 0).into_owned() * variance;
             let sigma_px = spread.symmetric_eigenvalues().max().sqrt();
             return Some(Moved {
                 pixel: place,
