@@ -13,7 +13,7 @@ fn flat(name: &str, x: f64) -> View {
         &camera,
         &Plane::filled(SIZE.0 as usize, SIZE.1 as usize, 100),
     )
-    .unwrap()
+    .expect("the camera's size")
 }
 
 #[test]

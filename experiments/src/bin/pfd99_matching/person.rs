@@ -12,6 +12,7 @@ use maquette::silhouette::FrameIndex;
 use maquette::stereo::View;
 use maquette::stereo::matching::{MatchOptions, match_surface};
 use maquette::stereo::tracking::{FilterOptions, Shown, TrackOptions, Tracker, Trajectory, filter};
+use nalgebra::Unit;
 
 use crate::Fault;
 use crate::mesh::Mesh;
@@ -152,9 +153,12 @@ fn points(run: &mut Run, folder: &Path, frames: &[Shown]) -> Result<(), Fault> {
             let distance = mesh
                 .nearest(&point.point.position_world)
                 .map_or(0.06, |found| found.0);
-            let ray = point.point.position_world - centre.camera.centre_world();
+            let place = point.point.position_world;
+            let ray = Unit::new_normalize(place - centre.camera.centre_world());
             here.push(1000.0 * distance);
-            ratios.push(distance / point.point.spread.along(&ray.normalize()).unwrap_or(1.0));
+            if let Some(sigma) = point.point.spread.along(&ray) {
+                ratios.push(distance / sigma);
+            }
         }
         least = least.min(here.len());
         let (middle, most) = quantiles(&mut here);
