@@ -1,5 +1,7 @@
 //! The program from outside: what it reads, writes, prints and refuses.
 
+#![allow(unreachable_pub, reason = "a scene shared with the tests of stereo")]
+
 #[path = "cli/arm.rs"]
 mod arm;
 #[path = "cli/fit.rs"]
@@ -10,5 +12,10 @@ mod others;
 mod refusals;
 #[path = "cli/resume.rs"]
 mod resume;
+#[allow(dead_code, reason = "a scene shared with the tests of stereo")]
+#[path = "stereo/scene.rs"]
+mod scene;
 #[path = "cli/skin.rs"]
 mod skin;
+#[path = "cli/stereo.rs"]
+mod stereo;

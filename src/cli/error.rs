@@ -1,11 +1,13 @@
 //! What went wrong, in one line.
 
+use crate::io::frames::FramesError;
 use crate::io::journal::JournalError;
 use crate::io::model::ModelFileError;
 use crate::io::out_folder::OutError;
 use crate::io::overlays::OverlayError;
 use crate::io::recording::RecordingError;
 use crate::io::result::ResultError;
+use crate::io::stereo::StereoOutError;
 use crate::io::synthetic::SyntheticError;
 use crate::pipeline::FitError;
 use crate::skin::SkinError;
@@ -77,6 +79,15 @@ pub(super) enum CliError {
         /// Why not.
         source: rayon::ThreadPoolBuildError,
     },
+    /// The pictures of a recording.
+    #[error(transparent)]
+    Frames(Box<FramesError>),
+    /// What cannot be matched.
+    #[error("{0}")]
+    Stereo(String),
+    /// Points that cannot be written.
+    #[error(transparent)]
+    StereoOut(#[from] StereoOutError),
     /// A body that cannot walk.
     #[error(transparent)]
     Walk(#[from] WalkError),
@@ -86,6 +97,12 @@ pub(super) enum CliError {
     /// A result that is no JSON.
     #[error("result.json: {0}")]
     Json(#[from] serde_json::Error),
+}
+
+impl From<FramesError> for CliError {
+    fn from(fault: FramesError) -> Self {
+        Self::Frames(Box::new(fault))
+    }
 }
 
 /// What clap says about arguments, without usage and hints to help, in one line.

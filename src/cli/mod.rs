@@ -6,6 +6,7 @@
 //! | `synth.rs`    | `maquette synth`                                                |
 //! | `models.rs`   | `maquette models`                                               |
 //! | `skin.rs`     | `maquette skin`, and the skins of `maquette models`             |
+//! | `stereo.rs`   | `maquette stereo`                                               |
 //! | `progress.rs` | a bar for each stage                                            |
 //! | `summary.rs`  | what is said of a fit, for a person and as JSON                 |
 //! | `table.rs`    | columns                                                         |
@@ -18,6 +19,7 @@ mod fit;
 mod models;
 mod progress;
 mod skin;
+mod stereo;
 mod summary;
 mod synth;
 mod table;
@@ -65,6 +67,9 @@ enum Command {
     /// Make the skin of a fitted body, as meshes and pictures
     #[command(long_about = skin::ABOUT, after_help = skin::EXAMPLES)]
     Skin(skin::SkinArguments),
+    /// Measure points of the surface from cameras side by side
+    #[command(long_about = stereo::ABOUT, after_help = stereo::EXAMPLES)]
+    Stereo(stereo::StereoArguments),
     /// List the body models that come with the program, or show one
     #[command(long_about = models::ABOUT)]
     Models(models::ModelsArguments),
@@ -79,6 +84,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Ok(arguments) => match arguments.command {
             Command::Fit(arguments) => fit::run(&arguments),
             Command::Skin(arguments) => skin::run(&arguments),
+            Command::Stereo(arguments) => stereo::run(&arguments),
             Command::Models(arguments) => models::run(&arguments),
             Command::Synth(arguments) => synth::run(&arguments),
         },

@@ -2,6 +2,7 @@
 
 pub mod calibration;
 pub mod cloud;
+pub mod frames;
 pub mod journal;
 pub mod manifest;
 pub mod mesh;
@@ -10,6 +11,7 @@ pub mod out_folder;
 pub mod overlays;
 pub mod recording;
 pub mod result;
+pub mod stereo;
 pub mod synthetic;
 pub mod trc;
 pub mod unknown_key;

@@ -15,6 +15,7 @@ mod overlay;
 mod profile;
 mod raycast;
 mod shade;
+pub mod stereo;
 
 pub use canvas::{Canvas, Pen, Rgb};
 pub use overlay::overlay;

@@ -1,7 +1,35 @@
-//! Points on the surface of the body, as stereo sees them: places in the world and how far they err.
+//! Points on the surface of the body: places in the world and how far they err, measured in images of cameras side by side.
 //!
-//! A [`Cloud`] is what one frame has of them, from any source. It knows neither cameras nor body.
+//! A [`Cloud`] is what one frame has of them, from any source. Nothing here knows a body: else its points were no
+//! independent data.
+//!
+//! | file               | holds                                                                       |
+//! |--------------------|-----------------------------------------------------------------------------|
+//! | `cloud.rs`         | [`Cloud`], [`CloudPoint`], [`Spread`]                                         |
+//! | `choice.rs`        | [`SideBySide`]: which cameras are matched                                     |
+//! | `view.rs`          | [`View`]: an image without its lens                                           |
+//! | `bicubic.rs`       | brightness between the pixels                                                 |
+//! | `intersection.rs`  | [`intersect`]: where lines of sight meet, with covariance                     |
+//! | `rectify.rs`       | [`rectify`]: a pair whose rows correspond                                     |
+//! | [`correlation`]    | dense disparity of such a pair                                                |
+//! | `depth.rs`         | [`depth_map`]: its points                                                     |
+//! | [`matching`]       | least-squares matching in several images at once (PFD99 § 2.1)                |
+//! | [`tracking`]       | following points from frame to frame (PFD99 § 2.2)                            |
 
+mod bicubic;
+mod choice;
 mod cloud;
+pub mod correlation;
+mod depth;
+mod intersection;
+pub mod matching;
+mod rectify;
+pub mod tracking;
+mod view;
 
+pub use choice::{NoneSideBySide, SideBySide};
 pub use cloud::{Cloud, CloudPoint, LeftOut, Spread};
+pub use depth::{DepthError, DepthMap, depth_map};
+pub use intersection::{Intersection, Sighting, intersect};
+pub use rectify::{RectifiedPair, RectifyError, rectify};
+pub use view::{View, ViewError};

@@ -1,0 +1,216 @@
+//! `maquette stereo`.
+
+mod work;
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use super::complain;
+use super::error::CliError;
+use super::fit::FrameRange;
+use super::progress::Progress;
+use crate::camera::CameraId;
+use crate::io::frames::Footage;
+use crate::io::out_folder::{Existing, check_out};
+use crate::io::recording::Recording;
+use crate::io::stereo::StereoFolder;
+use crate::silhouette::FrameIndex;
+use crate::stereo::SideBySide;
+use crate::stereo::matching::MatchOptions;
+use work::Work;
+
+pub(super) const ABOUT: &str = "\
+Measure points of the surface from cameras that stand side by side.
+
+Writes OUT/points/<frame>.ply with a covariance for each point, OUT/disparity/<frame>.png (16 bits, 256 steps a pixel, \
+0 unknown) and, with --tracks, OUT/trajectories.csv. Where the recording has masks, only the person is measured. \
+The points go into a fit by `points = \"points/%06d.ply\"` in sequence.toml.";
+
+pub(super) const EXAMPLES: &str = "\
+Examples:
+  maquette stereo my-recording --out out/points
+  maquette stereo my-recording --out out/points --frames 0:99 --tracks --pictures
+  maquette stereo my-recording --out out/points --method correlation --cameras left,right --depth 2:5";
+
+/// Frames through which a set of points is followed, before a new one begins.
+const TRACKED_FRAMES: usize = 10;
+
+/// Arguments of `maquette stereo`.
+#[derive(Debug, Args)]
+pub(super) struct StereoArguments {
+    /// Folder of the recording, or its sequence.toml
+    recording: PathBuf,
+    /// Folder to write into
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// How points are found
+    #[arg(long, value_enum, default_value_t = Method::Matching)]
+    method: Method,
+    /// Only the frames of these numbers, both included [default: all]
+    #[arg(long, value_name = "FIRST:LAST")]
+    frames: Option<FrameRange>,
+    /// Cameras, the template first [default: the one in the middle and those beside it]
+    #[arg(long, value_delimiter = ',', value_name = "NAMES")]
+    cameras: Vec<String>,
+    /// Nearest and farthest depth, metres [default: from a shift of a third of an image to infinity]
+    #[arg(long, value_name = "NEAR:FAR", value_parser = depth)]
+    depth: Option<(f64, f64)>,
+    /// Distance of neighbouring points in the template's image, px (matching)
+    #[arg(long, value_name = "PX", default_value_t = MatchOptions::default().spacing_px, value_parser = at_least_one)]
+    spacing: usize,
+    /// Cameras besides the template that must show a point (matching) [default: all]
+    #[arg(long, value_name = "COUNT")]
+    least_cameras: Option<usize>,
+    /// Follow the points through ten frames at a time (matching)
+    #[arg(long)]
+    tracks: bool,
+    /// Write pictures: disparities in colour, the cloud from the side, the motion of the surface
+    #[arg(long)]
+    pictures: bool,
+    /// Frames per second, where the recording does not say
+    #[arg(long, value_name = "HZ")]
+    fps: Option<f64>,
+    /// Write into a folder that is not empty
+    #[arg(long)]
+    overwrite: bool,
+    /// Print nothing but errors
+    #[arg(long)]
+    quiet: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Method {
+    /// Disparity of each pair by correlation: fast, a point for every pixel
+    Correlation,
+    /// Least-squares matching in all images at once: more exact
+    Matching,
+}
+
+fn at_least_one(text: &str) -> Result<usize, String> {
+    let parsed = text.parse().ok().filter(|count| *count > 0);
+    parsed.ok_or_else(|| "expected a whole number, 1 or more".into())
+}
+
+fn depth(text: &str) -> Result<(f64, f64), String> {
+    let parsed = text.split_once(':').and_then(|(near, far)| {
+        let (near, far): (f64, f64) = (near.trim().parse().ok()?, far.trim().parse().ok()?);
+        (near > 0.0 && far > near && far.is_finite()).then_some((near, far))
+    });
+    parsed.ok_or_else(|| "expected NEAR:FAR, two depths in metres, the nearer first".into())
+}
+
+/// Measures and writes.
+pub(super) fn run(arguments: &StereoArguments) -> Result<(), CliError> {
+    // 1. read and check everything
+    let existing = if arguments.overwrite {
+        Existing::Overwrite
+    } else {
+        Existing::Refuse
+    };
+    check_out(&arguments.out, existing)?;
+    let footage = Footage::open(&arguments.recording, arguments.fps)?;
+    let frames = asked_frames(&footage, arguments.frames)?;
+    let mut work = Work {
+        arguments,
+        cameras: cameras(&footage, &arguments.cameras)?,
+        masks: Recording::open(&arguments.recording, arguments.fps.or(Some(footage.fps))).ok(),
+        out: StereoFolder::open(&arguments.out)?,
+        footage: &footage,
+        following: None,
+        trajectories: Vec::new(),
+        points: 0,
+        skipped: Vec::new(),
+    };
+    if !arguments.quiet {
+        footage
+            .notes
+            .iter()
+            .for_each(|note| complain("note", &note.to_string()));
+        if work.masks.is_none() {
+            complain(
+                "note",
+                "no masks: everything that the cameras show is measured, not the person alone",
+            );
+        }
+    }
+    // 2. frame by frame
+    let progress = if arguments.quiet {
+        Progress::Hidden
+    } else {
+        Progress::Shown
+    };
+    let bar = progress.bar("stereo", frames.len());
+    let mut sets = footage.frame_sets(frames[0].0..=frames[frames.len() - 1].0);
+    for (frame, pictures) in sets.by_ref() {
+        work.frame(frame, &pictures)?;
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    // 3. what was found
+    work.finish()?;
+    if !arguments.quiet {
+        sets.notes()
+            .iter()
+            .for_each(|note| complain("note", &note.to_string()));
+        work.report(frames.len());
+    }
+    Ok(())
+}
+
+fn asked_frames(footage: &Footage, range: Option<FrameRange>) -> Result<Vec<FrameIndex>, CliError> {
+    let all = footage.frames();
+    let (Some(first), Some(last)) = (all.first(), all.last()) else {
+        return Err(CliError::Arguments(format!(
+            "{}: no frames",
+            footage.folder.display()
+        )));
+    };
+    let Some(range) = range else { return Ok(all) };
+    let in_range: Vec<FrameIndex> = all
+        .iter()
+        .filter(|f| (range.first..=range.last).contains(&f.0))
+        .copied()
+        .collect();
+    if in_range.is_empty() {
+        let (first, last) = (first.0, last.0);
+        return Err(CliError::NoFrames {
+            range: format!("{}:{}", range.first, range.last),
+            first,
+            last,
+        });
+    }
+    Ok(in_range)
+}
+
+/// The template's camera and the others.
+fn cameras(footage: &Footage, asked: &[String]) -> Result<Vec<CameraId>, CliError> {
+    if asked.is_empty() {
+        let chosen = SideBySide::of(&footage.rig).map_err(|e| CliError::Stereo(e.to_string()))?;
+        return Ok(std::iter::once(chosen.template)
+            .chain(chosen.others)
+            .collect());
+    }
+    let known = footage.rig.names().collect::<Vec<_>>().join(", ");
+    let found = asked.iter().map(|name| {
+        let found = footage.rig.by_name(name.trim()).map(|(id, _)| id);
+        found.ok_or_else(|| {
+            CliError::Stereo(format!(
+                "--cameras {name}: no such camera: the recording has {known}"
+            ))
+        })
+    });
+    let found = found.collect::<Result<Vec<_>, _>>()?;
+    let different = found
+        .iter()
+        .collect::<std::collections::BTreeSet<_>>()
+        .len()
+        == found.len();
+    if found.len() < 2 || !different {
+        return Err(CliError::Stereo(format!(
+            "--cameras {}: expected two different cameras or more",
+            asked.join(",")
+        )));
+    }
+    Ok(found)
+}

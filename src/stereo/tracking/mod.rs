@@ -1,0 +1,282 @@
+//! Following points of the surface from frame to frame (PFD99 § 2.2).
+//!
+//! A [`Tracker`] begins with the matches of one frame. In each camera every point's place in the next frame is predicted
+//! from its motion, searched in a box by correlation, and found by least-squares matching with its own last image
+//! (`temporal.rs`). Least-squares matching across the cameras at that place must agree; if it does, the point's new
+//! place is where the lines of sight meet. [`Tracker::finish`] gives the [`Trajectory`]s with velocity and acceleration,
+//! and [`filter`] takes away the false ones (`filters.rs`).
+
+mod filters;
+mod temporal;
+mod trajectory;
+
+use nalgebra::{Point2, Point3};
+use rayon::prelude::*;
+
+use super::intersection::{Sighting, intersect};
+use super::matching::{MatchError, MatchOptions, MatchedPoint, Patch, Plane3, Stage};
+use super::view::View;
+use super::{CloudPoint, Spread};
+use crate::image::Mask;
+
+pub use filters::{FalseTrajectory, FilterOptions, Filtered, filter};
+pub use trajectory::{TrackPoint, Trajectory};
+
+/// How points are followed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrackOptions {
+    /// A patch has (2·radius + 1)² pixels. 6: 13 × 13 (PFD99).
+    pub radius_px: usize,
+    /// Half the search box around the predicted place. 10.
+    pub search_px: usize,
+    /// The same where there is no motion yet to predict from. 24.
+    pub first_search_px: usize,
+    /// Least correlation coefficient with the patch of the frame before. 0.6.
+    pub least_correlation: f64,
+    /// Largest standard deviation of the place by the normal matrix, px. 0.3.
+    pub most_sigma_px: f64,
+    /// How far matches in time and across cameras may differ, px. 0.7.
+    pub most_difference_px: f64,
+    /// Matching across the cameras; its `least_images` is not used: all must show the point.
+    pub spatial: MatchOptions,
+}
+
+impl Default for TrackOptions {
+    fn default() -> Self {
+        Self {
+            radius_px: 6,
+            search_px: 10,
+            first_search_px: 24,
+            least_correlation: 0.6,
+            most_sigma_px: 0.3,
+            most_difference_px: 0.7,
+            spatial: MatchOptions::default(),
+        }
+    }
+}
+
+/// What the cameras show at one time.
+#[derive(Debug, Clone)]
+pub struct Shown {
+    /// The template's camera first.
+    pub views: Vec<View>,
+    /// For each view the subject's pixels, where they are known.
+    pub masks: Vec<Option<Mask>>,
+}
+
+/// A point that is followed.
+#[derive(Debug, Clone)]
+struct Track {
+    /// Places in each view, in the last frame and in the one before.
+    last: Vec<Point2<f64>>,
+    before: Option<Vec<Point2<f64>>>,
+    plane: Plane3,
+    path: Vec<CloudPoint>,
+    lost: bool,
+}
+
+/// Follows the points of one frame through those that come after it.
+#[derive(Debug)]
+pub struct Tracker {
+    options: TrackOptions,
+    first_frame: usize,
+    shown: Shown,
+    tracks: Vec<Track>,
+}
+
+impl Tracker {
+    /// Begins with points matched in `shown`, whose first view was their template.
+    ///
+    /// # Errors
+    /// [`MatchError`] for cameras in one place.
+    pub fn start(
+        first_frame: usize,
+        shown: Shown,
+        points: &[MatchedPoint],
+        options: TrackOptions,
+    ) -> Result<Self, MatchError> {
+        let stage = stage(&shown)?;
+        let track = |point: &MatchedPoint| {
+            let place = Point2::new(point.pixel.0 as f64, point.pixel.1 as f64);
+            let others = stage.images_of(&place, point.plane.w)?;
+            Some(Track {
+                last: std::iter::once(place).chain(others).collect(),
+                before: None,
+                plane: point.plane,
+                path: vec![point.point],
+                lost: false,
+            })
+        };
+        let tracks = points.iter().filter_map(track).collect();
+        drop(stage);
+        Ok(Self {
+            options,
+            first_frame,
+            shown,
+            tracks,
+        })
+    }
+
+    /// How many points are still followed.
+    pub fn followed(&self) -> usize {
+        self.tracks.iter().filter(|track| !track.lost).count()
+    }
+
+    /// Where the points are that are still followed.
+    pub fn positions(&self) -> impl Iterator<Item = Point3<f64>> {
+        let followed = self.tracks.iter().filter(|track| !track.lost);
+        followed.filter_map(|track| Some(track.path.last()?.position_world))
+    }
+
+    /// Goes on to the next frame; points that are not found there are lost.
+    ///
+    /// # Errors
+    /// [`MatchError`] for cameras in one place, and another number of views than before.
+    pub fn advance(&mut self, next: Shown) -> Result<(), MatchError> {
+        if next.views.len() != self.shown.views.len() {
+            let beside = |shown: &Shown| shown.views.len().saturating_sub(1);
+            let (expected, found) = (beside(&self.shown), beside(&next));
+            return Err(MatchError::Images { expected, found });
+        }
+        let (here, there) = (stage(&self.shown)?, stage(&next)?);
+        let step = Step {
+            shown: &self.shown,
+            next: &next,
+            here,
+            there,
+            options: &self.options,
+        };
+        self.tracks
+            .par_iter_mut()
+            .filter(|track| !track.lost)
+            .for_each(|track| match step.of(track) {
+                Some(moved) => *track = moved,
+                None => track.lost = true,
+            });
+        drop(step);
+        self.shown = next;
+        Ok(())
+    }
+
+    /// The trajectories of all points, in the order in which they were given; `fps` frames a second.
+    pub fn finish(self, fps: f64) -> Vec<Trajectory> {
+        let tracks = self.tracks.into_iter();
+        tracks
+            .map(|track| Trajectory::of(self.first_frame, &track.path, fps))
+            .collect()
+    }
+}
+
+fn stage(shown: &Shown) -> Result<Stage<'_>, MatchError> {
+    let Some((template, others)) = shown
+        .views
+        .split_first()
+        .filter(|(_, others)| !others.is_empty())
+    else {
+        return Err(MatchError::Images {
+            expected: 1,
+            found: 0,
+        });
+    };
+    let mask = shown.masks.first().and_then(Option::as_ref);
+    Stage::new(template, &others.iter().collect::<Vec<_>>(), mask)
+}
+
+/// One frame and the next.
+struct Step<'a> {
+    shown: &'a Shown,
+    next: &'a Shown,
+    here: Stage<'a>,
+    there: Stage<'a>,
+    options: &'a TrackOptions,
+}
+
+impl Step<'_> {
+    /// The track one frame on; `None` if it is lost.
+    fn of(&self, track: &Track) -> Option<Track> {
+        // 1. temporal matching in each view
+        let moved: Option<Vec<temporal::Moved>> = (0..track.last.len())
+            .map(|view| self.temporal(track, view))
+            .collect();
+        let moved = moved?;
+        // 2. spatial matching at the result
+        let place = moved[0].pixel;
+        let rough = self.intersect(&moved)?;
+        let camera = &self.next.views[0].camera;
+        let depth = (camera.camera_from_world * rough.position_world).z;
+        let plane = Plane3 {
+            w: 1.0 / depth,
+            ..track.plane
+        };
+        let patch = Patch::around(&self.there, place, self.options.radius_px);
+        let found = self
+            .there
+            .find_patch(&patch, &plane, &self.options.spatial)?;
+        // 3. both must agree
+        let others = self.there.images_of(&place, found.plane.w)?;
+        let difference = others
+            .iter()
+            .zip(&moved[1..])
+            .map(|(a, b)| (a - b.pixel).norm());
+        if difference.fold(0.0, f64::max) > self.options.most_difference_px {
+            return None;
+        }
+        // 4. forward intersection
+        let position_world = super::matching::point_world(camera, &place, found.plane.w);
+        let mut path = track.path.clone();
+        path.push(CloudPoint {
+            position_world,
+            spread: Spread::Full(rough.covariance),
+        });
+        Some(Track {
+            last: std::iter::once(place).chain(others).collect(),
+            before: Some(track.last.clone()),
+            plane: found.plane,
+            path,
+            lost: false,
+        })
+    }
+
+    fn temporal(&self, track: &Track, view: usize) -> Option<temporal::Moved> {
+        let options = self.options;
+        let place = track.last[view];
+        let patch = self.patch(view, place)?;
+        let (expected, reach) = match &track.before {
+            Some(before) => (place + (place - before[view]), options.search_px),
+            None => (place, options.first_search_px),
+        };
+        let image = &self.next.views[view].image;
+        let start = temporal::search(&patch, image, &expected, reach)?;
+        let moved = temporal::fit(&patch, image, &start)?;
+        let good = moved.correlation >= options.least_correlation
+            && moved.sigma_px <= options.most_sigma_px;
+        good.then_some(moved)
+    }
+
+    /// The patch around a place in this frame, without what does not show the subject.
+    fn patch(&self, view: usize, place: Point2<f64>) -> Option<Vec<(f64, f64, f32)>> {
+        let radius = self.options.radius_px;
+        let pixels = if view == 0 {
+            Patch::around(&self.here, place, radius).pixels().to_vec()
+        } else {
+            let mask = self.shown.masks.get(view).and_then(Option::as_ref);
+            super::matching::pixels_around(&self.shown.views[view].image, mask, place, radius)
+        };
+        (2 * pixels.len() > (2 * radius + 1).pow(2)).then_some(pixels)
+    }
+
+    fn intersect(&self, moved: &[temporal::Moved]) -> Option<super::Intersection> {
+        let model = self.options.spatial.model_sigma_px;
+        let sightings = self
+            .next
+            .views
+            .iter()
+            .zip(moved)
+            .map(|(view, moved)| Sighting {
+                camera: &view.camera,
+                pixel: moved.pixel,
+                sigma_px: moved.sigma_px.hypot(model),
+            });
+        intersect(&sightings.collect::<Vec<_>>())
+    }
+}

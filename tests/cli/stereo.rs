@@ -1,0 +1,149 @@
+//! Points, disparities and trajectories of a wall before three cameras.
+
+use std::fs;
+use std::path::Path;
+
+use maquette::camera::Rig;
+use maquette::io::calibration::write_toml;
+use maquette::io::cloud;
+use nalgebra::Vector3;
+
+use crate::arm::run;
+use crate::scene::{SIZE, Wall, three};
+
+/// A recording of `frames` frames of the wall, which moves a centimetre a frame.
+fn record(folder: &Path, frames: usize) {
+    let cameras = three();
+    let rig = Rig {
+        cameras: cameras.to_vec(),
+    };
+    fs::write(folder.join("calibration.toml"), write_toml(&rig)).expect("a folder");
+    for camera in &cameras {
+        let images = folder.join("images").join(&camera.name);
+        fs::create_dir_all(&images).expect("a folder");
+        for frame in 0..frames {
+            let wall = Wall {
+                shift: Vector3::new(0.01 * frame as f64, 0.0, 0.0),
+            };
+            let image = wall.seen_by(camera);
+            let path = images.join(format!("{frame:06}.png"));
+            image::save_buffer(path, image.values(), SIZE.0, SIZE.1, image::ColorType::L8)
+                .expect("a picture");
+        }
+    }
+}
+
+#[test]
+fn points_disparities_trajectories_and_pictures_of_a_recording_are_written() {
+    let folder = tempfile::tempdir().expect("a folder");
+    record(folder.path(), 4);
+    let recording = folder.path().display().to_string();
+    let out = folder.path().join("out");
+    let out_name = out.display().to_string();
+    let said = run(&[
+        "stereo",
+        &recording,
+        "--fps",
+        "25",
+        "--out",
+        &out_name,
+        "--tracks",
+        "--pictures",
+        "--frames",
+        "0:2",
+    ])
+    .succeeded();
+    assert!(said.out.contains("3 frames"), "{}", said.out);
+    assert!(said.err.contains("no masks"), "{}", said.err);
+    let points = cloud::read(&out.join("points/000001.ply"))
+        .expect("a cloud")
+        .points;
+    assert!(points.len() > 1000);
+    let wall = Wall {
+        shift: Vector3::new(0.01, 0.0, 0.0),
+    };
+    let mut off: Vec<f64> = points
+        .iter()
+        .map(|p| wall.off(&p.position_world).abs())
+        .collect();
+    off.sort_by(f64::total_cmp);
+    assert!(off[off.len() / 2] < 0.01, "{}", off[off.len() / 2]);
+    let rows = fs::read_to_string(out.join("trajectories.csv")).expect("trajectories");
+    assert!(rows.starts_with("trajectory,frame,x,y,z,vx") && rows.lines().count() > 100);
+    for name in [
+        "disparity/000002.png",
+        "pictures/cloud_000000.png",
+        "pictures/vectors_000000.png",
+    ] {
+        assert!(out.join(name).is_file(), "{name}");
+    }
+    assert!(!out.join("points/000003.ply").exists());
+    run(&["stereo", &recording, "--fps", "25", "--out", &out_name]).refused(&["not empty"]);
+}
+
+#[test]
+fn correlation_writes_the_disparity_of_each_pair_and_a_missing_picture_costs_its_frame_alone() {
+    let folder = tempfile::tempdir().expect("a folder");
+    record(folder.path(), 2);
+    fs::remove_file(folder.path().join("images/left/000001.png")).expect("a picture");
+    let recording = folder.path().display().to_string();
+    let out = folder.path().join("out");
+    let out_name = out.display().to_string();
+    let said = run(&[
+        "stereo",
+        &recording,
+        "--fps",
+        "25",
+        "--out",
+        &out_name,
+        "--method",
+        "correlation",
+        "--depth",
+        "1.5:3",
+    ])
+    .succeeded();
+    assert!(
+        said.err.contains("1 frame without points, frame 1 first"),
+        "{}",
+        said.err
+    );
+    for name in [
+        "points/000000.ply",
+        "disparity/000000_1.png",
+        "disparity/000000_2.png",
+    ] {
+        assert!(out.join(name).is_file(), "{name}");
+    }
+}
+
+#[test]
+fn arguments_that_make_no_sense_are_refused_in_one_line() {
+    let folder = tempfile::tempdir().expect("a folder");
+    record(folder.path(), 1);
+    let recording = folder.path().display().to_string();
+    let out = folder.path().join("out").display().to_string();
+    let cases = [
+        (
+            vec!["--cameras", "left,nobody"],
+            "no such camera: the recording has left, middle, right",
+        ),
+        (
+            vec!["--cameras", "left,left"],
+            "expected two different cameras",
+        ),
+        (vec!["--depth", "3:1"], "expected NEAR:FAR"),
+        (
+            vec!["--frames", "7:9"],
+            "no frame of the recording lies in this range",
+        ),
+        (vec!["--spacing", "0"], "--spacing"),
+    ];
+    for (arguments, expected) in cases {
+        let all = [
+            &["stereo", &recording, "--fps", "25", "--out", &out],
+            &arguments[..],
+        ]
+        .concat();
+        run(&all).refused(&[expected]);
+    }
+}
