@@ -6,6 +6,7 @@
 //! | file           | holds                                                                  |
 //! |----------------|------------------------------------------------------------------------|
 //! | `plane.rs`     | [`Plane`]: a rectangle of values, row by row                            |
+//! | `picture.rs`   | [`Picture`], [`luma`]: colours, and how bright they are                 |
 //! | `mask.rs`      | [`Mask`]: foreground or not, for each pixel                             |
 //! | `runs.rs`      | [`Runs`]: the same by the runs of each row, and its connected components |
 //! | `components.rs`| [`clean`]: specks away, small holes filled                              |
@@ -17,6 +18,7 @@ mod components;
 mod contour;
 mod distance;
 mod mask;
+mod picture;
 mod plane;
 mod runs;
 mod scanlines;
@@ -25,6 +27,7 @@ pub use components::{CleanOptions, clean};
 pub use contour::{resample, trace};
 pub use distance::NearestPoints;
 pub use mask::Mask;
+pub use picture::{Picture, luma};
 pub use plane::Plane;
 pub use runs::{Component, Connectivity, Region, Runs};
 pub use scanlines::Scanlines;

@@ -58,6 +58,15 @@ impl<T: Copy> Plane<T> {
             .unwrap_or(&mut [])
     }
 
+    /// The same rectangle of `f` of each value.
+    pub fn map<U: Copy>(&self, f: impl FnMut(T) -> U) -> Plane<U> {
+        Plane {
+            width: self.width,
+            height: self.height,
+            values: self.values.iter().copied().map(f).collect(),
+        }
+    }
+
     /// All values, row by row.
     pub fn values(&self) -> &[T] {
         &self.values

@@ -11,7 +11,7 @@
 //! masks = "masks/cam_01/%06d.png"    # printf pattern, folder, or glob
 //! ```
 //!
-//! Per camera also `images`, `video`, `background` and `offset_frames`; for the recording `points`, `points_unit` and
+//! Per camera also `images`, `video`, `background`, `offset_frames` and `start_s`; for the recording `points`, `points_unit` and
 //! `start`.
 //! Paths are relative to the file. Every key is optional but a camera's `name`; what is left out is looked for where
 //! a folder without manifest has it.
@@ -44,6 +44,7 @@ const CAMERA_KEYS: &[&str] = &[
     "video",
     "background",
     "offset_frames",
+    "start_s",
 ];
 
 /// A recording's manifest, as written.
@@ -85,7 +86,7 @@ pub enum CalibrationFiles {
 }
 
 /// What one camera recorded.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 pub struct CameraFiles {
     /// Its name in the calibration.
     pub name: String,
@@ -101,6 +102,19 @@ pub struct CameraFiles {
     /// frames after the others has 3.
     #[serde(default)]
     pub offset_frames: i64,
+    /// When this camera's first frame was taken, in seconds on a clock that all cameras share; the numbers of its files
+    /// grow by this times the frame rate, rounded.
+    #[serde(default)]
+    pub start_s: f64,
+}
+
+impl CameraFiles {
+    /// By how much the numbers of this camera's files are shifted: offset_frames + start_s·fps, rounded.
+    pub fn shift(&self, fps: f64) -> i64 {
+        let by_clock = (self.start_s * fps).round();
+        // a float becomes the nearest integer that there is
+        self.offset_frames.saturating_add(by_clock as i64)
+    }
 }
 
 /// Why a manifest could not be used.
@@ -268,6 +282,7 @@ mod tests {
             video = "left.avi"
             background = "empty.png"
             offset_frames = -2
+            start_s = 0.5
             [[camera]]
             name = "right"
             "#,
@@ -288,6 +303,7 @@ mod tests {
             (left.offset_frames, left.images.as_deref()),
             (-2, Some("images"))
         );
+        assert_eq!(left.shift(50.0), 23);
         assert_eq!(manifest.cameras[1].name, "right");
     }
 
@@ -296,7 +312,7 @@ mod tests {
         assert_eq!(
             message("fps = 50\n[[camera]]\nname = \"a\"\nmask = \"m\"\n"),
             "walk/sequence.toml:4: unknown key \"mask\"; did you mean \"masks\"? (known here: \
-             name, masks, images, video, background, offset_frames)"
+             name, masks, images, video, background, offset_frames, start_s)"
         );
         assert!(
             message("calibrations = 3")

@@ -2,6 +2,7 @@
 
 pub mod calibration;
 pub mod cloud;
+pub mod frames;
 pub mod journal;
 pub mod manifest;
 pub mod mesh;

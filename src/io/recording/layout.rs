@@ -12,7 +12,7 @@ const MANIFEST: &str = "sequence.toml";
 const MASKS: &str = "masks";
 
 /// The folder of a recording and its manifest, if it has one.
-pub(super) fn locate(path: &Path) -> Result<(PathBuf, Option<PathBuf>), RecordingError> {
+pub(in crate::io) fn locate(path: &Path) -> Result<(PathBuf, Option<PathBuf>), RecordingError> {
     if path.is_dir() {
         let manifest = path.join(MANIFEST);
         let manifest = manifest.is_file().then_some(manifest);
@@ -54,7 +54,7 @@ pub(super) fn conventional_cameras(folder: &Path) -> Result<Vec<CameraFiles>, Re
 }
 
 /// The files or folders that the calibration is read from.
-pub(super) fn calibration_paths(
+pub(in crate::io) fn calibration_paths(
     folder: &Path,
     files: Option<&CalibrationFiles>,
 ) -> Vec<(Option<String>, PathBuf)> {
@@ -69,7 +69,7 @@ pub(super) fn calibration_paths(
 }
 
 /// Reads what [`calibration_paths`] found.
-pub(super) fn read_calibration(
+pub(in crate::io) fn read_calibration(
     paths: &[(Option<String>, PathBuf)],
     options: &CalibrationOptions,
 ) -> Result<Rig, CalibrationError> {

@@ -4,10 +4,10 @@
 //! [`Recording::load_frame`] reads those of one frame. Nothing is kept in between, so frames can be streamed, and loaded by many threads.
 
 mod error;
-mod layout;
+pub(in crate::io) mod layout;
 mod mask_image;
 mod note;
-mod numbered_files;
+pub(in crate::io) mod numbered_files;
 mod open;
 mod points;
 

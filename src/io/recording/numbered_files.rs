@@ -10,26 +10,26 @@ use super::RecordingError;
 
 /// The masks of one camera, or the point clouds.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct NumberedFiles {
+pub(in crate::io) struct NumberedFiles {
     /// Number in the file's name → file.
-    pub(super) of_number: BTreeMap<u64, PathBuf>,
+    pub(in crate::io) of_number: BTreeMap<u64, PathBuf>,
     /// Files of the kind without a number.
-    pub(super) unnumbered: usize,
+    pub(in crate::io) unnumbered: usize,
 }
 
 /// What is looked for.
-pub(super) struct Wanted<'a> {
+pub(in crate::io) struct Wanted<'a> {
     /// Whose it is, for messages: `camera left: masks` or `points`.
-    pub(super) key: &'a str,
+    pub(in crate::io) key: &'a str,
     /// Whether a file's name is one of the kind; asked where the pattern itself is not as exact as a printf pattern.
-    pub(super) is_kind: fn(&Path) -> bool,
+    pub(in crate::io) is_kind: fn(&Path) -> bool,
 }
 
 /// The files that `pattern` names, relative to `folder`: a printf pattern, a glob, a folder, or one file.
 ///
 /// The number is what `%d` stands for, otherwise the last group of digits in the name before its extension.
 /// Hidden files and what is not of the kind are passed over.
-pub(super) fn list(
+pub(in crate::io) fn list(
     folder: &Path,
     pattern: &str,
     wanted: &Wanted<'_>,
@@ -117,7 +117,7 @@ fn of_kind(files: Vec<PathBuf>, wanted: &Wanted<'_>) -> Vec<PathBuf> {
 }
 
 /// Whether a file's name is that of an image that can be read.
-pub(super) fn is_image(path: &Path) -> bool {
+pub(in crate::io) fn is_image(path: &Path) -> bool {
     ImageFormat::from_path(path).is_ok_and(|format| format.reading_enabled())
 }
 

@@ -25,7 +25,7 @@ pub(super) fn open(path: &Path, fps: Option<f64>) -> Result<Recording, Recording
     let fps = frame_rate(fps.or(manifest.fps), path)?;
     let masks: Vec<_> = masks
         .iter()
-        .map(|(camera, files)| by_frame(camera, files, &mut notes))
+        .map(|(camera, files)| by_frame(camera, files, fps, &mut notes))
         .collect();
     let points = PointFiles::find(&folder, &manifest, &rig, &mut notes)?;
     let (frames, missing) = frames_and_missing(&masks, &points);
@@ -209,14 +209,15 @@ fn only_calibrated(masks: CameraMasks, calibrated: &Rig, notes: &mut Vec<Note>) 
     known
 }
 
-/// The masks by frame: number + `offset_frames`.
+/// The masks by frame: number + `offset_frames` + `start_s` · fps.
 fn by_frame(
     camera: &CameraFiles,
     files: &NumberedFiles,
+    fps: f64,
     notes: &mut Vec<Note>,
 ) -> BTreeMap<FrameIndex, PathBuf> {
     let frame = |number: u64| {
-        let shifted = number.checked_add_signed(camera.offset_frames)?;
+        let shifted = number.checked_add_signed(camera.shift(fps))?;
         Some(FrameIndex(usize::try_from(shifted).ok()?))
     };
     let masks: BTreeMap<_, _> = files

@@ -1,0 +1,96 @@
+//! Why pictures could not be used.
+
+use std::io;
+use std::path::PathBuf;
+
+use crate::io::calibration::CalibrationError;
+use crate::io::manifest::ManifestError;
+use crate::io::recording::RecordingError;
+
+/// Why the pictures of a recording could not be used, in one line that says what to mend.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FramesError {
+    /// The recording's layout, a pattern or a folder is at fault.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// The manifest is at fault.
+    #[error(transparent)]
+    Manifest(#[from] ManifestError),
+    /// The calibration is at fault.
+    #[error(transparent)]
+    Calibration(#[from] CalibrationError),
+    /// No camera has images or a video.
+    #[error(
+        "{}: no pictures: expected videos/<camera>.* or images/<camera>/ beside the calibration, or images = … or video = … for each camera in sequence.toml",
+        path.display()
+    )]
+    NoPictures {
+        /// The recording.
+        path: PathBuf,
+    },
+    /// A camera's pictures were promised and are not there.
+    #[error("camera {camera}: no {key} at {}", path.display())]
+    Missing {
+        /// The camera.
+        camera: String,
+        /// Of the manifest: images, video, background.
+        key: &'static str,
+        /// Where it should be.
+        path: PathBuf,
+    },
+    /// Both images and a video.
+    #[error("camera {camera}: both images and video are given: expected one of them")]
+    Both {
+        /// The camera.
+        camera: String,
+    },
+    /// Pictures of another size than the camera was calibrated for.
+    #[error(
+        "camera {camera}: {}: the pictures are {} × {} px, expected {} × {} px as calibrated",
+        path.display(), found[0], found[1], expected[0], expected[1]
+    )]
+    Size {
+        /// The camera.
+        camera: String,
+        /// The video or the first image.
+        path: PathBuf,
+        /// Width and height of the calibration.
+        expected: [u32; 2],
+        /// Width and height of the pictures.
+        found: [u32; 2],
+    },
+    /// An image that cannot be read.
+    #[error("{}: the image cannot be read: {reason}", path.display())]
+    Image {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
+    /// A file that is no video, or an empty one.
+    #[error("{}: no video in this file: {reason}", path.display())]
+    NoVideo {
+        /// The file.
+        path: PathBuf,
+        /// What `ffprobe` says.
+        reason: String,
+    },
+    /// The program that decodes videos is missing.
+    #[error(
+        "{}: videos are read by the program ffmpeg, which is not installed: `apt install ffmpeg` (Debian, Ubuntu), `brew install ffmpeg` (macOS), `winget install ffmpeg` (Windows)",
+        path.display()
+    )]
+    NoFfmpeg {
+        /// The video.
+        path: PathBuf,
+    },
+    /// The program that decodes videos cannot be started.
+    #[error("{}: ffmpeg cannot be run: {source}", path.display())]
+    Ffmpeg {
+        /// The video.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+}

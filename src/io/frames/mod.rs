@@ -1,0 +1,142 @@
+//! The pictures of a recording: images or videos of calibrated cameras, decoded ahead, frame by frame.
+//!
+//! [`Footage::open`] reads the manifest and the calibration and finds out which frames each camera has;
+//! [`Footage::stream`] gives the pictures of one camera in order, [`Footage::frame_sets`] those of all cameras frame by
+//! frame. Each camera is decoded by a thread of its own, at most [`AHEAD`] pictures ahead of whoever takes them, so
+//! memory stays bounded however long the recording is. Videos go through the installed program `ffmpeg`, by pipe.
+//!
+//! A picture that cannot be read is left out; [`Pictures::fault`] says in one line what happened.
+//!
+//! | file         | holds                                                                   |
+//! |--------------|-------------------------------------------------------------------------|
+//! | `open.rs`    | from a folder or manifest to cameras and frame numbers                   |
+//! | `numbers.rs` | which frame each picture of a video is, from its time stamps              |
+//! | `probe.rs`   | what `ffprobe` says of a video                                           |
+//! | `video.rs`   | pictures out of `ffmpeg`'s pipe                                          |
+//! | `image.rs`   | pictures out of image files                                              |
+//! | `stream.rs`  | [`Pictures`] and [`FrameSets`]: decoding ahead                            |
+
+mod error;
+mod image;
+mod note;
+mod numbers;
+mod open;
+mod probe;
+mod stream;
+mod video;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
+
+use crate::camera::{CameraId, Rig};
+use crate::silhouette::FrameIndex;
+
+pub use error::FramesError;
+pub use note::FramesNote;
+pub use numbers::Numbering;
+pub use stream::{AHEAD, FrameSets, Pictures};
+
+/// Calibrated pictures, frame by frame.
+#[derive(Clone, Debug)]
+pub struct Footage {
+    /// Frames per second.
+    pub fps: f64,
+    /// The cameras that have pictures, in the order of the manifest.
+    pub rig: Rig,
+    /// What each camera of the rig recorded.
+    pub cameras: Vec<CameraFootage>,
+    /// What the user should know.
+    pub notes: Vec<FramesNote>,
+    /// The folder that the manifest's paths are relative to.
+    pub folder: PathBuf,
+}
+
+/// What one camera recorded.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CameraFootage {
+    /// Its pictures.
+    pub source: Source,
+    /// Added to the numbers of the source's pictures.
+    pub shift: i64,
+    /// An image or a video of the empty scene.
+    pub background: Option<PathBuf>,
+}
+
+/// Where pictures come from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Source {
+    /// An image for each number.
+    Images(BTreeMap<u64, PathBuf>),
+    /// A video.
+    Video {
+        /// The file.
+        path: PathBuf,
+        /// Which number each of its pictures has.
+        numbering: Numbering,
+    },
+}
+
+impl CameraFootage {
+    /// The frames of which there should be a picture, ascending.
+    pub fn frames(&self) -> Vec<FrameIndex> {
+        let numbers: Vec<u64> = match &self.source {
+            Source::Images(files) => files.keys().copied().collect(),
+            Source::Video { numbering, .. } => numbering.numbers(),
+        };
+        let frames = numbers.into_iter().filter_map(|n| self.frame(n));
+        frames.collect()
+    }
+
+    /// The frame of the picture of this number; `None` before frame 0.
+    fn frame(&self, number: u64) -> Option<FrameIndex> {
+        let shifted = number.checked_add_signed(self.shift)?;
+        Some(FrameIndex(usize::try_from(shifted).ok()?))
+    }
+}
+
+impl Footage {
+    /// Opens a folder or a manifest; `fps` overrides the manifest's frame rate, and that the videos'.
+    ///
+    /// A folder with a `sequence.toml` is read by it (`images`, `video`, `background` of each camera). One without has
+    /// `videos/<camera>.*` or `images/<camera>/*`, `background/<camera>.*` if there are pictures of the empty scene,
+    /// and a calibration as [`crate::io::recording::Recording::open`] finds it.
+    ///
+    /// # Errors
+    /// [`FramesError`] if something is missing, contradictory, or cannot be read.
+    pub fn open(path: &Path, fps: Option<f64>) -> Result<Self, FramesError> {
+        open::open(path, fps)
+    }
+
+    /// The frames of which at least one camera should have a picture, ascending.
+    pub fn frames(&self) -> Vec<FrameIndex> {
+        let all: BTreeSet<FrameIndex> = self.cameras.iter().flat_map(|c| c.frames()).collect();
+        all.into_iter().collect()
+    }
+
+    /// The pictures of a camera in these frames (both included), in order; none for a camera that is not there.
+    pub fn stream(&self, camera: CameraId, frames: RangeInclusive<usize>) -> Pictures {
+        match (self.cameras.get(camera.0), self.rig.camera(camera)) {
+            (Some(footage), Some(known)) => Pictures::start(footage, known, frames),
+            _ => Pictures::none(),
+        }
+    }
+
+    /// The pictures of all cameras in these frames (both included), frame by frame.
+    pub fn frame_sets(&self, frames: RangeInclusive<usize>) -> FrameSets {
+        let cameras = self.rig.iter().map(|(id, _)| id);
+        FrameSets::new(cameras.map(|id| self.stream(id, frames.clone())).collect())
+    }
+
+    /// The pictures of a camera's empty scene, in order: of an image one, of a video all; none if there is no such file.
+    pub fn background(&self, camera: CameraId) -> Pictures {
+        let footage = self.cameras.get(camera.0);
+        match (
+            footage.and_then(|f| f.background.as_ref()),
+            self.rig.camera(camera),
+        ) {
+            (Some(path), Some(known)) => Pictures::start_background(path, known),
+            _ => Pictures::none(),
+        }
+    }
+}
