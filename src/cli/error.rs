@@ -1,5 +1,6 @@
 //! What went wrong, in one line.
 
+use crate::io::frames::FramesError;
 use crate::io::journal::JournalError;
 use crate::io::model::ModelFileError;
 use crate::io::out_folder::OutError;
@@ -20,6 +21,9 @@ pub(super) enum CliError {
     /// The recording.
     #[error(transparent)]
     Recording(#[from] RecordingError),
+    /// The pictures.
+    #[error(transparent)]
+    Frames(#[from] FramesError),
     /// No frame of the recording is in the range asked for.
     #[error(
         "--frames {range}: no frame of the recording lies in this range: it has {first} to {last}"

@@ -1,0 +1,189 @@
+//! What one camera knows of the empty scene and of the person.
+
+use super::SegmentOptions;
+use crate::image::{Background, ColourCount, Colours, Empty, Mixture, Picture, Plane, box_mean};
+
+/// A mode that was there for less than this share of the time is not the empty scene.
+const RARE: f32 = 0.03;
+/// How sharply the odds of a background become trust.
+const TRUST_SLOPE: f32 = 3.0;
+/// Nothing is certain.
+const LEAST_DOUBT: f32 = 1e-6;
+
+/// One camera's background and colours.
+#[derive(Clone, Debug)]
+pub(super) struct View {
+    pub(super) background: Background,
+    /// Colours of the person; `None` before there are masks.
+    person: Option<Colours>,
+    /// Colours of the empty scene around the person.
+    around: Option<Colours>,
+}
+
+impl View {
+    /// The mode of largest ω/σ in each pixel, trusted.
+    pub(super) fn new(mixture: &Mixture, size: (usize, usize)) -> Self {
+        let score = |mixture: &Mixture, k: usize, x: usize, y: usize| {
+            let mode = mixture.mode(k, x, y);
+            mode.weight / mode.variance.sqrt()
+        };
+        Self {
+            background: choose(mixture, size, score),
+            person: None,
+            around: None,
+        }
+    }
+
+    /// ln p(x | person) − ln p(x | empty) of each pixel, within ±`most_evidence`.
+    pub(super) fn evidence(&self, picture: &Picture, options: &SegmentOptions) -> Plane<f32> {
+        let any = -3.0 * 256_f32.ln();
+        let most = options.most_evidence;
+        let mut evidence = Plane::filled(picture.width(), picture.height(), 0.0);
+        for y in 0..picture.height() {
+            let pixels = picture.row(y).iter().zip(self.background.row(y));
+            for (value, (colour, empty)) in evidence.row_mut(y).iter_mut().zip(pixels) {
+                let person = self.person.as_ref().map_or(any, |p| p.log_density(*colour));
+                let empty = empty.log_density(*colour, self.around.as_ref(), &options.shadow);
+                *value = (person - empty).clamp(-most, most);
+            }
+        }
+        evidence
+    }
+
+    /// Learns colours from key frames and their masks, and, unless it was given, chooses the background anew.
+    pub(super) fn learn(
+        &mut self,
+        mixture: &Mixture,
+        keys: &[(&Picture, &Plane<u8>)],
+        is_given: bool,
+        options: &SegmentOptions,
+    ) {
+        let (width, height) = (self.background.width(), self.background.height());
+        let mut person = ColourCount::default();
+        let mut ever = Plane::filled(width, height, 0.0_f32);
+        for (picture, mask) in keys {
+            for y in 0..height {
+                let pixels = picture.row(y).iter().zip(mask.row(y));
+                for (here, (colour, is_person)) in ever.row_mut(y).iter_mut().zip(pixels) {
+                    if *is_person == 1 {
+                        person.add(*colour);
+                        *here = 1.0;
+                    }
+                }
+            }
+        }
+        if person.total() < 1.0 {
+            return;
+        }
+        let person = person.density();
+        if !is_given {
+            let around = self.colours_around(&ever);
+            self.choose_again(mixture, &ever, (&person, &around), options.background_odds);
+            self.around = Some(around);
+        }
+        self.person = Some(person);
+    }
+
+    /// Colours of the empty scene near where the person ever was.
+    fn colours_around(&self, ever: &Plane<f32>) -> Colours {
+        let reach = (ever.width() + ever.height()) / 37 + 1;
+        let near = box_mean(ever, reach);
+        let mut around = ColourCount::default();
+        for y in 0..ever.height() {
+            for (x, empty) in self.background.row(y).iter().enumerate() {
+                if near.row(y)[x] > 0.0 && ever.row(y)[x] < 0.5 {
+                    around.add(byte_colour(&empty.mean));
+                }
+            }
+        }
+        around.density()
+    }
+
+    /// Where the person ever was: the mode that was there most and is least like the person; and how far it can be trusted.
+    fn choose_again(
+        &mut self,
+        mixture: &Mixture,
+        ever: &Plane<f32>,
+        (person, around): (&Colours, &Colours),
+        odds: f32,
+    ) {
+        let near = box_mean(ever, 2 + (ever.width() + ever.height()) / 750);
+        let unlike = |mean: &[f32; 3]| {
+            let colour = byte_colour(mean);
+            around.log_density(colour) - person.log_density(colour)
+        };
+        let score = |mixture: &Mixture, k: usize, x: usize, y: usize| {
+            let mode = mixture.mode(k, x, y);
+            match mode.weight < RARE {
+                true => f32::NEG_INFINITY,
+                false => mode.weight.ln() + unlike(&mode.mean),
+            }
+        };
+        let size = (ever.width(), ever.height());
+        let chosen = choose(mixture, size, score);
+        let plain = choose(mixture, size, |m, k, x, y| {
+            let mode = m.mode(k, x, y);
+            mode.weight / mode.variance.sqrt()
+        });
+        let mut sure = Plane::filled(size.0, size.1, 0.0_f32);
+        for y in 0..size.1 {
+            for x in 0..size.0 {
+                let is_near = near.row(y)[x] > 0.0;
+                let empty = if is_near {
+                    chosen.row(y)[x]
+                } else {
+                    plain.row(y)[x]
+                };
+                self.background.row_mut(y)[x] = empty;
+                // `choose` leaves the weight of the mode in `trust`
+                sure.row_mut(y)[x] = odds + empty.trust.max(1e-6).ln() + unlike(&empty.mean);
+            }
+        }
+        let sure = box_mean(&sure, 1);
+        for y in 0..size.1 {
+            for (x, empty) in self.background.row_mut(y).iter_mut().enumerate() {
+                let trust = 1.0 / (1.0 + (-TRUST_SLOPE * sure.row(y)[x]).exp());
+                let is_near = near.row(y)[x] > 0.0;
+                empty.trust = if is_near {
+                    trust.clamp(LEAST_DOUBT, 1.0 - LEAST_DOUBT)
+                } else {
+                    1.0
+                };
+            }
+        }
+    }
+}
+
+/// The mode of largest score in each pixel, with its weight for its trust.
+fn choose(
+    mixture: &Mixture,
+    (width, height): (usize, usize),
+    score: impl Fn(&Mixture, usize, usize, usize) -> f32,
+) -> Background {
+    let nothing = Empty {
+        mean: [0.0; 3],
+        sigma: 1.0,
+        trust: 0.0,
+    };
+    let mut background = Plane::filled(width, height, nothing);
+    for y in 0..height {
+        for (x, empty) in background.row_mut(y).iter_mut().enumerate() {
+            let scores = (0..mixture.modes()).map(|k| (k, score(mixture, k, x, y)));
+            let best = scores.fold((0, f32::NEG_INFINITY), |best, next| {
+                if next.1 > best.1 { next } else { best }
+            });
+            let mode = mixture.mode(best.0, x, y);
+            *empty = Empty {
+                mean: mode.mean,
+                sigma: mode.variance.sqrt(),
+                trust: mode.weight,
+            };
+        }
+    }
+    background
+}
+
+fn byte_colour(mean: &[f32; 3]) -> [u8; 3] {
+    // a float becomes the nearest byte that there is
+    mean.map(|value| value.round() as u8)
+}
