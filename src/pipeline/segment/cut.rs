@@ -125,19 +125,13 @@ impl Segmenter {
         let Some(support) = &self.support else {
             return (own.clone(), own);
         };
-        let (weight, most) = (self.options.support_weight, self.options.most_evidence);
         let together = support
             .by_others(&own)
             .into_par_iter()
             .zip(&own)
-            .map(|(others, own)| {
-                let (mut sum, own) = (others?, own.as_ref()?);
-                for y in 0..own.height() {
-                    for (sum, own) in sum.row_mut(y).iter_mut().zip(own.row(y)) {
-                        *sum = (own + weight * *sum).clamp(-most, most);
-                    }
-                }
-                Some(sum)
+            .zip(&self.views)
+            .map(|((others, own), view)| {
+                Some(view.supported(own.as_ref()?, &others?, &self.options))
             })
             .collect();
         (own, together)

@@ -40,8 +40,10 @@ pub struct SegmentOptions {
     pub training_pictures: usize,
     /// Evidence of one pixel counts at most so much, either way (default 8).
     pub most_evidence: f32,
-    /// What the support of all other cameras counts (default 6; 0 leaves every camera to itself).
+    /// What it counts that no other camera supports a pixel, or that all do where the background is not known (default 6; 0 leaves every camera to itself).
     pub support_weight: f32,
+    /// What it counts where all other cameras allow the person and the background is known (default 1).
+    pub inside_weight: f32,
     /// How sure the most frequent colour of a pixel is the empty scene's before colours are looked at, as a logarithm
     /// of odds (default 3).
     pub background_odds: f32,
@@ -64,6 +66,7 @@ impl Default for SegmentOptions {
             training_pictures: 200,
             most_evidence: 8.0,
             support_weight: 6.0,
+            inside_weight: 1.0,
             background_odds: 3.0,
             shadow: ShadowOptions::default(),
             relax: RelaxOptions::default(),
