@@ -134,7 +134,10 @@ pub(super) fn masks(
 }
 
 /// The frames that are asked for, if there is one.
-fn range(footage: &Footage, asked: Option<FrameRange>) -> Result<RangeInclusive<usize>, CliError> {
+pub(super) fn range(
+    footage: &Footage,
+    asked: Option<FrameRange>,
+) -> Result<RangeInclusive<usize>, CliError> {
     let Some(asked) = asked else {
         return Ok(0..=usize::MAX);
     };

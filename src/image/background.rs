@@ -5,7 +5,7 @@ use super::{Colours, Plane};
 /// Settings of the density of a [`Background`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShadowOptions {
-    /// Share of background pixels that lie in a shadow (default 0.05).
+    /// Share of background pixels that lie in a shadow (default 0.2: about a person, most of the floor).
     pub share: f32,
     /// A shadow leaves at least this part of the light (default 0.4).
     pub darkest: f32,
@@ -16,7 +16,7 @@ pub struct ShadowOptions {
 impl Default for ShadowOptions {
     fn default() -> Self {
         Self {
-            share: 0.05,
+            share: 0.2,
             darkest: 0.4,
             hue_spread: 1.5,
         }
@@ -33,8 +33,10 @@ const BRIGHTEST: f32 = 1.05;
 pub struct Empty {
     /// μ, red, green, blue.
     pub mean: [f32; 3],
-    /// σ of each channel.
-    pub sigma: f32,
+    /// σ of the brightness, along μ, grey levels.
+    pub along: f32,
+    /// σ of the hue, in both directions across μ, grey levels: cameras and codecs blur the hue and leave the grain.
+    pub across: f32,
     /// Probability that μ is the empty scene's colour and not the person's, who may have stood there all the time.
     pub trust: f32,
 }
@@ -45,9 +47,9 @@ pub type Background = Plane<Empty>;
 impl Empty {
     /// ln p(x | no person here), in 1/(grey level)³.
     ///
-    /// p = t·((1 − s − o)·N(x; μ, σ²) + s·S(x) + o/256³) + (1 − t)·q(x), t the trust and q the density of
-    /// the colours of the surroundings. S is the density in a shadow: x = a·μ + e with the part of the light a uniform
-    /// between `darkest` and 1.05 and e a Gaussian across μ.
+    /// p = t·((1 − s − o)·N(x) + s·S(x) + o/256³) + (1 − t)·q(x), t the trust and q the density of the colours of the
+    /// surroundings. With x = a·μ + e, e ⟂ μ: N is a Gaussian of (a − 1)‖μ‖ and of e; S, the density in a shadow, is
+    /// uniform in a between `darkest` and 1.05 and a Gaussian of e.
     ///
     /// # Source
     /// Horprasert, Harwood & Davis, *A statistical approach for real-time robust background subtraction and shadow
@@ -59,18 +61,20 @@ impl Empty {
         shadow: &ShadowOptions,
     ) -> f32 {
         use std::f32::consts::TAU;
-        let x = colour.map(f32::from);
-        let (variance, mean) = (self.sigma * self.sigma, self.mean);
+        let (x, mean) = (colour.map(f32::from), self.mean);
         let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-        let offset = [x[0] - mean[0], x[1] - mean[1], x[2] - mean[2]];
-        let plain = (-0.5 * dot(offset, offset) / variance).exp() / (TAU * variance).powf(1.5);
         let squared = dot(mean, mean).max(1.0);
         let light = dot(x, mean) / squared;
+        let brighter = (light - 1.0) * (light - 1.0) * squared;
+        let hue = (dot(x, x) - light * light * squared).max(0.0);
+        let gauss = |squared: f32, sigma: f32| (-0.5 * squared / (sigma * sigma)).exp();
+        let plain = gauss(brighter, self.along) / (TAU.sqrt() * self.along)
+            * gauss(hue, self.across)
+            / (TAU * self.across * self.across);
         let in_shadow = if light > shadow.darkest && light < BRIGHTEST {
-            let across = (dot(x, x) - light * light * squared).max(0.0);
-            let spread = variance * shadow.hue_spread * shadow.hue_spread;
+            let spread = self.across * shadow.hue_spread;
             let length = (BRIGHTEST - shadow.darkest) * squared.sqrt();
-            (-0.5 * across / spread).exp() / (TAU * spread * length)
+            gauss(hue, spread) / (TAU * spread * spread * length)
         } else {
             0.0
         };
@@ -93,7 +97,8 @@ mod tests {
 
     const FLOOR: Empty = Empty {
         mean: [120.0, 100.0, 80.0],
-        sigma: 3.0,
+        along: 3.0,
+        across: 3.0,
         trust: 1.0,
     };
 

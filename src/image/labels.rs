@@ -6,7 +6,7 @@ use super::{Picture, Plane};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RelaxOptions {
     /// λ, what a border costs for each pixel of its length where the picture has no edge, in units of evidence
-    /// (default 3).
+    /// (default 8).
     pub border_cost: f32,
     /// Number of steps (default 80).
     pub steps: usize,
@@ -15,7 +15,7 @@ pub struct RelaxOptions {
 impl Default for RelaxOptions {
     fn default() -> Self {
         Self {
-            border_cost: 3.0,
+            border_cost: 8.0,
             steps: 80,
         }
     }

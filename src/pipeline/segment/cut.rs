@@ -49,6 +49,19 @@ pub struct CutQuality {
     pub filled_in: f64,
 }
 
+/// Of each camera that has a picture.
+struct Evidence {
+    own: Vec<Option<Plane<f32>>>,
+    together: Vec<Option<Plane<f32>>>,
+    support: Vec<Option<Plane<f32>>>,
+}
+
+/// Of each camera that has a picture.
+pub(super) struct KeyMasks {
+    pub(super) masks: Vec<Option<Plane<u8>>>,
+    pub(super) support: Vec<Option<Plane<f32>>>,
+}
+
 impl Segmenter {
     /// Whether the cameras agree on where the person is, so that they help each other.
     pub fn is_consistent(&self) -> bool {
@@ -82,7 +95,7 @@ impl Segmenter {
             .zip(&self.shrunk)
             .map(|(picture, shrunk)| Some(shrink(picture.as_ref()?, shrunk.factor)))
             .collect();
-        let (own, together) = self.evidence(&small);
+        let Evidence { own, together, .. } = self.evidence(&small);
         let cut = |c: usize| {
             let (full, picture) = (pictures[c].as_ref()?, small[c].as_ref()?);
             let (own, together) = (own[c].as_ref()?, together[c].as_ref()?);
@@ -100,41 +113,47 @@ impl Segmenter {
         (0..small.len()).into_par_iter().map(cut).collect()
     }
 
-    /// The masks of a key frame, of its shrunk pictures.
-    pub(super) fn key_masks(&self, pictures: &[Option<Picture>]) -> Vec<Option<Plane<u8>>> {
-        let (_, together) = self.evidence(pictures);
+    /// The masks of a key frame, of its shrunk pictures, and what the other cameras say.
+    pub(super) fn key_masks(&self, pictures: &[Option<Picture>]) -> KeyMasks {
+        let Evidence {
+            together, support, ..
+        } = self.evidence(pictures);
         let mask = |(evidence, picture): (&Option<Plane<f32>>, &Option<Picture>)| {
             let labels = self.labels(evidence.as_ref()?, picture.as_ref()?);
             let runs = Runs::of(&Mask::brighter_than(&labels, 0.5));
             Some(painted(&clean(&runs, &self.options.clean)))
         };
-        together.par_iter().zip(pictures).map(mask).collect()
+        KeyMasks {
+            masks: together.par_iter().zip(pictures).map(mask).collect(),
+            support,
+        }
     }
 
     /// Each camera's own evidence, and that with the support of the others.
-    #[allow(clippy::type_complexity, reason = "two lists of the same kind")]
-    fn evidence(
-        &self,
-        small: &[Option<Picture>],
-    ) -> (Vec<Option<Plane<f32>>>, Vec<Option<Plane<f32>>>) {
+    fn evidence(&self, small: &[Option<Picture>]) -> Evidence {
         let own: Vec<Option<Plane<f32>>> = small
             .par_iter()
             .zip(&self.views)
             .map(|(picture, view)| Some(view.evidence(picture.as_ref()?, &self.options)))
             .collect();
         let Some(support) = &self.support else {
-            return (own.clone(), own);
+            return Evidence {
+                together: own.clone(),
+                support: vec![None; own.len()],
+                own,
+            };
         };
-        let together = support
-            .by_others(&own)
-            .into_par_iter()
-            .zip(&own)
-            .zip(&self.views)
+        let support = support.by_others(&own);
+        let together = (support.par_iter().zip(&own).zip(&self.views))
             .map(|((others, own), view)| {
-                Some(view.supported(own.as_ref()?, &others?, &self.options))
+                Some(view.supported(own.as_ref()?, others.as_ref()?, &self.options))
             })
             .collect();
-        (own, together)
+        Evidence {
+            own,
+            together,
+            support,
+        }
     }
 
     /// The labels, found within the box about what may be the person; background elsewhere.

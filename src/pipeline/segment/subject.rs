@@ -2,6 +2,7 @@
 
 use nalgebra::{Point2, Point3, Vector3};
 
+use super::cut::KeyMasks;
 use crate::camera::{Ray, Rig, closest_point};
 use crate::image::Plane;
 use crate::silhouette::{Shrunk, Volume};
@@ -12,14 +13,10 @@ const REACH: [f64; 3] = [1.3, 1.3, 1.5];
 const MISS: f64 = 0.5;
 
 /// The box in which the person moves; `None` if no two cameras agree on where that is in any frame.
-pub(super) fn volume(
-    rig: &Rig,
-    shrunk: &[Shrunk],
-    keys: &[Vec<Option<Plane<u8>>>],
-) -> Option<Volume> {
+pub(super) fn volume(rig: &Rig, shrunk: &[Shrunk], keys: &[KeyMasks]) -> Option<Volume> {
     let places: Vec<Point3<f64>> = keys
         .iter()
-        .filter_map(|masks| place(rig, shrunk, masks))
+        .filter_map(|masks| place(rig, shrunk, &masks.masks))
         .collect();
     let middle = |axis: usize| {
         let mut values: Vec<f64> = places.iter().map(|place| place[axis]).collect();

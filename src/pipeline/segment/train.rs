@@ -7,6 +7,10 @@ use crate::silhouette::Shrunk;
 
 /// From so many pictures of the empty scene on its mixture is left as it is; fewer say too little of the noise.
 const ENOUGH_EMPTY: usize = 20;
+/// A background's σ never falls below this, grey levels: what codecs and lamps do to a still scene over minutes.
+const LEAST_SIGMA: f32 = 5.0;
+/// The hue's noise is no smaller a part of the brightness's.
+const LEAST_HUE_NOISE: f32 = 0.2;
 /// σ of a normal distribution over its median absolute value.
 const SIGMA_OF_MEDIAN: f32 = 1.4826;
 
@@ -31,6 +35,8 @@ pub(super) struct CameraTraining {
     pub(super) empty: usize,
     /// All that taught the mixture, each counted as often as it weighs.
     taught: f32,
+    /// σ of the hue over that of the brightness.
+    pub(super) hue_noise: f32,
     /// The first picture, until a second tells the noise.
     first: Option<Picture>,
 }
@@ -51,6 +57,7 @@ impl Training {
                 mixture: None,
                 empty: 0,
                 taught: 0.0,
+                hue_noise: 1.0,
                 first: None,
             }
         };
@@ -133,10 +140,12 @@ impl CameraTraining {
                 self.first = Some(picture.clone());
                 return;
             };
-            let sigma = noise(&first, picture);
+            let [along, across] = noise(&first, picture);
+            let sigma = ((along * along + 2.0 * across * across) / 3.0).sqrt();
+            self.hue_noise = (across.max(1.0) / along.max(2.0)).clamp(LEAST_HUE_NOISE, 1.0);
             let options = MixtureOptions {
                 first_sigma: (2.0 * sigma).max(MixtureOptions::default().first_sigma),
-                least_sigma: (0.8 * sigma).max(MixtureOptions::default().least_sigma),
+                least_sigma: (0.8 * sigma).max(LEAST_SIGMA),
                 ..MixtureOptions::default()
             };
             let mut mixture = Mixture::new(first.width(), first.height(), options);
@@ -166,22 +175,29 @@ impl CameraTraining {
     }
 }
 
-/// σ of one picture's noise, by the median difference of two; the person moves in less than half of the picture.
-fn noise(a: &Picture, b: &Picture) -> f32 {
-    let mut counts = [0_usize; 256];
-    for (a, b) in a
-        .values()
-        .as_flattened()
-        .iter()
-        .zip(b.values().as_flattened())
-    {
-        counts[usize::from(a.abs_diff(*b))] += 1;
+/// σ of one picture's noise in brightness, (r + g + b)/√3, and in hue, by the median differences of two pictures; the
+/// person moves in less than half of them.
+fn noise(a: &Picture, b: &Picture) -> [f32; 2] {
+    let mut counts = [[0_usize; 3 * 256]; 2];
+    for (a, b) in a.values().iter().zip(b.values()) {
+        let [r, g, b] = [0, 1, 2].map(|i| i32::from(a[i]) - i32::from(b[i]));
+        counts[0][(r + g + b).unsigned_abs() as usize] += 1;
+        counts[1][(r - g).unsigned_abs() as usize] += 1;
     }
-    let half = counts.iter().sum::<usize>() / 2;
-    let mut below = 0;
-    let median = counts.iter().position(|count| {
+    let [sum, difference] = counts.map(|counts| median(&counts) * SIGMA_OF_MEDIAN / 2_f32.sqrt());
+    [sum / 3_f32.sqrt(), difference / 2_f32.sqrt()]
+}
+
+/// The median of whole numbers, as if those of each count were spread evenly over half a step to either side.
+fn median(counts: &[usize]) -> f32 {
+    let half = counts.iter().sum::<usize>() as f32 / 2.0;
+    let mut below = 0.0;
+    for (value, count) in counts.iter().enumerate() {
+        let count = *count as f32;
+        if below + count > half {
+            return (value as f32 - 0.5 + (half - below) / count).max(0.0);
+        }
         below += count;
-        below > half
-    });
-    SIGMA_OF_MEDIAN / 2_f32.sqrt() * median.unwrap_or(0) as f32
+    }
+    0.0
 }

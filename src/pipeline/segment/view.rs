@@ -1,7 +1,9 @@
 //! What one camera knows of the empty scene and of the person.
 
 use super::SegmentOptions;
-use crate::image::{Background, ColourCount, Colours, Empty, Mixture, Picture, Plane, box_mean};
+use crate::image::{
+    Background, ColourCount, Colours, Empty, Mixture, Mode, Picture, Plane, box_mean,
+};
 
 /// A mode that was there for less than this share of the time is not the empty scene.
 const RARE: f32 = 0.03;
@@ -10,10 +12,28 @@ const TRUST_SLOPE: f32 = 3.0;
 /// Nothing is certain.
 const LEAST_DOUBT: f32 = 1e-6;
 
+/// What all other cameras' support of a colour counts, as a logarithm of odds.
+const OTHERS: f32 = 3.0;
+/// A colour shows a mode within so many standard deviations.
+const MATCH: f32 = 2.5;
+
+/// A key frame of one camera.
+pub(super) struct Key<'a> {
+    pub(super) picture: &'a Picture,
+    pub(super) mask: &'a Plane<u8>,
+    /// What the other cameras say; `None` if they say nothing.
+    pub(super) support: Option<&'a Plane<f32>>,
+}
+
+/// The hue's σ never falls below this, grey levels: rounding, and the blur of hues by codecs.
+const LEAST_HUE: f32 = 2.5;
+
 /// One camera's background and colours.
 #[derive(Clone, Debug)]
 pub(super) struct View {
     pub(super) background: Background,
+    /// σ of the hue over that of the brightness.
+    hue_noise: f32,
     /// Colours of the person; `None` before there are masks.
     person: Option<Colours>,
     /// Colours of the empty scene around the person.
@@ -22,13 +42,14 @@ pub(super) struct View {
 
 impl View {
     /// The mode of largest ω/σ in each pixel, trusted.
-    pub(super) fn new(mixture: &Mixture, size: (usize, usize)) -> Self {
+    pub(super) fn new(mixture: &Mixture, size: (usize, usize), hue_noise: f32) -> Self {
         let score = |mixture: &Mixture, k: usize, x: usize, y: usize| {
             let mode = mixture.mode(k, x, y);
             mode.weight / mode.variance.sqrt()
         };
         Self {
-            background: choose(mixture, size, score),
+            background: choose(mixture, size, hue_noise, score),
+            hue_noise,
             person: None,
             around: None,
         }
@@ -81,16 +102,16 @@ impl View {
     pub(super) fn learn(
         &mut self,
         mixture: &Mixture,
-        keys: &[(&Picture, &Plane<u8>)],
+        keys: &[Key<'_>],
         is_given: bool,
         options: &SegmentOptions,
     ) {
         let (width, height) = (self.background.width(), self.background.height());
         let mut person = ColourCount::default();
         let mut ever = Plane::filled(width, height, 0.0_f32);
-        for (picture, mask) in keys {
+        for key in keys {
             for y in 0..height {
-                let pixels = picture.row(y).iter().zip(mask.row(y));
+                let pixels = key.picture.row(y).iter().zip(key.mask.row(y));
                 for (here, (colour, is_person)) in ever.row_mut(y).iter_mut().zip(pixels) {
                     if *is_person == 1 {
                         person.add(*colour);
@@ -105,7 +126,12 @@ impl View {
         let person = person.density();
         if !is_given {
             let around = self.colours_around(&ever);
-            self.choose_again(mixture, &ever, (&person, &around), options.background_odds);
+            self.choose_again(
+                mixture,
+                (keys, &ever),
+                (&person, &around),
+                options.background_odds,
+            );
             self.around = Some(around);
         }
         self.person = Some(person);
@@ -130,7 +156,7 @@ impl View {
     fn choose_again(
         &mut self,
         mixture: &Mixture,
-        ever: &Plane<f32>,
+        (keys, ever): (&[Key<'_>], &Plane<f32>),
         (person, around): (&Colours, &Colours),
         odds: f32,
     ) {
@@ -141,14 +167,14 @@ impl View {
         };
         let score = |mixture: &Mixture, k: usize, x: usize, y: usize| {
             let mode = mixture.mode(k, x, y);
-            match mode.weight < RARE {
+            match mode.weight < RARE || near.row(y)[x] <= 0.0 {
                 true => f32::NEG_INFINITY,
-                false => mode.weight.ln() + unlike(&mode.mean),
+                false => mode.weight.ln() + unlike(&mode.mean) - others(keys, &mode, x, y),
             }
         };
         let size = (ever.width(), ever.height());
-        let chosen = choose(mixture, size, score);
-        let plain = choose(mixture, size, |m, k, x, y| {
+        let chosen = choose(mixture, size, self.hue_noise, score);
+        let plain = choose(mixture, size, self.hue_noise, |m, k, x, y| {
             let mode = m.mode(k, x, y);
             mode.weight / mode.variance.sqrt()
         });
@@ -163,7 +189,18 @@ impl View {
                 };
                 self.background.row_mut(y)[x] = empty;
                 // `choose` leaves the weight of the mode in `trust`
-                sure.row_mut(y)[x] = odds + empty.trust.max(1e-6).ln() + unlike(&empty.mean);
+                let mode = Mode {
+                    weight: empty.trust,
+                    variance: (empty.along * empty.along + 2.0 * empty.across * empty.across) / 3.0,
+                    mean: empty.mean,
+                };
+                let against = if is_near {
+                    others(keys, &mode, x, y)
+                } else {
+                    0.0
+                };
+                sure.row_mut(y)[x] =
+                    odds + mode.weight.max(1e-6).ln() + unlike(&mode.mean) - against;
             }
         }
         let sure = box_mean(&sure, 1);
@@ -181,15 +218,37 @@ impl View {
     }
 }
 
+/// How much the other cameras speak against a mode as the empty scene, within ±[`OTHERS`].
+///
+/// The empty scene is seen when the person is elsewhere: then the others do not support the pixel. A colour that is seen
+/// when they do is the person's.
+fn others(keys: &[Key<'_>], mode: &Mode, x: usize, y: usize) -> f32 {
+    let gate = 3.0 * MATCH * MATCH * mode.variance;
+    let (mut shown, mut supported) = (0.0, 0.0);
+    for key in keys {
+        let (Some(support), Some(colour)) = (key.support, key.picture.get(x, y)) else {
+            continue;
+        };
+        let offset = [0, 1, 2].map(|i| f32::from(colour[i]) - mode.mean[i]);
+        if offset.iter().map(|d| d * d).sum::<f32>() < gate {
+            shown += 1.0;
+            supported += support.row(y)[x];
+        }
+    }
+    OTHERS * supported / (shown + 1.0)
+}
+
 /// The mode of largest score in each pixel, with its weight for its trust.
 fn choose(
     mixture: &Mixture,
     (width, height): (usize, usize),
+    hue_noise: f32,
     score: impl Fn(&Mixture, usize, usize, usize) -> f32,
 ) -> Background {
     let nothing = Empty {
         mean: [0.0; 3],
-        sigma: 1.0,
+        along: 1.0,
+        across: 1.0,
         trust: 0.0,
     };
     let mut background = Plane::filled(width, height, nothing);
@@ -200,9 +259,12 @@ fn choose(
                 if next.1 > best.1 { next } else { best }
             });
             let mode = mixture.mode(best.0, x, y);
+            // σ² of the mode is the mean of three directions
+            let along = (3.0 * mode.variance / (1.0 + 2.0 * hue_noise * hue_noise)).sqrt();
             *empty = Empty {
                 mean: mode.mean,
-                sigma: mode.variance.sqrt(),
+                along,
+                across: (hue_noise * along).max(LEAST_HUE),
                 trust: mode.weight,
             };
         }
