@@ -23,7 +23,7 @@ pub(super) enum CliError {
     Recording(#[from] RecordingError),
     /// The pictures.
     #[error(transparent)]
-    Frames(#[from] FramesError),
+    Frames(Box<FramesError>),
     /// No frame of the recording is in the range asked for.
     #[error(
         "--frames {range}: no frame of the recording lies in this range: it has {first} to {last}"
@@ -90,6 +90,12 @@ pub(super) enum CliError {
     /// A result that is no JSON.
     #[error("result.json: {0}")]
     Json(#[from] serde_json::Error),
+}
+
+impl From<FramesError> for CliError {
+    fn from(fault: FramesError) -> Self {
+        Self::Frames(Box::new(fault))
+    }
 }
 
 /// What clap says about arguments, without usage and hints to help, in one line.

@@ -6,8 +6,8 @@
 //! μ ← μ + ρ (x − μ), σ² ← σ² + ρ (‖x − μ‖²/3 − σ²). Where none matches, the mode of least weight is replaced by
 //! (ω = α, μ = x, σ = σ₀). Background are the modes of largest ω/σ whose weights first exceed T together.
 //!
-//! Rows are independent and run in parallel; within a row each mode is five runs of `f32`, so that the compiler
-//! vectorises every loop.
+//! Rows are independent and run in parallel. A row is cut into tiles of 64 pixels; each number of a mode is one array over
+//! a tile, so that the compiler vectorises every loop, and modes that no pixel of a tile needs are not looked at.
 //!
 //! # Source
 //! Stauffer & Grimson, *Adaptive background mixture models for real-time tracking*, CVPR 1999, eq. 1–9.
@@ -56,8 +56,24 @@ pub struct Mode {
     pub mean: [f32; 3],
 }
 
-/// Numbers of a mode: ω, σ², and the mean's three.
-const NUMBERS: usize = 5;
+/// Pixels that are updated together: their modes stay in the first cache, and every loop has a known length.
+const LANES: usize = 64;
+/// A number for each pixel of a tile.
+type Lane = [f32; LANES];
+
+/// One mode of each pixel of a tile.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Modes {
+    weight: Lane,
+    variance: Lane,
+    mean: [Lane; 3],
+}
+
+const EMPTY: Modes = Modes {
+    weight: [0.0; LANES],
+    variance: [0.0; LANES],
+    mean: [[0.0; LANES]; 3],
+};
 
 /// A mixture of Gaussians in every pixel of a picture.
 #[derive(Clone, Debug)]
@@ -65,22 +81,26 @@ pub struct Mixture {
     width: usize,
     height: usize,
     options: MixtureOptions,
-    /// For each row, for each mode, its [`NUMBERS`] one after another, each over the columns.
-    rows: Vec<f32>,
+    /// For each row, for each tile of it, its K modes.
+    tiles: Vec<Modes>,
+    /// How many modes of each tile have any weight.
+    used: Vec<u8>,
 }
 
 impl Mixture {
     /// A mixture that has seen nothing.
     pub fn new(width: usize, height: usize, options: MixtureOptions) -> Self {
         let options = MixtureOptions {
-            modes: options.modes.max(1),
+            modes: options.modes.clamp(1, usize::from(u8::MAX)),
             ..options
         };
+        let tiles = width.div_ceil(LANES) * height;
         Self {
             width,
             height,
             options,
-            rows: vec![0.0; width * height * options.modes * NUMBERS],
+            tiles: vec![EMPTY; tiles * options.modes],
+            used: vec![0; tiles],
         }
     }
 
@@ -91,179 +111,208 @@ impl Mixture {
 
     /// Learns a picture at the rate α and says which pixels are not background; nothing for one of another size.
     ///
-    /// α = 1/t for the t-th picture gives all of them the same weight; a constant α forgets with time constant 1/α.
+    /// α = 1/t for the t-th picture gives all of them the same weight; a constant α forgets with time constant 1/α,
+    /// and drops a mode whose weight falls below α/2.
     pub fn update(&mut self, picture: &Picture, rate: f32) -> Mask {
         let mut foreground = Plane::filled(self.width, self.height, 0_u8);
         let is_same_size = picture.width() == self.width && picture.height() == self.height;
         if is_same_size && self.width > 0 {
-            let length = self.width * self.options.modes * NUMBERS;
-            let rows = self.rows.par_chunks_mut(length);
+            let tiles = self.width.div_ceil(LANES);
+            let (options, modes) = (self.options, self.options.modes);
+            let rows = self.tiles.par_chunks_exact_mut(tiles * modes);
+            let used = self.used.par_chunks_exact_mut(tiles);
+            let pixels = picture.values().par_chunks_exact(self.width);
             let marks = foreground.par_rows_mut();
-            let pixels = picture.values().par_chunks(self.width);
-            let options = self.options;
-            rows.zip(marks).zip(pixels).for_each_init(
-                || Scratch::new(length / options.modes / NUMBERS),
-                |scratch, ((row, marks), pixels)| {
-                    scratch.update(row, marks, pixels, rate, &options)
-                },
-            );
+            let rows = rows.zip(used).zip(pixels).zip(marks);
+            rows.with_min_len(8)
+                .for_each(|(((row, used), pixels), marks)| {
+                    update_row(row, used, (pixels, marks), rate, &options);
+                });
         }
         Mask::of_ones(foreground)
     }
 
     /// Mode `k` of pixel (x, y); one of no weight where there is none.
     pub fn mode(&self, k: usize, x: usize, y: usize) -> Mode {
-        let start = ((y * self.options.modes + k) * NUMBERS) * self.width + x;
-        let number = |i: usize| {
-            self.rows
-                .get(start + i * self.width)
-                .copied()
-                .unwrap_or(0.0)
-        };
+        let tile = y * self.width.div_ceil(LANES) + x / LANES;
+        let modes = self.tiles.get(tile * self.options.modes + k);
+        let modes = modes.filter(|_| k < self.options.modes).unwrap_or(&EMPTY);
+        let lane = x % LANES;
         Mode {
-            weight: number(0),
-            variance: number(1).max(self.options.least_sigma.powi(2)),
-            mean: [number(2), number(3), number(4)],
+            weight: modes.weight[lane],
+            variance: modes.variance[lane].max(self.options.least_sigma.powi(2)),
+            mean: [0, 1, 2].map(|channel| modes.mean[channel][lane]),
         }
     }
 }
 
-/// What one row needs while it is updated, one number a column.
-struct Scratch {
-    colour: [Vec<f32>; 3],
+/// The loops are the same for every instruction set, and so are the bits; only their width differs.
+#[multiversion::multiversion(targets("x86_64+avx2", "x86_64+avx512f+avx512vl"))]
+fn update_row(
+    row: &mut [Modes],
+    used: &mut [u8],
+    (pixels, marks): (&[[u8; 3]], &mut [u8]),
+    rate: f32,
+    options: &MixtureOptions,
+) {
+    let tiles = row.chunks_exact_mut(options.modes).zip(used);
+    let pixels = pixels.chunks(LANES).zip(marks.chunks_mut(LANES));
+    for ((modes, used), (pixels, marks)) in tiles.zip(pixels) {
+        let tile = Tile::of(pixels);
+        tile.update(modes, used, marks, rate, options);
+    }
+}
+
+/// The colours of a tile.
+struct Tile {
+    colour: [Lane; 3],
+}
+
+/// What a tile's colours match.
+struct Matched {
     /// Largest ω²/σ² among the modes that match, −1 if none does.
-    best_score: Vec<f32>,
-    best: Vec<f32>,
-    least_weight: Vec<f32>,
-    least: Vec<f32>,
-    /// Weight of the modes that rank before the best.
-    before: Vec<f32>,
+    score: Lane,
+    mode: Lane,
+    /// The mode of least weight.
+    least_weight: Lane,
+    least: Lane,
 }
 
-impl Scratch {
-    fn new(width: usize) -> Self {
-        let zeros = || vec![0.0; width];
-        Self {
-            colour: [zeros(), zeros(), zeros()],
-            best_score: zeros(),
-            best: zeros(),
-            least_weight: zeros(),
-            least: zeros(),
-            before: zeros(),
+impl Tile {
+    #[inline(always)]
+    fn of(pixels: &[[u8; 3]]) -> Self {
+        let mut colour = [[0.0; LANES]; 3];
+        for (i, pixel) in pixels.iter().enumerate().take(LANES) {
+            colour[0][i] = f32::from(pixel[0]);
+            colour[1][i] = f32::from(pixel[1]);
+            colour[2][i] = f32::from(pixel[2]);
         }
+        Self { colour }
     }
 
+    #[inline(always)]
     fn update(
-        &mut self,
-        row: &mut [f32],
+        &self,
+        modes: &mut [Modes],
+        used: &mut u8,
         marks: &mut [u8],
-        pixels: &[[u8; 3]],
         rate: f32,
         options: &MixtureOptions,
     ) {
-        let width = pixels.len();
-        for (x, pixel) in pixels.iter().enumerate() {
-            for (channel, value) in self.colour.iter_mut().zip(pixel) {
-                channel[x] = f32::from(*value);
+        let mut matched = Matched {
+            score: [-1.0; LANES],
+            mode: [-1.0; LANES],
+            least_weight: [f32::INFINITY; LANES],
+            least: [0.0; LANES],
+        };
+        let mut count = usize::from(*used);
+        for (k, mode) in modes.iter().enumerate().take(count) {
+            matched.look_at(k as f32, mode, &self.colour, options);
+        }
+        // a colour that none matches needs a mode, the next one if there is one
+        let is_any_new = matched.score[..marks.len()]
+            .iter()
+            .any(|score| *score < 0.0);
+        if is_any_new && count < modes.len() {
+            matched.look_at(count as f32, &modes[count], &self.colour, options);
+            count += 1;
+        }
+        let mut before = [0.0; LANES];
+        if count > 1 {
+            for mode in &modes[..count] {
+                add_if_before(&mut before, mode, &matched.score);
             }
         }
-        self.best_score.fill(-1.0);
-        self.best.fill(-1.0);
-        self.least_weight.fill(f32::INFINITY);
-        self.before.fill(0.0);
-        for (k, mode) in row.chunks_exact(NUMBERS * width).enumerate() {
-            self.match_mode(k as f32, mode, options);
+        for (k, mode) in modes.iter_mut().enumerate().take(count) {
+            matched.teach(k as f32, mode, &self.colour, rate, options);
         }
-        for mode in row.chunks_exact(NUMBERS * width) {
-            self.rank_mode(mode);
+        let is_unused = |mode: &Modes| mode.weight.iter().all(|weight| *weight <= 0.0);
+        while count > 1 && is_unused(&modes[count - 1]) {
+            count -= 1;
         }
-        for (k, mode) in row.chunks_exact_mut(NUMBERS * width).enumerate() {
-            self.learn(k as f32, mode, rate, options);
-        }
-        for (x, mark) in marks.iter_mut().enumerate() {
-            let is_background =
-                self.best_score[x] >= 0.0 && self.before[x] < options.background_share;
+        *used = count as u8;
+        for (i, mark) in marks.iter_mut().enumerate() {
+            let is_background = matched.score[i] >= 0.0 && before[i] < options.background_share;
             *mark = u8::from(!is_background);
         }
     }
+}
 
+/// Adds the weight of a mode that ranks before the best.
+#[inline(always)]
+fn add_if_before(before: &mut Lane, mode: &Modes, score: &Lane) {
+    for i in 0..LANES {
+        let weight = mode.weight[i];
+        let is_before = weight * weight > score[i] * mode.variance[i] * (1.0 + 1e-5);
+        before[i] += if is_before { weight } else { 0.0 };
+    }
+}
+
+impl Matched {
     /// Whether mode k matches, and whether it is the best, or the least, so far.
-    fn match_mode(&mut self, k: f32, mode: &[f32], options: &MixtureOptions) {
-        let width = self.best.len();
-        let [w, v, r, g, b] = parts(mode, width);
-        let [red, green, blue] = [0, 1, 2].map(|i| &self.colour[i][..width]);
-        let (best_score, best) = (&mut self.best_score[..width], &mut self.best[..width]);
-        let (least_weight, least) = (&mut self.least_weight[..width], &mut self.least[..width]);
+    #[inline(always)]
+    fn look_at(&mut self, k: f32, mode: &Modes, colour: &[Lane; 3], options: &MixtureOptions) {
         let gate = 3.0 * options.match_sigmas * options.match_sigmas;
-        for x in 0..width {
-            let (dr, dg, db) = (red[x] - r[x], green[x] - g[x], blue[x] - b[x]);
-            let squared = dr * dr + dg * dg + db * db;
-            let is_match = (squared < gate * v[x]) & (w[x] > 0.0);
+        for i in 0..LANES {
+            let squared = squared(colour, &mode.mean, i);
+            let (weight, variance) = (mode.weight[i], mode.variance[i]);
+            let is_match = (squared < gate * variance) & (weight > 0.0);
             let score = if is_match {
-                w[x] * w[x] / v[x].max(1e-6)
+                weight * weight / variance
             } else {
                 -1.0
             };
-            let is_better = score > best_score[x];
-            best[x] = if is_better { k } else { best[x] };
-            best_score[x] = if is_better { score } else { best_score[x] };
-            let is_less = w[x] < least_weight[x];
-            least[x] = if is_less { k } else { least[x] };
-            least_weight[x] = if is_less { w[x] } else { least_weight[x] };
+            let is_better = score > self.score[i];
+            self.mode[i] = if is_better { k } else { self.mode[i] };
+            self.score[i] = if is_better { score } else { self.score[i] };
+            let is_less = weight < self.least_weight[i];
+            self.least[i] = if is_less { k } else { self.least[i] };
+            self.least_weight[i] = if is_less {
+                weight
+            } else {
+                self.least_weight[i]
+            };
         }
     }
 
-    /// Adds the weight of a mode that ranks before the best.
-    fn rank_mode(&mut self, mode: &[f32]) {
-        let width = self.best.len();
-        let [w, v, ..] = parts(mode, width);
-        let (score, before) = (&self.best_score[..width], &mut self.before[..width]);
-        for x in 0..width {
-            let is_before = w[x] * w[x] > score[x] * v[x] * (1.0 + 1e-5);
-            before[x] += if is_before { w[x] } else { 0.0 };
-        }
-    }
-
-    fn learn(&self, k: f32, mode: &mut [f32], rate: f32, options: &MixtureOptions) {
-        let width = self.best.len();
-        let [w, v, r, g, b] = parts_mut(mode, width);
-        let [red, green, blue] = [0, 1, 2].map(|i| &self.colour[i][..width]);
-        let (best, least) = (&self.best[..width], &self.least[..width]);
+    #[inline(always)]
+    fn teach(
+        &self,
+        k: f32,
+        mode: &mut Modes,
+        colour: &[Lane; 3],
+        rate: f32,
+        options: &MixtureOptions,
+    ) {
         let first = options.first_sigma * options.first_sigma;
         let floor = options.least_sigma * options.least_sigma;
-        for x in 0..width {
-            let is_match = best[x] == k;
-            let is_new = (best[x] < 0.0) & (least[x] == k);
-            let gained = if is_match | is_new { rate } else { 0.0 };
-            let kept = if is_new { 0.0 } else { w[x] * (1.0 - rate) };
-            w[x] = kept + gained;
-            let (dr, dg, db) = (red[x] - r[x], green[x] - g[x], blue[x] - b[x]);
-            let rho = if is_match {
-                (rate / w[x].max(1e-9)).min(1.0)
-            } else {
+        for i in 0..LANES {
+            let is_match = self.mode[i] == k;
+            let is_new = (self.mode[i] < 0.0) & (self.least[i] == k);
+            let kept = if is_new {
                 0.0
+            } else {
+                mode.weight[i] * (1.0 - rate)
             };
-            let rho = if is_new { 1.0 } else { rho };
-            r[x] += rho * dr;
-            g[x] += rho * dg;
-            b[x] += rho * db;
-            let spread = (dr * dr + dg * dg + db * db) / 3.0;
-            let learned = (v[x] + rho * (spread - v[x])).max(floor);
-            v[x] = if is_new { first } else { learned };
+            let weight = kept + if is_match | is_new { rate } else { 0.0 };
+            let share = if is_match { rate / weight } else { 0.0 };
+            let rho = if is_new { 1.0 } else { share };
+            let spread = squared(colour, &mode.mean, i) / 3.0;
+            for channel in 0..3 {
+                mode.mean[channel][i] += rho * (colour[channel][i] - mode.mean[channel][i]);
+            }
+            let learned = (mode.variance[i] + rho * (spread - mode.variance[i])).max(floor);
+            mode.variance[i] = if is_new { first } else { learned };
+            mode.weight[i] = if weight < 0.5 * rate { 0.0 } else { weight };
         }
     }
 }
 
-fn parts(mode: &[f32], width: usize) -> [&[f32]; NUMBERS] {
-    [0, 1, 2, 3, 4].map(|i| &mode[i * width..(i + 1) * width])
-}
-
-fn parts_mut(mode: &mut [f32], width: usize) -> [&mut [f32]; NUMBERS] {
-    let (w, rest) = mode.split_at_mut(width);
-    let (v, rest) = rest.split_at_mut(width);
-    let (r, rest) = rest.split_at_mut(width);
-    let (g, b) = rest.split_at_mut(width);
-    [w, v, r, g, b]
+/// Squared distance of the colour of pixel i from the mean of its mode.
+#[inline(always)]
+fn squared(colour: &[Lane; 3], mean: &[Lane; 3], i: usize) -> f32 {
+    let [r, g, b] = [0, 1, 2].map(|channel| colour[channel][i] - mean[channel][i]);
+    r * r + g * g + b * b
 }
 
 #[cfg(test)]
@@ -343,7 +392,7 @@ mod tests {
                 for picture in &pictures {
                     mixture.update(picture, 0.1);
                 }
-                mixture.rows
+                mixture.tiles
             })
         };
         assert_eq!(run(1), run(3));
