@@ -10,5 +10,7 @@ mod others;
 mod refusals;
 #[path = "cli/resume.rs"]
 mod resume;
+#[path = "cli/segment.rs"]
+mod segment;
 #[path = "cli/skin.rs"]
 mod skin;

@@ -11,6 +11,8 @@ const ENOUGH_EMPTY: usize = 20;
 const LEAST_SIGMA: f32 = 5.0;
 /// The hue's noise is no smaller a part of the brightness's.
 const LEAST_HUE_NOISE: f32 = 0.2;
+/// Few pictures of the empty scene count so many times as much as all of the recording.
+const EMPTY_WEIGHT: f32 = 4.0;
 /// σ of a normal distribution over its median absolute value.
 const SIGMA_OF_MEDIAN: f32 = 1.4826;
 
@@ -127,9 +129,9 @@ impl CameraTraining {
         if self.empty >= ENOUGH_EMPTY {
             return;
         }
-        // few pictures of the empty scene count as much as all of the recording, or the person would replace them
-        if self.is_given() && self.taught < frames {
-            self.taught = self.taught.max(frames);
+        // a person who never moves must not outweigh them
+        if self.is_given() {
+            self.taught = self.taught.max(EMPTY_WEIGHT * frames);
         }
         self.learn(picture, 1.0);
     }
