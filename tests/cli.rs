@@ -15,6 +15,8 @@ mod resume;
 #[allow(dead_code, reason = "a scene shared with the tests of stereo")]
 #[path = "stereo/scene.rs"]
 mod scene;
+#[path = "cli/segment.rs"]
+mod segment;
 #[path = "cli/skin.rs"]
 mod skin;
 #[path = "cli/stereo.rs"]

@@ -22,6 +22,9 @@ pub(super) enum CliError {
     /// The recording.
     #[error(transparent)]
     Recording(#[from] RecordingError),
+    /// The pictures.
+    #[error(transparent)]
+    Frames(Box<FramesError>),
     /// No frame of the recording is in the range asked for.
     #[error(
         "--frames {range}: no frame of the recording lies in this range: it has {first} to {last}"
@@ -79,9 +82,6 @@ pub(super) enum CliError {
         /// Why not.
         source: rayon::ThreadPoolBuildError,
     },
-    /// The pictures of a recording.
-    #[error(transparent)]
-    Frames(Box<FramesError>),
     /// What cannot be matched.
     #[error("{0}")]
     Stereo(String),

@@ -3,6 +3,7 @@
 //! | file          | holds                                                          |
 //! |---------------|----------------------------------------------------------------|
 //! | `fit.rs`      | `maquette fit`: reads, calls the pipeline, writes               |
+//! | `segment.rs`  | `maquette segment`                                              |
 //! | `synth.rs`    | `maquette synth`                                                |
 //! | `models.rs`   | `maquette models`                                               |
 //! | `skin.rs`     | `maquette skin`, and the skins of `maquette models`             |
@@ -18,6 +19,7 @@ mod error;
 mod fit;
 mod models;
 mod progress;
+mod segment;
 mod skin;
 mod stereo;
 mod summary;
@@ -64,6 +66,9 @@ enum Command {
     /// Fit a body to a recording: shape, motion and confidence
     #[command(long_about = fit::ABOUT, after_help = fit::EXAMPLES)]
     Fit(fit::FitArguments),
+    /// Cut the person out of images or videos: masks for every camera and frame
+    #[command(long_about = segment::ABOUT, after_help = segment::EXAMPLES)]
+    Segment(segment::SegmentArguments),
     /// Make the skin of a fitted body, as meshes and pictures
     #[command(long_about = skin::ABOUT, after_help = skin::EXAMPLES)]
     Skin(skin::SkinArguments),
@@ -83,6 +88,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let done = match Arguments::try_parse_from(arguments) {
         Ok(arguments) => match arguments.command {
             Command::Fit(arguments) => fit::run(&arguments),
+            Command::Segment(arguments) => segment::run(&arguments),
             Command::Skin(arguments) => skin::run(&arguments),
             Command::Stereo(arguments) => stereo::run(&arguments),
             Command::Models(arguments) => models::run(&arguments),

@@ -36,6 +36,11 @@ impl Mask {
         Self { pixels }
     }
 
+    /// The pixels that hold 1; all others must hold 0.
+    pub(super) fn of_ones(pixels: Plane<u8>) -> Self {
+        Self { pixels }
+    }
+
     /// Columns.
     pub fn width(&self) -> usize {
         self.pixels.width()

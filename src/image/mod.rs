@@ -8,26 +8,41 @@
 //! | `plane.rs`     | [`Plane`]: a rectangle of values, row by row                            |
 //! | `picture.rs`   | [`Picture`], [`luma`]: colours, and how bright they are                 |
 //! | `mask.rs`      | [`Mask`]: foreground or not, for each pixel                             |
+//! | `mixture.rs`   | [`Mixture`]: a background that learns, Gaussians in every pixel          |
+//! | `background.rs`| [`Background`]: how probable a colour is of the empty scene, shadows too  |
+//! | `colours.rs`   | [`Colours`]: how often a colour occurs                                   |
+//! | `labels.rs`    | [`relax`]: evidence to probability, smooth where the picture is          |
+//! | `shrink.rs`    | [`shrink`], [`enlarge`], [`box_mean`]                                     |
 //! | `runs.rs`      | [`Runs`]: the same by the runs of each row, and its connected components |
 //! | `components.rs`| [`clean`]: specks away, small holes filled                              |
 //! | `contour.rs`   | [`trace`], [`resample`]: the sub-pixel border as closed polylines        |
 //! | `scanlines.rs` | [`Scanlines`]: which points of a row lie inside polygons                 |
 //! | `distance.rs`  | [`NearestPoints`]: the nearest of many points, for a whole row at once   |
 
+mod background;
+mod colours;
 mod components;
 mod contour;
 mod distance;
+mod labels;
 mod mask;
+mod mixture;
 mod picture;
 mod plane;
 mod runs;
 mod scanlines;
+mod shrink;
 
+pub use background::{Background, Empty, ShadowOptions};
+pub use colours::{ColourCount, Colours};
 pub use components::{CleanOptions, clean};
 pub use contour::{resample, trace};
 pub use distance::NearestPoints;
+pub use labels::{RelaxOptions, relax};
 pub use mask::Mask;
+pub use mixture::{Mixture, MixtureOptions, Mode};
 pub use picture::{Picture, luma};
 pub use plane::Plane;
 pub use runs::{Component, Connectivity, Region, Runs};
 pub use scanlines::Scanlines;
+pub use shrink::{box_mean, enlarge, shrink};

@@ -1,5 +1,9 @@
 //! A rectangle of values.
 
+use rayon::slice::ParallelSliceMut;
+
+use super::Region;
+
 /// A `width × height` rectangle of values, row by row, without padding.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plane<T> {
@@ -58,12 +62,32 @@ impl<T: Copy> Plane<T> {
             .unwrap_or(&mut [])
     }
 
+    /// All rows, to be written in parallel.
+    pub(super) fn par_rows_mut(&mut self) -> rayon::slice::ChunksExactMut<'_, T>
+    where
+        T: Send,
+    {
+        self.values.par_chunks_exact_mut(self.width.max(1))
+    }
+
     /// The same rectangle of `f` of each value.
     pub fn map<U: Copy>(&self, f: impl FnMut(T) -> U) -> Plane<U> {
         Plane {
             width: self.width,
             height: self.height,
             values: self.values.iter().copied().map(f).collect(),
+        }
+    }
+
+    /// The part within a region; what lies outside of the plane is left out.
+    pub fn cropped(&self, region: &Region) -> Self {
+        let (left, right) = (region.left.min(self.width), region.right.min(self.width));
+        let (top, bottom) = (region.top.min(self.height), region.bottom.min(self.height));
+        let rows = (top..bottom).flat_map(|y| &self.row(y)[left..right.max(left)]);
+        Self {
+            width: right.saturating_sub(left),
+            height: bottom.saturating_sub(top),
+            values: rows.copied().collect(),
         }
     }
 
@@ -85,6 +109,20 @@ mod tests {
         assert_eq!(plane.get(3, 0), None);
         assert_eq!(plane.get(0, 2), None);
         assert!(plane.row(usize::MAX).is_empty());
+    }
+
+    #[test]
+    fn a_part_of_a_plane_is_a_plane() {
+        let plane = Plane::from_values(3, 3, (0..9).collect()).unwrap();
+        let region = |left, top, right, bottom| Region {
+            left,
+            top,
+            right,
+            bottom,
+        };
+        let corner = plane.cropped(&region(1, 1, 7, 3));
+        assert_eq!((corner.width(), corner.values()), (2, &[4, 5, 7, 8][..]));
+        assert_eq!(plane.cropped(&region(5, 2, 4, 1)).values().len(), 0);
     }
 
     #[test]

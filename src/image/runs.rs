@@ -78,6 +78,17 @@ impl Runs {
         self.first.len() - 1
     }
 
+    /// The mask that has these runs.
+    pub fn mask(&self) -> Mask {
+        let whole = Region {
+            left: 0,
+            top: 0,
+            right: self.width,
+            bottom: self.height(),
+        };
+        Mask::of_ones(self.painted(&whole, 0))
+    }
+
     /// Number of foreground pixels.
     pub fn area(&self) -> usize {
         self.runs.iter().map(Run::len).sum()
@@ -294,6 +305,7 @@ mod tests {
     fn painting_the_runs_gives_the_mask_back() {
         let mask = Mask::from_fn(67, 31, |x, y| (x * x + 3 * y * x + y) % 7 < 3);
         let runs = Runs::of(&mask);
+        assert_eq!(runs.mask(), mask);
         let region = runs.region().unwrap();
         let painted = runs.painted(&region, 2);
         for y in 0..31 {

@@ -11,6 +11,7 @@ pub mod out_folder;
 pub mod overlays;
 pub mod recording;
 pub mod result;
+pub mod segmented;
 pub mod stereo;
 pub mod synthetic;
 pub mod trc;

@@ -109,7 +109,7 @@ pub fn write_picture(canvas: &Canvas, path: PathBuf) -> Result<(), OverlayError>
 }
 
 /// A camera's name as the name of a folder, whatever it holds.
-fn file_name(camera: &str) -> String {
+pub(in crate::io) fn file_name(camera: &str) -> String {
     let plain = |c: char| {
         if c.is_alphanumeric() || "-_. ".contains(c) {
             c

@@ -1,4 +1,4 @@
-//! The main job: from observations to shape, motion and confidence.
+//! The main job: from observations to shape, motion and confidence; and before it, from pictures to masks ([`segment`]).
 //!
 //! | stage                               | where                              |
 //! |-------------------------------------|------------------------------------|
@@ -17,6 +17,7 @@ mod overlap;
 mod points;
 mod quality;
 mod scene;
+pub mod segment;
 mod uncertainty;
 mod unseen;
 mod warning;

@@ -3,6 +3,7 @@
 //! [`extract`] makes a [`Silhouette`] of a mask: specks and small holes away, the sub-pixel border as points with
 //! outward normals, what lies inside, and a [`DistanceMap`] of what lies outside. A silhouette knows neither the body
 //! nor any other camera. A [`FrameObservations`] is all that one frame shows.
+//! A [`Support`] says, before there are masks, what the other cameras' evidence is along each line of sight.
 
 mod distance_map;
 mod extract;
@@ -10,6 +11,7 @@ mod frame;
 mod options;
 mod outline;
 mod overlap;
+mod support;
 
 pub use distance_map::DistanceMap;
 pub use extract::{Rejected, extract};
@@ -17,3 +19,4 @@ pub use frame::{FrameIndex, FrameObservations};
 pub use options::{InvalidOption, SilhouetteOptions};
 pub use outline::{ContourPoint, Silhouette};
 pub use overlap::Overlap;
+pub use support::{Shrunk, Support, SupportOptions, Volume};

@@ -131,7 +131,7 @@ const MASKS: &[Case] = &[
         "no masks",
         |arm| fs::remove_dir_all(arm.recording().join("masks")).expect("removed"),
         &[],
-        &["no masks: expected masks/<camera>/"],
+        &["no masks and no pictures: expected masks/<camera>/"],
     ),
     (
         "points only",

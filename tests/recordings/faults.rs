@@ -52,14 +52,11 @@ fn a_frame_rate_must_be_known_and_positive() {
 }
 
 #[test]
-fn video_alone_is_not_enough() {
+fn video_alone_has_no_masks() {
     let folder = with_manifest(&["a", "b"], "[[camera]]\nname = \"a\"\nvideo = \"a.avi\"\n");
     assert_complains(
         open(folder.path()),
-        &[
-            "no masks",
-            "; a have none: images and video must be segmented first",
-        ],
+        &["no masks and no pictures", "videos/<camera>.*"],
     );
 }
 

@@ -16,7 +16,8 @@ pub(in crate::cli) const ABOUT: &str = "\
 Fit a body to a recording: shape, motion and confidence.
 
 The recording is a folder with a calibration and masks/<camera>/*.png (white where the person is, the frame number \
-in the name), or a sequence.toml that says where things are. Into OUT go result.json (everything), joints.trc (joint \
+in the name), or videos/<camera>.* or images/<camera>/*, or a sequence.toml that says where things are. Pictures without \
+masks are segmented first, and the masks kept in OUT. Into OUT go result.json (everything), joints.trc (joint \
 centres, for OpenSim and others) and, on request, overlays/. A run that was stopped can be continued with --resume.";
 
 pub(in crate::cli) const EXAMPLES: &str = "\
@@ -30,7 +31,7 @@ Examples:
 /// Arguments of `maquette fit`.
 #[derive(Debug, Args)]
 pub(in crate::cli) struct FitArguments {
-    /// Folder with calibration and masks, or a sequence.toml
+    /// Folder with calibration and masks, videos or images, or a sequence.toml
     pub(super) recording: PathBuf,
     /// Folder for the result; it must be empty or new
     #[arg(long)]

@@ -7,11 +7,14 @@ use serde_json::{Value, json};
 
 use super::arguments::{FitArguments, FrameRange};
 use crate::body::BodyModel;
-use crate::cli::error::CliError;
+use crate::cli::error::{CliError, one_line};
 use crate::cli::progress::Progress;
+use crate::cli::{complain, segment};
+use crate::io::frames::{Footage, FramesError};
 use crate::io::model;
-use crate::io::out_folder::check_out;
-use crate::io::recording::{InputChecksum, Recording};
+use crate::io::out_folder::{Existing, OutFolder, check_out};
+use crate::io::recording::{InputChecksum, Recording, RecordingError};
+use crate::io::segmented::Extras;
 use crate::pipeline::{FitError, FitOptions, check_measure, check_scene};
 use crate::silhouette::FrameObservations;
 
@@ -27,11 +30,11 @@ pub(super) struct Input {
     pub(super) checksums: Vec<InputChecksum>,
 }
 
-/// Reads and checks everything; nothing is written.
+/// Reads and checks everything; nothing is written but masks, where there are none.
 pub(super) fn read(arguments: &FitArguments) -> Result<Input, CliError> {
     let options = arguments.options()?;
     check_out(&arguments.out, arguments.existing())?;
-    let mut recording = Recording::open(&arguments.recording, arguments.fps)?;
+    let mut recording = open(arguments)?;
     let (model, body) = body(arguments.body.as_deref(), &recording)?;
     check_measure(&model, options.measure)?;
     let positions = positions(&recording, arguments.frames)?;
@@ -48,6 +51,37 @@ pub(super) fn read(arguments: &FitArguments) -> Result<Input, CliError> {
         observations,
         checksums,
     })
+}
+
+/// The recording; where it has no masks but pictures, with masks made of them and kept in OUT.
+fn open(arguments: &FitArguments) -> Result<Recording, CliError> {
+    let (path, out) = (&arguments.recording, &arguments.out);
+    let fault = match Recording::open(path, arguments.fps) {
+        Err(fault @ (RecordingError::NoMasks { .. } | RecordingError::PointsOnly { .. })) => fault,
+        opened => return Ok(opened?),
+    };
+    let footage = match Footage::open(path, arguments.fps) {
+        Err(FramesError::NoPictures { .. }) => return Err(fault.into()),
+        opened => opened?,
+    };
+    // quality.csv is written last: where it stands the masks are complete
+    let is_kept = arguments.existing() == Existing::Resume && out.join("quality.csv").is_file();
+    if !is_kept {
+        let range = segment::range(&footage, arguments.frames)?;
+        OutFolder::open(out)?;
+        let made = segment::masks(
+            &footage,
+            range,
+            out,
+            Extras::default(),
+            arguments.progress(),
+        );
+        let (_, notes) = made?;
+        for note in notes.iter().filter(|_| !arguments.quiet) {
+            complain("note", &one_line(note));
+        }
+    }
+    Ok(Recording::open_segmented(path, &footage, out)?)
 }
 
 /// The body that was asked for, or that the recording names, and its fingerprint.

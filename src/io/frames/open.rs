@@ -129,7 +129,7 @@ fn conventional(folder: &Path) -> Result<Vec<CameraFiles>, FramesError> {
         .filter(|path| path.is_file())
     {
         let camera = camera_of(&mut cameras, &path);
-        camera.video = Some(path);
+        camera.video = Some(beneath("videos", &path));
     }
     for path in visible(&folder.join("images"))?
         .into_iter()
@@ -145,7 +145,7 @@ fn conventional(folder: &Path) -> Result<Vec<CameraFiles>, FramesError> {
             .file_stem()
             .map(|stem| stem.to_string_lossy().into_owned());
         if let Some(camera) = stem.and_then(|stem| cameras.get_mut(&stem)) {
-            camera.background = Some(path);
+            camera.background = Some(beneath("background", &path));
         }
     }
     Ok(cameras.into_values().collect())
@@ -166,6 +166,11 @@ fn camera_of<'a>(
         ..CameraFiles::default()
     };
     cameras.entry(name).or_insert(empty)
+}
+
+/// A file's place relative to the recording.
+fn beneath(folder: &str, path: &Path) -> PathBuf {
+    Path::new(folder).join(path.file_name().unwrap_or_default())
 }
 
 /// What a folder holds and does not hide, by name; nothing if there is no such folder.

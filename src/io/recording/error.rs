@@ -49,15 +49,12 @@ pub enum RecordingError {
     },
     /// No camera has masks.
     #[error(
-        "{}: no masks: expected masks/<camera>/ beside the calibration, or masks = … for each camera in sequence.toml{}",
-        path.display(),
-        only_pictures(without_masks)
+        "{}: no masks and no pictures: expected masks/<camera>/, videos/<camera>.* or images/<camera>/ beside the calibration, or masks, video or images = … for each camera in sequence.toml",
+        path.display()
     )]
     NoMasks {
         /// The recording.
         path: PathBuf,
-        /// The cameras that the manifest lists, none of which has masks.
-        without_masks: Vec<String>,
     },
     /// Points and no masks.
     #[error(
@@ -161,14 +158,4 @@ pub enum RecordingError {
         /// Number of frames.
         count: usize,
     },
-}
-
-fn only_pictures(cameras: &[String]) -> String {
-    match cameras {
-        [] => String::new(),
-        cameras => format!(
-            "; {} have none: images and video must be segmented first",
-            cameras.join(", ")
-        ),
-    }
 }

@@ -17,6 +17,9 @@ use std::path::{Path, PathBuf};
 
 use crate::camera::{Camera, CameraId, Rig};
 use crate::image::Mask;
+use crate::io::frames::Footage;
+use crate::io::manifest::CameraFiles;
+use crate::io::overlays::file_name;
 use crate::silhouette::{self, FrameIndex, FrameObservations, SilhouetteOptions};
 
 pub use error::RecordingError;
@@ -89,7 +92,28 @@ impl Recording {
     /// # Errors
     /// [`RecordingError`] if something is missing, contradictory, or cannot be read.
     pub fn open(path: &Path, fps: Option<f64>) -> Result<Self, RecordingError> {
-        open::open(path, fps)
+        open::open(path, fps, None)
+    }
+
+    /// Opens a recording whose masks were made of its pictures: those in `masks/<camera>/` of another folder.
+    ///
+    /// # Errors
+    /// As [`Recording::open`].
+    pub fn open_segmented(
+        path: &Path,
+        footage: &Footage,
+        folder: &Path,
+    ) -> Result<Self, RecordingError> {
+        // the other paths of a recording are relative to its own folder
+        let folder = std::path::absolute(folder).unwrap_or_else(|_| folder.into());
+        let masks = |name: &str| folder.join("masks").join(file_name(name));
+        let camera = |name: &str| CameraFiles {
+            name: name.into(),
+            masks: Some(masks(name).display().to_string()),
+            ..CameraFiles::default()
+        };
+        let cameras = footage.rig.names().map(camera).collect();
+        open::open(path, Some(footage.fps), Some(cameras))
     }
 
     /// The silhouettes and points of the frame at `position` in [`Recording::frames`].

@@ -40,7 +40,7 @@ pub(in crate::io) fn list(
         pattern: pattern.into(),
         expected,
     };
-    let numbered: Vec<(Option<u64>, PathBuf)> = if pattern.contains('%') {
+    let numbered: Vec<(Option<u64>, PathBuf)> = if pattern.contains('%') && !whole.is_dir() {
         let printf = Printf::parse(&whole).ok_or_else(|| {
             bad_pattern("one %d or %06d in the file's name and no other % in the path")
         })?;

@@ -12,12 +12,19 @@ use crate::io::manifest::{CameraFiles, Manifest};
 use crate::io::unknown_key::nearest;
 use crate::silhouette::FrameIndex;
 
-pub(super) fn open(path: &Path, fps: Option<f64>) -> Result<Recording, RecordingError> {
+pub(super) fn open(
+    path: &Path,
+    fps: Option<f64>,
+    masks_elsewhere: Option<Vec<CameraFiles>>,
+) -> Result<Recording, RecordingError> {
     let (folder, manifest_path) = layout::locate(path)?;
-    let manifest = match &manifest_path {
+    let mut manifest = match &manifest_path {
         Some(path) => Manifest::read(path)?,
         None => Manifest::default(),
     };
+    if let Some(cameras) = masks_elsewhere {
+        manifest.cameras = cameras;
+    }
     let mut notes = Vec::new();
     let sources = layout::calibration_paths(&folder, manifest.calibration.as_ref());
     let masks = masks_of_cameras(path, &folder, &manifest, &mut notes)?;
@@ -78,10 +85,7 @@ fn cameras_with_masks(
         return Err(RecordingError::PointsOnly { path: path.into() });
     }
     if with.is_empty() {
-        return Err(RecordingError::NoMasks {
-            path: path.into(),
-            without_masks: without.into_iter().map(|camera| camera.name).collect(),
-        });
+        return Err(RecordingError::NoMasks { path: path.into() });
     }
     let keys = ignored_keys(manifest);
     if !keys.is_empty() {

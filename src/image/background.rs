@@ -1,0 +1,150 @@
+//! How probable a colour is of the empty scene.
+
+use super::{Colours, Plane};
+
+/// Settings of the density of a [`Background`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShadowOptions {
+    /// Share of background pixels that lie in a shadow (default 0.2: about a person, most of the floor).
+    pub share: f32,
+    /// A shadow leaves at least this part of the light (default 0.4).
+    pub darkest: f32,
+    /// How much less exact a shadow's hue is than the background's noise (default 1.5, of σ).
+    pub hue_spread: f32,
+}
+
+impl Default for ShadowOptions {
+    fn default() -> Self {
+        Self {
+            share: 0.2,
+            darkest: 0.4,
+            hue_spread: 1.5,
+        }
+    }
+}
+
+/// Share of background pixels that are of any colour at all: what changes without being the person.
+const OUTLIERS: f32 = 0.01;
+/// A shadow may also be a little brighter than the background, by rounding and reflection.
+const BRIGHTEST: f32 = 1.05;
+
+/// What the empty scene looks like in one pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Empty {
+    /// μ, red, green, blue.
+    pub mean: [f32; 3],
+    /// σ of the brightness, along μ, grey levels.
+    pub along: f32,
+    /// σ of the hue, in both directions across μ, grey levels: cameras and codecs blur the hue and leave the grain.
+    pub across: f32,
+    /// Probability that μ is the empty scene's colour and not the person's, who may have stood there all the time.
+    pub trust: f32,
+}
+
+/// What the empty scene looks like.
+pub type Background = Plane<Empty>;
+
+impl Empty {
+    /// ln p(x | no person here), in 1/(grey level)³.
+    ///
+    /// p = t·((1 − s − o)·N(x) + s·S(x) + o/256³) + (1 − t)·q(x), t the trust and q the density of the colours of the
+    /// surroundings. With x = a·μ + e, e ⟂ μ: N is a Gaussian of (a − 1)‖μ‖ and of e; S, the density in a shadow, is
+    /// uniform in a between `darkest` and 1.05 and a Gaussian of e.
+    ///
+    /// # Source
+    /// Horprasert, Harwood & Davis, *A statistical approach for real-time robust background subtraction and shadow
+    /// detection*, 1999, for a and e. **Differs**: a density in the place of thresholds.
+    pub fn log_density(
+        &self,
+        colour: [u8; 3],
+        around: Option<&Colours>,
+        shadow: &ShadowOptions,
+    ) -> f32 {
+        use std::f32::consts::TAU;
+        let (x, mean) = (colour.map(f32::from), self.mean);
+        let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let squared = dot(mean, mean).max(1.0);
+        let light = dot(x, mean) / squared;
+        let brighter = (light - 1.0) * (light - 1.0) * squared;
+        let hue = (dot(x, x) - light * light * squared).max(0.0);
+        let gauss = |squared: f32, sigma: f32| (-0.5 * squared / (sigma * sigma)).exp();
+        let plain = gauss(brighter, self.along) / (TAU.sqrt() * self.along)
+            * gauss(hue, self.across)
+            / (TAU * self.across * self.across);
+        let in_shadow = if light > shadow.darkest && light < BRIGHTEST {
+            let spread = self.across * shadow.hue_spread;
+            let length = (BRIGHTEST - shadow.darkest) * squared.sqrt();
+            gauss(hue, spread) / (TAU * spread * spread * length)
+        } else {
+            0.0
+        };
+        let any = OUTLIERS / 256_f32.powi(3);
+        let known = (1.0 - shadow.share - OUTLIERS) * plain + shadow.share * in_shadow + any;
+        match around {
+            Some(around) if self.trust < 1.0 => {
+                let unknown = around.log_density(colour).exp();
+                (self.trust * known + (1.0 - self.trust) * unknown).ln()
+            }
+            _ => known.ln(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::ColourCount;
+
+    const FLOOR: Empty = Empty {
+        mean: [120.0, 100.0, 80.0],
+        along: 3.0,
+        across: 3.0,
+        trust: 1.0,
+    };
+
+    fn density(empty: Empty, colour: [u8; 3]) -> f32 {
+        empty.log_density(colour, None, &ShadowOptions::default())
+    }
+
+    #[test]
+    fn a_shadow_is_less_probable_than_the_floor_and_much_more_than_another_colour() {
+        let floor = density(FLOOR, [120, 100, 80]);
+        let shadow = density(FLOOR, [84, 70, 56]);
+        let shirt = density(FLOOR, [56, 70, 84]);
+        assert!(
+            floor > shadow + 2.0 && shadow > shirt + 5.0,
+            "{floor} {shadow} {shirt}"
+        );
+    }
+
+    #[test]
+    fn a_highlight_and_darkness_are_no_shadows() {
+        assert!(density(FLOOR, [180, 150, 120]) < density(FLOOR, [84, 70, 56]) - 5.0);
+        assert!(density(FLOOR, [24, 20, 16]) < density(FLOOR, [84, 70, 56]) - 5.0);
+    }
+
+    #[test]
+    fn where_the_background_is_not_known_the_surroundings_speak() {
+        let mut wood = ColourCount::default();
+        wood.add([200, 150, 90]);
+        let (wood, doubtful) = (
+            wood.density(),
+            Empty {
+                trust: 0.01,
+                ..FLOOR
+            },
+        );
+        let with = |colour| doubtful.log_density(colour, Some(&wood), &ShadowOptions::default());
+        assert!(with([200, 150, 90]) > density(FLOOR, [200, 150, 90]) + 3.0);
+        assert!(with([120, 100, 80]) < density(FLOOR, [120, 100, 80]) - 3.0);
+    }
+
+    #[test]
+    fn a_black_background_is_no_fault() {
+        let black = Empty {
+            mean: [0.0; 3],
+            ..FLOOR
+        };
+        assert!(density(black, [0; 3]).is_finite() && density(black, [255; 3]).is_finite());
+    }
+}

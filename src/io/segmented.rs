@@ -1,0 +1,269 @@
+//! From footage on disk to masks on disk: `masks/<camera>/%06d.png` and `quality.csv`.
+
+use std::fs;
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
+
+use ::image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use ::image::{ExtendedColorType, ImageEncoder};
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::frames::{Footage, FramesNote};
+use super::out_folder::OutError;
+use super::overlays::file_name;
+use crate::camera::CameraId;
+use crate::image::{Mask, Picture, Plane};
+use crate::pipeline::segment::{Cut, SegmentOptions, Segmenter, Training};
+use crate::silhouette::FrameIndex;
+
+/// Pictures that are written beside the masks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Extras {
+    /// `probability/<camera>/%06d.png`.
+    pub probability: bool,
+    /// `mask-overlays/<camera>/%06d.jpg`.
+    pub overlays: bool,
+}
+
+/// One line of `quality.csv`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct QualityRow {
+    /// Number of the frame.
+    pub frame: usize,
+    /// Name of the camera.
+    pub camera: String,
+    /// Pixels of the mask.
+    pub area_px: usize,
+    /// Connected pieces of it.
+    pub pieces: usize,
+    /// Whether it reaches the edge of the picture.
+    pub touches_edge: bool,
+    /// See [`crate::pipeline::segment::CutQuality`].
+    pub undecided: f64,
+    /// See [`crate::pipeline::segment::CutQuality`].
+    pub unsupported: f64,
+    /// See [`crate::pipeline::segment::CutQuality`].
+    pub filled_in: f64,
+}
+
+/// Learns background and person from all of the footage; `done` is called after each frame.
+pub fn learn(
+    footage: &Footage,
+    options: SegmentOptions,
+    done: &dyn Fn(),
+) -> (Segmenter, Vec<FramesNote>) {
+    let mut training = Training::new(&footage.rig, footage.frames().len(), options);
+    let mut notes = Vec::new();
+    for (id, _) in footage.rig.iter() {
+        let mut empty = footage.background(id);
+        for (_, picture) in empty.by_ref() {
+            training.add_empty(id, &picture);
+        }
+        notes.extend(empty.notes().iter().cloned());
+    }
+    let mut sets = footage.frame_sets(0..=usize::MAX);
+    for (_, pictures) in sets.by_ref() {
+        training.add(&pictures);
+        done();
+    }
+    notes.extend(sets.notes());
+    (training.learn(), notes)
+}
+
+/// Segments frames and writes their masks into a folder; `done` is called after each frame.
+///
+/// # Errors
+/// [`OutError`] for the first file that cannot be written.
+pub fn write(
+    folder: &Path,
+    footage: &Footage,
+    segmenter: &Segmenter,
+    frames: RangeInclusive<usize>,
+    extras: Extras,
+    done: &(dyn Fn() + Sync),
+) -> Result<Vec<QualityRow>, OutError> {
+    let writer = Writer::new(folder, footage, extras)?;
+    let mut rows = Vec::new();
+    let mut sets = footage.frame_sets(frames);
+    let at_once = rayon::current_num_threads();
+    loop {
+        let batch: Vec<_> = sets.by_ref().take(at_once).collect();
+        if batch.is_empty() {
+            break;
+        }
+        let written: Vec<Result<Vec<QualityRow>, OutError>> = batch
+            .par_iter()
+            .map(|(frame, pictures)| {
+                let cuts = segmenter.segment(pictures);
+                let rows = writer.write(*frame, pictures, &cuts);
+                done();
+                rows
+            })
+            .collect();
+        for row in written {
+            rows.extend(row?);
+        }
+    }
+    write_quality(&folder.join("quality.csv"), &rows)?;
+    Ok(rows)
+}
+
+/// Where each camera's files go.
+struct Writer {
+    names: Vec<String>,
+    folders: Vec<PathBuf>,
+    root: PathBuf,
+    extras: Extras,
+}
+
+impl Writer {
+    fn new(root: &Path, footage: &Footage, extras: Extras) -> Result<Self, OutError> {
+        let folders: Vec<PathBuf> = footage
+            .rig
+            .names()
+            .map(|name| file_name(name).into())
+            .collect();
+        let kinds = [
+            ("masks", true),
+            ("probability", extras.probability),
+            ("mask-overlays", extras.overlays),
+        ];
+        for (kind, _) in kinds.iter().filter(|(_, is_wanted)| *is_wanted) {
+            for folder in &folders {
+                let path = root.join(kind).join(folder);
+                fs::create_dir_all(&path).map_err(|source| OutError::Write { path, source })?;
+            }
+        }
+        Ok(Self {
+            names: footage.rig.names().map(str::to_owned).collect(),
+            folders,
+            root: root.into(),
+            extras,
+        })
+    }
+
+    fn write(
+        &self,
+        frame: FrameIndex,
+        pictures: &[Option<Picture>],
+        cuts: &[Option<Cut>],
+    ) -> Result<Vec<QualityRow>, OutError> {
+        let mut rows = Vec::new();
+        for (c, cut) in cuts.iter().enumerate() {
+            let (Some(cut), Some(Some(picture))) = (cut, pictures.get(c)) else {
+                continue;
+            };
+            let path = |kind: &str, extension: &str| {
+                let name = format!("{:06}.{extension}", frame.0);
+                self.root.join(kind).join(&self.folders[c]).join(name)
+            };
+            write_grey(&white_on_black(&cut.mask), path("masks", "png"))?;
+            if self.extras.probability {
+                let grey = cut.probability.map(|p| (255.0 * p).round() as u8);
+                write_grey(&grey, path("probability", "png"))?;
+            }
+            if self.extras.overlays {
+                write_jpeg(&over(picture, &cut.mask), path("mask-overlays", "jpg"))?;
+            }
+            let q = cut.quality;
+            rows.push(QualityRow {
+                frame: frame.0,
+                camera: self.names[c].clone(),
+                area_px: q.area_px,
+                pieces: q.pieces,
+                touches_edge: q.touches_edge,
+                undecided: rounded(q.undecided),
+                unsupported: rounded(q.unsupported),
+                filled_in: rounded(q.filled_in),
+            });
+        }
+        Ok(rows)
+    }
+}
+
+fn rounded(share: f64) -> f64 {
+    (share * 1e4).round() / 1e4
+}
+
+fn white_on_black(mask: &Mask) -> Plane<u8> {
+    let values = (0..mask.height())
+        .flat_map(|y| mask.row(y))
+        .map(|v| 255 * v);
+    let plane = Plane::from_values(mask.width(), mask.height(), values.collect());
+    // a mask has as many values as pixels
+    plane.unwrap_or_else(|| Plane::filled(0, 0, 0))
+}
+
+/// The picture, darker where the person is not, with a yellow border.
+fn over(picture: &Picture, mask: &Mask) -> Picture {
+    let mut over = picture.clone();
+    for y in 0..picture.height() {
+        for (x, pixel) in over.row_mut(y).iter_mut().enumerate() {
+            let is_person = mask.is_foreground(x, y);
+            let is_border = is_person
+                && !(mask.is_foreground(x + 1, y)
+                    && mask.is_foreground(x, y + 1)
+                    && mask.is_foreground(x.wrapping_sub(1), y)
+                    && mask.is_foreground(x, y.wrapping_sub(1)));
+            if is_border {
+                *pixel = [255, 220, 0];
+            } else if !is_person {
+                *pixel = pixel.map(|v| v / 3);
+            }
+        }
+    }
+    over
+}
+
+fn write_grey(plane: &Plane<u8>, path: PathBuf) -> Result<(), OutError> {
+    let mut bytes = Vec::new();
+    let encoder =
+        PngEncoder::new_with_quality(&mut bytes, CompressionType::Fast, FilterType::NoFilter);
+    let (width, height) = (plane.width() as u32, plane.height() as u32);
+    let written = encoder
+        .write_image(plane.values(), width, height, ExtendedColorType::L8)
+        .map_err(std::io::Error::other)
+        .and_then(|()| fs::write(&path, bytes));
+    written.map_err(|source| OutError::Write { path, source })
+}
+
+fn write_jpeg(picture: &Picture, path: PathBuf) -> Result<(), OutError> {
+    let mut bytes = Vec::new();
+    let encoder = ::image::codecs::jpeg::JpegEncoder::new_with_quality(&mut bytes, 85);
+    let (width, height) = (picture.width() as u32, picture.height() as u32);
+    let written = encoder
+        .write_image(
+            picture.values().as_flattened(),
+            width,
+            height,
+            ExtendedColorType::Rgb8,
+        )
+        .map_err(std::io::Error::other)
+        .and_then(|()| fs::write(&path, bytes));
+    written.map_err(|source| OutError::Write { path, source })
+}
+
+fn write_quality(path: &Path, rows: &[QualityRow]) -> Result<(), OutError> {
+    let write = || -> Result<(), csv::Error> {
+        let mut writer = csv::Writer::from_path(path)?;
+        for row in rows {
+            writer.serialize(row)?;
+        }
+        Ok(writer.flush()?)
+    };
+    write().map_err(|fault| OutError::Write {
+        path: path.into(),
+        source: std::io::Error::other(fault),
+    })
+}
+
+/// Each camera whose person stands before a background that was never seen, and the share of the place.
+pub fn never_left(footage: &Footage, segmenter: &Segmenter) -> Vec<(CameraId, f64)> {
+    let ids = footage.rig.iter().map(|(id, _)| id);
+    let shares = ids.zip(segmenter.never_left());
+    shares.filter(|(_, share)| *share > NOTEWORTHY).collect()
+}
+
+/// Below this share of the person's place an unknown background does no harm.
+const NOTEWORTHY: f64 = 0.01;

@@ -1,0 +1,216 @@
+//! The masks of one frame.
+
+use rayon::prelude::*;
+
+use super::SegmentOptions;
+use super::view::View;
+use crate::image::{Mask, Picture, Plane, Region, Runs, box_mean, clean, enlarge, relax, shrink};
+use crate::silhouette::{Shrunk, Support};
+
+/// Below this evidence a pixel does not tell by itself what it shows.
+const UNDECIDED: f32 = 1.0;
+/// Pixels around what may be the person, in which neighbours are looked at.
+const MARGIN: usize = 6;
+
+/// What was learned of a recording, ready to segment its frames.
+#[derive(Clone, Debug)]
+pub struct Segmenter {
+    pub(super) views: Vec<View>,
+    pub(super) support: Option<Support>,
+    pub(super) shrunk: Vec<Shrunk>,
+    pub(super) options: SegmentOptions,
+}
+
+/// The person in one picture.
+#[derive(Clone, Debug)]
+pub struct Cut {
+    /// Where the person is.
+    pub mask: Mask,
+    /// How probable it is that a pixel shows the person, of each pixel.
+    pub probability: Plane<f32>,
+    /// How good the mask is likely to be.
+    pub quality: CutQuality,
+}
+
+/// Figures of a mask that tell a good one from a bad one without the truth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CutQuality {
+    /// Pixels of the mask.
+    pub area_px: usize,
+    /// Connected pieces of it.
+    pub pieces: usize,
+    /// Whether it reaches the edge of the picture.
+    pub touches_edge: bool,
+    /// Share of its pixels whose own colour does not decide: neighbours and other cameras did.
+    pub undecided: f64,
+    /// Pixels that this camera alone takes for the person and the others do not support, over the mask's.
+    pub unsupported: f64,
+    /// Share of its pixels that this camera alone takes for background.
+    pub filled_in: f64,
+}
+
+/// Of each camera that has a picture.
+struct Evidence {
+    own: Vec<Option<Plane<f32>>>,
+    together: Vec<Option<Plane<f32>>>,
+    support: Vec<Option<Plane<f32>>>,
+}
+
+/// Of each camera that has a picture.
+pub(super) struct KeyMasks {
+    pub(super) masks: Vec<Option<Plane<u8>>>,
+    pub(super) support: Vec<Option<Plane<f32>>>,
+}
+
+impl Segmenter {
+    /// Whether the cameras agree on where the person is, so that they help each other.
+    pub fn is_consistent(&self) -> bool {
+        self.support.is_some()
+    }
+
+    /// For each camera: of the pixels in which the person ever is, the share whose empty scene was never seen for sure.
+    pub fn never_left(&self) -> Vec<f64> {
+        let share = |view: &View| {
+            let doubtful = view
+                .background
+                .values()
+                .iter()
+                .filter(|e| e.trust < 0.5)
+                .count();
+            let near = view
+                .background
+                .values()
+                .iter()
+                .filter(|e| e.trust < 1.0)
+                .count();
+            doubtful as f64 / near.max(1) as f64
+        };
+        self.views.iter().map(share).collect()
+    }
+
+    /// The person in each picture of a frame; `None` for a camera without a picture.
+    pub fn segment(&self, pictures: &[Option<Picture>]) -> Vec<Option<Cut>> {
+        let small: Vec<Option<Picture>> = pictures
+            .par_iter()
+            .zip(&self.shrunk)
+            .map(|(picture, shrunk)| Some(shrink(picture.as_ref()?, shrunk.factor)))
+            .collect();
+        let Evidence { own, together, .. } = self.evidence(&small);
+        let cut = |c: usize| {
+            let (full, picture) = (pictures[c].as_ref()?, small[c].as_ref()?);
+            let (own, together) = (own[c].as_ref()?, together[c].as_ref()?);
+            let labels = self.labels(together, picture);
+            let shrunk = &self.shrunk[c];
+            let probability = enlarge(&labels, shrunk.factor, full.width(), full.height());
+            let runs = Runs::of(&Mask::brighter_than(&probability, 0.5));
+            let runs = clean(&runs, &self.options.clean);
+            Some(Cut {
+                quality: quality(&runs, (own, together), shrunk.factor),
+                mask: runs.mask(),
+                probability,
+            })
+        };
+        (0..small.len()).into_par_iter().map(cut).collect()
+    }
+
+    /// The masks of a key frame, of its shrunk pictures, and what the other cameras say.
+    pub(super) fn key_masks(&self, pictures: &[Option<Picture>]) -> KeyMasks {
+        let Evidence {
+            together, support, ..
+        } = self.evidence(pictures);
+        let mask = |(evidence, picture): (&Option<Plane<f32>>, &Option<Picture>)| {
+            let labels = self.labels(evidence.as_ref()?, picture.as_ref()?);
+            let runs = Runs::of(&Mask::brighter_than(&labels, 0.5));
+            Some(painted(&clean(&runs, &self.options.clean)))
+        };
+        KeyMasks {
+            masks: together.par_iter().zip(pictures).map(mask).collect(),
+            support,
+        }
+    }
+
+    /// Each camera's own evidence, and that with the support of the others.
+    fn evidence(&self, small: &[Option<Picture>]) -> Evidence {
+        let own: Vec<Option<Plane<f32>>> = small
+            .par_iter()
+            .zip(&self.views)
+            .map(|(picture, view)| Some(view.evidence(picture.as_ref()?, &self.options)))
+            .collect();
+        let Some(support) = &self.support else {
+            return Evidence {
+                together: own.clone(),
+                support: vec![None; own.len()],
+                own,
+            };
+        };
+        let support = support.by_others(&own);
+        let together = (support.par_iter().zip(&own).zip(&self.views))
+            .map(|((others, own), view)| {
+                Some(view.supported(own.as_ref()?, others.as_ref()?, &self.options))
+            })
+            .collect();
+        Evidence {
+            own,
+            together,
+            support,
+        }
+    }
+
+    /// The labels, found within the box about what may be the person; background elsewhere.
+    fn labels(&self, evidence: &Plane<f32>, picture: &Picture) -> Plane<f32> {
+        let mut labels = Plane::filled(evidence.width(), evidence.height(), 0.0);
+        let likely = Mask::brighter_than(&box_mean(evidence, 1), 0.0);
+        let Some(region) = Runs::of(&likely).region() else {
+            return labels;
+        };
+        let region = Region {
+            left: region.left.saturating_sub(MARGIN),
+            top: region.top.saturating_sub(MARGIN),
+            right: (region.right + MARGIN).min(evidence.width()),
+            bottom: (region.bottom + MARGIN).min(evidence.height()),
+        };
+        let inner = relax(
+            &evidence.cropped(&region),
+            &picture.cropped(&region),
+            &self.options.relax,
+        );
+        for y in region.top..region.bottom {
+            labels.row_mut(y)[region.left..region.right].copy_from_slice(inner.row(y - region.top));
+        }
+        labels
+    }
+}
+
+fn painted(runs: &Runs) -> Plane<u8> {
+    let whole = Region {
+        left: 0,
+        top: 0,
+        right: runs.width(),
+        bottom: runs.height(),
+    };
+    runs.painted(&whole, 0)
+}
+
+fn quality(runs: &Runs, (own, together): (&Plane<f32>, &Plane<f32>), factor: usize) -> CutQuality {
+    let (components, _) = runs.components(crate::image::Connectivity::Eight);
+    let mask = painted(runs);
+    let (mut area, mut undecided, mut filled, mut unsupported) = (0.0, 0.0, 0.0, 0.0);
+    for y in 0..own.height() {
+        for (x, (own, together)) in own.row(y).iter().zip(together.row(y)).enumerate() {
+            let is_person = mask.get(x * factor + factor / 2, y * factor + factor / 2) == Some(1);
+            area += f64::from(u8::from(is_person));
+            undecided += f64::from(u8::from(is_person && own.abs() < UNDECIDED));
+            filled += f64::from(u8::from(is_person && *own < -UNDECIDED));
+            unsupported += f64::from(u8::from(!is_person && *own > UNDECIDED && *together < 0.0));
+        }
+    }
+    let share = |count: f64| if area > 0.0 { count / area } else { 0.0 };
+    CutQuality {
+        area_px: runs.area(),
+        pieces: components.len(),
+        touches_edge: components.iter().any(|c| c.touches_image_edge),
+        undecided: share(undecided),
+        unsupported: share(unsupported),
+        filled_in: share(filled),
+    }
+}

@@ -1,0 +1,65 @@
+//! Masks and what is learned of them take turns.
+
+use rayon::prelude::*;
+
+use super::cut::{KeyMasks, Segmenter};
+use super::subject;
+use super::train::Training;
+use super::view::{Key, View};
+use crate::image::Mixture;
+use crate::silhouette::{Shrunk, Support};
+
+impl Training {
+    /// What the key frames teach: each camera's background and the person's colours, and where the person is.
+    pub fn learn(self) -> Segmenter {
+        // 1. the background as it is most of the time
+        let mixtures: Vec<Mixture> = self.cameras.par_iter().map(|c| c.finished()).collect();
+        let shrunk: Vec<Shrunk> = self.cameras.iter().map(|c| c.shrunk).collect();
+        let views = shrunk.iter().zip(&mixtures).zip(&self.cameras);
+        let mut segmenter = Segmenter {
+            views: views
+                .map(|((s, mixture), c)| View::new(mixture, (s.width, s.height), c.hue_noise))
+                .collect(),
+            support: None,
+            shrunk,
+            options: self.options,
+        };
+        for round in 0..self.options.rounds {
+            // 2. masks of the key frames, by what is known so far
+            let found: Vec<KeyMasks> = self
+                .keys
+                .par_iter()
+                .map(|pictures| segmenter.key_masks(pictures))
+                .collect();
+            // 3. where the person is
+            if round == 0 && self.rig.cameras.len() > 1 {
+                let volume = subject::volume(&self.rig, &segmenter.shrunk, &found);
+                segmenter.support = volume.map(|volume| {
+                    Support::new(&self.rig, &segmenter.shrunk, &volume, self.options.support)
+                });
+            }
+            // 4. colours of the person, and what the background is without the person
+            let options = self.options;
+            segmenter
+                .views
+                .par_iter_mut()
+                .enumerate()
+                .for_each(|(c, view)| {
+                    let keys: Vec<Key<'_>> = self
+                        .keys
+                        .iter()
+                        .zip(&found)
+                        .filter_map(|(pictures, found)| {
+                            Some(Key {
+                                picture: pictures.get(c)?.as_ref()?,
+                                mask: found.masks.get(c)?.as_ref()?,
+                                support: found.support.get(c).and_then(Option::as_ref),
+                            })
+                        })
+                        .collect();
+                    view.learn(&mixtures[c], &keys, self.cameras[c].is_given(), &options);
+                });
+        }
+        segmenter
+    }
+}

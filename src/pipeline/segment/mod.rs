@@ -1,0 +1,80 @@
+//! From pictures of several cameras to masks of the one person whom all of them see.
+//!
+//! 1. [`Training`]: every pixel learns an adaptive mixture of Gaussians, of pictures of the empty scene where there are
+//!    some, else of the recording itself.
+//! 2. [`Training::learn`]: on some key frames, in turn, until they agree:
+//!    - which mode of each pixel is the empty scene: that which is there most, and whose colour is rather that of the
+//!      surroundings than the person's;
+//!    - evidence of each pixel, ln p(x | person) − ln p(x | empty), with p(x | person) the colours of the masks so far;
+//!    - support of each pixel by the other cameras along its line of sight ([`Support`]);
+//!    - masks: evidence and support, made to hold together ([`relax`]), specks and small holes removed.
+//! 3. [`Segmenter::segment`]: the same for every frame, with what was learned.
+//!
+//! Nothing here is told where the person is: whoever moves in the volume that all cameras see is.
+//!
+//! [`Support`]: crate::silhouette::Support
+//! [`relax`]: crate::image::relax
+
+mod cut;
+mod learn;
+mod subject;
+mod train;
+mod view;
+
+pub use cut::{Cut, CutQuality, Segmenter};
+pub use train::Training;
+
+use crate::image::{CleanOptions, RelaxOptions, ShadowOptions};
+use crate::silhouette::SupportOptions;
+
+/// Settings of the segmentation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SegmentOptions {
+    /// Pictures of more pixels are shrunk by a whole factor (default 700 000).
+    pub most_px: usize,
+    /// Frames that are learned from, evenly spaced (default 16).
+    pub key_frames: usize,
+    /// How often masks and what is learned of them take turns (default 5).
+    pub rounds: usize,
+    /// No more pictures of a camera than these teach its background, evenly spaced (default 200).
+    pub training_pictures: usize,
+    /// Evidence of one pixel counts at most so much, either way (default 8).
+    pub most_evidence: f32,
+    /// What it counts that no other camera supports a pixel, or that all do where the background is not known (default 6; 0 leaves every camera to itself).
+    pub support_weight: f32,
+    /// What it counts where all other cameras allow the person and the background is known (default 1).
+    pub inside_weight: f32,
+    /// How sure the most frequent colour of a pixel is the empty scene's before colours are looked at, as a logarithm
+    /// of odds (default 3).
+    pub background_odds: f32,
+    /// Shadows.
+    pub shadow: ShadowOptions,
+    /// Neighbouring pixels.
+    pub relax: RelaxOptions,
+    /// Other cameras.
+    pub support: SupportOptions,
+    /// Specks and holes.
+    pub clean: CleanOptions,
+}
+
+impl Default for SegmentOptions {
+    fn default() -> Self {
+        Self {
+            most_px: 700_000,
+            key_frames: 16,
+            rounds: 5,
+            training_pictures: 200,
+            most_evidence: 8.0,
+            support_weight: 6.0,
+            inside_weight: 1.0,
+            background_odds: 3.0,
+            shadow: ShadowOptions::default(),
+            relax: RelaxOptions::default(),
+            support: SupportOptions::default(),
+            clean: CleanOptions {
+                part_fraction: 0.1,
+                ..CleanOptions::default()
+            },
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! Where the person is, from first masks.
+
+use nalgebra::{Point2, Point3, Vector3};
+
+use super::cut::KeyMasks;
+use crate::camera::{Ray, Rig, closest_point};
+use crate::image::Plane;
+use crate::silhouette::{Shrunk, Volume};
+
+/// Half the sides of the box about a person's middle, metres: an arm's reach, and a little more than half of the height.
+const REACH: [f64; 3] = [1.3, 1.3, 1.5];
+/// Lines of sight through one person's middle pass each other within this, metres.
+const MISS: f64 = 0.5;
+
+/// The box in which the person moves; `None` if no two cameras agree on where that is in any frame.
+pub(super) fn volume(rig: &Rig, shrunk: &[Shrunk], keys: &[KeyMasks]) -> Option<Volume> {
+    let places: Vec<Point3<f64>> = keys
+        .iter()
+        .filter_map(|masks| place(rig, shrunk, &masks.masks))
+        .collect();
+    let middle = |axis: usize| {
+        let mut values: Vec<f64> = places.iter().map(|place| place[axis]).collect();
+        values.sort_by(f64::total_cmp);
+        values.get(values.len() / 2).copied()
+    };
+    let middle = Point3::new(middle(0)?, middle(1)?, middle(2)?);
+    // a mask of something else, far away, must not blow up the box
+    let height = Vector3::new(0.0, 0.0, 1.0);
+    let near = places
+        .iter()
+        .filter(|place| (*place - middle).dot(&height).abs() < 1.0);
+    let near: Vec<_> = near.collect();
+    let bound = |axis: usize, sign: f64| {
+        let ends = near
+            .iter()
+            .map(|place| sign * place[axis])
+            .fold(f64::NEG_INFINITY, f64::max);
+        sign * (ends + REACH[axis])
+    };
+    Some(Volume {
+        low: Point3::new(bound(0, -1.0), bound(1, -1.0), bound(2, -1.0)),
+        high: Point3::new(bound(0, 1.0), bound(1, 1.0), bound(2, 1.0)),
+    })
+}
+
+/// Where the lines of sight through the masks' middles meet; the camera that is most beside the point is left out once
+/// there are three or more.
+fn place(rig: &Rig, shrunk: &[Shrunk], masks: &[Option<Plane<u8>>]) -> Option<Point3<f64>> {
+    let mut rays: Vec<Ray> = rig
+        .cameras
+        .iter()
+        .zip(shrunk)
+        .zip(masks)
+        .filter_map(|((camera, shrunk), mask)| {
+            let middle = middle(mask.as_ref()?)?;
+            let recorded = (middle.coords.add_scalar(0.5) * shrunk.factor as f64).add_scalar(-0.5);
+            Some(camera.ray(&camera.undistort(&Point2::from(recorded))?))
+        })
+        .collect();
+    loop {
+        let place = closest_point(&rays)?;
+        let misses = rays.iter().map(|ray| ray.distance_to(&place));
+        let (worst, miss) = misses.enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        if miss < MISS {
+            return Some(place);
+        }
+        rays.remove(worst);
+    }
+}
+
+/// Mean place of the pixels of a mask.
+fn middle(mask: &Plane<u8>) -> Option<Point2<f64>> {
+    let (mut x_sum, mut y_sum, mut count) = (0.0, 0.0, 0.0);
+    for y in 0..mask.height() {
+        for (x, _) in mask
+            .row(y)
+            .iter()
+            .enumerate()
+            .filter(|(_, value)| **value == 1)
+        {
+            x_sum += x as f64;
+            y_sum += y as f64;
+            count += 1.0;
+        }
+    }
+    (count > 0.0).then(|| Point2::new(x_sum / count, y_sum / count))
+}

@@ -1,0 +1,205 @@
+//! One pass over the pictures: every pixel's mixture, and the key frames.
+
+use super::SegmentOptions;
+use crate::camera::{CameraId, Rig};
+use crate::image::{Mixture, MixtureOptions, Picture, shrink};
+use crate::silhouette::Shrunk;
+
+/// From so many pictures of the empty scene on its mixture is left as it is; fewer say too little of the noise.
+const ENOUGH_EMPTY: usize = 20;
+/// A background's σ never falls below this, grey levels: what codecs and lamps do to a still scene over minutes.
+const LEAST_SIGMA: f32 = 5.0;
+/// The hue's noise is no smaller a part of the brightness's.
+const LEAST_HUE_NOISE: f32 = 0.2;
+/// Few pictures of the empty scene count so many times as much as all of the recording.
+const EMPTY_WEIGHT: f32 = 4.0;
+/// σ of a normal distribution over its median absolute value.
+const SIGMA_OF_MEDIAN: f32 = 1.4826;
+
+/// What is taken from the pictures while they pass.
+#[derive(Clone, Debug)]
+pub struct Training {
+    pub(super) rig: Rig,
+    pub(super) options: SegmentOptions,
+    pub(super) cameras: Vec<CameraTraining>,
+    /// Pictures of each key frame, shrunk.
+    pub(super) keys: Vec<Vec<Option<Picture>>>,
+    frames: usize,
+    seen: usize,
+}
+
+/// What one camera has learned.
+#[derive(Clone, Debug)]
+pub(super) struct CameraTraining {
+    pub(super) shrunk: Shrunk,
+    pub(super) mixture: Option<Mixture>,
+    /// Pictures of the empty scene.
+    pub(super) empty: usize,
+    /// All that taught the mixture, each counted as often as it weighs.
+    taught: f32,
+    /// σ of the hue over that of the brightness.
+    pub(super) hue_noise: f32,
+    /// The first picture, until a second tells the noise.
+    first: Option<Picture>,
+}
+
+impl Training {
+    /// For a recording of so many frames.
+    pub fn new(rig: &Rig, frames: usize, options: SegmentOptions) -> Self {
+        let camera = |camera: &crate::camera::Camera| {
+            let (width, height) = (camera.width_px as usize, camera.height_px as usize);
+            let factor = (1..).find(|f| (width / f) * (height / f) <= options.most_px.max(1));
+            let factor = factor.unwrap_or(1);
+            CameraTraining {
+                shrunk: Shrunk {
+                    width: width / factor,
+                    height: height / factor,
+                    factor,
+                },
+                mixture: None,
+                empty: 0,
+                taught: 0.0,
+                hue_noise: 1.0,
+                first: None,
+            }
+        };
+        Self {
+            cameras: rig.cameras.iter().map(camera).collect(),
+            rig: rig.clone(),
+            options,
+            keys: Vec::new(),
+            frames,
+            seen: 0,
+        }
+    }
+
+    /// Learns a picture of the empty scene; all of them come before the recording's.
+    pub fn add_empty(&mut self, camera: CameraId, picture: &Picture) {
+        if let Some(camera) = self.cameras.get_mut(camera.0) {
+            camera.empty += 1;
+            let small = shrink(picture, camera.shrunk.factor);
+            camera.learn(&small, 1.0);
+        }
+    }
+
+    /// Learns the pictures of the next frame.
+    pub fn add(&mut self, pictures: &[Option<Picture>]) {
+        let options = self.options;
+        let (teaches, is_key) = (
+            self.seen.is_multiple_of(
+                self.frames
+                    .div_ceil(options.training_pictures.max(1))
+                    .max(1),
+            ),
+            is_key(self.seen, self.frames, options.key_frames),
+        );
+        self.seen += 1;
+        if !(teaches || is_key) {
+            return;
+        }
+        let mut small = Vec::new();
+        let weight = self.frames.min(options.training_pictures) as f32;
+        for (camera, picture) in self.cameras.iter_mut().zip(pictures) {
+            let picture = picture.as_ref().map(|p| shrink(p, camera.shrunk.factor));
+            if let Some(picture) = picture.as_ref().filter(|_| teaches) {
+                camera.learn_recorded(picture, weight);
+            }
+            small.push(picture);
+        }
+        if is_key {
+            self.keys.push(small);
+        }
+    }
+}
+
+/// Whether the frame at a position is one of about `keys` evenly spaced ones.
+fn is_key(position: usize, frames: usize, keys: usize) -> bool {
+    let of = |position: usize| (position * keys.max(1)) / frames.max(1);
+    let half = frames / (2 * keys.max(1));
+    frames <= keys || (position + half >= 1 && of(position + half) != of(position + half - 1))
+}
+
+impl CameraTraining {
+    /// Whether pictures of the empty scene say what the background is.
+    pub(super) fn is_given(&self) -> bool {
+        self.empty > 0
+    }
+
+    fn learn_recorded(&mut self, picture: &Picture, frames: f32) {
+        if self.empty >= ENOUGH_EMPTY {
+            return;
+        }
+        // a person who never moves must not outweigh them
+        if self.is_given() {
+            self.taught = self.taught.max(EMPTY_WEIGHT * frames);
+        }
+        self.learn(picture, 1.0);
+    }
+
+    fn learn(&mut self, picture: &Picture, weight: f32) {
+        if self.mixture.is_none() {
+            let Some(first) = self.first.take() else {
+                self.first = Some(picture.clone());
+                return;
+            };
+            let [along, across] = noise(&first, picture);
+            let sigma = ((along * along + 2.0 * across * across) / 3.0).sqrt();
+            self.hue_noise = (across.max(1.0) / along.max(2.0)).clamp(LEAST_HUE_NOISE, 1.0);
+            let options = MixtureOptions {
+                first_sigma: (2.0 * sigma).max(MixtureOptions::default().first_sigma),
+                least_sigma: (0.8 * sigma).max(LEAST_SIGMA),
+                ..MixtureOptions::default()
+            };
+            let mut mixture = Mixture::new(first.width(), first.height(), options);
+            mixture.update(&first, 1.0);
+            self.taught = self.taught.max(1.0);
+            self.mixture = Some(mixture);
+        }
+        if let Some(mixture) = &mut self.mixture {
+            self.taught += weight;
+            mixture.update(picture, weight / self.taught);
+        }
+    }
+
+    /// The mixture, also of a single picture.
+    pub(super) fn finished(&self) -> Mixture {
+        match (&self.mixture, &self.first) {
+            (Some(mixture), _) => mixture.clone(),
+            (None, first) => {
+                let Shrunk { width, height, .. } = self.shrunk;
+                let mut mixture = Mixture::new(width, height, MixtureOptions::default());
+                if let Some(first) = first {
+                    mixture.update(first, 1.0);
+                }
+                mixture
+            }
+        }
+    }
+}
+
+/// σ of one picture's noise in brightness, (r + g + b)/√3, and in hue, by the median differences of two pictures; the
+/// person moves in less than half of them.
+fn noise(a: &Picture, b: &Picture) -> [f32; 2] {
+    let mut counts = [[0_usize; 3 * 256]; 2];
+    for (a, b) in a.values().iter().zip(b.values()) {
+        let [r, g, b] = [0, 1, 2].map(|i| i32::from(a[i]) - i32::from(b[i]));
+        counts[0][(r + g + b).unsigned_abs() as usize] += 1;
+        counts[1][(r - g).unsigned_abs() as usize] += 1;
+    }
+    let [sum, difference] = counts.map(|counts| median(&counts) * SIGMA_OF_MEDIAN / 2_f32.sqrt());
+    [sum / 3_f32.sqrt(), difference / 2_f32.sqrt()]
+}
+
+/// The median of whole numbers, as if those of each count were spread evenly over half a step to either side.
+fn median(counts: &[usize]) -> f32 {
+    let half = counts.iter().sum::<usize>() as f32 / 2.0;
+    let mut below = 0.0;
+    for (value, count) in counts.iter().enumerate() {
+        let count = *count as f32;
+        if below + count > half {
+            return (value as f32 - 0.5 + (half - below) / count).max(0.0);
+        }
+        below += count;
+    }
+    0.0
+}

@@ -1,0 +1,278 @@
+//! What one camera knows of the empty scene and of the person.
+
+use super::SegmentOptions;
+use crate::image::{
+    Background, ColourCount, Colours, Empty, Mixture, Mode, Picture, Plane, box_mean,
+};
+
+/// A mode that was there for less than this share of the time is not the empty scene.
+const RARE: f32 = 0.03;
+/// How sharply the odds of a background become trust.
+const TRUST_SLOPE: f32 = 3.0;
+/// Nothing is certain.
+const LEAST_DOUBT: f32 = 1e-6;
+
+/// What all other cameras' support of a colour counts, as a logarithm of odds.
+const OTHERS: f32 = 3.0;
+/// A colour shows a mode within so many standard deviations.
+const MATCH: f32 = 2.5;
+
+/// A key frame of one camera.
+pub(super) struct Key<'a> {
+    pub(super) picture: &'a Picture,
+    pub(super) mask: &'a Plane<u8>,
+    /// What the other cameras say; `None` if they say nothing.
+    pub(super) support: Option<&'a Plane<f32>>,
+}
+
+/// The hue's σ never falls below this, grey levels: rounding, and the blur of hues by codecs.
+const LEAST_HUE: f32 = 2.5;
+
+/// One camera's background and colours.
+#[derive(Clone, Debug)]
+pub(super) struct View {
+    pub(super) background: Background,
+    /// σ of the hue over that of the brightness.
+    hue_noise: f32,
+    /// Colours of the person; `None` before there are masks.
+    person: Option<Colours>,
+    /// Colours of the empty scene around the person.
+    around: Option<Colours>,
+}
+
+impl View {
+    /// The mode of largest ω/σ in each pixel, trusted.
+    pub(super) fn new(mixture: &Mixture, size: (usize, usize), hue_noise: f32) -> Self {
+        let score = |mixture: &Mixture, k: usize, x: usize, y: usize| {
+            let mode = mixture.mode(k, x, y);
+            mode.weight / mode.variance.sqrt()
+        };
+        Self {
+            background: choose(mixture, size, hue_noise, score),
+            hue_noise,
+            person: None,
+            around: None,
+        }
+    }
+
+    /// ln p(x | person) − ln p(x | empty) of each pixel, within ±`most_evidence`.
+    pub(super) fn evidence(&self, picture: &Picture, options: &SegmentOptions) -> Plane<f32> {
+        let any = -3.0 * 256_f32.ln();
+        let most = options.most_evidence;
+        let mut evidence = Plane::filled(picture.width(), picture.height(), 0.0);
+        for y in 0..picture.height() {
+            let pixels = picture.row(y).iter().zip(self.background.row(y));
+            for (value, (colour, empty)) in evidence.row_mut(y).iter_mut().zip(pixels) {
+                let person = self.person.as_ref().map_or(any, |p| p.log_density(*colour));
+                let empty = empty.log_density(*colour, self.around.as_ref(), &options.shadow);
+                *value = (person - empty).clamp(-most, most);
+            }
+        }
+        evidence
+    }
+
+    /// Evidence with the prior that the support of the other cameras is.
+    ///
+    /// Where they do not support a pixel it does not show the person. Where they do, it may: the others' lines of sight
+    /// enclose more than the person. So they decide only as far as the background is not trusted.
+    pub(super) fn supported(
+        &self,
+        own: &Plane<f32>,
+        support: &Plane<f32>,
+        options: &SegmentOptions,
+    ) -> Plane<f32> {
+        let most = options.most_evidence;
+        let mut together = own.clone();
+        for y in 0..own.height() {
+            let pixels = support.row(y).iter().zip(self.background.row(y));
+            for (sum, (support, empty)) in together.row_mut(y).iter_mut().zip(pixels) {
+                let weight = match *support > 0.0 {
+                    true => options
+                        .inside_weight
+                        .max(options.support_weight * (1.0 - empty.trust)),
+                    false => options.support_weight,
+                };
+                *sum = (*sum + weight * support).clamp(-most, most);
+            }
+        }
+        together
+    }
+
+    /// Learns colours from key frames and their masks, and, unless it was given, chooses the background anew.
+    pub(super) fn learn(
+        &mut self,
+        mixture: &Mixture,
+        keys: &[Key<'_>],
+        is_given: bool,
+        options: &SegmentOptions,
+    ) {
+        let (width, height) = (self.background.width(), self.background.height());
+        let mut person = ColourCount::default();
+        let mut ever = Plane::filled(width, height, 0.0_f32);
+        for key in keys {
+            for y in 0..height {
+                let pixels = key.picture.row(y).iter().zip(key.mask.row(y));
+                for (here, (colour, is_person)) in ever.row_mut(y).iter_mut().zip(pixels) {
+                    if *is_person == 1 {
+                        person.add(*colour);
+                        *here = 1.0;
+                    }
+                }
+            }
+        }
+        if person.total() < 1.0 {
+            return;
+        }
+        let person = person.density();
+        if !is_given {
+            let around = self.colours_around(&ever);
+            self.choose_again(
+                mixture,
+                (keys, &ever),
+                (&person, &around),
+                options.background_odds,
+            );
+            self.around = Some(around);
+        }
+        self.person = Some(person);
+    }
+
+    /// Colours of the empty scene near where the person ever was.
+    fn colours_around(&self, ever: &Plane<f32>) -> Colours {
+        let reach = (ever.width() + ever.height()) / 37 + 1;
+        let near = box_mean(ever, reach);
+        let mut around = ColourCount::default();
+        for y in 0..ever.height() {
+            for (x, empty) in self.background.row(y).iter().enumerate() {
+                if near.row(y)[x] > 0.0 && ever.row(y)[x] < 0.5 {
+                    around.add(byte_colour(&empty.mean));
+                }
+            }
+        }
+        around.density()
+    }
+
+    /// Where the person ever was: the mode that was there most and is least like the person; and how far it can be trusted.
+    fn choose_again(
+        &mut self,
+        mixture: &Mixture,
+        (keys, ever): (&[Key<'_>], &Plane<f32>),
+        (person, around): (&Colours, &Colours),
+        odds: f32,
+    ) {
+        let near = box_mean(ever, 2 + (ever.width() + ever.height()) / 750);
+        let unlike = |mean: &[f32; 3]| {
+            let colour = byte_colour(mean);
+            around.log_density(colour) - person.log_density(colour)
+        };
+        let score = |mixture: &Mixture, k: usize, x: usize, y: usize| {
+            let mode = mixture.mode(k, x, y);
+            match mode.weight < RARE || near.row(y)[x] <= 0.0 {
+                true => f32::NEG_INFINITY,
+                false => mode.weight.ln() + unlike(&mode.mean) - others(keys, &mode, x, y),
+            }
+        };
+        let size = (ever.width(), ever.height());
+        let chosen = choose(mixture, size, self.hue_noise, score);
+        let plain = choose(mixture, size, self.hue_noise, |m, k, x, y| {
+            let mode = m.mode(k, x, y);
+            mode.weight / mode.variance.sqrt()
+        });
+        let mut sure = Plane::filled(size.0, size.1, 0.0_f32);
+        for y in 0..size.1 {
+            for x in 0..size.0 {
+                let is_near = near.row(y)[x] > 0.0;
+                let empty = if is_near {
+                    chosen.row(y)[x]
+                } else {
+                    plain.row(y)[x]
+                };
+                self.background.row_mut(y)[x] = empty;
+                // `choose` leaves the weight of the mode in `trust`
+                let mode = Mode {
+                    weight: empty.trust,
+                    variance: (empty.along * empty.along + 2.0 * empty.across * empty.across) / 3.0,
+                    mean: empty.mean,
+                };
+                let against = if is_near {
+                    others(keys, &mode, x, y)
+                } else {
+                    0.0
+                };
+                sure.row_mut(y)[x] =
+                    odds + mode.weight.max(1e-6).ln() + unlike(&mode.mean) - against;
+            }
+        }
+        let sure = box_mean(&sure, 1);
+        for y in 0..size.1 {
+            for (x, empty) in self.background.row_mut(y).iter_mut().enumerate() {
+                let trust = 1.0 / (1.0 + (-TRUST_SLOPE * sure.row(y)[x]).exp());
+                let is_near = near.row(y)[x] > 0.0;
+                empty.trust = if is_near {
+                    trust.clamp(LEAST_DOUBT, 1.0 - LEAST_DOUBT)
+                } else {
+                    1.0
+                };
+            }
+        }
+    }
+}
+
+/// How much the other cameras speak against a mode as the empty scene, within ±[`OTHERS`].
+///
+/// The empty scene is seen when the person is elsewhere: then the others do not support the pixel. A colour that is seen
+/// when they do is the person's.
+fn others(keys: &[Key<'_>], mode: &Mode, x: usize, y: usize) -> f32 {
+    let gate = 3.0 * MATCH * MATCH * mode.variance;
+    let (mut shown, mut supported) = (0.0, 0.0);
+    for key in keys {
+        let (Some(support), Some(colour)) = (key.support, key.picture.get(x, y)) else {
+            continue;
+        };
+        let offset = [0, 1, 2].map(|i| f32::from(colour[i]) - mode.mean[i]);
+        if offset.iter().map(|d| d * d).sum::<f32>() < gate {
+            shown += 1.0;
+            supported += support.row(y)[x];
+        }
+    }
+    OTHERS * supported / (shown + 1.0)
+}
+
+/// The mode of largest score in each pixel, with its weight for its trust.
+fn choose(
+    mixture: &Mixture,
+    (width, height): (usize, usize),
+    hue_noise: f32,
+    score: impl Fn(&Mixture, usize, usize, usize) -> f32,
+) -> Background {
+    let nothing = Empty {
+        mean: [0.0; 3],
+        along: 1.0,
+        across: 1.0,
+        trust: 0.0,
+    };
+    let mut background = Plane::filled(width, height, nothing);
+    for y in 0..height {
+        for (x, empty) in background.row_mut(y).iter_mut().enumerate() {
+            let scores = (0..mixture.modes()).map(|k| (k, score(mixture, k, x, y)));
+            let best = scores.fold((0, f32::NEG_INFINITY), |best, next| {
+                if next.1 > best.1 { next } else { best }
+            });
+            let mode = mixture.mode(best.0, x, y);
+            // σ² of the mode is the mean of three directions
+            let along = (3.0 * mode.variance / (1.0 + 2.0 * hue_noise * hue_noise)).sqrt();
+            *empty = Empty {
+                mean: mode.mean,
+                along,
+                across: (hue_noise * along).max(LEAST_HUE),
+                trust: mode.weight,
+            };
+        }
+    }
+    background
+}
+
+fn byte_colour(mean: &[f32; 3]) -> [u8; 3] {
+    // a float becomes the nearest byte that there is
+    mean.map(|value| value.round() as u8)
+}

@@ -1,0 +1,219 @@
+//! What the other cameras say of a line of sight.
+//!
+//! A pixel of one camera can only show the person if somewhere along its line of sight all other cameras show the
+//! person too. Space is cut into voxels; each camera's evidence at a voxel's image is added up, and a pixel's support
+//! is the best sum of the *others'* evidence along its line of sight. A region that no other camera's silhouette
+//! supports (a passer-by outside the common volume, a reflection) has a negative one; a part of the person that one
+//! camera cannot tell from the background has a positive one.
+
+use nalgebra::{Point3, Vector3};
+use rayon::prelude::*;
+
+use crate::camera::{Camera, Rig};
+use crate::image::{Plane, enlarge};
+
+/// No image of a voxel.
+const UNSEEN: u32 = u32::MAX;
+
+/// Settings of a [`Support`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SupportOptions {
+    /// Edge of a voxel, metres (default 0.03: half of a forearm).
+    pub voxel: f64,
+    /// No more voxels than these; larger ones are taken in a larger volume (default 1 200 000).
+    pub most_voxels: usize,
+    /// Evidence of one camera counts at most so much, either way (default 4).
+    pub most_evidence: f32,
+}
+
+impl Default for SupportOptions {
+    fn default() -> Self {
+        Self {
+            voxel: 0.03,
+            most_voxels: 1_200_000,
+            most_evidence: 4.0,
+        }
+    }
+}
+
+/// A box in the world, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Volume {
+    /// Least x, y, z.
+    pub low: Point3<f64>,
+    /// Largest x, y, z.
+    pub high: Point3<f64>,
+}
+
+/// A picture that was shrunk from the recorded one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shrunk {
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Recorded pixels along each side of one of its pixels.
+    pub factor: usize,
+}
+
+/// Which voxel is seen where.
+#[derive(Clone, Debug)]
+pub struct Support {
+    cameras: Vec<Cells>,
+    options: SupportOptions,
+}
+
+/// One camera's picture in cells of about a voxel's size.
+#[derive(Clone, Debug)]
+struct Cells {
+    picture: Shrunk,
+    /// Pixels of the shrunk picture along each side of a cell.
+    cell: usize,
+    width: usize,
+    height: usize,
+    /// For each voxel the cell of its centre.
+    of_voxel: Vec<u32>,
+}
+
+impl Support {
+    /// Projects the voxels of a volume into the shrunk pictures of all cameras.
+    pub fn new(rig: &Rig, pictures: &[Shrunk], volume: &Volume, options: SupportOptions) -> Self {
+        let size = (volume.high - volume.low).map(|length| length.max(options.voxel));
+        let wanted = (size.x * size.y * size.z / options.most_voxels.max(1) as f64).cbrt();
+        let voxel = options.voxel.max(wanted);
+        let counts = size.map(|length| (length / voxel).ceil().max(1.0) as usize);
+        let centres: Vec<Point3<f64>> = (0..counts.x * counts.y * counts.z)
+            .map(|i| {
+                let (x, y, z) = (
+                    i / (counts.y * counts.z),
+                    i / counts.z % counts.y,
+                    i % counts.z,
+                );
+                let steps = Vector3::new(x as f64, y as f64, z as f64).add_scalar(0.5);
+                volume.low + steps * voxel
+            })
+            .collect();
+        let cells =
+            |(camera, picture): (&Camera, &Shrunk)| Cells::new(camera, *picture, &centres, voxel);
+        Self {
+            cameras: rig.cameras.par_iter().zip(pictures).map(cells).collect(),
+            options,
+        }
+    }
+
+    /// For each camera and pixel of its shrunk picture the best mean of the other cameras' evidence along the line of
+    /// sight, from −1 (against) to 1 (for); −1 where the line of sight misses the volume.
+    ///
+    /// `None` for the evidence of a camera that has no picture, and then for its support.
+    pub fn by_others(&self, evidence: &[Option<Plane<f32>>]) -> Vec<Option<Plane<f32>>> {
+        let most = self.options.most_evidence;
+        let by_cell: Vec<Option<Vec<f32>>> = self
+            .cameras
+            .par_iter()
+            .zip(evidence)
+            .map(|(cells, evidence)| Some(cells.means(evidence.as_ref()?, most)))
+            .collect();
+        let looking: Vec<(&Cells, &Vec<f32>)> = self
+            .cameras
+            .iter()
+            .zip(&by_cell)
+            .filter_map(|(cells, means)| Some((cells, means.as_ref()?)))
+            .collect();
+        let voxels = self.cameras.first().map_or(0, |cells| cells.of_voxel.len());
+        let seen = |(cells, means): &(&Cells, &Vec<f32>), voxel: usize| {
+            means
+                .get(cells.of_voxel[voxel] as usize)
+                .copied()
+                .unwrap_or(0.0)
+        };
+        let sums: Vec<f32> = (0..voxels)
+            .into_par_iter()
+            .map(|voxel| looking.iter().map(|view| seen(view, voxel)).sum())
+            .collect();
+        let others = looking.len().saturating_sub(1).max(1) as f32;
+        self.cameras
+            .par_iter()
+            .zip(&by_cell)
+            .map(|(cells, means)| Some(cells.best(&sums, means.as_ref()?, most * others)))
+            .collect()
+    }
+}
+
+impl Cells {
+    fn new(camera: &Camera, picture: Shrunk, centres: &[Point3<f64>], voxel: f64) -> Self {
+        let cell = footprint(camera, centres, voxel) / (2 * picture.factor.max(1)) as f64;
+        let cell = (cell.round() as usize).clamp(1, 64);
+        let (width, height) = (picture.width.div_ceil(cell), picture.height.div_ceil(cell));
+        let side = (cell * picture.factor.max(1)) as f64;
+        let of_voxel = centres.iter().map(|centre| {
+            let pixel = camera
+                .project(centre)
+                .filter(|pixel| camera.contains(pixel));
+            pixel.map_or(UNSEEN, |pixel| {
+                let at = |x: f64, n: usize| (((x + 0.5) / side) as usize).min(n.saturating_sub(1));
+                (at(pixel.y, height) * width + at(pixel.x, width)) as u32
+            })
+        });
+        Self {
+            of_voxel: of_voxel.collect(),
+            picture,
+            cell,
+            width,
+            height,
+        }
+    }
+
+    /// Mean evidence of each cell, within ±`most`.
+    fn means(&self, evidence: &Plane<f32>, most: f32) -> Vec<f32> {
+        let mut sums = vec![(0.0_f32, 0.0_f32); self.width * self.height];
+        for y in 0..evidence.height() {
+            for (x, value) in evidence.row(y).iter().enumerate() {
+                if let Some(sum) = sums.get_mut(y / self.cell * self.width + x / self.cell) {
+                    *sum = (sum.0 + value, sum.1 + 1.0);
+                }
+            }
+        }
+        let mean = |(sum, count): (f32, f32)| (sum / count.max(1.0)).clamp(-most, most);
+        sums.into_iter().map(mean).collect()
+    }
+
+    /// The largest of the others' sums in each cell, over `full`, as far as the cells beside it reach, for every pixel.
+    fn best(&self, sums: &[f32], own: &[f32], full: f32) -> Plane<f32> {
+        let mut best = Plane::filled(self.width, self.height, -1.0_f32);
+        let width = self.width.max(1);
+        for (cell, sum) in self.of_voxel.iter().zip(sums) {
+            if let Some(own) = own.get(*cell as usize) {
+                let (x, y) = (*cell as usize % width, *cell as usize / width);
+                let value = &mut best.row_mut(y)[x];
+                *value = value.max((sum - own) / full);
+            }
+        }
+        let best = widened(&best);
+        enlarge(&best, self.cell, self.picture.width, self.picture.height)
+    }
+}
+
+/// Median length of a voxel's edge in recorded pixels, of some of the voxels.
+fn footprint(camera: &Camera, centres: &[Point3<f64>], voxel: f64) -> f64 {
+    let some = centres.iter().step_by((centres.len() / 1000).max(1));
+    let mut lengths: Vec<f64> = some
+        .filter(|centre| camera.project(centre).is_some_and(|p| camera.contains(&p)))
+        .map(|centre| camera.intrinsics.fy_px * voxel / (camera.camera_from_world * centre).z)
+        .collect();
+    lengths.sort_by(f64::total_cmp);
+    lengths.get(lengths.len() / 2).copied().unwrap_or(1.0)
+}
+
+/// The largest value of each cell and its eight neighbours.
+fn widened(plane: &Plane<f32>) -> Plane<f32> {
+    let mut wide = plane.clone();
+    for y in 0..plane.height() {
+        let rows = [y.saturating_sub(1), y, (y + 1).min(plane.height() - 1)].map(|y| plane.row(y));
+        for (x, value) in wide.row_mut(y).iter_mut().enumerate() {
+            let columns = x.saturating_sub(1)..(x + 2).min(plane.width());
+            let around = rows.iter().flat_map(|row| &row[columns.clone()]);
+            *value = around.fold(-1.0, |best, v| v.max(best));
+        }
+    }
+    wide
+}
