@@ -13,6 +13,7 @@
 //! | least squares                | [`solver`]                                              |
 //! | the skin as a mesh           | [`skin`]                                                |
 //! | recordings with truth        | [`synth`], [`render`]                                   |
+//! | how a person walks           | [`gait`]                                                |
 //! | the order of the stages      | [`pipeline`]                                            |
 //! | files                        | [`io`]                                                  |
 //! | the program                  | [`cli`]                                                 |
@@ -20,6 +21,7 @@
 pub mod body;
 pub mod camera;
 pub mod cli;
+pub mod gait;
 pub mod image;
 pub mod inference;
 pub mod io;

@@ -66,6 +66,11 @@ impl<'a> Posed<'a> {
         &self.frames[self.model.parts[part.0].joint.map_or(0, |j| j.0 + 1)]
     }
 
+    /// Orientation of a part in the world: its axes as columns.
+    pub fn world_from_part(&self, part: PartId) -> Matrix3<f64> {
+        self.frame(part).world_from_frame
+    }
+
     /// A point fixed to a part, in the world.
     pub fn point(&self, part: PartId, place: &ScaledVector) -> Point3<f64> {
         let frame = self.frame(part);

@@ -1,5 +1,7 @@
 //! What went wrong, in one line.
 
+use crate::gait::GaitError;
+use crate::io::gait::{GaitInputError, NormError};
 use crate::io::journal::JournalError;
 use crate::io::model::ModelFileError;
 use crate::io::out_folder::OutError;
@@ -83,6 +85,18 @@ pub(super) enum CliError {
     /// A synthetic recording that cannot be written.
     #[error(transparent)]
     Synthetic(#[from] SyntheticError),
+    /// What gait analysis cannot read.
+    #[error(transparent)]
+    GaitInput(#[from] GaitInputError),
+    /// A recording without gait.
+    #[error(transparent)]
+    Gait(#[from] GaitError),
+    /// A norm that cannot be used.
+    #[error(transparent)]
+    Norm(#[from] NormError),
+    /// A table that cannot be written.
+    #[error("a table cannot be written: {0}")]
+    Csv(#[from] csv::Error),
     /// A result that is no JSON.
     #[error("result.json: {0}")]
     Json(#[from] serde_json::Error),

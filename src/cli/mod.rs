@@ -3,6 +3,7 @@
 //! | file          | holds                                                          |
 //! |---------------|----------------------------------------------------------------|
 //! | `fit.rs`      | `maquette fit`: reads, calls the pipeline, writes               |
+//! | `gait.rs`     | `maquette gait`                                                 |
 //! | `synth.rs`    | `maquette synth`                                                |
 //! | `models.rs`   | `maquette models`                                               |
 //! | `skin.rs`     | `maquette skin`, and the skins of `maquette models`             |
@@ -15,6 +16,7 @@
 
 mod error;
 mod fit;
+mod gait;
 mod models;
 mod progress;
 mod skin;
@@ -65,6 +67,9 @@ enum Command {
     /// Make the skin of a fitted body, as meshes and pictures
     #[command(long_about = skin::ABOUT, after_help = skin::EXAMPLES)]
     Skin(skin::SkinArguments),
+    /// Analyse how a person walks: events, parameters, curves, scores
+    #[command(long_about = gait::ABOUT, after_help = gait::EXAMPLES)]
+    Gait(gait::GaitArguments),
     /// List the body models that come with the program, or show one
     #[command(long_about = models::ABOUT)]
     Models(models::ModelsArguments),
@@ -79,6 +84,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Ok(arguments) => match arguments.command {
             Command::Fit(arguments) => fit::run(&arguments),
             Command::Skin(arguments) => skin::run(&arguments),
+            Command::Gait(arguments) => gait::run(&arguments),
             Command::Models(arguments) => models::run(&arguments),
             Command::Synth(arguments) => synth::run(&arguments),
         },
