@@ -1,6 +1,6 @@
 //! Spatiotemporal parameters: each with mean, spread over strides, and its own uncertainty.
 //!
-//! Lengths are measured between heels (width: between ankles) along and across the direction of walking, and against the
+//! Lengths are measured between heels, or ankles where no marker is on the heels (width: always ankles), along and across the direction of walking, and against the
 //! belt on a treadmill. Their standard uncertainty comes from the standard deviations that the fit gives its points; as
 //! the fit does not say how the errors of two points go together, they count as independent, which for two places of one
 //! body is too cautious. That of times comes from the frame rate and from how far the two methods for events scatter
@@ -29,7 +29,7 @@ pub enum Parameter {
     StrideLength,
     /// From strike to strike.
     StrideTime,
-    /// How far the striking heel is before the other one, along the heading, at the strike.
+    /// How far the striking heel (ankle) is before the other one, along the heading, at the strike.
     StepLength,
     /// From the other foot's strike to the own one.
     StepTime,
@@ -238,8 +238,16 @@ impl Walk<'_> {
 
     fn step_length(&self, strike: &Event) -> Option<Measured> {
         let along = self.course.heading_at(strike.frame);
-        let heel = |side| Landmark::Of(side, Paired::Heel);
-        let (own, other) = (heel(strike.side), heel(strike.side.other()));
+        let are_marked = Side::BOTH
+            .iter()
+            .all(|s| self.recording.has_heel_marker(*s));
+        let place = if are_marked {
+            Paired::Heel
+        } else {
+            Paired::Ankle
+        };
+        let own = Landmark::Of(strike.side, place);
+        let other = Landmark::Of(strike.side.other(), place);
         let apart = at(self.recording.track(own)?, strike.frame)
             - at(self.recording.track(other)?, strike.frame);
         let u = self.place_u(&[(own, strike.frame), (other, strike.frame)], &along);

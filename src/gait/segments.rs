@@ -96,6 +96,11 @@ impl Segments {
                 .axes
                 .insert(segment, bodies.iter().map(axes).collect());
         }
+        if has_hinges(model) {
+            let reason = "the knee of the fitted body is a hinge: it only bends";
+            segments.unknown.insert(Angle::KneeAdduction, reason);
+            segments.unknown.insert(Angle::KneeRotation, reason);
+        }
         segments
     }
 
@@ -126,8 +131,7 @@ impl Segments {
                 let [Some(left), Some(right)] = hips else {
                     return;
                 };
-                let frame =
-                    |(l, r): (&Vector3<f64>, &Vector3<f64>)| of_y_and_z(&Vector3::z(), &(r - l));
+                let frame = |(l, r): (&Vector3<f64>, &Vector3<f64>)| level(&(r - l));
                 left.iter().zip(right).map(frame).collect()
             }
         };
@@ -249,6 +253,15 @@ impl Segments {
     }
 }
 
+/// Whether one joint, and no more, leads from thigh to shank.
+fn has_hinges(model: &BodyModel) -> bool {
+    let depth = |name: &str| {
+        let part = model.parts.iter().find(|p| p.name == name)?;
+        Some(model.chain(part.joint).len())
+    };
+    matches!((depth("thigh_r"), depth("shank_r")), (Some(thigh), Some(shank)) if shank == thigh + 1)
+}
+
 fn unknown() -> Matrix3<f64> {
     Matrix3::repeat(f64::NAN)
 }
@@ -265,6 +278,16 @@ fn of_y_and_z(y: &Vector3<f64>, z: &Vector3<f64>) -> Matrix3<f64> {
         let y = y.try_normalize(1e-9)?;
         let z = (z - y * z.dot(&y)).try_normalize(1e-9)?;
         Some(Matrix3::from_columns(&[y.cross(&z), y, z]))
+    };
+    axes().unwrap_or(unknown())
+}
+
+/// Axes with Z as given and Y as upright as it can be.
+fn level(z: &Vector3<f64>) -> Matrix3<f64> {
+    let axes = || {
+        let z = z.try_normalize(1e-9)?;
+        let x = Vector3::z().cross(&z).try_normalize(1e-9)?;
+        Some(Matrix3::from_columns(&[x, z.cross(&x), z]))
     };
     axes().unwrap_or(unknown())
 }

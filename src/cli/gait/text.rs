@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::cli::table::Table;
-use crate::gait::{Norm, Side, Statistic, Surface};
+use crate::gait::{Norm, Side, Statistic, Surface, Used};
 use crate::io::gait::GaitFile;
 
 /// What is to be said.
@@ -39,7 +39,10 @@ impl Report<'_> {
             .map_or(String::new(), |l| format!(", leg {l:.3} m"));
         let (frames, fps) = (file.frames, file.fps);
         let input = self.input.display();
-        format!("{input}: {frames} frames at {fps} Hz, {surface}{leg}\n")
+        let named = file.used.len();
+        format!(
+            "{input}: {frames} frames at {fps} Hz, {surface}{leg}; {named} places of the body (gait.json: their names)\n"
+        )
     }
 
     fn parameters(&self) -> String {
@@ -177,11 +180,11 @@ impl Report<'_> {
         for unknown in &self.file.unknown {
             text += &format!("  ! {}: {}\n", unknown.angle.name(), unknown.reason);
         }
-        let used = self.file.used.iter();
-        let used: Vec<String> = used
-            .map(|u| format!("{} = {}", u.landmark.name(), u.from))
-            .collect();
-        text + &format!("  taken for: {}\n", used.join("; "))
+        let is_made = |u: &&Used| u.from.contains(", ") || u.from.contains(": ");
+        for used in self.file.used.iter().filter(is_made) {
+            text += &format!("  ! {}: from {}\n", used.landmark.name(), used.from);
+        }
+        text
     }
 }
 
