@@ -51,18 +51,18 @@ impl Course {
         let along = |(m, f): (&Vector3<f64>, &Vector3<f64>)| m.dot(f);
         let mut speeds: Vec<f64> = moved.iter().zip(&facing).map(along).collect();
         let speed_m_s = median(&mut speeds)?;
-        let choose = |(m, f): (&Vector3<f64>, &Vector3<f64>)| match m.norm() >= STILL_M_S
-            && m.dot(f) > 0.0
-        {
-            true => m.normalize(),
-            false => *f,
+        let choose = |(m, f): (&Vector3<f64>, &Vector3<f64>)| match m.try_normalize(STILL_M_S) {
+            Some(direction) if m.dot(f) > 0.0 => direction,
+            _ => *f,
         };
         let heading: Vec<Vector3<f64>> = moved.iter().zip(&facing).map(choose).collect();
         let belt_m_s = -standing_foot_speed(recording, &heading)?;
-        let surface = surface.unwrap_or(match belt_m_s >= STILL_M_S && speed_m_s < STILL_M_S {
-            true => Surface::Treadmill,
-            false => Surface::Ground,
-        });
+        let surface = surface.unwrap_or(
+            match belt_m_s.abs() >= STILL_M_S && speed_m_s.abs() < STILL_M_S {
+                true => Surface::Treadmill,
+                false => Surface::Ground,
+            },
+        );
         let belt_m_s = match surface {
             Surface::Treadmill => belt_m_s,
             Surface::Ground => 0.0,

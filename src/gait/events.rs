@@ -11,8 +11,10 @@
 //! is the quality of the events: their mean difference is a property of the methods, its spread one of the recording.
 //!
 //! # Source
-//! Zeni, Richards & Higginson, Gait Posture 27 (2008) 710–714; Ghoussayni et al., Gait Posture 20 (2004) 266–272, with
-//! the threshold of Bruening & Ridge, Gait Posture 39 (2014) 472–477, for the heel, and that of Pose2Sim for the toe.
+//! Zeni, Richards & Higginson, Gait Posture 27 (2008) 710–714. Speed of the sagittal plane against a threshold: Ghoussayni
+//! et al., Gait Posture 20 (2004) 266–272; Bruening & Ridge, Gait Posture 39 (2014) 472–477 found it and Zeni's the most
+//! versatile of nine. **Differs**: the heel's threshold is fixed (Bruening & Ridge scale theirs with the speed of walking,
+//! which moves strikes of slow and fast walks against each other), the toe's is Pose2Sim's.
 
 use nalgebra::Vector3;
 use serde::Serialize;

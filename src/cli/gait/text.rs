@@ -59,7 +59,7 @@ impl Report<'_> {
         for part in &self.file.parameters {
             let leg = self.file.leg_length_m.filter(|_| self.is_normalised);
             let scale = leg.map_or(1.0, |leg| part.name.scale(leg));
-            let unit = if leg.is_some() && scale != 1.0 {
+            let unit = if leg.is_some() && !part.unit.starts_with('%') {
                 "–"
             } else {
                 part.unit

@@ -98,19 +98,19 @@ pub fn read_trc(text: &str, path: &Path) -> Result<Trajectories, TrcError> {
             }
         }
     };
-    let has_tabs = names.contains('\t');
-    let names = names_of(names, has_tabs);
-    let (rate_hz, metres) = rate_and_unit(header, has_tabs, path)?;
+    let between = Separator::of(names);
+    let names = names_of(names, between);
+    let (rate_hz, metres) = rate_and_unit(header, between, path)?;
     let mut frames = Vec::new();
     let is_data = |row: &str| !row.trim().is_empty() && !row.trim_start().starts_with("X1");
     let mut first_frame = 0;
     for (line, row) in lines.filter(|(_, row)| is_data(row)) {
         if frames.is_empty() {
-            first_frame = number_of(row, has_tabs).saturating_sub(1);
+            first_frame = number_of(row, between).saturating_sub(1);
         }
-        let cells = split(row, has_tabs);
+        let cells = split(row, between);
         let expected = 2 + 3 * names.len();
-        if !has_tabs && cells.len() != expected {
+        if between == Separator::Spaces && cells.len() != expected {
             let (points, found) = (names.len(), cells.len());
             return Err(TrcError::Cells {
                 path: path.to_owned(),
@@ -131,26 +131,26 @@ pub fn read_trc(text: &str, path: &Path) -> Result<Trajectories, TrcError> {
 }
 
 /// What stands under Frame#; 1 where that is no number.
-fn number_of(row: &str, has_tabs: bool) -> usize {
-    let cells = split(row, has_tabs);
+fn number_of(row: &str, between: Separator) -> usize {
+    let cells = split(row, between);
     let number = cells.first().and_then(|cell| cell.parse().ok());
     number.unwrap_or(1)
 }
 
 /// The cells after Frame# and Time that are not empty.
-fn names_of(line: &str, has_tabs: bool) -> Vec<String> {
-    let cells = split(line, has_tabs).into_iter().skip(2);
+fn names_of(line: &str, between: Separator) -> Vec<String> {
+    let cells = split(line, between).into_iter().skip(2);
     cells.filter(|c| !c.is_empty()).map(str::to_owned).collect()
 }
 
 /// The data rate, and the metres of one unit.
 fn rate_and_unit(
     (line, text): (usize, &str),
-    has_tabs: bool,
+    between: Separator,
     path: &Path,
 ) -> Result<(f64, f64), TrcError> {
     let path = || path.to_owned();
-    let cells = split(text, has_tabs).into_iter();
+    let cells = split(text, between).into_iter();
     let cells: Vec<&str> = cells.filter(|c| !c.is_empty()).collect();
     let [rate, _, _, _, unit, ..] = cells[..] else {
         let found = text.to_owned();
@@ -208,11 +208,27 @@ fn frame_of(
     names.iter().map(&mut point).collect()
 }
 
+/// What stands between two cells.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Separator {
+    Tabs,
+    Spaces,
+}
+
+impl Separator {
+    fn of(line: &str) -> Self {
+        match line.contains('\t') {
+            true => Self::Tabs,
+            false => Self::Spaces,
+        }
+    }
+}
+
 /// The cells of a line: between tabs, or between spaces where a file has none.
-fn split(line: &str, has_tabs: bool) -> Vec<&str> {
-    match has_tabs {
-        true => line.split('\t').map(str::trim).collect(),
-        false => line.split_whitespace().collect(),
+fn split(line: &str, between: Separator) -> Vec<&str> {
+    match between {
+        Separator::Tabs => line.split('\t').map(str::trim).collect(),
+        Separator::Spaces => line.split_whitespace().collect(),
     }
 }
 
@@ -222,7 +238,7 @@ pub fn rate_of_times(text: &str) -> Option<f64> {
         .lines()
         .position(|line| line.trim_start().starts_with("Frame#"))?;
     let rows = text.lines().skip(names + 1);
-    let time = |row: &str| split(row, row.contains('\t')).get(1)?.parse::<f64>().ok();
+    let time = |row: &str| split(row, Separator::of(row)).get(1)?.parse::<f64>().ok();
     let times: Vec<f64> = rows.filter_map(time).filter(|t| t.is_finite()).collect();
     let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let step = crate::math::stats::median(&mut steps)?;
