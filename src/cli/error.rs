@@ -1,6 +1,7 @@
 //! What went wrong, in one line.
 
 use crate::gait::GaitError;
+use crate::io::export::{BvhError, C3dError};
 use crate::io::gait::{GaitInputError, NormError};
 use crate::io::journal::JournalError;
 use crate::io::model::ModelFileError;
@@ -91,6 +92,22 @@ pub(super) enum CliError {
     /// A recording without gait.
     #[error(transparent)]
     Gait(#[from] GaitError),
+    /// A C3D that cannot be written.
+    #[error(transparent)]
+    C3d(#[from] C3dError),
+    /// A BVH that cannot be written.
+    #[error(transparent)]
+    Bvh(#[from] BvhError),
+    /// A body that the coordinates of OpenSim do not fit.
+    #[error("{}: --format {format}: the body {body} has no part named pelvis", path.display())]
+    NoCoordinates {
+        /// The fit.
+        path: std::path::PathBuf,
+        /// As asked for.
+        format: &'static str,
+        /// The model.
+        body: String,
+    },
     /// A norm that cannot be used.
     #[error(transparent)]
     Norm(#[from] NormError),

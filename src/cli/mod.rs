@@ -3,6 +3,7 @@
 //! | file          | holds                                                          |
 //! |---------------|----------------------------------------------------------------|
 //! | `fit.rs`      | `maquette fit`: reads, calls the pipeline, writes               |
+//! | `export.rs`   | `maquette export`                                               |
 //! | `gait.rs`     | `maquette gait`                                                 |
 //! | `synth.rs`    | `maquette synth`                                                |
 //! | `models.rs`   | `maquette models`                                               |
@@ -15,6 +16,7 @@
 //! Exit code 0, or 2 for arguments or input that cannot be used, with one line on standard error.
 
 mod error;
+mod export;
 mod fit;
 mod gait;
 mod models;
@@ -70,6 +72,9 @@ enum Command {
     /// Analyse how a person walks: events, parameters, curves, scores
     #[command(long_about = gait::ABOUT, after_help = gait::EXAMPLES)]
     Gait(gait::GaitArguments),
+    /// Write a fit in the formats of other programs
+    #[command(long_about = export::ABOUT, after_help = export::EXAMPLES)]
+    Export(export::ExportArguments),
     /// List the body models that come with the program, or show one
     #[command(long_about = models::ABOUT)]
     Models(models::ModelsArguments),
@@ -85,6 +90,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
             Command::Fit(arguments) => fit::run(&arguments),
             Command::Skin(arguments) => skin::run(&arguments),
             Command::Gait(arguments) => gait::run(&arguments),
+            Command::Export(arguments) => export::run(&arguments),
             Command::Models(arguments) => models::run(&arguments),
             Command::Synth(arguments) => synth::run(&arguments),
         },

@@ -212,7 +212,7 @@ fn of_joints(segments: &Segments, side: Side) -> Vec<(Angle, Vec<f64>)> {
         };
         p.iter()
             .zip(d)
-            .map(|(p, d)| own_side(zxy(&(p.transpose() * d))))
+            .map(|(p, d)| own_side(cardan_zxy(&(p.transpose() * d))))
             .collect()
     };
     let knee: Vec<[f64; 3]> = triples(of(Thigh), of(Shank))
@@ -255,8 +255,8 @@ fn room(heading: &Vector3<f64>) -> Matrix3<f64> {
     Matrix3::from_columns(&[*heading, Vector3::z(), heading.cross(&Vector3::z())])
 }
 
-/// [α, β, γ] of R = Rot_z(α)·Rot_x(β)·Rot_y(γ).
-fn zxy(r: &Matrix3<f64>) -> [f64; 3] {
+/// \[α, β, γ\] of R = Rot_z(α)·Rot_x(β)·Rot_y(γ), radians; β within ±90°.
+pub fn cardan_zxy(r: &Matrix3<f64>) -> [f64; 3] {
     let beta = r[(2, 1)].clamp(-1.0, 1.0).asin();
     [
         (-r[(0, 1)]).atan2(r[(1, 1)]),
@@ -299,7 +299,7 @@ mod tests {
     #[test]
     fn cardan_angles_are_those_that_made_the_rotation() {
         let r = turn(2, 0.5) * turn(0, -0.2) * turn(1, 0.3);
-        for (found, made) in zxy(&r).iter().zip([0.5, -0.2, 0.3]) {
+        for (found, made) in cardan_zxy(&r).iter().zip([0.5, -0.2, 0.3]) {
             approx::assert_relative_eq!(*found, made, epsilon = 1e-12);
         }
         let r = turn(1, 0.5) * turn(0, -0.2) * turn(2, 0.3);

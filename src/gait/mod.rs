@@ -29,7 +29,7 @@ mod peaks;
 mod recording;
 mod segments;
 
-pub use angles::{Angle, AngleTracks};
+pub use angles::{Angle, AngleTracks, cardan_zxy};
 pub use course::{Course, Surface};
 pub use curves::{Curve, Extremes, KeyPoints, POINTS};
 pub use cycles::Cycle;
@@ -49,7 +49,7 @@ pub struct GaitOptions {
     pub cutoff_hz: f64,
     /// How far a foot swings past the pelvis at least, between its foremost and rearmost place, m; 0.1.
     pub prominence_m: f64,
-    /// Speed below which a heel stands, m/s; 0.5: ours, half of what it is in the last moments of swing.
+    /// Speed below which a heel stands, m/s; 0.5 (ours).
     pub strike_speed_m_s: f64,
     /// Speed above which a toe has left, m/s; 1 (Pose2Sim).
     pub off_speed_m_s: f64,
@@ -174,7 +174,7 @@ fn notes(course: &Course, events: &[Event], cycles: &[Cycle]) -> Vec<String> {
     if course.is_backwards() {
         notes.push(format!(
             "walks backwards, at {:.2} m/s: foot strike and foot off are defined for walking forwards; angles over time only",
-            course.speed_m_s.abs()
+            course.speed_m_s.abs().max(course.belt_m_s.abs())
         ));
         return notes;
     }

@@ -2,6 +2,7 @@
 
 pub mod calibration;
 pub mod cloud;
+pub mod export;
 pub mod gait;
 pub mod journal;
 pub mod manifest;

@@ -4,11 +4,22 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::{Point3, Vector3};
 
-use crate::body::{BodyModel, Motion};
-use crate::gait::{Angle, Landmark, Paired, Recording, RecordingError, Segments, Side};
+use crate::body::{BodyModel, Motion, Shape};
+use crate::gait::{Angle, Landmark, Paired, Recording, RecordingError, Segments, Side, Track};
 use crate::io::model::{self, ModelFileError};
 use crate::io::result::{FramePart, ResultError, ResultFile};
 use crate::io::trc::{TrcError, rate_of_times, read_trc};
+
+/// A point of a fitted body over time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FittedPoint {
+    /// Its name in the model.
+    pub name: String,
+    /// Places in the world; NaN where nobody was seen.
+    pub track: Track,
+    /// Their standard deviations, world axes; NaN where they are not known.
+    pub sd_m: Track,
+}
 
 /// Why nothing can be analysed.
 #[derive(Debug, thiserror::Error)]
@@ -61,6 +72,23 @@ pub struct GaitInput {
     pub recording: Recording,
     /// `points` or the name of the fitted body.
     pub source: String,
+    /// The body of a fit.
+    pub body: Option<FittedBody>,
+}
+
+/// A fitted body, evenly in time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FittedBody {
+    /// Its model.
+    pub model: BodyModel,
+    /// s.
+    pub shape: Shape,
+    /// mᵢ; `None` in a frame in which nobody was seen.
+    pub motions: Vec<Option<Motion>>,
+    /// The points that it names.
+    pub points: Vec<FittedPoint>,
+    /// For each frame a bit for each camera that saw the person, the first seven of them.
+    pub cameras: Vec<u8>,
 }
 
 /// Reads a TRC; `fps` replaces the rate that it states.
@@ -95,6 +123,7 @@ pub fn read_points(path: &Path, fps: Option<f64>) -> Result<GaitInput, GaitInput
             source,
         })?,
         source: "points".into(),
+        body: None,
     })
 }
 
@@ -129,9 +158,17 @@ pub fn read_fit(
     let mut segments = Segments::of_body(&model, &shape, &motions);
     deviations_of_angles(&mut segments, &model, &frames);
     recording.segments = Some(segments);
-    deviations_of_places(&mut recording, &result, &frames);
+    let named = fitted_points(&result, &frames);
+    deviations_of_places(&mut recording, &named);
     Ok(GaitInput {
         recording,
+        body: Some(FittedBody {
+            points: named,
+            cameras: cameras(&result, &frames),
+            model,
+            shape,
+            motions,
+        }),
         source: result.body,
     })
 }
@@ -155,6 +192,38 @@ fn evenly(result: &ResultFile) -> Vec<Option<&FramePart>> {
     even
 }
 
+fn fitted_points(result: &ResultFile, frames: &[Option<&FramePart>]) -> Vec<FittedPoint> {
+    let unknown = Vector3::repeat(f64::NAN);
+    let of = |place: Option<&[f64; 3]>| place.map_or(unknown, |p| Vector3::from(*p));
+    let point = |(i, name): (usize, &String)| {
+        let place = |f: &Option<&FramePart>| of(f.and_then(|f| f.points_m.get(i)));
+        let sd = |f: &Option<&FramePart>| of(f.and_then(|f| f.sd.as_ref()?.points_m.get(i)));
+        FittedPoint {
+            name: name.clone(),
+            track: frames.iter().map(place).collect(),
+            sd_m: frames.iter().map(sd).collect(),
+        }
+    };
+    result.motion.points.iter().enumerate().map(point).collect()
+}
+
+/// Which of the first seven cameras saw the person, as bits.
+fn cameras(result: &ResultFile, frames: &[Option<&FramePart>]) -> Vec<u8> {
+    let mut of_frame = std::collections::BTreeMap::new();
+    for view in &result.quality.views {
+        let place = result
+            .recording
+            .cameras
+            .iter()
+            .position(|c| *c == view.camera);
+        if let Some(camera) = place.filter(|c| *c < 7) {
+            *of_frame.entry(view.frame).or_insert(0) |= 1_u8 << camera;
+        }
+    }
+    let seen = |frame: &Option<&FramePart>| frame.and_then(|f| of_frame.get(&f.frame).copied());
+    frames.iter().map(|f| seen(f).unwrap_or(0)).collect()
+}
+
 fn deviations_of_angles(segments: &mut Segments, model: &BodyModel, frames: &[Option<&FramePart>]) {
     for side in Side::BOTH {
         let letter = &side.name()[..1];
@@ -176,27 +245,17 @@ fn deviations_of_angles(segments: &mut Segments, model: &BodyModel, frames: &[Op
 }
 
 /// Standard deviations of the model's points; a heel errs as the ankle does that it was found from.
-fn deviations_of_places(
-    recording: &mut Recording,
-    result: &ResultFile,
-    frames: &[Option<&FramePart>],
-) {
-    for (i, name) in result.motion.points.iter().enumerate() {
-        let Some((landmark, _)) = Landmark::of_name(name) else {
+fn deviations_of_places(recording: &mut Recording, points: &[FittedPoint]) {
+    for point in points {
+        let Some((landmark, _)) = Landmark::of_name(&point.name) else {
             continue;
         };
-        let sd = |frame: &Option<&FramePart>| {
-            let sd = frame.and_then(|f| f.sd.as_ref());
-            sd.and_then(|sd| sd.points_m.get(i))
-                .map_or(Vector3::repeat(f64::NAN), |sd| Vector3::from(*sd))
-        };
-        let track: Vec<Vector3<f64>> = frames.iter().map(sd).collect();
-        if track.iter().any(|sd| sd.x.is_finite()) {
+        if point.sd_m.iter().any(|sd| sd.x.is_finite()) {
             if let Landmark::Of(side, Paired::Ankle) = landmark {
                 let heel = Landmark::Of(side, Paired::Heel);
-                recording.sd_m.entry(heel).or_insert(track.clone());
+                recording.sd_m.entry(heel).or_insert(point.sd_m.clone());
             }
-            recording.sd_m.insert(landmark, track);
+            recording.sd_m.insert(landmark, point.sd_m.clone());
         }
     }
 }

@@ -1,0 +1,189 @@
+//! OpenSim's motion files: the coordinates of Rajagopal's model, by name and sign.
+//!
+//! `.mot` and `.sto` differ in their title and in whether angles are degrees. Ground is the file's world, Y up.
+//!
+//! # Source
+//! Rajagopal et al., IEEE Trans. Biomed. Eng. 63 (2016) 2068–2079: names, axes, signs, and where the pelvis' origin lies.
+
+use std::fmt::Write;
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::{file_from_world, in_file};
+use crate::gait::{Gait, Landmark, Limb, Recording, Segment, Segments, Side, cardan_zxy};
+
+/// The origin of Rajagopal's pelvis (between the ASIS) from the middle of its hips, in its own axes, metres, unscaled.
+const PELVIS_FROM_HIPS: [f64; 3] = [0.0563, 0.0785, 0.0];
+
+/// Columns over time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MotionTable {
+    /// Times of the rows, seconds.
+    pub times_s: Vec<f64>,
+    /// Names and values, radians and metres; NaN where unknown.
+    pub columns: Vec<(String, Vec<f64>)>,
+}
+
+/// Which file it is to be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TableKind {
+    /// Motion: degrees.
+    Mot,
+    /// Storage: radians.
+    Sto,
+}
+
+/// The coordinates of Rajagopal's model that a fit knows; those that it does not (subtalar, toes) are 0.
+///
+/// Rows begin at the first frame's time. `None` if the recording has no oriented pelvis.
+pub fn coordinates(recording: &Recording, gait: &Gait) -> Option<MotionTable> {
+    let segments = recording.segments.as_ref()?;
+    let pelvis = segments.axes.get(&Segment::Pelvis)?;
+    let hips = recording.track(Landmark::MidHip)?;
+    let n = recording.frames;
+    let mut columns: Vec<(String, Vec<f64>)> = Vec::new();
+    let of = |name: &str, values: Vec<f64>| (name.to_owned(), values);
+    let turns: Vec<[f64; 3]> = pelvis
+        .iter()
+        .map(|p| cardan_zxy(&(file_from_world() * p)))
+        .collect();
+    let origin = |(hips, axes): (&Vector3<f64>, &Matrix3<f64>)| {
+        in_file(&(hips + axes * Vector3::from(PELVIS_FROM_HIPS)))
+    };
+    let origins: Vec<Vector3<f64>> = hips.iter().zip(pelvis).map(origin).collect();
+    for (i, name) in ["pelvis_tilt", "pelvis_list", "pelvis_rotation"]
+        .iter()
+        .enumerate()
+    {
+        columns.push(of(name, continuous(turns.iter().map(|t| t[i]))));
+    }
+    for (i, name) in ["pelvis_tx", "pelvis_ty", "pelvis_tz"].iter().enumerate() {
+        columns.push(of(name, origins.iter().map(|o| o[i]).collect()));
+    }
+    for side in [Side::Right, Side::Left] {
+        let letter = &side.name()[..1];
+        let mut own =
+            |name: &str, values: Vec<f64>| columns.push((format!("{name}_{letter}"), values));
+        for (angle, name) in OF_SIDE {
+            own(
+                name,
+                gait.angles
+                    .get(&(side, angle))
+                    .cloned()
+                    .unwrap_or(vec![0.0; n]),
+            );
+        }
+        for name in ["subtalar_angle", "mtp_angle"] {
+            own(name, vec![0.0; n]);
+        }
+        for (angle, name) in OF_ARM {
+            own(
+                name,
+                gait.angles
+                    .get(&(side, angle))
+                    .cloned()
+                    .unwrap_or(vec![0.0; n]),
+            );
+        }
+        own("pro_sup", forearm_turn(segments, side, n));
+    }
+    let lumbar: Vec<[f64; 3]> = match segments.axes.get(&Segment::Trunk) {
+        Some(trunk) => pelvis
+            .iter()
+            .zip(trunk)
+            .map(|(p, t)| cardan_zxy(&(p.transpose() * t)))
+            .collect(),
+        None => vec![[0.0; 3]; n],
+    };
+    for (i, name) in ["lumbar_extension", "lumbar_bending", "lumbar_rotation"]
+        .iter()
+        .enumerate()
+    {
+        columns.push(of(name, lumbar.iter().map(|t| t[i]).collect()));
+    }
+    let time = |i: usize| (recording.first_frame + i) as f64 / recording.rate_hz;
+    Some(MotionTable {
+        times_s: (0..n).map(time).collect(),
+        columns,
+    })
+}
+
+use crate::gait::Angle;
+
+const OF_SIDE: [(Angle, &str); 5] = [
+    (Angle::HipFlexion, "hip_flexion"),
+    (Angle::HipAdduction, "hip_adduction"),
+    (Angle::HipRotation, "hip_rotation"),
+    (Angle::KneeFlexion, "knee_angle"),
+    (Angle::AnkleDorsiflexion, "ankle_angle"),
+];
+
+const OF_ARM: [(Angle, &str); 4] = [
+    (Angle::ShoulderFlexion, "arm_flex"),
+    (Angle::ShoulderAdduction, "arm_add"),
+    (Angle::ShoulderRotation, "arm_rot"),
+    (Angle::ElbowFlexion, "elbow_flex"),
+];
+
+/// Turn of the forearm about its own length in the upper arm, inwards; 0 where it is not known.
+fn forearm_turn(segments: &Segments, side: Side, n: usize) -> Vec<f64> {
+    let axes = |limb| segments.axes.get(&Segment::Of(side, limb));
+    let (Some(upper), Some(fore)) = (axes(Limb::UpperArm), axes(Limb::Forearm)) else {
+        return vec![0.0; n];
+    };
+    let sign = if side == Side::Right { 1.0 } else { -1.0 };
+    let turn = |(u, f): (&Matrix3<f64>, &Matrix3<f64>)| sign * cardan_zxy(&(u.transpose() * f))[2];
+    upper.iter().zip(fore).map(turn).collect()
+}
+
+/// Without jumps of whole turns.
+fn continuous(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let turn = std::f64::consts::TAU;
+    let mut before = None;
+    let step = |value: f64| {
+        let near = before.map_or(value, |b: f64| value - turn * ((value - b) / turn).round());
+        if near.is_finite() {
+            before = Some(near);
+        }
+        near
+    };
+    values.map(step).collect()
+}
+
+/// The text of a file. Frames in which anything is unknown are left out: OpenSim knows no missing value there.
+pub fn motion_text(table: &MotionTable, kind: TableKind, name: &str) -> String {
+    let is_known = |i: &usize| {
+        table
+            .columns
+            .iter()
+            .all(|(_, values)| values[*i].is_finite())
+    };
+    let rows: Vec<usize> = (0..table.times_s.len()).filter(is_known).collect();
+    let (title, in_degrees) = match kind {
+        TableKind::Mot => ("Coordinates", "yes"),
+        TableKind::Sto => (name, "no"),
+    };
+    let (n, m) = (rows.len(), table.columns.len() + 1);
+    let mut text = format!(
+        "{title}\nversion=1\nnRows={n}\nnColumns={m}\ninDegrees={in_degrees}\n\nUnits are S.I. units (second, meters, Newtons, ...)\n\
+         If the header above contains a line with 'inDegrees', this indicates whether rotational values are in degrees (yes) or radians (no).\n\n\
+         endheader\ntime"
+    );
+    for (name, _) in &table.columns {
+        let _ = write!(text, "\t{name}");
+    }
+    text.push('\n');
+    for i in rows {
+        let _ = write!(text, "{:16.8}", table.times_s[i]);
+        for (name, values) in &table.columns {
+            let is_angle = !name.starts_with("pelvis_t") || name == "pelvis_tilt";
+            let value = match kind {
+                TableKind::Mot if is_angle => values[i].to_degrees(),
+                _ => values[i],
+            };
+            let _ = write!(text, "\t{value:16.8}");
+        }
+        text.push('\n');
+    }
+    text
+}
