@@ -10,7 +10,7 @@ use std::fmt::Write;
 use nalgebra::{Matrix3, Vector3};
 
 use super::{file_from_world, in_file};
-use crate::gait::{Gait, Landmark, Limb, Recording, Segment, Segments, Side, cardan_zxy};
+use crate::gait::{Angle, Gait, Landmark, Limb, Recording, Segment, Segments, Side, cardan_zxy};
 
 /// The origin of Rajagopal's pelvis (between the ASIS) from the middle of its hips, in its own axes, metres, unscaled.
 const PELVIS_FROM_HIPS: [f64; 3] = [0.0563, 0.0785, 0.0];
@@ -33,84 +33,10 @@ pub enum TableKind {
     Sto,
 }
 
-/// The coordinates of Rajagopal's model that a fit knows; those that it does not (subtalar, toes) are 0.
-///
-/// Rows begin at the first frame's time. `None` if the recording has no oriented pelvis.
-pub fn coordinates(recording: &Recording, gait: &Gait) -> Option<MotionTable> {
-    let segments = recording.segments.as_ref()?;
-    let pelvis = segments.axes.get(&Segment::Pelvis)?;
-    let hips = recording.track(Landmark::MidHip)?;
-    let n = recording.frames;
-    let mut columns: Vec<(String, Vec<f64>)> = Vec::new();
-    let of = |name: &str, values: Vec<f64>| (name.to_owned(), values);
-    let turns: Vec<[f64; 3]> = pelvis
-        .iter()
-        .map(|p| cardan_zxy(&(file_from_world() * p)))
-        .collect();
-    let origin = |(hips, axes): (&Vector3<f64>, &Matrix3<f64>)| {
-        in_file(&(hips + axes * Vector3::from(PELVIS_FROM_HIPS)))
-    };
-    let origins: Vec<Vector3<f64>> = hips.iter().zip(pelvis).map(origin).collect();
-    for (i, name) in ["pelvis_tilt", "pelvis_list", "pelvis_rotation"]
-        .iter()
-        .enumerate()
-    {
-        columns.push(of(name, continuous(turns.iter().map(|t| t[i]))));
-    }
-    for (i, name) in ["pelvis_tx", "pelvis_ty", "pelvis_tz"].iter().enumerate() {
-        columns.push(of(name, origins.iter().map(|o| o[i]).collect()));
-    }
-    for side in [Side::Right, Side::Left] {
-        let letter = &side.name()[..1];
-        let mut own =
-            |name: &str, values: Vec<f64>| columns.push((format!("{name}_{letter}"), values));
-        for (angle, name) in OF_SIDE {
-            own(
-                name,
-                gait.angles
-                    .get(&(side, angle))
-                    .cloned()
-                    .unwrap_or(vec![0.0; n]),
-            );
-        }
-        for name in ["subtalar_angle", "mtp_angle"] {
-            own(name, vec![0.0; n]);
-        }
-        for (angle, name) in OF_ARM {
-            own(
-                name,
-                gait.angles
-                    .get(&(side, angle))
-                    .cloned()
-                    .unwrap_or(vec![0.0; n]),
-            );
-        }
-        own("pro_sup", forearm_turn(segments, side, n));
-    }
-    let lumbar: Vec<[f64; 3]> = match segments.axes.get(&Segment::Trunk) {
-        Some(trunk) => pelvis
-            .iter()
-            .zip(trunk)
-            .map(|(p, t)| cardan_zxy(&(p.transpose() * t)))
-            .collect(),
-        None => vec![[0.0; 3]; n],
-    };
-    for (i, name) in ["lumbar_extension", "lumbar_bending", "lumbar_rotation"]
-        .iter()
-        .enumerate()
-    {
-        columns.push(of(name, lumbar.iter().map(|t| t[i]).collect()));
-    }
-    let time = |i: usize| (recording.first_frame + i) as f64 / recording.rate_hz;
-    Some(MotionTable {
-        times_s: (0..n).map(time).collect(),
-        columns,
-    })
-}
+/// A coordinate over time.
+type Column = (String, Vec<f64>);
 
-use crate::gait::Angle;
-
-const OF_SIDE: [(Angle, &str); 5] = [
+const OF_LEG: [(Angle, &str); 5] = [
     (Angle::HipFlexion, "hip_flexion"),
     (Angle::HipAdduction, "hip_adduction"),
     (Angle::HipRotation, "hip_rotation"),
@@ -125,6 +51,65 @@ const OF_ARM: [(Angle, &str); 4] = [
     (Angle::ElbowFlexion, "elbow_flex"),
 ];
 
+/// The coordinates of Rajagopal's model that a fit knows; those that it does not (subtalar, toes) are 0.
+///
+/// Rows begin at the first frame's time. `None` if the recording has no oriented pelvis.
+pub fn coordinates(recording: &Recording, gait: &Gait) -> Option<MotionTable> {
+    let segments = recording.segments.as_ref()?;
+    let pelvis = segments.axes.get(&Segment::Pelvis)?;
+    let mut columns = of_pelvis(pelvis, recording.track(Landmark::MidHip)?);
+    for side in [Side::Right, Side::Left] {
+        columns.extend(of_side(segments, gait, side, recording.frames));
+    }
+    if let Some(trunk) = segments.axes.get(&Segment::Trunk) {
+        let turn = |(p, t): (&Matrix3<f64>, &Matrix3<f64>)| cardan_zxy(&(p.transpose() * t));
+        let turns: Vec<[f64; 3]> = pelvis.iter().zip(trunk).map(turn).collect();
+        columns.extend(three(
+            ["lumbar_extension", "lumbar_bending", "lumbar_rotation"],
+            &turns,
+        ));
+    }
+    let time = |i: usize| (recording.first_frame + i) as f64 / recording.rate_hz;
+    Some(MotionTable {
+        times_s: (0..recording.frames).map(time).collect(),
+        columns,
+    })
+}
+
+fn of_pelvis(pelvis: &[Matrix3<f64>], hips: &[Vector3<f64>]) -> Vec<Column> {
+    let turn = |axes: &Matrix3<f64>| cardan_zxy(&(file_from_world() * axes));
+    let turns: Vec<[f64; 3]> = pelvis.iter().map(turn).collect();
+    let origin = |(hips, axes): (&Vector3<f64>, &Matrix3<f64>)| -> [f64; 3] {
+        in_file(&(hips + axes * Vector3::from(PELVIS_FROM_HIPS))).into()
+    };
+    let origins: Vec<[f64; 3]> = hips.iter().zip(pelvis).map(origin).collect();
+    let mut columns = three(["pelvis_tilt", "pelvis_list", "pelvis_rotation"], &turns);
+    for (_, values) in &mut columns {
+        *values = continuous(values);
+    }
+    columns.extend(three(["pelvis_tx", "pelvis_ty", "pelvis_tz"], &origins));
+    columns
+}
+
+fn of_side(segments: &Segments, gait: &Gait, side: Side, frames: usize) -> Vec<Column> {
+    let known = |angle| gait.angles.get(&(side, angle)).cloned();
+    let column =
+        |(angle, name): (Angle, &'static str)| (name, known(angle).unwrap_or(vec![0.0; frames]));
+    let mut columns: Vec<(&str, Vec<f64>)> = OF_LEG.into_iter().map(column).collect();
+    columns.push(("subtalar_angle", vec![0.0; frames]));
+    columns.push(("mtp_angle", vec![0.0; frames]));
+    columns.extend(OF_ARM.into_iter().map(column));
+    columns.push(("pro_sup", forearm_turn(segments, side, frames)));
+    let letter = &side.name()[..1];
+    let own = |(name, values): (&str, Vec<f64>)| (format!("{name}_{letter}"), values);
+    columns.into_iter().map(own).collect()
+}
+
+fn three(names: [&str; 3], rows: &[[f64; 3]]) -> Vec<Column> {
+    let column = |(i, name): (usize, &str)| (name.to_owned(), rows.iter().map(|r| r[i]).collect());
+    names.into_iter().enumerate().map(column).collect()
+}
+
 /// Turn of the forearm about its own length in the upper arm, inwards; 0 where it is not known.
 fn forearm_turn(segments: &Segments, side: Side, n: usize) -> Vec<f64> {
     let axes = |limb| segments.axes.get(&Segment::Of(side, limb));
@@ -137,17 +122,17 @@ fn forearm_turn(segments: &Segments, side: Side, n: usize) -> Vec<f64> {
 }
 
 /// Without jumps of whole turns.
-fn continuous(values: impl Iterator<Item = f64>) -> Vec<f64> {
+fn continuous(values: &[f64]) -> Vec<f64> {
     let turn = std::f64::consts::TAU;
     let mut before = None;
-    let step = |value: f64| {
+    let step = |&value: &f64| {
         let near = before.map_or(value, |b: f64| value - turn * ((value - b) / turn).round());
         if near.is_finite() {
             before = Some(near);
         }
         near
     };
-    values.map(step).collect()
+    values.iter().map(step).collect()
 }
 
 /// The text of a file. Frames in which anything is unknown are left out: OpenSim knows no missing value there.
