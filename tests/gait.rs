@@ -1,5 +1,8 @@
-//! Gait analysis of walks that are known, and of what is no walk; and the program on good and bad files.
+//! Gait analysis of walks that are known, and of what is no walk; the program on good and bad files,
+//! and its exports.
 
+#[path = "gait/exports.rs"]
+mod exports;
 #[path = "gait/program.rs"]
 mod program;
 #[path = "gait/walker.rs"]

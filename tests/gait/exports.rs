@@ -1,13 +1,10 @@
-//! Exports of a known walk, read back by the letter of each format. (Other programs read them in `oracles/`.)
+//! Exports of a known walk, read back by the letter of each format. (Other programs read them in `tests/oracles`.)
 
-#[path = "gait/walker.rs"]
-mod walker;
-
+use crate::walker::{RATE_HZ, Walker};
 use maquette::gait::{Gait, GaitOptions, Recording, Segments, analyse};
 use maquette::io::export::{C3dError, C3dInput, TableKind, c3d, coordinates, motion_text};
 use maquette::io::gait::FittedPoint;
 use nalgebra::Vector3;
-use walker::{RATE_HZ, Walker};
 
 fn walk() -> (Walker, Recording, Gait) {
     let walker = Walker::new(0.8);
@@ -63,9 +60,16 @@ fn a_c3d_holds_points_residuals_cameras_and_where_nobody_was() {
         |frame: usize, point: usize, axis: usize| float(4 * (frame * count + point) + axis);
     // Y up, millimetres; 4.2 mm in steps of 0.1; cameras 1 and 3 in the high byte; 1 m is more than fits
     let first: Vec<f32> = (0..4).map(|axis| number(0, 0, axis)).collect();
-    assert_eq!(first, [2000.0, 3000.0, 1000.0, 256.0 * 5.0 + 42.0]);
+    let expected = [2000.0, 3000.0, 1000.0, 256.0 * 5.0 + 42.0];
+    assert!(
+        first
+            .iter()
+            .zip(expected)
+            .all(|(f, e): (&f32, f32)| (f - e).abs() < 1e-3),
+        "{first:?}"
+    );
     assert_eq!(number(0, 1, 3) as u32 & 0xff, 255);
-    assert_eq!((number(1, 0, 0), number(1, 0, 3)), (0.0, -1.0));
+    assert!(number(1, 0, 0).abs() < 1e-6 && (number(1, 0, 3) + 1.0).abs() < 1e-6);
 }
 
 #[test]
