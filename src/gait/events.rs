@@ -74,7 +74,7 @@ const REACH_S: f64 = 0.15;
 /// A foot that is faster than this near its event was or will be in swing, m/s.
 const SWINGS_M_S: f64 = 0.6;
 
-/// All events, by time.
+/// All events, by time; none if one foot strikes again and again and the other never: that is no walk.
 pub(super) fn events(recording: &Recording, course: &Course, options: &GaitOptions) -> Vec<Event> {
     let mut found = Vec::new();
     for side in Side::BOTH {
@@ -84,7 +84,22 @@ pub(super) fn events(recording: &Recording, course: &Course, options: &GaitOptio
         }
     }
     found.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
-    found
+    if feet_take_turns(&found) {
+        found
+    } else {
+        Vec::new()
+    }
+}
+
+fn feet_take_turns(events: &[Event]) -> bool {
+    let strikes = Side::BOTH.map(|side| {
+        let own = events
+            .iter()
+            .filter(|e| e.side == side && e.kind == EventKind::Strike);
+        own.count()
+    });
+    let [fewer, more] = [strikes[0].min(strikes[1]), strikes[0].max(strikes[1])];
+    fewer > 0 || more < 2
 }
 
 /// One foot's signals.
@@ -209,6 +224,21 @@ pub(super) fn agreement(events: &[Event], kind: EventKind) -> Option<Agreement> 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_foot_that_strikes_twice_while_the_other_stands_is_no_walk() {
+        let strike = |side| Event {
+            side,
+            kind: EventKind::Strike,
+            time_s: 0.0,
+            by_position_s: None,
+            by_speed_s: None,
+            frame: 0.0,
+        };
+        let (left, right) = (strike(Side::Left), strike(Side::Right));
+        assert!(!feet_take_turns(&[right.clone(), right.clone()]));
+        assert!(feet_take_turns(&[right.clone(), left, right]));
+    }
 
     #[test]
     fn a_crossing_is_found_between_frames_and_in_its_direction() {

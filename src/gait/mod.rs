@@ -179,7 +179,9 @@ fn notes(course: &Course, events: &[Event], cycles: &[Cycle]) -> Vec<String> {
         return notes;
     }
     if events.is_empty() {
-        notes.push("no steps: no foot swings past the pelvis; angles over time only".into());
+        notes.push(
+            "no steps: the feet do not swing past the pelvis in turn; angles over time only".into(),
+        );
         return notes;
     }
     for side in Side::BOTH {
