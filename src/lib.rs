@@ -16,6 +16,7 @@
 //! | how a person walks           | [`gait`]                                                |
 //! | the order of the stages      | [`pipeline`]                                            |
 //! | files                        | [`io`]                                                  |
+//! | what a clinician reads       | [`report`]                                              |
 //! | the program                  | [`cli`]                                                 |
 
 pub mod body;
@@ -29,6 +30,7 @@ pub mod likelihood;
 pub mod math;
 pub mod pipeline;
 pub mod render;
+pub mod report;
 pub mod silhouette;
 pub mod skin;
 pub mod solver;

@@ -8,6 +8,7 @@ use clap::{Args, ValueEnum};
 
 use super::error::CliError;
 use super::print;
+use super::report::{Analysed, IdentityArguments};
 use crate::gait::{GaitOptions, Norm, Surface, analyse};
 use crate::io::gait::{
     GaitInput, SHIPPED_NORM, angles_csv, curves_csv, gait_file, load_norm, parameters_csv,
@@ -55,6 +56,11 @@ pub(super) struct GaitArguments {
     /// Body model of the fit, if it is not a shipped one
     #[arg(long, value_name = "FILE")]
     body: Option<String>,
+    /// Write report.html as well: the same for a clinician
+    #[arg(long)]
+    report: bool,
+    #[command(flatten, next_help_heading = "Of the report")]
+    identity: IdentityArguments,
     /// Print nothing but errors
     #[arg(long)]
     quiet: bool,
@@ -94,7 +100,7 @@ fn cutoff(text: &str) -> Result<f64, String> {
 /// Reads, analyses, writes, prints.
 pub(super) fn run(arguments: &GaitArguments) -> Result<(), CliError> {
     let input = read(arguments)?;
-    let norm = norm(arguments.norm.as_deref())?;
+    let norm = norm_of(arguments.norm.as_deref())?;
     let options = GaitOptions {
         cutoff_hz: arguments.cutoff,
         surface: arguments.surface.map(Surface::from),
@@ -109,6 +115,16 @@ pub(super) fn run(arguments: &GaitArguments) -> Result<(), CliError> {
     write("curves.csv", curves_csv(&gait, norm.as_ref())?)?;
     write("angles.csv", angles_csv(&gait, &input.recording)?)?;
     write("gait.json", serde_json::to_vec_pretty(&file)?)?;
+    if arguments.report {
+        let analysed = Analysed {
+            from: &arguments.input,
+            input: &input,
+            gait: &gait,
+            file: &file,
+            norm: norm.as_ref(),
+        };
+        analysed.write(&arguments.identity, &out.join("report.html"))?;
+    }
     if !arguments.quiet {
         let report = Report {
             input: &arguments.input,
@@ -130,7 +146,8 @@ fn read(arguments: &GaitArguments) -> Result<GaitInput, CliError> {
     Ok(input)
 }
 
-fn norm(asked: Option<&str>) -> Result<Option<Norm>, CliError> {
+/// The norm that was asked for.
+pub(super) fn norm_of(asked: Option<&str>) -> Result<Option<Norm>, CliError> {
     let norm = match asked {
         Some("none") => return Ok(None),
         Some(path) => load_norm(Path::new(path))?,

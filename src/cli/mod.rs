@@ -5,6 +5,7 @@
 //! | `fit.rs`      | `maquette fit`: reads, calls the pipeline, writes               |
 //! | `export.rs`   | `maquette export`                                               |
 //! | `gait.rs`     | `maquette gait`                                                 |
+//! | `report.rs`   | `maquette report`                                               |
 //! | `synth.rs`    | `maquette synth`                                                |
 //! | `models.rs`   | `maquette models`                                               |
 //! | `skin.rs`     | `maquette skin`, and the skins of `maquette models`             |
@@ -21,6 +22,7 @@ mod fit;
 mod gait;
 mod models;
 mod progress;
+mod report;
 mod skin;
 mod summary;
 mod synth;
@@ -72,6 +74,9 @@ enum Command {
     /// Analyse how a person walks: events, parameters, curves, scores
     #[command(long_about = gait::ABOUT, after_help = gait::EXAMPLES)]
     Gait(gait::GaitArguments),
+    /// Write a report that a clinician can read
+    #[command(long_about = report::ABOUT, after_help = report::EXAMPLES)]
+    Report(report::ReportArguments),
     /// Write a fit in the formats of other programs
     #[command(long_about = export::ABOUT, after_help = export::EXAMPLES)]
     Export(export::ExportArguments),
@@ -90,6 +95,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
             Command::Fit(arguments) => fit::run(&arguments),
             Command::Skin(arguments) => skin::run(&arguments),
             Command::Gait(arguments) => gait::run(&arguments),
+            Command::Report(arguments) => report::run(&arguments),
             Command::Export(arguments) => export::run(&arguments),
             Command::Models(arguments) => models::run(&arguments),
             Command::Synth(arguments) => synth::run(&arguments),

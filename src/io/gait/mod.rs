@@ -7,5 +7,5 @@ mod tables;
 
 pub use norm::{NormError, SHIPPED_NORM, load_norm, parse_norm};
 pub use read::{FittedBody, FittedPoint, GaitInput, GaitInputError, read_fit, read_points};
-pub use schema::{GaitFile, gait_file};
+pub use schema::{CurvePart, GaitFile, ParameterPart, gait_file};
 pub use tables::{angles_csv, curves_csv, parameters_csv};

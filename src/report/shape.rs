@@ -1,0 +1,68 @@
+//! How the person is built.
+
+use maud::{Markup, html};
+
+use super::ReportInput;
+use super::label::words;
+use super::page::{Page, absent, number};
+use crate::io::result::{LengthPart, ResultFile};
+
+pub(super) fn page(input: &ReportInput<'_>) -> Page {
+    Page {
+        id: "shape",
+        title: "Shape",
+        body: match input.result {
+            Some(result) => of_fit(result),
+            None => html! {
+                (absent("Points of another system: no body was fitted."))
+                @if let Some(leg) = input.file.leg_length_m {
+                    p { "Leg length, hip to knee to ankle: " (number(Some(100.0 * leg), 1)) " cm." }
+                }
+            },
+        },
+    }
+}
+
+fn of_fit(result: &ResultFile) -> Markup {
+    html! {
+        div class="shape" {
+            div class="portraits" {
+                @for (view, name) in [("front", "from the front"), ("side", "from the side")] {
+                    figure {
+                        img data-portrait=(view) alt={ "The fitted body at rest, " (name) };
+                        figcaption { (name) }
+                    }
+                }
+            }
+            (lengths(&result.shape.lengths))
+        }
+        p class="note" {
+            "± is the standard deviation that the fit gives the length"
+            @if result.shape.lengths.iter().all(|l| l.sd_m.is_none()) {
+                "; it is absent because this fit was made without the joint optimum"
+            }
+            ". σ is how far the proposals of the keyframes scatter, p how probable one of them lies within ε. "
+            "Joint centres lie in the flesh: outlines do not show them, and statistics of people go into the lengths. "
+            "Girths are not given: the fit has no standard deviation for them yet."
+        }
+    }
+}
+
+fn lengths(lengths: &[LengthPart]) -> Markup {
+    html! {
+        table class="numbers" {
+            thead { tr {
+                th scope="col" { "Length" } th scope="col" { "cm" } th scope="col" { "± cm" }
+                th scope="col" { "ε, cm" } th scope="col" { "σ, cm" } th scope="col" { "p" sub { "ε,σ" } "(K)" }
+            } }
+            tbody { @for length in lengths { tr {
+                th scope="row" { (words(&length.name)) }
+                td class="mean" { (number(Some(100.0 * length.length_m), 1)) }
+                td { (number(length.sd_m.map(|sd| 100.0 * sd), 1)) }
+                td { (number(Some(100.0 * length.confidence.epsilon), 1)) }
+                td { (number(length.confidence.sigma.map(|s| 100.0 * s), 2)) }
+                td { (number(length.confidence.p_within, 2)) }
+            } } }
+        }
+    }
+}
