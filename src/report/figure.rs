@@ -112,6 +112,10 @@ impl Figure {
             .with_padding(0.0)
             .with_cell_size(self.size_px.0, self.size_px.1);
         let svg = SvgBackend.render_scene(&sheet.render());
+        // a drawing that grows and shrinks with its place
+        let (width, height) = self.size_px;
+        let fixed = format!(r#"width="{width}" height="{height}""#);
+        let svg = svg.replacen(&fixed, &format!(r#"viewBox="0 0 {width} {height}""#), 1);
         html! {
             div class="chart" role="img" aria-label=(description) { (PreEscaped(svg)) }
         }
@@ -180,6 +184,7 @@ mod tests {
         let figure = Figure::new("t", axis((0.0, 4.0)), axis((0.0, 2.0))).line(LEFT, 1.0, &points);
         assert_eq!(figure.plots.len(), 2);
         let text = figure.markup("two pieces").into_string();
+        assert!(text.contains("viewBox=\"0 0 280 196\""), "{text}");
         assert!(text.contains("aria-label=\"two pieces\"") && text.contains(LEFT));
         assert!(!text.contains("NaN"));
     }

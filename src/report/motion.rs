@@ -31,6 +31,9 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
                     option value="1" { "1" } option value="0.5" { "½" } option value="0.25" { "¼" } option value="0.1" { "⅒" }
                 } }
             }
+            @if !input.views.is_empty() {
+                div class="sheet" id="sheet" role="img" aria-label="The fitted body under the recorded outline, all cameras, middle frame" {}
+            }
             div class="choice" {
                 label { "curves " select id="group" {} }
                 span class="key" { span class="left" { "left" } span class="right" { "right" } }
@@ -50,11 +53,8 @@ fn cameras(input: &ReportInput<'_>) -> Markup {
                 label { "camera " select id="camera-choice" {
                     @for (i, view) in input.views.iter().enumerate() { option value=(i) { (view.name) } }
                 } }
-                p class="note" { "Yellow: outline that was recorded. Grey: fitted body, without the lens's distortion." }
+                p class="note" { "Yellow: recorded outline. Under it: fitted body. Both without the lens's distortion." }
             }
-        }
-        @if !input.views.is_empty() {
-            div class="sheet" id="sheet" aria-hidden="true" {}
         }
     }
 }

@@ -191,6 +191,7 @@ fn confidence(result: &ResultFile) -> Markup {
             "K keyframes each proposed a body of their own; σ is how far the proposals scatter, "
             "p" sub { "ε,σ" } "(K) how probable it is that the best of them lies within ε of the truth, "
             "if they err at random. Confidence of: " (words(&result.shape.confidence_of)) ". "
+            "σ of each length stands on the Shape page. "
             @if result.shape.all_lengths.p_within.is_none() { "Absent: fewer than two keyframes proposed a body." }
         }
     }

@@ -26,6 +26,9 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
                     }
                 }
             }
+            @if !file.parameters.is_empty() && !input.gait.notes.is_empty() {
+                ul class="remarks" { @for note in &input.gait.notes { li { (note) } } }
+            }
             @if !file.agreement.is_empty() { (agreement(input)) }
         },
     }

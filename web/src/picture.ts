@@ -3,10 +3,29 @@ import { AmbientLight, Box3, Color, DirectionalLight, Matrix4, OrthographicCamer
 import type { Body } from './body'
 import { outlines, type View } from './scene'
 
-/** The eye of a calibrated camera: pixel (0, 0) is the centre of the top left pixel, y down, z ahead. */
-export function eyeOf(view: View): Camera {
-  const [width, height] = view.size_px
-  const [fx, fy, cx, cy, skew] = view.intrinsics_px
+/** A part of a camera's image, px. */
+export type Crop = { left: number; top: number; width: number; height: number }
+
+/** The part that holds these lines, with some room; the whole image if there are none. */
+export function cropOf(view: View, lines: Float32Array[]): Crop {
+  const all = lines.flatMap((line) => Array.from(line))
+  const [xs, ys] = [0, 1].map((k) => all.filter((_, i) => i % 2 === k))
+  const ends = (values: number[], size: number) => {
+    const [low, high] = values.reduce(([a, b], v) => [Math.min(a, v), Math.max(b, v)], [Infinity, -Infinity])
+    return low < high ? [low, high] : [0, size]
+  }
+  const [left, right] = ends(xs, view.size_px[0]), [top, bottom] = ends(ys, view.size_px[1])
+  const room = 0.12 * Math.max(right - left, bottom - top)
+  const height = bottom - top + 2 * room
+  const width = Math.max(right - left + 2 * room, 0.6 * height)
+  return { left: (left + right - width) / 2, top: top - room, width, height }
+}
+
+/** The eye of a part of a calibrated camera: pixel (0, 0) is the centre of the top left pixel, y down, z ahead. */
+export function eyeOf(view: View, crop: Crop): Camera {
+  const { width, height } = crop
+  const [fx, fy, , , skew] = view.intrinsics_px
+  const [cx, cy] = [view.intrinsics_px[2] - crop.left, view.intrinsics_px[3] - crop.top]
   const [near, far] = [0.05, 100]
   const eye = new Camera()
   // clip = P · (x, y, z) of the camera with y down and z ahead
@@ -33,6 +52,7 @@ export class Painter {
   private renderer: WebGLRenderer
   private room = new Room()
   private seen = new Map<View, Float32Array[][]>()
+  private ways = new Map<View, Float32Array[]>()
 
   constructor(private body: Body) {
     this.renderer = new WebGLRenderer({ antialias: true, preserveDrawingBuffer: true })
@@ -53,23 +73,31 @@ export class Painter {
   }
 
   /** What a camera saw in a frame: the body in grey, the recorded outline over it. */
-  camera(view: View, frame: number, canvas: HTMLCanvasElement, width: number) {
-    const scale = width / view.size_px[0]
-    canvas.width = width
-    canvas.height = Math.round(view.size_px[1] * scale)
-    const pen = canvas.getContext('2d')!
-    pen.drawImage(this.shot(eyeOf(view), canvas.width, canvas.height), 0, 0)
+  camera(view: View, frame: number, canvas: HTMLCanvasElement, height: number, still: 'still' | 'moving') {
     if (!this.seen.has(view)) this.seen.set(view, outlines(view))
+    const lines = this.seen.get(view)!
+    const crop = cropOf(view, still === 'still' ? lines[frame] ?? [] : this.everything(view, lines))
+    const scale = height / crop.height
+    canvas.height = height
+    canvas.width = Math.round(crop.width * scale)
+    const pen = canvas.getContext('2d')!
+    pen.drawImage(this.shot(eyeOf(view, crop), canvas.width, canvas.height), 0, 0)
     for (const [colour, thick] of [['#222', 3.4], ['#ffc400', 1.8]] as const) {
       pen.strokeStyle = colour
       pen.lineWidth = thick
-      for (const line of this.seen.get(view)![frame] ?? []) {
+      for (const line of lines[frame] ?? []) {
         pen.beginPath()
-        for (let i = 0; i < line.length; i += 2) pen.lineTo((line[i] + 0.5) * scale, (line[i + 1] + 0.5) * scale)
+        for (let i = 0; i < line.length; i += 2) pen.lineTo((line[i] + 0.5 - crop.left) * scale, (line[i + 1] + 0.5 - crop.top) * scale)
         pen.closePath()
         pen.stroke()
       }
     }
+  }
+
+  /** Every tenth frame's lines: enough to know where the person goes. */
+  private everything(view: View, lines: Float32Array[][]): Float32Array[] {
+    if (!this.ways.has(view)) this.ways.set(view, lines.filter((_, i) => i % 10 === 0 || i === lines.length - 1).flat())
+    return this.ways.get(view)!
   }
 
   /** The body at rest from the front or the side, as an address of a picture; null where it has no rest. */

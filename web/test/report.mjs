@@ -15,7 +15,7 @@ const browser = await chromium.launch({
     '--disable-component-update', '--disable-sync', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
 })
 try {
-  const page = await browser.newPage({ viewport: { width: 1100, height: 1000 } })
+  const page = await browser.newPage({ viewport: { width: 1100, height: 1800 } })
   const faults = [], requests = []
   page.on('console', (message) => { if (['error', 'warning'].includes(message.type()) && !/GPU stall|GL Driver Message/.test(message.text())) faults.push(message.text()) })
   page.on('pageerror', (fault) => faults.push(fault.message))
