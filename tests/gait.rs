@@ -1,10 +1,12 @@
 //! Gait analysis of walks that are known, and of what is no walk; the program on good and bad files,
-//! and its exports.
+//! its exports and its report.
 
 #[path = "gait/exports.rs"]
 mod exports;
 #[path = "gait/program.rs"]
 mod program;
+#[path = "gait/report.rs"]
+mod report;
 #[path = "gait/walker.rs"]
 mod walker;
 

@@ -3,6 +3,7 @@
 use maud::{Markup, html};
 
 use super::ReportInput;
+use super::girth::{Girth, girths};
 use super::label::words;
 use super::page::{Page, absent, number};
 use crate::io::result::{LengthPart, ResultFile};
@@ -12,7 +13,7 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
         id: "shape",
         title: "Shape",
         body: match input.result {
-            Some(result) => of_fit(result),
+            Some(result) => of_fit(result, input),
             None => html! {
                 (absent("Points of another system: no body was fitted."))
                 @if let Some(leg) = input.file.leg_length_m {
@@ -23,7 +24,10 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
     }
 }
 
-fn of_fit(result: &ResultFile) -> Markup {
+fn of_fit(result: &ResultFile, input: &ReportInput<'_>) -> Markup {
+    let sd: Option<Vec<f64>> = result.shape.coefficients.iter().map(|c| c.sd).collect();
+    let body = input.input.body.as_ref();
+    let girths = body.map(|body| girths(&body.model, &body.shape, sd.as_deref()));
     html! {
         div class="shape" {
             div class="portraits" {
@@ -34,7 +38,10 @@ fn of_fit(result: &ResultFile) -> Markup {
                     }
                 }
             }
-            (lengths(&result.shape.lengths))
+            div {
+                (lengths(&result.shape.lengths))
+                @if let Some(girths) = &girths { (table_of_girths(girths)) }
+            }
         }
         p class="note" {
             "± is the standard deviation that the fit gives the length"
@@ -43,7 +50,8 @@ fn of_fit(result: &ResultFile) -> Markup {
             }
             ". σ is how far the proposals of the keyframes scatter, p how probable one of them lies within ε. "
             "Joint centres lie in the flesh: outlines do not show them, and statistics of people go into the lengths. "
-            "Girths are not given: the fit has no standard deviation for them yet."
+            "Girths: around the body at rest, in the middle of the length and square to it; their ± takes the errors of the "
+            "shape coefficients as independent."
         }
     }
 }
@@ -62,6 +70,21 @@ fn lengths(lengths: &[LengthPart]) -> Markup {
                 td { (number(Some(100.0 * length.confidence.epsilon), 1)) }
                 td { (number(length.confidence.sigma.map(|s| 100.0 * s), 2)) }
                 td { (number(length.confidence.p_within, 2)) }
+            } } }
+        }
+    }
+}
+
+fn table_of_girths(girths: &[Girth]) -> Markup {
+    html! {
+        table class="numbers" {
+            thead { tr {
+                th scope="col" { "Girth, mid-length" } th scope="col" { "cm" } th scope="col" { "± cm" }
+            } }
+            tbody { @for girth in girths { tr {
+                th scope="row" { (words(&girth.name)) }
+                td class="mean" { (number(Some(100.0 * girth.girth_m), 1)) }
+                td { (number(girth.sd_m.map(|sd| 100.0 * sd), 1)) }
             } } }
         }
     }

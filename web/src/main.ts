@@ -38,7 +38,7 @@ function seek(frame: number) {
 function drawCamera(frame: number) {
   const canvas = get<HTMLCanvasElement>('camera')
   const choice = get<HTMLSelectElement>('camera-choice')
-  if (canvas && choice && painter) painter.camera(scene.views[Number(choice.value)], frame, canvas, 420, 'moving')
+  if (canvas && choice && painter) painter.camera(scene.views[Number(choice.value)], frame, canvas, 420)
 }
 
 /** All cameras in one frame, for paper. */
@@ -52,7 +52,7 @@ function fillSheet() {
     const canvas = document.createElement('canvas')
     const caption = document.createElement('figcaption')
     caption.textContent = `${view.name}, frame ${scene.first_frame + middle}`
-    painter.camera(view, middle, canvas, 260, 'still')
+    painter.camera(view, middle, canvas, 260)
     figure.append(canvas, caption)
     sheet.append(figure)
   }

@@ -6,19 +6,40 @@ import { outlines, type View } from './scene'
 /** A part of a camera's image, px. */
 export type Crop = { left: number; top: number; width: number; height: number }
 
-/** The part that holds these lines, with some room; the whole image if there are none. */
-export function cropOf(view: View, lines: Float32Array[]): Crop {
-  const all = lines.flatMap((line) => Array.from(line))
-  const [xs, ys] = [0, 1].map((k) => all.filter((_, i) => i % 2 === k))
-  const ends = (values: number[], size: number) => {
-    const [low, high] = values.reduce(([a, b], v) => [Math.min(a, v), Math.max(b, v)], [Infinity, -Infinity])
-    return low < high ? [low, high] : [0, size]
+/** The part that these lines take up; null if there are none. */
+function boxOf(lines: Float32Array[]): Crop | null {
+  let [left, top, right, bottom] = [Infinity, Infinity, -Infinity, -Infinity]
+  for (const line of lines) {
+    for (let i = 0; i < line.length; i += 2) {
+      left = Math.min(left, line[i]), right = Math.max(right, line[i])
+      top = Math.min(top, line[i + 1]), bottom = Math.max(bottom, line[i + 1])
+    }
   }
-  const [left, right] = ends(xs, view.size_px[0]), [top, bottom] = ends(ys, view.size_px[1])
-  const room = 0.12 * Math.max(right - left, bottom - top)
-  const height = bottom - top + 2 * room
-  const width = Math.max(right - left + 2 * room, 0.6 * height)
-  return { left: (left + right - width) / 2, top: top - room, width, height }
+  return left < right && top < bottom ? { left, top, width: right - left, height: bottom - top } : null
+}
+
+/** What a camera saw: the lines of each frame, and a size that holds those of any. */
+class Seen {
+  readonly lines: Float32Array[][]
+  private size: { width: number; height: number }
+
+  constructor(private view: View) {
+    this.lines = outlines(view)
+    const boxes = this.lines.map(boxOf).filter((box) => box !== null)
+    const height = 1.2 * Math.max(...boxes.map((box) => box.height))
+    this.size = { width: Math.max(...boxes.map((box) => 1.2 * box.width), 0.7 * height), height }
+  }
+
+  /** The part of the image around the person, always of one size; the whole image where nobody was seen. */
+  crop(frame: number): Crop {
+    const box = boxOf(this.lines[frame] ?? [])
+    const [width, height] = this.view.size_px
+    if (!box) return { left: -0.5, top: -0.5, width, height }
+    const { size } = this
+    return {
+      left: box.left + (box.width - size.width) / 2, top: box.top + (box.height - size.height) / 2, ...size,
+    }
+  }
 }
 
 /** The eye of a part of a calibrated camera: pixel (0, 0) is the centre of the top left pixel, y down, z ahead. */
@@ -51,8 +72,7 @@ export function eyeOf(view: View, crop: Crop): Camera {
 export class Painter {
   private renderer: WebGLRenderer
   private room = new Room()
-  private seen = new Map<View, Float32Array[][]>()
-  private ways = new Map<View, Float32Array[]>()
+  private seen = new Map<View, Seen>()
 
   constructor(private body: Body) {
     this.renderer = new WebGLRenderer({ antialias: true, preserveDrawingBuffer: true })
@@ -73,10 +93,10 @@ export class Painter {
   }
 
   /** What a camera saw in a frame: the body in grey, the recorded outline over it. */
-  camera(view: View, frame: number, canvas: HTMLCanvasElement, height: number, still: 'still' | 'moving') {
-    if (!this.seen.has(view)) this.seen.set(view, outlines(view))
-    const lines = this.seen.get(view)!
-    const crop = cropOf(view, still === 'still' ? lines[frame] ?? [] : this.everything(view, lines))
+  camera(view: View, frame: number, canvas: HTMLCanvasElement, height: number) {
+    const seen = this.seen.get(view) ?? new Seen(view)
+    this.seen.set(view, seen)
+    const crop = seen.crop(frame)
     const scale = height / crop.height
     canvas.height = height
     canvas.width = Math.round(crop.width * scale)
@@ -85,19 +105,13 @@ export class Painter {
     for (const [colour, thick] of [['#222', 3.4], ['#ffc400', 1.8]] as const) {
       pen.strokeStyle = colour
       pen.lineWidth = thick
-      for (const line of lines[frame] ?? []) {
+      for (const line of seen.lines[frame] ?? []) {
         pen.beginPath()
         for (let i = 0; i < line.length; i += 2) pen.lineTo((line[i] + 0.5 - crop.left) * scale, (line[i + 1] + 0.5 - crop.top) * scale)
         pen.closePath()
         pen.stroke()
       }
     }
-  }
-
-  /** Every tenth frame's lines: enough to know where the person goes. */
-  private everything(view: View, lines: Float32Array[][]): Float32Array[] {
-    if (!this.ways.has(view)) this.ways.set(view, lines.filter((_, i) => i % 10 === 0 || i === lines.length - 1).flat())
-    return this.ways.get(view)!
   }
 
   /** The body at rest from the front or the side, as an address of a picture; null where it has no rest. */

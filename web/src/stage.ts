@@ -53,7 +53,7 @@ export class Stage {
     const way = last.clone().sub(first).setZ(0)
     if (way.length() < 0.3) way.set(1, 0, 0)
     way.normalize()
-    const from = new Vector3(way.y, -way.x, 0).multiplyScalar(3.2).addScaledVector(way, 1.4).setZ(0.5)
+    const from = new Vector3(way.y, -way.x, 0).multiplyScalar(3.8).addScaledVector(way, 1.7).setZ(0.5)
     this.controls.target.copy(first)
     this.camera.position.copy(first).add(from)
     this.controls.update()

@@ -13710,30 +13710,60 @@ var Nm = [
 	}
 };
 // src/picture.ts
-function Fm(e, t) {
-	let n = t.flatMap((e) => Array.from(e)), [r, i] = [0, 1].map((e) => n.filter((t, n) => n % 2 === e)), a = (e, t) => {
-		let [n, r] = e.reduce(([e, t], n) => [Math.min(e, n), Math.max(t, n)], [Infinity, -Infinity]);
-		return n < r ? [n, r] : [0, t];
-	}, [o, s] = a(r, e.size_px[0]), [c, l] = a(i, e.size_px[1]), u = .12 * Math.max(s - o, l - c), d = l - c + 2 * u, f = Math.max(s - o + 2 * u, .6 * d);
-	return {
-		left: (o + s - f) / 2,
-		top: c - u,
-		width: f,
-		height: d
-	};
+function Fm(e) {
+	let [t, n, r, i] = [
+		Infinity,
+		Infinity,
+		-Infinity,
+		-Infinity
+	];
+	for (let a of e) for (let e = 0; e < a.length; e += 2) t = Math.min(t, a[e]), r = Math.max(r, a[e]), n = Math.min(n, a[e + 1]), i = Math.max(i, a[e + 1]);
+	return t < r && n < i ? {
+		left: t,
+		top: n,
+		width: r - t,
+		height: i - n
+	} : null;
 }
-function Im(e, t) {
+var Im = class {
+	view;
+	lines;
+	size;
+	constructor(e) {
+		this.view = e, this.lines = vl(e);
+		let t = this.lines.map(Fm).filter((e) => e !== null), n = 1.2 * Math.max(...t.map((e) => e.height));
+		this.size = {
+			width: Math.max(...t.map((e) => 1.2 * e.width), .7 * n),
+			height: n
+		};
+	}
+	crop(e) {
+		let t = Fm(this.lines[e] ?? []), [n, r] = this.view.size_px;
+		if (!t) return {
+			left: -.5,
+			top: -.5,
+			width: n,
+			height: r
+		};
+		let { size: i } = this;
+		return {
+			left: t.left + (t.width - i.width) / 2,
+			top: t.top + (t.height - i.height) / 2,
+			...i
+		};
+	}
+};
+function Lm(e, t) {
 	let { width: n, height: r } = t, [i, a, , , o] = e.intrinsics_px, [s, c] = [e.intrinsics_px[2] - t.left, e.intrinsics_px[3] - t.top], [l, u] = [.05, 100], d = new Ta();
 	d.projectionMatrix.set(2 * i / n, 2 * o / n, (2 * s + 1) / n - 1, 0, 0, -2 * a / r, 1 - (2 * c + 1) / r, 0, 0, 0, (u + l) / (u - l), -2 * u * l / (u - l), 0, 0, 1, 0), d.projectionMatrixInverse.copy(d.projectionMatrix).invert();
 	let f = e.camera_from_world, p = new qt().set(f[0], f[1], f[2], f[9], f[3], f[4], f[5], f[10], f[6], f[7], f[8], f[11], 0, 0, 0, 1).invert();
 	return d.matrixAutoUpdate = !1, d.matrix.copy(p), d.matrixWorld.copy(p), d.matrixWorldInverse.copy(p).invert(), d.matrixWorldAutoUpdate = !1, d;
 }
-var Lm = class {
+var Rm = class {
 	body;
 	renderer;
 	room = new An();
 	seen = /* @__PURE__ */ new Map();
-	ways = /* @__PURE__ */ new Map();
 	constructor(e) {
 		this.body = e, this.renderer = new fl({
 			antialias: !0,
@@ -13746,30 +13776,28 @@ var Lm = class {
 		let r = this.body.object.parent;
 		return this.room.add(this.body.object), this.renderer.setSize(t, n, !1), this.renderer.render(this.room, e), r?.add(this.body.object), this.renderer.domElement;
 	}
-	camera(e, t, n, r, i) {
-		this.seen.has(e) || this.seen.set(e, vl(e));
-		let a = this.seen.get(e), o = Fm(e, i === "still" ? a[t] ?? [] : this.everything(e, a)), s = r / o.height;
-		n.height = r, n.width = Math.round(o.width * s);
-		let c = n.getContext("2d");
-		c.drawImage(this.shot(Im(e, o), n.width, n.height), 0, 0);
+	camera(e, t, n, r) {
+		let i = this.seen.get(e) ?? new Im(e);
+		this.seen.set(e, i);
+		let a = i.crop(t), o = r / a.height;
+		n.height = r, n.width = Math.round(a.width * o);
+		let s = n.getContext("2d");
+		s.drawImage(this.shot(Lm(e, a), n.width, n.height), 0, 0);
 		for (let [e, n] of [["#222", 3.4], ["#ffc400", 1.8]]) {
-			c.strokeStyle = e, c.lineWidth = n;
-			for (let e of a[t] ?? []) {
-				c.beginPath();
-				for (let t = 0; t < e.length; t += 2) c.lineTo((e[t] + .5 - o.left) * s, (e[t + 1] + .5 - o.top) * s);
-				c.closePath(), c.stroke();
+			s.strokeStyle = e, s.lineWidth = n;
+			for (let e of i.lines[t] ?? []) {
+				s.beginPath();
+				for (let t = 0; t < e.length; t += 2) s.lineTo((e[t] + .5 - a.left) * o, (e[t + 1] + .5 - a.top) * o);
+				s.closePath(), s.stroke();
 			}
 		}
-	}
-	everything(e, t) {
-		return this.ways.has(e) || this.ways.set(e, t.filter((e, n) => n % 10 == 0 || n === t.length - 1).flat()), this.ways.get(e);
 	}
 	portrait(e) {
 		if (!this.body.rest()) return null;
 		let t = new Gn().setFromObject(this.body.object, !0), n = t.getSize(new X()), r = t.getCenter(new X()), i = .53 * Math.max(n.z, n.y, .1), a = new Aa(-.62 * i, .62 * i, i, -i, .01, 20), o = e === "front" ? new X(1, 0, 0) : new X(0, -1, 0);
 		return a.up.set(0, 0, 1), a.position.copy(r).addScaledVector(o, 5), a.lookAt(r), a.updateMatrixWorld(), this.shot(a, 434, 700).toDataURL("image/png");
 	}
-}, Rm = { type: "change" }, zm = { type: "start" }, Bm = { type: "end" }, Vm = new Fr(), Hm = new Or(), Um = Math.cos(70 * Ct.DEG2RAD), Wm = new X(), Gm = 2 * Math.PI, Km = {
+}, zm = { type: "change" }, Bm = { type: "start" }, Vm = { type: "end" }, Hm = new Fr(), Um = new Or(), Wm = Math.cos(70 * Ct.DEG2RAD), Gm = new X(), Km = 2 * Math.PI, qm = {
 	NONE: -1,
 	ROTATE: 0,
 	DOLLY: 1,
@@ -13778,9 +13806,9 @@ var Lm = class {
 	TOUCH_PAN: 4,
 	TOUCH_DOLLY_PAN: 5,
 	TOUCH_DOLLY_ROTATE: 6
-}, qm = 1e-6, Jm = class extends Qa {
+}, Jm = 1e-6, Ym = class extends Qa {
 	constructor(n, r = null) {
-		super(n, r), this.state = Km.NONE, this.target = new X(), this.cursor = new X(), this.minDistance = 0, this.maxDistance = Infinity, this.minZoom = 0, this.maxZoom = Infinity, this.minTargetRadius = 0, this.maxTargetRadius = Infinity, this.minPolarAngle = 0, this.maxPolarAngle = Math.PI, this.minAzimuthAngle = -Infinity, this.maxAzimuthAngle = Infinity, this.enableDamping = !1, this.dampingFactor = .05, this.enableZoom = !0, this.zoomSpeed = 1, this.enableRotate = !0, this.rotateSpeed = 1, this.keyRotateSpeed = 1, this.enablePan = !0, this.panSpeed = 1, this.screenSpacePanning = !0, this.keyPanSpeed = 7, this.zoomToCursor = !1, this.autoRotate = !1, this.autoRotateSpeed = 2, this.keys = {
+		super(n, r), this.state = qm.NONE, this.target = new X(), this.cursor = new X(), this.minDistance = 0, this.maxDistance = Infinity, this.minZoom = 0, this.maxZoom = Infinity, this.minTargetRadius = 0, this.maxTargetRadius = Infinity, this.minPolarAngle = 0, this.maxPolarAngle = Math.PI, this.minAzimuthAngle = -Infinity, this.maxAzimuthAngle = Infinity, this.enableDamping = !1, this.dampingFactor = .05, this.enableZoom = !0, this.zoomSpeed = 1, this.enableRotate = !0, this.rotateSpeed = 1, this.keyRotateSpeed = 1, this.enablePan = !0, this.panSpeed = 1, this.screenSpacePanning = !0, this.keyPanSpeed = 7, this.zoomToCursor = !1, this.autoRotate = !1, this.autoRotateSpeed = 2, this.keys = {
 			LEFT: "ArrowLeft",
 			UP: "ArrowUp",
 			RIGHT: "ArrowRight",
@@ -13792,7 +13820,7 @@ var Lm = class {
 		}, this.touches = {
 			ONE: t.ROTATE,
 			TWO: t.DOLLY_PAN
-		}, this.target0 = this.target.clone(), this.position0 = this.object.position.clone(), this.zoom0 = this.object.zoom, this._cursorStyle = "auto", this._domElementKeyEvents = null, this._lastPosition = new X(), this._lastQuaternion = new wt(), this._lastTargetPosition = new X(), this._quat = new wt().setFromUnitVectors(n.up, new X(0, 1, 0)), this._quatInverse = this._quat.clone().invert(), this._spherical = new Xa(), this._sphericalDelta = new Xa(), this._scale = 1, this._panOffset = new X(), this._rotateStart = new Y(), this._rotateEnd = new Y(), this._rotateDelta = new Y(), this._panStart = new Y(), this._panEnd = new Y(), this._panDelta = new Y(), this._dollyStart = new Y(), this._dollyEnd = new Y(), this._dollyDelta = new Y(), this._dollyDirection = new X(), this._mouse = new Y(), this._performCursorZoom = !1, this._pointers = [], this._pointerPositions = {}, this._controlActive = !1, this._onPointerMove = Xm.bind(this), this._onPointerDown = Ym.bind(this), this._onPointerUp = Zm.bind(this), this._onContextMenu = ih.bind(this), this._onMouseWheel = eh.bind(this), this._onKeyDown = th.bind(this), this._onTouchStart = nh.bind(this), this._onTouchMove = rh.bind(this), this._onMouseDown = Qm.bind(this), this._onMouseMove = $m.bind(this), this._interceptControlDown = ah.bind(this), this._interceptControlUp = oh.bind(this), this.domElement !== null && this.connect(this.domElement), this.update();
+		}, this.target0 = this.target.clone(), this.position0 = this.object.position.clone(), this.zoom0 = this.object.zoom, this._cursorStyle = "auto", this._domElementKeyEvents = null, this._lastPosition = new X(), this._lastQuaternion = new wt(), this._lastTargetPosition = new X(), this._quat = new wt().setFromUnitVectors(n.up, new X(0, 1, 0)), this._quatInverse = this._quat.clone().invert(), this._spherical = new Xa(), this._sphericalDelta = new Xa(), this._scale = 1, this._panOffset = new X(), this._rotateStart = new Y(), this._rotateEnd = new Y(), this._rotateDelta = new Y(), this._panStart = new Y(), this._panEnd = new Y(), this._panDelta = new Y(), this._dollyStart = new Y(), this._dollyEnd = new Y(), this._dollyDelta = new Y(), this._dollyDirection = new X(), this._mouse = new Y(), this._performCursorZoom = !1, this._pointers = [], this._pointerPositions = {}, this._controlActive = !1, this._onPointerMove = Zm.bind(this), this._onPointerDown = Xm.bind(this), this._onPointerUp = Qm.bind(this), this._onContextMenu = ah.bind(this), this._onMouseWheel = th.bind(this), this._onKeyDown = nh.bind(this), this._onTouchStart = rh.bind(this), this._onTouchMove = ih.bind(this), this._onMouseDown = $m.bind(this), this._onMouseMove = eh.bind(this), this._interceptControlDown = oh.bind(this), this._interceptControlUp = sh.bind(this), this.domElement !== null && this.connect(this.domElement), this.update();
 	}
 	set cursorStyle(e) {
 		this._cursorStyle = e, e === "grab" ? this.domElement.style.cursor = "grab" : this.domElement.style.cursor = "auto";
@@ -13807,7 +13835,7 @@ var Lm = class {
 		}), this.domElement.style.touchAction = "none";
 	}
 	disconnect() {
-		this.state = Km.NONE, this.domElement.removeEventListener("pointerdown", this._onPointerDown), this.domElement.ownerDocument.removeEventListener("pointermove", this._onPointerMove), this.domElement.ownerDocument.removeEventListener("pointerup", this._onPointerUp), this.domElement.removeEventListener("pointercancel", this._onPointerUp), this.domElement.removeEventListener("wheel", this._onMouseWheel), this.domElement.removeEventListener("contextmenu", this._onContextMenu), this.stopListenToKeyEvents(), this.domElement.ownerDocument.removeEventListener("keydown", this._interceptControlDown, { capture: !0 }), this.domElement.ownerDocument.removeEventListener("keyup", this._interceptControlUp, { capture: !0 }), this._controlActive = !1, this._pointers.length = 0, this._pointerPositions = {}, this.domElement.style.touchAction = "", this.domElement.style.cursor = "auto";
+		this.state = qm.NONE, this.domElement.removeEventListener("pointerdown", this._onPointerDown), this.domElement.ownerDocument.removeEventListener("pointermove", this._onPointerMove), this.domElement.ownerDocument.removeEventListener("pointerup", this._onPointerUp), this.domElement.removeEventListener("pointercancel", this._onPointerUp), this.domElement.removeEventListener("wheel", this._onMouseWheel), this.domElement.removeEventListener("contextmenu", this._onContextMenu), this.stopListenToKeyEvents(), this.domElement.ownerDocument.removeEventListener("keydown", this._interceptControlDown, { capture: !0 }), this.domElement.ownerDocument.removeEventListener("keyup", this._interceptControlUp, { capture: !0 }), this._controlActive = !1, this._pointers.length = 0, this._pointerPositions = {}, this.domElement.style.touchAction = "", this.domElement.style.cursor = "auto";
 	}
 	dispose() {
 		this.disconnect();
@@ -13831,7 +13859,7 @@ var Lm = class {
 		this.target0.copy(this.target), this.position0.copy(this.object.position), this.zoom0 = this.object.zoom;
 	}
 	reset() {
-		this.target.copy(this.target0), this.object.position.copy(this.position0), this.object.zoom = this.zoom0, this.object.updateProjectionMatrix(), this.dispatchEvent(Rm), this.update(), this.state = Km.NONE;
+		this.target.copy(this.target0), this.object.position.copy(this.position0), this.object.zoom = this.zoom0, this.object.updateProjectionMatrix(), this.dispatchEvent(zm), this.update(), this.state = qm.NONE;
 	}
 	pan(e, t) {
 		this._pan(e, t), this.update();
@@ -13850,19 +13878,19 @@ var Lm = class {
 	}
 	update(e = null) {
 		let t = this.object.position;
-		Wm.copy(t).sub(this.target), Wm.applyQuaternion(this._quat), this._spherical.setFromVector3(Wm), this.autoRotate && this.state === Km.NONE && this._rotateLeft(this._getAutoRotationAngle(e)), this.enableDamping ? (this._spherical.theta += this._sphericalDelta.theta * this.dampingFactor, this._spherical.phi += this._sphericalDelta.phi * this.dampingFactor) : (this._spherical.theta += this._sphericalDelta.theta, this._spherical.phi += this._sphericalDelta.phi);
+		Gm.copy(t).sub(this.target), Gm.applyQuaternion(this._quat), this._spherical.setFromVector3(Gm), this.autoRotate && this.state === qm.NONE && this._rotateLeft(this._getAutoRotationAngle(e)), this.enableDamping ? (this._spherical.theta += this._sphericalDelta.theta * this.dampingFactor, this._spherical.phi += this._sphericalDelta.phi * this.dampingFactor) : (this._spherical.theta += this._sphericalDelta.theta, this._spherical.phi += this._sphericalDelta.phi);
 		let n = this.minAzimuthAngle, r = this.maxAzimuthAngle;
-		isFinite(n) && isFinite(r) && (n < -Math.PI ? n += Gm : n > Math.PI && (n -= Gm), r < -Math.PI ? r += Gm : r > Math.PI && (r -= Gm), n <= r ? this._spherical.theta = Math.max(n, Math.min(r, this._spherical.theta)) : this._spherical.theta = this._spherical.theta > (n + r) / 2 ? Math.max(n, this._spherical.theta) : Math.min(r, this._spherical.theta)), this._spherical.phi = Math.max(this.minPolarAngle, Math.min(this.maxPolarAngle, this._spherical.phi)), this._spherical.makeSafe(), this.enableDamping === !0 ? this.target.addScaledVector(this._panOffset, this.dampingFactor) : this.target.add(this._panOffset), this.target.sub(this.cursor), this.target.clampLength(this.minTargetRadius, this.maxTargetRadius), this.target.add(this.cursor);
+		isFinite(n) && isFinite(r) && (n < -Math.PI ? n += Km : n > Math.PI && (n -= Km), r < -Math.PI ? r += Km : r > Math.PI && (r -= Km), n <= r ? this._spherical.theta = Math.max(n, Math.min(r, this._spherical.theta)) : this._spherical.theta = this._spherical.theta > (n + r) / 2 ? Math.max(n, this._spherical.theta) : Math.min(r, this._spherical.theta)), this._spherical.phi = Math.max(this.minPolarAngle, Math.min(this.maxPolarAngle, this._spherical.phi)), this._spherical.makeSafe(), this.enableDamping === !0 ? this.target.addScaledVector(this._panOffset, this.dampingFactor) : this.target.add(this._panOffset), this.target.sub(this.cursor), this.target.clampLength(this.minTargetRadius, this.maxTargetRadius), this.target.add(this.cursor);
 		let i = !1;
 		if (this.zoomToCursor && this._performCursorZoom || this.object.isOrthographicCamera) this._spherical.radius = this._clampDistance(this._spherical.radius);
 		else {
 			let e = this._spherical.radius;
 			this._spherical.radius = this._clampDistance(this._spherical.radius * this._scale), i = e != this._spherical.radius;
 		}
-		if (Wm.setFromSpherical(this._spherical), Wm.applyQuaternion(this._quatInverse), t.copy(this.target).add(Wm), this.object.lookAt(this.target), this.enableDamping === !0 ? (this._sphericalDelta.theta *= 1 - this.dampingFactor, this._sphericalDelta.phi *= 1 - this.dampingFactor, this._panOffset.multiplyScalar(1 - this.dampingFactor)) : (this._sphericalDelta.set(0, 0, 0), this._panOffset.set(0, 0, 0)), this.zoomToCursor && this._performCursorZoom) {
+		if (Gm.setFromSpherical(this._spherical), Gm.applyQuaternion(this._quatInverse), t.copy(this.target).add(Gm), this.object.lookAt(this.target), this.enableDamping === !0 ? (this._sphericalDelta.theta *= 1 - this.dampingFactor, this._sphericalDelta.phi *= 1 - this.dampingFactor, this._panOffset.multiplyScalar(1 - this.dampingFactor)) : (this._sphericalDelta.set(0, 0, 0), this._panOffset.set(0, 0, 0)), this.zoomToCursor && this._performCursorZoom) {
 			let e = null;
 			if (this.object.isPerspectiveCamera) {
-				let t = Wm.length();
+				let t = Gm.length();
 				e = this._clampDistance(t * this._scale);
 				let n = t - e;
 				this.object.position.addScaledVector(this._dollyDirection, n), this.object.updateMatrixWorld(), i = !!n;
@@ -13872,17 +13900,17 @@ var Lm = class {
 				let n = this.object.zoom;
 				this.object.zoom = Math.max(this.minZoom, Math.min(this.maxZoom, this.object.zoom / this._scale)), this.object.updateProjectionMatrix(), i = n !== this.object.zoom;
 				let r = new X(this._mouse.x, this._mouse.y, 0);
-				r.unproject(this.object), this.object.position.sub(r).add(t), this.object.updateMatrixWorld(), e = Wm.length();
+				r.unproject(this.object), this.object.position.sub(r).add(t), this.object.updateMatrixWorld(), e = Gm.length();
 			} else console.warn("WARNING: OrbitControls.js encountered an unknown camera type - zoom to cursor disabled."), this.zoomToCursor = !1;
-			e !== null && (this.screenSpacePanning ? this.target.set(0, 0, -1).transformDirection(this.object.matrix).multiplyScalar(e).add(this.object.position) : (Vm.origin.copy(this.object.position), Vm.direction.set(0, 0, -1).transformDirection(this.object.matrix), Math.abs(this.object.up.dot(Vm.direction)) < Um ? this.object.lookAt(this.target) : (Hm.setFromNormalAndCoplanarPoint(this.object.up, this.target), Vm.intersectPlane(Hm, this.target))));
+			e !== null && (this.screenSpacePanning ? this.target.set(0, 0, -1).transformDirection(this.object.matrix).multiplyScalar(e).add(this.object.position) : (Hm.origin.copy(this.object.position), Hm.direction.set(0, 0, -1).transformDirection(this.object.matrix), Math.abs(this.object.up.dot(Hm.direction)) < Wm ? this.object.lookAt(this.target) : (Um.setFromNormalAndCoplanarPoint(this.object.up, this.target), Hm.intersectPlane(Um, this.target))));
 		} else if (this.object.isOrthographicCamera) {
 			let e = this.object.zoom;
 			this.object.zoom = Math.max(this.minZoom, Math.min(this.maxZoom, this.object.zoom / this._scale)), e !== this.object.zoom && (this.object.updateProjectionMatrix(), i = !0);
 		}
-		return this._scale = 1, this._performCursorZoom = !1, i || this._lastPosition.distanceToSquared(this.object.position) > qm || 8 * (1 - this._lastQuaternion.dot(this.object.quaternion)) > qm || this._lastTargetPosition.distanceToSquared(this.target) > qm ? (this.dispatchEvent(Rm), this._lastPosition.copy(this.object.position), this._lastQuaternion.copy(this.object.quaternion), this._lastTargetPosition.copy(this.target), !0) : !1;
+		return this._scale = 1, this._performCursorZoom = !1, i || this._lastPosition.distanceToSquared(this.object.position) > Jm || 8 * (1 - this._lastQuaternion.dot(this.object.quaternion)) > Jm || this._lastTargetPosition.distanceToSquared(this.target) > Jm ? (this.dispatchEvent(zm), this._lastPosition.copy(this.object.position), this._lastQuaternion.copy(this.object.quaternion), this._lastTargetPosition.copy(this.target), !0) : !1;
 	}
 	_getAutoRotationAngle(e) {
-		return e === null ? Gm / 60 / 60 * this.autoRotateSpeed : Gm / 60 * this.autoRotateSpeed * e;
+		return e === null ? Km / 60 / 60 * this.autoRotateSpeed : Km / 60 * this.autoRotateSpeed * e;
 	}
 	_getZoomScale(e) {
 		let t = Math.abs(e * .01);
@@ -13895,17 +13923,17 @@ var Lm = class {
 		this._sphericalDelta.phi -= e;
 	}
 	_panLeft(e, t) {
-		Wm.setFromMatrixColumn(t, 0), Wm.multiplyScalar(-e), this._panOffset.add(Wm);
+		Gm.setFromMatrixColumn(t, 0), Gm.multiplyScalar(-e), this._panOffset.add(Gm);
 	}
 	_panUp(e, t) {
-		this.screenSpacePanning === !0 ? Wm.setFromMatrixColumn(t, 1) : (Wm.setFromMatrixColumn(t, 0), Wm.crossVectors(this.object.up, Wm)), Wm.multiplyScalar(e), this._panOffset.add(Wm);
+		this.screenSpacePanning === !0 ? Gm.setFromMatrixColumn(t, 1) : (Gm.setFromMatrixColumn(t, 0), Gm.crossVectors(this.object.up, Gm)), Gm.multiplyScalar(e), this._panOffset.add(Gm);
 	}
 	_pan(e, t) {
 		let n = this.domElement;
 		if (this.object.isPerspectiveCamera) {
 			let r = this.object.position;
-			Wm.copy(r).sub(this.target);
-			let i = Wm.length();
+			Gm.copy(r).sub(this.target);
+			let i = Gm.length();
 			i *= Math.tan(this.object.fov / 2 * Math.PI / 180), this._panLeft(2 * e * i / n.clientHeight, this.object.matrix), this._panUp(2 * t * i / n.clientHeight, this.object.matrix);
 		} else this.object.isOrthographicCamera ? (this._panLeft(e * (this.object.right - this.object.left) / this.object.zoom / n.clientWidth, this.object.matrix), this._panUp(t * (this.object.top - this.object.bottom) / this.object.zoom / n.clientHeight, this.object.matrix)) : (console.warn("WARNING: OrbitControls.js encountered an unknown camera type - pan disabled."), this.enablePan = !1);
 	}
@@ -13936,7 +13964,7 @@ var Lm = class {
 	_handleMouseMoveRotate(e) {
 		this._rotateEnd.set(e.clientX, e.clientY), this._rotateDelta.subVectors(this._rotateEnd, this._rotateStart).multiplyScalar(this.rotateSpeed);
 		let t = this.domElement;
-		this._rotateLeft(Gm * this._rotateDelta.x / t.clientHeight), this._rotateUp(Gm * this._rotateDelta.y / t.clientHeight), this._rotateStart.copy(this._rotateEnd), this.update();
+		this._rotateLeft(Km * this._rotateDelta.x / t.clientHeight), this._rotateUp(Km * this._rotateDelta.y / t.clientHeight), this._rotateStart.copy(this._rotateEnd), this.update();
 	}
 	_handleMouseMoveDolly(e) {
 		this._dollyEnd.set(e.clientX, e.clientY), this._dollyDelta.subVectors(this._dollyEnd, this._dollyStart), this._dollyDelta.y > 0 ? this._dollyOut(this._getZoomScale(this._dollyDelta.y)) : this._dollyDelta.y < 0 && this._dollyIn(this._getZoomScale(this._dollyDelta.y)), this._dollyStart.copy(this._dollyEnd), this.zoomToCursor && (this._performCursorZoom = !0, this._dollyDirection.set(this._mouse.x, this._mouse.y, 1).unproject(this.object).sub(this.object.position).normalize()), this.update();
@@ -13951,15 +13979,15 @@ var Lm = class {
 		let t = !1;
 		switch (e.code) {
 			case this.keys.UP:
-				e.ctrlKey || e.metaKey || e.shiftKey ? this.enableRotate && this._rotateUp(Gm * this.keyRotateSpeed / this.domElement.clientHeight) : this.enablePan && this._pan(0, this.keyPanSpeed), t = !0;
+				e.ctrlKey || e.metaKey || e.shiftKey ? this.enableRotate && this._rotateUp(Km * this.keyRotateSpeed / this.domElement.clientHeight) : this.enablePan && this._pan(0, this.keyPanSpeed), t = !0;
 				break;
 			case this.keys.BOTTOM:
-				e.ctrlKey || e.metaKey || e.shiftKey ? this.enableRotate && this._rotateUp(-Gm * this.keyRotateSpeed / this.domElement.clientHeight) : this.enablePan && this._pan(0, -this.keyPanSpeed), t = !0;
+				e.ctrlKey || e.metaKey || e.shiftKey ? this.enableRotate && this._rotateUp(-Km * this.keyRotateSpeed / this.domElement.clientHeight) : this.enablePan && this._pan(0, -this.keyPanSpeed), t = !0;
 				break;
 			case this.keys.LEFT:
-				e.ctrlKey || e.metaKey || e.shiftKey ? this.enableRotate && this._rotateLeft(Gm * this.keyRotateSpeed / this.domElement.clientHeight) : this.enablePan && this._pan(this.keyPanSpeed, 0), t = !0;
+				e.ctrlKey || e.metaKey || e.shiftKey ? this.enableRotate && this._rotateLeft(Km * this.keyRotateSpeed / this.domElement.clientHeight) : this.enablePan && this._pan(this.keyPanSpeed, 0), t = !0;
 				break;
-			case this.keys.RIGHT: e.ctrlKey || e.metaKey || e.shiftKey ? this.enableRotate && this._rotateLeft(-Gm * this.keyRotateSpeed / this.domElement.clientHeight) : this.enablePan && this._pan(-this.keyPanSpeed, 0), t = !0;
+			case this.keys.RIGHT: e.ctrlKey || e.metaKey || e.shiftKey ? this.enableRotate && this._rotateLeft(-Km * this.keyRotateSpeed / this.domElement.clientHeight) : this.enablePan && this._pan(-this.keyPanSpeed, 0), t = !0;
 		}
 		t && (e.preventDefault(), this.update());
 	}
@@ -13995,7 +14023,7 @@ var Lm = class {
 		}
 		this._rotateDelta.subVectors(this._rotateEnd, this._rotateStart).multiplyScalar(this.rotateSpeed);
 		let t = this.domElement;
-		this._rotateLeft(Gm * this._rotateDelta.x / t.clientHeight), this._rotateUp(Gm * this._rotateDelta.y / t.clientHeight), this._rotateStart.copy(this._rotateEnd);
+		this._rotateLeft(Km * this._rotateDelta.x / t.clientHeight), this._rotateUp(Km * this._rotateDelta.y / t.clientHeight), this._rotateStart.copy(this._rotateEnd);
 	}
 	_handleTouchMovePan(e) {
 		if (this._pointers.length === 1) this._panEnd.set(e.pageX, e.pageY);
@@ -14054,16 +14082,16 @@ var Lm = class {
 		return e.ctrlKey && !this._controlActive && (n.deltaY *= 10), n;
 	}
 };
-function Ym(e) {
+function Xm(e) {
 	this.enabled !== !1 && (this._pointers.length === 0 && (this.domElement.setPointerCapture(e.pointerId), this.domElement.ownerDocument.addEventListener("pointermove", this._onPointerMove), this.domElement.ownerDocument.addEventListener("pointerup", this._onPointerUp)), this._isTrackingPointer(e) || (this._addPointer(e), e.pointerType === "touch" ? this._onTouchStart(e) : this._onMouseDown(e), this._cursorStyle === "grab" && (this.domElement.style.cursor = "grabbing")));
 }
-function Xm(e) {
+function Zm(e) {
 	this.enabled !== !1 && (e.pointerType === "touch" ? this._onTouchMove(e) : this._onMouseMove(e));
 }
-function Zm(e) {
+function Qm(e) {
 	switch (this._removePointer(e), this._pointers.length) {
 		case 0:
-			this.domElement.releasePointerCapture(e.pointerId), this.domElement.ownerDocument.removeEventListener("pointermove", this._onPointerMove), this.domElement.ownerDocument.removeEventListener("pointerup", this._onPointerUp), this.dispatchEvent(Bm), this.state = Km.NONE, this._cursorStyle === "grab" && (this.domElement.style.cursor = "grab");
+			this.domElement.releasePointerCapture(e.pointerId), this.domElement.ownerDocument.removeEventListener("pointermove", this._onPointerMove), this.domElement.ownerDocument.removeEventListener("pointerup", this._onPointerUp), this.dispatchEvent(Vm), this.state = qm.NONE, this._cursorStyle === "grab" && (this.domElement.style.cursor = "grab");
 			break;
 		case 1:
 			let t = this._pointers[0], n = this._pointerPositions[t];
@@ -14074,7 +14102,7 @@ function Zm(e) {
 			});
 	}
 }
-function Qm(t) {
+function $m(t) {
 	let n;
 	switch (t.button) {
 		case 0:
@@ -14091,135 +14119,135 @@ function Qm(t) {
 	switch (n) {
 		case e.DOLLY:
 			if (this.enableZoom === !1) return;
-			this._handleMouseDownDolly(t), this.state = Km.DOLLY;
+			this._handleMouseDownDolly(t), this.state = qm.DOLLY;
 			break;
 		case e.ROTATE:
 			if (t.ctrlKey || t.metaKey || t.shiftKey) {
 				if (this.enablePan === !1) return;
-				this._handleMouseDownPan(t), this.state = Km.PAN;
+				this._handleMouseDownPan(t), this.state = qm.PAN;
 			} else {
 				if (this.enableRotate === !1) return;
-				this._handleMouseDownRotate(t), this.state = Km.ROTATE;
+				this._handleMouseDownRotate(t), this.state = qm.ROTATE;
 			}
 			break;
 		case e.PAN:
 			if (t.ctrlKey || t.metaKey || t.shiftKey) {
 				if (this.enableRotate === !1) return;
-				this._handleMouseDownRotate(t), this.state = Km.ROTATE;
+				this._handleMouseDownRotate(t), this.state = qm.ROTATE;
 			} else {
 				if (this.enablePan === !1) return;
-				this._handleMouseDownPan(t), this.state = Km.PAN;
+				this._handleMouseDownPan(t), this.state = qm.PAN;
 			}
 			break;
-		default: this.state = Km.NONE;
+		default: this.state = qm.NONE;
 	}
-	this.state !== Km.NONE && this.dispatchEvent(zm);
+	this.state !== qm.NONE && this.dispatchEvent(Bm);
 }
-function $m(e) {
+function eh(e) {
 	switch (this.state) {
-		case Km.ROTATE:
+		case qm.ROTATE:
 			if (this.enableRotate === !1) return;
 			this._handleMouseMoveRotate(e);
 			break;
-		case Km.DOLLY:
+		case qm.DOLLY:
 			if (this.enableZoom === !1) return;
 			this._handleMouseMoveDolly(e);
 			break;
-		case Km.PAN:
+		case qm.PAN:
 			if (this.enablePan === !1) return;
 			this._handleMouseMovePan(e);
 	}
 }
-function eh(e) {
-	this.enabled !== !1 && this.enableZoom !== !1 && this.state === Km.NONE && (e.preventDefault(), this.dispatchEvent(zm), this._handleMouseWheel(this._customWheelEvent(e)), this.dispatchEvent(Bm));
-}
 function th(e) {
-	this.enabled !== !1 && this._handleKeyDown(e);
+	this.enabled !== !1 && this.enableZoom !== !1 && this.state === qm.NONE && (e.preventDefault(), this.dispatchEvent(Bm), this._handleMouseWheel(this._customWheelEvent(e)), this.dispatchEvent(Vm));
 }
 function nh(e) {
+	this.enabled !== !1 && this._handleKeyDown(e);
+}
+function rh(e) {
 	switch (this._trackPointer(e), this._pointers.length) {
 		case 1:
 			switch (this.touches.ONE) {
 				case t.ROTATE:
 					if (this.enableRotate === !1) {
-						this.state = Km.NONE;
+						this.state = qm.NONE;
 						break;
 					}
-					this._handleTouchStartRotate(e), this.state = Km.TOUCH_ROTATE;
+					this._handleTouchStartRotate(e), this.state = qm.TOUCH_ROTATE;
 					break;
 				case t.PAN:
 					if (this.enablePan === !1) {
-						this.state = Km.NONE;
+						this.state = qm.NONE;
 						break;
 					}
-					this._handleTouchStartPan(e), this.state = Km.TOUCH_PAN;
+					this._handleTouchStartPan(e), this.state = qm.TOUCH_PAN;
 					break;
-				default: this.state = Km.NONE;
+				default: this.state = qm.NONE;
 			}
 			break;
 		case 2:
 			switch (this.touches.TWO) {
 				case t.DOLLY_PAN:
 					if (this.enableZoom === !1 && this.enablePan === !1) return;
-					this._handleTouchStartDollyPan(e), this.state = Km.TOUCH_DOLLY_PAN;
+					this._handleTouchStartDollyPan(e), this.state = qm.TOUCH_DOLLY_PAN;
 					break;
 				case t.DOLLY_ROTATE:
 					if (this.enableZoom === !1 && this.enableRotate === !1) return;
-					this._handleTouchStartDollyRotate(e), this.state = Km.TOUCH_DOLLY_ROTATE;
+					this._handleTouchStartDollyRotate(e), this.state = qm.TOUCH_DOLLY_ROTATE;
 					break;
-				default: this.state = Km.NONE;
+				default: this.state = qm.NONE;
 			}
 			break;
-		default: this.state = Km.NONE;
+		default: this.state = qm.NONE;
 	}
-	this.state !== Km.NONE && this.dispatchEvent(zm);
+	this.state !== qm.NONE && this.dispatchEvent(Bm);
 }
-function rh(e) {
+function ih(e) {
 	switch (this._trackPointer(e), this.state) {
-		case Km.TOUCH_ROTATE:
+		case qm.TOUCH_ROTATE:
 			if (this.enableRotate === !1) return;
 			this._handleTouchMoveRotate(e), this.update();
 			break;
-		case Km.TOUCH_PAN:
+		case qm.TOUCH_PAN:
 			if (this.enablePan === !1) return;
 			this._handleTouchMovePan(e), this.update();
 			break;
-		case Km.TOUCH_DOLLY_PAN:
+		case qm.TOUCH_DOLLY_PAN:
 			if (this.enableZoom === !1 && this.enablePan === !1) return;
 			this._handleTouchMoveDollyPan(e), this.update();
 			break;
-		case Km.TOUCH_DOLLY_ROTATE:
+		case qm.TOUCH_DOLLY_ROTATE:
 			if (this.enableZoom === !1 && this.enableRotate === !1) return;
 			this._handleTouchMoveDollyRotate(e), this.update();
 			break;
-		default: this.state = Km.NONE;
+		default: this.state = qm.NONE;
 	}
 }
-function ih(e) {
+function ah(e) {
 	this.enabled !== !1 && e.preventDefault();
 }
-function ah(e) {
+function oh(e) {
 	e.key === "Control" && (this._controlActive = !0, this.domElement.ownerDocument.addEventListener("keyup", this._interceptControlUp, {
 		passive: !0,
 		capture: !0
 	}));
 }
-function oh(e) {
+function sh(e) {
 	e.key === "Control" && (this._controlActive = !1, this.domElement.ownerDocument.removeEventListener("keyup", this._interceptControlUp, {
 		passive: !0,
 		capture: !0
 	}));
 }
 // src/stage.ts
-function sh(e, t) {
-	let { names: n, places: r } = e.points, i = ch ??= hl(r), a = new X(), o = 0;
+function ch(e, t) {
+	let { names: n, places: r } = e.points, i = lh ??= hl(r), a = new X(), o = 0;
 	for (let e = 0; e < n.length; e++) {
 		let r = 3 * (t * n.length + e);
 		Number.isFinite(i[r]) && (a.add(new X().fromArray(i, r)), o++);
 	}
 	return o ? a.divideScalar(o) : null;
 }
-var ch, lh = class {
+var lh, uh = class {
 	scene;
 	renderer;
 	room = new An();
@@ -14234,16 +14262,16 @@ var ch, lh = class {
 			preserveDrawingBuffer: !0
 		}), this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2)), this.room.background = new Q(16777215);
 		let r = new Ma(16777215, 2.2);
-		r.position.set(2, -3, 5), this.room.add(new Na(16777215, 1.3), r, t.object, this.grid), this.grid.rotation.x = Math.PI / 2, this.grid.position.z = e.floor_m, this.camera.up.set(0, 0, 1), this.controls = new Jm(this.camera, n), this.controls.enablePan = !1, this.controls.addEventListener("change", () => this.draw()), this.lookFromTheSide(), n.addEventListener("keydown", (e) => this.key(e));
+		r.position.set(2, -3, 5), this.room.add(new Na(16777215, 1.3), r, t.object, this.grid), this.grid.rotation.x = Math.PI / 2, this.grid.position.z = e.floor_m, this.camera.up.set(0, 0, 1), this.controls = new Ym(this.camera, n), this.controls.enablePan = !1, this.controls.addEventListener("change", () => this.draw()), this.lookFromTheSide(), n.addEventListener("keydown", (e) => this.key(e));
 	}
 	lookFromTheSide() {
-		let e = sh(this.scene, 0) ?? new X(0, 0, 1), t = (sh(this.scene, this.scene.frames - 1) ?? e).clone().sub(e).setZ(0);
+		let e = ch(this.scene, 0) ?? new X(0, 0, 1), t = (ch(this.scene, this.scene.frames - 1) ?? e).clone().sub(e).setZ(0);
 		t.length() < .3 && t.set(1, 0, 0), t.normalize();
-		let n = new X(t.y, -t.x, 0).multiplyScalar(3.2).addScaledVector(t, 1.4).setZ(.5);
+		let n = new X(t.y, -t.x, 0).multiplyScalar(3.8).addScaledVector(t, 1.7).setZ(.5);
 		this.controls.target.copy(e), this.camera.position.copy(e).add(n), this.controls.update();
 	}
 	follow(e) {
-		let t = sh(this.scene, e);
+		let t = ch(this.scene, e);
 		t && (this.camera.position.add(t.clone().sub(this.controls.target)), this.controls.target.copy(t)), this.controls.update(), this.draw();
 	}
 	draw() {
@@ -14269,53 +14297,53 @@ var ch, lh = class {
 		else return;
 		e.preventDefault(), this.camera.position.copy(this.controls.target).add(t), this.controls.update(), this.draw();
 	}
-}, uh = pl(), dh = (e) => document.getElementById(e), fh = dh("time"), ph = bl(uh), mh = null, hh = null;
+}, dh = pl(), fh = (e) => document.getElementById(e), ph = fh("time"), mh = bl(dh), hh = null, gh = null;
 try {
-	mh = new lh(uh, ph, dh("stage")), hh = new Lm(ph);
+	hh = new uh(dh, mh, fh("stage")), gh = new Rm(mh);
 } catch {
-	dh("no-webgl").hidden = !1;
+	fh("no-webgl").hidden = !1;
 }
-var gh = new Pm(uh, dh("curves"), dh("group"), _h);
-function _h(e) {
-	let t = Math.min(Math.max(Math.round(e), 0), uh.frames - 1);
-	fh.value = String(t);
-	let n = uh.first_frame + t, r = ph.pose(t), i = `frame ${n} · ${(t / uh.fps).toFixed(2)} s${r ? "" : " · nobody seen"}`;
-	dh("clock").textContent = i, fh.setAttribute("aria-valuetext", i), document.body.dataset.frame = String(n), mh?.follow(t), vh(t), gh.show(t);
-}
+var _h = new Pm(dh, fh("curves"), fh("group"), vh);
 function vh(e) {
-	let t = dh("camera"), n = dh("camera-choice");
-	t && n && hh && hh.camera(uh.views[Number(n.value)], e, t, 420, "moving");
+	let t = Math.min(Math.max(Math.round(e), 0), dh.frames - 1);
+	ph.value = String(t);
+	let n = dh.first_frame + t, r = mh.pose(t), i = `frame ${n} · ${(t / dh.fps).toFixed(2)} s${r ? "" : " · nobody seen"}`;
+	fh("clock").textContent = i, ph.setAttribute("aria-valuetext", i), document.body.dataset.frame = String(n), hh?.follow(t), yh(t), _h.show(t);
 }
-function yh() {
-	let e = dh("sheet");
-	if (!e || !hh) return;
-	let t = Math.floor(uh.frames / 2);
-	ph.pose(t);
-	for (let n of uh.views) {
-		let r = document.createElement("figure"), i = document.createElement("canvas"), a = document.createElement("figcaption");
-		a.textContent = `${n.name}, frame ${uh.first_frame + t}`, hh.camera(n, t, i, 260, "still"), r.append(i, a), e.append(r);
-	}
+function yh(e) {
+	let t = fh("camera"), n = fh("camera-choice");
+	t && n && gh && gh.camera(dh.views[Number(n.value)], e, t, 420);
 }
 function bh() {
+	let e = fh("sheet");
+	if (!e || !gh) return;
+	let t = Math.floor(dh.frames / 2);
+	mh.pose(t);
+	for (let n of dh.views) {
+		let r = document.createElement("figure"), i = document.createElement("canvas"), a = document.createElement("figcaption");
+		a.textContent = `${n.name}, frame ${dh.first_frame + t}`, gh.camera(n, t, i, 260), r.append(i, a), e.append(r);
+	}
+}
+function xh() {
 	for (let e of document.querySelectorAll("img[data-portrait]")) {
-		let t = hh?.portrait(e.dataset.portrait);
+		let t = gh?.portrait(e.dataset.portrait);
 		t ? e.src = t : e.closest("figure")?.remove();
 	}
 }
-var xh = 0;
-function Sh() {
-	let e = dh("play");
-	if (xh) cancelAnimationFrame(xh), xh = 0;
+var Sh = 0;
+function Ch() {
+	let e = fh("play");
+	if (Sh) cancelAnimationFrame(Sh), Sh = 0;
 	else {
-		let [e, t] = [performance.now(), Number(fh.value)], n = (r) => {
-			t = (t + (r - e) / 1e3 * uh.fps * Number(dh("speed").value)) % uh.frames, e = r, _h(Math.floor(t)), xh = requestAnimationFrame(n);
+		let [e, t] = [performance.now(), Number(ph.value)], n = (r) => {
+			t = (t + (r - e) / 1e3 * dh.fps * Number(fh("speed").value)) % dh.frames, e = r, vh(Math.floor(t)), Sh = requestAnimationFrame(n);
 		};
-		xh = requestAnimationFrame(n);
+		Sh = requestAnimationFrame(n);
 	}
-	e.textContent = xh ? "⏸" : "▶", e.setAttribute("aria-label", xh ? "Pause" : "Play");
+	e.textContent = Sh ? "⏸" : "▶", e.setAttribute("aria-label", Sh ? "Pause" : "Play");
 }
-fh.addEventListener("input", () => _h(Number(fh.value))), dh("play").addEventListener("click", Sh), dh("camera-choice")?.addEventListener("change", () => vh(Number(fh.value))), dh("colour-blind").addEventListener("change", (e) => {
-	document.body.classList.toggle("cb", e.target.checked), gh.draw();
-}), addEventListener("resize", () => mh?.draw()), _h(0), document.body.dataset.ready = String(Math.round(performance.now())), setTimeout(() => {
-	bh(), yh(), _h(Number(fh.value)), document.body.dataset.complete = String(Math.round(performance.now()));
+ph.addEventListener("input", () => vh(Number(ph.value))), fh("play").addEventListener("click", Ch), fh("camera-choice")?.addEventListener("change", () => yh(Number(ph.value))), fh("colour-blind").addEventListener("change", (e) => {
+	document.body.classList.toggle("cb", e.target.checked), _h.draw();
+}), addEventListener("resize", () => hh?.draw()), vh(0), document.body.dataset.ready = String(Math.round(performance.now())), setTimeout(() => {
+	xh(), bh(), vh(Number(ph.value)), document.body.dataset.complete = String(Math.round(performance.now()));
 });
