@@ -1,7 +1,7 @@
 //! What went wrong, in one line.
 
 use crate::gait::GaitError;
-use crate::io::export::{BvhError, C3dError};
+use crate::io::export::{BvhError, C3dError, GlbError};
 use crate::io::gait::{GaitInputError, NormError};
 use crate::io::journal::JournalError;
 use crate::io::model::ModelFileError;
@@ -98,6 +98,9 @@ pub(super) enum CliError {
     /// A BVH that cannot be written.
     #[error(transparent)]
     Bvh(#[from] BvhError),
+    /// A glTF that cannot be written.
+    #[error(transparent)]
+    Glb(#[from] GlbError),
     /// A body that the coordinates of OpenSim do not fit.
     #[error("{}: --format {format}: the body {body} has no part named pelvis", path.display())]
     NoCoordinates {

@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use super::error::CliError;
 use super::print;
 use crate::gait::{Gait, GaitOptions, Recording, analyse};
-use crate::io::export::{C3dInput, TableKind, bvh, c3d, coordinates, motion_text};
+use crate::io::export::{C3dInput, TableKind, bvh, c3d, coordinates, glb, motion_text};
 use crate::io::gait::{FittedBody, FittedPoint, GaitInput, angles_csv, read_fit};
 use crate::io::out_folder::{OutFolder, write_atomically};
 use crate::io::trc::{Trajectories, write_trc};
@@ -15,7 +15,7 @@ use crate::io::trc::{Trajectories, write_trc};
 pub(super) const ABOUT: &str = "\
 Write a fit in the formats of other programs.
 
-Reads the folder of a finished `maquette fit` and writes NAME.c3d, .trc, .mot, .sto, .bvh or .csv into its folder \
+Reads the folder of a finished `maquette fit` and writes NAME.c3d, .trc, .mot, .sto, .bvh, .glb or .csv into its folder \
 export. Every file's world is Y up. docs/formats.md says what each holds.";
 
 pub(super) const EXAMPLES: &str = "\
@@ -51,6 +51,8 @@ enum Format {
     Sto,
     /// Skeleton in T-pose and its motion
     Bvh,
+    /// glTF 2.0: the skin on its bones, moving (bodies with metaballs)
+    Glb,
     /// Angles, frame by frame
     Csv,
 }
@@ -62,9 +64,14 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
         return Ok(());
     };
     let gait = analyse(&input.recording, &GaitOptions::default())?;
-    let formats = match arguments.format.as_slice() {
-        [] => Format::value_variants(),
-        some => some,
+    let has_skin = !body.model.metaballs.is_empty();
+    let is_possible = |format: &&Format| has_skin || **format != Format::Glb;
+    let formats: Vec<&Format> = match arguments.format.as_slice() {
+        [] => Format::value_variants()
+            .iter()
+            .filter(is_possible)
+            .collect(),
+        some => some.iter().collect(),
     };
     let folder = arguments.out.join("export");
     OutFolder::open(&folder)?;
@@ -87,6 +94,7 @@ impl Format {
             Self::Mot => "mot",
             Self::Sto => "sto",
             Self::Bvh => "bvh",
+            Self::Glb => "glb",
             Self::Csv => "csv",
         }
     }
@@ -117,6 +125,14 @@ fn bytes_of(
                 angles: &gait.angles,
                 events: &gait.events,
             })?);
+        }
+        Format::Glb => {
+            return Ok(glb(
+                &body.model,
+                &body.shape,
+                &body.motions,
+                recording.rate_hz,
+            )?);
         }
         Format::Csv => return Ok(angles_csv(gait, recording)?),
         Format::Trc => trc(body, recording),

@@ -144,7 +144,8 @@ impl Figure {
             .with_tick_size(10)
             // the same for all, so that charts under each other stand in line
             .with_force_margins(46.0, 12.0)
-            .with_force_margins_y(24.0, if x.label.is_empty() { 22.0 } else { 38.0 });
+            // room for the title
+            .with_force_margins_y(34.0, if x.label.is_empty() { 24.0 } else { 38.0 });
         let rules = self.rules.iter().cloned();
         rules.fold(layout, Layout::with_reference_line)
     }

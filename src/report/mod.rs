@@ -13,7 +13,7 @@
 //! | `shape.rs`          | lengths and girths of the body                                        |
 //! | `girth.rs`          | how far it is around a limb                                           |
 //! | `motion.rs`         | places for the body that moves, its curves and cameras                |
-//! | `scene.rs`          | what the page's program shows there; `skin.rs`: the skin and its bones |
+//! | `scene.rs`          | what the page's program shows there                                   |
 //! | `views.rs`          | cameras and the outlines that they saw                                |
 //! | `figure.rs`         | one chart                                                             |
 //! | `label.rs`          | clinical names and signs                                              |
@@ -30,7 +30,6 @@ mod quality;
 mod scene;
 mod scores;
 mod shape;
-mod skin;
 mod spatiotemporal;
 mod views;
 

@@ -5,12 +5,12 @@ use base64::prelude::BASE64_STANDARD;
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 use serde::Serialize;
 
-use super::skin::{SkinnedMesh, skinned};
 use super::{CameraOutlines, ReportInput, label};
 use crate::body::{BodyModel, Motion, PartId, Posed, Primitive, Shape};
 use crate::gait::{Event, Side};
 use crate::io::gait::FittedBody;
 use crate::math::stats::median;
+use crate::skin::{SkinnedMesh, bind_pose, skinned};
 
 /// Everything; the program's side of it is `web/src/scene.ts`.
 #[derive(Debug, Serialize)]
@@ -33,8 +33,8 @@ pub(super) struct Scene<'a> {
 struct BodyPart {
     /// Of each part in each frame x, y, z and the quaternion x, y, z, w: f32; NaN where nobody was seen.
     poses: String,
-    /// The same at rest.
-    rest: String,
+    /// The same in the pose of binding: at rest, limbs apart.
+    bind: String,
     parts: usize,
     flesh: FleshPart,
 }
@@ -43,7 +43,7 @@ struct BodyPart {
 #[derive(Debug, Serialize)]
 #[serde(tag = "kind", rename_all = "lowercase")]
 enum FleshPart {
-    /// A skin at rest; vertices f32, triangles u32, bones u8, weights f32.
+    /// A skin in the pose of binding; vertices f32, triangles u32, bones u8, weights f32.
     Skin {
         vertices: String,
         normals: String,
@@ -156,7 +156,7 @@ fn body_part(body: &FittedBody) -> BodyPart {
     };
     BodyPart {
         poses: base64_of_f32(body.motions.iter().flat_map(of)),
-        rest: base64_of_f32(poses(model, shape, &Motion::rest(model))),
+        bind: base64_of_f32(poses(model, shape, &bind_pose(model, shape))),
         parts: model.parts.len(),
         flesh: flesh(model, shape),
     }
@@ -190,6 +190,7 @@ fn flesh(model: &BodyModel, shape: &Shape) -> FleshPart {
         mesh,
         parts,
         weights,
+        ..
     }) = skin
     else {
         return FleshPart::Ellipsoids {

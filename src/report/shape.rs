@@ -33,7 +33,7 @@ fn of_fit(result: &ResultFile, input: &ReportInput<'_>) -> Markup {
             div class="portraits" {
                 @for (view, name) in [("front", "from the front"), ("side", "from the side")] {
                     figure {
-                        img data-portrait=(view) alt={ "The fitted body at rest, " (name) };
+                        img data-portrait=(view) alt={ "The fitted body, " (name) };
                         figcaption { (name) }
                     }
                 }
@@ -50,7 +50,7 @@ fn of_fit(result: &ResultFile, input: &ReportInput<'_>) -> Markup {
             }
             ". σ is how far the proposals of the keyframes scatter, p how probable one of them lies within ε. "
             "Joint centres lie in the flesh: outlines do not show them, and statistics of people go into the lengths. "
-            "Girths: around the body at rest, in the middle of the length and square to it; their ± takes the errors of the "
+            "Girths: around the limb in the middle of the length and square to it; their ± takes the errors of the "
             "shape coefficients as independent."
         }
     }

@@ -22,7 +22,7 @@ export function makeBody(scene: Scene): Body {
 function fitted(body: NonNullable<Scene['body']>): Body {
   const object = new Group()
   const poses = floats(body.poses)
-  const atRest = floats(body.rest)
+  const atRest = floats(body.bind)
   const bones = Array.from({ length: body.parts }, () => new Bone())
   object.add(...bones)
   const place = (from: Float32Array, start: number) => {

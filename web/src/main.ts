@@ -15,7 +15,6 @@ let stage: Stage | null = null
 let painter: Painter | null = null
 try {
   stage = new Stage(scene, body, get<HTMLCanvasElement>('stage')!)
-  painter = new Painter(body)
 } catch {
   get('no-webgl')!.hidden = false
 }
@@ -99,6 +98,7 @@ seek(0)
 document.body.dataset.ready = String(Math.round(performance.now()))
 // what stands still can wait until the page answers
 setTimeout(() => {
+  if (stage) painter = new Painter(body)
   fillPortraits()
   fillSheet()
   seek(Number(slider.value))

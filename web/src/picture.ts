@@ -119,14 +119,15 @@ export class Painter {
     if (!this.body.rest()) return null
     const box = new Box3().setFromObject(this.body.object, true)
     const size = box.getSize(new Vector3()), centre = box.getCenter(new Vector3())
-    const half = 0.53 * Math.max(size.z, size.y, 0.1)
-    const eye = new OrthographicCamera(-0.62 * half, 0.62 * half, half, -half, 0.01, 20)
+    const half = 0.53 * Math.max(size.z, 0.1)
+    const wide = from === 'front' ? 0.53 * size.y : 0.3 * size.z
+    const eye = new OrthographicCamera(-wide, wide, half, -half, 0.01, 20)
     // at rest the body faces x, with z up
     const way = from === 'front' ? new Vector3(1, 0, 0) : new Vector3(0, -1, 0)
     eye.up.set(0, 0, 1)
     eye.position.copy(centre).addScaledVector(way, 5)
     eye.lookAt(centre)
     eye.updateMatrixWorld()
-    return this.shot(eye, 434, 700).toDataURL('image/png')
+    return this.shot(eye, Math.round((700 * wide) / half), 700).toDataURL('image/png')
   }
 }

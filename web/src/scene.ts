@@ -31,7 +31,7 @@ export type Scene = {
   first_frame: number
   frames: number
   floor_m: number
-  body: { poses: string; rest: string; parts: number; flesh: Skin | Ellipsoids } | null
+  body: { poses: string; bind: string; parts: number; flesh: Skin | Ellipsoids } | null
   points: { names: string[]; places: string }
   tracks: Track[]
   events: { side: Side; kind: 'strike' | 'off'; time_s: number }[]

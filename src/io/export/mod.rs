@@ -5,17 +5,20 @@
 //! | `c3d.rs` | C3D: points with SD and cameras, angles, events                    |
 //! | `mot.rs` | OpenSim's motion: Rajagopal's coordinates; `.mot` and `.sto`        |
 //! | `bvh.rs` | BVH: a skeleton in T-pose and its rotations                        |
+//! | `glb.rs` | glTF 2.0, binary: the skin on its bones, moving                    |
 //!
 //! Every file's world is Y up: (X, Y, Z) of our Z-up world stands there as (Y, Z, X), as in a TRC.
 
 mod bvh;
 mod c3d;
+mod glb;
 mod mot;
 
 use nalgebra::{Matrix3, Vector3};
 
 pub use bvh::{BvhError, bvh};
 pub use c3d::{C3dError, C3dInput, c3d};
+pub use glb::{GlbError, glb};
 pub use mot::{MotionTable, TableKind, coordinates, motion_text};
 
 /// The file's world from ours.

@@ -11386,7 +11386,7 @@ function bl(e) {
 	return e.body ? xl(e.body) : Tl(e);
 }
 function xl(e) {
-	let t = new Sn(), n = hl(e.poses), r = hl(e.rest), i = Array.from({ length: e.parts }, () => new si());
+	let t = new Sn(), n = hl(e.poses), r = hl(e.bind), i = Array.from({ length: e.parts }, () => new si());
 	t.add(...i);
 	let a = (e, n) => {
 		let r = Number.isFinite(e[n]);
@@ -13794,8 +13794,8 @@ var Rm = class {
 	}
 	portrait(e) {
 		if (!this.body.rest()) return null;
-		let t = new Gn().setFromObject(this.body.object, !0), n = t.getSize(new X()), r = t.getCenter(new X()), i = .53 * Math.max(n.z, n.y, .1), a = new Aa(-.62 * i, .62 * i, i, -i, .01, 20), o = e === "front" ? new X(1, 0, 0) : new X(0, -1, 0);
-		return a.up.set(0, 0, 1), a.position.copy(r).addScaledVector(o, 5), a.lookAt(r), a.updateMatrixWorld(), this.shot(a, 434, 700).toDataURL("image/png");
+		let t = new Gn().setFromObject(this.body.object, !0), n = t.getSize(new X()), r = t.getCenter(new X()), i = .53 * Math.max(n.z, .1), a = e === "front" ? .53 * n.y : .3 * n.z, o = new Aa(-a, a, i, -i, .01, 20), s = e === "front" ? new X(1, 0, 0) : new X(0, -1, 0);
+		return o.up.set(0, 0, 1), o.position.copy(r).addScaledVector(s, 5), o.lookAt(r), o.updateMatrixWorld(), this.shot(o, Math.round(700 * a / i), 700).toDataURL("image/png");
 	}
 }, zm = { type: "change" }, Bm = { type: "start" }, Vm = { type: "end" }, Hm = new Fr(), Um = new Or(), Wm = Math.cos(70 * Ct.DEG2RAD), Gm = new X(), Km = 2 * Math.PI, qm = {
 	NONE: -1,
@@ -14299,7 +14299,7 @@ var lh, uh = class {
 	}
 }, dh = pl(), fh = (e) => document.getElementById(e), ph = fh("time"), mh = bl(dh), hh = null, gh = null;
 try {
-	hh = new uh(dh, mh, fh("stage")), gh = new Rm(mh);
+	hh = new uh(dh, mh, fh("stage"));
 } catch {
 	fh("no-webgl").hidden = !1;
 }
@@ -14345,5 +14345,5 @@ function Ch() {
 ph.addEventListener("input", () => vh(Number(ph.value))), fh("play").addEventListener("click", Ch), fh("camera-choice")?.addEventListener("change", () => yh(Number(ph.value))), fh("colour-blind").addEventListener("change", (e) => {
 	document.body.classList.toggle("cb", e.target.checked), _h.draw();
 }), addEventListener("resize", () => hh?.draw()), vh(0), document.body.dataset.ready = String(Math.round(performance.now())), setTimeout(() => {
-	xh(), bh(), vh(Number(ph.value)), document.body.dataset.complete = String(Math.round(performance.now()));
+	hh && (gh = new Rm(mh)), xh(), bh(), vh(Number(ph.value)), document.body.dataset.complete = String(Math.round(performance.now()));
 });
