@@ -165,11 +165,12 @@ mod tests {
 
     #[test]
     fn the_mean_bodys_girths_are_a_persons_on_either_body() {
-        // generous: mid-thigh, calf near its middle, waist, of adults (metres)
+        // generous, of adults (metres)
         let people = [
             ("thigh", 0.38, 0.70),
             ("shank", 0.24, 0.45),
-            ("trunk", 0.6, 1.2),
+            ("upper_arm", 0.20, 0.42),
+            ("forearm", 0.16, 0.32),
         ];
         for body in ["human-ellipsoids", "human-metaballs"] {
             let girths = of(body);
