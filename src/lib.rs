@@ -13,13 +13,16 @@
 //! | least squares                | [`solver`]                                              |
 //! | the skin as a mesh           | [`skin`]                                                |
 //! | recordings with truth        | [`synth`], [`render`]                                   |
+//! | how a person walks           | [`gait`]                                                |
 //! | the order of the stages      | [`pipeline`]                                            |
 //! | files                        | [`io`]                                                  |
+//! | what a clinician reads       | [`report`]                                              |
 //! | the program                  | [`cli`]                                                 |
 
 pub mod body;
 pub mod camera;
 pub mod cli;
+pub mod gait;
 pub mod image;
 pub mod inference;
 pub mod io;
@@ -27,6 +30,7 @@ pub mod likelihood;
 pub mod math;
 pub mod pipeline;
 pub mod render;
+pub mod report;
 pub mod silhouette;
 pub mod skin;
 pub mod solver;

@@ -16,7 +16,8 @@ const LAYERS: &[&[&str]] = &[
     &["likelihood"],
     &["inference", "synth", "gait"],
     &["pipeline"],
-    &["io", "report"],
+    &["io"],
+    &["report"],
     &["cli"],
 ];
 

@@ -68,6 +68,16 @@ impl<'a> Posed<'a> {
         &self.frames[FrameId::of(self.model.parts[part.0].joint).0]
     }
 
+    /// Where a part's own joint is in the world.
+    pub fn origin_of_part(&self, part: PartId) -> Point3<f64> {
+        Point3::from(self.frame(part).origin_world)
+    }
+
+    /// Orientation of a part in the world: its axes as columns.
+    pub fn world_from_part(&self, part: PartId) -> Matrix3<f64> {
+        self.frame(part).world_from_frame
+    }
+
     /// A point fixed to a part, in the world.
     pub fn point(&self, part: PartId, place: &ScaledVector) -> Point3<f64> {
         let frame = self.frame(part);

@@ -1,6 +1,9 @@
 //! What went wrong, in one line.
 
+use crate::gait::GaitError;
+use crate::io::export::{BvhError, C3dError, GlbError};
 use crate::io::frames::FramesError;
+use crate::io::gait::{GaitInputError, NormError};
 use crate::io::journal::JournalError;
 use crate::io::model::ModelFileError;
 use crate::io::out_folder::OutError;
@@ -94,6 +97,37 @@ pub(super) enum CliError {
     /// A synthetic recording that cannot be written.
     #[error(transparent)]
     Synthetic(#[from] SyntheticError),
+    /// What gait analysis cannot read.
+    #[error(transparent)]
+    GaitInput(#[from] GaitInputError),
+    /// A recording without gait.
+    #[error(transparent)]
+    Gait(#[from] GaitError),
+    /// A C3D that cannot be written.
+    #[error(transparent)]
+    C3d(#[from] C3dError),
+    /// A BVH that cannot be written.
+    #[error(transparent)]
+    Bvh(#[from] BvhError),
+    /// A glTF that cannot be written.
+    #[error(transparent)]
+    Glb(#[from] GlbError),
+    /// A body that the coordinates of OpenSim do not fit.
+    #[error("{}: --format {format}: the body {body} has no part named pelvis", path.display())]
+    NoCoordinates {
+        /// The fit.
+        path: std::path::PathBuf,
+        /// As asked for.
+        format: &'static str,
+        /// The model.
+        body: String,
+    },
+    /// A norm that cannot be used.
+    #[error(transparent)]
+    Norm(#[from] NormError),
+    /// A table that cannot be written.
+    #[error("a table cannot be written: {0}")]
+    Csv(#[from] csv::Error),
     /// A result that is no JSON.
     #[error("result.json: {0}")]
     Json(#[from] serde_json::Error),

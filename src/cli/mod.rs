@@ -4,6 +4,9 @@
 //! |---------------|----------------------------------------------------------------|
 //! | `fit.rs`      | `maquette fit`: reads, calls the pipeline, writes               |
 //! | `segment.rs`  | `maquette segment`                                              |
+//! | `export.rs`   | `maquette export`                                               |
+//! | `gait.rs`     | `maquette gait`                                                 |
+//! | `report.rs`   | `maquette report`                                               |
 //! | `synth.rs`    | `maquette synth`                                                |
 //! | `models.rs`   | `maquette models`                                               |
 //! | `skin.rs`     | `maquette skin`, and the skins of `maquette models`             |
@@ -16,9 +19,12 @@
 //! Exit code 0, or 2 for arguments or input that cannot be used, with one line on standard error.
 
 mod error;
+mod export;
 mod fit;
+mod gait;
 mod models;
 mod progress;
+mod report;
 mod segment;
 mod skin;
 mod stereo;
@@ -75,6 +81,15 @@ enum Command {
     /// Measure points of the surface from cameras side by side
     #[command(long_about = stereo::ABOUT, after_help = stereo::EXAMPLES)]
     Stereo(stereo::StereoArguments),
+    /// Analyse how a person walks: events, parameters, curves, scores
+    #[command(long_about = gait::ABOUT, after_help = gait::EXAMPLES)]
+    Gait(gait::GaitArguments),
+    /// Write a report that a clinician can read
+    #[command(long_about = report::ABOUT, after_help = report::EXAMPLES)]
+    Report(report::ReportArguments),
+    /// Write a fit in the formats of other programs
+    #[command(long_about = export::ABOUT, after_help = export::EXAMPLES)]
+    Export(export::ExportArguments),
     /// List the body models that come with the program, or show one
     #[command(long_about = models::ABOUT)]
     Models(models::ModelsArguments),
@@ -91,6 +106,9 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
             Command::Segment(arguments) => segment::run(&arguments),
             Command::Skin(arguments) => skin::run(&arguments),
             Command::Stereo(arguments) => stereo::run(&arguments),
+            Command::Gait(arguments) => gait::run(&arguments),
+            Command::Report(arguments) => report::run(&arguments),
+            Command::Export(arguments) => export::run(&arguments),
             Command::Models(arguments) => models::run(&arguments),
             Command::Synth(arguments) => synth::run(&arguments),
         },

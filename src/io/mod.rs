@@ -2,7 +2,9 @@
 
 pub mod calibration;
 pub mod cloud;
+pub mod export;
 pub mod frames;
+pub mod gait;
 pub mod journal;
 pub mod manifest;
 pub mod mesh;

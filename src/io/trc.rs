@@ -8,7 +8,7 @@ mod write;
 
 use nalgebra::Point3;
 
-pub use read::{TrcError, read_trc};
+pub use read::{TrcError, rate_of_times, read_trc};
 pub use write::write_trc;
 
 /// Points over time.

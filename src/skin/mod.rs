@@ -17,6 +17,7 @@
 //! | `rim.rs`     | where a limb grows out of another tube                                       |
 //! | `surface.rs` | patches to triangles                                                         |
 //! | `mesh.rs`    | [`Mesh`], [`check_watertight`]                                               |
+//! | `skinned.rs` | [`SkinnedMesh`]: a skin, and the parts that move it                           |
 //!
 //! **Differs** from PFD99: after the tessellation each vertex is moved onto F = T ([`Finish::Field`]; the paper's own is
 //! [`Finish::Spline`]), and the sum that a ray sees is that of its limb (see [`BodyModel::limbs`]).
@@ -30,6 +31,7 @@ mod patch;
 mod plan;
 mod rim;
 mod section;
+mod skinned;
 mod surface;
 mod tube;
 
@@ -41,6 +43,7 @@ pub use mesh::{Mesh, MeshFault, check_watertight};
 pub use patch::{Patch, PatchPoint};
 use plan::Chain;
 use rim::Rim;
+pub use skinned::{BONES, SkinnedMesh, bind_pose, skinned};
 use surface::{Grid, Surface};
 
 /// Where the vertices stand.

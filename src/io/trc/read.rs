@@ -46,6 +46,20 @@ pub enum TrcError {
         /// What stands there.
         found: String,
     },
+    /// A row of a file without tabs that has other than three numbers for each name.
+    #[error("{}:{line}: expected {expected} cells ({points} points) between spaces, found {found}", path.display())]
+    Cells {
+        /// File.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// Frame, time, and three for each name.
+        expected: usize,
+        /// Number of names.
+        points: usize,
+        /// Number of cells.
+        found: usize,
+    },
     /// A cell that is not a number.
     #[error("{}:{line}: point {point}: expected a number or nothing, found {found:?}", path.display())]
     Cell {
@@ -63,7 +77,8 @@ pub enum TrcError {
 /// The points of a TRC file's text; `path` is what errors name.
 ///
 /// Takes Pose2Sim's, OpenSim's and caliscope's: metres or millimetres, padded cells, marker names with spaces, an
-/// empty line before the data or none, trailing tabs, and empty or NaN cells for a missing point. Times, the stated
+/// empty line before the data or none, trailing tabs, and empty or NaN cells for a missing point; and files in which
+/// spaces stand for tabs, if no name has a space and no cell is empty. Times, the stated
 /// number of frames, and frame numbers after the first row's are not relied on: rows are frames in order.
 ///
 /// # Errors
@@ -73,7 +88,7 @@ pub fn read_trc(text: &str, path: &Path) -> Result<Trajectories, TrcError> {
     let mut header = (1, "");
     let names = loop {
         match lines.next() {
-            Some((_, line)) if line.trim_start().starts_with("Frame#") => break names_of(line),
+            Some((_, line)) if line.trim_start().starts_with("Frame#") => break line,
             Some((i, line)) if !line.trim().is_empty() => header = (i, line),
             Some(_) => {}
             None => {
@@ -83,15 +98,29 @@ pub fn read_trc(text: &str, path: &Path) -> Result<Trajectories, TrcError> {
             }
         }
     };
-    let (rate_hz, metres) = rate_and_unit(header, path)?;
+    let between = Separator::of(names);
+    let names = names_of(names, between);
+    let (rate_hz, metres) = rate_and_unit(header, between, path)?;
     let mut frames = Vec::new();
     let is_data = |row: &str| !row.trim().is_empty() && !row.trim_start().starts_with("X1");
     let mut first_frame = 0;
     for (line, row) in lines.filter(|(_, row)| is_data(row)) {
         if frames.is_empty() {
-            first_frame = number_of(row).saturating_sub(1);
+            first_frame = number_of(row, between).saturating_sub(1);
         }
-        frames.push(frame_of(row, line, &names, metres, path)?);
+        let cells = split(row, between);
+        let expected = 2 + 3 * names.len();
+        if between == Separator::Spaces && cells.len() != expected {
+            let (points, found) = (names.len(), cells.len());
+            return Err(TrcError::Cells {
+                path: path.to_owned(),
+                line,
+                expected,
+                points,
+                found,
+            });
+        }
+        frames.push(frame_of(&cells, line, &names, metres, path)?);
     }
     Ok(Trajectories {
         rate_hz,
@@ -102,25 +131,27 @@ pub fn read_trc(text: &str, path: &Path) -> Result<Trajectories, TrcError> {
 }
 
 /// What stands under Frame#; 1 where that is no number.
-fn number_of(row: &str) -> usize {
-    let cell = row.split('\t').next().unwrap_or_default();
-    cell.trim().parse().unwrap_or(1)
+fn number_of(row: &str, between: Separator) -> usize {
+    let cells = split(row, between);
+    let number = cells.first().and_then(|cell| cell.parse().ok());
+    number.unwrap_or(1)
 }
 
 /// The cells after Frame# and Time that are not empty.
-fn names_of(line: &str) -> Vec<String> {
-    let cells = line.split('\t').skip(2).map(str::trim);
+fn names_of(line: &str, between: Separator) -> Vec<String> {
+    let cells = split(line, between).into_iter().skip(2);
     cells.filter(|c| !c.is_empty()).map(str::to_owned).collect()
 }
 
 /// The data rate, and the metres of one unit.
-fn rate_and_unit((line, text): (usize, &str), path: &Path) -> Result<(f64, f64), TrcError> {
+fn rate_and_unit(
+    (line, text): (usize, &str),
+    between: Separator,
+    path: &Path,
+) -> Result<(f64, f64), TrcError> {
     let path = || path.to_owned();
-    let cells: Vec<&str> = text
-        .split('\t')
-        .map(str::trim)
-        .filter(|c| !c.is_empty())
-        .collect();
+    let cells = split(text, between).into_iter();
+    let cells: Vec<&str> = cells.filter(|c| !c.is_empty()).collect();
     let [rate, _, _, _, unit, ..] = cells[..] else {
         let found = text.to_owned();
         return Err(TrcError::Header {
@@ -152,13 +183,13 @@ fn rate_and_unit((line, text): (usize, &str), path: &Path) -> Result<(f64, f64),
 }
 
 fn frame_of(
-    row: &str,
+    cells: &[&str],
     line: usize,
     names: &[String],
     metres: f64,
     path: &Path,
 ) -> Result<Vec<Option<Point3<f64>>>, TrcError> {
-    let mut cells = row.split('\t').skip(2).map(str::trim);
+    let mut cells = cells.iter().skip(2).copied();
     let mut point = |name: &String| {
         let mut coordinate = || match cells.next() {
             None | Some("") => Ok(f64::NAN),
@@ -175,4 +206,48 @@ fn frame_of(
         Ok(is_there.then_some(point_world))
     };
     names.iter().map(&mut point).collect()
+}
+
+/// What stands between two cells.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Separator {
+    Tabs,
+    Spaces,
+}
+
+impl Separator {
+    fn of(line: &str) -> Self {
+        match line.contains('\t') {
+            true => Self::Tabs,
+            false => Self::Spaces,
+        }
+    }
+}
+
+/// The cells of a line: between tabs, or between spaces where a file has none.
+fn split(line: &str, between: Separator) -> Vec<&str> {
+    match between {
+        Separator::Tabs => line.split('\t').map(str::trim).collect(),
+        Separator::Spaces => line.split_whitespace().collect(),
+    }
+}
+
+/// Frames per second by the Time column, median over the rows; `None` where it does not count upwards.
+pub fn rate_of_times(text: &str) -> Option<f64> {
+    let names = text
+        .lines()
+        .position(|line| line.trim_start().starts_with("Frame#"))?;
+    let rows = text.lines().skip(names + 1);
+    let time = |row: &str| split(row, Separator::of(row)).get(1)?.parse::<f64>().ok();
+    let times: Vec<f64> = rows.filter_map(time).filter(|t| t.is_finite()).collect();
+    let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let step = crate::math::stats::median(&mut steps)?;
+    // times of three decimals err by up to half a millisecond in a step: the whole span does not
+    let span = (times.last()? - times.first()?) / (times.len() - 1) as f64;
+    let step = if (span / step - 1.0).abs() < 0.1 {
+        span
+    } else {
+        step
+    };
+    (step > 0.0).then_some(1.0 / step)
 }

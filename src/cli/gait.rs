@@ -1,0 +1,169 @@
+//! `maquette gait`.
+
+mod text;
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+
+use super::error::CliError;
+use super::print;
+use super::report::{Analysed, IdentityArguments};
+use crate::gait::{GaitOptions, Norm, Surface, analyse};
+use crate::io::gait::{
+    GaitInput, SHIPPED_NORM, angles_csv, curves_csv, gait_file, load_norm, parameters_csv,
+    parse_norm, read_fit, read_points,
+};
+use crate::io::out_folder::{OutFolder, write_atomically};
+use text::Report;
+
+pub(super) const ABOUT: &str = "\
+Analyse how a person walks: foot strikes and offs, speed, cadence, steps and phases, joint angles over the gait cycle, \
+and how far they lie from those of healthy people.
+
+Reads the folder of a finished `maquette fit`, or a .trc of joint centres or markers of any system. Writes gait.json, \
+parameters.csv, curves.csv and angles.csv. docs/gait.md defines every number.";
+
+pub(super) const EXAMPLES: &str = "\
+Examples:
+  maquette gait out/me
+  maquette gait walk.trc --out out/walk
+  maquette gait treadmill.trc --surface treadmill --normalised";
+
+/// Arguments of `maquette gait`.
+#[derive(Debug, Args)]
+pub(super) struct GaitArguments {
+    /// Folder of a finished fit, or a .trc file
+    input: PathBuf,
+    /// Where to write [default: OUT/gait of a fit, NAME_gait beside NAME.trc]
+    #[arg(long, value_name = "FOLDER")]
+    out: Option<PathBuf>,
+    /// What the person walks on [default: found]
+    #[arg(long, value_enum)]
+    surface: Option<Floor>,
+    /// Frames per second, in place of what the input states
+    #[arg(long, value_name = "HZ", value_parser = rate)]
+    fps: Option<f64>,
+    /// Cutoff of the low pass on all places, Hz; 0: none
+    #[arg(long, value_name = "HZ", default_value_t = GaitOptions::default().cutoff_hz, value_parser = cutoff)]
+    cutoff: f64,
+    /// Norm of healthy people: a .toml file, or none [default: schwartz-2008-free]
+    #[arg(long, value_name = "FILE|none")]
+    norm: Option<String>,
+    /// Show parameters without units, scaled by the leg's length (Hof 1996)
+    #[arg(long)]
+    normalised: bool,
+    /// Body model of the fit, if it is not a shipped one
+    #[arg(long, value_name = "FILE")]
+    body: Option<String>,
+    /// Write report.html as well: the same for a clinician
+    #[arg(long)]
+    report: bool,
+    #[command(flatten, next_help_heading = "Of the report")]
+    identity: IdentityArguments,
+    /// Print nothing but errors
+    #[arg(long)]
+    quiet: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Floor {
+    /// The floor of the room
+    Ground,
+    /// A belt
+    Treadmill,
+}
+
+impl From<Floor> for Surface {
+    fn from(floor: Floor) -> Self {
+        match floor {
+            Floor::Ground => Self::Ground,
+            Floor::Treadmill => Self::Treadmill,
+        }
+    }
+}
+
+fn rate(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(hz) if hz > 0.0 && hz.is_finite() => Ok(hz),
+        _ => Err("expected a rate above 0 Hz".into()),
+    }
+}
+
+fn cutoff(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(hz) if hz >= 0.0 && hz.is_finite() => Ok(hz),
+        _ => Err("expected a cutoff of 0 Hz or above".into()),
+    }
+}
+
+/// Reads, analyses, writes, prints.
+pub(super) fn run(arguments: &GaitArguments) -> Result<(), CliError> {
+    let input = read(arguments)?;
+    let norm = norm_of(arguments.norm.as_deref())?;
+    let options = GaitOptions {
+        cutoff_hz: arguments.cutoff,
+        surface: arguments.surface.map(Surface::from),
+        ..GaitOptions::default()
+    };
+    let gait = analyse(&input.recording, &options)?;
+    let file = gait_file(&input, &gait, norm.as_ref());
+    let out = out_folder(arguments);
+    OutFolder::open(&out)?;
+    let write = |name: &str, bytes: Vec<u8>| write_atomically(&out.join(name), &bytes);
+    write("parameters.csv", parameters_csv(&gait)?)?;
+    write("curves.csv", curves_csv(&gait, norm.as_ref())?)?;
+    write("angles.csv", angles_csv(&gait, &input.recording)?)?;
+    write("gait.json", serde_json::to_vec_pretty(&file)?)?;
+    if arguments.report {
+        let analysed = Analysed {
+            from: &arguments.input,
+            input: &input,
+            gait: &gait,
+            file: &file,
+            norm: norm.as_ref(),
+        };
+        analysed.write(&arguments.identity, &out.join("report.html"))?;
+    }
+    if !arguments.quiet {
+        let report = Report {
+            input: &arguments.input,
+            file: &file,
+            norm: norm.as_ref(),
+            is_normalised: arguments.normalised,
+        };
+        print(&report.text());
+        print(&format!("\nWritten into {}\n", out.display()));
+    }
+    Ok(())
+}
+
+fn read(arguments: &GaitArguments) -> Result<GaitInput, CliError> {
+    let input = match arguments.input.is_dir() {
+        true => read_fit(&arguments.input, arguments.body.as_deref(), arguments.fps)?,
+        false => read_points(&arguments.input, arguments.fps)?,
+    };
+    Ok(input)
+}
+
+/// The norm that was asked for.
+pub(super) fn norm_of(asked: Option<&str>) -> Result<Option<Norm>, CliError> {
+    let norm = match asked {
+        Some("none") => return Ok(None),
+        Some(path) => load_norm(Path::new(path))?,
+        None => parse_norm(SHIPPED_NORM.1, Path::new(SHIPPED_NORM.0))?,
+    };
+    Ok(Some(norm))
+}
+
+fn out_folder(arguments: &GaitArguments) -> PathBuf {
+    let beside = || match arguments.input.is_dir() {
+        true => arguments.input.join("gait"),
+        false => {
+            let stem = arguments.input.file_stem().unwrap_or_default();
+            let name = format!("{}_gait", stem.to_string_lossy());
+            arguments.input.with_file_name(name)
+        }
+    };
+    arguments.out.clone().unwrap_or_else(beside)
+}

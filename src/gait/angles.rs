@@ -1,0 +1,379 @@
+//! Joint angles over time: Cardan angles of one part's ISB axes in another's, as Grood and Suntay define them.
+//!
+//! Joints: R = Rot_z(flexion)·Rot_x(adduction)·Rot_y(rotation), the distal part's axes in the proximal part's; so
+//! flexion is about the proximal part's own right, rotation about the distal part's own length. Pelvis and trunk in the
+//! room: R = Rot_y(rotation)·Rot_x(obliquity)·Rot_z(tilt), from the axes of the direction of walking (Baker 2001).
+//! Signs are the same on both sides of the body; [`Angle::positive`] says them, and how OpenSim's differ.
+//!
+//! # Source
+//! Grood & Suntay, J. Biomech. Eng. 105 (1983) 136–144; Wu et al. 2002, 2005; Baker, Hum. Mov. Sci. 20 (2001) 655–667.
+
+use std::collections::BTreeMap;
+
+use nalgebra::{Matrix3, Vector3};
+use serde::{Serialize, Serializer};
+
+use super::landmark::Side;
+use super::segments::{Limb, Segment, Segments};
+
+/// An angle of gait analysis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[expect(missing_docs, reason = "Angle::positive says what each is")]
+pub enum Angle {
+    PelvisTilt,
+    PelvisObliquity,
+    PelvisRotation,
+    HipFlexion,
+    HipAdduction,
+    HipRotation,
+    KneeFlexion,
+    KneeAdduction,
+    KneeRotation,
+    AnkleDorsiflexion,
+    FootProgression,
+    TrunkTilt,
+    TrunkObliquity,
+    TrunkRotation,
+    ShoulderFlexion,
+    ShoulderAdduction,
+    ShoulderRotation,
+    ElbowFlexion,
+}
+
+impl Angle {
+    /// All of them, from the pelvis down and then up.
+    pub const ALL: [Self; 18] = [
+        Self::PelvisTilt,
+        Self::PelvisObliquity,
+        Self::PelvisRotation,
+        Self::HipFlexion,
+        Self::HipAdduction,
+        Self::HipRotation,
+        Self::KneeFlexion,
+        Self::KneeAdduction,
+        Self::KneeRotation,
+        Self::AnkleDorsiflexion,
+        Self::FootProgression,
+        Self::TrunkTilt,
+        Self::TrunkObliquity,
+        Self::TrunkRotation,
+        Self::ShoulderFlexion,
+        Self::ShoulderAdduction,
+        Self::ShoulderRotation,
+        Self::ElbowFlexion,
+    ];
+
+    /// Its name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::PelvisTilt => "pelvis_tilt",
+            Self::PelvisObliquity => "pelvis_obliquity",
+            Self::PelvisRotation => "pelvis_rotation",
+            Self::HipFlexion => "hip_flexion",
+            Self::HipAdduction => "hip_adduction",
+            Self::HipRotation => "hip_rotation",
+            Self::KneeFlexion => "knee_flexion",
+            Self::KneeAdduction => "knee_adduction",
+            Self::KneeRotation => "knee_rotation",
+            Self::AnkleDorsiflexion => "ankle_dorsiflexion",
+            Self::FootProgression => "foot_progression",
+            Self::TrunkTilt => "trunk_tilt",
+            Self::TrunkObliquity => "trunk_obliquity",
+            Self::TrunkRotation => "trunk_rotation",
+            Self::ShoulderFlexion => "shoulder_flexion",
+            Self::ShoulderAdduction => "shoulder_adduction",
+            Self::ShoulderRotation => "shoulder_rotation",
+            Self::ElbowFlexion => "elbow_flexion",
+        }
+    }
+
+    /// What a positive value is.
+    pub fn positive(self) -> &'static str {
+        match self {
+            Self::PelvisTilt | Self::TrunkTilt => {
+                "forwards (OpenSim's pelvis_tilt has the other sign)"
+            }
+            Self::PelvisObliquity | Self::TrunkObliquity => "own side up",
+            Self::PelvisRotation | Self::TrunkRotation => "own side forwards",
+            Self::AnkleDorsiflexion => "dorsiflexion",
+            Self::FootProgression => "toes inwards",
+            Self::HipRotation | Self::KneeRotation | Self::ShoulderRotation => "internal",
+            Self::HipAdduction | Self::ShoulderAdduction => "adduction",
+            Self::KneeAdduction => "adduction (varus)",
+            Self::HipFlexion | Self::KneeFlexion | Self::ShoulderFlexion | Self::ElbowFlexion => {
+                "flexion"
+            }
+        }
+    }
+
+    /// The angle of a shipped body model whose standard deviation is this angle's, without its side.
+    pub fn model_joint(self) -> Option<&'static str> {
+        match self {
+            Self::HipFlexion => Some("hip_flexion"),
+            Self::HipAdduction => Some("hip_abduction"),
+            Self::HipRotation => Some("hip_rotation"),
+            Self::KneeFlexion => Some("knee_flexion"),
+            Self::AnkleDorsiflexion => Some("ankle_dorsiflexion"),
+            Self::ShoulderFlexion => Some("shoulder_flexion"),
+            Self::ShoulderAdduction => Some("shoulder_abduction"),
+            Self::ShoulderRotation => Some("shoulder_rotation"),
+            Self::ElbowFlexion => Some("elbow_flexion"),
+            _ => None,
+        }
+    }
+}
+
+impl Serialize for Angle {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
+/// Angles over time, radians; NaN where they are not known.
+pub type AngleTracks = BTreeMap<(Side, Angle), Vec<f64>>;
+
+/// All angles that the parts show, without those that cannot be known.
+///
+/// `heading` is the direction of walking in each frame, horizontal.
+pub(super) fn angles(segments: &Segments, heading: &[Vector3<f64>]) -> AngleTracks {
+    let mut tracks = AngleTracks::new();
+    for side in Side::BOTH {
+        for (angle, value) in in_the_room(segments, heading, side) {
+            tracks.insert((side, angle), value);
+        }
+        for (angle, value) in of_joints(segments, side) {
+            tracks.insert((side, angle), value);
+        }
+    }
+    tracks.retain(|(_, angle), values| {
+        !segments.unknown.contains_key(angle) && values.iter().any(|v| v.is_finite())
+    });
+    tracks.values_mut().for_each(|values| unwrap(values));
+    tracks
+}
+
+/// Pelvis, trunk and foot against the direction of walking.
+fn in_the_room(
+    segments: &Segments,
+    heading: &[Vector3<f64>],
+    side: Side,
+) -> Vec<(Angle, Vec<f64>)> {
+    let bodies = [
+        (
+            Segment::Pelvis,
+            [
+                Angle::PelvisTilt,
+                Angle::PelvisObliquity,
+                Angle::PelvisRotation,
+            ],
+        ),
+        (
+            Segment::Trunk,
+            [
+                Angle::TrunkTilt,
+                Angle::TrunkObliquity,
+                Angle::TrunkRotation,
+            ],
+        ),
+    ];
+    let mut found = Vec::new();
+    for (segment, names) in bodies {
+        let Some(axes) = segments.axes.get(&segment) else {
+            continue;
+        };
+        let triple = |(axes, heading): (&Matrix3<f64>, &Vector3<f64>)| {
+            let [rotation, obliquity, tilt] = yxz(&(room(heading).transpose() * axes));
+            [-tilt, -side.sign() * obliquity, side.sign() * rotation]
+        };
+        let triples: Vec<[f64; 3]> = axes.iter().zip(heading).map(triple).collect();
+        found.extend(columns(names, &triples));
+    }
+    if let Some(axes) = segments.axes.get(&Segment::Of(side, Limb::Foot)) {
+        let inwards = |(axes, heading): (&Matrix3<f64>, &Vector3<f64>)| {
+            let x = room(heading).transpose() * axes.column(0);
+            -side.sign() * x.z.atan2(x.x)
+        };
+        let values = axes.iter().zip(heading).map(inwards).collect();
+        found.push((Angle::FootProgression, values));
+    }
+    found
+}
+
+/// Hip, knee, ankle, shoulder and elbow of one side.
+fn of_joints(segments: &Segments, side: Side) -> Vec<(Angle, Vec<f64>)> {
+    use Limb::{Foot, Forearm, Shank, Thigh, UpperArm};
+    let of = |limb| Segment::Of(side, limb);
+    let triples = |proximal: Segment, distal: Segment| -> Vec<[f64; 3]> {
+        let (Some(p), Some(d)) = (segments.axes.get(&proximal), segments.axes.get(&distal)) else {
+            return Vec::new();
+        };
+        let own_side = |[flexion, adduction, rotation]: [f64; 3]| {
+            [flexion, side.sign() * adduction, side.sign() * rotation]
+        };
+        p.iter()
+            .zip(d)
+            .map(|(p, d)| own_side(cardan_zxy(&(p.transpose() * d))))
+            .collect()
+    };
+    let knee: Vec<[f64; 3]> = triples(of(Thigh), of(Shank))
+        .iter()
+        .map(|[flexion, adduction, rotation]| [-flexion, *adduction, *rotation])
+        .collect();
+    let hip = [Angle::HipFlexion, Angle::HipAdduction, Angle::HipRotation];
+    let knees = [
+        Angle::KneeFlexion,
+        Angle::KneeAdduction,
+        Angle::KneeRotation,
+    ];
+    let shoulder = [
+        Angle::ShoulderFlexion,
+        Angle::ShoulderAdduction,
+        Angle::ShoulderRotation,
+    ];
+    let mut found = columns(hip, &triples(Segment::Pelvis, of(Thigh)));
+    found.extend(columns(knees, &knee));
+    found.extend(columns(shoulder, &triples(Segment::Trunk, of(UpperArm))));
+    let first = |triples: Vec<[f64; 3]>| triples.iter().map(|t| t[0]).collect();
+    found.push((
+        Angle::AnkleDorsiflexion,
+        first(triples(of(Shank), of(Foot))),
+    ));
+    found.push((
+        Angle::ElbowFlexion,
+        first(triples(of(UpperArm), of(Forearm))),
+    ));
+    found
+}
+
+fn columns(names: [Angle; 3], triples: &[[f64; 3]]) -> Vec<(Angle, Vec<f64>)> {
+    let column = |(i, name): (usize, Angle)| (name, triples.iter().map(|t| t[i]).collect());
+    names.into_iter().enumerate().map(column).collect()
+}
+
+/// Axes of the room: X the direction of walking, Y up, Z to its right.
+fn room(heading: &Vector3<f64>) -> Matrix3<f64> {
+    Matrix3::from_columns(&[*heading, Vector3::z(), heading.cross(&Vector3::z())])
+}
+
+/// \[α, β, γ\] of R = Rot_z(α)·Rot_x(β)·Rot_y(γ), radians; β within ±90°.
+pub fn cardan_zxy(r: &Matrix3<f64>) -> [f64; 3] {
+    let beta = r[(2, 1)].clamp(-1.0, 1.0).asin();
+    [
+        (-r[(0, 1)]).atan2(r[(1, 1)]),
+        beta,
+        (-r[(2, 0)]).atan2(r[(2, 2)]),
+    ]
+}
+
+/// [α, β, γ] of R = Rot_y(α)·Rot_x(β)·Rot_z(γ).
+fn yxz(r: &Matrix3<f64>) -> [f64; 3] {
+    let beta = (-r[(1, 2)]).clamp(-1.0, 1.0).asin();
+    [r[(0, 2)].atan2(r[(2, 2)]), beta, r[(1, 0)].atan2(r[(1, 1)])]
+}
+
+/// Takes away jumps of whole turns.
+fn unwrap(values: &mut [f64]) {
+    let mut before = f64::NAN;
+    for value in values {
+        if before.is_finite() && value.is_finite() {
+            let turns = ((*value - before) / std::f64::consts::TAU).round();
+            *value -= turns * std::f64::consts::TAU;
+        }
+        if value.is_finite() {
+            before = *value;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Rotation3;
+
+    use super::*;
+
+    fn turn(axis: usize, angle: f64) -> Matrix3<f64> {
+        let axis = [Vector3::x_axis(), Vector3::y_axis(), Vector3::z_axis()][axis];
+        *Rotation3::from_axis_angle(&axis, angle).matrix()
+    }
+
+    #[test]
+    fn cardan_angles_are_those_that_made_the_rotation() {
+        let r = turn(2, 0.5) * turn(0, -0.2) * turn(1, 0.3);
+        for (found, made) in cardan_zxy(&r).iter().zip([0.5, -0.2, 0.3]) {
+            approx::assert_relative_eq!(*found, made, epsilon = 1e-12);
+        }
+        let r = turn(1, 0.5) * turn(0, -0.2) * turn(2, 0.3);
+        for (found, made) in yxz(&r).iter().zip([0.5, -0.2, 0.3]) {
+            approx::assert_relative_eq!(*found, made, epsilon = 1e-12);
+        }
+    }
+
+    /// A body that stands facing `heading`, with one part turned about an axis of its own.
+    fn standing(part: Segment, axis: usize, angle: f64) -> AngleTracks {
+        let heading = Vector3::new(0.6, 0.8, 0.0);
+        let mut segments = Segments::default();
+        let mut parts = vec![Segment::Pelvis, Segment::Trunk];
+        for side in Side::BOTH {
+            for limb in [
+                Limb::Thigh,
+                Limb::Shank,
+                Limb::Foot,
+                Limb::UpperArm,
+                Limb::Forearm,
+            ] {
+                parts.push(Segment::Of(side, limb));
+            }
+        }
+        for segment in parts {
+            let own = if segment == part {
+                turn(axis, angle)
+            } else {
+                Matrix3::identity()
+            };
+            segments.axes.insert(segment, vec![room(&heading) * own]);
+        }
+        angles(&segments, &[heading])
+    }
+
+    #[test]
+    fn every_sign_is_the_documented_one() {
+        let (left, right) = (Side::Left, Side::Right);
+        // part, axis turned about, angle that shows it, its sign on the left and on the right
+        let cases = [
+            (Segment::Pelvis, 2, Angle::PelvisTilt, [-1.0, -1.0]),
+            (Segment::Pelvis, 0, Angle::PelvisObliquity, [1.0, -1.0]),
+            (Segment::Pelvis, 1, Angle::PelvisRotation, [-1.0, 1.0]),
+        ];
+        for (part, axis, angle, signs) in cases {
+            let tracks = standing(part, axis, 0.1);
+            for (side, sign) in [left, right].into_iter().zip(signs) {
+                approx::assert_relative_eq!(tracks[&(side, angle)][0], 0.1 * sign, epsilon = 1e-12);
+            }
+        }
+        // a right thigh turned about Z swings forwards, about X inwards, about Y inwards
+        for (axis, angle) in [Angle::HipFlexion, Angle::HipAdduction, Angle::HipRotation]
+            .into_iter()
+            .enumerate()
+            .map(|(i, a)| ([2, 0, 1][i], a))
+        {
+            for (side, sign) in [(right, 1.0), (left, if axis == 2 { 1.0 } else { -1.0 })] {
+                let tracks = standing(Segment::Of(side, Limb::Thigh), axis, 0.1);
+                approx::assert_relative_eq!(tracks[&(side, angle)][0], 0.1 * sign, epsilon = 1e-12);
+            }
+        }
+        let bent = standing(Segment::Of(right, Limb::Shank), 2, -0.4);
+        approx::assert_relative_eq!(bent[&(right, Angle::KneeFlexion)][0], 0.4, epsilon = 1e-12);
+        let toes = standing(Segment::Of(right, Limb::Foot), 1, 0.1);
+        approx::assert_relative_eq!(
+            toes[&(right, Angle::FootProgression)][0],
+            0.1,
+            epsilon = 1e-12
+        );
+        let toes = standing(Segment::Of(left, Limb::Foot), 2, 0.1);
+        approx::assert_relative_eq!(
+            toes[&(left, Angle::AnkleDorsiflexion)][0],
+            0.1,
+            epsilon = 1e-12
+        );
+    }
+}

@@ -1,0 +1,148 @@
+//! Where the person walks to, and whether the floor moves.
+
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+use super::landmark::{Landmark, Paired, Side};
+use super::recording::{Recording, Track};
+use crate::math::stats::median;
+
+/// What the person walks on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Surface {
+    /// The floor of the room.
+    Ground,
+    /// A belt.
+    Treadmill,
+}
+
+/// How the body moves through the room.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Course {
+    /// Direction of walking in each frame: horizontal, unit length.
+    pub heading: Vec<Vector3<f64>>,
+    /// Floor or belt.
+    pub surface: Surface,
+    /// Speed of the belt, m/s; 0 on the floor.
+    pub belt_m_s: f64,
+    /// Speed of the pelvis in the room along the heading, m/s, median over time; negative: backwards.
+    pub speed_m_s: f64,
+}
+
+/// Slower than this a pelvis does not walk through the room, and a belt does not run, m/s.
+///
+/// # Source
+/// OpenCap's gait analysis: over ground where the standing foot is slower than 0.3 m/s.
+const STILL_M_S: f64 = 0.3;
+/// Over which time a direction is taken: about one stride, so that sway cancels, seconds.
+const WINDOW_S: f64 = 1.0;
+
+impl Course {
+    /// The course of a recording; `surface` as told, or `None`: found.
+    ///
+    /// The heading is the direction in which the middle of the hips moves within a second, or, where it stays in its
+    /// place, the direction in which the pelvis faces. The belt's speed is the median speed, backwards, of whichever
+    /// foot is lower: that is the one that stands.
+    pub(super) fn of(recording: &Recording, surface: Option<Surface>) -> Option<Self> {
+        let pelvis = recording.track(Landmark::MidHip)?;
+        let facing = facing(recording)?;
+        let moved = moved(pelvis, recording.rate_hz);
+        let along = |(m, f): (&Vector3<f64>, &Vector3<f64>)| m.dot(f);
+        let mut speeds: Vec<f64> = moved.iter().zip(&facing).map(along).collect();
+        let speed_m_s = median(&mut speeds)?;
+        let choose = |(m, f): (&Vector3<f64>, &Vector3<f64>)| match m.try_normalize(STILL_M_S) {
+            Some(direction) if m.dot(f) > 0.0 => direction,
+            _ => *f,
+        };
+        let heading: Vec<Vector3<f64>> = moved.iter().zip(&facing).map(choose).collect();
+        let belt_m_s = -standing_foot_speed(recording, &heading)?;
+        let surface = surface.unwrap_or(
+            match belt_m_s.abs() >= STILL_M_S && speed_m_s.abs() < STILL_M_S {
+                true => Surface::Treadmill,
+                false => Surface::Ground,
+            },
+        );
+        let belt_m_s = match surface {
+            Surface::Treadmill => belt_m_s,
+            Surface::Ground => 0.0,
+        };
+        Some(Self {
+            heading,
+            surface,
+            belt_m_s,
+            speed_m_s,
+        })
+    }
+
+    /// The person walks through the room with the back first.
+    pub(super) fn is_backwards(&self) -> bool {
+        self.speed_m_s < -STILL_M_S
+            || (self.surface == Surface::Treadmill && self.belt_m_s < -STILL_M_S)
+    }
+
+    /// The nearest frame's heading.
+    pub(super) fn heading_at(&self, frame: f64) -> Vector3<f64> {
+        let last = self.heading.len() - 1;
+        self.heading[(frame.round().max(0.0) as usize).min(last)]
+    }
+}
+
+/// Where the pelvis faces, averaged over [`WINDOW_S`]; frames in which it is unknown take their neighbour's.
+fn facing(recording: &Recording) -> Option<Track> {
+    let sides = |place| {
+        Some((
+            recording.of(Side::Left, place)?,
+            recording.of(Side::Right, place)?,
+        ))
+    };
+    let (left, right) = sides(Paired::Asis).or_else(|| sides(Paired::Hip))?;
+    let across = left
+        .iter()
+        .zip(right)
+        .map(|(l, r)| (l - r).cross(&Vector3::z()));
+    let across: Track = across.collect();
+    let (n, half) = (across.len(), (0.5 * WINDOW_S * recording.rate_hz) as usize);
+    let mean = |i: usize| {
+        let near = &across[i.saturating_sub(half)..(i + half + 1).min(n)];
+        let sum: Vector3<f64> = near.iter().filter(|v| v.x.is_finite()).sum();
+        sum.try_normalize(1e-9)
+    };
+    let known: Vec<Option<Vector3<f64>>> = (0..n).map(mean).collect();
+    let first = known.iter().flatten().next().copied()?;
+    let mut before = first;
+    let filled = known.into_iter().map(|v| {
+        before = v.unwrap_or(before);
+        before
+    });
+    Some(filled.collect())
+}
+
+/// Horizontal velocity over [`WINDOW_S`] about each frame, m/s; 0 where it is unknown.
+fn moved(pelvis: &Track, rate_hz: f64) -> Track {
+    let n = pelvis.len();
+    let window = ((WINDOW_S * rate_hz).round() as usize).clamp(1, n - 1);
+    let velocity = |i: usize| {
+        let first = i.saturating_sub(window / 2).min(n - 1 - window);
+        let mut v = (pelvis[first + window] - pelvis[first]) * rate_hz / window as f64;
+        v.z = 0.0;
+        if v.x.is_finite() { v } else { Vector3::zeros() }
+    };
+    (0..n).map(velocity).collect()
+}
+
+/// Median velocity along the heading of the lower foot's middle, m/s.
+fn standing_foot_speed(recording: &Recording, heading: &[Vector3<f64>]) -> Option<f64> {
+    let foot = |side| -> Option<Track> {
+        let heel = recording.of(side, Paired::Heel)?;
+        let toe = recording.of(side, Paired::Toe)?;
+        Some(heel.iter().zip(toe).map(|(h, t)| (h + t) * 0.5).collect())
+    };
+    let feet = [foot(Side::Left)?, foot(Side::Right)?];
+    let speed = |i: usize| {
+        let lower = usize::from(feet[1][i].z < feet[0][i].z);
+        (feet[lower][i + 1] - feet[lower][i - 1]).dot(&heading[i]) * 0.5 * recording.rate_hz
+    };
+    let mut speeds: Vec<f64> = (1..recording.frames - 1).map(speed).collect();
+    median(&mut speeds)
+}

@@ -1,0 +1,159 @@
+//! How far curves lie from those of healthy people: Gait Variable Scores, Movement Analysis Profile, Gait Profile Score.
+//!
+//! GVS of one variable = root mean square over the cycle (51 points) of curve less norm mean. The Movement Analysis
+//! Profile is the GVS of all nine variables of both sides. GPS of one side = root mean square of its nine GVS; the whole
+//! GPS takes the left pelvis, and hip, knee, ankle and foot of both sides, fifteen in all.
+//!
+//! # Source
+//! Baker et al., Gait Posture 30 (2009) 265–269.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::angles::Angle;
+use super::curves::{Curve, POINTS};
+use super::landmark::Side;
+use super::parameters::Parameter;
+
+/// Points at which a score compares: every 2 % of the cycle.
+pub const SCORE_POINTS: usize = 51;
+
+/// The nine variables of the score.
+pub const VARIABLES: [Angle; 9] = [
+    Angle::PelvisTilt,
+    Angle::PelvisObliquity,
+    Angle::PelvisRotation,
+    Angle::HipFlexion,
+    Angle::HipAdduction,
+    Angle::HipRotation,
+    Angle::KneeFlexion,
+    Angle::AnkleDorsiflexion,
+    Angle::FootProgression,
+];
+
+/// Mean and standard deviation of healthy people.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Band {
+    /// Mean.
+    pub mean: Vec<f64>,
+    /// Standard deviation between people.
+    pub sd: Vec<f64>,
+}
+
+/// What healthy people do.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Norm {
+    /// Name.
+    pub name: String,
+    /// Where the numbers are from, and of whom.
+    pub source: String,
+    /// Angles over the cycle at [`SCORE_POINTS`] points, radians.
+    pub curves: BTreeMap<Angle, Band>,
+    /// Mean and standard deviation of parameters, in their units.
+    pub parameters: BTreeMap<Parameter, (f64, f64)>,
+}
+
+/// A score of one variable.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct VariableScore {
+    /// The variable.
+    pub angle: Angle,
+    /// Whose.
+    pub side: Side,
+    /// GVS, radians.
+    pub score: f64,
+}
+
+/// The scores of a walk, radians.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Indices {
+    /// The Movement Analysis Profile.
+    pub variables: Vec<VariableScore>,
+    /// GPS of the left side; only where all nine variables are known.
+    pub left: Option<f64>,
+    /// GPS of the right side.
+    pub right: Option<f64>,
+    /// GPS of both.
+    pub both: Option<f64>,
+}
+
+/// The scores of curves against a norm; `None` if they have no variable in common.
+pub fn indices(curves: &[Curve], norm: &Norm) -> Option<Indices> {
+    let score = |curve: &Curve| {
+        let band = norm.curves.get(&curve.angle)?;
+        let step = (POINTS - 1) / (SCORE_POINTS - 1);
+        let squares = (0..SCORE_POINTS).map(|i| (curve.mean[i * step] - band.mean[i]).powi(2));
+        Some(VariableScore {
+            angle: curve.angle,
+            side: curve.side,
+            score: (squares.sum::<f64>() / SCORE_POINTS as f64).sqrt(),
+        })
+    };
+    let of_score = curves.iter().filter(|c| VARIABLES.contains(&c.angle));
+    let variables: Vec<VariableScore> = of_score.filter_map(score).collect();
+    let of_side = |side: Side, angles: &[Angle]| -> Option<f64> {
+        let find = |angle: &Angle| {
+            let own = |v: &&VariableScore| v.side == side && v.angle == *angle;
+            variables.iter().find(own).map(|v| v.score * v.score)
+        };
+        angles.iter().map(find).sum()
+    };
+    let mean = |sum: Option<f64>, n: usize| sum.map(|s| (s / n as f64).sqrt());
+    let left = of_side(Side::Left, &VARIABLES);
+    let legs = of_side(Side::Right, &VARIABLES[3..]);
+    let indices = Indices {
+        left: mean(left, VARIABLES.len()),
+        right: mean(of_side(Side::Right, &VARIABLES), VARIABLES.len()),
+        both: mean(left.zip(legs).map(|(a, b)| a + b), 15),
+        variables,
+    };
+    (!indices.variables.is_empty()).then_some(indices)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn walk(offset: f64) -> (Vec<Curve>, Norm) {
+        let curve = |(angle, side): (Angle, Side)| Curve {
+            angle,
+            side,
+            strides: Vec::new(),
+            mean: vec![offset; POINTS],
+            sd: None,
+            fit_sd: None,
+            foot_off: 0.6,
+        };
+        let both = Side::BOTH
+            .into_iter()
+            .flat_map(|s| VARIABLES.map(|a| (a, s)));
+        let band = || Band {
+            mean: vec![0.0; SCORE_POINTS],
+            sd: vec![1.0; SCORE_POINTS],
+        };
+        let norm = Norm {
+            curves: VARIABLES.into_iter().map(|a| (a, band())).collect(),
+            ..Norm::default()
+        };
+        (both.map(curve).collect(), norm)
+    }
+
+    #[test]
+    fn a_walk_that_is_everywhere_as_far_off_scores_that_distance() {
+        let (curves, norm) = walk(0.1);
+        let found = indices(&curves, &norm).unwrap();
+        assert_eq!(found.variables.len(), 18);
+        for gps in [found.left, found.right, found.both] {
+            approx::assert_relative_eq!(gps.unwrap(), 0.1, epsilon = 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_side_without_one_of_the_nine_has_no_profile_score() {
+        let (mut curves, norm) = walk(0.1);
+        curves.retain(|c| c.angle != Angle::HipRotation || c.side == Side::Left);
+        let found = indices(&curves, &norm).unwrap();
+        assert!(found.left.is_some() && found.right.is_none() && found.both.is_none());
+    }
+}

@@ -1,0 +1,204 @@
+//! Gait analysis: from joint centres or markers over time to events, strides, parameters, curves and scores.
+//!
+//! [`analyse`] works on a [`Recording`], of a fitted body or of any system's points. Every definition, with formula, sign
+//! and source, stands in docs/gait.md.
+//!
+//! | file            | holds                                                              |
+//! |-----------------|--------------------------------------------------------------------|
+//! | `landmark.rs`   | places of the body and their names                                 |
+//! | `recording.rs`  | a moving body; `complete.rs`: places without a marker              |
+//! | `course.rs`     | direction of walking, floor or belt                                |
+//! | `events.rs`     | foot strike and foot off; `peaks.rs`, `filter.rs`: signals          |
+//! | `cycles.rs`     | strides                                                            |
+//! | `parameters.rs` | speed, cadence, steps, phases                                      |
+//! | `segments.rs`   | orientations of parts; `angles.rs`: joint angles                   |
+//! | `curves.rs`     | angles over the gait cycle                                         |
+//! | `indices.rs`    | scores against healthy people                                      |
+
+mod angles;
+mod complete;
+mod course;
+mod curves;
+mod cycles;
+mod events;
+mod filter;
+mod indices;
+mod landmark;
+mod parameters;
+mod peaks;
+mod recording;
+mod segments;
+
+pub use angles::{Angle, AngleTracks, cardan_zxy};
+pub use course::{Course, Surface};
+pub use curves::{Curve, Extremes, KeyPoints, POINTS};
+pub use cycles::Cycle;
+pub use events::{Agreement, Event, EventKind};
+pub use indices::{Band, Indices, Norm, SCORE_POINTS, VARIABLES, VariableScore, indices};
+pub use landmark::{Landmark, Paired, Side};
+pub use parameters::{Parameter, Parameters, Statistic, symmetry};
+pub use recording::{Recording, RecordingError, Track, Used};
+pub use segments::{Axes, Limb, Segment, Segments};
+
+use recording::by_axis;
+
+/// Options of [`analyse`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GaitOptions {
+    /// Cutoff of the low pass on all places, Hz; 0: none. 10 (Pose2Sim's default for walking).
+    pub cutoff_hz: f64,
+    /// How far a foot swings past the pelvis at least, between its foremost and rearmost place, m; 0.1.
+    pub prominence_m: f64,
+    /// Speed below which a heel stands, m/s; 0.5 (ours).
+    pub strike_speed_m_s: f64,
+    /// Speed above which a toe has left, m/s; 1 (Pose2Sim).
+    pub off_speed_m_s: f64,
+    /// Floor or belt; `None`: found.
+    pub surface: Option<Surface>,
+}
+
+impl Default for GaitOptions {
+    fn default() -> Self {
+        Self {
+            cutoff_hz: 10.0,
+            prominence_m: 0.1,
+            strike_speed_m_s: 0.5,
+            off_speed_m_s: 1.0,
+            surface: None,
+        }
+    }
+}
+
+/// Everything that is found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Gait {
+    /// How the body moves through the room.
+    pub course: Course,
+    /// Hip to knee to ankle, metres.
+    pub leg_length_m: Option<f64>,
+    /// Foot strikes and foot offs.
+    pub events: Vec<Event>,
+    /// How far the two methods for them agree.
+    pub agreement: Vec<Agreement>,
+    /// Strides.
+    pub cycles: Vec<Cycle>,
+    /// Spatiotemporal parameters.
+    pub parameters: Parameters,
+    /// Angles over time.
+    pub angles: AngleTracks,
+    /// Angles over the cycle.
+    pub curves: Vec<Curve>,
+    /// Angles that cannot be known, and why.
+    pub unknown: Vec<(Angle, &'static str)>,
+    /// What a person should know.
+    pub notes: Vec<String>,
+}
+
+/// Why there is no gait to be analysed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum GaitError {
+    /// The hips are nowhere known.
+    #[error("the hips are missing in every frame: nothing says where the person walks to")]
+    NoPelvis,
+}
+
+/// Analyses the gait of a recording.
+///
+/// Nobody need walk: without steps, or of someone who walks backwards, angles over time are all there is, and
+/// [`Gait::notes`] says so.
+///
+/// # Errors
+/// [`GaitError::NoPelvis`].
+pub fn analyse(recording: &Recording, options: &GaitOptions) -> Result<Gait, GaitError> {
+    // 1. take away what is faster than a body moves
+    let recording = &smoothed(recording, options.cutoff_hz);
+    // 2. direction of walking, floor or belt
+    let course = Course::of(recording, options.surface).ok_or(GaitError::NoPelvis)?;
+    // 3. events by two methods, and the strides between them
+    let events = match course.is_backwards() {
+        true => Vec::new(),
+        false => events::events(recording, &course, options),
+    };
+    let cycles = cycles::cycles(&events, recording.rate_hz);
+    // 4. parameters
+    let walk = parameters::Walk {
+        recording,
+        course: &course,
+        events: &events,
+        cycles: &cycles,
+    };
+    let parameters = walk.parameters();
+    // 5. angles over time and over the cycle
+    let made;
+    let segments = match &recording.segments {
+        Some(segments) => segments,
+        None => {
+            made = Segments::of_landmarks(recording);
+            &made
+        }
+    };
+    let angles = angles::angles(segments, &course.heading);
+    let curves = curves::curves(&angles, segments, &cycles);
+    let agreement = [EventKind::Strike, EventKind::Off];
+    let agreement = agreement
+        .into_iter()
+        .filter_map(|kind| events::agreement(&events, kind));
+    let notes = notes(&course, &events, &cycles);
+    Ok(Gait {
+        leg_length_m: recording.leg_length(),
+        agreement: agreement.collect(),
+        unknown: segments.unknown.iter().map(|(a, why)| (*a, *why)).collect(),
+        course,
+        events,
+        cycles,
+        parameters,
+        angles,
+        curves,
+        notes,
+    })
+}
+
+fn smoothed(recording: &Recording, cutoff_hz: f64) -> Recording {
+    let mut smooth = recording.clone();
+    if cutoff_hz > 0.0 {
+        for track in smooth.tracks.values_mut() {
+            *track = by_axis(track, |v| filter::low_pass(v, recording.rate_hz, cutoff_hz));
+        }
+    }
+    smooth
+}
+
+fn notes(course: &Course, events: &[Event], cycles: &[Cycle]) -> Vec<String> {
+    let mut notes = Vec::new();
+    if course.is_backwards() {
+        notes.push(format!(
+            "walks backwards, at {:.2} m/s: foot strike and foot off are defined for walking forwards; angles over time only",
+            course.speed_m_s.abs().max(course.belt_m_s.abs())
+        ));
+        return notes;
+    }
+    if events.is_empty() {
+        notes.push(
+            "no steps: the feet do not swing past the pelvis in turn; angles over time only".into(),
+        );
+        return notes;
+    }
+    for side in Side::BOTH {
+        let own = || cycles.iter().filter(|c| c.side == side);
+        let strikes = events
+            .iter()
+            .filter(|e| e.side == side && e.kind == EventKind::Strike);
+        let (name, strikes) = (side.name(), strikes.count());
+        if own().next().is_none() {
+            notes.push(format!(
+                "less than one {name} stride ({strikes} foot strikes of that side): no stride parameters and curves of it"
+            ));
+        } else if own().any(|c| c.is_joined) {
+            notes.push(format!(
+                "the recording holds no whole {name} stride from strike to strike: it is joined from a stance and the swing before it"
+            ));
+        }
+    }
+    notes
+}

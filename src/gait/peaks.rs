@@ -1,0 +1,106 @@
+//! Maxima that stand out.
+
+/// A maximum.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Peak {
+    /// Where, between frames: the top of the parabola through the three highest values.
+    pub(super) frame: f64,
+    /// How far it stands out of what lies between it and higher values.
+    pub(super) prominence: f64,
+}
+
+/// How far a maximum must stand out of a side on which the signal ends before it becomes higher, metres.
+const AT_AN_END: f64 = 0.005;
+
+/// The maxima that stand out by `prominence`, of several within `nearest` frames the most prominent one.
+///
+/// A side on which the signal ends, or has a gap, before it becomes higher counts less: there the maximum need only be
+/// passed by [`AT_AN_END`], as long as it stands out in full on the other side.
+pub(super) fn peaks(values: &[f64], prominence: f64, nearest: f64) -> Vec<Peak> {
+    let is_top = |i: &usize| values[*i] > values[i - 1] && values[*i] >= values[i + 1];
+    let tops = (1..values.len().saturating_sub(1)).filter(is_top);
+    let peak = |i: usize| {
+        let (left, right) = (
+            descent(values[i], values[..i].iter().rev()),
+            descent(values[i], values[i + 1..].iter()),
+        );
+        let stands_out = [&left, &right].iter().all(|d| match d.is_full {
+            true => d.depth >= prominence,
+            false => d.depth >= AT_AN_END,
+        });
+        let deepest = left.depth.max(right.depth);
+        (stands_out && deepest >= prominence).then(|| Peak {
+            frame: i as f64 + vertex(values[i - 1], values[i], values[i + 1]),
+            prominence: deepest,
+        })
+    };
+    let mut kept: Vec<Peak> = Vec::new();
+    for peak in tops.filter_map(peak) {
+        match kept.last_mut() {
+            Some(last) if peak.frame - last.frame < nearest => {
+                if peak.prominence > last.prominence {
+                    *last = peak;
+                }
+            }
+            _ => kept.push(peak),
+        }
+    }
+    kept
+}
+
+struct Descent {
+    depth: f64,
+    /// A higher value ended it.
+    is_full: bool,
+}
+
+/// How deep values fall below a maximum before they rise above it.
+fn descent<'a>(top: f64, values: impl Iterator<Item = &'a f64>) -> Descent {
+    let mut lowest = top;
+    for value in values {
+        if value.is_nan() {
+            break;
+        }
+        if *value > top {
+            return Descent {
+                depth: top - lowest,
+                is_full: true,
+            };
+        }
+        lowest = lowest.min(*value);
+    }
+    Descent {
+        depth: top - lowest,
+        is_full: false,
+    }
+}
+
+/// Where the parabola through three values at −1, 0, 1 has its top.
+fn vertex(a: f64, b: f64, c: f64) -> f64 {
+    let bend = a - 2.0 * b + c;
+    if bend < 0.0 {
+        0.5 * (a - c) / bend
+    } else {
+        0.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_tops_of_a_wave_are_found_between_frames_and_ripples_are_not() {
+        let wave = |i: usize| (0.1 * (i as f64 - 12.3)).cos() + 0.02 * (i as f64).sin();
+        let values: Vec<f64> = (0..120).map(wave).collect();
+        let found = peaks(&values, 0.5, 5.0);
+        assert_eq!(found.len(), 2);
+        assert!((found[0].frame - 12.3).abs() < 2.5 && (found[1].frame - 75.1).abs() < 2.5);
+    }
+
+    #[test]
+    fn the_top_of_a_parabola_is_exact() {
+        let values: Vec<f64> = (0..9).map(|i| -(f64::from(i) - 4.2).powi(2)).collect();
+        approx::assert_relative_eq!(peaks(&values, 1.0, 1.0)[0].frame, 4.2, epsilon = 1e-12);
+    }
+}

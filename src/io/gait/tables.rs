@@ -1,0 +1,124 @@
+//! Tables for spreadsheets: comma-separated, one heading line, angles in degrees.
+
+use crate::gait::{Gait, Norm, Recording, Side};
+
+/// Every curve, a row per side, angle and percent: mean, SD over strides, SD of the fit, norm, then the strides.
+///
+/// # Errors
+/// None that an analysis can cause; the writer's, if it has any.
+pub fn curves_csv(gait: &Gait, norm: Option<&Norm>) -> Result<Vec<u8>, csv::Error> {
+    let strides = gait
+        .curves
+        .iter()
+        .map(|c| c.strides.len())
+        .max()
+        .unwrap_or(0);
+    let heading = [
+        "side",
+        "angle",
+        "percent",
+        "mean_deg",
+        "sd_deg",
+        "fit_sd_deg",
+        "norm_deg",
+        "norm_sd_deg",
+    ];
+    let heading = heading.map(str::to_owned).into_iter();
+    let heading = heading.chain((1..=strides).map(|i| format!("stride_{i}_deg")));
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(heading)?;
+    for curve in &gait.curves {
+        let band = norm.and_then(|norm| norm.curves.get(&curve.angle));
+        for percent in 0..curve.mean.len() {
+            let at =
+                |values: &Option<Vec<f64>>| values.as_ref().and_then(|v| v.get(percent)).copied();
+            let of_norm = |values: Option<&Vec<f64>>| {
+                values
+                    .filter(|_| percent % 2 == 0)
+                    .and_then(|v| v.get(percent / 2))
+                    .copied()
+            };
+            let numbers = [
+                Some(curve.mean[percent]),
+                at(&curve.sd),
+                at(&curve.fit_sd),
+                of_norm(band.map(|b| &b.mean)),
+                of_norm(band.map(|b| &b.sd)),
+            ];
+            let stride = |i: usize| curve.strides.get(i).map(|s| s[percent]);
+            let names = [
+                curve.side.name().to_owned(),
+                curve.angle.name().to_owned(),
+                percent.to_string(),
+            ];
+            let numbers = numbers.into_iter().chain((0..strides).map(stride));
+            writer.write_record(names.into_iter().chain(numbers.map(degrees)))?;
+        }
+    }
+    finished(writer)
+}
+
+/// Every angle in every frame: a column per angle and side.
+///
+/// # Errors
+/// As [`curves_csv`].
+pub fn angles_csv(gait: &Gait, recording: &Recording) -> Result<Vec<u8>, csv::Error> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let names = gait.angles.keys();
+    let names = names.map(|(side, angle)| format!("{}_{}_deg", angle.name(), &side.name()[..1]));
+    let heading = ["frame", "time_s"].map(str::to_owned);
+    writer.write_record(heading.into_iter().chain(names))?;
+    for i in 0..recording.frames {
+        let frame = recording.first_frame + i;
+        let time = format!("{:.6}", frame as f64 / recording.rate_hz);
+        let angles = gait
+            .angles
+            .values()
+            .map(|track| degrees(track.get(i).copied()));
+        writer.write_record([frame.to_string(), time].into_iter().chain(angles))?;
+    }
+    finished(writer)
+}
+
+/// Every stride and step of every parameter: a row each.
+///
+/// # Errors
+/// As [`curves_csv`].
+pub fn parameters_csv(gait: &Gait) -> Result<Vec<u8>, csv::Error> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record([
+        "parameter",
+        "unit",
+        "side",
+        "number",
+        "value",
+        "uncertainty",
+    ])?;
+    for ((parameter, side), statistic) in &gait.parameters {
+        let side: Side = *side;
+        let uncertainty = statistic
+            .uncertainty
+            .map_or(String::new(), |u| format!("{u:.6}"));
+        for (i, value) in statistic.values.iter().enumerate() {
+            let cells = [
+                parameter.name().to_owned(),
+                parameter.unit().to_owned(),
+                side.name().to_owned(),
+                (i + 1).to_string(),
+                format!("{value:.6}"),
+                uncertainty.clone(),
+            ];
+            writer.write_record(cells)?;
+        }
+    }
+    finished(writer)
+}
+
+fn degrees(angle: Option<f64>) -> String {
+    let known = angle.filter(|a| a.is_finite());
+    known.map_or(String::new(), |a| format!("{:.4}", a.to_degrees()))
+}
+
+fn finished(writer: csv::Writer<Vec<u8>>) -> Result<Vec<u8>, csv::Error> {
+    writer.into_inner().map_err(|e| e.into_error().into())
+}

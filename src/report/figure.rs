@@ -1,0 +1,205 @@
+//! One small chart, as SVG. The plotting library is named in this file only.
+
+use kuva::backend::svg::SvgBackend;
+use kuva::plot::{BandPlot, LinePlot};
+use kuva::render::annotations::ReferenceLine;
+use kuva::render::figure::Figure as Sheet;
+use kuva::render::layout::Layout;
+use kuva::render::plots::Plot;
+use kuva::render::theme::Theme;
+use maud::{Markup, PreEscaped, html};
+
+/// A colour, `#rrggbb`. The style sheet of the page replaces [`LEFT`] and [`RIGHT`] for colour-blind eyes by their text.
+pub(super) type Colour = &'static str;
+
+/// Left side.
+pub(super) const LEFT: Colour = "#c8102e";
+/// Right side.
+pub(super) const RIGHT: Colour = "#0057b8";
+/// Healthy people.
+pub(super) const NORM: Colour = "#8a8a8a";
+/// Neither side.
+pub(super) const BOTH: Colour = "#333333";
+
+/// One axis: what it shows, and from where to where.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Axis {
+    pub(super) label: String,
+    pub(super) range: (f64, f64),
+    /// Distance of its ticks.
+    pub(super) step: f64,
+}
+
+/// One chart.
+pub(super) struct Figure {
+    title: String,
+    axes: [Axis; 2],
+    size_px: (f64, f64),
+    plots: Vec<Plot>,
+    rules: Vec<ReferenceLine>,
+}
+
+impl std::fmt::Debug for Figure {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "Figure({:?}, {} plots)", self.title, self.plots.len())
+    }
+}
+
+impl Figure {
+    /// An empty chart.
+    pub(super) fn new(title: &str, x: Axis, y: Axis) -> Self {
+        Self {
+            title: title.to_owned(),
+            axes: [x, y],
+            size_px: (280.0, 196.0),
+            plots: Vec::new(),
+            rules: Vec::new(),
+        }
+    }
+
+    /// Makes it wide and low.
+    pub(super) fn wide(mut self) -> Self {
+        self.size_px = (840.0, 220.0);
+        self
+    }
+
+    /// A line of a width in pixels; it is broken where a value is not finite.
+    pub(super) fn line(mut self, colour: Colour, width_px: f64, points: &[(f64, f64)]) -> Self {
+        let is_known = |p: &(f64, f64)| p.1.is_finite();
+        for run in points.chunk_by(|a, b| is_known(a) && is_known(b)) {
+            if run.len() > 1 {
+                let line = LinePlot::new().with_data(run.iter().copied());
+                let line = line.with_color(colour).with_stroke_width(width_px);
+                self.plots.push(Plot::Line(line));
+            }
+        }
+        self
+    }
+
+    /// The area between two curves, (x, low, high).
+    pub(super) fn band(mut self, colour: Colour, opacity: f64, points: &[(f64, f64, f64)]) -> Self {
+        let known: Vec<_> = points
+            .iter()
+            .filter(|p| p.1.is_finite() && p.2.is_finite())
+            .collect();
+        if known.len() > 1 {
+            let xs = known.iter().map(|p| p.0);
+            let band = BandPlot::new(xs, known.iter().map(|p| p.1), known.iter().map(|p| p.2));
+            let band = band.with_color(colour).with_opacity(opacity);
+            self.plots.push(Plot::Band(band));
+        }
+        self
+    }
+
+    /// A dashed vertical line.
+    pub(super) fn rule(mut self, colour: Colour, x: f64) -> Self {
+        self.rules
+            .push(ReferenceLine::vertical(x).with_color(colour));
+        self
+    }
+
+    /// Whether nothing is drawn in it.
+    pub(super) fn is_empty(&self) -> bool {
+        self.plots.is_empty()
+    }
+
+    /// The chart, with a text for those who do not see it.
+    pub(super) fn markup(self, description: &str) -> Markup {
+        let layout = self.layout();
+        let sheet = Sheet::new(1, 1)
+            .with_plots(vec![self.plots])
+            .with_layouts(vec![layout])
+            .with_padding(0.0)
+            .with_cell_size(self.size_px.0, self.size_px.1);
+        let svg = SvgBackend.render_scene(&sheet.render());
+        // a drawing that grows and shrinks with its place
+        let (width, height) = self.size_px;
+        let fixed = format!(r#"width="{width}" height="{height}""#);
+        let svg = svg.replacen(&fixed, &format!(r#"viewBox="0 0 {width} {height}""#), 1);
+        html! {
+            div class="chart" role="img" aria-label=(description) { (PreEscaped(svg)) }
+        }
+    }
+
+    fn layout(&self) -> Layout {
+        let theme = Theme {
+            grid_color: "#e6e6e6".into(),
+            font_family: Some("Helvetica, Arial, sans-serif".into()),
+            ..Theme::light()
+        };
+        let [x, y] = &self.axes;
+        let layout = Layout::auto_from_plots(&self.plots)
+            .with_x_axis_min(x.range.0)
+            .with_x_axis_max(x.range.1)
+            .with_y_axis_min(y.range.0)
+            .with_y_axis_max(y.range.1)
+            .with_x_tick_step(x.step)
+            .with_y_tick_step(y.step)
+            .with_theme(theme)
+            .with_title(&self.title)
+            .with_x_label(&x.label)
+            .with_y_label(&y.label)
+            .with_title_size(13)
+            .with_label_size(11)
+            .with_tick_size(10)
+            // the same for all, so that charts under each other stand in line
+            .with_force_margins(46.0, 12.0)
+            // room for the title
+            .with_force_margins_y(34.0, if x.label.is_empty() { 24.0 } else { 38.0 });
+        let rules = self.rules.iter().cloned();
+        rules.fold(layout, Layout::with_reference_line)
+    }
+}
+
+/// A range that holds all finite values and `least`, in whole steps; of 4 to 8 ticks where that leaves a choice.
+pub(super) fn range_of(values: impl Iterator<Item = f64>, least: (f64, f64)) -> ((f64, f64), f64) {
+    let known = values.filter(|v| v.is_finite());
+    let (low, high) = known.fold(least, |(low, high), v| (low.min(v), high.max(v)));
+    let rough = ((high - low) / 6.0).max(1e-6);
+    let power = 10_f64.powf(rough.log10().floor());
+    let steps = [1.0, 2.0, 5.0, 10.0].map(|m| m * power);
+    let step = steps.into_iter().find(|s| *s >= rough * 0.999);
+    let step = step.unwrap_or(10.0 * power);
+    let range = ((low / step).floor() * step, (high / step).ceil() * step);
+    (range, step)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn axis(range: (f64, f64)) -> Axis {
+        Axis {
+            label: "a".into(),
+            range,
+            step: 0.5 * (range.1 - range.0),
+        }
+    }
+
+    #[test]
+    fn a_line_is_broken_where_nothing_is_known() {
+        let points = [
+            (0.0, 1.0),
+            (1.0, 2.0),
+            (2.0, f64::NAN),
+            (3.0, 1.0),
+            (4.0, 2.0),
+        ];
+        let figure = Figure::new("t", axis((0.0, 4.0)), axis((0.0, 2.0))).line(LEFT, 1.0, &points);
+        assert_eq!(figure.plots.len(), 2);
+        let text = figure.markup("two pieces").into_string();
+        assert!(text.contains("viewBox=\"0 0 280 196\""), "{text}");
+        assert!(text.contains("aria-label=\"two pieces\"") && text.contains(LEFT));
+        assert!(!text.contains("NaN"));
+    }
+
+    #[test]
+    fn a_range_holds_every_value_in_whole_steps() {
+        let (range, step) = range_of([-3.0, 61.0, f64::NAN].into_iter(), (0.0, 60.0));
+        approx::assert_relative_eq!(step, 20.0);
+        approx::assert_relative_eq!(range.0, -20.0);
+        approx::assert_relative_eq!(range.1, 80.0);
+        let (range, _) = range_of([].into_iter(), (0.0, 0.0));
+        assert!(range.0.is_finite() && range.1.is_finite());
+    }
+}

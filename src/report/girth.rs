@@ -1,0 +1,195 @@
+//! How far it is around a limb, in the middle of its length.
+//!
+//! At rest, from the middle m of a length, rays go out square to it. Each ends where it leaves the flesh of the part that
+//! m lies in: of metaballs the part with the largest sum at m (F = ½ there), of ellipsoids those of the parts that hold m. The girth
+//! is the perimeter of the ends. Its standard deviation is √Σ (∂g/∂sₖ · SDₖ)², from central differences of SDₖ.
+
+use std::f64::consts::TAU;
+
+use nalgebra::Vector3;
+
+use crate::body::metaball::{Field, THRESHOLD};
+use crate::body::{BodyModel, Motion, Posed, Shape};
+use crate::math::quadric::Ellipsoid;
+
+const RAYS: usize = 72;
+/// Where the search along a ray ends, m, and its steps.
+const FARTHEST_M: f64 = 0.5;
+const STEPS: usize = 100;
+/// Halvings of the last step: to a few nanometres.
+const HALVINGS: usize = 20;
+
+/// A girth of the body at rest.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Girth {
+    /// Name of the length in whose middle it is.
+    pub(super) name: String,
+    /// Metres.
+    pub(super) girth_m: f64,
+    /// Its standard deviation, where those of the coefficients are known.
+    pub(super) sd_m: Option<f64>,
+}
+
+/// The girths of every length that runs along a limb; `sd` is of the shape coefficients.
+pub(super) fn girths(model: &BodyModel, shape: &Shape, sd: Option<&[f64]>) -> Vec<Girth> {
+    let named = model.lengths.iter().enumerate();
+    let girth = |(i, length): (usize, &(String, usize, usize))| {
+        Some(Girth {
+            name: length.0.clone(),
+            girth_m: girth(model, shape, i)?,
+            sd_m: sd.and_then(|sd| deviation(model, shape, sd, i)),
+        })
+    };
+    named.filter_map(girth).collect()
+}
+
+fn deviation(model: &BodyModel, shape: &Shape, sd: &[f64], length: usize) -> Option<f64> {
+    let mut variance = 0.0;
+    for (k, sd) in sd.iter().enumerate() {
+        let at = |sign: f64| {
+            let mut moved = shape.clone();
+            moved.0[k] += sign * sd;
+            girth(model, &moved, length)
+        };
+        variance += (0.5 * (at(1.0)? - at(-1.0)?)).powi(2);
+    }
+    variance.is_finite().then(|| variance.sqrt())
+}
+
+/// The perimeter around one length; `None` of one from side to side, or outside the flesh.
+fn girth(model: &BodyModel, shape: &Shape, length: usize) -> Option<f64> {
+    let rest = Motion::rest(model);
+    let body = Posed::new(model, shape, &rest);
+    let points = body.points();
+    let (_, from, to) = model.lengths.get(length)?;
+    let along = (points[*to] - points[*from]).try_normalize(1e-9)?;
+    // a limb has a side, and hangs; the widths of hips and shoulders do not
+    let has_side = |i: usize| {
+        let mut letters = model.points[i].name.chars();
+        letters.next().is_some_and(|c| "RL".contains(c))
+            && letters.next().is_some_and(char::is_uppercase)
+    };
+    if !has_side(*from) || !has_side(*to) || along.z.abs() < 0.5 {
+        return None;
+    }
+    let middle = nalgebra::center(&points[*from], &points[*to]).coords;
+    let flesh = Flesh::around(&body, &middle)?;
+    let across = along.cross(&Vector3::x()).try_normalize(1e-9)?;
+    let ahead = along.cross(&across);
+    let ends = (0..RAYS).map(|k| {
+        let (sin, cos) = (TAU * k as f64 / RAYS as f64).sin_cos();
+        flesh.end(&middle, &(across * cos + ahead * sin))
+    });
+    let ends: Vec<Vector3<f64>> = ends.collect::<Option<_>>()?;
+    let next = ends.iter().cycle().skip(1);
+    Some(ends.iter().zip(next).map(|(a, b)| (b - a).norm()).sum())
+}
+
+/// What a place lies in.
+enum Flesh {
+    Metaballs(Field),
+    Ellipsoids(Vec<Ellipsoid>),
+}
+
+impl Flesh {
+    fn around(body: &Posed<'_>, place: &Vector3<f64>) -> Option<Self> {
+        let flesh = match body.model.metaballs.is_empty() {
+            false => {
+                let of_part = |part: usize| {
+                    let own = body.model.metaballs.iter().filter(|m| m.part.0 == part);
+                    Field::new(own.map(|m| body.primitive(m)))
+                };
+                let fields = (0..body.model.parts.len()).map(of_part);
+                let larger = |a: &Field, b: &Field| a.value(place).total_cmp(&b.value(place));
+                Self::Metaballs(fields.max_by(larger)?)
+            }
+            true => {
+                let all: Vec<_> = body
+                    .model
+                    .ellipsoids
+                    .iter()
+                    .zip(body.ellipsoids())
+                    .collect();
+                let around = all.iter().filter(|(_, e)| holds(e, place));
+                let parts: Vec<_> = around.map(|(p, _)| p.part).collect();
+                let own = all.into_iter().filter(|(p, _)| parts.contains(&p.part));
+                Self::Ellipsoids(own.map(|(_, e)| e).collect())
+            }
+        };
+        flesh.holds(place).then_some(flesh)
+    }
+
+    fn holds(&self, place: &Vector3<f64>) -> bool {
+        match self {
+            Self::Metaballs(field) => field.value(place) > THRESHOLD,
+            Self::Ellipsoids(all) => all.iter().any(|e| holds(e, place)),
+        }
+    }
+
+    /// Where a ray from within leaves it first.
+    fn end(&self, from: &Vector3<f64>, direction: &Vector3<f64>) -> Option<Vector3<f64>> {
+        let step = FARTHEST_M / STEPS as f64;
+        let at = |t: f64| from + direction * t;
+        let outside = (1..=STEPS).find(|k| !self.holds(&at(step * *k as f64)))?;
+        let (mut low, mut high) = (step * (outside - 1) as f64, step * outside as f64);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            *(if self.holds(&at(middle)) {
+                &mut low
+            } else {
+                &mut high
+            }) = middle;
+        }
+        Some(at(0.5 * (low + high)))
+    }
+}
+
+fn holds(ellipsoid: &Ellipsoid, place: &Vector3<f64>) -> bool {
+    let offset = place - ellipsoid.centre;
+    let inverse = ellipsoid.shape.cholesky().map(|c| c.inverse());
+    inverse.is_some_and(|inverse| offset.dot(&(inverse * offset)) < 1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    fn of(name: &str) -> Vec<Girth> {
+        let model = crate::io::model::load(name, Path::new("")).unwrap();
+        let shape = Shape(model.statistics.mean.clone());
+        let sd = vec![0.02; model.coefficients.len()];
+        girths(&model, &shape, Some(&sd))
+    }
+
+    #[test]
+    fn the_mean_bodys_girths_are_a_persons_on_either_body() {
+        // generous, of adults (metres)
+        let people = [
+            ("thigh", 0.38, 0.70),
+            ("shank", 0.24, 0.45),
+            ("upper_arm", 0.20, 0.42),
+            ("forearm", 0.16, 0.32),
+        ];
+        for body in ["human-ellipsoids", "human-metaballs"] {
+            let girths = of(body);
+            for (name, least, most) in people {
+                let girth = girths.iter().find(|g| g.name == name).unwrap();
+                assert!((least..most).contains(&girth.girth_m), "{body}: {girth:?}");
+                assert!(girth.sd_m.unwrap() > 0.0, "{body}: {girth:?}");
+            }
+            assert_eq!(girths.len(), people.len());
+        }
+    }
+
+    #[test]
+    fn a_ray_ends_where_it_leaves_the_ellipsoid() {
+        let flesh = Flesh::Ellipsoids(vec![Ellipsoid {
+            centre: Vector3::zeros(),
+            shape: nalgebra::Matrix3::from_diagonal_element(0.01),
+        }]);
+        let end = flesh.end(&Vector3::zeros(), &Vector3::y()).unwrap();
+        approx::assert_relative_eq!(end.y, 0.1, epsilon = 1e-6);
+    }
+}

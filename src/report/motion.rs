@@ -1,0 +1,60 @@
+//! Places for the body that moves, the curves that follow it, and the cameras. The page's program fills them.
+
+use maud::{Markup, html};
+
+use super::ReportInput;
+use super::page::{Page, absent};
+
+pub(super) fn page(input: &ReportInput<'_>) -> Page {
+    let last = input.input.recording.frames.saturating_sub(1);
+    let first = input.input.recording.first_frame;
+    Page {
+        id: "motion",
+        title: "Motion",
+        body: html! {
+            p class="absent" id="no-webgl" hidden { "This browser shows no 3-D (WebGL is off): the curves follow the slider, the body does not." }
+            @if input.input.body.is_none() {
+                (absent("Points of another system: lines between the points in place of a fitted body."))
+            }
+            div class="player" {
+                div class="stage" {
+                    canvas id="stage" tabindex="0" role="img" aria-label="The moving body in 3-D. Arrow keys turn it, plus and minus zoom." {}
+                }
+                (cameras(input))
+            }
+            div class="controls" {
+                button type="button" id="play" aria-label="Play" { "▶" }
+                input type="range" id="time" min="0" max=(last) value="0" step="1"
+                    aria-label={ "Frame, from " (first) " to " (first + last) };
+                output id="clock" for="time" {}
+                label { "speed " select id="speed" {
+                    option value="1" { "1" } option value="0.5" { "½" } option value="0.25" { "¼" } option value="0.1" { "⅒" }
+                } }
+            }
+            @if !input.views.is_empty() {
+                div class="sheet" id="sheet" role="img" aria-label="The fitted body under the recorded outline, all cameras, middle frame" {}
+            }
+            div class="choice" {
+                label { "curves " select id="group" {} }
+                span class="key" { span class="left" { "left" } span class="right" { "right" } }
+            }
+            div id="curves" role="img" aria-label="Joint angles over time, with a line at the shown frame" {}
+        },
+    }
+}
+
+fn cameras(input: &ReportInput<'_>) -> Markup {
+    html! {
+        div class="camera" {
+            @if input.views.is_empty() {
+                (absent("No camera views: the recording was not at hand (give --recording)."))
+            } @else {
+                canvas id="camera" role="img" aria-label="The fitted body as the chosen camera sees it, with the recorded outline over it" {}
+                label { "camera " select id="camera-choice" {
+                    @for (i, view) in input.views.iter().enumerate() { option value=(i) { (view.name) } }
+                } }
+                p class="note" { "Yellow: recorded outline. Under it: fitted body. Both without the lens's distortion." }
+            }
+        }
+    }
+}

@@ -1,0 +1,113 @@
+//! The document around the pages, and pieces that all pages have.
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use super::Identity;
+
+const SCRIPT: &str = include_str!("bundle/report.js");
+const STYLE: &str = include_str!("bundle/report.css");
+
+/// One page: its name in links, its heading and what it shows.
+#[derive(Debug)]
+pub(super) struct Page {
+    pub(super) id: &'static str,
+    pub(super) title: &'static str,
+    pub(super) body: Markup,
+}
+
+/// The whole file. `scene` is JSON.
+pub(super) fn document(identity: &Identity, pages: &[Page], scene: &str) -> String {
+    // within a script element no text may look like its end
+    let scene = scene.replace('<', "\\u003c");
+    let title = identity.subject.as_ref().unwrap_or(&identity.recording);
+    let markup = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { "Motion report · " (title) }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                a class="skip" href="#identity" { "Skip to the report" }
+                header class="bar" {
+                    strong { "Maquette" }
+                    nav aria-label="Pages" {
+                        @for page in pages { a href={ "#" (page.id) } { (page.title) } }
+                    }
+                    label { input type="checkbox" id="colour-blind"; " colour-blind safe" }
+                }
+                main {
+                    @for page in pages {
+                        section id=(page.id) aria-labelledby={ (page.id) "-title" } {
+                            h2 id={ (page.id) "-title" } { (page.title) }
+                            (page.body)
+                        }
+                    }
+                }
+                script type="application/json" id="scene" { (PreEscaped(scene)) }
+                script type="module" { (PreEscaped(SCRIPT)) }
+            }
+        }
+    };
+    markup.into_string()
+}
+
+/// Why something is not there.
+pub(super) fn absent(reason: &str) -> Markup {
+    html! { p class="absent" { (reason) } }
+}
+
+/// A number with digits behind the point; a dash for what is not there or not finite.
+pub(super) fn number(value: Option<f64>, digits: usize) -> String {
+    match value.filter(|v| v.is_finite()) {
+        Some(value) => format!("{value:.digits$}").replace('-', "−"),
+        None => "–".into(),
+    }
+}
+
+/// The key of the two sides, for every page with curves.
+pub(super) fn key(norm: Option<&str>) -> Markup {
+    html! {
+        p class="key" {
+            span class="left" { "left" } span class="right" { "right" }
+            @if let Some(norm) = norm { span class="norm" { "norm: " (norm) ", mean ± 1 SD" } }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_text_of_the_data_can_end_its_script() {
+        let page = document(&Identity::default(), &[], r#"{"name":"</script><b>"}"#);
+        assert!(page.contains(r#"{"name":"\u003c/script>\u003cb>"}"#));
+    }
+
+    #[test]
+    fn a_name_with_markup_stays_text() {
+        let identity = Identity {
+            subject: Some("<img src=x>".into()),
+            ..Identity::default()
+        };
+        assert!(document(&identity, &[], "{}").contains("&lt;img src=x&gt;"));
+    }
+
+    #[test]
+    fn the_page_asks_nobody_for_anything() {
+        for text in [STYLE, SCRIPT] {
+            assert!(!text.contains("@import") && !text.contains("sourceMappingURL"));
+            assert!(!text.contains("</script"));
+        }
+    }
+
+    #[test]
+    fn what_is_not_there_is_a_dash() {
+        assert_eq!(number(None, 1), "–");
+        assert_eq!(number(Some(f64::NAN), 1), "–");
+        assert_eq!(number(Some(-1.26), 1), "−1.3");
+    }
+}

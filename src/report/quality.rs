@@ -1,0 +1,258 @@
+//! Whether the numbers can be trusted: what the cameras saw, how well the body covers it, and what else was tried.
+
+use std::collections::BTreeMap;
+
+use maud::{Markup, html};
+
+use super::ReportInput;
+use super::figure::{Axis, BOTH, Figure, range_of};
+use super::label::words;
+use super::page::{Page, absent, number};
+use crate::inference::confidence::Confidence;
+use crate::io::result::{HypothesisPart, OriginPart, OutcomePart, ResultFile};
+
+/// Hypotheses that are listed.
+const MOST_HYPOTHESES: usize = 12;
+
+pub(super) fn page(input: &ReportInput<'_>) -> Page {
+    Page {
+        id: "quality",
+        title: "Quality",
+        body: match input.result {
+            Some(result) => of_fit(result),
+            None => absent(
+                "Points of another system: nothing is known of its cameras, its residuals or its alternatives.",
+            ),
+        },
+    }
+}
+
+fn of_fit(result: &ResultFile) -> Markup {
+    html! {
+        h3 { "Cameras" }
+        (cameras(result))
+        h3 { "Overlap over time" }
+        (overlap(result))
+        h3 { "Missing" }
+        (missing(result))
+        h3 { "Confidence in the body" }
+        (confidence(result))
+        h3 { "Hypotheses" }
+        (hypotheses(result))
+    }
+}
+
+fn cameras(result: &ResultFile) -> Markup {
+    html! {
+        table class="numbers" {
+            thead { tr {
+                th scope="col" { "Camera" } th scope="col" { "Views" } th scope="col" { "Overlap (IoU), mean" }
+                th scope="col" { "Outline off, median, px" } th scope="col" { "Outline off, RMS, px" }
+            } }
+            tbody {
+                @for camera in &result.quality.cameras {
+                    tr {
+                        th scope="row" { (camera.camera) }
+                        td { (camera.frames) }
+                        td { (number(Some(camera.mean_iou), 3)) }
+                        td { (number(camera.median_px, 1)) }
+                        td { (number(camera.rms_px, 1)) }
+                    }
+                }
+            }
+        }
+        p class="note" {
+            "Overlap: intersection over union of the recorded outline and the fitted body; 1 is perfect. "
+            "A camera far below the others may be calibrated or cut out badly."
+        }
+    }
+}
+
+/// Mean overlap of the views of each frame, and the band from the worst to the best view.
+fn overlap(result: &ResultFile) -> Markup {
+    let mut of_frame: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
+    for view in &result.quality.views {
+        of_frame.entry(view.frame).or_default().push(view.iou);
+    }
+    let mean = |views: &Vec<f64>| views.iter().sum::<f64>() / views.len() as f64;
+    let least = |views: &Vec<f64>| views.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = |views: &Vec<f64>| views.iter().copied().fold(0.0, f64::max);
+    let means: Vec<_> = of_frame.iter().map(|(f, v)| (*f as f64, mean(v))).collect();
+    let band: Vec<_> = of_frame
+        .iter()
+        .map(|(f, v)| (*f as f64, least(v), most(v)))
+        .collect();
+    let ends = (
+        result.recording.first_frame as f64,
+        result.recording.last_frame as f64,
+    );
+    let (_, x_step) = range_of(std::iter::empty(), ends);
+    let (y_range, y_step) = range_of(band.iter().map(|b| b.1), (0.7, 1.0));
+    let x = Axis {
+        label: "frame".into(),
+        range: (ends.0, ends.1.max(ends.0 + 1.0)),
+        step: x_step,
+    };
+    let y = Axis {
+        label: "overlap (IoU)".into(),
+        range: (y_range.0.max(0.0), 1.0),
+        step: y_step,
+    };
+    let figure = Figure::new("", x, y)
+        .wide()
+        .band(BOTH, 0.2, &band)
+        .line(BOTH, 1.5, &means);
+    html! {
+        @if figure.is_empty() {
+            (absent("No chart: fewer than two frames were seen by a camera."))
+        } @else {
+            (figure.markup("Overlap of body and outlines, frame by frame: mean of the cameras, and from the worst to the best of them."))
+            p class="note" { "Line: mean of the cameras. Tint: from the worst to the best of them." }
+        }
+    }
+}
+
+fn missing(result: &ResultFile) -> Markup {
+    let frames = &result.motion.frames;
+    let unseen: Vec<usize> = frames
+        .iter()
+        .filter(|f| f.views == 0)
+        .map(|f| f.frame)
+        .collect();
+    let lost: Vec<usize> = frames
+        .iter()
+        .filter(|f| f.recovered)
+        .map(|f| f.frame)
+        .collect();
+    html! {
+        table class="facts" {
+            tr { th scope="row" { "Frames that no camera saw" } td { (ranges(&unseen)) } }
+            tr { th scope="row" { "Frames searched anew after a loss" } td { (ranges(&lost)) } }
+            @for part in &result.recording.missing {
+                tr { th scope="row" { "No mask of " (part.camera) } td { (ranges(&part.frames)) } }
+            }
+            tr {
+                th scope="row" { "Masks that show nobody" }
+                td {
+                    (rejected(result))
+                }
+            }
+        }
+    }
+}
+
+fn rejected(result: &ResultFile) -> String {
+    let mut of_camera: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
+    for part in &result.recording.rejected {
+        of_camera.entry(&part.camera).or_default().push(part.frame);
+    }
+    let texts = of_camera
+        .iter()
+        .map(|(camera, frames)| format!("{camera}: {}", ranges(frames)));
+    match of_camera.is_empty() {
+        true => "none".into(),
+        false => texts.collect::<Vec<_>>().join("; "),
+    }
+}
+
+/// `3–7, 12` of sorted numbers.
+fn ranges(frames: &[usize]) -> String {
+    let runs = frames.chunk_by(|a, b| a + 1 == *b).map(|run| match run {
+        [only] => only.to_string(),
+        [first, .., last] => format!("{first}–{last}"),
+        [] => String::new(),
+    });
+    match frames.is_empty() {
+        true => "none".into(),
+        false => runs.collect::<Vec<_>>().join(", "),
+    }
+}
+
+fn confidence(result: &ResultFile) -> Markup {
+    let all: [(&str, &Confidence); 2] = [
+        ("All lengths", &result.shape.all_lengths),
+        ("All shape coefficients", &result.shape.all_coefficients),
+    ];
+    html! {
+        table class="numbers" {
+            thead { tr {
+                th scope="col" { "Of" } th scope="col" { "ε" } th scope="col" { "σ" } th scope="col" { "K" }
+                th scope="col" { "p" sub { "ε,σ" } "(K)" }
+            } }
+            tbody { @for (name, confidence) in all { tr {
+                th scope="row" { (name) }
+                td { (number(Some(confidence.epsilon), 3)) }
+                td { (number(confidence.sigma, 4)) }
+                td { (confidence.keyframes) }
+                td { (number(confidence.p_within, 3)) }
+            } } }
+        }
+        p class="note" {
+            "K keyframes each proposed a body of their own; σ is how far the proposals scatter, "
+            "p" sub { "ε,σ" } "(K) how probable it is that the best of them lies within ε of the truth, "
+            "if they err at random. Confidence of: " (words(&result.shape.confidence_of)) ". "
+            "σ of each length stands on the Shape page. "
+            @if result.shape.all_lengths.p_within.is_none() { "Absent: fewer than two keyframes proposed a body." }
+        }
+    }
+}
+
+fn hypotheses(result: &ResultFile) -> Markup {
+    let best = result
+        .hypotheses
+        .get(result.winner)
+        .map(|h| h.minus_log_posterior.total);
+    let mut sorted: Vec<&HypothesisPart> = result.hypotheses.iter().collect();
+    sorted.sort_by(|a, b| {
+        a.minus_log_posterior
+            .total
+            .total_cmp(&b.minus_log_posterior.total)
+    });
+    html! {
+        table class="numbers" {
+            thead { tr {
+                th scope="col" { "Shape from" } th scope="col" { "Keyframe" } th scope="col" { "Outcome" }
+                th scope="col" { "Frames" } th scope="col" { "−log posterior above the winner" } th scope="col" { "Overlap" }
+            } }
+            tbody { @for hypothesis in sorted.iter().take(MOST_HYPOTHESES) { tr {
+                th scope="row" { (origin(hypothesis)) }
+                td { (hypothesis.keyframe) }
+                td { (outcome(hypothesis)) }
+                td { (hypothesis.frames_fitted) }
+                td { (number(best.map(|b| hypothesis.minus_log_posterior.total - b), 1)) }
+                td { (number(hypothesis.iou, 3)) }
+            } } }
+        }
+        p class="note" {
+            (result.hypotheses.len()) " explanations were tried"
+            @if sorted.len() > MOST_HYPOTHESES { "; the " (MOST_HYPOTHESES) " most probable are shown" }
+            ". Of a dropped one the number is a lower bound when it could no longer win."
+        }
+    }
+}
+
+fn origin(hypothesis: &HypothesisPart) -> &'static str {
+    match hypothesis.origin {
+        OriginPart::Prior => "mean of people",
+        OriginPart::Keyframe => "keyframe",
+    }
+}
+
+fn outcome(hypothesis: &HypothesisPart) -> &'static str {
+    match hypothesis.outcome {
+        OutcomePart::Won => "won",
+        OutcomePart::Finished => "followed to the end",
+        OutcomePart::Pruned => "dropped",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_in_a_row_are_written_as_a_range() {
+        assert_eq!(ranges(&[]), "none");
+        assert_eq!(ranges(&[3, 4, 5, 9, 11, 12]), "3–5, 9, 11–12");
+    }
+}

@@ -1,0 +1,247 @@
+//! What the page's program needs: the body, its motion, its curves. Numbers in base64, little endian.
+
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+use nalgebra::{Rotation3, UnitQuaternion, Vector3};
+use serde::Serialize;
+
+use super::{CameraOutlines, ReportInput, label};
+use crate::body::{BodyModel, Motion, PartId, Posed, Primitive, Shape};
+use crate::gait::{Event, Side};
+use crate::io::gait::FittedBody;
+use crate::math::stats::median;
+use crate::skin::{SkinnedMesh, bind_pose, skinned};
+
+/// Everything; the program's side of it is `web/src/scene.ts`.
+#[derive(Debug, Serialize)]
+pub(super) struct Scene<'a> {
+    fps: f64,
+    first_frame: usize,
+    frames: usize,
+    /// Height of the floor: the lowest place of the body, median over time.
+    floor_m: f64,
+    body: Option<BodyPart>,
+    /// Places of named points: f32, frames × points × 3.
+    points: Points,
+    tracks: Vec<TrackPart>,
+    events: &'a [Event],
+    views: &'a [CameraOutlines],
+}
+
+/// The fitted body.
+#[derive(Debug, Serialize)]
+struct BodyPart {
+    /// Of each part in each frame x, y, z and the quaternion x, y, z, w: f32; NaN where nobody was seen.
+    poses: String,
+    /// The same in the pose of binding: at rest, limbs apart.
+    bind: String,
+    parts: usize,
+    flesh: FleshPart,
+}
+
+/// What is seen of it.
+#[derive(Debug, Serialize)]
+#[serde(tag = "kind", rename_all = "lowercase")]
+enum FleshPart {
+    /// A skin in the pose of binding; vertices f32, triangles u32, bones u8, weights f32.
+    Skin {
+        vertices: String,
+        normals: String,
+        triangles: String,
+        bones: String,
+        weights: String,
+    },
+    /// Ellipsoids fixed to parts.
+    Ellipsoids { ellipsoids: Vec<EllipsoidPart> },
+}
+
+#[derive(Debug, Serialize)]
+struct EllipsoidPart {
+    part: usize,
+    centre: [f64; 3],
+    turn: [f64; 4],
+    radii: [f64; 3],
+}
+
+#[derive(Debug, Serialize)]
+struct Points {
+    names: Vec<String>,
+    places: String,
+}
+
+/// One angle of one side over time, degrees: f32.
+#[derive(Debug, Serialize)]
+struct TrackPart {
+    name: &'static str,
+    title: &'static str,
+    axis: String,
+    side: Side,
+    values: String,
+}
+
+impl<'a> Scene<'a> {
+    pub(super) fn of(input: &ReportInput<'a>) -> Self {
+        let recording = &input.input.recording;
+        let body = input.input.body.as_ref();
+        let track = |((side, angle), values): (&(Side, crate::gait::Angle), &Vec<f64>)| {
+            let label = label::of_angle(*angle);
+            TrackPart {
+                name: angle.name(),
+                title: label.title,
+                axis: label.axis(),
+                side: *side,
+                values: base64_of_f32(values.iter().map(|v| v.to_degrees())),
+            }
+        };
+        Self {
+            fps: recording.rate_hz,
+            first_frame: recording.first_frame,
+            frames: recording.frames,
+            floor_m: floor(input),
+            body: body.map(body_part),
+            points: points(input),
+            tracks: input.gait.angles.iter().map(track).collect(),
+            events: &input.gait.events,
+            views: input.views,
+        }
+    }
+}
+
+fn points(input: &ReportInput<'_>) -> Points {
+    let recording = &input.input.recording;
+    let tracks: Vec<_> = recording.tracks.iter().collect();
+    let at = |i: usize| {
+        tracks
+            .iter()
+            .flat_map(move |(_, track)| track[i].iter().copied().collect::<Vec<_>>())
+    };
+    Points {
+        names: tracks.iter().map(|(landmark, _)| landmark.name()).collect(),
+        places: base64_of_f32((0..recording.frames).flat_map(at)),
+    }
+}
+
+fn floor(input: &ReportInput<'_>) -> f64 {
+    let mut lowest: Vec<f64> = match &input.input.body {
+        Some(body) => {
+            let motions = body.motions.iter().flatten();
+            let bounds = motions.filter_map(|m| Posed::new(&body.model, &body.shape, m).bounds());
+            bounds.map(|(least, _)| least.z).collect()
+        }
+        None => {
+            let recording = &input.input.recording;
+            let lowest = |i: usize| {
+                recording
+                    .tracks
+                    .values()
+                    .map(move |t| t[i].z)
+                    .fold(f64::INFINITY, f64::min)
+            };
+            (0..recording.frames)
+                .map(lowest)
+                .filter(|z| z.is_finite())
+                .collect()
+        }
+    };
+    median(&mut lowest).unwrap_or(0.0)
+}
+
+fn body_part(body: &FittedBody) -> BodyPart {
+    let (model, shape) = (&body.model, &body.shape);
+    let unseen = || vec![f64::NAN; 7 * model.parts.len()];
+    let of = |motion: &Option<Motion>| {
+        motion
+            .as_ref()
+            .map_or_else(unseen, |m| poses(model, shape, m))
+    };
+    BodyPart {
+        poses: base64_of_f32(body.motions.iter().flat_map(of)),
+        bind: base64_of_f32(poses(model, shape, &bind_pose(model, shape))),
+        parts: model.parts.len(),
+        flesh: flesh(model, shape),
+    }
+}
+
+fn poses(model: &BodyModel, shape: &Shape, motion: &Motion) -> Vec<f64> {
+    let body = Posed::new(model, shape, motion);
+    let pose = |i: usize| {
+        let place = body.origin_of_part(PartId(i));
+        let turn = quaternion(&Rotation3::from_matrix_unchecked(
+            body.world_from_part(PartId(i)),
+        ));
+        [
+            place.x, place.y, place.z, turn[0], turn[1], turn[2], turn[3],
+        ]
+    };
+    (0..model.parts.len()).flat_map(pose).collect()
+}
+
+fn quaternion(rotation: &Rotation3<f64>) -> [f64; 4] {
+    let q = UnitQuaternion::from_rotation_matrix(rotation);
+    [q.i, q.j, q.k, q.w]
+}
+
+/// The skin; of a body without one its ellipsoids.
+fn flesh(model: &BodyModel, shape: &Shape) -> FleshPart {
+    let skin = skinned(model, shape)
+        .ok()
+        .filter(|_| model.parts.len() <= 255);
+    let Some(SkinnedMesh {
+        mesh,
+        parts,
+        weights,
+        ..
+    }) = skin
+    else {
+        return FleshPart::Ellipsoids {
+            ellipsoids: ellipsoids(model, shape),
+        };
+    };
+    let numbers = |of: &[Vector3<f64>]| base64_of_f32(of.iter().flat_map(|v| [v.x, v.y, v.z]));
+    FleshPart::Skin {
+        vertices: numbers(&mesh.vertices),
+        normals: numbers(&mesh.normals),
+        triangles: base64(
+            mesh.triangles
+                .iter()
+                .flatten()
+                .flat_map(|i| i.to_le_bytes()),
+        ),
+        bones: base64(parts.into_iter().flatten()),
+        weights: base64(weights.into_iter().flatten().flat_map(f32::to_le_bytes)),
+    }
+}
+
+fn ellipsoids(model: &BodyModel, shape: &Shape) -> Vec<EllipsoidPart> {
+    let rest = Motion::rest(model);
+    let body = Posed::new(model, shape, &rest);
+    // alone, a metaball's skin is its ellipsoid, smaller
+    let alone = (0.5 * 2_f64.ln()).sqrt();
+    let (primitives, size) = match model.ellipsoids.as_slice() {
+        [] => (&model.metaballs, alone),
+        _ => (&model.ellipsoids, 1.0),
+    };
+    let part = |primitive: &Primitive| {
+        let centre = body.primitive(primitive).centre;
+        let radii = body.primitive_radii(primitive) * size;
+        EllipsoidPart {
+            part: primitive.part.0,
+            centre: body.in_part(primitive.part, &centre.into()).into(),
+            turn: quaternion(&primitive.part_from_primitive),
+            radii: radii.into(),
+        }
+    };
+    primitives.iter().map(part).collect()
+}
+
+fn base64(bytes: impl Iterator<Item = u8>) -> String {
+    BASE64_STANDARD.encode(bytes.collect::<Vec<_>>())
+}
+
+fn base64_of_f32(values: impl IntoIterator<Item = f64>) -> String {
+    base64(values.into_iter().flat_map(|v| (v as f32).to_le_bytes()))
+}
+
+pub(super) fn base64_of_i16(values: &[i16]) -> String {
+    base64(values.iter().flat_map(|v| v.to_le_bytes()))
+}

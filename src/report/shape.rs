@@ -1,0 +1,91 @@
+//! How the person is built.
+
+use maud::{Markup, html};
+
+use super::ReportInput;
+use super::girth::{Girth, girths};
+use super::label::words;
+use super::page::{Page, absent, number};
+use crate::io::result::{LengthPart, ResultFile};
+
+pub(super) fn page(input: &ReportInput<'_>) -> Page {
+    Page {
+        id: "shape",
+        title: "Shape",
+        body: match input.result {
+            Some(result) => of_fit(result, input),
+            None => html! {
+                (absent("Points of another system: no body was fitted."))
+                @if let Some(leg) = input.file.leg_length_m {
+                    p { "Leg length, hip to knee to ankle: " (number(Some(100.0 * leg), 1)) " cm." }
+                }
+            },
+        },
+    }
+}
+
+fn of_fit(result: &ResultFile, input: &ReportInput<'_>) -> Markup {
+    let sd: Option<Vec<f64>> = result.shape.coefficients.iter().map(|c| c.sd).collect();
+    let body = input.input.body.as_ref();
+    let girths = body.map(|body| girths(&body.model, &body.shape, sd.as_deref()));
+    html! {
+        div class="shape" {
+            div class="portraits" {
+                @for (view, name) in [("front", "from the front"), ("side", "from the side")] {
+                    figure {
+                        img data-portrait=(view) alt={ "The fitted body, " (name) };
+                        figcaption { (name) }
+                    }
+                }
+            }
+            div {
+                (lengths(&result.shape.lengths))
+                @if let Some(girths) = &girths { (table_of_girths(girths)) }
+            }
+        }
+        p class="note" {
+            "± is the standard deviation that the fit gives the length"
+            @if result.shape.lengths.iter().all(|l| l.sd_m.is_none()) {
+                "; it is absent because this fit was made without the joint optimum"
+            }
+            ". σ is how far the proposals of the keyframes scatter, p how probable one of them lies within ε. "
+            "Joint centres lie in the flesh: outlines do not show them, and statistics of people go into the lengths. "
+            "Girths: around the limb in the middle of the length and square to it; their ± takes the errors of the "
+            "shape coefficients as independent."
+        }
+    }
+}
+
+fn lengths(lengths: &[LengthPart]) -> Markup {
+    html! {
+        table class="numbers" {
+            thead { tr {
+                th scope="col" { "Length" } th scope="col" { "cm" } th scope="col" { "± cm" }
+                th scope="col" { "ε, cm" } th scope="col" { "σ, cm" } th scope="col" { "p" sub { "ε,σ" } "(K)" }
+            } }
+            tbody { @for length in lengths { tr {
+                th scope="row" { (words(&length.name)) }
+                td class="mean" { (number(Some(100.0 * length.length_m), 1)) }
+                td { (number(length.sd_m.map(|sd| 100.0 * sd), 1)) }
+                td { (number(Some(100.0 * length.confidence.epsilon), 1)) }
+                td { (number(length.confidence.sigma.map(|s| 100.0 * s), 2)) }
+                td { (number(length.confidence.p_within, 2)) }
+            } } }
+        }
+    }
+}
+
+fn table_of_girths(girths: &[Girth]) -> Markup {
+    html! {
+        table class="numbers" {
+            thead { tr {
+                th scope="col" { "Girth, mid-length" } th scope="col" { "cm" } th scope="col" { "± cm" }
+            } }
+            tbody { @for girth in girths { tr {
+                th scope="row" { (words(&girth.name)) }
+                td class="mean" { (number(Some(100.0 * girth.girth_m), 1)) }
+                td { (number(girth.sd_m.map(|sd| 100.0 * sd), 1)) }
+            } } }
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! Speed, cadence, steps and phases: left, right, norm.
+
+use maud::{Markup, html};
+
+use super::ReportInput;
+use super::label;
+use super::page::{Page, absent, number};
+use crate::gait::{EventKind, Norm, Statistic};
+use crate::io::gait::ParameterPart;
+
+pub(super) fn page(input: &ReportInput<'_>) -> Page {
+    let file = input.file;
+    Page {
+        id: "spatiotemporal",
+        title: "Steps and strides",
+        body: html! {
+            @if file.parameters.is_empty() {
+                (absent(&format!("No parameters: {}.", reason(input))))
+            } @else {
+                (table(&file.parameters, input.norm))
+                p class="note" {
+                    "SD: between strides. u: standard uncertainty of one value; more strides do not make it smaller. "
+                    "Normalised: mean of both sides by leg length and gravity (Hof 1996). "
+                    @if input.norm.is_none_or(|norm| norm.parameters.is_empty()) {
+                        "Norm: the norm in use has no numbers for steps and strides."
+                    }
+                }
+            }
+            @if !file.parameters.is_empty() && !input.gait.notes.is_empty() {
+                ul class="remarks" { @for note in &input.gait.notes { li { (note) } } }
+            }
+            @if !file.agreement.is_empty() { (agreement(input)) }
+        },
+    }
+}
+
+/// Why there are no strides.
+pub(super) fn reason(input: &ReportInput<'_>) -> String {
+    let first = input.gait.notes.first();
+    first.map_or_else(|| "the recording holds no stride".into(), Clone::clone)
+}
+
+fn table(parameters: &[ParameterPart], norm: Option<&Norm>) -> Markup {
+    html! {
+        table class="numbers" {
+            thead {
+                tr {
+                    th rowspan="2" scope="col" { "Parameter" }
+                    th rowspan="2" scope="col" { "Unit" }
+                    th colspan="4" scope="colgroup" class="left" { "Left" }
+                    th colspan="4" scope="colgroup" class="right" { "Right" }
+                    th rowspan="2" scope="col" { "R/L, %" }
+                    th rowspan="2" scope="col" { "Norm" }
+                    th rowspan="2" scope="col" { "Normal­ised" }
+                }
+                tr { @for _ in 0..2 { @for name in ["mean", "SD", "u", "n"] { th scope="col" { (name) } } } }
+            }
+            tbody {
+                @for part in parameters {
+                    tr {
+                        th scope="row" { (label::of_parameter(part.name)) }
+                        td { (part.unit) }
+                        (cells(part, part.left.as_ref()))
+                        (cells(part, part.right.as_ref()))
+                        td { (number(part.symmetry_percent, 0)) }
+                        td { (of_norm(part, norm)) }
+                        td { (number(part.normalised.filter(|_| !part.unit.starts_with('%')), 3)) }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn digits(part: &ParameterPart) -> usize {
+    match part.unit {
+        "m" | "s" | "m/s" => 3,
+        _ => 1,
+    }
+}
+
+fn cells(part: &ParameterPart, statistic: Option<&Statistic>) -> Markup {
+    let digits = digits(part);
+    html! {
+        td class="mean" { (number(statistic.map(|s| s.mean), digits)) }
+        td { (number(statistic.and_then(|s| s.sd), digits)) }
+        td { (number(statistic.and_then(|s| s.uncertainty), digits)) }
+        td { (statistic.map_or(0, |s| s.n)) }
+    }
+}
+
+fn of_norm(part: &ParameterPart, norm: Option<&Norm>) -> String {
+    let of = norm.and_then(|norm| norm.parameters.get(&part.name));
+    let digits = digits(part);
+    of.map_or("–".into(), |(mean, sd)| {
+        format!(
+            "{} ± {}",
+            number(Some(*mean), digits),
+            number(Some(*sd), digits)
+        )
+    })
+}
+
+fn agreement(input: &ReportInput<'_>) -> Markup {
+    html! {
+        h3 { "Foot strike and foot off by two methods" }
+        table class="facts" {
+            @for of in &input.file.agreement {
+                tr {
+                    th scope="row" {
+                        @match of.kind { EventKind::Strike => "Foot strike", EventKind::Off => "Foot off" }
+                    }
+                    td {
+                        "by speed less by place: mean " (number(Some(1e3 * of.mean_s), 0)) " ms, SD "
+                        (number(of.sd_s.map(|s| 1e3 * s), 0)) " ms, n = " (of.n)
+                    }
+                }
+            }
+        }
+        p class="note" { "The mean belongs to the methods; a small SD says that the events are sharp." }
+    }
+}

@@ -1,0 +1,278 @@
+//! Gait analysis of walks that are known, and of what is no walk; the program on good and bad files,
+//! its exports and its report.
+
+#[path = "gait/exports.rs"]
+mod exports;
+#[path = "gait/program.rs"]
+mod program;
+#[path = "gait/report.rs"]
+mod report;
+#[path = "gait/walker.rs"]
+mod walker;
+
+use maquette::gait::{
+    Angle, EventKind, Gait, GaitOptions, Parameter, Recording, RecordingError, Segments, Side,
+    Surface, analyse,
+};
+use nalgebra::Vector3;
+use walker::{STRIDE_S, Walker};
+
+fn analysed(walker: &Walker) -> Gait {
+    let recording = walker.recording().expect("a body");
+    analyse(&recording, &GaitOptions::default()).expect("a pelvis")
+}
+
+fn mean(gait: &Gait, parameter: Parameter, side: Side) -> f64 {
+    gait.parameters[&(parameter, side)].mean
+}
+
+#[test]
+fn strides_and_steps_of_a_walk_are_those_it_was_made_with() {
+    let walker = Walker::new(0.7);
+    let gait = analysed(&walker);
+    assert_eq!(gait.course.surface, Surface::Ground);
+    for side in Side::BOTH {
+        let stride_s = mean(&gait, Parameter::StrideTime, side);
+        assert!((stride_s - STRIDE_S).abs() < 0.004, "{stride_s}");
+        let ratio = mean(&gait, Parameter::StrideLength, side) / walker.stride_length();
+        assert!((ratio - 1.0).abs() < 0.01, "{ratio}");
+        let steps = mean(&gait, Parameter::StepLength, side) / walker.stride_length();
+        assert!((0.42..0.54).contains(&steps), "{steps}");
+        let stance = mean(&gait, Parameter::Stance, side);
+        assert!((55.0..68.0).contains(&stance), "{stance}");
+        let support = mean(&gait, Parameter::SingleSupport, side);
+        let double = mean(&gait, Parameter::DoubleSupport, side);
+        approx::assert_relative_eq!(support + double, stance, epsilon = 1e-9);
+    }
+    // sides alike: so the events come half a cycle apart
+    let step_s = mean(&gait, Parameter::StepTime, Side::Left);
+    assert!((step_s - 0.5 * STRIDE_S).abs() < 0.004, "{step_s}");
+}
+
+#[test]
+fn a_treadmill_is_found_and_gives_the_parameters_of_the_same_walk_over_ground() {
+    let walker = Walker::new(-2.0);
+    let ground = analysed(&walker);
+    let belt = analysed(&walker.on_a_treadmill());
+    assert_eq!(belt.course.surface, Surface::Treadmill);
+    let speed = walker.stride_length() / STRIDE_S;
+    assert!(
+        (belt.course.belt_m_s / speed - 1.0).abs() < 0.08,
+        "{}",
+        belt.course.belt_m_s
+    );
+    for parameter in [
+        Parameter::StrideTime,
+        Parameter::Stance,
+        Parameter::StepLength,
+    ] {
+        for side in Side::BOTH {
+            let ratio = mean(&belt, parameter, side) / mean(&ground, parameter, side);
+            assert!(
+                (ratio - 1.0).abs() < 0.03,
+                "{parameter:?} {side:?}: {ratio}"
+            );
+        }
+    }
+}
+
+#[test]
+fn nothing_depends_on_where_in_the_room_the_person_walks_to() {
+    let (one, other) = (analysed(&Walker::new(0.0)), analysed(&Walker::new(2.5)));
+    assert_eq!(one.events.len(), other.events.len());
+    for (a, b) in one.events.iter().zip(&other.events) {
+        assert_eq!((a.side, a.kind), (b.side, b.kind));
+        assert!((a.time_s - b.time_s).abs() < 0.002);
+    }
+    for (key, track) in &one.angles {
+        let furthest = track
+            .iter()
+            .zip(&other.angles[key])
+            .map(|(a, b)| (a - b).abs());
+        let furthest = furthest.fold(0.0, f64::max);
+        assert!(furthest < 0.02, "{key:?}: {furthest}");
+    }
+}
+
+#[test]
+fn angles_of_joint_centres_are_those_that_the_body_was_posed_with() {
+    let walker = Walker::new(0.3);
+    let gait = analysed(&walker);
+    for (angle, joint, side, tolerance_deg) in [
+        (Angle::KneeFlexion, "knee_flexion_r", Side::Right, 1.0),
+        (Angle::HipFlexion, "hip_flexion_l", Side::Left, 2.0),
+        (
+            Angle::AnkleDorsiflexion,
+            "ankle_dorsiflexion_r",
+            Side::Right,
+            1.5,
+        ),
+        (Angle::ElbowFlexion, "elbow_flexion_l", Side::Left, 1.5),
+    ] {
+        let truth = walker.angle(joint);
+        let found = &gait.angles[&(side, angle)];
+        // the filter's ends and a constant of the definition aside
+        let apart: Vec<f64> = (20..truth.len() - 20)
+            .map(|i| (found[i] - truth[i]).to_degrees())
+            .collect();
+        let offset = apart.iter().sum::<f64>() / apart.len() as f64;
+        let worst = apart.iter().map(|d| (d - offset).abs()).fold(0.0, f64::max);
+        assert!(worst < tolerance_deg, "{joint}: {worst}");
+        assert!(offset.abs() < 6.0, "{joint}: {offset}");
+    }
+    assert!(!gait.angles.contains_key(&(Side::Left, Angle::HipRotation)));
+    assert!(
+        gait.unknown
+            .iter()
+            .any(|(angle, _)| *angle == Angle::HipRotation)
+    );
+}
+
+#[test]
+fn angles_of_a_fitted_body_are_its_own() {
+    let walker = Walker::new(0.3);
+    let mut recording = walker.recording().expect("a body");
+    let motions: Vec<_> = walker.motions.iter().cloned().map(Some).collect();
+    recording.segments = Some(Segments::of_body(&walker.model, &walker.shape, &motions));
+    let gait = analyse(&recording, &GaitOptions::default()).expect("a pelvis");
+    for (angle, joint, sign) in [
+        (Angle::KneeFlexion, "knee_flexion_r", 1.0),
+        (Angle::HipFlexion, "hip_flexion_r", 1.0),
+        (Angle::HipAdduction, "hip_abduction_r", -1.0),
+        (Angle::AnkleDorsiflexion, "ankle_dorsiflexion_r", 1.0),
+        (Angle::ElbowFlexion, "elbow_flexion_r", 1.0),
+    ] {
+        let found = &gait.angles[&(Side::Right, angle)];
+        for (f, t) in found.iter().zip(walker.angle(joint)) {
+            assert!(
+                (f - sign * t).abs() < 0.5_f64.to_radians(),
+                "{joint}: {f} {t}"
+            );
+        }
+    }
+    assert!(
+        gait.unknown
+            .iter()
+            .any(|(angle, _)| *angle == Angle::KneeRotation)
+    );
+}
+
+#[test]
+fn both_methods_find_every_event() {
+    let gait = analysed(&Walker::new(0.0));
+    assert_eq!(gait.agreement.len(), 2);
+    for agreement in &gait.agreement {
+        let all = gait
+            .events
+            .iter()
+            .filter(|e| e.kind == agreement.kind)
+            .count();
+        assert_eq!(agreement.n, all, "{:?}", agreement.kind);
+        assert!(agreement.mean_s.abs() < 0.06 && agreement.sd_s.expect("several") < 0.01);
+    }
+    assert!(gait.events.iter().any(|e| e.kind == EventKind::Off));
+}
+
+#[test]
+fn a_short_recording_says_what_is_missing_and_gives_angles_over_time() {
+    let mut walker = Walker::new(0.0);
+    walker.keep(0..30);
+    let gait = analysed(&walker);
+    assert!(gait.cycles.is_empty() && gait.curves.is_empty());
+    assert!(
+        gait.notes
+            .iter()
+            .any(|n| n.contains("less than one left stride")),
+        "{:?}",
+        gait.notes
+    );
+    assert!(gait.angles.contains_key(&(Side::Left, Angle::KneeFlexion)));
+}
+
+#[test]
+fn a_squat_has_no_steps() {
+    let gait = analysed(&Walker::squat());
+    assert!(gait.events.is_empty(), "{:?}", gait.events);
+    assert!(gait.notes[0].starts_with("no steps"), "{:?}", gait.notes);
+    let knee = &gait.angles[&(Side::Left, Angle::KneeFlexion)];
+    assert!(knee.iter().copied().fold(0.0, f64::max) > 1.0);
+}
+
+#[test]
+fn walking_backwards_is_said_and_not_measured() {
+    for walker in [
+        Walker::new(1.0).reversed(),
+        Walker::new(1.0).on_a_treadmill().reversed(),
+    ] {
+        let gait = analysed(&walker);
+        assert!(
+            gait.events.is_empty() && gait.notes[0].starts_with("walks backwards"),
+            "{:?}",
+            gait.notes
+        );
+    }
+}
+
+#[test]
+fn a_gap_costs_the_strides_that_it_lies_in_and_no_others() {
+    let mut walker = Walker::new(0.0);
+    let whole = analysed(&walker)
+        .curves
+        .iter()
+        .map(|c| c.strides.len())
+        .sum::<usize>();
+    walker.forget(100..103);
+    let bridged = analysed(&walker)
+        .curves
+        .iter()
+        .map(|c| c.strides.len())
+        .sum::<usize>();
+    assert_eq!(whole, bridged);
+    walker.forget(90..115);
+    let gait = analysed(&walker);
+    let left = gait.curves.iter().map(|c| c.strides.len()).sum::<usize>();
+    assert!(0 < left && left < whole, "{left} of {whole}");
+    for side in Side::BOTH {
+        let stride_s = mean(&gait, Parameter::StrideTime, side);
+        assert!((stride_s - STRIDE_S).abs() < 0.02, "{stride_s}");
+    }
+}
+
+#[test]
+fn a_body_without_an_ankle_or_of_the_wrong_unit_is_refused() {
+    let mut walker = Walker::new(0.0);
+    walker.rename("LAnkle", "somewhere");
+    let refused = walker.recording();
+    assert!(
+        matches!(&refused, Err(RecordingError::Missing { missing, .. }) if missing == "left ankle"),
+        "{refused:?}"
+    );
+    let small = Walker::new(0.0).scaled(1e-3).recording();
+    assert!(
+        matches!(small, Err(RecordingError::Size { .. })),
+        "{small:?}"
+    );
+}
+
+#[test]
+fn a_constant_added_to_every_place_changes_nothing() {
+    let walker = Walker::new(0.0);
+    let moved = walker.moved(Vector3::new(3.0, -2.0, 0.5));
+    let (a, b) = (analysed(&walker), analysed(&moved));
+    for (key, statistic) in &a.parameters {
+        approx::assert_relative_eq!(statistic.mean, b.parameters[key].mean, epsilon = 1e-6);
+    }
+}
+
+/// A recording of nothing.
+#[test]
+fn too_few_frames_are_refused() {
+    let refused = Recording::of_points(100.0, 0, &["RHip".to_owned()], &[]);
+    assert_eq!(
+        refused,
+        Err(RecordingError::Short {
+            frames: 0,
+            fewest: 10
+        })
+    );
+}

@@ -1,0 +1,151 @@
+//! `maquette gait` from outside.
+
+use assert_cmd::Command;
+use tempfile::TempDir;
+
+use crate::walker::Walker;
+
+/// What the program prints on a text: standard output, or the one line on standard error.
+fn said(trc: &str, arguments: &[&str]) -> Result<(String, TempDir), String> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("walk.trc");
+    std::fs::write(&path, trc).expect("a file");
+    let mut program = Command::cargo_bin("maquette").expect("the program");
+    let output = program
+        .arg("gait")
+        .arg(&path)
+        .args(arguments)
+        .output()
+        .expect("it runs");
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    match output.status.code() {
+        Some(0) => Ok((text(&output.stdout), folder)),
+        Some(2) => {
+            let line = text(&output.stderr);
+            assert_eq!(line.lines().count(), 1, "{line}");
+            Err(line)
+        }
+        other => panic!("exit {other:?}: {}", text(&output.stderr)),
+    }
+}
+
+#[test]
+fn a_walk_gives_tables_and_four_files() {
+    let (text, folder) = said(&Walker::new(0.4).trc(), &[]).expect("a walk");
+    for part in [
+        "over ground",
+        "step_length",
+        "foot strike",
+        "knee_flexion",
+        "GVS",
+        "hip_rotation: the turn",
+    ] {
+        assert!(text.contains(part), "{part} not in {text}");
+    }
+    let out = folder.path().join("walk_gait");
+    let json = std::fs::read_to_string(out.join("gait.json")).expect("gait.json");
+    let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    assert_eq!(json["format"], "maquette-gait");
+    assert_eq!(
+        json["curves"][0]["mean_deg"].as_array().map(Vec::len),
+        Some(101)
+    );
+    for (name, columns) in [("curves.csv", 9), ("parameters.csv", 6), ("angles.csv", 20)] {
+        let mut reader = csv::Reader::from_path(out.join(name)).expect("a table");
+        assert!(
+            reader.headers().expect("a heading").len() >= columns,
+            "{name}"
+        );
+        assert!(reader.records().all(|r| r.is_ok()), "{name}");
+    }
+}
+
+#[test]
+fn spaces_for_tabs_are_read_as_tabs_are() {
+    let trc = Walker::new(0.4).trc();
+    let spaced = trc.replace('\t', " ").replace("  ", " ");
+    let head = |text: &str| {
+        text.lines()
+            .skip(1)
+            .take(12)
+            .map(str::to_owned)
+            .collect::<Vec<_>>()
+    };
+    let (a, b) = (
+        said(&trc, &[]).expect("tabs").0,
+        said(&spaced, &[]).expect("spaces").0,
+    );
+    assert_eq!(head(&a), head(&b));
+    let torn = spaced.replacen(" 0.010000", "", 1);
+    let line = said(&torn, &[]).expect_err("a cell is missing");
+    assert!(
+        line.contains("walk.trc:7: expected 53 cells (17 points) between spaces, found 52"),
+        "{line}"
+    );
+}
+
+#[test]
+fn each_bad_file_has_its_line() {
+    let trc = Walker::new(0.0).trc();
+    let cases = [
+        (
+            "another unit than it states",
+            trc.replacen("\tm\t", "\tmm\t", 1),
+            "does the file state the right unit?",
+        ),
+        (
+            "another rate than its times",
+            trc.replacen("100\t100\t", "25\t100\t", 1),
+            "the header states 25 Hz, the Time column 100",
+        ),
+        (
+            "no ankle",
+            trc.replace("LAnkle", "X"),
+            "no point is named as the left ankle: expected names such as RAnkle",
+        ),
+        ("no walk", "hello\n".to_owned(), "this is no TRC file"),
+    ];
+    for (what, text, expected) in cases {
+        let line = said(&text, &[]).expect_err(what);
+        assert!(line.contains(expected), "{what}: {line}");
+    }
+    let told = said(
+        &trc.replacen("100\t100\t", "25\t100\t", 1),
+        &["--fps", "100"],
+    );
+    assert!(told.is_ok());
+}
+
+#[test]
+fn backwards_and_squats_are_said_in_one_line_and_give_angles() {
+    for (walker, expected) in [
+        (Walker::new(0.0).reversed(), "! walks backwards"),
+        (Walker::squat(), "! no steps"),
+    ] {
+        let (text, folder) = said(&walker.trc(), &[]).expect("angles");
+        assert!(text.contains(expected), "{text}");
+        let angles =
+            std::fs::read_to_string(folder.path().join("walk_gait/angles.csv")).expect("angles");
+        assert!(
+            angles.starts_with("frame,time_s,pelvis_obliquity_l_deg"),
+            "{angles:.80}"
+        );
+    }
+}
+
+#[test]
+fn a_norm_can_be_left_out_or_be_ones_own() {
+    let trc = Walker::new(0.0).trc();
+    let (text, folder) = said(&trc, &["--norm", "none"]).expect("a walk");
+    assert!(!text.contains("GVS"));
+    let own = folder.path().join("own.toml");
+    std::fs::write(
+        &own,
+        "name = \"own\"\nsource = \"us\"\n[parameter.speed]\nmean = 1.3\nsd = 0.1\n",
+    )
+    .expect("a file");
+    let (text, _) = said(&trc, &["--norm", own.to_str().expect("a name")]).expect("a walk");
+    assert!(text.contains("1.300 ± 0.100"), "{text}");
+    let (text, _) = said(&trc, &["--normalised"]).expect("a walk");
+    assert!(text.contains("step_length     "), "{text}");
+}

@@ -1,0 +1,50 @@
+//! `maquette gait --report` from outside; the page in a browser is tested by `web/test/report.mjs`.
+
+use assert_cmd::Command;
+
+use crate::walker::Walker;
+
+fn report_of(trc: &str, arguments: &[&str]) -> String {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("walk.trc");
+    std::fs::write(&path, trc).expect("a file");
+    let mut program = Command::cargo_bin("maquette").expect("the program");
+    let run = program.arg("gait").arg(&path).arg("--report");
+    run.args(arguments).assert().success();
+    std::fs::read_to_string(folder.path().join("walk_gait/report.html")).expect("the report")
+}
+
+/// The text of one page, without its tags.
+fn page<'a>(report: &'a str, id: &str) -> &'a str {
+    let start = report.find(&format!("<section id=\"{id}\"")).expect(id);
+    let end = report[start..].find("</section>").expect("its end");
+    &report[start..start + end]
+}
+
+#[test]
+fn a_walk_fills_every_page_that_points_can_fill() {
+    let arguments = ["--subject", "A & B", "--condition", "barefoot"];
+    let report = report_of(&Walker::new(0.4).trc(), &arguments);
+    assert!(page(&report, "identity").contains("A &amp; B"));
+    assert!(page(&report, "quality").contains("another system"));
+    assert!(page(&report, "spatiotemporal").contains("Walking speed"));
+    assert!(page(&report, "scores").contains("Knee flexion"));
+    let kinematics = page(&report, "kinematics");
+    assert!(kinematics.matches("<svg").count() >= 8, "charts");
+    assert!(
+        kinematics.contains("the turn"),
+        "why hip rotation is not there"
+    );
+    for number in ["NaN", "inf"] {
+        assert!(!kinematics.contains(number), "{number}");
+    }
+}
+
+#[test]
+fn a_squat_gets_angles_over_time_and_the_reason() {
+    let report = report_of(&Walker::squat().trc(), &[]);
+    assert!(page(&report, "spatiotemporal").contains("no steps"));
+    assert!(page(&report, "consistency").contains("no steps"));
+    let kinematics = page(&report, "kinematics");
+    assert!(kinematics.contains("Across: time, s") && kinematics.contains("<svg"));
+}

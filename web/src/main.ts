@@ -1,0 +1,106 @@
+// The moving part of the report: slider, body, cameras, curves.
+import './report.css'
+import { makeBody } from './body'
+import { Curves } from './curves'
+import { Painter } from './picture'
+import { readScene } from './scene'
+import { Stage } from './stage'
+
+const scene = readScene()
+const get = <T extends HTMLElement>(id: string) => document.getElementById(id) as T | null
+const slider = get<HTMLInputElement>('time')!
+const body = makeBody(scene)
+
+let stage: Stage | null = null
+let painter: Painter | null = null
+try {
+  stage = new Stage(scene, body, get<HTMLCanvasElement>('stage')!)
+} catch {
+  get('no-webgl')!.hidden = false
+}
+const curves = new Curves(scene, get('curves')!, get<HTMLSelectElement>('group')!, seek)
+
+function seek(frame: number) {
+  const at = Math.min(Math.max(Math.round(frame), 0), scene.frames - 1)
+  slider.value = String(at)
+  const number = scene.first_frame + at
+  const isSeen = body.pose(at)
+  const text = `frame ${number} · ${(at / scene.fps).toFixed(2)} s${isSeen ? '' : ' · nobody seen'}`
+  get('clock')!.textContent = text
+  slider.setAttribute('aria-valuetext', text)
+  document.body.dataset.frame = String(number)
+  stage?.follow(at)
+  drawCamera(at)
+  curves.show(at)
+}
+
+function drawCamera(frame: number) {
+  const canvas = get<HTMLCanvasElement>('camera')
+  const choice = get<HTMLSelectElement>('camera-choice')
+  if (canvas && choice && painter) painter.camera(scene.views[Number(choice.value)], frame, canvas, 420)
+}
+
+/** All cameras in one frame, for paper. */
+function fillSheet() {
+  const sheet = get('sheet')
+  if (!sheet || !painter) return
+  const middle = Math.floor(scene.frames / 2)
+  body.pose(middle)
+  for (const view of scene.views) {
+    const figure = document.createElement('figure')
+    const canvas = document.createElement('canvas')
+    const caption = document.createElement('figcaption')
+    caption.textContent = `${view.name}, frame ${scene.first_frame + middle}`
+    painter.camera(view, middle, canvas, 260)
+    figure.append(canvas, caption)
+    sheet.append(figure)
+  }
+}
+
+function fillPortraits() {
+  for (const image of document.querySelectorAll<HTMLImageElement>('img[data-portrait]')) {
+    const picture = painter?.portrait(image.dataset.portrait as 'front' | 'side')
+    if (picture) image.src = picture
+    else image.closest('figure')?.remove()
+  }
+}
+
+let playing = 0
+function play() {
+  const button = get('play')!
+  if (playing) {
+    cancelAnimationFrame(playing)
+    playing = 0
+  } else {
+    let [last, at] = [performance.now(), Number(slider.value)]
+    const tick = (now: number) => {
+      at = (at + ((now - last) / 1000) * scene.fps * Number(get<HTMLSelectElement>('speed')!.value)) % scene.frames
+      last = now
+      seek(Math.floor(at))
+      playing = requestAnimationFrame(tick)
+    }
+    playing = requestAnimationFrame(tick)
+  }
+  button.textContent = playing ? '⏸' : '▶'
+  button.setAttribute('aria-label', playing ? 'Pause' : 'Play')
+}
+
+slider.addEventListener('input', () => seek(Number(slider.value)))
+get('play')!.addEventListener('click', play)
+get('camera-choice')?.addEventListener('change', () => drawCamera(Number(slider.value)))
+get<HTMLInputElement>('colour-blind')!.addEventListener('change', (event) => {
+  document.body.classList.toggle('cb', (event.target as HTMLInputElement).checked)
+  curves.draw()
+})
+addEventListener('resize', () => stage?.draw())
+
+seek(0)
+document.body.dataset.ready = String(Math.round(performance.now()))
+// what stands still can wait until the page answers
+setTimeout(() => {
+  if (stage) painter = new Painter(body)
+  fillPortraits()
+  fillSheet()
+  seek(Number(slider.value))
+  document.body.dataset.complete = String(Math.round(performance.now()))
+})
