@@ -8,7 +8,7 @@ export default defineConfig({
     target: 'es2022',
     cssCodeSplit: false,
     lib: { entry: 'src/main.ts', formats: ['es'], fileName: () => 'report.js', cssFileName: 'report' },
-    rollupOptions: { output: { inlineDynamicImports: true } },
+    rollupOptions: { output: { codeSplitting: false } },
     minify: true,
   },
 })

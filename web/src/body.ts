@@ -72,7 +72,7 @@ function addEllipsoids(flesh: Ellipsoids, bones: Bone[]) {
   }
 }
 
-const LINES = ['hip knee', 'knee ankle', 'ankle heel', 'heel toe', 'ankle toe', 'shoulder elbow', 'elbow wrist']
+const LINES = ['shoulder hip', 'hip knee', 'knee ankle', 'ankle heel', 'heel toe', 'ankle toe', 'shoulder elbow', 'elbow wrist']
 
 /** Points of another system. */
 function lines(scene: Scene): Body {
@@ -81,7 +81,7 @@ function lines(scene: Scene): Body {
   const find = (side: string, name: string) => names.indexOf(`${side} ${name}`)
   const pairs = ['left', 'right'].flatMap((side) =>
     LINES.map((line) => line.split(' ').map((name) => find(side, name))))
-  pairs.push(['hip', 'shoulder'].flatMap((name) => [find('left', name), find('right', name)]).slice(0, 2))
+  pairs.push(...['hip', 'shoulder'].map((name) => [find('left', name), find('right', name)]))
   const known = pairs.filter((pair) => pair.every((i) => i >= 0))
   const geometry = new BufferGeometry()
   const attribute = new BufferAttribute(new Float32Array(6 * known.length), 3)

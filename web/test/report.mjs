@@ -54,8 +54,8 @@ try {
   assert.deepEqual(nameless, [], 'without a name')
   const charts = await page.locator('#kinematics .chart').count()
   assert.ok(charts >= 6, `${charts} charts of angles`)
-  const hasGait = await page.locator('#spatiotemporal tbody tr').count()
-  assert.equal(hasGait > 0, kind === 'gait', 'table of steps')
+  const strides = await page.locator('#consistency .chart').count()
+  assert.equal(strides > 0, kind === 'gait', 'charts of strides')
 
   // page by page, for people to look at
   await page.locator('#time').fill(String(Math.floor(await page.locator('#time').getAttribute('max') / 2)))

@@ -11415,6 +11415,7 @@ function Cl(e, t) {
 	}
 }
 var wl = [
+	"shoulder hip",
 	"hip knee",
 	"knee ankle",
 	"ankle heel",
@@ -11425,7 +11426,7 @@ var wl = [
 ];
 function Tl(e) {
 	let { names: t, places: n } = e.points, r = hl(n), i = (e, n) => t.indexOf(`${e} ${n}`), a = ["left", "right"].flatMap((e) => wl.map((t) => t.split(" ").map((t) => i(e, t))));
-	a.push(["hip", "shoulder"].flatMap((e) => [i("left", e), i("right", e)]).slice(0, 2));
+	a.push(...["hip", "shoulder"].map((e) => [i("left", e), i("right", e)]));
 	let o = a.filter((e) => e.every((e) => e >= 0)), s = new wr(), c = new lr(new Float32Array(6 * o.length), 3);
 	s.setAttribute("position", c);
 	let l = new Sn(), u = new Ai(s, new vi({ color: 3355443 }));
