@@ -15,6 +15,9 @@ use crate::image::{Plane, enlarge};
 /// No image of a voxel.
 const UNSEEN: u32 = u32::MAX;
 
+/// Evidence of a camera that does not see a voxel, over the most: people are recorded where the cameras look.
+const OUT_OF_VIEW: f32 = -0.5;
+
 /// Settings of a [`Support`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SupportOptions {
@@ -121,10 +124,8 @@ impl Support {
             .collect();
         let voxels = self.cameras.first().map_or(0, |cells| cells.of_voxel.len());
         let seen = |(cells, means): &(&Cells, &Vec<f32>), voxel: usize| {
-            means
-                .get(cells.of_voxel[voxel] as usize)
-                .copied()
-                .unwrap_or(0.0)
+            let seen = means.get(cells.of_voxel[voxel] as usize).copied();
+            seen.unwrap_or(OUT_OF_VIEW * most)
         };
         let sums: Vec<f32> = (0..voxels)
             .into_par_iter()

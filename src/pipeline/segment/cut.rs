@@ -144,9 +144,10 @@ impl Segmenter {
             };
         };
         let support = support.by_others(&own);
-        let together = (support.par_iter().zip(&own).zip(&self.views))
+        let count = own.iter().flatten().count().saturating_sub(1);
+        let together: Vec<Option<Plane<f32>>> = (support.par_iter().zip(&own).zip(&self.views))
             .map(|((others, own), view)| {
-                Some(view.supported(own.as_ref()?, others.as_ref()?, &self.options))
+                Some(view.supported(own.as_ref()?, (others.as_ref()?, count), &self.options))
             })
             .collect();
         Evidence {

@@ -40,10 +40,13 @@ pub struct SegmentOptions {
     pub training_pictures: usize,
     /// Evidence of one pixel counts at most so much, either way (default 8).
     pub most_evidence: f32,
-    /// What it counts that no other camera supports a pixel, or that all do where the background is not known (default 6; 0 leaves every camera to itself).
-    pub support_weight: f32,
-    /// What it counts where all other cameras allow the person and the background is known (default 1).
-    pub inside_weight: f32,
+    /// What it counts that no other camera sees the person along a line of sight (default 10, more than a pixel's own
+    /// evidence; half with two cameras only).
+    pub against_weight: f32,
+    /// What it counts that all others do (default 1: their lines of sight enclose more than the person).
+    pub allowed_weight: f32,
+    /// The same where the empty scene is not known (default 6).
+    pub unknown_weight: f32,
     /// How sure the most frequent colour of a pixel is the empty scene's before colours are looked at, as a logarithm
     /// of odds (default 3).
     pub background_odds: f32,
@@ -65,8 +68,9 @@ impl Default for SegmentOptions {
             rounds: 5,
             training_pictures: 200,
             most_evidence: 8.0,
-            support_weight: 6.0,
-            inside_weight: 1.0,
+            against_weight: 10.0,
+            allowed_weight: 1.0,
+            unknown_weight: 6.0,
             background_odds: 3.0,
             shadow: ShadowOptions::default(),
             relax: RelaxOptions::default(),

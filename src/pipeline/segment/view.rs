@@ -71,26 +71,26 @@ impl View {
         evidence
     }
 
-    /// Evidence with the prior that the support of the other cameras is.
+    /// Evidence with the prior that the support of so many other cameras is.
     ///
     /// Where they do not support a pixel it does not show the person. Where they do, it may: the others' lines of sight
     /// enclose more than the person. So they decide only as far as the background is not trusted.
     pub(super) fn supported(
         &self,
         own: &Plane<f32>,
-        support: &Plane<f32>,
+        (support, others): (&Plane<f32>, usize),
         options: &SegmentOptions,
     ) -> Plane<f32> {
         let most = options.most_evidence;
+        let (allowed, unknown) = (options.allowed_weight, options.unknown_weight);
+        let against = options.against_weight * (0.5 * others as f32).min(1.0);
         let mut together = own.clone();
         for y in 0..own.height() {
             let pixels = support.row(y).iter().zip(self.background.row(y));
             for (sum, (support, empty)) in together.row_mut(y).iter_mut().zip(pixels) {
                 let weight = match *support > 0.0 {
-                    true => options
-                        .inside_weight
-                        .max(options.support_weight * (1.0 - empty.trust)),
-                    false => options.support_weight,
+                    true => allowed.max(unknown * (1.0 - empty.trust)),
+                    false => against,
                 };
                 *sum = (*sum + weight * support).clamp(-most, most);
             }

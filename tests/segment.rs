@@ -1,0 +1,205 @@
+//! Segmentation by several cameras of a made scene: a person-sized ellipsoid before a textured wall.
+
+use maquette::camera::Rig;
+use maquette::image::{Mask, Picture, Plane};
+use maquette::pipeline::segment::{SegmentOptions, Segmenter, Training};
+use maquette::silhouette::{Shrunk, Support, SupportOptions, Volume};
+use maquette::synth::Ring;
+use nalgebra::{Point2, Point3, Vector3};
+
+const SIZE: (u32, u32) = (120, 100);
+const FRAMES: usize = 12;
+
+fn rig() -> Rig {
+    let ring = Ring {
+        cameras: 4,
+        radius: 4.0,
+        height: 1.2,
+        target_world: Point3::new(0.0, 0.0, 0.9),
+        focal_px: 75.0,
+        width_px: SIZE.0,
+        height_px: SIZE.1,
+        ..Ring::default()
+    };
+    ring.regular()
+}
+
+/// Whether a camera sees the ellipsoid of a frame in a pixel.
+fn is_person(rig: &Rig, camera: usize, frame: usize, (x, y): (usize, usize)) -> bool {
+    let ray = rig.cameras[camera].ray(&Point2::new(x as f64, y as f64));
+    let centre = Point3::new(0.09 * frame as f64 - 0.5, 0.05 * frame as f64 - 0.3, 0.9);
+    let scale = Vector3::new(0.25, 0.25, 0.85);
+    let from = (ray.origin_world - centre).component_div(&scale);
+    let along = ray.direction_world.component_div(&scale);
+    let t = -from.dot(&along) / along.norm_squared();
+    (from + along * t).norm() < 1.0
+}
+
+fn picture(camera: usize, frame: usize, is_foreground: impl Fn(usize, usize) -> bool) -> Picture {
+    let places = (0..SIZE.1 as usize).flat_map(|y| (0..SIZE.0 as usize).map(move |x| (x, y)));
+    let mut random = (camera * 1009 + frame * 31 + 1) as u32;
+    let colours = places.map(|(x, y)| {
+        random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        let grain = (random >> 24) as i32 % 7 - 3;
+        let tile = ((x / 10 + y / 8 + camera) % 3) as i32 * 35;
+        let colour = match is_foreground(x, y) {
+            true => [190, 80 + (y % 3) as i32 * 10, 60],
+            false => [60 + tile, 90 + tile, 110 + tile / 2],
+        };
+        colour.map(|value| (value + grain).clamp(0, 255) as u8)
+    });
+    let pixels: Vec<[u8; 3]> = colours.collect();
+    Picture::from_values(SIZE.0 as usize, SIZE.1 as usize, pixels).expect("a picture")
+}
+
+/// The pictures of a frame; in the first camera a second, smaller thing comes and goes above the person.
+fn pictures(rig: &Rig, frame: usize) -> Vec<Option<Picture>> {
+    let cameras = 0..rig.cameras.len();
+    let stranger = |c: usize, x: usize, y: usize| {
+        c == 0 && frame % 3 == 2 && (30..44).contains(&x) && (8..24).contains(&y)
+    };
+    cameras
+        .map(|c| {
+            Some(picture(c, frame, |x, y| {
+                is_person(rig, c, frame, (x, y)) || stranger(c, x, y)
+            }))
+        })
+        .collect()
+}
+
+fn learned(rig: &Rig, options: SegmentOptions) -> Segmenter {
+    let mut training = Training::new(rig, FRAMES, options);
+    for frame in 0..FRAMES {
+        training.add(&pictures(rig, frame));
+    }
+    training.learn()
+}
+
+fn overlap(rig: &Rig, camera: usize, frame: usize, mask: &Mask) -> f64 {
+    let (mut common, mut all) = (0.0, 0.0);
+    for y in 0..mask.height() {
+        for x in 0..mask.width() {
+            let (found, truth) = (
+                mask.is_foreground(x, y),
+                is_person(rig, camera, frame, (x, y)),
+            );
+            common += f64::from(u8::from(found && truth));
+            all += f64::from(u8::from(found || truth));
+        }
+    }
+    common / all
+}
+
+#[test]
+fn a_person_is_cut_out_without_any_picture_of_the_empty_scene() {
+    let rig = rig();
+    let segmenter = learned(&rig, SegmentOptions::default());
+    assert!(segmenter.is_consistent());
+    for frame in [0, 5, 11] {
+        for (c, cut) in segmenter.segment(&pictures(&rig, frame)).iter().enumerate() {
+            let cut = cut.as_ref().expect("a picture, so a mask");
+            let overlap = overlap(&rig, c, frame, &cut.mask);
+            assert!(overlap > 0.85, "frame {frame}, camera {c}: {overlap}");
+        }
+    }
+}
+
+#[test]
+fn what_no_other_camera_supports_is_removed() {
+    let rig = rig();
+    let is_stranger = |segmenter: &Segmenter| {
+        let cuts = segmenter.segment(&pictures(&rig, 5));
+        let cut = cuts[0].as_ref().expect("a mask");
+        (cut.mask.is_foreground(37, 16), cut.quality.unsupported)
+    };
+    let together = learned(&rig, SegmentOptions::default());
+    let (is_kept, unsupported) = is_stranger(&together);
+    assert!(!is_kept && unsupported > 0.05, "{unsupported}");
+    let alone = SegmentOptions {
+        against_weight: 0.0,
+        ..SegmentOptions::default()
+    };
+    assert!(
+        is_stranger(&learned(&rig, alone)).0,
+        "without the others it stays"
+    );
+}
+
+#[test]
+fn a_camera_without_a_picture_has_no_mask_and_the_others_have() {
+    let rig = rig();
+    let segmenter = learned(&rig, SegmentOptions::default());
+    let mut some = pictures(&rig, 5);
+    some[2] = None;
+    let cuts = segmenter.segment(&some);
+    assert!(cuts[2].is_none());
+    let cut = cuts[1].as_ref().expect("a mask");
+    assert!(overlap(&rig, 1, 5, &cut.mask) > 0.85);
+}
+
+#[test]
+fn nothing_in_the_pictures_is_no_fault() {
+    let rig = rig();
+    let empty = |frame| {
+        (0..4)
+            .map(|c| Some(picture(c, frame, |_, _| false)))
+            .collect::<Vec<_>>()
+    };
+    let mut training = Training::new(&rig, 3, SegmentOptions::default());
+    (0..3).for_each(|frame| training.add(&empty(frame)));
+    let segmenter = training.learn();
+    assert!(!segmenter.is_consistent());
+    for cut in segmenter.segment(&empty(1)) {
+        assert_eq!(cut.expect("a mask").quality.area_px, 0);
+    }
+    let never = Training::new(&rig, 0, SegmentOptions::default()).learn();
+    assert_eq!(never.segment(&vec![None; 4]).iter().flatten().count(), 0);
+}
+
+#[test]
+fn overexposed_pictures_and_pictures_of_one_grey_are_no_fault() {
+    let rig = rig();
+    for grey in [0, 128, 255] {
+        let flat = || vec![Some(Picture::filled(SIZE.0 as usize, SIZE.1 as usize, [grey; 3])); 4];
+        let mut training = Training::new(&rig, 4, SegmentOptions::default());
+        (0..4).for_each(|_| training.add(&flat()));
+        let cuts = training.learn().segment(&flat());
+        assert!(cuts.iter().flatten().all(|cut| cut.quality.area_px == 0));
+    }
+}
+
+#[test]
+fn support_is_high_where_all_others_agree_and_low_elsewhere() {
+    let rig = rig();
+    let shrunk = Shrunk {
+        width: SIZE.0 as usize,
+        height: SIZE.1 as usize,
+        factor: 1,
+    };
+    let volume = Volume {
+        low: Point3::new(-1.3, -1.3, -0.2),
+        high: Point3::new(1.3, 1.3, 2.2),
+    };
+    let support = Support::new(&rig, &[shrunk; 4], &volume, SupportOptions::default());
+    let evidence = |c: usize| {
+        let places = (0..shrunk.height).flat_map(|y| (0..shrunk.width).map(move |x| (x, y)));
+        let values = places.map(|place| {
+            if is_person(&rig, c, 6, place) {
+                4.0
+            } else {
+                -4.0
+            }
+        });
+        Plane::from_values(shrunk.width, shrunk.height, values.collect())
+    };
+    // the first camera sees nobody: the others know better
+    let nobody = Some(Plane::filled(shrunk.width, shrunk.height, -4.0));
+    let evidence = [nobody, evidence(1), evidence(2), evidence(3)];
+    let by_others = support.by_others(&evidence);
+    let first = by_others[0].as_ref().expect("support");
+    let middle = rig.cameras[0]
+        .project(&Point3::new(0.04, 0.0, 0.9))
+        .expect("seen");
+    assert_eq!(first.get(middle.x as usize, middle.y as usize), Some(1.0));
+    assert_eq!(first.get(2, 50), Some(-1.0));
+}
