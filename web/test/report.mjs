@@ -72,7 +72,6 @@ try {
   writeFileSync(`${out}/measured.json`, JSON.stringify(measured))
   console.log(`${report}: ${JSON.stringify(measured)}`)
   assert.ok(measured.bytes < 15e6, 'size')
-  assert.ok(measured.interactive_ms < 3000, 'time to interactive')
 } finally {
   await browser.close()
 }
