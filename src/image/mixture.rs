@@ -275,6 +275,10 @@ impl Matched {
         }
     }
 
+    #[allow(
+        clippy::float_cmp,
+        reason = "numbers of modes, kept as floats for the lanes"
+    )]
     #[inline(always)]
     fn teach(
         &self,
@@ -298,8 +302,8 @@ impl Matched {
             let share = if is_match { rate / weight } else { 0.0 };
             let rho = if is_new { 1.0 } else { share };
             let spread = squared(colour, &mode.mean, i) / 3.0;
-            for channel in 0..3 {
-                mode.mean[channel][i] += rho * (colour[channel][i] - mode.mean[channel][i]);
+            for (mean, colour) in mode.mean.iter_mut().zip(colour) {
+                mean[i] += rho * (colour[i] - mean[i]);
             }
             let learned = (mode.variance[i] + rho * (spread - mode.variance[i])).max(floor);
             mode.variance[i] = if is_new { first } else { learned };
@@ -348,7 +352,7 @@ mod tests {
         let modes: Vec<Mode> = (0..4).map(|k| mixture.mode(k, 2, 1)).collect();
         approx::assert_relative_eq!(modes[0].weight, 0.75, epsilon = 1e-6);
         approx::assert_relative_eq!(modes[0].mean[0], 102.0, epsilon = 1e-4);
-        let red = modes.iter().find(|mode| mode.mean[0] == 200.0).unwrap();
+        let red = modes.iter().find(|mode| mode.mean[0] > 199.0).unwrap();
         approx::assert_relative_eq!(red.weight, 0.25, epsilon = 1e-6);
     }
 
@@ -372,7 +376,13 @@ mod tests {
     fn a_picture_of_another_size_teaches_nothing() {
         let mut mixture = trained(&[GREY; 3]);
         mixture.update(&Picture::filled(4, 3, RED), 0.5);
-        assert_eq!(mixture.mode(0, 0, 0).mean, [100.0; 3]);
+        assert!(
+            mixture
+                .mode(0, 0, 0)
+                .mean
+                .iter()
+                .all(|m| (m - 100.0).abs() < 1e-6)
+        );
     }
 
     #[test]

@@ -57,7 +57,8 @@ impl Training {
                             })
                         })
                         .collect();
-                    view.learn(&mixtures[c], &keys, self.cameras[c].is_given(), &options);
+                    let guessed = (!self.cameras[c].is_given()).then_some(&mixtures[c]);
+                    view.learn(guessed, &keys, &options);
                 });
         }
         segmenter
