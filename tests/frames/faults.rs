@@ -6,7 +6,9 @@ use crate::tiny::{are_in_place, calibration, folder, image, read, video, write};
 use maquette::io::frames::{Footage, FramesNote};
 
 fn complaint(folder: &tempfile::TempDir) -> String {
-    let message = Footage::open(folder.path(), None).unwrap_err().to_string();
+    let message = Footage::open(folder.path(), None)
+        .expect_err("a fault")
+        .to_string();
     assert!(!message.contains('\n'), "{message}");
     message
 }

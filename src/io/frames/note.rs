@@ -116,6 +116,15 @@ impl fmt::Display for FramesNote {
                     all.join(", ")
                 )
             }
+            _ => self.fmt_of_pictures(f),
+        }
+    }
+}
+
+impl FramesNote {
+    /// Of what was found while decoding.
+    fn fmt_of_pictures(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
             Self::Undecodable {
                 whose,
                 frames,
@@ -151,6 +160,7 @@ impl fmt::Display for FramesNote {
             } => {
                 write!(f, "{whose}: {}: {reason}", path.display())
             }
+            _ => Ok(()),
         }
     }
 }

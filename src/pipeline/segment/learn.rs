@@ -57,7 +57,9 @@ impl Training {
                             })
                         })
                         .collect();
-                    view.learn(&mixtures[c], &keys, self.cameras[c].is_given(), &options);
+                    // pictures of the empty scene are believed
+                    let choice = Some(&mixtures[c]).filter(|_| !self.cameras[c].is_given());
+                    view.learn(choice, &keys, &options);
                 });
         }
         segmenter

@@ -98,12 +98,11 @@ impl View {
         together
     }
 
-    /// Learns colours from key frames and their masks, and, unless it was given, chooses the background anew.
+    /// Learns colours from key frames and their masks, and chooses the background anew from a mixture, if there is one.
     pub(super) fn learn(
         &mut self,
-        mixture: &Mixture,
+        mixture: Option<&Mixture>,
         keys: &[Key<'_>],
-        is_given: bool,
         options: &SegmentOptions,
     ) {
         let (width, height) = (self.background.width(), self.background.height());
@@ -124,7 +123,7 @@ impl View {
             return;
         }
         let person = person.density();
-        if !is_given {
+        if let Some(mixture) = mixture {
             let around = self.colours_around(&ever);
             self.choose_again(
                 mixture,
