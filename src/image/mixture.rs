@@ -146,7 +146,7 @@ impl Mixture {
     }
 }
 
-/// The loops are the same for every instruction set, and so are the bits; only their width differs.
+/// The bits are the same for every instruction set; only the width of the loops differs.
 #[multiversion::multiversion(targets("x86_64+avx2", "x86_64+avx512f+avx512vl"))]
 fn update_row(
     row: &mut [Modes],
@@ -354,7 +354,7 @@ mod tests {
     }
 
     #[test]
-    fn the_weights_add_up_to_one_until_modes_are_replaced() {
+    fn the_weights_add_up_to_one() {
         let mixture = trained(&[GREY, RED, GREY, [0; 3], GREY]);
         let sum: f32 = (0..4).map(|k| mixture.mode(k, 0, 0).weight).sum();
         approx::assert_relative_eq!(sum, 1.0, epsilon = 1e-6);
