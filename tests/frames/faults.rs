@@ -7,7 +7,7 @@ use maquette::io::frames::{Footage, FramesNote};
 
 fn complaint(folder: &tempfile::TempDir) -> String {
     let message = Footage::open(folder.path(), None)
-        .expect_err("a fault is planted")
+        .expect_err("a fault")
         .to_string();
     assert!(!message.contains('\n'), "{message}");
     message

@@ -21,7 +21,7 @@ fn a_missing_recording_is_named() {
     let empty = tempfile::tempdir().expect("a folder");
     assert_complains(
         Recording::open(empty.path(), None),
-        &["no masks: expected masks/<camera>/"],
+        &["no masks and no pictures: expected masks/<camera>/"],
     );
     let folder = recording(&["a", "b"]);
     fs::remove_file(folder.path().join("calibration.toml")).expect("removed");

@@ -5,7 +5,7 @@
 //! frame. Each camera is decoded by a thread of its own, at most [`AHEAD`] pictures ahead of whoever takes them, so
 //! memory stays bounded however long the recording is. Videos go through the installed program `ffmpeg`, by pipe.
 //!
-//! A picture that cannot be read is left out; [`Pictures::notes`] say in one line each what happened.
+//! A picture that cannot be read is left out; [`Pictures::notes`] says in one line what happened.
 //!
 //! | file         | holds                                                                   |
 //! |--------------|-------------------------------------------------------------------------|

@@ -83,14 +83,18 @@ pub enum FramesNote {
 impl fmt::Display for FramesNote {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Without { camera } => write!(
-                f,
-                "camera {camera}: no images or video in the manifest: not used"
-            ),
-            Self::Uncalibrated { camera } => write!(
-                f,
-                "pictures of {camera}: no camera of this name is calibrated: not used"
-            ),
+            Self::Without { camera } => {
+                write!(
+                    f,
+                    "camera {camera}: no images or video in the manifest: not used"
+                )
+            }
+            Self::Uncalibrated { camera } => {
+                write!(
+                    f,
+                    "pictures of {camera}: no camera of this name is calibrated: not used"
+                )
+            }
             Self::Unnumbered { camera, files } => write!(
                 f,
                 "camera {camera}: {files} images without a frame number in their names: not used"
@@ -103,22 +107,36 @@ impl fmt::Display for FramesNote {
                 f,
                 "camera {camera}: its video says {video_hz:.3} frames per second, the recording {fps:.3}: the recording's is used"
             ),
-            Self::Lengths { cameras } => write!(
-                f,
-                "the cameras have different numbers of pictures: {}",
-                listed(cameras)
-            ),
+            Self::Lengths { cameras } => {
+                let all = cameras.iter().map(|(name, n)| format!("{name} {n}"));
+                let all: Vec<_> = all.collect();
+                write!(
+                    f,
+                    "the cameras have different numbers of pictures: {}",
+                    all.join(", ")
+                )
+            }
+            _ => self.fmt_of_pictures(f),
+        }
+    }
+}
+
+impl FramesNote {
+    /// Of what was found while decoding.
+    fn fmt_of_pictures(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
             Self::Undecodable {
                 whose,
                 frames,
                 of,
                 reason,
-            } => write!(
-                f,
-                "{whose}: {} of {of} pictures cannot be decoded ({frames}): {}",
-                frames.0.len(),
-                reason.trim_end_matches('.')
-            ),
+            } => {
+                let (lost, reason) = (frames.0.len(), reason.trim_end_matches('.'));
+                write!(
+                    f,
+                    "{whose}: {lost} of {of} pictures cannot be decoded ({frames}): {reason}"
+                )
+            }
             Self::Damaged {
                 whose,
                 times,
@@ -139,12 +157,10 @@ impl fmt::Display for FramesNote {
                 whose,
                 path,
                 reason,
-            } => write!(f, "{whose}: {}: {reason}", path.display()),
+            } => {
+                write!(f, "{whose}: {}: {reason}", path.display())
+            }
+            _ => Ok(()),
         }
     }
-}
-
-fn listed(cameras: &[(String, usize)]) -> String {
-    let each = cameras.iter().map(|(name, n)| format!("{name} {n}"));
-    each.collect::<Vec<_>>().join(", ")
 }

@@ -57,8 +57,9 @@ impl Training {
                             })
                         })
                         .collect();
-                    let guessed = (!self.cameras[c].is_given()).then_some(&mixtures[c]);
-                    view.learn(guessed, &keys, &options);
+                    // pictures of the empty scene are believed
+                    let choice = Some(&mixtures[c]).filter(|_| !self.cameras[c].is_given());
+                    view.learn(choice, &keys, &options);
                 });
         }
         segmenter

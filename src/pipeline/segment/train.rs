@@ -203,3 +203,41 @@ fn median(counts: &[usize]) -> f32 {
     }
     0.0
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn key_frames_are_evenly_spaced_and_as_many_as_asked_for() {
+        let keys = |frames, keys| {
+            (0..frames)
+                .filter(|p| is_key(*p, frames, keys))
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(keys(3, 16), [0, 1, 2]);
+        assert_eq!(keys(100, 4), [13, 38, 63, 88]);
+        assert_eq!(keys(1000, 16).len(), 16);
+    }
+
+    #[test]
+    fn the_noise_of_brightness_and_hue_is_told_from_two_pictures() {
+        let mut random = 7_u32;
+        let mut grain = || {
+            random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            // nearly normal, of σ = 4
+            let sum: u32 = (0..4).map(|i| (random >> (8 * i)) & 0xff).sum();
+            (f64::from(sum) - 510.0) / 147.8 * 4.0
+        };
+        let mut picture = || {
+            let values = (0..4000).map(|_| {
+                let light = grain();
+                [100.0, 130.0, 90.0].map(|c| (c + light).round() as u8)
+            });
+            Picture::from_values(80, 50, values.collect()).unwrap()
+        };
+        let [along, across] = noise(&picture(), &picture());
+        assert!((along - 4.0 * 3_f32.sqrt()).abs() < 0.7, "{along}");
+        assert!(across < 0.5, "{across}");
+    }
+}

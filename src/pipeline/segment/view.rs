@@ -98,10 +98,10 @@ impl View {
         together
     }
 
-    /// Learns colours from key frames and their masks, and, where it is a mixture's guess, chooses the background anew.
+    /// Learns colours from key frames and their masks, and chooses the background anew from a mixture, if there is one.
     pub(super) fn learn(
         &mut self,
-        guessed: Option<&Mixture>,
+        mixture: Option<&Mixture>,
         keys: &[Key<'_>],
         options: &SegmentOptions,
     ) {
@@ -123,7 +123,7 @@ impl View {
             return;
         }
         let person = person.density();
-        if let Some(mixture) = guessed {
+        if let Some(mixture) = mixture {
             let around = self.colours_around(&ever);
             self.choose_again(
                 mixture,
