@@ -182,9 +182,12 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), OutError> {
         _ => Path::new("."),
     };
     let write = || {
-        let mut file = tempfile::Builder::new()
-            .prefix(UNFINISHED)
-            .tempfile_in(parent)?;
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(UNFINISHED);
+        // as any new file, for others to read as the user's mask allows
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        let mut file = builder.tempfile_in(parent)?;
         file.write_all(bytes)?;
         file.as_file().sync_all()?;
         file.persist(path).map_err(|error| error.error)?;
@@ -196,6 +199,18 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), OutError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[cfg(unix)]
+    #[test]
+    fn a_file_can_be_read_by_whom_the_users_mask_allows() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode();
+        let (plain, ours) = (folder.path().join("plain"), folder.path().join("ours"));
+        fs::write(&plain, "a").unwrap();
+        write_atomically(&ours, b"a").unwrap();
+        assert_eq!(mode(&ours), mode(&plain));
+    }
 
     #[test]
     fn a_folder_that_holds_something_is_left_alone_unless_told_otherwise() {
