@@ -19,7 +19,8 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::body::metaball::Metaball;
 
-/// δ m̄⁴/m̄² in units of 1: d at which the direction begins to be felt; a seventh of that of the skin of one metaball.
+/// δ·m̄², m̄² the mean of the squared radii: d at which the direction begins to be felt, a seventh of that of the skin of
+/// one metaball.
 const SMOOTHING: f64 = 0.05;
 
 /// R̄ of one metaball and the body that it was measured on.

@@ -1,7 +1,7 @@
 //! Lines of sight of border pixels against the skin (PF02 § 3.2, App. A.2).
 //!
 //! A line of sight through the silhouette's border touches the skin: on it, F is largest at x*, and is T there.
-//! The residual is the skin distance r at x*, see [`SkinScale`]: ∂r = Σ wᵢ αᵢ ∂ ln fᵢ at a fixed point.
+//! The residual is the skin distance r at x*, see [`SkinScale`]: ∂r = Σ wᵢ (αᵢ ∂ ln fᵢ + γᵢ ∂ ln Rᵢ) at a fixed point.
 //!
 //! x* = o + t* r moves along the ray as the state changes. It stays where ∂(ln F)/∂t = r·p = 0, p = ∇ ln F, so with
 //! K = ∇² ln F
@@ -9,7 +9,7 @@
 //! dt*/dθ = −(rᵀ ∂p/∂θ)/(rᵀKr)
 //!
 //! (PF02's −(rᵀ ∂∇F/∂θ)/(rᵀ∇²F r): the same, as r·p = 0). F does not see it, as it is largest there; the local length
-//! does, by e = Σ wᵢ αᵢ ∂(ln fᵢ)/∂t. So dr/dθ = Σ wᵢ αᵢ ∂(ln fᵢ)/∂θ + b·∂p/∂θ with b = −r e/(rᵀKr): one row of
+//! does, by e = Σ wᵢ (αᵢ ∂ ln fᵢ + γᵢ ∂ ln Rᵢ)/∂t. So dr/dθ = Σ wᵢ (αᵢ ∂ ln fᵢ + γᵢ ∂ ln Rᵢ)/∂θ + b·∂p/∂θ with b = −r e/(rᵀKr): one row of
 //! [`FieldSlopes`](crate::body::metaball::FieldSlopes). The published residual sees F alone, and needs no second derivative.
 //!
 //! A border pixel errs by σ² = (σ_px z/f)² + σ_m², metres at the contact: segmentation, and the model's own
