@@ -4,11 +4,12 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
+use super::analysis::{Analysed, Asked};
 use super::error::CliError;
 use super::print;
-use crate::gait::{Gait, GaitOptions, Recording, analyse};
+use crate::gait::{Gait, GaitOptions, Recording};
 use crate::io::export::{C3dInput, TableKind, bvh, c3d, coordinates, glb, motion_text};
-use crate::io::gait::{FittedBody, FittedPoint, GaitInput, angles_csv, read_fit};
+use crate::io::gait::{FittedBody, FittedPoint, GaitInput, angles_csv};
 use crate::io::out_folder::{OutFolder, write_atomically};
 use crate::io::trc::{Trajectories, write_trc};
 
@@ -59,11 +60,16 @@ enum Format {
 
 /// Reads the fit and writes each format.
 pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
-    let input = read_fit(&arguments.out, arguments.body.as_deref(), None)?;
-    let Some(body) = &input.body else {
-        return Ok(());
+    let asked = Asked {
+        from: &arguments.out,
+        body: arguments.body.as_deref(),
+        fps: None,
+        norm: Some("none"),
     };
-    let gait = analyse(&input.recording, &GaitOptions::default())?;
+    let Analysed { input, gait, .. } = Analysed::of(&asked, &GaitOptions::default())?;
+    let body = input.body.as_ref().ok_or_else(|| CliError::NoFit {
+        path: arguments.out.clone(),
+    })?;
     let has_skin = !body.model.metaballs.is_empty();
     let is_possible = |format: &&Format| has_skin || **format != Format::Glb;
     let formats: Vec<&Format> = match arguments.format.as_slice() {

@@ -6,8 +6,8 @@ use super::angles::{Angle, AngleTracks};
 use super::cycles::Cycle;
 use super::filter;
 use super::landmark::Side;
-use super::parameters::mean_and_sd;
 use super::segments::Segments;
+use crate::math::stats::mean_and_sd;
 
 /// Points of a curve.
 pub const POINTS: usize = 101;

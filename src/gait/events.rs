@@ -25,6 +25,7 @@ use super::filter;
 use super::landmark::{Landmark, Paired, Side};
 use super::peaks::{Peak, peaks};
 use super::recording::{Recording, Track, by_axis};
+use crate::math::stats::mean_and_sd;
 
 /// What a foot does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -212,7 +213,7 @@ pub(super) fn agreement(events: &[Event], kind: EventKind) -> Option<Agreement> 
     let differences: Vec<f64> = of_kind
         .filter_map(|e| Some(e.by_speed_s? - e.by_position_s?))
         .collect();
-    let (mean_s, sd_s) = super::parameters::mean_and_sd(&differences)?;
+    let (mean_s, sd_s) = mean_and_sd(&differences)?;
     Some(Agreement {
         kind,
         n: differences.len(),

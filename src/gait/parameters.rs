@@ -17,6 +17,7 @@ use super::events::{Event, EventKind, agreement};
 use super::filter;
 use super::landmark::{Landmark, Paired, Side};
 use super::recording::{Recording, Track};
+use crate::math::stats::{mean, mean_and_sd};
 
 /// A spatiotemporal parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -320,27 +321,15 @@ fn at(track: &Track, frame: f64) -> Vector3<f64> {
 
 fn statistic(samples: &[Measured]) -> Statistic {
     let values: Vec<f64> = samples.iter().map(|s| s.0).collect();
-    let known: Vec<f64> = samples.iter().filter_map(|s| s.1).collect();
-    let (mean, sd) = mean_and_sd(&values).unwrap_or((f64::NAN, None));
+    let known = samples.iter().filter_map(|s| s.1);
+    let (average, sd) = mean_and_sd(&values).unwrap_or((f64::NAN, None));
     Statistic {
         n: values.len(),
-        mean,
+        mean: average,
         sd,
-        uncertainty: mean_and_sd(&known).map(|(mean, _)| mean),
+        uncertainty: mean(known),
         values,
     }
-}
-
-/// Mean, and standard deviation (n − 1) of two or more; `None` of nothing.
-pub(super) fn mean_and_sd(values: &[f64]) -> Option<(f64, Option<f64>)> {
-    let n = values.len() as f64;
-    if values.is_empty() {
-        return None;
-    }
-    let mean = values.iter().sum::<f64>() / n;
-    let squares: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
-    let sd = (values.len() > 1).then(|| (squares / (n - 1.0)).sqrt());
-    Some((mean, sd))
 }
 
 /// Right over left, %; `None` where a side has no value or the left is 0.
@@ -365,12 +354,5 @@ mod tests {
         let scaled =
             step / Parameter::StepLength.scale(leg) * cadence / Parameter::Cadence.scale(leg);
         approx::assert_relative_eq!(scaled, walked, epsilon = 1e-12);
-    }
-
-    #[test]
-    fn one_value_has_no_standard_deviation() {
-        assert_eq!(mean_and_sd(&[2.0]), Some((2.0, None)));
-        assert_eq!(mean_and_sd(&[]), None);
-        approx::assert_relative_eq!(mean_and_sd(&[1.0, 3.0]).unwrap().1.unwrap(), 2_f64.sqrt());
     }
 }

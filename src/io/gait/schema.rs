@@ -7,6 +7,7 @@ use crate::gait::{
     Agreement, Angle, Curve, Event, Extremes, Gait, Indices, Norm, Parameter, Side, Statistic,
     Surface, Used, indices, symmetry,
 };
+use crate::math::stats::mean;
 
 /// What an analysis found. Version 1.
 #[derive(Debug, Serialize)]
@@ -148,9 +149,8 @@ fn parameters(gait: &Gait) -> Vec<ParameterPart> {
     let part = |name: Parameter| {
         let of = |side| gait.parameters.get(&(name, side)).cloned();
         let (left, right) = (of(Side::Left), of(Side::Right));
-        let means: Vec<f64> = left.iter().chain(&right).map(|s| s.mean).collect();
-        let mean = means.iter().sum::<f64>() / means.len() as f64;
-        let scaled = |leg| mean / name.scale(leg);
+        let both = mean(left.iter().chain(&right).map(|s| s.mean))?;
+        let scaled = |leg| both / name.scale(leg);
         Some(ParameterPart {
             name,
             unit: name.unit(),
@@ -159,7 +159,6 @@ fn parameters(gait: &Gait) -> Vec<ParameterPart> {
             left,
             right,
         })
-        .filter(|_| !means.is_empty())
     };
     Parameter::ALL.into_iter().filter_map(part).collect()
 }
