@@ -134,6 +134,9 @@ pub(super) enum CliError {
     /// A table that cannot be written.
     #[error("a table cannot be written: {0}")]
     Csv(#[from] csv::Error),
+    /// The same as Parquet.
+    #[error("a table cannot be written: {0}")]
+    Parquet(#[from] parquet::errors::ParquetError),
     /// A result that is no JSON.
     #[error("result.json: {0}")]
     Json(#[from] serde_json::Error),
