@@ -1,9 +1,15 @@
 //! Spatiotemporal parameters: each with mean, spread over strides, and its own uncertainty.
 //!
 //! Lengths are measured between heels, or ankles where no marker is on the heels (width: always ankles), along and across the direction of walking, and against the
-//! belt on a treadmill. Their standard uncertainty comes from the standard deviations that the fit gives its points; as
-//! the fit does not say how the errors of two points go together, they count as independent, which for two places of one
-//! body is too cautious. That of times comes from the frame rate and from how far the two methods for events scatter
+//! belt on a treadmill. Their standard uncertainty comes from the standard deviations that the fit gives its points:
+//!
+//! - a step's length lies between two points of one frame, and the fit knows how their errors go together;
+//! - a stride's length lies between one point at two times, whose errors count as independent: too cautious, as what
+//!   errs alike in both frames cancels;
+//! - a step's width lies between two points at two times; how their errors go together is not known, so it has the
+//!   bound u ≤ u₁ + u₂ that holds whatever they do (Cauchy and Schwarz).
+//!
+//! That of times comes from the frame rate and from how far the two methods for events scatter
 //! against each other. Neither becomes smaller with more strides: what errs in one errs alike in the next.
 
 use std::collections::BTreeMap;
@@ -233,7 +239,8 @@ impl Walk<'_> {
         let along = self.course.heading_at(0.5 * (from + to));
         let way = (at(track, to) - at(track, from)).dot(&along);
         let belt = self.course.belt_m_s * cycle.period / self.recording.rate_hz;
-        let u = self.place_u(&[(landmark, from), (landmark, to)], &along);
+        let ends = [from, to].map(|frame| self.place_u(landmark, frame, &along));
+        let u = ends[0].zip(ends[1]).map(|(a, b)| a.hypot(b));
         Some((way + belt, u))
     }
 
@@ -251,7 +258,14 @@ impl Walk<'_> {
         let other = Landmark::Of(strike.side.other(), place);
         let apart = at(self.recording.track(own)?, strike.frame)
             - at(self.recording.track(other)?, strike.frame);
-        let u = self.place_u(&[(own, strike.frame), (other, strike.frame)], &along);
+        let sd = self.recording.apart_sd_m.get(&place);
+        let u = sd.and_then(|sd| deviation(sd, strike.frame, &along));
+        let u = u.or_else(|| {
+            Some(
+                self.place_u(own, strike.frame, &along)?
+                    + self.place_u(other, strike.frame, &along)?,
+            )
+        });
         Some((apart.dot(&along), u))
     }
 
@@ -283,8 +297,9 @@ impl Walk<'_> {
         let ankle = |side| Landmark::Of(side, Paired::Ankle);
         let place = |side, frame| Some(at(self.recording.track(ankle(side))?, frame));
         let apart = place(own.side, own_frame)? - place(next.side, next_frame)?;
-        let places = [(ankle(own.side), own_frame), (ankle(next.side), next_frame)];
-        let u = self.place_u(&places, &left);
+        let u = |side, frame| self.place_u(ankle(side), frame, &left);
+        let u = u(own.side, own_frame).zip(u(next.side, next_frame));
+        let u = u.map(|(a, b)| a + b);
         Some((-own.side.sign() * apart.dot(&left), u))
     }
 
@@ -297,15 +312,16 @@ impl Walk<'_> {
         frame.hypot(scatter / 2_f64.sqrt())
     }
 
-    /// Standard uncertainty of a distance along `direction` between two places.
-    fn place_u(&self, places: &[(Landmark, f64); 2], direction: &Vector3<f64>) -> Option<f64> {
-        let mut variance = 0.0;
-        for (landmark, frame) in places {
-            let sd = at(self.recording.sd_m.get(landmark)?, *frame);
-            variance += sd.component_mul(direction).norm_squared();
-        }
-        variance.is_finite().then(|| variance.sqrt())
+    /// Standard uncertainty of a place along a direction.
+    fn place_u(&self, landmark: Landmark, frame: f64, direction: &Vector3<f64>) -> Option<f64> {
+        deviation(self.recording.sd_m.get(&landmark)?, frame, direction)
     }
+}
+
+/// Standard deviation along a direction, of those along the axes.
+fn deviation(sd: &Track, frame: f64, direction: &Vector3<f64>) -> Option<f64> {
+    let along = at(sd, frame).component_mul(direction).norm();
+    along.is_finite().then_some(along)
 }
 
 /// A place between two frames.

@@ -80,9 +80,11 @@ fn scores(indices: &Indices) -> Markup {
             }
         }
         p class="note" {
-            "Root mean square distance from the norm's mean (Baker 2009). Gait Profile Score of both sides: "
-            (number(indices.both, 1)) "°. "
-            @if indices.both.is_none() { "Absent where one of the nine variables is not known. " }
+            "Root mean square distance from the norm's mean (Baker 2009). "
+            @match indices.both {
+                Some(_) => { "Gait Profile Score of both sides: " (number(indices.both, 1)) "°. " }
+                None => { "A Gait Profile Score needs all nine variables; that of both sides is absent. " }
+            }
             "Healthy people score 5–6° with the norm's own system; offsets between systems go into these scores in full."
         }
     }

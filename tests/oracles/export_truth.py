@@ -60,7 +60,9 @@ def run(readers, usage):
     for file, why in wrong.items():
         print(f'{file}: {why}')
     unnoticed = [file for file in files if not notices(readers, folder, truth, file)]
-    print(f'planted faults that the readers notice: {len(files) - len(unnoticed)} of {len(files)}', *unnoticed)
+    for file in unnoticed:
+        print(f'{file}: a planted fault is not noticed')
+    print(f'planted faults that the readers notice: {len(files) - len(unnoticed)} of {len(files)}')
     print(f'files that the independent readers refuse or read differently: {len(wrong)} of {len(files)}')
     return 1 if wrong or unnoticed else 0
 
@@ -77,19 +79,18 @@ def notices(readers, folder, truth, file):
 
 
 def plant_number(path, truth):
-    """Adds 0.02 to the third last number in the middle line of numbers."""
+    """Adds 0.02 to the ninth number, or the last, of a line of numbers a quarter down."""
     lines = path.read_text().splitlines(keepends=True)
-    longest = max(len(number_cells(line)) for line in lines[len(lines) // 3:])
+    longest = max(len(number_cells(line)) for line in lines)
     rows = [i for i, line in enumerate(lines) if len(number_cells(line)) == longest]
-    row = rows[len(rows) // 2]
-    cell = number_cells(lines[row])[-3]
-    changed = f'{float(cell.group()) + 0.02:.6f}'
-    lines[row] = lines[row][:cell.start()] + changed + lines[row][cell.end():]
+    row = rows[len(rows) // 4]
+    cell = number_cells(lines[row])[:9][-1]
+    lines[row] = lines[row][:cell.start()] + f'{float(cell.group()) + 0.02:.6f}' + lines[row][cell.end():]
     path.write_text(''.join(lines))
 
 
 def number_cells(line):
-    return list(re.finditer(r'(?<![\w.])-?\d+\.\d+', line))
+    return list(re.finditer(r'(?<![\w.])-?\d+\.\d+(?:e[-+]?\d+)?', line))
 
 
 def shift(data, place, by):

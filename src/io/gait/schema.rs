@@ -78,6 +78,8 @@ pub struct CurvePart {
     pub positive: &'static str,
     /// Foot off, % of the cycle.
     pub foot_off_percent: f64,
+    /// The swing was recorded before the stance: the curve breaks at foot off.
+    pub is_joined: bool,
     /// Mean over strides, 0 to 100 %.
     pub mean_deg: Vec<f64>,
     /// Standard deviation over strides.
@@ -171,6 +173,7 @@ fn curve(curve: &Curve) -> CurvePart {
         side: curve.side,
         positive: curve.angle.positive(),
         foot_off_percent: 100.0 * curve.foot_off,
+        is_joined: curve.is_joined,
         mean_deg: degrees(&curve.mean),
         sd_deg: curve.sd.as_ref().map(degrees),
         fit_sd_deg: curve.fit_sd.as_ref().map(degrees),
