@@ -46,6 +46,11 @@ export class Curves {
     }
   }
 
+  /** Keeps the size, whatever the width of the page. */
+  hold(holds: boolean) {
+    this.place.style.width = holds ? `${this.place.clientWidth}px` : ''
+  }
+
   private chart(tracks: Track[]): uPlot {
     const { fps, frames, events } = this.scene
     const times = Array.from({ length: frames }, (_, i) => i / fps)
@@ -91,7 +96,11 @@ export class Curves {
   }
 
   private fit() {
-    this.charts.forEach((chart) => chart.setSize({ width: this.place.clientWidth, height: 150 }))
-    this.show(this.at)
+    const { clientWidth: width } = this.place
+    const changed = this.charts.filter((chart) => chart.width !== width)
+    if (changed.length === 0) return
+    changed.forEach((chart) => chart.setSize({ width, height: 150 }))
+    // the scales change with the size, but not at once
+    queueMicrotask(() => this.show(this.at))
   }
 }
