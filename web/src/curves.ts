@@ -34,7 +34,7 @@ export class Curves {
     const names = GROUPS.find(([title]) => title === this.choice.value)?.[1] ?? []
     const of = (name: string) => this.scene.tracks.filter((track) => track.name === name)
     this.charts = names.map(of).filter((tracks) => tracks.length > 0).map((tracks) => this.chart(tracks))
-    this.show(this.at)
+    this.showSoon()
   }
 
   /** Moves the line. */
@@ -44,6 +44,11 @@ export class Curves {
       const left = chart.valToPos(frame / this.scene.fps, 'x')
       chart.setCursor({ left, top: -10 }, false)
     }
+  }
+
+  /** A chart that was made or changed knows its scales only when it is drawn, which is not at once. */
+  private showSoon() {
+    queueMicrotask(() => this.show(this.at))
   }
 
   /** Keeps the size, whatever the width of the page. */
@@ -100,7 +105,6 @@ export class Curves {
     const changed = this.charts.filter((chart) => chart.width !== width)
     if (changed.length === 0) return
     changed.forEach((chart) => chart.setSize({ width, height: 150 }))
-    // the scales change with the size, but not at once
-    queueMicrotask(() => this.show(this.at))
+    this.showSoon()
   }
 }

@@ -13661,7 +13661,7 @@ var Nm = [
 	draw() {
 		this.charts.forEach((e) => e.destroy());
 		let e = Nm.find(([e]) => e === this.choice.value)?.[1] ?? [], t = (e) => this.scene.tracks.filter((t) => t.name === e);
-		this.charts = e.map(t).filter((e) => e.length > 0).map((e) => this.chart(e)), this.show(this.at);
+		this.charts = e.map(t).filter((e) => e.length > 0).map((e) => this.chart(e)), this.showSoon();
 	}
 	show(e) {
 		this.at = e;
@@ -13672,6 +13672,9 @@ var Nm = [
 				top: -10
 			}, !1);
 		}
+	}
+	showSoon() {
+		queueMicrotask(() => this.show(this.at));
 	}
 	hold(e) {
 		this.place.style.width = e ? `${this.place.clientWidth}px` : "";
@@ -13728,7 +13731,7 @@ var Nm = [
 		t.length !== 0 && (t.forEach((t) => t.setSize({
 			width: e,
 			height: 150
-		})), queueMicrotask(() => this.show(this.at)));
+		})), this.showSoon());
 	}
 };
 // src/picture.ts
