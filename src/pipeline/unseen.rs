@@ -122,6 +122,7 @@ mod tests {
                 rotation_sd: Vector3::zeros(),
                 angles_sd: DVector::from_row_slice(angles_sd),
                 points: Vec::new(),
+                apart: Vec::new(),
             }),
             points_world: Vec::new(),
             views: Vec::new(),
