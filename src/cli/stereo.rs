@@ -8,14 +8,13 @@ use clap::{Args, ValueEnum};
 
 use super::complain;
 use super::error::CliError;
-use super::fit::FrameRange;
-use super::progress::Progress;
+use super::frame_range::{FrameRange, span};
+use super::switches::{Overwrite, Quiet};
 use crate::camera::CameraId;
 use crate::io::frames::Footage;
-use crate::io::out_folder::{Existing, check_out};
+use crate::io::out_folder::check_out;
 use crate::io::recording::Recording;
 use crate::io::stereo::StereoFolder;
-use crate::silhouette::FrameIndex;
 use crate::stereo::SideBySide;
 use crate::stereo::matching::MatchOptions;
 use work::Work;
@@ -71,12 +70,10 @@ pub(super) struct StereoArguments {
     /// Frames per second, where the recording does not say
     #[arg(long, value_name = "HZ")]
     fps: Option<f64>,
-    /// Write into a folder that is not empty
-    #[arg(long)]
-    overwrite: bool,
-    /// Print nothing but errors
-    #[arg(long)]
-    quiet: bool,
+    #[command(flatten)]
+    overwrite: Overwrite,
+    #[command(flatten)]
+    quiet: Quiet,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -103,14 +100,10 @@ fn depth(text: &str) -> Result<(f64, f64), String> {
 /// Measures and writes.
 pub(super) fn run(arguments: &StereoArguments) -> Result<(), CliError> {
     // 1. read and check everything
-    let existing = if arguments.overwrite {
-        Existing::Overwrite
-    } else {
-        Existing::Refuse
-    };
-    check_out(&arguments.out, existing)?;
+    check_out(&arguments.out, arguments.overwrite.existing())?;
     let footage = Footage::open(&arguments.recording, arguments.fps)?;
-    let frames = asked_frames(&footage, arguments.frames)?;
+    let all = footage.frames();
+    let frames = FrameRange::of(arguments.frames, &all)?;
     let mut work = Work {
         arguments,
         cameras: cameras(&footage, &arguments.cameras)?,
@@ -122,7 +115,7 @@ pub(super) fn run(arguments: &StereoArguments) -> Result<(), CliError> {
         points: 0,
         skipped: Vec::new(),
     };
-    if !arguments.quiet {
+    if !arguments.quiet.is_on() {
         footage
             .notes
             .iter()
@@ -135,13 +128,8 @@ pub(super) fn run(arguments: &StereoArguments) -> Result<(), CliError> {
         }
     }
     // 2. frame by frame
-    let progress = if arguments.quiet {
-        Progress::Hidden
-    } else {
-        Progress::Shown
-    };
-    let bar = progress.bar("stereo", frames.len());
-    let mut sets = footage.frame_sets(frames[0].0..=frames[frames.len() - 1].0);
+    let bar = arguments.quiet.progress().bar("stereo", frames.len());
+    let mut sets = footage.frame_sets(span(frames));
     for (frame, pictures) in sets.by_ref() {
         work.frame(frame, &pictures)?;
         bar.inc(1);
@@ -149,38 +137,13 @@ pub(super) fn run(arguments: &StereoArguments) -> Result<(), CliError> {
     bar.finish_and_clear();
     // 3. what was found
     work.finish()?;
-    if !arguments.quiet {
+    if !arguments.quiet.is_on() {
         sets.notes()
             .iter()
             .for_each(|note| complain("note", &note.to_string()));
         work.report(frames.len());
     }
     Ok(())
-}
-
-fn asked_frames(footage: &Footage, range: Option<FrameRange>) -> Result<Vec<FrameIndex>, CliError> {
-    let all = footage.frames();
-    let (Some(first), Some(last)) = (all.first(), all.last()) else {
-        return Err(CliError::Arguments(format!(
-            "{}: no frames",
-            footage.folder.display()
-        )));
-    };
-    let Some(range) = range else { return Ok(all) };
-    let in_range: Vec<FrameIndex> = all
-        .iter()
-        .filter(|f| (range.first..=range.last).contains(&f.0))
-        .copied()
-        .collect();
-    if in_range.is_empty() {
-        let (first, last) = (first.0, last.0);
-        return Err(CliError::NoFrames {
-            range: format!("{}:{}", range.first, range.last),
-            first,
-            last,
-        });
-    }
-    Ok(in_range)
 }
 
 /// The template's camera and the others.

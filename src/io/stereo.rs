@@ -3,12 +3,12 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder};
+use ::image::ExtendedColorType;
 
 use super::cloud::write_ply;
 use super::out_folder::{OutError, OutFolder, write_atomically};
 use super::overlays::{OverlayError, write_picture};
+use super::png::{self, Effort};
 use crate::image::Plane;
 use crate::render::Canvas;
 use crate::stereo::tracking::Trajectory;
@@ -73,10 +73,9 @@ impl StereoFolder {
             .iter()
             .flat_map(|d| steps(d).to_ne_bytes())
             .collect();
-        let (width, height) = (disparities.width() as u32, disparities.height() as u32);
-        let mut png = Vec::new();
-        match PngEncoder::new(&mut png).write_image(&bytes, width, height, ExtendedColorType::L16) {
-            Ok(()) => Ok(write_atomically(&path, &png)?),
+        let size = (disparities.width(), disparities.height());
+        match png::encode(&bytes, size, ExtendedColorType::L16, Effort::Quick) {
+            Ok(file) => Ok(write_atomically(&path, &file)?),
             Err(source) => Err(OverlayError::Encode { path, source }.into()),
         }
     }

@@ -1,12 +1,12 @@
 //! What `maquette fit` is told.
 
 use std::path::PathBuf;
-use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
 
 use crate::cli::error::CliError;
-use crate::cli::progress::Progress;
+use crate::cli::frame_range::FrameRange;
+use crate::cli::switches::Quiet;
 use crate::inference::search::Pruning;
 use crate::io::out_folder::Existing;
 use crate::likelihood::{EllipseOptions, Measure};
@@ -69,9 +69,8 @@ pub(in crate::cli) struct FitArguments {
     /// Replace the result in OUT when the new one is complete
     #[arg(long)]
     overwrite: bool,
-    /// Print nothing but errors
-    #[arg(long)]
-    pub(super) quiet: bool,
+    #[command(flatten)]
+    pub(super) quiet: Quiet,
     /// Print the summary as JSON
     #[arg(long)]
     pub(super) json: bool,
@@ -105,25 +104,6 @@ enum Switch {
     Off,
 }
 
-/// Frame numbers, both included.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::cli) struct FrameRange {
-    pub(in crate::cli) first: usize,
-    pub(in crate::cli) last: usize,
-}
-
-impl FromStr for FrameRange {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let parsed = text.split_once(':').and_then(|(first, last)| {
-            let (first, last) = (first.trim().parse().ok()?, last.trim().parse().ok()?);
-            (first <= last).then_some(Self { first, last })
-        });
-        parsed.ok_or_else(|| "expected FIRST:LAST, two frame numbers in order".into())
-    }
-}
-
 impl FitArguments {
     pub(super) fn options(&self) -> Result<FitOptions, CliError> {
         let mut options = FitOptions::default();
@@ -147,28 +127,6 @@ impl FitArguments {
             (true, _) => Existing::Resume,
             (false, true) => Existing::Overwrite,
             (false, false) => Existing::Refuse,
-        }
-    }
-
-    pub(super) fn progress(&self) -> Progress {
-        if self.quiet {
-            Progress::Hidden
-        } else {
-            Progress::Shown
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_range_of_frames_is_two_numbers_in_order() {
-        let range = FrameRange { first: 3, last: 7 };
-        assert_eq!("3:7".parse(), Ok(range));
-        for text in ["7:3", "3", "3:", ":", "a:b", "-1:4"] {
-            assert!(text.parse::<FrameRange>().is_err(), "{text}");
         }
     }
 }

@@ -1,13 +1,15 @@
 //! Everything that `maquette fit` reads.
 
+use std::ops::Range;
 use std::path::Path;
 
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
-use super::arguments::{FitArguments, FrameRange};
+use super::arguments::FitArguments;
 use crate::body::BodyModel;
 use crate::cli::error::{CliError, one_line};
+use crate::cli::frame_range::{FrameRange, span};
 use crate::cli::progress::Progress;
 use crate::cli::{complain, segment};
 use crate::io::frames::{Footage, FramesError};
@@ -37,8 +39,8 @@ pub(super) fn read(arguments: &FitArguments) -> Result<Input, CliError> {
     let mut recording = open(arguments)?;
     let (model, body) = body(arguments.body.as_deref(), &recording)?;
     check_measure(&model, options.measure)?;
-    let positions = positions(&recording, arguments.frames)?;
-    let observations = observe(&recording, &positions, &options, arguments.progress())?;
+    let positions = FrameRange::positions(arguments.frames, &recording.frames)?;
+    let observations = observe(&recording, positions, &options, arguments.quiet.progress())?;
     let notes = recording.notes_of_points(&observations);
     recording.notes.extend(notes);
     check_scene(&model, &recording.rig, &observations).map_err(FitError::from)?;
@@ -67,17 +69,18 @@ fn open(arguments: &FitArguments) -> Result<Recording, CliError> {
     // quality.csv is written last: where it stands the masks are complete
     let is_kept = arguments.existing() == Existing::Resume && out.join("quality.csv").is_file();
     if !is_kept {
-        let range = segment::range(&footage, arguments.frames)?;
+        let frames = footage.frames();
+        let range = span(FrameRange::of(arguments.frames, &frames)?);
         OutFolder::open(out)?;
         let made = segment::masks(
             &footage,
             range,
             out,
             Extras::default(),
-            arguments.progress(),
+            arguments.quiet.progress(),
         );
         let (_, notes) = made?;
-        for note in notes.iter().filter(|_| !arguments.quiet) {
+        for note in notes.iter().filter(|_| !arguments.quiet.is_on()) {
             complain("note", &one_line(note));
         }
     }
@@ -100,38 +103,20 @@ fn body(
     Ok((model, checksum))
 }
 
-/// Positions of the frames to be fitted.
-fn positions(recording: &Recording, range: Option<FrameRange>) -> Result<Vec<usize>, CliError> {
-    let frames = &recording.frames;
-    let Some(range) = range else {
-        return Ok((0..frames.len()).collect());
-    };
-    let is_in = |i: &usize| (range.first..=range.last).contains(&frames[*i].0);
-    let positions: Vec<usize> = (0..frames.len()).filter(is_in).collect();
-    if positions.is_empty() {
-        return Err(CliError::NoFrames {
-            range: format!("{}:{}", range.first, range.last),
-            first: frames.first().map_or(0, |f| f.0),
-            last: frames.last().map_or(0, |f| f.0),
-        });
-    }
-    Ok(positions)
-}
-
 /// The silhouettes of the frames; masks are dropped as soon as they are traced.
 fn observe(
     recording: &Recording,
-    positions: &[usize],
+    positions: Range<usize>,
     options: &FitOptions,
     progress: Progress,
 ) -> Result<Vec<FrameObservations>, CliError> {
     let bar = progress.bar("reading masks", positions.len());
-    let load = |position: &usize| {
-        let observed = recording.load_frame(*position, &options.silhouettes);
+    let load = |position: usize| {
+        let observed = recording.load_frame(position, &options.silhouettes);
         bar.inc(1);
         observed
     };
-    let loaded: Vec<Result<_, _>> = positions.par_iter().map(load).collect();
+    let loaded: Vec<Result<_, _>> = positions.into_par_iter().map(load).collect();
     bar.finish_and_clear();
     // the first fault in the order of the frames, whichever thread met one first
     Ok(loaded.into_iter().collect::<Result<_, _>>()?)
