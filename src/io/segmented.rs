@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::frames::{Footage, FramesNote};
-use super::out_folder::OutError;
+use super::out_folder::{OutError, OutFolder};
 use super::overlays::file_name;
 use super::png::{self, Effort};
 use crate::camera::CameraId;
@@ -26,6 +26,9 @@ pub struct Extras {
     /// `mask-overlays/<camera>/%06d.jpg`.
     pub overlays: bool,
 }
+
+/// The table of the masks; it is written last: where it stands the masks are complete.
+pub const QUALITY: &str = "quality.csv";
 
 /// One line of `quality.csv`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -72,7 +75,7 @@ pub fn learn(
     (training.learn(), notes)
 }
 
-/// Segments frames and writes their masks into a folder; `done` is called after each frame.
+/// Segments frames and writes their masks into a folder, in which those of an older run are removed; `done` is called after each frame.
 ///
 /// # Errors
 /// [`OutError`] for the first file that cannot be written.
@@ -106,7 +109,7 @@ pub fn write(
             rows.extend(row?);
         }
     }
-    write_quality(&folder.join("quality.csv"), &rows)?;
+    write_quality(&folder.join(QUALITY), &rows)?;
     Ok(rows)
 }
 
@@ -130,6 +133,7 @@ impl Writer {
             ("probability", extras.probability),
             ("mask-overlays", extras.overlays),
         ];
+        OutFolder::open(root)?.clear(QUALITY, &kinds.map(|(kind, _)| kind))?;
         for (kind, _) in kinds.iter().filter(|(_, is_wanted)| *is_wanted) {
             for folder in &folders {
                 let path = root.join(kind).join(folder);
