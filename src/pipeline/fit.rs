@@ -67,6 +67,11 @@ pub struct FittedFrame {
 }
 
 impl FittedFrame {
+    /// Whether anything was seen of the body: a silhouette, or points.
+    pub fn is_observed(&self) -> bool {
+        !self.views.is_empty() || self.points.is_some()
+    }
+
     /// Mean overlap over the views; `None` without any.
     pub fn mean_iou(&self) -> Option<f64> {
         mean(&self.views.iter().map(|view| view.iou).collect::<Vec<_>>())
