@@ -342,15 +342,14 @@ fn points_that_disagree_with_the_silhouettes_are_told_with_their_frames() {
     );
 }
 
-/// The arm of three metaballs a limb, of mean shape, in a pose of its own in each frame.
-fn fleshy_arm(model: &BodyModel, frame: usize) -> Posed<'_> {
-    let shape = Shape(model.statistics.mean.clone());
+/// How the arm of three metaballs a limb moves.
+fn fleshy_motion(model: &BodyModel, frame: usize) -> Motion {
     let mut motion = Motion::rest(model);
     motion.angles[0] = 0.3 + 0.05 * frame as f64;
     // flexed, so that the turns of both limbs show
     let elbow = model.joints.iter().position(|j| j.name == "elbow_flexion");
     motion.angles[elbow.expect("an elbow")] = 0.8;
-    Posed::new(model, &shape, &motion)
+    motion
 }
 
 #[test]
@@ -358,8 +357,11 @@ fn an_arm_is_fitted_to_points_alone() {
     let arm = Arm::new();
     std::fs::remove_dir_all(arm.recording().join("masks")).expect("removed");
     let model = model::load("arm", Path::new("")).expect("a shipped model");
+    let shape = Shape(model.statistics.mean.clone());
     for frame in 0..FRAMES {
-        let mesh = skin(&fleshy_arm(&model, frame), &SkinOptions::default()).expect("a skin");
+        let motion = fleshy_motion(&model, frame);
+        let body = Posed::new(&model, &shape, &motion);
+        let mesh = skin(&body, &SkinOptions::default()).expect("a skin");
         let cloud: Vec<CloudPoint> = mesh
             .vertices
             .iter()
@@ -375,7 +377,7 @@ fn an_arm_is_fitted_to_points_alone() {
     let said = arm.fit_with_body("out", "arm").succeeded().out;
     assert!(!said.contains("no camera sees"), "{said}");
     for (frame, found) in joints(&arm, "out").frames.iter().enumerate() {
-        let truth = fleshy_arm(&model, frame).points();
+        let truth = Posed::new(&model, &shape, &fleshy_motion(&model, frame)).points();
         assert_eq!(found.len(), truth.len());
         for found in found {
             let found = found.expect("a point");

@@ -145,3 +145,60 @@ fn covariance(
     let across = options.model_sigma_px / (camera.intrinsics.fx_px * w);
     Matrix3::identity() * across.powi(2) + along * along.transpose()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::Plane3;
+    use super::*;
+
+    /// A grid of 21 × 21 matches of this inverse depth, a pixel apart, each with the plane that touches it.
+    fn grid(w: impl Fn(f64, f64) -> f64, is_there: impl Fn(usize, usize) -> bool) -> Grid {
+        let mut grid = Grid::filled(21, 21, None);
+        for row in 0..21 {
+            for (column, place) in grid.row_mut(row).iter_mut().enumerate() {
+                let (x, y) = (column as f64 - 10.0, row as f64 - 10.0);
+                let slope = [w(x + 0.5, y) - w(x - 0.5, y), w(x, y + 0.5) - w(x, y - 0.5)];
+                *place = is_there(column, row).then(|| Match {
+                    plane: Plane3 { w: w(x, y), slope },
+                    sigma: 0.0,
+                    sigma_px: 0.0,
+                    correlation: 1.0,
+                    images: 3,
+                });
+            }
+        }
+        grid
+    }
+
+    fn middle(grid: &Grid) -> f64 {
+        let options = MatchOptions {
+            spacing_px: 1,
+            ..MatchOptions::default()
+        };
+        bend(grid, (10, 10), &options)
+    }
+
+    #[test]
+    fn a_plane_does_not_bend_and_a_parabola_bends_by_half_its_curvature_times_the_radius_squared() {
+        let plane = grid(|x, y| 1.0 + 0.02 * x - 0.01 * y, |_, _| true);
+        approx::assert_relative_eq!(middle(&plane), 0.0, epsilon = 1e-12);
+        // ½κr² in one direction, 0 across it, half of twice that along both diagonals
+        let half = 0.5 * 0.004 * 25.0_f64;
+        let parabola = grid(|x, _| 1.0 - 0.002 * x * x, |_, _| true);
+        let expected = (3.0 * half * half / 4.0).sqrt();
+        approx::assert_relative_eq!(middle(&parabola), expected, max_relative = 1e-9);
+    }
+
+    #[test]
+    fn beside_a_step_and_where_only_one_side_is_matched_it_bends_too() {
+        let step = grid(|x, _| if x > 2.0 { 1.1 } else { 1.0 }, |_, _| true);
+        assert!(middle(&step) > 0.04, "{}", middle(&step));
+        let one_sided = |column: usize, row: usize| row == 10 && column >= 10;
+        let plane = grid(|x, _| 1.0 + 0.02 * x, one_sided);
+        approx::assert_relative_eq!(middle(&plane), 0.0, epsilon = 1e-12);
+        let parabola = grid(|x, _| 1.0 - 0.002 * x * x, one_sided);
+        approx::assert_relative_eq!(middle(&parabola), 0.05, max_relative = 1e-9);
+        let alone = grid(|_, _| 1.0, |column, row| (column, row) == (10, 10));
+        approx::assert_relative_eq!(middle(&alone), 0.0);
+    }
+}
