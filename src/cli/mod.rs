@@ -23,6 +23,7 @@ mod analysis;
 mod error;
 mod export;
 mod fit;
+mod frame_range;
 mod gait;
 mod models;
 mod progress;
@@ -31,6 +32,7 @@ mod segment;
 mod skin;
 mod stereo;
 mod summary;
+mod switches;
 mod synth;
 mod table;
 

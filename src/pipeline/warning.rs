@@ -153,10 +153,7 @@ pub(super) fn warnings(
     let those = |is: &dyn Fn(&&FittedFrame) -> bool| {
         Frames(frames.iter().filter(is).map(|f| f.frame).collect())
     };
-    let (unseen, one) = (
-        those(&|f| f.views.is_empty()),
-        those(&|f| f.views.len() == 1),
-    );
+    let (unseen, one) = (those(&|f| !f.is_observed()), those(&|f| f.views.len() == 1));
     let recovered = those(&|f| f.fit.recovered);
     for (frames, warning) in [
         (
