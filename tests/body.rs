@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use maquette::body::{BodyModel, Layout, Motion, Shape, State, check_kinematics};
+use maquette::body::{BodyModel, Layout, Motion, Posed, Shape, State, check_kinematics};
 use maquette::io::model;
 use nalgebra::DVector;
 use rand::{RngExt, SeedableRng};
@@ -63,4 +63,26 @@ fn the_motion_difference_undoes_the_retraction() {
         let back = layout.motion_difference(&from, &layout.retract_motion(&from, &delta));
         approx::assert_relative_eq!(back, delta, epsilon = 1e-12);
     }
+}
+
+#[test]
+fn a_knees_angle_is_in_doubt_as_the_centres_of_hip_knee_and_ankle_are() {
+    let model = model::load("human-ellipsoids", Path::new("")).unwrap();
+    let shape = Shape(model.statistics.mean.clone());
+    let mut motion = Motion::rest(&model);
+    motion.angles.fill(0.0);
+    let body = Posed::new(&model, &shape, &motion);
+    let place = |name: &str| body.points()[model.point(name).unwrap()];
+    let (hip, knee, ankle) = (place("RHip"), place("RKnee"), place("RAnkle"));
+    let (thigh, shank) = ((knee - hip).norm(), (ankle - knee).norm());
+    let forward = |name: &str| model.points[model.point(name).unwrap()].sd_m.x;
+    // a straight leg: the knee's centre turns both bones, the same way
+    let expected = (forward("RHip") / thigh).powi(2)
+        + (forward("RKnee") * (1.0 / thigh + 1.0 / shank)).powi(2)
+        + (forward("RAnkle") / shank).powi(2);
+    let found = body.angle_spread()[model.joint("knee_flexion_r").unwrap().0];
+    approx::assert_relative_eq!(found, expected, max_relative = 1e-3);
+    // what no centre tells
+    let neck = model.joint("thorax_rotation").unwrap();
+    approx::assert_abs_diff_eq!(body.angle_spread()[neck.0], 0.0);
 }

@@ -10,6 +10,7 @@ mod limbs;
 pub mod metaball;
 mod model;
 mod posed;
+mod spread;
 mod state;
 
 pub use check::{KinematicsFault, check_kinematics};

@@ -92,17 +92,6 @@ impl<'a> Posed<'a> {
             .tr_mul(&(point_world.coords - frame.origin_world))
     }
 
-    /// Covariance in the world of where an exported point lies in the flesh, square metres.
-    pub fn point_spread(&self, index: usize) -> Matrix3<f64> {
-        let point = &self.model.points[index];
-        let axes = point
-            .places
-            .first()
-            .map_or(self.frames[0], |(part, _)| *self.frame(*part));
-        let axes = axes.world_from_frame;
-        axes * Matrix3::from_diagonal(&point.sd_m.component_mul(&point.sd_m)) * axes.transpose()
-    }
-
     /// All exported points in the world, in the order of [`BodyModel::points`].
     pub fn points(&self) -> Vec<Point3<f64>> {
         let mean = |places: &[(PartId, ScaledVector)]| {

@@ -70,7 +70,7 @@ pub struct FrameUncertainty {
     pub position_sd_m: Vector3<f64>,
     /// Of the root's orientation, about its own axes; 0 if it is fixed.
     pub rotation_sd: Vector3<f64>,
-    /// Of the angles.
+    /// Of the angles, with what the places of the joints' centres in the flesh leave open, see [`Posed::angle_spread`].
     pub angles_sd: DVector<f64>,
     /// Covariance of each exported point, square metres: the estimate's, and of where it lies in the flesh.
     pub points: Vec<Matrix3<f64>>,
@@ -221,7 +221,9 @@ fn frame_uncertainty(
     all.view_mut((m, m), (p, p))
         .copy_from(&(marginal.shared * tau));
     all.fill_upper_triangle_with_lower_triangle();
-    let sd = motion.diagonal().map(|v| v.max(0.0).sqrt());
+    let variances = motion.diagonal().map(|v| v.max(0.0));
+    let angles_sd = variances.rows(layout.root(), m - layout.root()) + body.angle_spread();
+    let sd = variances.map(f64::sqrt);
     let root = |first: usize| match layout.root() {
         6 => Vector3::new(sd[first], sd[first + 1], sd[first + 2]),
         _ => Vector3::zeros(),
@@ -238,7 +240,7 @@ fn frame_uncertainty(
     Some(FrameUncertainty {
         position_sd_m: root(0),
         rotation_sd: root(3),
-        angles_sd: sd.rows(layout.root(), m - layout.root()).into_owned(),
+        angles_sd: angles_sd.map(f64::sqrt),
         points: (0..body.model.points.len()).map(point).collect(),
         apart: body.model.point_pairs().into_iter().map(apart).collect(),
     })
