@@ -6,11 +6,13 @@
 //! | `profile.rs` | [`RayProfile`]: the field along one ray, as a sum of bumps          |
 //! | `canvas.rs`  | [`Canvas`]: smooth lines and dots in a picture                      |
 //! | `shade.rs`   | [`shade`]: a shaded picture of a metaball body                      |
+//! | `outline.rs` | [`outline`]: its visible contours, the inner ones apart, with part and depth |
 //! | `overlay.rs` | [`overlay`]: a mask with the fitted outline and joints over it      |
 //!
 //! Nothing here is shared with the likelihoods: what is rendered here is what they are tested on.
 
 mod canvas;
+mod outline;
 mod overlay;
 mod profile;
 mod raycast;
@@ -18,6 +20,7 @@ mod shade;
 pub mod stereo;
 
 pub use canvas::{Canvas, Pen, Rgb};
+pub use outline::{ModelOutline, OutlinePoint, outline};
 pub use overlay::overlay;
 pub use profile::{Bump, RayProfile};
 pub use raycast::silhouette;
