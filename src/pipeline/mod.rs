@@ -27,7 +27,7 @@ mod warning_text;
 pub use confidence::{ShapeConfidence, rest_lengths_m};
 pub use fit::{Fit, FitError, FittedFrame, TriedHypothesis, fit};
 pub use measures::check_measure;
-pub use options::{ConfidenceOptions, FitOptions};
+pub use options::{ConfidenceOptions, FitOptions, FitTo};
 pub use overlap::projected_ellipses;
 pub use points::PointQuality;
 pub use quality::{CameraQuality, ViewQuality, ViewResiduals};
