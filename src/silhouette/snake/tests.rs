@@ -212,6 +212,10 @@ fn every_option_can_be_noticed() {
             ..usual
         },
         SnakeOptions {
+            hold: 0.9,
+            ..usual
+        },
+        SnakeOptions {
             edge: 500.0,
             ..usual
         },
