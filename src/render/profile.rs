@@ -57,7 +57,10 @@ impl RayProfile {
     /// Where on t ≥ 0 F is largest, and its value there: the climb from the highest of the bumps' own summits; `None` without a bump.
     pub fn summit(&self) -> Option<(f64, f64)> {
         let start = |b: &&Bump| self.value(b.at.max(0.0));
-        let highest = self.bumps.iter().max_by(|a, b| start(a).total_cmp(&start(b)))?;
+        let highest = self
+            .bumps
+            .iter()
+            .max_by(|a, b| start(a).total_cmp(&start(b)))?;
         Some(self.climb(highest, f64::INFINITY))
     }
 
