@@ -34,7 +34,7 @@ Examples:
   maquette silhouettes my-recording --out out/contours --fit out/me    (begin with a body that was fitted before)";
 
 /// The body that is followed when nobody names one: contours and depths are those of a skin.
-const DEFAULT_BODY: &str = "human-metaballs";
+pub(super) const DEFAULT_BODY: &str = "human-metaballs";
 
 /// Which pipeline of PF02.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -119,16 +119,7 @@ fn silhouettes(arguments: &SilhouettesArguments) -> Result<(), CliError> {
         first: &first,
         pipeline: arguments.pipeline,
     };
-    let skipped = work.run(progress, |found| {
-        for (i, seen) in found.seen.iter().enumerate() {
-            let (Some(seen), Some(Some(picture))) = (seen, found.pictures.get(i)) else {
-                continue;
-            };
-            let camera = &footage.rig.cameras[i];
-            folder.view(found.frame, (camera, picture), seen, &model)?;
-        }
-        Ok(())
-    })?;
+    let skipped = work.run(progress, |found| found.write(&mut folder, &footage, &model))?;
     let rows = folder.finish()?;
     // 3. what was found
     if !arguments.quiet.is_on() {

@@ -1,5 +1,7 @@
 //! The frames of a run, one after another.
 
+use std::path::Path;
+
 use super::{First, Pipeline};
 use crate::body::{BodyModel, Posed};
 use crate::cli::error::CliError;
@@ -8,6 +10,7 @@ use crate::cli::progress::Progress;
 use crate::image::Picture;
 use crate::inference::Evidence;
 use crate::io::frames::Footage;
+use crate::io::silhouettes::{SilhouetteExtras, SilhouetteFolder};
 use crate::likelihood::{LikelihoodOptions, Measure};
 use crate::pipeline::silhouettes::{ContourOptions, Follower, Scene, Seen, ShownFrame};
 use crate::silhouette::{FrameIndex, FrameObservations};
@@ -28,6 +31,28 @@ pub(super) struct Found<'a> {
     pub(super) seen: Vec<Option<Seen>>,
     /// Silhouettes and points; of the simple pipeline silhouettes alone.
     pub(super) observed: FrameObservations,
+}
+
+impl Found<'_> {
+    /// Writes every view.
+    pub(super) fn write(
+        &self,
+        folder: &mut SilhouetteFolder,
+        footage: &Footage,
+        model: &BodyModel,
+    ) -> Result<(), CliError> {
+        let views = self
+            .seen
+            .iter()
+            .zip(self.pictures)
+            .zip(&footage.rig.cameras);
+        for ((seen, picture), camera) in views {
+            if let (Some(seen), Some(picture)) = (seen, picture) {
+                folder.view(self.frame, (camera, picture), seen, model)?;
+            }
+        }
+        Ok(())
+    }
 }
 
 impl Work<'_> {
@@ -86,9 +111,10 @@ impl Work<'_> {
 }
 
 /// Silhouettes and points of some frames by the joint pipeline, to be fitted to; and what was left out.
+///
+/// Masks, contours and quality are kept in a folder.
 pub(in crate::cli) fn observe(
-    footage: &Footage,
-    frames: &[FrameIndex],
+    (footage, frames, out): (&Footage, &[FrameIndex], &Path),
     model: &BodyModel,
     progress: Progress,
 ) -> Result<(Vec<FrameObservations>, Vec<String>), CliError> {
@@ -100,10 +126,13 @@ pub(in crate::cli) fn observe(
         first: &first,
         pipeline: Pipeline::Joint,
     };
+    let mut folder = SilhouetteFolder::open(out, SilhouetteExtras::default())?;
     let mut observed = Vec::new();
     let notes = work.run(progress, |found| {
+        found.write(&mut folder, footage, model)?;
         observed.push(found.observed);
         Ok(())
     })?;
+    folder.finish()?;
     Ok((observed, notes))
 }
