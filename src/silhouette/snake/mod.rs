@@ -204,11 +204,13 @@ impl Snake {
         };
         let score = |s: f64| change(s) * self.nearness(i, &(self.points[i] + normal * s));
         let reach = self.options.search_px.round() as i32;
-        let scores = (-reach..=reach).map(|s| (s, score(f64::from(s))));
-        let best = scores.fold(
-            (0, 0.0),
-            |best, next| if next.1 > best.1 { next } else { best },
-        );
+        let mut best = (0, 0.0);
+        for s in -reach..=reach {
+            // nearness is 1 at most: most places need no look at it
+            if change(f64::from(s)) > best.1 && score(f64::from(s)) > best.1 {
+                best = (s, score(f64::from(s)));
+            }
+        }
         let home = match self.options.rest {
             Rest::Expected => (self.expected[i] - self.points[i]) * self.options.hold,
             Rest::Straight => Vector2::zeros(),
