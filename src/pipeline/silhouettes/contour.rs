@@ -81,7 +81,7 @@ impl ViewContours {
         }
         let inner = outline.inner.iter().map(|curve| {
             let found = settled(curve, false, edges, (px_per_m, options));
-            found.map_or_else(|_| vec![as_expected(curve)], |found| found)
+            found.unwrap_or_else(|_| vec![as_expected(curve)])
         });
         let inner = inner.flatten().collect();
         let silhouette = silhouette(&outer, camera);
@@ -107,7 +107,7 @@ impl ViewContours {
         let rows = polygons.iter().flatten().map(|p| p.y);
         let (top, bottom) = rows.fold((f64::MAX, f64::MIN), |(l, h), y| (l.min(y), h.max(y)));
         let (width, height) = (camera.width_px as usize, camera.height_px as usize);
-        if !(bottom - top < 1e5) {
+        if polygons.is_empty() || (bottom - top).is_nan() || bottom - top > 1e5 {
             return Mask::from_fn(width, height, |_, _| false);
         }
         let top = top.floor() - 1.0;
