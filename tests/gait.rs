@@ -11,8 +11,8 @@ mod report;
 mod walker;
 
 use maquette::gait::{
-    Angle, EventKind, Gait, GaitOptions, Parameter, Recording, RecordingError, Segments, Side,
-    Surface, analyse,
+    Angle, EventKind, Gait, GaitOptions, Landmark, Paired, Parameter, Recording, RecordingError,
+    Segments, Side, Surface, analyse,
 };
 use nalgebra::Vector3;
 use walker::{STRIDE_S, Walker};
@@ -275,4 +275,44 @@ fn too_few_frames_are_refused() {
             fewest: 10
         })
     );
+}
+
+#[test]
+fn a_step_is_as_uncertain_as_the_way_between_the_feet_and_a_width_as_both_of_them() {
+    let mut recording = Walker::new(0.0).recording().expect("a body");
+    let frames = recording.frames;
+    for side in Side::BOTH {
+        let ankle = Landmark::Of(side, Paired::Ankle);
+        let sd = vec![Vector3::repeat(0.01); frames];
+        recording.sd_m.insert(ankle, sd);
+    }
+    let of = |recording: &Recording, parameter| {
+        let gait = analyse(recording, &GaitOptions::default()).expect("a pelvis");
+        let u = gait.parameters[&(parameter, Side::Left)].uncertainty;
+        u.expect("known")
+    };
+    // nothing is known of how the two err together: the bound
+    approx::assert_relative_eq!(of(&recording, Parameter::StepLength), 0.02, epsilon = 1e-9);
+    approx::assert_relative_eq!(of(&recording, Parameter::StepWidth), 0.02, epsilon = 1e-9);
+    let apart = vec![Vector3::new(0.003, 0.05, 0.05); frames];
+    recording.apart_sd_m.insert(Paired::Ankle, apart);
+    let u = of(&recording, Parameter::StepLength);
+    assert!((0.003..0.0035).contains(&u), "{u}");
+    approx::assert_relative_eq!(of(&recording, Parameter::StepWidth), 0.02, epsilon = 1e-9);
+}
+
+#[test]
+fn who_sways_on_the_spot_keeps_one_heading() {
+    let mut recording = Walker::squat().recording().expect("a body");
+    let rate = recording.rate_hz;
+    // to the left and back, 0.4 m/s at most
+    for track in recording.tracks.values_mut() {
+        for (i, place) in track.iter_mut().enumerate() {
+            place.y += 0.2 * (2.0 * i as f64 / rate).sin();
+        }
+    }
+    let gait = analyse(&recording, &GaitOptions::default()).expect("a pelvis");
+    for (i, heading) in gait.course.heading.iter().enumerate() {
+        assert!(heading.x > 0.99, "frame {i}: {heading}");
+    }
 }

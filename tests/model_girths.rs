@@ -61,7 +61,7 @@ const STATIONS: [Station; 18] = [
     Station { name: "elbow", limbs: &[ARM], part: "forearm_r", breadth: 0.078, ..LEVEL },
     Station { name: "forearm", limbs: &[ARM], part: "forearm_r", inside: [0.0, 0.0, -0.055], girth: 0.273, ..LEVEL },
     Station { name: "wrist", limbs: &[ARM], part: "hand_r", girth: 0.165, breadth: 0.044, depth: 0.060, ..LEVEL },
-    Station { name: "hand", limbs: &[ARM], part: "hand_r", inside: [0.003, 0.0, -0.075], girth: 0.199, ..LEVEL },
+    Station { name: "hand", limbs: &[ARM], part: "hand_r", inside: [0.003, 0.0, -0.075], depth: 0.102, ..LEVEL },
 ];
 
 fn human() -> (BodyModel, Shape, Motion) {

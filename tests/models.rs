@@ -412,3 +412,16 @@ fn faults_of_an_extension_are_named() {
         assert!(!message.contains('\n'), "{message}");
     }
 }
+
+#[test]
+fn points_of_both_sides_are_pairs_right_and_left() {
+    let model = model::load("human-ellipsoids", Path::new("")).unwrap();
+    let named = |i: usize| model.points[i].name.as_str();
+    let pairs = model.point_pairs();
+    assert!(
+        pairs
+            .iter()
+            .any(|(r, l)| (named(*r), named(*l)) == ("RAnkle", "LAnkle"))
+    );
+    assert!(pairs.iter().all(|(r, l)| named(*r)[1..] == named(*l)[1..]));
+}

@@ -5,6 +5,7 @@
 
 use maquette::body::{BodyModel, Motion, Posed, Shape};
 use maquette::io::trc::Trajectories;
+use maquette::math::stats::mean;
 use nalgebra::{Matrix3, Point3, Vector3};
 
 /// The joints that are compared: those of arms and legs.
@@ -158,16 +159,6 @@ impl Flexion {
 /// Mean RMS difference of several angles, degrees.
 pub fn rms_deg(angles: &[Flexion], truth: &Trajectories, fit: &Trajectories) -> Option<f64> {
     mean(angles.iter().filter_map(|angle| angle.rms_deg(truth, fit)))
-}
-
-/// Mean; `None` of nothing.
-pub fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let (mut sum, mut count) = (0.0, 0.0);
-    for value in values {
-        sum += value;
-        count += 1.0;
-    }
-    (count > 0.0).then(|| sum / count)
 }
 
 fn difference(

@@ -278,6 +278,17 @@ pub enum ModelError {
 }
 
 impl BodyModel {
+    /// Points that are each other's mirror image by their names, `RAnkle` and `LAnkle`: (right, left), in the order of the
+    /// right ones.
+    pub fn point_pairs(&self) -> Vec<(usize, usize)> {
+        let named = |name: &str| self.points.iter().position(|p| p.name == name);
+        let twin = |(right, point): (usize, &NamedPoint)| {
+            let bare = point.name.strip_prefix('R')?;
+            Some((right, named(&format!("L{bare}"))?))
+        };
+        self.points.iter().enumerate().filter_map(twin).collect()
+    }
+
     /// Checks what kinematics and priors rely on: positive radii, ordered limits, a usable covariance.
     ///
     /// # Errors

@@ -115,6 +115,12 @@ pub(super) enum CliError {
     /// A glTF that cannot be written.
     #[error(transparent)]
     Glb(#[from] GlbError),
+    /// Points where a fit is needed.
+    #[error("{}: expected the folder of a finished fit, found points without a body", path.display())]
+    NoFit {
+        /// As asked for.
+        path: std::path::PathBuf,
+    },
     /// A body that the coordinates of OpenSim do not fit.
     #[error("{}: --format {format}: the body {body} has no part named pelvis", path.display())]
     NoCoordinates {
@@ -131,6 +137,9 @@ pub(super) enum CliError {
     /// A table that cannot be written.
     #[error("a table cannot be written: {0}")]
     Csv(#[from] csv::Error),
+    /// The same as Parquet.
+    #[error("a table cannot be written: {0}")]
+    Parquet(#[from] parquet::errors::ParquetError),
     /// A result that is no JSON.
     #[error("result.json: {0}")]
     Json(#[from] serde_json::Error),

@@ -1,22 +1,30 @@
 //! `maquette export`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use rayon::prelude::*;
 
+use super::analysis::{Analysed, Asked};
 use super::error::CliError;
 use super::print;
-use crate::gait::{Gait, GaitOptions, Recording, analyse};
-use crate::io::export::{C3dInput, TableKind, bvh, c3d, coordinates, glb, motion_text};
-use crate::io::gait::{FittedBody, FittedPoint, GaitInput, angles_csv, read_fit};
+use crate::body::{Motion, Posed};
+use crate::gait::{Gait, GaitOptions, Recording};
+use crate::io::export::{
+    C3dInput, TableKind, bvh, c3d, coordinates, frame_table, glb, motion_text,
+};
+use crate::io::gait::{FittedBody, FittedPoint, GaitInput};
+use crate::io::mesh::{MeshFormat, Up, bytes_of};
 use crate::io::out_folder::{OutFolder, write_atomically};
 use crate::io::trc::{Trajectories, write_trc};
+use crate::skin::{SkinOptions, skin};
 
 pub(super) const ABOUT: &str = "\
 Write a fit in the formats of other programs.
 
-Reads the folder of a finished `maquette fit` and writes NAME.c3d, .trc, .mot, .sto, .bvh, .glb or .csv into its folder \
-export. Every file's world is Y up. docs/formats.md says what each holds.";
+Reads the folder of a finished `maquette fit` and writes motion.c3d, .trc, .mot, .sto, .bvh, .glb, .csv or .parquet into \
+its folder export; ply and obj are the skin, a file per frame. Every file's world is Y up. docs/formats.md says what each \
+holds.";
 
 pub(super) const EXAMPLES: &str = "\
 Examples:
@@ -28,7 +36,7 @@ Examples:
 pub(super) struct ExportArguments {
     /// Folder of a finished fit
     out: PathBuf,
-    /// A format; may be given several times [default: all]
+    /// A format; may be given several times [default: all that are one file]
     #[arg(long, value_enum)]
     format: Vec<Format>,
     /// Body model of the fit, if it is not a shipped one
@@ -53,32 +61,42 @@ enum Format {
     Bvh,
     /// glTF 2.0: the skin on its bones, moving (bodies with metaballs)
     Glb,
-    /// Angles, frame by frame
+    /// Points, angles and their SD, frame by frame
     Csv,
+    /// The same as Parquet
+    Parquet,
+    /// The skin, a PLY file per frame (bodies with metaballs)
+    Ply,
+    /// The skin, an OBJ file per frame
+    Obj,
 }
 
 /// Reads the fit and writes each format.
 pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
-    let input = read_fit(&arguments.out, arguments.body.as_deref(), None)?;
-    let Some(body) = &input.body else {
-        return Ok(());
+    let asked = Asked {
+        from: &arguments.out,
+        body: arguments.body.as_deref(),
+        fps: None,
+        norm: Some("none"),
     };
-    let gait = analyse(&input.recording, &GaitOptions::default())?;
-    let has_skin = !body.model.metaballs.is_empty();
-    let is_possible = |format: &&Format| has_skin || **format != Format::Glb;
-    let formats: Vec<&Format> = match arguments.format.as_slice() {
-        [] => Format::value_variants()
-            .iter()
-            .filter(is_possible)
-            .collect(),
-        some => some.iter().collect(),
+    let Analysed { input, gait, .. } = Analysed::of(&asked, &GaitOptions::default())?;
+    let body = input.body.as_ref().ok_or_else(|| CliError::NoFit {
+        path: arguments.out.clone(),
+    })?;
+    let formats: Vec<Format> = match arguments.format.as_slice() {
+        [] => default_formats(body),
+        some => some.to_vec(),
     };
-    let folder = arguments.out.join("export");
-    OutFolder::open(&folder)?;
+    let export = Export {
+        input: &input,
+        body,
+        gait: &gait,
+        out: &arguments.out,
+        folder: arguments.out.join("export"),
+    };
+    OutFolder::open(&export.folder)?;
     for format in formats {
-        let bytes = bytes_of(*format, (&input, body), &gait, arguments)?;
-        let path = folder.join(format!("motion.{}", format.extension()));
-        write_atomically(&path, &bytes)?;
+        let path = export.write(format)?;
         if !arguments.quiet {
             print(&format!("{}\n", path.display()));
         }
@@ -86,61 +104,96 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
     Ok(())
 }
 
-impl Format {
-    fn extension(self) -> &'static str {
-        match self {
-            Self::C3d => "c3d",
-            Self::Trc => "trc",
-            Self::Mot => "mot",
-            Self::Sto => "sto",
-            Self::Bvh => "bvh",
-            Self::Glb => "glb",
-            Self::Csv => "csv",
-        }
-    }
+/// All that are one file and that the body allows.
+fn default_formats(body: &FittedBody) -> Vec<Format> {
+    let has_skin = !body.model.metaballs.is_empty();
+    let is_default = |format: &Format| match format {
+        Format::Ply | Format::Obj => false,
+        Format::Glb => has_skin,
+        _ => true,
+    };
+    let all = Format::value_variants().iter().copied();
+    all.filter(is_default).collect()
 }
 
-fn bytes_of(
-    format: Format,
-    (input, body): (&GaitInput, &FittedBody),
-    gait: &Gait,
-    arguments: &ExportArguments,
-) -> Result<Vec<u8>, CliError> {
-    let recording = &input.recording;
-    let table = |kind, format| {
-        let table = coordinates(recording, gait).ok_or_else(|| CliError::NoCoordinates {
-            path: arguments.out.clone(),
+/// What is exported, and where to.
+struct Export<'a> {
+    input: &'a GaitInput,
+    body: &'a FittedBody,
+    gait: &'a Gait,
+    out: &'a Path,
+    folder: PathBuf,
+}
+
+impl Export<'_> {
+    /// Writes one format, and says where.
+    fn write(&self, format: Format) -> Result<PathBuf, CliError> {
+        let (body, recording) = (self.body, &self.input.recording);
+        let (model, shape, motions) = (&body.model, &body.shape, &body.motions);
+        let table = || frame_table(recording, &body.points, self.gait);
+        let (extension, bytes) = match format {
+            Format::C3d => ("c3d", self.c3d()?),
+            Format::Trc => ("trc", trc(body, recording).into_bytes()),
+            Format::Mot => ("mot", self.motion(TableKind::Mot, "mot")?),
+            Format::Sto => ("sto", self.motion(TableKind::Sto, "sto")?),
+            Format::Bvh => {
+                let text = bvh(model, shape, motions, recording.rate_hz)?;
+                ("bvh", text.into_bytes())
+            }
+            Format::Glb => ("glb", glb(model, shape, motions, recording.rate_hz)?),
+            Format::Csv => ("csv", table().csv()?),
+            Format::Parquet => ("parquet", table().parquet()?),
+            Format::Ply => return self.skins(MeshFormat::Ply),
+            Format::Obj => return self.skins(MeshFormat::Obj),
+        };
+        let path = self.folder.join(format!("motion.{extension}"));
+        write_atomically(&path, &bytes)?;
+        Ok(path)
+    }
+
+    fn c3d(&self) -> Result<Vec<u8>, CliError> {
+        Ok(c3d(&C3dInput {
+            rate_hz: self.input.recording.rate_hz,
+            first_frame: self.input.recording.first_frame,
+            points: &self.body.points,
+            cameras: &self.body.cameras,
+            angles: &self.gait.angles,
+            events: &self.gait.events,
+        })?)
+    }
+
+    fn motion(&self, kind: TableKind, format: &'static str) -> Result<Vec<u8>, CliError> {
+        let table = coordinates(&self.input.recording, self.gait);
+        let table = table.ok_or_else(|| CliError::NoCoordinates {
+            path: self.out.into(),
             format,
-            body: input.source.clone(),
+            body: self.input.source.clone(),
         })?;
-        Ok::<_, CliError>(motion_text(&table, kind, "Coordinates"))
-    };
-    let text = match format {
-        Format::C3d => {
-            return Ok(c3d(&C3dInput {
-                rate_hz: recording.rate_hz,
-                first_frame: recording.first_frame,
-                points: &body.points,
-                cameras: &body.cameras,
-                angles: &gait.angles,
-                events: &gait.events,
-            })?);
-        }
-        Format::Glb => {
-            return Ok(glb(
-                &body.model,
-                &body.shape,
-                &body.motions,
-                recording.rate_hz,
-            )?);
-        }
-        Format::Csv => return Ok(angles_csv(gait, recording)?),
-        Format::Trc => trc(body, recording),
-        Format::Mot => table(TableKind::Mot, "mot")?,
-        Format::Sto => table(TableKind::Sto, "sto")?,
-        Format::Bvh => bvh(&body.model, &body.shape, &body.motions, recording.rate_hz)?,
-    };
-    Ok(text.into_bytes())
+        Ok(motion_text(&table, kind, "Coordinates").into_bytes())
+    }
+
+    /// Writes the skin of every frame in which the person was seen into a folder of its own.
+    fn skins(&self, format: MeshFormat) -> Result<PathBuf, CliError> {
+        let body = self.body;
+        let folder = self.folder.join(format.extension());
+        OutFolder::open(&folder)?;
+        let first = self.input.recording.first_frame;
+        let write = |(i, motion): (usize, &Option<Motion>)| -> Result<(), CliError> {
+            let Some(motion) = motion else { return Ok(()) };
+            let posed = Posed::new(&body.model, &body.shape, motion);
+            let mesh = skin(&posed, &SkinOptions::default())?;
+            let name = format!("frame_{:06}.{}", first + i, format.extension());
+            Ok(write_atomically(
+                &folder.join(name),
+                &bytes_of(&mesh, format, Up::Y),
+            )?)
+        };
+        let written = body.motions.par_iter().enumerate().map(write);
+        let written: Vec<Result<(), CliError>> = written.collect();
+        // the first fault in the order of the frames, whichever thread met one first
+        written.into_iter().collect::<Result<(), _>>()?;
+        Ok(folder)
+    }
 }
 
 /// The points of the fit, in the order of the model.

@@ -2,18 +2,15 @@
 
 mod text;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
+use super::analysis::{Analysed, Asked, IdentityArguments};
 use super::error::CliError;
 use super::print;
-use super::report::{Analysed, IdentityArguments};
-use crate::gait::{GaitOptions, Norm, Surface, analyse};
-use crate::io::gait::{
-    GaitInput, SHIPPED_NORM, angles_csv, curves_csv, gait_file, load_norm, parameters_csv,
-    parse_norm, read_fit, read_points,
-};
+use crate::gait::{GaitOptions, Surface};
+use crate::io::gait::{angles_csv, curves_csv, parameters_csv};
 use crate::io::out_folder::{OutFolder, write_atomically};
 use text::Report;
 
@@ -99,61 +96,40 @@ fn cutoff(text: &str) -> Result<f64, String> {
 
 /// Reads, analyses, writes, prints.
 pub(super) fn run(arguments: &GaitArguments) -> Result<(), CliError> {
-    let input = read(arguments)?;
-    let norm = norm_of(arguments.norm.as_deref())?;
+    let asked = Asked {
+        from: &arguments.input,
+        body: arguments.body.as_deref(),
+        fps: arguments.fps,
+        norm: arguments.norm.as_deref(),
+    };
     let options = GaitOptions {
         cutoff_hz: arguments.cutoff,
         surface: arguments.surface.map(Surface::from),
         ..GaitOptions::default()
     };
-    let gait = analyse(&input.recording, &options)?;
-    let file = gait_file(&input, &gait, norm.as_ref());
+    let analysed = Analysed::of(&asked, &options)?;
+    let (gait, norm) = (&analysed.gait, analysed.norm.as_ref());
     let out = out_folder(arguments);
     OutFolder::open(&out)?;
     let write = |name: &str, bytes: Vec<u8>| write_atomically(&out.join(name), &bytes);
-    write("parameters.csv", parameters_csv(&gait)?)?;
-    write("curves.csv", curves_csv(&gait, norm.as_ref())?)?;
-    write("angles.csv", angles_csv(&gait, &input.recording)?)?;
-    write("gait.json", serde_json::to_vec_pretty(&file)?)?;
+    write("parameters.csv", parameters_csv(gait)?)?;
+    write("curves.csv", curves_csv(gait, norm)?)?;
+    write("angles.csv", angles_csv(gait, &analysed.input.recording)?)?;
+    write("gait.json", serde_json::to_vec_pretty(&analysed.file)?)?;
     if arguments.report {
-        let analysed = Analysed {
-            from: &arguments.input,
-            input: &input,
-            gait: &gait,
-            file: &file,
-            norm: norm.as_ref(),
-        };
-        analysed.write(&arguments.identity, &out.join("report.html"))?;
+        analysed.write_report(&arguments.identity, &out.join("report.html"))?;
     }
     if !arguments.quiet {
         let report = Report {
             input: &arguments.input,
-            file: &file,
-            norm: norm.as_ref(),
+            file: &analysed.file,
+            norm,
             is_normalised: arguments.normalised,
         };
         print(&report.text());
         print(&format!("\nWritten into {}\n", out.display()));
     }
     Ok(())
-}
-
-fn read(arguments: &GaitArguments) -> Result<GaitInput, CliError> {
-    let input = match arguments.input.is_dir() {
-        true => read_fit(&arguments.input, arguments.body.as_deref(), arguments.fps)?,
-        false => read_points(&arguments.input, arguments.fps)?,
-    };
-    Ok(input)
-}
-
-/// The norm that was asked for.
-pub(super) fn norm_of(asked: Option<&str>) -> Result<Option<Norm>, CliError> {
-    let norm = match asked {
-        Some("none") => return Ok(None),
-        Some(path) => load_norm(Path::new(path))?,
-        None => parse_norm(SHIPPED_NORM.1, Path::new(SHIPPED_NORM.0))?,
-    };
-    Ok(Some(norm))
 }
 
 fn out_folder(arguments: &GaitArguments) -> PathBuf {

@@ -8,6 +8,7 @@
 //! | `export.rs`   | `maquette export`                                               |
 //! | `gait.rs`     | `maquette gait`                                                 |
 //! | `report.rs`   | `maquette report`                                               |
+//! | `analysis.rs` | what these three share: reading, analysing, the report          |
 //! | `synth.rs`    | `maquette synth`                                                |
 //! | `models.rs`   | `maquette models`                                               |
 //! | `skin.rs`     | `maquette skin`, and the skins of `maquette models`             |
@@ -19,6 +20,7 @@
 //!
 //! Exit code 0, or 2 for arguments or input that cannot be used, with one line on standard error.
 
+mod analysis;
 mod error;
 mod export;
 mod fit;

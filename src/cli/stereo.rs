@@ -129,6 +129,7 @@ pub(super) fn run(arguments: &StereoArguments) -> Result<(), CliError> {
     let footage = Footage::open(&arguments.recording, arguments.fps)?;
     let all = footage.frames();
     let frames = FrameRange::of(arguments.frames, &all)?;
+    cameras(&footage, &arguments.settings.cameras)?;
     let masks = masks(&arguments.recording, footage.fps)?;
     let tell = |kind: &str, line: &str| {
         if !arguments.quiet.is_on() {

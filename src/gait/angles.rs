@@ -6,7 +6,7 @@
 //! Signs are the same on both sides of the body; [`Angle::positive`] says them, and how OpenSim's differ.
 //!
 //! # Source
-//! Grood & Suntay, J. Biomech. Eng. 105 (1983) 136–144; Wu et al. 2002, 2005; Baker, Hum. Mov. Sci. 20 (2001) 655–667.
+//! Grood & Suntay, J. Biomech. Eng. 105 (1983) 136–144; Wu et al. 2002, 2005; Baker, Gait Posture 13 (2001) 1–6.
 
 use std::collections::BTreeMap;
 

@@ -41,8 +41,9 @@ const WINDOW_S: f64 = 1.0;
 impl Course {
     /// The course of a recording; `surface` as told, or `None`: found.
     ///
-    /// The heading is the direction in which the middle of the hips moves within a second, or, where it stays in its
-    /// place, the direction in which the pelvis faces. The belt's speed is the median speed, backwards, of whichever
+    /// The heading is the direction in which the middle of the hips moves within a second. Where somebody walks through the
+    /// room but stands for a while, and in all of a recording that stays in its place, it is the direction in which the
+    /// pelvis faces; between the two it goes over from one to the other. The belt's speed is the median speed, backwards, of whichever
     /// foot is lower: that is the one that stands.
     pub(super) fn of(recording: &Recording, surface: Option<Surface>) -> Option<Self> {
         let pelvis = recording.track(Landmark::MidHip)?;
@@ -51,8 +52,13 @@ impl Course {
         let along = |(m, f): (&Vector3<f64>, &Vector3<f64>)| m.dot(f);
         let mut speeds: Vec<f64> = moved.iter().zip(&facing).map(along).collect();
         let speed_m_s = median(&mut speeds)?;
+        let walks = speed_m_s > STILL_M_S;
         let choose = |(m, f): (&Vector3<f64>, &Vector3<f64>)| match m.try_normalize(STILL_M_S) {
-            Some(direction) if m.dot(f) > 0.0 => direction,
+            Some(way) if walks && m.dot(f) > 0.0 => {
+                let share = (m.norm() / STILL_M_S - 1.0).clamp(0.0, 1.0);
+                let between = f * (1.0 - share) + way * share;
+                between.try_normalize(1e-9).unwrap_or(way)
+            }
             _ => *f,
         };
         let heading: Vec<Vector3<f64>> = moved.iter().zip(&facing).map(choose).collect();

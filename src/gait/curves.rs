@@ -6,8 +6,8 @@ use super::angles::{Angle, AngleTracks};
 use super::cycles::Cycle;
 use super::filter;
 use super::landmark::Side;
-use super::parameters::mean_and_sd;
 use super::segments::Segments;
+use crate::math::stats::{mean, mean_and_sd};
 
 /// Points of a curve.
 pub const POINTS: usize = 101;
@@ -29,6 +29,8 @@ pub struct Curve {
     pub fit_sd: Option<Vec<f64>>,
     /// Foot off, 0 to 1; mean over the strides.
     pub foot_off: f64,
+    /// Whether the swing comes from before the stance: the curve then breaks at foot off.
+    pub is_joined: bool,
 }
 
 /// What is read off a curve. Angles in radians, places in % of the cycle.
@@ -94,20 +96,21 @@ pub(super) fn curves(tracks: &AngleTracks, segments: &Segments, cycles: &[Cycle]
             .filter(|(_, values)| values.iter().all(|v| v.is_finite()))
             .collect();
         let strides: Vec<Vec<f64>> = whole.iter().map(|(_, v)| v.clone()).collect();
-        let (mean, sd) = mean_curve(&strides)?;
+        let (average, sd) = mean_curve(&strides)?;
         let fit = segments.angle_sd.get(&(side, angle));
         let fit: Option<Vec<Vec<f64>>> =
             fit.map(|sd| whole.iter().map(|(cycle, _)| sampled(sd, cycle)).collect());
-        let offs: Vec<f64> = whole.iter().map(|(cycle, _)| cycle.stance()).collect();
+        let offs = whole.iter().map(|(cycle, _)| cycle.stance());
         Some(Curve {
             angle,
             side,
-            mean,
+            mean: average,
             sd,
             fit_sd: fit
                 .and_then(|strides| mean_curve(&strides))
                 .map(|(mean, _)| mean),
-            foot_off: mean_and_sd(&offs)?.0,
+            foot_off: mean(offs)?,
+            is_joined: whole.iter().any(|(cycle, _)| cycle.is_joined),
             strides,
         })
     };

@@ -3,7 +3,7 @@
 //! | method | foot strike | foot off |
 //! |---|---|---|
 //! | position (Zeni 2008) | heel farthest in front of the pelvis | toe farthest behind it |
-//! | speed | heel slower than 0.5 m/s | toe faster than 1 m/s |
+//! | speed (Ghoussayni 2004) | heel slower than 0.5 m/s | toe faster than 1 m/s |
 //!
 //! Speeds are those of the sagittal plane (forwards and up) against the floor or belt. The strike is taken from the
 //! speed, because the foremost heel is still on its way down (it is early by 10–20 ms), and the off from the position,
@@ -13,8 +13,8 @@
 //! # Source
 //! Zeni, Richards & Higginson, Gait Posture 27 (2008) 710–714. Speed of the sagittal plane against a threshold: Ghoussayni
 //! et al., Gait Posture 20 (2004) 266–272; Bruening & Ridge, Gait Posture 39 (2014) 472–477 found it and Zeni's the most
-//! versatile of nine. **Differs**: the heel's threshold is fixed (Bruening & Ridge scale theirs with the speed of walking,
-//! which moves strikes of slow and fast walks against each other), the toe's is Pose2Sim's.
+//! versatile of nine. The heel's threshold is Ghoussayni's; Bruening & Ridge scale theirs with the speed of walking, which
+//! moves strikes of slow and fast walks against each other. **Differs**: the toe's is Pose2Sim's, Ghoussayni's is 0.5 m/s.
 
 use nalgebra::Vector3;
 use serde::Serialize;
@@ -25,6 +25,7 @@ use super::filter;
 use super::landmark::{Landmark, Paired, Side};
 use super::peaks::{Peak, peaks};
 use super::recording::{Recording, Track, by_axis};
+use crate::math::stats::mean_and_sd;
 
 /// What a foot does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -212,7 +213,7 @@ pub(super) fn agreement(events: &[Event], kind: EventKind) -> Option<Agreement> 
     let differences: Vec<f64> = of_kind
         .filter_map(|e| Some(e.by_speed_s? - e.by_position_s?))
         .collect();
-    let (mean_s, sd_s) = super::parameters::mean_and_sd(&differences)?;
+    let (mean_s, sd_s) = mean_and_sd(&differences)?;
     Some(Agreement {
         kind,
         n: differences.len(),

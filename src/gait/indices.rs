@@ -124,6 +124,7 @@ mod tests {
             sd: None,
             fit_sd: None,
             foot_off: 0.6,
+            is_joined: false,
         };
         let both = Side::BOTH
             .into_iter()

@@ -49,7 +49,7 @@ pub struct GaitOptions {
     pub cutoff_hz: f64,
     /// How far a foot swings past the pelvis at least, between its foremost and rearmost place, m; 0.1.
     pub prominence_m: f64,
-    /// Speed below which a heel stands, m/s; 0.5 (ours).
+    /// Speed below which a heel stands, m/s; 0.5 (Ghoussayni 2004).
     pub strike_speed_m_s: f64,
     /// Speed above which a toe has left, m/s; 1 (Pose2Sim).
     pub off_speed_m_s: f64,

@@ -1,9 +1,15 @@
 //! Spatiotemporal parameters: each with mean, spread over strides, and its own uncertainty.
 //!
 //! Lengths are measured between heels, or ankles where no marker is on the heels (width: always ankles), along and across the direction of walking, and against the
-//! belt on a treadmill. Their standard uncertainty comes from the standard deviations that the fit gives its points; as
-//! the fit does not say how the errors of two points go together, they count as independent, which for two places of one
-//! body is too cautious. That of times comes from the frame rate and from how far the two methods for events scatter
+//! belt on a treadmill. Their standard uncertainty comes from the standard deviations that the fit gives its points:
+//!
+//! - a step's length lies between two points of one frame, and the fit knows how their errors go together;
+//! - a stride's length lies between one point at two times, whose errors count as independent: too cautious, as what
+//!   errs alike in both frames cancels;
+//! - a step's width lies between two points at two times; how their errors go together is not known, so it has the
+//!   bound u ≤ u₁ + u₂ that holds whatever they do (Cauchy and Schwarz).
+//!
+//! That of times comes from the frame rate and from how far the two methods for events scatter
 //! against each other. Neither becomes smaller with more strides: what errs in one errs alike in the next.
 
 use std::collections::BTreeMap;
@@ -17,6 +23,7 @@ use super::events::{Event, EventKind, agreement};
 use super::filter;
 use super::landmark::{Landmark, Paired, Side};
 use super::recording::{Recording, Track};
+use crate::math::stats::{mean, mean_and_sd};
 
 /// A spatiotemporal parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -232,7 +239,8 @@ impl Walk<'_> {
         let along = self.course.heading_at(0.5 * (from + to));
         let way = (at(track, to) - at(track, from)).dot(&along);
         let belt = self.course.belt_m_s * cycle.period / self.recording.rate_hz;
-        let u = self.place_u(&[(landmark, from), (landmark, to)], &along);
+        let ends = [from, to].map(|frame| self.place_u(landmark, frame, &along));
+        let u = ends[0].zip(ends[1]).map(|(a, b)| a.hypot(b));
         Some((way + belt, u))
     }
 
@@ -250,7 +258,14 @@ impl Walk<'_> {
         let other = Landmark::Of(strike.side.other(), place);
         let apart = at(self.recording.track(own)?, strike.frame)
             - at(self.recording.track(other)?, strike.frame);
-        let u = self.place_u(&[(own, strike.frame), (other, strike.frame)], &along);
+        let sd = self.recording.apart_sd_m.get(&place);
+        let u = sd.and_then(|sd| deviation(sd, strike.frame, &along));
+        let u = u.or_else(|| {
+            Some(
+                self.place_u(own, strike.frame, &along)?
+                    + self.place_u(other, strike.frame, &along)?,
+            )
+        });
         Some((apart.dot(&along), u))
     }
 
@@ -282,8 +297,9 @@ impl Walk<'_> {
         let ankle = |side| Landmark::Of(side, Paired::Ankle);
         let place = |side, frame| Some(at(self.recording.track(ankle(side))?, frame));
         let apart = place(own.side, own_frame)? - place(next.side, next_frame)?;
-        let places = [(ankle(own.side), own_frame), (ankle(next.side), next_frame)];
-        let u = self.place_u(&places, &left);
+        let u = |side, frame| self.place_u(ankle(side), frame, &left);
+        let u = u(own.side, own_frame).zip(u(next.side, next_frame));
+        let u = u.map(|(a, b)| a + b);
         Some((-own.side.sign() * apart.dot(&left), u))
     }
 
@@ -296,15 +312,16 @@ impl Walk<'_> {
         frame.hypot(scatter / 2_f64.sqrt())
     }
 
-    /// Standard uncertainty of a distance along `direction` between two places.
-    fn place_u(&self, places: &[(Landmark, f64); 2], direction: &Vector3<f64>) -> Option<f64> {
-        let mut variance = 0.0;
-        for (landmark, frame) in places {
-            let sd = at(self.recording.sd_m.get(landmark)?, *frame);
-            variance += sd.component_mul(direction).norm_squared();
-        }
-        variance.is_finite().then(|| variance.sqrt())
+    /// Standard uncertainty of a place along a direction.
+    fn place_u(&self, landmark: Landmark, frame: f64, direction: &Vector3<f64>) -> Option<f64> {
+        deviation(self.recording.sd_m.get(&landmark)?, frame, direction)
     }
+}
+
+/// Standard deviation along a direction, of those along the axes.
+fn deviation(sd: &Track, frame: f64, direction: &Vector3<f64>) -> Option<f64> {
+    let along = at(sd, frame).component_mul(direction).norm();
+    along.is_finite().then_some(along)
 }
 
 /// A place between two frames.
@@ -320,27 +337,15 @@ fn at(track: &Track, frame: f64) -> Vector3<f64> {
 
 fn statistic(samples: &[Measured]) -> Statistic {
     let values: Vec<f64> = samples.iter().map(|s| s.0).collect();
-    let known: Vec<f64> = samples.iter().filter_map(|s| s.1).collect();
-    let (mean, sd) = mean_and_sd(&values).unwrap_or((f64::NAN, None));
+    let known = samples.iter().filter_map(|s| s.1);
+    let (average, sd) = mean_and_sd(&values).unwrap_or((f64::NAN, None));
     Statistic {
         n: values.len(),
-        mean,
+        mean: average,
         sd,
-        uncertainty: mean_and_sd(&known).map(|(mean, _)| mean),
+        uncertainty: mean(known),
         values,
     }
-}
-
-/// Mean, and standard deviation (n − 1) of two or more; `None` of nothing.
-pub(super) fn mean_and_sd(values: &[f64]) -> Option<(f64, Option<f64>)> {
-    let n = values.len() as f64;
-    if values.is_empty() {
-        return None;
-    }
-    let mean = values.iter().sum::<f64>() / n;
-    let squares: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
-    let sd = (values.len() > 1).then(|| (squares / (n - 1.0)).sqrt());
-    Some((mean, sd))
 }
 
 /// Right over left, %; `None` where a side has no value or the left is 0.
@@ -365,12 +370,5 @@ mod tests {
         let scaled =
             step / Parameter::StepLength.scale(leg) * cadence / Parameter::Cadence.scale(leg);
         approx::assert_relative_eq!(scaled, walked, epsilon = 1e-12);
-    }
-
-    #[test]
-    fn one_value_has_no_standard_deviation() {
-        assert_eq!(mean_and_sd(&[2.0]), Some((2.0, None)));
-        assert_eq!(mean_and_sd(&[]), None);
-        approx::assert_relative_eq!(mean_and_sd(&[1.0, 3.0]).unwrap().1.unwrap(), 2_f64.sqrt());
     }
 }

@@ -34,6 +34,8 @@ pub struct Recording {
     pub tracks: BTreeMap<Landmark, Track>,
     /// Standard deviations of the places, world axes, metres; empty if nothing is known of them.
     pub sd_m: BTreeMap<Landmark, Track>,
+    /// The same of the way from a left place to the right one in the same frame.
+    pub apart_sd_m: BTreeMap<Paired, Track>,
     /// Orientations of the body's parts, of a fitted body.
     pub segments: Option<Segments>,
     /// What each place was taken from.
@@ -100,6 +102,7 @@ impl Recording {
             frames: frames.len(),
             tracks: BTreeMap::new(),
             sd_m: BTreeMap::new(),
+            apart_sd_m: BTreeMap::new(),
             segments: None,
             used: Vec::new(),
         };

@@ -12,6 +12,7 @@
 //! | `background.rs`| [`Background`]: how probable a colour is of the empty scene, shadows too  |
 //! | `colours.rs`   | [`Colours`]: how often a colour occurs                                   |
 //! | `labels.rs`    | [`relax`]: evidence to probability, smooth where the picture is          |
+//! | `border.rs`    | [`sharpen`]: the border of a mask by how much of a pixel is covered       |
 //! | `shrink.rs`    | [`shrink`], [`enlarge`], [`box_mean`]                                     |
 //! | `runs.rs`      | [`Runs`]: the same by the runs of each row, and its connected components |
 //! | `components.rs`| [`clean`]: specks away, small holes filled                              |
@@ -22,6 +23,7 @@
 //! | `morphology.rs`| masks opened, closed and widened                                         |
 
 mod background;
+mod border;
 mod colours;
 mod components;
 mod contour;
@@ -38,6 +40,7 @@ mod scanlines;
 mod shrink;
 
 pub use background::{Background, Empty, ShadowOptions};
+pub use border::{BorderOptions, sharpen};
 pub use colours::{ColourCount, Colours};
 pub use components::{CleanOptions, clean};
 pub use contour::{resample, trace};

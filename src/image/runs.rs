@@ -24,6 +24,18 @@ pub struct Region {
     pub bottom: usize,
 }
 
+impl Region {
+    /// The region with a margin around it, within `width` × `height` pixels.
+    pub fn grown(&self, margin: usize, (width, height): (usize, usize)) -> Self {
+        Self {
+            left: self.left.saturating_sub(margin),
+            top: self.top.saturating_sub(margin),
+            right: (self.right + margin).min(width),
+            bottom: (self.bottom + margin).min(height),
+        }
+    }
+}
+
 /// A connected set of runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Component {

@@ -74,6 +74,8 @@ pub struct FrameUncertainty {
     pub angles_sd: DVector<f64>,
     /// Covariance of each exported point, square metres: the estimate's, and of where it lies in the flesh.
     pub points: Vec<Matrix3<f64>>,
+    /// Covariance of the way from the left to the right point of each of [`BodyModel::point_pairs`], square metres.
+    pub apart: Vec<Matrix3<f64>>,
 }
 
 /// The fraction of E below which a step's decrease ends the optimisation.
@@ -224,15 +226,20 @@ fn frame_uncertainty(
         6 => Vector3::new(sd[first], sd[first + 1], sd[first + 2]),
         _ => Vector3::zeros(),
     };
-    let point = |index: usize| {
-        let jacobian = body.point_jacobian(index);
-        let covariance = &jacobian * &all * jacobian.transpose();
-        covariance.fixed_view::<3, 3>(0, 0) + body.point_spread(index)
+    let carried = |jacobian: &DMatrix<f64>| {
+        let covariance = jacobian * &all * jacobian.transpose();
+        Matrix3::from(covariance.fixed_view::<3, 3>(0, 0))
+    };
+    let point = |index: usize| carried(&body.point_jacobian(index)) + body.point_spread(index);
+    let apart = |(right, left): (usize, usize)| {
+        let moved = body.point_jacobian(right) - body.point_jacobian(left);
+        carried(&moved) + body.point_spread(right) + body.point_spread(left)
     };
     Some(FrameUncertainty {
         position_sd_m: root(0),
         rotation_sd: root(3),
         angles_sd: sd.rows(layout.root(), m - layout.root()).into_owned(),
         points: (0..body.model.points.len()).map(point).collect(),
+        apart: body.model.point_pairs().into_iter().map(apart).collect(),
     })
 }

@@ -11,10 +11,16 @@
 //! masks = "masks/cam_01/%06d.png"    # printf pattern, folder, or glob
 //! ```
 //!
+//! `masks`, `images`, `video` and `background` may also stand once at the top, with `{camera}` in the place of the name:
+//! they count for each camera that does not say itself and whose file or folder is there, and name the cameras where none is
+//! listed.
+//!
 //! Per camera also `images`, `video`, `background`, `offset_frames` and `start_s`; for the recording `points`, `points_unit` and
 //! `start`.
 //! Paths are relative to the file. Every key is optional but a camera's `name`; what is left out is looked for where
 //! a folder without manifest has it.
+
+mod template;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -36,6 +42,10 @@ const KEYS: &[&str] = &[
     "points_unit",
     "start",
     "camera",
+    "masks",
+    "images",
+    "video",
+    "background",
 ];
 const CAMERA_KEYS: &[&str] = &[
     "name",
@@ -67,6 +77,14 @@ pub struct Manifest {
     pub points_unit: Option<Unit>,
     /// Reserved for a known start pose.
     pub start: Option<toml::Value>,
+    /// [`CameraFiles::masks`] of each camera that does not say itself; `{camera}` stands for its name.
+    pub masks: Option<String>,
+    /// The same of [`CameraFiles::images`].
+    pub images: Option<String>,
+    /// The same of [`CameraFiles::video`].
+    pub video: Option<String>,
+    /// The same of [`CameraFiles::background`].
+    pub background: Option<String>,
     /// The cameras, in the order in which they are numbered.
     #[serde(rename = "camera")]
     pub cameras: Vec<CameraFiles>,
@@ -179,7 +197,9 @@ impl Manifest {
             path: path.into(),
             source,
         })?;
-        Self::parse(&text, path)
+        let mut manifest = Self::parse(&text, path)?;
+        template::fill(&mut manifest, path.parent().unwrap_or(Path::new("")));
+        Ok(manifest)
     }
 
     /// Checks the text of a manifest; `path` is for messages.

@@ -72,15 +72,20 @@ impl LocalLength {
         self.length_m * growth.exp()
     }
 
-    /// ∂ ln R.
-    pub(super) fn slopes(&self, pull: &Vector3<f64>, metaball: &Metaball) -> LengthSlopes {
+    /// R, m, and ∂ ln R.
+    pub(super) fn linearize(
+        &self,
+        pull: &Vector3<f64>,
+        metaball: &Metaball,
+    ) -> (f64, LengthSlopes) {
         let (u, q, growth) = self.shares(pull);
         let e = u.norm_squared() + self.smoothing;
         let by_u = u.zip_map(&self.growth, |u, g| 2.0 * u * (g - growth) / e);
-        LengthSlopes {
+        let slopes = LengthSlopes {
             place: metaball.precision * (self.axes_world * by_u),
             radii: q - 2.0 * u.component_mul(&by_u),
-        }
+        };
+        (self.length_m * growth.exp(), slopes)
     }
 
     /// u, q and G.
@@ -119,7 +124,8 @@ mod tests {
         .unwrap();
         let local = MEAN.with(&radii, axes());
         let pull = ball.precision * (axes() * offset);
-        (local.value_m(&pull).ln(), local.slopes(&pull, &ball))
+        let (length_m, slopes) = local.linearize(&pull, &ball);
+        (length_m.ln(), slopes)
     }
 
     #[test]

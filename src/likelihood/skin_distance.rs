@@ -142,8 +142,8 @@ impl PosedScale<'_> {
             };
         }
         let local = &self.balls[share.metaball];
-        let gamma = residual.gamma * local.value_m(&share.pull);
-        let slopes = local.slopes(&share.pull, &field.metaballs[share.metaball]);
+        let (length_m, slopes) = local.linearize(&share.pull, &field.metaballs[share.metaball]);
+        let gamma = residual.gamma * length_m;
         BallChange {
             alpha: residual.alpha + gamma,
             place: slopes.place * gamma,

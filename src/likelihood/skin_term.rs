@@ -6,7 +6,7 @@ use super::limb_sums::LimbSums;
 use super::skin_distance::{PosedScale, SkinResidual};
 use super::{PlacedResidual, Source};
 use crate::body::Posed;
-use crate::body::metaball::{BallChange, Field, FieldRow, FieldSample, FieldSlopes, Share};
+use crate::body::metaball::{BallChange, Field, FieldRow, FieldSample, FieldSlopes};
 use crate::solver::{Loss, NormalEquations};
 
 /// One observation where it touches the field.
@@ -51,7 +51,7 @@ impl Touch<'_> {
     }
 
     /// b: what the place's own motion along its line adds.
-    fn along(&self, sample: &FieldSample, change: impl Fn(&Share) -> BallChange) -> Vector3<f64> {
+    fn along(&self, sample: &FieldSample, changes: &[BallChange]) -> Vector3<f64> {
         // only the local length sees the motion: F is at its summit
         let line = self
             .line
@@ -63,11 +63,11 @@ impl Touch<'_> {
         if curvature > FLATTEST {
             return Vector3::zeros();
         }
-        let slope = |share: &Share| {
-            let change = change(share);
-            share.weight * (change.place - share.pull * (4.0 * change.alpha)).dot(r)
-        };
-        r * (-sample.shares.iter().map(slope).sum::<f64>() / curvature)
+        let each = sample.shares.iter().zip(changes);
+        let slope: f64 = each
+            .map(|(s, c)| s.weight * (c.place - s.pull * (4.0 * c.alpha)).dot(r))
+            .sum();
+        r * (-slope / curvature)
     }
 }
 
@@ -107,14 +107,17 @@ pub(super) fn linearize(
     let slopes = FieldSlopes::new(body, &field);
     let mut sums = LimbSums::new(&slopes);
     let mut row = FieldRow::default();
+    let mut changes = Vec::new();
     let mut cost = 0.0;
     term.touches(&field, &scale, |touch, sample| {
         let (rho, weight) = touch.loss(term.loss());
         cost += 0.5 * rho;
         let r = touch.residual;
-        let change = |share: &Share| scale.change(&r, &field, share);
-        let b = touch.along(sample, change);
-        slopes.row_of(sample, change, &b, &mut row);
+        let shares = sample.shares.iter();
+        changes.clear();
+        changes.extend(shares.map(|share| scale.change(&r, &field, share)));
+        let b = touch.along(sample, &changes);
+        slopes.row_of(sample, &changes, &b, &mut row);
         sums.add(sample.limb, &row.values, r.distance_m, weight);
     });
     sums.add_to(&slopes, equations);

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::measures::Measures;
 use super::points::{self, PointQuality};
-use super::quality::{self, CameraQuality, ViewQuality, mean};
+use super::quality::{self, CameraQuality, ViewQuality};
 use super::uncertainty::ShapeUncertainty;
 use super::{FitOptions, SceneFault, ShapeConfidence, Warning, check_scene, rest_lengths_m};
 use crate::body::{BodyModel, Motion, Posed, Shape};
@@ -19,6 +19,7 @@ use crate::inference::noise::Noise;
 use crate::inference::propagate::{FrameFit, Sequence};
 use crate::inference::search::{Journal, Trial, search};
 use crate::inference::sequence::SequenceState;
+use crate::math::stats::mean;
 use crate::silhouette::{FrameIndex, FrameObservations, InvalidOption};
 
 use super::unseen::{self, prior_angles_sd};
@@ -67,9 +68,14 @@ pub struct FittedFrame {
 }
 
 impl FittedFrame {
+    /// Whether anything was seen of the body: a silhouette, or points.
+    pub fn is_observed(&self) -> bool {
+        !self.views.is_empty() || self.points.is_some()
+    }
+
     /// Mean overlap over the views; `None` without any.
     pub fn mean_iou(&self) -> Option<f64> {
-        mean(&self.views.iter().map(|view| view.iou).collect::<Vec<_>>())
+        mean(self.views.iter().map(|view| view.iou))
     }
 }
 

@@ -9,7 +9,7 @@ use crate::inference::Evidence;
 use crate::inference::propagate::FrameFit;
 use crate::inference::start::Detail;
 use crate::likelihood::{PlacedResidual, Source};
-use crate::math::stats::median;
+use crate::math::stats::{mean, median};
 use crate::silhouette::{FrameObservations, Silhouette};
 
 /// How well the body covers one silhouette.
@@ -125,7 +125,7 @@ pub(super) fn sampled_iou(
             frame.views.iter().map(of)
         })
         .collect();
-    mean(&overlaps)
+    mean(overlaps)
 }
 
 /// Each camera over all frames.
@@ -142,18 +142,14 @@ pub(super) fn of_cameras(rig: &Rig, frames: &[&[ViewQuality]]) -> Vec<CameraQual
             .iter()
             .map(|r| r.points as f64 * r.rms_px.powi(2))
             .sum();
-        let overlaps: Vec<f64> = views.iter().map(|view| view.iou).collect();
+        let overlaps = views.iter().map(|view| view.iou);
         CameraQuality {
             camera,
             frames: views.len(),
-            mean_iou: mean(&overlaps).unwrap_or(0.0),
+            mean_iou: mean(overlaps).unwrap_or(0.0),
             median_px: median(&mut residuals.iter().map(|r| r.median_px).collect()),
             rms_px: (points > 0).then(|| (squares / points as f64).sqrt()),
         }
     };
     rig.iter().map(of).collect()
-}
-
-pub(super) fn mean(values: &[f64]) -> Option<f64> {
-    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }

@@ -53,7 +53,7 @@ pub(super) fn warning(
     let seen: Vec<(&DVector<f64>, &DVector<f64>)> = frames
         .iter()
         .zip(prior)
-        .filter(|(f, _)| !f.views.is_empty() || f.points.is_some())
+        .filter(|(f, _)| f.is_observed())
         .filter_map(|(f, prior)| Some((&f.uncertainty.as_ref()?.angles_sd, prior)))
         .collect();
     let keeps = |part: usize| {
@@ -122,6 +122,7 @@ mod tests {
                 rotation_sd: Vector3::zeros(),
                 angles_sd: DVector::from_row_slice(angles_sd),
                 points: Vec::new(),
+                apart: Vec::new(),
             }),
             points_world: Vec::new(),
             views: Vec::new(),

@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::{CameraQuality, FittedFrame, ShapeConfidence};
 use crate::camera::{CameraId, Rig};
-use crate::math::stats::median;
+use crate::math::stats::{mean, median};
 use crate::silhouette::{FrameIndex, FrameObservations, Rejected};
 
 /// Something about a fit that its reader should know, in one line.
@@ -153,10 +153,7 @@ pub(super) fn warnings(
     let those = |is: &dyn Fn(&&FittedFrame) -> bool| {
         Frames(frames.iter().filter(is).map(|f| f.frame).collect())
     };
-    let (unseen, one) = (
-        those(&|f| f.views.is_empty()),
-        those(&|f| f.views.len() == 1),
-    );
+    let (unseen, one) = (those(&|f| !f.is_observed()), those(&|f| f.views.len() == 1));
     let recovered = those(&|f| f.fit.recovered);
     for (frames, warning) in [
         (
@@ -207,8 +204,7 @@ fn of_overlaps(rig: &Rig, frames: &[FittedFrame], cameras: &[CameraQuality]) -> 
         .into_iter()
         .filter(|(_, iou)| *iou < LOST_SHARE * usual)
         .collect();
-    if !lost.is_empty() {
-        let iou = lost.iter().map(|(_, iou)| iou).sum::<f64>() / lost.len() as f64;
+    if let Some(iou) = mean(lost.iter().map(|(_, iou)| *iou)) {
         let frames = Frames(lost.into_iter().map(|(frame, _)| frame).collect());
         warnings.push(Warning::Lost { frames, iou });
     }

@@ -2,7 +2,8 @@
 //!
 //! At rest, from the middle m of a length, rays go out square to it. Each ends where it leaves the flesh of the part that
 //! m lies in: of metaballs the part with the largest sum at m (F = ½ there), of ellipsoids those of the parts that hold m. The girth
-//! is the perimeter of the ends. Its standard deviation is √Σ (∂g/∂sₖ · SDₖ)², from central differences of SDₖ.
+//! is the perimeter of the ends. Its standard deviation is √(∇gᵀ C ∇g), C the covariance of
+//! the coefficients and ∇g from central differences over one standard deviation of each.
 
 use std::f64::consts::TAU;
 
@@ -30,30 +31,50 @@ pub(super) struct Girth {
     pub(super) sd_m: Option<f64>,
 }
 
-/// The girths of every length that runs along a limb; `sd` is of the shape coefficients.
-pub(super) fn girths(model: &BodyModel, shape: &Shape, sd: Option<&[f64]>) -> Vec<Girth> {
+/// The girths of every length that runs along a limb; `covariance` is of the shape coefficients, row by row.
+pub(super) fn girths(
+    model: &BodyModel,
+    shape: &Shape,
+    covariance: Option<&[Vec<f64>]>,
+) -> Vec<Girth> {
     let named = model.lengths.iter().enumerate();
     let girth = |(i, length): (usize, &(String, usize, usize))| {
         Some(Girth {
             name: length.0.clone(),
             girth_m: girth(model, shape, i)?,
-            sd_m: sd.and_then(|sd| deviation(model, shape, sd, i)),
+            sd_m: covariance.and_then(|c| deviation(model, shape, c, i)),
         })
     };
     named.filter_map(girth).collect()
 }
 
-fn deviation(model: &BodyModel, shape: &Shape, sd: &[f64], length: usize) -> Option<f64> {
-    let mut variance = 0.0;
-    for (k, sd) in sd.iter().enumerate() {
+fn deviation(
+    model: &BodyModel,
+    shape: &Shape,
+    covariance: &[Vec<f64>],
+    length: usize,
+) -> Option<f64> {
+    let slope = |k: usize| {
+        let sd = covariance[k].get(k)?.sqrt();
         let at = |sign: f64| {
             let mut moved = shape.clone();
-            moved.0[k] += sign * sd;
+            *moved.0.get_mut(k)? += sign * sd;
             girth(model, &moved, length)
         };
-        variance += (0.5 * (at(1.0)? - at(-1.0)?)).powi(2);
-    }
-    variance.is_finite().then(|| variance.sqrt())
+        match sd > 0.0 {
+            true => Some((at(1.0)? - at(-1.0)?) / (2.0 * sd)),
+            // a coefficient that is known has no part in it
+            false => Some(0.0),
+        }
+    };
+    let slopes: Vec<f64> = (0..covariance.len()).map(slope).collect::<Option<_>>()?;
+    let rows = covariance.iter().zip(&slopes);
+    let of_row = |(row, slope): (&Vec<f64>, &f64)| {
+        let sum: f64 = row.iter().zip(&slopes).map(|(c, other)| c * other).sum();
+        slope * sum
+    };
+    let variance: f64 = rows.map(of_row).sum();
+    (variance >= 0.0).then(|| variance.sqrt())
 }
 
 /// The perimeter around one length; `None` of one from side to side, or outside the flesh.
@@ -159,8 +180,32 @@ mod tests {
     fn of(name: &str) -> Vec<Girth> {
         let model = crate::io::model::load(name, Path::new("")).unwrap();
         let shape = Shape(model.statistics.mean.clone());
-        let sd = vec![0.02; model.coefficients.len()];
-        girths(&model, &shape, Some(&sd))
+        let n = model.coefficients.len();
+        let row = |i: usize| (0..n).map(|k| if i == k { 4e-4 } else { 0.0 }).collect();
+        let covariance: Vec<Vec<f64>> = (0..n).map(row).collect();
+        girths(&model, &shape, Some(&covariance))
+    }
+
+    #[test]
+    fn coefficients_that_err_against_each_other_leave_the_girth_surer_than_those_that_err_alike() {
+        let model = crate::io::model::load("human-metaballs", Path::new("")).unwrap();
+        let shape = Shape(model.statistics.mean.clone());
+        let named = |name: &str| model.coefficients.iter().position(|c| c == name).unwrap();
+        let (across, ahead) = (named("thigh_width"), named("thigh_depth"));
+        let sd = |together: f64| {
+            let n = model.coefficients.len();
+            let mut covariance = vec![vec![0.0; n]; n];
+            (covariance[across][across], covariance[ahead][ahead]) = (4e-4, 4e-4);
+            (covariance[across][ahead], covariance[ahead][across]) = (together, together);
+            let girths = girths(&model, &shape, Some(&covariance));
+            girths
+                .iter()
+                .find(|g| g.name == "thigh")
+                .unwrap()
+                .sd_m
+                .unwrap()
+        };
+        assert!(sd(-3e-4) < sd(0.0) && sd(0.0) < sd(3e-4));
     }
 
     #[test]

@@ -70,6 +70,10 @@ fn method(input: &ReportInput<'_>) -> Vec<Row> {
             "points of another system (.trc); no body was fitted".into(),
         )),
     }
+    rows.push((
+        "Events",
+        "foot strike by the heel's speed, foot off by the toe's place (docs/gait.md)".into(),
+    ));
     if let Some(norm) = input.norm {
         rows.push(("Norm", format!("{}: {}", norm.name, norm.source)));
     }
@@ -94,10 +98,6 @@ fn of_fit(result: &crate::io::result::ResultFile) -> Vec<Row> {
             "Joint centres",
             "places fixed to the fitted body; their standard deviations are those of the fit"
                 .into(),
-        ),
-        (
-            "Events",
-            "foot strike by the heel's speed, foot off by the toe's place (docs/gait.md)".into(),
         ),
     ]
 }

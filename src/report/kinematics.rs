@@ -6,7 +6,7 @@ use super::ReportInput;
 use super::figure::{Axis, Colour, Figure, LEFT, NORM, RIGHT, range_of};
 use super::label;
 use super::page::{Page, absent, key};
-use super::spatiotemporal::reason;
+use super::spatiotemporal::{reason, remarks};
 use crate::gait::{Angle, Norm, Side};
 use crate::io::gait::CurvePart;
 
@@ -90,6 +90,7 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
                 (absent(&format!("Angles over time, not over the gait cycle: {}.", reason(input))))
             }
             (key(norm))
+            @if walks { (remarks(input)) }
             (grid(input, &LEGS, if walks { Drawn::Means } else { Drawn::Time }))
             p class="note" {
                 @if walks {
@@ -113,6 +114,7 @@ pub(super) fn consistency(input: &ReportInput<'_>) -> Page {
                 (absent(&format!("No strides to be compared: {}.", reason(input))))
             } @else {
                 (key(None))
+                (remarks(input))
                 (grid(input, &LEGS, Drawn::Strides))
                 p class="note" { "Across: gait cycle, %. Every stride that was used. Strides that lie apart make the mean less telling." }
             }
@@ -168,6 +170,17 @@ fn percent(values: &[f64]) -> Vec<(f64, f64)> {
         .collect()
 }
 
+/// The points of a line, which breaks at foot off where a stride is joined of two.
+fn points(curve: &CurvePart, values: &[f64]) -> Vec<(f64, f64)> {
+    let mut points = percent(values);
+    if curve.is_joined {
+        let off = curve.foot_off_percent;
+        let after = points.partition_point(|p| p.0 <= off);
+        points.insert(after, (off, f64::NAN));
+    }
+    points
+}
+
 fn over_cycle(input: &ReportInput<'_>, angle: Angle, drawn: Drawn) -> Figure {
     let of_angle = |c: &&CurvePart| c.angle == angle;
     let curves: Vec<&CurvePart> = input.file.curves.iter().filter(of_angle).collect();
@@ -207,13 +220,13 @@ fn mean(figure: Figure, curve: &CurvePart) -> Figure {
         }
         None => figure,
     };
-    figure.line(colour, 2.0, &points)
+    figure.line(colour, 2.0, &self::points(curve, &curve.mean_deg))
 }
 
 fn strides(figure: Figure, curve: &CurvePart) -> Figure {
     let all = curve.strides_deg.iter();
     all.fold(figure, |figure, stride| {
-        figure.line(colour(curve.side), 0.9, &percent(stride))
+        figure.line(colour(curve.side), 0.9, &points(curve, stride))
     })
 }
 

@@ -62,6 +62,10 @@ pub(super) fn absent(reason: &str) -> Markup {
 /// A number with digits behind the point; a dash for what is not there or not finite.
 pub(super) fn number(value: Option<f64>, digits: usize) -> String {
     match value.filter(|v| v.is_finite()) {
+        // what rounds to nothing has no sign
+        Some(value) if value.abs() < 0.5 * 0.1_f64.powi(digits as i32) => {
+            format!("{:.digits$}", 0.0)
+        }
         Some(value) => format!("{value:.digits$}").replace('-', "−"),
         None => "–".into(),
     }
@@ -109,5 +113,6 @@ mod tests {
         assert_eq!(number(None, 1), "–");
         assert_eq!(number(Some(f64::NAN), 1), "–");
         assert_eq!(number(Some(-1.26), 1), "−1.3");
+        assert_eq!(number(Some(-0.04), 1), "0.0");
     }
 }

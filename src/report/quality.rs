@@ -10,6 +10,7 @@ use super::label::words;
 use super::page::{Page, absent, number};
 use crate::inference::confidence::Confidence;
 use crate::io::result::{HypothesisPart, OriginPart, OutcomePart, ResultFile};
+use crate::math::stats::mean;
 
 /// Hypotheses that are listed.
 const MOST_HYPOTHESES: usize = 12;
@@ -74,10 +75,12 @@ fn overlap(result: &ResultFile) -> Markup {
     for view in &result.quality.views {
         of_frame.entry(view.frame).or_default().push(view.iou);
     }
-    let mean = |views: &Vec<f64>| views.iter().sum::<f64>() / views.len() as f64;
     let least = |views: &Vec<f64>| views.iter().copied().fold(f64::INFINITY, f64::min);
     let most = |views: &Vec<f64>| views.iter().copied().fold(0.0, f64::max);
-    let means: Vec<_> = of_frame.iter().map(|(f, v)| (*f as f64, mean(v))).collect();
+    let means: Vec<_> = of_frame
+        .iter()
+        .filter_map(|(f, v)| Some((*f as f64, mean(v.iter().copied())?)))
+        .collect();
     let band: Vec<_> = of_frame
         .iter()
         .map(|(f, v)| (*f as f64, least(v), most(v)))

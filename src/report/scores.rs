@@ -8,6 +8,7 @@ use super::page::{Page, absent, number};
 use super::spatiotemporal::reason;
 use crate::gait::{Indices, Side, VARIABLES};
 use crate::io::gait::CurvePart;
+use crate::math::stats::mean;
 
 pub(super) fn page(input: &ReportInput<'_>) -> Page {
     Page {
@@ -44,14 +45,10 @@ fn key_points(curves: &[CurvePart]) -> Markup {
                 (at(curve.stance.greatest, curve.stance.greatest_at_percent))
                 (at(curve.swing.greatest, curve.swing.greatest_at_percent))
                 td { (number(Some(curve.range_deg), 1)) }
-                td { (number(curve.fit_sd_deg.as_ref().map(|sd| mean(sd)), 1)) }
+                td { (number(curve.fit_sd_deg.as_ref().and_then(|sd| mean(sd.iter().copied())), 1)) }
             } } }
         }
     }
-}
-
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
 }
 
 fn at(value: f64, percent: usize) -> Markup {
@@ -83,9 +80,11 @@ fn scores(indices: &Indices) -> Markup {
             }
         }
         p class="note" {
-            "Root mean square distance from the norm's mean (Baker 2009). Gait Profile Score of both sides: "
-            (number(indices.both, 1)) "°. "
-            @if indices.both.is_none() { "Absent where one of the nine variables is not known. " }
+            "Root mean square distance from the norm's mean (Baker 2009). "
+            @match indices.both {
+                Some(_) => { "Gait Profile Score of both sides: " (number(indices.both, 1)) "°. " }
+                None => { "A Gait Profile Score needs all nine variables; that of both sides is absent. " }
+            }
             "Healthy people score 5–6° with the norm's own system; offsets between systems go into these scores in full."
         }
     }

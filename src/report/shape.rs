@@ -25,9 +25,9 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
 }
 
 fn of_fit(result: &ResultFile, input: &ReportInput<'_>) -> Markup {
-    let sd: Option<Vec<f64>> = result.shape.coefficients.iter().map(|c| c.sd).collect();
+    let covariance = result.shape.covariance.as_deref();
     let body = input.input.body.as_ref();
-    let girths = body.map(|body| girths(&body.model, &body.shape, sd.as_deref()));
+    let girths = body.map(|body| girths(&body.model, &body.shape, covariance));
     html! {
         div class="shape" {
             div class="portraits" {
@@ -50,8 +50,7 @@ fn of_fit(result: &ResultFile, input: &ReportInput<'_>) -> Markup {
             }
             ". σ is how far the proposals of the keyframes scatter, p how probable one of them lies within ε. "
             "Joint centres lie in the flesh: outlines do not show them, and statistics of people go into the lengths. "
-            "Girths: around the limb in the middle of the length and square to it; their ± takes the errors of the "
-            "shape coefficients as independent."
+            "Girths: around the limb in the middle of the length and square to it."
         }
     }
 }

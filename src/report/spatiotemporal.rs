@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::ReportInput;
 use super::label;
 use super::page::{Page, absent, number};
-use crate::gait::{EventKind, Norm, Statistic};
+use crate::gait::{EventKind, Norm, Parameter, Statistic};
 use crate::io::gait::ParameterPart;
 
 pub(super) fn page(input: &ReportInput<'_>) -> Page {
@@ -26,12 +26,16 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
                     }
                 }
             }
-            @if !file.parameters.is_empty() && !input.gait.notes.is_empty() {
-                ul class="remarks" { @for note in &input.gait.notes { li { (note) } } }
-            }
+            @if !file.parameters.is_empty() { (remarks(input)) }
             @if !file.agreement.is_empty() { (agreement(input)) }
         },
     }
+}
+
+/// What is to be known of the strides.
+pub(super) fn remarks(input: &ReportInput<'_>) -> Markup {
+    let notes = &input.gait.notes;
+    html! { @if !notes.is_empty() { ul class="remarks" { @for note in notes { li { (note) } } } } }
 }
 
 /// Why there are no strides.
@@ -56,31 +60,39 @@ fn table(parameters: &[ParameterPart], norm: Option<&Norm>) -> Markup {
                 tr { @for _ in 0..2 { @for name in ["mean", "SD", "u", "n"] { th scope="col" { (name) } } } }
             }
             tbody {
-                @for part in parameters {
-                    tr {
-                        th scope="row" { (label::of_parameter(part.name)) }
-                        td { (part.unit) }
-                        (cells(part, part.left.as_ref()))
-                        (cells(part, part.right.as_ref()))
-                        td { (number(part.symmetry_percent, 0)) }
-                        td { (of_norm(part, norm)) }
-                        td { (number(part.normalised.filter(|_| !part.unit.starts_with('%')), 3)) }
-                    }
+                @for name in Parameter::ALL {
+                    (row(name, parameters.iter().find(|part| part.name == name), norm))
                 }
             }
         }
     }
 }
 
-fn digits(part: &ParameterPart) -> usize {
-    match part.unit {
+/// One parameter; dashes where the recording holds none of it.
+fn row(name: Parameter, part: Option<&ParameterPart>, norm: Option<&Norm>) -> Markup {
+    let has_unit = !name.unit().starts_with('%');
+    html! {
+        tr {
+            th scope="row" { (label::of_parameter(name)) }
+            td { (name.unit()) }
+            (cells(name, part.and_then(|p| p.left.as_ref())))
+            (cells(name, part.and_then(|p| p.right.as_ref())))
+            td { (number(part.and_then(|p| p.symmetry_percent), 0)) }
+            td { (of_norm(name, norm)) }
+            td { (number(part.and_then(|p| p.normalised).filter(|_| has_unit), 3)) }
+        }
+    }
+}
+
+fn digits(name: Parameter) -> usize {
+    match name.unit() {
         "m" | "s" | "m/s" => 3,
         _ => 1,
     }
 }
 
-fn cells(part: &ParameterPart, statistic: Option<&Statistic>) -> Markup {
-    let digits = digits(part);
+fn cells(name: Parameter, statistic: Option<&Statistic>) -> Markup {
+    let digits = digits(name);
     html! {
         td class="mean" { (number(statistic.map(|s| s.mean), digits)) }
         td { (number(statistic.and_then(|s| s.sd), digits)) }
@@ -89,9 +101,9 @@ fn cells(part: &ParameterPart, statistic: Option<&Statistic>) -> Markup {
     }
 }
 
-fn of_norm(part: &ParameterPart, norm: Option<&Norm>) -> String {
-    let of = norm.and_then(|norm| norm.parameters.get(&part.name));
-    let digits = digits(part);
+fn of_norm(name: Parameter, norm: Option<&Norm>) -> String {
+    let of = norm.and_then(|norm| norm.parameters.get(&name));
+    let digits = digits(name);
     of.map_or("–".into(), |(mean, sd)| {
         format!(
             "{} ± {}",

@@ -1,6 +1,6 @@
 //! The axis of a tube, rounded at the joints so that its cross-sections do not cross in a bent knee or elbow.
 
-use nalgebra::{Rotation3, Unit, UnitQuaternion, Vector3};
+use nalgebra::{Unit, UnitQuaternion, Vector3};
 
 use super::flesh::{Flesh, Hit};
 
@@ -38,8 +38,9 @@ impl Frame {
 
     /// The frame at another place with another normal, turned no more than it must.
     pub(super) fn carried(&self, origin: Vector3<f64>, along: Vector3<f64>) -> Self {
-        let turn = Rotation3::rotation_between(&self.along, &along)
-            .unwrap_or_else(|| Rotation3::from_scaled_axis(self.right * std::f64::consts::PI));
+        // not Rotation3's: of two directions that are the same but for rounding it makes the arc cosine of more than 1
+        let turn = UnitQuaternion::rotation_between(&self.along, &along)
+            .unwrap_or_else(|| UnitQuaternion::new(self.right * std::f64::consts::PI));
         Self::new(origin, along, turn * self.right)
     }
 
@@ -259,4 +260,21 @@ fn places(first: f64, end: f64, spacing: f64, rounding: [f64; 2]) -> Vec<f64> {
         places.extend(TIP[1..].iter().map(|angle| high + far * angle.sin()));
     }
     places
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_frame_carried_straight_on_stays_finite_whatever_the_last_bits_are() {
+        for i in 0..2000 {
+            let unit = |v: Vector3<f64>| v.try_normalize(0.0).unwrap();
+            let way = unit(Vector3::new(f64::from(i).sin(), f64::from(i).cos(), 0.3));
+            let nearly = unit(way + Vector3::new(3e-16, -2e-16, 4e-16));
+            let frame = Frame::new(Vector3::zeros(), way, Vector3::x());
+            let carried = frame.carried(Vector3::zeros(), nearly);
+            approx::assert_relative_eq!(carried.right, frame.right, epsilon = 1e-7);
+        }
+    }
 }

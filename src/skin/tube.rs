@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::{Rotation3, Vector3};
+use nalgebra::{UnitQuaternion, Vector3};
 
 use super::SkinError;
 use super::axis::{Axis, Frame, Station};
@@ -160,7 +160,8 @@ pub(super) fn limb(
         middles: [middle, centre],
         ways: [outwards, along],
         rings: [rim, &first],
-        turn: Rotation3::rotation_between(&straight_on, &along).unwrap_or_else(Rotation3::identity),
+        turn: UnitQuaternion::rotation_between(&straight_on, &along)
+            .unwrap_or_else(UnitQuaternion::identity),
     };
     rows.extend(join.rows(with_base));
     let joint = rows.len();
@@ -209,7 +210,7 @@ struct Joint<'a> {
     /// Their points.
     rings: [&'a [Vector3<f64>]; 2],
     /// The turn from one to the other.
-    turn: Rotation3<f64>,
+    turn: UnitQuaternion<f64>,
 }
 
 impl Joint<'_> {

@@ -3,9 +3,12 @@
 use std::path::Path;
 
 use image::{GrayImage, Luma};
+use maquette::body::{BodyModel, Motion, Posed, Shape};
 use maquette::io::cloud::write_ply;
+use maquette::io::model;
 use maquette::io::result::ResultFile;
 use maquette::io::trc::{Trajectories, read_trc};
+use maquette::skin::{SkinOptions, skin};
 use maquette::stereo::{CloudPoint, Spread};
 use nalgebra::Vector3;
 
@@ -337,4 +340,52 @@ fn points_that_disagree_with_the_silhouettes_are_told_with_their_frames() {
             .is_some_and(|m| (0.1..0.5).contains(&m)),
         "{quality}"
     );
+}
+
+/// How the arm of three metaballs a limb moves.
+fn fleshy_motion(model: &BodyModel, frame: usize) -> Motion {
+    let mut motion = Motion::rest(model);
+    motion.angles[0] = 0.3 + 0.05 * frame as f64;
+    // flexed, so that the turns of both limbs show
+    let elbow = model.joints.iter().position(|j| j.name == "elbow_flexion");
+    motion.angles[elbow.expect("an elbow")] = 0.8;
+    motion
+}
+
+#[test]
+fn an_arm_is_fitted_to_points_alone() {
+    let arm = Arm::new();
+    std::fs::remove_dir_all(arm.recording().join("masks")).expect("removed");
+    let model = model::load("arm", Path::new("")).expect("a shipped model");
+    let shape = Shape(model.statistics.mean.clone());
+    for frame in 0..FRAMES {
+        let motion = fleshy_motion(&model, frame);
+        let body = Posed::new(&model, &shape, &motion);
+        let mesh = skin(&body, &SkinOptions::default()).expect("a skin");
+        let cloud: Vec<CloudPoint> = mesh
+            .vertices
+            .iter()
+            .map(|vertex| CloudPoint {
+                position_world: (*vertex).into(),
+                spread: Spread::Isotropic(0.002),
+            })
+            .collect();
+        let path = arm.recording().join(format!("points/{frame:06}.ply"));
+        std::fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+        std::fs::write(path, write_ply(&cloud)).expect("written");
+    }
+    let said = arm.fit_with_body("out", "arm").succeeded().out;
+    assert!(!said.contains("no camera sees"), "{said}");
+    for (frame, found) in joints(&arm, "out").frames.iter().enumerate() {
+        let truth = Posed::new(&model, &shape, &fleshy_motion(&model, frame)).points();
+        assert_eq!(found.len(), truth.len());
+        for found in found {
+            let found = found.expect("a point");
+            let off = truth.iter().map(|t| (t - found).norm());
+            let off = off.fold(f64::INFINITY, f64::min);
+            assert!(off < 0.01, "frame {frame}: {off} m");
+        }
+    }
+    arm.fit_with_body("none", "arm-2d")
+        .refused(&["the body arm-2d has no metaballs"]);
 }

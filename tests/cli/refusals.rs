@@ -117,7 +117,7 @@ const CALIBRATIONS: &[Case] = &[
         "millimetres taken for metres",
         |arm| arm.write("sequence.toml", "fps = 10\nunit = \"mm\"\n"),
         &[],
-        &["the masks show something 0.00", "check unit"],
+        &["masks or points show something 0.00", "check unit"],
     ),
 ];
 
@@ -143,7 +143,7 @@ const MASKS: &[Case] = &[
             .expect("renamed");
         },
         &[],
-        &["points but no masks", "masks of at least two cameras"],
+        &["no masks and no pictures"],
     ),
     (
         "truncated",

@@ -6,6 +6,8 @@ use std::path::Path;
 use maquette::camera::Rig;
 use maquette::io::calibration::write_toml;
 use maquette::io::cloud;
+use maquette::io::recording::Recording;
+use maquette::silhouette::SilhouetteOptions;
 use nalgebra::Vector3;
 
 use crate::arm::run;
@@ -146,4 +148,80 @@ fn arguments_that_make_no_sense_are_refused_in_one_line() {
         .concat();
         run(&all).refused(&[expected]);
     }
+}
+
+#[test]
+fn what_an_older_run_left_is_removed_and_what_is_not_its_own_stays() {
+    let folder = tempfile::tempdir().expect("a folder");
+    record(folder.path(), 2);
+    let recording = folder.path().display().to_string();
+    let out = folder.path().join("out");
+    let out_name = out.display().to_string();
+    let common = ["stereo", &recording, "--fps", "25", "--out", &out_name];
+    let quick = ["--method", "correlation", "--depth", "1.5:3"];
+    run(&[&common[..], &quick].concat()).succeeded();
+    assert!(out.join("points/000001.ply").is_file());
+    fs::write(out.join("notes.txt"), "mine").expect("written");
+    let again = [&common[..], &quick, &["--overwrite", "--frames", "0:0"]].concat();
+    run(&again).succeeded();
+    assert!(out.join("points/000000.ply").is_file() && out.join("notes.txt").is_file());
+    assert!(!out.join("points/000001.ply").exists());
+    let table = fs::read_to_string(out.join("stereo.csv")).expect("a table");
+    assert_eq!(table.lines().count(), 2, "{table}");
+}
+
+#[test]
+fn masks_that_cannot_be_used_are_told_and_not_taken_for_none() {
+    let folder = tempfile::tempdir().expect("a folder");
+    record(folder.path(), 1);
+    let camera = |name: &str| {
+        format!("[[camera]]\nname = \"{name}\"\nimages = \"images/{name}\"\nmasks = \"nowhere\"\n")
+    };
+    let manifest: String = ["left", "middle", "right"].map(camera).concat();
+    fs::write(
+        folder.path().join("sequence.toml"),
+        format!("fps = 25\n{manifest}"),
+    )
+    .expect("written");
+    let recording = folder.path().display().to_string();
+    let out = folder.path().join("out").display().to_string();
+    run(&["stereo", &recording, "--out", &out]).refused(&["camera left: no mask at"]);
+}
+
+#[test]
+fn points_come_back_where_they_were_whichever_axis_of_the_files_is_up() {
+    let folder = tempfile::tempdir().expect("a folder");
+    record(folder.path(), 1);
+    let manifest = "fps = 25\nup = \"-z\"\npoints = \"out/points/%06d.ply\"\n";
+    fs::write(folder.path().join("sequence.toml"), manifest).expect("written");
+    let recording = folder.path().display().to_string();
+    let out = folder.path().join("out");
+    let out_name = out.display().to_string();
+    let quick = ["--method", "correlation", "--depth", "1.5:3"];
+    let arguments = ["stereo", &recording, "--out", &out_name];
+    run(&[&arguments[..], &quick].concat()).succeeded();
+    // the file is in the world of the calibration, in which the wall stands
+    let points = cloud::read(&out.join("points/000000.ply"))
+        .expect("a cloud")
+        .points;
+    let wall = Wall {
+        shift: Vector3::zeros(),
+    };
+    let mut off: Vec<f64> = points
+        .iter()
+        .map(|p| wall.off(&p.position_world).abs())
+        .collect();
+    off.sort_by(f64::total_cmp);
+    assert!(off[off.len() / 2] < 0.03, "{}", off[off.len() / 2]);
+    // and the recording reads it in the world of its cameras
+    let recording = Recording::open(folder.path(), None).expect("a recording");
+    let read = recording
+        .load_frame(0, &SilhouetteOptions::default())
+        .expect("a frame")
+        .points;
+    let seen = recording.rig.cameras.iter().filter(|camera| {
+        read.iter()
+            .all(|p| (camera.camera_from_world * p.position_world).z > 0.0)
+    });
+    assert_eq!(seen.count(), 3);
 }

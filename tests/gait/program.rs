@@ -149,3 +149,19 @@ fn a_norm_can_be_left_out_or_be_ones_own() {
     let (text, _) = said(&trc, &["--normalised"]).expect("a walk");
     assert!(text.contains("step_length     "), "{text}");
 }
+
+#[test]
+fn an_export_of_points_is_refused_in_one_line() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("walk.trc");
+    std::fs::write(&path, Walker::new(0.4).trc()).expect("a file");
+    let mut program = Command::cargo_bin("maquette").expect("the program");
+    let output = program.arg("export").arg(&path).output().expect("it runs");
+    let line = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{line}");
+    assert_eq!(line.lines().count(), 1, "{line}");
+    assert!(
+        line.contains("walk.trc: expected the folder of a finished fit"),
+        "{line}"
+    );
+}

@@ -7,7 +7,7 @@ use maquette::stereo::matching::{MatchOptions, match_surface};
 use maquette::stereo::{SideBySide, Sighting, View, depth_map, intersect, rectify};
 use nalgebra::{Point2, Point3, Vector3};
 
-use crate::scene::{SIZE, Wall, camera, three};
+use crate::scene::{SIZE, Wall, camera, finer, three};
 
 fn views() -> [View; 3] {
     three().map(|camera| Wall::STILL.view(&camera))
@@ -136,6 +136,28 @@ fn matching_finds_the_wall_to_a_hundredth_of_a_pixel_and_its_errors_are_as_state
         "{}",
         ratios[ratios.len() / 2]
     );
+}
+
+#[test]
+fn cameras_of_different_sizes_find_the_wall_too() {
+    let [left, middle, right] = three();
+    let views = [finer(&left, 1.5), middle, finer(&right, 2.0)].map(|c| Wall::STILL.view(&c));
+    let [left, middle, right] = &views;
+    let median = |mut off: Vec<f64>| {
+        off.sort_by(f64::total_cmp);
+        off[off.len() / 2]
+    };
+    let found = match_surface(middle, &[left, right], None, &[], &MatchOptions::default()).unwrap();
+    assert!(found.points.len() > 1200, "{}", found.points.len());
+    let points = found.points.iter().map(|p| p.point.position_world);
+    let off = median(points.map(|p| Wall::STILL.off(&p).abs()).collect());
+    assert!(off < 0.003, "{off}");
+    let range = Some((1.5, 3.0));
+    let map = depth_map(left, right, None, range, &CorrelationOptions::default()).unwrap();
+    assert!(map.points.len() > 3000, "{}", map.points.len());
+    let points = map.points.iter().map(|p| p.position_world);
+    let off = median(points.map(|p| Wall::STILL.off(&p).abs()).collect());
+    assert!(off < 0.03, "{off}");
 }
 
 #[test]

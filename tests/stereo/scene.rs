@@ -28,6 +28,25 @@ pub fn camera(name: &str, x: f64, turn: f64, distortion: Distortion) -> Camera {
     }
 }
 
+/// The same camera with so many times the pixels to each side.
+pub fn finer(camera: &Camera, times: f64) -> Camera {
+    let size = |pixels: u32| (f64::from(pixels) * times).round() as u32;
+    let centre = |c_px: f64| (c_px + 0.5) * times - 0.5;
+    let of = camera.intrinsics;
+    Camera {
+        width_px: size(camera.width_px),
+        height_px: size(camera.height_px),
+        intrinsics: Intrinsics {
+            fx_px: of.fx_px * times,
+            fy_px: of.fy_px * times,
+            cx_px: centre(of.cx_px),
+            cy_px: centre(of.cy_px),
+            ..of
+        },
+        ..camera.clone()
+    }
+}
+
 /// z = 2 + 0.3·x + 0.1·y, moved by `shift`.
 #[derive(Clone, Copy)]
 pub struct Wall {
@@ -47,15 +66,16 @@ impl Wall {
 
     /// What a camera shows of it.
     pub fn seen_by(&self, camera: &Camera) -> Plane<u8> {
+        let (width, height) = (camera.width_px, camera.height_px);
         let pixel = |i: u32| {
-            let recorded = Point2::new(f64::from(i % SIZE.0), f64::from(i / SIZE.0));
+            let recorded = Point2::new(f64::from(i % width), f64::from(i / width));
             let ray = camera.ray(&camera.undistort(&recorded).expect("a mild lens"));
             let (at_0, at_1) = (self.off(&ray.point_at(0.0)), self.off(&ray.point_at(1.0)));
             let hit = ray.point_at(at_0 / (at_0 - at_1)) - self.shift;
             brightness(&hit)
         };
-        let values = (0..SIZE.0 * SIZE.1).map(pixel).collect();
-        Plane::from_values(SIZE.0 as usize, SIZE.1 as usize, values).expect("as many as pixels")
+        let values = (0..width * height).map(pixel).collect();
+        Plane::from_values(width as usize, height as usize, values).expect("as many as pixels")
     }
 
     pub fn view(&self, camera: &Camera) -> View {

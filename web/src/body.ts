@@ -1,6 +1,6 @@
 // The moving body: a skin on bones, ellipsoids on bones, or lines between points where no body was fitted.
 import {
-  Bone, BufferAttribute, BufferGeometry, Group, LineSegments, LineBasicMaterial, Matrix4, Mesh, MeshStandardMaterial,
+  Bone, BufferAttribute, BufferGeometry, Color, Group, LineSegments, LineBasicMaterial, Matrix4, Mesh, MeshStandardMaterial,
   Quaternion, Skeleton, SkinnedMesh, SphereGeometry, Vector3,
 } from 'three'
 import { floats, indices, octets, type Ellipsoids, type Scene, type Skin } from './scene'
@@ -11,6 +11,8 @@ export type Body = {
   pose(frame: number): boolean
   /** Shows the pose of rest; false where there is none. */
   rest(): boolean
+  /** Draws in the colours of the page. */
+  paint?(): void
 }
 
 const FLESH = new MeshStandardMaterial({ color: 0xd9b8a4, roughness: 0.85, metalness: 0 })
@@ -79,22 +81,34 @@ function lines(scene: Scene): Body {
   const { names, places } = scene.points
   const values = floats(places)
   const find = (side: string, name: string) => names.indexOf(`${side} ${name}`)
-  const pairs = ['left', 'right'].flatMap((side) =>
-    LINES.map((line) => line.split(' ').map((name) => find(side, name))))
-  pairs.push(...['hip', 'shoulder'].map((name) => [find('left', name), find('right', name)]))
-  const known = pairs.filter((pair) => pair.every((i) => i >= 0))
+  // the sides in the colours of the curves
+  const lines = ['left', 'right'].flatMap((side) =>
+    LINES.map((line) => ({ side, pair: line.split(' ').map((name) => find(side, name)) })))
+  lines.push(...['hip', 'shoulder'].map((name) => ({ side: 'ink', pair: [find('left', name), find('right', name)] })))
+  const known = lines.filter(({ pair }) => pair.every((i) => i >= 0))
   const geometry = new BufferGeometry()
   const attribute = new BufferAttribute(new Float32Array(6 * known.length), 3)
   geometry.setAttribute('position', attribute)
+  const colours = new BufferAttribute(new Float32Array(6 * known.length), 3)
+  geometry.setAttribute('color', colours)
+  const paint = () => {
+    const style = getComputedStyle(document.body)
+    known.forEach(({ side }, i) => {
+      const colour = new Color(style.getPropertyValue(`--${side}`).trim())
+      for (const end of [2 * i, 2 * i + 1]) colours.setXYZ(end, colour.r, colour.g, colour.b)
+    })
+    colours.needsUpdate = true
+  }
+  paint()
   const object = new Group()
-  const drawn = new LineSegments(geometry, new LineBasicMaterial({ color: 0x333333 }))
+  const drawn = new LineSegments(geometry, new LineBasicMaterial({ vertexColors: true }))
   drawn.frustumCulled = false
   object.add(drawn)
   return {
     object,
     pose(frame) {
       const start = frame * 3 * names.length
-      known.flat().forEach((point, i) => {
+      known.flatMap(({ pair }) => pair).forEach((point, i) => {
         for (let k = 0; k < 3; k++) attribute.array[3 * i + k] = values[start + 3 * point + k]
       })
       attribute.needsUpdate = true
@@ -103,5 +117,6 @@ function lines(scene: Scene): Body {
       return isKnown
     },
     rest: () => false,
+    paint,
   }
 }

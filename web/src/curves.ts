@@ -34,7 +34,7 @@ export class Curves {
     const names = GROUPS.find(([title]) => title === this.choice.value)?.[1] ?? []
     const of = (name: string) => this.scene.tracks.filter((track) => track.name === name)
     this.charts = names.map(of).filter((tracks) => tracks.length > 0).map((tracks) => this.chart(tracks))
-    this.show(this.at)
+    this.showSoon()
   }
 
   /** Moves the line. */
@@ -44,6 +44,16 @@ export class Curves {
       const left = chart.valToPos(frame / this.scene.fps, 'x')
       chart.setCursor({ left, top: -10 }, false)
     }
+  }
+
+  /** A chart that was made or changed knows its scales only when it is drawn, which is not at once. */
+  private showSoon() {
+    queueMicrotask(() => this.show(this.at))
+  }
+
+  /** Keeps the size, whatever the width of the page. */
+  hold(holds: boolean) {
+    this.place.style.width = holds ? `${this.place.clientWidth}px` : ''
   }
 
   private chart(tracks: Track[]): uPlot {
@@ -91,7 +101,10 @@ export class Curves {
   }
 
   private fit() {
-    this.charts.forEach((chart) => chart.setSize({ width: this.place.clientWidth, height: 150 }))
-    this.show(this.at)
+    const { clientWidth: width } = this.place
+    const changed = this.charts.filter((chart) => chart.width !== width)
+    if (changed.length === 0) return
+    changed.forEach((chart) => chart.setSize({ width, height: 150 }))
+    this.showSoon()
   }
 }

@@ -90,8 +90,13 @@ get('play')!.addEventListener('click', play)
 get('camera-choice')?.addEventListener('change', () => drawCamera(Number(slider.value)))
 get<HTMLInputElement>('colour-blind')!.addEventListener('change', (event) => {
   document.body.classList.toggle('cb', (event.target as HTMLInputElement).checked)
+  body.paint?.()
+  stage?.draw()
   curves.draw()
 })
+// on paper the curves keep the size that they have here: drawn anew they would lose their place
+addEventListener('beforeprint', () => curves.hold(true))
+addEventListener('afterprint', () => curves.hold(false))
 addEventListener('resize', () => stage?.draw())
 
 seek(0)

@@ -62,9 +62,12 @@ try {
   for (const section of await page.locator('main section').all()) {
     await section.screenshot({ path: `${out}/${await section.getAttribute('id')}.png` })
   }
+  const line = () => page.locator('#curves .u-cursor-x').first().evaluate((e) => e.style.transform)
+  const standsAt = await line()
   await page.getByLabel('colour-blind safe').check()
   await page.locator('#kinematics').screenshot({ path: `${out}/kinematics-colour-blind.png` })
   await page.getByLabel('colour-blind safe').uncheck()
+  assert.equal(await line(), standsAt, 'the line in the curves does not stay at its frame')
   await page.pdf({ path: `${out}/report.pdf`, preferCSSPageSize: true })
   assert.deepEqual(faults, [], 'console, at the end')
 

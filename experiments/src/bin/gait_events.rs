@@ -7,12 +7,12 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use experiments::metrics::mean;
 use experiments::run::Run;
 use experiments::table::Table;
 use maquette::gait::{Angle, EventKind, Gait, GaitOptions, Parameter, Side, analyse};
 use maquette::io::gait::{read_fit, read_points};
 use maquette::io::trc::{Trajectories, read_trc, write_trc};
+use maquette::math::stats::mean;
 
 /// Vertical force above which a foot is on a plate.
 const ON_N: f64 = 20.0;
@@ -66,7 +66,7 @@ fn events(run: &mut Run, folder: &Path, out: &Path) -> Result<(), Box<dyn Error>
                 errors.push(error_ms.abs());
             }
             let name = format!("{points}_{kind:?}_ms").to_lowercase();
-            run.number(name, mean(errors.into_iter()).unwrap_or(f64::NAN));
+            run.number(name, mean(errors).unwrap_or(f64::NAN));
         }
     }
     run.table("Events against the force plates", &table)?;
@@ -119,7 +119,7 @@ fn walk7(run: &mut Run, folder: &Path, out: &Path) -> Result<(), Box<dyn Error>>
             let numbers = [expected, found].map(|v| format!("{v:.4}"));
             table.row(cells.into_iter().chain(numbers));
         }
-        run.number(name, mean(errors.into_iter()).unwrap_or(f64::NAN));
+        run.number(name, mean(errors).unwrap_or(f64::NAN));
     }
     run.table("walk7: parameters", &table)?;
     angles(run, &fit, &folder.join("truth.json"))
@@ -160,7 +160,7 @@ fn angles(run: &mut Run, fit: &Gait, truth: &Path) -> Result<(), Box<dyn Error>>
             all.push(rms);
         }
         let name = format!("{}_deg", angle.name());
-        run.number(name, mean(all.into_iter()).unwrap_or(f64::NAN));
+        run.number(name, mean(all).unwrap_or(f64::NAN));
     }
     run.table("walk7: angles", &table)?;
     Ok(())

@@ -142,25 +142,25 @@ impl FieldSlopes {
             alpha: alpha(share.metaball),
             ..BallChange::default()
         };
-        self.row_of(sample, change, b, row);
+        let changes: Vec<_> = sample.shares.iter().map(change).collect();
+        self.row_of(sample, &changes, b, row);
     }
 
-    /// The same with whatever else the residual sees of each metaball.
+    /// The same with whatever else the residual sees of each metaball: one change for each of [`FieldSample::shares`].
     pub fn row_of(
         &self,
         sample: &FieldSample,
-        change: impl Fn(&Share) -> BallChange,
+        changes: &[BallChange],
         b: &Vector3<f64>,
         row: &mut FieldRow,
     ) {
         let branch = &self.limbs[sample.limb];
         row.clear(branch, self.frames.len());
         let level = b.dot(&sample.log_gradient);
-        for share in &sample.shares {
+        for (share, change) in sample.shares.iter().zip(changes) {
             let ball = &self.metaballs[share.metaball];
             let (w, u) = (share.weight, &share.pull);
             let along = b.dot(u);
-            let change = change(share);
             let beta = change.alpha - level;
             let q = u * (-4.0 * w);
             let h = u * (w * (16.0 * along - 4.0 * beta)) - (ball.precision * b) * (4.0 * w)

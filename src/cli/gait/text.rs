@@ -5,6 +5,7 @@ use std::path::Path;
 use crate::cli::table::Table;
 use crate::gait::{Norm, Side, Statistic, Surface, Used};
 use crate::io::gait::GaitFile;
+use crate::math::stats::mean;
 
 /// What is to be said.
 pub(super) struct Report<'a> {
@@ -119,7 +120,7 @@ impl Report<'_> {
             let sd = curve
                 .fit_sd_deg
                 .as_ref()
-                .map(|sd| sd.iter().sum::<f64>() / sd.len() as f64);
+                .and_then(|sd| mean(sd.iter().copied()));
             table.row(vec![
                 curve.angle.name().into(),
                 curve.side.name().into(),

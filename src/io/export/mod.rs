@@ -6,6 +6,7 @@
 //! | `mot.rs` | OpenSim's motion: Rajagopal's coordinates; `.mot` and `.sto`        |
 //! | `bvh.rs` | BVH: a skeleton in T-pose and its rotations                        |
 //! | `glb.rs` | glTF 2.0, binary: the skin on its bones, moving                    |
+//! | `table.rs` | CSV and Parquet: points, angles and their SD, frame by frame     |
 //!
 //! Every file's world is Y up: (X, Y, Z) of our Z-up world stands there as (Y, Z, X), as in a TRC.
 
@@ -13,6 +14,7 @@ mod bvh;
 mod c3d;
 mod glb;
 mod mot;
+mod table;
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -20,6 +22,7 @@ pub use bvh::{BvhError, bvh};
 pub use c3d::{C3dError, C3dInput, c3d};
 pub use glb::{GlbError, glb};
 pub use mot::{MotionTable, TableKind, coordinates, motion_text};
+pub use table::{FrameTable, frame_table};
 
 /// The file's world from ours.
 fn file_from_world() -> Matrix3<f64> {

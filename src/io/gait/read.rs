@@ -160,6 +160,7 @@ pub fn read_fit(
     recording.segments = Some(segments);
     let named = fitted_points(&result, &frames);
     deviations_of_places(&mut recording, &named);
+    deviations_apart(&mut recording, &model, &frames);
     Ok(GaitInput {
         recording,
         body: Some(FittedBody {
@@ -256,6 +257,24 @@ fn deviations_of_places(recording: &mut Recording, points: &[FittedPoint]) {
                 recording.sd_m.entry(heel).or_insert(point.sd_m.clone());
             }
             recording.sd_m.insert(landmark, point.sd_m.clone());
+        }
+    }
+}
+
+/// Standard deviations of the ways from left to right places.
+fn deviations_apart(recording: &mut Recording, model: &BodyModel, frames: &[Option<&FramePart>]) {
+    for (i, (right, _)) in model.point_pairs().into_iter().enumerate() {
+        let landmark = Landmark::of_name(&model.points[right].name);
+        let Some((Landmark::Of(_, place), _)) = landmark else {
+            continue;
+        };
+        let sd = |frame: &Option<&FramePart>| {
+            let known = frame.and_then(|f| f.sd.as_ref()?.apart_m.get(i));
+            known.map_or(Vector3::repeat(f64::NAN), |sd| Vector3::from(*sd))
+        };
+        let track: Vec<_> = frames.iter().map(sd).collect();
+        if track.iter().any(|sd| sd.x.is_finite()) {
+            recording.apart_sd_m.insert(place, track);
         }
     }
 }

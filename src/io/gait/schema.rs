@@ -7,6 +7,7 @@ use crate::gait::{
     Agreement, Angle, Curve, Event, Extremes, Gait, Indices, Norm, Parameter, Side, Statistic,
     Surface, Used, indices, symmetry,
 };
+use crate::math::stats::mean;
 
 /// What an analysis found. Version 1.
 #[derive(Debug, Serialize)]
@@ -77,6 +78,8 @@ pub struct CurvePart {
     pub positive: &'static str,
     /// Foot off, % of the cycle.
     pub foot_off_percent: f64,
+    /// The swing was recorded before the stance: the curve breaks at foot off.
+    pub is_joined: bool,
     /// Mean over strides, 0 to 100 %.
     pub mean_deg: Vec<f64>,
     /// Standard deviation over strides.
@@ -148,9 +151,8 @@ fn parameters(gait: &Gait) -> Vec<ParameterPart> {
     let part = |name: Parameter| {
         let of = |side| gait.parameters.get(&(name, side)).cloned();
         let (left, right) = (of(Side::Left), of(Side::Right));
-        let means: Vec<f64> = left.iter().chain(&right).map(|s| s.mean).collect();
-        let mean = means.iter().sum::<f64>() / means.len() as f64;
-        let scaled = |leg| mean / name.scale(leg);
+        let both = mean(left.iter().chain(&right).map(|s| s.mean))?;
+        let scaled = |leg| both / name.scale(leg);
         Some(ParameterPart {
             name,
             unit: name.unit(),
@@ -159,7 +161,6 @@ fn parameters(gait: &Gait) -> Vec<ParameterPart> {
             left,
             right,
         })
-        .filter(|_| !means.is_empty())
     };
     Parameter::ALL.into_iter().filter_map(part).collect()
 }
@@ -172,6 +173,7 @@ fn curve(curve: &Curve) -> CurvePart {
         side: curve.side,
         positive: curve.angle.positive(),
         foot_off_percent: 100.0 * curve.foot_off,
+        is_joined: curve.is_joined,
         mean_deg: degrees(&curve.mean),
         sd_deg: curve.sd.as_ref().map(degrees),
         fit_sd_deg: curve.fit_sd.as_ref().map(degrees),

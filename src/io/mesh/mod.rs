@@ -11,7 +11,7 @@ pub enum Up {
     /// As in the world: x, y, z.
     #[default]
     Z,
-    /// As many viewers expect: (x, y, z) is written x, z, −y.
+    /// As in all other exports: (x, y, z) is written y, z, x.
     Y,
 }
 
@@ -20,7 +20,7 @@ impl Up {
     fn turned(self, v: &nalgebra::Vector3<f64>) -> [f64; 3] {
         match self {
             Self::Z => [v.x, v.y, v.z],
-            Self::Y => [v.x, v.z, -v.y],
+            Self::Y => [v.y, v.z, v.x],
         }
     }
 
@@ -190,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn with_y_up_the_body_stands_on_x_and_z_and_still_faces_outwards() {
+    fn with_y_up_the_body_stands_upon_z_and_x_and_still_faces_outwards() {
         let mesh = mesh();
         let (header, rows, _) = read_binary(&bytes_of(&mesh, MeshFormat::Ply, Up::Y));
         assert_eq!(header[2], "comment metres, Y up");

@@ -6,10 +6,10 @@ use nalgebra::{DMatrix, DVector, Rotation3, UnitVector3, Vector3};
 
 use super::ModelFileError;
 use super::side::{Side, Sides};
-use super::spec::{AxisSpec, JointSpec, ModelSpec, PartSpec, PointSpec, PrimitiveSpec};
+use super::spec::{AxisSpec, JointSpec, ModelSpec, PartSpec, PointSpec};
 use crate::body::{
-    BodyModel, CoefficientId, FrameId, Joint, JointId, ModelError, NamedPoint, Part, PartId, Pose,
-    Primitive, Root, Scale, ScaledVector, ShapeStatistics, Turn,
+    BodyModel, CoefficientId, Joint, JointId, ModelError, NamedPoint, Part, PartId, Pose, Root,
+    Scale, ScaledVector, ShapeStatistics,
 };
 
 pub(super) fn build(spec: &ModelSpec, path: &Path) -> Result<BodyModel, ModelFileError> {
@@ -93,15 +93,15 @@ fn empty(spec: &ModelSpec) -> BodyModel {
     }
 }
 
-struct Builder<'a> {
+pub(super) struct Builder<'a> {
     path: &'a Path,
     /// The scale of each part, in the order of the model's parts.
     scales: Vec<[String; 3]>,
-    model: BodyModel,
+    pub(super) model: BodyModel,
 }
 
 impl Builder<'_> {
-    fn fault(&self, fault: ModelError) -> ModelFileError {
+    pub(super) fn fault(&self, fault: ModelError) -> ModelFileError {
         ModelFileError::Model {
             path: self.path.to_owned(),
             fault,
@@ -217,65 +217,13 @@ impl Builder<'_> {
         Ok(())
     }
 
-    fn flesh(&mut self, spec: &PartSpec, part: PartId, side: Side) -> Result<(), ModelFileError> {
-        let mut frames = Vec::new();
-        for primitive in &spec.ellipsoids {
-            let frame = self.frame_following(spec, part, primitive.follows, &mut frames)?;
-            let made = self.primitive(primitive, (part, frame), spec, side)?;
-            self.model.ellipsoids.push(made);
-        }
-        for primitive in &spec.metaballs {
-            let frame = self.frame_following(spec, part, primitive.follows, &mut frames)?;
-            let made = self.primitive(primitive, (part, frame), spec, side)?;
-            self.model.metaballs.push(made);
-        }
-        Ok(())
-    }
-
-    /// The frame that turns by a share of what the part's own joints turn; `made` are those there are.
-    fn frame_following(
-        &mut self,
-        spec: &PartSpec,
-        part: PartId,
-        share: f64,
-        made: &mut Vec<(f64, FrameId)>,
-    ) -> Result<FrameId, ModelFileError> {
-        if !(0.0..=1.0).contains(&share) {
-            let place = format!("follows of part {}", spec.name);
-            let fault = ModelError::Number {
-                place,
-                value: share,
-            };
-            return Err(self.fault(fault));
-        }
-        let mut frame = FrameId::of(self.model.parts[part.0].joint);
-        if share.total_cmp(&1.0).is_eq() {
-            return Ok(frame);
-        }
-        if let Some((_, frame)) = made.iter().find(|(s, _)| s.total_cmp(&share).is_eq()) {
-            return Ok(*frame);
-        }
-        let path = self.model.path(frame).take(spec.joints.len());
-        let own: Vec<Turn> = path.map(|(_, turn)| turn).collect();
-        if let Some(first) = own.last() {
-            frame = first.parent;
-        }
-        for turn in own.into_iter().rev() {
-            let parent = frame;
-            frame = FrameId(self.model.frames());
-            let turn = Turn {
-                parent,
-                share,
-                ..turn
-            };
-            self.model.followers.push(turn);
-        }
-        made.push((share, frame));
-        Ok(frame)
-    }
-
     /// A part by its name in the file, on this side or in the middle.
-    fn part_named(&self, name: &str, side: Side, place: &str) -> Result<PartId, ModelFileError> {
+    pub(super) fn part_named(
+        &self,
+        name: &str,
+        side: Side,
+        place: &str,
+    ) -> Result<PartId, ModelFileError> {
         let find = |wanted: &str| {
             self.model
                 .parts
@@ -340,27 +288,7 @@ impl Builder<'_> {
             })
     }
 
-    fn primitive(
-        &self,
-        spec: &PrimitiveSpec,
-        (part, frame): (PartId, FrameId),
-        owner: &PartSpec,
-        side: Side,
-    ) -> Result<Primitive, ModelFileError> {
-        let place = format!("a primitive of part {}", owner.name);
-
-        let centre_scale = spec.centre_scale.as_ref().or(Some(&owner.scale));
-        let radii_scale = spec.radii_scale.as_ref().or(Some(&owner.scale));
-        Ok(Primitive {
-            part,
-            frame,
-            centre: self.scaled(side.place(spec.centre), centre_scale, side, &place)?,
-            radii: self.scaled(Vector3::from(spec.radii), radii_scale, side, &place)?,
-            part_from_primitive: side.turn(spec.turn_deg),
-        })
-    }
-
-    fn scaled(
+    pub(super) fn scaled(
         &self,
         value: Vector3<f64>,
         names: Option<&[String; 3]>,

@@ -6,6 +6,7 @@
 
 mod build;
 mod extend;
+mod flesh;
 mod side;
 mod spec;
 

@@ -28,17 +28,23 @@ pub(super) fn open(
     let masks = masks_of_cameras(path, &folder, &manifest, &mut notes)?;
     let (rig, masks) = calibrate(path, &manifest, masks, &sources, &mut notes)?;
     let fps = frame_rate(fps.or(manifest.fps), path)?;
+    let is_masked = !masks.is_empty();
     let mut masks: Vec<_> = masks
         .iter()
         .map(|(camera, files)| by_frame(camera, files, fps, &mut notes))
         .collect();
     masks.resize_with(rig.cameras.len(), BTreeMap::new);
+    let made = matches!(elsewhere.points, Points::Folder(_));
     let points = match elsewhere.points {
         Points::None => PointFiles::default(),
         _ => PointFiles::find(&folder, &manifest, &rig, &mut notes)?,
     };
     let (frames, missing) = frames_and_missing(&masks, &points);
-    notes.extend(points.missing(frames.len()));
+    if frames.is_empty() && !is_masked && matches!(elsewhere.points, Points::Manifest) {
+        return Err(RecordingError::NoMasks { path: path.into() });
+    }
+    // those that were made are of the frames that were asked for
+    notes.extend(points.missing(frames.len()).filter(|_| !made));
     let views = |frame: &FrameIndex| masks.iter().filter(|m| m.contains_key(frame)).count();
     if masks.iter().any(|m| !m.is_empty()) && !frames.iter().any(|frame| views(frame) > 1) {
         notes.push(Note::NoCommonFrame);
@@ -69,6 +75,10 @@ fn take(manifest: &mut Manifest, elsewhere: &Sources) {
     if let Points::Folder(folder) = &elsewhere.points {
         manifest.points = Some(folder.display().to_string());
         manifest.points_unit = None;
+        // the pictures are used: points were made of them
+        for camera in &mut manifest.cameras {
+            (camera.images, camera.video, camera.background) = (None, None, None);
+        }
     }
 }
 

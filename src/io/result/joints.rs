@@ -38,7 +38,7 @@ pub fn trajectories(fit: &Fit, model: &BodyModel, fps: f64) -> Trajectories {
     let first = fit.frames.first().map_or(0, |f| f.frame.0);
     let last = fit.frames.last().map_or(0, |f| f.frame.0);
     let points = |frame: &FittedFrame| {
-        let is_seen = !frame.views.is_empty();
+        let is_seen = frame.is_observed();
         let place = |i: &usize| is_seen.then(|| frame.points_world[*i]);
         order.iter().map(place).collect()
     };

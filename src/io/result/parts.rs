@@ -142,6 +142,10 @@ fn shape(fit: &Fit, model: &BodyModel) -> ShapePart {
             .enumerate()
             .map(coefficient)
             .collect(),
+        covariance: fit.uncertainty.as_ref().map(|u| {
+            let rows = u.covariance.row_iter();
+            rows.map(|row| row.iter().copied().collect()).collect()
+        }),
         lengths: model.lengths.iter().enumerate().map(length).collect(),
         noise: fit.noise.map(|noise| NoisePart {
             scale: noise.scale,
@@ -185,6 +189,7 @@ fn frame_sd(uncertainty: &FrameUncertainty) -> FrameSdPart {
         rotation_rad: uncertainty.rotation_sd.into(),
         angles_rad: uncertainty.angles_sd.as_slice().to_vec(),
         points_m: uncertainty.points.iter().map(point).collect(),
+        apart_m: uncertainty.apart.iter().map(point).collect(),
     }
 }
 

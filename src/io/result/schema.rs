@@ -100,6 +100,9 @@ pub struct InputPart {
 pub struct ShapePart {
     /// The coefficients s.
     pub coefficients: Vec<CoefficientPart>,
+    /// Covariance of the coefficients, of the joint optimum, row by row.
+    #[serde(default)]
+    pub covariance: Option<Vec<Vec<f64>>>,
     /// The lengths that they make.
     pub lengths: Vec<LengthPart>,
     /// How the residuals err; only of the joint optimum.
@@ -197,6 +200,10 @@ pub struct FrameSdPart {
     pub angles_rad: Vec<f64>,
     /// Of the points' places, world axes.
     pub points_m: Vec<[f64; 3]>,
+    /// Of the way from each left point to its right twin, world axes, in the order of the right ones; empty in results of
+    /// versions that did not write it.
+    #[serde(default)]
+    pub apart_m: Vec<[f64; 3]>,
 }
 
 /// How the residuals err, estimated from the recording.

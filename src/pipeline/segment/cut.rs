@@ -4,7 +4,9 @@ use rayon::prelude::*;
 
 use super::SegmentOptions;
 use super::view::View;
-use crate::image::{Mask, Picture, Plane, Region, Runs, box_mean, clean, enlarge, relax, shrink};
+use crate::image::{
+    Mask, Picture, Plane, Region, Runs, box_mean, clean, enlarge, relax, sharpen, shrink,
+};
 use crate::silhouette::{Shrunk, Support};
 
 /// Below this evidence a pixel does not tell by itself what it shows.
@@ -103,10 +105,12 @@ impl Segmenter {
             let shrunk = &self.shrunk[c];
             let probability = enlarge(&labels, shrunk.factor, full.width(), full.height());
             let runs = Runs::of(&Mask::brighter_than(&probability, 0.5));
-            let runs = clean(&runs, &self.options.clean);
+            let coarse = clean(&runs, &self.options.clean).mask();
+            let mask = sharpen(&coarse, full, &self.options.border.scaled(shrunk.factor));
+            let runs = Runs::of(&mask);
             Some(Cut {
                 quality: quality(&runs, (own, together), shrunk.factor),
-                mask: runs.mask(),
+                mask,
                 probability,
             })
         };
@@ -164,12 +168,7 @@ impl Segmenter {
         let Some(region) = Runs::of(&likely).region() else {
             return labels;
         };
-        let region = Region {
-            left: region.left.saturating_sub(MARGIN),
-            top: region.top.saturating_sub(MARGIN),
-            right: (region.right + MARGIN).min(evidence.width()),
-            bottom: (region.bottom + MARGIN).min(evidence.height()),
-        };
+        let region = region.grown(MARGIN, (evidence.width(), evidence.height()));
         let inner = relax(
             &evidence.cropped(&region),
             &picture.cropped(&region),

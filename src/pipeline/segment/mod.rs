@@ -8,12 +8,14 @@
 //!    - evidence of each pixel, ln p(x | person) − ln p(x | empty), with p(x | person) the colours of the masks so far;
 //!    - support of each pixel by the other cameras along its line of sight ([`Support`]);
 //!    - masks: evidence and support, made to hold together ([`relax`]), specks and small holes removed.
-//! 3. [`Segmenter::segment`]: the same for every frame, with what was learned.
+//! 3. [`Segmenter::segment`]: the same for every frame, with what was learned; then the border by how much of each of
+//!    its pixels is covered ([`sharpen`]).
 //!
 //! Nothing here is told where the person is: whoever moves in the volume that all cameras see is.
 //!
 //! [`Support`]: crate::silhouette::Support
 //! [`relax`]: crate::image::relax
+//! [`sharpen`]: crate::image::sharpen
 
 mod cut;
 mod learn;
@@ -24,7 +26,7 @@ mod view;
 pub use cut::{Cut, CutQuality, Segmenter};
 pub use train::Training;
 
-use crate::image::{CleanOptions, RelaxOptions, ShadowOptions};
+use crate::image::{BorderOptions, CleanOptions, RelaxOptions, ShadowOptions};
 use crate::silhouette::SupportOptions;
 
 /// Settings of the segmentation.
@@ -58,6 +60,8 @@ pub struct SegmentOptions {
     pub support: SupportOptions,
     /// Specks and holes.
     pub clean: CleanOptions,
+    /// Pixels on the border.
+    pub border: BorderOptions,
 }
 
 impl Default for SegmentOptions {
@@ -79,6 +83,7 @@ impl Default for SegmentOptions {
                 part_fraction: 0.1,
                 ..CleanOptions::default()
             },
+            border: BorderOptions::default(),
         }
     }
 }

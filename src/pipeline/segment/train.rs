@@ -3,6 +3,7 @@
 use super::SegmentOptions;
 use crate::camera::{CameraId, Rig};
 use crate::image::{Mixture, MixtureOptions, Picture, shrink};
+use crate::math::stats::median_of_counts;
 use crate::silhouette::Shrunk;
 
 /// From so many pictures of the empty scene on its mixture is left as it is; fewer say too little of the noise.
@@ -186,22 +187,9 @@ fn noise(a: &Picture, b: &Picture) -> [f32; 2] {
         counts[0][(r + g + b).unsigned_abs() as usize] += 1;
         counts[1][(r - g).unsigned_abs() as usize] += 1;
     }
-    let [sum, difference] = counts.map(|counts| median(&counts) * SIGMA_OF_MEDIAN / 2_f32.sqrt());
+    let [sum, difference] =
+        counts.map(|counts| median_of_counts(&counts) as f32 * SIGMA_OF_MEDIAN / 2_f32.sqrt());
     [sum / 3_f32.sqrt(), difference / 2_f32.sqrt()]
-}
-
-/// The median of whole numbers, as if those of each count were spread evenly over half a step to either side.
-fn median(counts: &[usize]) -> f32 {
-    let half = counts.iter().sum::<usize>() as f32 / 2.0;
-    let mut below = 0.0;
-    for (value, count) in counts.iter().enumerate() {
-        let count = *count as f32;
-        if below + count > half {
-            return (value as f32 - 0.5 + (half - below) / count).max(0.0);
-        }
-        below += count;
-    }
-    0.0
 }
 
 #[cfg(test)]

@@ -11425,22 +11425,39 @@ var wl = [
 	"elbow wrist"
 ];
 function Tl(e) {
-	let { names: t, places: n } = e.points, r = hl(n), i = (e, n) => t.indexOf(`${e} ${n}`), a = ["left", "right"].flatMap((e) => wl.map((t) => t.split(" ").map((t) => i(e, t))));
-	a.push(...["hip", "shoulder"].map((e) => [i("left", e), i("right", e)]));
-	let o = a.filter((e) => e.every((e) => e >= 0)), s = new wr(), c = new lr(new Float32Array(6 * o.length), 3);
+	let { names: t, places: n } = e.points, r = hl(n), i = (e, n) => t.indexOf(`${e} ${n}`), a = ["left", "right"].flatMap((e) => wl.map((t) => ({
+		side: e,
+		pair: t.split(" ").map((t) => i(e, t))
+	})));
+	a.push(...["hip", "shoulder"].map((e) => ({
+		side: "ink",
+		pair: [i("left", e), i("right", e)]
+	})));
+	let o = a.filter(({ pair: e }) => e.every((e) => e >= 0)), s = new wr(), c = new lr(new Float32Array(6 * o.length), 3);
 	s.setAttribute("position", c);
-	let l = new Sn(), u = new Ai(s, new vi({ color: 3355443 }));
-	return u.frustumCulled = !1, l.add(u), {
-		object: l,
+	let l = new lr(new Float32Array(6 * o.length), 3);
+	s.setAttribute("color", l);
+	let u = () => {
+		let e = getComputedStyle(document.body);
+		o.forEach(({ side: t }, n) => {
+			let r = new Q(e.getPropertyValue(`--${t}`).trim());
+			for (let e of [2 * n, 2 * n + 1]) l.setXYZ(e, r.r, r.g, r.b);
+		}), l.needsUpdate = !0;
+	};
+	u();
+	let d = new Sn(), f = new Ai(s, new vi({ vertexColors: !0 }));
+	return f.frustumCulled = !1, d.add(f), {
+		object: d,
 		pose(e) {
 			let n = e * 3 * t.length;
-			o.flat().forEach((e, t) => {
+			o.flatMap(({ pair: e }) => e).forEach((e, t) => {
 				for (let i = 0; i < 3; i++) c.array[3 * t + i] = r[n + 3 * e + i];
 			}), c.needsUpdate = !0;
 			let i = c.array.every(Number.isFinite);
-			return l.visible = i, i;
+			return d.visible = i, i;
 		},
-		rest: () => !1
+		rest: () => !1,
+		paint: u
 	};
 }
 // node_modules/uplot/dist/uPlot.esm.js
@@ -13644,7 +13661,7 @@ var Nm = [
 	draw() {
 		this.charts.forEach((e) => e.destroy());
 		let e = Nm.find(([e]) => e === this.choice.value)?.[1] ?? [], t = (e) => this.scene.tracks.filter((t) => t.name === e);
-		this.charts = e.map(t).filter((e) => e.length > 0).map((e) => this.chart(e)), this.show(this.at);
+		this.charts = e.map(t).filter((e) => e.length > 0).map((e) => this.chart(e)), this.showSoon();
 	}
 	show(e) {
 		this.at = e;
@@ -13655,6 +13672,12 @@ var Nm = [
 				top: -10
 			}, !1);
 		}
+	}
+	showSoon() {
+		queueMicrotask(() => this.show(this.at));
+	}
+	hold(e) {
+		this.place.style.width = e ? `${this.place.clientWidth}px` : "";
 	}
 	chart(e) {
 		let { fps: t, frames: n, events: r } = this.scene, i = Array.from({ length: n }, (e, n) => n / t), a = (e) => Number.isFinite(e) ? e : null, o = e.map((e) => Array.from(hl(e.values), a)), s = (e) => getComputedStyle(document.body).getPropertyValue(`--${e}`).trim(), c = this.scene.first_frame / t, l = (e) => {
@@ -13704,10 +13727,11 @@ var Nm = [
 		t.buttons & 1 && this.seek(r);
 	}
 	fit() {
-		this.charts.forEach((e) => e.setSize({
-			width: this.place.clientWidth,
+		let { clientWidth: e } = this.place, t = this.charts.filter((t) => t.width !== e);
+		t.length !== 0 && (t.forEach((t) => t.setSize({
+			width: e,
 			height: 150
-		})), this.show(this.at);
+		})), this.showSoon());
 	}
 };
 // src/picture.ts
@@ -14344,7 +14368,7 @@ function Ch() {
 	e.textContent = Sh ? "⏸" : "▶", e.setAttribute("aria-label", Sh ? "Pause" : "Play");
 }
 ph.addEventListener("input", () => vh(Number(ph.value))), fh("play").addEventListener("click", Ch), fh("camera-choice")?.addEventListener("change", () => yh(Number(ph.value))), fh("colour-blind").addEventListener("change", (e) => {
-	document.body.classList.toggle("cb", e.target.checked), _h.draw();
-}), addEventListener("resize", () => hh?.draw()), vh(0), document.body.dataset.ready = String(Math.round(performance.now())), setTimeout(() => {
+	document.body.classList.toggle("cb", e.target.checked), mh.paint?.(), hh?.draw(), _h.draw();
+}), addEventListener("beforeprint", () => _h.hold(!0)), addEventListener("afterprint", () => _h.hold(!1)), addEventListener("resize", () => hh?.draw()), vh(0), document.body.dataset.ready = String(Math.round(performance.now())), setTimeout(() => {
 	hh && (gh = new Rm(mh)), xh(), bh(), vh(Number(ph.value)), document.body.dataset.complete = String(Math.round(performance.now()));
 });

@@ -12,18 +12,19 @@
 //! | `seeds.rs`       | seeds                                                               |
 //! | `regions.rs`     | Voronoi regions, and the way through one                             |
 //! | `holes.rs`       | closing holes, and what is left away                                 |
+//! | `surface.rs`     | from matches to points with their covariance                         |
 
 mod epipolar;
 mod holes;
 mod multi_image;
 mod regions;
 mod seeds;
+mod surface;
 
-use nalgebra::{Matrix3, Point2, Point3};
-use rayon::prelude::*;
+use nalgebra::{Point2, Point3};
 
+use super::CloudPoint;
 use super::view::View;
-use super::{CloudPoint, Spread};
 use crate::image::{Mask, Plane};
 use epipolar::Epipolar;
 pub(super) use epipolar::point_world;
@@ -44,9 +45,9 @@ pub struct MatchOptions {
     /// Least correlation coefficient of the template's patch with that of any image. Noise lowers it without harm: the
     /// standard deviation is the stricter judge. 0.6.
     pub least_correlation: f64,
-    /// Largest standard deviation of a match by its normal matrix, px. 0.2.
+    /// Largest standard deviation of a match by its normal matrix, and of a point with what its neighbours say, px. 0.2.
     pub most_sigma_px: f64,
-    /// Error of a match that the normal matrix does not see (a surface that is no plane, calibration), px. 0.05.
+    /// Error of a match that neither the normal matrix nor its neighbours see (calibration, brightness), px. 0.05.
     pub model_sigma_px: f64,
     /// Nearest and farthest depth of seeds, metres; where not given, from a shift of a third of an image to infinity.
     pub depth: Option<(f64, f64)>,
@@ -248,39 +249,6 @@ impl<'a> Stage<'a> {
                 larger.map_err(|_| unmatched)
             })
     }
-
-    fn point(&self, pixel: (usize, usize), found: &Match, options: &MatchOptions) -> MatchedPoint {
-        let place = Point2::new(pixel.0 as f64, pixel.1 as f64);
-        let position_world = point_world(&self.template.camera, &place, found.plane.w);
-        MatchedPoint {
-            pixel,
-            point: CloudPoint {
-                position_world,
-                spread: Spread::Full(self.covariance(pixel, &position_world, found, options)),
-            },
-            sigma_px: found.sigma_px,
-            correlation: found.correlation,
-            images: found.images,
-            plane: found.plane,
-        }
-    }
-
-    /// Along the line of sight from σ_w, across it from the error that the normal matrix does not see; world, m².
-    fn covariance(
-        &self,
-        pixel: (usize, usize),
-        position: &Point3<f64>,
-        found: &Match,
-        options: &MatchOptions,
-    ) -> Matrix3<f64> {
-        let camera = &self.template.camera;
-        let ray = position - camera.centre_world();
-        let reach = self.reach(pixel, found.plane.w).max(f64::MIN_POSITIVE);
-        let sigma_w = found.sigma.hypot(options.model_sigma_px / reach);
-        let along = ray * (sigma_w / found.plane.w);
-        let across = options.model_sigma_px / (camera.intrinsics.fx_px * found.plane.w);
-        Matrix3::identity() * across.powi(2) + along * along.transpose()
-    }
 }
 
 /// The points of the surface that the template and the other images show.
@@ -311,45 +279,11 @@ pub fn match_surface(
     // 4. what hides behind another point, and stray regions
     holes::prune(&stage, &mut grid, options);
     // 5. forward intersection
-    Ok(surface(&stage, &grid, seeds.len(), options))
+    Ok(surface::points(&stage, &grid, seeds.len(), options))
 }
 
 /// Matches at every `spacing`-th pixel of every `spacing`-th row.
 type Grid = Plane<Option<Match>>;
-
-fn surface(stage: &Stage<'_>, grid: &Grid, seeds: usize, options: &MatchOptions) -> MatchedSurface {
-    let spacing = options.spacing_px;
-    let rows: Vec<(Vec<MatchedPoint>, usize, usize)> = (0..grid.height())
-        .into_par_iter()
-        .map(|row| {
-            let (mut points, mut unmatched, mut flat) = (Vec::new(), 0, 0);
-            for (column, found) in grid.row(row).iter().enumerate() {
-                let pixel = (column * spacing, row * spacing);
-                match found {
-                    Some(found) => points.push(stage.point(pixel, found, options)),
-                    None if stage.shows_subject(pixel.0, pixel.1) => {
-                        unmatched += 1;
-                        flat += usize::from(
-                            seeds::texture(stage, pixel, options.radius_px) < seeds::LEAST_TEXTURE,
-                        );
-                    }
-                    None => {}
-                }
-            }
-            (points, unmatched, flat)
-        })
-        .collect();
-    let mut surface = MatchedSurface {
-        seeds,
-        ..MatchedSurface::default()
-    };
-    for (points, unmatched, flat) in rows {
-        surface.points.extend(points);
-        surface.unmatched += unmatched;
-        surface.without_texture += flat;
-    }
-    surface
-}
 
 fn check(others: usize, options: &MatchOptions) -> Result<(), MatchError> {
     let needed = options.least_images.max(1);

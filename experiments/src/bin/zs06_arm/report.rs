@@ -5,6 +5,7 @@ use std::error::Error;
 use experiments::arm::share_of;
 use experiments::run::Run;
 use experiments::table::Table;
+use maquette::math::stats::mean_and_sd;
 
 use crate::analysis::{ARM, Analysis, FRAMES, Outcome, RECORDINGS};
 
@@ -89,8 +90,9 @@ fn repeated(analyses: &[Analysis]) -> Table {
     let mut table = Table::new("repeated", &columns);
     for analysis in analyses {
         let spread = |value: fn(&Outcome) -> f64| {
-            let (mean, sd) = mean_and_sd(analysis.outcomes.iter().map(value));
-            format!("{mean:.3} ± {sd:.3}")
+            let values: Vec<f64> = analysis.outcomes.iter().map(value).collect();
+            let (mean, sd) = mean_and_sd(&values).unwrap_or((f64::NAN, None));
+            format!("{mean:.3} ± {:.3}", sd.unwrap_or(f64::NAN))
         };
         let fraction = |holds: fn(&Outcome) -> bool| format!("{:.2}", analysis.fraction(holds));
         table.row([
@@ -103,12 +105,4 @@ fn repeated(analyses: &[Analysis]) -> Table {
         ]);
     }
     table
-}
-
-fn mean_and_sd(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let values: Vec<f64> = values.collect();
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
-    (mean, variance.sqrt())
 }

@@ -21,6 +21,7 @@ use experiments::table::Table;
 use kuva::plot::LegendPosition;
 use maquette::inference::confidence::{p_of_k, p_within, sigma_of};
 use maquette::io::model;
+use maquette::math::stats::mean;
 use rayon::prelude::*;
 
 use recording::{Estimates, estimate};
@@ -66,7 +67,7 @@ struct Point {
 impl Point {
     fn of(recordings: &[Estimates], k: usize, epsilon: f64) -> Self {
         let mean = |value: &dyn Fn(&Estimates) -> f64| {
-            recordings.iter().map(value).sum::<f64>() / recordings.len() as f64
+            mean(recordings.iter().map(value)).unwrap_or(f64::NAN)
         };
         let share_within = |target: &dyn Fn(&Estimates) -> f64| {
             mean(&|r| {
