@@ -107,8 +107,7 @@ impl<'a> Raster<'a> {
                 if share.iter().any(|w| *w < 0.0) {
                     continue;
                 }
-                let over_z: [f64; 3] =
-                    std::array::from_fn(|k| share[k] * corners[k].inverse_depth);
+                let over_z: [f64; 3] = std::array::from_fn(|k| share[k] * corners[k].inverse_depth);
                 let depth = over_z.iter().sum::<f64>().recip();
                 if (depth as f32) < row[x].depth {
                     row[x] = Fragment {
