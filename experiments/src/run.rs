@@ -13,6 +13,9 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Parser;
+use image::codecs::jpeg::JpegEncoder;
+use image::{ExtendedColorType, ImageEncoder};
+use maquette::image::Picture;
 use serde::Serialize;
 
 use crate::expected::{ExpectedNumbers, out};
@@ -154,6 +157,32 @@ impl Run {
         Ok(())
     }
 
+    /// Writes a photograph as JPEG, with `--docs` into the documentation too.
+    ///
+    /// # Errors
+    /// [`RunError::Write`].
+    pub fn photograph(&self, name: &str, picture: &Picture) -> Result<(), RunError> {
+        let mut bytes = Vec::new();
+        let size = (picture.width() as u32, picture.height() as u32);
+        let encoded = JpegEncoder::new_with_quality(&mut bytes, 85).write_image(
+            picture.values().as_flattened(),
+            size.0,
+            size.1,
+            ExtendedColorType::Rgb8,
+        );
+        let path = self.folder().join(format!("{name}.jpg"));
+        encoded.map_err(|fault| RunError::Write {
+            path: path.clone(),
+            source: io::Error::other(fault),
+        })?;
+        write(&path, &bytes)?;
+        if self.arguments.docs {
+            let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/experiments");
+            write(&docs.join(format!("{}_{name}.jpg", self.name)), &bytes)?;
+        }
+        Ok(())
+    }
+
     /// Writes the record and compares the numbers with the expected ones.
     ///
     /// The exit code is 1 if one is out of its tolerance; each has its line.
@@ -216,7 +245,7 @@ fn read_expected(name: &str) -> Result<ExpectedNumbers, RunError> {
     toml::from_str(&text).map_err(|source| RunError::Expected { path, source })
 }
 
-fn write(path: &Path, text: &str) -> Result<(), RunError> {
+fn write(path: &Path, text: impl AsRef<[u8]>) -> Result<(), RunError> {
     let folder = path.parent().unwrap_or(path);
     fs::create_dir_all(folder)
         .and_then(|()| fs::write(path, text))

@@ -15,7 +15,7 @@ const SKIN: usize = 2;
 const SHOES: usize = 3;
 const HAIR: usize = 4;
 /// Hair reaches so far down from the crown above the middle of the head, metres, …
-const HAIR_M: f64 = 0.06;
+const HAIR_M: f64 = 0.03;
 /// … and for each metre behind it so much lower.
 const HAIR_SLOPE: f64 = 1.1;
 

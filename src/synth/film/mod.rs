@@ -12,11 +12,13 @@
 //! | `room.rs`     | the room, what moves in it, and its light                              |
 //! | `waving.rs`   | walking on the spot, and waving                                        |
 //! | `clothes.rs`  | the person: a skin moved by bones, and what is worn where              |
+//! | `lamp.rs`     | the lamp, and the person's shadow                                      |
 //! | `studio.rs`   | [`Studio`]: a camera before the room; [`Shot`]: picture and true mask  |
 //!
 //! The person is drawn as a mesh that bones bend (see [`crate::skin::SkinnedMesh`]), not as the metaballs that are fitted.
 
 mod clothes;
+mod lamp;
 mod room;
 mod studio;
 mod texture;

@@ -124,8 +124,8 @@ impl Room {
         let drift =
             |k: usize| 1.0 + 0.25 * (std::f64::consts::TAU * (phase[k] + hertz[k] * time)).sin();
         Light {
-            everywhere: (0.42 * drift(0)) as f32,
-            lamp: (0.6 * drift(1)) as f32,
+            everywhere: (0.55 * drift(0)) as f32,
+            lamp: (0.75 * drift(1)) as f32,
         }
     }
 }

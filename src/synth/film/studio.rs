@@ -7,6 +7,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::Filmed;
 use super::clothes::Worn;
+use super::lamp::{InLamp, Lamp, Shadow};
 use super::room::Light;
 use super::texture::Colour;
 use super::thing::Thing;
@@ -19,8 +20,6 @@ use crate::silhouette::FrameIndex;
 const SAMPLES: usize = 2;
 /// A pixel is the mean of 4 × 4 samples with these weights: a lens that blurs by 0.4 px.
 const BLUR: [f32; 4] = [0.125, 0.375, 0.375, 0.125];
-/// Towards the lamp; not of length 1.
-const LAMP: [f64; 3] = [0.9, -0.7, 1.3];
 /// Random streams of the noise begin here.
 const FIRST_NOISE: u64 = 1 << 41;
 
@@ -40,12 +39,14 @@ struct Seen {
     /// Cosine of the angle between the surface's normal and the lamp.
     facing: f32,
     depth: f32,
+    in_lamp: InLamp,
 }
 
 const NOTHING: Seen = Seen {
     albedo: [0.0; 3],
     facing: 0.0,
     depth: f32::INFINITY,
+    in_lamp: [-9.0; 3],
 };
 
 /// A camera before the room: what stands still is drawn once.
@@ -54,17 +55,20 @@ pub struct Studio<'a> {
     film: &'a Filmed,
     id: CameraId,
     camera: &'a Camera,
+    lamp: Lamp,
     still: Plane<Seen>,
 }
 
 impl<'a> Studio<'a> {
     pub(super) fn new(film: &'a Filmed, id: CameraId) -> Option<Self> {
         let camera = film.synthetic.rig.camera(id)?;
-        let still = seen(camera, &film.room.still);
+        let lamp = Lamp::new();
+        let still = seen(camera, &lamp, &film.room.still);
         Some(Self {
             film,
             id,
             camera,
+            lamp,
             still,
         })
     }
@@ -83,12 +87,16 @@ impl<'a> Studio<'a> {
         let worn = clothes.posed(&synthetic.model, &synthetic.shape, motion);
         let moving = seen(
             self.camera,
+            &self.lamp,
             &room.moving(time, travelled, self.film.waving.heading),
         );
         let mut raster = Raster::new(self.camera, SAMPLES);
         raster.draw(&worn.vertices, &clothes.skin.mesh.triangles, 0);
+        let shadow = self
+            .lamp
+            .shadow(&worn.vertices, &clothes.skin.mesh.triangles);
         let light = room.light(time);
-        let sampled = self.light_up(&raster, &moving, (&worn, light));
+        let sampled = self.light_up(&raster, &moving, (&worn, light, &shadow));
         Some(self.developed(&sampled, frame))
     }
 
@@ -97,10 +105,11 @@ impl<'a> Studio<'a> {
         &self,
         raster: &Raster<'_>,
         moving: &Plane<Seen>,
-        (worn, light): (&Worn, Light),
+        (worn, light, shadow): (&Worn, Light, &Shadow),
     ) -> Plane<[f32; 4]> {
         let lit = |seen: &Seen| {
-            let brightness = light.everywhere + light.lamp * seen.facing.max(0.0);
+            let facing = seen.facing.max(0.0) * shadow.light_at(seen.in_lamp);
+            let brightness = light.everywhere + light.lamp * facing;
             seen.albedo.map(|c| c * brightness)
         };
         let person = raster.fragments();
@@ -133,8 +142,9 @@ impl<'a> Studio<'a> {
         let normal = Vector3::from(fragment.mix::<3>(normals));
         Seen {
             albedo: clothes.colour(triangle, |corners| fragment.mix(corners)),
-            facing: normal.normalize().dot(&lamp().cast()),
+            facing: normal.normalize().dot(&Lamp::direction().cast()),
             depth: fragment.depth,
+            in_lamp: NOTHING.in_lamp,
         }
     }
 
@@ -185,12 +195,8 @@ fn blurred(samples: &Plane<[f32; 4]>, x: usize, y: usize) -> [f32; 4] {
     sum
 }
 
-fn lamp() -> Vector3<f64> {
-    Vector3::from(LAMP) / Vector3::from(LAMP).norm()
-}
-
 /// What a camera sees of things.
-fn seen(camera: &Camera, things: &[Thing]) -> Plane<Seen> {
+fn seen(camera: &Camera, lamp: &Lamp, things: &[Thing]) -> Plane<Seen> {
     let mut raster = Raster::new(camera, SAMPLES);
     let mut owners: Vec<(usize, usize)> = Vec::new();
     for (owner, thing) in things.iter().enumerate() {
@@ -201,12 +207,16 @@ fn seen(camera: &Camera, things: &[Thing]) -> Plane<Seen> {
     raster.fragments().map(|fragment| {
         let owner = owners.get(fragment.triangle as usize);
         owner.map_or(NOTHING, |(owner, own)| {
-            surface(&things[*owner], *own, (&fragment, &centre))
+            surface(&things[*owner], *own, (&fragment, &centre, lamp))
         })
     })
 }
 
-fn surface(thing: &Thing, own: usize, (fragment, centre): (&Fragment, &Vector3<f64>)) -> Seen {
+fn surface(
+    thing: &Thing,
+    own: usize,
+    (fragment, centre, lamp): (&Fragment, &Vector3<f64>, &Lamp),
+) -> Seen {
     let triangle = thing.triangles[own].map(|i| i as usize);
     let [a, b, c] = triangle.map(|i| thing.vertices[i]);
     let normal = (b - a)
@@ -216,9 +226,12 @@ fn surface(thing: &Thing, own: usize, (fragment, centre): (&Fragment, &Vector3<f
     // the side that is seen
     let normal = normal * normal.dot(&(centre - a)).signum();
     let places = triangle.map(|i| thing.places[i].cast::<f32>().into());
+    let shares = fragment.weights.map(f64::from);
+    let place = a * shares[0] + b * shares[1] + c * shares[2];
     Seen {
         albedo: thing.texture.at(fragment.mix(places)),
-        facing: normal.dot(&lamp()) as f32,
+        facing: normal.dot(&Lamp::direction()) as f32,
         depth: fragment.depth,
+        in_lamp: lamp.sees(place.into()),
     }
 }
