@@ -36,6 +36,12 @@ impl RayProfile {
         self.bumps.iter().map(|b| b.value(t)).sum()
     }
 
+    /// Where on t ≥ 0 F is largest, and its value there; `None` without a bump.
+    pub fn summit(&self) -> Option<(f64, f64)> {
+        let climbed = self.bumps.iter().map(|b| self.climb(b, f64::INFINITY));
+        climbed.max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
     /// Whether F reaches `level` anywhere on t ≥ 0.
     ///
     /// Climbs from every bump's own summit: t ← Σ k f t₀ / Σ k f, a step that never lowers F
@@ -47,11 +53,11 @@ impl RayProfile {
             return false;
         }
         let alone = |b: &Bump| b.at >= 0.0 && b.peak >= level;
-        self.bumps.iter().any(alone) || self.bumps.iter().any(|b| self.climb(b, level) >= level)
+        self.bumps.iter().any(alone) || self.bumps.iter().any(|b| self.climb(b, level).1 >= level)
     }
 
-    /// The highest F found by climbing from a bump's summit; ends as soon as it is `enough`.
-    fn climb(&self, from: &Bump, enough: f64) -> f64 {
+    /// Where climbing from a bump's summit ends, and F there; ends as soon as it is `enough`.
+    fn climb(&self, from: &Bump, enough: f64) -> (f64, f64) {
         let mut t = from.at.max(0.0);
         let mut value = self.value(t);
         for _ in 0..MOST_STEPS {
@@ -66,11 +72,11 @@ impl RayProfile {
             let (previous, step) = (value, next.max(0.0) - t);
             t += step;
             value = self.value(t);
-            if value >= enough || value - previous < 1e-7 * enough {
+            if value >= enough || value - previous < 1e-7 * enough.min(1.0) {
                 break;
             }
         }
-        value
+        (t, value)
     }
 }
 

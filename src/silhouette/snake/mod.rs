@@ -1,0 +1,385 @@
+//! Active contours: curves that are drawn to the edges of a picture and resist being bent (PF02 § 4).
+//!
+//! A curve x(s) minimises
+//!
+//! E = ½ ∫ α‖d′‖² + β‖d″‖² ds + ½ ∫ w ‖x − e‖² ds,   d = x − x⁰,
+//!
+//! with e the strongest edge of the filtered gradient G on the curve's normal, and w = g/(g + g₀) for an edge that changes
+//! by g = |G·n| across it: the external energy. Among the edges on a normal the strongest counts, weighed by how far it is
+//! from where the contour is expected: g·exp(−½(‖x − x⁰‖/ρ)²), ρ = ½ of the search range. √α and ⁴√β are lengths: over
+//! them the edges' displacements are smoothed, and over them gaps without an edge are bridged.
+//!
+//! The internal energy is that of the *displacement* from the expected curve x⁰, the outline of the model.
+//! **Differs** from PF02 (and from Kass, Witkin & Terzopoulos, 1988), whose snake is at rest when it is straight: theirs
+//! "forced it to retract from the sections of high curvature" and cut the elbow in its frame 100. [`Rest::Straight`] is theirs.
+//!
+//! Each step is implicit in the internal energy and explicit in the external one: (I + τA) d ← d + τ w (e − x), solved in
+//! O(n) (`banded.rs`), factored once for all steps between two resamplings. It ends when no point moves.
+
+mod banded;
+mod crossing;
+
+use nalgebra::{Point2, Vector2};
+
+use crate::image::Gradient;
+use banded::Banded;
+pub use crossing::area_on_the_left;
+
+/// Where the internal energy is at rest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rest {
+    /// In the shape of the curve that it started from.
+    Expected,
+    /// Straight and short, as published.
+    Straight,
+}
+
+/// What happens to a closed curve that crosses itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Topology {
+    /// Nothing: it stays one curve.
+    Kept,
+    /// It is cut into the loops that run around the same side; folds that run around the other are dropped.
+    Split,
+}
+
+/// Settings of an active contour.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SnakeOptions {
+    /// α, px². Default 4: displacements are smoothed over 2 px.
+    pub tension: f64,
+    /// β, px⁴. Default 80: and bend over 3 px. Bridges what of an edge is missing, and leaves a finger's width as it is.
+    pub stiffness: f64,
+    /// τ. Default 1: with full weight an edge is reached in one step.
+    pub time_step: f64,
+    /// h: distance of neighbouring points, px. Default 2.
+    pub spacing_px: f64,
+    /// How far edges are looked for on either side, px. Default 8.
+    pub search_px: f64,
+    /// g₀: the edge that counts half, grey levels per pixel. Default 5.
+    pub edge: f64,
+    /// At rest when no point moves farther in a step, px. Default 0.05.
+    pub rest_px: f64,
+    /// Steps at most. Default 60.
+    pub most_steps: usize,
+    /// Where the internal energy is at rest.
+    pub rest: Rest,
+    /// Whether it may become several.
+    pub topology: Topology,
+}
+
+impl Default for SnakeOptions {
+    fn default() -> Self {
+        Self {
+            tension: 4.0,
+            stiffness: 80.0,
+            time_step: 1.0,
+            spacing_px: 2.0,
+            search_px: 8.0,
+            edge: 5.0,
+            rest_px: 0.05,
+            most_steps: 60,
+            rest: Rest::Expected,
+            topology: Topology::Split,
+        }
+    }
+}
+
+/// How an active contour ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ending {
+    /// No point moved any more.
+    AtRest,
+    /// Steps ran out.
+    OutOfSteps,
+}
+
+/// A point of an active contour.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SnakePoint {
+    /// Where, undistorted px.
+    pub pixel: Point2<f64>,
+    /// Where it was expected.
+    pub expected: Point2<f64>,
+    /// How sure it is that the border is here, 0 to 1: the edge under it, its agreement with the expected normal, and its distance from
+    /// where it was expected; see [`Snake::points`].
+    pub reliability: f64,
+}
+
+/// An active contour.
+#[derive(Clone, Debug)]
+pub struct Snake {
+    options: SnakeOptions,
+    is_closed: bool,
+    expected: Vec<Point2<f64>>,
+    points: Vec<Point2<f64>>,
+    step: Banded,
+}
+
+/// Points within this of the picture's border are held where they are expected: beyond, nothing is known.
+const HELD_PX: f64 = 3.0;
+/// Sides longer than this over the mean make the curve be resampled.
+const UNEVEN: f64 = 2.0;
+/// Steps between two looks at that.
+const RESAMPLED_EVERY: usize = 10;
+/// Loops of less than this share of the curve's area are folds.
+const FOLD: f64 = 0.02;
+
+impl Snake {
+    /// A contour expected along a curve, with the inside on the left as seen on the screen; `None` for one of fewer than eight points.
+    pub fn new(curve: &[Point2<f64>], is_closed: bool, options: SnakeOptions) -> Option<Self> {
+        let places = evenly(curve, is_closed, options.spacing_px);
+        let expected: Vec<Point2<f64>> = places.iter().map(|p| p.on(curve)).collect();
+        if expected.len() < 8 || !expected.iter().all(|p| p.x.is_finite() && p.y.is_finite()) {
+            return None;
+        }
+        Some(Self {
+            step: factored(&expected, is_closed, &options)?,
+            points: expected.clone(),
+            expected,
+            is_closed,
+            options,
+        })
+    }
+
+    /// Lets it go on from where it is with other settings.
+    pub fn with(self, options: SnakeOptions) -> Option<Self> {
+        Some(Self {
+            step: factored(&self.points, self.is_closed, &options)?,
+            options,
+            ..self
+        })
+    }
+
+    /// Moves until it is at rest on the edges of a gradient.
+    pub fn settle(&mut self, gradient: &Gradient) -> Ending {
+        for step in 1..=self.options.most_steps {
+            let moved = self.advance(gradient);
+            if moved < self.options.rest_px {
+                return Ending::AtRest;
+            }
+            if step % RESAMPLED_EVERY == 0 {
+                self.resample_if_uneven();
+            }
+        }
+        Ending::OutOfSteps
+    }
+
+    /// One step: (I + τA) d ← d + τ w (e − x); how far the point went that went farthest, px.
+    fn advance(&mut self, gradient: &Gradient) -> f64 {
+        let tau = self.options.time_step;
+        let rest = |i: usize| match self.options.rest {
+            Rest::Expected => self.expected[i].coords,
+            Rest::Straight => Vector2::zeros(),
+        };
+        let pulled = |i: usize| self.points[i].coords - rest(i) + self.pull(gradient, i) * tau;
+        let mut moved: Vec<Vector2<f64>> = (0..self.points.len()).map(pulled).collect();
+        self.step.solve(&mut moved);
+        let mut farthest: f64 = 0.0;
+        for (i, displacement) in moved.into_iter().enumerate() {
+            let to = Point2::from(rest(i) + displacement);
+            farthest = farthest.max((to - self.points[i]).norm());
+            self.points[i] = to;
+        }
+        farthest
+    }
+
+    /// w (e − x).
+    fn pull(&self, gradient: &Gradient, i: usize) -> Vector2<f64> {
+        if is_held(&self.expected[i], gradient) {
+            return self.expected[i] - self.points[i];
+        }
+        let Some(normal) = normal(&self.points, self.is_closed, i) else {
+            return Vector2::zeros();
+        };
+        let change = |s: f64| {
+            let at = self.points[i] + normal * s;
+            gradient.at(&at, &normal).dot(&normal)
+        };
+        let score = |s: f64| change(s) * self.nearness(i, &(self.points[i] + normal * s));
+        let reach = self.options.search_px.round() as i32;
+        let scores = (-reach..=reach).map(|s| (s, score(f64::from(s))));
+        let best = scores.fold(
+            (0, 0.0),
+            |best, next| if next.1 > best.1 { next } else { best },
+        );
+        if best.1 <= 0.0 {
+            return Vector2::zeros();
+        }
+        // between the pixels: the summit of the parabola through three of them
+        let at = f64::from(best.0);
+        let (before, after) = (score(at - 1.0), score(at + 1.0));
+        let curvature = before - 2.0 * best.1 + after;
+        let offset = if curvature < 0.0 {
+            (0.5 * (before - after) / curvature).clamp(-0.5, 0.5)
+        } else {
+            0.0
+        };
+        let g = change(at + offset);
+        normal * ((at + offset) * g / (g + self.options.edge))
+    }
+
+    /// exp(−½(‖x − x⁰‖/ρ)²); without an expected shape, from where the curve is.
+    fn nearness(&self, i: usize, place: &Point2<f64>) -> f64 {
+        let from = match self.options.rest {
+            Rest::Expected => &self.expected[i],
+            Rest::Straight => &self.points[i],
+        };
+        let rho = 0.5 * self.options.search_px;
+        (-0.5 * (place - from).norm_squared() / (rho * rho)).exp()
+    }
+
+    /// Points at equal distances again, and the expected curve with them.
+    fn resample_if_uneven(&mut self) {
+        let sides = sides(&self.points, self.is_closed);
+        let mean = sides.iter().sum::<f64>() / sides.len().max(1) as f64;
+        if !sides.iter().any(|side| *side > UNEVEN * mean) {
+            return;
+        }
+        let places = evenly(&self.points, self.is_closed, self.options.spacing_px);
+        let points: Vec<_> = places.iter().map(|p| p.on(&self.points)).collect();
+        if let Some(step) = factored(&points, self.is_closed, &self.options) {
+            self.expected = places.iter().map(|p| p.on(&self.expected)).collect();
+            self.points = points;
+            self.step = step;
+        }
+    }
+
+    /// Where it is.
+    ///
+    /// Reliability is w·cos²·exp(−½(‖x − x⁰‖/ρ)²): w of the edge under the point, the cosine between the gradient there and the
+    /// expected curve's normal; 0 at the picture's border.
+    pub fn points(&self, gradient: &Gradient) -> Vec<SnakePoint> {
+        (0..self.points.len())
+            .map(|i| SnakePoint {
+                pixel: self.points[i],
+                expected: self.expected[i],
+                reliability: self.reliability(gradient, i),
+            })
+            .collect()
+    }
+
+    fn reliability(&self, gradient: &Gradient, i: usize) -> f64 {
+        let expected = normal(&self.expected, self.is_closed, i);
+        let Some(expected) = expected.filter(|_| !is_held(&self.expected[i], gradient)) else {
+            return 0.0;
+        };
+        let there = gradient.at(&self.points[i], &expected);
+        let g = there.norm();
+        let cosine = there.dot(&expected) / g.max(f64::MIN_POSITIVE);
+        let rho = 0.5 * self.options.search_px;
+        let off = (self.points[i] - self.expected[i]).norm_squared() / (rho * rho);
+        g / (g + self.options.edge) * cosine * cosine * (-0.5 * off).exp()
+    }
+
+    /// The curve's simple loops as indices into its points, folds dropped; itself if topology is kept or it is open.
+    pub fn loops(&self) -> Vec<Vec<usize>> {
+        let whole: Vec<usize> = (0..self.points.len()).collect();
+        if !self.is_closed || self.options.topology == Topology::Kept {
+            return vec![whole];
+        }
+        let area = area_on_the_left(&self.expected);
+        let is_loop = |curve: &Vec<usize>| {
+            let points: Vec<_> = curve.iter().map(|&i| self.points[i]).collect();
+            points.len() >= 8 && area_on_the_left(&points) / area > FOLD
+        };
+        crossing::loops(&self.points)
+            .into_iter()
+            .filter(is_loop)
+            .collect()
+    }
+}
+
+fn factored(points: &[Point2<f64>], is_closed: bool, options: &SnakeOptions) -> Option<Banded> {
+    let sides = sides(points, is_closed);
+    let h = sides.iter().sum::<f64>() / sides.len().max(1) as f64;
+    let tau = options.time_step;
+    let bend = [
+        tau * options.tension / (h * h),
+        tau * options.stiffness / h.powi(4),
+    ];
+    Banded::new(points.len(), is_closed, bend)
+}
+
+fn is_held(place: &Point2<f64>, gradient: &Gradient) -> bool {
+    let inside = |x: f64, size: usize| x >= HELD_PX && x <= size as f64 - 1.0 - HELD_PX;
+    !(inside(place.x, gradient.width()) && inside(place.y, gradient.height()))
+}
+
+/// Unit normal to the right of the curve's course as seen on the screen: outward; `None` where it turns back on itself.
+fn normal(points: &[Point2<f64>], is_closed: bool, i: usize) -> Option<Vector2<f64>> {
+    let n = points.len();
+    let (before, after) = match is_closed {
+        true => ((i + n - 1) % n, (i + 1) % n),
+        false => (i.saturating_sub(1), (i + 1).min(n - 1)),
+    };
+    let along = points[after] - points[before];
+    Vector2::new(-along.y, along.x).try_normalize(f64::EPSILON)
+}
+
+fn sides(points: &[Point2<f64>], is_closed: bool) -> Vec<f64> {
+    let next = points.iter().cycle().skip(1);
+    let count = if is_closed {
+        points.len()
+    } else {
+        points.len().saturating_sub(1)
+    };
+    points
+        .iter()
+        .zip(next)
+        .take(count)
+        .map(|(a, b)| (b - a).norm())
+        .collect()
+}
+
+/// A place on a polyline: so far from a point to the next.
+struct Place {
+    from: usize,
+    fraction: f64,
+}
+
+impl Place {
+    fn on(&self, curve: &[Point2<f64>]) -> Point2<f64> {
+        let (a, b) = (curve[self.from], curve[(self.from + 1) % curve.len()]);
+        a + (b - a) * self.fraction
+    }
+}
+
+/// Places at equal distances along a polyline, about the spacing; those of an open one from end to end.
+fn evenly(curve: &[Point2<f64>], is_closed: bool, spacing_px: f64) -> Vec<Place> {
+    let sides = sides(curve, is_closed);
+    let length: f64 = sides.iter().sum();
+    let count = (length / spacing_px).round();
+    if !(count >= 1.0 && count < 1e6) {
+        return Vec::new();
+    }
+    let step = length / count;
+    let wanted = if is_closed {
+        count as usize
+    } else {
+        count as usize + 1
+    };
+    let mut places = Vec::with_capacity(wanted);
+    let mut walked = 0.0;
+    for (from, side) in sides.iter().enumerate() {
+        while places.len() < wanted && places.len() as f64 * step <= walked + side {
+            let fraction = (places.len() as f64 * step - walked) / side.max(f64::MIN_POSITIVE);
+            places.push(Place {
+                from,
+                fraction: fraction.clamp(0.0, 1.0),
+            });
+        }
+        walked += side;
+    }
+    // rounding decides whether the far end was reached
+    if places.len() < wanted && !sides.is_empty() {
+        places.push(Place {
+            from: sides.len() - 1,
+            fraction: 1.0,
+        });
+    }
+    places
+}
+
+#[cfg(test)]
+mod tests;
