@@ -229,7 +229,8 @@ impl Run {
         })
     }
 
-    fn folder(&self) -> PathBuf {
+    /// Where its files go.
+    pub fn folder(&self) -> PathBuf {
         Path::new(env!("CARGO_MANIFEST_DIR"))
             .join("out")
             .join(self.file_name())
