@@ -28,6 +28,9 @@ pub(super) enum CliError {
     /// The pictures.
     #[error(transparent)]
     Frames(Box<FramesError>),
+    /// A recording of nothing.
+    #[error("the recording has no frame")]
+    NoFrame,
     /// No frame of the recording is in the range asked for.
     #[error(
         "--frames {range}: no frame of the recording lies in this range: it has {first} to {last}"

@@ -6,7 +6,7 @@ mod input;
 use std::fs;
 use std::time::Instant;
 
-pub(super) use arguments::{ABOUT, EXAMPLES, FitArguments, FrameRange};
+pub(super) use arguments::{ABOUT, EXAMPLES, FitArguments};
 use input::{Input, identity, read};
 
 use super::error::{CliError, one_line};
@@ -38,7 +38,8 @@ fn fit(arguments: &FitArguments) -> Result<(), CliError> {
     // 2. fit, keeping what is finished
     let out = OutFolder::open(&arguments.out)?;
     let journal = journal(&out, arguments.existing(), &input)?;
-    let fitted = search(&input, &journal, arguments.progress()).inspect_err(|_| out.abandon())?;
+    let fitted =
+        search(&input, &journal, arguments.quiet.progress()).inspect_err(|_| out.abandon())?;
     // 3. write the result, and only then replace an older one
     let result = write(&out, &input, &fitted, arguments)?;
     if let Some(fault) = journal.fault() {
@@ -53,7 +54,7 @@ fn fit(arguments: &FitArguments) -> Result<(), CliError> {
         out: &arguments.out,
         seconds: start.elapsed().as_secs_f64(),
     };
-    match (arguments.json, arguments.quiet) {
+    match (arguments.json, arguments.quiet.is_on()) {
         (true, _) => print(&summary.json()),
         (false, false) => print(&summary.text()),
         (false, true) => {}
@@ -112,7 +113,7 @@ fn write(
     let scratch = out.scratch()?;
     if arguments.overlays {
         let pictures = fit.frames.len() * recording.rig.cameras.len();
-        let bar = arguments.progress().bar("overlays", pictures);
+        let bar = arguments.quiet.progress().bar("overlays", pictures);
         let folder = scratch.path().join("overlays");
         overlays::write(&folder, recording, model, fit, &|| bar.inc(1))?;
         bar.finish_and_clear();

@@ -21,6 +21,7 @@
 mod error;
 mod export;
 mod fit;
+mod frame_range;
 mod gait;
 mod models;
 mod progress;
@@ -29,6 +30,7 @@ mod segment;
 mod skin;
 mod stereo;
 mod summary;
+mod switches;
 mod synth;
 mod table;
 

@@ -7,12 +7,13 @@ use std::time::Instant;
 use clap::Args;
 
 use super::error::{CliError, one_line};
-use super::fit::FrameRange;
+use super::frame_range::{FrameRange, span};
 use super::progress::Progress;
+use super::switches::{Overwrite, Quiet};
 use super::table::Table;
 use super::{complain, print};
 use crate::io::frames::{Footage, FramesNote};
-use crate::io::out_folder::{Existing, OutFolder, check_out};
+use crate::io::out_folder::{OutFolder, check_out};
 use crate::io::segmented::{self, Extras, QualityRow};
 use crate::pipeline::segment::SegmentOptions;
 
@@ -51,12 +52,10 @@ pub(super) struct SegmentArguments {
     /// Threads; the result does not depend on it [default: all cores]
     #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
     threads: usize,
-    /// Write into a folder that holds something
-    #[arg(long)]
-    overwrite: bool,
-    /// Print nothing but errors
-    #[arg(long)]
-    quiet: bool,
+    #[command(flatten)]
+    overwrite: Overwrite,
+    #[command(flatten)]
+    quiet: Quiet,
 }
 
 /// Segments a recording and writes the masks.
@@ -71,24 +70,18 @@ pub(super) fn run(arguments: &SegmentArguments) -> Result<(), CliError> {
 
 fn segment(arguments: &SegmentArguments) -> Result<(), CliError> {
     let start = Instant::now();
-    let existing = match arguments.overwrite {
-        true => Existing::Overwrite,
-        false => Existing::Refuse,
-    };
-    check_out(&arguments.out, existing)?;
+    check_out(&arguments.out, arguments.overwrite.existing())?;
     let footage = Footage::open(&arguments.recording, arguments.fps)?;
-    let range = range(&footage, arguments.frames)?;
-    let progress = match arguments.quiet {
-        true => Progress::Hidden,
-        false => Progress::Shown,
-    };
+    let frames = footage.frames();
+    let range = span(FrameRange::of(arguments.frames, &frames)?);
+    let progress = arguments.quiet.progress();
     OutFolder::open(&arguments.out)?;
     let extras = Extras {
         probability: arguments.probability,
         overlays: arguments.overlays,
     };
     let (rows, notes) = masks(&footage, range, &arguments.out, extras, progress)?;
-    if !arguments.quiet {
+    if !arguments.quiet.is_on() {
         for note in &notes {
             complain("note", &one_line(note));
         }
@@ -131,26 +124,6 @@ pub(super) fn masks(
         notes.push("the cameras do not agree on where the person is: each is segmented by itself; check the calibration".into());
     }
     Ok((rows, notes))
-}
-
-/// The frames that are asked for, if there is one.
-pub(super) fn range(
-    footage: &Footage,
-    asked: Option<FrameRange>,
-) -> Result<RangeInclusive<usize>, CliError> {
-    let Some(asked) = asked else {
-        return Ok(0..=usize::MAX);
-    };
-    let frames = footage.frames();
-    let range = asked.first..=asked.last;
-    if frames.iter().any(|frame| range.contains(&frame.0)) {
-        return Ok(range);
-    }
-    Err(CliError::NoFrames {
-        range: format!("{}:{}", asked.first, asked.last),
-        first: frames.first().map_or(0, |f| f.0),
-        last: frames.last().map_or(0, |f| f.0),
-    })
 }
 
 fn summary(footage: &Footage, rows: &[QualityRow], out: &Path, seconds: f64) -> String {

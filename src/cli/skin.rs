@@ -6,10 +6,10 @@ use clap::{ArgGroup, Args, ValueEnum};
 use rayon::prelude::*;
 
 use super::error::CliError;
-use super::fit::FrameRange;
+use super::frame_range::FrameRange;
 use super::print;
-use super::progress::Progress;
 use super::summary::counted;
+use super::switches::Quiet;
 use crate::body::metaball::Field;
 use crate::body::{BodyModel, Motion, Posed, Shape};
 use crate::io::mesh::{MeshFormat, Up, bytes_of};
@@ -63,9 +63,8 @@ pub(super) struct SkinArguments {
     /// Body model of the fit, if it is not a shipped one
     #[arg(long, value_name = "FILE")]
     body: Option<String>,
-    /// Print nothing but errors
-    #[arg(long)]
-    quiet: bool,
+    #[command(flatten)]
+    quiet: Quiet,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -104,11 +103,7 @@ pub(super) fn run(arguments: &SkinArguments) -> Result<(), CliError> {
     }
     let folder = arguments.out.join("skin");
     OutFolder::open(&folder)?;
-    let progress = match arguments.quiet {
-        true => Progress::Hidden,
-        false => Progress::Shown,
-    };
-    let bar = progress.bar("skins", poses.len());
+    let bar = arguments.quiet.progress().bar("skins", poses.len());
     let format = MeshFormat::from(arguments.format);
     let write = |(name, motion): &(String, Motion)| -> Result<(), CliError> {
         let mesh = skin_of(motion)?;
@@ -128,7 +123,7 @@ pub(super) fn run(arguments: &SkinArguments) -> Result<(), CliError> {
     bar.finish_and_clear();
     // the first fault in the order of the frames, whichever thread met one first
     written.into_iter().collect::<Result<(), _>>()?;
-    if !arguments.quiet {
+    if !arguments.quiet.is_on() {
         let count = counted(poses.len(), "skin");
         print(&format!(
             "{}: {count} of {}\n",
@@ -150,10 +145,7 @@ fn poses(
     }
     let (range, asked) = match (arguments.frame, arguments.frames) {
         (Some(frame), _) => (frame..=frame, format!("--frame {frame}")),
-        (None, Some(range)) => {
-            let (first, last) = (range.first, range.last);
-            (first..=last, format!("--frames {first}:{last}"))
-        }
+        (None, Some(range)) => (range.numbers(), format!("--frames {range}")),
         (None, None) => (0..=usize::MAX, "all frames".into()),
     };
     let frames = result.motion.frames.iter();

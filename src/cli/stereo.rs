@@ -2,19 +2,21 @@
 
 mod work;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
-use super::complain;
-use super::error::CliError;
-use super::fit::FrameRange;
+use super::error::{CliError, one_line};
+use super::frame_range::{FrameRange, span};
 use super::progress::Progress;
+use super::summary::counted;
+use super::switches::{Overwrite, Quiet};
+use super::{complain, print};
 use crate::camera::CameraId;
 use crate::io::frames::Footage;
-use crate::io::out_folder::{Existing, check_out};
-use crate::io::recording::Recording;
-use crate::io::stereo::StereoFolder;
+use crate::io::out_folder::check_out;
+use crate::io::recording::{Recording, RecordingError};
+use crate::io::stereo::{MeasuredFrame, StereoFolder};
 use crate::silhouette::FrameIndex;
 use crate::stereo::SideBySide;
 use crate::stereo::matching::MatchOptions;
@@ -44,12 +46,26 @@ pub(super) struct StereoArguments {
     /// Folder to write into
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// How points are found
-    #[arg(long, value_enum, default_value_t = Method::Matching)]
-    method: Method,
     /// Only the frames of these numbers, both included [default: all]
     #[arg(long, value_name = "FIRST:LAST")]
     frames: Option<FrameRange>,
+    #[command(flatten)]
+    settings: Settings,
+    /// Frames per second, where the recording does not say
+    #[arg(long, value_name = "HZ")]
+    fps: Option<f64>,
+    #[command(flatten)]
+    overwrite: Overwrite,
+    #[command(flatten)]
+    quiet: Quiet,
+}
+
+/// How points are measured, and what is written of them.
+#[derive(Debug, Clone, Args)]
+pub(super) struct Settings {
+    /// How points are found
+    #[arg(long, value_enum, default_value_t = Method::Matching)]
+    method: Method,
     /// Cameras, the template first [default: the one in the middle and those beside it]
     #[arg(long, value_delimiter = ',', value_name = "NAMES")]
     cameras: Vec<String>,
@@ -68,19 +84,25 @@ pub(super) struct StereoArguments {
     /// Write pictures: disparities in colour, the cloud from the side, the motion of the surface
     #[arg(long)]
     pictures: bool,
-    /// Frames per second, where the recording does not say
-    #[arg(long, value_name = "HZ")]
-    fps: Option<f64>,
-    /// Write into a folder that is not empty
-    #[arg(long)]
-    overwrite: bool,
-    /// Print nothing but errors
-    #[arg(long)]
-    quiet: bool,
+}
+
+impl Settings {
+    /// The defaults for one way to find points.
+    pub(super) fn of(method: Method) -> Self {
+        Self {
+            method,
+            cameras: Vec::new(),
+            depth: None,
+            spacing: MatchOptions::default().spacing_px,
+            least_cameras: None,
+            tracks: false,
+            pictures: false,
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Method {
+pub(super) enum Method {
     /// Disparity of each pair by correlation: fast, a point for every pixel
     Correlation,
     /// Least-squares matching in all images at once: more exact
@@ -103,84 +125,107 @@ fn depth(text: &str) -> Result<(f64, f64), String> {
 /// Measures and writes.
 pub(super) fn run(arguments: &StereoArguments) -> Result<(), CliError> {
     // 1. read and check everything
-    let existing = if arguments.overwrite {
-        Existing::Overwrite
-    } else {
-        Existing::Refuse
-    };
-    check_out(&arguments.out, existing)?;
+    check_out(&arguments.out, arguments.overwrite.existing())?;
     let footage = Footage::open(&arguments.recording, arguments.fps)?;
-    let frames = asked_frames(&footage, arguments.frames)?;
-    let mut work = Work {
-        arguments,
-        cameras: cameras(&footage, &arguments.cameras)?,
-        masks: Recording::open(&arguments.recording, arguments.fps.or(Some(footage.fps))).ok(),
-        out: StereoFolder::open(&arguments.out)?,
-        footage: &footage,
-        following: None,
-        trajectories: Vec::new(),
-        points: 0,
-        skipped: Vec::new(),
-    };
-    if !arguments.quiet {
-        footage
-            .notes
-            .iter()
-            .for_each(|note| complain("note", &note.to_string()));
-        if work.masks.is_none() {
-            complain(
-                "note",
-                "no masks: everything that the cameras show is measured, not the person alone",
-            );
+    let all = footage.frames();
+    let frames = FrameRange::of(arguments.frames, &all)?;
+    let masks = masks(&arguments.recording, footage.fps)?;
+    let tell = |kind: &str, line: &str| {
+        if !arguments.quiet.is_on() {
+            complain(kind, &one_line(line));
         }
+    };
+    footage
+        .notes
+        .iter()
+        .for_each(|note| tell("note", &note.to_string()));
+    if masks.is_none() {
+        tell(
+            "note",
+            "no masks: everything that the cameras show is measured, not the person alone",
+        );
     }
     // 2. frame by frame
-    let progress = if arguments.quiet {
-        Progress::Hidden
-    } else {
-        Progress::Shown
+    let (out, progress) = (&arguments.out, arguments.quiet.progress());
+    let masks = masks.as_ref();
+    let found = measure(
+        (&footage, masks),
+        frames,
+        out,
+        &arguments.settings,
+        progress,
+    )?;
+    // 3. what was found
+    found.notes.iter().for_each(|note| tell("note", note));
+    if !arguments.quiet.is_on() {
+        print(&found.summary(out));
+    }
+    Ok(())
+}
+
+/// The recording, if it has masks; its points are what is to be measured.
+fn masks(path: &Path, fps: f64) -> Result<Option<Recording>, CliError> {
+    match Recording::open_masks(path, Some(fps)) {
+        Ok(recording) => Ok(Some(recording).filter(Recording::has_masks)),
+        Err(RecordingError::NoMasks { .. }) => Ok(None),
+        Err(fault) => Err(fault.into()),
+    }
+}
+
+/// What a run found.
+pub(super) struct Measured {
+    /// Frame by frame.
+    pub(super) frames: Vec<MeasuredFrame>,
+    /// Trajectories, where points were followed.
+    trajectories: Option<usize>,
+    /// What the user should know.
+    pub(super) notes: Vec<String>,
+}
+
+impl Measured {
+    fn summary(&self, out: &Path) -> String {
+        let out = out.display();
+        let all: usize = self.frames.iter().map(|frame| frame.points).sum();
+        let points = all / self.frames.len().max(1);
+        let frames = counted(self.frames.len(), "frame");
+        let mut text = format!("{out}: {frames}, {points} points each\n");
+        if let Some(count) = self.trajectories {
+            text.push_str(&format!("{out}/trajectories.csv: {count} trajectories\n"));
+        }
+        text
+    }
+}
+
+/// Measures the points of these frames and writes them into a folder; where there are masks, those of the person.
+pub(super) fn measure(
+    (footage, masks): (&Footage, Option<&Recording>),
+    frames: &[FrameIndex],
+    out: &Path,
+    settings: &Settings,
+    progress: Progress,
+) -> Result<Measured, CliError> {
+    let mut work = Work {
+        settings,
+        cameras: cameras(footage, &settings.cameras)?,
+        masks,
+        out: StereoFolder::open(out, footage.up)?,
+        footage,
+        following: None,
+        trajectories: Vec::new(),
+        frames: Vec::new(),
     };
     let bar = progress.bar("stereo", frames.len());
-    let mut sets = footage.frame_sets(frames[0].0..=frames[frames.len() - 1].0);
+    let mut sets = footage.frame_sets(span(frames));
     for (frame, pictures) in sets.by_ref() {
         work.frame(frame, &pictures)?;
         bar.inc(1);
     }
     bar.finish_and_clear();
-    // 3. what was found
-    work.finish()?;
-    if !arguments.quiet {
-        sets.notes()
-            .iter()
-            .for_each(|note| complain("note", &note.to_string()));
-        work.report(frames.len());
-    }
-    Ok(())
-}
-
-fn asked_frames(footage: &Footage, range: Option<FrameRange>) -> Result<Vec<FrameIndex>, CliError> {
-    let all = footage.frames();
-    let (Some(first), Some(last)) = (all.first(), all.last()) else {
-        return Err(CliError::Arguments(format!(
-            "{}: no frames",
-            footage.folder.display()
-        )));
-    };
-    let Some(range) = range else { return Ok(all) };
-    let in_range: Vec<FrameIndex> = all
-        .iter()
-        .filter(|f| (range.first..=range.last).contains(&f.0))
-        .copied()
-        .collect();
-    if in_range.is_empty() {
-        let (first, last) = (first.0, last.0);
-        return Err(CliError::NoFrames {
-            range: format!("{}:{}", range.first, range.last),
-            first,
-            last,
-        });
-    }
-    Ok(in_range)
+    let mut found = work.finish()?;
+    found
+        .notes
+        .extend(sets.notes().iter().map(ToString::to_string));
+    Ok(found)
 }
 
 /// The template's camera and the others.

@@ -17,6 +17,8 @@ const FINE_SPACING_M: f64 = 0.02;
 
 /// Coarse evaluations forgive this much mismatch, m.
 const COARSE_SIGMA_M: f64 = 0.03;
+/// And look at so many points at most: several for each correlation length of a body.
+const COARSE_POINTS: usize = 600;
 /// And look at so few samples of each ellipse's outline.
 const COARSE_BACK_SAMPLES: usize = 12;
 
@@ -101,7 +103,11 @@ impl<'a> Evidence<'a> {
             terms.push(Box::new(rays));
         }
         if self.measure.has_metaballs() && !frame.points.is_empty() {
-            let points = frame.points.iter().map(SurfacePoint::from).collect();
+            let thinned = frame.points.iter().step_by(match detail {
+                Detail::Fine => 1,
+                Detail::Coarse => frame.points.len().div_ceil(COARSE_POINTS),
+            });
+            let points = thinned.map(SurfacePoint::from).collect();
             let field = PointField::new(points, likelihood.points, self.skin_scale.clone());
             terms.push(Box::new(field));
         }

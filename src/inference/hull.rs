@@ -1,26 +1,70 @@
-//! The visual hull of one frame: coarse voxels that every silhouette accepts.
+//! Where the body of one frame is: the visual hull, coarse voxels that every silhouette accepts; or points on its surface.
 
 use nalgebra::{Point3, Vector3};
 
 use crate::camera::{Rig, closest_point};
+use crate::math::stats::median;
 use crate::silhouette::FrameObservations;
+use crate::stereo::CloudPoint;
 
-/// Where the body is, from carved voxels.
+/// Where the body is, from carved voxels or from points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hull {
-    /// Mean of the occupied voxels, metres.
+    /// Mean of the occupied voxels, or of the points, metres.
     pub centroid_world: Point3<f64>,
     /// Height below which 0.5 % of them lie.
     pub bottom: f64,
     /// Height below which 99.8 % of them lie.
     pub top: f64,
-    /// How many voxels are occupied.
+    /// How many voxels are occupied; 0 of points.
     pub voxels: usize,
 }
 
 /// Half the edge of the cube that is carved, and the edge of a voxel, metres.
 const REACH: f64 = 1.4;
 const VOXEL: f64 = 0.04;
+
+/// Fewer points do not show where a body is.
+pub const LEAST_POINTS: usize = 200;
+
+/// Whether a frame shows where the body is: to two cameras, or by points.
+pub fn shows_where(frame: &FrameObservations) -> bool {
+    frame.views.len() >= 2 || frame.points.len() >= LEAST_POINTS
+}
+
+/// The hull of a frame, of its silhouettes or else of its points; `None` where neither shows the body.
+pub fn hull(rig: &Rig, frame: &FrameObservations) -> Option<Hull> {
+    carve(rig, frame).or_else(|| Hull::of_points(&frame.points))
+}
+
+impl Hull {
+    /// The extent of the points that lie within reach of their median, strays left out; `None` of fewer than
+    /// [`LEAST_POINTS`].
+    pub fn of_points(points: &[CloudPoint]) -> Option<Self> {
+        if points.len() < LEAST_POINTS {
+            return None;
+        }
+        let along =
+            |axis: usize| median(&mut points.iter().map(|p| p.position_world[axis]).collect());
+        let middle = Point3::new(along(0)?, along(1)?, along(2)?);
+        let places = points.iter().map(|p| p.position_world);
+        let near: Vec<Point3<f64>> = places.filter(|p| (p - middle).norm() <= REACH).collect();
+        let sum: Vector3<f64> = near.iter().map(|p| p.coords).sum();
+        let mut heights: Vec<f64> = near.iter().map(|p| p.z).collect();
+        heights.sort_by(f64::total_cmp);
+        let quantile = |q: f64| {
+            heights
+                .get(((heights.len() as f64 - 1.0) * q) as usize)
+                .copied()
+        };
+        Some(Self {
+            centroid_world: (sum / near.len() as f64).into(),
+            bottom: quantile(0.005)?,
+            top: quantile(0.995)?,
+            voxels: 0,
+        })
+    }
+}
 
 /// The point nearest to the rays through the silhouettes' centroids: where to look for the body.
 pub fn subject(rig: &Rig, frame: &FrameObservations) -> Option<Point3<f64>> {

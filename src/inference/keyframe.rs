@@ -2,14 +2,15 @@
 
 use super::evidence::Evidence;
 use super::frame::FramePosterior;
+use super::hull::shows_where;
 use super::hypothesis::{Hypothesis, Origin};
 use super::propagate::{FrameFit, Sequence, solve};
 use super::start::{Detail, StartOptions, readings};
 use crate::body::{Motion, Shape};
 
-/// The keyframes K: every `every`-th frame that two cameras see, or the first such frame.
+/// The keyframes K: every `every`-th frame that two cameras see or that has points enough, or the first such frame.
 pub(super) fn keyframes(sequence: Sequence<'_>, every: usize) -> Vec<usize> {
-    let usable = |&i: &usize| sequence.frames[i].views.len() >= 2;
+    let usable = |&i: &usize| shows_where(&sequence.frames[i]);
     let all = 0..sequence.frames.len();
     let spaced: Vec<usize> = all.clone().step_by(every.max(1)).filter(usable).collect();
     if spaced.is_empty() {

@@ -1,6 +1,6 @@
 //! A pose from nothing: visual hull, headings, canonical poses.
 //!
-//! At a keyframe nothing is known about m. The hull gives place and height; the body stands there in
+//! At a keyframe nothing is known about m. The hull (or the points, without silhouettes) gives place and height; the body stands there in
 //! each canonical leg pose of its model, turned to each of eight headings; a dozen damped iterations on
 //! thinned contours sort them; the best few try the canonical arm poses and are refined. Silhouettes
 //! confuse front and back: the best start of another heading is kept as a second reading.
@@ -52,7 +52,7 @@ pub fn readings(
     options: &StartOptions,
 ) -> Vec<Start> {
     // 1. where the body is, and how tall
-    let hull = hull::carve(evidence.rig, frame);
+    let hull = hull::hull(evidence.rig, frame);
     if hull.is_none() && evidence.model.root != Root::Fixed {
         return Vec::new();
     }

@@ -15,7 +15,8 @@ use ::image::codecs::jpeg::JpegEncoder;
 use ::image::{ExtendedColorType, ImageEncoder, ImageError};
 use rayon::prelude::*;
 
-use super::synthetic::{SyntheticError, encode, whole, write_texts};
+use super::png::{self, Effort};
+use super::synthetic::{SyntheticError, whole, write_texts};
 use crate::image::Picture;
 use crate::silhouette::FrameIndex;
 use crate::synth::{Filmed, Studio};
@@ -56,7 +57,10 @@ fn write_shot(
     };
     let image = images.join(format!("{frame:06}.jpg"));
     let mask = masks.join(format!("{frame:06}.png"));
-    for (path, bytes) in [(&image, jpeg(&shot.picture)), (&mask, encode(&shot.mask))] {
+    for (path, bytes) in [
+        (&image, jpeg(&shot.picture)),
+        (&mask, png::of_mask(&shot.mask, Effort::Small)),
+    ] {
         let bytes = bytes.map_err(|source| SyntheticError::Encode {
             path: path.clone(),
             source,

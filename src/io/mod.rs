@@ -12,6 +12,7 @@ pub mod mesh;
 pub mod model;
 pub mod out_folder;
 pub mod overlays;
+mod png;
 pub mod recording;
 pub mod result;
 pub mod segmented;

@@ -101,6 +101,22 @@ impl OutFolder {
         Ok(Self { path: path.into() })
     }
 
+    /// Removes what an older run wrote, where `mark` stands, which a run writes last; else nothing, for it may be the user's.
+    ///
+    /// # Errors
+    /// [`OutError::Write`] names what could not be removed.
+    pub fn clear(&self, mark: &str, others: &[&str]) -> Result<(), OutError> {
+        if !self.path.join(mark).is_file() {
+            return Ok(());
+        }
+        for name in others.iter().chain([&mark]) {
+            let place = self.path.join(name);
+            let nothing = self.path.join(UNFINISHED);
+            replace(&nothing, &place).map_err(|source| OutError::write(&place, source))?;
+        }
+        Ok(())
+    }
+
     /// Where the journal of a run is.
     pub fn journal(&self) -> PathBuf {
         self.path.join(".journal")

@@ -3,10 +3,10 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use ::image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use ::image::{ExtendedColorType, ImageEncoder, ImageError};
+use ::image::{ExtendedColorType, ImageError};
 use rayon::prelude::*;
 
+use super::png::{self, Effort};
 use super::recording::{Recording, RecordingError};
 use crate::body::{BodyModel, Posed};
 use crate::camera::CameraId;
@@ -93,17 +93,10 @@ fn picture(
 /// [`OverlayError::Write`] and [`OverlayError::Encode`].
 pub fn write_picture(canvas: &Canvas, path: PathBuf) -> Result<(), OverlayError> {
     let pixels = canvas.pixels();
-    let mut bytes = Vec::new();
-    let encoder =
-        PngEncoder::new_with_quality(&mut bytes, CompressionType::Fast, FilterType::Adaptive);
-    let (width, height) = (pixels.width() as u32, pixels.height() as u32);
-    match encoder.write_image(
-        pixels.values().as_flattened(),
-        width,
-        height,
-        ExtendedColorType::Rgb8,
-    ) {
-        Ok(()) => fs::write(&path, bytes).map_err(|source| OverlayError::Write { path, source }),
+    let size = (pixels.width(), pixels.height());
+    let bytes = pixels.values().as_flattened();
+    match png::encode(bytes, size, ExtendedColorType::Rgb8, Effort::Quick) {
+        Ok(bytes) => fs::write(&path, bytes).map_err(|source| OverlayError::Write { path, source }),
         Err(source) => Err(OverlayError::Encode { path, source }),
     }
 }

@@ -4,14 +4,15 @@ use std::fs;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
-use ::image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use ::image::{ExtendedColorType, ImageEncoder};
+use ::image::codecs::jpeg::JpegEncoder;
+use ::image::{ExtendedColorType, ImageEncoder, ImageError};
 use rayon::prelude::*;
 use serde::Serialize;
 
 use super::frames::{Footage, FramesNote};
-use super::out_folder::OutError;
+use super::out_folder::{OutError, OutFolder};
 use super::overlays::file_name;
+use super::png::{self, Effort};
 use crate::camera::CameraId;
 use crate::image::{Mask, Picture, Plane};
 use crate::pipeline::segment::{Cut, SegmentOptions, Segmenter, Training};
@@ -25,6 +26,9 @@ pub struct Extras {
     /// `mask-overlays/<camera>/%06d.jpg`.
     pub overlays: bool,
 }
+
+/// The table of the masks; it is written last: where it stands the masks are complete.
+pub const QUALITY: &str = "quality.csv";
 
 /// One line of `quality.csv`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -71,7 +75,7 @@ pub fn learn(
     (training.learn(), notes)
 }
 
-/// Segments frames and writes their masks into a folder; `done` is called after each frame.
+/// Segments frames and writes their masks into a folder, in which those of an older run are removed; `done` is called after each frame.
 ///
 /// # Errors
 /// [`OutError`] for the first file that cannot be written.
@@ -105,7 +109,7 @@ pub fn write(
             rows.extend(row?);
         }
     }
-    write_quality(&folder.join("quality.csv"), &rows)?;
+    write_quality(&folder.join(QUALITY), &rows)?;
     Ok(rows)
 }
 
@@ -129,6 +133,7 @@ impl Writer {
             ("probability", extras.probability),
             ("mask-overlays", extras.overlays),
         ];
+        OutFolder::open(root)?.clear(QUALITY, &kinds.map(|(kind, _)| kind))?;
         for (kind, _) in kinds.iter().filter(|(_, is_wanted)| *is_wanted) {
             for folder in &folders {
                 let path = root.join(kind).join(folder);
@@ -158,13 +163,14 @@ impl Writer {
                 let name = format!("{:06}.{extension}", frame.0);
                 self.root.join(kind).join(&self.folders[c]).join(name)
             };
-            write_grey(&white_on_black(&cut.mask), path("masks", "png"))?;
+            let mask = png::of_mask(&cut.mask, Effort::Quick);
+            written(path("masks", "png"), mask)?;
             if self.extras.probability {
-                let grey = cut.probability.map(|p| (255.0 * p).round() as u8);
-                write_grey(&grey, path("probability", "png"))?;
+                written(path("probability", "png"), grey(&cut.probability))?;
             }
             if self.extras.overlays {
-                write_jpeg(&over(picture, &cut.mask), path("mask-overlays", "jpg"))?;
+                let overlay = jpeg(&over(picture, &cut.mask));
+                written(path("mask-overlays", "jpg"), overlay)?;
             }
             let q = cut.quality;
             rows.push(QualityRow {
@@ -184,15 +190,6 @@ impl Writer {
 
 fn rounded(share: f64) -> f64 {
     (share * 1e4).round() / 1e4
-}
-
-fn white_on_black(mask: &Mask) -> Plane<u8> {
-    let values = (0..mask.height())
-        .flat_map(|y| mask.row(y))
-        .map(|v| 255 * v);
-    let plane = Plane::from_values(mask.width(), mask.height(), values.collect());
-    // a mask has as many values as pixels
-    plane.unwrap_or_else(|| Plane::filled(0, 0, 0))
 }
 
 /// The picture, darker where the person is not, with a yellow border.
@@ -216,32 +213,28 @@ fn over(picture: &Picture, mask: &Mask) -> Picture {
     over
 }
 
-fn write_grey(plane: &Plane<u8>, path: PathBuf) -> Result<(), OutError> {
-    let mut bytes = Vec::new();
-    let encoder =
-        PngEncoder::new_with_quality(&mut bytes, CompressionType::Fast, FilterType::NoFilter);
-    let (width, height) = (plane.width() as u32, plane.height() as u32);
-    let written = encoder
-        .write_image(plane.values(), width, height, ExtendedColorType::L8)
+fn written(path: PathBuf, file: Result<Vec<u8>, ImageError>) -> Result<(), OutError> {
+    let written = file
         .map_err(std::io::Error::other)
-        .and_then(|()| fs::write(&path, bytes));
+        .and_then(|bytes| fs::write(&path, bytes));
     written.map_err(|source| OutError::Write { path, source })
 }
 
-fn write_jpeg(picture: &Picture, path: PathBuf) -> Result<(), OutError> {
+fn grey(probability: &Plane<f32>) -> Result<Vec<u8>, ImageError> {
+    let grey = probability.map(|p| (255.0 * p).round() as u8);
+    let size = (grey.width(), grey.height());
+    png::encode(grey.values(), size, ExtendedColorType::L8, Effort::Quick)
+}
+
+fn jpeg(picture: &Picture) -> Result<Vec<u8>, ImageError> {
     let mut bytes = Vec::new();
-    let encoder = ::image::codecs::jpeg::JpegEncoder::new_with_quality(&mut bytes, 85);
-    let (width, height) = (picture.width() as u32, picture.height() as u32);
-    let written = encoder
-        .write_image(
-            picture.values().as_flattened(),
-            width,
-            height,
-            ExtendedColorType::Rgb8,
-        )
-        .map_err(std::io::Error::other)
-        .and_then(|()| fs::write(&path, bytes));
-    written.map_err(|source| OutError::Write { path, source })
+    JpegEncoder::new_with_quality(&mut bytes, 85).write_image(
+        picture.values().as_flattened(),
+        picture.width() as u32,
+        picture.height() as u32,
+        ExtendedColorType::Rgb8,
+    )?;
+    Ok(bytes)
 }
 
 fn write_quality(path: &Path, rows: &[QualityRow]) -> Result<(), OutError> {

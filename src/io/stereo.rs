@@ -1,18 +1,21 @@
-//! What `maquette stereo` writes: points, disparities, trajectories, pictures.
+//! What `maquette stereo` writes: points, disparities, trajectories, pictures, and a table of the frames.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder};
+use ::image::ExtendedColorType;
+use serde::Serialize;
 
+use super::calibration::Up;
 use super::cloud::write_ply;
 use super::out_folder::{OutError, OutFolder, write_atomically};
 use super::overlays::{OverlayError, write_picture};
+use super::png::{self, Effort};
 use crate::image::Plane;
+use crate::math::Rigid3;
 use crate::render::Canvas;
 use crate::stereo::tracking::Trajectory;
-use crate::stereo::{CloudPoint, Spread};
+use crate::stereo::{Cloud, CloudPoint, Spread};
 
 /// Steps of a disparity's file to a pixel.
 const STEPS: f32 = 256.0;
@@ -32,27 +35,67 @@ pub enum StereoOutError {
 #[derive(Debug)]
 pub struct StereoFolder {
     path: PathBuf,
+    file_from_world: Rigid3,
+}
+
+/// The table of the frames; it is written last: where it stands all points do.
+pub const TABLE: &str = "stereo.csv";
+
+/// One line of the table.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MeasuredFrame {
+    /// Number of the frame.
+    pub frame: usize,
+    /// Points that were measured in it.
+    pub points: usize,
+    /// Why there are none; empty where there are.
+    pub reason: String,
 }
 
 impl StereoFolder {
-    /// Makes the folder and those within it.
+    /// Makes the folder and those within it, without what an older run left there; `up` is that of the recording's files.
     ///
     /// # Errors
     /// [`StereoOutError::Out`].
-    pub fn open(path: &Path) -> Result<Self, StereoOutError> {
+    pub fn open(path: &Path, up: Up) -> Result<Self, StereoOutError> {
+        let older = ["points", "disparity", "pictures", "trajectories.csv"];
+        OutFolder::open(path)?.clear(TABLE, &older)?;
         for folder in ["points", "disparity"] {
             OutFolder::open(&path.join(folder))?;
         }
-        Ok(Self { path: path.into() })
+        Ok(Self {
+            path: path.into(),
+            file_from_world: up.world_from_file().inverse(),
+        })
     }
 
-    /// Writes `points/%06d.ply`: metres, world, each with its covariance.
+    /// Writes `stereo.csv`, a line for each frame.
+    ///
+    /// # Errors
+    /// [`StereoOutError::Out`].
+    pub fn table(&self, frames: &[MeasuredFrame]) -> Result<(), StereoOutError> {
+        let path = self.path.join(TABLE);
+        let text = || -> Result<Vec<u8>, csv::Error> {
+            let mut writer = csv::Writer::from_writer(Vec::new());
+            for frame in frames {
+                writer.serialize(frame)?;
+            }
+            writer.into_inner().map_err(|e| e.into_error().into())
+        };
+        match text() {
+            Ok(text) => Ok(write_atomically(&path, &text)?),
+            Err(fault) => Err(OutError::write(&path, std::io::Error::other(fault)).into()),
+        }
+    }
+
+    /// Writes `points/%06d.ply`: metres, in the world of the recording's files, each with its covariance.
     ///
     /// # Errors
     /// [`StereoOutError::Out`].
     pub fn points(&self, frame: usize, points: &[CloudPoint]) -> Result<(), StereoOutError> {
         let path = self.path.join(format!("points/{frame:06}.ply"));
-        Ok(write_atomically(&path, &write_ply(points))?)
+        let in_file = Cloud::of(points.iter().copied()).moved(&self.file_from_world);
+        Ok(write_atomically(&path, &write_ply(&in_file.points))?)
     }
 
     /// Writes `disparity/<name>.png`, 16 bits: 256 times the disparity in pixels of points nearer than infinity; 0 unknown.
@@ -73,10 +116,9 @@ impl StereoFolder {
             .iter()
             .flat_map(|d| steps(d).to_ne_bytes())
             .collect();
-        let (width, height) = (disparities.width() as u32, disparities.height() as u32);
-        let mut png = Vec::new();
-        match PngEncoder::new(&mut png).write_image(&bytes, width, height, ExtendedColorType::L16) {
-            Ok(()) => Ok(write_atomically(&path, &png)?),
+        let size = (disparities.width(), disparities.height());
+        match png::encode(&bytes, size, ExtendedColorType::L16, Effort::Quick) {
+            Ok(file) => Ok(write_atomically(&path, &file)?),
             Err(source) => Err(OverlayError::Encode { path, source }.into()),
         }
     }

@@ -13,17 +13,16 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use ::image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use ::image::{ExtendedColorType, ImageEncoder, ImageError};
+use ::image::ImageError;
 use rayon::prelude::*;
 use serde::Serialize;
 
 use super::calibration;
 use super::cloud::write_ply;
+use super::png::{self, Effort};
 use super::trc::{Trajectories, write_trc};
 use crate::body::Posed;
 use crate::camera::{Camera, CameraId};
-use crate::image::Mask;
 use crate::silhouette::FrameIndex;
 use crate::synth::Synthetic;
 
@@ -219,7 +218,7 @@ fn write_mask(
     let Some(mask) = synthetic.mask(frame, camera) else {
         return Ok(());
     };
-    match encode(&mask) {
+    match png::of_mask(&mask, Effort::Small) {
         Ok(bytes) => {
             fs::write(&path, bytes).map_err(|source| SyntheticError::Write { path, source })
         }
@@ -246,21 +245,6 @@ fn write_clouds(synthetic: &Synthetic, folder: &Path) -> Result<(), SyntheticErr
         let path = folder.join(format!("{frame:06}.ply"));
         fs::write(&path, write_ply(&points)).map_err(failed(&path))
     })
-}
-
-/// An 8-bit grey PNG, 0 and 255.
-pub(super) fn encode(mask: &Mask) -> Result<Vec<u8>, ImageError> {
-    let rows = (0..mask.height()).flat_map(|y| mask.row(y));
-    let pixels: Vec<u8> = rows.map(|v| v * 255).collect();
-    let mut bytes = Vec::new();
-    let (width, height) = (mask.width() as u32, mask.height() as u32);
-    PngEncoder::new_with_quality(&mut bytes, CompressionType::Best, FilterType::Up).write_image(
-        &pixels,
-        width,
-        height,
-        ExtendedColorType::L8,
-    )?;
-    Ok(bytes)
 }
 
 fn manifest(synthetic: &Synthetic) -> String {

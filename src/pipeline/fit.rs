@@ -114,6 +114,11 @@ pub enum FitError {
         /// What it lacks.
         lacking: &'static str,
     },
+    /// Points alone, to be compared with ellipses.
+    #[error(
+        "points alone are compared with the skin of metaballs: leave --likelihood out, or let it be metaballs"
+    )]
+    PointsOnEllipses,
     /// No hypothesis could be followed through the sequence.
     #[error("no hypothesis could be followed through the {frames} frames")]
     NoHypothesis {
@@ -140,7 +145,10 @@ pub fn fit(
     // 1. do cameras and masks agree
     let mut notes = check_scene(model, rig, observations)?;
     // 2. Algorithm 1
-    let measures = Measures::of(model, options.measure)?;
+    let measures = match observations.iter().any(|frame| frame.views.len() >= 2) {
+        true => Measures::of(model, options.measure)?,
+        false => Measures::of_points(model, options.measure)?,
+    };
     let evidence = |measure| Evidence::new(model, rig, options.likelihood, measure);
     let coarse = evidence(measures.search);
     let found = search(&coarse, sequence, &options.search, journal);

@@ -12,7 +12,7 @@ pub fn check_measure(model: &BodyModel, asked: Option<Measure>) -> Result<(), Fi
     Measures::of(model, asked).map(|_| ())
 }
 
-/// What each stage compares the silhouettes with.
+/// What each stage compares silhouettes and points with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Measures {
     /// Algorithm 1.
@@ -54,5 +54,17 @@ impl Measures {
                 },
             }),
         }
+    }
+
+    /// What is possible where no frame shows a silhouette to two cameras: only the skin of metaballs meets points.
+    ///
+    /// # Errors
+    /// [`FitError::Primitives`] if there is none, or it was not to be looked at.
+    pub(super) fn of_points(model: &BodyModel, asked: Option<Measure>) -> Result<Self, FitError> {
+        let asked = asked.unwrap_or(Measure::Metaballs);
+        if !asked.has_metaballs() {
+            return Err(FitError::PointsOnEllipses);
+        }
+        Self::of(model, Some(asked))
     }
 }

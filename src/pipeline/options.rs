@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::inference::joint::JointOptions;
 use crate::inference::search::SearchOptions;
 use crate::likelihood::{LikelihoodOptions, Measure};
-use crate::silhouette::{InvalidOption, SilhouetteOptions};
+use crate::silhouette::{FrameObservations, InvalidOption, SilhouetteOptions};
 use crate::solver::Loss;
 
 /// The settings of a fit. Every default is stated where its field is.
@@ -14,6 +14,8 @@ use crate::solver::Loss;
 pub struct FitOptions {
     /// From masks to silhouettes.
     pub silhouettes: SilhouetteOptions,
+    /// What is fitted to.
+    pub fit_to: FitTo,
     /// −log p(Z | m, s).
     pub likelihood: LikelihoodOptions,
     /// What silhouettes are compared with. By default Algorithm 1 looks at the ellipsoids, which are fast, and the
@@ -31,12 +33,34 @@ impl Default for FitOptions {
     fn default() -> Self {
         Self {
             silhouettes: SilhouetteOptions::default(),
+            fit_to: FitTo::default(),
             likelihood: LikelihoodOptions::default(),
             measure: None,
             search: SearchOptions::default(),
             joint: Some(JointOptions::default()),
             confidence: ConfidenceOptions::default(),
         }
+    }
+}
+
+/// Which of the observations are fitted to.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum FitTo {
+    /// Silhouettes, and points where there are any.
+    #[default]
+    All,
+    /// Points alone.
+    Points,
+}
+
+impl FitTo {
+    /// What is fitted to of a frame.
+    pub fn of(self, mut frame: FrameObservations) -> FrameObservations {
+        if self == Self::Points {
+            frame.views.clear();
+        }
+        frame
     }
 }
 

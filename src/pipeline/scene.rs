@@ -7,7 +7,7 @@
 use super::Warning;
 use crate::body::{BodyModel, Motion, Posed, Shape};
 use crate::camera::{Camera, CameraId, Rig, closest_point};
-use crate::inference::hull;
+use crate::inference::hull::{self, Hull, LEAST_POINTS, shows_where};
 use crate::math::stats::median;
 use crate::silhouette::{FrameIndex, FrameObservations, Rejected, Silhouette};
 
@@ -40,13 +40,15 @@ pub enum SceneFault {
         /// Why its mask shows nobody.
         reason: Rejected,
     },
-    /// Points and no silhouette.
+    /// Points without silhouettes, and too few of them.
     #[error(
-        "{frames} frames have points and no silhouettes: points alone do not show where a search begins, so masks of at least two cameras are needed in one frame at least"
+        "no frame shows the person to two cameras and none has as many as {least} points ({most} at most): a search begins at one or the other"
     )]
-    PointsOnly {
-        /// How many frames.
-        frames: usize,
+    FewPoints {
+        /// How many points show where a body is.
+        least: usize,
+        /// How many there are.
+        most: usize,
     },
     /// No frame shows the person to two cameras.
     #[error(
@@ -71,7 +73,7 @@ pub enum SceneFault {
     },
     /// Nobody is so tall.
     #[error(
-        "the masks show something {seen_m:.3} m large, the body {body} is {body_m:.2} m: check unit in sequence.toml (m or mm), and the body"
+        "masks or points show something {seen_m:.3} m large, the body {body} is {body_m:.2} m: check unit in sequence.toml (m or mm), and the body"
     )]
     Size {
         /// Size of what is seen, m.
@@ -117,7 +119,7 @@ pub fn check_scene(
 }
 
 fn seen_by_two(rig: &Rig, frames: &[FrameObservations]) -> Result<(), SceneFault> {
-    if frames.iter().any(|frame| frame.views.len() >= 2) {
+    if frames.iter().any(shows_where) {
         return Ok(());
     }
     let seen = |id: CameraId| {
@@ -151,8 +153,9 @@ fn nothing_seen(rig: &Rig, frames: &[FrameObservations]) -> SceneFault {
             frame,
             reason,
         },
-        None if frames.iter().any(FrameObservations::is_observed) => SceneFault::PointsOnly {
-            frames: frames.len(),
+        None if frames.iter().any(FrameObservations::is_observed) => SceneFault::FewPoints {
+            least: LEAST_POINTS,
+            most: frames.iter().map(|f| f.points.len()).max().unwrap_or(0),
         },
         None => SceneFault::NoFrames,
     }
@@ -212,7 +215,7 @@ fn common_view(rig: &Rig, odd: &[CameraId]) -> Result<Vec<Warning>, SceneFault> 
             why: why.to_string(),
         });
     }
-    if rig.cameras.len() - odd.len() < 2 {
+    if !odd.is_empty() && rig.cameras.len() - odd.len() < 2 {
         return Err(SceneFault::NoCommonView {
             cameras: names(odd),
             why: "has the person elsewhere".into(),
@@ -225,19 +228,12 @@ fn common_view(rig: &Rig, odd: &[CameraId]) -> Result<Vec<Warning>, SceneFault> 
 fn size(model: &BodyModel, rig: &Rig, frames: &[&FrameObservations]) -> Result<(), SceneFault> {
     let mut sizes: Vec<f64> = frames
         .iter()
-        .flat_map(|frame| {
-            let subject = hull::subject(rig, frame);
-            frame.views.iter().filter_map(move |(id, silhouette)| {
-                let camera = &rig.cameras[id.0];
-                let depth = (camera.camera_from_world * subject?).z;
-                let (low, high) = silhouette.bounds;
-                let size_px = (high - low).max();
-                (depth > 0.0).then(|| {
-                    size_px * depth * 2.0 / (camera.intrinsics.fx_px + camera.intrinsics.fy_px)
-                })
-            })
-        })
+        .flat_map(|frame| sizes_of_views(rig, frame))
         .collect();
+    if sizes.is_empty() {
+        let hulls = frames.iter().filter_map(|f| Hull::of_points(&f.points));
+        sizes = hulls.map(|hull| hull.top - hull.bottom).collect();
+    }
     let body_m = body_size(model);
     match median(&mut sizes) {
         Some(seen_m) if seen_m > SIZE_RATIO * body_m || seen_m * SIZE_RATIO < body_m => {
@@ -249,6 +245,21 @@ fn size(model: &BodyModel, rig: &Rig, frames: &[&FrameObservations]) -> Result<(
         }
         _ => Ok(()),
     }
+}
+
+/// How large each silhouette is where the cameras see the body, m.
+fn sizes_of_views(rig: &Rig, frame: &FrameObservations) -> Vec<f64> {
+    let Some(subject) = hull::subject(rig, frame) else {
+        return Vec::new();
+    };
+    let size = |(id, silhouette): &(CameraId, Silhouette)| {
+        let camera = &rig.cameras[id.0];
+        let depth = (camera.camera_from_world * subject).z;
+        let (low, high) = silhouette.bounds;
+        let focal_px = 0.5 * (camera.intrinsics.fx_px + camera.intrinsics.fy_px);
+        (depth > 0.0).then(|| (high - low).max() * depth / focal_px)
+    };
+    frame.views.iter().filter_map(size).collect()
 }
 
 /// Longest side of the box around the mean body at rest.

@@ -7,11 +7,13 @@
 //! | `canvas.rs`  | [`Canvas`]: smooth lines and dots in a picture                      |
 //! | `raster.rs`  | [`Raster`]: which triangle of a mesh each sample of a picture sees  |
 //! | `shade.rs`   | [`shade`]: a shaded picture of a metaball body                      |
+//! | `outline.rs` | [`outline`]: its visible contours, the inner ones apart, with part and depth |
 //! | `overlay.rs` | [`overlay`]: a mask with the fitted outline and joints over it      |
 //!
 //! Nothing here is shared with the likelihoods: what is rendered here is what they are tested on.
 
 mod canvas;
+mod outline;
 mod overlay;
 mod profile;
 mod raster;
@@ -20,6 +22,7 @@ mod shade;
 pub mod stereo;
 
 pub use canvas::{Canvas, Pen, Rgb};
+pub use outline::{ModelOutline, OutlinePoint, outline};
 pub use overlay::overlay;
 pub use profile::{Bump, RayProfile};
 pub use raster::{Fragment, Raster};

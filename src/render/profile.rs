@@ -1,5 +1,9 @@
 //! The metaball field along a ray.
 
+use nalgebra::Vector3;
+
+use crate::body::metaball::Metaball;
+
 /// What one metaball adds to the field along a ray: w·exp(−½ k (t − t₀)²).
 ///
 /// On the ray o + t·r the distance d = (x − c)ᵀA⁻¹(x − c) is the parabola d₀ + a (t − t₀)², so
@@ -15,7 +19,21 @@ pub struct Bump {
 }
 
 impl Bump {
-    fn value(&self, t: f64) -> f64 {
+    /// What a metaball adds along o + t·r.
+    pub(super) fn on_ray(ball: &Metaball, origin: &Vector3<f64>, direction: &Vector3<f64>) -> Self {
+        let to = ball.ellipsoid.centre - origin;
+        let pull = ball.precision * to;
+        let a = direction.dot(&(ball.precision * direction));
+        let at = direction.dot(&pull) / a;
+        let nearest = to.dot(&pull) - a * at * at;
+        Self {
+            peak: (-2.0 * nearest).exp(),
+            at,
+            sharpness: 4.0 * a,
+        }
+    }
+
+    pub(super) fn value(&self, t: f64) -> f64 {
         self.peak * (-0.5 * self.sharpness * (t - self.at).powi(2)).exp()
     }
 }

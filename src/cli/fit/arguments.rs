@@ -1,16 +1,17 @@
 //! What `maquette fit` is told.
 
 use std::path::PathBuf;
-use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
 
 use crate::cli::error::CliError;
-use crate::cli::progress::Progress;
+use crate::cli::frame_range::FrameRange;
+use crate::cli::stereo::Method;
+use crate::cli::switches::Quiet;
 use crate::inference::search::Pruning;
 use crate::io::out_folder::Existing;
 use crate::likelihood::{EllipseOptions, Measure};
-use crate::pipeline::{FitError, FitOptions};
+use crate::pipeline::{FitError, FitOptions, FitTo};
 
 pub(in crate::cli) const ABOUT: &str = "\
 Fit a body to a recording: shape, motion and confidence.
@@ -26,6 +27,7 @@ Examples:
   maquette fit my-recording/sequence.toml --out out/me --overlays
   maquette fit my-recording --fps 50 --out out/me --resume        (go on after an interruption)
   maquette fit my-recording --fps 50 --out out/short --frames 100:300 --keyframe-every 10
+  maquette fit my-recording --fps 50 --out out/me --stereo        (cameras side by side: points too)
   maquette fit my-recording --fps 50 --out out/me --json --quiet  (for other programs)";
 
 /// Arguments of `maquette fit`.
@@ -57,6 +59,12 @@ pub(in crate::cli) struct FitArguments {
     /// Follow every proposed body to the end, also when it can no longer win
     #[arg(long)]
     no_pruning: bool,
+    /// Measure points on the person with cameras that stand side by side and fit to them too; they are kept in OUT/points
+    #[arg(long, value_enum, value_name = "METHOD", num_args = 0..=1, require_equals = true, default_missing_value = "matching")]
+    pub(super) stereo: Option<Method>,
+    /// What is fitted to
+    #[arg(long, value_enum, default_value_t = Fitted::All)]
+    fit_to: Fitted,
     /// Threads; the result does not depend on it [default: all cores]
     #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
     pub(super) threads: usize,
@@ -69,9 +77,8 @@ pub(in crate::cli) struct FitArguments {
     /// Replace the result in OUT when the new one is complete
     #[arg(long)]
     overwrite: bool,
-    /// Print nothing but errors
-    #[arg(long)]
-    pub(super) quiet: bool,
+    #[command(flatten)]
+    pub(super) quiet: Quiet,
     /// Print the summary as JSON
     #[arg(long)]
     pub(super) json: bool,
@@ -100,28 +107,17 @@ impl Likelihood {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Fitted {
+    /// Silhouettes, and points where there are any
+    All,
+    /// Points alone; masks only say where the person is
+    Points,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Switch {
     On,
     Off,
-}
-
-/// Frame numbers, both included.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::cli) struct FrameRange {
-    pub(in crate::cli) first: usize,
-    pub(in crate::cli) last: usize,
-}
-
-impl FromStr for FrameRange {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let parsed = text.split_once(':').and_then(|(first, last)| {
-            let (first, last) = (first.trim().parse().ok()?, last.trim().parse().ok()?);
-            (first <= last).then_some(Self { first, last })
-        });
-        parsed.ok_or_else(|| "expected FIRST:LAST, two frame numbers in order".into())
-    }
 }
 
 impl FitArguments {
@@ -131,6 +127,10 @@ impl FitArguments {
         if self.no_pruning {
             options.search.pruning = Pruning::Off;
         }
+        options.fit_to = match self.fit_to {
+            Fitted::All => FitTo::All,
+            Fitted::Points => FitTo::Points,
+        };
         options.measure = self.likelihood.map(Likelihood::measure);
         if self.likelihood == Some(Likelihood::Published) {
             options.likelihood.ellipses = EllipseOptions::published();
@@ -142,33 +142,15 @@ impl FitArguments {
         Ok(options)
     }
 
+    pub(super) fn fits_to_points(&self) -> bool {
+        self.fit_to == Fitted::Points
+    }
+
     pub(super) fn existing(&self) -> Existing {
         match (self.resume, self.overwrite) {
             (true, _) => Existing::Resume,
             (false, true) => Existing::Overwrite,
             (false, false) => Existing::Refuse,
-        }
-    }
-
-    pub(super) fn progress(&self) -> Progress {
-        if self.quiet {
-            Progress::Hidden
-        } else {
-            Progress::Shown
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_range_of_frames_is_two_numbers_in_order() {
-        let range = FrameRange { first: 3, last: 7 };
-        assert_eq!("3:7".parse(), Ok(range));
-        for text in ["7:3", "3", "3:", ":", "a:b", "-1:4"] {
-            assert!(text.parse::<FrameRange>().is_err(), "{text}");
         }
     }
 }

@@ -1,25 +1,31 @@
 //! Everything that `maquette fit` reads.
 
+use std::ops::Range;
 use std::path::Path;
 
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
-use super::arguments::{FitArguments, FrameRange};
+use super::arguments::FitArguments;
 use crate::body::BodyModel;
 use crate::cli::error::{CliError, one_line};
+use crate::cli::frame_range::{FrameRange, span};
 use crate::cli::progress::Progress;
-use crate::cli::{complain, segment};
+use crate::cli::stereo::{Method, Settings};
+use crate::cli::{self, complain, segment};
 use crate::io::frames::{Footage, FramesError};
 use crate::io::model;
 use crate::io::out_folder::{Existing, OutFolder, check_out};
-use crate::io::recording::{InputChecksum, Recording, RecordingError};
-use crate::io::segmented::Extras;
+use crate::io::recording::{InputChecksum, Made, Recording, RecordingError};
+use crate::io::segmented::{Extras, QUALITY};
+use crate::io::stereo;
 use crate::pipeline::{FitError, FitOptions, check_measure, check_scene};
 use crate::silhouette::FrameObservations;
 
 /// The body that is fitted when nobody names one.
 const DEFAULT_BODY: &str = "human-ellipsoids";
+/// And where there are points, which lie on a skin.
+const DEFAULT_BODY_OF_POINTS: &str = "human-metaballs";
 
 /// Everything that is read before anything is fitted.
 pub(super) struct Input {
@@ -37,8 +43,8 @@ pub(super) fn read(arguments: &FitArguments) -> Result<Input, CliError> {
     let mut recording = open(arguments)?;
     let (model, body) = body(arguments.body.as_deref(), &recording)?;
     check_measure(&model, options.measure)?;
-    let positions = positions(&recording, arguments.frames)?;
-    let observations = observe(&recording, &positions, &options, arguments.progress())?;
+    let positions = FrameRange::positions(arguments.frames, &recording.frames)?;
+    let observations = observe(&recording, positions, &options, arguments.quiet.progress())?;
     let notes = recording.notes_of_points(&observations);
     recording.notes.extend(notes);
     check_scene(&model, &recording.rig, &observations).map_err(FitError::from)?;
@@ -53,35 +59,84 @@ pub(super) fn read(arguments: &FitArguments) -> Result<Input, CliError> {
     })
 }
 
-/// The recording; where it has no masks but pictures, with masks made of them and kept in OUT.
+/// The recording; what it lacks is made of its pictures and kept in OUT: masks where there are none, points where asked for.
 fn open(arguments: &FitArguments) -> Result<Recording, CliError> {
     let (path, out) = (&arguments.recording, &arguments.out);
-    let fault = match Recording::open(path, arguments.fps) {
-        Err(fault @ (RecordingError::NoMasks { .. } | RecordingError::PointsOnly { .. })) => fault,
-        opened => return Ok(opened?),
+    let opened = match arguments.stereo {
+        // its points are what is to be measured
+        Some(_) => Recording::open_masks(path, arguments.fps),
+        None => Recording::open(path, arguments.fps),
     };
+    let given = match opened {
+        Err(fault @ RecordingError::NoMasks { .. }) => Err(fault),
+        opened => Ok(opened?),
+    };
+    let has_masks = given.as_ref().is_ok_and(Recording::has_masks);
+    let is_enough = |r: &Recording| r.has_masks() || arguments.fits_to_points() && r.has_points();
+    if arguments.stereo.is_none() && given.as_ref().is_ok_and(is_enough) {
+        return Ok(given?);
+    }
     let footage = match Footage::open(path, arguments.fps) {
-        Err(FramesError::NoPictures { .. }) => return Err(fault.into()),
+        Err(FramesError::NoPictures { .. }) if arguments.stereo.is_none() => return Ok(given?),
         opened => opened?,
     };
-    // quality.csv is written last: where it stands the masks are complete
-    let is_kept = arguments.existing() == Existing::Resume && out.join("quality.csv").is_file();
-    if !is_kept {
-        let range = segment::range(&footage, arguments.frames)?;
-        OutFolder::open(out)?;
-        let made = segment::masks(
-            &footage,
-            range,
-            out,
-            Extras::default(),
-            arguments.progress(),
-        );
-        let (_, notes) = made?;
-        for note in notes.iter().filter(|_| !arguments.quiet) {
-            complain("note", &one_line(note));
-        }
+    let mut made = Made {
+        masks: !has_masks,
+        points: false,
+    };
+    if made.masks {
+        cut(&footage, arguments)?;
     }
-    Ok(Recording::open_segmented(path, &footage, out)?)
+    if let Some(method) = arguments.stereo {
+        let masks = Recording::open_made(path, &footage, out, made)?;
+        measure(&footage, &masks, method, arguments)?;
+        made.points = true;
+    }
+    Ok(Recording::open_made(path, &footage, out, made)?)
+}
+
+/// Whether an earlier run that is continued has finished what it writes this table after.
+fn is_kept(arguments: &FitArguments, table: &str) -> bool {
+    arguments.existing() == Existing::Resume && arguments.out.join(table).is_file()
+}
+
+/// Makes the masks of the frames to be fitted.
+fn cut(footage: &Footage, arguments: &FitArguments) -> Result<(), CliError> {
+    if is_kept(arguments, QUALITY) {
+        return Ok(());
+    }
+    let (out, progress) = (&arguments.out, arguments.quiet.progress());
+    let frames = footage.frames();
+    let range = span(FrameRange::of(arguments.frames, &frames)?);
+    OutFolder::open(out)?;
+    let (_, notes) = segment::masks(footage, range, out, Extras::default(), progress)?;
+    tell(&notes, arguments);
+    Ok(())
+}
+
+/// Measures the points of the frames to be fitted, where the masks show the person.
+fn measure(
+    footage: &Footage,
+    masks: &Recording,
+    method: Method,
+    arguments: &FitArguments,
+) -> Result<(), CliError> {
+    if is_kept(arguments, stereo::TABLE) {
+        return Ok(());
+    }
+    let (out, progress) = (&arguments.out, arguments.quiet.progress());
+    let settings = Settings::of(method);
+    let frames = footage.frames();
+    let frames = FrameRange::of(arguments.frames, &frames)?;
+    let found = cli::stereo::measure((footage, Some(masks)), frames, out, &settings, progress)?;
+    tell(&found.notes, arguments);
+    Ok(())
+}
+
+fn tell(notes: &[String], arguments: &FitArguments) {
+    for note in notes.iter().filter(|_| !arguments.quiet.is_on()) {
+        complain("note", &one_line(note));
+    }
 }
 
 /// The body that was asked for, or that the recording names, and its fingerprint.
@@ -92,6 +147,7 @@ fn body(
     let (name, folder) = match (asked, recording.body.as_deref()) {
         (Some(name), _) => (name, Path::new("")),
         (None, Some(name)) => (name, recording.folder.as_path()),
+        (None, None) if recording.has_points() => (DEFAULT_BODY_OF_POINTS, Path::new("")),
         (None, None) => (DEFAULT_BODY, Path::new("")),
     };
     let (text, path) = model::text_of(name, folder)?;
@@ -100,38 +156,20 @@ fn body(
     Ok((model, checksum))
 }
 
-/// Positions of the frames to be fitted.
-fn positions(recording: &Recording, range: Option<FrameRange>) -> Result<Vec<usize>, CliError> {
-    let frames = &recording.frames;
-    let Some(range) = range else {
-        return Ok((0..frames.len()).collect());
-    };
-    let is_in = |i: &usize| (range.first..=range.last).contains(&frames[*i].0);
-    let positions: Vec<usize> = (0..frames.len()).filter(is_in).collect();
-    if positions.is_empty() {
-        return Err(CliError::NoFrames {
-            range: format!("{}:{}", range.first, range.last),
-            first: frames.first().map_or(0, |f| f.0),
-            last: frames.last().map_or(0, |f| f.0),
-        });
-    }
-    Ok(positions)
-}
-
 /// The silhouettes of the frames; masks are dropped as soon as they are traced.
 fn observe(
     recording: &Recording,
-    positions: &[usize],
+    positions: Range<usize>,
     options: &FitOptions,
     progress: Progress,
 ) -> Result<Vec<FrameObservations>, CliError> {
     let bar = progress.bar("reading masks", positions.len());
-    let load = |position: &usize| {
-        let observed = recording.load_frame(*position, &options.silhouettes);
+    let load = |position: usize| {
+        let observed = recording.load_frame(position, &options.silhouettes);
         bar.inc(1);
-        observed
+        observed.map(|observed| options.fit_to.of(observed))
     };
-    let loaded: Vec<Result<_, _>> = positions.par_iter().map(load).collect();
+    let loaded: Vec<Result<_, _>> = positions.into_par_iter().map(load).collect();
     bar.finish_and_clear();
     // the first fault in the order of the frames, whichever thread met one first
     Ok(loaded.into_iter().collect::<Result<_, _>>()?)

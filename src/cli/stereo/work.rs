@@ -1,14 +1,13 @@
 //! The frames of a run, one after another.
 
-use super::{Method, StereoArguments, TRACKED_FRAMES};
+use super::{Measured, Method, Settings, TRACKED_FRAMES};
 use crate::camera::CameraId;
 use crate::cli::error::CliError;
 use crate::cli::summary::counted;
-use crate::cli::{complain, print};
 use crate::image::{Mask, Picture, Plane, luma};
 use crate::io::frames::Footage;
 use crate::io::recording::Recording;
-use crate::io::stereo::StereoFolder;
+use crate::io::stereo::{MeasuredFrame, StereoFolder};
 use crate::render::stereo::{cloud_from_the_side, in_colour, vector_field};
 use crate::silhouette::FrameIndex;
 use crate::stereo::correlation::CorrelationOptions;
@@ -27,17 +26,16 @@ pub(super) struct Following {
 
 /// A run.
 pub(super) struct Work<'a> {
-    pub(super) arguments: &'a StereoArguments,
+    pub(super) settings: &'a Settings,
     pub(super) footage: &'a Footage,
     /// The template's camera first.
     pub(super) cameras: Vec<CameraId>,
-    pub(super) masks: Option<Recording>,
+    pub(super) masks: Option<&'a Recording>,
     pub(super) out: StereoFolder,
     pub(super) following: Option<Following>,
     pub(super) trajectories: Vec<Trajectory>,
-    pub(super) points: usize,
-    /// Frames without a point, and why.
-    pub(super) skipped: Vec<(usize, String)>,
+    /// The frames so far.
+    pub(super) frames: Vec<MeasuredFrame>,
 }
 
 impl Work<'_> {
@@ -46,22 +44,32 @@ impl Work<'_> {
         frame: FrameIndex,
         pictures: &[Option<Picture>],
     ) -> Result<(), CliError> {
-        let shown = match self.shown(frame, pictures) {
-            Ok(shown) => shown,
+        let (points, reason) = match self.shown(frame, pictures) {
+            Ok(shown) => {
+                let points = match self.settings.method {
+                    Method::Correlation => self.correlate(frame.0, &shown)?,
+                    Method::Matching => self.match_all(frame.0, shown)?,
+                };
+                let nothing = "nothing was matched: no texture, or the cameras do not see the same";
+                (
+                    points,
+                    if points == 0 {
+                        nothing.into()
+                    } else {
+                        String::new()
+                    },
+                )
+            }
             Err(reason) => {
-                self.skipped.push((frame.0, reason));
-                return self.end_tracks();
+                self.end_tracks()?;
+                (0, reason)
             }
         };
-        let found = match self.arguments.method {
-            Method::Correlation => self.correlate(frame.0, &shown)?,
-            Method::Matching => self.match_all(frame.0, shown)?,
-        };
-        if found == 0 {
-            let reason = "nothing was matched: no texture, or the cameras do not see the same";
-            self.skipped.push((frame.0, reason.into()));
-        }
-        self.points += found;
+        self.frames.push(MeasuredFrame {
+            frame: frame.0,
+            points,
+            reason,
+        });
         Ok(())
     }
 
@@ -85,7 +93,7 @@ impl Work<'_> {
     }
 
     fn mask(&self, camera: &str, frame: FrameIndex) -> Result<Option<Mask>, String> {
-        let Some(recording) = &self.masks else {
+        let Some(recording) = self.masks else {
             return Ok(None);
         };
         let Some((id, _)) = recording.rig.by_name(camera) else {
@@ -103,7 +111,7 @@ impl Work<'_> {
                 template,
                 other,
                 mask,
-                self.arguments.depth,
+                self.settings.depth,
                 &CorrelationOptions::default(),
             );
             let map = map.map_err(|e| CliError::Stereo(e.to_string()))?;
@@ -112,7 +120,7 @@ impl Work<'_> {
             let disparities = map.disparities.map(|d| (d - infinity as f32).abs());
             let name = format!("{frame:06}_{}", i + 1);
             self.out.disparity(&name, &disparities)?;
-            if self.arguments.pictures {
+            if self.settings.pictures {
                 self.out
                     .picture(&format!("disparity_{name}"), &in_colour(&disparities))?;
             }
@@ -130,13 +138,13 @@ impl Work<'_> {
         let found = found.map_err(|e| CliError::Stereo(e.to_string()))?;
         let disparities = disparities(template, others[0], &found.points);
         self.out.disparity(&format!("{frame:06}"), &disparities)?;
-        if self.arguments.pictures {
+        if self.settings.pictures {
             self.out
                 .picture(&format!("disparity_{frame:06}"), &in_colour(&disparities))?;
         }
         let points: Vec<CloudPoint> = found.points.iter().map(|point| point.point).collect();
         self.write_points(frame, template, &points)?;
-        if self.arguments.tracks {
+        if self.settings.tracks {
             self.follow(frame, shown, &found.points)?;
         }
         Ok(points.len())
@@ -144,12 +152,12 @@ impl Work<'_> {
 
     fn options(&self) -> MatchOptions {
         MatchOptions {
-            spacing_px: self.arguments.spacing,
+            spacing_px: self.settings.spacing,
             least_images: self
-                .arguments
+                .settings
                 .least_cameras
                 .unwrap_or(self.cameras.len() - 1),
-            depth: self.arguments.depth,
+            depth: self.settings.depth,
             ..MatchOptions::default()
         }
     }
@@ -161,7 +169,7 @@ impl Work<'_> {
         points: &[CloudPoint],
     ) -> Result<(), CliError> {
         self.out.points(frame, points)?;
-        if self.arguments.pictures {
+        if self.settings.pictures {
             let cloud = cloud_from_the_side(&template.camera, points);
             self.out.picture(&format!("cloud_{frame:06}"), &cloud)?;
         }
@@ -211,7 +219,7 @@ impl Work<'_> {
             return Ok(());
         };
         let filtered = filter(&tracker.finish(self.footage.fps), &FilterOptions::default());
-        if self.arguments.pictures {
+        if self.settings.pictures {
             let points: Vec<_> = filtered
                 .trajectories
                 .iter()
@@ -226,34 +234,27 @@ impl Work<'_> {
         Ok(())
     }
 
-    pub(super) fn finish(&mut self) -> Result<(), CliError> {
+    /// Writes what is written in the end.
+    pub(super) fn finish(mut self) -> Result<Measured, CliError> {
         self.end_tracks()?;
-        if self.arguments.tracks {
+        if self.settings.tracks {
             self.out.trajectories(&self.trajectories)?;
         }
-        Ok(())
+        self.out.table(&self.frames)?;
+        Ok(Measured {
+            notes: self.without_points().into_iter().collect(),
+            trajectories: self.settings.tracks.then_some(self.trajectories.len()),
+            frames: self.frames,
+        })
     }
 
-    pub(super) fn report(&self, frames: usize) {
-        if let Some((frame, reason)) = self.skipped.first() {
-            let count = counted(self.skipped.len(), "frame");
-            complain(
-                "note",
-                &format!("{count} without points, frame {frame} first: {reason}"),
-            );
-        }
-        let out = self.arguments.out.display();
-        let points = self.points / frames.max(1);
-        print(&format!(
-            "{out}: {}, {points} points each\n",
-            counted(frames, "frame")
-        ));
-        if self.arguments.tracks {
-            print(&format!(
-                "{out}/trajectories.csv: {} trajectories\n",
-                self.trajectories.len()
-            ));
-        }
+    fn without_points(&self) -> Option<String> {
+        let mut without = self.frames.iter().filter(|frame| frame.points == 0);
+        let MeasuredFrame { frame, reason, .. } = without.next()?;
+        let count = counted(1 + without.count(), "frame");
+        Some(format!(
+            "{count} without points, frame {frame} first: {reason}"
+        ))
     }
 }
 

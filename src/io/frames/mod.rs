@@ -30,6 +30,7 @@ use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use crate::camera::{CameraId, Rig};
+use crate::io::calibration::Up;
 use crate::silhouette::FrameIndex;
 
 pub use error::FramesError;
@@ -50,6 +51,8 @@ pub struct Footage {
     pub notes: Vec<FramesNote>,
     /// The folder that the manifest's paths are relative to.
     pub folder: PathBuf,
+    /// Which axis of the files' world points up.
+    pub up: Up,
 }
 
 /// What one camera recorded.
@@ -78,6 +81,15 @@ pub enum Source {
 }
 
 impl CameraFootage {
+    /// Every file that it is read from: the pictures, and the empty scene.
+    pub fn paths(&self) -> Vec<&PathBuf> {
+        let pictures: Vec<&PathBuf> = match &self.source {
+            Source::Images(files) => files.values().collect(),
+            Source::Video { path, .. } => vec![path],
+        };
+        pictures.into_iter().chain(&self.background).collect()
+    }
+
     /// The frames of which there should be a picture, ascending.
     pub fn frames(&self) -> Vec<FrameIndex> {
         let numbers: Vec<u64> = match &self.source {

@@ -50,6 +50,7 @@ pub(super) fn open(path: &Path, fps: Option<f64>) -> Result<Footage, FramesError
         cameras: footage,
         notes,
         folder,
+        up: manifest.up,
     })
 }
 

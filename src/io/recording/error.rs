@@ -56,15 +56,6 @@ pub enum RecordingError {
         /// The recording.
         path: PathBuf,
     },
-    /// Points and no masks.
-    #[error(
-        "{}: points but no masks: points alone do not show where a search begins, so masks of at least two cameras are needed in one frame at least",
-        path.display()
-    )]
-    PointsOnly {
-        /// The recording.
-        path: PathBuf,
-    },
     /// A camera's masks were promised and are not there.
     #[error("camera {camera}: no mask at {}", pattern.display())]
     MissingMasks {

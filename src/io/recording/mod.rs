@@ -32,7 +32,7 @@ pub use points::{MOST_POINTS, ScaleFault};
 pub struct Recording {
     /// Frames per second.
     pub fps: f64,
-    /// The cameras that have masks, in the order of the manifest.
+    /// The cameras that have masks, or all where none has, in the order of the manifest.
     pub rig: Rig,
     /// The frames of which at least one camera has a mask, or that have points, ascending.
     pub frames: Vec<FrameIndex>,
@@ -49,6 +49,37 @@ pub struct Recording {
     /// Frame → mask, for each camera of the rig.
     masks: Vec<BTreeMap<FrameIndex, PathBuf>>,
     points: points::PointFiles,
+    /// What masks or points were made of: each camera's pictures.
+    pictures: Vec<(String, Vec<PathBuf>)>,
+}
+
+/// What was made of a recording's pictures.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Made {
+    /// Its masks.
+    pub masks: bool,
+    /// Its points.
+    pub points: bool,
+}
+
+/// Where a recording's files are.
+#[derive(Clone, Debug, Default)]
+struct Sources {
+    /// The cameras; where `None` as the manifest or the folder has them.
+    cameras: Option<Vec<CameraFiles>>,
+    points: Points,
+}
+
+/// Where a recording's points are.
+#[derive(Clone, Debug, Default)]
+enum Points {
+    /// Where the manifest or the folder has them.
+    #[default]
+    Manifest,
+    /// In this folder, in metres.
+    Folder(PathBuf),
+    /// Not wanted.
+    None,
 }
 
 /// Frames of which one camera has no mask, others have.
@@ -60,10 +91,10 @@ pub struct Missing {
     pub frames: Vec<FrameIndex>,
 }
 
-/// Fingerprint of one input: a file, all masks of a camera, or all points.
+/// Fingerprint of one input: a file, all masks or pictures of a camera, or all points.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InputChecksum {
-    /// Path of the file relative to the recording's folder (of a file elsewhere its name and that of its folder), `masks of <camera>`, or `points`.
+    /// Path of the file relative to the recording's folder (of a file elsewhere its name and that of its folder), `masks of <camera>`, `points`, or `pictures of <camera>`, the empty scene included.
     pub input: String,
     /// Number of files.
     pub files: usize,
@@ -92,17 +123,31 @@ impl Recording {
     /// # Errors
     /// [`RecordingError`] if something is missing, contradictory, or cannot be read.
     pub fn open(path: &Path, fps: Option<f64>) -> Result<Self, RecordingError> {
-        open::open(path, fps, None)
+        open::open(path, fps, &Sources::default())
     }
 
-    /// Opens a recording whose masks were made of its pictures: those in `masks/<camera>/` of another folder.
+    /// Opens a recording without its points.
     ///
     /// # Errors
     /// As [`Recording::open`].
-    pub fn open_segmented(
+    pub fn open_masks(path: &Path, fps: Option<f64>) -> Result<Self, RecordingError> {
+        let sources = Sources {
+            points: Points::None,
+            ..Sources::default()
+        };
+        open::open(path, fps, &sources)
+    }
+
+    /// Opens a recording of which some was made of its pictures: that lies in `masks/<camera>/` and
+    /// `points/` of another folder.
+    ///
+    /// # Errors
+    /// As [`Recording::open`].
+    pub fn open_made(
         path: &Path,
         footage: &Footage,
         folder: &Path,
+        made: Made,
     ) -> Result<Self, RecordingError> {
         // the other paths of a recording are relative to its own folder
         let folder = std::path::absolute(folder).unwrap_or_else(|_| folder.into());
@@ -112,8 +157,31 @@ impl Recording {
             masks: Some(masks(name).display().to_string()),
             ..CameraFiles::default()
         };
-        let cameras = footage.rig.names().map(camera).collect();
-        open::open(path, Some(footage.fps), Some(cameras))
+        let sources = Sources {
+            cameras: made
+                .masks
+                .then(|| footage.rig.names().map(camera).collect()),
+            points: match made.points {
+                true => Points::Folder(folder.join("points")),
+                false => Points::Manifest,
+            },
+        };
+        let mut recording = open::open(path, Some(footage.fps), &sources)?;
+        let pictures = footage.rig.names().zip(&footage.cameras);
+        recording.pictures = pictures
+            .map(|(name, camera)| (name.into(), camera.paths().into_iter().cloned().collect()))
+            .collect();
+        Ok(recording)
+    }
+
+    /// Whether a camera has masks.
+    pub fn has_masks(&self) -> bool {
+        self.masks.iter().any(|masks| !masks.is_empty())
+    }
+
+    /// Whether a frame has points.
+    pub fn has_points(&self) -> bool {
+        self.points.frames().next().is_some()
     }
 
     /// The silhouettes and points of the frame at `position` in [`Recording::frames`].
@@ -188,8 +256,8 @@ impl Recording {
         name.collect::<PathBuf>().display().to_string()
     }
 
-    /// Fingerprints of everything that the recording is read from: manifest, calibration, each camera's masks, then the
-    /// points.
+    /// Fingerprints of everything that the recording is read from: manifest, calibration, each camera's masks, the
+    /// points, and the pictures that these were made of.
     ///
     /// # Errors
     /// [`RecordingError::Checksum`] for a file that cannot be read.
@@ -202,12 +270,17 @@ impl Recording {
                 blake3: checksum(path)?.to_string(),
             });
         }
-        for (camera, masks) in self.rig.cameras.iter().zip(&self.masks) {
+        let with_masks = self.rig.cameras.iter().zip(&self.masks);
+        for (camera, masks) in with_masks.filter(|(_, masks)| !masks.is_empty()) {
             let input = format!("masks of {}", camera.name);
             checksums.push(checksum_of_all(input, masks.values())?);
         }
-        if self.points.frames().next().is_some() {
+        if self.has_points() {
             checksums.push(checksum_of_all("points".into(), self.points.paths())?);
+        }
+        for (camera, pictures) in &self.pictures {
+            let input = format!("pictures of {camera}");
+            checksums.push(checksum_of_all(input, pictures.iter())?);
         }
         Ok(checksums)
     }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::numbered_files::{self, NumberedFiles, Wanted};
 use super::points::PointFiles;
-use super::{Missing, Note, Recording, RecordingError, layout, mask_image};
+use super::{Missing, Note, Points, Recording, RecordingError, Sources, layout, mask_image};
 use crate::camera::{CameraId, Rig};
 use crate::io::calibration::{self, CalibrationOptions};
 use crate::io::manifest::{CameraFiles, Manifest};
@@ -15,30 +15,32 @@ use crate::silhouette::FrameIndex;
 pub(super) fn open(
     path: &Path,
     fps: Option<f64>,
-    masks_elsewhere: Option<Vec<CameraFiles>>,
+    elsewhere: &Sources,
 ) -> Result<Recording, RecordingError> {
     let (folder, manifest_path) = layout::locate(path)?;
     let mut manifest = match &manifest_path {
         Some(path) => Manifest::read(path)?,
         None => Manifest::default(),
     };
-    if let Some(cameras) = masks_elsewhere {
-        manifest.cameras = cameras;
-    }
+    take(&mut manifest, elsewhere);
     let mut notes = Vec::new();
     let sources = layout::calibration_paths(&folder, manifest.calibration.as_ref());
     let masks = masks_of_cameras(path, &folder, &manifest, &mut notes)?;
     let (rig, masks) = calibrate(path, &manifest, masks, &sources, &mut notes)?;
     let fps = frame_rate(fps.or(manifest.fps), path)?;
-    let masks: Vec<_> = masks
+    let mut masks: Vec<_> = masks
         .iter()
         .map(|(camera, files)| by_frame(camera, files, fps, &mut notes))
         .collect();
-    let points = PointFiles::find(&folder, &manifest, &rig, &mut notes)?;
+    masks.resize_with(rig.cameras.len(), BTreeMap::new);
+    let points = match elsewhere.points {
+        Points::None => PointFiles::default(),
+        _ => PointFiles::find(&folder, &manifest, &rig, &mut notes)?,
+    };
     let (frames, missing) = frames_and_missing(&masks, &points);
     notes.extend(points.missing(frames.len()));
     let views = |frame: &FrameIndex| masks.iter().filter(|m| m.contains_key(frame)).count();
-    if !frames.iter().any(|frame| views(frame) > 1) {
+    if masks.iter().any(|m| !m.is_empty()) && !frames.iter().any(|frame| views(frame) > 1) {
         notes.push(Note::NoCommonFrame);
     }
     let sources = sources
@@ -55,7 +57,19 @@ pub(super) fn open(
         descriptions: manifest_path.iter().cloned().chain(sources).collect(),
         masks,
         points,
+        pictures: Vec::new(),
     })
+}
+
+/// Puts what lies elsewhere into the manifest.
+fn take(manifest: &mut Manifest, elsewhere: &Sources) {
+    if let Some(cameras) = &elsewhere.cameras {
+        manifest.cameras.clone_from(cameras);
+    }
+    if let Points::Folder(folder) = &elsewhere.points {
+        manifest.points = Some(folder.display().to_string());
+        manifest.points_unit = None;
+    }
 }
 
 fn frame_rate(fps: Option<f64>, path: &Path) -> Result<f64, RecordingError> {
@@ -66,7 +80,7 @@ fn frame_rate(fps: Option<f64>, path: &Path) -> Result<f64, RecordingError> {
     }
 }
 
-/// The cameras of the manifest, or of the folder where it lists none, that have masks.
+/// The cameras of the manifest, or of the folder where it lists none, that have masks; none where there are points alone.
 fn cameras_with_masks(
     path: &Path,
     folder: &Path,
@@ -82,7 +96,7 @@ fn cameras_with_masks(
         .into_iter()
         .partition(|camera| camera.masks.is_some());
     if with.is_empty() && PointFiles::are_promised(folder, manifest) {
-        return Err(RecordingError::PointsOnly { path: path.into() });
+        return Ok(Vec::new());
     }
     if with.is_empty() {
         return Err(RecordingError::NoMasks { path: path.into() });
@@ -161,6 +175,9 @@ fn calibrate(
         [(_, source)] => source,
         _ => path,
     };
+    if masks.is_empty() {
+        return Ok((all_cameras(&calibrated, manifest, source)?, masks));
+    }
     let names: Vec<&str> = masks
         .iter()
         .map(|(camera, _)| camera.name.as_str())
@@ -173,6 +190,19 @@ fn calibrate(
         }),
         _ => Ok((rig, masks)),
     }
+}
+
+/// The cameras of the manifest, or of the calibration where it lists none: what looks at points without masks.
+fn all_cameras(
+    calibrated: &Rig,
+    manifest: &Manifest,
+    source: &Path,
+) -> Result<Rig, RecordingError> {
+    let names: Vec<&str> = match manifest.cameras.as_slice() {
+        [] => calibrated.names().collect(),
+        cameras => cameras.iter().map(|camera| camera.name.as_str()).collect(),
+    };
+    Ok(calibration::select(calibrated, source, &names)?)
 }
 
 /// Width and height of each camera's first mask, where that can be read.
@@ -255,7 +285,8 @@ fn frames_and_missing(
     let masked = masks.iter().flat_map(|m| m.keys().copied());
     let frames: BTreeSet<FrameIndex> = masked.chain(points.frames()).collect();
     let frames: Vec<FrameIndex> = frames.into_iter().collect();
-    let missing = masks.iter().enumerate().filter_map(|(i, masks)| {
+    let with_masks = masks.iter().enumerate().filter(|(_, m)| !m.is_empty());
+    let missing = with_masks.filter_map(|(i, masks)| {
         let lacking = frames
             .iter()
             .copied()

@@ -111,7 +111,7 @@ impl View {
 }
 
 /// The clouds of a recording: which frames have one, and how their numbers become metres of the world.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct PointFiles {
     of_frame: BTreeMap<FrameIndex, PathBuf>,
     in_metres: f64,

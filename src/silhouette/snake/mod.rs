@@ -54,8 +54,10 @@ pub struct SnakeOptions {
     pub time_step: f64,
     /// h: distance of neighbouring points, px. Default 2.
     pub spacing_px: f64,
-    /// How far edges are looked for on either side, px. Default 8.
+    /// How far from where it is edges are looked for on either side, px. Default 8.
     pub search_px: f64,
+    /// ρ: standard deviation of the border about where it is expected, px. Default 4.
+    pub prior_px: f64,
     /// g₀: the edge that counts half, grey levels per pixel. Default 5.
     pub edge: f64,
     /// At rest when no point moves farther in a step, px. Default 0.05.
@@ -76,6 +78,7 @@ impl Default for SnakeOptions {
             time_step: 1.0,
             spacing_px: 2.0,
             search_px: 8.0,
+            prior_px: 4.0,
             edge: 5.0,
             rest_px: 0.05,
             most_steps: 60,
@@ -225,7 +228,7 @@ impl Snake {
             Rest::Expected => &self.expected[i],
             Rest::Straight => &self.points[i],
         };
-        let rho = 0.5 * self.options.search_px;
+        let rho = self.options.prior_px;
         (-0.5 * (place - from).norm_squared() / (rho * rho)).exp()
     }
 
@@ -267,7 +270,7 @@ impl Snake {
         let there = gradient.at(&self.points[i], &expected);
         let g = there.norm();
         let cosine = there.dot(&expected) / g.max(f64::MIN_POSITIVE);
-        let rho = 0.5 * self.options.search_px;
+        let rho = self.options.prior_px;
         let off = (self.points[i] - self.expected[i]).norm_squared() / (rho * rho);
         g / (g + self.options.edge) * cosine * cosine * (-0.5 * off).exp()
     }

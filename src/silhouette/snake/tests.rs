@@ -208,6 +208,10 @@ fn every_option_can_be_noticed() {
             ..usual
         },
         SnakeOptions {
+            prior_px: 1.0,
+            ..usual
+        },
+        SnakeOptions {
             edge: 500.0,
             ..usual
         },

@@ -47,7 +47,7 @@ const FLOOR: f64 = -0.12;
 /// Depth of the back wall, metres behind the person.
 const WALL: f64 = 2.3;
 /// Length and width of the belt, metres.
-const BELT: [f64; 2] = [1.8, 0.7];
+const BELT: [f64; 2] = [1.8, 1.5];
 
 impl Room {
     /// Furniture beside the person at their own depth, out of the reach of their arms, and close behind them.
@@ -172,7 +172,7 @@ fn beside(side: f64, rng: &mut impl Rng) -> Vec<Thing> {
     let (depth, width) = (rng.random_range(0.25..0.4), rng.random_range(0.3..0.5));
     let low = from_floor(
         rng.random_range(-0.35..0.05),
-        side * rng.random_range(1.0..1.15),
+        side * rng.random_range(1.3..1.4),
     );
     let high = low + Vector3::new(depth, side * width, rng.random_range(0.9..1.7));
     let turn = rng.random_range(-0.15..0.15);
@@ -201,7 +201,7 @@ fn beside(side: f64, rng: &mut impl Rng) -> Vec<Thing> {
     let height = rng.random_range(1.0..1.6);
     let foot = from_floor(
         rng.random_range(-0.7..-0.45),
-        side * rng.random_range(0.85..1.0),
+        side * rng.random_range(0.9..1.2),
     );
     if rng.random_range(0.0..1.0) < 0.7 {
         all.extend(Thing::plant(foot, height, rng));

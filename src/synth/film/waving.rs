@@ -15,8 +15,8 @@ pub(super) struct Waving {
     pub(super) heading: f64,
     /// Greatest turn out of the heading, rad, and turns back and forth in a second.
     turn: [f64; 2],
-    /// Greatest way from the middle of the belt along x and y, metres.
-    wander: [f64; 2],
+    /// Greatest way from the middle of the belt along x and y, metres, and ways to and fro along y in a second.
+    wander: [f64; 3],
 }
 
 /// One arm is lifted, waves, and is lowered again.
@@ -53,7 +53,11 @@ impl Waving {
             arms: [0.0, 0.4].map(|later| Arm::drawn(begin + later, rng)),
             heading: rng.random_range(-0.7..0.7),
             turn: [rng.random_range(0.2..0.4), rng.random_range(0.06..0.12)],
-            wander: [rng.random_range(0.05..0.12), rng.random_range(0.08..0.15)],
+            wander: [
+                rng.random_range(0.05..0.12),
+                rng.random_range(0.35..0.45),
+                rng.random_range(0.085..0.12),
+            ],
         }
     }
 
@@ -87,10 +91,10 @@ impl Waving {
         let angle = self.heading + most * (TAU * hertz * time).sin();
         let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), angle);
         motion.world_from_root = turn * motion.world_from_root;
-        let [x, y] = self.wander;
+        let [x, y, hertz] = self.wander;
         let wander = Vector3::new(
             x * (TAU * 0.11 * time).sin(),
-            y * (TAU * 0.07 * time).sin(),
+            y * (TAU * hertz * time).sin(),
             0.0,
         );
         motion.position_world = turn * motion.position_world + wander;
