@@ -1,11 +1,12 @@
-//! PF02 Figs. 3, 4, 6: silhouettes of a person who walks and waves before clutter, by the simple and by the joint pipeline.
+//! PF02 Figs. 3 to 6: silhouettes of a person who walks and waves before clutter, by the simple and by the joint pipeline.
 //!
 //! Two sequences of 300 frames, photographed by three cameras side by side (`maquette synth --clutter`), each given to
 //! `maquette silhouettes` with both pipelines. A frame is in error where, in any camera, the overlap with the true mask is less
-//! than 0.9 or the contour is more than 4 px off on average. `--quick`: 40 frames of the first sequence.
+//! than 0.9 or the contour is more than 4 px off on average. `--quick`: the first six seconds of the first sequence, every other frame.
 
 mod pictures;
 mod sequence;
+mod stages;
 
 use std::error::Error;
 use std::process::ExitCode;
@@ -18,23 +19,30 @@ use sequence::{PIPELINES, Sequence, Traced};
 /// Anything that ends the experiment.
 type Fault = Box<dyn Error>;
 
-const FRAMES: usize = 300;
-const QUICK_FRAMES: usize = 40;
+/// Frames, and frames per second.
+const FULL: (usize, f64) = (300, 25.0);
+const QUICK: (usize, f64) = (75, 12.5);
+/// The frame whose stages are shown.
+const STAGED: usize = 20;
 
 fn main() -> Result<ExitCode, Fault> {
     let mut run = Run::start("pf02_clutter");
-    let (sequences, frames) = if run.is_quick() {
-        (1, QUICK_FRAMES)
+    let (sequences, length) = if run.is_quick() {
+        (1, QUICK)
     } else {
-        (2, FRAMES)
+        (2, FULL)
     };
-    run.setting("frames", frames);
+    run.setting("frames", length.0);
+    run.setting("fps", length.1);
     run.setting("sequences", sequences);
-    let mut all = Vec::new();
+    let mut all: Vec<(Sequence, Vec<Traced>)> = Vec::new();
     for number in 0..sequences {
         let folder = run.folder().join(format!("sequence_{}", number + 1));
         let seed = run.seed() + number;
-        let sequence = Sequence::photographed(seed, frames, &folder)?;
+        let sequence = Sequence::photographed(seed, length, &folder)?;
+        if all.is_empty() {
+            run.photograph("stages", &stages::stages(&sequence, STAGED)?)?;
+        }
         let mut traced = Vec::new();
         for pipeline in PIPELINES {
             traced.push(sequence.traced(pipeline)?);

@@ -24,7 +24,7 @@ pub(crate) const CENTRE: usize = 1;
 
 /// A recording with its truth.
 pub(crate) struct Sequence {
-    film: Filmed,
+    pub(crate) film: Filmed,
     folder: PathBuf,
 }
 
@@ -39,11 +39,16 @@ pub(crate) struct Traced {
 
 impl Sequence {
     /// Makes a recording and writes it into `folder`, over what was there.
-    pub(crate) fn photographed(seed: u64, frames: usize, folder: &Path) -> Result<Self, Fault> {
+    pub(crate) fn photographed(
+        seed: u64,
+        (frames, fps): (usize, f64),
+        folder: &Path,
+    ) -> Result<Self, Fault> {
         let body = model::load("walker-metaballs", Path::new(""))?;
         let recipe = FilmRecipe {
             seed,
             frames,
+            fps,
             ..FilmRecipe::default()
         };
         let film = recipe.filmed(&body)?;
@@ -66,6 +71,7 @@ impl Sequence {
             "maquette",
             "silhouettes",
             "--overwrite",
+            "--quiet",
             "--pipeline",
             pipeline,
             "--out",
