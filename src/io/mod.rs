@@ -16,6 +16,7 @@ mod png;
 pub mod recording;
 pub mod result;
 pub mod segmented;
+pub mod silhouettes;
 pub mod stereo;
 pub mod synthetic;
 pub mod trc;

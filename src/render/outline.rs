@@ -26,6 +26,8 @@ const INWARDS_PX: f64 = 1.0;
 const OUTWARDS_PX: f64 = 1.5;
 /// A limb is before another if its middle is so much nearer, m: half of a forearm's and half of a trunk's thickness meet at about 0.15.
 const BEFORE_M: f64 = 0.08;
+/// What a metaball at most adds to F on a line of sight that it has no say on.
+const NEGLIGIBLE: f64 = 1e-4;
 /// Inner contours of fewer points are left out.
 const SHORTEST: usize = 8;
 
@@ -122,17 +124,20 @@ impl Sight<'_> {
         let bumps = balls
             .iter()
             .map(|&i| Bump::on_ray(&self.field.metaballs[i], &origin, &direction));
-        let profile = RayProfile {
-            bumps: bumps.collect(),
-        };
+        let (near, bumps): (Vec<usize>, Vec<Bump>) = balls
+            .iter()
+            .zip(bumps)
+            .filter(|(_, bump)| bump.peak > NEGLIGIBLE)
+            .unzip();
+        let profile = RayProfile { bumps };
         let (depth_m, value) = profile.summit()?;
         let share = |k: &usize| profile.bumps[*k].value(depth_m);
-        let heaviest = (0..balls.len()).max_by(|a, b| share(a).total_cmp(&share(b)))?;
+        let heaviest = (0..near.len()).max_by(|a, b| share(a).total_cmp(&share(b)))?;
         Some(Summit {
             limb,
             depth_m,
             value,
-            metaball: balls[heaviest],
+            metaball: near[heaviest],
         })
     }
 

@@ -54,10 +54,14 @@ impl RayProfile {
         self.bumps.iter().map(|b| b.value(t)).sum()
     }
 
-    /// Where on t ≥ 0 F is largest, and its value there; `None` without a bump.
+    /// Where on t ≥ 0 F is largest, and its value there: the climb from the highest of the bumps' own summits; `None` without a bump.
     pub fn summit(&self) -> Option<(f64, f64)> {
-        let climbed = self.bumps.iter().map(|b| self.climb(b, f64::INFINITY));
-        climbed.max_by(|a, b| a.1.total_cmp(&b.1))
+        let start = |b: &&Bump| self.value(b.at.max(0.0));
+        let highest = self
+            .bumps
+            .iter()
+            .max_by(|a, b| start(a).total_cmp(&start(b)))?;
+        Some(self.climb(highest, f64::INFINITY))
     }
 
     /// Whether F reaches `level` anywhere on t ≥ 0.

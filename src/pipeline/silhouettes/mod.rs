@@ -41,7 +41,7 @@ pub struct ContourOptions {
     pub wide_px: f64,
     /// σ of the scale at which they are measured, px. Default 1.2: noise of one pixel is gone.
     pub narrow_px: f64,
-    /// Edges stronger than this share of those on the mask are strong (hysteresis). Default 0.7.
+    /// Edges stronger than this share of those on the mask are strong (hysteresis). Default 0.5.
     pub strong: f64,
     /// Edges of this share of a strong one count beside one. Default 0.4, as Canny's two to three to one.
     pub weak: f32,
@@ -55,7 +55,7 @@ pub struct ContourOptions {
     pub reach_px: u8,
     /// How far from the expected outline edges are looked for, m. Default 0.06.
     pub search_m: f64,
-    /// Standard deviation of the border about the expected outline, m. Default 0.025.
+    /// Standard deviation of the border about the expected outline, m. Default 0.02.
     pub prior_m: f64,
     /// Length over which displacements are smoothed (√α), m. Default 0.012.
     pub tension_m: f64,
@@ -74,14 +74,14 @@ impl Default for ContourOptions {
         Self {
             wide_px: 2.5,
             narrow_px: 1.2,
-            strong: 0.7,
+            strong: 0.5,
             weak: 0.4,
             flattest: 2.0,
             volume_m: 0.15,
             clean_px: 3,
             reach_px: 4,
             search_m: 0.06,
-            prior_m: 0.025,
+            prior_m: 0.02,
             tension_m: 0.012,
             stiffness_m: 0.018,
             spacing_m: 0.01,

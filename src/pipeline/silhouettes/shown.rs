@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::camera::Rig;
+use crate::camera::{CameraId, Rig};
 use crate::image::{Picture, Plane, luma};
 use crate::stereo::correlation::CorrelationOptions;
 use crate::stereo::{CloudPoint, DepthMap, View, ViewError, depth_map, neighbour};
@@ -52,15 +52,17 @@ impl ShownFrame {
     ///
     /// Without a mask, and of all depths that a shift of a third of the image allows.
     pub fn depths(&self, rig: &Rig) -> Vec<Option<DepthMap>> {
-        let cameras: Vec<_> = rig.iter().map(|(id, _)| id).collect();
-        let view = |i: usize| self.views.get(i)?.as_ref();
-        let of = |id: &crate::camera::CameraId| {
-            let (first, second) = (view(id.0)?, view(neighbour(rig, *id)?.0)?);
-            let options = CorrelationOptions::default();
-            // a pair that cannot be correlated has no depth
-            depth_map(&first.grey, &second.grey, None, None, &options).ok()
-        };
-        cameras.par_iter().map(of).collect()
+        let cameras: Vec<CameraId> = rig.iter().map(|(id, _)| id).collect();
+        cameras.par_iter().map(|id| self.depth(rig, *id)).collect()
+    }
+
+    /// That of one camera.
+    pub fn depth(&self, rig: &Rig, camera: CameraId) -> Option<DepthMap> {
+        let view = |id: CameraId| self.views.get(id.0)?.as_ref();
+        let (first, second) = (view(camera)?, view(neighbour(rig, camera)?)?);
+        let options = CorrelationOptions::default();
+        // a pair that cannot be correlated has no depth
+        depth_map(&first.grey, &second.grey, None, None, &options).ok()
     }
 }
 

@@ -2,10 +2,10 @@
 //!
 //! A curve x(s) minimises
 //!
-//! E = ½ ∫ α‖d′‖² + β‖d″‖² ds + ½ ∫ w ‖x − e‖² ds,   d = x − x⁰,
+//! E = ½ ∫ α‖d′‖² + β‖d″‖² ds + ½ ∫ w ‖x − e‖² + (1 − w) κ ‖d‖² ds,   d = x − x⁰,
 //!
-//! with e the strongest edge of the filtered gradient G on the curve's normal, and w = g/(g + g₀) for an edge that changes
-//! by g = |G·n| across it: the external energy. Among the edges on a normal the strongest counts, weighed by how far it is
+//! with e the strongest edge of the filtered gradient G on the curve's normal: the external energy. An edge that changes by
+//! g = |G·n| across it weighs w = g/(g + g₀)·exp(−½(‖e − x⁰‖/ρ)²); where there is none, the model's outline holds the curve by κ. Among the edges on a normal the strongest counts, weighed by how far it is
 //! from where the contour is expected: g·exp(−½(‖x − x⁰‖/ρ)²), ρ = ½ of the search range. √α and ⁴√β are lengths: over
 //! them the edges' displacements are smoothed, and over them gaps without an edge are bridged.
 //!
@@ -58,6 +58,8 @@ pub struct SnakeOptions {
     pub search_px: f64,
     /// ρ: standard deviation of the border about where it is expected, px. Default 4.
     pub prior_px: f64,
+    /// κ: how much where it is expected weighs against a sure edge, where there is no edge; not without [`Rest::Expected`]. Default 0.1.
+    pub hold: f64,
     /// g₀: the edge that counts half, grey levels per pixel. Default 5.
     pub edge: f64,
     /// At rest when no point moves farther in a step, px. Default 0.05.
@@ -79,6 +81,7 @@ impl Default for SnakeOptions {
             spacing_px: 2.0,
             search_px: 8.0,
             prior_px: 4.0,
+            hold: 0.1,
             edge: 5.0,
             rest_px: 0.05,
             most_steps: 60,
@@ -206,8 +209,12 @@ impl Snake {
             (0, 0.0),
             |best, next| if next.1 > best.1 { next } else { best },
         );
+        let home = match self.options.rest {
+            Rest::Expected => (self.expected[i] - self.points[i]) * self.options.hold,
+            Rest::Straight => Vector2::zeros(),
+        };
         if best.1 <= 0.0 {
-            return Vector2::zeros();
+            return home;
         }
         // between the pixels: the summit of the parabola through three of them
         let at = f64::from(best.0);
@@ -219,7 +226,9 @@ impl Snake {
             0.0
         };
         let g = change(at + offset);
-        normal * ((at + offset) * g / (g + self.options.edge))
+        let to = normal * (at + offset);
+        let weight = g / (g + self.options.edge) * self.nearness(i, &(self.points[i] + to));
+        to * weight + home * (1.0 - weight)
     }
 
     /// exp(−½(‖x − x⁰‖/ρ)²); without an expected shape, from where the curve is.

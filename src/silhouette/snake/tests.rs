@@ -211,6 +211,7 @@ fn every_option_can_be_noticed() {
             prior_px: 1.0,
             ..usual
         },
+        SnakeOptions { hold: 0.9, ..usual },
         SnakeOptions {
             edge: 500.0,
             ..usual
