@@ -14,7 +14,7 @@ use std::time::Instant;
 
 use clap::Parser;
 use image::codecs::jpeg::JpegEncoder;
-use image::{ExtendedColorType, ImageEncoder};
+use image::{ExtendedColorType, ImageEncoder, ImageError};
 use maquette::image::Picture;
 use serde::Serialize;
 
@@ -157,24 +157,22 @@ impl Run {
         Ok(())
     }
 
-    /// Writes a photograph as JPEG, with `--docs` into the documentation too.
+    /// Writes a photograph as JPEG, as good as fits into 300 kB, with `--docs` into the documentation too.
     ///
     /// # Errors
     /// [`RunError::Write`].
     pub fn photograph(&self, name: &str, picture: &Picture) -> Result<(), RunError> {
-        let mut bytes = Vec::new();
-        let size = (picture.width() as u32, picture.height() as u32);
-        let encoded = JpegEncoder::new_with_quality(&mut bytes, 85).write_image(
-            picture.values().as_flattened(),
-            size.0,
-            size.1,
-            ExtendedColorType::Rgb8,
-        );
         let path = self.folder().join(format!("{name}.jpg"));
-        encoded.map_err(|fault| RunError::Write {
-            path: path.clone(),
-            source: io::Error::other(fault),
-        })?;
+        let mut bytes = Vec::new();
+        for quality in [90, 80, 70, 60, 50, 40] {
+            bytes = jpeg(picture, quality).map_err(|fault| RunError::Write {
+                path: path.clone(),
+                source: io::Error::other(fault),
+            })?;
+            if bytes.len() <= MOST_BYTES {
+                break;
+            }
+        }
         write(&path, &bytes)?;
         if self.arguments.docs {
             let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/experiments");
@@ -244,6 +242,21 @@ fn read_expected(name: &str) -> Result<ExpectedNumbers, RunError> {
         source,
     })?;
     toml::from_str(&text).map_err(|source| RunError::Expected { path, source })
+}
+
+/// Size of a photograph in the documentation.
+const MOST_BYTES: usize = 300_000;
+
+fn jpeg(picture: &Picture, quality: u8) -> Result<Vec<u8>, ImageError> {
+    let mut bytes = Vec::new();
+    let (width, height) = (picture.width() as u32, picture.height() as u32);
+    JpegEncoder::new_with_quality(&mut bytes, quality).write_image(
+        picture.values().as_flattened(),
+        width,
+        height,
+        ExtendedColorType::Rgb8,
+    )?;
+    Ok(bytes)
 }
 
 fn write(path: &Path, text: impl AsRef<[u8]>) -> Result<(), RunError> {

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::cluster::largest;
 use crate::camera::{CameraId, Rig};
 use crate::image::{Picture, Plane, luma};
 use crate::stereo::correlation::CorrelationOptions;
@@ -119,17 +120,17 @@ impl StillScene {
         nearness(map)
     }
 
-    /// The points of a depth map of the same camera that are before the still scene.
+    /// The points of a depth map of the same camera that are before the still scene, of the largest thing that is.
     pub fn moving(&self, map: &DepthMap) -> Vec<CloudPoint> {
         let now = nearness(map);
         let pixels = now.values().iter().zip(self.nearness.values());
         // one point for each known disparity, in their order
         let known = pixels.filter(|(now, _)| now.is_finite());
-        known
+        let before = known
             .zip(&map.points)
             .filter(|((now, still), _)| **now > **still + NEARER_PX)
-            .map(|(_, point)| *point)
-            .collect()
+            .map(|(_, point)| *point);
+        largest(before.collect())
     }
 }
 

@@ -46,7 +46,8 @@ pub(crate) fn stages(sequence: &Sequence, frame: usize) -> Result<Picture, Fault
     let rows = [
         vec![
             photograph(Some(CameraId(CENTRE)))?,
-            render::stereo::in_colour(&depth.disparities)
+            // the nearer the redder, whichever side the other camera stands on
+            render::stereo::in_colour(&depth.disparities.map(f32::abs))
                 .pixels()
                 .clone(),
             dark_on_white(&gradient, black),
