@@ -3,6 +3,7 @@
 pub mod calibration;
 pub mod cloud;
 pub mod export;
+pub mod filmed;
 pub mod frames;
 pub mod gait;
 pub mod journal;
