@@ -77,13 +77,18 @@ pub(super) fn nearness(map: &DepthMap) -> Plane<f32> {
 /// The parts of the scene that do not move, by their nearness: what each pixel shows when nobody is before it.
 ///
 /// Only for the very first fit, when no model says yet where the person is: nothing of the background's look is learned.
-/// Where the depth of a pixel is unknown most of the time (a bare wall), its still scene counts as far away.
+/// A pixel's still scene is the farthest that it ever shows for long: the person is always nearer, and may stand before the same place
+/// in most frames. Where its depth is almost never known (a bare wall), it counts as far away.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StillScene {
     /// 0: far away.
     nearness: Plane<f32>,
 }
 
+/// The still scene is farther than all but this share of the depths that a pixel ever showed: these may be false.
+const FALSE_SHARE: f64 = 0.1;
+/// A pixel whose depth is known in a smaller share of the frames shows something without texture, which is far away.
+const KNOWN_SHARE: f64 = 0.2;
 /// What moves is nearer than the still scene by this disparity, px.
 const NEARER_PX: f32 = 1.5;
 /// Gaps in the known part of the still scene up to twice this are bridged, px: correlation has no answer for every pixel.
@@ -106,10 +111,15 @@ impl StillScene {
         for y in 0..first.height() {
             for (x, value) in still.row_mut(y).iter_mut().enumerate() {
                 seen.clear();
-                let nearness = maps.iter().filter_map(|m| m.get(x, y));
-                seen.extend(nearness.map(|d| if d.is_finite() { d } else { 0.0 }));
-                let middle = seen.len() / 2;
-                *value = *seen.select_nth_unstable_by(middle, f32::total_cmp).1;
+                seen.extend(
+                    maps.iter()
+                        .filter_map(|m| m.get(x, y))
+                        .filter(|d| d.is_finite()),
+                );
+                if !seen.is_empty() && seen.len() as f64 >= KNOWN_SHARE * maps.len() as f64 {
+                    let place = (FALSE_SHARE * seen.len() as f64) as usize;
+                    *value = *seen.select_nth_unstable_by(place, f32::total_cmp).1;
+                }
             }
         }
         Self {
@@ -123,16 +133,22 @@ impl StillScene {
     }
 
     /// The points of a depth map of the same camera that are before the still scene: the largest piece that hangs together.
+    ///
+    /// Without the border of what moves: correlation by windows makes it wider than it is, and a body fitted to it too fat.
     pub fn moving(&self, map: &DepthMap) -> Vec<CloudPoint> {
         let now = nearness(map);
-        let pixels = now.values().iter().zip(self.nearness.values());
-        // one point for each known disparity, in their order
-        let known = pixels.filter(|(now, _)| now.is_finite());
-        let moving = known
-            .zip(&map.points)
-            .filter(|((now, still), _)| **now > **still + NEARER_PX)
-            .map(|(_, point)| *point);
-        largest_piece(moving.collect())
+        let moves = |x: usize, y: usize| match (now.get(x, y), self.nearness.get(x, y)) {
+            (Some(now), Some(still)) => now > still + NEARER_PX,
+            _ => false,
+        };
+        // row by row, as the points are
+        let pixels = (0..now.height()).flat_map(|y| (0..now.width()).map(move |x| (x, y)));
+        let known = pixels.filter(|(x, y)| now.get(*x, *y).is_some_and(f32::is_finite));
+        let inside = known.zip(&map.points).filter(|((x, y), _)| {
+            let beside = |k: usize| (*x + k % 3).checked_sub(1).zip((*y + k / 3).checked_sub(1));
+            (0..9).all(|k| beside(k).is_some_and(|(x, y)| moves(x, y)))
+        });
+        largest_piece(inside.map(|(_, point)| *point).collect())
     }
 }
 
@@ -197,27 +213,25 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_still_scene_is_what_is_seen_most_of_the_time() {
-        let frame = |k: usize| {
-            let values = (0..20).map(|x| if x / 4 == k { 40.0 } else { 20.0 });
-            Plane::from_values(20, 1, values.collect()).unwrap()
-        };
-        let maps: Vec<_> = (0..5).map(frame).collect();
+    fn the_still_scene_is_the_farthest_that_is_seen_again_and_again() {
+        // before this pixel somebody stands most of the time, and one depth is false
+        let depths = (0..20).map(|k| match k {
+            0 => 3.0,
+            1..8 => 20.0,
+            _ => 40.0,
+        });
+        let maps: Vec<_> = depths.map(|d| Plane::filled(1, 1, d)).collect();
         let still = StillScene::of(&maps);
-        assert!(
-            still
-                .nearness
-                .values()
-                .iter()
-                .all(|d| (*d - 20.0).abs() < 1e-6)
-        );
+        assert_eq!(still.nearness.get(0, 0), Some(20.0));
         assert_eq!(StillScene::of(&[]).nearness.values().len(), 0);
     }
 
     #[test]
-    fn a_wall_whose_depth_is_unknown_most_of_the_time_is_far_away() {
+    fn a_wall_whose_depth_is_almost_never_known_is_far_away() {
         let map = |d: f32| Plane::filled(3, 1, d);
-        let still = StillScene::of(&[map(40.0), map(f32::NAN), map(f32::NAN)]);
+        let mut maps = vec![map(f32::NAN); 9];
+        maps.push(map(40.0));
+        let still = StillScene::of(&maps);
         assert!(still.nearness.values().iter().all(|d| *d <= 0.0));
     }
 
