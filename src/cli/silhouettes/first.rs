@@ -21,6 +21,10 @@ use crate::stereo::{CloudPoint, DepthMap, SideBySide};
 const STILL_FRAMES: usize = 40;
 /// Points of one frame that are fitted to at most.
 const MOST_POINTS: usize = 4000;
+/// Ways in which the first body may differ from the mean: as many as the shipped bodies have common factors (stature, girth, sex).
+const BUILDS: usize = 3;
+/// Share of their standard deviation that is left to the other ways.
+const HELD: f64 = 0.05;
 
 /// Shape and motion to begin with.
 #[derive(Debug)]
@@ -86,13 +90,30 @@ impl First {
             frames: &observed,
             fps: footage.fps,
         };
-        let fit = pipeline::fit(model, &footage.rig, sequence, &options, &NoJournal)?;
+        let plain = of_plain_build(model);
+        let fit = pipeline::fit(&plain, &footage.rig, sequence, &options, &NoJournal)?;
         let motions = fit.frames.into_iter().map(|f| (f.frame, f.fit.motion));
         Ok(Self {
             shape: fit.shape,
             motions: motions.collect(),
         })
     }
+}
+
+/// A model whose shape varies in no more ways than [`BUILDS`], those in which people differ most.
+///
+/// Points of one side tell how tall and how stout somebody is, but not each girth, nor the length of a foot on the ground: fitted freely,
+/// the flesh that nobody sees grows.
+fn of_plain_build(model: &BodyModel) -> BodyModel {
+    let mut plain = model.clone();
+    let mut spread = model.statistics.covariance.clone().symmetric_eigen();
+    let mut order: Vec<usize> = (0..spread.eigenvalues.len()).collect();
+    order.sort_by(|a, b| spread.eigenvalues[*b].total_cmp(&spread.eigenvalues[*a]));
+    for rare in order.into_iter().skip(BUILDS) {
+        spread.eigenvalues[rare] *= HELD * HELD;
+    }
+    plain.statistics.covariance = spread.recompose();
+    plain
 }
 
 fn thinned(points: Vec<CloudPoint>) -> Vec<CloudPoint> {
@@ -119,4 +140,26 @@ fn each_depth(
         bar.inc(1);
     }
     bar.finish_and_clear();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::io::model;
+
+    #[test]
+    fn a_plain_build_varies_in_three_ways_as_people_do_and_hardly_in_others() {
+        let model = model::load("human-metaballs", Path::new("")).unwrap();
+        let variances = |model: &BodyModel| {
+            let spread = model.statistics.covariance.clone().symmetric_eigen();
+            let mut values: Vec<f64> = spread.eigenvalues.iter().copied().collect();
+            values.sort_by(|a, b| b.total_cmp(a));
+            values
+        };
+        let (free, held) = (variances(&model), variances(&of_plain_build(&model)));
+        for way in 0..BUILDS {
+            assert!((held[way] / free[way] - 1.0).abs() < 1e-6);
+        }
+        assert!(held[BUILDS] < 0.01 * free[BUILDS] && held.iter().all(|v| *v > 0.0));
+    }
 }
