@@ -211,7 +211,8 @@ fn whole(
         area_on_the_left(&points.iter().map(place).collect::<Vec<_>>())
     };
     let found: f64 = loops.iter().map(|l| area(l, |p| p.pixel)).sum();
-    if found / area(contour, |p| p.expected) < COLLAPSED {
+    let share = found / area(contour, |p| p.expected);
+    if share.is_nan() || share < COLLAPSED {
         return Err(Some(Fault::Collapsed));
     }
     let kept: usize = loops.iter().map(Vec::len).sum();
@@ -235,3 +236,6 @@ fn nearest<'c>(curve: &'c [OutlinePoint], expected: &Point2<f64>) -> (&'c Outlin
     ];
     (&curve[best], (depths[0] - depths[1]).abs() < JUMP_M)
 }
+
+#[cfg(test)]
+mod tests;

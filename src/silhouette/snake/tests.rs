@@ -46,7 +46,7 @@ fn gradient() -> Gradient {
 #[test]
 fn a_closed_contour_comes_to_rest_on_the_border_to_a_tenth_of_a_pixel() {
     let gradient = gradient();
-    for grown_px in [-5.0, 5.0] {
+    for grown_px in [-2.0, 2.0] {
         let mut snake = Snake::new(
             &ellipse(grown_px, 200),
             Ends::Closed,
@@ -66,9 +66,23 @@ fn a_closed_contour_comes_to_rest_on_the_border_to_a_tenth_of_a_pixel() {
 }
 
 #[test]
+fn an_edge_far_from_where_it_is_expected_is_followed_the_less_the_farther_it_is() {
+    let gradient = gradient();
+    let off_px = |grown_px: f64| {
+        let curve = ellipse(grown_px, 200);
+        let mut snake = Snake::new(&curve, Ends::Closed, SnakeOptions::default()).unwrap();
+        snake.settle(&gradient);
+        let points = snake.points(&gradient);
+        off(&points.iter().map(|p| p.pixel).collect::<Vec<_>>())
+    };
+    let (near, far) = (off_px(4.0), off_px(7.5));
+    assert!(near < 0.6 && far > 2.0 * near, "{near} {far}");
+}
+
+#[test]
 fn an_open_contour_settles_on_its_piece_of_the_border() {
     let gradient = gradient();
-    let piece: Vec<_> = ellipse(4.0, 200)[20..70].to_vec();
+    let piece: Vec<_> = ellipse(2.0, 200)[20..70].to_vec();
     let mut snake = Snake::new(&piece, Ends::Open, SnakeOptions::default()).unwrap();
     snake.settle(&gradient);
     let places: Vec<_> = snake.points(&gradient).iter().map(|p| p.pixel).collect();
@@ -77,7 +91,7 @@ fn an_open_contour_settles_on_its_piece_of_the_border() {
 }
 
 #[test]
-fn a_gap_in_the_border_is_bridged_in_the_expected_shape_and_is_not_relied_on() {
+fn in_a_gap_of_the_border_the_expected_place_is_held_and_not_relied_on() {
     let whole = gradient();
     let right = crate::image::Mask::from_fn(160, 140, |x, y| !(x > 100 && (50..90).contains(&y)));
     let gapped = whole.within(&right);
@@ -95,7 +109,7 @@ fn a_gap_in_the_border_is_bridged_in_the_expected_shape_and_is_not_relied_on() {
         tip.unwrap()
     };
     let tip = at_gap(Rest::Expected);
-    assert!((tip.pixel.x - 130.0).abs() < 1.5, "{tip:?}");
+    assert!((tip.pixel.x - 133.0).abs() < 0.5, "{tip:?}");
     assert!(tip.reliability < 0.01);
     assert!(at_gap(Rest::Straight).pixel.x < tip.pixel.x - 0.5);
 }
@@ -107,7 +121,8 @@ fn without_an_edge_nothing_moves_and_nothing_is_relied_on() {
     assert_eq!(snake.settle(&flat), Ending::AtRest);
     for point in snake.points(&flat) {
         assert!((point.pixel - point.expected).norm() < 1e-9);
-        assert!(point.reliability <= 0.0);
+        // the sums of a constant are not 0 to the last bit
+        assert!(point.reliability < 1e-6);
     }
 }
 
