@@ -4,10 +4,10 @@
 //!
 //! E = ½ ∫ α‖d′‖² + β‖d″‖² ds + ½ ∫ w ‖x − e‖² + (1 − w) κ ‖d‖² ds,   d = x − x⁰,
 //!
-//! with e the strongest edge of the filtered gradient G on the curve's normal: the external energy. An edge that changes by
-//! g = |G·n| across it weighs w = g/(g + g₀)·exp(−½(‖e − x⁰‖/ρ)²); where there is none, the model's outline holds the curve by κ. Among the edges on a normal the strongest counts, weighed by how far it is
-//! from where the contour is expected: g·exp(−½(‖x − x⁰‖/ρ)²), ρ = ½ of the search range. √α and ⁴√β are lengths: over
-//! them the edges' displacements are smoothed, and over them gaps without an edge are bridged.
+//! with e an edge of the filtered gradient G on the curve's normal: the external energy. Of the edges on a normal that one
+//! counts which is strongest when weighed by how far it is from where the contour is expected: g·exp(−½(‖e − x⁰‖/ρ)²),
+//! g = |G·n|. It weighs w = g/(g + g₀)·exp(−½(‖e − x⁰‖/ρ)²); where there is none, the model's outline holds the curve by κ.
+//! √α and ⁴√β are lengths: over them the edges' displacements are smoothed, and gaps without an edge are bridged.
 //!
 //! The internal energy is that of the *displacement* from the expected curve x⁰, the outline of the model.
 //! **Differs** from PF02 (and from Kass, Witkin & Terzopoulos, 1988), whose snake is at rest when it is straight: theirs
@@ -194,7 +194,7 @@ impl Snake {
         farthest
     }
 
-    /// w (e − x).
+    /// w (e − x) + (1 − w) κ (x⁰ − x).
     fn pull(&self, gradient: &Gradient, i: usize) -> Vector2<f64> {
         if is_held(&self.expected[i], gradient) {
             return self.expected[i] - self.points[i];
@@ -202,11 +202,28 @@ impl Snake {
         let Some(normal) = normal(&self.points, self.ends, i) else {
             return Vector2::zeros();
         };
+        let home = match self.options.rest {
+            Rest::Expected => (self.expected[i] - self.points[i]) * self.options.hold,
+            Rest::Straight => Vector2::zeros(),
+        };
+        let Some((to, g)) = self.edge(gradient, i, &normal) else {
+            return home;
+        };
+        let weight = g / (g + self.options.edge) * self.nearness(i, &(self.points[i] + to));
+        to * weight + home * (1.0 - weight)
+    }
+
+    /// e − x, and g there; `None` without an edge within reach.
+    fn edge(
+        &self,
+        gradient: &Gradient,
+        i: usize,
+        normal: &Vector2<f64>,
+    ) -> Option<(Vector2<f64>, f64)> {
         let change = |s: f64| {
             let at = self.points[i] + normal * s;
-            gradient.at(&at, &normal).dot(&normal)
+            gradient.at(&at, normal).dot(normal)
         };
-        let score = |s: f64| change(s) * self.nearness(i, &(self.points[i] + normal * s));
         let reach = self.options.search_px.round() as i32;
         let mut best = (0, 0.0);
         for s in -reach..=reach {
@@ -219,26 +236,19 @@ impl Snake {
                 }
             }
         }
-        let home = match self.options.rest {
-            Rest::Expected => (self.expected[i] - self.points[i]) * self.options.hold,
-            Rest::Straight => Vector2::zeros(),
-        };
         if best.1 <= 0.0 {
-            return home;
+            return None;
         }
-        // between the pixels: the summit of the parabola through three of them
+        // between the pixels: the summit of the parabola through three of them, of the edge itself, whichever is expected
         let at = f64::from(best.0);
-        let (before, after) = (score(at - 1.0), score(at + 1.0));
-        let curvature = before - 2.0 * best.1 + after;
+        let [before, here, after] = [at - 1.0, at, at + 1.0].map(change);
+        let curvature = before - 2.0 * here + after;
         let offset = if curvature < 0.0 {
             (0.5 * (before - after) / curvature).clamp(-0.5, 0.5)
         } else {
             0.0
         };
-        let g = change(at + offset);
-        let to = normal * (at + offset);
-        let weight = g / (g + self.options.edge) * self.nearness(i, &(self.points[i] + to));
-        to * weight + home * (1.0 - weight)
+        Some((normal * (at + offset), change(at + offset)))
     }
 
     /// exp(−½(‖x − x⁰‖/ρ)²); without an expected shape, from where the curve is.

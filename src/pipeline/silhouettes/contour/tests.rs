@@ -83,7 +83,9 @@ fn a_contour_without_fault_is_found_and_relied_on() {
     let found = found(&outline, disk(MIDDLE, 40.0), &ContourOptions::default());
     assert_eq!(found.faults, []);
     let off = |p: &FoundPoint| (p.pixel - Point2::new(MIDDLE.0, MIDDLE.1)).norm() - 40.0;
-    assert!(found.outer[0].iter().all(|p| off(p).abs() < 0.6));
+    let farthest = found.outer[0].iter().map(|p| off(p).abs());
+    let farthest = farthest.fold(0.0, f64::max);
+    assert!(farthest < 0.6, "{farthest}");
     assert!(found.mean_reliability() > 0.3);
     let area = found.silhouette.as_ref().unwrap().area_px;
     assert!((area / (0.5 * TAU * 1600.0) - 1.0).abs() < 0.03, "{area}");
