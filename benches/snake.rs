@@ -12,7 +12,7 @@ use std::process::Command;
 use std::time::Instant;
 
 use maquette::image::{Gradient, Plane};
-use maquette::silhouette::snake::{Snake, SnakeOptions};
+use maquette::silhouette::snake::{Ends, Snake, SnakeOptions};
 use nalgebra::Point2;
 
 const RUNS: usize = 100;
@@ -41,7 +41,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for _ in 0..RUNS {
         let begin = Instant::now();
         let gradient = Gradient::of(std::slice::from_ref(&picture), 1.2);
-        let mut snake = Snake::new(&start, true, options).ok_or("no contour")?;
+        let mut snake = Snake::new(&start, Ends::Closed, options).ok_or("no contour")?;
         snake.settle(&gradient);
         found = snake.points(&gradient);
         times.push(1e3 * begin.elapsed().as_secs_f64());

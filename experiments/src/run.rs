@@ -135,7 +135,7 @@ impl Run {
         println!("\n{title}\n\n{table}");
         write(
             &self.folder().join(format!("{}.csv", table.name)),
-            &table.csv(),
+            table.csv(),
         )
     }
 

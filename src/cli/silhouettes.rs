@@ -17,6 +17,8 @@ use crate::io::frames::Footage;
 use crate::io::model;
 use crate::io::out_folder::check_out;
 use crate::io::silhouettes::{ContourRow, SilhouetteExtras, SilhouetteFolder};
+use crate::likelihood::Measure;
+use crate::pipeline::check_measure;
 use first::First;
 pub(super) use work::observe;
 
@@ -100,6 +102,7 @@ fn silhouettes(arguments: &SilhouettesArguments) -> Result<(), CliError> {
     let all = footage.frames();
     let frames = FrameRange::of(arguments.frames, &all)?;
     let model = model::load(&arguments.body, Path::new(""))?;
+    check_measure(&model, Some(Measure::Metaballs))?;
     let progress = arguments.quiet.progress();
     // 1. where the body is
     let first = match &arguments.fit {

@@ -276,23 +276,26 @@ mod tests {
     }
 
     #[test]
-    fn an_arm_before_the_trunk_has_an_inner_contour_and_one_beside_it_has_none() {
-        let (_, beside) = seen(|_, _| ());
-        assert!(beside.inner.iter().flatten().count() < 20);
-        let (model, before) = seen(|model, motion| {
-            for (i, joint) in model.joints.iter().enumerate() {
-                let name = joint.name.to_lowercase();
-                if name.contains("elbow") {
-                    motion.angles[i] = 1.6;
+    fn a_forearm_before_the_trunk_has_an_inner_contour_and_arms_beside_it_have_none() {
+        let turned = |by: &[(&str, f64)]| {
+            let (model, found) = seen(|model, motion| {
+                for (joint, angle) in model.joints.iter().zip(&mut motion.angles) {
+                    let turn = by.iter().find(|(name, _)| joint.name.starts_with(name));
+                    *angle = turn.map_or(*angle, |(_, to)| *to);
                 }
-                if name.contains("shoulder") && name.contains("flexion") {
-                    motion.angles[i] = 0.4;
-                }
-            }
-        });
-        let inner: Vec<_> = before.inner.iter().flatten().collect();
-        let names: Vec<_> = model.joints.iter().map(|j| &j.name).collect();
-        assert!(inner.len() > 20, "{} of {names:?}", inner.len());
+            });
+            let inner: Vec<_> = found.inner.iter().flatten().collect();
+            let of_arm = |p: &&&OutlinePoint| {
+                let name = &model.parts[p.part.0].name;
+                name.contains("forearm") || name.contains("hand")
+            };
+            inner.iter().filter(of_arm).count()
+        };
+        assert!(turned(&[("shoulder_abduction", 0.8)]) < 10);
+        // turned in, whichever way in is
+        let before = [1.2, -1.2]
+            .map(|rotation| turned(&[("elbow_flexion", 1.6), ("shoulder_rotation", rotation)]));
+        assert!(before[0].max(before[1]) > 20, "{before:?}");
     }
 
     #[test]

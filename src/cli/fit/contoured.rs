@@ -10,6 +10,8 @@ use crate::cli::silhouettes::{self, DEFAULT_BODY};
 use crate::io::frames::{Footage, FramesError};
 use crate::io::model;
 use crate::io::recording::{Made, Recording};
+use crate::likelihood::Measure;
+use crate::pipeline::check_measure;
 use crate::silhouette::FrameObservations;
 use crate::stereo::SideBySide;
 
@@ -47,6 +49,7 @@ pub(super) fn observe(
     let frames = FrameRange::of(arguments.frames, &all)?;
     let body = arguments.body.as_deref().unwrap_or(DEFAULT_BODY);
     let model = model::load(body, Path::new(""))?;
+    check_measure(&model, Some(Measure::Metaballs))?;
     let progress = arguments.quiet.progress();
     let kept = (footage, frames, arguments.out.as_path());
     let (observed, notes) = silhouettes::observe(kept, &model, progress)?;

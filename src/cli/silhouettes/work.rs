@@ -85,10 +85,10 @@ impl Work<'_> {
                     continue;
                 }
             };
-            let scene = Scene::new(rig, &shown, shown.depths(rig), ContourOptions::default());
+            let body = Posed::new(self.model, &self.first.shape, motion);
+            let scene = Scene::new(rig, &shown, &body, ContourOptions::default());
             let (seen, observed) = match self.pipeline {
                 Pipeline::Simple => {
-                    let body = Posed::new(self.model, &self.first.shape, motion);
                     let seen = scene.contours(&body);
                     let observed = scene.observed(frame, &seen, Vec::new());
                     (seen, observed)

@@ -8,7 +8,7 @@ use crate::body::PartId;
 use crate::camera::Camera;
 use crate::image::{Mask, Scanlines};
 use crate::render::{ModelOutline, OutlinePoint};
-use crate::silhouette::snake::{Ending, Snake, SnakeOptions, area_on_the_left};
+use crate::silhouette::snake::{Ends, Snake, SnakeOptions, SnakePoint, area_on_the_left};
 use crate::silhouette::{BorderPoint, Silhouette, SilhouetteOptions, of_curves};
 
 /// A point of a contour. Undistorted pixels.
@@ -39,6 +39,8 @@ pub struct ViewContours {
 
 /// A contour that shrank to less than this share of its expected area is no contour.
 const COLLAPSED: f64 = 0.2;
+/// A contour that loses more than the rest of its points in folds crossed itself.
+const UNCROSSED: f64 = 0.9;
 /// Depth changes by less than this from a point to the next along one contour, m.
 const JUMP_M: f64 = 0.08;
 /// A silhouette of which less than this share of the border is seen is cut by the image.
@@ -71,7 +73,7 @@ impl ViewContours {
         let px_per_m = px_per_m(camera, outline);
         let mut outer = Vec::new();
         for curve in &outline.outer {
-            match settled(curve, true, edges, (px_per_m, options)) {
+            match settled(curve, Ends::Closed, edges, (px_per_m, options)) {
                 Ok(found) => outer.extend(found),
                 Err(fault) => {
                     faults.extend(fault);
@@ -80,7 +82,7 @@ impl ViewContours {
             }
         }
         let inner = outline.inner.iter().map(|curve| {
-            let found = settled(curve, false, edges, (px_per_m, options));
+            let found = settled(curve, Ends::Open, edges, (px_per_m, options));
             found.unwrap_or_else(|_| vec![as_expected(curve)])
         });
         let inner = inner.flatten().collect();
@@ -159,10 +161,10 @@ fn as_expected(curve: &[OutlinePoint]) -> Vec<FoundPoint> {
 
 /// An active contour at rest, first on the wide scale's edges and then on the narrow one's; several if it split.
 ///
-/// The fault if there is no contour; `None` for a curve too short to be one.
+/// The fault if there is no contour; `None` for a curve too short to be one, and in a flat picture.
 fn settled(
     curve: &[OutlinePoint],
-    is_closed: bool,
+    ends: Ends,
     edges: &Filtered,
     (px_per_m, options): (f64, &ContourOptions),
 ) -> Result<Vec<Vec<FoundPoint>>, Option<Fault>> {
@@ -171,43 +173,53 @@ fn settled(
     }
     let pixels: Vec<Point2<f64>> = curve.iter().map(|p| p.pixel).collect();
     let wide = options.snake(px_per_m, edges.strong);
-    let mut snake = Snake::new(&pixels, is_closed, wide).ok_or(None)?;
+    let mut snake = Snake::new(&pixels, ends, wide).ok_or(None)?;
     snake.settle(&edges.wide);
     let narrow = SnakeOptions {
         search_px: (0.4 * wide.search_px).max(2.0),
         ..wide
     };
     let mut snake = snake.with(narrow).ok_or(None)?;
-    let _: Ending = snake.settle(&edges.narrow);
+    snake.settle(&edges.narrow);
     let points = snake.points(&edges.narrow);
-    let found: Vec<FoundPoint> = points
-        .iter()
-        .map(|p| {
-            let (nearest, is_sure) = nearest(curve, &p.expected);
-            FoundPoint {
-                pixel: p.pixel,
-                expected: p.expected,
-                reliability: if is_sure { p.reliability } else { 0.0 },
-                part: nearest.part,
-            }
-        })
-        .collect();
-    let loops = snake.loops();
-    if is_closed {
-        let area = |points: Vec<Point2<f64>>| area_on_the_left(&points);
-        let found_area: f64 = loops
-            .iter()
-            .map(|l| area(l.iter().map(|&i| found[i].pixel).collect()))
-            .sum();
-        if found_area / area(pixels) < COLLAPSED {
-            return Err(Some(Fault::Collapsed));
-        }
-        if loops.iter().map(Vec::len).sum::<usize>() * 10 < 9 * found.len() || loops.len() > 1 {
-            return Err(Some(Fault::SelfCrossing));
-        }
+    let found: Vec<FoundPoint> = points.iter().map(|p| attributed(p, curve)).collect();
+    let piece = |l: Vec<usize>| -> Vec<FoundPoint> { l.into_iter().map(|i| found[i]).collect() };
+    let loops: Vec<Vec<FoundPoint>> = snake.loops().into_iter().map(piece).collect();
+    match ends {
+        Ends::Open => Ok(loops),
+        Ends::Closed => whole(loops, &found),
     }
-    let piece = |l: Vec<usize>| l.into_iter().map(|i| found[i]).collect();
-    Ok(loops.into_iter().map(piece).collect())
+}
+
+/// A point of a contour, with what the model says of the place where it was expected.
+fn attributed(point: &SnakePoint, curve: &[OutlinePoint]) -> FoundPoint {
+    let (nearest, is_sure) = nearest(curve, &point.expected);
+    FoundPoint {
+        pixel: point.pixel,
+        expected: point.expected,
+        reliability: if is_sure { point.reliability } else { 0.0 },
+        part: nearest.part,
+    }
+}
+
+/// The loops of a closed contour, unless they are too little of it.
+fn whole(
+    loops: Vec<Vec<FoundPoint>>,
+    contour: &[FoundPoint],
+) -> Result<Vec<Vec<FoundPoint>>, Option<Fault>> {
+    let area = |points: &[FoundPoint], place: fn(&FoundPoint) -> Point2<f64>| {
+        area_on_the_left(&points.iter().map(place).collect::<Vec<_>>())
+    };
+    let found: f64 = loops.iter().map(|l| area(l, |p| p.pixel)).sum();
+    let share = found / area(contour, |p| p.expected);
+    if share.is_nan() || share < COLLAPSED {
+        return Err(Some(Fault::Collapsed));
+    }
+    let kept: usize = loops.iter().map(Vec::len).sum();
+    if loops.len() > 1 || (kept as f64) < UNCROSSED * contour.len() as f64 {
+        return Err(Some(Fault::SelfCrossing));
+    }
+    Ok(loops)
 }
 
 /// The outline's point nearest to where a contour was expected, and whether one surface goes on there: where it ends behind
@@ -224,3 +236,6 @@ fn nearest<'c>(curve: &'c [OutlinePoint], expected: &Point2<f64>) -> (&'c Outlin
     ];
     (&curve[best], (depths[0] - depths[1]).abs() < JUMP_M)
 }
+
+#[cfg(test)]
+mod tests;

@@ -15,6 +15,7 @@
 
 mod contour;
 mod filter;
+mod scene;
 mod shown;
 mod track;
 
@@ -22,8 +23,9 @@ use crate::silhouette::snake::SnakeOptions;
 
 pub use contour::{FoundPoint, ViewContours};
 pub use filter::{Edges, Filtered, band_mask, disparity_mask};
+pub use scene::Scene;
 pub use shown::{ShownFrame, ShownView, StillScene};
-pub use track::{Followed, Follower, Scene};
+pub use track::{Followed, Follower};
 
 /// What was found in one view, and through which edges.
 #[derive(Debug, Clone)]

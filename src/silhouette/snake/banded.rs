@@ -6,6 +6,8 @@
 
 use nalgebra::{Matrix2, Vector2};
 
+use super::Ends;
+
 /// Points of a closed curve that are the border.
 const BORDER: usize = 2;
 
@@ -37,13 +39,16 @@ struct Diagonals {
 
 impl Diagonals {
     /// I + `bend[0]` D₁ᵀD₁ + `bend[1]` D₂ᵀD₂.
-    fn new(n: usize, is_closed: bool, bend: [f64; 2]) -> Self {
+    fn new(n: usize, ends: Ends, bend: [f64; 2]) -> Self {
         let mut diagonals = Self {
             offset: [vec![1.0; n], vec![0.0; n], vec![0.0; n]],
         };
         let stencils: [&[f64]; 2] = [&[-1.0, 1.0], &[1.0, -2.0, 1.0]];
         for (stencil, weight) in stencils.into_iter().zip(bend) {
-            let count = if is_closed { n } else { n + 1 - stencil.len() };
+            let count = match ends {
+                Ends::Closed => n,
+                Ends::Open => n + 1 - stencil.len(),
+            };
             for start in 0..count {
                 for (a, left) in stencil.iter().enumerate() {
                     for (b, right) in stencil.iter().enumerate().skip(a) {
@@ -58,12 +63,15 @@ impl Diagonals {
 
 impl Banded {
     /// I + τA for n ≥ 5 points; `bend` is τα/h² and τβ/h⁴, neither negative. `None` for fewer points, or if it is singular.
-    pub(super) fn new(n: usize, is_closed: bool, bend: [f64; 2]) -> Option<Self> {
+    pub(super) fn new(n: usize, ends: Ends, bend: [f64; 2]) -> Option<Self> {
         if n < 5 || !bend.iter().all(|b| b.is_finite() && *b >= 0.0) {
             return None;
         }
-        let Diagonals { offset } = Diagonals::new(n, is_closed, bend);
-        let inner = if is_closed { n - BORDER } else { n };
+        let Diagonals { offset } = Diagonals::new(n, ends, bend);
+        let inner = match ends {
+            Ends::Closed => n - BORDER,
+            Ends::Open => n,
+        };
         let (mut inverse, mut first, mut second) =
             (vec![0.0; inner], vec![0.0; inner], vec![0.0; inner]);
         for i in 0..inner {
@@ -90,7 +98,7 @@ impl Banded {
             second,
             border: None,
         };
-        if is_closed {
+        if ends == Ends::Closed {
             banded.border = Some(banded.bordered(&offset, n)?);
         }
         Some(banded)
@@ -172,9 +180,12 @@ mod tests {
     use super::*;
 
     /// The same matrix, dense, from its definition.
-    fn dense(n: usize, is_closed: bool, [tension, stiffness]: [f64; 2]) -> DMatrix<f64> {
+    fn dense(n: usize, ends: Ends, [tension, stiffness]: [f64; 2]) -> DMatrix<f64> {
         let rows = |stencil: &[f64]| {
-            let count = if is_closed { n } else { n + 1 - stencil.len() };
+            let count = match ends {
+                Ends::Closed => n,
+                Ends::Open => n + 1 - stencil.len(),
+            };
             let mut d = DMatrix::zeros(count, n);
             for row in 0..count {
                 for (k, value) in stencil.iter().enumerate() {
@@ -189,14 +200,15 @@ mod tests {
 
     #[test]
     fn the_solution_is_that_of_the_dense_matrix() {
-        for (n, is_closed) in [(5, false), (6, true), (7, false), (40, true), (41, false)] {
+        use Ends::{Closed, Open};
+        for (n, ends) in [(5, Open), (6, Closed), (7, Open), (40, Closed), (41, Open)] {
             for bend in [[0.0, 0.0], [3.0, 0.0], [0.5, 40.0], [1e4, 1e6]] {
                 let b: Vec<_> = (0..n)
                     .map(|i| Vector2::new((i as f64).sin(), (i * i % 7) as f64))
                     .collect();
                 let mut x = b.clone();
-                Banded::new(n, is_closed, bend).unwrap().solve(&mut x);
-                let back = dense(n, is_closed, bend) * DMatrix::from_fn(n, 2, |i, k| x[i][k]);
+                Banded::new(n, ends, bend).unwrap().solve(&mut x);
+                let back = dense(n, ends, bend) * DMatrix::from_fn(n, 2, |i, k| x[i][k]);
                 let expected = DMatrix::from_fn(n, 2, |i, k| b[i][k]);
                 approx::assert_relative_eq!(back, expected, epsilon = 1e-6);
             }
@@ -205,8 +217,8 @@ mod tests {
 
     #[test]
     fn too_few_points_and_nonsense_are_no_matrix() {
-        assert!(Banded::new(4, true, [1.0, 1.0]).is_none());
-        assert!(Banded::new(9, true, [-1.0, 1.0]).is_none());
-        assert!(Banded::new(9, false, [f64::NAN, 1.0]).is_none());
+        assert!(Banded::new(4, Ends::Closed, [1.0, 1.0]).is_none());
+        assert!(Banded::new(9, Ends::Closed, [-1.0, 1.0]).is_none());
+        assert!(Banded::new(9, Ends::Open, [f64::NAN, 1.0]).is_none());
     }
 }

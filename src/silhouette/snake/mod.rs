@@ -4,10 +4,10 @@
 //!
 //! E = ½ ∫ α‖d′‖² + β‖d″‖² ds + ½ ∫ w ‖x − e‖² + (1 − w) κ ‖d‖² ds,   d = x − x⁰,
 //!
-//! with e the strongest edge of the filtered gradient G on the curve's normal: the external energy. An edge that changes by
-//! g = |G·n| across it weighs w = g/(g + g₀)·exp(−½(‖e − x⁰‖/ρ)²); where there is none, the model's outline holds the curve by κ. Among the edges on a normal the strongest counts, weighed by how far it is
-//! from where the contour is expected: g·exp(−½(‖x − x⁰‖/ρ)²), ρ = ½ of the search range. √α and ⁴√β are lengths: over
-//! them the edges' displacements are smoothed, and over them gaps without an edge are bridged.
+//! with e an edge of the filtered gradient G on the curve's normal: the external energy. Of the edges on a normal that one
+//! counts which is strongest when weighed by how far it is from where the contour is expected: g·exp(−½(‖e − x⁰‖/ρ)²),
+//! g = |G·n|. It weighs w = g/(g + g₀)·exp(−½(‖e − x⁰‖/ρ)²); where there is none, the model's outline holds the curve by κ.
+//! √α and ⁴√β are lengths: over them the edges' displacements are smoothed, and gaps without an edge are bridged.
 //!
 //! The internal energy is that of the *displacement* from the expected curve x⁰, the outline of the model.
 //! **Differs** from PF02 (and from Kass, Witkin & Terzopoulos, 1988), whose snake is at rest when it is straight: theirs
@@ -18,12 +18,15 @@
 
 mod banded;
 mod crossing;
+mod curve;
 
 use nalgebra::{Point2, Vector2};
 
 use crate::image::Gradient;
 use banded::Banded;
 pub use crossing::area_on_the_left;
+pub use curve::Ends;
+use curve::{evenly, normal, sides};
 
 /// Where the internal energy is at rest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,7 +61,8 @@ pub struct SnakeOptions {
     pub search_px: f64,
     /// ρ: standard deviation of the border about where it is expected, px. Default 4.
     pub prior_px: f64,
-    /// κ: how much where it is expected weighs against a sure edge, where there is no edge; not without [`Rest::Expected`]. Default 0.1.
+    /// κ: how much where it is expected weighs against a sure edge, where there is no edge; not without [`Rest::Expected`]. Default 0.1:
+    /// a sure edge that is off by ½ρ is followed to 99 %, by ρ to 94 %, and beyond it counts as one that may be another's.
     pub hold: f64,
     /// g₀: the edge that counts half, grey levels per pixel. Default 5.
     pub edge: f64,
@@ -116,7 +120,7 @@ pub struct SnakePoint {
 #[derive(Clone, Debug)]
 pub struct Snake {
     options: SnakeOptions,
-    is_closed: bool,
+    ends: Ends,
     expected: Vec<Point2<f64>>,
     points: Vec<Point2<f64>>,
     step: Banded,
@@ -133,17 +137,17 @@ const FOLD: f64 = 0.02;
 
 impl Snake {
     /// A contour expected along a curve, with the inside on the left as seen on the screen; `None` for one of fewer than eight points.
-    pub fn new(curve: &[Point2<f64>], is_closed: bool, options: SnakeOptions) -> Option<Self> {
-        let places = evenly(curve, is_closed, options.spacing_px);
+    pub fn new(curve: &[Point2<f64>], ends: Ends, options: SnakeOptions) -> Option<Self> {
+        let places = evenly(curve, ends, options.spacing_px);
         let expected: Vec<Point2<f64>> = places.iter().map(|p| p.on(curve)).collect();
         if expected.len() < 8 || !expected.iter().all(|p| p.x.is_finite() && p.y.is_finite()) {
             return None;
         }
         Some(Self {
-            step: factored(&expected, is_closed, &options)?,
+            step: factored(&expected, ends, &options)?,
             points: expected.clone(),
             expected,
-            is_closed,
+            ends,
             options,
         })
     }
@@ -151,7 +155,7 @@ impl Snake {
     /// Lets it go on from where it is with other settings.
     pub fn with(self, options: SnakeOptions) -> Option<Self> {
         Some(Self {
-            step: factored(&self.points, self.is_closed, &options)?,
+            step: factored(&self.points, self.ends, &options)?,
             options,
             ..self
         })
@@ -190,47 +194,61 @@ impl Snake {
         farthest
     }
 
-    /// w (e − x).
+    /// w (e − x) + (1 − w) κ (x⁰ − x).
     fn pull(&self, gradient: &Gradient, i: usize) -> Vector2<f64> {
         if is_held(&self.expected[i], gradient) {
             return self.expected[i] - self.points[i];
         }
-        let Some(normal) = normal(&self.points, self.is_closed, i) else {
+        let Some(normal) = normal(&self.points, self.ends, i) else {
             return Vector2::zeros();
         };
-        let change = |s: f64| {
-            let at = self.points[i] + normal * s;
-            gradient.at(&at, &normal).dot(&normal)
-        };
-        let score = |s: f64| change(s) * self.nearness(i, &(self.points[i] + normal * s));
-        let reach = self.options.search_px.round() as i32;
-        let mut best = (0, 0.0);
-        for s in -reach..=reach {
-            // nearness is 1 at most: most places need no look at it
-            if change(f64::from(s)) > best.1 && score(f64::from(s)) > best.1 {
-                best = (s, score(f64::from(s)));
-            }
-        }
         let home = match self.options.rest {
             Rest::Expected => (self.expected[i] - self.points[i]) * self.options.hold,
             Rest::Straight => Vector2::zeros(),
         };
-        if best.1 <= 0.0 {
+        let Some((to, g)) = self.edge(gradient, i, &normal) else {
             return home;
+        };
+        let weight = g / (g + self.options.edge) * self.nearness(i, &(self.points[i] + to));
+        to * weight + home * (1.0 - weight)
+    }
+
+    /// e − x, and g there; `None` without an edge within reach.
+    fn edge(
+        &self,
+        gradient: &Gradient,
+        i: usize,
+        normal: &Vector2<f64>,
+    ) -> Option<(Vector2<f64>, f64)> {
+        let change = |s: f64| {
+            let at = self.points[i] + normal * s;
+            gradient.at(&at, normal).dot(normal)
+        };
+        let reach = self.options.search_px.round() as i32;
+        let mut best = (0, 0.0);
+        for s in -reach..=reach {
+            let g = change(f64::from(s));
+            // nearness is 1 at most: most places need no look at it
+            if g > best.1 {
+                let score = g * self.nearness(i, &(self.points[i] + normal * f64::from(s)));
+                if score > best.1 {
+                    best = (s, score);
+                }
+            }
         }
-        // between the pixels: the summit of the parabola through three of them
+        if best.1 <= 0.0 {
+            return None;
+        }
+        // between the pixels: the summit of the parabola through three of them, of the edge itself, whichever is expected
         let at = f64::from(best.0);
-        let (before, after) = (score(at - 1.0), score(at + 1.0));
-        let curvature = before - 2.0 * best.1 + after;
+        let [before, here, after] = [at - 1.0, at, at + 1.0].map(change);
+        let curvature = before - 2.0 * here + after;
         let offset = if curvature < 0.0 {
             (0.5 * (before - after) / curvature).clamp(-0.5, 0.5)
         } else {
             0.0
         };
-        let g = change(at + offset);
-        let to = normal * (at + offset);
-        let weight = g / (g + self.options.edge) * self.nearness(i, &(self.points[i] + to));
-        to * weight + home * (1.0 - weight)
+        Some((normal * (at + offset), change(at + offset)))
     }
 
     /// exp(−½(‖x − x⁰‖/ρ)²); without an expected shape, from where the curve is.
@@ -245,14 +263,14 @@ impl Snake {
 
     /// Points at equal distances again, and the expected curve with them.
     fn resample_if_uneven(&mut self) {
-        let sides = sides(&self.points, self.is_closed);
+        let sides = sides(&self.points, self.ends);
         let mean = sides.iter().sum::<f64>() / sides.len().max(1) as f64;
         if !sides.iter().any(|side| *side > UNEVEN * mean) {
             return;
         }
-        let places = evenly(&self.points, self.is_closed, self.options.spacing_px);
+        let places = evenly(&self.points, self.ends, self.options.spacing_px);
         let points: Vec<_> = places.iter().map(|p| p.on(&self.points)).collect();
-        if let Some(step) = factored(&points, self.is_closed, &self.options) {
+        if let Some(step) = factored(&points, self.ends, &self.options) {
             self.expected = places.iter().map(|p| p.on(&self.expected)).collect();
             self.points = points;
             self.step = step;
@@ -274,7 +292,7 @@ impl Snake {
     }
 
     fn reliability(&self, gradient: &Gradient, i: usize) -> f64 {
-        let expected = normal(&self.expected, self.is_closed, i);
+        let expected = normal(&self.expected, self.ends, i);
         let Some(expected) = expected.filter(|_| !is_held(&self.expected[i], gradient)) else {
             return 0.0;
         };
@@ -289,7 +307,7 @@ impl Snake {
     /// The curve's simple loops as indices into its points, folds dropped; itself if topology is kept or it is open.
     pub fn loops(&self) -> Vec<Vec<usize>> {
         let whole: Vec<usize> = (0..self.points.len()).collect();
-        if !self.is_closed || self.options.topology == Topology::Kept {
+        if self.ends == Ends::Open || self.options.topology == Topology::Kept {
             return vec![whole];
         }
         let area = area_on_the_left(&self.expected);
@@ -304,95 +322,20 @@ impl Snake {
     }
 }
 
-fn factored(points: &[Point2<f64>], is_closed: bool, options: &SnakeOptions) -> Option<Banded> {
-    let sides = sides(points, is_closed);
+fn factored(points: &[Point2<f64>], ends: Ends, options: &SnakeOptions) -> Option<Banded> {
+    let sides = sides(points, ends);
     let h = sides.iter().sum::<f64>() / sides.len().max(1) as f64;
     let tau = options.time_step;
     let bend = [
         tau * options.tension / (h * h),
         tau * options.stiffness / h.powi(4),
     ];
-    Banded::new(points.len(), is_closed, bend)
+    Banded::new(points.len(), ends, bend)
 }
 
 fn is_held(place: &Point2<f64>, gradient: &Gradient) -> bool {
     let inside = |x: f64, size: usize| x >= HELD_PX && x <= size as f64 - 1.0 - HELD_PX;
     !(inside(place.x, gradient.width()) && inside(place.y, gradient.height()))
-}
-
-/// Unit normal to the right of the curve's course as seen on the screen: outward; `None` where it turns back on itself.
-fn normal(points: &[Point2<f64>], is_closed: bool, i: usize) -> Option<Vector2<f64>> {
-    let n = points.len();
-    let (before, after) = match is_closed {
-        true => ((i + n - 1) % n, (i + 1) % n),
-        false => (i.saturating_sub(1), (i + 1).min(n - 1)),
-    };
-    let along = points[after] - points[before];
-    Vector2::new(-along.y, along.x).try_normalize(f64::EPSILON)
-}
-
-fn sides(points: &[Point2<f64>], is_closed: bool) -> Vec<f64> {
-    let next = points.iter().cycle().skip(1);
-    let count = if is_closed {
-        points.len()
-    } else {
-        points.len().saturating_sub(1)
-    };
-    points
-        .iter()
-        .zip(next)
-        .take(count)
-        .map(|(a, b)| (b - a).norm())
-        .collect()
-}
-
-/// A place on a polyline: so far from a point to the next.
-struct Place {
-    from: usize,
-    fraction: f64,
-}
-
-impl Place {
-    fn on(&self, curve: &[Point2<f64>]) -> Point2<f64> {
-        let (a, b) = (curve[self.from], curve[(self.from + 1) % curve.len()]);
-        a + (b - a) * self.fraction
-    }
-}
-
-/// Places at equal distances along a polyline, about the spacing; those of an open one from end to end.
-fn evenly(curve: &[Point2<f64>], is_closed: bool, spacing_px: f64) -> Vec<Place> {
-    let sides = sides(curve, is_closed);
-    let length: f64 = sides.iter().sum();
-    let count = (length / spacing_px).round();
-    if !(count >= 1.0 && count < 1e6) {
-        return Vec::new();
-    }
-    let step = length / count;
-    let wanted = if is_closed {
-        count as usize
-    } else {
-        count as usize + 1
-    };
-    let mut places = Vec::with_capacity(wanted);
-    let mut walked = 0.0;
-    for (from, side) in sides.iter().enumerate() {
-        while places.len() < wanted && places.len() as f64 * step <= walked + side {
-            let fraction = (places.len() as f64 * step - walked) / side.max(f64::MIN_POSITIVE);
-            places.push(Place {
-                from,
-                fraction: fraction.clamp(0.0, 1.0),
-            });
-        }
-        walked += side;
-    }
-    // rounding decides whether the far end was reached
-    if places.len() < wanted && !sides.is_empty() {
-        places.push(Place {
-            from: sides.len() - 1,
-            fraction: 1.0,
-        });
-    }
-    places
 }
 
 #[cfg(test)]

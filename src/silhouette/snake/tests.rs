@@ -46,8 +46,13 @@ fn gradient() -> Gradient {
 #[test]
 fn a_closed_contour_comes_to_rest_on_the_border_to_a_tenth_of_a_pixel() {
     let gradient = gradient();
-    for grown_px in [-5.0, 5.0] {
-        let mut snake = Snake::new(&ellipse(grown_px, 200), true, SnakeOptions::default()).unwrap();
+    for grown_px in [-2.0, 2.0] {
+        let mut snake = Snake::new(
+            &ellipse(grown_px, 200),
+            Ends::Closed,
+            SnakeOptions::default(),
+        )
+        .unwrap();
         assert_eq!(snake.settle(&gradient), Ending::AtRest);
         let points = snake.points(&gradient);
         let places: Vec<_> = points.iter().map(|p| p.pixel).collect();
@@ -61,10 +66,24 @@ fn a_closed_contour_comes_to_rest_on_the_border_to_a_tenth_of_a_pixel() {
 }
 
 #[test]
+fn an_edge_far_from_where_it_is_expected_is_followed_the_less_the_farther_it_is() {
+    let gradient = gradient();
+    let off_px = |grown_px: f64| {
+        let curve = ellipse(grown_px, 200);
+        let mut snake = Snake::new(&curve, Ends::Closed, SnakeOptions::default()).unwrap();
+        snake.settle(&gradient);
+        let points = snake.points(&gradient);
+        off(&points.iter().map(|p| p.pixel).collect::<Vec<_>>())
+    };
+    let (near, far) = (off_px(4.0), off_px(7.5));
+    assert!(near < 0.6 && far > 2.0 * near, "{near} {far}");
+}
+
+#[test]
 fn an_open_contour_settles_on_its_piece_of_the_border() {
     let gradient = gradient();
-    let piece: Vec<_> = ellipse(4.0, 200)[20..70].to_vec();
-    let mut snake = Snake::new(&piece, false, SnakeOptions::default()).unwrap();
+    let piece: Vec<_> = ellipse(2.0, 200)[20..70].to_vec();
+    let mut snake = Snake::new(&piece, Ends::Open, SnakeOptions::default()).unwrap();
     snake.settle(&gradient);
     let places: Vec<_> = snake.points(&gradient).iter().map(|p| p.pixel).collect();
     assert!(off(&places) < 0.15, "{}", off(&places));
@@ -72,7 +91,7 @@ fn an_open_contour_settles_on_its_piece_of_the_border() {
 }
 
 #[test]
-fn a_gap_in_the_border_is_bridged_in_the_expected_shape_and_is_not_relied_on() {
+fn in_a_gap_of_the_border_the_expected_place_is_held_and_not_relied_on() {
     let whole = gradient();
     let right = crate::image::Mask::from_fn(160, 140, |x, y| !(x > 100 && (50..90).contains(&y)));
     let gapped = whole.within(&right);
@@ -81,7 +100,7 @@ fn a_gap_in_the_border_is_bridged_in_the_expected_shape_and_is_not_relied_on() {
             rest,
             ..SnakeOptions::default()
         };
-        let mut snake = Snake::new(&ellipse(3.0, 200), true, options).unwrap();
+        let mut snake = Snake::new(&ellipse(3.0, 200), Ends::Closed, options).unwrap();
         snake.settle(&gapped);
         let points = snake.points(&gapped);
         let tip = points
@@ -90,7 +109,7 @@ fn a_gap_in_the_border_is_bridged_in_the_expected_shape_and_is_not_relied_on() {
         tip.unwrap()
     };
     let tip = at_gap(Rest::Expected);
-    assert!((tip.pixel.x - 130.0).abs() < 1.5, "{tip:?}");
+    assert!((tip.pixel.x - 133.0).abs() < 0.5, "{tip:?}");
     assert!(tip.reliability < 0.01);
     assert!(at_gap(Rest::Straight).pixel.x < tip.pixel.x - 0.5);
 }
@@ -98,11 +117,12 @@ fn a_gap_in_the_border_is_bridged_in_the_expected_shape_and_is_not_relied_on() {
 #[test]
 fn without_an_edge_nothing_moves_and_nothing_is_relied_on() {
     let flat = Gradient::of(&[Plane::filled(160, 140, 90.0)], 1.0);
-    let mut snake = Snake::new(&ellipse(0.0, 200), true, SnakeOptions::default()).unwrap();
+    let mut snake = Snake::new(&ellipse(0.0, 200), Ends::Closed, SnakeOptions::default()).unwrap();
     assert_eq!(snake.settle(&flat), Ending::AtRest);
     for point in snake.points(&flat) {
         assert!((point.pixel - point.expected).norm() < 1e-9);
-        assert!(point.reliability <= 0.0);
+        // the sums of a constant are not 0 to the last bit
+        assert!(point.reliability < 1e-6);
     }
 }
 
@@ -121,7 +141,7 @@ fn at_the_border_of_the_picture_a_contour_is_held() {
             .collect(),
     );
     let narrow = Gradient::of(&[narrow.unwrap()], 1.0);
-    let mut snake = Snake::new(&curve, true, SnakeOptions::default()).unwrap();
+    let mut snake = Snake::new(&curve, Ends::Closed, SnakeOptions::default()).unwrap();
     snake.settle(&narrow);
     let at_border = snake
         .points(&narrow)
@@ -143,7 +163,7 @@ fn of_a_contour_that_crosses_itself_the_loops_remain() {
     for p in eight.iter_mut().filter(|p| p.x > 110.0) {
         p.y = 140.0 - p.y;
     }
-    let split = Snake::new(&eight, true, SnakeOptions::default())
+    let split = Snake::new(&eight, Ends::Closed, SnakeOptions::default())
         .unwrap()
         .loops();
     assert_eq!(split.len(), 1);
@@ -151,18 +171,25 @@ fn of_a_contour_that_crosses_itself_the_loops_remain() {
         topology: Topology::Kept,
         ..SnakeOptions::default()
     };
-    let kept = Snake::new(&eight, true, kept).unwrap().loops();
+    let kept = Snake::new(&eight, Ends::Closed, kept).unwrap().loops();
     assert!(kept[0].len() > split[0].len());
 }
 
 #[test]
 fn a_point_is_no_contour() {
-    assert!(Snake::new(&[], true, SnakeOptions::default()).is_none());
-    assert!(Snake::new(&[Point2::new(3.0, 4.0); 20], true, SnakeOptions::default()).is_none());
+    assert!(Snake::new(&[], Ends::Closed, SnakeOptions::default()).is_none());
+    assert!(
+        Snake::new(
+            &[Point2::new(3.0, 4.0); 20],
+            Ends::Closed,
+            SnakeOptions::default()
+        )
+        .is_none()
+    );
     assert!(
         Snake::new(
             &[Point2::new(f64::NAN, 4.0); 20],
-            false,
+            Ends::Open,
             SnakeOptions::default()
         )
         .is_none()
@@ -173,7 +200,7 @@ fn a_point_is_no_contour() {
 fn every_option_can_be_noticed() {
     let gradient = gradient();
     let settled = |options: SnakeOptions| {
-        let mut snake = Snake::new(&ellipse(4.0, 200), true, options).unwrap();
+        let mut snake = Snake::new(&ellipse(4.0, 200), Ends::Closed, options).unwrap();
         snake.settle(&gradient);
         snake
             .points(&gradient)

@@ -142,7 +142,9 @@ impl<'a> Studio<'a> {
         let normal = Vector3::from(fragment.mix::<3>(normals));
         Seen {
             albedo: clothes.colour(triangle, |corners| fragment.mix(corners)),
-            facing: normal.normalize().dot(&Lamp::direction().cast()),
+            facing: normal
+                .try_normalize(f32::EPSILON)
+                .map_or(0.0, |n| n.dot(&Lamp::direction().cast())),
             depth: fragment.depth,
             in_lamp: NOTHING.in_lamp,
         }
