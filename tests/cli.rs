@@ -17,6 +17,8 @@ mod resume;
 mod scene;
 #[path = "cli/segment.rs"]
 mod segment;
+#[path = "cli/silhouettes.rs"]
+mod silhouettes;
 #[path = "cli/skin.rs"]
 mod skin;
 #[path = "cli/stereo.rs"]

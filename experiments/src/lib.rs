@@ -12,10 +12,12 @@
 //! | [`picture`] | panels of curves and bars in one style, as SVG                                  |
 //! | [`arm`]     | an arm of two bars, its cameras and silhouettes (ZS06, Fig. 2)                 |
 //! | [`limb`]    | an arm of metaballs before cameras, and how a fitted arm is measured (PF02, PFD99) |
+//! | [`contours`] | how far silhouettes are from the true ones, and pictures of both                |
 //! | [`walker`]  | a walking person of metaballs, seen by seven cameras                           |
 //! | [`metrics`] | how far fitted joint centres are from the true ones                             |
 
 pub mod arm;
+pub mod contours;
 pub mod expected;
 pub mod limb;
 pub mod metrics;

@@ -13,6 +13,9 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Parser;
+use image::codecs::jpeg::JpegEncoder;
+use image::{ExtendedColorType, ImageEncoder, ImageError};
+use maquette::image::Picture;
 use serde::Serialize;
 
 use crate::expected::{ExpectedNumbers, out};
@@ -132,7 +135,7 @@ impl Run {
         println!("\n{title}\n\n{table}");
         write(
             &self.folder().join(format!("{}.csv", table.name)),
-            &table.csv(),
+            table.csv(),
         )
     }
 
@@ -150,6 +153,30 @@ impl Run {
         if self.arguments.docs {
             let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/experiments");
             write(&docs.join(format!("{}_{name}.svg", self.name)), svg)?;
+        }
+        Ok(())
+    }
+
+    /// Writes a photograph as JPEG, as good as fits into 300 kB, with `--docs` into the documentation too.
+    ///
+    /// # Errors
+    /// [`RunError::Write`].
+    pub fn photograph(&self, name: &str, picture: &Picture) -> Result<(), RunError> {
+        let path = self.folder().join(format!("{name}.jpg"));
+        let mut bytes = Vec::new();
+        for quality in [90, 80, 70, 60, 50, 40] {
+            bytes = jpeg(picture, quality).map_err(|fault| RunError::Write {
+                path: path.clone(),
+                source: io::Error::other(fault),
+            })?;
+            if bytes.len() <= MOST_BYTES {
+                break;
+            }
+        }
+        write(&path, &bytes)?;
+        if self.arguments.docs {
+            let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/experiments");
+            write(&docs.join(format!("{}_{name}.jpg", self.name)), &bytes)?;
         }
         Ok(())
     }
@@ -200,7 +227,8 @@ impl Run {
         })
     }
 
-    fn folder(&self) -> PathBuf {
+    /// Where its files go.
+    pub fn folder(&self) -> PathBuf {
         Path::new(env!("CARGO_MANIFEST_DIR"))
             .join("out")
             .join(self.file_name())
@@ -216,7 +244,22 @@ fn read_expected(name: &str) -> Result<ExpectedNumbers, RunError> {
     toml::from_str(&text).map_err(|source| RunError::Expected { path, source })
 }
 
-fn write(path: &Path, text: &str) -> Result<(), RunError> {
+/// Size of a photograph in the documentation.
+const MOST_BYTES: usize = 300_000;
+
+fn jpeg(picture: &Picture, quality: u8) -> Result<Vec<u8>, ImageError> {
+    let mut bytes = Vec::new();
+    let (width, height) = (picture.width() as u32, picture.height() as u32);
+    JpegEncoder::new_with_quality(&mut bytes, quality).write_image(
+        picture.values().as_flattened(),
+        width,
+        height,
+        ExtendedColorType::Rgb8,
+    )?;
+    Ok(bytes)
+}
+
+fn write(path: &Path, text: impl AsRef<[u8]>) -> Result<(), RunError> {
     let folder = path.parent().unwrap_or(path);
     fs::create_dir_all(folder)
         .and_then(|()| fs::write(path, text))

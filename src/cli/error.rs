@@ -14,7 +14,7 @@ use crate::io::stereo::StereoOutError;
 use crate::io::synthetic::SyntheticError;
 use crate::pipeline::FitError;
 use crate::skin::SkinError;
-use crate::synth::WalkError;
+use crate::synth::{FilmError, WalkError};
 
 /// Why a command could not be carried out.
 #[derive(Debug, thiserror::Error)]
@@ -97,6 +97,9 @@ pub(super) enum CliError {
     /// A body that cannot walk.
     #[error(transparent)]
     Walk(#[from] WalkError),
+    /// A synthetic recording of photographs.
+    #[error(transparent)]
+    Film(#[from] FilmError),
     /// A synthetic recording that cannot be written.
     #[error(transparent)]
     Synthetic(#[from] SyntheticError),

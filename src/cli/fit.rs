@@ -1,6 +1,7 @@
 //! `maquette fit`: read, fit, write.
 
 mod arguments;
+mod contoured;
 mod input;
 
 use std::fs;

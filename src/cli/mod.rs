@@ -4,6 +4,7 @@
 //! |---------------|----------------------------------------------------------------|
 //! | `fit.rs`      | `maquette fit`: reads, calls the pipeline, writes               |
 //! | `segment.rs`  | `maquette segment`                                              |
+//! | `silhouettes.rs` | `maquette silhouettes`                                       |
 //! | `export.rs`   | `maquette export`                                               |
 //! | `gait.rs`     | `maquette gait`                                                 |
 //! | `report.rs`   | `maquette report`                                               |
@@ -29,6 +30,7 @@ mod models;
 mod progress;
 mod report;
 mod segment;
+mod silhouettes;
 mod skin;
 mod stereo;
 mod summary;
@@ -79,6 +81,9 @@ enum Command {
     /// Cut the person out of images or videos: masks for every camera and frame
     #[command(long_about = segment::ABOUT, after_help = segment::EXAMPLES)]
     Segment(segment::SegmentArguments),
+    /// Find the person's silhouettes before clutter, from a body that predicts where to look
+    #[command(long_about = silhouettes::ABOUT, after_help = silhouettes::EXAMPLES)]
+    Silhouettes(silhouettes::SilhouettesArguments),
     /// Make the skin of a fitted body, as meshes and pictures
     #[command(long_about = skin::ABOUT, after_help = skin::EXAMPLES)]
     Skin(skin::SkinArguments),
@@ -108,6 +113,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Ok(arguments) => match arguments.command {
             Command::Fit(arguments) => fit::run(&arguments),
             Command::Segment(arguments) => segment::run(&arguments),
+            Command::Silhouettes(arguments) => silhouettes::run(&arguments),
             Command::Skin(arguments) => skin::run(&arguments),
             Command::Stereo(arguments) => stereo::run(&arguments),
             Command::Gait(arguments) => gait::run(&arguments),

@@ -19,6 +19,8 @@
 //! | `contour.rs`   | [`trace`], [`resample`]: the sub-pixel border as closed polylines        |
 //! | `scanlines.rs` | [`Scanlines`]: which points of a row lie inside polygons                 |
 //! | `distance.rs`  | [`NearestPoints`]: the nearest of many points, for a whole row at once   |
+//! | `edges.rs`     | [`Gradient`]: of all colours at a scale, filtered, by hysteresis          |
+//! | `morphology.rs`| masks opened, closed and widened                                         |
 
 mod background;
 mod border;
@@ -26,9 +28,11 @@ mod colours;
 mod components;
 mod contour;
 mod distance;
+mod edges;
 mod labels;
 mod mask;
 mod mixture;
+mod morphology;
 mod picture;
 mod plane;
 mod runs;
@@ -41,9 +45,11 @@ pub use colours::{ColourCount, Colours};
 pub use components::{CleanOptions, clean};
 pub use contour::{resample, trace};
 pub use distance::NearestPoints;
+pub use edges::Gradient;
 pub use labels::{RelaxOptions, relax};
 pub use mask::Mask;
 pub use mixture::{Mixture, MixtureOptions, Mode};
+pub use morphology::{closed, opened, widened};
 pub use picture::{Picture, luma};
 pub use plane::Plane;
 pub use runs::{Component, Connectivity, Region, Runs};

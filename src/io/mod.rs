@@ -3,6 +3,7 @@
 pub mod calibration;
 pub mod cloud;
 pub mod export;
+pub mod filmed;
 pub mod frames;
 pub mod gait;
 pub mod journal;
@@ -15,6 +16,7 @@ mod png;
 pub mod recording;
 pub mod result;
 pub mod segmented;
+pub mod silhouettes;
 pub mod stereo;
 pub mod synthetic;
 pub mod trc;

@@ -136,6 +136,14 @@ fn lengths(synthetic: &Synthetic) -> BTreeMap<String, f64> {
 /// # Errors
 /// [`SyntheticError`] names the file and why.
 pub fn write(synthetic: &Synthetic, folder: &Path) -> Result<(), SyntheticError> {
+    whole(folder, |whole| fill(synthetic, whole))
+}
+
+/// Lets `fill` write a folder beside the wanted one, and moves it there when all is written.
+pub(super) fn whole(
+    folder: &Path,
+    fill: impl FnOnce(&Path) -> Result<(), SyntheticError>,
+) -> Result<(), SyntheticError> {
     let failed = |path: &Path| {
         let path = path.to_owned();
         |source| SyntheticError::Write { path, source }
@@ -154,7 +162,8 @@ pub fn write(synthetic: &Synthetic, folder: &Path) -> Result<(), SyntheticError>
         .tempdir_in(parent)
         .map_err(failed(parent))?;
     let whole = scratch.path().join("recording");
-    fill(synthetic, &whole)?;
+    fs::create_dir_all(&whole).map_err(failed(&whole))?;
+    fill(&whole)?;
     if folder.is_dir() {
         fs::remove_dir(folder).map_err(failed(folder))?;
     }
@@ -176,17 +185,24 @@ fn fill(synthetic: &Synthetic, folder: &Path) -> Result<(), SyntheticError> {
         write_mask(synthetic, frame, id, path)
     })?;
     write_clouds(synthetic, folder)?;
-    let text_file = |name: &str, text: String| {
+    write_texts(synthetic, folder, &manifest(synthetic))
+}
+
+/// Cameras, manifest and truth.
+pub(super) fn write_texts(
+    synthetic: &Synthetic,
+    folder: &Path,
+    manifest: &str,
+) -> Result<(), SyntheticError> {
+    let text_file = |name: &str, text: &str| {
         let path = folder.join(name);
         fs::write(&path, text).map_err(|source| SyntheticError::Write { path, source })
     };
-    text_file("calibration.toml", calibration::write_toml(rig))?;
-    text_file("sequence.toml", manifest(synthetic))?;
-    text_file(
-        "truth.trc",
-        write_trc(&trajectories(synthetic), "truth.trc"),
-    )?;
-    text_file("truth.json", truth_text(synthetic, folder)?)
+    let trajectories = write_trc(&trajectories(synthetic), "truth.trc");
+    text_file("calibration.toml", &calibration::write_toml(&synthetic.rig))?;
+    text_file("sequence.toml", manifest)?;
+    text_file("truth.trc", &trajectories)?;
+    text_file("truth.json", &truth_text(synthetic, folder)?)
 }
 
 fn masks_of(folder: &Path, camera: &Camera) -> PathBuf {

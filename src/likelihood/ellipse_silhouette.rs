@@ -20,7 +20,7 @@ use super::{PlacedResidual, Source, Term};
 use crate::body::{EllipsoidJacobians, Posed};
 use crate::camera::{Camera, Ray};
 use crate::math::quadric::{Ellipsoid, ProjectionJacobian, project, project_with_jacobian};
-use crate::silhouette::{DistanceMap, Silhouette};
+use crate::silhouette::{ContourPoint, DistanceMap, Silhouette};
 use crate::solver::{Loss, NormalEquations};
 
 /// Which measure.
@@ -103,7 +103,7 @@ impl<'a> View<'a> {
             projection: camera.projection(),
             points: contour.iter().map(|p| p.pixel.coords).collect(),
             rays: contour.iter().map(|p| camera.ray(&p.pixel)).collect(),
-            lengths_px: contour.iter().map(|p| p.length_px).collect(),
+            lengths_px: contour.iter().map(ContourPoint::counted_px).collect(),
             outside: &silhouette.outside,
             px_per_m,
         }

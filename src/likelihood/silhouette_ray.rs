@@ -24,7 +24,7 @@ use super::{PlacedResidual, Source, Term};
 use crate::body::Posed;
 use crate::body::metaball::{Field, FieldSample};
 use crate::camera::Camera;
-use crate::silhouette::Silhouette;
+use crate::silhouette::{ContourPoint, Silhouette};
 use crate::solver::{Loss, NormalEquations};
 
 /// Settings of the ray likelihood.
@@ -77,7 +77,7 @@ impl RayView {
         Self {
             origin_world: camera.centre_world().coords,
             directions_world: contour.iter().map(|p| direction(&p.pixel)).collect(),
-            lengths_px: contour.iter().map(|p| p.length_px).collect(),
+            lengths_px: contour.iter().map(ContourPoint::counted_px).collect(),
             px_per_m,
         }
     }

@@ -18,6 +18,7 @@ mod points;
 mod quality;
 mod scene;
 pub mod segment;
+pub mod silhouettes;
 mod uncertainty;
 mod unseen;
 mod warning;

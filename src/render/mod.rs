@@ -5,20 +5,26 @@
 //! | `raycast.rs` | [`silhouette`]: the mask of a metaball body, by casting rays       |
 //! | `profile.rs` | [`RayProfile`]: the field along one ray, as a sum of bumps          |
 //! | `canvas.rs`  | [`Canvas`]: smooth lines and dots in a picture                      |
+//! | `raster.rs`  | [`Raster`]: which triangle of a mesh each sample of a picture sees  |
 //! | `shade.rs`   | [`shade`]: a shaded picture of a metaball body                      |
+//! | `outline.rs` | [`outline`]: its visible contours, the inner ones apart, with part and depth |
 //! | `overlay.rs` | [`overlay`]: a mask with the fitted outline and joints over it      |
 //!
 //! Nothing here is shared with the likelihoods: what is rendered here is what they are tested on.
 
 mod canvas;
+mod outline;
 mod overlay;
 mod profile;
+mod raster;
 mod raycast;
 mod shade;
 pub mod stereo;
 
 pub use canvas::{Canvas, Pen, Rgb};
+pub use outline::{ModelOutline, OutlinePoint, outline};
 pub use overlay::overlay;
 pub use profile::{Bump, RayProfile};
+pub use raster::{Fragment, Raster};
 pub use raycast::silhouette;
 pub use shade::{portrait_camera, shade};

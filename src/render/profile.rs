@@ -1,5 +1,9 @@
 //! The metaball field along a ray.
 
+use nalgebra::Vector3;
+
+use crate::body::metaball::Metaball;
+
 /// What one metaball adds to the field along a ray: w·exp(−½ k (t − t₀)²).
 ///
 /// On the ray o + t·r the distance d = (x − c)ᵀA⁻¹(x − c) is the parabola d₀ + a (t − t₀)², so
@@ -15,7 +19,21 @@ pub struct Bump {
 }
 
 impl Bump {
-    fn value(&self, t: f64) -> f64 {
+    /// What a metaball adds along o + t·r.
+    pub(super) fn on_ray(ball: &Metaball, origin: &Vector3<f64>, direction: &Vector3<f64>) -> Self {
+        let to = ball.ellipsoid.centre - origin;
+        let pull = ball.precision * to;
+        let a = direction.dot(&(ball.precision * direction));
+        let at = direction.dot(&pull) / a;
+        let nearest = to.dot(&pull) - a * at * at;
+        Self {
+            peak: (-2.0 * nearest).exp(),
+            at,
+            sharpness: 4.0 * a,
+        }
+    }
+
+    pub(super) fn value(&self, t: f64) -> f64 {
         self.peak * (-0.5 * self.sharpness * (t - self.at).powi(2)).exp()
     }
 }
@@ -36,6 +54,16 @@ impl RayProfile {
         self.bumps.iter().map(|b| b.value(t)).sum()
     }
 
+    /// Where on t ≥ 0 F is largest, and its value there: the climb from the highest of the bumps' own summits; `None` without a bump.
+    pub fn summit(&self) -> Option<(f64, f64)> {
+        let start = |b: &&Bump| self.value(b.at.max(0.0));
+        let highest = self
+            .bumps
+            .iter()
+            .max_by(|a, b| start(a).total_cmp(&start(b)))?;
+        Some(self.climb(highest, f64::INFINITY))
+    }
+
     /// Whether F reaches `level` anywhere on t ≥ 0.
     ///
     /// Climbs from every bump's own summit: t ← Σ k f t₀ / Σ k f, a step that never lowers F
@@ -47,11 +75,11 @@ impl RayProfile {
             return false;
         }
         let alone = |b: &Bump| b.at >= 0.0 && b.peak >= level;
-        self.bumps.iter().any(alone) || self.bumps.iter().any(|b| self.climb(b, level) >= level)
+        self.bumps.iter().any(alone) || self.bumps.iter().any(|b| self.climb(b, level).1 >= level)
     }
 
-    /// The highest F found by climbing from a bump's summit; ends as soon as it is `enough`.
-    fn climb(&self, from: &Bump, enough: f64) -> f64 {
+    /// Where climbing from a bump's summit ends, and F there; ends as soon as it is `enough`.
+    fn climb(&self, from: &Bump, enough: f64) -> (f64, f64) {
         let mut t = from.at.max(0.0);
         let mut value = self.value(t);
         for _ in 0..MOST_STEPS {
@@ -66,11 +94,11 @@ impl RayProfile {
             let (previous, step) = (value, next.max(0.0) - t);
             t += step;
             value = self.value(t);
-            if value >= enough || value - previous < 1e-7 * enough {
+            if value >= enough || value - previous < 1e-7 * enough.min(1.0) {
                 break;
             }
         }
-        value
+        (t, value)
     }
 }
 

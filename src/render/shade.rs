@@ -116,16 +116,8 @@ impl<'a> Scene<'a> {
     }
 
     fn bump(&self, ball: &Metaball, direction: &Vector3<f64>) -> Option<Bump> {
-        let to = ball.ellipsoid.centre - self.centre;
-        let pull = ball.precision * to;
-        let a = direction.dot(&(ball.precision * direction));
-        let at = direction.dot(&pull) / a;
-        let nearest = to.dot(&pull) - a * at * at;
-        (nearest < FARTHEST).then(|| Bump {
-            peak: (-2.0 * nearest).exp(),
-            at,
-            sharpness: 4.0 * a,
-        })
+        let bump = Bump::on_ray(ball, &self.centre, direction);
+        (bump.peak > (-2.0 * FARTHEST).exp()).then_some(bump)
     }
 }
 

@@ -74,19 +74,60 @@ pub fn extract(
         .iter()
         .map(|closed| Border::new(&resample(closed, spacing_px), camera))
         .collect();
+    assembled(&borders, camera, options).ok_or(no_border)
+}
+
+/// A point of a silhouette's border, as an active contour leaves it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BorderPoint {
+    /// Where, undistorted px.
+    pub pixel: Point2<f64>,
+    /// How sure it is that the border is here, 0 to 1.
+    pub reliability: f64,
+}
+
+/// The silhouette within closed curves, which run with the person on the left as seen on the screen.
+///
+/// `options` are taken as validated.
+///
+/// # Errors
+/// [`Rejected::NoBorder`] if the curves hold no area, or all of them lies on the image edge.
+pub fn of_curves(
+    curves: &[Vec<BorderPoint>],
+    camera: &Camera,
+    options: &SilhouetteOptions,
+) -> Result<Silhouette, Rejected> {
+    let border = |curve: &Vec<BorderPoint>| {
+        let is_on_edge = |p: &BorderPoint| is_on_image_edge(&camera.distort(&p.pixel), camera);
+        Border {
+            pixels: curve.iter().map(|p| p.pixel).collect(),
+            reliabilities: curve.iter().map(|p| p.reliability).collect(),
+            is_on_image_edge: curve.iter().map(is_on_edge).collect(),
+        }
+    };
+    let borders: Vec<Border> = curves.iter().map(border).collect();
+    assembled(&borders, camera, options).ok_or(Rejected::NoBorder { area_px: 0 })
+}
+
+/// The silhouette of its borders; `None` if they hold no area or all of them lies on the image edge.
+fn assembled(
+    borders: &[Border],
+    camera: &Camera,
+    options: &SilhouetteOptions,
+) -> Option<Silhouette> {
     let polygons: Vec<_> = borders.iter().map(|border| border.pixels.clone()).collect();
-    let (area_px, centroid) = area_and_centroid(&polygons).ok_or(no_border)?;
-    let bounds = bounds(polygons.iter().flatten()).ok_or(no_border)?;
-    let (contour, pieces, cut_px) = contour(&borders);
+    let (area_px, centroid) = area_and_centroid(&polygons)?;
+    let bounds = bounds(polygons.iter().flatten())?;
+    let (contour, pieces, cut_px) = contour(borders);
     if contour.is_empty() {
-        return Err(no_border);
+        return None;
     }
     let extent = MapExtent {
         bounds,
         margin: options.map_margin,
         cells: options.map_cells,
     };
-    Ok(Silhouette {
+    Some(Silhouette {
         outside: DistanceMap::new(&polygons, image_outline(camera), &extent),
         inside: inside(&polygons, bounds),
         contour,
@@ -130,26 +171,30 @@ fn foreground_of_edge(mask: &Mask) -> f64 {
     f64::from(set) / f64::from(count.max(1))
 }
 
+/// Whether a pixel of the recorded image is within [`EDGE_PX`] of its edge, or beyond.
+fn is_on_image_edge(recorded: &Point2<f64>, camera: &Camera) -> bool {
+    let inner = |x: f64, size: u32| (EDGE_PX - 0.5..=f64::from(size) - 0.5 - EDGE_PX).contains(&x);
+    !(inner(recorded.x, camera.width_px) && inner(recorded.y, camera.height_px))
+}
+
 /// One closed border, undistorted.
 struct Border {
     pixels: Vec<Point2<f64>>,
+    reliabilities: Vec<f64>,
     is_on_image_edge: Vec<bool>,
 }
 
 impl Border {
     fn new(recorded: &[Point2<f64>], camera: &Camera) -> Self {
-        let (right, bottom) = (
-            f64::from(camera.width_px) - 0.5 - EDGE_PX,
-            f64::from(camera.height_px) - 0.5 - EDGE_PX,
-        );
-        let inner = EDGE_PX - 0.5..=right;
-        let is_inner =
-            |p: &Point2<f64>| inner.contains(&p.x) && (EDGE_PX - 0.5..=bottom).contains(&p.y);
-        let (pixels, is_on_image_edge) = recorded
+        let (pixels, is_on_image_edge): (Vec<_>, Vec<_>) = recorded
             .iter()
-            .filter_map(|pixel| Some((camera.undistort(pixel)?, !is_inner(pixel))))
+            .filter_map(|pixel| {
+                let is_on_edge = is_on_image_edge(pixel, camera);
+                Some((camera.undistort(pixel)?, is_on_edge))
+            })
             .unzip();
         Self {
+            reliabilities: vec![1.0; pixels.len()],
             pixels,
             is_on_image_edge,
         }
@@ -172,6 +217,7 @@ impl Border {
             pixel: self.pixels[i],
             normal,
             length_px: self.length_at(i),
+            reliability: self.reliabilities[i],
         })
     }
 

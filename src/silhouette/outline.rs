@@ -14,6 +14,15 @@ pub struct ContourPoint {
     pub normal: Vector2<f64>,
     /// Length of the border that this point stands for.
     pub length_px: f64,
+    /// How sure it is that the border is here, 0 to 1; 1 of a mask.
+    pub reliability: f64,
+}
+
+impl ContourPoint {
+    /// The length of border for which it counts: less where the border is unsure.
+    pub fn counted_px(&self) -> f64 {
+        self.length_px * self.reliability
+    }
 }
 
 /// What one camera sees of the person in one frame. Everything in undistorted pixels.
@@ -51,7 +60,7 @@ impl Silhouette {
     /// A subset of the contour, as equally spaced along each piece as the points allow.
     ///
     /// A piece of length L keeps max(1, round(L/spacing)) points at most; the lengths that they stand for add up to
-    /// that of the whole contour.
+    /// that of the whole contour, and a kept point is as reliable as those it stands for on average.
     pub fn thinned(&self, spacing_px: f64) -> Vec<ContourPoint> {
         let ends = self.pieces.iter().skip(1).copied();
         let ends = ends.chain(std::iter::once(self.contour.len()));
@@ -89,10 +98,12 @@ fn thinned_piece(piece: &[ContourPoint], spacing_px: f64) -> Vec<ContourPoint> {
         match kept.last_mut() {
             Some((least, chosen)) if last_group == Some(position as usize) => {
                 let length_px = chosen.length_px + point.length_px;
+                let counted_px = chosen.counted_px() + point.counted_px();
                 if off_middle < *least {
                     (*least, *chosen) = (off_middle, *point);
                 }
                 chosen.length_px = length_px;
+                chosen.reliability = counted_px / length_px.max(f64::MIN_POSITIVE);
             }
             _ => kept.push((off_middle, *point)),
         }

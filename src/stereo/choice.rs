@@ -51,6 +51,14 @@ impl SideBySide {
     }
 }
 
+/// The camera that stands nearest beside another; `None` if none does.
+pub fn neighbour(rig: &Rig, of: CameraId) -> Option<CameraId> {
+    let camera = rig.camera(of)?;
+    let others = rig.iter().filter(|(id, _)| *id != of);
+    let near = others.filter_map(|(id, other)| Some((distance(camera, other)?, id)));
+    near.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, id)| id)
+}
+
 /// How far two cameras are from each other; `None` if they do not stand side by side.
 fn distance(a: &Camera, b: &Camera) -> Option<f64> {
     let distance = (a.centre_world() - b.centre_world()).norm();

@@ -27,7 +27,7 @@ mod rectify;
 pub mod tracking;
 mod view;
 
-pub use choice::{NoneSideBySide, SideBySide};
+pub use choice::{NoneSideBySide, SideBySide, neighbour};
 pub use cloud::{Cloud, CloudPoint, LeftOut, Spread};
 pub use depth::{DepthError, DepthMap, depth_map};
 pub use intersection::{Intersection, Sighting, intersect};

@@ -13,11 +13,13 @@
 //! | `walk.rs`    | [`Walk`]: the motion of a model that walks                                  |
 //! | `cloud.rs`   | [`StereoPair`]: the points that stereo would see on the skin                |
 //! | `noise.rs`   | [`SegmentationErrors`]: what a segmentation does to a true mask             |
+//! | `film/`      | [`FilmRecipe`]: photographs of a person before clutter, by cameras side by side |
 //! | `recording.rs` | [`Synthetic`]: all of it together; [`Recipe`], [`sample_walker`]: how it is made |
 
 mod cloud;
 mod contact;
 mod curves;
+mod film;
 mod gait;
 mod noise;
 mod recording;
@@ -27,6 +29,7 @@ mod walk;
 
 pub use cloud::StereoPair;
 pub use curves::Curve;
+pub use film::{FilmError, FilmRecipe, Filmed, Shot, Studio};
 pub use gait::Gait;
 pub use noise::SegmentationErrors;
 pub use recording::{Recipe, Synthetic, sample_walker};

@@ -102,7 +102,7 @@ impl Ring {
 }
 
 /// Pose of an upright camera: z towards the target, y down, then rolled about z.
-fn looking_at(eye: &Point3<f64>, target: &Point3<f64>, roll: f64) -> Rigid3 {
+pub(super) fn looking_at(eye: &Point3<f64>, target: &Point3<f64>, roll: f64) -> Rigid3 {
     let unit = |v: Vector3<f64>, otherwise| v.try_normalize(1e-9).unwrap_or(otherwise);
     let forward = unit(target - eye, Vector3::x());
     // a camera that looks straight down has no upright: take the world's x for its right

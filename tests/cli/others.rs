@@ -70,3 +70,18 @@ fn a_synthetic_recording_can_be_read_and_is_not_written_over() {
     run(&["synth", &out, "--fps", "0"]).refused(&["expected a positive number"]);
     run(&["synth", &out, "--cameras", "0"]).refused(&["0 is not in 1..=64"]);
 }
+
+#[test]
+fn photographs_before_clutter_are_made_by_three_cameras_without_masks() {
+    let place = Arm::new();
+    let out = place.out("film").display().to_string();
+    let said = run(&["synth", &out, "--clutter", "--frames", "1"]).succeeded();
+    assert!(
+        said.out.contains("1 frame of 3 cameras at 25 Hz"),
+        "{}",
+        said.out
+    );
+    let image = place.out("film").join("images/center/000000.jpg");
+    assert!(image.is_file());
+    run(&["synth", &out, "--clutter", "--cameras", "4"]).refused(&["--clutter", "--cameras"]);
+}

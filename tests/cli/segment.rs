@@ -22,7 +22,7 @@ fn save(path: &Path, colour: impl Fn(u32, u32) -> [u8; 3]) {
 }
 
 /// The arm's recording as photographs, with the empty wall, in the place of masks.
-fn photographed() -> Arm {
+pub(crate) fn photographed() -> Arm {
     let arm = Arm::new();
     let folder = arm.recording();
     for camera in &rig().cameras {

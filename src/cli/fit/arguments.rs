@@ -28,6 +28,7 @@ Examples:
   maquette fit my-recording --fps 50 --out out/me --resume        (go on after an interruption)
   maquette fit my-recording --fps 50 --out out/short --frames 100:300 --keyframe-every 10
   maquette fit my-recording --fps 50 --out out/me --stereo        (cameras side by side: points too)
+  maquette fit my-recording --fps 50 --out out/me --silhouettes joint   (clutter, no picture of the empty scene)
   maquette fit my-recording --fps 50 --out out/me --json --quiet  (for other programs)";
 
 /// Arguments of `maquette fit`.
@@ -62,6 +63,10 @@ pub(in crate::cli) struct FitArguments {
     /// Measure points on the person with cameras that stand side by side and fit to them too; they are kept in OUT/points
     #[arg(long, value_enum, value_name = "METHOD", num_args = 0..=1, require_equals = true, default_missing_value = "matching")]
     pub(super) stereo: Option<Method>,
+    /// How silhouettes are found where there are pictures [default: those of the masks; without masks joint, if cameras stand
+    /// side by side and no picture of the empty scene is given, else background]
+    #[arg(long, value_enum, value_name = "WAY", conflicts_with = "stereo")]
+    pub(super) silhouettes: Option<Silhouettes>,
     /// What is fitted to
     #[arg(long, value_enum, default_value_t = Fitted::All)]
     fit_to: Fitted,
@@ -103,6 +108,21 @@ impl Likelihood {
             Self::Metaballs => Measure::Metaballs,
             Self::Both => Measure::Both,
         }
+    }
+}
+
+/// How silhouettes are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum Silhouettes {
+    /// Those of masks, given or made by learning the background
+    Background,
+    /// Those that the body predicts, by depth and active contours, as `maquette silhouettes` does; and points with them
+    Joint,
+}
+
+impl Silhouettes {
+    pub(super) fn is_joint(self) -> bool {
+        self == Self::Joint
     }
 }
 

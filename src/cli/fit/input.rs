@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use super::arguments::FitArguments;
+use super::contoured;
 use crate::body::BodyModel;
 use crate::cli::error::{CliError, one_line};
 use crate::cli::frame_range::{FrameRange, span};
@@ -40,11 +41,22 @@ pub(super) struct Input {
 pub(super) fn read(arguments: &FitArguments) -> Result<Input, CliError> {
     let options = arguments.options()?;
     check_out(&arguments.out, arguments.existing())?;
-    let mut recording = open(arguments)?;
+    let (mut recording, contoured) = match contoured::wanted(arguments)? {
+        Some(footage) => {
+            let (recording, observed) = contoured::observe(&footage, arguments)?;
+            (recording, Some(observed))
+        }
+        None => (open(arguments)?, None),
+    };
     let (model, body) = body(arguments.body.as_deref(), &recording)?;
     check_measure(&model, options.measure)?;
-    let positions = FrameRange::positions(arguments.frames, &recording.frames)?;
-    let observations = observe(&recording, positions, &options, arguments.quiet.progress())?;
+    let observations = match contoured {
+        Some(observed) => observed.into_iter().map(|o| options.fit_to.of(o)).collect(),
+        None => {
+            let positions = FrameRange::positions(arguments.frames, &recording.frames)?;
+            observe(&recording, positions, &options, arguments.quiet.progress())?
+        }
+    };
     let notes = recording.notes_of_points(&observations);
     recording.notes.extend(notes);
     check_scene(&model, &recording.rig, &observations).map_err(FitError::from)?;
@@ -133,7 +145,7 @@ fn measure(
     Ok(())
 }
 
-fn tell(notes: &[String], arguments: &FitArguments) {
+pub(super) fn tell(notes: &[String], arguments: &FitArguments) {
     for note in notes.iter().filter(|_| !arguments.quiet.is_on()) {
         complain("note", &one_line(note));
     }

@@ -1,0 +1,183 @@
+//! A sequence on disk, what a pipeline makes of it, and how far that is from the truth.
+
+use std::ffi::OsString;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+use experiments::contours::Score;
+use maquette::camera::CameraId;
+use maquette::image::{Mask, Picture, Plane};
+use maquette::io::{filmed, model};
+use maquette::math::stats::median;
+use maquette::silhouette::FrameIndex;
+use maquette::synth::{FilmRecipe, Filmed, Studio};
+use rayon::prelude::*;
+
+use crate::Fault;
+
+/// As `maquette silhouettes --pipeline` calls them.
+pub(crate) const PIPELINES: [&str; 2] = ["simple", "joint"];
+/// The camera in the middle.
+pub(crate) const CENTRE: usize = 1;
+
+/// A recording with its truth.
+pub(crate) struct Sequence {
+    pub(crate) film: Filmed,
+    folder: PathBuf,
+}
+
+/// The silhouettes of a pipeline.
+pub(crate) struct Traced {
+    pub(crate) pipeline: &'static str,
+    /// Of each frame, of each camera.
+    pub(crate) scores: Vec<Vec<Score>>,
+    pub(crate) seconds_a_frame: f64,
+    out: PathBuf,
+}
+
+impl Sequence {
+    /// Makes a recording and writes it into `folder`, over what was there.
+    pub(crate) fn photographed(
+        seed: u64,
+        (frames, fps): (usize, f64),
+        folder: &Path,
+    ) -> Result<Self, Fault> {
+        let body = model::load("walker-metaballs", Path::new(""))?;
+        let recipe = FilmRecipe {
+            seed,
+            frames,
+            fps,
+            ..FilmRecipe::default()
+        };
+        let film = recipe.filmed(&body)?;
+        let recording = folder.join("recording");
+        if recording.is_dir() {
+            fs::remove_dir_all(&recording)?;
+        }
+        filmed::write(&film, &recording)?;
+        Ok(Self {
+            film,
+            folder: folder.to_owned(),
+        })
+    }
+
+    /// Runs a pipeline as a user would, and compares what it wrote with the true masks.
+    pub(crate) fn traced(&self, pipeline: &'static str) -> Result<Traced, Fault> {
+        let out = self.folder.join(pipeline);
+        let recording = self.folder.join("recording");
+        let mut arguments = [
+            "maquette",
+            "silhouettes",
+            "--overwrite",
+            "--quiet",
+            "--pipeline",
+            pipeline,
+            "--out",
+        ]
+        .map(OsString::from)
+        .to_vec();
+        arguments.extend([out.clone().into(), recording.into()]);
+        let start = Instant::now();
+        if maquette::cli::run(arguments) != ExitCode::SUCCESS {
+            return Err(format!("the {pipeline} pipeline ended with an error").into());
+        }
+        let seconds = start.elapsed().as_secs_f64();
+        let frames = self.film.synthetic.frames();
+        let numbers: Vec<usize> = (0..frames).collect();
+        let scores = numbers
+            .into_par_iter()
+            .map(|frame| self.scores(frame, &out));
+        Ok(Traced {
+            pipeline,
+            scores: scores.collect::<Result<_, String>>()?,
+            seconds_a_frame: seconds / frames as f64,
+            out,
+        })
+    }
+
+    fn scores(&self, frame: usize, out: &Path) -> Result<Vec<Score>, String> {
+        let names = self.film.synthetic.rig.names();
+        let score = |name: &str| {
+            let truth = self.folder.join("recording/truth");
+            let truth = read_mask(&mask_path(&truth, name, frame))?;
+            // a mask that was not written is no silhouette
+            let path = mask_path(out, name, frame);
+            let found = if path.is_file() {
+                read_mask(&path)?
+            } else {
+                Mask::from_fn(truth.width(), truth.height(), |_, _| false)
+            };
+            Ok(Score::of(&found, &truth))
+        };
+        names.into_iter().map(score).collect()
+    }
+
+    /// The centre camera's photographs and true masks.
+    pub(crate) fn studio(&self) -> Option<Studio<'_>> {
+        self.film.studio(CameraId(CENTRE))
+    }
+
+    /// The centre camera's photograph, the mask that a pipeline found, and the true one.
+    pub(crate) fn shown(
+        &self,
+        studio: &Studio<'_>,
+        traced: &Traced,
+        frame: usize,
+    ) -> Result<(Picture, Mask, Mask), Fault> {
+        let shot = studio.shot(FrameIndex(frame)).ok_or("no such frame")?;
+        let name = &self.film.synthetic.rig.cameras[CENTRE].name;
+        let found = read_mask(&mask_path(&traced.out, name, frame))?;
+        Ok((shot.picture, found, shot.mask))
+    }
+}
+
+impl Traced {
+    /// Frames in error in any camera.
+    pub(crate) fn errors(&self) -> Vec<usize> {
+        let is_error = |frame: &usize| self.scores[*frame].iter().any(Score::is_error);
+        (0..self.scores.len()).filter(is_error).collect()
+    }
+
+    /// How many frames are in error in the centre camera.
+    pub(crate) fn errors_of_centre(&self) -> usize {
+        let of_centre = self.scores.iter().filter_map(|cameras| cameras.get(CENTRE));
+        of_centre.filter(|score| score.is_error()).count()
+    }
+
+    /// Of all frames and cameras: mean distance of the contour, px; median and least overlap.
+    pub(crate) fn summary(&self) -> (f64, f64, f64) {
+        let all = || self.scores.iter().flatten();
+        let mut overlaps: Vec<f64> = all().map(|score| score.overlap).collect();
+        let distance = all().map(|score| score.distance_px).sum::<f64>();
+        let mean = distance / overlaps.len().max(1) as f64;
+        let least = overlaps.iter().copied().fold(1.0, f64::min);
+        (mean, median(&mut overlaps).unwrap_or(f64::NAN), least)
+    }
+
+    /// How far the centre camera's contour is off in a frame, px.
+    pub(crate) fn distance_px(&self, frame: usize) -> f64 {
+        let of_centre = self
+            .scores
+            .get(frame)
+            .and_then(|cameras| cameras.get(CENTRE));
+        of_centre.map_or(f64::NAN, |score| score.distance_px)
+    }
+}
+
+fn mask_path(folder: &Path, camera: &str, frame: usize) -> PathBuf {
+    folder
+        .join("masks")
+        .join(camera)
+        .join(format!("{frame:06}.png"))
+}
+
+fn read_mask(path: &Path) -> Result<Mask, String> {
+    let picture = image::open(path).map_err(|fault| format!("{}: {fault}", path.display()))?;
+    let grey = picture.to_luma8();
+    let (width, height) = (grey.width() as usize, grey.height() as usize);
+    let plane = Plane::from_values(width, height, grey.into_raw());
+    let plane = plane.ok_or_else(|| format!("{}: a mask of no size", path.display()))?;
+    Ok(Mask::brighter_than(&plane, 127))
+}

@@ -1,0 +1,105 @@
+//! A recording of photographs as a folder, with its truth.
+//!
+//! | file                            | content                                                          |
+//! |---------------------------------|------------------------------------------------------------------|
+//! | `sequence.toml`                 | manifest; it names neither masks nor pictures of the empty room   |
+//! | `calibration.toml`              | cameras, as Pose2Sim writes them                                 |
+//! | `images/<camera>/%06d.jpg`      | photographs                                                      |
+//! | `truth/masks/<camera>/%06d.png` | where the person is, 0 and 255                                   |
+//! | `truth.trc`, `truth.json`       | as in [`super::synthetic`]                                       |
+
+use std::fs;
+use std::path::Path;
+
+use ::image::codecs::jpeg::JpegEncoder;
+use ::image::{ExtendedColorType, ImageEncoder, ImageError};
+use rayon::prelude::*;
+
+use super::png::{self, Effort};
+use super::synthetic::{SyntheticError, whole, write_texts};
+use crate::image::Picture;
+use crate::silhouette::FrameIndex;
+use crate::synth::{Filmed, Studio};
+
+/// Of a camera that is not set to save space.
+const JPEG_QUALITY: u8 = 95;
+
+/// Writes a recording into a folder that is empty or does not exist.
+///
+/// Everything is written beside it first and moved there at the end: a failure leaves nothing.
+///
+/// # Errors
+/// [`SyntheticError`] names the file and why.
+pub fn write(filmed: &Filmed, folder: &Path) -> Result<(), SyntheticError> {
+    whole(folder, |whole| {
+        for (id, camera) in filmed.synthetic.rig.iter() {
+            let images = whole.join("images").join(&camera.name);
+            let masks = whole.join("truth").join("masks").join(&camera.name);
+            for path in [&images, &masks] {
+                fs::create_dir_all(path).map_err(failed(path))?;
+            }
+            if let Some(studio) = filmed.studio(id) {
+                let frames = (0..filmed.synthetic.frames()).into_par_iter();
+                frames.try_for_each(|frame| write_shot(&studio, frame, [&images, &masks]))?;
+            }
+        }
+        write_texts(&filmed.synthetic, whole, &manifest(filmed))
+    })
+}
+
+fn write_shot(
+    studio: &Studio<'_>,
+    frame: usize,
+    [images, masks]: [&Path; 2],
+) -> Result<(), SyntheticError> {
+    let Some(shot) = studio.shot(FrameIndex(frame)) else {
+        return Ok(());
+    };
+    let image = images.join(format!("{frame:06}.jpg"));
+    let mask = masks.join(format!("{frame:06}.png"));
+    for (path, bytes) in [
+        (&image, jpeg(&shot.picture)),
+        (&mask, png::of_mask(&shot.mask, Effort::Small)),
+    ] {
+        let bytes = bytes.map_err(|source| SyntheticError::Encode {
+            path: path.clone(),
+            source,
+        })?;
+        fs::write(path, bytes).map_err(failed(path))?;
+    }
+    Ok(())
+}
+
+fn failed(path: &Path) -> impl FnOnce(std::io::Error) -> SyntheticError {
+    let path = path.to_owned();
+    |source| SyntheticError::Write { path, source }
+}
+
+fn jpeg(picture: &Picture) -> Result<Vec<u8>, ImageError> {
+    let mut bytes = Vec::new();
+    let (width, height) = (picture.width() as u32, picture.height() as u32);
+    JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY).write_image(
+        picture.values().as_flattened(),
+        width,
+        height,
+        ExtendedColorType::Rgb8,
+    )?;
+    Ok(bytes)
+}
+
+fn manifest(filmed: &Filmed) -> String {
+    let synthetic = &filmed.synthetic;
+    let mut text = format!(
+        "# Synthetic: model {}, seed {}. The truth is in truth.trc, truth.json and truth/masks.\n\
+         fps = {:?}\ncalibration = \"calibration.toml\"\nunit = \"m\"\nup = \"z\"\nbody = \"human-metaballs\"\n",
+        synthetic.model.name.escape_debug(),
+        synthetic.seed,
+        synthetic.fps
+    );
+    for name in synthetic.rig.names() {
+        text.push_str(&format!(
+            "\n[[camera]]\nname = {name:?}\nimages = \"images/{name}/%06d.jpg\"\n"
+        ));
+    }
+    text
+}

@@ -1,0 +1,279 @@
+//! What `maquette silhouettes` writes: masks, contours as JSON and SVG, overlays, stages, `quality.csv`.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use ::image::ExtendedColorType;
+use nalgebra::Point2;
+use serde::Serialize;
+
+use super::out_folder::{OutError, OutFolder, write_atomically};
+use super::overlays::file_name;
+use super::png::{self, Effort};
+use super::segmented::QUALITY;
+use crate::body::BodyModel;
+use crate::camera::Camera;
+use crate::image::{Mask, Picture, Plane};
+use crate::pipeline::silhouettes::{FoundPoint, Seen, ViewContours};
+use crate::render::{Canvas, Pen};
+use crate::silhouette::FrameIndex;
+
+/// What is written beside masks and contours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct SilhouetteExtras {
+    /// `overlays/<camera>/%06d.png`: the contours over the picture.
+    pub overlays: bool,
+    /// `stages/<camera>/%06d_mask.png` and `_gradient.png`: where edges count, and which passed.
+    pub stages: bool,
+}
+
+/// One line of `quality.csv`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ContourRow {
+    /// Number of the frame.
+    pub frame: usize,
+    /// Name of the camera.
+    pub camera: String,
+    /// Pixels of the mask.
+    pub area_px: usize,
+    /// Mean reliability of the contour, 0 to 1.
+    pub reliability: f64,
+    /// Mean distance of the contour from where it was expected, px.
+    pub moved_px: f64,
+    /// What was wrong; empty if nothing was.
+    pub faults: String,
+}
+
+/// The folder of a run.
+#[derive(Debug)]
+pub struct SilhouetteFolder {
+    root: PathBuf,
+    extras: SilhouetteExtras,
+    rows: Vec<ContourRow>,
+}
+
+impl SilhouetteFolder {
+    /// Makes the folder.
+    ///
+    /// # Errors
+    /// [`OutError`].
+    pub fn open(root: &Path, extras: SilhouetteExtras) -> Result<Self, OutError> {
+        OutFolder::open(root)?;
+        Ok(Self {
+            root: root.into(),
+            extras,
+            rows: Vec::new(),
+        })
+    }
+
+    /// Writes what was found in one view of a frame.
+    ///
+    /// # Errors
+    /// [`OutError`] for the first file that cannot be written.
+    pub fn view(
+        &mut self,
+        frame: FrameIndex,
+        (camera, picture): (&Camera, &Picture),
+        seen: &Seen,
+        model: &BodyModel,
+    ) -> Result<(), OutError> {
+        let contours = &seen.contours;
+        let mask = contours.mask(camera);
+        let path = |kind: &str, ending: &str| {
+            let name = format!("{:06}{ending}", frame.0);
+            self.root
+                .join(kind)
+                .join(file_name(&camera.name))
+                .join(name)
+        };
+        write_mask(&path("masks", ".png"), &mask)?;
+        let json = serde_json::to_vec(&ContourFile::of(frame, camera, contours, model));
+        let json = json.map_err(std::io::Error::other);
+        write(&path("contours", ".json"), json)?;
+        write(
+            &path("contours", ".svg"),
+            Ok(svg(camera, contours).into_bytes()),
+        )?;
+        if self.extras.overlays {
+            let canvas = over(picture, camera, contours);
+            write_colour(&path("overlays", ".png"), canvas.pixels())?;
+        }
+        if self.extras.stages {
+            write_mask(&path("stages", "_mask.png"), &seen.filtered.mask)?;
+            let scale = 160.0 / seen.filtered.strong.max(1.0);
+            let grey = seen
+                .filtered
+                .magnitude()
+                .map(|g| [(scale * g).min(255.0) as u8; 3]);
+            write_colour(&path("stages", "_gradient.png"), &grey)?;
+        }
+        self.rows.push(row(frame, camera, contours, &mask));
+        Ok(())
+    }
+
+    /// Writes `quality.csv`: where it stands all is complete.
+    ///
+    /// # Errors
+    /// [`OutError`].
+    pub fn finish(self) -> Result<Vec<ContourRow>, OutError> {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        let rows = self.rows.iter().try_for_each(|row| writer.serialize(row));
+        let bytes = rows.map_err(std::io::Error::other).and_then(|()| {
+            writer
+                .into_inner()
+                .map_err(|e| std::io::Error::other(e.to_string()))
+        });
+        write(&self.root.join(QUALITY), bytes)?;
+        Ok(self.rows)
+    }
+}
+
+fn row(frame: FrameIndex, camera: &Camera, contours: &ViewContours, mask: &Mask) -> ContourRow {
+    let points = || contours.outer.iter().flatten();
+    let moved: f64 = points().map(|p| (p.pixel - p.expected).norm()).sum();
+    let rounded = |v: f64| (v * 1e3).round() / 1e3;
+    let faults: Vec<String> = contours.faults.iter().map(ToString::to_string).collect();
+    ContourRow {
+        frame: frame.0,
+        camera: camera.name.clone(),
+        area_px: (0..mask.height())
+            .flat_map(|y| mask.row(y))
+            .filter(|v| **v == 1)
+            .count(),
+        reliability: rounded(contours.mean_reliability()),
+        moved_px: rounded(moved / points().count().max(1) as f64),
+        faults: faults.join("; "),
+    }
+}
+
+/// `contours/<camera>/%06d.json`.
+#[derive(Serialize)]
+struct ContourFile<'a> {
+    frame: usize,
+    camera: &'a str,
+    /// Width and height, px.
+    size_px: [u32; 2],
+    /// Closed curves, undistorted pixels.
+    outer: Vec<CurveFile<'a>>,
+    /// Open curves.
+    inner: Vec<CurveFile<'a>>,
+    faults: Vec<String>,
+}
+
+/// One curve: as many places as reliabilities and parts.
+#[derive(Serialize)]
+struct CurveFile<'a> {
+    points_px: Vec<[f64; 2]>,
+    reliability: Vec<f64>,
+    part: Vec<&'a str>,
+}
+
+impl<'a> ContourFile<'a> {
+    fn of(
+        frame: FrameIndex,
+        camera: &'a Camera,
+        contours: &ViewContours,
+        model: &'a BodyModel,
+    ) -> Self {
+        let curve = |points: &Vec<FoundPoint>| CurveFile {
+            points_px: points
+                .iter()
+                .map(|p| [p.pixel.x, p.pixel.y].map(hundredths))
+                .collect(),
+            reliability: points.iter().map(|p| hundredths(p.reliability)).collect(),
+            part: points
+                .iter()
+                .map(|p| model.parts[p.part.0].name.as_str())
+                .collect(),
+        };
+        Self {
+            frame: frame.0,
+            camera: &camera.name,
+            size_px: [camera.width_px, camera.height_px],
+            outer: contours.outer.iter().map(curve).collect(),
+            inner: contours.inner.iter().map(curve).collect(),
+            faults: contours.faults.iter().map(ToString::to_string).collect(),
+        }
+    }
+}
+
+fn hundredths(value: f64) -> f64 {
+    (value * 100.0).round() / 100.0
+}
+
+/// The contours as paths: the outer ones filled, inner ones as lines; undistorted pixels.
+fn svg(camera: &Camera, contours: &ViewContours) -> String {
+    let path = |points: &Vec<FoundPoint>, end: &str| {
+        let mut d = String::new();
+        for (i, point) in points.iter().enumerate() {
+            let command = if i == 0 { 'M' } else { 'L' };
+            // writing to a text cannot fail
+            let _ = write!(d, "{command}{:.2} {:.2}", point.pixel.x, point.pixel.y);
+        }
+        d + end
+    };
+    let outer: String = contours.outer.iter().map(|c| path(c, "Z")).collect();
+    let inner: String = contours.inner.iter().map(|c| path(c, "")).collect();
+    format!(
+        concat!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"-0.5 -0.5 {} {}\">\n",
+            "<path fill=\"#ddd\" stroke=\"#000\" fill-rule=\"evenodd\" d=\"{}\"/>\n",
+            "<path fill=\"none\" stroke=\"#06c\" d=\"{}\"/>\n</svg>\n"
+        ),
+        camera.width_px, camera.height_px, outer, inner
+    )
+}
+
+/// The expected outline blue, the contours yellow where they are sure and red where they are not, inner ones cyan.
+fn over(picture: &Picture, camera: &Camera, contours: &ViewContours) -> Canvas {
+    let mut canvas = Canvas::of_pixels(picture.clone());
+    let pen = |color| Pen {
+        color,
+        opacity: 0.9,
+        width_px: 1.2,
+    };
+    let recorded = |a: &Point2<f64>, b: &Point2<f64>| [camera.distort(a), camera.distort(b)];
+    let (mut expected, mut sure, mut unsure) = (Vec::new(), Vec::new(), Vec::new());
+    for curve in &contours.outer {
+        for (a, b) in curve.iter().zip(curve.iter().cycle().skip(1)) {
+            expected.push(recorded(&a.expected, &b.expected));
+            let found = if a.reliability > 0.25 {
+                &mut sure
+            } else {
+                &mut unsure
+            };
+            found.push(recorded(&a.pixel, &b.pixel));
+        }
+    }
+    let pairs = contours.inner.iter().flat_map(|curve| curve.windows(2));
+    let inner: Vec<_> = pairs.map(|w| recorded(&w[0].pixel, &w[1].pixel)).collect();
+    canvas.draw(&expected, pen([70, 70, 255]));
+    canvas.draw(&inner, pen([0, 230, 230]));
+    canvas.draw(&unsure, pen([255, 40, 0]));
+    canvas.draw(&sure, pen([255, 230, 0]));
+    canvas
+}
+
+fn write_mask(path: &Path, mask: &Mask) -> Result<(), OutError> {
+    let bytes = png::of_mask(mask, Effort::Quick).map_err(std::io::Error::other);
+    write(path, bytes)
+}
+
+fn write_colour(path: &Path, picture: &Plane<[u8; 3]>) -> Result<(), OutError> {
+    let size = (picture.width(), picture.height());
+    let bytes = picture.values().as_flattened();
+    let bytes = png::encode(bytes, size, ExtendedColorType::Rgb8, Effort::Quick);
+    write(path, bytes.map_err(std::io::Error::other))
+}
+
+/// Writes a file, and the folder that it is in.
+fn write(path: &Path, bytes: Result<Vec<u8>, std::io::Error>) -> Result<(), OutError> {
+    let bytes = bytes.map_err(|source| OutError::Write {
+        path: path.into(),
+        source,
+    })?;
+    if let Some(folder) = path.parent() {
+        OutFolder::open(folder)?;
+    }
+    write_atomically(path, &bytes)
+}

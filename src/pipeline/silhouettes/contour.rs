@@ -1,0 +1,241 @@
+//! The contours of one view: active contours from the model's outline to the filtered edges.
+
+use nalgebra::Point2;
+
+use super::filter::Filtered;
+use super::{ContourOptions, Fault};
+use crate::body::PartId;
+use crate::camera::Camera;
+use crate::image::{Mask, Scanlines};
+use crate::render::{ModelOutline, OutlinePoint};
+use crate::silhouette::snake::{Ends, Snake, SnakeOptions, SnakePoint, area_on_the_left};
+use crate::silhouette::{BorderPoint, Silhouette, SilhouetteOptions, of_curves};
+
+/// A point of a contour. Undistorted pixels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FoundPoint {
+    /// Where the border is.
+    pub pixel: Point2<f64>,
+    /// Where the model had it.
+    pub expected: Point2<f64>,
+    /// How sure it is, 0 to 1.
+    pub reliability: f64,
+    /// The part whose border it is, by the model.
+    pub part: PartId,
+}
+
+/// The contours of one view.
+#[derive(Debug, Clone)]
+pub struct ViewContours {
+    /// Closed, with the person on the left as seen on the screen; also around holes.
+    pub outer: Vec<Vec<FoundPoint>>,
+    /// Open: a limb before another.
+    pub inner: Vec<Vec<FoundPoint>>,
+    /// What was wrong; the model's own outline stands there, with reliability 0.
+    pub faults: Vec<Fault>,
+    /// For the likelihood; `None` if there is no contour.
+    pub silhouette: Option<Silhouette>,
+}
+
+/// A contour that shrank to less than this share of its expected area is no contour.
+const COLLAPSED: f64 = 0.2;
+/// A contour that loses more than the rest of its points in folds crossed itself.
+const UNCROSSED: f64 = 0.9;
+/// Depth changes by less than this from a point to the next along one contour, m.
+const JUMP_M: f64 = 0.08;
+/// A silhouette of which less than this share of the border is seen is cut by the image.
+const CUT: f64 = 0.02;
+
+impl ViewContours {
+    /// Settles active contours on the filtered edges, from where the outline is expected.
+    ///
+    /// `camera` is the recording's, with its lens.
+    pub fn of(
+        camera: &Camera,
+        outline: &ModelOutline,
+        edges: &Filtered,
+        options: &ContourOptions,
+    ) -> Self {
+        let mut faults = Vec::new();
+        let count = outline.outer.iter().map(Vec::len).sum::<usize>();
+        if count == 0 {
+            faults.push(Fault::NoOutline);
+        }
+        if edges.strong <= 0.0 && count > 0 {
+            faults.push(Fault::Flat);
+        }
+        let is_cut = |p: &&OutlinePoint| !well_inside(camera, &p.pixel);
+        let cut = outline.outer.iter().flatten().filter(is_cut).count();
+        if cut as f64 > CUT * count as f64 {
+            let percent = 100.0 * cut as f64 / count as f64;
+            faults.push(Fault::PartlyOutside { percent });
+        }
+        let px_per_m = px_per_m(camera, outline);
+        let mut outer = Vec::new();
+        for curve in &outline.outer {
+            match settled(curve, Ends::Closed, edges, (px_per_m, options)) {
+                Ok(found) => outer.extend(found),
+                Err(fault) => {
+                    faults.extend(fault);
+                    outer.push(as_expected(curve));
+                }
+            }
+        }
+        let inner = outline.inner.iter().map(|curve| {
+            let found = settled(curve, Ends::Open, edges, (px_per_m, options));
+            found.unwrap_or_else(|_| vec![as_expected(curve)])
+        });
+        let inner = inner.flatten().collect();
+        let silhouette = silhouette(&outer, camera);
+        Self {
+            outer,
+            inner,
+            faults,
+            silhouette,
+        }
+    }
+
+    /// Mean reliability of the outer contours; 0 without any.
+    pub fn mean_reliability(&self) -> f64 {
+        let all = self.outer.iter().flatten().map(|p| p.reliability);
+        let count = self.outer.iter().map(Vec::len).sum::<usize>();
+        all.sum::<f64>() / count.max(1) as f64
+    }
+
+    /// The pixels of the recorded image within the outer contours.
+    pub fn mask(&self, camera: &Camera) -> Mask {
+        let pixels = |curve: &Vec<FoundPoint>| curve.iter().map(|p| p.pixel).collect();
+        let polygons: Vec<Vec<Point2<f64>>> = self.outer.iter().map(pixels).collect();
+        let rows = polygons.iter().flatten().map(|p| p.y);
+        let (top, bottom) = rows.fold((f64::MAX, f64::MIN), |(l, h), y| (l.min(y), h.max(y)));
+        let (width, height) = (camera.width_px as usize, camera.height_px as usize);
+        if polygons.is_empty() || (bottom - top).is_nan() || bottom - top > 1e5 {
+            return Mask::from_fn(width, height, |_, _| false);
+        }
+        let top = top.floor() - 1.0;
+        let rows = (bottom - top).ceil() as usize + 2;
+        let inside = Scanlines::new(&polygons, (top, 1.0), rows);
+        Mask::from_fn(width, height, |x, y| {
+            let pixel = camera.undistort(&Point2::new(x as f64, y as f64));
+            pixel.is_some_and(|p| inside.contains(&p))
+        })
+    }
+}
+
+fn silhouette(outer: &[Vec<FoundPoint>], camera: &Camera) -> Option<Silhouette> {
+    let border = |p: &FoundPoint| BorderPoint {
+        pixel: p.pixel,
+        reliability: p.reliability,
+    };
+    let curves: Vec<Vec<BorderPoint>> = outer
+        .iter()
+        .map(|curve| curve.iter().map(border).collect())
+        .collect();
+    of_curves(&curves, camera, &SilhouetteOptions::default()).ok()
+}
+
+/// Pixels per metre at the outline's middle depth; 0 without an outline.
+pub(super) fn px_per_m(camera: &Camera, outline: &ModelOutline) -> f64 {
+    let points = || outline.outer.iter().flatten();
+    let count = points().count();
+    let mean = points().map(|p| p.depth_m).sum::<f64>() / count.max(1) as f64;
+    let focal_px = 0.5 * (camera.intrinsics.fx_px + camera.intrinsics.fy_px);
+    if mean > 0.0 { focal_px / mean } else { 0.0 }
+}
+
+fn well_inside(camera: &Camera, undistorted: &Point2<f64>) -> bool {
+    let p = camera.distort(undistorted);
+    let inside = |x: f64, size: u32| x > 2.0 && x < f64::from(size) - 3.0;
+    inside(p.x, camera.width_px) && inside(p.y, camera.height_px)
+}
+
+fn as_expected(curve: &[OutlinePoint]) -> Vec<FoundPoint> {
+    let point = |p: &OutlinePoint| FoundPoint {
+        pixel: p.pixel,
+        expected: p.pixel,
+        reliability: 0.0,
+        part: p.part,
+    };
+    curve.iter().map(point).collect()
+}
+
+/// An active contour at rest, first on the wide scale's edges and then on the narrow one's; several if it split.
+///
+/// The fault if there is no contour; `None` for a curve too short to be one, and in a flat picture.
+fn settled(
+    curve: &[OutlinePoint],
+    ends: Ends,
+    edges: &Filtered,
+    (px_per_m, options): (f64, &ContourOptions),
+) -> Result<Vec<Vec<FoundPoint>>, Option<Fault>> {
+    if edges.strong <= 0.0 {
+        return Err(None);
+    }
+    let pixels: Vec<Point2<f64>> = curve.iter().map(|p| p.pixel).collect();
+    let wide = options.snake(px_per_m, edges.strong);
+    let mut snake = Snake::new(&pixels, ends, wide).ok_or(None)?;
+    snake.settle(&edges.wide);
+    let narrow = SnakeOptions {
+        search_px: (0.4 * wide.search_px).max(2.0),
+        ..wide
+    };
+    let mut snake = snake.with(narrow).ok_or(None)?;
+    snake.settle(&edges.narrow);
+    let points = snake.points(&edges.narrow);
+    let found: Vec<FoundPoint> = points.iter().map(|p| attributed(p, curve)).collect();
+    let piece = |l: Vec<usize>| -> Vec<FoundPoint> { l.into_iter().map(|i| found[i]).collect() };
+    let loops: Vec<Vec<FoundPoint>> = snake.loops().into_iter().map(piece).collect();
+    match ends {
+        Ends::Open => Ok(loops),
+        Ends::Closed => whole(loops, &found),
+    }
+}
+
+/// A point of a contour, with what the model says of the place where it was expected.
+fn attributed(point: &SnakePoint, curve: &[OutlinePoint]) -> FoundPoint {
+    let (nearest, is_sure) = nearest(curve, &point.expected);
+    FoundPoint {
+        pixel: point.pixel,
+        expected: point.expected,
+        reliability: if is_sure { point.reliability } else { 0.0 },
+        part: nearest.part,
+    }
+}
+
+/// The loops of a closed contour, unless they are too little of it.
+fn whole(
+    loops: Vec<Vec<FoundPoint>>,
+    contour: &[FoundPoint],
+) -> Result<Vec<Vec<FoundPoint>>, Option<Fault>> {
+    let area = |points: &[FoundPoint], place: fn(&FoundPoint) -> Point2<f64>| {
+        area_on_the_left(&points.iter().map(place).collect::<Vec<_>>())
+    };
+    let found: f64 = loops.iter().map(|l| area(l, |p| p.pixel)).sum();
+    let share = found / area(contour, |p| p.expected);
+    if share.is_nan() || share < COLLAPSED {
+        return Err(Some(Fault::Collapsed));
+    }
+    let kept: usize = loops.iter().map(Vec::len).sum();
+    if loops.len() > 1 || (kept as f64) < UNCROSSED * contour.len() as f64 {
+        return Err(Some(Fault::SelfCrossing));
+    }
+    Ok(loops)
+}
+
+/// The outline's point nearest to where a contour was expected, and whether one surface goes on there: where it ends behind
+/// another, the border is a corner of two.
+fn nearest<'c>(curve: &'c [OutlinePoint], expected: &Point2<f64>) -> (&'c OutlinePoint, bool) {
+    let off = |p: &OutlinePoint| (p.pixel - expected).norm_squared();
+    let indices = 0..curve.len();
+    let best = indices.min_by(|a, b| off(&curve[*a]).total_cmp(&off(&curve[*b])));
+    let best = best.unwrap_or_default();
+    let n = curve.len();
+    let depths = [
+        curve[(best + n - 1) % n].depth_m,
+        curve[(best + 1) % n].depth_m,
+    ];
+    (&curve[best], (depths[0] - depths[1]).abs() < JUMP_M)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,141 @@
+//! Which edges can be the person's: the gradient through a disparity mask and hysteresis (PF02 § 4.2, Fig. 5).
+
+use nalgebra::Point2;
+
+use super::ContourOptions;
+use super::shown::ShownView;
+use crate::body::Posed;
+use crate::camera::Camera;
+use crate::image::{Gradient, Mask, Plane, closed, opened, widened};
+use crate::render::ModelOutline;
+use crate::stereo::CloudPoint;
+
+/// Gradients of one view at both scales, before the mask.
+#[derive(Debug, Clone)]
+pub struct Edges {
+    /// At the wide scale: seen from afar.
+    pub(super) wide: Gradient,
+    /// At the narrow scale: in place.
+    pub(super) narrow: Gradient,
+}
+
+impl Edges {
+    /// The edges of a view.
+    pub fn of(view: &ShownView, options: &ContourOptions) -> Self {
+        let (wide, narrow) = rayon::join(
+            || Gradient::of(&view.colours, options.wide_px),
+            || Gradient::of(&view.colours, options.narrow_px),
+        );
+        Self { wide, narrow }
+    }
+}
+
+/// The edges that passed, and the steps to them.
+#[derive(Debug, Clone)]
+pub struct Filtered {
+    /// Where edges count: the disparity mask, or the band of the prediction where there is no stereo.
+    pub mask: Mask,
+    /// The wide scale's edges that passed.
+    pub(super) wide: Gradient,
+    /// The narrow scale's.
+    pub(super) narrow: Gradient,
+    /// The narrow scale's upper threshold, grey levels per pixel; 0 of a flat picture.
+    pub strong: f32,
+}
+
+impl Filtered {
+    /// What of the edges lies on the mask and passes the hysteresis.
+    pub fn of(edges: &Edges, mask: Mask, options: &ContourOptions) -> Self {
+        let passed = |gradient: &Gradient| {
+            let within = gradient.within(&mask);
+            let high = quantile(&within.magnitude(), options.strong).max(options.flattest);
+            (within.hysteresis(options.weak * high, high), high)
+        };
+        let (wide, _) = passed(&edges.wide);
+        let (narrow, high) = passed(&edges.narrow);
+        let is_flat = narrow.magnitude().values().iter().all(|m| *m <= 0.0);
+        Self {
+            mask,
+            wide,
+            narrow,
+            strong: if is_flat { 0.0 } else { high },
+        }
+    }
+
+    /// Strength of the edges that passed, for a picture.
+    pub fn magnitude(&self) -> Plane<f32> {
+        self.narrow.magnitude()
+    }
+}
+
+/// A quantile of what is not 0; 0 of nothing.
+fn quantile(plane: &Plane<f32>, share: f64) -> f32 {
+    let mut values: Vec<f32> = plane
+        .values()
+        .iter()
+        .copied()
+        .filter(|v| *v > 0.0)
+        .collect();
+    let place = (share * (values.len() as f64 - 1.0)).max(0.0) as usize;
+    if values.is_empty() {
+        return 0.0;
+    }
+    *values.select_nth_unstable_by(place, f32::total_cmp).1
+}
+
+/// The pixels that show something at the depth of the working volume, binarised and cleaned.
+///
+/// The working volume is that of the body where it is expected, and `volume_m` around it. The mask reaches a little beyond what
+/// is near, for the edge is at its border and correlation blurs it.
+pub fn disparity_mask(
+    camera: &Camera,
+    points: &[CloudPoint],
+    body: &Posed<'_>,
+    options: &ContourOptions,
+) -> Mask {
+    let (width, height) = (camera.width_px as usize, camera.height_px as usize);
+    let mut near = Plane::filled(width, height, 0u8);
+    let Some((low, high)) = body.bounds() else {
+        return Mask::brighter_than(&near, 0);
+    };
+    let low = low.add_scalar(-options.volume_m);
+    let high = high.add_scalar(options.volume_m);
+    let is_in = |p: &&CloudPoint| {
+        let x = p.position_world.coords;
+        (0..3).all(|k| (low[k]..=high[k]).contains(&x[k]))
+    };
+    for point in points.iter().filter(is_in) {
+        let pixel = camera.project_undistorted(&point.position_world);
+        let Some((x, y)) = pixel.and_then(|p| rounded(&p)) else {
+            continue;
+        };
+        if let Some(value) = near.row_mut(y).get_mut(x) {
+            *value = 1;
+        }
+    }
+    let mask = Mask::brighter_than(&near, 0);
+    let radius = options.clean_px;
+    widened(&opened(&closed(&mask, radius), radius), options.reach_px)
+}
+
+/// The band around an expected outline, in the place of a disparity mask.
+pub fn band_mask(camera: &Camera, outline: &ModelOutline, half_px: f64) -> Mask {
+    let (width, height) = (camera.width_px as usize, camera.height_px as usize);
+    let mut line = Plane::filled(width, height, 0u8);
+    for point in outline.outer.iter().chain(&outline.inner).flatten() {
+        if let Some((x, y)) = rounded(&point.pixel)
+            && let Some(value) = line.row_mut(y).get_mut(x)
+        {
+            *value = 1;
+        }
+    }
+    widened(
+        &Mask::brighter_than(&line, 0),
+        half_px.ceil().clamp(1.0, 250.0) as u8,
+    )
+}
+
+fn rounded(pixel: &Point2<f64>) -> Option<(usize, usize)> {
+    let is_there = pixel.x > -0.5 && pixel.y > -0.5;
+    is_there.then(|| (pixel.x.round() as usize, pixel.y.round() as usize))
+}

@@ -1,0 +1,150 @@
+//! One frame as the pipelines see it: edges, depths, and the contours that they give of a body.
+
+use nalgebra::Point3;
+use rayon::prelude::*;
+
+use super::contour::{ViewContours, px_per_m};
+use super::filter::{Edges, Filtered, band_mask, disparity_mask};
+use super::shown::ShownFrame;
+use super::{ContourOptions, Seen};
+use crate::body::Posed;
+use crate::camera::{Camera, CameraId, Rig};
+use crate::likelihood::{PointField, PointOptions, SkinScale, SurfacePoint};
+use crate::render::{ModelOutline, outline};
+use crate::silhouette::{FrameIndex, FrameObservations};
+use crate::stereo::correlation::CorrelationOptions;
+use crate::stereo::{CloudPoint, DepthMap, depth_map, neighbour};
+
+/// One frame's pictures, their edges and their depths: what does not depend on where the body is.
+#[derive(Debug)]
+pub struct Scene<'a> {
+    rig: &'a Rig,
+    shown: &'a ShownFrame,
+    depths: Vec<Option<DepthMap>>,
+    edges: Vec<Option<Edges>>,
+    options: ContourOptions,
+}
+
+/// Points of one frame that are fitted to at most.
+const MOST_POINTS: usize = 4000;
+/// Depth is looked for so far before and behind the body, m: what stands beside it must not be taken for it.
+const BEYOND_M: f64 = 0.6;
+/// Least depth that is looked for, m.
+const NEAREST_M: f64 = 0.3;
+
+impl<'a> Scene<'a> {
+    /// Looks for edges, and for depths about where a body is expected; there are none where no camera stands beside.
+    pub fn new(
+        rig: &'a Rig,
+        shown: &'a ShownFrame,
+        body: &Posed<'_>,
+        options: ContourOptions,
+    ) -> Self {
+        let views = shown.views.par_iter();
+        let edges = views.map(|view| Some(Edges::of(view.as_ref()?, &options)));
+        let cameras: Vec<CameraId> = rig.iter().map(|(id, _)| id).collect();
+        let depths = cameras.par_iter().map(|id| depth(rig, shown, *id, body));
+        Self {
+            edges: edges.collect(),
+            depths: depths.collect(),
+            rig,
+            shown,
+            options,
+        }
+    }
+
+    /// The contours of every view from where a body is expected, in the order of the rig; `None` where there is no picture.
+    pub fn contours(&self, body: &Posed<'_>) -> Vec<Option<Seen>> {
+        let cameras = self.rig.cameras.par_iter().enumerate();
+        let seen = cameras.map(|(i, camera)| {
+            let view = self.shown.views.get(i)?.as_ref()?;
+            let expected = outline(&view.grey.camera, body, self.options.outline_px);
+            let filtered = self.filtered(i, body, &expected)?;
+            Some(Seen {
+                contours: ViewContours::of(camera, &expected, &filtered, &self.options),
+                filtered,
+            })
+        });
+        seen.collect()
+    }
+
+    /// The edges of a view that can be the body's.
+    fn filtered(&self, i: usize, body: &Posed<'_>, expected: &ModelOutline) -> Option<Filtered> {
+        let (camera, edges) = (&self.rig.cameras[i], self.edges.get(i)?.as_ref()?);
+        let mask = match &self.depths.get(i).and_then(Option::as_ref) {
+            Some(depth) => disparity_mask(camera, &depth.points, body, &self.options),
+            None => {
+                let half_px = self.options.search_m * px_per_m(camera, expected);
+                band_mask(camera, expected, half_px)
+            }
+        };
+        Some(Filtered::of(edges, mask, &self.options))
+    }
+
+    /// The points of all depth maps that lie near a body's skin.
+    pub fn points_near(&self, body: &Posed<'_>, scale: &SkinScale) -> Vec<CloudPoint> {
+        let Some((low, high)) = body.bounds() else {
+            return Vec::new();
+        };
+        let low = low.add_scalar(-self.options.near_m);
+        let high = high.add_scalar(self.options.near_m);
+        let is_in = |p: &&CloudPoint| {
+            let x = p.position_world.coords;
+            (0..3).all(|k| (low[k]..=high[k]).contains(&x[k]))
+        };
+        let maps = self.depths.iter().flatten().flat_map(|map| &map.points);
+        let inside: Vec<CloudPoint> = maps.filter(is_in).copied().collect();
+        let stride = inside.len().div_ceil(2 * MOST_POINTS).max(1);
+        let some: Vec<CloudPoint> = inside.into_iter().step_by(stride).collect();
+        let places = some.iter().map(SurfacePoint::from).collect();
+        let field = PointField::new(places, PointOptions::default(), scale.clone());
+        let touches = field.residuals(body);
+        if touches.len() != some.len() {
+            return some;
+        }
+        let near = some.into_iter().zip(touches);
+        let near = near.filter(|(_, t)| t.residual_m.abs() < self.options.near_m);
+        near.map(|(point, _)| point).take(MOST_POINTS).collect()
+    }
+
+    /// What a frame shows: silhouettes and points.
+    pub fn observed(
+        &self,
+        frame: FrameIndex,
+        seen: &[Option<Seen>],
+        points: Vec<CloudPoint>,
+    ) -> FrameObservations {
+        let views = seen.iter().enumerate().filter_map(|(i, seen)| {
+            let silhouette = seen.as_ref()?.contours.silhouette.clone()?;
+            Some((CameraId(i), silhouette))
+        });
+        FrameObservations {
+            views: views.collect(),
+            points,
+            ..FrameObservations::nothing(frame)
+        }
+    }
+}
+
+/// Depth by correlation with the camera beside, of what is about as far as a body; `None` without such a camera or a picture.
+fn depth(rig: &Rig, shown: &ShownFrame, id: CameraId, body: &Posed<'_>) -> Option<DepthMap> {
+    let view = |id: CameraId| shown.views.get(id.0)?.as_ref();
+    let (first, second) = (view(id)?, view(neighbour(rig, id)?)?);
+    let range = depths_of(rig.camera(id)?, body);
+    let options = CorrelationOptions::default();
+    // a pair that cannot be correlated has no depth
+    depth_map(&first.grey, &second.grey, None, range, &options).ok()
+}
+
+/// Least and greatest depth that is looked for, m; `None` for a body that has no size.
+fn depths_of(camera: &Camera, body: &Posed<'_>) -> Option<(f64, f64)> {
+    let (low, high) = body.bounds()?;
+    let corner = |k: usize| {
+        let axis = |i: usize| if k >> i & 1 == 0 { low[i] } else { high[i] };
+        (camera.camera_from_world * Point3::new(axis(0), axis(1), axis(2))).z
+    };
+    let depths = (0..8).map(corner);
+    let (near, far) = depths.fold((f64::MAX, f64::MIN), |(n, f), z| (n.min(z), f.max(z)));
+    let near = (near - BEYOND_M).max(NEAREST_M);
+    Some((near, (far + BEYOND_M).max(2.0 * near)))
+}

@@ -1,0 +1,188 @@
+//! Photographs instead of masks: a person who walks and waves before clutter that is as near as they are.
+//!
+//! Cameras stand side by side, as for stereo. The person's clothes have textures that are tied to the skin; around them,
+//! at their own depth and close behind, stand furniture, planks and plants with textures and edges no weaker than theirs.
+//! Nothing tells the background from them but shape, depth and motion: there is no picture of the empty room, a curtain sways,
+//! a screen changes, the belt that they walk on runs, and the light drifts.
+//!
+//! | file          | holds                                                                 |
+//! |---------------|-----------------------------------------------------------------------|
+//! | `texture.rs`  | colours as a function of a place                                       |
+//! | `thing.rs`    | boxes, sheets, shelves and plants                                      |
+//! | `room.rs`     | the room, what moves in it, and its light                              |
+//! | `waving.rs`   | walking on the spot, and waving                                        |
+//! | `clothes.rs`  | the person: a skin moved by bones, and what is worn where              |
+//! | `lamp.rs`     | the lamp, and the person's shadow                                      |
+//! | `studio.rs`   | [`Studio`]: a camera before the room; [`Shot`]: picture and true mask  |
+//!
+//! The person is drawn as a mesh that bones bend (see [`crate::skin::SkinnedMesh`]), not as the metaballs that are fitted.
+
+mod clothes;
+mod lamp;
+mod room;
+mod studio;
+mod texture;
+mod thing;
+mod waving;
+
+use nalgebra::Point3;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+use super::{Gait, Synthetic, Walk, WalkError, draw_shape, scene};
+use crate::body::BodyModel;
+use crate::camera::{Camera, CameraId, Distortion, Intrinsics, Rig};
+use crate::skin::SkinError;
+use clothes::Clothed;
+use room::Room;
+pub use studio::{Shot, Studio};
+use waving::Waving;
+
+/// Why a recording of photographs could not be made.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FilmError {
+    /// The walk.
+    #[error(transparent)]
+    Walk(#[from] WalkError),
+    /// The skin.
+    #[error(transparent)]
+    Skin(#[from] SkinError),
+}
+
+/// What a recording of photographs is made of.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FilmRecipe {
+    /// Seed of everything that is drawn: body, gait, waving, clothes, room, noise.
+    pub seed: u64,
+    /// Number of frames.
+    pub frames: usize,
+    /// Frames per second.
+    pub fps: f64,
+    /// Width of the images; they are three quarters as high.
+    pub width_px: u32,
+    /// Distance between neighbouring cameras, metres.
+    pub baseline: f64,
+    /// Distance of the cameras from the person, metres.
+    pub distance: f64,
+    /// Standard deviation of each pixel's noise, grey levels of 255.
+    pub noise_sd: f32,
+}
+
+impl Default for FilmRecipe {
+    /// 300 frames at 25 Hz (PF02's sequences have 300), three cameras of 640 × 480, 20 cm apart and 3.8 m away.
+    fn default() -> Self {
+        Self {
+            seed: 1,
+            frames: 300,
+            fps: 25.0,
+            width_px: 640,
+            baseline: 0.2,
+            distance: 3.8,
+            noise_sd: 2.0,
+        }
+    }
+}
+
+/// Names of the cameras, in the order of the rig, as the person behind them sees them.
+const CAMERAS: [&str; 3] = ["left", "center", "right"];
+/// Height of the cameras over the belt, and of the place that they look at, metres.
+const HEIGHT: f64 = 1.35;
+const LOOKED_AT: f64 = 0.93;
+
+/// Random streams.
+const BODY: u64 = 1;
+const GAIT: u64 = 2;
+const WAVING: u64 = 4;
+const CLOTHES: u64 = 5;
+const ROOM: u64 = 6;
+
+/// A recording of photographs, and what is true of it.
+#[derive(Debug, Clone)]
+pub struct Filmed {
+    /// Body, motion and cameras.
+    pub synthetic: Synthetic,
+    room: Room,
+    clothes: Clothed,
+    waving: Waving,
+    /// How far the belt has run in each frame, metres.
+    travelled: Vec<f64>,
+    noise_sd: f32,
+}
+
+impl FilmRecipe {
+    /// A person drawn from the model, who walks on a belt before the cameras and waves.
+    ///
+    /// # Errors
+    /// [`FilmError`] if the model has no feet or no skin, or the frame rate is none.
+    pub fn filmed(&self, model: &BodyModel) -> Result<Filmed, FilmError> {
+        let stream = |stream| {
+            let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+            rng.set_stream(stream);
+            rng
+        };
+        let shape = draw_shape(model, &mut stream(BODY));
+        let walk = Walk {
+            gait: Gait::personal(&mut stream(GAIT)),
+            heading: 0.0,
+            middle_world: nalgebra::Vector2::zeros(),
+            start_phase: 0.0,
+        };
+        let mut motions = walk.motions(model, &shape, self.fps, self.frames)?;
+        let waving = Waving::drawn(&mut stream(WAVING));
+        let travelled = waving.apply(model, &mut motions, self.fps);
+        Ok(Filmed {
+            clothes: Clothed::drawn(model, &shape, &mut stream(CLOTHES))?,
+            room: Room::drawn(&mut stream(ROOM)),
+            waving,
+            travelled,
+            noise_sd: self.noise_sd,
+            synthetic: Synthetic {
+                model: model.clone(),
+                shape,
+                motions,
+                rig: self.rig(),
+                fps: self.fps,
+                errors: None,
+                stereo: None,
+                seed: self.seed,
+            },
+        })
+    }
+
+    /// Three parallel cameras; the one in the middle looks at the person's middle.
+    fn rig(&self) -> Rig {
+        let middle = Point3::new(self.distance, 0.0, HEIGHT);
+        let pose = scene::looking_at(&middle, &Point3::new(0.0, 0.0, LOOKED_AT), 0.0);
+        let (width_px, height_px) = (self.width_px, self.width_px * 3 / 4);
+        let focal_px = f64::from(width_px);
+        let camera = |k: usize| {
+            let mut camera_from_world = pose;
+            camera_from_world.translation.x += self.baseline * (1.0 - k as f64);
+            Camera {
+                name: CAMERAS[k].into(),
+                width_px,
+                height_px,
+                intrinsics: Intrinsics {
+                    fx_px: focal_px,
+                    fy_px: focal_px,
+                    cx_px: 0.5 * (f64::from(width_px) - 1.0),
+                    cy_px: 0.5 * (f64::from(height_px) - 1.0),
+                    skew_px: 0.0,
+                },
+                distortion: Distortion::None,
+                camera_from_world,
+            }
+        };
+        Rig {
+            cameras: (0..CAMERAS.len()).map(camera).collect(),
+        }
+    }
+}
+
+impl Filmed {
+    /// A camera before the room; `None` if there is no such camera.
+    pub fn studio(&self, camera: CameraId) -> Option<Studio<'_>> {
+        Studio::new(self, camera)
+    }
+}

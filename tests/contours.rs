@@ -1,0 +1,170 @@
+//! Silhouettes by the joint pipeline, of a body whose pictures are known.
+
+use maquette::body::{BodyModel, Motion, Posed, Shape};
+use maquette::camera::{Camera, Distortion, Intrinsics, Rig};
+use maquette::image::{Mask, Picture, Plane};
+use maquette::inference::Evidence;
+use maquette::io::model;
+use maquette::likelihood::{LikelihoodOptions, Measure};
+use maquette::math::Rigid3;
+use maquette::pipeline::silhouettes::{
+    ContourOptions, Fault, Followed, Follower, FoundPoint, Scene, ShownFrame,
+};
+use maquette::render;
+use maquette::silhouette::FrameIndex;
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
+
+const SIZE: (u32, u32) = (150, 200);
+
+/// Looks at the origin from 4 m away, turned about the vertical.
+fn camera(name: &str, turn_deg: f64) -> Camera {
+    let from_front = Matrix3::new(0.0, 1.0, 0.0, 0.0, 0.0, -1.0, -1.0, 0.0, 0.0);
+    let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), turn_deg.to_radians());
+    let rotation = Rotation3::from_matrix_unchecked(from_front) * turn;
+    Camera {
+        name: name.into(),
+        width_px: SIZE.0,
+        height_px: SIZE.1,
+        intrinsics: Intrinsics {
+            fx_px: 300.0,
+            fy_px: 300.0,
+            cx_px: 75.0,
+            cy_px: 100.0,
+            skew_px: 0.0,
+        },
+        distortion: Distortion::None,
+        camera_from_world: Rigid3::from_parts(
+            Vector3::new(0.0, 0.0, 4.0).into(),
+            UnitQuaternion::from_rotation_matrix(&rotation),
+        ),
+    }
+}
+
+struct Set {
+    model: BodyModel,
+    shape: Shape,
+    rig: Rig,
+    truth: Motion,
+}
+
+impl Set {
+    /// Two cameras that see the body from the front and from the side, too far apart for stereo.
+    fn new() -> Self {
+        let model = model::load("human-metaballs", "".as_ref()).expect("a shipped model");
+        Self {
+            shape: Shape(model.statistics.mean.clone()),
+            truth: Motion::rest(&model),
+            rig: Rig {
+                cameras: vec![camera("front", 0.0), camera("side", 80.0)],
+            },
+            model,
+        }
+    }
+
+    fn mask(&self, camera: usize) -> Mask {
+        let body = Posed::new(&self.model, &self.shape, &self.truth);
+        let field = maquette::body::metaball::Field::of(&body);
+        render::silhouette(&self.rig.cameras[camera], &field)
+    }
+
+    /// The body bright before a dark ground; `None` of `shown` is a flat picture.
+    fn frame(&self, shown: [bool; 2]) -> ShownFrame {
+        let pictures: Vec<Option<Picture>> = (0..2)
+            .map(|i| {
+                let (mask, is_shown) = (self.mask(i), shown[i]);
+                let value = |k: usize| {
+                    let (x, y) = (k % SIZE.0 as usize, k / SIZE.0 as usize);
+                    [if is_shown && mask.is_foreground(x, y) {
+                        190
+                    } else {
+                        50
+                    }; 3]
+                };
+                let count = (SIZE.0 * SIZE.1) as usize;
+                let values = (0..count).map(value).collect();
+                Plane::from_values(SIZE.0 as usize, SIZE.1 as usize, values)
+            })
+            .collect();
+        ShownFrame::of(&self.rig, &pictures).expect("pictures of the cameras' sizes")
+    }
+
+    /// The joint pipeline from a body that stands so far off.
+    fn followed(&self, frame: &ShownFrame, off_m: Vector3<f64>) -> Followed {
+        let mut start = self.truth.clone();
+        start.position_world += off_m;
+        let evidence = Evidence::new(
+            &self.model,
+            &self.rig,
+            LikelihoodOptions::default(),
+            Measure::Metaballs,
+        );
+        let body = Posed::new(&self.model, &self.shape, &start);
+        let scene = Scene::new(&self.rig, frame, &body, ContourOptions::default());
+        Follower::new(&evidence, &self.shape, 25.0).advance(FrameIndex(0), &scene, &start)
+    }
+
+    /// How far the body stands off across the front camera's view, which alone tells nothing of the depth.
+    fn off_m(&self, followed: &Followed) -> f64 {
+        let off = followed.motion.position_world - self.truth.position_world;
+        off.yz().norm()
+    }
+}
+
+fn points(followed: &Followed, camera: usize) -> Vec<FoundPoint> {
+    let seen = followed.seen[camera].as_ref().expect("a picture");
+    seen.contours.outer.concat()
+}
+
+const OFF: Vector3<f64> = Vector3::new(0.0, 0.03, 0.02);
+
+#[test]
+fn a_body_that_stands_off_by_36_mm_is_drawn_to_its_pictures_by_any_number_of_threads() {
+    let set = Set::new();
+    let frame = set.frame([true, true]);
+    let of = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        let pool = pool.build().expect("a few threads");
+        pool.install(|| set.followed(&frame, OFF))
+    };
+    let (one, two) = (of(1), of(2));
+    assert_eq!(one.motion, two.motion);
+    for camera in 0..2 {
+        assert_eq!(points(&one, camera), points(&two, camera));
+        let found = one.seen[camera].as_ref().expect("a picture");
+        let found = found.contours.mask(&set.rig.cameras[camera]);
+        let truth = set.mask(camera);
+        let (mut both, mut either) = (0, 0);
+        for (a, b) in (0..truth.height()).flat_map(|y| found.row(y).iter().zip(truth.row(y))) {
+            both += u32::from(a & b);
+            either += u32::from(a | b);
+        }
+        assert!(f64::from(both) > 0.9 * f64::from(either), "{both} {either}");
+    }
+    assert!(set.off_m(&one) < 0.02, "{}", set.off_m(&one));
+}
+
+#[test]
+fn a_flat_picture_is_told_for_its_view_and_the_other_view_is_fitted_to() {
+    let set = Set::new();
+    let followed = set.followed(&set.frame([true, false]), OFF);
+    let faults = |camera: usize| {
+        let seen = followed.seen[camera].as_ref().expect("a picture");
+        seen.contours.faults.clone()
+    };
+    assert!(!faults(0).contains(&Fault::Flat));
+    assert!(faults(1).contains(&Fault::Flat));
+    assert!(points(&followed, 1).iter().all(|p| p.reliability <= 0.0));
+    assert!(set.off_m(&followed) < 0.02, "{}", set.off_m(&followed));
+}
+
+#[test]
+fn a_body_that_nobody_sees_is_told_and_stays_where_it_is() {
+    let set = Set::new();
+    let far = Vector3::new(0.0, 0.0, 30.0);
+    let followed = set.followed(&set.frame([true, true]), far);
+    for seen in followed.seen.iter().flatten() {
+        assert!(seen.contours.faults.contains(&Fault::NoOutline));
+        assert!(seen.contours.silhouette.is_none());
+    }
+    assert!(followed.motion.position_world.iter().all(|x| x.is_finite()));
+}
