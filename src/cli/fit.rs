@@ -24,12 +24,7 @@ use crate::pipeline::{self, Fit};
 
 /// Fits a recording and writes the result.
 pub(super) fn run(arguments: &FitArguments) -> Result<(), CliError> {
-    let threads = arguments.threads;
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|source| CliError::Threads { threads, source })?;
-    pool.install(|| fit(arguments))
+    arguments.threads.run(|| fit(arguments))
 }
 
 fn fit(arguments: &FitArguments) -> Result<(), CliError> {

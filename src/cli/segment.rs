@@ -9,7 +9,7 @@ use clap::Args;
 use super::error::{CliError, one_line};
 use super::frame_range::{FrameRange, span};
 use super::progress::Progress;
-use super::switches::{Overwrite, Quiet};
+use super::switches::{Overwrite, Quiet, Threads};
 use super::table::Table;
 use super::{complain, print};
 use crate::io::frames::{Footage, FramesNote};
@@ -49,9 +49,8 @@ pub(super) struct SegmentArguments {
     /// Write the masks over the pictures, as mask-overlays/<camera>/%06d.jpg
     #[arg(long)]
     overlays: bool,
-    /// Threads; the result does not depend on it [default: all cores]
-    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
-    threads: usize,
+    #[command(flatten)]
+    threads: Threads,
     #[command(flatten)]
     overwrite: Overwrite,
     #[command(flatten)]
@@ -60,12 +59,7 @@ pub(super) struct SegmentArguments {
 
 /// Segments a recording and writes the masks.
 pub(super) fn run(arguments: &SegmentArguments) -> Result<(), CliError> {
-    let threads = arguments.threads;
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|source| CliError::Threads { threads, source })?;
-    pool.install(|| segment(arguments))
+    arguments.threads.run(|| segment(arguments))
 }
 
 fn segment(arguments: &SegmentArguments) -> Result<(), CliError> {

@@ -10,7 +10,7 @@ use clap::{Args, ValueEnum};
 
 use super::error::CliError;
 use super::frame_range::FrameRange;
-use super::switches::{Overwrite, Quiet};
+use super::switches::{Overwrite, Quiet, Threads};
 use super::table::Table;
 use super::{complain, print};
 use crate::io::frames::Footage;
@@ -76,9 +76,8 @@ pub(super) struct SilhouettesArguments {
     /// Write what the edges are filtered with and which pass, as stages/<camera>/
     #[arg(long)]
     stages: bool,
-    /// Threads; the result does not depend on it [default: all cores]
-    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
-    threads: usize,
+    #[command(flatten)]
+    threads: Threads,
     #[command(flatten)]
     overwrite: Overwrite,
     #[command(flatten)]
@@ -87,12 +86,7 @@ pub(super) struct SilhouettesArguments {
 
 /// Finds the silhouettes of a recording and writes them.
 pub(super) fn run(arguments: &SilhouettesArguments) -> Result<(), CliError> {
-    let threads = arguments.threads;
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|source| CliError::Threads { threads, source })?;
-    pool.install(|| silhouettes(arguments))
+    arguments.threads.run(|| silhouettes(arguments))
 }
 
 fn silhouettes(arguments: &SilhouettesArguments) -> Result<(), CliError> {

@@ -2,6 +2,7 @@
 
 use clap::Args;
 
+use super::error::CliError;
 use super::progress::Progress;
 use crate::io::out_folder::Existing;
 
@@ -43,5 +44,28 @@ impl Overwrite {
             true => Existing::Overwrite,
             false => Existing::Refuse,
         }
+    }
+}
+
+/// `--threads`.
+#[derive(Debug, Clone, Copy, Args)]
+pub(super) struct Threads {
+    /// Threads; the result does not depend on it [default: all cores]
+    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
+    threads: usize,
+}
+
+impl Threads {
+    /// Does some work on as many threads.
+    pub(super) fn run<T: Send>(
+        self,
+        work: impl FnOnce() -> Result<T, CliError> + Send,
+    ) -> Result<T, CliError> {
+        let threads = self.threads;
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .map_err(|source| CliError::Threads { threads, source })?;
+        pool.install(work)
     }
 }

@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use crate::cli::error::CliError;
 use crate::cli::frame_range::FrameRange;
 use crate::cli::stereo::Method;
-use crate::cli::switches::Quiet;
+use crate::cli::switches::{Quiet, Threads};
 use crate::inference::search::Pruning;
 use crate::io::out_folder::Existing;
 use crate::likelihood::{EllipseOptions, Measure};
@@ -70,9 +70,8 @@ pub(in crate::cli) struct FitArguments {
     /// What is fitted to
     #[arg(long, value_enum, default_value_t = Fitted::All)]
     fit_to: Fitted,
-    /// Threads; the result does not depend on it [default: all cores]
-    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
-    pub(super) threads: usize,
+    #[command(flatten)]
+    pub(super) threads: Threads,
     /// Write pictures of the fit over the masks into OUT/overlays
     #[arg(long)]
     pub(super) overlays: bool,
