@@ -3,39 +3,19 @@
 use std::path::Path;
 
 use super::arguments::FitArguments;
-use super::input::tell;
+use super::input::{Observed, tell};
 use crate::cli::error::CliError;
 use crate::cli::frame_range::FrameRange;
 use crate::cli::silhouettes::{self, DEFAULT_BODY};
-use crate::io::frames::{Footage, FramesError};
+use crate::io::frames::Footage;
 use crate::io::model;
 use crate::io::recording::{Made, Recording};
 use crate::likelihood::Measure;
 use crate::pipeline::check_measure;
-use crate::silhouette::FrameObservations;
 use crate::stereo::SideBySide;
 
-/// The pictures, if silhouettes are to be found by the joint pipeline: asked for, or the only good way.
-pub(super) fn wanted(arguments: &FitArguments) -> Result<Option<Footage>, CliError> {
-    let open = || Footage::open(&arguments.recording, arguments.fps);
-    if let Some(asked) = arguments.silhouettes {
-        return match asked.is_joint() {
-            true => Ok(Some(open()?)),
-            false => Ok(None),
-        };
-    }
-    let given = Recording::open(&arguments.recording, arguments.fps);
-    if arguments.stereo.is_some() || given.is_ok_and(|r| r.has_masks() || r.has_points()) {
-        return Ok(None);
-    }
-    match open() {
-        Err(FramesError::NoPictures { .. }) => Ok(None),
-        opened => Ok(Some(opened?).filter(is_only_way)),
-    }
-}
-
-/// Whether depth is seen and the empty scene is not.
-fn is_only_way(footage: &Footage) -> bool {
+/// Whether the joint pipeline is the only good way, where there are no masks: depth is seen and the empty scene is not.
+pub(super) fn is_only_way(footage: &Footage) -> bool {
     let is_empty_seen = footage.cameras.iter().any(|c| c.background.is_some());
     !is_empty_seen && SideBySide::of(&footage.rig).is_ok()
 }
@@ -44,7 +24,7 @@ fn is_only_way(footage: &Footage) -> bool {
 pub(super) fn observe(
     footage: &Footage,
     arguments: &FitArguments,
-) -> Result<(Recording, Vec<FrameObservations>), CliError> {
+) -> Result<(Recording, Observed), CliError> {
     let all = footage.frames();
     let frames = FrameRange::of(arguments.frames, &all)?;
     let body = arguments.body.as_deref().unwrap_or(DEFAULT_BODY);
@@ -59,5 +39,5 @@ pub(super) fn observe(
         points: false,
     };
     let recording = Recording::open_made(&arguments.recording, footage, &arguments.out, made)?;
-    Ok((recording, observed))
+    Ok((recording, Some(observed)))
 }

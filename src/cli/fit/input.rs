@@ -6,7 +6,7 @@ use std::path::Path;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
-use super::arguments::FitArguments;
+use super::arguments::{FitArguments, Silhouettes};
 use super::contoured;
 use crate::body::BodyModel;
 use crate::cli::error::{CliError, one_line};
@@ -37,17 +37,14 @@ pub(super) struct Input {
     pub(super) checksums: Vec<InputChecksum>,
 }
 
+/// Silhouettes and points of the frames, where no file holds them.
+pub(super) type Observed = Option<Vec<FrameObservations>>;
+
 /// Reads and checks everything; nothing is written but masks, where there are none.
 pub(super) fn read(arguments: &FitArguments) -> Result<Input, CliError> {
     let options = arguments.options()?;
     check_out(&arguments.out, arguments.existing())?;
-    let (mut recording, contoured) = match contoured::wanted(arguments)? {
-        Some(footage) => {
-            let (recording, observed) = contoured::observe(&footage, arguments)?;
-            (recording, Some(observed))
-        }
-        None => (open(arguments)?, None),
-    };
+    let (mut recording, contoured) = open(arguments)?;
     let (model, body) = body(arguments.body.as_deref(), &recording)?;
     check_measure(&model, options.measure)?;
     let observations = match contoured {
@@ -72,8 +69,13 @@ pub(super) fn read(arguments: &FitArguments) -> Result<Input, CliError> {
 }
 
 /// The recording; what it lacks is made of its pictures and kept in OUT: masks where there are none, points where asked for.
-fn open(arguments: &FitArguments) -> Result<Recording, CliError> {
+///
+/// With it what the joint pipeline of silhouettes observed, where that was asked for or is the only good way.
+fn open(arguments: &FitArguments) -> Result<(Recording, Observed), CliError> {
     let (path, out) = (&arguments.recording, &arguments.out);
+    if arguments.silhouettes.is_some_and(Silhouettes::is_joint) {
+        return contoured::observe(&Footage::open(path, arguments.fps)?, arguments);
+    }
     let opened = match arguments.stereo {
         // its points are what is to be measured
         Some(_) => Recording::open_masks(path, arguments.fps),
@@ -86,12 +88,18 @@ fn open(arguments: &FitArguments) -> Result<Recording, CliError> {
     let has_masks = given.as_ref().is_ok_and(Recording::has_masks);
     let is_enough = |r: &Recording| r.has_masks() || arguments.fits_to_points() && r.has_points();
     if arguments.stereo.is_none() && given.as_ref().is_ok_and(is_enough) {
-        return Ok(given?);
+        return Ok((given?, None));
     }
     let footage = match Footage::open(path, arguments.fps) {
-        Err(FramesError::NoPictures { .. }) if arguments.stereo.is_none() => return Ok(given?),
+        Err(FramesError::NoPictures { .. }) if arguments.stereo.is_none() => {
+            return Ok((given?, None));
+        }
         opened => opened?,
     };
+    let is_free = arguments.silhouettes.is_none() && arguments.stereo.is_none();
+    if is_free && given.is_err() && contoured::is_only_way(&footage) {
+        return contoured::observe(&footage, arguments);
+    }
     let mut made = Made {
         masks: !has_masks,
         points: false,
@@ -104,7 +112,7 @@ fn open(arguments: &FitArguments) -> Result<Recording, CliError> {
         measure(&footage, &masks, method, arguments)?;
         made.points = true;
     }
-    Ok(Recording::open_made(path, &footage, out, made)?)
+    Ok((Recording::open_made(path, &footage, out, made)?, None))
 }
 
 /// Whether an earlier run that is continued has finished what it writes this table after.
