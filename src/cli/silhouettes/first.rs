@@ -12,7 +12,7 @@ use crate::inference::propagate::Sequence;
 use crate::inference::search::NoJournal;
 use crate::io::frames::Footage;
 use crate::io::result::ResultFile;
-use crate::pipeline::silhouettes::{ShownFrame, StillScene};
+use crate::pipeline::silhouettes::{ShownFrame, StillScene, nearness};
 use crate::pipeline::{self, FitOptions, FitTo};
 use crate::silhouette::{FrameIndex, FrameObservations};
 use crate::stereo::{CloudPoint, DepthMap, SideBySide};
@@ -63,9 +63,7 @@ impl First {
             footage,
             (&some, template),
             (progress, "still scene"),
-            |_, map| {
-                maps.push(StillScene::seen(map));
-            },
+            |_, map| maps.push(nearness(map)),
         );
         let still = StillScene::of(&maps);
         // 2. what does
@@ -134,7 +132,7 @@ fn each_depth(
             continue;
         }
         let shown = ShownFrame::of(&footage.rig, &pictures);
-        if let Some(map) = shown.ok().and_then(|s| s.depth(&footage.rig, camera)) {
+        if let Some(map) = shown.ok().and_then(|s| s.depth(&footage.rig, camera, None)) {
             take(frame, &map);
         }
         bar.inc(1);

@@ -95,16 +95,8 @@ pub fn disparity_mask(
 ) -> Mask {
     let (width, height) = (camera.width_px as usize, camera.height_px as usize);
     let mut near = Plane::filled(width, height, 0u8);
-    let Some((low, high)) = body.bounds() else {
-        return Mask::brighter_than(&near, 0);
-    };
-    let low = low.add_scalar(-options.volume_m);
-    let high = high.add_scalar(options.volume_m);
-    let is_in = |p: &&CloudPoint| {
-        let x = p.position_world.coords;
-        (0..3).all(|k| (low[k]..=high[k]).contains(&x[k]))
-    };
-    for point in points.iter().filter(is_in) {
+    let is_in = volume(body, options.volume_m);
+    for point in points.iter().filter(|p| is_in(p)) {
         let pixel = camera.project_undistorted(&point.position_world);
         let Some((x, y)) = pixel.and_then(|p| rounded(&p)) else {
             continue;
@@ -116,6 +108,17 @@ pub fn disparity_mask(
     let mask = Mask::brighter_than(&near, 0);
     let radius = options.clean_px;
     widened(&opened(&closed(&mask, radius), radius), options.reach_px)
+}
+
+/// Whether a point lies in the box around a body and `margin_m` about it; none does of a body without size.
+pub(super) fn volume(body: &Posed<'_>, margin_m: f64) -> impl Fn(&CloudPoint) -> bool {
+    let bounds = body.bounds();
+    move |point| {
+        let x = point.position_world.coords;
+        bounds.is_some_and(|(low, high)| {
+            (0..3).all(|k| (low[k] - margin_m..=high[k] + margin_m).contains(&x[k]))
+        })
+    }
 }
 
 /// The band around an expected outline, in the place of a disparity mask.

@@ -24,7 +24,7 @@ use crate::silhouette::snake::SnakeOptions;
 pub use contour::{FoundPoint, ViewContours};
 pub use filter::{Edges, Filtered, band_mask, disparity_mask};
 pub use scene::Scene;
-pub use shown::{ShownFrame, ShownView, StillScene};
+pub use shown::{ShownFrame, ShownView, StillScene, nearness};
 pub use track::{Followed, Follower};
 
 /// What was found in one view, and through which edges.

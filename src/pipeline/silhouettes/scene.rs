@@ -4,7 +4,7 @@ use nalgebra::Point3;
 use rayon::prelude::*;
 
 use super::contour::{ViewContours, px_per_m};
-use super::filter::{Edges, Filtered, band_mask, disparity_mask};
+use super::filter::{Edges, Filtered, band_mask, disparity_mask, volume};
 use super::shown::ShownFrame;
 use super::{ContourOptions, Seen};
 use crate::body::Posed;
@@ -12,8 +12,7 @@ use crate::camera::{Camera, CameraId, Rig};
 use crate::likelihood::{PointField, PointOptions, SkinScale, SurfacePoint};
 use crate::render::{ModelOutline, outline};
 use crate::silhouette::{FrameIndex, FrameObservations};
-use crate::stereo::correlation::CorrelationOptions;
-use crate::stereo::{CloudPoint, DepthMap, depth_map, neighbour};
+use crate::stereo::{CloudPoint, DepthMap};
 
 /// One frame's pictures, their edges and their depths: what does not depend on where the body is.
 #[derive(Debug)]
@@ -42,8 +41,11 @@ impl<'a> Scene<'a> {
     ) -> Self {
         let views = shown.views.par_iter();
         let edges = views.map(|view| Some(Edges::of(view.as_ref()?, &options)));
-        let cameras: Vec<CameraId> = rig.iter().map(|(id, _)| id).collect();
-        let depths = cameras.par_iter().map(|id| depth(rig, shown, *id, body));
+        let cameras = rig.cameras.par_iter().enumerate();
+        let depths = cameras.map(|(i, camera)| {
+            let range = depths_of(camera, body);
+            shown.depth(rig, CameraId(i), range)
+        });
         Self {
             edges: edges.collect(),
             depths: depths.collect(),
@@ -83,17 +85,9 @@ impl<'a> Scene<'a> {
 
     /// The points of all depth maps that lie near a body's skin.
     pub fn points_near(&self, body: &Posed<'_>, scale: &SkinScale) -> Vec<CloudPoint> {
-        let Some((low, high)) = body.bounds() else {
-            return Vec::new();
-        };
-        let low = low.add_scalar(-self.options.near_m);
-        let high = high.add_scalar(self.options.near_m);
-        let is_in = |p: &&CloudPoint| {
-            let x = p.position_world.coords;
-            (0..3).all(|k| (low[k]..=high[k]).contains(&x[k]))
-        };
+        let is_in = volume(body, self.options.near_m);
         let maps = self.depths.iter().flatten().flat_map(|map| &map.points);
-        let inside: Vec<CloudPoint> = maps.filter(is_in).copied().collect();
+        let inside: Vec<CloudPoint> = maps.filter(|p| is_in(p)).copied().collect();
         let stride = inside.len().div_ceil(2 * MOST_POINTS).max(1);
         let some: Vec<CloudPoint> = inside.into_iter().step_by(stride).collect();
         let places = some.iter().map(SurfacePoint::from).collect();
@@ -124,16 +118,6 @@ impl<'a> Scene<'a> {
             ..FrameObservations::nothing(frame)
         }
     }
-}
-
-/// Depth by correlation with the camera beside, of what is about as far as a body; `None` without such a camera or a picture.
-fn depth(rig: &Rig, shown: &ShownFrame, id: CameraId, body: &Posed<'_>) -> Option<DepthMap> {
-    let view = |id: CameraId| shown.views.get(id.0)?.as_ref();
-    let (first, second) = (view(id)?, view(neighbour(rig, id)?)?);
-    let range = depths_of(rig.camera(id)?, body);
-    let options = CorrelationOptions::default();
-    // a pair that cannot be correlated has no depth
-    depth_map(&first.grey, &second.grey, None, range, &options).ok()
 }
 
 /// Least and greatest depth that is looked for, m; `None` for a body that has no size.

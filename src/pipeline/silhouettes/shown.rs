@@ -50,26 +50,25 @@ impl ShownFrame {
         })
     }
 
-    /// Depth of what each camera shows, by correlation with the camera beside it; `None` where there is none, or no picture.
+    /// Depth of what a camera shows, by correlation with the camera beside it; `None` where there is none, or no picture.
     ///
-    /// Without a mask, and of all depths that a shift of a third of the image allows.
-    pub fn depths(&self, rig: &Rig) -> Vec<Option<DepthMap>> {
-        let cameras: Vec<CameraId> = rig.iter().map(|(id, _)| id).collect();
-        cameras.par_iter().map(|id| self.depth(rig, *id)).collect()
-    }
-
-    /// That of one camera.
-    pub fn depth(&self, rig: &Rig, camera: CameraId) -> Option<DepthMap> {
+    /// Without a mask; between a least and a greatest depth, m, or of all depths that a shift of a third of the image allows.
+    pub fn depth(
+        &self,
+        rig: &Rig,
+        camera: CameraId,
+        depths_m: Option<(f64, f64)>,
+    ) -> Option<DepthMap> {
         let view = |id: CameraId| self.views.get(id.0)?.as_ref();
         let (first, second) = (view(camera)?, view(neighbour(rig, camera)?)?);
         let options = CorrelationOptions::default();
         // a pair that cannot be correlated has no depth
-        depth_map(&first.grey, &second.grey, None, None, &options).ok()
+        depth_map(&first.grey, &second.grey, None, depths_m, &options).ok()
     }
 }
 
 /// Disparities of a depth map from infinity: the larger, the nearer; NaN unknown.
-pub(super) fn nearness(map: &DepthMap) -> Plane<f32> {
+pub fn nearness(map: &DepthMap) -> Plane<f32> {
     let infinity = map.pair.left.camera.intrinsics.cx_px - map.pair.right.camera.intrinsics.cx_px;
     map.disparities.map(|d| (d - infinity as f32).abs())
 }
@@ -99,7 +98,7 @@ const CELL_M: f64 = 0.1;
 const LEAST_IN_CELL: usize = 3;
 
 impl StillScene {
-    /// The still scene of one camera's depth maps, of frames spread over the recording.
+    /// The still scene of the [`nearness`] of one camera's depth maps, of frames spread over the recording.
     pub fn of(maps: &[Plane<f32>]) -> Self {
         let Some(first) = maps.first() else {
             return Self {
@@ -125,11 +124,6 @@ impl StillScene {
         Self {
             nearness: filled(&still),
         }
-    }
-
-    /// The nearness of a depth map, to be given to [`StillScene::of`].
-    pub fn seen(map: &DepthMap) -> Plane<f32> {
-        nearness(map)
     }
 
     /// The points of a depth map of the same camera that are before the still scene: the largest piece that hangs together.

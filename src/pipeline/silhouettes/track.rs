@@ -66,12 +66,12 @@ impl<'a> Follower<'a> {
         // 3. the body fitted to stereo and silhouettes, from there and from where stereo alone has it
         let points = scene.points_near(&posed(stereo), &self.scale);
         let observed = scene.observed(frame, &first, points);
-        let motion = self.fitted(frame, &observed, [&predicted, stereo]);
+        let motion = self.fitted(frame, &observed, &[&predicted, stereo]);
         // 4. active contours from its outline
         let seen = scene.contours(&posed(&motion));
         let points = scene.points_near(&posed(&motion), &self.scale);
         let observed = scene.observed(frame, &seen, points);
-        let motion = self.fitted(frame, &observed, [&motion, &motion]);
+        let motion = self.fitted(frame, &observed, &[&motion]);
         self.before = self.last.replace((frame, motion.clone()));
         Followed {
             motion,
@@ -91,12 +91,12 @@ impl<'a> Follower<'a> {
         Some(extrapolate(layout, earlier, motion, ratio))
     }
 
-    /// The most probable motion of a frame from either start.
+    /// The most probable motion of a frame from any of some starts, of which there is at least one.
     fn fitted(
         &self,
         frame: FrameIndex,
         observed: &FrameObservations,
-        starts: [&Motion; 2],
+        starts: &[&Motion],
     ) -> Motion {
         let seconds = |last: FrameIndex| interval(last, frame) / self.fps;
         let step = self
@@ -116,8 +116,7 @@ impl<'a> Follower<'a> {
             damping: 1e-4,
             relative_decrease: 1e-4,
         };
-        let count = if starts[0] == starts[1] { 1 } else { 2 };
-        let solved: Vec<_> = starts[..count]
+        let solved: Vec<_> = starts
             .par_iter()
             .map(|start| levenberg_marquardt(&posterior, (*start).clone(), &options))
             .collect();

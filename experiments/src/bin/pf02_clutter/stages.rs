@@ -28,7 +28,7 @@ pub(crate) fn stages(sequence: &Sequence, frame: usize) -> Result<Picture, Fault
     });
     let pictures: Vec<Option<Picture>> = shots.collect();
     let shown = ShownFrame::of(rig, &pictures)?;
-    let depth = shown.depths(rig).into_iter().nth(CENTRE).flatten();
+    let depth = shown.depth(rig, CameraId(CENTRE), None);
     let (Some(view), Some(depth)) = (&shown.views[CENTRE], depth) else {
         return Err("no stereo".into());
     };
