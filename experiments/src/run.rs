@@ -13,9 +13,8 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Parser;
-use image::codecs::jpeg::JpegEncoder;
-use image::{ExtendedColorType, ImageEncoder, ImageError};
 use maquette::image::Picture;
+use maquette::io::jpeg;
 use serde::Serialize;
 
 use crate::expected::{ExpectedNumbers, out};
@@ -165,9 +164,9 @@ impl Run {
         let path = self.folder().join(format!("{name}.jpg"));
         let mut bytes = Vec::new();
         for quality in [90, 80, 70, 60, 50, 40] {
-            bytes = jpeg(picture, quality).map_err(|fault| RunError::Write {
+            bytes = jpeg::encode(picture, quality).map_err(|source| RunError::Write {
                 path: path.clone(),
-                source: io::Error::other(fault),
+                source,
             })?;
             if bytes.len() <= MOST_BYTES {
                 break;
@@ -246,18 +245,6 @@ fn read_expected(name: &str) -> Result<ExpectedNumbers, RunError> {
 
 /// Size of a photograph in the documentation.
 const MOST_BYTES: usize = 300_000;
-
-fn jpeg(picture: &Picture, quality: u8) -> Result<Vec<u8>, ImageError> {
-    let mut bytes = Vec::new();
-    let (width, height) = (picture.width() as u32, picture.height() as u32);
-    JpegEncoder::new_with_quality(&mut bytes, quality).write_image(
-        picture.values().as_flattened(),
-        width,
-        height,
-        ExtendedColorType::Rgb8,
-    )?;
-    Ok(bytes)
-}
 
 fn write(path: &Path, text: impl AsRef<[u8]>) -> Result<(), RunError> {
     let folder = path.parent().unwrap_or(path);

@@ -10,7 +10,6 @@ use crate::io::out_folder::OutError;
 use crate::io::overlays::OverlayError;
 use crate::io::recording::RecordingError;
 use crate::io::result::ResultError;
-use crate::io::stereo::StereoOutError;
 use crate::io::synthetic::SyntheticError;
 use crate::pipeline::FitError;
 use crate::skin::SkinError;
@@ -91,9 +90,6 @@ pub(super) enum CliError {
     /// What cannot be matched.
     #[error("{0}")]
     Stereo(String),
-    /// Points that cannot be written.
-    #[error(transparent)]
-    StereoOut(#[from] StereoOutError),
     /// A body that cannot walk.
     #[error(transparent)]
     Walk(#[from] WalkError),

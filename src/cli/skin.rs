@@ -114,7 +114,7 @@ pub(super) fn run(arguments: &SkinArguments) -> Result<(), CliError> {
         )?;
         if arguments.picture {
             let field = Field::of(&Posed::new(&model, &shape, motion));
-            write_portrait(&field, folder.join(format!("{name}.png")))?;
+            write_portrait(&field, &folder.join(format!("{name}.png")))?;
         }
         bar.inc(1);
         Ok(())
@@ -188,7 +188,7 @@ pub(super) fn of_model(
         ));
     }
     if let Some(path) = picture {
-        write_portrait(&Field::of(&body), path.into())?;
+        write_portrait(&Field::of(&body), path)?;
         print(&format!("{}\n", path.display()));
     }
     Ok(())
@@ -198,10 +198,10 @@ fn write_mesh(mesh: &Mesh, path: &Path, format: MeshFormat) -> Result<(), CliErr
     Ok(write_atomically(path, &bytes_of(mesh, format, Up::Z))?)
 }
 
-fn write_portrait(field: &Field, path: PathBuf) -> Result<(), CliError> {
+fn write_portrait(field: &Field, path: &Path) -> Result<(), CliError> {
     // whoever has a skin has metaballs, and so a portrait
     if let Some(camera) = portrait_camera(field, PICTURE_PX.0, PICTURE_PX.1) {
-        write_picture(&shade(&camera, field), path)?;
+        write_picture(shade(&camera, field).pixels(), path)?;
     }
     Ok(())
 }

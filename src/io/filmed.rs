@@ -11,13 +11,11 @@
 use std::fs;
 use std::path::Path;
 
-use ::image::codecs::jpeg::JpegEncoder;
-use ::image::{ExtendedColorType, ImageEncoder, ImageError};
 use rayon::prelude::*;
 
+use super::jpeg;
 use super::png::{self, Effort};
-use super::synthetic::{SyntheticError, whole, write_texts};
-use crate::image::Picture;
+use super::synthetic::{SyntheticError, failed, whole, write_texts};
 use crate::silhouette::FrameIndex;
 use crate::synth::{Filmed, Studio};
 
@@ -58,33 +56,13 @@ fn write_shot(
     let image = images.join(format!("{frame:06}.jpg"));
     let mask = masks.join(format!("{frame:06}.png"));
     for (path, bytes) in [
-        (&image, jpeg(&shot.picture)),
+        (&image, jpeg::encode(&shot.picture, JPEG_QUALITY)),
         (&mask, png::of_mask(&shot.mask, Effort::Small)),
     ] {
-        let bytes = bytes.map_err(|source| SyntheticError::Encode {
-            path: path.clone(),
-            source,
-        })?;
-        fs::write(path, bytes).map_err(failed(path))?;
+        let written = bytes.and_then(|bytes| fs::write(path, bytes));
+        written.map_err(failed(path))?;
     }
     Ok(())
-}
-
-fn failed(path: &Path) -> impl FnOnce(std::io::Error) -> SyntheticError {
-    let path = path.to_owned();
-    |source| SyntheticError::Write { path, source }
-}
-
-fn jpeg(picture: &Picture) -> Result<Vec<u8>, ImageError> {
-    let mut bytes = Vec::new();
-    let (width, height) = (picture.width() as u32, picture.height() as u32);
-    JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY).write_image(
-        picture.values().as_flattened(),
-        width,
-        height,
-        ExtendedColorType::Rgb8,
-    )?;
-    Ok(bytes)
 }
 
 fn manifest(filmed: &Filmed) -> String {

@@ -7,6 +7,7 @@ pub mod filmed;
 pub mod frames;
 pub mod gait;
 pub mod journal;
+pub mod jpeg;
 pub mod manifest;
 pub mod mesh;
 pub mod model;

@@ -3,13 +3,14 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use ::image::{ExtendedColorType, ImageError};
 use rayon::prelude::*;
 
+use super::out_folder::{OutError, OutFolder};
 use super::png::{self, Effort};
 use super::recording::{Recording, RecordingError};
 use crate::body::{BodyModel, Posed};
 use crate::camera::CameraId;
+use crate::image::Picture;
 use crate::pipeline::{Fit, FittedFrame};
 use crate::render::{Canvas, overlay};
 
@@ -21,21 +22,8 @@ pub enum OverlayError {
     #[error(transparent)]
     Mask(#[from] RecordingError),
     /// A file or folder that cannot be written.
-    #[error("{}: cannot be written: {source}", path.display())]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
-    /// A picture that cannot be encoded.
-    #[error("{}: the picture cannot be encoded: {source}", path.display())]
-    Encode {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: ImageError,
-    },
+    #[error(transparent)]
+    Out(#[from] OutError),
 }
 
 /// Writes a picture for each mask of each fitted frame into a folder; `done` is called after each.
@@ -55,10 +43,7 @@ pub fn write(
         .map(|(id, camera)| (id, folder.join(file_name(&camera.name))))
         .collect();
     for (_, path) in &cameras {
-        fs::create_dir_all(path).map_err(|source| OverlayError::Write {
-            path: path.clone(),
-            source,
-        })?;
+        OutFolder::open(path)?;
     }
     let all: Vec<_> = fit
         .frames
@@ -67,7 +52,8 @@ pub fn write(
         .collect();
     all.into_par_iter().try_for_each(|(frame, id, folder)| {
         if let Some(canvas) = picture(recording, model, fit, (frame, id))? {
-            write_picture(&canvas, folder.join(format!("{:06}.png", frame.frame.0)))?;
+            let path = folder.join(format!("{:06}.png", frame.frame.0));
+            write_picture(canvas.pixels(), &path)?;
         }
         done();
         Ok(())
@@ -90,15 +76,11 @@ fn picture(
 /// Writes a picture as PNG.
 ///
 /// # Errors
-/// [`OverlayError::Write`] and [`OverlayError::Encode`].
-pub fn write_picture(canvas: &Canvas, path: PathBuf) -> Result<(), OverlayError> {
-    let pixels = canvas.pixels();
-    let size = (pixels.width(), pixels.height());
-    let bytes = pixels.values().as_flattened();
-    match png::encode(bytes, size, ExtendedColorType::Rgb8, Effort::Quick) {
-        Ok(bytes) => fs::write(&path, bytes).map_err(|source| OverlayError::Write { path, source }),
-        Err(source) => Err(OverlayError::Encode { path, source }),
-    }
+/// [`OutError::Write`].
+pub fn write_picture(picture: &Picture, path: &Path) -> Result<(), OutError> {
+    png::of_picture(picture, Effort::Quick)
+        .and_then(|bytes| fs::write(path, bytes))
+        .map_err(|source| OutError::write(path, source))
 }
 
 /// A camera's name as the name of a folder, whatever it holds.

@@ -1,9 +1,11 @@
 //! Pictures as PNG.
 
-use ::image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use ::image::{ExtendedColorType, ImageEncoder, ImageError};
+use std::io;
 
-use crate::image::Mask;
+use ::image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use ::image::{ExtendedColorType, ImageEncoder};
+
+use crate::image::{Mask, Picture};
 
 /// What a file is to be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,25 +22,29 @@ pub(super) fn encode(
     (width, height): (usize, usize),
     colour: ExtendedColorType,
     effort: Effort,
-) -> Result<Vec<u8>, ImageError> {
+) -> io::Result<Vec<u8>> {
     let (compression, filter) = match effort {
         Effort::Quick => (CompressionType::Fast, FilterType::Adaptive),
         Effort::Small => (CompressionType::Best, FilterType::Up),
     };
     let mut file = Vec::new();
-    PngEncoder::new_with_quality(&mut file, compression, filter).write_image(
-        bytes,
-        width as u32,
-        height as u32,
-        colour,
-    )?;
+    PngEncoder::new_with_quality(&mut file, compression, filter)
+        .write_image(bytes, width as u32, height as u32, colour)
+        .map_err(io::Error::other)?;
     Ok(file)
 }
 
 /// A mask: 8 bits, grey, 0 and 255.
-pub(super) fn of_mask(mask: &Mask, effort: Effort) -> Result<Vec<u8>, ImageError> {
+pub(super) fn of_mask(mask: &Mask, effort: Effort) -> io::Result<Vec<u8>> {
     let rows = (0..mask.height()).flat_map(|y| mask.row(y));
     let pixels: Vec<u8> = rows.map(|v| 255 * v).collect();
     let size = (mask.width(), mask.height());
     encode(&pixels, size, ExtendedColorType::L8, effort)
+}
+
+/// A picture in colours: 8 bits each.
+pub(super) fn of_picture(picture: &Picture, effort: Effort) -> io::Result<Vec<u8>> {
+    let size = (picture.width(), picture.height());
+    let bytes = picture.values().as_flattened();
+    encode(bytes, size, ExtendedColorType::Rgb8, effort)
 }

@@ -1,15 +1,16 @@
 //! From footage on disk to masks on disk: `masks/<camera>/%06d.png` and `quality.csv`.
 
 use std::fs;
+use std::io;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
-use ::image::codecs::jpeg::JpegEncoder;
-use ::image::{ExtendedColorType, ImageEncoder, ImageError};
+use ::image::ExtendedColorType;
 use rayon::prelude::*;
 use serde::Serialize;
 
 use super::frames::{Footage, FramesNote};
+use super::jpeg;
 use super::out_folder::{OutError, OutFolder};
 use super::overlays::file_name;
 use super::png::{self, Effort};
@@ -26,6 +27,9 @@ pub struct Extras {
     /// `mask-overlays/<camera>/%06d.jpg`.
     pub overlays: bool,
 }
+
+/// Of the overlays, which are only looked at.
+const JPEG_QUALITY: u8 = 85;
 
 /// The table of the masks; it is written last: where it stands the masks are complete.
 pub const QUALITY: &str = "quality.csv";
@@ -169,7 +173,7 @@ impl Writer {
                 written(path("probability", "png"), grey(&cut.probability))?;
             }
             if self.extras.overlays {
-                let overlay = jpeg(&over(picture, &cut.mask));
+                let overlay = jpeg::encode(&over(picture, &cut.mask), JPEG_QUALITY);
                 written(path("mask-overlays", "jpg"), overlay)?;
             }
             let q = cut.quality;
@@ -213,28 +217,15 @@ fn over(picture: &Picture, mask: &Mask) -> Picture {
     over
 }
 
-fn written(path: PathBuf, file: Result<Vec<u8>, ImageError>) -> Result<(), OutError> {
-    let written = file
-        .map_err(std::io::Error::other)
-        .and_then(|bytes| fs::write(&path, bytes));
+fn written(path: PathBuf, file: io::Result<Vec<u8>>) -> Result<(), OutError> {
+    let written = file.and_then(|bytes| fs::write(&path, bytes));
     written.map_err(|source| OutError::Write { path, source })
 }
 
-fn grey(probability: &Plane<f32>) -> Result<Vec<u8>, ImageError> {
+fn grey(probability: &Plane<f32>) -> io::Result<Vec<u8>> {
     let grey = probability.map(|p| (255.0 * p).round() as u8);
     let size = (grey.width(), grey.height());
     png::encode(grey.values(), size, ExtendedColorType::L8, Effort::Quick)
-}
-
-fn jpeg(picture: &Picture) -> Result<Vec<u8>, ImageError> {
-    let mut bytes = Vec::new();
-    JpegEncoder::new_with_quality(&mut bytes, 85).write_image(
-        picture.values().as_flattened(),
-        picture.width() as u32,
-        picture.height() as u32,
-        ExtendedColorType::Rgb8,
-    )?;
-    Ok(bytes)
 }
 
 fn write_quality(path: &Path, rows: &[QualityRow]) -> Result<(), OutError> {
@@ -247,7 +238,7 @@ fn write_quality(path: &Path, rows: &[QualityRow]) -> Result<(), OutError> {
     };
     write().map_err(|fault| OutError::Write {
         path: path.into(),
-        source: std::io::Error::other(fault),
+        source: io::Error::other(fault),
     })
 }
 

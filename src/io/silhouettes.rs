@@ -1,9 +1,9 @@
 //! What `maquette silhouettes` writes: masks, contours as JSON and SVG, overlays, stages, `quality.csv`.
 
 use std::fmt::Write;
+use std::io;
 use std::path::{Path, PathBuf};
 
-use ::image::ExtendedColorType;
 use nalgebra::Point2;
 use serde::Serialize;
 
@@ -13,7 +13,7 @@ use super::png::{self, Effort};
 use super::segmented::QUALITY;
 use crate::body::BodyModel;
 use crate::camera::Camera;
-use crate::image::{Mask, Picture, Plane};
+use crate::image::{Mask, Picture};
 use crate::pipeline::silhouettes::{FoundPoint, Seen, ViewContours};
 use crate::render::{Canvas, Pen};
 use crate::silhouette::FrameIndex;
@@ -86,7 +86,8 @@ impl SilhouetteFolder {
                 .join(file_name(&camera.name))
                 .join(name)
         };
-        write_mask(&path("masks", ".png"), &mask)?;
+        let png = png::of_mask(&mask, Effort::Quick);
+        write(&path("masks", ".png"), png)?;
         let json = serde_json::to_vec(&ContourFile::of(frame, camera, contours, model));
         let json = json.map_err(std::io::Error::other);
         write(&path("contours", ".json"), json)?;
@@ -96,16 +97,19 @@ impl SilhouetteFolder {
         )?;
         if self.extras.overlays {
             let canvas = over(picture, camera, contours);
-            write_colour(&path("overlays", ".png"), canvas.pixels())?;
+            let png = png::of_picture(canvas.pixels(), Effort::Quick);
+            write(&path("overlays", ".png"), png)?;
         }
         if self.extras.stages {
-            write_mask(&path("stages", "_mask.png"), &seen.filtered.mask)?;
+            let passed = png::of_mask(&seen.filtered.mask, Effort::Quick);
+            write(&path("stages", "_mask.png"), passed)?;
             let scale = 160.0 / seen.filtered.strong.max(1.0);
             let grey = seen
                 .filtered
                 .magnitude()
                 .map(|g| [(scale * g).min(255.0) as u8; 3]);
-            write_colour(&path("stages", "_gradient.png"), &grey)?;
+            let grey = png::of_picture(&grey, Effort::Quick);
+            write(&path("stages", "_gradient.png"), grey)?;
         }
         self.rows.push(row(frame, camera, contours, &mask));
         Ok(())
@@ -254,24 +258,9 @@ fn over(picture: &Picture, camera: &Camera, contours: &ViewContours) -> Canvas {
     canvas
 }
 
-fn write_mask(path: &Path, mask: &Mask) -> Result<(), OutError> {
-    let bytes = png::of_mask(mask, Effort::Quick).map_err(std::io::Error::other);
-    write(path, bytes)
-}
-
-fn write_colour(path: &Path, picture: &Plane<[u8; 3]>) -> Result<(), OutError> {
-    let size = (picture.width(), picture.height());
-    let bytes = picture.values().as_flattened();
-    let bytes = png::encode(bytes, size, ExtendedColorType::Rgb8, Effort::Quick);
-    write(path, bytes.map_err(std::io::Error::other))
-}
-
 /// Writes a file, and the folder that it is in.
-fn write(path: &Path, bytes: Result<Vec<u8>, std::io::Error>) -> Result<(), OutError> {
-    let bytes = bytes.map_err(|source| OutError::Write {
-        path: path.into(),
-        source,
-    })?;
+fn write(path: &Path, bytes: io::Result<Vec<u8>>) -> Result<(), OutError> {
+    let bytes = bytes.map_err(|source| OutError::write(path, source))?;
     if let Some(folder) = path.parent() {
         OutFolder::open(folder)?;
     }

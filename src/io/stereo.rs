@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::calibration::Up;
 use super::cloud::write_ply;
 use super::out_folder::{OutError, OutFolder, write_atomically};
-use super::overlays::{OverlayError, write_picture};
+use super::overlays::write_picture;
 use super::png::{self, Effort};
 use crate::image::Plane;
 use crate::math::Rigid3;
@@ -19,17 +19,6 @@ use crate::stereo::{Cloud, CloudPoint, Spread};
 
 /// Steps of a disparity's file to a pixel.
 const STEPS: f32 = 256.0;
-
-/// Why something cannot be written.
-#[derive(Debug, thiserror::Error)]
-pub enum StereoOutError {
-    /// A file or folder.
-    #[error(transparent)]
-    Out(#[from] OutError),
-    /// A picture.
-    #[error(transparent)]
-    Picture(#[from] OverlayError),
-}
 
 /// The folder of a run.
 #[derive(Debug)]
@@ -56,8 +45,8 @@ impl StereoFolder {
     /// Makes the folder and those within it, without what an older run left there; `up` is that of the recording's files.
     ///
     /// # Errors
-    /// [`StereoOutError::Out`].
-    pub fn open(path: &Path, up: Up) -> Result<Self, StereoOutError> {
+    /// [`OutError::Write`].
+    pub fn open(path: &Path, up: Up) -> Result<Self, OutError> {
         let older = ["points", "disparity", "pictures", "trajectories.csv"];
         OutFolder::open(path)?.clear(TABLE, &older)?;
         for folder in ["points", "disparity"] {
@@ -72,8 +61,8 @@ impl StereoFolder {
     /// Writes `stereo.csv`, a line for each frame.
     ///
     /// # Errors
-    /// [`StereoOutError::Out`].
-    pub fn table(&self, frames: &[MeasuredFrame]) -> Result<(), StereoOutError> {
+    /// [`OutError::Write`].
+    pub fn table(&self, frames: &[MeasuredFrame]) -> Result<(), OutError> {
         let path = self.path.join(TABLE);
         let text = || -> Result<Vec<u8>, csv::Error> {
             let mut writer = csv::Writer::from_writer(Vec::new());
@@ -83,26 +72,26 @@ impl StereoFolder {
             writer.into_inner().map_err(|e| e.into_error().into())
         };
         match text() {
-            Ok(text) => Ok(write_atomically(&path, &text)?),
-            Err(fault) => Err(OutError::write(&path, std::io::Error::other(fault)).into()),
+            Ok(text) => write_atomically(&path, &text),
+            Err(fault) => Err(OutError::write(&path, std::io::Error::other(fault))),
         }
     }
 
     /// Writes `points/%06d.ply`: metres, in the world of the recording's files, each with its covariance.
     ///
     /// # Errors
-    /// [`StereoOutError::Out`].
-    pub fn points(&self, frame: usize, points: &[CloudPoint]) -> Result<(), StereoOutError> {
+    /// [`OutError::Write`].
+    pub fn points(&self, frame: usize, points: &[CloudPoint]) -> Result<(), OutError> {
         let path = self.path.join(format!("points/{frame:06}.ply"));
         let in_file = Cloud::of(points.iter().copied()).moved(&self.file_from_world);
-        Ok(write_atomically(&path, &write_ply(&in_file.points))?)
+        write_atomically(&path, &write_ply(&in_file.points))
     }
 
     /// Writes `disparity/<name>.png`, 16 bits: 256 times the disparity in pixels of points nearer than infinity; 0 unknown.
     ///
     /// # Errors
-    /// [`StereoOutError`].
-    pub fn disparity(&self, name: &str, disparities: &Plane<f32>) -> Result<(), StereoOutError> {
+    /// [`OutError::Write`].
+    pub fn disparity(&self, name: &str, disparities: &Plane<f32>) -> Result<(), OutError> {
         let path = self.path.join(format!("disparity/{name}.png"));
         let steps = |d: &f32| {
             if d.is_finite() {
@@ -117,27 +106,25 @@ impl StereoFolder {
             .flat_map(|d| steps(d).to_ne_bytes())
             .collect();
         let size = (disparities.width(), disparities.height());
-        match png::encode(&bytes, size, ExtendedColorType::L16, Effort::Quick) {
-            Ok(file) => Ok(write_atomically(&path, &file)?),
-            Err(source) => Err(OverlayError::Encode { path, source }.into()),
-        }
+        let file = png::encode(&bytes, size, ExtendedColorType::L16, Effort::Quick);
+        write_atomically(&path, &file.map_err(|e| OutError::write(&path, e))?)
     }
 
     /// Writes `pictures/<name>.png`.
     ///
     /// # Errors
-    /// [`StereoOutError`].
-    pub fn picture(&self, name: &str, canvas: &Canvas) -> Result<(), StereoOutError> {
+    /// [`OutError::Write`].
+    pub fn picture(&self, name: &str, canvas: &Canvas) -> Result<(), OutError> {
         let folder = self.path.join("pictures");
         OutFolder::open(&folder)?;
-        Ok(write_picture(canvas, folder.join(format!("{name}.png")))?)
+        write_picture(canvas.pixels(), &folder.join(format!("{name}.png")))
     }
 
     /// Writes `trajectories.csv`: one row for each point of each trajectory, SI units, world.
     ///
     /// # Errors
-    /// [`StereoOutError::Out`].
-    pub fn trajectories(&self, trajectories: &[Trajectory]) -> Result<(), StereoOutError> {
+    /// [`OutError::Write`].
+    pub fn trajectories(&self, trajectories: &[Trajectory]) -> Result<(), OutError> {
         let mut text = String::from("trajectory,frame,x,y,z,vx,vy,vz,ax,ay,az,sigma\n");
         for (id, trajectory) in trajectories.iter().enumerate() {
             for (i, point) in trajectory.points.iter().enumerate() {
@@ -161,10 +148,7 @@ impl StereoFolder {
                 );
             }
         }
-        Ok(write_atomically(
-            &self.path.join("trajectories.csv"),
-            text.as_bytes(),
-        )?)
+        write_atomically(&self.path.join("trajectories.csv"), text.as_bytes())
     }
 }
 

@@ -13,7 +13,6 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use ::image::ImageError;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -43,14 +42,6 @@ pub enum SyntheticError {
         path: PathBuf,
         /// Why.
         source: std::io::Error,
-    },
-    /// A mask that cannot be encoded.
-    #[error("{}: the mask cannot be encoded: {source}", path.display())]
-    Encode {
-        /// File.
-        path: PathBuf,
-        /// Why.
-        source: ImageError,
     },
     /// Truth that is no JSON, because a number in it is not finite.
     #[error("{}: the truth cannot be written: {source}", path.display())]
@@ -144,10 +135,6 @@ pub(super) fn whole(
     folder: &Path,
     fill: impl FnOnce(&Path) -> Result<(), SyntheticError>,
 ) -> Result<(), SyntheticError> {
-    let failed = |path: &Path| {
-        let path = path.to_owned();
-        |source| SyntheticError::Write { path, source }
-    };
     if fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some()) {
         let path = folder.to_owned();
         return Err(SyntheticError::NotEmpty { path });
@@ -170,10 +157,15 @@ pub(super) fn whole(
     fs::rename(&whole, folder).map_err(failed(folder))
 }
 
+pub(super) fn failed(path: &Path) -> impl FnOnce(std::io::Error) -> SyntheticError {
+    let path = path.to_owned();
+    |source| SyntheticError::Write { path, source }
+}
+
 fn fill(synthetic: &Synthetic, folder: &Path) -> Result<(), SyntheticError> {
     for (_, camera) in synthetic.rig.iter() {
         let path = masks_of(folder, camera);
-        fs::create_dir_all(&path).map_err(|source| SyntheticError::Write { path, source })?;
+        fs::create_dir_all(&path).map_err(failed(&path))?;
     }
     let rig = &synthetic.rig;
     let all = rig.iter().flat_map(|(id, camera)| {
@@ -182,7 +174,7 @@ fn fill(synthetic: &Synthetic, folder: &Path) -> Result<(), SyntheticError> {
     let all: Vec<_> = all.collect();
     all.into_par_iter().try_for_each(|(frame, id, camera)| {
         let path = masks_of(folder, camera).join(format!("{:06}.png", frame.0));
-        write_mask(synthetic, frame, id, path)
+        write_mask(synthetic, frame, id, &path)
     })?;
     write_clouds(synthetic, folder)?;
     write_texts(synthetic, folder, &manifest(synthetic))
@@ -196,7 +188,7 @@ pub(super) fn write_texts(
 ) -> Result<(), SyntheticError> {
     let text_file = |name: &str, text: &str| {
         let path = folder.join(name);
-        fs::write(&path, text).map_err(|source| SyntheticError::Write { path, source })
+        fs::write(&path, text).map_err(failed(&path))
     };
     let trajectories = write_trc(&trajectories(synthetic), "truth.trc");
     text_file("calibration.toml", &calibration::write_toml(&synthetic.rig))?;
@@ -213,17 +205,14 @@ fn write_mask(
     synthetic: &Synthetic,
     frame: FrameIndex,
     camera: CameraId,
-    path: PathBuf,
+    path: &Path,
 ) -> Result<(), SyntheticError> {
     let Some(mask) = synthetic.mask(frame, camera) else {
         return Ok(());
     };
-    match png::of_mask(&mask, Effort::Small) {
-        Ok(bytes) => {
-            fs::write(&path, bytes).map_err(|source| SyntheticError::Write { path, source })
-        }
-        Err(source) => Err(SyntheticError::Encode { path, source }),
-    }
+    png::of_mask(&mask, Effort::Small)
+        .and_then(|bytes| fs::write(path, bytes))
+        .map_err(failed(path))
 }
 
 /// The points of all cameras together, a file for each frame.
@@ -232,10 +221,6 @@ fn write_clouds(synthetic: &Synthetic, folder: &Path) -> Result<(), SyntheticErr
         return Ok(());
     }
     let folder = folder.join("points");
-    let failed = |path: &Path| {
-        let path = path.to_owned();
-        |source| SyntheticError::Write { path, source }
-    };
     fs::create_dir_all(&folder).map_err(failed(&folder))?;
     let frames: Vec<usize> = (0..synthetic.frames()).collect();
     frames.into_par_iter().try_for_each(|frame| {
