@@ -1,6 +1,6 @@
 //! A synthetic recording and its truth.
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector2};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
@@ -65,9 +65,7 @@ impl Synthetic {
         let Some(errors) = &self.errors else {
             return Some(truth);
         };
-        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
-        let cameras = self.rig.cameras.len();
-        rng.set_stream((FIRST_MASK + frame.0 * cameras + camera.0) as u64);
+        let mut rng = stream(self.seed, FIRST_MASK + self.number(frame, camera));
         Some(errors.apply(&truth, &mut rng))
     }
 
@@ -76,11 +74,14 @@ impl Synthetic {
     /// `None` if there is no such frame or camera. Frame and camera have a random stream of their own.
     pub fn cloud(&self, frame: FrameIndex, camera: CameraId) -> Option<Vec<CloudPoint>> {
         let (body, seeing) = (self.posed(frame)?, self.rig.camera(camera)?);
-        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
-        let cameras = self.rig.cameras.len();
-        rng.set_stream(FIRST_CLOUD + (frame.0 * cameras + camera.0) as u64);
+        let mut rng = stream(self.seed, FIRST_CLOUD + self.number(frame, camera));
         let points = self.stereo.map(|pair| pair.points(seeing, &body, &mut rng));
         Some(points.unwrap_or_default())
+    }
+
+    /// Of a view among all views of all frames.
+    pub(super) fn number(&self, frame: FrameIndex, camera: CameraId) -> u64 {
+        (frame.0 * self.rig.cameras.len() + camera.0) as u64
     }
 }
 
@@ -123,8 +124,26 @@ impl Default for Recipe {
 const BODY: u64 = 1;
 const GAIT: u64 = 2;
 const SCENE: u64 = 3;
-const FIRST_MASK: usize = 16;
+const FIRST_MASK: u64 = 16;
 const FIRST_CLOUD: u64 = 1 << 40;
+
+/// One of a seed's random streams.
+pub(super) fn stream(seed: u64, number: u64) -> ChaCha8Rng {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    rng.set_stream(number);
+    rng
+}
+
+/// A body drawn from a model, and how this person walks along x through a place of the floor.
+pub(super) fn person(model: &BodyModel, seed: u64, middle_world: Vector2<f64>) -> (Shape, Walk) {
+    let walk = Walk {
+        gait: Gait::personal(&mut stream(seed, GAIT)),
+        heading: 0.0,
+        middle_world,
+        start_phase: 0.0,
+    };
+    (draw_shape(model, &mut stream(seed, BODY)), walk)
+}
 
 impl Recipe {
     /// A person drawn from the model, who walks with a gait of their own along x through the middle of the ring.
@@ -132,24 +151,14 @@ impl Recipe {
     /// # Errors
     /// [`WalkError`] if the model has no feet or the frame rate is none.
     pub fn walker(&self, model: &BodyModel) -> Result<Synthetic, WalkError> {
-        let stream = |stream| {
-            let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
-            rng.set_stream(stream);
-            rng
-        };
-        let shape = draw_shape(model, &mut stream(BODY));
-        let walk = Walk {
-            gait: Gait::personal(&mut stream(GAIT)),
-            heading: 0.0,
-            middle_world: self.ring.target_world.coords.xy(),
-            start_phase: 0.0,
-        };
+        let middle_world = self.ring.target_world.coords.xy();
+        let (shape, walk) = person(model, self.seed, middle_world);
         let cycle = (self.fps / walk.gait.stride_hz).ceil() as usize;
         Ok(Synthetic {
             model: model.clone(),
             motions: walk.motions(model, &shape, self.fps, self.frames.unwrap_or(cycle))?,
             shape,
-            rig: self.ring.placed(&mut stream(SCENE)),
+            rig: self.ring.placed(&mut stream(self.seed, SCENE)),
             fps: self.fps,
             errors: self.errors,
             stereo: self.stereo,

@@ -25,11 +25,10 @@ mod texture;
 mod thing;
 mod waving;
 
-use nalgebra::Point3;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
+use nalgebra::{Point3, Vector2};
 
-use super::{Gait, Synthetic, Walk, WalkError, draw_shape, scene};
+use super::recording::{person, stream};
+use super::{Synthetic, WalkError, scene};
 use crate::body::BodyModel;
 use crate::camera::{Camera, CameraId, Distortion, Intrinsics, Rig};
 use crate::skin::SkinError;
@@ -90,9 +89,7 @@ const CAMERAS: [&str; 3] = ["left", "center", "right"];
 const HEIGHT: f64 = 1.35;
 const LOOKED_AT: f64 = 0.93;
 
-/// Random streams.
-const BODY: u64 = 1;
-const GAIT: u64 = 2;
+/// Random streams, after those of the person.
 const WAVING: u64 = 4;
 const CLOTHES: u64 = 5;
 const ROOM: u64 = 6;
@@ -116,24 +113,13 @@ impl FilmRecipe {
     /// # Errors
     /// [`FilmError`] if the model has no feet or no skin, or the frame rate is none.
     pub fn filmed(&self, model: &BodyModel) -> Result<Filmed, FilmError> {
-        let stream = |stream| {
-            let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
-            rng.set_stream(stream);
-            rng
-        };
-        let shape = draw_shape(model, &mut stream(BODY));
-        let walk = Walk {
-            gait: Gait::personal(&mut stream(GAIT)),
-            heading: 0.0,
-            middle_world: nalgebra::Vector2::zeros(),
-            start_phase: 0.0,
-        };
+        let (shape, walk) = person(model, self.seed, Vector2::zeros());
         let mut motions = walk.motions(model, &shape, self.fps, self.frames)?;
-        let waving = Waving::drawn(&mut stream(WAVING));
+        let waving = Waving::drawn(&mut stream(self.seed, WAVING));
         let travelled = waving.apply(model, &mut motions, self.fps);
         Ok(Filmed {
-            clothes: Clothed::drawn(model, &shape, &mut stream(CLOTHES))?,
-            room: Room::drawn(&mut stream(ROOM)),
+            clothes: Clothed::drawn(model, &shape, &mut stream(self.seed, CLOTHES))?,
+            room: Room::drawn(&mut stream(self.seed, ROOM)),
             waving,
             travelled,
             noise_sd: self.noise_sd,

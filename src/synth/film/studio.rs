@@ -1,8 +1,6 @@
 //! Photographs of the room with the person in it.
 
 use nalgebra::Vector3;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::Filmed;
@@ -15,6 +13,7 @@ use crate::camera::{Camera, CameraId};
 use crate::image::{Mask, Picture, Plane};
 use crate::render::{Fragment, Raster};
 use crate::silhouette::FrameIndex;
+use crate::synth::recording::stream;
 
 /// Samples across a pixel, and down it.
 const SAMPLES: usize = 2;
@@ -157,9 +156,8 @@ impl<'a> Studio<'a> {
             self.camera.width_px as usize,
             self.camera.height_px as usize,
         );
-        let mut rng = ChaCha8Rng::seed_from_u64(synthetic.seed);
-        let cameras = synthetic.rig.cameras.len();
-        rng.set_stream(FIRST_NOISE + (frame.0 * cameras + self.id.0) as u64);
+        let view = synthetic.number(frame, self.id);
+        let mut rng = stream(synthetic.seed, FIRST_NOISE + view);
         let mut picture = Plane::filled(width, height, [0u8; 3]);
         let mut covered = Plane::filled(width, height, 0.0f32);
         for y in 0..height {
