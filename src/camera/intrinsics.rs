@@ -37,6 +37,11 @@ impl Intrinsics {
         )
     }
 
+    /// f = (f_x + f_y)/2: at depth z a metre across the line of sight is f/z pixels.
+    pub fn focal_px(&self) -> f64 {
+        0.5 * (self.fx_px + self.fy_px)
+    }
+
     /// The pixel of normalised coordinates.
     pub fn pixel(&self, normalized: &Vector2<f64>) -> Point2<f64> {
         Point2::new(

@@ -97,7 +97,7 @@ pub struct View<'a> {
 impl<'a> View<'a> {
     /// A silhouette thinned to one border point every `spacing_m`, of a body at depth `depth_m`.
     pub fn new(camera: &Camera, silhouette: &'a Silhouette, depth_m: f64, spacing_m: f64) -> Self {
-        let px_per_m = 0.5 * (camera.intrinsics.fx_px + camera.intrinsics.fy_px) / depth_m;
+        let px_per_m = camera.intrinsics.focal_px() / depth_m;
         let contour = silhouette.thinned(spacing_m * px_per_m);
         Self {
             projection: camera.projection(),

@@ -71,7 +71,7 @@ pub struct RayView {
 impl RayView {
     /// A silhouette thinned to one border point every `spacing_m`, of a body at depth `depth_m`.
     pub fn new(camera: &Camera, silhouette: &Silhouette, depth_m: f64, spacing_m: f64) -> Self {
-        let px_per_m = 0.5 * (camera.intrinsics.fx_px + camera.intrinsics.fy_px) / depth_m;
+        let px_per_m = camera.intrinsics.focal_px() / depth_m;
         let contour = silhouette.thinned(spacing_m * px_per_m);
         let direction = |pixel| camera.ray(pixel).direction_world.into_inner();
         Self {

@@ -70,7 +70,7 @@ fn outside_m(
         let camera = evidence.rig.camera(*id)?;
         let pixel = camera.project_undistorted(&point.position_world)?;
         let depth = (camera.camera_from_world * point.position_world).z;
-        let px_per_m = 0.5 * (camera.intrinsics.fx_px + camera.intrinsics.fy_px) / depth;
+        let px_per_m = camera.intrinsics.focal_px() / depth;
         let (outside_px, _) = silhouette.outside.sample(&pixel);
         let sigma_m = sigma_m(point).hypot(BORDER_PX / px_per_m);
         let outside_m = outside_px / px_per_m;

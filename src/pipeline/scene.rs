@@ -256,7 +256,7 @@ fn sizes_of_views(rig: &Rig, frame: &FrameObservations) -> Vec<f64> {
         let camera = &rig.cameras[id.0];
         let depth = (camera.camera_from_world * subject).z;
         let (low, high) = silhouette.bounds;
-        let focal_px = 0.5 * (camera.intrinsics.fx_px + camera.intrinsics.fy_px);
+        let focal_px = camera.intrinsics.focal_px();
         (depth > 0.0).then(|| (high - low).max() * depth / focal_px)
     };
     frame.views.iter().filter_map(size).collect()

@@ -82,7 +82,7 @@ impl StereoPair {
             return None;
         }
         let depth = (camera.camera_from_world * place).z;
-        let focal_px = 0.5 * (camera.intrinsics.fx_px + camera.intrinsics.fy_px);
+        let focal_px = camera.intrinsics.focal_px();
         let across = depth * self.disparity_sd_px / focal_px;
         let along = across * depth / (self.baseline * facing);
         let d = ray.direction_world.as_ref();

@@ -139,7 +139,7 @@ pub(super) fn px_per_m(camera: &Camera, outline: &ModelOutline) -> f64 {
     let points = || outline.outer.iter().flatten();
     let count = points().count();
     let mean = points().map(|p| p.depth_m).sum::<f64>() / count.max(1) as f64;
-    let focal_px = 0.5 * (camera.intrinsics.fx_px + camera.intrinsics.fy_px);
+    let focal_px = camera.intrinsics.focal_px();
     if mean > 0.0 { focal_px / mean } else { 0.0 }
 }
 
