@@ -9,6 +9,8 @@
 //! a·(ω_part − ω_carrier), a the joint's axis. The δ of different centres are independent; the one between both bones
 //! turns both. To first order, and for axes of one joint that are nearly orthogonal.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{DVector, Matrix3, Vector3};
 
 use super::{FrameId, JointId, Posed};
@@ -42,13 +44,14 @@ impl Posed<'_> {
         let mut spread = DVector::zeros(self.model.joints.len());
         for (part, parent) in parents.iter().enumerate() {
             // how the angle turns when a point moves: by index of the point
-            let mut turns: Vec<(usize, Matrix3<f64>)> = Vec::new();
+            let mut turns: BTreeMap<usize, Matrix3<f64>> = BTreeMap::new();
             let bone_of = |part: Option<usize>| part.and_then(|p| bones[p]);
             for (bone, sign) in [(bone_of(Some(part)), 1.0), (bone_of(*parent), -1.0)] {
                 let Some(bone) = bone else { continue };
                 let along: Vector3<f64> = places[bone.end] - places[bone.start];
                 let turned = along.cross_matrix() * (sign / along.norm_squared().max(1e-12));
-                turns.extend([(bone.end, turned), (bone.start, -turned)]);
+                *turns.entry(bone.end).or_default() += turned;
+                *turns.entry(bone.start).or_default() -= turned;
             }
             for joint in self.own_joints(part, *parent) {
                 let axis = self.turns_world[FrameId::of(Some(joint)).0];
@@ -58,19 +61,13 @@ impl Posed<'_> {
         spread
     }
 
-    /// aᵀ(Σ B S Bᵀ)a, with the B of one point added up.
-    fn variance_along(&self, axis: &Vector3<f64>, turns: &[(usize, Matrix3<f64>)]) -> f64 {
-        let first = |i: usize| turns[..i].iter().all(|(point, _)| *point != turns[i].0);
-        let of_point = |i: usize| {
-            let point = turns[i].0;
-            let same = turns.iter().filter(|(other, _)| *other == point);
-            let moved = same
-                .map(|(_, turned)| turned)
-                .sum::<Matrix3<f64>>()
-                .tr_mul(axis);
-            moved.dot(&(self.point_spread(point) * moved))
+    /// aᵀ(Σ B S Bᵀ)a over the points, each with its B.
+    fn variance_along(&self, axis: &Vector3<f64>, turns: &BTreeMap<usize, Matrix3<f64>>) -> f64 {
+        let of_point = |(point, turned): (&usize, &Matrix3<f64>)| {
+            let moved = turned.tr_mul(axis);
+            moved.dot(&(self.point_spread(*point) * moved))
         };
-        (0..turns.len()).filter(|&i| first(i)).map(of_point).sum()
+        turns.iter().map(of_point).sum()
     }
 
     /// By part.
