@@ -20,5 +20,6 @@ pub mod segmented;
 pub mod silhouettes;
 pub mod stereo;
 pub mod synthetic;
+mod table;
 pub mod trc;
 pub mod unknown_key;

@@ -14,6 +14,7 @@ use super::jpeg;
 use super::out_folder::{OutError, OutFolder};
 use super::overlays::file_name;
 use super::png::{self, Effort};
+use super::table;
 use crate::camera::CameraId;
 use crate::image::{Mask, Picture, Plane};
 use crate::pipeline::segment::{Cut, SegmentOptions, Segmenter, Training};
@@ -113,7 +114,7 @@ pub fn write(
             rows.extend(row?);
         }
     }
-    write_quality(&folder.join(QUALITY), &rows)?;
+    table::write(&folder.join(QUALITY), &rows)?;
     Ok(rows)
 }
 
@@ -226,20 +227,6 @@ fn grey(probability: &Plane<f32>) -> io::Result<Vec<u8>> {
     let grey = probability.map(|p| (255.0 * p).round() as u8);
     let size = (grey.width(), grey.height());
     png::encode(grey.values(), size, ExtendedColorType::L8, Effort::Quick)
-}
-
-fn write_quality(path: &Path, rows: &[QualityRow]) -> Result<(), OutError> {
-    let write = || -> Result<(), csv::Error> {
-        let mut writer = csv::Writer::from_path(path)?;
-        for row in rows {
-            writer.serialize(row)?;
-        }
-        Ok(writer.flush()?)
-    };
-    write().map_err(|fault| OutError::Write {
-        path: path.into(),
-        source: io::Error::other(fault),
-    })
 }
 
 /// Each camera whose person stands before a background that was never seen, and the share of the place.

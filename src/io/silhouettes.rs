@@ -11,6 +11,7 @@ use super::out_folder::{OutError, OutFolder, write_atomically};
 use super::overlays::file_name;
 use super::png::{self, Effort};
 use super::segmented::QUALITY;
+use super::table;
 use crate::body::BodyModel;
 use crate::camera::Camera;
 use crate::image::{Mask, Picture};
@@ -120,14 +121,7 @@ impl SilhouetteFolder {
     /// # Errors
     /// [`OutError`].
     pub fn finish(self) -> Result<Vec<ContourRow>, OutError> {
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        let rows = self.rows.iter().try_for_each(|row| writer.serialize(row));
-        let bytes = rows.map_err(std::io::Error::other).and_then(|()| {
-            writer
-                .into_inner()
-                .map_err(|e| std::io::Error::other(e.to_string()))
-        });
-        write(&self.root.join(QUALITY), bytes)?;
+        table::write(&self.root.join(QUALITY), &self.rows)?;
         Ok(self.rows)
     }
 }

@@ -11,6 +11,7 @@ use super::cloud::write_ply;
 use super::out_folder::{OutError, OutFolder, write_atomically};
 use super::overlays::write_picture;
 use super::png::{self, Effort};
+use super::table;
 use crate::image::Plane;
 use crate::math::Rigid3;
 use crate::render::Canvas;
@@ -63,18 +64,7 @@ impl StereoFolder {
     /// # Errors
     /// [`OutError::Write`].
     pub fn table(&self, frames: &[MeasuredFrame]) -> Result<(), OutError> {
-        let path = self.path.join(TABLE);
-        let text = || -> Result<Vec<u8>, csv::Error> {
-            let mut writer = csv::Writer::from_writer(Vec::new());
-            for frame in frames {
-                writer.serialize(frame)?;
-            }
-            writer.into_inner().map_err(|e| e.into_error().into())
-        };
-        match text() {
-            Ok(text) => write_atomically(&path, &text),
-            Err(fault) => Err(OutError::write(&path, std::io::Error::other(fault))),
-        }
+        table::write(&self.path.join(TABLE), frames)
     }
 
     /// Writes `points/%06d.ply`: metres, in the world of the recording's files, each with its covariance.
