@@ -35,6 +35,26 @@ const JPEG_QUALITY: u8 = 85;
 /// The table of the masks; it is written last: where it stands the masks are complete.
 pub const QUALITY: &str = "quality.csv";
 
+/// Makes a folder for masks, without those of an older run and what stood beside them, whichever way it found them.
+///
+/// # Errors
+/// [`OutError::Write`].
+pub(super) fn open(root: &Path) -> Result<(), OutError> {
+    let folder = OutFolder::open(root)?;
+    let mut older = vec![
+        "masks",
+        "probability",
+        "mask-overlays",
+        "contours",
+        "stages",
+    ];
+    // those of a fit are replaced with its result
+    if !root.join("result.json").exists() {
+        older.push("overlays");
+    }
+    folder.clear(QUALITY, &older)
+}
+
 /// One line of `quality.csv`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct QualityRow {
@@ -138,7 +158,7 @@ impl Writer {
             ("probability", extras.probability),
             ("mask-overlays", extras.overlays),
         ];
-        OutFolder::open(root)?.clear(QUALITY, &kinds.map(|(kind, _)| kind))?;
+        open(root)?;
         for (kind, _) in kinds.iter().filter(|(_, is_wanted)| *is_wanted) {
             for folder in &folders {
                 let path = root.join(kind).join(folder);

@@ -10,7 +10,7 @@ use serde::Serialize;
 use super::out_folder::{OutError, OutFolder, write_atomically};
 use super::overlays::file_name;
 use super::png::{self, Effort};
-use super::segmented::QUALITY;
+use super::segmented::{self, QUALITY};
 use super::table;
 use crate::body::BodyModel;
 use crate::camera::Camera;
@@ -54,12 +54,12 @@ pub struct SilhouetteFolder {
 }
 
 impl SilhouetteFolder {
-    /// Makes the folder.
+    /// Makes the folder, without what an older run left there.
     ///
     /// # Errors
     /// [`OutError`].
     pub fn open(root: &Path, extras: SilhouetteExtras) -> Result<Self, OutError> {
-        OutFolder::open(root)?;
+        segmented::open(root)?;
         Ok(Self {
             root: root.into(),
             extras,
@@ -259,4 +259,42 @@ fn write(path: &Path, bytes: io::Result<Vec<u8>>) -> Result<(), OutError> {
         OutFolder::open(folder)?;
     }
     write_atomically(path, &bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+
+    /// A folder with these files, opened for a run; those that are left.
+    fn left(files: &[&str]) -> Vec<String> {
+        let folder = tempfile::tempdir().unwrap();
+        for name in files {
+            let path = folder.path().join(name);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(path, "older").unwrap();
+        }
+        SilhouetteFolder::open(folder.path(), SilhouetteExtras::default()).unwrap();
+        let is_left = |name: &&&str| folder.path().join(name).exists();
+        let left = files.iter().filter(is_left);
+        left.map(|name| (*name).to_owned()).collect()
+    }
+
+    #[test]
+    fn what_an_older_run_left_is_removed_and_what_is_not_its_own_stays() {
+        let made = [
+            "masks/left/000007.png",
+            "contours/left/000007.svg",
+            "overlays/left/000007.png",
+            "stages/left/000007_mask.png",
+            "quality.csv",
+        ];
+        assert_eq!(left(&[&made[..], &["notes.txt"]].concat()), ["notes.txt"]);
+        // without the table they may be the user's
+        assert_eq!(left(&made[..4]), made[..4]);
+        // a fit replaces its own overlays
+        let fitted = ["overlays/left/000007.png", "result.json"];
+        assert_eq!(left(&[&fitted[..], &["quality.csv"]].concat()), fitted);
+    }
 }
