@@ -117,13 +117,14 @@ impl Arm {
         run(&arguments)
     }
 
-    pub(crate) fn fit_with_body(&self, out: &str, body: &str) -> Ran {
+    pub(crate) fn fit_with_body(&self, out: &str, body: &str, more: &[&str]) -> Ran {
         let mut arguments = self.fit_arguments(out);
         let place = arguments
             .iter()
             .position(|a| a == "arm-2d")
             .expect("a body");
         arguments[place] = body.into();
+        arguments.extend(more.iter().map(ToString::to_string));
         run(&arguments)
     }
 

@@ -374,7 +374,7 @@ fn an_arm_is_fitted_to_points_alone() {
         std::fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
         std::fs::write(path, write_ply(&cloud)).expect("written");
     }
-    let said = arm.fit_with_body("out", "arm").succeeded().out;
+    let said = arm.fit_with_body("out", "arm", &[]).succeeded().out;
     assert!(!said.contains("no camera sees"), "{said}");
     for (frame, found) in joints(&arm, "out").frames.iter().enumerate() {
         let truth = Posed::new(&model, &shape, &fleshy_motion(&model, frame)).points();
@@ -386,6 +386,6 @@ fn an_arm_is_fitted_to_points_alone() {
             assert!(off < 0.01, "frame {frame}: {off} m");
         }
     }
-    arm.fit_with_body("none", "arm-2d")
+    arm.fit_with_body("none", "arm-2d", &[])
         .refused(&["the body arm-2d has no metaballs"]);
 }

@@ -283,11 +283,11 @@ fn bodies_that_cannot_be_used() {
         assert!(text.contains(from), "{from}");
         arm.write(name, &text.replacen(from, to, 1));
         let body = arm.recording().join(name).display().to_string();
-        arm.fit_with_body("out", &body).refused(&[name, part]);
+        arm.fit_with_body("out", &body, &[]).refused(&[name, part]);
         assert!(!arm.out("out").exists());
     }
     let arm = Arm::new();
-    arm.fit_with_body("out", "human")
+    arm.fit_with_body("out", "human", &[])
         .refused(&["no body model \"human\": shipped are human-ellipsoids"]);
 }
 

@@ -5,6 +5,8 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
+use maquette::io::model;
+
 use crate::arm::{Arm, program};
 
 fn journal_files(out: &Path) -> Vec<String> {
@@ -96,6 +98,22 @@ fn another_option_or_input_is_not_continued_and_nothing_is_lost() {
         journal_files(&arm.out("out")),
     );
     assert_eq!(before, after);
+}
+
+#[test]
+fn a_run_is_not_continued_with_another_base_of_its_body() {
+    let arm = Arm::new();
+    let path = |name: &str| arm.recording().join(name);
+    let shipped = model::SHIPPED.iter().find(|(name, _)| *name == "arm-2d");
+    let (_, base) = shipped.expect("shipped");
+    arm.write("base.toml", base);
+    arm.write("body.toml", "name = \"mine\"\nextends = \"base.toml\"\n");
+    let body = path("body.toml").display().to_string();
+    arm.fit_with_body("out", &body, &[]).succeeded();
+    arm.fit_with_body("out", &body, &["--resume"]).succeeded();
+    arm.write("base.toml", &base.replacen("sd = 1.0", "sd = 0.9", 1));
+    arm.fit_with_body("out", &body, &["--resume"])
+        .refused(&["another inputs", "body arm-2d"]);
 }
 
 #[test]

@@ -28,7 +28,7 @@ fn soft_arm(arm: &Arm) -> String {
 fn the_skin_of_each_fitted_frame_is_written_and_pictured() {
     let arm = Arm::new();
     let body = soft_arm(&arm);
-    arm.fit_with_body("out", &body).succeeded();
+    arm.fit_with_body("out", &body, &[]).succeeded();
     let out = arm.out("out").display().to_string();
     let said = run(&["skin", &out, "--body", &body, "--around", "24"]).succeeded();
     assert!(said.out.contains("6 skins of soft-arm"), "{}", said.out);
@@ -71,7 +71,7 @@ fn the_skin_of_each_fitted_frame_is_written_and_pictured() {
 fn a_skin_that_cannot_be_is_refused_and_a_new_fit_takes_the_old_ones_away() {
     let arm = Arm::new();
     let body = soft_arm(&arm);
-    arm.fit_with_body("out", &body).succeeded();
+    arm.fit_with_body("out", &body, &[]).succeeded();
     let out = arm.out("out").display().to_string();
     run(&["skin", &out, "--body", &body, "--rest", "--quiet"]).succeeded();
     let refused = |more: &[&str], parts: &[&str]| {

@@ -15,7 +15,7 @@ use crate::cli::progress::Progress;
 use crate::cli::stereo::{Method, Settings};
 use crate::cli::{self, complain, segment};
 use crate::io::frames::{Footage, FramesError};
-use crate::io::model;
+use crate::io::model::{self, ModelText};
 use crate::io::out_folder::{Existing, OutFolder, check_out};
 use crate::io::recording::{InputChecksum, Made, Recording, RecordingError};
 use crate::io::segmented::{Extras, QUALITY};
@@ -45,7 +45,7 @@ pub(super) fn read(arguments: &FitArguments) -> Result<Input, CliError> {
     let options = arguments.options()?;
     check_out(&arguments.out, arguments.existing())?;
     let (mut recording, contoured) = open(arguments)?;
-    let (model, body) = body(arguments.body.as_deref(), &recording)?;
+    let (model, bodies) = body(arguments.body.as_deref(), &recording)?;
     check_measure(&model, options.measure)?;
     let observations = match contoured {
         Some(observed) => observed.into_iter().map(|o| options.fit_to.of(o)).collect(),
@@ -58,7 +58,7 @@ pub(super) fn read(arguments: &FitArguments) -> Result<Input, CliError> {
     recording.notes.extend(notes);
     check_scene(&model, &recording.rig, &observations).map_err(FitError::from)?;
     let mut checksums = recording.checksums()?;
-    checksums.push(body);
+    checksums.extend(bodies);
     Ok(Input {
         options,
         recording,
@@ -159,21 +159,21 @@ pub(super) fn tell(notes: &[String], arguments: &FitArguments) {
     }
 }
 
-/// The body that was asked for, or that the recording names, and its fingerprint.
+/// The body that was asked for, or that the recording names, and the fingerprints of all that it was read from.
 fn body(
     asked: Option<&str>,
     recording: &Recording,
-) -> Result<(BodyModel, InputChecksum), CliError> {
+) -> Result<(BodyModel, Vec<InputChecksum>), CliError> {
     let (name, folder) = match (asked, recording.body.as_deref()) {
         (Some(name), _) => (name, Path::new("")),
         (None, Some(name)) => (name, recording.folder.as_path()),
         (None, None) if recording.has_points() => (DEFAULT_BODY_OF_POINTS, Path::new("")),
         (None, None) => (DEFAULT_BODY, Path::new("")),
     };
-    let (text, path) = model::text_of(name, folder)?;
-    let model = model::parse(&text, &path)?;
-    let checksum = InputChecksum::of_text(format!("body {}", model.name), &text);
-    Ok((model, checksum))
+    let (model, read) = model::load_with_texts(name, folder)?;
+    let checksum =
+        |file: &ModelText| InputChecksum::of_text(format!("body {}", file.name), &file.text);
+    Ok((model, read.iter().map(checksum).collect()))
 }
 
 /// The silhouettes of the frames; masks are dropped as soon as they are traced.

@@ -5,11 +5,12 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use super::spec::{CoefficientSpec, ModelSpec, PrimitiveSpec};
-use super::{ModelFileError, SHIPPED, build, text_of, toml_of};
+use super::{ModelFileError, ModelText, SHIPPED, build, text_of, toml_of};
 
-/// The one key that tells an extension from a model of its own.
+/// What every model has, and the one key that tells an extension from a model of its own.
 #[derive(Debug, Deserialize)]
 struct Head {
+    name: String,
     extends: Option<String>,
 }
 
@@ -37,18 +38,23 @@ struct FleshSpec {
 
 /// The whole model of a file: what it says itself, and before that what the files say that it extends.
 ///
-/// `extending` are the files on the way here, outermost first.
+/// `read` are the files on the way here, outermost first; this one is added.
 pub(super) fn whole(
     text: &str,
     path: &Path,
-    extending: &mut Vec<PathBuf>,
+    read: &mut Vec<ModelText>,
 ) -> Result<ModelSpec, ModelFileError> {
-    if toml_of::<Head>(text, path)?.extends.is_none() {
+    let head: Head = toml_of(text, path)?;
+    read.push(ModelText {
+        name: head.name,
+        path: one_name(path),
+        text: text.to_owned(),
+    });
+    if head.extends.is_none() {
         return toml_of(text, path);
     }
     let own: ExtensionSpec = toml_of(text, path)?;
-    extending.push(one_name(path));
-    let base = base(&own.extends, path, extending).map_err(|fault| match fault {
+    let base = base(&own.extends, path, read).map_err(|fault| match fault {
         ModelFileError::ExtendsItself { .. } => fault,
         fault => ModelFileError::Base {
             path: path.to_owned(),
@@ -59,18 +65,15 @@ pub(super) fn whole(
 }
 
 /// The model that is extended, checked on its own so that its faults are told with its own name.
-fn base(
-    name: &str,
-    path: &Path,
-    extending: &mut Vec<PathBuf>,
-) -> Result<ModelSpec, ModelFileError> {
+fn base(name: &str, path: &Path, read: &mut Vec<ModelText>) -> Result<ModelSpec, ModelFileError> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let (text, base_path) = text_of(name, folder)?;
     let is_shipped = SHIPPED.iter().any(|(shipped, _)| *shipped == name);
-    if !is_shipped && extending.contains(&one_name(&base_path)) {
+    let own_name = one_name(&base_path);
+    if !is_shipped && read.iter().any(|file| file.path == own_name) {
         return Err(ModelFileError::ExtendsItself { path: base_path });
     }
-    let base = whole(&text, &base_path, extending)?;
+    let base = whole(&text, &base_path, read)?;
     build::build(&base, &base_path)?;
     Ok(base)
 }

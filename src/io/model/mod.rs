@@ -140,20 +140,41 @@ pub enum ModelFileError {
     },
 }
 
+/// A file that a model is made of.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ModelText {
+    /// The model's name in it.
+    pub name: String,
+    /// Where it is; of a shipped model its name.
+    pub path: PathBuf,
+    /// All of it.
+    pub text: String,
+}
+
 /// Loads a shipped model by name, or a file by path (relative to `folder`).
 ///
 /// # Errors
 /// [`ModelFileError`] names the file, the place and what was expected.
 pub fn load(name: &str, folder: &Path) -> Result<BodyModel, ModelFileError> {
+    Ok(load_with_texts(name, folder)?.0)
+}
+
+/// As [`load`], and all that was read for it: the file, what it extends, what that extends.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_with_texts(
+    name: &str,
+    folder: &Path,
+) -> Result<(BodyModel, Vec<ModelText>), ModelFileError> {
     let (text, path) = text_of(name, folder)?;
-    parse(&text, &path)
+    let mut read = Vec::new();
+    let spec = extend::whole(&text, &path, &mut read)?;
+    Ok((build::build(&spec, &path)?, read))
 }
 
 /// The text of a shipped model by name, or of a file by path (relative to `folder`), and what errors call it.
-///
-/// # Errors
-/// [`ModelFileError::Unknown`] and [`ModelFileError::Read`].
-pub fn text_of(name: &str, folder: &Path) -> Result<(String, PathBuf), ModelFileError> {
+fn text_of(name: &str, folder: &Path) -> Result<(String, PathBuf), ModelFileError> {
     if let Some((_, text)) = SHIPPED.iter().find(|(shipped, _)| *shipped == name) {
         return Ok(((*text).to_owned(), PathBuf::from(format!("{name}.toml"))));
     }
