@@ -282,6 +282,21 @@ part = \"lower\"
             "spread_deg = nan",
             "arm.toml: spread or speed of joint elbow_r",
         ),
+        (
+            "name = \"upper\"",
+            "name = \"upper\"\nat = [0.0, 0.0, 0.1]",
+            "arm.toml: part upper: `at` says where its first joint is, and it has none",
+        ),
+        (
+            "name = \"upper\"",
+            "name = \"upper\"\nat_scale = [\"\", \"\", \"length\"]",
+            "arm.toml: part upper: `at_scale`",
+        ),
+        (
+            "name = \"upper\"",
+            "name = \"upper\"\nturn_deg = [0.0, 20.0, 0.0]",
+            "arm.toml: part upper: `turn_deg`",
+        ),
         ("name = \"test-arm\"", "name = ", "arm.toml:2:"),
     ] {
         let message = complaint(from, to);

@@ -192,6 +192,7 @@ impl Builder<'_> {
     }
 
     fn part(&mut self, spec: &PartSpec, side: Side) -> Result<(), ModelFileError> {
+        self.has_effect(spec)?;
         let name = side.suffix(&spec.name);
         let place = format!("part {name}");
         let parent = match &spec.parent {
@@ -215,6 +216,24 @@ impl Builder<'_> {
         self.model.parts.push(Part { name, joint });
         self.scales.push(spec.scale.clone());
         Ok(())
+    }
+
+    /// What places a part needs a joint to act through.
+    fn has_effect(&self, spec: &PartSpec) -> Result<(), ModelFileError> {
+        let is_any = |numbers: [f64; 3]| numbers.iter().any(|v| *v != 0.0);
+        let given = [
+            ("at", is_any(spec.at)),
+            ("at_scale", spec.at_scale.is_some()),
+            ("turn_deg", is_any(spec.turn_deg)),
+        ];
+        match given.into_iter().find(|(_, is_given)| *is_given) {
+            Some((key, _)) if spec.joints.is_empty() => Err(ModelFileError::NoJoint {
+                path: self.path.to_owned(),
+                part: spec.name.clone(),
+                key,
+            }),
+            _ => Ok(()),
+        }
     }
 
     /// A part by its name in the file, on this side or in the middle.

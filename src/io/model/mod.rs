@@ -108,6 +108,18 @@ pub enum ModelFileError {
         /// What stands there.
         found: String,
     },
+    /// A part without joints that is to lie elsewhere than in its parent's frame.
+    #[error(
+        "{path}: part {part}: `{key}` says where its first joint is, and it has none: give it a joint or leave `{key}` out"
+    )]
+    NoJoint {
+        /// File.
+        path: PathBuf,
+        /// Part.
+        part: String,
+        /// The key that has no effect.
+        key: &'static str,
+    },
     /// No part without a parent, or more than one.
     #[error("{path}: expected one part without a parent, found {found}")]
     Roots {
