@@ -23,3 +23,4 @@ pub mod synthetic;
 mod table;
 pub mod trc;
 pub mod unknown_key;
+mod y_up;

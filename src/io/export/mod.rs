@@ -8,7 +8,7 @@
 //! | `glb.rs` | glTF 2.0, binary: the skin on its bones, moving                    |
 //! | `table.rs` | CSV and Parquet: points, angles and their SD, frame by frame     |
 //!
-//! Every file's world is Y up: (X, Y, Z) of our Z-up world stands there as (Y, Z, X), as in a TRC.
+//! Every file's world is Y up, as in a TRC (see `io/y_up.rs`).
 
 mod bvh;
 mod c3d;
@@ -16,20 +16,9 @@ mod glb;
 mod mot;
 mod table;
 
-use nalgebra::{Matrix3, Vector3};
-
+use super::y_up::{file_from_world, in_file};
 pub use bvh::{BvhError, bvh};
 pub use c3d::{C3dError, C3dInput, c3d};
 pub use glb::{GlbError, glb};
 pub use mot::{MotionTable, TableKind, coordinates, motion_text};
 pub use table::{FrameTable, frame_table};
-
-/// The file's world from ours.
-fn file_from_world() -> Matrix3<f64> {
-    Matrix3::new(0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0)
-}
-
-/// A place of our world in the file's.
-fn in_file(place: &Vector3<f64>) -> Vector3<f64> {
-    Vector3::new(place.y, place.z, place.x)
-}

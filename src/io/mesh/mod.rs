@@ -3,6 +3,9 @@
 mod obj;
 mod ply;
 
+use nalgebra::Vector3;
+
+use super::y_up::in_file;
 use crate::skin::Mesh;
 
 /// Which axis of a file points up.
@@ -17,11 +20,12 @@ pub enum Up {
 
 impl Up {
     /// Three numbers of the world as the file has them.
-    fn turned(self, v: &nalgebra::Vector3<f64>) -> [f64; 3] {
+    fn turned(self, v: &Vector3<f64>) -> [f64; 3] {
         match self {
-            Self::Z => [v.x, v.y, v.z],
-            Self::Y => [v.y, v.z, v.x],
+            Self::Z => *v,
+            Self::Y => in_file(v),
         }
+        .into()
     }
 
     fn comment(self) -> &'static str {
@@ -81,8 +85,6 @@ fn rows(mesh: &Mesh, up: Up) -> impl Iterator<Item = [f32; 6]> + '_ {
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::Vector3;
-
     use super::*;
 
     /// A tetrahedron whose corners no two axes share.

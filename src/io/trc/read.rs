@@ -2,9 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 
 use super::Trajectories;
+use crate::io::y_up::in_world;
 
 /// Why a TRC file could not be used.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -200,8 +201,8 @@ fn frame_of(
                 found: cell.to_owned(),
             }),
         };
-        let (y, z, x) = (coordinate()?, coordinate()?, coordinate()?);
-        let point_world = Point3::new(x, y, z) * metres;
+        let place = Vector3::new(coordinate()?, coordinate()?, coordinate()?);
+        let point_world = Point3::from(in_world(&place) * metres);
         let is_there = point_world.iter().all(|v| v.is_finite());
         Ok(is_there.then_some(point_world))
     };

@@ -5,6 +5,7 @@ use std::fmt::Write;
 use nalgebra::Point3;
 
 use super::Trajectories;
+use crate::io::y_up::in_file;
 
 /// The text of a TRC file in Pose2Sim's layout: metres, Y up; frame 0 stands there as 1, at 0 s.
 ///
@@ -52,7 +53,8 @@ pub fn write_trc(trajectories: &Trajectories, file_name: &str) -> String {
 fn push_point(text: &mut String, point_world: Option<&Point3<f64>>) {
     match point_world {
         Some(p) if p.iter().all(|v| v.is_finite()) => {
-            push(text, format_args!("\t{:.6}\t{:.6}\t{:.6}", p.y, p.z, p.x));
+            let p = in_file(&p.coords);
+            push(text, format_args!("\t{:.6}\t{:.6}\t{:.6}", p.x, p.y, p.z));
         }
         _ => text.push_str("\t\t\t"),
     }
