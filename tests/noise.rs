@@ -135,6 +135,30 @@ fn the_length_along_the_border_is_found() {
     }
 }
 
+/// Rows twice and five times as far apart as those of every other test, so that whole bins of distances hold no pair.
+#[test]
+fn the_length_is_found_however_far_apart_the_rows_are() {
+    for every in [2, 5] {
+        let (frames, seconds) = simulate(
+            Truth {
+                length: 2.0,
+                ..INDEPENDENT
+            },
+            3,
+        );
+        let thinned = |rows: &Vec<PlacedResidual>| -> Vec<PlacedResidual> {
+            let wider = |row: &PlacedResidual| PlacedResidual {
+                weight: every as f64 * WEIGHT,
+                ..*row
+            };
+            rows.iter().step_by(every).map(wider).collect()
+        };
+        let thinned: Vec<_> = frames.iter().map(thinned).collect();
+        let found = Noise::of(&thinned, &seconds).along_border;
+        approx::assert_relative_eq!(found, 4.0 * 0.95, max_relative = 0.15);
+    }
+}
+
 /// Of V = P + I of a place's mean residual, P is `repeated` of the whole: both go together alike along the border.
 #[test]
 fn what_returns_in_every_frame_is_found() {

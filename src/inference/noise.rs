@@ -4,8 +4,10 @@
 //!
 //! 1. *scale*: the residuals may be larger or smaller than stated. With ψ = ρ′·r/σ, what the robust loss lets through
 //!    of a residual, κ² = Σwψ²/Σwρ′: the covariance of a robust estimate is κ²H⁻¹ (Huber's, H with the weights wρ′).
-//! 2. *along the border* neighbouring rows err together. With the autocorrelation ρ(u) over the distance u in
-//!    units of what was stated to go together, λ = ∫ρ(u)du of them are one observation. ρ is that of ψ.
+//! 2. *along the border* neighbouring rows err together. Their score Σwψ varies by Σᵢⱼwᵢwⱼψᵢψⱼ where Σwψ² was stated:
+//!    λ, the ratio, of the stated observations are one. With the autocorrelation ρ(u) of ψ over the distance u along the border,
+//!    in units of what was stated to go together, it is ∫ρ(u)du where rows are close. The points of a cloud are taken in
+//!    their order, for want of a border.
 //! 3. *over time* the flesh's mismatch with the model returns in every frame and camera that shows the same place
 //!    of the body. Let y be the mean ψ of one place in one view: Var y = V = P + I, P what returns (the
 //!    mean product of two y of one place far apart in time), I what does not. N of them are worth
@@ -92,40 +94,45 @@ fn scale_of(frames: &[Vec<PlacedResidual>]) -> f64 {
     (squares / weights).sqrt().max(1e-6)
 }
 
-/// λ = 2∫₀^∞ρ du, up to where ρ falls below 0.05.
+/// λ; the pairs that count are those nearer than where ρ first falls below 0.05.
 fn along_border(frames: &[Vec<PlacedResidual>]) -> f64 {
     const BIN: f64 = 0.2;
     const BINS: usize = 100;
-    let (mut products, mut counts) = ([0.0; BINS], [0.0; BINS]);
-    for frame in frames {
-        for border in frame.chunk_by(|a, b| a.source == b.source) {
-            let mut at = 0.0;
-            let placed: Vec<(f64, f64)> = border
-                .iter()
-                .map(|r| {
-                    at += r.weight;
-                    (at - 0.5 * r.weight, influence(r))
-                })
-                .collect();
-            for (i, (u, r)) in placed.iter().enumerate() {
-                for (v, other) in &placed[i..] {
-                    let bin = ((v - u) / BIN).round() as usize;
-                    if bin >= BINS {
-                        break;
-                    }
-                    products[bin] += r * other;
-                    counts[bin] += 1.0;
+    let (mut own, mut stated, mut weights) = (0.0, 0.0, 0.0);
+    // Σwᵢwⱼψᵢψⱼ and Σwᵢwⱼ of the pairs so many bins apart
+    let mut pairs = [(0.0, 0.0); BINS];
+    let rows = frames.iter();
+    let borders = rows.flat_map(|rows| rows.chunk_by(|a, b| a.source == b.source));
+    for border in borders {
+        let mut at = 0.0;
+        let mut place = |r: &PlacedResidual| {
+            at += r.weight;
+            (at - 0.5 * r.weight, r.weight, r.weight * influence(r))
+        };
+        let rows: Vec<_> = border.iter().map(&mut place).collect();
+        for (i, (u, w, score)) in rows.iter().enumerate() {
+            own += score * score;
+            stated += score * score / w.max(1e-12);
+            weights += w;
+            for (v, other_w, other) in &rows[i + 1..] {
+                let bin = ((v - u) / BIN).round() as usize;
+                if bin >= BINS {
+                    break;
                 }
+                pairs[bin].0 += score * other;
+                pairs[bin].1 += w * other_w;
             }
         }
     }
-    let mean = |k: usize| products[k] / f64::max(counts[k], 1.0);
-    let rho = |k: usize| mean(k) / mean(0).max(1e-12);
-    let together = (1..BINS)
-        .map(rho)
-        .take_while(|rho| *rho > 0.05)
-        .sum::<f64>();
-    BIN * (1.0 + 2.0 * together)
+    if stated <= 0.0 {
+        return 1.0;
+    }
+    let variance = stated / weights;
+    // rows may lie farther apart than a bin is wide: some bins have no pair
+    let filled = pairs.iter().filter(|(_, weight)| *weight > 0.0);
+    let together = filled.take_while(|(product, weight)| product / weight > 0.05 * variance);
+    let together: f64 = together.map(|(product, _)| product).sum();
+    (own + 2.0 * together) / stated
 }
 
 /// The mean residuals of one place, in the order of time.
