@@ -1,12 +1,13 @@
-//! From the file to the model: sides doubled, parents first, names resolved.
+//! From the file to the model: sides doubled, names resolved.
 
 use std::path::Path;
 
 use nalgebra::{DMatrix, DVector, Rotation3, UnitVector3, Vector3};
 
 use super::ModelFileError;
+use super::order::parents_first;
 use super::side::{Side, Sides};
-use super::spec::{AxisSpec, JointSpec, ModelSpec, PartSpec, PointSpec};
+use super::spec::{AxisSpec, JointSpec, LengthSpec, ModelSpec, PartSpec, PointSpec, PoseSpec};
 use crate::body::{
     BodyModel, CoefficientId, Joint, JointId, ModelError, NamedPoint, Part, PartId, Pose, Root,
     Scale, ScaledVector, ShapeStatistics,
@@ -19,7 +20,7 @@ pub(super) fn build(spec: &ModelSpec, path: &Path) -> Result<BodyModel, ModelFil
         model: empty(spec),
     };
     builder.model.statistics = builder.coefficients(spec)?;
-    let parts = builder.parents_first(spec)?;
+    let parts = parents_first(spec, path)?;
     for (part, side) in &parts {
         builder.part(part, *side)?;
     }
@@ -31,34 +32,12 @@ pub(super) fn build(spec: &ModelSpec, path: &Path) -> Result<BodyModel, ModelFil
         builder.point(point)?;
     }
     for pose in &spec.poses {
-        let angle = |(name, degrees): (&String, &f64)| match builder.model.joint(name) {
-            Some(joint) => Ok((joint, degrees.to_radians())),
-            None => Err(builder.missing(&format!("pose {}", pose.name), "joint", name)),
-        };
-        let angles = pose
-            .angles_deg
-            .iter()
-            .map(angle)
-            .collect::<Result<_, _>>()?;
-        builder.model.poses.push(Pose {
-            name: pose.name.clone(),
-            limbs: pose.limbs,
-            angles,
-        });
+        let pose = builder.pose(pose)?;
+        builder.model.poses.push(pose);
     }
     for length in &spec.lengths {
-        let place = format!("length {}", length.name);
-        let find = |name: &str| {
-            builder
-                .model
-                .point(name)
-                .ok_or_else(|| builder.missing(&place, "point", name))
-        };
-        let ends = (find(&length.from)?, find(&length.to)?);
-        builder
-            .model
-            .lengths
-            .push((length.name.clone(), ends.0, ends.1));
+        let length = builder.length(length)?;
+        builder.model.lengths.push(length);
     }
     builder.unique()?;
     let checked = builder.model.validate();
@@ -139,56 +118,6 @@ impl Builder<'_> {
             shared + if i == j { rows[i].0.sd.powi(2) } else { 0.0 }
         });
         Ok(ShapeStatistics { mean, covariance })
-    }
-
-    fn parents_first<'s>(
-        &self,
-        spec: &'s ModelSpec,
-    ) -> Result<Vec<(&'s PartSpec, Side)>, ModelFileError> {
-        let roots = spec.parts.iter().filter(|p| p.parent.is_none()).count();
-        if roots != 1 {
-            return Err(ModelFileError::Roots {
-                path: self.path.to_owned(),
-                found: roots,
-            });
-        }
-        let mut placed: Vec<&str> = Vec::new();
-        let mut waiting: Vec<&PartSpec> = spec.parts.iter().collect();
-        let mut order = Vec::new();
-        while !waiting.is_empty() {
-            let (ready, rest): (Vec<&PartSpec>, Vec<&PartSpec>) = waiting.iter().partition(|p| {
-                p.parent
-                    .as_deref()
-                    .is_none_or(|name| placed.contains(&name))
-            });
-            let Some(_) = ready.first() else {
-                let lost = rest.iter().find(|p| {
-                    !spec
-                        .parts
-                        .iter()
-                        .any(|q| Some(&q.name) == p.parent.as_ref())
-                });
-                return Err(match lost {
-                    Some(p) => self.missing(
-                        &format!("part {}", p.name),
-                        "part",
-                        p.parent.as_deref().unwrap_or_default(),
-                    ),
-                    None => ModelFileError::Cycle {
-                        path: self.path.to_owned(),
-                        part: rest[0].name.clone(),
-                    },
-                });
-            };
-            placed.extend(ready.iter().map(|p| p.name.as_str()));
-            order.extend(
-                ready
-                    .into_iter()
-                    .flat_map(|p| p.sides.each().iter().map(move |s| (p, *s))),
-            );
-            waiting = rest;
-        }
-        Ok(order)
     }
 
     fn part(&mut self, spec: &PartSpec, side: Side) -> Result<(), ModelFileError> {
@@ -383,6 +312,32 @@ impl Builder<'_> {
             sd_m: spec.sd.into(),
         });
         Ok(())
+    }
+
+    fn pose(&self, spec: &PoseSpec) -> Result<Pose, ModelFileError> {
+        let angle = |(name, degrees): (&String, &f64)| match self.model.joint(name) {
+            Some(joint) => Ok((joint, degrees.to_radians())),
+            None => Err(self.missing(&format!("pose {}", spec.name), "joint", name)),
+        };
+        Ok(Pose {
+            name: spec.name.clone(),
+            limbs: spec.limbs,
+            angles: spec
+                .angles_deg
+                .iter()
+                .map(angle)
+                .collect::<Result<_, _>>()?,
+        })
+    }
+
+    /// Its name, and the points at its ends.
+    fn length(&self, spec: &LengthSpec) -> Result<(String, usize, usize), ModelFileError> {
+        let place = format!("length {}", spec.name);
+        let find = |name: &str| {
+            let index = self.model.point(name);
+            index.ok_or_else(|| self.missing(&place, "point", name))
+        };
+        Ok((spec.name.clone(), find(&spec.from)?, find(&spec.to)?))
     }
 
     fn unique(&self) -> Result<(), ModelFileError> {

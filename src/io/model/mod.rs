@@ -1,12 +1,13 @@
 //! Body model files (`data/models/*.toml`): TOML to [`BodyModel`].
 //!
 //! `spec` is the file as it is written, `extend` adds what the file that it extends says, `build` makes the
-//! model of it: sides are doubled, parents sorted first, names resolved, degrees turned to radians. Field by
+//! model of it: sides are doubled, parents sorted first (`order`), names resolved, degrees turned to radians. Field by
 //! field: docs/formats.md.
 
 mod build;
 mod extend;
 mod flesh;
+mod order;
 mod side;
 mod spec;
 
