@@ -6,7 +6,7 @@ use super::cut::{KeyMasks, Segmenter};
 use super::subject;
 use super::train::Training;
 use super::view::{Key, View};
-use crate::image::Mixture;
+use crate::image::{Mixture, Picture};
 use crate::silhouette::{Shrunk, Support};
 
 impl Training {
@@ -45,23 +45,23 @@ impl Training {
                 .par_iter_mut()
                 .enumerate()
                 .for_each(|(c, view)| {
-                    let keys: Vec<Key<'_>> = self
-                        .keys
-                        .iter()
-                        .zip(&found)
-                        .filter_map(|(pictures, found)| {
-                            Some(Key {
-                                picture: pictures.get(c)?.as_ref()?,
-                                mask: found.masks.get(c)?.as_ref()?,
-                                support: found.support.get(c).and_then(Option::as_ref),
-                            })
-                        })
-                        .collect();
                     // pictures of the empty scene are believed
                     let choice = Some(&mixtures[c]).filter(|_| !self.cameras[c].is_given());
-                    view.learn(choice, &keys, &options);
+                    view.learn(choice, &self.keys_of(c, &found), &options);
                 });
         }
         segmenter
+    }
+
+    /// The key frames of a camera: pictures, masks, and what the other cameras say.
+    fn keys_of<'a>(&'a self, camera: usize, found: &'a [KeyMasks]) -> Vec<Key<'a>> {
+        let key = |(pictures, found): (&'a Vec<Option<Picture>>, &'a KeyMasks)| {
+            Some(Key {
+                picture: pictures.get(camera)?.as_ref()?,
+                mask: found.masks.get(camera)?.as_ref()?,
+                support: found.support.get(camera).and_then(Option::as_ref),
+            })
+        };
+        self.keys.iter().zip(found).filter_map(key).collect()
     }
 }

@@ -43,12 +43,8 @@ pub(super) struct View {
 impl View {
     /// The mode of largest ω/σ in each pixel, trusted.
     pub(super) fn new(mixture: &Mixture, size: (usize, usize), hue_noise: f32) -> Self {
-        let score = |mixture: &Mixture, k: usize, x: usize, y: usize| {
-            let mode = mixture.mode(k, x, y);
-            mode.weight / mode.variance.sqrt()
-        };
         Self {
-            background: choose(mixture, size, hue_noise, score),
+            background: choose(mixture, size, hue_noise, |mode, _, _| most_there(mode)),
             hue_noise,
             person: None,
             around: None,
@@ -159,61 +155,59 @@ impl View {
         (person, around): (&Colours, &Colours),
         odds: f32,
     ) {
-        let near = box_mean(ever, 2 + (ever.width() + ever.height()) / 750);
+        let size = (ever.width(), ever.height());
+        let near = box_mean(ever, 2 + (size.0 + size.1) / 750);
+        let is_near = |x: usize, y: usize| near.row(y)[x] > 0.0;
         let unlike = |mean: &[f32; 3]| {
             let colour = byte_colour(mean);
             around.log_density(colour) - person.log_density(colour)
         };
-        let score = |mixture: &Mixture, k: usize, x: usize, y: usize| {
-            let mode = mixture.mode(k, x, y);
-            match mode.weight < RARE || near.row(y)[x] <= 0.0 {
-                true => f32::NEG_INFINITY,
-                false => mode.weight.ln() + unlike(&mode.mean) - others(keys, &mode, x, y),
+        self.background = choose(mixture, size, self.hue_noise, |mode, x, y| {
+            if !is_near(x, y) {
+                most_there(mode)
+            } else if mode.weight < RARE {
+                f32::NEG_INFINITY
+            } else {
+                mode.weight.ln() + unlike(&mode.mean) - others(keys, mode, x, y)
             }
-        };
-        let size = (ever.width(), ever.height());
-        let chosen = choose(mixture, size, self.hue_noise, score);
-        let plain = choose(mixture, size, self.hue_noise, |m, k, x, y| {
-            let mode = m.mode(k, x, y);
-            mode.weight / mode.variance.sqrt()
         });
+        // the odds that what was chosen is the empty scene
         let mut sure = Plane::filled(size.0, size.1, 0.0_f32);
         for y in 0..size.1 {
-            for x in 0..size.0 {
-                let is_near = near.row(y)[x] > 0.0;
-                let empty = if is_near {
-                    chosen.row(y)[x]
-                } else {
-                    plain.row(y)[x]
-                };
-                self.background.row_mut(y)[x] = empty;
-                // `choose` leaves the weight of the mode in `trust`
-                let mode = Mode {
-                    weight: empty.trust,
-                    variance: (empty.along * empty.along + 2.0 * empty.across * empty.across) / 3.0,
-                    mean: empty.mean,
-                };
-                let against = if is_near {
-                    others(keys, &mode, x, y)
-                } else {
-                    0.0
-                };
-                sure.row_mut(y)[x] =
-                    odds + mode.weight.max(1e-6).ln() + unlike(&mode.mean) - against;
+            let pixels = sure.row_mut(y).iter_mut().zip(self.background.row(y));
+            for (x, (sure, empty)) in pixels.enumerate() {
+                let mode = mode_of(empty);
+                *sure = odds + mode.weight.max(1e-6).ln() + unlike(&mode.mean);
+                if is_near(x, y) {
+                    *sure -= others(keys, &mode, x, y);
+                }
             }
         }
         let sure = box_mean(&sure, 1);
         for y in 0..size.1 {
             for (x, empty) in self.background.row_mut(y).iter_mut().enumerate() {
                 let trust = 1.0 / (1.0 + (-TRUST_SLOPE * sure.row(y)[x]).exp());
-                let is_near = near.row(y)[x] > 0.0;
-                empty.trust = if is_near {
+                empty.trust = if is_near(x, y) {
                     trust.clamp(LEAST_DOUBT, 1.0 - LEAST_DOUBT)
                 } else {
                     1.0
                 };
             }
         }
+    }
+}
+
+/// ω/σ.
+fn most_there(mode: &Mode) -> f32 {
+    mode.weight / mode.variance.sqrt()
+}
+
+/// The mode that [`choose`] made this of.
+fn mode_of(empty: &Empty) -> Mode {
+    Mode {
+        weight: empty.trust,
+        variance: (empty.along * empty.along + 2.0 * empty.across * empty.across) / 3.0,
+        mean: empty.mean,
     }
 }
 
@@ -242,7 +236,7 @@ fn choose(
     mixture: &Mixture,
     (width, height): (usize, usize),
     hue_noise: f32,
-    score: impl Fn(&Mixture, usize, usize, usize) -> f32,
+    score: impl Fn(&Mode, usize, usize) -> f32,
 ) -> Background {
     let nothing = Empty {
         mean: [0.0; 3],
@@ -253,11 +247,10 @@ fn choose(
     let mut background = Plane::filled(width, height, nothing);
     for y in 0..height {
         for (x, empty) in background.row_mut(y).iter_mut().enumerate() {
-            let scores = (0..mixture.modes()).map(|k| (k, score(mixture, k, x, y)));
-            let best = scores.fold((0, f32::NEG_INFINITY), |best, next| {
-                if next.1 > best.1 { next } else { best }
-            });
-            let mode = mixture.mode(best.0, x, y);
+            let modes = (0..mixture.modes()).map(|k| mixture.mode(k, x, y));
+            let scored = modes.map(|mode| (score(&mode, x, y), mode));
+            let best = scored.reduce(|best, next| if next.0 > best.0 { next } else { best });
+            let Some((_, mode)) = best else { continue };
             // σ² of the mode is the mean of three directions
             let along = (3.0 * mode.variance / (1.0 + 2.0 * hue_noise * hue_noise)).sqrt();
             *empty = Empty {
