@@ -294,59 +294,32 @@ impl BodyModel {
     /// # Errors
     /// The first fault found.
     pub fn validate(&self) -> Result<(), ModelError> {
-        if self.ellipsoids.is_empty() && self.metaballs.is_empty() {
+        let mut primitives = self.ellipsoids.iter().chain(&self.metaballs);
+        if primitives.clone().next().is_none() {
             return Err(ModelError::Empty);
         }
-        for primitive in self.ellipsoids.iter().chain(&self.metaballs) {
-            let part = || self.parts[primitive.part.0].name.clone();
-            if let Some(&radius_m) = primitive
-                .radii
-                .value
-                .iter()
-                .find(|r| r.is_nan() || **r <= 0.0)
-            {
-                return Err(ModelError::Radius {
-                    part: part(),
-                    radius_m,
-                });
-            }
-            if let Some(&value) = primitive.centre.value.iter().find(|v| !v.is_finite()) {
-                return Err(ModelError::Number {
-                    place: format!("centre of part {}", part()),
-                    value,
-                });
-            }
-        }
-        for joint in &self.joints {
-            let (low, high) = joint.limits;
-            if low.is_nan() || high.is_nan() || low >= high {
-                return Err(ModelError::Limits {
-                    joint: joint.name.clone(),
-                    low,
-                    high,
-                });
-            }
-            if let Some(value) = [joint.spread, joint.speed]
-                .into_iter()
-                .find(|v| v.is_nan() || *v <= 0.0)
-            {
-                return Err(ModelError::Number {
-                    place: format!("spread or speed of joint {}", joint.name),
-                    value,
-                });
-            }
-        }
+        primitives.try_for_each(|primitive| self.check_primitive(primitive))?;
+        self.joints.iter().try_for_each(check_joint)?;
         for point in &self.points {
-            if let Some(&value) = point.sd_m.iter().find(|sd| !(0.0..=1.0).contains(*sd)) {
-                let place = format!("sd of point {}", point.name);
-                return Err(ModelError::Number { place, value });
-            }
+            let place = || format!("sd of point {}", point.name);
+            check(&point.sd_m, |sd| (0.0..=1.0).contains(&sd), place)?;
         }
         let n = self.coefficients.len();
         if n > 0 && self.statistics.covariance.clone().cholesky().is_none() {
             return Err(ModelError::Covariance);
         }
         Ok(())
+    }
+
+    fn check_primitive(&self, primitive: &Primitive) -> Result<(), ModelError> {
+        let part = || self.parts[primitive.part.0].name.clone();
+        let mut radii = primitive.radii.value.iter();
+        if let Some(&radius_m) = radii.find(|r| r.is_nan() || **r <= 0.0) {
+            let part = part();
+            return Err(ModelError::Radius { part, radius_m });
+        }
+        let place = || format!("centre of part {}", part());
+        check(&primitive.centre.value, f64::is_finite, place)
     }
 
     /// The joints from the root to a joint, that joint last.
@@ -388,5 +361,30 @@ impl BodyModel {
     /// Index of a joint angle.
     pub fn joint(&self, name: &str) -> Option<JointId> {
         self.joints.iter().position(|j| j.name == name).map(JointId)
+    }
+}
+
+fn check_joint(joint: &Joint) -> Result<(), ModelError> {
+    let (low, high) = joint.limits;
+    if low.is_nan() || high.is_nan() || low >= high {
+        let joint = joint.name.clone();
+        return Err(ModelError::Limits { joint, low, high });
+    }
+    let place = || format!("spread or speed of joint {}", joint.name);
+    check([joint.spread, joint.speed].iter(), |v| v > 0.0, place)
+}
+
+/// The first number that is not right is a fault.
+fn check<'a>(
+    numbers: impl IntoIterator<Item = &'a f64>,
+    is_right: impl Fn(f64) -> bool,
+    place: impl Fn() -> String,
+) -> Result<(), ModelError> {
+    match numbers.into_iter().find(|value| !is_right(**value)) {
+        Some(&value) => Err(ModelError::Number {
+            place: place(),
+            value,
+        }),
+        None => Ok(()),
     }
 }
