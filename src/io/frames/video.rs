@@ -6,8 +6,8 @@
 
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
-use std::process::{Child, ChildStdout, Command, Stdio};
-use std::sync::mpsc::{Receiver, channel};
+use std::process::{Child, ChildStderr, ChildStdout, Command, Stdio};
+use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::JoinHandle;
 
 use super::FramesError;
@@ -29,31 +29,8 @@ pub(super) struct Decoder {
 
 impl Decoder {
     pub(super) fn start(path: &Path) -> Result<Self, FramesError> {
-        let mut child = Command::new("ffmpeg")
-            .args([
-                "-nostdin",
-                "-hide_banner",
-                "-nostats",
-                "-loglevel",
-                "level+info",
-                "-copyts",
-                "-i",
-            ])
-            .arg(path)
-            .args([
-                "-map",
-                "0:V:0",
-                "-vf",
-                "showinfo=checksum=0",
-                "-fps_mode",
-                "passthrough",
-            ])
-            .args(["-pix_fmt", "rgb24", "-c:v", "ppm", "-f", "image2pipe", "-"])
-            .stdin(Stdio::null())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .map_err(|source| cannot_run(path, source))?;
+        let failed = |source| cannot_run(path, source);
+        let mut child = decoding(path).spawn().map_err(failed)?;
         let (Some(pipe), Some(words)) = (child.stdout.take(), child.stderr.take()) else {
             let source = io::Error::other("its output is not there");
             return Err(FramesError::Ffmpeg {
@@ -62,24 +39,11 @@ impl Decoder {
             });
         };
         let (sender, times_s) = channel();
-        let complaints = std::thread::spawn(move || {
-            let mut complaints = Vec::new();
-            for line in BufReader::new(words).split(b'\n').map_while(Result::ok) {
-                let line = String::from_utf8_lossy(&line);
-                if let Some(time) = time_of(&line) {
-                    // whoever reads pictures may have stopped
-                    let _ = sender.send(time);
-                } else if let Some(complaint) = complaint(&line) {
-                    complaints.push(complaint);
-                }
-            }
-            complaints
-        });
         Ok(Self {
             child,
             pipe: BufReader::with_capacity(1 << 20, pipe),
             times_s,
-            complaints: Some(complaints),
+            complaints: Some(std::thread::spawn(move || listen(words, &sender))),
         })
     }
 
@@ -104,6 +68,37 @@ impl Drop for Decoder {
     fn drop(&mut self) {
         self.finish();
     }
+}
+
+/// Every picture of a video as PPM, one after another, and words on each.
+fn decoding(path: &Path) -> Command {
+    let mut ffmpeg = Command::new("ffmpeg");
+    ffmpeg
+        .args(["-nostdin", "-hide_banner", "-nostats"])
+        .args(["-loglevel", "level+info", "-copyts", "-i"])
+        .arg(path)
+        .args(["-map", "0:V:0", "-vf", "showinfo=checksum=0"])
+        .args(["-fps_mode", "passthrough", "-pix_fmt", "rgb24"])
+        .args(["-c:v", "ppm", "-f", "image2pipe", "-"])
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped());
+    ffmpeg
+}
+
+/// Sends on the time of each picture; what else was said and is a complaint.
+fn listen(words: ChildStderr, times_s: &Sender<f64>) -> Vec<String> {
+    let mut complaints = Vec::new();
+    for line in BufReader::new(words).split(b'\n').map_while(Result::ok) {
+        let line = String::from_utf8_lossy(&line);
+        if let Some(time) = time_of(&line) {
+            // whoever reads pictures may have stopped
+            let _ = times_s.send(time);
+        } else if let Some(complaint) = complaint(&line) {
+            complaints.push(complaint);
+        }
+    }
+    complaints
 }
 
 /// The time that `showinfo` states.
