@@ -80,18 +80,17 @@ pub fn levenberg_marquardt<P: Problem>(
     let mut cost = problem.linearize(&state, &mut model);
     let mut costs = vec![cost];
     let (mut lambda, mut growth) = (options.damping, 2.0);
-    let mut termination = Termination::OutOfIterations;
     let mut iterations = 0;
-    while iterations < options.max_iterations {
-        let Some(delta) = model
-            .minimizer(lambda)
-            .filter(|d| d.iter().all(|v| v.is_finite()))
-        else {
+    let termination = loop {
+        if lambda > MAX_DAMPING {
+            break Termination::Stalled;
+        }
+        if iterations >= options.max_iterations {
+            break Termination::OutOfIterations;
+        }
+        let step = model.minimizer(lambda);
+        let Some(delta) = step.filter(|d| d.iter().all(|v| v.is_finite())) else {
             lambda = (lambda * 10.0).max(1e-6);
-            if lambda > MAX_DAMPING {
-                termination = Termination::Stalled;
-                break;
-            }
             continue;
         };
         // try the step
@@ -99,23 +98,21 @@ pub fn levenberg_marquardt<P: Problem>(
         let candidate = problem.retract(&state, &delta);
         candidate_model.clear();
         let candidate_cost = problem.linearize(&candidate, &mut candidate_model);
-        let decrease = cost - candidate_cost;
+        let (decrease, promised) = (cost - candidate_cost, model.predicted_decrease(&delta));
         if decrease.is_nan() || decrease <= 0.0 {
             // drop it; with more care less is to be had than it promised
-            if model.predicted_decrease(&delta) <= options.relative_decrease * cost.abs() {
-                termination = Termination::Converged;
-                break;
+            if promised <= options.relative_decrease * cost.abs() {
+                break Termination::Converged;
+            }
+            if negligible(&delta) {
+                break Termination::Stalled;
             }
             lambda = (lambda * growth).max(1e-9);
             growth *= 2.0;
-            if lambda > MAX_DAMPING || negligible(&delta) {
-                termination = Termination::Stalled;
-                break;
-            }
             continue;
         }
         // take it, and trust the model as far as it was right
-        let gain = decrease / model.predicted_decrease(&delta).max(f64::MIN_POSITIVE);
+        let gain = decrease / promised.max(f64::MIN_POSITIVE);
         lambda *= (1.0 - (2.0 * gain - 1.0).powi(3)).clamp(0.1, 1.0);
         growth = 2.0;
         state = candidate;
@@ -123,10 +120,9 @@ pub fn levenberg_marquardt<P: Problem>(
         cost = candidate_cost;
         costs.push(cost);
         if decrease <= options.relative_decrease * cost.abs() {
-            termination = Termination::Converged;
-            break;
+            break Termination::Converged;
         }
-    }
+    };
     Solution {
         state,
         cost,
