@@ -212,6 +212,22 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), OutError> {
     write().map_err(|source| OutError::write(path, source))
 }
 
+/// A camera's name as the name of a folder, whatever it holds.
+pub(super) fn file_name(camera: &str) -> String {
+    let plain = |c: char| {
+        if c.is_alphanumeric() || "-_. ".contains(c) {
+            c
+        } else {
+            '_'
+        }
+    };
+    let name: String = camera.chars().map(plain).collect();
+    match name.trim_matches(['.', ' ']) {
+        "" => "camera".into(),
+        name => name.into(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -285,5 +301,13 @@ mod tests {
         assert_eq!(fs::read(at("result.json")).unwrap(), b"new");
         assert_eq!(fs::read(at("notes.txt")).unwrap(), b"mine");
         assert!(!at("overlays").exists() && !at(".writing-abc").exists());
+    }
+
+    #[test]
+    fn no_camera_can_be_named_out_of_its_folder() {
+        assert_eq!(file_name("cam_01"), "cam_01");
+        assert_eq!(file_name("../../left"), "_.._left");
+        assert_eq!(file_name("a/b\\c:d"), "a_b_c_d");
+        assert_eq!(file_name(".."), "camera");
     }
 }

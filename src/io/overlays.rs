@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
-use super::out_folder::{OutError, OutFolder};
+use super::out_folder::{OutError, OutFolder, file_name};
 use super::png::{self, Effort};
 use super::recording::{Recording, RecordingError};
 use crate::body::{BodyModel, Posed};
@@ -81,33 +81,4 @@ pub fn write_picture(picture: &Picture, path: &Path) -> Result<(), OutError> {
     png::of_picture(picture, Effort::Quick)
         .and_then(|bytes| fs::write(path, bytes))
         .map_err(|source| OutError::write(path, source))
-}
-
-/// A camera's name as the name of a folder, whatever it holds.
-pub(in crate::io) fn file_name(camera: &str) -> String {
-    let plain = |c: char| {
-        if c.is_alphanumeric() || "-_. ".contains(c) {
-            c
-        } else {
-            '_'
-        }
-    };
-    let name: String = camera.chars().map(plain).collect();
-    match name.trim_matches(['.', ' ']) {
-        "" => "camera".into(),
-        name => name.into(),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn no_camera_can_be_named_out_of_its_folder() {
-        assert_eq!(file_name("cam_01"), "cam_01");
-        assert_eq!(file_name("../../left"), "_.._left");
-        assert_eq!(file_name("a/b\\c:d"), "a_b_c_d");
-        assert_eq!(file_name(".."), "camera");
-    }
 }

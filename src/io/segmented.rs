@@ -11,8 +11,7 @@ use serde::Serialize;
 
 use super::frames::{Footage, FramesNote};
 use super::jpeg;
-use super::out_folder::{OutError, OutFolder};
-use super::overlays::file_name;
+use super::out_folder::{OutError, OutFolder, file_name};
 use super::png::{self, Effort};
 use super::table;
 use crate::camera::CameraId;

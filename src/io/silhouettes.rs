@@ -7,8 +7,7 @@ use std::path::{Path, PathBuf};
 use nalgebra::Point2;
 use serde::Serialize;
 
-use super::out_folder::{OutError, OutFolder, write_atomically};
-use super::overlays::file_name;
+use super::out_folder::{OutError, OutFolder, file_name, write_atomically};
 use super::png::{self, Effort};
 use super::segmented::{self, QUALITY};
 use super::table;

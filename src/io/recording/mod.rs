@@ -19,7 +19,7 @@ use crate::camera::{Camera, CameraId, Rig};
 use crate::image::Mask;
 use crate::io::frames::Footage;
 use crate::io::manifest::CameraFiles;
-use crate::io::overlays::file_name;
+use crate::io::out_folder::file_name;
 use crate::silhouette::{self, FrameIndex, FrameObservations, SilhouetteOptions};
 
 pub use error::RecordingError;
