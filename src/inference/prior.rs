@@ -5,12 +5,23 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use crate::body::{BodyModel, Layout, Motion, Shape};
 use crate::solver::NormalEquations;
 
-/// −log p(s) = ½ (s − μ)ᵀ Σ⁻¹ (s − μ): Gaussian on the logarithmic coefficients.
+/// −log p(s) = ½ (s − μ)ᵀ Λ (s − μ) + ½ Σ ((|cᵢ| − 3)₊/0.3)², Λ = Σ⁻¹: Gaussian on the logarithmic coefficients, with limits.
+///
+/// c = diag(Λ)^(−½) Λ (s − μ): how far, in its standard deviations, each coefficient lies from where all the others
+/// let it be expected. A child is small in everything and its c are ordinary; a hand twice as broad as its arm is wrong masks
+/// before it is a body, and thousands of border points would outvote the Gaussian alone.
 #[derive(Debug, Clone)]
 pub struct ShapePrior {
     mean: DVector<f64>,
     precision: DMatrix<f64>,
+    /// Row i is ∂cᵢ.
+    apart: DMatrix<f64>,
 }
+
+/// Standard deviations from what the others let expect beyond which a size is improbable as a body: one in 400.
+const LIMIT: f64 = 3.0;
+/// How soft that limit is, standard deviations.
+const LIMIT_SOFT: f64 = 0.3;
 
 impl ShapePrior {
     /// The prior of a model; its covariance was checked when the model was made.
@@ -19,10 +30,21 @@ impl ShapePrior {
         let n = statistics.mean.len();
         let precision = Cholesky::<f64, Dyn>::new(statistics.covariance.clone())
             .map_or_else(|| DMatrix::zeros(n, n), |c| c.inverse());
+        let mut apart = precision.clone();
+        for (i, mut row) in apart.row_iter_mut().enumerate() {
+            row /= precision[(i, i)].sqrt().max(f64::MIN_POSITIVE);
+        }
         Self {
             mean: statistics.mean.clone(),
             precision,
+            apart,
         }
+    }
+
+    /// (cᵢ beyond ±3)/0.3, coefficient by coefficient.
+    fn beyond(&self, offset: &DVector<f64>) -> DVector<f64> {
+        let beyond = |c: f64| (c - c.clamp(-LIMIT, LIMIT)) / LIMIT_SOFT;
+        (&self.apart * offset).map(beyond)
     }
 
     /// μ, the most probable shape.
@@ -33,7 +55,8 @@ impl ShapePrior {
     /// −log p(s), 0 at the mean.
     pub fn cost(&self, shape: &Shape) -> f64 {
         let offset = &shape.0 - &self.mean;
-        0.5 * offset.dot(&(&self.precision * &offset))
+        let beyond = self.beyond(&offset);
+        0.5 * (offset.dot(&(&self.precision * &offset)) + beyond.norm_squared())
     }
 
     /// Adds gradient and Hessian to the components from `first` on.
@@ -45,7 +68,13 @@ impl ShapePrior {
         gradient += &pull;
         let mut hessian = equations.hessian.view_mut((first, first), (n, n));
         hessian += &self.precision;
-        0.5 * offset.dot(&pull)
+        let beyond = self.beyond(&offset);
+        for (i, b) in beyond.iter().enumerate().filter(|(_, b)| **b != 0.0) {
+            let slope = self.apart.row(i).transpose() / LIMIT_SOFT;
+            gradient += &slope * *b;
+            hessian += &slope * slope.transpose();
+        }
+        0.5 * (offset.dot(&pull) + beyond.norm_squared())
     }
 }
 
