@@ -78,6 +78,7 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
         body: arguments.body.as_deref(),
         fps: None,
         norm: Some("none"),
+        person: (None, None),
     };
     let Analysed { input, gait, .. } = Analysed::of(&asked, &GaitOptions::default())?;
     let body = input.body.as_ref().ok_or_else(|| CliError::NoFit {
