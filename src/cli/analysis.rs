@@ -2,14 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use rayon::prelude::*;
 
 use super::error::CliError;
 use crate::camera::CameraId;
 use crate::gait::{Gait, GaitOptions, Norm, analyse};
 use crate::io::gait::{
-    GaitFile, GaitInput, SHIPPED_NORM, gait_file, load_norm, parse_norm, read_fit, read_points,
+    GaitFile, GaitInput, SHIPPED_NORM, Sex, add_parameters, gait_file, load_norm, parse_norm,
+    read_fit, read_points,
 };
 use crate::io::out_folder::write_atomically;
 use crate::io::recording::Recording;
@@ -28,6 +29,8 @@ pub(super) struct Asked<'a> {
     pub(super) fps: Option<f64>,
     /// File of a norm, `none`, or the shipped one.
     pub(super) norm: Option<&'a str>,
+    /// Age in completed years and sex, which choose the norm of steps and strides.
+    pub(super) person: (Option<u32>, Option<Sex>),
 }
 
 /// A fit or points, and what was found in them.
@@ -47,7 +50,7 @@ impl Analysed {
             true => read_fit(asked.from, asked.body, asked.fps)?,
             false => read_points(asked.from, asked.fps)?,
         };
-        let norm = norm_of(asked.norm)?;
+        let norm = norm_of(asked)?;
         let gait = analyse(&input.recording, options)?;
         Ok(Self {
             from: asked.from.into(),
@@ -85,12 +88,16 @@ impl Analysed {
     }
 }
 
-fn norm_of(asked: Option<&str>) -> Result<Option<Norm>, CliError> {
-    let norm = match asked {
+fn norm_of(asked: &Asked<'_>) -> Result<Option<Norm>, CliError> {
+    let mut norm = match asked.norm {
         Some("none") => return Ok(None),
         Some(path) => load_norm(Path::new(path))?,
         None => parse_norm(SHIPPED_NORM.1, Path::new(SHIPPED_NORM.0))?,
     };
+    // a laboratory's own parameters stay
+    if let ((Some(age_years), sex), true) = (asked.person, norm.parameters.is_empty()) {
+        add_parameters(&mut norm, age_years, sex)?;
+    }
     Ok(Some(norm))
 }
 
@@ -100,6 +107,12 @@ pub(super) struct IdentityArguments {
     /// Who was recorded, as the report shall name them
     #[arg(long, value_name = "TEXT")]
     subject: Option<String>,
+    /// Their age, completed years: steps and strides are compared with people of that age
+    #[arg(long, value_name = "YEARS")]
+    age: Option<u32>,
+    /// Their sex, for the same
+    #[arg(long, value_enum)]
+    sex: Option<SaidSex>,
     /// When it was recorded
     #[arg(long, value_name = "TEXT")]
     date: Option<String>,
@@ -111,13 +124,34 @@ pub(super) struct IdentityArguments {
     recording: Option<PathBuf>,
 }
 
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum SaidSex {
+    Female,
+    Male,
+}
+
+impl From<SaidSex> for Sex {
+    fn from(said: SaidSex) -> Self {
+        match said {
+            SaidSex::Female => Self::Female,
+            SaidSex::Male => Self::Male,
+        }
+    }
+}
+
 impl IdentityArguments {
+    /// Age and sex.
+    pub(super) fn person(&self) -> (Option<u32>, Option<Sex>) {
+        (self.age, self.sex.map(Sex::from))
+    }
+
     fn identity(&self, from: &Path) -> Identity {
         let path = self.recording.as_deref().unwrap_or(from);
         let name = path.file_name().map(|n| n.to_string_lossy().into_owned());
         Identity {
             recording: name.unwrap_or_else(|| path.display().to_string()),
             subject: self.subject.clone(),
+            person: self.person(),
             date: self.date.clone(),
             condition: self.condition.clone(),
         }

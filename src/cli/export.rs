@@ -17,13 +17,13 @@ use crate::io::gait::{FittedBody, FittedPoint, GaitInput};
 use crate::io::mesh::{MeshFormat, Up, bytes_of};
 use crate::io::out_folder::{OutFolder, write_atomically};
 use crate::io::trc::{Trajectories, write_trc};
-use crate::skin::{SkinOptions, skin};
+use crate::skin::{SkinOptions, ellipsoids, skin};
 
 pub(super) const ABOUT: &str = "\
 Write a fit in the formats of other programs.
 
 Reads the folder of a finished `maquette fit` and writes motion.c3d, .trc, .mot, .sto, .bvh, .glb, .csv or .parquet into \
-its folder export; ply and obj are the skin, a file per frame. Every file's world is Y up. docs/formats.md says what each \
+its folder export; ply and obj are the body's surface, a file per frame. Every file's world is Y up. docs/formats.md says what each \
 holds.";
 
 pub(super) const EXAMPLES: &str = "\
@@ -59,15 +59,15 @@ enum Format {
     Sto,
     /// Skeleton in T-pose and its motion
     Bvh,
-    /// glTF 2.0: the skin on its bones, moving (bodies with metaballs)
+    /// glTF 2.0: the body on its bones, moving
     Glb,
     /// Points, angles and their SD, frame by frame
     Csv,
     /// The same as Parquet
     Parquet,
-    /// The skin, a PLY file per frame (bodies with metaballs)
+    /// The body's surface, a PLY file per frame
     Ply,
-    /// The skin, an OBJ file per frame
+    /// The body's surface, an OBJ file per frame
     Obj,
 }
 
@@ -78,13 +78,14 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
         body: arguments.body.as_deref(),
         fps: None,
         norm: Some("none"),
+        person: (None, None),
     };
     let Analysed { input, gait, .. } = Analysed::of(&asked, &GaitOptions::default())?;
     let body = input.body.as_ref().ok_or_else(|| CliError::NoFit {
         path: arguments.out.clone(),
     })?;
     let formats: Vec<Format> = match arguments.format.as_slice() {
-        [] => default_formats(body),
+        [] => default_formats(),
         some => some.to_vec(),
     };
     let export = Export {
@@ -104,16 +105,11 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
     Ok(())
 }
 
-/// All that are one file and that the body allows.
-fn default_formats(body: &FittedBody) -> Vec<Format> {
-    let has_skin = !body.model.metaballs.is_empty();
-    let is_default = |format: &Format| match format {
-        Format::Ply | Format::Obj => false,
-        Format::Glb => has_skin,
-        _ => true,
-    };
+/// All that are one file.
+fn default_formats() -> Vec<Format> {
+    let is_one_file = |format: &Format| !matches!(format, Format::Ply | Format::Obj);
     let all = Format::value_variants().iter().copied();
-    all.filter(is_default).collect()
+    all.filter(is_one_file).collect()
 }
 
 /// What is exported, and where to.
@@ -143,8 +139,8 @@ impl Export<'_> {
             Format::Glb => ("glb", glb(model, shape, motions, recording.rate_hz)?),
             Format::Csv => ("csv", table().csv()?),
             Format::Parquet => ("parquet", table().parquet()?),
-            Format::Ply => return self.skins(MeshFormat::Ply),
-            Format::Obj => return self.skins(MeshFormat::Obj),
+            Format::Ply => return self.surfaces(MeshFormat::Ply),
+            Format::Obj => return self.surfaces(MeshFormat::Obj),
         };
         let path = self.folder.join(format!("motion.{extension}"));
         write_atomically(&path, &bytes)?;
@@ -172,8 +168,8 @@ impl Export<'_> {
         Ok(motion_text(&table, kind, "Coordinates").into_bytes())
     }
 
-    /// Writes the skin of every frame in which the person was seen into a folder of its own.
-    fn skins(&self, format: MeshFormat) -> Result<PathBuf, CliError> {
+    /// Writes the skin, or the ellipsoids, of every frame in which the person was seen into a folder of its own.
+    fn surfaces(&self, format: MeshFormat) -> Result<PathBuf, CliError> {
         let body = self.body;
         let folder = self.folder.join(format.extension());
         OutFolder::open(&folder)?;
@@ -181,7 +177,10 @@ impl Export<'_> {
         let write = |(i, motion): (usize, &Option<Motion>)| -> Result<(), CliError> {
             let Some(motion) = motion else { return Ok(()) };
             let posed = Posed::new(&body.model, &body.shape, motion);
-            let mesh = skin(&posed, &SkinOptions::default())?;
+            let mesh = match body.model.metaballs.is_empty() {
+                true => ellipsoids(&posed),
+                false => skin(&posed, &SkinOptions::default())?,
+            };
             let name = format!("frame_{:06}.{}", first + i, format.extension());
             Ok(write_atomically(
                 &folder.join(name),

@@ -56,7 +56,7 @@ pub(super) struct GaitArguments {
     /// Write report.html as well: the same for a clinician
     #[arg(long)]
     report: bool,
-    #[command(flatten, next_help_heading = "Of the report")]
+    #[command(flatten, next_help_heading = "Of the person and the report")]
     identity: IdentityArguments,
     /// Print nothing but errors
     #[arg(long)]
@@ -101,6 +101,7 @@ pub(super) fn run(arguments: &GaitArguments) -> Result<(), CliError> {
         body: arguments.body.as_deref(),
         fps: arguments.fps,
         norm: arguments.norm.as_deref(),
+        person: arguments.identity.person(),
     };
     let options = GaitOptions {
         cutoff_hz: arguments.cutoff,

@@ -19,7 +19,7 @@ prints on A4. docs/report.md explains every page.";
 pub(super) const EXAMPLES: &str = "\
 Examples:
   maquette report out/me --recording my-recording
-  maquette report out/me --subject 'P 017' --date 2026-03-02 --condition barefoot";
+  maquette report out/me --subject 'P 017' --age 72 --sex female --date 2026-03-02 --condition barefoot";
 
 /// Arguments of `maquette report`.
 #[derive(Debug, Args)]
@@ -46,6 +46,7 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<(), CliError> {
         body: arguments.body.as_deref(),
         fps: None,
         norm: arguments.norm.as_deref(),
+        person: arguments.identity.person(),
     };
     let analysed = Analysed::of(&asked, &GaitOptions::default())?;
     let path = arguments.out.join("report.html");

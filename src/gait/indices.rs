@@ -52,6 +52,8 @@ pub struct Norm {
     pub curves: BTreeMap<Angle, Band>,
     /// Mean and standard deviation of parameters, in their units.
     pub parameters: BTreeMap<Parameter, (f64, f64)>,
+    /// Where the parameters are from, and of whom; `None`: as the curves.
+    pub parameters_source: Option<String>,
 }
 
 /// A score of one variable.

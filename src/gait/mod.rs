@@ -72,6 +72,8 @@ impl Default for GaitOptions {
 /// Everything that is found.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gait {
+    /// Cutoff of the low pass that all places went through, Hz; 0: none.
+    pub cutoff_hz: f64,
     /// How the body moves through the room.
     pub course: Course,
     /// Hip to knee to ankle, metres.
@@ -144,8 +146,10 @@ pub fn analyse(recording: &Recording, options: &GaitOptions) -> Result<Gait, Gai
     let agreement = agreement
         .into_iter()
         .filter_map(|kind| events::agreement(&events, kind));
-    let notes = notes(&course, &events, &cycles);
+    let mut notes = notes(&course, &events, &cycles);
+    notes.extend(recording.remarks());
     Ok(Gait {
+        cutoff_hz: options.cutoff_hz,
         leg_length_m: recording.leg_length(),
         agreement: agreement.collect(),
         unknown: segments.unknown.iter().map(|(a, why)| (*a, *why)).collect(),
@@ -192,7 +196,8 @@ fn notes(course: &Course, events: &[Event], cycles: &[Cycle]) -> Vec<String> {
         let (name, strikes) = (side.name(), strikes.count());
         if own().next().is_none() {
             notes.push(format!(
-                "less than one {name} stride ({strikes} foot strikes of that side): no stride parameters and curves of it"
+                "less than one {name} stride ({strikes} foot strike{} of that side): no stride parameters and curves of it",
+                if strikes == 1 { "" } else { "s" }
             ));
         } else if own().any(|c| c.is_joined) {
             notes.push(format!(

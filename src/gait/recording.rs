@@ -8,6 +8,7 @@ use serde::Serialize;
 use super::filter;
 use super::landmark::{Landmark, Paired, Side};
 use super::segments::Segments;
+use crate::math::stats::median;
 
 /// A place of the body over time; NaN where it is not known.
 pub type Track = Vec<Vector3<f64>>;
@@ -72,10 +73,28 @@ pub enum RecordingError {
         /// Found.
         length_m: f64,
     },
+    /// A place that no body has together with the others.
+    #[error(
+        "the {place} ({from}) lies {distance_m:.1} m from the hips: expected {FARTHEST_M} m at most; is it in another unit than the other points?"
+    )]
+    Far {
+        /// The place.
+        place: String,
+        /// What it was taken from.
+        from: String,
+        /// Median over time.
+        distance_m: f64,
+    },
 }
 
 /// Fewest frames in which anything can be seen.
 const FEWEST_FRAMES: usize = 10;
+/// No place of a person lies farther from the middle of the hips, m.
+const FARTHEST_M: f64 = 3.0;
+/// Hips that are less than this above the ankles, in lengths of the leg, belong to somebody who lies, or to another axis.
+const LOW_HIPS: f64 = 0.2;
+/// Lengths of legs, hip to knee to ankle, that there are, m.
+const LEGS_M: std::ops::Range<f64> = 0.2..1.5;
 
 impl Recording {
     /// A recording of named points: joint centres or markers of any of the known sets.
@@ -161,25 +180,92 @@ impl Recording {
                 }
             }
         }
-        match self.leg_length() {
-            Some(length_m) if !(0.2..1.5).contains(&length_m) => {
-                Err(RecordingError::Size { length_m })
-            }
-            _ => Ok(()),
+        let legs = Side::BOTH.map(|side| self.leg(side));
+        let is_impossible = |length_m: &f64| !LEGS_M.contains(length_m);
+        // where one leg is a leg, a single place is in another unit
+        if legs.iter().flatten().any(|length| !is_impossible(length)) {
+            self.check_places()?;
         }
+        match legs.into_iter().flatten().find(is_impossible) {
+            Some(length_m) => Err(RecordingError::Size { length_m }),
+            None => Ok(()),
+        }
+    }
+
+    /// Checks that no place lies farther from the hips than a body reaches.
+    fn check_places(&self) -> Result<(), RecordingError> {
+        let Some(hips) = self.track(Landmark::MidHip) else {
+            return Ok(());
+        };
+        for (landmark, track) in &self.tracks {
+            let apart = track
+                .iter()
+                .zip(hips)
+                .map(|(place, hips)| (place - hips).norm());
+            let far = median(&mut apart.collect::<Vec<_>>()).filter(|d| *d > FARTHEST_M);
+            if let Some(distance_m) = far {
+                let used = self.used.iter().find(|u| u.landmark == *landmark);
+                return Err(RecordingError::Far {
+                    place: landmark.name(),
+                    from: used.map_or_else(String::new, |u| u.from.clone()),
+                    distance_m,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// What a person should know of the places: those of the legs that are not there throughout, and a body that does not stand upright.
+    pub(super) fn remarks(&self) -> Vec<String> {
+        let mut remarks = Vec::new();
+        let mut gaps = Vec::new();
+        for side in Side::BOTH {
+            for place in [Paired::Hip, Paired::Knee, Paired::Ankle, Paired::Toe] {
+                let track = self.of(side, place).map_or(&[][..], |track| track);
+                let missing = track.iter().filter(|p| !p.x.is_finite()).count();
+                if missing > 0 {
+                    gaps.push(format!("{} {missing}", Landmark::Of(side, place).name()));
+                }
+            }
+        }
+        if !gaps.is_empty() {
+            remarks.push(format!(
+                "not known in some of the {} frames, and neither is what hangs on them: {}",
+                self.frames,
+                gaps.join(", ")
+            ));
+        }
+        let upright = self.height_of_hips().zip(self.leg_length());
+        if upright.is_some_and(|(height_m, leg_m)| height_m < LOW_HIPS * leg_m) {
+            remarks.push(
+                "the hips are not above the ankles: is the file's Y axis up, as a TRC has it?"
+                    .into(),
+            );
+        }
+        remarks
+    }
+
+    /// How far the hips are above the ankles, median over time, metres.
+    fn height_of_hips(&self) -> Option<f64> {
+        let hips = self.track(Landmark::MidHip)?;
+        let [left, right] = Side::BOTH.map(|side| self.of(side, Paired::Ankle));
+        let rows = hips.iter().zip(left?).zip(right?);
+        let mut heights: Vec<f64> = rows
+            .map(|((hips, left), right)| hips.z - 0.5 * (left.z + right.z))
+            .collect();
+        median(&mut heights)
     }
 
     /// Hip to knee to ankle, mean of both sides, median over time; metres.
     pub fn leg_length(&self) -> Option<f64> {
-        let mut lengths = Vec::new();
-        for side in Side::BOTH {
-            let (hip, knee) = (self.of(side, Paired::Hip)?, self.of(side, Paired::Knee)?);
-            let ankle = self.of(side, Paired::Ankle)?;
-            let length = |i: usize| (hip[i] - knee[i]).norm() + (knee[i] - ankle[i]).norm();
-            let mut all: Vec<f64> = (0..self.frames).map(length).collect();
-            lengths.push(crate::math::stats::median(&mut all)?);
-        }
-        Some(0.5 * (lengths[0] + lengths[1]))
+        Some(0.5 * (self.leg(Side::Left)? + self.leg(Side::Right)?))
+    }
+
+    fn leg(&self, side: Side) -> Option<f64> {
+        let (hip, knee) = (self.of(side, Paired::Hip)?, self.of(side, Paired::Knee)?);
+        let ankle = self.of(side, Paired::Ankle)?;
+        let length = |i: usize| (hip[i] - knee[i]).norm() + (knee[i] - ankle[i]).norm();
+        median(&mut (0..self.frames).map(length).collect::<Vec<_>>())
     }
 }
 

@@ -51,7 +51,7 @@ impl Figure {
         Self {
             title: title.to_owned(),
             axes: [x, y],
-            size_px: (280.0, 196.0),
+            size_px: (280.0, 206.0),
             plots: Vec::new(),
             rules: Vec::new(),
         }
@@ -188,7 +188,7 @@ mod tests {
         let figure = Figure::new("t", axis((0.0, 4.0)), axis((0.0, 2.0))).line(LEFT, 1.0, &points);
         assert_eq!(figure.plots.len(), 2);
         let text = figure.markup("two pieces").into_string();
-        assert!(text.contains("viewBox=\"0 0 280 196\""), "{text}");
+        assert!(text.contains("viewBox=\"0 0 280 206\""), "{text}");
         assert!(text.contains("aria-label=\"two pieces\"") && text.contains(LEFT));
         assert!(!text.contains("NaN"));
     }

@@ -1,7 +1,8 @@
 //! How far it is around a limb, in the middle of its length.
 //!
 //! At rest, from the middle m of a length, rays go out square to it. Each ends where it leaves the flesh of the part that
-//! m lies in: of metaballs the part with the largest sum at m (F = ½ there), of ellipsoids those of the parts that hold m. The girth
+//! m lies deepest in: of metaballs the part with the largest sum at m (F = ½ at its end), of ellipsoids the one of the ellipsoid with the
+//! least (m − c)ᵀ S⁻¹ (m − c). The girth
 //! is the perimeter of the ends. Its standard deviation is √(∇gᵀ C ∇g), C the covariance of
 //! the coefficients and ∇g from central differences over one standard deviation of each.
 
@@ -131,9 +132,10 @@ impl Flesh {
                     .iter()
                     .zip(body.ellipsoids())
                     .collect();
-                let around = all.iter().filter(|(_, e)| holds(e, place));
-                let parts: Vec<_> = around.map(|(p, _)| p.part).collect();
-                let own = all.into_iter().filter(|(p, _)| parts.contains(&p.part));
+                let deeper =
+                    |a: &Ellipsoid, b: &Ellipsoid| depth(a, place).total_cmp(&depth(b, place));
+                let part = all.iter().min_by(|a, b| deeper(&a.1, &b.1))?.0.part;
+                let own = all.into_iter().filter(|(p, _)| p.part == part);
                 Self::Ellipsoids(own.map(|(_, e)| e).collect())
             }
         };
@@ -143,7 +145,7 @@ impl Flesh {
     fn holds(&self, place: &Vector3<f64>) -> bool {
         match self {
             Self::Metaballs(field) => field.value(place) > THRESHOLD,
-            Self::Ellipsoids(all) => all.iter().any(|e| holds(e, place)),
+            Self::Ellipsoids(all) => all.iter().any(|e| depth(e, place) < 1.0),
         }
     }
 
@@ -165,10 +167,11 @@ impl Flesh {
     }
 }
 
-fn holds(ellipsoid: &Ellipsoid, place: &Vector3<f64>) -> bool {
+/// (x − c)ᵀ S⁻¹ (x − c): 0 in the centre, 1 on the surface.
+fn depth(ellipsoid: &Ellipsoid, place: &Vector3<f64>) -> f64 {
     let offset = place - ellipsoid.centre;
     let inverse = ellipsoid.shape.cholesky().map(|c| c.inverse());
-    inverse.is_some_and(|inverse| offset.dot(&(inverse * offset)) < 1.0)
+    inverse.map_or(f64::INFINITY, |inverse| offset.dot(&(inverse * offset)))
 }
 
 #[cfg(test)]
@@ -226,6 +229,25 @@ mod tests {
             }
             assert_eq!(girths.len(), people.len());
         }
+    }
+
+    #[test]
+    fn an_arm_that_hangs_into_a_broad_chest_is_no_thicker() {
+        let model = crate::io::model::load("human-ellipsoids", Path::new("")).unwrap();
+        let upper_arm = |thorax: f64| {
+            let mut shape = Shape(model.statistics.mean.clone());
+            for name in ["thorax_width", "thorax_depth"] {
+                let broad = model.coefficients.iter().position(|c| c == name).unwrap();
+                shape.0[broad] *= thorax;
+            }
+            let girths = girths(&model, &shape, None);
+            girths
+                .iter()
+                .find(|g| g.name == "upper_arm")
+                .unwrap()
+                .girth_m
+        };
+        approx::assert_relative_eq!(upper_arm(1.6), upper_arm(1.0), epsilon = 1e-9);
     }
 
     #[test]

@@ -5,13 +5,13 @@ use maud::{Markup, html};
 use super::ReportInput;
 use super::page::Page;
 use crate::gait::{Side, Surface};
+use crate::io::gait::Sex;
 
 pub(super) fn page(input: &ReportInput<'_>) -> Page {
     Page {
         id: "identity",
         title: "Identity and method",
         body: html! {
-            h1 { "Motion report" }
             (table(&person(input)))
             h3 { "Method" }
             (table(&method(input)))
@@ -22,6 +22,7 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
                 "This report is a measurement, no diagnosis."
             }
         },
+        is_brief: false,
     }
 }
 
@@ -40,10 +41,25 @@ fn person(input: &ReportInput<'_>) -> Vec<Row> {
     let said = |value: &Option<String>| value.clone().unwrap_or_else(|| "not stated".into());
     vec![
         ("Person", said(&identity.subject)),
+        ("Age, sex", age_and_sex(identity.person)),
         ("Date of recording", said(&identity.date)),
         ("Condition", said(&identity.condition)),
         ("Recording", identity.recording.clone()),
     ]
+}
+
+/// In words; `not stated` for neither.
+pub(super) fn age_and_sex((age_years, sex): (Option<u32>, Option<Sex>)) -> String {
+    let age = age_years.map(|years| format!("{years} years"));
+    let sex = sex.map(|sex| match sex {
+        Sex::Female => "female".to_owned(),
+        Sex::Male => "male".to_owned(),
+    });
+    let said: Vec<String> = age.into_iter().chain(sex).collect();
+    match said.is_empty() {
+        true => "not stated".into(),
+        false => said.join(", "),
+    }
 }
 
 fn method(input: &ReportInput<'_>) -> Vec<Row> {
@@ -74,10 +90,26 @@ fn method(input: &ReportInput<'_>) -> Vec<Row> {
         "Events",
         "foot strike by the heel's speed, foot off by the toe's place (docs/gait.md)".into(),
     ));
+    rows.push(("Filter", filter(input)));
     if let Some(norm) = input.norm {
         rows.push(("Norm", format!("{}: {}", norm.name, norm.source)));
+        if let Some(source) = &norm.parameters_source {
+            rows.push(("Norm of steps and strides", source.clone()));
+        }
     }
     rows
+}
+
+fn filter(input: &ReportInput<'_>) -> String {
+    let hz = input.file.cutoff_hz;
+    if hz <= 0.0 {
+        return "none".into();
+    }
+    let angles = match input.result {
+        Some(_) => "; the fit's own angles are not filtered",
+        None => "",
+    };
+    format!("places: Butterworth low pass at {hz} Hz, forwards and backwards{angles}")
 }
 
 fn of_fit(result: &crate::io::result::ResultFile) -> Vec<Row> {

@@ -94,13 +94,14 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
             (grid(input, &LEGS, if walks { Drawn::Means } else { Drawn::Time }))
             p class="note" {
                 @if walks {
-                    "Across: gait cycle, %, from foot strike to foot strike of the same side. Line: mean over strides. Tint: 95 % band of the fit, ±1.96 SD. Dashed: foot off. "
-                } @else { "Across: time, s. " }
+                    "From foot strike to foot strike of the same side. Line: mean over strides. Tint: 95 % band of the fit, ±1.96 SD, where it is known. Dashed: foot off. "
+                }
                 "Between systems a constant offset of some degrees is the rule: compare shapes and ranges first."
             }
             h3 class="arms" { "Arms" }
             (grid(input, &ARMS, if walks { Drawn::Means } else { Drawn::Time }))
         },
+        is_brief: false,
     }
 }
 
@@ -116,9 +117,10 @@ pub(super) fn consistency(input: &ReportInput<'_>) -> Page {
                 (key(None))
                 (remarks(input))
                 (grid(input, &LEGS, Drawn::Strides))
-                p class="note" { "Across: gait cycle, %. Every stride that was used. Strides that lie apart make the mean less telling." }
+                p class="note" { "Every stride that was used. Strides that lie apart make the mean less telling." }
             }
         },
+        is_brief: input.file.curves.is_empty(),
     }
 }
 
@@ -191,7 +193,11 @@ fn over_cycle(input: &ReportInput<'_>, angle: Angle, drawn: Drawn) -> Figure {
         _ => c.mean_deg.clone(),
     });
     let of_norm = band.iter().flatten().flat_map(|p| [p.1, p.2]);
-    let mut figure = empty_figure(angle, ("", (0.0, 100.0), 20.0), shown.chain(of_norm));
+    let mut figure = empty_figure(
+        angle,
+        ("gait cycle, %", (0.0, 100.0), 20.0),
+        shown.chain(of_norm),
+    );
     if let Some(band) = &band {
         figure = figure.band(NORM, 0.3, band);
     }
@@ -254,7 +260,7 @@ fn over_time(input: &ReportInput<'_>, angle: Angle) -> Figure {
         .map(|v| v.to_degrees());
     let last_s = (input.file.frames.max(2) - 1) as f64 / rate_hz;
     let (_, step) = range_of(std::iter::empty(), (0.0, last_s));
-    let mut figure = empty_figure(angle, ("", (0.0, last_s), step), shown);
+    let mut figure = empty_figure(angle, ("time, s", (0.0, last_s), step), shown);
     for (side, track) in tracks {
         let at = |(i, v): (usize, &f64)| (i as f64 / rate_hz, v.to_degrees());
         let points: Vec<_> = track.into_iter().flatten().enumerate().map(at).collect();

@@ -34,7 +34,7 @@ mod spatiotemporal;
 mod views;
 
 use crate::gait::{Gait, Norm};
-use crate::io::gait::{GaitFile, GaitInput};
+use crate::io::gait::{GaitFile, GaitInput, Sex};
 use crate::io::result::ResultFile;
 
 pub use views::{CameraOutlines, outline_points};
@@ -46,6 +46,8 @@ pub struct Identity {
     pub recording: String,
     /// Who was recorded.
     pub subject: Option<String>,
+    /// Their age, completed years, and their sex.
+    pub person: (Option<u32>, Option<Sex>),
     /// When.
     pub date: Option<String>,
     /// Barefoot, with an orthosis, …

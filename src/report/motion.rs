@@ -40,6 +40,7 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
             }
             div id="curves" role="img" aria-label="Joint angles over time, with a line at the shown frame" {}
         },
+        is_brief: false,
     }
 }
 

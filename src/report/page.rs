@@ -13,6 +13,8 @@ pub(super) struct Page {
     pub(super) id: &'static str,
     pub(super) title: &'static str,
     pub(super) body: Markup,
+    /// A few lines only: on paper they follow the page before.
+    pub(super) is_brief: bool,
 }
 
 /// The whole file. `scene` is JSON.
@@ -27,7 +29,7 @@ pub(super) fn document(identity: &Identity, pages: &[Page], scene: &str) -> Stri
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 title { "Motion report · " (title) }
-                style { (PreEscaped(STYLE)) }
+                style { (PreEscaped(STYLE)) (PreEscaped(foot(identity))) }
             }
             body {
                 a class="skip" href="#identity" { "Skip to the report" }
@@ -39,8 +41,9 @@ pub(super) fn document(identity: &Identity, pages: &[Page], scene: &str) -> Stri
                     label { input type="checkbox" id="colour-blind"; " colour-blind safe" }
                 }
                 main {
-                    @for page in pages {
-                        section id=(page.id) aria-labelledby={ (page.id) "-title" } {
+                    @for (i, page) in pages.iter().enumerate() {
+                        section id=(page.id) class=[page.is_brief.then_some("brief")] aria-labelledby={ (page.id) "-title" } {
+                            @if i == 0 { h1 { "Motion report" } }
                             h2 id={ (page.id) "-title" } { (page.title) }
                             (page.body)
                         }
@@ -52,6 +55,21 @@ pub(super) fn document(identity: &Identity, pages: &[Page], scene: &str) -> Stri
         }
     };
     markup.into_string()
+}
+
+/// Who, when, and the number of the page at the foot of each sheet of paper.
+fn foot(identity: &Identity) -> String {
+    let said = [&identity.subject, &identity.date, &identity.condition];
+    let said = said.into_iter().flatten().chain([&identity.recording]);
+    let whose = said.map(String::as_str).collect::<Vec<_>>().join(" · ");
+    // every sign by its number, so that none can end the text or the style sheet
+    let whose: String = whose
+        .chars()
+        .map(|c| format!("\\{:06x}", u32::from(c)))
+        .collect();
+    format!(
+        "@page {{ @bottom-left {{ content: \"{whose}\" }} @bottom-right {{ content: counter(page) \" / \" counter(pages) }} }}"
+    )
 }
 
 /// Why something is not there.
@@ -68,6 +86,14 @@ pub(super) fn number(value: Option<f64>, digits: usize) -> String {
         }
         Some(value) => format!("{value:.digits$}").replace('-', "−"),
         None => "–".into(),
+    }
+}
+
+/// A probability, which never is 1.
+pub(super) fn probability(value: Option<f64>) -> String {
+    match value {
+        Some(value) if value > 0.999 => "> 0.999".into(),
+        _ => number(value, 3),
     }
 }
 
@@ -98,6 +124,7 @@ mod tests {
             ..Identity::default()
         };
         assert!(document(&identity, &[], "{}").contains("&lt;img src=x&gt;"));
+        assert!(!foot(&identity).contains(['<', 'x']));
     }
 
     #[test]

@@ -7,7 +7,7 @@ use maud::{Markup, html};
 use super::ReportInput;
 use super::figure::{Axis, BOTH, Figure, range_of};
 use super::label::words;
-use super::page::{Page, absent, number};
+use super::page::{Page, absent, number, probability};
 use crate::inference::confidence::Confidence;
 use crate::io::result::{HypothesisPart, OriginPart, OutcomePart, ResultFile};
 use crate::math::stats::mean;
@@ -25,6 +25,7 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
                 "Points of another system: nothing is known of its cameras, its residuals or its alternatives.",
             ),
         },
+        is_brief: input.result.is_none(),
     }
 }
 
@@ -172,22 +173,27 @@ fn ranges(frames: &[usize]) -> String {
 }
 
 fn confidence(result: &ResultFile) -> Markup {
-    let all: [(&str, &Confidence); 2] = [
-        ("All lengths", &result.shape.all_lengths),
-        ("All shape coefficients", &result.shape.all_coefficients),
+    let shape = &result.shape;
+    let cm = number(Some(100.0 * shape.all_lengths.epsilon), 1) + " cm";
+    let all: [(&str, String, &Confidence); 2] = [
+        ("All lengths", cm, &shape.all_lengths),
+        (
+            "All shape coefficients",
+            number(Some(shape.all_coefficients.epsilon), 3),
+            &shape.all_coefficients,
+        ),
     ];
     html! {
         table class="numbers" {
             thead { tr {
-                th scope="col" { "Of" } th scope="col" { "ε" } th scope="col" { "σ" } th scope="col" { "K" }
+                th scope="col" { "Of" } th scope="col" { "ε" } th scope="col" { "K" }
                 th scope="col" { "p" sub { "ε,σ" } "(K)" }
             } }
-            tbody { @for (name, confidence) in all { tr {
+            tbody { @for (name, epsilon, confidence) in all { tr {
                 th scope="row" { (name) }
-                td { (number(Some(confidence.epsilon), 3)) }
-                td { (number(confidence.sigma, 4)) }
+                td { (epsilon) }
                 td { (confidence.keyframes) }
-                td { (number(confidence.p_within, 3)) }
+                td { (probability(confidence.p_within)) }
             } } }
         }
         p class="note" {

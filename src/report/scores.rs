@@ -27,6 +27,7 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
                 }
             }
         },
+        is_brief: input.file.curves.is_empty(),
     }
 }
 
@@ -80,7 +81,7 @@ fn scores(indices: &Indices) -> Markup {
             }
         }
         p class="note" {
-            "Root mean square distance from the norm's mean (Baker 2009). "
+            "Root mean square distance from the norm's mean (Baker 2009); a full bar is " (FULL_BAR_DEG) "°. "
             @match indices.both {
                 Some(_) => { "Gait Profile Score of both sides: " (number(indices.both, 1)) "°. " }
                 None => { "A Gait Profile Score needs all nine variables; that of both sides is absent. " }

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::ReportInput;
 use super::girth::{Girth, girths};
 use super::label::words;
-use super::page::{Page, absent, number};
+use super::page::{Page, absent, number, probability};
 use crate::io::result::{LengthPart, ResultFile};
 
 pub(super) fn page(input: &ReportInput<'_>) -> Page {
@@ -21,6 +21,7 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
                 }
             },
         },
+        is_brief: input.result.is_none(),
     }
 }
 
@@ -68,7 +69,7 @@ fn lengths(lengths: &[LengthPart]) -> Markup {
                 td { (number(length.sd_m.map(|sd| 100.0 * sd), 1)) }
                 td { (number(Some(100.0 * length.confidence.epsilon), 1)) }
                 td { (number(length.confidence.sigma.map(|s| 100.0 * s), 2)) }
-                td { (number(length.confidence.p_within, 2)) }
+                td { (probability(length.confidence.p_within)) }
             } } }
         }
     }

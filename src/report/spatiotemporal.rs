@@ -3,6 +3,7 @@
 use maud::{Markup, html};
 
 use super::ReportInput;
+use super::identity::age_and_sex;
 use super::label;
 use super::page::{Page, absent, number};
 use crate::gait::{EventKind, Norm, Parameter, Statistic};
@@ -21,15 +22,32 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
                 p class="note" {
                     "SD: between strides. u: standard uncertainty of one value; more strides do not make it smaller. "
                     "Normalised: mean of both sides by leg length and gravity (Hof 1996). "
-                    @if input.norm.is_none_or(|norm| norm.parameters.is_empty()) {
-                        "Norm: the norm in use has no numbers for steps and strides."
-                    }
+                    "Norm: " (norm_in_words(input))
                 }
             }
             @if !file.parameters.is_empty() { (remarks(input)) }
             @if !file.agreement.is_empty() { (agreement(input)) }
         },
+        is_brief: file.parameters.is_empty(),
     }
+}
+
+/// Whose numbers the column Norm holds, or why it is empty.
+fn norm_in_words(input: &ReportInput<'_>) -> String {
+    let Some(norm) = input.norm else {
+        return "none was asked for.".into();
+    };
+    if !norm.parameters.is_empty() {
+        let source = norm.parameters_source.as_ref().unwrap_or(&norm.source);
+        return format!("mean ± SD between people, {source}.");
+    }
+    let shipped = "Published tables that come with the program: ages 5 to 13, and 70 to 89 by sex; \
+        --norm takes those of your laboratory.";
+    let why = match input.identity.person {
+        (None, _) => "as the age was not stated (--age, --sex)".into(),
+        person => format!("no table for: {}", age_and_sex(person)),
+    };
+    format!("absent, {why}. {shipped}")
 }
 
 /// What is to be known of the strides.
@@ -123,8 +141,10 @@ fn agreement(input: &ReportInput<'_>) -> Markup {
                         @match of.kind { EventKind::Strike => "Foot strike", EventKind::Off => "Foot off" }
                     }
                     td {
-                        "by speed less by place: mean " (number(Some(1e3 * of.mean_s), 0)) " ms, SD "
-                        (number(of.sd_s.map(|s| 1e3 * s), 0)) " ms, n = " (of.n)
+                        "found by speed " (number(Some(1e3 * of.mean_s.abs()), 0)) " ms "
+                        @if of.mean_s < 0.0 { "before" } @else { "after" } " found by position"
+                        @if let Some(sd_s) = of.sd_s { ", SD " (number(Some(1e3 * sd_s), 0)) " ms" }
+                        ", n = " (of.n)
                     }
                 }
             }

@@ -18,6 +18,7 @@
 //! | `surface.rs` | patches to triangles                                                         |
 //! | `mesh.rs`    | [`Mesh`], [`check_watertight`]                                               |
 //! | `skinned.rs` | [`SkinnedMesh`]: a skin, and the parts that move it                           |
+//! | `ellipsoids.rs` | of a body without metaballs: a mesh for each ellipsoid                    |
 //!
 //! **Differs** from PFD99: after the tessellation each vertex is moved onto F = T ([`Finish::Field`]; the paper's own is
 //! [`Finish::Spline`]), and the sum that a ray sees is that of its limb (see [`BodyModel::limbs`]).
@@ -25,6 +26,7 @@
 //! [`BodyModel::limbs`]: crate::body::BodyModel::limbs
 
 mod axis;
+mod ellipsoids;
 mod flesh;
 mod mesh;
 mod patch;
@@ -38,6 +40,7 @@ mod tube;
 use nalgebra::Vector3;
 
 use crate::body::Posed;
+pub use ellipsoids::{ellipsoids, skinned_ellipsoids};
 use flesh::Flesh;
 pub use mesh::{Mesh, MeshFault, check_watertight};
 pub use patch::{Patch, PatchPoint};
@@ -122,7 +125,7 @@ pub enum SkinError {
     },
     /// Nothing that could have a skin.
     #[error(
-        "body model {model} has no metaballs, and only they have a skin: add [[part.metaball]] to it, or use a model with metaballs"
+        "body model {model} has no metaballs, and only they have one closed skin: add [[part.metaball]] to it, or use a model with metaballs"
     )]
     NoMetaballs {
         /// The model.

@@ -84,10 +84,81 @@ fn spaces_for_tabs_are_read_as_tabs_are() {
     );
 }
 
+/// The text with other cells for one point, row by row: its x, y, z or what stands there.
+fn with_point(trc: &str, name: &str, act: impl Fn(usize, f64) -> String) -> String {
+    let names = trc.lines().nth(3).expect("names");
+    let first = names.split('\t').position(|n| n == name).expect(name);
+    let row = |(i, line): (usize, &str)| {
+        let cell = |(k, cell): (usize, &str)| match (
+            i >= 5 && (first..first + 3).contains(&k),
+            cell.parse(),
+        ) {
+            (true, Ok(value)) => act(i - 5, value),
+            _ => cell.to_owned(),
+        };
+        line.split('\t')
+            .enumerate()
+            .map(cell)
+            .collect::<Vec<_>>()
+            .join("\t")
+    };
+    trc.lines()
+        .enumerate()
+        .map(row)
+        .collect::<Vec<_>>()
+        .join("\n")
+}
+
+#[test]
+fn what_a_file_lacks_is_said_beside_what_it_gives() {
+    let trc = Walker::new(0.0).trc();
+    let gap = |row: usize, value: f64| match (30..60).contains(&row) {
+        true => String::new(),
+        false => value.to_string(),
+    };
+    let (text, _) = said(&with_point(&trc, "LKnee", gap), &[]).expect("a walk with a gap");
+    assert!(
+        text.contains("and neither is what hangs on them: left knee 30"),
+        "{text}"
+    );
+    let (text, _) = said(&trc, &[]).expect("a walk");
+    assert!(
+        !text.contains("not known in some") && !text.contains("Y axis"),
+        "{text}"
+    );
+    // what was up lies to the side
+    let lying = trc.lines().enumerate().map(|(i, line)| {
+        let mut cells: Vec<&str> = line.split('\t').collect();
+        if i >= 5 {
+            cells[2..]
+                .chunks_mut(3)
+                .filter(|c| c.len() == 3)
+                .for_each(|c| c.swap(1, 2));
+        }
+        cells.join("\t")
+    });
+    let (text, _) = said(&lying.collect::<Vec<_>>().join("\n"), &[]).expect("angles");
+    assert!(text.contains("is the file's Y axis up"), "{text}");
+}
+
+#[test]
+fn an_age_and_a_sex_choose_the_norm_of_steps() {
+    let trc = Walker::new(0.0).trc();
+    let (text, _) = said(&trc, &["--age", "72", "--sex", "female"]).expect("a walk");
+    assert!(text.contains("1.160 ± 0.200"), "{text}");
+    let (text, _) = said(&trc, &["--age", "34", "--sex", "female"]).expect("a walk");
+    assert!(!text.contains(" ± 0."), "{text}");
+}
+
 #[test]
 fn each_bad_file_has_its_line() {
     let trc = Walker::new(0.0).trc();
     let cases = [
+        (
+            "one point in another unit",
+            with_point(&trc, "LKnee", |_, value| (1e3 * value).to_string()),
+            "the left knee (LKnee) lies",
+        ),
         (
             "another unit than it states",
             trc.replacen("\tm\t", "\tmm\t", 1),

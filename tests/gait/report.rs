@@ -46,5 +46,18 @@ fn a_squat_gets_angles_over_time_and_the_reason() {
     assert!(page(&report, "spatiotemporal").contains("no steps"));
     assert!(page(&report, "consistency").contains("no steps"));
     let kinematics = page(&report, "kinematics");
-    assert!(kinematics.contains("Across: time, s") && kinematics.contains("<svg"));
+    assert!(kinematics.contains("time, s") && kinematics.contains("<svg"));
+    assert!(report.contains("<section id=\"consistency\" class=\"brief\""));
+}
+
+#[test]
+fn the_column_norm_says_whose_it_is_or_why_it_is_empty() {
+    let trc = Walker::new(0.4).trc();
+    let said = |arguments: &[&str]| {
+        let report = report_of(&trc, arguments);
+        page(&report, "spatiotemporal").to_owned()
+    };
+    assert!(said(&["--age", "80", "--sex", "male"]).contains("men of 80 to 84 years"));
+    assert!(said(&[]).contains("as the age was not stated"));
+    assert!(said(&["--age", "34"]).contains("no table for: 34 years"));
 }

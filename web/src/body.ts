@@ -1,6 +1,6 @@
 // The moving body: a skin on bones, ellipsoids on bones, or lines between points where no body was fitted.
 import {
-  Bone, BufferAttribute, BufferGeometry, Color, Group, LineSegments, LineBasicMaterial, Matrix4, Mesh, MeshStandardMaterial,
+  Bone, BufferAttribute, BufferGeometry, Color, Group, LineSegments, LineBasicMaterial, Matrix4, Mesh, MeshLambertMaterial,
   Quaternion, Skeleton, SkinnedMesh, SphereGeometry, Vector3,
 } from 'three'
 import { floats, indices, octets, type Ellipsoids, type Scene, type Skin } from './scene'
@@ -15,7 +15,7 @@ export type Body = {
   paint?(): void
 }
 
-const FLESH = new MeshStandardMaterial({ color: 0xd9b8a4, roughness: 0.85, metalness: 0 })
+const FLESH = new MeshLambertMaterial({ color: 0xd9b8a4 })
 
 export function makeBody(scene: Scene): Body {
   return scene.body ? fitted(scene.body) : lines(scene)

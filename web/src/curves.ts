@@ -84,7 +84,7 @@ export class Curves {
         },
       },
       scales: { x: { time: false } },
-      axes: [{ size: 24, font: '11px sans-serif' }, { size: 40, font: '11px sans-serif' }],
+      axes: [{ size: 24, font: '11px sans-serif', values: (_, at) => at.map((v) => `${v} s`) }, { size: 40, font: '11px sans-serif' }],
       series: [{}, ...tracks.map((track) => ({
         label: track.side, stroke: colour(track.side), width: 1.8, points: { show: false },
         dash: track.side === 'left' && document.body.classList.contains('cb') ? [6, 3] : undefined,

@@ -2,7 +2,8 @@
 //!
 //! Metres, seconds, Y up: the node `body` turns our world into the file's, (X, Y, Z) to (Y, Z, X), so that who faces our X
 //! faces the file's +Z; below it everything stands in our world. Bones hang on each other as the parts do, and their names are the parts'. The inverse bind matrix
-//! of a bone is the inverse of its pose of binding: rest, with arms and legs apart. Frames in which nobody was seen have no key, so viewers bridge them.
+//! of a bone is the inverse of its pose of binding: rest, with arms and legs apart. The skin is that of the metaballs; of a body without them
+//! it is a mesh for each ellipsoid, which its bone carries as it was fitted. Frames in which nobody was seen have no key, so viewers bridge them.
 //!
 //! # Source
 //! Khronos, glTF 2.0 specification.
@@ -12,7 +13,7 @@ use serde_json::{Value, json};
 
 use super::file_from_world;
 use crate::body::{BodyModel, Motion, PartId, Posed, Shape};
-use crate::skin::{BONES, SkinError, SkinnedMesh, skinned};
+use crate::skin::{BONES, SkinError, SkinnedMesh, skinned, skinned_ellipsoids};
 
 /// Why there is no file.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -55,7 +56,10 @@ pub fn glb(
     if motions.iter().all(Option::is_none) {
         return Err(GlbError::Empty);
     }
-    let skin = skinned(model, shape)?;
+    let skin = match model.metaballs.is_empty() {
+        true => skinned_ellipsoids(model, shape),
+        false => skinned(model, shape)?,
+    };
     let rest = poses(&Posed::new(model, shape, &skin.bind));
     let parents = parents(model);
     let mut data = Data::default();
@@ -319,7 +323,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_file_says_its_own_length_and_a_body_without_skin_has_none() {
+    fn a_file_says_its_own_length_and_its_bones() {
         let model = crate::io::model::load("human-metaballs", Path::new("")).unwrap();
         let shape = Shape(model.statistics.mean.clone());
         let motions = [Some(Motion::rest(&model)), None, Some(Motion::rest(&model))];
@@ -340,14 +344,20 @@ mod tests {
             0.04,
             epsilon = 1e-6
         );
+        assert_eq!(glb(&model, &shape, &[None], 50.0), Err(GlbError::Empty));
+    }
 
-        let bare = crate::io::model::load("human-ellipsoids", Path::new("")).unwrap();
-        let shape = Shape(bare.statistics.mean.clone());
-        let refused = glb(&bare, &shape, &[Some(Motion::rest(&bare))], 50.0).unwrap_err();
-        assert!(refused.to_string().contains("no metaballs"), "{refused}");
-        assert_eq!(
-            glb(&model, &Shape(model.statistics.mean.clone()), &[None], 50.0),
-            Err(GlbError::Empty)
-        );
+    #[test]
+    fn a_body_of_ellipsoids_has_a_mesh_of_each() {
+        let model = crate::io::model::load("human-ellipsoids", Path::new("")).unwrap();
+        let shape = Shape(model.statistics.mean.clone());
+        let file = glb(&model, &shape, &[Some(Motion::rest(&model))], 50.0).unwrap();
+        let length = u32::from_le_bytes(file[12..16].try_into().unwrap()) as usize;
+        let json: Value = serde_json::from_slice(&file[20..20 + length]).unwrap();
+        let position = &json["meshes"][0]["primitives"][0]["attributes"]["POSITION"];
+        let corners = json["accessors"][position.as_u64().unwrap() as usize]["count"].as_u64();
+        let of_each =
+            skinned_ellipsoids(&model, &shape).mesh.vertices.len() / model.ellipsoids.len();
+        assert_eq!(corners.unwrap() as usize, of_each * model.ellipsoids.len());
     }
 }

@@ -1,11 +1,13 @@
 //! What gait analysis reads and writes: points or a fit in; `gait.json` and tables out; norms of healthy people.
 
 mod norm;
+mod people;
 mod read;
 mod schema;
 mod tables;
 
 pub use norm::{NormError, SHIPPED_NORM, load_norm, parse_norm};
+pub use people::{Sex, add_parameters};
 pub use read::{FittedBody, FittedPoint, GaitInput, GaitInputError, read_fit, read_points};
 pub use schema::{CurvePart, GaitFile, ParameterPart, gait_file};
 pub use tables::{angles_csv, curves_csv, parameters_csv};

@@ -73,7 +73,7 @@ struct CurvePart {
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct ParameterPart {
+pub(super) struct ParameterPart {
     mean: f64,
     sd: f64,
 }
@@ -95,23 +95,16 @@ pub fn load_norm(path: &Path) -> Result<Norm, NormError> {
 /// # Errors
 /// [`NormError`].
 pub fn parse_norm(text: &str, path: &Path) -> Result<Norm, NormError> {
-    let file: NormFile = toml::from_str(text).map_err(|source| NormError::Syntax {
-        path: path.into(),
-        source: Box::new(source),
-    })?;
-    let unknown = |kind, name: &str| NormError::Name {
-        path: path.into(),
-        kind,
-        name: name.to_owned(),
-    };
+    let file: NormFile = toml::from_str(text).map_err(|fault| syntax(path, fault))?;
     let mut norm = Norm {
         name: file.name,
         source: file.source,
+        parameters: parameters(file.parameter, path)?,
         ..Norm::default()
     };
     for (name, part) in file.curve {
         let angle = Angle::ALL.into_iter().find(|a| a.name() == name);
-        let angle = angle.ok_or_else(|| unknown("angle", &name))?;
+        let angle = angle.ok_or_else(|| unknown(path, "angle", &name))?;
         let is_whole =
             |values: &[f64]| values.len() == SCORE_POINTS && values.iter().all(|v| v.is_finite());
         if !is_whole(&part.mean_deg)
@@ -128,12 +121,35 @@ pub fn parse_norm(text: &str, path: &Path) -> Result<Norm, NormError> {
         };
         norm.curves.insert(angle, band);
     }
-    for (name, part) in file.parameter {
-        let parameter = Parameter::ALL.into_iter().find(|p| p.name() == name);
-        let parameter = parameter.ok_or_else(|| unknown("parameter", &name))?;
-        norm.parameters.insert(parameter, (part.mean, part.sd));
-    }
     Ok(norm)
+}
+
+/// Mean and SD of each named parameter.
+pub(super) fn parameters(
+    of: BTreeMap<String, ParameterPart>,
+    path: &Path,
+) -> Result<BTreeMap<Parameter, (f64, f64)>, NormError> {
+    let one = |(name, part): (String, ParameterPart)| {
+        let parameter = Parameter::ALL.into_iter().find(|p| p.name() == name);
+        let parameter = parameter.ok_or_else(|| unknown(path, "parameter", &name))?;
+        Ok((parameter, (part.mean, part.sd)))
+    };
+    of.into_iter().map(one).collect()
+}
+
+fn unknown(path: &Path, kind: &'static str, name: &str) -> NormError {
+    NormError::Name {
+        path: path.into(),
+        kind,
+        name: name.to_owned(),
+    }
+}
+
+pub(super) fn syntax(path: &Path, source: toml::de::Error) -> NormError {
+    NormError::Syntax {
+        path: path.into(),
+        source: Box::new(source),
+    }
 }
 
 #[cfg(test)]

@@ -226,6 +226,7 @@ fn cameras(result: &ResultFile, frames: &[Option<&FramePart>]) -> Vec<u8> {
 }
 
 fn deviations_of_angles(segments: &mut Segments, model: &BodyModel, frames: &[Option<&FramePart>]) {
+    deviations_of_pelvis(segments, model, frames);
     for side in Side::BOTH {
         let letter = &side.name()[..1];
         for angle in Angle::ALL {
@@ -240,6 +241,28 @@ fn deviations_of_angles(segments: &mut Segments, model: &BodyModel, frames: &[Op
             if frames.iter().any(|f| sd(f).is_some()) {
                 let sd = frames.iter().map(|f| sd(f).unwrap_or(f64::NAN)).collect();
                 segments.angle_sd.insert((side, angle), sd);
+            }
+        }
+    }
+}
+
+/// The three angles of a pelvis that is the root: to first order in its tilt and obliquity they turn it about its own axes,
+/// obliquity about the one that points forwards, tilt to the left, rotation up.
+fn deviations_of_pelvis(segments: &mut Segments, model: &BodyModel, frames: &[Option<&FramePart>]) {
+    if model.parts.first().is_none_or(|root| root.name != "pelvis") {
+        return;
+    }
+    let about = [
+        Angle::PelvisObliquity,
+        Angle::PelvisTilt,
+        Angle::PelvisRotation,
+    ];
+    for (axis, angle) in about.into_iter().enumerate() {
+        let sd = |frame: &Option<&FramePart>| Some(frame.as_ref()?.sd.as_ref()?.rotation_rad[axis]);
+        if frames.iter().any(|f| sd(f).is_some()) {
+            let sd: Vec<f64> = frames.iter().map(|f| sd(f).unwrap_or(f64::NAN)).collect();
+            for side in Side::BOTH {
+                segments.angle_sd.insert((side, angle), sd.clone());
             }
         }
     }

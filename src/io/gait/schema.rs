@@ -22,6 +22,8 @@ pub struct GaitFile {
     pub fps: f64,
     /// Number of frames.
     pub frames: usize,
+    /// Cutoff of the low pass on all places; 0: none.
+    pub cutoff_hz: f64,
     /// Floor or belt.
     pub surface: Surface,
     /// Speed of the belt; 0 on the floor.
@@ -105,6 +107,8 @@ pub struct NormPart {
     pub name: String,
     /// Where its numbers are from.
     pub source: String,
+    /// Where those of steps and strides are from, if not from there.
+    pub parameters_source: Option<String>,
 }
 
 /// An angle that cannot be known.
@@ -128,6 +132,7 @@ pub fn gait_file(input: &GaitInput, gait: &Gait, norm: Option<&Norm>) -> GaitFil
         source: input.source.clone(),
         fps: input.recording.rate_hz,
         frames: input.recording.frames,
+        cutoff_hz: gait.cutoff_hz,
         surface: gait.course.surface,
         belt_m_s: gait.course.belt_m_s,
         speed_in_room_m_s: gait.course.speed_m_s,
@@ -141,6 +146,7 @@ pub fn gait_file(input: &GaitInput, gait: &Gait, norm: Option<&Norm>) -> GaitFil
         norm: norm.map(|norm| NormPart {
             name: norm.name.clone(),
             source: norm.source.clone(),
+            parameters_source: norm.parameters_source.clone(),
         }),
         unknown: gait.unknown.iter().map(unknown).collect(),
         notes: gait.notes.clone(),

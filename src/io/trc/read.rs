@@ -163,6 +163,7 @@ fn rate_and_unit(
     };
     let metres = match unit.to_ascii_lowercase().as_str() {
         "m" => 1.0,
+        "cm" => 1e-2,
         "mm" => 1e-3,
         _ => {
             let found = unit.to_owned();
