@@ -8,7 +8,6 @@
 
 use nalgebra::{Const, DMatrix, Dyn, Matrix3, OMatrix, Vector3};
 
-use super::posed::scaled;
 use super::{BodyModel, FrameId, Layout, Posed, Primitive, ScaledVector};
 use crate::math::quadric::Ellipsoid;
 
@@ -138,7 +137,7 @@ fn point_columns(
     mut add: impl FnMut(usize, Vector3<f64>),
 ) {
     let own = body.frames[frame.0];
-    let point = own.origin_world + own.world_from_frame * scaled(place, body.shape());
+    let point = own.origin_world + own.world_from_frame * place.at(body.shape());
     if layout.root() == 6 {
         let root = &body.frames[0];
         (0..3).for_each(|k| add(k, Vector3::ith(k, 1.0)));

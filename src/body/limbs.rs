@@ -46,7 +46,7 @@ impl BodyModel {
     }
 
     /// The part on which each part sits.
-    pub(super) fn part_parents(&self) -> Vec<Option<usize>> {
+    pub(crate) fn part_parents(&self) -> Vec<Option<usize>> {
         let first_at = |joint| self.parts.iter().position(|p| p.joint == joint);
         let parent = |part: usize| {
             let mut joint = self.parts[part].joint;

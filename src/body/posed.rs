@@ -41,7 +41,7 @@ impl<'a> Posed<'a> {
         for turn in (1..model.frames()).filter_map(|i| model.turn(FrameId(i))) {
             let joint = &model.joints[turn.joint.0];
             let parent = frames[turn.parent.0];
-            let translation = scaled(&joint.translation, shape);
+            let translation = joint.translation.at(shape);
             let world_from_static = parent.world_from_frame * joint.parent_from_joint.matrix();
             let angle = turn.share * motion.angles[turn.joint.0];
             let turned = Rotation3::from_axis_angle(&joint.axis, angle);
@@ -81,7 +81,7 @@ impl<'a> Posed<'a> {
     /// A point fixed to a part, in the world.
     pub fn point(&self, part: PartId, place: &ScaledVector) -> Point3<f64> {
         let frame = self.frame(part);
-        Point3::from(frame.origin_world + frame.world_from_frame * scaled(place, self.shape))
+        Point3::from(frame.origin_world + frame.world_from_frame * place.at(self.shape))
     }
 
     /// A point of the world in the frame of a part.
@@ -113,8 +113,7 @@ impl<'a> Posed<'a> {
         );
         let squared = Matrix3::from_diagonal(&radii.component_mul(&radii));
         Ellipsoid {
-            centre: frame.origin_world
-                + frame.world_from_frame * scaled(&primitive.centre, self.shape),
+            centre: frame.origin_world + frame.world_from_frame * primitive.centre.at(self.shape),
             shape: axes * squared * axes.transpose(),
         }
     }
@@ -142,7 +141,7 @@ impl<'a> Posed<'a> {
 
     /// Radii of a primitive along its axes, metres.
     pub fn primitive_radii(&self, primitive: &Primitive) -> Vector3<f64> {
-        scaled(&primitive.radii, self.shape)
+        primitive.radii.at(self.shape)
     }
 
     /// The model's ellipsoids in the world.
@@ -155,6 +154,17 @@ impl<'a> Posed<'a> {
     }
 }
 
-pub(super) fn scaled(vector: &ScaledVector, shape: &Shape) -> Vector3<f64> {
-    Vector3::from_fn(|i, _| vector.scale[i].apply(vector.value[i], &shape.0).0)
+impl ScaledVector {
+    /// The three lengths in a body of this shape, metres.
+    pub(crate) fn at(&self, shape: &Shape) -> Vector3<f64> {
+        Vector3::from_fn(|i, _| self.scale[i].apply(self.value[i], &shape.0).0)
+    }
+
+    /// Makes them `lengths` in a body of this shape.
+    pub(crate) fn put(&mut self, lengths: Vector3<f64>, shape: &Shape) {
+        for (i, scale) in self.scale.iter().enumerate() {
+            let [none, one] = [0.0, 1.0].map(|value| scale.apply(value, &shape.0).0);
+            self.value[i] = (lengths[i] - none) / (one - none);
+        }
+    }
 }

@@ -13,13 +13,13 @@ use std::collections::BTreeMap;
 
 use nalgebra::{DVector, Matrix3, Vector3};
 
-use super::{FrameId, JointId, Posed};
+use super::{BodyModel, FrameId, JointId, Posed};
 
 /// A part's bone: the exported points at its two ends.
 #[derive(Debug, Clone, Copy)]
-struct Bone {
-    start: usize,
-    end: usize,
+pub(crate) struct Bone {
+    pub(crate) start: usize,
+    pub(crate) end: usize,
 }
 
 impl Posed<'_> {
@@ -39,7 +39,7 @@ impl Posed<'_> {
     /// By joint. A part without an exported point at its own joint and one at its far end has no bone, and adds nothing.
     pub fn angle_spread(&self) -> DVector<f64> {
         let parents = self.model.part_parents();
-        let bones = self.bones(&parents);
+        let bones = self.model.bones();
         let places = self.points();
         let mut spread = DVector::zeros(self.model.joints.len());
         for (part, parent) in parents.iter().enumerate() {
@@ -53,7 +53,7 @@ impl Posed<'_> {
                 *turns.entry(bone.end).or_default() += turned;
                 *turns.entry(bone.start).or_default() -= turned;
             }
-            for joint in self.own_joints(part, *parent) {
+            for joint in self.model.own_joints(part, *parent) {
                 let axis = self.turns_world[FrameId::of(Some(joint)).0];
                 spread[joint.0] = self.variance_along(&axis, &turns);
             }
@@ -69,29 +69,36 @@ impl Posed<'_> {
         };
         turns.iter().map(of_point).sum()
     }
+}
+
+impl BodyModel {
+    /// The exported point at a part's own joint.
+    pub(crate) fn centre_of_part(&self, part: usize) -> Option<usize> {
+        self.point_of_part(part, |at| at.norm() < 1e-9)
+    }
+
+    fn point_of_part(&self, part: usize, is_it: impl Fn(&Vector3<f64>) -> bool) -> Option<usize> {
+        self.points
+            .iter()
+            .position(|point| match &point.places[..] {
+                [(owner, at)] => owner.0 == part && is_it(&at.value),
+                _ => false,
+            })
+    }
 
     /// By part.
-    fn bones(&self, parents: &[Option<usize>]) -> Vec<Option<Bone>> {
-        let of_part = |part: usize, is_centre: bool| {
-            self.model
-                .points
-                .iter()
-                .position(|point| match &point.places[..] {
-                    [(owner, at)] => owner.0 == part && (at.value.norm() < 1e-9) == is_centre,
-                    _ => false,
-                })
-        };
+    pub(crate) fn bones(&self) -> Vec<Option<Bone>> {
+        let parents = self.part_parents();
         let bone = |part: usize| {
-            let centres = |child: usize| of_part(child, true);
             let children = (0..parents.len()).filter(|&child| parents[child] == Some(part));
-            let ends: Vec<usize> = children.filter_map(centres).collect();
+            let ends: Vec<usize> = children.filter_map(|c| self.centre_of_part(c)).collect();
             let end = match ends.as_slice() {
-                [] => of_part(part, false),
+                [] => self.point_of_part(part, |at| at.norm() >= 1e-9),
                 [only] => Some(*only),
                 _ => None,
             };
             Some(Bone {
-                start: of_part(part, true)?,
+                start: self.centre_of_part(part)?,
                 end: end?,
             })
         };
@@ -99,10 +106,10 @@ impl Posed<'_> {
     }
 
     /// The joints between a part and the one that carries it.
-    fn own_joints(&self, part: usize, parent: Option<usize>) -> Vec<JointId> {
-        let joint_of = |part: usize| self.model.parts[part].joint;
+    pub(crate) fn own_joints(&self, part: usize, parent: Option<usize>) -> Vec<JointId> {
+        let joint_of = |part: usize| self.parts[part].joint;
         let below = parent.and_then(joint_of);
-        let mut own = self.model.chain(joint_of(part));
+        let mut own = self.chain(joint_of(part));
         let carried = own.iter().position(|&j| Some(j) == below);
         own.drain(..carried.map_or(0, |i| i + 1));
         own

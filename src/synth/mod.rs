@@ -7,6 +7,7 @@
 //! |--------------|----------------------------------------------------------------------------|
 //! | `scene.rs`   | [`Ring`]: cameras around a volume                                           |
 //! | `shape.rs`   | [`draw_shape`]: a body drawn from a model's statistics                      |
+//! | `centres.rs` | [`draw_centres`]: where in the flesh a person's joint centres lie       |
 //! | `curves.rs`  | [`Curve`], normative joint angles over the gait cycle                       |
 //! | `gait.rs`    | [`Gait`]: one person's way of walking                                       |
 //! | `contact.rs` | soles, and how the floor holds them                                         |
@@ -16,6 +17,7 @@
 //! | `film/`      | [`FilmRecipe`]: photographs of a person before clutter, by cameras side by side |
 //! | `recording.rs` | [`Synthetic`]: all of it together; [`Recipe`], [`sample_walker`]: how it is made |
 
+mod centres;
 mod cloud;
 mod contact;
 mod curves;
@@ -27,6 +29,7 @@ mod scene;
 mod shape;
 mod walk;
 
+pub use centres::draw_centres;
 pub use cloud::StereoPair;
 pub use curves::Curve;
 pub use film::{FilmError, FilmRecipe, Filmed, Shot, Studio};

@@ -5,8 +5,10 @@ use maquette::body::{BodyModel, Posed};
 use maquette::inference::propagate::Sequence;
 use maquette::inference::search::NoJournal;
 use maquette::pipeline::{Fit, FitOptions, FittedFrame, fit, rest_lengths_m};
-use maquette::synth::{Recipe, Ring, SegmentationErrors, Synthetic};
+use maquette::synth::{Recipe, Ring, SegmentationErrors, Synthetic, draw_centres};
 use nalgebra::Vector3;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
 
 /// What a number is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,6 +35,9 @@ pub(crate) struct Deviation {
 const FRAMES: usize = 40;
 const EVERY: usize = 5;
 
+/// Random stream of the joints' centres; the recipe's own are lower.
+const CENTRES: u64 = 4;
+
 /// |z| below which a standard normal lies with a probability.
 pub(crate) fn quantile(probability: f64) -> f64 {
     use statrs::distribution::{ContinuousCDF, Normal};
@@ -56,7 +61,7 @@ pub(crate) fn deviations(
         errors: Some(SegmentationErrors::MILD),
         stereo: None,
     };
-    let truth = recipe.walker(person).ok()?;
+    let truth = recipe.walker(&individual(&recipe, body, person)?).ok()?;
     let observations = observe(&truth);
     let sequence = Sequence {
         frames: &observations,
@@ -69,6 +74,16 @@ pub(crate) fn deviations(
         deviations.extend(of_frame(body, &truth, frame)?);
     }
     Some(deviations)
+}
+
+/// The person of this recipe with the joints' centres elsewhere in the flesh, as far as publications leave that open.
+///
+/// One draw for all frames. `body` holds the standard deviations; its places are not the person's.
+fn individual(recipe: &Recipe, body: &BodyModel, person: &BodyModel) -> Option<BodyModel> {
+    let drawn = recipe.walker(person).ok()?;
+    let mut rng = ChaCha8Rng::seed_from_u64(recipe.seed);
+    rng.set_stream(CENTRES);
+    Some(draw_centres(person, &drawn.shape, body, &mut rng))
 }
 
 fn deviation(kind: Kind, name: &str, error: f64, sd: f64) -> Deviation {
