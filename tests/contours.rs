@@ -8,7 +8,7 @@ use maquette::io::model;
 use maquette::likelihood::{LikelihoodOptions, Measure};
 use maquette::math::Rigid3;
 use maquette::pipeline::silhouettes::{
-    ContourOptions, Fault, Followed, Follower, FoundPoint, Scene, ShownFrame,
+    ContourOptions, Fault, Followed, Follower, FoundPoint, Scene, ShownFrame, StillScenes,
 };
 use maquette::render;
 use maquette::silhouette::FrameIndex;
@@ -99,7 +99,12 @@ impl Set {
             Measure::Metaballs,
         );
         let body = Posed::new(&self.model, &self.shape, &start);
-        let scene = Scene::new(&self.rig, frame, &body, ContourOptions::default());
+        let scene = Scene::new(
+            &self.rig,
+            (frame, &StillScenes::new()),
+            &body,
+            ContourOptions::default(),
+        );
         Follower::new(&evidence, &self.shape, 25.0).advance(FrameIndex(0), &scene, &start)
     }
 }

@@ -98,10 +98,11 @@ fn silhouettes(arguments: &SilhouettesArguments) -> Result<(), CliError> {
     let model = model::load(&arguments.body, Path::new(""))?;
     check_measure(&model, Some(Measure::Metaballs))?;
     let progress = arguments.quiet.progress();
+    let evidence = work::evidence(&model, &footage);
     // 1. where the body is
     let first = match &arguments.fit {
-        Some(folder) => First::read(folder, &model)?,
-        None => First::by_depth(&footage, frames, &model, progress)?,
+        Some(folder) => First::read(folder, &footage, frames, &model, progress)?,
+        None => First::found(&footage, frames, &evidence, progress)?,
     };
     // 2. contours, frame by frame
     let extras = SilhouetteExtras {
@@ -112,7 +113,7 @@ fn silhouettes(arguments: &SilhouettesArguments) -> Result<(), CliError> {
     let work = work::Work {
         footage: &footage,
         frames,
-        model: &model,
+        evidence: &evidence,
         first: &first,
         pipeline: arguments.pipeline,
     };

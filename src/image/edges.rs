@@ -183,10 +183,11 @@ fn down(plane: &Plane<f32>, kernel: &[f32]) -> Plane<f32> {
 fn strongest([xx, xy, yy]: [f32; 3]) -> [f32; 2] {
     let half = 0.5 * (xx - yy);
     let root = half.hypot(xy);
-    let larger = (0.5 * (xx + yy) + root).max(0.0).sqrt();
-    // the double angle of the eigenvector is that of (half, xy)
-    let angle = 0.5 * xy.atan2(half);
-    let vector = [larger * angle.cos(), larger * angle.sin()];
+    let larger = (0.5 * (xx + yy) + root).max(0.0);
+    // the double angle of the eigenvector is that of (half, xy); without one, any
+    let cosine = if root > 0.0 { half / root } else { 1.0 };
+    let along = |sign: f32| (0.5 * larger * (1.0 + sign * cosine)).max(0.0).sqrt();
+    let vector = [along(1.0), along(-1.0).copysign(xy)];
     if vector.iter().all(|v| v.is_finite()) {
         vector
     } else {

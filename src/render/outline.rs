@@ -5,7 +5,7 @@
 //! at the inside of the model's arm" that "corresponds to nothing".
 //!
 //! The skin is that of the limb whose sum is largest, so the body is the union of its limbs' skins. The outer contours are
-//! those of the union's mask (by casting rays, see [`silhouette`]); an inner contour is a piece of a limb's own contour
+//! those of the union's mask (by casting rays, see [`super::silhouette`]); an inner contour is a piece of a limb's own contour
 //! within the union, where the limb lies before every other that the line of sight meets, and one lies behind it.
 //! Folds of one limb before itself (a forearm before its upper arm) are not found.
 //!
@@ -14,11 +14,11 @@
 use nalgebra::{Point2, Vector2, Vector3};
 
 use super::profile::{Bump, RayProfile};
-use super::silhouette;
+use super::raycast::limb_silhouettes;
 use crate::body::metaball::{Field, THRESHOLD};
 use crate::body::{PartId, Posed};
 use crate::camera::{Camera, Distortion};
-use crate::image::{Runs, resample, trace};
+use crate::image::{Mask, Runs, resample, trace};
 
 /// How far inside the contour a point's line of sight is taken, px.
 const INWARDS_PX: f64 = 1.0;
@@ -66,8 +66,10 @@ pub fn outline(camera: &Camera, body: &Posed<'_>, spacing_px: f64) -> ModelOutli
         body,
     };
     // 1. the union's contours
-    let whole = silhouette(camera, &field);
-    let contours = trace(&Runs::of(&whole));
+    let limbs = limb_silhouettes(camera, &field);
+    let (width, height) = (camera.width_px as usize, camera.height_px as usize);
+    let is_body = |x: usize, y: usize| limbs.iter().any(|limb| limb.is_foreground(x, y));
+    let contours = trace(&Runs::of(&Mask::from_fn(width, height, is_body)));
     let outer = contours.iter().map(|closed| {
         let points = resample(closed, spacing_px);
         let inwards = |i: usize| -outward(&points, i) * INWARDS_PX;
@@ -78,10 +80,8 @@ pub fn outline(camera: &Camera, body: &Posed<'_>, spacing_px: f64) -> ModelOutli
     let outer = outer.filter(|curve: &Vec<_>| !curve.is_empty()).collect();
     // 2. each limb's, where they lie before another limb
     let mut inner = Vec::new();
-    for limb in 0..field.limbs.len() {
-        let mut alone = field.clone();
-        alone.limbs = vec![field.limbs[limb].clone()];
-        for closed in trace(&Runs::of(&silhouette(camera, &alone))) {
+    for (limb, mask) in limbs.iter().enumerate() {
+        for closed in trace(&Runs::of(mask)) {
             sight.inner_pieces(limb, &resample(&closed, spacing_px), &mut inner);
         }
     }
@@ -273,6 +273,35 @@ mod tests {
                 .to_lowercase()
                 .contains("head")
         );
+    }
+
+    #[test]
+    fn the_limbs_masks_together_are_the_bodys() {
+        let model = human();
+        let shape = crate::body::Shape(model.statistics.mean.clone());
+        let mut motion = Motion::rest(&model);
+        for (i, angle) in motion.angles.iter_mut().enumerate() {
+            *angle = [0.3, -0.2, 0.5][i % 3];
+        }
+        let field = Field::of(&Posed::new(&model, &shape, &motion));
+        let lens = Distortion::Fisheye {
+            k1: -0.05,
+            k2: 0.01,
+            k3: 0.0,
+            k4: 0.0,
+        };
+        for distortion in [Distortion::None, lens] {
+            let camera = Camera {
+                distortion,
+                ..camera()
+            };
+            let limbs = limb_silhouettes(&camera, &field);
+            assert!(limbs.len() > 1);
+            let whole = super::super::silhouette(&camera, &field);
+            let together =
+                Mask::from_fn(300, 400, |x, y| limbs.iter().any(|l| l.is_foreground(x, y)));
+            assert_eq!(together, whole);
+        }
     }
 
     #[test]

@@ -1,4 +1,6 @@
-//! Silhouettes of a metaball body by casting rays.
+//! Silhouettes of a metaball body and of its limbs by casting rays.
+
+use std::ops::Range;
 
 use nalgebra::{Matrix3, Point2, Vector2, Vector3};
 
@@ -19,6 +21,32 @@ const TILE_PX: usize = 16;
 /// Pixels are those of the recorded, distorted image; each is undistorted and its ray cast from its centre.
 /// Rays are followed in depth, in the camera frame: x(t) = t·(u, v, 1), so that t > 0 lies before the camera.
 pub fn silhouette(camera: &Camera, field: &Field) -> Mask {
+    let mut pixels = Plane::filled(camera.width_px as usize, camera.height_px as usize, 0u8);
+    cast(camera, field, |caster, columns, y| {
+        let left = columns.start;
+        for (i, pixel) in pixels.row_mut(y)[columns].iter_mut().enumerate() {
+            *pixel = u8::from(caster.hits(left + i, y));
+        }
+    });
+    Mask::brighter_than(&pixels, 0)
+}
+
+/// The mask of each limb as if it were alone, by the same rays; their union is the body's [`silhouette`].
+pub(super) fn limb_silhouettes(camera: &Camera, field: &Field) -> Vec<Mask> {
+    let blank = Plane::filled(camera.width_px as usize, camera.height_px as usize, 0u8);
+    let mut limbs = vec![blank; field.limbs.len()];
+    cast(camera, field, |caster, columns, y| {
+        for x in columns {
+            for limb in caster.limbs_hit(x, y) {
+                limbs[limb].row_mut(y)[x] = 1;
+            }
+        }
+    });
+    limbs.iter().map(|l| Mask::brighter_than(l, 0)).collect()
+}
+
+/// Hands every row of every tile that a metaball is near to `row`: its caster, its columns, and which row it is.
+fn cast(camera: &Camera, field: &Field, mut row: impl FnMut(&mut Caster<'_>, Range<usize>, usize)) {
     // a metaball that is in several limbs is seen in each of them
     let of_limb = |(limb, balls): (usize, &Vec<usize>)| -> Vec<Seen> {
         let seen = |&i: &usize| Seen::new(camera, limb, &field.metaballs[i]);
@@ -26,22 +54,18 @@ pub fn silhouette(camera: &Camera, field: &Field) -> Mask {
     };
     let seen: Vec<Seen> = field.limbs.iter().enumerate().flat_map(of_limb).collect();
     let (width, height) = (camera.width_px as usize, camera.height_px as usize);
-    let mut pixels = Plane::filled(width, height, 0u8);
     for top in (0..height).step_by(TILE_PX) {
         for left in (0..width).step_by(TILE_PX) {
             let near = seen_in_tile(camera, &seen, left, top);
-            if !near.is_empty() {
-                let right = (left + TILE_PX).min(width);
-                let mut caster = Caster::new(camera, near, field.limbs.len());
-                for y in top..(top + TILE_PX).min(height) {
-                    for (x, pixel) in (left..right).zip(&mut pixels.row_mut(y)[left..right]) {
-                        *pixel = u8::from(caster.hits(x, y));
-                    }
-                }
+            if near.is_empty() {
+                continue;
+            }
+            let mut caster = Caster::new(camera, near, field.limbs.len());
+            for y in top..(top + TILE_PX).min(height) {
+                row(&mut caster, left..(left + TILE_PX).min(width), y);
             }
         }
     }
-    Mask::brighter_than(&pixels, 0)
 }
 
 /// A rectangle of undistorted pixels.
@@ -168,13 +192,19 @@ impl<'a> Caster<'a> {
         }
     }
 
-    fn hits(&mut self, x: usize, y: usize) -> bool {
+    /// The line of sight of a pixel, with profiles that are empty.
+    fn aimed(&mut self, x: usize, y: usize) -> Option<Vector3<f64>> {
+        self.profiles.iter_mut().for_each(|p| p.bumps.clear());
         let pixel = Point2::new(x as f64, y as f64);
-        let Some(undistorted) = self.camera.undistort(&pixel) else {
+        let undistorted = self.camera.undistort(&pixel)?;
+        Some(self.camera.intrinsics.normalized(&undistorted).push(1.0))
+    }
+
+    /// Whether a pixel shows the body.
+    fn hits(&mut self, x: usize, y: usize) -> bool {
+        let Some(direction) = self.aimed(x, y) else {
             return false;
         };
-        let direction = self.camera.intrinsics.normalized(&undistorted).push(1.0);
-        self.profiles.iter_mut().for_each(|p| p.bumps.clear());
         for i in 0..self.near.len() {
             let Some(bump) = self.near[i].bump(&direction) else {
                 continue;
@@ -187,5 +217,18 @@ impl<'a> Caster<'a> {
             self.profiles[self.near[i].limb].bumps.push(bump);
         }
         self.profiles.iter().any(|p| p.reaches(THRESHOLD))
+    }
+
+    /// The limbs that the line of sight of a pixel meets.
+    fn limbs_hit(&mut self, x: usize, y: usize) -> impl Iterator<Item = usize> + '_ {
+        if let Some(direction) = self.aimed(x, y) {
+            for seen in &self.near {
+                self.profiles[seen.limb].bumps.extend(seen.bump(&direction));
+            }
+        }
+        let profiles = self.profiles.iter().enumerate();
+        profiles
+            .filter(|(_, p)| p.reaches(THRESHOLD))
+            .map(|(limb, _)| limb)
     }
 }

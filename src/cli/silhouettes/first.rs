@@ -1,51 +1,82 @@
-//! The first fit, which says where to look: read, or fitted to the depths of what moves.
+//! The first fit, which says where to look: read, or fitted to the depths of what moves and then to the contours that it finds.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use crate::body::{BodyModel, Motion, Shape};
+use crate::body::{BodyModel, Motion, Posed, Shape};
 use crate::camera::CameraId;
 use crate::cli::error::CliError;
 use crate::cli::frame_range::span;
 use crate::cli::progress::Progress;
+use crate::inference::Evidence;
+use crate::inference::joint::{JointOptions, joint_optimum};
 use crate::inference::propagate::Sequence;
 use crate::inference::search::NoJournal;
+use crate::inference::sequence::SequenceState;
 use crate::io::frames::Footage;
 use crate::io::result::ResultFile;
-use crate::pipeline::silhouettes::{ShownFrame, StillScene, nearness};
+use crate::likelihood::SkinScale;
+use crate::pipeline::silhouettes::{
+    ContourOptions, Scene, ShownFrame, StillScene, StillScenes, nearness,
+};
 use crate::pipeline::{self, FitOptions, FitTo};
 use crate::silhouette::{FrameIndex, FrameObservations};
 use crate::stereo::{CloudPoint, DepthMap, SideBySide};
 
 /// Frames of which the still scene is made at most.
 const STILL_FRAMES: usize = 40;
+/// Frames to whose contours the shape is fitted at most.
+const SHAPE_FRAMES: usize = 20;
 /// Points of one frame that are fitted to at most.
-const MOST_POINTS: usize = 4000;
+const MOST_POINTS: usize = 1500;
 /// Ways in which the first body may differ from the mean: as many as the shipped bodies have common factors (stature, girth, sex).
 const BUILDS: usize = 3;
 /// Share of their standard deviation that is left to the other ways.
 const HELD: f64 = 0.05;
 
 /// Shape and motion to begin with.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(in crate::cli) struct First {
     pub(super) shape: Shape,
     pub(super) motions: BTreeMap<FrameIndex, Motion>,
+    /// What stands still, of the camera whose depths are fitted to.
+    pub(super) still: StillScenes,
 }
 
 impl First {
     /// That of an earlier fit of the same body.
-    pub(super) fn read(folder: &Path, model: &BodyModel) -> Result<Self, CliError> {
+    pub(super) fn read(
+        folder: &Path,
+        footage: &Footage,
+        frames: &[FrameIndex],
+        model: &BodyModel,
+        progress: Progress,
+    ) -> Result<Self, CliError> {
         let result = ResultFile::read(folder)?;
-        let frames = result.motion.frames.iter();
+        let fitted = result.motion.frames.iter();
+        // cameras that do not stand side by side see no depth
+        let template = SideBySide::of(&footage.rig).ok().map(|s| s.template);
+        let still = template.map(|t| (t, still_scene(footage, (frames, t), progress)));
         Ok(Self {
             shape: result.shape_of(model)?,
-            motions: frames.map(|f| (FrameIndex(f.frame), f.motion())).collect(),
+            motions: fitted.map(|f| (FrameIndex(f.frame), f.motion())).collect(),
+            still: still.into_iter().collect(),
         })
     }
 
+    /// Fitted to the points of what moves, and then to contours as well.
+    pub(super) fn found(
+        footage: &Footage,
+        frames: &[FrameIndex],
+        evidence: &Evidence<'_>,
+        progress: Progress,
+    ) -> Result<Self, CliError> {
+        let first = Self::by_depth(footage, frames, evidence.model, progress)?;
+        Ok(first.shaped(footage, frames, evidence, progress))
+    }
+
     /// Fitted to the points of what moves, by stereo alone.
-    pub(super) fn by_depth(
+    fn by_depth(
         footage: &Footage,
         frames: &[FrameIndex],
         model: &BodyModel,
@@ -56,16 +87,7 @@ impl First {
         })?;
         let template = chosen.template;
         // 1. what does not move
-        let step = frames.len().div_ceil(STILL_FRAMES).max(1);
-        let some: Vec<FrameIndex> = frames.iter().step_by(step).copied().collect();
-        let mut maps = Vec::new();
-        each_depth(
-            footage,
-            (&some, template),
-            (progress, "still scene"),
-            |_, map| maps.push(nearness(map)),
-        );
-        let still = StillScene::of(&maps);
+        let still = still_scene(footage, (frames, template), progress);
         // 2. what does
         let mut observed = Vec::new();
         each_depth(
@@ -94,7 +116,67 @@ impl First {
         Ok(Self {
             shape: fit.shape,
             motions: motions.collect(),
+            still: StillScenes::from([(template, still)]),
         })
+    }
+
+    /// Fitted again, to stereo and to the contours that this body finds in frames spread over the recording: above all its shape, which
+    /// contours from several sides of the person tell and points of one side do not.
+    fn shaped(
+        self,
+        footage: &Footage,
+        frames: &[FrameIndex],
+        evidence: &Evidence<'_>,
+        progress: Progress,
+    ) -> Self {
+        let scale = SkinScale::of(evidence.model);
+        let mut observed = Vec::new();
+        let some = spread(frames, SHAPE_FRAMES);
+        each_shown(footage, &some, (progress, "shape"), |frame, shown| {
+            let Some(motion) = self.motions.get(&frame) else {
+                return;
+            };
+            let body = Posed::new(evidence.model, &self.shape, motion);
+            let scene = Scene::new(
+                &footage.rig,
+                (&shown, &self.still),
+                &body,
+                ContourOptions::default(),
+            );
+            let seen = scene.contours(&body);
+            let points = scene.points_near(&[body], &seen, &scale);
+            observed.push(scene.observed(frame, &seen, points));
+        });
+        self.fitted_to(&observed, evidence, footage.fps)
+    }
+
+    /// Shape and motion of some of its frames at once, fitted to what was observed in them (PF02 § 4.3, step 3).
+    pub(super) fn fitted_to(
+        mut self,
+        observed: &[FrameObservations],
+        evidence: &Evidence<'_>,
+        fps: f64,
+    ) -> Self {
+        if observed.is_empty() {
+            return self;
+        }
+        let motions = observed.iter().filter_map(|o| self.motions.get(&o.frame));
+        let start = SequenceState {
+            shape: self.shape.clone(),
+            motions: motions.cloned().collect(),
+        };
+        let sequence = Sequence {
+            frames: observed,
+            fps,
+        };
+        let joint = joint_optimum(evidence, sequence, start, &JointOptions::default());
+        let fitted = observed.iter().zip(joint.frames);
+        self.motions
+            .extend(fitted.map(|(o, fit)| (o.frame, fit.motion)));
+        Self {
+            shape: joint.shape,
+            ..self
+        }
     }
 }
 
@@ -114,26 +196,60 @@ fn of_plain_build(model: &BodyModel) -> BodyModel {
     plain
 }
 
+/// What one camera sees that does not move, of frames spread over the recording.
+fn still_scene(
+    footage: &Footage,
+    (frames, camera): (&[FrameIndex], CameraId),
+    progress: Progress,
+) -> StillScene {
+    let some = spread(frames, STILL_FRAMES);
+    let mut maps = Vec::new();
+    let told = (progress, "still scene");
+    each_depth(footage, (&some, camera), told, |_, map| {
+        maps.push(nearness(map));
+    });
+    StillScene::of(&maps)
+}
+
 fn thinned(points: Vec<CloudPoint>) -> Vec<CloudPoint> {
     let step = points.len().div_ceil(MOST_POINTS).max(1);
     points.into_iter().step_by(step).collect()
+}
+
+/// At most so many frames, spread over all.
+fn spread(frames: &[FrameIndex], most: usize) -> Vec<FrameIndex> {
+    let step = frames.len().div_ceil(most).max(1);
+    frames.iter().step_by(step).copied().collect()
 }
 
 /// The depth map of one camera in some frames (ascending); frames without one are left out.
 fn each_depth(
     footage: &Footage,
     (frames, camera): (&[FrameIndex], CameraId),
-    (progress, stage): (Progress, &'static str),
+    told: (Progress, &'static str),
     mut take: impl FnMut(FrameIndex, &DepthMap),
+) {
+    each_shown(footage, frames, told, |frame, shown| {
+        if let Some(map) = shown.depth(&footage.rig, camera, None) {
+            take(frame, &map);
+        }
+    });
+}
+
+/// The pictures of some frames (ascending); those that cannot be used are left out.
+fn each_shown(
+    footage: &Footage,
+    frames: &[FrameIndex],
+    (progress, stage): (Progress, &'static str),
+    mut take: impl FnMut(FrameIndex, ShownFrame),
 ) {
     let bar = progress.bar(stage, frames.len());
     for (frame, pictures) in footage.frame_sets(span(frames)) {
         if frames.binary_search(&frame).is_err() {
             continue;
         }
-        let shown = ShownFrame::of(&footage.rig, &pictures);
-        if let Some(map) = shown.ok().and_then(|s| s.depth(&footage.rig, camera, None)) {
-            take(frame, &map);
+        if let Ok(shown) = ShownFrame::of(&footage.rig, &pictures) {
+            take(frame, shown);
         }
         bar.inc(1);
     }

@@ -2,7 +2,7 @@
 
 use nalgebra::Point2;
 
-use super::filter::Filtered;
+use super::filter::{Filtered, around};
 use super::{ContourOptions, Fault};
 use crate::body::PartId;
 use crate::camera::Camera;
@@ -100,6 +100,15 @@ impl ViewContours {
         let all = self.outer.iter().flatten().map(|p| p.reliability);
         let count = self.outer.iter().map(Vec::len).sum::<usize>();
         all.sum::<f64>() / count.max(1) as f64
+    }
+
+    /// The undistorted pixels not farther from the outer contours than `half_px`.
+    pub fn border(&self, camera: &Camera, half_px: u8) -> Mask {
+        around(
+            camera,
+            self.outer.iter().flatten().map(|p| p.pixel),
+            half_px,
+        )
     }
 
     /// The pixels of the recorded image within the outer contours.

@@ -123,22 +123,28 @@ pub(super) fn volume(body: &Posed<'_>, margin_m: f64) -> impl Fn(&CloudPoint) ->
 
 /// The band around an expected outline, in the place of a disparity mask.
 pub fn band_mask(camera: &Camera, outline: &ModelOutline, half_px: f64) -> Mask {
+    let curves = outline.outer.iter().chain(&outline.inner).flatten();
+    let half_px = half_px.ceil().clamp(1.0, 250.0) as u8;
+    around(camera, curves.map(|p| p.pixel), half_px)
+}
+
+/// The pixels of an image that are not farther from some places than `half_px`.
+pub(super) fn around(
+    camera: &Camera,
+    places: impl Iterator<Item = Point2<f64>>,
+    half_px: u8,
+) -> Mask {
     let (width, height) = (camera.width_px as usize, camera.height_px as usize);
     let mut line = Plane::filled(width, height, 0u8);
-    for point in outline.outer.iter().chain(&outline.inner).flatten() {
-        if let Some((x, y)) = rounded(&point.pixel)
-            && let Some(value) = line.row_mut(y).get_mut(x)
-        {
+    for (x, y) in places.filter_map(|p| rounded(&p)) {
+        if let Some(value) = line.row_mut(y).get_mut(x) {
             *value = 1;
         }
     }
-    widened(
-        &Mask::brighter_than(&line, 0),
-        half_px.ceil().clamp(1.0, 250.0) as u8,
-    )
+    widened(&Mask::brighter_than(&line, 0), half_px)
 }
 
-fn rounded(pixel: &Point2<f64>) -> Option<(usize, usize)> {
+pub(super) fn rounded(pixel: &Point2<f64>) -> Option<(usize, usize)> {
     let is_there = pixel.x > -0.5 && pixel.y > -0.5;
     is_there.then(|| (pixel.x.round() as usize, pixel.y.round() as usize))
 }

@@ -24,7 +24,7 @@ use crate::silhouette::snake::SnakeOptions;
 pub use contour::{FoundPoint, ViewContours};
 pub use filter::{Edges, Filtered, band_mask, disparity_mask};
 pub use scene::Scene;
-pub use shown::{ShownFrame, ShownView, StillScene, nearness};
+pub use shown::{ShownFrame, ShownView, StillScene, StillScenes, nearness};
 pub use track::{Followed, Follower};
 
 /// What was found in one view, and through which edges.
@@ -67,6 +67,8 @@ pub struct ContourOptions {
     pub spacing_m: f64,
     /// Distance of neighbouring points of the expected outline, px. Default 2.
     pub outline_px: f64,
+    /// Points nearer to the border of a contour than this are not fitted to, px. Default 4: correlation widens what is near.
+    pub border_px: u8,
     /// Points farther from the skin than this are not fitted to, m. Default 0.1.
     pub near_m: f64,
 }
@@ -88,6 +90,7 @@ impl Default for ContourOptions {
             stiffness_m: 0.018,
             spacing_m: 0.01,
             outline_px: 2.0,
+            border_px: 4,
             near_m: 0.1,
         }
     }

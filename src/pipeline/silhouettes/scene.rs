@@ -4,8 +4,8 @@ use nalgebra::Point3;
 use rayon::prelude::*;
 
 use super::contour::{ViewContours, px_per_m};
-use super::filter::{Edges, Filtered, band_mask, disparity_mask, volume};
-use super::shown::ShownFrame;
+use super::filter::{Edges, Filtered, band_mask, disparity_mask, rounded, volume};
+use super::shown::{ShownFrame, StillScenes};
 use super::{ContourOptions, Seen};
 use crate::body::Posed;
 use crate::camera::{Camera, CameraId, Rig};
@@ -20,12 +20,14 @@ pub struct Scene<'a> {
     rig: &'a Rig,
     shown: &'a ShownFrame,
     depths: Vec<Option<DepthMap>>,
+    /// Of each camera, the points that can be the person's.
+    points: Vec<Vec<CloudPoint>>,
     edges: Vec<Option<Edges>>,
     options: ContourOptions,
 }
 
 /// Points of one frame that are fitted to at most.
-const MOST_POINTS: usize = 4000;
+const MOST_POINTS: usize = 1500;
 /// Depth is looked for so far before and behind the body, m: what stands beside it must not be taken for it.
 const BEYOND_M: f64 = 0.6;
 /// Least depth that is looked for, m.
@@ -33,9 +35,12 @@ const NEAREST_M: f64 = 0.3;
 
 impl<'a> Scene<'a> {
     /// Looks for edges, and for depths about where a body is expected; there are none where no camera stands beside.
+    ///
+    /// Where still scenes are known, points are taken from their cameras alone, and only what is before them: a floor or a chair that is
+    /// near a foot would be fitted to.
     pub fn new(
         rig: &'a Rig,
-        shown: &'a ShownFrame,
+        (shown, still): (&'a ShownFrame, &StillScenes),
         body: &Posed<'_>,
         options: ContourOptions,
     ) -> Self {
@@ -46,9 +51,20 @@ impl<'a> Scene<'a> {
             let range = depths_of(camera, body);
             shown.depth(rig, CameraId(i), range)
         });
+        let depths: Vec<Option<DepthMap>> = depths.collect();
+        let points =
+            depths
+                .iter()
+                .enumerate()
+                .map(|(i, depth)| match (depth, still.get(&CameraId(i))) {
+                    (Some(depth), Some(still)) => still.before(depth),
+                    (Some(depth), None) if still.is_empty() => depth.points.clone(),
+                    _ => Vec::new(),
+                });
         Self {
             edges: edges.collect(),
-            depths: depths.collect(),
+            points: points.collect(),
+            depths,
             rig,
             shown,
             options,
@@ -83,22 +99,42 @@ impl<'a> Scene<'a> {
         Some(Filtered::of(edges, mask, &self.options))
     }
 
-    /// The points of all depth maps that lie near a body's skin.
-    pub fn points_near(&self, body: &Posed<'_>, scale: &SkinScale) -> Vec<CloudPoint> {
-        let is_in = volume(body, self.options.near_m);
-        let maps = self.depths.iter().flatten().flat_map(|map| &map.points);
-        let inside: Vec<CloudPoint> = maps.filter(|p| is_in(p)).copied().collect();
-        let stride = inside.len().div_ceil(2 * MOST_POINTS).max(1);
-        let some: Vec<CloudPoint> = inside.into_iter().step_by(stride).collect();
+    /// The points that lie near the skin of a body, where one of some bodies is, and not on the border of the contours.
+    pub fn points_near(
+        &self,
+        bodies: &[Posed<'_>],
+        seen: &[Option<Seen>],
+        scale: &SkinScale,
+    ) -> Vec<CloudPoint> {
+        let near_m = self.options.near_m;
+        let boxes: Vec<_> = bodies.iter().map(|body| volume(body, near_m)).collect();
+        let mut inside = Vec::new();
+        for (i, points) in self.points.iter().enumerate() {
+            let camera = &self.rig.cameras[i];
+            let border = seen.get(i).and_then(Option::as_ref);
+            let border = border.map(|s| s.contours.border(camera, self.options.border_px));
+            let is_border = |p: &CloudPoint| {
+                let pixel = camera.project_undistorted(&p.position_world);
+                let place = pixel.and_then(|p| rounded(&p));
+                place
+                    .zip(border.as_ref())
+                    .is_some_and(|((x, y), b)| b.is_foreground(x, y))
+            };
+            let is_in = |p: &&CloudPoint| boxes.iter().any(|is_in| is_in(p)) && !is_border(p);
+            inside.extend(points.iter().filter(is_in));
+        }
+        let some = thinned(inside, 2 * MOST_POINTS);
         let places = some.iter().map(SurfacePoint::from).collect();
         let field = PointField::new(places, PointOptions::default(), scale.clone());
-        let touches = field.residuals(body);
-        if touches.len() != some.len() {
-            return some;
+        let mut nearest = vec![f64::INFINITY; some.len()];
+        for body in bodies {
+            for (nearest, touch) in nearest.iter_mut().zip(field.residuals(body)) {
+                *nearest = nearest.min(touch.residual_m.abs());
+            }
         }
-        let near = some.into_iter().zip(touches);
-        let near = near.filter(|(_, t)| t.residual_m.abs() < self.options.near_m);
-        near.map(|(point, _)| point).take(MOST_POINTS).collect()
+        let near = some.into_iter().zip(nearest);
+        let near = near.filter(|(_, distance_m)| *distance_m < near_m);
+        thinned(near.map(|(point, _)| point).collect(), MOST_POINTS)
     }
 
     /// What a frame shows: silhouettes and points.
@@ -118,6 +154,12 @@ impl<'a> Scene<'a> {
             ..FrameObservations::nothing(frame)
         }
     }
+}
+
+/// At most so many points, of all places alike.
+fn thinned(points: Vec<CloudPoint>, most: usize) -> Vec<CloudPoint> {
+    let step = points.len().div_ceil(most).max(1);
+    points.into_iter().step_by(step).collect()
 }
 
 /// Least and greatest depth that is looked for, m; `None` for a body that has no size.

@@ -97,6 +97,9 @@ const CELL_M: f64 = 0.1;
 /// A cell of fewer points is stray.
 const LEAST_IN_CELL: usize = 3;
 
+/// The still scenes of those cameras of which they are known.
+pub type StillScenes = BTreeMap<CameraId, StillScene>;
+
 impl StillScene {
     /// The still scene of the [`nearness`] of one camera's depth maps, of frames spread over the recording.
     pub fn of(maps: &[Plane<f32>]) -> Self {
@@ -127,9 +130,14 @@ impl StillScene {
     }
 
     /// The points of a depth map of the same camera that are before the still scene: the largest piece that hangs together.
+    pub fn moving(&self, map: &DepthMap) -> Vec<CloudPoint> {
+        largest_piece(self.before(map))
+    }
+
+    /// The points of a depth map of the same camera that are before the still scene.
     ///
     /// Without the border of what moves: correlation by windows makes it wider than it is, and a body fitted to it too fat.
-    pub fn moving(&self, map: &DepthMap) -> Vec<CloudPoint> {
+    pub fn before(&self, map: &DepthMap) -> Vec<CloudPoint> {
         let now = nearness(map);
         let moves = |x: usize, y: usize| match (now.get(x, y), self.nearness.get(x, y)) {
             (Some(now), Some(still)) => now > still + NEARER_PX,
@@ -142,7 +150,7 @@ impl StillScene {
             let beside = |k: usize| (*x + k % 3).checked_sub(1).zip((*y + k / 3).checked_sub(1));
             (0..9).all(|k| beside(k).is_some_and(|(x, y)| moves(x, y)))
         });
-        largest_piece(inside.map(|(_, point)| *point).collect())
+        inside.map(|(_, point)| *point).collect()
     }
 }
 

@@ -64,20 +64,38 @@ impl<'a> Follower<'a> {
         // 2. active contours from it
         let first = scene.contours(&posed(&predicted));
         // 3. the body fitted to stereo and silhouettes, from there and from where stereo alone has it
-        let points = scene.points_near(&posed(stereo), &self.scale);
+        let either = [posed(&predicted), posed(stereo)];
+        let points = scene.points_near(&either, &first, &self.scale);
         let observed = scene.observed(frame, &first, points);
         let motion = self.fitted(frame, &observed, &[&predicted, stereo]);
         // 4. active contours from its outline
-        let seen = scene.contours(&posed(&motion));
-        let points = scene.points_near(&posed(&motion), &self.scale);
+        let body = posed(&motion);
+        let seen = scene.contours(&body);
+        let points = scene.points_near(&[body], &seen, &self.scale);
         let observed = scene.observed(frame, &seen, points);
         let motion = self.fitted(frame, &observed, &[&motion]);
-        self.before = self.last.replace((frame, motion.clone()));
+        self.remember(frame, &motion);
         Followed {
             motion,
             seen,
             observed,
         }
+    }
+
+    /// The next frame's motion by stereo alone, of which `stereo` is a first guess: the simple pipeline (PF02 § 4.1).
+    pub fn by_stereo(&mut self, frame: FrameIndex, scene: &Scene<'_>, stereo: &Motion) -> Motion {
+        let predicted = self.predicted(frame).unwrap_or_else(|| stereo.clone());
+        let posed = |motion: &Motion| Posed::new(self.evidence.model, self.shape, motion);
+        let either = [posed(&predicted), posed(stereo)];
+        let points = scene.points_near(&either, &[], &self.scale);
+        let observed = scene.observed(frame, &[], points);
+        let motion = self.fitted(frame, &observed, &[&predicted, stereo]);
+        self.remember(frame, &motion);
+        motion
+    }
+
+    fn remember(&mut self, frame: FrameIndex, motion: &Motion) {
+        self.before = self.last.replace((frame, motion.clone()));
     }
 
     /// Where constant velocity leads; `None` in the first frame.
