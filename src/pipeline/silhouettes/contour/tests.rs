@@ -93,6 +93,20 @@ fn a_contour_without_fault_is_found_and_relied_on() {
 }
 
 #[test]
+fn the_border_of_a_contour_is_as_wide_as_asked() {
+    let outline = expected(circle(MIDDLE, 42.0));
+    let found = found(&outline, disk(MIDDLE, 40.0), &ContourOptions::default());
+    for half_px in [2, 6] {
+        let border = found.border(&camera(), half_px);
+        let is_border = |off: i32| border.is_foreground((120 + off) as usize, 70);
+        let near = i32::from(half_px) - 1;
+        assert!(is_border(-near) && is_border(0) && is_border(near));
+        let far = i32::from(half_px) + 2;
+        assert!(!is_border(-far) && !is_border(far));
+    }
+}
+
+#[test]
 fn a_body_out_of_view_is_a_fault_without_a_silhouette() {
     let found = found(
         &ModelOutline::default(),
