@@ -13,7 +13,7 @@ use crate::io::result::{HypothesisPart, OriginPart, OutcomePart, ResultFile};
 use crate::math::stats::mean;
 
 /// Hypotheses that are listed.
-const MOST_HYPOTHESES: usize = 12;
+const MOST_HYPOTHESES: usize = 10;
 
 pub(super) fn page(input: &ReportInput<'_>) -> Page {
     Page {
