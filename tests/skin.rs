@@ -219,10 +219,10 @@ fn worm(branch: &str) -> BodyModel {
         ("b", "parent = \"a\"\n"),
         ("c", "parent = \"b\"\n"),
     ] {
-        text += &format!("[[part]]\nname = \"{name}\"\n{parent}at = [0.0, 0.0, 0.3]\n");
+        text += &format!("[[part]]\nname = \"{name}\"\n{parent}");
         if !parent.is_empty() {
             text += &format!(
-                "[[part.joint]]\nname = \"bend_{name}\"\naxis = \"y\"\nlimits_deg = [-150.0, 150.0]\n"
+                "at = [0.0, 0.0, 0.3]\n[[part.joint]]\nname = \"bend_{name}\"\naxis = \"y\"\nlimits_deg = [-150.0, 150.0]\n"
             );
             text += "spread_deg = 30.0\nspeed_deg = 60.0\n";
         }
