@@ -138,6 +138,23 @@ fn a_camera_without_a_picture_has_no_mask_and_the_others_have() {
 }
 
 #[test]
+fn an_overexposed_picture_has_no_mask_and_speaks_against_nobody() {
+    let rig = rig();
+    let segmenter = learned(&rig, SegmentOptions::default());
+    let mut some = pictures(&rig, 5);
+    some[2] = Some(Picture::filled(SIZE.0 as usize, SIZE.1 as usize, [255; 3]));
+    let cuts = segmenter.segment(&some);
+    assert!(cuts[2].is_none());
+    some[2] = None;
+    for (cut, without) in cuts.iter().zip(segmenter.segment(&some)) {
+        assert_eq!(
+            cut.as_ref().map(|c| &c.mask),
+            without.as_ref().map(|c| &c.mask)
+        );
+    }
+}
+
+#[test]
 fn nothing_in_the_pictures_is_no_fault() {
     let rig = rig();
     let empty = |frame| {

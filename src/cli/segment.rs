@@ -99,12 +99,14 @@ pub(super) fn masks(
     bar.finish_and_clear();
     let count = all.iter().filter(|frame| frames.contains(&frame.0)).count();
     let bar = progress.bar("masks", count);
-    let rows = segmented::write(folder, footage, &segmenter, frames, extras, &|| bar.inc(1))?;
+    let (rows, odd) =
+        segmented::write(folder, footage, &segmenter, frames, extras, &|| bar.inc(1))?;
     bar.finish_and_clear();
     let mut notes: Vec<String> = footage
         .notes
         .iter()
         .chain(&found)
+        .chain(&odd)
         .map(FramesNote::to_string)
         .collect();
     for (id, share) in segmented::never_left(footage, &segmenter) {

@@ -15,7 +15,7 @@ use super::{complain, print};
 use crate::camera::CameraId;
 use crate::io::frames::Footage;
 use crate::io::out_folder::check_out;
-use crate::io::recording::{Recording, RecordingError};
+use crate::io::recording::{Note, Recording, RecordingError};
 use crate::io::stereo::{MeasuredFrame, StereoFolder};
 use crate::silhouette::FrameIndex;
 use crate::stereo::SideBySide;
@@ -129,7 +129,7 @@ pub(super) fn run(arguments: &StereoArguments) -> Result<(), CliError> {
     let footage = Footage::open(&arguments.recording, arguments.fps)?;
     let all = footage.frames();
     let frames = FrameRange::of(arguments.frames, &all)?;
-    cameras(&footage, &arguments.settings.cameras)?;
+    let used = cameras(&footage, &arguments.settings.cameras)?;
     let masks = masks(&arguments.recording, footage.fps)?;
     let tell = |kind: &str, line: &str| {
         if !arguments.quiet.is_on() {
@@ -140,12 +140,9 @@ pub(super) fn run(arguments: &StereoArguments) -> Result<(), CliError> {
         .notes
         .iter()
         .for_each(|note| tell("note", &note.to_string()));
-    if masks.is_none() {
-        tell(
-            "note",
-            "no masks: everything that the cameras show is measured, not the person alone",
-        );
-    }
+    masks_notes(&footage, &used, masks.as_ref())
+        .iter()
+        .for_each(|note| tell("note", note));
     // 2. frame by frame
     let (out, progress) = (&arguments.out, arguments.quiet.progress());
     let masks = masks.as_ref();
@@ -171,6 +168,27 @@ fn masks(path: &Path, fps: f64) -> Result<Option<Recording>, CliError> {
         Err(RecordingError::NoMasks { .. }) => Ok(None),
         Err(fault) => Err(fault.into()),
     }
+}
+
+/// What is odd about the masks; that pictures are not read for them is not.
+fn masks_notes(footage: &Footage, used: &[CameraId], masks: Option<&Recording>) -> Vec<String> {
+    let Some(masks) = masks else {
+        let all = "no masks: everything that the cameras show is measured, not the person alone";
+        return vec![all.into()];
+    };
+    let odd = masks
+        .notes
+        .iter()
+        .filter(|note| !matches!(note, Note::Ignored { .. }));
+    let template = used.first().and_then(|id| footage.rig.camera(*id));
+    let bare = template.filter(|camera| masks.rig.by_name(&camera.name).is_none());
+    let bare = bare.map(|camera| {
+        format!(
+            "camera {}: no masks: everything that it shows is measured",
+            camera.name
+        )
+    });
+    odd.map(ToString::to_string).chain(bare).collect()
 }
 
 /// What a run found.

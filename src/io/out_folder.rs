@@ -101,20 +101,42 @@ impl OutFolder {
         Ok(Self { path: path.into() })
     }
 
-    /// Removes what an older run wrote, where `mark` stands, which a run writes last; else nothing, for it may be the user's.
+    /// Begins a run that writes `mark` last: removes what an older one wrote, also one that was stopped; else nothing, for
+    /// it may be the user's.
     ///
     /// # Errors
-    /// [`OutError::Write`] names what could not be removed.
-    pub fn clear(&self, mark: &str, others: &[&str]) -> Result<(), OutError> {
-        if !self.path.join(mark).is_file() {
-            return Ok(());
-        }
-        for name in others.iter().chain([&mark]) {
-            let place = self.path.join(name);
+    /// [`OutError::Write`] names what could not be removed or written.
+    pub fn begin(&self, mark: &str, others: &[&str]) -> Result<(), OutError> {
+        let begun = self.begun(mark);
+        if self.path.join(mark).is_file() || begun.is_file() {
             let nothing = self.path.join(UNFINISHED);
-            replace(&nothing, &place).map_err(|source| OutError::write(&place, source))?;
+            for place in others
+                .iter()
+                .chain([&mark])
+                .map(|name| self.path.join(name))
+            {
+                replace(&nothing, &place).map_err(|source| OutError::write(&place, source))?;
+            }
         }
+        fs::write(&begun, "").map_err(|source| OutError::write(&begun, source))
+    }
+
+    /// Ends the run that was begun with this mark: writes it.
+    ///
+    /// # Errors
+    /// [`OutError::Write`] names it.
+    pub fn finish(&self, mark: &str, bytes: io::Result<Vec<u8>>) -> Result<(), OutError> {
+        let place = self.path.join(mark);
+        let bytes = bytes.map_err(|source| OutError::write(&place, source))?;
+        write_atomically(&place, &bytes)?;
+        // what cannot be removed makes the next run clear what this one wrote, which it does anyway
+        let _ = fs::remove_file(self.begun(mark));
         Ok(())
+    }
+
+    /// Stands while the run of a mark is not finished.
+    fn begun(&self, mark: &str) -> PathBuf {
+        self.path.join(format!(".begun-{mark}"))
     }
 
     /// Where the journal of a run is.
@@ -279,6 +301,28 @@ mod tests {
         let nowhere = folder.path().join("no/where");
         let message = write_atomically(&nowhere, b"").unwrap_err().to_string();
         assert!(message.contains("no/where: cannot be written"), "{message}");
+    }
+
+    #[test]
+    fn what_a_stopped_run_wrote_is_removed_by_the_next_and_what_was_there_before_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let out = OutFolder::open(folder.path()).unwrap();
+        fs::write(at("notes.txt"), "mine").unwrap();
+        fs::create_dir(at("masks")).unwrap();
+        out.begin("quality.csv", &["masks"]).unwrap();
+        assert!(at("masks").exists(), "no run made it");
+        // the first run is stopped here
+        out.begin("quality.csv", &["masks"]).unwrap();
+        assert!(!at("masks").exists());
+        out.finish("quality.csv", Ok(b"frame".to_vec())).unwrap();
+        let mut left: Vec<_> = fs::read_dir(folder.path())
+            .unwrap()
+            .flatten()
+            .map(|e| e.file_name())
+            .collect();
+        left.sort();
+        assert_eq!(left, ["notes.txt", "quality.csv"]);
     }
 
     #[test]

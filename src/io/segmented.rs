@@ -16,6 +16,7 @@ use super::png::{self, Effort};
 use super::table;
 use crate::camera::CameraId;
 use crate::image::{Mask, Picture, Plane};
+use crate::pipeline::Frames;
 use crate::pipeline::segment::{Cut, SegmentOptions, Segmenter, Training};
 use crate::silhouette::FrameIndex;
 
@@ -38,7 +39,7 @@ pub const QUALITY: &str = "quality.csv";
 ///
 /// # Errors
 /// [`OutError::Write`].
-pub(super) fn open(root: &Path) -> Result<(), OutError> {
+pub(super) fn open(root: &Path) -> Result<OutFolder, OutError> {
     let folder = OutFolder::open(root)?;
     let mut older = vec![
         "masks",
@@ -51,7 +52,8 @@ pub(super) fn open(root: &Path) -> Result<(), OutError> {
     if !root.join("result.json").exists() {
         older.push("overlays");
     }
-    folder.clear(QUALITY, &older)
+    folder.begin(QUALITY, &older)?;
+    Ok(folder)
 }
 
 /// One line of `quality.csv`.
@@ -101,6 +103,8 @@ pub fn learn(
 
 /// Segments frames and writes their masks into a folder, in which those of an older run are removed; `done` is called after each frame.
 ///
+/// A note for each camera in whose pictures nobody is, or whose pictures could not be segmented.
+///
 /// # Errors
 /// [`OutError`] for the first file that cannot be written.
 pub fn write(
@@ -110,9 +114,9 @@ pub fn write(
     frames: RangeInclusive<usize>,
     extras: Extras,
     done: &(dyn Fn() + Sync),
-) -> Result<Vec<QualityRow>, OutError> {
+) -> Result<(Vec<QualityRow>, Vec<FramesNote>), OutError> {
     let writer = Writer::new(folder, footage, extras)?;
-    let mut rows = Vec::new();
+    let (mut rows, mut without) = (Vec::new(), vec![Vec::new(); footage.rig.cameras.len()]);
     let mut sets = footage.frame_sets(frames);
     let at_once = rayon::current_num_threads();
     loop {
@@ -120,27 +124,51 @@ pub fn write(
         if batch.is_empty() {
             break;
         }
-        let written: Vec<Result<Vec<QualityRow>, OutError>> = batch
+        let cut: Vec<(Vec<Option<Cut>>, Result<_, OutError>)> = batch
             .par_iter()
             .map(|(frame, pictures)| {
                 let cuts = segmenter.segment(pictures);
                 let rows = writer.write(*frame, pictures, &cuts);
                 done();
-                rows
+                (cuts, rows)
             })
             .collect();
-        for row in written {
-            rows.extend(row?);
+        for ((frame, pictures), (cuts, written)) in batch.iter().zip(cut) {
+            rows.extend(written?);
+            for ((without, picture), cut) in without.iter_mut().zip(pictures).zip(cuts) {
+                without.extend((picture.is_some() && cut.is_none()).then_some(*frame));
+            }
         }
     }
-    table::write(&folder.join(QUALITY), &rows)?;
-    Ok(rows)
+    table::finish(&writer.out, QUALITY, &rows)?;
+    let notes = notes(footage, &rows, without);
+    Ok((rows, notes))
+}
+
+/// What is odd about the masks of each camera.
+fn notes(footage: &Footage, rows: &[QualityRow], without: Vec<Vec<FrameIndex>>) -> Vec<FramesNote> {
+    let names = || footage.rig.names().map(str::to_owned);
+    let lost = names()
+        .zip(without)
+        .filter(|(_, frames)| !frames.is_empty());
+    let lost = lost.map(|(camera, frames)| FramesNote::OtherLight {
+        camera,
+        frames: Frames(frames),
+    });
+    let nobody = names().filter_map(|camera| {
+        let own = || rows.iter().filter(|row| row.camera == camera);
+        let pictures = own().count();
+        let is_empty = pictures > 0 && own().all(|row| row.area_px == 0);
+        is_empty.then_some(FramesNote::Nobody { camera, pictures })
+    });
+    lost.chain(nobody).collect()
 }
 
 /// Where each camera's files go.
 struct Writer {
     names: Vec<String>,
     folders: Vec<PathBuf>,
+    out: OutFolder,
     root: PathBuf,
     extras: Extras,
 }
@@ -157,7 +185,7 @@ impl Writer {
             ("probability", extras.probability),
             ("mask-overlays", extras.overlays),
         ];
-        open(root)?;
+        let out = open(root)?;
         for (kind, _) in kinds.iter().filter(|(_, is_wanted)| *is_wanted) {
             for folder in &folders {
                 let path = root.join(kind).join(folder);
@@ -167,6 +195,7 @@ impl Writer {
         Ok(Self {
             names: footage.rig.names().map(str::to_owned).collect(),
             folders,
+            out,
             root: root.into(),
             extras,
         })

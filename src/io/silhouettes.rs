@@ -47,6 +47,7 @@ pub struct ContourRow {
 /// The folder of a run.
 #[derive(Debug)]
 pub struct SilhouetteFolder {
+    out: OutFolder,
     root: PathBuf,
     extras: SilhouetteExtras,
     rows: Vec<ContourRow>,
@@ -58,8 +59,8 @@ impl SilhouetteFolder {
     /// # Errors
     /// [`OutError`].
     pub fn open(root: &Path, extras: SilhouetteExtras) -> Result<Self, OutError> {
-        segmented::open(root)?;
         Ok(Self {
+            out: segmented::open(root)?,
             root: root.into(),
             extras,
             rows: Vec::new(),
@@ -120,7 +121,7 @@ impl SilhouetteFolder {
     /// # Errors
     /// [`OutError`].
     pub fn finish(self) -> Result<Vec<ContourRow>, OutError> {
-        table::write(&self.root.join(QUALITY), &self.rows)?;
+        table::finish(&self.out, QUALITY, &self.rows)?;
         Ok(self.rows)
     }
 }

@@ -25,6 +25,7 @@ const STEPS: f32 = 256.0;
 #[derive(Debug)]
 pub struct StereoFolder {
     path: PathBuf,
+    out: OutFolder,
     file_from_world: Rigid3,
 }
 
@@ -49,12 +50,14 @@ impl StereoFolder {
     /// [`OutError::Write`].
     pub fn open(path: &Path, up: Up) -> Result<Self, OutError> {
         let older = ["points", "disparity", "pictures", "trajectories.csv"];
-        OutFolder::open(path)?.clear(TABLE, &older)?;
+        let out = OutFolder::open(path)?;
+        out.begin(TABLE, &older)?;
         for folder in ["points", "disparity"] {
             OutFolder::open(&path.join(folder))?;
         }
         Ok(Self {
             path: path.into(),
+            out,
             file_from_world: up.world_from_file().inverse(),
         })
     }
@@ -64,7 +67,7 @@ impl StereoFolder {
     /// # Errors
     /// [`OutError::Write`].
     pub fn table(&self, frames: &[MeasuredFrame]) -> Result<(), OutError> {
-        table::write(&self.path.join(TABLE), frames)
+        table::finish(&self.out, TABLE, frames)
     }
 
     /// Writes `points/%06d.ply`: metres, in the world of the recording's files, each with its covariance.

@@ -124,8 +124,9 @@ fn bad_pictures_are_told_in_one_line() {
     RgbImage::new(10, 10).save(&empty).expect("a picture");
     let said = segment(&arm, &[]).succeeded();
     assert!(
-        said.err
-            .contains("cam_02.png: 1 pictures of another size (10 × 10 px): not used"),
+        said.err.contains(
+            "cam_02.png: 1 picture of another size (10 × 10 px, expected 160 × 120 px): not used"
+        ),
         "{}",
         said.err
     );

@@ -171,6 +171,62 @@ fn what_an_older_run_left_is_removed_and_what_is_not_its_own_stays() {
 }
 
 #[test]
+fn a_frame_of_which_the_template_has_no_mask_is_not_measured_and_a_folder_of_no_camera_is_told() {
+    let folder = tempfile::tempdir().expect("a folder");
+    record(folder.path(), 2);
+    let mask = |camera: &str, frame: usize| {
+        let masks = folder.path().join("masks").join(camera);
+        fs::create_dir_all(&masks).expect("a folder");
+        image::GrayImage::from_pixel(SIZE.0, SIZE.1, image::Luma([255]))
+            .save(masks.join(format!("{frame:06}.png")))
+            .expect("a mask");
+    };
+    for camera in ["left", "right", "middel"] {
+        mask(camera, 0);
+        mask(camera, 1);
+    }
+    let recording = folder.path().display().to_string();
+    let run_into = |out: &str| {
+        let out = folder.path().join(out);
+        let arguments = [
+            &recording,
+            "--fps",
+            "25",
+            "--out",
+            &out.display().to_string(),
+        ]
+        .map(String::from);
+        let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+        let quick = ["--method", "correlation", "--depth", "1.5:3"];
+        let ran = run(&[&["stereo"], &arguments[..], &quick].concat()).succeeded();
+        (
+            ran.err,
+            fs::read_to_string(out.join("stereo.csv")).expect("a table"),
+        )
+    };
+    let (said, _) = run_into("bare");
+    assert!(said.contains("middel"), "{said}");
+    assert!(
+        said.contains("camera middle: no masks: everything that it shows"),
+        "{said}"
+    );
+    fs::remove_dir_all(folder.path().join("masks/middel")).expect("removed");
+    mask("middle", 0);
+    let (said, table) = run_into("masked");
+    assert!(
+        said.contains("1 frame without points, frame 1 first: camera middle has no mask of it"),
+        "{said}"
+    );
+    assert!(
+        table
+            .lines()
+            .nth(1)
+            .is_some_and(|line| !line.starts_with("0,0,")),
+        "{table}"
+    );
+}
+
+#[test]
 fn masks_that_cannot_be_used_are_told_and_not_taken_for_none() {
     let folder = tempfile::tempdir().expect("a folder");
     record(folder.path(), 1);

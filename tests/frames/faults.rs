@@ -77,6 +77,21 @@ fn a_file_that_is_no_video_is_named() {
 }
 
 #[test]
+fn a_file_that_is_no_video_costs_its_camera_alone() {
+    let folder = folder();
+    if !video(&folder, "videos/a.avi", 3, &["-c:v", "mjpeg"]) {
+        return;
+    }
+    write(&folder, "videos/b.avi", "not a video at all");
+    let footage = Footage::open(folder.path(), None).unwrap();
+    assert_eq!(footage.rig.names().collect::<Vec<_>>(), ["a"]);
+    assert_eq!(footage.frames().len(), 3);
+    let line = footage.notes[0].to_string();
+    let parts = ["camera b: ", "no video in this file", ": not used"];
+    assert!(parts.iter().all(|part| line.contains(part)), "{line}");
+}
+
+#[test]
 fn a_video_with_sound_alone_is_named() {
     let folder = folder();
     // a WAV of one silent sample, under a video's name
@@ -146,7 +161,7 @@ fn an_image_of_another_size_is_left_out() {
     assert_eq!(greys.len(), 1);
     assert_eq!(
         notes[0].to_string(),
-        "camera a: 1 pictures of another size (10 × 10 px): not used"
+        "camera a: 1 picture of another size (10 × 10 px, expected 64 × 48 px): not used"
     );
 }
 

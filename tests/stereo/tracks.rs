@@ -67,6 +67,34 @@ fn points_of_a_moving_wall_keep_their_place_on_it_and_have_its_velocity() {
 }
 
 /// A trajectory along x, with an extra place from `from` on.
+#[test]
+fn a_point_that_a_small_patch_loses_is_followed_by_a_larger_one() {
+    let first = shown(Vector3::zeros());
+    let options = MatchOptions {
+        spacing_px: 10,
+        least_region: 0,
+        ..MatchOptions::default()
+    };
+    let [middle, left, right] = &first.views[..] else {
+        panic!("three views")
+    };
+    let found = match_surface(middle, &[left, right], None, &[], &options).unwrap();
+    let followed = |larger_radius_px| {
+        let options = TrackOptions {
+            radius_px: 2,
+            larger_radius_px,
+            ..TrackOptions::default()
+        };
+        let mut tracker = Tracker::start(0, first.clone(), &found.points, options).unwrap();
+        tracker
+            .advance(shown(Vector3::new(0.02, 0.0, 0.0)))
+            .unwrap();
+        tracker.followed()
+    };
+    let (small, larger) = (followed(2), followed(6));
+    assert!(larger > small, "{small} and {larger}");
+}
+
 fn path(y: f64, speed: f64, from: usize, extra: f64) -> Trajectory {
     let point = |i: usize| CloudPoint {
         position_world: Point3::new(

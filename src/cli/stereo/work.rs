@@ -92,6 +92,7 @@ impl Work<'_> {
         Ok(shown)
     }
 
+    /// The camera's mask, where it has masks; a frame of which the template has none is not measured.
     fn mask(&self, camera: &str, frame: FrameIndex) -> Result<Option<Mask>, String> {
         let Some(recording) = self.masks else {
             return Ok(None);
@@ -99,7 +100,13 @@ impl Work<'_> {
         let Some((id, _)) = recording.rig.by_name(camera) else {
             return Ok(None);
         };
-        recording.load_mask(id, frame).map_err(|e| e.to_string())
+        let mask = recording.load_mask(id, frame).map_err(|e| e.to_string())?;
+        let is_template =
+            self.footage.rig.by_name(camera).map(|(id, _)| id) == self.cameras.first().copied();
+        match mask {
+            None if is_template => Err(format!("camera {camera} has no mask of it")),
+            mask => Ok(mask),
+        }
     }
 
     /// Every pair of the template and another camera.

@@ -14,6 +14,13 @@ pub enum FramesNote {
         /// The camera.
         camera: String,
     },
+    /// A camera whose video holds no pictures, among others that have some.
+    Unusable {
+        /// The camera.
+        camera: String,
+        /// What is wrong with the file.
+        reason: String,
+    },
     /// Pictures whose name is no calibrated camera's.
     Uncalibrated {
         /// The name.
@@ -68,6 +75,22 @@ pub enum FramesNote {
         pictures: usize,
         /// Width and height of the first.
         found: [usize; 2],
+        /// Width and height of the camera.
+        expected: [usize; 2],
+    },
+    /// Pictures that differ from the empty scene nearly everywhere.
+    OtherLight {
+        /// The camera.
+        camera: String,
+        /// The frames.
+        frames: Frames,
+    },
+    /// Nobody was found.
+    Nobody {
+        /// The camera.
+        camera: String,
+        /// In how many pictures.
+        pictures: usize,
     },
     /// The decoder cannot be run any more.
     Stopped {
@@ -88,6 +111,9 @@ impl fmt::Display for FramesNote {
                     f,
                     "camera {camera}: no images or video in the manifest: not used"
                 )
+            }
+            Self::Unusable { camera, reason } => {
+                write!(f, "camera {camera}: {reason}: not used")
             }
             Self::Uncalibrated { camera } => {
                 write!(
@@ -143,15 +169,27 @@ impl FramesNote {
                 reason,
             } => write!(
                 f,
-                "{whose}: damaged, {times} complaints of the decoder, first: {reason}: the pictures are used as they came"
+                "{whose}: damaged, {} of the decoder, first: {reason}: the pictures are used as they came",
+                counted(*times, "complaint")
             ),
             Self::WrongSize {
                 whose,
                 pictures,
                 found: [width, height],
+                expected: [columns, rows],
             } => write!(
                 f,
-                "{whose}: {pictures} pictures of another size ({width} × {height} px): not used"
+                "{whose}: {} of another size ({width} × {height} px, expected {columns} × {rows} px): not used",
+                counted(*pictures, "picture")
+            ),
+            Self::OtherLight { camera, frames } => write!(
+                f,
+                "camera {camera}: {} ({frames}) with more than half of it other than the empty scene, over-exposed or moved: no masks of that",
+                counted(frames.0.len(), "picture")
+            ),
+            Self::Nobody { camera, pictures } => write!(
+                f,
+                "camera {camera}: nobody in any of its {pictures} pictures"
             ),
             Self::Stopped {
                 whose,
@@ -163,4 +201,10 @@ impl FramesNote {
             _ => Ok(()),
         }
     }
+}
+
+/// `1 picture`, `2 pictures`.
+fn counted(count: usize, thing: &str) -> String {
+    let plural = if count == 1 { "" } else { "s" };
+    format!("{count} {thing}{plural}")
 }

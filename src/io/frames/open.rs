@@ -76,12 +76,33 @@ fn find(
     if with.is_empty() {
         return Err(FramesError::NoPictures { path: path.into() });
     }
-    let found = with
-        .into_iter()
-        .map(|camera| Ok((found(folder, &camera)?, camera)));
-    found
-        .map(|one| one.map(|(found, camera)| (camera, found)))
-        .collect()
+    usable(folder, with, notes)
+}
+
+/// The cameras whose pictures can be read; a video that holds none costs its camera alone, as long as there are others.
+fn usable(
+    folder: &Path,
+    cameras: Vec<CameraFiles>,
+    notes: &mut Vec<FramesNote>,
+) -> Result<Vec<(CameraFiles, Found)>, FramesError> {
+    let (mut usable, mut first_fault) = (Vec::new(), None);
+    for camera in cameras {
+        match found(folder, &camera) {
+            Ok(found) => usable.push((camera, found)),
+            Err(fault @ FramesError::NoVideo { .. }) => {
+                notes.push(FramesNote::Unusable {
+                    camera: camera.name,
+                    reason: fault.to_string(),
+                });
+                first_fault.get_or_insert(fault);
+            }
+            Err(fault) => return Err(fault),
+        }
+    }
+    match first_fault {
+        Some(fault) if usable.is_empty() => Err(fault),
+        _ => Ok(usable),
+    }
 }
 
 fn found(folder: &Path, camera: &CameraFiles) -> Result<Found, FramesError> {

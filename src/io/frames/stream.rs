@@ -298,6 +298,7 @@ impl Work {
                 whose,
                 pictures,
                 found,
+                expected: self.size,
             });
         }
         self.notes

@@ -11,6 +11,8 @@ use crate::silhouette::{Shrunk, Support};
 
 /// Below this evidence a pixel does not tell by itself what it shows.
 const UNDECIDED: f32 = 1.0;
+/// A picture of which more than this share differs from the empty scene shows another light, or moved; nobody is so large.
+const LARGEST_CHANGE: f64 = 0.5;
 /// Pixels around what may be the person, in which neighbours are looked at.
 const MARGIN: usize = 6;
 
@@ -90,7 +92,8 @@ impl Segmenter {
         self.views.iter().map(share).collect()
     }
 
-    /// The person in each picture of a frame; `None` for a camera without a picture.
+    /// The person in each picture of a frame; `None` for a camera without a picture, and for a picture most of which is
+    /// other than the empty scene.
     pub fn segment(&self, pictures: &[Option<Picture>]) -> Vec<Option<Cut>> {
         let small: Vec<Option<Picture>> = pictures
             .par_iter()
@@ -139,6 +142,7 @@ impl Segmenter {
             .par_iter()
             .zip(&self.views)
             .map(|(picture, view)| Some(view.evidence(picture.as_ref()?, &self.options)))
+            .map(|own| own.filter(|own| !is_another_scene(own)))
             .collect();
         let Some(support) = &self.support else {
             return Evidence {
@@ -179,6 +183,12 @@ impl Segmenter {
         }
         labels
     }
+}
+
+/// Whether the light, the exposure or the camera changed, and not a person came.
+fn is_another_scene(own: &Plane<f32>) -> bool {
+    let changed = own.values().iter().filter(|l| **l > 0.0).count();
+    changed as f64 > LARGEST_CHANGE * own.values().len() as f64
 }
 
 fn painted(runs: &Runs) -> Plane<u8> {

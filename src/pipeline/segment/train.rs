@@ -147,7 +147,7 @@ impl CameraTraining {
             let sigma = ((along * along + 2.0 * across * across) / 3.0).sqrt();
             self.hue_noise = (across.max(1.0) / along.max(2.0)).clamp(LEAST_HUE_NOISE, 1.0);
             let options = MixtureOptions {
-                first_sigma: (2.0 * sigma).max(MixtureOptions::default().first_sigma),
+                first_sigma: sigma.max(MixtureOptions::default().first_sigma),
                 least_sigma: (0.8 * sigma).max(LEAST_SIGMA),
                 ..MixtureOptions::default()
             };
@@ -195,6 +195,7 @@ fn noise(a: &Picture, b: &Picture) -> [f32; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::synth::Ring;
 
     #[test]
     fn key_frames_are_evenly_spaced_and_as_many_as_asked_for() {
@@ -208,24 +209,47 @@ mod tests {
         assert_eq!(keys(1000, 16).len(), 16);
     }
 
+    /// A picture of one colour with grain of σ in all channels alike.
+    fn grainy(random: &mut u32, sigma: f64) -> Picture {
+        let mut grain = || {
+            *random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            // nearly normal
+            let sum: u32 = (0..4).map(|i| (*random >> (8 * i)) & 0xff).sum();
+            (f64::from(sum) - 510.0) / 147.8 * sigma
+        };
+        let values = (0..4000).map(|_| {
+            let light = grain();
+            [100.0, 130.0, 90.0].map(|c| (c + light).round() as u8)
+        });
+        Picture::from_values(80, 50, values.collect()).unwrap()
+    }
+
     #[test]
     fn the_noise_of_brightness_and_hue_is_told_from_two_pictures() {
-        let mut random = 7_u32;
-        let mut grain = || {
-            random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            // nearly normal, of σ = 4
-            let sum: u32 = (0..4).map(|i| (random >> (8 * i)) & 0xff).sum();
-            (f64::from(sum) - 510.0) / 147.8 * 4.0
-        };
-        let mut picture = || {
-            let values = (0..4000).map(|_| {
-                let light = grain();
-                [100.0, 130.0, 90.0].map(|c| (c + light).round() as u8)
-            });
-            Picture::from_values(80, 50, values.collect()).unwrap()
-        };
-        let [along, across] = noise(&picture(), &picture());
+        let mut random = 7;
+        let [along, across] = noise(&grainy(&mut random, 4.0), &grainy(&mut random, 4.0));
         assert!((along - 4.0 * 3_f32.sqrt()).abs() < 0.7, "{along}");
         assert!(across < 0.5, "{across}");
+    }
+
+    #[test]
+    fn one_picture_of_the_empty_scene_is_no_noisier_than_the_recording_shows() {
+        let ring = Ring {
+            cameras: 1,
+            width_px: 80,
+            height_px: 50,
+            ..Ring::default()
+        };
+        let mut training = Training::new(&ring.regular(), 20, SegmentOptions::default());
+        let mut random = 3;
+        training.add_empty(CameraId(0), &grainy(&mut random, 12.0));
+        for _ in 0..20 {
+            training.add(&[Some(grainy(&mut random, 12.0))]);
+        }
+        let mixture = training.cameras[0].finished();
+        let variances = (0..50).flat_map(|y| (0..80).map(move |x| (x, y)));
+        let variances = variances.map(|(x, y)| mixture.mode(0, x, y).variance);
+        let sigma = (variances.sum::<f32>() / 4000.0).sqrt();
+        assert!((11.0..14.5).contains(&sigma), "{sigma}");
     }
 }

@@ -27,6 +27,8 @@ pub use trajectory::{TrackPoint, Trajectory};
 pub struct TrackOptions {
     /// A patch has (2·radius + 1)² pixels. 6: 13 × 13 (PFD99).
     pub radius_px: usize,
+    /// The larger patch in time where that one fails. 9: 19 × 19.
+    pub larger_radius_px: usize,
     /// Half the search box around the predicted place. 10.
     pub search_px: usize,
     /// The same where there is no motion yet to predict from. 24.
@@ -45,6 +47,7 @@ impl Default for TrackOptions {
     fn default() -> Self {
         Self {
             radius_px: 6,
+            larger_radius_px: 9,
             search_px: 10,
             first_search_px: 24,
             least_correlation: 0.6,
@@ -237,25 +240,38 @@ impl Step<'_> {
         })
     }
 
+    /// Where the point is in the next image of a view, by its patch or, where that fails, by a larger one.
     fn temporal(&self, track: &Track, view: usize) -> Option<temporal::Moved> {
         let options = self.options;
+        let radii = [options.radius_px, options.larger_radius_px];
+        let mut found = radii
+            .iter()
+            .filter_map(|radius| self.temporal_with(track, view, *radius));
+        found.find(|moved| {
+            moved.correlation >= options.least_correlation
+                && moved.sigma_px <= options.most_sigma_px
+        })
+    }
+
+    fn temporal_with(&self, track: &Track, view: usize, radius: usize) -> Option<temporal::Moved> {
         let place = track.last[view];
-        let patch = self.patch(view, place)?;
+        let patch = self.patch(view, place, radius)?;
         let (expected, reach) = match &track.before {
-            Some(before) => (place + (place - before[view]), options.search_px),
-            None => (place, options.first_search_px),
+            Some(before) => (place + (place - before[view]), self.options.search_px),
+            None => (place, self.options.first_search_px),
         };
         let image = &self.next.views[view].image;
         let start = temporal::search(&patch, image, &expected, reach)?;
-        let moved = temporal::fit(&patch, image, &start)?;
-        let good = moved.correlation >= options.least_correlation
-            && moved.sigma_px <= options.most_sigma_px;
-        good.then_some(moved)
+        temporal::fit(&patch, image, &start)
     }
 
     /// The patch around a place in this frame, without what does not show the subject.
-    fn patch(&self, view: usize, place: Point2<f64>) -> Option<Vec<(f64, f64, f32)>> {
-        let radius = self.options.radius_px;
+    fn patch(
+        &self,
+        view: usize,
+        place: Point2<f64>,
+        radius: usize,
+    ) -> Option<Vec<(f64, f64, f32)>> {
         let pixels = if view == 0 {
             Patch::around(&self.here, place, radius).pixels().to_vec()
         } else {
