@@ -34,7 +34,7 @@ pub(super) struct Input<'a> {
 }
 
 /// Rows whose paths are followed side by side: each alone would wait for its own last step.
-const ABREAST: usize = 2;
+const ABREAST: usize = 4;
 
 /// Writes the disparities of `rows` into `found`, row by row; NaN where there is none.
 ///
@@ -48,9 +48,9 @@ pub(super) fn band<const D: usize>(input: &Input<'_>, rows: Range<usize>, found:
     }
     let width = input.width_left.max(1);
     for (y, found) in rows.step_by(ABREAST).zip(found.chunks_mut(ABREAST * width)) {
-        // a last row may be alone: the other one goes along all the same, and must not overflow
-        if found.len() < ABREAST * width {
-            work.rows[1].sums.fill(Lane([0; D]));
+        // fewer rows may be left: the others go along all the same, and must not overflow
+        for row in work.rows.iter_mut().skip(found.len() / width) {
+            row.sums.fill(Lane([0; D]));
         }
         for (i, _) in found.chunks(width).enumerate() {
             work.costs(input, y + i, i);
@@ -68,39 +68,46 @@ pub(super) fn band<const D: usize>(input: &Input<'_>, rows: Range<usize>, found:
 #[repr(align(64))]
 struct Lane<const D: usize>([u8; D]);
 
-/// One path's costs at one pixel, L_r(p, d), and their minimum.
-#[derive(Clone, Copy)]
-struct Path<const D: usize> {
-    costs: Lane<D>,
-    least: u8,
+/// Where some paths are: the costs L_r(p, d) of each at its last pixel, and their minimum.
+///
+/// In memory, with impossible disparities between one path and the next: so d − 1 and d + 1 are the same bytes read one place
+/// farther, where compilers take a shift of one vector apart into single bytes.
+struct Paths<const D: usize> {
+    costs: Vec<u8>,
+    least: Vec<u8>,
 }
 
-impl<const D: usize> Path<D> {
-    const START: Self = Self {
-        costs: Lane([0; D]),
-        least: 0,
-    };
+/// Impossible disparities before each path, and after the last.
+const BETWEEN: usize = 64;
 
-    /// The path at its next pixel, which costs C(p, d) itself.
-    #[inline(always)]
-    fn step(&self, costs: &[u8; D], (p1, p2): (u8, u8)) -> Self {
-        let from_any = self.least.saturating_add(p2);
-        let mut beside = [u8::MAX; D];
-        beside[1..].copy_from_slice(&self.costs.0[..D - 1]);
-        for (beside, above) in beside.iter_mut().zip(&self.costs.0[1..]) {
-            *beside = (*beside).min(*above);
-        }
-        let mut next = [0; D];
-        for d in 0..D {
-            let before = self.costs.0[d]
-                .min(beside[d].saturating_add(p1))
-                .min(from_any);
-            next[d] = costs[d] + (before - self.least);
-        }
+impl<const D: usize> Paths<D> {
+    fn start(count: usize) -> Self {
+        let mut costs = [[NEVER; BETWEEN].as_slice(), &[0; D]]
+            .concat()
+            .repeat(count);
+        costs.extend([NEVER; BETWEEN]);
         Self {
-            least: least(&next),
-            costs: Lane(next),
+            costs,
+            least: vec![0; count],
         }
+    }
+
+    /// Takes one of the paths to its next pixel, which costs C(p, d) itself.
+    #[inline(always)]
+    fn step(&mut self, path: usize, costs: &Lane<D>, (p1, p2): (u8, u8)) -> Lane<D> {
+        let place = path * (BETWEEN + D) + BETWEEN;
+        let least_before = self.least[path];
+        let from_any = least_before.saturating_add(p2);
+        let before = &mut self.costs[place - 1..place + D + 1];
+        let mut next = Lane([0; D]);
+        for d in 0..D {
+            let beside = before[d].min(before[d + 2]).saturating_add(p1);
+            let before = before[d + 1].min(beside).min(from_any);
+            next.0[d] = costs.0[d] + (before - least_before);
+        }
+        before[1..=D].copy_from_slice(&next.0);
+        self.least[path] = least(&next.0);
+        next
     }
 }
 
@@ -139,8 +146,10 @@ fn least_of_sixteen(lanes: [u8; 16]) -> u8 {
 struct Work<const D: usize> {
     /// C(x, d) of each row, and then the sum of its paths.
     rows: [Row<D>; ABREAST],
-    /// The path from above at each x.
-    above: Vec<Lane<D>>,
+    /// The paths from above, of each x.
+    from_above: Paths<D>,
+    /// Those from the left and from the right, of each row.
+    from_sides: Paths<D>,
     /// Signatures of the other image from right to left, so that rising disparities lie side by side.
     mirrored: [Vec<u8>; 3],
     /// Place of the other image's rightmost pixel in what is mirrored.
@@ -169,7 +178,8 @@ impl<const D: usize> Work<D> {
                 costs: vec![Lane([0; D]); left],
                 sums: vec![Lane([0; D]); left],
             }),
-            above: vec![Lane([0; D]); left],
+            from_above: Paths::start(left),
+            from_sides: Paths::start(2 * ABREAST),
             mirrored: std::array::from_fn(|_| vec![0; length]),
             margin,
             chosen: vec![(NEVER, 0); right],
@@ -211,13 +221,8 @@ impl<const D: usize> Work<D> {
     fn go_down(&mut self, options: &CorrelationOptions, i: usize) {
         let penalties = (options.step_penalty, options.jump_penalty);
         let Row { costs, sums } = &mut self.rows[i];
-        for ((above, costs), sums) in self.above.iter_mut().zip(costs).zip(sums) {
-            let path = Path {
-                least: least(&above.0),
-                costs: *above,
-            };
-            *above = path.step(&costs.0, penalties).costs;
-            *sums = *above;
+        for (x, (costs, sums)) in costs.iter().zip(sums).enumerate() {
+            *sums = self.from_above.step(x, costs, penalties);
         }
     }
 
@@ -225,15 +230,16 @@ impl<const D: usize> Work<D> {
     #[inline(always)]
     fn along_the_rows(&mut self, options: &CorrelationOptions) {
         let penalties = (options.step_penalty, options.jump_penalty);
-        let mut paths = [[Path::<D>::START; 2]; ABREAST];
-        let width = self.above.len();
+        let width = self.best.len();
+        self.from_sides = Paths::start(2 * ABREAST);
         for x in 0..width {
-            for (row, [from_left, from_right]) in self.rows.iter_mut().zip(&mut paths) {
-                *from_left = from_left.step(&row.costs[x].0, penalties);
-                add(&mut row.sums[x], &from_left.costs);
-                let x = width - 1 - x;
-                *from_right = from_right.step(&row.costs[x].0, penalties);
-                add(&mut row.sums[x], &from_right.costs);
+            for (i, Row { costs, sums }) in self.rows.iter_mut().enumerate() {
+                for (path, x) in [(2 * i, x), (2 * i + 1, width - 1 - x)] {
+                    add(
+                        &mut sums[x],
+                        &self.from_sides.step(path, &costs[x], penalties),
+                    );
+                }
             }
         }
     }
@@ -314,7 +320,7 @@ fn first_of<const D: usize>(values: &[u8; D], lowest: u8) -> u8 {
 fn is_unique<const D: usize>(sums: &[u8; D], best: u8, options: &CorrelationOptions) -> bool {
     let mut others = [NEVER; D];
     for d in 0..D {
-        let near = (d as u8).abs_diff(best) <= 1;
+        let near = (d as u8).wrapping_sub(best.wrapping_sub(1)) <= 2;
         others[d] = if near { NEVER } else { sums[d] };
     }
     f32::from(least(&others)) >= f32::from(sums[usize::from(best)]) * (1.0 + options.uniqueness)
