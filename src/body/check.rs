@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{BodyModel, EllipsoidJacobians, Layout, Posed, State};
+use super::{BodyModel, EllipsoidJacobians, Layout, PartId, Posed, State};
 use crate::math::quadric::Ellipsoid;
 use crate::math::{central_differences, first_difference};
 
@@ -10,7 +10,7 @@ use crate::math::{central_differences, first_difference};
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("∂({what})[{row}]/∂δ[{component}] is {analytic} and {numeric} by differences")]
 pub struct KinematicsFault {
-    /// Which point or ellipsoid.
+    /// Which point, part or ellipsoid.
     pub what: String,
     /// Which of its numbers.
     pub row: usize,
@@ -22,7 +22,7 @@ pub struct KinematicsFault {
     pub numeric: f64,
 }
 
-/// Checks the Jacobians of every exported point and ellipsoid of a model at a state.
+/// Checks the Jacobians of every exported point, part and ellipsoid of a model at a state.
 ///
 /// # Errors
 /// The first entry that is off by more than `tolerance` (absolute, metres or square metres per unit).
@@ -45,6 +45,19 @@ pub fn check_kinematics(
             &numeric,
             tolerance,
         )?;
+    }
+    for (index, part) in model.parts.iter().enumerate() {
+        let part_from_world = body.world_from_part(PartId(index)).transpose();
+        let numeric = central_differences(layout.total(), 1e-3, |delta| {
+            let moved = layout.retract(state, delta);
+            let moved = Posed::new(model, &moved.shape, &moved.motion);
+            let r = part_from_world * moved.world_from_part(PartId(index));
+            // sin φ · axis, whose slope at no turn is that of φ · axis
+            let twice = [r.m32 - r.m23, r.m13 - r.m31, r.m21 - r.m12];
+            DVector::from_iterator(3, twice.map(|v| 0.5 * v))
+        });
+        let analytic = body.rotation_jacobian(PartId(index));
+        compare(&part.name, &analytic, &numeric, tolerance)?;
     }
     let mut jacobians = EllipsoidJacobians::new(model);
     jacobians.update(&body, &body.ellipsoids());

@@ -8,7 +8,7 @@
 
 use nalgebra::{Const, DMatrix, Dyn, Matrix3, OMatrix, Vector3};
 
-use super::{BodyModel, FrameId, Layout, Posed, Primitive, ScaledVector};
+use super::{BodyModel, FrameId, Layout, PartId, Posed, Primitive, ScaledVector};
 use crate::math::quadric::Ellipsoid;
 
 /// 9 × any number of columns.
@@ -183,6 +183,25 @@ pub(super) fn stretch_columns(
 }
 
 impl Posed<'_> {
+    /// ∂(rotation of a part)/∂(state) about the part's own axes, 3 × all components.
+    pub fn rotation_jacobian(&self, part: PartId) -> DMatrix<f64> {
+        let layout = Layout::of(self.model);
+        let mut jacobian = DMatrix::zeros(3, layout.total());
+        let part_from_world = self.world_from_part(part).transpose();
+        let mut turn = |component: usize, axis_world: Vector3<f64>| {
+            jacobian.set_column(component, &(part_from_world * axis_world));
+        };
+        if layout.root() == 6 {
+            let root = self.frames[0].world_from_frame;
+            (0..3).for_each(|k| turn(3 + k, root.column(k).into_owned()));
+        }
+        let frame = FrameId::of(self.model.parts[part.0].joint);
+        for (frame, by) in self.model.path(frame) {
+            turn(layout.angle(by.joint), self.turns_world[frame.0]);
+        }
+        jacobian
+    }
+
     /// ∂(exported point)/∂(state), 3 × all components.
     pub fn point_jacobian(&self, index: usize) -> DMatrix<f64> {
         let layout = Layout::of(self.model);

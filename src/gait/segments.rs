@@ -15,7 +15,7 @@ use super::angles::Angle;
 use super::complete::pelvis_frame;
 use super::landmark::{Landmark, Paired, Side};
 use super::recording::{Recording, Track};
-use crate::body::{BodyModel, Motion, Posed, Shape};
+use crate::body::{BodyModel, Motion, PartId, Posed, Shape};
 
 /// A part of a limb.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -74,20 +74,10 @@ impl Segments {
     ///
     /// Parts are found by the names that the shipped models give them.
     pub fn of_body(model: &BodyModel, shape: &Shape, motions: &[Option<Motion>]) -> Self {
-        let mut parts = vec![(Segment::Pelvis, "pelvis".to_owned())];
-        parts.push((Segment::Trunk, "thorax".to_owned()));
-        for (name, limb) in PARTS {
-            parts.push((Segment::Of(Side::Left, limb), format!("{name}_l")));
-            parts.push((Segment::Of(Side::Right, limb), format!("{name}_r")));
-        }
         let mut segments = Self::default();
         let posed = |motion: &Option<Motion>| Some(Posed::new(model, shape, motion.as_ref()?));
         let bodies: Vec<Option<Posed<'_>>> = motions.iter().map(posed).collect();
-        for (segment, name) in parts {
-            let Some(part) = model.parts.iter().position(|p| p.name == name) else {
-                continue;
-            };
-            let part = crate::body::PartId(part);
+        for (segment, part) in Self::of_model(model) {
             let axes = |body: &Option<Posed<'_>>| {
                 body.as_ref()
                     .map_or(unknown(), |b| isb_from_model(&b.world_from_part(part)))
@@ -102,6 +92,25 @@ impl Segments {
             segments.unknown.insert(Angle::KneeRotation, reason);
         }
         segments
+    }
+
+    /// The segments that a body model has, and its parts.
+    pub fn of_model(model: &BodyModel) -> Vec<(Segment, PartId)> {
+        let trunk = [
+            (Segment::Pelvis, "pelvis".to_owned()),
+            (Segment::Trunk, "thorax".to_owned()),
+        ];
+        let limbs = PARTS.into_iter().flat_map(|(name, limb)| {
+            Side::BOTH.map(|side| {
+                (
+                    Segment::Of(side, limb),
+                    format!("{name}_{}", &side.name()[..1]),
+                )
+            })
+        });
+        let part = |name: &str| model.parts.iter().position(|p| p.name == name);
+        let found = |(segment, name): (Segment, String)| Some((segment, PartId(part(&name)?)));
+        trunk.into_iter().chain(limbs).filter_map(found).collect()
     }
 
     /// The parts that places of the body span.

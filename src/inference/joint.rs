@@ -14,7 +14,7 @@ use super::propagate::{FrameFit, Sequence};
 use super::sequence::{SequencePosterior, SequenceState};
 use super::start::Detail;
 use super::step::MotionModel;
-use crate::body::{BodyModel, Layout, Motion, Posed, Shape};
+use crate::body::{BodyModel, Layout, Motion, PartId, Posed, Shape};
 use crate::likelihood::{PlacedResidual, Term};
 use crate::solver::{
     BorderedChain, Marginal, Options, Problem, QuadraticModel, Report, levenberg_marquardt,
@@ -68,8 +68,8 @@ pub struct Uncertainty {
 pub struct FrameUncertainty {
     /// Of the root's origin, world axes; 0 if it is fixed.
     pub position_sd_m: Vector3<f64>,
-    /// Of the root's orientation, about its own axes; 0 if it is fixed.
-    pub rotation_sd: Vector3<f64>,
+    /// Of the orientation in the world of each part, about its own axes; 0 of one that nothing turns.
+    pub parts_sd: Vec<Vector3<f64>>,
     /// Of the angles, with what the places of the joints' centres in the flesh leave open, see [`Posed::angle_spread`].
     pub angles_sd: DVector<f64>,
     /// Covariance of each exported point, square metres: the estimate's, and of where it lies in the flesh.
@@ -223,9 +223,8 @@ fn frame_uncertainty(
     all.fill_upper_triangle_with_lower_triangle();
     let variances = motion.diagonal().map(|v| v.max(0.0));
     let angles_sd = variances.rows(layout.root(), m - layout.root()) + body.angle_spread();
-    let sd = variances.map(f64::sqrt);
-    let root = |first: usize| match layout.root() {
-        6 => Vector3::new(sd[first], sd[first + 1], sd[first + 2]),
+    let position_sd_m = match layout.root() {
+        6 => Vector3::from(variances.fixed_rows::<3>(0)).map(f64::sqrt),
         _ => Vector3::zeros(),
     };
     let carried = |jacobian: &DMatrix<f64>| {
@@ -237,9 +236,11 @@ fn frame_uncertainty(
         let moved = body.point_jacobian(right) - body.point_jacobian(left);
         carried(&moved) + body.point_spread(right) + body.point_spread(left)
     };
+    let turned = |part: usize| carried(&body.rotation_jacobian(PartId(part))).diagonal();
+    let parts = (0..body.model.parts.len()).map(turned);
     Some(FrameUncertainty {
-        position_sd_m: root(0),
-        rotation_sd: root(3),
+        position_sd_m,
+        parts_sd: parts.map(|v| v.map(|v| v.max(0.0).sqrt())).collect(),
         angles_sd: angles_sd.map(f64::sqrt),
         points: (0..body.model.points.len()).map(point).collect(),
         apart: body.model.point_pairs().into_iter().map(apart).collect(),

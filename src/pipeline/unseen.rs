@@ -119,7 +119,7 @@ mod tests {
             },
             uncertainty: Some(FrameUncertainty {
                 position_sd_m: Vector3::zeros(),
-                rotation_sd: Vector3::zeros(),
+                parts_sd: Vec::new(),
                 angles_sd: DVector::from_row_slice(angles_sd),
                 points: Vec::new(),
                 apart: Vec::new(),

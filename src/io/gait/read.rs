@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use nalgebra::{Point3, Vector3};
 
 use crate::body::{BodyModel, Motion, Shape};
-use crate::gait::{Angle, Landmark, Paired, Recording, RecordingError, Segments, Side, Track};
+use crate::gait::{
+    Angle, Landmark, Limb, Paired, Recording, RecordingError, Segment, Segments, Side, Track,
+};
 use crate::io::model::{self, ModelFileError};
 use crate::io::result::{FramePart, ResultError, ResultFile};
 use crate::io::trc::{TrcError, rate_of_times, read_trc};
@@ -226,7 +228,7 @@ fn cameras(result: &ResultFile, frames: &[Option<&FramePart>]) -> Vec<u8> {
 }
 
 fn deviations_of_angles(segments: &mut Segments, model: &BodyModel, frames: &[Option<&FramePart>]) {
-    deviations_of_pelvis(segments, model, frames);
+    deviations_in_the_room(segments, model, frames);
     for side in Side::BOTH {
         let letter = &side.name()[..1];
         for angle in Angle::ALL {
@@ -246,23 +248,55 @@ fn deviations_of_angles(segments: &mut Segments, model: &BodyModel, frames: &[Op
     }
 }
 
-/// The three angles of a pelvis that is the root: to first order in its tilt and obliquity they turn it about its own axes,
-/// obliquity about the one that points forwards, tilt to the left, rotation up.
-fn deviations_of_pelvis(segments: &mut Segments, model: &BodyModel, frames: &[Option<&FramePart>]) {
-    if model.parts.first().is_none_or(|root| root.name != "pelvis") {
-        return;
-    }
-    let about = [
-        Angle::PelvisObliquity,
-        Angle::PelvisTilt,
-        Angle::PelvisRotation,
-    ];
-    for (axis, angle) in about.into_iter().enumerate() {
-        let sd = |frame: &Option<&FramePart>| Some(frame.as_ref()?.sd.as_ref()?.rotation_rad[axis]);
-        if frames.iter().any(|f| sd(f).is_some()) {
-            let sd: Vec<f64> = frames.iter().map(|f| sd(f).unwrap_or(f64::NAN)).collect();
+/// Angles of pelvis, trunk and feet in the room.
+///
+/// To first order in tilt and obliquity, pelvis and trunk are turned by obliquity about their own axis that points forwards, by
+/// tilt about the one to the left and by rotation about the one upwards. A foot's direction on the floor turns with the
+/// foot about its own upward axis, by 1/cos θ of that when its sole is pitched by θ.
+fn deviations_in_the_room(
+    segments: &mut Segments,
+    model: &BodyModel,
+    frames: &[Option<&FramePart>],
+) {
+    for (segment, part) in Segments::of_model(model) {
+        let sd = |frame: &Option<&FramePart>| {
+            let known = frame.and_then(|f| f.sd.as_ref()?.parts_rad.get(part.0));
+            known.map_or(Vector3::repeat(f64::NAN), |sd| Vector3::from(*sd))
+        };
+        let sd: Vec<Vector3<f64>> = frames.iter().map(sd).collect();
+        if sd.iter().all(|sd| sd.x.is_nan()) {
+            continue;
+        }
+        let about = |axis: usize| sd.iter().map(|sd| sd[axis]).collect::<Vec<f64>>();
+        let angles = match segment {
+            Segment::Pelvis => [
+                Angle::PelvisObliquity,
+                Angle::PelvisTilt,
+                Angle::PelvisRotation,
+            ],
+            Segment::Trunk => [
+                Angle::TrunkObliquity,
+                Angle::TrunkTilt,
+                Angle::TrunkRotation,
+            ],
+            Segment::Of(side, Limb::Foot) => {
+                let Some(axes) = segments.axes.get(&segment) else {
+                    continue;
+                };
+                let level = axes.iter().map(|axes| axes.column(0).xy().norm());
+                let turned = about(2)
+                    .into_iter()
+                    .zip(level)
+                    .map(|(sd, level)| sd / level);
+                let key = (side, Angle::FootProgression);
+                segments.angle_sd.insert(key, turned.collect());
+                continue;
+            }
+            Segment::Of(..) => continue,
+        };
+        for (axis, angle) in angles.into_iter().enumerate() {
             for side in Side::BOTH {
-                segments.angle_sd.insert((side, angle), sd.clone());
+                segments.angle_sd.insert((side, angle), about(axis));
             }
         }
     }
@@ -298,6 +332,57 @@ fn deviations_apart(recording: &mut Recording, model: &BodyModel, frames: &[Opti
         let track: Vec<_> = frames.iter().map(sd).collect();
         if track.iter().any(|sd| sd.x.is_finite()) {
             recording.apart_sd_m.insert(place, track);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{DVector, Rotation3};
+
+    use super::*;
+    use crate::io::result::FrameSdPart;
+
+    #[test]
+    fn trunk_and_feet_err_about_their_own_axes_and_a_raised_foot_twice_as_much_on_the_floor() {
+        let model = model::load("human-ellipsoids", Path::new("")).unwrap();
+        let pitched = Rotation3::from_axis_angle(&Vector3::y_axis(), 60_f64.to_radians());
+        let motion = Motion {
+            world_from_root: pitched,
+            angles: DVector::zeros(model.joints.len()),
+            ..Motion::rest(&model)
+        };
+        let shape = Shape(model.statistics.mean.clone());
+        let frame = FramePart {
+            frame: 0,
+            time_s: 0.0,
+            views: 1,
+            recovered: false,
+            position_m: [0.0; 3],
+            rotation_rad: pitched.scaled_axis().into(),
+            angles_rad: motion.angles.as_slice().to_vec(),
+            points_m: Vec::new(),
+            sd: Some(FrameSdPart {
+                position_m: [0.0; 3],
+                parts_rad: vec![[0.01, 0.02, 0.03]; model.parts.len()],
+                angles_rad: vec![0.0; model.joints.len()],
+                points_m: Vec::new(),
+                apart_m: Vec::new(),
+            }),
+            data: 0.0,
+            pose: 0.0,
+            step: 0.0,
+        };
+        let mut segments = Segments::of_body(&model, &shape, &[Some(motion)]);
+        deviations_of_angles(&mut segments, &model, &[Some(&frame)]);
+        for (angle, expected) in [
+            (Angle::TrunkObliquity, 0.01),
+            (Angle::TrunkTilt, 0.02),
+            (Angle::PelvisRotation, 0.03),
+            (Angle::FootProgression, 0.06),
+        ] {
+            let sd = segments.angle_sd[&(Side::Left, angle)][0];
+            assert!((sd - expected).abs() < 1e-9, "{angle:?}: {sd}");
         }
     }
 }

@@ -186,7 +186,7 @@ fn frame_sd(uncertainty: &FrameUncertainty) -> FrameSdPart {
     let point = |covariance: &Matrix3<f64>| covariance.diagonal().map(f64::sqrt).into();
     FrameSdPart {
         position_m: uncertainty.position_sd_m.into(),
-        rotation_rad: uncertainty.rotation_sd.into(),
+        parts_rad: uncertainty.parts_sd.iter().map(|sd| (*sd).into()).collect(),
         angles_rad: uncertainty.angles_sd.as_slice().to_vec(),
         points_m: uncertainty.points.iter().map(point).collect(),
         apart_m: uncertainty.apart.iter().map(point).collect(),

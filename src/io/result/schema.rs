@@ -194,8 +194,8 @@ pub struct FramePart {
 pub struct FrameSdPart {
     /// Of the root's origin, world axes.
     pub position_m: [f64; 3],
-    /// Of the root's orientation, about the root's own axes.
-    pub rotation_rad: [f64; 3],
+    /// Of the orientation of each of the model's parts, about its own axes.
+    pub parts_rad: Vec<[f64; 3]>,
     /// Of the joints' angles.
     pub angles_rad: Vec<f64>,
     /// Of the points' places, world axes.
