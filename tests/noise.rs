@@ -6,7 +6,7 @@ use maquette::body::PartId;
 use maquette::inference::noise::Noise;
 use maquette::likelihood::{PlacedResidual, Source};
 use maquette::solver::Loss;
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -64,6 +64,7 @@ fn row(view: usize, index: usize, value: f64) -> PlacedResidual {
         trust: 1.0,
         sigma: 1.0,
         weight: WEIGHT,
+        outward_px: Vector2::x(),
         part: PartId(0),
         place_part: Vector3::new(0.05, 0.05, 0.05 + 0.1 * (index / ROWS_A_PLACE) as f64),
     }

@@ -13,10 +13,11 @@ use maquette::inference::propagate::Sequence;
 use maquette::inference::search::{NoJournal, Pruning, Search, SearchOptions, search};
 use maquette::inference::start::{Detail, StartOptions, readings};
 use maquette::likelihood::EllipseOptions;
+use maquette::pipeline::{Fit, FitOptions, fit};
 use maquette::silhouette::FrameObservations;
 use maquette::solver::{NormalEquations, Options, Solution, levenberg_marquardt};
 use maquette::synth::draw_shape;
-use nalgebra::{DVector, Rotation3, Vector3};
+use nalgebra::{DVector, Rotation3, Vector2, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -244,4 +245,53 @@ fn a_mirrored_start_costs_more_and_is_not_the_first_reading() {
     let truth = forward(&SCENE.motions[frame]);
     assert!(forward(&first.state.motion).dot(&truth) > 0.9);
     assert!(forward(&mirrored.state.motion).dot(&truth) < 0.0);
+}
+
+#[test]
+fn a_camera_that_was_touched_is_found_and_costs_the_body_nothing() {
+    let scene = &*SCENE;
+    let touched = Vector2::new(9.0, -6.0);
+    let mut calibrated = scene.rig.clone();
+    calibrated.cameras[2].intrinsics.cx_px -= touched.x;
+    calibrated.cameras[2].intrinsics.cy_px -= touched.y;
+    let sequence = Sequence {
+        frames: &scene.frames,
+        fps: FPS,
+    };
+    let fitted = |rig: &Rig, aim: bool| -> Fit {
+        let options = FitOptions {
+            search: options(Pruning::Exact),
+            aim,
+            ..FitOptions::default()
+        };
+        fit(&scene.model, rig, sequence, &options, &NoJournal).expect("a fit")
+    };
+    let error_mm = |fit: &Fit| {
+        let frames = fit.frames.iter().enumerate();
+        let each = frames.map(|(i, f)| scene.error_mm(&fit.shape, &f.fit.motion, i));
+        each.sum::<f64>() / FRAMES as f64
+    };
+    let (untouched, aimed, trusting) = (
+        fitted(&scene.rig, true),
+        fitted(&calibrated, true),
+        fitted(&calibrated, false),
+    );
+    for camera in &untouched.cameras {
+        assert_eq!(camera.aim_px, Vector2::zeros(), "{:?}", camera.camera);
+    }
+    // what opposite cameras show displaced the other way is a body that stands elsewhere, and so is what all show higher: only
+    // the rest can be known
+    let aim = |i: usize| aimed.cameras[i].aim_px;
+    let sideways = aim(2).x + aim(0).x;
+    let down = aim(2).y - (aim(0).y + aim(1).y + aim(3).y) / 3.0;
+    assert!((sideways - touched.x).abs() < 1.5, "{sideways} px");
+    assert!((down - touched.y).abs() < 1.5, "{down} px");
+    let overlap = |fit: &Fit| fit.cameras.iter().map(|c| c.mean_iou).sum::<f64>() / 4.0;
+    let [best, with, without] = [&untouched, &aimed, &trusting].map(overlap);
+    assert!(
+        best - with < 0.2 * (best - without),
+        "{best} {with} {without}"
+    );
+    let [with, without] = [&aimed, &trusting].map(error_mm);
+    assert!(with < without, "{with} {without} mm");
 }

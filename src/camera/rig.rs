@@ -1,6 +1,7 @@
 //! All cameras of a recording.
 
 use super::Camera;
+use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -38,6 +39,17 @@ impl Rig {
             .iter()
             .enumerate()
             .map(|(index, camera)| (CameraId(index), camera))
+    }
+
+    /// The same cameras, each turned so that all that it shows moves by `aims_px`, by moving its principal point.
+    #[must_use]
+    pub fn aimed(&self, aims_px: &[Vector2<f64>]) -> Self {
+        let mut rig = self.clone();
+        for (camera, aim) in rig.cameras.iter_mut().zip(aims_px) {
+            camera.intrinsics.cx_px += aim.x;
+            camera.intrinsics.cy_px += aim.y;
+        }
+        rig
     }
 
     /// The names, in order.

@@ -72,7 +72,7 @@ impl Analysed {
             false => None,
         };
         let views = match &said.recording {
-            Some(folder) => views(folder, &self.input)?,
+            Some(folder) => views(folder, &self.input, result.as_ref())?,
             None => Vec::new(),
         };
         let text = html(&ReportInput {
@@ -158,9 +158,16 @@ impl IdentityArguments {
     }
 }
 
-/// The outlines of all masks, camera by camera.
-fn views(folder: &Path, input: &GaitInput) -> Result<Vec<CameraOutlines>, CliError> {
-    let recording = Recording::open(folder, Some(input.recording.rate_hz))?;
+/// The outlines of all masks, camera by camera, each looking where the fit found it to look.
+fn views(
+    folder: &Path,
+    input: &GaitInput,
+    result: Option<&ResultFile>,
+) -> Result<Vec<CameraOutlines>, CliError> {
+    let mut recording = Recording::open(folder, Some(input.recording.rate_hz))?;
+    if let Some(result) = result {
+        recording.rig = recording.rig.aimed(&result.aims_px(&recording.rig));
+    }
     let first = input.recording.first_frame;
     let frames: Vec<FrameIndex> = (0..input.recording.frames)
         .map(|i| FrameIndex(first + i))

@@ -16,6 +16,7 @@ use super::start::Detail;
 use super::step::MotionModel;
 use crate::body::{BodyModel, Layout, Motion, PartId, Posed, Shape};
 use crate::likelihood::{PlacedResidual, Term};
+use crate::silhouette::FrameObservations;
 use crate::solver::{
     BorderedChain, Marginal, Options, Problem, QuadraticModel, Report, levenberg_marquardt,
 };
@@ -52,6 +53,16 @@ pub struct Joint {
     pub uncertainty: Option<Uncertainty>,
     /// How the optimisation went.
     pub report: Report,
+}
+
+impl Joint {
+    /// s and m₁..ₙ.
+    pub fn state(&self) -> SequenceState {
+        SequenceState {
+            shape: self.shape.clone(),
+            motions: self.frames.iter().map(|f| f.motion.clone()).collect(),
+        }
+    }
 }
 
 /// Covariances of the joint optimum.
@@ -150,6 +161,22 @@ pub fn joint_optimum_of<'a>(
         uncertainty,
         report: solution.report,
     }
+}
+
+/// The residuals of every frame at a state.
+pub fn residuals_of(
+    evidence: &Evidence<'_>,
+    sequence: Sequence<'_>,
+    state: &SequenceState,
+) -> Vec<Vec<PlacedResidual>> {
+    let frames = sequence.frames.par_iter().zip(&state.motions);
+    let of_frame = |(frame, motion): (&FrameObservations, &Motion)| {
+        let body = Posed::new(evidence.model, &state.shape, motion);
+        let terms = evidence.terms(frame, Detail::Fine);
+        let of_terms = terms.iter().flat_map(|t| t.placed_residuals(&body));
+        of_terms.collect()
+    };
+    frames.map(of_frame).collect()
 }
 
 fn residuals(

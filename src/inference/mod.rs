@@ -11,8 +11,10 @@
 //! | Algorithm 1                       | [`search`]       |
 //! | eq. 1 as a problem of all frames  | [`chain`], [`sequence`] |
 //! | its optimum, how sure it is       | [`joint`], [`noise`] |
+//! | where the cameras look            | [`aim`]          |
 //! | p_ε,σ(K)                          | [`confidence`]   |
 
+pub mod aim;
 pub mod chain;
 pub mod confidence;
 mod evidence;

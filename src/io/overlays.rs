@@ -69,7 +69,7 @@ fn picture(
 ) -> Result<Option<Canvas>, RecordingError> {
     let mask = recording.load_mask(id, frame.frame)?;
     let body = Posed::new(model, &fit.shape, &frame.fit.motion);
-    let over = |mask| Some(overlay(recording.rig.camera(id)?, &mask, &body));
+    let over = |mask| Some(overlay(fit.rig.camera(id)?, &mask, &body));
     Ok(mask.and_then(over))
 }
 

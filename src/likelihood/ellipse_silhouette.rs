@@ -90,6 +90,7 @@ pub struct View<'a> {
     /// Their lines of sight.
     rays: Vec<Ray>,
     lengths_px: Vec<f64>,
+    normals: Vec<Vector2<f64>>,
     outside: &'a DistanceMap,
     px_per_m: f64,
 }
@@ -104,6 +105,7 @@ impl<'a> View<'a> {
             points: contour.iter().map(|p| p.pixel.coords).collect(),
             rays: contour.iter().map(|p| camera.ray(&p.pixel)).collect(),
             lengths_px: contour.iter().map(ContourPoint::counted_px).collect(),
+            normals: contour.iter().map(|p| p.normal).collect(),
             outside: &silhouette.outside,
             px_per_m,
         }
@@ -204,8 +206,9 @@ impl<'a> EllipseSilhouette<'a> {
         let mut near = Vec::with_capacity(ellipses.len());
         let mut hint = 0;
         let mut residuals = Vec::with_capacity(view.points.len());
-        let points = view.points.iter().zip(&view.rays).zip(&view.lengths_px);
-        for ((x, ray), length_px) in points {
+        let points = view.points.iter().zip(&view.rays);
+        let borders = view.lengths_px.iter().zip(&view.normals);
+        for ((x, ray), (length_px, normal)) in points.zip(borders) {
             let Some(distance) = self.distance(view, &ellipses, x, (&mut hint, &mut near)) else {
                 continue;
             };
@@ -219,6 +222,7 @@ impl<'a> EllipseSilhouette<'a> {
                 trust: self.options.loss.evaluate(distance / sigma).1,
                 sigma,
                 weight: length_px / (view.px_per_m * self.options.correlation_m),
+                outward_px: *normal,
                 part,
                 place_part: touched,
             });

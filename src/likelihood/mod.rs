@@ -32,7 +32,7 @@ pub use silhouette_ray::{RayOptions, RayView, SilhouetteRays};
 pub use skin_distance::{Derivatives, PosedScale, Residual, SkinResidual, SkinScale};
 pub use skin_term::SkinTouch;
 
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 
 use crate::body::{PartId, Posed};
 use crate::solver::NormalEquations;
@@ -59,6 +59,8 @@ pub struct PlacedResidual {
     pub sigma: f64,
     /// w: the number of independent observations that it stands for.
     pub weight: f64,
+    /// Unit normal of the border there, away from the person, in undistorted pixels; 0 of a cloud.
+    pub outward_px: Vector2<f64>,
     /// The part on which it was measured.
     pub part: PartId,
     /// Where on it, in the part's frame, metres.

@@ -7,7 +7,7 @@
 //! by the mismatch at least: space is cut into cells of the correlation length, and the points of a cell share the
 //! weight of one observation. So a dense cloud says no more than a sparse one, and a dense place in it neither.
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector2};
 
 use super::association::associate;
 use super::skin_distance::{Derivatives, PosedScale, Residual, SkinScale};
@@ -135,6 +135,7 @@ impl SkinTerm for PointField {
                 sigma_m,
                 sigma: sigma_m,
                 weight,
+                outward_px: Vector2::zeros(),
                 residual: scale.residual(kind, &sample),
                 line: None,
             };

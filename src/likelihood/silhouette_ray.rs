@@ -15,7 +15,7 @@
 //! A border pixel errs by σ² = (σ_px z/f)² + σ_m², metres at the contact: segmentation, and the model's own
 //! mismatch with a body. Neighbours err together: a row weighs its length over the correlation length.
 
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 
 use super::contact::RayField;
 use super::skin_distance::{Derivatives, PosedScale, Residual, SkinScale};
@@ -65,6 +65,7 @@ pub struct RayView {
     /// Unit vectors.
     directions_world: Vec<Vector3<f64>>,
     lengths_px: Vec<f64>,
+    normals_px: Vec<Vector2<f64>>,
     px_per_m: f64,
 }
 
@@ -78,6 +79,7 @@ impl RayView {
             origin_world: camera.centre_world().coords,
             directions_world: contour.iter().map(|p| direction(&p.pixel)).collect(),
             lengths_px: contour.iter().map(ContourPoint::counted_px).collect(),
+            normals_px: contour.iter().map(|p| p.normal).collect(),
             px_per_m,
         }
     }
@@ -144,7 +146,8 @@ impl SkinTerm for SilhouetteRays {
             let mut rays = RayField::new(field, view.origin_world);
             let sigma_m = (self.options.sigma_px / view.px_per_m).hypot(self.options.sigma_m);
             let per_px = 1.0 / (view.px_per_m * self.options.correlation_m);
-            for (direction, length_px) in view.directions_world.iter().zip(&view.lengths_px) {
+            let borders = view.lengths_px.iter().zip(&view.normals_px);
+            for (direction, (length_px, outward_px)) in view.directions_world.iter().zip(borders) {
                 let Some(contact) = rays.contact(direction, &mut near) else {
                     continue;
                 };
@@ -155,6 +158,7 @@ impl SkinTerm for SilhouetteRays {
                     sigma_m,
                     sigma: sigma_m * view.px_per_m,
                     weight: length_px * per_px,
+                    outward_px: *outward_px,
                     residual: scale.residual(kind, &sample),
                     line: Some(direction),
                 };

@@ -1,6 +1,6 @@
 //! What lines of sight and points share: each touches the field at a place, and is one row of the normal equations.
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Point3, Vector2, Vector3};
 
 use super::limb_sums::LimbSums;
 use super::skin_distance::{PosedScale, SkinResidual};
@@ -22,6 +22,8 @@ pub struct SkinTouch {
     pub sigma: f64,
     /// Number of independent observations that it stands for.
     pub weight: f64,
+    /// See [`PlacedResidual::outward_px`].
+    pub outward_px: Vector2<f64>,
     /// Where it touches.
     pub place_world: Point3<f64>,
     /// The metaball of largest weight there: index in [`Field::metaballs`].
@@ -34,6 +36,7 @@ pub(super) struct Touch<'a> {
     pub(super) sigma_m: f64,
     pub(super) sigma: f64,
     pub(super) weight: f64,
+    pub(super) outward_px: Vector2<f64>,
     pub(super) residual: SkinResidual,
     /// The line on which the place is where F is largest; `None`: the place stays.
     pub(super) line: Option<&'a Vector3<f64>>,
@@ -135,6 +138,7 @@ pub(super) fn all_touches(term: &impl SkinTerm, body: &Posed<'_>) -> Vec<SkinTou
             sigma_m: touch.sigma_m,
             sigma: touch.sigma,
             weight: touch.weight,
+            outward_px: touch.outward_px,
             place_world: Point3::from(sample.point_world),
             metaball: sample.heaviest().unwrap_or_default(),
         });
@@ -154,6 +158,7 @@ pub(super) fn placed(term: &impl SkinTerm, body: &Posed<'_>) -> Vec<PlacedResidu
             trust: term.loss().evaluate(touch.residual_m / touch.sigma_m).1,
             sigma: touch.sigma,
             weight: touch.weight,
+            outward_px: touch.outward_px,
             part,
             place_part: body.in_part(part, &touch.place_world),
         }

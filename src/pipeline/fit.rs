@@ -1,8 +1,9 @@
 //! The stages, one after the other.
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector2};
 use rayon::prelude::*;
 
+use super::aim::{Aimed, joint_and_aims};
 use super::measures::Measures;
 use super::points::{self, PointQuality};
 use super::quality::{self, CameraQuality, ViewQuality};
@@ -12,9 +13,7 @@ use crate::body::{BodyModel, Motion, Posed, Shape};
 use crate::camera::Rig;
 use crate::inference::Evidence;
 use crate::inference::chain::ChainPrior;
-use crate::inference::joint::{
-    FrameUncertainty, JointOptions, Uncertainty, intervals, joint_optimum,
-};
+use crate::inference::joint::{FrameUncertainty, JointOptions, Uncertainty, intervals};
 use crate::inference::noise::Noise;
 use crate::inference::propagate::{FrameFit, Sequence};
 use crate::inference::search::{Journal, Trial, search};
@@ -34,6 +33,8 @@ pub struct Fit {
     pub uncertainty: Option<ShapeUncertainty>,
     /// How the residuals err, as the joint optimum found it.
     pub noise: Option<Noise>,
+    /// The cameras, where they were found to look.
+    pub rig: Rig,
     /// Its lengths at rest, metres, in the order of [`BodyModel::lengths`].
     pub lengths_m: Vec<f64>,
     /// The motion, frame by frame.
@@ -155,25 +156,30 @@ pub fn fit(
         true => Measures::of(model, options.measure)?,
         false => Measures::of_points(model, options.measure)?,
     };
-    let evidence = |measure| Evidence::new(model, rig, options.likelihood, measure);
-    let coarse = evidence(measures.search);
+    let coarse = Evidence::new(model, rig, options.likelihood, measures.search);
     let found = search(&coarse, sequence, &options.search, journal);
     let found = found.ok_or(FitError::NoHypothesis {
         frames: observations.len(),
     })?;
-    // 3. the joint optimum, from its winner
+    // 3. the joint optimum, from its winner, and where the cameras look
     let winner = &found.trials[found.winner];
-    let fine = evidence(measures.joint);
-    let (estimate, looked_at) = match &options.joint {
-        Some(joint) => (Estimate::joint(&fine, sequence, winner, joint), &fine),
-        None => (Estimate::tracked(winner), &coarse),
+    let (estimate, measure) = match &options.joint {
+        Some(joint) => {
+            let aim = options.aim && observations.iter().all(|frame| frame.points.is_empty());
+            let kind = (options.likelihood, measures.joint);
+            let start = state_of(winner);
+            let aimed = joint_and_aims(model, rig, kind, sequence, start, (joint, aim));
+            (Estimate::joint(aimed, winner), measures.joint)
+        }
+        None => (Estimate::tracked(winner, rig), measures.search),
     };
+    let looked_at = Evidence::new(model, &estimate.rig, options.likelihood, measure);
     // 4. how far the keyframes agree
     let confidence = ShapeConfidence::of(model, &found.trials, &options.confidence);
     // 5. how well the body covers the masks
-    let frames = fitted_frames(looked_at, observations, &estimate);
+    let frames = fitted_frames(&looked_at, observations, &estimate);
     let views: Vec<&[ViewQuality]> = frames.iter().map(|f| f.views.as_slice()).collect();
-    let cameras = quality::of_cameras(rig, &views);
+    let cameras = quality::of_cameras(&estimate.rig, &views, &estimate.aims_px);
     let shape_cost = coarse.shape_prior.cost(&estimate.shape);
     let hypotheses = found.trials.into_iter();
     let hypotheses = hypotheses.map(|trial| tried(&coarse, observations, trial));
@@ -193,6 +199,7 @@ pub fn fit(
             .uncertainty
             .map(|u| ShapeUncertainty::of(model, &estimate.shape, u.shape)),
         noise: estimate.noise,
+        rig: estimate.rig,
         shape: estimate.shape,
         frames,
         hypotheses,
@@ -209,33 +216,31 @@ struct Estimate {
     frames: Vec<FrameFit>,
     noise: Option<Noise>,
     uncertainty: Option<Uncertainty>,
+    rig: Rig,
+    aims_px: Vec<Vector2<f64>>,
 }
 
 impl Estimate {
     /// The winner as it was tracked.
-    fn tracked(winner: &Trial) -> Self {
+    fn tracked(winner: &Trial, rig: &Rig) -> Self {
         Self {
             shape: winner.hypothesis.shape.clone(),
             frames: winner.frames.iter().flatten().cloned().collect(),
             noise: None,
             uncertainty: None,
+            rig: rig.clone(),
+            aims_px: vec![Vector2::zeros(); rig.cameras.len()],
         }
     }
 
     /// The joint optimum that is reached from the winner.
-    fn joint(
-        evidence: &Evidence<'_>,
-        sequence: Sequence<'_>,
-        winner: &Trial,
-        options: &JointOptions,
-    ) -> Self {
-        let tracked = winner.frames.iter().flatten();
-        let start = SequenceState {
-            shape: winner.hypothesis.shape.clone(),
-            motions: tracked.clone().map(|fit| fit.motion.clone()).collect(),
-        };
-        let joint = joint_optimum(evidence, sequence, start, options);
-        let frames = joint.frames.into_iter().zip(tracked);
+    fn joint(aimed: Aimed, winner: &Trial) -> Self {
+        let Aimed {
+            joint,
+            rig,
+            aims_px,
+        } = aimed;
+        let frames = joint.frames.into_iter().zip(winner.frames.iter().flatten());
         let frames = frames.map(|(fit, tracked)| FrameFit {
             recovered: tracked.recovered,
             ..fit
@@ -245,7 +250,17 @@ impl Estimate {
             frames: frames.collect(),
             noise: Some(joint.noise),
             uncertainty: joint.uncertainty,
+            rig,
+            aims_px,
         }
+    }
+}
+
+fn state_of(winner: &Trial) -> SequenceState {
+    let tracked = winner.frames.iter().flatten();
+    SequenceState {
+        shape: winner.hypothesis.shape.clone(),
+        motions: tracked.map(|fit| fit.motion.clone()).collect(),
     }
 }
 

@@ -4,11 +4,12 @@
 //! |-------------------------------------|------------------------------------|
 //! | 1. do cameras and masks agree       | [`check_scene`]                    |
 //! | 2. Algorithm 1                      | [`crate::inference::search`]       |
-//! | 3. the joint optimum                | [`crate::inference::joint`]        |
+//! | 3. the joint optimum, and where the cameras look | [`crate::inference::joint`], [`crate::inference::aim`] |
 //! | 4. how far the keyframes agree      | [`ShapeConfidence`]                |
 //! | 5. how well the body covers the masks, and lies on the points | [`ViewQuality`], [`CameraQuality`], [`PointQuality`] |
 //! | 6. what a person should know of it  | [`Warning`]                        |
 
+mod aim;
 mod confidence;
 mod fit;
 mod measures;

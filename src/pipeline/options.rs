@@ -25,6 +25,9 @@ pub struct FitOptions {
     pub search: SearchOptions,
     /// The joint optimum; none: the winner of Algorithm 1 as it was tracked.
     pub joint: Option<JointOptions>,
+    /// Whether cameras may look a little elsewhere than their calibration says; only with the joint optimum, and without points,
+    /// which were measured with the calibration.
+    pub aim: bool,
     /// ε of the confidence.
     pub confidence: ConfidenceOptions,
 }
@@ -38,6 +41,7 @@ impl Default for FitOptions {
             measure: None,
             search: SearchOptions::default(),
             joint: Some(JointOptions::default()),
+            aim: true,
             confidence: ConfidenceOptions::default(),
         }
     }

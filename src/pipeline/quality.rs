@@ -1,5 +1,6 @@
 //! How well the fitted body covers what the cameras saw.
 
+use nalgebra::Vector2;
 use rayon::prelude::*;
 
 use super::overlap::iou;
@@ -36,6 +37,8 @@ pub struct CameraQuality {
     pub median_px: Option<f64>,
     /// Root mean square over all border points, px.
     pub rms_px: Option<f64>,
+    /// By how much all that it shows lies elsewhere than its calibration says, to the right and down, undistorted px.
+    pub aim_px: Vector2<f64>,
 }
 
 /// Distances of one view's border points to the model, without sign.
@@ -129,8 +132,12 @@ pub(super) fn sampled_iou(
 }
 
 /// Each camera over all frames.
-pub(super) fn of_cameras(rig: &Rig, frames: &[&[ViewQuality]]) -> Vec<CameraQuality> {
-    let of = |(camera, _)| {
+pub(super) fn of_cameras(
+    rig: &Rig,
+    frames: &[&[ViewQuality]],
+    aims_px: &[Vector2<f64>],
+) -> Vec<CameraQuality> {
+    let of = |(camera, _): (CameraId, _)| {
         let views: Vec<&ViewQuality> = frames
             .iter()
             .flat_map(|frame| frame.iter().filter(|view| view.camera == camera))
@@ -149,6 +156,7 @@ pub(super) fn of_cameras(rig: &Rig, frames: &[&[ViewQuality]]) -> Vec<CameraQual
             mean_iou: mean(overlaps).unwrap_or(0.0),
             median_px: median(&mut residuals.iter().map(|r| r.median_px).collect()),
             rms_px: (points > 0).then(|| (squares / points as f64).sqrt()),
+            aim_px: aims_px[camera.0],
         }
     };
     rig.iter().map(of).collect()

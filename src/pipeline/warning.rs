@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use nalgebra::Vector2;
+
 use super::{CameraQuality, FittedFrame, ShapeConfidence};
 use crate::camera::{CameraId, Rig};
 use crate::math::stats::{mean, median};
@@ -15,6 +17,13 @@ pub enum Warning {
     OddCamera {
         /// Its name.
         camera: String,
+    },
+    /// A camera that shows everything elsewhere than its calibration says.
+    Aim {
+        /// Its name.
+        camera: String,
+        /// By how much, to the right and down, px.
+        px: [f64; 2],
     },
     /// A camera that the body covers worse than the others.
     WeakCamera {
@@ -184,6 +193,11 @@ fn of_overlaps(rig: &Rig, frames: &[FittedFrame], cameras: &[CameraQuality]) -> 
     let Some(usual) = median(&mut overlaps.iter().map(|(_, iou)| *iou).collect()) else {
         return warnings;
     };
+    let aimed = cameras.iter().filter(|c| c.aim_px != Vector2::zeros());
+    warnings.extend(aimed.map(|c| Warning::Aim {
+        camera: name(rig, c.camera),
+        px: c.aim_px.into(),
+    }));
     let seen: Vec<&CameraQuality> = cameras.iter().filter(|c| c.frames > 0).collect();
     let of_cameras = median(&mut seen.iter().map(|c| c.mean_iou).collect());
     if let Some(iou) = of_cameras.filter(|iou| *iou < POOR_IOU) {

@@ -11,6 +11,15 @@ impl fmt::Display for Warning {
                 f,
                 "{camera} has the person elsewhere than the other cameras: check its calibration, unit and up, and offset_frames"
             ),
+            Self::Aim {
+                camera,
+                px: [right, down],
+            } => write!(
+                f,
+                "{camera} shows everything {}, {} of where its calibration says, which is taken into account: calibrate it again (--aim off: believe the calibration)",
+                way(*right, "right", "left"),
+                way(*down, "below", "above"),
+            ),
             Self::WeakCamera {
                 camera,
                 iou,
@@ -95,6 +104,12 @@ impl Warning {
             _ => Ok(()),
         }
     }
+}
+
+/// `3.1 px right`.
+fn way(px: f64, positive: &str, negative: &str) -> String {
+    let to = if px < 0.0 { negative } else { positive };
+    format!("{:.1} px {to}", px.abs())
 }
 
 /// How many frames, and which.

@@ -57,6 +57,9 @@ pub(in crate::cli) struct FitArguments {
     /// Whether all frames are fitted at once in the end, with a standard deviation for every number
     #[arg(long, value_enum, default_value_t = Switch::On)]
     joint: Switch,
+    /// Whether cameras may look a little elsewhere than their calibration says: found from outlines, and told
+    #[arg(long, value_enum, default_value_t = Switch::On)]
+    aim: Switch,
     /// Follow every proposed body to the end, also when it can no longer win
     #[arg(long)]
     no_pruning: bool,
@@ -157,6 +160,7 @@ impl FitArguments {
         if self.joint == Switch::Off {
             options.joint = None;
         }
+        options.aim = self.aim == Switch::On;
         options.validate().map_err(FitError::from)?;
         Ok(options)
     }

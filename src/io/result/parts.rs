@@ -235,6 +235,7 @@ fn quality(fit: &Fit, rig: &Rig) -> QualityPart {
         mean_iou: quality.mean_iou,
         median_px: quality.median_px,
         rms_px: quality.rms_px,
+        aim_px: quality.aim_px.into(),
     });
     let views = fit.frames.iter().flat_map(|fitted| {
         fitted.views.iter().map(|view| ViewPart {

@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use nalgebra::{DVector, Rotation3, Vector3};
+use nalgebra::{DVector, Rotation3, Vector2, Vector3};
 
 use super::{FramePart, ResultFile};
 use crate::body::{BodyModel, Motion, Shape};
+use crate::camera::Rig;
 
 /// Why a result cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -49,6 +50,15 @@ pub enum ResultError {
 }
 
 impl ResultFile {
+    /// Where the cameras of a rig were found to look, see [`Rig::aimed`]; 0 of a camera that the result does not name.
+    pub fn aims_px(&self, rig: &Rig) -> Vec<Vector2<f64>> {
+        let aim = |name: &str| {
+            let of_camera = self.quality.cameras.iter().find(|c| c.camera == name);
+            of_camera.map_or(Vector2::zeros(), |c| c.aim_px.into())
+        };
+        rig.names().map(aim).collect()
+    }
+
     /// Reads the `result.json` of a folder.
     ///
     /// # Errors

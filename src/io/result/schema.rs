@@ -322,6 +322,10 @@ pub struct CameraPart {
     pub median_px: Option<f64>,
     /// Root mean square over all border points.
     pub rms_px: Option<f64>,
+    /// By how much all that it shows lies elsewhere than its calibration says, to the right and down, undistorted pixels; 0 where that
+    /// was not asked, and in results of versions that did not write it.
+    #[serde(default)]
+    pub aim_px: [f64; 2],
 }
 
 /// One silhouette and the body over it.

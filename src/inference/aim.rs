@@ -1,0 +1,54 @@
+//! Where cameras look: by how much each image lies elsewhere than its calibration says.
+//!
+//! A camera that was touched after it was calibrated is turned by a small angle. About an axis across its own, that displaces
+//! all that it shows by the same δ, f times the angle (to first order, and in a narrow field of view), in every frame: as if its
+//! principal point had moved. A border point with the outward normal n that lies d outside the body's outline then lies d − n·δ outside.
+//! With p(δ) = N(0, σ_δ²I), σ_δ = f · 3 mrad, and a body that is given,
+//!
+//! (Σ c w ρ′ nnᵀ/σ² + I/σ_δ²) δ = Σ c w ρ′ n d/σ²
+//!
+//! over all rows of the camera; c = 1/(κ²λμτ), for like the shape δ is one for all frames ([`Noise`]). Body and δ are improved by
+//! turns. What all cameras show displaced as one is a displaced body: of that the turns, which begin at 0, make no δ.
+
+use nalgebra::{Matrix2, Vector2};
+
+use super::noise::Noise;
+use crate::camera::{Camera, Rig};
+use crate::likelihood::{PlacedResidual, Source};
+use crate::silhouette::FrameObservations;
+
+/// σ_δ/f.
+const SIGMA_RAD: f64 = 0.003;
+
+/// δ of every camera, px, in the order of the rig; `before` are those with which the residuals were measured.
+pub fn aims_px(
+    rig: &Rig,
+    before: &[Vector2<f64>],
+    frames: &[FrameObservations],
+    residuals: &[Vec<PlacedResidual>],
+    noise: &Noise,
+) -> Vec<Vector2<f64>> {
+    let trust = noise.data_weight() / noise.over_time;
+    let prior = |camera: &Camera| {
+        let sigma_px = SIGMA_RAD * camera.intrinsics.focal_px();
+        Matrix2::identity() / (sigma_px * sigma_px)
+    };
+    let mut normal: Vec<_> = rig.cameras.iter().map(prior).collect();
+    let mut right = vec![Vector2::zeros(); rig.cameras.len()];
+    for (frame, rows) in frames.iter().zip(residuals) {
+        for row in rows {
+            let Source::View(view) = row.source else {
+                continue;
+            };
+            let camera = frame.views[view].0.0;
+            let n = row.outward_px;
+            let weight = trust * row.weight * row.trust / (row.sigma * row.sigma);
+            let outside_px = row.value * row.sigma + n.dot(&before[camera]);
+            normal[camera] += n * n.transpose() * weight;
+            right[camera] += n * (weight * outside_px);
+        }
+    }
+    let solved = normal.iter().zip(&right);
+    let solved = solved.map(|(a, b)| a.cholesky().map(|a| a.solve(b)));
+    solved.map(Option::unwrap_or_default).collect()
+}
