@@ -30,21 +30,20 @@ pub(super) fn joint_and_aims(
     calibrated: &Rig,
     (likelihood, measure): (LikelihoodOptions, Measure),
     sequence: Sequence<'_>,
-    mut start: SequenceState,
+    start: SequenceState,
     (options, aim): (&JointOptions, bool),
 ) -> Aimed {
     let mut aims_px = vec![Vector2::zeros(); calibrated.cameras.len()];
     let mut turn = 1;
     loop {
-        // the body, before cameras that look there
+        // the body, before cameras that look there; from the start again, for cameras that look elsewhere bend bodies
         let rig = calibrated.aimed(&aims_px);
         let evidence = Evidence::new(model, &rig, likelihood, measure);
-        let joint = joint_optimum(&evidence, sequence, start, options);
+        let joint = joint_optimum(&evidence, sequence, start.clone(), options);
         // where they look, before that body
-        let state = joint.state();
         let next = match aim && turn < TURNS {
             true => {
-                let residuals = residuals_of(&evidence, sequence, &state);
+                let residuals = residuals_of(&evidence, sequence, &joint.state());
                 aim::aims_px(
                     calibrated,
                     &aims_px,
@@ -63,7 +62,7 @@ pub(super) fn joint_and_aims(
                 aims_px,
             };
         }
-        (aims_px, start) = (next, state);
+        aims_px = next;
         turn += 1;
     }
 }
