@@ -82,7 +82,63 @@ fn a_knees_angle_is_in_doubt_as_the_centres_of_hip_knee_and_ankle_are() {
         + (forward("RAnkle") / shank).powi(2);
     let found = body.angle_spread()[model.joint("knee_flexion_r").unwrap().0];
     approx::assert_relative_eq!(found, expected, max_relative = 1e-3);
-    // what no centre tells
-    let neck = model.joint("thorax_rotation").unwrap();
-    approx::assert_abs_diff_eq!(body.angle_spread()[neck.0], 0.0);
+}
+
+#[test]
+fn an_upper_arm_turns_about_itself_for_what_tilts_the_forearm_and_the_more_the_straighter_the_elbow_is()
+ {
+    let model = model::load("human-ellipsoids", Path::new("")).unwrap();
+    let shape = Shape(model.statistics.mean.clone());
+    let angle = |name: &str| model.joint(name).unwrap().0;
+    let turn_sd = |elbow_deg: f64| {
+        let mut motion = Motion::rest(&model);
+        motion.angles.fill(0.0);
+        motion.angles[angle("elbow_flexion_r")] = elbow_deg.to_radians();
+        let body = Posed::new(&model, &shape, &motion);
+        body.angle_spread()[angle("shoulder_rotation_r")].sqrt()
+    };
+    let sideways = |part: &str| {
+        let part = model.parts.iter().find(|p| p.name == part).unwrap();
+        part.sd_m.y
+    };
+    let body = Posed::new(&model, &shape, &Motion::rest(&model));
+    let place = |name: &str| body.points()[model.point(name).unwrap()];
+    let upper_arm = (place("RElbow") - place("RShoulder")).norm();
+    let forearm = (place("RWrist") - place("RElbow")).norm();
+    // a forearm's tilt to the side, beside what it has from the upper arm, over what a turn of that gives it
+    let expected = |elbow_deg: f64| {
+        let (sin, cos) = elbow_deg.to_radians().sin_cos();
+        let elbow = sideways("forearm_r") * (1.0 / forearm + cos / upper_arm);
+        let shoulder = sideways("upper_arm_r") * cos / upper_arm;
+        let wrist = sideways("hand_r") / forearm;
+        (elbow.powi(2) + shoulder.powi(2) + wrist.powi(2)).sqrt() / sin
+    };
+    for elbow_deg in [90.0, 60.0] {
+        let found = turn_sd(elbow_deg);
+        approx::assert_relative_eq!(found, expected(elbow_deg), max_relative = 0.05);
+    }
+    assert!(turn_sd(30.0) > 1.5 * turn_sd(60.0));
+    assert!(turn_sd(0.0) < 4.0 * turn_sd(30.0), "it ends somewhere");
+}
+
+#[test]
+fn bones_whose_ends_are_known_leave_no_angle_in_doubt() {
+    let model = model::load("arm", Path::new("")).unwrap();
+    let shape = Shape(model.statistics.mean.clone());
+    let body = Posed::new(&model, &shape, &Motion::rest(&model));
+    approx::assert_abs_diff_eq!(body.angle_spread().amax(), 0.0);
+}
+
+#[test]
+fn what_hips_leave_open_of_their_distance_is_their_sideways_doubt_twice() {
+    let model = model::load("human-ellipsoids", Path::new("")).unwrap();
+    let shape = Shape(model.statistics.mean.clone());
+    let body = Posed::new(&model, &shape, &Motion::rest(&model));
+    let [right, left, knee] = ["RHip", "LHip", "RKnee"].map(|name| model.point(name).unwrap());
+    let sd = model.points[right].sd_m;
+    let between = body.way_spread(right, left);
+    approx::assert_relative_eq!(between[(1, 1)], 4.0 * sd.y * sd.y, epsilon = 1e-12);
+    approx::assert_relative_eq!(between[(0, 0)], 0.0, epsilon = 1e-12);
+    let ends = body.point_spread(right) + body.point_spread(knee);
+    approx::assert_relative_eq!(body.way_spread(right, knee), ends, epsilon = 1e-12);
 }

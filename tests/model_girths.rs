@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use maquette::body::metaball::{Field, THRESHOLD};
-use maquette::body::{BodyModel, Motion, Posed, Scale, Shape};
+use maquette::body::{BodyModel, Motion, Posed, Shape};
 use maquette::io::model;
 use nalgebra::{Point2, Rotation3, Vector2, Vector3};
 
@@ -111,9 +111,8 @@ fn frame(body: &Posed<'_>, part: &str) -> (Vector3<f64>, Rotation3<f64>) {
     let model = body.model;
     let id = maquette::body::PartId(model.parts.iter().position(|p| p.name == part).expect(part));
     let at = |value: Vector3<f64>| {
-        let scale = [Scale::Fixed; 3];
-        body.point(id, &maquette::body::ScaledVector { value, scale })
-            .coords
+        let place = maquette::body::ScaledVector::fixed(value);
+        body.point(id, &place).coords
     };
     let origin = at(Vector3::zeros());
     let columns = [Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| at(axis) - origin);
@@ -284,7 +283,8 @@ fn every_ball_of_a_leg_and_of_the_trunk_can_shift_in_its_part() {
     );
     for ball in &model.metaballs {
         let part = model.parts[ball.part.0].name.as_str();
-        let shifts = matches!(ball.centre.scale[0], Scale::Shift(_));
+        let mut shifts = ball.centre.shifts.iter();
+        let shifts = shifts.any(|shift| shift.direction.x != 0.0);
         let fixed =
             part.starts_with("foot") || part.starts_with("hand") || part.starts_with("forearm");
         assert!(shifts || fixed, "{part}: {:?}", ball.centre);

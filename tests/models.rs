@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use maquette::body::{BodyModel, Layout, Posed, Root, Shape};
-use maquette::body::{JointId, Motion};
+use maquette::body::{JointId, Motion, PartId};
 use maquette::io::model::{self, ModelFileError};
 
 const ARM: &str = r#"
@@ -78,6 +78,58 @@ fn the_left_side_is_the_mirror_image_of_the_right() {
     approx::assert_relative_eq!(right.z, left.z, epsilon = 1e-12);
     assert_eq!(model.root, Root::Fixed);
     assert_eq!(Layout::of(&model).total(), 4);
+}
+
+#[test]
+fn a_pivot_moves_the_joint_in_flesh_that_stays_and_lies_otherwise_only_when_bent() {
+    let text = ARM.replace("limits_deg = [0.0, 150.0]", "limits_deg = [-150.0, 150.0]");
+    let text = text.replace("sides = true", "sides = true\nturn_deg = [0.0, 0.0, 90.0]");
+    let text = text.replace(
+        "\"shift:place\", \"length\"]",
+        "\"\", \"length\"]\npivot = [\"place\", \"\", \"\"]",
+    ) + "[[point]]\nname = \"Tip\"\npart = \"lower\"\nat = [0.0, 0.0, -0.3]\n";
+    let model = parse(&text).unwrap();
+    let shape = |place: f64| {
+        let mut shape = Shape(model.statistics.mean.clone());
+        shape.0[model
+            .coefficients
+            .iter()
+            .position(|c| c == "place")
+            .unwrap()] = place;
+        shape
+    };
+    let point = |body: &Posed<'_>, name: &str| body.points()[model.point(name).unwrap()];
+    let mut motion = Motion::rest(&model);
+    let (here, there) = (shape(0.0), shape(0.01));
+    // straight: the part's x axis is the parent's y, on the left its −y
+    let bodies = [&here, &there].map(|s| Posed::new(&model, s, &motion));
+    for (name, to) in [
+        ("RElbow", 0.01),
+        ("LElbow", -0.01),
+        ("RTip", 0.0),
+        ("LTip", 0.0),
+    ] {
+        let [old, new] = [0, 1].map(|i| point(&bodies[i], name));
+        let moved = nalgebra::Vector3::new(0.0, to, 0.0);
+        approx::assert_relative_eq!(new - old, moved, epsilon = 1e-12);
+    }
+    let flesh = |s: &Shape, m: &Motion| Posed::new(&model, s, m).ellipsoids().swap_remove(1);
+    approx::assert_relative_eq!(
+        flesh(&here, &motion).centre,
+        flesh(&there, &motion).centre,
+        epsilon = 1e-12
+    );
+    // bent: flesh turns about the joint where it is now
+    motion.angles.fill(0.7);
+    let body = Posed::new(&model, &there, &motion);
+    let straight = &bodies[1];
+    for name in ["RTip", "LTip"] {
+        let elbow = name.replace("Tip", "Elbow");
+        let arm = |body: &Posed<'_>| point(body, name) - point(body, &elbow);
+        approx::assert_relative_eq!(arm(&body).norm(), arm(straight).norm(), epsilon = 1e-12);
+        approx::assert_relative_eq!(arm(&body).angle(&arm(straight)), 0.7, epsilon = 1e-9);
+    }
+    approx::assert_relative_eq!(model.scatter_m(PartId(1)).x, 0.01, epsilon = 1e-12);
 }
 
 #[test]
@@ -247,7 +299,7 @@ fn other_faults_are_named_too() {
         (
             "shift:place",
             "shift:plaice",
-            "arm.toml: part lower_r names the coefficient \"shift:plaice\"",
+            "arm.toml: part lower_r names the coefficient \"plaice\"",
         ),
         (
             "{ size = 0.1 }",
@@ -298,6 +350,25 @@ part = \"lower\"
             "arm.toml: part upper: `turn_deg`",
         ),
         ("name = \"test-arm\"", "name = ", "arm.toml:2:"),
+    ] {
+        let message = complaint(from, to);
+        assert!(message.starts_with(said), "{message}");
+    }
+}
+
+#[test]
+fn faults_of_a_pivot_are_named() {
+    for (from, to, said) in [
+        (
+            "name = \"upper\"",
+            "name = \"upper\"\npivot = [\"\", \"\", \"place\"]",
+            "arm.toml: part upper: `pivot`",
+        ),
+        (
+            "sides = true",
+            "sides = true\npivot = [\"\", \"\", \"plaice\"]",
+            "arm.toml: part lower_r names the coefficient \"plaice\"",
+        ),
     ] {
         let message = complaint(from, to);
         assert!(message.starts_with(said), "{message}");

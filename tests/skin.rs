@@ -283,10 +283,7 @@ fn a_limb_grows_out_of_any_part() {
         check(&format!("{degrees}°"), &mesh);
         let tip = body.point(
             model_part(&model, "twig"),
-            &maquette::body::ScaledVector {
-                value: nalgebra::Vector3::new(0.0, 0.28, 0.0),
-                scale: [maquette::body::Scale::Fixed; 3],
-            },
+            &maquette::body::ScaledVector::fixed(nalgebra::Vector3::new(0.0, 0.28, 0.0)),
         );
         let nearest = mesh.vertices.iter().map(|v| (v - tip.coords).norm());
         assert!(nearest.fold(f64::MAX, f64::min) < 0.03);

@@ -62,14 +62,9 @@ fn components(model: &BodyModel, layout: Layout, primitive: &Primitive) -> Vec<u
     let mut list: Vec<usize> = (0..layout.root())
         .chain(joints.iter().map(|&j| layout.angle(j)))
         .collect();
-    let scales = translations
-        .chain([&primitive.centre, &primitive.radii])
-        .flat_map(|v| v.scale);
-    list.extend(
-        scales
-            .filter_map(|s| s.coefficient())
-            .map(|c| layout.coefficient(c)),
-    );
+    let lengths = translations.chain([&primitive.centre, &primitive.radii]);
+    let coefficients = lengths.flat_map(|v| v.coefficients());
+    list.extend(coefficients.map(|c| layout.coefficient(c)));
     list.sort_unstable();
     list.dedup();
     list
@@ -111,14 +106,10 @@ fn fill(
         body.primitive_axes(primitive),
         body.primitive_radii(primitive),
     );
-    for k in 0..3 {
-        let scale = primitive.radii.scale[k];
-        if let Some(coefficient) = scale.coefficient() {
-            let slope = scale.apply(primitive.radii.value[k], &body.shape().0).1;
-            let axis = axes.column(k);
-            let d = axis * axis.transpose() * (2.0 * radii[k] * slope);
-            add_shape(values, column(layout.coefficient(coefficient)), &d);
-        }
+    for (coefficient, slope) in primitive.radii.slopes(body.shape()) {
+        let stretch = Matrix3::from_diagonal(&(2.0 * radii.component_mul(&slope)));
+        let d = axes * stretch * axes.transpose();
+        add_shape(values, column(layout.coefficient(coefficient)), &d);
     }
 }
 
@@ -171,14 +162,8 @@ pub(super) fn stretch_columns(
     vector: &ScaledVector,
     add: &mut impl FnMut(usize, Vector3<f64>),
 ) {
-    for k in 0..3 {
-        if let Some(coefficient) = vector.scale[k].coefficient() {
-            let slope = vector.scale[k].apply(vector.value[k], &body.shape().0).1;
-            add(
-                layout.coefficient(coefficient),
-                world_from_frame.column(k) * slope,
-            );
-        }
+    for (coefficient, slope) in vector.slopes(body.shape()) {
+        add(layout.coefficient(coefficient), world_from_frame * slope);
     }
 }
 

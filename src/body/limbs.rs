@@ -75,14 +75,11 @@ mod tests {
 
     use super::*;
     use crate::body::{
-        FrameId, Joint, JointId, Part, Primitive, Root, Scale, ScaledVector, ShapeStatistics,
+        FrameId, Joint, JointId, Part, Primitive, Root, ScaledVector, ShapeStatistics,
     };
 
     fn fixed(value: [f64; 3]) -> ScaledVector {
-        ScaledVector {
-            value: Vector3::from(value),
-            scale: [Scale::Fixed; 3],
-        }
+        ScaledVector::fixed(Vector3::from(value))
     }
 
     /// A tree of parts, one joint each but the root; all but those named `bare…` carry a ball.
@@ -122,6 +119,8 @@ mod tests {
                 .map(|i| Part {
                     name: parts[i].0.into(),
                     joint: joint_of(i),
+                    pivot: Vec::new(),
+                    sd_m: Vector3::zeros(),
                 })
                 .collect(),
             ellipsoids: Vec::new(),

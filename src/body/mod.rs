@@ -10,6 +10,7 @@ mod limbs;
 pub mod metaball;
 mod model;
 mod posed;
+mod scaled;
 mod spread;
 mod state;
 
@@ -17,7 +18,8 @@ pub use check::{KinematicsFault, check_kinematics};
 pub use jacobian::EllipsoidJacobians;
 pub use model::{
     BodyModel, CoefficientId, FrameId, Joint, JointId, Limbs, ModelError, NamedPoint, Part, PartId,
-    Pose, Primitive, Root, Scale, ScaledVector, ShapeStatistics, Turn,
+    Pose, Primitive, Root, ShapeStatistics, Turn,
 };
 pub use posed::Posed;
+pub use scaled::{Scale, ScaledVector, Shift};
 pub use state::{Layout, Motion, Shape, State};

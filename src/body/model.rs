@@ -2,6 +2,8 @@
 
 use nalgebra::{DMatrix, DVector, Rotation3, UnitVector3, Vector3};
 
+use super::{ScaledVector, Shift};
+
 /// Index of a joint in [`BodyModel::joints`]; parents come first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct JointId(pub usize);
@@ -24,63 +26,6 @@ pub struct PartId(pub usize);
 /// Index of a shape coefficient.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct CoefficientId(pub usize);
-
-/// What a shape coefficient s does to a length.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Scale {
-    /// Nothing: this length is the same in every body.
-    Fixed,
-    /// Times eˢ (PF02 eq. 1: λ = eˢ, positive by construction).
-    Log(CoefficientId),
-    /// Times 2/(1 + e⁻ˢ): this length's share of a fixed total.
-    Share(CoefficientId),
-    /// Times 2/(1 + eˢ): what the other's share leaves.
-    Rest(CoefficientId),
-    /// Plus s metres: where a joint lies in the flesh.
-    Shift(CoefficientId),
-    /// Minus s metres: the mirror image of a shift.
-    Unshift(CoefficientId),
-}
-
-impl Scale {
-    /// The coefficient that it reads, if any.
-    pub fn coefficient(self) -> Option<CoefficientId> {
-        match self {
-            Self::Fixed => None,
-            Self::Log(c) | Self::Share(c) | Self::Rest(c) | Self::Shift(c) | Self::Unshift(c) => {
-                Some(c)
-            }
-        }
-    }
-
-    /// The length that a length `value` becomes, and its derivative with respect to s.
-    pub fn apply(self, value: f64, shape: &DVector<f64>) -> (f64, f64) {
-        let share = |s: f64| {
-            let half = 1.0 / (1.0 + (-s).exp());
-            (2.0 * half * value, 2.0 * half * (1.0 - half) * value)
-        };
-        match self {
-            Self::Fixed => (value, 0.0),
-            Self::Log(c) => (value * shape[c.0].exp(), value * shape[c.0].exp()),
-            Self::Share(c) => share(shape[c.0]),
-            Self::Rest(c) => {
-                let (length, slope) = share(-shape[c.0]);
-                (length, -slope)
-            }
-            Self::Shift(c) => (value + shape[c.0], 1.0),
-            Self::Unshift(c) => (value - shape[c.0], -1.0),
-        }
-    }
-}
-
-/// Three lengths, each with its own scale.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ScaledVector {
-    /// At coefficient 0, metres.
-    pub value: Vector3<f64>,
-    /// What scales x, y and z.
-    pub scale: [Scale; 3],
-}
 
 /// A joint: a static transform, then one rotation about one axis (PFD99 eq. 3, D = Rot(θ)·D_ini).
 #[derive(Debug, Clone, PartialEq)]
@@ -141,6 +86,12 @@ pub struct Part {
     pub name: String,
     /// The joint whose frame it is; `None` is the root's.
     pub joint: Option<JointId>,
+    /// By what its own joint lies elsewhere in the flesh, along the part's axes: the translations of the joint and of all that
+    /// the part carries have it in them.
+    pub pivot: Vec<Shift>,
+    /// Standard deviations of where else in the flesh it may lie, along the part's axes, metres: sources differ on where a joint
+    /// is, and no silhouette shows it.
+    pub sd_m: Vector3<f64>,
 }
 
 /// A point fixed to a part, as exported: a joint centre or a landmark.
@@ -150,8 +101,8 @@ pub struct NamedPoint {
     pub name: String,
     /// The parts whose points are averaged: one, or two for a midpoint such as `Hip`.
     pub places: Vec<(PartId, ScaledVector)>,
-    /// Standard deviations of where it lies in the flesh along the axes of its (first) part, metres: sources that say
-    /// where a joint's centre is differ, and no silhouette shows it.
+    /// Standard deviations of where it lies in the flesh along the axes of its (first) part, metres; of a joint's centre, the
+    /// part's.
     pub sd_m: Vector3<f64>,
 }
 
@@ -289,6 +240,17 @@ impl BodyModel {
         self.points.iter().enumerate().filter_map(twin).collect()
     }
 
+    /// Parts that are each other's mirror image by their names, `foot_r` and `foot_l`: (right, left), in the order of the right
+    /// ones.
+    pub fn part_pairs(&self) -> Vec<(usize, usize)> {
+        let named = |name: &str| self.parts.iter().position(|p| p.name == name);
+        let twin = |(right, part): (usize, &Part)| {
+            let bare = part.name.strip_suffix("_r")?;
+            Some((right, named(&format!("{bare}_l"))?))
+        };
+        self.parts.iter().enumerate().filter_map(twin).collect()
+    }
+
     /// Checks what kinematics and priors rely on: positive radii, ordered limits, a usable covariance.
     ///
     /// # Errors
@@ -300,9 +262,15 @@ impl BodyModel {
         }
         primitives.try_for_each(|primitive| self.check_primitive(primitive))?;
         self.joints.iter().try_for_each(check_joint)?;
-        for point in &self.points {
-            let place = || format!("sd of point {}", point.name);
-            check(&point.sd_m, |sd| (0.0..=1.0).contains(&sd), place)?;
+        let parts = self
+            .parts
+            .iter()
+            .map(|part| ("part", &part.name, &part.sd_m));
+        let points = self.points.iter();
+        let points = points.map(|point| ("point", &point.name, &point.sd_m));
+        for (kind, name, sd_m) in parts.chain(points) {
+            let place = || format!("sd of {kind} {name}");
+            check(sd_m, |sd| (0.0..=1.0).contains(&sd), place)?;
         }
         let n = self.coefficients.len();
         if n > 0 && self.statistics.covariance.clone().cholesky().is_none() {

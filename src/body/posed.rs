@@ -153,18 +153,3 @@ impl<'a> Posed<'a> {
             .collect()
     }
 }
-
-impl ScaledVector {
-    /// The three lengths in a body of this shape, metres.
-    pub(crate) fn at(&self, shape: &Shape) -> Vector3<f64> {
-        Vector3::from_fn(|i, _| self.scale[i].apply(self.value[i], &shape.0).0)
-    }
-
-    /// Makes them `lengths` in a body of this shape.
-    pub(crate) fn put(&mut self, lengths: Vector3<f64>, shape: &Shape) {
-        for (i, scale) in self.scale.iter().enumerate() {
-            let [none, one] = [0.0, 1.0].map(|value| scale.apply(value, &shape.0).0);
-            self.value[i] = (lengths[i] - none) / (one - none);
-        }
-    }
-}

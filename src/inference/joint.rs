@@ -81,8 +81,11 @@ pub struct FrameUncertainty {
     pub position_sd_m: Vector3<f64>,
     /// Of the orientation in the world of each part, about its own axes; 0 of one that nothing turns.
     pub parts_sd: Vec<Vector3<f64>>,
-    /// Of the angles, with what the places of the joints' centres in the flesh leave open, see [`Posed::angle_spread`].
+    /// Of the angles between the bones: the flesh's, with what the places of the joints in it leave open, see
+    /// [`Posed::angle_spread`].
     pub angles_sd: DVector<f64>,
+    /// Of the same angles as the flesh has them, which is what is seen.
+    pub flesh_angles_sd: DVector<f64>,
     /// Covariance of each exported point, square metres: the estimate's, and of where it lies in the flesh.
     pub points: Vec<Matrix3<f64>>,
     /// Covariance of the way from the left to the right point of each of [`BodyModel::point_pairs`], square metres.
@@ -146,7 +149,7 @@ pub fn joint_optimum_of<'a>(
     let solution = levenberg_marquardt(&posterior(&stated), start, &solver);
     // 2. how the residuals err there
     let residuals = residuals(evidence.model, terms, &solution.state);
-    let noise = Noise::of(&residuals, &times);
+    let noise = Noise::of(&residuals, &times, &evidence.model.part_pairs());
     // 3. how sure the optimum is, with rows that err so
     let sharp = posterior(&noise);
     let mut chain = solution.model;
@@ -249,7 +252,8 @@ fn frame_uncertainty(
         .copy_from(&(marginal.shared * tau));
     all.fill_upper_triangle_with_lower_triangle();
     let variances = motion.diagonal().map(|v| v.max(0.0));
-    let angles_sd = variances.rows(layout.root(), m - layout.root()) + body.angle_spread();
+    let of_flesh = variances.rows(layout.root(), m - layout.root());
+    let angles_sd = (of_flesh + body.angle_spread()).map(f64::sqrt);
     let position_sd_m = match layout.root() {
         6 => Vector3::from(variances.fixed_rows::<3>(0)).map(f64::sqrt),
         _ => Vector3::zeros(),
@@ -261,14 +265,15 @@ fn frame_uncertainty(
     let point = |index: usize| carried(&body.point_jacobian(index)) + body.point_spread(index);
     let apart = |(right, left): (usize, usize)| {
         let moved = body.point_jacobian(right) - body.point_jacobian(left);
-        carried(&moved) + body.point_spread(right) + body.point_spread(left)
+        carried(&moved) + body.way_spread(right, left)
     };
     let turned = |part: usize| carried(&body.rotation_jacobian(PartId(part))).diagonal();
     let parts = (0..body.model.parts.len()).map(turned);
     Some(FrameUncertainty {
         position_sd_m,
         parts_sd: parts.map(|v| v.map(|v| v.max(0.0).sqrt())).collect(),
-        angles_sd: angles_sd.map(f64::sqrt),
+        angles_sd,
+        flesh_angles_sd: of_flesh.map(f64::sqrt),
         points: (0..body.model.points.len()).map(point).collect(),
         apart: body.model.point_pairs().into_iter().map(apart).collect(),
     })

@@ -11,7 +11,8 @@
 //! 3. *over time* the flesh's mismatch with the model returns in every frame and camera that shows the same place
 //!    of the body. Let y be the mean ψ of one place in one view: Var y = V = P + I, P what returns (the
 //!    mean product of two y of one place far apart in time), I what does not. N of them are worth
-//!    V/(P + I′/N), with I′ = I and what it shares with its neighbours in time.
+//!    V/(P + I′/N), with I′ = I and what it shares with its neighbours in time. The two sides of a body are alike, and so is what
+//!    the model has wrong of them: for s, a place and its mirror image are one.
 //!
 //!    Within a frame, k cameras that show a place share P as well: k of its y are worth k/μ, μ = 1 + (k − 1)·P/V.
 //!
@@ -56,11 +57,18 @@ impl Noise {
         }
     }
 
-    /// From the residuals of every frame at the optimum, and the frames' times.
-    pub fn of(frames: &[Vec<PlacedResidual>], seconds: &[f64]) -> Self {
+    /// From the residuals of every frame at the optimum, the frames' times, and the parts that are mirror images of others:
+    /// (right, left).
+    pub fn of(
+        frames: &[Vec<PlacedResidual>],
+        seconds: &[f64],
+        part_pairs: &[(usize, usize)],
+    ) -> Self {
         let scale = scale_of(frames);
-        let places = places(frames, seconds);
-        let (repeated, over_time) = over_time(&places);
+        let places_of = |twins: &[(usize, usize)]| places(frames, seconds, twins);
+        let places = places_of(&[]);
+        let (repeated, _) = over_time(&places);
+        let (_, over_time) = over_time(&places_of(part_pairs));
         Self {
             scale,
             along_border: along_border(frames),
@@ -138,17 +146,34 @@ fn along_border(frames: &[Vec<PlacedResidual>]) -> f64 {
 /// The mean residuals of one place, in the order of time.
 type Place = Vec<(f64, f64)>;
 
-fn places(frames: &[Vec<PlacedResidual>], seconds: &[f64]) -> Vec<Place> {
+/// By part and cube. With pairs of parts, (right, left), what is on the left counts as its mirror image on the right.
+fn places(
+    frames: &[Vec<PlacedResidual>],
+    seconds: &[f64],
+    part_pairs: &[(usize, usize)],
+) -> Vec<Place> {
+    let right_of: BTreeMap<usize, usize> = part_pairs.iter().map(|(r, l)| (*l, *r)).collect();
+    let is_right = |part: usize| part_pairs.iter().any(|(right, _)| *right == part);
+    let cell_of = |r: &PlacedResidual| {
+        let [x, y, z] = r.place_part.into();
+        let y = match r.part.0 {
+            _ if part_pairs.is_empty() => y,
+            part if is_right(part) => y,
+            part if right_of.contains_key(&part) => -y,
+            _ => y.abs(),
+        };
+        [x, y, z].map(|length: f64| (length / CELL_M).floor() as i32)
+    };
     let mut places: BTreeMap<(usize, [i32; 3]), Place> = BTreeMap::new();
     for (frame, time) in frames.iter().zip(seconds) {
         let mut seen: BTreeMap<(usize, [i32; 3], Source), (f64, f64)> = BTreeMap::new();
         for r in frame {
-            let cell = [0, 1, 2].map(|k| (r.place_part[k] / CELL_M).floor() as i32);
-            let (sum, weight) = seen.entry((r.part.0, cell, r.source)).or_default();
+            let (sum, weight) = seen.entry((r.part.0, cell_of(r), r.source)).or_default();
             *sum += r.weight * influence(r);
             *weight += r.weight;
         }
         for ((part, cell, _), (sum, weight)) in seen {
+            let part = *right_of.get(&part).unwrap_or(&part);
             places
                 .entry((part, cell))
                 .or_default()

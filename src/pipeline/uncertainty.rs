@@ -27,9 +27,9 @@ impl ShapeUncertainty {
             let along = (points[*to] - points[*from]).try_normalize(1e-12)?;
             let moved = body.point_jacobian(*to) - body.point_jacobian(*from);
             let gradient: DVector<f64> = moved.columns(first, coefficients).tr_mul(&along);
-            let ends = [from, to].map(|end| along.dot(&(body.point_spread(*end) * along)));
+            let ends = along.dot(&(body.way_spread(*from, *to) * along));
             let variance = gradient.dot(&(&covariance * &gradient)).max(0.0);
-            Some((variance + ends[0] + ends[1]).sqrt())
+            Some((variance + ends).sqrt())
         };
         let lengths_sd_m = model
             .lengths

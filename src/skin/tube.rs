@@ -9,7 +9,7 @@ use super::axis::{Axis, Frame, Station};
 use super::flesh::{Flesh, Hit};
 use super::plan::Chain;
 use super::section::{Section, end};
-use crate::body::{PartId, Posed, Scale, ScaledVector};
+use crate::body::{PartId, Posed};
 
 /// Distance between cross-sections, metres.
 const SPACING: f64 = 0.02;
@@ -34,11 +34,7 @@ pub(super) struct Tube {
 
 /// Where the parts of a chain begin, in the world.
 pub(super) fn origin(body: &Posed<'_>, part: PartId) -> Vector3<f64> {
-    let here = ScaledVector {
-        value: Vector3::zeros(),
-        scale: [Scale::Fixed; 3],
-    };
-    body.point(part, &here).coords
+    body.origin_of_part(part).coords
 }
 
 /// The joints between the parts of a chain.

@@ -1,14 +1,13 @@
-//! Where in a person's flesh the joints' centres lie.
+//! Where in a person's flesh the joints lie.
 //!
-//! Persons of the same flesh differ in that. At angles 0 let a part's own centre be at o, and the next one, or the exported
-//! point at the part's end, at e. If they lie δ and δ′ elsewhere in the flesh, the bone between them is no longer e − o but
+//! Persons of the same flesh differ in that. At angles 0 let a part's own joint be at o and the next part's at e. If they lie δ and δ′ elsewhere in the flesh, the bone between them is no longer e − o but
 //!
 //! ```text
 //! b = e + δ′ − o − δ
 //! ```
 //!
 //! Angles are those of the bones, so a part's axes turn with its bone: by Q, the least rotation that takes e − o to b (1
-//! for a part without a bone, as the pelvis). In the part's axes, flesh that was at x is then at Qᵀ(x − δ), and a centre
+//! for a part without a bone, as pelvis, head and foot). In the part's axes, flesh that was at x is then at Qᵀ(x − δ), and a joint
 //! that the part carries at Qᵀ(x + δ′ − δ). Every part keeps its flesh as it is; its bone is longer or shorter and lies
 //! elsewhere in it, by the same in every frame.
 
@@ -16,14 +15,14 @@ use nalgebra::{DVector, Rotation3, Vector3};
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use crate::body::{BodyModel, Motion, PartId, Posed, Shape};
+use crate::body::{BodyModel, Motion, NamedPoint, Part, PartId, Posed, Shape};
 
-/// The person of this shape with the centres elsewhere in the flesh, each by a δ from a normal distribution; a model for
-/// this shape alone.
+/// The person of this shape with the joints and exported points elsewhere in the flesh, each by a δ from a normal distribution;
+/// a model for this shape alone.
 ///
-/// `published` has points of the same names, with the standard deviations of δ along the axes of their parts
-/// ([`NamedPoint::sd_m`](crate::body::NamedPoint::sd_m), metres); a point that it does not name stays. The δ are
-/// independent, and a midpoint follows its two points.
+/// `published` has parts and points of the same names, with the standard deviations of δ along the axes of their parts
+/// ([`BodyModel::scatter_m`], [`NamedPoint::sd_m`](crate::body::NamedPoint::sd_m), metres); what it does not name stays. The δ
+/// of the two sides are mirror images, others are independent.
 pub fn draw_centres(
     model: &BodyModel,
     shape: &Shape,
@@ -36,7 +35,7 @@ pub fn draw_centres(
         ..Motion::rest(model)
     };
     let straight = Posed::new(model, shape, &straight);
-    let moved = draw_points(&straight, published, rng);
+    let moved = draw(&straight, published, rng);
     let flesh: Vec<Flesh> = turned(&straight, &moved);
     let in_world = |part: usize| straight.world_from_part(PartId(part));
     let mut person = model.clone();
@@ -56,7 +55,7 @@ pub fn draw_centres(
         ball.centre.put(centre, shape);
         ball.part_from_primitive = flesh.turn.inverse() * ball.part_from_primitive;
     }
-    for (point, moved) in person.points.iter_mut().zip(&moved) {
+    for (point, moved) in person.points.iter_mut().zip(&moved[model.parts.len()..]) {
         // own centres and their midpoints are where their parts are
         let places = point.places.iter_mut();
         for (part, at) in places.filter(|(_, at)| at.value != Vector3::zeros()) {
@@ -67,34 +66,40 @@ pub fn draw_centres(
     person
 }
 
-/// δ of every exported point, in the world.
-fn draw_points(
-    straight: &Posed<'_>,
-    published: &BodyModel,
-    rng: &mut impl Rng,
-) -> Vec<Vector3<f64>> {
-    let mut draw = |sd: f64| {
+/// δ of every part's joint, then of every exported point, in the world.
+fn draw(straight: &Posed<'_>, published: &BodyModel, rng: &mut impl Rng) -> Vec<Vector3<f64>> {
+    let model = straight.model;
+    let of_part = |part: &Part| {
+        let known = published.parts.iter().position(|p| p.name == part.name)?;
+        Some(published.scatter_m(PartId(known)))
+    };
+    let of_point = |point: &NamedPoint| Some(published.points[published.point(&point.name)?].sd_m);
+    let scatter = model.parts.iter().map(of_part);
+    let scatter = scatter.chain(model.points.iter().map(of_point));
+    let mut along = |sd: f64| {
         let z: f64 = StandardNormal.sample(rng);
         sd * z
     };
-    let points = straight.model.points.iter();
-    let of_point = |point: &crate::body::NamedPoint| {
-        let [(part, _)] = point.places[..] else {
-            return Vector3::zeros();
-        };
-        let sd = published
-            .point(&point.name)
-            .map(|i| published.points[i].sd_m);
-        straight.world_from_part(part) * sd.unwrap_or_default().map(&mut draw)
-    };
-    points.map(of_point).collect()
+    let mut drawn: Vec<Vector3<f64>> = scatter
+        .map(|sd| sd.unwrap_or_default().map(&mut along))
+        .collect();
+    let point = |index: usize| model.parts.len() + index;
+    let points = model.point_pairs().into_iter();
+    let points = points.map(|(right, left)| (point(right), point(left)));
+    for (right, left) in model.part_pairs().into_iter().chain(points) {
+        drawn[left] = drawn[right].component_mul(&Vector3::new(1.0, -1.0, 1.0));
+    }
+    let parts = (0..model.parts.len()).map(PartId);
+    let parts = parts.chain(model.points.iter().map(|point| point.places[0].0));
+    let in_world = |(part, moved)| straight.world_from_part(part) * moved;
+    parts.zip(drawn).map(in_world).collect()
 }
 
 /// How a part's flesh lies about its bone, in the part's axes.
 struct Flesh {
     /// Q.
     turn: Rotation3<f64>,
-    /// δ of its own centre.
+    /// δ of its own joint.
     centre: Vector3<f64>,
 }
 
@@ -107,22 +112,21 @@ impl Flesh {
 
 /// By part.
 fn turned(straight: &Posed<'_>, moved: &[Vector3<f64>]) -> Vec<Flesh> {
-    let places = straight.points();
-    let bones = straight.model.bones();
+    let model = straight.model;
+    let bones = model.bones();
     let of_part = |part: usize| {
         let axes = straight.world_from_part(PartId(part));
-        let along = bones[part].and_then(|bone| {
-            let old = places[bone.end] - places[bone.start];
-            let new = old + moved[bone.end] - moved[bone.start];
+        let along = bones[part].and_then(|end| {
+            let old = straight.origin_of_part(end) - straight.origin_of_part(PartId(part));
+            let new = old + moved[end.0] - moved[part];
             Rotation3::rotation_between(&axes.tr_mul(&old), &axes.tr_mul(&new))
         });
-        let centre = straight.model.centre_of_part(part);
         Flesh {
             turn: along.unwrap_or_default(),
-            centre: centre.map_or(Vector3::zeros(), |i| axes.tr_mul(&moved[i])),
+            centre: axes.tr_mul(&moved[part]),
         }
     };
-    (0..straight.model.parts.len()).map(of_part).collect()
+    (0..model.parts.len()).map(of_part).collect()
 }
 
 #[cfg(test)]
@@ -158,7 +162,12 @@ mod tests {
         let part = |name: &str| walker.parts.iter().position(|p| p.name == name).unwrap();
         let (thigh, shank) = (part("thigh_r"), part("shank_r"));
         let knee = walker.joint("knee_flexion_r").unwrap().0;
-        let sd = published.points[published.point("RHip").unwrap()].sd_m;
+        let sd = published
+            .parts
+            .iter()
+            .position(|p| p.name == "thigh_r")
+            .unwrap();
+        let sd = published.scatter_m(PartId(sd));
         let (draws, mut squares) = (1000, Vector3::zeros());
         for _ in 0..draws {
             let shape = draw_shape(&walker, &mut rng);

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-use crate::body::{BodyModel, Motion, PartId, Posed, Primitive, Scale, ScaledVector, Shape};
+use crate::body::{BodyModel, Motion, PartId, Posed, Primitive, ScaledVector, Shape};
 
 /// A foot's part and the points of its skin that can touch the floor.
 #[derive(Debug, Clone)]
@@ -68,10 +68,7 @@ impl Foot {
 ///
 /// The lowest point of (x − c)ᵀA⁻¹(x − c) = k² against the unit vector "down" u is c + k A u/√(uᵀA u).
 fn lowest_points(body: &Posed<'_>, primitive: &Primitive, skin: f64) -> Vec<ScaledVector> {
-    let at = |value: Vector3<f64>| ScaledVector {
-        value,
-        scale: [Scale::Fixed; 3],
-    };
+    let at = ScaledVector::fixed;
     let origin = body.point(primitive.part, &at(Vector3::zeros()));
     let axis = |k: usize| body.point(primitive.part, &at(Vector3::ith(k, 1.0))) - origin;
     let world_from_part = Matrix3::from_columns(&[axis(0), axis(1), axis(2)]);

@@ -1,6 +1,6 @@
 //! The metaball field written anew in hyper-dual numbers: kinematics, ellipsoids and ln F, nothing shared.
 
-use maquette::body::{BodyModel, FrameId, Layout, PartId, Root, Scale, ScaledVector, State};
+use maquette::body::{BodyModel, FrameId, Layout, PartId, Root, Scale, ScaledVector, Shift, State};
 use nalgebra::{Matrix3, Point3};
 use num_dual::{DualNum, HyperDual64};
 
@@ -104,17 +104,20 @@ impl<'a> DualField<'a> {
 }
 
 fn scaled(vector: &ScaledVector, shape: &[HyperDual64]) -> Vector {
+    let shift = |k: usize| -> HyperDual64 {
+        let of = |s: &Shift| shape[s.coefficient.0] * s.direction[k];
+        vector.shifts.iter().map(of).sum()
+    };
     [0, 1, 2].map(|k| {
         let value = HyperDual64::from_re(vector.value[k]);
         let logistic = |s: HyperDual64| ((-s).exp() + 1.0).recip() * 2.0;
-        match vector.scale[k] {
+        let scaled = match vector.scale[k] {
             Scale::Fixed => value,
             Scale::Log(c) => value * shape[c.0].exp(),
             Scale::Share(c) => value * logistic(shape[c.0]),
             Scale::Rest(c) => value * logistic(-shape[c.0]),
-            Scale::Shift(c) => value + shape[c.0],
-            Scale::Unshift(c) => value - shape[c.0],
-        }
+        };
+        scaled + shift(k)
     })
 }
 

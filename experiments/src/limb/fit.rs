@@ -88,7 +88,7 @@ fn coefficients_of_joints(model: &BodyModel) -> Vec<bool> {
     let points = model.points.iter().flat_map(|p| &p.places);
     let translations = model.joints.iter().map(|joint| &joint.translation);
     for vector in translations.chain(points.map(|(_, place)| place)) {
-        for coefficient in vector.scale.iter().filter_map(|scale| scale.coefficient()) {
+        for coefficient in vector.coefficients() {
             moving[coefficient.0] = true;
         }
     }

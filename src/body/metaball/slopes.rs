@@ -18,7 +18,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::{Field, FieldSample, Share};
 use crate::body::jacobian::stretch_columns;
-use crate::body::{BodyModel, FrameId, Layout, Posed, Primitive};
+use crate::body::{BodyModel, CoefficientId, FrameId, Layout, Posed, Primitive};
 
 /// All that the derivatives of a field need, computed once per pose.
 #[derive(Debug, Clone)]
@@ -260,14 +260,13 @@ fn ball_slopes(
         body.primitive_axes(primitive),
         body.primitive_radii(primitive),
     );
-    let slope = |k: usize| {
-        let scale = primitive.radii.scale[k];
-        let (value, shape) = (primitive.radii.value[k], &body.shape().0);
-        Some(RadiusSlope {
-            component: layout.coefficient(scale.coefficient()?),
+    let slope = |(coefficient, slope): (CoefficientId, Vector3<f64>)| {
+        let axes_that_grow = (0..3).filter(move |&k| slope[k] != 0.0);
+        axes_that_grow.map(move |k| RadiusSlope {
+            component: layout.coefficient(coefficient),
             axis: k,
             axis_world: axes.column(k).into_owned(),
-            slope: radii[k] * scale.apply(value, shape).1,
+            slope: radii[k] * slope[k],
             precision: 1.0 / (radii[k] * radii[k]),
         })
     };
@@ -275,7 +274,11 @@ fn ball_slopes(
         frame: primitive.frame,
         precision,
         centre,
-        radii: (0..3).filter_map(slope).collect(),
+        radii: primitive
+            .radii
+            .slopes(body.shape())
+            .flat_map(slope)
+            .collect(),
     }
 }
 

@@ -9,14 +9,15 @@ use super::order::parents_first;
 use super::side::{Side, Sides};
 use super::spec::{AxisSpec, JointSpec, LengthSpec, ModelSpec, PartSpec, PointSpec, PoseSpec};
 use crate::body::{
-    BodyModel, CoefficientId, Joint, JointId, ModelError, NamedPoint, Part, PartId, Pose, Root,
-    Scale, ScaledVector, ShapeStatistics,
+    BodyModel, Joint, JointId, ModelError, NamedPoint, Part, PartId, Pose, Root, ScaledVector,
+    ShapeStatistics, Shift,
 };
 
 pub(super) fn build(spec: &ModelSpec, path: &Path) -> Result<BodyModel, ModelFileError> {
     let mut builder = Builder {
         path,
         scales: Vec::new(),
+        carried: Vec::new(),
         model: empty(spec),
     };
     builder.model.statistics = builder.coefficients(spec)?;
@@ -76,6 +77,8 @@ pub(super) struct Builder<'a> {
     path: &'a Path,
     /// The scale of each part, in the order of the model's parts.
     scales: Vec<[String; 3]>,
+    /// By what each part's flesh, and all else that it carries, shifts in its frame: where its joint lies in the flesh.
+    pub(super) carried: Vec<Vec<Shift>>,
     pub(super) model: BodyModel,
 }
 
@@ -87,7 +90,7 @@ impl Builder<'_> {
         }
     }
 
-    fn missing(&self, place: &str, kind: &'static str, name: &str) -> ModelFileError {
+    pub(super) fn missing(&self, place: &str, kind: &'static str, name: &str) -> ModelFileError {
         ModelFileError::Missing {
             path: self.path.to_owned(),
             place: place.to_owned(),
@@ -131,18 +134,29 @@ impl Builder<'_> {
         let mut joint = parent.and_then(|p: PartId| self.model.parts[p.0].joint);
         let at_scale = spec.at_scale.as_ref().or(parent.map(|p| &self.scales[p.0]));
         let mut translation = self.scaled(side.place(spec.at), at_scale, side, &place)?;
+        let below = parent.map_or(Vec::new(), |p| self.carried[p.0].clone());
+        translation.shifts.extend(below.iter().copied());
         let mut turn = side.turn(spec.turn_deg);
+        let first = self.model.joints.len();
         for joint_spec in &spec.joints {
             let made = self.joint(joint_spec, side, joint, translation, turn)?;
             self.model.joints.push(made);
             joint = Some(JointId(self.model.joints.len() - 1));
-            translation = ScaledVector {
-                value: Vector3::zeros(),
-                scale: [Scale::Fixed; 3],
-            };
+            translation = ScaledVector::fixed(Vector3::zeros());
             turn = Rotation3::identity();
         }
-        self.model.parts.push(Part { name, joint });
+        let pivot = self.pivot(spec, side, &place)?;
+        let carried = match spec.joints.is_empty() {
+            true => below,
+            false => self.displace(first, &pivot),
+        };
+        self.carried.push(carried);
+        self.model.parts.push(Part {
+            name,
+            joint,
+            pivot,
+            sd_m: spec.sd.into(),
+        });
         self.scales.push(spec.scale.clone());
         Ok(())
     }
@@ -154,6 +168,8 @@ impl Builder<'_> {
             ("at", is_any(spec.at)),
             ("at_scale", spec.at_scale.is_some()),
             ("turn_deg", is_any(spec.turn_deg)),
+            ("pivot", spec.pivot.is_some()),
+            ("sd", is_any(spec.sd)),
         ];
         match given.into_iter().find(|(_, is_given)| *is_given) {
             Some((key, _)) if spec.joints.is_empty() => Err(ModelFileError::NoJoint {
@@ -236,47 +252,6 @@ impl Builder<'_> {
             })
     }
 
-    pub(super) fn scaled(
-        &self,
-        value: Vector3<f64>,
-        names: Option<&[String; 3]>,
-        side: Side,
-        place: &str,
-    ) -> Result<ScaledVector, ModelFileError> {
-        let mut scale = [Scale::Fixed; 3];
-        for (axis, name) in names.into_iter().flatten().enumerate() {
-            let found = self.scale(name, side, place)?;
-            scale[axis] = match (found, side, axis) {
-                (Scale::Shift(c), Side::Left, 1) => Scale::Unshift(c),
-                _ => found,
-            };
-        }
-        Ok(ScaledVector { value, scale })
-    }
-
-    /// "" is fixed, "name" eˢ, "share:name" and "rest:name" the parts of a total, "shift:name" adds s.
-    fn scale(&self, text: &str, side: Side, place: &str) -> Result<Scale, ModelFileError> {
-        if text.is_empty() {
-            return Ok(Scale::Fixed);
-        }
-        let (kind, name) = text.split_once(':').unwrap_or(("", text));
-        let find = |wanted: &str| {
-            self.model
-                .coefficients
-                .iter()
-                .position(|c| c == wanted)
-                .map(CoefficientId)
-        };
-        let id = find(&side.suffix(name)).or_else(|| find(name));
-        match (kind, id) {
-            ("", Some(id)) => Ok(Scale::Log(id)),
-            ("share", Some(id)) => Ok(Scale::Share(id)),
-            ("rest", Some(id)) => Ok(Scale::Rest(id)),
-            ("shift", Some(id)) => Ok(Scale::Shift(id)),
-            _ => Err(self.missing(place, "coefficient", text)),
-        }
-    }
-
     fn point(&mut self, spec: &PointSpec) -> Result<(), ModelFileError> {
         let place = format!("point {}", spec.name);
         if let Some(part) = &spec.part {
@@ -285,12 +260,17 @@ impl Builder<'_> {
                 let prefix = ["", "R", "L"][side as usize];
                 let owner = self.part_named(part, side, &place)?;
                 let at_scale = spec.at_scale.as_ref().or(Some(&self.scales[owner.0]));
-                let at = self.scaled(side.place(spec.at), at_scale, side, &place)?;
-                let places = vec![(owner, at)];
+                let mut at = self.scaled(side.place(spec.at), at_scale, side, &place)?;
+                // a joint's centre is where the joint is, all else is in the flesh
+                let is_centre = at.value == Vector3::zeros();
+                if !is_centre {
+                    at.shifts.extend(&self.carried[owner.0]);
+                }
+                let of_part = is_centre.then(|| self.model.parts[owner.0].sd_m);
                 self.model.points.push(NamedPoint {
                     name: format!("{prefix}{}", spec.name),
-                    places,
-                    sd_m: spec.sd.into(),
+                    places: vec![(owner, at)],
+                    sd_m: spec.sd.map(Vector3::from).or(of_part).unwrap_or_default(),
                 });
             }
             return Ok(());
@@ -309,7 +289,7 @@ impl Builder<'_> {
         self.model.points.push(NamedPoint {
             name: spec.name.clone(),
             places,
-            sd_m: spec.sd.into(),
+            sd_m: spec.sd.unwrap_or_default().into(),
         });
         Ok(())
     }

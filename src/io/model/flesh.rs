@@ -43,10 +43,12 @@ impl Builder<'_> {
         let place = format!("a primitive of part {}", owner.name);
         let centre_scale = spec.centre_scale.as_ref().or(Some(&owner.scale));
         let radii_scale = spec.radii_scale.as_ref().or(Some(&owner.scale));
+        let mut centre = self.scaled(side.place(spec.centre), centre_scale, side, &place)?;
+        centre.shifts.extend(&self.carried[part.0]);
         Ok(Primitive {
             part,
             frame: self.frame_following(spec.follows, (owner, part), frames)?,
-            centre: self.scaled(side.place(spec.centre), centre_scale, side, &place)?,
+            centre,
             radii: self.scaled(Vector3::from(spec.radii), radii_scale, side, &place)?,
             part_from_primitive: side.turn(spec.turn_deg),
         })

@@ -7,6 +7,7 @@
 mod build;
 mod extend;
 mod flesh;
+mod lengths;
 mod order;
 mod side;
 mod spec;

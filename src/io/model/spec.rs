@@ -70,6 +70,9 @@ pub(super) struct PartSpec {
     pub(super) at_scale: Option<[String; 3]>,
     #[serde(default)]
     pub(super) turn_deg: [f64; 3],
+    pub(super) pivot: Option<[String; 3]>,
+    #[serde(default)]
+    pub(super) sd: [f64; 3],
     #[serde(default)]
     pub(super) scale: [String; 3],
     #[serde(default, rename = "joint")]
@@ -139,8 +142,7 @@ pub(super) struct PointSpec {
     #[serde(default)]
     pub(super) at: [f64; 3],
     pub(super) at_scale: Option<[String; 3]>,
-    #[serde(default)]
-    pub(super) sd: [f64; 3],
+    pub(super) sd: Option<[f64; 3]>,
     #[serde(default)]
     pub(super) midpoint: Vec<String>,
 }
