@@ -1,7 +1,8 @@
 //! Normal equations limb by limb.
 //!
 //! A row of a field term touches only the components that move its limb, 10 to 40 of them. So rows are summed
-//! in a small dense matrix for each limb, and these are put into the whole one once.
+//! in a small dense matrix for each limb, and these are put into the whole one once. Where the shape is given its components,
+//! more than half of a limb's, are not summed at all.
 
 use crate::body::metaball::FieldSlopes;
 use crate::solver::NormalEquations;
@@ -20,9 +21,10 @@ struct Sums {
 }
 
 impl LimbSums {
-    pub(super) fn new(slopes: &FieldSlopes) -> Self {
+    /// Nothing yet, of the components below `dimension`.
+    pub(super) fn new(slopes: &FieldSlopes, dimension: usize) -> Self {
         let sums = |limb| {
-            let n = slopes.components(limb).len();
+            let n = slopes.components(limb).partition_point(|&c| c < dimension);
             Sums {
                 gradient: vec![0.0; n],
                 hessian: vec![0.0; n * n],
@@ -37,8 +39,9 @@ impl LimbSums {
     #[inline]
     pub(super) fn add(&mut self, limb: usize, row: &[f64], r: f64, w: f64) {
         let Sums { gradient, hessian } = &mut self.limbs[limb];
-        let n = row.len();
-        for (j, column) in hessian.chunks_exact_mut(n).enumerate() {
+        let n = gradient.len();
+        let row = &row[..n];
+        for (j, column) in hessian.chunks_exact_mut(n.max(1)).enumerate() {
             let scaled = w * row[j];
             gradient[j] += scaled * r;
             for (sum, value) in column[j..].iter_mut().zip(&row[j..]) {
@@ -47,15 +50,14 @@ impl LimbSums {
         }
     }
 
-    /// Adds all to the components that `equations` has.
+    /// Adds all to the equations, of the dimension that it was made for.
     pub(super) fn add_to(&self, slopes: &FieldSlopes, equations: &mut NormalEquations) {
         for (limb, sums) in self.limbs.iter().enumerate() {
-            let components = slopes.components(limb);
-            let n = components.len();
-            let free = components.partition_point(|&c| c < equations.gradient.len());
-            for (j, &column) in components[..free].iter().enumerate() {
+            let n = sums.gradient.len();
+            let components = &slopes.components(limb)[..n];
+            for (j, &column) in components.iter().enumerate() {
                 equations.gradient[column] += sums.gradient[j];
-                for (i, &row) in components[..free].iter().enumerate().skip(j) {
+                for (i, &row) in components.iter().enumerate().skip(j) {
                     equations.hessian[(row, column)] += sums.hessian[j * n + i];
                 }
             }

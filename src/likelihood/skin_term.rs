@@ -108,7 +108,7 @@ pub(super) fn linearize(
     let field = Field::of(body);
     let scale = term.scale(body, &field);
     let slopes = FieldSlopes::new(body, &field);
-    let mut sums = LimbSums::new(&slopes);
+    let mut sums = LimbSums::new(&slopes, equations.gradient.len());
     let mut row = FieldRow::default();
     let mut changes = Vec::new();
     let mut cost = 0.0;
