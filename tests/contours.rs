@@ -1,9 +1,13 @@
 //! Silhouettes by the joint pipeline, of a body whose pictures are known.
 
+use maquette::body::metaball::Field;
 use maquette::body::{BodyModel, Motion, Posed, Shape};
 use maquette::camera::{Camera, Distortion, Intrinsics, Rig};
 use maquette::image::{Mask, Picture, Plane};
 use maquette::inference::Evidence;
+use maquette::inference::joint::{JointOptions, joint_optimum};
+use maquette::inference::propagate::Sequence;
+use maquette::inference::sequence::SequenceState;
 use maquette::io::model;
 use maquette::likelihood::{LikelihoodOptions, Measure};
 use maquette::math::Rigid3;
@@ -63,8 +67,7 @@ impl Set {
 
     fn mask(&self, camera: usize) -> Mask {
         let body = Posed::new(&self.model, &self.shape, &self.truth);
-        let field = maquette::body::metaball::Field::of(&body);
-        render::silhouette(&self.rig.cameras[camera], &field)
+        render::silhouette(&self.rig.cameras[camera], &Field::of(&body))
     }
 
     /// The body bright before a dark ground; `None` of `shown` is a flat picture.
@@ -88,16 +91,27 @@ impl Set {
         ShownFrame::of(&self.rig, &pictures).expect("pictures of the cameras' sizes")
     }
 
+    fn evidence(&self) -> Evidence<'_> {
+        let likelihood = LikelihoodOptions::default();
+        Evidence::new(&self.model, &self.rig, likelihood, Measure::Metaballs)
+    }
+
+    /// Overlap of a body's own outline with the person, of either camera.
+    fn overlaps(&self, shape: &Shape, motion: &Motion) -> [f64; 2] {
+        let field = Field::of(&Posed::new(&self.model, shape, motion));
+        [0, 1].map(|i| {
+            overlap(
+                &render::silhouette(&self.rig.cameras[i], &field),
+                &self.mask(i),
+            )
+        })
+    }
+
     /// The joint pipeline from a body that stands so far off.
     fn followed(&self, frame: &ShownFrame, off_m: Vector3<f64>) -> Followed {
         let mut start = self.truth.clone();
         start.position_world += off_m;
-        let evidence = Evidence::new(
-            &self.model,
-            &self.rig,
-            LikelihoodOptions::default(),
-            Measure::Metaballs,
-        );
+        let evidence = self.evidence();
         let body = Posed::new(&self.model, &self.shape, &start);
         let scene = Scene::new(
             &self.rig,
@@ -107,6 +121,14 @@ impl Set {
         );
         Follower::new(&evidence, &self.shape, 25.0).advance(FrameIndex(0), &scene, &start)
     }
+}
+
+fn overlap(one: &Mask, other: &Mask) -> f64 {
+    let rows = (0..one.height()).flat_map(|y| one.row(y).iter().zip(other.row(y)));
+    let (both, either) = rows.fold((0u32, 0u32), |(both, either), (a, b)| {
+        (both + u32::from(a & b), either + u32::from(a | b))
+    });
+    f64::from(both) / f64::from(either)
 }
 
 fn points(followed: &Followed, camera: usize) -> Vec<FoundPoint> {
@@ -131,16 +153,8 @@ fn a_body_that_stands_off_by_36_mm_is_drawn_to_its_pictures_by_any_number_of_thr
         assert_eq!(points(&one, camera), points(&two, camera));
         let found = one.seen[camera].as_ref().expect("a picture");
         let found = found.contours.mask(&set.rig.cameras[camera]);
-        let truth = set.mask(camera);
-        let (mut both, mut either) = (0, 0);
-        for (a, b) in (0..truth.height()).flat_map(|y| found.row(y).iter().zip(truth.row(y))) {
-            both += u32::from(a & b);
-            either += u32::from(a | b);
-        }
-        assert!(
-            f64::from(both) > 0.85 * f64::from(either),
-            "{both} {either}"
-        );
+        let overlap = overlap(&found, &set.mask(camera));
+        assert!(overlap > 0.85, "{overlap}");
     }
 }
 
@@ -167,4 +181,31 @@ fn a_body_that_nobody_sees_is_told_and_stays_where_it_is() {
         assert!(seen.contours.silhouette.is_none());
     }
     assert!(followed.motion.position_world.iter().all(|x| x.is_finite()));
+}
+
+#[test]
+fn a_body_too_large_is_mended_by_a_fit_to_the_contours_that_it_finds() {
+    let set = Set::new();
+    let frame = set.frame([true, true]);
+    let evidence = set.evidence();
+    // every size 4 % larger
+    let wrong = Shape(set.shape.0.add_scalar(0.04));
+    let body = Posed::new(&set.model, &wrong, &set.truth);
+    let shown = (&frame, &StillScenes::new());
+    let scene = Scene::new(&set.rig, shown, &body, ContourOptions::default());
+    let observed = scene.observed(FrameIndex(0), &scene.contours(&body), Vec::new());
+    let sequence = Sequence {
+        frames: &[observed],
+        fps: 25.0,
+    };
+    let start = SequenceState {
+        shape: wrong.clone(),
+        motions: vec![set.truth.clone()],
+    };
+    let fitted = joint_optimum(&evidence, sequence, start, &JointOptions::default());
+    let before = set.overlaps(&wrong, &set.truth);
+    let after = set.overlaps(&fitted.shape, &fitted.frames[0].motion);
+    for (before, after) in before.into_iter().zip(after) {
+        assert!(1.0 - after < 0.5 * (1.0 - before), "{before} {after}");
+    }
 }

@@ -17,6 +17,7 @@ mod contour;
 mod filter;
 mod scene;
 mod shown;
+mod still;
 mod track;
 
 use crate::silhouette::snake::SnakeOptions;
@@ -24,7 +25,8 @@ use crate::silhouette::snake::SnakeOptions;
 pub use contour::{FoundPoint, ViewContours};
 pub use filter::{Edges, Filtered, band_mask, disparity_mask};
 pub use scene::Scene;
-pub use shown::{ShownFrame, ShownView, StillScene, StillScenes, nearness};
+pub use shown::{ShownFrame, ShownView};
+pub use still::{StillScene, StillScenes, nearness};
 pub use track::{Followed, Follower};
 
 /// What was found in one view, and through which edges.

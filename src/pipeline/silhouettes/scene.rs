@@ -5,7 +5,8 @@ use rayon::prelude::*;
 
 use super::contour::{ViewContours, px_per_m};
 use super::filter::{Edges, Filtered, band_mask, disparity_mask, rounded, volume};
-use super::shown::{ShownFrame, StillScenes};
+use super::shown::ShownFrame;
+use super::still::StillScenes;
 use super::{ContourOptions, Seen};
 use crate::body::Posed;
 use crate::camera::{Camera, CameraId, Rig};

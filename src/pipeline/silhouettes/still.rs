@@ -1,0 +1,251 @@
+//! What stands still, and so what is before it: the points that can be the person's while no model says yet where they are.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::camera::CameraId;
+use crate::image::Plane;
+use crate::stereo::{CloudPoint, DepthMap};
+
+/// Disparities of a depth map from infinity: the larger, the nearer; NaN unknown.
+pub fn nearness(map: &DepthMap) -> Plane<f32> {
+    let infinity = map.pair.left.camera.intrinsics.cx_px - map.pair.right.camera.intrinsics.cx_px;
+    map.disparities.map(|d| (d - infinity as f32).abs())
+}
+
+/// The parts of the scene that do not move, by their nearness: what each pixel shows when nobody is before it.
+///
+/// Only for the very first fit, when no model says yet where the person is: nothing of the background's look is learned.
+/// A pixel's still scene is the farthest that it ever shows for long: the person is always nearer, and may stand before the same place
+/// in most frames. Where its depth is almost never known (a bare wall), it counts as far away.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StillScene {
+    /// 0: far away.
+    nearness: Plane<f32>,
+}
+
+/// The still scene is farther than all but this share of the depths that a pixel ever showed: these may be false.
+const FALSE_SHARE: f64 = 0.1;
+/// A pixel whose depth is known in a smaller share of the frames shows something without texture, which is far away.
+const KNOWN_SHARE: f64 = 0.2;
+/// What moves is nearer than the still scene by this disparity, px.
+const NEARER_PX: f32 = 1.5;
+/// Gaps in the known part of the still scene up to twice this are bridged, px: correlation has no answer for every pixel.
+const BRIDGED_PX: usize = 20;
+/// Edge of the cells by which points hang together, m.
+const CELL_M: f64 = 0.1;
+/// A cell of fewer points is stray.
+const LEAST_IN_CELL: usize = 3;
+
+/// The still scenes of those cameras of which they are known.
+pub type StillScenes = BTreeMap<CameraId, StillScene>;
+
+impl StillScene {
+    /// The still scene of the [`nearness`] of one camera's depth maps, of frames spread over the recording.
+    pub fn of(maps: &[Plane<f32>]) -> Self {
+        let Some(first) = maps.first() else {
+            return Self {
+                nearness: Plane::filled(0, 0, 0.0),
+            };
+        };
+        let mut still = Plane::filled(first.width(), first.height(), 0.0);
+        let mut seen = Vec::with_capacity(maps.len());
+        for y in 0..first.height() {
+            for (x, value) in still.row_mut(y).iter_mut().enumerate() {
+                seen.clear();
+                seen.extend(
+                    maps.iter()
+                        .filter_map(|m| m.get(x, y))
+                        .filter(|d| d.is_finite()),
+                );
+                if !seen.is_empty() && seen.len() as f64 >= KNOWN_SHARE * maps.len() as f64 {
+                    let place = (FALSE_SHARE * seen.len() as f64) as usize;
+                    *value = *seen.select_nth_unstable_by(place, f32::total_cmp).1;
+                }
+            }
+        }
+        Self {
+            nearness: filled(&still),
+        }
+    }
+
+    /// The points of a depth map of the same camera that are before the still scene: the largest piece that hangs together.
+    pub fn moving(&self, map: &DepthMap) -> Vec<CloudPoint> {
+        largest_piece(self.before(map))
+    }
+
+    /// The points of a depth map of the same camera that are before the still scene.
+    ///
+    /// Without the border of what moves: correlation by windows makes it wider than it is, and a body fitted to it too fat.
+    pub fn before(&self, map: &DepthMap) -> Vec<CloudPoint> {
+        let now = nearness(map);
+        let moves = |x: usize, y: usize| match (now.get(x, y), self.nearness.get(x, y)) {
+            (Some(now), Some(still)) => now > still + NEARER_PX,
+            _ => false,
+        };
+        // row by row, as the points are
+        let pixels = (0..now.height()).flat_map(|y| (0..now.width()).map(move |x| (x, y)));
+        let known = pixels.filter(|(x, y)| now.get(*x, *y).is_some_and(f32::is_finite));
+        let inside = known.zip(&map.points).filter(|((x, y), _)| {
+            let beside = |k: usize| (*x + k % 3).checked_sub(1).zip((*y + k / 3).checked_sub(1));
+            (0..9).all(|k| beside(k).is_some_and(|(x, y)| moves(x, y)))
+        });
+        inside.map(|(_, point)| *point).collect()
+    }
+}
+
+/// Unknown places (0) that lie between known ones: as far away as the farther of these, along the row or the column.
+fn filled(still: &Plane<f32>) -> Plane<f32> {
+    let known = |x: usize, y: usize| still.get(x, y).filter(|d| *d > 0.0);
+    let mut filled = still.clone();
+    for y in 0..still.height() {
+        for (x, value) in filled.row_mut(y).iter_mut().enumerate() {
+            if *value > 0.0 {
+                continue;
+            }
+            let reach = 1..=BRIDGED_PX;
+            let left = reach.clone().find_map(|k| known(x.checked_sub(k)?, y));
+            let right = reach.clone().find_map(|k| known(x + k, y));
+            let above = reach.clone().find_map(|k| known(x, y.checked_sub(k)?));
+            let below = reach.clone().find_map(|k| known(x, y + k));
+            let between = |a: Option<f32>, b: Option<f32>| Some(a?.min(b?));
+            let bridges = [between(left, right), between(above, below)];
+            *value = bridges.into_iter().flatten().fold(0.0, f32::max);
+        }
+    }
+    filled
+}
+
+/// Those of the points that lie in the largest set of neighbouring cells.
+fn largest_piece(points: Vec<CloudPoint>) -> Vec<CloudPoint> {
+    let cell = |p: &CloudPoint| -> [i64; 3] {
+        let cell = p.position_world.coords.map(|x| (x / CELL_M).floor() as i64);
+        cell.into()
+    };
+    let mut counts: BTreeMap<[i64; 3], usize> = BTreeMap::new();
+    for point in &points {
+        *counts.entry(cell(point)).or_default() += 1;
+    }
+    counts.retain(|_, count| *count >= LEAST_IN_CELL);
+    let (mut best, mut most) = (BTreeSet::new(), 0);
+    while let Some((first, count)) = counts.pop_first() {
+        let (mut piece, mut waiting, mut total) = (BTreeSet::from([first]), vec![first], count);
+        while let Some([x, y, z]) = waiting.pop() {
+            for k in 0..27 {
+                let next = [x + k % 3 - 1, y + k / 3 % 3 - 1, z + k / 9 - 1];
+                if let Some(count) = counts.remove(&next) {
+                    piece.insert(next);
+                    waiting.push(next);
+                    total += count;
+                }
+            }
+        }
+        if total > most {
+            (best, most) = (piece, total);
+        }
+    }
+    points
+        .into_iter()
+        .filter(|p| best.contains(&cell(p)))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stereo::View;
+
+    fn point(place: [f64; 3]) -> CloudPoint {
+        CloudPoint {
+            position_world: place.into(),
+            spread: crate::stereo::Spread::Unknown,
+        }
+    }
+
+    #[test]
+    fn the_still_scene_is_the_farthest_that_is_seen_again_and_again() {
+        // before this pixel somebody stands most of the time, and one depth is false
+        let depths = (0..20).map(|k| match k {
+            0 => 3.0,
+            1..8 => 20.0,
+            _ => 40.0,
+        });
+        let maps: Vec<_> = depths.map(|d| Plane::filled(1, 1, d)).collect();
+        let still = StillScene::of(&maps);
+        assert_eq!(still.nearness.get(0, 0), Some(20.0));
+        assert_eq!(StillScene::of(&[]).nearness.values().len(), 0);
+    }
+
+    /// One camera and another 20 cm to its right.
+    fn view(name: &str, x_m: f64) -> View {
+        View {
+            camera: crate::camera::Camera {
+                name: name.into(),
+                width_px: 40,
+                height_px: 30,
+                intrinsics: crate::camera::Intrinsics {
+                    fx_px: 100.0,
+                    fy_px: 100.0,
+                    cx_px: 19.5,
+                    cy_px: 14.5,
+                    skew_px: 0.0,
+                },
+                distortion: crate::camera::Distortion::None,
+                camera_from_world: crate::math::Rigid3::translation(-x_m, 0.0, 0.0),
+            },
+            image: Plane::filled(40, 30, 0.0),
+        }
+    }
+
+    /// Its points are pixels, and 1.
+    fn depth_map(disparity: impl Fn(usize, usize) -> f32) -> DepthMap {
+        let pixels = (0..30).flat_map(|y| (0..40).map(move |x| (x, y)));
+        let values = pixels.clone().map(|(x, y)| disparity(x, y)).collect();
+        DepthMap {
+            pair: crate::stereo::RectifiedPair {
+                left: view("left", 0.0),
+                right: view("right", 0.2),
+            },
+            disparities: Plane::from_values(40, 30, values).unwrap(),
+            points: pixels
+                .map(|(x, y)| point([x as f64, y as f64, 1.0]))
+                .collect(),
+        }
+    }
+
+    #[test]
+    fn of_a_foot_on_the_floor_the_points_are_those_of_the_foot() {
+        // the floor is the nearer the lower it is seen; the foot comes after a while and stands a little before it
+        let floor = |y: usize| 5.0 + 0.5 * y as f32;
+        let is_foot = |x: usize, y: usize| (10..20).contains(&x) && (15..25).contains(&y);
+        let maps: Vec<DepthMap> = (0..10)
+            .map(|frame| {
+                depth_map(|x, y| floor(y) + if frame > 6 && is_foot(x, y) { 3.0 } else { 0.0 })
+            })
+            .collect();
+        let still = StillScene::of(&maps.iter().map(nearness).collect::<Vec<_>>());
+        assert_eq!(still.before(&maps[0]), []);
+        let foot = still.before(&maps[9]);
+        let is_in =
+            |p: &CloudPoint| is_foot(p.position_world.x as usize, p.position_world.y as usize);
+        // without its border of one pixel
+        assert!(foot.len() == 64 && foot.iter().all(is_in), "{}", foot.len());
+    }
+
+    #[test]
+    fn a_wall_whose_depth_is_almost_never_known_is_far_away() {
+        let map = |d: f32| Plane::filled(3, 1, d);
+        let mut maps = vec![map(f32::NAN); 9];
+        maps.push(map(40.0));
+        let still = StillScene::of(&maps);
+        assert!(still.nearness.values().iter().all(|d| *d <= 0.0));
+    }
+
+    #[test]
+    fn of_two_pieces_the_larger_is_kept_and_strays_go() {
+        let at = |x: f64| point([x, 0.0, 1.0]);
+        let near = (0..90).map(|i| at(f64::from(i) * 0.01));
+        let far = (0..30).map(|i| at(5.0 + f64::from(i) * 0.01));
+        let all = near.chain(far).chain([at(2.0)]).collect();
+        assert_eq!(largest_piece(all).len(), 90);
+    }
+}
