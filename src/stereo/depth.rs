@@ -1,13 +1,20 @@
 //! From disparities to points.
+//!
+//! In the left camera of a rectified pair with focal length f and the second camera B to its right, a pixel with x = u − c_left and
+//! y = v − c_v, whose disparity is d∞ + D with d∞ = c_left − c_right, shows Z = f·B/D, X = Z·r, r = (x/f, y/f, 1): both lines of sight
+//! meet, so this is the point of least squares that [`intersect`](super::intersect) would find. Columns err by σ in either image and
+//! the row, measured twice, by σ/√2:
+//!
+//! cov X = σ² (aaᵀ + bbᵀ + ½ccᵀ), a = ∂X/∂u_left = Z·(1/f, 0, 0) − b, b = ∂X/∂u_right = (Z/D)·r, c = ∂X/∂v = Z·(0, 1/f, 0).
 
-use nalgebra::Point2;
+use nalgebra::{Matrix3, Point3, Vector3};
 
 use super::correlation::{CorrelationError, CorrelationOptions, DisparityRange, correlate};
-use super::intersection::{Sighting, intersect};
 use super::rectify::{RectifiedPair, RectifyError, bytes, rectify};
 use super::view::View;
 use super::{CloudPoint, Spread};
 use crate::image::{Mask, Plane};
+use crate::math::Rigid3;
 
 /// Standard deviation of a place in either image, px: a disparity has √2 times that, 0.3 px, as on `stereo/cones`.
 const SIGMA_PX: f64 = 0.2;
@@ -87,10 +94,12 @@ pub fn depth_map(
         &bytes(&pair.right.image),
         &options,
     )?;
+    let sight = Sight::of(&pair);
     let mut points = Vec::new();
     for y in 0..disparities.height() {
         for (x, disparity) in disparities.row_mut(y).iter_mut().enumerate() {
-            let point = point(&pair, (x, y), *disparity);
+            let is_recorded = pair.left.image.get(x, y).is_some_and(f32::is_finite);
+            let point = sight.point((x, y), *disparity).filter(|_| is_recorded);
             let point = point.filter(|point| shows(first, mask, point));
             *disparity = if point.is_some() {
                 *disparity
@@ -107,22 +116,54 @@ pub fn depth_map(
     })
 }
 
-/// The point of one disparity; `None` for none, and for a point that is not before both cameras.
-fn point(pair: &RectifiedPair, (x, y): (usize, usize), disparity: f32) -> Option<CloudPoint> {
-    let recorded = pair.left.image.get(x, y)?.is_finite();
-    let (u, v) = (x as f64, y as f64);
-    let disparity = Some(f64::from(disparity)).filter(|d| d.is_finite() && recorded)?;
-    let seen = [(&pair.left, u), (&pair.right, u - disparity)];
-    let sightings = seen.map(|(view, u)| Sighting {
-        camera: &view.camera,
-        pixel: Point2::new(u, v),
-        sigma_px: SIGMA_PX,
-    });
-    let found = intersect(&sightings)?;
-    Some(CloudPoint {
-        position_world: found.position_world,
-        spread: Spread::Full(found.covariance),
-    })
+/// How a rectified pair sees depth.
+#[derive(Debug, Clone, Copy)]
+struct Sight {
+    world_from_left: Rigid3,
+    turn: Matrix3<f64>,
+    principal_px: [f64; 2],
+    focal_px: f64,
+    /// d∞, px.
+    infinity: f64,
+    /// B, m.
+    baseline: f64,
+}
+
+impl Sight {
+    fn of(pair: &RectifiedPair) -> Self {
+        let (left, right) = (&pair.left.camera, &pair.right.camera);
+        let world_from_left = left.camera_from_world.inverse();
+        Self {
+            world_from_left,
+            turn: *world_from_left.rotation.to_rotation_matrix().matrix(),
+            principal_px: [left.intrinsics.cx_px, left.intrinsics.cy_px],
+            focal_px: left.intrinsics.fx_px,
+            infinity: left.intrinsics.cx_px - right.intrinsics.cx_px,
+            baseline: pair.baseline(),
+        }
+    }
+
+    /// The point of one disparity; `None` for none, and for a point that is not before both cameras.
+    fn point(&self, (u, v): (usize, usize), disparity: f32) -> Option<CloudPoint> {
+        let parallax = f64::from(disparity) - self.infinity;
+        let depth = self.focal_px * self.baseline / parallax;
+        if !depth.is_finite() || depth <= 0.0 {
+            return None;
+        }
+        let [x, y] = self.principal_px;
+        let across = 1.0 / self.focal_px;
+        let ray = Vector3::new((u as f64 - x) * across, (v as f64 - y) * across, 1.0);
+        let by_right = ray * (depth / parallax);
+        let by_left = Vector3::new(depth * across, 0.0, 0.0) - by_right;
+        let by_row = Vector3::new(0.0, depth * across, 0.0);
+        let square = |v: Vector3<f64>| v * v.transpose();
+        let covariance = square(by_left) + square(by_right) + square(by_row) * 0.5;
+        let covariance = self.turn * covariance * self.turn.transpose() * SIGMA_PX.powi(2);
+        Some(CloudPoint {
+            position_world: self.world_from_left * Point3::from(ray * depth),
+            spread: Spread::Full(covariance),
+        })
+    }
 }
 
 fn shows(view: &View, mask: Option<&Mask>, point: &CloudPoint) -> bool {
@@ -133,4 +174,72 @@ fn shows(view: &View, mask: Option<&Mask>, point: &CloudPoint) -> bool {
     mask.is_none_or(|m| {
         inside && m.is_foreground(pixel.x.round() as usize, pixel.y.round() as usize)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Point2;
+
+    use super::*;
+    use crate::camera::{Camera, Distortion, Intrinsics};
+    use crate::stereo::{Sighting, intersect, rectify};
+
+    fn view(name: &str, x_m: f64, turn: f64) -> View {
+        let turned = Rigid3::rotation(Vector3::new(0.02, turn, 0.01));
+        View {
+            camera: Camera {
+                name: name.into(),
+                width_px: 64,
+                height_px: 48,
+                intrinsics: Intrinsics {
+                    fx_px: 60.0,
+                    fy_px: 61.0,
+                    cx_px: 30.0,
+                    cy_px: 25.0,
+                    skew_px: 0.0,
+                },
+                distortion: Distortion::None,
+                camera_from_world: turned * Rigid3::translation(-x_m, 0.3, 0.1),
+            },
+            image: Plane::filled(64, 48, 9.0),
+        }
+    }
+
+    #[test]
+    fn a_point_and_its_covariance_are_those_of_the_intersection() {
+        // the second camera to the right of the first, and to the left
+        for x_m in [0.2, -0.3] {
+            let pair = rectify(&view("a", 0.0, 0.03), &view("b", x_m, -0.05)).unwrap();
+            let sight = Sight::of(&pair);
+            let infinity = pair.left.camera.intrinsics.cx_px - pair.right.camera.intrinsics.cx_px;
+            for (place, parallax) in [((3, 40), 1.5), ((50, 7), 4.0), ((20, 20), 11.25)] {
+                let disparity = infinity + parallax * x_m.signum();
+                let found = sight.point(place, disparity as f32).unwrap();
+                let (u, v) = (place.0 as f64, place.1 as f64);
+                let disparity = f64::from(disparity as f32);
+                let seen = [(&pair.left, u), (&pair.right, u - disparity)];
+                let met = intersect(&seen.map(|(view, u)| Sighting {
+                    camera: &view.camera,
+                    pixel: Point2::new(u, v),
+                    sigma_px: SIGMA_PX,
+                }));
+                let met = met.unwrap();
+                let off = (found.position_world - met.position_world).norm();
+                assert!(off < 1e-7, "{off}");
+                let Spread::Full(covariance) = found.spread else {
+                    panic!("no covariance");
+                };
+                approx::assert_relative_eq!(
+                    covariance,
+                    met.covariance,
+                    max_relative = 1e-5,
+                    epsilon = 1e-12
+                );
+            }
+            assert!(sight.point((3, 3), infinity as f32).is_none());
+            let behind = infinity - 2.0 * x_m.signum();
+            assert!(sight.point((3, 3), behind as f32).is_none());
+            assert!(sight.point((3, 3), f32::NAN).is_none());
+        }
+    }
 }
