@@ -56,11 +56,8 @@ impl RayProfile {
 
     /// Where on t ≥ 0 F is largest, and its value there: the climb from the highest of the bumps' own summits; `None` without a bump.
     pub fn summit(&self) -> Option<(f64, f64)> {
-        let start = |b: &&Bump| self.value(b.at.max(0.0));
-        let highest = self
-            .bumps
-            .iter()
-            .max_by(|a, b| start(a).total_cmp(&start(b)))?;
+        let starts = self.bumps.iter().map(|b| (b, self.value(b.at.max(0.0))));
+        let (highest, _) = starts.max_by(|a, b| a.1.total_cmp(&b.1))?;
         Some(self.climb(highest, f64::INFINITY))
     }
 
@@ -81,24 +78,29 @@ impl RayProfile {
     /// Where climbing from a bump's summit ends, and F there; ends as soon as it is `enough`.
     fn climb(&self, from: &Bump, enough: f64) -> (f64, f64) {
         let mut t = from.at.max(0.0);
-        let mut value = self.value(t);
+        let (mut value, mut mean) = self.value_and_mean(t);
         for _ in 0..MOST_STEPS {
-            let (mut pull, mut weight) = (0.0, 0.0);
-            for bump in &self.bumps {
-                let share = bump.sharpness * bump.value(t);
-                pull += share * bump.at;
-                weight += share;
-            }
-            // weight underflows only where F is 0
-            let next = if weight > 0.0 { pull / weight } else { t };
-            let (previous, step) = (value, next.max(0.0) - t);
-            t += step;
-            value = self.value(t);
+            let previous = value;
+            t = mean.max(0.0);
+            (value, mean) = self.value_and_mean(t);
             if value >= enough || value - previous < 1e-7 * enough.min(1.0) {
                 break;
             }
         }
         (t, value)
+    }
+
+    /// F(t), and Σ k f t₀ / Σ k f; t itself where F underflows.
+    fn value_and_mean(&self, t: f64) -> (f64, f64) {
+        let (mut value, mut pull, mut weight) = (0.0, 0.0, 0.0);
+        for bump in &self.bumps {
+            let f = bump.value(t);
+            let share = bump.sharpness * f;
+            value += f;
+            pull += share * bump.at;
+            weight += share;
+        }
+        (value, if weight > 0.0 { pull / weight } else { t })
     }
 }
 
