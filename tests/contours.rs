@@ -188,8 +188,7 @@ fn a_body_too_large_is_mended_by_a_fit_to_the_contours_that_it_finds() {
     let set = Set::new();
     let frame = set.frame([true, true]);
     let evidence = set.evidence();
-    // every size 4 % larger
-    let wrong = Shape(set.shape.0.add_scalar(0.04));
+    let wrong = Shape(set.shape.0.add_scalar(0.01));
     let body = Posed::new(&set.model, &wrong, &set.truth);
     let shown = (&frame, &StillScenes::new());
     let scene = Scene::new(&set.rig, shown, &body, ContourOptions::default());
