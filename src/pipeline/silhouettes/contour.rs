@@ -102,32 +102,42 @@ impl ViewContours {
         all.sum::<f64>() / count.max(1) as f64
     }
 
-    /// The undistorted pixels not farther from the outer contours than `half_px`.
-    pub fn border(&self, camera: &Camera, half_px: u8) -> Mask {
-        around(
-            camera,
-            self.outer.iter().flatten().map(|p| p.pixel),
-            half_px,
-        )
+    /// The undistorted pixels outside the outer contours and not farther from them than `width_px`.
+    pub fn rim(&self, camera: &Camera, width_px: u8) -> Mask {
+        let border = self.outer.iter().flatten().map(|p| p.pixel);
+        let near = around(camera, border, width_px);
+        let Some(inside) = self.inside() else {
+            return near;
+        };
+        Mask::from_fn(near.width(), near.height(), |x, y| {
+            near.is_foreground(x, y) && !inside.contains(&Point2::new(x as f64, y as f64))
+        })
     }
 
     /// The pixels of the recorded image within the outer contours.
     pub fn mask(&self, camera: &Camera) -> Mask {
+        let (width, height) = (camera.width_px as usize, camera.height_px as usize);
+        let inside = self.inside();
+        Mask::from_fn(width, height, |x, y| {
+            let pixel = camera.undistort(&Point2::new(x as f64, y as f64));
+            pixel
+                .zip(inside.as_ref())
+                .is_some_and(|(p, inside)| inside.contains(&p))
+        })
+    }
+
+    /// What lies within the outer contours, undistorted px; `None` without any, or of a size that no image has.
+    fn inside(&self) -> Option<Scanlines> {
         let pixels = |curve: &Vec<FoundPoint>| curve.iter().map(|p| p.pixel).collect();
         let polygons: Vec<Vec<Point2<f64>>> = self.outer.iter().map(pixels).collect();
         let rows = polygons.iter().flatten().map(|p| p.y);
         let (top, bottom) = rows.fold((f64::MAX, f64::MIN), |(l, h), y| (l.min(y), h.max(y)));
-        let (width, height) = (camera.width_px as usize, camera.height_px as usize);
         if polygons.is_empty() || (bottom - top).is_nan() || bottom - top > 1e5 {
-            return Mask::from_fn(width, height, |_, _| false);
+            return None;
         }
         let top = top.floor() - 1.0;
         let rows = (bottom - top).ceil() as usize + 2;
-        let inside = Scanlines::new(&polygons, (top, 1.0), rows);
-        Mask::from_fn(width, height, |x, y| {
-            let pixel = camera.undistort(&Point2::new(x as f64, y as f64));
-            pixel.is_some_and(|p| inside.contains(&p))
-        })
+        Some(Scanlines::new(&polygons, (top, 1.0), rows))
     }
 }
 

@@ -69,8 +69,8 @@ pub struct ContourOptions {
     pub spacing_m: f64,
     /// Distance of neighbouring points of the expected outline, px. Default 2.
     pub outline_px: f64,
-    /// Points nearer to the border of a contour than this are not fitted to, px. Default 4: correlation widens what is near.
-    pub border_px: u8,
+    /// Points outside a contour and nearer to it than this are not fitted to, px. Default 4: correlation widens what is near.
+    pub rim_px: u8,
     /// Points farther from the skin than this are not fitted to, m. Default 0.1.
     pub near_m: f64,
 }
@@ -92,7 +92,7 @@ impl Default for ContourOptions {
             stiffness_m: 0.018,
             spacing_m: 0.01,
             outline_px: 2.0,
-            border_px: 4,
+            rim_px: 4,
             near_m: 0.1,
         }
     }

@@ -100,7 +100,9 @@ impl<'a> Scene<'a> {
         Some(Filtered::of(edges, mask, &self.options))
     }
 
-    /// The points that lie near the skin of a body, where one of some bodies is, and not on the border of the contours.
+    /// The points that lie near the skin of a body, where one of some bodies is, and not on the rim of the contours.
+    ///
+    /// Correlation by windows widens what is near: the background beside it seems as near. What lies within the contours is the person's.
     pub fn points_near(
         &self,
         bodies: &[Posed<'_>],
@@ -112,16 +114,16 @@ impl<'a> Scene<'a> {
         let mut inside = Vec::new();
         for (i, points) in self.points.iter().enumerate() {
             let camera = &self.rig.cameras[i];
-            let border = seen.get(i).and_then(Option::as_ref);
-            let border = border.map(|s| s.contours.border(camera, self.options.border_px));
-            let is_border = |p: &CloudPoint| {
+            let seen = seen.get(i).and_then(Option::as_ref);
+            let rim = seen.map(|s| s.contours.rim(camera, self.options.rim_px));
+            let is_on_rim = |p: &CloudPoint| {
                 let pixel = camera.project_undistorted(&p.position_world);
                 let place = pixel.and_then(|p| rounded(&p));
                 place
-                    .zip(border.as_ref())
-                    .is_some_and(|((x, y), b)| b.is_foreground(x, y))
+                    .zip(rim.as_ref())
+                    .is_some_and(|((x, y), rim)| rim.is_foreground(x, y))
             };
-            let is_in = |p: &&CloudPoint| boxes.iter().any(|is_in| is_in(p)) && !is_border(p);
+            let is_in = |p: &&CloudPoint| boxes.iter().any(|is_in| is_in(p)) && !is_on_rim(p);
             inside.extend(points.iter().filter(is_in));
         }
         let some = thinned(inside, 2 * MOST_POINTS);

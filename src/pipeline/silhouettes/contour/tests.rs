@@ -93,16 +93,15 @@ fn a_contour_without_fault_is_found_and_relied_on() {
 }
 
 #[test]
-fn the_border_of_a_contour_is_as_wide_as_asked() {
+fn the_rim_of_a_contour_lies_outside_it_and_is_as_wide_as_asked() {
     let outline = expected(circle(MIDDLE, 42.0));
     let found = found(&outline, disk(MIDDLE, 40.0), &ContourOptions::default());
-    for half_px in [2, 6] {
-        let border = found.border(&camera(), half_px);
-        let is_border = |off: i32| border.is_foreground((120 + off) as usize, 70);
-        let near = i32::from(half_px) - 1;
-        assert!(is_border(-near) && is_border(0) && is_border(near));
-        let far = i32::from(half_px) + 2;
-        assert!(!is_border(-far) && !is_border(far));
+    for width_px in [3, 6] {
+        let rim = found.rim(&camera(), width_px);
+        let is_rim = |off: i32| rim.is_foreground((120 + off) as usize, 70);
+        let width = i32::from(width_px);
+        assert!(is_rim(2) && is_rim(width - 1) && !is_rim(width + 2));
+        assert!(!is_rim(-2) && !is_rim(-20));
     }
 }
 
