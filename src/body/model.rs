@@ -232,23 +232,19 @@ impl BodyModel {
     /// Points that are each other's mirror image by their names, `RAnkle` and `LAnkle`: (right, left), in the order of the
     /// right ones.
     pub fn point_pairs(&self) -> Vec<(usize, usize)> {
-        let named = |name: &str| self.points.iter().position(|p| p.name == name);
-        let twin = |(right, point): (usize, &NamedPoint)| {
-            let bare = point.name.strip_prefix('R')?;
-            Some((right, named(&format!("L{bare}"))?))
-        };
-        self.points.iter().enumerate().filter_map(twin).collect()
+        let names: Vec<&str> = self.points.iter().map(|p| p.name.as_str()).collect();
+        pairs(&names, |right| {
+            Some(format!("L{}", right.strip_prefix('R')?))
+        })
     }
 
     /// Parts that are each other's mirror image by their names, `foot_r` and `foot_l`: (right, left), in the order of the right
     /// ones.
     pub fn part_pairs(&self) -> Vec<(usize, usize)> {
-        let named = |name: &str| self.parts.iter().position(|p| p.name == name);
-        let twin = |(right, part): (usize, &Part)| {
-            let bare = part.name.strip_suffix("_r")?;
-            Some((right, named(&format!("{bare}_l"))?))
-        };
-        self.parts.iter().enumerate().filter_map(twin).collect()
+        let names: Vec<&str> = self.parts.iter().map(|p| p.name.as_str()).collect();
+        pairs(&names, |right| {
+            Some(format!("{}_l", right.strip_suffix("_r")?))
+        })
     }
 
     /// Checks what kinematics and priors rely on: positive radii, ordered limits, a usable covariance.
@@ -330,6 +326,15 @@ impl BodyModel {
     pub fn joint(&self, name: &str) -> Option<JointId> {
         self.joints.iter().position(|j| j.name == name).map(JointId)
     }
+}
+
+/// (right, left) by index, where the left one's name is there.
+fn pairs(names: &[&str], left_of: impl Fn(&str) -> Option<String>) -> Vec<(usize, usize)> {
+    let twin = |(right, name): (usize, &&str)| {
+        let left = left_of(name)?;
+        Some((right, names.iter().position(|other| **other == left)?))
+    };
+    names.iter().enumerate().filter_map(twin).collect()
 }
 
 fn check_joint(joint: &Joint) -> Result<(), ModelError> {

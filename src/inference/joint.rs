@@ -16,7 +16,6 @@ use super::start::Detail;
 use super::step::MotionModel;
 use crate::body::{BodyModel, Layout, Motion, PartId, Posed, Shape};
 use crate::likelihood::{PlacedResidual, Term};
-use crate::silhouette::FrameObservations;
 use crate::solver::{
     BorderedChain, Marginal, Options, Problem, QuadraticModel, Report, levenberg_marquardt,
 };
@@ -108,9 +107,14 @@ pub fn joint_optimum(
     start: SequenceState,
     options: &JointOptions,
 ) -> Joint {
-    let frames = sequence.frames.par_iter();
-    let terms: Vec<Terms<'_>> = frames.map(|f| evidence.terms(f, Detail::Fine)).collect();
+    let terms = terms(evidence, sequence);
     joint_optimum_of(evidence, &terms, &intervals(sequence), start, options)
+}
+
+/// What each frame of a sequence shows.
+pub fn terms<'f>(evidence: &Evidence<'_>, sequence: Sequence<'f>) -> Vec<Terms<'f>> {
+    let frames = sequence.frames.par_iter();
+    frames.map(|f| evidence.terms(f, Detail::Fine)).collect()
 }
 
 /// The joint optimum of what each frame shows; `seconds[i]` lie between frames i − 1 and i.
@@ -167,22 +171,7 @@ pub fn joint_optimum_of<'a>(
 }
 
 /// The residuals of every frame at a state.
-pub fn residuals_of(
-    evidence: &Evidence<'_>,
-    sequence: Sequence<'_>,
-    state: &SequenceState,
-) -> Vec<Vec<PlacedResidual>> {
-    let frames = sequence.frames.par_iter().zip(&state.motions);
-    let of_frame = |(frame, motion): (&FrameObservations, &Motion)| {
-        let body = Posed::new(evidence.model, &state.shape, motion);
-        let terms = evidence.terms(frame, Detail::Fine);
-        let of_terms = terms.iter().flat_map(|t| t.placed_residuals(&body));
-        of_terms.collect()
-    };
-    frames.map(of_frame).collect()
-}
-
-fn residuals(
+pub fn residuals(
     model: &BodyModel,
     terms: &[Terms<'_>],
     state: &SequenceState,

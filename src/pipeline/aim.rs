@@ -6,7 +6,7 @@ use crate::body::BodyModel;
 use crate::camera::Rig;
 use crate::inference::Evidence;
 use crate::inference::aim;
-use crate::inference::joint::{Joint, JointOptions, joint_optimum, residuals_of};
+use crate::inference::joint::{Joint, JointOptions, intervals, joint_optimum_of, residuals, terms};
 use crate::inference::propagate::Sequence;
 use crate::inference::sequence::SequenceState;
 use crate::likelihood::{LikelihoodOptions, Measure};
@@ -39,11 +39,18 @@ pub(super) fn joint_and_aims(
         // the body, before cameras that look there; from the start again, for cameras that look elsewhere bend bodies
         let rig = calibrated.aimed(&aims_px);
         let evidence = Evidence::new(model, &rig, likelihood, measure);
-        let joint = joint_optimum(&evidence, sequence, start.clone(), options);
+        let terms = terms(&evidence, sequence);
+        let joint = joint_optimum_of(
+            &evidence,
+            &terms,
+            &intervals(sequence),
+            start.clone(),
+            options,
+        );
         // where they look, before that body
         let next = match aim && turn < TURNS {
             true => {
-                let residuals = residuals_of(&evidence, sequence, &joint.state());
+                let residuals = residuals(model, &terms, &joint.state());
                 aim::aims_px(
                     calibrated,
                     &aims_px,

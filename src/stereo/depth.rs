@@ -48,7 +48,7 @@ impl RectifiedPair {
     ///
     /// Without depths those of a shift of a third of an image to infinity.
     pub fn range(&self, depth: Option<(f64, f64)>) -> DisparityRange {
-        let infinity = self.left.camera.intrinsics.cx_px - self.right.camera.intrinsics.cx_px;
+        let infinity = self.infinity();
         let base = self.left.camera.intrinsics.fx_px * self.baseline();
         let third = f64::from(self.left.camera.width_px.min(self.right.camera.width_px)) / 3.0;
         let third = third * base.signum();
@@ -63,6 +63,11 @@ impl RectifiedPair {
             first: (infinity + least).floor() as i32,
             count: count as usize,
         }
+    }
+
+    /// d∞: the disparity of what is infinitely far, px.
+    pub fn infinity(&self) -> f64 {
+        self.left.camera.intrinsics.cx_px - self.right.camera.intrinsics.cx_px
     }
 
     /// How far the second camera stands to the right of the first, m; negative to the left.
@@ -131,14 +136,14 @@ struct Sight {
 
 impl Sight {
     fn of(pair: &RectifiedPair) -> Self {
-        let (left, right) = (&pair.left.camera, &pair.right.camera);
+        let left = &pair.left.camera;
         let world_from_left = left.camera_from_world.inverse();
         Self {
             world_from_left,
             turn: *world_from_left.rotation.to_rotation_matrix().matrix(),
             principal_px: [left.intrinsics.cx_px, left.intrinsics.cy_px],
             focal_px: left.intrinsics.fx_px,
-            infinity: left.intrinsics.cx_px - right.intrinsics.cx_px,
+            infinity: pair.infinity(),
             baseline: pair.baseline(),
         }
     }
@@ -211,7 +216,7 @@ mod tests {
         for x_m in [0.2, -0.3] {
             let pair = rectify(&view("a", 0.0, 0.03), &view("b", x_m, -0.05)).unwrap();
             let sight = Sight::of(&pair);
-            let infinity = pair.left.camera.intrinsics.cx_px - pair.right.camera.intrinsics.cx_px;
+            let infinity = pair.infinity();
             for (place, parallax) in [((3, 40), 1.5), ((50, 7), 4.0), ((20, 20), 11.25)] {
                 let disparity = infinity + parallax * x_m.signum();
                 let found = sight.point(place, disparity as f32).unwrap();

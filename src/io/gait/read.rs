@@ -267,37 +267,35 @@ fn deviations_in_the_room(
         if sd.iter().all(|sd| sd.x.is_nan()) {
             continue;
         }
-        let about = |axis: usize| sd.iter().map(|sd| sd[axis]).collect::<Vec<f64>>();
-        let angles = match segment {
-            Segment::Pelvis => [
+        let about = |axis: usize| sd.iter().map(move |sd| sd[axis]);
+        let mut both_sides = |angles: [Angle; 3]| {
+            for (axis, angle) in angles.into_iter().enumerate() {
+                for side in Side::BOTH {
+                    segments
+                        .angle_sd
+                        .insert((side, angle), about(axis).collect());
+                }
+            }
+        };
+        match segment {
+            Segment::Pelvis => both_sides([
                 Angle::PelvisObliquity,
                 Angle::PelvisTilt,
                 Angle::PelvisRotation,
-            ],
-            Segment::Trunk => [
+            ]),
+            Segment::Trunk => both_sides([
                 Angle::TrunkObliquity,
                 Angle::TrunkTilt,
                 Angle::TrunkRotation,
-            ],
+            ]),
             Segment::Of(side, Limb::Foot) => {
-                let Some(axes) = segments.axes.get(&segment) else {
-                    continue;
-                };
-                let level = axes.iter().map(|axes| axes.column(0).xy().norm());
-                let turned = about(2)
-                    .into_iter()
-                    .zip(level)
-                    .map(|(sd, level)| sd / level);
+                let axes = segments.axes.get(&segment).into_iter().flatten();
+                let level = axes.map(|axes| axes.column(0).xy().norm());
+                let turned = about(2).zip(level).map(|(sd, level)| sd / level).collect();
                 let key = (side, Angle::FootProgression);
-                segments.angle_sd.insert(key, turned.collect());
-                continue;
+                segments.angle_sd.insert(key, turned);
             }
-            Segment::Of(..) => continue,
-        };
-        for (axis, angle) in angles.into_iter().enumerate() {
-            for side in Side::BOTH {
-                segments.angle_sd.insert((side, angle), about(axis));
-            }
+            Segment::Of(..) => {}
         }
     }
 }

@@ -8,8 +8,8 @@ use crate::stereo::{CloudPoint, DepthMap};
 
 /// Disparities of a depth map from infinity: the larger, the nearer; NaN unknown.
 pub fn nearness(map: &DepthMap) -> Plane<f32> {
-    let infinity = map.pair.left.camera.intrinsics.cx_px - map.pair.right.camera.intrinsics.cx_px;
-    map.disparities.map(|d| (d - infinity as f32).abs())
+    let infinity = map.pair.infinity() as f32;
+    map.disparities.map(|d| (d - infinity).abs())
 }
 
 /// The parts of the scene that do not move, by their nearness: what each pixel shows when nobody is before it.
