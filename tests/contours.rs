@@ -9,13 +9,13 @@ use maquette::inference::joint::{JointOptions, joint_optimum};
 use maquette::inference::propagate::Sequence;
 use maquette::inference::sequence::SequenceState;
 use maquette::io::model;
-use maquette::likelihood::{LikelihoodOptions, Measure};
+use maquette::likelihood::{LikelihoodOptions, Measure, SkinScale};
 use maquette::math::Rigid3;
 use maquette::pipeline::silhouettes::{
-    ContourOptions, Fault, Followed, Follower, FoundPoint, Scene, ShownFrame, StillScenes,
+    ContourOptions, Fault, FoundPoint, Scene, Seen, ShownFrame, Sighting, StillScenes,
 };
 use maquette::render;
-use maquette::silhouette::FrameIndex;
+use maquette::silhouette::{FrameIndex, FrameObservations};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 const SIZE: (u32, u32) = (150, 200);
@@ -107,20 +107,45 @@ impl Set {
         })
     }
 
-    /// The joint pipeline from a body that stands so far off.
+    /// A turn of the joint pipeline from a body that stands so far off.
     fn followed(&self, frame: &ShownFrame, off_m: Vector3<f64>) -> Followed {
         let mut start = self.truth.clone();
         start.position_world += off_m;
-        let evidence = self.evidence();
-        let body = Posed::new(&self.model, &self.shape, &start);
-        let scene = Scene::new(
-            &self.rig,
-            (frame, &StillScenes::new()),
-            &body,
-            ContourOptions::default(),
-        );
-        Follower::new(&evidence, &self.shape, 25.0).advance(FrameIndex(0), &scene, &start)
+        let first = self.sighting(frame, &self.shape, &start);
+        let (_, motion) = self.fitted(first.observed, &self.shape, start);
+        let seen = self.sighting(frame, &self.shape, &motion).seen;
+        Followed { motion, seen }
     }
+
+    /// What is seen of a body.
+    fn sighting(&self, frame: &ShownFrame, shape: &Shape, motion: &Motion) -> Sighting {
+        let body = Posed::new(&self.model, shape, motion);
+        let still = StillScenes::default();
+        let shown = (frame, &still);
+        let scene = Scene::new(&self.rig, shown, &body, ContourOptions::default());
+        scene.sighting(FrameIndex(0), &body, &SkinScale::of(&self.model))
+    }
+
+    /// The joint optimum of one frame.
+    fn fitted(&self, seen: FrameObservations, shape: &Shape, motion: Motion) -> (Shape, Motion) {
+        let sequence = Sequence {
+            frames: &[seen],
+            fps: 25.0,
+        };
+        let start = SequenceState {
+            shape: shape.clone(),
+            motions: vec![motion],
+        };
+        let options = JointOptions::default();
+        let joint = joint_optimum(&self.evidence(), sequence, start, &options);
+        (joint.shape, joint.frames[0].motion.clone())
+    }
+}
+
+/// A body that was fitted to its contours, and its contours then.
+struct Followed {
+    motion: Motion,
+    seen: Vec<Option<Seen>>,
 }
 
 fn overlap(one: &Mask, other: &Mask) -> f64 {
@@ -187,23 +212,11 @@ fn a_body_that_nobody_sees_is_told_and_stays_where_it_is() {
 fn a_body_too_large_is_mended_by_a_fit_to_the_contours_that_it_finds() {
     let set = Set::new();
     let frame = set.frame([true, true]);
-    let evidence = set.evidence();
     let wrong = Shape(set.shape.0.add_scalar(0.01));
-    let body = Posed::new(&set.model, &wrong, &set.truth);
-    let shown = (&frame, &StillScenes::new());
-    let scene = Scene::new(&set.rig, shown, &body, ContourOptions::default());
-    let observed = scene.observed(FrameIndex(0), &scene.contours(&body), Vec::new());
-    let sequence = Sequence {
-        frames: &[observed],
-        fps: 25.0,
-    };
-    let start = SequenceState {
-        shape: wrong.clone(),
-        motions: vec![set.truth.clone()],
-    };
-    let fitted = joint_optimum(&evidence, sequence, start, &JointOptions::default());
+    let seen = set.sighting(&frame, &wrong, &set.truth);
+    let (shape, motion) = set.fitted(seen.observed, &wrong, set.truth.clone());
     let before = set.overlaps(&wrong, &set.truth);
-    let after = set.overlaps(&fitted.shape, &fitted.frames[0].motion);
+    let after = set.overlaps(&shape, &motion);
     for (before, after) in before.into_iter().zip(after) {
         assert!(1.0 - after < 0.5 * (1.0 - before), "{before} {after}");
     }

@@ -102,7 +102,7 @@ fn silhouettes(arguments: &SilhouettesArguments) -> Result<(), CliError> {
     // 1. where the body is
     let first = match &arguments.fit {
         Some(folder) => First::read(folder, &footage, frames, &model, progress)?,
-        None => First::found(&footage, frames, &evidence, progress)?,
+        None => First::found(&footage, frames, &model, progress)?,
     };
     // 2. contours, frame by frame
     let extras = SilhouetteExtras {

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
-use crate::camera::{Rig, closest_point};
+use crate::camera::{Ray, Rig, closest_point};
 use crate::math::stats::median;
 use crate::silhouette::FrameObservations;
 use crate::stereo::CloudPoint;
@@ -32,9 +32,34 @@ pub fn shows_where(frame: &FrameObservations) -> bool {
     frame.views.len() >= 2 || frame.points.len() >= LEAST_POINTS
 }
 
+/// Where the lines of sight of all cameras meet at less than this, degrees, their hull has no depth.
+const LEAST_ANGLE_DEG: f64 = 25.0;
+
 /// The hull of a frame, of its silhouettes or else of its points; `None` where neither shows the body.
+///
+/// The points come first where all cameras stand side by side: their hull is open in depth.
 pub fn hull(rig: &Rig, frame: &FrameObservations) -> Option<Hull> {
-    carve(rig, frame).or_else(|| Hull::of_points(&frame.points))
+    let of_points = || Hull::of_points(&frame.points);
+    if has_depth(&sights(rig, frame)) {
+        carve(rig, frame).or_else(of_points)
+    } else {
+        of_points().or_else(|| carve(rig, frame))
+    }
+}
+
+/// Whether any two lines of sight meet at a wide angle.
+fn has_depth(sights: &[Ray]) -> bool {
+    let angle = |a: &Ray, b: &Ray| a.direction_world.angle(&b.direction_world).to_degrees();
+    let mut pairs = sights.iter().enumerate();
+    pairs.any(|(i, a)| sights[..i].iter().any(|b| angle(a, b) > LEAST_ANGLE_DEG))
+}
+
+/// The rays through the silhouettes' centroids.
+fn sights(rig: &Rig, frame: &FrameObservations) -> Vec<Ray> {
+    let views = frame.views.iter();
+    views
+        .map(|(camera, s)| rig.cameras[camera.0].ray(&s.centroid))
+        .collect()
 }
 
 impl Hull {
@@ -68,16 +93,7 @@ impl Hull {
 
 /// The point nearest to the rays through the silhouettes' centroids: where to look for the body.
 pub fn subject(rig: &Rig, frame: &FrameObservations) -> Option<Point3<f64>> {
-    let rays: Vec<_> = frame
-        .views
-        .iter()
-        .map(|(camera, s)| rig.cameras[camera.0].ray(&s.centroid))
-        .collect();
-    if rays.len() < 2 {
-        None
-    } else {
-        closest_point(&rays)
-    }
+    closest_point(&sights(rig, frame))
 }
 
 /// Carves the hull around the subject; `None` where no voxel survives.

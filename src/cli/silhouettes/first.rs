@@ -1,9 +1,9 @@
-//! The first fit, which says where to look: read, or fitted to the depths of what moves and then to the contours that it finds.
+//! The first fit, which says where to look: read, or fitted to what moves.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use crate::body::{BodyModel, Motion, Posed, Shape};
+use crate::body::{BodyModel, Motion, Shape};
 use crate::camera::CameraId;
 use crate::cli::error::CliError;
 use crate::cli::frame_range::span;
@@ -15,20 +15,14 @@ use crate::inference::search::NoJournal;
 use crate::inference::sequence::SequenceState;
 use crate::io::frames::Footage;
 use crate::io::result::ResultFile;
-use crate::likelihood::SkinScale;
-use crate::pipeline::silhouettes::{
-    ContourOptions, Scene, ShownFrame, StillScene, StillScenes, nearness,
-};
-use crate::pipeline::{self, FitOptions, FitTo};
+use crate::likelihood::Measure;
+use crate::pipeline::silhouettes::{ShownFrame, StillScenes, nearness};
+use crate::pipeline::{self, FitOptions};
 use crate::silhouette::{FrameIndex, FrameObservations};
-use crate::stereo::{CloudPoint, DepthMap, SideBySide};
+use crate::stereo::SideBySide;
 
 /// Frames of which the still scene is made at most.
 const STILL_FRAMES: usize = 40;
-/// Frames to whose contours the shape is fitted at most.
-const SHAPE_FRAMES: usize = 20;
-/// Points of one frame that are fitted to at most.
-const MOST_POINTS: usize = 1500;
 /// Ways in which the first body may differ from the mean: as many as the shipped bodies have common factors (stature, girth, sex).
 const BUILDS: usize = 3;
 /// Share of their standard deviation that is left to the other ways.
@@ -39,7 +33,7 @@ const HELD: f64 = 0.05;
 pub(in crate::cli) struct First {
     pub(super) shape: Shape,
     pub(super) motions: BTreeMap<FrameIndex, Motion>,
-    /// What stands still, of the camera whose depths are fitted to.
+    /// What stands still.
     pub(super) still: StillScenes,
 }
 
@@ -54,56 +48,33 @@ impl First {
     ) -> Result<Self, CliError> {
         let result = ResultFile::read(folder)?;
         let fitted = result.motion.frames.iter();
-        // cameras that do not stand side by side see no depth
-        let template = SideBySide::of(&footage.rig).ok().map(|s| s.template);
-        let still = template.map(|t| (t, still_scene(footage, (frames, t), progress)));
         Ok(Self {
             shape: result.shape_of(model)?,
             motions: fitted.map(|f| (FrameIndex(f.frame), f.motion())).collect(),
-            still: still.into_iter().collect(),
+            still: still_scenes(footage, frames, progress),
         })
     }
 
-    /// Fitted to the points of what moves, and then to contours as well.
+    /// Fitted to what moves, by depth alone.
     pub(super) fn found(
-        footage: &Footage,
-        frames: &[FrameIndex],
-        evidence: &Evidence<'_>,
-        progress: Progress,
-    ) -> Result<Self, CliError> {
-        let first = Self::by_depth(footage, frames, evidence.model, progress)?;
-        Ok(first.shaped(footage, frames, evidence, progress))
-    }
-
-    /// Fitted to the points of what moves, by stereo alone.
-    fn by_depth(
         footage: &Footage,
         frames: &[FrameIndex],
         model: &BodyModel,
         progress: Progress,
     ) -> Result<Self, CliError> {
-        let chosen = SideBySide::of(&footage.rig).map_err(|e| {
+        SideBySide::of(&footage.rig).map_err(|e| {
             CliError::Arguments(format!("{e}; give a fitted body to begin with: --fit DIR"))
         })?;
-        let template = chosen.template;
         // 1. what does not move
-        let still = still_scene(footage, (frames, template), progress);
-        // 2. what does
+        let still = still_scenes(footage, frames, progress);
+        // 2. what does: points, and where they are none
         let mut observed = Vec::new();
-        each_depth(
-            footage,
-            (frames, template),
-            (progress, "depth"),
-            |frame, map| {
-                observed.push(FrameObservations {
-                    points: thinned(still.moving(map)),
-                    ..FrameObservations::nothing(frame)
-                });
-            },
-        );
+        each_shown(footage, frames, (progress, "depth"), |frame, shown| {
+            observed.push(still.moving(frame, &footage.rig, &shown));
+        });
         // 3. the body on it
         let options = FitOptions {
-            fit_to: FitTo::Points,
+            measure: Some(Measure::Metaballs),
             ..FitOptions::default()
         };
         let sequence = Sequence {
@@ -116,41 +87,11 @@ impl First {
         Ok(Self {
             shape: fit.shape,
             motions: motions.collect(),
-            still: StillScenes::from([(template, still)]),
+            still,
         })
     }
 
-    /// Fitted again, to stereo and to the contours that this body finds in frames spread over the recording: above all its shape, which
-    /// contours from several sides of the person tell and points of one side do not.
-    fn shaped(
-        self,
-        footage: &Footage,
-        frames: &[FrameIndex],
-        evidence: &Evidence<'_>,
-        progress: Progress,
-    ) -> Self {
-        let scale = SkinScale::of(evidence.model);
-        let mut observed = Vec::new();
-        let some = spread(frames, SHAPE_FRAMES);
-        each_shown(footage, &some, (progress, "shape"), |frame, shown| {
-            let Some(motion) = self.motions.get(&frame) else {
-                return;
-            };
-            let body = Posed::new(evidence.model, &self.shape, motion);
-            let scene = Scene::new(
-                &footage.rig,
-                (&shown, &self.still),
-                &body,
-                ContourOptions::default(),
-            );
-            let seen = scene.contours(&body);
-            let points = scene.points_near(&[body], &seen, &scale);
-            observed.push(scene.observed(frame, &seen, points));
-        });
-        self.fitted_to(&observed, evidence, footage.fps)
-    }
-
-    /// Shape and motion of some of its frames at once, fitted to what was observed in them (PF02 § 4.3, step 3).
+    /// Shape and motion of all frames at once, fitted to what was observed in them (PF02 § 4.3, step 3).
     pub(super) fn fitted_to(
         mut self,
         observed: &[FrameObservations],
@@ -196,44 +137,22 @@ fn of_plain_build(model: &BodyModel) -> BodyModel {
     plain
 }
 
-/// What one camera sees that does not move, of frames spread over the recording.
-fn still_scene(
-    footage: &Footage,
-    (frames, camera): (&[FrameIndex], CameraId),
-    progress: Progress,
-) -> StillScene {
+/// What the cameras see that does not move, of frames spread over the recording.
+fn still_scenes(footage: &Footage, frames: &[FrameIndex], progress: Progress) -> StillScenes {
+    let mut maps = BTreeMap::<CameraId, Vec<_>>::new();
     let some = spread(frames, STILL_FRAMES);
-    let mut maps = Vec::new();
-    let told = (progress, "still scene");
-    each_depth(footage, (&some, camera), told, |_, map| {
-        maps.push(nearness(map));
+    each_shown(footage, &some, (progress, "still scene"), |_, shown| {
+        for (camera, map) in shown.depths(&footage.rig) {
+            maps.entry(camera).or_default().push(nearness(&map));
+        }
     });
-    StillScene::of(&maps)
-}
-
-fn thinned(points: Vec<CloudPoint>) -> Vec<CloudPoint> {
-    let step = points.len().div_ceil(MOST_POINTS).max(1);
-    points.into_iter().step_by(step).collect()
+    StillScenes::of(&maps)
 }
 
 /// At most so many frames, spread over all.
-fn spread(frames: &[FrameIndex], most: usize) -> Vec<FrameIndex> {
+pub(super) fn spread(frames: &[FrameIndex], most: usize) -> Vec<FrameIndex> {
     let step = frames.len().div_ceil(most).max(1);
     frames.iter().step_by(step).copied().collect()
-}
-
-/// The depth map of one camera in some frames (ascending); frames without one are left out.
-fn each_depth(
-    footage: &Footage,
-    (frames, camera): (&[FrameIndex], CameraId),
-    told: (Progress, &'static str),
-    mut take: impl FnMut(FrameIndex, &DepthMap),
-) {
-    each_shown(footage, frames, told, |frame, shown| {
-        if let Some(map) = shown.depth(&footage.rig, camera, None) {
-            take(frame, &map);
-        }
-    });
 }
 
 /// The pictures of some frames (ascending); those that cannot be used are left out.

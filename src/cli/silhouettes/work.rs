@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
+use super::first::spread;
 use super::{First, Pipeline};
-use crate::body::{BodyModel, Motion, Posed};
+use crate::body::{BodyModel, Posed};
 use crate::cli::error::CliError;
 use crate::cli::frame_range::span;
 use crate::cli::progress::Progress;
@@ -12,8 +13,15 @@ use crate::inference::Evidence;
 use crate::io::frames::Footage;
 use crate::io::silhouettes::{SilhouetteExtras, SilhouetteFolder};
 use crate::likelihood::{LikelihoodOptions, Measure, SkinScale};
-use crate::pipeline::silhouettes::{ContourOptions, Follower, Scene, Seen, ShownFrame};
+use crate::pipeline::silhouettes::{ContourOptions, Scene, ShownFrame, Sighting};
 use crate::silhouette::{FrameIndex, FrameObservations};
+
+/// Turns of contours and joint optimum, of all frames.
+const TURNS: usize = 2;
+/// Turns before, of some frames.
+const SHAPE_TURNS: usize = 5;
+/// How many frames these are at most.
+const SHAPE_FRAMES: usize = 20;
 
 /// What contours and depths are compared with: a skin of metaballs.
 pub(super) fn evidence<'a>(model: &'a BodyModel, footage: &'a Footage) -> Evidence<'a> {
@@ -34,9 +42,7 @@ pub(super) struct Work<'a> {
 pub(super) struct Found<'a> {
     pub(super) frame: FrameIndex,
     pub(super) pictures: &'a [Option<Picture>],
-    pub(super) seen: Vec<Option<Seen>>,
-    /// Silhouettes and points; of the simple pipeline silhouettes alone.
-    pub(super) observed: FrameObservations,
+    pub(super) sighting: Sighting,
 }
 
 impl Found<'_> {
@@ -48,6 +54,7 @@ impl Found<'_> {
         model: &BodyModel,
     ) -> Result<(), CliError> {
         let views = self
+            .sighting
             .seen
             .iter()
             .zip(self.pictures)
@@ -66,87 +73,50 @@ impl Work<'_> {
     pub(super) fn run(
         &self,
         progress: Progress,
-        mut take: impl FnMut(Found<'_>) -> Result<(), CliError>,
+        take: impl FnMut(Found<'_>) -> Result<(), CliError>,
     ) -> Result<Vec<String>, CliError> {
         // 1. the body of each frame
         let fitted = match self.pipeline {
-            Pipeline::Simple => self.by_stereo(progress)?,
+            Pipeline::Simple => self.first.clone(),
             Pipeline::Joint => self.together(progress)?,
         };
         // 2. active contours from its outline
-        let model = self.evidence.model;
-        let scale = SkinScale::of(model);
-        self.each(
-            &fitted,
-            (progress, "silhouettes"),
-            |frame, pictures, scene, motion| {
-                let body = Posed::new(model, &fitted.shape, motion);
-                let seen = scene.contours(&body);
-                let points = match self.pipeline {
-                    Pipeline::Simple => Vec::new(),
-                    Pipeline::Joint => scene.points_near(&[body], &seen, &scale),
-                };
-                let observed = scene.observed(frame, &seen, points);
-                take(Found {
-                    frame,
-                    pictures,
-                    seen,
-                    observed,
-                })
-            },
-        )
+        self.each(&fitted, self.frames, (progress, "silhouettes"), take)
     }
 
-    /// The body of each frame by stereo alone, of the first fit's shape.
-    fn by_stereo(&self, progress: Progress) -> Result<First, CliError> {
+    /// Shape and motion fitted to stereo and contours, and contours from there, by turns: first of some frames, above all their shape,
+    /// which contours from several sides of the person tell, and then of all.
+    fn together(&self, progress: Progress) -> Result<First, CliError> {
+        let some = spread(self.frames, SHAPE_FRAMES);
+        let turns = [vec![some.as_slice(); SHAPE_TURNS], vec![self.frames; TURNS]];
         let mut fitted = self.first.clone();
-        let mut follower = Follower::new(self.evidence, &self.first.shape, self.footage.fps);
-        self.each(
-            self.first,
-            (progress, "following"),
-            |frame, _, scene, motion| {
-                let motion = follower.by_stereo(frame, scene, motion);
-                fitted.motions.insert(frame, motion);
+        for frames in turns.concat() {
+            let mut observed = Vec::new();
+            self.each(&fitted, frames, (progress, "following"), |found| {
+                observed.push(found.sighting.observed);
                 Ok(())
-            },
-        )?;
+            })?;
+            fitted = fitted.fitted_to(&observed, self.evidence, self.footage.fps);
+        }
         Ok(fitted)
     }
 
-    /// Shape and motion fitted to stereo and to the contours of all frames at once, from where they were followed.
-    fn together(&self, progress: Progress) -> Result<First, CliError> {
-        let mut fitted = self.first.clone();
-        let mut observed = Vec::new();
-        let mut follower = Follower::new(self.evidence, &self.first.shape, self.footage.fps);
-        self.each(
-            self.first,
-            (progress, "following"),
-            |frame, _, scene, motion| {
-                let followed = follower.advance(frame, scene, motion);
-                fitted.motions.insert(frame, followed.motion);
-                observed.push(followed.observed);
-                Ok(())
-            },
-        )?;
-        Ok(fitted.fitted_to(&observed, self.evidence, self.footage.fps))
-    }
-
-    /// Hands every frame that a fit has, with its motion there, to `take`; what was left out, and why.
+    /// Hands what is seen of a body in every frame that it has to `take`; what was left out, and why.
     fn each(
         &self,
         fit: &First,
+        frames: &[FrameIndex],
         (progress, stage): (Progress, &'static str),
-        mut take: impl FnMut(
-            FrameIndex,
-            &[Option<Picture>],
-            &Scene<'_>,
-            &Motion,
-        ) -> Result<(), CliError>,
+        mut take: impl FnMut(Found<'_>) -> Result<(), CliError>,
     ) -> Result<Vec<String>, CliError> {
         let rig = &self.footage.rig;
+        let scale = SkinScale::of(self.evidence.model);
         let mut skipped = Vec::new();
-        let bar = progress.bar(stage, self.frames.len());
-        for (frame, pictures) in self.footage.frame_sets(span(self.frames)) {
+        let bar = progress.bar(stage, frames.len());
+        for (frame, pictures) in self.footage.frame_sets(span(frames)) {
+            if frames.binary_search(&frame).is_err() {
+                continue;
+            }
             bar.inc(1);
             let Some(motion) = fit.motions.get(&frame) else {
                 skipped.push(format!("{frame}: the first fit has no such frame"));
@@ -161,7 +131,11 @@ impl Work<'_> {
             };
             let body = Posed::new(self.evidence.model, &fit.shape, motion);
             let scene = Scene::new(rig, (&shown, &fit.still), &body, ContourOptions::default());
-            take(frame, &pictures, &scene, motion)?;
+            take(Found {
+                frame,
+                pictures: &pictures,
+                sighting: scene.sighting(frame, &body, &scale),
+            })?;
         }
         bar.finish_and_clear();
         Ok(skipped)
@@ -177,7 +151,7 @@ pub(in crate::cli) fn observe(
     progress: Progress,
 ) -> Result<(Vec<FrameObservations>, Vec<String>), CliError> {
     let evidence = evidence(model, footage);
-    let first = First::found(footage, frames, &evidence, progress)?;
+    let first = First::found(footage, frames, model, progress)?;
     let work = Work {
         footage,
         frames,
@@ -189,7 +163,7 @@ pub(in crate::cli) fn observe(
     let mut observed = Vec::new();
     let notes = work.run(progress, |found| {
         found.write(&mut folder, footage, model)?;
-        observed.push(found.observed);
+        observed.push(found.sighting.observed);
         Ok(())
     })?;
     folder.finish()?;

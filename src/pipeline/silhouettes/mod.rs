@@ -3,31 +3,30 @@
 //! | stage (PF02)                                    | where                                       |
 //! |-------------------------------------------------|---------------------------------------------|
 //! | pictures without lenses, their depths           | [`ShownFrame`]                              |
-//! | before there is a model: the points of what moves | [`StillScene`]                            |
+//! | before there is a model: what moves, by depth   | [`StillScenes::moving`]                     |
 //! | the gradient, filtered by disparity (§ 4.2)     | [`Edges`], [`disparity_mask`], [`Filtered`] |
 //! | the outline that is expected                    | [`crate::render::outline`]                  |
 //! | active contours                                 | [`ViewContours`]                            |
 //! | the simple pipeline (§ 4.1)                     | [`Scene::contours`] of the body by stereo   |
-//! | the joint pipeline (§ 4.3)                      | [`Follower`]                                |
+//! | the joint pipeline (§ 4.3)                      | [`Scene::sighting`] and the joint optimum by turns |
 //!
 //! A contour point counts in the likelihood by its reliability. Lengths are given in metres at the person and become pixels by
 //! the camera and the depth, so that they mean the same in every recording.
 
 mod contour;
 mod filter;
+mod moving;
 mod scene;
 mod shown;
 mod still;
-mod track;
 
 use crate::silhouette::snake::SnakeOptions;
 
 pub use contour::{FoundPoint, ViewContours};
 pub use filter::{Edges, Filtered, band_mask, disparity_mask};
-pub use scene::Scene;
+pub use scene::{Scene, Sighting};
 pub use shown::{ShownFrame, ShownView};
 pub use still::{StillScene, StillScenes, nearness};
-pub use track::{Followed, Follower};
 
 /// What was found in one view, and through which edges.
 #[derive(Debug, Clone)]

@@ -4,7 +4,10 @@ use nalgebra::Point3;
 use rayon::prelude::*;
 
 use super::contour::{ViewContours, px_per_m};
-use super::filter::{Edges, Filtered, band_mask, disparity_mask, rounded, volume};
+use super::filter::{
+    Edges, Filtered, band_mask, disparity_mask, rounded, volume, where_depth_ends,
+};
+use super::moving::{MOST_POINTS, thinned};
 use super::shown::ShownFrame;
 use super::still::StillScenes;
 use super::{ContourOptions, Seen};
@@ -27,8 +30,15 @@ pub struct Scene<'a> {
     options: ContourOptions,
 }
 
-/// Points of one frame that are fitted to at most.
-const MOST_POINTS: usize = 1500;
+/// What a frame shows of a body.
+#[derive(Debug)]
+pub struct Sighting {
+    /// The contours of its outline, in the order of the rig.
+    pub seen: Vec<Option<Seen>>,
+    /// Silhouettes and points.
+    pub observed: FrameObservations,
+}
+
 /// Depth is looked for so far before and behind the body, m: what stands beside it must not be taken for it.
 const BEYOND_M: f64 = 0.6;
 /// Least depth that is looked for, m.
@@ -57,7 +67,7 @@ impl<'a> Scene<'a> {
             depths
                 .iter()
                 .enumerate()
-                .map(|(i, depth)| match (depth, still.get(&CameraId(i))) {
+                .map(|(i, depth)| match (depth, still.get(CameraId(i))) {
                     (Some(depth), Some(still)) => still.before(depth),
                     (Some(depth), None) if still.is_empty() => depth.points.clone(),
                     _ => Vec::new(),
@@ -90,27 +100,28 @@ impl<'a> Scene<'a> {
     /// The edges of a view that can be the body's.
     fn filtered(&self, i: usize, body: &Posed<'_>, expected: &ModelOutline) -> Option<Filtered> {
         let (camera, edges) = (&self.rig.cameras[i], self.edges.get(i)?.as_ref()?);
+        let reach_px = self.options.search_m * px_per_m(camera, expected);
         let mask = match &self.depths.get(i).and_then(Option::as_ref) {
-            Some(depth) => disparity_mask(camera, &depth.points, body, &self.options),
-            None => {
-                let half_px = self.options.search_m * px_per_m(camera, expected);
-                band_mask(camera, expected, half_px)
+            Some(depth) => {
+                let near = disparity_mask(camera, &depth.points, body, &self.options);
+                where_depth_ends(&near, camera, depth, reach_px)
             }
+            None => band_mask(camera, expected, reach_px),
         };
         Some(Filtered::of(edges, mask, &self.options))
     }
 
-    /// The points that lie near the skin of a body, where one of some bodies is, and not on the rim of the contours.
+    /// The points that lie near the skin of a body, and not on the rim of the contours.
     ///
     /// Correlation by windows widens what is near: the background beside it seems as near. What lies within the contours is the person's.
-    pub fn points_near(
+    fn points_near(
         &self,
-        bodies: &[Posed<'_>],
+        body: &Posed<'_>,
         seen: &[Option<Seen>],
         scale: &SkinScale,
     ) -> Vec<CloudPoint> {
         let near_m = self.options.near_m;
-        let boxes: Vec<_> = bodies.iter().map(|body| volume(body, near_m)).collect();
+        let is_in = volume(body, near_m);
         let mut inside = Vec::new();
         for (i, points) in self.points.iter().enumerate() {
             let camera = &self.rig.cameras[i];
@@ -123,46 +134,30 @@ impl<'a> Scene<'a> {
                     .zip(rim.as_ref())
                     .is_some_and(|((x, y), rim)| rim.is_foreground(x, y))
             };
-            let is_in = |p: &&CloudPoint| boxes.iter().any(|is_in| is_in(p)) && !is_on_rim(p);
-            inside.extend(points.iter().filter(is_in));
+            inside.extend(points.iter().filter(|p| is_in(p) && !is_on_rim(p)));
         }
         let some = thinned(inside, 2 * MOST_POINTS);
         let places = some.iter().map(SurfacePoint::from).collect();
         let field = PointField::new(places, PointOptions::default(), scale.clone());
-        let mut nearest = vec![f64::INFINITY; some.len()];
-        for body in bodies {
-            for (nearest, touch) in nearest.iter_mut().zip(field.residuals(body)) {
-                *nearest = nearest.min(touch.residual_m.abs());
-            }
-        }
-        let near = some.into_iter().zip(nearest);
-        let near = near.filter(|(_, distance_m)| *distance_m < near_m);
+        let near = some.into_iter().zip(field.residuals(body));
+        let near = near.filter(|(_, touch)| touch.residual_m.abs() < near_m);
         thinned(near.map(|(point, _)| point).collect(), MOST_POINTS)
     }
 
-    /// What a frame shows: silhouettes and points.
-    pub fn observed(
-        &self,
-        frame: FrameIndex,
-        seen: &[Option<Seen>],
-        points: Vec<CloudPoint>,
-    ) -> FrameObservations {
+    /// What a frame shows where a body is expected: contours, and the silhouettes and points that it can be fitted to.
+    pub fn sighting(&self, frame: FrameIndex, body: &Posed<'_>, scale: &SkinScale) -> Sighting {
+        let seen = self.contours(body);
         let views = seen.iter().enumerate().filter_map(|(i, seen)| {
             let silhouette = seen.as_ref()?.contours.silhouette.clone()?;
             Some((CameraId(i), silhouette))
         });
-        FrameObservations {
+        let observed = FrameObservations {
             views: views.collect(),
-            points,
+            points: self.points_near(body, &seen, scale),
             ..FrameObservations::nothing(frame)
-        }
+        };
+        Sighting { seen, observed }
     }
-}
-
-/// At most so many points, of all places alike.
-fn thinned(points: Vec<CloudPoint>, most: usize) -> Vec<CloudPoint> {
-    let step = points.len().div_ceil(most).max(1);
-    points.into_iter().step_by(step).collect()
 }
 
 /// Least and greatest depth that is looked for, m; `None` for a body that has no size.

@@ -63,4 +63,12 @@ impl ShownFrame {
         // a pair that cannot be correlated has no depth
         depth_map(&first.grey, &second.grey, None, depths_m, &options).ok()
     }
+
+    /// Depths of what every camera shows that has one beside it, of all depths that there can be.
+    pub fn depths(&self, rig: &Rig) -> Vec<(CameraId, DepthMap)> {
+        let cameras = (0..rig.cameras.len()).into_par_iter().map(CameraId);
+        cameras
+            .filter_map(|camera| Some((camera, self.depth(rig, camera, None)?)))
+            .collect()
+    }
 }

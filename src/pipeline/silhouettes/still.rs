@@ -1,9 +1,11 @@
 //! What stands still, and so what is before it: the points that can be the person's while no model says yet where they are.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
 
 use crate::camera::CameraId;
-use crate::image::Plane;
+use crate::image::{Mask, Plane};
 use crate::stereo::{CloudPoint, DepthMap};
 
 /// Disparities of a depth map from infinity: the larger, the nearer; NaN unknown.
@@ -28,16 +30,31 @@ const FALSE_SHARE: f64 = 0.1;
 /// A pixel whose depth is known in a smaller share of the frames shows something without texture, which is far away.
 const KNOWN_SHARE: f64 = 0.2;
 /// What moves is nearer than the still scene by this disparity, px.
-const NEARER_PX: f32 = 1.5;
+pub(super) const NEARER_PX: f32 = 1.5;
 /// Gaps in the known part of the still scene up to twice this are bridged, px: correlation has no answer for every pixel.
 const BRIDGED_PX: usize = 20;
-/// Edge of the cells by which points hang together, m.
-const CELL_M: f64 = 0.1;
-/// A cell of fewer points is stray.
-const LEAST_IN_CELL: usize = 3;
 
 /// The still scenes of those cameras of which they are known.
-pub type StillScenes = BTreeMap<CameraId, StillScene>;
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct StillScenes(BTreeMap<CameraId, StillScene>);
+
+impl StillScenes {
+    /// The still scenes of the [`nearness`] of each camera's depth maps, of frames spread over the recording.
+    pub fn of(maps: &BTreeMap<CameraId, Vec<Plane<f32>>>) -> Self {
+        let scene = |(camera, maps): (&CameraId, &Vec<_>)| (*camera, StillScene::of(maps));
+        Self(maps.par_iter().map(scene).collect())
+    }
+
+    /// Whether none is known.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// That of one camera.
+    pub fn get(&self, camera: CameraId) -> Option<&StillScene> {
+        self.0.get(&camera)
+    }
+}
 
 impl StillScene {
     /// The still scene of the [`nearness`] of one camera's depth maps, of frames spread over the recording.
@@ -68,27 +85,48 @@ impl StillScene {
         }
     }
 
-    /// The points of a depth map of the same camera that are before the still scene: the largest piece that hangs together.
-    pub fn moving(&self, map: &DepthMap) -> Vec<CloudPoint> {
-        largest_piece(self.before(map))
+    /// Where a [`nearness`] of the same camera is before the still scene, and all around as well.
+    ///
+    /// Without the border of what moves: correlation by windows makes it wider than it is, and a body fitted to it too fat.
+    pub fn nearer(&self, now: &Plane<f32>) -> Mask {
+        let moves = Mask::from_fn(now.width(), now.height(), |x, y| {
+            let (now, still) = (now.get(x, y), self.nearness.get(x, y));
+            now.zip(still)
+                .is_some_and(|(now, still)| now > still + NEARER_PX)
+        });
+        Mask::from_fn(now.width(), now.height(), |x, y| {
+            let beside = |k: usize| (x + k % 3).checked_sub(1).zip((y + k / 3).checked_sub(1));
+            (0..9).all(|k| {
+                beside(k).is_some_and(|(x, y)| {
+                    x < now.width() && y < now.height() && moves.is_foreground(x, y)
+                })
+            })
+        })
+    }
+
+    /// A [`nearness`] of the same camera, and that of the still scene where it is not known.
+    pub fn filled_in(&self, now: &Plane<f32>) -> Plane<f32> {
+        let mut filled = now.clone();
+        for y in 0..filled.height() {
+            for (x, value) in filled.row_mut(y).iter_mut().enumerate() {
+                if value.is_nan() {
+                    *value = self.nearness.get(x, y).unwrap_or(f32::NAN);
+                }
+            }
+        }
+        filled
     }
 
     /// The points of a depth map of the same camera that are before the still scene.
-    ///
-    /// Without the border of what moves: correlation by windows makes it wider than it is, and a body fitted to it too fat.
     pub fn before(&self, map: &DepthMap) -> Vec<CloudPoint> {
         let now = nearness(map);
-        let moves = |x: usize, y: usize| match (now.get(x, y), self.nearness.get(x, y)) {
-            (Some(now), Some(still)) => now > still + NEARER_PX,
-            _ => false,
-        };
+        let moves = self.nearer(&now);
         // row by row, as the points are
         let pixels = (0..now.height()).flat_map(|y| (0..now.width()).map(move |x| (x, y)));
         let known = pixels.filter(|(x, y)| now.get(*x, *y).is_some_and(f32::is_finite));
-        let inside = known.zip(&map.points).filter(|((x, y), _)| {
-            let beside = |k: usize| (*x + k % 3).checked_sub(1).zip((*y + k / 3).checked_sub(1));
-            (0..9).all(|k| beside(k).is_some_and(|(x, y)| moves(x, y)))
-        });
+        let inside = known
+            .zip(&map.points)
+            .filter(|((x, y), _)| moves.is_foreground(*x, *y));
         inside.map(|(_, point)| *point).collect()
     }
 }
@@ -115,42 +153,8 @@ fn filled(still: &Plane<f32>) -> Plane<f32> {
     filled
 }
 
-/// Those of the points that lie in the largest set of neighbouring cells.
-fn largest_piece(points: Vec<CloudPoint>) -> Vec<CloudPoint> {
-    let cell = |p: &CloudPoint| -> [i64; 3] {
-        let cell = p.position_world.coords.map(|x| (x / CELL_M).floor() as i64);
-        cell.into()
-    };
-    let mut counts: BTreeMap<[i64; 3], usize> = BTreeMap::new();
-    for point in &points {
-        *counts.entry(cell(point)).or_default() += 1;
-    }
-    counts.retain(|_, count| *count >= LEAST_IN_CELL);
-    let (mut best, mut most) = (BTreeSet::new(), 0);
-    while let Some((first, count)) = counts.pop_first() {
-        let (mut piece, mut waiting, mut total) = (BTreeSet::from([first]), vec![first], count);
-        while let Some([x, y, z]) = waiting.pop() {
-            for k in 0..27 {
-                let next = [x + k % 3 - 1, y + k / 3 % 3 - 1, z + k / 9 - 1];
-                if let Some(count) = counts.remove(&next) {
-                    piece.insert(next);
-                    waiting.push(next);
-                    total += count;
-                }
-            }
-        }
-        if total > most {
-            (best, most) = (piece, total);
-        }
-    }
-    points
-        .into_iter()
-        .filter(|p| best.contains(&cell(p)))
-        .collect()
-}
-
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::stereo::View;
 
@@ -196,8 +200,8 @@ mod tests {
         }
     }
 
-    /// Its points are pixels, and 1.
-    fn depth_map(disparity: impl Fn(usize, usize) -> f32) -> DepthMap {
+    /// Of a camera of 40 by 30 px; its points are pixels, and 1.
+    pub(in super::super) fn depth_map(disparity: impl Fn(usize, usize) -> f32) -> DepthMap {
         let pixels = (0..30).flat_map(|y| (0..40).map(move |x| (x, y)));
         let values = pixels.clone().map(|(x, y)| disparity(x, y)).collect();
         DepthMap {
@@ -238,14 +242,5 @@ mod tests {
         maps.push(map(40.0));
         let still = StillScene::of(&maps);
         assert!(still.nearness.values().iter().all(|d| *d <= 0.0));
-    }
-
-    #[test]
-    fn of_two_pieces_the_larger_is_kept_and_strays_go() {
-        let at = |x: f64| point([x, 0.0, 1.0]);
-        let near = (0..90).map(|i| at(f64::from(i) * 0.01));
-        let far = (0..30).map(|i| at(5.0 + f64::from(i) * 0.01));
-        let all = near.chain(far).chain([at(2.0)]).collect();
-        assert_eq!(largest_piece(all).len(), 90);
     }
 }
