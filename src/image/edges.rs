@@ -10,8 +10,6 @@ use super::{Mask, Plane};
 
 /// Widths of the Gaussian after which its kernel ends.
 const KERNEL_REACH: f64 = 3.0;
-/// Pixels of a row that are weighed together.
-const LANES: usize = 32;
 
 /// Magnitude and direction of the strongest change of a picture; across an edge, towards either side.
 #[derive(Clone, Debug, PartialEq)]
@@ -190,36 +188,15 @@ impl Kernel {
     /// Σ kᵢ vᵢ of the values that `shifted(i)` holds, i from before the middle to after it.
     #[inline(always)]
     fn weigh<'v>(&self, shifted: impl Fn(isize) -> &'v [f32], sums: &mut [f32]) {
-        let mut at = 0;
-        while at + LANES <= sums.len() {
-            self.weigh_tile::<LANES>(at, &shifted, sums);
-            at += LANES;
-        }
-        for at in at..sums.len() {
-            self.weigh_tile::<1>(at, &shifted, sums);
-        }
-    }
-
-    /// Of N values from one on: their sums fit the registers.
-    #[inline(always)]
-    fn weigh_tile<'v, const N: usize>(
-        &self,
-        at: usize,
-        shifted: &impl Fn(isize) -> &'v [f32],
-        sums: &mut [f32],
-    ) {
-        let values = |i| &shifted(i)[at..at + N];
-        let mut tile = [0.0; N];
-        for (sum, value) in tile.iter_mut().zip(values(0)) {
+        for (sum, value) in sums.iter_mut().zip(shifted(0)) {
             *sum = self.weights[0] * value;
         }
         for (i, weight) in (1..).zip(&self.weights[1..]) {
-            let pairs = values(-i).iter().zip(values(i));
-            for (sum, (before, after)) in tile.iter_mut().zip(pairs) {
+            let pairs = shifted(-i).iter().zip(shifted(i));
+            for (sum, (before, after)) in sums.iter_mut().zip(pairs) {
                 *sum += weight * (after + self.mirrored * before);
             }
         }
-        sums[at..at + N].copy_from_slice(&tile);
     }
 }
 
