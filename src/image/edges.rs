@@ -18,6 +18,16 @@ pub struct Gradient {
     vectors: Plane<[f32; 2]>,
 }
 
+/// Where a place lies between four pixels.
+struct Around {
+    /// Theirs: upper left and right, lower left and right.
+    vectors: [[[f32; 2]; 2]; 2],
+    /// How far it is from the left ones, px.
+    right: f64,
+    /// And from the upper ones.
+    down: f64,
+}
+
 impl Gradient {
     /// The gradient of a picture's channels at the scale σ; 0 where a channel is not finite within 3 σ.
     ///
@@ -75,9 +85,10 @@ impl Gradient {
             let v = Vector2::new(f64::from(x), f64::from(y));
             if v.dot(towards) < 0.0 { -v } else { v }
         };
-        let Some(([[a, b], [c, d]], [s, t])) = self.around(place) else {
+        let Some(around) = self.around(place) else {
             return Vector2::zeros();
         };
+        let ([[a, b], [c, d]], s, t) = (around.vectors, around.right, around.down);
         (turned(a) * (1.0 - s) + turned(b) * s) * (1.0 - t)
             + (turned(c) * (1.0 - s) + turned(d) * s) * t
     }
@@ -85,28 +96,30 @@ impl Gradient {
     /// How fast the picture changes along a unit vector, whichever the sense: what [`Gradient::at`] has of it towards there.
     #[inline]
     pub fn along(&self, place: &Point2<f64>, direction: &Vector2<f64>) -> f64 {
-        let Some(([[a, b], [c, d]], [s, t])) = self.around(place) else {
+        let Some(around) = self.around(place) else {
             return 0.0;
         };
-        let (s, t) = (s as f32, t as f32);
         let (x, y) = (direction.x as f32, direction.y as f32);
         let change = |v: [f32; 2]| (v[0] * x + v[1] * y).abs();
-        let (upper, lower) = (
-            change(a) + (change(b) - change(a)) * s,
-            change(c) + (change(d) - change(c)) * s,
-        );
-        f64::from(upper + (lower - upper) * t)
+        let [upper, lower] = around.vectors.map(|[left, right]| {
+            let (left, right) = (change(left), change(right));
+            left + (right - left) * around.right as f32
+        });
+        f64::from(upper + (lower - upper) * around.down as f32)
     }
 
-    /// The four neighbours of a place between pixels, and how far it is from the first along and down; `None` beyond the picture.
+    /// The four neighbours of a place between pixels; `None` beyond the picture.
     #[inline]
-    fn around(&self, place: &Point2<f64>) -> Option<([[[f32; 2]; 2]; 2], [f64; 2])> {
+    fn around(&self, place: &Point2<f64>) -> Option<Around> {
         if !(place.x >= 0.0 && place.y >= 0.0) {
             return None;
         }
         let (x, y) = (place.x as u32, place.y as u32);
-        let four = self.vectors.square(x as usize, y as usize)?;
-        Some((four, [place.x - f64::from(x), place.y - f64::from(y)]))
+        Some(Around {
+            vectors: self.vectors.square(x as usize, y as usize)?,
+            right: place.x - f64::from(x),
+            down: place.y - f64::from(y),
+        })
     }
 
     /// What of it lies on the foreground of a mask.
