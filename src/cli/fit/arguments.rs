@@ -118,7 +118,7 @@ impl Likelihood {
 pub(super) enum Silhouettes {
     /// Those of masks, given or made by learning the background
     Background,
-    /// Those that the body predicts, by depth and active contours, as `maquette silhouettes` does; and points with them
+    /// Those that the body predicts, by depth and active contours, as `maquette silhouettes` does; and points with them, or those of --stereo
     Joint,
 }
 
