@@ -18,33 +18,48 @@ pub struct Gradient {
     vectors: Plane<[f32; 2]>,
 }
 
+/// Where a place lies between four pixels.
+struct Around {
+    /// Theirs: upper left and right, lower left and right.
+    vectors: [[[f32; 2]; 2]; 2],
+    /// How far it is from the left ones, px.
+    right: f64,
+    /// And from the upper ones.
+    down: f64,
+}
+
 impl Gradient {
     /// The gradient of a picture's channels at the scale σ; 0 where a channel is not finite within 3 σ.
     ///
     /// Beyond its border the picture goes on as it ends. Channels of another size than the first are left out.
     pub fn of(channels: &[Plane<f32>], sigma_px: f64) -> Self {
-        let Some(first) = channels.first() else {
-            return Self {
-                vectors: Plane::filled(0, 0, [0.0; 2]),
-            };
-        };
-        let (width, height) = (first.width(), first.height());
-        let (blur, slope) = kernels(sigma_px);
-        let mut tensors = Plane::filled(width, height, [0.0f32; 3]);
-        let same = |c: &&Plane<f32>| (c.width(), c.height()) == (width, height);
-        for channel in channels.iter().filter(same) {
-            let across = down(&along(channel, &slope), &blur);
-            let downwards = down(&along(channel, &blur), &slope);
-            for y in 0..height {
-                let slopes = across.row(y).iter().zip(downwards.row(y));
-                for (t, (gx, gy)) in tensors.row_mut(y).iter_mut().zip(slopes) {
-                    *t = [t[0] + gx * gx, t[1] + gx * gy, t[2] + gy * gy];
+        let kernels = Kernels::new(sigma_px);
+        let size = channels.first().map(|c| (c.width(), c.height()));
+        let same = |c: &&Plane<f32>| Some((c.width(), c.height())) == size;
+        let mut slopes = channels.iter().filter(same).map(|c| slopes(c, &kernels));
+        let mut vectors = slopes
+            .next()
+            .unwrap_or_else(|| Plane::filled(0, 0, [0.0; 2]));
+        // the tensor of one channel has its slopes for eigenvector
+        if let Some(second) = slopes.next() {
+            let mut tensors = vectors.map(tensor);
+            for channel in std::iter::once(second).chain(slopes) {
+                for y in 0..tensors.height() {
+                    for (sum, slope) in tensors.row_mut(y).iter_mut().zip(channel.row(y)) {
+                        let own = tensor(*slope);
+                        *sum = [0, 1, 2].map(|k| sum[k] + own[k]);
+                    }
                 }
             }
+            vectors = tensors.map(strongest);
         }
-        Self {
-            vectors: tensors.map(strongest),
+        for y in 0..vectors.height() {
+            for vector in vectors.row_mut(y) {
+                let is_known = (vector[0] + vector[1]).is_finite();
+                *vector = if is_known { *vector } else { [0.0; 2] };
+            }
         }
+        Self { vectors }
     }
 
     /// Columns.
@@ -59,28 +74,52 @@ impl Gradient {
 
     /// How fast the picture changes in each pixel, grey levels per pixel.
     pub fn magnitude(&self) -> Plane<f32> {
-        self.vectors.map(|[x, y]| x.hypot(y))
+        self.vectors.map(length)
     }
 
     /// The gradient at a place between pixels, from its four neighbours; 0 beyond the picture.
     ///
     /// Vectors of opposite sense are the same edge: each neighbour is turned to the sense of `towards`.
     pub fn at(&self, place: &Point2<f64>, towards: &Vector2<f64>) -> Vector2<f64> {
-        if !(place.x >= 0.0 && place.y >= 0.0) {
-            return Vector2::zeros();
-        }
-        let (x, y) = (place.x as usize, place.y as usize);
-        let (s, t) = (place.x - x as f64, place.y - y as f64);
-        let (upper, lower) = (self.vectors.row(y), self.vectors.row(y + 1));
-        let (Some([a, b]), Some([c, d])) = (upper.get(x..x + 2), lower.get(x..x + 2)) else {
-            return Vector2::zeros();
-        };
-        let turned = |v: &[f32; 2]| {
-            let v = Vector2::new(f64::from(v[0]), f64::from(v[1]));
+        let turned = |[x, y]: [f32; 2]| {
+            let v = Vector2::new(f64::from(x), f64::from(y));
             if v.dot(towards) < 0.0 { -v } else { v }
         };
+        let Some(around) = self.around(place) else {
+            return Vector2::zeros();
+        };
+        let ([[a, b], [c, d]], s, t) = (around.vectors, around.right, around.down);
         (turned(a) * (1.0 - s) + turned(b) * s) * (1.0 - t)
             + (turned(c) * (1.0 - s) + turned(d) * s) * t
+    }
+
+    /// How fast the picture changes along a unit vector, whichever the sense: what [`Gradient::at`] has of it towards there.
+    #[inline]
+    pub fn along(&self, place: &Point2<f64>, direction: &Vector2<f64>) -> f64 {
+        let Some(around) = self.around(place) else {
+            return 0.0;
+        };
+        let (x, y) = (direction.x as f32, direction.y as f32);
+        let change = |v: [f32; 2]| (v[0] * x + v[1] * y).abs();
+        let [upper, lower] = around.vectors.map(|[left, right]| {
+            let (left, right) = (change(left), change(right));
+            left + (right - left) * around.right as f32
+        });
+        f64::from(upper + (lower - upper) * around.down as f32)
+    }
+
+    /// The four neighbours of a place between pixels; `None` beyond the picture.
+    #[inline]
+    fn around(&self, place: &Point2<f64>) -> Option<Around> {
+        if !(place.x >= 0.0 && place.y >= 0.0) {
+            return None;
+        }
+        let (x, y) = (place.x as u32, place.y as u32);
+        Some(Around {
+            vectors: self.vectors.square(x as usize, y as usize)?,
+            right: place.x - f64::from(x),
+            down: place.y - f64::from(y),
+        })
     }
 
     /// What of it lies on the foreground of a mask.
@@ -116,7 +155,7 @@ impl Gradient {
         let mut kept = self.clone();
         for y in 0..kept.height() {
             for (x, vector) in kept.vectors.row_mut(y).iter_mut().enumerate() {
-                let own = vector[0].hypot(vector[1]);
+                let own = length(*vector);
                 if !(own >= high || (own >= low && strong_near(x, y))) {
                     *vector = [0.0; 2];
                 }
@@ -126,73 +165,132 @@ impl Gradient {
     }
 }
 
-/// Gaussian and derivative of the Gaussian: of a constant the one makes the constant, of a slope of 1 the other makes 1.
-fn kernels(sigma_px: f64) -> (Vec<f32>, Vec<f32>) {
-    let sigma = sigma_px.max(0.3);
-    let reach = (KERNEL_REACH * sigma).ceil() as i32;
-    let gauss = |i: i32| (-0.5 * (f64::from(i) / sigma).powi(2)).exp();
-    let sum: f64 = (-reach..=reach).map(gauss).sum();
-    let moment: f64 = (-reach..=reach).map(|i| f64::from(i * i) * gauss(i)).sum();
-    (-reach..=reach)
-        .map(|i| {
-            let value = gauss(i);
-            ((value / sum) as f32, (f64::from(i) * value / moment) as f32)
-        })
-        .unzip()
+/// The Gaussian and its derivative: of a constant the one makes the constant, of a slope of 1 the other makes 1.
+struct Kernels {
+    blur: Kernel,
+    slope: Kernel,
 }
 
-/// Each row weighed by the kernel; the ends of a row go on.
-fn along(plane: &Plane<f32>, kernel: &[f32]) -> Plane<f32> {
-    let reach = kernel.len() / 2;
-    let mut result = Plane::filled(plane.width(), plane.height(), 0.0);
-    let mut row = Vec::with_capacity(plane.width() + 2 * reach);
-    for y in 0..plane.height() {
-        let values = plane.row(y);
-        let (Some(first), Some(last)) = (values.first(), values.last()) else {
-            continue;
+/// A kernel that is the same on both sides of its middle, or the opposite.
+struct Kernel {
+    /// From the middle on.
+    weights: Vec<f32>,
+    /// 1 or −1: what the weights before the middle are multiplied with.
+    mirrored: f32,
+}
+
+impl Kernels {
+    fn new(sigma_px: f64) -> Self {
+        let sigma = sigma_px.max(0.3);
+        let reach = (KERNEL_REACH * sigma).ceil() as i32;
+        let gauss = |i: i32| (-0.5 * (f64::from(i) / sigma).powi(2)).exp();
+        let sum: f64 = (-reach..=reach).map(gauss).sum();
+        let moment: f64 = (-reach..=reach).map(|i| f64::from(i * i) * gauss(i)).sum();
+        let kernel = |weight: &dyn Fn(i32) -> f64, mirrored| Kernel {
+            weights: (0..=reach).map(|i| weight(i) as f32).collect(),
+            mirrored,
         };
-        row.clear();
-        row.extend(std::iter::repeat_n(*first, reach));
-        row.extend_from_slice(values);
-        row.extend(std::iter::repeat_n(*last, reach));
-        let windows = row.windows(kernel.len());
-        for (out, window) in result.row_mut(y).iter_mut().zip(windows) {
-            *out = window.iter().zip(kernel).map(|(v, k)| v * k).sum();
+        Self {
+            blur: kernel(&|i| gauss(i) / sum, 1.0),
+            slope: kernel(&|i| f64::from(i) * gauss(i) / moment, -1.0),
         }
     }
-    result
 }
 
-/// Each column weighed by the kernel; the ends of a column go on.
-fn down(plane: &Plane<f32>, kernel: &[f32]) -> Plane<f32> {
-    let reach = kernel.len() / 2;
-    let mut result = Plane::filled(plane.width(), plane.height(), 0.0);
-    let last = plane.height().saturating_sub(1);
-    for y in 0..plane.height() {
-        for (i, weight) in kernel.iter().enumerate() {
-            let from = plane.row((y + i).saturating_sub(reach).min(last));
-            for (out, value) in result.row_mut(y).iter_mut().zip(from) {
-                *out += weight * value;
+impl Kernel {
+    /// Σ kᵢ vᵢ of the values that `shifted(i)` holds, i from before the middle to after it.
+    #[inline(always)]
+    fn weigh<'v>(&self, shifted: impl Fn(isize) -> &'v [f32], sums: &mut [f32]) {
+        for (sum, value) in sums.iter_mut().zip(shifted(0)) {
+            *sum = self.weights[0] * value;
+        }
+        for (i, weight) in (1..).zip(&self.weights[1..]) {
+            let pairs = shifted(-i).iter().zip(shifted(i));
+            for (sum, (before, after)) in sums.iter_mut().zip(pairs) {
+                *sum += weight * (after + self.mirrored * before);
             }
         }
     }
-    result
 }
 
-/// √λ of the larger eigenvalue of a tensor xx, xy, yy, along its eigenvector; 0 where it is not finite.
+/// ∂x and ∂y of a channel, blurred.
+fn slopes(channel: &Plane<f32>, kernels: &Kernels) -> Plane<[f32; 2]> {
+    let mut slopes = Plane::filled(channel.width(), channel.height(), [0.0; 2]);
+    if channel.width() > 0 {
+        let mut rows = Rows::new(channel.width(), kernels);
+        for y in 0..channel.height() {
+            slopes_of_row(channel, y, kernels, &mut rows, slopes.row_mut(y));
+        }
+    }
+    slopes
+}
+
+/// Rows that are being worked on.
+struct Rows {
+    /// Blurred and differed downwards; at both ends they go on as far as the kernels reach.
+    down: [Vec<f32>; 2],
+    /// Both of these, the other along.
+    along: [Vec<f32>; 2],
+}
+
+impl Rows {
+    fn new(width: usize, kernels: &Kernels) -> Self {
+        let ends = 2 * (kernels.blur.weights.len() - 1);
+        Self {
+            down: [(); 2].map(|()| vec![0.0; width + ends]),
+            along: [(); 2].map(|()| vec![0.0; width]),
+        }
+    }
+}
+
+/// The bits are the same for every instruction set; only the width of the loops differs.
+#[multiversion::multiversion(targets("x86_64+avx2", "x86_64+avx512f+avx512vl"))]
+fn slopes_of_row(
+    channel: &Plane<f32>,
+    y: usize,
+    kernels: &Kernels,
+    rows: &mut Rows,
+    slopes: &mut [[f32; 2]],
+) {
+    let Kernels { blur, slope } = kernels;
+    let (width, reach) = (slopes.len(), blur.weights.len() - 1);
+    let last = channel.height() - 1;
+    let downwards = |i: isize| channel.row(y.saturating_add_signed(i).min(last));
+    for (row, kernel) in rows.down.iter_mut().zip([blur, slope]) {
+        kernel.weigh(downwards, &mut row[reach..reach + width]);
+        let (first, last) = (row[reach], row[reach + width - 1]);
+        row[..reach].fill(first);
+        row[reach + width..].fill(last);
+    }
+    for ((row, along), kernel) in rows.down.iter().zip(&mut rows.along).zip([slope, blur]) {
+        kernel.weigh(|i| &row[reach.wrapping_add_signed(i)..][..width], along);
+    }
+    for (slope, (x, y)) in slopes
+        .iter_mut()
+        .zip(rows.along[0].iter().zip(&rows.along[1]))
+    {
+        *slope = [*x, *y];
+    }
+}
+
+/// xx, xy, yy of one channel's slopes.
+fn tensor([x, y]: [f32; 2]) -> [f32; 3] {
+    [x * x, x * y, y * y]
+}
+
+/// √λ of the larger eigenvalue of a tensor xx, xy, yy, along its eigenvector.
 fn strongest([xx, xy, yy]: [f32; 3]) -> [f32; 2] {
     let half = 0.5 * (xx - yy);
-    let root = half.hypot(xy);
+    let root = length([half, xy]);
     let larger = (0.5 * (xx + yy) + root).max(0.0);
     // the double angle of the eigenvector is that of (half, xy); without one, any
     let cosine = if root > 0.0 { half / root } else { 1.0 };
     let along = |sign: f32| (0.5 * larger * (1.0 + sign * cosine)).max(0.0).sqrt();
-    let vector = [along(1.0), along(-1.0).copysign(xy)];
-    if vector.iter().all(|v| v.is_finite()) {
-        vector
-    } else {
-        [0.0; 2]
-    }
+    [along(1.0), along(-1.0).copysign(xy)]
+}
+
+fn length([x, y]: [f32; 2]) -> f32 {
+    (x * x + y * y).sqrt()
 }
 
 #[cfg(test)]
@@ -211,6 +309,10 @@ mod tests {
             let gradient = Gradient::of(std::slice::from_ref(&slope), sigma_px);
             let found = gradient.at(&Point2::new(20.3, 15.6), &Vector2::new(1.0, 0.0));
             approx::assert_relative_eq!(found, Vector2::new(3.0, 4.0), epsilon = 1e-3);
+            for (x, y, fast) in [(0.6, 0.8, 5.0), (-1.0, 0.0, 3.0), (0.8, -0.6, 0.0)] {
+                let along = gradient.along(&Point2::new(20.3, 15.6), &Vector2::new(x, y));
+                approx::assert_relative_eq!(along, fast, epsilon = 1e-3);
+            }
         }
     }
 

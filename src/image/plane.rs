@@ -46,6 +46,17 @@ impl<T: Copy> Plane<T> {
         self.row(y).get(x).copied()
     }
 
+    /// The values at columns `x` and `x` + 1 of rows `y` and `y` + 1; `None` unless all four lie inside.
+    #[inline]
+    pub fn square(&self, x: usize, y: usize) -> Option<[[T; 2]; 2]> {
+        if x >= self.width.saturating_sub(1) || y >= self.height.saturating_sub(1) {
+            return None;
+        }
+        let first = y * self.width + x;
+        let pair = |at: usize| self.values.get(at..)?.first_chunk().copied();
+        Some([pair(first)?, pair(first + self.width)?])
+    }
+
     /// Row `y`; empty if there is no such row.
     pub fn row(&self, y: usize) -> &[T] {
         let start = y.saturating_mul(self.width);
@@ -108,6 +119,10 @@ mod tests {
         assert_eq!(plane.get(2, 0), Some(3));
         assert_eq!(plane.get(3, 0), None);
         assert_eq!(plane.get(0, 2), None);
+        assert_eq!(plane.square(1, 0), Some([[2, 3], [5, 6]]));
+        for (x, y) in [(2, 0), (0, 1), (usize::MAX, 0), (0, usize::MAX)] {
+            assert_eq!(plane.square(x, y), None);
+        }
         assert!(plane.row(usize::MAX).is_empty());
     }
 

@@ -30,3 +30,14 @@ fn a_body_without_metaballs_and_frames_that_are_not_there_are_refused() {
 fn masks_alone_are_no_pictures() {
     silhouettes(&Arm::new(), &[]).refused(&["no pictures: expected videos/<camera>.*"]);
 }
+
+#[test]
+fn a_fit_may_have_joint_contours_and_points_measured_within_them() {
+    let arm = photographed();
+    let (recording, out) = (arm.recording(), arm.out("fit"));
+    let (recording, out) = (recording.display().to_string(), out.display().to_string());
+    let arguments = ["fit", &recording, "--out", &out, "--fps", "10"];
+    let both = ["--silhouettes", "joint", "--stereo"];
+    // what is amiss is where the cameras stand, not that both were asked for
+    run(&[&arguments[..], &both].concat()).refused(&["side by side"]);
+}

@@ -68,7 +68,7 @@ pub(in crate::cli) struct FitArguments {
     pub(super) stereo: Option<Method>,
     /// How silhouettes are found where there are pictures [default: those of the masks; without masks joint, if cameras stand
     /// side by side and no picture of the empty scene is given, else background]
-    #[arg(long, value_enum, value_name = "WAY", conflicts_with = "stereo")]
+    #[arg(long, value_enum, value_name = "WAY")]
     pub(super) silhouettes: Option<Silhouettes>,
     /// What is fitted to
     #[arg(long, value_enum, default_value_t = Fitted::All)]
@@ -118,7 +118,7 @@ impl Likelihood {
 pub(super) enum Silhouettes {
     /// Those of masks, given or made by learning the background
     Background,
-    /// Those that the body predicts, by depth and active contours, as `maquette silhouettes` does; and points with them
+    /// Those that the body predicts, by depth and active contours, as `maquette silhouettes` does; and points with them, or those of --stereo
     Joint,
 }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::arguments::FitArguments;
-use super::input::{Observed, tell};
+use super::input::{Observed, measure, tell};
 use crate::cli::error::CliError;
 use crate::cli::frame_range::FrameRange;
 use crate::cli::silhouettes::{self, DEFAULT_BODY};
@@ -21,6 +21,9 @@ pub(super) fn is_only_way(footage: &Footage) -> bool {
 }
 
 /// Silhouettes and points of the frames to be fitted; masks and contours are kept in OUT.
+///
+/// The points are those before the still scene and near the body that the pipeline itself fits to, or, asked for with `--stereo`, what is
+/// measured within the contours.
 pub(super) fn observe(
     footage: &Footage,
     arguments: &FitArguments,
@@ -32,12 +35,22 @@ pub(super) fn observe(
     check_measure(&model, Some(Measure::Metaballs))?;
     let progress = arguments.quiet.progress();
     let kept = (footage, frames, arguments.out.as_path());
-    let (observed, notes) = silhouettes::observe(kept, &model, progress)?;
+    let (mut observed, notes) = silhouettes::observe(kept, &model, progress)?;
     tell(&notes, arguments);
-    let made = Made {
-        masks: true,
-        points: false,
+    let open = |points: bool| {
+        let made = Made {
+            masks: true,
+            points,
+        };
+        Recording::open_made(&arguments.recording, footage, &arguments.out, made)
     };
-    let recording = Recording::open_made(&arguments.recording, footage, &arguments.out, made)?;
+    let Some(method) = arguments.stereo else {
+        return Ok((open(false)?, Some(observed)));
+    };
+    measure(footage, &open(false)?, method, arguments)?;
+    let recording = open(true)?;
+    for frame in &mut observed {
+        recording.load_points(frame)?;
+    }
     Ok((recording, Some(observed)))
 }

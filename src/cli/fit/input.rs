@@ -135,7 +135,7 @@ fn cut(footage: &Footage, arguments: &FitArguments) -> Result<(), CliError> {
 }
 
 /// Measures the points of the frames to be fitted, where the masks show the person.
-fn measure(
+pub(super) fn measure(
     footage: &Footage,
     masks: &Recording,
     method: Method,

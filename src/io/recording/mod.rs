@@ -212,9 +212,18 @@ impl Recording {
                 Err(reason) => observations.rejected.push((id, reason)),
             }
         }
-        let cloud = self.points.load(frame)?;
-        (observations.points, observations.points_left_out) = (cloud.points, cloud.left_out);
+        self.load_points(&mut observations)?;
         Ok(observations)
+    }
+
+    /// Puts a frame's points in the place of those that were observed of it.
+    ///
+    /// # Errors
+    /// As [`Recording::load_frame`] of points.
+    pub fn load_points(&self, observed: &mut FrameObservations) -> Result<(), RecordingError> {
+        let cloud = self.points.load(observed.frame)?;
+        (observed.points, observed.points_left_out) = (cloud.points, cloud.left_out);
+        Ok(())
     }
 
     /// What the user should know of the points of the frames that were loaded.

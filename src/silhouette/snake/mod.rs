@@ -220,10 +220,7 @@ impl Snake {
         i: usize,
         normal: &Vector2<f64>,
     ) -> Option<(Vector2<f64>, f64)> {
-        let change = |s: f64| {
-            let at = self.points[i] + normal * s;
-            gradient.at(&at, normal).dot(normal)
-        };
+        let change = |s: f64| gradient.along(&(self.points[i] + normal * s), normal);
         let reach = self.options.search_px.round() as i32;
         let mut best = (0, 0.0);
         for s in -reach..=reach {
