@@ -157,10 +157,7 @@ mod tests {
             })
             .collect();
         let still = StillScene::of(&maps.iter().map(nearness).collect::<Vec<_>>());
-        assert_eq!(
-            silhouette(&still, &maps[0], &maps[0].pair.left.camera),
-            None
-        );
+        assert!(silhouette(&still, &maps[0], &maps[0].pair.left.camera).is_none());
         let found = silhouette(&still, &maps[9], &maps[9].pair.left.camera).unwrap();
         let beside = |x: f64| {
             let points = found
