@@ -2,9 +2,11 @@
 
 use std::path::Path;
 
-use maquette::body::{BodyModel, Layout, Motion, Posed, Shape, State, check_kinematics};
+use maquette::body::{
+    BodyModel, Joint, Layout, Motion, Placed, Posed, Shape, State, check_kinematics,
+};
 use maquette::io::model;
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -65,80 +67,50 @@ fn the_motion_difference_undoes_the_retraction() {
     }
 }
 
-#[test]
-fn a_knees_angle_is_in_doubt_as_the_centres_of_hip_knee_and_ankle_are() {
-    let model = model::load("human-ellipsoids", Path::new("")).unwrap();
-    let shape = Shape(model.statistics.mean.clone());
-    let mut motion = Motion::rest(&model);
+/// What the places of a body's joints do to a point, a column for each: metres per standard deviation.
+fn moved_by_places(model: &BodyModel, placed: &Placed, index: usize) -> DMatrix<f64> {
+    let shape = placed.shape(&Shape(model.statistics.mean.clone()));
+    let mut motion = placed.motion(&Motion::rest(model));
     motion.angles.fill(0.0);
-    let body = Posed::new(&model, &shape, &motion);
-    let place = |name: &str| body.points()[model.point(name).unwrap()];
-    let (hip, knee, ankle) = (place("RHip"), place("RKnee"), place("RAnkle"));
-    let (thigh, shank) = ((knee - hip).norm(), (ankle - knee).norm());
-    let forward = |name: &str| model.points[model.point(name).unwrap()].sd_m.x;
-    // a straight leg: the knee's centre turns both bones, the same way
-    let expected = (forward("RHip") / thigh).powi(2)
-        + (forward("RKnee") * (1.0 / thigh + 1.0 / shank)).powi(2)
-        + (forward("RAnkle") / shank).powi(2);
-    let found = body.angle_spread()[model.joint("knee_flexion_r").unwrap().0];
-    approx::assert_relative_eq!(found, expected, max_relative = 1e-3);
+    let jacobian = Posed::new(&placed.model, &shape, &motion).point_jacobian(index);
+    let first = jacobian.ncols() - placed.count();
+    jacobian.columns(first, placed.count()).into_owned()
 }
 
 #[test]
-fn an_upper_arm_turns_about_itself_for_what_tilts_the_forearm_and_the_more_the_straighter_the_elbow_is()
- {
+fn a_thigh_turns_in_its_flesh_as_far_as_hip_and_knee_lie_elsewhere_over_its_length() {
     let model = model::load("human-ellipsoids", Path::new("")).unwrap();
     let shape = Shape(model.statistics.mean.clone());
-    let angle = |name: &str| model.joint(name).unwrap().0;
-    let turn_sd = |elbow_deg: f64| {
-        let mut motion = Motion::rest(&model);
-        motion.angles.fill(0.0);
-        motion.angles[angle("elbow_flexion_r")] = elbow_deg.to_radians();
-        let body = Posed::new(&model, &shape, &motion);
-        body.angle_spread()[angle("shoulder_rotation_r")].sqrt()
-    };
-    let sideways = |part: &str| {
-        let part = model.parts.iter().find(|p| p.name == part).unwrap();
-        part.sd_m.y
-    };
+    let placed = Placed::of(&model, &shape);
     let body = Posed::new(&model, &shape, &Motion::rest(&model));
     let place = |name: &str| body.points()[model.point(name).unwrap()];
-    let upper_arm = (place("RElbow") - place("RShoulder")).norm();
-    let forearm = (place("RWrist") - place("RElbow")).norm();
-    // a forearm's tilt to the side, beside what it has from the upper arm, over what a turn of that gives it
-    let expected = |elbow_deg: f64| {
-        let (sin, cos) = elbow_deg.to_radians().sin_cos();
-        let elbow = sideways("forearm_r") * (1.0 / forearm + cos / upper_arm);
-        let shoulder = sideways("upper_arm_r") * cos / upper_arm;
-        let wrist = sideways("hand_r") / forearm;
-        (elbow.powi(2) + shoulder.powi(2) + wrist.powi(2)).sqrt() / sin
-    };
-    for elbow_deg in [90.0, 60.0] {
-        let found = turn_sd(elbow_deg);
-        approx::assert_relative_eq!(found, expected(elbow_deg), max_relative = 0.05);
-    }
-    assert!(turn_sd(30.0) > 1.5 * turn_sd(60.0));
-    assert!(turn_sd(0.0) < 4.0 * turn_sd(30.0), "it ends somewhere");
+    let length = (place("RKnee") - place("RHip")).norm();
+    let forward = |name: &str| model.points[model.point(name).unwrap()].sd_m.x;
+    let expected = forward("RHip").hypot(forward("RKnee")) / length;
+    // joints x, y, z that turn the flesh of the thigh; y across it
+    let first = |joint: &Joint| joint.name.ends_with("of thigh_r");
+    let first = placed.model.joints.iter().position(first).unwrap();
+    let across = placed.turns.row(first + 1 - model.joints.len()).norm();
+    approx::assert_relative_eq!(across, expected, max_relative = 1e-9);
 }
 
 #[test]
-fn bones_whose_ends_are_known_leave_no_angle_in_doubt() {
+fn flesh_that_is_not_told_from_its_bones_has_no_places() {
     let model = model::load("arm", Path::new("")).unwrap();
-    let shape = Shape(model.statistics.mean.clone());
-    let body = Posed::new(&model, &shape, &Motion::rest(&model));
-    approx::assert_abs_diff_eq!(body.angle_spread().amax(), 0.0);
+    let placed = Placed::of(&model, &Shape(model.statistics.mean.clone()));
+    assert_eq!((placed.count(), placed.turns.nrows()), (0, 0));
+    assert_eq!(placed.model, model);
 }
 
 #[test]
 fn what_hips_leave_open_of_their_distance_is_their_sideways_doubt_twice() {
     let model = model::load("human-ellipsoids", Path::new("")).unwrap();
-    let shape = Shape(model.statistics.mean.clone());
-    let body = Posed::new(&model, &shape, &Motion::rest(&model));
-    let [right, left, knee] = ["RHip", "LHip", "RKnee"].map(|name| model.point(name).unwrap());
+    let placed = Placed::of(&model, &Shape(model.statistics.mean.clone()));
+    let [right, left] = ["RHip", "LHip"].map(|name| model.point(name).unwrap());
     let sd = model.points[right].sd_m;
-    let between = body.way_spread(right, left);
-    approx::assert_relative_eq!(between[(1, 1)], 4.0 * sd.y * sd.y, epsilon = 1e-12);
-    approx::assert_relative_eq!(between[(0, 0)], 0.0, epsilon = 1e-12);
-    let ends = body.point_spread(right) + body.point_spread(knee);
-    approx::assert_relative_eq!(body.way_spread(right, knee), ends, epsilon = 1e-12);
+    let [at_right, at_left] = [right, left].map(|index| moved_by_places(&model, &placed, index));
+    let between = at_left - &at_right;
+    approx::assert_relative_eq!(between.row(1).norm(), 2.0 * sd.y, epsilon = 1e-12);
+    approx::assert_relative_eq!(between.row(0).norm(), 0.0, epsilon = 1e-12);
+    approx::assert_relative_eq!(at_right.row(0).norm(), sd.x, epsilon = 1e-12);
 }

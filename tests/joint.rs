@@ -1,5 +1,7 @@
 //! The sequence posterior and the joint optimum: laws, truth in and estimate out, and what nothing sees.
 
+#[path = "joint/considered.rs"]
+mod considered;
 #[path = "joint/laws.rs"]
 mod laws;
 #[path = "joint/recovery.rs"]

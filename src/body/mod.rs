@@ -4,14 +4,15 @@
 //! a state is a [`Shape`] and one [`Motion`] per frame; [`Posed`] is what kinematics makes of the
 //! three, computed once per evaluation and lent to every likelihood term.
 
+mod bones;
 mod check;
 mod jacobian;
 mod limbs;
 pub mod metaball;
 mod model;
+mod places;
 mod posed;
 mod scaled;
-mod spread;
 mod state;
 
 pub use check::{KinematicsFault, check_kinematics};
@@ -20,6 +21,8 @@ pub use model::{
     BodyModel, CoefficientId, FrameId, Joint, JointId, Limbs, ModelError, NamedPoint, Part, PartId,
     Pose, Primitive, Root, ShapeStatistics, Turn,
 };
+pub(crate) use places::Displacements;
+pub use places::Placed;
 pub use posed::Posed;
 pub use scaled::{Scale, ScaledVector, Shift};
 pub use state::{Layout, Motion, Shape, State};

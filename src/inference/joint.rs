@@ -4,21 +4,20 @@
 //! matrix of eq. 1 is block-tridiagonal (block-pentadiagonal with constant velocity), and a step is one pass
 //! forwards and one backwards: O(n). Algorithm 1's winner is its start.
 
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix3, Vector3};
 use rayon::prelude::*;
 
 use super::Evidence;
 use super::chain::ChainPrior;
+use super::considered::Considered;
+use super::covariance::Uncertainty;
 use super::noise::Noise;
 use super::propagate::{FrameFit, Sequence};
 use super::sequence::{SequencePosterior, SequenceState};
 use super::start::Detail;
 use super::step::MotionModel;
-use crate::body::{BodyModel, Layout, Motion, PartId, Posed, Shape};
+use crate::body::{BodyModel, Motion, Posed, Shape};
 use crate::likelihood::{PlacedResidual, Term};
-use crate::solver::{
-    BorderedChain, Marginal, Options, Problem, QuadraticModel, Report, levenberg_marquardt,
-};
+use crate::solver::{Options, Problem, QuadraticModel, Report, levenberg_marquardt};
 
 /// Settings of the joint optimum.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -62,33 +61,6 @@ impl Joint {
             motions: self.frames.iter().map(|f| f.motion.clone()).collect(),
         }
     }
-}
-
-/// Covariances of the joint optimum.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Uncertainty {
-    /// Covariance of s.
-    pub shape: DMatrix<f64>,
-    /// Frame by frame.
-    pub frames: Vec<FrameUncertainty>,
-}
-
-/// Standard deviations of one frame.
-#[derive(Debug, Clone, PartialEq)]
-pub struct FrameUncertainty {
-    /// Of the root's origin, world axes; 0 if it is fixed.
-    pub position_sd_m: Vector3<f64>,
-    /// Of the orientation in the world of each part, about its own axes; 0 of one that nothing turns.
-    pub parts_sd: Vec<Vector3<f64>>,
-    /// Of the angles between the bones: the flesh's, with what the places of the joints in it leave open, see
-    /// [`Posed::angle_spread`].
-    pub angles_sd: DVector<f64>,
-    /// Of the same angles as the flesh has them, which is what is seen.
-    pub flesh_angles_sd: DVector<f64>,
-    /// Covariance of each exported point, square metres: the estimate's, and of where it lies in the flesh.
-    pub points: Vec<Matrix3<f64>>,
-    /// Covariance of the way from the left to the right point of each of [`BodyModel::point_pairs`], square metres.
-    pub apart: Vec<Matrix3<f64>>,
 }
 
 /// The fraction of E below which a step's decrease ends the optimisation.
@@ -157,9 +129,12 @@ pub fn joint_optimum_of<'a>(
     // 3. how sure the optimum is, with rows that err so
     let sharp = posterior(&noise);
     let mut chain = solution.model;
+    let considered = Considered::of(evidence.model, terms, &solution.state, &chain);
     chain.clear();
     sharp.linearize(&solution.state, &mut chain);
-    let uncertainty = uncertainty(evidence.model, &solution.state, &chain, noise.over_time);
+    let uncertainty = considered.and_then(|c| {
+        Uncertainty::of(evidence.model, &solution.state, &chain, noise.over_time, &c)
+    });
     let frames = sharp.taken_apart(&solution.state);
     Joint {
         shape: solution.state.shape,
@@ -194,76 +169,4 @@ pub fn intervals(sequence: Sequence<'_>) -> Vec<f64> {
     (0..sequence.frames.len())
         .map(|i| before(i).max(1) as f64 / sequence.fps)
         .collect()
-}
-
-/// Covariances from H⁻¹, with the shape's widened τ times:
-/// cov(s) = τ Σ_ss, and as m depends on s through G = Σ_ms Σ_ss⁻¹, cov(m) = Σ_mm + (τ − 1)·G Σ_ss Gᵀ.
-fn uncertainty(
-    model: &BodyModel,
-    state: &SequenceState,
-    chain: &BorderedChain,
-    tau: f64,
-) -> Option<Uncertainty> {
-    let mut frames = Vec::new();
-    let mut shape = DMatrix::zeros(0, 0);
-    let mut factor = None;
-    let complete = chain.marginals(|i, marginal| {
-        // the same in every frame
-        let factor = factor.get_or_insert_with(|| {
-            shape = marginal.shared * tau;
-            marginal.shared.clone().cholesky()
-        });
-        let body = Posed::new(model, &state.shape, &state.motions[i]);
-        frames.extend(frame_uncertainty(&body, marginal, factor.as_ref(), tau));
-    });
-    frames.reverse();
-    (complete && frames.len() == state.motions.len()).then_some(Uncertainty { shape, frames })
-}
-
-fn frame_uncertainty(
-    body: &Posed<'_>,
-    marginal: &Marginal<'_>,
-    shared: Option<&Cholesky<f64, Dyn>>,
-    tau: f64,
-) -> Option<FrameUncertainty> {
-    let layout = Layout::of(body.model);
-    let (m, p) = (layout.motion(), layout.total() - layout.motion());
-    let mut motion = marginal.frame.clone();
-    if p > 0 {
-        let depends = shared?.solve(marginal.cross);
-        motion += marginal.cross.tr_mul(&depends) * (tau - 1.0);
-    }
-    let mut all = DMatrix::zeros(m + p, m + p);
-    all.view_mut((0, 0), (m, m)).copy_from(&motion);
-    all.view_mut((m, 0), (p, m))
-        .copy_from(&(marginal.cross * tau));
-    all.view_mut((m, m), (p, p))
-        .copy_from(&(marginal.shared * tau));
-    all.fill_upper_triangle_with_lower_triangle();
-    let variances = motion.diagonal().map(|v| v.max(0.0));
-    let of_flesh = variances.rows(layout.root(), m - layout.root());
-    let angles_sd = (of_flesh + body.angle_spread()).map(f64::sqrt);
-    let position_sd_m = match layout.root() {
-        6 => Vector3::from(variances.fixed_rows::<3>(0)).map(f64::sqrt),
-        _ => Vector3::zeros(),
-    };
-    let carried = |jacobian: &DMatrix<f64>| {
-        let covariance = jacobian * &all * jacobian.transpose();
-        Matrix3::from(covariance.fixed_view::<3, 3>(0, 0))
-    };
-    let point = |index: usize| carried(&body.point_jacobian(index)) + body.point_spread(index);
-    let apart = |(right, left): (usize, usize)| {
-        let moved = body.point_jacobian(right) - body.point_jacobian(left);
-        carried(&moved) + body.way_spread(right, left)
-    };
-    let turned = |part: usize| carried(&body.rotation_jacobian(PartId(part))).diagonal();
-    let parts = (0..body.model.parts.len()).map(turned);
-    Some(FrameUncertainty {
-        position_sd_m,
-        parts_sd: parts.map(|v| v.map(|v| v.max(0.0).sqrt())).collect(),
-        angles_sd,
-        flesh_angles_sd: of_flesh.map(f64::sqrt),
-        points: (0..body.model.points.len()).map(point).collect(),
-        apart: body.model.point_pairs().into_iter().map(apart).collect(),
-    })
 }

@@ -10,13 +10,16 @@
 //! | one hypothesis along the chain    | [`propagate`]    |
 //! | Algorithm 1                       | [`search`]       |
 //! | eq. 1 as a problem of all frames  | [`chain`], [`sequence`] |
-//! | its optimum, how sure it is       | [`joint`], [`noise`] |
+//! | its optimum, how sure it is       | [`joint`], [`noise`], [`covariance`] |
+//! | joints elsewhere in the flesh     | [`considered`]   |
 //! | where the cameras look            | [`aim`]          |
 //! | p_ε,σ(K)                          | [`confidence`]   |
 
 pub mod aim;
 pub mod chain;
 pub mod confidence;
+pub mod considered;
+pub mod covariance;
 mod evidence;
 pub mod frame;
 pub mod hull;

@@ -11,8 +11,8 @@ use crate::inference::propagate::Sequence;
 use crate::inference::sequence::SequenceState;
 use crate::likelihood::{LikelihoodOptions, Measure};
 
-/// A turn that moves no camera's image by this much is the last, px.
-const LEAST_PX: f64 = 1.0;
+/// A turn that moves no camera's image by this much is the last; a camera that looks elsewhere by less is no news. Pixels.
+pub(super) const LEAST_PX: f64 = 1.0;
 /// Turns at most.
 const TURNS: usize = 6;
 

@@ -7,13 +7,13 @@ use super::aim::{Aimed, joint_and_aims};
 use super::measures::Measures;
 use super::points::{self, PointQuality};
 use super::quality::{self, CameraQuality, ViewQuality};
-use super::uncertainty::ShapeUncertainty;
 use super::{FitOptions, SceneFault, ShapeConfidence, Warning, check_scene, rest_lengths_m};
 use crate::body::{BodyModel, Motion, Posed, Shape};
 use crate::camera::Rig;
 use crate::inference::Evidence;
 use crate::inference::chain::ChainPrior;
-use crate::inference::joint::{FrameUncertainty, JointOptions, Uncertainty, intervals};
+use crate::inference::covariance::{FrameUncertainty, ShapeUncertainty, Uncertainty};
+use crate::inference::joint::{JointOptions, intervals};
 use crate::inference::noise::Noise;
 use crate::inference::propagate::{FrameFit, Sequence};
 use crate::inference::search::{Journal, Trial, search};
@@ -195,9 +195,7 @@ pub fn fit(
     );
     Ok(Fit {
         lengths_m: rest_lengths_m(model, &estimate.shape),
-        uncertainty: estimate
-            .uncertainty
-            .map(|u| ShapeUncertainty::of(model, &estimate.shape, u.shape)),
+        uncertainty: estimate.uncertainty.map(|u| u.shape),
         noise: estimate.noise,
         rig: estimate.rig,
         shape: estimate.shape,

@@ -54,7 +54,7 @@ pub(super) fn warning(
         .iter()
         .zip(prior)
         .filter(|(f, _)| f.is_observed())
-        .filter_map(|(f, prior)| Some((&f.uncertainty.as_ref()?.flesh_angles_sd, prior)))
+        .filter_map(|(f, prior)| Some((&f.uncertainty.as_ref()?.seen_angles_sd, prior)))
         .collect();
     let keeps = |part: usize| {
         let own = own_joints(model, part);
@@ -91,7 +91,7 @@ mod tests {
     use nalgebra::Vector3;
 
     use super::*;
-    use crate::inference::joint::FrameUncertainty;
+    use crate::inference::covariance::FrameUncertainty;
     use crate::inference::propagate::FrameFit;
     use crate::pipeline::PointQuality;
     use crate::silhouette::FrameIndex;
@@ -121,7 +121,7 @@ mod tests {
                 position_sd_m: Vector3::zeros(),
                 parts_sd: Vec::new(),
                 angles_sd: DVector::from_row_slice(angles_sd),
-                flesh_angles_sd: DVector::from_row_slice(angles_sd),
+                seen_angles_sd: DVector::from_row_slice(angles_sd),
                 points: Vec::new(),
                 apart: Vec::new(),
             }),

@@ -2,8 +2,7 @@
 
 use std::fmt;
 
-use nalgebra::Vector2;
-
+use super::aim::LEAST_PX;
 use super::{CameraQuality, FittedFrame, ShapeConfidence};
 use crate::camera::{CameraId, Rig};
 use crate::math::stats::{mean, median};
@@ -158,7 +157,8 @@ pub(super) fn warnings(
     cameras: &[CameraQuality],
     confidence: &ShapeConfidence,
 ) -> Vec<Warning> {
-    let mut warnings = of_overlaps(rig, frames, cameras);
+    let mut warnings = of_aims(rig, cameras);
+    warnings.extend(of_overlaps(rig, frames, cameras));
     let those = |is: &dyn Fn(&&FittedFrame) -> bool| {
         Frames(frames.iter().filter(is).map(|f| f.frame).collect())
     };
@@ -184,6 +184,16 @@ pub(super) fn warnings(
     warnings
 }
 
+/// The cameras that look elsewhere; what a turn would not have moved either is nothing to calibrate for.
+fn of_aims(rig: &Rig, cameras: &[CameraQuality]) -> Vec<Warning> {
+    let elsewhere = cameras.iter().filter(|c| c.aim_px.norm() >= LEAST_PX);
+    let warning = |c: &CameraQuality| Warning::Aim {
+        camera: name(rig, c.camera),
+        px: c.aim_px.into(),
+    };
+    elsewhere.map(warning).collect()
+}
+
 fn of_overlaps(rig: &Rig, frames: &[FittedFrame], cameras: &[CameraQuality]) -> Vec<Warning> {
     let mut warnings = Vec::new();
     let overlaps: Vec<(FrameIndex, f64)> = frames
@@ -193,11 +203,6 @@ fn of_overlaps(rig: &Rig, frames: &[FittedFrame], cameras: &[CameraQuality]) -> 
     let Some(usual) = median(&mut overlaps.iter().map(|(_, iou)| *iou).collect()) else {
         return warnings;
     };
-    let aimed = cameras.iter().filter(|c| c.aim_px != Vector2::zeros());
-    warnings.extend(aimed.map(|c| Warning::Aim {
-        camera: name(rig, c.camera),
-        px: c.aim_px.into(),
-    }));
     let seen: Vec<&CameraQuality> = cameras.iter().filter(|c| c.frames > 0).collect();
     let of_cameras = median(&mut seen.iter().map(|c| c.mean_iou).collect());
     if let Some(iou) = of_cameras.filter(|iou| *iou < POOR_IOU) {
@@ -250,7 +255,10 @@ fn name(rig: &Rig, id: CameraId) -> String {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::Vector2;
+
     use super::*;
+    use crate::synth::Ring;
 
     #[test]
     fn frames_are_listed_as_ranges() {
@@ -269,6 +277,25 @@ mod tests {
             of_body(837.0, 39).unwrap().to_string(),
             "the chosen body is a rare one (43 times the usual −log p(s)): check up and unit, and the masks"
         );
+    }
+
+    #[test]
+    fn a_camera_that_looks_elsewhere_by_less_than_a_pixel_is_not_to_be_calibrated_again() {
+        let looks = |(camera, right_px)| CameraQuality {
+            camera: CameraId(camera),
+            frames: 1,
+            mean_iou: 1.0,
+            median_px: None,
+            rms_px: None,
+            aim_px: Vector2::new(right_px, 0.0),
+        };
+        let rig = Ring::default().regular();
+        let cameras: Vec<CameraQuality> = [(0, 0.9), (1, -1.1), (2, 0.0)].map(looks).into();
+        let expected = Warning::Aim {
+            camera: name(&rig, CameraId(1)),
+            px: [-1.1, 0.0],
+        };
+        assert_eq!(of_aims(&rig, &cameras), [expected]);
     }
 
     #[test]

@@ -15,7 +15,7 @@ use nalgebra::{DVector, Rotation3, Vector3};
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use crate::body::{BodyModel, Motion, NamedPoint, Part, PartId, Posed, Shape};
+use crate::body::{BodyModel, Displacements, Motion, PartId, Placed, Posed, Shape};
 
 /// The person of this shape with the joints and exported points elsewhere in the flesh, each by a δ from a normal distribution;
 /// a model for this shape alone.
@@ -29,13 +29,30 @@ pub fn draw_centres(
     published: &BodyModel,
     rng: &mut impl Rng,
 ) -> BodyModel {
+    let mut model = model.clone();
+    for part in &mut model.parts {
+        let known = published.parts.iter().position(|p| p.name == part.name);
+        part.sd_m = known.map_or(Vector3::zeros(), |known| published.scatter_m(PartId(known)));
+    }
+    for point in &mut model.points {
+        let known = published.point(&point.name);
+        point.sd_m = known.map_or(Vector3::zeros(), |known| published.points[known].sd_m);
+    }
+    let places = Placed::of(&model, shape).count();
+    let c = DVector::from_fn(places, |_, _| StandardNormal.sample(rng));
+    move_centres(&model, shape, &c)
+}
+
+/// The person of this shape with the joints and exported points at the places c of [`Placed`]; a model for this shape alone.
+pub fn move_centres(model: &BodyModel, shape: &Shape, c: &DVector<f64>) -> BodyModel {
     let angles = DVector::zeros(model.joints.len());
     let straight = Motion {
         angles,
         ..Motion::rest(model)
     };
     let straight = Posed::new(model, shape, &straight);
-    let moved = draw(&straight, published, rng);
+    let places = Displacements::of(&straight).world;
+    let moved: Vec<Vector3<f64>> = places.iter().map(|place| place * c).collect();
     let flesh: Vec<Flesh> = turned(&straight, &moved);
     let in_world = |part: usize| straight.world_from_part(PartId(part));
     let mut person = model.clone();
@@ -49,11 +66,11 @@ pub fn draw_centres(
         let carried = translation.at(shape) + in_world(parent).tr_mul(&centre);
         translation.put(flesh[parent].in_bone(carried), shape);
     }
-    for ball in &mut person.metaballs {
-        let flesh = &flesh[ball.part.0];
-        let centre = flesh.in_bone(ball.centre.at(shape));
-        ball.centre.put(centre, shape);
-        ball.part_from_primitive = flesh.turn.inverse() * ball.part_from_primitive;
+    for primitive in person.ellipsoids.iter_mut().chain(&mut person.metaballs) {
+        let flesh = &flesh[primitive.part.0];
+        let centre = flesh.in_bone(primitive.centre.at(shape));
+        primitive.centre.put(centre, shape);
+        primitive.part_from_primitive = flesh.turn.inverse() * primitive.part_from_primitive;
     }
     for (point, moved) in person.points.iter_mut().zip(&moved[model.parts.len()..]) {
         // own centres and their midpoints are where their parts are
@@ -64,35 +81,6 @@ pub fn draw_centres(
         }
     }
     person
-}
-
-/// δ of every part's joint, then of every exported point, in the world.
-fn draw(straight: &Posed<'_>, published: &BodyModel, rng: &mut impl Rng) -> Vec<Vector3<f64>> {
-    let model = straight.model;
-    let of_part = |part: &Part| {
-        let known = published.parts.iter().position(|p| p.name == part.name)?;
-        Some(published.scatter_m(PartId(known)))
-    };
-    let of_point = |point: &NamedPoint| Some(published.points[published.point(&point.name)?].sd_m);
-    let scatter = model.parts.iter().map(of_part);
-    let scatter = scatter.chain(model.points.iter().map(of_point));
-    let mut along = |sd: f64| {
-        let z: f64 = StandardNormal.sample(rng);
-        sd * z
-    };
-    let mut drawn: Vec<Vector3<f64>> = scatter
-        .map(|sd| sd.unwrap_or_default().map(&mut along))
-        .collect();
-    let point = |index: usize| model.parts.len() + index;
-    let points = model.point_pairs().into_iter();
-    let points = points.map(|(right, left)| (point(right), point(left)));
-    for (right, left) in model.part_pairs().into_iter().chain(points) {
-        drawn[left] = drawn[right].component_mul(&Vector3::new(1.0, -1.0, 1.0));
-    }
-    let parts = (0..model.parts.len()).map(PartId);
-    let parts = parts.chain(model.points.iter().map(|point| point.places[0].0));
-    let in_world = |(part, moved)| straight.world_from_part(part) * moved;
-    parts.zip(drawn).map(in_world).collect()
 }
 
 /// How a part's flesh lies about its bone, in the part's axes.
@@ -192,6 +180,56 @@ mod tests {
                 "{k}: {error}"
             );
         }
+    }
+
+    #[test]
+    fn centres_that_move_a_little_are_the_shifts_and_turns_of_the_body_with_places() {
+        let model = model::load("human-metaballs", Path::new("")).unwrap();
+        let mut rng = ChaCha8Rng::seed_from_u64(6);
+        let shape = draw_shape(&model, &mut rng);
+        let placed = Placed::of(&model, &shape);
+        let c = DVector::from_fn(placed.count(), |k, _| 1e-4 * (3.0 * k as f64).sin());
+        let mut motion = Motion::rest(&model);
+        (motion.angles.iter_mut().enumerate()).for_each(|(k, a)| *a = 0.4 * (k as f64).cos());
+        // exactly
+        let moved = move_centres(&model, &shape, &c);
+        let exact = Posed::new(&moved, &shape, &motion);
+        // to first order
+        let mut linear = (placed.shape(&shape), placed.motion(&motion));
+        let first = shape.0.len();
+        linear.0.0.rows_mut(first, c.len()).copy_from(&c);
+        let turns = &placed.turns * &c;
+        let joints = model.joints.len();
+        linear
+            .1
+            .angles
+            .rows_mut(joints, turns.len())
+            .copy_from(&turns);
+        let linear = Posed::new(&placed.model, &linear.0, &linear.1);
+        let before = Posed::new(&model, &shape, &motion);
+        let mut farthest: f64 = 0.0;
+        for (point, (old, new)) in before
+            .points()
+            .iter()
+            .zip(exact.points().iter().zip(linear.points()))
+        {
+            farthest = farthest.max((old - point).norm());
+            assert!((old - new).norm() < 1e-8, "{point}");
+        }
+        let balls = model
+            .metaballs
+            .iter()
+            .zip(&moved.metaballs)
+            .zip(&placed.model.metaballs);
+        for ((ball, exactly), linearly) in balls {
+            let [old, new] = [exact.primitive(exactly), linear.primitive(linearly)];
+            let name = &model.parts[ball.part.0].name;
+            assert!((old.centre - new.centre).norm() < 1e-8, "{name}");
+            assert!((old.shape - new.shape).norm() < 1e-9, "{name}");
+            let turned = (old.shape - before.primitive(ball).shape).norm();
+            farthest = farthest.max(turned);
+        }
+        assert!(farthest > 3e-7, "{farthest}: it moves at all");
     }
 
     #[test]

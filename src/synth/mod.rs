@@ -29,7 +29,7 @@ mod scene;
 mod shape;
 mod walk;
 
-pub use centres::draw_centres;
+pub use centres::{draw_centres, move_centres};
 pub use cloud::StereoPair;
 pub use curves::Curve;
 pub use film::{FilmError, FilmRecipe, Filmed, Shot, Studio};

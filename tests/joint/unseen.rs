@@ -83,7 +83,11 @@ fn the_priors_alone_leave_what_a_tridiagonal_matrix_of_one_angle_leaves() {
 fn a_coefficient_that_nothing_sees_keeps_its_prior_too() {
     let scene = half_seen(8);
     let (joint, _) = fitted(&scene);
-    let covariance = joint.uncertainty.expect("the priors hold it").shape;
+    let covariance = joint
+        .uncertainty
+        .expect("the priors hold it")
+        .shape
+        .covariance;
     let wrist = scene
         .model
         .coefficients

@@ -9,7 +9,7 @@ use nalgebra::Matrix3;
 
 use crate::body::BodyModel;
 use crate::camera::{CameraId, Rig};
-use crate::inference::joint::FrameUncertainty;
+use crate::inference::covariance::FrameUncertainty;
 use crate::inference::search::Origin;
 use crate::io::recording::{InputChecksum, Recording};
 use crate::pipeline::{Fit, FitOptions, FittedFrame, TriedHypothesis, rest_lengths_m};

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::BorderedChain;
+use super::{BorderedChain, Columns};
 
 /// L of H = LLᵀ, in the places of H.
 pub(super) struct Factor {
@@ -67,41 +67,41 @@ impl Factor {
 
     /// −H⁻¹g.
     pub(super) fn minimizer(&self, chain: &BorderedChain) -> DVector<f64> {
-        let (n, p) = (self.links.len(), self.corner.nrows());
-        let m = chain.links.first().map_or(0, |l| l.gradient.len());
-        // forwards: Ly = −g
-        let mut y: Vec<DVector<f64>> = Vec::with_capacity(n);
-        let mut shared = -&chain.corner_gradient;
-        for (i, (factor, link)) in self.links.iter().zip(&chain.links).enumerate() {
-            let mut one = -&link.gradient;
+        let column = |g: &DVector<f64>| DMatrix::from_column_slice(g.len(), 1, g.as_slice());
+        let frames = chain.links.iter().map(|link| -column(&link.gradient));
+        let solved = self.solve(frames.collect(), -column(&chain.corner_gradient));
+        let all = solved.frames.iter().chain([&solved.shared]);
+        let all: Vec<f64> = all.flat_map(|x| x.iter().copied()).collect();
+        DVector::from_vec(all)
+    }
+
+    /// H⁻¹Y.
+    pub(super) fn solve(&self, mut frames: Vec<DMatrix<f64>>, mut shared: DMatrix<f64>) -> Columns {
+        // forwards: LX = Y
+        for (i, factor) in self.links.iter().enumerate() {
+            let (before, from) = frames.split_at_mut(i);
+            let one = &mut from[0];
             for (k, coupling) in factor.couplings.iter().enumerate() {
-                one.gemv(-1.0, coupling, &y[i - k - 1], 1.0);
+                one.gemm(-1.0, coupling, &before[i - k - 1], 1.0);
             }
-            factor.diagonal.solve_lower_triangular_mut(&mut one);
-            shared.gemv(-1.0, &factor.border, &one, 1.0);
-            y.push(one);
+            factor.diagonal.solve_lower_triangular_mut(one);
+            shared.gemm(-1.0, &factor.border, one, 1.0);
         }
-        if p > 0 {
+        if !shared.is_empty() {
             self.corner.solve_lower_triangular_mut(&mut shared);
-            // backwards: Lᵀδ = y
+            // backwards: LᵀX = X
             self.corner.tr_solve_lower_triangular_mut(&mut shared);
         }
-        for i in (0..n).rev() {
-            let factor = &self.links[i];
-            let mut one = std::mem::replace(&mut y[i], DVector::zeros(0));
-            one.gemv_tr(-1.0, &factor.border, &shared, 1.0);
-            factor.diagonal.tr_solve_lower_triangular_mut(&mut one);
+        for (i, factor) in self.links.iter().enumerate().rev() {
+            let (before, from) = frames.split_at_mut(i);
+            let one = &mut from[0];
+            one.gemm_tr(-1.0, &factor.border, &shared, 1.0);
+            factor.diagonal.tr_solve_lower_triangular_mut(one);
             for (k, coupling) in factor.couplings.iter().enumerate() {
-                y[i - k - 1].gemv_tr(-1.0, coupling, &one, 1.0);
+                before[i - k - 1].gemm_tr(-1.0, coupling, one, 1.0);
             }
-            y[i] = one;
         }
-        let mut delta = DVector::zeros(n * m + p);
-        for (i, one) in y.iter().enumerate() {
-            delta.rows_mut(i * m, m).copy_from(one);
-        }
-        delta.rows_mut(n * m, p).copy_from(&shared);
-        delta
+        Columns { frames, shared }
     }
 }
 

@@ -47,6 +47,15 @@ pub struct BorderedChain {
     pub corner_gradient: DVector<f64>,
 }
 
+/// Columns of as many components as a chain has.
+#[derive(Debug, Clone)]
+pub struct Columns {
+    /// Those of each frame, m × columns.
+    pub frames: Vec<DMatrix<f64>>,
+    /// The shared ones, p × columns.
+    pub shared: DMatrix<f64>,
+}
+
 impl BorderedChain {
     /// The zero model of `frames` blocks of m components, each coupled to `reach` before it, and p shared components.
     pub fn zeros(frames: usize, m: usize, p: usize, reach: usize) -> Self {
@@ -61,6 +70,11 @@ impl BorderedChain {
             corner: DMatrix::zeros(p, p),
             corner_gradient: DVector::zeros(p),
         }
+    }
+
+    /// H⁻¹Y; `None` where H is not positive definite.
+    pub fn solve(&self, y: Columns) -> Option<Columns> {
+        Some(Factor::of(self, 0.0)?.solve(y.frames, y.shared))
     }
 
     fn largest_diagonal(&self) -> f64 {

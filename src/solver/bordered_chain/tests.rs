@@ -67,6 +67,26 @@ fn its_step_is_that_of_the_dense_matrix() {
 }
 
 #[test]
+fn what_it_solves_for_several_columns_is_what_the_dense_matrix_does() {
+    for (frames, m, p, reach) in SIZES {
+        let (chain, dense) = random(frames, m, p, reach);
+        let y = DMatrix::from_fn(dense.nrows(), 3, |i, j| (i as f64 + 7.0 * j as f64).sin());
+        let columns = Columns {
+            frames: (0..frames).map(|i| y.rows(i * m, m).into_owned()).collect(),
+            shared: y.rows(frames * m, p).into_owned(),
+        };
+        let expected = dense.cholesky().unwrap().solve(&y);
+        let found = chain.solve(columns).unwrap();
+        for (i, frame) in found.frames.iter().enumerate() {
+            let expected = expected.rows(i * m, m).into_owned();
+            approx::assert_relative_eq!(*frame, expected, epsilon = 1e-12);
+        }
+        let expected = expected.rows(frames * m, p).into_owned();
+        approx::assert_relative_eq!(found.shared, expected, epsilon = 1e-12);
+    }
+}
+
+#[test]
 fn its_predicted_decrease_is_that_of_the_dense_matrix() {
     for (frames, m, p, reach) in SIZES {
         let (chain, dense) = random(frames, m, p, reach);

@@ -1,0 +1,89 @@
+//! What the optimum would be if joints lay elsewhere in the flesh: considered parameters.
+//!
+//! Where in the flesh a joint lies (c, standard normal, [`Placed`]) is not estimated where no outline tells: the optimum θ̂ is found at
+//! c = 0. A person's c is another one. The optimum at the right c errs as H⁻¹ says; the one at 0 is off from it by −S c,
+//!
+//! S = ∂θ̂/∂c = −H_θθ⁻¹ H_θc
+//!
+//! to first order, with H the Gauss–Newton matrix of what was minimised. No prior reads c, so H_θc is the data's alone: it is linearised
+//! once more, with the components of c and of the joints v that turn flesh beside those of θ, H_θc ← H_θc + H_θv ∂v/∂c. S is a solution of the chain
+//! that is there already, a column for each c: O(n). A number q(θ, c) of the body, an angle, a joint's centre, a length, then errs by
+//!
+//! cov(q) = J Σ Jᵀ + (J S + D)(J S + D)ᵀ,  J = ∂q/∂θ, D = ∂q/∂c
+//!
+//! where data resist, S is small and q keeps D; where they do not tell the difference, or θ can take it up, J S undoes D.
+//!
+//! # Source
+//! Schmidt 1966, *Application of state-space methods to navigation problems*; Tapley, Schutz, Born 2004, *Statistical Orbit
+//! Determination*, ch. 6 (consider covariance analysis).
+
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+use super::frame::linearize_data;
+use super::joint::Terms;
+use super::sequence::SequenceState;
+use crate::body::{BodyModel, Layout, Motion, Placed, Posed, Shape};
+use crate::solver::{BorderedChain, Columns, NormalEquations};
+
+/// The places c and what they do to the optimum.
+#[derive(Debug, Clone)]
+pub struct Considered {
+    /// The body with c.
+    pub placed: Placed,
+    /// S: of every motion and of s, a column for each c.
+    pub sensitivity: Columns,
+}
+
+impl Considered {
+    /// S at an optimum whose g and H are the chain's, the data as they are stated; `None` where H is singular.
+    pub fn of(
+        model: &BodyModel,
+        terms: &[Terms<'_>],
+        state: &SequenceState,
+        chain: &BorderedChain,
+    ) -> Option<Self> {
+        let placed = Placed::of(model, &state.shape);
+        let shape = placed.shape(&state.shape);
+        let frames = terms.par_iter().zip(&state.motions);
+        let pulls: Vec<DMatrix<f64>> = match placed.count() {
+            0 => frames
+                .map(|_| DMatrix::zeros(Layout::of(model).total(), 0))
+                .collect(),
+            _ => frames
+                .map(|(terms, motion)| pull(model, &placed, terms, &shape, motion))
+                .collect(),
+        };
+        let (m, p) = (Layout::of(model).motion(), state.shape.0.len());
+        let shared = DMatrix::zeros(p, placed.count());
+        let shared = pulls.iter().fold(shared, |sum, pull| sum - pull.rows(m, p));
+        let frames = pulls.iter().map(|pull| -pull.rows(0, m)).collect();
+        Some(Self {
+            sensitivity: chain.solve(Columns { frames, shared })?,
+            placed,
+        })
+    }
+}
+
+/// H_θc of one frame, θ its motion and s.
+fn pull(
+    model: &BodyModel,
+    placed: &Placed,
+    terms: &Terms<'_>,
+    shape: &Shape,
+    motion: &Motion,
+) -> DMatrix<f64> {
+    let (layout, all) = (Layout::of(model), Layout::of(&placed.model));
+    let motion = placed.motion(motion);
+    let mut equations = NormalEquations::zeros(all.total());
+    linearize_data(
+        terms,
+        &Posed::new(&placed.model, shape, &motion),
+        &mut equations,
+    );
+    equations.hessian.fill_upper_triangle_with_lower_triangle();
+    let of_theta: Vec<usize> = layout.among(placed).collect();
+    let rows = equations.hessian.select_rows(&of_theta);
+    let turned = rows.columns(layout.motion(), all.motion() - layout.motion());
+    rows.columns(all.total() - placed.count(), placed.count()) + turned * &placed.turns
+}
