@@ -19,7 +19,7 @@ use crate::silhouette::{FrameIndex, FrameObservations};
 /// Turns of contours and joint optimum, of all frames.
 const TURNS: usize = 2;
 /// Turns before, of some frames.
-const SHAPE_TURNS: usize = 5;
+const SHAPE_TURNS: usize = 1;
 /// How many frames these are at most.
 const SHAPE_FRAMES: usize = 20;
 
