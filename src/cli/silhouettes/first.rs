@@ -150,7 +150,7 @@ fn still_scenes(footage: &Footage, frames: &[FrameIndex], progress: Progress) ->
 }
 
 /// At most so many frames, spread over all.
-pub(super) fn spread(frames: &[FrameIndex], most: usize) -> Vec<FrameIndex> {
+fn spread(frames: &[FrameIndex], most: usize) -> Vec<FrameIndex> {
     let step = frames.len().div_ceil(most).max(1);
     frames.iter().step_by(step).copied().collect()
 }

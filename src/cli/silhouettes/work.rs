@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use super::first::spread;
 use super::{First, Pipeline};
 use crate::body::{BodyModel, Posed};
 use crate::cli::error::CliError;
@@ -16,12 +15,8 @@ use crate::likelihood::{LikelihoodOptions, Measure, SkinScale};
 use crate::pipeline::silhouettes::{ContourOptions, Scene, ShownFrame, Sighting};
 use crate::silhouette::{FrameIndex, FrameObservations};
 
-/// Turns of contours and joint optimum, of all frames.
-const TURNS: usize = 2;
-/// Turns before, of some frames.
-const SHAPE_TURNS: usize = 1;
-/// How many frames these are at most.
-const SHAPE_FRAMES: usize = 20;
+/// Turns of contours and joint optimum: with two a body of plain build is still too thin, with more it may drift to edges beside it.
+const TURNS: usize = 4;
 
 /// What contours and depths are compared with: a skin of metaballs.
 pub(super) fn evidence<'a>(model: &'a BodyModel, footage: &'a Footage) -> Evidence<'a> {
@@ -81,18 +76,15 @@ impl Work<'_> {
             Pipeline::Joint => self.together(progress)?,
         };
         // 2. active contours from its outline
-        self.each(&fitted, self.frames, (progress, "silhouettes"), take)
+        self.each(&fitted, (progress, "silhouettes"), take)
     }
 
-    /// Shape and motion fitted to stereo and contours, and contours from there, by turns: first of some frames, above all their shape,
-    /// which contours from several sides of the person tell, and then of all.
+    /// Shape and motion of all frames at once fitted to stereo and contours, and contours from there, by turns.
     fn together(&self, progress: Progress) -> Result<First, CliError> {
-        let some = spread(self.frames, SHAPE_FRAMES);
-        let turns = [vec![some.as_slice(); SHAPE_TURNS], vec![self.frames; TURNS]];
         let mut fitted = self.first.clone();
-        for frames in turns.concat() {
+        for _ in 0..TURNS {
             let mut observed = Vec::new();
-            self.each(&fitted, frames, (progress, "following"), |found| {
+            self.each(&fitted, (progress, "following"), |found| {
                 observed.push(found.sighting.observed);
                 Ok(())
             })?;
@@ -105,18 +97,14 @@ impl Work<'_> {
     fn each(
         &self,
         fit: &First,
-        frames: &[FrameIndex],
         (progress, stage): (Progress, &'static str),
         mut take: impl FnMut(Found<'_>) -> Result<(), CliError>,
     ) -> Result<Vec<String>, CliError> {
         let rig = &self.footage.rig;
         let scale = SkinScale::of(self.evidence.model);
         let mut skipped = Vec::new();
-        let bar = progress.bar(stage, frames.len());
-        for (frame, pictures) in self.footage.frame_sets(span(frames)) {
-            if frames.binary_search(&frame).is_err() {
-                continue;
-            }
+        let bar = progress.bar(stage, self.frames.len());
+        for (frame, pictures) in self.footage.frame_sets(span(self.frames)) {
             bar.inc(1);
             let Some(motion) = fit.motions.get(&frame) else {
                 skipped.push(format!("{frame}: the first fit has no such frame"));
