@@ -20,7 +20,7 @@
 //! part's origin that carry its flesh only; how c turns them, −∂ω/∂c, is the same in every pose. A joint or point on the left lies
 //! as the mirror image of the right one: (δx, −δy, δz); others are independent.
 
-use nalgebra::{DMatrix, DVector, Matrix3, Matrix3xX, Rotation3, Vector3};
+use nalgebra::{DMatrix, Matrix3, Matrix3xX, Rotation3, Vector3};
 
 use super::{
     BodyModel, CoefficientId, FrameId, Joint, JointId, Layout, Motion, PartId, Posed, ScaledVector,
@@ -39,10 +39,7 @@ pub struct Placed {
 impl Placed {
     /// The places about which a body of this shape is linear.
     pub fn of(model: &BodyModel, shape: &Shape) -> Self {
-        let straight = Motion {
-            angles: DVector::zeros(model.joints.len()),
-            ..Motion::rest(model)
-        };
+        let straight = Motion::straight(model);
         let straight = Posed::new(model, shape, &straight);
         let moved = Displacements::of(&straight);
         let mut placed = Self {

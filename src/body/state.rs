@@ -28,6 +28,14 @@ impl Motion {
             angles: DVector::from_iterator(model.joints.len(), model.joints.iter().map(|j| j.rest)),
         }
     }
+
+    /// All angles 0 at the world's origin.
+    pub fn straight(model: &BodyModel) -> Self {
+        Self {
+            angles: DVector::zeros(model.joints.len()),
+            ..Self::rest(model)
+        }
+    }
 }
 
 /// θ of one frame: motion and shape.

@@ -45,11 +45,7 @@ pub fn draw_centres(
 
 /// The person of this shape with the joints and exported points at the places c of [`Placed`]; a model for this shape alone.
 pub fn move_centres(model: &BodyModel, shape: &Shape, c: &DVector<f64>) -> BodyModel {
-    let angles = DVector::zeros(model.joints.len());
-    let straight = Motion {
-        angles,
-        ..Motion::rest(model)
-    };
+    let straight = Motion::straight(model);
     let straight = Posed::new(model, shape, &straight);
     let places = Displacements::of(&straight).world;
     let moved: Vec<Vector3<f64>> = places.iter().map(|place| place * c).collect();

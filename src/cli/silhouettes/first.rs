@@ -140,6 +140,10 @@ fn of_plain_build(model: &BodyModel) -> BodyModel {
 /// What the cameras see that does not move, of frames spread over the recording.
 fn still_scenes(footage: &Footage, frames: &[FrameIndex], progress: Progress) -> StillScenes {
     let mut maps = BTreeMap::<CameraId, Vec<_>>::new();
+    if SideBySide::of(&footage.rig).is_err() {
+        // no camera sees depth
+        return StillScenes::default();
+    }
     let some = spread(frames, STILL_FRAMES);
     each_shown(footage, &some, (progress, "still scene"), |_, shown| {
         for (camera, map) in shown.depths(&footage.rig) {

@@ -7,7 +7,7 @@
 
 use std::fmt::Write;
 
-use nalgebra::{DVector, Matrix3, Rotation3, Vector3};
+use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::{file_from_world, in_file};
 use crate::body::{BodyModel, Motion, PartId, Posed, Shape};
@@ -78,11 +78,7 @@ fn bones(model: &BodyModel, shape: &Shape) -> Result<Vec<Bone>, BvhError> {
         let (body, roots) = (model.name.clone(), roots.len());
         return Err(BvhError::Roots { body, roots });
     };
-    let straight = Motion {
-        position_world: Vector3::zeros(),
-        world_from_root: Rotation3::identity(),
-        angles: DVector::zeros(model.joints.len()),
-    };
+    let straight = Motion::straight(model);
     let body = Posed::new(model, shape, &straight);
     let t_pose = |part: usize| {
         let name = &model.parts[part].name;

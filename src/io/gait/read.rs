@@ -336,7 +336,7 @@ fn deviations_apart(recording: &mut Recording, model: &BodyModel, frames: &[Opti
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::{DVector, Rotation3};
+    use nalgebra::Rotation3;
 
     use super::*;
     use crate::io::result::FrameSdPart;
@@ -347,8 +347,7 @@ mod tests {
         let pitched = Rotation3::from_axis_angle(&Vector3::y_axis(), 60_f64.to_radians());
         let motion = Motion {
             world_from_root: pitched,
-            angles: DVector::zeros(model.joints.len()),
-            ..Motion::rest(&model)
+            ..Motion::straight(&model)
         };
         let shape = Shape(model.statistics.mean.clone());
         let frame = FramePart {

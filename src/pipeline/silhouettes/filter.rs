@@ -223,9 +223,7 @@ fn marked(camera: &Camera, places: impl Iterator<Item = Point2<f64>>) -> Mask {
     let (width, height) = (camera.width_px as usize, camera.height_px as usize);
     let mut marked = Plane::filled(width, height, 0u8);
     for (x, y) in places.filter_map(|p| rounded(&p)) {
-        if y < height
-            && let Some(value) = marked.row_mut(y).get_mut(x)
-        {
+        if let Some(value) = marked.row_mut(y).get_mut(x) {
             *value = 1;
         }
     }

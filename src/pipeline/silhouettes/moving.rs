@@ -15,9 +15,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use nalgebra::{Point2, Vector2};
 
 use super::shown::ShownFrame;
-use super::still::{NEARER_PX, StillScene, StillScenes, nearness};
+use super::still::{NEARER_PX, StillScene, StillScenes, nearness, points_where};
 use crate::camera::{Camera, Rig};
-use crate::image::{CleanOptions, Plane, Runs, clean, closed, opened, resample, trace};
+use crate::image::{CleanOptions, Mask, Plane, Runs, clean, closed, opened, resample, trace};
 use crate::silhouette::{
     BorderPoint, FrameIndex, FrameObservations, Silhouette, SilhouetteOptions, of_curves,
 };
@@ -45,8 +45,9 @@ impl StillScenes {
             let Some(still) = self.get(camera) else {
                 continue;
             };
-            points.extend(still.before(&map));
-            let silhouette = silhouette(still, &map, &rig.cameras[camera.0]);
+            let moves = still.nearer(&nearness(&map));
+            points.extend(points_where(&map, &moves));
+            let silhouette = silhouette((still, &map), &moves, &rig.cameras[camera.0]);
             observed.views.extend(silhouette.map(|s| (camera, s)));
         }
         observed.points = thinned(largest_piece(points), MOST_POINTS);
@@ -55,10 +56,13 @@ impl StillScenes {
 }
 
 /// The silhouette of what moves, in undistorted pixels of its camera; `None` where nothing does.
-fn silhouette(still: &StillScene, map: &DepthMap, camera: &Camera) -> Option<Silhouette> {
-    let now = nearness(map);
-    let mask = opened(&closed(&still.nearer(&now), CLEAN_PX), CLEAN_PX);
-    let now = still.filled_in(&now);
+fn silhouette(
+    (still, map): (&StillScene, &DepthMap),
+    moves: &Mask,
+    camera: &Camera,
+) -> Option<Silhouette> {
+    let mask = opened(&closed(moves, CLEAN_PX), CLEAN_PX);
+    let now = still.filled_in(&nearness(map));
     let borders = trace(&clean(&Runs::of(&mask), &CleanOptions::default()));
     let seen = |pixel: &Point2<f64>| {
         let ray = map.pair.left.camera.ray(pixel);
@@ -157,8 +161,12 @@ mod tests {
             })
             .collect();
         let still = StillScene::of(&maps.iter().map(nearness).collect::<Vec<_>>());
-        assert!(silhouette(&still, &maps[0], &maps[0].pair.left.camera).is_none());
-        let found = silhouette(&still, &maps[9], &maps[9].pair.left.camera).unwrap();
+        let seen = |map: &DepthMap| {
+            let moves = still.nearer(&nearness(map));
+            silhouette((&still, map), &moves, &map.pair.left.camera)
+        };
+        assert!(seen(&maps[0]).is_none());
+        let found = seen(&maps[9]).unwrap();
         let beside = |x: f64| {
             let points = found
                 .contour

@@ -83,7 +83,7 @@ impl<'a> Scene<'a> {
     }
 
     /// The contours of every view from where a body is expected, in the order of the rig; `None` where there is no picture.
-    pub fn contours(&self, body: &Posed<'_>) -> Vec<Option<Seen>> {
+    fn contours(&self, body: &Posed<'_>) -> Vec<Option<Seen>> {
         let cameras = self.rig.cameras.par_iter().enumerate();
         let seen = cameras.map(|(i, camera)| {
             let view = self.shown.views.get(i)?.as_ref()?;

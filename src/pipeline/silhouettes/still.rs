@@ -96,11 +96,7 @@ impl StillScene {
         });
         Mask::from_fn(now.width(), now.height(), |x, y| {
             let beside = |k: usize| (x + k % 3).checked_sub(1).zip((y + k / 3).checked_sub(1));
-            (0..9).all(|k| {
-                beside(k).is_some_and(|(x, y)| {
-                    x < now.width() && y < now.height() && moves.is_foreground(x, y)
-                })
-            })
+            (0..9).all(|k| beside(k).is_some_and(|(x, y)| moves.is_foreground(x, y)))
         })
     }
 
@@ -119,16 +115,19 @@ impl StillScene {
 
     /// The points of a depth map of the same camera that are before the still scene.
     pub fn before(&self, map: &DepthMap) -> Vec<CloudPoint> {
-        let now = nearness(map);
-        let moves = self.nearer(&now);
-        // row by row, as the points are
-        let pixels = (0..now.height()).flat_map(|y| (0..now.width()).map(move |x| (x, y)));
-        let known = pixels.filter(|(x, y)| now.get(*x, *y).is_some_and(f32::is_finite));
-        let inside = known
-            .zip(&map.points)
-            .filter(|((x, y), _)| moves.is_foreground(*x, *y));
-        inside.map(|(_, point)| *point).collect()
+        points_where(map, &self.nearer(&nearness(map)))
     }
+}
+
+/// The points of a depth map that a mask of its pixels shows.
+pub(super) fn points_where(map: &DepthMap, mask: &Mask) -> Vec<CloudPoint> {
+    // row by row, as the points are
+    let pixels = (0..mask.height()).flat_map(|y| (0..mask.width()).map(move |x| (x, y)));
+    let is_known =
+        |(x, y): &(usize, usize)| map.disparities.get(*x, *y).is_some_and(f32::is_finite);
+    let known = pixels.filter(is_known).zip(&map.points);
+    let shown = known.filter(|((x, y), _)| mask.is_foreground(*x, *y));
+    shown.map(|(_, point)| *point).collect()
 }
 
 /// Unknown places (0) that lie between known ones: as far away as the farther of these, along the row or the column.
