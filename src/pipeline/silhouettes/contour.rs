@@ -2,7 +2,7 @@
 
 use nalgebra::Point2;
 
-use super::filter::{Filtered, around};
+use super::filter::Filtered;
 use super::{ContourOptions, Fault};
 use crate::body::PartId;
 use crate::camera::Camera;
@@ -100,18 +100,6 @@ impl ViewContours {
         let all = self.outer.iter().flatten().map(|p| p.reliability);
         let count = self.outer.iter().map(Vec::len).sum::<usize>();
         all.sum::<f64>() / count.max(1) as f64
-    }
-
-    /// The undistorted pixels outside the outer contours and not farther from them than `width_px`.
-    pub fn rim(&self, camera: &Camera, width_px: u8) -> Mask {
-        let border = self.outer.iter().flatten().map(|p| p.pixel);
-        let near = around(camera, border, width_px);
-        let Some(inside) = self.inside() else {
-            return near;
-        };
-        Mask::from_fn(near.width(), near.height(), |x, y| {
-            near.is_foreground(x, y) && !inside.contains(&Point2::new(x as f64, y as f64))
-        })
     }
 
     /// The pixels of the recorded image within the outer contours.

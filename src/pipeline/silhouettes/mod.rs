@@ -14,6 +14,7 @@
 //! the camera and the depth, so that they mean the same in every recording.
 
 mod contour;
+mod ends;
 mod filter;
 mod moving;
 mod scene;
@@ -68,8 +69,6 @@ pub struct ContourOptions {
     pub spacing_m: f64,
     /// Distance of neighbouring points of the expected outline, px. Default 2.
     pub outline_px: f64,
-    /// Points outside a contour and nearer to it than this are not fitted to, px. Default 4: correlation widens what is near.
-    pub rim_px: u8,
     /// Points farther from the skin than this are not fitted to, m. Default 0.1.
     pub near_m: f64,
 }
@@ -91,7 +90,6 @@ impl Default for ContourOptions {
             stiffness_m: 0.018,
             spacing_m: 0.01,
             outline_px: 2.0,
-            rim_px: 4,
             near_m: 0.1,
         }
     }

@@ -4,9 +4,8 @@ use nalgebra::Point3;
 use rayon::prelude::*;
 
 use super::contour::{ViewContours, px_per_m};
-use super::filter::{
-    Edges, Filtered, band_mask, disparity_mask, rounded, volume, where_depth_ends,
-};
+use super::ends::where_depth_ends;
+use super::filter::{Edges, Filtered, band_mask, disparity_mask, volume};
 use super::moving::{MOST_POINTS, thinned};
 use super::shown::ShownFrame;
 use super::still::StillScenes;
@@ -111,32 +110,12 @@ impl<'a> Scene<'a> {
         Some(Filtered::of(edges, mask, &self.options))
     }
 
-    /// The points that lie near the skin of a body, and not on the rim of the contours.
-    ///
-    /// Correlation by windows widens what is near: the background beside it seems as near. What lies within the contours is the person's.
-    fn points_near(
-        &self,
-        body: &Posed<'_>,
-        seen: &[Option<Seen>],
-        scale: &SkinScale,
-    ) -> Vec<CloudPoint> {
+    /// The points that lie near the skin of a body.
+    fn points_near(&self, body: &Posed<'_>, scale: &SkinScale) -> Vec<CloudPoint> {
         let near_m = self.options.near_m;
         let is_in = volume(body, near_m);
-        let mut inside = Vec::new();
-        for (i, points) in self.points.iter().enumerate() {
-            let camera = &self.rig.cameras[i];
-            let seen = seen.get(i).and_then(Option::as_ref);
-            let rim = seen.map(|s| s.contours.rim(camera, self.options.rim_px));
-            let is_on_rim = |p: &CloudPoint| {
-                let pixel = camera.project_undistorted(&p.position_world);
-                let place = pixel.and_then(|p| rounded(&p));
-                place
-                    .zip(rim.as_ref())
-                    .is_some_and(|((x, y), rim)| rim.is_foreground(x, y))
-            };
-            inside.extend(points.iter().filter(|p| is_in(p) && !is_on_rim(p)));
-        }
-        let some = thinned(inside, 2 * MOST_POINTS);
+        let inside = self.points.iter().flatten().filter(|p| is_in(p)).copied();
+        let some = thinned(inside.collect(), 2 * MOST_POINTS);
         let places = some.iter().map(SurfacePoint::from).collect();
         let field = PointField::new(places, PointOptions::default(), scale.clone());
         let near = some.into_iter().zip(field.residuals(body));
@@ -153,7 +132,7 @@ impl<'a> Scene<'a> {
         });
         let observed = FrameObservations {
             views: views.collect(),
-            points: self.points_near(body, &seen, scale),
+            points: self.points_near(body, scale),
             ..FrameObservations::nothing(frame)
         };
         Sighting { seen, observed }

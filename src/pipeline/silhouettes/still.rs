@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
+use super::ends::where_depth_goes_on;
 use crate::camera::CameraId;
 use crate::image::{Mask, Plane};
 use crate::stereo::{CloudPoint, DepthMap};
@@ -18,7 +19,7 @@ pub fn nearness(map: &DepthMap) -> Plane<f32> {
 ///
 /// Only for the very first fit, when no model says yet where the person is: nothing of the background's look is learned.
 /// A pixel's still scene is the farthest that it ever shows for long: the person is always nearer, and may stand before the same place
-/// in most frames. Where its depth is almost never known (a bare wall), it counts as far away.
+/// in most frames. Where its depth is seldom known (a bare wall), it counts as far away.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StillScene {
     /// 0: far away.
@@ -27,8 +28,9 @@ pub struct StillScene {
 
 /// The still scene is farther than all but this share of the depths that a pixel ever showed: these may be false.
 const FALSE_SHARE: f64 = 0.1;
-/// A pixel whose depth is known in a smaller share of the frames shows something without texture, which is far away.
-const KNOWN_SHARE: f64 = 0.2;
+/// What stands still has texture if its depth is known in at least this share of the frames in which nothing is before it. If it has none, the
+/// depths that are known are the person's, who walked by.
+const KNOWN_SHARE: f64 = 0.3;
 /// What moves is nearer than the still scene by this disparity, px.
 pub(super) const NEARER_PX: f32 = 1.5;
 /// Gaps in the known part of the still scene up to twice this are bridged, px: correlation has no answer for every pixel.
@@ -74,9 +76,15 @@ impl StillScene {
                         .filter_map(|m| m.get(x, y))
                         .filter(|d| d.is_finite()),
                 );
-                if !seen.is_empty() && seen.len() as f64 >= KNOWN_SHARE * maps.len() as f64 {
-                    let place = (FALSE_SHARE * seen.len() as f64) as usize;
-                    *value = *seen.select_nth_unstable_by(place, f32::total_cmp).1;
+                if seen.is_empty() {
+                    continue;
+                }
+                let place = (FALSE_SHARE * seen.len() as f64) as usize;
+                let far = *seen.select_nth_unstable_by(place, f32::total_cmp).1;
+                let before = seen.iter().filter(|d| **d > far + NEARER_PX).count();
+                let known = seen.len() - before;
+                if known as f64 >= KNOWN_SHARE * (maps.len() - before) as f64 {
+                    *value = far;
                 }
             }
         }
@@ -113,9 +121,10 @@ impl StillScene {
         filled
     }
 
-    /// The points of a depth map of the same camera that are before the still scene.
+    /// The points of a depth map of the same camera that are before the still scene, and not at the end of what is near.
     pub fn before(&self, map: &DepthMap) -> Vec<CloudPoint> {
-        points_where(map, &self.nearer(&nearness(map)))
+        let nearer = self.nearer(&nearness(map));
+        points_where(map, &where_depth_goes_on(map, &nearer))
     }
 }
 
@@ -218,7 +227,7 @@ pub(super) mod tests {
     #[test]
     fn of_a_foot_on_the_floor_the_points_are_those_of_the_foot() {
         // the floor is the nearer the lower it is seen; the foot comes after a while and stands a little before it
-        let floor = |y: usize| 5.0 + 0.5 * y as f32;
+        let floor = |y: usize| 5.0 + 0.3 * y as f32;
         let is_foot = |x: usize, y: usize| (10..20).contains(&x) && (15..25).contains(&y);
         let maps: Vec<DepthMap> = (0..10)
             .map(|frame| {
@@ -230,8 +239,8 @@ pub(super) mod tests {
         let foot = still.before(&maps[9]);
         let is_in =
             |p: &CloudPoint| is_foot(p.position_world.x as usize, p.position_world.y as usize);
-        // without its border of one pixel
-        assert!(foot.len() == 64 && foot.iter().all(is_in), "{}", foot.len());
+        // without its border, as wide as a window
+        assert!(foot.len() == 4 && foot.iter().all(is_in), "{}", foot.len());
     }
 
     #[test]
@@ -241,5 +250,18 @@ pub(super) mod tests {
         maps.push(map(40.0));
         let still = StillScene::of(&maps);
         assert!(still.nearness.values().iter().all(|d| *d <= 0.0));
+    }
+
+    #[test]
+    fn somebody_who_walks_before_a_bare_wall_is_not_the_still_scene() {
+        // nearer from frame to frame, where the wall has no depth; and before one of which it is seen half the time
+        let walks = |frame: usize| 20.0 + frame as f32;
+        let of = |wall: fn(usize) -> f32| {
+            let depths = (0..40).map(|k| if k < 16 { walks(k) } else { wall(k) });
+            StillScene::of(&depths.map(|d| Plane::filled(1, 1, d)).collect::<Vec<_>>())
+        };
+        assert_eq!(of(|_| f32::NAN).nearness.get(0, 0), Some(0.0));
+        let textured = of(|k| if k % 2 == 0 { 15.0 } else { f32::NAN });
+        assert_eq!(textured.nearness.get(0, 0), Some(15.0));
     }
 }

@@ -93,19 +93,6 @@ fn a_contour_without_fault_is_found_and_relied_on() {
 }
 
 #[test]
-fn the_rim_of_a_contour_lies_outside_it_and_is_as_wide_as_asked() {
-    let outline = expected(circle(MIDDLE, 42.0));
-    let found = found(&outline, disk(MIDDLE, 40.0), &ContourOptions::default());
-    for width_px in [3, 6] {
-        let rim = found.rim(&camera(), width_px);
-        let is_rim = |off: i32| rim.is_foreground((120 + off) as usize, 70);
-        let width = i32::from(width_px);
-        assert!(is_rim(2) && is_rim(width - 1) && !is_rim(width + 2));
-        assert!(!is_rim(-2) && !is_rim(-20));
-    }
-}
-
-#[test]
 fn a_body_out_of_view_is_a_fault_without_a_silhouette() {
     let found = found(
         &ModelOutline::default(),
