@@ -216,13 +216,14 @@ impl Recording {
         Ok(observations)
     }
 
-    /// Puts a frame's points in the place of those that were observed of it.
+    /// Puts a frame's points beside those that were observed of it.
     ///
     /// # Errors
     /// As [`Recording::load_frame`] of points.
     pub fn load_points(&self, observed: &mut FrameObservations) -> Result<(), RecordingError> {
         let cloud = self.points.load(observed.frame)?;
-        (observed.points, observed.points_left_out) = (cloud.points, cloud.left_out);
+        observed.points.extend(cloud.points);
+        observed.points_left_out = cloud.left_out;
         Ok(())
     }
 
