@@ -20,8 +20,8 @@
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
+use super::Terms;
 use super::frame::linearize_data;
-use super::joint::Terms;
 use super::sequence::SequenceState;
 use crate::body::{BodyModel, Layout, Motion, Placed, Posed, Shape};
 use crate::solver::{BorderedChain, Columns, NormalEquations};

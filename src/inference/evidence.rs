@@ -22,6 +22,9 @@ const COARSE_POINTS: usize = 600;
 /// And look at so few samples of each ellipse's outline.
 const COARSE_BACK_SAMPLES: usize = 12;
 
+/// What one frame shows, as terms of −log p(Zᵢ | mᵢ, s).
+pub type Terms<'f> = Vec<Box<dyn Term + 'f>>;
+
 /// Body, priors, cameras and likelihood; shared by all keyframes, hypotheses and threads.
 #[derive(Debug, Clone)]
 pub struct Evidence<'a> {
@@ -69,11 +72,7 @@ impl<'a> Evidence<'a> {
     }
 
     /// The terms of −log p(Zᵢ | mᵢ, s).
-    pub fn terms<'f>(
-        &self,
-        frame: &'f FrameObservations,
-        detail: Detail,
-    ) -> Vec<Box<dyn Term + 'f>> {
+    pub fn terms<'f>(&self, frame: &'f FrameObservations, detail: Detail) -> Terms<'f> {
         let (likelihood, spacing_m) = match detail {
             Detail::Fine => (self.likelihood, FINE_SPACING_M),
             Detail::Coarse => (coarse(self.likelihood), COARSE_SPACING_M),
@@ -84,7 +83,7 @@ impl<'a> Evidence<'a> {
             let depth = depth.filter(|z| *z > 0.0);
             depth.unwrap_or_else(|| camera.centre_world().coords.norm())
         };
-        let mut terms: Vec<Box<dyn Term + 'f>> = Vec::new();
+        let mut terms: Terms<'f> = Vec::new();
         if self.measure.has_ellipses() {
             let view = |(id, silhouette): &'f (CameraId, Silhouette)| {
                 let camera = &self.rig.cameras[id.0];

@@ -6,7 +6,6 @@
 
 use rayon::prelude::*;
 
-use super::Evidence;
 use super::chain::ChainPrior;
 use super::considered::Considered;
 use super::covariance::Uncertainty;
@@ -15,8 +14,9 @@ use super::propagate::{FrameFit, Sequence};
 use super::sequence::{SequencePosterior, SequenceState};
 use super::start::Detail;
 use super::step::MotionModel;
+use super::{Evidence, Terms};
 use crate::body::{BodyModel, Motion, Posed, Shape};
-use crate::likelihood::{PlacedResidual, Term};
+use crate::likelihood::PlacedResidual;
 use crate::solver::{Options, Problem, QuadraticModel, Report, levenberg_marquardt};
 
 /// Settings of the joint optimum.
@@ -68,9 +68,6 @@ impl Joint {
 /// E of n frames of m components errs by √(nm/2) about its optimum under its own posterior, 65 for 200 frames of a
 /// body; this fraction of it is a few units.
 const TOLERANCE: f64 = 1e-4;
-
-/// What one frame shows, as terms of −log p(Zᵢ | mᵢ, s).
-pub type Terms<'a> = Vec<Box<dyn Term + 'a>>;
 
 /// The joint optimum of a sequence, from a first shape and motion.
 pub fn joint_optimum(

@@ -35,4 +35,4 @@ pub mod sequence;
 pub mod start;
 pub mod step;
 
-pub use evidence::Evidence;
+pub use evidence::{Evidence, Terms};

@@ -8,12 +8,12 @@
 use nalgebra::DVector;
 use rayon::prelude::*;
 
+use super::Terms;
 use super::chain::ChainPrior;
 use super::frame::{data_cost, linearize_data, observations};
 use super::prior::{PosePrior, ShapePrior};
 use super::propagate::FrameFit;
 use crate::body::{BodyModel, Layout, Motion, Posed, Shape};
-use crate::likelihood::Term;
 use crate::solver::{BorderedChain, Link, NormalEquations, Problem};
 
 /// θ: the shape and every motion.
@@ -40,7 +40,7 @@ pub struct SequencePosterior<'a> {
     /// Seconds from the frame before; the first is not read.
     pub seconds: &'a [f64],
     /// p(Zᵢ | mᵢ, s), frame by frame.
-    pub terms: &'a [Vec<Box<dyn Term + 'a>>],
+    pub terms: &'a [Terms<'a>],
     /// How many times the data's cost counts: observations that err more, or more together, count less.
     pub data_weight: f64,
 }

@@ -1,9 +1,10 @@
 //! What a joint elsewhere in the flesh does to the optimum: foretold, and by fitting again.
 
 use maquette::body::{BodyModel, Layout};
+use maquette::inference::Terms;
 use maquette::inference::chain::ChainPrior;
 use maquette::inference::considered::Considered;
-use maquette::inference::joint::{JointOptions, Terms, intervals, joint_optimum, terms};
+use maquette::inference::joint::{JointOptions, intervals, joint_optimum, terms};
 use maquette::inference::noise::Noise;
 use maquette::inference::sequence::{SequencePosterior, SequenceState};
 use maquette::likelihood::Measure;

@@ -3,7 +3,6 @@
 use nalgebra::Point2;
 
 use super::filter::{rounded, whole_px};
-use super::still::nearness;
 use crate::camera::Camera;
 use crate::image::{Mask, Plane, widened};
 use crate::stereo::DepthMap;
@@ -12,6 +11,12 @@ use crate::stereo::DepthMap;
 const ENDS_PX: f32 = 1.5;
 /// Half that window, px: correlation finds borders to so much.
 const ENDS_WITHIN_PX: usize = 4;
+
+/// Disparities of a depth map from infinity: the larger, the nearer; NaN unknown.
+pub fn nearness(map: &DepthMap) -> Plane<f32> {
+    let infinity = map.pair.infinity() as f32;
+    map.disparities.map(|d| (d - infinity).abs())
+}
 
 /// Of the pixels of a mask those where an edge can be a border, as far as depth tells: where depth ends, or ends nowhere within reach.
 ///

@@ -24,10 +24,11 @@ mod still;
 use crate::silhouette::snake::SnakeOptions;
 
 pub use contour::{FoundPoint, ViewContours};
+pub use ends::nearness;
 pub use filter::{Edges, Filtered, band_mask, disparity_mask};
 pub use scene::{Scene, Sighting};
 pub use shown::{ShownFrame, ShownView};
-pub use still::{StillScene, StillScenes, nearness};
+pub use still::{StillScene, StillScenes};
 
 /// What was found in one view, and through which edges.
 #[derive(Debug, Clone)]

@@ -14,8 +14,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::{Point2, Vector2};
 
+use super::ends::nearness;
 use super::shown::ShownFrame;
-use super::still::{NEARER_PX, StillScene, StillScenes, nearness, points_where};
+use super::still::{NEARER_PX, StillScene, StillScenes, points_where};
 use crate::camera::{Camera, Rig};
 use crate::image::{CleanOptions, Mask, Plane, Runs, clean, closed, opened, resample, trace};
 use crate::silhouette::{

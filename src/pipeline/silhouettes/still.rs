@@ -4,16 +4,10 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use super::ends::where_depth_goes_on;
+use super::ends::{nearness, where_depth_goes_on};
 use crate::camera::CameraId;
 use crate::image::{Mask, Plane};
 use crate::stereo::{CloudPoint, DepthMap};
-
-/// Disparities of a depth map from infinity: the larger, the nearer; NaN unknown.
-pub fn nearness(map: &DepthMap) -> Plane<f32> {
-    let infinity = map.pair.infinity() as f32;
-    map.disparities.map(|d| (d - infinity).abs())
-}
 
 /// The parts of the scene that do not move, by their nearness: what each pixel shows when nobody is before it.
 ///
