@@ -3,12 +3,12 @@
 use nalgebra::Point2;
 
 use super::filter::Filtered;
-use super::{ContourOptions, Fault};
+use super::{ContourOptions, Fault, colours};
 use crate::body::PartId;
 use crate::camera::Camera;
-use crate::image::{Mask, Scanlines};
+use crate::image::{Mask, Plane, Scanlines};
 use crate::render::{ModelOutline, OutlinePoint};
-use crate::silhouette::snake::{Ends, Snake, SnakeOptions, SnakePoint, area_on_the_left};
+use crate::silhouette::snake::{Ends, Snake, SnakeOptions, SnakePoint, area_on_the_left, outward};
 use crate::silhouette::{BorderPoint, Silhouette, SilhouetteOptions, of_curves};
 
 /// A point of a contour. Undistorted pixels.
@@ -49,11 +49,12 @@ const CUT: f64 = 0.02;
 impl ViewContours {
     /// Settles active contours on the filtered edges, from where the outline is expected.
     ///
-    /// `camera` is the recording's, with its lens.
+    /// And from the edges to where the person's colours end. `camera` is the recording's, with its lens; `colours` are red, green and blue
+    /// without it.
     pub fn of(
         camera: &Camera,
         outline: &ModelOutline,
-        edges: &Filtered,
+        (edges, colours): (&Filtered, &[Plane<f32>]),
         options: &ContourOptions,
     ) -> Self {
         let mut faults = Vec::new();
@@ -86,6 +87,7 @@ impl ViewContours {
             found.unwrap_or_else(|_| vec![as_expected(curve)])
         });
         let inner = inner.flatten().collect();
+        let outer = where_colours_end(&outer, colours);
         let silhouette = silhouette(&outer, camera);
         Self {
             outer,
@@ -105,7 +107,7 @@ impl ViewContours {
     /// The pixels of the recorded image within the outer contours.
     pub fn mask(&self, camera: &Camera) -> Mask {
         let (width, height) = (camera.width_px as usize, camera.height_px as usize);
-        let inside = self.inside();
+        let inside = inside(&self.outer);
         Mask::from_fn(width, height, |x, y| {
             let pixel = camera.undistort(&Point2::new(x as f64, y as f64));
             pixel
@@ -113,20 +115,42 @@ impl ViewContours {
                 .is_some_and(|(p, inside)| inside.contains(&p))
         })
     }
+}
 
-    /// What lies within the outer contours, undistorted px; `None` without any, or of a size that no image has.
-    fn inside(&self) -> Option<Scanlines> {
-        let pixels = |curve: &Vec<FoundPoint>| curve.iter().map(|p| p.pixel).collect();
-        let polygons: Vec<Vec<Point2<f64>>> = self.outer.iter().map(pixels).collect();
-        let rows = polygons.iter().flatten().map(|p| p.y);
-        let (top, bottom) = rows.fold((f64::MAX, f64::MIN), |(l, h), y| (l.min(y), h.max(y)));
-        if polygons.is_empty() || (bottom - top).is_nan() || bottom - top > 1e5 {
-            return None;
-        }
-        let top = top.floor() - 1.0;
-        let rows = (bottom - top).ceil() as usize + 2;
-        Some(Scanlines::new(&polygons, (top, 1.0), rows))
+/// What lies within outer contours, undistorted px; `None` without any, or of a size that no image has.
+fn inside(outer: &[Vec<FoundPoint>]) -> Option<Scanlines> {
+    let pixels = |curve: &Vec<FoundPoint>| curve.iter().map(|p| p.pixel).collect();
+    let polygons: Vec<Vec<Point2<f64>>> = outer.iter().map(pixels).collect();
+    let rows = polygons.iter().flatten().map(|p| p.y);
+    let (top, bottom) = rows.fold((f64::MAX, f64::MIN), |(l, h), y| (l.min(y), h.max(y)));
+    if polygons.is_empty() || (bottom - top).is_nan() || bottom - top > 1e5 {
+        return None;
     }
+    let top = top.floor() - 1.0;
+    let rows = (bottom - top).ceil() as usize + 2;
+    Some(Scanlines::new(&polygons, (top, 1.0), rows))
+}
+
+/// The contours, moved to where the person's colours end beside them; where nothing was found they stay.
+fn where_colours_end(outer: &[Vec<FoundPoint>], colours: &[Plane<f32>]) -> Vec<Vec<FoundPoint>> {
+    let Some(person) = inside(outer) else {
+        return outer.to_vec();
+    };
+    let moved = |curve: &Vec<FoundPoint>| -> Vec<FoundPoint> {
+        let pixels: Vec<Point2<f64>> = curve.iter().map(|p| p.pixel).collect();
+        let offsets = colours::offsets(&pixels, colours, |p| person.contains(p));
+        let points = curve.iter().zip(offsets).enumerate();
+        points
+            .map(|(i, (point, offset))| match point.reliability > 0.0 {
+                true => FoundPoint {
+                    pixel: point.pixel + outward(&pixels, i) * offset,
+                    ..*point
+                },
+                false => *point,
+            })
+            .collect()
+    };
+    outer.iter().map(moved).collect()
 }
 
 fn silhouette(outer: &[Vec<FoundPoint>], camera: &Camera) -> Option<Silhouette> {

@@ -7,12 +7,14 @@
 //! | the gradient, filtered by disparity (§ 4.2)     | [`Edges`], [`disparity_mask`], [`Filtered`] |
 //! | the outline that is expected                    | [`crate::render::outline`]                  |
 //! | active contours                                 | [`ViewContours`]                            |
+//! | and, beside them, where the person's colours end | `colours.rs`                               |
 //! | the simple pipeline (§ 4.1)                     | [`Scene::sighting`] of the body by stereo   |
 //! | the joint pipeline (§ 4.3)                      | [`Scene::sighting`] and the joint optimum by turns |
 //!
 //! A contour point counts in the likelihood by its reliability. Lengths are given in metres at the person and become pixels by
 //! the camera and the depth, so that they mean the same in every recording.
 
+mod colours;
 mod contour;
 mod ends;
 mod filter;

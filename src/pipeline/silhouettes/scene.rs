@@ -89,7 +89,12 @@ impl<'a> Scene<'a> {
             let expected = outline(&view.grey.camera, body, self.options.outline_px);
             let filtered = self.filtered(i, body, &expected)?;
             Some(Seen {
-                contours: ViewContours::of(camera, &expected, &filtered, &self.options),
+                contours: ViewContours::of(
+                    camera,
+                    &expected,
+                    (&filtered, &view.colours),
+                    &self.options,
+                ),
                 filtered,
             })
         });

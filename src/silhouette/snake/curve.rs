@@ -22,6 +22,11 @@ pub(super) fn normal(points: &[Point2<f64>], ends: Ends, i: usize) -> Option<Vec
     Vector2::new(-along.y, along.x).try_normalize(f64::EPSILON)
 }
 
+/// Unit normal of a closed curve, outward where the inside is on the left as seen on the screen; 0 where it turns back on itself.
+pub fn outward(closed: &[Point2<f64>], i: usize) -> Vector2<f64> {
+    normal(closed, Ends::Closed, i).unwrap_or_default()
+}
+
 /// The length of each side.
 pub(super) fn sides(points: &[Point2<f64>], ends: Ends) -> Vec<f64> {
     let next = points.iter().cycle().skip(1);

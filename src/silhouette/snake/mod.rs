@@ -25,7 +25,7 @@ use nalgebra::{Point2, Vector2};
 use crate::image::Gradient;
 use banded::Banded;
 pub use crossing::area_on_the_left;
-pub use curve::Ends;
+pub use curve::{Ends, outward};
 use curve::{evenly, normal, sides};
 
 /// Where the internal energy is at rest.

@@ -67,7 +67,9 @@ fn expected(pixels: Vec<Point2<f64>>) -> ModelOutline {
 }
 
 fn found(outline: &ModelOutline, picture: Plane<f32>, options: &ContourOptions) -> ViewContours {
-    ViewContours::of(&camera(), outline, &filtered(picture, options), options)
+    let colours = [picture.clone(), picture.clone(), picture.clone()];
+    let edges = filtered(picture, options);
+    ViewContours::of(&camera(), outline, (&edges, &colours), options)
 }
 
 fn is_the_outline_and_not_relied_on(found: &ViewContours, outline: &ModelOutline) -> bool {
