@@ -1,6 +1,7 @@
 //! Layer 0: what every other layer may use, and what uses none of them.
 
 mod differences;
+pub mod parabola;
 pub mod quadric;
 pub mod rotation;
 pub mod stats;

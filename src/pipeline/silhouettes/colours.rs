@@ -19,6 +19,7 @@
 use nalgebra::{Point2, Vector2};
 
 use crate::image::Plane;
+use crate::math::parabola::summit;
 use crate::silhouette::snake::outward;
 
 /// How far the border may be from the contour, px.
@@ -45,20 +46,20 @@ const AVERAGED: usize = 3;
 /// One normal's colours, from STRIP_PX.1 within to as far outside; `None` beyond the picture.
 type Normal = [Option<[f32; 3]>; 2 * STRIP_PX.1 + 1];
 
-/// By how much each point of a closed contour is to be moved outwards, px.
+/// The points of a closed contour, each moved along its normal to where the colours part.
 ///
 /// The contour has the person on the left as seen on the screen; `is_person` knows all of its kind.
-pub(super) fn offsets(
+pub(super) fn parting(
     contour: &[Point2<f64>],
     colours: &[Plane<f32>],
     is_person: impl Fn(&Point2<f64>) -> bool,
-) -> Vec<f64> {
+) -> Vec<Point2<f64>> {
     let n = contour.len();
     let [red, green, blue] = colours else {
-        return vec![0.0; n];
+        return contour.to_vec();
     };
     if n <= 2 * ALONG {
-        return vec![0.0; n];
+        return contour.to_vec();
     }
     // 1. the colours on every normal, and those of them that either side is learnt from
     let normals: Vec<Vector2<f64>> = (0..n).map(|i| outward(contour, i)).collect();
@@ -86,8 +87,9 @@ pub(super) fn offsets(
         })
         .collect();
     let best: Vec<f64> = (0..n).map(|i| border(&sums, i)).collect();
+    let smooth = |i: usize| 0.25 * (best[(i + n - 1) % n] + 2.0 * best[i] + best[(i + 1) % n]);
     (0..n)
-        .map(|i| 0.25 * (best[(i + n - 1) % n] + 2.0 * best[i] + best[(i + 1) % n]))
+        .map(|i| contour[i] + normals[i] * smooth(i))
         .collect()
 }
 
@@ -136,13 +138,7 @@ fn border(sums: &[Sums], i: usize) -> f64 {
     let scores: Sums = std::array::from_fn(score);
     let best = (1..2 * REACH_PX).max_by(|a, b| scores[*a].total_cmp(&scores[*b]));
     let best = best.unwrap_or(REACH_PX);
-    let [before, here, after] = [best - 1, best, best + 1].map(|k| scores[k]);
-    let curvature = before - 2.0 * here + after;
-    let offset = if curvature < 0.0 {
-        (0.5 * (before - after) / curvature).clamp(-0.5, 0.5)
-    } else {
-        0.0
-    };
+    let offset = summit([best - 1, best, best + 1].map(|k| scores[k]));
     best as f64 - REACH_PX as f64 + offset
 }
 
@@ -200,11 +196,13 @@ mod tests {
         let colours = [0, 1, 2].map(striped);
         for radius_px in [38.0, 40.0, 42.0] {
             let is_person = |p: &Point2<f64>| (p - Point2::new(80.0, 80.0)).norm() < radius_px;
-            let offsets = offsets(&circle(radius_px), &colours, is_person);
-            let off = offsets.iter().map(|o| (radius_px + o - 40.0).abs());
+            let found = parting(&circle(radius_px), &colours, is_person);
+            let off = found
+                .iter()
+                .map(|p| ((p - Point2::new(80.0, 80.0)).norm() - 40.0).abs());
             assert!(
                 off.clone().sum::<f64>() / 160.0 < 0.4,
-                "{radius_px}: {offsets:?}"
+                "{radius_px}: {found:?}"
             );
             assert!(off.fold(0.0, f64::max) < 1.5, "{radius_px}");
         }
@@ -214,7 +212,8 @@ mod tests {
     fn where_both_sides_look_alike_a_contour_stays() {
         let colours = [0, 1, 2].map(|c| Plane::filled(160, 160, 50.0 + 10.0 * c as f32));
         let is_person = |p: &Point2<f64>| (p - Point2::new(80.0, 80.0)).norm() < 40.0;
-        let offsets = offsets(&circle(40.0), &colours, is_person);
-        assert!(offsets.iter().all(|o| o.abs() < 1e-9));
+        let found = parting(&circle(40.0), &colours, is_person);
+        let still = circle(40.0);
+        assert!(found.iter().zip(&still).all(|(a, b)| (a - b).norm() < 1e-9));
     }
 }

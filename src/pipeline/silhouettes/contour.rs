@@ -1,4 +1,4 @@
-//! The contours of one view: active contours from the model's outline to the filtered edges.
+//! The contours of one view: active contours from the model's outline to the filtered edges, and on to where the person's colours end.
 
 use nalgebra::Point2;
 
@@ -8,7 +8,7 @@ use crate::body::PartId;
 use crate::camera::Camera;
 use crate::image::{Mask, Plane, Scanlines};
 use crate::render::{ModelOutline, OutlinePoint};
-use crate::silhouette::snake::{Ends, Snake, SnakeOptions, SnakePoint, area_on_the_left, outward};
+use crate::silhouette::snake::{Ends, Snake, SnakeOptions, SnakePoint, area_on_the_left};
 use crate::silhouette::{BorderPoint, Silhouette, SilhouetteOptions, of_curves};
 
 /// A point of a contour. Undistorted pixels.
@@ -138,12 +138,12 @@ fn where_colours_end(outer: &[Vec<FoundPoint>], colours: &[Plane<f32>]) -> Vec<V
     };
     let moved = |curve: &Vec<FoundPoint>| -> Vec<FoundPoint> {
         let pixels: Vec<Point2<f64>> = curve.iter().map(|p| p.pixel).collect();
-        let offsets = colours::offsets(&pixels, colours, |p| person.contains(p));
-        let points = curve.iter().zip(offsets).enumerate();
+        let parting = colours::parting(&pixels, colours, |p| person.contains(p));
+        let points = curve.iter().zip(parting);
         points
-            .map(|(i, (point, offset))| match point.reliability > 0.0 {
+            .map(|(point, parting)| match point.reliability > 0.0 {
                 true => FoundPoint {
-                    pixel: point.pixel + outward(&pixels, i) * offset,
+                    pixel: parting,
                     ..*point
                 },
                 false => *point,

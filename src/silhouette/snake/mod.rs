@@ -23,6 +23,7 @@ mod curve;
 use nalgebra::{Point2, Vector2};
 
 use crate::image::Gradient;
+use crate::math::parabola::summit;
 use banded::Banded;
 pub use crossing::area_on_the_left;
 pub use curve::{Ends, outward};
@@ -238,13 +239,7 @@ impl Snake {
         }
         // between the pixels: the summit of the parabola through three of them, of the edge itself, whichever is expected
         let at = f64::from(best.0);
-        let [before, here, after] = [at - 1.0, at, at + 1.0].map(change);
-        let curvature = before - 2.0 * here + after;
-        let offset = if curvature < 0.0 {
-            (0.5 * (before - after) / curvature).clamp(-0.5, 0.5)
-        } else {
-            0.0
-        };
+        let offset = summit([at - 1.0, at, at + 1.0].map(change));
         Some((normal * (at + offset), change(at + offset)))
     }
 
