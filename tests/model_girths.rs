@@ -5,6 +5,7 @@ use std::path::Path;
 use maquette::body::metaball::{Field, THRESHOLD};
 use maquette::body::{BodyModel, Motion, Posed, Shape};
 use maquette::io::model;
+use maquette::math::quadric::Ellipsoid;
 use nalgebra::{Point2, Rotation3, Vector2, Vector3};
 
 const LEG: &[&str] = &["foot_r", "shank_r", "thigh_r", "pelvis"];
@@ -288,5 +289,32 @@ fn every_ball_of_a_leg_and_of_the_trunk_can_shift_in_its_part() {
         let fixed =
             part.starts_with("foot") || part.starts_with("hand") || part.starts_with("forearm");
         assert!(shifts || fixed, "{part}: {:?}", ball.centre);
+    }
+}
+
+/// Section 6 of docs/anthropometry.md: .38 of the depth ahead of the olecranon's skin; and 35 mm, which is .42 of it.
+#[test]
+fn the_elbow_lies_as_far_ahead_of_the_skin_as_its_sources_have_it() {
+    for name in ["human-metaballs", "human-ellipsoids"] {
+        let model = model::load(name, Path::new("")).expect("shipped models are right");
+        let shape = Shape(model.statistics.mean.clone());
+        let mut motion = Motion::rest(&model);
+        motion.angles.fill(0.0);
+        let body = Posed::new(&model, &shape, &motion);
+        let field = limb(&body, ARM);
+        let ellipsoids = body.ellipsoids();
+        // (p − c)ᵀ A⁻¹ (p − c) is 1 on an ellipsoid, F is T on the skin: either is enough
+        let depth = |e: &Ellipsoid, p: &Vector3<f64>| {
+            let factor = e.shape.cholesky().expect("it has a volume");
+            THRESHOLD + 1.0 - (p - e.centre).dot(&factor.solve(&(p - e.centre)))
+        };
+        let deepest = |p: &Vector3<f64>| {
+            let depths = ellipsoids.iter().map(|e| depth(e, p));
+            depths.fold(field.value(p), f64::max)
+        };
+        let (elbow, turn) = frame(&body, "forearm_r");
+        let [back, front] = [-1.0, 1.0].map(|x| skin(deepest, &elbow, &(turn * Vector3::x() * x)));
+        let share = back / (back + front);
+        assert!((0.38..0.42).contains(&share), "{name}: {share}");
     }
 }

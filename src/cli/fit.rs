@@ -3,6 +3,7 @@
 mod arguments;
 mod contoured;
 mod input;
+mod made;
 
 use std::fs;
 use std::time::Instant;

@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 
-use super::angles::{Angle, AngleTracks};
+use super::angle::Angle;
+use super::angles::AngleTracks;
 use super::cycles::Cycle;
 use super::filter;
 use super::landmark::Side;

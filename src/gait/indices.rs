@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::angles::Angle;
+use super::angle::Angle;
 use super::curves::{Curve, POINTS};
 use super::landmark::Side;
 use super::parameters::Parameter;

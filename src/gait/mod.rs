@@ -11,10 +11,12 @@
 //! | `events.rs`     | foot strike and foot off; `peaks.rs`, `filter.rs`: signals          |
 //! | `cycles.rs`     | strides                                                            |
 //! | `parameters.rs` | speed, cadence, steps, phases                                      |
-//! | `segments.rs`   | orientations of parts; `angles.rs`: joint angles                   |
+//! | `segments.rs`   | orientations of parts; `landmark_axes.rs`: from places of the body |
+//! | `angle.rs`      | names and signs of joint angles; `angles.rs`: the angles of parts  |
 //! | `curves.rs`     | angles over the gait cycle                                         |
 //! | `indices.rs`    | scores against healthy people                                      |
 
+mod angle;
 mod angles;
 mod complete;
 mod course;
@@ -24,12 +26,14 @@ mod events;
 mod filter;
 mod indices;
 mod landmark;
+mod landmark_axes;
 mod parameters;
 mod peaks;
 mod recording;
 mod segments;
 
-pub use angles::{Angle, AngleTracks, cardan_zxy};
+pub use angle::Angle;
+pub use angles::{AngleTracks, cardan_zxy};
 pub use course::{Course, Surface};
 pub use curves::{Curve, Extremes, KeyPoints, POINTS};
 pub use cycles::Cycle;

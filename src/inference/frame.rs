@@ -1,9 +1,8 @@
-//! The frame posteriors, ZS06 eq. 2 and 3, as least-squares problems.
+//! The frame posteriors, ZS06 eq. 2 and 3, as least-squares problems, and their optimum.
 
 use nalgebra::DVector;
 
 use super::prior::{PosePrior, ShapePrior};
-use super::propagate::FrameFit;
 use super::step::StepPrior;
 use crate::body::{BodyModel, Layout, Motion, Posed, Shape, State};
 use crate::likelihood::Term;
@@ -33,6 +32,34 @@ pub struct FramePosterior<'a> {
     pub step: Option<(&'a StepPrior, &'a Motion)>,
     /// p(Zᵢ | mᵢ, s).
     pub terms: &'a [Box<dyn Term + 'a>],
+}
+
+/// The most probable motion of one frame, and what it costs.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct FrameFit {
+    /// mᵢ.
+    pub motion: Motion,
+    /// −log p(Zᵢ | mᵢ, s).
+    pub data: f64,
+    /// −log p of limits and rest.
+    pub pose: f64,
+    /// −log p(mᵢ | its neighbour on the keyframe's side).
+    pub step: f64,
+    /// Independent observations behind `data`.
+    pub observations: f64,
+    /// The tracking was lost here and the frame searched anew.
+    pub recovered: bool,
+}
+
+impl FrameFit {
+    /// Its share of E.
+    pub fn cost(&self) -> f64 {
+        self.data + self.pose + self.step
+    }
+
+    pub(super) fn level(&self) -> f64 {
+        self.data / self.observations.max(1.0)
+    }
 }
 
 /// −log p(Zᵢ | mᵢ, s).

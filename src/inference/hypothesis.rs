@@ -1,6 +1,6 @@
 //! A shape hypothesis, what became of it, and which one won.
 
-use super::propagate::FrameFit;
+use super::frame::FrameFit;
 use crate::body::{Motion, Shape};
 
 /// Where a shape hypothesis comes from.

@@ -1,10 +1,10 @@
 //! The shape hypotheses: from each keyframe (ZS06, Alg. 1, line 3), from the prior (line 2).
 
 use super::evidence::Evidence;
-use super::frame::FramePosterior;
+use super::frame::{FrameFit, FramePosterior};
 use super::hull::shows_where;
 use super::hypothesis::{Hypothesis, Origin};
-use super::propagate::{FrameFit, Sequence, solve};
+use super::propagate::{Sequence, solve};
 use super::start::{Detail, StartOptions, readings};
 use crate::body::{Motion, Shape};
 

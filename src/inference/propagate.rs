@@ -1,7 +1,7 @@
 //! One hypothesis along the Markov chain, forwards and backwards from its keyframe (ZS06, Alg. 1, line 4).
 
 use super::Evidence;
-use super::frame::FramePosterior;
+use super::frame::{FrameFit, FramePosterior};
 use super::start::{Detail, StartOptions, readings};
 use super::step::{MotionModel, StepPrior, extrapolate};
 use crate::body::{Layout, Motion, Shape};
@@ -28,34 +28,6 @@ impl Default for TrackOptions {
             motion_model: MotionModel::ConstantPosition,
             recovery_ratio: 3.0,
         }
-    }
-}
-
-/// The most probable motion of one frame, and what it costs.
-#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct FrameFit {
-    /// mᵢ.
-    pub motion: Motion,
-    /// −log p(Zᵢ | mᵢ, s).
-    pub data: f64,
-    /// −log p of limits and rest.
-    pub pose: f64,
-    /// −log p(mᵢ | its neighbour on the keyframe's side).
-    pub step: f64,
-    /// Independent observations behind `data`.
-    pub observations: f64,
-    /// The tracking was lost here and the frame searched anew.
-    pub recovered: bool,
-}
-
-impl FrameFit {
-    /// Its share of E.
-    pub fn cost(&self) -> f64 {
-        self.data + self.pose + self.step
-    }
-
-    fn level(&self) -> f64 {
-        self.data / self.observations.max(1.0)
     }
 }
 

@@ -10,9 +10,8 @@ use rayon::prelude::*;
 
 use super::Terms;
 use super::chain::ChainPrior;
-use super::frame::{data_cost, linearize_data, observations};
+use super::frame::{FrameFit, data_cost, linearize_data, observations};
 use super::prior::{PosePrior, ShapePrior};
-use super::propagate::FrameFit;
 use crate::body::{BodyModel, Layout, Motion, Posed, Shape};
 use crate::solver::{BorderedChain, Link, NormalEquations, Problem};
 

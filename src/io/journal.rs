@@ -190,7 +190,7 @@ mod tests {
 
     use super::*;
     use crate::body::{Motion, Shape};
-    use crate::inference::propagate::FrameFit;
+    use crate::inference::frame::FrameFit;
     use crate::inference::search::Origin;
 
     fn trial() -> Trial {

@@ -152,7 +152,7 @@ mod tests {
 
     use super::*;
     use crate::body::Motion;
-    use crate::inference::propagate::FrameFit;
+    use crate::inference::frame::FrameFit;
     use crate::silhouette::FrameIndex;
     use crate::stereo::Spread;
 

@@ -7,7 +7,7 @@ use super::overlap::iou;
 use crate::body::{Posed, Shape};
 use crate::camera::{CameraId, Rig};
 use crate::inference::Evidence;
-use crate::inference::propagate::FrameFit;
+use crate::inference::frame::FrameFit;
 use crate::inference::start::Detail;
 use crate::likelihood::{PlacedResidual, Source};
 use crate::math::stats::{mean, median};

@@ -92,7 +92,7 @@ mod tests {
 
     use super::*;
     use crate::inference::covariance::FrameUncertainty;
-    use crate::inference::propagate::FrameFit;
+    use crate::inference::frame::FrameFit;
     use crate::pipeline::PointQuality;
     use crate::silhouette::FrameIndex;
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::arguments::FitArguments;
-use super::input::{Observed, measure, tell};
+use super::made::{measure, tell};
 use crate::cli::error::CliError;
 use crate::cli::frame_range::FrameRange;
 use crate::cli::silhouettes::{self, DEFAULT_BODY};
@@ -12,7 +12,11 @@ use crate::io::model;
 use crate::io::recording::{Made, Recording};
 use crate::likelihood::Measure;
 use crate::pipeline::check_measure;
+use crate::silhouette::FrameObservations;
 use crate::stereo::SideBySide;
+
+/// Silhouettes and points of the frames, where no file holds them.
+pub(super) type Observed = Option<Vec<FrameObservations>>;
 
 /// Whether the joint pipeline is the only good way, where there are no masks: depth is seen and the empty scene is not.
 pub(super) fn is_only_way(footage: &Footage) -> bool {

@@ -7,19 +7,16 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use super::arguments::{FitArguments, Silhouettes};
-use super::contoured;
+use super::contoured::{self, Observed};
+use super::made::{cut, measure};
 use crate::body::BodyModel;
-use crate::cli::error::{CliError, one_line};
-use crate::cli::frame_range::{FrameRange, span};
+use crate::cli::error::CliError;
+use crate::cli::frame_range::FrameRange;
 use crate::cli::progress::Progress;
-use crate::cli::stereo::{Method, Settings};
-use crate::cli::{self, complain, segment};
 use crate::io::frames::{Footage, FramesError};
 use crate::io::model::{self, ModelText};
-use crate::io::out_folder::{Existing, OutFolder, check_out};
+use crate::io::out_folder::check_out;
 use crate::io::recording::{InputChecksum, Made, Recording, RecordingError};
-use crate::io::segmented::{Extras, QUALITY};
-use crate::io::stereo;
 use crate::pipeline::{FitError, FitOptions, check_measure, check_scene};
 use crate::silhouette::FrameObservations;
 
@@ -36,9 +33,6 @@ pub(super) struct Input {
     pub(super) observations: Vec<FrameObservations>,
     pub(super) checksums: Vec<InputChecksum>,
 }
-
-/// Silhouettes and points of the frames, where no file holds them.
-pub(super) type Observed = Option<Vec<FrameObservations>>;
 
 /// Reads and checks everything; nothing is written but masks, where there are none.
 pub(super) fn read(arguments: &FitArguments) -> Result<Input, CliError> {
@@ -113,50 +107,6 @@ fn open(arguments: &FitArguments) -> Result<(Recording, Observed), CliError> {
         made.points = true;
     }
     Ok((Recording::open_made(path, &footage, out, made)?, None))
-}
-
-/// Whether an earlier run that is continued has finished what it writes this table after.
-fn is_kept(arguments: &FitArguments, table: &str) -> bool {
-    arguments.existing() == Existing::Resume && arguments.out.join(table).is_file()
-}
-
-/// Makes the masks of the frames to be fitted.
-fn cut(footage: &Footage, arguments: &FitArguments) -> Result<(), CliError> {
-    if is_kept(arguments, QUALITY) {
-        return Ok(());
-    }
-    let (out, progress) = (&arguments.out, arguments.quiet.progress());
-    let frames = footage.frames();
-    let range = span(FrameRange::of(arguments.frames, &frames)?);
-    OutFolder::open(out)?;
-    let (_, notes) = segment::masks(footage, range, out, Extras::default(), progress)?;
-    tell(&notes, arguments);
-    Ok(())
-}
-
-/// Measures the points of the frames to be fitted, where the masks show the person.
-pub(super) fn measure(
-    footage: &Footage,
-    masks: &Recording,
-    method: Method,
-    arguments: &FitArguments,
-) -> Result<(), CliError> {
-    if is_kept(arguments, stereo::TABLE) {
-        return Ok(());
-    }
-    let (out, progress) = (&arguments.out, arguments.quiet.progress());
-    let settings = Settings::of(method);
-    let frames = footage.frames();
-    let frames = FrameRange::of(arguments.frames, &frames)?;
-    let found = cli::stereo::measure((footage, Some(masks)), frames, out, &settings, progress)?;
-    tell(&found.notes, arguments);
-    Ok(())
-}
-
-pub(super) fn tell(notes: &[String], arguments: &FitArguments) {
-    for note in notes.iter().filter(|_| !arguments.quiet.is_on()) {
-        complain("note", &one_line(note));
-    }
 }
 
 /// The body that was asked for, or that the recording names, and the fingerprints of all that it was read from.

@@ -76,10 +76,22 @@ pub(crate) fn deviations(
     Some(deviations)
 }
 
-/// Where publications have joints of `walker-metaballs` that was drawn without them, forwards from where it has them, metres:
-/// elbow .38 of its depth from the back (it is .50), C7/T1 66 mm ahead of the skin behind it (59), C0/C1 15 mm behind the middle of
-/// the head (27), at 1.70 m (docs/anthropometry.md, section 6).
-const PUBLISHED_M: [(&str, f64); 3] = [("forearm_r", -0.010), ("neck", 0.0075), ("head", 0.013)];
+/// Where publications have joints and points of `walker-metaballs` that was drawn without them, from where it has them, forwards and
+/// upwards, metres: elbow .38 of its depth from the back (it is .50), C7/T1 66 mm ahead of the skin behind it (59), C0/C1 15 mm
+/// behind the middle of the head (27), shoulder 43 mm below its top (54), tip of the big toe 18 mm above the sole (28), at 1.70 m
+/// (docs/anthropometry.md, section 6).
+const PUBLISHED_M: [(&str, Axis, f64); 5] = [
+    ("forearm_r", FORWARDS, -0.010),
+    ("neck", FORWARDS, 0.0075),
+    ("head", FORWARDS, 0.013),
+    ("upper_arm_r", UPWARDS, 0.011),
+    ("RBigToe", UPWARDS, -0.010),
+];
+
+/// Of the part.
+type Axis = usize;
+const FORWARDS: Axis = 0;
+const UPWARDS: Axis = 2;
 
 /// The person of this recipe with the joints' centres elsewhere in the flesh, as far as publications leave that open.
 ///
@@ -90,24 +102,23 @@ fn individual(recipe: &Recipe, body: &BodyModel, person: &BodyModel) -> Option<B
     rng.set_stream(CENTRES);
     let published = PUBLISHED_M
         .iter()
-        .fold(person.clone(), |person, (part, forward_m)| {
-            moved_forward(person, &shape, part, *forward_m)
+        .fold(person.clone(), |person, (name, axis, by_m)| {
+            moved(person, &shape, name, *axis, *by_m)
         });
     Some(draw_centres(&published, &shape, body, &mut rng))
 }
 
-/// The person with one part's joint elsewhere in the flesh, and its mirror image's.
-fn moved_forward(mut person: BodyModel, shape: &Shape, part: &str, forward_m: f64) -> BodyModel {
-    person.points.iter_mut().for_each(|p| p.sd_m.fill(0.0));
-    for one in &mut person.parts {
-        let is = one.name == part;
-        one.sd_m = Vector3::new(if is { forward_m.abs() } else { 0.0 }, 0.0, 0.0);
+/// The person with one part's joint, or one point, elsewhere in the flesh, and its mirror image's.
+fn moved(mut person: BodyModel, shape: &Shape, name: &str, axis: Axis, by_m: f64) -> BodyModel {
+    let parts = person.parts.iter_mut().map(|p| (&p.name, &mut p.sd_m));
+    let points = person.points.iter_mut().map(|p| (&p.name, &mut p.sd_m));
+    for (one, sd_m) in parts.chain(points) {
+        sd_m.fill(0.0);
+        if one == name {
+            sd_m[axis] = by_m.abs();
+        }
     }
-    move_centres(
-        &person,
-        shape,
-        &DVector::from_element(1, forward_m.signum()),
-    )
+    move_centres(&person, shape, &DVector::from_element(1, by_m.signum()))
 }
 
 fn deviation(kind: Kind, name: &str, error: f64, sd: f64) -> Deviation {
