@@ -1,12 +1,13 @@
 //! Stated intervals against what came true, on 200 simulated walks of 200 persons.
 //!
 //! Each recording: another person of `walker-metaballs` (whose flesh and proportions are not those of the fitted body:
-//! a mismatch that returns in every frame) whose joints' centres lie elsewhere in the flesh, by one draw from what
-//! publications leave open (`synth::draw_centres`), another walk, another ring of cameras, masks with ragged borders that err
+//! a mismatch that returns in every frame) whose joints' centres lie elsewhere in the flesh, by one draw from what publications leave open
+//! (`synth::draw_centres`) and who holds joints at rest at angles of their own, another walk, another ring of cameras, masks with ragged borders that err
 //! together along the border, bites and specks. `human-metaballs` is fitted as `maquette fit` does it. Stated: the
 //! 50, 80 and 95 % intervals of every angle, joint centre and length from the joint optimum's covariance. True: how many
 //! of them contain the truth.
 
+mod person;
 mod recording;
 
 use std::error::Error;
@@ -34,14 +35,14 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let mut run = Run::start("uncertainty");
     let recordings = if run.is_quick() { 16 } else { 200 };
     run.setting("recordings", recordings);
-    let (body, person) = (
+    let (body, walker) = (
         model::load("human-metaballs", Path::new(""))?,
         model::load("walker-metaballs", Path::new(""))?,
     );
     let first = run.seed() * recordings;
     let found: Vec<Vec<Deviation>> = (first..first + recordings)
         .into_par_iter()
-        .map(|seed| deviations(&body, &person, seed).unwrap_or_default())
+        .map(|seed| deviations(&body, &walker, seed).unwrap_or_default())
         .collect();
     let lost = found.iter().filter(|f| f.is_empty()).count();
     run.number("recordings_without_result", lost as f64);
