@@ -1,5 +1,7 @@
 //! Maxima that stand out.
 
+use crate::math::parabola::summit;
+
 /// A maximum.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Peak {
@@ -30,7 +32,7 @@ pub(super) fn peaks(values: &[f64], prominence: f64, nearest: f64) -> Vec<Peak> 
         });
         let deepest = left.depth.max(right.depth);
         (stands_out && deepest >= prominence).then(|| Peak {
-            frame: i as f64 + vertex(values[i - 1], values[i], values[i + 1]),
+            frame: i as f64 + summit([values[i - 1], values[i], values[i + 1]]),
             prominence: deepest,
         })
     };
@@ -72,16 +74,6 @@ fn descent<'a>(top: f64, values: impl Iterator<Item = &'a f64>) -> Descent {
     Descent {
         depth: top - lowest,
         is_full: false,
-    }
-}
-
-/// Where the parabola through three values at −1, 0, 1 has its top.
-fn vertex(a: f64, b: f64, c: f64) -> f64 {
-    let bend = a - 2.0 * b + c;
-    if bend < 0.0 {
-        0.5 * (a - c) / bend
-    } else {
-        0.0
     }
 }
 
