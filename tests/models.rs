@@ -357,6 +357,35 @@ part = \"lower\"
 }
 
 #[test]
+fn two_keys_for_one_thing_and_none_are_named() {
+    for (from, to, said) in [
+        (
+            "axis = \"-y\"",
+            "axis = \"-y\"\ndh = {}",
+            "arm.toml: joint elbow: expected one of `axis`, `dh`, found 2",
+        ),
+        (
+            "axis = \"-y\"\n",
+            "",
+            "arm.toml: joint elbow: expected one of `axis`, `dh`, found 0",
+        ),
+        (
+            "part = \"lower\"\n",
+            "part = \"lower\"\nmidpoint = [\"RElbow\", \"LElbow\"]\n",
+            "arm.toml: point Elbow: expected one of `part`, `midpoint`, found 2",
+        ),
+        (
+            "part = \"lower\"\n",
+            "",
+            "arm.toml: point Elbow: expected one of `part`, `midpoint`, found 0",
+        ),
+    ] {
+        let message = complaint(from, to);
+        assert!(message.starts_with(said), "{message}");
+    }
+}
+
+#[test]
 fn faults_of_a_pivot_are_named() {
     for (from, to, said) in [
         (

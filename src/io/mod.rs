@@ -8,6 +8,7 @@ pub mod frames;
 pub mod gait;
 pub mod journal;
 pub mod jpeg;
+pub mod layout;
 pub mod manifest;
 pub mod mesh;
 pub mod model;

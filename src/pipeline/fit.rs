@@ -19,6 +19,7 @@ use crate::inference::noise::Noise;
 use crate::inference::propagate::Sequence;
 use crate::inference::search::{Journal, Trial, search};
 use crate::inference::sequence::SequenceState;
+use crate::likelihood::Measure;
 use crate::math::stats::mean;
 use crate::silhouette::{FrameIndex, FrameObservations, InvalidOption};
 
@@ -164,16 +165,7 @@ pub fn fit(
     })?;
     // 3. the joint optimum, from its winner, and where the cameras look
     let winner = &found.trials[found.winner];
-    let (estimate, measure) = match &options.joint {
-        Some(joint) => {
-            let aim = options.aim && observations.iter().all(|frame| frame.points.is_empty());
-            let kind = (options.likelihood, measures.joint);
-            let start = state_of(winner);
-            let aimed = joint_and_aims(model, rig, kind, sequence, start, (joint, aim));
-            (Estimate::joint(aimed, winner), measures.joint)
-        }
-        None => (Estimate::tracked(winner, rig), measures.search),
-    };
+    let (estimate, measure) = estimate(model, rig, sequence, (winner, &measures), options);
     let looked_at = Evidence::new(model, &estimate.rig, options.likelihood, measure);
     // 4. how far the keyframes agree
     let confidence = ShapeConfidence::of(model, &found.trials, &options.confidence);
@@ -207,6 +199,24 @@ pub fn fit(
         cameras,
         warnings: notes,
     })
+}
+
+/// The joint optimum, or the winner where none is asked for, and what it was compared by.
+fn estimate(
+    model: &BodyModel,
+    rig: &Rig,
+    sequence: Sequence<'_>,
+    (winner, measures): (&Trial, &Measures),
+    options: &FitOptions,
+) -> (Estimate, Measure) {
+    let Some(joint) = &options.joint else {
+        return (Estimate::tracked(winner, rig), measures.search);
+    };
+    let aim = options.aim && sequence.frames.iter().all(|frame| frame.points.is_empty());
+    let kind = (options.likelihood, measures.joint);
+    let start = state_of(winner);
+    let aimed = joint_and_aims(model, rig, kind, sequence, start, (joint, aim));
+    (Estimate::joint(aimed, winner), measures.joint)
 }
 
 /// The most probable shape and motion, of the last stage.

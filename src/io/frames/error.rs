@@ -4,16 +4,16 @@ use std::io;
 use std::path::PathBuf;
 
 use crate::io::calibration::CalibrationError;
+use crate::io::layout::LayoutError;
 use crate::io::manifest::ManifestError;
-use crate::io::recording::RecordingError;
 
 /// Why the pictures of a recording could not be used, in one line that says what to mend.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FramesError {
-    /// The recording's layout, a pattern or a folder is at fault.
+    /// The files are not where or what they should be.
     #[error(transparent)]
-    Recording(#[from] RecordingError),
+    Layout(#[from] LayoutError),
     /// The manifest is at fault.
     #[error(transparent)]
     Manifest(#[from] ManifestError),

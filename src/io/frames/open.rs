@@ -8,10 +8,9 @@ use super::probe::{Probe, probe};
 use super::{CameraFootage, Footage, FramesError, FramesNote, Source, image};
 use crate::camera::Rig;
 use crate::io::calibration::{self, CalibrationOptions};
+use crate::io::layout::numbered_files::{self, NumberedFiles, Wanted};
+use crate::io::layout::{self, LayoutError};
 use crate::io::manifest::{CameraFiles, Manifest};
-use crate::io::recording::RecordingError;
-use crate::io::recording::layout;
-use crate::io::recording::numbered_files::{self, NumberedFiles, Wanted};
 
 /// How far a video's rate may be from the recording's, as a fraction of it, without a note: 59.94 is 60.
 const SAME_RATE: f64 = 0.005;
@@ -200,7 +199,7 @@ fn visible(folder: &Path) -> Result<Vec<PathBuf>, FramesError> {
     if !folder.is_dir() {
         return Ok(Vec::new());
     }
-    let unreadable = |source| RecordingError::Folder {
+    let unreadable = |source| LayoutError::Folder {
         path: folder.into(),
         source,
     };
@@ -316,11 +315,8 @@ fn frame_rate(
         Found::Video(_, probe) => probe.rate_hz,
         Found::Images(_) => None,
     };
-    match given.or_else(|| cameras.iter().find_map(|(_, found)| of_video(found))) {
-        Some(fps) if fps > 0.0 && fps.is_finite() => Ok(fps),
-        Some(fps) => Err(RecordingError::Fps { fps }.into()),
-        None => Err(RecordingError::NoFps { path: path.into() }.into()),
-    }
+    let fps = given.or_else(|| cameras.iter().find_map(|(_, found)| of_video(found)));
+    Ok(layout::frame_rate(fps, path)?)
 }
 
 fn footage(

@@ -208,13 +208,12 @@ impl Builder<'_> {
         mut translation: ScaledVector,
         mut turn: Rotation3<f64>,
     ) -> Result<Joint, ModelFileError> {
-        let mut axis = self.axis(spec, side)?;
+        let axis = self.axis(spec, side)?;
         if let Some(dh) = &spec.dh {
             let alpha = Rotation3::from_axis_angle(&Vector3::x_axis(), dh.alpha_deg.to_radians());
             translation.value += turn * (alpha * Vector3::new(dh.a, 0.0, dh.d));
             turn *=
                 alpha * Rotation3::from_axis_angle(&Vector3::z_axis(), dh.theta_deg.to_radians());
-            axis = Vector3::z_axis();
         }
         let radians = |d: f64| d.to_radians();
         Ok(Joint {
@@ -230,10 +229,25 @@ impl Builder<'_> {
         })
     }
 
+    /// Exactly one of two keys is there.
+    fn one_of(&self, place: &str, keys: [(&'static str, bool); 2]) -> Result<(), ModelFileError> {
+        match keys.iter().filter(|(_, is_given)| *is_given).count() {
+            1 => Ok(()),
+            found => Err(ModelFileError::OneOf {
+                path: self.path.to_owned(),
+                place: place.to_owned(),
+                keys: keys.map(|(key, _)| key),
+                found,
+            }),
+        }
+    }
+
     fn axis(&self, spec: &JointSpec, side: Side) -> Result<UnitVector3<f64>, ModelFileError> {
+        let place = format!("joint {}", spec.name);
+        let keys = [("axis", spec.axis.is_some()), ("dh", spec.dh.is_some())];
+        self.one_of(&place, keys)?;
         let vector = match &spec.axis {
-            None if spec.dh.is_some() => Some(Vector3::z()),
-            None => None,
+            None => return Ok(Vector3::z_axis()),
             Some(AxisSpec::Vector(v)) => Some(Vector3::from(*v)),
             Some(AxisSpec::Letter(letter)) => match letter.trim_start_matches(['+', '-']) {
                 "x" => Some(Vector3::x()),
@@ -254,6 +268,11 @@ impl Builder<'_> {
 
     fn point(&mut self, spec: &PointSpec) -> Result<(), ModelFileError> {
         let place = format!("point {}", spec.name);
+        let keys = [
+            ("part", spec.part.is_some()),
+            ("midpoint", !spec.midpoint.is_empty()),
+        ];
+        self.one_of(&place, keys)?;
         if let Some(part) = &spec.part {
             let sided = Sides::from(!self.model.parts.iter().any(|p| p.name == *part));
             for &side in sided.each() {
@@ -282,9 +301,6 @@ impl Builder<'_> {
                 .point(end)
                 .ok_or_else(|| self.missing(&place, "point", end))?;
             places.extend(self.model.points[index].places.clone());
-        }
-        if places.is_empty() {
-            return Err(self.missing(&place, "part", ""));
         }
         self.model.points.push(NamedPoint {
             name: spec.name.clone(),

@@ -122,6 +122,18 @@ pub enum ModelFileError {
         /// The key that has no effect.
         key: &'static str,
     },
+    /// Two keys in one place that say the same thing, or none of them.
+    #[error("{path}: {place}: expected one of `{keys}`, found {found}", keys = keys.join("`, `"))]
+    OneOf {
+        /// File.
+        path: PathBuf,
+        /// Where.
+        place: String,
+        /// The keys.
+        keys: [&'static str; 2],
+        /// How many of them are there.
+        found: usize,
+    },
     /// No part without a parent, or more than one.
     #[error("{path}: expected one part without a parent, found {found}")]
     Roots {

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use super::{MaskFault, ScaleFault};
 use crate::io::calibration::CalibrationError;
 use crate::io::cloud::CloudError;
+use crate::io::layout::LayoutError;
 use crate::io::manifest::ManifestError;
 use crate::silhouette::FrameIndex;
 
@@ -13,40 +14,15 @@ use crate::silhouette::FrameIndex;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RecordingError {
-    /// Neither a folder nor a manifest.
-    #[error("{}: no such folder or file", path.display())]
-    NotFound {
-        /// As given.
-        path: PathBuf,
-    },
+    /// The files are not where or what they should be.
+    #[error(transparent)]
+    Layout(#[from] LayoutError),
     /// The manifest is at fault.
     #[error(transparent)]
     Manifest(#[from] ManifestError),
     /// The calibration is at fault.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
-    /// A folder that cannot be listed.
-    #[error("{}: the folder cannot be read: {source}", path.display())]
-    Folder {
-        /// The folder.
-        path: PathBuf,
-        /// Why.
-        source: io::Error,
-    },
-    /// No frame rate anywhere.
-    #[error(
-        "{}: the frame rate is not known: give --fps, or fps = … in sequence.toml", path.display()
-    )]
-    NoFps {
-        /// The recording.
-        path: PathBuf,
-    },
-    /// A frame rate given from outside that is not positive.
-    #[error("frame rate {fps}: expected a positive number")]
-    Fps {
-        /// As given.
-        fps: f64,
-    },
     /// No camera has masks.
     #[error(
         "{}: no masks and no pictures: expected masks/<camera>/, videos/<camera>.* or images/<camera>/ beside the calibration, or masks, video or images = … for each camera in sequence.toml",
@@ -63,28 +39,6 @@ pub enum RecordingError {
         camera: String,
         /// Where they should be.
         pattern: PathBuf,
-    },
-    /// A pattern that is none.
-    #[error("{key} = {pattern:?}: expected {expected}")]
-    Pattern {
-        /// Whose: `camera left: masks` or `points`.
-        key: String,
-        /// As written.
-        pattern: String,
-        /// What a pattern looks like.
-        expected: &'static str,
-    },
-    /// Two masks of one camera, or two clouds, of one frame.
-    #[error("{key}: {} and {} are both number {number}", first.display(), second.display())]
-    DuplicateFrame {
-        /// Whose: `camera left: masks` or `points`.
-        key: String,
-        /// The number in both names.
-        number: u64,
-        /// One file.
-        first: PathBuf,
-        /// The other.
-        second: PathBuf,
     },
     /// A single camera.
     #[error(

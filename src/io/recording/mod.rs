@@ -4,10 +4,8 @@
 //! [`Recording::load_frame`] reads those of one frame. Nothing is kept in between, so frames can be streamed, and loaded by many threads.
 
 mod error;
-pub(in crate::io) mod layout;
 mod mask_image;
 mod note;
-pub(in crate::io) mod numbered_files;
 mod open;
 mod points;
 

@@ -3,11 +3,12 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use super::numbered_files::{self, NumberedFiles, Wanted};
 use super::points::PointFiles;
-use super::{Missing, Note, Points, Recording, RecordingError, Sources, layout, mask_image};
+use super::{Missing, Note, Points, Recording, RecordingError, Sources, mask_image};
 use crate::camera::{CameraId, Rig};
 use crate::io::calibration::{self, CalibrationOptions};
+use crate::io::layout;
+use crate::io::layout::numbered_files::{self, NumberedFiles, Wanted};
 use crate::io::manifest::{CameraFiles, Manifest};
 use crate::io::unknown_key::nearest;
 use crate::silhouette::FrameIndex;
@@ -27,7 +28,7 @@ pub(super) fn open(
     let sources = layout::calibration_paths(&folder, manifest.calibration.as_ref());
     let masks = masks_of_cameras(path, &folder, &manifest, &mut notes)?;
     let (rig, masks) = calibrate(path, &manifest, masks, &sources, &mut notes)?;
-    let fps = frame_rate(fps.or(manifest.fps), path)?;
+    let fps = layout::frame_rate(fps.or(manifest.fps), path)?;
     let is_masked = !masks.is_empty();
     let mut masks: Vec<_> = masks
         .iter()
@@ -79,14 +80,6 @@ fn take(manifest: &mut Manifest, elsewhere: &Sources) {
         for camera in &mut manifest.cameras {
             (camera.images, camera.video, camera.background) = (None, None, None);
         }
-    }
-}
-
-fn frame_rate(fps: Option<f64>, path: &Path) -> Result<f64, RecordingError> {
-    match fps {
-        Some(fps) if fps > 0.0 && fps.is_finite() => Ok(fps),
-        Some(fps) => Err(RecordingError::Fps { fps }),
-        None => Err(RecordingError::NoFps { path: path.into() }),
     }
 }
 

@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::{Point3, Vector3};
 
-use super::numbered_files::{self, Wanted};
 use super::{Note, RecordingError};
 use crate::camera::{Camera, Rig};
 use crate::io::cloud::{self, is_cloud};
+use crate::io::layout::numbered_files::{self, Wanted};
 use crate::io::manifest::Manifest;
 use crate::math::Rigid3;
 use crate::math::stats::median;

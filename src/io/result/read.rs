@@ -33,7 +33,7 @@ pub enum ResultError {
     },
     /// A result of another body than the one that is given.
     #[error(
-        "the result is of body model {body} with {expected} {kind}; the model {found_body} that is given has {found} or other names"
+        "the result is of body model {body} with {expected} {kind}; the model {found_body} that is given has {found} or other names: give the body that was fitted, or fit this one"
     )]
     Body {
         /// Name of the model in the result.

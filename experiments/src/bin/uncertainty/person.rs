@@ -11,19 +11,26 @@ use rand_distr::{Distribution, StandardNormal};
 /// Random stream of joints' centres and habits; the recipe's own are lower.
 const OWN: u64 = 4;
 
-/// Where publications have joints and points in the flesh, from where the walker was drawn, forwards or upwards, metres:
-/// elbow .38 of its depth from the back (his .50), C7/T1 66 mm ahead of the skin behind it (59), C0/C1 15 mm
-/// behind the middle of the head (27), tip of the big toe 18 mm above the sole (28), at 1.70 m. Section 6; the shoulder: section 12.
-const PLACES_M: [(&str, Axis, f64); 4] = [
+/// Where publications have joints and points in the flesh, from where the walker was drawn, forwards, inwards or upwards, metres
+/// (docs/anthropometry.md, sections 6 and 8; the walker's in brackets): elbow .38 of its depth from the back (.50); C7/T1 66 mm ahead of the
+/// skin behind it (59); C0/C1 15 mm behind the middle of the head (27) and, at his stature, 161 below its top (168); vertex above the middle of the head
+/// (28 behind it); tip of the big toe half the toes' height, 11 mm, behind the front of the foot (25), half a toe's breadth, 15, from
+/// its inner border (22), 18 above the sole (28). The shoulder lies where section 12 has it.
+const PLACES_M: [(&str, Axis, f64); 8] = [
     ("forearm_r", FORWARDS, -0.010),
     ("neck", FORWARDS, 0.0075),
     ("head", FORWARDS, 0.013),
+    ("head", UPWARDS, 0.007),
+    ("Head", FORWARDS, 0.028),
+    ("RBigToe", FORWARDS, 0.014),
+    ("RBigToe", INWARDS, 0.007),
     ("RBigToe", UPWARDS, -0.010),
 ];
 
 /// Of the part.
 type Axis = usize;
 const FORWARDS: Axis = 0;
+const INWARDS: Axis = 1;
 const UPWARDS: Axis = 2;
 
 /// What persons differ by in a joint that the walk leaves at rest, of the spread that a body model expects over all motions (E):

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use image::ImageFormat;
 
-use super::RecordingError;
+use super::LayoutError;
 
 /// The masks of one camera, or the point clouds.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -33,9 +33,9 @@ pub(in crate::io) fn list(
     folder: &Path,
     pattern: &str,
     wanted: &Wanted<'_>,
-) -> Result<NumberedFiles, RecordingError> {
+) -> Result<NumberedFiles, LayoutError> {
     let whole = folder.join(pattern);
-    let bad_pattern = |expected| RecordingError::Pattern {
+    let bad_pattern = |expected| LayoutError::Pattern {
         key: wanted.key.into(),
         pattern: pattern.into(),
         expected,
@@ -73,7 +73,7 @@ pub(in crate::io) fn list(
 fn collect(
     numbered: Vec<(Option<u64>, PathBuf)>,
     wanted: &Wanted<'_>,
-) -> Result<NumberedFiles, RecordingError> {
+) -> Result<NumberedFiles, LayoutError> {
     let mut files = NumberedFiles::default();
     for (number, path) in numbered {
         let Some(number) = number else {
@@ -81,7 +81,7 @@ fn collect(
             continue;
         };
         if let Some(first) = files.of_number.insert(number, path.clone()) {
-            return Err(RecordingError::DuplicateFrame {
+            return Err(LayoutError::DuplicateFrame {
                 key: wanted.key.into(),
                 number,
                 first,
@@ -93,8 +93,8 @@ fn collect(
 }
 
 /// The files of a folder, by name.
-fn files_of(folder: &Path) -> Result<Vec<PathBuf>, RecordingError> {
-    let unreadable = |source| RecordingError::Folder {
+fn files_of(folder: &Path) -> Result<Vec<PathBuf>, LayoutError> {
+    let unreadable = |source| LayoutError::Folder {
         path: folder.into(),
         source,
     };

@@ -1,18 +1,22 @@
-//! Where a folder without manifest, or a manifest that leaves things out, has its files.
+//! Where a recording has its files: a folder without manifest, or a manifest that leaves things out.
+
+mod error;
+pub(super) mod numbered_files;
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::RecordingError;
 use crate::camera::Rig;
 use crate::io::calibration::{self, CalibrationError, CalibrationOptions};
 use crate::io::manifest::{CalibrationFiles, CameraFiles};
+
+pub use error::LayoutError;
 
 const MANIFEST: &str = "sequence.toml";
 const MASKS: &str = "masks";
 
 /// The folder of a recording and its manifest, if it has one.
-pub(in crate::io) fn locate(path: &Path) -> Result<(PathBuf, Option<PathBuf>), RecordingError> {
+pub(super) fn locate(path: &Path) -> Result<(PathBuf, Option<PathBuf>), LayoutError> {
     if path.is_dir() {
         let manifest = path.join(MANIFEST);
         let manifest = manifest.is_file().then_some(manifest);
@@ -21,17 +25,26 @@ pub(in crate::io) fn locate(path: &Path) -> Result<(PathBuf, Option<PathBuf>), R
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
         Ok((folder, Some(path.into())))
     } else {
-        Err(RecordingError::NotFound { path: path.into() })
+        Err(LayoutError::NotFound { path: path.into() })
+    }
+}
+
+/// A frame rate that was given or found; the recording at `path` needs one.
+pub(super) fn frame_rate(fps: Option<f64>, path: &Path) -> Result<f64, LayoutError> {
+    match fps {
+        Some(fps) if fps > 0.0 && fps.is_finite() => Ok(fps),
+        Some(fps) => Err(LayoutError::Fps { fps }),
+        None => Err(LayoutError::NoFps { path: path.into() }),
     }
 }
 
 /// One camera for each folder `masks/<camera>`, by name.
-pub(super) fn conventional_cameras(folder: &Path) -> Result<Vec<CameraFiles>, RecordingError> {
+pub(super) fn conventional_cameras(folder: &Path) -> Result<Vec<CameraFiles>, LayoutError> {
     let masks = folder.join(MASKS);
     if !masks.is_dir() {
         return Ok(Vec::new());
     }
-    let unreadable = |source| RecordingError::Folder {
+    let unreadable = |source| LayoutError::Folder {
         path: masks.clone(),
         source,
     };
@@ -54,7 +67,7 @@ pub(super) fn conventional_cameras(folder: &Path) -> Result<Vec<CameraFiles>, Re
 }
 
 /// The files or folders that the calibration is read from.
-pub(in crate::io) fn calibration_paths(
+pub(super) fn calibration_paths(
     folder: &Path,
     files: Option<&CalibrationFiles>,
 ) -> Vec<(Option<String>, PathBuf)> {
@@ -69,7 +82,7 @@ pub(in crate::io) fn calibration_paths(
 }
 
 /// Reads what [`calibration_paths`] found.
-pub(in crate::io) fn read_calibration(
+pub(super) fn read_calibration(
     paths: &[(Option<String>, PathBuf)],
     options: &CalibrationOptions,
 ) -> Result<Rig, CalibrationError> {
