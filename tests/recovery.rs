@@ -138,7 +138,7 @@ impl Scene {
 /// Two keyframes, and a narrow search at each: the tests are about what comes after.
 fn options(pruning: Pruning) -> SearchOptions {
     SearchOptions {
-        keyframe_every: 10,
+        keyframe_every: Some(10),
         start: StartOptions {
             headings: 4,
             iterations: 6,

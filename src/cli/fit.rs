@@ -72,7 +72,7 @@ fn journal(out: &OutFolder, existing: Existing, input: &Input) -> Result<DiskJou
 
 fn search(input: &Input, journal: &DiskJournal, progress: Progress) -> Result<Fit, CliError> {
     let frames = input.observations.len();
-    let keyframes = frames.div_ceil(input.options.search.keyframe_every);
+    let keyframes = frames.div_ceil(input.options.search.keyframe_spacing(frames));
     let watched = Watched::new(journal, progress, keyframes, frames);
     let sequence = Sequence {
         frames: &input.observations,

@@ -14,14 +14,27 @@ use super::start::StartOptions;
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SearchOptions {
-    /// Every how many frames a keyframe is taken (ZS06: 20).
-    pub keyframe_every: usize,
+    /// Every how many frames a keyframe is taken; `None`: every 20th (ZS06), or more often where that is fewer than [`ENOUGH_KEYFRAMES`].
+    pub keyframe_every: Option<usize>,
     /// Settings of the search for a start.
     pub start: StartOptions,
     /// Settings of the tracking.
     pub track: TrackOptions,
     /// Whether hypotheses that can no longer win are dropped; the winner is the same.
     pub pruning: Pruning,
+}
+
+/// Frames from one keyframe to the next of ZS06.
+const EVERY: usize = 20;
+/// Keyframes that make a choice between readings, and a spread σ that is not called uncertain: its relative error is 1/√(2(K − 1)), 35 % at five.
+pub const ENOUGH_KEYFRAMES: usize = 5;
+
+impl SearchOptions {
+    /// Frames from one keyframe to the next of a recording of so many.
+    pub fn keyframe_spacing(&self, frames: usize) -> usize {
+        let enough = frames.saturating_sub(1) / (ENOUGH_KEYFRAMES - 1);
+        self.keyframe_every.unwrap_or(EVERY.min(enough)).max(1)
+    }
 }
 
 /// Whether hypotheses that can no longer win are dropped.
@@ -37,7 +50,7 @@ pub enum Pruning {
 impl Default for SearchOptions {
     fn default() -> Self {
         Self {
-            keyframe_every: 20,
+            keyframe_every: None,
             start: StartOptions::default(),
             track: TrackOptions::default(),
             pruning: Pruning::Exact,
@@ -71,7 +84,7 @@ pub fn search(
         journal,
     };
     // 1. the keyframes K
-    let keyframes = keyframes(sequence, options.keyframe_every);
+    let keyframes = keyframes(sequence, options.keyframe_spacing(sequence.frames.len()));
     // 3. one hypothesis from each keyframe and reading: argmax p(mₖ, s | Zₖ)
     let found: Vec<Hypothesis> = keyframes
         .par_iter()
@@ -182,5 +195,31 @@ impl Run<'_> {
             }
         }
         trial
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_20th_frame_is_a_keyframe_and_more_where_that_is_fewer_than_five() {
+        let (default, third) = (
+            SearchOptions::default(),
+            SearchOptions {
+                keyframe_every: Some(3),
+                ..SearchOptions::default()
+            },
+        );
+        for frames in 1..300 {
+            let every = default.keyframe_spacing(frames);
+            let keyframes = frames.div_ceil(every);
+            assert!(
+                (1..=20).contains(&every) && keyframes >= frames.min(5),
+                "{frames}: {every}"
+            );
+            assert_eq!(every == 20, frames > 80, "{frames}");
+            assert_eq!(third.keyframe_spacing(frames), 3);
+        }
     }
 }

@@ -143,9 +143,10 @@ impl FitOptions {
     fn ranges_of_search(&self) -> [Range; 6] {
         let (search, start) = (&self.search, &self.search.start);
         let track = &search.track;
+        let every = search.keyframe_every.unwrap_or(1) as f64;
         let many = 1e6;
         [
-            ("keyframe_every", search.keyframe_every as f64, 1.0, many),
+            ("keyframe_every", every, 1.0, many),
             ("start.headings", start.headings as f64, 1.0, 360.0),
             ("start.iterations", start.iterations as f64, 1.0, 1000.0),
             ("start.kept", start.kept as f64, 1.0, 1000.0),
@@ -170,7 +171,7 @@ mod tests {
     #[test]
     fn nonsense_is_named_with_its_range() {
         let mut options = FitOptions::default();
-        options.search.keyframe_every = 0;
+        options.search.keyframe_every = Some(0);
         let message = options.validate().unwrap_err().to_string();
         assert_eq!(message, "option keyframe_every = 0: expected 1 to 1000000");
         let mut options = FitOptions::default();

@@ -5,6 +5,7 @@ use std::fmt;
 use super::aim::LEAST_PX;
 use super::{CameraQuality, FittedFrame, ShapeConfidence};
 use crate::camera::{CameraId, Rig};
+use crate::inference::search::ENOUGH_KEYFRAMES;
 use crate::math::stats::{mean, median};
 use crate::silhouette::{FrameIndex, FrameObservations, Rejected};
 
@@ -131,8 +132,6 @@ impl fmt::Display for Frames {
 /// More ranges of frames than these are not read by anybody.
 const MOST_RANGES: usize = 6;
 
-/// Keyframes from which σ is not called uncertain: its relative error is 1/√(2(K − 1)), 35 % at five.
-const ENOUGH_KEYFRAMES: usize = 5;
 /// An overlap below this is bad: bodies and masks of other people still overlap as much.
 pub(super) const POOR_IOU: f64 = 0.65;
 /// A camera this much below the median of the others is weak.

@@ -87,7 +87,7 @@ fn the_result_says_what_it_is_made_of() {
         ("maquette-result", 1)
     );
     assert_eq!(result.recording.cameras, ["cam_01", "cam_02", "cam_03"]);
-    assert_eq!(result.options.search.keyframe_every, 2);
+    assert_eq!(result.options.search.keyframe_every, Some(2));
     let inputs: Vec<&str> = result.inputs.iter().map(|i| i.input.as_str()).collect();
     let expected = [
         "calibration.toml",

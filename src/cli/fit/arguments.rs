@@ -48,9 +48,9 @@ pub(in crate::cli) struct FitArguments {
     /// Fit only the frames of these numbers, both included
     #[arg(long, value_name = "FIRST:LAST")]
     pub(super) frames: Option<FrameRange>,
-    /// Every how many frames a keyframe proposes a body
-    #[arg(long, value_name = "FRAMES", default_value_t = 20)]
-    keyframe_every: usize,
+    /// Every how many frames a keyframe proposes a body [default: 20, or less where that would be fewer than five keyframes]
+    #[arg(long, value_name = "FRAMES")]
+    keyframe_every: Option<usize>,
     /// What outlines are compared with, in every stage [default: ellipses first, then metaballs if the body has them]
     #[arg(long, value_enum)]
     likelihood: Option<Likelihood>,

@@ -54,7 +54,7 @@ pub(crate) fn likelihoods() -> [(&'static str, EllipseOptions); 4] {
 
 pub(crate) fn options() -> SearchOptions {
     SearchOptions {
-        keyframe_every: 1,
+        keyframe_every: Some(1),
         pruning: Pruning::Off,
         ..SearchOptions::default()
     }

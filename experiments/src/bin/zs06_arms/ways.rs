@@ -163,7 +163,7 @@ fn motions(trial: &Trial) -> Vec<Motion> {
 /// As published, every 20th frame a keyframe.
 fn options() -> SearchOptions {
     SearchOptions {
-        keyframe_every: 20,
+        keyframe_every: Some(20),
         ..SearchOptions::default()
     }
 }

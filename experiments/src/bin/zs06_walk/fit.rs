@@ -51,7 +51,7 @@ pub(crate) fn variants() -> [Named; 6] {
 /// As published, every 20th frame a keyframe.
 pub(crate) fn options() -> SearchOptions {
     SearchOptions {
-        keyframe_every: 20,
+        keyframe_every: Some(20),
         ..SearchOptions::default()
     }
 }
