@@ -14,7 +14,7 @@ fn without_arguments_the_program_says_what_it_is_for() {
     let help = run(&["fit", "--help"]).succeeded().out;
     for part in [
         "--keyframe-every",
-        "[default: 20]",
+        "[default: 20,",
         "joints.trc",
         "--resume",
     ] {
