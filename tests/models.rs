@@ -64,6 +64,14 @@ fn complaint(from: &str, to: &str) -> String {
     message
 }
 
+/// Each of these replacements is answered by a message that begins so.
+fn each_is_answered(faults: &[(&str, &str, &str)]) {
+    for (from, to, said) in faults {
+        let message = complaint(from, to);
+        assert!(message.starts_with(said), "{message}");
+    }
+}
+
 #[test]
 fn the_left_side_is_the_mirror_image_of_the_right() {
     let model = parse(ARM).unwrap();
@@ -295,7 +303,7 @@ fn an_unknown_key_is_named_with_its_line() {
 
 #[test]
 fn other_faults_are_named_too() {
-    for (from, to, said) in [
+    each_is_answered(&[
         (
             "shift:place",
             "shift:plaice",
@@ -350,15 +358,12 @@ part = \"lower\"
             "arm.toml: part upper: `turn_deg`",
         ),
         ("name = \"test-arm\"", "name = ", "arm.toml:2:"),
-    ] {
-        let message = complaint(from, to);
-        assert!(message.starts_with(said), "{message}");
-    }
+    ]);
 }
 
 #[test]
 fn two_keys_for_one_thing_and_none_are_named() {
-    for (from, to, said) in [
+    each_is_answered(&[
         (
             "axis = \"-y\"",
             "axis = \"-y\"\ndh = {}",
@@ -379,15 +384,12 @@ fn two_keys_for_one_thing_and_none_are_named() {
             "",
             "arm.toml: point Elbow: expected one of `part`, `midpoint`, found 0",
         ),
-    ] {
-        let message = complaint(from, to);
-        assert!(message.starts_with(said), "{message}");
-    }
+    ]);
 }
 
 #[test]
 fn faults_of_a_pivot_are_named() {
-    for (from, to, said) in [
+    each_is_answered(&[
         (
             "name = \"upper\"",
             "name = \"upper\"\npivot = [\"\", \"\", \"place\"]",
@@ -398,10 +400,7 @@ fn faults_of_a_pivot_are_named() {
             "sides = true\npivot = [\"\", \"\", \"plaice\"]",
             "arm.toml: part lower_r names the coefficient \"plaice\"",
         ),
-    ] {
-        let message = complaint(from, to);
-        assert!(message.starts_with(said), "{message}");
-    }
+    ]);
 }
 
 #[test]

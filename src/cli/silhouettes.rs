@@ -124,9 +124,9 @@ fn silhouettes(arguments: &SilhouettesArguments) -> Result<(), CliError> {
     let skipped = work.run(progress, |found| found.write(&mut folder, &footage, &model))?;
     let rows = folder.finish()?;
     // 3. what was found
-    unsure(&rows, &arguments.body)
-        .iter()
-        .for_each(|line| complain("warning", line));
+    if let Some(line) = unsure(&rows, &arguments.body) {
+        complain("warning", &line);
+    }
     if !arguments.quiet.is_on() {
         skipped.iter().for_each(|note| complain("note", note));
         let seconds = start.elapsed().as_secs_f64();

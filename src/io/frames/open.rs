@@ -1,15 +1,14 @@
 //! From a folder to cameras and frame numbers.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::probe::{Probe, probe};
 use super::{CameraFootage, Footage, FramesError, FramesNote, Source, image};
 use crate::camera::Rig;
 use crate::io::calibration::{self, CalibrationOptions};
+use crate::io::layout;
 use crate::io::layout::numbered_files::{self, NumberedFiles, Wanted};
-use crate::io::layout::{self, LayoutError};
 use crate::io::manifest::{CameraFiles, Manifest};
 
 /// How far a video's rate may be from the recording's, as a fraction of it, without a note: 59.94 is 60.
@@ -145,14 +144,14 @@ fn found(folder: &Path, camera: &CameraFiles) -> Result<Found, FramesError> {
 /// One camera for each file `videos/<camera>.*` and each folder `images/<camera>`, by name.
 fn conventional(folder: &Path) -> Result<Vec<CameraFiles>, FramesError> {
     let mut cameras: BTreeMap<String, CameraFiles> = BTreeMap::new();
-    for path in visible(&folder.join("videos"))?
+    for path in layout::visible(&folder.join("videos"))?
         .into_iter()
         .filter(|path| path.is_file())
     {
         let camera = camera_of(&mut cameras, &path);
         camera.video = Some(beneath("videos", &path));
     }
-    for path in visible(&folder.join("images"))?
+    for path in layout::visible(&folder.join("images"))?
         .into_iter()
         .filter(|path| path.is_dir())
     {
@@ -161,7 +160,7 @@ fn conventional(folder: &Path) -> Result<Vec<CameraFiles>, FramesError> {
             camera.images = Some(format!("images/{}", camera.name));
         }
     }
-    for path in visible(&folder.join("background"))? {
+    for path in layout::visible(&folder.join("background"))? {
         let stem = path
             .file_stem()
             .map(|stem| stem.to_string_lossy().into_owned());
@@ -192,26 +191,6 @@ fn camera_of<'a>(
 /// A file's place relative to the recording.
 fn beneath(folder: &str, path: &Path) -> PathBuf {
     Path::new(folder).join(path.file_name().unwrap_or_default())
-}
-
-/// What a folder holds and does not hide, by name; nothing if there is no such folder.
-fn visible(folder: &Path) -> Result<Vec<PathBuf>, FramesError> {
-    if !folder.is_dir() {
-        return Ok(Vec::new());
-    }
-    let unreadable = |source| LayoutError::Folder {
-        path: folder.into(),
-        source,
-    };
-    let mut paths = Vec::new();
-    for entry in fs::read_dir(folder).map_err(unreadable)? {
-        let entry = entry.map_err(unreadable)?;
-        if !entry.file_name().to_string_lossy().starts_with('.') {
-            paths.push(entry.path());
-        }
-    }
-    paths.sort();
-    Ok(paths)
 }
 
 /// Reads the calibration of the cameras; those that are not in it are left out unless the manifest lists them.

@@ -40,30 +40,19 @@ pub(super) fn frame_rate(fps: Option<f64>, path: &Path) -> Result<f64, LayoutErr
 
 /// One camera for each folder `masks/<camera>`, by name.
 pub(super) fn conventional_cameras(folder: &Path) -> Result<Vec<CameraFiles>, LayoutError> {
-    let masks = folder.join(MASKS);
-    if !masks.is_dir() {
-        return Ok(Vec::new());
-    }
-    let unreadable = |source| LayoutError::Folder {
-        path: masks.clone(),
-        source,
+    let folders = visible(&folder.join(MASKS))?.into_iter();
+    let camera = |path: PathBuf| {
+        let name = path.file_name()?.to_string_lossy().into_owned();
+        Some(CameraFiles {
+            masks: Some(format!("{MASKS}/{name}")),
+            name,
+            ..CameraFiles::default()
+        })
     };
-    let mut cameras = Vec::new();
-    for entry in fs::read_dir(&masks).map_err(unreadable)? {
-        let path = entry.map_err(unreadable)?.path();
-        let name = path
-            .file_name()
-            .map(|name| name.to_string_lossy().into_owned());
-        if let Some(name) = name.filter(|name| path.is_dir() && !name.starts_with('.')) {
-            cameras.push(CameraFiles {
-                masks: Some(format!("{MASKS}/{name}")),
-                name,
-                ..CameraFiles::default()
-            });
-        }
-    }
-    cameras.sort_by(|a, b| a.name.cmp(&b.name));
-    Ok(cameras)
+    Ok(folders
+        .filter(|path| path.is_dir())
+        .filter_map(camera)
+        .collect())
 }
 
 /// The files or folders that the calibration is read from.
@@ -100,7 +89,8 @@ pub(super) fn read_calibration(
 /// `calibration.toml`, else another `calibration.*`, else a folder `calib…`, else the recording's folder itself; in a
 /// folder the reader looks for its formats.
 fn conventional_calibration(folder: &Path) -> PathBuf {
-    let mut candidates: Vec<(u8, PathBuf)> = entries(folder)
+    let mut candidates: Vec<(u8, PathBuf)> = contents(folder)
+        .unwrap_or_default()
         .into_iter()
         .filter_map(|path| Some((calibration_rank(&path)?, path)))
         .collect();
@@ -124,7 +114,7 @@ fn calibration_rank(path: &Path) -> Option<u8> {
 pub(super) fn files_behind(source: &Path) -> Vec<PathBuf> {
     let name = source.file_name().unwrap_or_default();
     if source.is_dir() {
-        let mut files = entries(source);
+        let mut files = contents(source).unwrap_or_default();
         files.retain(|path| {
             let extension = path.extension().unwrap_or_default().to_string_lossy();
             let is_description = ["toml", "yml", "txt", "xcp"].contains(&extension.as_ref());
@@ -140,10 +130,31 @@ pub(super) fn files_behind(source: &Path) -> Vec<PathBuf> {
     }
 }
 
-/// What a folder holds, by name; nothing if it cannot be read.
-fn entries(folder: &Path) -> Vec<PathBuf> {
-    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
-    let mut paths: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
+/// What a folder holds, by name.
+fn contents(folder: &Path) -> Result<Vec<PathBuf>, LayoutError> {
+    let unreadable = |source| LayoutError::Folder {
+        path: folder.into(),
+        source,
+    };
+    let mut paths = Vec::new();
+    for entry in fs::read_dir(folder).map_err(unreadable)? {
+        paths.push(entry.map_err(unreadable)?.path());
+    }
     paths.sort();
-    paths
+    Ok(paths)
+}
+
+/// What a folder holds and does not hide, by name; nothing if there is no such folder.
+pub(super) fn visible(folder: &Path) -> Result<Vec<PathBuf>, LayoutError> {
+    if !folder.is_dir() {
+        return Ok(Vec::new());
+    }
+    let mut paths = contents(folder)?;
+    paths.retain(|path| !is_hidden(path));
+    Ok(paths)
+}
+
+fn is_hidden(path: &Path) -> bool {
+    let name = path.file_name();
+    name.is_some_and(|name| name.to_string_lossy().starts_with('.'))
 }

@@ -1,12 +1,11 @@
 //! Which files are masks or point clouds, and of which frames.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use image::ImageFormat;
 
-use super::LayoutError;
+use super::{LayoutError, contents, is_hidden};
 
 /// The masks of one camera, or the point clouds.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -44,13 +43,13 @@ pub(in crate::io) fn list(
         let printf = Printf::parse(&whole).ok_or_else(|| {
             bad_pattern("one %d or %06d in the file's name and no other % in the path")
         })?;
-        let files = files_of(printf.folder)?.into_iter();
+        let files = contents(printf.folder)?.into_iter();
         files
             .filter_map(|path| Some((Some(printf.number(&path)?), path)))
             .collect()
     } else {
         let files = if whole.is_dir() {
-            of_kind(files_of(&whole)?, wanted)
+            of_kind(contents(&whole)?, wanted)
         } else if whole.is_file() {
             vec![whole]
         } else if pattern.contains(['*', '?', '[']) {
@@ -92,26 +91,7 @@ fn collect(
     Ok(files)
 }
 
-/// The files of a folder, by name.
-fn files_of(folder: &Path) -> Result<Vec<PathBuf>, LayoutError> {
-    let unreadable = |source| LayoutError::Folder {
-        path: folder.into(),
-        source,
-    };
-    let mut files = Vec::new();
-    for entry in fs::read_dir(folder).map_err(unreadable)? {
-        files.push(entry.map_err(unreadable)?.path());
-    }
-    files.sort();
-    Ok(files)
-}
-
-fn of_kind(files: Vec<PathBuf>, wanted: &Wanted<'_>) -> Vec<PathBuf> {
-    let is_hidden = |path: &Path| {
-        path.file_name()
-            .is_some_and(|name| name.to_string_lossy().starts_with('.'))
-    };
-    let mut files = files;
+fn of_kind(mut files: Vec<PathBuf>, wanted: &Wanted<'_>) -> Vec<PathBuf> {
     files.retain(|path| !is_hidden(path) && (wanted.is_kind)(path));
     files
 }
