@@ -11,18 +11,18 @@ mod report;
 mod walker;
 
 use maquette::gait::{
-    Angle, EventKind, Gait, GaitOptions, Landmark, Paired, Parameter, Recording, RecordingError,
-    Segments, Side, Surface, analyse,
+    Angle, EventKind, GaitAnalysis, GaitOptions, Landmark, Movement, MovementError, Paired,
+    Parameter, Segments, Side, Surface, analyse,
 };
 use nalgebra::Vector3;
 use walker::{STRIDE_S, Walker};
 
-fn analysed(walker: &Walker) -> Gait {
-    let recording = walker.recording().expect("a body");
-    analyse(&recording, &GaitOptions::default()).expect("a pelvis")
+fn analysed(walker: &Walker) -> GaitAnalysis {
+    let movement = walker.movement().expect("a body");
+    analyse(&movement, &GaitOptions::default()).expect("a pelvis")
 }
 
-fn mean(gait: &Gait, parameter: Parameter, side: Side) -> f64 {
+fn mean(gait: &GaitAnalysis, parameter: Parameter, side: Side) -> f64 {
     gait.parameters[&(parameter, side)].mean
 }
 
@@ -131,10 +131,10 @@ fn angles_of_joint_centres_are_those_that_the_body_was_posed_with() {
 #[test]
 fn angles_of_a_fitted_body_are_its_own() {
     let walker = Walker::new(0.3);
-    let mut recording = walker.recording().expect("a body");
+    let mut movement = walker.movement().expect("a body");
     let motions: Vec<_> = walker.motions.iter().cloned().map(Some).collect();
-    recording.segments = Some(Segments::of_body(&walker.model, &walker.shape, &motions));
-    let gait = analyse(&recording, &GaitOptions::default()).expect("a pelvis");
+    movement.segments = Some(Segments::of_body(&walker.model, &walker.shape, &motions));
+    let gait = analyse(&movement, &GaitOptions::default()).expect("a pelvis");
     for (angle, joint, sign) in [
         (Angle::KneeFlexion, "knee_flexion_r", 1.0),
         (Angle::HipFlexion, "hip_flexion_r", 1.0),
@@ -242,14 +242,14 @@ fn a_gap_costs_the_strides_that_it_lies_in_and_no_others() {
 fn a_body_without_an_ankle_or_of_the_wrong_unit_is_refused() {
     let mut walker = Walker::new(0.0);
     walker.rename("LAnkle", "somewhere");
-    let refused = walker.recording();
+    let refused = walker.movement();
     assert!(
-        matches!(&refused, Err(RecordingError::Missing { missing, .. }) if missing == "left ankle"),
+        matches!(&refused, Err(MovementError::Missing { missing, .. }) if missing == "left ankle"),
         "{refused:?}"
     );
-    let small = Walker::new(0.0).scaled(1e-3).recording();
+    let small = Walker::new(0.0).scaled(1e-3).movement();
     assert!(
-        matches!(small, Err(RecordingError::Size { .. })),
+        matches!(small, Err(MovementError::Size { .. })),
         "{small:?}"
     );
 }
@@ -267,10 +267,10 @@ fn a_constant_added_to_every_place_changes_nothing() {
 /// A recording of nothing.
 #[test]
 fn too_few_frames_are_refused() {
-    let refused = Recording::of_points(100.0, 0, &["RHip".to_owned()], &[]);
+    let refused = Movement::from_points(100.0, 0, &["RHip".to_owned()], &[]);
     assert_eq!(
         refused,
-        Err(RecordingError::Short {
+        Err(MovementError::Short {
             frames: 0,
             fewest: 10
         })
@@ -279,39 +279,39 @@ fn too_few_frames_are_refused() {
 
 #[test]
 fn a_step_is_as_uncertain_as_the_way_between_the_feet_and_a_width_as_both_of_them() {
-    let mut recording = Walker::new(0.0).recording().expect("a body");
-    let frames = recording.frames;
+    let mut movement = Walker::new(0.0).movement().expect("a body");
+    let frames = movement.frames;
     for side in Side::BOTH {
         let ankle = Landmark::Of(side, Paired::Ankle);
         let sd = vec![Vector3::repeat(0.01); frames];
-        recording.sd_m.insert(ankle, sd);
+        movement.sd_m.insert(ankle, sd);
     }
-    let of = |recording: &Recording, parameter| {
-        let gait = analyse(recording, &GaitOptions::default()).expect("a pelvis");
+    let of = |movement: &Movement, parameter| {
+        let gait = analyse(movement, &GaitOptions::default()).expect("a pelvis");
         let u = gait.parameters[&(parameter, Side::Left)].uncertainty;
         u.expect("known")
     };
     // nothing is known of how the two err together: the bound
-    approx::assert_relative_eq!(of(&recording, Parameter::StepLength), 0.02, epsilon = 1e-9);
-    approx::assert_relative_eq!(of(&recording, Parameter::StepWidth), 0.02, epsilon = 1e-9);
+    approx::assert_relative_eq!(of(&movement, Parameter::StepLength), 0.02, epsilon = 1e-9);
+    approx::assert_relative_eq!(of(&movement, Parameter::StepWidth), 0.02, epsilon = 1e-9);
     let apart = vec![Vector3::new(0.003, 0.05, 0.05); frames];
-    recording.apart_sd_m.insert(Paired::Ankle, apart);
-    let u = of(&recording, Parameter::StepLength);
+    movement.apart_sd_m.insert(Paired::Ankle, apart);
+    let u = of(&movement, Parameter::StepLength);
     assert!((0.003..0.0035).contains(&u), "{u}");
-    approx::assert_relative_eq!(of(&recording, Parameter::StepWidth), 0.02, epsilon = 1e-9);
+    approx::assert_relative_eq!(of(&movement, Parameter::StepWidth), 0.02, epsilon = 1e-9);
 }
 
 #[test]
 fn who_sways_on_the_spot_keeps_one_heading() {
-    let mut recording = Walker::squat().recording().expect("a body");
-    let rate = recording.rate_hz;
+    let mut movement = Walker::squat().movement().expect("a body");
+    let rate = movement.rate_hz;
     // to the left and back, 0.4 m/s at most
-    for track in recording.tracks.values_mut() {
+    for track in movement.tracks.values_mut() {
         for (i, place) in track.iter_mut().enumerate() {
             place.y += 0.2 * (2.0 * i as f64 / rate).sin();
         }
     }
-    let gait = analyse(&recording, &GaitOptions::default()).expect("a pelvis");
+    let gait = analyse(&movement, &GaitOptions::default()).expect("a pelvis");
     for (i, heading) in gait.course.heading.iter().enumerate() {
         assert!(heading.x > 0.99, "frame {i}: {heading}");
     }

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::error::CliError;
 use crate::camera::CameraId;
-use crate::gait::{Gait, GaitOptions, Norm, analyse};
+use crate::gait::{GaitAnalysis, GaitOptions, Norm, analyse};
 use crate::io::gait::{
     GaitFile, GaitInput, SHIPPED_NORM, Sex, add_parameters, gait_file, load_norm, parse_norm,
     read_fit, read_points,
@@ -39,7 +39,7 @@ pub(super) struct Analysed {
     from: PathBuf,
     pub(super) input: GaitInput,
     pub(super) norm: Option<Norm>,
-    pub(super) gait: Gait,
+    pub(super) gait: GaitAnalysis,
     pub(super) file: GaitFile,
 }
 
@@ -51,7 +51,7 @@ impl Analysed {
             false => read_points(asked.from, asked.fps)?,
         };
         let norm = norm_of(asked)?;
-        let gait = analyse(&input.recording, options)?;
+        let gait = analyse(&input.movement, options)?;
         Ok(Self {
             from: asked.from.into(),
             file: gait_file(&input, &gait, norm.as_ref()),
@@ -164,12 +164,12 @@ fn views(
     input: &GaitInput,
     result: Option<&ResultFile>,
 ) -> Result<Vec<CameraOutlines>, CliError> {
-    let mut recording = Recording::open(folder, Some(input.recording.rate_hz))?;
+    let mut recording = Recording::open(folder, Some(input.movement.rate_hz))?;
     if let Some(result) = result {
         recording.rig = recording.rig.aimed(&result.aims_px(&recording.rig));
     }
-    let first = input.recording.first_frame;
-    let frames: Vec<FrameIndex> = (0..input.recording.frames)
+    let first = input.movement.first_frame;
+    let frames: Vec<FrameIndex> = (0..input.movement.frames)
         .map(|i| FrameIndex(first + i))
         .collect();
     let cameras: Vec<CameraId> = recording.rig.iter().map(|(id, _)| id).collect();

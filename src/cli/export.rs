@@ -9,7 +9,7 @@ use super::analysis::{Analysed, Asked};
 use super::error::CliError;
 use super::print;
 use crate::body::{Motion, Posed};
-use crate::gait::{Gait, GaitOptions, Recording};
+use crate::gait::{GaitAnalysis, GaitOptions, Movement};
 use crate::io::export::{
     C3dInput, TableKind, bvh, c3d, coordinates, frame_table, glb, motion_text,
 };
@@ -116,7 +116,7 @@ fn default_formats() -> Vec<Format> {
 struct Export<'a> {
     input: &'a GaitInput,
     body: &'a FittedBody,
-    gait: &'a Gait,
+    gait: &'a GaitAnalysis,
     out: &'a Path,
     folder: PathBuf,
 }
@@ -124,19 +124,19 @@ struct Export<'a> {
 impl Export<'_> {
     /// Writes one format, and says where.
     fn write(&self, format: Format) -> Result<PathBuf, CliError> {
-        let (body, recording) = (self.body, &self.input.recording);
+        let (body, movement) = (self.body, &self.input.movement);
         let (model, shape, motions) = (&body.model, &body.shape, &body.motions);
-        let table = || frame_table(recording, &body.points, self.gait);
+        let table = || frame_table(movement, &body.points, self.gait);
         let (extension, bytes) = match format {
             Format::C3d => ("c3d", self.c3d()?),
-            Format::Trc => ("trc", trc(body, recording).into_bytes()),
+            Format::Trc => ("trc", trc(body, movement).into_bytes()),
             Format::Mot => ("mot", self.motion(TableKind::Mot, "mot")?),
             Format::Sto => ("sto", self.motion(TableKind::Sto, "sto")?),
             Format::Bvh => {
-                let text = bvh(model, shape, motions, recording.rate_hz)?;
+                let text = bvh(model, shape, motions, movement.rate_hz)?;
                 ("bvh", text.into_bytes())
             }
-            Format::Glb => ("glb", glb(model, shape, motions, recording.rate_hz)?),
+            Format::Glb => ("glb", glb(model, shape, motions, movement.rate_hz)?),
             Format::Csv => ("csv", table().csv()?),
             Format::Parquet => ("parquet", table().parquet()?),
             Format::Ply => return self.surfaces(MeshFormat::Ply),
@@ -149,8 +149,8 @@ impl Export<'_> {
 
     fn c3d(&self) -> Result<Vec<u8>, CliError> {
         Ok(c3d(&C3dInput {
-            rate_hz: self.input.recording.rate_hz,
-            first_frame: self.input.recording.first_frame,
+            rate_hz: self.input.movement.rate_hz,
+            first_frame: self.input.movement.first_frame,
             points: &self.body.points,
             cameras: &self.body.cameras,
             angles: &self.gait.angles,
@@ -159,7 +159,7 @@ impl Export<'_> {
     }
 
     fn motion(&self, kind: TableKind, format: &'static str) -> Result<Vec<u8>, CliError> {
-        let table = coordinates(&self.input.recording, self.gait);
+        let table = coordinates(&self.input.movement, self.gait);
         let table = table.ok_or_else(|| CliError::NoCoordinates {
             path: self.out.into(),
             format,
@@ -173,7 +173,7 @@ impl Export<'_> {
         let body = self.body;
         let folder = self.folder.join(format.extension());
         OutFolder::open(&folder)?;
-        let first = self.input.recording.first_frame;
+        let first = self.input.movement.first_frame;
         let write = |(i, motion): (usize, &Option<Motion>)| -> Result<(), CliError> {
             let Some(motion) = motion else { return Ok(()) };
             let posed = Posed::new(&body.model, &body.shape, motion);
@@ -196,7 +196,7 @@ impl Export<'_> {
 }
 
 /// The points of the fit, in the order of the model.
-fn trc(body: &FittedBody, recording: &Recording) -> String {
+fn trc(body: &FittedBody, movement: &Movement) -> String {
     let frame = |i: usize| {
         let place = |point: &FittedPoint| {
             let known = point.track[i].iter().all(|v| v.is_finite());
@@ -205,10 +205,10 @@ fn trc(body: &FittedBody, recording: &Recording) -> String {
         body.points.iter().map(place).collect()
     };
     let trajectories = Trajectories {
-        rate_hz: recording.rate_hz,
-        first_frame: recording.first_frame,
+        rate_hz: movement.rate_hz,
+        first_frame: movement.first_frame,
         names: body.points.iter().map(|p| p.name.clone()).collect(),
-        frames: (0..recording.frames).map(frame).collect(),
+        frames: (0..movement.frames).map(frame).collect(),
     };
     write_trc(&trajectories, "motion.trc")
 }

@@ -115,7 +115,7 @@ pub(super) fn run(arguments: &GaitArguments) -> Result<(), CliError> {
     let write = |name: &str, bytes: Vec<u8>| write_atomically(&out.join(name), &bytes);
     write("parameters.csv", parameters_csv(gait)?)?;
     write("curves.csv", curves_csv(gait, norm)?)?;
-    write("angles.csv", angles_csv(gait, &analysed.input.recording)?)?;
+    write("angles.csv", angles_csv(gait, &analysed.input.movement)?)?;
     write("gait.json", serde_json::to_vec_pretty(&analysed.file)?)?;
     if arguments.report {
         analysed.write_report(&arguments.identity, &out.join("report.html"))?;

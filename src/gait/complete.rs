@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::landmark::{Landmark, Paired, Side};
-use super::recording::{Recording, Track};
+use super::movement::{Movement, Track};
 
 /// Where the back of the heel is seen from the ankle, in lengths of the line from the ankle to the toe: backwards along
 /// that line, and downwards across it.
@@ -12,7 +12,7 @@ use super::recording::{Recording, Track};
 /// forwards and upwards (docs/anthropometry.md).
 const HEEL: (f64, f64) = (0.21, 0.31);
 
-impl Recording {
+impl Movement {
     /// Adds joint centres, hips, middle of the hips and heels that can be found from what is there.
     pub(super) fn complete(&mut self) {
         for side in Side::BOTH {

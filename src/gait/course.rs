@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::landmark::{Landmark, Paired, Side};
-use super::recording::{Recording, Track};
+use super::movement::{Movement, Track};
 use crate::math::stats::median;
 
 /// What the person walks on.
@@ -45,10 +45,10 @@ impl Course {
     /// room but stands for a while, and in all of a recording that stays in its place, it is the direction in which the
     /// pelvis faces; between the two it goes over from one to the other. The belt's speed is the median speed, backwards, of whichever
     /// foot is lower: that is the one that stands.
-    pub(super) fn of(recording: &Recording, surface: Option<Surface>) -> Option<Self> {
-        let pelvis = recording.track(Landmark::MidHip)?;
-        let facing = facing(recording)?;
-        let moved = moved(pelvis, recording.rate_hz);
+    pub(super) fn of(movement: &Movement, surface: Option<Surface>) -> Option<Self> {
+        let pelvis = movement.track(Landmark::MidHip)?;
+        let facing = facing(movement)?;
+        let moved = moved(pelvis, movement.rate_hz);
         let along = |(m, f): (&Vector3<f64>, &Vector3<f64>)| m.dot(f);
         let mut speeds: Vec<f64> = moved.iter().zip(&facing).map(along).collect();
         let speed_m_s = median(&mut speeds)?;
@@ -62,7 +62,7 @@ impl Course {
             _ => *f,
         };
         let heading: Vec<Vector3<f64>> = moved.iter().zip(&facing).map(choose).collect();
-        let belt_m_s = -standing_foot_speed(recording, &heading)?;
+        let belt_m_s = -standing_foot_speed(movement, &heading)?;
         let surface = surface.unwrap_or(
             match belt_m_s.abs() >= STILL_M_S && speed_m_s.abs() < STILL_M_S {
                 true => Surface::Treadmill,
@@ -95,11 +95,11 @@ impl Course {
 }
 
 /// Where the pelvis faces, averaged over [`WINDOW_S`]; frames in which it is unknown take their neighbour's.
-fn facing(recording: &Recording) -> Option<Track> {
+fn facing(movement: &Movement) -> Option<Track> {
     let sides = |place| {
         Some((
-            recording.of(Side::Left, place)?,
-            recording.of(Side::Right, place)?,
+            movement.of(Side::Left, place)?,
+            movement.of(Side::Right, place)?,
         ))
     };
     let (left, right) = sides(Paired::Asis).or_else(|| sides(Paired::Hip))?;
@@ -108,7 +108,7 @@ fn facing(recording: &Recording) -> Option<Track> {
         .zip(right)
         .map(|(l, r)| (l - r).cross(&Vector3::z()));
     let across: Track = across.collect();
-    let (n, half) = (across.len(), (0.5 * WINDOW_S * recording.rate_hz) as usize);
+    let (n, half) = (across.len(), (0.5 * WINDOW_S * movement.rate_hz) as usize);
     let mean = |i: usize| {
         let near = &across[i.saturating_sub(half)..(i + half + 1).min(n)];
         let sum: Vector3<f64> = near.iter().filter(|v| v.x.is_finite()).sum();
@@ -138,17 +138,17 @@ fn moved(pelvis: &Track, rate_hz: f64) -> Track {
 }
 
 /// Median velocity along the heading of the lower foot's middle, m/s.
-fn standing_foot_speed(recording: &Recording, heading: &[Vector3<f64>]) -> Option<f64> {
+fn standing_foot_speed(movement: &Movement, heading: &[Vector3<f64>]) -> Option<f64> {
     let foot = |side| -> Option<Track> {
-        let heel = recording.of(side, Paired::Heel)?;
-        let toe = recording.of(side, Paired::Toe)?;
+        let heel = movement.of(side, Paired::Heel)?;
+        let toe = movement.of(side, Paired::Toe)?;
         Some(heel.iter().zip(toe).map(|(h, t)| (h + t) * 0.5).collect())
     };
     let feet = [foot(Side::Left)?, foot(Side::Right)?];
     let speed = |i: usize| {
         let lower = usize::from(feet[1][i].z < feet[0][i].z);
-        (feet[lower][i + 1] - feet[lower][i - 1]).dot(&heading[i]) * 0.5 * recording.rate_hz
+        (feet[lower][i + 1] - feet[lower][i - 1]).dot(&heading[i]) * 0.5 * movement.rate_hz
     };
-    let mut speeds: Vec<f64> = (1..recording.frames - 1).map(speed).collect();
+    let mut speeds: Vec<f64> = (1..movement.frames - 1).map(speed).collect();
     median(&mut speeds)
 }

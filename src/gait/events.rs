@@ -23,8 +23,8 @@ use super::GaitOptions;
 use super::course::Course;
 use super::filter;
 use super::landmark::{Landmark, Paired, Side};
+use super::movement::{Movement, Track, by_axis};
 use super::peaks::{Peak, peaks};
-use super::recording::{Recording, Track, by_axis};
 use crate::math::stats::mean_and_sd;
 
 /// What a foot does.
@@ -76,12 +76,12 @@ const REACH_S: f64 = 0.15;
 const SWINGS_M_S: f64 = 0.6;
 
 /// All events, by time; none if one foot strikes again and again and the other never: that is no walk.
-pub(super) fn events(recording: &Recording, course: &Course, options: &GaitOptions) -> Vec<Event> {
+pub(super) fn events(movement: &Movement, course: &Course, options: &GaitOptions) -> Vec<Event> {
     let mut found = Vec::new();
     for side in Side::BOTH {
-        if let Some(foot) = Foot::of(recording, course, side) {
-            found.extend(foot.events(EventKind::Strike, recording, options));
-            found.extend(foot.events(EventKind::Off, recording, options));
+        if let Some(foot) = Foot::of(movement, course, side) {
+            found.extend(foot.events(EventKind::Strike, movement, options));
+            found.extend(foot.events(EventKind::Off, movement, options));
         }
     }
     found.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
@@ -115,11 +115,11 @@ struct Foot {
 }
 
 impl Foot {
-    fn of(recording: &Recording, course: &Course, side: Side) -> Option<Self> {
-        let pelvis = reference(recording)?;
+    fn of(movement: &Movement, course: &Course, side: Side) -> Option<Self> {
+        let pelvis = reference(movement)?;
         let (heel, toe) = (
-            recording.of(side, Paired::Heel)?,
-            recording.of(side, Paired::Toe)?,
+            movement.of(side, Paired::Heel)?,
+            movement.of(side, Paired::Toe)?,
         );
         let ahead = |track: &Track| -> Vec<f64> {
             let rows = track.iter().zip(&pelvis).zip(&course.heading);
@@ -127,7 +127,7 @@ impl Foot {
                 .collect()
         };
         let speed = |track: &Track| -> Vec<f64> {
-            let velocity = by_axis(track, |values| filter::slope(values, recording.rate_hz));
+            let velocity = by_axis(track, |values| filter::slope(values, movement.rate_hz));
             let rows = velocity.iter().zip(&course.heading);
             rows.map(|(v, heading)| v.z.hypot(v.dot(heading) + course.belt_m_s))
                 .collect()
@@ -141,18 +141,18 @@ impl Foot {
         })
     }
 
-    fn events(&self, kind: EventKind, recording: &Recording, options: &GaitOptions) -> Vec<Event> {
+    fn events(&self, kind: EventKind, movement: &Movement, options: &GaitOptions) -> Vec<Event> {
         let (signal, speed) = match kind {
             EventKind::Strike => (&self.heel_ahead, &self.heel_speed),
             EventKind::Off => (&self.toe_behind, &self.toe_speed),
         };
-        let reach = REACH_S * recording.rate_hz;
+        let reach = REACH_S * movement.rate_hz;
         let swings = |peak: &Peak| {
             let near = (peak.frame - 2.0 * reach).max(0.0) as usize;
             let far = ((peak.frame + 2.0 * reach) as usize + 1).min(speed.len());
             speed[near..far].iter().any(|v| *v > SWINGS_M_S)
         };
-        let nearest = NEAREST_S * recording.rate_hz;
+        let nearest = NEAREST_S * movement.rate_hz;
         let found = peaks(signal, options.prominence_m, nearest);
         let event = |peak: &Peak| {
             let by_speed = match kind {
@@ -163,7 +163,7 @@ impl Foot {
                 EventKind::Strike => by_speed.unwrap_or(peak.frame),
                 EventKind::Off => peak.frame,
             };
-            let seconds = |frame: f64| (frame + recording.first_frame as f64) / recording.rate_hz;
+            let seconds = |frame: f64| (frame + movement.first_frame as f64) / movement.rate_hz;
             Event {
                 side: self.side,
                 kind,
@@ -182,15 +182,15 @@ impl Foot {
 }
 
 /// The point of the pelvis that Zeni's method looks from: the sacrum, or what is nearest to it.
-fn reference(recording: &Recording) -> Option<Track> {
-    let backs = Side::BOTH.map(|side| recording.of(side, Paired::Psis));
-    match (backs, recording.track(Landmark::Sacrum)) {
+fn reference(movement: &Movement) -> Option<Track> {
+    let backs = Side::BOTH.map(|side| movement.of(side, Paired::Psis));
+    match (backs, movement.track(Landmark::Sacrum)) {
         ([Some(left), Some(right)], _) => {
             let middle = |(l, r): (&Vector3<f64>, &Vector3<f64>)| (l + r) * 0.5;
             Some(left.iter().zip(right).map(middle).collect())
         }
         (_, Some(sacrum)) => Some(sacrum.clone()),
-        _ => recording.track(Landmark::MidHip).cloned(),
+        _ => movement.track(Landmark::MidHip).cloned(),
     }
 }
 

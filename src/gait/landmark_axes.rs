@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::angle::Angle;
 use super::complete::pelvis_frame;
 use super::landmark::{Landmark, Paired, Side};
-use super::recording::{Recording, Track};
+use super::movement::{Movement, Track};
 use super::segments::{Axes, Limb, Segment, Segments, unknown};
 
 /// How far the line from ankle to toe slopes down in a foot that stands flat: atan(0.055/0.180), as in `complete.rs`.
@@ -13,20 +13,20 @@ const FOOT_SLOPE: f64 = 0.2966;
 
 impl Segments {
     /// The parts that places of the body span.
-    pub(super) fn of_landmarks(recording: &Recording) -> Self {
+    pub(super) fn of_landmarks(movement: &Movement) -> Self {
         let mut segments = Self::default();
-        segments.pelvis(recording);
-        segments.trunk(recording);
+        segments.pelvis(movement);
+        segments.trunk(movement);
         for side in Side::BOTH {
-            segments.leg(recording, side);
-            segments.arm(recording, side);
+            segments.leg(movement, side);
+            segments.arm(movement, side);
         }
-        segments.say_unknown(recording);
+        segments.say_unknown(movement);
         segments
     }
 
-    fn pelvis(&mut self, recording: &Recording) {
-        let axes = match recording.spines() {
+    fn pelvis(&mut self, movement: &Movement) {
+        let axes = match movement.spines() {
             Some(spines) => {
                 let frame = |[l, r, b]: &[Vector3<f64>; 3]| pelvis_frame(l, r, b);
                 spines
@@ -35,7 +35,7 @@ impl Segments {
                     .collect()
             }
             None => {
-                let hips = Side::BOTH.map(|side| recording.of(side, Paired::Hip));
+                let hips = Side::BOTH.map(|side| movement.of(side, Paired::Hip));
                 let [Some(left), Some(right)] = hips else {
                     return;
                 };
@@ -46,25 +46,25 @@ impl Segments {
         self.axes.insert(Segment::Pelvis, axes);
     }
 
-    fn trunk(&mut self, recording: &Recording) {
-        let shoulders = Side::BOTH.map(|side| recording.of(side, Paired::Shoulder));
+    fn trunk(&mut self, movement: &Movement) {
+        let shoulders = Side::BOTH.map(|side| movement.of(side, Paired::Shoulder));
         let [Some(left), Some(right)] = shoulders else {
             return;
         };
-        let Some(low) = recording.track(Landmark::MidHip) else {
+        let Some(low) = movement.track(Landmark::MidHip) else {
             return;
         };
-        let high: Track = match recording.track(Landmark::Neck) {
+        let high: Track = match movement.track(Landmark::Neck) {
             Some(neck) => neck.clone(),
             None => left.iter().zip(right).map(|(l, r)| (l + r) * 0.5).collect(),
         };
         let axes =
-            (0..recording.frames).map(|i| of_y_and_z(&(high[i] - low[i]), &(right[i] - left[i])));
+            (0..movement.frames).map(|i| of_y_and_z(&(high[i] - low[i]), &(right[i] - left[i])));
         self.axes.insert(Segment::Trunk, axes.collect());
     }
 
-    fn leg(&mut self, recording: &Recording, side: Side) {
-        let place = |place| recording.of(side, place);
+    fn leg(&mut self, movement: &Movement, side: Side) {
+        let place = |place| movement.of(side, place);
         let (Some(hip), Some(knee), Some(ankle), Some(toe), Some(pelvis)) = (
             place(Paired::Hip),
             place(Paired::Knee),
@@ -76,12 +76,12 @@ impl Segments {
         };
         let medial = place(Paired::KneeMedial);
         let medial_ankle = place(Paired::AnkleMedial);
-        let heel = recording
+        let heel = movement
             .has_heel_marker(side)
             .then(|| place(Paired::Heel))
             .flatten();
         let mut axes: [Axes; 3] = Default::default();
-        for i in 0..recording.frames {
+        for i in 0..movement.frames {
             // the flexion axis: from the epicondyles where both are marked, else the pelvis' own right
             let right = match medial {
                 Some(inner) => (knee[i] - inner[i]) * side.sign(),
@@ -107,8 +107,8 @@ impl Segments {
         }
     }
 
-    fn arm(&mut self, recording: &Recording, side: Side) {
-        let place = |place| recording.of(side, place);
+    fn arm(&mut self, movement: &Movement, side: Side) {
+        let place = |place| movement.of(side, place);
         let (Some(shoulder), Some(elbow), Some(wrist), Some(trunk)) = (
             place(Paired::Shoulder),
             place(Paired::Elbow),
@@ -118,7 +118,7 @@ impl Segments {
             return;
         };
         let mut axes: [Axes; 2] = Default::default();
-        for i in 0..recording.frames {
+        for i in 0..movement.frames {
             // an elbow bends about the normal of its plane; nearly straight it is taken to bend as the trunk does
             let (upper, lower) = (shoulder[i] - elbow[i], elbow[i] - wrist[i]);
             let normal = upper.cross(&lower);
@@ -135,8 +135,8 @@ impl Segments {
         }
     }
 
-    fn say_unknown(&mut self, recording: &Recording) {
-        if recording.spines().is_none() {
+    fn say_unknown(&mut self, movement: &Movement) {
+        if movement.spines().is_none() {
             let reason =
                 "the hips alone do not show how the pelvis is tilted; it is taken to be upright";
             self.unknown.insert(Angle::PelvisTilt, reason);
@@ -144,7 +144,7 @@ impl Segments {
         let has = |place| {
             Side::BOTH
                 .iter()
-                .all(|side| recording.of(*side, place).is_some())
+                .all(|side| movement.of(*side, place).is_some())
         };
         if !has(Paired::KneeMedial) {
             let reason =

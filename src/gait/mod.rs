@@ -1,12 +1,12 @@
 //! Gait analysis: from joint centres or markers over time to events, strides, parameters, curves and scores.
 //!
-//! [`analyse`] works on a [`Recording`], of a fitted body or of any system's points. Every definition, with formula, sign
+//! [`analyse`] works on a [`Movement`], of a fitted body or of any system's points. Every definition, with formula, sign
 //! and source, stands in docs/gait.md.
 //!
 //! | file            | holds                                                              |
 //! |-----------------|--------------------------------------------------------------------|
 //! | `landmark.rs`   | places of the body and their names                                 |
-//! | `recording.rs`  | a moving body; `complete.rs`: places without a marker              |
+//! | `movement.rs`   | a moving body; `complete.rs`: places without a marker              |
 //! | `course.rs`     | direction of walking, floor or belt                                |
 //! | `events.rs`     | foot strike and foot off; `peaks.rs`, `filter.rs`: signals          |
 //! | `cycles.rs`     | strides                                                            |
@@ -27,9 +27,9 @@ mod filter;
 mod indices;
 mod landmark;
 mod landmark_axes;
+mod movement;
 mod parameters;
 mod peaks;
-mod recording;
 mod segments;
 
 pub use angle::Angle;
@@ -40,11 +40,11 @@ pub use cycles::Cycle;
 pub use events::{Agreement, Event, EventKind};
 pub use indices::{Band, Indices, Norm, SCORE_POINTS, VARIABLES, VariableScore, indices};
 pub use landmark::{Landmark, Paired, Side};
+pub use movement::{Movement, MovementError, Track, Used};
 pub use parameters::{Parameter, Parameters, Statistic, symmetry};
-pub use recording::{Recording, RecordingError, Track, Used};
 pub use segments::{Axes, Limb, Segment, Segments};
 
-use recording::by_axis;
+use movement::by_axis;
 
 /// Options of [`analyse`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,7 +75,7 @@ impl Default for GaitOptions {
 
 /// Everything that is found.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Gait {
+pub struct GaitAnalysis {
     /// Cutoff of the low pass that all places went through, Hz; 0: none.
     pub cutoff_hz: f64,
     /// How the body moves through the room.
@@ -112,24 +112,24 @@ pub enum GaitError {
 /// Analyses the gait of a recording.
 ///
 /// Nobody need walk: without steps, or of someone who walks backwards, angles over time are all there is, and
-/// [`Gait::notes`] says so.
+/// [`GaitAnalysis::notes`] says so.
 ///
 /// # Errors
 /// [`GaitError::NoPelvis`].
-pub fn analyse(recording: &Recording, options: &GaitOptions) -> Result<Gait, GaitError> {
+pub fn analyse(movement: &Movement, options: &GaitOptions) -> Result<GaitAnalysis, GaitError> {
     // 1. take away what is faster than a body moves
-    let recording = &smoothed(recording, options.cutoff_hz);
+    let movement = &smoothed(movement, options.cutoff_hz);
     // 2. direction of walking, floor or belt
-    let course = Course::of(recording, options.surface).ok_or(GaitError::NoPelvis)?;
+    let course = Course::of(movement, options.surface).ok_or(GaitError::NoPelvis)?;
     // 3. events by two methods, and the strides between them
     let events = match course.is_backwards() {
         true => Vec::new(),
-        false => events::events(recording, &course, options),
+        false => events::events(movement, &course, options),
     };
-    let cycles = cycles::cycles(&events, recording.rate_hz);
+    let cycles = cycles::cycles(&events, movement.rate_hz);
     // 4. parameters
     let walk = parameters::Walk {
-        recording,
+        movement,
         course: &course,
         events: &events,
         cycles: &cycles,
@@ -137,10 +137,10 @@ pub fn analyse(recording: &Recording, options: &GaitOptions) -> Result<Gait, Gai
     let parameters = walk.parameters();
     // 5. angles over time and over the cycle
     let made;
-    let segments = match &recording.segments {
+    let segments = match &movement.segments {
         Some(segments) => segments,
         None => {
-            made = Segments::of_landmarks(recording);
+            made = Segments::of_landmarks(movement);
             &made
         }
     };
@@ -151,10 +151,10 @@ pub fn analyse(recording: &Recording, options: &GaitOptions) -> Result<Gait, Gai
         .into_iter()
         .filter_map(|kind| events::agreement(&events, kind));
     let mut notes = notes(&course, &events, &cycles);
-    notes.extend(recording.remarks());
-    Ok(Gait {
+    notes.extend(movement.remarks());
+    Ok(GaitAnalysis {
         cutoff_hz: options.cutoff_hz,
-        leg_length_m: recording.leg_length(),
+        leg_length_m: movement.leg_length(),
         agreement: agreement.collect(),
         unknown: segments.unknown.iter().map(|(a, why)| (*a, *why)).collect(),
         course,
@@ -167,11 +167,11 @@ pub fn analyse(recording: &Recording, options: &GaitOptions) -> Result<Gait, Gai
     })
 }
 
-fn smoothed(recording: &Recording, cutoff_hz: f64) -> Recording {
-    let mut smooth = recording.clone();
+fn smoothed(movement: &Movement, cutoff_hz: f64) -> Movement {
+    let mut smooth = movement.clone();
     if cutoff_hz > 0.0 {
         for track in smooth.tracks.values_mut() {
-            *track = by_axis(track, |v| filter::low_pass(v, recording.rate_hz, cutoff_hz));
+            *track = by_axis(track, |v| filter::low_pass(v, movement.rate_hz, cutoff_hz));
         }
     }
     smooth

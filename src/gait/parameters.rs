@@ -22,7 +22,7 @@ use super::cycles::Cycle;
 use super::events::{Event, EventKind, agreement};
 use super::filter;
 use super::landmark::{Landmark, Paired, Side};
-use super::recording::{Recording, Track};
+use super::movement::{Movement, Track};
 use crate::math::stats::{mean, mean_and_sd};
 
 /// A spatiotemporal parameter.
@@ -148,7 +148,7 @@ type Measured = (f64, Option<f64>);
 
 /// What the parameters are measured on.
 pub(super) struct Walk<'a> {
-    pub(super) recording: &'a Recording,
+    pub(super) movement: &'a Movement,
     pub(super) course: &'a Course,
     pub(super) events: &'a [Event],
     pub(super) cycles: &'a [Cycle],
@@ -182,7 +182,7 @@ impl Walk<'_> {
     }
 
     fn of_cycle(&self, cycle: &Cycle) -> Vec<(Parameter, Option<Measured>)> {
-        let rate = self.recording.rate_hz;
+        let rate = self.movement.rate_hz;
         let (u_strike, u_off) = (self.time_u(EventKind::Strike), self.time_u(EventKind::Off));
         let period = cycle.period / rate;
         let (u_period, u_stance) = match cycle.is_joined {
@@ -235,10 +235,10 @@ impl Walk<'_> {
         };
         let to = from + cycle.period;
         let landmark = Landmark::Of(cycle.side, place);
-        let track = self.recording.track(landmark)?;
+        let track = self.movement.track(landmark)?;
         let along = self.course.heading_at(0.5 * (from + to));
         let way = (at(track, to) - at(track, from)).dot(&along);
-        let belt = self.course.belt_m_s * cycle.period / self.recording.rate_hz;
+        let belt = self.course.belt_m_s * cycle.period / self.movement.rate_hz;
         let ends = [from, to].map(|frame| self.place_u(landmark, frame, &along));
         let u = ends[0].zip(ends[1]).map(|(a, b)| a.hypot(b));
         Some((way + belt, u))
@@ -246,9 +246,7 @@ impl Walk<'_> {
 
     fn step_length(&self, strike: &Event) -> Option<Measured> {
         let along = self.course.heading_at(strike.frame);
-        let are_marked = Side::BOTH
-            .iter()
-            .all(|s| self.recording.has_heel_marker(*s));
+        let are_marked = Side::BOTH.iter().all(|s| self.movement.has_heel_marker(*s));
         let place = if are_marked {
             Paired::Heel
         } else {
@@ -256,9 +254,9 @@ impl Walk<'_> {
         };
         let own = Landmark::Of(strike.side, place);
         let other = Landmark::Of(strike.side.other(), place);
-        let apart = at(self.recording.track(own)?, strike.frame)
-            - at(self.recording.track(other)?, strike.frame);
-        let sd = self.recording.apart_sd_m.get(&place);
+        let apart = at(self.movement.track(own)?, strike.frame)
+            - at(self.movement.track(other)?, strike.frame);
+        let sd = self.movement.apart_sd_m.get(&place);
         let u = sd.and_then(|sd| deviation(sd, strike.frame, &along));
         let u = u.or_else(|| {
             Some(
@@ -295,7 +293,7 @@ impl Walk<'_> {
         let (own_frame, next_frame) = (middle(own)?, middle(next)?);
         let left = Vector3::z().cross(&self.course.heading_at(0.5 * (own_frame + next_frame)));
         let ankle = |side| Landmark::Of(side, Paired::Ankle);
-        let place = |side, frame| Some(at(self.recording.track(ankle(side))?, frame));
+        let place = |side, frame| Some(at(self.movement.track(ankle(side))?, frame));
         let apart = place(own.side, own_frame)? - place(next.side, next_frame)?;
         let u = |side, frame| self.place_u(ankle(side), frame, &left);
         let u = u(own.side, own_frame).zip(u(next.side, next_frame));
@@ -305,7 +303,7 @@ impl Walk<'_> {
 
     /// Standard uncertainty of an event's time: of the frame it lies in, and of the methods' scatter.
     fn time_u(&self, kind: EventKind) -> f64 {
-        let frame = 1.0 / (12_f64.sqrt() * self.recording.rate_hz);
+        let frame = 1.0 / (12_f64.sqrt() * self.movement.rate_hz);
         let scatter = agreement(self.events, kind)
             .and_then(|a| a.sd_s)
             .unwrap_or(0.0);
@@ -314,7 +312,7 @@ impl Walk<'_> {
 
     /// Standard uncertainty of a place along a direction.
     fn place_u(&self, landmark: Landmark, frame: f64, direction: &Vector3<f64>) -> Option<f64> {
-        deviation(self.recording.sd_m.get(&landmark)?, frame, direction)
+        deviation(self.movement.sd_m.get(&landmark)?, frame, direction)
     }
 }
 

@@ -33,7 +33,7 @@ mod shape;
 mod spatiotemporal;
 mod views;
 
-use crate::gait::{Gait, Norm};
+use crate::gait::{GaitAnalysis, Norm};
 use crate::io::gait::{GaitFile, GaitInput, Sex};
 use crate::io::result::ResultFile;
 
@@ -64,7 +64,7 @@ pub struct ReportInput<'a> {
     /// What was analysed.
     pub input: &'a GaitInput,
     /// What was found.
-    pub gait: &'a Gait,
+    pub gait: &'a GaitAnalysis,
     /// The same in units of files.
     pub file: &'a GaitFile,
     /// Healthy people.

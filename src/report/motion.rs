@@ -6,8 +6,8 @@ use super::ReportInput;
 use super::page::{Page, absent};
 
 pub(super) fn page(input: &ReportInput<'_>) -> Page {
-    let last = input.input.recording.frames.saturating_sub(1);
-    let first = input.input.recording.first_frame;
+    let last = input.input.movement.frames.saturating_sub(1);
+    let first = input.input.movement.first_frame;
     Page {
         id: "motion",
         title: "Motion",

@@ -81,7 +81,7 @@ struct TrackPart {
 
 impl<'a> Scene<'a> {
     pub(super) fn of(input: &ReportInput<'a>) -> Self {
-        let recording = &input.input.recording;
+        let movement = &input.input.movement;
         let body = input.input.body.as_ref();
         let track = |((side, angle), values): (&(Side, crate::gait::Angle), &Vec<f64>)| {
             let label = label::of_angle(*angle);
@@ -94,9 +94,9 @@ impl<'a> Scene<'a> {
             }
         };
         Self {
-            fps: recording.rate_hz,
-            first_frame: recording.first_frame,
-            frames: recording.frames,
+            fps: movement.rate_hz,
+            first_frame: movement.first_frame,
+            frames: movement.frames,
             floor_m: floor(input),
             body: body.map(body_part),
             points: points(input),
@@ -108,8 +108,8 @@ impl<'a> Scene<'a> {
 }
 
 fn points(input: &ReportInput<'_>) -> Points {
-    let recording = &input.input.recording;
-    let tracks: Vec<_> = recording.tracks.iter().collect();
+    let movement = &input.input.movement;
+    let tracks: Vec<_> = movement.tracks.iter().collect();
     let at = |i: usize| {
         tracks
             .iter()
@@ -117,7 +117,7 @@ fn points(input: &ReportInput<'_>) -> Points {
     };
     Points {
         names: tracks.iter().map(|(landmark, _)| landmark.name()).collect(),
-        places: base64_of_f32((0..recording.frames).flat_map(at)),
+        places: base64_of_f32((0..movement.frames).flat_map(at)),
     }
 }
 
@@ -129,15 +129,15 @@ fn floor(input: &ReportInput<'_>) -> f64 {
             bounds.map(|(least, _)| least.z).collect()
         }
         None => {
-            let recording = &input.input.recording;
+            let movement = &input.input.movement;
             let lowest = |i: usize| {
-                recording
+                movement
                     .tracks
                     .values()
                     .map(move |t| t[i].z)
                     .fold(f64::INFINITY, f64::min)
             };
-            (0..recording.frames)
+            (0..movement.frames)
                 .map(lowest)
                 .filter(|z| z.is_finite())
                 .collect()

@@ -1,18 +1,18 @@
 //! Exports of a known walk, read back by the letter of each format. (Other programs read them in `tests/oracles`.)
 
 use crate::walker::{RATE_HZ, Walker};
-use maquette::gait::{Gait, GaitOptions, Recording, Segments, analyse};
+use maquette::gait::{GaitAnalysis, GaitOptions, Movement, Segments, analyse};
 use maquette::io::export::{C3dError, C3dInput, TableKind, c3d, coordinates, motion_text};
 use maquette::io::gait::FittedPoint;
 use nalgebra::Vector3;
 
-fn walk() -> (Walker, Recording, Gait) {
+fn walk() -> (Walker, Movement, GaitAnalysis) {
     let walker = Walker::new(0.8);
-    let mut recording = walker.recording().expect("a body");
+    let mut movement = walker.movement().expect("a body");
     let motions: Vec<_> = walker.motions.iter().cloned().map(Some).collect();
-    recording.segments = Some(Segments::of_body(&walker.model, &walker.shape, &motions));
-    let gait = analyse(&recording, &GaitOptions::default()).expect("a pelvis");
-    (walker, recording, gait)
+    movement.segments = Some(Segments::of_body(&walker.model, &walker.shape, &motions));
+    let gait = analyse(&movement, &GaitOptions::default()).expect("a pelvis");
+    (walker, movement, gait)
 }
 
 fn point(name: &str, places: &[Vector3<f64>], sd_m: f64) -> FittedPoint {
@@ -94,8 +94,8 @@ fn more_frames_than_the_format_counts_are_refused() {
 
 #[test]
 fn a_motion_file_has_the_angles_of_the_body_under_opensims_names() {
-    let (walker, recording, gait) = walk();
-    let table = coordinates(&recording, &gait).expect("a pelvis");
+    let (walker, movement, gait) = walk();
+    let table = coordinates(&movement, &gait).expect("a pelvis");
     let column = |name: &str| {
         &table
             .columns

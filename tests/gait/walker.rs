@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use maquette::body::{BodyModel, Motion, Posed, Shape};
-use maquette::gait::{Recording, RecordingError};
+use maquette::gait::{Movement, MovementError};
 use maquette::io::model;
 use maquette::io::trc::{Trajectories, write_trc};
 use maquette::synth::{Gait, Walk};
@@ -77,8 +77,8 @@ impl Walker {
         Self::of(walker.model, walker.shape, walker.motions, 0.0)
     }
 
-    pub(crate) fn recording(&self) -> Result<Recording, RecordingError> {
-        Recording::of_points(RATE_HZ, 0, &self.names, &self.frames)
+    pub(crate) fn movement(&self) -> Result<Movement, MovementError> {
+        Movement::from_points(RATE_HZ, 0, &self.names, &self.frames)
     }
 
     /// Metres between two prints of one foot: what the pelvis moves in a stride.

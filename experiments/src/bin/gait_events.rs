@@ -9,7 +9,7 @@ use std::process::ExitCode;
 
 use experiments::run::Run;
 use experiments::table::Table;
-use maquette::gait::{Angle, EventKind, Gait, GaitOptions, Parameter, Side, analyse};
+use maquette::gait::{Angle, EventKind, GaitAnalysis, GaitOptions, Parameter, Side, analyse};
 use maquette::io::gait::{read_fit, read_points};
 use maquette::io::trc::{Trajectories, read_trc, write_trc};
 use maquette::math::stats::mean;
@@ -96,7 +96,7 @@ fn walk7(run: &mut Run, folder: &Path, out: &Path) -> Result<(), Box<dyn Error>>
         return Err("walk7 could not be fitted".into());
     }
     let fit = analyse(
-        &read_fit(&fitted, None, None)?.recording,
+        &read_fit(&fitted, None, None)?.movement,
         &GaitOptions::default(),
     )?;
     let truth = gait_of(&folder.join("truth.trc"))?;
@@ -111,7 +111,7 @@ fn walk7(run: &mut Run, folder: &Path, out: &Path) -> Result<(), Box<dyn Error>>
     ] {
         let mut errors = Vec::new();
         for side in Side::BOTH {
-            let of = |gait: &Gait| gait.parameters.get(&(parameter, side)).map(|s| s.mean);
+            let of = |gait: &GaitAnalysis| gait.parameters.get(&(parameter, side)).map(|s| s.mean);
             let Some(expected) = of(&truth) else { continue };
             let found = of(&fit).unwrap_or(f64::NAN);
             errors.push(scale * (found - expected).abs());
@@ -125,7 +125,7 @@ fn walk7(run: &mut Run, folder: &Path, out: &Path) -> Result<(), Box<dyn Error>>
     angles(run, &fit, &folder.join("truth.json"))
 }
 
-fn angles(run: &mut Run, fit: &Gait, truth: &Path) -> Result<(), Box<dyn Error>> {
+fn angles(run: &mut Run, fit: &GaitAnalysis, truth: &Path) -> Result<(), Box<dyn Error>> {
     let truth: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(truth)?)?;
     let mut table = Table::new(
         "angles",
@@ -166,9 +166,9 @@ fn angles(run: &mut Run, fit: &Gait, truth: &Path) -> Result<(), Box<dyn Error>>
     Ok(())
 }
 
-fn gait_of(path: &Path) -> Result<Gait, Box<dyn Error>> {
+fn gait_of(path: &Path) -> Result<GaitAnalysis, Box<dyn Error>> {
     Ok(analyse(
-        &read_points(path, None)?.recording,
+        &read_points(path, None)?.movement,
         &GaitOptions::default(),
     )?)
 }
@@ -200,7 +200,7 @@ fn plates(text: &str) -> Vec<PlateEvent> {
 /// The same walk with the points of joint centres only: hips found from the pelvis, knees, ankles, toes.
 fn joint_centres(markers: &Path) -> Result<String, Box<dyn Error>> {
     let all = read_trc(&std::fs::read_to_string(markers)?, markers)?;
-    let hips = read_points(markers, None)?.recording;
+    let hips = read_points(markers, None)?.movement;
     let mut names = Vec::new();
     let mut columns = Vec::new();
     for (letter, side) in [("R", Side::Right), ("L", Side::Left)] {

@@ -10,7 +10,9 @@ use std::fmt::Write;
 use nalgebra::{Matrix3, Vector3};
 
 use super::{file_from_world, in_file};
-use crate::gait::{Angle, Gait, Landmark, Limb, Recording, Segment, Segments, Side, cardan_zxy};
+use crate::gait::{
+    Angle, GaitAnalysis, Landmark, Limb, Movement, Segment, Segments, Side, cardan_zxy,
+};
 
 /// The origin of Rajagopal's pelvis (between the ASIS) from the middle of its hips, in its own axes, metres, unscaled.
 const PELVIS_FROM_HIPS: [f64; 3] = [0.0563, 0.0785, 0.0];
@@ -54,12 +56,12 @@ const OF_ARM: [(Angle, &str); 4] = [
 /// The coordinates of Rajagopal's model that a fit knows; those that it does not (subtalar, toes) are 0.
 ///
 /// Rows begin at the first frame's time. `None` if the recording has no oriented pelvis.
-pub fn coordinates(recording: &Recording, gait: &Gait) -> Option<MotionTable> {
-    let segments = recording.segments.as_ref()?;
+pub fn coordinates(movement: &Movement, gait: &GaitAnalysis) -> Option<MotionTable> {
+    let segments = movement.segments.as_ref()?;
     let pelvis = segments.axes.get(&Segment::Pelvis)?;
-    let mut columns = of_pelvis(pelvis, recording.track(Landmark::MidHip)?);
+    let mut columns = of_pelvis(pelvis, movement.track(Landmark::MidHip)?);
     for side in [Side::Right, Side::Left] {
-        columns.extend(of_side(segments, gait, side, recording.frames));
+        columns.extend(of_side(segments, gait, side, movement.frames));
     }
     if let Some(trunk) = segments.axes.get(&Segment::Trunk) {
         let turn = |(p, t): (&Matrix3<f64>, &Matrix3<f64>)| cardan_zxy(&(p.transpose() * t));
@@ -69,9 +71,9 @@ pub fn coordinates(recording: &Recording, gait: &Gait) -> Option<MotionTable> {
             &turns,
         ));
     }
-    let time = |i: usize| (recording.first_frame + i) as f64 / recording.rate_hz;
+    let time = |i: usize| (movement.first_frame + i) as f64 / movement.rate_hz;
     Some(MotionTable {
-        times_s: (0..recording.frames).map(time).collect(),
+        times_s: (0..movement.frames).map(time).collect(),
         columns,
     })
 }
@@ -91,7 +93,7 @@ fn of_pelvis(pelvis: &[Matrix3<f64>], hips: &[Vector3<f64>]) -> Vec<Column> {
     columns
 }
 
-fn of_side(segments: &Segments, gait: &Gait, side: Side, frames: usize) -> Vec<Column> {
+fn of_side(segments: &Segments, gait: &GaitAnalysis, side: Side, frames: usize) -> Vec<Column> {
     let known = |angle| gait.angles.get(&(side, angle)).cloned();
     let column =
         |(angle, name): (Angle, &'static str)| (name, known(angle).unwrap_or(vec![0.0; frames]));

@@ -13,7 +13,7 @@ use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
 use super::in_file;
-use crate::gait::{Gait, Recording};
+use crate::gait::{GaitAnalysis, Movement};
 use crate::io::gait::FittedPoint;
 
 /// Columns over time.
@@ -26,9 +26,9 @@ pub struct FrameTable {
 }
 
 /// The table of a fit.
-pub fn frame_table(recording: &Recording, points: &[FittedPoint], gait: &Gait) -> FrameTable {
-    let numbers = recording.first_frame..recording.first_frame + recording.frames;
-    let time = |frame: usize| frame as f64 / recording.rate_hz;
+pub fn frame_table(movement: &Movement, points: &[FittedPoint], gait: &GaitAnalysis) -> FrameTable {
+    let numbers = movement.first_frame..movement.first_frame + movement.frames;
+    let time = |frame: usize| frame as f64 / movement.rate_hz;
     let mut columns = vec![("time_s".to_owned(), numbers.clone().map(time).collect())];
     for point in points {
         for (track, what) in [(&point.track, ""), (&point.sd_m, "sd_")] {
@@ -43,7 +43,7 @@ pub fn frame_table(recording: &Recording, points: &[FittedPoint], gait: &Gait) -
     for (key, track) in &gait.angles {
         let (side, angle) = key;
         let name = format!("{}_{}", angle.name(), &side.name()[..1]);
-        let segments = recording.segments.as_ref();
+        let segments = movement.segments.as_ref();
         let sd = segments.and_then(|s| s.angle_sd.get(key));
         columns.push((format!("{name}_deg"), degrees(track)));
         columns.extend(sd.map(|sd| (format!("{name}_sd_deg"), degrees(sd))));

@@ -6,7 +6,7 @@ use nalgebra::{Point3, Vector3};
 
 use crate::body::{BodyModel, Motion, Shape};
 use crate::gait::{
-    Angle, Landmark, Limb, Paired, Recording, RecordingError, Segment, Segments, Side, Track,
+    Angle, Landmark, Limb, Movement, MovementError, Paired, Segment, Segments, Side, Track,
 };
 use crate::io::model::{self, ModelFileError};
 use crate::io::result::{FramePart, ResultError, ResultFile};
@@ -53,11 +53,11 @@ pub enum GaitInputError {
     },
     /// Points of which no gait can be made.
     #[error("{}: {source}", path.display())]
-    Recording {
+    Movement {
         /// The file.
         path: PathBuf,
         /// Why.
-        source: RecordingError,
+        source: MovementError,
     },
     /// No fit.
     #[error(transparent)]
@@ -71,7 +71,7 @@ pub enum GaitInputError {
 #[derive(Debug, Clone, PartialEq)]
 pub struct GaitInput {
     /// The moving body.
-    pub recording: Recording,
+    pub movement: Movement,
     /// `points` or the name of the fitted body.
     pub source: String,
     /// The body of a fit.
@@ -117,10 +117,10 @@ pub fn read_points(path: &Path, fps: Option<f64>) -> Result<GaitInput, GaitInput
         _ => {}
     }
     let rate_hz = fps.unwrap_or(stated_hz);
-    let recording =
-        Recording::of_points(rate_hz, points.first_frame, &points.names, &points.frames);
+    let movement =
+        Movement::from_points(rate_hz, points.first_frame, &points.names, &points.frames);
     Ok(GaitInput {
-        recording: recording.map_err(|source| GaitInputError::Recording {
+        movement: movement.map_err(|source| GaitInputError::Movement {
             path: path.into(),
             source,
         })?,
@@ -151,20 +151,20 @@ pub fn read_fit(
     let points: Vec<_> = frames.iter().map(place).collect();
     let rate_hz = fps.unwrap_or(result.recording.fps);
     let first = result.recording.first_frame;
-    let recording = Recording::of_points(rate_hz, first, &result.motion.points, &points);
-    let mut recording = recording.map_err(|source| GaitInputError::Recording {
+    let movement = Movement::from_points(rate_hz, first, &result.motion.points, &points);
+    let mut movement = movement.map_err(|source| GaitInputError::Movement {
         path: folder.join("result.json"),
         source,
     })?;
     let motions: Vec<Option<Motion>> = frames.iter().map(|f| Some((*f)?.motion())).collect();
     let mut segments = Segments::of_body(&model, &shape, &motions);
     deviations_of_angles(&mut segments, &model, &frames);
-    recording.segments = Some(segments);
+    movement.segments = Some(segments);
     let named = fitted_points(&result, &frames);
-    deviations_of_places(&mut recording, &named);
-    deviations_apart(&mut recording, &model, &frames);
+    deviations_of_places(&mut movement, &named);
+    deviations_apart(&mut movement, &model, &frames);
     Ok(GaitInput {
-        recording,
+        movement,
         body: Some(FittedBody {
             points: named,
             cameras: cameras(&result, &frames),
@@ -301,7 +301,7 @@ fn deviations_in_the_room(
 }
 
 /// Standard deviations of the model's points; a heel errs as the ankle does that it was found from.
-fn deviations_of_places(recording: &mut Recording, points: &[FittedPoint]) {
+fn deviations_of_places(movement: &mut Movement, points: &[FittedPoint]) {
     for point in points {
         let Some((landmark, _)) = Landmark::of_name(&point.name) else {
             continue;
@@ -309,15 +309,15 @@ fn deviations_of_places(recording: &mut Recording, points: &[FittedPoint]) {
         if point.sd_m.iter().any(|sd| sd.x.is_finite()) {
             if let Landmark::Of(side, Paired::Ankle) = landmark {
                 let heel = Landmark::Of(side, Paired::Heel);
-                recording.sd_m.entry(heel).or_insert(point.sd_m.clone());
+                movement.sd_m.entry(heel).or_insert(point.sd_m.clone());
             }
-            recording.sd_m.insert(landmark, point.sd_m.clone());
+            movement.sd_m.insert(landmark, point.sd_m.clone());
         }
     }
 }
 
 /// Standard deviations of the ways from left to right places.
-fn deviations_apart(recording: &mut Recording, model: &BodyModel, frames: &[Option<&FramePart>]) {
+fn deviations_apart(movement: &mut Movement, model: &BodyModel, frames: &[Option<&FramePart>]) {
     for (i, (right, _)) in model.point_pairs().into_iter().enumerate() {
         let landmark = Landmark::of_name(&model.points[right].name);
         let Some((Landmark::Of(_, place), _)) = landmark else {
@@ -329,7 +329,7 @@ fn deviations_apart(recording: &mut Recording, model: &BodyModel, frames: &[Opti
         };
         let track: Vec<_> = frames.iter().map(sd).collect();
         if track.iter().any(|sd| sd.x.is_finite()) {
-            recording.apart_sd_m.insert(place, track);
+            movement.apart_sd_m.insert(place, track);
         }
     }
 }

@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use super::read::GaitInput;
 use crate::gait::{
-    Agreement, Angle, Curve, Event, Extremes, Gait, Indices, Norm, Parameter, Side, Statistic,
-    Surface, Used, indices, symmetry,
+    Agreement, Angle, Curve, Event, Extremes, GaitAnalysis, Indices, Norm, Parameter, Side,
+    Statistic, Surface, Used, indices, symmetry,
 };
 use crate::math::stats::mean;
 
@@ -121,7 +121,7 @@ pub struct UnknownPart {
 }
 
 /// The file of an analysis.
-pub fn gait_file(input: &GaitInput, gait: &Gait, norm: Option<&Norm>) -> GaitFile {
+pub fn gait_file(input: &GaitInput, gait: &GaitAnalysis, norm: Option<&Norm>) -> GaitFile {
     let unknown = |(angle, reason): &(Angle, &'static str)| UnknownPart {
         angle: *angle,
         reason,
@@ -130,14 +130,14 @@ pub fn gait_file(input: &GaitInput, gait: &Gait, norm: Option<&Norm>) -> GaitFil
         format: "maquette-gait",
         version: 1,
         source: input.source.clone(),
-        fps: input.recording.rate_hz,
-        frames: input.recording.frames,
+        fps: input.movement.rate_hz,
+        frames: input.movement.frames,
         cutoff_hz: gait.cutoff_hz,
         surface: gait.course.surface,
         belt_m_s: gait.course.belt_m_s,
         speed_in_room_m_s: gait.course.speed_m_s,
         leg_length_m: gait.leg_length_m,
-        used: input.recording.used.clone(),
+        used: input.movement.used.clone(),
         events: gait.events.clone(),
         agreement: gait.agreement.clone(),
         parameters: parameters(gait),
@@ -153,7 +153,7 @@ pub fn gait_file(input: &GaitInput, gait: &Gait, norm: Option<&Norm>) -> GaitFil
     }
 }
 
-fn parameters(gait: &Gait) -> Vec<ParameterPart> {
+fn parameters(gait: &GaitAnalysis) -> Vec<ParameterPart> {
     let part = |name: Parameter| {
         let of = |side| gait.parameters.get(&(name, side)).cloned();
         let (left, right) = (of(Side::Left), of(Side::Right));

@@ -1,12 +1,12 @@
 //! Tables for spreadsheets: comma-separated, one heading line, angles in degrees.
 
-use crate::gait::{Gait, Norm, Recording, Side};
+use crate::gait::{GaitAnalysis, Movement, Norm, Side};
 
 /// Every curve, a row per side, angle and percent: mean, SD over strides, SD of the fit, norm, then the strides.
 ///
 /// # Errors
 /// None that an analysis can cause; the writer's, if it has any.
-pub fn curves_csv(gait: &Gait, norm: Option<&Norm>) -> Result<Vec<u8>, csv::Error> {
+pub fn curves_csv(gait: &GaitAnalysis, norm: Option<&Norm>) -> Result<Vec<u8>, csv::Error> {
     let strides = gait
         .curves
         .iter()
@@ -62,15 +62,15 @@ pub fn curves_csv(gait: &Gait, norm: Option<&Norm>) -> Result<Vec<u8>, csv::Erro
 ///
 /// # Errors
 /// As [`curves_csv`].
-pub fn angles_csv(gait: &Gait, recording: &Recording) -> Result<Vec<u8>, csv::Error> {
+pub fn angles_csv(gait: &GaitAnalysis, movement: &Movement) -> Result<Vec<u8>, csv::Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let names = gait.angles.keys();
     let names = names.map(|(side, angle)| format!("{}_{}_deg", angle.name(), &side.name()[..1]));
     let heading = ["frame", "time_s"].map(str::to_owned);
     writer.write_record(heading.into_iter().chain(names))?;
-    for i in 0..recording.frames {
-        let frame = recording.first_frame + i;
-        let time = format!("{:.6}", frame as f64 / recording.rate_hz);
+    for i in 0..movement.frames {
+        let frame = movement.first_frame + i;
+        let time = format!("{:.6}", frame as f64 / movement.rate_hz);
         let angles = gait
             .angles
             .values()
@@ -84,7 +84,7 @@ pub fn angles_csv(gait: &Gait, recording: &Recording) -> Result<Vec<u8>, csv::Er
 ///
 /// # Errors
 /// As [`curves_csv`].
-pub fn parameters_csv(gait: &Gait) -> Result<Vec<u8>, csv::Error> {
+pub fn parameters_csv(gait: &GaitAnalysis) -> Result<Vec<u8>, csv::Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record([
         "parameter",

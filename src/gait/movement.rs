@@ -1,4 +1,4 @@
-//! What gait analysis works on: places of the body over time, and what is known beyond them.
+//! A moving body: places over time, and what is known beyond them.
 
 use std::collections::BTreeMap;
 
@@ -22,9 +22,9 @@ pub struct Used {
     pub from: String,
 }
 
-/// A moving body. World: metres, Z up.
+/// A moving body, evenly in time. World: metres, Z up.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Recording {
+pub struct Movement {
     /// Frames per second.
     pub rate_hz: f64,
     /// Number of the first frame.
@@ -43,10 +43,10 @@ pub struct Recording {
     pub used: Vec<Used>,
 }
 
-/// Why a recording cannot be analysed.
+/// Why a movement cannot be analysed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum RecordingError {
+pub enum MovementError {
     /// A place without which there is nothing to be said.
     #[error("no point is named as the {missing}: expected names such as {example}, found {found}")]
     Missing {
@@ -96,26 +96,26 @@ const LOW_HIPS: f64 = 0.2;
 /// Lengths of legs, hip to knee to ankle, that there are, m.
 const LEGS_M: std::ops::Range<f64> = 0.2..1.5;
 
-impl Recording {
-    /// A recording of named points: joint centres or markers of any of the known sets.
+impl Movement {
+    /// The movement of named points: joint centres or markers of any of the known sets.
     ///
     /// Of two names of one place the better one is taken; gaps of up to 0.1 s are bridged; joint centres are the middle
     /// of a lateral and a medial marker where both are there; hips that are not there are found from the pelvis, and
     /// heels from the foot.
     ///
     /// # Errors
-    /// [`RecordingError`] where hips, knees, ankles or toes cannot be found, or the size cannot be a body's.
-    pub fn of_points(
+    /// [`MovementError`] where hips, knees, ankles or toes cannot be found, or the size cannot be a body's.
+    pub fn from_points(
         rate_hz: f64,
         first_frame: usize,
         names: &[String],
         frames: &[Vec<Option<Point3<f64>>>],
-    ) -> Result<Self, RecordingError> {
+    ) -> Result<Self, MovementError> {
         if frames.len() < FEWEST_FRAMES {
             let (frames, fewest) = (frames.len(), FEWEST_FRAMES);
-            return Err(RecordingError::Short { frames, fewest });
+            return Err(MovementError::Short { frames, fewest });
         }
-        let mut recording = Self {
+        let mut movement = Self {
             rate_hz,
             first_frame,
             frames: frames.len(),
@@ -132,12 +132,12 @@ impl Recording {
             };
             let track: Track = frames.iter().map(place).collect();
             if track.iter().any(|p| p.x.is_finite()) {
-                recording.insert(landmark, bridged(&track, rate_hz), names[column].clone());
+                movement.insert(landmark, bridged(&track, rate_hz), names[column].clone());
             }
         }
-        recording.complete();
-        recording.check(names)?;
-        Ok(recording)
+        movement.complete();
+        movement.check(names)?;
+        Ok(movement)
     }
 
     pub(super) fn insert(&mut self, landmark: Landmark, track: Track, from: String) {
@@ -162,7 +162,7 @@ impl Recording {
         self.used.iter().any(|u| u.landmark == heel && !is_made(u))
     }
 
-    fn check(&self, names: &[String]) -> Result<(), RecordingError> {
+    fn check(&self, names: &[String]) -> Result<(), MovementError> {
         let needed = [
             (Paired::Hip, "RHip and LHip, or RASI LASI RPSI LPSI"),
             (Paired::Knee, "RKnee and LKnee"),
@@ -172,7 +172,7 @@ impl Recording {
         for (place, example) in needed {
             for side in Side::BOTH {
                 if self.of(side, place).is_none() {
-                    return Err(RecordingError::Missing {
+                    return Err(MovementError::Missing {
                         missing: Landmark::Of(side, place).name(),
                         example,
                         found: first_of(names),
@@ -187,13 +187,13 @@ impl Recording {
             self.check_places()?;
         }
         match legs.into_iter().flatten().find(is_impossible) {
-            Some(length_m) => Err(RecordingError::Size { length_m }),
+            Some(length_m) => Err(MovementError::Size { length_m }),
             None => Ok(()),
         }
     }
 
     /// Checks that no place lies farther from the hips than a body reaches.
-    fn check_places(&self) -> Result<(), RecordingError> {
+    fn check_places(&self) -> Result<(), MovementError> {
         let Some(hips) = self.track(Landmark::MidHip) else {
             return Ok(());
         };
@@ -205,7 +205,7 @@ impl Recording {
             let far = median(&mut apart.collect::<Vec<_>>()).filter(|d| *d > FARTHEST_M);
             if let Some(distance_m) = far {
                 let used = self.used.iter().find(|u| u.landmark == *landmark);
-                return Err(RecordingError::Far {
+                return Err(MovementError::Far {
                     place: landmark.name(),
                     from: used.map_or_else(String::new, |u| u.from.clone()),
                     distance_m,
