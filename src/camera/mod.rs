@@ -7,6 +7,7 @@
 //! [`Camera::undistort`] and [`Camera::distort`] go from one to the other.
 //!
 //! A [`Rig`] is all cameras of a recording in one world; [`Rig::common_view`] says whether they look at one volume.
+//! [`UpAxis`] converts between that world, with Z up, and those of files.
 //! [`check_projection`] is the law that every camera model here obeys.
 
 mod check;
@@ -16,6 +17,7 @@ mod intrinsics;
 mod pinhole;
 mod ray;
 mod rig;
+mod up_axis;
 
 pub use check::{ProjectionFault, ProjectionModel, check_projection};
 pub use common_view::{Blindness, CommonView};
@@ -24,3 +26,4 @@ pub use intrinsics::Intrinsics;
 pub use pinhole::Camera;
 pub use ray::{Ray, closest_point};
 pub use rig::{CameraId, Rig};
+pub use up_axis::UpAxis;

@@ -9,12 +9,13 @@ use super::analysis::{Analysed, Asked};
 use super::error::CliError;
 use super::print;
 use crate::body::{Motion, Posed};
+use crate::camera::UpAxis;
 use crate::gait::{GaitAnalysis, GaitOptions, Movement};
 use crate::io::export::{
     C3dInput, TableKind, bvh, c3d, coordinates, frame_table, glb, motion_text,
 };
 use crate::io::gait::{FittedBody, FittedPoint, GaitInput};
-use crate::io::mesh::{MeshFormat, Up, bytes_of};
+use crate::io::mesh::{MeshFormat, bytes_of};
 use crate::io::out_folder::{OutFolder, write_atomically};
 use crate::io::trc::{Trajectories, write_trc};
 use crate::skin::{SkinOptions, ellipsoids, skin};
@@ -184,7 +185,7 @@ impl Export<'_> {
             let name = format!("frame_{:06}.{}", first + i, format.extension());
             Ok(write_atomically(
                 &folder.join(name),
-                &bytes_of(&mesh, format, Up::Y),
+                &bytes_of(&mesh, format, UpAxis::Y),
             )?)
         };
         let written = body.motions.par_iter().enumerate().map(write);

@@ -12,7 +12,8 @@ use super::summary::counted;
 use super::switches::Quiet;
 use crate::body::metaball::Field;
 use crate::body::{BodyModel, Motion, Posed, Shape};
-use crate::io::mesh::{MeshFormat, Up, bytes_of};
+use crate::camera::UpAxis;
+use crate::io::mesh::{MeshFormat, bytes_of};
 use crate::io::model;
 use crate::io::out_folder::{OutFolder, write_atomically};
 use crate::io::overlays::write_picture;
@@ -195,7 +196,7 @@ pub(super) fn of_model(
 }
 
 fn write_mesh(mesh: &Mesh, path: &Path, format: MeshFormat) -> Result<(), CliError> {
-    Ok(write_atomically(path, &bytes_of(mesh, format, Up::Z))?)
+    Ok(write_atomically(path, &bytes_of(mesh, format, UpAxis::Z))?)
 }
 
 fn write_portrait(field: &Field, path: &Path) -> Result<(), CliError> {

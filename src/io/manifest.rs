@@ -29,8 +29,9 @@ use std::{fs, io};
 use serde::Deserialize;
 use toml::de::{DeTable, DeValue};
 
-use super::calibration::{Unit, Up};
+use super::calibration::Unit;
 use super::unknown_key::{UnknownKey, line_of};
+use crate::camera::UpAxis;
 
 const KEYS: &[&str] = &[
     "fps",
@@ -68,7 +69,7 @@ pub struct Manifest {
     /// Unit of the calibration; `None`: that of its format.
     pub unit: Option<Unit>,
     /// Which axis of the calibration's world points up.
-    pub up: Up,
+    pub up: UpAxis,
     /// A shipped body model or the path of one.
     pub body: Option<String>,
     /// Points on the surface, of each frame: printf pattern, folder, or glob.
@@ -310,7 +311,7 @@ mod tests {
         .unwrap();
         assert_eq!(manifest.fps, Some(50.0));
         assert_eq!(manifest.unit, Some(Unit::Millimetre));
-        assert_eq!(manifest.up, Up::MinusZ);
+        assert_eq!(manifest.up, UpAxis::MinusZ);
         assert_eq!(manifest.points.as_deref(), Some("points/%06d.ply"));
         assert_eq!(manifest.points_unit, Some(Unit::Millimetre));
         assert_eq!(manifest.body.as_deref(), Some("human-ellipsoids"));

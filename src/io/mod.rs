@@ -24,4 +24,3 @@ pub mod synthetic;
 mod table;
 pub mod trc;
 pub mod unknown_key;
-mod y_up;

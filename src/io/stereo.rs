@@ -6,12 +6,12 @@ use std::path::{Path, PathBuf};
 use ::image::ExtendedColorType;
 use serde::Serialize;
 
-use super::calibration::Up;
 use super::cloud::write_ply;
 use super::out_folder::{OutError, OutFolder, write_atomically};
 use super::overlays::write_picture;
 use super::png::{self, Effort};
 use super::table;
+use crate::camera::UpAxis;
 use crate::image::Plane;
 use crate::math::Rigid3;
 use crate::render::Canvas;
@@ -48,7 +48,7 @@ impl StereoFolder {
     ///
     /// # Errors
     /// [`OutError::Write`].
-    pub fn open(path: &Path, up: Up) -> Result<Self, OutError> {
+    pub fn open(path: &Path, up: UpAxis) -> Result<Self, OutError> {
         let older = ["points", "disparity", "pictures", "trajectories.csv"];
         let out = OutFolder::open(path)?;
         out.begin(TABLE, &older)?;
@@ -58,7 +58,7 @@ impl StereoFolder {
         Ok(Self {
             path: path.into(),
             out,
-            file_from_world: up.world_from_file().inverse(),
+            file_from_world: up.file_from_world(),
         })
     }
 

@@ -1,7 +1,7 @@
 //! TRC: trajectories of named points, as Pose2Sim and OpenSim exchange them.
 //!
 //! Tab-separated text; three header lines, one with the names, one with X1 Y1 Z1 …, then a row per frame. The file's
-//! world is Y up (see `y_up.rs`).
+//! world is Y up (see [`UpAxis`](crate::camera::UpAxis)).
 
 mod read;
 mod write;

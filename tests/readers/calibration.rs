@@ -1,9 +1,9 @@
 //! Every calibration format gives the same two cameras.
 
 use crate::calibration_samples::*;
-use maquette::camera::{Distortion, check_projection};
+use maquette::camera::{Distortion, UpAxis, check_projection};
 use maquette::io::calibration::{
-    CalibrationOptions, Unit, Up, read, read_per_camera, select, write_toml,
+    CalibrationOptions, Unit, read, read_per_camera, select, write_toml,
 };
 use nalgebra::Point3;
 use std::fs;
@@ -191,10 +191,10 @@ fn the_axis_that_points_up_in_the_file_becomes_z() {
     // the same point in the file's world and in ours
     let file_point = Point3::new(0.3, -0.2, 0.9);
     let turned = [
-        (Up::Z, Point3::new(0.3, -0.2, 0.9)),
-        (Up::MinusZ, Point3::new(0.3, 0.2, -0.9)),
-        (Up::Y, Point3::new(0.3, -0.9, -0.2)),
-        (Up::MinusY, Point3::new(0.3, 0.9, 0.2)),
+        (UpAxis::Z, Point3::new(0.3, -0.2, 0.9)),
+        (UpAxis::MinusZ, Point3::new(0.3, 0.2, -0.9)),
+        (UpAxis::Y, Point3::new(0.3, -0.9, -0.2)),
+        (UpAxis::MinusY, Point3::new(0.3, 0.9, 0.2)),
     ];
     let pixel = expected(lens()).cameras[0].project(&file_point).unwrap();
     for (up, world_point) in turned {

@@ -1,9 +1,9 @@
 //! The calibrations of the shared data sets, where they are.
 
 use crate::calibration_samples::{assert_same, shared};
-use maquette::camera::{Camera, Rig, check_projection};
+use maquette::camera::{Camera, Rig, UpAxis, check_projection};
 use maquette::io::calibration::{
-    CalibrationOptions, Unit, Up, read, read_per_camera, select, write_toml,
+    CalibrationOptions, Unit, read, read_per_camera, select, write_toml,
 };
 use nalgebra::Point2;
 use std::path::Path;
@@ -18,7 +18,7 @@ fn seated() -> Option<Rig> {
     let files = names.map(|name| (name.to_owned(), folder.join(name).join("config.xml")));
     let options = CalibrationOptions {
         unit: Some(Unit::Millimetre),
-        up: Up::MinusZ,
+        up: UpAxis::MinusZ,
         image_sizes_px: names.map(|name| (name.to_owned(), [644, 486])).into(),
     };
     Some(read_per_camera(&files, &options).expect("sound calibrations"))

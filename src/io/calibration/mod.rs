@@ -31,7 +31,7 @@ mod xml;
 
 pub use dispatch::{read, read_per_camera, select};
 pub use error::{CalibrationError, Place};
-pub use options::{CalibrationOptions, Unit, Up};
+pub use options::{CalibrationOptions, Unit};
 pub use pose2sim::write_toml;
 
 #[cfg(doc)]

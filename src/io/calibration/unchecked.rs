@@ -236,7 +236,7 @@ impl UncheckedCamera {
         let metres = options.unit.unwrap_or(self.unit).in_metres();
         let camera_from_file =
             Rigid3::from_parts(Translation3::from(translation * metres), rotation);
-        Ok(camera_from_file * options.up.world_from_file().inverse())
+        Ok(camera_from_file * options.up.file_from_world())
     }
 
     /// From a Rodrigues vector, or from a matrix, which is brought to the nearest rotation.

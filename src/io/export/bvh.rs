@@ -9,8 +9,8 @@ use std::fmt::Write;
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-use super::{file_from_world, in_file};
 use crate::body::{BodyModel, Motion, PartId, Posed, Shape};
+use crate::camera::UpAxis;
 use crate::gait::cardan_zxy;
 
 /// Why there is no file.
@@ -91,7 +91,7 @@ fn bones(model: &BodyModel, shape: &Shape) -> Result<Vec<Bone>, BvhError> {
             (true, false) => -std::f64::consts::FRAC_PI_2,
         };
         let arm_out = Rotation3::from_axis_angle(&Vector3::x_axis(), out);
-        file_from_world() * arm_out.matrix() * body.world_from_part(PartId(part))
+        UpAxis::Y.export_from_world() * arm_out.matrix() * body.world_from_part(PartId(part))
     };
     let mut bones = Vec::new();
     let mut waiting = vec![(root, None)];
@@ -186,11 +186,11 @@ fn tip(model: &BodyModel, shape: &Shape, part: PartId) -> Vector3<f64> {
 
 fn row(text: &mut String, body: &Posed<'_>, bones: &[Bone]) {
     let turn = |bone: &Bone| {
-        let file_from_part = file_from_world() * body.world_from_part(bone.part);
+        let file_from_part = UpAxis::Y.export_from_world() * body.world_from_part(bone.part);
         file_from_part * bone.file_from_part_in_t_pose.transpose()
     };
     let turns: Vec<Matrix3<f64>> = bones.iter().map(turn).collect();
-    let root = in_file(&body.origin_of_part(bones[0].part).coords);
+    let root = UpAxis::Y.to_export(&body.origin_of_part(bones[0].part).coords);
     text.push_str(&numbers(&root));
     for (bone, own) in bones.iter().zip(&turns) {
         let local = bone.parent.map_or(*own, |p| turns[p].transpose() * own);
@@ -307,7 +307,7 @@ mod tests {
         ] {
             let at = bones.iter().position(|b| b.0 == name).unwrap();
             if let Some(i) = model.point(point) {
-                let expected = in_file(&body.points()[i].coords) * CM;
+                let expected = UpAxis::Y.to_export(&body.points()[i].coords) * CM;
                 assert!((global[at].1 - expected).norm() < 1e-3, "{name}");
             }
         }

@@ -10,7 +10,7 @@
 
 use nalgebra::Vector3;
 
-use super::in_file;
+use crate::camera::UpAxis;
 use crate::gait::{Angle, AngleTracks, Event, EventKind, Side};
 use crate::io::gait::FittedPoint;
 
@@ -182,7 +182,7 @@ fn data(
             .round()
             .clamp(0.0, 255.0);
         push(
-            1e3 * in_file(&point.track[frame]),
+            1e3 * UpAxis::Y.to_export(&point.track[frame]),
             256.0 * cameras + steps as f32,
         );
     }

@@ -11,8 +11,8 @@
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use serde_json::{Value, json};
 
-use super::file_from_world;
 use crate::body::{BodyModel, Motion, PartId, Posed, Shape};
+use crate::camera::UpAxis;
 use crate::skin::{BONES, SkinError, SkinnedMesh, skinned, skinned_ellipsoids};
 
 /// Why there is no file.
@@ -120,7 +120,7 @@ fn nodes(model: &BodyModel, local: &[Isometry3<f64>], parents: &[Option<usize>])
         node
     };
     let mut nodes: Vec<Value> = (0..parents.len()).map(part).collect();
-    let turn = Rotation3::from_matrix_unchecked(file_from_world());
+    let turn = Rotation3::from_matrix_unchecked(UpAxis::Y.export_from_world());
     let turn = rotation(&UnitQuaternion::from_rotation_matrix(&turn));
     nodes.push(json!({ "name": "body", "rotation": turn, "children": children(None) }));
     nodes.push(json!({ "name": "skin", "mesh": 0, "skin": 0 }));

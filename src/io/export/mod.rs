@@ -8,7 +8,7 @@
 //! | `glb.rs` | glTF 2.0, binary: the skin on its bones, moving                    |
 //! | `table.rs` | CSV and Parquet: points, angles and their SD, frame by frame     |
 //!
-//! Every file's world is Y up, as in a TRC (see `io/y_up.rs`).
+//! Every file's world is Y up, as in a TRC (see [`UpAxis`](crate::camera::UpAxis)).
 
 mod bvh;
 mod c3d;
@@ -16,7 +16,6 @@ mod glb;
 mod mot;
 mod table;
 
-use super::y_up::{file_from_world, in_file};
 pub use bvh::{BvhError, bvh};
 pub use c3d::{C3dError, C3dInput, c3d};
 pub use glb::{GlbError, glb};

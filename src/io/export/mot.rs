@@ -9,7 +9,7 @@ use std::fmt::Write;
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::{file_from_world, in_file};
+use crate::camera::UpAxis;
 use crate::gait::{
     Angle, GaitAnalysis, Landmark, Limb, Movement, Segment, Segments, Side, cardan_zxy,
 };
@@ -79,10 +79,12 @@ pub fn coordinates(movement: &Movement, gait: &GaitAnalysis) -> Option<MotionTab
 }
 
 fn of_pelvis(pelvis: &[Matrix3<f64>], hips: &[Vector3<f64>]) -> Vec<Column> {
-    let turn = |axes: &Matrix3<f64>| cardan_zxy(&(file_from_world() * axes));
+    let turn = |axes: &Matrix3<f64>| cardan_zxy(&(UpAxis::Y.export_from_world() * axes));
     let turns: Vec<[f64; 3]> = pelvis.iter().map(turn).collect();
     let origin = |(hips, axes): (&Vector3<f64>, &Matrix3<f64>)| -> [f64; 3] {
-        in_file(&(hips + axes * Vector3::from(PELVIS_FROM_HIPS))).into()
+        UpAxis::Y
+            .to_export(&(hips + axes * Vector3::from(PELVIS_FROM_HIPS)))
+            .into()
     };
     let origins: Vec<[f64; 3]> = hips.iter().zip(pelvis).map(origin).collect();
     let mut columns = three(["pelvis_tilt", "pelvis_list", "pelvis_rotation"], &turns);

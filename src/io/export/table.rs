@@ -12,7 +12,7 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
-use super::in_file;
+use crate::camera::UpAxis;
 use crate::gait::{GaitAnalysis, Movement};
 use crate::io::gait::FittedPoint;
 
@@ -32,7 +32,7 @@ pub fn frame_table(movement: &Movement, points: &[FittedPoint], gait: &GaitAnaly
     let mut columns = vec![("time_s".to_owned(), numbers.clone().map(time).collect())];
     for point in points {
         for (track, what) in [(&point.track, ""), (&point.sd_m, "sd_")] {
-            let turned: Vec<_> = track.iter().map(in_file).collect();
+            let turned: Vec<_> = track.iter().map(|v| UpAxis::Y.to_export(v)).collect();
             for (axis, letter) in ["x", "y", "z"].into_iter().enumerate() {
                 let name = format!("{}_{what}{letter}_m", point.name);
                 columns.push((name, turned.iter().map(|p| p[axis]).collect()));

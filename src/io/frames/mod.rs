@@ -29,8 +29,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
-use crate::camera::{CameraId, Rig};
-use crate::io::calibration::Up;
+use crate::camera::{CameraId, Rig, UpAxis};
 use crate::silhouette::FrameIndex;
 
 pub use error::FramesError;
@@ -52,7 +51,7 @@ pub struct Footage {
     /// The folder that the manifest's paths are relative to.
     pub folder: PathBuf,
     /// Which axis of the files' world points up.
-    pub up: Up,
+    pub up: UpAxis,
 }
 
 /// What one camera recorded.

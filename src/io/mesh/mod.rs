@@ -3,38 +3,8 @@
 mod obj;
 mod ply;
 
-use nalgebra::Vector3;
-
-use super::y_up::in_file;
+use crate::camera::UpAxis;
 use crate::skin::Mesh;
-
-/// Which axis of a file points up.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Up {
-    /// As in the world: x, y, z.
-    #[default]
-    Z,
-    /// As in all other exports: (x, y, z) is written y, z, x.
-    Y,
-}
-
-impl Up {
-    /// Three numbers of the world as the file has them.
-    fn turned(self, v: &Vector3<f64>) -> [f64; 3] {
-        match self {
-            Self::Z => *v,
-            Self::Y => in_file(v),
-        }
-        .into()
-    }
-
-    fn comment(self) -> &'static str {
-        match self {
-            Self::Z => "metres, Z up",
-            Self::Y => "metres, Y up",
-        }
-    }
-}
 
 /// A format that a mesh is written in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -66,8 +36,8 @@ impl MeshFormat {
     }
 }
 
-/// The bytes of a mesh's file: vertices with normals, rounded to `f32`, and triangles.
-pub fn bytes_of(mesh: &Mesh, format: MeshFormat, up: Up) -> Vec<u8> {
+/// The bytes of a mesh's file, whose `up` points up: vertices with normals, rounded to `f32`, and triangles.
+pub fn bytes_of(mesh: &Mesh, format: MeshFormat, up: UpAxis) -> Vec<u8> {
     match format {
         MeshFormat::Ply => ply::binary(mesh, up),
         MeshFormat::PlyText => ply::text(mesh, up).into_bytes(),
@@ -76,16 +46,17 @@ pub fn bytes_of(mesh: &Mesh, format: MeshFormat, up: Up) -> Vec<u8> {
 }
 
 /// Place and normal of each vertex, as written.
-fn rows(mesh: &Mesh, up: Up) -> impl Iterator<Item = [f32; 6]> + '_ {
+fn rows(mesh: &Mesh, up: UpAxis) -> impl Iterator<Item = [f32; 6]> + '_ {
     mesh.vertices.iter().zip(&mesh.normals).map(move |(v, n)| {
-        let ([x, y, z], [a, b, c]) = (up.turned(v), up.turned(n));
-        [x, y, z, a, b, c].map(|number| number as f32)
+        let [p, n] = [up.to_export(v), up.to_export(n)];
+        [p.x, p.y, p.z, n.x, n.y, n.z].map(|number| number as f32)
     })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::Vector3;
 
     /// A tetrahedron whose corners no two axes share.
     fn mesh() -> Mesh {
@@ -156,8 +127,8 @@ mod tests {
     #[test]
     fn binary_and_text_ply_say_the_same_and_both_are_the_mesh() {
         let mesh = mesh();
-        let binary = read_binary(&bytes_of(&mesh, MeshFormat::Ply, Up::Z));
-        let text = read_text(&bytes_of(&mesh, MeshFormat::PlyText, Up::Z));
+        let binary = read_binary(&bytes_of(&mesh, MeshFormat::Ply, UpAxis::Z));
+        let text = read_text(&bytes_of(&mesh, MeshFormat::PlyText, UpAxis::Z));
         assert_eq!((&binary.1, &binary.2), (&text.1, &text.2));
         assert_eq!(binary.0[2], "comment metres, Z up");
         for (row, (v, n)) in binary.1.iter().zip(mesh.vertices.iter().zip(&mesh.normals)) {
@@ -171,7 +142,7 @@ mod tests {
     #[test]
     fn another_program_reads_the_obj() {
         let mesh = mesh();
-        let bytes = bytes_of(&mesh, MeshFormat::Obj, Up::Z);
+        let bytes = bytes_of(&mesh, MeshFormat::Obj, UpAxis::Z);
         assert!(bytes.starts_with(b"# metres, Z up\n"));
         let options = tobj::LoadOptions::default();
         let no_material = |_: &std::path::Path| Err(tobj::LoadError::OpenFileFailed);
@@ -194,7 +165,7 @@ mod tests {
     #[test]
     fn with_y_up_the_body_stands_upon_z_and_x_and_still_faces_outwards() {
         let mesh = mesh();
-        let (header, rows, _) = read_binary(&bytes_of(&mesh, MeshFormat::Ply, Up::Y));
+        let (header, rows, _) = read_binary(&bytes_of(&mesh, MeshFormat::Ply, UpAxis::Y));
         assert_eq!(header[2], "comment metres, Y up");
         let turned = rows.iter().map(|r| Vector3::new(r[0], r[1], r[2]).cast());
         let turned = Mesh::new(turned.collect(), mesh.triangles.clone());

@@ -2,11 +2,12 @@
 
 use std::fmt::Write;
 
-use super::{Up, rows};
+use super::rows;
+use crate::camera::UpAxis;
 use crate::skin::Mesh;
 
-pub(super) fn text(mesh: &Mesh, up: Up) -> String {
-    let mut text = format!("# {}\n", up.comment());
+pub(super) fn text(mesh: &Mesh, up: UpAxis) -> String {
+    let mut text = format!("# metres, {up} up\n");
     // writing to a String cannot fail
     for [x, y, z, ..] in rows(mesh, up) {
         let _ = writeln!(text, "v {x} {y} {z}");

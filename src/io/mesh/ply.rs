@@ -2,11 +2,12 @@
 
 use std::fmt::Write;
 
-use super::{Up, rows};
+use super::rows;
+use crate::camera::UpAxis;
 use crate::skin::Mesh;
 
-fn header(mesh: &Mesh, format: &str, up: Up) -> String {
-    let mut header = format!("ply\nformat {format} 1.0\ncomment {}\n", up.comment());
+fn header(mesh: &Mesh, format: &str, up: UpAxis) -> String {
+    let mut header = format!("ply\nformat {format} 1.0\ncomment metres, {up} up\n");
     header += &format!("element vertex {}\n", mesh.vertices.len());
     for name in ["x", "y", "z", "nx", "ny", "nz"] {
         header += &format!("property float {name}\n");
@@ -15,7 +16,7 @@ fn header(mesh: &Mesh, format: &str, up: Up) -> String {
     header + "property list uchar int vertex_indices\nend_header\n"
 }
 
-pub(super) fn binary(mesh: &Mesh, up: Up) -> Vec<u8> {
+pub(super) fn binary(mesh: &Mesh, up: UpAxis) -> Vec<u8> {
     let mut bytes = header(mesh, "binary_little_endian", up).into_bytes();
     for number in rows(mesh, up).flatten() {
         bytes.extend(number.to_le_bytes());
@@ -27,7 +28,7 @@ pub(super) fn binary(mesh: &Mesh, up: Up) -> Vec<u8> {
     bytes
 }
 
-pub(super) fn text(mesh: &Mesh, up: Up) -> String {
+pub(super) fn text(mesh: &Mesh, up: UpAxis) -> String {
     let mut text = header(mesh, "ascii", up);
     // writing to a String cannot fail
     for [x, y, z, a, b, c] in rows(mesh, up) {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use nalgebra::{Point3, Vector3};
 
 use super::Trajectories;
-use crate::io::y_up::in_world;
+use crate::camera::UpAxis;
 
 /// Why a TRC file could not be used.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -203,7 +203,7 @@ fn frame_of(
             }),
         };
         let place = Vector3::new(coordinate()?, coordinate()?, coordinate()?);
-        let point_world = Point3::from(in_world(&place) * metres);
+        let point_world = Point3::from(UpAxis::Y.from_export(&place) * metres);
         let is_there = point_world.iter().all(|v| v.is_finite());
         Ok(is_there.then_some(point_world))
     };

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use nalgebra::Point3;
 
 use super::Trajectories;
-use crate::io::y_up::in_file;
+use crate::camera::UpAxis;
 
 /// The text of a TRC file in Pose2Sim's layout: metres, Y up; frame 0 stands there as 1, at 0 s.
 ///
@@ -53,7 +53,7 @@ pub fn write_trc(trajectories: &Trajectories, file_name: &str) -> String {
 fn push_point(text: &mut String, point_world: Option<&Point3<f64>>) {
     match point_world {
         Some(p) if p.iter().all(|v| v.is_finite()) => {
-            let p = in_file(&p.coords);
+            let p = UpAxis::Y.to_export(&p.coords);
             push(text, format_args!("\t{:.6}\t{:.6}\t{:.6}", p.x, p.y, p.z));
         }
         _ => text.push_str("\t\t\t"),
