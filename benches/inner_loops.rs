@@ -13,11 +13,11 @@ use divan::counter::ItemsCount;
 use maquette::body::metaball::{Field, FieldRow, FieldSample, FieldSlopes, Sampler};
 use maquette::body::{BodyModel, Layout, Motion, Posed, Shape};
 use maquette::camera::CameraId;
-use maquette::inference::Evidence;
 use maquette::inference::frame::FramePosterior;
 use maquette::inference::hull;
-use maquette::inference::start::{Detail, StartOptions, readings};
+use maquette::inference::start::{StartOptions, readings};
 use maquette::inference::step::StepPrior;
+use maquette::inference::{Detail, Evidence};
 use maquette::io::model;
 use maquette::likelihood::{
     EllipseOptions, PointField, PointOptions, RayOptions, RayView, SilhouetteRays, SkinScale,
@@ -120,7 +120,7 @@ impl Scene {
     }
 
     fn evidence(&self) -> Evidence<'_> {
-        Evidence::of_ellipses(&self.model, &self.recording.rig, EllipseOptions::default())
+        Evidence::with_ellipses(&self.model, &self.recording.rig, EllipseOptions::default())
     }
 }
 
@@ -204,7 +204,7 @@ impl Walker {
     fn new() -> Self {
         let scene = Scene::new();
         let model = model::load("walker-metaballs", Path::new("")).expect("a shipped model");
-        let (shape, scale) = (Shape(model.statistics.mean.clone()), SkinScale::of(&model));
+        let (shape, scale) = (Shape(model.statistics.mean.clone()), SkinScale::new(&model));
         let hull = hull::carve(&scene.recording.rig, &scene.frames[0]).expect("a body is seen");
         let motion = Motion {
             position_world: hull.centroid_world.coords,

@@ -4,10 +4,9 @@ use maquette::body::metaball::Field;
 use maquette::body::{BodyModel, Motion, Posed, Shape};
 use maquette::camera::{Camera, Distortion, Intrinsics, Rig};
 use maquette::image::{Mask, Picture, Plane};
-use maquette::inference::Evidence;
 use maquette::inference::joint::{JointOptions, joint_optimum};
-use maquette::inference::propagate::Sequence;
-use maquette::inference::sequence::SequenceState;
+use maquette::inference::sequence_posterior::SequenceState;
+use maquette::inference::{Evidence, Sequence};
 use maquette::io::model;
 use maquette::likelihood::{LikelihoodOptions, Measure, SkinScale};
 use maquette::math::Rigid3;
@@ -123,7 +122,7 @@ impl Set {
         let still = StillScenes::default();
         let shown = (frame, &still);
         let scene = Scene::new(&self.rig, shown, &body, ContourOptions::default());
-        scene.sighting(FrameIndex(0), &body, &SkinScale::of(&self.model))
+        scene.sighting(FrameIndex(0), &body, &SkinScale::new(&self.model))
     }
 
     /// The joint optimum of one frame.

@@ -96,7 +96,7 @@ impl Scene {
     fn rays(&self, options: RayOptions) -> SilhouetteRays {
         let views = self.rig.iter().zip(&self.silhouettes);
         let views = views.map(|((_, camera), seen)| RayView::new(camera, seen, 4.6, 0.1));
-        SilhouetteRays::new(views.collect(), options, SkinScale::of(&self.model))
+        SilhouetteRays::new(views.collect(), options, SkinScale::new(&self.model))
     }
 
     /// Points on the skin of the truth: rays from each metaball's centre outwards.
@@ -123,7 +123,7 @@ impl Scene {
     }
 
     fn points(&self, options: PointOptions) -> PointField {
-        PointField::new(self.surface(), options, SkinScale::of(&self.model))
+        PointField::new(self.surface(), options, SkinScale::new(&self.model))
     }
 
     /// Points that stay with the limb that they are on at the truth.
@@ -229,8 +229,8 @@ fn the_keyframe_posterior_is_linearized_right_with_every_term() {
     check_all(|scene, terms, state| {
         let problem = KeyframePosterior {
             model: &scene.model,
-            shape_prior: &ShapePrior::of(&scene.model),
-            pose_prior: &PosePrior::of(&scene.model),
+            shape_prior: &ShapePrior::new(&scene.model),
+            pose_prior: &PosePrior::new(&scene.model),
             terms,
         };
         check_linearization(&problem, state, STEP, TOLERANCE)
@@ -244,7 +244,7 @@ fn the_frame_posterior_is_linearized_right_with_every_term() {
         let problem = FramePosterior {
             model: &scene.model,
             shape: &state.shape,
-            pose_prior: &PosePrior::of(&scene.model),
+            pose_prior: &PosePrior::new(&scene.model),
             step: Some((&step, &scene.truth.motion)),
             terms,
         };
@@ -367,7 +367,7 @@ fn error_after_fit(scene: &Scene, term: Box<dyn Term>, start: &State) -> f64 {
     let problem = FramePosterior {
         model: &scene.model,
         shape: &scene.truth.shape,
-        pose_prior: &PosePrior::of(&scene.model),
+        pose_prior: &PosePrior::new(&scene.model),
         step: None,
         terms: &terms,
     };

@@ -16,7 +16,7 @@ use maquette::inference::prior::{PosePrior, ShapePrior};
 use maquette::inference::step::StepPrior;
 use maquette::io::model;
 use maquette::likelihood::{
-    EllipseDistance, EllipseOptions, EllipseSilhouette, Term, Variant, View,
+    EllipseDistance, EllipseOptions, EllipseSilhouette, EllipseView, Term, Variant,
 };
 use maquette::silhouette::FrameObservations;
 use maquette::solver::{LinearizationFault, Loss, NormalEquations, Problem, check_linearization};
@@ -96,7 +96,7 @@ impl Scene {
         let mut views = Vec::new();
         for (id, silhouette) in &self.frame.views {
             let camera = self.rig.camera(*id).expect("the rig's own camera");
-            views.push(View::new(camera, silhouette, 4.6, spacing_m));
+            views.push(EllipseView::new(camera, silhouette, 4.6, spacing_m));
         }
         vec![Box::new(EllipseSilhouette::new(views, options))]
     }
@@ -160,8 +160,8 @@ fn the_keyframe_posterior_is_linearized_right_with_every_likelihood() {
     check_all(|scene, terms, state| {
         let problem = KeyframePosterior {
             model: &scene.model,
-            shape_prior: &ShapePrior::of(&scene.model),
-            pose_prior: &PosePrior::of(&scene.model),
+            shape_prior: &ShapePrior::new(&scene.model),
+            pose_prior: &PosePrior::new(&scene.model),
             terms,
         };
         check_linearization(&problem, state, STEP, TOLERANCE)
@@ -175,7 +175,7 @@ fn the_frame_posterior_is_linearized_right_with_every_likelihood() {
         let problem = FramePosterior {
             model: &scene.model,
             shape: &state.shape,
-            pose_prior: &PosePrior::of(&scene.model),
+            pose_prior: &PosePrior::new(&scene.model),
             step: Some((&step, &scene.truth.motion)),
             terms,
         };
@@ -289,7 +289,7 @@ fn states(model: &BodyModel, sizes: &[f64]) -> Vec<State> {
 #[test]
 fn the_shape_prior_is_linearized_right() {
     for model in shipped() {
-        let prior = ShapePrior::of(&model);
+        let prior = ShapePrior::new(&model);
         let first = Layout::of(&model).motion();
         let problem = Prior {
             model: &model,
@@ -305,7 +305,7 @@ fn the_shape_prior_is_linearized_right() {
 #[test]
 fn a_child_is_within_the_limits_of_a_shape_and_a_broad_hand_is_not() {
     let model = model::load("human-metaballs", Path::new("")).unwrap();
-    let prior = ShapePrior::of(&model);
+    let prior = ShapePrior::new(&model);
     let statistics = &model.statistics;
     let index = |name: &str| model.coefficients.iter().position(|c| c == name).unwrap();
     // where a coefficient lies six standard deviations off, and all others where that lets them be expected
@@ -327,7 +327,7 @@ fn a_child_is_within_the_limits_of_a_shape_and_a_broad_hand_is_not() {
 #[test]
 fn the_pose_prior_is_linearized_right_within_and_beyond_the_limits() {
     for model in shipped() {
-        let prior = PosePrior::of(&model);
+        let prior = PosePrior::new(&model);
         let problem = Prior {
             model: &model,
             cost: |x: &State| prior.cost(&x.motion),

@@ -92,7 +92,7 @@ fn simulate(truth: Truth, seed: u64) -> (Vec<Vec<PlacedResidual>>, Vec<f64>) {
 
 fn estimated(truth: Truth, seed: u64) -> Noise {
     let (frames, seconds) = simulate(truth, seed);
-    Noise::of(&frames, &seconds, &[])
+    Noise::from_residuals(&frames, &seconds, &[])
 }
 
 #[test]
@@ -155,7 +155,7 @@ fn the_length_is_found_however_far_apart_the_rows_are() {
             rows.iter().step_by(every).map(wider).collect()
         };
         let thinned: Vec<_> = frames.iter().map(thinned).collect();
-        let found = Noise::of(&thinned, &seconds, &[]).along_border;
+        let found = Noise::from_residuals(&thinned, &seconds, &[]).along_border;
         approx::assert_relative_eq!(found, 4.0 * 0.95, max_relative = 0.15);
     }
 }
@@ -219,7 +219,7 @@ fn a_few_wild_rows_change_little() {
             row.trust = Loss::Cauchy(3.0).evaluate(row.value).1;
         }
     }
-    let noise = Noise::of(&frames, &seconds, &[]);
+    let noise = Noise::from_residuals(&frames, &seconds, &[]);
     assert!((0.97..1.03).contains(&noise.scale), "{noise:?}");
 }
 
@@ -245,7 +245,7 @@ fn two_sides_that_err_alike_are_one() {
         frames.map(|(r, l)| [r.clone(), left(l)].concat()).collect()
     };
     let tau = |frames: &[Vec<PlacedResidual>], pairs: &[(usize, usize)]| {
-        Noise::of(frames, &seconds, pairs).over_time
+        Noise::from_residuals(frames, &seconds, pairs).over_time
     };
     let (alike, unlike) = (both(&right), both(&own));
     let [together, apart] = [&[(0, 1)][..], &[]].map(|pairs| tau(&alike, pairs));
@@ -258,7 +258,7 @@ fn two_sides_that_err_alike_are_one() {
 fn nothing_seen_is_no_fault() {
     for frames in [vec![], vec![Vec::new(); 3]] {
         let seconds = vec![0.0; frames.len()];
-        let noise = Noise::of(&frames, &seconds, &[]);
+        let noise = Noise::from_residuals(&frames, &seconds, &[]);
         let numbers = [noise.scale, noise.along_border, noise.over_time];
         assert!(
             numbers.iter().all(|v| v.is_finite() && *v > 0.0),

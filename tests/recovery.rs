@@ -6,12 +6,11 @@ use std::sync::LazyLock;
 
 use maquette::body::{BodyModel, JointId, Motion, Posed, Shape, State};
 use maquette::camera::Rig;
-use maquette::inference::Evidence;
 use maquette::inference::frame::KeyframePosterior;
 use maquette::inference::prior::{PosePrior, ShapePrior};
-use maquette::inference::propagate::Sequence;
 use maquette::inference::search::{NoJournal, Pruning, Search, SearchOptions, search};
-use maquette::inference::start::{Detail, StartOptions, readings};
+use maquette::inference::start::{StartOptions, readings};
+use maquette::inference::{Detail, Evidence, Sequence};
 use maquette::likelihood::EllipseOptions;
 use maquette::pipeline::{Fit, FitOptions, fit};
 use maquette::silhouette::FrameObservations;
@@ -71,7 +70,7 @@ static SCENE: LazyLock<Scene> = LazyLock::new(|| {
 
 impl Scene {
     fn evidence(&self) -> Evidence<'_> {
-        Evidence::of_ellipses(&self.model, &self.rig, EllipseOptions::default())
+        Evidence::with_ellipses(&self.model, &self.rig, EllipseOptions::default())
     }
 
     /// Mean distance of the limb joints from the truth in a frame, mm.
@@ -90,8 +89,8 @@ impl Scene {
         let terms = self.evidence().terms(&self.frames[frame], Detail::Fine);
         let problem = KeyframePosterior {
             model: &self.model,
-            shape_prior: &ShapePrior::of(&self.model),
-            pose_prior: &PosePrior::of(&self.model),
+            shape_prior: &ShapePrior::new(&self.model),
+            pose_prior: &PosePrior::new(&self.model),
             terms: &terms,
         };
         let options = Options {
@@ -110,7 +109,7 @@ impl Scene {
         motion.position_world += Vector3::new(draw(0.03), draw(0.03), draw(0.03));
         State {
             motion,
-            shape: ShapePrior::of(&self.model).mean(),
+            shape: ShapePrior::new(&self.model).mean(),
         }
     }
 

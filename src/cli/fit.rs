@@ -15,7 +15,7 @@ use super::error::{CliError, one_line};
 use super::progress::{Progress, Watched};
 use super::summary::Summary;
 use super::{complain, print};
-use crate::inference::propagate::Sequence;
+use crate::inference::Sequence;
 use crate::io::journal::DiskJournal;
 use crate::io::out_folder::{Existing, OutError, OutFolder};
 use crate::io::overlays;

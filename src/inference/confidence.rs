@@ -33,12 +33,12 @@ pub fn p_within(epsilon: f64, sigma: f64) -> f64 {
 }
 
 /// p_ε,σ(K) = 1 − (1 − p_ε,σ)^K.
-pub fn p_of_k(p_within: f64, k: usize) -> f64 {
+pub fn p_at_least_one(p_within: f64, k: usize) -> f64 {
     1.0 - (1.0 - p_within).powi(k as i32)
 }
 
 /// Maximum-likelihood σ of estimates about their mean; `None` of fewer than two.
-pub fn sigma_of(estimates: &[f64]) -> Option<f64> {
+pub fn maximum_likelihood_sigma(estimates: &[f64]) -> Option<f64> {
     let k = estimates.len() as f64;
     let mean = estimates.iter().sum::<f64>() / k;
     let variance = estimates.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / k;
@@ -47,13 +47,13 @@ pub fn sigma_of(estimates: &[f64]) -> Option<f64> {
 
 /// The confidence of one number from its K keyframe estimates.
 pub fn confidence(estimates: &[f64], epsilon: f64) -> Confidence {
-    let sigma = sigma_of(estimates);
+    let sigma = maximum_likelihood_sigma(estimates);
     let keyframes = estimates.len();
     Confidence {
         epsilon,
         sigma,
         keyframes,
-        p_within: sigma.map(|s| p_of_k(p_within(epsilon, s), keyframes)),
+        p_within: sigma.map(|s| p_at_least_one(p_within(epsilon, s), keyframes)),
     }
 }
 
@@ -89,7 +89,7 @@ pub fn joint_confidence(estimates: &[DVector<f64>], epsilon: f64) -> Confidence 
     });
     let p = box_probability(&covariance, epsilon);
     Confidence {
-        p_within: p.map(|p| p_of_k(p, keyframes)),
+        p_within: p.map(|p| p_at_least_one(p, keyframes)),
         ..none
     }
 }
@@ -128,8 +128,8 @@ mod tests {
     #[test]
     fn one_sigma_holds_68_of_100_and_ten_keyframes_nearly_all() {
         approx::assert_relative_eq!(p_within(0.02, 0.02), 0.682_689, epsilon = 1e-5);
-        approx::assert_relative_eq!(p_of_k(0.5, 3), 0.875);
-        assert!(p_of_k(p_within(0.02, 0.02), 10) > 0.9999);
+        approx::assert_relative_eq!(p_at_least_one(0.5, 3), 0.875);
+        assert!(p_at_least_one(p_within(0.02, 0.02), 10) > 0.9999);
     }
 
     #[test]
@@ -139,7 +139,7 @@ mod tests {
 
     #[test]
     fn sigma_is_the_maximum_likelihood_estimate() {
-        approx::assert_relative_eq!(sigma_of(&[1.0, 3.0]).unwrap(), 1.0);
+        approx::assert_relative_eq!(maximum_likelihood_sigma(&[1.0, 3.0]).unwrap(), 1.0);
     }
 
     #[test]

@@ -22,7 +22,7 @@ use rayon::prelude::*;
 
 use super::Terms;
 use super::frame::linearize_data;
-use super::sequence::SequenceState;
+use super::sequence_posterior::SequenceState;
 use crate::body::{BodyModel, Layout, Motion, Placed, Posed, Shape};
 use crate::solver::{BorderedChain, Columns, NormalEquations};
 
@@ -37,7 +37,7 @@ pub struct Considered {
 
 impl Considered {
     /// S at an optimum whose g and H are the chain's, the data as they are stated; `None` where H is singular.
-    pub fn of(
+    pub fn new(
         model: &BodyModel,
         terms: &[Terms<'_>],
         state: &SequenceState,

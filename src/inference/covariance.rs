@@ -7,7 +7,7 @@
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix3, Vector3};
 
 use super::considered::Considered;
-use super::sequence::SequenceState;
+use super::sequence_posterior::SequenceState;
 use crate::body::{BodyModel, Layout, Motion, PartId, Posed, Shape};
 use crate::solver::{BorderedChain, Marginal};
 
@@ -48,7 +48,7 @@ pub struct FrameUncertainty {
 
 impl Uncertainty {
     /// From H of the chain, τ, and what joints elsewhere in the flesh do; `None` where H is singular.
-    pub(super) fn of(
+    pub(super) fn new(
         model: &BodyModel,
         state: &SequenceState,
         chain: &BorderedChain,

@@ -1,26 +1,19 @@
 //! What every stage of the search is given: the body, its priors, the cameras, the likelihood.
 
+use nalgebra::Point3;
+use rayon::prelude::*;
+
+use super::detail::Detail;
 use super::hull;
 use super::prior::{PosePrior, ShapePrior};
-use super::start::Detail;
+use super::sequence::Sequence;
 use crate::body::BodyModel;
 use crate::camera::{Camera, CameraId, Rig};
 use crate::likelihood::{
-    EllipseOptions, EllipseSilhouette, LikelihoodOptions, Measure, PointField, RayView,
-    SilhouetteRays, SkinScale, SurfacePoint, Term, View,
+    EllipseOptions, EllipseSilhouette, EllipseView, LikelihoodOptions, Measure, PointField,
+    RayView, SilhouetteRays, SkinScale, SurfacePoint, Term,
 };
 use crate::silhouette::{FrameObservations, Silhouette};
-
-/// One border point per this length in coarse and in fine evaluations, m.
-const COARSE_SPACING_M: f64 = 0.05;
-const FINE_SPACING_M: f64 = 0.02;
-
-/// Coarse evaluations forgive this much mismatch, m.
-const COARSE_SIGMA_M: f64 = 0.03;
-/// And look at so many points at most: several for each correlation length of a body.
-const COARSE_POINTS: usize = 600;
-/// And look at so few samples of each ellipse's outline.
-const COARSE_BACK_SAMPLES: usize = 12;
 
 /// What one frame shows, as terms of −log p(Zᵢ | mᵢ, s).
 pub type Terms<'f> = Vec<Box<dyn Term + 'f>>;
@@ -50,20 +43,19 @@ impl<'a> Evidence<'a> {
         likelihood: LikelihoodOptions,
         measure: Measure,
     ) -> Self {
-        let (shape_prior, pose_prior) = (ShapePrior::of(model), PosePrior::of(model));
         Self {
             model,
             rig,
-            shape_prior,
-            pose_prior,
+            shape_prior: ShapePrior::new(model),
+            pose_prior: PosePrior::new(model),
             measure,
             likelihood,
-            skin_scale: SkinScale::of(model),
+            skin_scale: SkinScale::new(model),
         }
     }
 
     /// A model's priors and the ellipse likelihood alone (ZS06).
-    pub fn of_ellipses(model: &'a BodyModel, rig: &'a Rig, ellipses: EllipseOptions) -> Self {
+    pub fn with_ellipses(model: &'a BodyModel, rig: &'a Rig, ellipses: EllipseOptions) -> Self {
         let likelihood = LikelihoodOptions {
             ellipses,
             ..LikelihoodOptions::default()
@@ -71,55 +63,53 @@ impl<'a> Evidence<'a> {
         Self::new(model, rig, likelihood, Measure::Ellipses)
     }
 
-    /// The terms of −log p(Zᵢ | mᵢ, s).
+    /// The terms of −log p(Zᵢ | mᵢ, s) of one frame.
     pub fn terms<'f>(&self, frame: &'f FrameObservations, detail: Detail) -> Terms<'f> {
-        let (likelihood, spacing_m) = match detail {
-            Detail::Fine => (self.likelihood, FINE_SPACING_M),
-            Detail::Coarse => (coarse(self.likelihood), COARSE_SPACING_M),
-        };
+        let options = detail.likelihood(self.likelihood);
+        let spacing_m = detail.spacing_m();
         let subject = hull::subject(self.rig, frame);
-        let depth_m = |camera: &Camera| {
-            let depth = subject.map(|p| (camera.camera_from_world * p).z);
-            let depth = depth.filter(|z| *z > 0.0);
-            depth.unwrap_or_else(|| camera.centre_world().coords.norm())
-        };
         let mut terms: Terms<'f> = Vec::new();
+
         if self.measure.has_ellipses() {
             let view = |(id, silhouette): &'f (CameraId, Silhouette)| {
                 let camera = &self.rig.cameras[id.0];
-                View::new(camera, silhouette, depth_m(camera), spacing_m)
+                EllipseView::new(camera, silhouette, depth_m(camera, subject), spacing_m)
             };
             let views = frame.views.iter().map(view).collect();
-            terms.push(Box::new(EllipseSilhouette::new(views, likelihood.ellipses)));
+            terms.push(Box::new(EllipseSilhouette::new(views, options.ellipses)));
         }
+
         if self.measure.has_metaballs() {
             let view = |(id, silhouette): &'f (CameraId, Silhouette)| {
                 let camera = &self.rig.cameras[id.0];
-                RayView::new(camera, silhouette, depth_m(camera), spacing_m)
+                RayView::new(camera, silhouette, depth_m(camera, subject), spacing_m)
             };
             let views = frame.views.iter().map(view).collect();
-            let rays = SilhouetteRays::new(views, likelihood.rays, self.skin_scale.clone());
+            let rays = SilhouetteRays::new(views, options.rays, self.skin_scale.clone());
             terms.push(Box::new(rays));
         }
+
         if self.measure.has_metaballs() && !frame.points.is_empty() {
-            let thinned = frame.points.iter().step_by(match detail {
-                Detail::Fine => 1,
-                Detail::Coarse => frame.points.len().div_ceil(COARSE_POINTS),
-            });
-            let points = thinned.map(SurfacePoint::from).collect();
-            let field = PointField::new(points, likelihood.points, self.skin_scale.clone());
+            let step = detail.point_step(frame.points.len());
+            let points = frame.points.iter().step_by(step);
+            let points = points.map(SurfacePoint::from).collect();
+            let field = PointField::new(points, options.points, self.skin_scale.clone());
             terms.push(Box::new(field));
         }
         terms
     }
+
+    /// The terms of every frame of a sequence, in full detail.
+    pub fn sequence_terms<'f>(&self, sequence: Sequence<'f>) -> Vec<Terms<'f>> {
+        let frames = sequence.frames.par_iter();
+        frames.map(|f| self.terms(f, Detail::Fine)).collect()
+    }
 }
 
-/// The same likelihood, forgiving.
-fn coarse(mut likelihood: LikelihoodOptions) -> LikelihoodOptions {
-    let ellipses = &mut likelihood.ellipses;
-    ellipses.sigma_m = ellipses.sigma_m.max(COARSE_SIGMA_M);
-    ellipses.back_samples = ellipses.back_samples.min(COARSE_BACK_SAMPLES);
-    likelihood.rays.sigma_m = likelihood.rays.sigma_m.max(COARSE_SIGMA_M);
-    likelihood.points.sigma_m = likelihood.points.sigma_m.max(COARSE_SIGMA_M);
-    likelihood
+/// How far before a camera the subject is; where nothing shows it, about the world's origin.
+fn depth_m(camera: &Camera, subject: Option<Point3<f64>>) -> f64 {
+    let depth = subject.map(|p| (camera.camera_from_world * p).z);
+    depth
+        .filter(|z| *z > 0.0)
+        .unwrap_or_else(|| camera.centre_world().coords.norm())
 }

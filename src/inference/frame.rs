@@ -47,7 +47,7 @@ pub struct FrameFit {
     pub step: f64,
     /// Independent observations behind `data`.
     pub observations: f64,
-    /// The tracking was lost here and the frame searched anew.
+    /// The tracking was lost here, and the frame was searched anew.
     pub recovered: bool,
 }
 
@@ -57,6 +57,7 @@ impl FrameFit {
         self.data + self.pose + self.step
     }
 
+    /// The data's cost per observation.
     pub(super) fn level(&self) -> f64 {
         self.data / self.observations.max(1.0)
     }
@@ -115,8 +116,8 @@ impl FramePosterior<'_> {
         self.step.map_or(0.0, cost)
     }
 
-    /// A motion and the parts of its cost, which is known.
-    pub(super) fn taken_apart(&self, motion: Motion, cost: f64) -> FrameFit {
+    /// The fit of a motion whose cost is known; the data's part of it is what the priors leave.
+    pub(super) fn frame_fit(&self, motion: Motion, cost: f64) -> FrameFit {
         let (pose, step) = (self.pose_prior.cost(&motion), self.step_cost(&motion));
         FrameFit {
             motion,

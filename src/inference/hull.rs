@@ -28,7 +28,7 @@ const VOXEL: f64 = 0.04;
 pub const LEAST_POINTS: usize = 200;
 
 /// Whether a frame shows where the body is: to two cameras, or by points.
-pub fn shows_where(frame: &FrameObservations) -> bool {
+pub fn locates_body(frame: &FrameObservations) -> bool {
     frame.views.len() >= 2 || frame.points.len() >= LEAST_POINTS
 }
 
@@ -39,7 +39,7 @@ const LEAST_ANGLE_DEG: f64 = 25.0;
 ///
 /// The points come first where all cameras stand side by side: their hull is open in depth.
 pub fn hull(rig: &Rig, frame: &FrameObservations) -> Option<Hull> {
-    let of_points = || Hull::of_points(&frame.points);
+    let of_points = || Hull::from_points(&frame.points);
     if has_depth(&sights(rig, frame)) {
         carve(rig, frame).or_else(of_points)
     } else {
@@ -65,7 +65,7 @@ fn sights(rig: &Rig, frame: &FrameObservations) -> Vec<Ray> {
 impl Hull {
     /// The extent of the points that lie within reach of their median, strays left out; `None` of fewer than
     /// [`LEAST_POINTS`].
-    pub fn of_points(points: &[CloudPoint]) -> Option<Self> {
+    pub fn from_points(points: &[CloudPoint]) -> Option<Self> {
         if points.len() < LEAST_POINTS {
             return None;
         }

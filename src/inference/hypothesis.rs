@@ -58,7 +58,7 @@ impl Trial {
 }
 
 /// The finished trial of least energy.
-pub(super) fn best_of(trials: &[Trial]) -> Option<usize> {
+pub(super) fn most_probable(trials: &[Trial]) -> Option<usize> {
     let finished = (0..trials.len()).filter(|&i| trials[i].finished());
     finished.min_by(|&a, &b| trials[a].energy().total_cmp(&trials[b].energy()))
 }

@@ -11,12 +11,10 @@ use super::considered::Considered;
 use super::covariance::Uncertainty;
 use super::frame::FrameFit;
 use super::noise::Noise;
-use super::propagate::Sequence;
-use super::sequence::{SequencePosterior, SequenceState};
-use super::start::Detail;
+use super::sequence_posterior::{SequencePosterior, SequenceState};
 use super::step::MotionModel;
-use super::{Evidence, Terms};
-use crate::body::{BodyModel, Motion, Posed, Shape};
+use super::{Evidence, Sequence, Terms};
+use crate::body::{BodyModel, Posed, Shape};
 use crate::likelihood::PlacedResidual;
 use crate::solver::{Options, Problem, QuadraticModel, Report, levenberg_marquardt};
 
@@ -41,7 +39,7 @@ impl Default for JointOptions {
 
 /// The joint optimum.
 #[derive(Debug, Clone)]
-pub struct Joint {
+pub struct JointOptimum {
     /// s.
     pub shape: Shape,
     /// m₁..ₙ and what each costs.
@@ -54,7 +52,7 @@ pub struct Joint {
     pub report: Report,
 }
 
-impl Joint {
+impl JointOptimum {
     /// s and m₁..ₙ.
     pub fn state(&self) -> SequenceState {
         SequenceState {
@@ -76,40 +74,23 @@ pub fn joint_optimum(
     sequence: Sequence<'_>,
     start: SequenceState,
     options: &JointOptions,
-) -> Joint {
-    let terms = terms(evidence, sequence);
-    joint_optimum_of(evidence, &terms, &intervals(sequence), start, options)
-}
-
-/// What each frame of a sequence shows.
-pub fn terms<'f>(evidence: &Evidence<'_>, sequence: Sequence<'f>) -> Vec<Terms<'f>> {
-    let frames = sequence.frames.par_iter();
-    frames.map(|f| evidence.terms(f, Detail::Fine)).collect()
+) -> JointOptimum {
+    let terms = evidence.sequence_terms(sequence);
+    joint_optimum_from_terms(evidence, &terms, &sequence.intervals_s(), start, options)
 }
 
 /// The joint optimum of what each frame shows; `seconds[i]` lie between frames i − 1 and i.
-pub fn joint_optimum_of<'a>(
+pub fn joint_optimum_from_terms<'a>(
     evidence: &Evidence<'_>,
     terms: &[Terms<'a>],
     seconds: &[f64],
     start: SequenceState,
     options: &JointOptions,
-) -> Joint {
-    let times: Vec<f64> = seconds
-        .iter()
-        .scan(0.0, |t, s| {
-            *t += s;
-            Some(*t)
-        })
-        .collect();
-    let chain_prior = ChainPrior::new(evidence.model, options.motion_model);
-    let solver = Options {
-        max_iterations: options.iterations,
-        damping: 1e-4,
-        relative_decrease: TOLERANCE,
-    };
+) -> JointOptimum {
+    let model = evidence.model;
+    let chain_prior = ChainPrior::new(model, options.motion_model);
     let posterior = |noise: &Noise| SequencePosterior {
-        model: evidence.model,
+        model,
         shape_prior: &evidence.shape_prior,
         shape_weight: noise.over_time,
         pose_prior: &evidence.pose_prior,
@@ -118,29 +99,45 @@ pub fn joint_optimum_of<'a>(
         terms,
         data_weight: noise.data_weight(),
     };
+
     // 1. the optimum, every row as it is stated
-    let stated = Noise::stated(terms.len());
-    let solution = levenberg_marquardt(&posterior(&stated), start, &solver);
+    let solver = Options {
+        max_iterations: options.iterations,
+        damping: 1e-4,
+        relative_decrease: TOLERANCE,
+    };
+    let stated = posterior(&Noise::stated(terms.len()));
+    let solution = levenberg_marquardt(&stated, start, &solver);
+    let (optimum, mut chain) = (solution.state, solution.model);
+
     // 2. how the residuals err there
-    let residuals = residuals(evidence.model, terms, &solution.state);
-    let noise = Noise::of(&residuals, &times, &evidence.model.part_pairs());
+    let residuals = residuals(model, terms, &optimum);
+    let noise = Noise::from_residuals(&residuals, &times(seconds), &model.part_pairs());
+
     // 3. how sure the optimum is, with rows that err so
-    let sharp = posterior(&noise);
-    let mut chain = solution.model;
-    let considered = Considered::of(evidence.model, terms, &solution.state, &chain);
+    let weighed = posterior(&noise);
+    let considered = Considered::new(model, terms, &optimum, &chain);
     chain.clear();
-    sharp.linearize(&solution.state, &mut chain);
-    let uncertainty = considered.and_then(|c| {
-        Uncertainty::of(evidence.model, &solution.state, &chain, noise.over_time, &c)
-    });
-    let frames = sharp.taken_apart(&solution.state);
-    Joint {
-        shape: solution.state.shape,
-        frames,
+    weighed.linearize(&optimum, &mut chain);
+    let uncertainty =
+        considered.and_then(|c| Uncertainty::new(model, &optimum, &chain, noise.over_time, &c));
+
+    JointOptimum {
+        frames: weighed.frame_fits(&optimum),
+        shape: optimum.shape,
         noise,
         uncertainty,
         report: solution.report,
     }
+}
+
+/// Seconds from the start, frame by frame.
+fn times(seconds: &[f64]) -> Vec<f64> {
+    let sums = seconds.iter().scan(0.0, |time, interval| {
+        *time += interval;
+        Some(*time)
+    });
+    sums.collect()
 }
 
 /// The residuals of every frame at a state.
@@ -150,21 +147,10 @@ pub fn residuals(
     state: &SequenceState,
 ) -> Vec<Vec<PlacedResidual>> {
     let frames = terms.par_iter().zip(&state.motions);
-    let of_frame = |(terms, motion): (&Terms<'_>, &Motion)| {
+    let residuals = frames.map(|(terms, motion)| {
         let body = Posed::new(model, &state.shape, motion);
-        terms
-            .iter()
-            .flat_map(|t| t.placed_residuals(&body))
-            .collect()
-    };
-    frames.map(of_frame).collect()
-}
-
-/// Seconds from each frame's predecessor.
-pub fn intervals(sequence: Sequence<'_>) -> Vec<f64> {
-    let number = |i: usize| sequence.frames[i].frame.0;
-    let before = |i: usize| number(i) - number(i.saturating_sub(1));
-    (0..sequence.frames.len())
-        .map(|i| before(i).max(1) as f64 / sequence.fps)
-        .collect()
+        let residuals = terms.iter().flat_map(|t| t.placed_residuals(&body));
+        residuals.collect()
+    });
+    residuals.collect()
 }

@@ -1,16 +1,16 @@
 //! The shape hypotheses: from each keyframe (ZS06, Alg. 1, line 3), from the prior (line 2).
 
-use super::evidence::Evidence;
 use super::frame::{FrameFit, FramePosterior};
-use super::hull::shows_where;
+use super::hull::locates_body;
 use super::hypothesis::{Hypothesis, Origin};
-use super::propagate::{Sequence, solve};
-use super::start::{Detail, StartOptions, readings};
+use super::propagate::solve;
+use super::start::{StartOptions, readings};
+use super::{Detail, Evidence, Sequence};
 use crate::body::{Motion, Shape};
 
 /// The keyframes K: every `every`-th frame that two cameras see or that has points enough, or the first such frame.
 pub(super) fn keyframes(sequence: Sequence<'_>, every: usize) -> Vec<usize> {
-    let usable = |&i: &usize| shows_where(&sequence.frames[i]);
+    let usable = |&i: &usize| locates_body(&sequence.frames[i]);
     let all = 0..sequence.frames.len();
     let spaced: Vec<usize> = all.clone().step_by(every.max(1)).filter(usable).collect();
     if spaced.is_empty() {
@@ -27,17 +27,16 @@ pub(super) fn keyframe_hypotheses(
     keyframe: usize,
     options: &StartOptions,
 ) -> Vec<Hypothesis> {
-    let starts = readings(evidence, &sequence.frames[keyframe], options)
-        .into_iter()
-        .enumerate();
-    let hypothesis = |(reading, start): (usize, super::start::Start)| Hypothesis {
-        origin: Origin::Keyframe(reading),
+    let readings = readings(evidence, &sequence.frames[keyframe], options);
+    let numbered = readings.into_iter().enumerate();
+    let hypotheses = numbered.map(|(number, reading)| Hypothesis {
+        origin: Origin::Keyframe(number),
         keyframe,
-        shape: start.state.shape,
-        motion: start.state.motion,
-        keyframe_cost: start.cost,
-    };
-    starts.map(hypothesis).collect()
+        shape: reading.state.shape,
+        motion: reading.state.motion,
+        keyframe_cost: reading.cost,
+    });
+    hypotheses.collect()
 }
 
 /// The mean of p(s), in the pose of another hypothesis.

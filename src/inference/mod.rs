@@ -9,7 +9,7 @@
 //! | a pose from nothing               | [`hull`], [`start`] |
 //! | one hypothesis along the chain    | [`propagate`]    |
 //! | Algorithm 1                       | [`search`]       |
-//! | eq. 1 as a problem of all frames  | [`chain`], [`sequence`] |
+//! | eq. 1 as a problem of all frames  | [`chain`], [`sequence_posterior`] |
 //! | its optimum, how sure it is       | [`joint`], [`noise`], [`covariance`] |
 //! | joints elsewhere in the flesh     | [`considered`]   |
 //! | where the cameras look            | [`aim`]          |
@@ -20,6 +20,7 @@ pub mod chain;
 pub mod confidence;
 pub mod considered;
 pub mod covariance;
+mod detail;
 mod evidence;
 pub mod frame;
 pub mod hull;
@@ -31,8 +32,11 @@ pub mod noise;
 pub mod prior;
 pub mod propagate;
 pub mod search;
-pub mod sequence;
+mod sequence;
+pub mod sequence_posterior;
 pub mod start;
 pub mod step;
 
+pub use detail::Detail;
 pub use evidence::{Evidence, Terms};
+pub use sequence::Sequence;

@@ -59,7 +59,7 @@ impl Noise {
 
     /// From the residuals of every frame at the optimum, the frames' times, and the parts that are mirror images of others:
     /// (right, left).
-    pub fn of(
+    pub fn from_residuals(
         frames: &[Vec<PlacedResidual>],
         seconds: &[f64],
         part_pairs: &[(usize, usize)],

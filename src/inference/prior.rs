@@ -25,7 +25,7 @@ const LIMIT_SOFT: f64 = 0.3;
 
 impl ShapePrior {
     /// The prior of a model; its covariance was checked when the model was made.
-    pub fn of(model: &BodyModel) -> Self {
+    pub fn new(model: &BodyModel) -> Self {
         let statistics = &model.statistics;
         let n = statistics.mean.len();
         let precision = Cholesky::<f64, Dyn>::new(statistics.covariance.clone())
@@ -93,7 +93,7 @@ const LIMIT_SIGMA: f64 = 3.0 * std::f64::consts::PI / 180.0;
 
 impl PosePrior {
     /// The prior of a model's angles.
-    pub fn of(model: &BodyModel) -> Self {
+    pub fn new(model: &BodyModel) -> Self {
         let n = model.joints.len();
         Self {
             rest: DVector::from_iterator(n, model.joints.iter().map(|j| j.rest)),

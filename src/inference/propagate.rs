@@ -1,12 +1,11 @@
 //! One hypothesis along the Markov chain, forwards and backwards from its keyframe (ZS06, Alg. 1, line 4).
 
-use super::Evidence;
 use super::frame::{FrameFit, FramePosterior};
-use super::start::{Detail, StartOptions, readings};
+use super::start::{StartOptions, readings_by};
 use super::step::{MotionModel, StepPrior, extrapolate};
+use super::{Detail, Evidence, Sequence};
 use crate::body::{Layout, Motion, Shape};
 use crate::math::stats::median;
-use crate::silhouette::FrameObservations;
 use crate::solver::{Options, levenberg_marquardt};
 
 /// Settings of the tracking.
@@ -31,13 +30,16 @@ impl Default for TrackOptions {
     }
 }
 
-/// Frames of a recording with their time base.
+/// What both tracks of a hypothesis share.
 #[derive(Debug, Clone, Copy)]
-pub struct Sequence<'a> {
-    /// Observations, ascending by frame.
-    pub frames: &'a [FrameObservations],
-    /// Frames per second.
-    pub fps: f64,
+pub(super) struct Tracking<'a> {
+    pub(super) evidence: &'a Evidence<'a>,
+    pub(super) sequence: Sequence<'a>,
+    /// s.
+    pub(super) shape: &'a Shape,
+    pub(super) options: &'a TrackOptions,
+    /// How a lost frame is searched anew.
+    pub(super) start: &'a StartOptions,
 }
 
 /// A track that grows from its keyframe to one end of the sequence.
@@ -45,9 +47,13 @@ pub struct Sequence<'a> {
 pub(super) struct Track {
     /// Frames still to be visited, nearest last.
     ahead: Vec<usize>,
+    /// The frame that was fitted last.
     last: (usize, Motion),
+    /// The one before it.
     before: Option<(usize, Motion)>,
+    /// Costs per observation of the last frames.
     levels: Vec<f64>,
+    /// No frame is searched anew while more frames than this are ahead.
     rest_until: usize,
 }
 
@@ -73,53 +79,49 @@ impl Track {
         self.ahead.is_empty()
     }
 
-    /// Fits the next `count` frames with a given shape.
+    /// Fits the next `count` frames.
     pub(super) fn advance(
         &mut self,
-        evidence: &Evidence<'_>,
-        sequence: Sequence<'_>,
-        shape: &Shape,
-        (options, start): (&TrackOptions, &StartOptions),
+        tracking: &Tracking<'_>,
         count: usize,
     ) -> Vec<(usize, FrameFit)> {
         let mut fits = Vec::new();
         while let Some(index) = (fits.len() < count).then(|| self.ahead.pop()).flatten() {
-            let fit = self.fit(evidence, sequence, shape, (options, start), index);
+            let fit = self.fit(tracking, index);
+
             if fit.observations > 0.0 {
                 self.levels.push(fit.level());
             }
-            self.levels
-                .drain(..self.levels.len().saturating_sub(MEMORY));
-            self.before = Some(std::mem::replace(
-                &mut self.last,
-                (index, fit.motion.clone()),
-            ));
+            let forgotten = self.levels.len().saturating_sub(MEMORY);
+            self.levels.drain(..forgotten);
+
+            let now = (index, fit.motion.clone());
+            self.before = Some(std::mem::replace(&mut self.last, now));
             fits.push((index, fit));
         }
         fits
     }
 
-    fn fit(
-        &mut self,
-        evidence: &Evidence<'_>,
-        sequence: Sequence<'_>,
-        shape: &Shape,
-        (options, start): (&TrackOptions, &StartOptions),
-        index: usize,
-    ) -> FrameFit {
+    fn fit(&mut self, tracking: &Tracking<'_>, index: usize) -> FrameFit {
+        let Tracking {
+            evidence,
+            sequence,
+            shape,
+            options,
+            start,
+        } = *tracking;
         let frame = &sequence.frames[index];
-        // the interval to the frame before, the step's prior, and where the frame is expected
-        let interval_frames = frame
-            .frame
-            .0
-            .abs_diff(sequence.frames[self.last.0].frame.0)
-            .max(1) as f64;
+
+        // the step's prior, and where the frame is expected
+        let interval_frames = sequence.frames_between(self.last.0, index);
         let step = StepPrior::new(evidence.model, interval_frames / sequence.fps);
-        let predicted = self.predicted(evidence, sequence, interval_frames);
+        let predicted = self.predict(tracking, interval_frames);
         let mean = match options.motion_model {
             MotionModel::ConstantPosition => &self.last.1,
             MotionModel::ConstantVelocity => &predicted,
         };
+
+        // the most probable motion from the prediction
         let terms = evidence.terms(frame, Detail::Fine);
         let posterior = FramePosterior {
             model: evidence.model,
@@ -128,16 +130,16 @@ impl Track {
             step: Some((&step, mean)),
             terms: &terms,
         };
-        // the most probable motion from the prediction
         let fit = solve(&posterior, predicted.clone(), options.iterations);
-        if self.plausible(&fit, options.recovery_ratio) {
+        if self.is_plausible(&fit, options.recovery_ratio) {
             return fit;
         }
+
         // lost: search the frame anew, and take what is more probable
         self.rest_until = self.ahead.len().saturating_sub(PATIENCE);
-        let anew = readings(evidence, frame, start)
+        let anew = readings_by(evidence, frame, &terms, start)
             .into_iter()
-            .map(|start| solve(&posterior, start.state.motion, 30))
+            .map(|reading| solve(&posterior, reading.state.motion, 30))
             .min_by(|a, b| a.cost().total_cmp(&b.cost()))
             .filter(|anew| anew.cost() < fit.cost());
         match anew {
@@ -149,37 +151,27 @@ impl Track {
         }
     }
 
-    fn plausible(&self, fit: &FrameFit, ratio: f64) -> bool {
+    /// Whether a fit costs about what the frames before it did.
+    fn is_plausible(&self, fit: &FrameFit, ratio: f64) -> bool {
         let usual = median(&mut self.levels.clone()).unwrap_or(f64::INFINITY);
         self.levels.len() < SETTLED
             || fit.level() <= ratio * usual
             || (self.rest_until > 0 && self.ahead.len() > self.rest_until)
     }
 
-    fn predicted(
-        &self,
-        evidence: &Evidence<'_>,
-        sequence: Sequence<'_>,
-        interval_frames: f64,
-    ) -> Motion {
+    /// The motion after an interval, at the velocity of the last two frames.
+    fn predict(&self, tracking: &Tracking<'_>, interval_frames: f64) -> Motion {
+        let (last, motion) = &self.last;
         let Some((index, before)) = &self.before else {
-            return self.last.1.clone();
+            return motion.clone();
         };
-        let past = sequence.frames[self.last.0]
-            .frame
-            .0
-            .abs_diff(sequence.frames[*index].frame.0)
-            .max(1);
-        extrapolate(
-            Layout::of(evidence.model),
-            before,
-            &self.last.1,
-            interval_frames / past as f64,
-        )
+        let past_frames = tracking.sequence.frames_between(*index, *last);
+        let layout = Layout::of(tracking.evidence.model);
+        extrapolate(layout, before, motion, interval_frames / past_frames)
     }
 }
 
-/// Maximises a frame posterior and takes its cost apart.
+/// Maximises a frame posterior from a motion.
 pub(super) fn solve(
     posterior: &FramePosterior<'_>,
     start: Motion,
@@ -191,5 +183,5 @@ pub(super) fn solve(
         relative_decrease: 1e-4,
     };
     let solution = levenberg_marquardt(posterior, start, &options);
-    posterior.taken_apart(solution.state, solution.cost)
+    posterior.frame_fit(solution.state, solution.cost)
 }

@@ -2,13 +2,13 @@
 
 use rayon::prelude::*;
 
-use super::Evidence;
-use super::hypothesis::best_of;
+use super::hypothesis::most_probable;
 pub use super::hypothesis::{Hypothesis, Origin, Search, Trial};
 pub use super::journal::{Journal, NoJournal};
 use super::keyframe::{keyframe_fit, keyframe_hypotheses, keyframes, mean_hypothesis};
-use super::propagate::{Sequence, Track, TrackOptions};
+use super::propagate::{Track, TrackOptions, Tracking};
 use super::start::StartOptions;
+use super::{Evidence, Sequence};
 
 /// Settings of the search.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -99,7 +99,7 @@ pub fn search(
     // 4. propagate every hypothesis along the chain: argmax p(mᵢ | mᵢ₋₁, s, Zᵢ)
     let trials = run.follow_all(&hypotheses, promising + 1);
     // 5. the most probable sequence posterior (eq. 1)
-    let winner = best_of(&trials)?;
+    let winner = most_probable(&trials)?;
     Some(Search { trials, winner })
 }
 
@@ -158,38 +158,39 @@ impl Run<'_> {
 
     /// Follows a hypothesis both ways until every frame is fitted or its partial sum exceeds `bound`.
     fn propagate(&self, index: usize, hypothesis: &Hypothesis, bound: f64) -> Trial {
-        let Self {
-            evidence,
-            sequence,
-            options,
-            journal,
-        } = *self;
-        let (shape, k, n) = (
+        let tracking = Tracking {
+            evidence: self.evidence,
+            sequence: self.sequence,
+            shape: &hypothesis.shape,
+            options: &self.options.track,
+            start: &self.options.start,
+        };
+        let (k, n) = (hypothesis.keyframe, self.sequence.frames.len());
+
+        // two tracks from the keyframe
+        let fit = keyframe_fit(
+            self.evidence,
+            self.sequence,
+            k,
             &hypothesis.shape,
-            hypothesis.keyframe,
-            sequence.frames.len(),
+            hypothesis.motion.clone(),
         );
-        let fit = keyframe_fit(evidence, sequence, k, shape, hypothesis.motion.clone());
         let mut forward = Track::new((k + 1..n).rev().collect(), k, &fit);
         let mut backward = Track::new((0..k).collect(), k, &fit);
         let mut trial = Trial {
             hypothesis: hypothesis.clone(),
-            shape_cost: evidence.shape_prior.cost(shape),
+            shape_cost: self.evidence.shape_prior.cost(&hypothesis.shape),
             frames: vec![None; n],
         };
         trial.frames[k] = Some(fit);
+
+        // every factor costs something: the partial sum only grows
         while trial.energy() <= bound && !(forward.finished() && backward.finished()) {
-            let step = |track: &mut Track| {
-                track.advance(
-                    evidence,
-                    sequence,
-                    shape,
-                    (&options.track, &options.start),
-                    STRIDE,
-                )
-            };
-            let (ahead, behind) = rayon::join(|| step(&mut forward), || step(&mut backward));
-            journal.advanced(index, ahead.len() + behind.len());
+            let (ahead, behind) = rayon::join(
+                || forward.advance(&tracking, STRIDE),
+                || backward.advance(&tracking, STRIDE),
+            );
+            self.journal.advanced(index, ahead.len() + behind.len());
             for (i, fit) in ahead.into_iter().chain(behind) {
                 trial.frames[i] = Some(fit);
             }

@@ -1,177 +1,27 @@
-//! The sequence posterior, ZS06 eq. 1, of all motions and the shape at once.
-//!
-//! E(s, m₁..ₙ) = −τ log p(s) + Σᵢ \[−log p(Zᵢ | mᵢ, s) − log p(mᵢ)\] + Σᵢ \[−log p(mᵢ | mᵢ₋₁, …)\]
-//!
-//! A frame's terms touch its own motion and the shape, a motion's factor touches its neighbours: g and H are a
-//! [`BorderedChain`] with the shape as border. τ tempers the data's weight on s: see [`super::joint`].
+//! The frames that are fitted together, and their time base.
 
-use nalgebra::DVector;
-use rayon::prelude::*;
+use crate::silhouette::FrameObservations;
 
-use super::Terms;
-use super::chain::ChainPrior;
-use super::frame::{FrameFit, data_cost, linearize_data, observations};
-use super::prior::{PosePrior, ShapePrior};
-use crate::body::{BodyModel, Layout, Motion, Posed, Shape};
-use crate::solver::{BorderedChain, Link, NormalEquations, Problem};
-
-/// θ: the shape and every motion.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SequenceState {
-    /// s.
-    pub shape: Shape,
-    /// m₁..ₙ.
-    pub motions: Vec<Motion>,
+/// Frames of a recording with their time base.
+#[derive(Debug, Clone, Copy)]
+pub struct Sequence<'a> {
+    /// Observations, ascending by frame.
+    pub frames: &'a [FrameObservations],
+    /// Frames per second.
+    pub fps: f64,
 }
 
-/// −log p(s, m₁..ₙ | Z₁..ₙ) (eq. 1).
-pub struct SequencePosterior<'a> {
-    /// The body.
-    pub model: &'a BodyModel,
-    /// p(s).
-    pub shape_prior: &'a ShapePrior,
-    /// τ: how many times p(s) counts.
-    pub shape_weight: f64,
-    /// p(mᵢ): limits and rest.
-    pub pose_prior: &'a PosePrior,
-    /// p(mᵢ | mᵢ₋₁, …).
-    pub chain_prior: &'a ChainPrior,
-    /// Seconds from the frame before; the first is not read.
-    pub seconds: &'a [f64],
-    /// p(Zᵢ | mᵢ, s), frame by frame.
-    pub terms: &'a [Terms<'a>],
-    /// How many times the data's cost counts: observations that err more, or more together, count less.
-    pub data_weight: f64,
-}
-
-/// Frames that are summed one after the other, so that sums do not depend on the number of threads.
-const CHUNK: usize = 8;
-
-impl SequencePosterior<'_> {
-    /// −log p(Zᵢ | mᵢ, s) − log p(mᵢ) of one frame, added to its equations.
-    fn linearize_frame(&self, x: &SequenceState, i: usize, equations: &mut NormalEquations) -> f64 {
-        let body = Posed::new(self.model, &x.shape, &x.motions[i]);
-        let data = linearize_data(&self.terms[i], &body, equations);
-        equations.hessian *= self.data_weight;
-        equations.gradient *= self.data_weight;
-        self.data_weight * data + self.pose_prior.linearize(&x.motions[i], equations)
+impl Sequence<'_> {
+    /// Seconds from each frame's predecessor; the first frame has the least interval.
+    pub fn intervals_s(self) -> Vec<f64> {
+        (0..self.frames.len())
+            .map(|i| self.frames_between(i.saturating_sub(1), i) / self.fps)
+            .collect()
     }
 
-    /// Adds a run of frames to their links; returns their cost and what they add to the corner.
-    fn linearize_chunk(
-        &self,
-        x: &SequenceState,
-        first: usize,
-        links: &mut [Link],
-    ) -> (f64, NormalEquations) {
-        let layout = Layout::of(self.model);
-        let (m, p) = (layout.motion(), layout.total() - layout.motion());
-        let mut equations = NormalEquations::zeros(m + p);
-        let mut corner = NormalEquations::zeros(p);
-        let mut cost = 0.0;
-        for (k, link) in links.iter_mut().enumerate() {
-            equations.hessian.fill(0.0);
-            equations.gradient.fill(0.0);
-            cost += self.linearize_frame(x, first + k, &mut equations);
-            link.diagonal += equations.hessian.view((0, 0), (m, m));
-            link.border += equations.hessian.view((m, 0), (p, m));
-            link.gradient += equations.gradient.rows(0, m);
-            corner.hessian += equations.hessian.view((m, m), (p, p));
-            corner.gradient += equations.gradient.rows(m, p);
-        }
-        (cost, corner)
-    }
-}
-
-impl SequencePosterior<'_> {
-    /// Every motion and the parts of its cost, the data's as they are stated.
-    pub(super) fn taken_apart(&self, x: &SequenceState) -> Vec<FrameFit> {
-        let one = |(i, motion): (usize, &Motion)| {
-            let body = Posed::new(self.model, &x.shape, motion);
-            FrameFit {
-                motion: motion.clone(),
-                data: data_cost(&self.terms[i], &body),
-                pose: self.pose_prior.cost(motion),
-                step: self.chain_prior.cost(&x.motions, self.seconds, i),
-                observations: observations(&self.terms[i]),
-                recovered: false,
-            }
-        };
-        x.motions.par_iter().enumerate().map(one).collect()
-    }
-}
-
-impl Problem for SequencePosterior<'_> {
-    type State = SequenceState;
-    type Model = BorderedChain;
-
-    fn empty_model(&self) -> BorderedChain {
-        let layout = Layout::of(self.model);
-        let shared = layout.total() - layout.motion();
-        BorderedChain::zeros(
-            self.terms.len(),
-            layout.motion(),
-            shared,
-            self.chain_prior.reach(),
-        )
-    }
-
-    fn cost(&self, x: &SequenceState) -> f64 {
-        let cost = |f: FrameFit| self.data_weight * f.data + f.pose + f.step;
-        let each = self.taken_apart(x).into_iter().map(cost);
-        each.sum::<f64>() + self.shape_weight * self.shape_prior.cost(&x.shape)
-    }
-
-    fn linearize(&self, x: &SequenceState, model: &mut BorderedChain) -> f64 {
-        // each frame by itself: data, limits and rest
-        let chunks: Vec<(f64, NormalEquations)> = model
-            .links
-            .par_chunks_mut(CHUNK)
-            .enumerate()
-            .map(|(k, links)| self.linearize_chunk(x, k * CHUNK, links))
-            .collect();
-        // what they share: the shape
-        let p = model.corner_gradient.len();
-        let mut corner = NormalEquations::zeros(p);
-        let mut cost = self.shape_prior.linearize(&x.shape, 0, &mut corner);
-        cost *= self.shape_weight;
-        corner.hessian *= self.shape_weight;
-        corner.gradient *= self.shape_weight;
-        for (chunk_cost, chunk) in chunks {
-            cost += chunk_cost;
-            corner.hessian += chunk.hessian;
-            corner.gradient += chunk.gradient;
-        }
-        model.corner += corner.hessian;
-        model.corner_gradient += corner.gradient;
-        // how each follows the ones before
-        let steps = (0..x.motions.len()).map(|i| {
-            self.chain_prior
-                .linearize(&x.motions, self.seconds, i, &mut model.links)
-        });
-        cost + steps.sum::<f64>()
-    }
-
-    fn retract(&self, x: &SequenceState, delta: &DVector<f64>) -> SequenceState {
-        let layout = Layout::of(self.model);
-        let m = layout.motion();
-        let motion = |(i, motion): (usize, &Motion)| {
-            layout.retract_motion(motion, &delta.rows(i * m, m).into_owned())
-        };
-        SequenceState {
-            shape: Shape(&x.shape.0 + delta.rows(x.motions.len() * m, x.shape.0.len())),
-            motions: x.motions.iter().enumerate().map(motion).collect(),
-        }
-    }
-}
-
-impl std::fmt::Debug for SequencePosterior<'_> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(
-            f,
-            "SequencePosterior({}, {} frames)",
-            self.model.name,
-            self.terms.len()
-        )
+    /// Frames of the recording from one position in the sequence to another, at least 1.
+    pub(super) fn frames_between(self, from: usize, to: usize) -> f64 {
+        let number = |i: usize| self.frames[i].frame.0;
+        number(from).abs_diff(number(to)).max(1) as f64
     }
 }

@@ -1,16 +1,17 @@
 //! A pose from nothing: visual hull, headings, canonical poses.
 //!
-//! At a keyframe nothing is known about m. The hull (or the points, without silhouettes) gives place and height; the body stands there in
-//! each canonical leg pose of its model, turned to each of eight headings; a dozen damped iterations on
-//! thinned contours sort them; the best few try the canonical arm poses and are refined. Silhouettes
-//! confuse front and back: the best start of another heading is kept as a second reading.
+//! At a keyframe nothing is known about m. The hull (or the points, without silhouettes) gives place and height. The
+//! body stands there in each canonical leg pose of its model, turned to each of eight headings, and a dozen damped
+//! iterations on thinned contours sort these starts. The best few try the canonical arm poses and are refined.
+//! Silhouettes confuse front and back: the best start of another heading is kept as a second reading.
 
 use nalgebra::{DVector, Rotation3, Vector3};
 
-use super::Evidence;
+use super::detail::Detail;
 use super::frame::KeyframePosterior;
 use super::hull::{self, Hull};
-use crate::body::{BodyModel, Limbs, Motion, Posed, Root, Shape, State};
+use super::{Evidence, Terms};
+use crate::body::{BodyModel, Limbs, Motion, Pose, Posed, Root, Shape, State};
 use crate::silhouette::FrameObservations;
 use crate::solver::{Options, levenberg_marquardt};
 
@@ -36,10 +37,10 @@ impl Default for StartOptions {
     }
 }
 
-/// A fitted start.
+/// One reading of a frame: a local optimum of its keyframe posterior.
 #[derive(Debug, Clone)]
-pub struct Start {
-    /// Motion and shape at the optimum of the keyframe posterior.
+pub struct Reading {
+    /// Motion and shape.
     pub state: State,
     /// −log p(mₖ, s | Zₖ) there.
     pub cost: f64,
@@ -50,96 +51,102 @@ pub fn readings(
     evidence: &Evidence<'_>,
     frame: &FrameObservations,
     options: &StartOptions,
-) -> Vec<Start> {
+) -> Vec<Reading> {
+    readings_by(
+        evidence,
+        frame,
+        &evidence.terms(frame, Detail::Fine),
+        options,
+    )
+}
+
+/// The same; `fine_terms` are the frame's in full detail.
+pub(super) fn readings_by(
+    evidence: &Evidence<'_>,
+    frame: &FrameObservations,
+    fine_terms: &Terms<'_>,
+    options: &StartOptions,
+) -> Vec<Reading> {
     // 1. where the body is, and how tall
     let hull = hull::hull(evidence.rig, frame);
     if hull.is_none() && evidence.model.root != Root::Fixed {
         return Vec::new();
     }
+
     // 2. every canonical leg pose at every heading, a dozen iterations on thinned contours
-    let mut starts: Vec<Start> = first_states(evidence, hull.as_ref(), options)
-        .into_iter()
-        .map(|state| improve(evidence, frame, state, Detail::Coarse, options.iterations))
-        .collect();
-    keep_best(&mut starts, options.kept);
+    let coarse_terms = evidence.terms(frame, Detail::Coarse);
+    let sort = |state| {
+        let solver = solver_options(options.iterations, 1e-3);
+        improve(evidence, &coarse_terms, state, &solver)
+    };
+    let starts = starting_states(evidence, hull.as_ref(), options).into_iter();
+    let mut found: Vec<Reading> = starts.map(sort).collect();
+    keep_best(&mut found, options.kept);
+
     // 3. the best of them try the arm poses
-    let arms: Vec<_> = evidence
-        .model
-        .poses
+    let arms = canonical_poses(evidence.model, Limbs::Arms);
+    let with_arms: Vec<Reading> = found
         .iter()
-        .filter(|p| p.limbs == Limbs::Arms)
-        .collect();
-    let with_arms: Vec<Start> = starts
-        .iter()
-        .flat_map(|start| arms.iter().map(move |pose| (start, pose)))
-        .map(|(start, pose)| {
-            let mut state = start.state.clone();
+        .flat_map(|reading| arms.iter().map(move |pose| (reading, pose)))
+        .map(|(reading, pose)| {
+            let mut state = reading.state.clone();
             pose.apply(&mut state.motion);
-            improve(evidence, frame, state, Detail::Coarse, options.iterations)
+            sort(state)
         })
         .collect();
-    starts.extend(with_arms);
-    keep_best(&mut starts, options.kept);
+    found.extend(with_arms);
+    keep_best(&mut found, options.kept);
+
     // 4. refine, and keep the best of each heading
-    let mut refined: Vec<Start> = starts
-        .into_iter()
-        .map(|s| improve(evidence, frame, s.state, Detail::Fine, 30))
-        .collect();
+    let refine = |reading: Reading| {
+        let solver = solver_options(30, 1e-4);
+        improve(evidence, fine_terms, reading.state, &solver)
+    };
+    let mut refined: Vec<Reading> = found.into_iter().map(refine).collect();
     keep_best(&mut refined, options.kept);
     distinct_headings(refined)
 }
 
-/// How many border points a posterior looks at.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Detail {
-    /// Few, and forgiving: to sort starts.
-    Coarse,
-    /// All: to measure.
-    Fine,
+fn solver_options(max_iterations: usize, relative_decrease: f64) -> Options {
+    Options {
+        max_iterations,
+        damping: 1e-2,
+        relative_decrease,
+    }
 }
 
-fn improve(
-    evidence: &Evidence<'_>,
-    frame: &FrameObservations,
-    state: State,
-    detail: Detail,
-    max_iterations: usize,
-) -> Start {
-    let terms = evidence.terms(frame, detail);
-    let problem = KeyframePosterior {
+/// The optimum of the keyframe posterior that is reached from a state.
+fn improve(evidence: &Evidence<'_>, terms: &Terms<'_>, state: State, options: &Options) -> Reading {
+    let posterior = KeyframePosterior {
         model: evidence.model,
         shape_prior: &evidence.shape_prior,
         pose_prior: &evidence.pose_prior,
-        terms: &terms,
+        terms,
     };
-    let options = Options {
-        max_iterations,
-        damping: 1e-2,
-        relative_decrease: if detail == Detail::Coarse { 1e-3 } else { 1e-4 },
-    };
-    let solution = levenberg_marquardt(&problem, state, &options);
-    Start {
+    let solution = levenberg_marquardt(&posterior, state, options);
+    Reading {
         state: solution.state,
         cost: solution.cost,
     }
 }
 
-fn keep_best(starts: &mut Vec<Start>, kept: usize) {
-    starts.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    starts.truncate(kept);
+fn keep_best(readings: &mut Vec<Reading>, kept: usize) {
+    readings.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    readings.truncate(kept);
 }
 
-fn first_states(
+fn canonical_poses(model: &BodyModel, limbs: Limbs) -> Vec<&Pose> {
+    model.poses.iter().filter(|p| p.limbs == limbs).collect()
+}
+
+/// The body where the hull is, at every heading in every canonical leg pose.
+fn starting_states(
     evidence: &Evidence<'_>,
     hull: Option<&Hull>,
     options: &StartOptions,
 ) -> Vec<State> {
     let model = evidence.model;
-    let legs: Vec<_> = model
-        .poses
-        .iter()
-        .filter(|p| p.limbs == Limbs::Legs)
-        .collect();
+    let legs = canonical_poses(model, Limbs::Legs);
     let shape = hull.map_or_else(
         || evidence.shape_prior.mean(),
         |h| shape_of_height(model, h.top - h.bottom),
@@ -149,8 +156,10 @@ fn first_states(
     } else {
         options.headings
     };
+
     let mut states = Vec::new();
     for heading in 0..headings {
+        // upright, the head at the top of the hull
         let angle = std::f64::consts::TAU * heading as f64 / headings as f64;
         let mut motion = Motion::rest(model);
         if let (Some(hull), Root::Free { .. }) = (hull, model.root) {
@@ -158,20 +167,16 @@ fn first_states(
             motion.position_world = hull.centroid_world.coords;
             motion.position_world.z = hull.top - vertical_extent(model, &shape).1;
         }
-        if legs.is_empty() {
-            states.push(State {
-                motion: motion.clone(),
-                shape: shape.clone(),
-            });
+
+        // a model without leg poses starts at rest
+        let mut motions: Vec<Motion> = vec![motion; legs.len().max(1)];
+        for (motion, pose) in motions.iter_mut().zip(&legs) {
+            pose.apply(motion);
         }
-        for pose in &legs {
-            let mut posed = motion.clone();
-            pose.apply(&mut posed);
-            states.push(State {
-                motion: posed,
-                shape: shape.clone(),
-            });
-        }
+        states.extend(motions.into_iter().map(|motion| State {
+            motion,
+            shape: shape.clone(),
+        }));
     }
     states
 }
@@ -207,16 +212,14 @@ fn shape_of_height(model: &BodyModel, height: f64) -> Shape {
     Shape(&mean.0 + gain * (excess / variance))
 }
 
-/// The best start of each side that the body can face: a turn of more than 90° is another reading.
-fn distinct_headings(starts: Vec<Start>) -> Vec<Start> {
-    let forward = |s: &Start| s.state.motion.world_from_root * Vector3::x();
-    let mut distinct: Vec<Start> = Vec::new();
-    for start in starts {
-        if distinct
-            .iter()
-            .all(|kept| forward(kept).dot(&forward(&start)) < 0.0)
-        {
-            distinct.push(start);
+/// The best reading of each side that the body can face; these are more than 90° apart.
+fn distinct_headings(readings: Vec<Reading>) -> Vec<Reading> {
+    let forward = |r: &Reading| r.state.motion.world_from_root * Vector3::x();
+    let mut distinct: Vec<Reading> = Vec::new();
+    for reading in readings {
+        let turned_away = |kept: &Reading| forward(kept).dot(&forward(&reading)) < 0.0;
+        if distinct.iter().all(turned_away) {
+            distinct.push(reading);
         }
     }
     distinct.truncate(2);

@@ -84,7 +84,7 @@ impl EllipseOptions {
 
 /// One camera's silhouette, ready for the likelihood.
 #[derive(Debug, Clone)]
-pub struct View<'a> {
+pub struct EllipseView<'a> {
     projection: Matrix3x4<f64>,
     points: Vec<Vector2<f64>>,
     /// Their lines of sight.
@@ -95,7 +95,7 @@ pub struct View<'a> {
     px_per_m: f64,
 }
 
-impl<'a> View<'a> {
+impl<'a> EllipseView<'a> {
     /// A silhouette thinned to one border point every `spacing_m`, of a body at depth `depth_m`.
     pub fn new(camera: &Camera, silhouette: &'a Silhouette, depth_m: f64, spacing_m: f64) -> Self {
         let px_per_m = camera.intrinsics.focal_px() / depth_m;
@@ -125,7 +125,7 @@ impl<'a> View<'a> {
 /// −log p(silhouettes | m, s) of one frame.
 #[derive(Debug, Clone)]
 pub struct EllipseSilhouette<'a> {
-    views: Vec<View<'a>>,
+    views: Vec<EllipseView<'a>>,
     options: EllipseOptions,
     /// (sin, cos) of the samples of every ellipse's outline.
     circle: Vec<(f64, f64)>,
@@ -133,7 +133,7 @@ pub struct EllipseSilhouette<'a> {
 
 impl<'a> EllipseSilhouette<'a> {
     /// The term of one frame's views.
-    pub fn new(views: Vec<View<'a>>, options: EllipseOptions) -> Self {
+    pub fn new(views: Vec<EllipseView<'a>>, options: EllipseOptions) -> Self {
         let turn = std::f64::consts::TAU / options.back_samples as f64;
         let circle = (0..options.back_samples)
             .map(|k| (turn * k as f64).sin_cos())
@@ -147,10 +147,10 @@ impl<'a> EllipseSilhouette<'a> {
 
     /// Number of border points in all views.
     pub fn border_points(&self) -> usize {
-        self.views.iter().map(View::len).sum()
+        self.views.iter().map(EllipseView::len).sum()
     }
 
-    fn sigma_px(&self, view: &View<'_>) -> f64 {
+    fn sigma_px(&self, view: &EllipseView<'_>) -> f64 {
         self.options
             .sigma_px
             .hypot(self.options.sigma_m * view.px_per_m)
@@ -159,7 +159,7 @@ impl<'a> EllipseSilhouette<'a> {
     /// Calls `row(residual/σ, weight, derivatives by ellipse)` for every residual of a view.
     fn rows(
         &self,
-        view: &View<'_>,
+        view: &EllipseView<'_>,
         ellipses: &[Option<OutlineEllipse>],
         girths_m: &[f64],
         mut row: impl FnMut(f64, f64, &[(usize, SVector<f64, 5>)]),
@@ -197,7 +197,7 @@ impl<'a> EllipseSilhouette<'a> {
     fn residuals_of(
         &self,
         source: usize,
-        view: &View<'_>,
+        view: &EllipseView<'_>,
         body: &Posed<'_>,
         ellipsoids: &[Ellipsoid],
     ) -> Vec<PlacedResidual> {
@@ -233,7 +233,7 @@ impl<'a> EllipseSilhouette<'a> {
     /// Distance of a border point to the model; `near` receives its derivative by ellipse.
     fn distance(
         &self,
-        view: &View<'_>,
+        view: &EllipseView<'_>,
         ellipses: &[Option<OutlineEllipse>],
         x: &Vector2<f64>,
         (hint, near): (&mut usize, &mut Vec<(usize, SVector<f64, 5>)>),
@@ -293,7 +293,7 @@ impl Term for EllipseSilhouette<'_> {
     }
 
     fn observations(&self) -> f64 {
-        let length_m = |v: &View<'_>| v.lengths_px.iter().sum::<f64>() / v.px_per_m;
+        let length_m = |v: &EllipseView<'_>| v.lengths_px.iter().sum::<f64>() / v.px_per_m;
         self.views.iter().map(length_m).sum::<f64>() / self.options.correlation_m
     }
 

@@ -25,7 +25,7 @@ mod union;
 
 pub use association::{Belonging, associate};
 pub use ellipse_distance::{EllipseDistance, OutlineEllipse, exact_distance};
-pub use ellipse_silhouette::{EllipseOptions, EllipseSilhouette, Variant, View};
+pub use ellipse_silhouette::{EllipseOptions, EllipseSilhouette, EllipseView, Variant};
 pub use options::{LikelihoodOptions, Measure};
 pub use point_field::{PointField, PointOptions, SurfacePoint};
 pub use silhouette_ray::{RayOptions, RayView, SilhouetteRays};

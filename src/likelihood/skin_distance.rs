@@ -79,7 +79,7 @@ pub struct SkinResidual {
 
 impl SkinScale {
     /// The scale of a model: its mean shape at rest is measured.
-    pub fn of(model: &BodyModel) -> Self {
+    pub fn new(model: &BodyModel) -> Self {
         let shape = Shape(model.statistics.mean.clone());
         let rest = Motion::rest(model);
         let body = Posed::new(model, &shape, &rest);

@@ -3,22 +3,21 @@
 use nalgebra::{Point3, Vector2};
 use rayon::prelude::*;
 
-use super::aim::{Aimed, joint_and_aims};
+use super::aim::{AimedOptimum, JointStage};
 use super::measures::Measures;
 use super::points::{self, PointQuality};
 use super::quality::{self, CameraQuality, ViewQuality};
 use super::{FitOptions, SceneFault, ShapeConfidence, Warning, check_scene, rest_lengths_m};
 use crate::body::{BodyModel, Motion, Posed, Shape};
 use crate::camera::Rig;
-use crate::inference::Evidence;
 use crate::inference::chain::ChainPrior;
 use crate::inference::covariance::{FrameUncertainty, ShapeUncertainty, Uncertainty};
 use crate::inference::frame::FrameFit;
-use crate::inference::joint::{JointOptions, intervals};
+use crate::inference::joint::JointOptions;
 use crate::inference::noise::Noise;
-use crate::inference::propagate::Sequence;
 use crate::inference::search::{Journal, Trial, search};
-use crate::inference::sequence::SequenceState;
+use crate::inference::sequence_posterior::SequenceState;
+use crate::inference::{Evidence, Sequence};
 use crate::likelihood::Measure;
 use crate::math::stats::mean;
 use crate::silhouette::{FrameIndex, FrameObservations, InvalidOption};
@@ -212,10 +211,16 @@ fn estimate(
     let Some(joint) = &options.joint else {
         return (Estimate::tracked(winner, rig), measures.search);
     };
-    let aim = options.aim && sequence.frames.iter().all(|frame| frame.points.is_empty());
-    let kind = (options.likelihood, measures.joint);
-    let start = state_of(winner);
-    let aimed = joint_and_aims(model, rig, kind, sequence, start, (joint, aim));
+    let stage = JointStage {
+        model,
+        calibrated: rig,
+        likelihood: options.likelihood,
+        measure: measures.joint,
+        sequence,
+        options: joint,
+        aim: options.aim && sequence.frames.iter().all(|frame| frame.points.is_empty()),
+    };
+    let aimed = stage.run(&state_of(winner));
     (Estimate::joint(aimed, winner), measures.joint)
 }
 
@@ -243,8 +248,8 @@ impl Estimate {
     }
 
     /// The joint optimum that is reached from the winner.
-    fn joint(aimed: Aimed, winner: &Trial) -> Self {
-        let Aimed {
+    fn joint(aimed: AimedOptimum, winner: &Trial) -> Self {
+        let AimedOptimum {
             joint,
             rig,
             aims_px,
@@ -282,7 +287,7 @@ fn unseen(
 ) -> Option<Warning> {
     let motions: Vec<Motion> = frames.iter().map(|f| f.fit.motion.clone()).collect();
     let chain_prior = ChainPrior::new(model, joint.motion_model);
-    let prior = prior_angles_sd(model, &chain_prior, &motions, &intervals(sequence))?;
+    let prior = prior_angles_sd(model, &chain_prior, &motions, &sequence.intervals_s())?;
     unseen::warning(model, frames, &prior)
 }
 

@@ -6,8 +6,7 @@
 use super::warning::POOR_IOU;
 use super::{FittedFrame, Frames, Warning};
 use crate::body::Posed;
-use crate::inference::Evidence;
-use crate::inference::start::Detail;
+use crate::inference::{Detail, Evidence};
 use crate::likelihood::Source;
 use crate::math::stats::median;
 use crate::silhouette::FrameObservations;

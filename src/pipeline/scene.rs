@@ -7,7 +7,7 @@
 use super::Warning;
 use crate::body::{BodyModel, Motion, Posed, Shape};
 use crate::camera::{Camera, CameraId, Rig, closest_point};
-use crate::inference::hull::{self, Hull, LEAST_POINTS, shows_where};
+use crate::inference::hull::{self, Hull, LEAST_POINTS, locates_body};
 use crate::math::stats::median;
 use crate::silhouette::{FrameIndex, FrameObservations, Rejected, Silhouette};
 
@@ -119,7 +119,7 @@ pub fn check_scene(
 }
 
 fn seen_by_two(rig: &Rig, frames: &[FrameObservations]) -> Result<(), SceneFault> {
-    if frames.iter().any(shows_where) {
+    if frames.iter().any(locates_body) {
         return Ok(());
     }
     let seen = |id: CameraId| {
@@ -231,7 +231,7 @@ fn size(model: &BodyModel, rig: &Rig, frames: &[&FrameObservations]) -> Result<(
         .flat_map(|frame| sizes_of_views(rig, frame))
         .collect();
     if sizes.is_empty() {
-        let hulls = frames.iter().filter_map(|f| Hull::of_points(&f.points));
+        let hulls = frames.iter().filter_map(|f| Hull::from_points(&f.points));
         sizes = hulls.map(|hull| hull.top - hull.bottom).collect();
     }
     let body_m = body_size(model);

@@ -25,7 +25,7 @@ pub fn prior_angles_sd(
 ) -> Option<Vec<DVector<f64>>> {
     let layout = Layout::of(model);
     let (m, root) = (layout.motion(), layout.root());
-    let pose_prior = PosePrior::of(model);
+    let pose_prior = PosePrior::new(model);
     let mut chain = BorderedChain::zeros(motions.len(), m, 0, chain_prior.reach());
     for (i, motion) in motions.iter().enumerate() {
         let mut equations = NormalEquations::zeros(m);

@@ -4,9 +4,9 @@ use maquette::body::{BodyModel, Layout};
 use maquette::inference::Terms;
 use maquette::inference::chain::ChainPrior;
 use maquette::inference::considered::Considered;
-use maquette::inference::joint::{JointOptions, intervals, joint_optimum, terms};
+use maquette::inference::joint::{JointOptions, joint_optimum};
 use maquette::inference::noise::Noise;
-use maquette::inference::sequence::{SequencePosterior, SequenceState};
+use maquette::inference::sequence_posterior::{SequencePosterior, SequenceState};
 use maquette::likelihood::Measure;
 use maquette::solver::{BorderedChain, Options, Problem, QuadraticModel, levenberg_marquardt};
 use maquette::synth::move_centres;
@@ -29,7 +29,7 @@ fn optimum(
         shape_weight: Noise::stated(terms.len()).over_time,
         pose_prior: &evidence.pose_prior,
         chain_prior: &chain_prior,
-        seconds: &intervals(scene.sequence()),
+        seconds: &scene.sequence().intervals_s(),
         terms,
         data_weight: 1.0,
     };
@@ -47,9 +47,11 @@ fn optimum(
 #[test]
 fn an_optimum_moves_as_foretold_when_a_knee_lies_elsewhere_in_the_flesh() {
     let scene = Scene::person("human-metaballs", 4);
-    let terms = terms(&scene.evidence(Measure::Metaballs), scene.sequence());
+    let terms = scene
+        .evidence(Measure::Metaballs)
+        .sequence_terms(scene.sequence());
     let (state, chain) = optimum(&scene, &scene.model, &terms, &scene.truth);
-    let considered = Considered::of(&scene.model, &terms, &state, &chain).expect("priors hold it");
+    let considered = Considered::new(&scene.model, &terms, &state, &chain).expect("priors hold it");
     // the places of the shank's joint, forwards and along, half a standard deviation off
     let shank = scene.model.parts.iter().position(|p| p.name == "shank_r");
     let knee = scene.model.parts[shank.expect("it has shanks")].joint;

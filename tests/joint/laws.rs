@@ -4,10 +4,10 @@
 //! apart.
 
 use maquette::body::{BodyModel, Layout, Motion, Shape};
+use maquette::inference::Detail;
 use maquette::inference::chain::{ChainPrior, SWING_HZ};
 use maquette::inference::prior::{PosePrior, ShapePrior};
-use maquette::inference::sequence::{SequencePosterior, SequenceState};
-use maquette::inference::start::Detail;
+use maquette::inference::sequence_posterior::{SequencePosterior, SequenceState};
 use maquette::inference::step::MotionModel;
 use maquette::likelihood::{Measure, Term};
 use maquette::math::central_differences;
@@ -35,8 +35,8 @@ impl<'a> Posterior<'a> {
         let evidence = scene.evidence(measure);
         let terms = |f| evidence.terms(f, Detail::Coarse);
         Self {
-            shape_prior: ShapePrior::of(&scene.model),
-            pose_prior: PosePrior::of(&scene.model),
+            shape_prior: ShapePrior::new(&scene.model),
+            pose_prior: PosePrior::new(&scene.model),
             chain_prior: ChainPrior::new(&scene.model, motion_model),
             terms: scene.frames.iter().map(terms).collect(),
             scene,

@@ -1,7 +1,7 @@
 //! Truth in, estimate out.
 
-use maquette::inference::joint::{Joint, JointOptions, joint_optimum};
-use maquette::inference::sequence::SequenceState;
+use maquette::inference::joint::{JointOptimum, JointOptions, joint_optimum};
+use maquette::inference::sequence_posterior::SequenceState;
 use maquette::inference::step::MotionModel;
 use maquette::likelihood::Measure;
 
@@ -13,7 +13,7 @@ fn start(scene: &Scene, size: f64) -> SequenceState {
     start
 }
 
-fn fitted(scene: &Scene, measure: Measure, size: f64) -> (f64, Joint) {
+fn fitted(scene: &Scene, measure: Measure, size: f64) -> (f64, JointOptimum) {
     let start = start(scene, size);
     let before = scene.error_mm(&start.shape, &start.motions);
     let evidence = scene.evidence(measure);
@@ -24,12 +24,12 @@ fn fitted(scene: &Scene, measure: Measure, size: f64) -> (f64, Joint) {
     )
 }
 
-fn after(scene: &Scene, joint: &Joint) -> f64 {
+fn after(scene: &Scene, joint: &JointOptimum) -> f64 {
     let motions: Vec<_> = joint.frames.iter().map(|f| f.motion.clone()).collect();
     scene.error_mm(&joint.shape, &motions)
 }
 
-fn never_rises(joint: &Joint) {
+fn never_rises(joint: &JointOptimum) {
     let costs = &joint.report.costs;
     assert!(costs.is_sorted_by(|a, b| a >= b), "{costs:?}");
 }

@@ -3,7 +3,7 @@
 use maquette::body::Posed;
 use maquette::body::metaball::Field;
 use maquette::inference::chain::ChainPrior;
-use maquette::inference::joint::{Joint, JointOptions, intervals, joint_optimum};
+use maquette::inference::joint::{JointOptimum, JointOptions, joint_optimum};
 use maquette::likelihood::Measure;
 use maquette::pipeline::prior_angles_sd;
 use nalgebra::DVector;
@@ -29,14 +29,14 @@ fn half_seen(frames: usize) -> Scene {
     scene
 }
 
-fn fitted(scene: &Scene) -> (Joint, Vec<DVector<f64>>) {
+fn fitted(scene: &Scene) -> (JointOptimum, Vec<DVector<f64>>) {
     let options = JointOptions::default();
     let evidence = scene.evidence(Measure::Metaballs);
     let start = scene.moved(&scene.truth, 0.02, 61);
     let joint = joint_optimum(&evidence, scene.sequence(), start, &options);
     let chain = ChainPrior::new(&scene.model, options.motion_model);
     let motions: Vec<_> = joint.frames.iter().map(|f| f.motion.clone()).collect();
-    let seconds = intervals(scene.sequence());
+    let seconds = scene.sequence().intervals_s();
     let prior = prior_angles_sd(&scene.model, &chain, &motions, &seconds);
     (joint, prior.expect("priors hold every angle"))
 }
@@ -62,7 +62,7 @@ fn the_priors_alone_leave_what_a_tridiagonal_matrix_of_one_angle_leaves() {
     let scene = Scene::arm(5);
     let model = maquette::inference::step::MotionModel::ConstantPosition;
     let chain = ChainPrior::new(&scene.model, model);
-    let seconds = intervals(scene.sequence());
+    let seconds = scene.sequence().intervals_s();
     let found = prior_angles_sd(&scene.model, &chain, &scene.truth.motions, &seconds);
     let joint = &scene.model.joints[ELBOW];
     let (rest, step) = (joint.spread.powi(-2), (joint.speed / FPS).powi(-2));

@@ -1,11 +1,9 @@
 //! p(a | Z₁ … Zₙ) on a grid, every φ at its optimum (ZS06, Fig. 4).
 
 use maquette::body::{Motion, Shape};
-use maquette::inference::Evidence;
 use maquette::inference::frame::FramePosterior;
-use maquette::inference::propagate::Sequence;
-use maquette::inference::start::Detail;
 use maquette::inference::step::StepPrior;
+use maquette::inference::{Detail, Evidence, Sequence};
 use maquette::solver::{Options, levenberg_marquardt};
 use nalgebra::DVector;
 use rayon::prelude::*;

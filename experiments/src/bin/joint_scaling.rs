@@ -17,12 +17,10 @@ use experiments::table::Table;
 use experiments::walker;
 use maquette::body::BodyModel;
 use maquette::inference::chain::ChainPrior;
-use maquette::inference::joint::{JointOptions, joint_optimum, joint_optimum_of};
-use maquette::inference::propagate::Sequence;
+use maquette::inference::joint::{JointOptions, joint_optimum, joint_optimum_from_terms};
 use maquette::inference::search::{NoJournal, SearchOptions, search};
-use maquette::inference::sequence::{SequencePosterior, SequenceState};
-use maquette::inference::start::Detail;
-use maquette::inference::{Evidence, Terms};
+use maquette::inference::sequence_posterior::{SequencePosterior, SequenceState};
+use maquette::inference::{Detail, Evidence, Sequence, Terms};
 use maquette::io::model;
 use maquette::likelihood::{LikelihoodOptions, Measure};
 use maquette::silhouette::FrameObservations;
@@ -158,7 +156,7 @@ impl Cycle<'_> {
             }
             let state = self.state(length);
             let started = Instant::now();
-            joint_optimum_of(&self.evidence, &terms, &seconds, state, &options);
+            joint_optimum_from_terms(&self.evidence, &terms, &seconds, state, &options);
             cost.whole_ms += share * 1e3 * started.elapsed().as_secs_f64() / length as f64;
         }
         Cost {

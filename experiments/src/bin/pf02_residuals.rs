@@ -177,8 +177,8 @@ impl Way {
             derivatives: self.derivatives,
             ..PointOptions::default()
         };
-        let (prior, pose_prior) = (ShapePrior::of(arm), PosePrior::of(arm));
-        let term = PointField::new(draw.points.clone(), options, SkinScale::of(arm));
+        let (prior, pose_prior) = (ShapePrior::new(arm), PosePrior::new(arm));
+        let term = PointField::new(draw.points.clone(), options, SkinScale::new(arm));
         let terms: Vec<Box<dyn Term>> = vec![Box::new(term)];
         let fit = LimbFit::new(arm, (&prior, &pose_prior), &terms);
         let state = fit.solve(draw.start(distance, angle), 100).state;

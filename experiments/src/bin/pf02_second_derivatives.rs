@@ -224,7 +224,7 @@ fn share_optima(all: &mut [Vec<Fits>]) {
 
 impl Way {
     fn fit(&self, arm: &BodyModel, draw: &Draw) -> Fits {
-        let (prior, pose_prior) = (ShapePrior::of(arm), PosePrior::of(arm));
+        let (prior, pose_prior) = (ShapePrior::new(arm), PosePrior::new(arm));
         let solve = |start: &State| {
             let (mut state, mut costs, mut ending) = (start.clone(), Vec::new(), None);
             for derivatives in self.derivatives {
@@ -265,7 +265,7 @@ impl Way {
             loss: self.loss,
             ..RayOptions::default()
         };
-        let scale = SkinScale::of(arm);
+        let scale = SkinScale::new(arm);
         vec![Box::new(SilhouetteRays::new(
             draw.views.clone(),
             rays,

@@ -139,11 +139,11 @@ fn fits(arm: &BodyModel, draws: &[Draw], order: Order) -> Vec<Fitted> {
 }
 
 fn fit(arm: &BodyModel, draw: &Draw, order: Order) -> Fitted {
-    let scale = SkinScale::of(arm);
+    let scale = SkinScale::new(arm);
     let points = PointField::new(draw.points.clone(), PointOptions::default(), scale.clone());
     let rays = SilhouetteRays::new(draw.views.clone(), RayOptions::default(), scale);
     let terms: Vec<Box<dyn Term>> = vec![Box::new(points), Box::new(rays)];
-    let (prior, pose_prior) = (widened(arm, WIDE), PosePrior::of(arm));
+    let (prior, pose_prior) = (widened(arm, WIDE), PosePrior::new(arm));
     let new = || LimbFit::new(arm, (&prior, &pose_prior), &terms);
     let start = draw.start(arm);
     let (state, costs) = match order {

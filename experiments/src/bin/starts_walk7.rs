@@ -37,7 +37,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         read_trc(&std::fs::read_to_string(&path)?, &path)?
     };
     let body = model::load("human-ellipsoids", Path::new(""))?;
-    let evidence = Evidence::of_ellipses(&body, &recording.rig, EllipseOptions::default());
+    let evidence = Evidence::with_ellipses(&body, &recording.rig, EllipseOptions::default());
     // 20 frames, evenly over the recording
     let frames: Vec<usize> = (0..STARTS)
         .map(|i| i * recording.frames.len() / STARTS)

@@ -127,7 +127,7 @@ impl Problem for LimbFit<'_> {
 pub fn widened(model: &BodyModel, factor: f64) -> ShapePrior {
     let mut wide = model.clone();
     wide.statistics.covariance *= factor * factor;
-    ShapePrior::of(&wide)
+    ShapePrior::new(&wide)
 }
 
 /// The motion that brings a model's shoulder, elbow and wrist nearest to given ones.
@@ -136,7 +136,7 @@ pub fn aligned(model: &BodyModel, shape: &Shape, targets: &[Point3<f64>; 3]) -> 
         model,
         shape,
         targets,
-        prior: PosePrior::of(model),
+        prior: PosePrior::new(model),
     };
     let options = Options {
         max_iterations: 200,

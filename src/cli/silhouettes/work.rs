@@ -101,7 +101,7 @@ impl Work<'_> {
         mut take: impl FnMut(Found<'_>) -> Result<(), CliError>,
     ) -> Result<Vec<String>, CliError> {
         let rig = &self.footage.rig;
-        let scale = SkinScale::of(self.evidence.model);
+        let scale = SkinScale::new(self.evidence.model);
         let mut skipped = Vec::new();
         let bar = progress.bar(stage, self.frames.len());
         for (frame, pictures) in self.footage.frame_sets(span(self.frames)) {

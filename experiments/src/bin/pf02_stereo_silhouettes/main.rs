@@ -199,9 +199,9 @@ impl Way {
         let prior = if self.prior_factor > 1.0 {
             widened(arm, self.prior_factor)
         } else {
-            ShapePrior::of(arm)
+            ShapePrior::new(arm)
         };
-        let pose_prior = PosePrior::of(arm);
+        let pose_prior = PosePrior::new(arm);
         let terms = self.terms(arm, draw);
         let fit = LimbFit::new(arm, (&prior, &pose_prior), &terms);
         fit.solve(draw.start.clone(), 200).state
@@ -213,7 +213,7 @@ impl Way {
             Residual::Field => Loss::Squared,
             Residual::Metric => Loss::Cauchy(3.0),
         };
-        let scale = SkinScale::of(arm);
+        let scale = SkinScale::new(arm);
         let points = PointOptions {
             residual: self.residual,
             loss,

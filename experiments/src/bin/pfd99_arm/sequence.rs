@@ -107,7 +107,7 @@ pub(crate) fn tracked_joints(frames: &[ArmFrame], seed: u64) -> Vec<[Point3<f64>
 
 /// Mean over the keyframes of argmax p(m, s | Z).
 fn shape_of(arm: &BodyModel, frames: &[ArmFrame], motions: &[Motion]) -> Shape {
-    let (prior, pose_prior) = (ShapePrior::of(arm), PosePrior::of(arm));
+    let (prior, pose_prior) = (ShapePrior::new(arm), PosePrior::new(arm));
     let keyframes: Vec<usize> = (0..frames.len()).step_by(KEYFRAME_EVERY).collect();
     let each = keyframes.par_iter().map(|&i| {
         let terms = terms(arm, &frames[i]);
@@ -123,7 +123,7 @@ fn shape_of(arm: &BodyModel, frames: &[ArmFrame], motions: &[Motion]) -> Shape {
 }
 
 fn follow(arm: &BodyModel, shape: &Shape, frames: &[ArmFrame], starts: &[Motion]) -> Vec<Motion> {
-    let (pose_prior, step) = (PosePrior::of(arm), StepPrior::new(arm, 1.0 / FPS));
+    let (pose_prior, step) = (PosePrior::new(arm), StepPrior::new(arm, 1.0 / FPS));
     let mut motions: Vec<Motion> = Vec::new();
     for (frame, start) in frames.iter().zip(starts) {
         let terms = terms(arm, frame);
@@ -145,7 +145,7 @@ fn follow(arm: &BodyModel, shape: &Shape, frames: &[ArmFrame], starts: &[Motion]
 
 fn terms<'a>(arm: &BodyModel, frame: &ArmFrame) -> Vec<Box<dyn Term + 'a>> {
     let options = PointOptions::default();
-    let term = PointField::new(frame.points.clone(), options, SkinScale::of(arm));
+    let term = PointField::new(frame.points.clone(), options, SkinScale::new(arm));
     vec![Box::new(term)]
 }
 
@@ -154,7 +154,7 @@ pub(crate) fn skin_off_mm(arm: &BodyModel, body: &Posed<'_>, frame: &ArmFrame) -
     let term = PointField::new(
         frame.skin.clone(),
         PointOptions::default(),
-        SkinScale::of(arm),
+        SkinScale::new(arm),
     );
     let residuals = term.residuals(body);
     let sum: f64 = residuals.iter().map(|r| r.residual_m.abs()).sum();

@@ -2,7 +2,7 @@
 
 use experiments::walker::observe;
 use maquette::body::{BodyModel, Posed};
-use maquette::inference::propagate::Sequence;
+use maquette::inference::Sequence;
 use maquette::inference::search::NoJournal;
 use maquette::pipeline::{Fit, FitOptions, FittedFrame, fit, rest_lengths_m};
 use maquette::synth::{Recipe, Ring, SegmentationErrors, Synthetic};

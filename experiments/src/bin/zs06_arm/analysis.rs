@@ -3,9 +3,8 @@
 use experiments::arm::{BarArm, Posterior, observe, rig, share_of};
 use maquette::body::BodyModel;
 use maquette::camera::Rig;
-use maquette::inference::Evidence;
-use maquette::inference::propagate::Sequence;
 use maquette::inference::search::{NoJournal, Origin, Pruning, Search, SearchOptions, search};
+use maquette::inference::{Evidence, Sequence};
 use maquette::likelihood::{EllipseDistance, EllipseOptions};
 use maquette::silhouette::FrameObservations;
 use maquette::solver::Loss;
@@ -104,7 +103,7 @@ impl<'a> Scene<'a> {
         name: &'static str,
         likelihood: EllipseOptions,
     ) -> Option<Analysis> {
-        let evidence = Evidence::of_ellipses(self.model, &self.rig, likelihood);
+        let evidence = Evidence::with_ellipses(self.model, &self.rig, likelihood);
         let sequence = |frames| Sequence { frames, fps: FPS };
         let searches: Vec<Search> = self
             .recordings

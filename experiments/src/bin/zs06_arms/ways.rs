@@ -5,11 +5,10 @@ use std::time::Instant;
 use experiments::metrics::trajectories;
 use maquette::body::{BodyModel, Motion, Shape};
 use maquette::camera::Rig;
-use maquette::inference::Evidence;
-use maquette::inference::joint::{Joint, JointOptions, joint_optimum};
-use maquette::inference::propagate::Sequence;
+use maquette::inference::joint::{JointOptimum, JointOptions, joint_optimum};
 use maquette::inference::search::{Hypothesis, Journal, NoJournal, SearchOptions, Trial, search};
-use maquette::inference::sequence::SequenceState;
+use maquette::inference::sequence_posterior::SequenceState;
+use maquette::inference::{Evidence, Sequence};
 use maquette::io::trc::Trajectories;
 use maquette::likelihood::{EllipseOptions, LikelihoodOptions, Measure};
 use maquette::silhouette::FrameObservations;
@@ -141,7 +140,7 @@ impl Scene<'_> {
         }
     }
 
-    fn elbow_sd_deg(&self, joint: &Joint) -> Vec<[f64; 2]> {
+    fn elbow_sd_deg(&self, joint: &JointOptimum) -> Vec<[f64; 2]> {
         let elbows = ["elbow_flexion_r", "elbow_flexion_l"].map(|name| self.model.joint(name));
         let frames = joint.uncertainty.iter().flat_map(|u| &u.frames);
         let sd = |sd: f64| sd.to_degrees();

@@ -19,7 +19,7 @@ use experiments::picture::{Panel, colour, svg};
 use experiments::run::Run;
 use experiments::table::Table;
 use kuva::plot::LegendPosition;
-use maquette::inference::confidence::{p_of_k, p_within, sigma_of};
+use maquette::inference::confidence::{maximum_likelihood_sigma, p_at_least_one, p_within};
 use maquette::io::model;
 use maquette::math::stats::mean;
 use rayon::prelude::*;
@@ -78,7 +78,7 @@ impl Point {
             })
         };
         let sigma = |r: &Estimates| {
-            sigma_of(if k == 1 {
+            maximum_likelihood_sigma(if k == 1 {
                 &r.keyframes
             } else {
                 &r.keyframes[..k]
@@ -87,7 +87,9 @@ impl Point {
         Self {
             k,
             epsilon,
-            stated: mean(&|r| p_of_k(p_within(epsilon, sigma(r).unwrap_or(f64::INFINITY)), k)),
+            stated: mean(&|r| {
+                p_at_least_one(p_within(epsilon, sigma(r).unwrap_or(f64::INFINITY)), k)
+            }),
             of_optimum: share_within(&|r| r.optimum),
             of_truth: share_within(&|r| r.truth),
         }
@@ -126,7 +128,7 @@ fn report(run: &mut Run, recordings: &[Estimates], points: &[Point]) -> Result<(
         / count;
     let sigma = recordings
         .iter()
-        .filter_map(|r| sigma_of(&r.keyframes))
+        .filter_map(|r| maximum_likelihood_sigma(&r.keyframes))
         .sum::<f64>()
         / count;
     run.number("sigma_of_keyframes", sigma);

@@ -2,9 +2,8 @@
 
 use experiments::arm::{BarArm, coefficient_of, observe, rig, share_of};
 use maquette::body::{BodyModel, Motion, State};
-use maquette::inference::Evidence;
 use maquette::inference::frame::{FramePosterior, KeyframePosterior};
-use maquette::inference::start::Detail;
+use maquette::inference::{Detail, Evidence};
 use maquette::likelihood::{EllipseDistance, EllipseOptions, Term};
 use maquette::solver::{Loss, Options, levenberg_marquardt};
 use maquette::synth::SegmentationErrors;
@@ -57,7 +56,7 @@ pub(crate) fn estimate(model: &BodyModel, seed: u64) -> Estimates {
         loss: Loss::Squared,
         ..EllipseOptions::default()
     };
-    let evidence = Evidence::of_ellipses(model, &rig, likelihood);
+    let evidence = Evidence::with_ellipses(model, &rig, likelihood);
     let terms: Vec<_> = frames
         .iter()
         .map(|f| evidence.terms(f, Detail::Fine))

@@ -5,12 +5,11 @@ use std::time::Instant;
 use experiments::metrics::{frame_error_mm, offset_errors_mm, trajectories};
 use maquette::body::{BodyModel, Motion, Shape};
 use maquette::camera::Rig;
-use maquette::inference::Evidence;
 use maquette::inference::frame::FrameFit;
 use maquette::inference::joint::{JointOptions, joint_optimum};
-use maquette::inference::propagate::Sequence;
 use maquette::inference::search::{NoJournal, Origin, SearchOptions, Trial, search};
-use maquette::inference::sequence::SequenceState;
+use maquette::inference::sequence_posterior::SequenceState;
+use maquette::inference::{Evidence, Sequence};
 use maquette::io::trc::Trajectories;
 use maquette::likelihood::{EllipseDistance, EllipseOptions, Variant};
 use maquette::silhouette::FrameObservations;
@@ -102,7 +101,7 @@ const START_MM: f64 = 50.0;
 
 impl Scene<'_> {
     pub(crate) fn fit(&self, Named { name, likelihood }: Named) -> Option<Fit> {
-        let evidence = Evidence::of_ellipses(self.model, self.rig, likelihood);
+        let evidence = Evidence::with_ellipses(self.model, self.rig, likelihood);
         let sequence = Sequence {
             frames: &self.frames,
             fps: self.fps,
