@@ -11,7 +11,6 @@
 //! | `kinematics.rs`     | the grids of joint angles                                             |
 //! | `scores.rs`         | key points of the curves, and scores against healthy people           |
 //! | `shape.rs`          | lengths and girths of the body                                        |
-//! | `girth.rs`          | how far it is around a limb                                           |
 //! | `motion.rs`         | places for the body that moves, its curves and cameras                |
 //! | `scene.rs`          | what the page's program shows there                                   |
 //! | `views.rs`          | cameras and the outlines that they saw                                |
@@ -20,7 +19,6 @@
 //! | `bundle/`           | the page's program and style, built from `web/`                       |
 
 mod figure;
-mod girth;
 mod identity;
 mod kinematics;
 mod label;

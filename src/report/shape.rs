@@ -3,10 +3,10 @@
 use maud::{Markup, html};
 
 use super::ReportInput;
-use super::girth::{Girth, girths};
 use super::label::words;
 use super::page::{Page, absent, number, probability};
 use crate::io::result::{LengthPart, ResultFile};
+use crate::skin::{Girth, girths};
 
 pub(super) fn page(input: &ReportInput<'_>) -> Page {
     Page {

@@ -19,6 +19,7 @@
 //! | `mesh.rs`    | [`Mesh`], [`check_watertight`]                                               |
 //! | `skinned.rs` | [`SkinnedMesh`]: a skin, and the parts that move it                           |
 //! | `ellipsoids.rs` | of a body without metaballs: a mesh for each ellipsoid                    |
+//! | `girth.rs`   | how far it is around a limb                                                 |
 //!
 //! **Differs** from PFD99: after the tessellation each vertex is moved onto F = T ([`Finish::Field`]; the paper's own is
 //! [`Finish::Spline`]), and the sum that a ray sees is that of its limb (see [`BodyModel::limbs`]).
@@ -28,6 +29,7 @@
 mod axis;
 mod ellipsoids;
 mod flesh;
+mod girth;
 mod mesh;
 mod patch;
 mod plan;
@@ -42,6 +44,7 @@ use nalgebra::Vector3;
 use crate::body::Posed;
 pub use ellipsoids::{ellipsoids, skinned_ellipsoids};
 use flesh::Flesh;
+pub use girth::{Girth, girths};
 pub use mesh::{Mesh, MeshFault, check_watertight};
 pub use patch::{Patch, PatchPoint};
 use plan::Chain;

@@ -1,10 +1,8 @@
 //! How far it is around a limb, in the middle of its length.
 //!
-//! At rest, from the middle m of a length, rays go out square to it. Each ends where it leaves the flesh of the part that
-//! m lies deepest in: of metaballs the part with the largest sum at m (F = ½ at its end), of ellipsoids the one of the ellipsoid with the
-//! least (m − c)ᵀ S⁻¹ (m − c). The girth
-//! is the perimeter of the ends. Its standard deviation is √(∇gᵀ C ∇g), C the covariance of
-//! the coefficients and ∇g from central differences over one standard deviation of each.
+//! At rest, rays go out from the middle m of a length, square to it. Each ray ends where it leaves the flesh of one part:
+//! the part that m lies deepest in. Of metaballs that is the part with the largest sum at m, and F = ½ at its end; of
+//! ellipsoids the part whose ellipsoid has the least (m − c)ᵀ S⁻¹ (m − c). The girth is the perimeter of the ends.
 
 use std::f64::consts::TAU;
 
@@ -23,81 +21,81 @@ const HALVINGS: usize = 20;
 
 /// A girth of the body at rest.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Girth {
+pub struct Girth {
     /// Name of the length in whose middle it is.
-    pub(super) name: String,
+    pub name: String,
     /// Metres.
-    pub(super) girth_m: f64,
-    /// Its standard deviation, where those of the coefficients are known.
-    pub(super) sd_m: Option<f64>,
+    pub girth_m: f64,
+    /// Its standard deviation, metres, where the covariance of the coefficients is known.
+    pub sd_m: Option<f64>,
 }
 
-/// The girths of every length that runs along a limb; `covariance` is of the shape coefficients, row by row.
-pub(super) fn girths(
-    model: &BodyModel,
-    shape: &Shape,
-    covariance: Option<&[Vec<f64>]>,
-) -> Vec<Girth> {
-    let named = model.lengths.iter().enumerate();
-    let girth = |(i, length): (usize, &(String, usize, usize))| {
+/// The girth of every limb, in the middle of each length that runs along it.
+///
+/// `covariance` is that of the shape coefficients, row by row. The standard deviation is √(∇gᵀ C ∇g) with C the
+/// covariance and ∇g from central differences over one standard deviation of each coefficient.
+pub fn girths(model: &BodyModel, shape: &Shape, covariance: Option<&[Vec<f64>]>) -> Vec<Girth> {
+    let lengths = model.lengths.iter().enumerate();
+    let girths = lengths.filter_map(|(i, (name, _, _))| {
         Some(Girth {
-            name: length.0.clone(),
+            name: name.clone(),
             girth_m: girth(model, shape, i)?,
-            sd_m: covariance.and_then(|c| deviation(model, shape, c, i)),
+            sd_m: covariance.and_then(|c| standard_deviation(model, shape, c, i)),
         })
-    };
-    named.filter_map(girth).collect()
+    });
+    girths.collect()
 }
 
-fn deviation(
+fn standard_deviation(
     model: &BodyModel,
     shape: &Shape,
     covariance: &[Vec<f64>],
     length: usize,
 ) -> Option<f64> {
+    let girth_at = |k: usize, offset: f64| {
+        let mut moved = shape.clone();
+        *moved.0.get_mut(k)? += offset;
+        girth(model, &moved, length)
+    };
+
     let slope = |k: usize| {
         let sd = covariance[k].get(k)?.sqrt();
-        let at = |sign: f64| {
-            let mut moved = shape.clone();
-            *moved.0.get_mut(k)? += sign * sd;
-            girth(model, &moved, length)
-        };
         match sd > 0.0 {
-            true => Some((at(1.0)? - at(-1.0)?) / (2.0 * sd)),
+            true => Some((girth_at(k, sd)? - girth_at(k, -sd)?) / (2.0 * sd)),
             // a coefficient that is known has no part in it
             false => Some(0.0),
         }
     };
     let slopes: Vec<f64> = (0..covariance.len()).map(slope).collect::<Option<_>>()?;
-    let rows = covariance.iter().zip(&slopes);
-    let of_row = |(row, slope): (&Vec<f64>, &f64)| {
+
+    // ∇gᵀ C ∇g, row by row
+    let rows = covariance.iter().zip(&slopes).map(|(row, slope)| {
         let sum: f64 = row.iter().zip(&slopes).map(|(c, other)| c * other).sum();
         slope * sum
-    };
-    let variance: f64 = rows.map(of_row).sum();
+    });
+    let variance: f64 = rows.sum();
     (variance >= 0.0).then(|| variance.sqrt())
 }
 
-/// The perimeter around one length; `None` of one from side to side, or outside the flesh.
+/// The perimeter around one length; `None` if it runs from side to side, or its middle lies outside the flesh.
 fn girth(model: &BodyModel, shape: &Shape, length: usize) -> Option<f64> {
     let rest = Motion::rest(model);
     let body = Posed::new(model, shape, &rest);
     let points = body.points();
     let (_, from, to) = model.lengths.get(length)?;
     let along = (points[*to] - points[*from]).try_normalize(1e-9)?;
+
     // a limb has a side, and hangs; the widths of hips and shoulders do not
-    let has_side = |i: usize| {
-        let mut letters = model.points[i].name.chars();
-        letters.next().is_some_and(|c| "RL".contains(c))
-            && letters.next().is_some_and(char::is_uppercase)
-    };
-    if !has_side(*from) || !has_side(*to) || along.z.abs() < 0.5 {
+    let is_limb = has_side(model, *from) && has_side(model, *to) && along.z.abs() >= 0.5;
+    if !is_limb {
         return None;
     }
+
     let middle = nalgebra::center(&points[*from], &points[*to]).coords;
-    let flesh = Flesh::around(&body, &middle)?;
+    let flesh = PartFlesh::around(&body, &middle)?;
     let across = along.cross(&Vector3::x()).try_normalize(1e-9)?;
     let ahead = along.cross(&across);
+
     let ends = (0..RAYS).map(|k| {
         let (sin, cos) = (TAU * k as f64 / RAYS as f64).sin_cos();
         flesh.end(&middle, &(across * cos + ahead * sin))
@@ -107,37 +105,25 @@ fn girth(model: &BodyModel, shape: &Shape, length: usize) -> Option<f64> {
     Some(ends.iter().zip(next).map(|(a, b)| (b - a).norm()).sum())
 }
 
-/// What a place lies in.
-enum Flesh {
+/// Whether the name of a point begins with the letter of a side and a capital, as `RKnee` does.
+fn has_side(model: &BodyModel, point: usize) -> bool {
+    let mut letters = model.points[point].name.chars();
+    letters.next().is_some_and(|c| "RL".contains(c))
+        && letters.next().is_some_and(char::is_uppercase)
+}
+
+/// The flesh of one part.
+enum PartFlesh {
     Metaballs(Field),
     Ellipsoids(Vec<Ellipsoid>),
 }
 
-impl Flesh {
+impl PartFlesh {
+    /// That of the part that a place lies deepest in; `None` if it lies in none.
     fn around(body: &Posed<'_>, place: &Vector3<f64>) -> Option<Self> {
         let flesh = match body.model.metaballs.is_empty() {
-            false => {
-                let of_part = |part: usize| {
-                    let own = body.model.metaballs.iter().filter(|m| m.part.0 == part);
-                    Field::new(own.map(|m| body.primitive(m)))
-                };
-                let fields = (0..body.model.parts.len()).map(of_part);
-                let larger = |a: &Field, b: &Field| a.value(place).total_cmp(&b.value(place));
-                Self::Metaballs(fields.max_by(larger)?)
-            }
-            true => {
-                let all: Vec<_> = body
-                    .model
-                    .ellipsoids
-                    .iter()
-                    .zip(body.ellipsoids())
-                    .collect();
-                let deeper =
-                    |a: &Ellipsoid, b: &Ellipsoid| depth(a, place).total_cmp(&depth(b, place));
-                let part = all.iter().min_by(|a, b| deeper(&a.1, &b.1))?.0.part;
-                let own = all.into_iter().filter(|(p, _)| p.part == part);
-                Self::Ellipsoids(own.map(|(_, e)| e).collect())
-            }
+            false => Self::Metaballs(deepest_metaballs(body, place)?),
+            true => Self::Ellipsoids(deepest_ellipsoids(body, place)?),
         };
         flesh.holds(place).then_some(flesh)
     }
@@ -149,22 +135,41 @@ impl Flesh {
         }
     }
 
-    /// Where a ray from within leaves it first.
+    /// Where a ray from within first leaves it.
     fn end(&self, from: &Vector3<f64>, direction: &Vector3<f64>) -> Option<Vector3<f64>> {
         let step = FARTHEST_M / STEPS as f64;
         let at = |t: f64| from + direction * t;
         let outside = (1..=STEPS).find(|k| !self.holds(&at(step * *k as f64)))?;
+
         let (mut low, mut high) = (step * (outside - 1) as f64, step * outside as f64);
         for _ in 0..HALVINGS {
             let middle = 0.5 * (low + high);
-            *(if self.holds(&at(middle)) {
-                &mut low
-            } else {
-                &mut high
-            }) = middle;
+            match self.holds(&at(middle)) {
+                true => low = middle,
+                false => high = middle,
+            }
         }
         Some(at(0.5 * (low + high)))
     }
+}
+
+/// The metaballs of the part with the largest sum at a place.
+fn deepest_metaballs(body: &Posed<'_>, place: &Vector3<f64>) -> Option<Field> {
+    let fields = (0..body.model.parts.len()).map(|part| {
+        let own = body.model.metaballs.iter().filter(|m| m.part.0 == part);
+        Field::new(own.map(|m| body.primitive(m)))
+    });
+    fields.max_by(|a, b| a.value(place).total_cmp(&b.value(place)))
+}
+
+/// The ellipsoids of the part that carries the one that a place lies deepest in.
+fn deepest_ellipsoids(body: &Posed<'_>, place: &Vector3<f64>) -> Option<Vec<Ellipsoid>> {
+    let primitives = body.model.ellipsoids.iter();
+    let all: Vec<_> = primitives.zip(body.ellipsoids()).collect();
+    let depths = all.iter().map(|(p, e)| (p.part, depth(e, place)));
+    let (part, _) = depths.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let own = all.into_iter().filter(|(p, _)| p.part == part);
+    Some(own.map(|(_, e)| e).collect())
 }
 
 /// (x − c)ᵀ S⁻¹ (x − c): 0 in the centre, 1 on the surface.
@@ -180,7 +185,7 @@ mod tests {
 
     use super::*;
 
-    fn of(name: &str) -> Vec<Girth> {
+    fn mean_girths(name: &str) -> Vec<Girth> {
         let model = crate::io::model::load(name, Path::new("")).unwrap();
         let shape = Shape(model.statistics.mean.clone());
         let n = model.coefficients.len();
@@ -221,7 +226,7 @@ mod tests {
             ("forearm", 0.16, 0.32),
         ];
         for body in ["human-ellipsoids", "human-metaballs"] {
-            let girths = of(body);
+            let girths = mean_girths(body);
             for (name, least, most) in people {
                 let girth = girths.iter().find(|g| g.name == name).unwrap();
                 assert!((least..most).contains(&girth.girth_m), "{body}: {girth:?}");
@@ -252,7 +257,7 @@ mod tests {
 
     #[test]
     fn a_ray_ends_where_it_leaves_the_ellipsoid() {
-        let flesh = Flesh::Ellipsoids(vec![Ellipsoid {
+        let flesh = PartFlesh::Ellipsoids(vec![Ellipsoid {
             centre: Vector3::zeros(),
             shape: nalgebra::Matrix3::from_diagonal_element(0.01),
         }]);
