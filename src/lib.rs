@@ -17,11 +17,9 @@
 //! | the order of the stages      | [`pipeline`]                                            |
 //! | files                        | [`io`]                                                  |
 //! | what a clinician reads       | [`report`]                                              |
-//! | the program                  | [`cli`]                                                 |
 
 pub mod body;
 pub mod camera;
-pub mod cli;
 pub mod gait;
 pub mod image;
 pub mod inference;
@@ -30,6 +28,7 @@ pub mod likelihood;
 pub mod math;
 pub mod pipeline;
 pub mod render;
+#[cfg(feature = "report")]
 pub mod report;
 pub mod silhouette;
 pub mod skin;

@@ -1,12 +1,8 @@
-//! Gait analysis of walks that are known, and of what is no walk; the program on good and bad files,
-//! its exports and its report.
+//! Gait analysis of walks that are known, and of what is no walk, and the exports.
 
 #[path = "gait/exports.rs"]
 mod exports;
-#[path = "gait/program.rs"]
-mod program;
-#[path = "gait/report.rs"]
-mod report;
+#[allow(dead_code, reason = "a walker shared with the tests of the program")]
 #[path = "gait/walker.rs"]
 mod walker;
 

@@ -7,6 +7,8 @@ use std::path::{Path, PathBuf};
 const FOLDERS: &[&str] = &[
     ".ci",
     "benches",
+    "cli/src",
+    "cli/tests",
     "data/models",
     "docs",
     "experiments/expected",
@@ -24,6 +26,7 @@ const FILES: &[&str] = &[
     "CONTRIBUTING.md",
     "Cargo.toml",
     "README.md",
+    "cli/Cargo.toml",
     "clippy.toml",
     "data/README.md",
     "deny.toml",

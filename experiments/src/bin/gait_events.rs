@@ -92,7 +92,7 @@ fn walk7(run: &mut Run, folder: &Path, out: &Path) -> Result<(), Box<dyn Error>>
         "OUT" => fitted.clone().into_os_string(),
         word => word.into(),
     });
-    if maquette::cli::run(arguments) != ExitCode::SUCCESS {
+    if experiments::program(arguments) != ExitCode::SUCCESS {
         return Err("walk7 could not be fitted".into());
     }
     let fit = analyse(

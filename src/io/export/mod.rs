@@ -6,7 +6,8 @@
 //! | `mot.rs` | OpenSim's motion: Rajagopal's coordinates; `.mot` and `.sto`        |
 //! | `bvh.rs` | BVH: a skeleton in T-pose and its rotations                        |
 //! | `glb.rs` | glTF 2.0, binary: the skin on its bones, moving                    |
-//! | `table.rs` | CSV and Parquet: points, angles and their SD, frame by frame     |
+//! | `table.rs` | points, angles and their SD, frame by frame; CSV               |
+//! | `parquet.rs` | the same as Parquet, with the feature `parquet`                |
 //!
 //! Every file's world is Y up, as in a TRC (see [`UpAxis`](crate::camera::UpAxis)).
 
@@ -14,6 +15,8 @@ mod bvh;
 mod c3d;
 mod glb;
 mod mot;
+#[cfg(feature = "parquet")]
+mod parquet;
 mod table;
 
 pub use bvh::{BvhError, bvh};

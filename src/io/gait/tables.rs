@@ -6,7 +6,7 @@ use crate::gait::{GaitAnalysis, Movement, Norm, Side};
 ///
 /// # Errors
 /// None that an analysis can cause; the writer's, if it has any.
-pub fn curves_csv(gait: &GaitAnalysis, norm: Option<&Norm>) -> Result<Vec<u8>, csv::Error> {
+pub fn curves_csv(gait: &GaitAnalysis, norm: Option<&Norm>) -> std::io::Result<Vec<u8>> {
     let strides = gait
         .curves
         .iter()
@@ -62,7 +62,7 @@ pub fn curves_csv(gait: &GaitAnalysis, norm: Option<&Norm>) -> Result<Vec<u8>, c
 ///
 /// # Errors
 /// As [`curves_csv`].
-pub fn angles_csv(gait: &GaitAnalysis, movement: &Movement) -> Result<Vec<u8>, csv::Error> {
+pub fn angles_csv(gait: &GaitAnalysis, movement: &Movement) -> std::io::Result<Vec<u8>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let names = gait.angles.keys();
     let names = names.map(|(side, angle)| format!("{}_{}_deg", angle.name(), &side.name()[..1]));
@@ -84,7 +84,7 @@ pub fn angles_csv(gait: &GaitAnalysis, movement: &Movement) -> Result<Vec<u8>, c
 ///
 /// # Errors
 /// As [`curves_csv`].
-pub fn parameters_csv(gait: &GaitAnalysis) -> Result<Vec<u8>, csv::Error> {
+pub fn parameters_csv(gait: &GaitAnalysis) -> std::io::Result<Vec<u8>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record([
         "parameter",
@@ -119,6 +119,6 @@ fn degrees(angle: Option<f64>) -> String {
     known.map_or(String::new(), |a| format!("{:.4}", a.to_degrees()))
 }
 
-fn finished(writer: csv::Writer<Vec<u8>>) -> Result<Vec<u8>, csv::Error> {
-    writer.into_inner().map_err(|e| e.into_error().into())
+fn finished(writer: csv::Writer<Vec<u8>>) -> std::io::Result<Vec<u8>> {
+    writer.into_inner().map_err(|e| e.into_error())
 }

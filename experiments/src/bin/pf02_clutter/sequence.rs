@@ -80,7 +80,7 @@ impl Sequence {
         .to_vec();
         arguments.extend([out.clone().into(), recording.into()]);
         let start = Instant::now();
-        if maquette::cli::run(arguments) != ExitCode::SUCCESS {
+        if experiments::program(arguments) != ExitCode::SUCCESS {
             return Err(format!("the {pipeline} pipeline ended with an error").into());
         }
         let seconds = start.elapsed().as_secs_f64();

@@ -1,0 +1,60 @@
+//! Observations by the joint pipeline of silhouettes, instead of masks.
+
+use std::path::Path;
+
+use super::arguments::FitArguments;
+use super::made::{measure, tell};
+use crate::error::CliError;
+use crate::frame_range::FrameRange;
+use crate::silhouettes::{self, DEFAULT_BODY};
+use maquette::io::frames::Footage;
+use maquette::io::model;
+use maquette::io::recording::{Made, Recording};
+use maquette::likelihood::Measure;
+use maquette::pipeline::check_measure;
+use maquette::silhouette::FrameObservations;
+use maquette::stereo::SideBySide;
+
+/// Silhouettes and points of the frames, where no file holds them.
+pub(super) type Observed = Option<Vec<FrameObservations>>;
+
+/// Whether the joint pipeline is the only good way, where there are no masks: depth is seen and the empty scene is not.
+pub(super) fn is_only_way(footage: &Footage) -> bool {
+    let is_empty_seen = footage.cameras.iter().any(|c| c.background.is_some());
+    !is_empty_seen && SideBySide::of(&footage.rig).is_ok()
+}
+
+/// Silhouettes and points of the frames to be fitted; masks and contours are kept in OUT.
+///
+/// The points are those before the still scene and near the body that the pipeline itself fits to, and, asked for with `--stereo`, what is
+/// measured within the contours: surer, but not on a leg of which a camera sees little behind the other.
+pub(super) fn observe(
+    footage: &Footage,
+    arguments: &FitArguments,
+) -> Result<(Recording, Observed), CliError> {
+    let all = footage.frames();
+    let frames = FrameRange::of(arguments.frames, &all)?;
+    let body = arguments.body.as_deref().unwrap_or(DEFAULT_BODY);
+    let model = model::load(body, Path::new(""))?;
+    check_measure(&model, Some(Measure::Metaballs))?;
+    let progress = arguments.quiet.progress();
+    let kept = (footage, frames, arguments.out.as_path());
+    let (mut observed, notes) = silhouettes::observe(kept, &model, progress)?;
+    tell(&notes, arguments);
+    let open = |points: bool| {
+        let made = Made {
+            masks: true,
+            points,
+        };
+        Recording::open_made(&arguments.recording, footage, &arguments.out, made)
+    };
+    let Some(method) = arguments.stereo else {
+        return Ok((open(false)?, Some(observed)));
+    };
+    measure(footage, &open(false)?, method, arguments)?;
+    let recording = open(true)?;
+    for frame in &mut observed {
+        recording.load_points(frame)?;
+    }
+    Ok((recording, Some(observed)))
+}

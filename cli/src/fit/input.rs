@@ -1,0 +1,164 @@
+//! Everything that `maquette fit` reads.
+
+use std::ops::Range;
+use std::path::Path;
+
+use rayon::prelude::*;
+use serde_json::{Value, json};
+
+use super::arguments::{FitArguments, Silhouettes};
+use super::contoured::{self, Observed};
+use super::made::{cut, measure};
+use crate::error::CliError;
+use crate::frame_range::FrameRange;
+use crate::progress::Progress;
+use maquette::body::BodyModel;
+use maquette::io::frames::{Footage, FramesError};
+use maquette::io::model::{self, ModelText};
+use maquette::io::out_folder::check_out;
+use maquette::io::recording::{InputChecksum, Made, Recording, RecordingError};
+use maquette::pipeline::{FitError, FitOptions, check_measure, check_scene};
+use maquette::silhouette::FrameObservations;
+
+/// The body that is fitted when nobody names one.
+const DEFAULT_BODY: &str = "human-ellipsoids";
+/// And where there are points, which lie on a skin.
+const DEFAULT_BODY_OF_POINTS: &str = "human-metaballs";
+
+/// Everything that is read before anything is fitted.
+pub(super) struct Input {
+    pub(super) options: FitOptions,
+    pub(super) recording: Recording,
+    pub(super) model: BodyModel,
+    pub(super) observations: Vec<FrameObservations>,
+    pub(super) checksums: Vec<InputChecksum>,
+}
+
+/// Reads and checks everything; nothing is written but masks, where there are none.
+pub(super) fn read(arguments: &FitArguments) -> Result<Input, CliError> {
+    let options = arguments.options()?;
+    check_out(&arguments.out, arguments.existing())?;
+    let (mut recording, contoured) = open(arguments)?;
+    let (model, bodies) = body(arguments.body.as_deref(), &recording)?;
+    check_measure(&model, options.measure)?;
+    let observations = match contoured {
+        Some(observed) => observed.into_iter().map(|o| options.fit_to.of(o)).collect(),
+        None => {
+            let positions = FrameRange::positions(arguments.frames, &recording.frames)?;
+            observe(&recording, positions, &options, arguments.quiet.progress())?
+        }
+    };
+    let notes = recording.notes_of_points(&observations);
+    recording.notes.extend(notes);
+    check_scene(&model, &recording.rig, &observations).map_err(FitError::from)?;
+    let mut checksums = recording.checksums()?;
+    checksums.extend(bodies);
+    Ok(Input {
+        options,
+        recording,
+        model,
+        observations,
+        checksums,
+    })
+}
+
+/// The recording; what it lacks is made of its pictures and kept in OUT: masks where there are none, points where asked for.
+///
+/// With it what the joint pipeline of silhouettes observed, where that was asked for or is the only good way.
+fn open(arguments: &FitArguments) -> Result<(Recording, Observed), CliError> {
+    let (path, out) = (&arguments.recording, &arguments.out);
+    if arguments.silhouettes.is_some_and(Silhouettes::is_joint) {
+        return contoured::observe(&Footage::open(path, arguments.fps)?, arguments);
+    }
+    let opened = match arguments.stereo {
+        // its points are what is to be measured
+        Some(_) => Recording::open_masks(path, arguments.fps),
+        None => Recording::open(path, arguments.fps),
+    };
+    let given = match opened {
+        Err(fault @ RecordingError::NoMasks { .. }) => Err(fault),
+        opened => Ok(opened?),
+    };
+    let has_masks = given.as_ref().is_ok_and(Recording::has_masks);
+    let is_enough = |r: &Recording| r.has_masks() || arguments.fits_to_points() && r.has_points();
+    if arguments.stereo.is_none() && given.as_ref().is_ok_and(is_enough) {
+        return Ok((given?, None));
+    }
+    let footage = match Footage::open(path, arguments.fps) {
+        Err(FramesError::NoPictures { .. }) if arguments.stereo.is_none() => {
+            return Ok((given?, None));
+        }
+        opened => opened?,
+    };
+    let is_free = arguments.silhouettes.is_none() && arguments.stereo.is_none();
+    if is_free && given.is_err() && contoured::is_only_way(&footage) {
+        return contoured::observe(&footage, arguments);
+    }
+    let mut made = Made {
+        masks: !has_masks,
+        points: false,
+    };
+    if made.masks {
+        cut(&footage, arguments)?;
+    }
+    if let Some(method) = arguments.stereo {
+        let masks = Recording::open_made(path, &footage, out, made)?;
+        measure(&footage, &masks, method, arguments)?;
+        made.points = true;
+    }
+    Ok((Recording::open_made(path, &footage, out, made)?, None))
+}
+
+/// The body that was asked for, or that the recording names, and the fingerprints of all that it was read from.
+fn body(
+    asked: Option<&str>,
+    recording: &Recording,
+) -> Result<(BodyModel, Vec<InputChecksum>), CliError> {
+    let (name, folder) = match (asked, recording.body.as_deref()) {
+        (Some(name), _) => (name, Path::new("")),
+        (None, Some(name)) => (name, recording.folder.as_path()),
+        (None, None) if recording.has_points() => (DEFAULT_BODY_OF_POINTS, Path::new("")),
+        (None, None) => (DEFAULT_BODY, Path::new("")),
+    };
+    let (model, read) = model::load_with_texts(name, folder)?;
+    let checksum =
+        |file: &ModelText| InputChecksum::of_text(format!("body {}", file.name), &file.text);
+    Ok((model, read.iter().map(checksum).collect()))
+}
+
+/// The silhouettes of the frames; masks are dropped as soon as they are traced.
+fn observe(
+    recording: &Recording,
+    positions: Range<usize>,
+    options: &FitOptions,
+    progress: Progress,
+) -> Result<Vec<FrameObservations>, CliError> {
+    let bar = progress.bar("reading masks", positions.len());
+    let load = |position: usize| {
+        let observed = recording.load_frame(position, &options.silhouettes);
+        bar.inc(1);
+        observed.map(|observed| options.fit_to.of(observed))
+    };
+    let loaded: Vec<Result<_, _>> = positions.into_par_iter().map(load).collect();
+    bar.finish_and_clear();
+    // the first fault in the order of the frames, whichever thread met one first
+    Ok(loaded.into_iter().collect::<Result<_, _>>()?)
+}
+
+/// What the result depends on: two runs of one identity have the same result.
+pub(super) fn identity(input: &Input) -> Value {
+    // numbered, for two files elsewhere may have one name
+    let inputs: serde_json::Map<String, Value> = (1..)
+        .zip(&input.checksums)
+        .map(|(i, c)| (format!("{i}: {}", c.input), c.blake3.clone().into()))
+        .collect();
+    let frames = |o: Option<&FrameObservations>| o.map(|o| o.frame.0);
+    json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "inputs": inputs,
+        "fps": input.recording.fps,
+        "first frame": frames(input.observations.first()),
+        "last frame": frames(input.observations.last()),
+        "options": input.options,
+    })
+}

@@ -1,0 +1,146 @@
+//! `maquette gait`.
+
+mod text;
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use crate::analysis::{Analysed, Asked, IdentityArguments};
+use crate::error::CliError;
+use crate::print;
+use maquette::gait::{GaitOptions, Surface};
+use maquette::io::gait::{angles_csv, curves_csv, parameters_csv};
+use maquette::io::out_folder::{OutFolder, write_atomically};
+use text::Report;
+
+pub(super) const ABOUT: &str = "\
+Analyse how a person walks: foot strikes and offs, speed, cadence, steps and phases, joint angles over the gait cycle, \
+and how far they lie from those of healthy people.
+
+Reads the folder of a finished `maquette fit`, or a .trc of joint centres or markers of any system. Writes gait.json, \
+parameters.csv, curves.csv and angles.csv. docs/gait.md defines every number.";
+
+pub(super) const EXAMPLES: &str = "\
+Examples:
+  maquette gait out/me
+  maquette gait walk.trc --out out/walk
+  maquette gait treadmill.trc --surface treadmill --normalised";
+
+/// Arguments of `maquette gait`.
+#[derive(Debug, Args)]
+pub(super) struct GaitArguments {
+    /// Folder of a finished fit, or a .trc file
+    input: PathBuf,
+    /// Where to write [default: OUT/gait of a fit, NAME_gait beside NAME.trc]
+    #[arg(long, value_name = "FOLDER")]
+    out: Option<PathBuf>,
+    /// What the person walks on [default: found]
+    #[arg(long, value_enum)]
+    surface: Option<Floor>,
+    /// Frames per second, in place of what the input states
+    #[arg(long, value_name = "HZ", value_parser = rate)]
+    fps: Option<f64>,
+    /// Cutoff of the low pass on all places, Hz; 0: none
+    #[arg(long, value_name = "HZ", default_value_t = GaitOptions::default().cutoff_hz, value_parser = cutoff)]
+    cutoff: f64,
+    /// Norm of healthy people: a .toml file, or none [default: schwartz-2008-free]
+    #[arg(long, value_name = "FILE|none")]
+    norm: Option<String>,
+    /// Show parameters without units, scaled by the leg's length (Hof 1996)
+    #[arg(long)]
+    normalised: bool,
+    /// Body model of the fit, if it is not a shipped one
+    #[arg(long, value_name = "FILE")]
+    body: Option<String>,
+    /// Write report.html as well: the same for a clinician
+    #[arg(long)]
+    report: bool,
+    #[command(flatten, next_help_heading = "Of the person and the report")]
+    identity: IdentityArguments,
+    /// Print nothing but errors
+    #[arg(long)]
+    quiet: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Floor {
+    /// The floor of the room
+    Ground,
+    /// A belt
+    Treadmill,
+}
+
+impl From<Floor> for Surface {
+    fn from(floor: Floor) -> Self {
+        match floor {
+            Floor::Ground => Self::Ground,
+            Floor::Treadmill => Self::Treadmill,
+        }
+    }
+}
+
+fn rate(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(hz) if hz > 0.0 && hz.is_finite() => Ok(hz),
+        _ => Err("expected a rate above 0 Hz".into()),
+    }
+}
+
+fn cutoff(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(hz) if hz >= 0.0 && hz.is_finite() => Ok(hz),
+        _ => Err("expected a cutoff of 0 Hz or above".into()),
+    }
+}
+
+/// Reads, analyses, writes, prints.
+pub(super) fn run(arguments: &GaitArguments) -> Result<(), CliError> {
+    let asked = Asked {
+        from: &arguments.input,
+        body: arguments.body.as_deref(),
+        fps: arguments.fps,
+        norm: arguments.norm.as_deref(),
+        person: arguments.identity.person(),
+    };
+    let options = GaitOptions {
+        cutoff_hz: arguments.cutoff,
+        surface: arguments.surface.map(Surface::from),
+        ..GaitOptions::default()
+    };
+    let analysed = Analysed::of(&asked, &options)?;
+    let (gait, norm) = (&analysed.gait, analysed.norm.as_ref());
+    let out = out_folder(arguments);
+    OutFolder::open(&out)?;
+    let write = |name: &str, bytes: Vec<u8>| write_atomically(&out.join(name), &bytes);
+    write("parameters.csv", parameters_csv(gait)?)?;
+    write("curves.csv", curves_csv(gait, norm)?)?;
+    write("angles.csv", angles_csv(gait, &analysed.input.movement)?)?;
+    write("gait.json", serde_json::to_vec_pretty(&analysed.file)?)?;
+    if arguments.report {
+        analysed.write_report(&arguments.identity, &out.join("report.html"))?;
+    }
+    if !arguments.quiet {
+        let report = Report {
+            input: &arguments.input,
+            file: &analysed.file,
+            norm,
+            is_normalised: arguments.normalised,
+        };
+        print(&report.text());
+        print(&format!("\nWritten into {}\n", out.display()));
+    }
+    Ok(())
+}
+
+fn out_folder(arguments: &GaitArguments) -> PathBuf {
+    let beside = || match arguments.input.is_dir() {
+        true => arguments.input.join("gait"),
+        false => {
+            let stem = arguments.input.file_stem().unwrap_or_default();
+            let name = format!("{}_gait", stem.to_string_lossy());
+            arguments.input.with_file_name(name)
+        }
+    };
+    arguments.out.clone().unwrap_or_else(beside)
+}

@@ -1,0 +1,155 @@
+//! The command line: arguments in, tables out; the only room that knows the terminal and the clock.
+//!
+//! | file          | holds                                                          |
+//! |---------------|----------------------------------------------------------------|
+//! | `fit.rs`      | `maquette fit`: reads, calls the pipeline, writes               |
+//! | `segment.rs`  | `maquette segment`                                              |
+//! | `silhouettes.rs` | `maquette silhouettes`                                       |
+//! | `export.rs`   | `maquette export`                                               |
+//! | `gait.rs`     | `maquette gait`                                                 |
+//! | `report.rs`   | `maquette report`                                               |
+//! | `analysis.rs` | what these three share: reading, analysing, the report          |
+//! | `synth.rs`    | `maquette synth`                                                |
+//! | `models.rs`   | `maquette models`                                               |
+//! | `skin.rs`     | `maquette skin`, and the skins of `maquette models`             |
+//! | `stereo.rs`   | `maquette stereo`                                               |
+//! | `progress.rs` | a bar for each stage                                            |
+//! | `summary.rs`  | what is said of a fit, for a person and as JSON                 |
+//! | `table.rs`    | columns                                                         |
+//! | `error.rs`    | what went wrong, in one line                                    |
+//!
+//! Exit code 0, or 2 for arguments or input that cannot be used, with one line on standard error.
+
+mod analysis;
+mod error;
+mod export;
+mod fit;
+mod frame_range;
+mod gait;
+mod models;
+mod progress;
+mod report;
+mod segment;
+mod silhouettes;
+mod skin;
+mod stereo;
+mod summary;
+mod switches;
+mod synth;
+mod table;
+
+use std::io::Write;
+use std::process::ExitCode;
+
+use clap::error::ErrorKind;
+use clap::{Parser, Subcommand};
+
+use error::{CliError, one_line};
+
+/// How a person is built and moves, from cameras that see them from several sides.
+///
+/// Maquette fits a jointed body to the outlines of a person in calibrated recordings, without markers, clicks or a
+/// start pose. It gives segment lengths, joint centres and joint angles, and says how sure it is.
+#[derive(Debug, Parser)]
+#[command(name = "maquette", version, arg_required_else_help = true, after_help = EXAMPLES)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  the sample recording:
+    maquette fit data/sequences/walker --out out/walker
+  a folder of your own with calibration.* and masks/<camera>/:
+    maquette fit my-recording --fps 50 --out out/me
+  the same again, with pictures of the fit:
+    maquette fit my-recording --fps 50 --out out/me --overwrite --overlays
+  the fitted body's skin, a mesh and a picture for each frame (models with metaballs):
+    maquette skin out/me --picture
+  a recording of somebody else, with the truth:
+    maquette synth out/somebody --seed 7
+
+What a recording may hold and what the results mean: docs/formats.md";
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Fit a body to a recording: shape, motion and confidence
+    #[command(long_about = fit::ABOUT, after_help = fit::EXAMPLES)]
+    Fit(fit::FitArguments),
+    /// Cut the person out of images or videos: masks for every camera and frame
+    #[command(long_about = segment::ABOUT, after_help = segment::EXAMPLES)]
+    Segment(segment::SegmentArguments),
+    /// Find the person's silhouettes before clutter, from a body that predicts where to look
+    #[command(long_about = silhouettes::ABOUT, after_help = silhouettes::EXAMPLES)]
+    Silhouettes(silhouettes::SilhouettesArguments),
+    /// Make the skin of a fitted body, as meshes and pictures
+    #[command(long_about = skin::ABOUT, after_help = skin::EXAMPLES)]
+    Skin(skin::SkinArguments),
+    /// Measure points of the surface from cameras side by side
+    #[command(long_about = stereo::ABOUT, after_help = stereo::EXAMPLES)]
+    Stereo(stereo::StereoArguments),
+    /// Analyse how a person walks: events, parameters, curves, scores
+    #[command(long_about = gait::ABOUT, after_help = gait::EXAMPLES)]
+    Gait(gait::GaitArguments),
+    /// Write a report that a clinician can read
+    #[command(long_about = report::ABOUT, after_help = report::EXAMPLES)]
+    Report(report::ReportArguments),
+    /// Write a fit in the formats of other programs
+    #[command(long_about = export::ABOUT, after_help = export::EXAMPLES)]
+    Export(export::ExportArguments),
+    /// List the body models that come with the program, or show one
+    #[command(long_about = models::ABOUT)]
+    Models(models::ModelsArguments),
+    /// Make a recording of a walking person, with the truth beside it
+    #[command(long_about = synth::ABOUT)]
+    Synth(synth::SynthArguments),
+}
+
+fn main() -> ExitCode {
+    let done = match Arguments::try_parse_from(std::env::args_os()) {
+        Ok(arguments) => match arguments.command {
+            Command::Fit(arguments) => fit::run(&arguments),
+            Command::Segment(arguments) => segment::run(&arguments),
+            Command::Silhouettes(arguments) => silhouettes::run(&arguments),
+            Command::Skin(arguments) => skin::run(&arguments),
+            Command::Stereo(arguments) => stereo::run(&arguments),
+            Command::Gait(arguments) => gait::run(&arguments),
+            Command::Report(arguments) => report::run(&arguments),
+            Command::Export(arguments) => export::run(&arguments),
+            Command::Models(arguments) => models::run(&arguments),
+            Command::Synth(arguments) => synth::run(&arguments),
+        },
+        Err(fault) if is_help(fault.kind()) => {
+            print(&fault.render().to_string());
+            Ok(())
+        }
+        Err(fault) => Err(CliError::Arguments(error::of_arguments(&fault))),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(fault) => {
+            complain("error", &one_line(&fault.to_string()));
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn is_help(kind: ErrorKind) -> bool {
+    matches!(
+        kind,
+        ErrorKind::DisplayHelp
+            | ErrorKind::DisplayVersion
+            | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand
+    )
+}
+
+/// Prints to standard output. Whoever closed it, as `| head` does, does not want more: no fault.
+fn print(text: &str) {
+    let _ = std::io::stdout().lock().write_all(text.as_bytes());
+}
+
+/// Prints one line to standard error.
+fn complain(kind: &str, line: &str) {
+    let _ = writeln!(std::io::stderr().lock(), "{kind}: {line}");
+}

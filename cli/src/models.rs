@@ -1,0 +1,75 @@
+//! `maquette models`.
+
+use std::path::{Path, PathBuf};
+
+use clap::{ArgGroup, Args};
+
+use super::error::CliError;
+use super::print;
+use super::skin::of_model;
+use super::table::Table;
+use maquette::io::model::{SHIPPED, parse};
+
+pub(super) const ABOUT: &str = "\
+List the body models that come with the program.
+
+With a NAME and --skin or --picture: the skin of that model's mean body at rest. It must have metaballs.";
+
+/// Arguments of `maquette models`.
+#[derive(Debug, Args)]
+#[command(group = ArgGroup::new("shown").args(["skin", "picture"]).multiple(true))]
+pub(super) struct ModelsArguments {
+    /// A body model, shipped or a .toml file: with --skin or --picture
+    #[arg(value_name = "NAME|FILE", requires = "shown")]
+    name: Option<String>,
+    /// Write its skin: a .ply or .obj file; metres, Z up
+    #[arg(long, value_name = "FILE", requires = "name")]
+    skin: Option<PathBuf>,
+    /// Write a shaded picture of it: a .png file
+    #[arg(long, value_name = "FILE", requires = "name")]
+    picture: Option<PathBuf>,
+}
+
+/// Lists the shipped models, or shows one.
+pub(super) fn run(arguments: &ModelsArguments) -> Result<(), CliError> {
+    match &arguments.name {
+        None => list(),
+        Some(name) => of_model(
+            name,
+            arguments.skin.as_deref(),
+            arguments.picture.as_deref(),
+        ),
+    }
+}
+
+/// Lists the shipped models with what each is made of.
+fn list() -> Result<(), CliError> {
+    let mut table = Table::new(&[
+        "model",
+        "parts",
+        "angles",
+        "shape coefficients",
+        "ellipsoids",
+        "metaballs",
+    ]);
+    let mut remarks = String::new();
+    for (name, text) in SHIPPED {
+        let model = parse(text, Path::new(name))?;
+        let counts = [
+            model.parts.len(),
+            model.joints.len(),
+            model.coefficients.len(),
+            model.ellipsoids.len(),
+            model.metaballs.len(),
+        ];
+        let counts = counts.map(|count| count.to_string());
+        table.row(std::iter::once(name.to_owned()).chain(counts).collect());
+        let first = text.lines().next().unwrap_or_default();
+        remarks += &format!("  {name}: {}\n", first.trim_start_matches(['#', ' ']));
+    }
+    print(&format!(
+        "{}\n{remarks}\nUse one with --body NAME, or your own with --body FILE.toml; docs/formats.md says how to write one.\n",
+        table.text()
+    ));
+    Ok(())
+}

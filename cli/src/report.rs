@@ -1,0 +1,58 @@
+//! `maquette report`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::analysis::{Analysed, Asked, IdentityArguments};
+use super::error::CliError;
+use super::print;
+use maquette::gait::GaitOptions;
+
+pub(super) const ABOUT: &str = "\
+Write a report that a clinician can read: one HTML file that needs nothing else.
+
+Reads the folder of a finished `maquette fit` and writes OUT/report.html: identity and method, quality, steps and \
+strides, joint angles against a norm, shape, and the body in motion. It opens in any browser without a network and \
+prints on A4. docs/report.md explains every page.";
+
+pub(super) const EXAMPLES: &str = "\
+Examples:
+  maquette report out/me --recording my-recording
+  maquette report out/me --subject 'P 017' --age 72 --sex female --date 2026-03-02 --condition barefoot";
+
+/// Arguments of `maquette report`.
+#[derive(Debug, Args)]
+pub(super) struct ReportArguments {
+    /// Folder of a finished fit
+    out: PathBuf,
+    #[command(flatten)]
+    identity: IdentityArguments,
+    /// Norm of healthy people: a .toml file, or none [default: schwartz-2008-free]
+    #[arg(long, value_name = "FILE|none")]
+    norm: Option<String>,
+    /// Body model of the fit, if it is not a shipped one
+    #[arg(long, value_name = "FILE")]
+    body: Option<String>,
+    /// Print nothing but errors
+    #[arg(long)]
+    quiet: bool,
+}
+
+/// Reads the fit, analyses it and writes the report.
+pub(super) fn run(arguments: &ReportArguments) -> Result<(), CliError> {
+    let asked = Asked {
+        from: &arguments.out,
+        body: arguments.body.as_deref(),
+        fps: None,
+        norm: arguments.norm.as_deref(),
+        person: arguments.identity.person(),
+    };
+    let analysed = Analysed::of(&asked, &GaitOptions::default())?;
+    let path = arguments.out.join("report.html");
+    analysed.write_report(&arguments.identity, &path)?;
+    if !arguments.quiet {
+        print(&format!("{}\n", path.display()));
+    }
+    Ok(())
+}

@@ -1,0 +1,180 @@
+//! What is said of a fit: tables for a person, or JSON.
+
+use std::path::Path;
+
+use serde_json::json;
+
+use super::table::Table;
+use maquette::inference::confidence::Confidence;
+use maquette::io::result::{HypothesisPart, OriginPart, OutcomePart, ResultFile};
+
+/// What a run says at its end.
+#[derive(Debug)]
+pub(super) struct Summary<'a> {
+    pub(super) result: &'a ResultFile,
+    pub(super) out: &'a Path,
+    pub(super) seconds: f64,
+}
+
+impl Summary<'_> {
+    /// The same as JSON, in one object.
+    pub(super) fn json(&self) -> String {
+        let result = self.result;
+        let hypotheses: Vec<_> = result
+            .hypotheses
+            .iter()
+            .map(|h| {
+                json!({
+                    "origin": h.origin, "reading": h.reading, "keyframe": h.keyframe, "outcome": h.outcome,
+                    "frames_fitted": h.frames_fitted, "minus_log_posterior": h.minus_log_posterior.total, "iou": h.iou,
+                })
+            })
+            .collect();
+        let summary = json!({
+            "out": self.out.display().to_string(),
+            "seconds": self.seconds,
+            "body": result.body,
+            "frames": result.recording.frames,
+            "lengths": result.shape.lengths,
+            "confidence_of": result.shape.confidence_of,
+            "hypotheses": hypotheses,
+            "winner": result.winner,
+            "cameras": result.quality.cameras,
+            "warnings": result.warnings,
+        });
+        format!("{summary:#}\n")
+    }
+
+    /// Tables for a person.
+    pub(super) fn text(&self) -> String {
+        let recording = &self.result.recording;
+        let sections = [
+            format!(
+                "{} fitted to {} of {} cameras at {} Hz in {:.1} s\n",
+                self.result.body,
+                counted(recording.frames, "frame"),
+                recording.cameras.len(),
+                recording.fps,
+                self.seconds
+            ),
+            self.hypotheses(),
+            self.shape(),
+            self.cameras(),
+            self.warnings(),
+            format!("Written into {}\n", self.out.display()),
+        ];
+        let filled = sections.into_iter().filter(|section| !section.is_empty());
+        filled.collect::<Vec<_>>().join("\n")
+    }
+
+    fn hypotheses(&self) -> String {
+        let mut table = Table::new(&["hypothesis", "keyframe", "−log posterior", "overlap"]);
+        for (i, hypothesis) in self.result.hypotheses.iter().enumerate() {
+            let mark = if i == self.result.winner { "▸" } else { " " };
+            table.row(vec![
+                format!("{mark} {}", origin(hypothesis)),
+                hypothesis.keyframe.to_string(),
+                match hypothesis.outcome {
+                    OutcomePart::Pruned => {
+                        format!(
+                            "pruned after {}",
+                            counted(hypothesis.frames_fitted, "frame")
+                        )
+                    }
+                    _ => format!("{:.1}", hypothesis.minus_log_posterior.total),
+                },
+                or_dash(hypothesis.iou, |iou| format!("{iou:.3}")),
+            ]);
+        }
+        table.text()
+    }
+
+    fn shape(&self) -> String {
+        let lengths = &self.result.shape.lengths;
+        let Some(first) = lengths.first() else {
+            return String::new();
+        };
+        let Confidence {
+            epsilon, keyframes, ..
+        } = first.confidence;
+        let within = format!("p within {} cm", 100.0 * epsilon);
+        let has_sd = lengths.iter().any(|length| length.sd_m.is_some());
+        let mut headings = vec!["length", "cm"];
+        headings.extend(has_sd.then_some("± SD"));
+        headings.extend(["± σ", &within]);
+        let mut table = Table::new(&headings);
+        let cm = |metres: f64| format!("± {:.1}", 100.0 * metres);
+        for length in lengths {
+            let mut row = vec![
+                length.name.clone(),
+                format!("{:.1}", 100.0 * length.length_m),
+            ];
+            row.extend(has_sd.then(|| or_dash(length.sd_m, cm)));
+            row.push(or_dash(length.confidence.sigma, cm));
+            row.push(or_dash(length.confidence.p_within, probability));
+            table.row(row);
+        }
+        let mut text = table.text();
+        if has_sd {
+            text += "  SD: of the true length, from all frames at once.\n";
+        }
+        if keyframes > 1 {
+            text += &format!(
+                "  σ: spread of the {keyframes} keyframes' estimates. p: that one of them is within {} cm of the model's optimum,\n  \
+                 which is not the true length: an error that all keyframes share does not show.\n",
+                100.0 * epsilon,
+            );
+        }
+        text
+    }
+
+    fn cameras(&self) -> String {
+        let mut table = Table::new(&["camera", "frames", "overlap", "border off by", "RMS"]);
+        for camera in &self.result.quality.cameras {
+            table.row(vec![
+                camera.camera.clone(),
+                camera.frames.to_string(),
+                format!("{:.3}", camera.mean_iou),
+                or_dash(camera.median_px, |px| format!("{px:.1} px")),
+                or_dash(camera.rms_px, |px| format!("{px:.1} px")),
+            ]);
+        }
+        table.text()
+    }
+
+    fn warnings(&self) -> String {
+        let lines = self
+            .result
+            .warnings
+            .iter()
+            .map(|warning| format!("  ! {warning}\n"));
+        lines.collect()
+    }
+}
+
+fn origin(hypothesis: &HypothesisPart) -> String {
+    match (hypothesis.origin, hypothesis.reading) {
+        (OriginPart::Prior, _) => "mean body".into(),
+        (OriginPart::Keyframe, None | Some(0)) => "keyframe".into(),
+        (OriginPart::Keyframe, Some(reading)) => format!("keyframe, reading {}", reading + 1),
+    }
+}
+
+/// A number of things: 1 frame, 2 frames.
+pub(super) fn counted(count: usize, thing: &str) -> String {
+    let plural = if count == 1 { "" } else { "s" };
+    format!("{count} {thing}{plural}")
+}
+
+/// Three decimals, and never a certainty that nobody has.
+fn probability(p: f64) -> String {
+    if p > 0.9995 {
+        "> 0.999".into()
+    } else {
+        format!("{p:.3}")
+    }
+}
+
+fn or_dash(value: Option<f64>, text: impl Fn(f64) -> String) -> String {
+    value.map_or("–".into(), text)
+}

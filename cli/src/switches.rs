@@ -1,0 +1,71 @@
+//! Switches that several commands have.
+
+use clap::Args;
+
+use super::error::CliError;
+use super::progress::Progress;
+use maquette::io::out_folder::Existing;
+
+/// `--quiet`.
+#[derive(Debug, Clone, Copy, Args)]
+pub(super) struct Quiet {
+    /// Print nothing but errors
+    #[arg(long)]
+    quiet: bool,
+}
+
+impl Quiet {
+    /// Whether nothing but errors is printed.
+    pub(super) fn is_on(self) -> bool {
+        self.quiet
+    }
+
+    /// Whether progress is shown.
+    pub(super) fn progress(self) -> Progress {
+        match self.quiet {
+            true => Progress::Hidden,
+            false => Progress::Shown,
+        }
+    }
+}
+
+/// `--overwrite` of what cannot be continued.
+#[derive(Debug, Clone, Copy, Args)]
+pub(super) struct Overwrite {
+    /// Write into a folder that holds something, and replace an older run's files in it
+    #[arg(long)]
+    overwrite: bool,
+}
+
+impl Overwrite {
+    /// What to do with a folder that holds something.
+    pub(super) fn existing(self) -> Existing {
+        match self.overwrite {
+            true => Existing::Overwrite,
+            false => Existing::Refuse,
+        }
+    }
+}
+
+/// `--threads`.
+#[derive(Debug, Clone, Copy, Args)]
+pub(super) struct Threads {
+    /// Threads; the result does not depend on it [default: all cores]
+    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
+    threads: usize,
+}
+
+impl Threads {
+    /// Does some work on as many threads.
+    pub(super) fn run<T: Send>(
+        self,
+        work: impl FnOnce() -> Result<T, CliError> + Send,
+    ) -> Result<T, CliError> {
+        let threads = self.threads;
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .map_err(|source| CliError::Threads { threads, source })?;
+        pool.install(work)
+    }
+}

@@ -1,0 +1,121 @@
+//! `maquette synth`.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+
+use super::error::CliError;
+use super::print;
+use super::summary::counted;
+use maquette::body::BodyModel;
+use maquette::io::{filmed, model, synthetic};
+use maquette::synth::{FilmRecipe, Recipe, Ring, SegmentationErrors, StereoPair};
+
+pub(super) const ABOUT: &str = "\
+Make a recording of a walking person, with the truth beside it.
+
+A body and a way of walking are drawn from the seed, and ray-cast into a ring of cameras. The folder can be given to \
+`maquette fit`; truth.trc and truth.json hold what is true of it. The same arguments give the same files.
+
+With --clutter the person walks on the spot and waves before three cameras side by side, which take photographs: there are \
+no masks but the true ones, in truth/masks, and no picture of the empty room.";
+
+/// Arguments of `maquette synth`.
+#[derive(Debug, Args)]
+pub(super) struct SynthArguments {
+    /// Folder to write into; it must be empty or new
+    out: PathBuf,
+    /// Who walks, and how: any number
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Number of cameras around the person
+    #[arg(long, default_value_t = 6, value_parser = clap::value_parser!(u16).range(1..=64))]
+    cameras: u16,
+    /// Number of frames [default: one gait cycle; with --clutter 300]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    frames: Option<u32>,
+    /// Frames per second [default: 50; with --clutter 25]
+    #[arg(long, value_parser = positive)]
+    fps: Option<f64>,
+    /// Errors of the segmentation
+    #[arg(long, value_enum, default_value_t = Noise::Mild)]
+    noise: Noise,
+    /// Points on the skin too, as a second camera beside each would let it see them
+    #[arg(long)]
+    points: bool,
+    /// Photographs of a person before clutter, by three cameras side by side
+    #[arg(long, conflicts_with_all = ["cameras", "noise", "points"])]
+    clutter: bool,
+    /// Body model with metaballs: a shipped one or a .toml file
+    #[arg(long, default_value = "walker-metaballs")]
+    body: String,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Noise {
+    /// True masks
+    None,
+    /// As a good background subtraction makes them
+    Mild,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
+        _ => Err("expected a positive number".into()),
+    }
+}
+
+/// Makes and writes the recording.
+pub(super) fn run(arguments: &SynthArguments) -> Result<(), CliError> {
+    let model = model::load(&arguments.body, Path::new(""))?;
+    let (frames, cameras, fps) = if arguments.clutter {
+        film(arguments, &model)?
+    } else {
+        ring(arguments, &model)?
+    };
+    print(&format!(
+        "{}: {} of {cameras} cameras at {fps} Hz; the truth is in truth.trc and truth.json\n",
+        arguments.out.display(),
+        counted(frames, "frame"),
+    ));
+    Ok(())
+}
+
+/// Number of frames, number of cameras, frames per second.
+type Written = (usize, usize, f64);
+
+fn ring(arguments: &SynthArguments, model: &BodyModel) -> Result<Written, CliError> {
+    let default = Recipe::default();
+    let recipe = Recipe {
+        seed: arguments.seed,
+        frames: arguments.frames.map(|frames| frames as usize),
+        fps: arguments.fps.unwrap_or(default.fps),
+        ring: Ring {
+            cameras: arguments.cameras.into(),
+            ..default.ring
+        },
+        errors: match arguments.noise {
+            Noise::None => None,
+            Noise::Mild => Some(SegmentationErrors::MILD),
+        },
+        stereo: arguments.points.then(StereoPair::default),
+    };
+    let recording = recipe.walker(model)?;
+    synthetic::write(&recording, &arguments.out)?;
+    Ok((recording.frames(), arguments.cameras.into(), recipe.fps))
+}
+
+fn film(arguments: &SynthArguments, model: &BodyModel) -> Result<Written, CliError> {
+    let default = FilmRecipe::default();
+    let recipe = FilmRecipe {
+        seed: arguments.seed,
+        frames: arguments.frames.map_or(default.frames, |n| n as usize),
+        fps: arguments.fps.unwrap_or(default.fps),
+        ..default
+    };
+    let recording = recipe.filmed(model)?;
+    filmed::write(&recording, &arguments.out)?;
+    let cameras = recording.synthetic.rig.cameras.len();
+    Ok((recipe.frames, cameras, recipe.fps))
+}

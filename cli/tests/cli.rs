@@ -1,0 +1,32 @@
+//! The program from outside: what it reads, writes, prints and refuses.
+
+#![allow(unreachable_pub, reason = "a scene shared with the tests of stereo")]
+
+#[path = "cli/arm.rs"]
+mod arm;
+#[path = "cli/fit.rs"]
+mod fit;
+#[path = "gait/program.rs"]
+mod gait;
+#[path = "cli/others.rs"]
+mod others;
+#[path = "cli/refusals.rs"]
+mod refusals;
+#[path = "gait/report.rs"]
+mod report;
+#[path = "cli/resume.rs"]
+mod resume;
+#[allow(dead_code, reason = "a scene shared with the tests of stereo")]
+#[path = "../../tests/stereo/scene.rs"]
+mod scene;
+#[path = "cli/segment.rs"]
+mod segment;
+#[path = "cli/silhouettes.rs"]
+mod silhouettes;
+#[path = "cli/skin.rs"]
+mod skin;
+#[path = "cli/stereo.rs"]
+mod stereo;
+#[allow(dead_code, reason = "a walker shared with the tests of gait")]
+#[path = "../../tests/gait/walker.rs"]
+mod walker;
