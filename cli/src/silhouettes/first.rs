@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use crate::error::CliError;
+use crate::frame_range::span;
+use crate::progress::Progress;
 use maquette::body::{BodyModel, Motion, Shape};
 use maquette::camera::CameraId;
-use crate::cli::error::CliError;
-use crate::cli::frame_range::span;
-use crate::cli::progress::Progress;
 use maquette::inference::joint::{JointOptions, joint_optimum};
 use maquette::inference::search::NoJournal;
 use maquette::inference::sequence_posterior::SequenceState;
