@@ -3,7 +3,7 @@
 use maquette::camera::Rig;
 use maquette::image::{Mask, Picture, Plane};
 use maquette::pipeline::segment::{SegmentOptions, Segmenter, Training};
-use maquette::silhouette::{Shrunk, Support, SupportOptions, Volume};
+use maquette::silhouette::{ShrunkSize, Support, SupportOptions, Volume};
 use maquette::synth::Ring;
 use nalgebra::{Point2, Point3, Vector3};
 
@@ -188,7 +188,7 @@ fn overexposed_pictures_and_pictures_of_one_grey_are_no_fault() {
 #[test]
 fn support_is_high_where_all_others_agree_and_low_elsewhere() {
     let rig = rig();
-    let shrunk = Shrunk {
+    let shrunk = ShrunkSize {
         width: SIZE.0 as usize,
         height: SIZE.1 as usize,
         factor: 1,

@@ -80,7 +80,7 @@ const FOUND: Rgb = [255, 60, 40];
 
 /// A photograph with the true border (light blue) and the found one (red) over it.
 pub fn compared(photograph: &Picture, found: &Mask, truth: &Mask) -> Picture {
-    let mut canvas = Canvas::of_pixels(photograph.clone());
+    let mut canvas = Canvas::from_pixels(photograph.clone());
     for (mask, color) in [(truth, TRUE), (found, FOUND)] {
         let borders = trace(&Runs::of(mask));
         let segments = borders.iter().flat_map(sides);
@@ -97,7 +97,7 @@ pub fn compared(photograph: &Picture, found: &Mask, truth: &Mask) -> Picture {
 
 /// A mask as a picture, white on black.
 pub fn black_and_white(mask: &Mask) -> Picture {
-    Canvas::of_mask(mask, [0; 3], [255; 3]).pixels().clone()
+    Canvas::from_mask(mask, [0; 3], [255; 3]).pixels().clone()
 }
 
 /// Pictures of one size, row by row, cut to a window (left, top, width, height) and parted by white lines.

@@ -224,7 +224,7 @@ fn svg(camera: &Camera, contours: &ViewContours) -> String {
 
 /// The expected outline blue, the contours yellow where they are sure and red where they are not, inner ones cyan.
 fn over(picture: &Picture, camera: &Camera, contours: &ViewContours) -> Canvas {
-    let mut canvas = Canvas::of_pixels(picture.clone());
+    let mut canvas = Canvas::from_pixels(picture.clone());
     let pen = |color| Pen {
         color,
         opacity: 0.9,

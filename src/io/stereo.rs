@@ -76,7 +76,7 @@ impl StereoFolder {
     /// [`OutError::Write`].
     pub fn points(&self, frame: usize, points: &[CloudPoint]) -> Result<(), OutError> {
         let path = self.path.join(format!("points/{frame:06}.ply"));
-        let in_file = Cloud::of(points.iter().copied()).moved(&self.file_from_world);
+        let in_file = Cloud::from_points(points.iter().copied()).moved(&self.file_from_world);
         write_atomically(&path, &write_ply(&in_file.points))
     }
 

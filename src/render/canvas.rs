@@ -26,7 +26,7 @@ pub struct Canvas {
 
 impl Canvas {
     /// A mask in two colours.
-    pub fn of_mask(mask: &Mask, background: Rgb, foreground: Rgb) -> Self {
+    pub fn from_mask(mask: &Mask, background: Rgb, foreground: Rgb) -> Self {
         let mut pixels = Plane::filled(mask.width(), mask.height(), background);
         for y in 0..mask.height() {
             for (pixel, value) in pixels.row_mut(y).iter_mut().zip(mask.row(y)) {
@@ -39,7 +39,7 @@ impl Canvas {
     }
 
     /// A picture as it is.
-    pub fn of_pixels(pixels: Plane<Rgb>) -> Self {
+    pub fn from_pixels(pixels: Plane<Rgb>) -> Self {
         Self { pixels }
     }
 
@@ -113,7 +113,7 @@ mod tests {
     };
 
     fn black() -> Canvas {
-        Canvas::of_mask(&Mask::from_fn(12, 9, |_, _| false), [0; 3], [9; 3])
+        Canvas::from_mask(&Mask::from_fn(12, 9, |_, _| false), [0; 3], [9; 3])
     }
 
     fn value(canvas: &Canvas, x: usize, y: usize) -> u8 {

@@ -48,7 +48,7 @@ const BONES: [(&str, &str); 16] = [
 /// The outline is that of the skin of a body of metaballs; of one of ellipsoids it is that of their ellipses, with
 /// thinly those within. Everything stands where the recorded, distorted image has it. Right limbs are red, left ones blue.
 pub fn overlay(camera: &Camera, mask: &Mask, body: &Posed<'_>) -> Canvas {
-    let mut canvas = Canvas::of_mask(mask, BACKGROUND, PERSON);
+    let mut canvas = Canvas::from_mask(mask, BACKGROUND, PERSON);
     let unit = (f64::from(camera.width_px.max(camera.height_px)) / USUAL_PX).max(0.4);
     let pen = |color, opacity, width| Pen {
         color,

@@ -38,7 +38,7 @@ pub fn shade(camera: &Camera, field: &Field) -> Canvas {
             *pixel = scene.pixel(x, y);
         }
     }
-    Canvas::of_pixels(pixels)
+    Canvas::from_pixels(pixels)
 }
 
 struct Scene<'a> {

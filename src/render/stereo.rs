@@ -21,7 +21,7 @@ const FASTEST: f64 = 2.5;
 /// Values in colour from blue (the least of the middle 98 %) over green to red; black where there are none.
 pub fn in_colour(values: &Plane<f32>) -> Canvas {
     let (low, high) = middle_98_percent(values.values().to_vec());
-    Canvas::of_pixels(values.map(|v| {
+    Canvas::from_pixels(values.map(|v| {
         if v.is_finite() {
             rainbow((v - low) / (high - low))
         } else {
@@ -90,7 +90,7 @@ pub fn cloud_from_the_side(camera: &Camera, points: &[CloudPoint]) -> Canvas {
             *pixel = rainbow(1.0 - share);
         }
     }
-    Canvas::of_pixels(pixels)
+    Canvas::from_pixels(pixels)
 }
 
 /// The camera moved around a point, about its own vertical.
@@ -107,7 +107,7 @@ fn turned_about(camera: &Camera, point: &Point3<f64>) -> Camera {
 /// The motion of points as arrows over an image, from yellow (at rest) to red (PFD99 Fig. 5).
 pub fn vector_field(camera: &Camera, image: &Plane<f32>, points: &[TrackPoint]) -> Canvas {
     let grey = image.map(|v| [(0.6 * v) as u8; 3]);
-    let mut canvas = Canvas::of_pixels(grey);
+    let mut canvas = Canvas::from_pixels(grey);
     let mut by_speed = [const { Vec::new() }; 4];
     let mut taken = std::collections::BTreeSet::new();
     for point in points {

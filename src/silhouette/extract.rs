@@ -92,7 +92,7 @@ pub struct BorderPoint {
 ///
 /// # Errors
 /// [`Rejected::NoBorder`] if the curves hold no area, or all of them lies on the image edge.
-pub fn of_curves(
+pub fn from_curves(
     curves: &[Vec<BorderPoint>],
     camera: &Camera,
     options: &SilhouetteOptions,

@@ -1,6 +1,6 @@
 //! What a frame shows of the person: silhouettes in undistorted pixels, one for each camera.
 //!
-//! [`extract`] makes a [`Silhouette`] of a mask, and [`of_curves`] of the active contours that a [`snake::Snake`] leaves: specks and small holes away, the sub-pixel border as points with
+//! [`extract`] makes a [`Silhouette`] of a mask, and [`from_curves`] of the active contours that a [`snake::Snake`] leaves: specks and small holes away, the sub-pixel border as points with
 //! outward normals, what lies inside, and a [`DistanceMap`] of what lies outside. A silhouette knows neither the body
 //! nor any other camera. A [`FrameObservations`] is all that one frame shows.
 //! A [`Support`] says, before there are masks, what the other cameras' evidence is along each line of sight.
@@ -15,9 +15,9 @@ pub mod snake;
 mod support;
 
 pub use distance_map::DistanceMap;
-pub use extract::{BorderPoint, Rejected, extract, of_curves};
+pub use extract::{BorderPoint, Rejected, extract, from_curves};
 pub use frame::{FrameIndex, FrameObservations};
 pub use options::{InvalidOption, SilhouetteOptions};
 pub use outline::{ContourPoint, Silhouette};
 pub use overlap::Overlap;
-pub use support::{Shrunk, Support, SupportOptions, Volume};
+pub use support::{ShrunkSize, Support, SupportOptions, Volume};

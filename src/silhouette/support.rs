@@ -50,7 +50,7 @@ pub struct Volume {
 
 /// A picture that was shrunk from the recorded one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Shrunk {
+pub struct ShrunkSize {
     /// Columns.
     pub width: usize,
     /// Rows.
@@ -69,7 +69,7 @@ pub struct Support {
 /// One camera's picture in cells of about a voxel's size.
 #[derive(Clone, Debug)]
 struct Cells {
-    picture: Shrunk,
+    picture: ShrunkSize,
     /// Pixels of the shrunk picture along each side of a cell.
     cell: usize,
     width: usize,
@@ -80,7 +80,12 @@ struct Cells {
 
 impl Support {
     /// Projects the voxels of a volume into the shrunk pictures of all cameras.
-    pub fn new(rig: &Rig, pictures: &[Shrunk], volume: &Volume, options: SupportOptions) -> Self {
+    pub fn new(
+        rig: &Rig,
+        pictures: &[ShrunkSize],
+        volume: &Volume,
+        options: SupportOptions,
+    ) -> Self {
         let size = (volume.high - volume.low).map(|length| length.max(options.voxel));
         let wanted = (size.x * size.y * size.z / options.most_voxels.max(1) as f64).cbrt();
         let voxel = options.voxel.max(wanted);
@@ -96,8 +101,9 @@ impl Support {
                 volume.low + steps * voxel
             })
             .collect();
-        let cells =
-            |(camera, picture): (&Camera, &Shrunk)| Cells::new(camera, *picture, &centres, voxel);
+        let cells = |(camera, picture): (&Camera, &ShrunkSize)| {
+            Cells::new(camera, *picture, &centres, voxel)
+        };
         Self {
             cameras: rig.cameras.par_iter().zip(pictures).map(cells).collect(),
             options,
@@ -141,7 +147,7 @@ impl Support {
 }
 
 impl Cells {
-    fn new(camera: &Camera, picture: Shrunk, centres: &[Point3<f64>], voxel: f64) -> Self {
+    fn new(camera: &Camera, picture: ShrunkSize, centres: &[Point3<f64>], voxel: f64) -> Self {
         let cell = footprint(camera, centres, voxel) / (2 * picture.factor.max(1)) as f64;
         let cell = (cell.round() as usize).clamp(1, 64);
         let (width, height) = (picture.width.div_ceil(cell), picture.height.div_ceil(cell));

@@ -32,7 +32,7 @@ impl SideBySide {
     ///
     /// # Errors
     /// [`NoneSideBySide`].
-    pub fn of(rig: &Rig) -> Result<Self, NoneSideBySide> {
+    pub fn choose(rig: &Rig) -> Result<Self, NoneSideBySide> {
         let rated = rig.iter().filter_map(|(template, camera)| {
             let mut near: Vec<(f64, CameraId)> = rig
                 .iter()

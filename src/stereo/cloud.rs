@@ -90,7 +90,7 @@ pub struct Cloud {
 
 impl Cloud {
     /// The usable points of a source; the others are counted.
-    pub fn of(points: impl IntoIterator<Item = CloudPoint>) -> Self {
+    pub fn from_points(points: impl IntoIterator<Item = CloudPoint>) -> Self {
         let mut cloud = Self::default();
         for point in points {
             if point.is_usable() {
@@ -203,7 +203,7 @@ mod tests {
             spread,
             ..at(0.0, 1.0, 2.0)
         };
-        let cloud = Cloud::of([
+        let cloud = Cloud::from_points([
             at(0.0, f64::NAN, 0.0),
             at(f64::INFINITY, 0.0, 0.0),
             with(Spread::Isotropic(0.0)),
@@ -221,7 +221,7 @@ mod tests {
         let mut points = vec![at(1000.0, 0.0, -500.0); 2];
         points[0].spread = Spread::Isotropic(3.0);
         points[1].spread = Spread::Full(Matrix3::identity() * 9.0);
-        let cloud = Cloud::of(points).scaled(0.001);
+        let cloud = Cloud::from_points(points).scaled(0.001);
         approx::assert_relative_eq!(
             cloud.points[0].position_world,
             Point3::new(1.0, 0.0, -0.5),
@@ -245,7 +245,7 @@ mod tests {
         };
         let mut points: Vec<CloudPoint> = (0..9000).map(|_| draw(0.0, 0.1)).collect();
         points.extend((0..1000).map(|_| draw(0.5, 2.0)));
-        let cloud = Cloud::of(points.clone()).thinned(500);
+        let cloud = Cloud::from_points(points.clone()).thinned(500);
         assert_eq!((cloud.points.len(), cloud.left_out.thinned), (500, 9500));
         let sparse = cloud.points.iter().filter(|p| p.position_world.x > 0.4);
         assert!((48..=52).contains(&sparse.count()));
@@ -258,12 +258,12 @@ mod tests {
             let count = cloud.points.iter().filter(is_in).count();
             assert!((45..=68).contains(&count), "{octant}: {count}");
         }
-        assert_eq!(cloud, Cloud::of(points).thinned(500));
+        assert_eq!(cloud, Cloud::from_points(points).thinned(500));
     }
 
     #[test]
     fn points_in_one_place_and_few_points_are_thinned_without_fuss() {
-        let cloud = Cloud::of(vec![at(1.0, 1.0, 1.0); 10]);
+        let cloud = Cloud::from_points(vec![at(1.0, 1.0, 1.0); 10]);
         assert_eq!(cloud.clone().thinned(3).points.len(), 3);
         assert_eq!(cloud.clone().thinned(10), cloud);
         assert_eq!(cloud.thinned(0).left_out.thinned, 10);

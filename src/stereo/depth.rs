@@ -11,7 +11,7 @@ use nalgebra::{Matrix3, Point3, Vector3};
 
 use super::correlation::{CorrelationError, CorrelationOptions, DisparityRange, correlate};
 use super::rectify::{RectifiedPair, RectifyError, bytes, rectify};
-use super::view::View;
+use super::view::StereoView;
 use super::{CloudPoint, Spread};
 use crate::image::{Mask, Plane};
 use crate::math::Rigid3;
@@ -83,8 +83,8 @@ impl RectifiedPair {
 /// # Errors
 /// [`DepthError`] for cameras that do not stand side by side, and options that make no sense.
 pub fn depth_map(
-    first: &View,
-    second: &View,
+    first: &StereoView,
+    second: &StereoView,
     mask: Option<&Mask>,
     depth: Option<(f64, f64)>,
     options: &CorrelationOptions,
@@ -171,7 +171,7 @@ impl Sight {
     }
 }
 
-fn shows(view: &View, mask: Option<&Mask>, point: &CloudPoint) -> bool {
+fn shows(view: &StereoView, mask: Option<&Mask>, point: &CloudPoint) -> bool {
     let Some(pixel) = view.camera.project_undistorted(&point.position_world) else {
         return false;
     };
@@ -189,9 +189,9 @@ mod tests {
     use crate::camera::{Camera, Distortion, Intrinsics};
     use crate::stereo::{Sighting, intersect, rectify};
 
-    fn view(name: &str, x_m: f64, turn: f64) -> View {
+    fn view(name: &str, x_m: f64, turn: f64) -> StereoView {
         let turned = Rigid3::rotation(Vector3::new(0.02, turn, 0.01));
-        View {
+        StereoView {
             camera: Camera {
                 name: name.into(),
                 width_px: 64,

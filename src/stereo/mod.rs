@@ -7,7 +7,7 @@
 //! |--------------------|-----------------------------------------------------------------------------|
 //! | `cloud.rs`         | [`Cloud`], [`CloudPoint`], [`Spread`]                                         |
 //! | `choice.rs`        | [`SideBySide`]: which cameras are matched                                     |
-//! | `view.rs`          | [`View`]: an image without its lens                                           |
+//! | `view.rs`          | [`StereoView`]: an image without its lens                                           |
 //! | `bicubic.rs`       | brightness between the pixels                                                 |
 //! | `intersection.rs`  | [`intersect`]: where lines of sight meet, with covariance                     |
 //! | `rectify.rs`       | [`rectify`]: a pair whose rows correspond                                     |
@@ -32,4 +32,4 @@ pub use cloud::{Cloud, CloudPoint, LeftOut, Spread};
 pub use depth::{DepthError, DepthMap, depth_map};
 pub use intersection::{Intersection, Sighting, intersect};
 pub use rectify::{RectifiedPair, RectifyError, rectify};
-pub use view::{View, ViewError};
+pub use view::{StereoView, StereoViewError};

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Point2, Rotation3, UnitQuaternion, Vector3};
 
-use super::view::{View, resampled};
+use super::view::{StereoView, resampled};
 use crate::camera::{Camera, Intrinsics};
 use crate::image::Plane;
 use crate::math::Rigid3;
@@ -17,9 +17,9 @@ const MOST_STRETCH: f64 = 2.0;
 #[derive(Debug, Clone, PartialEq)]
 pub struct RectifiedPair {
     /// The first camera, turned about its centre.
-    pub left: View,
+    pub left: StereoView,
     /// The second camera, turned about its centre.
-    pub right: View,
+    pub right: StereoView,
 }
 
 /// Why two images cannot be rectified.
@@ -68,7 +68,7 @@ pub enum RectifyError {
 ///
 /// # Source
 /// Fusiello, Trucco & Verri 2000, *A compact algorithm for rectification of stereo pairs*; z as the mean of both axes.
-pub fn rectify(first: &View, second: &View) -> Result<RectifiedPair, RectifyError> {
+pub fn rectify(first: &StereoView, second: &StereoView) -> Result<RectifiedPair, RectifyError> {
     let (left, right) = (first.camera.name.clone(), second.camera.name.clone());
     let world_from_rectified = rotation(&first.camera, &second.camera)?;
     let focal = [first, second].map(|view| view.camera.intrinsics.fy_px);
@@ -87,7 +87,7 @@ pub fn rectify(first: &View, second: &View) -> Result<RectifiedPair, RectifyErro
         return Err(RectifyError::NoCommonRows { left, right });
     }
     let rows = part(rows, first.camera.height_px);
-    let cut = |view: &View, camera: Camera, columns: (f64, f64)| {
+    let cut = |view: &StereoView, camera: Camera, columns: (f64, f64)| {
         cut(view, camera, part(columns, view.camera.width_px), rows)
     };
     Ok(RectifiedPair {
@@ -181,11 +181,11 @@ fn part((from, to): (f64, f64), recorded: u32) -> (f64, u32) {
 
 /// The turned camera with the given columns and rows of its image.
 fn cut(
-    view: &View,
+    view: &StereoView,
     mut camera: Camera,
     (left, width): (f64, u32),
     (top, height): (f64, u32),
-) -> View {
+) -> StereoView {
     (camera.intrinsics.cx_px, camera.intrinsics.cy_px) = (-left, -top);
     (camera.width_px, camera.height_px) = (width, height);
     let source = |p: Point2<f64>| {
@@ -193,7 +193,7 @@ fn cut(
         view.camera.project_undistorted(&ray.point_at(1.0))
     };
     let image = resampled(&view.image, [width as usize, height as usize], source);
-    View { camera, image }
+    StereoView { camera, image }
 }
 
 /// Brightness in bytes; what shows nothing becomes black.

@@ -9,7 +9,7 @@ use crate::image::Plane;
 
 /// An image of an ideal camera: x̃ = K·\[R|t\]·X̃ holds in it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct View {
+pub struct StereoView {
     /// The camera, without distortion.
     pub camera: Camera,
     /// Brightness; NaN where the recorded image shows nothing.
@@ -22,22 +22,22 @@ pub struct View {
     "camera {camera}: expected an image of {}x{} px, found {}x{}",
     expected[0], expected[1], found[0], found[1]
 )]
-pub struct ViewError {
+pub struct StereoViewError {
     camera: String,
     expected: [usize; 2],
     found: [usize; 2],
 }
 
-impl View {
+impl StereoView {
     /// The recorded image as the camera without its lens would show it, pixel for pixel.
     ///
     /// # Errors
-    /// [`ViewError`] for an image of another size than the camera's.
-    pub fn of(camera: &Camera, recorded: &Plane<u8>) -> Result<Self, ViewError> {
+    /// [`StereoViewError`] for an image of another size than the camera's.
+    pub fn undistorted(camera: &Camera, recorded: &Plane<u8>) -> Result<Self, StereoViewError> {
         let expected = [camera.width_px as usize, camera.height_px as usize];
         let found = [recorded.width(), recorded.height()];
         if expected != found {
-            return Err(ViewError {
+            return Err(StereoViewError {
                 camera: camera.name.clone(),
                 expected,
                 found,

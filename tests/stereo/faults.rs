@@ -3,13 +3,13 @@
 use maquette::camera::Distortion;
 use maquette::image::Plane;
 use maquette::stereo::matching::{MatchOptions, match_surface};
-use maquette::stereo::{View, rectify};
+use maquette::stereo::{StereoView, rectify};
 
 use crate::scene::{SIZE, Wall, camera, three};
 
-fn flat(name: &str, x: f64) -> View {
+fn flat(name: &str, x: f64) -> StereoView {
     let camera = camera(name, x, 0.0, Distortion::None);
-    View::of(
+    StereoView::undistorted(
         &camera,
         &Plane::filled(SIZE.0 as usize, SIZE.1 as usize, 100),
     )
@@ -37,7 +37,7 @@ fn identical_images_of_cameras_apart_show_points_at_infinity_which_are_none() {
     let [left, middle, right] = three();
     let image = Wall::STILL.seen_by(&middle);
     let [left, middle, right] = [left, middle, right].map(|c| {
-        View::of(
+        StereoView::undistorted(
             &camera(&c.name, c.centre_world().x, 0.0, Distortion::None),
             &image,
         )
@@ -76,7 +76,7 @@ fn cameras_in_one_place_and_cameras_that_look_at_each_other_are_refused() {
         .unwrap_err()
         .to_string();
     assert!(message.contains("a and b are in one place"), "{message}");
-    let turned = View {
+    let turned = StereoView {
         camera: camera("c", 0.5, 1.6, Distortion::None),
         image: a.image.clone(),
     };
@@ -90,7 +90,7 @@ fn cameras_in_one_place_and_cameras_that_look_at_each_other_are_refused() {
 #[test]
 fn an_image_of_another_size_than_its_camera_s_is_refused() {
     let camera = &three()[0];
-    let message = View::of(camera, &Plane::filled(10, 9, 0))
+    let message = StereoView::undistorted(camera, &Plane::filled(10, 9, 0))
         .unwrap_err()
         .to_string();
     assert_eq!(
@@ -103,7 +103,7 @@ fn an_image_of_another_size_than_its_camera_s_is_refused() {
 fn too_few_images_and_numbers_that_make_no_sense_are_refused_in_one_line() {
     let [left, middle, right] = three().map(|camera| Wall::STILL.view(&camera));
     let others = [&left, &right];
-    let refused = |options: &MatchOptions, others: &[&View]| {
+    let refused = |options: &MatchOptions, others: &[&StereoView]| {
         match_surface(&middle, others, None, &[], options)
             .unwrap_err()
             .to_string()
@@ -159,7 +159,7 @@ fn images_smaller_than_a_patch_give_no_points() {
             height_px: 2,
             ..camera(name, x, 0.0, Distortion::None)
         };
-        View::of(&camera, &Plane::filled(3, 2, 9)).unwrap()
+        StereoView::undistorted(&camera, &Plane::filled(3, 2, 9)).unwrap()
     };
     let views = [
         small("left", -0.1),

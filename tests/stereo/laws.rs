@@ -4,12 +4,12 @@ use maquette::camera::{Distortion, Rig};
 use maquette::image::Mask;
 use maquette::stereo::correlation::CorrelationOptions;
 use maquette::stereo::matching::{MatchOptions, match_surface};
-use maquette::stereo::{SideBySide, Sighting, View, depth_map, intersect, rectify};
+use maquette::stereo::{SideBySide, Sighting, StereoView, depth_map, intersect, rectify};
 use nalgebra::{Point2, Point3, Vector3};
 
 use crate::scene::{SIZE, Wall, camera, finer, three};
 
-fn views() -> [View; 3] {
+fn views() -> [StereoView; 3] {
     three().map(|camera| Wall::STILL.view(&camera))
 }
 
@@ -235,13 +235,13 @@ fn the_camera_in_the_middle_is_the_template() {
     let rig = Rig {
         cameras: three().to_vec(),
     };
-    let chosen = SideBySide::of(&rig).unwrap();
+    let chosen = SideBySide::choose(&rig).unwrap();
     assert_eq!(chosen.template.0, 1);
     assert_eq!(chosen.others.len(), 2);
     let mut apart = three().to_vec();
     apart[0] = camera("left", -0.15, 1.5, Distortion::None);
     apart[2] = camera("right", 0.15, -1.5, Distortion::None);
-    let message = SideBySide::of(&Rig { cameras: apart })
+    let message = SideBySide::choose(&Rig { cameras: apart })
         .unwrap_err()
         .to_string();
     assert!(

@@ -3,7 +3,7 @@
 use maquette::camera::{Camera, Distortion, Intrinsics};
 use maquette::image::Plane;
 use maquette::math::Rigid3;
-use maquette::stereo::View;
+use maquette::stereo::StereoView;
 use nalgebra::{Point2, Point3, Translation3, UnitQuaternion, Vector3};
 
 pub const SIZE: (u32, u32) = (120, 90);
@@ -78,8 +78,8 @@ impl Wall {
         Plane::from_values(width as usize, height as usize, values).expect("as many as pixels")
     }
 
-    pub fn view(&self, camera: &Camera) -> View {
-        View::of(camera, &self.seen_by(camera)).expect("the camera's size")
+    pub fn view(&self, camera: &Camera) -> StereoView {
+        StereoView::undistorted(camera, &self.seen_by(camera)).expect("the camera's size")
     }
 }
 

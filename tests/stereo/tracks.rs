@@ -1,7 +1,9 @@
 //! Points of a wall that moves are followed; what is false is filtered.
 
 use maquette::stereo::matching::{MatchOptions, match_surface};
-use maquette::stereo::tracking::{FilterOptions, Shown, TrackOptions, Tracker, Trajectory, filter};
+use maquette::stereo::tracking::{
+    FilterOptions, FrameViews, TrackOptions, Tracker, Trajectory, filter_trajectories,
+};
 use maquette::stereo::{CloudPoint, Spread};
 use nalgebra::{Point3, Vector3};
 
@@ -9,10 +11,10 @@ use crate::scene::{Wall, three};
 
 const FPS: f64 = 25.0;
 
-fn shown(shift: Vector3<f64>) -> Shown {
+fn shown(shift: Vector3<f64>) -> FrameViews {
     let wall = Wall { shift };
     let [left, middle, right] = three();
-    Shown {
+    FrameViews {
         views: [middle, left, right].map(|c| wall.view(&c)).to_vec(),
         masks: vec![None; 3],
     }
@@ -43,7 +45,7 @@ fn points_of_a_moving_wall_keep_their_place_on_it_and_have_its_velocity() {
         found.points.len()
     );
     let trajectories = tracker.finish(FPS);
-    let filtered = filter(
+    let filtered = filter_trajectories(
         &trajectories,
         &FilterOptions {
             neighbourhood: 0.2,
@@ -104,7 +106,7 @@ fn path(y: f64, speed: f64, from: usize, extra: f64) -> Trajectory {
         ),
         spread: Spread::Unknown,
     };
-    Trajectory::of(0, &(0..8).map(point).collect::<Vec<_>>(), FPS)
+    Trajectory::new(0, &(0..8).map(point).collect::<Vec<_>>(), FPS)
 }
 
 #[test]
@@ -116,7 +118,7 @@ fn a_jump_is_truncated_and_a_point_that_moves_alone_is_removed() {
     trajectories.push(path(0.05, 1.0, 6, 1.0));
     // other than its neighbours
     trajectories.push(path(0.055, -1.0, 99, 0.0));
-    let filtered = filter(&trajectories, &FilterOptions::default());
+    let filtered = filter_trajectories(&trajectories, &FilterOptions::default());
     assert_eq!(filtered.kept, (0..13).collect::<Vec<_>>());
     assert_eq!((filtered.truncated, filtered.removed), (1, 1));
     assert!((3..6).contains(&filtered.trajectories[12].points.len()));
@@ -130,13 +132,16 @@ fn a_jump_is_truncated_and_a_point_that_moves_alone_is_removed() {
 #[test]
 fn a_point_without_neighbours_is_not_believed_unless_none_are_asked_for() {
     let alone = [path(0.0, 1.0, 99, 0.0)];
-    assert_eq!(filter(&alone, &FilterOptions::default()).removed, 1);
+    assert_eq!(
+        filter_trajectories(&alone, &FilterOptions::default()).removed,
+        1
+    );
     let options = FilterOptions {
         least_neighbours: 0,
         ..FilterOptions::default()
     };
-    assert_eq!(filter(&alone, &options).removed, 0);
-    assert_eq!(filter(&[], &options).kept.len(), 0);
+    assert_eq!(filter_trajectories(&alone, &options).removed, 0);
+    assert_eq!(filter_trajectories(&[], &options).kept.len(), 0);
 }
 
 #[test]

@@ -21,7 +21,7 @@ pub(super) type Observed = Option<Vec<FrameObservations>>;
 /// Whether the joint pipeline is the only good way, where there are no masks: depth is seen and the empty scene is not.
 pub(super) fn is_only_way(footage: &Footage) -> bool {
     let is_empty_seen = footage.cameras.iter().any(|c| c.background.is_some());
-    !is_empty_seen && SideBySide::of(&footage.rig).is_ok()
+    !is_empty_seen && SideBySide::choose(&footage.rig).is_ok()
 }
 
 /// Silhouettes and points of the frames to be fitted; masks and contours are kept in OUT.

@@ -61,7 +61,7 @@ impl First {
         model: &BodyModel,
         progress: Progress,
     ) -> Result<Self, CliError> {
-        SideBySide::of(&footage.rig).map_err(|e| {
+        SideBySide::choose(&footage.rig).map_err(|e| {
             CliError::Arguments(format!("{e}; give a fitted body to begin with: --fit DIR"))
         })?;
         // 1. what does not move
@@ -139,7 +139,7 @@ fn of_plain_build(model: &BodyModel) -> BodyModel {
 /// What the cameras see that does not move, of frames spread over the recording.
 fn still_scenes(footage: &Footage, frames: &[FrameIndex], progress: Progress) -> StillScenes {
     let mut maps = BTreeMap::<CameraId, Vec<_>>::new();
-    if SideBySide::of(&footage.rig).is_err() {
+    if SideBySide::choose(&footage.rig).is_err() {
         // no camera sees depth
         return StillScenes::default();
     }

@@ -250,7 +250,8 @@ pub(super) fn measure(
 /// The template's camera and the others.
 fn cameras(footage: &Footage, asked: &[String]) -> Result<Vec<CameraId>, CliError> {
     if asked.is_empty() {
-        let chosen = SideBySide::of(&footage.rig).map_err(|e| CliError::Stereo(e.to_string()))?;
+        let chosen =
+            SideBySide::choose(&footage.rig).map_err(|e| CliError::Stereo(e.to_string()))?;
         return Ok(std::iter::once(chosen.template)
             .chain(chosen.others)
             .collect());

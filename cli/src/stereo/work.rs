@@ -12,8 +12,10 @@ use maquette::render::stereo::{cloud_from_the_side, in_colour, vector_field};
 use maquette::silhouette::FrameIndex;
 use maquette::stereo::correlation::CorrelationOptions;
 use maquette::stereo::matching::{MatchError, MatchOptions, MatchedPoint, match_surface};
-use maquette::stereo::tracking::{FilterOptions, Shown, TrackOptions, Tracker, Trajectory, filter};
-use maquette::stereo::{CloudPoint, View, depth_map};
+use maquette::stereo::tracking::{
+    FilterOptions, FrameViews, TrackOptions, Tracker, Trajectory, filter_trajectories,
+};
+use maquette::stereo::{CloudPoint, StereoView, depth_map};
 
 /// The points that are followed.
 pub(super) struct Following {
@@ -21,7 +23,7 @@ pub(super) struct Following {
     first: usize,
     last: usize,
     /// What the template's camera showed first.
-    view: View,
+    view: StereoView,
 }
 
 /// A run.
@@ -74,8 +76,8 @@ impl Work<'_> {
     }
 
     /// The views and masks of the cameras used; why not, where a picture is missing.
-    fn shown(&self, frame: FrameIndex, pictures: &[Option<Picture>]) -> Result<Shown, String> {
-        let mut shown = Shown {
+    fn shown(&self, frame: FrameIndex, pictures: &[Option<Picture>]) -> Result<FrameViews, String> {
+        let mut shown = FrameViews {
             views: Vec::new(),
             masks: Vec::new(),
         };
@@ -86,7 +88,7 @@ impl Work<'_> {
             };
             shown
                 .views
-                .push(View::of(camera, &luma(picture)).map_err(|e| e.to_string())?);
+                .push(StereoView::undistorted(camera, &luma(picture)).map_err(|e| e.to_string())?);
             shown.masks.push(self.mask(&camera.name, frame)?);
         }
         Ok(shown)
@@ -110,7 +112,7 @@ impl Work<'_> {
     }
 
     /// Every pair of the template and another camera.
-    fn correlate(&mut self, frame: usize, shown: &Shown) -> Result<usize, CliError> {
+    fn correlate(&mut self, frame: usize, shown: &FrameViews) -> Result<usize, CliError> {
         let mut points = Vec::new();
         for (i, other) in shown.views[1..].iter().enumerate() {
             let (template, mask) = (&shown.views[0], shown.masks[0].as_ref());
@@ -138,7 +140,7 @@ impl Work<'_> {
     }
 
     /// The template in all other images.
-    fn match_all(&mut self, frame: usize, shown: Shown) -> Result<usize, CliError> {
+    fn match_all(&mut self, frame: usize, shown: FrameViews) -> Result<usize, CliError> {
         let options = self.options();
         let (template, others) = (&shown.views[0], shown.views[1..].iter().collect::<Vec<_>>());
         let found = match_surface(template, &others, shown.masks[0].as_ref(), &[], &options);
@@ -172,7 +174,7 @@ impl Work<'_> {
     fn write_points(
         &self,
         frame: usize,
-        template: &View,
+        template: &StereoView,
         points: &[CloudPoint],
     ) -> Result<(), CliError> {
         self.out.points(frame, points)?;
@@ -187,7 +189,7 @@ impl Work<'_> {
     fn follow(
         &mut self,
         frame: usize,
-        shown: Shown,
+        shown: FrameViews,
         points: &[MatchedPoint],
     ) -> Result<(), CliError> {
         let fault = |e: MatchError| CliError::Stereo(e.to_string());
@@ -225,7 +227,8 @@ impl Work<'_> {
         else {
             return Ok(());
         };
-        let filtered = filter(&tracker.finish(self.footage.fps), &FilterOptions::default());
+        let filtered =
+            filter_trajectories(&tracker.finish(self.footage.fps), &FilterOptions::default());
         if self.settings.pictures {
             let points: Vec<_> = filtered
                 .trajectories
@@ -266,7 +269,7 @@ impl Work<'_> {
 }
 
 /// The shift of each point against one at infinity, as a pair side by side would show it: f·B/Z, px.
-fn disparities(template: &View, other: &View, points: &[MatchedPoint]) -> Plane<f32> {
+fn disparities(template: &StereoView, other: &StereoView, points: &[MatchedPoint]) -> Plane<f32> {
     let camera = &template.camera;
     let base =
         (camera.centre_world() - other.camera.centre_world()).norm() * camera.intrinsics.fx_px;

@@ -37,7 +37,7 @@ pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<Cloud, CloudError> {
             body.each(element, &header, |numbers| {
                 points.push(stated.point(&numbers));
             })?;
-            return Ok(Cloud::of(points));
+            return Ok(Cloud::from_points(points));
         }
         body.each(element, &header, |_| ())?;
     }

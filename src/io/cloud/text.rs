@@ -30,7 +30,7 @@ pub(super) fn parse_xyz(bytes: &[u8], path: &Path) -> Result<Cloud, CloudError> 
         }
         points.push(point(&numbers));
     }
-    Ok(Cloud::of(points))
+    Ok(Cloud::from_points(points))
 }
 
 fn numbers(line: &str) -> Option<Vec<f64>> {
@@ -82,5 +82,5 @@ pub(super) fn parse_csv(bytes: &[u8], path: &Path) -> Result<Cloud, CloudError> 
         }
         points.push(stated.point(&numbers));
     }
-    Ok(Cloud::of(points))
+    Ok(Cloud::from_points(points))
 }

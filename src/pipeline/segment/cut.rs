@@ -7,7 +7,7 @@ use super::view::View;
 use crate::image::{
     Mask, Picture, Plane, Region, Runs, box_mean, clean, enlarge, relax, sharpen, shrink,
 };
-use crate::silhouette::{Shrunk, Support};
+use crate::silhouette::{ShrunkSize, Support};
 
 /// Below this evidence a pixel does not tell by itself what it shows.
 const UNDECIDED: f32 = 1.0;
@@ -21,7 +21,7 @@ const MARGIN: usize = 6;
 pub struct Segmenter {
     pub(super) views: Vec<View>,
     pub(super) support: Option<Support>,
-    pub(super) shrunk: Vec<Shrunk>,
+    pub(super) shrunk: Vec<ShrunkSize>,
     pub(super) options: SegmentOptions,
 }
 

@@ -7,14 +7,14 @@ use super::subject;
 use super::train::Training;
 use super::view::{Key, View};
 use crate::image::{Mixture, Picture};
-use crate::silhouette::{Shrunk, Support};
+use crate::silhouette::{ShrunkSize, Support};
 
 impl Training {
     /// What the key frames teach: each camera's background and the person's colours, and where the person is.
     pub fn learn(self) -> Segmenter {
         // 1. the background as it is most of the time
         let mixtures: Vec<Mixture> = self.cameras.par_iter().map(|c| c.finished()).collect();
-        let shrunk: Vec<Shrunk> = self.cameras.iter().map(|c| c.shrunk).collect();
+        let shrunk: Vec<ShrunkSize> = self.cameras.iter().map(|c| c.shrunk).collect();
         let views = shrunk.iter().zip(&mixtures).zip(&self.cameras);
         let mut segmenter = Segmenter {
             views: views

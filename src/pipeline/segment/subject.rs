@@ -5,7 +5,7 @@ use nalgebra::{Point2, Point3, Vector3};
 use super::cut::KeyMasks;
 use crate::camera::{Ray, Rig, closest_point};
 use crate::image::Plane;
-use crate::silhouette::{Shrunk, Volume};
+use crate::silhouette::{ShrunkSize, Volume};
 
 /// Half the sides of the box about a person's middle, metres: an arm's reach, and a little more than half of the height.
 const REACH: [f64; 3] = [1.3, 1.3, 1.5];
@@ -13,7 +13,7 @@ const REACH: [f64; 3] = [1.3, 1.3, 1.5];
 const MISS: f64 = 0.5;
 
 /// The box in which the person moves; `None` if no two cameras agree on where that is in any frame.
-pub(super) fn volume(rig: &Rig, shrunk: &[Shrunk], keys: &[KeyMasks]) -> Option<Volume> {
+pub(super) fn volume(rig: &Rig, shrunk: &[ShrunkSize], keys: &[KeyMasks]) -> Option<Volume> {
     let places: Vec<Point3<f64>> = keys
         .iter()
         .filter_map(|masks| place(rig, shrunk, &masks.masks))
@@ -45,7 +45,7 @@ pub(super) fn volume(rig: &Rig, shrunk: &[Shrunk], keys: &[KeyMasks]) -> Option<
 
 /// Where the lines of sight through the masks' middles meet; the camera that is most beside the point is left out once
 /// there are three or more.
-fn place(rig: &Rig, shrunk: &[Shrunk], masks: &[Option<Plane<u8>>]) -> Option<Point3<f64>> {
+fn place(rig: &Rig, shrunk: &[ShrunkSize], masks: &[Option<Plane<u8>>]) -> Option<Point3<f64>> {
     let mut rays: Vec<Ray> = rig
         .cameras
         .iter()

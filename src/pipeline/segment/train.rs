@@ -4,7 +4,7 @@ use super::SegmentOptions;
 use crate::camera::{CameraId, Rig};
 use crate::image::{Mixture, MixtureOptions, Picture, shrink};
 use crate::math::stats::median_of_counts;
-use crate::silhouette::Shrunk;
+use crate::silhouette::ShrunkSize;
 
 /// From so many pictures of the empty scene on its mixture is left as it is; fewer say too little of the noise.
 const ENOUGH_EMPTY: usize = 20;
@@ -32,7 +32,7 @@ pub struct Training {
 /// What one camera has learned.
 #[derive(Clone, Debug)]
 pub(super) struct CameraTraining {
-    pub(super) shrunk: Shrunk,
+    pub(super) shrunk: ShrunkSize,
     pub(super) mixture: Option<Mixture>,
     /// Pictures of the empty scene.
     pub(super) empty: usize,
@@ -52,7 +52,7 @@ impl Training {
             let factor = (1..).find(|f| (width / f) * (height / f) <= options.most_px.max(1));
             let factor = factor.unwrap_or(1);
             CameraTraining {
-                shrunk: Shrunk {
+                shrunk: ShrunkSize {
                     width: width / factor,
                     height: height / factor,
                     factor,
@@ -167,7 +167,7 @@ impl CameraTraining {
         match (&self.mixture, &self.first) {
             (Some(mixture), _) => mixture.clone(),
             (None, first) => {
-                let Shrunk { width, height, .. } = self.shrunk;
+                let ShrunkSize { width, height, .. } = self.shrunk;
                 let mut mixture = Mixture::new(width, height, MixtureOptions::default());
                 if let Some(first) = first {
                     mixture.update(first, 1.0);

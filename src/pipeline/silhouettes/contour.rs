@@ -9,7 +9,7 @@ use crate::camera::Camera;
 use crate::image::{Mask, Plane, Scanlines};
 use crate::render::{ModelOutline, OutlinePoint};
 use crate::silhouette::snake::{Ends, Snake, SnakeOptions, SnakePoint, area_on_the_left};
-use crate::silhouette::{BorderPoint, Silhouette, SilhouetteOptions, of_curves};
+use crate::silhouette::{BorderPoint, Silhouette, SilhouetteOptions, from_curves};
 
 /// A point of a contour. Undistorted pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -162,7 +162,7 @@ fn silhouette(outer: &[Vec<FoundPoint>], camera: &Camera) -> Option<Silhouette> 
         .iter()
         .map(|curve| curve.iter().map(border).collect())
         .collect();
-    of_curves(&curves, camera, &SilhouetteOptions::default()).ok()
+    from_curves(&curves, camera, &SilhouetteOptions::default()).ok()
 }
 
 /// Pixels per metre at the outline's middle depth; 0 without an outline.

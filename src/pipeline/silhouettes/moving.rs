@@ -20,7 +20,7 @@ use super::still::{NEARER_PX, StillScene, StillScenes, points_where};
 use crate::camera::{Camera, Rig};
 use crate::image::{CleanOptions, Mask, Plane, Runs, clean, closed, opened, resample, trace};
 use crate::silhouette::{
-    BorderPoint, FrameIndex, FrameObservations, Silhouette, SilhouetteOptions, of_curves,
+    BorderPoint, FrameIndex, FrameObservations, Silhouette, SilhouetteOptions, from_curves,
 };
 use crate::stereo::{CloudPoint, DepthMap};
 
@@ -84,7 +84,7 @@ fn silhouette(
         (0..n).filter_map(point).collect()
     };
     let curves: Vec<Vec<BorderPoint>> = borders.iter().map(curve).collect();
-    of_curves(&curves, camera, &SilhouetteOptions::default()).ok()
+    from_curves(&curves, camera, &SilhouetteOptions::default()).ok()
 }
 
 /// Whether what is within a border is nearer than what is outside.

@@ -5,13 +5,13 @@ use rayon::prelude::*;
 use crate::camera::{CameraId, Rig};
 use crate::image::{Picture, Plane, luma};
 use crate::stereo::correlation::CorrelationOptions;
-use crate::stereo::{DepthMap, View, ViewError, depth_map, neighbour};
+use crate::stereo::{DepthMap, StereoView, StereoViewError, depth_map, neighbour};
 
 /// One camera's picture as its ideal camera would show it.
 #[derive(Debug, Clone)]
 pub struct ShownView {
     /// Brightness, and the camera without its lens.
-    pub grey: View,
+    pub grey: StereoView,
     /// Red, green and blue; NaN where the recorded picture shows nothing.
     pub colours: Vec<Plane<f32>>,
 }
@@ -27,19 +27,19 @@ impl ShownFrame {
     /// Takes the lenses off the pictures of a frame.
     ///
     /// # Errors
-    /// [`ViewError`] for a picture of another size than its camera's.
-    pub fn of(rig: &Rig, pictures: &[Option<Picture>]) -> Result<Self, ViewError> {
+    /// [`StereoViewError`] for a picture of another size than its camera's.
+    pub fn of(rig: &Rig, pictures: &[Option<Picture>]) -> Result<Self, StereoViewError> {
         let cameras = rig.cameras.par_iter().enumerate();
         let views = cameras.map(|(i, camera)| {
             let Some(picture) = pictures.get(i).and_then(Option::as_ref) else {
                 return Ok(None);
             };
-            let channel = |c: usize| View::of(camera, &picture.map(|rgb| rgb[c]));
+            let channel = |c: usize| StereoView::undistorted(camera, &picture.map(|rgb| rgb[c]));
             let colours = (0..3)
                 .map(|c| Ok(channel(c)?.image))
                 .collect::<Result<_, _>>()?;
             Ok(Some(ShownView {
-                grey: View::of(camera, &luma(picture))?,
+                grey: StereoView::undistorted(camera, &luma(picture))?,
                 colours,
             }))
         });

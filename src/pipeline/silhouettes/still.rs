@@ -158,7 +158,7 @@ fn filled(still: &Plane<f32>) -> Plane<f32> {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::stereo::View;
+    use crate::stereo::StereoView;
 
     fn point(place: [f64; 3]) -> CloudPoint {
         CloudPoint {
@@ -182,8 +182,8 @@ pub(super) mod tests {
     }
 
     /// One camera and another 20 cm to its right.
-    fn view(name: &str, x_m: f64) -> View {
-        View {
+    fn view(name: &str, x_m: f64) -> StereoView {
+        StereoView {
             camera: crate::camera::Camera {
                 name: name.into(),
                 width_px: 40,

@@ -24,7 +24,7 @@ mod surface;
 use nalgebra::{Point2, Point3};
 
 use super::CloudPoint;
-use super::view::View;
+use super::view::StereoView;
 use crate::image::{Mask, Plane};
 use epipolar::Epipolar;
 pub(super) use epipolar::point_world;
@@ -140,25 +140,25 @@ pub struct MatchedSurface {
 /// An image in which patches of the template are looked for.
 #[derive(Debug)]
 struct Other<'a> {
-    view: &'a View,
+    view: &'a StereoView,
     epipolar: Epipolar,
 }
 
 /// All that stays the same for every patch.
 #[derive(Debug)]
 pub(super) struct Stage<'a> {
-    template: &'a View,
+    template: &'a StereoView,
     others: Vec<Other<'a>>,
     mask: Option<&'a Mask>,
 }
 
 impl<'a> Stage<'a> {
     pub(super) fn new(
-        template: &'a View,
-        others: &[&'a View],
+        template: &'a StereoView,
+        others: &[&'a StereoView],
         mask: Option<&'a Mask>,
     ) -> Result<Self, MatchError> {
-        let other = |view: &&'a View| {
+        let other = |view: &&'a StereoView| {
             let distance = (view.camera.centre_world() - template.camera.centre_world()).norm();
             // nearer than a thousandth of a millimetre is one place
             if distance < 1e-6 {
@@ -262,8 +262,8 @@ impl<'a> Stage<'a> {
 /// # Source
 /// PFD99 § 2.1. **Differs**: seeds are found, not clicked; all images are matched at once instead of each by itself.
 pub fn match_surface(
-    template: &View,
-    others: &[&View],
+    template: &StereoView,
+    others: &[&StereoView],
     mask: Option<&Mask>,
     given: &[Point3<f64>],
     options: &MatchOptions,

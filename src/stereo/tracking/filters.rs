@@ -43,20 +43,9 @@ impl Default for FilterOptions {
     }
 }
 
-/// Why a trajectory ended or is not there.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum FalseTrajectory {
-    /// Too fast.
-    Speed,
-    /// Accelerated too much.
-    Acceleration,
-    /// Other than its neighbours, or without any.
-    Uniformity,
-}
-
 /// The true parts of trajectories.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Filtered {
+pub struct FilteredTrajectories {
     /// Those that are left, truncated where they became false.
     pub trajectories: Vec<Trajectory>,
     /// Place of each in what was given.
@@ -75,7 +64,10 @@ pub struct Filtered {
 ///
 /// # Source
 /// PFD99 § 2.2. **Differs**: the median instead of the mean, which a false neighbour would draw along.
-pub fn filter(trajectories: &[Trajectory], options: &FilterOptions) -> Filtered {
+pub fn filter_trajectories(
+    trajectories: &[Trajectory],
+    options: &FilterOptions,
+) -> FilteredTrajectories {
     let mut ends: Vec<usize> = trajectories
         .iter()
         .map(|t| thresholds(t, options))
@@ -87,7 +79,7 @@ pub fn filter(trajectories: &[Trajectory], options: &FilterOptions) -> Filtered 
             .map(|(t, end)| uniform(t, *end, &known, options))
             .collect();
     }
-    let mut filtered = Filtered {
+    let mut filtered = FilteredTrajectories {
         trajectories: Vec::new(),
         kept: Vec::new(),
         truncated: 0,

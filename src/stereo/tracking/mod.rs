@@ -4,7 +4,7 @@
 //! from its motion, searched in a box by correlation, and found by least-squares matching with its own last image
 //! (`temporal.rs`). Least-squares matching across the cameras at that place must agree; if it does, the point's new
 //! place is where the lines of sight meet. [`Tracker::finish`] gives the [`Trajectory`]s with velocity and acceleration,
-//! and [`filter`] takes away the false ones (`filters.rs`).
+//! and [`filter_trajectories`] takes away the false ones (`filters.rs`).
 
 mod filters;
 mod temporal;
@@ -15,11 +15,11 @@ use rayon::prelude::*;
 
 use super::intersection::{Sighting, intersect};
 use super::matching::{MatchError, MatchOptions, MatchedPoint, Patch, Plane3, Stage};
-use super::view::View;
+use super::view::StereoView;
 use super::{CloudPoint, Spread};
 use crate::image::Mask;
 
-pub use filters::{FalseTrajectory, FilterOptions, Filtered, filter};
+pub use filters::{FilterOptions, FilteredTrajectories, filter_trajectories};
 pub use trajectory::{TrackPoint, Trajectory};
 
 /// How points are followed.
@@ -60,9 +60,9 @@ impl Default for TrackOptions {
 
 /// What the cameras show at one time.
 #[derive(Debug, Clone)]
-pub struct Shown {
+pub struct FrameViews {
     /// The template's camera first.
-    pub views: Vec<View>,
+    pub views: Vec<StereoView>,
     /// For each view the subject's pixels, where they are known.
     pub masks: Vec<Option<Mask>>,
 }
@@ -83,7 +83,7 @@ struct Track {
 pub struct Tracker {
     options: TrackOptions,
     first_frame: usize,
-    shown: Shown,
+    shown: FrameViews,
     tracks: Vec<Track>,
 }
 
@@ -94,7 +94,7 @@ impl Tracker {
     /// [`MatchError`] for cameras in one place.
     pub fn start(
         first_frame: usize,
-        shown: Shown,
+        shown: FrameViews,
         points: &[MatchedPoint],
         options: TrackOptions,
     ) -> Result<Self, MatchError> {
@@ -135,9 +135,9 @@ impl Tracker {
     ///
     /// # Errors
     /// [`MatchError`] for cameras in one place, and another number of views than before.
-    pub fn advance(&mut self, next: Shown) -> Result<(), MatchError> {
+    pub fn advance(&mut self, next: FrameViews) -> Result<(), MatchError> {
         if next.views.len() != self.shown.views.len() {
-            let beside = |shown: &Shown| shown.views.len().saturating_sub(1);
+            let beside = |shown: &FrameViews| shown.views.len().saturating_sub(1);
             let (expected, found) = (beside(&self.shown), beside(&next));
             return Err(MatchError::Images { expected, found });
         }
@@ -165,12 +165,12 @@ impl Tracker {
     pub fn finish(self, fps: f64) -> Vec<Trajectory> {
         let tracks = self.tracks.into_iter();
         tracks
-            .map(|track| Trajectory::of(self.first_frame, &track.path, fps))
+            .map(|track| Trajectory::new(self.first_frame, &track.path, fps))
             .collect()
     }
 }
 
-fn stage(shown: &Shown) -> Result<Stage<'_>, MatchError> {
+fn stage(shown: &FrameViews) -> Result<Stage<'_>, MatchError> {
     let Some((template, others)) = shown
         .views
         .split_first()
@@ -187,8 +187,8 @@ fn stage(shown: &Shown) -> Result<Stage<'_>, MatchError> {
 
 /// One frame and the next.
 struct Step<'a> {
-    shown: &'a Shown,
-    next: &'a Shown,
+    shown: &'a FrameViews,
+    next: &'a FrameViews,
     here: Stage<'a>,
     there: Stage<'a>,
     options: &'a TrackOptions,

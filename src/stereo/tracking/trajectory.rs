@@ -28,7 +28,7 @@ pub struct Trajectory {
 
 impl Trajectory {
     /// The path through places one frame apart.
-    pub fn of(first_frame: usize, path: &[CloudPoint], fps: f64) -> Self {
+    pub fn new(first_frame: usize, path: &[CloudPoint], fps: f64) -> Self {
         let at = |i: usize| path[i].position_world;
         let last = path.len().saturating_sub(1);
         let point = |i: usize| {
@@ -68,7 +68,7 @@ mod tests {
             position_world: Point3::new(x(i as f64 / 50.0), 0.0, 0.0),
             spread: Spread::Unknown,
         };
-        Trajectory::of(3, &(0..count).map(point).collect::<Vec<_>>(), 50.0)
+        Trajectory::new(3, &(0..count).map(point).collect::<Vec<_>>(), 50.0)
     }
 
     #[test]

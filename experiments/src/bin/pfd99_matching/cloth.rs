@@ -5,7 +5,7 @@ use std::path::Path;
 use maquette::camera::{Camera, Distortion, Intrinsics};
 use maquette::image::Plane;
 use maquette::math::Rigid3;
-use maquette::stereo::View;
+use maquette::stereo::StereoView;
 use nalgebra::{Translation3, UnitQuaternion};
 
 use crate::Fault;
@@ -14,7 +14,7 @@ const FOCAL_PX: f64 = 1247.0;
 const STEP_M: f64 = 0.04;
 
 /// View `number` as a camera at x = 40 mm · number.
-pub(crate) fn view(folder: &Path, number: usize) -> Result<View, Fault> {
+pub(crate) fn view(folder: &Path, number: usize) -> Result<StereoView, Fault> {
     let image = grey(&folder.join(format!("view{number}.pgm")))?;
     let camera = Camera {
         name: format!("view{number}"),
@@ -33,7 +33,7 @@ pub(crate) fn view(folder: &Path, number: usize) -> Result<View, Fault> {
             UnitQuaternion::identity(),
         ),
     };
-    Ok(View::of(&camera, &image)?)
+    Ok(StereoView::undistorted(&camera, &image)?)
 }
 
 /// The shift from view 3 to view 5 (or from 1 to 3) of a point at a depth, px.

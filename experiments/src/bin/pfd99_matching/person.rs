@@ -9,9 +9,11 @@ use maquette::image::luma;
 use maquette::io::frames::Footage;
 use maquette::io::recording::Recording;
 use maquette::silhouette::FrameIndex;
-use maquette::stereo::View;
+use maquette::stereo::StereoView;
 use maquette::stereo::matching::{MatchOptions, match_surface};
-use maquette::stereo::tracking::{FilterOptions, Shown, TrackOptions, Tracker, Trajectory, filter};
+use maquette::stereo::tracking::{
+    FilterOptions, FrameViews, TrackOptions, Tracker, Trajectory, filter_trajectories,
+};
 use nalgebra::Unit;
 
 use crate::Fault;
@@ -25,20 +27,21 @@ const FIRST_FRAMES: [usize; 3] = [0, 14, 28];
 const ON_PLACE_MM: f64 = 15.0;
 
 /// Centre, left and right of every frame, with the masks.
-pub(crate) fn triplets(folder: &Path, last: usize) -> Result<Vec<Shown>, Fault> {
+pub(crate) fn triplets(folder: &Path, last: usize) -> Result<Vec<FrameViews>, Fault> {
     let footage = Footage::open(folder, None)?;
     let recording = Recording::open(folder, None)?;
     let mut all = Vec::new();
     for (frame, mut pictures) in footage.frame_sets(0..=last) {
-        let mut shown = Shown {
+        let mut shown = FrameViews {
             views: Vec::new(),
             masks: Vec::new(),
         };
         for camera in [1, 0, 2] {
             let picture = pictures[camera].take().ok_or("no picture")?;
-            shown
-                .views
-                .push(View::of(&footage.rig.cameras[camera], &luma(&picture))?);
+            shown.views.push(StereoView::undistorted(
+                &footage.rig.cameras[camera],
+                &luma(&picture),
+            )?);
             shown
                 .masks
                 .push(recording.load_mask(CameraId(camera), FrameIndex(frame.0))?);
@@ -55,7 +58,7 @@ pub(crate) fn measure(run: &mut Run, folder: &Path) -> Result<(), Fault> {
     tracks(run, folder, &frames)
 }
 
-fn tracks(run: &mut Run, folder: &Path, frames: &[Shown]) -> Result<(), Fault> {
+fn tracks(run: &mut Run, folder: &Path, frames: &[FrameViews]) -> Result<(), Fault> {
     let mut counts = [0usize; 5];
     for first in FIRST_FRAMES {
         let [centre, left, right] = &frames[first].views[..] else {
@@ -75,7 +78,7 @@ fn tracks(run: &mut Run, folder: &Path, frames: &[Shown]) -> Result<(), Fault> {
         }
         let seconds = start.elapsed().as_secs_f64() / TRACKED_FRAMES as f64;
         let all = tracker.finish(25.0);
-        let filtered = filter(&all, &FilterOptions::default());
+        let filtered = filter_trajectories(&all, &FilterOptions::default());
         let raw = on_place(folder, first, &all)?;
         let good = on_place(folder, first, &filtered.trajectories)?;
         run.say(&format!(
@@ -128,7 +131,7 @@ fn on_place(
     Ok((lasting, right))
 }
 
-fn points(run: &mut Run, folder: &Path, frames: &[Shown]) -> Result<(), Fault> {
+fn points(run: &mut Run, folder: &Path, frames: &[FrameViews]) -> Result<(), Fault> {
     let options = MatchOptions {
         spacing_px: 1,
         ..MatchOptions::default()
