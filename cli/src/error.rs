@@ -27,21 +27,9 @@ pub(super) enum CliError {
     /// The pictures.
     #[error(transparent)]
     Frames(Box<FramesError>),
-    /// A recording of nothing.
-    #[error("the recording has no frame")]
-    NoFrame,
     /// No frame of the recording is in the range asked for.
-    #[error(
-        "--frames {range}: no frame of the recording lies in this range: it has {first} to {last}"
-    )]
-    NoFrames {
-        /// As asked for.
-        range: String,
-        /// First frame of the recording.
-        first: usize,
-        /// Last frame of the recording.
-        last: usize,
-    },
+    #[error(transparent)]
+    FrameRange(#[from] maquette::pipeline::FrameRangeError),
     /// No fitted frame is what was asked for.
     #[error("{asked}: no fitted frame has such a number: the result has {first} to {last}")]
     NotFitted {

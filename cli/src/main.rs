@@ -24,7 +24,6 @@ mod analysis;
 mod error;
 mod export;
 mod fit;
-mod frame_range;
 mod gait;
 mod models;
 mod progress;

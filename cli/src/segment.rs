@@ -7,7 +7,6 @@ use std::time::Instant;
 use clap::Args;
 
 use super::error::{CliError, one_line};
-use super::frame_range::{FrameRange, span};
 use super::progress::Progress;
 use super::switches::{Overwrite, Quiet, Threads};
 use super::table::Table;
@@ -16,6 +15,7 @@ use maquette::io::frames::{Footage, FramesNote};
 use maquette::io::out_folder::{OutFolder, check_out};
 use maquette::io::segmented::{self, Extras, QualityRow};
 use maquette::pipeline::segment::SegmentOptions;
+use maquette::pipeline::{FrameRange, span};
 
 pub(super) const ABOUT: &str = "\
 Cut the person out of the pictures of a recording.
@@ -67,7 +67,7 @@ fn segment(arguments: &SegmentArguments) -> Result<(), CliError> {
     check_out(&arguments.out, arguments.overwrite.existing())?;
     let footage = Footage::open(&arguments.recording, arguments.fps)?;
     let frames = footage.frames();
-    let range = span(FrameRange::of(arguments.frames, &frames)?);
+    let range = span(arguments.frames.unwrap_or_default().select(&frames)?);
     let progress = arguments.quiet.progress();
     OutFolder::open(&arguments.out)?;
     let extras = Extras {

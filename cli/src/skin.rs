@@ -6,7 +6,6 @@ use clap::{ArgGroup, Args, ValueEnum};
 use rayon::prelude::*;
 
 use super::error::CliError;
-use super::frame_range::FrameRange;
 use super::print;
 use super::summary::counted;
 use super::switches::Quiet;
@@ -18,6 +17,7 @@ use maquette::io::model;
 use maquette::io::out_folder::{OutFolder, write_atomically};
 use maquette::io::overlays::write_picture;
 use maquette::io::result::ResultFile;
+use maquette::pipeline::FrameRange;
 use maquette::render::{portrait_camera, shade};
 use maquette::skin::{Mesh, SkinOptions, skin};
 

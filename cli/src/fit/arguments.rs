@@ -5,12 +5,12 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use crate::error::CliError;
-use crate::frame_range::FrameRange;
 use crate::stereo::Method;
 use crate::switches::{Quiet, Threads};
 use maquette::inference::search::Pruning;
 use maquette::io::out_folder::Existing;
 use maquette::likelihood::{EllipseOptions, Measure};
+use maquette::pipeline::FrameRange;
 use maquette::pipeline::{FitError, FitOptions, FitTo};
 
 pub(crate) const ABOUT: &str = "\

@@ -5,7 +5,6 @@ use std::path::Path;
 use super::arguments::FitArguments;
 use super::made::{measure, tell};
 use crate::error::CliError;
-use crate::frame_range::FrameRange;
 use crate::silhouettes::{self, DEFAULT_BODY};
 use maquette::io::frames::Footage;
 use maquette::io::model;
@@ -33,7 +32,7 @@ pub(super) fn observe(
     arguments: &FitArguments,
 ) -> Result<(Recording, Observed), CliError> {
     let all = footage.frames();
-    let frames = FrameRange::of(arguments.frames, &all)?;
+    let frames = arguments.frames.unwrap_or_default().select(&all)?;
     let body = arguments.body.as_deref().unwrap_or(DEFAULT_BODY);
     let model = model::load(body, Path::new(""))?;
     check_measure(&model, Some(Measure::Metaballs))?;

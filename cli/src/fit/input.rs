@@ -10,7 +10,6 @@ use super::arguments::{FitArguments, Silhouettes};
 use super::contoured::{self, Observed};
 use super::made::{cut, measure};
 use crate::error::CliError;
-use crate::frame_range::FrameRange;
 use crate::progress::Progress;
 use maquette::body::BodyModel;
 use maquette::io::frames::{Footage, FramesError};
@@ -44,7 +43,10 @@ pub(super) fn read(arguments: &FitArguments) -> Result<Input, CliError> {
     let observations = match contoured {
         Some(observed) => observed.into_iter().map(|o| options.fit_to.of(o)).collect(),
         None => {
-            let positions = FrameRange::positions(arguments.frames, &recording.frames)?;
+            let positions = arguments
+                .frames
+                .unwrap_or_default()
+                .positions(&recording.frames)?;
             observe(&recording, positions, &options, arguments.quiet.progress())?
         }
     };

@@ -2,7 +2,6 @@
 
 use super::arguments::FitArguments;
 use crate::error::{CliError, one_line};
-use crate::frame_range::{FrameRange, span};
 use crate::stereo::{Method, Settings};
 use crate::{complain, segment};
 use maquette::io::frames::Footage;
@@ -10,6 +9,7 @@ use maquette::io::out_folder::{Existing, OutFolder};
 use maquette::io::recording::Recording;
 use maquette::io::segmented::{Extras, QUALITY};
 use maquette::io::stereo;
+use maquette::pipeline::span;
 
 /// Whether an earlier run that is continued has finished what it writes this table after.
 fn is_kept(arguments: &FitArguments, table: &str) -> bool {
@@ -23,7 +23,7 @@ pub(super) fn cut(footage: &Footage, arguments: &FitArguments) -> Result<(), Cli
     }
     let (out, progress) = (&arguments.out, arguments.quiet.progress());
     let frames = footage.frames();
-    let range = span(FrameRange::of(arguments.frames, &frames)?);
+    let range = span(arguments.frames.unwrap_or_default().select(&frames)?);
     OutFolder::open(out)?;
     let (_, notes) = segment::masks(footage, range, out, Extras::default(), progress)?;
     tell(&notes, arguments);
@@ -43,7 +43,7 @@ pub(super) fn measure(
     let (out, progress) = (&arguments.out, arguments.quiet.progress());
     let settings = Settings::of(method);
     let frames = footage.frames();
-    let frames = FrameRange::of(arguments.frames, &frames)?;
+    let frames = arguments.frames.unwrap_or_default().select(&frames)?;
     let found = crate::stereo::measure((footage, Some(masks)), frames, out, &settings, progress)?;
     tell(&found.notes, arguments);
     Ok(())

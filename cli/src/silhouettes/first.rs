@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::error::CliError;
-use crate::frame_range::span;
 use crate::progress::Progress;
 use maquette::body::{BodyModel, Motion, Shape};
 use maquette::camera::CameraId;
@@ -16,6 +15,7 @@ use maquette::io::frames::Footage;
 use maquette::io::result::ResultFile;
 use maquette::likelihood::Measure;
 use maquette::pipeline::silhouettes::{ShownFrame, StillScenes, nearness};
+use maquette::pipeline::span;
 use maquette::pipeline::{self, FitOptions};
 use maquette::silhouette::{FrameIndex, FrameObservations};
 use maquette::stereo::SideBySide;

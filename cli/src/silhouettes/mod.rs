@@ -9,7 +9,6 @@ use std::time::Instant;
 use clap::{Args, ValueEnum};
 
 use crate::error::CliError;
-use crate::frame_range::FrameRange;
 use crate::switches::{Overwrite, Quiet, Threads};
 use crate::table::Table;
 use crate::{complain, print};
@@ -20,6 +19,7 @@ use maquette::io::out_folder::check_out;
 use maquette::io::silhouettes::{ContourRow, SilhouetteExtras, SilhouetteFolder};
 use maquette::likelihood::Measure;
 use maquette::math::stats::mean;
+use maquette::pipeline::FrameRange;
 use maquette::pipeline::check_measure;
 pub(super) use work::observe;
 
@@ -98,7 +98,7 @@ fn silhouettes(arguments: &SilhouettesArguments) -> Result<(), CliError> {
     check_out(&arguments.out, arguments.overwrite.existing())?;
     let footage = Footage::open(&arguments.recording, arguments.fps)?;
     let all = footage.frames();
-    let frames = FrameRange::of(arguments.frames, &all)?;
+    let frames = arguments.frames.unwrap_or_default().select(&all)?;
     let model = model::load(&arguments.body, Path::new(""))?;
     check_measure(&model, Some(Measure::Metaballs))?;
     let progress = arguments.quiet.progress();

@@ -4,7 +4,6 @@ use std::path::Path;
 
 use super::{First, Pipeline};
 use crate::error::CliError;
-use crate::frame_range::span;
 use crate::progress::Progress;
 use maquette::body::{BodyModel, Posed};
 use maquette::image::Picture;
@@ -13,6 +12,7 @@ use maquette::io::frames::Footage;
 use maquette::io::silhouettes::{SilhouetteExtras, SilhouetteFolder};
 use maquette::likelihood::{LikelihoodOptions, Measure, SkinScale};
 use maquette::pipeline::silhouettes::{ContourOptions, Scene, ShownFrame, Sighting};
+use maquette::pipeline::span;
 use maquette::silhouette::{FrameIndex, FrameObservations};
 
 /// Turns of contours and joint optimum: with two a body of plain build is still too thin, with more it may drift to edges beside it.

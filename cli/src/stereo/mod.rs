@@ -7,7 +7,6 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 
 use crate::error::{CliError, one_line};
-use crate::frame_range::{FrameRange, span};
 use crate::progress::Progress;
 use crate::summary::counted;
 use crate::switches::{Overwrite, Quiet};
@@ -17,6 +16,7 @@ use maquette::io::frames::Footage;
 use maquette::io::out_folder::check_out;
 use maquette::io::recording::{Note, Recording, RecordingError};
 use maquette::io::stereo::{MeasuredFrame, StereoFolder};
+use maquette::pipeline::{FrameRange, span};
 use maquette::silhouette::FrameIndex;
 use maquette::stereo::SideBySide;
 use maquette::stereo::matching::MatchOptions;
@@ -128,7 +128,7 @@ pub(super) fn run(arguments: &StereoArguments) -> Result<(), CliError> {
     check_out(&arguments.out, arguments.overwrite.existing())?;
     let footage = Footage::open(&arguments.recording, arguments.fps)?;
     let all = footage.frames();
-    let frames = FrameRange::of(arguments.frames, &all)?;
+    let frames = arguments.frames.unwrap_or_default().select(&all)?;
     let used = cameras(&footage, &arguments.settings.cameras)?;
     let masks = masks(&arguments.recording, footage.fps)?;
     let tell = |kind: &str, line: &str| {

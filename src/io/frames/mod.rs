@@ -30,7 +30,10 @@ use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use crate::camera::{CameraId, Rig, UpAxis};
+use crate::image::Picture;
+use crate::pipeline::{FramePictures, PictureSource, PictureStream};
 use crate::silhouette::FrameIndex;
+use stream::EmptyScene;
 
 pub use error::FramesError;
 pub use note::FramesNote;
@@ -149,5 +152,30 @@ impl Footage {
             (Some(path), Some(known)) => Pictures::start_background(path, known),
             _ => Pictures::none(),
         }
+    }
+}
+
+impl PictureSource for Footage {
+    fn rig(&self) -> &Rig {
+        &self.rig
+    }
+
+    fn fps(&self) -> f64 {
+        self.fps
+    }
+
+    fn frames(&self) -> Vec<FrameIndex> {
+        self.frames()
+    }
+
+    fn pictures(
+        &self,
+        frames: RangeInclusive<usize>,
+    ) -> Box<dyn PictureStream<FramePictures> + '_> {
+        Box::new(self.frame_sets(frames))
+    }
+
+    fn empty_scene(&self, camera: CameraId) -> Box<dyn PictureStream<Picture> + '_> {
+        Box::new(EmptyScene(self.background(camera)))
     }
 }

@@ -12,7 +12,7 @@ use super::video::Decoder;
 use super::{CameraFootage, FramesError, FramesNote, Source, image};
 use crate::camera::Camera;
 use crate::image::Picture;
-use crate::pipeline::Frames;
+use crate::pipeline::{FramePictures, Frames, PictureStream};
 use crate::silhouette::FrameIndex;
 
 /// Pictures that are decoded ahead of whoever takes them, for each camera.
@@ -166,6 +166,30 @@ impl Iterator for FrameSets {
             due.map(|(_, picture)| picture)
         });
         Some((frame, pictures.collect()))
+    }
+}
+
+impl PictureStream<FramePictures> for FrameSets {
+    fn notes(&self) -> Vec<String> {
+        let notes = self.cameras.iter().flat_map(|(camera, _)| camera.notes());
+        notes.map(ToString::to_string).collect()
+    }
+}
+
+/// The pictures of an empty scene.
+pub(super) struct EmptyScene(pub(super) Pictures);
+
+impl Iterator for EmptyScene {
+    type Item = Picture;
+
+    fn next(&mut self) -> Option<Picture> {
+        self.0.next().map(|(_, picture)| picture)
+    }
+}
+
+impl PictureStream<Picture> for EmptyScene {
+    fn notes(&self) -> Vec<String> {
+        self.0.notes().iter().map(ToString::to_string).collect()
     }
 }
 
