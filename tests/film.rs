@@ -5,7 +5,8 @@ use std::path::Path;
 use maquette::body::metaball::Field;
 use maquette::camera::CameraId;
 use maquette::image::{Mask, luma};
-use maquette::io::{filmed, model, recording::Recording};
+use maquette::io::model;
+use maquette::io::recording::{Recording, filmed};
 use maquette::render;
 use maquette::silhouette::FrameIndex;
 use maquette::synth::{FilmRecipe, Filmed};
@@ -115,7 +116,7 @@ fn a_recording_of_photographs_is_read_like_any_other_and_tells_no_mask() {
     let place = tempfile::tempdir().expect("a folder");
     let folder = place.path().join("film");
     filmed::write(&film, &folder).expect("written");
-    let footage = maquette::io::frames::Footage::open(&folder, None).expect("read");
+    let footage = maquette::io::recording::footage::Footage::open(&folder, None).expect("read");
     assert_eq!(footage.frames().len(), 12);
     for (read, made) in footage.rig.cameras.iter().zip(&film.synthetic.rig.cameras) {
         let off = read.projection() - made.projection();

@@ -4,9 +4,10 @@ use std::fs;
 use std::path::Path;
 
 use maquette::camera::{CameraId, check_projection};
+use maquette::io::model;
+use maquette::io::points::trc;
 use maquette::io::recording::Recording;
-use maquette::io::synthetic::{SyntheticError, trajectories, write};
-use maquette::io::{model, trc};
+use maquette::io::recording::synthetic::{SyntheticError, trajectories, write};
 use maquette::silhouette::{FrameIndex, SilhouetteOptions};
 use maquette::synth::{Ring, StereoPair, Synthetic, sample_walker};
 use nalgebra::Point3;

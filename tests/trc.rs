@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use maquette::io::trc::{Trajectories, TrcError, read_trc, write_trc};
+use maquette::io::points::trc::{Trajectories, TrcError, read_trc, write_trc};
 use nalgebra::Point3;
 
 fn read(text: &str) -> Result<Trajectories, TrcError> {

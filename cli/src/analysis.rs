@@ -8,11 +8,11 @@ use rayon::prelude::*;
 use super::error::CliError;
 use maquette::camera::CameraId;
 use maquette::gait::{GaitAnalysis, GaitOptions, Norm, analyse};
+use maquette::io::folder::write_atomically;
 use maquette::io::gait::{
     GaitFile, GaitInput, SHIPPED_NORM, Sex, add_parameters, gait_file, load_norm, parse_norm,
     read_fit, read_points,
 };
-use maquette::io::out_folder::write_atomically;
 use maquette::io::recording::Recording;
 use maquette::io::result::ResultFile;
 use maquette::report::{CameraOutlines, Identity, ReportInput, html, outline_points};

@@ -2,15 +2,15 @@
 
 use maquette::gait::GaitError;
 use maquette::io::export::{BvhError, C3dError, GlbError};
-use maquette::io::frames::FramesError;
+use maquette::io::folder::OutError;
+use maquette::io::folder::journal::JournalError;
+use maquette::io::folder::overlays::OverlayError;
 use maquette::io::gait::{GaitInputError, NormError};
-use maquette::io::journal::JournalError;
 use maquette::io::model::ModelFileError;
-use maquette::io::out_folder::OutError;
-use maquette::io::overlays::OverlayError;
 use maquette::io::recording::RecordingError;
+use maquette::io::recording::footage::FramesError;
+use maquette::io::recording::synthetic::SyntheticError;
 use maquette::io::result::ResultError;
-use maquette::io::synthetic::SyntheticError;
 use maquette::pipeline::FitError;
 use maquette::skin::SkinError;
 use maquette::synth::{FilmError, WalkError};

@@ -11,13 +11,13 @@ use super::print;
 use maquette::body::{Motion, Posed};
 use maquette::camera::UpAxis;
 use maquette::gait::{GaitAnalysis, GaitOptions, Movement};
+use maquette::io::export::mesh::{MeshFormat, bytes_of};
 use maquette::io::export::{
     C3dInput, TableKind, bvh, c3d, coordinates, frame_table, glb, motion_text,
 };
+use maquette::io::folder::{OutFolder, write_atomically};
 use maquette::io::gait::{FittedBody, FittedPoint, GaitInput};
-use maquette::io::mesh::{MeshFormat, bytes_of};
-use maquette::io::out_folder::{OutFolder, write_atomically};
-use maquette::io::trc::{Trajectories, write_trc};
+use maquette::io::points::trc::{Trajectories, write_trc};
 use maquette::skin::{SkinOptions, ellipsoids, skin};
 
 pub(super) const ABOUT: &str = "\

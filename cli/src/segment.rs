@@ -11,9 +11,9 @@ use super::progress::Progress;
 use super::switches::{Overwrite, Quiet, Threads};
 use super::table::Table;
 use super::{complain, print};
-use maquette::io::frames::{Footage, FramesNote};
-use maquette::io::out_folder::{OutFolder, check_out};
-use maquette::io::segmented::{self, Extras, QualityRow};
+use maquette::io::folder::segmented::{self, Extras, QualityRow};
+use maquette::io::folder::{OutFolder, check_out};
+use maquette::io::recording::footage::{Footage, FramesNote};
 use maquette::pipeline::segment::SegmentOptions;
 use maquette::pipeline::{FrameRange, span};
 

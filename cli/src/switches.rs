@@ -4,7 +4,7 @@ use clap::Args;
 
 use super::error::CliError;
 use super::progress::Progress;
-use maquette::io::out_folder::Existing;
+use maquette::io::folder::Existing;
 
 /// `--quiet`.
 #[derive(Debug, Clone, Copy, Args)]

@@ -8,7 +8,8 @@ use super::error::CliError;
 use super::print;
 use super::summary::counted;
 use maquette::body::BodyModel;
-use maquette::io::{filmed, model, synthetic};
+use maquette::io::model;
+use maquette::io::recording::{filmed, synthetic};
 use maquette::synth::{FilmRecipe, Recipe, Ring, SegmentationErrors, StereoPair};
 
 pub(super) const ABOUT: &str = "\

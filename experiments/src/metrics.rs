@@ -4,7 +4,7 @@
 //! markerless systems report: raw, and with what two skeletons mean by the same joint taken away.
 
 use maquette::body::{BodyModel, Motion, Posed, Shape};
-use maquette::io::trc::Trajectories;
+use maquette::io::points::trc::Trajectories;
 use maquette::math::stats::mean;
 use nalgebra::{Matrix3, Point3, Vector3};
 

@@ -14,7 +14,7 @@ use std::time::Instant;
 
 use clap::Parser;
 use maquette::image::Picture;
-use maquette::io::jpeg;
+use maquette::io::folder::jpeg;
 use serde::Serialize;
 
 use crate::expected::{ExpectedNumbers, out};

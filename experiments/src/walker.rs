@@ -4,7 +4,7 @@ use std::path::Path;
 
 use maquette::camera::Rig;
 use maquette::io::model::{self, ModelFileError};
-use maquette::io::trc::Trajectories;
+use maquette::io::points::trc::Trajectories;
 use maquette::silhouette::{FrameIndex, FrameObservations, SilhouetteOptions, extract};
 use maquette::synth::{Recipe, Ring, SegmentationErrors, Synthetic, WalkError};
 use rayon::prelude::*;

@@ -1,26 +1,23 @@
 //! Files in and out: the only code that knows formats and the units of files.
 
+//!
+//! | room            | what it reads and writes                                                       |
+//! |-----------------|--------------------------------------------------------------------------------|
+//! | [`calibration`] | cameras, as a dozen programs write them                                        |
+//! | [`model`]       | body models                                                                    |
+//! | [`recording`]   | a recording on disk: manifest, masks, pictures, points; synthetic recordings   |
+//! | [`points`]      | point clouds, and points over time (TRC)                                       |
+//! | [`result`]      | what a fit leaves behind                                                       |
+//! | [`gait`]        | what gait analysis reads and leaves behind; norms                              |
+//! | [`export`]      | a fit in the formats of other programs                                         |
+//! | [`folder`]      | the folder that a run writes into                                              |
+
 pub mod calibration;
-pub mod cloud;
 pub mod export;
-pub mod filmed;
-pub mod frames;
+pub mod folder;
 pub mod gait;
-pub mod journal;
-pub mod jpeg;
-pub mod layout;
-pub mod manifest;
-pub mod mesh;
 pub mod model;
-pub mod out_folder;
-pub mod overlays;
-mod png;
+pub mod points;
 pub mod recording;
 pub mod result;
-pub mod segmented;
-pub mod silhouettes;
-pub mod stereo;
-pub mod synthetic;
-mod table;
-pub mod trc;
-pub mod unknown_key;
+mod unknown_key;

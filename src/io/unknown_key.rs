@@ -38,7 +38,7 @@ impl UnknownKey {
 }
 
 /// The name that looks most like `name`; `None` if there is none to choose from.
-pub fn nearest<'a, T: AsRef<str> + ?Sized>(name: &str, known: &'a [&'a T]) -> Option<&'a T> {
+pub(super) fn nearest<'a, T: AsRef<str> + ?Sized>(name: &str, known: &'a [&'a T]) -> Option<&'a T> {
     let likeness = |other: &&&T| strsim::jaro_winkler(&name.to_lowercase(), other.as_ref());
     known
         .iter()
@@ -47,7 +47,7 @@ pub fn nearest<'a, T: AsRef<str> + ?Sized>(name: &str, known: &'a [&'a T]) -> Op
 }
 
 /// Line of a position in a text, from 1.
-pub fn line_of(text: &str, position: usize) -> usize {
+pub(super) fn line_of(text: &str, position: usize) -> usize {
     let before = text.as_bytes().iter().take(position);
     1 + before.filter(|byte| **byte == b'\n').count()
 }

@@ -3,7 +3,7 @@
 use std::fs;
 
 use crate::tiny::{are_in_place, calibration, folder, image, read, video, write};
-use maquette::io::frames::{Footage, FramesNote};
+use maquette::io::recording::footage::{Footage, FramesNote};
 
 fn complaint(folder: &tempfile::TempDir) -> String {
     let message = Footage::open(folder.path(), None)

@@ -2,7 +2,7 @@
 
 use crate::tiny::{are_in_place, folder, greys, image, read, video, write};
 use maquette::camera::CameraId;
-use maquette::io::frames::{Footage, FramesNote};
+use maquette::io::recording::footage::{Footage, FramesNote};
 use maquette::silhouette::FrameIndex;
 
 const TWO: &str = "fps = 25\n[[camera]]\nname = \"a\"\n";

@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 
 use image::{DynamicImage, Rgb, RgbImage};
 use maquette::camera::CameraId;
-use maquette::io::frames::{Footage, FramesNote, Pictures};
+use maquette::io::recording::footage::{Footage, FramesNote, Pictures};
 use tempfile::TempDir;
 
 pub(crate) const SIZE: (u32, u32) = (64, 48);

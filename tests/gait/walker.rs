@@ -6,7 +6,7 @@ use std::path::Path;
 use maquette::body::{BodyModel, Motion, Posed, Shape};
 use maquette::gait::{Movement, MovementError};
 use maquette::io::model;
-use maquette::io::trc::{Trajectories, write_trc};
+use maquette::io::points::trc::{Trajectories, write_trc};
 use maquette::synth::{Gait, Walk};
 use nalgebra::{Point3, Vector2, Vector3};
 

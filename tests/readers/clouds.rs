@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use maquette::io::cloud::{CloudError, parse, write_ply};
+use maquette::io::points::{CloudError, parse, write_ply};
 use maquette::stereo::{Cloud, CloudPoint, Spread};
 use nalgebra::{Matrix3, Point3, Vector3};
 

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use maquette::io::cloud::write_ply;
+use maquette::io::points::write_ply;
 use maquette::io::recording::{MOST_POINTS, Note, Recording};
 use maquette::silhouette::{FrameIndex, FrameObservations, SilhouetteOptions};
 use maquette::stereo::{CloudPoint, Spread};

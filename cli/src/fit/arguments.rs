@@ -8,7 +8,7 @@ use crate::error::CliError;
 use crate::stereo::Method;
 use crate::switches::{Quiet, Threads};
 use maquette::inference::search::Pruning;
-use maquette::io::out_folder::Existing;
+use maquette::io::folder::Existing;
 use maquette::likelihood::{EllipseOptions, Measure};
 use maquette::pipeline::FrameRange;
 use maquette::pipeline::{FitError, FitOptions, FitTo};

@@ -4,11 +4,11 @@ use super::arguments::FitArguments;
 use crate::error::{CliError, one_line};
 use crate::stereo::{Method, Settings};
 use crate::{complain, segment};
-use maquette::io::frames::Footage;
-use maquette::io::out_folder::{Existing, OutFolder};
+use maquette::io::folder::segmented::{Extras, QUALITY};
+use maquette::io::folder::stereo;
+use maquette::io::folder::{Existing, OutFolder};
 use maquette::io::recording::Recording;
-use maquette::io::segmented::{Extras, QUALITY};
-use maquette::io::stereo;
+use maquette::io::recording::footage::Footage;
 use maquette::pipeline::span;
 
 /// Whether an earlier run that is continued has finished what it writes this table after.

@@ -16,11 +16,11 @@ use super::progress::{Progress, Watched};
 use super::summary::Summary;
 use super::{complain, print};
 use maquette::inference::Sequence;
-use maquette::io::journal::DiskJournal;
-use maquette::io::out_folder::{Existing, OutError, OutFolder};
-use maquette::io::overlays;
+use maquette::io::folder::journal::DiskJournal;
+use maquette::io::folder::overlays;
+use maquette::io::folder::{Existing, OutError, OutFolder};
+use maquette::io::points::trc::write_trc;
 use maquette::io::result::{Provenance, ResultFile, trajectories};
-use maquette::io::trc::write_trc;
 use maquette::pipeline::{self, Fit};
 
 /// Fits a recording and writes the result.

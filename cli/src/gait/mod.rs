@@ -10,8 +10,8 @@ use crate::analysis::{Analysed, Asked, IdentityArguments};
 use crate::error::CliError;
 use crate::print;
 use maquette::gait::{GaitOptions, Surface};
+use maquette::io::folder::{OutFolder, write_atomically};
 use maquette::io::gait::{angles_csv, curves_csv, parameters_csv};
-use maquette::io::out_folder::{OutFolder, write_atomically};
 use text::Report;
 
 pub(super) const ABOUT: &str = "\

@@ -11,7 +11,7 @@ use maquette::inference::joint::{JointOptions, joint_optimum};
 use maquette::inference::search::NoJournal;
 use maquette::inference::sequence_posterior::SequenceState;
 use maquette::inference::{Evidence, Sequence};
-use maquette::io::frames::Footage;
+use maquette::io::recording::footage::Footage;
 use maquette::io::result::ResultFile;
 use maquette::likelihood::Measure;
 use maquette::pipeline::silhouettes::{ShownFrame, StillScenes, nearness};

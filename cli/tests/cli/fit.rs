@@ -4,10 +4,10 @@ use std::path::Path;
 
 use image::{GrayImage, Luma};
 use maquette::body::{BodyModel, Motion, Posed, Shape};
-use maquette::io::cloud::write_ply;
 use maquette::io::model;
+use maquette::io::points::trc::{Trajectories, read_trc};
+use maquette::io::points::write_ply;
 use maquette::io::result::ResultFile;
-use maquette::io::trc::{Trajectories, read_trc};
 use maquette::skin::{SkinOptions, skin};
 use maquette::stereo::{CloudPoint, Spread};
 use nalgebra::Vector3;

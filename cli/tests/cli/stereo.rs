@@ -5,7 +5,7 @@ use std::path::Path;
 
 use maquette::camera::Rig;
 use maquette::io::calibration::write_toml;
-use maquette::io::cloud;
+use maquette::io::points;
 use maquette::io::recording::Recording;
 use maquette::silhouette::SilhouetteOptions;
 use nalgebra::Vector3;

@@ -11,7 +11,7 @@ use experiments::run::Run;
 use experiments::table::Table;
 use maquette::gait::{Angle, EventKind, GaitAnalysis, GaitOptions, Parameter, Side, analyse};
 use maquette::io::gait::{read_fit, read_points};
-use maquette::io::trc::{Trajectories, read_trc, write_trc};
+use maquette::io::points::trc::{Trajectories, read_trc, write_trc};
 use maquette::math::stats::mean;
 
 /// Vertical force above which a foot is on a plate.

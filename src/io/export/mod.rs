@@ -14,6 +14,7 @@
 mod bvh;
 mod c3d;
 mod glb;
+pub mod mesh;
 mod mot;
 #[cfg(feature = "parquet")]
 mod parquet;

@@ -9,8 +9,8 @@ use crate::gait::{
     Angle, Landmark, Limb, Movement, MovementError, Paired, Segment, Segments, Side, Track,
 };
 use crate::io::model::{self, ModelFileError};
+use crate::io::points::trc::{TrcError, rate_of_times, read_trc};
 use crate::io::result::{FramePart, ResultError, ResultFile};
-use crate::io::trc::{TrcError, rate_of_times, read_trc};
 
 /// A point of a fitted body over time.
 #[derive(Debug, Clone, PartialEq)]

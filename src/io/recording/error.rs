@@ -5,9 +5,9 @@ use std::path::PathBuf;
 
 use super::{MaskFault, ScaleFault};
 use crate::io::calibration::CalibrationError;
-use crate::io::cloud::CloudError;
-use crate::io::layout::LayoutError;
-use crate::io::manifest::ManifestError;
+use crate::io::points::CloudError;
+use crate::io::recording::layout::LayoutError;
+use crate::io::recording::manifest::ManifestError;
 use crate::silhouette::FrameIndex;
 
 /// Why a recording could not be used, in one line that says what to mend.

@@ -4,10 +4,15 @@
 //! [`Recording::load_frame`] reads those of one frame. Nothing is kept in between, so frames can be streamed, and loaded by many threads.
 
 mod error;
+pub mod filmed;
+pub mod footage;
+pub(super) mod layout;
+pub(super) mod manifest;
 mod mask_image;
 mod note;
 mod open;
 mod points;
+pub mod synthetic;
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -15,12 +20,14 @@ use std::path::{Path, PathBuf};
 
 use crate::camera::{Camera, CameraId, Rig};
 use crate::image::Mask;
-use crate::io::frames::Footage;
-use crate::io::manifest::CameraFiles;
-use crate::io::out_folder::file_name;
+use crate::io::folder::file_name;
+use crate::io::recording::footage::Footage;
+use crate::io::recording::manifest::CameraFiles;
 use crate::silhouette::{self, FrameIndex, FrameObservations, SilhouetteOptions};
 
 pub use error::RecordingError;
+pub use layout::LayoutError;
+pub use manifest::ManifestError;
 pub use mask_image::MaskFault;
 pub use note::Note;
 pub use points::{MOST_POINTS, ScaleFault};

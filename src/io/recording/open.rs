@@ -7,9 +7,9 @@ use super::points::PointFiles;
 use super::{Missing, Note, Points, Recording, RecordingError, Sources, mask_image};
 use crate::camera::{CameraId, Rig};
 use crate::io::calibration::{self, CalibrationOptions};
-use crate::io::layout;
-use crate::io::layout::numbered_files::{self, NumberedFiles, Wanted};
-use crate::io::manifest::{CameraFiles, Manifest};
+use crate::io::recording::layout;
+use crate::io::recording::layout::numbered_files::{self, NumberedFiles, Wanted};
+use crate::io::recording::manifest::{CameraFiles, Manifest};
 use crate::io::unknown_key::nearest;
 use crate::silhouette::FrameIndex;
 

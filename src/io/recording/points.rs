@@ -8,9 +8,9 @@ use nalgebra::{Point3, Vector3};
 
 use super::{Note, RecordingError};
 use crate::camera::{Camera, Rig};
-use crate::io::cloud::{self, is_cloud};
-use crate::io::layout::numbered_files::{self, Wanted};
-use crate::io::manifest::Manifest;
+use crate::io::points::{self, is_cloud};
+use crate::io::recording::layout::numbered_files::{self, Wanted};
+use crate::io::recording::manifest::Manifest;
 use crate::math::Rigid3;
 use crate::math::stats::median;
 use crate::pipeline::Frames;
@@ -181,7 +181,7 @@ impl PointFiles {
         let Some(path) = self.of_frame.get(&frame) else {
             return Ok(Cloud::default());
         };
-        let cloud = cloud::read(path).map_err(|source| RecordingError::Cloud {
+        let cloud = points::read(path).map_err(|source| RecordingError::Cloud {
             frame,
             source: Box::new(source),
         })?;

@@ -1,7 +1,7 @@
 //! The model's points over time, for other programs.
 
 use crate::body::BodyModel;
-use crate::io::trc::Trajectories;
+use crate::io::points::trc::Trajectories;
 use crate::pipeline::{Fit, FittedFrame};
 
 /// The joint centres in the order in which Pose2Sim lists them; other points follow.

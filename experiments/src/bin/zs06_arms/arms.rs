@@ -1,7 +1,7 @@
 //! How far a fitted arm is from the true one.
 
 use experiments::metrics::{Flexion, point};
-use maquette::io::trc::Trajectories;
+use maquette::io::points::trc::Trajectories;
 use maquette::math::stats::mean;
 use nalgebra::Vector3;
 

@@ -2,7 +2,7 @@
 
 use experiments::picture::{Panel, colour, svg};
 use kuva::plot::LegendPosition;
-use maquette::io::trc::Trajectories;
+use maquette::io::points::trc::Trajectories;
 
 use crate::arms::{ARMS, Arm};
 use crate::recording::held_s;

@@ -9,7 +9,7 @@ use maquette::inference::joint::{JointOptimum, JointOptions, joint_optimum};
 use maquette::inference::search::{Hypothesis, Journal, NoJournal, SearchOptions, Trial, search};
 use maquette::inference::sequence_posterior::SequenceState;
 use maquette::inference::{Evidence, Sequence};
-use maquette::io::trc::Trajectories;
+use maquette::io::points::trc::Trajectories;
 use maquette::likelihood::{EllipseOptions, LikelihoodOptions, Measure};
 use maquette::silhouette::FrameObservations;
 

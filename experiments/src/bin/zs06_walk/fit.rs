@@ -10,7 +10,7 @@ use maquette::inference::joint::{JointOptions, joint_optimum};
 use maquette::inference::search::{NoJournal, Origin, SearchOptions, Trial, search};
 use maquette::inference::sequence_posterior::SequenceState;
 use maquette::inference::{Evidence, Sequence};
-use maquette::io::trc::Trajectories;
+use maquette::io::points::trc::Trajectories;
 use maquette::likelihood::{EllipseDistance, EllipseOptions, Variant};
 use maquette::silhouette::FrameObservations;
 

@@ -3,7 +3,7 @@
 use experiments::metrics::{Flexion, HIPS, KNEES, frame_error_mm, mean_distance};
 use experiments::picture::{Panel, colour, svg};
 use kuva::plot::LegendPosition;
-use maquette::io::trc::Trajectories;
+use maquette::io::points::trc::Trajectories;
 
 use crate::fit::{Fit, Scene};
 use crate::report::model_lengths;

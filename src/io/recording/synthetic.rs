@@ -16,12 +16,12 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::calibration;
-use super::cloud::write_ply;
-use super::png::{self, Effort};
-use super::trc::{Trajectories, write_trc};
 use crate::body::Posed;
 use crate::camera::{Camera, CameraId};
+use crate::io::calibration;
+use crate::io::folder::png::{self, Effort};
+use crate::io::points::trc::{Trajectories, write_trc};
+use crate::io::points::write_ply;
 use crate::silhouette::FrameIndex;
 use crate::synth::Synthetic;
 

@@ -7,10 +7,10 @@ use std::path::{Path, PathBuf};
 use nalgebra::Point2;
 use serde::Serialize;
 
-use super::out_folder::{OutError, OutFolder, file_name, write_atomically};
 use super::png::{self, Effort};
 use super::segmented::{self, QUALITY};
 use super::table;
+use super::{OutError, OutFolder, file_name, write_atomically};
 use crate::body::BodyModel;
 use crate::camera::Camera;
 use crate::image::{Mask, Picture};

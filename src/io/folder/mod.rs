@@ -1,5 +1,14 @@
 //! The folder that a result is written into: nothing in it is lost, nothing in it is ever half written.
 
+pub mod journal;
+pub mod jpeg;
+pub mod overlays;
+pub(super) mod png;
+pub mod segmented;
+pub mod silhouettes;
+pub mod stereo;
+mod table;
+
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};

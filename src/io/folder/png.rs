@@ -9,7 +9,7 @@ use crate::image::{Mask, Picture};
 
 /// What a file is to be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Effort {
+pub(in crate::io) enum Effort {
     /// Written at once.
     Quick,
     /// As small as can be, to be kept.
@@ -17,7 +17,7 @@ pub(super) enum Effort {
 }
 
 /// A picture of these bytes, row by row.
-pub(super) fn encode(
+pub(in crate::io) fn encode(
     bytes: &[u8],
     (width, height): (usize, usize),
     colour: ExtendedColorType,
@@ -35,7 +35,7 @@ pub(super) fn encode(
 }
 
 /// A mask: 8 bits, grey, 0 and 255.
-pub(super) fn of_mask(mask: &Mask, effort: Effort) -> io::Result<Vec<u8>> {
+pub(in crate::io) fn of_mask(mask: &Mask, effort: Effort) -> io::Result<Vec<u8>> {
     let rows = (0..mask.height()).flat_map(|y| mask.row(y));
     let pixels: Vec<u8> = rows.map(|v| 255 * v).collect();
     let size = (mask.width(), mask.height());
@@ -43,7 +43,7 @@ pub(super) fn of_mask(mask: &Mask, effort: Effort) -> io::Result<Vec<u8>> {
 }
 
 /// A picture in colours: 8 bits each.
-pub(super) fn of_picture(picture: &Picture, effort: Effort) -> io::Result<Vec<u8>> {
+pub(in crate::io) fn of_picture(picture: &Picture, effort: Effort) -> io::Result<Vec<u8>> {
     let size = (picture.width(), picture.height());
     let bytes = picture.values().as_flattened();
     encode(bytes, size, ExtendedColorType::Rgb8, effort)

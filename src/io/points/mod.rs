@@ -13,6 +13,7 @@ mod columns;
 mod error;
 mod ply;
 mod text;
+pub mod trc;
 mod write;
 
 use std::fs;

@@ -7,9 +7,9 @@ use super::probe::{Probe, probe};
 use super::{CameraFootage, Footage, FramesError, FramesNote, Source, image};
 use crate::camera::Rig;
 use crate::io::calibration::{self, CalibrationOptions};
-use crate::io::layout;
-use crate::io::layout::numbered_files::{self, NumberedFiles, Wanted};
-use crate::io::manifest::{CameraFiles, Manifest};
+use crate::io::recording::layout;
+use crate::io::recording::layout::numbered_files::{self, NumberedFiles, Wanted};
+use crate::io::recording::manifest::{CameraFiles, Manifest};
 
 /// How far a video's rate may be from the recording's, as a fraction of it, without a note: 59.94 is 60.
 const SAME_RATE: f64 = 0.005;

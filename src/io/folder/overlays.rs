@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
-use super::out_folder::{OutError, OutFolder, file_name};
 use super::png::{self, Effort};
-use super::recording::{Recording, RecordingError};
+use super::{OutError, OutFolder, file_name};
 use crate::body::{BodyModel, Posed};
 use crate::camera::CameraId;
 use crate::image::Picture;
+use crate::io::recording::{Recording, RecordingError};
 use crate::pipeline::{Fit, FittedFrame};
 use crate::render::{Canvas, overlay};
 

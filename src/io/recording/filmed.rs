@@ -13,9 +13,9 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
-use super::jpeg;
-use super::png::{self, Effort};
 use super::synthetic::{SyntheticError, failed, whole, write_texts};
+use crate::io::folder::jpeg;
+use crate::io::folder::png::{self, Effort};
 use crate::silhouette::FrameIndex;
 use crate::synth::{Filmed, Studio};
 

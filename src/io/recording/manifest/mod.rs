@@ -29,9 +29,9 @@ use std::{fs, io};
 use serde::Deserialize;
 use toml::de::{DeTable, DeValue};
 
-use super::calibration::Unit;
-use super::unknown_key::{UnknownKey, line_of};
 use crate::camera::UpAxis;
+use crate::io::calibration::Unit;
+use crate::io::unknown_key::{UnknownKey, line_of};
 
 const KEYS: &[&str] = &[
     "fps",
@@ -61,7 +61,7 @@ const CAMERA_KEYS: &[&str] = &[
 /// A recording's manifest, as written.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(default)]
-pub struct Manifest {
+pub(crate) struct Manifest {
     /// Frames per second; positive.
     pub fps: Option<f64>,
     /// The calibration file or files.
@@ -97,7 +97,7 @@ pub struct Manifest {
     untagged,
     expecting = "calibration: expected a path or a table of camera = path"
 )]
-pub enum CalibrationFiles {
+pub(crate) enum CalibrationFiles {
     /// All cameras in one file.
     One(PathBuf),
     /// Camera name → file.
@@ -106,7 +106,7 @@ pub enum CalibrationFiles {
 
 /// What one camera recorded.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
-pub struct CameraFiles {
+pub(crate) struct CameraFiles {
     /// Its name in the calibration.
     pub name: String,
     /// Masks: printf pattern, folder, or glob.
@@ -129,7 +129,7 @@ pub struct CameraFiles {
 
 impl CameraFiles {
     /// By how much the numbers of this camera's files are shifted: offset_frames + start_s·fps, rounded.
-    pub fn shift(&self, fps: f64) -> i64 {
+    pub(crate) fn shift(&self, fps: f64) -> i64 {
         let by_clock = (self.start_s * fps).round();
         // a float becomes the nearest integer that there is
         self.offset_frames.saturating_add(by_clock as i64)
@@ -193,7 +193,7 @@ impl Manifest {
     ///
     /// # Errors
     /// [`ManifestError`], with the line where there is one.
-    pub fn read(path: &Path) -> Result<Self, ManifestError> {
+    pub(crate) fn read(path: &Path) -> Result<Self, ManifestError> {
         let text = fs::read_to_string(path).map_err(|source| ManifestError::Read {
             path: path.into(),
             source,
@@ -207,7 +207,7 @@ impl Manifest {
     ///
     /// # Errors
     /// [`ManifestError`], with the line where there is one.
-    pub fn parse(text: &str, path: &Path) -> Result<Self, ManifestError> {
+    pub(crate) fn parse(text: &str, path: &Path) -> Result<Self, ManifestError> {
         let syntax = |source: toml::de::Error| ManifestError::Syntax {
             path: path.into(),
             line: line_of(text, source.span().map_or(0, |span| span.start)),

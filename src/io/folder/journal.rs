@@ -17,7 +17,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
-use super::out_folder::{OutError, write_atomically};
+use super::{OutError, write_atomically};
 use crate::inference::search::{Hypothesis, Journal, Trial};
 
 /// Name of the file that says what a run was started with.

@@ -9,13 +9,13 @@ use ::image::ExtendedColorType;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::frames::{Footage, FramesNote};
 use super::jpeg;
-use super::out_folder::{OutError, OutFolder, file_name};
 use super::png::{self, Effort};
 use super::table;
+use super::{OutError, OutFolder, file_name};
 use crate::camera::CameraId;
 use crate::image::{Mask, Picture, Plane};
+use crate::io::recording::footage::{Footage, FramesNote};
 use crate::pipeline::Frames;
 use crate::pipeline::segment::{Cut, SegmentOptions, Segmenter, Training};
 use crate::silhouette::FrameIndex;

@@ -4,7 +4,7 @@ use std::io;
 
 use serde::Serialize;
 
-use super::out_folder::{OutError, OutFolder};
+use super::{OutError, OutFolder};
 
 /// Ends the run that was begun with this mark by writing it, a table; without rows it has no heading either.
 ///

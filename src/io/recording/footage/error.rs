@@ -4,8 +4,8 @@ use std::io;
 use std::path::PathBuf;
 
 use crate::io::calibration::CalibrationError;
-use crate::io::layout::LayoutError;
-use crate::io::manifest::ManifestError;
+use crate::io::recording::layout::LayoutError;
+use crate::io::recording::manifest::ManifestError;
 
 /// Why the pictures of a recording could not be used, in one line that says what to mend.
 #[derive(Debug, thiserror::Error)]

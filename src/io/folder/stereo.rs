@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 use ::image::ExtendedColorType;
 use serde::Serialize;
 
-use super::cloud::write_ply;
-use super::out_folder::{OutError, OutFolder, write_atomically};
 use super::overlays::write_picture;
 use super::png::{self, Effort};
 use super::table;
+use super::{OutError, OutFolder, write_atomically};
 use crate::camera::UpAxis;
 use crate::image::Plane;
+use crate::io::points::write_ply;
 use crate::math::Rigid3;
 use crate::render::Canvas;
 use crate::stereo::tracking::Trajectory;

@@ -1,14 +1,14 @@
 //! Where a recording has its files: a folder without manifest, or a manifest that leaves things out.
 
 mod error;
-pub(super) mod numbered_files;
+pub(in crate::io) mod numbered_files;
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::camera::Rig;
 use crate::io::calibration::{self, CalibrationError, CalibrationOptions};
-use crate::io::manifest::{CalibrationFiles, CameraFiles};
+use crate::io::recording::manifest::{CalibrationFiles, CameraFiles};
 
 pub use error::LayoutError;
 
