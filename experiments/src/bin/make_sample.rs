@@ -5,7 +5,8 @@
 use std::error::Error;
 use std::path::Path;
 
-use maquette::io::{model, synthetic};
+use maquette::io::model;
+use maquette::io::recording::synthetic;
 use maquette::synth::sample_walker;
 
 fn main() -> Result<(), Box<dyn Error>> {
