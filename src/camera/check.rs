@@ -1,4 +1,4 @@
-//! The laws of projection, as one check for any camera model.
+//! The laws of projection: one check for any camera model.
 
 use super::{Camera, Ray};
 use crate::math::central_differences;
@@ -13,7 +13,7 @@ const JACOBIAN: f64 = 1e-7;
 pub trait ProjectionModel {
     /// The pixel of the recorded image.
     fn project(&self, point_world: &Point3<f64>) -> Option<Point2<f64>>;
-    /// The undistorted pixel and its derivative by the world point.
+    /// The undistorted pixel and its derivative with respect to the world point.
     fn project_undistorted_with_jacobian(
         &self,
         point_world: &Point3<f64>,
@@ -148,15 +148,15 @@ fn check_on_ray(
     depth: f64,
 ) -> Result<Matrix2x3<f64>, ProjectionFault> {
     let point_world = model.ray(undistorted).point_at(depth);
-    let not_seen = ProjectionFault::NotSeen {
-        pixel: *pixel,
-        depth,
-    };
     let seen = model.project(&point_world);
     let seen_undistorted = model.project_undistorted_with_jacobian(&point_world);
     let (Some(seen), Some((seen_undistorted, jacobian))) = (seen, seen_undistorted) else {
-        return Err(not_seen);
+        return Err(ProjectionFault::NotSeen {
+            pixel: *pixel,
+            depth,
+        });
     };
+
     // relative for undistorted pixels, which lie far outside the image for a wide fisheye
     let scale = 1.0 + undistorted.coords.norm() * f64::EPSILON / ROUND_TRIP_PX;
     let undistorted_px = (seen_undistorted - undistorted).norm() / scale;
@@ -164,6 +164,7 @@ fn check_on_ray(
         (back - seen_undistorted).norm() / scale
     });
     let error_px = (seen - pixel).norm().max(undistorted_px).max(back_px);
+
     if error_px <= ROUND_TRIP_PX {
         Ok(jacobian)
     } else {
@@ -188,6 +189,7 @@ fn check_jacobian(
         let coordinates = seen.map_or([f64::NAN; 2], |(pixel, _)| [pixel.x, pixel.y]);
         DVector::from_column_slice(&coordinates)
     });
+
     let tolerance = JACOBIAN * analytic.amax();
     for (i, row) in ['u', 'v'].into_iter().enumerate() {
         for (j, column) in ['X', 'Y', 'Z'].into_iter().enumerate() {

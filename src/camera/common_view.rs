@@ -1,22 +1,22 @@
-//! Whether the cameras of a rig look at one volume, and which does not.
+//! Whether the cameras of a rig look at one volume, and which of them do not.
 
 use super::{Camera, CameraId, Ray, Rig, closest_point};
 use nalgebra::{Point2, Point3};
 use std::fmt;
 
-/// Lines of sight tried per camera: a grid of so many columns and rows, edges left out.
+/// Columns and rows of the grid of lines of sight that are tried in each camera; edges are left out.
 const GRID: u32 = 5;
-/// Distances tried along each line of sight, in units of the typical distance between cameras.
+/// Nearest point tried on each line of sight, in typical distances between cameras.
 const NEAREST: f64 = 0.05;
-/// See [`NEAREST`].
+/// Farthest point tried on each line of sight, in typical distances between cameras.
 const FARTHEST: f64 = 50.0;
-/// Number of distances, equally spaced in their logarithm.
+/// Number of points tried on each line of sight; their distances are equally spaced in the logarithm.
 const DEPTHS: u32 = 60;
 
 /// The point that most cameras see, and the cameras that do not see it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CommonView {
-    /// Of all points tried the one that most cameras see; among equals, the one nearest to the middle of their images.
+    /// Of all points tried, the one that most cameras see; among equals, the one nearest to the middle of their images.
     pub point_world: Point3<f64>,
     /// The cameras that see it.
     pub seeing: Vec<CameraId>,
@@ -30,7 +30,8 @@ impl CommonView {
         self.blind.is_empty()
     }
 
-    /// Whether more than half of the cameras, and at least two, agree, so that [`CommonView::blind`] are the odd ones out.
+    /// Whether more than half of the cameras, and at least two, see one point: then those in [`CommonView::blind`] are the odd
+    /// ones out.
     pub fn has_majority(&self) -> bool {
         self.seeing.len() >= 2 && self.seeing.len() > self.blind.len()
     }
@@ -39,11 +40,11 @@ impl CommonView {
 /// Why a camera does not see a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Blindness {
-    /// The point is behind it.
+    /// The point is behind the camera.
     Behind,
     /// The point is so far to the side that the lens model gives it no image.
     BeyondLens,
-    /// The point's image lies outside its sensor.
+    /// The point's image lies outside the sensor.
     OutsideImage {
         /// Where, in pixels of the recorded image.
         pixel: Point2<f64>,
@@ -67,12 +68,12 @@ impl fmt::Display for Blindness {
 }
 
 impl Rig {
-    /// Looks for a point that all cameras see; says which cameras see the best point found, and which do not.
+    /// Looks for the point that most cameras see, and says which cameras do not see it.
     ///
-    /// Tried are the point closest to the optical axes, and points along 25 lines of sight of every camera, at
-    /// distances of 0.05 to 50 times the typical distance between cameras, so parallel cameras side by side agree as
-    /// well as cameras in a ring. Each point has one vote per camera, hence a camera with a wrong pose cannot draw
-    /// the point away from the others. A wrong unit or world axis moves all cameras together and shows nowhere here.
+    /// It tries the point closest to the optical axes, and points along 25 lines of sight of every camera, at distances
+    /// of 0.05 to 50 times the typical distance between cameras. So parallel cameras side by side agree as well as
+    /// cameras in a ring. Each camera has one vote for a point, hence a camera with a wrong pose cannot draw the point
+    /// away from the others. A wrong unit or world axis moves all cameras together and does not show here.
     ///
     /// `None` for a rig without cameras.
     pub fn common_view(&self) -> Option<CommonView> {
@@ -81,17 +82,17 @@ impl Rig {
             .into_iter()
             .map(|point| (self.votes(&point), point))
             .reduce(|best, next| if next.0.beats(&best.0) { next } else { best })?;
-        Some(self.seen_from(best.1))
+        Some(self.view_of(best.1))
     }
 
-    fn seen_from(&self, point_world: Point3<f64>) -> CommonView {
+    fn view_of(&self, point_world: Point3<f64>) -> CommonView {
         let mut view = CommonView {
             point_world,
             seeing: Vec::new(),
             blind: Vec::new(),
         };
         for (id, camera) in self.iter() {
-            match look(camera, &point_world) {
+            match visible_pixel(camera, &point_world) {
                 Ok(_) => view.seeing.push(id),
                 Err(blindness) => view.blind.push((id, blindness)),
             }
@@ -100,10 +101,12 @@ impl Rig {
     }
 
     fn votes(&self, point_world: &Point3<f64>) -> Votes {
-        let eccentricities = self
-            .cameras
-            .iter()
-            .filter_map(|camera| Some(eccentricity(camera, &look(camera, point_world).ok()?)));
+        let eccentricities = self.cameras.iter().filter_map(|camera| {
+            Some(eccentricity(
+                camera,
+                &visible_pixel(camera, point_world).ok()?,
+            ))
+        });
         eccentricities.fold(Votes::default(), |votes, eccentricity| Votes {
             cameras: votes.cameras + 1,
             eccentricity: votes.eccentricity + eccentricity,
@@ -154,7 +157,8 @@ impl Votes {
     }
 }
 
-fn look(camera: &Camera, point_world: &Point3<f64>) -> Result<Point2<f64>, Blindness> {
+/// The pixel of the recorded image at which a camera sees a point.
+fn visible_pixel(camera: &Camera, point_world: &Point3<f64>) -> Result<Point2<f64>, Blindness> {
     camera
         .project_undistorted(point_world)
         .ok_or(Blindness::Behind)?;

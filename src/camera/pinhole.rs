@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 /// x̃ = K·\[R|t\]·X̃ gives the undistorted pixel of a world point X, with \[R|t\] = `camera_from_world`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Camera {
-    /// The name by which files and messages speak of it.
+    /// Name in files and messages.
     pub name: String,
     /// Width of the image.
     pub width_px: u32,
@@ -61,6 +61,7 @@ impl Camera {
         let point_camera = self.camera_from_world * point_world;
         let normalized = in_front(&point_camera)?;
         let pixel = finite(self.intrinsics.pixel(&normalized))?;
+
         let Intrinsics {
             fx_px,
             fy_px,
@@ -76,20 +77,21 @@ impl Camera {
             fy_px,
             -fy_px * y,
         ) / point_camera.z;
+
         let rotation = self.camera_from_world.rotation.to_rotation_matrix();
         Some((pixel, by_camera * rotation.matrix()))
     }
 
     /// The pixel of the recorded image at which a point is seen.
     ///
-    /// `None` if it is not in front of the camera, or so far outside the view that the lens model folds.
+    /// `None` if the point is not in front of the camera, or so far outside the view that the lens model folds.
     pub fn project(&self, point_world: &Point3<f64>) -> Option<Point2<f64>> {
         let point_camera = self.camera_from_world * point_world;
         let distorted = self.distortion.distort_in_view(&in_front(&point_camera)?)?;
         finite(self.intrinsics.pixel(&distorted))
     }
 
-    /// The undistorted pixel of a pixel of the recorded image; `None` where no ray has that image.
+    /// The undistorted pixel of a pixel of the recorded image; `None` where no line of sight has that image.
     pub fn undistort(&self, pixel: &Point2<f64>) -> Option<Point2<f64>> {
         if self.distortion == Distortion::None {
             return finite(*pixel);
@@ -100,10 +102,10 @@ impl Camera {
         finite(self.intrinsics.pixel(&undistorted))
     }
 
-    /// The pixel of the recorded image of an undistorted pixel.
+    /// The pixel of the recorded image that belongs to an undistorted pixel.
     ///
     /// By the lens model's formula alone: far outside the view, where the model folds, the result means nothing
-    /// (it can be NaN). [`Camera::project`] checks that.
+    /// and can be NaN. [`Camera::project`] checks that.
     pub fn distort(&self, pixel: &Point2<f64>) -> Point2<f64> {
         if self.distortion == Distortion::None {
             return *pixel;
@@ -129,7 +131,7 @@ impl Camera {
         self.ray(&Point2::new(self.intrinsics.cx_px, self.intrinsics.cy_px))
     }
 
-    /// Whether a pixel of the recorded image lies on the sensor, whose edges are half a pixel outside the outermost centres.
+    /// Whether a pixel of the recorded image lies on the sensor, whose edges are half a pixel beyond the outermost pixel centres.
     pub fn contains(&self, pixel: &Point2<f64>) -> bool {
         let inside = |x: f64, size: u32| (-0.5..=f64::from(size) - 0.5).contains(&x);
         inside(pixel.x, self.width_px) && inside(pixel.y, self.height_px)

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Point3, Unit, Vector3};
 use serde::{Deserialize, Serialize};
 
-/// Least sine² of the mean angle between rays for which their closest point is defined.
+/// Rays whose mean angle has a smaller sine² count as parallel.
 const LEAST_SPREAD: f64 = 1e-12;
 
 /// A half-line in the world frame.
@@ -21,20 +21,20 @@ impl Ray {
         self.origin_world + self.direction_world.into_inner() * t
     }
 
-    /// Distance along the ray of the foot of the perpendicular from a point.
-    pub fn parameter_of(&self, point_world: &Point3<f64>) -> f64 {
+    /// Distance along the ray to the foot of the perpendicular from a point.
+    fn foot_of(&self, point_world: &Point3<f64>) -> f64 {
         (point_world - self.origin_world).dot(&self.direction_world)
     }
 
     /// Distance of a point from the whole line.
     pub fn distance_to(&self, point_world: &Point3<f64>) -> f64 {
-        (point_world - self.point_at(self.parameter_of(point_world))).norm()
+        (point_world - self.point_at(self.foot_of(point_world))).norm()
     }
 }
 
 /// The point nearest to all rays, taken as whole lines: argmin_x Σ ‖(I − ddᵀ)(x − o)‖².
 ///
-/// `None` for fewer than two rays, and for rays that are parallel.
+/// `None` for fewer than two rays, and for parallel rays.
 pub fn closest_point(rays: &[Ray]) -> Option<Point3<f64>> {
     let count = f64::from(u32::try_from(rays.len()).ok().filter(|&n| n >= 2)?);
     // about the mean origin, so that distant worlds lose no digits
@@ -42,6 +42,8 @@ pub fn closest_point(rays: &[Ray]) -> Option<Point3<f64>> {
         .iter()
         .map(|ray| ray.origin_world.coords / count)
         .sum::<Vector3<f64>>();
+
+    // normal equations Σ (I − ddᵀ)·x = Σ (I − ddᵀ)·o
     let mut normal = Matrix3::zeros();
     let mut right = Vector3::zeros();
     for ray in rays {
@@ -50,9 +52,8 @@ pub fn closest_point(rays: &[Ray]) -> Option<Point3<f64>> {
         normal += across / count;
         right += across * (ray.origin_world.coords - mean) / count;
     }
-    let eigen = normal.symmetric_eigenvalues();
-    let least = eigen.min();
-    (least > LEAST_SPREAD)
+
+    (normal.symmetric_eigenvalues().min() > LEAST_SPREAD)
         .then(|| normal.cholesky().map(|n| n.solve(&right)))
         .flatten()
         .map(|x| Point3::from(x + mean))

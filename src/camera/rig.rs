@@ -41,7 +41,7 @@ impl Rig {
             .map(|(index, camera)| (CameraId(index), camera))
     }
 
-    /// The same cameras, each turned so that all that it shows moves by `aims_px`, by moving its principal point.
+    /// The same cameras, each with its principal point moved by its entry of `aims_px`, and with it all that it shows.
     #[must_use]
     pub fn aimed(&self, aims_px: &[Vector2<f64>]) -> Self {
         let mut rig = self.clone();

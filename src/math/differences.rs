@@ -22,8 +22,9 @@ pub fn central_differences(
     DMatrix::from_columns(&columns)
 }
 
-/// The first entry, column after column, in which two Jacobians differ by more than its row's tolerance, or that is no
-/// number: (row, column).
+/// Row and column of the first entry in which two Jacobians differ by more than its row's tolerance, or by NaN.
+///
+/// Searched column after column.
 pub fn first_difference(
     analytic: &DMatrix<f64>,
     numeric: &DMatrix<f64>,

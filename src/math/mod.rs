@@ -1,4 +1,4 @@
-//! Layer 0: what every other layer may use, and what uses none of them.
+//! Mathematics that knows nothing of cameras or bodies: the lowest layer, which all others may use.
 
 mod differences;
 pub mod parabola;

@@ -1,6 +1,6 @@
 //! The parabola through three values at equal distances.
 
-/// Where its summit lies, in distances from the middle value and at most half of one; 0 if it has none.
+/// Where the summit lies, in steps from the middle value, at most half a step away; 0 if there is no summit.
 pub fn summit([before, here, after]: [f64; 3]) -> f64 {
     let curvature = before - 2.0 * here + after;
     if curvature < 0.0 {

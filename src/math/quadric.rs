@@ -38,14 +38,16 @@ pub struct Ellipse {
 /// ∂(ellipse)/∂(ellipsoid), 5 × 9.
 pub type ProjectionJacobian = SMatrix<f64, 5, 9>;
 
-struct Cone {
+/// The dual conic before the division by κ: B, h and κ of the module's text.
+struct DualConic {
     b: Matrix3<f64>,
     h: Vector3<f64>,
     kappa: f64,
 }
 
-impl Cone {
-    fn of(projection: &Matrix3x4<f64>, ellipsoid: &Ellipsoid) -> Option<Self> {
+impl DualConic {
+    /// `None` where the ellipsoid is behind or around the camera.
+    fn new(projection: &Matrix3x4<f64>, ellipsoid: &Ellipsoid) -> Option<Self> {
         let m = projection.fixed_columns::<3>(0);
         let b = m * ellipsoid.shape * m.transpose();
         let h = m * ellipsoid.centre + projection.column(3);
@@ -69,7 +71,7 @@ impl Cone {
 /// # Source
 /// ZS06, App. C; Hartley & Zisserman 2004, result 8.9.
 pub fn project(projection: &Matrix3x4<f64>, ellipsoid: &Ellipsoid) -> Option<Ellipse> {
-    Cone::of(projection, ellipsoid)?.ellipse()
+    DualConic::new(projection, ellipsoid)?.ellipse()
 }
 
 /// [`project`], with the derivative of the ellipse's 5 numbers with respect to the ellipsoid's 9.
@@ -77,14 +79,18 @@ pub fn project_with_jacobian(
     projection: &Matrix3x4<f64>,
     ellipsoid: &Ellipsoid,
 ) -> Option<(Ellipse, ProjectionJacobian)> {
-    let cone = Cone::of(projection, ellipsoid)?;
-    let ellipse = cone.ellipse()?;
+    let conic = DualConic::new(projection, ellipsoid)?;
+    let ellipse = conic.ellipse()?;
     let m = projection.fixed_columns::<3>(0);
     let mut jacobian = ProjectionJacobian::zeros();
+
+    // ∂h/∂c = M
     for i in 0..3 {
         let dh = m.column(i).into_owned();
-        jacobian.set_column(i, &differential(&cone, &ellipse, &Matrix3::zeros(), &dh));
+        jacobian.set_column(i, &differential(&conic, &ellipse, &Matrix3::zeros(), &dh));
     }
+
+    // ∂B/∂Aᵣₛ = mᵣmₛᵀ + mₛmᵣᵀ, once on the diagonal
     for (i, (r, s)) in Ellipsoid::INDEX.into_iter().enumerate() {
         let outer = m.column(r) * m.column(s).transpose();
         let db = if r == s {
@@ -94,19 +100,21 @@ pub fn project_with_jacobian(
         };
         jacobian.set_column(
             3 + i,
-            &differential(&cone, &ellipse, &db, &Vector3::zeros()),
+            &differential(&conic, &ellipse, &db, &Vector3::zeros()),
         );
     }
+
     Some((ellipse, jacobian))
 }
 
+/// The change of the ellipse's 5 numbers when B and h change by `db` and `dh`.
 fn differential(
-    cone: &Cone,
+    conic: &DualConic,
     ellipse: &Ellipse,
     db: &Matrix3<f64>,
     dh: &Vector3<f64>,
 ) -> SMatrix<f64, 5, 1> {
-    let Cone { b, h, kappa } = cone;
+    let DualConic { b, h, kappa } = conic;
     let x = &ellipse.centre;
     let dkappa = 2.0 * h[2] * dh[2] - db[(2, 2)];
     let dx: Vector2<f64> =

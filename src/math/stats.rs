@@ -1,6 +1,6 @@
 //! Location and spread.
 
-/// Mean; `None` of nothing.
+/// Mean; `None` of no values.
 pub fn mean(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     let (sum, count) = values
         .into_iter()
@@ -8,7 +8,7 @@ pub fn mean(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     (count > 0.0).then(|| sum / count)
 }
 
-/// Mean, and standard deviation (n − 1) of two or more; `None` of nothing.
+/// Mean, and the standard deviation (n − 1) if there are two values or more; `None` of no values.
 pub fn mean_and_sd(values: &[f64]) -> Option<(f64, Option<f64>)> {
     let mean = mean(values.iter().copied())?;
     let squares: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
@@ -35,8 +35,9 @@ pub fn median(values: &mut Vec<f64>) -> Option<f64> {
     })
 }
 
-/// Median of whole numbers, of which `counts[v]` are v, as if those of each number were spread evenly over half a step to
-/// either side; 0 of nothing.
+/// Median of whole numbers of which `counts[v]` equal v; 0 of no numbers.
+///
+/// Equal numbers count as spread evenly over half a step to either side, so the median lies between whole numbers.
 pub fn median_of_counts(counts: &[usize]) -> f64 {
     let half = counts.iter().sum::<usize>() as f64 / 2.0;
     let mut below = 0.0;

@@ -44,9 +44,11 @@ pub fn check_linearization<P: Problem>(
     let linearized = problem.linearize(x, &mut model);
     let gradient = model.gradient();
     let cost = problem.cost(x);
+
     if (linearized - cost).abs() > 1e-12 * cost.abs().max(1.0) {
         return Err(LinearizationFault::Cost { linearized, cost });
     }
+
     let numeric = central_differences(gradient.len(), h, |delta| {
         DVector::from_element(1, problem.cost(&problem.retract(x, delta)))
     });

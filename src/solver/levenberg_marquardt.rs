@@ -7,11 +7,11 @@ use super::{Problem, QuadraticModel};
 /// When to stop, and how careful to begin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
-    /// Evaluations of the linearised problem after the first, at most.
+    /// Most linearisations after the first.
     pub max_iterations: usize,
     /// First λ; 0 would be Gauss–Newton.
     pub damping: f64,
-    /// Ends when an accepted step lowers the cost by less than this fraction of it, or a dropped one promised less.
+    /// Ends when an accepted step lowers the cost by less than this fraction of it, or a rejected one promised less.
     pub relative_decrease: f64,
 }
 
@@ -60,12 +60,13 @@ pub struct Solution<S, M> {
     pub report: Report,
 }
 
+/// λ beyond which no step lowers the cost.
 const MAX_DAMPING: f64 = 1e8;
 
 /// Minimises a problem from `start`.
 ///
-/// Every candidate is linearised at once (most are accepted, so a separate cost evaluation would be
-/// work done twice); a candidate of higher cost is dropped and λ grows by Nielsen's rule.
+/// Every candidate is linearised at once: most are accepted, and a separate evaluation of the cost would be work done
+/// twice. A candidate of higher cost is dropped, and λ grows by Nielsen's rule.
 ///
 /// # Source
 /// Marquardt 1963 (scaling by diag H); Madsen, Nielsen, Tingleff 2004, algorithm 3.16.
@@ -81,6 +82,7 @@ pub fn levenberg_marquardt<P: Problem>(
     let mut costs = vec![cost];
     let (mut lambda, mut growth) = (options.damping, 2.0);
     let mut iterations = 0;
+
     let termination = loop {
         if lambda > MAX_DAMPING {
             break Termination::Stalled;
@@ -88,19 +90,23 @@ pub fn levenberg_marquardt<P: Problem>(
         if iterations >= options.max_iterations {
             break Termination::OutOfIterations;
         }
+
+        // more damping where H is not positive definite
         let step = model.minimizer(lambda);
         let Some(delta) = step.filter(|d| d.iter().all(|v| v.is_finite())) else {
             lambda = (lambda * 10.0).max(1e-6);
             continue;
         };
+
         // try the step
         iterations += 1;
         let candidate = problem.retract(&state, &delta);
         candidate_model.clear();
         let candidate_cost = problem.linearize(&candidate, &mut candidate_model);
         let (decrease, promised) = (cost - candidate_cost, model.predicted_decrease(&delta));
+
         if decrease.is_nan() || decrease <= 0.0 {
-            // drop it; with more care less is to be had than it promised
+            // drop it; a shorter step promises even less
             if promised <= options.relative_decrease * cost.abs() {
                 break Termination::Converged;
             }
@@ -111,6 +117,7 @@ pub fn levenberg_marquardt<P: Problem>(
             growth *= 2.0;
             continue;
         }
+
         // take it, and trust the model as far as it was right
         let gain = decrease / promised.max(f64::MIN_POSITIVE);
         lambda *= (1.0 - (2.0 * gain - 1.0).powi(3)).clamp(0.1, 1.0);
@@ -123,6 +130,7 @@ pub fn levenberg_marquardt<P: Problem>(
             break Termination::Converged;
         }
     };
+
     Solution {
         state,
         cost,

@@ -6,8 +6,7 @@ use super::QuadraticModel;
 
 /// `E(x ⊞ δ) ≈ E(x) + gᵀδ + ½ δᵀHδ`, with E = ½ Σ w r², g = JᵀWr, H = JᵀWJ.
 ///
-/// Only the lower triangle of `hessian` is filled by the terms; [`NormalEquations::symmetrize`]
-/// completes it.
+/// Only the lower triangle of `hessian` is filled and read.
 #[derive(Debug, Clone)]
 pub struct NormalEquations {
     /// H, dimension × dimension, lower triangle.
@@ -29,11 +28,6 @@ impl NormalEquations {
     pub fn add_single(&mut self, i: usize, slope: f64, r: f64, w: f64) {
         self.gradient[i] += w * slope * r;
         self.hessian[(i, i)] += w * slope * slope;
-    }
-
-    /// Copies the lower triangle of H to the upper one.
-    pub fn symmetrize(&mut self) {
-        self.hessian.fill_upper_triangle_with_lower_triangle();
     }
 }
 

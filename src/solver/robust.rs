@@ -8,15 +8,15 @@
 //!
 //! r is a residual over its standard deviation, c has no unit. A cost is ½ Σ w ρ(r²).
 
-/// How much a squared residual counts.
+/// What a squared residual costs.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Loss {
-    /// Gaussian noise.
+    /// For Gaussian noise.
     Squared,
-    /// Heavy tails; outliers lose their pull as 1/r.
+    /// For noise with heavy tails; the pull of an outlier falls as 1/r.
     Cauchy(f64),
-    /// Geman–McClure; outliers cost a constant ½c².
+    /// Geman–McClure; an outlier costs at most ½c².
     Geman(f64),
 }
 

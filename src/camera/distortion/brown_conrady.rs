@@ -3,7 +3,7 @@
 use super::{monotone::increases_up_to, polynomial};
 use nalgebra::{Matrix2, Vector2};
 
-/// Newton's iteration converges quadratically; more iterations only occur at the fold.
+/// Newton's iteration converges quadratically: only at the fold does it take more.
 const MAX_ITERATIONS: u32 = 60;
 /// Halvings of a step that would leave the view or raise the residual.
 const MAX_HALVINGS: u32 = 30;
@@ -23,15 +23,18 @@ impl BrownConrady {
         let (x, y) = (point.x, point.y);
         let s = point.norm_squared();
         let [p1, p2] = self.tangential;
+
         // radial factor a(s) = N/D and a′(s)
         let (n, n_slope) = polynomial(&self.numerator, s);
         let (d, d_slope) = polynomial(&self.denominator, s);
         let a = n / d;
         let a_slope = (n_slope - a * d_slope) / d;
+
         let value = Vector2::new(
             x * a + 2.0 * p1 * x * y + p2 * (s + 2.0 * x * x),
             y * a + p1 * (s + 2.0 * y * y) + 2.0 * p2 * x * y,
         );
+
         // ∂s/∂x = 2x, ∂s/∂y = 2y
         let mixed = 2.0 * x * y * a_slope + 2.0 * p1 * x + 2.0 * p2 * y;
         let jacobian = Matrix2::new(
@@ -94,6 +97,7 @@ impl BrownConrady {
         if polynomial_only && s * (3.0 * k1 + s * (5.0 * k2 + s * 7.0 * k3)) < 1.0 {
             return true;
         }
+
         s.is_finite()
             && increases_up_to(s, |s| {
                 let (n, n_slope) = polynomial(&self.numerator, s);

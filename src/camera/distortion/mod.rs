@@ -13,9 +13,9 @@ use serde::{Deserialize, Serialize};
 
 /// How a lens moves the image of a point, on normalised coordinates.
 ///
-/// The three lens models are invertible only within a radius around their centre, beyond which the polynomial
-/// folds back and would show a point far outside the view inside the image. [`Distortion::distort_in_view`] and
-/// [`Distortion::undistort`] give `None` there.
+/// The three lens models are invertible only within a radius around their centre. Beyond it the polynomial folds back
+/// and would show a point far outside the view inside the image. [`Distortion::undistort`] gives `None` there, as does
+/// [`Camera::project`](crate::camera::Camera::project).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Distortion {
@@ -62,9 +62,12 @@ impl Distortion {
         if !known_length || unused.iter().any(|c| c.abs() > 0.0 || c.is_nan()) {
             return None;
         }
+
         if used.iter().all(|&c| c.abs() <= 0.0) {
             return Some(Self::None);
         }
+
+        // coefficients that are not given are zero
         let at = |i: usize| used.get(i).copied().unwrap_or(0.0);
         Some(Self::BrownConrady {
             k1: at(0),
@@ -78,7 +81,9 @@ impl Distortion {
         })
     }
 
-    /// OpenCV's fisheye coefficients k₁ k₂ k₃ k₄; no number at all means four zeros, which is *not* an ideal lens.
+    /// OpenCV's fisheye coefficients k₁ k₂ k₃ k₄; none at all mean four zeros, which is *not* an ideal lens.
+    ///
+    /// `None` of any other number of coefficients.
     pub fn fisheye(coefficients: &[f64]) -> Option<Self> {
         match *coefficients {
             [] => Self::fisheye(&[0.0; 4]),
@@ -87,7 +92,7 @@ impl Distortion {
         }
     }
 
-    /// Distorted coordinates of an undistorted point, by the formula alone, wherever the lens can see it or not.
+    /// Distorted coordinates of an undistorted point, by the formula alone, whether the lens can see it or not.
     ///
     /// NaN where [`Distortion::RadialCorrection`] has no solution.
     pub fn distort(&self, undistorted: &Vector2<f64>) -> Vector2<f64> {
@@ -102,7 +107,7 @@ impl Distortion {
     }
 
     /// Distorted coordinates of an undistorted point; `None` beyond the radius at which the lens model folds.
-    pub fn distort_in_view(&self, undistorted: &Vector2<f64>) -> Option<Vector2<f64>> {
+    pub(crate) fn distort_in_view(&self, undistorted: &Vector2<f64>) -> Option<Vector2<f64>> {
         match self.lens() {
             Lens::Ideal => Some(*undistorted),
             Lens::BrownConrady(lens) => lens
@@ -141,6 +146,7 @@ impl Distortion {
     fn lens(&self) -> Lens {
         match *self {
             Self::None => Lens::Ideal,
+
             Self::BrownConrady {
                 k1,
                 k2,
@@ -155,7 +161,9 @@ impl Distortion {
                 denominator: [k4, k5, k6],
                 tangential: [p1, p2],
             }),
+
             Self::Fisheye { k1, k2, k3, k4 } => Lens::Fisheye(Fisheye([k1, k2, k3, k4])),
+
             Self::RadialCorrection {
                 centre_x,
                 centre_y,

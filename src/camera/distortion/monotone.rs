@@ -1,6 +1,6 @@
 //! Radial functions: where they increase, and their inverse there.
 
-/// Steps in which an interval is searched for the first place where a radial function stops increasing.
+/// Number of steps in which an interval is searched for the place where a radial function stops increasing.
 const STEPS: u32 = 32;
 /// Bisection alone reaches rounding in about 60 halvings.
 const MAX_ITERATIONS: u32 = 100;
@@ -23,6 +23,7 @@ pub(super) fn solve_increasing(
     }
     let (mut below, mut above) = bracket(&f, target, limit)?;
     let mut x = 0.5 * (below + above);
+
     for _ in 0..MAX_ITERATIONS {
         let (value, slope) = f(x);
         if value < target {
@@ -30,12 +31,15 @@ pub(super) fn solve_increasing(
         } else {
             above = x;
         }
+
+        // a step that leaves the bracket is replaced by its middle
         let newton = x - (value - target) / slope;
         let next = if newton > below && newton < above {
             newton
         } else {
             0.5 * (below + above)
         };
+
         if (next - x).abs() <= f64::EPSILON * x {
             return Some(next);
         }

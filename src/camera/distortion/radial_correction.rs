@@ -6,7 +6,7 @@ use super::{
 };
 use nalgebra::{Matrix2, Vector2};
 
-/// No lens moves a point to more than this multiple of its distance from the centre.
+/// No lens moves a point farther from the centre than by this factor.
 const LARGEST_MAGNIFICATION: f64 = 4.0;
 
 /// Centre of distortion and coefficients k₁..k₃.

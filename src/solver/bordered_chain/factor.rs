@@ -1,15 +1,16 @@
-//! L of H + λ·diag H = LLᵀ, in the places of H: a pass forwards; and the step −H⁻¹g, one forwards and one backwards.
+//! The Cholesky factor of a chain, one pass forwards; and the step −H⁻¹g, one pass forwards and one backwards.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::{BorderedChain, Columns};
 
-/// L of H = LLᵀ, in the places of H.
+/// L of H = LLᵀ; its blocks lie where those of H lie.
 pub(super) struct Factor {
     pub(super) links: Vec<FactorLink>,
     pub(super) corner: DMatrix<f64>,
 }
 
+/// The blocks of L in one frame's row.
 pub(super) struct FactorLink {
     pub(super) diagonal: DMatrix<f64>,
     pub(super) couplings: Vec<DMatrix<f64>>,
@@ -18,18 +19,19 @@ pub(super) struct FactorLink {
 
 impl Factor {
     /// Cholesky factor of H + λ·(diag H + ε); `None` where that is not positive definite.
-    pub(super) fn of(chain: &BorderedChain, lambda: f64) -> Option<Self> {
+    pub(super) fn new(chain: &BorderedChain, lambda: f64) -> Option<Self> {
         let floor = 1e-9 * chain.largest_diagonal().max(f64::MIN_POSITIVE);
         let damped = |block: &DMatrix<f64>| {
             let mut block = block.clone();
             (0..block.nrows()).for_each(|k| block[(k, k)] += lambda * (block[(k, k)] + floor));
             block
         };
+
         let mut links: Vec<FactorLink> = Vec::with_capacity(chain.links.len());
         let mut corner = damped(&chain.corner);
         for (i, link) in chain.links.iter().enumerate() {
-            let reach = link.couplings.len();
             // L(i, i−k), the farthest first: each needs those that are farther
+            let reach = link.couplings.len();
             let mut couplings: Vec<DMatrix<f64>> = link.couplings.clone();
             for k in (1..=reach).rev() {
                 for far in k + 1..=reach {
@@ -41,6 +43,8 @@ impl Factor {
                 }
                 divide_right(&mut couplings[k - 1], &links[i - k].diagonal);
             }
+
+            // A and B without what the frames before explain
             let mut diagonal = damped(&link.diagonal);
             let mut border = link.border.clone();
             for (k, coupling) in couplings.iter().enumerate() {
@@ -48,6 +52,7 @@ impl Factor {
                 diagonal.gemm(-1.0, coupling, &transposed, 1.0);
                 border.gemm(-1.0, &links[i - k - 1].border, &transposed, 1.0);
             }
+
             let diagonal = diagonal.cholesky()?.unpack();
             divide_right(&mut border, &diagonal);
             corner.gemm(-1.0, &border, &border.transpose(), 1.0);
@@ -57,6 +62,8 @@ impl Factor {
                 border,
             });
         }
+
+        // a chain that shares nothing has no corner
         let corner = if corner.is_empty() {
             corner
         } else {

@@ -1,4 +1,4 @@
-//! Covariances of a chain: the blocks of H⁻¹ that lie where L has blocks, in one pass backwards, without the others.
+//! Covariances of a chain: only the blocks of H⁻¹ that lie where L has blocks, in one pass backwards.
 //!
 //! Takahashi's recursion: with R the rows of L below frame i, Σ_Ri = −Σ_RR·L_Ri·Lᵢᵢ⁻¹ and
 //! Σᵢᵢ = Lᵢᵢ⁻ᵀLᵢᵢ⁻¹ − Σᵢ_R·L_Ri·Lᵢᵢ⁻¹.
@@ -27,20 +27,23 @@ pub struct Marginal<'a> {
 impl BorderedChain {
     /// Calls `visit(i, Σ)` for every frame, the last one first; `false` if H is not positive definite.
     pub fn marginals(&self, mut visit: impl FnMut(usize, &Marginal<'_>)) -> bool {
-        let Some(factor) = Factor::of(self, 0.0) else {
+        let Some(factor) = Factor::new(self, 0.0) else {
             return false;
         };
         let shared = inverse_of_square(&factor.corner);
-        // Σ of the frames behind, nearest first: (frame, cross with shared, with the frames behind it)
+        // nearest first
         let mut behind: Vec<Behind> = Vec::new();
+
         for (i, link) in factor.links.iter().enumerate().rev() {
             let reach = behind.len();
             let below = |k: usize| &factor.links[i + k + 1].couplings[k];
+
             // W = L_Ri · Lᵢᵢ⁻¹ for every row block R below
             let w: Vec<DMatrix<f64>> = (0..reach)
                 .map(|k| divided_right_t(below(k), &link.diagonal))
                 .collect();
             let w_border = divided_right_t(&link.border, &link.diagonal);
+
             // Σ_Ri = −Σ_RR W
             let mut cross = -(&shared * &w_border);
             for (b, w) in behind.iter().zip(&w) {
@@ -55,6 +58,7 @@ impl BorderedChain {
                     block
                 })
                 .collect();
+
             // Σᵢᵢ = Lᵢᵢ⁻ᵀLᵢᵢ⁻¹ − Σᵢ_R W
             let mut frame = inverse_of_square(&link.diagonal) - cross.transpose() * &w_border;
             for (block, w) in to_behind.iter().zip(&w) {
@@ -62,6 +66,7 @@ impl BorderedChain {
             }
             // rounding that breaks the symmetry grows from frame to frame
             frame = (&frame + frame.transpose()) * 0.5;
+
             visit(
                 i,
                 &Marginal {
@@ -70,6 +75,8 @@ impl BorderedChain {
                     shared: &shared,
                 },
             );
+
+            // the frames before are coupled to so many behind
             behind.insert(
                 0,
                 Behind {

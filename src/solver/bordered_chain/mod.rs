@@ -47,17 +47,17 @@ pub struct BorderedChain {
     pub corner_gradient: DVector<f64>,
 }
 
-/// Columns of as many components as a chain has.
+/// Right-hand sides or solutions of a chain's equations, as columns.
 #[derive(Debug, Clone)]
 pub struct Columns {
-    /// Those of each frame, m × columns.
+    /// The components of each frame, m × columns.
     pub frames: Vec<DMatrix<f64>>,
     /// The shared ones, p × columns.
     pub shared: DMatrix<f64>,
 }
 
 impl BorderedChain {
-    /// The zero model of `frames` blocks of m components, each coupled to `reach` before it, and p shared components.
+    /// The zero model of `frames` blocks of m components, each coupled to the `reach` blocks before it, and p shared components.
     pub fn zeros(frames: usize, m: usize, p: usize, reach: usize) -> Self {
         let link = |i: usize| Link {
             diagonal: DMatrix::zeros(m, m),
@@ -74,7 +74,7 @@ impl BorderedChain {
 
     /// H⁻¹Y; `None` where H is not positive definite.
     pub fn solve(&self, y: Columns) -> Option<Columns> {
-        Some(Factor::of(self, 0.0)?.solve(y.frames, y.shared))
+        Some(Factor::new(self, 0.0)?.solve(y.frames, y.shared))
     }
 
     fn largest_diagonal(&self) -> f64 {
@@ -108,7 +108,7 @@ impl QuadraticModel for BorderedChain {
     }
 
     fn minimizer(&self, lambda: f64) -> Option<DVector<f64>> {
-        Some(Factor::of(self, lambda)?.minimizer(self))
+        Some(Factor::new(self, lambda)?.minimizer(self))
     }
 
     fn predicted_decrease(&self, delta: &DVector<f64>) -> f64 {
@@ -117,6 +117,7 @@ impl QuadraticModel for BorderedChain {
             .rows(self.links.len() * m, self.corner.nrows())
             .into_owned();
         let step = |i: usize| delta.rows(i * m, m).into_owned();
+
         let mut curvature = quadratic(&self.corner, &shared);
         let mut slope = self.corner_gradient.dot(&shared);
         for (i, link) in self.links.iter().enumerate() {
