@@ -71,7 +71,7 @@ fn multiply_add_peak() -> f64 {
 fn field_rate() -> f64 {
     let walker = Walker::new();
     let body = Posed::new(&walker.model, &walker.shape, &walker.motion);
-    let field = Field::of(&body);
+    let field = Field::from_body(&body);
     let slopes = FieldSlopes::new(&body, &field);
     let touched = walker.rays.residuals(&body);
     let (mut sampler, mut sample) = (Sampler::new(&field), FieldSample::default());
@@ -154,7 +154,7 @@ fn frame_linearization(bencher: divan::Bencher<'_, '_>) {
         position_world: hull.centroid_world.coords,
         ..Motion::rest(&scene.model)
     };
-    let mut equations = NormalEquations::zeros(Layout::of(&scene.model).motion());
+    let mut equations = NormalEquations::zeros(Layout::new(&scene.model).motion());
     let points = term.placed_residuals(&Posed::new(&scene.model, &shape, &motion));
     let items = points.len() * scene.model.ellipsoids.len();
     bencher.counter(ItemsCount::new(items)).bench_local(|| {
@@ -238,7 +238,7 @@ impl Walker {
     }
 
     fn linearize(&self, bencher: divan::Bencher<'_, '_>, term: &dyn Term, pairs: usize) {
-        let mut equations = NormalEquations::zeros(Layout::of(&self.model).total());
+        let mut equations = NormalEquations::zeros(Layout::new(&self.model).total());
         bencher.counter(ItemsCount::new(pairs)).bench_local(|| {
             equations.clear();
             let body = Posed::new(&self.model, &self.shape, &self.motion);
@@ -278,7 +278,7 @@ fn point_linearization(bencher: divan::Bencher<'_, '_>) {
 fn field_with_slopes(bencher: divan::Bencher<'_, '_>) {
     let walker = Walker::new();
     let body = Posed::new(&walker.model, &walker.shape, &walker.motion);
-    let field = Field::of(&body);
+    let field = Field::from_body(&body);
     let slopes = FieldSlopes::new(&body, &field);
     let touched = walker.rays.residuals(&body);
     let (mut sampler, mut sample) = (Sampler::new(&field), FieldSample::default());
@@ -319,7 +319,7 @@ fn joint_marginals(bencher: divan::Bencher<'_, '_>, frames: usize) {
 /// A positive definite chain of the size of `human-metaballs`.
 fn person_chain(frames: usize) -> BorderedChain {
     let model = model::load("human-metaballs", Path::new("")).expect("a shipped model");
-    let layout = Layout::of(&model);
+    let layout = Layout::new(&model);
     let (m, p) = (layout.motion(), layout.total() - layout.motion());
     let mut chain = BorderedChain::zeros(frames, m, p, 2);
     for (i, link) in chain.links.iter_mut().enumerate() {

@@ -40,7 +40,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut found = Vec::new();
     for _ in 0..RUNS {
         let begin = Instant::now();
-        let gradient = Gradient::of(std::slice::from_ref(&picture), 1.2);
+        let gradient = Gradient::new(std::slice::from_ref(&picture), 1.2);
         let mut snake = Snake::new(&start, Ends::Closed, options).ok_or("no contour")?;
         snake.settle(&gradient);
         found = snake.points(&gradient);

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use maquette::body::{
-    BodyModel, Joint, Layout, Motion, Placed, Posed, Shape, State, check_kinematics,
+    BodyModel, Joint, Layout, Motion, PlacedBody, Posed, Shape, State, check_kinematics,
 };
 use maquette::io::model;
 use nalgebra::{DMatrix, DVector};
@@ -34,7 +34,7 @@ fn derivatives_are_those_of_the_positions_at_rest() {
 #[test]
 fn derivatives_hold_at_angles_of_a_hundred_millionth() {
     for model in shipped() {
-        let layout = Layout::of(&model);
+        let layout = Layout::new(&model);
         let state = layout.retract(
             &at_rest(&model),
             &DVector::from_element(layout.total(), 1e-8),
@@ -47,7 +47,7 @@ fn derivatives_hold_at_angles_of_a_hundred_millionth() {
 fn derivatives_hold_in_random_poses_and_shapes() {
     let mut rng = ChaCha8Rng::seed_from_u64(20);
     for model in shipped() {
-        let layout = Layout::of(&model);
+        let layout = Layout::new(&model);
         for _ in 0..5 {
             let delta = DVector::from_fn(layout.total(), |_, _| rng.random_range(-1.0..1.0));
             check_kinematics(&model, &layout.retract(&at_rest(&model), &delta), 1e-8).unwrap();
@@ -59,7 +59,7 @@ fn derivatives_hold_in_random_poses_and_shapes() {
 fn the_motion_difference_undoes_the_retraction() {
     let mut rng = ChaCha8Rng::seed_from_u64(21);
     for model in shipped() {
-        let layout = Layout::of(&model);
+        let layout = Layout::new(&model);
         let from = Motion::rest(&model);
         let delta = DVector::from_fn(layout.motion(), |_, _| rng.random_range(-0.5..0.5));
         let back = layout.motion_difference(&from, &layout.retract_motion(&from, &delta));
@@ -68,7 +68,7 @@ fn the_motion_difference_undoes_the_retraction() {
 }
 
 /// What the places of a body's joints do to a point, a column for each: metres per standard deviation.
-fn moved_by_places(model: &BodyModel, placed: &Placed, index: usize) -> DMatrix<f64> {
+fn moved_by_places(model: &BodyModel, placed: &PlacedBody, index: usize) -> DMatrix<f64> {
     let shape = placed.shape(&Shape(model.statistics.mean.clone()));
     let mut motion = placed.motion(&Motion::rest(model));
     motion.angles.fill(0.0);
@@ -81,7 +81,7 @@ fn moved_by_places(model: &BodyModel, placed: &Placed, index: usize) -> DMatrix<
 fn a_thigh_turns_in_its_flesh_as_far_as_hip_and_knee_lie_elsewhere_over_its_length() {
     let model = model::load("human-ellipsoids", Path::new("")).unwrap();
     let shape = Shape(model.statistics.mean.clone());
-    let placed = Placed::of(&model, &shape);
+    let placed = PlacedBody::new(&model, &shape);
     let body = Posed::new(&model, &shape, &Motion::rest(&model));
     let place = |name: &str| body.points()[model.point(name).unwrap()];
     let length = (place("RKnee") - place("RHip")).norm();
@@ -97,7 +97,7 @@ fn a_thigh_turns_in_its_flesh_as_far_as_hip_and_knee_lie_elsewhere_over_its_leng
 #[test]
 fn flesh_that_is_not_told_from_its_bones_has_no_places() {
     let model = model::load("arm", Path::new("")).unwrap();
-    let placed = Placed::of(&model, &Shape(model.statistics.mean.clone()));
+    let placed = PlacedBody::new(&model, &Shape(model.statistics.mean.clone()));
     assert_eq!((placed.count(), placed.turns.nrows()), (0, 0));
     assert_eq!(placed.model, model);
 }
@@ -105,7 +105,7 @@ fn flesh_that_is_not_told_from_its_bones_has_no_places() {
 #[test]
 fn what_hips_leave_open_of_their_distance_is_their_sideways_doubt_twice() {
     let model = model::load("human-ellipsoids", Path::new("")).unwrap();
-    let placed = Placed::of(&model, &Shape(model.statistics.mean.clone()));
+    let placed = PlacedBody::new(&model, &Shape(model.statistics.mean.clone()));
     let [right, left] = ["RHip", "LHip"].map(|name| model.point(name).unwrap());
     let sd = model.points[right].sd_m;
     let [at_right, at_left] = [right, left].map(|index| moved_by_places(&model, &placed, index));

@@ -66,7 +66,7 @@ impl Set {
 
     fn mask(&self, camera: usize) -> Mask {
         let body = Posed::new(&self.model, &self.shape, &self.truth);
-        render::silhouette(&self.rig.cameras[camera], &Field::of(&body))
+        render::silhouette(&self.rig.cameras[camera], &Field::from_body(&body))
     }
 
     /// The body bright before a dark ground; `None` of `shown` is a flat picture.
@@ -97,7 +97,7 @@ impl Set {
 
     /// Overlap of a body's own outline with the person, of either camera.
     fn overlaps(&self, shape: &Shape, motion: &Motion) -> [f64; 2] {
-        let field = Field::of(&Posed::new(&self.model, shape, motion));
+        let field = Field::from_body(&Posed::new(&self.model, shape, motion));
         [0, 1].map(|i| {
             overlap(
                 &render::silhouette(&self.rig.cameras[i], &field),

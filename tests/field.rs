@@ -36,7 +36,7 @@ fn at_rest(model: &BodyModel) -> State {
 /// At rest, straight, with angles of 1e-8, and in random poses and shapes.
 fn states(model: &BodyModel) -> Vec<State> {
     let mut rng = ChaCha8Rng::seed_from_u64(70);
-    let layout = Layout::of(model);
+    let layout = Layout::new(model);
     let mut straight = at_rest(model);
     straight.motion.angles.fill(0.0);
     let mut tiny = straight.clone();
@@ -68,7 +68,7 @@ fn every_case(mut check: impl FnMut(&BodyModel, &State, &Point3<f64>)) {
     let mut rng = ChaCha8Rng::seed_from_u64(71);
     for model in models() {
         for state in states(&model) {
-            let field = Field::of(&Posed::new(&model, &state.shape, &state.motion));
+            let field = Field::from_body(&Posed::new(&model, &state.shape, &state.motion));
             for point in points(&field, &mut rng) {
                 check(&model, &state, &point);
             }
@@ -92,7 +92,7 @@ fn derivatives_hold_with_two_metaballs_in_one_place() {
         let doubled = model.metaballs.clone();
         model.metaballs.extend(doubled);
         let state = states(&model).remove(3);
-        let field = Field::of(&Posed::new(&model, &state.shape, &state.motion));
+        let field = Field::from_body(&Posed::new(&model, &state.shape, &state.motion));
         for ball in field.metaballs.iter().step_by(5) {
             let beside = ball.ellipsoid.centre + Vector3::new(0.02, 0.0, -0.01);
             for point in [ball.ellipsoid.centre, beside] {
@@ -108,7 +108,7 @@ fn a_wrong_radius_slope_is_caught() {
     for mut model in models() {
         let state = at_rest(&model);
         let centre = {
-            let field = Field::of(&Posed::new(&model, &state.shape, &state.motion));
+            let field = Field::from_body(&Posed::new(&model, &state.shape, &state.motion));
             field.metaballs[0].ellipsoid.centre
         };
         let point = Point3::from(centre + Vector3::new(0.03, 0.02, 0.01));
@@ -147,7 +147,7 @@ fn compare(
     point: &Point3<f64>,
 ) -> Result<(), String> {
     let body = Posed::new(model, &state.shape, &state.motion);
-    let field = Field::of(&body);
+    let field = Field::from_body(&body);
     let slopes = FieldSlopes::new(&body, &field);
     let sample = field.sample(&point.coords).expect("there are metaballs");
     let dual = DualField::new(truth, state, point, sample.limb);
@@ -174,7 +174,7 @@ fn compare(
     }
     // in the state
     let mut row = FieldRow::default();
-    let total = Layout::of(model).total();
+    let total = Layout::new(model).total();
     for k in 0..3 {
         let mut analytic = vec![(0.0, 0.0); total];
         slopes.row(&sample, |_| 1.0, &Vector3::zeros(), &mut row);

@@ -55,7 +55,7 @@ impl Scene {
         let rig = rig(3);
         let shape = Shape(model.statistics.mean.clone());
         let motion = walk(&model, &shape, 10.0, 1).remove(0);
-        let field = Field::of(&Posed::new(&model, &shape, &motion));
+        let field = Field::from_body(&Posed::new(&model, &shape, &motion));
         let seen = |camera| {
             let mask = silhouette(camera, &field);
             extract(&mask, camera, &SilhouetteOptions::default()).expect("the person is seen")
@@ -71,7 +71,7 @@ impl Scene {
     /// The state moved by random amounts of this size: metres, radians and coefficients.
     fn displaced(&self, state: &State, size: f64, seed: u64) -> State {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let layout = Layout::of(&self.model);
+        let layout = Layout::new(&self.model);
         let delta = DVector::from_fn(layout.total(), |_, _| size * rng.random_range(-1.0..1.0));
         layout.retract(state, &delta)
     }
@@ -102,7 +102,7 @@ impl Scene {
     /// Points on the skin of the truth: rays from each metaball's centre outwards.
     fn surface(&self) -> Vec<SurfacePoint> {
         let mut rng = ChaCha8Rng::seed_from_u64(43);
-        let field = Field::of(&Posed::new(
+        let field = Field::from_body(&Posed::new(
             &self.model,
             &self.truth.shape,
             &self.truth.motion,
@@ -196,7 +196,7 @@ impl Problem for Alone<'_> {
     type Model = NormalEquations;
 
     fn empty_model(&self) -> NormalEquations {
-        NormalEquations::zeros(Layout::of(self.model).total())
+        NormalEquations::zeros(Layout::new(self.model).total())
     }
 
     fn cost(&self, x: &State) -> f64 {
@@ -209,7 +209,7 @@ impl Problem for Alone<'_> {
     }
 
     fn retract(&self, x: &State, delta: &DVector<f64>) -> State {
-        Layout::of(self.model).retract(x, delta)
+        Layout::new(self.model).retract(x, delta)
     }
 }
 
@@ -274,7 +274,7 @@ fn first_order_derivatives_break_the_law() {
 #[test]
 fn a_term_has_no_other_gradient_in_the_motion_when_the_shape_is_free() {
     let scene = Scene::new();
-    let layout = Layout::of(&scene.model);
+    let layout = Layout::new(&scene.model);
     let state = scene.displaced(&scene.truth, 0.05, 42);
     let body = Posed::new(&scene.model, &state.shape, &state.motion);
     for (_, term) in scene.terms() {
@@ -308,7 +308,7 @@ fn a_ray_that_misses_the_body_by_a_metre_still_pulls() {
     let mut state = scene.truth.clone();
     state.motion.position_world.y += 1.0;
     let body = Posed::new(&scene.model, &state.shape, &state.motion);
-    let mut equations = NormalEquations::zeros(Layout::of(&scene.model).total());
+    let mut equations = NormalEquations::zeros(Layout::new(&scene.model).total());
     scene
         .rays(RayOptions::default())
         .linearize(&body, &mut equations);
@@ -335,7 +335,7 @@ fn a_point_belongs_to_the_part_whose_metaball_it_is_on() {
     let scene = Scene::new();
     let State { motion, shape } = &scene.truth;
     let body = Posed::new(&scene.model, shape, motion);
-    let field = Field::of(&body);
+    let field = Field::from_body(&body);
     let centres = field.metaballs.iter().map(|m| m.ellipsoid.centre.into());
     let belongings = associate(&body, centres);
     let limbs = scene.model.limbs();

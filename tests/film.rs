@@ -59,7 +59,7 @@ fn the_mask_is_where_the_body_is_that_the_truth_tells() {
             for frame in [0, 5, 11] {
                 let shot = studio.shot(FrameIndex(frame)).expect("a frame");
                 let body = film.synthetic.posed(FrameIndex(frame)).expect("a frame");
-                let cast = render::silhouette(camera, &Field::of(&body));
+                let cast = render::silhouette(camera, &Field::from_body(&body));
                 let overlap = overlap(&shot.mask, &cast);
                 assert!(overlap > 0.85, "seed {seed} frame {frame}: {overlap}");
                 let edge = (0..120).any(|y| shot.mask.is_foreground(0, y));

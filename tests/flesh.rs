@@ -94,7 +94,7 @@ fn its_derivatives_are_those_of_its_place() {
         }
     }
     let components = &EllipsoidJacobians::new(&model).components[0];
-    let layout = Layout::of(&model);
+    let layout = Layout::new(&model);
     assert_eq!(components.len(), 3, "{components:?} of {}", layout.total());
 }
 

@@ -70,7 +70,7 @@ impl Scene {
 
     fn displaced(&self, state: &State, size: f64, seed: u64) -> State {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let layout = Layout::of(&self.model);
+        let layout = Layout::new(&self.model);
         let delta = DVector::from_fn(layout.total(), |_, _| size * rng.random_range(-1.0..1.0));
         layout.retract(state, &delta)
     }
@@ -186,7 +186,7 @@ fn the_frame_posterior_is_linearized_right_with_every_likelihood() {
 #[test]
 fn a_likelihood_alone_has_no_other_gradient_in_the_motion_when_the_shape_is_free() {
     let scene = Scene::new();
-    let layout = Layout::of(&scene.model);
+    let layout = Layout::new(&scene.model);
     for (_, options) in likelihoods() {
         let state = scene.moved(0.05, 42);
         let body = Posed::new(&scene.model, &state.shape, &state.motion);
@@ -251,7 +251,7 @@ where
     type State = State;
     type Model = NormalEquations;
     fn empty_model(&self) -> NormalEquations {
-        NormalEquations::zeros(Layout::of(self.model).total())
+        NormalEquations::zeros(Layout::new(self.model).total())
     }
     fn cost(&self, x: &State) -> f64 {
         (self.cost)(x)
@@ -260,7 +260,7 @@ where
         (self.linearize)(x, equations)
     }
     fn retract(&self, x: &State, delta: &DVector<f64>) -> State {
-        Layout::of(self.model).retract(x, delta)
+        Layout::new(self.model).retract(x, delta)
     }
 }
 
@@ -278,7 +278,7 @@ fn states(model: &BodyModel, sizes: &[f64]) -> Vec<State> {
         motion: Motion::rest(model),
         shape: Shape(model.statistics.mean.clone()),
     };
-    let layout = Layout::of(model);
+    let layout = Layout::new(model);
     let mut random = |size: f64| {
         let delta = DVector::from_fn(layout.total(), |_, _| size * rng.random_range(-1.0..1.0));
         layout.retract(&rest, &delta)
@@ -290,7 +290,7 @@ fn states(model: &BodyModel, sizes: &[f64]) -> Vec<State> {
 fn the_shape_prior_is_linearized_right() {
     for model in shipped() {
         let prior = ShapePrior::new(&model);
-        let first = Layout::of(&model).motion();
+        let first = Layout::new(&model).motion();
         let problem = Prior {
             model: &model,
             cost: |x: &State| prior.cost(&x.shape),
@@ -356,7 +356,7 @@ fn the_step_prior_is_linearized_right_for_rotations_up_to_nearly_half_a_turn() {
                     prior.linearize(&mean.motion, &x.motion, e)
                 },
             };
-            let layout = Layout::of(&model);
+            let layout = Layout::new(&model);
             // at the mean the gradient vanishes, and the logarithm of a rotation is known to 1e-8 only
             for (angle, tolerance) in [
                 (0.0, 1e-2),

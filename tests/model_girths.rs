@@ -213,7 +213,7 @@ fn the_skin_is_as_tall_as_the_ellipsoids_and_as_its_source() {
 fn the_left_skin_is_the_mirror_image_of_the_right() {
     let (model, shape, motion) = human();
     let body = Posed::new(&model, &shape, &motion);
-    let field = Field::of(&body);
+    let field = Field::from_body(&body);
     for ball in &field.metaballs {
         let point = ball.ellipsoid.centre + Vector3::new(0.03, -0.05, 0.02);
         let mirrored = Vector3::new(point.x, -point.y, point.z);

@@ -85,7 +85,7 @@ fn the_left_side_is_the_mirror_image_of_the_right() {
     approx::assert_relative_eq!(left.y, 0.015, epsilon = 1e-12);
     approx::assert_relative_eq!(right.z, left.z, epsilon = 1e-12);
     assert_eq!(model.root, Root::Fixed);
-    assert_eq!(Layout::of(&model).total(), 4);
+    assert_eq!(Layout::new(&model).total(), 4);
 }
 
 #[test]

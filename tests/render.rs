@@ -21,7 +21,7 @@ fn standing_field() -> Field {
     let model = walker();
     let mut motion = Motion::rest(&model);
     motion.position_world = Vector3::new(0.0, 0.0, 0.985);
-    Field::of(&Posed::new(
+    Field::from_body(&Posed::new(
         &model,
         &Shape(model.statistics.mean.clone()),
         &motion,

@@ -121,7 +121,7 @@ fn check_poses(model: &BodyModel, slack: f64) {
         // 64 to 70 litres, as these two bodies have it
         let volume = mesh.volume();
         assert!((0.055..0.075).contains(&volume), "{name}: {volume} m³");
-        let field = Field::of(&body);
+        let field = Field::from_body(&body);
         let count = mesh.vertices.len() as f64;
         let is_near = |v: &&nalgebra::Vector3<f64>| distance(&field, v) < 0.003;
         let share = mesh.vertices.iter().filter(is_near).count() as f64 / count;
@@ -156,7 +156,7 @@ fn every_vertex_of_an_arm_is_on_the_field() {
     let body = Posed::new(&model, &shape, &motion);
     let mesh = skin(&body, &SkinOptions::default()).expect("a skin");
     check("arm", &mesh);
-    let field = Field::of(&body);
+    let field = Field::from_body(&body);
     let farthest = mesh.vertices.iter().map(|v| distance(&field, v));
     let farthest = farthest.fold(0.0, f64::max);
     assert!(farthest < 1e-4, "{farthest} m");
@@ -191,7 +191,7 @@ fn the_papers_patches_stay_within_millimetres_of_the_field_and_the_finish_puts_t
         motion(&model, &[("shoulder_abduction", 88.0)]),
     );
     let body = Posed::new(&model, &shape, &motion);
-    let field = Field::of(&body);
+    let field = Field::from_body(&body);
     let median = |finish| {
         let options = SkinOptions {
             finish,
@@ -245,7 +245,7 @@ fn a_single_chain_is_a_closed_tube_also_when_it_bends_far() {
         let body = Posed::new(&model, &shape, &motion);
         let mesh = skin(&body, &SkinOptions::default()).expect("a skin");
         check(&format!("{degrees}°"), &mesh);
-        let field = Field::of(&body);
+        let field = Field::from_body(&body);
         let far = mesh.vertices.iter().filter(|v| distance(&field, v) > 0.003);
         let share = far.count() as f64 / mesh.vertices.len() as f64;
         assert!(share < 0.02, "{degrees}°: {share} of the vertices");

@@ -114,7 +114,7 @@ pub(super) fn run(arguments: &SkinArguments) -> Result<(), CliError> {
             format,
         )?;
         if arguments.picture {
-            let field = Field::of(&Posed::new(&model, &shape, motion));
+            let field = Field::from_body(&Posed::new(&model, &shape, motion));
             write_portrait(&field, &folder.join(format!("{name}.png")))?;
         }
         bar.inc(1);
@@ -189,7 +189,7 @@ pub(super) fn of_model(
         ));
     }
     if let Some(path) = picture {
-        write_portrait(&Field::of(&body), path)?;
+        write_portrait(&Field::from_body(&body), path)?;
         print(&format!("{}\n", path.display()));
     }
     Ok(())

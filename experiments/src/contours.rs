@@ -23,7 +23,7 @@ pub struct Score {
 impl Score {
     /// Compares two masks of the same size.
     pub fn of(found: &Mask, truth: &Mask) -> Self {
-        let borders = [found, truth].map(|mask| trace(&Runs::of(mask)));
+        let borders = [found, truth].map(|mask| trace(&Runs::from_mask(mask)));
         let [there, back] = [(0, 1), (1, 0)].map(|(a, b)| mean_distance(&borders[a], &borders[b]));
         Self {
             overlap: overlap(found, truth),
@@ -82,7 +82,7 @@ const FOUND: Rgb = [255, 60, 40];
 pub fn compared(photograph: &Picture, found: &Mask, truth: &Mask) -> Picture {
     let mut canvas = Canvas::from_pixels(photograph.clone());
     for (mask, color) in [(truth, TRUE), (found, FOUND)] {
-        let borders = trace(&Runs::of(mask));
+        let borders = trace(&Runs::from_mask(mask));
         let segments = borders.iter().flat_map(sides);
         let segments: Vec<_> = segments.map(|(a, b)| [a, b]).collect();
         let pen = Pen {

@@ -31,7 +31,7 @@ pub fn check_kinematics(
     state: &State,
     tolerance: f64,
 ) -> Result<(), KinematicsFault> {
-    let layout = Layout::of(model);
+    let layout = Layout::new(model);
     let body = Posed::new(model, &state.shape, &state.motion);
     for index in 0..model.points.len() {
         let numeric = central_differences(layout.total(), 1e-3, |delta| {

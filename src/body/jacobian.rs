@@ -26,7 +26,7 @@ pub struct EllipsoidJacobians {
 impl EllipsoidJacobians {
     /// Memory for a model's ellipsoids, to be filled by [`EllipsoidJacobians::update`].
     pub fn new(model: &BodyModel) -> Self {
-        let layout = Layout::of(model);
+        let layout = Layout::new(model);
         let components: Vec<_> = model
             .ellipsoids
             .iter()
@@ -41,7 +41,7 @@ impl EllipsoidJacobians {
 
     /// Fills the values at a pose.
     pub fn update(&mut self, body: &Posed<'_>, ellipsoids: &[Ellipsoid]) {
-        let layout = Layout::of(body.model);
+        let layout = Layout::new(body.model);
         let all = body
             .model
             .ellipsoids
@@ -170,7 +170,7 @@ pub(super) fn stretch_columns(
 impl Posed<'_> {
     /// ∂(rotation of a part)/∂(state) about the part's own axes, 3 × all components.
     pub fn rotation_jacobian(&self, part: PartId) -> DMatrix<f64> {
-        let layout = Layout::of(self.model);
+        let layout = Layout::new(self.model);
         let mut jacobian = DMatrix::zeros(3, layout.total());
         let part_from_world = self.world_from_part(part).transpose();
         let mut turn = |component: usize, axis_world: Vector3<f64>| {
@@ -180,7 +180,7 @@ impl Posed<'_> {
             let root = self.frames[0].world_from_frame;
             (0..3).for_each(|k| turn(3 + k, root.column(k).into_owned()));
         }
-        let frame = FrameId::of(self.model.parts[part.0].joint);
+        let frame = FrameId::from_joint(self.model.parts[part.0].joint);
         for (frame, by) in self.model.path(frame) {
             turn(layout.angle(by.joint), self.turns_world[frame.0]);
         }
@@ -189,11 +189,11 @@ impl Posed<'_> {
 
     /// ∂(exported point)/∂(state), 3 × all components.
     pub fn point_jacobian(&self, index: usize) -> DMatrix<f64> {
-        let layout = Layout::of(self.model);
+        let layout = Layout::new(self.model);
         let mut jacobian = DMatrix::zeros(3, layout.total());
         let places = &self.model.points[index].places;
         for (part, place) in places {
-            let frame = FrameId::of(self.model.parts[part.0].joint);
+            let frame = FrameId::from_joint(self.model.parts[part.0].joint);
             point_columns(self, layout, frame, place, |component, d| {
                 let mut column = jacobian.column_mut(component);
                 column += d / places.len() as f64;

@@ -99,7 +99,7 @@ mod tests {
         };
         let ball = |part: usize| Primitive {
             part: PartId(part),
-            frame: FrameId::of(joint_of(part)),
+            frame: FrameId::from_joint(joint_of(part)),
             centre: fixed([0.1, 0.0, 0.0]),
             radii: fixed([0.1; 3]),
             part_from_primitive: Rotation3::identity(),

@@ -22,7 +22,7 @@ pub use model::{
     Pose, Primitive, Root, ShapeStatistics, Turn,
 };
 pub(crate) use places::Displacements;
-pub use places::Placed;
+pub use places::PlacedBody;
 pub use posed::Posed;
 pub use scaled::{Scale, ScaledVector, Shift};
 pub use state::{Layout, Motion, Shape, State};

@@ -14,7 +14,7 @@ pub struct FrameId(pub usize);
 
 impl FrameId {
     /// The frame of a joint, or the root's.
-    pub fn of(joint: Option<JointId>) -> Self {
+    pub fn from_joint(joint: Option<JointId>) -> Self {
         Self(joint.map_or(0, |j| j.0 + 1))
     }
 }
@@ -303,7 +303,7 @@ impl BodyModel {
         let joint = frame.0.checked_sub(1)?;
         match self.joints.get(joint) {
             Some(own) => Some(Turn {
-                parent: FrameId::of(own.parent),
+                parent: FrameId::from_joint(own.parent),
                 joint: JointId(joint),
                 share: 1.0,
             }),

@@ -29,19 +29,19 @@ use super::{
 
 /// A body with the places c of joints and points as coefficients after those of s, and joints that turn flesh after its own.
 #[derive(Debug, Clone)]
-pub struct Placed {
+pub struct PlacedBody {
     /// The body.
     pub model: BodyModel,
     /// What c does to the angles of the joints that turn flesh: −∂ω/∂c, rad per standard deviation.
     pub turns: DMatrix<f64>,
 }
 
-impl Placed {
+impl PlacedBody {
     /// The places about which a body of this shape is linear.
-    pub fn of(model: &BodyModel, shape: &Shape) -> Self {
+    pub fn new(model: &BodyModel, shape: &Shape) -> Self {
         let straight = Motion::straight(model);
         let straight = Posed::new(model, shape, &straight);
-        let moved = Displacements::of(&straight);
+        let moved = Displacements::new(&straight);
         let mut placed = Self {
             model: model.clone(),
             turns: DMatrix::zeros(0, moved.count),
@@ -108,7 +108,7 @@ impl Placed {
             };
             let translation = &mut self.model.joints[joint.0].translation;
             let own = moved.in_part(straight, parent, &moved.world[part]);
-            let carried = own + moved.of_flesh(parent, &translation.at(straight.shape));
+            let carried = own + moved.flesh(parent, &translation.at(straight.shape));
             translation.shifts.extend(shifts(&carried));
         }
         let primitives = self.model.ellipsoids.iter_mut();
@@ -123,7 +123,7 @@ impl Placed {
             for (part, at) in places.filter(|(_, at)| at.value != Vector3::zeros()) {
                 let own = &moved.world[model.parts.len() + index];
                 let own = moved.in_part(straight, part.0, own);
-                let place = own + moved.of_flesh(part.0, &at.at(straight.shape));
+                let place = own + moved.flesh(part.0, &at.at(straight.shape));
                 at.shifts.extend(shifts(&place));
             }
         }
@@ -161,7 +161,7 @@ impl Placed {
     /// Joints x, y, z about a part's origin; its flesh, where it does not follow by a share, is theirs.
     fn add_joints(&mut self, part: PartId) {
         let model = &mut self.model;
-        let before = FrameId::of(model.parts[part.0].joint);
+        let before = FrameId::from_joint(model.parts[part.0].joint);
         let mut parent = model.parts[part.0].joint;
         for axis in [Vector3::x_axis(), Vector3::y_axis(), Vector3::z_axis()] {
             let name = format!(
@@ -184,7 +184,7 @@ impl Placed {
         }
         let primitives = model.ellipsoids.iter_mut().chain(&mut model.metaballs);
         for primitive in primitives.filter(|p| p.part == part && p.frame == before) {
-            primitive.frame = FrameId::of(parent);
+            primitive.frame = FrameId::from_joint(parent);
         }
     }
 
@@ -198,7 +198,7 @@ impl Placed {
         else {
             return;
         };
-        let own = FrameId::of(joints.last().copied());
+        let own = FrameId::from_joint(joints.last().copied());
         let primitives = model.ellipsoids.iter().chain(&model.metaballs);
         let follow = primitives.filter(|p| p.part.0 == part && p.frame != own);
         let mut frames: Vec<FrameId> = follow.map(|p| p.frame).collect();
@@ -239,7 +239,7 @@ pub(crate) struct Displacements {
 }
 
 impl Displacements {
-    pub(crate) fn of(straight: &Posed<'_>) -> Self {
+    pub(crate) fn new(straight: &Posed<'_>) -> Self {
         let model = straight.model;
         let (count, world) = displaced(straight);
         let bones = model.bones();
@@ -264,7 +264,7 @@ impl Displacements {
     }
 
     /// −δ − ω × x of a part's flesh at x, in its axes.
-    fn of_flesh(&self, part: usize, x: &Vector3<f64>) -> Place {
+    fn flesh(&self, part: usize, x: &Vector3<f64>) -> Place {
         x.cross_matrix() * &self.turns[part] - &self.centres[part]
     }
 
@@ -321,8 +321,8 @@ fn displaced(straight: &Posed<'_>) -> (usize, Vec<Place>) {
 
 impl Layout {
     /// Where the components of a body stand among those of the same body with places: those of its motion, then of s.
-    pub fn among(self, placed: &Placed) -> impl Iterator<Item = usize> + use<> {
-        let shape = Layout::of(&placed.model).motion();
+    pub fn components_in(self, placed: &PlacedBody) -> impl Iterator<Item = usize> + use<> {
+        let shape = Layout::new(&placed.model).motion();
         let coefficients = self.total() - self.motion();
         (0..self.motion()).chain(shape..shape + coefficients)
     }

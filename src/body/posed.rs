@@ -65,7 +65,7 @@ impl<'a> Posed<'a> {
     }
 
     pub(super) fn frame(&self, part: PartId) -> &Frame {
-        &self.frames[FrameId::of(self.model.parts[part.0].joint).0]
+        &self.frames[FrameId::from_joint(self.model.parts[part.0].joint).0]
     }
 
     /// Where a part's own joint is in the world.

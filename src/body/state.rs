@@ -57,7 +57,7 @@ pub struct Layout {
 
 impl Layout {
     /// The layout of a model's state.
-    pub fn of(model: &BodyModel) -> Self {
+    pub fn new(model: &BodyModel) -> Self {
         Self {
             root: if model.root == Root::Fixed { 0 } else { 6 },
             joints: model.joints.len(),

@@ -30,7 +30,7 @@ const BRIGHTEST: f32 = 1.05;
 
 /// What the empty scene looks like in one pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Empty {
+pub struct BackgroundPixel {
     /// μ, red, green, blue.
     pub mean: [f32; 3],
     /// σ of the brightness, along μ, grey levels.
@@ -42,9 +42,9 @@ pub struct Empty {
 }
 
 /// What the empty scene looks like.
-pub type Background = Plane<Empty>;
+pub type Background = Plane<BackgroundPixel>;
 
-impl Empty {
+impl BackgroundPixel {
     /// ln p(x | no person here), in 1/(grey level)³.
     ///
     /// p = t·((1 − s − o)·N(x) + s·S(x) + o/256³) + (1 − t)·q(x), t the trust and q the density of the colours of the
@@ -95,14 +95,14 @@ mod tests {
     use super::*;
     use crate::image::ColourCount;
 
-    const FLOOR: Empty = Empty {
+    const FLOOR: BackgroundPixel = BackgroundPixel {
         mean: [120.0, 100.0, 80.0],
         along: 3.0,
         across: 3.0,
         trust: 1.0,
     };
 
-    fn density(empty: Empty, colour: [u8; 3]) -> f32 {
+    fn density(empty: BackgroundPixel, colour: [u8; 3]) -> f32 {
         empty.log_density(colour, None, &ShadowOptions::default())
     }
 
@@ -129,7 +129,7 @@ mod tests {
         wood.add([200, 150, 90]);
         let (wood, doubtful) = (
             wood.density(),
-            Empty {
+            BackgroundPixel {
                 trust: 0.01,
                 ..FLOOR
             },
@@ -141,7 +141,7 @@ mod tests {
 
     #[test]
     fn a_black_background_is_no_fault() {
-        let black = Empty {
+        let black = BackgroundPixel {
             mean: [0.0; 3],
             ..FLOOR
         };

@@ -55,14 +55,14 @@ const SMOOTHED_PX: usize = 1;
 /// α = (x − B)·(F − B)/‖F − B‖² within `reach_px` of the border, F and B the mean colours of the pixels beyond that on
 /// either side, α the mean of 3 × 3 of them.
 pub fn sharpen(mask: &Mask, picture: &Picture, options: &BorderOptions) -> Mask {
-    let runs = Runs::of(mask);
+    let runs = Runs::from_mask(mask);
     let Some(region) = runs.region() else {
         return mask.clone();
     };
     let margin = options.reach_px + options.window_px;
     let region = region.grown(margin, (mask.width(), mask.height()));
     let inner = runs.painted(&region, 0).map(f32::from);
-    let sides = Sides::of(&inner, &picture.cropped(&region), options);
+    let sides = Sides::new(&inner, &picture.cropped(&region), options);
     let coverage = box_mean(&sides.coverage, SMOOTHED_PX);
     Mask::from_fn(mask.width(), mask.height(), |x, y| {
         let (Some(column), Some(row)) = (x.checked_sub(region.left), y.checked_sub(region.top))
@@ -83,7 +83,7 @@ struct Sides {
 }
 
 impl Sides {
-    fn of(mask: &Plane<f32>, picture: &Picture, options: &BorderOptions) -> Self {
+    fn new(mask: &Plane<f32>, picture: &Picture, options: &BorderOptions) -> Self {
         let near = box_mean(mask, options.reach_px);
         let inside = near.map(|share| f32::from(u8::from(share > 0.999)));
         let outside = near.map(|share| f32::from(u8::from(share < 0.001)));

@@ -80,7 +80,7 @@ mod tests {
 
     /// A trunk of 100 × 200 pixels in an image of 400 × 300, with `extra` pixels set and `bitten` ones cleared.
     fn person(extra: impl Fn(usize, usize) -> bool, bitten: impl Fn(usize, usize) -> bool) -> Runs {
-        Runs::of(&Mask::from_fn(400, 300, |x, y| {
+        Runs::from_mask(&Mask::from_fn(400, 300, |x, y| {
             let trunk = (100..200).contains(&x) && (50..250).contains(&y);
             (trunk || extra(x, y)) && !bitten(x, y)
         }))
@@ -154,7 +154,7 @@ mod tests {
     #[test]
     fn an_empty_and_a_full_mask_are_left_alone() {
         for value in [false, true] {
-            let mask = Runs::of(&Mask::from_fn(20, 10, |_, _| value));
+            let mask = Runs::from_mask(&Mask::from_fn(20, 10, |_, _| value));
             assert_eq!(clean(&mask, &CleanOptions::default()), mask);
         }
     }

@@ -192,7 +192,7 @@ mod tests {
     use crate::image::Mask;
 
     fn disk(center: Point2<f64>, radius: f64) -> Runs {
-        Runs::of(&Mask::from_fn(120, 110, |x, y| {
+        Runs::from_mask(&Mask::from_fn(120, 110, |x, y| {
             (Point2::new(x as f64, y as f64) - center).norm() < radius
         }))
     }
@@ -229,7 +229,7 @@ mod tests {
 
     #[test]
     fn the_foreground_is_on_the_left_of_outer_and_inner_borders() {
-        let ring = Runs::of(&Mask::from_fn(100, 100, |x, y| {
+        let ring = Runs::from_mask(&Mask::from_fn(100, 100, |x, y| {
             let r = (x as f64 - 50.0).hypot(y as f64 - 50.0);
             (20.0..40.0).contains(&r)
         }));
@@ -243,7 +243,7 @@ mod tests {
 
     #[test]
     fn a_straight_border_stays_where_it_is() {
-        let block = Runs::of(&Mask::from_fn(60, 60, |x, y| x > 19 && x < 50 && y > 9));
+        let block = Runs::from_mask(&Mask::from_fn(60, 60, |x, y| x > 19 && x < 50 && y > 9));
         let contours = trace(&block);
         let left: Vec<_> = contours[0]
             .iter()
@@ -255,7 +255,7 @@ mod tests {
 
     #[test]
     fn squares_that_touch_at_a_corner_are_one_piece_like_their_component() {
-        let touching = Runs::of(&Mask::from_fn(40, 40, |x, y| {
+        let touching = Runs::from_mask(&Mask::from_fn(40, 40, |x, y| {
             (x < 20 && y < 20) || (x >= 20 && y >= 20)
         }));
         assert_eq!(trace(&touching).len(), 1);
@@ -302,7 +302,7 @@ mod tests {
                 })
                 .collect();
             let noise = Mask::from_fn(24, 24, |x, y| bits[24 * y + x]);
-            for contour in trace(&Runs::of(&noise)) {
+            for contour in trace(&Runs::from_mask(&noise)) {
                 let steps = contour.iter().zip(contour.iter().cycle().skip(1));
                 assert!(steps.map(|(a, b)| (b - a).norm()).all(|step| step < 1.5));
             }

@@ -32,7 +32,7 @@ impl Gradient {
     /// The gradient of a picture's channels at the scale σ; 0 where a channel is not finite within 3 σ.
     ///
     /// Beyond its border the picture goes on as it ends. Channels of another size than the first are left out.
-    pub fn of(channels: &[Plane<f32>], sigma_px: f64) -> Self {
+    pub fn new(channels: &[Plane<f32>], sigma_px: f64) -> Self {
         let kernels = Kernels::new(sigma_px);
         let size = channels.first().map(|c| (c.width(), c.height()));
         let same = |c: &&Plane<f32>| Some((c.width(), c.height())) == size;
@@ -306,7 +306,7 @@ mod tests {
     fn a_slope_has_its_own_gradient_at_every_scale() {
         let slope = plane(|x, y| (3.0 * x + 4.0 * y) as f32);
         for sigma_px in [0.7, 1.0, 2.0] {
-            let gradient = Gradient::of(std::slice::from_ref(&slope), sigma_px);
+            let gradient = Gradient::new(std::slice::from_ref(&slope), sigma_px);
             let found = gradient.at(&Point2::new(20.3, 15.6), &Vector2::new(1.0, 0.0));
             approx::assert_relative_eq!(found, Vector2::new(3.0, 4.0), epsilon = 1e-3);
             for (x, y, fast) in [(0.6, 0.8, 5.0), (-1.0, 0.0, 3.0), (0.8, -0.6, 0.0)] {
@@ -320,7 +320,7 @@ mod tests {
     fn an_edge_that_only_colour_shows_is_seen() {
         let left = plane(|x, _| if x < 20.0 { 0.0 } else { 100.0 });
         let right = plane(|x, _| if x < 20.0 { 100.0 } else { 0.0 });
-        let gradient = Gradient::of(&[left, right], 1.0);
+        let gradient = Gradient::new(&[left, right], 1.0);
         let found = gradient.at(&Point2::new(19.5, 15.0), &Vector2::new(-1.0, 0.0));
         assert!(found.x < -30.0 && found.y.abs() < 1e-3, "{found}");
     }
@@ -328,12 +328,12 @@ mod tests {
     #[test]
     fn what_is_not_known_has_no_gradient_and_nothing_lies_beyond() {
         let holed = plane(|x, y| if x > 30.0 { f32::NAN } else { (x + y) as f32 });
-        let gradient = Gradient::of(&[holed], 1.0);
+        let gradient = Gradient::new(&[holed], 1.0);
         let any = Vector2::new(1.0, 0.0);
         for (x, y) in [(35.0, 10.0), (-1.0, 3.0), (39.5, 3.0), (3.0, f64::NAN)] {
             assert!(gradient.at(&Point2::new(x, y), &any).norm() < 1e-9);
         }
-        assert_eq!(Gradient::of(&[], 1.0).width(), 0);
+        assert_eq!(Gradient::new(&[], 1.0).width(), 0);
     }
 
     #[test]

@@ -37,7 +37,7 @@ impl Mask {
     }
 
     /// The pixels that hold 1; all others must hold 0.
-    pub(super) fn of_ones(pixels: Plane<u8>) -> Self {
+    pub(super) fn from_ones(pixels: Plane<u8>) -> Self {
         Self { pixels }
     }
 

@@ -8,7 +8,7 @@
 //! | `plane.rs`     | [`Plane`]: a rectangle of values, row by row                            |
 //! | `picture.rs`   | [`Picture`], [`luma`]: colours, and how bright they are                 |
 //! | `mask.rs`      | [`Mask`]: foreground or not, for each pixel                             |
-//! | `mixture.rs`   | [`Mixture`]: a background that learns, Gaussians in every pixel          |
+//! | `mixture/`     | [`Mixture`]: a background that learns, Gaussians in every pixel          |
 //! | `background.rs`| [`Background`]: how probable a colour is of the empty scene, shadows too  |
 //! | `colours.rs`   | [`Colours`]: how often a colour occurs                                   |
 //! | `labels.rs`    | [`relax`]: evidence to probability, smooth where the picture is          |
@@ -39,7 +39,7 @@ mod runs;
 mod scanlines;
 mod shrink;
 
-pub use background::{Background, Empty, ShadowOptions};
+pub use background::{Background, BackgroundPixel, ShadowOptions};
 pub use border::{BorderOptions, sharpen};
 pub use colours::{ColourCount, Colours};
 pub use components::{CleanOptions, clean};

@@ -65,7 +65,7 @@ pub struct Runs {
 
 impl Runs {
     /// The runs of a mask.
-    pub fn of(mask: &Mask) -> Self {
+    pub fn from_mask(mask: &Mask) -> Self {
         let mut encoded = Self::empty(mask.width());
         for y in 0..mask.height() {
             let row = mask.row(y);
@@ -98,7 +98,7 @@ impl Runs {
             right: self.width,
             bottom: self.height(),
         };
-        Mask::of_ones(self.painted(&whole, 0))
+        Mask::from_ones(self.painted(&whole, 0))
     }
 
     /// Number of foreground pixels.
@@ -316,7 +316,7 @@ mod tests {
     #[test]
     fn painting_the_runs_gives_the_mask_back() {
         let mask = Mask::from_fn(67, 31, |x, y| (x * x + 3 * y * x + y) % 7 < 3);
-        let runs = Runs::of(&mask);
+        let runs = Runs::from_mask(&mask);
         assert_eq!(runs.mask(), mask);
         let region = runs.region().unwrap();
         let painted = runs.painted(&region, 2);
@@ -335,14 +335,14 @@ mod tests {
 
     #[test]
     fn diagonal_neighbours_are_joined_by_eight_and_not_by_four() {
-        let runs = Runs::of(&mask(&["##..", "..##", "#..."]));
+        let runs = Runs::from_mask(&mask(&["##..", "..##", "#..."]));
         assert_eq!(runs.components(Connectivity::Eight).0.len(), 2);
         assert_eq!(runs.components(Connectivity::Four).0.len(), 3);
     }
 
     #[test]
     fn two_arms_that_meet_below_are_one_component() {
-        let runs = Runs::of(&mask(&["......", ".#..#.", ".#..#.", ".####.", "......"]));
+        let runs = Runs::from_mask(&mask(&["......", ".#..#.", ".#..#.", ".####.", "......"]));
         let (components, labels) = runs.components(Connectivity::Four);
         assert_eq!(components.len(), 1);
         assert_eq!(components[0].area, 8);
@@ -355,9 +355,12 @@ mod tests {
 
     #[test]
     fn nothing_has_no_region() {
-        let runs = Runs::of(&mask(&["....", "...."]));
+        let runs = Runs::from_mask(&mask(&["....", "...."]));
         assert_eq!(runs.region(), None);
         assert_eq!(runs.components(Connectivity::Eight).0, vec![]);
-        assert_eq!(Runs::of(&Mask::from_fn(0, 0, |_, _| true)).region(), None);
+        assert_eq!(
+            Runs::from_mask(&Mask::from_fn(0, 0, |_, _| true)).region(),
+            None
+        );
     }
 }

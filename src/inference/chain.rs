@@ -45,7 +45,7 @@ impl ChainPrior {
     /// The factors of a model's motions.
     pub fn new(model: &BodyModel, motion_model: MotionModel) -> Self {
         Self {
-            layout: Layout::of(model),
+            layout: Layout::new(model),
             speeds: speeds(model),
             motion_model,
         }

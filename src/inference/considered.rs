@@ -1,6 +1,6 @@
 //! What the optimum would be if joints lay elsewhere in the flesh: considered parameters.
 //!
-//! Where in the flesh a joint lies (c, standard normal, [`Placed`]) is not estimated where no outline tells: the optimum θ̂ is found at
+//! Where in the flesh a joint lies (c, standard normal, [`PlacedBody`]) is not estimated where no outline tells: the optimum θ̂ is found at
 //! c = 0. A person's c is another one. The optimum at the right c errs as H⁻¹ says; the one at 0 is off from it by −S c,
 //!
 //! S = ∂θ̂/∂c = −H_θθ⁻¹ H_θc
@@ -23,14 +23,14 @@ use rayon::prelude::*;
 use super::Terms;
 use super::frame::linearize_data;
 use super::sequence_posterior::SequenceState;
-use crate::body::{BodyModel, Layout, Motion, Placed, Posed, Shape};
+use crate::body::{BodyModel, Layout, Motion, PlacedBody, Posed, Shape};
 use crate::solver::{BorderedChain, Columns, NormalEquations};
 
 /// The places c and what they do to the optimum.
 #[derive(Debug, Clone)]
 pub struct Considered {
     /// The body with c.
-    pub placed: Placed,
+    pub placed: PlacedBody,
     /// S: of every motion and of s, a column for each c.
     pub sensitivity: Columns,
 }
@@ -43,18 +43,18 @@ impl Considered {
         state: &SequenceState,
         chain: &BorderedChain,
     ) -> Option<Self> {
-        let placed = Placed::of(model, &state.shape);
+        let placed = PlacedBody::new(model, &state.shape);
         let shape = placed.shape(&state.shape);
         let frames = terms.par_iter().zip(&state.motions);
         let pulls: Vec<DMatrix<f64>> = match placed.count() {
             0 => frames
-                .map(|_| DMatrix::zeros(Layout::of(model).total(), 0))
+                .map(|_| DMatrix::zeros(Layout::new(model).total(), 0))
                 .collect(),
             _ => frames
                 .map(|(terms, motion)| pull(model, &placed, terms, &shape, motion))
                 .collect(),
         };
-        let (m, p) = (Layout::of(model).motion(), state.shape.0.len());
+        let (m, p) = (Layout::new(model).motion(), state.shape.0.len());
         let shared = DMatrix::zeros(p, placed.count());
         let shared = pulls.iter().fold(shared, |sum, pull| sum - pull.rows(m, p));
         let frames = pulls.iter().map(|pull| -pull.rows(0, m)).collect();
@@ -68,12 +68,12 @@ impl Considered {
 /// H_θc of one frame, θ its motion and s.
 fn pull(
     model: &BodyModel,
-    placed: &Placed,
+    placed: &PlacedBody,
     terms: &Terms<'_>,
     shape: &Shape,
     motion: &Motion,
 ) -> DMatrix<f64> {
-    let (layout, all) = (Layout::of(model), Layout::of(&placed.model));
+    let (layout, all) = (Layout::new(model), Layout::new(&placed.model));
     let motion = placed.motion(motion);
     let mut equations = NormalEquations::zeros(all.total());
     linearize_data(
@@ -82,7 +82,7 @@ fn pull(
         &mut equations,
     );
     equations.hessian.fill_upper_triangle_with_lower_triangle();
-    let of_theta: Vec<usize> = layout.among(placed).collect();
+    let of_theta: Vec<usize> = layout.components_in(placed).collect();
     let rows = equations.hessian.select_rows(&of_theta);
     let turned = rows.columns(layout.motion(), all.motion() - layout.motion());
     rows.columns(all.total() - placed.count(), placed.count()) + turned * &placed.turns

@@ -76,7 +76,7 @@ impl Uncertainty {
         if !complete || frames.len() != state.motions.len() {
             return None;
         }
-        let layout = Layout::of(model);
+        let layout = Layout::new(model);
         let (m, p) = (layout.motion(), layout.total() - layout.motion());
         let mut all = DMatrix::zeros(m + p, m + p);
         all.view_mut((m, m), (p, p)).copy_from(&shape);
@@ -98,7 +98,7 @@ fn estimate(
     shared: Option<&Cholesky<f64, Dyn>>,
     tau: f64,
 ) -> Option<DMatrix<f64>> {
-    let layout = Layout::of(model);
+    let layout = Layout::new(model);
     let (m, p) = (layout.motion(), layout.total() - layout.motion());
     let mut motion = marginal.frame.clone();
     if p > 0 {
@@ -123,7 +123,7 @@ fn with_places(
     motion: &DMatrix<f64>,
 ) -> DMatrix<f64> {
     let (placed, of_shape) = (&considered.placed, &considered.sensitivity.shared);
-    let total = Layout::of(&placed.model).total();
+    let total = Layout::new(&placed.model).total();
     let (shape, places) = (
         total - placed.count() - of_shape.nrows(),
         total - placed.count(),
@@ -133,7 +133,7 @@ fn with_places(
     errors.rows_mut(shape, of_shape.nrows()).copy_from(of_shape);
     errors.rows_mut(places, placed.count()).fill_with_identity();
     let mut all = &errors * errors.transpose();
-    let among: Vec<usize> = Layout::of(model).among(placed).collect();
+    let among: Vec<usize> = Layout::new(model).components_in(placed).collect();
     for (i, &row) in among.iter().enumerate() {
         for (j, &column) in among.iter().enumerate() {
             all[(row, column)] += estimate[(i, j)];
@@ -149,7 +149,7 @@ fn frame_uncertainty(
     considered: &Considered,
     sensitivity: &DMatrix<f64>,
 ) -> FrameUncertainty {
-    let layout = Layout::of(model);
+    let layout = Layout::new(model);
     let (root, joints) = (layout.root(), layout.motion() - layout.root());
     let all = with_places(model, &estimate, considered, sensitivity);
     let sd = |variance: f64| variance.max(0.0).sqrt();
@@ -186,7 +186,7 @@ fn lengths_sd_m(considered: &Considered, shape: &Shape, all: &DMatrix<f64>) -> V
     let rest = Motion::rest(model);
     let body = Posed::new(model, shape, &rest);
     let points = body.points();
-    let first = Layout::of(model).motion();
+    let first = Layout::new(model).motion();
     let covariance = all.view_range(first.., first..);
     let sd_m = |(_, from, to): &(String, usize, usize)| {
         let along = (points[*to] - points[*from]).try_normalize(1e-12)?;

@@ -87,7 +87,7 @@ impl Problem for KeyframePosterior<'_> {
     type Model = NormalEquations;
 
     fn empty_model(&self) -> NormalEquations {
-        NormalEquations::zeros(Layout::of(self.model).total())
+        NormalEquations::zeros(Layout::new(self.model).total())
     }
 
     fn cost(&self, x: &State) -> f64 {
@@ -99,14 +99,14 @@ impl Problem for KeyframePosterior<'_> {
 
     fn linearize(&self, x: &State, equations: &mut NormalEquations) -> f64 {
         let body = Posed::new(self.model, &x.shape, &x.motion);
-        let first = Layout::of(self.model).motion();
+        let first = Layout::new(self.model).motion();
         linearize_data(self.terms, &body, equations)
             + self.shape_prior.linearize(&x.shape, first, equations)
             + self.pose_prior.linearize(&x.motion, equations)
     }
 
     fn retract(&self, x: &State, delta: &DVector<f64>) -> State {
-        Layout::of(self.model).retract(x, delta)
+        Layout::new(self.model).retract(x, delta)
     }
 }
 
@@ -135,7 +135,7 @@ impl Problem for FramePosterior<'_> {
     type Model = NormalEquations;
 
     fn empty_model(&self) -> NormalEquations {
-        NormalEquations::zeros(Layout::of(self.model).motion())
+        NormalEquations::zeros(Layout::new(self.model).motion())
     }
 
     fn cost(&self, x: &Motion) -> f64 {
@@ -154,7 +154,7 @@ impl Problem for FramePosterior<'_> {
     }
 
     fn retract(&self, x: &Motion, delta: &DVector<f64>) -> Motion {
-        Layout::of(self.model).retract_motion(x, delta)
+        Layout::new(self.model).retract_motion(x, delta)
     }
 }
 

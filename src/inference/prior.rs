@@ -99,7 +99,7 @@ impl PosePrior {
             rest: DVector::from_iterator(n, model.joints.iter().map(|j| j.rest)),
             precision: DVector::from_iterator(n, model.joints.iter().map(|j| j.spread.powi(-2))),
             limits: model.joints.iter().map(|j| j.limits).collect(),
-            first: Layout::of(model).root(),
+            first: Layout::new(model).root(),
         }
     }
 

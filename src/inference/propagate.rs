@@ -166,7 +166,7 @@ impl Track {
             return motion.clone();
         };
         let past_frames = tracking.sequence.frames_between(*index, *last);
-        let layout = Layout::of(tracking.evidence.model);
+        let layout = Layout::new(tracking.evidence.model);
         extrapolate(layout, before, motion, interval_frames / past_frames)
     }
 }

@@ -64,7 +64,7 @@ impl SequencePosterior<'_> {
         first: usize,
         links: &mut [Link],
     ) -> (f64, NormalEquations) {
-        let layout = Layout::of(self.model);
+        let layout = Layout::new(self.model);
         let (m, p) = (layout.motion(), layout.total() - layout.motion());
         let mut equations = NormalEquations::zeros(m + p);
         let mut corner = NormalEquations::zeros(p);
@@ -107,7 +107,7 @@ impl Problem for SequencePosterior<'_> {
     type Model = BorderedChain;
 
     fn empty_model(&self) -> BorderedChain {
-        let layout = Layout::of(self.model);
+        let layout = Layout::new(self.model);
         let shared = layout.total() - layout.motion();
         BorderedChain::zeros(
             self.terms.len(),
@@ -154,7 +154,7 @@ impl Problem for SequencePosterior<'_> {
     }
 
     fn retract(&self, x: &SequenceState, delta: &DVector<f64>) -> SequenceState {
-        let layout = Layout::of(self.model);
+        let layout = Layout::new(self.model);
         let m = layout.motion();
         let motion = |(i, motion): (usize, &Motion)| {
             layout.retract_motion(motion, &delta.rows(i * m, m).into_owned())

@@ -27,7 +27,7 @@ impl StepPrior {
     /// The prior of a step of `interval_s` seconds.
     pub fn new(model: &BodyModel, interval_s: f64) -> Self {
         Self {
-            layout: Layout::of(model),
+            layout: Layout::new(model),
             precision: speeds(model).map(|v| (v * interval_s).powi(-2)),
         }
     }

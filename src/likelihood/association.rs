@@ -22,7 +22,7 @@ pub fn associate(
     body: &Posed<'_>,
     points_world: impl IntoIterator<Item = Point3<f64>>,
 ) -> Vec<Belonging> {
-    let field = Field::of(body);
+    let field = Field::from_body(body);
     let mut sampler = Sampler::new(&field);
     let mut sample = FieldSample::default();
     let belonging = |point: Point3<f64>| {

@@ -83,7 +83,7 @@ impl SkinScale {
         let shape = Shape(model.statistics.mean.clone());
         let rest = Motion::rest(model);
         let body = Posed::new(model, &shape, &rest);
-        let field = Field::of(&body);
+        let field = Field::from_body(&body);
         let offset = 0.5 * field.ceiling().ln();
         let at_skin = (offset - 0.5 * THRESHOLD.ln()).max(LEAST_SQUARE).sqrt();
         let primitives = model.metaballs.iter();

@@ -91,7 +91,7 @@ pub(super) trait SkinTerm {
 
 /// ½ Σ w ρ.
 pub(super) fn cost(term: &impl SkinTerm, body: &Posed<'_>) -> f64 {
-    let field = Field::of(body);
+    let field = Field::from_body(body);
     let mut cost = 0.0;
     term.touches(&field, &term.scale(body, &field), |touch, _| {
         cost += 0.5 * touch.loss(term.loss()).0;
@@ -105,7 +105,7 @@ pub(super) fn linearize(
     body: &Posed<'_>,
     equations: &mut NormalEquations,
 ) -> f64 {
-    let field = Field::of(body);
+    let field = Field::from_body(body);
     let scale = term.scale(body, &field);
     let slopes = FieldSlopes::new(body, &field);
     let mut sums = LimbSums::new(&slopes, equations.gradient.len());
@@ -120,7 +120,7 @@ pub(super) fn linearize(
         changes.clear();
         changes.extend(shares.map(|share| scale.change(&r, &field, share)));
         let b = touch.along(sample, &changes);
-        slopes.row_of(sample, &changes, &b, &mut row);
+        slopes.row_from_changes(sample, &changes, &b, &mut row);
         sums.add(sample.limb, &row.values, r.distance_m, weight);
     });
     sums.add_to(&slopes, equations);
@@ -129,7 +129,7 @@ pub(super) fn linearize(
 
 /// Every observation that touches the field, in the order of the data.
 pub(super) fn all_touches(term: &impl SkinTerm, body: &Posed<'_>) -> Vec<SkinTouch> {
-    let field = Field::of(body);
+    let field = Field::from_body(body);
     let mut all = Vec::new();
     term.touches(&field, &term.scale(body, &field), |touch, sample| {
         all.push(SkinTouch {
@@ -148,7 +148,7 @@ pub(super) fn all_touches(term: &impl SkinTerm, body: &Posed<'_>) -> Vec<SkinTou
 
 /// The same, placed on the parts of the body.
 pub(super) fn placed(term: &impl SkinTerm, body: &Posed<'_>) -> Vec<PlacedResidual> {
-    let field = Field::of(body);
+    let field = Field::from_body(body);
     let placed = |touch: SkinTouch| {
         let source = field.source(touch.metaball).unwrap_or_default();
         let part = body.model.metaballs[source].part;

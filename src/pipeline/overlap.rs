@@ -63,7 +63,7 @@ fn skin_iou(camera: &Camera, silhouette: &Silhouette, body: &Posed<'_>) -> f64 {
     let (low, high) = clipped(camera, low, high);
     let step = (high - low).max() / SKIN_STEPS;
     let window = window(camera, (low, high), step);
-    let mask = render::silhouette(&window, &Field::of(body));
+    let mask = render::silhouette(&window, &Field::from_body(body));
     let is_model = |pixel: &Point2<f64>| {
         let place = (pixel - low) / step;
         let (x, y) = (place.x as usize, place.y as usize);
@@ -187,7 +187,7 @@ mod tests {
     #[test]
     fn a_skin_covers_its_own_silhouette_and_none_beside_it() {
         let of_skin =
-            |camera: &Camera, body: &Posed<'_>| render::silhouette(camera, &Field::of(body));
+            |camera: &Camera, body: &Posed<'_>| render::silhouette(camera, &Field::from_body(body));
         let [own, apart] = iou_of(Measure::Metaballs, of_skin);
         assert!(own > 0.98 && own <= 1.0, "{own}");
         assert!(apart < 1e-9, "{apart}");

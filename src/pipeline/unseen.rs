@@ -23,7 +23,7 @@ pub fn prior_angles_sd(
     motions: &[Motion],
     seconds: &[f64],
 ) -> Option<Vec<DVector<f64>>> {
-    let layout = Layout::of(model);
+    let layout = Layout::new(model);
     let (m, root) = (layout.motion(), layout.root());
     let pose_prior = PosePrior::new(model);
     let mut chain = BorderedChain::zeros(motions.len(), m, 0, chain_prior.reach());

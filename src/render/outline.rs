@@ -59,7 +59,7 @@ pub fn outline(camera: &Camera, body: &Posed<'_>, spacing_px: f64) -> ModelOutli
         distortion: Distortion::None,
         ..camera.clone()
     };
-    let field = Field::of(body);
+    let field = Field::from_body(body);
     let sight = Sight {
         camera,
         field: &field,
@@ -69,7 +69,7 @@ pub fn outline(camera: &Camera, body: &Posed<'_>, spacing_px: f64) -> ModelOutli
     let limbs = limb_silhouettes(camera, &field);
     let (width, height) = (camera.width_px as usize, camera.height_px as usize);
     let is_body = |x: usize, y: usize| limbs.iter().any(|limb| limb.is_foreground(x, y));
-    let contours = trace(&Runs::of(&Mask::from_fn(width, height, is_body)));
+    let contours = trace(&Runs::from_mask(&Mask::from_fn(width, height, is_body)));
     let outer = contours.iter().map(|closed| {
         let points = resample(closed, spacing_px);
         let inwards = |i: usize| -outward(&points, i) * INWARDS_PX;
@@ -81,7 +81,7 @@ pub fn outline(camera: &Camera, body: &Posed<'_>, spacing_px: f64) -> ModelOutli
     // 2. each limb's, where they lie before another limb
     let mut inner = Vec::new();
     for (limb, mask) in limbs.iter().enumerate() {
-        for closed in trace(&Runs::of(mask)) {
+        for closed in trace(&Runs::from_mask(mask)) {
             sight.inner_pieces(limb, &resample(&closed, spacing_px), &mut inner);
         }
     }
@@ -283,7 +283,7 @@ mod tests {
         for (i, angle) in motion.angles.iter_mut().enumerate() {
             *angle = [0.3, -0.2, 0.5][i % 3];
         }
-        let field = Field::of(&Posed::new(&model, &shape, &motion));
+        let field = Field::from_body(&Posed::new(&model, &shape, &motion));
         let lens = Distortion::Fisheye {
             k1: -0.05,
             k2: 0.01,

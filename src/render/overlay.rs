@@ -97,8 +97,8 @@ type Segments = Vec<[Point2<f64>; 2]>;
 
 /// The border of what the camera sees of the skin, in the recorded image.
 fn outline_of_skin(camera: &Camera, body: &Posed<'_>) -> Segments {
-    let mask = super::silhouette(camera, &Field::of(body));
-    let borders = trace(&Runs::of(&mask));
+    let mask = super::silhouette(camera, &Field::from_body(body));
+    let borders = trace(&Runs::from_mask(&mask));
     let closed = borders.iter().flat_map(|border| {
         let next = border.iter().cycle().skip(1);
         border.iter().zip(next).map(|(a, b)| [*a, *b])
@@ -274,7 +274,7 @@ mod tests {
         let shape = Shape(model.statistics.mean.clone());
         let body = Posed::new(&model, &shape, &Motion::rest(&model));
         let camera = camera();
-        let field = Field::of(&body);
+        let field = Field::from_body(&body);
         let outline = outline_of_skin(&camera, &body);
         assert!(outline.len() > 50, "{}", outline.len());
         for (k, [a, b]) in outline.iter().enumerate() {

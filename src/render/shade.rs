@@ -214,7 +214,7 @@ mod tests {
     fn walker() -> Field {
         let model = crate::io::model::load("walker-metaballs", Path::new("")).unwrap();
         let shape = Shape(model.statistics.mean.clone());
-        Field::of(&Posed::new(&model, &shape, &Motion::rest(&model)))
+        Field::from_body(&Posed::new(&model, &shape, &Motion::rest(&model)))
     }
 
     #[test]

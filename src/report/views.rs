@@ -59,7 +59,7 @@ impl CameraOutlines {
 /// The borders of a mask in undistorted quarter pixels, thinned out.
 pub fn outline_points(camera: &Camera, mask: &Mask) -> Vec<Vec<i16>> {
     let side = f64::from(camera.width_px.max(camera.height_px));
-    let borders = trace(&Runs::of(mask)).into_iter();
+    let borders = trace(&Runs::from_mask(mask)).into_iter();
     let long = borders.filter(|border| border.len() as f64 > SHORTEST * side);
     let thinned = long.map(|border| resample(&border, side / POINTS_ALONG));
     thinned.map(|border| quarters(camera, &border)).collect()

@@ -145,7 +145,7 @@ fn usable_runs(mask: &Mask, camera: &Camera) -> Result<Runs, Rejected> {
     if found != expected {
         return Err(Rejected::Size { expected, found });
     }
-    let runs = Runs::of(mask);
+    let runs = Runs::from_mask(mask);
     if runs.area() == 0 {
         return Err(Rejected::Empty);
     }

@@ -36,7 +36,7 @@ pub fn skinned(model: &BodyModel, shape: &Shape) -> Result<SkinnedMesh, SkinErro
     let bind = bind_pose(model, shape);
     let body = Posed::new(model, shape, &bind);
     let mesh = skin(&body, &SkinOptions::with_around(32))?;
-    let field = Field::of(&body);
+    let field = Field::from_body(&body);
     let of_vertices = mesh.vertices.iter().map(|v| weights(model, &field, v));
     let (parts, weights) = of_vertices.unzip();
     Ok(SkinnedMesh {

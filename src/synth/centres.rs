@@ -15,7 +15,7 @@ use nalgebra::{DVector, Rotation3, Vector3};
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use crate::body::{BodyModel, Displacements, Motion, PartId, Placed, Posed, Shape};
+use crate::body::{BodyModel, Displacements, Motion, PartId, PlacedBody, Posed, Shape};
 
 /// The person of this shape with the joints and exported points elsewhere in the flesh, each by a δ from a normal distribution;
 /// a model for this shape alone.
@@ -38,16 +38,16 @@ pub fn draw_centres(
         let known = published.point(&point.name);
         point.sd_m = known.map_or(Vector3::zeros(), |known| published.points[known].sd_m);
     }
-    let places = Placed::of(&model, shape).count();
+    let places = PlacedBody::new(&model, shape).count();
     let c = DVector::from_fn(places, |_, _| StandardNormal.sample(rng));
     move_centres(&model, shape, &c)
 }
 
-/// The person of this shape with the joints and exported points at the places c of [`Placed`]; a model for this shape alone.
+/// The person of this shape with the joints and exported points at the places c of [`PlacedBody`]; a model for this shape alone.
 pub fn move_centres(model: &BodyModel, shape: &Shape, c: &DVector<f64>) -> BodyModel {
     let straight = Motion::straight(model);
     let straight = Posed::new(model, shape, &straight);
-    let places = Displacements::of(&straight).world;
+    let places = Displacements::new(&straight).world;
     let moved: Vec<Vector3<f64>> = places.iter().map(|place| place * c).collect();
     let flesh: Vec<Flesh> = turned(&straight, &moved);
     let in_world = |part: usize| straight.world_from_part(PartId(part));
@@ -183,7 +183,7 @@ mod tests {
         let model = model::load("human-metaballs", Path::new("")).unwrap();
         let mut rng = ChaCha8Rng::seed_from_u64(6);
         let shape = draw_shape(&model, &mut rng);
-        let placed = Placed::of(&model, &shape);
+        let placed = PlacedBody::new(&model, &shape);
         let c = DVector::from_fn(placed.count(), |k, _| 1e-4 * (3.0 * k as f64).sin());
         let mut motion = Motion::rest(&model);
         (motion.angles.iter_mut().enumerate()).for_each(|(k, a)| *a = 0.4 * (k as f64).cos());

@@ -140,7 +140,7 @@ impl Skin {
             squared.min().max(0.0).sqrt()
         });
         Self {
-            field: Field::of(body),
+            field: Field::from_body(body),
             step: smallest.fold(f64::INFINITY, f64::min).max(1e-3) / STEPS_PER_AXIS,
             metaballs,
         }
@@ -214,7 +214,7 @@ mod tests {
         let body = Posed::new(&model, &shape, &motion);
         let camera = &Ring::default().regular().cameras[0];
         let points = pair.points(camera, &body, &mut ChaCha8Rng::seed_from_u64(seed));
-        test(camera, &Field::of(&body), &points);
+        test(camera, &Field::from_body(&body), &points);
     }
 
     #[test]

@@ -53,7 +53,7 @@ impl Synthetic {
 
     /// The true silhouette; `None` if there is no such frame or camera.
     pub fn true_mask(&self, frame: FrameIndex, camera: CameraId) -> Option<Mask> {
-        let field = Field::of(&self.posed(frame)?);
+        let field = Field::from_body(&self.posed(frame)?);
         Some(render::silhouette(self.rig.camera(camera)?, &field))
     }
 

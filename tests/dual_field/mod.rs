@@ -70,7 +70,7 @@ impl<'a> DualField<'a> {
 
     /// Every frame's rotation and origin, and the shape, with eps2 in one component of the state.
     fn kinematics(&self, component: usize) -> (Vec<(Matrix, Vector)>, Vec<HyperDual64>) {
-        let layout = Layout::of(self.model);
+        let layout = Layout::new(self.model);
         let dual = |value: f64, index: usize| {
             let eps2 = f64::from(u8::from(index == component));
             HyperDual64::new(value, 0.0, eps2, 0.0)

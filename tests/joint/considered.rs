@@ -55,7 +55,7 @@ fn an_optimum_moves_as_foretold_when_a_knee_lies_elsewhere_in_the_flesh() {
     // the places of the shank's joint, forwards and along, half a standard deviation off
     let shank = scene.model.parts.iter().position(|p| p.name == "shank_r");
     let knee = scene.model.parts[shank.expect("it has shanks")].joint;
-    let knee = Layout::of(&scene.model).angle(knee.expect("and knees"));
+    let knee = Layout::new(&scene.model).angle(knee.expect("and knees"));
     let sensitivity = &considered.sensitivity.frames;
     let greatest = sensitivity[0].row(knee).transpose().icamax();
     let mut c = DVector::zeros(considered.placed.count());

@@ -158,7 +158,7 @@ fn where_all_residuals_are_linear_the_model_is_the_cost() {
 
 /// JᵀWJ of numerically differentiated residuals: velocities, and their differences.
 fn dense(model: &BodyModel, motions: &[Motion], motion_model: MotionModel) -> DMatrix<f64> {
-    let layout = Layout::of(model);
+    let layout = Layout::new(model);
     let m = layout.motion();
     let speeds = speeds(model);
     let rows = |delta: &DVector<f64>| {
@@ -225,7 +225,7 @@ fn tumbling(scene: &Scene, turn: f64) -> Vec<Motion> {
 #[test]
 fn the_chain_is_the_gauss_newton_matrix_of_its_residuals_for_turns_up_to_nearly_half() {
     let scene = Scene::person("walker-metaballs", 4);
-    let layout = Layout::of(&scene.model);
+    let layout = Layout::new(&scene.model);
     for motion_model in MODELS {
         let prior = ChainPrior::new(&scene.model, motion_model);
         for turn in [1e-8, 0.3, 1.5, 2.9] {
@@ -255,7 +255,7 @@ impl Problem for Steps<'_> {
     type State = Vec<Motion>;
     type Model = BorderedChain;
     fn empty_model(&self) -> BorderedChain {
-        BorderedChain::zeros(4, Layout::of(self.model).motion(), 0, self.prior.reach())
+        BorderedChain::zeros(4, Layout::new(self.model).motion(), 0, self.prior.reach())
     }
     fn cost(&self, x: &Vec<Motion>) -> f64 {
         (0..4).map(|i| self.prior.cost(x, &SECONDS, i)).sum()
@@ -265,7 +265,7 @@ impl Problem for Steps<'_> {
         (0..4).map(each).sum()
     }
     fn retract(&self, x: &Vec<Motion>, delta: &DVector<f64>) -> Vec<Motion> {
-        let layout = Layout::of(self.model);
+        let layout = Layout::new(self.model);
         let m = layout.motion();
         let moved = |(i, motion): (usize, &Motion)| {
             layout.retract_motion(motion, &delta.rows(i * m, m).into_owned())

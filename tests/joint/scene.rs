@@ -86,7 +86,7 @@ impl Scene {
     /// The skin's silhouettes, and a point of it from every metaball outwards.
     fn seen(model: BodyModel, rig: Rig, truth: SequenceState) -> Self {
         let frame = |(i, motion): (usize, &Motion)| {
-            let field = Field::of(&Posed::new(&model, &truth.shape, motion));
+            let field = Field::from_body(&Posed::new(&model, &truth.shape, motion));
             let seen = |(id, camera)| {
                 let mask = silhouette(camera, &field);
                 let options = SilhouetteOptions::default();
@@ -126,7 +126,7 @@ impl Scene {
     /// Every component of every motion and of the shape moved by up to this: metres, radians, coefficients.
     pub(crate) fn moved(&self, state: &SequenceState, size: f64, seed: u64) -> SequenceState {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let layout = Layout::of(&self.model);
+        let layout = Layout::new(&self.model);
         let mut draw = |n| DVector::from_fn(n, |_, _| size * rng.random_range(-1.0..1.0));
         SequenceState {
             motions: state

@@ -20,7 +20,7 @@ fn half_seen(frames: usize) -> Scene {
         let upper = scene.model.parts.iter().position(|p| p.name == "upper_arm");
         let upper = maquette::body::PartId(upper.expect("an arm"));
         frame.views.clear();
-        frame.points = surface(&Field::of(&body), 60, 7);
+        frame.points = surface(&Field::from_body(&body), 60, 7);
         frame
             .points
             .retain(|p| body.in_part(upper, &p.position_world).z > -0.05);

@@ -43,7 +43,7 @@ impl<'a> LimbFit<'a> {
         terms: &'a [Box<dyn Term + 'a>],
     ) -> Self {
         Self {
-            held: vec![false; Layout::of(model).total()],
+            held: vec![false; Layout::new(model).total()],
             posterior: KeyframePosterior {
                 model,
                 shape_prior: priors.0,
@@ -56,7 +56,7 @@ impl<'a> LimbFit<'a> {
     /// Holds the other components.
     pub fn free(mut self, freedom: Freedom) -> Self {
         let model = self.posterior.model;
-        let layout = Layout::of(model);
+        let layout = Layout::new(model);
         let moving = coefficients_of_joints(model);
         for (component, held) in self.held.iter_mut().enumerate() {
             let is_size = component
@@ -179,7 +179,7 @@ impl Problem for Alignment<'_> {
     type Model = NormalEquations;
 
     fn empty_model(&self) -> NormalEquations {
-        NormalEquations::zeros(Layout::of(self.model).motion())
+        NormalEquations::zeros(Layout::new(self.model).motion())
     }
 
     fn cost(&self, x: &Motion) -> f64 {
@@ -197,6 +197,6 @@ impl Problem for Alignment<'_> {
     }
 
     fn retract(&self, x: &Motion, delta: &DVector<f64>) -> Motion {
-        Layout::of(self.model).retract_motion(x, delta)
+        Layout::new(self.model).retract_motion(x, delta)
     }
 }

@@ -44,7 +44,7 @@ pub fn limb_errors(fitted: &Posed<'_>, truth: &Posed<'_>) -> LimbErrors {
     let (fit, real) = (joints(fitted), joints(truth));
     let bones = |[shoulder, elbow, wrist]: [Point3<f64>; 3]| [(shoulder, elbow), (elbow, wrist)];
     let (fit_bones, real_bones) = (bones(fit), bones(real));
-    let fields = (Field::of(fitted), Field::of(truth));
+    let fields = (Field::from_body(fitted), Field::from_body(truth));
     let both = |value: &dyn Fn(usize) -> f64| [value(0), value(1)];
     let along = |(a, b): (Point3<f64>, Point3<f64>)| b - a;
     let stations = (0..2).flat_map(|k| {
@@ -124,7 +124,7 @@ fn way_out(field: &Field, from: &Point3<f64>, direction: &Vector3<f64>) -> f64 {
 
 /// Where the skin is on both sides of each bone, along the part of `side` that is across the bone.
 pub fn edges(body: &Posed<'_>, side: &Vector3<f64>) -> Vec<Vec<Point3<f64>>> {
-    let field = Field::of(body);
+    let field = Field::from_body(body);
     let [shoulder, elbow, wrist] = joints(body);
     let mut edges = Vec::new();
     for (a, b) in [(shoulder, elbow), (elbow, wrist)] {

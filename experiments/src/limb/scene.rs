@@ -163,7 +163,7 @@ fn surface_point(point: &CloudPoint) -> SurfacePoint {
 
 /// The lines of sight along the arm's silhouettes, segmented with mild errors.
 pub fn views(truth: &ArmTruth, rig: &Rig, rng: &mut impl Rng) -> Vec<RayView> {
-    let field = Field::of(&truth.posed());
+    let field = Field::from_body(&truth.posed());
     let errors = SegmentationErrors {
         bites: 0.0,
         holes: 0.0,

@@ -43,7 +43,7 @@ pub fn check_field(
 ) -> Result<(), FieldFault> {
     let x = point_world.coords;
     let body = Posed::new(model, &state.shape, &state.motion);
-    let field = Field::of(&body);
+    let field = Field::from_body(&body);
     let Some(sample) = field.sample(&x) else {
         return Ok(());
     };
@@ -59,11 +59,11 @@ pub fn check_field(
         at(&field, &(x + Vector3::new(d[0], d[1], d[2])))
     });
     compare("x", &in_space(&sample), &numeric)?;
-    let layout = Layout::of(model);
+    let layout = Layout::new(model);
     let numeric = central_differences(layout.total(), STEP, |delta| {
         let moved = layout.retract(state, delta);
         let body = Posed::new(model, &moved.shape, &moved.motion);
-        at(&Field::of(&body), &x)
+        at(&Field::from_body(&body), &x)
     });
     let analytic = in_state(&FieldSlopes::new(&body, &field), &sample, layout.total());
     compare("δ", &analytic, &numeric)

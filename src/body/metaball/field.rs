@@ -53,7 +53,7 @@ pub struct Field {
 
 impl Field {
     /// The field of a posed body's metaballs.
-    pub fn of(body: &Posed<'_>) -> Self {
+    pub fn from_body(body: &Posed<'_>) -> Self {
         let primitives = &body.model.metaballs;
         let all = Self::new(primitives.iter().map(|m| body.primitive(m)));
         let of_parts = |parts: Vec<PartId>| {

@@ -91,9 +91,9 @@ pub struct FieldRow {
 }
 
 impl FieldSlopes {
-    /// The slopes of `Field::of(body)`.
+    /// The slopes of `Field::from_body(body)`.
     pub fn new(body: &Posed<'_>, field: &Field) -> Self {
-        let layout = Layout::of(body.model);
+        let layout = Layout::new(body.model);
         let primitives = field.sources.iter().map(|&i| &body.model.metaballs[i]);
         let frames: Vec<_> = (0..body.frames.len())
             .map(|frame| frame_slopes(body, layout, frame))
@@ -143,11 +143,11 @@ impl FieldSlopes {
             ..BallChange::default()
         };
         let changes: Vec<_> = sample.shares.iter().map(change).collect();
-        self.row_of(sample, &changes, b, row);
+        self.row_from_changes(sample, &changes, b, row);
     }
 
     /// The same with whatever else the residual sees of each metaball: one change for each of [`FieldSample::shares`].
-    pub fn row_of(
+    pub fn row_from_changes(
         &self,
         sample: &FieldSample,
         changes: &[BallChange],

@@ -66,7 +66,7 @@ impl Builder<'_> {
             let value = share;
             return Err(self.fault(ModelError::Number { place, value }));
         }
-        let mut frame = FrameId::of(self.model.parts[part.0].joint);
+        let mut frame = FrameId::from_joint(self.model.parts[part.0].joint);
         if share.total_cmp(&1.0).is_eq() {
             return Ok(frame);
         }

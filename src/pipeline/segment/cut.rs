@@ -107,10 +107,10 @@ impl Segmenter {
             let labels = self.labels(together, picture);
             let shrunk = &self.shrunk[c];
             let probability = enlarge(&labels, shrunk.factor, full.width(), full.height());
-            let runs = Runs::of(&Mask::brighter_than(&probability, 0.5));
+            let runs = Runs::from_mask(&Mask::brighter_than(&probability, 0.5));
             let coarse = clean(&runs, &self.options.clean).mask();
             let mask = sharpen(&coarse, full, &self.options.border.scaled(shrunk.factor));
-            let runs = Runs::of(&mask);
+            let runs = Runs::from_mask(&mask);
             Some(Cut {
                 quality: quality(&runs, (own, together), shrunk.factor),
                 mask,
@@ -127,7 +127,7 @@ impl Segmenter {
         } = self.evidence(pictures);
         let mask = |(evidence, picture): (&Option<Plane<f32>>, &Option<Picture>)| {
             let labels = self.labels(evidence.as_ref()?, picture.as_ref()?);
-            let runs = Runs::of(&Mask::brighter_than(&labels, 0.5));
+            let runs = Runs::from_mask(&Mask::brighter_than(&labels, 0.5));
             Some(painted(&clean(&runs, &self.options.clean)))
         };
         KeyMasks {
@@ -169,7 +169,7 @@ impl Segmenter {
     fn labels(&self, evidence: &Plane<f32>, picture: &Picture) -> Plane<f32> {
         let mut labels = Plane::filled(evidence.width(), evidence.height(), 0.0);
         let likely = Mask::brighter_than(&box_mean(evidence, 1), 0.0);
-        let Some(region) = Runs::of(&likely).region() else {
+        let Some(region) = Runs::from_mask(&likely).region() else {
             return labels;
         };
         let region = region.grown(MARGIN, (evidence.width(), evidence.height()));

@@ -2,7 +2,7 @@
 
 use super::SegmentOptions;
 use crate::image::{
-    Background, ColourCount, Colours, Empty, Mixture, Mode, Picture, Plane, box_mean,
+    Background, BackgroundPixel, ColourCount, Colours, Mixture, Mode, Picture, Plane, box_mean,
 };
 
 /// A mode that was there for less than this share of the time is not the empty scene.
@@ -203,7 +203,7 @@ fn most_there(mode: &Mode) -> f32 {
 }
 
 /// The mode that [`choose`] made this of.
-fn mode_of(empty: &Empty) -> Mode {
+fn mode_of(empty: &BackgroundPixel) -> Mode {
     Mode {
         weight: empty.trust,
         variance: (empty.along * empty.along + 2.0 * empty.across * empty.across) / 3.0,
@@ -238,7 +238,7 @@ fn choose(
     hue_noise: f32,
     score: impl Fn(&Mode, usize, usize) -> f32,
 ) -> Background {
-    let nothing = Empty {
+    let nothing = BackgroundPixel {
         mean: [0.0; 3],
         along: 1.0,
         across: 1.0,
@@ -253,7 +253,7 @@ fn choose(
             let Some((_, mode)) = best else { continue };
             // σ² of the mode is the mean of three directions
             let along = (3.0 * mode.variance / (1.0 + 2.0 * hue_noise * hue_noise)).sqrt();
-            *empty = Empty {
+            *empty = BackgroundPixel {
                 mean: mode.mean,
                 along,
                 across: (hue_noise * along).max(LEAST_HUE),

@@ -23,8 +23,8 @@ impl Edges {
     /// The edges of a view.
     pub fn of(view: &ShownView, options: &ContourOptions) -> Self {
         let (wide, narrow) = rayon::join(
-            || Gradient::of(&view.colours, options.wide_px),
-            || Gradient::of(&view.colours, options.narrow_px),
+            || Gradient::new(&view.colours, options.wide_px),
+            || Gradient::new(&view.colours, options.narrow_px),
         );
         Self { wide, narrow }
     }

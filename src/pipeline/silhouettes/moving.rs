@@ -64,7 +64,7 @@ fn silhouette(
 ) -> Option<Silhouette> {
     let mask = opened(&closed(moves, CLEAN_PX), CLEAN_PX);
     let now = still.filled_in(&nearness(map));
-    let borders = trace(&clean(&Runs::of(&mask), &CleanOptions::default()));
+    let borders = trace(&clean(&Runs::from_mask(&mask), &CleanOptions::default()));
     let seen = |pixel: &Point2<f64>| {
         let ray = map.pair.left.camera.ray(pixel);
         camera.project_undistorted(&ray.point_at(1.0))

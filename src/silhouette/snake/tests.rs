@@ -40,7 +40,7 @@ fn off(points: &[Point2<f64>]) -> f64 {
 }
 
 fn gradient() -> Gradient {
-    Gradient::of(&[picture()], 1.0)
+    Gradient::new(&[picture()], 1.0)
 }
 
 #[test]
@@ -116,7 +116,7 @@ fn in_a_gap_of_the_border_the_expected_place_is_held_and_not_relied_on() {
 
 #[test]
 fn without_an_edge_nothing_moves_and_nothing_is_relied_on() {
-    let flat = Gradient::of(&[Plane::filled(160, 140, 90.0)], 1.0);
+    let flat = Gradient::new(&[Plane::filled(160, 140, 90.0)], 1.0);
     let mut snake = Snake::new(&ellipse(0.0, 200), Ends::Closed, SnakeOptions::default()).unwrap();
     assert_eq!(snake.settle(&flat), Ending::AtRest);
     for point in snake.points(&flat) {
@@ -140,7 +140,7 @@ fn at_the_border_of_the_picture_a_contour_is_held() {
             .flat_map(|y| picture().row(y)[..102].to_vec())
             .collect(),
     );
-    let narrow = Gradient::of(&[narrow.unwrap()], 1.0);
+    let narrow = Gradient::new(&[narrow.unwrap()], 1.0);
     let mut snake = Snake::new(&curve, Ends::Closed, SnakeOptions::default()).unwrap();
     snake.settle(&narrow);
     let at_border = snake

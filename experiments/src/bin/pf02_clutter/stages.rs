@@ -37,7 +37,7 @@ pub(crate) fn stages(sequence: &Sequence, frame: usize) -> Result<Picture, Fault
     let camera = &rig.cameras[CENTRE];
     let mask = disparity_mask(camera, &depth.points, &body, &options);
     let filtered = Filtered::of(&Edges::of(view, &options), mask, &options);
-    let gradient = Gradient::of(&view.colours, options.narrow_px).magnitude();
+    let gradient = Gradient::new(&view.colours, options.narrow_px).magnitude();
     let black = quantile(&gradient, BLACK);
     let photograph = |id: Option<CameraId>| {
         let picture = id.and_then(|id| pictures.get(id.0)?.clone());

@@ -41,8 +41,8 @@ fn disk((x0, y0): (f64, f64), radius_px: f64) -> Plane<f32> {
 fn filtered(picture: Plane<f32>, options: &ContourOptions) -> Filtered {
     let pictures = [picture];
     let edges = Edges {
-        wide: Gradient::of(&pictures, options.wide_px),
-        narrow: Gradient::of(&pictures, options.narrow_px),
+        wide: Gradient::new(&pictures, options.wide_px),
+        narrow: Gradient::new(&pictures, options.narrow_px),
     };
     Filtered::of(&edges, Mask::from_fn(SIZE.0, SIZE.1, |_, _| true), options)
 }

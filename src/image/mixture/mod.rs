@@ -129,7 +129,7 @@ impl Mixture {
                     update_row(row, used, (pixels, marks), rate, &options);
                 });
         }
-        Mask::of_ones(foreground)
+        Mask::from_ones(foreground)
     }
 
     /// Mode `k` of pixel (x, y); one of no weight where there is none.
@@ -158,7 +158,7 @@ fn update_row(
     let tiles = row.chunks_exact_mut(options.modes).zip(used);
     let pixels = pixels.chunks(LANES).zip(marks.chunks_mut(LANES));
     for ((modes, used), (pixels, marks)) in tiles.zip(pixels) {
-        let tile = Tile::of(pixels);
+        let tile = Tile::new(pixels);
         tile.update(modes, used, marks, rate, options);
     }
 }
@@ -181,7 +181,7 @@ struct Matched {
 
 impl Tile {
     #[inline(always)]
-    fn of(pixels: &[[u8; 3]]) -> Self {
+    fn new(pixels: &[[u8; 3]]) -> Self {
         let mut colour = [[0.0; LANES]; 3];
         for (i, pixel) in pixels.iter().enumerate().take(LANES) {
             colour[0][i] = f32::from(pixel[0]);
