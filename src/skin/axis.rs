@@ -105,6 +105,7 @@ impl Axis {
         for (i, node) in nodes.iter().enumerate() {
             let is_far = |other: &Vector3<f64>| (other - node).norm() > 0.01;
             let is_last = i + 1 == nodes.len();
+            // the last node stays: the one before it gives way
             if is_last && kept.len() > 1 && kept.last().is_some_and(|n| !is_far(n)) {
                 kept.pop();
             }
@@ -112,6 +113,7 @@ impl Axis {
                 kept.push(*node);
             }
         }
+
         let mut axis = Self {
             bends: vec![None; kept.len()],
             nodes: kept,
@@ -129,15 +131,21 @@ impl Axis {
         (length, to / length.max(1e-9))
     }
 
+    /// The rounding of a node; `None` where the axis goes straight on.
     fn bend(&self, node: usize, flesh: &Flesh) -> Option<Bend> {
-        let ((before, a), (after, b)) = (self.segment(node - 1), self.segment(node));
+        let (before, a) = self.segment(node - 1);
+        let (after, b) = self.segment(node);
         let inwards = (b - a).try_normalize(1e-3)?;
         let axis = Unit::try_new(a.cross(&b), 1e-6)?;
         let angle = a.angle(&b);
+
+        // the thicker the flesh on the inner side, the larger the radius
         let thickness = match flesh.cast(&self.nodes[node], &inwards, THICKEST) {
             Hit::Skin(distance) | Hit::Flesh(distance) => distance,
             Hit::Nothing => 0.02,
         };
+
+        // but no larger than the segments have room for
         let share = |is_end: bool| if is_end { SHARES[0] } else { SHARES[1] };
         let room = f64::min(
             before * share(node == 1),
@@ -146,6 +154,7 @@ impl Axis {
         let tangent = (0.5 * angle).tan();
         let reach = (ROOM * thickness * tangent).min(room);
         let radius = reach / tangent;
+
         let halving = Wall {
             point: self.nodes[node],
             normal: (a + b).try_normalize(1e-6)?,
@@ -170,6 +179,8 @@ impl Axis {
             if let Some(bend) = &self.bends[node] {
                 self.around_bend(node, bend, spacing, &mut stations);
             }
+
+            // the straight part of the segment, without what its bends take
             let (length, along) = self.segment(node);
             let reach = |node: usize| self.bends[node].map_or(0.0, |b| b.reach);
             let (first, end) = (reach(node), length - reach(node + 1));
@@ -177,6 +188,7 @@ impl Axis {
                 if node == 0 { rounding[0] } else { 0.0 },
                 if node == last { rounding[1] } else { 0.0 },
             ];
+
             for place in places(first, end, spacing, round) {
                 stations.push(Station {
                     origin: self.nodes[node] + along * place,
@@ -209,10 +221,13 @@ impl Axis {
         let outside = begin.norm() + bend.thickness;
         let steps = (bend.angle / FINEST_TURN).max(bend.angle * outside / spacing);
         let steps = steps.ceil() as usize;
+
         for step in 1..steps {
             let turned = bend.angle * step as f64 / steps as f64;
             let turn = UnitQuaternion::from_axis_angle(&bend.axis, turned);
             let from_centre = turn * begin;
+
+            // rays end at the plane that halves the bend, and at its centre
             let is_before = turned < 0.5 * bend.angle;
             let mut walls = match is_before {
                 true => self.walls(node - 1, node),
@@ -224,6 +239,7 @@ impl Axis {
                     normal: inwards,
                 });
             }
+
             stations.push(Station {
                 origin: bend.centre + from_centre,
                 along: turn * a,
@@ -232,7 +248,7 @@ impl Axis {
         }
     }
 
-    /// What halves the bends at the two ends of a segment.
+    /// The planes that halve the bends at the two ends of a segment.
     fn walls(&self, before: usize, after: usize) -> Vec<Wall> {
         let back = self.bends[before].map(|bend| Wall {
             normal: -bend.halving.normal,
@@ -249,6 +265,7 @@ fn places(first: f64, end: f64, spacing: f64, rounding: [f64; 2]) -> Vec<f64> {
     let [near, far] = rounding.map(|r| r.min(0.45 * length));
     let (low, high) = (first + near, end - far);
     let steps = ((high - low) / spacing).ceil() as usize;
+
     let mut places = Vec::new();
     if near > 0.0 {
         let round = TIP[1..].iter().rev();

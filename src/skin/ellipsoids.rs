@@ -1,9 +1,9 @@
 //! The surface of a body of ellipsoids: a closed mesh for each of them, which one part carries.
 //!
-//! Such a body *is* the union of its ellipsoids, so nothing is lost but what triangles lose of a round thing: the point u of
+//! Such a body *is* the union of its ellipsoids, so the meshes are exact up to the size of their triangles. The point u of
 //! the unit sphere stands at c + A·diag(r)·u with the normal A·diag(r)⁻¹·u, made a unit vector (c centre, A axes, r radii).
-//! Where ellipsoids pass through each other the meshes do so too; one closed surface is what [`skin`](super::skin) makes of
-//! metaballs.
+//! Where ellipsoids pass through each other the meshes do so too. Only metaballs have one closed surface; see
+//! [`skin`](super::skin).
 
 use std::f64::consts::{PI, TAU};
 
@@ -24,15 +24,15 @@ pub fn ellipsoids(body: &Posed<'_>) -> Mesh {
     for primitive in &body.model.ellipsoids {
         let first = mesh.vertices.len() as u32;
         let centre = body.primitive(primitive).centre;
-        let (axes, radii) = (
-            body.primitive_axes(primitive),
-            body.primitive_radii(primitive),
-        );
+        let axes = body.primitive_axes(primitive);
+        let radii = body.primitive_radii(primitive);
+
         for u in &points {
             mesh.vertices.push(centre + axes * u.component_mul(&radii));
             let normal = (axes * u.component_div(&radii)).try_normalize(0.0);
             mesh.normals.push(normal.unwrap_or(*u));
         }
+
         let moved = triangles.iter().map(|t| t.map(|i| first + i));
         mesh.triangles.extend(moved);
     }
@@ -64,13 +64,12 @@ fn sphere() -> (Vec<Vector3<f64>>, Vec<[u32; 3]>) {
     let mut points = vec![Vector3::z(), -Vector3::z()];
     for ring in 1..=RINGS {
         let (sine, height) = (PI * f64::from(ring) / f64::from(RINGS + 1)).sin_cos();
-        let at = |k: u32| (TAU * f64::from(k) / f64::from(AROUND)).sin_cos();
-        points.extend(
-            (0..AROUND)
-                .map(at)
-                .map(|(y, x)| Vector3::new(sine * x, sine * y, height)),
-        );
+        points.extend((0..AROUND).map(|k| {
+            let (y, x) = (TAU * f64::from(k) / f64::from(AROUND)).sin_cos();
+            Vector3::new(sine * x, sine * y, height)
+        }));
     }
+
     let corner = |ring: u32, k: u32| 2 + ring * AROUND + k % AROUND;
     let mut triangles = Vec::new();
     for k in 0..AROUND {

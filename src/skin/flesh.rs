@@ -28,6 +28,15 @@ struct Limb {
     base: Field,
 }
 
+/// The flesh that a tube is sampled in.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct TubeFlesh<'a> {
+    /// The tube's own.
+    pub(super) own: &'a Flesh,
+    /// That of the tube and of what it grows out of: for the joint between the two.
+    pub(super) with_base: &'a Flesh,
+}
+
 /// Where a ray ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Hit {
@@ -41,18 +50,21 @@ pub(super) enum Hit {
 
 impl Flesh {
     /// The limbs that lie within a chain, or within it and the part that it grows out of.
-    pub(super) fn of(body: &Posed<'_>, chain: &Chain) -> Self {
+    pub(super) fn new(body: &Posed<'_>, chain: &Chain) -> Self {
         let is_own = |part: &PartId| chain.parts.contains(part);
-        let within = |limb: &Vec<PartId>| {
+        let lies_within = |limb: &Vec<PartId>| {
             let known = |part: &PartId| is_own(part) || chain.base == Some(*part);
             limb.iter().any(is_own) && limb.iter().all(known)
         };
+
         let field = |parts: Vec<PartId>| {
             let balls = body.model.metaballs.iter();
-            let of_parts = balls.filter(|ball| parts.contains(&ball.part));
-            Field::new(of_parts.map(|ball| body.primitive(ball)))
+            let used = balls.filter(|ball| parts.contains(&ball.part));
+            Field::new(used.map(|ball| body.primitive(ball)))
         };
-        let limbs = body.model.limbs().into_iter().filter(within).map(|limb| {
+
+        let limbs = body.model.limbs().into_iter().filter(lies_within);
+        let limbs = limbs.map(|limb| {
             let (own, base) = limb.into_iter().partition(is_own);
             Limb {
                 own: field(own),
@@ -94,11 +106,8 @@ impl Flesh {
     /// F and ∇F.
     pub(super) fn value_and_gradient(&self, point: &Vector3<f64>) -> (f64, Vector3<f64>) {
         let sums = self.limbs.iter().map(|limb| {
-            let (own, base) = (&limb.own, &limb.base);
-            let (own, base) = (
-                own.value_and_gradient(point),
-                base.value_and_gradient(point),
-            );
+            let own = limb.own.value_and_gradient(point);
+            let base = limb.base.value_and_gradient(point);
             (own.0 + base.0, own.1 + base.1)
         });
         let larger = |a: (f64, _), b: (f64, _)| if b.0 > a.0 { b } else { a };
@@ -116,12 +125,13 @@ impl Flesh {
         self.own_share(point) < 0.5 && self.value_and_gradient(point).1.dot(ray) > 0.0
     }
 
-    /// Casts a ray from within the flesh: to the skin, or to where flesh that is not the chain's own begins, or to the
-    /// farthest that is asked for.
+    /// Casts a ray from within the flesh: to the skin, to where flesh that is not the chain's own begins, or to the
+    /// distance `farthest`.
     pub(super) fn cast(&self, origin: &Vector3<f64>, ray: &Vector3<f64>, farthest: f64) -> Hit {
         if self.value(origin) < THRESHOLD {
             return Hit::Nothing;
         }
+
         let mut inside = 0.0;
         while inside < farthest {
             let next = (inside + STEP).min(farthest);
@@ -132,6 +142,7 @@ impl Flesh {
             if self.ends_at(&point, ray) {
                 return Hit::Flesh(next);
             }
+
             inside = next;
         }
         Hit::Flesh(farthest)
@@ -142,12 +153,15 @@ impl Flesh {
         let excess = |t: f64| self.value(&(origin + ray * t)) - THRESHOLD;
         let [mut low, mut high] = bracket;
         let (mut above, mut below) = (excess(low), excess(high));
+
         for _ in 0..30 {
             let middle = low + (high - low) * above / (above - below);
             let value = excess(middle);
             if high - low < EXACT || value.abs() < 1e-9 {
                 return middle;
             }
+
+            // the end that stays has its value halved, else it would stay for ever
             if value > 0.0 {
                 (low, above) = (middle, value);
                 below *= 0.5;
@@ -167,10 +181,12 @@ impl Flesh {
             if (value - THRESHOLD).abs() < 1e-9 {
                 break;
             }
+            // Newton's step along ∇F, no longer than a ray's
             let slope = gradient.norm_squared();
             let step = gradient * ((THRESHOLD - value) / slope.max(1e-6));
             moved += step * (STEP / step.norm()).min(1.0);
         }
+
         let is_there = (self.value(&moved) - THRESHOLD).abs() < 1e-4;
         (is_there && (moved - point).norm() < FARTHEST).then_some(moved)
     }

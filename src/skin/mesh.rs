@@ -25,15 +25,14 @@ impl Mesh {
         for triangle in &triangles {
             let corners = triangle.map(|i| vertices[i as usize]);
             for k in 0..3 {
-                let (a, b) = (
-                    corners[(k + 1) % 3] - corners[k],
-                    corners[(k + 2) % 3] - corners[k],
-                );
+                let a = corners[(k + 1) % 3] - corners[k];
+                let b = corners[(k + 2) % 3] - corners[k];
                 if let Some(normal) = a.cross(&b).try_normalize(1e-18) {
                     normals[triangle[k] as usize] += normal * a.angle(&b);
                 }
             }
         }
+
         let unit = |n: Vector3<f64>| n.try_normalize(1e-12).unwrap_or_else(Vector3::z);
         Self {
             vertices,
@@ -70,12 +69,14 @@ fn edges(triangle: &[u32; 3]) -> [[u32; 2]; 3] {
     [[a, b], [b, c], [c, a]]
 }
 
-/// Why a mesh is no closed surface.
+/// Why a mesh is not a closed surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshFault {
-    /// A triangle names a corner that is not there, or one corner twice.
-    #[error("triangle {triangle} has no three corners among {vertices} vertices: {found:?}")]
+    /// A triangle names a corner that does not exist, or one corner twice.
+    #[error(
+        "triangle {triangle}: expected three different corners below {vertices}, found {found:?}"
+    )]
     Corners {
         /// Its index.
         triangle: usize,
@@ -84,7 +85,7 @@ pub enum MeshFault {
         /// Its corners.
         found: [u32; 3],
     },
-    /// An edge that does not belong to one triangle in each direction.
+    /// An edge that does not belong to exactly one triangle in each direction.
     #[error(
         "edge {from}–{to}: expected one triangle on each side, found {forwards} that run along it and {backwards} against it"
     )]
@@ -114,7 +115,9 @@ pub enum MeshFault {
 pub fn check_watertight(mesh: &Mesh) -> Result<(), MeshFault> {
     let vertices = mesh.vertices.len();
     let mut used = vec![false; vertices];
+    // of each edge, how many triangles run along it forwards and backwards
     let mut count: BTreeMap<[u32; 2], [usize; 2]> = BTreeMap::new();
+
     for (index, triangle) in mesh.triangles.iter().enumerate() {
         let [a, b, c] = *triangle;
         let is_there = triangle.iter().all(|i| (*i as usize) < vertices);
@@ -125,12 +128,14 @@ pub fn check_watertight(mesh: &Mesh) -> Result<(), MeshFault> {
                 found: *triangle,
             });
         }
+
         for [from, to] in edges(triangle) {
             used[from as usize] = true;
             let backwards = usize::from(from > to);
             count.entry([from.min(to), from.max(to)]).or_default()[backwards] += 1;
         }
     }
+
     if let Some(vertex) = used.iter().position(|used| !used) {
         return Err(MeshFault::Unused { vertex });
     }

@@ -13,7 +13,7 @@
 //! | `axis.rs`    | a tube's axis, and where on it cross-sections stand                          |
 //! | `section.rs` | one cross-section, sampled by rays                                           |
 //! | `tube.rs`    | the samples of a tube from end to end                                        |
-//! | `patch.rs`   | [`Patch`]: a B-spline surface                                                |
+//! | `patch.rs`   | a B-spline surface: a tube's patch                                               |
 //! | `rim.rs`     | where a limb grows out of another tube                                       |
 //! | `surface.rs` | patches to triangles                                                         |
 //! | `mesh.rs`    | [`Mesh`], [`check_watertight`]                                               |
@@ -43,16 +43,15 @@ use nalgebra::Vector3;
 
 use crate::body::Posed;
 pub use ellipsoids::{ellipsoids, skinned_ellipsoids};
-use flesh::Flesh;
+use flesh::{Flesh, TubeFlesh};
 pub use girth::{Girth, girths};
 pub use mesh::{Mesh, MeshFault, check_watertight};
-pub use patch::{Patch, PatchPoint};
 use plan::Chain;
 use rim::Rim;
 pub use skinned::{BONES, SkinnedMesh, bind_pose, skinned};
 use surface::{Grid, Surface};
 
-/// Where the vertices stand.
+/// Where the vertices of a skin stand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Finish {
     /// On the B-spline patches (PFD99), which round off what lies between samples by some millimetres.
@@ -114,19 +113,19 @@ impl SkinOptions {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SkinError {
-    /// Not a number of vertices around that makes a surface.
+    /// A number of vertices around that makes no surface.
     #[error("vertices around the trunk: expected an even number from 16 to 1024, found {found}")]
     Around {
         /// Found.
         found: usize,
     },
-    /// Not a number of vertices along that makes a surface.
+    /// A number of vertices along that makes no surface.
     #[error("vertices along a metre of skin: expected 20 to 2000, found {found}")]
     Along {
         /// Found.
         found: f64,
     },
-    /// Nothing that could have a skin.
+    /// The body model has no metaballs.
     #[error(
         "body model {model} has no metaballs, and only they have one closed skin: add [[part.metaball]] to it, or use a model with metaballs"
     )]
@@ -134,8 +133,8 @@ pub enum SkinError {
         /// The model.
         model: String,
     },
-    /// A pose with numbers that are none.
-    #[error("part {part}: its place is not finite, so the pose cannot be used")]
+    /// A pose that is not finite.
+    #[error("part {part}: its position is not finite, so the pose cannot be used")]
     NotFinite {
         /// The part.
         part: String,
@@ -162,8 +161,8 @@ pub enum SkinError {
 
 /// The skin of a posed body.
 ///
-/// Closed and outward: [`check_watertight`] passes, whatever the pose. Where limbs lie against each other their skins may
-/// cross, as they do not know of each other.
+/// Closed, with its triangles facing outwards: [`check_watertight`] passes, whatever the pose. Where limbs lie against each
+/// other their skins may cross: each limb is sampled by itself.
 ///
 /// # Errors
 /// [`SkinError`] if the options are out of range, or the model's metaballs cannot have one closed skin.
@@ -172,10 +171,12 @@ pub enum SkinError {
 /// PFD99 § 3.1.
 pub fn skin(body: &Posed<'_>, options: &SkinOptions) -> Result<Mesh, SkinError> {
     options.validate()?;
+
     let model = body.model;
     let trunk = plan::plan(model).ok_or_else(|| SkinError::NoMetaballs {
         model: model.name.clone(),
     })?;
+
     for (i, part) in model.parts.iter().enumerate() {
         let place = tube::origin(body, crate::body::PartId(i));
         if !place.iter().all(|x| x.is_finite()) {
@@ -184,6 +185,7 @@ pub fn skin(body: &Posed<'_>, options: &SkinOptions) -> Result<Mesh, SkinError> 
             });
         }
     }
+
     let mut skinner = Skinner {
         body,
         options,
@@ -193,7 +195,7 @@ pub fn skin(body: &Posed<'_>, options: &SkinOptions) -> Result<Mesh, SkinError> 
     Ok(skinner.surface.mesh())
 }
 
-/// Grows tube after tube.
+/// The tubes that are grown one after another, on one surface.
 struct Skinner<'a> {
     body: &'a Posed<'a>,
     options: &'a SkinOptions,
@@ -202,12 +204,16 @@ struct Skinner<'a> {
 
 impl Skinner<'_> {
     fn trunk(&mut self, trunk: &Chain) -> Result<(), SkinError> {
-        let flesh = Flesh::of(self.body, trunk);
+        let flesh = Flesh::new(self.body, trunk);
         let tube = tube::trunk(self.body, trunk, &flesh, self.options.around)?;
-        let grid = self
-            .surface
-            .tessellate(&tube, None, [&flesh, &flesh], self.options);
-        let mut grid = grid.ok_or_else(|| self.thin(trunk))?;
+        let all = TubeFlesh {
+            own: &flesh,
+            with_base: &flesh,
+        };
+        let grid = self.surface.tessellate(&tube, None, all, self.options);
+        let mut grid = grid.ok_or_else(|| tube::thin(self.body, trunk))?;
+
+        // legs share the trunk's lower end
         if let Some(legs) = trunk.fork() {
             let rims = self.fork(&grid, legs, &flesh);
             let rims = rims.ok_or_else(|| self.no_room(legs[0]))?;
@@ -215,23 +221,27 @@ impl Skinner<'_> {
                 self.limb(leg, &rim, &flesh)?;
             }
         }
+
+        // the other limbs grow out of holes in its side
         let forked: Vec<_> = trunk.fork().into_iter().flatten().collect();
         let others = trunk.limbs.iter().filter(|limb| !forked.contains(limb));
         for limb in others {
             self.through_hole(limb, &mut grid, &flesh)?;
         }
+
         self.surface.close(&grid);
         Ok(())
     }
 
-    fn fork(&mut self, grid: &Grid, legs: [&Chain; 2], flesh: &Flesh) -> Option<[Rim; 2]> {
+    /// The rims of two legs.
+    fn fork(&mut self, grid: &Grid, legs: [&Chain; 2], trunk: &Flesh) -> Option<[Rim; 2]> {
         let roots = legs.map(|leg| tube::origin(self.body, leg.parts[0]));
         let middle: Vector3<f64> = (roots[0] + roots[1]) * 0.5;
-        let all = legs.iter().fold(flesh.clone(), |all, leg| {
-            all.with(&Flesh::of(self.body, leg))
+        let whole = legs.iter().fold(trunk.clone(), |whole, leg| {
+            whole.with(&Flesh::new(self.body, leg))
         });
         let per_m = self.options.along_per_m;
-        rim::fork(&mut self.surface, grid, &middle, [flesh, &all], per_m)
+        rim::fork(&mut self.surface, grid, &middle, trunk, &whole, per_m)
     }
 
     /// Cuts a hole for a limb, and grows it from there.
@@ -249,24 +259,24 @@ impl Skinner<'_> {
     }
 
     fn limb(&mut self, limb: &Chain, rim: &Rim, base: &Flesh) -> Result<(), SkinError> {
-        let own = Flesh::of(self.body, limb);
-        let with_base = own.with(base);
-        let flesh = [&own, &with_base];
+        let own = Flesh::new(self.body, limb);
+        let flesh = TubeFlesh {
+            own: &own,
+            with_base: &own.with(base),
+        };
+
         let points = self.surface.positions(&rim.vertices);
-        let tube = tube::limb(self.body, limb, (&points, rim.straight_on), flesh)?;
+        let tube = tube::limb(self.body, limb, &points, rim.straight_on, flesh)?;
         let grid = self
             .surface
             .tessellate(&tube, Some(&rim.vertices), flesh, self.options);
-        let mut grid = grid.ok_or_else(|| self.thin(limb))?;
+        let mut grid = grid.ok_or_else(|| tube::thin(self.body, limb))?;
+
         for branch in &limb.limbs {
             self.through_hole(branch, &mut grid, &own)?;
         }
         self.surface.close(&grid);
         Ok(())
-    }
-
-    fn thin(&self, chain: &Chain) -> SkinError {
-        tube::thin(self.body, chain)
     }
 
     fn no_room(&self, limb: &Chain) -> SkinError {

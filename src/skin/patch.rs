@@ -11,35 +11,15 @@ use nalgebra::Vector3;
 /// # Source
 /// PFD99 § 3.1; Piegl & Tiller 1997, §§ 2.2, 3.4.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Patch {
+pub(super) struct Patch {
     rows: usize,
     columns: usize,
     control: Vec<Vector3<f64>>,
 }
 
-/// A point of a patch and its derivatives.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PatchPoint {
-    /// S.
-    pub position: Vector3<f64>,
-    /// ∂S/∂u, once around.
-    pub around: Vector3<f64>,
-    /// ∂S/∂v, from end to end.
-    pub along: Vector3<f64>,
-}
-
-impl PatchPoint {
-    /// ∂S/∂u × ∂S/∂v, of length 1: outwards where the columns run counter-clockwise about the direction of the rows.
-    ///
-    /// `None` at a pole.
-    pub fn normal(&self) -> Option<Vector3<f64>> {
-        self.around.cross(&self.along).try_normalize(1e-12)
-    }
-}
-
 impl Patch {
     /// The patch of rows of control points; `None` unless there are four rows or more, of one length of three or more.
-    pub fn new(control: &[Vec<Vector3<f64>>]) -> Option<Self> {
+    pub(super) fn new(control: &[Vec<Vector3<f64>>]) -> Option<Self> {
         let columns = control.first()?.len();
         let fits = control.len() >= 4 && columns >= 3 && control.iter().all(|r| r.len() == columns);
         fits.then(|| Self {
@@ -50,43 +30,34 @@ impl Patch {
     }
 
     /// Number of rows of control points.
-    pub fn rows(&self) -> usize {
+    pub(super) fn rows(&self) -> usize {
         self.rows
     }
 
     /// Where along the patch a row of control points pulls most: its Greville abscissa.
-    pub fn place_of_row(&self, row: usize) -> f64 {
+    pub(super) fn place_of_row(&self, row: usize) -> f64 {
         let sum: f64 = (1..=3).map(|k| self.knot(row + k)).sum();
         sum / (3.0 * self.spans())
     }
 
     /// The point at (u, v); u may be any number, v is brought into \[0, 1\].
-    pub fn at(&self, u: f64, v: f64) -> PatchPoint {
-        let (first_column, around, around_slope) = self.around_weights(u);
-        let (first_row, along, along_slope) = self.along_weights(v);
-        let zero = Vector3::zeros();
-        let mut point = PatchPoint {
-            position: zero,
-            around: zero,
-            along: zero,
-        };
-        for i in 0..4 {
+    pub(super) fn at(&self, u: f64, v: f64) -> Vector3<f64> {
+        let (first_column, around) = self.around_weights(u);
+        let (first_row, along) = self.along_weights(v);
+        let mut point = Vector3::zeros();
+        for (i, along) in along.into_iter().enumerate() {
             let row = (first_row + i) * self.columns;
-            let (mut value, mut slope) = (zero, zero);
-            for j in 0..4 {
-                let control = self.control[row + (first_column + j) % self.columns];
-                value += control * around[j];
-                slope += control * around_slope[j];
+            let mut value = Vector3::zeros();
+            for (j, around) in around.into_iter().enumerate() {
+                value += self.control[row + (first_column + j) % self.columns] * around;
             }
-            point.position += value * along[i];
-            point.around += slope * along[i];
-            point.along += value * along_slope[i];
+            point += value * along;
         }
         point
     }
 
-    /// The first of four columns, their weights and those weights' derivatives with respect to u.
-    fn around_weights(&self, u: f64) -> (usize, [f64; 4], [f64; 4]) {
+    /// The first of the four columns that count at u, and their weights.
+    fn around_weights(&self, u: f64) -> (usize, [f64; 4]) {
         let x = u.rem_euclid(1.0) * self.columns as f64;
         let column = (x.floor() as usize).min(self.columns - 1);
         let f = x - column as f64;
@@ -97,24 +68,18 @@ impl Patch {
             3.0 * g.powi(3) - 6.0 * g * g + 4.0,
             f.powi(3),
         ];
-        let slopes = [-g * g, 3.0 * f * f - 4.0 * f, 4.0 * g - 3.0 * g * g, f * f];
-        let per_turn = 0.5 * self.columns as f64;
-        (
-            column + self.columns - 1,
-            weights.map(|w| w / 6.0),
-            slopes.map(|s| s * per_turn),
-        )
+        (column + self.columns - 1, weights.map(|w| w / 6.0))
     }
 
-    /// The first of four rows, their weights and those weights' derivatives with respect to v.
-    fn along_weights(&self, v: f64) -> (usize, [f64; 4], [f64; 4]) {
+    /// The first of the four rows that count at v, and their weights.
+    fn along_weights(&self, v: f64) -> (usize, [f64; 4]) {
         let x = v.clamp(0.0, 1.0) * self.spans();
         let first = (x.floor() as usize).min(self.rows - 4);
+
         // Cox–de Boor, degree by degree: after degree p, basis[k] is that of the knots from first + k on
         let mut basis = [0.0, 0.0, 0.0, 1.0, 0.0];
-        let mut below = basis;
         for degree in 1..=3 {
-            below = basis;
+            let below = basis;
             for k in 3 - degree..4 {
                 let i = first + k;
                 let rising = self.ratio(x - self.knot(i), i, i + degree) * below[k];
@@ -123,13 +88,8 @@ impl Patch {
                 basis[k] = rising + falling;
             }
         }
-        let slope = |k: usize| {
-            let i = first + k;
-            3.0 * self.spans()
-                * (self.ratio(below[k], i, i + 3) - self.ratio(below[k + 1], i + 1, i + 4))
-        };
-        let slopes = [slope(0), slope(1), slope(2), slope(3)];
-        (first, [basis[0], basis[1], basis[2], basis[3]], slopes)
+
+        (first, [basis[0], basis[1], basis[2], basis[3]])
     }
 
     /// A number by the distance of two knots; 0 where they are one.
@@ -170,25 +130,12 @@ mod tests {
     }
 
     #[test]
-    fn the_derivatives_are_those_of_the_point() {
-        let (patch, h) = (tube(), 1e-6);
-        for (u, v) in [(0.013, 0.02), (0.31, 0.5), (0.77, 0.61), (0.995, 0.97)] {
-            let point = patch.at(u, v);
-            let around = (patch.at(u + h, v).position - patch.at(u - h, v).position) / (2.0 * h);
-            let along = (patch.at(u, v + h).position - patch.at(u, v - h).position) / (2.0 * h);
-            approx::assert_relative_eq!(point.around, around, epsilon = 1e-6);
-            approx::assert_relative_eq!(point.along, along, epsilon = 1e-6);
-        }
-    }
-
-    #[test]
     fn it_closes_around_without_a_seam_and_ends_in_its_outer_rows() {
         let patch = tube();
         let (before, after) = (patch.at(1.0 - 1e-9, 0.4), patch.at(1e-9, 0.4));
-        approx::assert_relative_eq!(before.position, after.position, epsilon = 1e-6);
-        approx::assert_relative_eq!(before.around, after.around, epsilon = 1e-4);
-        approx::assert_relative_eq!(patch.at(0.3, 0.0).position.z, 0.0);
-        approx::assert_relative_eq!(patch.at(0.3, 1.0).position.z, 2.5, epsilon = 1e-12);
+        approx::assert_relative_eq!(before, after, epsilon = 1e-6);
+        approx::assert_relative_eq!(patch.at(0.3, 0.0).z, 0.0);
+        approx::assert_relative_eq!(patch.at(0.3, 1.0).z, 2.5, epsilon = 1e-12);
     }
 
     #[test]
@@ -197,18 +144,8 @@ mod tests {
         let row = |i: usize| vec![Vector3::new(1.0, 2.0, places.place_of_row(i)); 5];
         let patch = Patch::new(&(0..6).map(row).collect::<Vec<_>>()).unwrap();
         for v in [0.0, 0.1, 0.4, 0.83, 1.0] {
-            let point = patch.at(0.37, v).position;
+            let point = patch.at(0.37, v);
             approx::assert_relative_eq!(point, Vector3::new(1.0, 2.0, v), epsilon = 1e-12);
-        }
-    }
-
-    #[test]
-    fn the_normal_of_a_tube_points_away_from_its_axis() {
-        let patch = tube();
-        for k in 0..40 {
-            let point = patch.at(f64::from(k) / 40.0, 0.5);
-            let normal = point.normal().unwrap();
-            assert!(normal.dot(&point.position.xy().push(0.0)) > 0.8, "{normal}");
         }
     }
 

@@ -19,14 +19,18 @@ pub(super) struct Chain {
 /// side (whose name does not end in `_r` or `_l`) that carries most parts, and ends where there is none such; the other
 /// children are limbs. Of a trunk with exactly two limbs at one end, that end is the first.
 pub(super) fn plan(model: &BodyModel) -> Option<Chain> {
-    let tree = Tree::of(model);
+    let tree = Tree::new(model);
     let root = tree.root?;
+
+    // from the root forwards and backwards
     let mut ahead = tree.middle_children(root).into_iter();
     let forwards = ahead.next().map_or(vec![], |child| tree.descend(child));
     let backwards = ahead.next().map_or(vec![], |child| tree.descend(child));
     let mut parts: Vec<PartId> = backwards.into_iter().rev().collect();
     parts.push(root);
     parts.extend(forwards);
+
+    // legs come first: turned around where they would come last
     let mut trunk = tree.chain(parts, None);
     if trunk.fork().is_none() {
         trunk.parts.reverse();
@@ -57,28 +61,32 @@ struct Tree<'a> {
 }
 
 impl<'a> Tree<'a> {
-    fn of(model: &'a BodyModel) -> Self {
+    fn new(model: &'a BodyModel) -> Self {
         let count = model.parts.len();
         let mut children = vec![Vec::new(); count];
-        let mut known = vec![false; count];
-        let (mut tops, limbs) = (Vec::new(), model.limbs());
-        for limb in &limbs {
+        let mut has_parent = vec![false; count];
+        let mut tops = Vec::new();
+
+        // a limb runs from its tip towards the root
+        for limb in model.limbs() {
             tops.extend(limb.last().copied());
             for pair in limb.windows(2) {
-                if !known[pair[0].0] {
-                    known[pair[0].0] = true;
+                if !has_parent[pair[0].0] {
+                    has_parent[pair[0].0] = true;
                     children[pair[1].0].push(pair[0]);
                 }
             }
         }
         children.iter_mut().for_each(|parts| parts.sort());
+
         Self {
             model,
-            root: tops.into_iter().find(|part| !known[part.0]),
+            root: tops.into_iter().find(|part| !has_parent[part.0]),
             children,
         }
     }
 
+    /// How many parts grow out of a part, itself included.
     fn size(&self, part: PartId) -> usize {
         let children = self.children[part.0].iter();
         1 + children.map(|c| self.size(*c)).sum::<usize>()
@@ -103,6 +111,7 @@ impl<'a> Tree<'a> {
         std::iter::successors(Some(part), next).collect()
     }
 
+    /// The chain of these parts, with all limbs that grow out of it.
     fn chain(&self, parts: Vec<PartId>, base: Option<PartId>) -> Chain {
         let mut limbs = Vec::new();
         for part in &parts {

@@ -23,57 +23,29 @@ pub(super) struct Rim {
 
 /// The rims of two limbs that grow out of the first row of a trunk, as legs do, the one on the side of angle −π/2 first.
 ///
-/// Each is one half of that row, and the ridge between the limbs, which both share: from the back (angle π) below the
-/// trunk to the front (angle 0). `middle` is a place between the limbs within the flesh, and `flesh` that of the trunk
-/// and that of trunk and limbs. `None` if the ridge finds no skin.
+/// Each is one half of that row and the ridge between the limbs, which both share: from the back (angle π) below the
+/// trunk to the front (angle 0). `middle` is a place within the flesh, between the limbs; `trunk` is the trunk's flesh, and
+/// `whole` that of trunk and limbs. `None` if the ridge finds no skin.
 pub(super) fn fork(
     surface: &mut Surface,
     grid: &Grid,
     middle: &Vector3<f64>,
-    flesh: [&Flesh; 2],
+    trunk: &Flesh,
+    whole: &Flesh,
     per_m: f64,
 ) -> Option<[Rim; 2]> {
     let (first, half) = (&grid.rows[0], grid.columns / 2);
     let ends = [first[0], first[half]].map(|i| surface.vertices[i as usize]);
     let above = (surface.positions(first).iter().sum::<Vector3<f64>>()) / first.len() as f64;
     let down = (middle - above).try_normalize(1e-6)?;
-    let front = ends[0] - ends[1];
-    let front = (front - down * front.dot(&down)).try_normalize(1e-6)?;
-    // rays in the plane between the limbs, from the front end of the ridge to its back end
-    let angle = |end: &Vector3<f64>| {
-        let to = end - middle;
-        to.dot(&down).atan2(to.dot(&front))
-    };
-    let begin = angle(&ends[0]);
-    let mut sweep = angle(&ends[1]) - begin;
-    if sweep <= 0.0 {
-        sweep += 2.0 * PI;
-    }
-    let point = |share: f64| {
-        let angle = begin + sweep * share;
-        let ray = front * angle.cos() + down * angle.sin();
-        let reach = match flesh[0].cast(middle, &ray, 0.5) {
-            Hit::Skin(reach) => reach,
-            Hit::Flesh(_) | Hit::Nothing => return None,
-        };
-        let farther = match flesh[1].cast(middle, &ray, reach + RIDGE) {
-            Hit::Skin(farther) => farther,
-            Hit::Flesh(_) | Hit::Nothing => reach,
-        };
-        Some(middle + ray * farther.max(reach))
-    };
-    let fine: Vec<_> = (1..32)
-        .map(|k| point(f64::from(k) / 32.0))
-        .collect::<Option<_>>()?;
-    let fine: Vec<_> = std::iter::once(ends[0])
-        .chain(fine)
-        .chain([ends[1]])
-        .collect();
-    let length: f64 = fine.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
+
+    let line = ridge(middle, &down, ends, trunk, whole)?;
+    let length: f64 = line.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
     let count = ((length * per_m).round() as usize).max(4);
     let ridge: Vec<u32> = (1..count)
-        .map(|k| surface.add(along(&fine, length * k as f64 / count as f64)))
+        .map(|k| surface.add(along(&line, length * k as f64 / count as f64)))
         .collect();
+
     let side = |from: usize, to: usize| (to..=from).rev().map(|j| first[j % grid.columns]);
     let right = side(grid.columns, half).chain(ridge.iter().rev().copied());
     let left = side(half, 0).chain(ridge.iter().copied());
@@ -81,6 +53,47 @@ pub(super) fn fork(
         vertices,
         straight_on: Some(down),
     }))
+}
+
+/// The ridge between two limbs, from its front end to its back end: where rays in the plane between the limbs leave the flesh.
+fn ridge(
+    middle: &Vector3<f64>,
+    down: &Vector3<f64>,
+    ends: [Vector3<f64>; 2],
+    trunk: &Flesh,
+    whole: &Flesh,
+) -> Option<Vec<Vector3<f64>>> {
+    let front = ends[0] - ends[1];
+    let front = (front - down * front.dot(down)).try_normalize(1e-6)?;
+    let angle = |end: &Vector3<f64>| {
+        let to = end - middle;
+        to.dot(down).atan2(to.dot(&front))
+    };
+    let begin = angle(&ends[0]);
+    let mut sweep = angle(&ends[1]) - begin;
+    if sweep <= 0.0 {
+        sweep += 2.0 * PI;
+    }
+
+    // on the trunk's skin, or on that of the limbs where it lies a little farther out
+    let point = |share: f64| {
+        let angle = begin + sweep * share;
+        let ray = front * angle.cos() + down * angle.sin();
+        let reach = match trunk.cast(middle, &ray, 0.5) {
+            Hit::Skin(reach) => reach,
+            Hit::Flesh(_) | Hit::Nothing => return None,
+        };
+        let farther = match whole.cast(middle, &ray, reach + RIDGE) {
+            Hit::Skin(farther) => farther,
+            Hit::Flesh(_) | Hit::Nothing => reach,
+        };
+        Some(middle + ray * farther.max(reach))
+    };
+
+    let between = (1..32).map(|k| point(f64::from(k) / 32.0));
+    let between: Vec<_> = between.collect::<Option<_>>()?;
+    let front_end = std::iter::once(ends[0]);
+    Some(front_end.chain(between).chain([ends[1]]).collect())
 }
 
 /// The point of a polyline at a distance along it.
@@ -106,7 +119,8 @@ pub(super) fn hole(
 ) -> Option<Rim> {
     let (rows, columns) = (grid.rows.len(), grid.columns);
     let place = |i: usize, j: usize| surface.vertices[grid.rows[i][j % columns] as usize];
-    // rows that are no pole and no end
+
+    // the vertex nearest to the root, in rows that are no pole and no end
     let inner = 1..rows - 1;
     let all = inner
         .clone()
@@ -116,6 +130,7 @@ pub(super) fn hole(
         .clone()
         .min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
     let centre = place(middle.0, middle.1);
+
     // the rectangle of all vertices near it, columns counted from its own
     let mut low = [middle.0 as isize - 1, -1];
     let mut high = [middle.0 as isize + 1, 1];
@@ -129,10 +144,13 @@ pub(super) fn hole(
             }
         }
     }
+
+    // between the ends, and at most half around
     let is_within = low[0] >= 1 && high[0] <= rows as isize - 2;
     if !is_within || high[1] - low[1] > (columns / 2) as isize {
         return None;
     }
+
     let column = |j: isize| (j + (middle.1 + columns) as isize) as usize % columns;
     let cells: Vec<usize> = (low[0]..high[0])
         .flat_map(|i| (low[1]..high[1]).map(move |j| i as usize * columns + column(j)))
@@ -144,6 +162,8 @@ pub(super) fn hole(
         return None;
     }
     cells.into_iter().for_each(|cell| grid.removed[cell] = true);
+
+    // counter-clockwise around the rectangle
     let at = |i: isize, j: isize| grid.rows[i as usize][column(j)];
     let bottom = (low[1]..high[1]).map(|j| at(low[0], j));
     let ahead = (low[0]..high[0]).map(|i| at(i, high[1]));

@@ -36,6 +36,7 @@ impl Section {
             walls: station.walls.clone(),
         };
         section.frame.origin = section.within(flesh)?;
+
         for _ in 0..2 {
             let angles: Vec<f64> = (0..RAYS).map(|k| TAU * k as f64 / RAYS as f64).collect();
             let samples = section.samples(flesh, &angles)?;
@@ -46,6 +47,7 @@ impl Section {
             }
             section.frame.origin = middle;
         }
+
         Some(section)
     }
 
@@ -71,8 +73,10 @@ impl Section {
     pub(super) fn samples(&self, flesh: &Flesh, angles: &[f64]) -> Option<Vec<Vector3<f64>>> {
         let origin = self.frame.origin;
         let rays: Vec<Vector3<f64>> = angles.iter().map(|a| self.frame.direction(*a)).collect();
-        let cast = |ray: &Vector3<f64>| flesh.cast(&origin, ray, self.farthest(ray));
-        let hits: Vec<Hit> = rays.iter().map(cast).collect();
+        let hits = rays.iter();
+        let hits = hits.map(|ray| flesh.cast(&origin, ray, self.farthest(ray)));
+        let hits: Vec<Hit> = hits.collect();
+
         let on_skin = hits.iter().filter_map(|hit| match hit {
             Hit::Skin(distance) => Some(*distance),
             Hit::Flesh(_) | Hit::Nothing => None,
@@ -81,19 +85,20 @@ impl Section {
         if on_skin.is_empty() || 4 * on_skin.len() < hits.len() {
             return None;
         }
+
+        // a ray that runs along a neighbouring limb goes too far
         on_skin.sort_by(f64::total_cmp);
         let widest = WIDEST * on_skin[on_skin.len() / 2];
         let distance = |hit: &Hit| match hit {
             Hit::Skin(distance) | Hit::Flesh(distance) => distance.min(widest),
             Hit::Nothing => 0.0,
         };
-        let each = rays.iter().zip(&hits);
-        Some(
-            each.map(|(ray, hit)| origin + ray * distance(hit))
-                .collect(),
-        )
+        let samples = rays.iter().zip(&hits);
+        let samples = samples.map(|(ray, hit)| origin + ray * distance(hit));
+        Some(samples.collect())
     }
 
+    /// How far a ray goes: to the nearest wall, or as far as any ray.
     fn farthest(&self, ray: &Vector3<f64>) -> f64 {
         let mut farthest = FARTHEST;
         for wall in &self.walls {

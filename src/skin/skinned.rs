@@ -3,8 +3,8 @@
 //! The skin at the pose of binding is carried along by the parts: vertex v moves to Σₖ wₖ · Tₖ · T⁰ₖ⁻¹ · v, with T and T⁰ the
 //! poses of the part now and there. That pose is rest with arms and legs apart ([`bind_pose`]), so that no skin lies against
 //! another. The weight wₖ is the share of part k's metaballs in the field of the limb that the vertex lies on,
-//! F = Σ fᵢ, of the four parts with the largest. Far from joints this is the fitted skin itself; at a bent joint the two
-//! differ by what a blend of two rotations differs from the sum of two Gaussians.
+//! F = Σ fᵢ; the four parts with the largest shares count. Far from joints this is the fitted skin itself. At a bent joint
+//! it differs a little: a blend of two rotations is not the sum of two Gaussians.
 
 use nalgebra::Vector3;
 
@@ -37,8 +37,8 @@ pub fn skinned(model: &BodyModel, shape: &Shape) -> Result<SkinnedMesh, SkinErro
     let body = Posed::new(model, shape, &bind);
     let mesh = skin(&body, &SkinOptions::with_around(32))?;
     let field = Field::from_body(&body);
-    let of_vertices = mesh.vertices.iter().map(|v| weights(model, &field, v));
-    let (parts, weights) = of_vertices.unzip();
+    let vertices = mesh.vertices.iter();
+    let (parts, weights) = vertices.map(|v| weights(model, &field, v)).unzip();
     Ok(SkinnedMesh {
         mesh,
         bind,
@@ -47,10 +47,10 @@ pub fn skinned(model: &BodyModel, shape: &Shape) -> Result<SkinnedMesh, SkinErro
     })
 }
 
-/// Joints that take limbs apart, by the beginning of their names in the shipped models, and how far, radians.
+/// Joints that spread the limbs, by the beginning of their names in the shipped models, and by how much, radians.
 const APART: [(&str, f64); 2] = [("shoulder_abduction", 0.9), ("hip_abduction", 0.15)];
 
-/// Rest with arms and legs apart: each such joint is turned to the side that makes the body wider.
+/// Rest with arms and legs apart: each joint that spreads a limb is turned to the side that makes the body wider.
 pub fn bind_pose(model: &BodyModel, shape: &Shape) -> Motion {
     let mut bind = Motion::rest(model);
     for (i, joint) in model.joints.iter().enumerate() {
@@ -58,7 +58,8 @@ pub fn bind_pose(model: &BodyModel, shape: &Shape) -> Motion {
         let Some((_, angle)) = apart else {
             continue;
         };
-        let turned = [*angle, -*angle].map(|angle| {
+
+        let [one, other] = [*angle, -*angle].map(|angle| {
             let mut motion = bind.clone();
             motion.angles[i] = (joint.rest + angle).clamp(joint.limits.0, joint.limits.1);
             motion
@@ -67,33 +68,37 @@ pub fn bind_pose(model: &BodyModel, shape: &Shape) -> Motion {
             let bounds = Posed::new(model, shape, motion).bounds();
             bounds.map_or(0.0, |(low, high)| (high - low).xy().norm())
         };
-        let [one, other] = turned;
-        bind = if width(&one) >= width(&other) {
-            one
-        } else {
-            other
+        bind = match width(&one) >= width(&other) {
+            true => one,
+            false => other,
         };
     }
     bind
 }
 
+/// The parts that move a vertex, and the weight of each.
 fn weights(model: &BodyModel, field: &Field, vertex: &Vector3<f64>) -> ([u8; BONES], [f32; BONES]) {
+    // the limb that the vertex lies on
     let value = |i: &usize| (-2.0 * field.metaballs[*i].distance(vertex)).exp();
     let sum = |limb: &Vec<usize>| limb.iter().map(value).sum::<f64>();
     let own = field.limbs.iter().max_by(|a, b| sum(a).total_cmp(&sum(b)));
-    let mut of_part = vec![0.0; model.parts.len()];
+
+    // the share of each part in its field
+    let mut shares = vec![0.0; model.parts.len()];
     for i in own.into_iter().flatten() {
         if let Some(source) = field.source(*i) {
-            of_part[model.metaballs[source].part.0] += value(i);
+            shares[model.metaballs[source].part.0] += value(i);
         }
     }
-    let mut order: Vec<usize> = (0..of_part.len()).collect();
-    order.sort_by(|a, b| of_part[*b].total_cmp(&of_part[*a]));
+
+    // the largest few
+    let mut order: Vec<usize> = (0..shares.len()).collect();
+    order.sort_by(|a, b| shares[*b].total_cmp(&shares[*a]));
     let (mut parts, mut weights) = ([0; BONES], [0.0; BONES]);
-    let total: f64 = order.iter().take(BONES).map(|k| of_part[*k]).sum();
+    let total: f64 = order.iter().take(BONES).map(|k| shares[*k]).sum();
     for (slot, k) in order.into_iter().take(BONES).enumerate() {
         parts[slot] = u8::try_from(k).unwrap_or(0);
-        weights[slot] = (of_part[k] / total.max(f64::MIN_POSITIVE)) as f32;
+        weights[slot] = (shares[k] / total.max(f64::MIN_POSITIVE)) as f32;
     }
     (parts, weights)
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::flesh::Flesh;
+use super::flesh::{Flesh, TubeFlesh};
 use super::mesh::Mesh;
 use super::patch::Patch;
 use super::tube::Tube;
@@ -41,14 +41,14 @@ impl Surface {
         ids.iter().map(|i| self.vertices[*i as usize]).collect()
     }
 
-    /// Tessellates a tube, whose first row is the given vertices if it grows out of a rim.
+    /// Tessellates a tube; if it grows out of a rim, the rim's vertices are its first row.
     ///
-    /// Rows stand evenly along the mean column. `flesh` is that of the tube, and that of the joint to what it grows out of.
+    /// Rows stand evenly along the mean column. `None` if the tube has too few rows for a patch.
     pub(super) fn tessellate(
         &mut self,
         tube: &Tube,
         rim: Option<&[u32]>,
-        flesh: [&Flesh; 2],
+        flesh: TubeFlesh<'_>,
         options: &SkinOptions,
     ) -> Option<Grid> {
         let patch = Patch::new(&tube.rows)?;
@@ -56,28 +56,28 @@ impl Surface {
         let joint_end = patch.place_of_row(tube.joint);
         let places = even_places(&patch, options.along_per_m);
         let last = places.len() - 1;
+
         let mut rows = Vec::with_capacity(places.len());
         for (i, v) in places.into_iter().enumerate() {
-            let control = if i == 0 {
-                &tube.rows[0]
-            } else {
-                &tube.rows[tube.rows.len() - 1]
+            let pole = match i {
+                0 => pole(&tube.rows[0]),
+                i if i == last => pole(&tube.rows[tube.rows.len() - 1]),
+                _ => None,
             };
-            let is_pole = (i == 0 || i == last) && control.iter().all(|p| *p == control[0]);
-            rows.push(match (i, rim, is_pole) {
+            rows.push(match (i, rim, pole) {
                 (0, Some(rim), _) => rim.to_vec(),
-                (_, _, true) => vec![self.add(control[0])],
+                (_, _, Some(pole)) => vec![self.add(pole)],
                 _ => {
-                    let flesh = if v < joint_end { flesh[1] } else { flesh[0] };
-                    let finish = |p: Vector3<f64>| match options.finish {
-                        Finish::Spline => p,
-                        Finish::Field => flesh.settle(&p).unwrap_or(p),
-                    };
-                    let at = |j: usize| patch.at(j as f64 / columns as f64, v).position;
-                    (0..columns).map(|j| self.add(finish(at(j)))).collect()
+                    let is_joint = v < joint_end;
+                    let flesh = if is_joint { flesh.with_base } else { flesh.own };
+                    let points = (0..columns).map(|j| patch.at(j as f64 / columns as f64, v));
+                    points
+                        .map(|point| self.add(finished(point, flesh, options.finish)))
+                        .collect()
                 }
             });
         }
+
         let removed = vec![false; (rows.len() - 1) * columns];
         Some(Grid {
             rows,
@@ -93,6 +93,7 @@ impl Surface {
                 if grid.removed[i * grid.columns + j] {
                     continue;
                 }
+
                 let next = (j + 1) % grid.columns;
                 match (pair[0].len(), pair[1].len()) {
                     (1, 1) => {}
@@ -105,7 +106,8 @@ impl Surface {
     }
 
     /// Two triangles, divided along the shorter diagonal.
-    fn quadrangle(&mut self, [a, b, c, d]: [u32; 4]) {
+    fn quadrangle(&mut self, corners: [u32; 4]) {
+        let [a, b, c, d] = corners;
         let distance =
             |i: u32, j: u32| (self.vertices[i as usize] - self.vertices[j as usize]).norm_squared();
         if distance(a, c) <= distance(b, d) {
@@ -117,6 +119,7 @@ impl Surface {
 
     /// The finished mesh, without the vertices within holes.
     pub(super) fn mesh(self) -> Mesh {
+        // the new number of each vertex that a triangle uses
         let mut index = vec![None; self.vertices.len()];
         for corner in self.triangles.iter().flatten() {
             index[*corner as usize] = Some(0);
@@ -131,10 +134,24 @@ impl Surface {
     }
 }
 
+/// The point in which all points of a row lie; `None` if they are more than one.
+fn pole(row: &[Vector3<f64>]) -> Option<Vector3<f64>> {
+    row.iter().all(|point| *point == row[0]).then(|| row[0])
+}
+
+fn finished(point: Vector3<f64>, flesh: &Flesh, finish: Finish) -> Vector3<f64> {
+    match finish {
+        Finish::Spline => point,
+        Finish::Field => flesh.settle(&point).unwrap_or(point),
+    }
+}
+
 /// Places v along a patch, from 0 to 1, between which the mean column is of equal length.
 fn even_places(patch: &Patch, per_m: f64) -> Vec<f64> {
     let fine = (patch.rows() - 3) * FINE;
-    let column = |v: f64, k: usize| patch.at(k as f64 / MEASURED as f64, v).position;
+    let column = |v: f64, k: usize| patch.at(k as f64 / MEASURED as f64, v);
+
+    // length of the mean column up to each of many places
     let mut reached = vec![0.0];
     for i in 0..fine {
         let (v, w) = (i as f64 / fine as f64, (i + 1) as f64 / fine as f64);
@@ -142,6 +159,7 @@ fn even_places(patch: &Patch, per_m: f64) -> Vec<f64> {
         let mean = steps.sum::<f64>() / MEASURED as f64;
         reached.push(reached[i] + mean);
     }
+
     let length = reached[fine];
     let count = (length * per_m).round().max(3.0) as usize;
     let place = |row: usize| {

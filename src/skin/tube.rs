@@ -6,10 +6,11 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use super::SkinError;
 use super::axis::{Axis, Frame, Station};
-use super::flesh::{Flesh, Hit};
+use super::flesh::{Flesh, Hit, TubeFlesh};
 use super::plan::Chain;
 use super::section::{Section, end};
 use crate::body::{PartId, Posed};
+use crate::math::quadric::Ellipsoid;
 
 /// Distance between cross-sections, metres.
 const SPACING: f64 = 0.02;
@@ -39,12 +40,10 @@ pub(super) fn origin(body: &Posed<'_>, part: PartId) -> Vector3<f64> {
 
 /// The joints between the parts of a chain.
 fn joints(body: &Posed<'_>, chain: &Chain) -> Vec<Vector3<f64>> {
-    let is_child = |child: PartId, of: PartId| {
+    let is_child = |child: PartId, parent: PartId| {
         let joints = body.model.chain(body.model.parts[child.0].joint);
-        child != of
-            && body.model.parts[of.0]
-                .joint
-                .is_none_or(|j| joints.contains(&j))
+        let joint = body.model.parts[parent.0].joint;
+        child != parent && joint.is_none_or(|j| joints.contains(&j))
     };
     let between = |pair: &[PartId]| match is_child(pair[1], pair[0]) {
         true => origin(body, pair[1]),
@@ -60,9 +59,9 @@ pub(super) fn trunk(
     flesh: &Flesh,
     around: usize,
 ) -> Result<Tube, SkinError> {
+    // from the far end to between the hips, or to the other end
     let joints = joints(body, chain);
-    let last = joints.last().copied();
-    let far = tip(body, chain, End::Last, last, flesh)?;
+    let far = tip(body, chain, End::Last, joints.last().copied(), flesh)?;
     let hips = chain
         .fork()
         .map(|pair| pair.map(|leg| origin(body, leg.parts[0])));
@@ -72,21 +71,20 @@ pub(super) fn trunk(
             let (to, share) = joints.first().map_or((far, 0.5 * FORK), |j| (*j, FORK));
             middle + (to - middle) * share
         }
-        None => tip(
-            body,
-            chain,
-            End::First,
-            Some(joints.first().map_or(far, |j| *j)),
-            flesh,
-        )?,
+        None => {
+            let joint = joints.first().copied().unwrap_or(far);
+            tip(body, chain, End::First, Some(joint), flesh)?
+        }
     };
     let nodes: Vec<_> = std::iter::once(near).chain(joints).chain([far]).collect();
     let axis = Axis::new(&nodes, flesh);
     let along = (nodes[1] - nodes[0]).try_normalize(1e-9);
     let along = along.ok_or_else(|| thin(body, chain))?;
+
     // angles count from the front where there are legs: across the line between them
     let right = hips.map_or(Vector3::zeros(), |[a, b]| (b - a).cross(&along));
     let frame = Frame::new(near, along, right);
+
     let far_round = roundness(&axis.at_end(1), &frame, flesh);
     let near_round = match hips {
         Some(_) => 0.0,
@@ -94,9 +92,9 @@ pub(super) fn trunk(
     };
     let stations = axis.stations(SPACING, [near_round, far_round]);
     let sections = sections(body, chain, &stations, frame, flesh)?;
-    let angles: Vec<f64> = (0..around)
-        .map(|j| TAU * j as f64 / around as f64)
-        .collect();
+
+    let angles = (0..around).map(|j| TAU * j as f64 / around as f64);
+    let angles: Vec<f64> = angles.collect();
     let mut rows = Vec::new();
     if hips.is_none() {
         rows.push(vec![near; around]);
@@ -108,68 +106,79 @@ pub(super) fn trunk(
 
 /// A limb's samples: its rim, the joint, its cross-sections, its tip.
 ///
-/// With the rim comes the direction from which the limb's bend is counted, if that is not across it.
+/// `straight_on` is the direction into the limb in a pose in which it does not bend; `None`: square to the rim.
 pub(super) fn limb(
     body: &Posed<'_>,
     chain: &Chain,
-    (rim, straight_on): (&[Vector3<f64>], Option<Vector3<f64>>),
-    flesh: [&Flesh; 2],
+    rim: &[Vector3<f64>],
+    straight_on: Option<Vector3<f64>>,
+    flesh: TubeFlesh<'_>,
 ) -> Result<Tube, SkinError> {
-    let [own, with_base] = flesh;
+    let too_thin = || thin(body, chain);
+    let own = flesh.own;
     let root = origin(body, chain.parts[0]);
     let joints = joints(body, chain);
     let last = joints.last().copied().unwrap_or(root);
     let far = tip(body, chain, End::Last, Some(last), own)?;
     let next = joints.first().copied().unwrap_or(far);
-    let along = (next - root)
-        .try_normalize(1e-6)
-        .ok_or_else(|| thin(body, chain))?;
-    // the first cross-section stands beyond all of the rim
-    let (middle, outwards) = plane_of(rim).ok_or_else(|| thin(body, chain))?;
-    let radius = rim.iter().map(|p| (p - middle).norm()).sum::<f64>() / rim.len() as f64;
-    let beyond = rim
-        .iter()
-        .map(|p| (p - root).dot(&along))
-        .fold(0.0, f64::max);
+    let along = (next - root).try_normalize(1e-6).ok_or_else(too_thin)?;
+    let (middle, outwards) = middle_and_normal(rim).ok_or_else(too_thin)?;
+
+    // the axis, from the first cross-section to the tip
     let latest = LATEST * (next - root).norm();
-    let mut place = beyond + CLEARANCE * radius;
-    // and where the limb's own flesh is most of what there is
-    while place < latest && own.own_share(&(root + along * place)) < OWN {
-        place += SPACING;
-    }
-    let place = place.min(latest);
-    let mut nodes = vec![root + along * place];
+    let mut nodes = vec![first_centre(&root, &along, rim, &middle, latest, own)];
     nodes.extend(joints);
     nodes.push(far);
     let axis = Axis::new(&nodes, own);
+
+    // cross-sections, their angles carried over from the rim
     let straight_on = straight_on.unwrap_or(outwards);
     let rim_frame = Frame::new(middle, straight_on, rim[0] - middle);
     let frame = rim_frame.carried(nodes[0], along);
     let stations = axis.stations(SPACING, [0.0, roundness(&axis.at_end(1), &frame, own)]);
     let sections = sections(body, chain, &stations, frame, own)?;
-    let angles = angles_of(rim, &rim_frame);
-    let mut cast = sections.iter().filter_map(|s| s.samples(own, &angles));
-    let first = cast.next().ok_or_else(|| thin(body, chain))?;
-    let centre = sections[0].frame.origin;
-    let mut rows = vec![rim.to_vec()];
-    let join = Joint {
-        middles: [middle, centre],
+    let angles = rim_angles(rim, &rim_frame);
+    let mut samples = sections.iter().filter_map(|s| s.samples(own, &angles));
+    let first = samples.next().ok_or_else(too_thin)?;
+
+    let junction = Junction {
+        middles: [middle, sections[0].frame.origin],
         ways: [outwards, along],
         rings: [rim, &first],
         turn: UnitQuaternion::rotation_between(&straight_on, &along)
             .unwrap_or_else(UnitQuaternion::identity),
     };
-    rows.extend(join.rows(with_base));
+    let mut rows = vec![rim.to_vec()];
+    rows.extend(junction.rows(flesh.with_base));
     let joint = rows.len();
     rows.push(first);
-    rows.extend(cast);
+    rows.extend(samples);
     rows.push(vec![far; rim.len()]);
     Ok(Tube { rows, joint })
 }
 
+/// The middle of a limb's first cross-section: beyond all of the rim, and where the limb's own flesh is most of what there
+/// is, at most `latest` from the root.
+fn first_centre(
+    root: &Vector3<f64>,
+    along: &Vector3<f64>,
+    rim: &[Vector3<f64>],
+    middle: &Vector3<f64>,
+    latest: f64,
+    own: &Flesh,
+) -> Vector3<f64> {
+    let radius = rim.iter().map(|p| (p - middle).norm()).sum::<f64>() / rim.len() as f64;
+    let heights = rim.iter().map(|p| (p - root).dot(along));
+    let mut place = heights.fold(0.0, f64::max) + CLEARANCE * radius;
+    while place < latest && own.own_share(&(root + along * place)) < OWN {
+        place += SPACING;
+    }
+    root + along * place.min(latest)
+}
+
 /// Radius of a limb a quarter down its first segment, without the part that it grows out of; metres.
 pub(super) fn root_radius(body: &Posed<'_>, chain: &Chain) -> f64 {
-    let flesh = Flesh::of(body, chain).alone();
+    let flesh = Flesh::new(body, chain).alone();
     let root = origin(body, chain.parts[0]);
     let next = joints(body, chain).first().copied();
     let next = next.or_else(|| tip(body, chain, End::Last, Some(root), &flesh).ok());
@@ -184,21 +193,24 @@ pub(super) fn root_radius(body: &Posed<'_>, chain: &Chain) -> f64 {
     roundness(&station, &frame, &flesh)
 }
 
-/// Equal angles that turn with the points of a rim.
-fn angles_of(rim: &[Vector3<f64>], frame: &Frame) -> Vec<f64> {
+/// Equal angles, turned as far as the points of a rim are on average.
+fn rim_angles(rim: &[Vector3<f64>], frame: &Frame) -> Vec<f64> {
     let equal = |j: usize| TAU * j as f64 / rim.len() as f64;
     let ahead = |(j, p): (usize, &Vector3<f64>)| frame.angle_of(p) - equal(j);
+
+    // the mean of angles is that of their directions
     let (mut sin, mut cos) = (0.0, 0.0);
     for angle in rim.iter().enumerate().map(ahead) {
         sin += angle.sin();
         cos += angle.cos();
     }
+
     let ahead = f64::atan2(sin, cos);
     (0..rim.len()).map(|j| ahead + equal(j)).collect()
 }
 
 /// What joins a rim to the first cross-section of a limb.
-struct Joint<'a> {
+struct Junction<'a> {
     /// Middles of the two.
     middles: [Vector3<f64>; 2],
     /// The way into the rim, and on from the cross-section.
@@ -209,7 +221,7 @@ struct Joint<'a> {
     turn: UnitQuaternion<f64>,
 }
 
-impl Joint<'_> {
+impl Junction<'_> {
     /// Rows between the two: rays from an axis that curves from middle to middle, in directions that turn from those of
     /// the rim to those of the cross-section. A ray that finds no skin near by ends where both would have it.
     fn rows(&self, flesh: &Flesh) -> Vec<Vec<Vector3<f64>>> {
@@ -219,22 +231,17 @@ impl Joint<'_> {
         let steps = (chords.sum::<f64>() / count / SPACING).ceil().max(3.0) as usize;
         let radii = rim.iter().map(|p| (p - self.middles[0]).norm());
         let radius = radii.sum::<f64>() / count;
-        let row = |step: usize| {
+
+        let rows = (1..steps).map(|step| {
             let t = step as f64 / steps as f64;
             let middle = self.middle(t);
-            let point = |(a, b): (&Vector3<f64>, &Vector3<f64>)| {
-                let to = self.direction(a, b, t);
-                let distance = to.norm();
-                let ray = to / distance.max(1e-9);
-                let farthest = (2.5 * distance).min(1.6 * distance.max(radius));
-                match flesh.cast(&middle, &ray, farthest) {
-                    Hit::Skin(found) if found > 0.6 * distance => middle + ray * found,
-                    _ => middle + to,
-                }
-            };
-            rim.iter().zip(ring).map(point).collect()
-        };
-        (1..steps).map(row).collect()
+            let pairs = rim.iter().zip(ring);
+            let guesses = pairs.map(|(a, b)| self.direction(a, b, t));
+            guesses
+                .map(|to| middle + on_skin(flesh, &middle, to, radius))
+                .collect()
+        });
+        rows.collect()
     }
 
     /// A Hermite curve from middle to middle.
@@ -260,8 +267,19 @@ impl Joint<'_> {
     }
 }
 
+/// From the middle to the skin, in the direction of the guess `to`; the guess itself where no skin is near it.
+fn on_skin(flesh: &Flesh, middle: &Vector3<f64>, to: Vector3<f64>, radius: f64) -> Vector3<f64> {
+    let distance = to.norm();
+    let ray = to / distance.max(1e-9);
+    let farthest = (2.5 * distance).min(1.6 * distance.max(radius));
+    match flesh.cast(middle, &ray, farthest) {
+        Hit::Skin(found) if found > 0.6 * distance => ray * found,
+        _ => to,
+    }
+}
+
 /// Middle of a loop of points, and the direction about which it runs counter-clockwise.
-pub(super) fn plane_of(points: &[Vector3<f64>]) -> Option<(Vector3<f64>, Vector3<f64>)> {
+fn middle_and_normal(points: &[Vector3<f64>]) -> Option<(Vector3<f64>, Vector3<f64>)> {
     let middle = points.iter().sum::<Vector3<f64>>() / points.len() as f64;
     let next = points.iter().cycle().skip(1);
     let twice: Vector3<f64> = points
@@ -292,15 +310,12 @@ fn sections(
 
 /// Mean radius of the cross-section a little before a tip, metres.
 fn roundness(station: &Station, frame: &Frame, flesh: &Flesh) -> f64 {
-    let angles: Vec<f64> = (0..8).map(|k| TAU * f64::from(k) / 8.0).collect();
     let radius = || {
         let section = Section::at(station, frame, flesh)?;
+        let angles: Vec<f64> = (0..8).map(|k| TAU * f64::from(k) / 8.0).collect();
         let samples = section.samples(flesh, &angles)?;
-        let sum: f64 = samples
-            .iter()
-            .map(|p| (p - section.frame.origin).norm())
-            .sum();
-        Some(sum / 8.0)
+        let radii = samples.iter().map(|p| (p - section.frame.origin).norm());
+        Some(radii.sum::<f64>() / 8.0)
     };
     radius().unwrap_or(0.02)
 }
@@ -327,31 +342,36 @@ fn tip(
         End::First => chain.parts.iter().find(carries),
         End::Last => chain.parts.iter().rev().find(carries),
     };
-    let part = *part.ok_or_else(|| thin(body, chain))?;
+    let too_thin = || thin(body, chain);
+    let part = *part.ok_or_else(too_thin)?;
     let from = joint.unwrap_or_else(|| origin(body, part));
-    let of_part = body.model.metaballs.iter().filter(|m| m.part == part);
-    let balls = of_part.map(|m| body.primitive(m));
-    let farthest = |ball: crate::math::quadric::Ellipsoid| {
-        let mut towards = (ball.centre - from)
-            .try_normalize(1e-9)
-            .unwrap_or_else(Vector3::z);
-        let mut point = ball.centre;
-        for _ in 0..20 {
-            let reach = towards.dot(&(ball.shape * towards)).max(1e-12).sqrt();
-            point = ball.centre + ball.shape * towards * (0.59 / reach);
-            towards = (point - from).try_normalize(1e-9).unwrap_or(towards);
-        }
-        (ball.centre, point)
-    };
-    let ends = balls.map(farthest);
+
+    let balls = body.model.metaballs.iter().filter(|m| m.part == part);
+    let balls = balls.map(|m| body.primitive(m));
+    let ends = balls.map(|ball| (ball.centre, farthest(&ball, &from)));
     let far = ends.max_by(|a, b| (a.1 - from).norm().total_cmp(&(b.1 - from).norm()));
-    let (centre, point) = far.ok_or_else(|| thin(body, chain))?;
-    let along = (point - centre).try_normalize(1e-9);
-    let along = along.ok_or_else(|| thin(body, chain))?;
-    let reach = end(flesh, &centre, &along).ok_or_else(|| thin(body, chain))?;
+    let (centre, point) = far.ok_or_else(too_thin)?;
+
+    // on from the ball's middle to the skin of all
+    let along = (point - centre).try_normalize(1e-9).ok_or_else(too_thin)?;
+    let reach = end(flesh, &centre, &along).ok_or_else(too_thin)?;
     Ok(centre + along * reach)
 }
 
+/// The point of a metaball's own skin that is farthest from a place, by fixed-point iteration.
+fn farthest(ball: &Ellipsoid, from: &Vector3<f64>) -> Vector3<f64> {
+    let towards = (ball.centre - from).try_normalize(1e-9);
+    let mut towards = towards.unwrap_or_else(Vector3::z);
+    let mut point = ball.centre;
+    for _ in 0..20 {
+        let reach = towards.dot(&(ball.shape * towards)).max(1e-12).sqrt();
+        point = ball.centre + ball.shape * towards * (0.59 / reach);
+        towards = (point - from).try_normalize(1e-9).unwrap_or(towards);
+    }
+    point
+}
+
+/// That there is no skin along the parts of a chain.
 pub(super) fn thin(body: &Posed<'_>, chain: &Chain) -> SkinError {
     let name = |part: &PartId| body.model.parts[part.0].name.as_str();
     let parts = match chain.parts.as_slice() {
