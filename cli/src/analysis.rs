@@ -10,9 +10,10 @@ use maquette::camera::CameraId;
 use maquette::gait::{GaitAnalysis, GaitOptions, Norm, analyse};
 use maquette::io::folder::write_atomically;
 use maquette::io::gait::{
-    GaitFile, GaitInput, SHIPPED_NORM, Sex, add_parameters, gait_file, load_norm, parse_norm,
-    read_fit, read_points,
+    GaitFile, GaitInput, SHIPPED_NORM, Sex, add_parameters, from_result, gait_file, load_norm,
+    parse_norm, read_points,
 };
+use maquette::io::model;
 use maquette::io::recording::Recording;
 use maquette::io::result::ResultFile;
 use maquette::report::{CameraOutlines, Identity, ReportInput, html, outline_points};
@@ -37,6 +38,7 @@ pub(super) struct Asked<'a> {
 #[derive(Debug)]
 pub(super) struct Analysed {
     from: PathBuf,
+    result: Option<ResultFile>,
     pub(super) input: GaitInput,
     pub(super) norm: Option<Norm>,
     pub(super) gait: GaitAnalysis,
@@ -46,14 +48,20 @@ pub(super) struct Analysed {
 impl Analysed {
     /// Reads and analyses.
     pub(super) fn of(asked: &Asked<'_>, options: &GaitOptions) -> Result<Self, CliError> {
-        let input = match asked.from.is_dir() {
-            true => read_fit(asked.from, asked.body, asked.fps)?,
-            false => read_points(asked.from, asked.fps)?,
+        let (input, result) = match asked.from.is_dir() {
+            true => {
+                let result = ResultFile::read(asked.from)?;
+                let body = asked.body.unwrap_or(&result.body);
+                let model = model::load(body, Path::new(""))?;
+                (from_result(&result, model, asked.fps)?, Some(result))
+            }
+            false => (read_points(asked.from, asked.fps)?, None),
         };
         let norm = norm_of(asked)?;
         let gait = analyse(&input.movement, options)?;
         Ok(Self {
             from: asked.from.into(),
+            result,
             file: gait_file(&input, &gait, norm.as_ref()),
             input,
             norm,
@@ -67,17 +75,14 @@ impl Analysed {
         said: &IdentityArguments,
         path: &Path,
     ) -> Result<(), CliError> {
-        let result = match self.from.is_dir() {
-            true => Some(ResultFile::read(&self.from)?),
-            false => None,
-        };
+        let result = self.result.as_ref();
         let views = match &said.recording {
-            Some(folder) => views(folder, &self.input, result.as_ref())?,
+            Some(folder) => views(folder, &self.input, result)?,
             None => Vec::new(),
         };
         let text = html(&ReportInput {
             identity: &said.identity(&self.from),
-            result: result.as_ref(),
+            result,
             input: &self.input,
             gait: &self.gait,
             file: &self.file,

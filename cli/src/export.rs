@@ -16,8 +16,9 @@ use maquette::io::export::{
     C3dInput, TableKind, bvh, c3d, coordinates, frame_table, glb, motion_text,
 };
 use maquette::io::folder::{OutFolder, write_atomically};
-use maquette::io::gait::{FittedBody, FittedPoint, GaitInput};
+use maquette::io::gait::GaitInput;
 use maquette::io::points::trc::{Trajectories, write_trc};
+use maquette::pipeline::{FittedBody, FittedPoint};
 use maquette::skin::{SkinOptions, ellipsoids, skin};
 
 pub(super) const ABOUT: &str = "\

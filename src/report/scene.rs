@@ -8,8 +8,8 @@ use serde::Serialize;
 use super::{CameraOutlines, ReportInput, label};
 use crate::body::{BodyModel, Motion, PartId, Posed, Primitive, Shape};
 use crate::gait::{Event, Side};
-use crate::io::gait::FittedBody;
 use crate::math::stats::median;
+use crate::pipeline::FittedBody;
 use crate::skin::{SkinnedMesh, bind_pose, skinned};
 
 /// Everything; the program's side of it is `web/src/scene.ts`.

@@ -3,7 +3,7 @@
 use crate::walker::{RATE_HZ, Walker};
 use maquette::gait::{GaitAnalysis, GaitOptions, Movement, Segments, analyse};
 use maquette::io::export::{C3dError, C3dInput, TableKind, c3d, coordinates, motion_text};
-use maquette::io::gait::FittedPoint;
+use maquette::pipeline::FittedPoint;
 use nalgebra::Vector3;
 
 fn walk() -> (Walker, Movement, GaitAnalysis) {

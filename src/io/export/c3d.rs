@@ -12,7 +12,7 @@ use nalgebra::Vector3;
 
 use crate::camera::UpAxis;
 use crate::gait::{Angle, AngleTracks, Event, EventKind, Side};
-use crate::io::gait::FittedPoint;
+use crate::pipeline::FittedPoint;
 
 /// What is written.
 #[derive(Debug, Clone)]

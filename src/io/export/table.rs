@@ -5,7 +5,7 @@
 
 use crate::camera::UpAxis;
 use crate::gait::{GaitAnalysis, Movement};
-use crate::io::gait::FittedPoint;
+use crate::pipeline::FittedPoint;
 
 /// Columns over time.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,18 +1,15 @@
 //! How a fit is written down.
 
 use super::schema::{
-    CameraPart, CoefficientPart, FramePart, FrameSdPart, HypothesisPart, InputPart, LengthPart,
-    MissingPart, MotionPart, NoisePart, OriginPart, OutcomePart, PointPart, PosteriorPart, Program,
-    QualityPart, RecordingPart, RejectedPart, ResultFile, ShapePart, ViewPart,
+    CameraPart, CoefficientPart, FramePart, HypothesisPart, InputPart, LengthPart, MissingPart,
+    MotionPart, NoisePart, OriginPart, OutcomePart, PointPart, PosteriorPart, Program, QualityPart,
+    RecordingPart, RejectedPart, ResultFile, ShapePart, ViewPart,
 };
-use nalgebra::Matrix3;
-
 use crate::body::BodyModel;
 use crate::camera::{CameraId, Rig};
-use crate::inference::covariance::FrameUncertainty;
 use crate::inference::search::Origin;
 use crate::io::recording::{InputChecksum, Recording};
-use crate::pipeline::{Fit, FitOptions, FittedFrame, TriedHypothesis, rest_lengths_m};
+use crate::pipeline::{Fit, FitOptions, FittedFrame, FrameSd, TriedHypothesis, rest_lengths_m};
 use crate::silhouette::{FrameIndex, FrameObservations};
 
 /// What p_ε,σ(K) speaks of, and what not.
@@ -175,21 +172,10 @@ fn frame(fitted: &FittedFrame, fps: f64) -> FramePart {
             .iter()
             .map(|p| p.coords.into())
             .collect(),
-        sd: fitted.uncertainty.as_ref().map(frame_sd),
+        sd: fitted.uncertainty.as_ref().map(FrameSd::from),
         data: fitted.fit.data,
         pose: fitted.fit.pose,
         step: fitted.fit.step,
-    }
-}
-
-fn frame_sd(uncertainty: &FrameUncertainty) -> FrameSdPart {
-    let point = |covariance: &Matrix3<f64>| covariance.diagonal().map(f64::sqrt).into();
-    FrameSdPart {
-        position_m: uncertainty.position_sd_m.into(),
-        parts_rad: uncertainty.parts_sd.iter().map(|sd| (*sd).into()).collect(),
-        angles_rad: uncertainty.angles_sd.as_slice().to_vec(),
-        points_m: uncertainty.points.iter().map(point).collect(),
-        apart_m: uncertainty.apart.iter().map(point).collect(),
     }
 }
 

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::inference::confidence::Confidence;
-use crate::pipeline::FitOptions;
+use crate::pipeline::{FitOptions, FrameSd};
 
 /// What a fit found, and what it was made from. Version 1.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -180,30 +180,13 @@ pub struct FramePart {
     /// The points' places.
     pub points_m: Vec<[f64; 3]>,
     /// Standard deviations, of the joint optimum.
-    pub sd: Option<FrameSdPart>,
+    pub sd: Option<FrameSd>,
     /// −log p(Zᵢ | mᵢ, s).
     pub data: f64,
     /// −log p of limits and rest.
     pub pose: f64,
     /// −log p(mᵢ | its neighbours).
     pub step: f64,
-}
-
-/// Standard deviations of one frame.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct FrameSdPart {
-    /// Of the root's origin, world axes.
-    pub position_m: [f64; 3],
-    /// Of the orientation of each of the model's parts, about its own axes.
-    pub parts_rad: Vec<[f64; 3]>,
-    /// Of the joints' angles.
-    pub angles_rad: Vec<f64>,
-    /// Of the points' places, world axes.
-    pub points_m: Vec<[f64; 3]>,
-    /// Of the way from each left point to its right twin, world axes, in the order of the right ones; empty in results of
-    /// versions that did not write it.
-    #[serde(default)]
-    pub apart_m: Vec<[f64; 3]>,
 }
 
 /// How the residuals err, estimated from the recording.
