@@ -57,7 +57,7 @@ fn points_disparities_trajectories_and_pictures_of_a_recording_are_written() {
     .succeeded();
     assert!(said.out.contains("3 frames"), "{}", said.out);
     assert!(said.err.contains("no masks"), "{}", said.err);
-    let points = cloud::read(&out.join("points/000001.ply"))
+    let points = points::read(&out.join("points/000001.ply"))
         .expect("a cloud")
         .points;
     assert!(points.len() > 1000);
@@ -257,7 +257,7 @@ fn points_come_back_where_they_were_whichever_axis_of_the_files_is_up() {
     let arguments = ["stereo", &recording, "--out", &out_name];
     run(&[&arguments[..], &quick].concat()).succeeded();
     // the file is in the world of the calibration, in which the wall stands
-    let points = cloud::read(&out.join("points/000000.ply"))
+    let points = points::read(&out.join("points/000000.ply"))
         .expect("a cloud")
         .points;
     let wall = Wall {
