@@ -35,3 +35,5 @@ pub mod skin;
 pub mod solver;
 pub mod stereo;
 pub mod synth;
+
+pub use io::recording::Recording;

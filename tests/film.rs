@@ -116,7 +116,9 @@ fn a_recording_of_photographs_is_read_like_any_other_and_tells_no_mask() {
     let place = tempfile::tempdir().expect("a folder");
     let folder = place.path().join("film");
     filmed::write(&film, &folder).expect("written");
-    let footage = maquette::io::recording::footage::Footage::open(&folder, None).expect("read");
+    let footage = Recording::open(&folder)
+        .and_then(|found| found.footage())
+        .expect("read");
     assert_eq!(footage.frames().len(), 12);
     for (read, made) in footage.rig.cameras.iter().zip(&film.synthetic.rig.cameras) {
         let off = read.projection() - made.projection();
@@ -135,7 +137,12 @@ fn a_recording_of_photographs_is_read_like_any_other_and_tells_no_mask() {
         .sum();
     let off = off / read.values().len() as f64;
     assert!(off < 4.0, "{off}");
-    assert!(Recording::open(&folder, None).is_err(), "it has no masks");
+    assert!(
+        Recording::open(&folder)
+            .and_then(|found| found.observations())
+            .is_err(),
+        "it has no masks"
+    );
     assert!(folder.join("truth/masks/left/000011.png").is_file());
     assert!(filmed::write(&film, &folder).is_err(), "it is written over");
 }

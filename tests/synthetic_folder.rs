@@ -38,7 +38,9 @@ fn what_is_written_is_read_as_a_recording() {
     let (synthetic, place) = (small(), tempfile::tempdir().unwrap());
     let folder = place.path().join("deep/walk");
     write(&synthetic, &folder).unwrap();
-    let recording = Recording::open(&folder, None).unwrap();
+    let recording = Recording::open(&folder)
+        .and_then(|found| found.observations())
+        .unwrap();
     assert!((recording.fps - 50.0).abs() < 1e-12 && recording.missing.is_empty());
     let frames: Vec<_> = (0..3).map(FrameIndex).collect();
     assert_eq!(recording.frames, frames);
@@ -115,7 +117,9 @@ fn a_place_that_cannot_be_written_is_named() {
 fn the_sample_recording_is_the_one_of_seed_one() {
     let synthetic = sample();
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/sequences/walker");
-    let recording = Recording::open(&folder, None).unwrap();
+    let recording = Recording::open(&folder)
+        .and_then(|found| found.observations())
+        .unwrap();
     assert_eq!(recording.frames.len(), synthetic.frames());
     assert_eq!(recording.rig.cameras.len(), 6);
     for (frame, camera) in [(0, 0), (17, 3), (40, 5)] {

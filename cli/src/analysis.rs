@@ -169,7 +169,9 @@ fn views(
     input: &GaitInput,
     result: Option<&ResultFile>,
 ) -> Result<Vec<CameraOutlines>, CliError> {
-    let mut recording = Recording::open(folder, Some(input.movement.rate_hz))?;
+    let mut recording = Recording::open(folder)?
+        .with_fps(input.movement.rate_hz)
+        .observations()?;
     if let Some(result) = result {
         recording.rig = recording.rig.aimed(&result.aims_px(&recording.rig));
     }

@@ -8,7 +8,7 @@ use maquette::io::folder::overlays::OverlayError;
 use maquette::io::gait::{GaitInputError, NormError};
 use maquette::io::model::ModelFileError;
 use maquette::io::recording::RecordingError;
-use maquette::io::recording::footage::FramesError;
+use maquette::io::recording::footage::FootageError;
 use maquette::io::recording::synthetic::SyntheticError;
 use maquette::io::result::ResultError;
 use maquette::pipeline::FitError;
@@ -26,7 +26,7 @@ pub(super) enum CliError {
     Recording(#[from] RecordingError),
     /// The pictures.
     #[error(transparent)]
-    Frames(Box<FramesError>),
+    Frames(Box<FootageError>),
     /// No frame of the recording is in the range asked for.
     #[error(transparent)]
     FrameRange(#[from] maquette::pipeline::FrameRangeError),
@@ -129,8 +129,8 @@ pub(super) enum CliError {
     Json(#[from] serde_json::Error),
 }
 
-impl From<FramesError> for CliError {
-    fn from(fault: FramesError) -> Self {
+impl From<FootageError> for CliError {
+    fn from(fault: FootageError) -> Self {
         Self::Frames(Box::new(fault))
     }
 }

@@ -11,9 +11,10 @@ use super::progress::Progress;
 use super::switches::{Overwrite, Quiet, Threads};
 use super::table::Table;
 use super::{complain, print};
+use maquette::Recording;
 use maquette::io::folder::segmented::{self, Extras, QualityRow};
 use maquette::io::folder::{OutFolder, check_out};
-use maquette::io::recording::footage::{Footage, FramesNote};
+use maquette::io::recording::footage::{Footage, FootageNote};
 use maquette::pipeline::segment::SegmentOptions;
 use maquette::pipeline::{FrameRange, span};
 
@@ -65,7 +66,9 @@ pub(super) fn run(arguments: &SegmentArguments) -> Result<(), CliError> {
 fn segment(arguments: &SegmentArguments) -> Result<(), CliError> {
     let start = Instant::now();
     check_out(&arguments.out, arguments.overwrite.existing())?;
-    let footage = Footage::open(&arguments.recording, arguments.fps)?;
+    let footage = Recording::open(&arguments.recording)?
+        .with_fps(arguments.fps)
+        .footage()?;
     let frames = footage.frames();
     let range = span(arguments.frames.unwrap_or_default().select(&frames)?);
     let progress = arguments.quiet.progress();
@@ -107,7 +110,7 @@ pub(super) fn masks(
         .iter()
         .chain(&found)
         .chain(&odd)
-        .map(FramesNote::to_string)
+        .map(FootageNote::to_string)
         .collect();
     for (id, share) in segmented::never_left(footage, &segmenter) {
         notes.push(format!(

@@ -20,7 +20,7 @@ fn a_missing_recording_is_named() {
     );
     let empty = tempfile::tempdir().expect("a folder");
     assert_complains(
-        Recording::open(empty.path(), None),
+        Recording::open(empty.path()).and_then(|found| found.observations()),
         &["no masks and no pictures: expected masks/<camera>/"],
     );
     let folder = recording(&["a", "b"]);
@@ -35,18 +35,18 @@ fn a_missing_recording_is_named() {
 fn a_frame_rate_must_be_known_and_positive() {
     let folder = recording(&["a", "b"]);
     assert_complains(
-        Recording::open(folder.path(), None),
+        Recording::open(folder.path()).and_then(|found| found.observations()),
         &["frame rate is not known", "--fps"],
     );
     for fps in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         assert_complains(
-            Recording::open(folder.path(), Some(fps)),
+            Recording::open(folder.path()).and_then(|found| found.with_fps(fps).observations()),
             &["expected a positive number"],
         );
     }
     let folder = with_manifest(&["a", "b"], "fps = 0\n");
     assert_complains(
-        Recording::open(folder.path(), None),
+        Recording::open(folder.path()).and_then(|found| found.observations()),
         &["sequence.toml:1: fps = 0"],
     );
 }

@@ -48,10 +48,13 @@ fn a_manifest_is_followed() {
         folder.path().to_owned(),
         folder.path().join("sequence.toml"),
     ] {
-        let recording = Recording::open(&path, None).expect("a recording");
+        let recording = Recording::open(&path)
+            .and_then(|found| found.observations())
+            .expect("a recording");
         assert_eq!(recording.rig.names().collect::<Vec<_>>(), ["d", "a", "b"]);
         approx::assert_relative_eq!(recording.fps, 25.0);
-        assert_eq!(recording.body.as_deref(), Some("arm-2d"));
+        let body = Recording::open(&path).expect("a recording");
+        assert_eq!(body.body(), Some("arm-2d"));
         assert_eq!(recording.frames, [0, 1, 2, 3].map(FrameIndex));
         let missing: Vec<_> = recording
             .missing
@@ -75,14 +78,18 @@ fn a_manifest_is_followed() {
             [1, 2]
         );
     }
-    let faster = Recording::open(folder.path(), Some(100.0)).expect("a recording");
+    let faster = Recording::open(folder.path())
+        .and_then(|found| found.with_fps(100.0).observations())
+        .expect("a recording");
     approx::assert_relative_eq!(faster.fps, 100.0);
 }
 
 #[test]
 fn a_manifest_without_cameras_takes_the_folders() {
     let folder = with_manifest(&["a", "b"], "fps = 25\n");
-    let recording = Recording::open(folder.path(), None).expect("a recording");
+    let recording = Recording::open(folder.path())
+        .and_then(|found| found.observations())
+        .expect("a recording");
     assert_eq!(recording.rig.cameras.len(), 2);
 }
 
@@ -94,7 +101,9 @@ fn one_calibration_file_for_each_camera() {
     );
     write(folder.path().join("a.toml"), calibration(&["a"]));
     write(folder.path().join("b.toml"), calibration(&["b"]));
-    let recording = Recording::open(folder.path(), None).expect("a recording");
+    let recording = Recording::open(folder.path())
+        .and_then(|found| found.observations())
+        .expect("a recording");
     assert_eq!(recording.rig.names().collect::<Vec<_>>(), ["a", "b"]);
     let inputs: Vec<_> = recording
         .checksums()

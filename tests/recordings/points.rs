@@ -13,7 +13,7 @@ use tempfile::TempDir;
 use crate::tiny::{assert_complains, load, open, recording, with_manifest, write};
 
 /// A grid of 20 × 20 points over 1 m, around the point that the tiny cameras look at.
-fn grid(recording: &Recording, scale: f64) -> Vec<CloudPoint> {
+fn grid(recording: &ObservationFiles, scale: f64) -> Vec<CloudPoint> {
     let middle = recording.rig.common_view().expect("cameras").point_world;
     let point = |i: i32| {
         let (x, y) = (
@@ -37,13 +37,13 @@ fn with_points(manifest: &str, scale: f64) -> TempDir {
 }
 
 /// The recording without its points.
-fn recorded(folder: &Path) -> Recording {
+fn recorded(folder: &Path) -> ObservationFiles {
     let bare = recording(&["a", "b"]);
     assert!(folder.exists());
     open(bare.path()).expect("a recording")
 }
 
-fn all(folder: &Path) -> (Recording, Vec<FrameObservations>) {
+fn all(folder: &Path) -> (ObservationFiles, Vec<FrameObservations>) {
     let recording = open(folder).expect("a recording");
     let options = SilhouetteOptions::default();
     let frames = (0..recording.frames.len())
@@ -71,7 +71,7 @@ fn a_folder_of_points_needs_no_manifest_and_is_used_where_it_has_frames() {
     let counts: Vec<_> = frames.iter().map(|f| f.points.len()).collect();
     assert_eq!(counts, [0, 400, 0]);
     assert_eq!(frames[1].points, points);
-    assert!(recording.notes_of_points(&frames).is_empty());
+    assert!(recording.notes_on_points(&frames).is_empty());
     let inputs = recording.checksums().expect("checksums");
     assert_eq!(inputs.last().expect("points").input, "points");
 }
@@ -166,7 +166,7 @@ fn empty_clouds_and_numbers_that_are_none_are_told_once() {
         (vec![0, 400, 1], Vec::<String>::new())
     );
     assert_eq!(
-        said(&recording.notes_of_points(&frames)),
+        said(&recording.notes_on_points(&frames)),
         [
             "points: no usable point in frames 0",
             "points: 3 are not finite or have no positive spread, in frames 2: left out"
@@ -189,7 +189,7 @@ fn a_million_points_are_thinned_evenly_and_this_is_told() {
         assert!((12..=13).contains(&count), "{count}");
     }
     assert_eq!(
-        said(&recording.notes_of_points(&frames)),
+        said(&recording.notes_on_points(&frames)),
         ["points: up to 1000000 in a frame, thinned evenly to 5000 in frames 0"]
     );
 }

@@ -67,7 +67,9 @@ fn a_recording_with_video_and_masks_says_that_the_video_is_not_used() {
     let Some(folder) = shared("balance") else {
         return;
     };
-    let recording = Recording::open(&folder, None).expect("a recording");
+    let recording = Recording::open(&folder)
+        .and_then(|found| found.observations())
+        .expect("a recording");
     assert_eq!((recording.fps, recording.frames.len()), (60.0, 100));
     assert_eq!(
         recording.notes,

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use image::{DynamicImage, GrayImage, Luma};
-use maquette::io::recording::{Recording, RecordingError};
+use maquette::io::recording::{ObservationFiles, Recording, RecordingError};
 use maquette::silhouette::{FrameObservations, SilhouetteOptions};
 use tempfile::TempDir;
 
@@ -64,8 +64,8 @@ pub(crate) fn with_manifest(cameras: &[&str], manifest: &str) -> TempDir {
     folder
 }
 
-pub(crate) fn open(folder: &Path) -> Result<Recording, RecordingError> {
-    Recording::open(folder, Some(50.0))
+pub(crate) fn open(folder: &Path) -> Result<ObservationFiles, RecordingError> {
+    Recording::open(folder).and_then(|found| found.with_fps(50.0).observations())
 }
 
 pub(crate) fn load(folder: &Path, position: usize) -> Result<FrameObservations, RecordingError> {

@@ -8,7 +8,7 @@ use crate::error::CliError;
 use crate::silhouettes::{self, DEFAULT_BODY};
 use maquette::io::model;
 use maquette::io::recording::footage::Footage;
-use maquette::io::recording::{Made, Recording};
+use maquette::io::recording::{DerivedFiles, ObservationFiles, Recording};
 use maquette::likelihood::Measure;
 use maquette::pipeline::check_measure;
 use maquette::silhouette::FrameObservations;
@@ -28,9 +28,10 @@ pub(super) fn is_only_way(footage: &Footage) -> bool {
 /// The points are those before the still scene and near the body that the pipeline itself fits to, and, asked for with `--stereo`, what is
 /// measured within the contours: surer, but not on a leg of which a camera sees little behind the other.
 pub(super) fn observe(
+    recording: &Recording,
     footage: &Footage,
     arguments: &FitArguments,
-) -> Result<(Recording, Observed), CliError> {
+) -> Result<(ObservationFiles, Observed), CliError> {
     let all = footage.frames();
     let frames = arguments.frames.unwrap_or_default().select(&all)?;
     let body = arguments.body.as_deref().unwrap_or(DEFAULT_BODY);
@@ -40,20 +41,21 @@ pub(super) fn observe(
     let kept = (footage, frames, arguments.out.as_path());
     let (mut observed, notes) = silhouettes::observe(kept, &model, progress)?;
     tell(&notes, arguments);
-    let open = |points: bool| {
-        let made = Made {
-            masks: true,
-            points,
-        };
-        Recording::open_made(&arguments.recording, footage, &arguments.out, made)
+    let open = |has_points: bool| {
+        recording.with_derived(DerivedFiles {
+            footage,
+            folder: &arguments.out,
+            has_masks: true,
+            has_points,
+        })
     };
     let Some(method) = arguments.stereo else {
         return Ok((open(false)?, Some(observed)));
     };
     measure(footage, &open(false)?, method, arguments)?;
-    let recording = open(true)?;
+    let files = open(true)?;
     for frame in &mut observed {
-        recording.load_points(frame)?;
+        files.load_points(frame)?;
     }
-    Ok((recording, Some(observed)))
+    Ok((files, Some(observed)))
 }

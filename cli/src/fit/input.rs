@@ -14,8 +14,10 @@ use crate::progress::Progress;
 use maquette::body::BodyModel;
 use maquette::io::folder::check_out;
 use maquette::io::model::{self, ModelText};
-use maquette::io::recording::footage::{Footage, FramesError};
-use maquette::io::recording::{InputChecksum, Made, Recording, RecordingError};
+use maquette::io::recording::footage::FootageError;
+use maquette::io::recording::{
+    DerivedFiles, InputChecksum, ObservationFiles, Recording, RecordingError,
+};
 use maquette::pipeline::{FitError, FitOptions, check_measure, check_scene};
 use maquette::silhouette::FrameObservations;
 
@@ -27,7 +29,7 @@ const DEFAULT_BODY_OF_POINTS: &str = "human-metaballs";
 /// Everything that is read before anything is fitted.
 pub(super) struct Input {
     pub(super) options: FitOptions,
-    pub(super) recording: Recording,
+    pub(super) recording: ObservationFiles,
     pub(super) model: BodyModel,
     pub(super) observations: Vec<FrameObservations>,
     pub(super) checksums: Vec<InputChecksum>,
@@ -37,8 +39,9 @@ pub(super) struct Input {
 pub(super) fn read(arguments: &FitArguments) -> Result<Input, CliError> {
     let options = arguments.options()?;
     check_out(&arguments.out, arguments.existing())?;
-    let (mut recording, contoured) = open(arguments)?;
-    let (model, bodies) = body(arguments.body.as_deref(), &recording)?;
+    let opened = Recording::open(&arguments.recording)?.with_fps(arguments.fps);
+    let (mut recording, contoured) = open(&opened, arguments)?;
+    let (model, bodies) = body(arguments.body.as_deref(), &opened, recording.has_points())?;
     check_measure(&model, options.measure)?;
     let observations = match contoured {
         Some(observed) => observed.into_iter().map(|o| options.fit_to.of(o)).collect(),
@@ -50,7 +53,7 @@ pub(super) fn read(arguments: &FitArguments) -> Result<Input, CliError> {
             observe(&recording, positions, &options, arguments.quiet.progress())?
         }
     };
-    let notes = recording.notes_of_points(&observations);
+    let notes = recording.notes_on_points(&observations);
     recording.notes.extend(notes);
     check_scene(&model, &recording.rig, &observations).map_err(FitError::from)?;
     let mut checksums = recording.checksums()?;
@@ -67,70 +70,80 @@ pub(super) fn read(arguments: &FitArguments) -> Result<Input, CliError> {
 /// The recording; what it lacks is made of its pictures and kept in OUT: masks where there are none, points where asked for.
 ///
 /// With it what the joint pipeline of silhouettes observed, where that was asked for or is the only good way.
-fn open(arguments: &FitArguments) -> Result<(Recording, Observed), CliError> {
-    let (path, out) = (&arguments.recording, &arguments.out);
+fn open(
+    recording: &Recording,
+    arguments: &FitArguments,
+) -> Result<(ObservationFiles, Observed), CliError> {
+    let out = &arguments.out;
     if arguments.silhouettes.is_some_and(Silhouettes::is_joint) {
-        return contoured::observe(&Footage::open(path, arguments.fps)?, arguments);
+        return contoured::observe(recording, &recording.footage()?, arguments);
     }
     let opened = match arguments.stereo {
         // its points are what is to be measured
-        Some(_) => Recording::open_masks(path, arguments.fps),
-        None => Recording::open(path, arguments.fps),
+        Some(_) => recording.masks(),
+        None => recording.observations(),
     };
     let given = match opened {
         Err(fault @ RecordingError::NoMasks { .. }) => Err(fault),
         opened => Ok(opened?),
     };
-    let has_masks = given.as_ref().is_ok_and(Recording::has_masks);
-    let is_enough = |r: &Recording| r.has_masks() || arguments.fits_to_points() && r.has_points();
+    let has_masks = given.as_ref().is_ok_and(ObservationFiles::has_masks);
+    let is_enough = |files: &ObservationFiles| {
+        files.has_masks() || arguments.fits_to_points() && files.has_points()
+    };
     if arguments.stereo.is_none() && given.as_ref().is_ok_and(is_enough) {
         return Ok((given?, None));
     }
-    let footage = match Footage::open(path, arguments.fps) {
-        Err(FramesError::NoPictures { .. }) if arguments.stereo.is_none() => {
+    let footage = match recording.footage() {
+        Err(RecordingError::Footage(FootageError::NoPictures { .. }))
+            if arguments.stereo.is_none() =>
+        {
             return Ok((given?, None));
         }
         opened => opened?,
     };
     let is_free = arguments.silhouettes.is_none() && arguments.stereo.is_none();
     if is_free && given.is_err() && contoured::is_only_way(&footage) {
-        return contoured::observe(&footage, arguments);
+        return contoured::observe(recording, &footage, arguments);
     }
-    let mut made = Made {
-        masks: !has_masks,
-        points: false,
+    let mut derived = DerivedFiles {
+        footage: &footage,
+        folder: out,
+        has_masks: !has_masks,
+        has_points: false,
     };
-    if made.masks {
+    if derived.has_masks {
         cut(&footage, arguments)?;
     }
     if let Some(method) = arguments.stereo {
-        let masks = Recording::open_made(path, &footage, out, made)?;
+        let masks = recording.with_derived(derived)?;
         measure(&footage, &masks, method, arguments)?;
-        made.points = true;
+        derived.has_points = true;
     }
-    Ok((Recording::open_made(path, &footage, out, made)?, None))
+    Ok((recording.with_derived(derived)?, None))
 }
 
 /// The body that was asked for, or that the recording names, and the fingerprints of all that it was read from.
 fn body(
     asked: Option<&str>,
     recording: &Recording,
+    has_points: bool,
 ) -> Result<(BodyModel, Vec<InputChecksum>), CliError> {
-    let (name, folder) = match (asked, recording.body.as_deref()) {
+    let (name, folder) = match (asked, recording.body()) {
         (Some(name), _) => (name, Path::new("")),
-        (None, Some(name)) => (name, recording.folder.as_path()),
-        (None, None) if recording.has_points() => (DEFAULT_BODY_OF_POINTS, Path::new("")),
+        (None, Some(name)) => (name, recording.folder()),
+        (None, None) if has_points => (DEFAULT_BODY_OF_POINTS, Path::new("")),
         (None, None) => (DEFAULT_BODY, Path::new("")),
     };
     let (model, read) = model::load_with_texts(name, folder)?;
     let checksum =
-        |file: &ModelText| InputChecksum::of_text(format!("body {}", file.name), &file.text);
+        |file: &ModelText| InputChecksum::from_text(format!("body {}", file.name), &file.text);
     Ok((model, read.iter().map(checksum).collect()))
 }
 
 /// The silhouettes of the frames; masks are dropped as soon as they are traced.
 fn observe(
-    recording: &Recording,
+    recording: &ObservationFiles,
     positions: Range<usize>,
     options: &FitOptions,
     progress: Progress,

@@ -7,7 +7,7 @@ use crate::{complain, segment};
 use maquette::io::folder::segmented::{Extras, QUALITY};
 use maquette::io::folder::stereo;
 use maquette::io::folder::{Existing, OutFolder};
-use maquette::io::recording::Recording;
+use maquette::io::recording::ObservationFiles;
 use maquette::io::recording::footage::Footage;
 use maquette::pipeline::span;
 
@@ -33,7 +33,7 @@ pub(super) fn cut(footage: &Footage, arguments: &FitArguments) -> Result<(), Cli
 /// Measures the points of the frames to be fitted, where the masks show the person.
 pub(super) fn measure(
     footage: &Footage,
-    masks: &Recording,
+    masks: &ObservationFiles,
     method: Method,
     arguments: &FitArguments,
 ) -> Result<(), CliError> {

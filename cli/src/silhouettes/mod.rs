@@ -13,6 +13,7 @@ use crate::switches::{Overwrite, Quiet, Threads};
 use crate::table::Table;
 use crate::{complain, print};
 use first::First;
+use maquette::Recording;
 use maquette::io::folder::check_out;
 use maquette::io::folder::silhouettes::{ContourRow, SilhouetteExtras, SilhouetteFolder};
 use maquette::io::model;
@@ -96,7 +97,9 @@ pub(super) fn run(arguments: &SilhouettesArguments) -> Result<(), CliError> {
 fn silhouettes(arguments: &SilhouettesArguments) -> Result<(), CliError> {
     let start = Instant::now();
     check_out(&arguments.out, arguments.overwrite.existing())?;
-    let footage = Footage::open(&arguments.recording, arguments.fps)?;
+    let footage = Recording::open(&arguments.recording)?
+        .with_fps(arguments.fps)
+        .footage()?;
     let all = footage.frames();
     let frames = arguments.frames.unwrap_or_default().select(&all)?;
     let model = model::load(&arguments.body, Path::new(""))?;

@@ -15,7 +15,7 @@ use maquette::camera::CameraId;
 use maquette::io::folder::check_out;
 use maquette::io::folder::stereo::{MeasuredFrame, StereoFolder};
 use maquette::io::recording::footage::Footage;
-use maquette::io::recording::{Note, Recording, RecordingError};
+use maquette::io::recording::{Note, ObservationFiles, Recording, RecordingError};
 use maquette::pipeline::{FrameRange, span};
 use maquette::silhouette::FrameIndex;
 use maquette::stereo::SideBySide;
@@ -126,11 +126,12 @@ fn depth(text: &str) -> Result<(f64, f64), String> {
 pub(super) fn run(arguments: &StereoArguments) -> Result<(), CliError> {
     // 1. read and check everything
     check_out(&arguments.out, arguments.overwrite.existing())?;
-    let footage = Footage::open(&arguments.recording, arguments.fps)?;
+    let recording = Recording::open(&arguments.recording)?.with_fps(arguments.fps);
+    let footage = recording.footage()?;
     let all = footage.frames();
     let frames = arguments.frames.unwrap_or_default().select(&all)?;
     let used = cameras(&footage, &arguments.settings.cameras)?;
-    let masks = masks(&arguments.recording, footage.fps)?;
+    let masks = masks(&recording.with_fps(footage.fps))?;
     let tell = |kind: &str, line: &str| {
         if !arguments.quiet.is_on() {
             complain(kind, &one_line(line));
@@ -162,16 +163,20 @@ pub(super) fn run(arguments: &StereoArguments) -> Result<(), CliError> {
 }
 
 /// The recording, if it has masks; its points are what is to be measured.
-fn masks(path: &Path, fps: f64) -> Result<Option<Recording>, CliError> {
-    match Recording::open_masks(path, Some(fps)) {
-        Ok(recording) => Ok(Some(recording).filter(Recording::has_masks)),
+fn masks(recording: &Recording) -> Result<Option<ObservationFiles>, CliError> {
+    match recording.masks() {
+        Ok(files) => Ok(Some(files).filter(ObservationFiles::has_masks)),
         Err(RecordingError::NoMasks { .. }) => Ok(None),
         Err(fault) => Err(fault.into()),
     }
 }
 
 /// What is odd about the masks; that pictures are not read for them is not.
-fn masks_notes(footage: &Footage, used: &[CameraId], masks: Option<&Recording>) -> Vec<String> {
+fn masks_notes(
+    footage: &Footage,
+    used: &[CameraId],
+    masks: Option<&ObservationFiles>,
+) -> Vec<String> {
     let Some(masks) = masks else {
         let all = "no masks: everything that the cameras show is measured, not the person alone";
         return vec![all.into()];
@@ -217,7 +222,7 @@ impl Measured {
 
 /// Measures the points of these frames and writes them into a folder; where there are masks, those of the person.
 pub(super) fn measure(
-    (footage, masks): (&Footage, Option<&Recording>),
+    (footage, masks): (&Footage, Option<&ObservationFiles>),
     frames: &[FrameIndex],
     out: &Path,
     settings: &Settings,

@@ -6,7 +6,7 @@ use crate::summary::counted;
 use maquette::camera::CameraId;
 use maquette::image::{Mask, Picture, Plane, luma};
 use maquette::io::folder::stereo::{MeasuredFrame, StereoFolder};
-use maquette::io::recording::Recording;
+use maquette::io::recording::ObservationFiles;
 use maquette::io::recording::footage::Footage;
 use maquette::render::stereo::{cloud_from_the_side, in_colour, vector_field};
 use maquette::silhouette::FrameIndex;
@@ -32,7 +32,7 @@ pub(super) struct Work<'a> {
     pub(super) footage: &'a Footage,
     /// The template's camera first.
     pub(super) cameras: Vec<CameraId>,
-    pub(super) masks: Option<&'a Recording>,
+    pub(super) masks: Option<&'a ObservationFiles>,
     pub(super) out: StereoFolder,
     pub(super) following: Option<Following>,
     pub(super) trajectories: Vec<Trajectory>,

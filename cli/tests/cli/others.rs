@@ -60,7 +60,9 @@ fn a_synthetic_recording_can_be_read_and_is_not_written_over() {
         "{}",
         said.out
     );
-    let recording = Recording::open(&place.out("somebody"), None).expect("a recording");
+    let recording = Recording::open(&place.out("somebody"))
+        .and_then(|found| found.observations())
+        .expect("a recording");
     assert_eq!(
         (recording.rig.cameras.len(), recording.frames.len()),
         (2, 1)

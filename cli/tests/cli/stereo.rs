@@ -270,7 +270,9 @@ fn points_come_back_where_they_were_whichever_axis_of_the_files_is_up() {
     off.sort_by(f64::total_cmp);
     assert!(off[off.len() / 2] < 0.03, "{}", off[off.len() / 2]);
     // and the recording reads it in the world of its cameras
-    let recording = Recording::open(folder.path(), None).expect("a recording");
+    let recording = Recording::open(folder.path())
+        .and_then(|found| found.observations())
+        .expect("a recording");
     let read = recording
         .load_frame(0, &SilhouetteOptions::default())
         .expect("a frame")

@@ -31,7 +31,8 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         run.say(&format!("skipped: no recording in {}", folder.display()));
         return Ok(ExitCode::SUCCESS);
     }
-    let recording = Recording::open(&folder, Some(50.0))?;
+    let recording =
+        Recording::open(&folder).and_then(|found| found.with_fps(50.0).observations())?;
     let truth = {
         let path = folder.join("truth.trc");
         read_trc(&std::fs::read_to_string(&path)?, &path)?

@@ -10,7 +10,7 @@ use super::{OutError, OutFolder, file_name};
 use crate::body::{BodyModel, Posed};
 use crate::camera::CameraId;
 use crate::image::Picture;
-use crate::io::recording::{Recording, RecordingError};
+use crate::io::recording::{ObservationFiles, RecordingError};
 use crate::pipeline::{Fit, FittedFrame};
 use crate::render::{Canvas, overlay};
 
@@ -32,7 +32,7 @@ pub enum OverlayError {
 /// [`OverlayError`] for the first that fails.
 pub fn write(
     folder: &Path,
-    recording: &Recording,
+    recording: &ObservationFiles,
     model: &BodyModel,
     fit: &Fit,
     done: &(dyn Fn() + Sync),
@@ -62,7 +62,7 @@ pub fn write(
 
 /// `None` where the camera has no mask of the frame.
 fn picture(
-    recording: &Recording,
+    recording: &ObservationFiles,
     model: &BodyModel,
     fit: &Fit,
     (frame, id): (&FittedFrame, CameraId),

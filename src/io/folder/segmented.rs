@@ -15,7 +15,7 @@ use super::table;
 use super::{OutError, OutFolder, file_name};
 use crate::camera::CameraId;
 use crate::image::{Mask, Picture, Plane};
-use crate::io::recording::footage::{Footage, FramesNote};
+use crate::io::recording::footage::{Footage, FootageNote};
 use crate::pipeline::Frames;
 use crate::pipeline::segment::{Cut, SegmentOptions, Segmenter, Training};
 use crate::silhouette::FrameIndex;
@@ -82,7 +82,7 @@ pub fn learn(
     footage: &Footage,
     options: SegmentOptions,
     done: &dyn Fn(),
-) -> (Segmenter, Vec<FramesNote>) {
+) -> (Segmenter, Vec<FootageNote>) {
     let mut training = Training::new(&footage.rig, footage.frames().len(), options);
     let mut notes = Vec::new();
     for (id, _) in footage.rig.iter() {
@@ -114,7 +114,7 @@ pub fn write(
     frames: RangeInclusive<usize>,
     extras: Extras,
     done: &(dyn Fn() + Sync),
-) -> Result<(Vec<QualityRow>, Vec<FramesNote>), OutError> {
+) -> Result<(Vec<QualityRow>, Vec<FootageNote>), OutError> {
     let writer = Writer::new(folder, footage, extras)?;
     let (mut rows, mut without) = (Vec::new(), vec![Vec::new(); footage.rig.cameras.len()]);
     let mut sets = footage.frame_sets(frames);
@@ -146,12 +146,16 @@ pub fn write(
 }
 
 /// What is odd about the masks of each camera.
-fn notes(footage: &Footage, rows: &[QualityRow], without: Vec<Vec<FrameIndex>>) -> Vec<FramesNote> {
+fn notes(
+    footage: &Footage,
+    rows: &[QualityRow],
+    without: Vec<Vec<FrameIndex>>,
+) -> Vec<FootageNote> {
     let names = || footage.rig.names().map(str::to_owned);
     let lost = names()
         .zip(without)
         .filter(|(_, frames)| !frames.is_empty());
-    let lost = lost.map(|(camera, frames)| FramesNote::OtherLight {
+    let lost = lost.map(|(camera, frames)| FootageNote::OtherLight {
         camera,
         frames: Frames(frames),
     });
@@ -159,7 +163,7 @@ fn notes(footage: &Footage, rows: &[QualityRow], without: Vec<Vec<FrameIndex>>) 
         let own = || rows.iter().filter(|row| row.camera == camera);
         let pictures = own().count();
         let is_empty = pictures > 0 && own().all(|row| row.area_px == 0);
-        is_empty.then_some(FramesNote::Nobody { camera, pictures })
+        is_empty.then_some(FootageNote::Nobody { camera, pictures })
     });
     lost.chain(nobody).collect()
 }

@@ -3,6 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
+use super::footage::FootageError;
 use super::{MaskFault, ScaleFault};
 use crate::io::calibration::CalibrationError;
 use crate::io::points::CloudError;
@@ -23,6 +24,9 @@ pub enum RecordingError {
     /// The calibration is at fault.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
+    /// The pictures are at fault.
+    #[error(transparent)]
+    Footage(#[from] FootageError),
     /// No camera has masks.
     #[error(
         "{}: no masks and no pictures: expected masks/<camera>/, videos/<camera>.* or images/<camera>/ beside the calibration, or masks, video or images = … for each camera in sequence.toml",

@@ -8,7 +8,7 @@ use super::schema::{
 use crate::body::BodyModel;
 use crate::camera::{CameraId, Rig};
 use crate::inference::search::Origin;
-use crate::io::recording::{InputChecksum, Recording};
+use crate::io::recording::{InputChecksum, ObservationFiles};
 use crate::pipeline::{Fit, FitOptions, FittedFrame, FrameSd, TriedHypothesis, rest_lengths_m};
 use crate::silhouette::{FrameIndex, FrameObservations};
 
@@ -20,7 +20,7 @@ const CONFIDENCE_OF: &str = "the model's optimum, not the true length: the proba
 #[derive(Debug, Clone, Copy)]
 pub struct Provenance<'a> {
     /// The recording.
-    pub recording: &'a Recording,
+    pub recording: &'a ObservationFiles,
     /// The frames of it that were fitted, as they were seen.
     pub observations: &'a [FrameObservations],
     /// Everything that was read.

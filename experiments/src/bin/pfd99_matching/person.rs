@@ -7,7 +7,6 @@ use experiments::run::Run;
 use maquette::camera::CameraId;
 use maquette::image::luma;
 use maquette::io::recording::Recording;
-use maquette::io::recording::footage::Footage;
 use maquette::silhouette::FrameIndex;
 use maquette::stereo::StereoView;
 use maquette::stereo::matching::{MatchOptions, match_surface};
@@ -28,8 +27,8 @@ const ON_PLACE_MM: f64 = 15.0;
 
 /// Centre, left and right of every frame, with the masks.
 pub(crate) fn triplets(folder: &Path, last: usize) -> Result<Vec<FrameViews>, Fault> {
-    let footage = Footage::open(folder, None)?;
-    let recording = Recording::open(folder, None)?;
+    let footage = Recording::open(folder).and_then(|found| found.footage())?;
+    let recording = Recording::open(folder).and_then(|found| found.observations())?;
     let mut all = Vec::new();
     for (frame, mut pictures) in footage.frame_sets(0..=last) {
         let mut shown = FrameViews {

@@ -3,23 +3,10 @@
 use std::io;
 use std::path::PathBuf;
 
-use crate::io::calibration::CalibrationError;
-use crate::io::recording::layout::LayoutError;
-use crate::io::recording::manifest::ManifestError;
-
 /// Why the pictures of a recording could not be used, in one line that says what to mend.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum FramesError {
-    /// The files are not where or what they should be.
-    #[error(transparent)]
-    Layout(#[from] LayoutError),
-    /// The manifest is at fault.
-    #[error(transparent)]
-    Manifest(#[from] ManifestError),
-    /// The calibration is at fault.
-    #[error(transparent)]
-    Calibration(#[from] CalibrationError),
+pub enum FootageError {
     /// No camera has images or a video.
     #[error(
         "{}: no pictures: expected videos/<camera>.* or images/<camera>/ beside the calibration, or images = … or video = … for each camera in sequence.toml",

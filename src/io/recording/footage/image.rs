@@ -5,7 +5,7 @@ use std::path::Path;
 
 use ::image::{DynamicImage, ImageDecoder, ImageReader, Limits};
 
-use super::FramesError;
+use super::FootageError;
 use crate::image::Picture;
 
 /// No camera of a laboratory has more columns or rows.
@@ -14,8 +14,8 @@ const MOST_PX: u32 = 32_768;
 const MOST_BYTES: u64 = 1 << 30;
 
 /// Reads an image of any bit depth and colour type as RGB, turned as its metadata say; opacity is passed over.
-pub(super) fn read(path: &Path) -> Result<Picture, FramesError> {
-    let unreadable = |reason: String| FramesError::Image {
+pub(super) fn read(path: &Path) -> Result<Picture, FootageError> {
+    let unreadable = |reason: String| FootageError::Image {
         path: path.into(),
         reason,
     };

@@ -1,6 +1,6 @@
 //! The pictures of a recording: images or videos of calibrated cameras, decoded ahead, frame by frame.
 //!
-//! [`Footage::open`] reads the manifest and the calibration and finds out which frames each camera has;
+//! [`Recording::footage`](super::Recording::footage) finds out which frames each camera has;
 //! [`Footage::stream`] gives the pictures of one camera in order, [`Footage::frame_sets`] those of all cameras frame by
 //! frame. Each camera is decoded by a thread of its own, at most [`AHEAD`] pictures ahead of whoever takes them, so
 //! memory stays bounded however long the recording is. Videos go through the installed program `ffmpeg`, by pipe.
@@ -27,7 +27,7 @@ mod video;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::RangeInclusive;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use crate::camera::{CameraId, Rig, UpAxis};
 use crate::image::Picture;
@@ -35,9 +35,10 @@ use crate::pipeline::{FramePictures, PictureSource, PictureStream};
 use crate::silhouette::FrameIndex;
 use stream::EmptyScene;
 
-pub use error::FramesError;
-pub use note::FramesNote;
+pub use error::FootageError;
+pub use note::FootageNote;
 pub use numbers::Numbering;
+pub(super) use open::open;
 pub use stream::{AHEAD, FrameSets, Pictures};
 
 /// Calibrated pictures, frame by frame.
@@ -50,9 +51,7 @@ pub struct Footage {
     /// What each camera of the rig recorded.
     pub cameras: Vec<CameraFootage>,
     /// What the user should know.
-    pub notes: Vec<FramesNote>,
-    /// The folder that the manifest's paths are relative to.
-    pub folder: PathBuf,
+    pub notes: Vec<FootageNote>,
     /// Which axis of the files' world points up.
     pub up: UpAxis,
 }
@@ -110,18 +109,6 @@ impl CameraFootage {
 }
 
 impl Footage {
-    /// Opens a folder or a manifest; `fps` overrides the manifest's frame rate, and that the videos'.
-    ///
-    /// A folder with a `sequence.toml` is read by it (`images`, `video`, `background` of each camera). One without has
-    /// `videos/<camera>.*` or `images/<camera>/*`, `background/<camera>.*` if there are pictures of the empty scene,
-    /// and a calibration as [`crate::io::recording::Recording::open`] finds it.
-    ///
-    /// # Errors
-    /// [`FramesError`] if something is missing, contradictory, or cannot be read.
-    pub fn open(path: &Path, fps: Option<f64>) -> Result<Self, FramesError> {
-        open::open(path, fps)
-    }
-
     /// The frames of which at least one camera should have a picture, ascending.
     pub fn frames(&self) -> Vec<FrameIndex> {
         let all: BTreeSet<FrameIndex> = self.cameras.iter().flat_map(|c| c.frames()).collect();

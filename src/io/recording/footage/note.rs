@@ -8,7 +8,7 @@ use crate::pipeline::Frames;
 /// Something about the pictures of a recording that its user should know, in one line.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum FramesNote {
+pub enum FootageNote {
     /// A camera of the manifest without pictures, among others that have some.
     Without {
         /// The camera.
@@ -103,7 +103,7 @@ pub enum FramesNote {
     },
 }
 
-impl fmt::Display for FramesNote {
+impl fmt::Display for FootageNote {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Without { camera } => {
@@ -147,7 +147,7 @@ impl fmt::Display for FramesNote {
     }
 }
 
-impl FramesNote {
+impl FootageNote {
     /// Of what was found while decoding.
     fn fmt_of_pictures(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -1,15 +1,16 @@
-//! From a folder to cameras and frame numbers.
+//! From a recording to cameras and frame numbers.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use super::probe::{Probe, probe};
-use super::{CameraFootage, Footage, FramesError, FramesNote, Source, image};
+use super::{CameraFootage, Footage, FootageError, FootageNote, Source, image};
 use crate::camera::Rig;
-use crate::io::calibration::{self, CalibrationOptions};
-use crate::io::recording::layout;
+use crate::io::recording::cameras::CalibratedCameras;
 use crate::io::recording::layout::numbered_files::{self, NumberedFiles, Wanted};
-use crate::io::recording::manifest::{CameraFiles, Manifest};
+use crate::io::recording::layout::{self, LayoutError};
+use crate::io::recording::manifest::CameraFiles;
+use crate::io::recording::{Recording, RecordingError};
 
 /// How far a video's rate may be from the recording's, as a fraction of it, without a note: 59.94 is 60.
 const SAME_RATE: f64 = 0.005;
@@ -20,75 +21,83 @@ enum Found {
     Video(PathBuf, Probe),
 }
 
-pub(super) fn open(path: &Path, fps: Option<f64>) -> Result<Footage, FramesError> {
-    let (folder, manifest_path) = layout::locate(path)?;
-    let manifest = match &manifest_path {
-        Some(path) => Manifest::read(path)?,
-        None => Manifest::default(),
-    };
+pub(in crate::io::recording) fn open(recording: &Recording) -> Result<Footage, RecordingError> {
     let mut notes = Vec::new();
-    let mut cameras = find(path, &folder, &manifest, &mut notes)?;
-    let rig = calibrate(path, &folder, &manifest, &mut cameras, &mut notes)?;
+
+    // cameras with pictures, and their calibration
+    let found = find(recording, &mut notes)?;
+    let CalibratedCameras {
+        rig,
+        cameras,
+        uncalibrated,
+        ..
+    } = recording.calibrate(found, size)?;
+    notes.extend(
+        uncalibrated
+            .into_iter()
+            .map(|unknown| FootageNote::Uncalibrated {
+                camera: unknown.name,
+            }),
+    );
     check_sizes(&rig, &cameras)?;
-    let fps = frame_rate(fps.or(manifest.fps), path, &cameras)?;
-    let footage: Vec<CameraFootage> = cameras
+
+    // frames
+    let of_videos = cameras.iter().find_map(|(_, found)| found.rate_hz());
+    let fps = recording.frame_rate(of_videos)?;
+    let cameras: Vec<CameraFootage> = cameras
         .into_iter()
-        .map(|(files, found)| footage(&folder, &files, found, fps, &mut notes))
+        .map(|(files, found)| found.footage(&recording.folder, &files, fps, &mut notes))
         .collect();
-    let lengths: Vec<usize> = footage.iter().map(|c| c.frames().len()).collect();
+    let lengths: Vec<usize> = cameras.iter().map(|c| c.frames().len()).collect();
     if lengths.windows(2).any(|pair| pair[0] != pair[1]) {
         let names = rig.names().map(str::to_owned);
-        notes.push(FramesNote::Lengths {
+        notes.push(FootageNote::Lengths {
             cameras: names.zip(lengths).collect(),
         });
     }
+
     Ok(Footage {
         fps,
         rig,
-        cameras: footage,
+        cameras,
         notes,
-        folder,
-        up: manifest.up,
+        up: recording.manifest.up,
     })
 }
 
 /// The cameras of the manifest, or of the folder where it lists none or none has pictures, and what they have.
 fn find(
-    path: &Path,
-    folder: &Path,
-    manifest: &Manifest,
-    notes: &mut Vec<FramesNote>,
-) -> Result<Vec<(CameraFiles, Found)>, FramesError> {
+    recording: &Recording,
+    notes: &mut Vec<FootageNote>,
+) -> Result<Vec<(CameraFiles, Found)>, RecordingError> {
     let has_pictures = |camera: &CameraFiles| camera.images.is_some() || camera.video.is_some();
-    let (mut with, without): (Vec<_>, Vec<_>) =
-        manifest.cameras.iter().cloned().partition(has_pictures);
+    let cameras = recording.manifest.cameras.iter().cloned();
+    let (mut with, without): (Vec<_>, Vec<_>) = cameras.partition(has_pictures);
     if with.is_empty() {
-        with = conventional(folder)?;
+        with = conventional(&recording.folder)?;
     } else {
-        notes.extend(
-            without
-                .into_iter()
-                .map(|c| FramesNote::Without { camera: c.name }),
-        );
+        let without = without.into_iter();
+        notes.extend(without.map(|c| FootageNote::Without { camera: c.name }));
     }
     if with.is_empty() {
-        return Err(FramesError::NoPictures { path: path.into() });
+        let path = recording.path.clone();
+        return Err(FootageError::NoPictures { path }.into());
     }
-    usable(folder, with, notes)
+    usable(&recording.folder, with, notes)
 }
 
 /// The cameras whose pictures can be read; a video that holds none costs its camera alone, as long as there are others.
 fn usable(
     folder: &Path,
     cameras: Vec<CameraFiles>,
-    notes: &mut Vec<FramesNote>,
-) -> Result<Vec<(CameraFiles, Found)>, FramesError> {
+    notes: &mut Vec<FootageNote>,
+) -> Result<Vec<(CameraFiles, Found)>, RecordingError> {
     let (mut usable, mut first_fault) = (Vec::new(), None);
     for camera in cameras {
         match found(folder, &camera) {
             Ok(found) => usable.push((camera, found)),
-            Err(fault @ FramesError::NoVideo { .. }) => {
-                notes.push(FramesNote::Unusable {
+            Err(RecordingError::Footage(fault @ FootageError::NoVideo { .. })) => {
+                notes.push(FootageNote::Unusable {
                     camera: camera.name,
                     reason: fault.to_string(),
                 });
@@ -98,13 +107,13 @@ fn usable(
         }
     }
     match first_fault {
-        Some(fault) if usable.is_empty() => Err(fault),
+        Some(fault) if usable.is_empty() => Err(fault.into()),
         _ => Ok(usable),
     }
 }
 
-fn found(folder: &Path, camera: &CameraFiles) -> Result<Found, FramesError> {
-    let missing = |key, path| FramesError::Missing {
+fn found(folder: &Path, camera: &CameraFiles) -> Result<Found, RecordingError> {
+    let missing = |key, path| FootageError::Missing {
         camera: camera.name.clone(),
         key,
         path,
@@ -112,16 +121,17 @@ fn found(folder: &Path, camera: &CameraFiles) -> Result<Found, FramesError> {
     if let Some(background) = camera.background.as_ref().map(|path| folder.join(path))
         && !background.is_file()
     {
-        return Err(missing("background", background));
+        return Err(missing("background", background).into());
     }
     match (&camera.images, &camera.video) {
-        (Some(_), Some(_)) => Err(FramesError::Both {
+        (Some(_), Some(_)) => Err(FootageError::Both {
             camera: camera.name.clone(),
-        }),
+        }
+        .into()),
         (None, Some(video)) => {
             let video = folder.join(video);
             if !video.is_file() {
-                return Err(missing("video", video));
+                return Err(missing("video", video).into());
             }
             let probed = probe(&video)?;
             Ok(Found::Video(video, probed))
@@ -134,7 +144,7 @@ fn found(folder: &Path, camera: &CameraFiles) -> Result<Found, FramesError> {
             };
             let files = numbered_files::list(folder, pattern, &wanted)?;
             if files.of_number.is_empty() {
-                return Err(missing("images", folder.join(pattern)));
+                return Err(missing("images", folder.join(pattern)).into());
             }
             Ok(Found::Images(files))
         }
@@ -142,7 +152,7 @@ fn found(folder: &Path, camera: &CameraFiles) -> Result<Found, FramesError> {
 }
 
 /// One camera for each file `videos/<camera>.*` and each folder `images/<camera>`, by name.
-fn conventional(folder: &Path) -> Result<Vec<CameraFiles>, FramesError> {
+fn conventional(folder: &Path) -> Result<Vec<CameraFiles>, LayoutError> {
     let mut cameras: BTreeMap<String, CameraFiles> = BTreeMap::new();
     for path in layout::visible(&folder.join("videos"))?
         .into_iter()
@@ -193,65 +203,6 @@ fn beneath(folder: &str, path: &Path) -> PathBuf {
     Path::new(folder).join(path.file_name().unwrap_or_default())
 }
 
-/// Reads the calibration of the cameras; those that are not in it are left out unless the manifest lists them.
-fn calibrate(
-    path: &Path,
-    folder: &Path,
-    manifest: &Manifest,
-    cameras: &mut Vec<(CameraFiles, Found)>,
-    notes: &mut Vec<FramesNote>,
-) -> Result<Rig, FramesError> {
-    let sizes = cameras
-        .iter()
-        .filter_map(|(camera, found)| Some((camera.name.clone(), size(found)?)));
-    let options = CalibrationOptions {
-        unit: manifest.unit,
-        up: manifest.up,
-        image_sizes_px: sizes.collect(),
-    };
-    let sources = layout::calibration_paths(folder, manifest.calibration.as_ref());
-    let calibrated = layout::read_calibration(&sources, &options)?;
-    if manifest.cameras.is_empty() {
-        for (camera, _) in cameras.iter_mut() {
-            if let Some(name) = calibrated_name(&calibrated, &camera.name) {
-                camera.name = name;
-            }
-        }
-        let is_known =
-            |(camera, _): &(CameraFiles, Found)| calibrated.by_name(&camera.name).is_some();
-        if cameras.iter().any(is_known) {
-            let unknown = cameras.iter().filter(|camera| !is_known(camera));
-            notes.extend(unknown.map(|(c, _)| FramesNote::Uncalibrated {
-                camera: c.name.clone(),
-            }));
-            cameras.retain(is_known);
-        }
-    }
-    let source = match sources.as_slice() {
-        [(_, source)] => source,
-        _ => path,
-    };
-    let names: Vec<&str> = cameras
-        .iter()
-        .map(|(camera, _)| camera.name.as_str())
-        .collect();
-    Ok(calibration::select(&calibrated, source, &names)?)
-}
-
-/// The calibrated camera of this name; else the only one whose name has the same letters and digits (`cam01`, `cam_01`).
-fn calibrated_name(rig: &Rig, name: &str) -> Option<String> {
-    let plain = |name: &str| {
-        let letters = name.chars().filter(|c| c.is_alphanumeric());
-        letters.flat_map(char::to_lowercase).collect::<String>()
-    };
-    if rig.by_name(name).is_some() {
-        return None;
-    }
-    let mut alike = rig.names().filter(|other| plain(other) == plain(name));
-    let first = alike.next()?;
-    alike.next().is_none().then(|| first.into())
-}
-
 /// Width and height of the pictures; `None` if the first image cannot be read.
 fn size(found: &Found) -> Option<[u32; 2]> {
     match found {
@@ -263,7 +214,7 @@ fn size(found: &Found) -> Option<[u32; 2]> {
     }
 }
 
-fn check_sizes(rig: &Rig, cameras: &[(CameraFiles, Found)]) -> Result<(), FramesError> {
+fn check_sizes(rig: &Rig, cameras: &[(CameraFiles, Found)]) -> Result<(), RecordingError> {
     for (camera, (_, found)) in rig.cameras.iter().zip(cameras) {
         let expected = [camera.width_px, camera.height_px];
         let path = match found {
@@ -273,67 +224,65 @@ fn check_sizes(rig: &Rig, cameras: &[(CameraFiles, Found)]) -> Result<(), Frames
         if let (Some(found), Some(path)) = (size(found), path)
             && found != expected
         {
-            return Err(FramesError::Size {
+            return Err(FootageError::Size {
                 camera: camera.name.clone(),
                 path: path.clone(),
                 expected,
                 found,
-            });
+            }
+            .into());
         }
     }
     Ok(())
 }
 
-/// That which is given; else that of the first video.
-fn frame_rate(
-    given: Option<f64>,
-    path: &Path,
-    cameras: &[(CameraFiles, Found)],
-) -> Result<f64, FramesError> {
-    let of_video = |found: &Found| match found {
-        Found::Video(_, probe) => probe.rate_hz,
-        Found::Images(_) => None,
-    };
-    let fps = given.or_else(|| cameras.iter().find_map(|(_, found)| of_video(found)));
-    Ok(layout::frame_rate(fps, path)?)
-}
+impl Found {
+    /// Frames per second of a video.
+    fn rate_hz(&self) -> Option<f64> {
+        match self {
+            Self::Video(_, probe) => probe.rate_hz,
+            Self::Images(_) => None,
+        }
+    }
 
-fn footage(
-    folder: &Path,
-    camera: &CameraFiles,
-    found: Found,
-    fps: f64,
-    notes: &mut Vec<FramesNote>,
-) -> CameraFootage {
-    let name = camera.name.clone();
-    let source = match found {
-        Found::Images(files) => {
-            if files.unnumbered > 0 {
-                notes.push(FramesNote::Unnumbered {
-                    camera: name,
-                    files: files.unnumbered,
-                });
+    /// The numbered pictures of a camera in a recording of `fps`.
+    fn footage(
+        self,
+        folder: &Path,
+        camera: &CameraFiles,
+        fps: f64,
+        notes: &mut Vec<FootageNote>,
+    ) -> CameraFootage {
+        let name = camera.name.clone();
+        let source = match self {
+            Found::Images(files) => {
+                if files.unnumbered > 0 {
+                    notes.push(FootageNote::Unnumbered {
+                        camera: name,
+                        files: files.unnumbered,
+                    });
+                }
+                Source::Images(files.of_number)
             }
-            Source::Images(files.of_number)
-        }
-        Found::Video(path, probe) => {
-            if let Some(video_hz) = probe
-                .rate_hz
-                .filter(|hz| (hz - fps).abs() > SAME_RATE * fps)
-            {
-                notes.push(FramesNote::Rate {
-                    camera: name,
-                    video_hz,
-                    fps,
-                });
+            Found::Video(path, probe) => {
+                if let Some(video_hz) = probe
+                    .rate_hz
+                    .filter(|hz| (hz - fps).abs() > SAME_RATE * fps)
+                {
+                    notes.push(FootageNote::Rate {
+                        camera: name,
+                        video_hz,
+                        fps,
+                    });
+                }
+                let numbering = probe.numbering(fps);
+                Source::Video { path, numbering }
             }
-            let numbering = probe.numbering(fps);
-            Source::Video { path, numbering }
+        };
+        CameraFootage {
+            source,
+            shift: camera.shift(fps),
+            background: camera.background.as_ref().map(|path| folder.join(path)),
         }
-    };
-    CameraFootage {
-        source,
-        shift: camera.shift(fps),
-        background: camera.background.as_ref().map(|path| folder.join(path)),
     }
 }

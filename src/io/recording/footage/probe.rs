@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 
 use serde::Deserialize;
 
-use super::FramesError;
+use super::FootageError;
 use super::numbers::Numbering;
 
 /// What is known of a video before it is decoded.
@@ -63,7 +63,7 @@ struct SideData {
 }
 
 /// Asks `ffprobe`.
-pub(super) fn probe(path: &Path) -> Result<Probe, FramesError> {
+pub(super) fn probe(path: &Path) -> Result<Probe, FootageError> {
     let output = Command::new("ffprobe")
         .args(["-v", "error", "-select_streams", "V:0", "-of", "json"])
         .args([
@@ -75,7 +75,7 @@ pub(super) fn probe(path: &Path) -> Result<Probe, FramesError> {
         .stdin(Stdio::null())
         .output()
         .map_err(|source| cannot_run(path, source))?;
-    let no_video = |reason: String| FramesError::NoVideo {
+    let no_video = |reason: String| FootageError::NoVideo {
         path: path.into(),
         reason,
     };
@@ -109,11 +109,11 @@ pub(super) fn probe(path: &Path) -> Result<Probe, FramesError> {
 }
 
 /// The program is missing, or cannot be started.
-pub(super) fn cannot_run(path: &Path, source: io::Error) -> FramesError {
+pub(super) fn cannot_run(path: &Path, source: io::Error) -> FootageError {
     if source.kind() == io::ErrorKind::NotFound {
-        FramesError::NoFfmpeg { path: path.into() }
+        FootageError::NoFfmpeg { path: path.into() }
     } else {
-        FramesError::Ffmpeg {
+        FootageError::Ffmpeg {
             path: path.into(),
             source,
         }

@@ -9,7 +9,7 @@ use std::thread::JoinHandle;
 use super::numbers::Numbering;
 use super::probe::probe;
 use super::video::Decoder;
-use super::{CameraFootage, FramesError, FramesNote, Source, image};
+use super::{CameraFootage, FootageError, FootageNote, Source, image};
 use crate::camera::Camera;
 use crate::image::Picture;
 use crate::pipeline::{FramePictures, Frames, PictureStream};
@@ -24,8 +24,8 @@ pub const AHEAD: usize = 4;
 #[derive(Debug)]
 pub struct Pictures {
     decoded: Option<Receiver<(FrameIndex, Picture)>>,
-    worker: Option<JoinHandle<Vec<FramesNote>>>,
-    notes: Vec<FramesNote>,
+    worker: Option<JoinHandle<Vec<FootageNote>>>,
+    notes: Vec<FootageNote>,
 }
 
 impl Pictures {
@@ -99,7 +99,7 @@ impl Pictures {
     }
 
     /// What was odd, known when all pictures have been taken; in one line each.
-    pub fn notes(&self) -> &[FramesNote] {
+    pub fn notes(&self) -> &[FootageNote] {
         &self.notes
     }
 }
@@ -143,7 +143,7 @@ impl FrameSets {
     }
 
     /// What was odd, known when all pictures have been taken.
-    pub fn notes(&self) -> Vec<FramesNote> {
+    pub fn notes(&self) -> Vec<FootageNote> {
         let notes = self.cameras.iter().flat_map(|(camera, _)| camera.notes());
         notes.cloned().collect()
     }
@@ -203,7 +203,7 @@ struct Work {
     wrong_size: (usize, [usize; 2]),
     complaints: Vec<String>,
     is_counted: bool,
-    notes: Vec<FramesNote>,
+    notes: Vec<FootageNote>,
 }
 
 impl Work {
@@ -287,16 +287,16 @@ impl Work {
         self.sender.send((frame, picture)).is_ok()
     }
 
-    fn stop(&mut self, path: &Path, fault: &FramesError) {
+    fn stop(&mut self, path: &Path, fault: &FootageError) {
         self.sent = std::mem::take(&mut self.promised);
-        self.notes.push(FramesNote::Stopped {
+        self.notes.push(FootageNote::Stopped {
             whose: self.whose.clone(),
             path: path.into(),
             reason: fault.to_string(),
         });
     }
 
-    fn notes(mut self) -> Vec<FramesNote> {
+    fn notes(mut self) -> Vec<FootageNote> {
         let whose = self.whose;
         let lost: Vec<FrameIndex> = self.promised.difference(&self.sent).copied().collect();
         let times = self.complaints.len();
@@ -304,21 +304,21 @@ impl Work {
         // a file without times promises what its decoder may need to get going
         let is_lost = !lost.is_empty() && (reason.is_some() || !self.is_counted);
         if is_lost {
-            self.notes.push(FramesNote::Undecodable {
+            self.notes.push(FootageNote::Undecodable {
                 whose: whose.clone(),
                 frames: Frames(lost),
                 of: self.promised.len(),
                 reason: reason.unwrap_or_else(|| "the file ends early".into()),
             });
         } else if let Some(reason) = reason {
-            self.notes.push(FramesNote::Damaged {
+            self.notes.push(FootageNote::Damaged {
                 whose: whose.clone(),
                 times,
                 reason,
             });
         }
         if let (pictures @ 1.., found) = self.wrong_size {
-            self.notes.push(FramesNote::WrongSize {
+            self.notes.push(FootageNote::WrongSize {
                 whose,
                 pictures,
                 found,

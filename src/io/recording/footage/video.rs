@@ -10,7 +10,7 @@ use std::process::{Child, ChildStderr, ChildStdout, Command, Stdio};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::JoinHandle;
 
-use super::FramesError;
+use super::FootageError;
 use super::probe::cannot_run;
 use crate::image::Picture;
 
@@ -28,12 +28,12 @@ pub(super) struct Decoder {
 }
 
 impl Decoder {
-    pub(super) fn start(path: &Path) -> Result<Self, FramesError> {
+    pub(super) fn start(path: &Path) -> Result<Self, FootageError> {
         let failed = |source| cannot_run(path, source);
         let mut child = decoding(path).spawn().map_err(failed)?;
         let (Some(pipe), Some(words)) = (child.stdout.take(), child.stderr.take()) else {
             let source = io::Error::other("its output is not there");
-            return Err(FramesError::Ffmpeg {
+            return Err(FootageError::Ffmpeg {
                 path: path.into(),
                 source,
             });

@@ -1,8 +1,8 @@
 //! Pictures from images and videos: every layout, every number, and each way to be bad.
 
-#[path = "frames/faults.rs"]
+#[path = "footage/faults.rs"]
 mod faults;
-#[path = "frames/layouts.rs"]
+#[path = "footage/layouts.rs"]
 mod layouts;
-#[path = "frames/tiny.rs"]
+#[path = "footage/tiny.rs"]
 mod tiny;

@@ -5,8 +5,9 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 use image::{DynamicImage, Rgb, RgbImage};
+use maquette::Recording;
 use maquette::camera::CameraId;
-use maquette::io::recording::footage::{Footage, FramesNote, Pictures};
+use maquette::io::recording::footage::{FootageNote, Pictures};
 use tempfile::TempDir;
 
 pub(crate) const SIZE: (u32, u32) = (64, 48);
@@ -74,12 +75,14 @@ pub(crate) fn video(folder: &TempDir, name: &str, pictures: usize, options: &[&s
 }
 
 /// Number and mean brightness of each picture of the first camera, and the notes.
-pub(crate) fn read(path: &Path, fps: Option<f64>) -> (Vec<(usize, f64)>, Vec<FramesNote>) {
-    let footage = Footage::open(path, fps).expect("footage");
+pub(crate) fn read(path: &Path, fps: Option<f64>) -> (Vec<(usize, f64)>, Vec<FootageNote>) {
+    let footage = Recording::open(path)
+        .and_then(|found| found.with_fps(fps).footage())
+        .expect("footage");
     greys(footage.stream(CameraId(0), 0..=usize::MAX))
 }
 
-pub(crate) fn greys(mut pictures: Pictures) -> (Vec<(usize, f64)>, Vec<FramesNote>) {
+pub(crate) fn greys(mut pictures: Pictures) -> (Vec<(usize, f64)>, Vec<FootageNote>) {
     let mut greys = Vec::new();
     for (frame, picture) in pictures.by_ref() {
         let sum: f64 = picture

@@ -3,10 +3,12 @@
 use std::fs;
 
 use crate::tiny::{are_in_place, calibration, folder, image, read, video, write};
-use maquette::io::recording::footage::{Footage, FramesNote};
+use maquette::Recording;
+use maquette::io::recording::footage::FootageNote;
 
 fn complaint(folder: &tempfile::TempDir) -> String {
-    let message = Footage::open(folder.path(), None)
+    let message = Recording::open(folder.path())
+        .and_then(|found| found.footage())
         .expect_err("a fault")
         .to_string();
     assert!(!message.contains('\n'), "{message}");
@@ -48,7 +50,7 @@ fn pictures_after_damage_keep_their_numbers() {
     assert_eq!(greys.last().map(|(k, _)| *k), Some(19));
     assert!(are_in_place(&greys[greys.len() - 3..]), "{greys:?}");
     assert!(are_in_place(&greys[..3]), "{greys:?}");
-    let [FramesNote::Undecodable { frames, of: 20, .. }] = notes.as_slice() else {
+    let [FootageNote::Undecodable { frames, of: 20, .. }] = notes.as_slice() else {
         panic!("{notes:?}");
     };
     assert_eq!(frames.0.len() + greys.len(), 20);
@@ -83,7 +85,9 @@ fn a_file_that_is_no_video_costs_its_camera_alone() {
         return;
     }
     write(&folder, "videos/b.avi", "not a video at all");
-    let footage = Footage::open(folder.path(), None).unwrap();
+    let footage = Recording::open(folder.path())
+        .and_then(|found| found.footage())
+        .unwrap();
     assert_eq!(footage.rig.names().collect::<Vec<_>>(), ["a"]);
     assert_eq!(footage.frames().len(), 3);
     let line = footage.notes[0].to_string();

@@ -1,0 +1,247 @@
+//! The masks and points of a recording: which frames have some, and each frame's when it is asked for.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use super::masks::{self, MaskFiles};
+use super::points::PointFiles;
+use super::{MaskFault, Note, Recording, RecordingError, layout, mask_image};
+use crate::camera::{Camera, CameraId, Rig};
+use crate::image::Mask;
+use crate::pipeline::MaskSource;
+use crate::silhouette::{self, FrameIndex, FrameObservations, SilhouetteOptions};
+
+/// Calibrated masks and points of one person, frame by frame.
+///
+/// Nothing is kept of a frame that was loaded, so frames can be streamed, and loaded by many threads.
+#[derive(Clone, Debug)]
+pub struct ObservationFiles {
+    /// Frames per second.
+    pub fps: f64,
+    /// The cameras that have masks, or all where none has, in the order of the manifest.
+    pub rig: Rig,
+    /// The frames of which at least one camera has a mask, or that have points, ascending.
+    pub frames: Vec<FrameIndex>,
+    /// The masks that are not there.
+    pub missing: Vec<Missing>,
+    /// What the user should know.
+    pub notes: Vec<Note>,
+    /// The folder that the manifest's paths are relative to.
+    pub(super) folder: PathBuf,
+    /// Manifest and calibration.
+    pub(super) descriptions: Vec<PathBuf>,
+    /// Frame → mask, for each camera of the rig.
+    pub(super) masks: Vec<BTreeMap<FrameIndex, PathBuf>>,
+    pub(super) points: PointFiles,
+    /// What masks or points were made of: each camera's pictures.
+    pub(super) pictures: Vec<(String, Vec<PathBuf>)>,
+}
+
+/// Frames of which one camera has no mask, others have.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Missing {
+    /// The camera.
+    pub camera: CameraId,
+    /// The frames, ascending.
+    pub frames: Vec<FrameIndex>,
+}
+
+/// Which points of a recording are wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum WantedPoints {
+    /// Those of the manifest or the folder.
+    Given,
+    /// Those that were measured in the recording's own pictures, of the frames that were asked for.
+    Measured,
+    /// None.
+    Ignored,
+}
+
+impl ObservationFiles {
+    /// Lists the masks and points of a recording; no mask is read but the first header of each camera, for calibrations
+    /// without image size.
+    pub(super) fn list(
+        recording: &Recording,
+        wanted: WantedPoints,
+    ) -> Result<Self, RecordingError> {
+        let mut notes = Vec::new();
+
+        // cameras and their masks
+        let MaskFiles { rig, cameras } = MaskFiles::list(recording, &mut notes)?;
+        let fps = recording.frame_rate(None)?;
+        let is_masked = !cameras.is_empty();
+        let mut masks: Vec<_> = cameras
+            .iter()
+            .map(|(camera, files)| masks::by_frame(camera, files, fps, &mut notes))
+            .collect();
+        masks.resize_with(rig.cameras.len(), BTreeMap::new);
+
+        // points
+        let points = match wanted {
+            WantedPoints::Ignored => PointFiles::default(),
+            _ => PointFiles::find(&recording.folder, &recording.manifest, &rig, &mut notes)?,
+        };
+
+        // frames
+        let (frames, missing) = frames_and_missing(&masks, &points);
+        if frames.is_empty() && !is_masked && wanted == WantedPoints::Given {
+            let path = recording.path.clone();
+            return Err(RecordingError::NoMasks { path });
+        }
+        if wanted != WantedPoints::Measured {
+            notes.extend(points.missing(frames.len()));
+        }
+        let views = |frame: &FrameIndex| masks.iter().filter(|m| m.contains_key(frame)).count();
+        if masks.iter().any(|m| !m.is_empty()) && !frames.iter().any(|frame| views(frame) > 1) {
+            notes.push(Note::NoCommonFrame);
+        }
+
+        let calibration = recording.calibration_paths();
+        let calibration = calibration
+            .iter()
+            .flat_map(|(_, source)| layout::files_behind(source));
+        Ok(Self {
+            fps,
+            rig,
+            frames,
+            missing,
+            notes,
+            folder: recording.folder.clone(),
+            descriptions: recording
+                .manifest_path
+                .iter()
+                .cloned()
+                .chain(calibration)
+                .collect(),
+            masks,
+            points,
+            pictures: Vec::new(),
+        })
+    }
+
+    /// Whether a camera has masks.
+    pub fn has_masks(&self) -> bool {
+        self.masks.iter().any(|masks| !masks.is_empty())
+    }
+
+    /// Whether a frame has points.
+    pub fn has_points(&self) -> bool {
+        self.points.frames().next().is_some()
+    }
+
+    /// The silhouettes and points of the frame at `position` in [`ObservationFiles::frames`].
+    ///
+    /// Of more than [`MOST_POINTS`] points as many are taken, evenly; [`ObservationFiles::notes_on_points`] says so.
+    ///
+    /// # Errors
+    /// [`RecordingError::Mask`] for the first mask that cannot be used, in the order of the rig,
+    /// [`RecordingError::Cloud`] and [`RecordingError::PointsScale`] for points that cannot, and
+    /// [`RecordingError::NoFrame`]. A mask that is read and shows no silhouette is no error: it is listed as rejected.
+    pub fn load_frame(
+        &self,
+        position: usize,
+        options: &SilhouetteOptions,
+    ) -> Result<FrameObservations, RecordingError> {
+        let frame = self.frames.get(position).copied();
+        let frame = frame.ok_or(RecordingError::NoFrame {
+            position,
+            count: self.frames.len(),
+        })?;
+        let mut observations = FrameObservations::nothing(frame);
+        for (id, camera) in self.rig.iter() {
+            let Some(mask) = self.load_mask(id, frame)? else {
+                continue;
+            };
+            match silhouette::extract(&mask, camera, options) {
+                Ok(silhouette) => observations.views.push((id, silhouette)),
+                Err(reason) => observations.rejected.push((id, reason)),
+            }
+        }
+        self.load_points(&mut observations)?;
+        Ok(observations)
+    }
+
+    /// Puts a frame's points beside those that were observed of it.
+    ///
+    /// # Errors
+    /// As [`ObservationFiles::load_frame`] of points.
+    pub fn load_points(&self, observed: &mut FrameObservations) -> Result<(), RecordingError> {
+        let cloud = self.points.load(observed.frame)?;
+        observed.points.extend(cloud.points);
+        observed.points_left_out = cloud.left_out;
+        Ok(())
+    }
+
+    /// What the user should know of the points of the frames that were loaded.
+    pub fn notes_on_points(&self, observations: &[FrameObservations]) -> Vec<Note> {
+        self.points.notes(observations)
+    }
+
+    /// The mask of a camera in a frame; `None` if it is missing.
+    pub fn mask_path(&self, camera: CameraId, frame: FrameIndex) -> Option<&Path> {
+        let path = self.masks.get(camera.0)?.get(&frame)?;
+        Some(path)
+    }
+
+    /// The mask of a camera in a frame as it was read; `None` if it is missing.
+    ///
+    /// # Errors
+    /// [`RecordingError::Mask`] if it cannot be used.
+    pub fn load_mask(
+        &self,
+        camera: CameraId,
+        frame: FrameIndex,
+    ) -> Result<Option<Mask>, RecordingError> {
+        let (Some(path), Some(known)) = (self.mask_path(camera, frame), self.rig.camera(camera))
+        else {
+            return Ok(None);
+        };
+        let mask = mask_image::read(path, [known.width_px, known.height_px]);
+        let mask = mask.map_err(|fault| mask_error(path, known, frame, fault))?;
+        Ok(Some(mask))
+    }
+}
+
+impl MaskSource for ObservationFiles {
+    fn has_masks_of(&self, camera: &str) -> bool {
+        self.rig.by_name(camera).is_some()
+    }
+
+    fn mask(&self, camera: &str, frame: FrameIndex) -> Result<Option<Mask>, String> {
+        match self.rig.by_name(camera) {
+            Some((id, _)) => self.load_mask(id, frame).map_err(|fault| fault.to_string()),
+            None => Ok(None),
+        }
+    }
+}
+
+/// The frames of which there is a mask or a cloud, and the masks that are lacking.
+fn frames_and_missing(
+    masks: &[BTreeMap<FrameIndex, PathBuf>],
+    points: &PointFiles,
+) -> (Vec<FrameIndex>, Vec<Missing>) {
+    let masked = masks.iter().flat_map(|m| m.keys().copied());
+    let frames: BTreeSet<FrameIndex> = masked.chain(points.frames()).collect();
+    let frames: Vec<FrameIndex> = frames.into_iter().collect();
+    let with_masks = masks.iter().enumerate().filter(|(_, m)| !m.is_empty());
+    let missing = with_masks.filter_map(|(i, masks)| {
+        let lacking = frames
+            .iter()
+            .copied()
+            .filter(|frame| !masks.contains_key(frame));
+        let frames: Vec<FrameIndex> = lacking.collect();
+        let camera = CameraId(i);
+        (!frames.is_empty()).then_some(Missing { camera, frames })
+    });
+    let missing = missing.collect();
+    (frames, missing)
+}
+
+fn mask_error(path: &Path, camera: &Camera, frame: FrameIndex, fault: MaskFault) -> RecordingError {
+    RecordingError::Mask {
+        path: path.into(),
+        camera: camera.name.clone(),
+        frame,
+        fault: Box::new(fault),
+    }
+}
