@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use maquette::io::points::write_ply;
-use maquette::io::recording::{MOST_POINTS, Note, Recording};
+use maquette::io::recording::{MOST_POINTS, Note, ObservationFiles};
 use maquette::silhouette::{FrameIndex, FrameObservations, SilhouetteOptions};
 use maquette::stereo::{CloudPoint, Spread};
 use nalgebra::{Matrix3, Point3, Vector3};
