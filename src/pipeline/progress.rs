@@ -4,10 +4,16 @@
 pub trait Progress: Sync {
     /// A stage of `steps` steps begins.
     fn begin(&self, _stage: &'static str, _steps: usize) {}
-    /// One step of the stage is done; called from any thread.
-    fn step(&self) {}
+    /// So many steps of the stage are done; called from any thread.
+    fn advance(&self, _steps: usize) {}
+    /// One step of the stage is done.
+    fn step(&self) {
+        self.advance(1);
+    }
     /// The stage has ended.
     fn end(&self) {}
+    /// Something that the user should know, in one line.
+    fn note(&self, _line: &str) {}
 }
 
 /// Shows nothing.
