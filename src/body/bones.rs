@@ -1,12 +1,12 @@
-//! Bones: which joint each part's ends at, and how far publications leave open where its own lies.
+//! Bones: at which joint the bone of each part ends, and how far publications disagree on where its own joint lies.
 
 use nalgebra::Vector3;
 
 use super::{BodyModel, JointId, PartId};
 
 impl BodyModel {
-    /// How far publications leave open where in the flesh a part's joint lies: standard deviations along the part's axes,
-    /// metres; what no pivot says, and the pivot's.
+    /// How far publications disagree on where in the flesh a part's joint lies: standard deviations along the part's axes,
+    /// metres, with the spread of its pivot.
     pub fn scatter_m(&self, part: PartId) -> Vector3<f64> {
         let part = &self.parts[part.0];
         let covariance = &self.statistics.covariance;
@@ -22,17 +22,21 @@ impl BodyModel {
         variance.map(f64::sqrt)
     }
 
-    /// The part at whose joint each part's bone ends, which begins at its own; none of a part without a joint of its own or
-    /// without a part beyond, or that branches to both sides only.
+    /// For each part, the part at whose joint its bone ends; the bone begins at its own joint.
+    ///
+    /// `None` for a part that has no joint of its own, that ends a limb, or that only branches to both sides.
     pub(crate) fn bones(&self) -> Vec<Option<PartId>> {
         let parents = self.part_parents();
         let own_joint = |part: usize| self.own_joints(part, parents[part]).first().copied();
         let is_middle = |joint: JointId| self.joints[joint.0].translation.value.y == 0.0;
+
         let bone = |part: usize| {
             own_joint(part)?;
             let beyond = (0..parents.len()).filter(|&child| parents[child] == Some(part));
             let beyond: Vec<(usize, JointId)> =
                 beyond.filter_map(|c| Some((c, own_joint(c)?))).collect();
+
+            // where it branches, the one branch in the middle of the body
             let mut middle = beyond.iter().filter(|(_, joint)| is_middle(*joint));
             let next = match beyond.as_slice() {
                 [only] => Some(only),
@@ -40,6 +44,7 @@ impl BodyModel {
             };
             next.map(|(child, _)| PartId(*child))
         };
+
         (0..parents.len()).map(bone).collect()
     }
 

@@ -1,4 +1,4 @@
-//! The law of kinematics: its derivatives are those of its positions.
+//! The law of kinematics: its Jacobians are the derivatives of its positions.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -33,6 +33,7 @@ pub fn check_kinematics(
 ) -> Result<(), KinematicsFault> {
     let layout = Layout::new(model);
     let body = Posed::new(model, &state.shape, &state.motion);
+
     for index in 0..model.points.len() {
         let numeric = central_differences(layout.total(), 1e-3, |delta| {
             let moved = layout.retract(state, delta);
@@ -46,6 +47,7 @@ pub fn check_kinematics(
             tolerance,
         )?;
     }
+
     for (index, part) in model.parts.iter().enumerate() {
         let part_from_world = body.world_from_part(PartId(index)).transpose();
         let numeric = central_differences(layout.total(), 1e-3, |delta| {
@@ -59,6 +61,7 @@ pub fn check_kinematics(
         let analytic = body.rotation_jacobian(PartId(index));
         compare(&part.name, &analytic, &numeric, tolerance)?;
     }
+
     let mut jacobians = EllipsoidJacobians::new(model);
     jacobians.update(&body, &body.ellipsoids());
     for (index, primitive) in model.ellipsoids.iter().enumerate() {
@@ -77,6 +80,7 @@ pub fn check_kinematics(
             tolerance,
         )?;
     }
+
     Ok(())
 }
 

@@ -1,6 +1,6 @@
 //! Derivatives of points and ellipsoids with respect to motion and shape.
 //!
-//! A displacement turns a part about an axis ω through o, moves it by v, or stretches it:
+//! A component of the state turns a part about an axis ω through o, moves it, or stretches it:
 //! - rotation: ∂c = ω × (c − o), ∂A = \[ω\]A + (\[ω\]A)ᵀ. Joint j: ω its axis, o its origin; the root's
 //!   rotation R·exp(δ): ω the root's own axes, o its origin (PF02 eq. A.3, the cross-product form);
 //! - coefficient: ∂c = Σ over the translations t up the chain of R·∂t/∂s, and R·∂(centre)/∂s;
@@ -14,12 +14,12 @@ use crate::math::quadric::Ellipsoid;
 /// 9 × any number of columns.
 pub(crate) type Matrix9xX = OMatrix<f64, Const<9>, Dyn>;
 
-/// ∂(9 numbers of each ellipsoid)/∂(state), only the components that move it.
+/// ∂(9 numbers of each ellipsoid)/∂(state), for the components that move it.
 #[derive(Debug, Clone)]
 pub struct EllipsoidJacobians {
     /// For each ellipsoid, which components of the state move it, ascending.
     pub components: Vec<Vec<usize>>,
-    /// For each ellipsoid, 9 × its components.
+    /// For each ellipsoid, 9 × number of its components.
     pub values: Vec<Matrix9xX>,
 }
 
@@ -56,20 +56,24 @@ impl EllipsoidJacobians {
     }
 }
 
+/// The components of the state that move a primitive, ascending.
 fn components(model: &BodyModel, layout: Layout, primitive: &Primitive) -> Vec<usize> {
     let joints: Vec<_> = model.path(primitive.frame).map(|(_, t)| t.joint).collect();
     let translations = joints.iter().map(|j| &model.joints[j.0].translation);
     let mut list: Vec<usize> = (0..layout.root())
         .chain(joints.iter().map(|&j| layout.angle(j)))
         .collect();
+
     let lengths = translations.chain([&primitive.centre, &primitive.radii]);
     let coefficients = lengths.flat_map(|v| v.coefficients());
     list.extend(coefficients.map(|c| layout.coefficient(c)));
+
     list.sort_unstable();
     list.dedup();
     list
 }
 
+/// Adds the derivatives of one ellipsoid to `values`, 9 × `components`.
 fn fill(
     body: &Posed<'_>,
     layout: Layout,
@@ -79,6 +83,7 @@ fn fill(
     values: &mut Matrix9xX,
 ) {
     let column = |component: usize| components.binary_search(&component).unwrap_or(usize::MAX);
+
     point_columns(
         body,
         layout,
@@ -89,6 +94,7 @@ fn fill(
             (0..3).for_each(|k| values[(k, c)] += d[k]);
         },
     );
+
     // how the shape matrix turns
     let mut turn = |component: usize, axis: Vector3<f64>| {
         let half = axis.cross_matrix() * ellipsoid.shape;
@@ -101,6 +107,7 @@ fn fill(
     for (frame, by) in body.model.path(primitive.frame) {
         turn(layout.angle(by.joint), body.turns_world[frame.0]);
     }
+
     // how it stretches
     let (axes, radii) = (
         body.primitive_axes(primitive),
@@ -129,6 +136,7 @@ fn point_columns(
 ) {
     let own = body.frames[frame.0];
     let point = own.origin_world + own.world_from_frame * place.at(body.shape());
+
     if layout.root() == 6 {
         let root = &body.frames[0];
         (0..3).for_each(|k| add(k, Vector3::ith(k, 1.0)));
@@ -141,6 +149,8 @@ fn point_columns(
             );
         }
     }
+
+    // each joint turns the point about its origin and carries it along a translation
     for (frame, by) in body.model.path(frame) {
         let arm = point - body.frames[frame.0].origin_world;
         add(
@@ -151,6 +161,7 @@ fn point_columns(
         let translation = &body.model.joints[by.joint.0].translation;
         stretch_columns(body, layout, &parent, translation, &mut add);
     }
+
     stretch_columns(body, layout, &own.world_from_frame, place, &mut add);
 }
 
@@ -176,14 +187,17 @@ impl Posed<'_> {
         let mut turn = |component: usize, axis_world: Vector3<f64>| {
             jacobian.set_column(component, &(part_from_world * axis_world));
         };
+
         if layout.root() == 6 {
             let root = self.frames[0].world_from_frame;
             (0..3).for_each(|k| turn(3 + k, root.column(k).into_owned()));
         }
+
         let frame = FrameId::from_joint(self.model.parts[part.0].joint);
         for (frame, by) in self.model.path(frame) {
             turn(layout.angle(by.joint), self.turns_world[frame.0]);
         }
+
         jacobian
     }
 

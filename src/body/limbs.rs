@@ -1,19 +1,18 @@
 //! Limbs: the chains of parts within which metaballs blend.
 //!
-//! A sum over all metaballs would melt an arm that hangs beside the trunk into it, and the two thighs into
-//! each other, which no silhouette shows. So balls belong to limbs (PFD99 § 3.3): the skin is that of the
-//! limb whose sum is largest. **Differs** from PF02 eq. 3, which sums over the whole body; a body that is one
-//! chain, such as an arm, has one limb and is the paper's sum.
+//! A sum over all metaballs would melt an arm that hangs beside the trunk into the trunk, and the thighs into each
+//! other, which no silhouette shows. So metaballs belong to limbs (PFD99 § 3.3): the skin is that of the limb whose
+//! sum is largest. **Differs** from PF02 eq. 3, which sums over the whole body. A body that is one chain, such as an
+//! arm, has one limb, and there the sum is the paper's.
 
 use super::{BodyModel, PartId};
 
 impl BodyModel {
-    /// The limbs, each from its tip towards the root; in the order of their tips.
+    /// The limbs in the order of their tips, each from its tip towards the root.
     ///
-    /// One for each leaf part: up to and including the first part that branches. One for each branching part
-    /// but the root: up to and including the next that branches, or the root; so the trunk is a limb, and the
-    /// pelvis belongs to it and to both legs. Parts that carry no metaball, nor does any part beyond them, do
-    /// not count.
+    /// Each leaf part is the tip of a limb, and so is each branching part but the root. A limb ends with the next part
+    /// that branches, or with the root: so the trunk is a limb, and the pelvis belongs to it and to both legs. Parts are
+    /// left out if neither they nor any part beyond them carries a metaball.
     pub fn limbs(&self) -> Vec<Vec<PartId>> {
         let parents = self.part_parents();
         let mut carries = vec![false; self.parts.len()];
@@ -22,16 +21,19 @@ impl BodyModel {
                 carries[part] = true;
             }
         }
+
         let carrying = || (0..self.parts.len()).filter(|&part| carries[part]);
         let mut children = vec![0_usize; self.parts.len()];
         for parent in carrying().filter_map(|part| parents[part]) {
             children[parent] += 1;
         }
+
         let is_tip = |&part: &usize| match children[part] {
             0 => true,
             1 => false,
             _ => parents[part].is_some(),
         };
+
         let limb = |tip: usize| {
             let mut limb = vec![PartId(tip)];
             for part in up(&parents, tip).skip(1) {
@@ -42,6 +44,7 @@ impl BodyModel {
             }
             limb
         };
+
         carrying().filter(is_tip).map(limb).collect()
     }
 
@@ -64,7 +67,7 @@ impl BodyModel {
     }
 }
 
-/// A part and all parts below it, towards the root.
+/// A part and the parts that carry it, towards the root.
 fn up(parents: &[Option<usize>], part: usize) -> impl Iterator<Item = usize> {
     std::iter::successors(Some(part), |&p| parents[p])
 }

@@ -50,10 +50,10 @@ pub struct Joint {
     pub speed: f64,
 }
 
-/// How a frame turns against another: about a joint's axis, by a share of its angle.
+/// How a frame turns against another: about a joint's axis, by a share of the joint's angle.
 ///
-/// Skin near a joint is tied to both of its bones, and turns by less than the farther one: linear blend skinning.
-/// A frame with a share below 1 is such flesh's; in a body at angle 0 it is the joint's own.
+/// Flesh near a joint is tied to both of its bones and turns by less than the farther one, as in linear blend skinning.
+/// The frame of such flesh has a share below 1; at angle 0 it coincides with the joint's own.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Turn {
     /// The frame against which it turns; lower than its own.
@@ -86,11 +86,11 @@ pub struct Part {
     pub name: String,
     /// The joint whose frame it is; `None` is the root's.
     pub joint: Option<JointId>,
-    /// By what its own joint lies elsewhere in the flesh, along the part's axes: the translations of the joint and of all that
-    /// the part carries have it in them.
+    /// How shape coefficients shift its own joint within the flesh, along the part's axes: already contained in the
+    /// translations of the joint and of all that the part carries.
     pub pivot: Vec<Shift>,
-    /// Standard deviations of where else in the flesh it may lie, along the part's axes, metres: sources differ on where a joint
-    /// is, and no silhouette shows it.
+    /// How uncertain the joint's place in the flesh is: standard deviations along the part's axes, metres. Sources differ on
+    /// where a joint is, and no silhouette shows it.
     pub sd_m: Vector3<f64>,
 }
 
@@ -101,8 +101,8 @@ pub struct NamedPoint {
     pub name: String,
     /// The parts whose points are averaged: one, or two for a midpoint such as `Hip`.
     pub places: Vec<(PartId, ScaledVector)>,
-    /// Standard deviations of where it lies in the flesh along the axes of its (first) part, metres; of a joint's centre, the
-    /// part's.
+    /// How uncertain its place in the flesh is: standard deviations along the axes of its (first) part, metres. Not used for a
+    /// joint's centre, which has the part's.
     pub sd_m: Vector3<f64>,
 }
 
@@ -118,7 +118,7 @@ pub struct ShapeStatistics {
 /// How the root moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Root {
-    /// It does not: the root frame is the world.
+    /// Not at all: the root frame is the world.
     Fixed,
     /// Freely.
     Free {
@@ -133,9 +133,9 @@ pub enum Root {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Limbs {
-    /// Legs: tried first, at every heading.
+    /// Legs: such poses are tried first, at every heading.
     Legs,
-    /// Arms: tried on the best of those.
+    /// Arms: such poses are tried on the best of those.
     Arms,
 }
 
@@ -144,7 +144,7 @@ pub enum Limbs {
 pub struct Pose {
     /// Name.
     pub name: String,
-    /// What it bends.
+    /// The limbs that it bends.
     pub limbs: Limbs,
     /// Angles that it sets, radians; the others stay.
     pub angles: Vec<(JointId, f64)>,
@@ -168,7 +168,7 @@ pub struct BodyModel {
     pub coefficients: Vec<String>,
     /// p(s).
     pub statistics: ShapeStatistics,
-    /// Free root or not.
+    /// How the root moves.
     pub root: Root,
     /// Joints, parents first.
     pub joints: Vec<Joint>,
@@ -229,8 +229,7 @@ pub enum ModelError {
 }
 
 impl BodyModel {
-    /// Points that are each other's mirror image by their names, `RAnkle` and `LAnkle`: (right, left), in the order of the
-    /// right ones.
+    /// Points whose names make them mirror images, such as `RAnkle` and `LAnkle`: (right, left), in the order of the right ones.
     pub fn point_pairs(&self) -> Vec<(usize, usize)> {
         let names: Vec<&str> = self.points.iter().map(|p| p.name.as_str()).collect();
         pairs(&names, |right| {
@@ -238,8 +237,7 @@ impl BodyModel {
         })
     }
 
-    /// Parts that are each other's mirror image by their names, `foot_r` and `foot_l`: (right, left), in the order of the right
-    /// ones.
+    /// Parts whose names make them mirror images, such as `foot_r` and `foot_l`: (right, left), in the order of the right ones.
     pub fn part_pairs(&self) -> Vec<(usize, usize)> {
         let names: Vec<&str> = self.parts.iter().map(|p| p.name.as_str()).collect();
         pairs(&names, |right| {
@@ -256,18 +254,16 @@ impl BodyModel {
         if primitives.clone().next().is_none() {
             return Err(ModelError::Empty);
         }
+
         primitives.try_for_each(|primitive| self.check_primitive(primitive))?;
         self.joints.iter().try_for_each(check_joint)?;
-        let parts = self
-            .parts
-            .iter()
-            .map(|part| ("part", &part.name, &part.sd_m));
-        let points = self.points.iter();
-        let points = points.map(|point| ("point", &point.name, &point.sd_m));
-        for (kind, name, sd_m) in parts.chain(points) {
-            let place = || format!("sd of {kind} {name}");
-            check(sd_m, |sd| (0.0..=1.0).contains(&sd), place)?;
+        for part in &self.parts {
+            check_sd(&part.sd_m, "part", &part.name)?;
         }
+        for point in &self.points {
+            check_sd(&point.sd_m, "point", &point.name)?;
+        }
+
         let n = self.coefficients.len();
         if n > 0 && self.statistics.covariance.clone().cholesky().is_none() {
             return Err(ModelError::Covariance);
@@ -311,7 +307,7 @@ impl BodyModel {
         }
     }
 
-    /// A frame and those that carry it, up to the one on the root.
+    /// A frame and the frames that carry it, up to the one on the root.
     pub fn path(&self, frame: FrameId) -> impl Iterator<Item = (FrameId, Turn)> {
         let with_turn = |frame| Some((frame, self.turn(frame)?));
         std::iter::successors(with_turn(frame), move |(_, turn)| with_turn(turn.parent))
@@ -328,7 +324,7 @@ impl BodyModel {
     }
 }
 
-/// (right, left) by index, where the left one's name is there.
+/// Indices (right, left) of names that have a left counterpart among them.
 fn pairs(names: &[&str], left_of: impl Fn(&str) -> Option<String>) -> Vec<(usize, usize)> {
     let twin = |(right, name): (usize, &&str)| {
         let left = left_of(name)?;
@@ -345,6 +341,12 @@ fn check_joint(joint: &Joint) -> Result<(), ModelError> {
     }
     let place = || format!("spread or speed of joint {}", joint.name);
     check([joint.spread, joint.speed].iter(), |v| v > 0.0, place)
+}
+
+/// The place of a joint or point in the flesh is uncertain by at most a metre.
+fn check_sd(sd_m: &Vector3<f64>, kind: &str, name: &str) -> Result<(), ModelError> {
+    let place = || format!("sd of {kind} {name}");
+    check(sd_m, |sd| (0.0..=1.0).contains(&sd), place)
 }
 
 /// The first number that is not right is a fault.

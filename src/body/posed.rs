@@ -23,7 +23,7 @@ pub struct Posed<'a> {
     pub(super) shape: &'a Shape,
     /// By [`FrameId`](super::FrameId).
     pub(super) frames: Vec<Frame>,
-    /// By frame, of those that turn: how it turns in the world when the angle of its joint grows by one.
+    /// For each frame, how it turns in the world when the angle of its joint grows by one; zero for the root's.
     pub(super) turns_world: Vec<Vector3<f64>>,
 }
 
@@ -38,6 +38,7 @@ impl<'a> Posed<'a> {
             world_from_frame: motion.world_from_root.into_inner(),
             origin_world: motion.position_world,
         });
+
         for turn in (1..model.frames()).filter_map(|i| model.turn(FrameId(i))) {
             let joint = &model.joints[turn.joint.0];
             let parent = frames[turn.parent.0];
@@ -45,12 +46,14 @@ impl<'a> Posed<'a> {
             let world_from_static = parent.world_from_frame * joint.parent_from_joint.matrix();
             let angle = turn.share * motion.angles[turn.joint.0];
             let turned = Rotation3::from_axis_angle(&joint.axis, angle);
+
             turns_world.push(world_from_static * (joint.axis.into_inner() * turn.share));
             frames.push(Frame {
                 world_from_frame: world_from_static * turned.matrix(),
                 origin_world: parent.origin_world + parent.world_from_frame * translation,
             });
         }
+
         Self {
             model,
             shape,
@@ -68,7 +71,7 @@ impl<'a> Posed<'a> {
         &self.frames[FrameId::from_joint(self.model.parts[part.0].joint).0]
     }
 
-    /// Where a part's own joint is in the world.
+    /// Where the joint of a part is in the world.
     pub fn origin_of_part(&self, part: PartId) -> Point3<f64> {
         Point3::from(self.frame(part).origin_world)
     }
@@ -118,9 +121,9 @@ impl<'a> Posed<'a> {
         }
     }
 
-    /// The box around the body: its ellipsoids, or else the skins that its metaballs would have alone.
+    /// The box around the body's ellipsoids, or if it has none, around the skins that its metaballs would have alone.
     ///
-    /// Least and greatest x, y, z in the world, metres; `None` for a body of neither.
+    /// Least and greatest x, y, z in the world, metres; `None` for a body with neither.
     pub fn bounds(&self) -> Option<(Vector3<f64>, Vector3<f64>)> {
         let (primitives, size) = match self.model.ellipsoids.as_slice() {
             [] => (&self.model.metaballs, SKIN_OF_ONE),

@@ -1,22 +1,22 @@
 //! Lengths that differ between bodies: what the shape coefficients do to a vector of the model.
 //!
-//! v(s) = diag(λ₁, λ₂, λ₃)·v + Σ s_c·d_c: each component times a factor λ(s) of its own, and any number of shifts, each along a
-//! direction. So a place in the flesh can grow with a limb and lie elsewhere too.
+//! v(s) = diag(λ₁, λ₂, λ₃)·v + Σ s_c·d_c: each component has a factor λ(s) of its own, and any number of shifts are added, each
+//! along a direction. So a place in the flesh can grow with a limb and shift as well.
 
 use nalgebra::{DVector, Vector3};
 
 use super::{CoefficientId, Shape};
 
-/// By what a shape coefficient s multiplies a length.
+/// The factor by which a shape coefficient s scales a length.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scale {
-    /// By 1: this length is the same in every body.
+    /// 1: this length is the same in every body.
     Fixed,
-    /// By eˢ (PF02 eq. 1: λ = eˢ, positive by construction).
+    /// eˢ (PF02 eq. 1: λ = eˢ, positive by construction).
     Log(CoefficientId),
-    /// By 2/(1 + e⁻ˢ): this length's share of a fixed total.
+    /// 2/(1 + e⁻ˢ): this length's share of a fixed total.
     Share(CoefficientId),
-    /// By 2/(1 + eˢ): what the other's share leaves.
+    /// 2/(1 + eˢ): what the other length's share leaves.
     Rest(CoefficientId),
 }
 
@@ -62,7 +62,7 @@ pub struct Shift {
 /// Three lengths, each with its own scale, and shifts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScaledVector {
-    /// At coefficient 0, metres.
+    /// Where all coefficients are 0, metres.
     pub value: Vector3<f64>,
     /// What scales x, y and z.
     pub scale: [Scale; 3],
@@ -80,7 +80,7 @@ impl ScaledVector {
         }
     }
 
-    /// The coefficients that it reads; one may come more than once.
+    /// The coefficients that it reads; one may occur more than once.
     pub fn coefficients(&self) -> impl Iterator<Item = CoefficientId> {
         let scales = self.scale.iter().filter_map(|scale| scale.coefficient());
         scales.chain(self.shifts.iter().map(|shift| shift.coefficient))
@@ -91,7 +91,7 @@ impl ScaledVector {
         self.factors(shape).component_mul(&self.value) + self.shifted(shape)
     }
 
-    /// ∂v by each coefficient that it reads; what one coefficient does may come in several pieces.
+    /// ∂v/∂s for each coefficient that it reads; the slopes of a coefficient that occurs more than once add up.
     pub(crate) fn slopes(
         &self,
         shape: &Shape,
@@ -104,8 +104,8 @@ impl ScaledVector {
         scaled.chain(shifted)
     }
 
-    /// Makes them `lengths` in a body of this shape.
-    pub(crate) fn put(&mut self, lengths: Vector3<f64>, shape: &Shape) {
+    /// Changes the lengths so that they are `lengths` in a body of this shape.
+    pub(crate) fn set_at(&mut self, lengths: Vector3<f64>, shape: &Shape) {
         self.value = (lengths - self.shifted(shape)).component_div(&self.factors(shape));
     }
 

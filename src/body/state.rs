@@ -47,7 +47,7 @@ pub struct State {
     pub shape: Shape,
 }
 
-/// Which component of a displacement δ is what: root (6 or 0), angles, shape.
+/// What each component of a displacement δ stands for: root (6 or 0), then angles, then shape.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Layout {
     root: usize,
@@ -115,6 +115,7 @@ impl Layout {
     /// The displacement δ with from ⊞ δ = to, in the components of the motion.
     pub fn motion_difference(self, from: &Motion, to: &Motion) -> DVector<f64> {
         let mut delta = DVector::zeros(self.motion());
+
         if self.root == 6 {
             delta
                 .rows_mut(0, 3)
@@ -124,6 +125,7 @@ impl Layout {
             let turn = UnitQuaternion::from_rotation_matrix(&turn).scaled_axis();
             delta.rows_mut(3, 3).copy_from(&turn);
         }
+
         delta
             .rows_mut(self.root, self.joints)
             .copy_from(&(&to.angles - &from.angles));

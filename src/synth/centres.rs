@@ -60,12 +60,12 @@ pub fn move_centres(model: &BodyModel, shape: &Shape, c: &DVector<f64>) -> BodyM
         let translation = &mut person.joints[joint.0].translation;
         let centre = in_world(part) * flesh[part].centre;
         let carried = translation.at(shape) + in_world(parent).tr_mul(&centre);
-        translation.put(flesh[parent].in_bone(carried), shape);
+        translation.set_at(flesh[parent].in_bone(carried), shape);
     }
     for primitive in person.ellipsoids.iter_mut().chain(&mut person.metaballs) {
         let flesh = &flesh[primitive.part.0];
         let centre = flesh.in_bone(primitive.centre.at(shape));
-        primitive.centre.put(centre, shape);
+        primitive.centre.set_at(centre, shape);
         primitive.part_from_primitive = flesh.turn.inverse() * primitive.part_from_primitive;
     }
     for (point, moved) in person.points.iter_mut().zip(&moved[model.parts.len()..]) {
@@ -73,7 +73,7 @@ pub fn move_centres(model: &BodyModel, shape: &Shape, c: &DVector<f64>) -> BodyM
         let places = point.places.iter_mut();
         for (part, at) in places.filter(|(_, at)| at.value != Vector3::zeros()) {
             let place = at.at(shape) + in_world(part.0).tr_mul(moved);
-            at.put(flesh[part.0].in_bone(place), shape);
+            at.set_at(flesh[part.0].in_bone(place), shape);
         }
     }
     person

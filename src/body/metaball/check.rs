@@ -1,4 +1,4 @@
-//! The law of the field: its derivatives in space and state are those of its values.
+//! The law of the field: its derivatives in space and state are those of its value.
 
 use nalgebra::{DMatrix, DVector, Point3, Vector3};
 
@@ -8,13 +8,15 @@ use crate::math::{central_differences, first_difference};
 
 /// A derivative of the field that is wrong.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("∂({what})/∂{of}[{component}] at {point_world} is {analytic} and {numeric} by differences")]
+#[error(
+    "∂({what})/∂{variable}[{component}] at {point_world} is {analytic} and {numeric} by differences"
+)]
 pub struct FieldFault {
     /// `ln F`, or a component of ∇ ln F.
     pub what: &'static str,
     /// `x`, or `δ` for the state.
-    pub of: &'static str,
-    /// Which component.
+    pub variable: &'static str,
+    /// Which component of it.
     pub component: usize,
     /// Where.
     pub point_world: Point3<f64>,
@@ -30,11 +32,11 @@ const ROWS: [&str; 4] = ["ln F", "∂x ln F", "∂y ln F", "∂z ln F"];
 /// Step of the differences, metres, radians and coefficients.
 const STEP: f64 = 1e-4;
 
-/// Checks ∂/∂x and ∂/∂θ of ln F and ∇ ln F at a state and a point, in the limb that is largest there.
+/// Checks ∂/∂x and ∂/∂θ of ln F and ∇ ln F at a state and a point, in the limb whose sum is largest there.
 ///
 /// # Errors
-/// The first entry that is off by more than `tolerance` of the largest of its row (but at least of 1 for ln F and
-/// of 1/m for its gradient).
+/// The first entry that is off by more than `tolerance` times the largest entry of its row, or times 1 (ln F) or 1/m
+/// (its gradient) if that is more.
 pub fn check_field(
     model: &BodyModel,
     state: &State,
@@ -47,18 +49,21 @@ pub fn check_field(
     let Some(sample) = field.sample(&x) else {
         return Ok(());
     };
-    let compare = |of, analytic: &DMatrix<f64>, numeric: &DMatrix<f64>| {
-        compare(of, point_world, analytic, numeric, tolerance)
+
+    let compare = |variable, analytic: &DMatrix<f64>, numeric: &DMatrix<f64>| {
+        compare(variable, point_world, analytic, numeric, tolerance)
     };
     let at = |field: &Field, x: &Vector3<f64>| {
         let mut moved = FieldSample::default();
         moved.update_limb(field, sample.limb, x, &field.limbs[sample.limb]);
         numbers(&moved)
     };
+
     let numeric = central_differences(3, STEP, |d| {
         at(&field, &(x + Vector3::new(d[0], d[1], d[2])))
     });
     compare("x", &in_space(&sample), &numeric)?;
+
     let layout = Layout::new(model);
     let numeric = central_differences(layout.total(), STEP, |delta| {
         let moved = layout.retract(state, delta);
@@ -97,18 +102,19 @@ fn in_state(slopes: &FieldSlopes, sample: &FieldSample, total: usize) -> DMatrix
 }
 
 fn compare(
-    of: &'static str,
+    variable: &'static str,
     point_world: &Point3<f64>,
     analytic: &DMatrix<f64>,
     numeric: &DMatrix<f64>,
     tolerance: f64,
 ) -> Result<(), FieldFault> {
     let scaled = |row: usize| tolerance * numeric.row(row).amax().max(1.0);
+
     match first_difference(analytic, numeric, scaled) {
         None => Ok(()),
         Some((row, component)) => Err(FieldFault {
             what: ROWS[row],
-            of,
+            variable,
             component,
             point_world: *point_world,
             analytic: analytic[(row, component)],
@@ -129,7 +135,7 @@ mod tests {
         assert_eq!(compare("δ", &point, &analytic, &numeric, 1e-9), Ok(()));
         analytic[(2, 1)] = -6.0;
         let fault = compare("δ", &point, &analytic, &numeric, 1e-9).unwrap_err();
-        let told = "∂(∂y ln F)/∂δ[1] at {0, 0, 0} is -6 and 6 by differences";
-        assert_eq!(fault.to_string(), told);
+        let message = "∂(∂y ln F)/∂δ[1] at {0, 0, 0} is -6 and 6 by differences";
+        assert_eq!(fault.to_string(), message);
     }
 }

@@ -47,7 +47,7 @@ pub struct Field {
     pub metaballs: Vec<Metaball>,
     /// The metaballs of each limb, in the order of [`BodyModel::limbs`](crate::body::BodyModel::limbs).
     pub limbs: Vec<Vec<usize>>,
-    /// The place of each metaball in the list that it was made from.
+    /// For each metaball, its index in the list that the field was made from.
     pub(super) sources: Vec<usize>,
 }
 
@@ -56,11 +56,11 @@ impl Field {
     pub fn from_body(body: &Posed<'_>) -> Self {
         let primitives = &body.model.metaballs;
         let all = Self::new(primitives.iter().map(|m| body.primitive(m)));
-        let of_parts = |parts: Vec<PartId>| {
+        let balls_of = |parts: Vec<PartId>| {
             let is_there = |&i: &usize| parts.contains(&primitives[all.sources[i]].part);
             (0..all.metaballs.len()).filter(is_there).collect()
         };
-        let limbs = body.model.limbs().into_iter().map(of_parts).collect();
+        let limbs = body.model.limbs().into_iter().map(balls_of).collect();
         Self { limbs, ..all }
     }
 
@@ -77,7 +77,8 @@ impl Field {
         }
     }
 
-    /// The place of a metaball in the list that the field was made from: [`BodyModel::metaballs`](crate::body::BodyModel::metaballs) for a body's.
+    /// The index of a metaball in the list that the field was made from, such as
+    /// [`BodyModel::metaballs`](crate::body::BodyModel::metaballs).
     pub fn source(&self, metaball: usize) -> Option<usize> {
         self.sources.get(metaball).copied()
     }
@@ -87,8 +88,8 @@ impl Field {
     /// # Source
     /// PF02 eq. 3, 4; limbs: PFD99 § 3.3.
     pub fn value(&self, point_world: &Vector3<f64>) -> f64 {
-        let of = |i: &usize| (-2.0 * self.metaballs[*i].distance(point_world)).exp();
-        let sums = self.limbs.iter().map(|limb| limb.iter().map(of).sum());
+        let value = |i: &usize| (-2.0 * self.metaballs[*i].distance(point_world)).exp();
+        let sums = self.limbs.iter().map(|limb| limb.iter().map(value).sum());
         sums.fold(0.0, f64::max)
     }
 
@@ -97,13 +98,13 @@ impl Field {
     /// # Source
     /// PF02 eq. 3, 4, 6 and App. A.1; limbs: PFD99 § 3.3.
     pub fn value_and_gradient(&self, point_world: &Vector3<f64>) -> (f64, Vector3<f64>) {
-        let of_limb = |limb: &Vec<usize>| {
+        let sum = |limb: &Vec<usize>| {
             limb.iter()
                 .map(|&i| self.metaballs[i].value_and_gradient(point_world))
                 .fold((0.0, Vector3::zeros()), |sum, f| (sum.0 + f.0, sum.1 + f.1))
         };
         let larger = |a: (f64, Vector3<f64>), b: (f64, Vector3<f64>)| if b.0 > a.0 { b } else { a };
-        let sums = self.limbs.iter().map(of_limb);
+        let sums = self.limbs.iter().map(sum);
         sums.fold((0.0, Vector3::zeros()), larger)
     }
 
@@ -115,7 +116,7 @@ impl Field {
         sample.update(self, point_world).then_some(sample)
     }
 
-    /// What F hardly exceeds in any pose: 1.5 × the largest F at any metaball's centre, and at least 1.5.
+    /// A value that F hardly exceeds in any pose: 1.5 times the largest F at any metaball's centre, and at least 1.5.
     pub fn ceiling(&self) -> f64 {
         let centres = self.metaballs.iter().map(|m| m.ellipsoid.centre);
         1.5 * centres.map(|c| self.value(&c)).fold(1.0, f64::max)

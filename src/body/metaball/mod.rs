@@ -9,8 +9,8 @@
 //! | ∂²/∂xᵢ∂xⱼ (A.4) | [`FieldSample::hessian`] | m⁻² | world |
 //! | ∂/∂θ, ∂²/∂xᵢ∂θ (A.2, A.3, A.5) | [`FieldSlopes::row`] | 1, m⁻¹ | world |
 //!
-//! **Differs** from PF02 eq. 3: a sum over a limb, and the largest of the sums, for which
-//! [`BodyModel::limbs`](super::BodyModel::limbs) has the reason.
+//! **Differs** from PF02 eq. 3: the sum goes over a limb, and F is the largest of the sums. The module of
+//! [`BodyModel::limbs`](super::BodyModel::limbs) says why.
 
 mod check;
 mod field;

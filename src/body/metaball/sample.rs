@@ -10,10 +10,10 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::Field;
 
-/// Metaballs whose fᵢ is less than e⁻³² of the largest have no say: this is half the exponent.
+/// Metaballs whose fᵢ is less than e⁻³² of the largest are left out: half of that exponent.
 pub(crate) const NEGLIGIBLE: f64 = 16.0;
 
-/// What one metaball adds at a point.
+/// What one metaball contributes at a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Share {
     /// Index in [`Field::metaballs`].
@@ -37,12 +37,12 @@ pub struct FieldSample {
     pub log_gradient: Vector3<f64>,
     /// ∇² ln F, 1/m².
     pub log_hessian: Matrix3<f64>,
-    /// The metaballs that have a say.
+    /// The metaballs that contribute.
     pub shares: Vec<Share>,
 }
 
 impl FieldSample {
-    /// F; 0 where it is less than a float can tell.
+    /// F; 0 where it underflows.
     pub fn value(&self) -> f64 {
         self.log_value.exp()
     }
@@ -67,22 +67,24 @@ impl FieldSample {
     pub fn update(&mut self, field: &Field, point_world: &Vector3<f64>) -> bool {
         let distance = |i: &usize| field.metaballs[*i].distance(point_world);
         let mut best: Option<(usize, f64)> = None;
+
         for (k, limb) in field.limbs.iter().enumerate() {
             let least = limb.iter().map(distance).fold(f64::INFINITY, f64::min);
             if least.is_finite() {
-                let of = |i: &usize| (-2.0 * (distance(i) - least)).exp();
-                let log_value = limb.iter().map(of).sum::<f64>().ln() - 2.0 * least;
+                let share = |i: &usize| (-2.0 * (distance(i) - least)).exp();
+                let log_value = limb.iter().map(share).sum::<f64>().ln() - 2.0 * least;
                 if best.is_none_or(|b| log_value > b.1) {
                     best = Some((k, log_value));
                 }
             }
         }
+
         let Some((limb, _)) = best else { return false };
         self.update_limb(field, limb, point_world, &field.limbs[limb]);
         true
     }
 
-    /// Samples one limb, of whose metaballs only those in `metaballs` have a say.
+    /// Samples one limb from those of its metaballs that `metaballs` lists.
     pub(crate) fn update_limb(
         &mut self,
         field: &Field,
@@ -93,6 +95,8 @@ impl FieldSample {
         self.limb = limb;
         self.point_world = *point_world;
         self.shares.clear();
+
+        // d and u of each; the weight is d until the least is known
         let mut least = f64::INFINITY;
         for &metaball in metaballs {
             let ball = &field.metaballs[metaball];
@@ -106,16 +110,20 @@ impl FieldSample {
                 pull,
             });
         }
+
+        // wᵢ times a common factor, which cancels
         self.shares.retain(|s| s.weight - least < NEGLIGIBLE);
         let mut sum = 0.0;
         for share in &mut self.shares {
             share.weight = (-2.0 * (share.weight - least)).exp();
             sum += share.weight;
         }
+
         self.log_value = sum.ln() - 2.0 * least;
         self.differentiate(field, 1.0 / sum);
     }
 
+    /// ∇ ln F and ∇² ln F, from weights that `scale` makes add up to 1.
     fn differentiate(&mut self, field: &Field, scale: f64) {
         let mut gradient = Vector3::zeros();
         let mut hessian = Matrix3::zeros();

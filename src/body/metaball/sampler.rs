@@ -1,4 +1,4 @@
-//! The field at many points: distances to all metaballs at once, then only those that have a say.
+//! The field at many points: distances to all metaballs at once, then only the metaballs that contribute.
 
 use nalgebra::Vector3;
 
@@ -12,7 +12,7 @@ pub struct Sampler<'f> {
     /// A⁻¹: xx, yy, zz, xy, xz, yz.
     precision: [Vec<f64>; 6],
     centre: [Vec<f64>; 3],
-    /// d at the present point.
+    /// d at the current point.
     distances: Vec<f64>,
     near: Vec<usize>,
 }
@@ -44,11 +44,12 @@ impl<'f> Sampler<'f> {
         let Some((limb, least)) = limb.map_or_else(|| self.largest(), |l| self.least(l)) else {
             return false;
         };
+
         let reach = least + NEGLIGIBLE;
-        let has_a_say = |i: &&usize| self.distances[**i] < reach;
+        let contributes = |i: &&usize| self.distances[**i] < reach;
         self.near.clear();
         self.near
-            .extend(self.field.limbs[limb].iter().filter(has_a_say));
+            .extend(self.field.limbs[limb].iter().filter(contributes));
         sample.update_limb(self.field, limb, point_world, &self.near);
         true
     }
@@ -84,15 +85,17 @@ impl<'f> Sampler<'f> {
         let first = limbs
             .filter_map(|l| self.least(l))
             .min_by(|a, b| a.1.total_cmp(&b.1))?;
-        let mut best = (first, self.log_sum(first));
+
+        // the sums of the other limbs, where they could be larger
+        let mut best = (first, self.log_sum(first.0, first.1));
         for limb in 0..self.field.limbs.len() {
             let Some(other) = self.least(limb).filter(|l| l.0 != first.0) else {
                 continue;
             };
-            // no sum is more than all balls at the least distance
+            // no sum is more than that of all its balls at the least distance
             let most = (self.field.limbs[limb].len() as f64).ln() - 2.0 * other.1;
             if most > best.1 {
-                let value = self.log_sum(other);
+                let value = self.log_sum(other.0, other.1);
                 if value > best.1 {
                     best = (other, value);
                 }
@@ -101,7 +104,8 @@ impl<'f> Sampler<'f> {
         Some(best.0)
     }
 
-    fn log_sum(&self, (limb, least): (usize, f64)) -> f64 {
+    /// ln F of a limb, whose least d is `least`.
+    fn log_sum(&self, limb: usize, least: f64) -> f64 {
         let far = |i: &usize| self.distances[*i] - least;
         let balls = self.field.limbs[limb].iter().map(far);
         let near = balls.filter(|d| *d < NEGLIGIBLE);

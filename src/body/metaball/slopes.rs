@@ -9,10 +9,10 @@
 //! - moved by t: −t·h;
 //! - radius a along the axis e, ȧ = ∂a/∂θ, v = e·u: 4 w a ȧ ((β − 4 b·u) v² + 2 v (b·e)/a²).
 //!
-//! A residual may see more of a metaball than fᵢ: something else that is fixed to it, whose gradient in space is γ. That
-//! adds w γ to h, and w (ȧ/a) times its slope by ln a to a radius.
+//! A residual may depend on more of a metaball than fᵢ: on something else that is fixed to it, whose gradient in space is γ.
+//! That adds w γ to h, and w (ȧ/a) times its slope with respect to ln a to a radius.
 //!
-//! So a frame passes on two vectors, Σq and Σh, whatever hangs on it, and each joint takes one cross product.
+//! So a frame passes on two vectors, Σq and Σh, whatever hangs on it, and each joint costs one cross product.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -30,13 +30,25 @@ pub struct FieldSlopes {
     limbs: Vec<Branch>,
 }
 
-/// How a frame is turned and moved by its own joint.
+/// How a frame's own joint turns and moves it.
 #[derive(Debug, Clone)]
 struct FrameSlopes {
     origin_world: Vector3<f64>,
-    /// The frame that carries it, the component that turns it and how; the root has none.
-    turn: Option<(FrameId, usize, Vector3<f64>)>,
+    /// `None` for the root's frame.
+    turn: Option<TurnSlope>,
+    /// Components that move its origin, and how.
     stretch: Vec<(usize, Vector3<f64>)>,
+}
+
+/// How a joint's angle turns a frame.
+#[derive(Debug, Clone, Copy)]
+struct TurnSlope {
+    /// The frame that carries it.
+    parent: FrameId,
+    /// The angle's component.
+    component: usize,
+    /// The axis, times the share of the angle.
+    axis_world: Vector3<f64>,
 }
 
 /// How a metaball changes within its frame.
@@ -44,10 +56,12 @@ struct FrameSlopes {
 struct BallSlopes {
     frame: FrameId,
     precision: Matrix3<f64>,
+    /// Components that move its centre, and how.
     centre: Vec<(usize, Vector3<f64>)>,
     radii: Vec<RadiusSlope>,
 }
 
+/// How a coefficient changes one radius of a metaball.
 #[derive(Debug, Clone, Copy)]
 struct RadiusSlope {
     component: usize,
@@ -69,29 +83,43 @@ struct Branch {
     components: Vec<usize>,
 }
 
-/// What a residual sees of one metaball, over its weight.
+/// How a residual depends on one metaball, divided by the metaball's weight.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BallChange {
-    /// αᵢ: by ln fᵢ.
+    /// αᵢ: on ln fᵢ.
     pub alpha: f64,
-    /// By the place in the metaball's frame, apart from fᵢ; world, 1/m.
+    /// γ: on the place in the metaball's frame, apart from fᵢ; world, 1/m.
     pub place: Vector3<f64>,
-    /// By ln a of each radius, apart from fᵢ.
+    /// On ln a of each radius, apart from fᵢ.
     pub radii: Vector3<f64>,
 }
 
-/// One row: the components of a limb and the memory to compute their values.
+/// One row of a Jacobian, for the components of a limb, and the memory to compute it.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FieldRow {
     /// One value for each of [`FieldSlopes::components`].
     pub values: Vec<f64>,
     dense: Vec<f64>,
-    /// Σq and Σh of each frame.
-    pulls: Vec<(Vector3<f64>, Vector3<f64>)>,
+    /// By [`FrameId`].
+    pulls: Vec<Pull>,
+}
+
+/// Σq and Σh over all that hangs on a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Pull {
+    q: Vector3<f64>,
+    h: Vector3<f64>,
+}
+
+impl Pull {
+    fn add(&mut self, other: Self) {
+        self.q += other.q;
+        self.h += other.h;
+    }
 }
 
 impl FieldSlopes {
-    /// The slopes of `Field::from_body(body)`.
+    /// The slopes of the field of `body`, which is [`Field::from_body`].
     pub fn new(body: &Posed<'_>, field: &Field) -> Self {
         let layout = Layout::new(body.model);
         let primitives = field.sources.iter().map(|&i| &body.model.metaballs[i]);
@@ -102,10 +130,12 @@ impl FieldSlopes {
             .zip(&field.metaballs)
             .map(|(p, m)| ball_slopes(body, layout, p, m.precision))
             .collect();
+
         let limbs = field.limbs.iter().map(|balls| {
             let balls: Vec<_> = balls.iter().map(|&i| &metaballs[i]).collect();
             branch(body.model, layout, &frames, &balls)
         });
+
         Self {
             root: (layout.root() == 6).then_some(body.frames[0].world_from_frame),
             limbs: limbs.collect(),
@@ -146,7 +176,7 @@ impl FieldSlopes {
         self.row_from_changes(sample, &changes, b, row);
     }
 
-    /// The same with whatever else the residual sees of each metaball: one change for each of [`FieldSample::shares`].
+    /// [`row`](Self::row) of a residual that depends on more of each metaball: one change for each of [`FieldSample::shares`].
     pub fn row_from_changes(
         &self,
         sample: &FieldSample,
@@ -157,16 +187,20 @@ impl FieldSlopes {
         let branch = &self.limbs[sample.limb];
         row.clear(branch, self.frames.len());
         let level = b.dot(&sample.log_gradient);
+
         for (share, change) in sample.shares.iter().zip(changes) {
             let ball = &self.metaballs[share.metaball];
             let (w, u) = (share.weight, &share.pull);
             let along = b.dot(u);
             let beta = change.alpha - level;
+
+            // what the frame passes on, h = β q + M b + w γ
             let q = u * (-4.0 * w);
             let h = u * (w * (16.0 * along - 4.0 * beta)) - (ball.precision * b) * (4.0 * w)
                 + change.place * w;
-            let pulls = &mut row.pulls[ball.frame.0];
-            *pulls = (pulls.0 + q, pulls.1 + h);
+            row.pulls[ball.frame.0].add(Pull { q, h });
+
+            // what moves and stretches it within its frame
             for (component, moved) in &ball.centre {
                 row.dense[*component] -= moved.dot(&h);
             }
@@ -178,27 +212,30 @@ impl FieldSlopes {
                         + w * change.radii[radius.axis] * radius.slope * radius.precision;
             }
         }
+
         self.pass_down(branch, &sample.point_world, b, row);
         row.values
             .extend(branch.components.iter().map(|&c| row.dense[c]));
     }
 
-    /// Sums over what hangs on each frame, from the tip to the root.
+    /// Passes what hangs on each frame on to the frame that carries it, from the tip to the root.
     fn pass_down(&self, branch: &Branch, x: &Vector3<f64>, b: &Vector3<f64>, row: &mut FieldRow) {
         for index in &branch.frames {
             let frame = &self.frames[index.0];
-            let (q, h) = row.pulls[index.0];
+            let pull = row.pulls[index.0];
+            let Pull { q, h } = pull;
+
             for (component, moved) in &frame.stretch {
                 row.dense[*component] -= moved.dot(&h);
             }
-            if let Some((parent, component, axis)) = &frame.turn {
+            if let Some(joint) = &frame.turn {
                 let turn = q.cross(b) - (x - frame.origin_world).cross(&h);
-                row.dense[*component] += axis.dot(&turn);
-                let pulls = &mut row.pulls[parent.0];
-                *pulls = (pulls.0 + q, pulls.1 + h);
+                row.dense[joint.component] += joint.axis_world.dot(&turn);
+                row.pulls[joint.parent.0].add(pull);
             }
         }
-        let (q, h) = row.pulls[0];
+
+        let Pull { q, h } = row.pulls[0];
         if let Some(world_from_root) = &self.root {
             let turn = q.cross(b) - (x - self.frames[0].origin_world).cross(&h);
             let turn = world_from_root.tr_mul(&turn);
@@ -216,13 +253,13 @@ impl FieldRow {
         if self.dense.len() < last {
             self.dense.resize(last, 0.0);
         }
-        self.pulls.resize(frames, Default::default());
+        self.pulls.resize(frames, Pull::default());
         self.values.clear();
         branch.components.iter().for_each(|&c| self.dense[c] = 0.0);
         branch
             .frames
             .iter()
-            .for_each(|f| self.pulls[f.0] = Default::default());
+            .for_each(|f| self.pulls[f.0] = Pull::default());
     }
 }
 
@@ -233,11 +270,11 @@ fn frame_slopes(body: &Posed<'_>, layout: Layout, frame: usize) -> FrameSlopes {
         let parent = body.frames[turn.parent.0].world_from_frame;
         let mut add = |component, moved| stretch.push((component, moved));
         stretch_columns(body, layout, &parent, translation, &mut add);
-        (
-            turn.parent,
-            layout.angle(turn.joint),
-            body.turns_world[frame],
-        )
+        TurnSlope {
+            parent: turn.parent,
+            component: layout.angle(turn.joint),
+            axis_world: body.turns_world[frame],
+        }
     });
     FrameSlopes {
         origin_world: body.frames[frame].origin_world,
@@ -256,6 +293,7 @@ fn ball_slopes(
     let mut centre = Vec::new();
     let mut add = |component, moved| centre.push((component, moved));
     stretch_columns(body, layout, &world_from_frame, &primitive.centre, &mut add);
+
     let (axes, radii) = (
         body.primitive_axes(primitive),
         body.primitive_radii(primitive),
@@ -270,6 +308,7 @@ fn ball_slopes(
             precision: 1.0 / (radii[k] * radii[k]),
         })
     };
+
     BallSlopes {
         frame: primitive.frame,
         precision,
@@ -282,6 +321,7 @@ fn ball_slopes(
     }
 }
 
+/// The frames and components of a limb of these metaballs.
 fn branch(
     model: &BodyModel,
     layout: Layout,
@@ -293,10 +333,11 @@ fn branch(
     // a frame's number is above that of the one that carries it
     on_root.sort_unstable_by(|a, b| b.cmp(a));
     on_root.dedup();
+
     let mut components: Vec<usize> = (0..layout.root()).collect();
     for frame in &on_root {
         let frame = &frames[frame.0];
-        components.extend(frame.turn.iter().map(|(_, c, _)| *c));
+        components.extend(frame.turn.iter().map(|turn| turn.component));
         components.extend(frame.stretch.iter().map(|(c, _)| *c));
     }
     for ball in balls {
@@ -305,6 +346,7 @@ fn branch(
     }
     components.sort_unstable();
     components.dedup();
+
     Branch {
         frames: on_root,
         components,
