@@ -1,10 +1,10 @@
 //! p_ε,σ(K): how likely one of K keyframe estimates is within ε of the model's optimum (ZS06).
 //!
-//! The estimates s*ₖ scatter about s̄ as N(0, σ); σ by maximum likelihood from the K of them. One is
+//! The estimates s*ₖ scatter about s̄ as N(0, σ), with σ by maximum likelihood from the K of them. One is
 //! within ε with p_ε,σ = ∫₋ε^ε N(e; 0, σ) de, at least one of K with p_ε,σ(K) = 1 − (1 − p_ε,σ)^K.
 //!
-//! It is a confidence *of the model's optimum*: a bias that all keyframes share (the body is not made of
-//! ellipsoids) is invisible to it, and the true length may be farther away than ε.
+//! It is a confidence *of the model's optimum*. A bias that all keyframes share (the body is not made of
+//! ellipsoids) is invisible to it: the true length may be farther away than ε.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rand::{RngExt, SeedableRng};
@@ -37,7 +37,7 @@ pub fn p_at_least_one(p_within: f64, k: usize) -> f64 {
     1.0 - (1.0 - p_within).powi(k as i32)
 }
 
-/// Maximum-likelihood σ of estimates about their mean; `None` of fewer than two.
+/// σ of estimates about their mean; `None` with fewer than two.
 pub fn maximum_likelihood_sigma(estimates: &[f64]) -> Option<f64> {
     let k = estimates.len() as f64;
     let mean = estimates.iter().sum::<f64>() / k;
@@ -72,6 +72,8 @@ pub fn joint_confidence(estimates: &[DVector<f64>], epsilon: f64) -> Confidence 
     if keyframes < 2 || estimates[0].is_empty() {
         return none;
     }
+
+    // S, shrunk
     let n = estimates[0].len();
     let mean = estimates.iter().sum::<DVector<f64>>() / keyframes as f64;
     let sample = estimates
@@ -87,6 +89,7 @@ pub fn joint_confidence(estimates: &[DVector<f64>], epsilon: f64) -> Confidence 
             (1.0 - alpha) * sample[(i, j)]
         }
     });
+
     let p = box_probability(&covariance, epsilon);
     Confidence {
         p_within: p.map(|p| p_at_least_one(p, keyframes)),
@@ -104,8 +107,11 @@ fn box_probability(covariance: &DMatrix<f64>, epsilon: f64) -> Option<f64> {
     let normal = Normal::standard();
     let mut rng = ChaCha8Rng::seed_from_u64(0);
     let n = covariance.nrows();
+
     let mut sum = 0.0;
     for _ in 0..SAMPLES {
+        // component by component: the chance to stay within ±ε, given the ones before
+
         let mut y = DVector::zeros(n);
         let mut p = 1.0;
         for i in 0..n {

@@ -1,8 +1,8 @@
 //! How sure the joint optimum is: covariances of motions and shape, carried on to angles, points and lengths.
 //!
-//! From H⁻¹, with the shape's widened τ times ([`Noise`](super::noise::Noise)): cov(s) = τ Σ_ss, and as m depends on s through
-//! G = Σ_ms Σ_ss⁻¹, cov(m) = Σ_mm + (τ − 1)·G Σ_ss Gᵀ. To this comes what the places of the joints in the flesh leave open,
-//! (S; 1)(S; 1)ᵀ for θ and c together ([`Considered`]).
+//! From H⁻¹, with the shape's part widened τ times ([`Noise`](super::noise::Noise)): cov(s) = τ Σ_ss, and as m depends on s
+//! through G = Σ_ms Σ_ss⁻¹, cov(m) = Σ_mm + (τ − 1)·G Σ_ss Gᵀ. To this is added what the unknown places of the joints in the
+//! flesh contribute, (S; 1)(S; 1)ᵀ for θ and c together ([`Considered`]).
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix3, Vector3};
 
@@ -11,7 +11,7 @@ use super::sequence_posterior::SequenceState;
 use crate::body::{BodyModel, Layout, Motion, PartId, Posed, Shape};
 use crate::solver::{BorderedChain, Marginal};
 
-/// How sure the joint optimum is: of the true numbers, as far as a bias that returns in every frame can be known.
+/// How far the joint optimum may be from the truth, as far as a bias that returns in every frame can be known.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Uncertainty {
     /// The shape.
@@ -34,11 +34,11 @@ pub struct ShapeUncertainty {
 pub struct FrameUncertainty {
     /// Of the root's origin, world axes; 0 if it is fixed.
     pub position_sd_m: Vector3<f64>,
-    /// Of the orientation in the world of each part, about its own axes; 0 of one that nothing turns.
+    /// Of each part's orientation in the world, about its own axes; 0 of a part that nothing turns.
     pub parts_sd: Vec<Vector3<f64>>,
     /// Of the angles between the bones.
     pub angles_sd: DVector<f64>,
-    /// Of the same angles if the joints' places in the flesh were known.
+    /// Of the same angles, if the joints' places in the flesh were known.
     pub seen_angles_sd: DVector<f64>,
     /// Covariance of each exported point, square metres.
     pub points: Vec<Matrix3<f64>>,
@@ -47,7 +47,7 @@ pub struct FrameUncertainty {
 }
 
 impl Uncertainty {
-    /// From H of the chain, τ, and what joints elsewhere in the flesh do; `None` where H is singular.
+    /// From H of the chain, τ, and what other places of the joints would change; `None` where H is singular.
     pub(super) fn new(
         model: &BodyModel,
         state: &SequenceState,
@@ -56,6 +56,8 @@ impl Uncertainty {
         considered: &Considered,
     ) -> Option<Self> {
         let placed_shape = considered.placed.shape(&state.shape);
+
+        // frame by frame, in the order of the chain's marginals: backwards
         let (mut frames, mut shape) = (Vec::new(), DMatrix::zeros(0, 0));
         let mut factor = None;
         let complete = chain.marginals(|i, marginal| {
@@ -67,7 +69,7 @@ impl Uncertainty {
             let sensitivity = &considered.sensitivity.frames[i];
             let motion = considered.placed.motion(&state.motions[i]);
             let body = Posed::new(&considered.placed.model, &placed_shape, &motion);
-            let estimate = estimate(model, marginal, factor.as_ref(), tau);
+            let estimate = estimate_covariance(model, marginal, factor.as_ref(), tau);
             frames.extend(
                 estimate.map(|e| frame_uncertainty(model, &body, e, considered, sensitivity)),
             );
@@ -76,6 +78,8 @@ impl Uncertainty {
         if !complete || frames.len() != state.motions.len() {
             return None;
         }
+
+        // the shape: as of a frame whose motion is known
         let layout = Layout::new(model);
         let (m, p) = (layout.motion(), layout.total() - layout.motion());
         let mut all = DMatrix::zeros(m + p, m + p);
@@ -91,8 +95,8 @@ impl Uncertainty {
     }
 }
 
-/// Covariance of a frame's motion and of s were the joints' places known.
-fn estimate(
+/// Covariance of a frame's motion and of s if the joints' places were known.
+fn estimate_covariance(
     model: &BodyModel,
     marginal: &Marginal<'_>,
     shared: Option<&Cholesky<f64, Dyn>>,
@@ -100,11 +104,15 @@ fn estimate(
 ) -> Option<DMatrix<f64>> {
     let layout = Layout::new(model);
     let (m, p) = (layout.motion(), layout.total() - layout.motion());
+
+    // cov(m)
     let mut motion = marginal.frame.clone();
     if p > 0 {
         let depends = shared?.solve(marginal.cross);
         motion += marginal.cross.tr_mul(&depends) * (tau - 1.0);
     }
+
+    // with τ Σ_sm and τ Σ_ss
     let mut all = DMatrix::zeros(m + p, m + p);
     all.view_mut((0, 0), (m, m)).copy_from(&motion);
     let mut cross = all.view_mut((m, 0), (p, m));
@@ -115,24 +123,28 @@ fn estimate(
     Some(all)
 }
 
-/// Covariance of all components of the body with places, from that of a motion and of s and from S of that motion.
+/// Covariance of all components of the body with places: `estimate` is that of a motion and of s, `motion` is S of that motion.
 fn with_places(
     model: &BodyModel,
     estimate: &DMatrix<f64>,
     considered: &Considered,
     motion: &DMatrix<f64>,
 ) -> DMatrix<f64> {
-    let (placed, of_shape) = (&considered.placed, &considered.sensitivity.shared);
+    let (placed, shape) = (&considered.placed, &considered.sensitivity.shared);
     let total = Layout::new(&placed.model).total();
-    let (shape, places) = (
-        total - placed.count() - of_shape.nrows(),
-        total - placed.count(),
-    );
+    let first_place = total - placed.count();
+    let first_shape = first_place - shape.nrows();
+
+    // (S; 1)(S; 1)ᵀ
     let mut errors = DMatrix::zeros(total, placed.count());
     errors.rows_mut(0, motion.nrows()).copy_from(motion);
-    errors.rows_mut(shape, of_shape.nrows()).copy_from(of_shape);
-    errors.rows_mut(places, placed.count()).fill_with_identity();
+    errors.rows_mut(first_shape, shape.nrows()).copy_from(shape);
+    errors
+        .rows_mut(first_place, placed.count())
+        .fill_with_identity();
     let mut all = &errors * errors.transpose();
+
+    // the estimate's, where its components are among all
     let among: Vec<usize> = Layout::new(model).components_in(placed).collect();
     for (i, &row) in among.iter().enumerate() {
         for (j, &column) in among.iter().enumerate() {
@@ -152,12 +164,16 @@ fn frame_uncertainty(
     let layout = Layout::new(model);
     let (root, joints) = (layout.root(), layout.motion() - layout.root());
     let all = with_places(model, &estimate, considered, sensitivity);
+
+    // components of the motion
     let sd = |variance: f64| variance.max(0.0).sqrt();
     let deviations = all.diagonal().map(sd);
     let position_sd_m = match root {
         6 => Vector3::from(deviations.fixed_rows::<3>(0)),
         _ => Vector3::zeros(),
     };
+
+    // whatever else moves with them: J Σ Jᵀ
     let carried = |jacobian: &DMatrix<f64>| {
         let covariance = jacobian * &all * jacobian.transpose();
         Matrix3::from(covariance.fixed_view::<3, 3>(0, 0))
@@ -166,6 +182,7 @@ fn frame_uncertainty(
         carried(&(body.point_jacobian(right) - body.point_jacobian(left)))
     };
     let turned = |part: usize| carried(&body.rotation_jacobian(PartId(part))).diagonal();
+
     FrameUncertainty {
         position_sd_m,
         parts_sd: (0..model.parts.len())

@@ -1,4 +1,4 @@
-//! Where the body of one frame is: the visual hull, coarse voxels that every silhouette accepts; or points on its surface.
+//! Where the body of one frame is: from the visual hull, coarse voxels that every silhouette accepts, or from points on its surface.
 
 use nalgebra::{Point3, Vector3};
 
@@ -16,7 +16,7 @@ pub struct Hull {
     pub bottom: f64,
     /// Height below which 99.8 % of them lie.
     pub top: f64,
-    /// How many voxels are occupied; 0 of points.
+    /// How many voxels are occupied; 0 where the hull is of points.
     pub voxels: usize,
 }
 
@@ -24,26 +24,26 @@ pub struct Hull {
 const REACH: f64 = 1.4;
 const VOXEL: f64 = 0.04;
 
-/// Fewer points do not show where a body is.
+/// Fewer points do not tell where a body is.
 pub const LEAST_POINTS: usize = 200;
 
-/// Whether a frame shows where the body is: to two cameras, or by points.
+/// Whether a frame tells where the body is: two cameras see it, or there are points enough.
 pub fn locates_body(frame: &FrameObservations) -> bool {
     frame.views.len() >= 2 || frame.points.len() >= LEAST_POINTS
 }
 
-/// Where the lines of sight of all cameras meet at less than this, degrees, their hull has no depth.
+/// If no two lines of sight meet at more than this angle, degrees, their hull has no depth.
 const LEAST_ANGLE_DEG: f64 = 25.0;
 
-/// The hull of a frame, of its silhouettes or else of its points; `None` where neither shows the body.
+/// The hull of a frame, from its silhouettes or else from its points; `None` where neither shows the body.
 ///
-/// The points come first where all cameras stand side by side: their hull is open in depth.
+/// Where all cameras stand side by side the points come first: the hull of the silhouettes is open in depth.
 pub fn hull(rig: &Rig, frame: &FrameObservations) -> Option<Hull> {
-    let of_points = || Hull::from_points(&frame.points);
-    if has_depth(&sights(rig, frame)) {
-        carve(rig, frame).or_else(of_points)
+    let from_points = || Hull::from_points(&frame.points);
+    if has_depth(&lines_of_sight(rig, frame)) {
+        carve(rig, frame).or_else(from_points)
     } else {
-        of_points().or_else(|| carve(rig, frame))
+        from_points().or_else(|| carve(rig, frame))
     }
 }
 
@@ -55,7 +55,7 @@ fn has_depth(sights: &[Ray]) -> bool {
 }
 
 /// The rays through the silhouettes' centroids.
-fn sights(rig: &Rig, frame: &FrameObservations) -> Vec<Ray> {
+fn lines_of_sight(rig: &Rig, frame: &FrameObservations) -> Vec<Ray> {
     let views = frame.views.iter();
     views
         .map(|(camera, s)| rig.cameras[camera.0].ray(&s.centroid))
@@ -63,18 +63,22 @@ fn sights(rig: &Rig, frame: &FrameObservations) -> Vec<Ray> {
 }
 
 impl Hull {
-    /// The extent of the points that lie within reach of their median, strays left out; `None` of fewer than
+    /// The extent of the points that lie within reach of their median, without strays; `None` with fewer than
     /// [`LEAST_POINTS`].
     pub fn from_points(points: &[CloudPoint]) -> Option<Self> {
         if points.len() < LEAST_POINTS {
             return None;
         }
+
+        // the points about their median
         let along =
             |axis: usize| median(&mut points.iter().map(|p| p.position_world[axis]).collect());
         let middle = Point3::new(along(0)?, along(1)?, along(2)?);
         let places = points.iter().map(|p| p.position_world);
         let near: Vec<Point3<f64>> = places.filter(|p| (p - middle).norm() <= REACH).collect();
         let sum: Vector3<f64> = near.iter().map(|p| p.coords).sum();
+
+        // from below nearly all to above nearly all
         let mut heights: Vec<f64> = near.iter().map(|p| p.z).collect();
         heights.sort_by(f64::total_cmp);
         let quantile = |q: f64| {
@@ -93,7 +97,7 @@ impl Hull {
 
 /// The point nearest to the rays through the silhouettes' centroids: where to look for the body.
 pub fn subject(rig: &Rig, frame: &FrameObservations) -> Option<Point3<f64>> {
-    closest_point(&sights(rig, frame))
+    closest_point(&lines_of_sight(rig, frame))
 }
 
 /// Carves the hull around the subject; `None` where no voxel survives.
@@ -102,6 +106,8 @@ pub fn subject(rig: &Rig, frame: &FrameObservations) -> Option<Point3<f64>> {
 /// cameras one may disagree (a bitten mask must not cut a leg off).
 pub fn carve(rig: &Rig, frame: &FrameObservations) -> Option<Hull> {
     let subject = subject(rig, frame)?;
+
+    // voxel by voxel of the cube around the subject
     let n = (2.0 * REACH / VOXEL) as i32;
     let corner = subject - Vector3::repeat(REACH);
     let mut heights = Vec::new();
@@ -116,6 +122,7 @@ pub fn carve(rig: &Rig, frame: &FrameObservations) -> Option<Hull> {
     if heights.is_empty() {
         return None;
     }
+
     heights.sort_by(f64::total_cmp);
     let quantile = |q: f64| heights[((heights.len() - 1) as f64 * q) as usize];
     Some(Hull {

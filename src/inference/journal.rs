@@ -1,8 +1,8 @@
-//! What a search tells while it runs, and what it need not do again.
+//! The progress of a search, and what it need not do again.
 
 use super::hypothesis::{Hypothesis, Trial};
 
-/// Keeps what is finished and tells how far the search is; the search itself has no memory.
+/// Keeps what is finished and is told how far the search is; the search itself has no memory.
 pub trait Journal: Sync {
     /// The hypotheses of a keyframe, if an earlier run kept them.
     fn kept_keyframe(&self, _keyframe: usize) -> Option<Vec<Hypothesis>> {

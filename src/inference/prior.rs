@@ -7,9 +7,9 @@ use crate::solver::NormalEquations;
 
 /// −log p(s) = ½ (s − μ)ᵀ Λ (s − μ) + ½ Σ ((|cᵢ| − 3)₊/0.3)², Λ = Σ⁻¹: Gaussian on the logarithmic coefficients, with limits.
 ///
-/// c = diag(Λ)^(−½) Λ (s − μ): how far, in its standard deviations, each coefficient lies from where all the others
-/// let it be expected. A child is small in everything and its c are ordinary; a hand twice as broad as its arm is wrong masks
-/// before it is a body, and thousands of border points would outvote the Gaussian alone.
+/// c = diag(Λ)^(−½) Λ (s − μ): how far, in its standard deviations, each coefficient lies from what all the others
+/// predict. A child is small in everything, and its c are ordinary. A hand twice as broad as its arm is more likely a wrong
+/// mask than a body, but thousands of border points would outvote the Gaussian alone.
 #[derive(Debug, Clone)]
 pub struct ShapePrior {
     mean: DVector<f64>,
@@ -18,7 +18,7 @@ pub struct ShapePrior {
     apart: DMatrix<f64>,
 }
 
-/// Standard deviations from what the others let expect beyond which a size is improbable as a body: one in 400.
+/// |c| beyond which a size is improbable for a body: one in 400.
 const LIMIT: f64 = 3.0;
 /// How soft that limit is, standard deviations.
 const LIMIT_SOFT: f64 = 0.3;
@@ -63,17 +63,22 @@ impl ShapePrior {
     pub fn linearize(&self, shape: &Shape, first: usize, equations: &mut NormalEquations) -> f64 {
         let offset = &shape.0 - &self.mean;
         let n = offset.len();
+
+        // the Gaussian
         let pull = &self.precision * &offset;
         let mut gradient = equations.gradient.rows_mut(first, n);
         gradient += &pull;
         let mut hessian = equations.hessian.view_mut((first, first), (n, n));
         hessian += &self.precision;
+
+        // the limits
         let beyond = self.beyond(&offset);
         for (i, b) in beyond.iter().enumerate().filter(|(_, b)| **b != 0.0) {
             let slope = self.apart.row(i).transpose() / LIMIT_SOFT;
             gradient += &slope * *b;
             hessian += &slope * slope.transpose();
         }
+
         0.5 * (offset.dot(&pull) + beyond.norm_squared())
     }
 }

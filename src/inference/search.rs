@@ -14,7 +14,8 @@ use super::{Evidence, Sequence};
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SearchOptions {
-    /// Every how many frames a keyframe is taken; `None`: every 20th (ZS06), or more often where that is fewer than [`ENOUGH_KEYFRAMES`].
+    /// Every how many frames a keyframe is taken. `None`: every 20th (ZS06), or more often where that would give fewer than
+    /// [`ENOUGH_KEYFRAMES`].
     pub keyframe_every: Option<usize>,
     /// Settings of the search for a start.
     pub start: StartOptions,
@@ -24,13 +25,13 @@ pub struct SearchOptions {
     pub pruning: Pruning,
 }
 
-/// Frames from one keyframe to the next of ZS06.
+/// Frames from one keyframe to the next (ZS06).
 const EVERY: usize = 20;
-/// Keyframes that make a choice between readings, and a spread σ that is not called uncertain: its relative error is 1/√(2(K − 1)), 35 % at five.
+/// Fewer keyframes leave the choice between readings and the spread σ uncertain: σ has a relative error of 1/√(2(K − 1)), 35 % at five.
 pub const ENOUGH_KEYFRAMES: usize = 5;
 
 impl SearchOptions {
-    /// Frames from one keyframe to the next of a recording of so many.
+    /// Frames from one keyframe to the next, in a recording of so many frames.
     pub fn keyframe_spacing(&self, frames: usize) -> usize {
         let enough = frames.saturating_sub(1) / (ENOUGH_KEYFRAMES - 1);
         self.keyframe_every.unwrap_or(EVERY.min(enough)).max(1)
@@ -58,15 +59,15 @@ impl Default for SearchOptions {
     }
 }
 
-/// Hypotheses that are followed at the same time, and frames between two looks at the bound.
+/// Hypotheses that are followed at the same time, and frames between two comparisons with the bound.
 ///
-/// Constants, not the number of threads: what is pruned must not depend on the machine.
+/// These are constants, not the number of threads: what is pruned must not depend on the machine.
 const ABREAST: usize = 4;
 const STRIDE: usize = 8;
 
 /// Algorithm 1: the most probable shape and motion of a sequence.
 ///
-/// `None` if no keyframe shows a body to two cameras.
+/// `None` if no keyframe tells where the body is, or no hypothesis can be followed to the end.
 ///
 /// # Source
 /// ZS06, Algorithm 1. Differs: a keyframe gives one hypothesis for each reading (front, back); tracks run
@@ -83,6 +84,7 @@ pub fn search(
         options,
         journal,
     };
+
     // 1. the keyframes K
     let keyframes = keyframes(sequence, options.keyframe_spacing(sequence.frames.len()));
     // 3. one hypothesis from each keyframe and reading: argmax p(mₖ, s | Zₖ)
@@ -135,9 +137,11 @@ impl Run<'_> {
         let others: Vec<usize> = (0..hypotheses.len()).filter(|i| *i != promising).collect();
         let mut trials: Vec<Option<Trial>> = vec![None; hypotheses.len()];
         let mut bound = f64::INFINITY;
+
         for batch in [&[promising][..]].into_iter().chain(others.chunks(ABREAST)) {
             let follow = |&index: &usize| (index, self.follow(index, &hypotheses[index], bound));
             let done: Vec<(usize, Trial)> = batch.par_iter().map(follow).collect();
+
             for (index, trial) in done {
                 if trial.finished() {
                     bound = bound.min(self.bound(&trial));

@@ -46,9 +46,13 @@ impl StepPrior {
         equations: &mut NormalEquations,
     ) -> f64 {
         let delta = self.layout.motion_difference(mean, motion);
+
+        // every component depends on its own alone, …
         for i in (0..delta.len()).filter(|i| self.layout.root() == 0 || !(3..6).contains(i)) {
             equations.add_single(i, 1.0, delta[i], self.precision[i]);
         }
+
+        // … but for the root's rotation φ: ∂φ/∂δ = J_r⁻¹(φ)
         if self.layout.root() == 6 {
             let phi = delta.fixed_rows::<3>(3).into_owned();
             let jacobian = right_jacobian_inverse(&phi);
@@ -58,6 +62,7 @@ impl StepPrior {
             let mut hessian = equations.hessian.fixed_view_mut::<3, 3>(3, 3);
             hessian += jacobian.transpose() * weight * jacobian;
         }
+
         0.5 * delta.component_mul(&delta).dot(&self.precision)
     }
 }
@@ -76,6 +81,6 @@ pub(super) fn speeds(model: &BodyModel) -> DVector<f64> {
 }
 
 /// The motion that follows two others at constant velocity: m₁ ⊞ (m₁ ⊟ m₀)·ratio.
-pub fn extrapolate(layout: Layout, before: &Motion, last: &Motion, ratio: f64) -> Motion {
+pub(super) fn extrapolate(layout: Layout, before: &Motion, last: &Motion, ratio: f64) -> Motion {
     layout.retract_motion(last, &(layout.motion_difference(before, last) * ratio))
 }
