@@ -337,16 +337,16 @@ fn a_point_belongs_to_the_part_whose_metaball_it_is_on() {
     let body = Posed::new(&scene.model, shape, motion);
     let field = Field::from_body(&body);
     let centres = field.metaballs.iter().map(|m| m.ellipsoid.centre.into());
-    let belongings = associate(&body, centres);
+    let associated = associate(&body, centres);
     let limbs = scene.model.limbs();
-    let parts = belongings.iter().zip(&scene.model.metaballs);
+    let parts = associated.iter().zip(&scene.model.metaballs);
     let same = parts.filter(|(b, ball)| b.part == ball.part).count();
-    assert!(belongings.iter().all(|b| limbs[b.limb].contains(&b.part)));
+    assert!(associated.iter().all(|b| limbs[b.limb].contains(&b.part)));
     // at a joint a centre may lie deeper in the neighbour
     assert!(
-        same * 10 >= 9 * belongings.len(),
+        same * 10 >= 9 * associated.len(),
         "{same} of {}",
-        belongings.len()
+        associated.len()
     );
 }
 

@@ -1,16 +1,17 @@
 //! Which limb and which part a datum belongs to (PFD99 § 3.3).
 //!
-//! "Whichever is largest" changes while a body is fitted: a point of the forearm may be pulled by the trunk as long
-//! as the arm is not in its place. PFD99 assign every point to a limb at the start, and again after some iterations.
+//! The limb whose field is largest at a point changes while a body is fitted: a point of the forearm may be pulled by the
+//! trunk as long as the arm is not in its place. PFD99 assign every point to a limb at the start, and again after some
+//! iterations.
 
 use nalgebra::Point3;
 
 use crate::body::metaball::{Field, FieldSample, Sampler};
 use crate::body::{PartId, Posed};
 
-/// The part and the limb of one point.
+/// The limb and the part of one point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Belonging {
+pub struct Association {
     /// The limb whose field is largest: index in [`BodyModel::limbs`](crate::body::BodyModel::limbs).
     pub limb: usize,
     /// The part of the metaball of largest weight.
@@ -21,17 +22,17 @@ pub struct Belonging {
 pub fn associate(
     body: &Posed<'_>,
     points_world: impl IntoIterator<Item = Point3<f64>>,
-) -> Vec<Belonging> {
+) -> Vec<Association> {
     let field = Field::from_body(body);
     let mut sampler = Sampler::new(&field);
     let mut sample = FieldSample::default();
-    let belonging = |point: Point3<f64>| {
+    let association = |point: Point3<f64>| {
         sampler.sample(&point.coords, None, &mut sample);
         let primitive = field.source(sample.heaviest()?)?;
-        Some(Belonging {
+        Some(Association {
             limb: sample.limb,
             part: body.model.metaballs[primitive].part,
         })
     };
-    points_world.into_iter().filter_map(belonging).collect()
+    points_world.into_iter().filter_map(association).collect()
 }

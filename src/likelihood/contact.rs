@@ -2,17 +2,17 @@
 //!
 //! On the ray o + t r each distance is a parabola, dᵢ(t) = dᵢ₀ + aᵢ (t − tᵢ)². With P = Aᵢ⁻¹ and e = cᵢ − o:
 //! aᵢ = rᵀPr, tᵢ = rᵀPe/aᵢ, dᵢ₀ = eᵀPe − aᵢ tᵢ²; Pe and eᵀPe are the same for all rays of a camera. So ln F
-//! is a mixture in one dimension, which is climbed from the ball that the ray comes nearest to, first by mean
+//! is a mixture in one dimension. It is climbed from the ball that the ray comes nearest to, first by mean
 //! shift, t ← Σ w a tᵢ/Σ w a (a step that never lowers F), then by Newton.
 //!
-//! **Differs** from the text of PF02, whose "lowest value" of F can only be its largest: the distance's lowest.
+//! **Differs**: PF02 write of the "lowest value" of F on the ray. Only the distance is lowest there; F is largest.
 
 use nalgebra::Vector3;
 
 use crate::body::metaball::{Field, NEGLIGIBLE};
 
-/// A climb ends with the first Newton step that is less than this, metres. The error left is of the order of its
-/// square over the size of a metaball, 1e-9 m, and r sees only the square of that: x* is a summit.
+/// A climb ends with the first Newton step that is less than this, metres. The error that is left is of the order of its
+/// square over the size of a metaball, 1e-9 m, and r depends only on the square of that, because x* is a summit.
 const LAST_STEP_M: f64 = 1e-5;
 
 /// A climb ends after so many steps in any case; most take four.
@@ -77,6 +77,7 @@ impl<'f> RayField<'f> {
             .iter()
             .enumerate()
             .map(|(i, pull)| pull.dot(&offset(i)));
+
         Self {
             field,
             origin_world,
@@ -96,7 +97,7 @@ impl<'f> RayField<'f> {
         self.origin_world + direction * t
     }
 
-    /// The largest F on a ray, and in `near` the metaballs of its limb that have a say there.
+    /// The largest F on a ray; `near` receives the metaballs of its limb that contribute there.
     ///
     /// Metaballs that the ray comes closest to behind its origin do not count; `None` if none is left.
     pub(super) fn contact(
@@ -104,12 +105,15 @@ impl<'f> RayField<'f> {
         direction: &Vector3<f64>,
         near: &mut Vec<usize>,
     ) -> Option<Contact> {
+        // how near the ray comes to each limb
         self.approach(direction);
         self.leasts.clear();
         for limb in &self.field.limbs {
             let nearest = limb.iter().map(|&i| self.nearest[i]);
             self.leasts.push(nearest.fold(f64::INFINITY, f64::min));
         }
+
+        // the highest summit: the nearest limb first, to rule out most of the others
         let limbs = 0..self.leasts.len();
         let nearer = |a: &usize, b: &usize| self.leasts[*a].total_cmp(&self.leasts[*b]);
         let first = limbs.clone().min_by(nearer)?;
@@ -118,6 +122,7 @@ impl<'f> RayField<'f> {
             let beat = highest.map_or(f64::NEG_INFINITY, |(_, value)| value);
             highest = self.climb_limb(limb, beat).or(highest);
         }
+
         let (highest, _) = highest?;
         let limb = highest.limb;
         let reach = self.leasts[limb] + NEGLIGIBLE;
@@ -134,12 +139,15 @@ impl<'f> RayField<'f> {
     fn approach(&mut self, direction: &Vector3<f64>) {
         let (x, y, z) = (direction.x, direction.y, direction.z);
         let squares = [x * x, y * y, z * z, 2.0 * x * y, 2.0 * x * z, 2.0 * y * z];
+
+        // slices of one length: the loop needs no checks of bounds and is vectorised
         let n = self.constant.len();
         let [p0, p1, p2, p3, p4, p5] = self.precision.each_ref().map(|p| &p[..n]);
         let [q0, q1, q2] = self.pull.each_ref().map(|p| &p[..n]);
         let constant = &self.constant[..n];
         let (sharpness, at) = (&mut self.sharpness[..n], &mut self.at[..n]);
         let nearest = &mut self.nearest[..n];
+
         for i in 0..n {
             let a = (p0[i] * squares[0] + p1[i] * squares[1] + p2[i] * squares[2])
                 + (p3[i] * squares[3] + p4[i] * squares[4] + p5[i] * squares[5]);
@@ -155,11 +163,13 @@ impl<'f> RayField<'f> {
     /// The summit of a limb, and ln F there; `None` if it is not above `beat`, or no metaball is before the origin.
     fn climb_limb(&mut self, limb: usize, beat: f64) -> Option<(Contact, f64)> {
         let least = self.leasts[limb];
-        // no point has more than all summits together
+        // nowhere is F more than the sum of all summits
         let balls = self.field.limbs[limb].len() as f64;
         if !least.is_finite() || balls.ln() - 2.0 * least <= beat {
             return None;
         }
+
+        // the metaballs that contribute at the nearest one
         self.bumps.clear();
         let mut start = 0.0;
         for &i in &self.field.limbs[limb] {
@@ -176,10 +186,12 @@ impl<'f> RayField<'f> {
                 });
             }
         }
+
         let summits: f64 = self.bumps.iter().map(|b| (-2.0 * b.nearest).exp()).sum();
         if beat.is_finite() && summits.ln() - 2.0 * least <= beat {
             return None;
         }
+
         let (t, value) = climb(&self.bumps, start);
         let value = value - 2.0 * least;
         (value > beat).then_some((Contact { limb, t }, value))
@@ -213,6 +225,7 @@ fn climb(bumps: &[Bump], start: f64) -> (f64, f64) {
 }
 
 fn slope(bumps: &[Bump], t: f64) -> Slope {
+    // F, the sums of its derivatives without their constant factors, and mean shift's
     let (mut sum, mut first, mut second) = (0.0, 0.0, 0.0);
     let (mut pull, mut weight) = (0.0, 0.0);
     for bump in bumps {
@@ -225,6 +238,7 @@ fn slope(bumps: &[Bump], t: f64) -> Slope {
         weight += f * bump.sharpness;
         pull += f * bump.sharpness * bump.at;
     }
+
     let first = -4.0 * first / sum;
     Slope {
         value: sum.ln(),

@@ -9,7 +9,7 @@
 //! | orthogonal | ±‖x − f‖, f the nearest point of the outline | every ellipse      |
 //!
 //! The published one is radial: along the flank of a long ellipse it overstates the distance. The
-//! orthogonal one iterates on the foot point f, and its derivative needs no differentiated iteration:
+//! orthogonal one iterates on the foot point f. Its derivative needs no differentiated iteration:
 //! at f the outline moves by −∂q(f)/‖∇q(f)‖ along its normal, so ∂d = ∂q(f)/‖∇q(f)‖ with f held fixed.
 
 use nalgebra::{Matrix2, SVector, Vector2};
@@ -28,31 +28,33 @@ pub enum EllipseDistance {
     Orthogonal,
 }
 
-/// An ellipse made ready for many distances.
+/// An ellipse prepared for many distances.
 #[derive(Debug, Clone, Copy)]
-pub struct OutlineEllipse {
+pub(super) struct OutlineEllipse {
     /// c.
-    pub centre: Vector2<f64>,
+    pub(super) centre: Vector2<f64>,
     /// W = Σ⁻¹.
-    pub inverse: Matrix2<f64>,
+    inverse: Matrix2<f64>,
     /// Largest semi-axis, px.
-    pub reach: f64,
+    reach: f64,
     /// Lower Cholesky factor L of Σ.
-    pub root: Matrix2<f64>,
+    pub(super) root: Matrix2<f64>,
 }
 
 impl OutlineEllipse {
     /// Prepares an ellipse.
-    pub fn new(ellipse: &Ellipse) -> Self {
+    pub(super) fn new(ellipse: &Ellipse) -> Self {
         let s = &ellipse.shape;
         let determinant = s[(0, 0)] * s[(1, 1)] - s[(0, 1)] * s[(0, 1)];
         let inverse = Matrix2::new(s[(1, 1)], -s[(0, 1)], -s[(0, 1)], s[(0, 0)]) / determinant;
         let half = 0.5 * (s[(0, 0)] + s[(1, 1)]);
         let spread = (half * half - determinant).max(0.0).sqrt();
+
         let l00 = s[(0, 0)].sqrt();
         let l10 = s[(0, 1)] / l00;
         let l11 = (s[(1, 1)] - l10 * l10).max(0.0).sqrt();
         let root = Matrix2::new(l00, 0.0, l10, l11);
+
         Self {
             centre: ellipse.centre,
             inverse,
@@ -63,14 +65,18 @@ impl OutlineEllipse {
 
     /// Whether every point of the ellipse is farther from x than `distance` (true at once for most).
     #[inline]
-    pub fn is_farther_than(&self, distance: f64, x: &Vector2<f64>) -> bool {
+    pub(super) fn is_farther_than(&self, distance: f64, x: &Vector2<f64>) -> bool {
         let limit = distance + self.reach;
         limit < 0.0 || (x - self.centre).norm_squared() > limit * limit
     }
 
     /// d and ∂d/∂(cx, cy, Σxx, Σxy, Σyy).
     #[inline]
-    pub fn distance(&self, x: &Vector2<f64>, kind: EllipseDistance) -> (f64, SVector<f64, 5>) {
+    pub(super) fn distance(
+        &self,
+        x: &Vector2<f64>,
+        kind: EllipseDistance,
+    ) -> (f64, SVector<f64, 5>) {
         match kind {
             EllipseDistance::Published => self.published(x),
             EllipseDistance::Gradient => self.gradient(x),
@@ -128,6 +134,7 @@ impl OutlineEllipse {
         let y = axes.tr_mul(&(x - self.centre));
         let (y0, y1) = (y[0].abs(), y[1].abs().max(TINY * b));
         let e = a * a - b * b;
+
         let mut t = (a * y0 - e).max(b * y1);
         for _ in 0..60 {
             let (u, v) = (a * y0 / (t + e), b * y1 / t);
@@ -138,8 +145,9 @@ impl OutlineEllipse {
                 break;
             }
         }
+
         let foot = Vector2::new(a * a * y0 / (t + e), b * b * y1 / t);
-        let sign = |of: f64| if of < 0.0 { -1.0 } else { 1.0 };
+        let sign = |v: f64| if v < 0.0 { -1.0 } else { 1.0 };
         self.centre + axes * Vector2::new(foot[0] * sign(y[0]), foot[1] * sign(y[1]))
     }
 
@@ -173,50 +181,6 @@ fn with_outer(
     ]])
 }
 
-/// The true distance, by bisection to rounding: the oracle that the others are tested against.
-///
-/// # Source
-/// Eberly, *Distance from a Point to an Ellipse* (2013): the root of
-/// F(t) = (a·y₀/(t+a²))² + (b·y₁/(t+b²))² − 1 on t > −b².
-pub fn exact_distance(ellipse: &Ellipse, x: &Vector2<f64>) -> f64 {
-    let eigen = ellipse.shape.symmetric_eigen();
-    let major = if eigen.eigenvalues[0] >= eigen.eigenvalues[1] {
-        0
-    } else {
-        1
-    };
-    let (a, b) = (
-        eigen.eigenvalues[major].sqrt(),
-        eigen.eigenvalues[1 - major].sqrt(),
-    );
-    let y = eigen.eigenvectors.transpose() * (x - ellipse.centre);
-    let y = Vector2::new(y[major].abs(), y[1 - major].abs());
-    let foot = if y[1] > 0.0 {
-        let f = |t: f64| (a * y[0] / (t + a * a)).powi(2) + (b * y[1] / (t + b * b)).powi(2) - 1.0;
-        let (mut low, mut high) = (
-            -b * b + b * y[1],
-            -b * b + (a * a * y[0] * y[0] + b * b * y[1] * y[1]).sqrt(),
-        );
-        for _ in 0..200 {
-            let middle = 0.5 * (low + high);
-            if f(middle) > 0.0 {
-                low = middle
-            } else {
-                high = middle
-            }
-        }
-        let t = 0.5 * (low + high);
-        Vector2::new(a * a * y[0] / (t + a * a), b * b * y[1] / (t + b * b))
-    } else if a * y[0] < a * a - b * b {
-        let x0 = a * a * y[0] / (a * a - b * b);
-        Vector2::new(x0, b * (1.0 - (x0 / a).powi(2)).max(0.0).sqrt())
-    } else {
-        Vector2::new(a, 0.0)
-    };
-    let inside = (y[0] / a).powi(2) + (y[1] / b).powi(2) < 1.0;
-    (y - foot).norm() * if inside { -1.0 } else { 1.0 }
-}
-
 #[cfg(test)]
 mod tests {
     use nalgebra::DVector;
@@ -235,6 +199,54 @@ mod tests {
             centre: Vector2::new(n[0], n[1]),
             shape: Matrix2::new(n[2], n[3], n[3], n[4]),
         }
+    }
+
+    /// The true distance, by bisection to rounding: the oracle that the others are tested against.
+    ///
+    /// # Source
+    /// Eberly, *Distance from a Point to an Ellipse* (2013): the root of
+    /// F(t) = (a·y₀/(t+a²))² + (b·y₁/(t+b²))² − 1 on t > −b².
+    fn exact_distance(ellipse: &Ellipse, x: &Vector2<f64>) -> f64 {
+        let eigen = ellipse.shape.symmetric_eigen();
+        let major = if eigen.eigenvalues[0] >= eigen.eigenvalues[1] {
+            0
+        } else {
+            1
+        };
+        let (a, b) = (
+            eigen.eigenvalues[major].sqrt(),
+            eigen.eigenvalues[1 - major].sqrt(),
+        );
+
+        // the point in the first quadrant of the ellipse's axes, and its foot there
+        let y = eigen.eigenvectors.transpose() * (x - ellipse.centre);
+        let y = Vector2::new(y[major].abs(), y[1 - major].abs());
+        let foot = if y[1] > 0.0 {
+            let f =
+                |t: f64| (a * y[0] / (t + a * a)).powi(2) + (b * y[1] / (t + b * b)).powi(2) - 1.0;
+            let (mut low, mut high) = (
+                -b * b + b * y[1],
+                -b * b + (a * a * y[0] * y[0] + b * b * y[1] * y[1]).sqrt(),
+            );
+            for _ in 0..200 {
+                let middle = 0.5 * (low + high);
+                if f(middle) > 0.0 {
+                    low = middle
+                } else {
+                    high = middle
+                }
+            }
+            let t = 0.5 * (low + high);
+            Vector2::new(a * a * y[0] / (t + a * a), b * b * y[1] / (t + b * b))
+        } else if a * y[0] < a * a - b * b {
+            let x0 = a * a * y[0] / (a * a - b * b);
+            Vector2::new(x0, b * (1.0 - (x0 / a).powi(2)).max(0.0).sqrt())
+        } else {
+            Vector2::new(a, 0.0)
+        };
+
+        let inside = (y[0] / a).powi(2) + (y[1] / b).powi(2) < 1.0;
+        (y - foot).norm() * if inside { -1.0 } else { 1.0 }
     }
 
     const LONG: [f64; 5] = [10.0, -4.0, 900.0, 300.0, 250.0];

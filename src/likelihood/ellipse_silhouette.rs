@@ -2,20 +2,20 @@
 //!
 //! *Published*: each border pixel's residual is its distance to the nearest ellipse.
 //!
-//! *Outline*: the published measure never punishes a limb that sticks out of the silhouette, nor a border
+//! *Outline*: the published measure punishes neither a limb that sticks out of the silhouette nor a border
 //! pixel that lies inside the model. So, forwards, the residual is the signed distance to the outline of
-//! the **union**, min dᵢ, as the smooth minimum −τ ln Σ exp(−dᵢ/τ); and, back, samples of every ellipse's
-//! own outline are to lie inside the mask: their residual is the mask's distance transform there. (A
+//! the **union**, min dᵢ, as the smooth minimum −τ ln Σ exp(−dᵢ/τ). And, back, samples of every ellipse's
+//! own outline shall lie inside the mask: their residual is the mask's distance transform there. (A
 //! sample hidden in another ellipse must lie inside the mask too, so no visibility is needed.)
 //!
-//! A border pixel errs by σ² = σ_px² + (σ_m·f/z)²: segmentation, and the ellipsoids' own mismatch with
-//! a body. Neighbouring pixels err together: a row weighs its length over the correlation length.
+//! A border pixel has the variance σ² = σ_px² + (σ_m·f/z)²: that of the segmentation, and the ellipsoids' own mismatch
+//! with a body. Neighbouring pixels err together: the weight of a row is its length over the correlation length.
 
 use nalgebra::{Matrix3, Matrix3x4, Point3, SVector, Vector2};
 
 use super::ellipse_distance::{EllipseDistance, OutlineEllipse};
 use super::ellipse_sums::EllipseSums;
-use super::union::{nearest, smooth_union};
+use super::union::{NearEllipses, nearest, smooth_union};
 use super::{PlacedResidual, Source, Term};
 use crate::body::{EllipsoidJacobians, Posed};
 use crate::camera::{Camera, Ray};
@@ -165,19 +165,19 @@ impl<'a> EllipseSilhouette<'a> {
         mut row: impl FnMut(f64, f64, &[(usize, SVector<f64, 5>)]),
     ) {
         let precision = 1.0 / self.sigma_px(view);
-        let mut near = Vec::with_capacity(ellipses.len());
-        let mut hint = 0;
+
         // forwards: from the border to the model
+        let mut near = NearEllipses::new();
         for (x, length_px) in view.points.iter().zip(&view.lengths_px) {
-            if let Some(d) = self.distance(view, ellipses, x, (&mut hint, &mut near)) {
-                near.iter_mut().for_each(|(_, slope)| *slope *= precision);
-                row(
-                    d * precision,
-                    length_px / (view.px_per_m * self.options.correlation_m),
-                    &near,
-                );
+            if let Some(d) = self.distance(view, ellipses, x, &mut near) {
+                let weight = length_px / (view.px_per_m * self.options.correlation_m);
+                for (_, slope) in &mut near.slopes {
+                    *slope *= precision;
+                }
+                row(d * precision, weight, &near.slopes);
             }
         }
+
         // back: from the model to the mask
         for (i, ellipse) in ellipses.iter().enumerate() {
             let Some(ellipse) = ellipse else { continue };
@@ -194,7 +194,7 @@ impl<'a> EllipseSilhouette<'a> {
     }
 
     /// The forward residuals of one view, each where its line of sight touches the nearest ellipsoid.
-    fn residuals_of(
+    fn view_residuals(
         &self,
         source: usize,
         view: &EllipseView<'_>,
@@ -203,19 +203,25 @@ impl<'a> EllipseSilhouette<'a> {
     ) -> Vec<PlacedResidual> {
         let (ellipses, _) = project_all(&view.projection, ellipsoids);
         let sigma = self.sigma_px(view);
-        let mut near = Vec::with_capacity(ellipses.len());
-        let mut hint = 0;
+        let mut near = NearEllipses::new();
         let mut residuals = Vec::with_capacity(view.points.len());
         let points = view.points.iter().zip(&view.rays);
         let borders = view.lengths_px.iter().zip(&view.normals);
+
         for ((x, ray), (length_px, normal)) in points.zip(borders) {
-            let Some(distance) = self.distance(view, &ellipses, x, (&mut hint, &mut near)) else {
+            let Some(distance) = self.distance(view, &ellipses, x, &mut near) else {
                 continue;
             };
-            let largest = near.iter().max_by(|a, b| a.1.norm().total_cmp(&b.1.norm()));
+
+            // the ellipsoid that the distance depends on most
+            let largest = near
+                .slopes
+                .iter()
+                .max_by(|a, b| a.1.norm().total_cmp(&b.1.norm()));
             let Some(&(index, _)) = largest else { continue };
             let part = body.model.ellipsoids[index].part;
             let touched = body.in_part(part, &contact(ray, &ellipsoids[index]));
+
             residuals.push(PlacedResidual {
                 source: Source::View(source),
                 value: distance / sigma,
@@ -230,26 +236,26 @@ impl<'a> EllipseSilhouette<'a> {
         residuals
     }
 
-    /// Distance of a border point to the model; `near` receives its derivative by ellipse.
+    /// Distance of a border point to the model.
     fn distance(
         &self,
         view: &EllipseView<'_>,
         ellipses: &[Option<OutlineEllipse>],
         x: &Vector2<f64>,
-        (hint, near): (&mut usize, &mut Vec<(usize, SVector<f64, 5>)>),
+        near: &mut NearEllipses,
     ) -> Option<f64> {
-        near.clear();
+        let kind = self.options.distance;
         match self.options.variant {
-            Variant::Published => nearest(ellipses, x, self.options.distance, near),
+            Variant::Published => nearest(ellipses, x, kind, near),
             Variant::Outline => {
-                let blend = self.options.blend_m * view.px_per_m;
-                smooth_union(ellipses, x, (self.options.distance, blend), hint, near)
+                let blend_px = self.options.blend_m * view.px_per_m;
+                smooth_union(ellipses, x, kind, blend_px, near)
             }
         }
     }
 
     fn perimeters(&self, body: &Posed<'_>) -> Vec<f64> {
-        // a constant of the state: the perimeter of the largest cross-section at coefficient 0
+        // independent of the state: the perimeter of the largest cross-section at coefficient 0
         let perimeter = |r: nalgebra::Vector3<f64>| {
             let sum = r.norm_squared() - r.min().powi(2);
             std::f64::consts::TAU * (0.5 * sum).sqrt()
@@ -317,6 +323,8 @@ impl Term for EllipseSilhouette<'_> {
         let ellipsoids = body.ellipsoids();
         let girths_m = self.perimeters(body);
         let mut cost = 0.0;
+
+        // rows are summed in the image, and over the cameras in the world
         let mut in_world = EllipseSums::<9>::new(ellipsoids.len());
         let mut in_image = EllipseSums::<5>::new(ellipsoids.len());
         for view in &self.views {
@@ -329,6 +337,8 @@ impl Term for EllipseSilhouette<'_> {
             });
             in_world.add_camera(&in_image, &projections);
         }
+
+        // and chained to the body
         let mut jacobians = EllipsoidJacobians::new(body.model);
         jacobians.update(body, &ellipsoids);
         in_world.add_to(&jacobians, equations);
@@ -339,7 +349,7 @@ impl Term for EllipseSilhouette<'_> {
         let ellipsoids = body.ellipsoids();
         let views = self.views.iter().enumerate();
         views
-            .flat_map(|(source, view)| self.residuals_of(source, view, body, &ellipsoids))
+            .flat_map(|(source, view)| self.view_residuals(source, view, body, &ellipsoids))
             .collect()
     }
 }

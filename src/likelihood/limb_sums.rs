@@ -1,8 +1,8 @@
 //! Normal equations limb by limb.
 //!
 //! A row of a field term touches only the components that move its limb, 10 to 40 of them. So rows are summed
-//! in a small dense matrix for each limb, and these are put into the whole one once. Where the shape is given its components,
-//! more than half of a limb's, are not summed at all.
+//! in a small dense matrix for each limb, and each of these is added to the whole once. Where the shape is given, its
+//! components, more than half of a limb's, are not summed at all.
 
 use crate::body::metaball::FieldSlopes;
 use crate::solver::NormalEquations;
@@ -21,7 +21,7 @@ struct Sums {
 }
 
 impl LimbSums {
-    /// Nothing yet, of the components below `dimension`.
+    /// Zeros, for the components below `dimension`.
     pub(super) fn new(slopes: &FieldSlopes, dimension: usize) -> Self {
         let sums = |limb| {
             let n = slopes.components(limb).partition_point(|&c| c < dimension);
@@ -50,7 +50,7 @@ impl LimbSums {
         }
     }
 
-    /// Adds all to the equations, of the dimension that it was made for.
+    /// Adds all sums to the equations; their dimension is that of [`LimbSums::new`].
     pub(super) fn add_to(&self, slopes: &FieldSlopes, equations: &mut NormalEquations) {
         for (limb, sums) in self.limbs.iter().enumerate() {
             let n = sums.gradient.len();

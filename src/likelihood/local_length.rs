@@ -1,19 +1,20 @@
-//! The length that makes a metaball's distance metres: how far its skin is from its centre, where one looks at it.
+//! The length that turns a metaball's distance into metres: how far its skin is from its centre, at the place looked at.
 //!
-//! Of metaball i, R = R̄·exp(G), G = Σₖ qₖ gₖ, gₖ = ln(aₖ/āₖ): R̄ is measured on the mean body at rest (ā its radii), and a
-//! body whose radii are others has another R *along the skin's normal*, of which qₖ are the squared components: with
+//! For metaball i, R = R̄·exp(G), G = Σₖ qₖ gₖ, gₖ = ln(aₖ/āₖ). R̄ is measured on the mean body at rest (ā are its radii). A
+//! body with other radii has another R *along the skin's normal*, of which qₖ are the squared components: with
 //! u = A⁻¹(x − c) in the metaball's axes,
 //!
 //! qₖ = (uₖ² + δ/3)/e, e = ‖u‖² + δ.
 //!
-//! δ, small against ‖u‖² at the skin, makes it smooth at the centre. Derivatives:
+//! δ, small against ‖u‖² at the skin, makes R smooth at the centre. Derivatives:
 //!
 //! - ∂G/∂uₖ = 2uₖ(gₖ − G)/e, so ∇G = A⁻¹ ∂G/∂u,
 //! - ∂G/∂ ln aₖ = qₖ − 4uₖ²(gₖ − G)/e.
 //!
-//! Were R a constant, a fatter body would make every residual smaller: fits to points inflated. Did it grow with radii
-//! that the place is not along, a body that grew thin across an outlier would. Did it change with the direction on the
-//! mean body already, a fit would turn limbs to where R is small: the basin of convergence shrank.
+//! Why not simpler? With a constant R a fatter body makes every residual smaller: fits to points inflated. With an R that
+//! grows with every radius, not only with those along the normal, a body can shrink a residual by growing thin across an
+//! outlier. With an R that depends on the direction on the mean body already, a fit turns limbs to where R is small: the
+//! basin of convergence shrank.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -23,7 +24,7 @@ use crate::body::metaball::Metaball;
 /// one metaball.
 const SMOOTHING: f64 = 0.05;
 
-/// R̄ of one metaball and the body that it was measured on.
+/// R̄ of one metaball, and the radii with which it was measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct MeanLength {
     /// R̄, m.
@@ -47,15 +48,15 @@ pub(super) struct LocalLength {
 /// ∂ ln R.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct LengthSlopes {
-    /// ∇G: by the place, which moves with the metaball; world, 1/m.
+    /// ∇G: in the place, relative to the metaball; world, 1/m.
     pub(super) place: Vector3<f64>,
-    /// By ln a of each radius.
+    /// In ln a of each radius.
     pub(super) radii: Vector3<f64>,
 }
 
 impl MeanLength {
-    /// With other radii.
-    pub(super) fn with(&self, radii: &Vector3<f64>, axes_world: Matrix3<f64>) -> LocalLength {
+    /// R of the same metaball with other radii.
+    pub(super) fn with_radii(&self, radii: &Vector3<f64>, axes_world: Matrix3<f64>) -> LocalLength {
         LocalLength {
             length_m: self.length_m,
             axes_world,
@@ -122,7 +123,7 @@ mod tests {
                 * axes().transpose(),
         })
         .unwrap();
-        let local = MEAN.with(&radii, axes());
+        let local = MEAN.with_radii(&radii, axes());
         let pull = ball.precision * (axes() * offset);
         let (length_m, slopes) = local.linearize(&pull, &ball);
         (length_m.ln(), slopes)

@@ -23,13 +23,13 @@ mod skin_distance;
 mod skin_term;
 mod union;
 
-pub use association::{Belonging, associate};
-pub use ellipse_distance::{EllipseDistance, OutlineEllipse, exact_distance};
+pub use association::{Association, associate};
+pub use ellipse_distance::EllipseDistance;
 pub use ellipse_silhouette::{EllipseOptions, EllipseSilhouette, EllipseView, Variant};
 pub use options::{LikelihoodOptions, Measure};
 pub use point_field::{PointField, PointOptions, SurfacePoint};
 pub use silhouette_ray::{RayOptions, RayView, SilhouetteRays};
-pub use skin_distance::{Derivatives, PosedScale, Residual, SkinResidual, SkinScale};
+pub use skin_distance::{Derivatives, Residual, SkinScale};
 pub use skin_term::SkinTouch;
 
 use nalgebra::{Vector2, Vector3};
@@ -37,7 +37,7 @@ use nalgebra::{Vector2, Vector3};
 use crate::body::{PartId, Posed};
 use crate::solver::NormalEquations;
 
-/// What an observation is from.
+/// Where an observation comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Source {
     /// A silhouette: its position among the frame's views.
@@ -49,17 +49,17 @@ pub enum Source {
 /// One residual, and where on the body it was measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlacedResidual {
-    /// What it is from.
+    /// Where it comes from.
     pub source: Source,
     /// r/σ.
     pub value: f64,
-    /// ρ′: what the robust loss leaves of its weight, 1 for an inlier.
+    /// ρ′: the part of its weight that the robust loss leaves, 1 for an inlier.
     pub trust: f64,
     /// σ, px for a view, metres for a cloud.
     pub sigma: f64,
     /// w: the number of independent observations that it stands for.
     pub weight: f64,
-    /// Unit normal of the border there, away from the person, in undistorted pixels; 0 of a cloud.
+    /// Unit normal of the border there, away from the person, in undistorted pixels; 0 for a cloud.
     pub outward_px: Vector2<f64>,
     /// The part on which it was measured.
     pub part: PartId,
@@ -69,7 +69,7 @@ pub struct PlacedResidual {
 
 /// −log p(one kind of data | pose and shape), up to a constant; never negative.
 pub trait Term: Send + Sync {
-    /// Name, as it stands in results.
+    /// Name, as in results.
     fn name(&self) -> &'static str;
     /// The term at a pose.
     fn cost(&self, body: &Posed<'_>) -> f64;

@@ -3,9 +3,9 @@
 //! The residual is the skin distance at the point, see [`SkinScale`]; the point itself does not move, so
 //! dr/dθ = Σ wᵢ αᵢ ∂(ln fᵢ)/∂θ.
 //!
-//! A point errs by σ² = σᵢ² + σ_m²: its own error, and the skin's mismatch with the body. Neighbours err together,
-//! by the mismatch at least: space is cut into cells of the correlation length, and the points of a cell share the
-//! weight of one observation. So a dense cloud says no more than a sparse one, and a dense place in it neither.
+//! A point has the variance σ² = σᵢ² + σ_m²: that of its own error, and of the skin's mismatch with the body. The mismatch at
+//! least is common to neighbours: space is cut into cells of the correlation length, and the points of a cell share the
+//! weight of one observation. So a dense cloud, or a dense place in one, says no more than a sparse one.
 
 use nalgebra::{Point3, Vector2};
 
@@ -56,7 +56,7 @@ pub struct SurfacePoint {
 }
 
 impl From<&CloudPoint> for SurfacePoint {
-    /// A covariance counts by its mean over the directions: the one along the skin's normal would change with the pose.
+    /// A covariance is replaced by its mean over all directions: the variance along the skin's normal would change with the pose.
     fn from(point: &CloudPoint) -> Self {
         let sigma_m = match point.spread {
             Spread::Unknown => 0.0,
@@ -75,15 +75,14 @@ impl From<&CloudPoint> for SurfacePoint {
 pub struct PointField {
     points: Vec<SurfacePoint>,
     weights: Vec<f64>,
-    /// Limb of each point; empty where the largest counts.
+    /// Limb of each point; empty: the limb that is largest at it.
     limbs: Vec<usize>,
     options: PointOptions,
     scale: SkinScale,
 }
 
 impl PointField {
-    /// The term of one frame's points, each of which belongs to the limb that is largest at it; `scale` is the
-    /// model's.
+    /// The term of one frame's points; each belongs to the limb that is largest at it. `scale` is the model's.
     pub fn new(points: Vec<SurfacePoint>, options: PointOptions, scale: SkinScale) -> Self {
         Self {
             weights: weights(&points, options.correlation_m),
@@ -94,13 +93,16 @@ impl PointField {
         }
     }
 
-    /// Lets every point belong to the limb that is largest at it in this pose, until it is called again.
+    /// Assigns every point to the limb that is largest at it in this pose, until the next call (PFD99 § 3.3).
+    ///
+    /// No fit of this library calls it: there, a point always belongs to the limb that is largest at it. It is for callers
+    /// that optimise by rounds of their own and associate anew between these.
     pub fn associate(&mut self, body: &Posed<'_>) {
         let points = self.points.iter().map(|p| p.position_world);
         self.limbs = associate(body, points).iter().map(|b| b.limb).collect();
     }
 
-    /// Every point where it is; none for a body without metaballs.
+    /// The residual of every point; none for a body without metaballs.
     pub fn residuals(&self, body: &Posed<'_>) -> Vec<SkinTouch> {
         skin_term::all_touches(self, body)
     }
@@ -121,22 +123,24 @@ impl SkinTerm for PointField {
         scale: &PosedScale<'_>,
         mut each: impl FnMut(&Touch<'_>, &FieldSample),
     ) {
-        let kind = (self.options.residual, self.options.derivatives);
+        let options = &self.options;
         let mut sampler = Sampler::new(field);
         let mut sample = FieldSample::default();
+
         for (index, (point, &weight)) in self.points.iter().zip(&self.weights).enumerate() {
             let limb = self.limbs.get(index).copied();
             if !sampler.sample(&point.position_world.coords, limb, &mut sample) {
                 continue;
             }
-            let sigma_m = point.sigma_m.hypot(self.options.sigma_m);
+
+            let sigma_m = point.sigma_m.hypot(options.sigma_m);
             let touch = Touch {
                 source: Source::Cloud,
                 sigma_m,
                 sigma: sigma_m,
                 weight,
                 outward_px: Vector2::zeros(),
-                residual: scale.residual(kind, &sample),
+                residual: scale.residual(options.residual, options.derivatives, &sample),
                 line: None,
             };
             each(&touch, &sample);

@@ -8,12 +8,13 @@
 //!
 //! dt*/dθ = −(rᵀ ∂p/∂θ)/(rᵀKr)
 //!
-//! (PF02's −(rᵀ ∂∇F/∂θ)/(rᵀ∇²F r): the same, as r·p = 0). F does not see it, as it is largest there; the local length
-//! does, by e = Σ wᵢ (αᵢ ∂ ln fᵢ + γᵢ ∂ ln Rᵢ)/∂t. So dr/dθ = Σ wᵢ (αᵢ ∂ ln fᵢ + γᵢ ∂ ln Rᵢ)/∂θ + b·∂p/∂θ with b = −r e/(rᵀKr): one row of
-//! [`FieldSlopes`](crate::body::metaball::FieldSlopes). The published residual sees F alone, and needs no second derivative.
+//! (PF02's −(rᵀ ∂∇F/∂θ)/(rᵀ∇²F r): the same, as r·p = 0). The motion of x* does not change F, which is largest there. It
+//! changes the local length, by e = Σ wᵢ (αᵢ ∂ ln fᵢ + γᵢ ∂ ln Rᵢ)/∂t. So
+//! dr/dθ = Σ wᵢ (αᵢ ∂ ln fᵢ + γᵢ ∂ ln Rᵢ)/∂θ + b·∂p/∂θ with b = −r e/(rᵀKr): one row of
+//! [`FieldSlopes`](crate::body::metaball::FieldSlopes). The published residual depends on F alone and needs no second derivative.
 //!
-//! A border pixel errs by σ² = (σ_px z/f)² + σ_m², metres at the contact: segmentation, and the model's own
-//! mismatch with a body. Neighbours err together: a row weighs its length over the correlation length.
+//! A border pixel has the variance σ² = (σ_px z/f)² + σ_m², in metres at the contact: that of the segmentation, and the model's
+//! own mismatch with a body. Neighbours err together: the weight of a row is its length over the correlation length.
 
 use nalgebra::{Vector2, Vector3};
 
@@ -118,7 +119,7 @@ impl SilhouetteRays {
         self.views.iter().map(RayView::len).sum()
     }
 
-    /// Where every line of sight touches, view after view; those that no metaball lies before are left out.
+    /// The residual of every line of sight, view after view; lines with no metaball before the camera are left out.
     pub fn residuals(&self, body: &Posed<'_>) -> Vec<SkinTouch> {
         skin_term::all_touches(self, body)
     }
@@ -139,13 +140,14 @@ impl SkinTerm for SilhouetteRays {
         scale: &PosedScale<'_>,
         mut each: impl FnMut(&Touch<'_>, &FieldSample),
     ) {
+        let options = &self.options;
         let mut sample = FieldSample::default();
-        let kind = (self.options.residual, self.options.derivatives);
         let mut near = Vec::new();
+
         for (index, view) in self.views.iter().enumerate() {
             let mut rays = RayField::new(field, view.origin_world);
-            let sigma_m = (self.options.sigma_px / view.px_per_m).hypot(self.options.sigma_m);
-            let per_px = 1.0 / (view.px_per_m * self.options.correlation_m);
+            let sigma_m = (options.sigma_px / view.px_per_m).hypot(options.sigma_m);
+            let per_px = 1.0 / (view.px_per_m * options.correlation_m);
             let borders = view.lengths_px.iter().zip(&view.normals_px);
             for (direction, (length_px, outward_px)) in view.directions_world.iter().zip(borders) {
                 let Some(contact) = rays.contact(direction, &mut near) else {
@@ -153,13 +155,14 @@ impl SkinTerm for SilhouetteRays {
                 };
                 let x = rays.point(direction, contact.t);
                 sample.update_limb(field, contact.limb, &x, &near);
+
                 let touch = Touch {
                     source: Source::View(index),
                     sigma_m,
                     sigma: sigma_m * view.px_per_m,
                     weight: length_px * per_px,
                     outward_px: *outward_px,
-                    residual: scale.residual(kind, &sample),
+                    residual: scale.residual(options.residual, options.derivatives, &sample),
                     line: Some(direction),
                 };
                 each(&touch, &sample);

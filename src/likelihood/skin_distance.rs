@@ -3,17 +3,17 @@
 //! *Field* (PF02 eq. 7): T − F, which far outside stays at T with no slope. It is divided by the slope that F
 //! has at the skin of a limb of radius 5 cm (ln 2 / 5 cm), so that its σ is in metres like the other's.
 //!
-//! *Metric*: ψ = √(c − ½ ln F) is, for one metaball, a distance over the radius, and grows without bound. The
-//! design's √(−½ ln F) ends where balls overlap and F > 1; so c = ½ ln A with A more than F ever reaches. With ψ_T its
-//! value at the skin, r = (ψ − ψ_T)·R is a distance in metres near the skin, positive outside. R is the local
+//! *Metric*: ψ = √(c − ½ ln F) is, for one metaball, a distance over the radius, and grows without bound. A plain
+//! √(−½ ln F) ends where balls overlap and F > 1; so c = ½ ln A, with an A that F never reaches. With ψ_T for ψ
+//! at the skin, r = (ψ − ψ_T)·R is a distance in metres near the skin, positive outside. R is the local
 //! length, Σ wᵢ Rᵢ over the metaballs there ([`local_length`](super::local_length)): on the mean body 1/‖∇ψ‖ at the skin
-//! around metaball i, and longer where a radius along the skin's normal is. With L = ln F: ∂ψ = −∂L/(4ψ),
+//! around metaball i, and longer where the radius along the skin's normal is longer. With L = ln F: ∂ψ = −∂L/(4ψ),
 //! ∂wᵢ = wᵢ (∂ ln fᵢ − ∂L), so that
 //!
 //! ∂r = Σ wᵢ (αᵢ ∂ ln fᵢ + γᵢ ∂ ln Rᵢ), αᵢ = −R/(4ψ) + (ψ − ψ_T)(Rᵢ − R), γᵢ = (ψ − ψ_T) Rᵢ.
 //!
-//! Dividing by ‖∇ψ‖ where the point is instead of by a constant would be the exact first-order distance, but a bad
-//! residual: it can be lowered by moving to where ψ is steep. Fits to lines of sight then ended in many local minima.
+//! To divide by ‖∇ψ‖ at the point, instead of by a constant, would give the exact first-order distance but a bad
+//! residual: a fit can lower it by moving to where ψ is steep. Fits to lines of sight then ended in many local minima.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -44,10 +44,10 @@ pub enum Derivatives {
 /// The radius of the limb whose slope scales the field's residual, m.
 const FIELD_RADIUS_M: f64 = 0.05;
 
-/// Least ψ²: beneath it F is more than its ceiling, and ψ stays as it is.
+/// Least ψ²: below it F is more than its ceiling, and ψ stays constant.
 const LEAST_SQUARE: f64 = 1e-3;
 
-/// What turns a model's field into metres: constants of the model.
+/// The constants of a model that turn its field into metres.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SkinScale {
     /// c.
@@ -60,7 +60,7 @@ pub struct SkinScale {
 
 /// The scale of a body in one pose.
 #[derive(Debug, Clone)]
-pub struct PosedScale<'a> {
+pub(super) struct PosedScale<'a> {
     scale: &'a SkinScale,
     /// Of each of [`Field::metaballs`].
     balls: Vec<LocalLength>,
@@ -68,17 +68,17 @@ pub struct PosedScale<'a> {
 
 /// r, and ∂r = Σ wᵢ (αᵢ ∂ ln fᵢ + γᵢ ∂ ln Rᵢ): see [`PosedScale::change`].
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SkinResidual {
+pub(super) struct SkinResidual {
     /// r, metres, positive outside.
-    pub distance_m: f64,
+    pub(super) distance_m: f64,
     /// αᵢ without γᵢ, metres.
-    pub alpha: f64,
+    pub(super) alpha: f64,
     /// γᵢ/Rᵢ: ψ − ψ_T.
-    pub gamma: f64,
+    pub(super) gamma: f64,
 }
 
 impl SkinScale {
-    /// The scale of a model: its mean shape at rest is measured.
+    /// Measures a model's mean shape at rest.
     pub fn new(model: &BodyModel) -> Self {
         let shape = Shape(model.statistics.mean.clone());
         let rest = Motion::rest(model);
@@ -86,6 +86,8 @@ impl SkinScale {
         let field = Field::from_body(&body);
         let offset = 0.5 * field.ceiling().ln();
         let at_skin = (offset - 0.5 * THRESHOLD.ln()).max(LEAST_SQUARE).sqrt();
+
+        // R̄ and ā of every metaball; one that is nowhere at the skin keeps the length of a common limb
         let primitives = model.metaballs.iter();
         let mut balls: Vec<MeanLength> = primitives
             .map(|m| MeanLength {
@@ -102,6 +104,7 @@ impl SkinScale {
                 balls[source].length_m = 4.0 * at_skin / slope;
             }
         }
+
         Self {
             offset,
             at_skin,
@@ -110,37 +113,50 @@ impl SkinScale {
     }
 
     /// The scale of a body in a pose; `field` is the body's.
-    pub fn posed(&self, body: &Posed<'_>, field: &Field) -> PosedScale<'_> {
-        let of = |ball: usize| {
+    pub(super) fn posed(&self, body: &Posed<'_>, field: &Field) -> PosedScale<'_> {
+        let local_length = |ball: usize| {
             let source = field.source(ball)?;
             let (mean, primitive) = (self.balls.get(source)?, body.model.metaballs.get(source)?);
             let radii = body.primitive_radii(primitive);
-            Some(mean.with(&radii, body.primitive_axes(primitive)))
+            Some(mean.with_radii(&radii, body.primitive_axes(primitive)))
         };
         PosedScale {
             scale: self,
-            balls: (0..field.metaballs.len()).filter_map(of).collect(),
+            balls: (0..field.metaballs.len())
+                .filter_map(local_length)
+                .collect(),
         }
     }
 }
 
 impl PosedScale<'_> {
     /// The residual at a sampled point.
-    pub fn residual(&self, kind: (Residual, Derivatives), sample: &FieldSample) -> SkinResidual {
-        match kind.0 {
-            Residual::Field => of_field(sample.log_value),
-            Residual::Metric => self.metric(kind.1, sample),
+    pub(super) fn residual(
+        &self,
+        kind: Residual,
+        derivatives: Derivatives,
+        sample: &FieldSample,
+    ) -> SkinResidual {
+        match kind {
+            Residual::Field => field_residual(sample.log_value),
+            Residual::Metric => self.metric_residual(derivatives, sample),
         }
     }
 
-    /// What the residual sees of a metaball.
-    pub fn change(&self, residual: &SkinResidual, field: &Field, share: &Share) -> BallChange {
+    /// The residual's derivatives in what can change of a metaball.
+    pub(super) fn change(
+        &self,
+        residual: &SkinResidual,
+        field: &Field,
+        share: &Share,
+    ) -> BallChange {
         if residual.gamma.abs() < f64::MIN_POSITIVE {
             return BallChange {
                 alpha: residual.alpha,
                 ..BallChange::default()
             };
         }
+
         let local = &self.balls[share.metaball];
         let (length_m, slopes) = local.linearize(&share.pull, &field.metaballs[share.metaball]);
         let gamma = residual.gamma * length_m;
@@ -151,19 +167,22 @@ impl PosedScale<'_> {
         }
     }
 
-    fn metric(&self, derivatives: Derivatives, sample: &FieldSample) -> SkinResidual {
+    fn metric_residual(&self, derivatives: Derivatives, sample: &FieldSample) -> SkinResidual {
+        // ψ and ∂ψ/∂L
         let square = self.scale.offset - 0.5 * sample.log_value;
         let psi = square.max(LEAST_SQUARE).sqrt();
-        // ∂ψ/∂L
         let slope = if square > LEAST_SQUARE {
             -0.25 / psi
         } else {
             0.0
         };
+
+        // R
         let each = sample.shares.iter();
         let length: f64 = each
             .map(|s| s.weight * self.balls[s.metaball].value_m(&s.pull))
             .sum();
+
         let past = psi - self.scale.at_skin;
         let gamma = match derivatives {
             Derivatives::Complete => past,
@@ -177,9 +196,9 @@ impl PosedScale<'_> {
     }
 }
 
-fn of_field(log_value: f64) -> SkinResidual {
+fn field_residual(log_value: f64) -> SkinResidual {
     let metres = FIELD_RADIUS_M / std::f64::consts::LN_2;
-    // a point deep within, in a pose that no body takes, must not give an infinite residual
+    // a point deep inside, in an impossible pose, must not give an infinite residual
     let value = log_value.min(50.0).exp();
     SkinResidual {
         distance_m: (THRESHOLD - value) * metres,
@@ -190,13 +209,14 @@ fn of_field(log_value: f64) -> SkinResidual {
 
 /// Mean ‖∇ ln F‖ where the axes of a metaball meet the skin, 1/m; `None` if none does.
 ///
-/// Where the skin is another's, deep in a neighbour, it counts only if there is no better place.
+/// An axis that meets the skin where another metaball is larger counts only if all axes do.
 fn skin_slope(field: &Field, ball: usize, axes: &Matrix3<f64>) -> Option<f64> {
     let centre = field.metaballs[ball].ellipsoid.centre;
     let ways = (0..6).map(|k| axes.column(k / 2) * if k % 2 == 0 { 1.0 } else { -1.0 });
     let met: Vec<_> = ways
         .filter_map(|way| skin_along(field, &centre, &way))
         .collect();
+
     let is_own = |s: &&FieldSample| s.heaviest() == Some(ball);
     let own: Vec<_> = met.iter().filter(is_own).collect();
     let places = if own.is_empty() {
@@ -204,6 +224,7 @@ fn skin_slope(field: &Field, ball: usize, axes: &Matrix3<f64>) -> Option<f64> {
     } else {
         own
     };
+
     let slope = places.iter().map(|s| s.log_gradient.norm()).sum::<f64>() / places.len() as f64;
     (slope.is_finite() && slope > 0.0).then_some(slope)
 }
@@ -249,9 +270,9 @@ mod tests {
         let mean = scale.balls[0];
         let posed = PosedScale {
             scale,
-            balls: vec![mean.with(&mean.radii, Matrix3::identity())],
+            balls: vec![mean.with_radii(&mean.radii, Matrix3::identity())],
         };
-        posed.residual((kind, Derivatives::Complete), &sample)
+        posed.residual(kind, Derivatives::Complete, &sample)
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! What lines of sight and points share: each touches the field at a place, and is one row of the normal equations.
+//! What lines of sight and points have in common: each touches the field at one place and gives one row of the normal equations.
 
 use nalgebra::{Point3, Vector2, Vector3};
 
@@ -12,7 +12,7 @@ use crate::solver::{Loss, NormalEquations};
 /// One observation where it touches the field.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SkinTouch {
-    /// What it is from.
+    /// Where it comes from.
     pub source: Source,
     /// Distance of the skin, positive where the place lies outside it, m.
     pub residual_m: f64,
@@ -38,11 +38,11 @@ pub(super) struct Touch<'a> {
     pub(super) weight: f64,
     pub(super) outward_px: Vector2<f64>,
     pub(super) residual: SkinResidual,
-    /// The line on which the place is where F is largest; `None`: the place stays.
+    /// The line on which the place is the summit of F; `None`: the place does not move.
     pub(super) line: Option<&'a Vector3<f64>>,
 }
 
-/// Curvatures of ln F along a line that are not below this have no defined summit, 1/m².
+/// A line along which the curvature of ln F is above this has no defined summit, 1/m².
 const FLATTEST: f64 = -1e-3;
 
 impl Touch<'_> {
@@ -55,7 +55,7 @@ impl Touch<'_> {
 
     /// b: what the place's own motion along its line adds.
     fn along(&self, sample: &FieldSample, changes: &[BallChange]) -> Vector3<f64> {
-        // only the local length sees the motion: F is at its summit
+        // only the local length changes with the motion: F is at its summit
         let line = self
             .line
             .filter(|_| self.residual.gamma.abs() >= f64::MIN_POSITIVE);
@@ -74,11 +74,11 @@ impl Touch<'_> {
     }
 }
 
-/// A likelihood of observations that touch the skin.
+/// A likelihood whose observations touch the skin.
 pub(super) trait SkinTerm {
     /// The robust loss.
     fn loss(&self) -> Loss;
-    /// What makes a distance of the field.
+    /// The scale that turns the field into a distance.
     fn scale(&self, body: &Posed<'_>, field: &Field) -> PosedScale<'_>;
     /// Calls `each` for every observation that touches the field, with the field there.
     fn touches(
@@ -112,15 +112,19 @@ pub(super) fn linearize(
     let mut row = FieldRow::default();
     let mut changes = Vec::new();
     let mut cost = 0.0;
+
     term.touches(&field, &scale, |touch, sample| {
         let (rho, weight) = touch.loss(term.loss());
         cost += 0.5 * rho;
+
+        // dr/dθ, in the components of the limb
         let r = touch.residual;
         let shares = sample.shares.iter();
         changes.clear();
         changes.extend(shares.map(|share| scale.change(&r, &field, share)));
         let b = touch.along(sample, &changes);
         slopes.row_from_changes(sample, &changes, &b, &mut row);
+
         sums.add(sample.limb, &row.values, r.distance_m, weight);
     });
     sums.add_to(&slopes, equations);
