@@ -12,7 +12,7 @@ pub(super) struct Sample {
 
 /// The image at (x, y), by the cubic of Catmull and Rom; `None` nearer than a pixel to the image's edge.
 ///
-/// Bilinear interpolation smooths more the further from the pixels it is, which draws matches to pixel centres.
+/// Not bilinear: that smooths the more, the farther from the pixels it is, and so draws matches to pixel centres.
 ///
 /// # Source
 /// Keys 1981, *Cubic convolution interpolation for digital image processing*, a = −½.
@@ -26,6 +26,7 @@ pub(super) fn sample(image: &Plane<f32>, x: f64, y: f64) -> Option<Sample> {
     let (column, row) = (x as usize, y as usize);
     let (wx, dx) = weights((x - column as f64) as f32);
     let (wy, dy) = weights((y - row as f64) as f32);
+
     let mut sample = Sample {
         value: 0.0,
         slope: [0.0; 2],

@@ -6,13 +6,13 @@ use crate::camera::{Camera, CameraId, Rig};
 const MOST_ANGLE_DEG: f64 = 25.0;
 /// Images beside the template at most.
 const MOST_OTHERS: usize = 2;
-/// Nearer than this is no distance, m.
+/// Cameras nearer to each other than this stand in one place, m.
 const LEAST_DISTANCE: f64 = 1e-6;
 
-/// A camera in the middle and its neighbours.
+/// The cameras whose images are matched: one in the middle, and its neighbours.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SideBySide {
-    /// Its image is the template.
+    /// The camera whose image is the template.
     pub template: CameraId,
     /// The cameras beside it, nearest first; at least one.
     pub others: Vec<CameraId>,
@@ -34,13 +34,12 @@ impl SideBySide {
     /// [`NoneSideBySide`].
     pub fn choose(rig: &Rig) -> Result<Self, NoneSideBySide> {
         let rated = rig.iter().filter_map(|(template, camera)| {
-            let mut near: Vec<(f64, CameraId)> = rig
-                .iter()
-                .filter(|(id, _)| *id != template)
-                .filter_map(|(id, other)| Some((distance(camera, other)?, id)))
-                .collect();
+            let others = rig.iter().filter(|(id, _)| *id != template);
+            let near = others.filter_map(|(id, other)| Some((distance(camera, other)?, id)));
+            let mut near: Vec<(f64, CameraId)> = near.collect();
             near.sort_by(|a, b| a.0.total_cmp(&b.0));
             near.truncate(MOST_OTHERS);
+
             let far: f64 = near.iter().map(|(distance, _)| distance).sum();
             let others: Vec<CameraId> = near.into_iter().map(|(_, id)| id).collect();
             (!others.is_empty()).then_some((others.len(), far, Self { template, others }))
@@ -52,14 +51,14 @@ impl SideBySide {
 }
 
 /// The camera that stands nearest beside another; `None` if none does.
-pub fn neighbour(rig: &Rig, of: CameraId) -> Option<CameraId> {
-    let camera = rig.camera(of)?;
-    let others = rig.iter().filter(|(id, _)| *id != of);
-    let near = others.filter_map(|(id, other)| Some((distance(camera, other)?, id)));
+pub fn neighbour(rig: &Rig, camera: CameraId) -> Option<CameraId> {
+    let here = rig.camera(camera)?;
+    let others = rig.iter().filter(|(id, _)| *id != camera);
+    let near = others.filter_map(|(id, other)| Some((distance(here, other)?, id)));
     near.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, id)| id)
 }
 
-/// How far two cameras are from each other; `None` if they do not stand side by side.
+/// Distance between two cameras, m; `None` if they do not stand side by side.
 fn distance(a: &Camera, b: &Camera) -> Option<f64> {
     let distance = (a.centre_world() - b.centre_world()).norm();
     let axes = [a, b].map(|camera| camera.optical_axis().direction_world);

@@ -28,7 +28,7 @@ impl Spread {
     }
 
     /// Whether all numbers are finite and the spread is positive in every direction.
-    pub fn is_usable(&self) -> bool {
+    fn is_usable(&self) -> bool {
         match self {
             Self::Unknown => true,
             Self::Isotropic(sigma) => sigma.is_finite() && *sigma > 0.0,
@@ -59,13 +59,13 @@ impl Spread {
 pub struct CloudPoint {
     /// Where, metres.
     pub position_world: Point3<f64>,
-    /// How sure.
+    /// How far it may be from the true point.
     pub spread: Spread,
 }
 
 impl CloudPoint {
     /// Whether position and spread are finite and the spread is positive.
-    pub fn is_usable(&self) -> bool {
+    fn is_usable(&self) -> bool {
         self.position_world.iter().all(|v| v.is_finite()) && self.spread.is_usable()
     }
 }
@@ -84,7 +84,7 @@ pub struct LeftOut {
 pub struct Cloud {
     /// The points, in the order of their source.
     pub points: Vec<CloudPoint>,
-    /// What else the source held.
+    /// How many points the source held besides.
     pub left_out: LeftOut,
 }
 
@@ -121,11 +121,11 @@ impl Cloud {
         self
     }
 
-    /// At most `most` points, evenly: neighbours stand for each other, and dense places stay denser than sparse ones.
+    /// At most `most` points, chosen evenly: a point stands for its neighbours, and dense places stay denser than sparse ones.
     ///
-    /// The points are put in Morton order, a line that fills space, and every n/`most`-th is kept. A grid that keeps one
-    /// point of each cell would keep every stray point and thin only the surface. The order of the source stays, and
-    /// the same points give the same choice.
+    /// The points are put in Morton order, a line that fills space, and every n/`most`-th is kept. (A grid that keeps one
+    /// point of each cell would keep every stray point and thin the surface alone.) The kept points stay in the order of
+    /// their source, and the same points give the same choice.
     ///
     /// # Source
     /// Morton 1966, *A computer oriented geodetic data base*.
@@ -142,10 +142,12 @@ impl Cloud {
             .map(|(i, point)| (morton(&point.position_world, &low, &high), i))
             .collect();
         line.sort_unstable();
+
         // the middle of each of `most` equal pieces of the line
         let middle = |k: usize| ((2 * k + 1) as u128 * count as u128 / (2 * most) as u128) as usize;
         let mut kept: Vec<usize> = (0..most).map(|k| line[middle(k)].1).collect();
         kept.sort_unstable();
+
         self.points = kept.into_iter().map(|i| self.points[i]).collect();
         self.left_out.thinned += count - most;
         self

@@ -1,9 +1,9 @@
 //! From disparities to points.
 //!
-//! In the left camera of a rectified pair with focal length f and the second camera B to its right, a pixel with x = u − c_left and
-//! y = v − c_v, whose disparity is d∞ + D with d∞ = c_left − c_right, shows Z = f·B/D, X = Z·r, r = (x/f, y/f, 1): both lines of sight
-//! meet, so this is the point of least squares that [`intersect`](super::intersect) would find. Columns err by σ in either image and
-//! the row, measured twice, by σ/√2:
+//! Take the left camera of a rectified pair, with focal length f and the second camera B to its right. A pixel with
+//! x = u − c_left and y = v − c_v and the disparity d∞ + D, d∞ = c_left − c_right, shows Z = f·B/D, X = Z·r,
+//! r = (x/f, y/f, 1). Both lines of sight meet there, so this is the point of least squares that
+//! [`intersect`](super::intersect) would find. Columns err by σ in either image and the row, measured twice, by σ/√2:
 //!
 //! cov X = σ² (aaᵀ + bbᵀ + ½ccᵀ), a = ∂X/∂u_left = Z·(1/f, 0, 0) − b, b = ∂X/∂u_right = (Z/D)·r, c = ∂X/∂v = Z·(0, 1/f, 0).
 
@@ -21,12 +21,12 @@ const SIGMA_PX: f64 = 0.2;
 /// Disparities at most.
 const MOST_DISPARITIES: f64 = 256.0;
 
-/// What correlation of a pair gives.
+/// The points that correlation of a pair gives.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DepthMap {
     /// The rectified images.
     pub pair: RectifiedPair,
-    /// u_left − u_right of each pixel of the left one, px; NaN where none is sure or the subject is not.
+    /// u_left − u_right of each pixel of the left one, px; NaN where none is sure or the pixel does not show the subject.
     pub disparities: Plane<f32>,
     /// A point for each disparity, row by row.
     pub points: Vec<CloudPoint>,
@@ -35,24 +35,27 @@ pub struct DepthMap {
 /// Why there is no depth map.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum DepthError {
-    /// The pair.
+    /// The pair cannot be rectified.
     #[error(transparent)]
     Rectify(#[from] RectifyError),
-    /// The disparities.
+    /// The pair cannot be correlated.
     #[error(transparent)]
     Correlation(#[from] CorrelationError),
 }
 
 impl RectifiedPair {
-    /// The disparities of points between two depths (nearest, farthest), m; 256 at most, of the far ones.
+    /// The disparities of points between two depths (nearest, farthest), m; where they are more than 256, those of the farthest points.
     ///
-    /// Without depths those of a shift of a third of an image to infinity.
+    /// Without depths: from a shift of a third of an image to infinity.
     pub fn range(&self, depth: Option<(f64, f64)>) -> DisparityRange {
+        // parallaxes of the nearest and the farthest point
         let infinity = self.infinity();
         let base = self.left.camera.intrinsics.fx_px * self.baseline();
         let third = f64::from(self.left.camera.width_px.min(self.right.camera.width_px)) / 3.0;
         let third = third * base.signum();
         let (far, near) = depth.map_or((0.0, third), |(near, far)| (base / far, base / near));
+
+        // and one more at each end, which is never a result
         let count = (near - far).abs().ceil().clamp(0.0, MOST_DISPARITIES - 3.0) + 3.0;
         let least = if near > far {
             far - 1.0
@@ -89,31 +92,30 @@ pub fn depth_map(
     depth: Option<(f64, f64)>,
     options: &CorrelationOptions,
 ) -> Result<DepthMap, DepthError> {
+    // 1. disparities of the rectified pair
     let pair = rectify(first, second)?;
     let options = CorrelationOptions {
         range: pair.range(depth),
         ..*options
     };
-    let mut disparities = correlate(
-        &bytes(&pair.left.image),
-        &bytes(&pair.right.image),
-        &options,
-    )?;
-    let sight = Sight::of(&pair);
+    let (left, right) = (bytes(&pair.left.image), bytes(&pair.right.image));
+    let mut disparities = correlate(&left, &right, &options)?;
+
+    // 2. the point of each, where the image was recorded and shows the subject
+    let triangulation = Triangulation::new(&pair);
     let mut points = Vec::new();
     for y in 0..disparities.height() {
         for (x, disparity) in disparities.row_mut(y).iter_mut().enumerate() {
             let is_recorded = pair.left.image.get(x, y).is_some_and(f32::is_finite);
-            let point = sight.point((x, y), *disparity).filter(|_| is_recorded);
-            let point = point.filter(|point| shows(first, mask, point));
-            *disparity = if point.is_some() {
-                *disparity
-            } else {
-                f32::NAN
-            };
+            let point = triangulation.point([x, y], *disparity);
+            let point = point.filter(|point| is_recorded && shows(first, mask, point));
+            if point.is_none() {
+                *disparity = f32::NAN;
+            }
             points.extend(point);
         }
     }
+
     Ok(DepthMap {
         pair,
         disparities,
@@ -121,9 +123,9 @@ pub fn depth_map(
     })
 }
 
-/// How a rectified pair sees depth.
+/// From disparities of one rectified pair to points.
 #[derive(Debug, Clone, Copy)]
-struct Sight {
+struct Triangulation {
     world_from_left: Rigid3,
     turn: Matrix3<f64>,
     principal_px: [f64; 2],
@@ -134,8 +136,8 @@ struct Sight {
     baseline: f64,
 }
 
-impl Sight {
-    fn of(pair: &RectifiedPair) -> Self {
+impl Triangulation {
+    fn new(pair: &RectifiedPair) -> Self {
         let left = &pair.left.camera;
         let world_from_left = left.camera_from_world.inverse();
         Self {
@@ -148,22 +150,28 @@ impl Sight {
         }
     }
 
-    /// The point of one disparity; `None` for none, and for a point that is not before both cameras.
-    fn point(&self, (u, v): (usize, usize), disparity: f32) -> Option<CloudPoint> {
+    /// The point that a pixel (column, row) of the left image shows; `None` without a disparity, and for a point that is
+    /// not in front of both cameras.
+    fn point(&self, pixel: [usize; 2], disparity: f32) -> Option<CloudPoint> {
         let parallax = f64::from(disparity) - self.infinity;
         let depth = self.focal_px * self.baseline / parallax;
         if !depth.is_finite() || depth <= 0.0 {
             return None;
         }
-        let [x, y] = self.principal_px;
+
+        let [x, y] = [0, 1].map(|k| pixel[k] as f64 - self.principal_px[k]);
         let across = 1.0 / self.focal_px;
-        let ray = Vector3::new((u as f64 - x) * across, (v as f64 - y) * across, 1.0);
+        let ray = Vector3::new(x * across, y * across, 1.0);
+
+        // b, a and c
         let by_right = ray * (depth / parallax);
         let by_left = Vector3::new(depth * across, 0.0, 0.0) - by_right;
         let by_row = Vector3::new(0.0, depth * across, 0.0);
+
         let square = |v: Vector3<f64>| v * v.transpose();
         let covariance = square(by_left) + square(by_right) + square(by_row) * 0.5;
         let covariance = self.turn * covariance * self.turn.transpose() * SIGMA_PX.powi(2);
+
         Some(CloudPoint {
             position_world: self.world_from_left * Point3::from(ray * depth),
             spread: Spread::Full(covariance),
@@ -171,6 +179,7 @@ impl Sight {
     }
 }
 
+/// Whether a point is seen within the mask, if there is one.
 fn shows(view: &StereoView, mask: Option<&Mask>, point: &CloudPoint) -> bool {
     let Some(pixel) = view.camera.project_undistorted(&point.position_world) else {
         return false;
@@ -215,12 +224,12 @@ mod tests {
         // the second camera to the right of the first, and to the left
         for x_m in [0.2, -0.3] {
             let pair = rectify(&view("a", 0.0, 0.03), &view("b", x_m, -0.05)).unwrap();
-            let sight = Sight::of(&pair);
+            let triangulation = Triangulation::new(&pair);
             let infinity = pair.infinity();
-            for (place, parallax) in [((3, 40), 1.5), ((50, 7), 4.0), ((20, 20), 11.25)] {
+            for (place, parallax) in [([3, 40], 1.5), ([50, 7], 4.0), ([20, 20], 11.25)] {
                 let disparity = infinity + parallax * x_m.signum();
-                let found = sight.point(place, disparity as f32).unwrap();
-                let (u, v) = (place.0 as f64, place.1 as f64);
+                let found = triangulation.point(place, disparity as f32).unwrap();
+                let [u, v] = place.map(|k| k as f64);
                 let disparity = f64::from(disparity as f32);
                 let seen = [(&pair.left, u), (&pair.right, u - disparity)];
                 let met = intersect(&seen.map(|(view, u)| Sighting {
@@ -241,10 +250,10 @@ mod tests {
                     epsilon = 1e-12
                 );
             }
-            assert!(sight.point((3, 3), infinity as f32).is_none());
+            assert!(triangulation.point([3, 3], infinity as f32).is_none());
             let behind = infinity - 2.0 * x_m.signum();
-            assert!(sight.point((3, 3), behind as f32).is_none());
-            assert!(sight.point((3, 3), f32::NAN).is_none());
+            assert!(triangulation.point([3, 3], behind as f32).is_none());
+            assert!(triangulation.point([3, 3], f32::NAN).is_none());
         }
     }
 }

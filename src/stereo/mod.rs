@@ -1,6 +1,6 @@
-//! Points on the surface of the body: places in the world and how far they err, measured in images of cameras side by side.
+//! Points on the surface of the body: where they are and how sure that is, measured in images of cameras side by side.
 //!
-//! A [`Cloud`] is what one frame has of them, from any source. Nothing here knows a body: else its points were no
+//! A [`Cloud`] holds the points of one frame, from any source. Nothing here knows a body, or its points would not be
 //! independent data.
 //!
 //! | file               | holds                                                                       |

@@ -1,6 +1,6 @@
 //! Two images turned so that a point is in the same row of both.
 
-use nalgebra::{Matrix3, Point2, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Point2, Rotation3, UnitQuaternion, Vector2, Vector3};
 
 use super::view::{StereoView, resampled};
 use crate::camera::{Camera, Intrinsics};
@@ -12,8 +12,9 @@ const MOST_STRETCH: f64 = 2.0;
 
 /// A pair of images whose rows correspond.
 ///
-/// For a point X, u_left − u_right = f·B/Z + (c_left − c_right), with f the common focal length, B how far the second
-/// camera stands to the right of the first (negative: to the left), Z the depth and c the principal points' columns; v is the same in both.
+/// A point X has the same row v in both, and u_left − u_right = f·B/Z + (c_left − c_right), with f the common focal length,
+/// B how far the second camera stands to the right of the first (negative: to the left), Z the depth and c the columns of
+/// the principal points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RectifiedPair {
     /// The first camera, turned about its centre.
@@ -25,7 +26,7 @@ pub struct RectifiedPair {
 /// Why two images cannot be rectified.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RectifyError {
-    /// One place.
+    /// The cameras are in one place.
     #[error(
         "cameras {left} and {right} are {distance_mm:.3} mm apart: expected a distance between them, to measure depth by"
     )]
@@ -61,7 +62,8 @@ pub enum RectifyError {
 
 /// Turns both cameras about their centres so that rows run along the line between them, and resamples their images.
 ///
-/// x = ±(c₂ − c₁)/|c₂ − c₁|, the one that points to the right in the first image; z is the mean of both optical axes, made perpendicular to x; y = z × x.
+/// x = ±(c₂ − c₁)/|c₂ − c₁|, the one that points to the right in the first image; z is the mean of both optical axes, made
+/// perpendicular to x; y = z × x.
 ///
 /// # Errors
 /// [`RectifyError`] for cameras in one place, and cameras that do not look side by side.
@@ -69,62 +71,66 @@ pub enum RectifyError {
 /// # Source
 /// Fusiello, Trucco & Verri 2000, *A compact algorithm for rectification of stereo pairs*; z as the mean of both axes.
 pub fn rectify(first: &StereoView, second: &StereoView) -> Result<RectifiedPair, RectifyError> {
-    let (left, right) = (first.camera.name.clone(), second.camera.name.clone());
+    // both cameras turned alike, with one focal length
     let world_from_rectified = rotation(&first.camera, &second.camera)?;
     let focal = [first, second].map(|view| view.camera.intrinsics.fy_px);
     let focal = 0.5 * (focal[0] + focal[1]);
     let turned = [first, second].map(|view| turned(&view.camera, &world_from_rectified, focal));
-    let [(Some(a), a_box), (Some(b), b_box)] = turned else {
-        let angle_deg = angle_deg(&first.camera, &second.camera);
-        return Err(RectifyError::NotSideBySide {
-            left,
-            right,
-            angle_deg,
+    let [Some((left, left_box)), Some((right, right_box))] = turned else {
+        return Err(not_side_by_side(&first.camera, &second.camera));
+    };
+
+    // the rows that both see, and of each the columns that it sees
+    let top = left_box.0.y.max(right_box.0.y);
+    let bottom = left_box.1.y.min(right_box.1.y);
+    if bottom - top < 1.0 {
+        return Err(RectifyError::NoCommonRows {
+            left: left.name,
+            right: right.name,
         });
-    };
-    let rows = (a_box.1.max(b_box.1), a_box.3.min(b_box.3));
-    if rows.1 - rows.0 < 1.0 {
-        return Err(RectifyError::NoCommonRows { left, right });
     }
-    let rows = part(rows, first.camera.height_px);
-    let cut = |view: &StereoView, camera: Camera, columns: (f64, f64)| {
-        cut(view, camera, part(columns, view.camera.width_px), rows)
-    };
+    let rows = PixelRange::new(top, bottom, first.camera.height_px);
+    let left_columns = PixelRange::new(left_box.0.x, left_box.1.x, first.camera.width_px);
+    let right_columns = PixelRange::new(right_box.0.x, right_box.1.x, second.camera.width_px);
+
     Ok(RectifiedPair {
-        left: cut(first, a, (a_box.0, a_box.2)),
-        right: cut(second, b, (b_box.0, b_box.2)),
+        left: cut(first, left, left_columns, rows),
+        right: cut(second, right, right_columns, rows),
     })
 }
 
+/// The orientation that both cameras are turned to.
 fn rotation(first: &Camera, second: &Camera) -> Result<Rotation3<f64>, RectifyError> {
-    let (left, right) = (first.name.clone(), second.name.clone());
     let baseline = second.centre_world() - first.centre_world();
     // nearer than a thousandth of a millimetre is no distance
     let Some(along) = baseline.try_normalize(1e-6) else {
-        let distance_mm = 1000.0 * baseline.norm();
         return Err(RectifyError::NoBaseline {
-            left,
-            right,
-            distance_mm,
+            left: first.name.clone(),
+            right: second.name.clone(),
+            distance_mm: 1000.0 * baseline.norm(),
         });
     };
+
     // upright, as the first camera is: disparities are negative where the second camera stands to its left
     let right_of_first = first.camera_from_world.rotation.inverse() * Vector3::x();
     let x = along * along.dot(&right_of_first).signum();
+
     let axes = [first, second].map(|camera| camera.optical_axis().direction_world.into_inner());
     let mean = axes[0] + axes[1];
     let across = mean - x * mean.dot(&x);
-    let angle_deg = angle_deg(first, second);
-    let z = across.try_normalize(0.5).filter(|_| angle_deg <= 60.0);
-    let z = z.ok_or(RectifyError::NotSideBySide {
-        left,
-        right,
-        angle_deg,
-    })?;
-    let y = z.cross(&x);
-    Ok(Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[
-        x, y, z,
-    ])))
+    let z = across.try_normalize(0.5);
+    let z = z.filter(|_| angle_deg(first, second) <= 60.0);
+    let z = z.ok_or_else(|| not_side_by_side(first, second))?;
+    let axes = Matrix3::from_columns(&[x, z.cross(&x), z]);
+    Ok(Rotation3::from_matrix_unchecked(axes))
+}
+
+fn not_side_by_side(first: &Camera, second: &Camera) -> RectifyError {
+    RectifyError::NotSideBySide {
+        left: first.name.clone(),
+        right: second.name.clone(),
+        angle_deg: angle_deg(first, second),
+    }
 }
 
 fn angle_deg(first: &Camera, second: &Camera) -> f64 {
@@ -132,12 +138,14 @@ fn angle_deg(first: &Camera, second: &Camera) -> f64 {
     a.angle(&b).to_degrees()
 }
 
-/// The turned camera with its principal point at (0, 0), and the box (left, top, right, bottom) of its image.
+/// The turned camera with its principal point at (0, 0), and the corners of its image's box: least and greatest coordinates.
+///
+/// `None` if a corner of the recorded image is behind the turned camera.
 fn turned(
     camera: &Camera,
     world_from_rectified: &Rotation3<f64>,
     focal_px: f64,
-) -> (Option<Camera>, (f64, f64, f64, f64)) {
+) -> Option<(Camera, (Point2<f64>, Point2<f64>))> {
     let rotation = UnitQuaternion::from_rotation_matrix(&world_from_rectified.inverse());
     let centre = rotation * camera.centre_world();
     let turned = Camera {
@@ -151,48 +159,47 @@ fn turned(
         camera_from_world: Rigid3::from_parts((-centre.coords).into(), rotation),
         ..camera.clone()
     };
-    let mut area = (
-        f64::INFINITY,
-        f64::INFINITY,
-        f64::NEG_INFINITY,
-        f64::NEG_INFINITY,
+
+    let (mut low, mut high) = (
+        Point2::from(Vector2::repeat(f64::INFINITY)),
+        Point2::from(Vector2::repeat(f64::NEG_INFINITY)),
     );
     for corner in camera.pixel_grid(2, 2) {
         let ray = camera.ray(&corner);
-        let Some(p) = turned.project_undistorted(&ray.point_at(1.0)) else {
-            return (None, area);
-        };
-        area = (
-            area.0.min(p.x),
-            area.1.min(p.y),
-            area.2.max(p.x),
-            area.3.max(p.y),
-        );
+        let pixel = turned.project_undistorted(&ray.point_at(1.0))?;
+        (low, high) = (low.inf(&pixel), high.sup(&pixel));
     }
-    (Some(turned), area)
+    Some((turned, (low, high)))
 }
 
-/// First pixel and number of pixels of an interval, of at most [`MOST_STRETCH`] times the recorded ones.
-fn part((from, to): (f64, f64), recorded: u32) -> (f64, u32) {
-    let middle = 0.5 * (from + to);
-    let half = (0.5 * (to - from)).min(0.5 * MOST_STRETCH * f64::from(recorded));
-    ((middle - half).floor(), (2.0 * half).ceil().max(1.0) as u32)
+/// Columns or rows of a rectified image.
+#[derive(Debug, Clone, Copy)]
+struct PixelRange {
+    first: f64,
+    count: u32,
 }
 
-/// The turned camera with the given columns and rows of its image.
-fn cut(
-    view: &StereoView,
-    mut camera: Camera,
-    (left, width): (f64, u32),
-    (top, height): (f64, u32),
-) -> StereoView {
-    (camera.intrinsics.cx_px, camera.intrinsics.cy_px) = (-left, -top);
-    (camera.width_px, camera.height_px) = (width, height);
-    let source = |p: Point2<f64>| {
-        let ray = camera.ray(&p);
+impl PixelRange {
+    /// The pixels between two places, or those in the middle: at most [`MOST_STRETCH`] times the recorded ones.
+    fn new(from: f64, to: f64, recorded: u32) -> Self {
+        let middle = 0.5 * (from + to);
+        let half = (0.5 * (to - from)).min(0.5 * MOST_STRETCH * f64::from(recorded));
+        Self {
+            first: (middle - half).floor(),
+            count: (2.0 * half).ceil().max(1.0) as u32,
+        }
+    }
+}
+
+/// The view of a turned camera, cut to columns and rows.
+fn cut(view: &StereoView, mut camera: Camera, columns: PixelRange, rows: PixelRange) -> StereoView {
+    (camera.intrinsics.cx_px, camera.intrinsics.cy_px) = (-columns.first, -rows.first);
+    (camera.width_px, camera.height_px) = (columns.count, rows.count);
+    let (width, height) = (columns.count as usize, rows.count as usize);
+    let image = resampled(&view.image, width, height, |pixel| {
+        let ray = camera.ray(&pixel);
         view.camera.project_undistorted(&ray.point_at(1.0))
-    };
-    let image = resampled(&view.image, [width as usize, height as usize], source);
+    });
     StereoView { camera, image }
 }
 

@@ -1,4 +1,4 @@
-//! What a camera shows, without its lens.
+//! The image of a camera without its lens.
 
 use nalgebra::Point2;
 use rayon::prelude::*;
@@ -43,14 +43,18 @@ impl StereoView {
                 found,
             });
         }
+
         let recorded = recorded.map(f32::from);
         let ideal = Camera {
             distortion: Distortion::None,
             ..camera.clone()
         };
+        let (width, height) = (recorded.width(), recorded.height());
         let image = match camera.distortion {
             Distortion::None => recorded,
-            _ => resampled(&recorded, found, |pixel| Some(camera.distort(&pixel))),
+            _ => resampled(&recorded, width, height, |pixel| {
+                Some(camera.distort(&pixel))
+            }),
         };
         Ok(Self {
             camera: ideal,
@@ -59,17 +63,18 @@ impl StereoView {
     }
 }
 
-/// An image whose pixels show what `source_of` says of another; NaN where that shows nothing.
+/// An image of another, with `source_from_pixel` the place in `source` that each of its pixels shows; NaN where there is none.
 pub(super) fn resampled(
     source: &Plane<f32>,
-    [width, height]: [usize; 2],
-    source_of: impl Fn(Point2<f64>) -> Option<Point2<f64>> + Sync,
+    width: usize,
+    height: usize,
+    source_from_pixel: impl Fn(Point2<f64>) -> Option<Point2<f64>> + Sync,
 ) -> Plane<f32> {
     let mut values = vec![f32::NAN; width * height];
     let rows = values.par_chunks_mut(width.max(1)).enumerate();
     rows.for_each(|(y, row)| {
         for (x, value) in row.iter_mut().enumerate() {
-            let from = source_of(Point2::new(x as f64, y as f64));
+            let from = source_from_pixel(Point2::new(x as f64, y as f64));
             if let Some(found) = from.and_then(|p| sample(source, p.x, p.y)) {
                 *value = found.value.clamp(0.0, 255.0);
             }

@@ -1,4 +1,4 @@
-//! The census transform: what a neighbourhood looks like, whatever contrast and brightness a camera gives it.
+//! The census transform: a signature of a pixel's neighbourhood that does not depend on contrast and brightness.
 
 use crate::image::Plane;
 
@@ -22,7 +22,7 @@ impl Census {
     ///
     /// # Source
     /// Zabih & Woodfill 1994, *Non-parametric local transforms for computing visual correspondence*.
-    pub(super) fn of(image: &Plane<u8>) -> Self {
+    pub(super) fn new(image: &Plane<u8>) -> Self {
         let blank = Plane::filled(image.width(), image.height(), 0);
         let mut planes = [blank.clone(), blank.clone(), blank];
         for y in 0..image.height() {
@@ -78,7 +78,7 @@ mod tests {
     use super::*;
 
     fn signature(image: &Plane<u8>, x: usize, y: usize) -> u32 {
-        let [a, b, c] = Census::of(image).row(y).map(|row| u32::from(row[x]));
+        let [a, b, c] = Census::new(image).row(y).map(|row| u32::from(row[x]));
         a | b << 8 | c << 16
     }
 

@@ -1,14 +1,14 @@
 //! Dense disparity of a rectified pair by correlation of small neighbourhoods.
 //!
-//! [`correlate`] compares the census signatures of 5 × 5 pixels of every pixel of the left image with those of the
-//! right image in the same row, smooths the costs along three paths, takes the best, refines it between the pixels, and
-//! keeps it only if the right image chooses the same, nothing else is as good, and it is no speck.
+//! [`correlate`] compares the census signature (5 × 5 pixels) of every pixel of the left image with those of the same row
+//! of the right image, smooths the costs along three paths, takes the best disparity, and refines it between the pixels. A
+//! disparity is kept only if the right image chooses the same, no other is as good, and it is not a speck.
 //!
 //! | file             | holds                                                       |
 //! |------------------|-------------------------------------------------------------|
 //! | `census.rs`      | the signatures                                              |
 //! | `semi_global.rs` | costs, paths, choice: a band of rows, all in the cache      |
-//! | `specks.rs`      | small regions away                                          |
+//! | `specks.rs`      | small regions are removed                                   |
 
 mod census;
 mod semi_global;
@@ -19,12 +19,12 @@ use rayon::prelude::*;
 
 use crate::image::Plane;
 use census::Census;
-use semi_global::{Input, MOST_DISPARITIES, band};
+use semi_global::{BandInput, MOST_DISPARITIES, band};
 pub(super) use specks::remove as remove_specks;
 
 /// Rows that are computed at once.
 const BAND: usize = 64;
-/// Largest sum of three paths that a byte holds beside the mark of an impossible one.
+/// Largest penalty with which the sum of three paths fits a byte, beside the mark of an impossible disparity.
 const MOST_PENALTY: u8 = 60;
 
 /// The disparities that are looked for.
@@ -45,7 +45,7 @@ pub struct CorrelationOptions {
     pub step_penalty: u8,
     /// P₂: what any larger step costs, bits of 24; at most 60. 24.
     pub jump_penalty: u8,
-    /// By what share of the best sum the next best must be larger. 0.05.
+    /// By what share of the best sum the next best must exceed it. 0.05.
     pub uniqueness: f32,
     /// By how much the right image's choice may differ, px. 1.
     pub tolerance: usize,
@@ -72,7 +72,7 @@ impl Default for CorrelationOptions {
 /// Why there can be no disparities.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum CorrelationError {
-    /// Rows do not correspond.
+    /// The images have different numbers of rows.
     #[error("the rectified images have {left} and {right} rows: expected the same number")]
     Rows {
         /// Of the left image.
@@ -116,23 +116,26 @@ pub fn correlate(
     options: &CorrelationOptions,
 ) -> Result<Plane<f32>, CorrelationError> {
     check(left, right, options)?;
+
     // 1. signatures
-    let (census_left, census_right) = rayon::join(|| Census::of(left), || Census::of(right));
-    let input = Input {
+    let (census_left, census_right) = rayon::join(|| Census::new(left), || Census::new(right));
+    let input = BandInput {
         left: &census_left,
         right: &census_right,
         width_left: left.width(),
         width_right: right.width(),
         options,
     };
+
     // 2. costs, paths and choice, band by band
     let mut values = vec![f32::NAN; left.width() * left.height()];
     let bands = values.par_chunks_mut((BAND * left.width()).max(1));
     bands.enumerate().for_each(|(i, found)| {
         let rows = i * BAND..((i + 1) * BAND).min(left.height());
-        band_of(&input, rows, found);
+        fill_band(&input, rows, found);
     });
-    // 3. small regions away
+
+    // 3. small regions removed
     let nothing = || Plane::filled(left.width(), left.height(), f32::NAN);
     let found = Plane::from_values(left.width(), left.height(), values);
     let mut disparities = found.unwrap_or_else(nothing);
@@ -144,7 +147,7 @@ pub fn correlate(
     "x86_64+avx512f+avx512bw+avx512vl+avx512bitalg+avx512vbmi+popcnt+bmi2",
     "x86_64+avx2+popcnt+bmi2",
 ))]
-fn band_of(input: &Input<'_>, rows: std::ops::Range<usize>, found: &mut [f32]) {
+fn fill_band(input: &BandInput<'_>, rows: std::ops::Range<usize>, found: &mut [f32]) {
     match input.options.range.count {
         0..=32 => band::<32>(input, rows, found),
         33..=64 => band::<64>(input, rows, found),
@@ -164,6 +167,7 @@ fn check(
             right: right.height(),
         });
     }
+
     let DisparityRange { first, count } = options.range;
     let last = i64::from(first) + count as i64 - 1;
     let leads_inside = i64::from(first) < left.width() as i64 && last > -(right.width() as i64);
@@ -175,6 +179,7 @@ fn check(
             right: right.width(),
         });
     }
+
     let (step, jump) = (options.step_penalty, options.jump_penalty);
     if step > jump || jump > MOST_PENALTY {
         return Err(CorrelationError::Penalties { step, jump });

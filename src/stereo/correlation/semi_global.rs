@@ -20,12 +20,12 @@ pub(super) const RUN_UP: usize = 16;
 pub(super) const MOST_DISPARITIES: usize = 256;
 /// The cost of a disparity that leads out of the other image.
 const OUTSIDE: u8 = BITS / 2;
-/// The sum of what can be no disparity.
+/// The sum of an impossible disparity.
 const NEVER: u8 = u8::MAX;
 
-/// What the computation of a band reads.
+/// The images and options that every band reads.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Input<'a> {
+pub(super) struct BandInput<'a> {
     pub(super) left: &'a Census,
     pub(super) right: &'a Census,
     pub(super) width_left: usize,
@@ -40,12 +40,13 @@ const ABREAST: usize = 4;
 ///
 /// `D` is the number of disparities that are computed: at least those of the range.
 #[inline(always)]
-pub(super) fn band<const D: usize>(input: &Input<'_>, rows: Range<usize>, found: &mut [f32]) {
-    let mut work = Work::<D>::new(input);
+pub(super) fn band<const D: usize>(input: &BandInput<'_>, rows: Range<usize>, found: &mut [f32]) {
+    let mut work = BandWork::<D>::new(input);
     for y in rows.start.saturating_sub(RUN_UP)..rows.start {
         work.costs(input, y, 0);
         work.go_down(input.options, 0);
     }
+
     let width = input.width_left.max(1);
     for (y, found) in rows.step_by(ABREAST).zip(found.chunks_mut(ABREAST * width)) {
         // fewer rows may be left: the others go along all the same, and must not overflow
@@ -70,8 +71,8 @@ struct Lane<const D: usize>([u8; D]);
 
 /// Where some paths are: the costs L_r(p, d) of each at its last pixel, and their minimum.
 ///
-/// In memory, with impossible disparities between one path and the next: so d − 1 and d + 1 are the same bytes read one place
-/// farther, where compilers take a shift of one vector apart into single bytes.
+/// In memory, with impossible disparities between one path and the next, so that d − 1 and d + 1 are the same bytes, read
+/// one place farther: compilers would take a shift of a vector apart into single bytes.
 struct Paths<const D: usize> {
     costs: Vec<u8>,
     least: Vec<u8>,
@@ -94,7 +95,8 @@ impl<const D: usize> Paths<D> {
 
     /// Takes one of the paths to its next pixel, which costs C(p, d) itself.
     #[inline(always)]
-    fn step(&mut self, path: usize, costs: &Lane<D>, (p1, p2): (u8, u8)) -> Lane<D> {
+    fn step(&mut self, path: usize, costs: &Lane<D>, options: &CorrelationOptions) -> Lane<D> {
+        let (p1, p2) = (options.step_penalty, options.jump_penalty);
         let place = path * (BETWEEN + D) + BETWEEN;
         let least_before = self.least[path];
         let from_any = least_before.saturating_add(p2);
@@ -142,8 +144,8 @@ fn least_of_sixteen(lanes: [u8; 16]) -> u8 {
     lanes.iter().fold(u8::MAX, |least, lane| least.min(*lane))
 }
 
-/// The rows that are worked on.
-struct Work<const D: usize> {
+/// Costs, paths and choices of the rows that are worked on.
+struct BandWork<const D: usize> {
     /// C(x, d) of each row, and then the sum of its paths.
     rows: [Row<D>; ABREAST],
     /// The paths from above, of each x.
@@ -152,12 +154,26 @@ struct Work<const D: usize> {
     from_sides: Paths<D>,
     /// Signatures of the other image from right to left, so that rising disparities lie side by side.
     mirrored: [Vec<u8>; 3],
-    /// Place of the other image's rightmost pixel in what is mirrored.
+    /// Place of the other image's rightmost pixel in `mirrored`.
     margin: usize,
-    /// The least sum with which a pixel of the other image was chosen, and by which disparity.
-    chosen: Vec<(u8, u8)>,
+    /// For each pixel of the other image, the best of those that chose it.
+    chosen: Vec<Choice>,
     /// The choice of each pixel.
-    best: Vec<(u8, u8)>,
+    best: Vec<Choice>,
+}
+
+/// A disparity and its sum of costs.
+#[derive(Clone, Copy)]
+struct Choice {
+    sum: u8,
+    disparity: u8,
+}
+
+impl Choice {
+    const NONE: Self = Self {
+        sum: NEVER,
+        disparity: 0,
+    };
 }
 
 #[derive(Clone)]
@@ -166,8 +182,8 @@ struct Row<const D: usize> {
     sums: Vec<Lane<D>>,
 }
 
-impl<const D: usize> Work<D> {
-    fn new(input: &Input<'_>) -> Self {
+impl<const D: usize> BandWork<D> {
+    fn new(input: &BandInput<'_>) -> Self {
         let (left, right) = (input.width_left, input.width_right);
         let first = input.options.range.first;
         // place of (x, d) is margin + right − 1 − x + first + d; the least and the largest must exist
@@ -182,54 +198,55 @@ impl<const D: usize> Work<D> {
             from_sides: Paths::start(2 * ABREAST),
             mirrored: std::array::from_fn(|_| vec![0; length]),
             margin,
-            chosen: vec![(NEVER, 0); right],
-            best: vec![(NEVER, 0); left],
+            chosen: vec![Choice::NONE; right],
+            best: vec![Choice::NONE; left],
         }
     }
 
-    /// C(x, d) of image row `y`: in how many of 24 bits the signatures differ.
+    /// C(x, d) of image row `y`, into the row `i` of those that are worked on: in how many of 24 bits the signatures differ.
     #[inline(always)]
-    fn costs(&mut self, input: &Input<'_>, y: usize, i: usize) {
+    fn costs(&mut self, input: &BandInput<'_>, y: usize, i: usize) {
         for (mirrored, row) in self.mirrored.iter_mut().zip(input.right.row(y)) {
             let into = mirrored.iter_mut().skip(self.margin);
             into.zip(row.iter().rev())
                 .for_each(|(to, from)| *to = *from);
         }
+
         let left = input.left.row(y);
         let rightmost = (self.margin + input.width_right) as i64 - 1;
         let first = i64::from(input.options.range.first);
         for (x, Lane(costs)) in self.rows[i].costs.iter_mut().enumerate() {
             let place = (rightmost - x as i64 + first).max(0) as usize;
             let (a, b, c) = (left[0][x], left[1][x], left[2][x]);
-            let (Some(of_a), Some(of_b), Some(of_c)) = (
+            let (Some(right_a), Some(right_b), Some(right_c)) = (
                 self.mirrored[0][place..].first_chunk::<D>(),
                 self.mirrored[1][place..].first_chunk::<D>(),
                 self.mirrored[2][place..].first_chunk::<D>(),
             ) else {
                 continue;
             };
+
             for d in 0..D {
-                costs[d] = ((a ^ of_a[d]).count_ones()
-                    + (b ^ of_b[d]).count_ones()
-                    + (c ^ of_c[d]).count_ones()) as u8;
+                costs[d] = ((a ^ right_a[d]).count_ones()
+                    + (b ^ right_b[d]).count_ones()
+                    + (c ^ right_c[d]).count_ones()) as u8;
             }
             fill_outside(costs, &valid(input, x), OUTSIDE);
         }
     }
 
+    /// The paths from above, into the row `i` of those that are worked on.
     #[inline(always)]
     fn go_down(&mut self, options: &CorrelationOptions, i: usize) {
-        let penalties = (options.step_penalty, options.jump_penalty);
         let Row { costs, sums } = &mut self.rows[i];
         for (x, (costs, sums)) in costs.iter().zip(sums).enumerate() {
-            *sums = self.from_above.step(x, costs, penalties);
+            *sums = self.from_above.step(x, costs, options);
         }
     }
 
     /// The paths from the left and from the right.
     #[inline(always)]
     fn along_the_rows(&mut self, options: &CorrelationOptions) {
-        let penalties = (options.step_penalty, options.jump_penalty);
         let width = self.best.len();
         self.from_sides = Paths::start(2 * ABREAST);
         for x in 0..width {
@@ -237,7 +254,7 @@ impl<const D: usize> Work<D> {
                 for (path, x) in [(2 * i, x), (2 * i + 1, width - 1 - x)] {
                     add(
                         &mut sums[x],
-                        &self.from_sides.step(path, &costs[x], penalties),
+                        &self.from_sides.step(path, &costs[x], options),
                     );
                 }
             }
@@ -246,28 +263,36 @@ impl<const D: usize> Work<D> {
 
     /// The disparity of each pixel, if it is unique and no other pixel has the same place with a lower sum.
     #[inline(always)]
-    fn choose(&mut self, input: &Input<'_>, i: usize, found: &mut [f32]) {
+    fn choose(&mut self, input: &BandInput<'_>, i: usize, found: &mut [f32]) {
         let DisparityRange { first, count } = input.options.range;
-        self.chosen.fill((NEVER, 0));
-        let other = |x: usize, best: u8| x as i64 - i64::from(first) - i64::from(best);
+        // column of the other image, or one that does not exist
+        let other = |x: usize, disparity: u8| {
+            let column = x as i64 - i64::from(first) - i64::from(disparity);
+            usize::try_from(column).unwrap_or(usize::MAX)
+        };
+
+        // the best of each pixel, and of each pixel of the other image
+        self.chosen.fill(Choice::NONE);
         for (x, Lane(sums)) in self.rows[i].sums.iter_mut().enumerate() {
             fill_outside(sums, &valid(input, x), NEVER);
-            let lowest = least(sums);
-            let best = first_of(sums, lowest);
-            self.best[x] = (lowest, best);
-            let place = usize::try_from(other(x, best)).unwrap_or(usize::MAX);
-            if let Some(chosen) = self.chosen.get_mut(place).filter(|c| lowest < c.0) {
-                *chosen = (lowest, best);
+            let sum = least(sums);
+            let disparity = first_of(sums, sum);
+            self.best[x] = Choice { sum, disparity };
+            let chosen = self.chosen.get_mut(other(x, disparity));
+            if let Some(chosen) = chosen.filter(|c| sum < c.sum) {
+                *chosen = self.best[x];
             }
         }
+
+        // kept where both agree and no other disparity is as good
         for (x, Lane(sums)) in self.rows[i].sums.iter().enumerate() {
-            let (lowest, best) = self.best[x];
-            let place = usize::try_from(other(x, best)).unwrap_or(usize::MAX);
-            let chosen = self.chosen.get(place).map_or(u8::MAX, |chosen| chosen.1);
-            let agrees = usize::from(best.abs_diff(chosen)) <= input.options.tolerance;
-            let d = usize::from(best);
-            let inside = d > 0 && d + 1 < count && lowest < NEVER;
-            found[x] = if agrees && inside && is_unique(sums, best, input.options) {
+            let Choice { sum, disparity } = self.best[x];
+            let chosen = self.chosen.get(other(x, disparity));
+            let chosen = chosen.map_or(u8::MAX, |chosen| chosen.disparity);
+            let agrees = usize::from(disparity.abs_diff(chosen)) <= input.options.tolerance;
+            let d = usize::from(disparity);
+            let inside = d > 0 && d + 1 < count && sum < NEVER;
+            found[x] = if agrees && inside && is_unique(sums, disparity, input.options) {
                 first as f32 + refined(sums, d)
             } else {
                 f32::NAN
@@ -276,9 +301,9 @@ impl<const D: usize> Work<D> {
     }
 }
 
-/// The d of pixel x that lead into the other image and are asked for.
+/// The disparities of the range that lead from pixel x into the other image.
 #[inline(always)]
-fn valid(input: &Input<'_>, x: usize) -> Range<usize> {
+fn valid(input: &BandInput<'_>, x: usize) -> Range<usize> {
     let DisparityRange { first, count } = input.options.range;
     let farthest = x as i64 - i64::from(first);
     let from = (farthest - input.width_right as i64 + 1).clamp(0, count as i64);
@@ -315,7 +340,7 @@ fn first_of<const D: usize>(values: &[u8; D], lowest: u8) -> u8 {
     least(&places)
 }
 
-/// Whether every disparity that is no neighbour of the best has a sum larger by `margin` at least.
+/// Whether every disparity that is no neighbour of the best has a sum larger by the share `uniqueness` at least.
 #[inline(always)]
 fn is_unique<const D: usize>(sums: &[u8; D], best: u8, options: &CorrelationOptions) -> bool {
     let mut others = [NEVER; D];

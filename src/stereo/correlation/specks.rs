@@ -38,12 +38,14 @@ struct Regions {
 }
 
 impl Regions {
+    /// A new region.
     fn add(&mut self, size: usize) -> usize {
         self.parents.push(self.parents.len());
         self.sizes.push(size);
         self.parents.len() - 1
     }
 
+    /// The region that stands for all that were joined.
     fn root(&mut self, mut region: usize) -> usize {
         while self.parents[region] != region {
             self.parents[region] = self.parents[self.parents[region]];
@@ -62,13 +64,16 @@ impl Regions {
     }
 }
 
+/// All runs of all rows, joined where they touch one of the row above.
 fn regions(disparities: &Plane<f32>) -> (Vec<Run>, Regions) {
     let (mut runs, mut regions) = (Vec::new(), Regions::default());
     let mut above = 0..0;
     for y in 0..disparities.height() {
         let first = runs.len();
-        runs_of_row(disparities.row(y), y, &mut runs, &mut regions);
+        add_runs(disparities.row(y), y, &mut runs, &mut regions);
         let here = first..runs.len();
+
+        // both rows' runs from left to right, the one that ends first going on
         let row_above = y.checked_sub(1).map_or(&[][..], |y| disparities.row(y));
         let (mut i, mut k) = (above.start, here.start);
         while i < above.end && k < here.end {
@@ -80,22 +85,26 @@ fn regions(disparities: &Plane<f32>) -> (Vec<Run>, Regions) {
             }
             if a.to < b.to { i += 1 } else { k += 1 }
         }
+
         above = here;
     }
     (runs, regions)
 }
 
-fn runs_of_row(row: &[f32], y: usize, runs: &mut Vec<Run>, regions: &mut Regions) {
+/// Adds the runs of one row, each a region of its own.
+fn add_runs(row: &[f32], y: usize, runs: &mut Vec<Run>, regions: &mut Regions) {
     let mut from = 0;
     while from < row.len() {
         if row[from].is_nan() {
             from += 1;
             continue;
         }
+
         let mut to = from + 1;
         while to < row.len() && near(row[to], row[to - 1]) {
             to += 1;
         }
+
         let region = regions.add(to - from);
         runs.push(Run {
             y,

@@ -4,21 +4,23 @@ use nalgebra::{Matrix3, Point2, Point3, Vector2, Vector3};
 
 use crate::camera::{Camera, Intrinsics};
 
-/// The way from the template's image to another one.
+/// From the template's image to another one.
 ///
 /// A pixel p of the template at inverse depth w = 1/Z is seen at h ∝ H·p̃ + w·e, with H = K·R·K₀⁻¹ (points at
-/// infinity), e = K·t, and R, t from the template's camera frame to the other's. Straight lines in w: w is linear in p
-/// on a plane.
+/// infinity), e = K·t, and R, t from the template's camera frame to the other's. h is linear in w, and on a plane w is
+/// linear in p.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Epipolar {
     at_infinity: Matrix3<f64>,
     epipole: Vector3<f64>,
 }
 
-/// An image point and ∂u/∂w.
+/// The image of a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Seen {
+pub(super) struct ImagePoint {
+    /// u.
     pub(super) pixel: Point2<f64>,
+    /// ∂u/∂w, px·m.
     pub(super) by_inverse_depth: Vector2<f64>,
 }
 
@@ -44,15 +46,15 @@ impl Epipolar {
         [0, 1].map(|axis| self.at_infinity.column(axis).into_owned())
     }
 
-    /// Where the pixel with this [`Epipolar::direction`] is seen; `None` behind the camera.
+    /// The image of the pixel with this [`Epipolar::direction`]; `None` behind the camera.
     #[inline]
-    pub(super) fn seen(&self, direction: &Vector3<f64>, inverse_depth: f64) -> Option<Seen> {
+    pub(super) fn image(&self, direction: &Vector3<f64>, inverse_depth: f64) -> Option<ImagePoint> {
         let h = direction + self.epipole * inverse_depth;
         // divided by Z: at infinity 1 for cameras that look the same way
         (h.z > 1e-6).then(|| {
             let pixel = Point2::new(h.x / h.z, h.y / h.z);
             let by_inverse_depth = (self.epipole.xy() - pixel.coords * self.epipole.z) / h.z;
-            Seen {
+            ImagePoint {
                 pixel,
                 by_inverse_depth,
             }
@@ -62,9 +64,9 @@ impl Epipolar {
 
 /// K⁻¹: normalised coordinates are affine in the pixel.
 fn inverse(intrinsics: &Intrinsics) -> Matrix3<f64> {
-    let of = |x, y| intrinsics.normalized(&Point2::new(x, y));
-    let origin = of(0.0, 0.0);
-    let columns = [of(1.0, 0.0) - origin, of(0.0, 1.0) - origin];
+    let normalized = |x, y| intrinsics.normalized(&Point2::new(x, y));
+    let origin = normalized(0.0, 0.0);
+    let columns = [normalized(1.0, 0.0) - origin, normalized(0.0, 1.0) - origin];
     let [a, b] = columns.map(|c| Vector3::new(c.x, c.y, 0.0));
     Matrix3::from_columns(&[a, b, Vector3::new(origin.x, origin.y, 1.0)])
 }

@@ -1,9 +1,10 @@
-//! Closing the holes that the regions leave, from all directions, and taking away what cannot be.
+//! Closing the holes that the regions leave, from all directions, and removing what cannot be.
 
+use nalgebra::Point2;
 use rayon::prelude::*;
 
 use super::multi_image::Match;
-use super::{Grid, MatchOptions, Stage};
+use super::{Grid, MatchOptions, MatchViews, OtherView, Place};
 use crate::image::Plane;
 use crate::stereo::correlation::remove_specks;
 
@@ -13,7 +14,7 @@ const MOST_ROUNDS: usize = 40;
 const MOST_TRIES: u8 = 3;
 /// Neighbours from which a place is tried in one round.
 const MOST_NEIGHBOURS: usize = 3;
-/// Points that fall on one pixel of another image and differ more hide each other, px.
+/// Of two points on one pixel of another image, the nearer hides the other if their disparities differ by more, px.
 const HIDDEN_PX: f64 = 2.0;
 /// The eight neighbours.
 const AROUND: [(isize, isize); 8] = [
@@ -28,20 +29,20 @@ const AROUND: [(isize, isize); 8] = [
 ];
 
 /// Tries every unmatched place beside a matched one, round by round until no more are found.
-pub(super) fn close(stage: &Stage<'_>, grid: &mut Grid, options: &MatchOptions) {
+pub(super) fn close(views: &MatchViews<'_>, grid: &mut Grid, options: &MatchOptions) {
     let mut tries: Plane<u8> = Plane::filled(grid.width(), grid.height(), 0);
     for _ in 0..MOST_ROUNDS {
-        let places: Vec<(usize, usize)> = (0..grid.height())
-            .flat_map(|row| (0..grid.width()).map(move |column| (column, row)))
-            .filter(|place| is_open(stage, grid, &tries, *place, options))
+        let places: Vec<Place> = places(grid)
+            .filter(|place| is_open(views, grid, &tries, *place, options))
             .collect();
         let found: Vec<Option<Match>> = places
             .par_iter()
-            .map(|place| attempt(stage, grid, *place, options))
+            .map(|place| attempt(views, grid, *place, options))
             .collect();
-        for ((column, row), found) in places.iter().zip(&found) {
-            tries.row_mut(*row)[*column] += 1;
-            grid.row_mut(*row)[*column] = *found;
+
+        for (place, found) in places.iter().zip(&found) {
+            tries.row_mut(place.row)[place.column] += 1;
+            grid.row_mut(place.row)[place.column] = *found;
         }
         if found.iter().all(Option::is_none) {
             break;
@@ -49,64 +50,67 @@ pub(super) fn close(stage: &Stage<'_>, grid: &mut Grid, options: &MatchOptions) 
     }
 }
 
-fn is_open(
-    stage: &Stage<'_>,
-    grid: &Grid,
-    tries: &Plane<u8>,
-    (column, row): (usize, usize),
-    options: &MatchOptions,
-) -> bool {
-    let spacing = options.spacing_px;
-    grid.row(row)[column].is_none()
-        && tries.row(row)[column] < MOST_TRIES
-        && stage.shows_subject(column * spacing, row * spacing)
-        && neighbours(grid, (column, row)).next().is_some()
+/// All places of a grid, row by row.
+fn places(grid: &Grid) -> impl Iterator<Item = Place> + use<> {
+    let (columns, rows) = (grid.width(), grid.height());
+    (0..rows).flat_map(move |row| (0..columns).map(move |column| Place { column, row }))
 }
 
-/// The matched neighbours, and how far they are, places.
-fn neighbours(
+/// Whether a place shows the subject, is unmatched beside a matched one, and may still be tried.
+fn is_open(
+    views: &MatchViews<'_>,
     grid: &Grid,
-    (column, row): (usize, usize),
-) -> impl Iterator<Item = ((isize, isize), Match)> {
-    AROUND.iter().filter_map(move |(dx, dy)| {
-        let place = (
-            column.checked_add_signed(*dx)?,
-            row.checked_add_signed(*dy)?,
-        );
-        Some(((*dx, *dy), grid.get(place.0, place.1)??))
+    tries: &Plane<u8>,
+    place: Place,
+    options: &MatchOptions,
+) -> bool {
+    let (x, y) = place.pixel(options);
+    place.found(grid).is_none()
+        && tries.row(place.row)[place.column] < MOST_TRIES
+        && views.shows_subject(x, y)
+        && neighbours(grid, place).next().is_some()
+}
+
+/// The matched neighbours of a place, each with the step to it.
+fn neighbours(grid: &Grid, place: Place) -> impl Iterator<Item = ((isize, isize), Match)> {
+    let found = move |step: &(isize, isize)| place.beside(step.0, step.1)?.found(grid);
+    AROUND
+        .iter()
+        .filter_map(move |step| Some((*step, found(step)?)))
+}
+
+/// Matches a place, starting from the planes of its surest neighbours.
+fn attempt(
+    views: &MatchViews<'_>,
+    grid: &Grid,
+    place: Place,
+    options: &MatchOptions,
+) -> Option<Match> {
+    let spacing = options.spacing_px as isize;
+    let mut neighbours: Vec<_> = neighbours(grid, place).collect();
+    neighbours.sort_by(|a, b| a.1.sigma_px.total_cmp(&b.1.sigma_px));
+    let mut surest = neighbours.iter().take(MOST_NEIGHBOURS);
+    surest.find_map(|((dx, dy), found)| {
+        let back = |steps: isize| -(steps * spacing) as f64;
+        let expected = found.plane.moved(back(*dx), back(*dy));
+        views
+            .find_adaptively(place.pixel(options), &expected, options)
+            .ok()
     })
 }
 
-fn attempt(
-    stage: &Stage<'_>,
-    grid: &Grid,
-    (column, row): (usize, usize),
-    options: &MatchOptions,
-) -> Option<Match> {
-    let spacing = options.spacing_px;
-    let mut from: Vec<_> = neighbours(grid, (column, row)).collect();
-    from.sort_by(|a, b| a.1.sigma_px.total_cmp(&b.1.sigma_px));
-    from.iter()
-        .take(MOST_NEIGHBOURS)
-        .find_map(|((dx, dy), found)| {
-            let by = |steps: isize| -(steps * spacing as isize) as f64;
-            let expected = found.plane.moved(by(*dx), by(*dy));
-            stage
-                .find_adaptively((column * spacing, row * spacing), &expected, options)
-                .ok()
-        })
-}
-
-/// Takes away what is hidden behind another point in an image in which it was found, and small regions.
-pub(super) fn prune(stage: &Stage<'_>, grid: &mut Grid, options: &MatchOptions) {
-    for image in 0..stage.others.len() {
-        remove_hidden(stage, grid, image, options);
+/// Removes points that are hidden behind another in an image in which they were found, and small regions.
+pub(super) fn prune(views: &MatchViews<'_>, grid: &mut Grid, options: &MatchOptions) {
+    for image in 0..views.others.len() {
+        remove_hidden(views, grid, image, options);
     }
+
+    // in the disparities of the middle of the template, steps between neighbours are those of a rectified pair
     let middle = (
-        stage.template.image.width() / 2,
-        stage.template.image.height() / 2,
+        views.template.image.width() / 2,
+        views.template.image.height() / 2,
     );
-    let scale = stage.reach(middle, 0.0) / options.spacing_px as f64;
+    let scale = views.reach(middle, 0.0) / options.spacing_px as f64;
     let mut disparities =
         grid.map(|found| found.map_or(f32::NAN, |found| (found.plane.w * scale) as f32));
     remove_specks(&mut disparities, options.least_region);
@@ -117,49 +121,72 @@ pub(super) fn prune(stage: &Stage<'_>, grid: &mut Grid, options: &MatchOptions) 
     }
 }
 
-fn remove_hidden(stage: &Stage<'_>, grid: &mut Grid, image: usize, options: &MatchOptions) {
-    let other = &stage.others[image];
-    let (width, height) = (other.view.image.width(), other.view.image.height());
-    let spacing = options.spacing_px;
-    let mut nearest: Plane<f64> =
-        Plane::filled(width.div_ceil(spacing), height.div_ceil(spacing), 0.0);
-    let place = |column: usize, row: usize, found: &Match| {
-        let pixel = nalgebra::Point2::new((column * spacing) as f64, (row * spacing) as f64);
-        let seen = other
-            .epipolar
-            .seen(&other.epipolar.direction(&pixel), found.plane.w)?;
-        let cell = |x: f64| (x.round().max(0.0) as usize) / spacing;
-        Some((
-            cell(seen.pixel.x),
-            cell(seen.pixel.y),
-            seen.by_inverse_depth.norm(),
-        ))
-    };
-    for row in 0..grid.height() {
-        for (column, found) in grid.row(row).iter().enumerate() {
-            let Some((x, y, _)) = found.as_ref().and_then(|found| place(column, row, found)) else {
-                continue;
-            };
-            if let (Some(nearest), Some(found)) = (nearest.row_mut(y).get_mut(x), found) {
-                *nearest = nearest.max(found.plane.w);
-            }
+/// Removes the points found in one of the other images that are hidden behind another there.
+fn remove_hidden(views: &MatchViews<'_>, grid: &mut Grid, image: usize, options: &MatchOptions) {
+    let other = &views.others[image];
+    let nearest = nearest_points(other, grid, options);
+    for place in places(grid) {
+        let Some(found) = place
+            .found(grid)
+            .filter(|found| found.images >> image & 1 == 1)
+        else {
+            continue;
+        };
+        let Some(cell) = ImageCell::new(other, place, &found, options) else {
+            continue;
+        };
+
+        let nearest = nearest.get(cell.x, cell.y);
+        if nearest.is_some_and(|w| (w - found.plane.w) * cell.reach > HIDDEN_PX) {
+            grid.row_mut(place.row)[place.column] = None;
         }
     }
-    for row in 0..grid.height() {
-        for column in 0..grid.width() {
-            let Some(found) = grid.row(row)[column].filter(|found| found.images >> image & 1 == 1)
-            else {
-                continue;
-            };
-            let Some((x, y, reach)) = place(column, row, &found) else {
-                continue;
-            };
-            let hidden = nearest
-                .get(x, y)
-                .is_some_and(|w| (w - found.plane.w) * reach > HIDDEN_PX);
-            if hidden {
-                grid.row_mut(row)[column] = None;
-            }
+}
+
+/// The largest inverse depth of the points in each cell of another image, 0 without any.
+fn nearest_points(other: &OtherView<'_>, grid: &Grid, options: &MatchOptions) -> Plane<f64> {
+    let cells = |pixels: usize| pixels.div_ceil(options.spacing_px);
+    let image = &other.view.image;
+    let mut nearest: Plane<f64> = Plane::filled(cells(image.width()), cells(image.height()), 0.0);
+    for place in places(grid) {
+        let Some(found) = place.found(grid) else {
+            continue;
+        };
+        let Some(cell) = ImageCell::new(other, place, &found, options) else {
+            continue;
+        };
+
+        if let Some(nearest) = nearest.row_mut(cell.y).get_mut(cell.x) {
+            *nearest = nearest.max(found.plane.w);
         }
+    }
+    nearest
+}
+
+/// Where a point is seen in another image.
+struct ImageCell {
+    /// Column and row of its cell, which has the size of the grid's spacing.
+    x: usize,
+    y: usize,
+    /// |∂u/∂w|, px·m.
+    reach: f64,
+}
+
+impl ImageCell {
+    fn new(
+        other: &OtherView<'_>,
+        place: Place,
+        found: &Match,
+        options: &MatchOptions,
+    ) -> Option<Self> {
+        let (x, y) = place.pixel(options);
+        let direction = other.epipolar.direction(&Point2::new(x as f64, y as f64));
+        let image = other.epipolar.image(&direction, found.plane.w)?;
+        let cell = |x: f64| (x.round().max(0.0) as usize) / options.spacing_px;
+        Some(Self {
+            x: cell(image.pixel.x),
+            y: cell(image.pixel.y),
+            reach: image.by_inverse_depth.norm(),
+        })
     }
 }

@@ -1,9 +1,9 @@
 //! Dense points by least-squares matching in several images at once (PFD99 § 2.1).
 //!
-//! One image is the template. [`match_surface`] finds seeds (corners, correlated along the epipolar lines, alike in all
-//! images), cuts the template into their Voronoi regions, goes from each seed horizontally and then vertically through
-//! its region, each match starting from the plane of the one before, closes holes from all directions, and gives every
-//! matched pixel as a point with its covariance.
+//! One image is the template. [`match_surface`] finds seeds: corners that look alike in all images, by correlation along the
+//! epipolar lines. It cuts the template into the seeds' Voronoi regions and goes from each seed through its region,
+//! horizontally and then vertically, each match starting from the plane of the one before. It closes holes from all
+//! directions, and gives every matched pixel as a point with its covariance.
 //!
 //! | file             | holds                                                               |
 //! |------------------|---------------------------------------------------------------------|
@@ -11,7 +11,7 @@
 //! | `multi_image.rs` | least-squares matching of one patch in all images                    |
 //! | `seeds.rs`       | seeds                                                               |
 //! | `regions.rs`     | Voronoi regions, and the way through one                             |
-//! | `holes.rs`       | closing holes, and what is left away                                 |
+//! | `holes.rs`       | closing holes, and removing what cannot be                           |
 //! | `surface.rs`     | from matches to points with their covariance                         |
 
 mod epipolar;
@@ -28,7 +28,7 @@ use super::view::StereoView;
 use crate::image::{Mask, Plane};
 use epipolar::Epipolar;
 pub(super) use epipolar::point_world;
-pub(super) use multi_image::{Match, Patch, Plane3, pixels_around};
+pub(super) use multi_image::{DepthPlane, Match, Patch, PatchPixel, pixels_around};
 use multi_image::{Unmatched, fit};
 
 /// How surfaces are matched.
@@ -42,18 +42,18 @@ pub struct MatchOptions {
     pub spacing_px: usize,
     /// Images besides the template in which a point must be found. 2: triplets (PFD99).
     pub least_images: usize,
-    /// Least correlation coefficient of the template's patch with that of any image. Noise lowers it without harm: the
-    /// standard deviation is the stricter judge. 0.6.
+    /// Least correlation coefficient of the template's patch with that of any image. Noise lowers the coefficient without
+    /// harm; the standard deviation is the stricter test. 0.6.
     pub least_correlation: f64,
-    /// Largest standard deviation of a match by its normal matrix, and of a point with what its neighbours say, px. 0.2.
+    /// Largest standard deviation of a match by its normal matrix, and of a point with its bend from its neighbours, px. 0.2.
     pub most_sigma_px: f64,
-    /// Error of a match that neither the normal matrix nor its neighbours see (calibration, brightness), px. 0.05.
+    /// Error of a match that neither the normal matrix nor its neighbours show (calibration, brightness), px. 0.05.
     pub model_sigma_px: f64,
-    /// Nearest and farthest depth of seeds, metres; where not given, from a shift of a third of an image to infinity.
+    /// Nearest and farthest depth of seeds, metres; by default from a shift of a third of an image to infinity.
     pub depth: Option<(f64, f64)>,
-    /// Seeds are looked for in squares of so many pixels, one in each. 16.
+    /// Side of the squares in each of which one seed is looked for, px. 16.
     pub seed_cell_px: usize,
-    /// Connected points fewer than this are left away. 20.
+    /// Regions of fewer connected points are removed. 20.
     pub least_region: usize,
 }
 
@@ -77,7 +77,7 @@ impl Default for MatchOptions {
 /// Why nothing can be matched.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MatchError {
-    /// Too few images.
+    /// Too few or too many images.
     #[error("{found} images beside the template: expected {expected} to 32")]
     Images {
         /// Needed.
@@ -85,7 +85,7 @@ pub enum MatchError {
         /// Given.
         found: usize,
     },
-    /// One place.
+    /// Two cameras in one place.
     #[error(
         "cameras {template} and {other} are in one place: expected a distance between them, to measure depth by"
     )]
@@ -95,7 +95,7 @@ pub enum MatchError {
         /// The other one.
         other: String,
     },
-    /// A number that makes no sense.
+    /// An option outside its range.
     #[error("{name} is {found}: expected {expected}")]
     Option {
         /// Which.
@@ -118,20 +118,20 @@ pub struct MatchedPoint {
     pub sigma_px: f64,
     /// Least correlation coefficient with any image used.
     pub correlation: f64,
-    /// The images used, a bit each, in the order given.
+    /// The images used, one bit each, in the order given.
     pub images: u32,
     /// The plane of the patch, for neighbours and other frames.
-    pub(super) plane: Plane3,
+    pub(super) plane: DepthPlane,
 }
 
-/// What was matched, and what was not.
+/// The points that were matched, and how much was not.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct MatchedSurface {
     /// The points, row by row of the template.
     pub points: Vec<MatchedPoint>,
     /// Seeds that were found.
     pub seeds: usize,
-    /// Pixels that were asked for and have no point.
+    /// Pixels of the subject, at the spacing of the grid, that have no point.
     pub unmatched: usize,
     /// Of these, pixels around which the template has no texture.
     pub without_texture: usize,
@@ -139,20 +139,20 @@ pub struct MatchedSurface {
 
 /// An image in which patches of the template are looked for.
 #[derive(Debug)]
-struct Other<'a> {
+struct OtherView<'a> {
     view: &'a StereoView,
     epipolar: Epipolar,
 }
 
-/// All that stays the same for every patch.
+/// The template and the images in which its patches are looked for.
 #[derive(Debug)]
-pub(super) struct Stage<'a> {
+pub(super) struct MatchViews<'a> {
     template: &'a StereoView,
-    others: Vec<Other<'a>>,
+    others: Vec<OtherView<'a>>,
     mask: Option<&'a Mask>,
 }
 
-impl<'a> Stage<'a> {
+impl<'a> MatchViews<'a> {
     pub(super) fn new(
         template: &'a StereoView,
         others: &[&'a StereoView],
@@ -167,7 +167,8 @@ impl<'a> Stage<'a> {
                     other: view.camera.name.clone(),
                 });
             }
-            Ok(Other {
+
+            Ok(OtherView {
                 view,
                 epipolar: Epipolar::new(&template.camera, &view.camera),
             })
@@ -185,62 +186,62 @@ impl<'a> Stage<'a> {
         self.mask.is_none_or(|mask| mask.is_foreground(x, y))
     }
 
-    /// The largest |∂u/∂w| of any image, px·m.
-    fn reach(&self, (x, y): (usize, usize), w: f64) -> f64 {
-        let pixel = Point2::new(x as f64, y as f64);
-        let seen = self
-            .others
-            .iter()
-            .filter_map(|o| o.epipolar.seen(&o.epipolar.direction(&pixel), w));
-        seen.map(|seen| seen.by_inverse_depth.norm())
-            .fold(0.0, f64::max)
+    /// All images, one bit each.
+    fn all(&self) -> u32 {
+        u32::MAX >> (32 - self.others.len())
+    }
+
+    /// How far the image of a pixel moves with inverse depth: the largest |∂u/∂w| of any image, px·m.
+    fn reach(&self, pixel: (usize, usize), w: f64) -> f64 {
+        let pixel = Point2::new(pixel.0 as f64, pixel.1 as f64);
+        let others = self.others.iter();
+        let images = others.filter_map(|o| o.epipolar.image(&o.epipolar.direction(&pixel), w));
+        let reaches = images.map(|image| image.by_inverse_depth.norm());
+        reaches.fold(0.0, f64::max)
     }
 
     /// Matches a patch in all images.
     pub(super) fn find_patch(
         &self,
         patch: &Patch,
-        start: &Plane3,
+        start: &DepthPlane,
         options: &MatchOptions,
     ) -> Option<Match> {
-        let all = u32::MAX >> (32 - self.others.len());
-        fit(self, patch, start, all, options).ok()
+        fit(self, patch, start, self.all(), options).ok()
     }
 
     /// Where a place of the template is seen in each other image.
-    pub(super) fn images_of(&self, place: &Point2<f64>, w: f64) -> Option<Vec<Point2<f64>>> {
-        let seen = self
-            .others
-            .iter()
-            .map(|o| o.epipolar.seen(&o.epipolar.direction(place), w));
-        seen.map(|seen| Some(seen?.pixel)).collect()
+    pub(super) fn places_in_others(&self, place: &Point2<f64>, w: f64) -> Option<Vec<Point2<f64>>> {
+        let others = self.others.iter();
+        let images = others.map(|o| o.epipolar.image(&o.epipolar.direction(place), w));
+        images.map(|image| Some(image?.pixel)).collect()
     }
 
     /// Matches the patch at a pixel in all images, else in all but one, as long as these are enough.
     fn find(
         &self,
         pixel: (usize, usize),
-        start: &Plane3,
+        start: &DepthPlane,
         radius: usize,
         options: &MatchOptions,
     ) -> Result<Match, Unmatched> {
         let patch = Patch::at(self, pixel, radius);
-        let all = u32::MAX >> (32 - self.others.len());
-        let found = fit(self, &patch, start, all, options);
+        let found = fit(self, &patch, start, self.all(), options);
         if found.is_ok() || self.others.len() <= options.least_images {
             return found;
         }
-        let without = (0..self.others.len()).map(|i| all & !(1 << i));
+
+        let without = (0..self.others.len()).map(|i| self.all() & !(1 << i));
         let fewer = without.filter_map(|images| fit(self, &patch, start, images, options).ok());
         let surest = fewer.min_by(|a, b| a.sigma_px.total_cmp(&b.sigma_px));
         surest.map_or(found, Ok)
     }
 
-    /// [`Stage::find`], and where that fails with a larger patch.
+    /// [`MatchViews::find`], with a larger patch where that fails.
     fn find_adaptively(
         &self,
         pixel: (usize, usize),
-        start: &Plane3,
+        start: &DepthPlane,
         options: &MatchOptions,
     ) -> Result<Match, Unmatched> {
         self.find(pixel, start, options.radius_px, options)
@@ -253,11 +254,11 @@ impl<'a> Stage<'a> {
 
 /// The points of the surface that the template and the other images show.
 ///
-/// `mask` says which pixels of the template show the subject; patches use no others. `given` are seeds beside those
-/// that are found: points of the surface, roughly. The result is the same for any number of threads.
+/// `mask` says which pixels of the template show the subject; patches use no others. `given` are further seeds: points
+/// near the surface. The result is the same for any number of threads.
 ///
 /// # Errors
-/// [`MatchError`] for too few images, cameras in one place and options that make no sense.
+/// [`MatchError`] for too few images, cameras in one place and options outside their range.
 ///
 /// # Source
 /// PFD99 § 2.1. **Differs**: seeds are found, not clicked; all images are matched at once instead of each by itself.
@@ -269,21 +270,49 @@ pub fn match_surface(
     options: &MatchOptions,
 ) -> Result<MatchedSurface, MatchError> {
     check(others.len(), options)?;
-    let stage = Stage::new(template, others, mask)?;
+    let views = MatchViews::new(template, others, mask)?;
     // 1. seeds, and the Voronoi region of each
-    let seeds = seeds::find(&stage, given, options);
+    let seeds = seeds::find(&views, given, options);
     // 2. through each region, horizontally and vertically
-    let mut grid = regions::grow(&stage, &seeds, options);
+    let mut grid = regions::grow(&views, &seeds, options);
     // 3. holes, from all directions
-    holes::close(&stage, &mut grid, options);
+    holes::close(&views, &mut grid, options);
     // 4. what hides behind another point, and stray regions
-    holes::prune(&stage, &mut grid, options);
+    holes::prune(&views, &mut grid, options);
     // 5. forward intersection
-    Ok(surface::points(&stage, &grid, seeds.len(), options))
+    Ok(surface::points(&views, &grid, seeds.len(), options))
 }
 
 /// Matches at every `spacing`-th pixel of every `spacing`-th row.
 type Grid = Plane<Option<Match>>;
+
+/// A place of the grid.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Place {
+    column: usize,
+    row: usize,
+}
+
+impl Place {
+    /// Its pixel in the template.
+    fn pixel(self, options: &MatchOptions) -> (usize, usize) {
+        let spacing = options.spacing_px;
+        (self.column * spacing, self.row * spacing)
+    }
+
+    /// The place so many steps to the right and down; `None` left of the grid or above it.
+    fn beside(self, right: isize, down: isize) -> Option<Self> {
+        Some(Self {
+            column: self.column.checked_add_signed(right)?,
+            row: self.row.checked_add_signed(down)?,
+        })
+    }
+
+    /// Its match, if it has one.
+    fn found(self, grid: &Grid) -> Option<Match> {
+        grid.get(self.column, self.row)?
+    }
+}
 
 fn check(others: usize, options: &MatchOptions) -> Result<(), MatchError> {
     let needed = options.least_images.max(1);
@@ -293,6 +322,7 @@ fn check(others: usize, options: &MatchOptions) -> Result<(), MatchError> {
             found: others,
         });
     }
+
     let wrong = |name, found, expected| {
         Err(MatchError::Option {
             name,
@@ -300,7 +330,6 @@ fn check(others: usize, options: &MatchOptions) -> Result<(), MatchError> {
             expected,
         })
     };
-    let (near, far) = options.depth.unwrap_or((1.0, 2.0));
     if !(1..=50).contains(&options.radius_px) {
         return wrong("radius_px", options.radius_px as f64, "1 to 50");
     }
@@ -311,9 +340,12 @@ fn check(others: usize, options: &MatchOptions) -> Result<(), MatchError> {
             "radius_px to 100",
         );
     }
+
     if options.spacing_px == 0 || options.seed_cell_px == 0 {
         return wrong("spacing_px or seed_cell_px", 0.0, "1 or more");
     }
+
+    let (near, far) = options.depth.unwrap_or((1.0, 2.0));
     if !(near > 0.0 && far > near) {
         return wrong(
             "the nearest depth",

@@ -3,8 +3,8 @@
 //! The template's patch f and each other image's g_i obey f(p) = a_i·g_i(u_i(p)) + b_i + noise. Collinearity holds for
 //! every pixel p of the patch: u_i(p) is where the point at inverse depth w(p) on p's line of sight is seen
 //! ([`super::epipolar`]), and on a plane w is linear, w(p) = w + w_x·Δx + w_y·Δy. So three geometric unknowns place the patch
-//! in all images; the affine maps follow from them. Contrast a_i and brightness b_i are eliminated: they are the
-//! regression of f on g_i at each step.
+//! in all images; the affine maps follow from them. Contrast a_i and brightness b_i are eliminated: at each step they are
+//! the regression of f on g_i.
 //!
 //! # Source
 //! PFD99 § 2.1; Gruen 1985, *Adaptive least squares correlation*; Gruen & Baltsavias 1988, *Geometrically constrained
@@ -13,7 +13,7 @@
 
 use nalgebra::{Matrix3, Point2, Vector3};
 
-use super::{MatchOptions, Stage};
+use super::{MatchOptions, MatchViews, OtherView};
 use crate::image::{Mask, Plane};
 use crate::stereo::bicubic::sample;
 
@@ -30,15 +30,15 @@ const LEAST_SHOWN: f64 = 0.6;
 /// Standard deviation of the slope of disparity that is expected, px/px.
 const SLOPE_SD: f64 = 0.5;
 
-/// A plane before the template's camera: inverse depth at a pixel and its slopes, 1/m and 1/(m·px).
+/// A plane in front of the template's camera: inverse depth at a pixel and its slopes, 1/m and 1/(m·px).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::stereo) struct Plane3 {
+pub(in crate::stereo) struct DepthPlane {
     pub(in crate::stereo) w: f64,
     pub(in crate::stereo) slope: [f64; 2],
 }
 
-impl Plane3 {
-    /// The same plane, seen from the pixel further by (dx, dy).
+impl DepthPlane {
+    /// The same plane at the pixel (dx, dy) farther.
     pub(super) fn moved(&self, dx: f64, dy: f64) -> Self {
         Self {
             w: self.w + self.slope[0] * dx + self.slope[1] * dy,
@@ -50,7 +50,7 @@ impl Plane3 {
 /// A patch that was found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::stereo) struct Match {
-    pub(in crate::stereo) plane: Plane3,
+    pub(in crate::stereo) plane: DepthPlane,
     /// Standard deviation of w, 1/m, from the normal matrix.
     pub(super) sigma: f64,
     /// The same in the image where it is largest, px.
@@ -76,30 +76,48 @@ pub(in crate::stereo) enum Unmatched {
     Unsure,
 }
 
-/// The template's patch: places relative to its middle, and brightness.
+/// A pixel of a patch.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::stereo) struct PatchPixel {
+    /// Place relative to the middle of the patch, px.
+    pub(in crate::stereo) dx: f64,
+    pub(in crate::stereo) dy: f64,
+    /// Brightness.
+    pub(in crate::stereo) value: f32,
+}
+
+/// The template's patch.
 #[derive(Debug, Clone)]
 pub(in crate::stereo) struct Patch {
     middle: Point2<f64>,
-    pixels: Vec<(f64, f64, f32)>,
+    pixels: Vec<PatchPixel>,
     /// Pixels of a whole patch.
     whole: usize,
 }
 
 impl Patch {
     /// The patch of (2·radius + 1)² pixels around a pixel, without those that are masked or not in the image.
-    pub(super) fn at(stage: &Stage<'_>, (x, y): (usize, usize), radius: usize) -> Self {
-        let image = &stage.template.image;
+    pub(super) fn at(views: &MatchViews<'_>, pixel: (usize, usize), radius: usize) -> Self {
+        let (x, y) = pixel;
+        let image = &views.template.image;
+        let within = |middle: usize, size: usize| {
+            middle.saturating_sub(radius)..=(middle + radius).min(size.saturating_sub(1))
+        };
+
         let mut pixels = Vec::with_capacity((2 * radius + 1).pow(2));
-        for row in y.saturating_sub(radius)..=(y + radius).min(image.height().saturating_sub(1)) {
-            for column in
-                x.saturating_sub(radius)..=(x + radius).min(image.width().saturating_sub(1))
-            {
+        for row in within(y, image.height()) {
+            for column in within(x, image.width()) {
                 let value = image.row(row)[column];
-                if value.is_finite() && stage.shows_subject(column, row) {
-                    pixels.push((column as f64 - x as f64, row as f64 - y as f64, value));
+                if value.is_finite() && views.shows_subject(column, row) {
+                    pixels.push(PatchPixel {
+                        dx: column as f64 - x as f64,
+                        dy: row as f64 - y as f64,
+                        value,
+                    });
                 }
             }
         }
+
         Self {
             middle: Point2::new(x as f64, y as f64),
             pixels,
@@ -108,8 +126,12 @@ impl Patch {
     }
 
     /// The same around a place between the pixels.
-    pub(in crate::stereo) fn around(stage: &Stage<'_>, middle: Point2<f64>, radius: usize) -> Self {
-        let pixels = pixels_around(&stage.template.image, stage.mask, middle, radius);
+    pub(in crate::stereo) fn around(
+        views: &MatchViews<'_>,
+        middle: Point2<f64>,
+        radius: usize,
+    ) -> Self {
+        let pixels = pixels_around(&views.template.image, views.mask, middle, radius);
         Self {
             middle,
             pixels,
@@ -121,8 +143,7 @@ impl Patch {
         self.middle
     }
 
-    /// Place relative to the middle and brightness of each pixel.
-    pub(in crate::stereo) fn pixels(&self) -> &[(f64, f64, f32)] {
+    pub(in crate::stereo) fn pixels(&self) -> &[PatchPixel] {
         &self.pixels
     }
 }
@@ -133,7 +154,7 @@ pub(in crate::stereo) fn pixels_around(
     mask: Option<&Mask>,
     middle: Point2<f64>,
     radius: usize,
-) -> Vec<(f64, f64, f32)> {
+) -> Vec<PatchPixel> {
     let side = 2 * radius + 1;
     let pixels = (0..side * side).filter_map(|i| {
         let [dx, dy] = [i % side, i / side].map(|k| k as f64 - radius as f64);
@@ -142,14 +163,16 @@ pub(in crate::stereo) fn pixels_around(
         // a sample lies at (1, 1) or further
         let shown = mask
             .is_none_or(|m| m.is_foreground(place.x.round() as usize, place.y.round() as usize));
-        (value.is_finite() && shown).then_some((dx, dy, value))
+        (value.is_finite() && shown).then_some(PatchPixel { dx, dy, value })
     });
     pixels.collect()
 }
 
-/// Sums over a patch in one image.
+/// Sums over a patch in one image: of f, of g, of J = ∂g/∂(w, w_x, w_y), and of their products.
 #[derive(Debug, Clone, Copy)]
-struct Sums {
+struct PatchSums {
+    /// |∂u/∂w| at the middle, px·m.
+    reach: f64,
     count: f64,
     f: f64,
     ff: f64,
@@ -162,19 +185,22 @@ struct Sums {
     jj: Matrix3<f64>,
 }
 
-impl Sums {
-    const NONE: Self = Self {
-        count: 0.0,
-        f: 0.0,
-        ff: 0.0,
-        g: 0.0,
-        gg: 0.0,
-        fg: 0.0,
-        j: Vector3::new(0.0, 0.0, 0.0),
-        fj: Vector3::new(0.0, 0.0, 0.0),
-        gj: Vector3::new(0.0, 0.0, 0.0),
-        jj: Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
-    };
+impl PatchSums {
+    fn zero(reach: f64) -> Self {
+        Self {
+            reach,
+            count: 0.0,
+            f: 0.0,
+            ff: 0.0,
+            g: 0.0,
+            gg: 0.0,
+            fg: 0.0,
+            j: Vector3::zeros(),
+            fj: Vector3::zeros(),
+            gj: Vector3::zeros(),
+            jj: Matrix3::zeros(),
+        }
+    }
 
     fn add(&mut self, f: f64, g: f64, j: &Vector3<f64>) {
         self.count += 1.0;
@@ -190,8 +216,8 @@ impl Sums {
     }
 }
 
-/// What one image says of the plane: the normal equations without contrast and brightness.
-struct Reduced {
+/// The normal equations of one image, without contrast and brightness.
+struct ReducedEquations {
     normal: Matrix3<f64>,
     right: Vector3<f64>,
     squares: f64,
@@ -202,39 +228,35 @@ struct Reduced {
 }
 
 /// The sums of one image at a plane; `None` if it shows too little of the patch.
-fn sums(stage: &Stage<'_>, patch: &Patch, image: usize, plane: &Plane3) -> Option<(Sums, f64)> {
-    let other = &stage.others[image];
-    let direction = other.epipolar.direction(&patch.middle);
-    let reach = other
-        .epipolar
-        .seen(&direction, plane.w)?
-        .by_inverse_depth
-        .norm();
-    let [right, down] = other.epipolar.steps();
-    let mut sums = Sums::NONE;
-    for (dx, dy, f) in &patch.pixels {
-        let w = plane.moved(*dx, *dy).w;
-        let Some(seen) = other
-            .epipolar
-            .seen(&(direction + right * *dx + down * *dy), w)
-        else {
+fn patch_sums(other: &OtherView<'_>, patch: &Patch, plane: &DepthPlane) -> Option<PatchSums> {
+    let OtherView { view, epipolar } = other;
+    let direction = epipolar.direction(&patch.middle);
+    let middle = epipolar.image(&direction, plane.w)?;
+    let mut sums = PatchSums::zero(middle.by_inverse_depth.norm());
+
+    let [right, down] = epipolar.steps();
+    for PatchPixel { dx, dy, value: f } in patch.pixels.iter().copied() {
+        let direction = direction + right * dx + down * dy;
+        let Some(image) = epipolar.image(&direction, plane.moved(dx, dy).w) else {
             continue;
         };
-        let Some(g) = sample(&other.view.image, seen.pixel.x, seen.pixel.y) else {
+        let Some(g) = sample(&view.image, image.pixel.x, image.pixel.y) else {
             continue;
         };
-        let along = f64::from(g.slope[0]) * seen.by_inverse_depth.x
-            + f64::from(g.slope[1]) * seen.by_inverse_depth.y;
+
+        // ∂g/∂w = ∇g · ∂u/∂w
+        let along = f64::from(g.slope[0]) * image.by_inverse_depth.x
+            + f64::from(g.slope[1]) * image.by_inverse_depth.y;
         if along.is_finite() && g.value.is_finite() {
             let j = Vector3::new(along, along * dx, along * dy);
-            sums.add(f64::from(*f), f64::from(g.value), &j);
+            sums.add(f64::from(f), f64::from(g.value), &j);
         }
     }
-    (sums.count >= LEAST_SHOWN * patch.whole as f64).then_some((sums, reach))
+    (sums.count >= LEAST_SHOWN * patch.whole as f64).then_some(sums)
 }
 
-/// Eliminates contrast and brightness.
-fn reduced((sums, reach): (Sums, f64)) -> Option<Reduced> {
+/// Eliminates contrast and brightness; `None` without contrast.
+fn reduced(sums: &PatchSums) -> Option<ReducedEquations> {
     let n = sums.count;
     let (ff, gg) = (sums.ff - sums.f * sums.f / n, sums.gg - sums.g * sums.g / n);
     let fg = sums.fg - sums.f * sums.g / n;
@@ -242,37 +264,40 @@ fn reduced((sums, reach): (Sums, f64)) -> Option<Reduced> {
     if ff < n || gg < n {
         return None;
     }
+
     let fj = sums.fj - sums.j * (sums.f / n);
     let gj = sums.gj - sums.j * (sums.g / n);
     let jj = sums.jj - sums.j * sums.j.transpose() / n;
     let contrast = fg / gg;
-    Some(Reduced {
+    Some(ReducedEquations {
         normal: (jj - gj * gj.transpose() / gg) * (contrast * contrast),
         right: (fj - gj * contrast) * contrast,
         squares: ff - fg * contrast,
         count: n,
         correlation: fg / (ff * gg).sqrt(),
-        reach,
+        reach: sums.reach,
     })
 }
 
-/// Moves the plane until the patch looks alike in all `images` (bits).
+/// Moves the plane until the patch looks alike in all `images` (one bit each), by Gauss–Newton.
 pub(in crate::stereo) fn fit(
-    stage: &Stage<'_>,
+    views: &MatchViews<'_>,
     patch: &Patch,
-    start: &Plane3,
+    start: &DepthPlane,
     images: u32,
     options: &MatchOptions,
 ) -> Result<Match, Unmatched> {
     if (patch.pixels.len() as f64) < LEAST_SHOWN * patch.whole as f64 {
         return Err(Unmatched::Unseen);
     }
+
     let mut plane = *start;
     for _ in 0..MOST_STEPS {
-        let views = views(stage, patch, &plane, images)?;
-        let reach = views.iter().map(|view| view.reach).fold(0.0, f64::max);
-        let (normal, right, variance) = combined(&views, &plane, reach);
+        let equations = image_equations(views, patch, &plane, images)?;
+        let reach = equations.iter().map(|e| e.reach).fold(0.0, f64::max);
+        let (normal, right, variance) = combined(&equations, &plane, reach);
         let factor = normal.cholesky().ok_or(Unmatched::NoTexture)?;
+
         let mut step = factor.solve(&right);
         let longest = step.x.abs() * reach;
         if !longest.is_finite() {
@@ -281,29 +306,28 @@ pub(in crate::stereo) fn fit(
         step *= (LARGEST_STEP_PX / longest).min(1.0);
         plane.w += step.x;
         plane.slope = [plane.slope[0] + step.y, plane.slope[1] + step.z];
+
         if (plane.w - start.w).abs() * reach > FARTHEST_PX {
             return Err(Unmatched::Astray);
         }
         if longest < AT_REST_PX {
             let sigma = (variance * factor.solve(&Vector3::x()).x).sqrt();
-            let correlation = views
-                .iter()
-                .map(|view| view.correlation)
-                .fold(1.0, f64::min);
+            let correlations = equations.iter().map(|e| e.correlation);
             let found = Match {
                 plane,
                 sigma,
                 sigma_px: sigma * reach,
-                correlation,
+                correlation: correlations.fold(1.0, f64::min),
                 images,
             };
-            return judged(found, options);
+            return accepted(found, options);
         }
     }
     Err(Unmatched::Astray)
 }
 
-fn judged(found: Match, options: &MatchOptions) -> Result<Match, Unmatched> {
+/// A match, if it looks alike enough and is sure enough.
+fn accepted(found: Match, options: &MatchOptions) -> Result<Match, Unmatched> {
     if found.correlation < options.least_correlation {
         Err(Unmatched::Different)
     } else if found.sigma_px <= options.most_sigma_px && found.plane.w > 0.0 {
@@ -313,31 +337,37 @@ fn judged(found: Match, options: &MatchOptions) -> Result<Match, Unmatched> {
     }
 }
 
-fn views(
-    stage: &Stage<'_>,
+/// The equations of each image used.
+fn image_equations(
+    views: &MatchViews<'_>,
     patch: &Patch,
-    plane: &Plane3,
+    plane: &DepthPlane,
     images: u32,
-) -> Result<Vec<Reduced>, Unmatched> {
-    let used = (0..stage.others.len()).filter(|i| images >> i & 1 == 1);
-    used.map(|i| {
-        let sums = sums(stage, patch, i, plane).ok_or(Unmatched::Unseen)?;
-        reduced(sums).ok_or(Unmatched::NoTexture)
-    })
-    .collect()
+) -> Result<Vec<ReducedEquations>, Unmatched> {
+    let used = (0..views.others.len()).filter(|i| images >> i & 1 == 1);
+    let equations = used.map(|i| {
+        let sums = patch_sums(&views.others[i], patch, plane).ok_or(Unmatched::Unseen)?;
+        reduced(&sums).ok_or(Unmatched::NoTexture)
+    });
+    equations.collect()
 }
 
 /// The normal equations of all images with the prior of the slopes, and the variance of the brightness.
-fn combined(views: &[Reduced], plane: &Plane3, reach: f64) -> (Matrix3<f64>, Vector3<f64>, f64) {
+fn combined(
+    images: &[ReducedEquations],
+    plane: &DepthPlane,
+    reach: f64,
+) -> (Matrix3<f64>, Vector3<f64>, f64) {
     let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
     let (mut squares, mut count) = (0.0, 0.0);
-    for view in views {
-        normal += view.normal;
-        right += view.right;
-        squares += view.squares;
-        count += view.count;
+    for image in images {
+        normal += image.normal;
+        right += image.right;
+        squares += image.squares;
+        count += image.count;
     }
-    let unknowns = 3.0 + 2.0 * views.len() as f64;
+
+    let unknowns = 3.0 + 2.0 * images.len() as f64;
     // brightness is rounded: no less than its variance
     let variance = (squares / (count - unknowns).max(1.0)).max(1.0 / 12.0);
     let precision = variance * (reach / SLOPE_SD).powi(2);

@@ -1,32 +1,36 @@
 //! From matches to points, and how far each errs.
 //!
-//! The normal matrix of a match knows the noise of the images, and takes the surface for the plane that the patch is. Where it
-//! bends, or where a patch lies across the edge of a limb, a match errs by more. How much more its neighbours show: on a
-//! plane the inverse depth is the mean of those of the two matches one radius to either side. Where it is not, by
-//! ½κr² on a surface of curvature κ, the patch's plane lies ⅔ of that off the surface at its middle, and up to all of it
-//! at an edge. So σ² = σ_n² + σ_m² + b², with b the root mean square of these differences over four directions.
+//! The normal matrix of a match knows the noise of the images, and takes the surface for a plane. Where the surface bends, or
+//! where a patch lies across the edge of a limb, a match errs by more. Its neighbours show how much more: on a plane the
+//! inverse depth is the mean of those of the two matches one radius to either side. On a surface of curvature κ it differs
+//! by ½κr²; the patch's plane lies ⅔ of that off the surface at its middle, and up to all of it at an edge. So
+//! σ² = σ_n² + σ_m² + b², with b the root mean square of these differences over four directions.
 
 use nalgebra::{Matrix3, Point2, Point3};
 use rayon::prelude::*;
 
 use super::multi_image::Match;
-use super::{Grid, MatchOptions, MatchedPoint, MatchedSurface, Stage, point_world, seeds};
+use super::{
+    Grid, MatchOptions, MatchViews, MatchedPoint, MatchedSurface, Place, point_world, seeds,
+};
+use crate::camera::Camera;
 use crate::stereo::{CloudPoint, Spread};
 
 /// The directions in which a match is compared with its neighbours.
 const DIRECTIONS: [(isize, isize); 4] = [(1, 0), (0, 1), (1, 1), (1, -1)];
 
-/// The points of all matches whose standard deviation is not too large, and what was not matched.
+/// The points of all matches whose standard deviation is not too large, and how much was not matched.
 pub(super) fn points(
-    stage: &Stage<'_>,
+    views: &MatchViews<'_>,
     grid: &Grid,
     seeds: usize,
     options: &MatchOptions,
 ) -> MatchedSurface {
     let rows: Vec<MatchedSurface> = (0..grid.height())
         .into_par_iter()
-        .map(|row| of_row(stage, grid, row, options))
+        .map(|row| row_points(views, grid, row, options))
         .collect();
+
     let mut surface = MatchedSurface {
         seeds,
         ..MatchedSurface::default()
@@ -39,23 +43,27 @@ pub(super) fn points(
     surface
 }
 
-fn of_row(stage: &Stage<'_>, grid: &Grid, row: usize, options: &MatchOptions) -> MatchedSurface {
+/// The points of one row of the grid.
+fn row_points(
+    views: &MatchViews<'_>,
+    grid: &Grid,
+    row: usize,
+    options: &MatchOptions,
+) -> MatchedSurface {
     let mut surface = MatchedSurface::default();
     for (column, found) in grid.row(row).iter().enumerate() {
-        let pixel = (column * options.spacing_px, row * options.spacing_px);
-        let point = found.as_ref().and_then(|found| {
-            point(
-                stage,
-                pixel,
-                found,
-                bend(grid, (column, row), options),
-                options,
-            )
+        let place = Place { column, row };
+        let pixel = place.pixel(options);
+        let point = found.as_ref();
+        let point = point.and_then(|found| {
+            let bend = bend(grid, place, options);
+            point_of_match(views, pixel, found, bend, options)
         });
+
         if let Some(point) = point {
             surface.points.push(point);
-        } else if stage.shows_subject(pixel.0, pixel.1) {
-            let texture = seeds::texture(stage, pixel, options.radius_px);
+        } else if views.shows_subject(pixel.0, pixel.1) {
+            let texture = seeds::texture(views, pixel, options.radius_px);
             surface.unmatched += 1;
             surface.without_texture += usize::from(texture < seeds::LEAST_TEXTURE);
         }
@@ -63,36 +71,37 @@ fn of_row(stage: &Stage<'_>, grid: &Grid, row: usize, options: &MatchOptions) ->
     surface
 }
 
-/// b: how far a match is from what the matches a patch's radius away say of its inverse depth, 1/m; 0 without any.
+/// b: the difference between a match's inverse depth and what the matches a patch's radius away say of it, 1/m; 0 without any.
 ///
-/// Pairs on opposite sides count by their mean; where there is none, each neighbour by its plane.
-fn bend(grid: &Grid, (column, row): (usize, usize), options: &MatchOptions) -> f64 {
+/// Two matches on opposite sides say their mean; where no direction has two, each says what its plane does.
+fn bend(grid: &Grid, place: Place, options: &MatchOptions) -> f64 {
     let steps = (options.radius_px / options.spacing_px).max(1) as isize;
-    let at = |(dx, dy): (isize, isize), sign: isize| -> Option<Match> {
-        let column = column.checked_add_signed(sign * steps * dx)?;
-        grid.get(column, row.checked_add_signed(sign * steps * dy)?)?
+    let neighbour = |direction: &(isize, isize), sign: isize| -> Option<Match> {
+        let (right, down) = (sign * steps * direction.0, sign * steps * direction.1);
+        place.beside(right, down)?.found(grid)
     };
-    let Some(here) = grid.get(column, row).flatten() else {
+    let Some(here) = place.found(grid) else {
         return 0.0;
     };
-    let of_pair = |direction: &(isize, isize)| {
-        let (ahead, behind) = (at(*direction, 1)?, at(*direction, -1)?);
+
+    let pairs = DIRECTIONS.iter().filter_map(|direction| {
+        let (ahead, behind) = (neighbour(direction, 1)?, neighbour(direction, -1)?);
         Some(here.plane.w - 0.5 * (ahead.plane.w + behind.plane.w))
-    };
-    let pairs: Vec<f64> = DIRECTIONS.iter().filter_map(of_pair).collect();
+    });
+    let pairs: Vec<f64> = pairs.collect();
     if !pairs.is_empty() {
         return rms(&pairs);
     }
+
     let reach_px = (steps * options.spacing_px as isize) as f64;
-    let of_plane = |(direction, sign): ((isize, isize), isize)| {
-        let by = |d: isize| -(sign * d) as f64 * reach_px;
-        let expected = at(direction, sign)?
-            .plane
-            .moved(by(direction.0), by(direction.1));
+    let singles = DIRECTIONS.iter().flat_map(|d| [(d, 1), (d, -1)]);
+    let singles = singles.filter_map(|(direction, sign)| {
+        let back = |d: isize| -(sign * d) as f64 * reach_px;
+        let plane = neighbour(direction, sign)?.plane;
+        let expected = plane.moved(back(direction.0), back(direction.1));
         Some(here.plane.w - expected.w)
-    };
-    let single = DIRECTIONS.iter().flat_map(|d| [(*d, 1), (*d, -1)]);
-    rms(&single.filter_map(of_plane).collect::<Vec<f64>>())
+    });
+    rms(&singles.collect::<Vec<f64>>())
 }
 
 fn rms(values: &[f64]) -> f64 {
@@ -101,24 +110,25 @@ fn rms(values: &[f64]) -> f64 {
 }
 
 /// The point of a match; `None` if its standard deviation is too large.
-fn point(
-    stage: &Stage<'_>,
+fn point_of_match(
+    views: &MatchViews<'_>,
     pixel: (usize, usize),
     found: &Match,
     bend: f64,
     options: &MatchOptions,
 ) -> Option<MatchedPoint> {
-    let reach = stage.reach(pixel, found.plane.w).max(f64::MIN_POSITIVE);
-    let sigma_w = found
-        .sigma
-        .hypot(bend)
-        .hypot(options.model_sigma_px / reach);
+    let reach = views.reach(pixel, found.plane.w).max(f64::MIN_POSITIVE);
     if found.sigma_px.hypot(bend * reach) > options.most_sigma_px {
         return None;
     }
+
+    let sigma_w = found.sigma.hypot(bend);
+    let sigma_w = sigma_w.hypot(options.model_sigma_px / reach);
+    let camera = &views.template.camera;
     let place = Point2::new(pixel.0 as f64, pixel.1 as f64);
-    let position_world = point_world(&stage.template.camera, &place, found.plane.w);
-    let spread = covariance(stage, &position_world, (found.plane.w, sigma_w), options);
+    let position_world = point_world(camera, &place, found.plane.w);
+    let spread = covariance(camera, &position_world, found.plane.w, sigma_w, options);
+
     Some(MatchedPoint {
         pixel,
         point: CloudPoint {
@@ -132,14 +142,14 @@ fn point(
     })
 }
 
-/// Along the line of sight from σ_w, across it from the error that nothing else sees; world, m².
+/// Along the line of sight from σ_w, across it from the error of the model; world, m².
 fn covariance(
-    stage: &Stage<'_>,
+    camera: &Camera,
     position: &Point3<f64>,
-    (w, sigma_w): (f64, f64),
+    w: f64,
+    sigma_w: f64,
     options: &MatchOptions,
 ) -> Matrix3<f64> {
-    let camera = &stage.template.camera;
     let ray = position - camera.centre_world();
     let along = ray * (sigma_w / w);
     let across = options.model_sigma_px / (camera.intrinsics.fx_px * w);
@@ -148,7 +158,7 @@ fn covariance(
 
 #[cfg(test)]
 mod tests {
-    use super::super::Plane3;
+    use super::super::DepthPlane;
     use super::*;
 
     /// A grid of 21 × 21 matches of this inverse depth, a pixel apart, each with the plane that touches it.
@@ -159,7 +169,7 @@ mod tests {
                 let (x, y) = (column as f64 - 10.0, row as f64 - 10.0);
                 let slope = [w(x + 0.5, y) - w(x - 0.5, y), w(x, y + 0.5) - w(x, y - 0.5)];
                 *place = is_there(column, row).then(|| Match {
-                    plane: Plane3 { w: w(x, y), slope },
+                    plane: DepthPlane { w: w(x, y), slope },
                     sigma: 0.0,
                     sigma_px: 0.0,
                     correlation: 1.0,
@@ -175,7 +185,14 @@ mod tests {
             spacing_px: 1,
             ..MatchOptions::default()
         };
-        bend(grid, (10, 10), &options)
+        bend(
+            grid,
+            Place {
+                column: 10,
+                row: 10,
+            },
+            &options,
+        )
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Which trajectories are true: thresholds, and local uniformity in space and time (PFD99 § 2.2, Fig. 5).
+//! Which trajectories are true, by thresholds and by local uniformity in space and time (PFD99 § 2.2, Fig. 5).
 
 use std::collections::HashMap;
 
@@ -7,18 +7,18 @@ use nalgebra::{Point3, Vector3};
 use super::Trajectory;
 use crate::math::stats::median;
 
-/// What a trajectory of a body may do.
+/// Which motion is that of a body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FilterOptions {
     /// Largest speed, m/s. 10: a foot that runs.
     pub most_speed: f64,
     /// Largest acceleration, m/s². 200.
     pub most_acceleration: f64,
-    /// Neighbours lie within this distance, m. 0.06.
+    /// Largest distance of neighbours, m. 0.06.
     pub neighbourhood: f64,
-    /// And at most so many frames away. 1.
+    /// Most frames between neighbours. 1.
     pub neighbour_frames: usize,
-    /// Fewer neighbours say nothing, and the point is not believed. 6.
+    /// A point with fewer neighbours is not believed. 6.
     pub least_neighbours: usize,
     /// Largest difference from the neighbours' velocity, m/s. 0.3.
     pub most_difference: f64,
@@ -48,19 +48,19 @@ impl Default for FilterOptions {
 pub struct FilteredTrajectories {
     /// Those that are left, truncated where they became false.
     pub trajectories: Vec<Trajectory>,
-    /// Place of each in what was given.
+    /// Index of each in the trajectories given.
     pub kept: Vec<usize>,
     /// How many were truncated.
     pub truncated: usize,
-    /// How many were removed; their first points were errors of the first frame.
+    /// How many were removed: they were false from the first frame on.
     pub removed: usize,
 }
 
 /// Truncates trajectories where they are faster or accelerate more than a body can, and where their velocity is not
-/// that of their neighbours; removes those that are too short then.
+/// that of their neighbours; removes those that are then too short.
 ///
 /// The neighbours' velocity is the median, by component, of the velocities within a ball around the point, in the
-/// frames beside it too. The first pass leaves few false ones, so a second one judges by these alone.
+/// frames beside it too. Two passes are made: in the second, the neighbours are those that the first left.
 ///
 /// # Source
 /// PFD99 § 2.2. **Differs**: the median instead of the mean, which a false neighbour would draw along.
@@ -68,17 +68,15 @@ pub fn filter_trajectories(
     trajectories: &[Trajectory],
     options: &FilterOptions,
 ) -> FilteredTrajectories {
-    let mut ends: Vec<usize> = trajectories
-        .iter()
-        .map(|t| thresholds(t, options))
-        .collect();
+    let within = trajectories.iter().map(|t| within_thresholds(t, options));
+    let mut ends: Vec<usize> = within.collect();
     for _ in 0..2 {
-        let known = Neighbours::of(trajectories, &ends, options);
-        let judged = trajectories.iter().zip(&ends);
-        ends = judged
-            .map(|(t, end)| uniform(t, *end, &known, options))
-            .collect();
+        let neighbours = Neighbours::new(trajectories, &ends, options);
+        let known = trajectories.iter().zip(&ends);
+        let uniform = known.map(|(t, end)| uniform(t, *end, &neighbours, options));
+        ends = uniform.collect();
     }
+
     let mut filtered = FilteredTrajectories {
         trajectories: Vec::new(),
         kept: Vec::new(),
@@ -90,6 +88,7 @@ pub fn filter_trajectories(
             filtered.removed += 1;
             continue;
         }
+
         filtered.truncated += usize::from(end < trajectory.points.len());
         filtered.kept.push(i);
         filtered.trajectories.push(Trajectory {
@@ -100,8 +99,8 @@ pub fn filter_trajectories(
     filtered
 }
 
-/// How many points come before the first that is too fast.
-fn thresholds(trajectory: &Trajectory, options: &FilterOptions) -> usize {
+/// How many points come before the first that is too fast or accelerates too much.
+fn within_thresholds(trajectory: &Trajectory, options: &FilterOptions) -> usize {
     let points = &trajectory.points;
     let good = |i: &usize| {
         points[*i].velocity.norm() <= options.most_speed
@@ -110,20 +109,20 @@ fn thresholds(trajectory: &Trajectory, options: &FilterOptions) -> usize {
     (0..points.len()).take_while(good).count()
 }
 
+/// How many of the points before `end` come before the first that does not move as its neighbours do.
 fn uniform(
     trajectory: &Trajectory,
     end: usize,
-    known: &Neighbours,
+    neighbours: &Neighbours,
     options: &FilterOptions,
 ) -> usize {
     let good = |i: &usize| {
         let point = &trajectory.points[*i];
-        let around = known.velocity(trajectory.first_frame + i, &point.position_world, options);
+        let frame = trajectory.first_frame + i;
+        let around = neighbours.velocity(frame, &point.position_world, options);
         around.is_some_and(|around| {
-            let most = options
-                .most_difference
-                .max(options.most_share * around.norm());
-            (point.velocity - around).norm() <= most
+            let share = options.most_share * around.norm();
+            (point.velocity - around).norm() <= options.most_difference.max(share)
         })
     };
     (0..end).take_while(good).count()
@@ -138,7 +137,7 @@ struct Neighbours {
 }
 
 impl Neighbours {
-    fn of(trajectories: &[Trajectory], ends: &[usize], options: &FilterOptions) -> Self {
+    fn new(trajectories: &[Trajectory], ends: &[usize], options: &FilterOptions) -> Self {
         let mut cells: HashMap<_, Vec<_>> = HashMap::new();
         for (trajectory, end) in trajectories.iter().zip(ends) {
             for (i, point) in trajectory.points[..*end].iter().enumerate() {
@@ -159,25 +158,25 @@ impl Neighbours {
     ) -> Option<Vector3<f64>> {
         let [x, y, z] = cell(at, options);
         let mut velocities = [const { Vec::new() }; 3];
-        for frame in
-            frame.saturating_sub(options.neighbour_frames)..=frame + options.neighbour_frames
-        {
+        let first = frame.saturating_sub(options.neighbour_frames);
+        for frame in first..=frame + options.neighbour_frames {
+            // the cell itself and the 26 around it
             for i in 0..27 {
                 let cell = [x + i % 3 - 1, y + i / 3 % 3 - 1, z + i / 9 - 1];
                 let points = self.cells.get(&(frame, cell)).into_iter().flatten();
                 for (_, velocity) in
                     points.filter(|(p, _)| (p - at).norm() <= options.neighbourhood)
                 {
-                    velocities
-                        .iter_mut()
-                        .zip(velocity)
-                        .for_each(|(all, v)| all.push(*v));
+                    let components = velocities.iter_mut().zip(velocity);
+                    components.for_each(|(all, v)| all.push(*v));
                 }
             }
         }
+
         if velocities[0].len() <= options.least_neighbours {
             return None;
         }
+
         let [x, y, z] = velocities.each_mut().map(median);
         Some(Vector3::new(x?, y?, z?))
     }

@@ -1,10 +1,10 @@
 //! Following points of the surface from frame to frame (PFD99 § 2.2).
 //!
 //! A [`Tracker`] begins with the matches of one frame. In each camera every point's place in the next frame is predicted
-//! from its motion, searched in a box by correlation, and found by least-squares matching with its own last image
-//! (`temporal.rs`). Least-squares matching across the cameras at that place must agree; if it does, the point's new
-//! place is where the lines of sight meet. [`Tracker::finish`] gives the [`Trajectory`]s with velocity and acceleration,
-//! and [`filter_trajectories`] takes away the false ones (`filters.rs`).
+//! from its motion, searched for in a box by correlation, and found by least-squares matching with the point's image in the
+//! frame before (`temporal.rs`). Least-squares matching across the cameras at that place must agree; if it does, the point
+//! has moved to where the lines of sight meet. [`Tracker::finish`] gives the [`Trajectory`]s with velocity and
+//! acceleration, and [`filter_trajectories`] removes the false ones (`filters.rs`).
 
 mod filters;
 mod temporal;
@@ -14,12 +14,16 @@ use nalgebra::{Point2, Point3};
 use rayon::prelude::*;
 
 use super::intersection::{Sighting, intersect};
-use super::matching::{MatchError, MatchOptions, MatchedPoint, Patch, Plane3, Stage};
+use super::matching::{
+    DepthPlane, MatchError, MatchOptions, MatchViews, MatchedPoint, Patch, PatchPixel,
+    pixels_around, point_world,
+};
 use super::view::StereoView;
-use super::{CloudPoint, Spread};
+use super::{CloudPoint, Intersection, Spread};
 use crate::image::Mask;
 
 pub use filters::{FilterOptions, FilteredTrajectories, filter_trajectories};
+use temporal::TemporalMatch;
 pub use trajectory::{TrackPoint, Trajectory};
 
 /// How points are followed.
@@ -29,9 +33,9 @@ pub struct TrackOptions {
     pub radius_px: usize,
     /// The larger patch in time where that one fails. 9: 19 × 19.
     pub larger_radius_px: usize,
-    /// Half the search box around the predicted place. 10.
+    /// How far the search box reaches from the predicted place on each side. 10.
     pub search_px: usize,
-    /// The same where there is no motion yet to predict from. 24.
+    /// The same in the first step, without a motion to predict from. 24.
     pub first_search_px: usize,
     /// Least correlation coefficient with the patch of the frame before. 0.6.
     pub least_correlation: f64,
@@ -58,7 +62,7 @@ impl Default for TrackOptions {
     }
 }
 
-/// What the cameras show at one time.
+/// The images of the cameras in one frame.
 #[derive(Debug, Clone)]
 pub struct FrameViews {
     /// The template's camera first.
@@ -73,7 +77,7 @@ struct Track {
     /// Places in each view, in the last frame and in the one before.
     last: Vec<Point2<f64>>,
     before: Option<Vec<Point2<f64>>>,
-    plane: Plane3,
+    plane: DepthPlane,
     path: Vec<CloudPoint>,
     lost: bool,
 }
@@ -83,25 +87,26 @@ struct Track {
 pub struct Tracker {
     options: TrackOptions,
     first_frame: usize,
-    shown: FrameViews,
+    /// The last frame.
+    here: FrameViews,
     tracks: Vec<Track>,
 }
 
 impl Tracker {
-    /// Begins with points matched in `shown`, whose first view was their template.
+    /// Begins with points matched in the first frame, whose first view was their template.
     ///
     /// # Errors
     /// [`MatchError`] for cameras in one place.
     pub fn start(
         first_frame: usize,
-        shown: FrameViews,
+        here: FrameViews,
         points: &[MatchedPoint],
         options: TrackOptions,
     ) -> Result<Self, MatchError> {
-        let stage = stage(&shown)?;
-        let track = |point: &MatchedPoint| {
+        let views = match_views(&here)?;
+        let tracks = points.iter().filter_map(|point| {
             let place = Point2::new(point.pixel.0 as f64, point.pixel.1 as f64);
-            let others = stage.images_of(&place, point.plane.w)?;
+            let others = views.places_in_others(&place, point.plane.w)?;
             Some(Track {
                 last: std::iter::once(place).chain(others).collect(),
                 before: None,
@@ -109,13 +114,14 @@ impl Tracker {
                 path: vec![point.point],
                 lost: false,
             })
-        };
-        let tracks = points.iter().filter_map(track).collect();
-        drop(stage);
+        });
+        let tracks = tracks.collect();
+        drop(views);
+
         Ok(Self {
             options,
             first_frame,
-            shown,
+            here,
             tracks,
         })
     }
@@ -136,28 +142,26 @@ impl Tracker {
     /// # Errors
     /// [`MatchError`] for cameras in one place, and another number of views than before.
     pub fn advance(&mut self, next: FrameViews) -> Result<(), MatchError> {
-        if next.views.len() != self.shown.views.len() {
-            let beside = |shown: &FrameViews| shown.views.len().saturating_sub(1);
-            let (expected, found) = (beside(&self.shown), beside(&next));
+        if next.views.len() != self.here.views.len() {
+            let beside = |frame: &FrameViews| frame.views.len().saturating_sub(1);
+            let (expected, found) = (beside(&self.here), beside(&next));
             return Err(MatchError::Images { expected, found });
         }
-        let (here, there) = (stage(&self.shown)?, stage(&next)?);
-        let step = Step {
-            shown: &self.shown,
+
+        let step = FrameStep {
+            here: &self.here,
             next: &next,
-            here,
-            there,
+            match_views: match_views(&next)?,
             options: &self.options,
         };
-        self.tracks
-            .par_iter_mut()
-            .filter(|track| !track.lost)
-            .for_each(|track| match step.of(track) {
-                Some(moved) => *track = moved,
-                None => track.lost = true,
-            });
+        let followed = self.tracks.par_iter_mut().filter(|track| !track.lost);
+        followed.for_each(|track| match step.advanced(track) {
+            Some(moved) => *track = moved,
+            None => track.lost = true,
+        });
         drop(step);
-        self.shown = next;
+
+        self.here = next;
         Ok(())
     }
 
@@ -170,65 +174,58 @@ impl Tracker {
     }
 }
 
-fn stage(shown: &FrameViews) -> Result<Stage<'_>, MatchError> {
-    let Some((template, others)) = shown
-        .views
-        .split_first()
-        .filter(|(_, others)| !others.is_empty())
-    else {
+fn match_views(frame: &FrameViews) -> Result<MatchViews<'_>, MatchError> {
+    let views = frame.views.split_first();
+    let Some((template, others)) = views.filter(|(_, others)| !others.is_empty()) else {
         return Err(MatchError::Images {
             expected: 1,
             found: 0,
         });
     };
-    let mask = shown.masks.first().and_then(Option::as_ref);
-    Stage::new(template, &others.iter().collect::<Vec<_>>(), mask)
+    let mask = frame.masks.first().and_then(Option::as_ref);
+    MatchViews::new(template, &others.iter().collect::<Vec<_>>(), mask)
 }
 
-/// One frame and the next.
-struct Step<'a> {
-    shown: &'a FrameViews,
+/// One frame and the next, in whose views points are matched.
+struct FrameStep<'a> {
+    here: &'a FrameViews,
     next: &'a FrameViews,
-    here: Stage<'a>,
-    there: Stage<'a>,
+    match_views: MatchViews<'a>,
     options: &'a TrackOptions,
 }
 
-impl Step<'_> {
+impl FrameStep<'_> {
     /// The track one frame on; `None` if it is lost.
-    fn of(&self, track: &Track) -> Option<Track> {
+    fn advanced(&self, track: &Track) -> Option<Track> {
         // 1. temporal matching in each view
-        let moved: Option<Vec<temporal::Moved>> = (0..track.last.len())
-            .map(|view| self.temporal(track, view))
-            .collect();
-        let moved = moved?;
+        let moved = (0..track.last.len()).map(|view| self.temporal(track, view));
+        let moved: Vec<TemporalMatch> = moved.collect::<Option<_>>()?;
+
         // 2. spatial matching at the result
         let place = moved[0].pixel;
         let rough = self.intersect(&moved)?;
         let camera = &self.next.views[0].camera;
         let depth = (camera.camera_from_world * rough.position_world).z;
-        let plane = Plane3 {
+        let plane = DepthPlane {
             w: 1.0 / depth,
             ..track.plane
         };
-        let patch = Patch::around(&self.there, place, self.options.radius_px);
-        let found = self
-            .there
-            .find_patch(&patch, &plane, &self.options.spatial)?;
+        let patch = Patch::around(&self.match_views, place, self.options.radius_px);
+        let spatial = &self.options.spatial;
+        let found = self.match_views.find_patch(&patch, &plane, spatial)?;
+
         // 3. both must agree
-        let others = self.there.images_of(&place, found.plane.w)?;
-        let difference = others
-            .iter()
-            .zip(&moved[1..])
-            .map(|(a, b)| (a - b.pixel).norm());
-        if difference.fold(0.0, f64::max) > self.options.most_difference_px {
+        let others = self.match_views.places_in_others(&place, found.plane.w)?;
+        let pairs = others.iter().zip(&moved[1..]);
+        let differences = pairs.map(|(spatial, temporal)| (spatial - temporal.pixel).norm());
+        if differences.fold(0.0, f64::max) > self.options.most_difference_px {
             return None;
         }
+
         // 4. forward intersection
-        let position_world = super::matching::point_world(camera, &place, found.plane.w);
         let mut path = track.path.clone();
         path.push(CloudPoint {
-            position_world,
+            position_world: point_world(camera, &place, found.plane.w),
             spread: Spread::Full(rough.covariance),
         });
         Some(Track {
@@ -241,7 +238,7 @@ impl Step<'_> {
     }
 
     /// Where the point is in the next image of a view, by its patch or, where that fails, by a larger one.
-    fn temporal(&self, track: &Track, view: usize) -> Option<temporal::Moved> {
+    fn temporal(&self, track: &Track, view: usize) -> Option<TemporalMatch> {
         let options = self.options;
         let radii = [options.radius_px, options.larger_radius_px];
         let mut found = radii
@@ -253,7 +250,8 @@ impl Step<'_> {
         })
     }
 
-    fn temporal_with(&self, track: &Track, view: usize, radius: usize) -> Option<temporal::Moved> {
+    /// The same with the patch of one radius.
+    fn temporal_with(&self, track: &Track, view: usize, radius: usize) -> Option<TemporalMatch> {
         let place = track.last[view];
         let patch = self.patch(view, place, radius)?;
         let (expected, reach) = match &track.before {
@@ -265,34 +263,22 @@ impl Step<'_> {
         temporal::fit(&patch, image, &start)
     }
 
-    /// The patch around a place in this frame, without what does not show the subject.
-    fn patch(
-        &self,
-        view: usize,
-        place: Point2<f64>,
-        radius: usize,
-    ) -> Option<Vec<(f64, f64, f32)>> {
-        let pixels = if view == 0 {
-            Patch::around(&self.here, place, radius).pixels().to_vec()
-        } else {
-            let mask = self.shown.masks.get(view).and_then(Option::as_ref);
-            super::matching::pixels_around(&self.shown.views[view].image, mask, place, radius)
-        };
+    /// The patch around a place in this frame; `None` unless more than half of it shows the subject.
+    fn patch(&self, view: usize, place: Point2<f64>, radius: usize) -> Option<Vec<PatchPixel>> {
+        let mask = self.here.masks.get(view).and_then(Option::as_ref);
+        let pixels = pixels_around(&self.here.views[view].image, mask, place, radius);
         (2 * pixels.len() > (2 * radius + 1).pow(2)).then_some(pixels)
     }
 
-    fn intersect(&self, moved: &[temporal::Moved]) -> Option<super::Intersection> {
+    /// Where the lines of sight of the places in all views meet.
+    fn intersect(&self, moved: &[TemporalMatch]) -> Option<Intersection> {
         let model = self.options.spatial.model_sigma_px;
-        let sightings = self
-            .next
-            .views
-            .iter()
-            .zip(moved)
-            .map(|(view, moved)| Sighting {
-                camera: &view.camera,
-                pixel: moved.pixel,
-                sigma_px: moved.sigma_px.hypot(model),
-            });
+        let views = self.next.views.iter().zip(moved);
+        let sightings = views.map(|(view, moved)| Sighting {
+            camera: &view.camera,
+            pixel: moved.pixel,
+            sigma_px: moved.sigma_px.hypot(model),
+        });
         intersect(&sightings.collect::<Vec<_>>())
     }
 }

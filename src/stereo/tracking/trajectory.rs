@@ -4,12 +4,12 @@ use nalgebra::{Point3, Vector3};
 
 use crate::stereo::{CloudPoint, Spread};
 
-/// A point of a path.
+/// A point of a trajectory.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrackPoint {
     /// Where, metres.
     pub position_world: Point3<f64>,
-    /// How sure.
+    /// How far it may be from the true point.
     pub spread: Spread,
     /// By central differences, at the ends by one-sided ones, m/s.
     pub velocity: Vector3<f64>,
@@ -34,12 +34,15 @@ impl Trajectory {
         let point = |i: usize| {
             let (before, after) = (i.saturating_sub(1), (i + 1).min(last));
             let frames = (after - before).max(1) as f64;
+
+            // of a path of fewer than three points nothing is known
             let middle = i.clamp(1, last.saturating_sub(1).max(1));
             let acceleration = if last >= 2 {
                 (at(middle + 1) - at(middle)) - (at(middle) - at(middle - 1))
             } else {
                 Vector3::zeros()
             };
+
             TrackPoint {
                 position_world: at(i),
                 spread: path[i].spread,
