@@ -37,7 +37,7 @@ fn camera(distortion: Distortion) -> Camera {
         distortion,
         ..Ring::default()
     };
-    ring.placed(&mut ChaCha8Rng::seed_from_u64(4))
+    ring.irregular(&mut ChaCha8Rng::seed_from_u64(4))
         .cameras
         .remove(0)
 }

@@ -6,7 +6,7 @@ use maquette::body::{BodyModel, Motion, Posed, Shape};
 use maquette::camera::CameraId;
 use maquette::io::model;
 use maquette::silhouette::FrameIndex;
-use maquette::synth::{Gait, Walk, WalkError, draw_shape, sample_walker};
+use maquette::synth::{Walk, WalkError, WalkingStyle, draw_shape, sample_walker};
 use nalgebra::{Point3, Vector2};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -28,17 +28,23 @@ struct Trial {
 fn trial(name: &str, seed: u64) -> Trial {
     let model = human(name);
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let (shape, gait) = match seed {
-        0 => (Shape(model.statistics.mean.clone()), Gait::normative()),
-        _ => (draw_shape(&model, &mut rng), Gait::personal(&mut rng)),
+    let (shape, style) = match seed {
+        0 => (
+            Shape(model.statistics.mean.clone()),
+            WalkingStyle::normative(),
+        ),
+        _ => (
+            draw_shape(&model, &mut rng),
+            WalkingStyle::personal(&mut rng),
+        ),
     };
     let walk = Walk {
-        gait,
+        style,
         heading: 0.0,
         middle_world: Vector2::new(0.5, -0.2),
         start_phase: 0.0,
     };
-    let frames = (2.0 * FPS / walk.gait.stride_hz) as usize;
+    let frames = (2.0 * FPS / walk.style.stride_hz) as usize;
     let motions = walk
         .motions(&model, &shape, FPS, frames)
         .expect("it has feet");
@@ -59,7 +65,7 @@ impl Trial {
 
     /// Frames in which the right foot alone stands flat.
     fn stance(&self) -> std::ops::Range<usize> {
-        let frame = |phase: f64| (phase * FPS / self.walk.gait.stride_hz) as usize;
+        let frame = |phase: f64| (phase * FPS / self.walk.style.stride_hz) as usize;
         frame(0.12)..frame(0.3)
     }
 }

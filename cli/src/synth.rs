@@ -115,7 +115,7 @@ fn film(arguments: &SynthArguments, model: &BodyModel) -> Result<Written, CliErr
         fps: arguments.fps.unwrap_or(default.fps),
         ..default
     };
-    let recording = recipe.filmed(model)?;
+    let recording = recipe.film(model)?;
     filmed::write(&recording, &arguments.out)?;
     let cameras = recording.synthetic.rig.cameras.len();
     Ok((recipe.frames, cameras, recipe.fps))

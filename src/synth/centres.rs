@@ -1,15 +1,16 @@
 //! Where in a person's flesh the joints lie.
 //!
-//! Persons of the same flesh differ in that. At angles 0 let a part's own joint be at o and the next part's at e. If they lie δ and δ′ elsewhere in the flesh, the bone between them is no longer e − o but
+//! Persons of the same flesh differ in that. At angles 0 let a part's own joint be at o and the next part's at e. If they
+//! lie δ and δ′ elsewhere in the flesh, the bone between them is no longer e − o but
 //!
 //! ```text
 //! b = e + δ′ − o − δ
 //! ```
 //!
 //! Angles are those of the bones, so a part's axes turn with its bone: by Q, the least rotation that takes e − o to b (1
-//! for a part without a bone, as pelvis, head and foot). In the part's axes, flesh that was at x is then at Qᵀ(x − δ), and a joint
-//! that the part carries at Qᵀ(x + δ′ − δ). Every part keeps its flesh as it is; its bone is longer or shorter and lies
-//! elsewhere in it, by the same in every frame.
+//! for a part without a bone, like pelvis, head and foot). In the part's axes, flesh that was at x is then at Qᵀ(x − δ), and
+//! a joint that the part carries at Qᵀ(x + δ′ − δ). The flesh of every part stays the same. The bone in it is longer or shorter
+//! and lies elsewhere, equally in every frame.
 
 use nalgebra::{DVector, Rotation3, Vector3};
 use rand::Rng;
@@ -49,9 +50,11 @@ pub fn move_centres(model: &BodyModel, shape: &Shape, c: &DVector<f64>) -> BodyM
     let straight = Posed::new(model, shape, &straight);
     let places = Displacements::new(&straight).world;
     let moved: Vec<Vector3<f64>> = places.iter().map(|place| place * c).collect();
-    let flesh: Vec<Flesh> = turned(&straight, &moved);
+    let flesh = displaced_flesh(&straight, &moved);
     let in_world = |part: usize| straight.world_from_part(PartId(part));
     let mut person = model.clone();
+
+    // joints, where their parent's flesh carries them
     for (part, parent) in model.part_parents().into_iter().enumerate() {
         let Some(parent) = parent else { continue };
         let Some(&joint) = model.own_joints(part, Some(parent)).first() else {
@@ -62,12 +65,15 @@ pub fn move_centres(model: &BodyModel, shape: &Shape, c: &DVector<f64>) -> BodyM
         let carried = translation.at(shape) + in_world(parent).tr_mul(&centre);
         translation.set_at(flesh[parent].in_bone(carried), shape);
     }
+
+    // flesh, as its bone sees it
     for primitive in person.ellipsoids.iter_mut().chain(&mut person.metaballs) {
         let flesh = &flesh[primitive.part.0];
         let centre = flesh.in_bone(primitive.centre.at(shape));
         primitive.centre.set_at(centre, shape);
         primitive.part_from_primitive = flesh.turn.inverse() * primitive.part_from_primitive;
     }
+
     for (point, moved) in person.points.iter_mut().zip(&moved[model.parts.len()..]) {
         // own centres and their midpoints are where their parts are
         let places = point.places.iter_mut();
@@ -94,11 +100,11 @@ impl Flesh {
     }
 }
 
-/// By part.
-fn turned(straight: &Posed<'_>, moved: &[Vector3<f64>]) -> Vec<Flesh> {
+/// The flesh of every part.
+fn displaced_flesh(straight: &Posed<'_>, moved: &[Vector3<f64>]) -> Vec<Flesh> {
     let model = straight.model;
     let bones = model.bones();
-    let of_part = |part: usize| {
+    let flesh = |part: usize| {
         let axes = straight.world_from_part(PartId(part));
         let along = bones[part].and_then(|end| {
             let old = straight.origin_of_part(end) - straight.origin_of_part(PartId(part));
@@ -110,7 +116,7 @@ fn turned(straight: &Posed<'_>, moved: &[Vector3<f64>]) -> Vec<Flesh> {
             centre: axes.tr_mul(&moved[part]),
         }
     };
-    (0..model.parts.len()).map(of_part).collect()
+    (0..model.parts.len()).map(flesh).collect()
 }
 
 #[cfg(test)]

@@ -9,18 +9,18 @@ use crate::body::metaball::{Field, Metaball, THRESHOLD};
 use crate::camera::{Camera, Ray};
 use crate::stereo::{CloudPoint, Spread};
 
-/// Rays end at metaballs that they do not come nearer than this d: e^(−2·3) = 0.0025, so that 200 of them together
-/// do not reach T.
+/// A ray is followed where d of a metaball is less than this: e^(−2·3) = 0.0025, and 200 farther metaballs together do not
+/// reach T.
 const FARTHEST: f64 = 3.0;
 /// Steps along a ray for each of the thinnest metaball's smallest semi-axes.
 const STEPS_PER_AXIS: f64 = 6.0;
 /// Halvings of a step, down to 10⁻⁹ of it.
 const HALVINGS: usize = 30;
 
-/// A second camera beside one that is there, how well the two images are matched, and where not.
+/// A second camera beside a given one, how well the two images are matched, and where they are not.
 ///
-/// A disparity that errs by σ_d pixels puts a point at depth z off by σ_z = z² σ_d / (f b) along the line of sight, and
-/// the match by σ_d pixels across it: z σ_d / f. The errors that are drawn are those that each point states.
+/// A disparity error of σ_d pixels displaces a point at depth z by σ_z = z² σ_d / (f b) along the line of sight; an error of
+/// the match by σ_d pixels displaces it by z σ_d / f across. Each point states the errors from which its own are drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StereoPair {
     /// b, distance between the two cameras, metres.
@@ -29,8 +29,9 @@ pub struct StereoPair {
     pub disparity_sd_px: f64,
     /// One match in so many columns and rows.
     pub step_px: u32,
-    /// Greatest angle between line of sight and surface normal that is still matched, radians; near it the disparity errs
-    /// 1/cos as much (PF02 § 3: it “becomes unreliable when the surface slants away from the cameras”).
+    /// Greatest angle between line of sight and surface normal at which a surface is still matched, radians. On a slanted
+    /// surface the disparity errs by 1/cos as much (PF02 § 3: it “becomes unreliable when the surface slants away from the
+    /// cameras”).
     pub steepest: f64,
     /// Share of the matches that are false.
     pub outliers: f64,
@@ -57,12 +58,12 @@ impl StereoPair {
     ///
     /// Every pixel of the grid draws the same number of random values, whether it sees anything or not.
     pub fn points(&self, camera: &Camera, body: &Posed<'_>, rng: &mut impl Rng) -> Vec<CloudPoint> {
-        let skin = Skin::of(body);
+        let skin = Skin::new(body);
         let step = self.step_px.max(1) as usize;
         let mut points = Vec::new();
         for y in (0..camera.height_px).step_by(step) {
             for x in (0..camera.width_px).step_by(step) {
-                let drawn = Drawn::new(rng);
+                let drawn = Draws::new(rng);
                 let pixel = camera.undistort(&Point2::new(f64::from(x), f64::from(y)));
                 let ray = pixel.map(|pixel| camera.ray(&pixel));
                 points.extend(ray.and_then(|ray| self.point(camera, &skin, &ray, &drawn)));
@@ -71,7 +72,7 @@ impl StereoPair {
         points
     }
 
-    fn point(&self, camera: &Camera, skin: &Skin, ray: &Ray, drawn: &Drawn) -> Option<CloudPoint> {
+    fn point(&self, camera: &Camera, skin: &Skin, ray: &Ray, drawn: &Draws) -> Option<CloudPoint> {
         let distance = skin.first_hit(ray)?;
         let place = ray.point_at(distance);
         let (_, gradient) = skin.field.value_and_gradient(&place.coords);
@@ -81,14 +82,17 @@ impl StereoPair {
         if facing < self.steepest.cos() {
             return None;
         }
+
+        // standard deviations across the line of sight and along it
         let depth = (camera.camera_from_world * place).z;
         let focal_px = camera.intrinsics.focal_px();
         let across = depth * self.disparity_sd_px / focal_px;
         let along = across * depth / (self.baseline * facing);
+
         let d = ray.direction_world.as_ref();
         let d_dt = d * d.transpose();
         let error = drawn.normal * across + d * (d.dot(&drawn.normal) * (along - across));
-        let stray = if drawn.is_outlier < self.outliers {
+        let stray = if drawn.outlier < self.outliers {
             d * (distance * self.outlier_range * drawn.stray)
         } else {
             Vector3::zeros()
@@ -102,35 +106,35 @@ impl StereoPair {
     }
 }
 
-/// What is drawn for a pixel.
-struct Drawn {
+/// The random values of one pixel.
+struct Draws {
     normal: Vector3<f64>,
     /// Uniform in 0 to 1.
-    is_outlier: f64,
+    outlier: f64,
     /// Uniform in −1 to 1.
     stray: f64,
 }
 
-impl Drawn {
+impl Draws {
     fn new(rng: &mut impl Rng) -> Self {
         Self {
             normal: Vector3::from_fn(|_, _| StandardNormal.sample(rng)),
-            is_outlier: rng.random_range(0.0..1.0),
+            outlier: rng.random_range(0.0..1.0),
             stray: rng.random_range(-1.0..1.0),
         }
     }
 }
 
-/// The field of a body, and where it can be found.
+/// The field of a body, and the metaballs that show where a ray can meet it.
 struct Skin {
     field: Field,
     metaballs: Vec<Metaball>,
-    /// Metres between the places on a ray at which F is asked for.
+    /// Metres between the places on a ray at which F is evaluated.
     step: f64,
 }
 
 impl Skin {
-    fn of(body: &Posed<'_>) -> Self {
+    fn new(body: &Posed<'_>) -> Self {
         let primitives = body.model.metaballs.iter();
         let metaballs: Vec<Metaball> = primitives
             .filter_map(|primitive| Metaball::new(body.primitive(primitive)))
@@ -151,6 +155,8 @@ impl Skin {
         let (near, far) = self.reach(ray)?;
         let is_inside = |t: f64| self.field.value(&ray.point_at(t).coords) >= THRESHOLD;
         let steps = ((far - near) / self.step).ceil() as usize;
+
+        // the first step into the body, halved
         let first = (1..=steps).find(|k| is_inside(near + *k as f64 * self.step))?;
         let mut outside = near + (first - 1) as f64 * self.step;
         let mut inside = outside + self.step;

@@ -27,7 +27,7 @@ const PITCHES_DEG: [f64; 12] = [
 const METABALL_SKIN: f64 = 0.588_705_011_257_737_4;
 
 impl Foot {
-    /// The foot whose part carries the named point; `None` if the model has none, or nothing on it.
+    /// The foot whose part carries the named point; `None` if there is no such point, or the part has no primitives.
     pub(super) fn find(model: &BodyModel, shape: &Shape, toe: &str) -> Option<Self> {
         let (part, _) = model.points[model.point(toe)?].places[0];
         let rest = Motion::rest(model);

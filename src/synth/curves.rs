@@ -33,7 +33,7 @@ impl Curve {
 
     /// θ'(φ) = gain·θ(φ) + offset.
     #[must_use]
-    pub fn varied(&self, gain: f64, offset: f64) -> Self {
+    pub(super) fn varied(&self, gain: f64, offset: f64) -> Self {
         let scale = |&(a, b): &(f64, f64)| (gain * a, gain * b);
         Self {
             mean: gain * self.mean + offset,
@@ -43,7 +43,7 @@ impl Curve {
 
     /// θ'(φ) = θ(φ + advance).
     #[must_use]
-    pub fn advanced(&self, advance: f64) -> Self {
+    pub(super) fn advanced(&self, advance: f64) -> Self {
         let turn = |(n, &(a, b)): (usize, &(f64, f64))| {
             let (sin, cos) = (TAU * (n + 1) as f64 * advance).sin_cos();
             (a * cos + b * sin, b * cos - a * sin)
@@ -55,9 +55,9 @@ impl Curve {
     }
 }
 
-/// Where a normative curve belongs.
+/// The sides of the body that a normative curve is of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Place {
+pub(super) enum Sides {
     /// Joint `name_r`, and `name_l` half a cycle later.
     BothSides,
     /// Joint `name`, in the cycle of the right foot.
@@ -66,7 +66,7 @@ pub(super) enum Place {
 
 /// How a curve differs between persons.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Spread {
+pub(super) enum Variation {
     /// With the length of the stride and the bend of the legs, so that soles stay level: degrees per degree of bend.
     Legs(f64),
     /// By itself: standard deviation of its offset, degrees.
@@ -74,16 +74,16 @@ pub(super) enum Spread {
 }
 
 /// A joint's mean angle of healthy adults at their own speed, degrees.
-pub(super) struct Normative {
+pub(super) struct NormativeCurve {
     /// Joint, without its side.
     pub(super) joint: &'static str,
-    pub(super) place: Place,
-    pub(super) spread: Spread,
+    pub(super) sides: Sides,
+    pub(super) variation: Variation,
     mean_deg: f64,
     harmonics_deg: &'static [(f64, f64)],
 }
 
-impl Normative {
+impl NormativeCurve {
     pub(super) fn curve(&self) -> Curve {
         Curve::from_degrees(self.mean_deg, self.harmonics_deg)
     }
@@ -93,34 +93,42 @@ type Harmonics = &'static [(f64, f64)];
 
 const fn sides(
     joint: &'static str,
-    spread: Spread,
+    variation: Variation,
     mean_deg: f64,
     harmonics_deg: Harmonics,
-) -> Normative {
-    Normative {
+) -> NormativeCurve {
+    NormativeCurve {
         joint,
-        place: Place::BothSides,
-        spread,
+        sides: Sides::BothSides,
+        variation,
         mean_deg,
         harmonics_deg,
     }
 }
 
-const fn middle(joint: &'static str, spread: Spread, harmonics_deg: Harmonics) -> Normative {
-    Normative {
+const fn middle(
+    joint: &'static str,
+    variation: Variation,
+    harmonics_deg: Harmonics,
+) -> NormativeCurve {
+    NormativeCurve {
         joint,
-        place: Place::Middle,
-        spread,
+        sides: Sides::Middle,
+        variation,
         mean_deg: 0.0,
         harmonics_deg,
     }
 }
 
-const LEGS: Spread = Spread::Legs(0.0);
+const LEGS: Variation = Variation::Legs(0.0);
 
 /// Tilt forwards, right side up, right side forwards: not joints, but turns of the root.
-pub(super) const PELVIS: [Normative; 3] = [
-    middle("pelvis_tilt", Spread::Own(2.0), &[(0.0, 0.0), (0.1, -1.0)]),
+pub(super) const PELVIS: [NormativeCurve; 3] = [
+    middle(
+        "pelvis_tilt",
+        Variation::Own(2.0),
+        &[(0.0, 0.0), (0.1, -1.0)],
+    ),
     middle(
         "pelvis_obliquity",
         LEGS,
@@ -132,7 +140,7 @@ pub(super) const PELVIS: [Normative; 3] = [
 /// The joints. Those of a model that are not here stay at rest.
 ///
 /// Legs: series fitted to the key values of published mean curves (hip 22° at foot strike to −19° at 54 %, measured to
-/// the vertical, so without the pelvis' standing tilt; knee 18° at 14 %, 62° at 72 %; ankle −5° at 8 %, 12° at 44 %,
+/// the vertical and so without the pelvis' standing tilt; knee 18° at 14 %, 62° at 72 %; ankle −5° at 8 %, 12° at 44 %,
 /// −16° at 63 %; hip adduction 7° at 15 %). **Differs**: hip, knee and ankle were then moved, by 1–1.5° RMS, until the
 /// standing foot of a body of mean proportions neither slides nor lifts, which mean curves of many persons do not give.
 /// Hip rotation undoes the pelvis', so that the foot keeps its heading, 5° outwards.
@@ -143,10 +151,10 @@ pub(super) const PELVIS: [Normative; 3] = [
 /// Perry & Burnfield, *Gait Analysis*, 2nd ed. 2010, ch. 3–8; Winter, *Biomechanics and Motor Control of Human
 /// Movement*, 4th ed. 2009, ch. 3; Kadaba et al. 1990 (pelvis, frontal plane, spreads); Crosbie et al. 1997 (trunk);
 /// Murray et al. 1967 (arms).
-pub(super) const JOINTS: [Normative; 14] = [
+pub(super) const JOINTS: [NormativeCurve; 14] = [
     sides(
         "hip_flexion",
-        Spread::Legs(0.5),
+        Variation::Legs(0.5),
         5.68,
         &[
             (21.05, -3.28),
@@ -159,14 +167,14 @@ pub(super) const JOINTS: [Normative; 14] = [
     ),
     sides(
         "hip_abduction",
-        Spread::Own(1.0),
+        Variation::Own(1.0),
         -1.74,
         &[(-0.83, -5.03), (-0.04, 0.49), (1.15, -0.75), (-0.06, -0.18)],
     ),
     sides("hip_rotation", LEGS, -5.0, &[(-4.5, 0.0)]),
     sides(
         "knee_flexion",
-        Spread::Legs(1.0),
+        Variation::Legs(1.0),
         22.59,
         &[
             (-2.24, -19.36),
@@ -179,7 +187,7 @@ pub(super) const JOINTS: [Normative; 14] = [
     ),
     sides(
         "ankle_dorsiflexion",
-        Spread::Legs(0.5),
+        Variation::Legs(0.5),
         1.35,
         &[
             (-1.66, 5.42),
@@ -190,23 +198,28 @@ pub(super) const JOINTS: [Normative; 14] = [
             (-0.03, -0.1),
         ],
     ),
-    middle("lumbar_flexion", Spread::Own(2.0), &[]),
+    middle("lumbar_flexion", Variation::Own(2.0), &[]),
     middle(
         "lumbar_bending",
-        Spread::Own(0.5),
+        Variation::Own(0.5),
         &[(1.0, 1.8), (0.0, 0.0), (-0.4, 0.4)],
     ),
-    middle("lumbar_rotation", Spread::Own(0.7), &[(-3.5, 0.0)]),
+    middle("lumbar_rotation", Variation::Own(0.7), &[(-3.5, 0.0)]),
     middle(
         "thorax_bending",
-        Spread::Own(0.5),
+        Variation::Own(0.5),
         &[(0.5, 1.0), (0.0, 0.0), (-0.2, 0.2)],
     ),
-    middle("thorax_rotation", Spread::Own(0.7), &[(-4.5, 0.0)]),
-    middle("neck_rotation", Spread::Own(1.0), &[(3.5, 0.0)]),
-    sides("shoulder_flexion", Spread::Own(3.0), -6.0, &[(-16.0, 2.0)]),
-    sides("shoulder_abduction", Spread::Own(2.0), 9.0, &[]),
-    sides("elbow_flexion", Spread::Own(5.0), 28.0, &[(-9.0, 2.0)]),
+    middle("thorax_rotation", Variation::Own(0.7), &[(-4.5, 0.0)]),
+    middle("neck_rotation", Variation::Own(1.0), &[(3.5, 0.0)]),
+    sides(
+        "shoulder_flexion",
+        Variation::Own(3.0),
+        -6.0,
+        &[(-16.0, 2.0)],
+    ),
+    sides("shoulder_abduction", Variation::Own(2.0), 9.0, &[]),
+    sides("elbow_flexion", Variation::Own(5.0), 28.0, &[(-9.0, 2.0)]),
 ];
 
 #[cfg(test)]

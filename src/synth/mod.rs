@@ -9,7 +9,7 @@
 //! | `shape.rs`   | [`draw_shape`]: a body drawn from a model's statistics                      |
 //! | `centres.rs` | [`draw_centres`]: where in the flesh a person's joint centres lie       |
 //! | `curves.rs`  | [`Curve`], normative joint angles over the gait cycle                       |
-//! | `gait.rs`    | [`Gait`]: one person's way of walking                                       |
+//! | `walking_style.rs` | [`WalkingStyle`]: the angles over one person's gait cycle |
 //! | `contact.rs` | soles, and how the floor holds them                                         |
 //! | `walk.rs`    | [`Walk`]: the motion of a model that walks                                  |
 //! | `cloud.rs`   | [`StereoPair`]: the points that stereo would see on the skin                |
@@ -22,20 +22,20 @@ mod cloud;
 mod contact;
 mod curves;
 mod film;
-mod gait;
 mod noise;
 mod recording;
 mod scene;
 mod shape;
 mod walk;
+mod walking_style;
 
 pub use centres::{draw_centres, move_centres};
 pub use cloud::StereoPair;
 pub use curves::Curve;
-pub use film::{FilmError, FilmRecipe, Filmed, Shot, Studio};
-pub use gait::Gait;
+pub use film::{Film, FilmError, FilmRecipe, Shot, Studio};
 pub use noise::SegmentationErrors;
 pub use recording::{Recipe, Synthetic, sample_walker};
 pub use scene::Ring;
 pub use shape::draw_shape;
 pub use walk::{Walk, WalkError};
+pub use walking_style::WalkingStyle;

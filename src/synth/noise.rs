@@ -35,7 +35,7 @@ impl SegmentationErrors {
         blot_radius_px: (1.0, 3.5),
     };
 
-    /// A mask as such a segmentation would give it.
+    /// The mask that a segmentation with these errors would give.
     pub fn apply(&self, mask: &Mask, rng: &mut impl Rng) -> Mask {
         let mut pixels = Plane::filled(mask.width(), mask.height(), 0u8);
         for y in 0..mask.height() {
@@ -48,7 +48,7 @@ impl SegmentationErrors {
         for _ in 0..count(self.specks, rng) {
             let x = rng.random_range(0..mask.width().max(1));
             let y = rng.random_range(0..mask.height().max(1));
-            self.blot(&mut pixels, (x, y), 1, rng);
+            self.blot(&mut pixels, x, y, 1, rng);
         }
         Mask::brighter_than(&pixels, 0)
     }
@@ -80,43 +80,40 @@ impl SegmentationErrors {
                 && y > 0
                 && inside(x, y - 1))
         };
+
         let all = window.pixels().filter(|&(x, y)| inside(x, y));
         let (border, middle): (Vec<_>, Vec<_>) = all.partition(|&(x, y)| is_border(x, y));
         for (places, mean) in [(border, self.bites), (middle, self.holes)] {
             for _ in 0..count(mean, rng) {
                 if !places.is_empty() {
-                    let place = places[rng.random_range(0..places.len())];
-                    self.blot(pixels, place, 0, rng);
+                    let (x, y) = places[rng.random_range(0..places.len())];
+                    self.blot(pixels, x, y, 0, rng);
                 }
             }
         }
     }
 
     /// Paints a disc.
-    fn blot(&self, pixels: &mut Plane<u8>, (x, y): (usize, usize), value: u8, rng: &mut impl Rng) {
+    fn blot(&self, pixels: &mut Plane<u8>, x: usize, y: usize, value: u8, rng: &mut impl Rng) {
         let (low, high) = self.blot_radius_px;
         let radius = low + (high - low) * rng.random_range(0.0..1.0);
         let reach = radius.clamp(0.0, 1e4).ceil() as usize;
+
         for row in y.saturating_sub(reach)..=y + reach {
             let dy = row as f64 - y as f64;
             let target = pixels.row_mut(row);
-            let right = (x + reach + 1).min(target.len());
-            for (column, pixel) in target
-                .iter_mut()
-                .enumerate()
-                .take(right)
-                .skip(x.saturating_sub(reach))
-            {
+            let columns = x.saturating_sub(reach)..(x + reach + 1).min(target.len());
+            for column in columns {
                 let dx = column as f64 - x as f64;
                 if dx * dx + dy * dy <= radius * radius {
-                    *pixel = value;
+                    target[column] = value;
                 }
             }
         }
     }
 }
 
-/// A Poisson number; 0 where the mean is 0 or no mean.
+/// A Poisson number; 0 where the mean is 0 or impossible.
 fn count(mean: f64, rng: &mut impl Rng) -> usize {
     Poisson::new(mean).map_or(0, |p| p.sample(rng) as usize)
 }
@@ -141,6 +138,7 @@ impl Window {
                 row.iter().rposition(|&v| v == 1)?,
             ))
         };
+
         let (mut left, mut right, mut top, mut bottom) = (usize::MAX, 0, usize::MAX, 0);
         for y in 0..mask.height() {
             if let Some((first, last)) = columns(y) {
@@ -148,6 +146,7 @@ impl Window {
                 (top, bottom) = (top.min(y), y);
             }
         }
+
         (top != usize::MAX).then(|| {
             let (left, top) = (left.saturating_sub(margin), top.saturating_sub(margin));
             Self {

@@ -4,7 +4,7 @@ use nalgebra::{Point3, Vector2};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use super::{Gait, Ring, SegmentationErrors, StereoPair, Walk, WalkError, draw_shape};
+use super::{Ring, SegmentationErrors, StereoPair, Walk, WalkError, WalkingStyle, draw_shape};
 use crate::body::metaball::Field;
 use crate::body::{BodyModel, Motion, Posed, Shape};
 use crate::camera::{CameraId, Distortion, Rig};
@@ -13,7 +13,7 @@ use crate::render;
 use crate::silhouette::FrameIndex;
 use crate::stereo::CloudPoint;
 
-/// What a recording would show, and what is true of it.
+/// What a recording would show, and the truth behind it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Synthetic {
     /// The body's model; its metaballs are what the cameras see.
@@ -59,28 +59,28 @@ impl Synthetic {
 
     /// The silhouette as it was segmented.
     ///
-    /// Frame and camera have a random stream of their own: a mask does not depend on which others were made.
+    /// Every frame of every camera has a random stream of its own: a mask does not depend on which others were made.
     pub fn mask(&self, frame: FrameIndex, camera: CameraId) -> Option<Mask> {
         let truth = self.true_mask(frame, camera)?;
         let Some(errors) = &self.errors else {
             return Some(truth);
         };
-        let mut rng = stream(self.seed, FIRST_MASK + self.number(frame, camera));
+        let mut rng = stream(self.seed, FIRST_MASK + self.view_number(frame, camera));
         Some(errors.apply(&truth, &mut rng))
     }
 
     /// The points that one camera and its twin see; none without [`Synthetic::stereo`].
     ///
-    /// `None` if there is no such frame or camera. Frame and camera have a random stream of their own.
+    /// `None` if there is no such frame or camera. Every frame of every camera has a random stream of its own.
     pub fn cloud(&self, frame: FrameIndex, camera: CameraId) -> Option<Vec<CloudPoint>> {
         let (body, seeing) = (self.posed(frame)?, self.rig.camera(camera)?);
-        let mut rng = stream(self.seed, FIRST_CLOUD + self.number(frame, camera));
+        let mut rng = stream(self.seed, FIRST_CLOUD + self.view_number(frame, camera));
         let points = self.stereo.map(|pair| pair.points(seeing, &body, &mut rng));
         Some(points.unwrap_or_default())
     }
 
-    /// Of a view among all views of all frames.
-    pub(super) fn number(&self, frame: FrameIndex, camera: CameraId) -> u64 {
+    /// The number of a view among all views of all frames.
+    pub(super) fn view_number(&self, frame: FrameIndex, camera: CameraId) -> u64 {
         (frame.0 * self.rig.cameras.len() + camera.0) as u64
     }
 }
@@ -88,7 +88,7 @@ impl Synthetic {
 /// What a synthetic recording of a walking person is made of.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recipe {
-    /// Seed of everything that is drawn: body, gait, places of the cameras, segmentation errors.
+    /// Seed of everything that is drawn: body, walking style, places of the cameras, segmentation errors.
     pub seed: u64,
     /// Number of frames; `None` for one gait cycle.
     pub frames: Option<usize>,
@@ -122,7 +122,7 @@ impl Default for Recipe {
 
 /// Random streams of [`Recipe::walker`]; those of masks and points follow.
 const BODY: u64 = 1;
-const GAIT: u64 = 2;
+const STYLE: u64 = 2;
 const SCENE: u64 = 3;
 const FIRST_MASK: u64 = 16;
 const FIRST_CLOUD: u64 = 1 << 40;
@@ -137,7 +137,7 @@ pub(super) fn stream(seed: u64, number: u64) -> ChaCha8Rng {
 /// A body drawn from a model, and how this person walks along x through a place of the floor.
 pub(super) fn person(model: &BodyModel, seed: u64, middle_world: Vector2<f64>) -> (Shape, Walk) {
     let walk = Walk {
-        gait: Gait::personal(&mut stream(seed, GAIT)),
+        style: WalkingStyle::personal(&mut stream(seed, STYLE)),
         heading: 0.0,
         middle_world,
         start_phase: 0.0,
@@ -146,19 +146,19 @@ pub(super) fn person(model: &BodyModel, seed: u64, middle_world: Vector2<f64>) -
 }
 
 impl Recipe {
-    /// A person drawn from the model, who walks with a gait of their own along x through the middle of the ring.
+    /// A person drawn from the model, who walks in a style of their own along x through the middle of the ring.
     ///
     /// # Errors
-    /// [`WalkError`] if the model has no feet or the frame rate is none.
+    /// [`WalkError`] if the model has no feet or the frame rate is impossible.
     pub fn walker(&self, model: &BodyModel) -> Result<Synthetic, WalkError> {
         let middle_world = self.ring.target_world.coords.xy();
         let (shape, walk) = person(model, self.seed, middle_world);
-        let cycle = (self.fps / walk.gait.stride_hz).ceil() as usize;
+        let cycle = (self.fps / walk.style.stride_hz).ceil() as usize;
         Ok(Synthetic {
             model: model.clone(),
             motions: walk.motions(model, &shape, self.fps, self.frames.unwrap_or(cycle))?,
             shape,
-            rig: self.ring.placed(&mut stream(self.seed, SCENE)),
+            rig: self.ring.irregular(&mut stream(self.seed, SCENE)),
             fps: self.fps,
             errors: self.errors,
             stereo: self.stereo,

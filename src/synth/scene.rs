@@ -27,7 +27,7 @@ pub struct Ring {
     pub height_px: u32,
     /// The lens.
     pub distortion: Distortion,
-    /// How irregular [`Ring::placed`] is: 0 regular; 1 moves each camera by up to ±30 % of the spacing, ±10 % of the
+    /// How irregular [`Ring::irregular`] is: 0 regular; 1 moves each camera by up to ±30 % of the spacing, ±10 % of the
     /// radius, ±40 % of the height, ±8 cm of the point looked at, and rolls it by up to ±3°.
     pub irregularity: f64,
 }
@@ -52,17 +52,17 @@ impl Default for Ring {
 impl Ring {
     /// Evenly spaced; the first camera stands half a spacing from the world's x axis.
     pub fn regular(&self) -> Rig {
-        let camera = |k| self.camera(k, self.eye([0.0; 3], k), self.target_world, 0.0);
+        let camera = |k| self.camera(k, self.eye(k, 0.0, 0.0, 0.0), self.target_world, 0.0);
         Rig {
             cameras: (0..self.cameras).map(camera).collect(),
         }
     }
 
-    /// As a person would set them up: [`Ring::irregularity`] away from even.
-    pub fn placed(&self, rng: &mut impl Rng) -> Rig {
+    /// As a person would set them up: off the even places by [`Ring::irregularity`].
+    pub fn irregular(&self, rng: &mut impl Rng) -> Rig {
         let mut draw = || self.irregularity * rng.random_range(-1.0..=1.0);
         let mut camera = |k| {
-            let eye = self.eye([0.3 * draw(), 0.1 * draw(), 0.4 * draw()], k);
+            let eye = self.eye(k, 0.3 * draw(), 0.1 * draw(), 0.4 * draw());
             let aim = self.target_world + Vector3::new(draw(), draw(), draw()) * 0.08;
             self.camera(k, eye, aim, 3.0_f64.to_radians() * draw())
         };
@@ -72,7 +72,7 @@ impl Ring {
     }
 
     /// Place of camera `k`: off by fractions of the spacing, the radius and the height.
-    fn eye(&self, [spacing, radius, height]: [f64; 3], k: usize) -> Point3<f64> {
+    fn eye(&self, k: usize, spacing: f64, radius: f64, height: f64) -> Point3<f64> {
         let turn = TAU * (k as f64 + 0.5 + spacing) / self.cameras as f64;
         let reach = self.radius * (1.0 + radius);
         let (sin, cos) = turn.sin_cos();
@@ -141,7 +141,7 @@ mod tests {
     fn an_irregular_ring_still_sees_a_walking_person_whole() {
         let ring = Ring::default();
         for seed in 0..50 {
-            let rig = ring.placed(&mut ChaCha8Rng::seed_from_u64(seed));
+            let rig = ring.irregular(&mut ChaCha8Rng::seed_from_u64(seed));
             for camera in &rig.cameras {
                 for x in [-1.2, 1.2] {
                     for z in [0.0, 1.85] {

@@ -2,15 +2,15 @@
 
 use nalgebra::{DVector, Rotation3, Vector2, Vector3};
 
-use super::Gait;
+use super::WalkingStyle;
 use super::contact::{Foot, right_load};
 use crate::body::{BodyModel, Joint, Motion, Posed, Shape};
 
 /// A straight walk on the floor z = 0.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Walk {
-    /// Who walks.
-    pub gait: Gait,
+    /// How the person walks.
+    pub style: WalkingStyle,
     /// Direction of walking, from the world's x axis towards y.
     pub heading: f64,
     /// Middle of the path, metres.
@@ -33,7 +33,7 @@ pub enum WalkError {
         /// The toe's export name.
         point: &'static str,
     },
-    /// A frame rate that is none.
+    /// An impossible frame rate.
     #[error("expected a frame rate above 0 and up to {FASTEST} Hz, found {fps}")]
     Rate {
         /// Found.
@@ -45,19 +45,19 @@ pub enum WalkError {
 const FASTEST: f64 = 1e5;
 /// Steps of the integration along the floor between two frames.
 const SUBSTEPS: usize = 4;
-/// How far angles stay within their limits.
+/// How far angles stay within their limits, radians.
 const MARGIN: f64 = 0.01;
 
 impl Walk {
     /// One motion per frame.
     ///
-    /// Joint angles and the pelvis' turns are the gait's curves. Where the pelvis is follows from the feet: the
+    /// Joint angles and the pelvis' turns are the style's curves. The place of the pelvis follows from the feet: the
     /// loaded point of the standing foot is on the floor and does not move; while both feet stand, each has its
     /// share. So ẋ = −Σ share·ẋ_foot relative to the pelvis, z = −Σ share·z_foot, and speed and step length are
-    /// those of the legs. Joints that the gait does not know stay at rest.
+    /// those of the legs. Joints without a curve stay at rest.
     ///
     /// # Errors
-    /// [`WalkError`] if the model has no feet or `fps` is no frame rate.
+    /// [`WalkError`] if the model has no feet or `fps` is impossible.
     pub fn motions(
         &self,
         model: &BodyModel,
@@ -76,18 +76,17 @@ impl Walk {
             })
         };
         let feet = [foot("RBigToe")?, foot("LBigToe")?];
-        let advance = self.gait.stride_hz / (fps * SUBSTEPS as f64);
+
+        // from one substep to the next, the pelvis moves against the loaded points
+        let advance = self.style.stride_hz / (fps * SUBSTEPS as f64);
         let mut position = Vector3::zeros();
         let mut motions = Vec::new();
         let mut now = self.at_origin(model, self.start_phase);
         for step in 0..frames.saturating_sub(1) * SUBSTEPS + 1 {
             let phase = self.start_phase + step as f64 * advance;
             let next = self.at_origin(model, phase + advance);
-            let (height, slip) = stand(
-                &feet,
-                right_load(phase),
-                [(model, shape, &now), (model, shape, &next)],
-            );
+            let poses = [&now, &next].map(|motion| Posed::new(model, shape, motion));
+            let (height, slip) = stand(&feet, right_load(phase), &poses);
             position.z = height;
             if step % SUBSTEPS == 0 && motions.len() < frames {
                 motions.push(Motion {
@@ -98,19 +97,23 @@ impl Walk {
             position -= slip;
             now = next;
         }
+
         self.centre(&mut motions);
         Ok(motions)
     }
 
     /// Angles and turns at a phase, the root at the origin.
     fn at_origin(&self, model: &BodyModel, phase: f64) -> Motion {
-        let [tilt, obliquity, rotation] = self.gait.pelvis.each_ref().map(|c| c.at(phase));
+        let [tilt, obliquity, rotation] = self.style.pelvis.each_ref().map(|c| c.at(phase));
         let about = |axis: Vector3<f64>| Rotation3::from_scaled_axis(axis);
         let world_from_root = about(Vector3::z() * (self.heading + rotation))
             * about(Vector3::x() * -obliquity)
             * about(Vector3::y() * tilt);
-        let angle = |joint: &Joint| match self.gait.joints.get(&joint.name) {
-            Some(curve) => within(curve.at(phase), joint.limits),
+        let angle = |joint: &Joint| match self.style.joints.get(&joint.name) {
+            Some(curve) => {
+                let (low, high) = joint.limits;
+                curve.at(phase).max(low + MARGIN).min(high - MARGIN)
+            }
             None => joint.rest,
         };
         Motion {
@@ -133,25 +136,14 @@ impl Walk {
     }
 }
 
-fn within(angle: f64, (low, high): (f64, f64)) -> f64 {
-    angle.max(low + MARGIN).min(high - MARGIN)
-}
-
 /// The root's height over the floor now, and how far the loaded points move until next, both seen from the root.
-fn stand(
-    feet: &[Foot; 2],
-    right: f64,
-    poses: [(&BodyModel, &Shape, &Motion); 2],
-) -> (f64, Vector3<f64>) {
-    let [now, next] = poses.map(|(model, shape, motion)| Posed::new(model, shape, motion));
+fn stand(feet: &[Foot; 2], right: f64, [now, next]: &[Posed<'_>; 2]) -> (f64, Vector3<f64>) {
     let mut height = 0.0;
     let mut slip = Vector3::zeros();
     for (foot, share) in feet.iter().zip([right, 1.0 - right]) {
-        let contact = foot.contact(&now);
-        let (from, to) = (
-            foot.loaded_point(&now, &contact),
-            foot.loaded_point(&next, &contact),
-        );
+        let contact = foot.contact(now);
+        let from = foot.loaded_point(now, &contact);
+        let to = foot.loaded_point(next, &contact);
         height -= share * from.z;
         slip += share * Vector3::new(to.x - from.x, to.y - from.y, 0.0);
     }

@@ -8,7 +8,7 @@ use maquette::image::Mask;
 use maquette::io::model;
 use maquette::math::quadric::project;
 use maquette::silhouette::{FrameIndex, FrameObservations, SilhouetteOptions, extract};
-use maquette::synth::{Gait, Ring, Walk};
+use maquette::synth::{Ring, Walk, WalkingStyle};
 use nalgebra::Vector2;
 
 /// The shipped human.
@@ -31,7 +31,7 @@ pub(crate) fn rig(cameras: usize) -> Rig {
 /// A normative walk that heads a little left of x.
 pub(crate) fn walk(model: &BodyModel, shape: &Shape, fps: f64, frames: usize) -> Vec<Motion> {
     let walk = Walk {
-        gait: Gait::normative(),
+        style: WalkingStyle::normative(),
         heading: 0.2,
         middle_world: Vector2::new(0.05, -0.1),
         start_phase: 0.1,

@@ -7,7 +7,7 @@ use maquette::body::{BodyModel, Motion, Posed, Shape};
 use maquette::gait::{Movement, MovementError};
 use maquette::io::model;
 use maquette::io::points::trc::{Trajectories, write_trc};
-use maquette::synth::{Gait, Walk};
+use maquette::synth::{Walk, WalkingStyle};
 use nalgebra::{Point3, Vector2, Vector3};
 
 pub(crate) const RATE_HZ: f64 = 100.0;
@@ -31,7 +31,7 @@ impl Walker {
         let model = model::load("human-ellipsoids", Path::new("")).expect("a shipped model");
         let shape = Shape(model.statistics.mean.clone());
         let walk = Walk {
-            gait: Gait::normative(),
+            style: WalkingStyle::normative(),
             heading,
             middle_world: Vector2::new(0.4, -0.3),
             start_phase: 0.2,

@@ -12,7 +12,7 @@ use maquette::likelihood::{LikelihoodOptions, Measure};
 use maquette::render::silhouette;
 use maquette::silhouette::{FrameIndex, FrameObservations, SilhouetteOptions, extract};
 use maquette::stereo::{CloudPoint, Spread};
-use maquette::synth::{Gait, Ring, Walk};
+use maquette::synth::{Ring, Walk, WalkingStyle};
 use nalgebra::{DVector, Point3, Unit, Vector2, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -73,7 +73,7 @@ impl Scene {
             ..Ring::default()
         };
         let walk = Walk {
-            gait: Gait::normative(),
+            style: WalkingStyle::normative(),
             heading: 0.2,
             middle_world: Vector2::new(0.05, -0.1),
             start_phase: 0.1,

@@ -17,7 +17,7 @@ use super::synthetic::{SyntheticError, failed, whole, write_texts};
 use crate::io::folder::jpeg;
 use crate::io::folder::png::{self, Effort};
 use crate::silhouette::FrameIndex;
-use crate::synth::{Filmed, Studio};
+use crate::synth::{Film, Studio};
 
 /// Of a camera that is not set to save space.
 const JPEG_QUALITY: u8 = 95;
@@ -28,7 +28,7 @@ const JPEG_QUALITY: u8 = 95;
 ///
 /// # Errors
 /// [`SyntheticError`] names the file and why.
-pub fn write(filmed: &Filmed, folder: &Path) -> Result<(), SyntheticError> {
+pub fn write(filmed: &Film, folder: &Path) -> Result<(), SyntheticError> {
     whole(folder, |whole| {
         for (id, camera) in filmed.synthetic.rig.iter() {
             let images = whole.join("images").join(&camera.name);
@@ -65,7 +65,7 @@ fn write_shot(
     Ok(())
 }
 
-fn manifest(filmed: &Filmed) -> String {
+fn manifest(filmed: &Film) -> String {
     let synthetic = &filmed.synthetic;
     let mut text = format!(
         "# Synthetic: model {}, seed {}. The truth is in truth.trc, truth.json and truth/masks.\n\

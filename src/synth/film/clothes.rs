@@ -14,43 +14,44 @@ const TROUSERS: usize = 1;
 const SKIN: usize = 2;
 const SHOES: usize = 3;
 const HAIR: usize = 4;
-/// Hair reaches so far down from the crown above the middle of the head, metres, …
+/// Height of the hair line over the middle of the head, metres, …
 const HAIR_M: f64 = 0.03;
-/// … and for each metre behind it so much lower.
+/// … and how much lower it lies for each metre behind the middle.
 const HAIR_SLOPE: f64 = 1.1;
 
 /// A person's skin, and what is worn where.
 #[derive(Debug, Clone)]
-pub(super) struct Clothed {
+pub(super) struct DressedPerson {
     pub(super) skin: SkinnedMesh,
-    bind_places: Vec<Place>,
+    bind_poses: Vec<PartPose>,
     /// Share of each zone in each vertex.
     zones: Vec<[f32; ZONES]>,
     textures: [Texture; ZONES],
 }
 
-/// Where a part is: its axes and its origin.
-type Place = (Matrix3<f64>, Vector3<f64>);
+/// A part's axes and its origin, in the world.
+type PartPose = (Matrix3<f64>, Vector3<f64>);
 
 /// A person's skin in one frame.
 #[derive(Debug, Clone)]
-pub(super) struct Worn {
+pub(super) struct PosedSkin {
     pub(super) vertices: Vec<Vector3<f64>>,
     pub(super) normals: Vec<Vector3<f64>>,
 }
 
-impl Clothed {
+impl DressedPerson {
     /// Textures drawn for a body.
     ///
     /// # Errors
     /// [`SkinError`] if the body cannot have a skin.
-    pub(super) fn drawn(
+    pub(super) fn random(
         model: &BodyModel,
         shape: &Shape,
         rng: &mut impl Rng,
     ) -> Result<Self, SkinError> {
         let skin = skinned(model, shape)?;
         let zones = zones(model, &skin);
+
         let textures = [
             Texture::printed(rng),
             Texture::printed(rng),
@@ -58,8 +59,9 @@ impl Clothed {
             Texture::plain([0.22, 0.2, 0.2], 0.5, rng),
             Texture::plain([0.2, 0.14, 0.1], 0.5, rng),
         ];
+
         Ok(Self {
-            bind_places: places(model, shape, &skin.bind),
+            bind_poses: part_poses(model, shape, &skin.bind),
             zones,
             textures,
             skin,
@@ -67,16 +69,18 @@ impl Clothed {
     }
 
     /// The skin as the parts move it: v ↦ Σₖ wₖ·(Rₖ R⁰ₖᵀ (v − o⁰ₖ) + oₖ).
-    pub(super) fn posed(&self, model: &BodyModel, shape: &Shape, motion: &Motion) -> Worn {
-        let now = places(model, shape, motion);
-        let moves: Vec<Place> = now
+    pub(super) fn posed(&self, model: &BodyModel, shape: &Shape, motion: &Motion) -> PosedSkin {
+        let now = part_poses(model, shape, motion);
+        let moves: Vec<PartPose> = now
             .iter()
-            .zip(&self.bind_places)
+            .zip(&self.bind_poses)
             .map(|(now, bind)| {
                 let turn = now.0 * bind.0.transpose();
                 (turn, now.1 - turn * bind.1)
             })
             .collect();
+
+        // every vertex is moved by the mean of its parts' motions
         let mesh = &self.skin.mesh;
         let blended = (0..mesh.vertices.len()).map(|i| {
             let (mut turn, mut shift) = (Matrix3::zeros(), Vector3::zeros());
@@ -91,8 +95,9 @@ impl Clothed {
                 normal.try_normalize(1e-9).unwrap_or(normal),
             )
         });
+
         let (vertices, normals) = blended.unzip();
-        Worn { vertices, normals }
+        PosedSkin { vertices, normals }
     }
 
     /// The colour at a place on a triangle.
@@ -112,23 +117,27 @@ impl Clothed {
     }
 }
 
-fn places(model: &BodyModel, shape: &Shape, motion: &Motion) -> Vec<Place> {
+fn part_poses(model: &BodyModel, shape: &Shape, motion: &Motion) -> Vec<PartPose> {
     let body = Posed::new(model, shape, motion);
     let all = (0..model.parts.len()).map(PartId);
     all.map(|part| (body.world_from_part(part), body.origin_of_part(part).coords))
         .collect()
 }
 
+/// Share of each zone in each vertex, from the parts that move it.
 fn zones(model: &BodyModel, skin: &SkinnedMesh) -> Vec<[f32; ZONES]> {
     let zone_of_part: Vec<usize> = model.parts.iter().map(|part| zone(&part.name)).collect();
     let is_head = |i: &usize| model.parts[usize::from(skin.parts[*i][0])].name == "head";
+
+    // the middle of the head, above which there is hair
     let vertices = &skin.mesh.vertices;
     let head: Vec<usize> = (0..vertices.len()).filter(is_head).collect();
     let middle = head
         .iter()
         .map(|i| vertices[*i] / head.len() as f64)
         .sum::<Vector3<f64>>();
-    let of_vertex = |i: usize| {
+
+    let vertex_zones = |i: usize| {
         let mut shares = [0.0; ZONES];
         for (part, weight) in skin.parts[i].iter().zip(skin.weights[i]) {
             shares[zone_of_part[usize::from(*part)]] += weight;
@@ -140,7 +149,7 @@ fn zones(model: &BodyModel, skin: &SkinnedMesh) -> Vec<[f32; ZONES]> {
         }
         shares
     };
-    (0..vertices.len()).map(of_vertex).collect()
+    (0..vertices.len()).map(vertex_zones).collect()
 }
 
 fn zone(part: &str) -> usize {

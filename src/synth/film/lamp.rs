@@ -10,10 +10,10 @@ use crate::render::Raster;
 /// Where the lamp is, and what it shines on, metres.
 const PLACE: [f64; 3] = [5.0, -4.0, 7.0];
 const AIM: [f64; 3] = [0.0, 0.0, 0.9];
-/// The picture that the lamp has of the person: width and height, and focal length, px.
+/// The lamp's picture of the person: width and height, and focal length, px.
 const SIZE_PX: u32 = 320;
 const FOCAL_PX: f64 = 950.0;
-/// What lies no farther behind what the lamp sees is not in its shadow, metres.
+/// Only what lies farther than this behind the first surface that the lamp sees is in the shadow, metres.
 const TOLERANCE: f32 = 0.04;
 
 /// A lamp that shines on the person.

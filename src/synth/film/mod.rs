@@ -1,9 +1,9 @@
 //! Photographs instead of masks: a person who walks and waves before clutter that is as near as they are.
 //!
-//! Cameras stand side by side, as for stereo. The person's clothes have textures that are tied to the skin; around them,
-//! at their own depth and close behind, stand furniture, planks and plants with textures and edges no weaker than theirs.
-//! Nothing tells the background from them but shape, depth and motion: there is no picture of the empty room, a curtain sways,
-//! a screen changes, the belt that they walk on runs, and the light drifts.
+//! Cameras stand side by side, as for stereo. The person's clothes have textures that are tied to the skin. Around the person,
+//! at the same depth and close behind, stand furniture, planks and plants with textures and edges no weaker than the clothes'.
+//! Only shape, depth and motion distinguish the person from the background: there is no picture of the empty room, a curtain
+//! sways, a screen changes, the belt under the person runs, and the light drifts.
 //!
 //! | file          | holds                                                                 |
 //! |---------------|-----------------------------------------------------------------------|
@@ -32,7 +32,7 @@ use super::{Synthetic, WalkError, scene};
 use crate::body::BodyModel;
 use crate::camera::{Camera, CameraId, Distortion, Intrinsics, Rig};
 use crate::skin::SkinError;
-use clothes::Clothed;
+use clothes::DressedPerson;
 use room::Room;
 pub use studio::{Shot, Studio};
 use waving::Waving;
@@ -52,7 +52,7 @@ pub enum FilmError {
 /// What a recording of photographs is made of.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FilmRecipe {
-    /// Seed of everything that is drawn: body, gait, waving, clothes, room, noise.
+    /// Seed of everything that is drawn: body, walking style, waving, clothes, room, noise.
     pub seed: u64,
     /// Number of frames.
     pub frames: usize,
@@ -83,9 +83,9 @@ impl Default for FilmRecipe {
     }
 }
 
-/// Names of the cameras, in the order of the rig, as the person behind them sees them.
+/// Names of the cameras, in the order of the rig, as one who stands behind them would call them.
 const CAMERAS: [&str; 3] = ["left", "center", "right"];
-/// Height of the cameras over the belt, and of the place that they look at, metres.
+/// Height over the belt of the cameras, and of the point that the middle one looks at, metres.
 const HEIGHT: f64 = 1.35;
 const LOOKED_AT: f64 = 0.93;
 
@@ -94,13 +94,13 @@ const WAVING: u64 = 4;
 const CLOTHES: u64 = 5;
 const ROOM: u64 = 6;
 
-/// A recording of photographs, and what is true of it.
+/// A recording of photographs, and the truth behind it.
 #[derive(Debug, Clone)]
-pub struct Filmed {
+pub struct Film {
     /// Body, motion and cameras.
     pub synthetic: Synthetic,
     room: Room,
-    clothes: Clothed,
+    person: DressedPerson,
     waving: Waving,
     /// How far the belt has run in each frame, metres.
     travelled: Vec<f64>,
@@ -111,15 +111,16 @@ impl FilmRecipe {
     /// A person drawn from the model, who walks on a belt before the cameras and waves.
     ///
     /// # Errors
-    /// [`FilmError`] if the model has no feet or no skin, or the frame rate is none.
-    pub fn filmed(&self, model: &BodyModel) -> Result<Filmed, FilmError> {
+    /// [`FilmError`] if the model has no feet or no skin, or the frame rate is impossible.
+    pub fn film(&self, model: &BodyModel) -> Result<Film, FilmError> {
         let (shape, walk) = person(model, self.seed, Vector2::zeros());
         let mut motions = walk.motions(model, &shape, self.fps, self.frames)?;
-        let waving = Waving::drawn(&mut stream(self.seed, WAVING));
+        let waving = Waving::random(&mut stream(self.seed, WAVING));
         let travelled = waving.apply(model, &mut motions, self.fps);
-        Ok(Filmed {
-            clothes: Clothed::drawn(model, &shape, &mut stream(self.seed, CLOTHES))?,
-            room: Room::drawn(&mut stream(self.seed, ROOM)),
+
+        Ok(Film {
+            person: DressedPerson::random(model, &shape, &mut stream(self.seed, CLOTHES))?,
+            room: Room::random(&mut stream(self.seed, ROOM)),
             waving,
             travelled,
             noise_sd: self.noise_sd,
@@ -142,6 +143,7 @@ impl FilmRecipe {
         let pose = scene::looking_at(&middle, &Point3::new(0.0, 0.0, LOOKED_AT), 0.0);
         let (width_px, height_px) = (self.width_px, self.width_px * 3 / 4);
         let focal_px = f64::from(width_px);
+
         let camera = |k: usize| {
             let mut camera_from_world = pose;
             camera_from_world.translation.x += self.baseline * (1.0 - k as f64);
@@ -166,7 +168,7 @@ impl FilmRecipe {
     }
 }
 
-impl Filmed {
+impl Film {
     /// A camera before the room; `None` if there is no such camera.
     pub fn studio(&self, camera: CameraId) -> Option<Studio<'_>> {
         Studio::new(self, camera)

@@ -22,18 +22,18 @@ struct Curtain {
     texture: Texture,
     /// Left edge, width.
     along_y: [f64; 2],
-    /// Turns a second, and swing at the hem, metres.
+    /// Swings a second, and their amplitude at the hem, metres.
     sway: [f64; 2],
 }
 
-/// How bright the two kinds of light are in the course of time.
+/// How the brightness of the two kinds of light drifts.
 #[derive(Debug, Clone, Copy)]
 struct Lamps {
     phase: [f64; 2],
     hertz: [f64; 2],
 }
 
-/// What the light is at one time.
+/// The light at one time.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Light {
     /// From everywhere.
@@ -51,17 +51,19 @@ const BELT: [f64; 2] = [1.8, 1.5];
 
 impl Room {
     /// Furniture beside the person at their own depth, out of the reach of their arms, and close behind them.
-    pub(super) fn drawn(rng: &mut impl Rng) -> Self {
+    pub(super) fn random(rng: &mut impl Rng) -> Self {
         let mut still = shell(rng);
         for side in [-1.0, 1.0] {
             still.extend(beside(side, rng));
         }
         still.extend(behind(rng));
+
         let across = if rng.random_range(0.0..1.0) < 0.5 {
             -1.9
         } else {
             0.3
         };
+
         Self {
             still,
             curtain: Curtain {
@@ -84,7 +86,7 @@ impl Room {
         }
     }
 
-    /// What moves, at a time: the curtain sways, the screen shows something else, the belt runs along `heading`.
+    /// What moves, at one time: the curtain sways, the picture on the screen shifts, the belt runs along `heading`.
     pub(super) fn moving(&self, time: f64, travelled: f64, heading: f64) -> Vec<Thing> {
         vec![
             self.curtain.at(time),
@@ -95,7 +97,7 @@ impl Room {
 
     fn screen(&self, time: f64) -> Thing {
         let at = |u: f64, v: f64| Vector3::new(-WALL + 0.3, -0.45 + 0.9 * u, 1.75 - 0.52 * v);
-        let mut screen = Thing::sheet([1, 1], at, self.screen);
+        let mut screen = Thing::sheet(1, 1, at, self.screen);
         for place in &mut screen.places {
             place.x = 0.35 * time;
         }
@@ -110,7 +112,7 @@ impl Room {
             let p = flat(u, v);
             Vector3::new(cos * p.x - sin * p.y, sin * p.x + cos * p.y, 0.0)
         };
-        let mut belt = Thing::sheet([1, 1], at, self.belt);
+        let mut belt = Thing::sheet(1, 1, at, self.belt);
         let corners = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)];
         for (place, (u, v)) in belt.places.iter_mut().zip(corners) {
             *place = flat(u, v) + Vector3::x() * travelled;
@@ -145,8 +147,8 @@ impl Curtain {
                     0.0,
                 )
         };
-        let mut thing = Thing::sheet([56, 12], at, self.texture);
-        thing.places = Thing::sheet([56, 12], hanging, self.texture).vertices;
+        let mut thing = Thing::sheet(56, 12, at, self.texture);
+        thing.places = Thing::sheet(56, 12, hanging, self.texture).vertices;
         thing
     }
 }
@@ -160,8 +162,8 @@ fn shell(rng: &mut impl Rng) -> Vec<Thing> {
         ..Texture::plain([0.62, 0.6, 0.55], 0.25, rng)
     };
     vec![
-        Thing::sheet([1, 1], floor, Texture::wooden(rng)),
-        Thing::sheet([1, 1], wall, paper),
+        Thing::sheet(1, 1, floor, Texture::wooden(rng)),
+        Thing::sheet(1, 1, wall, paper),
     ]
 }
 
@@ -169,6 +171,8 @@ fn shell(rng: &mut impl Rng) -> Vec<Thing> {
 fn beside(side: f64, rng: &mut impl Rng) -> Vec<Thing> {
     let mut all = Vec::new();
     let from_floor = |x: f64, y: f64| Vector3::new(x, y, FLOOR);
+
+    // a cabinet
     let (depth, width) = (rng.random_range(0.25..0.4), rng.random_range(0.3..0.5));
     let low = from_floor(
         rng.random_range(-0.35..0.05),
@@ -182,6 +186,7 @@ fn beside(side: f64, rng: &mut impl Rng) -> Vec<Thing> {
         turn,
         Texture::printed(rng),
     ));
+
     // a plank as thick as an arm, upright close behind
     let plank = from_floor(
         rng.random_range(-0.75..-0.55),
@@ -198,6 +203,8 @@ fn beside(side: f64, rng: &mut impl Rng) -> Vec<Thing> {
         turn,
         Texture::wooden(rng),
     ));
+
+    // a plant, or none
     let height = rng.random_range(1.0..1.6);
     let foot = from_floor(
         rng.random_range(-0.7..-0.45),
@@ -211,6 +218,7 @@ fn beside(side: f64, rng: &mut impl Rng) -> Vec<Thing> {
 
 /// A table with boxes on it, and a shelf against the wall.
 fn behind(rng: &mut impl Rng) -> Vec<Thing> {
+    // the table: a top and four legs
     let y = rng.random_range(-0.9..0.1);
     let corner = Vector3::new(-1.15, y, 0.0);
     let top = rng.random_range(0.62..0.78);
@@ -227,6 +235,8 @@ fn behind(rng: &mut impl Rng) -> Vec<Thing> {
     for (x, y) in [(0.02, 0.02), (0.52, 0.02), (0.02, 0.92), (0.52, 0.92)] {
         all.push(piece([x, y, FLOOR], [x + 0.06, y + 0.06, top]));
     }
+
+    // boxes on it
     for k in 0..3 {
         let low = corner + Vector3::new(rng.random_range(0.05..0.3), 0.05 + 0.32 * k as f64, top);
         let size = Vector3::new(
@@ -241,11 +251,14 @@ fn behind(rng: &mut impl Rng) -> Vec<Thing> {
             Texture::printed(rng),
         ));
     }
+
+    // the shelf
     let left = rng.random_range(-1.6..0.4);
     let height = rng.random_range(1.5..2.0);
     all.extend(Thing::shelf(
         Vector3::new(-1.7, left, FLOOR),
-        [0.9, height],
+        0.9,
+        height,
         rng,
     ));
     all

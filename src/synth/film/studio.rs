@@ -3,8 +3,8 @@
 use nalgebra::Vector3;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::Filmed;
-use super::clothes::Worn;
+use super::Film;
+use super::clothes::PosedSkin;
 use super::lamp::{InLamp, Lamp, Shadow};
 use super::room::Light;
 use super::texture::Colour;
@@ -27,13 +27,13 @@ const FIRST_NOISE: u64 = 1 << 41;
 pub struct Shot {
     /// What the camera recorded.
     pub picture: Picture,
-    /// Where the person is, exactly: pixels that they cover by more than half.
+    /// The true mask: the pixels of which the person covers more than half.
     pub mask: Mask,
 }
 
-/// What a sample sees, before there is light on it.
+/// What a sample shows, before light falls on it.
 #[derive(Debug, Clone, Copy)]
-struct Seen {
+struct UnlitSample {
     albedo: Colour,
     /// Cosine of the angle between the surface's normal and the lamp.
     facing: f32,
@@ -41,28 +41,39 @@ struct Seen {
     in_lamp: InLamp,
 }
 
-const NOTHING: Seen = Seen {
+const NOTHING: UnlitSample = UnlitSample {
     albedo: [0.0; 3],
     facing: 0.0,
     depth: f32::INFINITY,
     in_lamp: [-9.0; 3],
 };
 
-/// A camera before the room: what stands still is drawn once.
+/// What a camera sees of one frame.
+struct Layers<'a> {
+    /// The things that move.
+    moving: Plane<UnlitSample>,
+    /// The nearest triangle of the person's skin.
+    person: &'a Plane<Fragment>,
+    skin: PosedSkin,
+    shadow: Shadow,
+    light: Light,
+}
+
+/// A camera before the room; what stands still is drawn once.
 #[derive(Debug)]
 pub struct Studio<'a> {
-    film: &'a Filmed,
+    film: &'a Film,
     id: CameraId,
     camera: &'a Camera,
     lamp: Lamp,
-    still: Plane<Seen>,
+    still: Plane<UnlitSample>,
 }
 
 impl<'a> Studio<'a> {
-    pub(super) fn new(film: &'a Filmed, id: CameraId) -> Option<Self> {
+    pub(super) fn new(film: &'a Film, id: CameraId) -> Option<Self> {
         let camera = film.synthetic.rig.camera(id)?;
         let lamp = Lamp::new();
-        let still = seen(camera, &lamp, &film.room.still);
+        let still = unlit_view(camera, &lamp, &film.room.still);
         Some(Self {
             film,
             id,
@@ -74,44 +85,49 @@ impl<'a> Studio<'a> {
 
     /// A frame as this camera records it; `None` if there is no such frame.
     pub fn shot(&self, frame: FrameIndex) -> Option<Shot> {
-        let Filmed {
+        let Film {
             synthetic,
             room,
-            clothes,
+            person,
             ..
         } = self.film;
         let motion = synthetic.motions.get(frame.0)?;
         let time = frame.0 as f64 / synthetic.fps;
         let travelled = self.film.travelled.get(frame.0).copied().unwrap_or(0.0);
-        let worn = clothes.posed(&synthetic.model, &synthetic.shape, motion);
-        let moving = seen(
-            self.camera,
-            &self.lamp,
-            &room.moving(time, travelled, self.film.waving.heading),
-        );
+
+        // what moves in the room, and the person
+        let things = room.moving(time, travelled, self.film.waving.heading);
+        let skin = person.posed(&synthetic.model, &synthetic.shape, motion);
+        let triangles = &person.skin.mesh.triangles;
         let mut raster = Raster::new(self.camera, SAMPLES);
-        raster.draw(&worn.vertices, &clothes.skin.mesh.triangles, 0);
-        let shadow = self
-            .lamp
-            .shadow(&worn.vertices, &clothes.skin.mesh.triangles);
-        let light = room.light(time);
-        let sampled = self.light_up(&raster, &moving, (&worn, light, &shadow));
-        Some(self.developed(&sampled, frame))
+        raster.draw(&skin.vertices, triangles, 0);
+
+        let layers = Layers {
+            moving: unlit_view(self.camera, &self.lamp, &things),
+            person: raster.fragments(),
+            shadow: self.lamp.shadow(&skin.vertices, triangles),
+            light: room.light(time),
+            skin,
+        };
+        Some(self.develop(&self.light_up(&layers), frame))
     }
 
     /// Red, green, blue and the person's share of each sample.
-    fn light_up(
-        &self,
-        raster: &Raster<'_>,
-        moving: &Plane<Seen>,
-        (worn, light, shadow): (&Worn, Light, &Shadow),
-    ) -> Plane<[f32; 4]> {
-        let lit = |seen: &Seen| {
-            let facing = seen.facing.max(0.0) * shadow.light_at(seen.in_lamp);
+    fn light_up(&self, layers: &Layers<'_>) -> Plane<[f32; 4]> {
+        let Layers {
+            moving,
+            person,
+            skin,
+            shadow,
+            light,
+        } = layers;
+        let lit = |sample: &UnlitSample| {
+            let facing = sample.facing.max(0.0) * shadow.light_at(sample.in_lamp);
             let brightness = light.everywhere + light.lamp * facing;
-            seen.albedo.map(|c| c * brightness)
+            sample.albedo.map(|c| c * brightness)
         };
-        let person = raster.fragments();
+
+        // whatever is nearest
         let mut samples = Plane::filled(person.width(), person.height(), [0.0; 4]);
         for y in 0..person.height() {
             let behind = self.still.row(y).iter().zip(moving.row(y));
@@ -124,7 +140,7 @@ impl<'a> Studio<'a> {
                 };
                 let is_person = fragment.depth < behind.depth;
                 let [r, g, b] = if is_person {
-                    lit(&self.skin(fragment, worn))
+                    lit(&self.skin_sample(fragment, skin))
                 } else {
                     lit(behind)
                 };
@@ -134,13 +150,13 @@ impl<'a> Studio<'a> {
         samples
     }
 
-    fn skin(&self, fragment: &Fragment, worn: &Worn) -> Seen {
-        let clothes = &self.film.clothes;
-        let triangle = clothes.skin.mesh.triangles[fragment.triangle as usize];
-        let normals = triangle.map(|i| worn.normals[i as usize].cast::<f32>().into());
+    fn skin_sample(&self, fragment: &Fragment, skin: &PosedSkin) -> UnlitSample {
+        let person = &self.film.person;
+        let triangle = person.skin.mesh.triangles[fragment.triangle as usize];
+        let normals = triangle.map(|i| skin.normals[i as usize].cast::<f32>().into());
         let normal = Vector3::from(fragment.mix::<3>(normals));
-        Seen {
-            albedo: clothes.colour(triangle, |corners| fragment.mix(corners)),
+        UnlitSample {
+            albedo: person.colour(triangle, |corners| fragment.mix(corners)),
             facing: normal
                 .try_normalize(f32::EPSILON)
                 .map_or(0.0, |n| n.dot(&Lamp::direction().cast())),
@@ -150,19 +166,20 @@ impl<'a> Studio<'a> {
     }
 
     /// Samples to pixels, with the sensor's noise.
-    fn developed(&self, samples: &Plane<[f32; 4]>, frame: FrameIndex) -> Shot {
+    fn develop(&self, samples: &Plane<[f32; 4]>, frame: FrameIndex) -> Shot {
         let synthetic = &self.film.synthetic;
         let (width, height) = (
             self.camera.width_px as usize,
             self.camera.height_px as usize,
         );
-        let view = synthetic.number(frame, self.id);
+        let view = synthetic.view_number(frame, self.id);
         let mut rng = stream(synthetic.seed, FIRST_NOISE + view);
+
         let mut picture = Plane::filled(width, height, [0u8; 3]);
         let mut covered = Plane::filled(width, height, 0.0f32);
         for y in 0..height {
             for x in 0..width {
-                let [r, g, b, person] = blurred(samples, x, y);
+                let [r, g, b, person] = blur(samples, x, y);
                 covered.row_mut(y)[x] = person;
                 picture.row_mut(y)[x] = [r, g, b].map(|c| {
                     let noise: f32 = StandardNormal.sample(&mut rng);
@@ -170,6 +187,7 @@ impl<'a> Studio<'a> {
                 });
             }
         }
+
         let is_person = |x, y| covered.get(x, y).is_some_and(|share| share > 0.5);
         Shot {
             picture,
@@ -179,7 +197,7 @@ impl<'a> Studio<'a> {
 }
 
 /// The weighted mean of the samples in and around a pixel; those outside the picture are the nearest within.
-fn blurred(samples: &Plane<[f32; 4]>, x: usize, y: usize) -> [f32; 4] {
+fn blur(samples: &Plane<[f32; 4]>, x: usize, y: usize) -> [f32; 4] {
     let within =
         |place: usize, k: usize, size: usize| (SAMPLES * place + k).saturating_sub(1).min(size - 1);
     let mut sum = [0.0; 4];
@@ -195,8 +213,8 @@ fn blurred(samples: &Plane<[f32; 4]>, x: usize, y: usize) -> [f32; 4] {
     sum
 }
 
-/// What a camera sees of things.
-fn seen(camera: &Camera, lamp: &Lamp, things: &[Thing]) -> Plane<Seen> {
+/// What a camera sees of things, sample by sample.
+fn unlit_view(camera: &Camera, lamp: &Lamp, things: &[Thing]) -> Plane<UnlitSample> {
     let mut raster = Raster::new(camera, SAMPLES);
     let mut owners: Vec<(usize, usize)> = Vec::new();
     for (owner, thing) in things.iter().enumerate() {
@@ -207,28 +225,32 @@ fn seen(camera: &Camera, lamp: &Lamp, things: &[Thing]) -> Plane<Seen> {
     raster.fragments().map(|fragment| {
         let owner = owners.get(fragment.triangle as usize);
         owner.map_or(NOTHING, |(owner, own)| {
-            surface(&things[*owner], *own, (&fragment, &centre, lamp))
+            surface(&things[*owner], *own, &fragment, &centre, lamp)
         })
     })
 }
 
+/// The surface of one triangle of a thing, as a camera at `centre` sees it.
 fn surface(
     thing: &Thing,
     own: usize,
-    (fragment, centre, lamp): (&Fragment, &Vector3<f64>, &Lamp),
-) -> Seen {
+    fragment: &Fragment,
+    centre: &Vector3<f64>,
+    lamp: &Lamp,
+) -> UnlitSample {
     let triangle = thing.triangles[own].map(|i| i as usize);
     let [a, b, c] = triangle.map(|i| thing.vertices[i]);
     let normal = (b - a)
         .cross(&(c - a))
         .try_normalize(1e-12)
         .unwrap_or_else(Vector3::z);
-    // the side that is seen
+    // the side that faces the camera
     let normal = normal * normal.dot(&(centre - a)).signum();
+
     let places = triangle.map(|i| thing.places[i].cast::<f32>().into());
     let shares = fragment.weights.map(f64::from);
     let place = a * shares[0] + b * shares[1] + c * shares[2];
-    Seen {
+    UnlitSample {
         albedo: thing.texture.at(fragment.mix(places)),
         facing: normal.dot(&Lamp::direction()) as f32,
         depth: fragment.depth,

@@ -10,7 +10,7 @@ pub(super) type Colour = [f32; 3];
 /// Two colours in blotches, with stripes if wanted, and grain over both.
 ///
 /// t = S(½ + k·(n(x) + ½ n(2x) + s·sin 2π x·d/p)), colour = (dark + t·(light − dark))·(1 + g·n(x/c)), with n value noise
-/// between −1 and 1, S the smooth step. All is smooth over a centimetre, so that half a pixel is enough to sample it.
+/// between −1 and 1, S the smooth step. Everything is smooth over a centimetre: two samples a pixel are enough.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Texture {
     pub(super) dark: Colour,
@@ -74,6 +74,7 @@ impl Texture {
         }
     }
 
+    /// The colour at a place of the texture.
     pub(super) fn at(&self, place: [f32; 3]) -> Colour {
         let scaled = |factor: f32| std::array::from_fn(|i| place[i] * self.per_m[i] * factor);
         let mut value = noise(scaled(1.0), self.seed) + 0.5 * noise(scaled(2.0), self.seed ^ 1);
@@ -89,7 +90,7 @@ impl Texture {
     }
 }
 
-/// A colour whose mean is between two brightnesses.
+/// A colour with a brightness between two bounds.
 fn colour(rng: &mut impl Rng, least: f32, most: f32) -> Colour {
     let brightness = rng.random_range(least..most);
     [0, 1, 2].map(|_| (brightness * rng.random_range(0.55..1.45f32)).min(1.0))
@@ -107,7 +108,7 @@ fn noise(place: [f32; 3], seed: u32) -> f32 {
     let mix = |a: f32, b: f32, t: f32| a + t * (b - a);
     let along_x = |dy: i32, dz: i32| {
         let at = |dx: i32| {
-            random(
+            lattice_value(
                 [x.wrapping_add(dx), y.wrapping_add(dy), z.wrapping_add(dz)],
                 seed,
             )
@@ -118,11 +119,12 @@ fn noise(place: [f32; 3], seed: u32) -> f32 {
     mix(plane(0), plane(1), t[2])
 }
 
-/// A number between −1 and 1 for each place of a lattice.
+/// A random number between −1 and 1 for each place of a lattice.
 ///
 /// # Source
 /// The finaliser of MurmurHash3 (Appleby, public domain).
-fn random([x, y, z]: [i32; 3], seed: u32) -> f32 {
+fn lattice_value(place: [i32; 3], seed: u32) -> f32 {
+    let [x, y, z] = place;
     let mut h = (x as u32).wrapping_mul(0x8da6_b343)
         ^ (y as u32).wrapping_mul(0xd816_3841)
         ^ (z as u32).wrapping_mul(0xcb1a_b31f)

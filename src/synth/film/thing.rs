@@ -39,6 +39,8 @@ impl Thing {
             middle + about * (Vector3::new(side(0), side(1), side(2)) - middle)
         };
         let vertices: Vec<_> = (0..8).map(corner).collect();
+
+        // corner k lies at high x, y, z where bit 0, 1, 2 is set
         let faces = [
             [0, 1, 3, 2],
             [4, 6, 7, 5],
@@ -60,7 +62,8 @@ impl Thing {
 
     /// A sheet of `columns` × `rows` pieces; `at` takes (0, 0) to (1, 1) to a place.
     pub(super) fn sheet(
-        [columns, rows]: [usize; 2],
+        columns: usize,
+        rows: usize,
         at: impl Fn(f64, f64) -> Vector3<f64>,
         texture: Texture,
     ) -> Self {
@@ -69,11 +72,13 @@ impl Thing {
             at(i as f64 / columns as f64, j as f64 / rows as f64)
         };
         let vertices: Vec<_> = (0..(columns + 1) * (rows + 1)).map(place).collect();
+
         let quad = |k: usize| {
             let a = (k / columns * (columns + 1) + k % columns) as u32;
             let below = a + columns as u32 + 1;
             [[a, a + 1, below + 1], [a, below + 1, below]]
         };
+
         Self {
             places: vertices.clone(),
             triangles: (0..columns * rows).flat_map(quad).collect(),
@@ -85,7 +90,8 @@ impl Thing {
     /// A shelf that is open to the front, as boards, with books on each.
     pub(super) fn shelf(
         corner: Vector3<f64>,
-        [width, height]: [f64; 2],
+        width: f64,
+        height: f64,
         rng: &mut impl Rng,
     ) -> Vec<Self> {
         let depth = 0.28;
@@ -98,11 +104,15 @@ impl Thing {
                 wood,
             )
         };
+
+        // back and sides
         let mut all = vec![
             board([0.0, 0.0, 0.0], [depth, BOARD, height]),
             board([0.0, width - BOARD, 0.0], [depth, width, height]),
             board([0.0, 0.0, 0.0], [BOARD, width, height]),
         ];
+
+        // boards, each but the highest with books
         let storeys = (height / 0.36).ceil() as usize;
         for storey in 0..=storeys {
             let z = height * storey as f64 / storeys as f64;
@@ -125,6 +135,7 @@ impl Thing {
             foot - Vector3::new(0.12, 0.12, 0.0),
             foot + Vector3::new(0.12, 0.12, 0.3),
         );
+
         let green = [0.16, rng.random_range(0.3..0.5), 0.12];
         let mut leaves = Self {
             vertices: Vec::new(),
@@ -135,6 +146,7 @@ impl Thing {
                 ..Texture::plain(green, 0.6, rng)
             },
         };
+
         for _ in 0..70 {
             let (sin, cos) = rng.random_range(0.0..std::f64::consts::TAU).sin_cos();
             let outward = Vector3::new(cos, sin, 0.0);
@@ -145,12 +157,13 @@ impl Thing {
                 * rng.random_range(0.12..0.26);
             let across =
                 Vector3::new(-sin, cos, rng.random_range(-0.5..0.5)) * rng.random_range(0.03..0.06);
-            leaves.leaf(base, along, across);
+            leaves.add_leaf(base, along, across);
         }
+
         vec![Self::cuboid(low, high, 0.3, Texture::printed(rng)), leaves]
     }
 
-    fn leaf(&mut self, base: Vector3<f64>, along: Vector3<f64>, across: Vector3<f64>) {
+    fn add_leaf(&mut self, base: Vector3<f64>, along: Vector3<f64>, across: Vector3<f64>) {
         let first = self.vertices.len() as u32;
         let droop = Vector3::z() * -0.3 * along.norm();
         let middle = base + along * 0.5;

@@ -13,23 +13,23 @@ pub(super) struct Waving {
     arms: [Arm; 2],
     /// Direction in which the belt runs, from the world's x axis.
     pub(super) heading: f64,
-    /// Greatest turn out of the heading, rad, and turns back and forth in a second.
+    /// Greatest turn away from the heading, radians, and turns to and fro in a second.
     turn: [f64; 2],
-    /// Greatest way from the middle of the belt along x and y, metres, and ways to and fro along y in a second.
+    /// Greatest distance from the middle of the belt along x and y, metres, and ways to and fro along y in a second.
     wander: [f64; 3],
 }
 
 /// One arm is lifted, waves, and is lowered again.
 #[derive(Debug, Clone)]
 struct Arm {
-    /// Lifts in a second, and the part of it at which they begin.
+    /// Lifts in a second, and their phase at the start.
     lifts: [f64; 2],
     /// Waves in a second.
     hertz: f64,
     joints: [Reach; 4],
 }
 
-/// Where a lifted arm's joint is about, and how far it waves, radians.
+/// The angle about which a lifted arm's joint waves, and how far, radians.
 #[derive(Debug, Clone)]
 struct Reach {
     joint: &'static str,
@@ -47,10 +47,10 @@ const LIFTED_DEG: [(&str, [f64; 2], [f64; 2]); 4] = [
 
 impl Waving {
     /// Arms that wave in turns and together.
-    pub(super) fn drawn(rng: &mut impl Rng) -> Self {
+    pub(super) fn random(rng: &mut impl Rng) -> Self {
         let begin = rng.random_range(0.0..1.0);
         Self {
-            arms: [0.0, 0.4].map(|later| Arm::drawn(begin + later, rng)),
+            arms: [0.0, 0.4].map(|later| Arm::random(begin + later, rng)),
             heading: rng.random_range(-0.7..0.7),
             turn: [rng.random_range(0.2..0.4), rng.random_range(0.06..0.12)],
             wander: [
@@ -61,9 +61,9 @@ impl Waving {
         }
     }
 
-    /// Takes a straight walk along x onto the belt; gives the way that the belt has run in each frame, metres.
+    /// Takes a straight walk along x onto the belt; returns how far the belt has run in each frame, metres.
     ///
-    /// What the walk moves on average is what the belt takes back, so the feet stand still on it.
+    /// The belt runs at the mean speed of the walk, so the feet stand still on it.
     pub(super) fn apply(&self, model: &BodyModel, motions: &mut [Motion], fps: f64) -> Vec<f64> {
         let speed = match motions {
             [first, .., last] => {
@@ -72,6 +72,7 @@ impl Waving {
             }
             _ => 0.0,
         };
+
         let start = motions.first().map_or(0.0, |m| m.position_world.x);
         let mut travelled = Vec::new();
         for (frame, motion) in motions.iter_mut().enumerate() {
@@ -79,7 +80,7 @@ impl Waving {
             motion.position_world.x -= start + speed * time;
             self.turn_and_wander(motion, time);
             for (side, arm) in ["r", "l"].into_iter().zip(&self.arms) {
-                arm.wave(model, motion, (side, time));
+                arm.wave(model, motion, side, time);
             }
             travelled.push(speed * time);
         }
@@ -102,7 +103,7 @@ impl Waving {
 }
 
 impl Arm {
-    fn drawn(begin: f64, rng: &mut impl Rng) -> Self {
+    fn random(begin: f64, rng: &mut impl Rng) -> Self {
         let mut within = |[least, most]: [f64; 2]| rng.random_range(least..most);
         Self {
             lifts: [within([0.15, 0.22]), begin],
@@ -116,7 +117,7 @@ impl Arm {
     }
 
     /// Blends the walk's swing into the wave as the arm is lifted.
-    fn wave(&self, model: &BodyModel, motion: &mut Motion, (side, time): (&str, f64)) {
+    fn wave(&self, model: &BodyModel, motion: &mut Motion, side: &str, time: f64) {
         let [hertz, begin] = self.lifts;
         let raised = (0.5 + 0.9 * (TAU * (hertz * time + begin)).sin()).clamp(0.0, 1.0);
         let lifted = raised * raised * (3.0 - 2.0 * raised);

@@ -13,7 +13,7 @@ use maquette::io::model;
 use maquette::io::recording::filmed;
 use maquette::math::stats::median;
 use maquette::silhouette::FrameIndex;
-use maquette::synth::{FilmRecipe, Filmed, Studio};
+use maquette::synth::{Film, FilmRecipe, Studio};
 use rayon::prelude::*;
 
 use crate::Fault;
@@ -25,7 +25,7 @@ pub(crate) const CENTRE: usize = 1;
 
 /// A recording with its truth.
 pub(crate) struct Sequence {
-    pub(crate) film: Filmed,
+    pub(crate) film: Film,
     folder: PathBuf,
 }
 
@@ -52,7 +52,7 @@ impl Sequence {
             fps,
             ..FilmRecipe::default()
         };
-        let film = recipe.filmed(&body)?;
+        let film = recipe.film(&body)?;
         let recording = folder.join("recording");
         if recording.is_dir() {
             fs::remove_dir_all(&recording)?;

@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::curves::{Curve, JOINTS, Normative, PELVIS, Place, Spread};
+use super::curves::{Curve, JOINTS, NormativeCurve, PELVIS, Sides, Variation};
 
 /// Angles over the gait cycle, and how many cycles there are in a second.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Gait {
+pub struct WalkingStyle {
     /// Strides (pairs of steps) per second.
     pub stride_hz: f64,
     /// Tilt forwards, right side up, right side forwards, in the cycle of the right foot.
@@ -30,7 +30,7 @@ const BEND_SD_DEG: f64 = 2.5;
 const SWING_SD: f64 = 0.15;
 /// Standard deviation of the timing of trunk and arms, in cycles.
 const ADVANCE_SD: f64 = 0.015;
-/// What is left to each single curve, and to left against right: degrees.
+/// Standard deviation that is left to each single curve, and to left against right, degrees.
 const SINGLE_SD_DEG: f64 = 0.4;
 
 /// What all curves of a person have in common.
@@ -50,7 +50,7 @@ fn bounded_normal(rng: &mut impl Rng) -> f64 {
     }
 }
 
-impl Gait {
+impl WalkingStyle {
     /// The mean of healthy adults.
     pub fn normative() -> Self {
         Self::departing(&mut || 0.0)
@@ -61,19 +61,22 @@ impl Gait {
         Self::departing(&mut || bounded_normal(rng))
     }
 
-    /// A gait that departs from the mean by the standard deviations that `draw` gives.
+    /// A style that departs from the mean by as many standard deviations as `draw` says.
     fn departing(draw: &mut impl FnMut() -> f64) -> Self {
         let stride_hz = STRIDE_HZ * (1.0 + STRIDE_SD * draw());
         let person = Person {
             step_gain: 1.0 + STEP_SD * draw(),
             bend_deg: BEND_SD_DEG * draw(),
         };
+
         let pelvis = PELVIS.each_ref().map(|n| depart(n, person, draw));
+
+        // every joint of the middle once, every joint of the sides with a little of its own
         let mut joints = BTreeMap::new();
         for normative in &JOINTS {
             let name = normative.joint;
             let curve = depart(normative, person, draw);
-            if normative.place == Place::Middle {
+            if normative.sides == Sides::Middle {
                 joints.insert(name.to_owned(), curve);
                 continue;
             }
@@ -90,14 +93,15 @@ impl Gait {
     }
 }
 
-fn depart(normative: &Normative, person: Person, draw: &mut impl FnMut() -> f64) -> Curve {
+/// The curve of one person.
+fn depart(normative: &NormativeCurve, person: Person, draw: &mut impl FnMut() -> f64) -> Curve {
     let curve = normative.curve();
-    match normative.spread {
-        Spread::Legs(bend) => {
+    match normative.variation {
+        Variation::Legs(bend) => {
             let offset_deg = bend * person.bend_deg + SINGLE_SD_DEG * draw();
             curve.varied(person.step_gain, offset_deg.to_radians())
         }
-        Spread::Own(sd_deg) => {
+        Variation::Own(sd_deg) => {
             let (gain, offset_deg) = (1.0 + SWING_SD * draw(), sd_deg * draw());
             let varied = curve.varied(gain, offset_deg.to_radians());
             varied.advanced(ADVANCE_SD * draw())
@@ -114,11 +118,11 @@ mod tests {
 
     #[test]
     fn the_left_leg_does_what_the_right_does_half_a_cycle_later() {
-        let gait = Gait::normative();
+        let style = WalkingStyle::normative();
         for phase in [0.0, 0.3, 0.9] {
             let (right, left) = (
-                &gait.joints["knee_flexion_r"],
-                &gait.joints["knee_flexion_l"],
+                &style.joints["knee_flexion_r"],
+                &style.joints["knee_flexion_l"],
             );
             approx::assert_relative_eq!(left.at(phase + 0.5), right.at(phase), epsilon = 1e-12);
         }
@@ -126,7 +130,7 @@ mod tests {
 
     #[test]
     fn one_seed_is_one_person_and_another_seed_another() {
-        let person = |seed| Gait::personal(&mut ChaCha8Rng::seed_from_u64(seed));
+        let person = |seed| WalkingStyle::personal(&mut ChaCha8Rng::seed_from_u64(seed));
         assert_eq!(person(1), person(1));
         assert_ne!(person(1), person(2));
     }
