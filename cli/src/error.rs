@@ -12,6 +12,7 @@ use maquette::io::recording::footage::FootageError;
 use maquette::io::recording::synthetic::SyntheticError;
 use maquette::io::result::ResultError;
 use maquette::pipeline::FitError;
+use maquette::pipeline::stereo::StereoError;
 use maquette::skin::SkinError;
 use maquette::synth::{FilmError, WalkError};
 
@@ -76,8 +77,8 @@ pub(super) enum CliError {
         source: rayon::ThreadPoolBuildError,
     },
     /// What cannot be matched.
-    #[error("{0}")]
-    Stereo(String),
+    #[error(transparent)]
+    Stereo(#[from] StereoError),
     /// A body that cannot walk.
     #[error(transparent)]
     Walk(#[from] WalkError),

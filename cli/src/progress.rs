@@ -2,32 +2,75 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 
+use super::complain;
+use super::error::one_line;
 use maquette::inference::search::{Hypothesis, Journal, Trial};
+use maquette::pipeline::Progress;
 
-/// Whether progress is shown. Where standard error is no terminal it never is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Progress {
-    Shown,
-    Hidden,
+/// The bar of the current stage. Where standard error is no terminal none is ever seen.
+#[derive(Debug)]
+pub(super) struct Bars {
+    is_shown: bool,
+    current: Mutex<ProgressBar>,
 }
 
-impl Progress {
+impl Progress for Bars {
+    fn begin(&self, stage: &'static str, steps: usize) {
+        *self.current() = self.bar(stage, steps);
+    }
+
+    fn advance(&self, steps: usize) {
+        self.current().inc(steps as u64);
+    }
+
+    fn end(&self) {
+        self.current().finish_and_clear();
+    }
+
+    fn note(&self, line: &str) {
+        if self.is_shown {
+            self.current().suspend(|| complain("note", &one_line(line)));
+        }
+    }
+}
+
+impl Bars {
+    /// Bars that are seen.
+    pub(super) fn shown() -> Self {
+        Self {
+            is_shown: true,
+            ..Self::hidden()
+        }
+    }
+
+    /// Bars that never are.
+    pub(super) fn hidden() -> Self {
+        Self {
+            is_shown: false,
+            current: Mutex::new(ProgressBar::hidden()),
+        }
+    }
+
+    fn current(&self) -> MutexGuard<'_, ProgressBar> {
+        self.current.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// The bar of a stage of `steps` steps, to be seen at once.
-    pub(super) fn bar(self, stage: &'static str, steps: usize) -> ProgressBar {
+    fn bar(&self, stage: &'static str, steps: usize) -> ProgressBar {
         let bar = self.bar_for_later(stage);
         bar.set_length(steps as u64);
-        begin(&bar);
+        show(&bar);
         bar
     }
 
     /// The bar of a stage that has not begun.
-    fn bar_for_later(self, stage: &'static str) -> ProgressBar {
-        if self == Self::Hidden {
+    fn bar_for_later(&self, stage: &'static str) -> ProgressBar {
+        if !self.is_shown {
             return ProgressBar::hidden();
         }
         let bar = ProgressBar::new(0).with_prefix(stage);
@@ -39,7 +82,7 @@ impl Progress {
 }
 
 /// Shows a bar, and keeps its clock going while a step takes long.
-fn begin(bar: &ProgressBar) {
+fn show(bar: &ProgressBar) {
     bar.reset_eta();
     if !bar.is_hidden() {
         bar.enable_steady_tick(Duration::from_millis(250));
@@ -68,14 +111,14 @@ impl<'a> Watched<'a> {
     /// Bars for about `keyframes` keyframes and hypotheses of `frames` frames each.
     pub(super) fn new(
         journal: &'a dyn Journal,
-        progress: Progress,
+        bars: &Bars,
         keyframes: usize,
         frames: usize,
     ) -> Self {
         Self {
             journal,
-            keyframes: progress.bar("keyframes", keyframes),
-            trials: progress.bar_for_later("hypotheses"),
+            keyframes: bars.bar("keyframes", keyframes),
+            trials: bars.bar_for_later("hypotheses"),
             frames,
             fitted: Mutex::default(),
         }
@@ -133,7 +176,7 @@ impl Journal for Watched<'_> {
         self.journal.hypotheses(count);
         self.keyframes.finish_and_clear();
         self.trials.set_length((count * self.frames) as u64);
-        begin(&self.trials);
+        show(&self.trials);
     }
 
     fn advanced(&self, index: usize, frames: usize) {

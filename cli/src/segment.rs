@@ -7,7 +7,6 @@ use std::time::Instant;
 use clap::Args;
 
 use super::error::{CliError, one_line};
-use super::progress::Progress;
 use super::switches::{Overwrite, Quiet, Threads};
 use super::table::Table;
 use super::{complain, print};
@@ -16,7 +15,7 @@ use maquette::io::folder::segmented::{self, Extras, QualityRow};
 use maquette::io::folder::{OutFolder, check_out};
 use maquette::io::recording::footage::{Footage, FootageNote};
 use maquette::pipeline::segment::SegmentOptions;
-use maquette::pipeline::{FrameRange, span};
+use maquette::pipeline::{FrameRange, Progress, span};
 
 pub(super) const ABOUT: &str = "\
 Cut the person out of the pictures of a recording.
@@ -77,7 +76,7 @@ fn segment(arguments: &SegmentArguments) -> Result<(), CliError> {
         probability: arguments.probability,
         overlays: arguments.overlays,
     };
-    let (rows, notes) = masks(&footage, range, &arguments.out, extras, progress)?;
+    let (rows, notes) = masks(&footage, range, &arguments.out, extras, &progress)?;
     if !arguments.quiet.is_on() {
         for note in &notes {
             complain("note", &one_line(note));
@@ -94,17 +93,19 @@ pub(super) fn masks(
     frames: RangeInclusive<usize>,
     folder: &Path,
     extras: Extras,
-    progress: Progress,
+    progress: &dyn Progress,
 ) -> Result<(Vec<QualityRow>, Vec<String>), CliError> {
     let all = footage.frames();
-    let bar = progress.bar("background", all.len());
-    let (segmenter, found) = segmented::learn(footage, SegmentOptions::default(), &|| bar.inc(1));
-    bar.finish_and_clear();
+    progress.begin("background", all.len());
+    let (segmenter, found) =
+        segmented::learn(footage, SegmentOptions::default(), &|| progress.step());
+    progress.end();
     let count = all.iter().filter(|frame| frames.contains(&frame.0)).count();
-    let bar = progress.bar("masks", count);
-    let (rows, odd) =
-        segmented::write(folder, footage, &segmenter, frames, extras, &|| bar.inc(1))?;
-    bar.finish_and_clear();
+    progress.begin("masks", count);
+    let (rows, odd) = segmented::write(folder, footage, &segmenter, frames, extras, &|| {
+        progress.step()
+    })?;
+    progress.end();
     let mut notes: Vec<String> = footage
         .notes
         .iter()

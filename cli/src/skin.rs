@@ -18,6 +18,7 @@ use maquette::io::folder::{OutFolder, write_atomically};
 use maquette::io::model;
 use maquette::io::result::ResultFile;
 use maquette::pipeline::FrameRange;
+use maquette::pipeline::Progress;
 use maquette::render::{portrait_camera, shade};
 use maquette::skin::{Mesh, SkinOptions, skin};
 
@@ -104,7 +105,8 @@ pub(super) fn run(arguments: &SkinArguments) -> Result<(), CliError> {
     }
     let folder = arguments.out.join("skin");
     OutFolder::open(&folder)?;
-    let bar = arguments.quiet.progress().bar("skins", poses.len());
+    let progress = arguments.quiet.progress();
+    progress.begin("skins", poses.len());
     let format = MeshFormat::from(arguments.format);
     let write = |(name, motion): &(String, Motion)| -> Result<(), CliError> {
         let mesh = skin_of(motion)?;
@@ -117,11 +119,11 @@ pub(super) fn run(arguments: &SkinArguments) -> Result<(), CliError> {
             let field = Field::from_body(&Posed::new(&model, &shape, motion));
             write_portrait(&field, &folder.join(format!("{name}.png")))?;
         }
-        bar.inc(1);
+        progress.step();
         Ok(())
     };
     let written: Vec<Result<(), CliError>> = poses.par_iter().map(write).collect();
-    bar.finish_and_clear();
+    progress.end();
     // the first fault in the order of the frames, whichever thread met one first
     written.into_iter().collect::<Result<(), _>>()?;
     if !arguments.quiet.is_on() {

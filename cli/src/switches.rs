@@ -2,8 +2,9 @@
 
 use clap::Args;
 
-use super::error::CliError;
-use super::progress::Progress;
+use super::complain;
+use super::error::{CliError, one_line};
+use super::progress::Bars;
 use maquette::io::folder::Existing;
 
 /// `--quiet`.
@@ -20,11 +21,18 @@ impl Quiet {
         self.quiet
     }
 
-    /// Whether progress is shown.
-    pub(super) fn progress(self) -> Progress {
+    /// The bars of the stages.
+    pub(super) fn progress(self) -> Bars {
         match self.quiet {
-            true => Progress::Hidden,
-            false => Progress::Shown,
+            true => Bars::hidden(),
+            false => Bars::shown(),
+        }
+    }
+
+    /// Prints what the user should know, each in one line.
+    pub(super) fn print_notes(self, notes: impl IntoIterator<Item: ToString>) {
+        for note in notes.into_iter().filter(|_| !self.quiet) {
+            complain("note", &one_line(&note.to_string()));
         }
     }
 }

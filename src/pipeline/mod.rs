@@ -24,6 +24,7 @@ mod scene;
 pub mod segment;
 pub mod silhouettes;
 mod source;
+pub mod stereo;
 mod unseen;
 mod warning;
 mod warning_text;

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::arguments::FitArguments;
-use super::made::{measure, tell};
+use super::made::measure;
 use crate::error::CliError;
 use crate::silhouettes::{self, DEFAULT_BODY};
 use maquette::io::model;
@@ -39,8 +39,8 @@ pub(super) fn observe(
     check_measure(&model, Some(Measure::Metaballs))?;
     let progress = arguments.quiet.progress();
     let kept = (footage, frames, arguments.out.as_path());
-    let (mut observed, notes) = silhouettes::observe(kept, &model, progress)?;
-    tell(&notes, arguments);
+    let (mut observed, notes) = silhouettes::observe(kept, &model, &progress)?;
+    arguments.quiet.print_notes(&notes);
     let open = |has_points: bool| {
         recording.with_derived(DerivedFiles {
             footage,

@@ -10,7 +10,6 @@ use super::arguments::{FitArguments, Silhouettes};
 use super::contoured::{self, Observed};
 use super::made::{cut, measure};
 use crate::error::CliError;
-use crate::progress::Progress;
 use maquette::body::BodyModel;
 use maquette::io::folder::check_out;
 use maquette::io::model::{self, ModelText};
@@ -18,7 +17,7 @@ use maquette::io::recording::footage::FootageError;
 use maquette::io::recording::{
     DerivedFiles, InputChecksum, ObservationFiles, Recording, RecordingError,
 };
-use maquette::pipeline::{FitError, FitOptions, check_measure, check_scene};
+use maquette::pipeline::{FitError, FitOptions, Progress, check_measure, check_scene};
 use maquette::silhouette::FrameObservations;
 
 /// The body that is fitted when nobody names one.
@@ -50,7 +49,7 @@ pub(super) fn read(arguments: &FitArguments) -> Result<Input, CliError> {
                 .frames
                 .unwrap_or_default()
                 .positions(&recording.frames)?;
-            observe(&recording, positions, &options, arguments.quiet.progress())?
+            observe(&recording, positions, &options, &arguments.quiet.progress())?
         }
     };
     let notes = recording.notes_on_points(&observations);
@@ -146,16 +145,16 @@ fn observe(
     recording: &ObservationFiles,
     positions: Range<usize>,
     options: &FitOptions,
-    progress: Progress,
+    progress: &dyn Progress,
 ) -> Result<Vec<FrameObservations>, CliError> {
-    let bar = progress.bar("reading masks", positions.len());
+    progress.begin("reading masks", positions.len());
     let load = |position: usize| {
         let observed = recording.load_frame(position, &options.silhouettes);
-        bar.inc(1);
+        progress.step();
         observed.map(|observed| options.fit_to.of(observed))
     };
     let loaded: Vec<Result<_, _>> = positions.into_par_iter().map(load).collect();
-    bar.finish_and_clear();
+    progress.end();
     // the first fault in the order of the frames, whichever thread met one first
     Ok(loaded.into_iter().collect::<Result<_, _>>()?)
 }

@@ -1,15 +1,16 @@
 //! What a recording lacks, made of its pictures and kept in OUT.
 
 use super::arguments::FitArguments;
-use crate::error::{CliError, one_line};
-use crate::stereo::{Method, Settings};
-use crate::{complain, segment};
+use crate::error::CliError;
+use crate::segment;
+use crate::stereo::{Method, write_surface};
 use maquette::io::folder::segmented::{Extras, QUALITY};
-use maquette::io::folder::stereo;
+use maquette::io::folder::stereo::{self, StereoExtras, StereoFolder};
 use maquette::io::folder::{Existing, OutFolder};
 use maquette::io::recording::ObservationFiles;
 use maquette::io::recording::footage::Footage;
 use maquette::pipeline::span;
+use maquette::pipeline::stereo::StereoOptions;
 
 /// Whether an earlier run that is continued has finished what it writes this table after.
 fn is_kept(arguments: &FitArguments, table: &str) -> bool {
@@ -25,8 +26,8 @@ pub(super) fn cut(footage: &Footage, arguments: &FitArguments) -> Result<(), Cli
     let frames = footage.frames();
     let range = span(arguments.frames.unwrap_or_default().select(&frames)?);
     OutFolder::open(out)?;
-    let (_, notes) = segment::masks(footage, range, out, Extras::default(), progress)?;
-    tell(&notes, arguments);
+    let (_, notes) = segment::masks(footage, range, out, Extras::default(), &progress)?;
+    arguments.quiet.print_notes(&notes);
     Ok(())
 }
 
@@ -40,17 +41,16 @@ pub(super) fn measure(
     if is_kept(arguments, stereo::TABLE) {
         return Ok(());
     }
-    let (out, progress) = (&arguments.out, arguments.quiet.progress());
-    let settings = Settings::of(method);
     let frames = footage.frames();
     let frames = arguments.frames.unwrap_or_default().select(&frames)?;
-    let found = crate::stereo::measure((footage, Some(masks)), frames, out, &settings, progress)?;
-    tell(&found.notes, arguments);
+    let options = StereoOptions {
+        method: method.into(),
+        ..StereoOptions::default()
+    };
+    options.choose_cameras(&footage.rig)?;
+    let folder = StereoFolder::open(&arguments.out, footage.up, StereoExtras::default())?;
+    let progress = arguments.quiet.progress();
+    let found = write_surface(footage, Some(masks), frames, &options, folder, &progress)?;
+    arguments.quiet.print_notes(&found.notes);
     Ok(())
-}
-
-pub(super) fn tell(notes: &[String], arguments: &FitArguments) {
-    for note in notes.iter().filter(|_| !arguments.quiet.is_on()) {
-        complain("note", &one_line(note));
-    }
 }

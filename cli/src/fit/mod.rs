@@ -12,7 +12,7 @@ pub(super) use arguments::{ABOUT, EXAMPLES, FitArguments};
 use input::{Input, identity, read};
 
 use super::error::{CliError, one_line};
-use super::progress::{Progress, Watched};
+use super::progress::{Bars, Watched};
 use super::summary::Summary;
 use super::{complain, print};
 use maquette::inference::Sequence;
@@ -21,7 +21,7 @@ use maquette::io::folder::overlays;
 use maquette::io::folder::{Existing, OutError, OutFolder};
 use maquette::io::points::trc::write_trc;
 use maquette::io::result::{Provenance, ResultFile, trajectories};
-use maquette::pipeline::{self, Fit};
+use maquette::pipeline::{self, Fit, Progress};
 
 /// Fits a recording and writes the result.
 pub(super) fn run(arguments: &FitArguments) -> Result<(), CliError> {
@@ -36,7 +36,7 @@ fn fit(arguments: &FitArguments) -> Result<(), CliError> {
     let out = OutFolder::open(&arguments.out)?;
     let journal = journal(&out, arguments.existing(), &input)?;
     let fitted =
-        search(&input, &journal, arguments.quiet.progress()).inspect_err(|_| out.abandon())?;
+        search(&input, &journal, &arguments.quiet.progress()).inspect_err(|_| out.abandon())?;
     // 3. write the result, and only then replace an older one
     let result = write(&out, &input, &fitted, arguments)?;
     if let Some(fault) = journal.fault() {
@@ -70,10 +70,10 @@ fn journal(out: &OutFolder, existing: Existing, input: &Input) -> Result<DiskJou
     }
 }
 
-fn search(input: &Input, journal: &DiskJournal, progress: Progress) -> Result<Fit, CliError> {
+fn search(input: &Input, journal: &DiskJournal, bars: &Bars) -> Result<Fit, CliError> {
     let frames = input.observations.len();
     let keyframes = frames.div_ceil(input.options.search.keyframe_spacing(frames));
-    let watched = Watched::new(journal, progress, keyframes, frames);
+    let watched = Watched::new(journal, bars, keyframes, frames);
     let sequence = Sequence {
         frames: &input.observations,
         fps: input.recording.fps,
@@ -110,10 +110,11 @@ fn write(
     let scratch = out.scratch()?;
     if arguments.overlays {
         let pictures = fit.frames.len() * recording.rig.cameras.len();
-        let bar = arguments.quiet.progress().bar("overlays", pictures);
+        let progress = arguments.quiet.progress();
+        progress.begin("overlays", pictures);
         let folder = scratch.path().join("overlays");
-        overlays::write(&folder, recording, model, fit, &|| bar.inc(1))?;
-        bar.finish_and_clear();
+        overlays::write(&folder, recording, model, fit, &|| progress.step())?;
+        progress.end();
     }
     let joints = write_trc(&trajectories(fit, model, recording.fps), "joints.trc");
     for (name, bytes) in [

@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::error::CliError;
-use crate::progress::Progress;
 use maquette::body::{BodyModel, Motion, Shape};
 use maquette::camera::CameraId;
 use maquette::inference::joint::{JointOptions, joint_optimum};
@@ -15,8 +14,8 @@ use maquette::io::recording::footage::Footage;
 use maquette::io::result::ResultFile;
 use maquette::likelihood::Measure;
 use maquette::pipeline::silhouettes::{ShownFrame, StillScenes, nearness};
-use maquette::pipeline::span;
 use maquette::pipeline::{self, FitOptions};
+use maquette::pipeline::{Progress, span};
 use maquette::silhouette::{FrameIndex, FrameObservations};
 use maquette::stereo::SideBySide;
 
@@ -43,7 +42,7 @@ impl First {
         footage: &Footage,
         frames: &[FrameIndex],
         model: &BodyModel,
-        progress: Progress,
+        progress: &dyn Progress,
     ) -> Result<Self, CliError> {
         let result = ResultFile::read(folder)?;
         let fitted = result.motion.frames.iter();
@@ -59,7 +58,7 @@ impl First {
         footage: &Footage,
         frames: &[FrameIndex],
         model: &BodyModel,
-        progress: Progress,
+        progress: &dyn Progress,
     ) -> Result<Self, CliError> {
         SideBySide::choose(&footage.rig).map_err(|e| {
             CliError::Arguments(format!("{e}; give a fitted body to begin with: --fit DIR"))
@@ -137,7 +136,7 @@ fn of_plain_build(model: &BodyModel) -> BodyModel {
 }
 
 /// What the cameras see that does not move, of frames spread over the recording.
-fn still_scenes(footage: &Footage, frames: &[FrameIndex], progress: Progress) -> StillScenes {
+fn still_scenes(footage: &Footage, frames: &[FrameIndex], progress: &dyn Progress) -> StillScenes {
     let mut maps = BTreeMap::<CameraId, Vec<_>>::new();
     if SideBySide::choose(&footage.rig).is_err() {
         // no camera sees depth
@@ -162,10 +161,10 @@ fn spread(frames: &[FrameIndex], most: usize) -> Vec<FrameIndex> {
 fn each_shown(
     footage: &Footage,
     frames: &[FrameIndex],
-    (progress, stage): (Progress, &'static str),
+    (progress, stage): (&dyn Progress, &'static str),
     mut take: impl FnMut(FrameIndex, ShownFrame),
 ) {
-    let bar = progress.bar(stage, frames.len());
+    progress.begin(stage, frames.len());
     for (frame, pictures) in footage.frame_sets(span(frames)) {
         if frames.binary_search(&frame).is_err() {
             continue;
@@ -173,9 +172,9 @@ fn each_shown(
         if let Ok(shown) = ShownFrame::of(&footage.rig, &pictures) {
             take(frame, shown);
         }
-        bar.inc(1);
+        progress.step();
     }
-    bar.finish_and_clear();
+    progress.end();
 }
 
 #[cfg(test)]

@@ -108,8 +108,8 @@ fn silhouettes(arguments: &SilhouettesArguments) -> Result<(), CliError> {
     let evidence = work::evidence(&model, &footage);
     // 1. where the body is
     let first = match &arguments.fit {
-        Some(folder) => First::read(folder, &footage, frames, &model, progress)?,
-        None => First::found(&footage, frames, &model, progress)?,
+        Some(folder) => First::read(folder, &footage, frames, &model, &progress)?,
+        None => First::found(&footage, frames, &model, &progress)?,
     };
     // 2. contours, frame by frame
     let extras = SilhouetteExtras {
@@ -124,7 +124,9 @@ fn silhouettes(arguments: &SilhouettesArguments) -> Result<(), CliError> {
         first: &first,
         pipeline: arguments.pipeline,
     };
-    let skipped = work.run(progress, |found| found.write(&mut folder, &footage, &model))?;
+    let skipped = work.run(&progress, |found| {
+        found.write(&mut folder, &footage, &model)
+    })?;
     let rows = folder.finish()?;
     // 3. what was found
     if let Some(line) = unsure(&rows, &arguments.body) {

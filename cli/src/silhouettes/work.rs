@@ -4,7 +4,6 @@ use std::path::Path;
 
 use super::{First, Pipeline};
 use crate::error::CliError;
-use crate::progress::Progress;
 use maquette::body::{BodyModel, Posed};
 use maquette::image::Picture;
 use maquette::inference::Evidence;
@@ -12,7 +11,7 @@ use maquette::io::folder::silhouettes::{SilhouetteExtras, SilhouetteFolder};
 use maquette::io::recording::footage::Footage;
 use maquette::likelihood::{LikelihoodOptions, Measure, SkinScale};
 use maquette::pipeline::silhouettes::{ContourOptions, Scene, ShownFrame, Sighting};
-use maquette::pipeline::span;
+use maquette::pipeline::{Progress, span};
 use maquette::silhouette::{FrameIndex, FrameObservations};
 
 /// Turns of contours and joint optimum: with two a body of plain build is still too thin, with more it may drift to edges beside it.
@@ -67,7 +66,7 @@ impl Work<'_> {
     /// Hands every frame to `take`; what was left out, and why.
     pub(super) fn run(
         &self,
-        progress: Progress,
+        progress: &dyn Progress,
         take: impl FnMut(Found<'_>) -> Result<(), CliError>,
     ) -> Result<Vec<String>, CliError> {
         // 1. the body of each frame
@@ -80,7 +79,7 @@ impl Work<'_> {
     }
 
     /// Shape and motion of all frames at once fitted to stereo and contours, and contours from there, by turns.
-    fn together(&self, progress: Progress) -> Result<First, CliError> {
+    fn together(&self, progress: &dyn Progress) -> Result<First, CliError> {
         let mut fitted = self.first.clone();
         for _ in 0..TURNS {
             let mut observed = Vec::new();
@@ -97,15 +96,15 @@ impl Work<'_> {
     fn each(
         &self,
         fit: &First,
-        (progress, stage): (Progress, &'static str),
+        (progress, stage): (&dyn Progress, &'static str),
         mut take: impl FnMut(Found<'_>) -> Result<(), CliError>,
     ) -> Result<Vec<String>, CliError> {
         let rig = &self.footage.rig;
         let scale = SkinScale::new(self.evidence.model);
         let mut skipped = Vec::new();
-        let bar = progress.bar(stage, self.frames.len());
+        progress.begin(stage, self.frames.len());
         for (frame, pictures) in self.footage.frame_sets(span(self.frames)) {
-            bar.inc(1);
+            progress.step();
             let Some(motion) = fit.motions.get(&frame) else {
                 skipped.push(format!("{frame}: the first fit has no such frame"));
                 continue;
@@ -125,7 +124,7 @@ impl Work<'_> {
                 sighting: scene.sighting(frame, &body, &scale),
             })?;
         }
-        bar.finish_and_clear();
+        progress.end();
         Ok(skipped)
     }
 }
@@ -136,7 +135,7 @@ impl Work<'_> {
 pub(crate) fn observe(
     (footage, frames, out): (&Footage, &[FrameIndex], &Path),
     model: &BodyModel,
-    progress: Progress,
+    progress: &dyn Progress,
 ) -> Result<(Vec<FrameObservations>, Vec<String>), CliError> {
     let evidence = evidence(model, footage);
     let first = First::found(footage, frames, model, progress)?;

@@ -14,12 +14,23 @@ use crate::camera::UpAxis;
 use crate::image::Plane;
 use crate::io::points::write_ply;
 use crate::math::Rigid3;
+use crate::pipeline::stereo::{SurfaceFrame, SurfaceTracks};
 use crate::render::Canvas;
+use crate::render::stereo::{cloud_from_the_side, in_colour, vector_field};
 use crate::stereo::tracking::Trajectory;
 use crate::stereo::{Cloud, CloudPoint, Spread};
 
 /// Steps of a disparity's file to a pixel.
 const STEPS: f32 = 256.0;
+
+/// What is written beside points and disparities.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct StereoExtras {
+    /// `pictures/`: disparities in colour, the cloud from the side, the motion of the surface.
+    pub pictures: bool,
+    /// `trajectories.csv`.
+    pub trajectories: bool,
+}
 
 /// The folder of a run.
 #[derive(Debug)]
@@ -27,6 +38,9 @@ pub struct StereoFolder {
     path: PathBuf,
     out: OutFolder,
     file_from_world: Rigid3,
+    extras: StereoExtras,
+    rows: Vec<FrameRow>,
+    trajectories: Vec<Trajectory>,
 }
 
 /// The table of the frames; it is written last: where it stands all points do.
@@ -34,13 +48,10 @@ pub const TABLE: &str = "stereo.csv";
 
 /// One line of the table.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct MeasuredFrame {
-    /// Number of the frame.
-    pub frame: usize,
-    /// Points that were measured in it.
-    pub points: usize,
-    /// Why there are none; empty where there are.
-    pub reason: String,
+struct FrameRow {
+    frame: usize,
+    points: usize,
+    reason: String,
 }
 
 impl StereoFolder {
@@ -48,7 +59,7 @@ impl StereoFolder {
     ///
     /// # Errors
     /// [`OutError::Write`].
-    pub fn open(path: &Path, up: UpAxis) -> Result<Self, OutError> {
+    pub fn open(path: &Path, up: UpAxis, extras: StereoExtras) -> Result<Self, OutError> {
         let older = ["points", "disparity", "pictures", "trajectories.csv"];
         let out = OutFolder::open(path)?;
         out.begin(TABLE, &older)?;
@@ -59,34 +70,66 @@ impl StereoFolder {
             path: path.into(),
             out,
             file_from_world: up.file_from_world(),
+            extras,
+            rows: Vec::new(),
+            trajectories: Vec::new(),
         })
     }
 
-    /// Writes `stereo.csv`, a line for each frame.
+    /// Writes what was measured in a frame.
     ///
     /// # Errors
     /// [`OutError::Write`].
-    pub fn table(&self, frames: &[MeasuredFrame]) -> Result<(), OutError> {
-        table::finish(&self.out, TABLE, frames)
+    pub fn write(&mut self, measured: SurfaceFrame) -> Result<(), OutError> {
+        let frame = measured.frame.0;
+        self.rows.push(FrameRow {
+            frame,
+            points: measured.points().len(),
+            reason: measured.reason,
+        });
+        if let Some(surface) = &measured.surface {
+            self.points(frame, &surface.points)?;
+            for map in &surface.disparities {
+                let pair = map.pair.map_or(String::new(), |pair| format!("_{pair}"));
+                self.disparity(&format!("{frame:06}{pair}"), &map.disparities_px)?;
+            }
+            if self.extras.pictures {
+                let cloud = cloud_from_the_side(&surface.template.camera, &surface.points);
+                self.picture(&format!("cloud_{frame:06}"), &cloud)?;
+            }
+        }
+        for tracks in measured.ended_tracks {
+            if self.extras.pictures {
+                self.motion(&tracks)?;
+            }
+            self.trajectories.extend(tracks.trajectories);
+        }
+        Ok(())
     }
 
-    /// Writes `points/%06d.ply`: metres, in the world of the recording's files, each with its covariance.
+    /// Writes `stereo.csv`, a line for each frame: where it stands all is complete.
     ///
     /// # Errors
     /// [`OutError::Write`].
-    pub fn points(&self, frame: usize, points: &[CloudPoint]) -> Result<(), OutError> {
+    pub fn finish(self) -> Result<(), OutError> {
+        if self.extras.trajectories {
+            let path = self.path.join("trajectories.csv");
+            write_atomically(&path, table_of(&self.trajectories).as_bytes())?;
+        }
+        table::finish(&self.out, TABLE, &self.rows)
+    }
+
+    /// `points/%06d.ply`: metres, in the world of the recording's files, each with its covariance.
+    fn points(&self, frame: usize, points: &[CloudPoint]) -> Result<(), OutError> {
         let path = self.path.join(format!("points/{frame:06}.ply"));
         let in_file = Cloud::from_points(points.iter().copied()).moved(&self.file_from_world);
         write_atomically(&path, &write_ply(&in_file.points))
     }
 
-    /// Writes `disparity/<name>.png`, 16 bits: 256 times the disparity in pixels of points nearer than infinity; 0 unknown.
-    ///
-    /// # Errors
-    /// [`OutError::Write`].
-    pub fn disparity(&self, name: &str, disparities: &Plane<f32>) -> Result<(), OutError> {
+    /// `disparity/<name>.png`, 16 bits: 256 times the disparity in pixels of points nearer than infinity; 0 unknown.
+    fn disparity(&self, name: &str, disparities: &Plane<f32>) -> Result<(), OutError> {
         let path = self.path.join(format!("disparity/{name}.png"));
-        let steps = |d: &f32| {
+        let in_steps = |d: &f32| {
             if d.is_finite() {
                 (STEPS * d).round().clamp(1.0, 65535.0) as u16
             } else {
@@ -96,53 +139,59 @@ impl StereoFolder {
         let bytes: Vec<u8> = disparities
             .values()
             .iter()
-            .flat_map(|d| steps(d).to_ne_bytes())
+            .flat_map(|d| in_steps(d).to_ne_bytes())
             .collect();
         let size = (disparities.width(), disparities.height());
         let file = png::encode(&bytes, size, ExtendedColorType::L16, Effort::Quick);
-        write_atomically(&path, &file.map_err(|e| OutError::write(&path, e))?)
+        write_atomically(&path, &file.map_err(|e| OutError::write(&path, e))?)?;
+        if self.extras.pictures {
+            self.picture(&format!("disparity_{name}"), &in_colour(disparities))?;
+        }
+        Ok(())
     }
 
-    /// Writes `pictures/<name>.png`.
-    ///
-    /// # Errors
-    /// [`OutError::Write`].
-    pub fn picture(&self, name: &str, canvas: &Canvas) -> Result<(), OutError> {
+    /// How the surface moved when its tracks began.
+    fn motion(&self, tracks: &SurfaceTracks) -> Result<(), OutError> {
+        let (first, view) = (tracks.first_frame, &tracks.first_view);
+        let points = tracks.trajectories.iter();
+        let points: Vec<_> = points.filter_map(|t| t.at(first + 1).copied()).collect();
+        let field = vector_field(&view.camera, &view.image, &points);
+        self.picture(&format!("vectors_{first:06}"), &field)
+    }
+
+    /// `pictures/<name>.png`.
+    fn picture(&self, name: &str, canvas: &Canvas) -> Result<(), OutError> {
         let folder = self.path.join("pictures");
         OutFolder::open(&folder)?;
         write_picture(canvas.pixels(), &folder.join(format!("{name}.png")))
     }
+}
 
-    /// Writes `trajectories.csv`: one row for each point of each trajectory, SI units, world.
-    ///
-    /// # Errors
-    /// [`OutError::Write`].
-    pub fn trajectories(&self, trajectories: &[Trajectory]) -> Result<(), OutError> {
-        let mut text = String::from("trajectory,frame,x,y,z,vx,vy,vz,ax,ay,az,sigma\n");
-        for (id, trajectory) in trajectories.iter().enumerate() {
-            for (i, point) in trajectory.points.iter().enumerate() {
-                let p = point.position_world;
-                let (v, a) = (point.velocity, point.acceleration);
-                // writing to a text cannot fail
-                let _ = writeln!(
-                    text,
-                    "{id},{},{:.6},{:.6},{:.6},{:.5},{:.5},{:.5},{:.4},{:.4},{:.4},{:.6}",
-                    trajectory.first_frame + i,
-                    p.x,
-                    p.y,
-                    p.z,
-                    v.x,
-                    v.y,
-                    v.z,
-                    a.x,
-                    a.y,
-                    a.z,
-                    widest(&point.spread)
-                );
-            }
+/// `trajectories.csv`: one row for each point of each trajectory, SI units, world.
+fn table_of(trajectories: &[Trajectory]) -> String {
+    let mut text = String::from("trajectory,frame,x,y,z,vx,vy,vz,ax,ay,az,sigma\n");
+    for (id, trajectory) in trajectories.iter().enumerate() {
+        for (i, point) in trajectory.points.iter().enumerate() {
+            let frame = trajectory.first_frame + i;
+            let (p, v, a) = (point.position_world, point.velocity, point.acceleration);
+            // writing to a text cannot fail
+            let _ = writeln!(
+                text,
+                "{id},{frame},{:.6},{:.6},{:.6},{:.5},{:.5},{:.5},{:.4},{:.4},{:.4},{:.6}",
+                p.x,
+                p.y,
+                p.z,
+                v.x,
+                v.y,
+                v.z,
+                a.x,
+                a.y,
+                a.z,
+                widest(&point.spread)
+            );
         }
-        write_atomically(&self.path.join("trajectories.csv"), text.as_bytes())
     }
+    text
 }
 
 /// Standard deviation in the direction in which it is largest; NaN where it is not known.
