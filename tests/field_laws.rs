@@ -19,8 +19,8 @@ use maquette::inference::prior::{PosePrior, ShapePrior};
 use maquette::inference::step::StepPrior;
 use maquette::io::model;
 use maquette::likelihood::{
-    Derivatives, PointField, PointOptions, RayOptions, RayView, Residual, SilhouetteRays,
-    SkinScale, SurfacePoint, Term, associate,
+    Association, Derivatives, PointField, PointOptions, RayOptions, RayView, Residual,
+    SilhouetteRays, SkinScale, SkinTouch, SurfacePoint, Term, associate,
 };
 use maquette::render::silhouette;
 use maquette::silhouette::{Silhouette, SilhouetteOptions, extract};
@@ -295,7 +295,8 @@ fn at_the_truth_lines_of_sight_touch_the_skin_within_a_fraction_of_a_pixel() {
     let body = Posed::new(&scene.model, shape, motion);
     let residuals = scene.rays(RayOptions::default()).residuals(&body);
     assert!(residuals.len() > 80, "{}", residuals.len());
-    let mut sizes: Vec<f64> = residuals.iter().map(|r| r.residual_m.abs()).collect();
+    let size = |touch: &SkinTouch| touch.residual_m.abs();
+    let mut sizes: Vec<f64> = residuals.iter().map(size).collect();
     sizes.sort_by(f64::total_cmp);
     // a pixel is 9 mm there
     let (median, p95) = (sizes[sizes.len() / 2], sizes[sizes.len() * 19 / 20]);
@@ -341,7 +342,8 @@ fn a_point_belongs_to_the_part_whose_metaball_it_is_on() {
     let limbs = scene.model.limbs();
     let parts = associated.iter().zip(&scene.model.metaballs);
     let same = parts.filter(|(b, ball)| b.part == ball.part).count();
-    assert!(associated.iter().all(|b| limbs[b.limb].contains(&b.part)));
+    let is_of_limb = |a: &Association| limbs[a.limb].contains(&a.part);
+    assert!(associated.iter().all(is_of_limb));
     // at a joint a centre may lie deeper in the neighbour
     assert!(
         same * 10 >= 9 * associated.len(),

@@ -9,7 +9,7 @@ use maquette::io::model;
 use maquette::io::recording::{Recording, filmed};
 use maquette::render;
 use maquette::silhouette::FrameIndex;
-use maquette::synth::{Film, FilmRecipe};
+use maquette::synth::{Film, FilmRecipe, Shot};
 
 fn small(seed: u64, noise_sd: f32) -> Film {
     let body = model::load("walker-metaballs", Path::new("")).expect("shipped");
@@ -38,7 +38,7 @@ fn overlap(one: &Mask, other: &Mask) -> f64 {
 #[test]
 fn a_seed_is_a_recording_and_frames_can_be_taken_in_any_order() {
     let (film, again, other) = (small(1, 2.0), small(1, 2.0), small(2, 2.0));
-    let shot = |film: &Film, frame| {
+    let shot = |film: &Film, frame| -> Shot {
         let studio = film.studio(CameraId(1)).expect("a camera");
         studio.shot(FrameIndex(frame)).expect("a frame")
     };

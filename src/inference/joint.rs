@@ -64,8 +64,8 @@ impl JointOptimum {
 
 /// The fraction of E below which a step's decrease ends the optimisation.
 ///
-/// E of n frames of m components errs by √(nm/2) about its optimum under its own posterior, 65 for 200 frames of a
-/// body; this fraction of it is a few units.
+/// Under its own posterior, E of n frames of m components has a standard deviation of √(nm/2), 65 for 200 frames of a
+/// body; this fraction of E is a few units.
 const TOLERANCE: f64 = 1e-4;
 
 /// The joint optimum of a sequence, from a first shape and motion.
@@ -100,7 +100,7 @@ pub fn joint_optimum_from_terms<'a>(
         data_weight: noise.data_weight(),
     };
 
-    // 1. the optimum, every row as it is stated
+    // 1. the optimum, with every row's σ and weight as stated
     let solver = Options {
         max_iterations: options.iterations,
         damping: 1e-4,
@@ -114,7 +114,7 @@ pub fn joint_optimum_from_terms<'a>(
     let residuals = residuals(model, terms, &optimum);
     let noise = Noise::from_residuals(&residuals, &times(seconds), &model.part_pairs());
 
-    // 3. how sure the optimum is, with rows that err so
+    // 3. how sure the optimum is, with residuals that err so
     let weighed = posterior(&noise);
     let considered = Considered::new(model, terms, &optimum, &chain);
     chain.clear();

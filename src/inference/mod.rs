@@ -12,7 +12,7 @@
 //! | eq. 1 as a problem of all frames  | [`chain`], [`sequence_posterior`] |
 //! | its optimum, how sure it is       | [`joint`], [`noise`], [`covariance`] |
 //! | joints elsewhere in the flesh     | [`considered`]   |
-//! | where the cameras look            | [`aim`]          |
+//! | pointing errors of the cameras    | [`aim`]          |
 //! | p_ε,σ(K)                          | [`confidence`]   |
 
 pub mod aim;

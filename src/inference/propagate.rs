@@ -60,7 +60,7 @@ pub(super) struct Track {
 /// Frames whose usual cost is remembered, and frames to wait after a search that did not help.
 const MEMORY: usize = 15;
 const PATIENCE: usize = 10;
-/// Frames from which the usual cost is known: right beside the keyframe nothing is called lost.
+/// Fewer frames do not tell the usual cost: right beside the keyframe no frame counts as lost.
 const SETTLED: usize = 5;
 
 impl Track {

@@ -12,7 +12,7 @@ pub struct Sequence<'a> {
 }
 
 impl Sequence<'_> {
-    /// Seconds from each frame's predecessor; the first frame has the least interval.
+    /// Seconds from each frame's predecessor; the first frame has the interval of one frame.
     pub fn intervals_s(self) -> Vec<f64> {
         (0..self.frames.len())
             .map(|i| self.frames_between(i.saturating_sub(1), i) / self.fps)

@@ -1,4 +1,4 @@
-//! Bodies that differ.
+//! Bodies drawn from a model's statistics.
 
 use nalgebra::DVector;
 use rand::Rng;

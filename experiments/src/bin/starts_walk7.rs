@@ -10,7 +10,7 @@ use experiments::metrics::{frame_error_mm, trajectories};
 use experiments::run::Run;
 use experiments::table::Table;
 use maquette::inference::Evidence;
-use maquette::inference::start::{StartOptions, readings};
+use maquette::inference::start::{Reading, StartOptions, readings};
 use maquette::io::model;
 use maquette::io::points::trc::{Trajectories, read_trc};
 use maquette::io::recording::Recording;
@@ -48,9 +48,9 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         let best = readings(&evidence, &frame, &StartOptions::default())
             .into_iter()
             .next();
-        let error = best.and_then(|start| {
-            let motion = [start.state.motion];
-            let fit = trajectories(&body, &start.state.shape, &motion, recording.fps);
+        let error = best.and_then(|reading: Reading| {
+            let motion = [reading.state.motion];
+            let fit = trajectories(&body, &reading.state.shape, &motion, recording.fps);
             frame_error_mm(&only(&truth, frame.frame.0)?, &fit, 0)
         });
         Ok((frame.frame.0, error))
