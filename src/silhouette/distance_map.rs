@@ -23,7 +23,7 @@ pub struct DistanceMap {
     image_bounds: (Point2<f64>, Point2<f64>),
 }
 
-/// What a distance map covers.
+/// The area that a distance map covers, and how finely.
 pub(super) struct MapExtent {
     /// The silhouette's box.
     pub(super) bounds: (Point2<f64>, Point2<f64>),
@@ -43,17 +43,21 @@ impl DistanceMap {
         let image_bounds = image_outline
             .iter()
             .fold((low, high), |(l, h), p| (l.inf(p), h.sup(p)));
+
         let margin = Vector2::repeat(extent.margin * (high - low).max());
         // a hair inside the image, so that its outermost nodes are known
         let hair = Vector2::repeat(1e-3);
         let low = (low - margin).sup(&(image_bounds.0 + hair));
         let high = (high + margin).inf(&(image_bounds.1 - hair));
+
         let size = (high - low).map(|side| side.max(1.0));
         let cell_px = (size.max() / extent.cells as f64).max(1.0);
         let cells = size.map(|side| (side / cell_px).ceil().max(1.0));
+
         let outline = [image_outline];
         let image_step = (image_bounds.1.y - image_bounds.0.y) / IMAGE_ROWS as f64;
         let image_top = image_bounds.0.y + 0.5 * image_step;
+
         let mut map = Self {
             low,
             cell: size.component_div(&cells),
@@ -75,10 +79,12 @@ impl DistanceMap {
         if pixel.x.is_nan() || pixel.y.is_nan() {
             return (f64::NAN, Vector2::repeat(f64::NAN));
         }
+
         let nearest = pixel.sup(&self.low).inf(&self.high());
         let (value, gradient) = self.interpolated(&nearest);
         let beyond = pixel - nearest;
         let distance = beyond.norm();
+
         let is_unknown = value.is_nan() || (distance > 0.0 && !self.sees(pixel));
         let (outside, slope) = if is_unknown || value <= 0.0 {
             (0.0, Vector2::zeros())
@@ -88,6 +94,7 @@ impl DistanceMap {
         if is_unknown || distance <= 0.0 {
             return (outside, slope);
         }
+
         // the nearest point follows the pixel only along the side of the box
         let along = slope.zip_map(&beyond, |g, held| if held.abs() > 0.0 { 0.0 } else { g });
         (outside + distance, along + beyond / distance)
@@ -99,7 +106,7 @@ impl DistanceMap {
     }
 
     /// A box around the undistorted image.
-    pub fn image_bounds(&self) -> (Point2<f64>, Point2<f64>) {
+    pub(super) fn image_bounds(&self) -> (Point2<f64>, Point2<f64>) {
         self.image_bounds
     }
 
@@ -119,29 +126,29 @@ impl DistanceMap {
         let y = (at.y as usize).min(self.rows - 2);
         let (s, t) = (at.x - x as f64, at.y - y as f64);
         let node = |x: usize, y: usize| f64::from(self.signed[y * self.columns + x]);
-        let (a, b, c, d) = (
-            node(x, y),
-            node(x + 1, y),
-            node(x, y + 1),
-            node(x + 1, y + 1),
-        );
+        let (a, b) = (node(x, y), node(x + 1, y));
+        let (c, d) = (node(x, y + 1), node(x + 1, y + 1));
+
         let (upper, lower) = (a + s * (b - a), c + s * (d - c));
         let by_s = (b - a) + t * ((d - c) - (b - a));
         let gradient = Vector2::new(by_s, lower - upper).component_div(&self.cell);
         (upper + t * (lower - upper), gradient)
     }
 
+    /// The signed distance of every node within the image.
     fn fill(&mut self, polygons: &[Vec<Point2<f64>>], image_outline: &[Vec<Point2<f64>>]) {
         let segments = segments(polygons);
         let mut nearest = NearestPoints::new(segments.iter().map(|s| s.from));
         let (top_and_step, rows) = ((self.low.y, self.cell.y), self.rows);
         let inside = Scanlines::new(polygons, top_and_step, rows);
         let image = Scanlines::new(image_outline, top_and_step, rows);
+
         self.signed = vec![f32::NAN; self.columns * rows];
         for (row, signed) in self.signed.chunks_exact_mut(self.columns).enumerate() {
             let y = self.low.y + row as f64 * self.cell.y;
             let mut is_inside = Crossings::new(inside.row(row));
             let mut is_seen = Crossings::new(image.row(row));
+
             let nodes = (self.low.x, self.cell.x);
             nearest.along_row(y, nodes, self.columns, |i, point| {
                 let node = Point2::new(self.low.x + i as f64 * self.cell.x, y);
@@ -159,10 +166,11 @@ impl DistanceMap {
     }
 }
 
-/// A step of a border polygon, and the one that ends where it starts.
+/// A side of a border polygon.
 struct Segment {
     from: Point2<f64>,
     along: Vector2<f64>,
+    /// Index of the side that ends where this one starts.
     before: usize,
 }
 
@@ -170,11 +178,8 @@ fn segments(polygons: &[Vec<Point2<f64>>]) -> Vec<Segment> {
     let mut segments = Vec::with_capacity(polygons.iter().map(Vec::len).sum());
     for polygon in polygons {
         let first = segments.len();
-        for (k, (a, b)) in polygon
-            .iter()
-            .zip(polygon.iter().cycle().skip(1))
-            .enumerate()
-        {
+        let next = polygon.iter().cycle().skip(1);
+        for (k, (a, b)) in polygon.iter().zip(next).enumerate() {
             segments.push(Segment {
                 from: *a,
                 along: b - a,
@@ -200,7 +205,7 @@ impl Segment {
     }
 }
 
-/// Counts the crossings left of ever larger abscissas.
+/// Counts the crossings of a row to the left of places that go ever farther right.
 struct Crossings<'a> {
     row: &'a [f32],
     passed: usize,
@@ -212,11 +217,8 @@ impl<'a> Crossings<'a> {
     }
 
     fn odd_before(&mut self, x: f64) -> bool {
-        while self
-            .row
-            .get(self.passed)
-            .is_some_and(|c| f64::from(*c) <= x)
-        {
+        let is_passed = |crossing: &f32| f64::from(*crossing) <= x;
+        while self.row.get(self.passed).is_some_and(is_passed) {
             self.passed += 1;
         }
         self.passed % 2 == 1

@@ -9,11 +9,11 @@ use crate::image::{Mask, Runs, Scanlines, clean, resample, trace};
 
 /// Border points closer than this to the image edge are on it: the blur of the border reaches two pixels.
 const EDGE_PX: f64 = 2.0;
-/// Foreground over more than this fraction of the outermost pixels is no person.
+/// A mask with foreground on more than this fraction of its outermost pixels shows no person.
 const FULL_FRACTION: f64 = 0.9;
-/// Points of the image's own outline along each side, for the bend that the lens gives it.
+/// Points along each side of the image's own outline, which the lens bends.
 const OUTLINE_STEPS: usize = 24;
-/// Rows by which the inside of a silhouette is cut, unless they would be closer than a pixel.
+/// Scan lines of the inside of a silhouette, unless they would be closer than a pixel.
 const INSIDE_ROWS: f64 = 1000.0;
 
 /// Why a mask shows no silhouette.
@@ -49,14 +49,14 @@ pub enum Rejected {
 
 /// The silhouette that a mask shows.
 ///
-/// Specks away and small holes filled ([`clean`]), borders traced ([`trace`]) and resampled at equal arc length
-/// ([`resample`]) in the image as recorded, and only then undistorted, point by point. What a pixel outside the lens's
-/// model would be is left out.
+/// In the image as recorded, specks are removed and small holes filled ([`clean`]), borders traced ([`trace`]) and
+/// resampled at equal arc length ([`resample`]). Only then are they undistorted, point by point; points that the lens model
+/// does not cover are left out.
 ///
-/// `options` are taken as validated.
+/// `options` must be valid.
 ///
 /// # Errors
-/// [`Rejected`] if the mask has not the camera's size or nothing in it can be a person's silhouette.
+/// [`Rejected`] if the mask does not have the camera's size, or nothing in it can be a person's silhouette.
 pub fn extract(
     mask: &Mask,
     camera: &Camera,
@@ -64,17 +64,17 @@ pub fn extract(
 ) -> Result<Silhouette, Rejected> {
     let runs = usable_runs(mask, camera)?;
     let cleaned = clean(&runs, &options.clean);
-    let no_border = Rejected::NoBorder {
-        area_px: cleaned.area(),
-    };
     let region = cleaned.region().ok_or(Rejected::Empty)?;
     let size_px = (region.right - region.left).max(region.bottom - region.top) as f64;
     let spacing_px = options.spacing_px.max(size_px / options.points_per_size);
-    let borders: Vec<Border> = trace(&cleaned)
-        .iter()
-        .map(|closed| Border::new(&resample(closed, spacing_px), camera))
-        .collect();
-    assembled(&borders, camera, options).ok_or(no_border)
+
+    let traced = trace(&cleaned);
+    let borders = traced.iter();
+    let borders = borders.map(|closed| Border::new(&resample(closed, spacing_px), camera));
+    let borders: Vec<Border> = borders.collect();
+    assembled(&borders, camera, options).ok_or_else(|| Rejected::NoBorder {
+        area_px: cleaned.area(),
+    })
 }
 
 /// A point of a silhouette's border, as an active contour leaves it.
@@ -88,28 +88,26 @@ pub struct BorderPoint {
 
 /// The silhouette within closed curves, which run with the person on the left as seen on the screen.
 ///
-/// `options` are taken as validated.
+/// `options` must be valid.
 ///
 /// # Errors
-/// [`Rejected::NoBorder`] if the curves hold no area, or all of them lies on the image edge.
+/// [`Rejected::NoBorder`] if the curves enclose no area, or lie on the image edge all along.
 pub fn from_curves(
     curves: &[Vec<BorderPoint>],
     camera: &Camera,
     options: &SilhouetteOptions,
 ) -> Result<Silhouette, Rejected> {
-    let border = |curve: &Vec<BorderPoint>| {
-        let is_on_edge = |p: &BorderPoint| is_on_image_edge(&camera.distort(&p.pixel), camera);
-        Border {
-            pixels: curve.iter().map(|p| p.pixel).collect(),
-            reliabilities: curve.iter().map(|p| p.reliability).collect(),
-            is_on_image_edge: curve.iter().map(is_on_edge).collect(),
-        }
-    };
-    let borders: Vec<Border> = curves.iter().map(border).collect();
+    let is_on_edge = |p: &BorderPoint| is_on_image_edge(&camera.distort(&p.pixel), camera);
+    let borders = curves.iter().map(|curve| Border {
+        pixels: curve.iter().map(|p| p.pixel).collect(),
+        reliabilities: curve.iter().map(|p| p.reliability).collect(),
+        is_on_image_edge: curve.iter().map(is_on_edge).collect(),
+    });
+    let borders: Vec<Border> = borders.collect();
     assembled(&borders, camera, options).ok_or(Rejected::NoBorder { area_px: 0 })
 }
 
-/// The silhouette of its borders; `None` if they hold no area or all of them lies on the image edge.
+/// The silhouette of its borders; `None` if they enclose no area, or lie on the image edge all along.
 fn assembled(
     borders: &[Border],
     camera: &Camera,
@@ -118,10 +116,11 @@ fn assembled(
     let polygons: Vec<_> = borders.iter().map(|border| border.pixels.clone()).collect();
     let (area_px, centroid) = area_and_centroid(&polygons)?;
     let bounds = bounds(polygons.iter().flatten())?;
-    let (contour, pieces, cut_px) = contour(borders);
-    if contour.is_empty() {
+    let contour = Contour::new(borders);
+    if contour.points.is_empty() {
         return None;
     }
+
     let extent = MapExtent {
         bounds,
         margin: options.map_margin,
@@ -130,26 +129,29 @@ fn assembled(
     Some(Silhouette {
         outside: DistanceMap::new(&polygons, image_outline(camera), &extent),
         inside: inside(&polygons, bounds),
-        contour,
+        contour: contour.points,
         area_px,
         centroid,
         bounds,
-        cut_px,
-        pieces,
+        cut_px: contour.cut_px,
+        pieces: contour.pieces,
     })
 }
 
+/// The runs of a mask that has the camera's size, some foreground, and background at its edge.
 fn usable_runs(mask: &Mask, camera: &Camera) -> Result<Runs, Rejected> {
     let expected = (camera.width_px as usize, camera.height_px as usize);
     let found = (mask.width(), mask.height());
     if found != expected {
         return Err(Rejected::Size { expected, found });
     }
+
     let runs = Runs::from_mask(mask);
     if runs.area() == 0 {
         return Err(Rejected::Empty);
     }
-    let edge_percent = 100.0 * foreground_of_edge(mask);
+
+    let edge_percent = 100.0 * edge_foreground(mask);
     if edge_percent > 100.0 * FULL_FRACTION {
         return Err(Rejected::Full { edge_percent });
     }
@@ -157,7 +159,7 @@ fn usable_runs(mask: &Mask, camera: &Camera) -> Result<Runs, Rejected> {
 }
 
 /// Fraction of the outermost pixels that is foreground.
-fn foreground_of_edge(mask: &Mask) -> f64 {
+fn edge_foreground(mask: &Mask) -> f64 {
     let ends = |y: usize| {
         let row = mask.row(y);
         row.first().into_iter().chain(row.last())
@@ -206,10 +208,8 @@ impl Border {
     fn point(&self, i: usize) -> Option<ContourPoint> {
         let count = self.pixels.len();
         let neighbour = |j: usize| if self.is_on_image_edge[j] { i } else { j };
-        let (before, after) = (
-            neighbour((i + count - 1) % count),
-            neighbour((i + 1) % count),
-        );
+        let before = neighbour((i + count - 1) % count);
+        let after = neighbour((i + 1) % count);
         let along = self.pixels[after] - self.pixels[before];
         // foreground on the left on the screen: with y down, outward is (−dy, dx)
         let normal = Vector2::new(-along.y, along.x).try_normalize(f64::EPSILON)?;
@@ -229,31 +229,43 @@ impl Border {
     }
 }
 
-/// All contour points, the index of the first point of each unbroken piece, and the length that lies on the image edge.
-fn contour(borders: &[Border]) -> (Vec<ContourPoint>, Vec<usize>, f64) {
-    let (mut contour, mut pieces, mut cut_px) = (Vec::new(), Vec::new(), 0.0);
-    for border in borders {
+/// The points of all borders, as a [`Silhouette`] holds them.
+#[derive(Default)]
+struct Contour {
+    points: Vec<ContourPoint>,
+    pieces: Vec<usize>,
+    cut_px: f64,
+}
+
+impl Contour {
+    fn new(borders: &[Border]) -> Self {
+        let mut contour = Self::default();
+        for border in borders {
+            contour.add(border);
+        }
+        contour.points.shrink_to_fit();
+        contour
+    }
+
+    /// Adds a border, from where the image cuts it or from anywhere.
+    fn add(&mut self, border: &Border) {
         let count = border.pixels.len();
         let start = border.is_on_image_edge.iter().position(|is_on| *is_on);
         let mut is_broken = true;
         for i in (0..count).map(|k| (k + start.unwrap_or(0)) % count) {
-            match border.point(i) {
-                Some(point) => {
-                    if is_broken {
-                        pieces.push(contour.len());
-                    }
-                    contour.push(point);
-                    is_broken = false;
-                }
-                None => {
-                    is_broken = true;
-                    cut_px += border.length_at(i);
-                }
+            let Some(point) = border.point(i) else {
+                is_broken = true;
+                self.cut_px += border.length_at(i);
+                continue;
+            };
+
+            if is_broken {
+                self.pieces.push(self.points.len());
+                is_broken = false;
             }
+            self.points.push(point);
         }
     }
-    contour.shrink_to_fit();
-    (contour, pieces, cut_px)
 }
 
 /// Area with the holes taken off, and its centroid (Green); `None` if the area is not positive.
@@ -279,7 +291,8 @@ fn bounds<'a>(
     }))
 }
 
-fn inside(polygons: &[Vec<Point2<f64>>], (low, high): (Point2<f64>, Point2<f64>)) -> Scanlines {
+fn inside(polygons: &[Vec<Point2<f64>>], bounds: (Point2<f64>, Point2<f64>)) -> Scanlines {
+    let (low, high) = bounds;
     let height = high.y - low.y;
     let step = (height / INSIDE_ROWS).max(1.0);
     // half a step off the top: no row runs along a horizontal border
@@ -292,10 +305,8 @@ fn inside(polygons: &[Vec<Point2<f64>>], (low, high): (Point2<f64>, Point2<f64>)
 
 /// The outline of the image itself, undistorted.
 fn image_outline(camera: &Camera) -> Vec<Point2<f64>> {
-    let (right, bottom) = (
-        f64::from(camera.width_px) - 0.5,
-        f64::from(camera.height_px) - 0.5,
-    );
+    let right = f64::from(camera.width_px) - 0.5;
+    let bottom = f64::from(camera.height_px) - 0.5;
     let corners = [
         Point2::new(-0.5, -0.5),
         Point2::new(right, -0.5),

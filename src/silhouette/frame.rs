@@ -25,11 +25,11 @@ pub struct FrameObservations {
     pub frame: FrameIndex,
     /// The silhouettes of the cameras that have a usable mask.
     pub views: Vec<(CameraId, Silhouette)>,
-    /// The cameras whose mask could be read and shows no silhouette, and why.
+    /// The cameras whose mask was read but shows no silhouette, and why.
     pub rejected: Vec<(CameraId, Rejected)>,
     /// Points on the surface; empty where there are none.
     pub points: Vec<CloudPoint>,
-    /// What else the source of the points held.
+    /// How many points their source held besides.
     pub points_left_out: LeftOut,
 }
 

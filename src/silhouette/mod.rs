@@ -1,9 +1,9 @@
 //! What a frame shows of the person: silhouettes in undistorted pixels, one for each camera.
 //!
-//! [`extract`] makes a [`Silhouette`] of a mask, and [`from_curves`] of the active contours that a [`snake::Snake`] leaves: specks and small holes away, the sub-pixel border as points with
-//! outward normals, what lies inside, and a [`DistanceMap`] of what lies outside. A silhouette knows neither the body
-//! nor any other camera. A [`FrameObservations`] is all that one frame shows.
-//! A [`Support`] says, before there are masks, what the other cameras' evidence is along each line of sight.
+//! [`extract`] makes a [`Silhouette`] of a mask, without its specks and small holes; [`from_curves`] makes one of the active
+//! contours that a [`snake::Snake`] leaves. It holds the sub-pixel border as points with outward normals, what lies inside,
+//! and a [`DistanceMap`] of what lies outside; it knows neither the body nor any other camera. [`FrameObservations`] are all
+//! that one frame shows. A [`Support`] sums, before there are masks, the other cameras' evidence along each line of sight.
 
 mod distance_map;
 mod extract;

@@ -55,7 +55,7 @@ impl SilhouetteOptions {
     pub fn validate(&self) -> Result<(), InvalidOption> {
         let clean = &self.clean;
         let cells = self.map_cells as f64;
-        for (name, value, least, most) in [
+        let ranges = [
             ("part_fraction", clean.part_fraction, 0.0, 1.0),
             ("fragment_fraction", clean.fragment_fraction, 0.0, 1.0),
             ("fragment_gap", clean.fragment_gap, 0.0, 1.0),
@@ -64,7 +64,9 @@ impl SilhouetteOptions {
             ("points_per_size", self.points_per_size, 10.0, 10_000.0),
             ("map_cells", cells, 8.0, 2_000.0),
             ("map_margin", self.map_margin, 0.0, 10.0),
-        ] {
+        ];
+
+        for (name, value, least, most) in ranges {
             if !(least..=most).contains(&value) {
                 return Err(InvalidOption {
                     name,

@@ -5,7 +5,7 @@ use nalgebra::{Point2, Vector2};
 use super::DistanceMap;
 use crate::image::Scanlines;
 
-/// A piece of a silhouette's border. Undistorted pixels.
+/// A point of a silhouette's border, which stands for a piece of it. Undistorted pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContourPoint {
     /// Where.
@@ -14,12 +14,12 @@ pub struct ContourPoint {
     pub normal: Vector2<f64>,
     /// Length of the border that this point stands for.
     pub length_px: f64,
-    /// How sure it is that the border is here, 0 to 1; 1 of a mask.
+    /// How sure it is that the border is here, 0 to 1; of a mask always 1.
     pub reliability: f64,
 }
 
 impl ContourPoint {
-    /// The length of border for which it counts: less where the border is unsure.
+    /// The length of border that it counts for: less where the border is unsure.
     pub fn counted_px(&self) -> f64 {
         self.length_px * self.reliability
     }
@@ -39,7 +39,7 @@ pub struct Silhouette {
     pub centroid: Point2<f64>,
     /// Corners of the smallest box that holds the silhouette: least x and y, greatest x and y.
     pub bounds: (Point2<f64>, Point2<f64>),
-    /// Length of the border that lies on the image edge, where the person is cut: no silhouette, not in `contour`.
+    /// Length of the border along the image edge, where the image cuts the person, px; that border is not in `contour`.
     pub cut_px: f64,
     /// Index into `contour` of the first point of each unbroken piece of border.
     pub(super) pieces: Vec<usize>,
@@ -57,10 +57,10 @@ impl Silhouette {
         self.outside.sees(pixel)
     }
 
-    /// A subset of the contour, as equally spaced along each piece as the points allow.
+    /// Some of the contour's points, as equally spaced along each piece as they allow.
     ///
-    /// A piece of length L keeps max(1, round(L/spacing)) points at most; the lengths that they stand for add up to
-    /// that of the whole contour, and a kept point is as reliable as those it stands for on average.
+    /// A piece of length L keeps max(1, round(L/spacing)) points at most. The lengths that they stand for add up to that of
+    /// the whole contour, and a kept point is as reliable as those it stands for on average.
     pub fn thinned(&self, spacing_px: f64) -> Vec<ContourPoint> {
         let ends = self.pieces.iter().skip(1).copied();
         let ends = ends.chain(std::iter::once(self.contour.len()));
@@ -87,6 +87,7 @@ fn thinned_piece(piece: &[ContourPoint], spacing_px: f64) -> Vec<ContourPoint> {
     if count >= piece.len() as f64 || count.is_nan() {
         return piece.to_vec();
     }
+
     let arc = length / count;
     let mut kept: Vec<(f64, ContourPoint)> = Vec::with_capacity(count as usize);
     let mut along = 0.0;
@@ -95,6 +96,8 @@ fn thinned_piece(piece: &[ContourPoint], spacing_px: f64) -> Vec<ContourPoint> {
         let position = (along + 0.5 * point.length_px) / arc;
         along += point.length_px;
         let off_middle = (position.fract() - 0.5).abs();
+
+        // one point for each arc, which takes the lengths of all others in it
         match kept.last_mut() {
             Some((least, chosen)) if last_group == Some(position as usize) => {
                 let length_px = chosen.length_px + point.length_px;
@@ -107,6 +110,7 @@ fn thinned_piece(piece: &[ContourPoint], spacing_px: f64) -> Vec<ContourPoint> {
             }
             _ => kept.push((off_middle, *point)),
         }
+
         last_group = Some(position as usize);
     }
     kept.into_iter().map(|(_, point)| point).collect()

@@ -6,7 +6,7 @@ use super::Silhouette;
 
 /// Steps along the longer side of the silhouette's box.
 const STEPS: f64 = 150.0;
-/// At most so many along that of both boxes, so that a model gone astray costs no more.
+/// Most steps along the longer side of both boxes together: a model that has gone astray costs no more.
 const MOST_STEPS: f64 = 600.0;
 
 /// Areas of the intersection and of the union of a silhouette and a model, undistorted px².
@@ -32,9 +32,9 @@ impl Overlap {
 impl Silhouette {
     /// Overlap with the model whose pixels are those for which `is_model` holds; `model_bounds` is a box around them.
     ///
-    /// Counted on a square grid over both boxes, of 1/150 of the longer side of the silhouette's box or 1/600 of that of
-    /// both, whichever is more, and at least 1 px.
-    /// What lies beyond the image counts for neither: there the silhouette is unknown.
+    /// Counted on a square grid over both boxes. Its step is 1/150 of the longer side of the silhouette's box or 1/600 of
+    /// that of both boxes, whichever is more, and at least 1 px. What lies beyond the image is not counted: there the
+    /// silhouette is unknown.
     pub fn overlap(
         &self,
         model_bounds: (Point2<f64>, Point2<f64>),
@@ -45,10 +45,12 @@ impl Silhouette {
         let (image_low, image_high) = self.outside.image_bounds();
         let low = low.inf(&model_bounds.0).sup(&image_low);
         let high = high.sup(&model_bounds.1).inf(&image_high);
+
         let step = (size_px / STEPS)
             .max((high - low).max() / MOST_STEPS)
             .max(1.0);
         let nodes = |from: f64, to: f64| ((to - from) / step).ceil().max(0.0) as usize;
+
         let (mut intersection, mut union) = (0usize, 0usize);
         for row in 0..nodes(low.y, high.y) {
             for column in 0..nodes(low.x, high.x) {
@@ -61,6 +63,7 @@ impl Silhouette {
                 }
             }
         }
+
         let cell = step * step;
         Overlap {
             intersection: intersection as f64 * cell,

@@ -1,10 +1,10 @@
-//! What the other cameras say of a line of sight.
+//! The other cameras' evidence along a line of sight.
 //!
 //! A pixel of one camera can only show the person if somewhere along its line of sight all other cameras show the
 //! person too. Space is cut into voxels; each camera's evidence at a voxel's image is added up, and a pixel's support
-//! is the best sum of the *others'* evidence along its line of sight. A region that no other camera's silhouette
-//! supports (a passer-by outside the common volume, a reflection) has a negative one; a part of the person that one
-//! camera cannot tell from the background has a positive one.
+//! is the best sum of the *others'* evidence along its line of sight. Support is negative where no other camera's
+//! silhouette agrees (a passer-by outside the common volume, a reflection), and positive on a part of the person that one
+//! camera cannot tell from the background.
 
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
@@ -12,10 +12,10 @@ use rayon::prelude::*;
 use crate::camera::{Camera, Rig};
 use crate::image::{Plane, enlarge};
 
-/// No image of a voxel.
+/// The cell of a voxel that a camera does not see.
 const UNSEEN: u32 = u32::MAX;
 
-/// Evidence of a camera that does not see a voxel, over the most: people are recorded where the cameras look.
+/// Evidence of a camera that does not see a voxel, as a share of the most: people are recorded where the cameras look.
 const OUT_OF_VIEW: f32 = -0.5;
 
 /// Settings of a [`Support`].
@@ -23,9 +23,9 @@ const OUT_OF_VIEW: f32 = -0.5;
 pub struct SupportOptions {
     /// Edge of a voxel, metres (default 0.03: half of a forearm).
     pub voxel: f64,
-    /// No more voxels than these; larger ones are taken in a larger volume (default 1 200 000).
+    /// Most voxels; in a larger volume they are made larger (default 1 200 000).
     pub most_voxels: usize,
-    /// Evidence of one camera counts at most so much, either way (default 4).
+    /// The most that the evidence of one camera counts, for or against (default 4).
     pub most_evidence: f32,
 }
 
@@ -48,7 +48,7 @@ pub struct Volume {
     pub high: Point3<f64>,
 }
 
-/// A picture that was shrunk from the recorded one.
+/// Size of a picture that was shrunk from the recorded one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ShrunkSize {
     /// Columns.
@@ -59,7 +59,7 @@ pub struct ShrunkSize {
     pub factor: usize,
 }
 
-/// Which voxel is seen where.
+/// The voxels, and where each camera sees them.
 #[derive(Clone, Debug)]
 pub struct Support {
     cameras: Vec<Cells>,
@@ -74,8 +74,8 @@ struct Cells {
     cell: usize,
     width: usize,
     height: usize,
-    /// For each voxel the cell of its centre.
-    of_voxel: Vec<u32>,
+    /// For each voxel the cell that shows its centre.
+    cell_of_voxel: Vec<u32>,
 }
 
 impl Support {
@@ -90,22 +90,18 @@ impl Support {
         let wanted = (size.x * size.y * size.z / options.most_voxels.max(1) as f64).cbrt();
         let voxel = options.voxel.max(wanted);
         let counts = size.map(|length| (length / voxel).ceil().max(1.0) as usize);
-        let centres: Vec<Point3<f64>> = (0..counts.x * counts.y * counts.z)
-            .map(|i| {
-                let (x, y, z) = (
-                    i / (counts.y * counts.z),
-                    i / counts.z % counts.y,
-                    i % counts.z,
-                );
-                let steps = Vector3::new(x as f64, y as f64, z as f64).add_scalar(0.5);
-                volume.low + steps * voxel
-            })
-            .collect();
-        let cells = |(camera, picture): (&Camera, &ShrunkSize)| {
-            Cells::new(camera, *picture, &centres, voxel)
-        };
+        let centres = (0..counts.x * counts.y * counts.z).map(|i| {
+            let x = i / (counts.y * counts.z);
+            let (y, z) = (i / counts.z % counts.y, i % counts.z);
+            let steps = Vector3::new(x as f64, y as f64, z as f64).add_scalar(0.5);
+            volume.low + steps * voxel
+        });
+        let centres: Vec<Point3<f64>> = centres.collect();
+
+        let cameras = rig.cameras.par_iter().zip(pictures);
+        let cells = cameras.map(|(camera, picture)| Cells::new(camera, *picture, &centres, voxel));
         Self {
-            cameras: rig.cameras.par_iter().zip(pictures).map(cells).collect(),
+            cameras: cells.collect(),
             options,
         }
     }
@@ -116,33 +112,33 @@ impl Support {
     /// `None` for the evidence of a camera that has no picture, and then for its support.
     pub fn by_others(&self, evidence: &[Option<Plane<f32>>]) -> Vec<Option<Plane<f32>>> {
         let most = self.options.most_evidence;
-        let by_cell: Vec<Option<Vec<f32>>> = self
-            .cameras
-            .par_iter()
-            .zip(evidence)
-            .map(|(cells, evidence)| Some(cells.means(evidence.as_ref()?, most)))
-            .collect();
-        let looking: Vec<(&Cells, &Vec<f32>)> = self
-            .cameras
-            .iter()
-            .zip(&by_cell)
-            .filter_map(|(cells, means)| Some((cells, means.as_ref()?)))
-            .collect();
-        let voxels = self.cameras.first().map_or(0, |cells| cells.of_voxel.len());
-        let seen = |(cells, means): &(&Cells, &Vec<f32>), voxel: usize| {
-            let seen = means.get(cells.of_voxel[voxel] as usize).copied();
-            seen.unwrap_or(OUT_OF_VIEW * most)
-        };
-        let sums: Vec<f32> = (0..voxels)
-            .into_par_iter()
-            .map(|voxel| looking.iter().map(|view| seen(view, voxel)).sum())
-            .collect();
+
+        // the evidence of each camera, cell by cell
+        let means = self.cameras.par_iter().zip(evidence);
+        let means = means.map(|(cells, evidence)| Some(cells.means(evidence.as_ref()?, most)));
+        let means: Vec<Option<Vec<f32>>> = means.collect();
+
+        // that of all cameras, voxel by voxel
+        let looking = self.cameras.iter().zip(&means);
+        let looking = looking.filter_map(|(cells, means)| Some((cells, means.as_ref()?)));
+        let looking: Vec<(&Cells, &Vec<f32>)> = looking.collect();
+        let voxels = self.cameras.first();
+        let voxels = voxels.map_or(0, |cells| cells.cell_of_voxel.len());
+        let sums = (0..voxels).into_par_iter().map(|voxel| {
+            let evidence = looking.iter().map(|(cells, means)| {
+                let mean = means.get(cells.cell_of_voxel[voxel] as usize).copied();
+                mean.unwrap_or(OUT_OF_VIEW * most)
+            });
+            evidence.sum()
+        });
+        let sums: Vec<f32> = sums.collect();
+
+        // for each camera, without its own, the best along each line of sight
         let others = looking.len().saturating_sub(1).max(1) as f32;
-        self.cameras
-            .par_iter()
-            .zip(&by_cell)
-            .map(|(cells, means)| Some(cells.best(&sums, means.as_ref()?, most * others)))
-            .collect()
+        let supports = self.cameras.par_iter().zip(&means);
+        let supports =
+            supports.map(|(cells, means)| Some(cells.best(&sums, means.as_ref()?, most * others)));
+        supports.collect()
     }
 }
 
@@ -151,18 +147,19 @@ impl Cells {
         let cell = footprint(camera, centres, voxel) / (2 * picture.factor.max(1)) as f64;
         let cell = (cell.round() as usize).clamp(1, 64);
         let (width, height) = (picture.width.div_ceil(cell), picture.height.div_ceil(cell));
+
         let side = (cell * picture.factor.max(1)) as f64;
-        let of_voxel = centres.iter().map(|centre| {
-            let pixel = camera
-                .project(centre)
-                .filter(|pixel| camera.contains(pixel));
+        let at = |x: f64, n: usize| (((x + 0.5) / side) as usize).min(n.saturating_sub(1));
+        let cell_of_voxel = centres.iter().map(|centre| {
+            let pixel = camera.project(centre);
+            let pixel = pixel.filter(|pixel| camera.contains(pixel));
             pixel.map_or(UNSEEN, |pixel| {
-                let at = |x: f64, n: usize| (((x + 0.5) / side) as usize).min(n.saturating_sub(1));
                 (at(pixel.y, height) * width + at(pixel.x, width)) as u32
             })
         });
+
         Self {
-            of_voxel: of_voxel.collect(),
+            cell_of_voxel: cell_of_voxel.collect(),
             picture,
             cell,
             width,
@@ -184,11 +181,11 @@ impl Cells {
         sums.into_iter().map(mean).collect()
     }
 
-    /// The largest of the others' sums in each cell, over `full`, as far as the cells beside it reach, for every pixel.
+    /// For every pixel the largest of the others' sums in its cell or one beside it, as a share of `full`.
     fn best(&self, sums: &[f32], own: &[f32], full: f32) -> Plane<f32> {
         let mut best = Plane::filled(self.width, self.height, -1.0_f32);
         let width = self.width.max(1);
-        for (cell, sum) in self.of_voxel.iter().zip(sums) {
+        for (cell, sum) in self.cell_of_voxel.iter().zip(sums) {
             if let Some(own) = own.get(*cell as usize) {
                 let (x, y) = (*cell as usize % width, *cell as usize / width);
                 let value = &mut best.row_mut(y)[x];

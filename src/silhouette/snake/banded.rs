@@ -1,14 +1,14 @@
 //! The implicit step: (I + τA) x = b in O(n), factored once.
 //!
 //! A = (α/h²) D₁ᵀD₁ + (β/h⁴) D₂ᵀD₂ of n points at distance h, D₁ and D₂ first and second differences along the curve. It has
-//! five diagonals, and those of a closed curve go around: their corner is taken off as a border of two,
+//! five diagonals. Those of a closed curve go around, so its last two points are taken as a border:
 //! \[B C; Cᵀ E\]\[u; v\] = \[r; s\], with S = E − CᵀB⁻¹C: v = S⁻¹(s − CᵀB⁻¹r), u = B⁻¹r − (B⁻¹C) v; B = LDLᵀ.
 
 use nalgebra::{Matrix2, Vector2};
 
 use super::Ends;
 
-/// Points of a closed curve that are the border.
+/// Points of a closed curve in the border.
 const BORDER: usize = 2;
 
 /// I + τA, factored.
@@ -21,7 +21,7 @@ pub(super) struct Banded {
     border: Option<Border>,
 }
 
-/// What a closed curve adds.
+/// The border of a closed curve.
 #[derive(Clone, Debug)]
 struct Border {
     /// The rows of C.
@@ -43,12 +43,15 @@ impl Diagonals {
         let mut diagonals = Self {
             offset: [vec![1.0; n], vec![0.0; n], vec![0.0; n]],
         };
+
         let stencils: [&[f64]; 2] = [&[-1.0, 1.0], &[1.0, -2.0, 1.0]];
         for (stencil, weight) in stencils.into_iter().zip(bend) {
             let count = match ends {
                 Ends::Closed => n,
                 Ends::Open => n + 1 - stencil.len(),
             };
+
+            // DᵀD, row by row of D
             for start in 0..count {
                 for (a, left) in stencil.iter().enumerate() {
                     for (b, right) in stencil.iter().enumerate().skip(a) {
@@ -67,44 +70,57 @@ impl Banded {
         if n < 5 || !bend.iter().all(|b| b.is_finite() && *b >= 0.0) {
             return None;
         }
+
         let Diagonals { offset } = Diagonals::new(n, ends, bend);
-        let inner = match ends {
-            Ends::Closed => n - BORDER,
-            Ends::Open => n,
-        };
-        let (mut inverse, mut first, mut second) =
-            (vec![0.0; inner], vec![0.0; inner], vec![0.0; inner]);
+        match ends {
+            Ends::Open => Some(Self::factored(&offset, n)),
+            Ends::Closed => {
+                let mut banded = Self::factored(&offset, n - BORDER);
+                banded.border = Some(banded.bordered(&offset, n)?);
+                Some(banded)
+            }
+        }
+    }
+
+    /// LDLᵀ of the first `inner` rows and columns.
+    fn factored(offset: &[Vec<f64>; 3], inner: usize) -> Self {
+        let [mut inverse, mut first, mut second] = [const { Vec::new() }; 3];
         for i in 0..inner {
             let mut pivot = offset[0][i];
+
+            let mut l_second = 0.0;
             if i > 1 {
-                second[i] = offset[2][i - 2] * inverse[i - 2];
-                pivot -= second[i] * offset[2][i - 2];
+                l_second = offset[2][i - 2] * inverse[i - 2];
+                pivot -= l_second * offset[2][i - 2];
             }
+
+            let mut l_first = 0.0;
             if i > 0 {
                 let before = if i > 1 {
-                    second[i] * first[i - 1] / inverse[i - 2]
+                    l_second * first[i - 1] / inverse[i - 2]
                 } else {
                     0.0
                 };
                 let coupling = offset[1][i - 1] - before;
-                first[i] = coupling * inverse[i - 1];
-                pivot -= first[i] * coupling;
+                l_first = coupling * inverse[i - 1];
+                pivot -= l_first * coupling;
             }
-            inverse[i] = pivot.recip();
+
+            inverse.push(pivot.recip());
+            first.push(l_first);
+            second.push(l_second);
         }
-        let mut banded = Self {
+        Self {
             inverse,
             first,
             second,
             border: None,
-        };
-        if ends == Ends::Closed {
-            banded.border = Some(banded.bordered(&offset, n)?);
         }
-        Some(banded)
     }
 
+    /// C, B⁻¹C and S⁻¹; `None` if S is singular.
     fn bordered(&self, offset: &[Vec<f64>; 3], n: usize) -> Option<Border> {
+        // C, and of E what lies off the diagonal of the whole matrix
         let mut corner = vec![Vector2::zeros(); n - BORDER];
         let mut own = Matrix2::from_diagonal(&Vector2::new(offset[0][n - 2], offset[0][n - 1]));
         own[(0, 1)] = offset[1][n - 2];
@@ -117,6 +133,8 @@ impl Banded {
                 }
             }
         }
+
+        // S = E − Cᵀ (B⁻¹C)
         let mut solved = corner.clone();
         self.solve_inner(&mut solved);
         let products = corner.iter().zip(&solved).map(|(c, s)| c * s.transpose());
@@ -137,12 +155,15 @@ impl Banded {
         };
         let (inner, last) = values.split_at_mut(self.inverse.len());
         self.solve_inner(inner);
-        // rows of the border, columns x and y
+
+        // v: rows of the border, columns x and y
         let mut rest = Matrix2::from_rows(&[last[0].transpose(), last[1].transpose()]);
         for (corner, value) in border.corner.iter().zip(inner.iter()) {
             rest -= corner * value.transpose();
         }
         let found = border.schur_inverse * rest;
+
+        // u
         for (solved, value) in border.solved.iter().zip(inner.iter_mut()) {
             *value -= found.tr_mul(solved);
         }
@@ -151,6 +172,7 @@ impl Banded {
         }
     }
 
+    /// B⁻¹ x: forwards by L, backwards by D and Lᵀ.
     fn solve_inner(&self, x: &mut [Vector2<f64>]) {
         let n = self.inverse.len();
         for i in 1..n {
@@ -160,6 +182,7 @@ impl Banded {
             }
             x[i] = value;
         }
+
         for i in (0..n).rev() {
             let mut value = x[i] * self.inverse[i];
             if i + 1 < n {

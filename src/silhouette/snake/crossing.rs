@@ -4,7 +4,7 @@ use nalgebra::Point2;
 
 /// A closed curve cut at its crossings into simple loops, as indices of its points; one loop for one that does not cross.
 ///
-/// From the first crossing on, what lies between its two passages is a loop of its own, and so on in both.
+/// The part between the two passages of the first crossing is a loop of its own; both parts are cut again in the same way.
 pub(super) fn loops(points: &[Point2<f64>]) -> Vec<Vec<usize>> {
     let mut waiting = vec![(0..points.len()).collect::<Vec<usize>>()];
     let mut simple = Vec::new();
@@ -24,16 +24,18 @@ pub(super) fn loops(points: &[Point2<f64>]) -> Vec<Vec<usize>> {
 /// The first two sides of a closed curve that cross, by the index of the point where each begins.
 fn crossing(points: &[Point2<f64>], curve: &[usize]) -> Option<(usize, usize)> {
     let n = curve.len();
-    let side = |i: usize| (points[curve[i]], points[curve[(i + 1) % n]]);
+    let side = |i: usize| [points[curve[i]], points[curve[(i + 1) % n]]];
     (0..n).find_map(|i| {
         let last = if i == 0 { n.saturating_sub(1) } else { n };
         (i + 2..last)
-            .find(|&j| cross(side(i), side(j)))
+            .find(|j| cross(side(i), side(*j)))
             .map(|j| (i, j))
     })
 }
 
-fn cross((a, b): (Point2<f64>, Point2<f64>), (c, d): (Point2<f64>, Point2<f64>)) -> bool {
+/// Whether two sides cross.
+fn cross(one: [Point2<f64>; 2], other: [Point2<f64>; 2]) -> bool {
+    let ([a, b], [c, d]) = (one, other);
     if a.x.max(b.x) < c.x.min(d.x) || c.x.max(d.x) < a.x.min(b.x) {
         return false;
     }

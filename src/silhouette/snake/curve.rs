@@ -38,7 +38,7 @@ pub(super) fn sides(points: &[Point2<f64>], ends: Ends) -> Vec<f64> {
     pairs.map(|(a, b)| (b - a).norm()).collect()
 }
 
-/// A place on a polyline: so far from a point to the next.
+/// A place on a polyline: a fraction of the way from a point to the next.
 pub(super) struct Place {
     from: usize,
     fraction: f64,
@@ -51,7 +51,7 @@ impl Place {
     }
 }
 
-/// Places at equal distances along a polyline, about the spacing; those of an open one from end to end.
+/// Places at equal distances of about the spacing along a polyline; on an open one from end to end.
 pub(super) fn evenly(curve: &[Point2<f64>], ends: Ends, spacing_px: f64) -> Vec<Place> {
     let sides = sides(curve, ends);
     let length: f64 = sides.iter().sum();
@@ -61,6 +61,7 @@ pub(super) fn evenly(curve: &[Point2<f64>], ends: Ends, spacing_px: f64) -> Vec<
     }
     let step = length / count;
     let wanted = count as usize + usize::from(ends == Ends::Open);
+
     let mut places = Vec::with_capacity(wanted);
     let mut walked = 0.0;
     for (from, side) in sides.iter().enumerate() {
@@ -73,6 +74,7 @@ pub(super) fn evenly(curve: &[Point2<f64>], ends: Ends, spacing_px: f64) -> Vec<
         }
         walked += side;
     }
+
     // rounding decides whether the far end was reached
     if places.len() < wanted && !sides.is_empty() {
         places.push(Place {

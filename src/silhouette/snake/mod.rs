@@ -4,10 +4,10 @@
 //!
 //! E = ½ ∫ α‖d′‖² + β‖d″‖² ds + ½ ∫ w ‖x − e‖² + (1 − w) κ ‖d‖² ds,   d = x − x⁰,
 //!
-//! with e an edge of the filtered gradient G on the curve's normal: the external energy. Of the edges on a normal that one
-//! counts which is strongest when weighed by how far it is from where the contour is expected: g·exp(−½(‖e − x⁰‖/ρ)²),
-//! g = |G·n|. It weighs w = g/(g + g₀)·exp(−½(‖e − x⁰‖/ρ)²); where there is none, the model's outline holds the curve by κ.
-//! √α and ⁴√β are lengths: over them the edges' displacements are smoothed, and gaps without an edge are bridged.
+//! with e an edge of the filtered gradient G on the curve's normal: the external energy. Of the edges on a normal, the one
+//! with the largest g·exp(−½(‖e − x⁰‖/ρ)²) counts, g = |G·n|: strong, and near to where the contour is expected. Its weight
+//! is w = g/(g + g₀)·exp(−½(‖e − x⁰‖/ρ)²); where there is no edge, the model's outline holds the curve by κ. √α and ⁴√β are
+//! lengths: over them the edges' displacements are smoothed, and gaps without an edge are bridged.
 //!
 //! The internal energy is that of the *displacement* from the expected curve x⁰, the outline of the model.
 //! **Differs** from PF02 (and from Kass, Witkin & Terzopoulos, 1988), whose snake is at rest when it is straight: theirs
@@ -38,43 +38,32 @@ pub enum Rest {
     Straight,
 }
 
-/// What happens to a closed curve that crosses itself.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Topology {
-    /// Nothing: it stays one curve.
-    Kept,
-    /// It is cut into the loops that run around the same side; folds that run around the other are dropped.
-    Split,
-}
-
 /// Settings of an active contour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SnakeOptions {
     /// α, px². Default 4: displacements are smoothed over 2 px.
     pub tension: f64,
-    /// β, px⁴. Default 80: and bend over 3 px. Bridges what of an edge is missing, and leaves a finger's width as it is.
+    /// β, px⁴. Default 80: displacements bend over 3 px, which bridges gaps in an edge and keeps the shape of a finger.
     pub stiffness: f64,
     /// τ. Default 1: with full weight an edge is reached in one step.
     pub time_step: f64,
     /// h: distance of neighbouring points, px. Default 2.
     pub spacing_px: f64,
-    /// How far from where it is edges are looked for on either side, px. Default 8.
+    /// How far from the curve edges are looked for on either side, px. Default 8.
     pub search_px: f64,
     /// ρ: standard deviation of the border about where it is expected, px. Default 4.
     pub prior_px: f64,
-    /// κ: how much where it is expected weighs against a sure edge, where there is no edge; not without [`Rest::Expected`]. Default 0.1:
-    /// a sure edge that is off by ½ρ is followed to 99 %, by ρ to 94 %, and beyond it counts as one that may be another's.
+    /// κ: weight of the expected curve where there is no edge, against a sure edge; only with [`Rest::Expected`]. Default 0.1:
+    /// a sure edge that is off by ½ρ is followed to 99 %, by ρ to 94 %; one farther away may be another's, and counts less.
     pub hold: f64,
     /// g₀: the edge that counts half, grey levels per pixel. Default 5.
     pub edge: f64,
-    /// At rest when no point moves farther in a step, px. Default 0.05.
+    /// The contour is at rest when no point moves farther than this in a step, px. Default 0.05.
     pub rest_px: f64,
     /// Steps at most. Default 60.
     pub most_steps: usize,
-    /// Where the internal energy is at rest.
+    /// Where the internal energy is at rest. Default [`Rest::Expected`].
     pub rest: Rest,
-    /// Whether it may become several.
-    pub topology: Topology,
 }
 
 impl Default for SnakeOptions {
@@ -91,7 +80,6 @@ impl Default for SnakeOptions {
             rest_px: 0.05,
             most_steps: 60,
             rest: Rest::Expected,
-            topology: Topology::Split,
         }
     }
 }
@@ -112,7 +100,7 @@ pub struct SnakePoint {
     pub pixel: Point2<f64>,
     /// Where it was expected.
     pub expected: Point2<f64>,
-    /// How sure it is that the border is here, 0 to 1: the edge under it, its agreement with the expected normal, and its distance from
+    /// How sure it is that the border is here, 0 to 1, from the strength of the edge, its direction, and its distance from
     /// where it was expected; see [`Snake::points`].
     pub reliability: f64,
 }
@@ -127,17 +115,19 @@ pub struct Snake {
     step: Banded,
 }
 
-/// Points within this of the picture's border are held where they are expected: beyond, nothing is known.
+/// Points nearer to the picture's border than this are held where they are expected: beyond it, nothing is known.
 const HELD_PX: f64 = 3.0;
-/// Sides longer than this over the mean make the curve be resampled.
+/// The curve is resampled when a side is longer than this many times the mean.
 const UNEVEN: f64 = 2.0;
-/// Steps between two looks at that.
+/// Steps between two such tests.
 const RESAMPLED_EVERY: usize = 10;
 /// Loops of less than this share of the curve's area are folds.
 const FOLD: f64 = 0.02;
 
 impl Snake {
-    /// A contour expected along a curve, with the inside on the left as seen on the screen; `None` for one of fewer than eight points.
+    /// A contour expected along a curve, with the inside on the left as seen on the screen.
+    ///
+    /// `None` if the curve is not finite, or too short for eight points.
     pub fn new(curve: &[Point2<f64>], ends: Ends, options: SnakeOptions) -> Option<Self> {
         let places = evenly(curve, ends, options.spacing_px);
         let expected: Vec<Point2<f64>> = places.iter().map(|p| p.on(curve)).collect();
@@ -153,7 +143,7 @@ impl Snake {
         })
     }
 
-    /// Lets it go on from where it is with other settings.
+    /// The contour as it is, to go on with other settings.
     pub fn with(self, options: SnakeOptions) -> Option<Self> {
         Some(Self {
             step: factored(&self.points, self.ends, &options)?,
@@ -162,7 +152,7 @@ impl Snake {
         })
     }
 
-    /// Moves until it is at rest on the edges of a gradient.
+    /// Moves the contour until it is at rest on the edges of a gradient.
     pub fn settle(&mut self, gradient: &Gradient) -> Ending {
         for step in 1..=self.options.most_steps {
             let moved = self.advance(gradient);
@@ -179,6 +169,7 @@ impl Snake {
     /// One step: (I + τA) d ← d + τ w (e − x); how far the point went that went farthest, px.
     fn advance(&mut self, gradient: &Gradient) -> f64 {
         let tau = self.options.time_step;
+        // x⁰, from which displacements count
         let rest = |i: usize| match self.options.rest {
             Rest::Expected => self.expected[i].coords,
             Rest::Straight => Vector2::zeros(),
@@ -186,6 +177,7 @@ impl Snake {
         let pulled = |i: usize| self.points[i].coords - rest(i) + self.pull(gradient, i) * tau;
         let mut moved: Vec<Vector2<f64>> = (0..self.points.len()).map(pulled).collect();
         self.step.solve(&mut moved);
+
         let mut farthest: f64 = 0.0;
         for (i, displacement) in moved.into_iter().enumerate() {
             let to = Point2::from(rest(i) + displacement);
@@ -203,6 +195,7 @@ impl Snake {
         let Some(normal) = normal(&self.points, self.ends, i) else {
             return Vector2::zeros();
         };
+
         let home = match self.options.rest {
             Rest::Expected => (self.expected[i] - self.points[i]) * self.options.hold,
             Rest::Straight => Vector2::zeros(),
@@ -223,10 +216,11 @@ impl Snake {
     ) -> Option<(Vector2<f64>, f64)> {
         let change = |s: f64| gradient.along(&(self.points[i] + normal * s), normal);
         let reach = self.options.search_px.round() as i32;
+
         let mut best = (0, 0.0);
         for s in -reach..=reach {
             let g = change(f64::from(s));
-            // nearness is 1 at most: most places need no look at it
+            // nearness is 1 at most, so most places need not ask for it
             if g > best.1 {
                 let score = g * self.nearness(i, &(self.points[i] + normal * f64::from(s)));
                 if score > best.1 {
@@ -237,7 +231,8 @@ impl Snake {
         if best.1 <= 0.0 {
             return None;
         }
-        // between the pixels: the summit of the parabola through three of them, of the edge itself, whichever is expected
+
+        // between the pixels: the summit of the parabola through three values of g, without the nearness
         let at = f64::from(best.0);
         let offset = summit([at - 1.0, at, at + 1.0].map(change));
         Some((normal * (at + offset), change(at + offset)))
@@ -260,6 +255,7 @@ impl Snake {
         if !sides.iter().any(|side| *side > UNEVEN * mean) {
             return;
         }
+
         let places = evenly(&self.points, self.ends, self.options.spacing_px);
         let points: Vec<_> = places.iter().map(|p| p.on(&self.points)).collect();
         if let Some(step) = factored(&points, self.ends, &self.options) {
@@ -269,7 +265,7 @@ impl Snake {
         }
     }
 
-    /// Where it is.
+    /// The points of the contour.
     ///
     /// Reliability is w·cos²·exp(−½(‖x − x⁰‖/ρ)²): w of the edge under the point, the cosine between the gradient there and the
     /// expected curve's normal; 0 at the picture's border.
@@ -296,12 +292,14 @@ impl Snake {
         g / (g + self.options.edge) * cosine * cosine * (-0.5 * off).exp()
     }
 
-    /// The curve's simple loops as indices into its points, folds dropped; itself if topology is kept or it is open.
+    /// The simple loops of the curve, as indices into its points; an open curve is one loop.
+    ///
+    /// A closed curve that crosses itself is cut into loops. Those that run around the other side are folds, and left out.
     pub fn loops(&self) -> Vec<Vec<usize>> {
-        let whole: Vec<usize> = (0..self.points.len()).collect();
-        if self.ends == Ends::Open || self.options.topology == Topology::Kept {
-            return vec![whole];
+        if self.ends == Ends::Open {
+            return vec![(0..self.points.len()).collect()];
         }
+
         let area = area_on_the_left(&self.expected);
         let is_loop = |curve: &Vec<usize>| {
             let points: Vec<_> = curve.iter().map(|&i| self.points[i]).collect();

@@ -165,6 +165,7 @@ impl Sums {
             gj: Vector6::zeros(),
             jj: Matrix6::zeros(),
         };
+
         for PatchPixel { dx, dy, value } in patch {
             let at = place + map * Vector2::new(*dx, *dy);
             let found = sample(image, at.x, at.y)?;
