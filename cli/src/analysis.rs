@@ -16,7 +16,7 @@ use maquette::io::gait::{
 use maquette::io::model;
 use maquette::io::recording::Recording;
 use maquette::io::result::ResultFile;
-use maquette::report::{CameraOutlines, Identity, ReportInput, html, outline_points};
+use maquette::report::{CameraOutlines, ReportInput, Subject, html, outline_points};
 use maquette::silhouette::FrameIndex;
 
 /// What is to be analysed, and against what.
@@ -81,11 +81,11 @@ impl Analysed {
             None => Vec::new(),
         };
         let text = html(&ReportInput {
-            identity: &said.identity(&self.from),
+            subject: &said.subject(&self.from),
             result,
-            input: &self.input,
+            body: self.input.body.as_ref(),
+            movement: &self.input.movement,
             gait: &self.gait,
-            file: &self.file,
             norm: self.norm.as_ref(),
             views: &views,
         })?;
@@ -150,13 +150,14 @@ impl IdentityArguments {
         (self.age, self.sex.map(Sex::from))
     }
 
-    fn identity(&self, from: &Path) -> Identity {
+    fn subject(&self, from: &Path) -> Subject {
         let path = self.recording.as_deref().unwrap_or(from);
         let name = path.file_name().map(|n| n.to_string_lossy().into_owned());
-        Identity {
+        Subject {
             recording: name.unwrap_or_else(|| path.display().to_string()),
-            subject: self.subject.clone(),
-            person: self.person(),
+            name: self.subject.clone(),
+            age_years: self.age,
+            sex: self.sex.map(Sex::from),
             date: self.date.clone(),
             condition: self.condition.clone(),
         }

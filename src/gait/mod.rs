@@ -41,7 +41,7 @@ pub use events::{Agreement, Event, EventKind};
 pub use indices::{Band, Indices, Norm, SCORE_POINTS, VARIABLES, VariableScore, indices};
 pub use landmark::{Landmark, Paired, Side};
 pub use movement::{Movement, MovementError, Track, Used};
-pub use parameters::{Parameter, Parameters, Statistic, symmetry};
+pub use parameters::{Parameter, Parameters, Statistic};
 pub use segments::{Axes, Limb, Segment, Segments};
 
 use movement::by_axis;

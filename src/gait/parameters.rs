@@ -17,6 +17,7 @@ use std::collections::BTreeMap;
 use nalgebra::Vector3;
 use serde::{Serialize, Serializer};
 
+use super::GaitAnalysis;
 use super::course::Course;
 use super::cycles::Cycle;
 use super::events::{Event, EventKind, agreement};
@@ -346,11 +347,22 @@ fn statistic(samples: &[Measured]) -> Statistic {
     }
 }
 
-/// Right over left, %; `None` where a side has no value or the left is 0.
-pub fn symmetry(parameters: &Parameters, parameter: Parameter) -> Option<f64> {
-    let mean = |side| parameters.get(&(parameter, side)).map(|s| s.mean);
-    let (left, right) = (mean(Side::Left)?, mean(Side::Right)?);
-    (left.abs() > 1e-9).then(|| 100.0 * right / left)
+impl GaitAnalysis {
+    /// Right over left, %; `None` where a side has no value or the left is 0.
+    pub fn symmetry_percent(&self, parameter: Parameter) -> Option<f64> {
+        let mean = |side| self.parameters.get(&(parameter, side)).map(|s| s.mean);
+        let (left, right) = (mean(Side::Left)?, mean(Side::Right)?);
+        (left.abs() > 1e-9).then(|| 100.0 * right / left)
+    }
+
+    /// Mean of left and right over the parameter's [scale](Parameter::scale): without unit.
+    pub fn normalised(&self, parameter: Parameter) -> Option<f64> {
+        let sides = Side::BOTH.iter();
+        let statistics = sides.filter_map(|side| self.parameters.get(&(parameter, *side)));
+        let both = mean(statistics.map(|s| s.mean))?;
+        let value = both / parameter.scale(self.leg_length_m?);
+        value.is_finite().then_some(value)
+    }
 }
 
 #[cfg(test)]

@@ -151,8 +151,12 @@ impl Figure {
     }
 }
 
-/// A range that holds all finite values and `least`, in whole steps; of 4 to 8 ticks where that leaves a choice.
-pub(super) fn range_of(values: impl Iterator<Item = f64>, least: (f64, f64)) -> ((f64, f64), f64) {
+/// The range of an axis that holds all finite values and `least` in whole steps, and the step: 4 to 8 ticks where that
+/// leaves a choice.
+pub(super) fn axis_range(
+    values: impl Iterator<Item = f64>,
+    least: (f64, f64),
+) -> ((f64, f64), f64) {
     let known = values.filter(|v| v.is_finite());
     let (low, high) = known.fold(least, |(low, high), v| (low.min(v), high.max(v)));
     let rough = ((high - low) / 6.0).max(1e-6);
@@ -195,11 +199,11 @@ mod tests {
 
     #[test]
     fn a_range_holds_every_value_in_whole_steps() {
-        let (range, step) = range_of([-3.0, 61.0, f64::NAN].into_iter(), (0.0, 60.0));
+        let (range, step) = axis_range([-3.0, 61.0, f64::NAN].into_iter(), (0.0, 60.0));
         approx::assert_relative_eq!(step, 20.0);
         approx::assert_relative_eq!(range.0, -20.0);
         approx::assert_relative_eq!(range.1, 80.0);
-        let (range, _) = range_of([].into_iter(), (0.0, 0.0));
+        let (range, _) = axis_range([].into_iter(), (0.0, 0.0));
         assert!(range.0.is_finite() && range.1.is_finite());
     }
 }

@@ -2,17 +2,18 @@
 
 use maud::{Markup, html};
 
-use super::ReportInput;
 use super::page::Page;
+use super::{ReportInput, Subject};
 use crate::gait::{Side, Surface};
 use crate::io::gait::Sex;
+use crate::io::result::ResultFile;
 
 pub(super) fn page(input: &ReportInput<'_>) -> Page {
     Page {
         id: "identity",
         title: "Identity and method",
         body: html! {
-            (table(&person(input)))
+            (table(&person(input.subject)))
             h3 { "Method" }
             (table(&method(input)))
             (remarks(input))
@@ -36,61 +37,62 @@ fn table(rows: &[Row]) -> Markup {
     }
 }
 
-fn person(input: &ReportInput<'_>) -> Vec<Row> {
-    let identity = input.identity;
-    let said = |value: &Option<String>| value.clone().unwrap_or_else(|| "not stated".into());
+fn person(subject: &Subject) -> Vec<Row> {
+    let or_not_stated = |text: &Option<String>| text.clone().unwrap_or_else(|| "not stated".into());
     vec![
-        ("Person", said(&identity.subject)),
-        ("Age, sex", age_and_sex(identity.person)),
-        ("Date of recording", said(&identity.date)),
-        ("Condition", said(&identity.condition)),
-        ("Recording", identity.recording.clone()),
+        ("Person", or_not_stated(&subject.name)),
+        ("Age, sex", age_and_sex(subject)),
+        ("Date of recording", or_not_stated(&subject.date)),
+        ("Condition", or_not_stated(&subject.condition)),
+        ("Recording", subject.recording.clone()),
     ]
 }
 
 /// In words; `not stated` for neither.
-pub(super) fn age_and_sex((age_years, sex): (Option<u32>, Option<Sex>)) -> String {
-    let age = age_years.map(|years| format!("{years} years"));
-    let sex = sex.map(|sex| match sex {
+pub(super) fn age_and_sex(subject: &Subject) -> String {
+    let age = subject.age_years.map(|years| format!("{years} years"));
+    let sex = subject.sex.map(|sex| match sex {
         Sex::Female => "female".to_owned(),
         Sex::Male => "male".to_owned(),
     });
-    let said: Vec<String> = age.into_iter().chain(sex).collect();
-    match said.is_empty() {
+    let stated: Vec<String> = age.into_iter().chain(sex).collect();
+    match stated.is_empty() {
         true => "not stated".into(),
-        false => said.join(", "),
+        false => stated.join(", "),
     }
 }
 
 fn method(input: &ReportInput<'_>) -> Vec<Row> {
-    let file = input.file;
-    let seconds = file.frames as f64 / file.fps;
-    let surface = match file.surface {
+    let (gait, rate_hz) = (input.gait, input.movement.rate_hz);
+    let frames = input.movement.frames;
+    let seconds = frames as f64 / rate_hz;
+    let surface = match gait.course.surface {
         Surface::Ground => "over ground".to_owned(),
-        Surface::Treadmill => format!("treadmill, belt at {:.2} m/s", file.belt_m_s),
+        Surface::Treadmill => format!("treadmill, belt at {:.2} m/s", gait.course.belt_m_s),
     };
-    let strides = |side| input.gait.cycles.iter().filter(|c| c.side == side).count();
+    let strides = |side| gait.cycles.iter().filter(|c| c.side == side).count();
     let [left, right] = Side::BOTH.map(strides);
+    let length = format!("{frames} frames at {rate_hz} Hz, {seconds:.1} s");
     let mut rows = vec![
-        (
-            "Length",
-            format!("{} frames at {} Hz, {seconds:.1} s", file.frames, file.fps),
-        ),
+        ("Length", length),
         ("Surface", surface),
         ("Strides used", format!("left {left}, right {right}")),
     ];
+
     match input.result {
-        Some(result) => rows.extend(of_fit(result)),
+        Some(result) => rows.extend(fit_rows(result)),
         None => rows.push((
             "Measured by",
             "points of another system (.trc); no body was fitted".into(),
         )),
     }
+
     rows.push((
         "Events",
         "foot strike by the heel's speed, foot off by the toe's place (docs/gait.md)".into(),
     ));
     rows.push(("Filter", filter(input)));
+
     if let Some(norm) = input.norm {
         rows.push(("Norm", format!("{}: {}", norm.name, norm.source)));
         if let Some(source) = &norm.parameters_source {
@@ -101,7 +103,7 @@ fn method(input: &ReportInput<'_>) -> Vec<Row> {
 }
 
 fn filter(input: &ReportInput<'_>) -> String {
-    let hz = input.file.cutoff_hz;
+    let hz = input.gait.cutoff_hz;
     if hz <= 0.0 {
         return "none".into();
     }
@@ -112,25 +114,21 @@ fn filter(input: &ReportInput<'_>) -> String {
     format!("places: Butterworth low pass at {hz} Hz, forwards and backwards{angles}")
 }
 
-fn of_fit(result: &crate::io::result::ResultFile) -> Vec<Row> {
-    let cameras = &result.recording.cameras;
-    vec![
-        (
-            "Measured by",
-            format!(
-                "{} {}: body model {} fitted to the outlines of {} cameras ({}), without markers",
-                result.program.name,
-                result.program.version,
-                result.body,
-                cameras.len(),
-                cameras.join(", ")
-            ),
-        ),
-        (
-            "Joint centres",
-            "places fixed to the fitted body; their standard deviations are those of the fit"
-                .into(),
-        ),
+/// How a fit was measured.
+fn fit_rows(result: &ResultFile) -> [Row; 2] {
+    let (program, cameras) = (&result.program, &result.recording.cameras);
+    let measured_by = format!(
+        "{} {}: body model {} fitted to the outlines of {} cameras ({}), without markers",
+        program.name,
+        program.version,
+        result.body,
+        cameras.len(),
+        cameras.join(", ")
+    );
+    let centres = "places fixed to the fitted body; their standard deviations are those of the fit";
+    [
+        ("Measured by", measured_by),
+        ("Joint centres", centres.into()),
     ]
 }
 

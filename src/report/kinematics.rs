@@ -3,12 +3,11 @@
 use maud::{Markup, html};
 
 use super::ReportInput;
-use super::figure::{Axis, Colour, Figure, LEFT, NORM, RIGHT, range_of};
+use super::figure::{Axis, Colour, Figure, LEFT, NORM, RIGHT, axis_range};
 use super::label;
 use super::page::{Page, absent, key};
 use super::spatiotemporal::{reason, remarks};
-use crate::gait::{Angle, Norm, Side};
-use crate::io::gait::CurvePart;
+use crate::gait::{Angle, Curve, Norm, Side};
 
 type Row = (&'static str, [Option<Angle>; 3]);
 
@@ -80,18 +79,24 @@ enum Drawn {
 
 /// Means over the cycle, or everything over time where nobody walks.
 pub(super) fn page(input: &ReportInput<'_>) -> Page {
-    let walks = !input.file.curves.is_empty();
+    let gait = input.gait;
+    let walks = !gait.curves.is_empty();
     let norm = input.norm.filter(|_| walks).map(|norm| norm.name.as_str());
+    let drawn = match walks {
+        true => Drawn::Means,
+        false => Drawn::Time,
+    };
+
     Page {
         id: "kinematics",
         title: "Kinematics",
         body: html! {
             @if !walks {
-                (absent(&format!("Angles over time, not over the gait cycle: {}.", reason(input))))
+                (absent(&format!("Angles over time, not over the gait cycle: {}.", reason(gait))))
             }
             (key(norm))
-            @if walks { (remarks(input)) }
-            (grid(input, &LEGS, if walks { Drawn::Means } else { Drawn::Time }))
+            @if walks { (remarks(gait)) }
+            (grid(input, &LEGS, drawn))
             p class="note" {
                 @if walks {
                     "From foot strike to foot strike of the same side. Line: mean over strides. Tint: 95 % band of the fit, ±1.96 SD, where it is known. Dashed: foot off. "
@@ -99,7 +104,7 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
                 "Between systems a constant offset of some degrees is the rule: compare shapes and ranges first."
             }
             h3 class="arms" { "Arms" }
-            (grid(input, &ARMS, if walks { Drawn::Means } else { Drawn::Time }))
+            (grid(input, &ARMS, drawn))
         },
         is_brief: false,
     }
@@ -107,20 +112,21 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
 
 /// Every stride.
 pub(super) fn consistency(input: &ReportInput<'_>) -> Page {
+    let gait = input.gait;
     Page {
         id: "consistency",
         title: "Consistency",
         body: html! {
-            @if input.file.curves.is_empty() {
-                (absent(&format!("No strides to be compared: {}.", reason(input))))
+            @if gait.curves.is_empty() {
+                (absent(&format!("No strides to be compared: {}.", reason(gait))))
             } @else {
                 (key(None))
-                (remarks(input))
+                (remarks(gait))
                 (grid(input, &LEGS, Drawn::Strides))
                 p class="note" { "Every stride that was used. Strides that lie apart make the mean less telling." }
             }
         },
-        is_brief: input.file.curves.is_empty(),
+        is_brief: gait.curves.is_empty(),
     }
 }
 
@@ -140,16 +146,15 @@ fn grid(input: &ReportInput<'_>, rows: &[Row], drawn: Drawn) -> Markup {
 
 /// One angle, or why it is not there.
 fn panel(input: &ReportInput<'_>, angle: Angle, drawn: Drawn) -> Markup {
-    let label = label::of_angle(angle);
     let figure = match drawn {
         Drawn::Time => over_time(input, angle),
         Drawn::Means | Drawn::Strides => over_cycle(input, angle, drawn),
     };
     if figure.is_empty() {
-        let unknown = input.file.unknown.iter().find(|u| u.angle == angle);
-        let why = unknown.map_or("no whole stride shows it", |u| u.reason);
+        let unknown = input.gait.unknown.iter().find(|(a, _)| *a == angle);
+        let reason = unknown.map_or("no whole stride shows it", |(_, reason)| reason);
         return html! {
-            div class="panel empty" { strong { (label.title) } (absent(why)) }
+            div class="panel empty" { strong { (label::angle_label(angle).title) } (absent(reason)) }
         };
     }
     let description = description(input, angle);
@@ -163,20 +168,25 @@ fn colour(side: Side) -> Colour {
     }
 }
 
-fn percent(values: &[f64]) -> Vec<(f64, f64)> {
+fn degrees(values: &[f64]) -> Vec<f64> {
+    values.iter().map(|v| v.to_degrees()).collect()
+}
+
+/// Values over the cycle, % and degrees.
+fn over_percent(values: &[f64]) -> Vec<(f64, f64)> {
     let step = 100.0 / (values.len() as f64 - 1.0);
     values
         .iter()
         .enumerate()
-        .map(|(i, v)| (i as f64 * step, *v))
+        .map(|(i, v)| (i as f64 * step, v.to_degrees()))
         .collect()
 }
 
 /// The points of a line, which breaks at foot off where a stride is joined of two.
-fn points(curve: &CurvePart, values: &[f64]) -> Vec<(f64, f64)> {
-    let mut points = percent(values);
+fn line_points(curve: &Curve, values: &[f64]) -> Vec<(f64, f64)> {
+    let mut points = over_percent(values);
     if curve.is_joined {
-        let off = curve.foot_off_percent;
+        let off = 100.0 * curve.foot_off;
         let after = points.partition_point(|p| p.0 <= off);
         points.insert(after, (off, f64::NAN));
     }
@@ -184,25 +194,28 @@ fn points(curve: &CurvePart, values: &[f64]) -> Vec<(f64, f64)> {
 }
 
 fn over_cycle(input: &ReportInput<'_>, angle: Angle, drawn: Drawn) -> Figure {
-    let of_angle = |c: &&CurvePart| c.angle == angle;
-    let curves: Vec<&CurvePart> = input.file.curves.iter().filter(of_angle).collect();
+    let curves = input.gait.curves.iter();
+    let curves: Vec<&Curve> = curves.filter(|c| c.angle == angle).collect();
     let band = norm_band(input.norm, angle)
         .filter(|_| matches!(drawn, Drawn::Means) && !curves.is_empty());
-    let shown = curves.iter().flat_map(|c| match drawn {
-        Drawn::Strides => c.strides_deg.concat(),
-        _ => c.mean_deg.clone(),
+
+    let curve_values = curves.iter().flat_map(|c| match drawn {
+        Drawn::Strides => degrees(&c.strides.concat()),
+        _ => degrees(&c.mean),
     });
-    let of_norm = band.iter().flatten().flat_map(|p| [p.1, p.2]);
-    let mut figure = empty_figure(
-        angle,
-        ("gait cycle, %", (0.0, 100.0), 20.0),
-        shown.chain(of_norm),
-    );
+    let norm_values = band.iter().flatten().flat_map(|p| [p.1, p.2]);
+    let cycle = Axis {
+        label: "gait cycle, %".into(),
+        range: (0.0, 100.0),
+        step: 20.0,
+    };
+    let mut figure = empty_figure(angle, cycle, curve_values.chain(norm_values));
+
     if let Some(band) = &band {
         figure = figure.band(NORM, 0.3, band);
     }
     for curve in curves {
-        figure = figure.rule(colour(curve.side), curve.foot_off_percent);
+        figure = figure.rule(colour(curve.side), 100.0 * curve.foot_off);
         figure = match drawn {
             Drawn::Strides => strides(figure, curve),
             _ => mean(figure, curve),
@@ -211,28 +224,25 @@ fn over_cycle(input: &ReportInput<'_>, angle: Angle, drawn: Drawn) -> Figure {
     figure
 }
 
-fn mean(figure: Figure, curve: &CurvePart) -> Figure {
+fn mean(mut figure: Figure, curve: &Curve) -> Figure {
     let colour = colour(curve.side);
-    let points = percent(&curve.mean_deg);
-    let figure = match &curve.fit_sd_deg {
-        Some(sd) => {
-            let at =
-                |((x, mean), sd): (&(f64, f64), &f64)| (*x, mean - 1.96 * sd, mean + 1.96 * sd);
-            figure.band(
-                colour,
-                0.15,
-                &points.iter().zip(sd).map(at).collect::<Vec<_>>(),
-            )
-        }
-        None => figure,
-    };
-    figure.line(colour, 2.0, &self::points(curve, &curve.mean_deg))
+    if let Some(sd) = &curve.fit_sd {
+        // 95 % of a normal distribution
+        let reach = sd.iter().map(|sd| 1.96 * sd.to_degrees());
+        let means = over_percent(&curve.mean).into_iter();
+        let rows = means.zip(reach);
+        let band: Vec<_> = rows
+            .map(|((x, mean), reach)| (x, mean - reach, mean + reach))
+            .collect();
+        figure = figure.band(colour, 0.15, &band);
+    }
+    figure.line(colour, 2.0, &line_points(curve, &curve.mean))
 }
 
-fn strides(figure: Figure, curve: &CurvePart) -> Figure {
-    let all = curve.strides_deg.iter();
+fn strides(figure: Figure, curve: &Curve) -> Figure {
+    let all = curve.strides.iter();
     all.fold(figure, |figure, stride| {
-        figure.line(colour(curve.side), 0.9, &points(curve, stride))
+        figure.line(colour(curve.side), 0.9, &line_points(curve, stride))
     })
 }
 
@@ -251,16 +261,18 @@ fn norm_band(norm: Option<&Norm>, angle: Angle) -> Option<Vec<(f64, f64, f64)>> 
 }
 
 fn over_time(input: &ReportInput<'_>, angle: Angle) -> Figure {
-    let rate_hz = input.file.fps;
+    let rate_hz = input.movement.rate_hz;
     let tracks = Side::BOTH.map(|side| (side, input.gait.angles.get(&(side, angle))));
-    let shown = tracks
-        .iter()
-        .filter_map(|(_, t)| *t)
-        .flatten()
-        .map(|v| v.to_degrees());
-    let last_s = (input.file.frames.max(2) - 1) as f64 / rate_hz;
-    let (_, step) = range_of(std::iter::empty(), (0.0, last_s));
-    let mut figure = empty_figure(angle, ("time, s", (0.0, last_s), step), shown);
+    let values = tracks.iter().filter_map(|(_, track)| *track).flatten();
+    let last_s = (input.movement.frames.max(2) - 1) as f64 / rate_hz;
+    let (_, step) = axis_range(std::iter::empty(), (0.0, last_s));
+    let time = Axis {
+        label: "time, s".into(),
+        range: (0.0, last_s),
+        step,
+    };
+    let mut figure = empty_figure(angle, time, values.map(|v| v.to_degrees()));
+
     for (side, track) in tracks {
         let at = |(i, v): (usize, &f64)| (i as f64 / rate_hz, v.to_degrees());
         let points: Vec<_> = track.into_iter().flatten().enumerate().map(at).collect();
@@ -269,18 +281,10 @@ fn over_time(input: &ReportInput<'_>, angle: Angle) -> Figure {
     figure
 }
 
-fn empty_figure(
-    angle: Angle,
-    (x_label, x_range, x_step): (&str, (f64, f64), f64),
-    shown: impl Iterator<Item = f64>,
-) -> Figure {
-    let label = label::of_angle(angle);
-    let (range, step) = range_of(shown, label.range);
-    let x = Axis {
-        label: x_label.into(),
-        range: x_range,
-        step: x_step,
-    };
+/// A chart of an angle that has room for `values`, degrees.
+fn empty_figure(angle: Angle, x: Axis, values: impl Iterator<Item = f64>) -> Figure {
+    let label = label::angle_label(angle);
+    let (range, step) = axis_range(values, label.range);
     let y = Axis {
         label: label.axis(),
         range,
@@ -291,27 +295,24 @@ fn empty_figure(
 
 /// The chart in words.
 fn description(input: &ReportInput<'_>, angle: Angle) -> String {
-    let label = label::of_angle(angle);
+    let label = label::angle_label(angle);
     let mut text = format!("{}, degrees, positive: {}.", label.title, angle.positive());
     for side in Side::BOTH {
-        let curve = input
-            .file
-            .curves
-            .iter()
-            .find(|c| c.angle == angle && c.side == side);
-        let range = match (curve, input.gait.angles.get(&(side, angle))) {
-            (Some(curve), _) => least_and_greatest(curve.mean_deg.iter().copied()),
-            (None, Some(track)) => least_and_greatest(track.iter().map(|v| v.to_degrees())),
-            (None, None) => continue,
+        let mut curves = input.gait.curves.iter();
+        let curve = curves.find(|c| c.angle == angle && c.side == side);
+        let track = input.gait.angles.get(&(side, angle));
+        let Some(values) = curve.map(|c| &c.mean).or(track) else {
+            continue;
         };
-        text += &format!(" {}: {:.0} to {:.0}.", side.name(), range.0, range.1);
+        let (least, greatest) = least_and_greatest(&degrees(values));
+        text += &format!(" {}: {least:.0} to {greatest:.0}.", side.name());
     }
     text
 }
 
-fn least_and_greatest(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let known = values.filter(|v| v.is_finite());
+fn least_and_greatest(values: &[f64]) -> (f64, f64) {
+    let known = values.iter().filter(|v| v.is_finite());
     known.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
-        (low.min(v), high.max(v))
+        (low.min(*v), high.max(*v))
     })
 }

@@ -21,7 +21,7 @@ impl Label {
 }
 
 /// The label of an angle.
-pub(super) fn of_angle(angle: Angle) -> Label {
+pub(super) fn angle_label(angle: Angle) -> Label {
     let (title, signs, range) = match angle {
         Angle::PelvisTilt => ("Pelvic tilt", ("Post", "Ant"), (-10.0, 30.0)),
         Angle::PelvisObliquity => ("Pelvic obliquity", ("Down", "Up"), (-20.0, 20.0)),
@@ -42,6 +42,7 @@ pub(super) fn of_angle(angle: Angle) -> Label {
         Angle::ShoulderRotation => ("Shoulder rotation", ("Ext", "Int"), (-30.0, 30.0)),
         Angle::ElbowFlexion => ("Elbow flexion", ("Ext", "Flex"), (0.0, 60.0)),
     };
+
     Label {
         title,
         signs,
@@ -50,7 +51,7 @@ pub(super) fn of_angle(angle: Angle) -> Label {
 }
 
 /// The name of a parameter.
-pub(super) fn of_parameter(parameter: Parameter) -> &'static str {
+pub(super) fn parameter_name(parameter: Parameter) -> &'static str {
     match parameter {
         Parameter::Speed => "Walking speed",
         Parameter::Cadence => "Cadence",

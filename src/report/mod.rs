@@ -5,14 +5,14 @@
 //! | file                | holds                                                                |
 //! |---------------------|----------------------------------------------------------------------|
 //! | `page.rs`           | the document around the pages                                        |
-//! | `identity.rs`       | who, how measured                                                     |
-//! | `quality.rs`        | whether to trust it: cameras, missing views, confidence, hypotheses   |
+//! | `identity.rs`       | who was recorded, and how                                             |
+//! | `quality.rs`        | how far to trust it: cameras, missing views, confidence, hypotheses   |
 //! | `spatiotemporal.rs` | parameters of steps and strides                                       |
 //! | `kinematics.rs`     | the grids of joint angles                                             |
 //! | `scores.rs`         | key points of the curves, and scores against healthy people           |
 //! | `shape.rs`          | lengths and girths of the body                                        |
-//! | `motion.rs`         | places for the body that moves, its curves and cameras                |
-//! | `scene.rs`          | what the page's program shows there                                   |
+//! | `motion.rs`         | frame of the moving body, its curves and its cameras                  |
+//! | `scene.rs`          | what the page's program draws in that frame                           |
 //! | `views.rs`          | cameras and the outlines that they saw                                |
 //! | `figure.rs`         | one chart                                                             |
 //! | `label.rs`          | clinical names and signs                                              |
@@ -31,22 +31,25 @@ mod shape;
 mod spatiotemporal;
 mod views;
 
-use crate::gait::{GaitAnalysis, Norm};
-use crate::io::gait::{GaitFile, GaitInput, Sex};
+use crate::gait::{GaitAnalysis, Movement, Norm};
+use crate::io::gait::Sex;
 use crate::io::result::ResultFile;
+use crate::pipeline::FittedBody;
 
 pub use views::{CameraOutlines, outline_points};
 
-/// What the person who makes the report says about it.
+/// Who was recorded, when and how, as the report shall state it.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Identity {
-    /// What was recorded: name of the folder or file.
+pub struct Subject {
+    /// The recording: name of its folder or file.
     pub recording: String,
-    /// Who was recorded.
-    pub subject: Option<String>,
-    /// Their age, completed years, and their sex.
-    pub person: (Option<u32>, Option<Sex>),
-    /// When.
+    /// Name or number of the person.
+    pub name: Option<String>,
+    /// Their age, completed years.
+    pub age_years: Option<u32>,
+    /// Their sex.
+    pub sex: Option<Sex>,
+    /// Date of the recording.
     pub date: Option<String>,
     /// Barefoot, with an orthosis, …
     pub condition: Option<String>,
@@ -56,18 +59,18 @@ pub struct Identity {
 #[derive(Debug, Clone, Copy)]
 pub struct ReportInput<'a> {
     /// Who and when.
-    pub identity: &'a Identity,
+    pub subject: &'a Subject,
     /// The fit; `None` of points of another system.
     pub result: Option<&'a ResultFile>,
-    /// What was analysed.
-    pub input: &'a GaitInput,
-    /// What was found.
+    /// Its body; `None` of points of another system.
+    pub body: Option<&'a FittedBody>,
+    /// The movement that was analysed.
+    pub movement: &'a Movement,
+    /// Its analysis.
     pub gait: &'a GaitAnalysis,
-    /// The same in units of files.
-    pub file: &'a GaitFile,
     /// Healthy people.
     pub norm: Option<&'a Norm>,
-    /// What the cameras saw; empty if the recording is not at hand.
+    /// Outlines that the cameras saw; empty if the recording is not at hand.
     pub views: &'a [CameraOutlines],
 }
 
@@ -76,7 +79,7 @@ pub struct ReportInput<'a> {
 /// # Errors
 /// The serialiser's, if it has any.
 pub fn html(input: &ReportInput<'_>) -> Result<String, serde_json::Error> {
-    let scene = serde_json::to_string(&scene::Scene::of(input))?;
+    let scene = serde_json::to_string(&scene::Scene::new(input))?;
     let pages = [
         identity::page(input),
         quality::page(input),
@@ -87,5 +90,5 @@ pub fn html(input: &ReportInput<'_>) -> Result<String, serde_json::Error> {
         shape::page(input),
         motion::page(input),
     ];
-    Ok(page::document(input.identity, &pages, &scene))
+    Ok(page::document(input.subject, &pages, &scene))
 }

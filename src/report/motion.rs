@@ -1,4 +1,4 @@
-//! Places for the body that moves, the curves that follow it, and the cameras. The page's program fills them.
+//! The frame of the moving body, of the curves that follow it and of the cameras. The page's program fills it.
 
 use maud::{Markup, html};
 
@@ -6,14 +6,15 @@ use super::ReportInput;
 use super::page::{Page, absent};
 
 pub(super) fn page(input: &ReportInput<'_>) -> Page {
-    let last = input.input.movement.frames.saturating_sub(1);
-    let first = input.input.movement.first_frame;
+    let last = input.movement.frames.saturating_sub(1);
+    let first = input.movement.first_frame;
+
     Page {
         id: "motion",
         title: "Motion",
         body: html! {
             p class="absent" id="no-webgl" hidden { "This browser shows no 3-D (WebGL is off): the curves follow the slider, the body does not." }
-            @if input.input.body.is_none() {
+            @if input.body.is_none() {
                 (absent("Points of another system: lines between the points in place of a fitted body."))
             }
             div class="player" {

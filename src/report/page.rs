@@ -2,7 +2,7 @@
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::Identity;
+use super::Subject;
 
 const SCRIPT: &str = include_str!("bundle/report.js");
 const STYLE: &str = include_str!("bundle/report.css");
@@ -18,10 +18,10 @@ pub(super) struct Page {
 }
 
 /// The whole file. `scene` is JSON.
-pub(super) fn document(identity: &Identity, pages: &[Page], scene: &str) -> String {
+pub(super) fn document(subject: &Subject, pages: &[Page], scene: &str) -> String {
     // within a script element no text may look like its end
     let scene = scene.replace('<', "\\u003c");
-    let title = identity.subject.as_ref().unwrap_or(&identity.recording);
+    let title = subject.name.as_ref().unwrap_or(&subject.recording);
     let markup = html! {
         (DOCTYPE)
         html lang="en" {
@@ -29,7 +29,7 @@ pub(super) fn document(identity: &Identity, pages: &[Page], scene: &str) -> Stri
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 title { "Motion report · " (title) }
-                style { (PreEscaped(STYLE)) (PreEscaped(foot(identity))) }
+                style { (PreEscaped(STYLE)) (PreEscaped(foot(subject))) }
             }
             body {
                 a class="skip" href="#identity" { "Skip to the report" }
@@ -58,10 +58,10 @@ pub(super) fn document(identity: &Identity, pages: &[Page], scene: &str) -> Stri
 }
 
 /// Who, when, and the number of the page at the foot of each sheet of paper.
-fn foot(identity: &Identity) -> String {
-    let said = [&identity.subject, &identity.date, &identity.condition];
-    let said = said.into_iter().flatten().chain([&identity.recording]);
-    let whose = said.map(String::as_str).collect::<Vec<_>>().join(" · ");
+fn foot(subject: &Subject) -> String {
+    let stated = [&subject.name, &subject.date, &subject.condition];
+    let stated = stated.into_iter().flatten().chain([&subject.recording]);
+    let whose = stated.map(String::as_str).collect::<Vec<_>>().join(" · ");
     // every sign by its number, so that none can end the text or the style sheet
     let whose: String = whose
         .chars()
@@ -113,18 +113,18 @@ mod tests {
 
     #[test]
     fn no_text_of_the_data_can_end_its_script() {
-        let page = document(&Identity::default(), &[], r#"{"name":"</script><b>"}"#);
+        let page = document(&Subject::default(), &[], r#"{"name":"</script><b>"}"#);
         assert!(page.contains(r#"{"name":"\u003c/script>\u003cb>"}"#));
     }
 
     #[test]
     fn a_name_with_markup_stays_text() {
-        let identity = Identity {
-            subject: Some("<img src=x>".into()),
-            ..Identity::default()
+        let subject = Subject {
+            name: Some("<img src=x>".into()),
+            ..Subject::default()
         };
-        assert!(document(&identity, &[], "{}").contains("&lt;img src=x&gt;"));
-        assert!(!foot(&identity).contains(['<', 'x']));
+        assert!(document(&subject, &[], "{}").contains("&lt;img src=x&gt;"));
+        assert!(!foot(&subject).contains(['<', 'x']));
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use maud::{Markup, html};
 
 use super::ReportInput;
-use super::figure::{Axis, BOTH, Figure, range_of};
+use super::figure::{Axis, BOTH, Figure, axis_range};
 use super::label::words;
 use super::page::{Page, absent, number, probability};
 use crate::inference::confidence::Confidence;
@@ -20,7 +20,7 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
         id: "quality",
         title: "Quality",
         body: match input.result {
-            Some(result) => of_fit(result),
+            Some(result) => fit_quality(result),
             None => absent(
                 "Points of another system: nothing is known of its cameras, its residuals or its alternatives.",
             ),
@@ -29,28 +29,29 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
     }
 }
 
-fn of_fit(result: &ResultFile) -> Markup {
+fn fit_quality(result: &ResultFile) -> Markup {
     html! {
         h3 { "Cameras" }
-        (cameras(result))
+        (camera_table(result))
         h3 { "Overlap over time" }
-        (overlap(result))
+        (overlap_chart(result))
         h3 { "Missing" }
-        (missing(result))
+        (missing_table(result))
         h3 { "Confidence in the body" }
-        (confidence(result))
+        (confidence_table(result))
         h3 { "Hypotheses" }
-        (hypotheses(result))
+        (hypothesis_table(result))
     }
 }
 
-fn cameras(result: &ResultFile) -> Markup {
+fn camera_table(result: &ResultFile) -> Markup {
     html! {
         table class="numbers" {
             thead { tr {
                 th scope="col" { "Camera" } th scope="col" { "Views" } th scope="col" { "Overlap (IoU), mean" }
                 th scope="col" { "Outline off, median, px" } th scope="col" { "Outline off, RMS, px" }
             } }
+
             tbody {
                 @for camera in &result.quality.cameras {
                     tr {
@@ -71,27 +72,29 @@ fn cameras(result: &ResultFile) -> Markup {
 }
 
 /// Mean overlap of the views of each frame, and the band from the worst to the best view.
-fn overlap(result: &ResultFile) -> Markup {
-    let mut of_frame: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
+fn overlap_chart(result: &ResultFile) -> Markup {
+    let mut overlaps: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
     for view in &result.quality.views {
-        of_frame.entry(view.frame).or_default().push(view.iou);
+        overlaps.entry(view.frame).or_default().push(view.iou);
     }
+
     let least = |views: &Vec<f64>| views.iter().copied().fold(f64::INFINITY, f64::min);
     let most = |views: &Vec<f64>| views.iter().copied().fold(0.0, f64::max);
-    let means: Vec<_> = of_frame
+    let means: Vec<_> = overlaps
         .iter()
         .filter_map(|(f, v)| Some((*f as f64, mean(v.iter().copied())?)))
         .collect();
-    let band: Vec<_> = of_frame
+    let band: Vec<_> = overlaps
         .iter()
         .map(|(f, v)| (*f as f64, least(v), most(v)))
         .collect();
+
     let ends = (
         result.recording.first_frame as f64,
         result.recording.last_frame as f64,
     );
-    let (_, x_step) = range_of(std::iter::empty(), ends);
-    let (y_range, y_step) = range_of(band.iter().map(|b| b.1), (0.7, 1.0));
+    let (_, x_step) = axis_range(std::iter::empty(), ends);
+    let (y_range, y_step) = axis_range(band.iter().map(|b| b.1), (0.7, 1.0));
     let x = Axis {
         label: "frame".into(),
         range: (ends.0, ends.1.max(ends.0 + 1.0)),
@@ -106,6 +109,7 @@ fn overlap(result: &ResultFile) -> Markup {
         .wide()
         .band(BOTH, 0.2, &band)
         .line(BOTH, 1.5, &means);
+
     html! {
         @if figure.is_empty() {
             (absent("No chart: fewer than two frames were seen by a camera."))
@@ -116,18 +120,12 @@ fn overlap(result: &ResultFile) -> Markup {
     }
 }
 
-fn missing(result: &ResultFile) -> Markup {
-    let frames = &result.motion.frames;
-    let unseen: Vec<usize> = frames
-        .iter()
-        .filter(|f| f.views == 0)
-        .map(|f| f.frame)
-        .collect();
-    let lost: Vec<usize> = frames
-        .iter()
-        .filter(|f| f.recovered)
-        .map(|f| f.frame)
-        .collect();
+fn missing_table(result: &ResultFile) -> Markup {
+    let frames = || result.motion.frames.iter();
+    let unseen = frames().filter(|f| f.views == 0).map(|f| f.frame);
+    let lost = frames().filter(|f| f.recovered).map(|f| f.frame);
+    let (unseen, lost): (Vec<usize>, Vec<usize>) = (unseen.collect(), lost.collect());
+
     html! {
         table class="facts" {
             tr { th scope="row" { "Frames that no camera saw" } td { (ranges(&unseen)) } }
@@ -137,23 +135,21 @@ fn missing(result: &ResultFile) -> Markup {
             }
             tr {
                 th scope="row" { "Masks that show nobody" }
-                td {
-                    (rejected(result))
-                }
+                td { (rejected(result)) }
             }
         }
     }
 }
 
 fn rejected(result: &ResultFile) -> String {
-    let mut of_camera: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
+    let mut frames: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
     for part in &result.recording.rejected {
-        of_camera.entry(&part.camera).or_default().push(part.frame);
+        frames.entry(&part.camera).or_default().push(part.frame);
     }
-    let texts = of_camera
+    let texts = frames
         .iter()
         .map(|(camera, frames)| format!("{camera}: {}", ranges(frames)));
-    match of_camera.is_empty() {
+    match frames.is_empty() {
         true => "none".into(),
         false => texts.collect::<Vec<_>>().join("; "),
     }
@@ -172,7 +168,7 @@ fn ranges(frames: &[usize]) -> String {
     }
 }
 
-fn confidence(result: &ResultFile) -> Markup {
+fn confidence_table(result: &ResultFile) -> Markup {
     let shape = &result.shape;
     let cm = number(Some(100.0 * shape.all_lengths.epsilon), 1) + " cm";
     let all: [(&str, String, &Confidence); 2] = [
@@ -183,6 +179,7 @@ fn confidence(result: &ResultFile) -> Markup {
             &shape.all_coefficients,
         ),
     ];
+
     html! {
         table class="numbers" {
             thead { tr {
@@ -206,17 +203,12 @@ fn confidence(result: &ResultFile) -> Markup {
     }
 }
 
-fn hypotheses(result: &ResultFile) -> Markup {
-    let best = result
-        .hypotheses
-        .get(result.winner)
-        .map(|h| h.minus_log_posterior.total);
+fn hypothesis_table(result: &ResultFile) -> Markup {
+    let energy = |h: &HypothesisPart| h.minus_log_posterior.total;
+    let best = result.hypotheses.get(result.winner).map(energy);
     let mut sorted: Vec<&HypothesisPart> = result.hypotheses.iter().collect();
-    sorted.sort_by(|a, b| {
-        a.minus_log_posterior
-            .total
-            .total_cmp(&b.minus_log_posterior.total)
-    });
+    sorted.sort_by(|a, b| energy(a).total_cmp(&energy(b)));
+
     html! {
         table class="numbers" {
             thead { tr {
@@ -228,7 +220,7 @@ fn hypotheses(result: &ResultFile) -> Markup {
                 td { (hypothesis.keyframe) }
                 td { (outcome(hypothesis)) }
                 td { (hypothesis.frames_fitted) }
-                td { (number(best.map(|b| hypothesis.minus_log_posterior.total - b), 1)) }
+                td { (number(best.map(|best| energy(hypothesis) - best), 1)) }
                 td { (number(hypothesis.iou, 3)) }
             } } }
         }

@@ -7,12 +7,12 @@ use serde::Serialize;
 
 use super::{CameraOutlines, ReportInput, label};
 use crate::body::{BodyModel, Motion, PartId, Posed, Primitive, Shape};
-use crate::gait::{Event, Side};
+use crate::gait::{Angle, Event, Movement, Side};
 use crate::math::stats::median;
 use crate::pipeline::FittedBody;
 use crate::skin::{SkinnedMesh, bind_pose, skinned};
 
-/// Everything; the program's side of it is `web/src/scene.ts`.
+/// Everything that the page's program draws; its side of it is `web/src/scene.ts`.
 #[derive(Debug, Serialize)]
 pub(super) struct Scene<'a> {
     fps: f64,
@@ -39,7 +39,7 @@ struct BodyPart {
     flesh: FleshPart,
 }
 
-/// What is seen of it.
+/// Its surface.
 #[derive(Debug, Serialize)]
 #[serde(tag = "kind", rename_all = "lowercase")]
 enum FleshPart {
@@ -80,11 +80,10 @@ struct TrackPart {
 }
 
 impl<'a> Scene<'a> {
-    pub(super) fn of(input: &ReportInput<'a>) -> Self {
-        let movement = &input.input.movement;
-        let body = input.input.body.as_ref();
-        let track = |((side, angle), values): (&(Side, crate::gait::Angle), &Vec<f64>)| {
-            let label = label::of_angle(*angle);
+    pub(super) fn new(input: &ReportInput<'a>) -> Self {
+        let movement = input.movement;
+        let track = |((side, angle), values): (&(Side, Angle), &Vec<f64>)| {
+            let label = label::angle_label(*angle);
             TrackPart {
                 name: angle.name(),
                 title: label.title,
@@ -93,13 +92,14 @@ impl<'a> Scene<'a> {
                 values: base64_of_f32(values.iter().map(|v| v.to_degrees())),
             }
         };
+
         Self {
             fps: movement.rate_hz,
             first_frame: movement.first_frame,
             frames: movement.frames,
-            floor_m: floor(input),
-            body: body.map(body_part),
-            points: points(input),
+            floor_m: floor_m(movement, input.body),
+            body: input.body.map(body_part),
+            points: points(movement),
             tracks: input.gait.angles.iter().map(track).collect(),
             events: &input.gait.events,
             views: input.views,
@@ -107,40 +107,35 @@ impl<'a> Scene<'a> {
     }
 }
 
-fn points(input: &ReportInput<'_>) -> Points {
-    let movement = &input.input.movement;
-    let tracks: Vec<_> = movement.tracks.iter().collect();
-    let at = |i: usize| {
+fn points(movement: &Movement) -> Points {
+    let tracks = &movement.tracks;
+    let row = |i: usize| {
         tracks
-            .iter()
-            .flat_map(move |(_, track)| track[i].iter().copied().collect::<Vec<_>>())
+            .values()
+            .flat_map(move |track| <[f64; 3]>::from(track[i]))
     };
     Points {
-        names: tracks.iter().map(|(landmark, _)| landmark.name()).collect(),
-        places: base64_of_f32((0..movement.frames).flat_map(at)),
+        names: tracks.keys().map(|landmark| landmark.name()).collect(),
+        places: base64_of_f32((0..movement.frames).flat_map(row)),
     }
 }
 
-fn floor(input: &ReportInput<'_>) -> f64 {
-    let mut lowest: Vec<f64> = match &input.input.body {
+/// Height of the lowest place, median over the frames in which one is known.
+fn floor_m(movement: &Movement, body: Option<&FittedBody>) -> f64 {
+    let mut lowest: Vec<f64> = match body {
         Some(body) => {
             let motions = body.motions.iter().flatten();
             let bounds = motions.filter_map(|m| Posed::new(&body.model, &body.shape, m).bounds());
             bounds.map(|(least, _)| least.z).collect()
         }
+
         None => {
-            let movement = &input.input.movement;
             let lowest = |i: usize| {
-                movement
-                    .tracks
-                    .values()
-                    .map(move |t| t[i].z)
-                    .fold(f64::INFINITY, f64::min)
+                let heights = movement.tracks.values().map(|track| track[i].z);
+                heights.fold(f64::INFINITY, f64::min)
             };
-            (0..movement.frames)
-                .map(lowest)
-                .filter(|z| z.is_finite())
-                .collect()
+            let all = (0..movement.frames).map(lowest);
+            all.filter(|z| z.is_finite()).collect()
         }
     };
     median(&mut lowest).unwrap_or(0.0)
@@ -149,13 +144,13 @@ fn floor(input: &ReportInput<'_>) -> f64 {
 fn body_part(body: &FittedBody) -> BodyPart {
     let (model, shape) = (&body.model, &body.shape);
     let unseen = || vec![f64::NAN; 7 * model.parts.len()];
-    let of = |motion: &Option<Motion>| {
+    let pose = |motion: &Option<Motion>| {
         motion
             .as_ref()
             .map_or_else(unseen, |m| poses(model, shape, m))
     };
     BodyPart {
-        poses: base64_of_f32(body.motions.iter().flat_map(of)),
+        poses: base64_of_f32(body.motions.iter().flat_map(pose)),
         bind: base64_of_f32(poses(model, shape, &bind_pose(model, shape))),
         parts: model.parts.len(),
         flesh: flesh(model, shape),
@@ -166,12 +161,10 @@ fn poses(model: &BodyModel, shape: &Shape, motion: &Motion) -> Vec<f64> {
     let body = Posed::new(model, shape, motion);
     let pose = |i: usize| {
         let place = body.origin_of_part(PartId(i));
-        let turn = quaternion(&Rotation3::from_matrix_unchecked(
+        let [x, y, z, w] = quaternion(&Rotation3::from_matrix_unchecked(
             body.world_from_part(PartId(i)),
         ));
-        [
-            place.x, place.y, place.z, turn[0], turn[1], turn[2], turn[3],
-        ]
+        [place.x, place.y, place.z, x, y, z, w]
     };
     (0..model.parts.len()).flat_map(pose).collect()
 }
@@ -197,16 +190,14 @@ fn flesh(model: &BodyModel, shape: &Shape) -> FleshPart {
             ellipsoids: ellipsoids(model, shape),
         };
     };
-    let numbers = |of: &[Vector3<f64>]| base64_of_f32(of.iter().flat_map(|v| [v.x, v.y, v.z]));
+
+    let rows =
+        |vectors: &[Vector3<f64>]| base64_of_f32(vectors.iter().flat_map(|v| [v.x, v.y, v.z]));
+    let corners = mesh.triangles.iter().flatten();
     FleshPart::Skin {
-        vertices: numbers(&mesh.vertices),
-        normals: numbers(&mesh.normals),
-        triangles: base64(
-            mesh.triangles
-                .iter()
-                .flatten()
-                .flat_map(|i| i.to_le_bytes()),
-        ),
+        vertices: rows(&mesh.vertices),
+        normals: rows(&mesh.normals),
+        triangles: base64(corners.flat_map(|i| i.to_le_bytes())),
         bones: base64(parts.into_iter().flatten()),
         weights: base64(weights.into_iter().flatten().flat_map(f32::to_le_bytes)),
     }

@@ -13,10 +13,10 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
         id: "shape",
         title: "Shape",
         body: match input.result {
-            Some(result) => of_fit(result, input),
+            Some(result) => fitted_shape(result, input),
             None => html! {
                 (absent("Points of another system: no body was fitted."))
-                @if let Some(leg) = input.file.leg_length_m {
+                @if let Some(leg) = input.gait.leg_length_m {
                     p { "Leg length, hip to knee to ankle: " (number(Some(100.0 * leg), 1)) " cm." }
                 }
             },
@@ -25,10 +25,12 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
     }
 }
 
-fn of_fit(result: &ResultFile, input: &ReportInput<'_>) -> Markup {
+fn fitted_shape(result: &ResultFile, input: &ReportInput<'_>) -> Markup {
     let covariance = result.shape.covariance.as_deref();
-    let body = input.input.body.as_ref();
-    let girths = body.map(|body| girths(&body.model, &body.shape, covariance));
+    let girths = input
+        .body
+        .map(|body| girths(&body.model, &body.shape, covariance));
+
     html! {
         div class="shape" {
             div class="portraits" {
@@ -40,8 +42,8 @@ fn of_fit(result: &ResultFile, input: &ReportInput<'_>) -> Markup {
                 }
             }
             div {
-                (lengths(&result.shape.lengths))
-                @if let Some(girths) = &girths { (table_of_girths(girths)) }
+                (length_table(&result.shape.lengths))
+                @if let Some(girths) = &girths { (girth_table(girths)) }
             }
         }
         p class="note" {
@@ -56,7 +58,7 @@ fn of_fit(result: &ResultFile, input: &ReportInput<'_>) -> Markup {
     }
 }
 
-fn lengths(lengths: &[LengthPart]) -> Markup {
+fn length_table(lengths: &[LengthPart]) -> Markup {
     html! {
         table class="numbers" {
             thead { tr {
@@ -75,7 +77,7 @@ fn lengths(lengths: &[LengthPart]) -> Markup {
     }
 }
 
-fn table_of_girths(girths: &[Girth]) -> Markup {
+fn girth_table(girths: &[Girth]) -> Markup {
     html! {
         table class="numbers" {
             thead { tr {

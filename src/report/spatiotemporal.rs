@@ -6,29 +6,30 @@ use super::ReportInput;
 use super::identity::age_and_sex;
 use super::label;
 use super::page::{Page, absent, number};
-use crate::gait::{EventKind, Norm, Parameter, Statistic};
-use crate::io::gait::ParameterPart;
+use crate::gait::{EventKind, GaitAnalysis, Norm, Parameter, Side, Statistic};
 
 pub(super) fn page(input: &ReportInput<'_>) -> Page {
-    let file = input.file;
+    let gait = input.gait;
+    let is_empty = gait.parameters.is_empty();
+
     Page {
         id: "spatiotemporal",
         title: "Steps and strides",
         body: html! {
-            @if file.parameters.is_empty() {
-                (absent(&format!("No parameters: {}.", reason(input))))
+            @if is_empty {
+                (absent(&format!("No parameters: {}.", reason(gait))))
             } @else {
-                (table(&file.parameters, input.norm))
+                (table(gait, input.norm))
                 p class="note" {
                     "SD: between strides. u: standard uncertainty of one value; more strides do not make it smaller. "
                     "Normalised: mean of both sides by leg length and gravity (Hof 1996). "
                     "Norm: " (norm_in_words(input))
                 }
             }
-            @if !file.parameters.is_empty() { (remarks(input)) }
-            @if !file.agreement.is_empty() { (agreement(input)) }
+            @if !is_empty { (remarks(gait)) }
+            @if !gait.agreement.is_empty() { (agreement(gait)) }
         },
-        is_brief: file.parameters.is_empty(),
+        is_brief: is_empty,
     }
 }
 
@@ -43,26 +44,26 @@ fn norm_in_words(input: &ReportInput<'_>) -> String {
     }
     let shipped = "Published tables that come with the program: ages 5 to 13, and 70 to 89 by sex; \
         --norm takes those of your laboratory.";
-    let why = match input.identity.person {
-        (None, _) => "as the age was not stated (--age, --sex)".into(),
-        person => format!("no table for: {}", age_and_sex(person)),
+    let why = match input.subject.age_years {
+        None => "as the age was not stated (--age, --sex)".into(),
+        Some(_) => format!("no table for: {}", age_and_sex(input.subject)),
     };
     format!("absent, {why}. {shipped}")
 }
 
-/// What is to be known of the strides.
-pub(super) fn remarks(input: &ReportInput<'_>) -> Markup {
-    let notes = &input.gait.notes;
+/// The notes of the analysis.
+pub(super) fn remarks(gait: &GaitAnalysis) -> Markup {
+    let notes = &gait.notes;
     html! { @if !notes.is_empty() { ul class="remarks" { @for note in notes { li { (note) } } } } }
 }
 
 /// Why there are no strides.
-pub(super) fn reason(input: &ReportInput<'_>) -> String {
-    let first = input.gait.notes.first();
+pub(super) fn reason(gait: &GaitAnalysis) -> String {
+    let first = gait.notes.first();
     first.map_or_else(|| "the recording holds no stride".into(), Clone::clone)
 }
 
-fn table(parameters: &[ParameterPart], norm: Option<&Norm>) -> Markup {
+fn table(gait: &GaitAnalysis, norm: Option<&Norm>) -> Markup {
     html! {
         table class="numbers" {
             thead {
@@ -77,40 +78,38 @@ fn table(parameters: &[ParameterPart], norm: Option<&Norm>) -> Markup {
                 }
                 tr { @for _ in 0..2 { @for name in ["mean", "SD", "u", "n"] { th scope="col" { (name) } } } }
             }
-            tbody {
-                @for name in Parameter::ALL {
-                    (row(name, parameters.iter().find(|part| part.name == name), norm))
-                }
-            }
+
+            tbody { @for parameter in Parameter::ALL { (row(parameter, gait, norm)) } }
         }
     }
 }
 
 /// One parameter; dashes where the recording holds none of it.
-fn row(name: Parameter, part: Option<&ParameterPart>, norm: Option<&Norm>) -> Markup {
-    let has_unit = !name.unit().starts_with('%');
+fn row(parameter: Parameter, gait: &GaitAnalysis, norm: Option<&Norm>) -> Markup {
+    let has_unit = !parameter.unit().starts_with('%');
+    let statistic = |side| gait.parameters.get(&(parameter, side));
     html! {
         tr {
-            th scope="row" { (label::of_parameter(name)) }
-            td { (name.unit()) }
-            (cells(name, part.and_then(|p| p.left.as_ref())))
-            (cells(name, part.and_then(|p| p.right.as_ref())))
-            td { (number(part.and_then(|p| p.symmetry_percent), 0)) }
-            td { (of_norm(name, norm)) }
-            td { (number(part.and_then(|p| p.normalised).filter(|_| has_unit), 3)) }
+            th scope="row" { (label::parameter_name(parameter)) }
+            td { (parameter.unit()) }
+            (cells(parameter, statistic(Side::Left)))
+            (cells(parameter, statistic(Side::Right)))
+            td { (number(gait.symmetry_percent(parameter), 0)) }
+            td { (norm_cell(parameter, norm)) }
+            td { (number(gait.normalised(parameter).filter(|_| has_unit), 3)) }
         }
     }
 }
 
-fn digits(name: Parameter) -> usize {
-    match name.unit() {
+fn digits(parameter: Parameter) -> usize {
+    match parameter.unit() {
         "m" | "s" | "m/s" => 3,
         _ => 1,
     }
 }
 
-fn cells(name: Parameter, statistic: Option<&Statistic>) -> Markup {
-    let digits = digits(name);
+fn cells(parameter: Parameter, statistic: Option<&Statistic>) -> Markup {
+    let digits = digits(parameter);
     html! {
         td class="mean" { (number(statistic.map(|s| s.mean), digits)) }
         td { (number(statistic.and_then(|s| s.sd), digits)) }
@@ -119,32 +118,32 @@ fn cells(name: Parameter, statistic: Option<&Statistic>) -> Markup {
     }
 }
 
-fn of_norm(name: Parameter, norm: Option<&Norm>) -> String {
-    let of = norm.and_then(|norm| norm.parameters.get(&name));
-    let digits = digits(name);
-    of.map_or("–".into(), |(mean, sd)| {
-        format!(
-            "{} ± {}",
-            number(Some(*mean), digits),
-            number(Some(*sd), digits)
-        )
-    })
+fn norm_cell(parameter: Parameter, norm: Option<&Norm>) -> String {
+    let digits = digits(parameter);
+    match norm.and_then(|norm| norm.parameters.get(&parameter)) {
+        Some((mean, sd)) => {
+            let (mean, sd) = (number(Some(*mean), digits), number(Some(*sd), digits));
+            format!("{mean} ± {sd}")
+        }
+        None => "–".into(),
+    }
 }
 
-fn agreement(input: &ReportInput<'_>) -> Markup {
+fn agreement(gait: &GaitAnalysis) -> Markup {
     html! {
         h3 { "Foot strike and foot off by two methods" }
         table class="facts" {
-            @for of in &input.file.agreement {
+            @for agreement in &gait.agreement {
                 tr {
                     th scope="row" {
-                        @match of.kind { EventKind::Strike => "Foot strike", EventKind::Off => "Foot off" }
+                        @match agreement.kind { EventKind::Strike => "Foot strike", EventKind::Off => "Foot off" }
                     }
+
                     td {
-                        "found by speed " (number(Some(1e3 * of.mean_s.abs()), 0)) " ms "
-                        @if of.mean_s < 0.0 { "before" } @else { "after" } " found by position"
-                        @if let Some(sd_s) = of.sd_s { ", SD " (number(Some(1e3 * sd_s), 0)) " ms" }
-                        ", n = " (of.n)
+                        "found by speed " (number(Some(1e3 * agreement.mean_s.abs()), 0)) " ms "
+                        @if agreement.mean_s < 0.0 { "before" } @else { "after" } " found by position"
+                        @if let Some(sd_s) = agreement.sd_s { ", SD " (number(Some(1e3 * sd_s), 0)) " ms" }
+                        ", n = " (agreement.n)
                     }
                 }
             }

@@ -1,4 +1,4 @@
-//! What the cameras saw: their calibration, and the outline in every frame.
+//! The cameras' calibration, and the outline that each saw in every frame.
 
 use nalgebra::Point2;
 use serde::{Serialize, Serializer};
@@ -34,23 +34,17 @@ impl CameraOutlines {
     /// A camera and its outlines, one for each frame; of a frame without a mask it is empty.
     pub fn new(camera: &Camera, outlines: Vec<Vec<Vec<i16>>>) -> Self {
         let pose = &camera.camera_from_world;
-        let (k, turn, t) = (
-            &camera.intrinsics,
-            pose.rotation.to_rotation_matrix(),
-            pose.translation.vector,
-        );
-        let mut matrix = [0.0; 12];
-        for (i, value) in matrix.iter_mut().enumerate() {
-            *value = match i {
-                0..9 => turn[(i / 3, i % 3)],
-                _ => t[i - 9],
-            };
-        }
+        let (k, turn) = (&camera.intrinsics, pose.rotation.to_rotation_matrix());
+        let camera_from_world = std::array::from_fn(|i| match i {
+            0..9 => turn[(i / 3, i % 3)],
+            _ => pose.translation.vector[i - 9],
+        });
+
         Self {
             name: camera.name.clone(),
             size_px: [camera.width_px, camera.height_px],
             intrinsics_px: [k.fx_px, k.fy_px, k.cx_px, k.cy_px, k.skew_px],
-            camera_from_world: matrix,
+            camera_from_world,
             outlines,
         }
     }

@@ -5,9 +5,8 @@ use serde::Serialize;
 use super::read::GaitInput;
 use crate::gait::{
     Agreement, Angle, Curve, Event, Extremes, GaitAnalysis, Indices, Norm, Parameter, Side,
-    Statistic, Surface, Used, indices, symmetry,
+    Statistic, Surface, Used, indices,
 };
-use crate::math::stats::mean;
 
 /// What an analysis found. Version 1.
 #[derive(Debug, Serialize)]
@@ -155,15 +154,14 @@ pub fn gait_file(input: &GaitInput, gait: &GaitAnalysis, norm: Option<&Norm>) ->
 
 fn parameters(gait: &GaitAnalysis) -> Vec<ParameterPart> {
     let part = |name: Parameter| {
-        let of = |side| gait.parameters.get(&(name, side)).cloned();
-        let (left, right) = (of(Side::Left), of(Side::Right));
-        let both = mean(left.iter().chain(&right).map(|s| s.mean))?;
-        let scaled = |leg| both / name.scale(leg);
-        Some(ParameterPart {
+        let statistic = |side| gait.parameters.get(&(name, side)).cloned();
+        let (left, right) = (statistic(Side::Left), statistic(Side::Right));
+        let is_known = left.is_some() || right.is_some();
+        is_known.then(|| ParameterPart {
             name,
             unit: name.unit(),
-            symmetry_percent: symmetry(&gait.parameters, name),
-            normalised: gait.leg_length_m.map(scaled).filter(|v| v.is_finite()),
+            symmetry_percent: gait.symmetry_percent(name),
+            normalised: gait.normalised(name),
             left,
             right,
         })
