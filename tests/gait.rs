@@ -129,7 +129,7 @@ fn angles_of_a_fitted_body_are_its_own() {
     let walker = Walker::new(0.3);
     let mut movement = walker.movement().expect("a body");
     let motions: Vec<_> = walker.motions.iter().cloned().map(Some).collect();
-    movement.segments = Some(Segments::of_body(&walker.model, &walker.shape, &motions));
+    movement.segments = Some(Segments::from_body(&walker.model, &walker.shape, &motions));
     let gait = analyse(&movement, &GaitOptions::default()).expect("a pelvis");
     for (angle, joint, sign) in [
         (Angle::KneeFlexion, "knee_flexion_r", 1.0),

@@ -1,4 +1,4 @@
-//! The angles of gait analysis: their names, and what a positive value is.
+//! The angles of gait analysis: their names, and what a positive value means.
 
 use serde::{Serialize, Serializer};
 
@@ -55,6 +55,7 @@ impl Angle {
             Self::PelvisTilt => "pelvis_tilt",
             Self::PelvisObliquity => "pelvis_obliquity",
             Self::PelvisRotation => "pelvis_rotation",
+
             Self::HipFlexion => "hip_flexion",
             Self::HipAdduction => "hip_adduction",
             Self::HipRotation => "hip_rotation",
@@ -63,9 +64,11 @@ impl Angle {
             Self::KneeRotation => "knee_rotation",
             Self::AnkleDorsiflexion => "ankle_dorsiflexion",
             Self::FootProgression => "foot_progression",
+
             Self::TrunkTilt => "trunk_tilt",
             Self::TrunkObliquity => "trunk_obliquity",
             Self::TrunkRotation => "trunk_rotation",
+
             Self::ShoulderFlexion => "shoulder_flexion",
             Self::ShoulderAdduction => "shoulder_adduction",
             Self::ShoulderRotation => "shoulder_rotation",
@@ -73,7 +76,7 @@ impl Angle {
         }
     }
 
-    /// What a positive value is.
+    /// What a positive value means.
     pub fn positive(self) -> &'static str {
         match self {
             Self::PelvisTilt | Self::TrunkTilt => {
@@ -92,7 +95,7 @@ impl Angle {
         }
     }
 
-    /// The angle of a shipped body model whose standard deviation is this angle's, without its side.
+    /// The joint angle of a shipped body model, without its side, that has the same standard deviation.
     pub fn model_joint(self) -> Option<&'static str> {
         match self {
             Self::HipFlexion => Some("hip_flexion"),

@@ -19,17 +19,16 @@ use super::segments::{Limb, Segment, Segments};
 /// Angles over time, radians; NaN where they are not known.
 pub type AngleTracks = BTreeMap<(Side, Angle), Vec<f64>>;
 
-/// All angles that the parts show, without those that cannot be known.
+/// All angles that the parts show, except those that cannot be known.
 ///
-/// `heading` is the direction of walking in each frame, horizontal.
+/// `heading` is the horizontal direction of walking in each frame.
 pub(super) fn angles(segments: &Segments, heading: &[Vector3<f64>]) -> AngleTracks {
     let mut tracks = AngleTracks::new();
     for side in Side::BOTH {
-        for (angle, value) in in_the_room(segments, heading, side) {
-            tracks.insert((side, angle), value);
-        }
-        for (angle, value) in of_joints(segments, side) {
-            tracks.insert((side, angle), value);
+        let in_room = room_angles(segments, heading, side);
+        let of_joints = joint_angles(segments, side);
+        for (angle, values) in in_room.into_iter().chain(of_joints) {
+            tracks.insert((side, angle), values);
         }
     }
     tracks.retain(|(_, angle), values| {
@@ -39,32 +38,36 @@ pub(super) fn angles(segments: &Segments, heading: &[Vector3<f64>]) -> AngleTrac
     tracks
 }
 
+const PELVIS: [Angle; 3] = [
+    Angle::PelvisTilt,
+    Angle::PelvisObliquity,
+    Angle::PelvisRotation,
+];
+const TRUNK: [Angle; 3] = [
+    Angle::TrunkTilt,
+    Angle::TrunkObliquity,
+    Angle::TrunkRotation,
+];
+const HIP: [Angle; 3] = [Angle::HipFlexion, Angle::HipAdduction, Angle::HipRotation];
+const KNEE: [Angle; 3] = [
+    Angle::KneeFlexion,
+    Angle::KneeAdduction,
+    Angle::KneeRotation,
+];
+const SHOULDER: [Angle; 3] = [
+    Angle::ShoulderFlexion,
+    Angle::ShoulderAdduction,
+    Angle::ShoulderRotation,
+];
+
 /// Pelvis, trunk and foot against the direction of walking.
-fn in_the_room(
+fn room_angles(
     segments: &Segments,
     heading: &[Vector3<f64>],
     side: Side,
 ) -> Vec<(Angle, Vec<f64>)> {
-    let bodies = [
-        (
-            Segment::Pelvis,
-            [
-                Angle::PelvisTilt,
-                Angle::PelvisObliquity,
-                Angle::PelvisRotation,
-            ],
-        ),
-        (
-            Segment::Trunk,
-            [
-                Angle::TrunkTilt,
-                Angle::TrunkObliquity,
-                Angle::TrunkRotation,
-            ],
-        ),
-    ];
     let mut found = Vec::new();
-    for (segment, names) in bodies {
+    for (segment, names) in [(Segment::Pelvis, PELVIS), (Segment::Trunk, TRUNK)] {
         let Some(axes) = segments.axes.get(&segment) else {
             continue;
         };
@@ -75,6 +78,7 @@ fn in_the_room(
         let triples: Vec<[f64; 3]> = axes.iter().zip(heading).map(triple).collect();
         found.extend(columns(names, &triples));
     }
+
     if let Some(axes) = segments.axes.get(&Segment::Of(side, Limb::Foot)) {
         let inwards = |(axes, heading): (&Matrix3<f64>, &Vector3<f64>)| {
             let x = room(heading).transpose() * axes.column(0);
@@ -87,48 +91,35 @@ fn in_the_room(
 }
 
 /// Hip, knee, ankle, shoulder and elbow of one side.
-fn of_joints(segments: &Segments, side: Side) -> Vec<(Angle, Vec<f64>)> {
-    use Limb::{Foot, Forearm, Shank, Thigh, UpperArm};
-    let of = |limb| Segment::Of(side, limb);
-    let triples = |proximal: Segment, distal: Segment| -> Vec<[f64; 3]> {
+fn joint_angles(segments: &Segments, side: Side) -> Vec<(Angle, Vec<f64>)> {
+    let triples = |proximal: Segment, distal: Limb| -> Vec<[f64; 3]> {
+        let distal = Segment::Of(side, distal);
         let (Some(p), Some(d)) = (segments.axes.get(&proximal), segments.axes.get(&distal)) else {
             return Vec::new();
         };
-        let own_side = |[flexion, adduction, rotation]: [f64; 3]| {
+        let triple = |(p, d): (&Matrix3<f64>, &Matrix3<f64>)| {
+            let [flexion, adduction, rotation] = cardan_zxy(&(p.transpose() * d));
             [flexion, side.sign() * adduction, side.sign() * rotation]
         };
-        p.iter()
-            .zip(d)
-            .map(|(p, d)| own_side(cardan_zxy(&(p.transpose() * d))))
-            .collect()
+        p.iter().zip(d).map(triple).collect()
     };
-    let knee: Vec<[f64; 3]> = triples(of(Thigh), of(Shank))
-        .iter()
-        .map(|[flexion, adduction, rotation]| [-flexion, *adduction, *rotation])
-        .collect();
-    let hip = [Angle::HipFlexion, Angle::HipAdduction, Angle::HipRotation];
-    let knees = [
-        Angle::KneeFlexion,
-        Angle::KneeAdduction,
-        Angle::KneeRotation,
-    ];
-    let shoulder = [
-        Angle::ShoulderFlexion,
-        Angle::ShoulderAdduction,
-        Angle::ShoulderRotation,
-    ];
-    let mut found = columns(hip, &triples(Segment::Pelvis, of(Thigh)));
-    found.extend(columns(knees, &knee));
-    found.extend(columns(shoulder, &triples(Segment::Trunk, of(UpperArm))));
-    let first = |triples: Vec<[f64; 3]>| triples.iter().map(|t| t[0]).collect();
-    found.push((
-        Angle::AnkleDorsiflexion,
-        first(triples(of(Shank), of(Foot))),
-    ));
-    found.push((
-        Angle::ElbowFlexion,
-        first(triples(of(UpperArm), of(Forearm))),
-    ));
+
+    let hip = triples(Segment::Pelvis, Limb::Thigh);
+    let mut knee = triples(Segment::Of(side, Limb::Thigh), Limb::Shank);
+    // a knee bends backwards
+    for [flexion, ..] in &mut knee {
+        *flexion = -*flexion;
+    }
+    let ankle = triples(Segment::Of(side, Limb::Shank), Limb::Foot);
+    let shoulder = triples(Segment::Trunk, Limb::UpperArm);
+    let elbow = triples(Segment::Of(side, Limb::UpperArm), Limb::Forearm);
+
+    let mut found = columns(HIP, &hip);
+    found.extend(columns(KNEE, &knee));
+    found.extend(columns(SHOULDER, &shoulder));
+    let flexions = |triples: &[[f64; 3]]| triples.iter().map(|t| t[0]).collect();
+    found.push((Angle::AnkleDorsiflexion, flexions(&ankle)));
+    found.push((Angle::ElbowFlexion, flexions(&elbow)));
     found
 }
 
@@ -158,7 +149,7 @@ fn yxz(r: &Matrix3<f64>) -> [f64; 3] {
     [r[(0, 2)].atan2(r[(2, 2)]), beta, r[(1, 0)].atan2(r[(1, 1)])]
 }
 
-/// Takes away jumps of whole turns.
+/// Removes jumps of whole turns.
 fn unwrap(values: &mut [f64]) {
     let mut before = f64::NAN;
     for value in values {

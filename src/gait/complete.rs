@@ -1,12 +1,12 @@
-//! Places that no marker is on, from those that have one.
+//! Places without a marker, found from those that have one.
 
 use nalgebra::{Matrix3, Vector3};
 
 use super::landmark::{Landmark, Paired, Side};
 use super::movement::{Movement, Track};
 
-/// Where the back of the heel is seen from the ankle, in lengths of the line from the ankle to the toe: backwards along
-/// that line, and downwards across it.
+/// Where the back of the heel lies from the ankle, in lengths of the line from ankle to toe: backwards along that line,
+/// and downwards square to it.
 ///
 /// From the foot of `data/models/human-ellipsoids.toml`: ankle at 0, toe (0.180, −0.055), heel (−0.055, −0.045) metres
 /// forwards and upwards (docs/anthropometry.md).
@@ -29,7 +29,10 @@ impl Movement {
     /// The middle of a lateral and a medial marker is the joint's centre.
     fn middle(&mut self, side: Side, lateral: Paired, medial: Paired) {
         let landmark = Landmark::Of(side, lateral);
-        let (Some(outer), Some(inner)) = (self.of(side, lateral), self.of(side, medial)) else {
+        let (Some(outer), Some(inner)) = (
+            self.paired_track(side, lateral),
+            self.paired_track(side, medial),
+        ) else {
             return;
         };
         let middle: Track = outer
@@ -51,11 +54,13 @@ impl Movement {
     /// # Source
     /// Harrington et al., J. Biomech. 40 (2007) 595–602, the regressions without leg length.
     fn hips_from_pelvis(&mut self) {
-        if self.of(Side::Right, Paired::Hip).is_some() || self.of(Side::Left, Paired::Hip).is_some()
+        if self.paired_track(Side::Right, Paired::Hip).is_some()
+            || self.paired_track(Side::Left, Paired::Hip).is_some()
         {
             return;
         }
         let Some(spines) = self.spines() else { return };
+
         let mut hips: [Track; 2] = Default::default();
         for [left, right, back] in &spines {
             let front = (left + right) * 0.5;
@@ -71,6 +76,7 @@ impl Movement {
                 track.push(frame.map_or(none, |axes| front + axes * place));
             }
         }
+
         for (side, track) in Side::BOTH.into_iter().zip(hips) {
             let from = "ASIS and PSIS, by the regression of Harrington 2007".to_owned();
             self.insert(Landmark::Of(side, Paired::Hip), track, from);
@@ -79,11 +85,11 @@ impl Movement {
 
     /// Left ASIS, right ASIS and the middle of the back of the pelvis, frame by frame.
     pub(super) fn spines(&self) -> Option<Vec<[Vector3<f64>; 3]>> {
-        let left = self.of(Side::Left, Paired::Asis)?;
-        let right = self.of(Side::Right, Paired::Asis)?;
+        let left = self.paired_track(Side::Left, Paired::Asis)?;
+        let right = self.paired_track(Side::Right, Paired::Asis)?;
         let back: Track = match (
-            self.of(Side::Left, Paired::Psis),
-            self.of(Side::Right, Paired::Psis),
+            self.paired_track(Side::Left, Paired::Psis),
+            self.paired_track(Side::Right, Paired::Psis),
         ) {
             (Some(l), Some(r)) => l.iter().zip(r).map(|(l, r)| (l + r) * 0.5).collect(),
             _ => self.track(Landmark::Sacrum)?.clone(),
@@ -97,8 +103,8 @@ impl Movement {
             return;
         }
         let (Some(l), Some(r)) = (
-            self.of(Side::Left, Paired::Hip),
-            self.of(Side::Right, Paired::Hip),
+            self.paired_track(Side::Left, Paired::Hip),
+            self.paired_track(Side::Right, Paired::Hip),
         ) else {
             return;
         };
@@ -108,13 +114,14 @@ impl Movement {
 
     /// A heel fixed to the foot where no marker is on it.
     fn heel_from_foot(&mut self, side: Side) {
-        if self.of(side, Paired::Heel).is_some() {
+        if self.paired_track(side, Paired::Heel).is_some() {
             return;
         }
-        let places = [Paired::Knee, Paired::Ankle, Paired::Toe].map(|p| self.of(side, p));
+        let places = [Paired::Knee, Paired::Ankle, Paired::Toe].map(|p| self.paired_track(side, p));
         let [Some(knee), Some(ankle), Some(toe)] = places else {
             return;
         };
+
         let heel = |i: usize| {
             let along = toe[i] - ankle[i];
             let length = along.norm();
@@ -124,6 +131,7 @@ impl Movement {
             let up = up / up.norm();
             ankle[i] - length * (HEEL.0 * along + HEEL.1 * up)
         };
+
         let track = (0..self.frames).map(heel).collect();
         let from = "ankle and toe: a point where the heel of a mean foot is".to_owned();
         self.insert(Landmark::Of(side, Paired::Heel), track, from);

@@ -30,38 +30,41 @@ pub struct Course {
     pub speed_m_s: f64,
 }
 
-/// Slower than this a pelvis does not walk through the room, and a belt does not run, m/s.
+/// Speed below which a pelvis does not walk through the room, and a belt does not run, m/s.
 ///
 /// # Source
 /// OpenCap's gait analysis: over ground where the standing foot is slower than 0.3 m/s.
 const STILL_M_S: f64 = 0.3;
-/// Over which time a direction is taken: about one stride, so that sway cancels, seconds.
+/// Time over which a direction is taken, seconds: about one stride, so that sway cancels.
 const WINDOW_S: f64 = 1.0;
 
 impl Course {
-    /// The course of a recording; `surface` as told, or `None`: found.
+    /// The course of a movement; `None` if hips or feet are nowhere known. A `surface` of `None` is found.
     ///
-    /// The heading is the direction in which the middle of the hips moves within a second. Where somebody walks through the
-    /// room but stands for a while, and in all of a recording that stays in its place, it is the direction in which the
-    /// pelvis faces; between the two it goes over from one to the other. The belt's speed is the median speed, backwards, of whichever
-    /// foot is lower: that is the one that stands.
-    pub(super) fn of(movement: &Movement, surface: Option<Surface>) -> Option<Self> {
+    /// The heading is the direction in which the middle of the hips moves within a second. While a person who walks
+    /// through the room stands, and throughout a movement on the spot, the heading is the direction in which the pelvis
+    /// faces; between the two it passes gradually from one to the other. The belt's speed is the median backward speed of
+    /// the lower foot, which is the one that stands.
+    pub(super) fn find(movement: &Movement, surface: Option<Surface>) -> Option<Self> {
         let pelvis = movement.track(Landmark::MidHip)?;
         let facing = facing(movement)?;
-        let moved = moved(pelvis, movement.rate_hz);
-        let along = |(m, f): (&Vector3<f64>, &Vector3<f64>)| m.dot(f);
-        let mut speeds: Vec<f64> = moved.iter().zip(&facing).map(along).collect();
+        let velocity = velocity(pelvis, movement.rate_hz);
+        let along = |(v, facing): (&Vector3<f64>, &Vector3<f64>)| v.dot(facing);
+        let mut speeds: Vec<f64> = velocity.iter().zip(&facing).map(along).collect();
         let speed_m_s = median(&mut speeds)?;
+
         let walks = speed_m_s > STILL_M_S;
-        let choose = |(m, f): (&Vector3<f64>, &Vector3<f64>)| match m.try_normalize(STILL_M_S) {
-            Some(way) if walks && m.dot(f) > 0.0 => {
-                let share = (m.norm() / STILL_M_S - 1.0).clamp(0.0, 1.0);
-                let between = f * (1.0 - share) + way * share;
-                between.try_normalize(1e-9).unwrap_or(way)
-            }
-            _ => *f,
-        };
-        let heading: Vec<Vector3<f64>> = moved.iter().zip(&facing).map(choose).collect();
+        let direction =
+            |(v, facing): (&Vector3<f64>, &Vector3<f64>)| match v.try_normalize(STILL_M_S) {
+                Some(way) if walks && v.dot(facing) > 0.0 => {
+                    let share = (v.norm() / STILL_M_S - 1.0).clamp(0.0, 1.0);
+                    let between = facing * (1.0 - share) + way * share;
+                    between.try_normalize(1e-9).unwrap_or(way)
+                }
+                _ => *facing,
+            };
+        let heading: Vec<Vector3<f64>> = velocity.iter().zip(&facing).map(direction).collect();
+
         let belt_m_s = -standing_foot_speed(movement, &heading)?;
         let surface = surface.unwrap_or(
             match belt_m_s.abs() >= STILL_M_S && speed_m_s.abs() < STILL_M_S {
@@ -73,6 +76,7 @@ impl Course {
             Surface::Treadmill => belt_m_s,
             Surface::Ground => 0.0,
         };
+
         Some(Self {
             heading,
             surface,
@@ -81,7 +85,7 @@ impl Course {
         })
     }
 
-    /// The person walks through the room with the back first.
+    /// Whether the person walks with the back first.
     pub(super) fn is_backwards(&self) -> bool {
         self.speed_m_s < -STILL_M_S
             || (self.surface == Surface::Treadmill && self.belt_m_s < -STILL_M_S)
@@ -94,29 +98,28 @@ impl Course {
     }
 }
 
-/// Where the pelvis faces, averaged over [`WINDOW_S`]; frames in which it is unknown take their neighbour's.
+/// Where the pelvis faces, averaged over [`WINDOW_S`]; a frame in which it is unknown takes its neighbour's.
 fn facing(movement: &Movement) -> Option<Track> {
     let sides = |place| {
         Some((
-            movement.of(Side::Left, place)?,
-            movement.of(Side::Right, place)?,
+            movement.paired_track(Side::Left, place)?,
+            movement.paired_track(Side::Right, place)?,
         ))
     };
     let (left, right) = sides(Paired::Asis).or_else(|| sides(Paired::Hip))?;
-    let across = left
-        .iter()
-        .zip(right)
-        .map(|(l, r)| (l - r).cross(&Vector3::z()));
-    let across: Track = across.collect();
-    let (n, half) = (across.len(), (0.5 * WINDOW_S * movement.rate_hz) as usize);
+    let pairs = left.iter().zip(right);
+    let forwards: Track = pairs.map(|(l, r)| (l - r).cross(&Vector3::z())).collect();
+
+    let n = forwards.len();
+    let half = (0.5 * WINDOW_S * movement.rate_hz) as usize;
     let mean = |i: usize| {
-        let near = &across[i.saturating_sub(half)..(i + half + 1).min(n)];
+        let near = &forwards[i.saturating_sub(half)..(i + half + 1).min(n)];
         let sum: Vector3<f64> = near.iter().filter(|v| v.x.is_finite()).sum();
         sum.try_normalize(1e-9)
     };
     let known: Vec<Option<Vector3<f64>>> = (0..n).map(mean).collect();
-    let first = known.iter().flatten().next().copied()?;
-    let mut before = first;
+
+    let mut before = known.iter().flatten().next().copied()?;
     let filled = known.into_iter().map(|v| {
         before = v.unwrap_or(before);
         before
@@ -125,7 +128,7 @@ fn facing(movement: &Movement) -> Option<Track> {
 }
 
 /// Horizontal velocity over [`WINDOW_S`] about each frame, m/s; 0 where it is unknown.
-fn moved(pelvis: &Track, rate_hz: f64) -> Track {
+fn velocity(pelvis: &Track, rate_hz: f64) -> Track {
     let n = pelvis.len();
     let window = ((WINDOW_S * rate_hz).round() as usize).clamp(1, n - 1);
     let velocity = |i: usize| {
@@ -140,8 +143,8 @@ fn moved(pelvis: &Track, rate_hz: f64) -> Track {
 /// Median velocity along the heading of the lower foot's middle, m/s.
 fn standing_foot_speed(movement: &Movement, heading: &[Vector3<f64>]) -> Option<f64> {
     let foot = |side| -> Option<Track> {
-        let heel = movement.of(side, Paired::Heel)?;
-        let toe = movement.of(side, Paired::Toe)?;
+        let heel = movement.paired_track(side, Paired::Heel)?;
+        let toe = movement.paired_track(side, Paired::Toe)?;
         Some(heel.iter().zip(toe).map(|(h, t)| (h + t) * 0.5).collect())
     };
     let feet = [foot(Side::Left)?, foot(Side::Right)?];

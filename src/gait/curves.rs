@@ -26,7 +26,7 @@ pub struct Curve {
     pub mean: Vec<f64>,
     /// Standard deviation over the strides; of two or more.
     pub sd: Option<Vec<f64>>,
-    /// Standard deviation of the angle itself, from the fit: mean over the strides, for its errors return in each.
+    /// Standard deviation of the angle itself, from the fit: mean over the strides, as its errors return in each.
     pub fit_sd: Option<Vec<f64>>,
     /// Foot off, 0 to 1; mean over the strides.
     pub foot_off: f64,
@@ -92,33 +92,32 @@ fn extremes(values: &[f64], range: std::ops::Range<usize>) -> Extremes {
 pub(super) fn curves(tracks: &AngleTracks, segments: &Segments, cycles: &[Cycle]) -> Vec<Curve> {
     let curve = |(&(side, angle), track): (&(Side, Angle), &Vec<f64>)| {
         let own = cycles.iter().filter(|c| c.side == side);
-        let whole: Vec<(&Cycle, Vec<f64>)> = own
-            .map(|cycle| (cycle, sampled(track, cycle)))
-            .filter(|(_, values)| values.iter().all(|v| v.is_finite()))
-            .collect();
-        let strides: Vec<Vec<f64>> = whole.iter().map(|(_, v)| v.clone()).collect();
+        let sampled = own.map(|cycle| (cycle, over_cycle(track, cycle)));
+        let whole = sampled.filter(|(_, values)| values.iter().all(|v| v.is_finite()));
+        let (cycles, strides): (Vec<&Cycle>, Vec<Vec<f64>>) = whole.unzip();
         let (average, sd) = mean_curve(&strides)?;
-        let fit = segments.angle_sd.get(&(side, angle));
-        let fit: Option<Vec<Vec<f64>>> =
-            fit.map(|sd| whole.iter().map(|(cycle, _)| sampled(sd, cycle)).collect());
-        let offs = whole.iter().map(|(cycle, _)| cycle.stance());
+
+        let fit_sd = segments.angle_sd.get(&(side, angle)).and_then(|sd| {
+            let strides: Vec<_> = cycles.iter().map(|cycle| over_cycle(sd, cycle)).collect();
+            Some(mean_curve(&strides)?.0)
+        });
+
         Some(Curve {
             angle,
             side,
             mean: average,
             sd,
-            fit_sd: fit
-                .and_then(|strides| mean_curve(&strides))
-                .map(|(mean, _)| mean),
-            foot_off: mean(offs)?,
-            is_joined: whole.iter().any(|(cycle, _)| cycle.is_joined),
+            fit_sd,
+            foot_off: mean(cycles.iter().map(|cycle| cycle.stance()))?,
+            is_joined: cycles.iter().any(|cycle| cycle.is_joined),
             strides,
         })
     };
     tracks.iter().filter_map(curve).collect()
 }
 
-fn sampled(track: &[f64], cycle: &Cycle) -> Vec<f64> {
+/// The [`POINTS`] values of a track over a cycle.
+fn over_cycle(track: &[f64], cycle: &Cycle) -> Vec<f64> {
     let last = track.len() as f64 - 1.0;
     let place = |i: usize| {
         let frame = cycle.frame_at(i as f64 / (POINTS - 1) as f64);

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::events::{Event, EventKind};
 use super::landmark::Side;
 
-/// One stride of one side. Places in time are frames from the recording's first, and may lie between two.
+/// One stride of one side. Times are in frames from the first one, and may lie between two.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Cycle {
     /// Whose.
@@ -29,7 +29,7 @@ const PERIOD_S: (f64, f64) = (0.4, 4.0);
 
 impl Cycle {
     /// The frame at a part of the cycle, 0 to 1.
-    pub fn frame_at(&self, part: f64) -> f64 {
+    pub(super) fn frame_at(&self, part: f64) -> f64 {
         let frame = self.strike + part * self.period;
         if self.is_joined && frame > self.off {
             frame - self.period
@@ -51,13 +51,14 @@ impl Cycle {
 pub(super) fn cycles(events: &[Event], rate_hz: f64) -> Vec<Cycle> {
     Side::BOTH
         .iter()
-        .flat_map(|side| of_side(events, *side, rate_hz))
+        .flat_map(|side| side_cycles(events, *side, rate_hz))
         .collect()
 }
 
-fn of_side(events: &[Event], side: Side, rate_hz: f64) -> Vec<Cycle> {
+fn side_cycles(events: &[Event], side: Side, rate_hz: f64) -> Vec<Cycle> {
     let own: Vec<&Event> = events.iter().filter(|e| e.side == side).collect();
     let is_period = |frames: f64| (PERIOD_S.0..PERIOD_S.1).contains(&(frames / rate_hz));
+
     let whole = own.windows(3).filter_map(|three| match three {
         [a, b, c] if is_strike(a) && !is_strike(b) && is_strike(c) => {
             let period = c.frame - a.frame;
@@ -69,6 +70,7 @@ fn of_side(events: &[Event], side: Side, rate_hz: f64) -> Vec<Cycle> {
     if !whole.is_empty() {
         return whole;
     }
+
     let joined = own.windows(3).filter_map(|three| match three {
         [a, b, c] if !is_strike(a) && is_strike(b) && !is_strike(c) => {
             let period = c.frame - a.frame;

@@ -6,9 +6,9 @@
 //! | speed (Ghoussayni 2004) | heel slower than 0.5 m/s | toe faster than 1 m/s |
 //!
 //! Speeds are those of the sagittal plane (forwards and up) against the floor or belt. The strike is taken from the
-//! speed, because the foremost heel is still on its way down (it is early by 10–20 ms), and the off from the position,
-//! which scales with the speed of walking; each stands in for the other where that has none. How far the two lie apart
-//! is the quality of the events: their mean difference is a property of the methods, its spread one of the recording.
+//! speed, as the foremost heel is still moving down (10–20 ms too early), and the off from the position, which scales
+//! with the speed of walking. A strike that speed does not show is taken from the position. The distance between the two
+//! methods tells the quality of the events: its mean belongs to the methods, its spread to the recording.
 //!
 //! # Source
 //! Zeni, Richards & Higginson, Gait Posture 27 (2008) 710–714. Speed of the sagittal plane against a threshold: Ghoussayni
@@ -37,7 +37,7 @@ pub enum EventKind {
     Off,
 }
 
-/// One foot strike or foot off. Times count from frame 0 of the recording's numbering.
+/// One foot strike or foot off. Times count from the recording's frame 0.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Event {
     /// Whose foot.
@@ -68,18 +68,18 @@ pub struct Agreement {
     pub sd_s: Option<f64>,
 }
 
-/// Two events of one kind and side lie farther apart, seconds (strides of more than 150 a minute do not occur).
+/// Least time between two events of one kind and side, seconds (more than 150 strides a minute do not occur).
 const NEAREST_S: f64 = 0.4;
-/// How far from the position's event the speed's one is looked for, seconds.
+/// How far from the event by position the one by speed is looked for, seconds.
 const REACH_S: f64 = 0.15;
-/// A foot that is faster than this near its event was or will be in swing, m/s.
+/// Speed near its event that only a swinging foot reaches, m/s.
 const SWINGS_M_S: f64 = 0.6;
 
-/// All events, by time; none if one foot strikes again and again and the other never: that is no walk.
+/// All events, by time; none if one foot strikes repeatedly and the other never, which is no walk.
 pub(super) fn events(movement: &Movement, course: &Course, options: &GaitOptions) -> Vec<Event> {
     let mut found = Vec::new();
     for side in Side::BOTH {
-        if let Some(foot) = Foot::of(movement, course, side) {
+        if let Some(foot) = Foot::new(movement, course, side) {
             found.extend(foot.events(EventKind::Strike, movement, options));
             found.extend(foot.events(EventKind::Off, movement, options));
         }
@@ -115,23 +115,25 @@ struct Foot {
 }
 
 impl Foot {
-    fn of(movement: &Movement, course: &Course, side: Side) -> Option<Self> {
+    /// The signals of a foot; `None` if its heel or toe is nowhere known.
+    fn new(movement: &Movement, course: &Course, side: Side) -> Option<Self> {
         let pelvis = reference(movement)?;
-        let (heel, toe) = (
-            movement.of(side, Paired::Heel)?,
-            movement.of(side, Paired::Toe)?,
-        );
+        let heel = movement.paired_track(side, Paired::Heel)?;
+        let toe = movement.paired_track(side, Paired::Toe)?;
+
         let ahead = |track: &Track| -> Vec<f64> {
             let rows = track.iter().zip(&pelvis).zip(&course.heading);
             rows.map(|((p, pelvis), heading)| (p - pelvis).dot(heading))
                 .collect()
         };
+
         let speed = |track: &Track| -> Vec<f64> {
             let velocity = by_axis(track, |values| filter::slope(values, movement.rate_hz));
             let rows = velocity.iter().zip(&course.heading);
             rows.map(|(v, heading)| v.z.hypot(v.dot(heading) + course.belt_m_s))
                 .collect()
         };
+
         Some(Self {
             side,
             heel_ahead: ahead(heel),
@@ -146,6 +148,8 @@ impl Foot {
             EventKind::Strike => (&self.heel_ahead, &self.heel_speed),
             EventKind::Off => (&self.toe_behind, &self.toe_speed),
         };
+
+        // by position: a peak beside which the foot is fast enough to swing
         let reach = REACH_S * movement.rate_hz;
         let swings = |peak: &Peak| {
             let near = (peak.frame - 2.0 * reach).max(0.0) as usize;
@@ -153,7 +157,10 @@ impl Foot {
             speed[near..far].iter().any(|v| *v > SWINGS_M_S)
         };
         let nearest = NEAREST_S * movement.rate_hz;
-        let found = peaks(signal, options.prominence_m, nearest);
+        let mut found = peaks(signal, options.prominence_m, nearest);
+        found.retain(swings);
+
+        // by speed: where it passes the threshold near that peak
         let event = |peak: &Peak| {
             let by_speed = match kind {
                 EventKind::Strike => crossing(speed, peak.frame, reach, -options.strike_speed_m_s),
@@ -173,17 +180,13 @@ impl Foot {
                 frame,
             }
         };
-        found
-            .iter()
-            .filter(|peak| swings(peak))
-            .map(event)
-            .collect()
+        found.iter().map(event).collect()
     }
 }
 
 /// The point of the pelvis that Zeni's method looks from: the sacrum, or what is nearest to it.
 fn reference(movement: &Movement) -> Option<Track> {
-    let backs = Side::BOTH.map(|side| movement.of(side, Paired::Psis));
+    let backs = Side::BOTH.map(|side| movement.paired_track(side, Paired::Psis));
     match (backs, movement.track(Landmark::Sacrum)) {
         ([Some(left), Some(right)], _) => {
             let middle = |(l, r): (&Vector3<f64>, &Vector3<f64>)| (l + r) * 0.5;
@@ -209,10 +212,9 @@ fn crossing(speed: &[f64], frame: f64, reach: f64, threshold: f64) -> Option<f64
 
 /// How far the methods agree on one kind of event.
 pub(super) fn agreement(events: &[Event], kind: EventKind) -> Option<Agreement> {
-    let of_kind = events.iter().filter(|e| e.kind == kind);
-    let differences: Vec<f64> = of_kind
-        .filter_map(|e| Some(e.by_speed_s? - e.by_position_s?))
-        .collect();
+    let own = events.iter().filter(|e| e.kind == kind);
+    let differences = own.filter_map(|e| Some(e.by_speed_s? - e.by_position_s?));
+    let differences: Vec<f64> = differences.collect();
     let (mean_s, sd_s) = mean_and_sd(&differences)?;
     Some(Agreement {
         kind,

@@ -1,8 +1,8 @@
 //! How far curves lie from those of healthy people: Gait Variable Scores, Movement Analysis Profile, Gait Profile Score.
 //!
-//! GVS of one variable = root mean square over the cycle (51 points) of curve less norm mean. The Movement Analysis
-//! Profile is the GVS of all nine variables of both sides. GPS of one side = root mean square of its nine GVS; the whole
-//! GPS takes the left pelvis, and hip, knee, ankle and foot of both sides, fifteen in all.
+//! GVS of one variable = root mean square over the cycle (51 points) of the curve less the norm's mean. The Movement
+//! Analysis Profile is the GVS of all nine variables of both sides. GPS of one side = root mean square of its nine GVS;
+//! the GPS of both sides takes the pelvis from the left, and hip, knee, ankle and foot of both, fifteen in all.
 //!
 //! # Source
 //! Baker et al., Gait Posture 30 (2009) 265–269.
@@ -92,22 +92,25 @@ pub fn indices(curves: &[Curve], norm: &Norm) -> Option<Indices> {
             score: (squares.sum::<f64>() / SCORE_POINTS as f64).sqrt(),
         })
     };
-    let of_score = curves.iter().filter(|c| VARIABLES.contains(&c.angle));
-    let variables: Vec<VariableScore> = of_score.filter_map(score).collect();
-    let of_side = |side: Side, angles: &[Angle]| -> Option<f64> {
-        let find = |angle: &Angle| {
+    let scored = curves.iter().filter(|c| VARIABLES.contains(&c.angle));
+    let variables: Vec<VariableScore> = scored.filter_map(score).collect();
+
+    let sum_of_squares = |side: Side, angles: &[Angle]| -> Option<f64> {
+        let square = |angle: &Angle| {
             let own = |v: &&VariableScore| v.side == side && v.angle == *angle;
             variables.iter().find(own).map(|v| v.score * v.score)
         };
-        angles.iter().map(find).sum()
+        angles.iter().map(square).sum()
     };
-    let mean = |sum: Option<f64>, n: usize| sum.map(|s| (s / n as f64).sqrt());
-    let left = of_side(Side::Left, &VARIABLES);
-    let legs = of_side(Side::Right, &VARIABLES[3..]);
+    let left = sum_of_squares(Side::Left, &VARIABLES);
+    let right = sum_of_squares(Side::Right, &VARIABLES);
+    let right_leg = sum_of_squares(Side::Right, &VARIABLES[3..]);
+
+    let root_mean = |sum: Option<f64>, n: usize| sum.map(|s| (s / n as f64).sqrt());
     let indices = Indices {
-        left: mean(left, VARIABLES.len()),
-        right: mean(of_side(Side::Right, &VARIABLES), VARIABLES.len()),
-        both: mean(left.zip(legs).map(|(a, b)| a + b), 15),
+        left: root_mean(left, VARIABLES.len()),
+        right: root_mean(right, VARIABLES.len()),
+        both: root_mean(left.zip(right_leg).map(|(a, b)| a + b), 15),
         variables,
     };
     (!indices.variables.is_empty()).then_some(indices)

@@ -1,4 +1,4 @@
-//! Points of the body that gait analysis knows, and the names that marker sets and trackers give them.
+//! Points of the body that gait analysis knows, and their names in marker sets and trackers.
 
 use serde::{Serialize, Serializer};
 
@@ -32,7 +32,7 @@ impl Side {
         }
     }
 
-    /// Which way the body's own right is the side's outside: +1 for right, −1 for left.
+    /// +1 for right, −1 for left: what points to the body's right points outwards on the right side, inwards on the left.
     pub(super) fn sign(self) -> f64 {
         match self {
             Self::Left => -1.0,
@@ -41,7 +41,7 @@ impl Side {
     }
 }
 
-/// A place of which the body has two.
+/// A place that the body has on both sides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Paired {
     /// Hip joint centre.
@@ -79,7 +79,7 @@ pub enum Landmark {
     Sacrum,
     /// Neck, or C7.
     Neck,
-    /// One of two.
+    /// A place of one side.
     Of(Side, Paired),
 }
 
@@ -116,11 +116,11 @@ const SINGLE: [(Landmark, &[&str]); 3] = [
 ];
 
 impl Landmark {
-    /// What a name means, and how good a name for it it is, 0 the best; `None` for a name that is not known.
+    /// The place that a name means, and the rank of the name among those of that place, 0 the best; `None` if unknown.
     ///
-    /// Case, dots, underscores, spaces and a closing `_study` do not count. The side stands before or after:
-    /// `RHeel`, `R.Heel`, `right heel`, `heel_r`, `r_calc_study` are all the right heel.
-    pub fn of_name(name: &str) -> Option<(Self, usize)> {
+    /// Case, dots, underscores, spaces and a closing `_study` do not matter, and the side stands before or after:
+    /// `RHeel`, `R.Heel`, `right heel`, `heel_r` and `r_calc_study` all mean the right heel.
+    pub fn from_name(name: &str) -> Option<(Self, usize)> {
         let lower = name.to_lowercase();
         let plain: String = lower.chars().filter(|c| c.is_alphanumeric()).collect();
         let plain = plain.strip_suffix("study").unwrap_or(&plain);
@@ -131,11 +131,11 @@ impl Landmark {
         single.or_else(|| {
             Side::BOTH
                 .iter()
-                .find_map(|side| Self::of_side(plain, *side))
+                .find_map(|side| Self::paired_from_name(plain, *side))
         })
     }
 
-    fn of_side(plain: &str, side: Side) -> Option<(Self, usize)> {
+    fn paired_from_name(plain: &str, side: Side) -> Option<(Self, usize)> {
         let (letter, word) = match side {
             Side::Left => ("l", "left"),
             Side::Right => ("r", "right"),
@@ -204,17 +204,17 @@ mod tests {
             "right heel",
             "heel_r",
         ] {
-            assert_eq!(Landmark::of_name(name).unwrap().0, heel, "{name}");
+            assert_eq!(Landmark::from_name(name).unwrap().0, heel, "{name}");
         }
     }
 
     #[test]
     fn a_malleolus_is_not_mistaken_for_the_left_side() {
-        let of = |name: &str| Landmark::of_name(name).unwrap().0;
+        let of = |name: &str| Landmark::from_name(name).unwrap().0;
         assert_eq!(of("RLMAL"), Landmark::Of(Side::Right, Paired::Ankle));
         assert_eq!(of("LMMAL"), Landmark::Of(Side::Left, Paired::AnkleMedial));
         assert_eq!(of("Hip"), Landmark::MidHip);
         assert_eq!(of("LHip"), Landmark::Of(Side::Left, Paired::Hip));
-        assert_eq!(Landmark::of_name("R.TH1"), None);
+        assert_eq!(Landmark::from_name("R.TH1"), None);
     }
 }

@@ -1,4 +1,4 @@
-//! The parts that joint centres and markers span: axes from the lines between them, and what such lines cannot show.
+//! Axes of the parts from the lines between joint centres and markers, and the angles that such lines cannot show.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -12,8 +12,8 @@ use super::segments::{Axes, Limb, Segment, Segments, unknown};
 const FOOT_SLOPE: f64 = 0.2966;
 
 impl Segments {
-    /// The parts that places of the body span.
-    pub(super) fn of_landmarks(movement: &Movement) -> Self {
+    /// The parts that places of the body show.
+    pub(super) fn from_landmarks(movement: &Movement) -> Self {
         let mut segments = Self::default();
         segments.pelvis(movement);
         segments.trunk(movement);
@@ -21,7 +21,7 @@ impl Segments {
             segments.leg(movement, side);
             segments.arm(movement, side);
         }
-        segments.say_unknown(movement);
+        segments.list_unknown(movement);
         segments
     }
 
@@ -29,17 +29,16 @@ impl Segments {
         let axes = match movement.spines() {
             Some(spines) => {
                 let frame = |[l, r, b]: &[Vector3<f64>; 3]| pelvis_frame(l, r, b);
-                spines
-                    .iter()
-                    .map(|s| frame(s).unwrap_or(unknown()))
-                    .collect()
+                let frames = spines.iter().map(frame);
+                frames.map(|frame| frame.unwrap_or(unknown())).collect()
             }
+
             None => {
-                let hips = Side::BOTH.map(|side| movement.of(side, Paired::Hip));
+                let hips = Side::BOTH.map(|side| movement.paired_track(side, Paired::Hip));
                 let [Some(left), Some(right)] = hips else {
                     return;
                 };
-                let frame = |(l, r): (&Vector3<f64>, &Vector3<f64>)| level(&(r - l));
+                let frame = |(l, r): (&Vector3<f64>, &Vector3<f64>)| axes_from_level_z(&(r - l));
                 left.iter().zip(right).map(frame).collect()
             }
         };
@@ -47,7 +46,7 @@ impl Segments {
     }
 
     fn trunk(&mut self, movement: &Movement) {
-        let shoulders = Side::BOTH.map(|side| movement.of(side, Paired::Shoulder));
+        let shoulders = Side::BOTH.map(|side| movement.paired_track(side, Paired::Shoulder));
         let [Some(left), Some(right)] = shoulders else {
             return;
         };
@@ -59,12 +58,12 @@ impl Segments {
             None => left.iter().zip(right).map(|(l, r)| (l + r) * 0.5).collect(),
         };
         let axes =
-            (0..movement.frames).map(|i| of_y_and_z(&(high[i] - low[i]), &(right[i] - left[i])));
+            (0..movement.frames).map(|i| axes_from_y_z(&(high[i] - low[i]), &(right[i] - left[i])));
         self.axes.insert(Segment::Trunk, axes.collect());
     }
 
     fn leg(&mut self, movement: &Movement, side: Side) {
-        let place = |place| movement.of(side, place);
+        let place = |place| movement.paired_track(side, place);
         let (Some(hip), Some(knee), Some(ankle), Some(toe), Some(pelvis)) = (
             place(Paired::Hip),
             place(Paired::Knee),
@@ -74,12 +73,14 @@ impl Segments {
         ) else {
             return;
         };
+
         let medial = place(Paired::KneeMedial);
         let medial_ankle = place(Paired::AnkleMedial);
         let heel = movement
             .has_heel_marker(side)
             .then(|| place(Paired::Heel))
             .flatten();
+
         let mut axes: [Axes; 3] = Default::default();
         for i in 0..movement.frames {
             // the flexion axis: from the epicondyles where both are marked, else the pelvis' own right
@@ -87,28 +88,29 @@ impl Segments {
                 Some(inner) => (knee[i] - inner[i]) * side.sign(),
                 None => pelvis[i].column(2).into_owned(),
             };
-            let thigh = of_y_and_z(&(hip[i] - knee[i]), &right);
+            let thigh = axes_from_y_z(&(hip[i] - knee[i]), &right);
             let right = match medial_ankle {
                 Some(inner) => (ankle[i] - inner[i]) * side.sign(),
                 None => thigh.column(2).into_owned(),
             };
-            let shank = of_y_and_z(&(knee[i] - ankle[i]), &right);
+            let shank = axes_from_y_z(&(knee[i] - ankle[i]), &right);
             let right = shank.column(2).into_owned();
             let foot = match heel {
-                Some(heel) => of_x_and_z(&(toe[i] - heel[i]), &right),
-                None => raised(&of_x_and_z(&(toe[i] - ankle[i]), &right)),
+                Some(heel) => axes_from_x_z(&(toe[i] - heel[i]), &right),
+                None => raised(&axes_from_x_z(&(toe[i] - ankle[i]), &right)),
             };
             for (all, one) in axes.iter_mut().zip([thigh, shank, foot]) {
                 all.push(one);
             }
         }
+
         for (limb, axes) in [Limb::Thigh, Limb::Shank, Limb::Foot].into_iter().zip(axes) {
             self.axes.insert(Segment::Of(side, limb), axes);
         }
     }
 
     fn arm(&mut self, movement: &Movement, side: Side) {
-        let place = |place| movement.of(side, place);
+        let place = |place| movement.paired_track(side, place);
         let (Some(shoulder), Some(elbow), Some(wrist), Some(trunk)) = (
             place(Paired::Shoulder),
             place(Paired::Elbow),
@@ -117,6 +119,7 @@ impl Segments {
         ) else {
             return;
         };
+
         let mut axes: [Axes; 2] = Default::default();
         for i in 0..movement.frames {
             // an elbow bends about the normal of its plane; nearly straight it is taken to bend as the trunk does
@@ -127,24 +130,27 @@ impl Segments {
                 true => normal,
                 false => trunk[i].column(2).into_owned(),
             };
-            axes[0].push(of_y_and_z(&upper, &right));
-            axes[1].push(of_y_and_z(&lower, &right));
+            axes[0].push(axes_from_y_z(&upper, &right));
+            axes[1].push(axes_from_y_z(&lower, &right));
         }
+
         for (limb, axes) in [Limb::UpperArm, Limb::Forearm].into_iter().zip(axes) {
             self.axes.insert(Segment::Of(side, limb), axes);
         }
     }
 
-    fn say_unknown(&mut self, movement: &Movement) {
+    /// Lists the angles that the places cannot show.
+    fn list_unknown(&mut self, movement: &Movement) {
         if movement.spines().is_none() {
             let reason =
                 "the hips alone do not show how the pelvis is tilted; it is taken to be upright";
             self.unknown.insert(Angle::PelvisTilt, reason);
         }
+
         let has = |place| {
             Side::BOTH
                 .iter()
-                .all(|side| movement.of(*side, place).is_some())
+                .all(|side| movement.paired_track(*side, place).is_some())
         };
         if !has(Paired::KneeMedial) {
             let reason =
@@ -156,13 +162,14 @@ impl Segments {
             self.unknown.insert(Angle::KneeAdduction, reason);
             self.unknown.insert(Angle::KneeRotation, reason);
         }
+
         let reason = "the turn of an arm about itself is not shown by joint centres";
         self.unknown.insert(Angle::ShoulderRotation, reason);
     }
 }
 
 /// Axes with Y as given and Z as near as it can be.
-fn of_y_and_z(y: &Vector3<f64>, z: &Vector3<f64>) -> Matrix3<f64> {
+fn axes_from_y_z(y: &Vector3<f64>, z: &Vector3<f64>) -> Matrix3<f64> {
     let axes = || {
         let y = y.try_normalize(1e-9)?;
         let z = (z - y * z.dot(&y)).try_normalize(1e-9)?;
@@ -172,7 +179,7 @@ fn of_y_and_z(y: &Vector3<f64>, z: &Vector3<f64>) -> Matrix3<f64> {
 }
 
 /// Axes with Z as given and Y as upright as it can be.
-fn level(z: &Vector3<f64>) -> Matrix3<f64> {
+fn axes_from_level_z(z: &Vector3<f64>) -> Matrix3<f64> {
     let axes = || {
         let z = z.try_normalize(1e-9)?;
         let x = Vector3::z().cross(&z).try_normalize(1e-9)?;
@@ -182,7 +189,7 @@ fn level(z: &Vector3<f64>) -> Matrix3<f64> {
 }
 
 /// Axes with X as given and Z as near as it can be.
-fn of_x_and_z(x: &Vector3<f64>, z: &Vector3<f64>) -> Matrix3<f64> {
+fn axes_from_x_z(x: &Vector3<f64>, z: &Vector3<f64>) -> Matrix3<f64> {
     let axes = || {
         let x = x.try_normalize(1e-9)?;
         let z = (z - x * z.dot(&x)).try_normalize(1e-9)?;

@@ -73,7 +73,7 @@ impl Default for GaitOptions {
     }
 }
 
-/// Everything that is found.
+/// What an analysis finds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GaitAnalysis {
     /// Cutoff of the low pass that all places went through, Hz; 0: none.
@@ -100,27 +100,27 @@ pub struct GaitAnalysis {
     pub notes: Vec<String>,
 }
 
-/// Why there is no gait to be analysed.
+/// Why a movement has no gait.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GaitError {
     /// The hips are nowhere known.
-    #[error("the hips are missing in every frame: nothing says where the person walks to")]
+    #[error("the hips are missing in every frame: nothing shows where the person walks to")]
     NoPelvis,
 }
 
-/// Analyses the gait of a recording.
+/// Analyses the gait of a movement.
 ///
-/// Nobody need walk: without steps, or of someone who walks backwards, angles over time are all there is, and
+/// The person need not walk: without steps, or of somebody who walks backwards, there are angles over time only, and
 /// [`GaitAnalysis::notes`] says so.
 ///
 /// # Errors
 /// [`GaitError::NoPelvis`].
 pub fn analyse(movement: &Movement, options: &GaitOptions) -> Result<GaitAnalysis, GaitError> {
-    // 1. take away what is faster than a body moves
+    // 1. remove what is faster than a body moves
     let movement = &smoothed(movement, options.cutoff_hz);
     // 2. direction of walking, floor or belt
-    let course = Course::of(movement, options.surface).ok_or(GaitError::NoPelvis)?;
+    let course = Course::find(movement, options.surface).ok_or(GaitError::NoPelvis)?;
     // 3. events by two methods, and the strides between them
     let events = match course.is_backwards() {
         true => Vec::new(),
@@ -136,22 +136,22 @@ pub fn analyse(movement: &Movement, options: &GaitOptions) -> Result<GaitAnalysi
     };
     let parameters = walk.parameters();
     // 5. angles over time and over the cycle
-    let made;
+    let from_landmarks;
     let segments = match &movement.segments {
         Some(segments) => segments,
         None => {
-            made = Segments::of_landmarks(movement);
-            &made
+            from_landmarks = Segments::from_landmarks(movement);
+            &from_landmarks
         }
     };
     let angles = angles::angles(segments, &course.heading);
     let curves = curves::curves(&angles, segments, &cycles);
-    let agreement = [EventKind::Strike, EventKind::Off];
-    let agreement = agreement
-        .into_iter()
-        .filter_map(|kind| events::agreement(&events, kind));
+    // 6. how far the methods for events agree, and what a person should know
+    let kinds = [EventKind::Strike, EventKind::Off].into_iter();
+    let agreement = kinds.filter_map(|kind| events::agreement(&events, kind));
     let mut notes = notes(&course, &events, &cycles);
     notes.extend(movement.remarks());
+
     Ok(GaitAnalysis {
         cutoff_hz: options.cutoff_hz,
         leg_length_m: movement.leg_length(),
@@ -186,18 +186,20 @@ fn notes(course: &Course, events: &[Event], cycles: &[Cycle]) -> Vec<String> {
         ));
         return notes;
     }
+
     if events.is_empty() {
         notes.push(
             "no steps: the feet do not swing past the pelvis in turn; angles over time only".into(),
         );
         return notes;
     }
+
     for side in Side::BOTH {
+        let name = side.name();
         let own = || cycles.iter().filter(|c| c.side == side);
-        let strikes = events
-            .iter()
-            .filter(|e| e.side == side && e.kind == EventKind::Strike);
-        let (name, strikes) = (side.name(), strikes.count());
+        let is_own_strike = |e: &&Event| e.side == side && e.kind == EventKind::Strike;
+        let strikes = events.iter().filter(is_own_strike).count();
+
         if own().next().is_none() {
             notes.push(format!(
                 "less than one {name} stride ({strikes} foot strike{} of that side): no stride parameters and curves of it",

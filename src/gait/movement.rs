@@ -47,7 +47,7 @@ pub struct Movement {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MovementError {
-    /// A place without which there is nothing to be said.
+    /// A place without which nothing can be analysed.
     #[error("no point is named as the {missing}: expected names such as {example}, found {found}")]
     Missing {
         /// The place.
@@ -73,7 +73,7 @@ pub enum MovementError {
         /// Found.
         length_m: f64,
     },
-    /// A place that no body has together with the others.
+    /// A place farther from the others than a body reaches.
     #[error(
         "the {place} ({from}) lies {distance_m:.1} m from the hips: expected {FARTHEST_M} m at most; is it in another unit than the other points?"
     )]
@@ -87,21 +87,21 @@ pub enum MovementError {
     },
 }
 
-/// Fewest frames in which anything can be seen.
+/// Fewest frames that can be analysed.
 const FEWEST_FRAMES: usize = 10;
-/// No place of a person lies farther from the middle of the hips, m.
+/// Farthest that a place of a person lies from the middle of the hips, m.
 const FARTHEST_M: f64 = 3.0;
-/// Hips that are less than this above the ankles, in lengths of the leg, belong to somebody who lies, or to another axis.
+/// Height of the hips above the ankles below which the person lies or another axis points up, in lengths of the leg.
 const LOW_HIPS: f64 = 0.2;
-/// Lengths of legs, hip to knee to ankle, that there are, m.
+/// Possible lengths of legs, hip to knee to ankle, m.
 const LEGS_M: std::ops::Range<f64> = 0.2..1.5;
 
 impl Movement {
     /// The movement of named points: joint centres or markers of any of the known sets.
     ///
-    /// Of two names of one place the better one is taken; gaps of up to 0.1 s are bridged; joint centres are the middle
-    /// of a lateral and a medial marker where both are there; hips that are not there are found from the pelvis, and
-    /// heels from the foot.
+    /// Of two names of one place the better one is used, and gaps of up to 0.1 s are bridged. A joint centre is the middle
+    /// of a lateral and a medial marker where both are there. Missing hips are found from the pelvis, missing heels from
+    /// the foot.
     ///
     /// # Errors
     /// [`MovementError`] where hips, knees, ankles or toes cannot be found, or the size cannot be a body's.
@@ -115,6 +115,7 @@ impl Movement {
             let (frames, fewest) = (frames.len(), FEWEST_FRAMES);
             return Err(MovementError::Short { frames, fewest });
         }
+
         let mut movement = Self {
             rate_hz,
             first_frame,
@@ -125,6 +126,7 @@ impl Movement {
             segments: None,
             used: Vec::new(),
         };
+
         for (landmark, column) in columns(names) {
             let place = |frame: &Vec<Option<Point3<f64>>>| match frame.get(column) {
                 Some(Some(point)) => point.coords,
@@ -135,6 +137,7 @@ impl Movement {
                 movement.insert(landmark, bridged(&track, rate_hz), names[column].clone());
             }
         }
+
         movement.complete();
         movement.check(names)?;
         Ok(movement)
@@ -151,7 +154,7 @@ impl Movement {
     }
 
     /// A place of one side over time.
-    pub fn of(&self, side: Side, place: Paired) -> Option<&Track> {
+    pub fn paired_track(&self, side: Side, place: Paired) -> Option<&Track> {
         self.track(Landmark::Of(side, place))
     }
 
@@ -171,15 +174,16 @@ impl Movement {
         ];
         for (place, example) in needed {
             for side in Side::BOTH {
-                if self.of(side, place).is_none() {
+                if self.paired_track(side, place).is_none() {
                     return Err(MovementError::Missing {
                         missing: Landmark::Of(side, place).name(),
                         example,
-                        found: first_of(names),
+                        found: shortened(names),
                     });
                 }
             }
         }
+
         let legs = Side::BOTH.map(|side| self.leg(side));
         let is_impossible = |length_m: &f64| !LEGS_M.contains(length_m);
         // where one leg is a leg, a single place is in another unit
@@ -197,12 +201,12 @@ impl Movement {
         let Some(hips) = self.track(Landmark::MidHip) else {
             return Ok(());
         };
+
         for (landmark, track) in &self.tracks {
-            let apart = track
-                .iter()
-                .zip(hips)
-                .map(|(place, hips)| (place - hips).norm());
-            let far = median(&mut apart.collect::<Vec<_>>()).filter(|d| *d > FARTHEST_M);
+            let rows = track.iter().zip(hips);
+            let distances = rows.map(|(place, hips)| (place - hips).norm());
+            let distance_m = median(&mut distances.collect::<Vec<_>>());
+            let far = distance_m.filter(|d| *d > FARTHEST_M);
             if let Some(distance_m) = far {
                 let used = self.used.iter().find(|u| u.landmark == *landmark);
                 return Err(MovementError::Far {
@@ -215,26 +219,30 @@ impl Movement {
         Ok(())
     }
 
-    /// What a person should know of the places: those of the legs that are not there throughout, and a body that does not stand upright.
+    /// What a person should know of the places: gaps in those of the legs, and a body that does not stand upright.
     pub(super) fn remarks(&self) -> Vec<String> {
         let mut remarks = Vec::new();
         let mut gaps = Vec::new();
         for side in Side::BOTH {
             for place in [Paired::Hip, Paired::Knee, Paired::Ankle, Paired::Toe] {
-                let track = self.of(side, place).map_or(&[][..], |track| track);
+                let track = self
+                    .paired_track(side, place)
+                    .map_or(&[][..], |track| track);
                 let missing = track.iter().filter(|p| !p.x.is_finite()).count();
                 if missing > 0 {
                     gaps.push(format!("{} {missing}", Landmark::Of(side, place).name()));
                 }
             }
         }
+
         if !gaps.is_empty() {
             remarks.push(format!(
-                "not known in some of the {} frames, and neither is what hangs on them: {}",
+                "not known in some of the {} frames, and neither is what depends on them: {}",
                 self.frames,
                 gaps.join(", ")
             ));
         }
+
         let upright = self.height_of_hips().zip(self.leg_length());
         if upright.is_some_and(|(height_m, leg_m)| height_m < LOW_HIPS * leg_m) {
             remarks.push(
@@ -248,7 +256,7 @@ impl Movement {
     /// How far the hips are above the ankles, median over time, metres.
     fn height_of_hips(&self) -> Option<f64> {
         let hips = self.track(Landmark::MidHip)?;
-        let [left, right] = Side::BOTH.map(|side| self.of(side, Paired::Ankle));
+        let [left, right] = Side::BOTH.map(|side| self.paired_track(side, Paired::Ankle));
         let rows = hips.iter().zip(left?).zip(right?);
         let mut heights: Vec<f64> = rows
             .map(|((hips, left), right)| hips.z - 0.5 * (left.z + right.z))
@@ -257,13 +265,16 @@ impl Movement {
     }
 
     /// Hip to knee to ankle, mean of both sides, median over time; metres.
-    pub fn leg_length(&self) -> Option<f64> {
+    pub(super) fn leg_length(&self) -> Option<f64> {
         Some(0.5 * (self.leg(Side::Left)? + self.leg(Side::Right)?))
     }
 
     fn leg(&self, side: Side) -> Option<f64> {
-        let (hip, knee) = (self.of(side, Paired::Hip)?, self.of(side, Paired::Knee)?);
-        let ankle = self.of(side, Paired::Ankle)?;
+        let (hip, knee) = (
+            self.paired_track(side, Paired::Hip)?,
+            self.paired_track(side, Paired::Knee)?,
+        );
+        let ankle = self.paired_track(side, Paired::Ankle)?;
         let length = |i: usize| (hip[i] - knee[i]).norm() + (knee[i] - ankle[i]).norm();
         median(&mut (0..self.frames).map(length).collect::<Vec<_>>())
     }
@@ -273,7 +284,7 @@ impl Movement {
 fn columns(names: &[String]) -> BTreeMap<Landmark, usize> {
     let mut best: BTreeMap<Landmark, (usize, usize)> = BTreeMap::new();
     for (column, name) in names.iter().enumerate() {
-        if let Some((landmark, rank)) = Landmark::of_name(name) {
+        if let Some((landmark, rank)) = Landmark::from_name(name) {
             let entry = best.entry(landmark).or_insert((rank, column));
             if rank < entry.0 {
                 *entry = (rank, column);
@@ -285,7 +296,8 @@ fn columns(names: &[String]) -> BTreeMap<Landmark, usize> {
         .collect()
 }
 
-fn first_of(names: &[String]) -> String {
+/// The first names in one line.
+fn shortened(names: &[String]) -> String {
     match names {
         [] => "no names".into(),
         [first @ .., _] if names.len() > 6 => format!("{} …", first[..6].join(" ")),

@@ -1,16 +1,17 @@
 //! Spatiotemporal parameters: each with mean, spread over strides, and its own uncertainty.
 //!
-//! Lengths are measured between heels, or ankles where no marker is on the heels (width: always ankles), along and across the direction of walking, and against the
-//! belt on a treadmill. Their standard uncertainty comes from the standard deviations that the fit gives its points:
+//! Lengths are measured between heels, or between ankles where the heels have no marker (width: always ankles), along and
+//! across the direction of walking; on a treadmill, against the belt. Their standard uncertainty comes from the standard
+//! deviations of the fitted points:
 //!
-//! - a step's length lies between two points of one frame, and the fit knows how their errors go together;
-//! - a stride's length lies between one point at two times, whose errors count as independent: too cautious, as what
-//!   errs alike in both frames cancels;
-//! - a step's width lies between two points at two times; how their errors go together is not known, so it has the
-//!   bound u ≤ u₁ + u₂ that holds whatever they do (Cauchy and Schwarz).
+//! - a step's length lies between two points of one frame, and the fit knows how their errors correlate;
+//! - a stride's length lies between one point at two times, whose errors count as independent: this is too cautious, as
+//!   an error common to both frames cancels;
+//! - a step's width lies between two points at two times. How their errors correlate is not known, so it has the bound
+//!   u ≤ u₁ + u₂, which holds for every correlation (Cauchy and Schwarz).
 //!
-//! That of times comes from the frame rate and from how far the two methods for events scatter
-//! against each other. Neither becomes smaller with more strides: what errs in one errs alike in the next.
+//! The uncertainty of times comes from the frame rate and from the scatter between the two methods for events. Neither
+//! becomes smaller with more strides, as one stride errs like the next.
 
 use std::collections::BTreeMap;
 
@@ -164,8 +165,9 @@ impl Walk<'_> {
                 samples.entry((parameter, side)).or_default().push(measured);
             }
         };
+
         for cycle in self.cycles {
-            for (parameter, measured) in self.of_cycle(cycle) {
+            for (parameter, measured) in self.cycle_parameters(cycle) {
                 add(parameter, cycle.side, measured);
             }
         }
@@ -176,53 +178,51 @@ impl Walk<'_> {
                 add(Parameter::StepWidth, event.side, self.step_width(i));
             }
         }
+
         samples
             .into_iter()
             .map(|(key, all)| (key, statistic(&all)))
             .collect()
     }
 
-    fn of_cycle(&self, cycle: &Cycle) -> Vec<(Parameter, Option<Measured>)> {
+    fn cycle_parameters(&self, cycle: &Cycle) -> Vec<(Parameter, Option<Measured>)> {
         let rate = self.movement.rate_hz;
-        let (u_strike, u_off) = (self.time_u(EventKind::Strike), self.time_u(EventKind::Off));
         let period = cycle.period / rate;
+
+        let (u_strike, u_off) = (self.time_u(EventKind::Strike), self.time_u(EventKind::Off));
         let (u_period, u_stance) = match cycle.is_joined {
             true => (2_f64.sqrt() * u_off, u_strike.hypot(u_off)),
             false => (2_f64.sqrt() * u_strike, u_strike.hypot(u_off)),
         };
+
         let percent = |part: f64| Some((100.0 * part, Some(100.0 * u_stance / period)));
         let stance = cycle.stance();
         let single = cycle
             .opposite_off
             .zip(cycle.opposite_strike)
             .map(|(off, strike)| (strike - off) / cycle.period);
+
+        // v = l/t: (u(v)/v)² = (u(l)/l)² + (u(t)/t)²
         let length = self.stride_length(cycle);
         let speed = length.map(|(l, u)| {
             let u = u.map(|u| (u / period).hypot(l / period * u_period / period));
             (l / period, u)
         });
         let cadence = 120.0 / period;
+        let cadence = Some((cadence, Some(cadence * u_period / period)));
+
+        let stance_time = Some((stance * period, Some(u_stance)));
+        let swing_time = Some(((1.0 - stance) * period, Some(u_stance)));
+        let double = single.map(|single| stance - single);
         vec![
             (Parameter::StrideTime, Some((period, Some(u_period)))),
-            (
-                Parameter::Cadence,
-                Some((cadence, Some(cadence * u_period / period))),
-            ),
-            (
-                Parameter::StanceTime,
-                Some((stance * period, Some(u_stance))),
-            ),
-            (
-                Parameter::SwingTime,
-                Some(((1.0 - stance) * period, Some(u_stance))),
-            ),
+            (Parameter::Cadence, cadence),
+            (Parameter::StanceTime, stance_time),
+            (Parameter::SwingTime, swing_time),
             (Parameter::Stance, percent(stance)),
             (Parameter::Swing, percent(1.0 - stance)),
             (Parameter::SingleSupport, single.and_then(percent)),
-            (
-                Parameter::DoubleSupport,
-                single.and_then(|s| percent(stance - s)),
-            ),
+            (Parameter::DoubleSupport, double.and_then(percent)),
             (Parameter::StrideLength, length),
             (Parameter::Speed, speed),
         ]
@@ -240,32 +240,33 @@ impl Walk<'_> {
         let along = self.course.heading_at(0.5 * (from + to));
         let way = (at(track, to) - at(track, from)).dot(&along);
         let belt = self.course.belt_m_s * cycle.period / self.movement.rate_hz;
+
         let ends = [from, to].map(|frame| self.place_u(landmark, frame, &along));
         let u = ends[0].zip(ends[1]).map(|(a, b)| a.hypot(b));
         Some((way + belt, u))
     }
 
+    /// How far the own foot is before the other one.
     fn step_length(&self, strike: &Event) -> Option<Measured> {
         let along = self.course.heading_at(strike.frame);
         let are_marked = Side::BOTH.iter().all(|s| self.movement.has_heel_marker(*s));
-        let place = if are_marked {
-            Paired::Heel
-        } else {
-            Paired::Ankle
+        let place = match are_marked {
+            true => Paired::Heel,
+            false => Paired::Ankle,
         };
         let own = Landmark::Of(strike.side, place);
         let other = Landmark::Of(strike.side.other(), place);
         let apart = at(self.movement.track(own)?, strike.frame)
             - at(self.movement.track(other)?, strike.frame);
+
+        // how the errors of the two go together, or else the bound u₁ + u₂
         let sd = self.movement.apart_sd_m.get(&place);
         let u = sd.and_then(|sd| deviation(sd, strike.frame, &along));
-        let u = u.or_else(|| {
-            Some(
-                self.place_u(own, strike.frame, &along)?
-                    + self.place_u(other, strike.frame, &along)?,
-            )
-        });
-        Some((apart.dot(&along), u))
+        let bound = || {
+            let own_u = self.place_u(own, strike.frame, &along)?;
+            Some(own_u + self.place_u(other, strike.frame, &along)?)
+        };
+        Some((apart.dot(&along), u.or_else(bound)))
     }
 
     /// From the last strike of the other foot, if no own one lies between.
@@ -285,6 +286,7 @@ impl Walk<'_> {
         let next = later
             .clone()
             .find(|e| e.kind == EventKind::Strike && e.side != own.side)?;
+
         let off_after = |event: &Event| {
             let mut offs = self.events.iter().filter(|e| e.kind == EventKind::Off);
             offs.find(|e| e.side == event.side && e.frame > event.frame)
@@ -292,10 +294,12 @@ impl Walk<'_> {
         };
         let middle = |event: &Event| Some(0.5 * (event.frame + off_after(event)?));
         let (own_frame, next_frame) = (middle(own)?, middle(next)?);
+
         let left = Vector3::z().cross(&self.course.heading_at(0.5 * (own_frame + next_frame)));
         let ankle = |side| Landmark::Of(side, Paired::Ankle);
         let place = |side, frame| Some(at(self.movement.track(ankle(side))?, frame));
         let apart = place(own.side, own_frame)? - place(next.side, next_frame)?;
+
         let u = |side, frame| self.place_u(ankle(side), frame, &left);
         let u = u(own.side, own_frame).zip(u(next.side, next_frame));
         let u = u.map(|(a, b)| a + b);

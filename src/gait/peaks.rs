@@ -7,25 +7,24 @@ use crate::math::parabola::summit;
 pub(super) struct Peak {
     /// Where, between frames: the top of the parabola through the three highest values.
     pub(super) frame: f64,
-    /// How far it stands out of what lies between it and higher values.
+    /// How far it stands out from what lies between it and higher values.
     pub(super) prominence: f64,
 }
 
-/// How far a maximum must stand out of a side on which the signal ends before it becomes higher, metres.
+/// How far a maximum must stand out on a side where the signal ends before it rises above the maximum, metres.
 const AT_AN_END: f64 = 0.005;
 
-/// The maxima that stand out by `prominence`, of several within `nearest` frames the most prominent one.
+/// The maxima that stand out by `prominence`; of several within `nearest` frames only the most prominent.
 ///
-/// A side on which the signal ends, or has a gap, before it becomes higher counts less: there the maximum need only be
-/// passed by [`AT_AN_END`], as long as it stands out in full on the other side.
+/// On a side where the signal ends, or has a gap, before it rises above the maximum, the maximum need only stand out by
+/// [`AT_AN_END`], if it stands out in full on the other side.
 pub(super) fn peaks(values: &[f64], prominence: f64, nearest: f64) -> Vec<Peak> {
     let is_top = |i: &usize| values[*i] > values[i - 1] && values[*i] >= values[i + 1];
     let tops = (1..values.len().saturating_sub(1)).filter(is_top);
+
     let peak = |i: usize| {
-        let (left, right) = (
-            descent(values[i], values[..i].iter().rev()),
-            descent(values[i], values[i + 1..].iter()),
-        );
+        let left = descent(values[i], values[..i].iter().rev());
+        let right = descent(values[i], values[i + 1..].iter());
         let stands_out = [&left, &right].iter().all(|d| match d.is_full {
             true => d.depth >= prominence,
             false => d.depth >= AT_AN_END,
@@ -36,6 +35,8 @@ pub(super) fn peaks(values: &[f64], prominence: f64, nearest: f64) -> Vec<Peak> 
             prominence: deepest,
         })
     };
+
+    // of two that lie too near, the one that stands out more
     let mut kept: Vec<Peak> = Vec::new();
     for peak in tops.filter_map(peak) {
         match kept.last_mut() {

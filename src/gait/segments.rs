@@ -1,8 +1,8 @@
 //! Orientations of the body's parts, in the axes of the ISB: X forwards, Y up the part, Z to the body's right.
 //!
-//! Of a fitted body they are the parts' own axes. Of joint centres and markers they are built from lines between them,
-//! and what such lines cannot show (the turn of a straight leg about itself, the tilt of a pelvis of which only the hips
-//! are known) is said, not guessed: see [`Segments::unknown`].
+//! A fitted body's parts have axes of their own. Between joint centres and markers, axes are built from lines. What such
+//! lines cannot show (the turn of a straight leg about itself, the tilt of a pelvis of which only the hips are known) is
+//! listed in [`Segments::unknown`], not guessed.
 //!
 //! # Source
 //! Wu et al., J. Biomech. 35 (2002) 543–548 (pelvis to foot) and 38 (2005) 981–992 (trunk, arm).
@@ -65,22 +65,22 @@ const PARTS: [(&str, Limb); 5] = [
 ];
 
 impl Segments {
-    /// The parts of a fitted body; `None` for a frame nobody was seen in.
+    /// The parts of a fitted body; the motion of a frame in which nobody was seen is `None`.
     ///
-    /// Parts are found by the names that the shipped models give them.
-    pub fn of_body(model: &BodyModel, shape: &Shape, motions: &[Option<Motion>]) -> Self {
+    /// Parts are found by their names in the shipped models.
+    pub fn from_body(model: &BodyModel, shape: &Shape, motions: &[Option<Motion>]) -> Self {
         let mut segments = Self::default();
         let posed = |motion: &Option<Motion>| Some(Posed::new(model, shape, motion.as_ref()?));
         let bodies: Vec<Option<Posed<'_>>> = motions.iter().map(posed).collect();
-        for (segment, part) in Self::of_model(model) {
-            let axes = |body: &Option<Posed<'_>>| {
-                body.as_ref()
-                    .map_or(unknown(), |b| isb_from_model(&b.world_from_part(part)))
-            };
-            segments
-                .axes
-                .insert(segment, bodies.iter().map(axes).collect());
+
+        for (segment, part) in Self::model_parts(model) {
+            let part_axes = |body: &Posed<'_>| isb_from_model(&body.world_from_part(part));
+            let axes = bodies
+                .iter()
+                .map(|b| b.as_ref().map_or(unknown(), part_axes));
+            segments.axes.insert(segment, axes.collect());
         }
+
         if has_hinges(model) {
             let reason = "the knee of the fitted body is a hinge: it only bends";
             segments.unknown.insert(Angle::KneeAdduction, reason);
@@ -89,8 +89,8 @@ impl Segments {
         segments
     }
 
-    /// The segments that a body model has, and its parts.
-    pub fn of_model(model: &BodyModel) -> Vec<(Segment, PartId)> {
+    /// The segments of a body model, and its parts.
+    pub fn model_parts(model: &BodyModel) -> Vec<(Segment, PartId)> {
         let trunk = [
             (Segment::Pelvis, "pelvis".to_owned()),
             (Segment::Trunk, "thorax".to_owned()),
@@ -122,7 +122,7 @@ pub(super) fn unknown() -> Matrix3<f64> {
     Matrix3::repeat(f64::NAN)
 }
 
-/// The model's axes are forwards, left, up.
+/// ISB axes (forwards, up, right) from the model's (forwards, left, up).
 fn isb_from_model(world_from_part: &Matrix3<f64>) -> Matrix3<f64> {
     let column = |i: usize| world_from_part.column(i).into_owned();
     Matrix3::from_columns(&[column(0), column(2), -column(1)])

@@ -118,7 +118,7 @@ impl FittedMotion {
 
         let motion = |frame: &Option<&FramePose>| Some((*frame)?.motion.clone());
         let motions: Vec<Option<Motion>> = frames.iter().map(motion).collect();
-        let mut segments = Segments::of_body(&self.model, &self.shape, &motions);
+        let mut segments = Segments::from_body(&self.model, &self.shape, &motions);
         add_part_sd(&mut segments, &self.model, &frames);
         add_joint_sd(&mut segments, &self.model, &frames);
         movement.segments = Some(segments);
@@ -204,7 +204,7 @@ fn add_joint_sd(segments: &mut Segments, model: &BodyModel, frames: &[Option<&Fr
 /// tilt about the one to the left and by rotation about the one upwards. A foot's direction on the floor turns with the
 /// foot about its own upward axis, by 1/cos θ of that when its sole is pitched by θ.
 fn add_part_sd(segments: &mut Segments, model: &BodyModel, frames: &[Option<&FramePose>]) {
-    for (segment, part) in Segments::of_model(model) {
+    for (segment, part) in Segments::model_parts(model) {
         let sd = |frame: &Option<&FramePose>| {
             vector_or_nan(frame.and_then(|f| f.sd.as_ref()?.parts_rad.get(part.0)))
         };
@@ -249,7 +249,7 @@ fn add_part_sd(segments: &mut Segments, model: &BodyModel, frames: &[Option<&Fra
 /// Adds the standard deviations of the model's points; a heel errs as the ankle does that it was found from.
 fn add_place_sd(movement: &mut Movement, points: &[FittedPoint]) {
     for point in points {
-        let Some((landmark, _)) = Landmark::of_name(&point.name) else {
+        let Some((landmark, _)) = Landmark::from_name(&point.name) else {
             continue;
         };
         if point.sd_m.iter().any(|sd| sd.x.is_finite()) {
@@ -265,7 +265,7 @@ fn add_place_sd(movement: &mut Movement, points: &[FittedPoint]) {
 /// Adds the standard deviations of the ways from left to right places.
 fn add_apart_sd(movement: &mut Movement, model: &BodyModel, frames: &[Option<&FramePose>]) {
     for (i, (right, _)) in model.point_pairs().into_iter().enumerate() {
-        let landmark = Landmark::of_name(&model.points[right].name);
+        let landmark = Landmark::from_name(&model.points[right].name);
         let Some((Landmark::Of(_, place), _)) = landmark else {
             continue;
         };
@@ -310,7 +310,7 @@ mod tests {
             }),
             cameras: 0,
         };
-        let mut segments = Segments::of_body(&model, &shape, &[Some(motion)]);
+        let mut segments = Segments::from_body(&model, &shape, &[Some(motion)]);
         add_part_sd(&mut segments, &model, &[Some(&frame)]);
         for (angle, expected) in [
             (Angle::TrunkObliquity, 0.01),

@@ -10,7 +10,7 @@ fn walk() -> (Walker, Movement, GaitAnalysis) {
     let walker = Walker::new(0.8);
     let mut movement = walker.movement().expect("a body");
     let motions: Vec<_> = walker.motions.iter().cloned().map(Some).collect();
-    movement.segments = Some(Segments::of_body(&walker.model, &walker.shape, &motions));
+    movement.segments = Some(Segments::from_body(&walker.model, &walker.shape, &motions));
     let gait = analyse(&movement, &GaitOptions::default()).expect("a pelvis");
     (walker, movement, gait)
 }

@@ -118,7 +118,7 @@ fn what_a_file_lacks_is_said_beside_what_it_gives() {
     };
     let (text, _) = said(&with_point(&trc, "LKnee", gap), &[]).expect("a walk with a gap");
     assert!(
-        text.contains("and neither is what hangs on them: left knee 30"),
+        text.contains("and neither is what depends on them: left knee 30"),
         "{text}"
     );
     let (text, _) = said(&trc, &[]).expect("a walk");

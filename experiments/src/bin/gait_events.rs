@@ -205,7 +205,7 @@ fn joint_centres(markers: &Path) -> Result<String, Box<dyn Error>> {
     let mut columns = Vec::new();
     for (letter, side) in [("R", Side::Right), ("L", Side::Left)] {
         let hip = hips
-            .of(side, maquette::gait::Paired::Hip)
+            .paired_track(side, maquette::gait::Paired::Hip)
             .ok_or("no hips")?;
         names.push(format!("{letter}Hip"));
         columns.push(hip.iter().map(|p| Some((*p).into())).collect::<Vec<_>>());

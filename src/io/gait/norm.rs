@@ -7,7 +7,7 @@ use serde::Deserialize;
 
 use crate::gait::{Angle, Band, Norm, Parameter, SCORE_POINTS};
 
-/// The norm that comes with the program: its name and text.
+/// The shipped norm: its name and text.
 pub const SHIPPED_NORM: (&str, &str) = (
     "schwartz-2008-free",
     include_str!("../../../data/norms/schwartz-2008-free.toml"),
@@ -33,7 +33,7 @@ pub enum NormError {
         /// What is wrong.
         source: Box<toml::de::Error>,
     },
-    /// A name that is none.
+    /// A name of no angle or parameter.
     #[error("{}: {kind} {name:?} is not known", path.display())]
     Name {
         /// The file.
@@ -105,15 +105,15 @@ pub fn parse_norm(text: &str, path: &Path) -> Result<Norm, NormError> {
     for (name, part) in file.curve {
         let angle = Angle::ALL.into_iter().find(|a| a.name() == name);
         let angle = angle.ok_or_else(|| unknown(path, "angle", &name))?;
+
         let is_whole =
             |values: &[f64]| values.len() == SCORE_POINTS && values.iter().all(|v| v.is_finite());
-        if !is_whole(&part.mean_deg)
-            || !is_whole(&part.sd_deg)
-            || part.sd_deg.iter().any(|s| *s <= 0.0)
-        {
+        let is_positive = part.sd_deg.iter().all(|sd| *sd > 0.0);
+        if !is_whole(&part.mean_deg) || !is_whole(&part.sd_deg) || !is_positive {
             let path = path.into();
             return Err(NormError::Points { path, name });
         }
+
         let radians = |values: Vec<f64>| values.into_iter().map(f64::to_radians).collect();
         let band = Band {
             mean: radians(part.mean_deg),
@@ -126,15 +126,15 @@ pub fn parse_norm(text: &str, path: &Path) -> Result<Norm, NormError> {
 
 /// Mean and SD of each named parameter.
 pub(super) fn parameters(
-    of: BTreeMap<String, ParameterPart>,
+    parts: BTreeMap<String, ParameterPart>,
     path: &Path,
 ) -> Result<BTreeMap<Parameter, (f64, f64)>, NormError> {
-    let one = |(name, part): (String, ParameterPart)| {
+    let mean_and_sd = |(name, part): (String, ParameterPart)| {
         let parameter = Parameter::ALL.into_iter().find(|p| p.name() == name);
         let parameter = parameter.ok_or_else(|| unknown(path, "parameter", &name))?;
         Ok((parameter, (part.mean, part.sd)))
     };
-    of.into_iter().map(one).collect()
+    parts.into_iter().map(mean_and_sd).collect()
 }
 
 fn unknown(path: &Path, kind: &'static str, name: &str) -> NormError {

@@ -8,13 +8,13 @@ use serde::Deserialize;
 use super::norm::{NormError, ParameterPart, parameters, syntax};
 use crate::gait::Norm;
 
-/// The groups that come with the program: name of the file and text.
+/// The shipped groups: name of the file and text.
 const SHIPPED: (&str, &str) = (
     "spatiotemporal",
     include_str!("../../../data/norms/spatiotemporal.toml"),
 );
 
-/// A sex, as tables of healthy people part them.
+/// A sex, as tables of healthy people distinguish it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Sex {
@@ -37,7 +37,7 @@ struct GroupPart {
     people: String,
     /// First and last year of life.
     ages: [u32; 2],
-    /// Both together where it is absent.
+    /// Absent: both sexes together.
     sex: Option<Sex>,
     source: String,
     parameter: BTreeMap<String, ParameterPart>,
@@ -50,7 +50,7 @@ impl GroupPart {
     }
 }
 
-/// Gives a norm the parameters of healthy people of an age (completed years) and sex; as it is where no table has them.
+/// Adds the parameters of healthy people of an age (completed years) and sex; without a table for them the norm stays.
 ///
 /// # Errors
 /// [`NormError`].
@@ -71,7 +71,7 @@ mod tests {
     use super::*;
     use crate::gait::Parameter;
 
-    fn of(age_years: u32, sex: Option<Sex>) -> Norm {
+    fn norm(age_years: u32, sex: Option<Sex>) -> Norm {
         let mut norm = Norm::default();
         add_parameters(&mut norm, age_years, sex).unwrap();
         norm
@@ -82,9 +82,9 @@ mod tests {
         let file: GroupsFile = toml::from_str(SHIPPED.1).unwrap();
         for group in file.group {
             let name = group.name;
-            let of = parameters(group.parameter, Path::new(SHIPPED.0)).unwrap();
-            let mean = |parameter| of[&parameter].0;
-            assert!(of.values().all(|(_, sd)| *sd > 0.0), "{name}");
+            let parameters = parameters(group.parameter, Path::new(SHIPPED.0)).unwrap();
+            let mean = |parameter| parameters[&parameter].0;
+            assert!(parameters.values().all(|(_, sd)| *sd > 0.0), "{name}");
             // means of different quantities are tied only as closely as their two or three digits, and as a mean of
             // quotients is a quotient of means
             let close = |found: f64, expected: f64| {
@@ -111,17 +111,17 @@ mod tests {
 
     #[test]
     fn a_norm_is_that_of_the_age_and_sex() {
-        let (woman, man) = (of(72, Some(Sex::Female)), of(72, Some(Sex::Male)));
+        let (woman, man) = (norm(72, Some(Sex::Female)), norm(72, Some(Sex::Male)));
         assert_ne!(woman.parameters, man.parameters);
         assert!(
             man.parameters_source
                 .unwrap()
                 .contains("men of 70 to 74 years")
         );
-        // tables of children do not ask for the sex, those of old people do, and in between there is none
-        assert!(!of(13, None).parameters.is_empty());
+        // tables of children hold for both sexes, those of old people for one, and in between there is none
+        assert!(!norm(13, None).parameters.is_empty());
         assert!(
-            of(72, None).parameters.is_empty() && of(34, Some(Sex::Male)).parameters.is_empty()
+            norm(72, None).parameters.is_empty() && norm(34, Some(Sex::Male)).parameters.is_empty()
         );
     }
 }

@@ -11,7 +11,7 @@ use crate::io::result::{FramePart, ResultError, ResultFile};
 use crate::pipeline::{FittedBody, FittedMotion, FramePose};
 use crate::silhouette::FrameIndex;
 
-/// Why nothing can be analysed.
+/// Why a file or a fit gives no movement.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum GaitInputError {
@@ -23,10 +23,10 @@ pub enum GaitInputError {
         /// Why.
         source: std::io::Error,
     },
-    /// No TRC.
+    /// A text that is no TRC.
     #[error(transparent)]
     Trc(#[from] TrcError),
-    /// Two frame rates.
+    /// A TRC that states two frame rates.
     #[error(
         "{}: the header states {stated_hz} Hz, the Time column {counted_hz:.6} Hz: give the right one with --fps",
         path.display()
@@ -55,15 +55,15 @@ pub enum GaitInputError {
         /// Why.
         source: MovementError,
     },
-    /// No fit.
+    /// A folder without a fit, or a fit of another body.
     #[error(transparent)]
     Result(#[from] ResultError),
-    /// The body of the fit.
+    /// The model of the fitted body.
     #[error(transparent)]
     Model(#[from] ModelFileError),
 }
 
-/// What was read.
+/// What gait analysis works on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GaitInput {
     /// The moving body.
@@ -74,30 +74,30 @@ pub struct GaitInput {
     pub body: Option<FittedBody>,
 }
 
-/// Reads a TRC; `fps` replaces the rate that it states.
+/// Reads a TRC; `rate_hz` replaces the rate that it states.
 ///
 /// # Errors
 /// [`GaitInputError`] names the file, and the line where there is one.
-pub fn read_points(path: &Path, fps: Option<f64>) -> Result<GaitInput, GaitInputError> {
+pub fn read_points(path: &Path, rate_hz: Option<f64>) -> Result<GaitInput, GaitInputError> {
     let bytes = std::fs::read(path).map_err(|source| GaitInputError::Read {
         path: path.into(),
         source,
     })?;
     let text = String::from_utf8_lossy(&bytes);
     let points = read_trc(&text, path)?;
+
     let stated_hz = points.rate_hz;
-    match (fps, rate_of_times(&text)) {
-        (None, Some(counted_hz)) if (counted_hz / stated_hz - 1.0).abs() > 0.02 => {
-            let path = path.into();
-            return Err(GaitInputError::Rate {
-                path,
-                stated_hz,
-                counted_hz,
-            });
-        }
-        _ => {}
+    let differs = |counted_hz: &f64| (counted_hz / stated_hz - 1.0).abs() > 0.02;
+    let counted_hz = rate_of_times(&text).filter(differs);
+    if let (None, Some(counted_hz)) = (rate_hz, counted_hz) {
+        return Err(GaitInputError::Rate {
+            path: path.into(),
+            stated_hz,
+            counted_hz,
+        });
     }
-    let rate_hz = fps.unwrap_or(stated_hz);
+
+    let rate_hz = rate_hz.unwrap_or(stated_hz);
     let movement =
         Movement::from_points(rate_hz, points.first_frame, &points.names, &points.frames);
     Ok(GaitInput {

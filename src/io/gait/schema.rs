@@ -8,7 +8,7 @@ use crate::gait::{
     Statistic, Surface, Used, indices,
 };
 
-/// What an analysis found. Version 1.
+/// A gait analysis. Version 1.
 #[derive(Debug, Serialize)]
 pub struct GaitFile {
     /// `maquette-gait`.
@@ -75,7 +75,7 @@ pub struct CurvePart {
     pub angle: Angle,
     /// Whose cycle.
     pub side: Side,
-    /// What a positive value is.
+    /// What a positive value means.
     pub positive: &'static str,
     /// Foot off, % of the cycle.
     pub foot_off_percent: f64,
@@ -125,6 +125,13 @@ pub fn gait_file(input: &GaitInput, gait: &GaitAnalysis, norm: Option<&Norm>) ->
         angle: *angle,
         reason,
     };
+    let indices = norm.and_then(|norm| Some(in_degrees(indices(&gait.curves, norm)?)));
+    let norm = norm.map(|norm| NormPart {
+        name: norm.name.clone(),
+        source: norm.source.clone(),
+        parameters_source: norm.parameters_source.clone(),
+    });
+
     GaitFile {
         format: "maquette-gait",
         version: 1,
@@ -141,12 +148,8 @@ pub fn gait_file(input: &GaitInput, gait: &GaitAnalysis, norm: Option<&Norm>) ->
         agreement: gait.agreement.clone(),
         parameters: parameters(gait),
         curves: gait.curves.iter().map(curve).collect(),
-        indices: norm.and_then(|norm| Some(in_degrees(indices(&gait.curves, norm)?))),
-        norm: norm.map(|norm| NormPart {
-            name: norm.name.clone(),
-            source: norm.source.clone(),
-            parameters_source: norm.parameters_source.clone(),
-        }),
+        indices,
+        norm,
         unknown: gait.unknown.iter().map(unknown).collect(),
         notes: gait.notes.clone(),
     }

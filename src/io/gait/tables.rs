@@ -1,18 +1,14 @@
 //! Tables for spreadsheets: comma-separated, one heading line, angles in degrees.
 
-use crate::gait::{GaitAnalysis, Movement, Norm, Side};
+use crate::gait::{Band, Curve, GaitAnalysis, Movement, Norm};
 
 /// Every curve, a row per side, angle and percent: mean, SD over strides, SD of the fit, norm, then the strides.
 ///
 /// # Errors
 /// None that an analysis can cause; the writer's, if it has any.
 pub fn curves_csv(gait: &GaitAnalysis, norm: Option<&Norm>) -> std::io::Result<Vec<u8>> {
-    let strides = gait
-        .curves
-        .iter()
-        .map(|c| c.strides.len())
-        .max()
-        .unwrap_or(0);
+    let counts = gait.curves.iter().map(|c| c.strides.len());
+    let strides = counts.max().unwrap_or(0);
     let heading = [
         "side",
         "angle",
@@ -25,37 +21,37 @@ pub fn curves_csv(gait: &GaitAnalysis, norm: Option<&Norm>) -> std::io::Result<V
     ];
     let heading = heading.map(str::to_owned).into_iter();
     let heading = heading.chain((1..=strides).map(|i| format!("stride_{i}_deg")));
+
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(heading)?;
     for curve in &gait.curves {
         let band = norm.and_then(|norm| norm.curves.get(&curve.angle));
         for percent in 0..curve.mean.len() {
-            let at =
-                |values: &Option<Vec<f64>>| values.as_ref().and_then(|v| v.get(percent)).copied();
-            let of_norm = |values: Option<&Vec<f64>>| {
-                values
-                    .filter(|_| percent % 2 == 0)
-                    .and_then(|v| v.get(percent / 2))
-                    .copied()
-            };
-            let numbers = [
-                Some(curve.mean[percent]),
-                at(&curve.sd),
-                at(&curve.fit_sd),
-                of_norm(band.map(|b| &b.mean)),
-                of_norm(band.map(|b| &b.sd)),
-            ];
-            let stride = |i: usize| curve.strides.get(i).map(|s| s[percent]);
-            let names = [
-                curve.side.name().to_owned(),
-                curve.angle.name().to_owned(),
-                percent.to_string(),
-            ];
-            let numbers = numbers.into_iter().chain((0..strides).map(stride));
-            writer.write_record(names.into_iter().chain(numbers.map(degrees)))?;
+            writer.write_record(curve_row(curve, band, percent, strides))?;
         }
     }
     finished(writer)
+}
+
+/// One percent of a curve, with as many strides as the table has columns for.
+fn curve_row(curve: &Curve, band: Option<&Band>, percent: usize, strides: usize) -> Vec<String> {
+    let at = |values: &Option<Vec<f64>>| values.as_ref().and_then(|v| v.get(percent)).copied();
+    // the norm has every second percent
+    let band = band.filter(|_| percent.is_multiple_of(2));
+    let norm_at = |values: &[f64]| values.get(percent / 2).copied();
+    let numbers = [
+        Some(curve.mean[percent]),
+        at(&curve.sd),
+        at(&curve.fit_sd),
+        band.and_then(|band| norm_at(&band.mean)),
+        band.and_then(|band| norm_at(&band.sd)),
+    ];
+    let stride = |i: usize| curve.strides.get(i).map(|s| s[percent]);
+    let numbers = numbers.into_iter().chain((0..strides).map(stride));
+
+    let names = [curve.side.name(), curve.angle.name()].map(str::to_owned);
+    let names = names.into_iter().chain([percent.to_string()]);
+    names.chain(numbers.map(degrees)).collect()
 }
 
 /// Every angle in every frame: a column per angle and side.
@@ -94,8 +90,8 @@ pub fn parameters_csv(gait: &GaitAnalysis) -> std::io::Result<Vec<u8>> {
         "value",
         "uncertainty",
     ])?;
+
     for ((parameter, side), statistic) in &gait.parameters {
-        let side: Side = *side;
         let uncertainty = statistic
             .uncertainty
             .map_or(String::new(), |u| format!("{u:.6}"));
