@@ -1,15 +1,15 @@
-//! How probable a colour is of the empty scene.
+//! How probable a colour is where nobody stands.
 
 use super::{Colours, Plane};
 
 /// Settings of the density of a [`Background`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShadowOptions {
-    /// Share of background pixels that lie in a shadow (default 0.2: about a person, most of the floor).
+    /// Share of background pixels that lie in a shadow (default 0.2: around a person, most of the floor).
     pub share: f32,
-    /// A shadow leaves at least this part of the light (default 0.4).
+    /// The least part of the light that a shadow leaves (default 0.4).
     pub darkest: f32,
-    /// How much less exact a shadow's hue is than the background's noise (default 1.5, of σ).
+    /// Noise of the hue in a shadow, as a multiple of the background's σ (default 1.5).
     pub hue_spread: f32,
 }
 
@@ -23,37 +23,37 @@ impl Default for ShadowOptions {
     }
 }
 
-/// Share of background pixels that are of any colour at all: what changes without being the person.
+/// Share of background pixels that may have any colour: what changes without being the person.
 const OUTLIERS: f32 = 0.01;
-/// A shadow may also be a little brighter than the background, by rounding and reflection.
+/// A shadow's most light: rounding and reflections make it up to a little brighter than the background.
 const BRIGHTEST: f32 = 1.05;
 
-/// What the empty scene looks like in one pixel.
+/// Colours of the empty scene in one pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BackgroundPixel {
-    /// μ, red, green, blue.
+    /// μ: red, green, blue.
     pub mean: [f32; 3],
     /// σ of the brightness, along μ, grey levels.
     pub along: f32,
-    /// σ of the hue, in both directions across μ, grey levels: cameras and codecs blur the hue and leave the grain.
+    /// σ of the hue, in both directions across μ, grey levels: cameras and codecs blur hue but leave grain.
     pub across: f32,
-    /// Probability that μ is the empty scene's colour and not the person's, who may have stood there all the time.
+    /// Probability that μ is the colour of the empty scene, and not of a person who stood there all the time.
     pub trust: f32,
 }
 
-/// What the empty scene looks like.
+/// Colours of the empty scene in every pixel.
 pub type Background = Plane<BackgroundPixel>;
 
 impl BackgroundPixel {
     /// ln p(x | no person here), in 1/(grey level)³.
     ///
-    /// p = t·((1 − s − o)·N(x) + s·S(x) + o/256³) + (1 − t)·q(x), t the trust and q the density of the colours of the
-    /// surroundings. With x = a·μ + e, e ⟂ μ: N is a Gaussian of (a − 1)‖μ‖ and of e; S, the density in a shadow, is
-    /// uniform in a between `darkest` and 1.05 and a Gaussian of e.
+    /// p = t·((1 − s − o)·N(x) + s·S(x) + o/256³) + (1 − t)·q(x): t is the trust, s the share of shadows, o that of outliers,
+    /// and q the density of the colours `around`. With x = a·μ + e, e ⟂ μ: N is a Gaussian of (a − 1)‖μ‖ and of e; S, the
+    /// density in a shadow, is uniform in a between `darkest` and 1.05, and a Gaussian of e.
     ///
     /// # Source
     /// Horprasert, Harwood & Davis, *A statistical approach for real-time robust background subtraction and shadow
-    /// detection*, 1999, for a and e. **Differs**: a density in the place of thresholds.
+    /// detection*, 1999, for a and e. **Differs**: a density takes the place of thresholds.
     pub fn log_density(
         &self,
         colour: [u8; 3],
@@ -63,14 +63,18 @@ impl BackgroundPixel {
         use std::f32::consts::TAU;
         let (x, mean) = (colour.map(f32::from), self.mean);
         let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+
+        // a, (a − 1)²‖μ‖² and ‖e‖²
         let squared = dot(mean, mean).max(1.0);
         let light = dot(x, mean) / squared;
         let brighter = (light - 1.0) * (light - 1.0) * squared;
         let hue = (dot(x, x) - light * light * squared).max(0.0);
+
         let gauss = |squared: f32, sigma: f32| (-0.5 * squared / (sigma * sigma)).exp();
         let plain = gauss(brighter, self.along) / (TAU.sqrt() * self.along)
             * gauss(hue, self.across)
             / (TAU * self.across * self.across);
+
         let in_shadow = if light > shadow.darkest && light < BRIGHTEST {
             let spread = self.across * shadow.hue_spread;
             let length = (BRIGHTEST - shadow.darkest) * squared.sqrt();
@@ -78,6 +82,7 @@ impl BackgroundPixel {
         } else {
             0.0
         };
+
         let any = OUTLIERS / 256_f32.powi(3);
         let known = (1.0 - shadow.share - OUTLIERS) * plain + shadow.share * in_shadow + any;
         match around {

@@ -1,24 +1,24 @@
-//! The border of a mask, to the pixel: by how much of a border pixel the person covers.
+//! The border of a mask, exact to the pixel, from how much of each border pixel the person covers.
 //!
-//! Labels tell the person from the empty scene by which colours are possible in each. A pixel on the border shows a
-//! mixture, α·F + (1 − α)·B, that is possible in neither, and falls to the side whose colours are known less well. But F and
-//! B, the colours on either side of the border, stand right beside it, and so α can be measured.
+//! Labels tell the person from the empty scene by the colours that each can have. A pixel on the border shows a mixture,
+//! α·F + (1 − α)·B, that neither can have, and so falls to the side whose colours are known less well. But F and B, the
+//! colours on either side of the border, stand right beside it, so α can be measured.
 
 use super::{Mask, Picture, Plane, Runs, box_mean};
 
 /// Settings of [`sharpen`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BorderOptions {
-    /// Pixels farther than this from the border stay what they are, px (default 1).
+    /// Only pixels this near to the border may change, px (default 1).
     pub reach_px: usize,
-    /// F and B are the mean colours within so many columns and rows, px (default 4).
+    /// F and B are mean colours over so many columns and rows to each side, px (default 4).
     pub window_px: usize,
-    /// A pixel is the person's where the mean coverage of 3 × 3 pixels exceeds this (default 0.4: hand-made and
-    /// rendered masks alike count a little less than half).
+    /// A pixel shows the person where the mean coverage of 3 × 3 pixels exceeds this (default 0.4: hand-made and rendered
+    /// masks both begin a little below half).
     pub coverage: f32,
-    /// F and B differ by at least this, grey levels (default 20)…
+    /// Least difference of F and B for α to be measured, grey levels (default 20).
     pub least_contrast: f32,
-    /// … and their squared distance is so many times the variances of the two sides together (default 4).
+    /// Least squared difference of F and B, over the sum of the two sides' variances (default 4).
     pub least_separation: f32,
 }
 
@@ -35,7 +35,7 @@ impl Default for BorderOptions {
 }
 
 impl BorderOptions {
-    /// For a mask that was found in a picture shrunk by `factor`: the border may be so many times as far off.
+    /// For a mask from a picture that was shrunk by `factor`: its border may be off by so many times as much.
     pub fn scaled(self, factor: usize) -> Self {
         Self {
             reach_px: self.reach_px * factor,
@@ -45,51 +45,56 @@ impl BorderOptions {
     }
 }
 
-/// Fewer pixels of one side in the window, as a share of it, do not tell its colour.
+/// Least share of the window that must belong to a side for its colour to be known.
 const LEAST_SHARE: f32 = 0.037;
-/// Coverage is averaged over so many neighbours to each side, px.
+/// Neighbours to each side over which coverage is averaged, px.
 const SMOOTHED_PX: usize = 1;
 
-/// The mask with its border where the picture has it; unchanged where the two sides look alike.
+/// The mask with its border moved to where the picture has it; unchanged where the two sides look alike.
 ///
-/// α = (x − B)·(F − B)/‖F − B‖² within `reach_px` of the border, F and B the mean colours of the pixels beyond that on
-/// either side, α the mean of 3 × 3 of them.
+/// Within `reach_px` of the border α = (x − B)·(F − B)/‖F − B‖², with F and B the mean colours on either side beyond that
+/// reach; a pixel is decided by the mean α of 3 × 3 pixels.
 pub fn sharpen(mask: &Mask, picture: &Picture, options: &BorderOptions) -> Mask {
     let runs = Runs::from_mask(mask);
     let Some(region) = runs.region() else {
         return mask.clone();
     };
+
+    // only the person's surroundings are looked at
     let margin = options.reach_px + options.window_px;
-    let region = region.grown(margin, (mask.width(), mask.height()));
+    let region = region.grown(margin, mask.width(), mask.height());
     let inner = runs.painted(&region, 0).map(f32::from);
-    let sides = Sides::new(&inner, &picture.cropped(&region), options);
-    let coverage = box_mean(&sides.coverage, SMOOTHED_PX);
+    let measured = Coverage::new(&inner, &picture.cropped(&region), options);
+    let coverage = box_mean(&measured.alpha, SMOOTHED_PX);
+
     Mask::from_fn(mask.width(), mask.height(), |x, y| {
         let (Some(column), Some(row)) = (x.checked_sub(region.left), y.checked_sub(region.top))
         else {
             return mask.is_foreground(x, y);
         };
-        match sides.is_measured.get(column, row) {
+        match measured.is_measured.get(column, row) {
             Some(true) => coverage.row(row)[column] > options.coverage,
             _ => mask.is_foreground(x, y),
         }
     })
 }
 
-/// α of each pixel, and whether it is measured there.
-struct Sides {
-    coverage: Plane<f32>,
+/// α of each pixel: measured, or else what the mask says.
+struct Coverage {
+    alpha: Plane<f32>,
     is_measured: Plane<bool>,
 }
 
-impl Sides {
+impl Coverage {
     fn new(mask: &Plane<f32>, picture: &Picture, options: &BorderOptions) -> Self {
+        // the colours of either side, from pixels beyond the reach
         let near = box_mean(mask, options.reach_px);
         let inside = near.map(|share| f32::from(u8::from(share > 0.999)));
         let outside = near.map(|share| f32::from(u8::from(share < 0.001)));
-        let person = Colour::beside(picture, &inside, options.window_px);
-        let scene = Colour::beside(picture, &outside, options.window_px);
-        let mut coverage = mask.clone();
+        let person = side_colours(picture, &inside, options.window_px);
+        let scene = side_colours(picture, &outside, options.window_px);
+
+        let mut alpha = mask.clone();
         let mut is_measured = mask.map(|_| false);
         for y in 0..mask.height() {
             for x in 0..mask.width() {
@@ -97,21 +102,18 @@ impl Sides {
                     continue;
                 }
                 let (f, b) = (person.row(y)[x], scene.row(y)[x]);
-                if let Some(alpha) = mixed(picture.row(y)[x], f, b, options) {
-                    coverage.row_mut(y)[x] = alpha;
+                if let Some(covered) = mixed(picture.row(y)[x], f, b, options) {
+                    alpha.row_mut(y)[x] = covered;
                     is_measured.row_mut(y)[x] = true;
                 }
             }
         }
-        Self {
-            coverage,
-            is_measured,
-        }
+        Self { alpha, is_measured }
     }
 }
 
 /// α of a colour between two others; `None` where these are not known or too much alike.
-fn mixed(colour: [u8; 3], f: Colour, b: Colour, options: &BorderOptions) -> Option<f32> {
+fn mixed(colour: [u8; 3], f: SideColour, b: SideColour, options: &BorderOptions) -> Option<f32> {
     let difference = |i: usize| f.mean[i] - b.mean[i];
     let squared: f32 = (0..3).map(|i| difference(i).powi(2)).sum();
     let along: f32 = (0..3)
@@ -123,52 +125,52 @@ fn mixed(colour: [u8; 3], f: Colour, b: Colour, options: &BorderOptions) -> Opti
     (is_known && is_clear).then(|| (along / squared).clamp(0.0, 1.0))
 }
 
-/// What one side looks like about a pixel.
+/// The colour of one side of the border around a pixel.
 #[derive(Clone, Copy)]
-struct Colour {
-    /// Share of the window that is of this side.
+struct SideColour {
+    /// Share of the window that belongs to this side.
     share: f32,
     mean: [f32; 3],
     /// Sum over red, green and blue.
     variance: f32,
 }
 
-impl Colour {
-    /// The colours of a side, 1 in `side`, about each pixel.
-    fn beside(picture: &Picture, side: &Plane<f32>, window_px: usize) -> Plane<Self> {
-        let mean = |value: &dyn Fn([f32; 3]) -> f32| {
-            let mut values = side.clone();
-            for y in 0..side.height() {
-                for (weighted, colour) in values.row_mut(y).iter_mut().zip(picture.row(y)) {
-                    *weighted *= value(colour.map(f32::from));
-                }
-            }
-            box_mean(&values, window_px)
-        };
-        let share = mean(&|_| 1.0);
-        let sums = [0, 1, 2].map(|channel| mean(&|colour| colour[channel]));
-        let squares = mean(&|colour| colour.iter().map(|v| v * v).sum());
-        let nothing = Self {
-            share: 0.0,
-            mean: [0.0; 3],
-            variance: 0.0,
-        };
-        let mut colours = Plane::filled(side.width(), side.height(), nothing);
+/// The colour of a side, which is 1 in `side`, around each pixel.
+fn side_colours(picture: &Picture, side: &Plane<f32>, window_px: usize) -> Plane<SideColour> {
+    // Σ value/window over the side's pixels
+    let mean = |value: &dyn Fn([f32; 3]) -> f32| {
+        let mut values = side.clone();
         for y in 0..side.height() {
-            for (x, colour) in colours.row_mut(y).iter_mut().enumerate() {
-                let share = share.row(y)[x];
-                let per = 1.0 / share.max(1e-6);
-                let mean = [0, 1, 2].map(|channel: usize| sums[channel].row(y)[x] * per);
-                let squared: f32 = mean.iter().map(|v| v * v).sum();
-                *colour = Self {
-                    share,
-                    mean,
-                    variance: (squares.row(y)[x] * per - squared).max(0.0),
-                };
+            for (weighted, colour) in values.row_mut(y).iter_mut().zip(picture.row(y)) {
+                *weighted *= value(colour.map(f32::from));
             }
         }
-        colours
+        box_mean(&values, window_px)
+    };
+    let share = mean(&|_| 1.0);
+    let sums = [0, 1, 2].map(|channel| mean(&|colour| colour[channel]));
+    let squares = mean(&|colour| colour.iter().map(|v| v * v).sum());
+
+    let nothing = SideColour {
+        share: 0.0,
+        mean: [0.0; 3],
+        variance: 0.0,
+    };
+    let mut colours = Plane::filled(side.width(), side.height(), nothing);
+    for y in 0..side.height() {
+        for (x, colour) in colours.row_mut(y).iter_mut().enumerate() {
+            let share = share.row(y)[x];
+            let per = 1.0 / share.max(1e-6);
+            let mean = [0, 1, 2].map(|channel: usize| sums[channel].row(y)[x] * per);
+            let squared: f32 = mean.iter().map(|v| v * v).sum();
+            *colour = SideColour {
+                share,
+                mean,
+                variance: (squares.row(y)[x] * per - squared).max(0.0),
+            };
+        }
     }
+    colours
 }
 
 #[cfg(test)]

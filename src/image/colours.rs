@@ -4,7 +4,7 @@
 const BINS: usize = 16;
 /// Share of the density that is the same for every colour: no colour is impossible.
 const UNIFORM: f64 = 0.1;
-/// Weights of a bin and its neighbours in one channel: (1 2 1)/4 twice, σ² = 1 bin².
+/// Weights of a bin and its neighbours in one channel: (1 2 1)/4 applied twice, σ² = 1 bin².
 const BLUR: [f64; 5] = [0.0625, 0.25, 0.375, 0.25, 0.0625];
 
 /// A density over colours: a histogram of 16 × 16 × 16 bins, blurred by one bin, and a tenth of the uniform density.
@@ -41,6 +41,7 @@ impl ColourCount {
         for stride in [1, BINS, BINS * BINS] {
             counts = blurred(&counts, stride);
         }
+
         let total: f64 = counts.iter().sum();
         let per_bin = (256.0 / BINS as f64).powi(3);
         let (uniform, scale) = match total > 0.0 {
@@ -61,12 +62,13 @@ impl Colours {
     }
 }
 
-fn bin([r, g, b]: [u8; 3]) -> usize {
-    let bin = |value: u8| usize::from(value) * BINS / 256;
-    (bin(r) * BINS + bin(g)) * BINS + bin(b)
+/// Index of the bin of a colour.
+fn bin(colour: [u8; 3]) -> usize {
+    let [r, g, b] = colour.map(|value| usize::from(value) * BINS / 256);
+    (r * BINS + g) * BINS + b
 }
 
-/// Blurred along one channel; at the ends what would leave stays.
+/// Counts blurred along one channel; what would leave at an end stays in the last bin.
 fn blurred(counts: &[f64], stride: usize) -> Vec<f64> {
     let mut blurred = vec![0.0; counts.len()];
     for (i, count) in counts.iter().enumerate() {

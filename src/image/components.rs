@@ -1,22 +1,23 @@
-//! Specks away, small holes filled.
+//! Masks without specks and small holes.
 
 use super::{Component, Connectivity, Runs};
 
-/// What a mask is cleaned of. All four are fractions of the person's own size in the image, so they hold at any resolution.
+/// Which specks and holes a mask is cleaned of: four fractions of the person's own size in the image, so they hold at any
+/// resolution.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CleanOptions {
     /// Components of at least this fraction of the largest one's area are kept wherever they are (default 0.05: a leg
-    /// cut off by an occluder is 0.1 and more).
+    /// cut off by an occluder has 0.1 and more).
     pub part_fraction: f64,
-    /// Smaller ones of at least this fraction are kept when they are near a kept one (default 0.004: a hand cut off at
-    /// the wrist is 0.005 to 0.02).
+    /// Smaller components of at least this fraction are kept if they are near a kept one (default 0.004: a hand cut off
+    /// at the wrist has 0.005 to 0.02).
     pub fragment_fraction: f64,
     /// How near: the gap between a fragment's box and a kept component, over the longer side of the largest
     /// component's box (default 0.04, the width of a forearm).
     pub fragment_gap: f64,
-    /// Holes below this fraction of the foreground's area are filled (default 0.002). The light between an arm and the
-    /// trunk can be as small: what is filled is lost, what stays is a border like any other.
+    /// Holes below this fraction of the foreground's area are filled (default 0.002). The gap between an arm and the trunk
+    /// can be as small: if it is filled, its border is lost.
     pub hole_fraction: f64,
 }
 
@@ -43,6 +44,8 @@ fn without_specks(mask: &Runs, options: &CleanOptions) -> Runs {
     let Some(largest) = components.iter().max_by_key(|component| component.area) else {
         return mask.clone();
     };
+
+    // large components, and fragments near them
     let is_at_least =
         |c: &Component, fraction: f64| c.area as f64 >= fraction * largest.area as f64;
     let is_part = |i: usize| is_at_least(&components[labels[i]], options.part_fraction);
@@ -55,6 +58,7 @@ fn without_specks(mask: &Runs, options: &CleanOptions) -> Runs {
                 || (is_at_least(c, options.fragment_fraction) && parts.comes_near(&c.region, reach))
         })
         .collect();
+
     mask.filtered(|i| is_kept[labels[i]])
 }
 

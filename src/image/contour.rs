@@ -4,11 +4,11 @@ use nalgebra::Point2;
 
 use super::{Plane, Runs};
 
-/// Reach of the blur, and one pixel more so that every border closes.
+/// Margin around the mask: the reach of the blur, and one pixel more so that every border closes.
 const MARGIN: usize = 3;
-/// ½ of the blurred foreground, which is 16 · 16.
+/// The level of the border: half of 16 · 16, the value of blurred foreground.
 const LEVEL: u16 = 128;
-/// A polyline is never resampled to more points.
+/// Most points of a resampled polyline.
 const MOST_POINTS: f64 = 1e6;
 
 /// The outer and inner borders of a mask as closed polylines; the last point is joined to the first.
@@ -17,9 +17,9 @@ const MOST_POINTS: f64 = 1e6;
 /// level ½ (marching squares; at a saddle the mean of the four corners decides). They run with the foreground on the
 /// *left* as seen on the screen (x right, y down): walking to +x, the foreground is above.
 ///
-/// A straight border stays where it is; one of radius R moves inwards by σ²/(2R), 0.0125 px for R = 40 px. What is
-/// narrower than two pixels vanishes. Beyond the image there is background, so a person cut by the image edge has a
-/// border along it, rounded within two pixels of its ends.
+/// A straight border stays where it is; one of radius R moves inwards by σ²/(2R), 0.0125 px for R = 40 px. Pieces
+/// narrower than two pixels vanish. Beyond the image all is background, so a person cut by the image edge has a border
+/// along it, rounded within two pixels of its ends.
 pub fn trace(runs: &Runs) -> Vec<Vec<Point2<f64>>> {
     let Some(region) = runs.region() else {
         return Vec::new();
@@ -28,12 +28,14 @@ pub fn trace(runs: &Runs) -> Vec<Vec<Point2<f64>>> {
     let mut visited = Plane::filled(blurred.width(), blurred.height(), false);
     let (left, top) = (region.left as f64, region.top as f64);
     let offset = nalgebra::Vector2::new(left - MARGIN as f64, top - MARGIN as f64);
+
+    // every border crosses the top of some cell downwards
     let mut contours = Vec::new();
     for y in 0..blurred.height() {
         let row = blurred.row(y);
         for x in 0..row.len().saturating_sub(1) {
             if row[x] < LEVEL && row[x + 1] >= LEVEL && visited.get(x, y) == Some(false) {
-                let mut contour = follow(&blurred, &mut visited, (x, y));
+                let mut contour = follow(&blurred, &mut visited, x, y);
                 contour.iter_mut().for_each(|point| *point += offset);
                 contours.push(contour);
             }
@@ -44,9 +46,9 @@ pub fn trace(runs: &Runs) -> Vec<Vec<Point2<f64>>> {
 
 /// Points of a closed polyline at equal arc length, each the mean of the arc it stands for; at least three.
 ///
-/// The number of points is that which brings their distance closest to `spacing_px`. The mean flattens the steps
-/// of the pixels; it moves a border of radius R inwards by spacing²/(24 R). Empty if the polyline has no length or
-/// the spacing is not positive.
+/// Their number is chosen so that their distance comes closest to `spacing_px`. The mean flattens the steps of the
+/// pixels and moves a border of radius R inwards by spacing²/(24 R). Empty if the polyline has no length or the spacing
+/// is not positive.
 pub fn resample(closed: &[Point2<f64>], spacing_px: f64) -> Vec<Point2<f64>> {
     let next = closed.iter().cycle().skip(1);
     let segments: Vec<_> = closed.iter().zip(next).collect();
@@ -55,6 +57,8 @@ pub fn resample(closed: &[Point2<f64>], spacing_px: f64) -> Vec<Point2<f64>> {
     if length <= 0.0 || spacing_px <= 0.0 || count.is_nan() {
         return Vec::new();
     }
+
+    // `sum` is the integral over the current arc, of which the length `missing` is still to come
     let arc = length / count;
     let mut means = Vec::with_capacity(count as usize);
     let mut sum = nalgebra::Vector2::zeros();
@@ -72,6 +76,7 @@ pub fn resample(closed: &[Point2<f64>], spacing_px: f64) -> Vec<Point2<f64>> {
         sum += nalgebra::center(&from, b).coords * rest;
         missing -= rest;
     }
+
     // rounding decides whether the last arc was finished
     if means.len() < count as usize && missing < 0.5 * arc {
         means.push(Point2::from(sum / (arc - missing)));
@@ -79,7 +84,7 @@ pub fn resample(closed: &[Point2<f64>], spacing_px: f64) -> Vec<Point2<f64>> {
     means
 }
 
-/// Sixteen times sixteen times the binomial blur of a plane of ones and zeros.
+/// The binomial blur of a plane of ones and zeros, times 16 · 16.
 fn blurred(plane: &Plane<u8>) -> Plane<u16> {
     let mut across = Plane::filled(plane.width(), plane.height(), 0u8);
     for y in 0..plane.height() {
@@ -91,6 +96,7 @@ fn blurred(plane: &Plane<u8>) -> Plane<u16> {
             }
         }
     }
+
     let width = plane.width();
     let mut blurred = Plane::filled(width, plane.height(), 0u16);
     for y in 2..plane.height().saturating_sub(2) {
@@ -115,15 +121,17 @@ enum Edge {
     Left,
 }
 
-/// The border that enters the cell (x, y) downwards through its top edge, until it comes back.
+/// The closed border that enters the cell (x, y) downwards through its top edge.
 fn follow(
     blurred: &Plane<u16>,
     visited: &mut Plane<bool>,
-    (mut x, mut y): (usize, usize),
+    mut x: usize,
+    mut y: usize,
 ) -> Vec<Point2<f64>> {
     let value = |x: usize, y: usize| blurred.get(x, y).unwrap_or(0);
     let mut contour = Vec::new();
     let mut entry = Edge::Top;
+
     loop {
         let corners = [
             value(x, y),
@@ -131,13 +139,16 @@ fn follow(
             value(x + 1, y + 1),
             value(x, y + 1),
         ];
+
+        // only top edges are marked: a border has no other start
         if matches!(entry, Edge::Top) {
             match visited.row_mut(y).get_mut(x) {
                 Some(seen) if !*seen => *seen = true,
                 _ => return contour,
             }
         }
-        contour.push(crossing(corners, entry, (x as f64, y as f64)));
+        contour.push(crossing(corners, entry, Point2::new(x as f64, y as f64)));
+
         entry = match exit(corners, entry) {
             Edge::Top => {
                 y -= 1;
@@ -159,8 +170,10 @@ fn follow(
     }
 }
 
-/// Where the level crosses an edge of the cell whose top left pixel is (x, y).
-fn crossing([tl, tr, br, bl]: [u16; 4], edge: Edge, (x, y): (f64, f64)) -> Point2<f64> {
+/// Where the level crosses an edge of the cell whose top left pixel is `corner`.
+fn crossing(corners: [u16; 4], edge: Edge, corner: Point2<f64>) -> Point2<f64> {
+    let [tl, tr, br, bl] = corners;
+    let (x, y) = (corner.x, corner.y);
     let between =
         |a: u16, b: u16| (f64::from(LEVEL) - f64::from(a)) / (f64::from(b) - f64::from(a));
     match edge {
@@ -177,11 +190,13 @@ fn exit(corners: [u16; 4], entry: Edge) -> Edge {
     let is_open = [tl && !tr, tr && !br, br && !bl, bl && !tl];
     let edges = [Edge::Top, Edge::Right, Edge::Bottom, Edge::Left];
     let is_saddle = tl == br && tr == bl && tl != tr;
+
     if is_saddle {
         let is_joined = corners.iter().map(|c| u32::from(*c)).sum::<u32>() >= 4 * u32::from(LEVEL);
         let turn = if is_joined { 3 } else { 1 };
         return edges[(entry as usize + turn) % 4];
     }
+
     let open = is_open.iter().position(|is_open| *is_open);
     edges[open.unwrap_or(entry as usize)]
 }

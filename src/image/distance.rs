@@ -1,8 +1,10 @@
-//! The nearest of many points, for a whole row of a grid at once.
+//! The nearest of many points, found for a whole row of a grid at once.
 
 use nalgebra::Point2;
 
-/// Points sorted by x, ready to be asked which of them is nearest to each node of a row.
+use super::EvenSteps;
+
+/// Points sorted by x, among which the nearest to each node of a row is found.
 ///
 /// The squared distance of a node (u, v) to the point k is the parabola (u − x_k)² + (v − y_k)² in u; the nearest
 /// point belongs to the lowest parabola at u. One sweep builds the lower envelope of a row in O(points + nodes).
@@ -12,17 +14,21 @@ use nalgebra::Point2;
 /// **Differs**: the apexes lie anywhere, not on pixels, so distances are exact for sub-pixel points.
 #[derive(Clone, Debug)]
 pub struct NearestPoints {
-    /// x, y, and the place of the point in the caller's order.
+    /// x, y, and the index of the point in the caller's order.
     points: Vec<(f64, f64, usize)>,
-    /// The lower envelope: height at the apex, which point, and from where on it is the lowest.
+    /// The lower envelope.
     envelope: Vec<Arc>,
 }
 
+/// The parabola of one point.
 #[derive(Clone, Copy, Debug)]
 struct Arc {
+    /// Abscissa of the apex.
     x: f64,
+    /// Height of the apex.
     height: f64,
     point: usize,
+    /// Where it begins to be the lowest.
     from: f64,
 }
 
@@ -41,22 +47,16 @@ impl NearestPoints {
         }
     }
 
-    /// Calls `visit(i, nearest)` for the nodes (left + i·step, y), i = 0 … count − 1, left to right, step > 0.
+    /// Calls `visit(i, nearest)` for the nodes (`columns.at(i)`, y), left to right; the step must be positive.
     ///
-    /// `nearest` is the place of the nearest point in the order in which the points were given. Without points
+    /// `nearest` is the index of the nearest point in the order in which the points were given. Without points
     /// nothing is visited.
-    pub fn along_row(
-        &mut self,
-        y: f64,
-        (left, step): (f64, f64),
-        count: usize,
-        mut visit: impl FnMut(usize, usize),
-    ) {
+    pub fn along_row(&mut self, y: f64, columns: EvenSteps, mut visit: impl FnMut(usize, usize)) {
         self.build_envelope(y);
         let mut arcs = self.envelope.iter().peekable();
         let Some(mut arc) = arcs.next() else { return };
-        for i in 0..count {
-            let u = left + i as f64 * step;
+        for i in 0..columns.count {
+            let u = columns.at(i);
             while let Some(next) = arcs.next_if(|next| next.from <= u) {
                 arc = next;
             }
@@ -70,8 +70,10 @@ impl NearestPoints {
             let height = (y - row_y) * (y - row_y);
             let mut from = f64::NEG_INFINITY;
             let mut is_hidden = false;
+
+            // arcs that are nowhere the lowest any more go
             while let Some(last) = self.envelope.last() {
-                // sorted by x: not greater is equal
+                // sorted by x: if not greater, it is equal
                 if x <= last.x {
                     is_hidden = height >= last.height;
                 } else {
@@ -83,6 +85,7 @@ impl NearestPoints {
                 }
                 self.envelope.pop();
             }
+
             if self.envelope.is_empty() {
                 from = f64::NEG_INFINITY;
             }
@@ -106,11 +109,16 @@ mod tests {
 
     fn squared_distance_by_row(points: &[Point2<f64>], count: usize) -> Vec<(f64, f64)> {
         let mut nearest = NearestPoints::new(points.iter().copied());
+        let columns = EvenSteps {
+            first: -10.0,
+            step: 0.9,
+            count,
+        };
         let mut pairs = Vec::new();
         for row in 0..20 {
             let y = -3.0 + row as f64 * 1.7;
-            nearest.along_row(y, (-10.0, 0.9), count, |i, point| {
-                let node = Point2::new(-10.0 + i as f64 * 0.9, y);
+            nearest.along_row(y, columns, |i, point| {
+                let node = Point2::new(columns.at(i), y);
                 let distances = points.iter().map(|p| (p - node).norm_squared());
                 let least = distances.fold(f64::INFINITY, f64::min);
                 pairs.push(((points[point] - node).norm_squared(), least));

@@ -1,37 +1,37 @@
 //! Where colours change, and how fast.
 //!
-//! The derivative is that of the picture blurred by a Gaussian of σ pixels: the scale at which edges are looked for. A
-//! colour picture has one edge, not three: of the tensor J = Σ ∇I ∇Iᵀ over the channels the larger eigenvalue is the
+//! The picture is blurred by a Gaussian of σ pixels, the scale of its edges, and differentiated. The three channels of a
+//! colour picture have one edge between them: the larger eigenvalue of the tensor J = Σ ∇I ∇Iᵀ over the channels is the
 //! squared magnitude, and its eigenvector the direction (Di Zenzo, *A note on the gradient of a multi-image*, CVGIP 33, 1986).
 
 use nalgebra::{Point2, Vector2};
 
 use super::{Mask, Plane};
 
-/// Widths of the Gaussian after which its kernel ends.
+/// Reach of the Gaussian's kernel, in σ.
 const KERNEL_REACH: f64 = 3.0;
 
-/// Magnitude and direction of the strongest change of a picture; across an edge, towards either side.
+/// Magnitude and direction of the strongest change of a picture. The direction is across the edge, towards either side.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gradient {
-    /// Along x and y, grey levels per pixel; 0 where nothing is known.
+    /// Along x and y, grey levels per pixel; 0 where unknown.
     vectors: Plane<[f32; 2]>,
 }
 
-/// Where a place lies between four pixels.
-struct Around {
-    /// Theirs: upper left and right, lower left and right.
+/// The four pixels around a place, and where it lies between them.
+struct Neighbours {
+    /// Their vectors: upper left and right, lower left and right.
     vectors: [[[f32; 2]; 2]; 2],
-    /// How far it is from the left ones, px.
+    /// Distance from the left ones, px.
     right: f64,
-    /// And from the upper ones.
+    /// Distance from the upper ones, px.
     down: f64,
 }
 
 impl Gradient {
     /// The gradient of a picture's channels at the scale σ; 0 where a channel is not finite within 3 σ.
     ///
-    /// Beyond its border the picture goes on as it ends. Channels of another size than the first are left out.
+    /// The picture counts as constant beyond its border. Channels of another size than the first are left out.
     pub fn new(channels: &[Plane<f32>], sigma_px: f64) -> Self {
         let kernels = Kernels::new(sigma_px);
         let size = channels.first().map(|c| (c.width(), c.height()));
@@ -40,7 +40,8 @@ impl Gradient {
         let mut vectors = slopes
             .next()
             .unwrap_or_else(|| Plane::filled(0, 0, [0.0; 2]));
-        // the tensor of one channel has its slopes for eigenvector
+
+        // the eigenvector of one channel's tensor is its gradient
         if let Some(second) = slopes.next() {
             let mut tensors = vectors.map(tensor);
             for channel in std::iter::once(second).chain(slopes) {
@@ -53,6 +54,7 @@ impl Gradient {
             }
             vectors = tensors.map(strongest);
         }
+
         for y in 0..vectors.height() {
             for vector in vectors.row_mut(y) {
                 let is_known = (vector[0] + vector[1]).is_finite();
@@ -79,50 +81,51 @@ impl Gradient {
 
     /// The gradient at a place between pixels, from its four neighbours; 0 beyond the picture.
     ///
-    /// Vectors of opposite sense are the same edge: each neighbour is turned to the sense of `towards`.
+    /// Opposite vectors are the same edge, so each neighbour is first turned to the side of `towards`.
     pub fn at(&self, place: &Point2<f64>, towards: &Vector2<f64>) -> Vector2<f64> {
         let turned = |[x, y]: [f32; 2]| {
             let v = Vector2::new(f64::from(x), f64::from(y));
             if v.dot(towards) < 0.0 { -v } else { v }
         };
-        let Some(around) = self.around(place) else {
+        let Some(neighbours) = self.neighbours(place) else {
             return Vector2::zeros();
         };
-        let ([[a, b], [c, d]], s, t) = (around.vectors, around.right, around.down);
+        let [[a, b], [c, d]] = neighbours.vectors;
+        let (s, t) = (neighbours.right, neighbours.down);
         (turned(a) * (1.0 - s) + turned(b) * s) * (1.0 - t)
             + (turned(c) * (1.0 - s) + turned(d) * s) * t
     }
 
-    /// How fast the picture changes along a unit vector, whichever the sense: what [`Gradient::at`] has of it towards there.
+    /// How fast the picture changes along a unit vector: that component of [`Gradient::at`] towards it.
     #[inline]
     pub fn along(&self, place: &Point2<f64>, direction: &Vector2<f64>) -> f64 {
-        let Some(around) = self.around(place) else {
+        let Some(neighbours) = self.neighbours(place) else {
             return 0.0;
         };
         let (x, y) = (direction.x as f32, direction.y as f32);
         let change = |v: [f32; 2]| (v[0] * x + v[1] * y).abs();
-        let [upper, lower] = around.vectors.map(|[left, right]| {
+        let [upper, lower] = neighbours.vectors.map(|[left, right]| {
             let (left, right) = (change(left), change(right));
-            left + (right - left) * around.right as f32
+            left + (right - left) * neighbours.right as f32
         });
-        f64::from(upper + (lower - upper) * around.down as f32)
+        f64::from(upper + (lower - upper) * neighbours.down as f32)
     }
 
     /// The four neighbours of a place between pixels; `None` beyond the picture.
     #[inline]
-    fn around(&self, place: &Point2<f64>) -> Option<Around> {
+    fn neighbours(&self, place: &Point2<f64>) -> Option<Neighbours> {
         if !(place.x >= 0.0 && place.y >= 0.0) {
             return None;
         }
         let (x, y) = (place.x as u32, place.y as u32);
-        Some(Around {
+        Some(Neighbours {
             vectors: self.vectors.square(x as usize, y as usize)?,
             right: place.x - f64::from(x),
             down: place.y - f64::from(y),
         })
     }
 
-    /// What of it lies on the foreground of a mask.
+    /// The gradient on the foreground of a mask, 0 elsewhere.
     pub fn within(&self, mask: &Mask) -> Self {
         let mut kept = self.clone();
         for y in 0..kept.height() {
@@ -135,9 +138,9 @@ impl Gradient {
         kept
     }
 
-    /// What of it is above `high`, or above `low` beside a pixel that is above `high` (PF02 § 4.2).
+    /// The gradient where it is above `high`, or above `low` beside a pixel above `high`; 0 elsewhere (PF02 § 4.2).
     ///
-    /// **Differs** from Canny, as the paper does: one step from a strong pixel, not a chain of them.
+    /// **Differs** from Canny, as the paper does: edges continue one pixel beside a strong one, not along a chain.
     pub fn hysteresis(&self, low: f32, high: f32) -> Self {
         let magnitude = self.magnitude();
         let strong_near = |x: usize, y: usize| {
@@ -152,6 +155,7 @@ impl Gradient {
             })
             .any(|m| *m >= high)
         };
+
         let mut kept = self.clone();
         for y in 0..kept.height() {
             for (x, vector) in kept.vectors.row_mut(y).iter_mut().enumerate() {
@@ -165,17 +169,17 @@ impl Gradient {
     }
 }
 
-/// The Gaussian and its derivative: of a constant the one makes the constant, of a slope of 1 the other makes 1.
+/// The Gaussian and its derivative: the one keeps a constant, the other makes 1 of a slope of 1.
 struct Kernels {
     blur: Kernel,
     slope: Kernel,
 }
 
-/// A kernel that is the same on both sides of its middle, or the opposite.
+/// An even or odd kernel.
 struct Kernel {
-    /// From the middle on.
+    /// From the middle outwards.
     weights: Vec<f32>,
-    /// 1 or −1: what the weights before the middle are multiplied with.
+    /// 1 if even, −1 if odd: the factor of the weights before the middle.
     mirrored: f32,
 }
 
@@ -198,7 +202,7 @@ impl Kernels {
 }
 
 impl Kernel {
-    /// Σ kᵢ vᵢ of the values that `shifted(i)` holds, i from before the middle to after it.
+    /// Σ kᵢ vᵢ, with the values vᵢ of all places in `shifted(i)`; i is negative before the middle.
     #[inline(always)]
     fn weigh<'v>(&self, shifted: impl Fn(isize) -> &'v [f32], sums: &mut [f32]) {
         for (sum, value) in sums.iter_mut().zip(shifted(0)) {
@@ -217,23 +221,23 @@ impl Kernel {
 fn slopes(channel: &Plane<f32>, kernels: &Kernels) -> Plane<[f32; 2]> {
     let mut slopes = Plane::filled(channel.width(), channel.height(), [0.0; 2]);
     if channel.width() > 0 {
-        let mut rows = Rows::new(channel.width(), kernels);
+        let mut buffers = RowBuffers::new(channel.width(), kernels);
         for y in 0..channel.height() {
-            slopes_of_row(channel, y, kernels, &mut rows, slopes.row_mut(y));
+            slopes_of_row(channel, y, kernels, &mut buffers, slopes.row_mut(y));
         }
     }
     slopes
 }
 
-/// Rows that are being worked on.
-struct Rows {
-    /// Blurred and differed downwards; at both ends they go on as far as the kernels reach.
+/// Memory for one row.
+struct RowBuffers {
+    /// The row blurred, and differentiated, downwards; continued at both ends as far as the kernels reach.
     down: [Vec<f32>; 2],
-    /// Both of these, the other along.
+    /// The first of these differentiated, the second blurred, along the row: ∂x and ∂y.
     along: [Vec<f32>; 2],
 }
 
-impl Rows {
+impl RowBuffers {
     fn new(width: usize, kernels: &Kernels) -> Self {
         let ends = 2 * (kernels.blur.weights.len() - 1);
         Self {
@@ -249,41 +253,43 @@ fn slopes_of_row(
     channel: &Plane<f32>,
     y: usize,
     kernels: &Kernels,
-    rows: &mut Rows,
+    buffers: &mut RowBuffers,
     slopes: &mut [[f32; 2]],
 ) {
     let Kernels { blur, slope } = kernels;
     let (width, reach) = (slopes.len(), blur.weights.len() - 1);
     let last = channel.height() - 1;
+
     let downwards = |i: isize| channel.row(y.saturating_add_signed(i).min(last));
-    for (row, kernel) in rows.down.iter_mut().zip([blur, slope]) {
+    for (row, kernel) in buffers.down.iter_mut().zip([blur, slope]) {
         kernel.weigh(downwards, &mut row[reach..reach + width]);
         let (first, last) = (row[reach], row[reach + width - 1]);
         row[..reach].fill(first);
         row[reach + width..].fill(last);
     }
-    for ((row, along), kernel) in rows.down.iter().zip(&mut rows.along).zip([slope, blur]) {
+
+    let pairs = buffers.down.iter().zip(&mut buffers.along);
+    for ((row, along), kernel) in pairs.zip([slope, blur]) {
         kernel.weigh(|i| &row[reach.wrapping_add_signed(i)..][..width], along);
     }
-    for (slope, (x, y)) in slopes
-        .iter_mut()
-        .zip(rows.along[0].iter().zip(&rows.along[1]))
-    {
+
+    let [along_x, along_y] = &buffers.along;
+    for (slope, (x, y)) in slopes.iter_mut().zip(along_x.iter().zip(along_y)) {
         *slope = [*x, *y];
     }
 }
 
-/// xx, xy, yy of one channel's slopes.
+/// J of one channel's slopes: xx, xy, yy.
 fn tensor([x, y]: [f32; 2]) -> [f32; 3] {
     [x * x, x * y, y * y]
 }
 
-/// √λ of the larger eigenvalue of a tensor xx, xy, yy, along its eigenvector.
+/// √λ·v of a tensor xx, xy, yy, with its larger eigenvalue λ and the unit eigenvector v.
 fn strongest([xx, xy, yy]: [f32; 3]) -> [f32; 2] {
     let half = 0.5 * (xx - yy);
     let root = length([half, xy]);
     let larger = (0.5 * (xx + yy) + root).max(0.0);
-    // the double angle of the eigenvector is that of (half, xy); without one, any
+    // twice the angle of the eigenvector is the angle of (half, xy), or any if that is zero
     let cosine = if root > 0.0 { half / root } else { 1.0 };
     let along = |sign: f32| (0.5 * larger * (1.0 + sign * cosine)).max(0.0).sqrt();
     [along(1.0), along(-1.0).copysign(xy)]

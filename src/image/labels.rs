@@ -1,14 +1,13 @@
-//! From evidence in single pixels to labels that hold together.
+//! From the evidence of single pixels to coherent labels.
 
 use super::{Picture, Plane};
 
 /// Settings of [`relax`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RelaxOptions {
-    /// λ, what a border costs for each pixel of its length where the picture has no edge, in units of evidence
-    /// (default 8).
+    /// λ: the cost of a border per pixel of its length where the picture has no edge, in units of evidence (default 8).
     pub border_cost: f32,
-    /// Number of steps (default 80).
+    /// Number of iterations (default 80).
     pub steps: usize,
 }
 
@@ -23,15 +22,16 @@ impl Default for RelaxOptions {
 
 /// Step of u; τ·ς·8 = 1 keeps the iteration stable.
 const TAU: f32 = 0.1;
+/// Step of p.
 const VARSIGMA: f32 = 1.25;
 
-/// u ∈ [0, 1] for each pixel, to be read as the probability of foreground: above ½ is foreground.
+/// The probability u of foreground in each pixel; above ½ is foreground.
 ///
 /// Minimises Σ −L u + Σ g ‖∇u‖ with L the evidence, ln p(x | foreground) − ln p(x | background), and
 /// g = λ·exp(−‖∇I‖²/2β), β the mean of ‖∇I‖² over the picture: a border is cheap where the picture I has an edge. The
-/// problem is convex, and any threshold of its solution is the best labelling for that threshold's cost (the
-/// continuous counterpart of a graph cut); fifty to a hundred steps of a primal–dual iteration solve it well enough.
-/// The evidence must be as large as the picture.
+/// problem is convex, and any threshold of its solution is the best labelling at that threshold's cost (the continuous
+/// counterpart of a graph cut). Fifty to a hundred primal–dual iterations solve it well enough. The evidence must be as
+/// large as the picture.
 ///
 /// # Source
 /// Nikolova, Esedoglu & Chan 2006 (exactness); Chambolle & Pock, *A first-order primal-dual algorithm*, 2011,
@@ -41,74 +41,95 @@ pub fn relax(evidence: &Plane<f32>, picture: &Picture, options: &RelaxOptions) -
     let bound = bounds(picture, options.border_cost);
     let mut u = evidence.map(|l| if l > 0.0 { 1.0 } else { 0.0 });
     let mut ahead = u.clone();
-    let mut px = Plane::filled(width, height, 0.0_f32);
-    let mut py = px.clone();
-    let zeros = vec![0.0_f32; width];
+    let mut flow = Flow::zeros(width, height);
+
     for _ in 0..options.steps {
-        // p ← projection of p + ς ∇ū onto ‖p‖ ≤ g
         for y in 0..height {
-            let here = ahead.row(y);
-            let below = if y + 1 < height {
-                ahead.row(y + 1)
-            } else {
-                here
-            };
-            climb((px.row_mut(y), py.row_mut(y)), here, below, bound.row(y));
+            flow.ascend(y, &ahead, bound.row(y));
         }
-        // u ← projection of u + τ (div p + L) onto [0, 1]; ū extrapolates
         for y in 0..height {
-            let above = if y > 0 { py.row(y - 1) } else { &zeros };
-            let p = (px.row(y), py.row(y), above);
-            descend((u.row_mut(y), ahead.row_mut(y)), p, evidence.row(y));
+            flow.descend(y, u.row_mut(y), ahead.row_mut(y), evidence.row(y));
         }
     }
     u
 }
 
-fn climb((px, py): (&mut [f32], &mut [f32]), here: &[f32], below: &[f32], bound: &[f32]) {
-    let width = here.len();
-    let (px, py, below, bound) = (
-        &mut px[..width],
-        &mut py[..width],
-        &below[..width],
-        &bound[..width],
-    );
-    for x in 0..width {
-        py[x] += VARSIGMA * (below[x] - here[x]);
+/// p, the dual of ∇u.
+struct Flow {
+    /// Towards the right neighbour.
+    x: Plane<f32>,
+    /// Towards the neighbour below.
+    y: Plane<f32>,
+    /// What flows into the first row from above.
+    zeros: Vec<f32>,
+}
+
+impl Flow {
+    fn zeros(width: usize, height: usize) -> Self {
+        Self {
+            x: Plane::filled(width, height, 0.0),
+            y: Plane::filled(width, height, 0.0),
+            zeros: vec![0.0; width],
+        }
     }
-    for (p, pair) in px.iter_mut().zip(here.windows(2)) {
-        *p += VARSIGMA * (pair[1] - pair[0]);
+
+    /// Row y of p ← projection of p + ς ∇ū onto ‖p‖ ≤ g, with g the `bound`.
+    fn ascend(&mut self, y: usize, ahead: &Plane<f32>, bound: &[f32]) {
+        let here = ahead.row(y);
+        let below = match y + 1 < ahead.height() {
+            true => ahead.row(y + 1),
+            false => here,
+        };
+        // slices of one known length: no bounds are checked in the loops
+        let width = here.len();
+        let (px, py) = (
+            &mut self.x.row_mut(y)[..width],
+            &mut self.y.row_mut(y)[..width],
+        );
+        let (below, bound) = (&below[..width], &bound[..width]);
+
+        for x in 0..width {
+            py[x] += VARSIGMA * (below[x] - here[x]);
+        }
+        for (p, pair) in px.iter_mut().zip(here.windows(2)) {
+            *p += VARSIGMA * (pair[1] - pair[0]);
+        }
+        for x in 0..width {
+            let norm = (px[x] * px[x] + py[x] * py[x]).sqrt();
+            let scale = bound[x] / norm.max(bound[x]).max(1e-9);
+            px[x] *= scale;
+            py[x] *= scale;
+        }
     }
-    for x in 0..width {
-        let norm = (px[x] * px[x] + py[x] * py[x]).sqrt();
-        let scale = bound[x] / norm.max(bound[x]).max(1e-9);
-        px[x] *= scale;
-        py[x] *= scale;
+
+    /// Row y of u ← projection of u + τ (div p + L) onto [0, 1], with L the `evidence`; ū, which is `ahead`, extrapolates.
+    fn descend(&self, y: usize, u: &mut [f32], ahead: &mut [f32], evidence: &[f32]) {
+        let above = match y.checked_sub(1) {
+            Some(above) => self.y.row(above),
+            None => &self.zeros,
+        };
+        // slices of one known length: no bounds are checked in the loop
+        let width = u.len();
+        let (px, py) = (&self.x.row(y)[..width], &self.y.row(y)[..width]);
+        let (above, ahead, evidence) = (&above[..width], &mut ahead[..width], &evidence[..width]);
+
+        let mut left = 0.0;
+        for x in 0..width {
+            let divergence = px[x] - left + py[x] - above[x];
+            left = px[x];
+            let next = (u[x] + TAU * (divergence + evidence[x])).clamp(0.0, 1.0);
+            ahead[x] = 2.0 * next - u[x];
+            u[x] = next;
+        }
     }
 }
 
-fn descend(
-    (u, ahead): (&mut [f32], &mut [f32]),
-    (px, py, above): (&[f32], &[f32], &[f32]),
-    evidence: &[f32],
-) {
-    let width = u.len();
-    let (px, py, above) = (&px[..width], &py[..width], &above[..width]);
-    let (ahead, evidence) = (&mut ahead[..width], &evidence[..width]);
-    let mut left = 0.0;
-    for x in 0..width {
-        let divergence = px[x] - left + py[x] - above[x];
-        left = px[x];
-        let next = (u[x] + TAU * (divergence + evidence[x])).clamp(0.0, 1.0);
-        ahead[x] = 2.0 * next - u[x];
-        u[x] = next;
-    }
-}
-
-/// g for each pixel; 0 towards what lies outside is kept by differences of 0 there.
+/// g of each pixel; the picture counts as constant beyond its edge.
 fn bounds(picture: &Picture, border_cost: f32) -> Plane<f32> {
     let height = picture.height();
     let mut squares = picture.map(|_| 0.0_f32);
+
+    // ‖∇I‖² from differences to the right and downwards
     for y in 0..height {
         let here = picture.row(y);
         let below = if y + 1 < height {
@@ -121,12 +142,14 @@ fn bounds(picture: &Picture, border_cost: f32) -> Plane<f32> {
             *square = distance(&here[x], right) + distance(&here[x], &below[x]);
         }
     }
+
     let count = squares.values().len().max(1) as f64;
     let mean = squares.values().iter().map(|v| f64::from(*v)).sum::<f64>() / count;
     let scale = -0.5 / (mean as f32).max(1e-3);
     squares.map(|square| border_cost * (scale * square).exp())
 }
 
+/// Squared distance of two colours.
 fn distance(a: &[u8; 3], b: &[u8; 3]) -> f32 {
     let square = |i: usize| (f32::from(a[i]) - f32::from(b[i])).powi(2);
     square(0) + square(1) + square(2)

@@ -5,7 +5,7 @@ use super::Plane;
 /// Which pixels of an image show the person.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mask {
-    /// 1 foreground, 0 background; nothing else.
+    /// 1 is foreground, 0 background; there are no other values.
     pixels: Plane<u8>,
 }
 

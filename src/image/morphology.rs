@@ -1,4 +1,4 @@
-//! Masks made of scattered pixels, cleaned by opening and closing with a disk.
+//! Opening, closing and widening a mask with a disk.
 
 use ::image::GrayImage;
 use imageproc::distance_transform::Norm;
@@ -16,7 +16,7 @@ pub fn opened(mask: &Mask, radius_px: u8) -> Mask {
     through(mask, |grey| open(grey, Norm::L2, radius_px))
 }
 
-/// A mask, wider by this radius all around.
+/// A mask, widened by this radius on all sides.
 pub fn widened(mask: &Mask, radius_px: u8) -> Mask {
     through(mask, |grey| dilate(grey, Norm::L2, radius_px))
 }

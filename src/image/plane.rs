@@ -81,7 +81,7 @@ impl<T: Copy> Plane<T> {
         self.values.par_chunks_exact_mut(self.width.max(1))
     }
 
-    /// The same rectangle of `f` of each value.
+    /// The plane of `f` of each value.
     pub fn map<U: Copy>(&self, f: impl FnMut(T) -> U) -> Plane<U> {
         Plane {
             width: self.width,
@@ -90,7 +90,7 @@ impl<T: Copy> Plane<T> {
         }
     }
 
-    /// The part within a region; what lies outside of the plane is left out.
+    /// The part of the plane within a region.
     pub fn cropped(&self, region: &Region) -> Self {
         let (left, right) = (region.left.min(self.width), region.right.min(self.width));
         let (top, bottom) = (region.top.min(self.height), region.bottom.min(self.height));

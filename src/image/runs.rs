@@ -1,13 +1,13 @@
-//! A mask by the runs of its rows: small, quick to label, and exact.
+//! A mask as the runs of its rows: small, quick to label, and exact.
 
 use super::{Mask, Plane};
 
 /// Which neighbours belong to the same component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Connectivity {
-    /// Left, right, above, below.
+    /// Those to the left, to the right, above and below.
     Four,
-    /// Those and the diagonals.
+    /// Those and the diagonal ones.
     Eight,
 }
 
@@ -26,7 +26,7 @@ pub struct Region {
 
 impl Region {
     /// The region with a margin around it, within `width` × `height` pixels.
-    pub fn grown(&self, margin: usize, (width, height): (usize, usize)) -> Self {
+    pub fn grown(&self, margin: usize, width: usize, height: usize) -> Self {
         Self {
             left: self.left.saturating_sub(margin),
             top: self.top.saturating_sub(margin),
@@ -39,7 +39,7 @@ impl Region {
 /// A connected set of runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Component {
-    /// Pixels.
+    /// Number of pixels.
     pub area: usize,
     /// Smallest region that holds it.
     pub region: Region,
@@ -117,8 +117,8 @@ impl Runs {
         })
     }
 
-    /// Background for foreground, over the whole image.
-    pub fn complement(&self) -> Self {
+    /// The mask with foreground and background exchanged.
+    pub(super) fn complement(&self) -> Self {
         let mut background = Self::empty(self.width);
         for y in 0..self.height() {
             let mut x = 0;
@@ -132,11 +132,13 @@ impl Runs {
         background
     }
 
-    /// The connected components, in the order of their first pixels, and the component of each run.
+    /// The connected components in the order of their first pixels, and for each run the index of its component.
     pub fn components(&self, connectivity: Connectivity) -> (Vec<Component>, Vec<usize>) {
         let mut labels = self.roots(connectivity);
         let mut components: Vec<Component> = Vec::new();
         let mut number_of_root = vec![usize::MAX; labels.len()];
+
+        // roots become numbers in the order in which they occur
         for y in 0..self.height() {
             for (run, label) in self.row(y).iter().zip(&mut labels[self.first[y]..]) {
                 let number = &mut number_of_root[*label];
@@ -145,13 +147,13 @@ impl Runs {
                     components.push(Component::new(y));
                 }
                 *label = *number;
-                components[*number].add(run, y, (self.width, self.height()));
+                components[*number].add(run, y, self.width, self.height());
             }
         }
         (components, labels)
     }
 
-    /// The runs i for which `is_kept(i)` holds, i in the order of [`Runs::components`].
+    /// Only the runs i for which `is_kept(i)` holds, counted as in [`Runs::components`].
     pub fn filtered(&self, is_kept: impl Fn(usize) -> bool) -> Self {
         let mut kept = Self::empty(self.width);
         for y in 0..self.height() {
@@ -182,7 +184,7 @@ impl Runs {
     }
 
     /// Whether a pixel of this mask lies within `reach` pixels of one of `region`, in x and in y.
-    pub fn comes_near(&self, region: &Region, reach: usize) -> bool {
+    pub(super) fn comes_near(&self, region: &Region, reach: usize) -> bool {
         let top = region.top.saturating_sub(reach);
         let bottom = region.bottom.saturating_add(reach).min(self.height());
         (top..bottom).any(|y| {
@@ -225,6 +227,8 @@ impl Runs {
             Connectivity::Eight => 1,
         };
         let mut parents: Vec<usize> = (0..self.runs.len()).collect();
+
+        // two rows are walked together, always the run that ends first
         for y in 1..self.height() {
             let (mut above, mut here) = (self.first[y - 1], self.first[y]);
             while above < self.first[y] && here < self.first[y + 1] {
@@ -239,6 +243,7 @@ impl Runs {
                 }
             }
         }
+
         (0..parents.len()).map(|i| root(&mut parents, i)).collect()
     }
 }
@@ -263,7 +268,8 @@ impl Component {
         }
     }
 
-    fn add(&mut self, run: &Run, y: usize, (width, height): (usize, usize)) {
+    /// Adds a run of row y of an image of `width` × `height` pixels.
+    fn add(&mut self, run: &Run, y: usize, width: usize, height: usize) {
         self.area += run.len();
         self.region.left = self.region.left.min(run.start as usize);
         self.region.right = self.region.right.max(run.end as usize);
@@ -273,7 +279,7 @@ impl Component {
     }
 }
 
-/// First position at or after `from` that holds `value` (0 or 1); the length if none does. Eight pixels at a time.
+/// The first position at or after `from` that holds `value` (0 or 1), or else the length; searched eight pixels at a time.
 fn position_of(row: &[u8], from: usize, value: u8) -> usize {
     let other = u64::from_ne_bytes([1 - value; 8]);
     let mut x = from;

@@ -2,12 +2,13 @@
 
 use super::{Picture, Plane};
 
-/// The mean colours of blocks of `factor` × `factor` pixels; what is left over at the right and the bottom is dropped.
+/// The mean colours of blocks of `factor` × `factor` pixels; a remainder at the right and the bottom is dropped.
 pub fn shrink(picture: &Picture, factor: usize) -> Picture {
     let factor = factor.max(1);
     if factor == 1 {
         return picture.clone();
     }
+
     let (width, height) = (picture.width() / factor, picture.height() / factor);
     let half = (factor * factor / 2) as u32;
     let mut small = Picture::filled(width, height, [0; 3]);
@@ -22,6 +23,7 @@ pub fn shrink(picture: &Picture, factor: usize) -> Picture {
                 }
             }
         }
+
         for (pixel, sum) in small.row_mut(y).iter_mut().zip(&sums) {
             // a mean of bytes is a byte
             *pixel = sum.map(|s| ((s + half) / (factor * factor) as u32) as u8);
@@ -30,18 +32,21 @@ pub fn shrink(picture: &Picture, factor: usize) -> Picture {
     small
 }
 
-/// The values of a plane that was shrunk by `factor`, at each pixel of `width` × `height`: bilinear, constant beyond the edge.
+/// A plane that was shrunk by `factor`, interpolated at each of `width` × `height` pixels: bilinear, constant beyond the edge.
 pub fn enlarge(small: &Plane<f32>, factor: usize, width: usize, height: usize) -> Plane<f32> {
     let factor = factor.max(1) as f32;
+    // two neighbours, and how far between them
     let place = |i: usize, n: usize| {
         let at = ((i as f32 + 0.5) / factor - 0.5).clamp(0.0, n.saturating_sub(1) as f32);
         let low = (at as usize).min(n.saturating_sub(2));
         (low, (low + 1).min(n.saturating_sub(1)), at - low as f32)
     };
+
     let mut large = Plane::filled(width, height, 0.0);
     if small.values().is_empty() {
         return large;
     }
+
     let columns: Vec<_> = (0..width).map(|x| place(x, small.width())).collect();
     for y in 0..height {
         let (top, bottom, t) = place(y, small.height());
@@ -55,13 +60,15 @@ pub fn enlarge(small: &Plane<f32>, factor: usize, width: usize, height: usize) -
     large
 }
 
-/// The mean of each pixel's surroundings of (2·reach + 1)² pixels, as far as they lie in the picture.
+/// The mean of (2·reach + 1)² pixels around each pixel, of those that lie in the picture.
 pub fn box_mean(plane: &Plane<f32>, reach: usize) -> Plane<f32> {
     let (width, height) = (plane.width(), plane.height());
     let mut across = Plane::filled(width, height, 0.0);
     for y in 0..height {
         running_mean(plane.row(y), reach, across.row_mut(y));
     }
+
+    // the sums of the rows around, kept up to date from row to row
     let mut mean = Plane::filled(width, height, 0.0);
     let mut sums = vec![0.0_f64; width];
     let add = |y: usize, sign: f64, sums: &mut Vec<f64>| {
@@ -69,6 +76,7 @@ pub fn box_mean(plane: &Plane<f32>, reach: usize) -> Plane<f32> {
             *sum += sign * f64::from(*value);
         }
     };
+
     for y in 0..reach.min(height) {
         add(y, 1.0, &mut sums);
     }
@@ -79,6 +87,7 @@ pub fn box_mean(plane: &Plane<f32>, reach: usize) -> Plane<f32> {
         if y > reach {
             add(y - reach - 1, -1.0, &mut sums);
         }
+
         let count = (y + reach + 1).min(height) - y.saturating_sub(reach);
         for (value, sum) in mean.row_mut(y).iter_mut().zip(&sums) {
             *value = (sum / count as f64) as f32;

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point2, Vector2};
 
-use crate::image::{NearestPoints, Scanlines};
+use crate::image::{EvenSteps, NearestPoints, Scanlines};
 
 /// Rows by which the outline of the image is cut.
 const IMAGE_ROWS: usize = 256;
@@ -56,7 +56,11 @@ impl DistanceMap {
 
         let outline = [image_outline];
         let image_step = (image_bounds.1.y - image_bounds.0.y) / IMAGE_ROWS as f64;
-        let image_top = image_bounds.0.y + 0.5 * image_step;
+        let image_rows = EvenSteps {
+            first: image_bounds.0.y + 0.5 * image_step,
+            step: image_step,
+            count: IMAGE_ROWS,
+        };
 
         let mut map = Self {
             low,
@@ -64,7 +68,7 @@ impl DistanceMap {
             columns: cells.x as usize + 1,
             rows: cells.y as usize + 1,
             signed: Vec::new(),
-            image: Scanlines::new(&outline, (image_top, image_step), IMAGE_ROWS),
+            image: Scanlines::new(&outline, image_rows),
             image_bounds,
         };
         map.fill(polygons, &outline);
@@ -139,19 +143,20 @@ impl DistanceMap {
     fn fill(&mut self, polygons: &[Vec<Point2<f64>>], image_outline: &[Vec<Point2<f64>>]) {
         let segments = segments(polygons);
         let mut nearest = NearestPoints::new(segments.iter().map(|s| s.from));
-        let (top_and_step, rows) = ((self.low.y, self.cell.y), self.rows);
-        let inside = Scanlines::new(polygons, top_and_step, rows);
-        let image = Scanlines::new(image_outline, top_and_step, rows);
+        let nodes = |first: f64, step: f64, count: usize| EvenSteps { first, step, count };
+        let rows = nodes(self.low.y, self.cell.y, self.rows);
+        let columns = nodes(self.low.x, self.cell.x, self.columns);
+        let inside = Scanlines::new(polygons, rows);
+        let image = Scanlines::new(image_outline, rows);
 
-        self.signed = vec![f32::NAN; self.columns * rows];
+        self.signed = vec![f32::NAN; self.columns * self.rows];
         for (row, signed) in self.signed.chunks_exact_mut(self.columns).enumerate() {
-            let y = self.low.y + row as f64 * self.cell.y;
+            let y = rows.at(row);
             let mut is_inside = Crossings::new(inside.row(row));
             let mut is_seen = Crossings::new(image.row(row));
 
-            let nodes = (self.low.x, self.cell.x);
-            nearest.along_row(y, nodes, self.columns, |i, point| {
-                let node = Point2::new(self.low.x + i as f64 * self.cell.x, y);
+            nearest.along_row(y, columns, |i, point| {
+                let node = Point2::new(columns.at(i), y);
                 let distance = segments[point].distance_around(&node, &segments);
                 let sign = if is_inside.odd_before(node.x) {
                     -1.0

@@ -5,7 +5,7 @@ use nalgebra::{Point2, Vector2};
 use super::distance_map::MapExtent;
 use super::{ContourPoint, DistanceMap, Silhouette, SilhouetteOptions};
 use crate::camera::Camera;
-use crate::image::{Mask, Runs, Scanlines, clean, resample, trace};
+use crate::image::{EvenSteps, Mask, Runs, Scanlines, clean, resample, trace};
 
 /// Border points closer than this to the image edge are on it: the blur of the border reaches two pixels.
 const EDGE_PX: f64 = 2.0;
@@ -295,12 +295,13 @@ fn inside(polygons: &[Vec<Point2<f64>>], bounds: (Point2<f64>, Point2<f64>)) -> 
     let (low, high) = bounds;
     let height = high.y - low.y;
     let step = (height / INSIDE_ROWS).max(1.0);
-    // half a step off the top: no row runs along a horizontal border
-    Scanlines::new(
-        polygons,
-        (low.y + 0.5 * step, step),
-        (height / step).ceil() as usize,
-    )
+    let rows = EvenSteps {
+        // half a step off the top: no row runs along a horizontal border
+        first: low.y + 0.5 * step,
+        step,
+        count: (height / step).ceil() as usize,
+    };
+    Scanlines::new(polygons, rows)
 }
 
 /// The outline of the image itself, undistorted.

@@ -1,18 +1,18 @@
-//! A background that learns: an adaptive mixture of Gaussians in every pixel.
+//! An adaptive background: a mixture of Gaussians in every pixel that learns.
 //!
 //! The colours that a pixel shows over time are a mixture of K Gaussians of one variance in all channels. A new colour x
 //! belongs to the mode k with the largest ω/σ among those with ‖x − μ_k‖²/3 < (2.5 σ_k)²; all weights follow
 //! ω ← (1 − α) ω + α M with M = 1 for that mode and 0 for the others, and that mode learns
 //! μ ← μ + ρ (x − μ), σ² ← σ² + ρ (‖x − μ‖²/3 − σ²). Where none matches, the mode of least weight is replaced by
-//! (ω = α, μ = x, σ = σ₀). Background are the modes of largest ω/σ whose weights first exceed T together.
+//! (ω = α, μ = x, σ = σ₀). The modes of largest ω/σ are background, as many as it takes for their weights to exceed T.
 //!
-//! Rows are independent and run in parallel. A row is cut into tiles of 64 pixels; each number of a mode is one array over
-//! a tile, so that the compiler vectorises every loop, and modes that no pixel of a tile needs are not looked at.
+//! Rows are independent and run in parallel. A row is cut into tiles of 64 pixels. Each number of a mode is one array over a
+//! tile, so that the compiler vectorises every loop; modes that no pixel of a tile needs are skipped.
 //!
 //! # Source
 //! Stauffer & Grimson, *Adaptive background mixture models for real-time tracking*, CVPR 1999, eq. 1–9.
-//! **Differs**: ρ = α/ω instead of α·η(x | μ, σ), so that with α = 1/t a mode is the plain mean of what it has matched
-//! (as Zivkovic 2004); the distance is the root mean square over the channels.
+//! **Differs**: ρ = α/ω instead of α·η(x | μ, σ), so that with α = 1/t a mode is the plain mean of the colours that matched
+//! it (as Zivkovic 2004); the distance is the root mean square over the channels.
 
 use rayon::prelude::*;
 
@@ -29,7 +29,7 @@ pub struct MixtureOptions {
     pub first_sigma: f32,
     /// σ never falls below this, grey levels (default 2: a camera's noise and rounding).
     pub least_sigma: f32,
-    /// T, share of the time that shows background at least (default 0.7).
+    /// T, least share of the time that a pixel shows background (default 0.7).
     pub background_share: f32,
 }
 
@@ -52,11 +52,11 @@ pub struct Mode {
     pub weight: f32,
     /// σ², grey levels squared, of each channel.
     pub variance: f32,
-    /// μ, red, green, blue.
+    /// μ: red, green, blue.
     pub mean: [f32; 3],
 }
 
-/// Pixels that are updated together: their modes stay in the first cache, and every loop has a known length.
+/// Pixels that are updated together: their modes stay in the first-level cache, and every loop has a known length.
 const LANES: usize = 64;
 /// A number for each pixel of a tile.
 type Lane = [f32; LANES];
@@ -109,10 +109,10 @@ impl Mixture {
         self.options.modes
     }
 
-    /// Learns a picture at the rate α and says which pixels are not background; nothing for one of another size.
+    /// Learns a picture at the rate α and returns the pixels that are not background; a picture of another size is ignored.
     ///
-    /// α = 1/t for the t-th picture gives all of them the same weight; a constant α forgets with time constant 1/α,
-    /// and drops a mode whose weight falls below α/2.
+    /// α = 1/t for the t-th picture gives all pictures the same weight. A constant α forgets with the time constant 1/α and
+    /// drops a mode whose weight falls below α/2.
     pub fn update(&mut self, picture: &Picture, rate: f32) -> Mask {
         let mut foreground = Plane::filled(self.width, self.height, 0_u8);
         let is_same_size = picture.width() == self.width && picture.height() == self.height;
@@ -126,13 +126,13 @@ impl Mixture {
             let rows = rows.zip(used).zip(pixels).zip(marks);
             rows.with_min_len(8)
                 .for_each(|(((row, used), pixels), marks)| {
-                    update_row(row, used, (pixels, marks), rate, &options);
+                    update_row(row, used, pixels, marks, rate, &options);
                 });
         }
         Mask::from_ones(foreground)
     }
 
-    /// Mode `k` of pixel (x, y); one of no weight where there is none.
+    /// Mode `k` of pixel (x, y); a mode without weight if there is none.
     pub fn mode(&self, k: usize, x: usize, y: usize) -> Mode {
         let tile = y * self.width.div_ceil(LANES) + x / LANES;
         let modes = self.tiles.get(tile * self.options.modes + k);
@@ -151,7 +151,8 @@ impl Mixture {
 fn update_row(
     row: &mut [Modes],
     used: &mut [u8],
-    (pixels, marks): (&[[u8; 3]], &mut [u8]),
+    pixels: &[[u8; 3]],
+    marks: &mut [u8],
     rate: f32,
     options: &MixtureOptions,
 ) {
@@ -168,14 +169,15 @@ struct Tile {
     colour: [Lane; 3],
 }
 
-/// What a tile's colours match.
-struct Matched {
+/// The modes that a tile's colours match.
+struct Matches {
     /// Largest ω²/σ² among the modes that match, −1 if none does.
     score: Lane,
-    /// Which that is, −1 if none.
+    /// Index of that mode, −1 if none matches.
     mode: [i32; LANES],
-    /// The mode of least weight.
+    /// Least weight of a mode.
     least_weight: Lane,
+    /// Index of that mode.
     least: [i32; LANES],
 }
 
@@ -200,7 +202,7 @@ impl Tile {
         rate: f32,
         options: &MixtureOptions,
     ) {
-        let mut matched = Matched {
+        let mut matches = Matches {
             score: [-1.0; LANES],
             mode: [-1; LANES],
             least_weight: [f32::INFINITY; LANES],
@@ -208,38 +210,43 @@ impl Tile {
         };
         let mut count = usize::from(*used);
         for (k, mode) in modes.iter().enumerate().take(count) {
-            matched.look_at(k as i32, mode, &self.colour, options);
+            matches.compare(k as i32, mode, &self.colour, options);
         }
-        // a colour that none matches needs a mode, the next one if there is one
-        let is_any_new = matched.score[..marks.len()]
+
+        // a colour that no mode matches takes the next one, if there is one
+        let is_any_new = matches.score[..marks.len()]
             .iter()
             .any(|score| *score < 0.0);
         if is_any_new && count < modes.len() {
-            matched.look_at(count as i32, &modes[count], &self.colour, options);
+            matches.compare(count as i32, &modes[count], &self.colour, options);
             count += 1;
         }
+
+        // the weight of the modes that rank before the matched one, which then learns
         let mut before = [0.0; LANES];
         if count > 1 {
             for mode in &modes[..count] {
-                add_if_before(&mut before, mode, &matched.score);
+                add_if_before(&mut before, mode, &matches.score);
             }
         }
         for (k, mode) in modes.iter_mut().enumerate().take(count) {
-            matched.teach(k as i32, mode, &self.colour, rate, options);
+            matches.teach(k as i32, mode, &self.colour, rate, options);
         }
+
         let is_unused = |mode: &Modes| mode.weight.iter().all(|weight| *weight <= 0.0);
         while count > 1 && is_unused(&modes[count - 1]) {
             count -= 1;
         }
         *used = count as u8;
+
         for (i, mark) in marks.iter_mut().enumerate() {
-            let is_background = matched.score[i] >= 0.0 && before[i] < options.background_share;
+            let is_background = matches.score[i] >= 0.0 && before[i] < options.background_share;
             *mark = u8::from(!is_background);
         }
     }
 }
 
-/// Adds the weight of a mode that ranks before the best.
+/// Adds the weight of a mode where it ranks before the matched one.
 #[inline(always)]
 fn add_if_before(before: &mut Lane, mode: &Modes, score: &Lane) {
     for i in 0..LANES {
@@ -249,10 +256,10 @@ fn add_if_before(before: &mut Lane, mode: &Modes, score: &Lane) {
     }
 }
 
-impl Matched {
-    /// Whether mode k matches, and whether it is the best, or the least, so far.
+impl Matches {
+    /// Compares colours with mode k, which may match best or weigh least so far.
     #[inline(always)]
-    fn look_at(&mut self, k: i32, mode: &Modes, colour: &[Lane; 3], options: &MixtureOptions) {
+    fn compare(&mut self, k: i32, mode: &Modes, colour: &[Lane; 3], options: &MixtureOptions) {
         let gate = 3.0 * options.match_sigmas * options.match_sigmas;
         for i in 0..LANES {
             let squared = squared(colour, &mode.mean, i);
@@ -263,9 +270,11 @@ impl Matched {
             } else {
                 -1.0
             };
+
             let is_better = score > self.score[i];
             self.mode[i] = if is_better { k } else { self.mode[i] };
             self.score[i] = if is_better { score } else { self.score[i] };
+
             let is_less = weight < self.least_weight[i];
             self.least[i] = if is_less { k } else { self.least[i] };
             self.least_weight[i] = if is_less {
@@ -276,6 +285,7 @@ impl Matched {
         }
     }
 
+    /// Updates mode k, which the colours match, replace, or leave alone.
     #[inline(always)]
     fn teach(
         &self,
@@ -287,9 +297,12 @@ impl Matched {
     ) {
         let first = options.first_sigma * options.first_sigma;
         let floor = options.least_sigma * options.least_sigma;
+
         for i in 0..LANES {
             let is_match = self.mode[i] == k;
             let is_new = (self.mode[i] < 0) & (self.least[i] == k);
+
+            // ω ← (1 − α) ω + α M; ρ = α/ω
             let kept = if is_new {
                 0.0
             } else {
@@ -298,6 +311,7 @@ impl Matched {
             let weight = kept + if is_match | is_new { rate } else { 0.0 };
             let share = if is_match { rate / weight } else { 0.0 };
             let rho = if is_new { 1.0 } else { share };
+
             let spread = squared(colour, &mode.mean, i) / 3.0;
             for (mean, colour) in mode.mean.iter_mut().zip(colour) {
                 mean[i] += rho * (colour[i] - mean[i]);

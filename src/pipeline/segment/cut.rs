@@ -172,7 +172,7 @@ impl Segmenter {
         let Some(region) = Runs::from_mask(&likely).region() else {
             return labels;
         };
-        let region = region.grown(MARGIN, (evidence.width(), evidence.height()));
+        let region = region.grown(MARGIN, evidence.width(), evidence.height());
         let inner = relax(
             &evidence.cropped(&region),
             &picture.cropped(&region),

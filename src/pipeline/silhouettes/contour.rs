@@ -6,7 +6,7 @@ use super::filter::Filtered;
 use super::{ContourOptions, Fault, colours};
 use crate::body::PartId;
 use crate::camera::Camera;
-use crate::image::{Mask, Plane, Scanlines};
+use crate::image::{EvenSteps, Mask, Plane, Scanlines};
 use crate::render::{ModelOutline, OutlinePoint};
 use crate::silhouette::snake::{Ends, Snake, SnakeOptions, SnakePoint, area_on_the_left};
 use crate::silhouette::{BorderPoint, Silhouette, SilhouetteOptions, from_curves};
@@ -127,8 +127,12 @@ fn inside(outer: &[Vec<FoundPoint>]) -> Option<Scanlines> {
         return None;
     }
     let top = top.floor() - 1.0;
-    let rows = (bottom - top).ceil() as usize + 2;
-    Some(Scanlines::new(&polygons, (top, 1.0), rows))
+    let rows = EvenSteps {
+        first: top,
+        step: 1.0,
+        count: (bottom - top).ceil() as usize + 2,
+    };
+    Some(Scanlines::new(&polygons, rows))
 }
 
 /// The contours, moved to where the person's colours end beside them; where nothing was found they stay.

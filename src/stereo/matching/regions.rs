@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::multi_image::{DepthPlane, Match};
 use super::seeds::Seed;
 use super::{Grid, MatchOptions, MatchViews, Place};
-use crate::image::{NearestPoints, Plane};
+use crate::image::{EvenSteps, NearestPoints, Plane};
 
 /// How often a place is tried, from different neighbours.
 const MOST_TRIES: u8 = 2;
@@ -49,11 +49,15 @@ fn owners(seeds: &[Seed], grid: &Grid, options: &MatchOptions) -> Plane<usize> {
         .map(|seed| Point2::new(seed.pixel.0 as f64, seed.pixel.1 as f64));
     let mut nearest = NearestPoints::new(places);
     let mut owners = Plane::filled(grid.width(), grid.height(), usize::MAX);
-    let step = options.spacing_px as f64;
+    let columns = EvenSteps {
+        first: 0.0,
+        step: options.spacing_px as f64,
+        count: grid.width(),
+    };
     for row in 0..grid.height() {
         let y = (row * options.spacing_px) as f64;
         let owners = owners.row_mut(row);
-        nearest.along_row(y, (0.0, step), owners.len(), |i, owner| owners[i] = owner);
+        nearest.along_row(y, columns, |i, owner| owners[i] = owner);
     }
     owners
 }
