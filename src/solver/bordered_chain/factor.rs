@@ -94,9 +94,10 @@ impl Factor {
             factor.diagonal.solve_lower_triangular_mut(one);
             shared.gemm(-1.0, &factor.border, one, 1.0);
         }
+
+        // the corner, and backwards: LᵀX = X
         if !shared.is_empty() {
             self.corner.solve_lower_triangular_mut(&mut shared);
-            // backwards: LᵀX = X
             self.corner.tr_solve_lower_triangular_mut(&mut shared);
         }
         for (i, factor) in self.links.iter().enumerate().rev() {
