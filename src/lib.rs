@@ -35,5 +35,7 @@ pub mod skin;
 pub mod solver;
 pub mod stereo;
 pub mod synth;
+pub mod workflow;
 
 pub use io::recording::Recording;
+pub use workflow::{Error, FitOptions, FittedRecording, GaitStudy};

@@ -12,7 +12,7 @@ use maquette::inference::search::{NoJournal, Pruning, Search, SearchOptions, sea
 use maquette::inference::start::{StartOptions, readings};
 use maquette::inference::{Detail, Evidence, Sequence};
 use maquette::likelihood::EllipseOptions;
-use maquette::pipeline::{Fit, FitOptions, fit};
+use maquette::pipeline::{EstimateOptions, Fit, fit};
 use maquette::silhouette::FrameObservations;
 use maquette::solver::{NormalEquations, Options, Solution, levenberg_marquardt};
 use maquette::synth::draw_shape;
@@ -258,10 +258,10 @@ fn a_camera_that_was_touched_is_found_and_costs_the_body_nothing() {
         fps: FPS,
     };
     let fitted = |rig: &Rig, aim: bool| -> Fit {
-        let options = FitOptions {
+        let options = EstimateOptions {
             search: options(Pruning::Exact),
             aim,
-            ..FitOptions::default()
+            ..EstimateOptions::default()
         };
         fit(&scene.model, rig, sequence, &options, &NoJournal).expect("a fit")
     };

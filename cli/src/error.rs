@@ -1,19 +1,13 @@
 //! What went wrong, in one line.
 
-use maquette::gait::GaitError;
-use maquette::io::export::{BvhError, C3dError, GlbError};
 use maquette::io::folder::OutError;
-use maquette::io::folder::journal::JournalError;
-use maquette::io::folder::overlays::OverlayError;
-use maquette::io::gait::{GaitInputError, NormError};
+use maquette::io::gait::NormError;
 use maquette::io::model::ModelFileError;
 use maquette::io::recording::RecordingError;
-use maquette::io::recording::footage::FootageError;
 use maquette::io::recording::synthetic::SyntheticError;
 use maquette::io::result::ResultError;
-use maquette::pipeline::FitError;
 use maquette::pipeline::stereo::StereoError;
-use maquette::skin::SkinError;
+use maquette::pipeline::{FitError, FrameRangeError};
 use maquette::synth::{FilmError, WalkError};
 
 /// Why a command could not be carried out.
@@ -22,52 +16,9 @@ pub(super) enum CliError {
     /// Arguments that make no sense.
     #[error("{0}")]
     Arguments(String),
-    /// The recording.
+    /// What the library says.
     #[error(transparent)]
-    Recording(#[from] RecordingError),
-    /// The pictures.
-    #[error(transparent)]
-    Frames(Box<FootageError>),
-    /// No frame of the recording is in the range asked for.
-    #[error(transparent)]
-    FrameRange(#[from] maquette::pipeline::FrameRangeError),
-    /// No fitted frame is what was asked for.
-    #[error("{asked}: no fitted frame has such a number: the result has {first} to {last}")]
-    NotFitted {
-        /// As asked for.
-        asked: String,
-        /// First fitted frame.
-        first: usize,
-        /// Last fitted frame.
-        last: usize,
-    },
-    /// A mesh of no known format.
-    #[error("--skin {}: expected a name that ends in .ply or .obj", path.display())]
-    MeshFormat {
-        /// As asked for.
-        path: std::path::PathBuf,
-    },
-    /// A result that cannot be read.
-    #[error(transparent)]
-    Result(#[from] ResultError),
-    /// A body that has no skin.
-    #[error(transparent)]
-    Skin(#[from] SkinError),
-    /// The body.
-    #[error(transparent)]
-    Model(#[from] ModelFileError),
-    /// What cannot be fitted.
-    #[error(transparent)]
-    Fit(#[from] FitError),
-    /// The result's folder.
-    #[error(transparent)]
-    Out(#[from] OutError),
-    /// A run that cannot be continued.
-    #[error(transparent)]
-    Journal(#[from] JournalError),
-    /// The pictures.
-    #[error(transparent)]
-    Overlay(#[from] OverlayError),
+    Library(Box<maquette::Error>),
     /// The threads.
     #[error("--threads {threads}: {source}")]
     Threads {
@@ -76,9 +27,6 @@ pub(super) enum CliError {
         /// Why not.
         source: rayon::ThreadPoolBuildError,
     },
-    /// What cannot be matched.
-    #[error(transparent)]
-    Stereo(#[from] StereoError),
     /// A body that cannot walk.
     #[error(transparent)]
     Walk(#[from] WalkError),
@@ -88,51 +36,33 @@ pub(super) enum CliError {
     /// A synthetic recording that cannot be written.
     #[error(transparent)]
     Synthetic(#[from] SyntheticError),
-    /// What gait analysis cannot read.
-    #[error(transparent)]
-    GaitInput(#[from] GaitInputError),
-    /// A recording without gait.
-    #[error(transparent)]
-    Gait(#[from] GaitError),
-    /// A C3D that cannot be written.
-    #[error(transparent)]
-    C3d(#[from] C3dError),
-    /// A BVH that cannot be written.
-    #[error(transparent)]
-    Bvh(#[from] BvhError),
-    /// A glTF that cannot be written.
-    #[error(transparent)]
-    Glb(#[from] GlbError),
-    /// Points where a fit is needed.
-    #[error("{}: expected the folder of a finished fit, found points without a body", path.display())]
-    NoFit {
-        /// As asked for.
-        path: std::path::PathBuf,
-    },
-    /// A body that the coordinates of OpenSim do not fit.
-    #[error("{}: --format {format}: the body {body} has no part named pelvis", path.display())]
-    NoCoordinates {
-        /// The fit.
-        path: std::path::PathBuf,
-        /// As asked for.
-        format: &'static str,
-        /// The model.
-        body: String,
-    },
-    /// A norm that cannot be used.
-    #[error(transparent)]
-    Norm(#[from] NormError),
-    /// A table that cannot be written.
-    #[error("a table cannot be written: {0}")]
-    Table(#[from] std::io::Error),
-    /// A result that is no JSON.
-    #[error("result.json: {0}")]
-    Json(#[from] serde_json::Error),
 }
 
-impl From<FootageError> for CliError {
-    fn from(fault: FootageError) -> Self {
-        Self::Frames(Box::new(fault))
+/// Whatever the library's own calls fail with is its error.
+macro_rules! from_library {
+    ($($fault:ty),*) => {
+        $(impl From<$fault> for CliError {
+            fn from(fault: $fault) -> Self {
+                maquette::Error::from(fault).into()
+            }
+        })*
+    };
+}
+
+from_library!(
+    FitError,
+    FrameRangeError,
+    ModelFileError,
+    NormError,
+    OutError,
+    RecordingError,
+    ResultError,
+    StereoError
+);
+
+impl From<maquette::Error> for CliError {
+    fn from(fault: maquette::Error) -> Self {
+        Self::Library(Box::new(fault))
     }
 }
 

@@ -8,7 +8,7 @@
 //! | `export.rs`   | `maquette export`                                               |
 //! | `gait.rs`     | `maquette gait`                                                 |
 //! | `report.rs`   | `maquette report`                                               |
-//! | `analysis.rs` | what these three share: reading, analysing, the report          |
+//! | `subject.rs`  | what `gait` and `report` are told of the person                 |
 //! | `synth.rs`    | `maquette synth`                                                |
 //! | `models.rs`   | `maquette models`                                               |
 //! | `skin.rs`     | `maquette skin`, and the skins of `maquette models`             |
@@ -20,7 +20,6 @@
 //!
 //! Exit code 0, or 2 for arguments or input that cannot be used, with one line on standard error.
 
-mod analysis;
 mod error;
 mod export;
 mod fit;
@@ -32,6 +31,7 @@ mod segment;
 mod silhouettes;
 mod skin;
 mod stereo;
+mod subject;
 mod summary;
 mod switches;
 mod synth;

@@ -6,9 +6,9 @@ use clap::{ArgGroup, Args};
 
 use super::error::CliError;
 use super::print;
-use super::skin::of_model;
 use super::table::Table;
-use maquette::io::model::{SHIPPED, parse};
+use maquette::io::model::{self, SHIPPED, parse};
+use maquette::workflow::RestingBody;
 
 pub(super) const ABOUT: &str = "\
 List the body models that come with the program.
@@ -34,12 +34,26 @@ pub(super) struct ModelsArguments {
 pub(super) fn run(arguments: &ModelsArguments) -> Result<(), CliError> {
     match &arguments.name {
         None => list(),
-        Some(name) => of_model(
-            name,
-            arguments.skin.as_deref(),
-            arguments.picture.as_deref(),
-        ),
+        Some(name) => show(name, arguments),
     }
+}
+
+/// Writes the skin of a model's mean body at rest, and a picture of it.
+fn show(name: &str, arguments: &ModelsArguments) -> Result<(), CliError> {
+    let body = RestingBody::new(&model::load(name, Path::new(""))?)?;
+    if let Some(path) = &arguments.skin {
+        body.write_mesh(path)?;
+        let (vertices, triangles) = (body.skin.vertices.len(), body.skin.triangles.len());
+        let path = path.display();
+        print(&format!(
+            "{path}: {vertices} vertices, {triangles} triangles\n"
+        ));
+    }
+    if let Some(path) = &arguments.picture {
+        body.write_picture(path)?;
+        print(&format!("{}\n", path.display()));
+    }
+    Ok(())
 }
 
 /// Lists the shipped models with what each is made of.

@@ -4,10 +4,14 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::analysis::{Analysed, Asked, IdentityArguments};
+use maquette::GaitStudy;
+use maquette::gait::GaitOptions;
+use maquette::io::folder::write_atomically;
+use maquette::workflow::GaitSource;
+
 use super::error::CliError;
 use super::print;
-use maquette::gait::GaitOptions;
+use super::subject::SubjectArguments;
 
 pub(super) const ABOUT: &str = "\
 Write a report that a clinician can read: one HTML file that needs nothing else.
@@ -27,7 +31,7 @@ pub(super) struct ReportArguments {
     /// Folder of a finished fit
     out: PathBuf,
     #[command(flatten)]
-    identity: IdentityArguments,
+    subject: SubjectArguments,
     /// Norm of healthy people: a .toml file, or none [default: schwartz-2008-free]
     #[arg(long, value_name = "FILE|none")]
     norm: Option<String>,
@@ -41,16 +45,19 @@ pub(super) struct ReportArguments {
 
 /// Reads the fit, analyses it and writes the report.
 pub(super) fn run(arguments: &ReportArguments) -> Result<(), CliError> {
-    let asked = Asked {
-        from: &arguments.out,
+    let source = GaitSource {
+        path: &arguments.out,
         body: arguments.body.as_deref(),
         fps: None,
-        norm: arguments.norm.as_deref(),
-        person: arguments.identity.person(),
     };
-    let analysed = Analysed::of(&asked, &GaitOptions::default())?;
+    let study = GaitStudy::open(source, &GaitOptions::default())?;
+    let study = arguments
+        .subject
+        .compare(study, arguments.norm.as_deref())?;
+    let text = arguments.subject.report(&study, &arguments.out)?;
+
     let path = arguments.out.join("report.html");
-    analysed.write_report(&arguments.identity, &path)?;
+    write_atomically(&path, text.as_bytes())?;
     if !arguments.quiet {
         print(&format!("{}\n", path.display()));
     }

@@ -1,21 +1,19 @@
 //! `maquette segment`: pictures in, masks out.
 
-use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
+use maquette::Recording;
+use maquette::io::folder::check_out;
+use maquette::io::folder::segmented::{Extras, QualityRow};
+use maquette::pipeline::FrameRange;
+use maquette::workflow::{MaskFiles, WrittenMasks};
 
-use super::error::{CliError, one_line};
+use super::error::CliError;
+use super::print;
 use super::switches::{Overwrite, Quiet, Threads};
 use super::table::Table;
-use super::{complain, print};
-use maquette::Recording;
-use maquette::io::folder::segmented::{self, Extras, QualityRow};
-use maquette::io::folder::{OutFolder, check_out};
-use maquette::io::recording::footage::{Footage, FootageNote};
-use maquette::pipeline::segment::SegmentOptions;
-use maquette::pipeline::{FrameRange, Progress, span};
 
 pub(super) const ABOUT: &str = "\
 Cut the person out of the pictures of a recording.
@@ -65,68 +63,26 @@ pub(super) fn run(arguments: &SegmentArguments) -> Result<(), CliError> {
 fn segment(arguments: &SegmentArguments) -> Result<(), CliError> {
     let start = Instant::now();
     check_out(&arguments.out, arguments.overwrite.existing())?;
-    let footage = Recording::open(&arguments.recording)?
-        .with_fps(arguments.fps)
-        .footage()?;
-    let frames = footage.frames();
-    let range = span(arguments.frames.unwrap_or_default().select(&frames)?);
-    let progress = arguments.quiet.progress();
-    OutFolder::open(&arguments.out)?;
-    let extras = Extras {
-        probability: arguments.probability,
-        overlays: arguments.overlays,
+    let recording = Recording::open(&arguments.recording)?.with_fps(arguments.fps);
+    let files = MaskFiles {
+        folder: &arguments.out,
+        frames: arguments.frames.unwrap_or_default(),
+        extras: Extras {
+            probability: arguments.probability,
+            overlays: arguments.overlays,
+        },
     };
-    let (rows, notes) = masks(&footage, range, &arguments.out, extras, &progress)?;
+    let written = recording.write_masks(&files, &arguments.quiet.progress())?;
+
+    arguments.quiet.print_notes(&written.notes);
     if !arguments.quiet.is_on() {
-        for note in &notes {
-            complain("note", &one_line(note));
-        }
         let seconds = start.elapsed().as_secs_f64();
-        print(&summary(&footage, &rows, &arguments.out, seconds));
+        print(&summary(&written, &arguments.out, seconds));
     }
     Ok(())
 }
 
-/// Learns, segments and writes; what the user should know comes back with the figures.
-pub(super) fn masks(
-    footage: &Footage,
-    frames: RangeInclusive<usize>,
-    folder: &Path,
-    extras: Extras,
-    progress: &dyn Progress,
-) -> Result<(Vec<QualityRow>, Vec<String>), CliError> {
-    let all = footage.frames();
-    progress.begin("background", all.len());
-    let (segmenter, found) =
-        segmented::learn(footage, SegmentOptions::default(), &|| progress.step());
-    progress.end();
-    let count = all.iter().filter(|frame| frames.contains(&frame.0)).count();
-    progress.begin("masks", count);
-    let (rows, odd) = segmented::write(folder, footage, &segmenter, frames, extras, &|| {
-        progress.step()
-    })?;
-    progress.end();
-    let mut notes: Vec<String> = footage
-        .notes
-        .iter()
-        .chain(&found)
-        .chain(&odd)
-        .map(FootageNote::to_string)
-        .collect();
-    for (id, share) in segmented::never_left(footage, &segmenter) {
-        notes.push(format!(
-            "camera {}: in {:.0} % of the pixels where the person is the empty scene is never seen for sure: a picture of it (background = …) would help",
-            footage.rig.cameras[id.0].name,
-            100.0 * share
-        ));
-    }
-    if !segmenter.is_consistent() && footage.rig.cameras.len() > 1 {
-        notes.push("the cameras do not agree on where the person is: each is segmented by itself; check the calibration".into());
-    }
-    Ok((rows, notes))
-}
-
-fn summary(footage: &Footage, rows: &[QualityRow], out: &Path, seconds: f64) -> String {
+fn summary(written: &WrittenMasks, out: &Path, seconds: f64) -> String {
     let mut table = Table::new(&[
         "camera",
         "masks",
@@ -135,15 +91,19 @@ fn summary(footage: &Footage, rows: &[QualityRow], out: &Path, seconds: f64) -> 
         "unsupported",
         "filled in",
     ]);
-    for name in footage.rig.names() {
-        let own: Vec<&QualityRow> = rows.iter().filter(|row| row.camera == name).collect();
+    for name in &written.cameras {
+        let own: Vec<&QualityRow> = written
+            .rows
+            .iter()
+            .filter(|row| row.camera == *name)
+            .collect();
         let mean = |f: fn(&QualityRow) -> f64| {
             let sum: f64 = own.iter().map(|row| f(row)).sum();
             format!("{:.3}", sum / own.len().max(1) as f64)
         };
         let empty = own.iter().filter(|row| row.area_px == 0).count();
         table.row(vec![
-            name.into(),
+            name.clone(),
             own.len().to_string(),
             empty.to_string(),
             mean(|row| row.undecided),
@@ -152,7 +112,7 @@ fn summary(footage: &Footage, rows: &[QualityRow], out: &Path, seconds: f64) -> 
         ]);
     }
     let (table, folder) = (table.text(), out.join("masks"));
-    let masks = rows.len();
+    let masks = written.rows.len();
     format!(
         "{table}\n{}: {masks} masks in {seconds:.1} s\n",
         folder.display()

@@ -25,16 +25,3 @@ pub mod picture;
 pub mod run;
 pub mod table;
 pub mod walker;
-
-/// Runs the program `maquette`, which was built beside this experiment.
-pub fn program(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> std::process::ExitCode {
-    let beside = std::env::current_exe().map(|path| path.with_file_name("maquette"));
-    let status = beside.and_then(|path| {
-        let mut program = std::process::Command::new(path);
-        program.args(arguments.into_iter().skip(1)).status()
-    });
-    match status {
-        Ok(status) if status.success() => std::process::ExitCode::SUCCESS,
-        _ => std::process::ExitCode::FAILURE,
-    }
-}

@@ -7,7 +7,7 @@ use super::aim::{AimedOptimum, JointStage};
 use super::measures::Measures;
 use super::points::{self, PointQuality};
 use super::quality::{self, CameraQuality, ViewQuality};
-use super::{FitOptions, SceneFault, ShapeConfidence, Warning, check_scene, rest_lengths_m};
+use super::{EstimateOptions, SceneFault, ShapeConfidence, Warning, check_scene, rest_lengths_m};
 use crate::body::{BodyModel, Motion, Posed, Shape};
 use crate::camera::Rig;
 use crate::inference::chain::ChainPrior;
@@ -145,7 +145,7 @@ pub fn fit(
     model: &BodyModel,
     rig: &Rig,
     sequence: Sequence<'_>,
-    options: &FitOptions,
+    options: &EstimateOptions,
     journal: &dyn Journal,
 ) -> Result<Fit, FitError> {
     options.validate()?;
@@ -206,7 +206,7 @@ fn estimate(
     rig: &Rig,
     sequence: Sequence<'_>,
     (winner, measures): (&Trial, &Measures),
-    options: &FitOptions,
+    options: &EstimateOptions,
 ) -> (Estimate, Measure) {
     let Some(joint) = &options.joint else {
         return (Estimate::tracked(winner, rig), measures.search);

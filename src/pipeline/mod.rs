@@ -35,7 +35,7 @@ pub use fit::{Fit, FitError, FittedFrame, TriedHypothesis, fit};
 pub use frame_range::{FrameRange, FrameRangeError, span};
 pub use measures::check_measure;
 pub use movement::{FittedBody, FittedMotion, FittedPoint, FramePose, FrameSd};
-pub use options::{ConfidenceOptions, FitOptions, FitTo};
+pub use options::{ConfidenceOptions, EstimateOptions, FitTo, ObservationOptions};
 pub use overlap::projected_ellipses;
 pub use points::PointQuality;
 pub use progress::{NoProgress, Progress};

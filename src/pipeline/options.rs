@@ -1,4 +1,4 @@
-//! The settings of a fit, one field for each stage.
+//! The settings of a fit: what is observed, and one field for each stage of the estimate.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,14 +8,20 @@ use crate::likelihood::{LikelihoodOptions, Measure};
 use crate::silhouette::{FrameObservations, InvalidOption, SilhouetteOptions};
 use crate::solver::Loss;
 
-/// The settings of a fit. Every default is stated where its field is.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+/// From masks and points to what is fitted to.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct FitOptions {
+pub struct ObservationOptions {
     /// From masks to silhouettes.
     pub silhouettes: SilhouetteOptions,
-    /// What is fitted to.
+    /// Which of the observations are fitted to.
     pub fit_to: FitTo,
+}
+
+/// The settings of the estimate, one for each stage of [`fit`](super::fit).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct EstimateOptions {
     /// −log p(Z | m, s).
     pub likelihood: LikelihoodOptions,
     /// What silhouettes are compared with. By default Algorithm 1 looks at the ellipsoids, which are fast, and the
@@ -32,11 +38,9 @@ pub struct FitOptions {
     pub confidence: ConfidenceOptions,
 }
 
-impl Default for FitOptions {
+impl Default for EstimateOptions {
     fn default() -> Self {
         Self {
-            silhouettes: SilhouetteOptions::default(),
-            fit_to: FitTo::default(),
             likelihood: LikelihoodOptions::default(),
             measure: None,
             search: SearchOptions::default(),
@@ -59,8 +63,8 @@ pub enum FitTo {
 }
 
 impl FitTo {
-    /// What is fitted to of a frame.
-    pub fn of(self, mut frame: FrameObservations) -> FrameObservations {
+    /// Keeps what is fitted to of a frame.
+    pub fn select(self, mut frame: FrameObservations) -> FrameObservations {
         if self == Self::Points {
             frame.views.clear();
         }
@@ -90,13 +94,12 @@ impl Default for ConfidenceOptions {
 /// Name, value, least and most.
 type Range = (&'static str, f64, f64, f64);
 
-impl FitOptions {
+impl EstimateOptions {
     /// Whether every option is in its range.
     ///
     /// # Errors
     /// [`InvalidOption`] for the first that is not.
     pub fn validate(&self) -> Result<(), InvalidOption> {
-        self.silhouettes.validate()?;
         let ranges = [
             self.ranges_of_likelihood().as_slice(),
             self.ranges_of_search().as_slice(),
@@ -162,25 +165,28 @@ mod tests {
 
     #[test]
     fn the_defaults_are_valid_and_survive_being_written() {
-        let options = FitOptions::default();
+        let options = EstimateOptions::default();
         assert_eq!(options.validate(), Ok(()));
         let text = serde_json::to_string(&options).unwrap();
-        assert_eq!(serde_json::from_str::<FitOptions>(&text).unwrap(), options);
+        assert_eq!(
+            serde_json::from_str::<EstimateOptions>(&text).unwrap(),
+            options
+        );
     }
 
     #[test]
     fn nonsense_is_named_with_its_range() {
-        let mut options = FitOptions::default();
+        let mut options = EstimateOptions::default();
         options.search.keyframe_every = Some(0);
         let message = options.validate().unwrap_err().to_string();
         assert_eq!(message, "option keyframe_every = 0: expected 1 to 1000000");
-        let mut options = FitOptions::default();
+        let mut options = EstimateOptions::default();
         options.likelihood.ellipses.sigma_px = f64::NAN;
         assert_eq!(options.validate().unwrap_err().name, "sigma_px");
-        let mut options = FitOptions::default();
+        let mut options = EstimateOptions::default();
         options.likelihood.ellipses.loss = Loss::Cauchy(0.0);
         assert_eq!(options.validate().unwrap_err().name, "loss");
-        let mut options = FitOptions::default();
+        let mut options = EstimateOptions::default();
         options.confidence.epsilon_m = -0.02;
         assert_eq!(options.validate().unwrap_err().name, "epsilon_m");
     }

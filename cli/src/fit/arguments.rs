@@ -4,14 +4,16 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use crate::error::CliError;
-use crate::stereo::Method;
-use crate::switches::{Quiet, Threads};
+use maquette::FitOptions;
 use maquette::inference::search::Pruning;
 use maquette::io::folder::Existing;
 use maquette::likelihood::{EllipseOptions, Measure};
-use maquette::pipeline::FrameRange;
-use maquette::pipeline::{FitError, FitOptions, FitTo};
+use maquette::pipeline::stereo::StereoMethod;
+use maquette::pipeline::{FitTo, FrameRange};
+use maquette::workflow::SilhouetteSource;
+
+use crate::stereo::Method;
+use crate::switches::{Quiet, Threads};
 
 pub(crate) const ABOUT: &str = "\
 Fit a body to a recording: shape, motion and confidence.
@@ -122,12 +124,6 @@ pub(super) enum Silhouettes {
     Joint,
 }
 
-impl Silhouettes {
-    pub(super) fn is_joint(self) -> bool {
-        self == Self::Joint
-    }
-}
-
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Fitted {
     /// Silhouettes, and points where there are any
@@ -142,31 +138,49 @@ enum Switch {
     Off,
 }
 
-impl FitArguments {
-    pub(super) fn options(&self) -> Result<FitOptions, CliError> {
-        let mut options = FitOptions::default();
-        options.search.keyframe_every = self.keyframe_every;
-        if self.no_pruning {
-            options.search.pruning = Pruning::Off;
+impl From<Silhouettes> for SilhouetteSource {
+    fn from(way: Silhouettes) -> Self {
+        match way {
+            Silhouettes::Background => Self::Background,
+            Silhouettes::Joint => Self::Joint,
         }
-        options.fit_to = match self.fit_to {
-            Fitted::All => FitTo::All,
-            Fitted::Points => FitTo::Points,
+    }
+}
+
+impl From<Fitted> for FitTo {
+    fn from(fitted: Fitted) -> Self {
+        match fitted {
+            Fitted::All => Self::All,
+            Fitted::Points => Self::Points,
+        }
+    }
+}
+
+impl FitArguments {
+    pub(super) fn options(&self) -> FitOptions {
+        let mut options = FitOptions {
+            body: self.body.clone(),
+            frames: self.frames.unwrap_or_default(),
+            silhouettes: self.silhouettes.map(SilhouetteSource::from),
+            stereo: self.stereo.map(StereoMethod::from),
+            ..FitOptions::default()
         };
-        options.measure = self.likelihood.map(Likelihood::measure);
+        options.observations.fit_to = self.fit_to.into();
+
+        let estimate = &mut options.estimate;
+        estimate.search.keyframe_every = self.keyframe_every;
+        if self.no_pruning {
+            estimate.search.pruning = Pruning::Off;
+        }
+        estimate.measure = self.likelihood.map(Likelihood::measure);
         if self.likelihood == Some(Likelihood::Published) {
-            options.likelihood.ellipses = EllipseOptions::published();
+            estimate.likelihood.ellipses = EllipseOptions::published();
         }
         if self.joint == Switch::Off {
-            options.joint = None;
+            estimate.joint = None;
         }
-        options.aim = self.aim == Switch::On;
-        options.validate().map_err(FitError::from)?;
-        Ok(options)
-    }
-
-    pub(super) fn fits_to_points(&self) -> bool {
-        self.fit_to == Fitted::Points
+        estimate.aim = self.aim == Switch::On;
+        options
     }
 
     pub(super) fn existing(&self) -> Existing {

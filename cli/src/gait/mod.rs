@@ -6,13 +6,14 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use crate::analysis::{Analysed, Asked, IdentityArguments};
 use crate::error::CliError;
 use crate::print;
+use crate::subject::SubjectArguments;
+use maquette::GaitStudy;
 use maquette::gait::{GaitOptions, Surface};
-use maquette::io::folder::{OutFolder, write_atomically};
-use maquette::io::gait::{angles_csv, curves_csv, parameters_csv};
-use text::Report;
+use maquette::io::folder::write_atomically;
+use maquette::workflow::GaitSource;
+use text::Summary;
 
 pub(super) const ABOUT: &str = "\
 Analyse how a person walks: foot strikes and offs, speed, cadence, steps and phases, joint angles over the gait cycle, \
@@ -57,7 +58,7 @@ pub(super) struct GaitArguments {
     #[arg(long)]
     report: bool,
     #[command(flatten, next_help_heading = "Of the person and the report")]
-    identity: IdentityArguments,
+    subject: SubjectArguments,
     /// Print nothing but errors
     #[arg(long)]
     quiet: bool,
@@ -96,38 +97,35 @@ fn cutoff(text: &str) -> Result<f64, String> {
 
 /// Reads, analyses, writes, prints.
 pub(super) fn run(arguments: &GaitArguments) -> Result<(), CliError> {
-    let asked = Asked {
-        from: &arguments.input,
+    let source = GaitSource {
+        path: &arguments.input,
         body: arguments.body.as_deref(),
         fps: arguments.fps,
-        norm: arguments.norm.as_deref(),
-        person: arguments.identity.person(),
     };
     let options = GaitOptions {
         cutoff_hz: arguments.cutoff,
         surface: arguments.surface.map(Surface::from),
         ..GaitOptions::default()
     };
-    let analysed = Analysed::of(&asked, &options)?;
-    let (gait, norm) = (&analysed.gait, analysed.norm.as_ref());
+    let study = GaitStudy::open(source, &options)?;
+    let study = arguments
+        .subject
+        .compare(study, arguments.norm.as_deref())?;
+
     let out = out_folder(arguments);
-    OutFolder::open(&out)?;
-    let write = |name: &str, bytes: Vec<u8>| write_atomically(&out.join(name), &bytes);
-    write("parameters.csv", parameters_csv(gait)?)?;
-    write("curves.csv", curves_csv(gait, norm)?)?;
-    write("angles.csv", angles_csv(gait, &analysed.input.movement)?)?;
-    write("gait.json", serde_json::to_vec_pretty(&analysed.file)?)?;
+    study.save(&out)?;
     if arguments.report {
-        analysed.write_report(&arguments.identity, &out.join("report.html"))?;
+        let text = arguments.subject.report(&study, &arguments.input)?;
+        write_atomically(&out.join("report.html"), text.as_bytes())?;
     }
     if !arguments.quiet {
-        let report = Report {
+        let summary = Summary {
             input: &arguments.input,
-            file: &analysed.file,
-            norm,
+            file: &study.file(),
+            norm: study.norm.as_ref(),
             is_normalised: arguments.normalised,
         };
-        print(&report.text());
+        print(&summary.text());
         print(&format!("\nWritten into {}\n", out.display()));
     }
     Ok(())

@@ -7,15 +7,15 @@ use maquette::gait::{Norm, Side, Statistic, Surface, Used};
 use maquette::io::gait::GaitFile;
 use maquette::math::stats::mean;
 
-/// What is to be said.
-pub(super) struct Report<'a> {
+/// What is said at the end of an analysis.
+pub(super) struct Summary<'a> {
     pub(super) input: &'a Path,
     pub(super) file: &'a GaitFile,
     pub(super) norm: Option<&'a Norm>,
     pub(super) is_normalised: bool,
 }
 
-impl Report<'_> {
+impl Summary<'_> {
     pub(super) fn text(&self) -> String {
         let sections = [
             self.head(),

@@ -87,7 +87,7 @@ fn the_result_says_what_it_is_made_of() {
         ("maquette-result", 1)
     );
     assert_eq!(result.recording.cameras, ["cam_01", "cam_02", "cam_03"]);
-    assert_eq!(result.options.search.keyframe_every, Some(2));
+    assert_eq!(result.options.estimate.search.keyframe_every, Some(2));
     let inputs: Vec<&str> = result.inputs.iter().map(|i| i.input.as_str()).collect();
     let expected = [
         "calibration.toml",
@@ -198,7 +198,7 @@ fn the_published_likelihood_is_another_one() {
     arm.fit("published", &["--quiet", "--likelihood", "published"])
         .succeeded();
     let (outline, published) = (arm.result("outline"), arm.result("published"));
-    let ellipses = &published["options"]["likelihood"]["ellipses"];
+    let ellipses = &published["options"]["estimate"]["likelihood"]["ellipses"];
     assert_eq!(ellipses["variant"], "published");
     assert_ne!(outline["motion"], published["motion"]);
 }
@@ -209,7 +209,7 @@ fn without_the_joint_optimum_there_is_no_standard_deviation() {
     let said = arm.fit("out", &["--joint", "off"]).succeeded().out;
     assert!(!said.contains("± SD"), "{said}");
     let result = arm.result("out");
-    assert!(result["options"]["joint"].is_null() && result["shape"]["noise"].is_null());
+    assert!(result["options"]["estimate"]["joint"].is_null() && result["shape"]["noise"].is_null());
     assert!(result["shape"]["lengths"][0]["sd_m"].is_null());
     assert!(result["motion"]["frames"][0]["sd"].is_null());
 }

@@ -10,9 +10,10 @@ use std::process::ExitCode;
 use experiments::run::Run;
 use experiments::table::Table;
 use maquette::gait::{Angle, EventKind, GaitAnalysis, GaitOptions, Parameter, Side, analyse};
-use maquette::io::gait::{read_fit, read_points};
+use maquette::io::gait::read_points;
 use maquette::io::points::trc::{Trajectories, read_trc, write_trc};
 use maquette::math::stats::mean;
+use maquette::{FitOptions, Recording};
 
 /// Vertical force above which a foot is on a plate.
 const ON_N: f64 = 20.0;
@@ -29,7 +30,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     }
     let out = tempfile(&run)?;
     events(&mut run, &data.join("gait"), &out)?;
-    walk7(&mut run, &data.join("walk7"), &out)?;
+    walk7(&mut run, &data.join("walk7"))?;
     Ok(run.finish()?)
 }
 
@@ -74,31 +75,9 @@ fn events(run: &mut Run, folder: &Path, out: &Path) -> Result<(), Box<dyn Error>
 }
 
 /// Parameters against those of the true joint centres, and angles against the true ones.
-fn walk7(run: &mut Run, folder: &Path, out: &Path) -> Result<(), Box<dyn Error>> {
-    let fitted = out.join("walk7");
-    let arguments = [
-        "maquette",
-        "fit",
-        "RECORDING",
-        "--fps",
-        "50",
-        "--out",
-        "OUT",
-        "--overwrite",
-        "--quiet",
-    ];
-    let arguments = arguments.map(|a| match a {
-        "RECORDING" => folder.into(),
-        "OUT" => fitted.clone().into_os_string(),
-        word => word.into(),
-    });
-    if experiments::program(arguments) != ExitCode::SUCCESS {
-        return Err("walk7 could not be fitted".into());
-    }
-    let fit = analyse(
-        &read_fit(&fitted, None, None)?.movement,
-        &GaitOptions::default(),
-    )?;
+fn walk7(run: &mut Run, folder: &Path) -> Result<(), Box<dyn Error>> {
+    let recording = Recording::open(folder)?.with_fps(50.0);
+    let fit = recording.fit(&FitOptions::default())?.gait()?.analysis;
     let truth = gait_of(&folder.join("truth.trc"))?;
     let mut table = Table::new(
         "parameters",

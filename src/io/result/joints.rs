@@ -1,8 +1,11 @@
 //! The model's points over time, for other programs.
 
-use crate::body::BodyModel;
+use std::collections::BTreeSet;
+
+use nalgebra::Point3;
+
+use super::{FramePart, ResultFile};
 use crate::io::points::trc::Trajectories;
-use crate::pipeline::{Fit, FittedFrame};
 
 /// The joint centres in the order in which Pose2Sim lists them; other points follow.
 const POSE2SIM: [&str; 17] = [
@@ -33,41 +36,40 @@ const MOST_GAPS: usize = 1000;
 /// A frame of the recording that no camera saw, and a number between two frames that no mask has, is a frame
 /// without points, so that rows stay evenly spaced in time. (Where numbers are so sparse that there would be a
 /// thousand rows to a frame, only the frames themselves are listed.)
-pub fn trajectories(fit: &Fit, model: &BodyModel, fps: f64) -> Trajectories {
-    let order = order(model);
-    let first = fit.frames.first().map_or(0, |f| f.frame.0);
-    let last = fit.frames.last().map_or(0, |f| f.frame.0);
-    let points = |frame: &FittedFrame| {
-        let is_seen = frame.is_observed();
-        let place = |i: &usize| is_seen.then(|| frame.points_world[*i]);
+pub fn trajectories(result: &ResultFile) -> Trajectories {
+    let (names, fitted) = (&result.motion.points, &result.motion.frames);
+    let order = order(names);
+    let first = fitted.first().map_or(0, |f| f.frame);
+    let last = fitted.last().map_or(0, |f| f.frame);
+    let with_points: BTreeSet<usize> = result.quality.points.iter().map(|p| p.frame).collect();
+    let points = |frame: &FramePart| {
+        let is_seen = frame.views > 0 || with_points.contains(&frame.frame);
+        let place = |i: &usize| is_seen.then(|| Point3::from(frame.points_m[*i]));
         order.iter().map(place).collect()
     };
-    let is_sparse = (last - first) / MOST_GAPS > fit.frames.len();
+
+    let is_sparse = (last - first) / MOST_GAPS > fitted.len();
     let mut frames: Vec<Vec<_>> = Vec::new();
-    for frame in &fit.frames {
+    for frame in fitted {
         if !is_sparse {
-            frames.resize(frame.frame.0 - first, vec![None; order.len()]);
+            frames.resize(frame.frame - first, vec![None; order.len()]);
         }
         frames.push(points(frame));
     }
     Trajectories {
-        rate_hz: fps,
+        rate_hz: result.recording.fps,
         first_frame: first,
-        names: order
-            .iter()
-            .map(|i| model.points[*i].name.clone())
-            .collect(),
+        names: order.iter().map(|i| names[*i].clone()).collect(),
         frames,
     }
 }
 
-/// Indices of the model's points, Pose2Sim's first.
-fn order(model: &BodyModel) -> Vec<usize> {
-    let known = POSE2SIM.iter().filter_map(|name| model.point(name));
-    let is_other = |i: &usize| !POSE2SIM.contains(&model.points[*i].name.as_str());
-    known
-        .chain((0..model.points.len()).filter(is_other))
-        .collect()
+/// Indices of the points, Pose2Sim's first.
+fn order(names: &[String]) -> Vec<usize> {
+    let position = |wanted: &&str| names.iter().position(|name| name == wanted);
+    let known = POSE2SIM.iter().filter_map(position);
+    let is_other = |i: &usize| !POSE2SIM.contains(&names[*i].as_str());
+    known.chain((0..names.len()).filter(is_other)).collect()
 }
 
 #[cfg(test)]
@@ -76,16 +78,18 @@ mod tests {
 
     use super::*;
 
+    fn points_of(model: &str) -> Vec<String> {
+        let model = crate::io::model::load(model, Path::new("")).unwrap();
+        model.points.iter().map(|p| p.name.clone()).collect()
+    }
+
     #[test]
     fn the_points_stand_in_the_order_of_pose2sim_and_others_follow() {
-        let model = crate::io::model::load("human-ellipsoids", Path::new("")).unwrap();
-        let names: Vec<&str> = order(&model)
-            .iter()
-            .map(|i| model.points[*i].name.as_str())
-            .collect();
+        let points = points_of("human-ellipsoids");
+        let order_of_human = order(&points);
+        let names: Vec<&str> = order_of_human.iter().map(|i| points[*i].as_str()).collect();
         assert_eq!(names[..17], POSE2SIM);
-        assert_eq!(names.len(), model.points.len());
-        let arm = crate::io::model::load("arm-2d", Path::new("")).unwrap();
-        assert_eq!(order(&arm), [0, 1, 2]);
+        assert_eq!(names.len(), points.len());
+        assert_eq!(order(&points_of("arm-2d")), [0, 1, 2]);
     }
 }

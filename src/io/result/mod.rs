@@ -24,8 +24,8 @@ pub use parts::Provenance;
 pub use read::ResultError;
 pub use schema::{
     CameraPart, CoefficientPart, FramePart, HypothesisPart, InputPart, LengthPart, MissingPart,
-    MotionPart, NoisePart, OriginPart, OutcomePart, PointPart, PosteriorPart, Program, QualityPart,
-    RecordingPart, RejectedPart, ResultFile, ShapePart, ViewPart,
+    MotionPart, NoisePart, OptionsPart, OriginPart, OutcomePart, PointPart, PosteriorPart, Program,
+    QualityPart, RecordingPart, RejectedPart, ResultFile, ShapePart, ViewPart,
 };
 
 impl ResultFile {

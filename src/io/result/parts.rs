@@ -2,14 +2,14 @@
 
 use super::schema::{
     CameraPart, CoefficientPart, FramePart, HypothesisPart, InputPart, LengthPart, MissingPart,
-    MotionPart, NoisePart, OriginPart, OutcomePart, PointPart, PosteriorPart, Program, QualityPart,
-    RecordingPart, RejectedPart, ResultFile, ShapePart, ViewPart,
+    MotionPart, NoisePart, OptionsPart, OriginPart, OutcomePart, PointPart, PosteriorPart, Program,
+    QualityPart, RecordingPart, RejectedPart, ResultFile, ShapePart, ViewPart,
 };
 use crate::body::BodyModel;
 use crate::camera::{CameraId, Rig};
 use crate::inference::search::Origin;
 use crate::io::recording::{InputChecksum, ObservationFiles};
-use crate::pipeline::{Fit, FitOptions, FittedFrame, FrameSd, TriedHypothesis, rest_lengths_m};
+use crate::pipeline::{Fit, FittedFrame, FrameSd, TriedHypothesis, rest_lengths_m};
 use crate::silhouette::{FrameIndex, FrameObservations};
 
 /// What p_ε,σ(K) speaks of, and what not.
@@ -28,7 +28,7 @@ pub struct Provenance<'a> {
     /// The body.
     pub model: &'a BodyModel,
     /// Every option.
-    pub options: &'a FitOptions,
+    pub options: &'a OptionsPart,
 }
 
 impl ResultFile {

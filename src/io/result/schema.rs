@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::inference::confidence::Confidence;
-use crate::pipeline::{FitOptions, FrameSd};
+use crate::pipeline::{EstimateOptions, FrameSd, ObservationOptions};
 
 /// What a fit found, and what it was made from. Version 1.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -19,7 +19,7 @@ pub struct ResultFile {
     /// Fingerprints of everything that was read.
     pub inputs: Vec<InputPart>,
     /// Every option, also those left at their defaults.
-    pub options: FitOptions,
+    pub options: OptionsPart,
     /// Name of the body model.
     pub body: String,
     /// s.
@@ -34,6 +34,15 @@ pub struct ResultFile {
     pub quality: QualityPart,
     /// What a person should know, in plain words.
     pub warnings: Vec<String>,
+}
+
+/// Every option of a fit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct OptionsPart {
+    /// From masks and points to what is fitted to.
+    pub observations: ObservationOptions,
+    /// The estimate.
+    pub estimate: EstimateOptions,
 }
 
 /// A program and its version.

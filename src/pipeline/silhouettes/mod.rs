@@ -8,8 +8,8 @@
 //! | the outline that is expected                    | [`crate::render::outline`]                  |
 //! | active contours                                 | [`ViewContours`]                            |
 //! | and, beside them, where the person's colours end | `colours.rs`                               |
-//! | the simple pipeline (§ 4.1)                     | [`Scene::sighting`] of the body by stereo   |
-//! | the joint pipeline (§ 4.3)                      | [`Scene::sighting`] and the joint optimum by turns |
+//! | the first fit (§ 4.1)                           | [`StartingFit`]                             |
+//! | the simple pipeline (§ 4.1), the joint one (§ 4.3) | [`SilhouetteSearch`]                     |
 //!
 //! A contour point counts in the likelihood by its reliability. Lengths are given in metres at the person and become pixels by
 //! the camera and the depth, so that they mean the same in every recording.
@@ -17,19 +17,25 @@
 mod colours;
 mod contour;
 mod ends;
+mod error;
 mod filter;
 mod moving;
+mod run;
 mod scene;
 mod shown;
+mod starting_fit;
 mod still;
 
 use crate::silhouette::snake::SnakeOptions;
 
 pub use contour::{FoundPoint, ViewContours};
 pub use ends::nearness;
+pub use error::SilhouetteError;
 pub use filter::{Edges, Filtered, band_mask, disparity_mask};
+pub use run::{FrameSilhouettes, SilhouettePipeline, SilhouetteSearch};
 pub use scene::{Scene, Sighting};
 pub use shown::{ShownFrame, ShownView};
+pub use starting_fit::StartingFit;
 pub use still::{StillScene, StillScenes};
 
 /// What was found in one view, and through which edges.

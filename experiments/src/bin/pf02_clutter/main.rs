@@ -69,7 +69,7 @@ fn report(run: &mut Run, all: &[(Sequence, Vec<Traced>)]) -> Result<(), Fault> {
             "s a frame",
         ],
     );
-    for (place, pipeline) in PIPELINES.iter().enumerate() {
+    for (place, (pipeline, _)) in PIPELINES.iter().enumerate() {
         let (mut errors, mut centre_errors) = (0, 0);
         for (number, (_, traced)) in all.iter().enumerate() {
             let traced = &traced[place];

@@ -1,25 +1,31 @@
 //! A sequence on disk, what a pipeline makes of it, and how far that is from the truth.
 
-use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 use std::time::Instant;
 
 use experiments::contours::Score;
+use maquette::Recording;
 use maquette::camera::CameraId;
 use maquette::image::{Mask, Picture, Plane};
+use maquette::io::folder::silhouettes::SilhouetteExtras;
 use maquette::io::model;
 use maquette::io::recording::filmed;
 use maquette::math::stats::median;
+use maquette::pipeline::silhouettes::SilhouettePipeline;
+use maquette::pipeline::{FrameRange, NoProgress};
 use maquette::silhouette::FrameIndex;
 use maquette::synth::{Film, FilmRecipe, Studio};
+use maquette::workflow::SilhouetteFiles;
 use rayon::prelude::*;
 
 use crate::Fault;
 
-/// As `maquette silhouettes --pipeline` calls them.
-pub(crate) const PIPELINES: [&str; 2] = ["simple", "joint"];
+/// Both pipelines and their names.
+pub(crate) const PIPELINES: [(&str, SilhouettePipeline); 2] = [
+    ("simple", SilhouettePipeline::Simple),
+    ("joint", SilhouettePipeline::Joint),
+];
 /// The camera in the middle.
 pub(crate) const CENTRE: usize = 1;
 
@@ -65,25 +71,22 @@ impl Sequence {
     }
 
     /// Runs a pipeline as a user would, and compares what it wrote with the true masks.
-    pub(crate) fn traced(&self, pipeline: &'static str) -> Result<Traced, Fault> {
-        let out = self.folder.join(pipeline);
+    pub(crate) fn traced(
+        &self,
+        (name, pipeline): (&'static str, SilhouettePipeline),
+    ) -> Result<Traced, Fault> {
+        let out = self.folder.join(name);
         let recording = self.folder.join("recording");
-        let mut arguments = [
-            "maquette",
-            "silhouettes",
-            "--overwrite",
-            "--quiet",
-            "--pipeline",
+        let files = SilhouetteFiles {
+            folder: &out,
+            body: SilhouetteFiles::DEFAULT_BODY,
+            frames: FrameRange::default(),
             pipeline,
-            "--out",
-        ]
-        .map(OsString::from)
-        .to_vec();
-        arguments.extend([out.clone().into(), recording.into()]);
+            start: None,
+            extras: SilhouetteExtras::default(),
+        };
         let start = Instant::now();
-        if experiments::program(arguments) != ExitCode::SUCCESS {
-            return Err(format!("the {pipeline} pipeline ended with an error").into());
-        }
+        Recording::open(recording)?.write_silhouettes(&files, &NoProgress)?;
         let seconds = start.elapsed().as_secs_f64();
         let frames = self.film.synthetic.frames();
         let numbers: Vec<usize> = (0..frames).collect();
@@ -91,7 +94,7 @@ impl Sequence {
             .into_par_iter()
             .map(|frame| self.scores(frame, &out));
         Ok(Traced {
-            pipeline,
+            pipeline: name,
             scores: scores.collect::<Result<_, String>>()?,
             seconds_a_frame: seconds / frames as f64,
             out,

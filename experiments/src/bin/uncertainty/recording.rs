@@ -4,7 +4,7 @@ use experiments::walker::observe;
 use maquette::body::{BodyModel, Posed};
 use maquette::inference::Sequence;
 use maquette::inference::search::NoJournal;
-use maquette::pipeline::{Fit, FitOptions, FittedFrame, fit, rest_lengths_m};
+use maquette::pipeline::{EstimateOptions, Fit, FittedFrame, fit, rest_lengths_m};
 use maquette::synth::{Recipe, Ring, SegmentationErrors, Synthetic};
 use nalgebra::Vector3;
 
@@ -64,7 +64,7 @@ pub(crate) fn deviations(
         frames: &observations,
         fps: truth.fps,
     };
-    let options = FitOptions::default();
+    let options = EstimateOptions::default();
     let found = fit(body, &truth.rig, sequence, &options, &NoJournal).ok()?;
     let mut deviations = of_lengths(body, &truth, &found)?;
     for frame in found.frames.iter().step_by(EVERY) {

@@ -27,7 +27,7 @@ impl MeshFormat {
     }
 
     /// The format that a file's extension asks for: binary PLY or OBJ.
-    pub fn of_extension(path: &std::path::Path) -> Option<Self> {
+    pub fn from_extension(path: &std::path::Path) -> Option<Self> {
         match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
             "ply" => Some(Self::Ply),
             "obj" => Some(Self::Obj),
@@ -175,7 +175,7 @@ mod tests {
 
     #[test]
     fn the_extension_says_the_format() {
-        let of = |name: &str| MeshFormat::of_extension(std::path::Path::new(name));
+        let of = |name: &str| MeshFormat::from_extension(std::path::Path::new(name));
         assert_eq!(of("a.PLY"), Some(MeshFormat::Ply));
         assert_eq!(of("a.obj"), Some(MeshFormat::Obj));
         assert_eq!((of("a.stl"), of("a")), (None, None));

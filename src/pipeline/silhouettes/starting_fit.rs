@@ -1,86 +1,85 @@
-//! The first fit, which says where to look: read, or fitted to what moves.
+//! The fit that says where to look first: of an earlier run, or found by depth alone.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
-use crate::error::CliError;
-use maquette::body::{BodyModel, Motion, Shape};
-use maquette::camera::CameraId;
-use maquette::inference::joint::{JointOptions, joint_optimum};
-use maquette::inference::search::NoJournal;
-use maquette::inference::sequence_posterior::SequenceState;
-use maquette::inference::{Evidence, Sequence};
-use maquette::io::recording::footage::Footage;
-use maquette::io::result::ResultFile;
-use maquette::likelihood::Measure;
-use maquette::pipeline::silhouettes::{ShownFrame, StillScenes, nearness};
-use maquette::pipeline::{self, FitOptions};
-use maquette::pipeline::{Progress, span};
-use maquette::silhouette::{FrameIndex, FrameObservations};
-use maquette::stereo::SideBySide;
+use super::{ShownFrame, SilhouetteError, StillScenes, nearness};
+use crate::body::{BodyModel, Motion, Shape};
+use crate::camera::CameraId;
+use crate::inference::joint::{JointOptions, joint_optimum};
+use crate::inference::search::NoJournal;
+use crate::inference::sequence_posterior::SequenceState;
+use crate::inference::{Evidence, Sequence};
+use crate::likelihood::Measure;
+use crate::pipeline::{EstimateOptions, PictureSource, Progress, fit, span};
+use crate::silhouette::{FrameIndex, FrameObservations};
+use crate::stereo::SideBySide;
 
-/// Frames of which the still scene is made at most.
+/// Most frames from which the still scene is learnt.
 const STILL_FRAMES: usize = 40;
-/// Ways in which the first body may differ from the mean: as many as the shipped bodies have common factors (stature, girth, sex).
+/// Ways in which the first body may differ from the mean: as many as the shipped bodies have common factors (stature,
+/// girth, sex).
 const BUILDS: usize = 3;
 /// Share of their standard deviation that is left to the other ways.
 const HELD: f64 = 0.05;
 
-/// Shape and motion to begin with.
+/// Shape and motion to begin with, and what stands still in the room.
 #[derive(Debug, Clone)]
-pub(crate) struct First {
+pub struct StartingFit {
     pub(super) shape: Shape,
     pub(super) motions: BTreeMap<FrameIndex, Motion>,
-    /// What stands still.
     pub(super) still: StillScenes,
 }
 
-impl First {
-    /// That of an earlier fit of the same body.
-    pub(super) fn read(
-        folder: &Path,
-        footage: &Footage,
+impl StartingFit {
+    /// Begins with an earlier fit of the same body.
+    pub fn from_motions(
+        shape: Shape,
+        motions: BTreeMap<FrameIndex, Motion>,
+        pictures: &dyn PictureSource,
         frames: &[FrameIndex],
-        model: &BodyModel,
         progress: &dyn Progress,
-    ) -> Result<Self, CliError> {
-        let result = ResultFile::read(folder)?;
-        let fitted = result.motion.frames.iter();
-        Ok(Self {
-            shape: result.shape_of(model)?,
-            motions: fitted.map(|f| (FrameIndex(f.frame), f.motion())).collect(),
-            still: still_scenes(footage, frames, progress),
-        })
+    ) -> Self {
+        Self {
+            shape,
+            motions,
+            still: still_scenes(pictures, frames, progress),
+        }
     }
 
-    /// Fitted to what moves, by depth alone.
-    pub(super) fn found(
-        footage: &Footage,
+    /// Fits a body of plain build to what moves, by depth alone (PF02, §4.1).
+    ///
+    /// **Differs** from the paper, which fits to stereo points alone: the silhouettes of what moves in depth count too.
+    ///
+    /// # Errors
+    /// [`SilhouetteError::NoDepth`] if no two cameras stand side by side, [`SilhouetteError::Fit`] if nothing that moves
+    /// can be fitted.
+    pub fn find(
+        pictures: &dyn PictureSource,
         frames: &[FrameIndex],
         model: &BodyModel,
         progress: &dyn Progress,
-    ) -> Result<Self, CliError> {
-        SideBySide::choose(&footage.rig).map_err(|e| {
-            CliError::Arguments(format!("{e}; give a fitted body to begin with: --fit DIR"))
-        })?;
+    ) -> Result<Self, SilhouetteError> {
+        SideBySide::choose(pictures.rig())?;
+
         // 1. what does not move
-        let still = still_scenes(footage, frames, progress);
-        // 2. what does: points, and where they are none
+        let still = still_scenes(pictures, frames, progress);
+        // 2. what does: points, and silhouettes where depth ends
         let mut observed = Vec::new();
-        each_shown(footage, frames, (progress, "depth"), |frame, shown| {
-            observed.push(still.moving(frame, &footage.rig, &shown));
+        each_shown(pictures, frames, "depth", progress, |frame, shown| {
+            observed.push(still.moving(frame, pictures.rig(), &shown));
         });
         // 3. the body on it
-        let options = FitOptions {
+        let options = EstimateOptions {
             measure: Some(Measure::Metaballs),
-            ..FitOptions::default()
+            ..EstimateOptions::default()
         };
         let sequence = Sequence {
             frames: &observed,
-            fps: footage.fps,
+            fps: pictures.fps(),
         };
-        let plain = of_plain_build(model);
-        let fit = pipeline::fit(&plain, &footage.rig, sequence, &options, &NoJournal)?;
+        let plain = plain_build(model);
+        let fit = fit(&plain, pictures.rig(), sequence, &options, &NoJournal)?;
+
         let motions = fit.frames.into_iter().map(|f| (f.frame, f.fit.motion));
         Ok(Self {
             shape: fit.shape,
@@ -89,8 +88,8 @@ impl First {
         })
     }
 
-    /// Shape and motion of all frames at once, fitted to what was observed in them (PF02 § 4.3, step 3).
-    pub(super) fn fitted_to(
+    /// Shape and motion of all frames at once, fitted to what was observed in them (PF02, §4.3, step 3).
+    pub(super) fn refitted(
         mut self,
         observed: &[FrameObservations],
         evidence: &Evidence<'_>,
@@ -109,9 +108,10 @@ impl First {
             fps,
         };
         let joint = joint_optimum(evidence, sequence, start, &JointOptions::default());
+
         let fitted = observed.iter().zip(joint.frames);
-        self.motions
-            .extend(fitted.map(|(o, fit)| (o.frame, fit.motion)));
+        let motions = fitted.map(|(o, fit)| (o.frame, fit.motion));
+        self.motions.extend(motions);
         Self {
             shape: joint.shape,
             ..self
@@ -121,9 +121,9 @@ impl First {
 
 /// A model whose shape varies in no more ways than [`BUILDS`], those in which people differ most.
 ///
-/// Points of one side tell how tall and how stout somebody is, but not each girth, nor the length of a foot on the ground: fitted freely,
-/// the flesh that nobody sees grows.
-fn of_plain_build(model: &BodyModel) -> BodyModel {
+/// Points of one side tell how tall and how stout somebody is, but not each girth, nor the length of a foot on the
+/// ground: fitted freely, the flesh that nobody sees grows.
+fn plain_build(model: &BodyModel) -> BodyModel {
     let mut plain = model.clone();
     let mut spread = model.statistics.covariance.clone().symmetric_eigen();
     let mut order: Vec<usize> = (0..spread.eigenvalues.len()).collect();
@@ -135,16 +135,20 @@ fn of_plain_build(model: &BodyModel) -> BodyModel {
     plain
 }
 
-/// What the cameras see that does not move, of frames spread over the recording.
-fn still_scenes(footage: &Footage, frames: &[FrameIndex], progress: &dyn Progress) -> StillScenes {
-    let mut maps = BTreeMap::<CameraId, Vec<_>>::new();
-    if SideBySide::choose(&footage.rig).is_err() {
+/// What the cameras see that does not move, learnt from frames spread over the recording.
+fn still_scenes(
+    pictures: &dyn PictureSource,
+    frames: &[FrameIndex],
+    progress: &dyn Progress,
+) -> StillScenes {
+    if SideBySide::choose(pictures.rig()).is_err() {
         // no camera sees depth
         return StillScenes::default();
     }
+    let mut maps = BTreeMap::<CameraId, Vec<_>>::new();
     let some = spread(frames, STILL_FRAMES);
-    each_shown(footage, &some, (progress, "still scene"), |_, shown| {
-        for (camera, map) in shown.depths(&footage.rig) {
+    each_shown(pictures, &some, "still scene", progress, |_, shown| {
+        for (camera, map) in shown.depths(pictures.rig()) {
             maps.entry(camera).or_default().push(nearness(&map));
         }
     });
@@ -157,19 +161,20 @@ fn spread(frames: &[FrameIndex], most: usize) -> Vec<FrameIndex> {
     frames.iter().step_by(step).copied().collect()
 }
 
-/// The pictures of some frames (ascending); those that cannot be used are left out.
+/// Hands the pictures of some frames (ascending) to `take`; those that cannot be used are left out.
 fn each_shown(
-    footage: &Footage,
+    pictures: &dyn PictureSource,
     frames: &[FrameIndex],
-    (progress, stage): (&dyn Progress, &'static str),
+    stage: &'static str,
+    progress: &dyn Progress,
     mut take: impl FnMut(FrameIndex, ShownFrame),
 ) {
     progress.begin(stage, frames.len());
-    for (frame, pictures) in footage.frame_sets(span(frames)) {
+    for (frame, seen) in pictures.pictures(span(frames)) {
         if frames.binary_search(&frame).is_err() {
             continue;
         }
-        if let Ok(shown) = ShownFrame::of(&footage.rig, &pictures) {
+        if let Ok(shown) = ShownFrame::of(pictures.rig(), &seen) {
             take(frame, shown);
         }
         progress.step();
@@ -180,7 +185,9 @@ fn each_shown(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use maquette::io::model;
+    use std::path::Path;
+
+    use crate::io::model;
 
     #[test]
     fn a_plain_build_varies_in_three_ways_as_people_do_and_hardly_in_others() {
@@ -191,7 +198,7 @@ mod tests {
             values.sort_by(|a, b| b.total_cmp(a));
             values
         };
-        let (free, held) = (variances(&model), variances(&of_plain_build(&model)));
+        let (free, held) = (variances(&model), variances(&plain_build(&model)));
         for way in 0..BUILDS {
             assert!((held[way] / free[way] - 1.0).abs() < 1e-6);
         }

@@ -1,0 +1,179 @@
+//! What a recording lacks, made of its pictures and kept in a folder: masks, contours, points.
+
+use std::path::Path;
+
+use super::masks::cut_masks;
+use super::{Error, FitOptions, SilhouetteFiles, SilhouetteSource, silhouettes};
+use crate::io::folder::segmented::{self, Extras};
+use crate::io::folder::stereo::{self, StereoExtras, StereoFolder};
+use crate::io::recording::footage::{Footage, FootageError};
+use crate::io::recording::{DerivedFiles, ObservationFiles, Recording, RecordingError};
+use crate::pipeline::stereo::{StereoMethod, StereoOptions, measure_surface};
+use crate::pipeline::{FitTo, Progress, span};
+use crate::silhouette::FrameObservations;
+use crate::stereo::SideBySide;
+
+/// What is made of a recording's pictures, and where it is kept.
+pub(super) struct Derived<'a> {
+    /// Masks, contours and points are written here.
+    pub(super) folder: &'a Path,
+    /// Whether what an earlier run has finished there is used again.
+    pub(super) is_resumed: bool,
+    pub(super) progress: &'a dyn Progress,
+}
+
+/// Files to read observations from, and those observations that no file holds.
+type Observations = (ObservationFiles, Option<Vec<FrameObservations>>);
+
+impl Derived<'_> {
+    /// The masks and points that are fitted to; what is lacking or asked for is made of the pictures.
+    pub(super) fn observations(
+        &self,
+        recording: &Recording,
+        options: &FitOptions,
+    ) -> Result<Observations, Error> {
+        if options.silhouettes == Some(SilhouetteSource::Joint) {
+            return self.contours(recording, &recording.footage()?, options);
+        }
+
+        // what the recording has
+        let given = match options.stereo {
+            // its points are what is to be measured
+            Some(_) => recording.masks(),
+            None => recording.observations(),
+        };
+        let given = match given {
+            Err(fault @ RecordingError::NoMasks { .. }) => Err(fault),
+            given => Ok(given?),
+        };
+        let has_masks = given.as_ref().is_ok_and(ObservationFiles::has_masks);
+        let fits_to_points = options.observations.fit_to == FitTo::Points;
+        let is_enough =
+            |files: &ObservationFiles| files.has_masks() || fits_to_points && files.has_points();
+        if options.stereo.is_none() && given.as_ref().is_ok_and(is_enough) {
+            return Ok((given?, None));
+        }
+
+        // what its pictures give
+        let footage = match recording.footage() {
+            Err(RecordingError::Footage(FootageError::NoPictures { .. }))
+                if options.stereo.is_none() =>
+            {
+                return Ok((given?, None));
+            }
+            footage => footage?,
+        };
+        let is_free = options.silhouettes.is_none() && options.stereo.is_none();
+        if is_free && given.is_err() && is_best_by_contours(&footage) {
+            return self.contours(recording, &footage, options);
+        }
+        let mut files = DerivedFiles {
+            footage: &footage,
+            folder: self.folder,
+            has_masks: !has_masks,
+            has_points: false,
+        };
+        if files.has_masks {
+            self.cut_masks(&footage, options)?;
+        }
+        if let Some(method) = options.stereo {
+            let masks = recording.with_derived(files)?;
+            self.measure_points(&footage, &masks, method, options)?;
+            files.has_points = true;
+        }
+        Ok((recording.with_derived(files)?, None))
+    }
+
+    /// Cuts the person out of the pictures of the frames that are fitted.
+    fn cut_masks(&self, footage: &Footage, options: &FitOptions) -> Result<(), Error> {
+        if self.is_kept(segmented::QUALITY) {
+            return Ok(());
+        }
+        let frames = footage.frames();
+        let frames = span(options.frames.select(&frames)?);
+        let found = cut_masks(
+            footage,
+            frames,
+            self.folder,
+            Extras::default(),
+            self.progress,
+        )?;
+        found.notes.iter().for_each(|note| self.progress.note(note));
+        Ok(())
+    }
+
+    /// Measures points in the pictures of the frames that are fitted, where the masks show the person.
+    fn measure_points(
+        &self,
+        footage: &Footage,
+        masks: &ObservationFiles,
+        method: StereoMethod,
+        options: &FitOptions,
+    ) -> Result<(), Error> {
+        if self.is_kept(stereo::TABLE) {
+            return Ok(());
+        }
+        let frames = footage.frames();
+        let frames = options.frames.select(&frames)?;
+        let options = StereoOptions {
+            method,
+            ..StereoOptions::default()
+        };
+        options.choose_cameras(&footage.rig)?;
+
+        let mut folder = StereoFolder::open(self.folder, footage.up, StereoExtras::default())?;
+        let write = |frame| folder.write(frame).map_err(Error::from);
+        let found = measure_surface(footage, Some(masks), frames, &options, self.progress, write)?;
+        folder.finish()?;
+        found.notes.iter().for_each(|note| self.progress.note(note));
+        Ok(())
+    }
+
+    /// Finds the contours of the frames that are fitted by a body that predicts them (PF02, §4.3), and points with them.
+    ///
+    /// The points are those before the still scene and near the body that the pipeline itself fits to, and, where they are
+    /// asked for, those that are measured within the contours: surer, but not on a leg of which a camera sees little
+    /// behind the other.
+    fn contours(
+        &self,
+        recording: &Recording,
+        footage: &Footage,
+        options: &FitOptions,
+    ) -> Result<Observations, Error> {
+        let all = footage.frames();
+        let frames = options.frames.select(&all)?;
+        let body = options.body.as_deref();
+        let body = body.unwrap_or(SilhouetteFiles::DEFAULT_BODY);
+        let mut observed = silhouettes::observe(footage, frames, body, self.folder, self.progress)?;
+
+        let mut files = DerivedFiles {
+            footage,
+            folder: self.folder,
+            has_masks: true,
+            has_points: false,
+        };
+        if let Some(method) = options.stereo {
+            let masks = recording.with_derived(files)?;
+            self.measure_points(footage, &masks, method, options)?;
+            files.has_points = true;
+        }
+        let files = recording.with_derived(files)?;
+        if options.stereo.is_some() {
+            for frame in &mut observed {
+                files.load_points(frame)?;
+            }
+        }
+        Ok((files, Some(observed)))
+    }
+
+    /// Whether an earlier run that is continued has finished what it writes this table after.
+    fn is_kept(&self, table: &str) -> bool {
+        self.is_resumed && self.folder.join(table).is_file()
+    }
+}
+
+/// Whether, without masks, contours are the only good way: depth is seen and the empty scene is not.
+fn is_best_by_contours(footage: &Footage) -> bool {
+    let is_empty_seen = footage.cameras.iter().any(|c| c.background.is_some());
+    !is_empty_seen && SideBySide::choose(&footage.rig).is_ok()
+}

@@ -1,0 +1,147 @@
+//! From a recording to a fitted body.
+
+use std::path::Path;
+
+use super::derived::Derived;
+use super::input::FitInput;
+use super::watch::WatchedJournal;
+use super::{Error, FitOptions, FittedRecording};
+use crate::inference::search::{Journal, NoJournal};
+use crate::io::folder::journal::DiskJournal;
+use crate::io::folder::{Existing, OutError, OutFolder, check_out, overlays};
+use crate::io::recording::Recording;
+use crate::io::result::{Provenance, ResultFile};
+use crate::pipeline::{self, Fit, NoProgress, Progress};
+
+/// The folder that a fit is written into.
+#[derive(Debug, Clone, Copy)]
+pub struct FitFolder<'a> {
+    /// Where it is.
+    pub path: &'a Path,
+    /// What to do with what it holds.
+    pub existing: Existing,
+    /// Whether pictures of the fit over the masks are written into its `overlays/`.
+    pub overlays: bool,
+}
+
+impl Recording {
+    /// Fits a body to the recording, in memory.
+    ///
+    /// Masks, contours and points that have to be made of pictures are kept in a temporary folder until it is done.
+    ///
+    /// # Errors
+    /// [`Error`] says in one line which file, camera or frame cannot be used.
+    ///
+    /// ```no_run
+    /// # fn main() -> Result<(), maquette::Error> {
+    /// let recording = maquette::Recording::open("data/sequences/walker")?;
+    /// let fit = recording.fit(&maquette::FitOptions::default())?;
+    /// let thigh = fit.length("thigh")?;
+    /// println!("{:.3} ± {:.3} m", thigh.metres, thigh.sd.unwrap_or(f64::NAN));
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn fit(&self, options: &FitOptions) -> Result<FittedRecording, Error> {
+        let folder = tempfile::tempdir()?;
+        let derived = Derived {
+            folder: folder.path(),
+            is_resumed: false,
+            progress: &NoProgress,
+        };
+        let input = FitInput::read(self, options, &derived)?;
+        let fit = search(&input, &NoJournal, &NoProgress)?;
+        Ok(fitted(input, &fit))
+    }
+
+    /// Fits a body and writes the result into a folder, where a run that is stopped can be continued.
+    ///
+    /// What it leaves there is described in docs/formats.md. Nothing is written until the recording is known to be
+    /// usable, and an older result stays until the new one is complete.
+    ///
+    /// # Errors
+    /// [`Error`], as [`Recording::fit`], and [`Error::Out`] and [`Error::Journal`] about the folder.
+    pub fn fit_into(
+        &self,
+        folder: FitFolder<'_>,
+        options: &FitOptions,
+        progress: &dyn Progress,
+    ) -> Result<FittedRecording, Error> {
+        // 1. read and check everything
+        check_out(folder.path, folder.existing)?;
+        let derived = Derived {
+            folder: folder.path,
+            is_resumed: folder.existing == Existing::Resume,
+            progress,
+        };
+        let input = FitInput::read(self, options, &derived)?;
+
+        // 2. fit, keeping what is finished
+        let out = OutFolder::open(folder.path)?;
+        let journal = journal(&out, folder.existing, &input)?;
+        let fit = search(&input, &journal, progress).inspect_err(|_| out.abandon())?;
+
+        // 3. write the result, and only then replace an older one
+        let scratch = out.scratch()?;
+        if folder.overlays {
+            let pictures = fit.frames.len() * input.files.rig.cameras.len();
+            progress.begin("overlays", pictures);
+            let into = scratch.path().join("overlays");
+            overlays::write(&into, &input.files, &input.model, &fit, &|| progress.step())?;
+            progress.end();
+        }
+        let fitted = fitted(input, &fit);
+        for (name, bytes) in fitted.files()? {
+            let written = std::fs::write(scratch.path().join(name), bytes);
+            written.map_err(|source| OutError::Write {
+                path: folder.path.join(name),
+                source,
+            })?;
+        }
+        out.publish(scratch)?;
+
+        if let Some(fault) = journal.fault() {
+            progress.note(&format!("the result is complete; {fault}"));
+        }
+        Ok(fitted)
+    }
+}
+
+/// The journal of a new run, or of the one that is continued.
+fn journal(out: &OutFolder, existing: Existing, input: &FitInput) -> Result<DiskJournal, Error> {
+    let (folder, identity) = (out.journal(), input.identity());
+    match existing {
+        Existing::Resume => Ok(DiskJournal::resume(&folder, &identity)?),
+        Existing::Refuse | Existing::Overwrite => {
+            let created = DiskJournal::create(&folder, &identity);
+            Ok(created.inspect_err(|_| out.abandon())?)
+        }
+    }
+}
+
+fn search(input: &FitInput, journal: &dyn Journal, progress: &dyn Progress) -> Result<Fit, Error> {
+    let frames = input.observations.len();
+    let options = &input.options.estimate;
+    let keyframes = frames.div_ceil(options.search.keyframe_spacing(frames));
+    let watched = WatchedJournal::new(journal, progress, keyframes, frames);
+    let (model, rig) = (&input.model, &input.files.rig);
+    let fit = pipeline::fit(model, rig, input.sequence(), options, &watched);
+    progress.end();
+    Ok(fit?)
+}
+
+fn fitted(input: FitInput, fit: &Fit) -> FittedRecording {
+    let result = ResultFile::new(
+        fit,
+        Provenance {
+            recording: &input.files,
+            observations: &input.observations,
+            inputs: &input.checksums,
+            model: &input.model,
+            options: &input.options,
+        },
+    );
+    FittedRecording {
+        result,
+        model: input.model,
+    }
+}

@@ -1,0 +1,143 @@
+//! A gait analysis with what it was made from, of a fit or of points of any system.
+
+use std::path::Path;
+
+use super::{Error, FittedRecording};
+use crate::gait::{GaitAnalysis, GaitOptions, Norm, analyse};
+use crate::io::folder::{OutFolder, write_atomically};
+use crate::io::gait::{
+    GaitFile, GaitInput, SHIPPED_NORM, Sex, add_parameters, angles_csv, curves_csv, from_result,
+    gait_file, load_norm, parameters_csv, parse_norm, read_points,
+};
+use crate::io::result::ResultFile;
+
+/// How somebody walks, with what that was found from and what it is compared with.
+#[derive(Debug, Clone)]
+pub struct GaitStudy {
+    /// The movement that was analysed.
+    pub input: GaitInput,
+    /// The fit; `None` of points.
+    pub result: Option<ResultFile>,
+    /// Events, strides, parameters, angles, curves. SI units, radians.
+    pub analysis: GaitAnalysis,
+    /// Healthy people; `None` without a comparison.
+    pub norm: Option<Norm>,
+}
+
+/// Where a movement is read from.
+#[derive(Debug, Clone, Copy)]
+pub struct GaitSource<'a> {
+    /// The folder of a finished fit, or a TRC file of points of any system.
+    pub path: &'a Path,
+    /// The body model of the fit, if it is not a shipped one.
+    pub body: Option<&'a str>,
+    /// Frames per second, in place of what the source states.
+    pub fps: Option<f64>,
+}
+
+/// Whom a walk is compared with.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum NormChoice<'a> {
+    /// The norm that comes with the library.
+    #[default]
+    Shipped,
+    /// A file of one's own.
+    File(&'a Path),
+    /// Nobody.
+    None,
+}
+
+impl GaitStudy {
+    /// Reads a fit or points of any system and analyses the gait, against the shipped norm.
+    ///
+    /// # Errors
+    /// [`Error::GaitInput`] and [`Error::Result`] name file and line, [`Error::Gait`] says why there is no gait.
+    ///
+    /// ```no_run
+    /// # fn main() -> Result<(), maquette::Error> {
+    /// use maquette::GaitStudy;
+    /// use maquette::gait::GaitOptions;
+    /// use maquette::workflow::GaitSource;
+    ///
+    /// let path = std::path::Path::new("walk.trc");
+    /// let study = GaitStudy::open(GaitSource { path, body: None, fps: None }, &GaitOptions::default())?;
+    /// println!("{} strides", study.analysis.cycles.len());
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn open(source: GaitSource<'_>, options: &GaitOptions) -> Result<Self, Error> {
+        if !source.path.is_dir() {
+            return Self::new(read_points(source.path, source.fps)?, None, options);
+        }
+        let FittedRecording { result, model } = FittedRecording::read(source.path, source.body)?;
+        let input = from_result(&result, model, source.fps)?;
+        Self::new(input, Some(result), options)
+    }
+
+    /// Analyses a movement, against the shipped norm.
+    pub(super) fn new(
+        input: GaitInput,
+        result: Option<ResultFile>,
+        options: &GaitOptions,
+    ) -> Result<Self, Error> {
+        Ok(Self {
+            analysis: analyse(&input.movement, options)?,
+            norm: NormChoice::Shipped.read()?,
+            input,
+            result,
+        })
+    }
+
+    /// The same compared with another norm, and its steps and strides with people of this age and sex.
+    ///
+    /// # Errors
+    /// [`Error::Norm`] names the file and what is wrong with it.
+    pub fn compared_with(
+        self,
+        norm: NormChoice<'_>,
+        age_years: Option<u32>,
+        sex: Option<Sex>,
+    ) -> Result<Self, Error> {
+        let mut norm = norm.read()?;
+        // a laboratory's own parameters stay
+        if let (Some(norm), Some(age)) = (&mut norm, age_years)
+            && norm.parameters.is_empty()
+        {
+            add_parameters(norm, age, sex)?;
+        }
+        Ok(Self { norm, ..self })
+    }
+
+    /// Writes `gait.json`, `parameters.csv`, `curves.csv` and `angles.csv` into a folder, which is made where there is none.
+    ///
+    /// # Errors
+    /// [`Error::Out`] for the file that cannot be written.
+    pub fn save(&self, folder: &Path) -> Result<(), Error> {
+        let (gait, norm) = (&self.analysis, self.norm.as_ref());
+        OutFolder::open(folder)?;
+        for (name, bytes) in [
+            ("parameters.csv", parameters_csv(gait)?),
+            ("curves.csv", curves_csv(gait, norm)?),
+            ("angles.csv", angles_csv(gait, &self.input.movement)?),
+            ("gait.json", serde_json::to_vec_pretty(&self.file())?),
+        ] {
+            write_atomically(&folder.join(name), &bytes)?;
+        }
+        Ok(())
+    }
+
+    /// The same in the units of files: `gait.json`.
+    pub fn file(&self) -> GaitFile {
+        gait_file(&self.input, &self.analysis, self.norm.as_ref())
+    }
+}
+
+impl NormChoice<'_> {
+    fn read(self) -> Result<Option<Norm>, Error> {
+        Ok(match self {
+            Self::Shipped => Some(parse_norm(SHIPPED_NORM.1, Path::new(SHIPPED_NORM.0))?),
+            Self::File(path) => Some(load_norm(path)?),
+            Self::None => None,
+        })
+    }
+}

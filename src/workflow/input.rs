@@ -1,0 +1,144 @@
+//! Everything that a fit is made from.
+
+use std::path::Path;
+
+use rayon::prelude::*;
+use serde_json::{Value, json};
+
+use super::derived::Derived;
+use super::{Error, FitOptions};
+use crate::body::BodyModel;
+use crate::inference::Sequence;
+use crate::io::model::{self, ModelText};
+use crate::io::recording::{InputChecksum, ObservationFiles, Recording};
+use crate::io::result::OptionsPart;
+use crate::pipeline::{FitError, Progress, check_measure, check_scene};
+use crate::silhouette::FrameObservations;
+
+/// The body that is fitted when nobody names one.
+const DEFAULT_BODY: &str = "human-ellipsoids";
+/// The same where there are points, which lie on a skin.
+const DEFAULT_BODY_FOR_POINTS: &str = "human-metaballs";
+
+/// Everything that a fit is made from, read and checked.
+#[derive(Debug)]
+pub(super) struct FitInput {
+    pub(super) files: ObservationFiles,
+    pub(super) model: BodyModel,
+    /// What was seen in each frame that is fitted.
+    pub(super) observations: Vec<FrameObservations>,
+    pub(super) checksums: Vec<InputChecksum>,
+    pub(super) options: OptionsPart,
+}
+
+impl FitInput {
+    /// Reads and checks everything; what is made of pictures is kept in the folder of `derived`.
+    pub(super) fn read(
+        recording: &Recording,
+        options: &FitOptions,
+        derived: &Derived<'_>,
+    ) -> Result<Self, Error> {
+        options
+            .observations
+            .silhouettes
+            .validate()
+            .map_err(FitError::from)?;
+        options.estimate.validate().map_err(FitError::from)?;
+
+        // masks, contours or points
+        let (mut files, contours) = derived.observations(recording, options)?;
+
+        // the body
+        let (model, bodies) = body(options, recording, files.has_points())?;
+        check_measure(&model, options.estimate.measure)?;
+
+        // what is seen in each frame
+        let fit_to = options.observations.fit_to;
+        let observations = match contours {
+            Some(found) => found.into_iter().map(|seen| fit_to.select(seen)).collect(),
+            None => load(&files, options, derived.progress)?,
+        };
+        files.notes.extend(files.notes_on_points(&observations));
+        check_scene(&model, &files.rig, &observations).map_err(FitError::from)?;
+
+        let mut checksums = files.checksums()?;
+        checksums.extend(bodies);
+        Ok(Self {
+            files,
+            model,
+            observations,
+            checksums,
+            options: OptionsPart {
+                observations: options.observations,
+                estimate: options.estimate.clone(),
+            },
+        })
+    }
+
+    /// The frames with their time base.
+    pub(super) fn sequence(&self) -> Sequence<'_> {
+        Sequence {
+            frames: &self.observations,
+            fps: self.files.fps,
+        }
+    }
+
+    /// What the result depends on: two runs of one identity have the same result.
+    pub(super) fn identity(&self) -> Value {
+        // numbered, for two files elsewhere may have one name
+        let inputs: serde_json::Map<String, Value> = (1..)
+            .zip(&self.checksums)
+            .map(|(i, c)| (format!("{i}: {}", c.input), c.blake3.clone().into()))
+            .collect();
+        let number = |seen: Option<&FrameObservations>| seen.map(|seen| seen.frame.0);
+
+        json!({
+            "version": env!("CARGO_PKG_VERSION"),
+            "inputs": inputs,
+            "fps": self.files.fps,
+            "first frame": number(self.observations.first()),
+            "last frame": number(self.observations.last()),
+            "options": self.options,
+        })
+    }
+}
+
+/// The body that was asked for, or that the recording names, and the fingerprints of all that it was read from.
+fn body(
+    options: &FitOptions,
+    recording: &Recording,
+    has_points: bool,
+) -> Result<(BodyModel, Vec<InputChecksum>), Error> {
+    let (name, folder) = match (options.body.as_deref(), recording.body()) {
+        (Some(name), _) => (name, Path::new("")),
+        (None, Some(name)) => (name, recording.folder()),
+        (None, None) if has_points => (DEFAULT_BODY_FOR_POINTS, Path::new("")),
+        (None, None) => (DEFAULT_BODY, Path::new("")),
+    };
+    let (model, texts) = model::load_with_texts(name, folder)?;
+    let checksum =
+        |file: &ModelText| InputChecksum::from_text(format!("body {}", file.name), &file.text);
+    Ok((model, texts.iter().map(checksum).collect()))
+}
+
+/// What the files show in the frames that were asked for; masks are dropped as soon as they are traced.
+fn load(
+    files: &ObservationFiles,
+    options: &FitOptions,
+    progress: &dyn Progress,
+) -> Result<Vec<FrameObservations>, Error> {
+    let positions = options.frames.positions(&files.frames)?;
+    let wanted = options.observations;
+
+    progress.begin("reading masks", positions.len());
+    let load = |position: usize| {
+        let seen = files.load_frame(position, &wanted.silhouettes);
+        progress.step();
+        seen.map(|seen| wanted.fit_to.select(seen))
+    };
+    let loaded: Vec<Result<_, _>> = positions.into_par_iter().map(load).collect();
+    progress.end();
+
+    // the first fault in the order of the frames, whichever thread met one first
+    Ok(loaded.into_iter().collect::<Result<_, _>>()?)
+}

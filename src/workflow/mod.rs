@@ -1,0 +1,44 @@
+//! The front door: from a recording to a fitted body, its gait, a report and the files of other programs, in one call each.
+//!
+//! A room of its own above [`pipeline`](crate::pipeline), [`io`](crate::io) and `report`: it joins what is computed with
+//! what is read and written, and computes nothing itself. The program `maquette` calls nothing else.
+//!
+//! | file          | holds                                                                        |
+//! |---------------|------------------------------------------------------------------------------|
+//! | `options.rs`  | [`FitOptions`]: how a recording is fitted                                     |
+//! | `fit.rs`      | `Recording::fit`, in memory, and `Recording::fit_into` a folder               |
+//! | `input.rs`    | everything that a fit is made from                                            |
+//! | `derived.rs`  | what a recording lacks, made of its pictures: masks, contours, points         |
+//! | `masks.rs`, `silhouettes.rs` | masks cut out of pictures, and silhouettes found in clutter, as files |
+//! | `watch.rs`    | the progress of Algorithm 1                                                   |
+//! | `fitted.rs`   | [`FittedRecording`]: lengths, angles, `result.json`                           |
+//! | `gait.rs`     | [`GaitStudy`]: a gait analysis, of a fit or of points of any system           |
+//! | `report.rs`   | its report, with the feature `report`                                         |
+//! | `export.rs`   | its files for other programs                                                  |
+//! | `skin.rs`     | the skins of a fitted body                                                    |
+//! | `error.rs`    | [`Error`]                                                                     |
+
+mod derived;
+mod error;
+mod export;
+mod fit;
+mod fitted;
+mod gait;
+mod input;
+mod masks;
+mod options;
+#[cfg(feature = "report")]
+mod report;
+mod silhouettes;
+mod skin;
+mod watch;
+
+pub use error::Error;
+pub use export::ExportFormat;
+pub use fit::FitFolder;
+pub use fitted::{AngleTrack, FittedRecording, Length};
+pub use gait::{GaitSource, GaitStudy, NormChoice};
+pub use masks::{MaskFiles, WrittenMasks};
+pub use options::{FitOptions, SilhouetteSource};
+pub use silhouettes::{SilhouetteFiles, WrittenSilhouettes};
+pub use skin::{RestingBody, SkinFiles, SkinnedPoses};
