@@ -58,6 +58,7 @@ impl Canvas {
         for segment in segments {
             cover(&mut covered, segment, 0.5 * pen.width_px);
         }
+
         for y in 0..height {
             for (pixel, covered) in self.pixels.row_mut(y).iter_mut().zip(covered.row(y)) {
                 if *covered > 0.0 {
@@ -69,18 +70,21 @@ impl Canvas {
 }
 
 /// Raises the coverage of the pixels near a segment; those outside the picture and segments that are not finite are left out.
-fn cover(covered: &mut Plane<f32>, [a, b]: &[Point2<f64>; 2], half_width: f64) {
+fn cover(covered: &mut Plane<f32>, segment: &[Point2<f64>; 2], half_width: f64) {
+    let [a, b] = segment;
     let reach = half_width + 0.5;
     let (low, high) = (a.inf(b), a.sup(b));
     if !(low.coords + high.coords).iter().all(|v| v.is_finite()) {
         return;
     }
+
     let range = |low: f64, high: f64, size: usize| {
         let first = (low - reach).ceil().max(0.0);
         let end = ((high + reach).floor() + 1.0).clamp(0.0, size as f64);
         first as usize..end as usize
     };
     let columns = range(low.x, high.x, covered.width());
+
     let along = b - a;
     let squared_length = along.norm_squared().max(f64::MIN_POSITIVE);
     for y in range(low.y, high.y, covered.height()) {

@@ -9,8 +9,9 @@
 //! | `shade.rs`   | [`shade`]: a shaded picture of a metaball body                      |
 //! | `outline.rs` | [`outline`]: its visible contours, the inner ones apart, with part and depth |
 //! | `overlay.rs` | [`overlay`]: a mask with the fitted outline and joints over it      |
+//! | [`stereo`]   | pictures of disparities, clouds and motions                         |
 //!
-//! Nothing here is shared with the likelihoods: what is rendered here is what they are tested on.
+//! Nothing here is shared with the likelihoods: they are tested on what is rendered here.
 
 mod canvas;
 mod outline;

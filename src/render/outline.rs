@@ -1,15 +1,15 @@
 //! The outline of a soft body that a camera is expected to see.
 //!
-//! *Outer* contours bound the body before what lies behind it; *inner* ones bound a limb before another limb: an arm before
-//! the trunk. They are kept apart, for the outer alone are the silhouette: PF02's frame 100 has a "circular silhouette curve
-//! at the inside of the model's arm" that "corresponds to nothing".
+//! *Outer* contours bound the body against the background; *inner* ones bound a limb against another limb behind it, as an
+//! arm in front of the trunk. They are kept apart, for the outer ones alone are the silhouette: PF02's frame 100 has a
+//! "circular silhouette curve at the inside of the model's arm" that "corresponds to nothing".
 //!
 //! The skin is that of the limb whose sum is largest, so the body is the union of its limbs' skins. The outer contours are
-//! those of the union's mask (by casting rays, see [`super::silhouette`]); an inner contour is a piece of a limb's own contour
-//! within the union, where the limb lies before every other that the line of sight meets, and one lies behind it.
-//! Folds of one limb before itself (a forearm before its upper arm) are not found.
+//! those of the union's mask (by casting rays, see [`super::silhouette`]). An inner contour is a piece of a limb's own contour
+//! within the union, where the limb is the nearest that the line of sight meets and another lies behind it. Folds of one
+//! limb in front of itself (a forearm in front of its upper arm) are not found.
 //!
-//! At each point the line of sight one pixel inwards is followed to where F is largest on it: that tells depth and part.
+//! Depth and part of a point are those of the largest F on the line of sight one pixel inwards.
 
 use nalgebra::{Point2, Vector2, Vector3};
 
@@ -24,9 +24,9 @@ use crate::image::{Mask, Runs, resample, trace};
 const INWARDS_PX: f64 = 1.0;
 /// How far outside it a limb behind is looked for, px.
 const OUTWARDS_PX: f64 = 1.5;
-/// A limb is before another if its middle is so much nearer, m: half of a forearm's and half of a trunk's thickness meet at about 0.15.
+/// A limb is in front of another if its middle is nearer by this, m. Half a forearm and half a trunk touch at about 0.15.
 const BEFORE_M: f64 = 0.08;
-/// What a metaball at most adds to F on a line of sight that it has no say on.
+/// Metaballs that add no more than this to F on a line of sight are left out.
 const NEGLIGIBLE: f64 = 1e-4;
 /// Inner contours of fewer points are left out.
 const SHORTEST: usize = 8;
@@ -38,7 +38,7 @@ pub struct OutlinePoint {
     pub pixel: Point2<f64>,
     /// The part that is seen there.
     pub part: PartId,
-    /// Its depth before the camera, m.
+    /// Its depth in front of the camera, m.
     pub depth_m: f64,
 }
 
@@ -60,11 +60,12 @@ pub fn outline(camera: &Camera, body: &Posed<'_>, spacing_px: f64) -> ModelOutli
         ..camera.clone()
     };
     let field = Field::from_body(body);
-    let sight = Sight {
+    let sight = LinesOfSight {
         camera,
         field: &field,
         body,
     };
+
     // 1. the union's contours
     let limbs = limb_silhouettes(camera, &field);
     let (width, height) = (camera.width_px as usize, camera.height_px as usize);
@@ -74,11 +75,12 @@ pub fn outline(camera: &Camera, body: &Posed<'_>, spacing_px: f64) -> ModelOutli
         let points = resample(closed, spacing_px);
         let inwards = |i: usize| -outward(&points, i) * INWARDS_PX;
         (0..points.len())
-            .filter_map(|i| sight.point(&points[i], &inwards(i)))
+            .filter_map(|i| sight.outer_point(&points[i], &inwards(i)))
             .collect()
     });
     let outer = outer.filter(|curve: &Vec<_>| !curve.is_empty()).collect();
-    // 2. each limb's, where they lie before another limb
+
+    // 2. each limb's, where it lies in front of another limb
     let mut inner = Vec::new();
     for (limb, mask) in limbs.iter().enumerate() {
         for closed in trace(&Runs::from_mask(mask)) {
@@ -96,8 +98,8 @@ fn outward(points: &[Point2<f64>], i: usize) -> Vector2<f64> {
     normal.unwrap_or_else(Vector2::zeros)
 }
 
-/// Lines of sight through a field.
-struct Sight<'a> {
+/// The lines of sight of a camera through the field of a body.
+struct LinesOfSight<'a> {
     camera: &'a Camera,
     field: &'a Field,
     body: &'a Posed<'a>,
@@ -108,31 +110,32 @@ struct Summit {
     limb: usize,
     depth_m: f64,
     value: f64,
-    /// Which metaball has the largest share there.
+    /// The metaball with the largest share there.
     metaball: usize,
 }
 
-impl Sight<'_> {
-    /// What a limb shows on the line of sight of a pixel.
+impl LinesOfSight<'_> {
+    /// Where F of a limb is largest on the line of sight of a pixel; `None` if it is negligible.
     fn summit(&self, pixel: &Point2<f64>, limb: usize) -> Option<Summit> {
         let origin = self.camera.centre_world().coords;
         let normalized = self.camera.intrinsics.normalized(pixel);
         let turn = self.camera.camera_from_world.rotation.inverse();
         // its length in depth is 1
         let direction: Vector3<f64> = turn * normalized.push(1.0);
-        let balls = &self.field.limbs[limb];
-        let bumps = balls
-            .iter()
-            .map(|&i| Bump::on_ray(&self.field.metaballs[i], &origin, &direction));
-        let (near, bumps): (Vec<usize>, Vec<Bump>) = balls
-            .iter()
-            .zip(bumps)
-            .filter(|(_, bump)| bump.peak > NEGLIGIBLE)
-            .unzip();
+
+        let balls = self.field.limbs[limb].iter().copied();
+        let bumps = balls.map(|i| {
+            let bump = Bump::on_ray(&self.field.metaballs[i], &origin, &direction);
+            (i, bump)
+        });
+        let near = bumps.filter(|(_, bump)| bump.peak > NEGLIGIBLE);
+        let (near, bumps): (Vec<usize>, Vec<Bump>) = near.unzip();
+
         let profile = RayProfile { bumps };
         let (depth_m, value) = profile.summit()?;
         let share = |k: &usize| profile.bumps[*k].value(depth_m);
         let heaviest = (0..near.len()).max_by(|a, b| share(a).total_cmp(&share(b)))?;
+
         Some(Summit {
             limb,
             depth_m,
@@ -142,20 +145,21 @@ impl Sight<'_> {
     }
 
     /// The limbs that the line of sight of a pixel meets.
-    fn met(&self, pixel: &Point2<f64>) -> Vec<Summit> {
+    fn limbs_met(&self, pixel: &Point2<f64>) -> Vec<Summit> {
         (0..self.field.limbs.len())
             .filter_map(|limb| self.summit(pixel, limb))
             .filter(|s| s.value >= THRESHOLD)
             .collect()
     }
 
-    /// A point of the outer contour: what its line of sight meets, or else comes nearest to.
-    fn point(&self, pixel: &Point2<f64>, inwards: &Vector2<f64>) -> Option<OutlinePoint> {
+    /// A point of the outer contour, on the limb that its line of sight meets or else comes nearest to.
+    fn outer_point(&self, pixel: &Point2<f64>, inwards: &Vector2<f64>) -> Option<OutlinePoint> {
         let all = (0..self.field.limbs.len()).filter_map(|l| self.summit(&(pixel + inwards), l));
         let largest = all.max_by(|a, b| a.value.total_cmp(&b.value))?;
         self.placed(pixel, &largest)
     }
 
+    /// A point with depth and part of a summit.
     fn placed(&self, pixel: &Point2<f64>, summit: &Summit) -> Option<OutlinePoint> {
         let source = self.field.source(summit.metaball)?;
         Some(OutlinePoint {
@@ -165,7 +169,7 @@ impl Sight<'_> {
         })
     }
 
-    /// The pieces of a limb's contour where it lies before another limb.
+    /// The pieces of a limb's contour where it lies in front of another limb.
     fn inner_pieces(
         &self,
         limb: usize,
@@ -174,7 +178,7 @@ impl Sight<'_> {
     ) {
         let mut piece = Vec::new();
         for i in 0..points.len() {
-            match self.before_another(limb, &points[i], &outward(points, i)) {
+            match self.inner_point(limb, &points[i], &outward(points, i)) {
                 Some(point) => piece.push(point),
                 None if piece.len() >= SHORTEST => pieces.push(std::mem::take(&mut piece)),
                 None => piece.clear(),
@@ -185,29 +189,30 @@ impl Sight<'_> {
         }
     }
 
-    fn before_another(
+    /// A point of a limb's contour; `None` unless it lies in front of another limb, and no other hides it.
+    fn inner_point(
         &self,
         limb: usize,
         pixel: &Point2<f64>,
         outward: &Vector2<f64>,
     ) -> Option<OutlinePoint> {
-        let others = |s: &Summit| s.limb != limb;
-        let behind = self.met(&(pixel + outward * OUTWARDS_PX));
-        let nearest = behind
-            .iter()
-            .filter(|s| others(s))
-            .map(|s| s.depth_m)
-            .reduce(f64::min)?;
+        let is_other = |s: &Summit| s.limb != limb;
+
+        // another limb just outside the contour
+        let behind = self.limbs_met(&(pixel + outward * OUTWARDS_PX));
+        let others = behind.iter().filter(|s| is_other(s));
+        let nearest = others.map(|s| s.depth_m).reduce(f64::min)?;
+
+        // and none in front of it, just inside
         let inwards = pixel - outward * INWARDS_PX;
         let own = self.summit(&inwards, limb)?;
-        let is_hidden = self
-            .met(&inwards)
-            .iter()
-            .any(|s| others(s) && s.depth_m < own.depth_m);
+        let mut met = self.limbs_met(&inwards).into_iter();
+        let is_hidden = met.any(|s| is_other(&s) && s.depth_m < own.depth_m);
         let is_before = nearest - own.depth_m > BEFORE_M;
-        (is_before && !is_hidden)
-            .then(|| self.placed(pixel, &own))
-            .flatten()
+        match is_before && !is_hidden {
+            true => self.placed(pixel, &own),
+            false => None,
+        }
     }
 }
 

@@ -15,12 +15,12 @@ const BACKGROUND: Rgb = [26, 28, 33];
 const PERSON: Rgb = [124, 128, 135];
 const OUTLINE: Rgb = [255, 190, 40];
 const SHADE: Rgb = [12, 13, 16];
-/// Right, left and middle: told apart by every kind of colour vision (IBM's palette).
+/// Right, left and middle: every kind of colour vision tells them apart (IBM's palette).
 const SIDES: [Rgb; 3] = [[240, 60, 140], [110, 165, 255], [245, 245, 245]];
 
-/// Width of an image for which the lines' widths are meant, px.
+/// Longer side of an image in which lines have their widths as given; they grow with the image, px.
 const USUAL_PX: f64 = 800.0;
-/// Pieces in which a bone is drawn, for the bend that the lens gives it.
+/// Pieces in which a bone is drawn, as the lens bends it.
 const PIECES: usize = 8;
 
 /// The bones between the joint centres, from the middle outwards.
@@ -45,8 +45,8 @@ const BONES: [(&str, &str); 16] = [
 
 /// The mask in grey, the outline of the whole body, bones and joints.
 ///
-/// The outline is that of the skin of a body of metaballs; of one of ellipsoids it is that of their ellipses, with
-/// thinly those within. Everything stands where the recorded, distorted image has it. Right limbs are red, left ones blue.
+/// A body of metaballs has the outline of its skin; one of ellipsoids has that of their ellipses, with thin lines where they
+/// lie within the body. Everything is drawn where the recorded, distorted image shows it. Right limbs are red, left ones blue.
 pub fn overlay(camera: &Camera, mask: &Mask, body: &Posed<'_>) -> Canvas {
     let mut canvas = Canvas::from_mask(mask, BACKGROUND, PERSON);
     let unit = (f64::from(camera.width_px.max(camera.height_px)) / USUAL_PX).max(0.4);
@@ -55,38 +55,35 @@ pub fn overlay(camera: &Camera, mask: &Mask, body: &Posed<'_>) -> Canvas {
         opacity,
         width_px: width * unit,
     };
+
     // the body's outline, and fainter its parts'
     let (outer, inner) = if body.model.metaballs.is_empty() {
-        outlines(camera, body)
+        outlines_of_ellipsoids(camera, body)
     } else {
         (outline_of_skin(camera, body), Vec::new())
     };
     canvas.draw(&inner, pen(OUTLINE, 0.45, 0.8));
     canvas.draw(&outer, pen(SHADE, 0.45, 3.0));
     canvas.draw(&outer, pen(OUTLINE, 1.0, 1.4));
-    // the bones, side by side in their colours
+
+    // the bones, and over them those of each side in its colour, with the joints
     let points = body.points();
-    let (bones, joints) = (bones(body.model), used_points(body.model));
-    let drawn: Vec<(usize, Segments)> = bones
-        .iter()
-        .map(|(from, to)| {
-            let side = side_of(&body.model.points[*to].name);
-            (side, bone(camera, &points[*from], &points[*to]))
-        })
-        .collect();
-    let all: Segments = drawn.iter().flat_map(|(_, s)| s.clone()).collect();
+    let side = |point: usize| side_by_name(&body.model.points[point].name);
+    let bones = bones(body.model).into_iter();
+    let bones = bones.map(|(from, to)| (side(to), bone(camera, &points[from], &points[to])));
+    let bones: Vec<(usize, Segments)> = bones.collect();
+    let all: Segments = bones.iter().flat_map(|(_, s)| s.clone()).collect();
     canvas.draw(&all, pen(SHADE, 0.6, 4.0));
-    for (side, color) in SIDES.into_iter().enumerate() {
-        let of_side = drawn.iter().filter(|(s, _)| *s == side);
-        let segments: Segments = of_side.flat_map(|(_, s)| s.clone()).collect();
+
+    let joints = used_points(body.model);
+    for (number, color) in SIDES.into_iter().enumerate() {
+        let coloured = bones.iter().filter(|(side, _)| *side == number);
+        let segments: Segments = coloured.flat_map(|(_, s)| s.clone()).collect();
         canvas.draw(&segments, pen(color, 1.0, 2.0));
-        let dots = joints
-            .iter()
-            .filter(|i| side_of(&body.model.points[**i].name) == side);
-        let dots: Segments = dots
-            .filter_map(|i| camera.project(&points[*i]))
-            .map(|p| [p, p])
-            .collect();
+
+        let dots = joints.iter().filter(|i| side(**i) == number);
+        let dots = dots.filter_map(|i| camera.project(&points[*i]));
+        let dots: Segments = dots.map(|p| [p, p]).collect();
         canvas.draw(&dots, pen(SHADE, 0.8, 8.0));
         canvas.draw(&dots, pen(color, 1.0, 5.6));
     }
@@ -106,21 +103,20 @@ fn outline_of_skin(camera: &Camera, body: &Posed<'_>) -> Segments {
     closed.collect()
 }
 
-/// What of the parts' outlines bounds the whole body, and what lies within it.
-fn outlines(camera: &Camera, body: &Posed<'_>) -> (Segments, Segments) {
+/// The pieces of the ellipses' outlines that bound the whole body, and those that lie within it.
+fn outlines_of_ellipsoids(camera: &Camera, body: &Posed<'_>) -> (Segments, Segments) {
     let projection = camera.projection();
-    let ellipses: Vec<Outlined> = body
-        .ellipsoids()
-        .iter()
-        .filter_map(|e| Outlined::new(&project(&projection, e)?))
-        .collect();
+    let ellipsoids = body.ellipsoids();
+    let ellipses = ellipsoids.iter();
+    let ellipses = ellipses.filter_map(|e| DrawnEllipse::new(&project(&projection, e)?));
+    let ellipses: Vec<DrawnEllipse> = ellipses.collect();
+
     let (mut outer, mut inner) = (Vec::new(), Vec::new());
     for (i, ellipse) in ellipses.iter().enumerate() {
         for (middle, segment) in ellipse.segments() {
             let mut others = ellipses.iter().enumerate().filter(|(j, _)| *j != i);
             let is_within = others.any(|(_, other)| other.contains(&middle));
-            let [a, b] = segment.map(|p| recorded(camera, &p));
-            if let (Some(a), Some(b)) = (a, b) {
+            if let [Some(a), Some(b)] = segment.map(|p| recorded(camera, &p)) {
                 if is_within { &mut inner } else { &mut outer }.push([a, b]);
             }
         }
@@ -128,15 +124,15 @@ fn outlines(camera: &Camera, body: &Posed<'_>) -> (Segments, Segments) {
     (outer, inner)
 }
 
-/// An ellipse to be sampled and asked what it contains.
-struct Outlined {
+/// An ellipse whose outline is drawn where it lies in no other.
+struct DrawnEllipse {
     centre: Vector2<f64>,
     /// L with Σ = L·Lᵀ.
     root: Matrix2<f64>,
     inverse: Matrix2<f64>,
 }
 
-impl Outlined {
+impl DrawnEllipse {
     fn new(ellipse: &Ellipse) -> Option<Self> {
         let cholesky = ellipse.shape.cholesky()?;
         Some(Self {
@@ -172,6 +168,7 @@ fn recorded(camera: &Camera, undistorted: &Point2<f64>) -> Option<Point2<f64>> {
     ((back - undistorted).norm() < 1.0).then_some(pixel)
 }
 
+/// A bone in the recorded image, in pieces.
 fn bone(camera: &Camera, from: &Point3<f64>, to: &Point3<f64>) -> Segments {
     let at = |k: usize| camera.project(&(from + (to - from) * (k as f64 / PIECES as f64)));
     (0..PIECES)
@@ -185,15 +182,11 @@ fn bones(model: &BodyModel) -> Vec<(usize, usize)> {
         .iter()
         .filter_map(|(from, to)| Some((model.point(from)?, model.point(to)?)));
     let known: Vec<_> = known.collect();
-    if known.is_empty() {
-        model
-            .lengths
-            .iter()
-            .map(|(_, from, to)| (*from, *to))
-            .collect()
-    } else {
-        known
+    if !known.is_empty() {
+        return known;
     }
+    let lengths = model.lengths.iter();
+    lengths.map(|(_, from, to)| (*from, *to)).collect()
 }
 
 /// The ends of the bones; all points of a model without bones.
@@ -204,7 +197,7 @@ fn used_points(model: &BodyModel) -> Vec<usize> {
 }
 
 /// Index into [`SIDES`] by the first letter of a joint centre's name, as in `RKnee`.
-fn side_of(name: &str) -> usize {
+fn side_by_name(name: &str) -> usize {
     let mut letters = name.chars();
     let (first, second) = (letters.next(), letters.next());
     match (first, second.is_some_and(char::is_uppercase)) {
@@ -258,7 +251,7 @@ mod tests {
             at(elbow.x.round() as usize, elbow.y.round() as usize),
             SIDES[2]
         );
-        let (outer, inner) = outlines(&camera, &body);
+        let (outer, inner) = outlines_of_ellipsoids(&camera, &body);
         // the two ellipsoids touch in one point; seen in perspective their ends overlap by a hair
         assert!(inner.len() <= 4 && outer.len() >= 92);
         let [top, _] = outer[24];
@@ -289,6 +282,9 @@ mod tests {
 
     #[test]
     fn the_side_is_read_from_the_name() {
-        assert_eq!(["RKnee", "LHip", "Hip", "Rib"].map(side_of), [0, 1, 2, 2]);
+        assert_eq!(
+            ["RKnee", "LHip", "Hip", "Rib"].map(side_by_name),
+            [0, 1, 2, 2]
+        );
     }
 }

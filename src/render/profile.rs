@@ -33,6 +33,7 @@ impl Bump {
         }
     }
 
+    /// w·exp(−½ k (t − t₀)²).
     pub(super) fn value(&self, t: f64) -> f64 {
         self.peak * (-0.5 * self.sharpness * (t - self.at).powi(2)).exp()
     }
@@ -54,7 +55,8 @@ impl RayProfile {
         self.bumps.iter().map(|b| b.value(t)).sum()
     }
 
-    /// Where on t ≥ 0 F is largest, and its value there: the climb from the highest of the bumps' own summits; `None` without a bump.
+    /// Where on t ≥ 0 F is largest, and its value there, by climbing from the highest of the bumps' own summits; `None` without
+    /// a bump.
     pub fn summit(&self) -> Option<(f64, f64)> {
         let starts = self.bumps.iter().map(|b| (b, self.value(b.at.max(0.0))));
         let (highest, _) = starts.max_by(|a, b| a.1.total_cmp(&b.1))?;
@@ -63,9 +65,9 @@ impl RayProfile {
 
     /// Whether F reaches `level` anywhere on t ≥ 0.
     ///
-    /// Climbs from every bump's own summit: t ← Σ k f t₀ / Σ k f, a step that never lowers F
-    /// (Carreira-Perpiñán 2000, fixed-point iteration for the modes of a Gaussian mixture). Most rays
-    /// need no step: one bump alone reaches the level, or all peaks together do not.
+    /// By climbing from every bump's own summit: t ← Σ k f t₀ / Σ k f, a step that never lowers F (Carreira-Perpiñán 2000,
+    /// fixed-point iteration for the modes of a Gaussian mixture). Most rays need no step: one bump alone reaches the level,
+    /// or all peaks together do not.
     pub fn reaches(&self, level: f64) -> bool {
         let peaks: f64 = self.bumps.iter().map(|b| b.peak).sum();
         if peaks < level {

@@ -11,7 +11,7 @@ use crate::image::Plane;
 /// Nearest depth that is drawn, metres.
 const NEAREST: f64 = 0.05;
 
-/// What one sample sees.
+/// The place on a triangle that one sample sees.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fragment {
     /// z in the camera frame, metres; infinite where nothing is seen.
@@ -23,7 +23,7 @@ pub struct Fragment {
 }
 
 impl Fragment {
-    /// Nothing is seen.
+    /// The fragment of a sample that sees no triangle.
     pub const NOTHING: Self = Self {
         depth: f32::INFINITY,
         triangle: u32::MAX,
@@ -59,12 +59,12 @@ impl<'a> Raster<'a> {
         }
     }
 
-    /// What the samples see.
+    /// The fragments, sample by sample.
     pub fn fragments(&self) -> &Plane<Fragment> {
         &self.fragments
     }
 
-    /// Draws triangles from both sides; the first gets the number `first`. Those that reach behind the camera are left out.
+    /// Draws triangles, seen from both sides; the first gets the number `first`. Those that reach behind the camera are left out.
     pub fn draw(&mut self, vertices: &[Vector3<f64>], triangles: &[[u32; 3]], first: u32) {
         let projected: Vec<Option<Corner>> = vertices.iter().map(|v| self.corner(v)).collect();
         for (number, triangle) in (first..).zip(triangles) {
@@ -75,6 +75,7 @@ impl<'a> Raster<'a> {
         }
     }
 
+    /// A vertex in the picture; `None` behind the camera.
     fn corner(&self, vertex: &Vector3<f64>) -> Option<Corner> {
         let place = Point3::from(*vertex);
         let depth = (self.camera.camera_from_world * place).z;
@@ -87,12 +88,14 @@ impl<'a> Raster<'a> {
         })
     }
 
+    /// Draws one triangle where nothing nearer was drawn.
     fn fill(&mut self, corners: [Corner; 3], number: u32) {
         let [a, b, c] = corners.map(|corner| corner.at);
         let twice_area = cross(&a, &b, &c);
         if twice_area.abs() < 1e-12 {
             return;
         }
+
         let (low, high) = (a.inf(&b).inf(&c), a.sup(&b).sup(&c));
         let range = |low: f64, high: f64, size: usize| {
             low.ceil().max(0.0) as usize..(high.floor() + 1.0).clamp(0.0, size as f64) as usize
@@ -101,12 +104,15 @@ impl<'a> Raster<'a> {
         for y in range(low.y, high.y, self.fragments.height()) {
             let row = self.fragments.row_mut(y);
             for x in columns.clone() {
+                // the corners' weights in the picture: shares of the area
                 let p = Point2::new(x as f64, y as f64);
                 let share = [cross(&b, &c, &p), cross(&c, &a, &p), cross(&a, &b, &p)]
                     .map(|w| w / twice_area);
                 if share.iter().any(|w| *w < 0.0) {
                     continue;
                 }
+
+                // and in space
                 let over_z: [f64; 3] = std::array::from_fn(|k| share[k] * corners[k].inverse_depth);
                 let depth = over_z.iter().sum::<f64>().recip();
                 if (depth as f32) < row[x].depth {
@@ -121,6 +127,7 @@ impl<'a> Raster<'a> {
     }
 }
 
+/// A vertex as the camera sees it.
 #[derive(Clone, Copy)]
 struct Corner {
     /// In samples.

@@ -10,16 +10,16 @@ use crate::camera::Camera;
 use crate::image::{Mask, Plane};
 use crate::math::quadric::{self, Ellipsoid};
 
-/// A metaball is left out of a ray that it does not come nearer than this d: e^(−2·6) ≈ 6·10⁻⁶ of F.
+/// A metaball is left out of rays on which its d is never less than this: e^(−2·6) ≈ 6·10⁻⁶ of F.
 const FARTHEST: f64 = 6.0;
 
-/// Side of the square tiles for which the metaballs in reach are listed.
+/// Side of the square tiles, for each of which the metaballs in reach are listed, px.
 const TILE_PX: usize = 16;
 
 /// The mask of a body in a camera: the pixels whose line of sight meets F ≥ T, F the largest of the limbs' sums.
 ///
 /// Pixels are those of the recorded, distorted image; each is undistorted and its ray cast from its centre.
-/// Rays are followed in depth, in the camera frame: x(t) = t·(u, v, 1), so that t > 0 lies before the camera.
+/// Rays are followed in depth, in the camera frame: x(t) = t·(u, v, 1), with t > 0 in front of the camera.
 pub fn silhouette(camera: &Camera, field: &Field) -> Mask {
     let mut pixels = Plane::filled(camera.width_px as usize, camera.height_px as usize, 0u8);
     cast(camera, field, |caster, columns, y| {
@@ -45,21 +45,22 @@ pub(super) fn limb_silhouettes(camera: &Camera, field: &Field) -> Vec<Mask> {
     limbs.iter().map(|l| Mask::brighter_than(l, 0)).collect()
 }
 
-/// Hands every row of every tile that a metaball is near to `row`: its caster, its columns, and which row it is.
+/// Calls `row` for every row of every tile that a metaball is near, with the tile's caster, the columns, and which row it is.
 fn cast(camera: &Camera, field: &Field, mut row: impl FnMut(&mut Caster<'_>, Range<usize>, usize)) {
-    // a metaball that is in several limbs is seen in each of them
-    let of_limb = |(limb, balls): (usize, &Vec<usize>)| -> Vec<Seen> {
-        let seen = |&i: &usize| Seen::new(camera, limb, &field.metaballs[i]);
-        balls.iter().filter_map(seen).collect()
-    };
-    let seen: Vec<Seen> = field.limbs.iter().enumerate().flat_map(of_limb).collect();
+    // a metaball of several limbs comes once for each of them
+    let limbs = field.limbs.iter().enumerate();
+    let balls = limbs.flat_map(|(limb, balls)| balls.iter().map(move |i| (limb, *i)));
+    let balls = balls.filter_map(|(limb, i)| CameraBall::new(camera, limb, &field.metaballs[i]));
+    let balls: Vec<CameraBall> = balls.collect();
+
     let (width, height) = (camera.width_px as usize, camera.height_px as usize);
     for top in (0..height).step_by(TILE_PX) {
         for left in (0..width).step_by(TILE_PX) {
-            let near = seen_in_tile(camera, &seen, left, top);
+            let near = near_tile(camera, &balls, left, top);
             if near.is_empty() {
                 continue;
             }
+
             let mut caster = Caster::new(camera, near, field.limbs.len());
             for y in top..(top + TILE_PX).min(height) {
                 row(&mut caster, left..(left + TILE_PX).min(width), y);
@@ -82,9 +83,9 @@ impl Frame {
     }
 }
 
-/// A metaball as one camera sees it.
+/// A metaball in the frame of a camera.
 #[derive(Debug, Clone, Copy)]
-struct Seen {
+struct CameraBall {
     /// The limb within which it blends.
     limb: usize,
     /// A⁻¹ in the camera frame.
@@ -97,8 +98,8 @@ struct Seen {
     frame: Option<Frame>,
 }
 
-impl Seen {
-    /// `None` if all of it that matters is behind the camera.
+impl CameraBall {
+    /// `None` if all of it, as far as it counts, is behind the camera.
     fn new(camera: &Camera, limb: usize, metaball: &Metaball) -> Option<Self> {
         let reach = Ellipsoid {
             centre: metaball.ellipsoid.centre,
@@ -111,8 +112,10 @@ impl Seen {
         if centre.z + depth_radius <= 0.0 {
             return None;
         }
+
         let precision = turn.matrix() * metaball.precision * turn.matrix().transpose();
         let pull = precision * centre.coords;
+
         let frame = quadric::project(&camera.projection(), &reach).map(|ellipse| {
             let half = Vector2::new(ellipse.shape[(0, 0)].sqrt(), ellipse.shape[(1, 1)].sqrt());
             Frame {
@@ -120,6 +123,7 @@ impl Seen {
                 high: ellipse.centre + half,
             }
         });
+
         Some(Self {
             limb,
             precision,
@@ -143,13 +147,13 @@ impl Seen {
 }
 
 /// The metaballs that rays through a tile can meet.
-fn seen_in_tile(camera: &Camera, seen: &[Seen], left: usize, top: usize) -> Vec<Seen> {
+fn near_tile(camera: &Camera, balls: &[CameraBall], left: usize, top: usize) -> Vec<CameraBall> {
     let tile = undistorted_tile(camera, left, top);
-    let in_reach = |s: &&Seen| match (&tile, &s.frame) {
+    let in_reach = balls.iter().filter(|ball| match (&tile, &ball.frame) {
         (Some(tile), Some(frame)) => tile.meets(frame),
         _ => true,
-    };
-    seen.iter().filter(in_reach).copied().collect()
+    });
+    in_reach.copied().collect()
 }
 
 /// Bounds of a tile in undistorted pixels; `None` if a corner has no line of sight.
@@ -158,6 +162,7 @@ fn undistorted_tile(camera: &Camera, left: usize, top: usize) -> Option<Frame> {
     let (left, top) = (left as f64 - 1.0, top as f64 - 1.0);
     let side = TILE_PX as f64 + 1.0;
     let corners = [(0.0, 0.0), (side, 0.0), (0.0, side), (side, side)];
+
     let mut frame: Option<Frame> = None;
     for (x, y) in corners {
         let corner = camera.undistort(&Point2::new(left + x, top + y))?.coords;
@@ -178,13 +183,13 @@ fn undistorted_tile(camera: &Camera, left: usize, top: usize) -> Option<Frame> {
 /// Casts the rays of one tile.
 struct Caster<'a> {
     camera: &'a Camera,
-    near: Vec<Seen>,
+    near: Vec<CameraBall>,
     /// One for each limb.
     profiles: Vec<RayProfile>,
 }
 
 impl<'a> Caster<'a> {
-    fn new(camera: &'a Camera, near: Vec<Seen>, limbs: usize) -> Self {
+    fn new(camera: &'a Camera, near: Vec<CameraBall>, limbs: usize) -> Self {
         Self {
             camera,
             near,
@@ -209,6 +214,7 @@ impl<'a> Caster<'a> {
             let Some(bump) = self.near[i].bump(&direction) else {
                 continue;
             };
+
             if bump.peak >= THRESHOLD && bump.at >= 0.0 {
                 // the next pixel most likely meets the same metaball
                 self.near.swap(0, i);
@@ -216,14 +222,15 @@ impl<'a> Caster<'a> {
             }
             self.profiles[self.near[i].limb].bumps.push(bump);
         }
+
         self.profiles.iter().any(|p| p.reaches(THRESHOLD))
     }
 
     /// The limbs that the line of sight of a pixel meets.
     fn limbs_hit(&mut self, x: usize, y: usize) -> impl Iterator<Item = usize> + '_ {
         if let Some(direction) = self.aimed(x, y) {
-            for seen in &self.near {
-                self.profiles[seen.limb].bumps.extend(seen.bump(&direction));
+            for ball in &self.near {
+                self.profiles[ball.limb].bumps.extend(ball.bump(&direction));
             }
         }
         let profiles = self.profiles.iter().enumerate();

@@ -1,6 +1,6 @@
 //! A shaded picture of a metaball body.
 
-use nalgebra::{Point2, Point3, UnitQuaternion, Vector2, Vector3};
+use nalgebra::{Point2, Point3, SVector, UnitQuaternion, Vector3};
 
 use super::{Bump, Canvas, RayProfile, Rgb};
 use crate::body::metaball::{Field, Metaball, THRESHOLD};
@@ -14,11 +14,11 @@ const BACKGROUND: Rgb = [255, 255, 255];
 const SKIN: [f64; 3] = [236.0, 188.0, 160.0];
 /// Share of the light that comes from everywhere, and from the lamp.
 const LIGHT: [f64; 2] = [0.3, 0.7];
-/// Towards the lamp, in the camera frame: over the left shoulder of whoever looks.
+/// Towards the lamp, in the camera frame: over the left shoulder of the viewer.
 const LAMP: [f64; 3] = [-0.4, -0.6, -0.75];
-/// A metaball is left out of a ray that it does not come nearer than this d.
+/// A metaball is left out of rays on which its d is never less than this.
 const FARTHEST: f64 = 6.0;
-/// Step of a ray by the width of the narrowest bump on it.
+/// Step along a ray, over the width of the narrowest bump on it.
 const STEP: f64 = 0.25;
 /// Share of a portrait's width or height that the body fills.
 const FILLED: f64 = 0.86;
@@ -33,6 +33,7 @@ pub fn shade(camera: &Camera, field: &Field) -> Canvas {
     let (width, height) = (camera.width_px as usize, camera.height_px as usize);
     let mut pixels = Plane::filled(width, height, BACKGROUND);
     let scene = Scene::new(camera, field);
+
     for y in 0..height {
         for (x, pixel) in pixels.row_mut(y).iter_mut().enumerate() {
             *pixel = scene.pixel(x, y);
@@ -41,6 +42,7 @@ pub fn shade(camera: &Camera, field: &Field) -> Canvas {
     Canvas::from_pixels(pixels)
 }
 
+/// A body in front of a camera, and the lamp above it.
 struct Scene<'a> {
     camera: &'a Camera,
     field: &'a Field,
@@ -59,6 +61,7 @@ impl<'a> Scene<'a> {
         }
     }
 
+    /// The mean colour that the rays of one pixel see.
     fn pixel(&self, x: usize, y: usize) -> Rgb {
         let within = |k: usize| (k as f64 + 0.5) / RAYS as f64 - 0.5;
         let places = (0..RAYS * RAYS).map(|k| (within(k % RAYS), within(k / RAYS)));
@@ -77,18 +80,18 @@ impl<'a> Scene<'a> {
     fn light(&self, undistorted_px: &Point2<f64>) -> Option<f64> {
         let direction = self.camera.ray(undistorted_px).direction_world.into_inner();
         let limbs = self.field.limbs.iter();
-        let hits = limbs.filter_map(|limb| self.first(limb, &direction));
+        let hits = limbs.filter_map(|limb| self.first_hit(limb, &direction));
         let nearest = hits.min_by(f64::total_cmp)?;
-        let (_, gradient) = self
-            .field
-            .value_and_gradient(&(self.centre + direction * nearest));
+
+        let place = self.centre + direction * nearest;
+        let (_, gradient) = self.field.value_and_gradient(&place);
         let normal = -gradient.try_normalize(1e-12)?;
         let [everywhere, lamp] = LIGHT;
         Some(everywhere + lamp * normal.dot(&self.lamp).max(0.0))
     }
 
-    /// Where a ray first meets the skin of a limb, metres before the camera.
-    fn first(&self, limb: &[usize], direction: &Vector3<f64>) -> Option<f64> {
+    /// Where a ray first meets the skin of a limb, metres from the camera.
+    fn first_hit(&self, limb: &[usize], direction: &Vector3<f64>) -> Option<f64> {
         let balls = limb.iter().map(|&i| &self.field.metaballs[i]);
         let bumps = balls.filter_map(|ball| self.bump(ball, direction));
         let profile = RayProfile {
@@ -97,11 +100,13 @@ impl<'a> Scene<'a> {
         if !profile.reaches(THRESHOLD) {
             return None;
         }
+
         // from before the first bump to behind the last
         let width = |b: &Bump| (4.0 * FARTHEST / b.sharpness).sqrt();
         let begin = profile.bumps.iter().map(|b| b.at - width(b));
         let end = profile.bumps.iter().map(|b| b.at + width(b));
         let (begin, end) = (begin.fold(f64::MAX, f64::min), end.fold(0.0, f64::max));
+
         let narrow = profile.bumps.iter().map(|b| b.sharpness.sqrt().recip());
         let step = STEP * narrow.fold(f64::MAX, f64::min);
         let mut outside = begin.max(0.0);
@@ -138,27 +143,23 @@ fn crossing(profile: &RayProfile, mut outside: f64, mut inside: f64) -> f64 {
 ///
 /// `None` if there is nothing to see.
 pub fn portrait_camera(field: &Field, width_px: u32, height_px: u32) -> Option<Camera> {
-    let mut bounds: Option<(Vector3<f64>, Vector3<f64>)> = None;
-    for ball in &field.metaballs {
+    let (low, high) = bounds(field.metaballs.iter().map(|ball| {
         // half the extent of the ball's own skin along each axis
-        let half = ball
-            .ellipsoid
-            .shape
-            .diagonal()
-            .map(|a| 0.59 * a.max(0.0).sqrt());
-        let (low, high) = (ball.ellipsoid.centre - half, ball.ellipsoid.centre + half);
-        bounds = Some(bounds.map_or((low, high), |b| (b.0.inf(&low), b.1.sup(&high))));
-    }
-    let (low, high) = bounds?;
+        let shape = ball.ellipsoid.shape;
+        let half = shape.diagonal().map(|a| 0.59 * a.max(0.0).sqrt());
+        (ball.ellipsoid.centre - half, ball.ellipsoid.centre + half)
+    }))?;
     let middle = Point3::from((low + high) * 0.5);
     let radius = 0.5 * (high - low).norm();
     let towards = Vector3::new(0.80, 0.52, 0.30);
     let eye = middle + towards * (4.0 * radius);
+
     // looks at the middle with the world's z up: x right, y down, z forward
     let turn = UnitQuaternion::look_at_rh(&(middle - eye), &Vector3::z());
     let flip = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
     let rotation = flip * turn;
     let translation = -(rotation * eye.coords);
+
     let mut camera = Camera {
         name: "portrait".into(),
         width_px,
@@ -179,18 +180,17 @@ pub fn portrait_camera(field: &Field, width_px: u32, height_px: u32) -> Option<C
 
 /// The camera matrix with which what a camera of focal length 1 sees of a body fills the image, but for a margin.
 fn framed(camera: &Camera, field: &Field) -> Option<Intrinsics> {
-    let mut bounds: Option<(Vector2<f64>, Vector2<f64>)> = None;
-    for ball in &field.metaballs {
+    let boxes = field.metaballs.iter().map(|ball| {
         let own_skin = Ellipsoid {
             centre: ball.ellipsoid.centre,
             shape: ball.ellipsoid.shape * (0.5 * std::f64::consts::LN_2),
         };
         let ellipse = project(&camera.projection(), &own_skin)?;
         let half = ellipse.shape.diagonal().map(f64::sqrt);
-        let (low, high) = (ellipse.centre - half, ellipse.centre + half);
-        bounds = Some(bounds.map_or((low, high), |b| (b.0.inf(&low), b.1.sup(&high))));
-    }
-    let (low, high) = bounds?;
+        Some((ellipse.centre - half, ellipse.centre + half))
+    });
+    let (low, high) = bounds(boxes.collect::<Option<Vec<_>>>()?)?;
+
     let (width, height) = (f64::from(camera.width_px), f64::from(camera.height_px));
     let extent = high - low;
     let focal_px = FILLED * (width / extent.x).min(height / extent.y);
@@ -202,6 +202,14 @@ fn framed(camera: &Camera, field: &Field) -> Option<Intrinsics> {
         cy_px: 0.5 * (height - 1.0) - middle.y,
         skew_px: 0.0,
     })
+}
+
+/// The corners of the box around boxes, each given by its corners; `None` without any.
+fn bounds<const N: usize>(
+    boxes: impl IntoIterator<Item = (SVector<f64, N>, SVector<f64, N>)>,
+) -> Option<(SVector<f64, N>, SVector<f64, N>)> {
+    let boxes = boxes.into_iter();
+    boxes.reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)))
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Pictures of what stereo found: disparities in colour, a cloud from the side, the motion of the surface.
+//! Pictures of disparities in colour, of a cloud from the side, and of the motion of the surface.
 
 use nalgebra::{Point2, Point3, Unit, UnitQuaternion, Vector3};
 
@@ -11,9 +11,9 @@ use crate::stereo::tracking::TrackPoint;
 
 /// Turn of the side view about the vertical, rad.
 const SIDE_TURN: f64 = 0.7;
-/// One arrow in a square of so many pixels.
+/// Side of the squares that have one arrow each, px.
 const ARROW_CELL_PX: f64 = 9.0;
-/// An arrow shows the way of so much time, s.
+/// Time whose motion an arrow shows, s.
 const ARROW_S: f64 = 0.15;
 /// Speed of the reddest arrow, m/s.
 const FASTEST: f64 = 2.5;
@@ -51,37 +51,27 @@ fn rainbow(share: f32) -> Rgb {
     [3.0, 2.0, 1.0].map(|middle| (255.0 * ramp(middle)) as u8)
 }
 
-/// Points of a cloud as a camera sees them that stands to the side, coloured by their depth for `camera`.
+/// The points of a cloud as a camera to the side sees them, coloured by their depth for `camera`.
 pub fn cloud_from_the_side(camera: &Camera, points: &[CloudPoint]) -> Canvas {
-    let depths = || {
-        points
-            .iter()
-            .map(|p| (camera.camera_from_world * p.position_world).z)
-    };
-    let count = points.len().max(1) as f64;
-    let middle = points
-        .iter()
-        .map(|p| p.position_world.coords / count)
-        .sum::<Vector3<f64>>();
+    let points = || points.iter().map(|point| point.position_world);
+    let count = points().len().max(1) as f64;
+    let middle: Vector3<f64> = points().map(|p| p.coords / count).sum();
     let side = turned_about(camera, &middle.into());
-    let (low, high) = middle_98_percent(depths().map(|z| z as f32).collect());
-    let mut pixels = Plane::filled(
-        camera.width_px as usize,
-        camera.height_px as usize,
-        [24u8; 3],
-    );
-    let mut order: Vec<(f64, usize)> = points
-        .iter()
-        .enumerate()
-        .map(|(i, p)| ((side.camera_from_world * p.position_world).z, i))
-        .collect();
+    let depths = points().map(|p| (camera.camera_from_world * p).z as f32);
+    let (low, high) = middle_98_percent(depths.collect());
+
     // far ones first, near ones over them
-    order.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-    for (_, i) in order {
-        let point = &points[i].position_world;
-        let Some(pixel) = side.project_undistorted(point) else {
+    let order = points().map(|p| ((side.camera_from_world * p).z, p));
+    let mut order: Vec<(f64, Point3<f64>)> = order.collect();
+    order.sort_by(|a, b| b.0.total_cmp(&a.0));
+
+    let (width, height) = (camera.width_px as usize, camera.height_px as usize);
+    let mut pixels = Plane::filled(width, height, [24u8; 3]);
+    for (_, point) in order {
+        let Some(pixel) = side.project_undistorted(&point) else {
             continue;
         };
+
         let share = ((camera.camera_from_world * point).z as f32 - low) / (high - low);
         let (x, y) = (pixel.x.round(), pixel.y.round());
         let inside = x >= 0.0 && y >= 0.0;
@@ -106,8 +96,7 @@ fn turned_about(camera: &Camera, point: &Point3<f64>) -> Camera {
 
 /// The motion of points as arrows over an image, from yellow (at rest) to red (PFD99 Fig. 5).
 pub fn vector_field(camera: &Camera, image: &Plane<f32>, points: &[TrackPoint]) -> Canvas {
-    let grey = image.map(|v| [(0.6 * v) as u8; 3]);
-    let mut canvas = Canvas::from_pixels(grey);
+    // arrows of four classes of speed, one in each cell
     let mut by_speed = [const { Vec::new() }; 4];
     let mut taken = std::collections::BTreeSet::new();
     for point in points {
@@ -116,23 +105,25 @@ pub fn vector_field(camera: &Camera, image: &Plane<f32>, points: &[TrackPoint]) 
         let [Some(from), Some(to)] = ends else {
             continue;
         };
+
         let cell = [from.x, from.y].map(|x| (x / ARROW_CELL_PX).floor() as i64);
         if !taken.insert(cell) {
             continue;
         }
+
         let class = (3.99 * (point.velocity.norm() / FASTEST).clamp(0.0, 1.0)) as usize;
         by_speed[class].extend(arrow(from, to));
     }
+
+    let grey = image.map(|v| [(0.6 * v) as u8; 3]);
+    let mut canvas = Canvas::from_pixels(grey);
     for (class, segments) in by_speed.iter().enumerate() {
-        let color = [255, 240 - 78 * class as u8, 30];
-        canvas.draw(
-            segments,
-            Pen {
-                color,
-                opacity: 0.9,
-                width_px: 1.0,
-            },
-        );
+        let pen = Pen {
+            color: [255, 240 - 78 * class as u8, 30],
+            opacity: 0.9,
+            width_px: 1.0,
+        };
+        canvas.draw(segments, pen);
     }
     canvas
 }
