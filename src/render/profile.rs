@@ -9,13 +9,13 @@ use crate::body::metaball::Metaball;
 /// On the ray o + t·r the distance d = (x − c)ᵀA⁻¹(x − c) is the parabola d₀ + a (t − t₀)², so
 /// w = exp(−2 d₀) and k = 4 a.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bump {
+pub(super) struct Bump {
     /// w, its value at the closest approach; 0 to 1.
-    pub peak: f64,
+    pub(super) peak: f64,
     /// t₀, where the ray comes closest.
-    pub at: f64,
+    pub(super) at: f64,
     /// k > 0, in units of 1/t².
-    pub sharpness: f64,
+    pub(super) sharpness: f64,
 }
 
 impl Bump {
@@ -41,9 +41,9 @@ impl Bump {
 
 /// The field of one limb along a ray, t ≥ 0.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct RayProfile {
+pub(super) struct RayProfile {
     /// The metaballs near the ray, in any order.
-    pub bumps: Vec<Bump>,
+    pub(super) bumps: Vec<Bump>,
 }
 
 /// Steps after which an ascent ends; most need fewer than ten.
@@ -51,13 +51,13 @@ const MOST_STEPS: usize = 40;
 
 impl RayProfile {
     /// F(t).
-    pub fn value(&self, t: f64) -> f64 {
+    pub(super) fn value(&self, t: f64) -> f64 {
         self.bumps.iter().map(|b| b.value(t)).sum()
     }
 
     /// Where on t ≥ 0 F is largest, and its value there, by climbing from the highest of the bumps' own summits; `None` without
     /// a bump.
-    pub fn summit(&self) -> Option<(f64, f64)> {
+    pub(super) fn summit(&self) -> Option<(f64, f64)> {
         let starts = self.bumps.iter().map(|b| (b, self.value(b.at.max(0.0))));
         let (highest, _) = starts.max_by(|a, b| a.1.total_cmp(&b.1))?;
         Some(self.climb(highest, f64::INFINITY))
@@ -68,7 +68,7 @@ impl RayProfile {
     /// By climbing from every bump's own summit: t ← Σ k f t₀ / Σ k f, a step that never lowers F (Carreira-Perpiñán 2000,
     /// fixed-point iteration for the modes of a Gaussian mixture). Most rays need no step: one bump alone reaches the level,
     /// or all peaks together do not.
-    pub fn reaches(&self, level: f64) -> bool {
+    pub(super) fn reaches(&self, level: f64) -> bool {
         let peaks: f64 = self.bumps.iter().map(|b| b.peak).sum();
         if peaks < level {
             return false;

@@ -2,7 +2,8 @@
 
 use nalgebra::{Point2, Point3, SVector, UnitQuaternion, Vector3};
 
-use super::{Bump, Canvas, RayProfile, Rgb};
+use super::profile::{Bump, RayProfile};
+use super::{Canvas, Rgb};
 use crate::body::metaball::{Field, Metaball, THRESHOLD};
 use crate::camera::{Camera, Distortion, Intrinsics};
 use crate::image::Plane;

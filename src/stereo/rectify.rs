@@ -76,26 +76,26 @@ pub fn rectify(first: &StereoView, second: &StereoView) -> Result<RectifiedPair,
     let focal = [first, second].map(|view| view.camera.intrinsics.fy_px);
     let focal = 0.5 * (focal[0] + focal[1]);
     let turned = [first, second].map(|view| turned(&view.camera, &world_from_rectified, focal));
-    let [Some((left, left_box)), Some((right, right_box))] = turned else {
+    let [Some(left), Some(right)] = turned else {
         return Err(not_side_by_side(&first.camera, &second.camera));
     };
 
     // the rows that both see, and of each the columns that it sees
-    let top = left_box.0.y.max(right_box.0.y);
-    let bottom = left_box.1.y.min(right_box.1.y);
+    let top = left.low.y.max(right.low.y);
+    let bottom = left.high.y.min(right.high.y);
     if bottom - top < 1.0 {
         return Err(RectifyError::NoCommonRows {
-            left: left.name,
-            right: right.name,
+            left: left.camera.name,
+            right: right.camera.name,
         });
     }
     let rows = PixelRange::new(top, bottom, first.camera.height_px);
-    let left_columns = PixelRange::new(left_box.0.x, left_box.1.x, first.camera.width_px);
-    let right_columns = PixelRange::new(right_box.0.x, right_box.1.x, second.camera.width_px);
+    let left_columns = PixelRange::new(left.low.x, left.high.x, first.camera.width_px);
+    let right_columns = PixelRange::new(right.low.x, right.high.x, second.camera.width_px);
 
     Ok(RectifiedPair {
-        left: cut(first, left, left_columns, rows),
-        right: cut(second, right, right_columns, rows),
+        left: cut(first, left.camera, left_columns, rows),
+        right: cut(second, right.camera, right_columns, rows),
     })
 }
 
@@ -138,14 +138,20 @@ fn angle_deg(first: &Camera, second: &Camera) -> f64 {
     a.angle(&b).to_degrees()
 }
 
-/// The turned camera with its principal point at (0, 0), and the corners of its image's box: least and greatest coordinates.
-///
-/// `None` if a corner of the recorded image is behind the turned camera.
+/// A camera turned about its centre, its principal point at (0, 0).
+struct TurnedCamera {
+    camera: Camera,
+    /// Least and greatest coordinates of its image, px.
+    low: Point2<f64>,
+    high: Point2<f64>,
+}
+
+/// The turned camera; `None` if a corner of the recorded image is behind it.
 fn turned(
     camera: &Camera,
     world_from_rectified: &Rotation3<f64>,
     focal_px: f64,
-) -> Option<(Camera, (Point2<f64>, Point2<f64>))> {
+) -> Option<TurnedCamera> {
     let rotation = UnitQuaternion::from_rotation_matrix(&world_from_rectified.inverse());
     let centre = rotation * camera.centre_world();
     let turned = Camera {
@@ -169,7 +175,11 @@ fn turned(
         let pixel = turned.project_undistorted(&ray.point_at(1.0))?;
         (low, high) = (low.inf(&pixel), high.sup(&pixel));
     }
-    Some((turned, (low, high)))
+    Some(TurnedCamera {
+        camera: turned,
+        low,
+        high,
+    })
 }
 
 /// Columns or rows of a rectified image.
