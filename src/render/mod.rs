@@ -3,7 +3,7 @@
 //! | file         | holds                                                             |
 //! |--------------|-------------------------------------------------------------------|
 //! | `raycast.rs` | [`silhouette`]: the mask of a metaball body, by casting rays       |
-//! | `profile.rs` | the field along one ray, as a sum of bumps                       |
+//! | `profile.rs` | the field along one ray, as a sum of bumps                          |
 //! | `canvas.rs`  | [`Canvas`]: smooth lines and dots in a picture                      |
 //! | `raster.rs`  | [`Raster`]: which triangle of a mesh each sample of a picture sees  |
 //! | `shade.rs`   | [`shade`]: a shaded picture of a metaball body                      |

@@ -66,7 +66,7 @@ pub fn overlay(camera: &Camera, mask: &Mask, body: &Posed<'_>) -> Canvas {
     canvas.draw(&outer, pen(SHADE, 0.45, 3.0));
     canvas.draw(&outer, pen(OUTLINE, 1.0, 1.4));
 
-    // the bones, and over them those of each side in its colour, with the joints
+    // a shade under all bones, and over it the bones and joints of each side in its colour
     let points = body.points();
     let side = |point: usize| side_by_name(&body.model.points[point].name);
     let bones = bones(body.model).into_iter();

@@ -64,7 +64,7 @@ impl<'a> Raster<'a> {
         &self.fragments
     }
 
-    /// Draws triangles, seen from both sides; the first gets the number `first`. Those that reach behind the camera are left out.
+    /// Draws triangles, seen from both sides, numbered from `first` on. Those that reach behind the camera are left out.
     pub fn draw(&mut self, vertices: &[Vector3<f64>], triangles: &[[u32; 3]], first: u32) {
         let projected: Vec<Option<Corner>> = vertices.iter().map(|v| self.corner(v)).collect();
         for (number, triangle) in (first..).zip(triangles) {

@@ -197,7 +197,7 @@ impl<'a> Caster<'a> {
         }
     }
 
-    /// The line of sight of a pixel, with profiles that are empty.
+    /// The line of sight of a pixel, for which the profiles are emptied.
     fn aimed(&mut self, x: usize, y: usize) -> Option<Vector3<f64>> {
         self.profiles.iter_mut().for_each(|p| p.bumps.clear());
         let pixel = Point2::new(x as f64, y as f64);

@@ -179,7 +179,7 @@ pub fn portrait_camera(field: &Field, width_px: u32, height_px: u32) -> Option<C
     Some(camera)
 }
 
-/// The camera matrix with which what a camera of focal length 1 sees of a body fills the image, but for a margin.
+/// The intrinsics with which a body fills the image but for a margin; `camera` has a focal length of 1.
 fn framed(camera: &Camera, field: &Field) -> Option<Intrinsics> {
     let boxes = field.metaballs.iter().map(|ball| {
         let own_skin = Ellipsoid {

@@ -1,10 +1,10 @@
-//! How far a pixel is outside a silhouette.
+//! How far a pixel lies outside a silhouette.
 
 use nalgebra::{Point2, Vector2};
 
 use crate::image::{EvenSteps, NearestPoints, Scanlines};
 
-/// Rows by which the outline of the image is cut.
+/// Scan lines of the image's outline.
 const IMAGE_ROWS: usize = 256;
 
 /// Distance to a silhouette, on a grid around it. Undistorted pixels.

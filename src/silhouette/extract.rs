@@ -28,7 +28,7 @@ pub enum Rejected {
         "the foreground covers {edge_percent:.0} % of the image edge: is foreground white and background black?"
     )]
     Full {
-        /// How much of the outermost pixels is foreground.
+        /// Share of the outermost pixels that is foreground.
         edge_percent: f64,
     },
     /// Foreground too thin to have a border, or with no border inside the image.
@@ -268,7 +268,7 @@ impl Contour {
     }
 }
 
-/// Area with the holes taken off, and its centroid (Green); `None` if the area is not positive.
+/// Area without the holes, and its centroid (Green's theorem); `None` if the area is not positive.
 fn area_and_centroid(polygons: &[Vec<Point2<f64>>]) -> Option<(f64, Point2<f64>)> {
     let mut doubled = 0.0;
     let mut moment = Vector2::zeros();
@@ -291,6 +291,7 @@ fn bounds<'a>(
     }))
 }
 
+/// The inside of border polygons, of which `bounds` are the corners of their box.
 fn inside(polygons: &[Vec<Point2<f64>>], bounds: (Point2<f64>, Point2<f64>)) -> Scanlines {
     let (low, high) = bounds;
     let height = high.y - low.y;

@@ -13,7 +13,7 @@ pub struct SilhouetteOptions {
     /// Smallest distance of neighbouring contour points, px (default 1.5).
     pub spacing_px: f64,
     /// Contour points along the person's size (default 250): the distance of neighbouring points is
-    /// max(`spacing_px`, size/`points_per_size`), so a silhouette has as many at any resolution.
+    /// max(`spacing_px`, size/`points_per_size`), so a silhouette has about as many points at any resolution.
     pub points_per_size: f64,
     /// Cells of the distance map along its longer side (default 180), unless they would be smaller than a pixel.
     pub map_cells: usize,

@@ -28,12 +28,12 @@ impl ContourPoint {
 /// What one camera sees of the person in one frame. Everything in undistorted pixels.
 #[derive(Clone, Debug)]
 pub struct Silhouette {
-    /// The outer and inner borders, without what lies on the image edge, piece after piece, each in order along the
-    /// border with the person on the left as seen on the screen.
+    /// The outer and inner borders, piece after piece, without the parts on the image edge. Each piece runs with the
+    /// person on the left as seen on the screen.
     pub contour: Vec<ContourPoint>,
     /// Distance from a pixel outside to the silhouette.
     pub outside: DistanceMap,
-    /// Area, holes taken off, px².
+    /// Area without the holes, px².
     pub area_px: f64,
     /// Centroid of the area.
     pub centroid: Point2<f64>,

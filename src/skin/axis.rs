@@ -4,11 +4,11 @@ use nalgebra::{Unit, UnitQuaternion, Vector3};
 
 use super::flesh::{Flesh, Hit};
 
-/// Radius of a rounded joint by that of the flesh on the inner side of the bend.
+/// Radius of a rounded joint, over that of the flesh on the inner side of the bend.
 const ROOM: f64 = 1.25;
-/// Farthest that the flesh on the inner side is looked for, metres.
+/// Farthest distance at which the skin on the inner side is looked for, metres.
 const THICKEST: f64 = 0.12;
-/// Most of a segment that the rounding of one joint takes, at a free end and between two joints.
+/// Largest share of a segment that the rounding of one joint takes, at a free end and between two joints.
 const SHARES: [f64; 2] = [0.75, 0.45];
 /// Largest angle between two cross-sections of a bend, radians.
 const FINEST_TURN: f64 = 0.3;
@@ -38,7 +38,7 @@ impl Frame {
 
     /// The frame at another place with another normal, turned no more than it must.
     pub(super) fn carried(&self, origin: Vector3<f64>, along: Vector3<f64>) -> Self {
-        // not Rotation3's: of two directions that are the same but for rounding it makes the arc cosine of more than 1
+        // not Rotation3's: of two directions that differ by rounding alone, it takes the arc cosine of more than 1
         let turn = UnitQuaternion::rotation_between(&self.along, &along)
             .unwrap_or_else(|| UnitQuaternion::new(self.right * std::f64::consts::PI));
         Self::new(origin, along, turn * self.right)
@@ -86,7 +86,7 @@ struct Bend {
     reach: f64,
     /// Radius of the flesh on the inner side.
     thickness: f64,
-    /// Halves the bend.
+    /// The plane that halves the bend.
     halving: Wall,
 }
 

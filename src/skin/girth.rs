@@ -1,4 +1,4 @@
-//! How far it is around a limb, in the middle of its length.
+//! The girth of a limb, in the middle of its length.
 //!
 //! At rest, rays go out from the middle m of a length, square to it. Each ray ends where it leaves the flesh of one part:
 //! the part that m lies deepest in. Of metaballs that is the part with the largest sum at m, and F = ½ at its end; of

@@ -4,7 +4,7 @@
 //!    axis is rounded at the joints, so that the cross-sections of a bent knee or elbow do not cross.
 //! 2. **Patches.** The samples are the control points of a B-spline patch: one for the trunk, one for each limb.
 //! 3. **Triangles.** The patches are tessellated. A limb's first row *is* the rim of the hole that it grows out of, or
-//!    half of the trunk's last row and the ridge that parts two legs, so there is no seam.
+//!    half of the trunk's last row and the ridge between two legs, so there is no seam.
 //!
 //! | file         | holds                                                                       |
 //! |--------------|-----------------------------------------------------------------------------|
@@ -13,13 +13,13 @@
 //! | `axis.rs`    | a tube's axis, and where on it cross-sections stand                          |
 //! | `section.rs` | one cross-section, sampled by rays                                           |
 //! | `tube.rs`    | the samples of a tube from end to end                                        |
-//! | `patch.rs`   | a B-spline surface: a tube's patch                                               |
+//! | `patch.rs`   | a B-spline surface: the patch of a tube                                      |
 //! | `rim.rs`     | where a limb grows out of another tube                                       |
 //! | `surface.rs` | patches to triangles                                                         |
 //! | `mesh.rs`    | [`Mesh`], [`check_watertight`]                                               |
 //! | `skinned.rs` | [`SkinnedMesh`]: a skin, and the parts that move it                           |
 //! | `ellipsoids.rs` | of a body without metaballs: a mesh for each ellipsoid                    |
-//! | `girth.rs`   | how far it is around a limb                                                 |
+//! | `girth.rs`   | [`girths`]: how far it is around each limb                                  |
 //!
 //! **Differs** from PFD99: after the tessellation each vertex is moved onto F = T ([`Finish::Field`]; the paper's own is
 //! [`Finish::Spline`]), and the sum that a ray sees is that of its limb (see [`BodyModel::limbs`]).
@@ -139,7 +139,7 @@ pub enum SkinError {
         /// The part.
         part: String,
     },
-    /// Parts without flesh along their axis.
+    /// Parts whose flesh does not reach all along their axis.
     #[error(
         "{parts}: the sum of their metaballs does not reach 1/2 all along the axis, so there is no skin: make the metaballs larger or move them nearer to each other"
     )]

@@ -92,7 +92,7 @@ impl Patch {
         (first, [basis[0], basis[1], basis[2], basis[3]])
     }
 
-    /// A number by the distance of two knots; 0 where they are one.
+    /// A number over the distance of two knots; 0 where they coincide.
     fn ratio(&self, number: f64, low: usize, high: usize) -> f64 {
         let distance = self.knot(high) - self.knot(low);
         if distance > 0.0 {

@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use super::flesh::{Flesh, Hit};
 use super::surface::{Grid, Surface};
 
-/// Radius of a hole by that of the limb.
+/// Radius of a hole, over that of the limb.
 const ROOM: f64 = 1.25;
 /// How far the ridge between two limbs may lie outside the trunk's own flesh, metres.
 const RIDGE: f64 = 0.03;
@@ -17,7 +17,7 @@ const RIDGE: f64 = 0.03;
 pub(super) struct Rim {
     /// Counter-clockwise about the way into the limb.
     pub(super) vertices: Vec<u32>,
-    /// The direction into the limb in a pose in which it does not bend; `None`: across the rim.
+    /// The direction into the limb in a pose in which it does not bend; `None`: square to the rim.
     pub(super) straight_on: Option<Vector3<f64>>,
 }
 

@@ -7,13 +7,13 @@ use nalgebra::Vector3;
 use super::axis::{Frame, Station, Wall};
 use super::flesh::{Flesh, Hit};
 
-/// Farthest that a ray goes, metres.
+/// Length of the longest ray, metres.
 const FARTHEST: f64 = 0.5;
-/// Farthest that a sample lies from the axis, by the median of its cross-section.
+/// Largest distance of a sample from the axis, over the median of its cross-section.
 const WIDEST: f64 = 2.5;
 /// Rays with which the middle of a cross-section is found.
 const RAYS: usize = 16;
-/// Share of the way to a wall that a ray goes.
+/// Share of the way to a wall after which a ray ends.
 const BEFORE_WALL: f64 = 0.98;
 
 /// A cross-section of one limb's flesh.
@@ -27,7 +27,7 @@ pub(super) struct Section {
 }
 
 impl Section {
-    /// The cross-section at a place on the axis, its origin moved into the middle of what it shows; angles are carried
+    /// The cross-section at a place on the axis, its origin moved into its middle; angles are carried
     /// over from its neighbour. `None` if there is no flesh.
     pub(super) fn at(station: &Station, neighbour: &Frame, flesh: &Flesh) -> Option<Self> {
         let frame = neighbour.carried(station.origin, station.along);

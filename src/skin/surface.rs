@@ -8,12 +8,12 @@ use super::patch::Patch;
 use super::tube::Tube;
 use super::{Finish, SkinOptions};
 
-/// Points for each row of control points with which a patch is measured.
+/// Points along each row of control points at which the length of a patch is measured.
 const FINE: usize = 6;
 /// Columns along which it is measured.
 const MEASURED: usize = 16;
 
-/// Vertices and triangles so far.
+/// The vertices and triangles of all tubes so far.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Surface {
     pub(super) vertices: Vec<Vector3<f64>>,

@@ -14,15 +14,15 @@ use crate::math::quadric::Ellipsoid;
 
 /// Distance between cross-sections, metres.
 const SPACING: f64 = 0.02;
-/// How far the first cross-section of a limb stands beyond its rim, by the rim's mean radius.
+/// How far the first cross-section of a limb stands beyond its rim, over the rim's mean radius.
 const CLEARANCE: f64 = 0.25;
 /// The latest place of that cross-section on its segment, a share of its length.
 const LATEST: f64 = 0.6;
 /// Least share of the limb's own metaballs in F there.
 const OWN: f64 = 0.7;
-/// How far up the first segment of the trunk two legs part, a share of its length.
+/// How far up the first segment of the trunk two legs separate, a share of its length.
 const FORK: f64 = 0.75;
-/// How far a joint between rim and limb bulges: length of the curve's tangents by its chord.
+/// How far a joint between rim and limb bulges: length of the curve's tangents, over its chord.
 const TANGENTS: [f64; 2] = [0.7, 1.0];
 
 /// Rows of control points, each counter-clockwise about the way to the next.
@@ -52,7 +52,7 @@ fn joints(body: &Posed<'_>, chain: &Chain) -> Vec<Vector3<f64>> {
     chain.parts.windows(2).map(between).collect()
 }
 
-/// The trunk's samples: from where two legs part, or from its one end, to the other.
+/// The trunk's samples, from where two legs separate, or from its one end, to the other.
 pub(super) fn trunk(
     body: &Posed<'_>,
     chain: &Chain,
@@ -371,7 +371,7 @@ fn farthest(ball: &Ellipsoid, from: &Vector3<f64>) -> Vector3<f64> {
     point
 }
 
-/// That there is no skin along the parts of a chain.
+/// The error that a chain has no skin all along.
 pub(super) fn thin(body: &Posed<'_>, chain: &Chain) -> SkinError {
     let name = |part: &PartId| body.model.parts[part.0].name.as_str();
     let parts = match chain.parts.as_slice() {

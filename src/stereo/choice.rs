@@ -4,7 +4,7 @@ use crate::camera::{Camera, CameraId, Rig};
 
 /// Images are matched between cameras whose axes differ by this at most, degrees: beyond, patches look too different.
 const MOST_ANGLE_DEG: f64 = 25.0;
-/// Images beside the template at most.
+/// Most images beside the template.
 const MOST_OTHERS: usize = 2;
 /// Cameras nearer to each other than this stand in one place, m.
 const LEAST_DISTANCE: f64 = 1e-6;
@@ -31,7 +31,7 @@ impl SideBySide {
     /// The camera with the most neighbours (two at most), among equals the one nearest to them.
     ///
     /// # Errors
-    /// [`NoneSideBySide`].
+    /// [`NoneSideBySide`] if no two cameras stand side by side.
     pub fn choose(rig: &Rig) -> Result<Self, NoneSideBySide> {
         let rated = rig.iter().filter_map(|(template, camera)| {
             let others = rig.iter().filter(|(id, _)| *id != template);
@@ -50,7 +50,7 @@ impl SideBySide {
     }
 }
 
-/// The camera that stands nearest beside another; `None` if none does.
+/// The nearest of the cameras that stand beside another; `None` if none does.
 pub fn neighbour(rig: &Rig, camera: CameraId) -> Option<CameraId> {
     let here = rig.camera(camera)?;
     let others = rig.iter().filter(|(id, _)| *id != camera);

@@ -102,7 +102,7 @@ impl Cloud {
         cloud
     }
 
-    /// The cloud in units `factor` times as small: 0.001 makes metres of millimetres.
+    /// The cloud with all lengths multiplied by `factor`: 0.001 turns millimetres into metres.
     pub fn scaled(mut self, factor: f64) -> Self {
         for point in &mut self.points {
             point.position_world *= factor;

@@ -1,7 +1,7 @@
 //! From disparities to points.
 //!
-//! Take the left camera of a rectified pair, with focal length f and the second camera B to its right. A pixel with
-//! x = u − c_left and y = v − c_v and the disparity d∞ + D, d∞ = c_left − c_right, shows Z = f·B/D, X = Z·r,
+//! Take the left camera of a rectified pair, with focal length f, and the second camera at a distance B to its right. A
+//! pixel with x = u − c_left and y = v − c_v and the disparity d∞ + D, d∞ = c_left − c_right, shows Z = f·B/D, X = Z·r,
 //! r = (x/f, y/f, 1). Both lines of sight meet there, so this is the point of least squares that
 //! [`intersect`](super::intersect) would find. Columns err by σ in either image and the row, measured twice, by σ/√2:
 //!
@@ -18,7 +18,7 @@ use crate::math::Rigid3;
 
 /// Standard deviation of a place in either image, px: a disparity has √2 times that, 0.3 px, as on `stereo/cones`.
 const SIGMA_PX: f64 = 0.2;
-/// Disparities at most.
+/// Most disparities that are computed.
 const MOST_DISPARITIES: f64 = 256.0;
 
 /// The points that correlation of a pair gives.
@@ -44,9 +44,8 @@ pub enum DepthError {
 }
 
 impl RectifiedPair {
-    /// The disparities of points between two depths (nearest, farthest), m; where they are more than 256, those of the farthest points.
-    ///
-    /// Without depths: from a shift of a third of an image to infinity.
+    /// The disparities of points between two depths (nearest, farthest), m; by default from a shift of a third of an image to
+    /// infinity. Of more than 256 disparities, those of the farthest points.
     pub fn range(&self, depth: Option<(f64, f64)>) -> DisparityRange {
         // parallaxes of the nearest and the farthest point
         let infinity = self.infinity();
@@ -68,7 +67,7 @@ impl RectifiedPair {
         }
     }
 
-    /// d∞: the disparity of what is infinitely far, px.
+    /// d∞: the disparity of a point at infinity, px.
     pub fn infinity(&self) -> f64 {
         self.left.camera.intrinsics.cx_px - self.right.camera.intrinsics.cx_px
     }
@@ -84,7 +83,7 @@ impl RectifiedPair {
 /// `mask` shows the subject in the first view. `depth` as in [`RectifiedPair::range`], which replaces the options' range.
 ///
 /// # Errors
-/// [`DepthError`] for cameras that do not stand side by side, and options that make no sense.
+/// [`DepthError`] for cameras that do not stand side by side, and options outside their range.
 pub fn depth_map(
     first: &StereoView,
     second: &StereoView,

@@ -7,7 +7,7 @@
 //! |--------------------|-----------------------------------------------------------------------------|
 //! | `cloud.rs`         | [`Cloud`], [`CloudPoint`], [`Spread`]                                         |
 //! | `choice.rs`        | [`SideBySide`]: which cameras are matched                                     |
-//! | `view.rs`          | [`StereoView`]: an image without its lens                                           |
+//! | `view.rs`          | [`StereoView`]: an image without its lens                                     |
 //! | `bicubic.rs`       | brightness between the pixels                                                 |
 //! | `intersection.rs`  | [`intersect`]: where lines of sight meet, with covariance                     |
 //! | `rectify.rs`       | [`rectify`]: a pair whose rows correspond                                     |

@@ -7,7 +7,7 @@ use crate::camera::{Camera, Intrinsics};
 use crate::image::Plane;
 use crate::math::Rigid3;
 
-/// A rectified image is at most so many times as wide and as high as the recorded one.
+/// Largest width and height of a rectified image, over those of the recorded one.
 const MOST_STRETCH: f64 = 2.0;
 
 /// A pair of images whose rows correspond.
@@ -35,7 +35,7 @@ pub enum RectifyError {
         left: String,
         /// Second camera.
         right: String,
-        /// How far they are from each other.
+        /// Distance between them.
         distance_mm: f64,
     },
     /// One camera sees the other, or they look at different things.
@@ -47,10 +47,10 @@ pub enum RectifyError {
         left: String,
         /// Second camera.
         right: String,
-        /// Between the optical axes.
+        /// Angle between the optical axes.
         angle_deg: f64,
     },
-    /// Turned, the images have no rows in common.
+    /// The turned images have no rows in common.
     #[error("cameras {left} and {right} see no common rows once rectified")]
     NoCommonRows {
         /// First camera.
@@ -71,7 +71,7 @@ pub enum RectifyError {
 /// # Source
 /// Fusiello, Trucco & Verri 2000, *A compact algorithm for rectification of stereo pairs*; z as the mean of both axes.
 pub fn rectify(first: &StereoView, second: &StereoView) -> Result<RectifiedPair, RectifyError> {
-    // both cameras turned alike, with one focal length
+    // both cameras are turned alike and get one focal length
     let world_from_rectified = rotation(&first.camera, &second.camera)?;
     let focal = [first, second].map(|view| view.camera.intrinsics.fy_px);
     let focal = 0.5 * (focal[0] + focal[1]);
@@ -190,7 +190,7 @@ struct PixelRange {
 }
 
 impl PixelRange {
-    /// The pixels between two places, or those in the middle: at most [`MOST_STRETCH`] times the recorded ones.
+    /// The pixels between two places; of more than [`MOST_STRETCH`] times the recorded ones, those in the middle.
     fn new(from: f64, to: f64, recorded: u32) -> Self {
         let middle = 0.5 * (from + to);
         let half = (0.5 * (to - from)).min(0.5 * MOST_STRETCH * f64::from(recorded));
@@ -213,7 +213,7 @@ fn cut(view: &StereoView, mut camera: Camera, columns: PixelRange, rows: PixelRa
     StereoView { camera, image }
 }
 
-/// Brightness in bytes; what shows nothing becomes black.
+/// Brightness in bytes; pixels that show nothing become black.
 pub(super) fn bytes(image: &Plane<f32>) -> Plane<u8> {
     // NaN becomes 0
     image.map(|value| (value + 0.5) as u8)

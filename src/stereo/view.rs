@@ -16,7 +16,7 @@ pub struct StereoView {
     pub image: Plane<f32>,
 }
 
-/// An image that is not of its camera's size.
+/// An image whose size is not that of its camera.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
     "camera {camera}: expected an image of {}x{} px, found {}x{}",
@@ -63,7 +63,7 @@ impl StereoView {
     }
 }
 
-/// An image of another, with `source_from_pixel` the place in `source` that each of its pixels shows; NaN where there is none.
+/// An image whose pixel p shows the place `source_from_pixel(p)` of `source`; NaN where there is none.
 pub(super) fn resampled(
     source: &Plane<f32>,
     width: usize,

@@ -22,7 +22,7 @@ pub(super) fn normal(points: &[Point2<f64>], ends: Ends, i: usize) -> Option<Vec
     Vector2::new(-along.y, along.x).try_normalize(f64::EPSILON)
 }
 
-/// Unit normal of a closed curve, outward where the inside is on the left as seen on the screen; 0 where it turns back on itself.
+/// Unit normal of a closed curve, outward if the inside is on the left as seen on the screen; 0 where it turns back on itself.
 pub fn outward(closed: &[Point2<f64>], i: usize) -> Vector2<f64> {
     normal(closed, Ends::Closed, i).unwrap_or_default()
 }

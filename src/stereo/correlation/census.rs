@@ -4,7 +4,7 @@ use crate::image::Plane;
 
 /// The neighbours that are compared with the middle, (dx, dy): all of 5 × 5.
 const NEIGHBOURS: [(isize, isize); 24] = neighbours();
-/// How far neighbours lie at most.
+/// Distance of the farthest neighbours, px.
 const REACH: usize = 2;
 /// Largest distance of two signatures.
 pub(super) const BITS: u8 = NEIGHBOURS.len() as u8;
@@ -18,7 +18,7 @@ pub(super) struct Census {
 }
 
 impl Census {
-    /// The signatures of an image; beyond its edge the outermost pixels go on.
+    /// The signatures of an image; its outermost pixels are repeated beyond its edge.
     ///
     /// # Source
     /// Zabih & Woodfill 1994, *Non-parametric local transforms for computing visual correspondence*.

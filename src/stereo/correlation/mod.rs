@@ -8,7 +8,7 @@
 //! |------------------|-------------------------------------------------------------|
 //! | `census.rs`      | the signatures                                              |
 //! | `semi_global.rs` | costs, paths, choice: a band of rows, all in the cache      |
-//! | `specks.rs`      | small regions are removed                                   |
+//! | `specks.rs`      | removing small regions                                      |
 
 mod census;
 mod semi_global;
@@ -94,7 +94,7 @@ pub enum CorrelationError {
         /// Width of the right image.
         right: usize,
     },
-    /// Penalties that do not fit a byte, or are the wrong way round.
+    /// Penalties too large for a byte, or P₁ larger than P₂.
     #[error("penalties {step} and {jump}: expected step ≤ jump ≤ 60")]
     Penalties {
         /// P₁.
@@ -109,7 +109,7 @@ pub enum CorrelationError {
 /// Images are grey and rectified: a point is in the same row of both. The result is the same for any number of threads.
 ///
 /// # Errors
-/// [`CorrelationError`] for images with different numbers of rows and options that make no sense.
+/// [`CorrelationError`] for images with different numbers of rows and options outside their range.
 pub fn correlate(
     left: &Plane<u8>,
     right: &Plane<u8>,

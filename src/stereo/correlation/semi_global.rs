@@ -14,9 +14,9 @@ use std::ops::Range;
 use super::census::{BITS, Census};
 use super::{CorrelationOptions, DisparityRange};
 
-/// Rows above a band on which its path from above starts, so that bands may be computed at the same time.
+/// Rows above a band with which its path from above starts, so that bands can be computed at the same time.
 pub(super) const RUN_UP: usize = 16;
-/// Disparities at most.
+/// Most disparities that are computed.
 pub(super) const MOST_DISPARITIES: usize = 256;
 /// The cost of a disparity that leads out of the other image.
 const OUTSIDE: u8 = BITS / 2;
@@ -33,7 +33,7 @@ pub(super) struct BandInput<'a> {
     pub(super) options: &'a CorrelationOptions,
 }
 
-/// Rows whose paths are followed side by side: each alone would wait for its own last step.
+/// Rows whose paths are followed side by side: a path alone would wait for its own last step.
 const ABREAST: usize = 4;
 
 /// Writes the disparities of `rows` into `found`, row by row; NaN where there is none.
@@ -49,7 +49,7 @@ pub(super) fn band<const D: usize>(input: &BandInput<'_>, rows: Range<usize>, fo
 
     let width = input.width_left.max(1);
     for (y, found) in rows.step_by(ABREAST).zip(found.chunks_mut(ABREAST * width)) {
-        // fewer rows may be left: the others go along all the same, and must not overflow
+        // where fewer rows are left, the others are computed all the same, and must not overflow
         for row in work.rows.iter_mut().skip(found.len() / width) {
             row.sums.fill(Lane([0; D]));
         }
@@ -261,7 +261,7 @@ impl<const D: usize> BandWork<D> {
         }
     }
 
-    /// The disparity of each pixel, if it is unique and no other pixel has the same place with a lower sum.
+    /// The disparity of each pixel, if it is unique and no other pixel leads to the same place with a lower sum.
     #[inline(always)]
     fn choose(&mut self, input: &BandInput<'_>, i: usize, found: &mut [f32]) {
         let DisparityRange { first, count } = input.options.range;

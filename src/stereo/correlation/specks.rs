@@ -1,4 +1,4 @@
-//! Small regions of disparities that hang together with nothing around them.
+//! Removing small isolated regions of disparities.
 
 use crate::image::Plane;
 

@@ -50,7 +50,7 @@ impl Epipolar {
     #[inline]
     pub(super) fn image(&self, direction: &Vector3<f64>, inverse_depth: f64) -> Option<ImagePoint> {
         let h = direction + self.epipole * inverse_depth;
-        // divided by Z: at infinity 1 for cameras that look the same way
+        // h is over the Z of the template: of cameras with parallel axes, its z is 1 at infinity
         (h.z > 1e-6).then(|| {
             let pixel = Point2::new(h.x / h.z, h.y / h.z);
             let by_inverse_depth = (self.epipole.xy() - pixel.coords * self.epipole.z) / h.z;

@@ -1,4 +1,4 @@
-//! Closing the holes that the regions leave, from all directions, and removing what cannot be.
+//! Closing the holes that the regions leave, from all directions, and removing false matches.
 
 use nalgebra::Point2;
 use rayon::prelude::*;
@@ -8,11 +8,11 @@ use super::{Grid, MatchOptions, MatchViews, OtherView, Place};
 use crate::image::Plane;
 use crate::stereo::correlation::remove_specks;
 
-/// Rounds at most; each closes a ring around what is known.
+/// Most rounds; each extends the matched area by a ring.
 const MOST_ROUNDS: usize = 40;
-/// Rounds in which a place is tried.
+/// Most rounds in which one place is tried.
 const MOST_TRIES: u8 = 3;
-/// Neighbours from which a place is tried in one round.
+/// Most neighbours from which a place is tried in one round.
 const MOST_NEIGHBOURS: usize = 3;
 /// Of two points on one pixel of another image, the nearer hides the other if their disparities differ by more, px.
 const HIDDEN_PX: f64 = 2.0;
@@ -105,7 +105,7 @@ pub(super) fn prune(views: &MatchViews<'_>, grid: &mut Grid, options: &MatchOpti
         remove_hidden(views, grid, image, options);
     }
 
-    // in the disparities of the middle of the template, steps between neighbours are those of a rectified pair
+    // inverse depths as disparities in the middle of the template, over the spacing: regions end at steps of 1
     let middle = (
         views.template.image.width() / 2,
         views.template.image.height() / 2,

@@ -11,7 +11,7 @@
 //! | `multi_image.rs` | least-squares matching of one patch in all images                    |
 //! | `seeds.rs`       | seeds                                                               |
 //! | `regions.rs`     | Voronoi regions, and the way through one                             |
-//! | `holes.rs`       | closing holes, and removing what cannot be                           |
+//! | `holes.rs`       | closing holes, and removing false matches                            |
 //! | `surface.rs`     | from matches to points with their covariance                         |
 
 mod epipolar;
@@ -217,7 +217,7 @@ impl<'a> MatchViews<'a> {
         images.map(|image| Some(image?.pixel)).collect()
     }
 
-    /// Matches the patch at a pixel in all images, else in all but one, as long as these are enough.
+    /// Matches the patch at a pixel in all images; where that fails, in all but one, as long as these are enough.
     fn find(
         &self,
         pixel: (usize, usize),
@@ -277,7 +277,7 @@ pub fn match_surface(
     let mut grid = regions::grow(&views, &seeds, options);
     // 3. holes, from all directions
     holes::close(&views, &mut grid, options);
-    // 4. what hides behind another point, and stray regions
+    // 4. no point behind another, no stray regions
     holes::prune(&views, &mut grid, options);
     // 5. forward intersection
     Ok(surface::points(&views, &grid, seeds.len(), options))

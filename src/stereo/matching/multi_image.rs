@@ -64,13 +64,13 @@ pub(in crate::stereo) struct Match {
 /// Why no match was found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::stereo) enum Unmatched {
-    /// Too little of the patch is seen.
+    /// An image shows too little of the patch.
     Unseen,
     /// The normal matrix says that it cannot be placed.
     NoTexture,
     /// It does not come to rest near where it was expected.
     Astray,
-    /// It looks different.
+    /// It looks different from the template.
     Different,
     /// It comes to rest, but its standard deviation is too large.
     Unsure,
@@ -96,7 +96,7 @@ pub(in crate::stereo) struct Patch {
 }
 
 impl Patch {
-    /// The patch of (2·radius + 1)² pixels around a pixel, without those that are masked or not in the image.
+    /// The patch of (2·radius + 1)² pixels around a pixel, without those outside the mask or the image.
     pub(super) fn at(views: &MatchViews<'_>, pixel: (usize, usize), radius: usize) -> Self {
         let (x, y) = pixel;
         let image = &views.template.image;
@@ -125,7 +125,7 @@ impl Patch {
         }
     }
 
-    /// The same around a place between the pixels.
+    /// The patch around a place between the pixels.
     pub(in crate::stereo) fn around(
         views: &MatchViews<'_>,
         middle: Point2<f64>,

@@ -10,7 +10,7 @@ use super::seeds::Seed;
 use super::{Grid, MatchOptions, MatchViews, Place};
 use crate::image::{EvenSteps, NearestPoints, Plane};
 
-/// How often a place is tried, from different neighbours.
+/// Most tries of one place, from different neighbours.
 const MOST_TRIES: u8 = 2;
 
 /// Goes through the region of each seed; every place belongs to the nearest one.
@@ -125,7 +125,7 @@ impl Region<'_> {
         found
     }
 
-    /// Whether a place is of this region, was not found before, and is found now.
+    /// Tries a place; whether it is of this region, was not found before, and is found now.
     fn visit(&mut self, place: Place, expected: &DepthPlane) -> bool {
         let is_own = self.owners.get(place.column, place.row) == Some(self.owner);
         let (x, y) = place.pixel(self.options);

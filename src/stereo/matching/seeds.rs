@@ -7,9 +7,9 @@ use super::multi_image::{DepthPlane, Patch};
 use super::{MatchOptions, MatchViews, OtherView};
 use crate::stereo::bicubic::sample;
 
-/// Steps along the epipolar line, px in the image in which it moves most.
+/// Length of a step along the epipolar line, px in the image with the longest.
 const STEP_PX: f64 = 0.7;
-/// Steps at most.
+/// Most steps along the line.
 const MOST_STEPS: usize = 2000;
 /// A third of an image: the largest shift that is tried where no depth is given.
 const LARGEST_SHIFT: f64 = 1.0 / 3.0;

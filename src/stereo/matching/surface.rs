@@ -71,9 +71,9 @@ fn row_points(
     surface
 }
 
-/// b: the difference between a match's inverse depth and what the matches a patch's radius away say of it, 1/m; 0 without any.
+/// b: how far the inverse depth of a match is from that expected by the matches a patch's radius away, 1/m; 0 without any.
 ///
-/// Two matches on opposite sides say their mean; where no direction has two, each says what its plane does.
+/// Two matches on opposite sides expect their mean. Where no direction has two, each match expects the depth of its plane.
 fn bend(grid: &Grid, place: Place, options: &MatchOptions) -> f64 {
     let steps = (options.radius_px / options.spacing_px).max(1) as isize;
     let neighbour = |direction: &(isize, isize), sign: isize| -> Option<Match> {

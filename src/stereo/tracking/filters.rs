@@ -52,7 +52,7 @@ pub struct FilteredTrajectories {
     pub kept: Vec<usize>,
     /// How many were truncated.
     pub truncated: usize,
-    /// How many were removed: they were false from the first frame on.
+    /// How many were removed because they are true in too few frames: errors of the first frame.
     pub removed: usize,
 }
 

@@ -41,7 +41,7 @@ pub struct TrackOptions {
     pub least_correlation: f64,
     /// Largest standard deviation of the place by the normal matrix, px. 0.3.
     pub most_sigma_px: f64,
-    /// How far matches in time and across cameras may differ, px. 0.7.
+    /// Largest difference of a match in time from that across the cameras, px. 0.7.
     pub most_difference_px: f64,
     /// Matching across the cameras; its `least_images` is not used: all must show the point.
     pub spatial: MatchOptions,

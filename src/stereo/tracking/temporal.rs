@@ -18,7 +18,7 @@ const MOST_STEPS: usize = 12;
 const AT_REST_PX: f64 = 0.01;
 /// How far a patch may move from the best correlation, px.
 const FARTHEST_PX: f64 = 3.0;
-/// Standard deviation of the map's elements from those of no change.
+/// Standard deviation of the elements of A from those of the identity.
 const MAP_SD: f64 = 0.15;
 /// Step of the first search, px: between the places that are tried, and between the pixels that are compared.
 const COARSE: i64 = 2;

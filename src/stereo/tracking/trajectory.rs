@@ -35,7 +35,7 @@ impl Trajectory {
             let (before, after) = (i.saturating_sub(1), (i + 1).min(last));
             let frames = (after - before).max(1) as f64;
 
-            // of a path of fewer than three points nothing is known
+            // 0 of fewer than three points
             let middle = i.clamp(1, last.saturating_sub(1).max(1));
             let acceleration = if last >= 2 {
                 (at(middle + 1) - at(middle)) - (at(middle) - at(middle - 1))
