@@ -6,7 +6,7 @@ use std::time::Instant;
 use clap::Args;
 use maquette::Recording;
 use maquette::io::folder::check_out;
-use maquette::io::folder::segmented::{Extras, QualityRow};
+use maquette::io::folder::segmented::{MaskExtras, QualityRow};
 use maquette::pipeline::FrameRange;
 use maquette::workflow::{MaskFiles, WrittenMasks};
 
@@ -67,7 +67,7 @@ fn segment(arguments: &SegmentArguments) -> Result<(), CliError> {
     let files = MaskFiles {
         folder: &arguments.out,
         frames: arguments.frames.unwrap_or_default(),
-        extras: Extras {
+        extras: MaskExtras {
             probability: arguments.probability,
             overlays: arguments.overlays,
         },

@@ -6,12 +6,12 @@ use clap::{ArgGroup, Args, ValueEnum};
 use maquette::FittedRecording;
 use maquette::io::export::mesh::MeshFormat;
 use maquette::pipeline::FrameRange;
+use maquette::pipeline::counted;
 use maquette::skin::SkinOptions;
 use maquette::workflow::{SkinFiles, SkinnedPoses};
 
 use super::error::CliError;
 use super::print;
-use super::summary::counted;
 use super::switches::Quiet;
 
 pub(super) const ABOUT: &str = "\

@@ -6,7 +6,6 @@ use clap::{Args, ValueEnum};
 
 use super::error::CliError;
 use super::print;
-use super::summary::counted;
 use super::switches::{Overwrite, Quiet};
 use maquette::io::folder::check_out;
 use maquette::io::folder::stereo::{StereoExtras, StereoFolder};
@@ -15,7 +14,7 @@ use maquette::io::recording::{Note, ObservationFiles, Recording, RecordingError}
 use maquette::pipeline::stereo::{
     StereoMethod, StereoOptions, SurfaceSummary, measure_surface, unmasked_note,
 };
-use maquette::pipeline::{FrameRange, MaskSource, Progress};
+use maquette::pipeline::{FrameRange, MaskSource, Progress, counted};
 use maquette::silhouette::FrameIndex;
 
 pub(super) const ABOUT: &str = "\

@@ -7,6 +7,7 @@ use serde_json::json;
 use super::table::Table;
 use maquette::inference::confidence::Confidence;
 use maquette::io::result::{HypothesisPart, OriginPart, OutcomePart, ResultFile};
+use maquette::pipeline::counted;
 
 /// What a run says at its end.
 #[derive(Debug)]
@@ -158,12 +159,6 @@ fn origin(hypothesis: &HypothesisPart) -> String {
         (OriginPart::Keyframe, None | Some(0)) => "keyframe".into(),
         (OriginPart::Keyframe, Some(reading)) => format!("keyframe, reading {}", reading + 1),
     }
-}
-
-/// A number of things: 1 frame, 2 frames.
-pub(super) fn counted(count: usize, thing: &str) -> String {
-    let plural = if count == 1 { "" } else { "s" };
-    format!("{count} {thing}{plural}")
 }
 
 /// Three decimals, and never a certainty that nobody has.

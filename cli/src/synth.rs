@@ -6,10 +6,10 @@ use clap::{Args, ValueEnum};
 
 use super::error::CliError;
 use super::print;
-use super::summary::counted;
 use maquette::body::BodyModel;
 use maquette::io::model;
 use maquette::io::recording::{filmed, synthetic};
+use maquette::pipeline::counted;
 use maquette::synth::{FilmRecipe, Recipe, Ring, SegmentationErrors, StereoPair};
 
 pub(super) const ABOUT: &str = "\

@@ -11,6 +11,7 @@
 
 mod aim;
 mod confidence;
+mod counted;
 mod fit;
 mod frame_range;
 mod measures;
@@ -31,6 +32,7 @@ mod warning_text;
 
 pub use crate::inference::covariance::ShapeUncertainty;
 pub use confidence::{ShapeConfidence, rest_lengths_m};
+pub use counted::counted;
 pub use fit::{Fit, FitError, FittedFrame, TriedHypothesis, fit};
 pub use frame_range::{FrameRange, FrameRangeError, span};
 pub use measures::check_measure;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::masks::cut_masks;
 use super::{Error, FitOptions, SilhouetteFiles, SilhouetteSource, silhouettes};
-use crate::io::folder::segmented::{self, Extras};
+use crate::io::folder::segmented::{self, MaskExtras};
 use crate::io::folder::stereo::{self, StereoExtras, StereoFolder};
 use crate::io::recording::footage::{Footage, FootageError};
 use crate::io::recording::{DerivedFiles, ObservationFiles, Recording, RecordingError};
@@ -95,7 +95,7 @@ impl Derived<'_> {
             footage,
             frames,
             self.folder,
-            Extras::default(),
+            MaskExtras::default(),
             self.progress,
         )?;
         found.notes.iter().for_each(|note| self.progress.note(note));

@@ -4,11 +4,10 @@ use std::ops::RangeInclusive;
 use std::path::Path;
 
 use super::Error;
-use crate::io::folder::OutFolder;
-use crate::io::folder::segmented::{self, Extras, QualityRow};
+use crate::io::folder::segmented::{MaskExtras, MaskFolder, QualityRow};
 use crate::io::recording::Recording;
 use crate::io::recording::footage::{Footage, FootageNote};
-use crate::pipeline::segment::SegmentOptions;
+use crate::pipeline::segment::{SegmentOptions, SegmentedFrame, segment};
 use crate::pipeline::{FrameRange, Progress, span};
 
 /// How the masks of a recording are written.
@@ -19,7 +18,7 @@ pub struct MaskFiles<'a> {
     /// Which frames; the background is learnt from all.
     pub frames: FrameRange,
     /// What is written beside them.
-    pub extras: Extras,
+    pub extras: MaskExtras,
 }
 
 /// What was written.
@@ -50,42 +49,24 @@ impl Recording {
     }
 }
 
-/// Learns the background, segments and writes.
+/// Segments and writes.
 pub(super) fn cut_masks(
     footage: &Footage,
     frames: RangeInclusive<usize>,
     folder: &Path,
-    extras: Extras,
+    extras: MaskExtras,
     progress: &dyn Progress,
 ) -> Result<WrittenMasks, Error> {
-    OutFolder::open(folder)?;
-    let all = footage.frames();
-    progress.begin("background", all.len());
-    let (segmenter, found) =
-        segmented::learn(footage, SegmentOptions::default(), &|| progress.step());
-    progress.end();
+    let folder = MaskFolder::open(folder, &footage.rig, extras)?;
+    let options = SegmentOptions::default();
+    let write = |frame: &SegmentedFrame| folder.write(frame);
+    let found = segment(footage, frames, options, progress, write)?;
+    let rows = folder.finish(&found.masks)?;
 
-    let count = all.iter().filter(|frame| frames.contains(&frame.0)).count();
-    progress.begin("masks", count);
-    let (rows, odd) = segmented::write(folder, footage, &segmenter, frames, extras, &|| {
-        progress.step()
-    })?;
-    progress.end();
-
-    let known = footage.notes.iter().chain(&found).chain(&odd);
-    let mut notes: Vec<String> = known.map(FootageNote::to_string).collect();
-    for (id, share) in segmented::never_left(footage, &segmenter) {
-        let (camera, percent) = (&footage.rig.cameras[id.0].name, 100.0 * share);
-        notes.push(format!(
-            "camera {camera}: the background is never seen behind {percent:.0} % of the person: a picture of the empty scene (background = …) would help"
-        ));
-    }
-    if !segmenter.is_consistent() && footage.rig.cameras.len() > 1 {
-        notes.push("the cameras do not agree on where the person is: each is segmented by itself; check the calibration".into());
-    }
+    let known = footage.notes.iter().map(FootageNote::to_string);
     Ok(WrittenMasks {
         cameras: footage.rig.names().map(str::to_owned).collect(),
         rows,
-        notes,
+        notes: known.chain(found.notes).collect(),
     })
 }

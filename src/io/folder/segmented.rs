@@ -1,28 +1,23 @@
-//! From footage on disk to masks on disk: `masks/<camera>/%06d.png` and `quality.csv`.
+//! What `maquette segment` writes: `masks/<camera>/%06d.png`, pictures beside them, and `quality.csv`.
 
 use std::fs;
 use std::io;
-use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use ::image::ExtendedColorType;
-use rayon::prelude::*;
 use serde::Serialize;
 
 use super::jpeg;
 use super::png::{self, Effort};
 use super::table;
 use super::{OutError, OutFolder, file_name};
-use crate::camera::CameraId;
+use crate::camera::Rig;
 use crate::image::{Mask, Picture, Plane};
-use crate::io::recording::footage::{Footage, FootageNote};
-use crate::pipeline::Frames;
-use crate::pipeline::segment::{Cut, SegmentOptions, Segmenter, Training};
-use crate::silhouette::FrameIndex;
+use crate::pipeline::segment::{MaskQuality, SegmentedFrame};
 
 /// Pictures that are written beside the masks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub struct Extras {
+pub struct MaskExtras {
     /// `probability/<camera>/%06d.png`.
     pub probability: bool,
     /// `mask-overlays/<camera>/%06d.jpg`.
@@ -77,149 +72,62 @@ pub struct QualityRow {
     pub filled_in: f64,
 }
 
-/// Learns background and person from all of the footage; `done` is called after each frame.
-pub fn learn(
-    footage: &Footage,
-    options: SegmentOptions,
-    done: &dyn Fn(),
-) -> (Segmenter, Vec<FootageNote>) {
-    let mut training = Training::new(&footage.rig, footage.frames().len(), options);
-    let mut notes = Vec::new();
-    for (id, _) in footage.rig.iter() {
-        let mut empty = footage.background(id);
-        for (_, picture) in empty.by_ref() {
-            training.add_empty(id, &picture);
-        }
-        notes.extend(empty.notes().iter().cloned());
-    }
-    let mut sets = footage.frame_sets(0..=usize::MAX);
-    for (_, pictures) in sets.by_ref() {
-        training.add(&pictures);
-        done();
-    }
-    notes.extend(sets.notes());
-    (training.learn(), notes)
-}
-
-/// Segments frames and writes their masks into a folder, in which those of an older run are removed; `done` is called after each frame.
-///
-/// A note for each camera in whose pictures nobody is, or whose pictures could not be segmented.
-///
-/// # Errors
-/// [`OutError`] for the first file that cannot be written.
-pub fn write(
-    folder: &Path,
-    footage: &Footage,
-    segmenter: &Segmenter,
-    frames: RangeInclusive<usize>,
-    extras: Extras,
-    done: &(dyn Fn() + Sync),
-) -> Result<(Vec<QualityRow>, Vec<FootageNote>), OutError> {
-    let writer = Writer::new(folder, footage, extras)?;
-    let (mut rows, mut without) = (Vec::new(), vec![Vec::new(); footage.rig.cameras.len()]);
-    let mut sets = footage.frame_sets(frames);
-    let at_once = rayon::current_num_threads();
-    loop {
-        let batch: Vec<_> = sets.by_ref().take(at_once).collect();
-        if batch.is_empty() {
-            break;
-        }
-        let cut: Vec<(Vec<Option<Cut>>, Result<_, OutError>)> = batch
-            .par_iter()
-            .map(|(frame, pictures)| {
-                let cuts = segmenter.segment(pictures);
-                let rows = writer.write(*frame, pictures, &cuts);
-                done();
-                (cuts, rows)
-            })
-            .collect();
-        for ((frame, pictures), (cuts, written)) in batch.iter().zip(cut) {
-            rows.extend(written?);
-            for ((without, picture), cut) in without.iter_mut().zip(pictures).zip(cuts) {
-                without.extend((picture.is_some() && cut.is_none()).then_some(*frame));
-            }
-        }
-    }
-    table::finish(&writer.out, QUALITY, &rows)?;
-    let notes = notes(footage, &rows, without);
-    Ok((rows, notes))
-}
-
-/// What is odd about the masks of each camera.
-fn notes(
-    footage: &Footage,
-    rows: &[QualityRow],
-    without: Vec<Vec<FrameIndex>>,
-) -> Vec<FootageNote> {
-    let names = || footage.rig.names().map(str::to_owned);
-    let lost = names()
-        .zip(without)
-        .filter(|(_, frames)| !frames.is_empty());
-    let lost = lost.map(|(camera, frames)| FootageNote::OtherLight {
-        camera,
-        frames: Frames(frames),
-    });
-    let nobody = names().filter_map(|camera| {
-        let own = || rows.iter().filter(|row| row.camera == camera);
-        let pictures = own().count();
-        let is_empty = pictures > 0 && own().all(|row| row.area_px == 0);
-        is_empty.then_some(FootageNote::Nobody { camera, pictures })
-    });
-    lost.chain(nobody).collect()
-}
-
-/// Where each camera's files go.
-struct Writer {
-    names: Vec<String>,
-    folders: Vec<PathBuf>,
+/// Where the masks of a recording go.
+#[derive(Debug)]
+pub struct MaskFolder {
     out: OutFolder,
     root: PathBuf,
-    extras: Extras,
+    /// Of each camera, its name and that of its folders.
+    cameras: Vec<(String, PathBuf)>,
+    extras: MaskExtras,
 }
 
-impl Writer {
-    fn new(root: &Path, footage: &Footage, extras: Extras) -> Result<Self, OutError> {
-        let folders: Vec<PathBuf> = footage
-            .rig
-            .names()
-            .map(|name| file_name(name).into())
+impl MaskFolder {
+    /// Makes the folder and those within it, without what an older run left there.
+    ///
+    /// # Errors
+    /// [`OutError::Write`].
+    pub fn open(root: &Path, rig: &Rig, extras: MaskExtras) -> Result<Self, OutError> {
+        let names = rig.names();
+        let cameras: Vec<(String, PathBuf)> = names
+            .map(|name| (name.to_owned(), file_name(name).into()))
             .collect();
         let kinds = [
             ("masks", true),
             ("probability", extras.probability),
             ("mask-overlays", extras.overlays),
         ];
+
         let out = open(root)?;
         for (kind, _) in kinds.iter().filter(|(_, is_wanted)| *is_wanted) {
-            for folder in &folders {
+            for (_, folder) in &cameras {
                 let path = root.join(kind).join(folder);
                 fs::create_dir_all(&path).map_err(|source| OutError::Write { path, source })?;
             }
         }
         Ok(Self {
-            names: footage.rig.names().map(str::to_owned).collect(),
-            folders,
             out,
             root: root.into(),
+            cameras,
             extras,
         })
     }
 
-    fn write(
-        &self,
-        frame: FrameIndex,
-        pictures: &[Option<Picture>],
-        cuts: &[Option<Cut>],
-    ) -> Result<Vec<QualityRow>, OutError> {
-        let mut rows = Vec::new();
-        for (c, cut) in cuts.iter().enumerate() {
-            let (Some(cut), Some(Some(picture))) = (cut, pictures.get(c)) else {
+    /// Writes the masks of a frame, and what was asked for beside them.
+    ///
+    /// # Errors
+    /// [`OutError::Write`] for the first file that cannot be written.
+    pub fn write(&self, segmented: &SegmentedFrame) -> Result<(), OutError> {
+        let views = segmented.pictures.iter().zip(&segmented.cuts);
+        for ((_, folder), view) in self.cameras.iter().zip(views) {
+            let (Some(picture), Some(cut)) = view else {
                 continue;
             };
             let path = |kind: &str, extension: &str| {
-                let name = format!("{:06}.{extension}", frame.0);
-                self.root.join(kind).join(&self.folders[c]).join(name)
+                let name = format!("{:06}.{extension}", segmented.frame.0);
+                self.root.join(kind).join(folder).join(name)
             };
+
             let mask = png::of_mask(&cut.mask, Effort::Quick);
             written(path("masks", "png"), mask)?;
             if self.extras.probability {
@@ -229,18 +137,30 @@ impl Writer {
                 let overlay = jpeg::encode(&over(picture, &cut.mask), JPEG_QUALITY);
                 written(path("mask-overlays", "jpg"), overlay)?;
             }
-            let q = cut.quality;
-            rows.push(QualityRow {
-                frame: frame.0,
-                camera: self.names[c].clone(),
-                area_px: q.area_px,
-                pieces: q.pieces,
-                touches_edge: q.touches_edge,
-                undecided: rounded(q.undecided),
-                unsupported: rounded(q.unsupported),
-                filled_in: rounded(q.filled_in),
-            });
         }
+        Ok(())
+    }
+
+    /// Writes `quality.csv`, a line for each mask: where it stands all is complete.
+    ///
+    /// # Errors
+    /// [`OutError::Write`].
+    pub fn finish(self, masks: &[MaskQuality]) -> Result<Vec<QualityRow>, OutError> {
+        let row = |mask: &MaskQuality| {
+            let quality = mask.quality;
+            Some(QualityRow {
+                frame: mask.frame.0,
+                camera: self.cameras.get(mask.camera.0)?.0.clone(),
+                area_px: quality.area_px,
+                pieces: quality.pieces,
+                touches_edge: quality.touches_edge,
+                undecided: rounded(quality.undecided),
+                unsupported: rounded(quality.unsupported),
+                filled_in: rounded(quality.filled_in),
+            })
+        };
+        let rows: Vec<QualityRow> = masks.iter().filter_map(row).collect();
+        table::finish(&self.out, QUALITY, &rows)?;
         Ok(rows)
     }
 }
@@ -280,13 +200,3 @@ fn grey(probability: &Plane<f32>) -> io::Result<Vec<u8>> {
     let size = (grey.width(), grey.height());
     png::encode(grey.values(), size, ExtendedColorType::L8, Effort::Quick)
 }
-
-/// Each camera whose person stands before a background that was never seen, and the share of the place.
-pub fn never_left(footage: &Footage, segmenter: &Segmenter) -> Vec<(CameraId, f64)> {
-    let ids = footage.rig.iter().map(|(id, _)| id);
-    let shares = ids.zip(segmenter.never_left());
-    shares.filter(|(_, share)| *share > NOTEWORTHY).collect()
-}
-
-/// Below this share of the person's place an unknown background does no harm.
-const NOTEWORTHY: f64 = 0.01;

@@ -72,21 +72,12 @@ impl Segmenter {
         self.support.is_some()
     }
 
-    /// For each camera: of the pixels in which the person ever is, the share whose empty scene was never seen for sure.
-    pub fn never_left(&self) -> Vec<f64> {
+    /// For each camera: of the pixels in which the person ever is, the share whose background was never seen for sure.
+    pub(super) fn unseen_background(&self) -> Vec<f64> {
         let share = |view: &View| {
-            let doubtful = view
-                .background
-                .values()
-                .iter()
-                .filter(|e| e.trust < 0.5)
-                .count();
-            let near = view
-                .background
-                .values()
-                .iter()
-                .filter(|e| e.trust < 1.0)
-                .count();
+            let trusts = || view.background.values().iter().map(|e| e.trust);
+            let doubtful = trusts().filter(|trust| *trust < 0.5).count();
+            let near = trusts().filter(|trust| *trust < 1.0).count();
             doubtful as f64 / near.max(1) as f64
         };
         self.views.iter().map(share).collect()

@@ -11,6 +11,8 @@
 //! 3. [`Segmenter::segment`]: the same for every frame, with what was learned; then the border by how much of each of
 //!    its pixels is covered ([`sharpen`]).
 //!
+//! [`segment`] does all of this with the pictures of a recording.
+//!
 //! Nothing here is told where the person is: whoever moves in the volume that all cameras see is.
 //!
 //! [`Support`]: crate::silhouette::Support
@@ -19,11 +21,14 @@
 
 mod cut;
 mod learn;
+mod notes;
+mod sequence;
 mod subject;
 mod train;
 mod view;
 
 pub use cut::{Cut, CutQuality, Segmenter};
+pub use sequence::{MaskQuality, Segmented, SegmentedFrame, segment};
 pub use train::Training;
 
 use crate::image::{BorderOptions, CleanOptions, RelaxOptions, ShadowOptions};

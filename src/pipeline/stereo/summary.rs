@@ -1,7 +1,7 @@
 //! What was measured in all frames.
 
 use super::{StereoError, StereoOptions, SurfaceFrame};
-use crate::pipeline::{MaskSource, PictureSource};
+use crate::pipeline::{MaskSource, PictureSource, counted};
 use crate::silhouette::FrameIndex;
 
 /// What was measured in all frames.
@@ -50,10 +50,10 @@ impl SurfaceSummary {
 
     fn without_points(&self) -> Option<String> {
         let (frame, reason) = self.first_without.as_ref()?;
-        let (count, number) = (self.without_points, frame.0);
-        let plural = if count == 1 { "" } else { "s" };
+        let count = counted(self.without_points, "frame");
         Some(format!(
-            "{count} frame{plural} without points, frame {number} first: {reason}"
+            "{count} without points, frame {} first: {reason}",
+            frame.0
         ))
     }
 }

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::PathBuf;
 
-use crate::pipeline::Frames;
+use crate::pipeline::{Frames, counted};
 
 /// Something about the pictures of a recording that its user should know, in one line.
 #[derive(Clone, Debug, PartialEq)]
@@ -77,20 +77,6 @@ pub enum FootageNote {
         found: [usize; 2],
         /// Width and height of the camera.
         expected: [usize; 2],
-    },
-    /// Pictures that differ from the empty scene nearly everywhere.
-    OtherLight {
-        /// The camera.
-        camera: String,
-        /// The frames.
-        frames: Frames,
-    },
-    /// Nobody was found.
-    Nobody {
-        /// The camera.
-        camera: String,
-        /// In how many pictures.
-        pictures: usize,
     },
     /// The decoder cannot be run any more.
     Stopped {
@@ -182,15 +168,6 @@ impl FootageNote {
                 "{whose}: {} of another size ({width} × {height} px, expected {columns} × {rows} px): not used",
                 counted(*pictures, "picture")
             ),
-            Self::OtherLight { camera, frames } => write!(
-                f,
-                "camera {camera}: {} ({frames}) with more than half of it other than the empty scene, over-exposed or moved: no masks of that",
-                counted(frames.0.len(), "picture")
-            ),
-            Self::Nobody { camera, pictures } => write!(
-                f,
-                "camera {camera}: nobody in any of its {pictures} pictures"
-            ),
             Self::Stopped {
                 whose,
                 path,
@@ -201,10 +178,4 @@ impl FootageNote {
             _ => Ok(()),
         }
     }
-}
-
-/// `1 picture`, `2 pictures`.
-fn counted(count: usize, thing: &str) -> String {
-    let plural = if count == 1 { "" } else { "s" };
-    format!("{count} {thing}{plural}")
 }
