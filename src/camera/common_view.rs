@@ -53,13 +53,14 @@ pub enum Blindness {
 
 impl fmt::Display for Blindness {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("what they see is ")?;
         match self {
-            Self::Behind => write!(f, "has it behind itself"),
-            Self::BeyondLens => write!(f, "has it beyond the view of its lens"),
+            Self::Behind => write!(f, "behind it"),
+            Self::BeyondLens => write!(f, "beyond the view of its lens"),
             Self::OutsideImage { pixel } => {
                 write!(
                     f,
-                    "has it outside its image, at ({:.0}, {:.0}) px",
+                    "outside its image, at ({:.0}, {:.0}) px",
                     pixel.x, pixel.y
                 )
             }
@@ -263,7 +264,7 @@ mod tests {
         assert_eq!(view.blind.len(), 1);
         assert_eq!(view.blind[0].0, CameraId(2));
         let reason = view.blind[0].1.to_string();
-        assert!(reason.starts_with("has it outside its image"), "{reason}");
+        assert!(reason.contains("outside its image, at"), "{reason}");
     }
 
     #[test]

@@ -218,7 +218,7 @@ fn common_view(rig: &Rig, odd: &[CameraId]) -> Result<Vec<Warning>, SceneFault> 
     if !odd.is_empty() && rig.cameras.len() - odd.len() < 2 {
         return Err(SceneFault::NoCommonView {
             cameras: names(odd),
-            why: "has the person elsewhere".into(),
+            why: "it shows the person elsewhere".into(),
         });
     }
     let warning = |camera| Warning::OddCamera { camera };

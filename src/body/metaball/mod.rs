@@ -6,7 +6,7 @@
 //! | T      | [`THRESHOLD`]              | 1    |       |
 //! | d      | [`Metaball::distance`]     | 1    |       |
 //! | QS     | a square root of [`Metaball::precision`] | m⁻¹ | world |
-//! | ∂²/∂xᵢ∂xⱼ (A.4) | [`FieldSample::hessian`] | m⁻² | world |
+//! | ∂²/∂xᵢ∂xⱼ (A.4) | [`FieldSample::log_hessian`], of ln F | m⁻² | world |
 //! | ∂/∂θ, ∂²/∂xᵢ∂θ (A.2, A.3, A.5) | [`FieldSlopes::row`] | 1, m⁻¹ | world |
 //!
 //! **Differs** from PF02 eq. 3: the sum goes over a limb, and F is the largest of the sums. The module of

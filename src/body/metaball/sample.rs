@@ -42,21 +42,6 @@ pub struct FieldSample {
 }
 
 impl FieldSample {
-    /// F; 0 where it underflows.
-    pub fn value(&self) -> f64 {
-        self.log_value.exp()
-    }
-
-    /// ∇F = F ∇ ln F, 1/m.
-    pub fn gradient(&self) -> Vector3<f64> {
-        self.log_gradient * self.value()
-    }
-
-    /// ∇²F = F (∇² ln F + ∇ ln F ∇ ln Fᵀ), 1/m² (PF02 eq. A.4).
-    pub fn hessian(&self) -> Matrix3<f64> {
-        (self.log_hessian + self.log_gradient * self.log_gradient.transpose()) * self.value()
-    }
-
     /// The metaball of largest weight; `None` before any update.
     pub fn heaviest(&self) -> Option<usize> {
         let heavier = |a: &&Share, b: &&Share| a.weight.total_cmp(&b.weight);
@@ -156,7 +141,7 @@ mod tests {
         let field = Field::new([ball(0.0), ball(0.0)]);
         let x = Vector3::new(30.0, 0.0, 0.0);
         let sample = field.sample(&x).unwrap();
-        assert!(sample.value() < f64::MIN_POSITIVE);
+        assert!(sample.log_value.exp() < f64::MIN_POSITIVE);
         let expected = -2.0 * 900.0 / 0.01 + 2.0_f64.ln();
         approx::assert_relative_eq!(sample.log_value, expected, max_relative = 1e-14);
         approx::assert_relative_eq!(

@@ -4,26 +4,21 @@ use super::{
     monotone::{increases_up_to, solve_increasing},
     polynomial,
 };
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::Vector2;
 use std::f64::consts::FRAC_PI_2;
 
 /// Coefficients k₁..k₄.
 pub(super) struct Fisheye(pub(super) [f64; 4]);
 
 impl Fisheye {
-    /// The distorted point and its Jacobian.
-    pub(super) fn distort(&self, point: &Vector2<f64>) -> (Vector2<f64>, Matrix2<f64>) {
+    /// The distorted point.
+    pub(super) fn distort(&self, point: &Vector2<f64>) -> Vector2<f64> {
         let r = point.norm();
         if r <= f64::MIN_POSITIVE {
-            return (*point, Matrix2::identity());
+            return *point;
         }
-        let (theta_d, slope) = self.angle(r.atan());
-        let scale = theta_d / r;
-        // J = (θ_d/r)·I + (dθ_d/dr − θ_d/r)·r̂r̂ᵀ, dθ/dr = 1/(1+r²)
-        let unit = point / r;
-        let along = slope / (1.0 + r * r) - scale;
-        let jacobian = Matrix2::from_diagonal_element(scale) + unit * unit.transpose() * along;
-        (point * scale, jacobian)
+        let (theta_d, _) = self.angle(r.atan());
+        point * (theta_d / r)
     }
 
     /// Whether the distorted angle still increases from the axis out to `point`.

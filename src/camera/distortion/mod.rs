@@ -7,7 +7,7 @@ mod radial_correction;
 
 use brown_conrady::BrownConrady;
 use fisheye::Fisheye;
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::Vector2;
 use radial_correction::RadialCorrection;
 use serde::{Deserialize, Serialize};
 
@@ -99,7 +99,7 @@ impl Distortion {
         match self.lens() {
             Lens::Ideal => *undistorted,
             Lens::BrownConrady(lens) => lens.distort(undistorted).0,
-            Lens::Fisheye(lens) => lens.distort(undistorted).0,
+            Lens::Fisheye(lens) => lens.distort(undistorted),
             Lens::RadialCorrection(lens) => lens
                 .distort(undistorted)
                 .unwrap_or(Vector2::repeat(f64::NAN)),
@@ -113,9 +113,7 @@ impl Distortion {
             Lens::BrownConrady(lens) => lens
                 .in_view(undistorted)
                 .then(|| lens.distort(undistorted).0),
-            Lens::Fisheye(lens) => lens
-                .in_view(undistorted)
-                .then(|| lens.distort(undistorted).0),
+            Lens::Fisheye(lens) => lens.in_view(undistorted).then(|| lens.distort(undistorted)),
             Lens::RadialCorrection(lens) => lens.distort(undistorted),
         }
     }
@@ -129,17 +127,7 @@ impl Distortion {
             Lens::Ideal => Some(*distorted),
             Lens::BrownConrady(lens) => lens.undistort(distorted),
             Lens::Fisheye(lens) => lens.undistort(distorted),
-            Lens::RadialCorrection(lens) => lens.undistort(distorted).map(|(point, _)| point),
-        }
-    }
-
-    /// ∂(x_d, y_d)/∂(x, y) at an undistorted point; `None` where [`Distortion::RadialCorrection`] has no solution.
-    pub fn jacobian(&self, undistorted: &Vector2<f64>) -> Option<Matrix2<f64>> {
-        match self.lens() {
-            Lens::Ideal => Some(Matrix2::identity()),
-            Lens::BrownConrady(lens) => Some(lens.distort(undistorted).1),
-            Lens::Fisheye(lens) => Some(lens.distort(undistorted).1),
-            Lens::RadialCorrection(lens) => lens.jacobian(undistorted),
+            Lens::RadialCorrection(lens) => lens.undistort(distorted),
         }
     }
 

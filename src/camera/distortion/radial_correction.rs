@@ -4,7 +4,7 @@ use super::{
     monotone::{increases_up_to, solve_increasing},
     polynomial,
 };
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::Vector2;
 
 /// No lens moves a point farther from the centre than by this factor.
 const LARGEST_MAGNIFICATION: f64 = 4.0;
@@ -16,19 +16,15 @@ pub(super) struct RadialCorrection {
 }
 
 impl RadialCorrection {
-    /// The corrected point and the Jacobian of the correction; `None` beyond the fold.
-    pub(super) fn undistort(
-        &self,
-        distorted: &Vector2<f64>,
-    ) -> Option<(Vector2<f64>, Matrix2<f64>)> {
+    /// The corrected point; `None` beyond the fold.
+    pub(super) fn undistort(&self, distorted: &Vector2<f64>) -> Option<Vector2<f64>> {
         let w = distorted - self.centre;
         let s = w.norm_squared();
         if !s.is_finite() || !increases_up_to(w.norm(), |radius| self.radius(radius).1) {
             return None;
         }
-        let (factor, slope) = polynomial(&self.k, s);
-        let jacobian = Matrix2::from_diagonal_element(factor) + w * w.transpose() * (2.0 * slope);
-        Some((self.centre + w * factor, jacobian))
+        let (factor, _) = polynomial(&self.k, s);
+        Some(self.centre + w * factor)
     }
 
     /// The point whose correction is `undistorted`, by Newton's iteration on the radius.
@@ -41,20 +37,6 @@ impl RadialCorrection {
         let limit = LARGEST_MAGNIFICATION * corrected;
         let radius = solve_increasing(|radius| self.radius(radius), corrected, limit)?;
         Some(self.centre + w * (radius / corrected))
-    }
-
-    /// ∂distorted/∂undistorted, the inverse of the correction's Jacobian.
-    pub(super) fn jacobian(&self, undistorted: &Vector2<f64>) -> Option<Matrix2<f64>> {
-        let (_, correction) = self.undistort(&self.distort(undistorted)?)?;
-        let determinant = correction.determinant();
-        (determinant > 0.0).then(|| {
-            Matrix2::new(
-                correction.m22,
-                -correction.m12,
-                -correction.m21,
-                correction.m11,
-            ) / determinant
-        })
     }
 
     /// ρ(1+k₁ρ²+k₂ρ⁴+k₃ρ⁶) and its slope.

@@ -93,14 +93,17 @@ fn undistort_undoes_distort_over_the_whole_view() {
 }
 
 #[test]
-fn the_jacobian_is_that_of_central_differences() {
+fn the_jacobian_of_newtons_iteration_is_that_of_central_differences() {
     for (name, lens) in lenses() {
+        let Lens::BrownConrady(lens) = lens.lens() else {
+            continue;
+        };
         for point in [[0.4, -0.3], [1e-9, 0.0], [0.0, 0.0], [-0.1, 0.6]].map(Vector2::from) {
             let numeric = central_differences(2, 1e-3, |d| {
-                let value = lens.distort(&(point + Vector2::new(d[0], d[1])));
+                let (value, _) = lens.distort(&(point + Vector2::new(d[0], d[1])));
                 DVector::from_column_slice(value.as_slice())
             });
-            let error = (numeric - lens.jacobian(&point).unwrap()).amax();
+            let error = (numeric - lens.distort(&point).1).amax();
             assert!(error < 1e-9, "{name} at {point:?}: {error:e}");
         }
     }

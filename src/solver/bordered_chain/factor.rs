@@ -41,7 +41,7 @@ impl Factor {
                     let product = &couplings[far - 1] * before.transpose();
                     couplings[k - 1] -= product;
                 }
-                divide_right(&mut couplings[k - 1], &links[i - k].diagonal);
+                divide_by_transpose(&mut couplings[k - 1], &links[i - k].diagonal);
             }
 
             // A and B without what the frames before explain
@@ -54,7 +54,7 @@ impl Factor {
             }
 
             let diagonal = diagonal.cholesky()?.unpack();
-            divide_right(&mut border, &diagonal);
+            divide_by_transpose(&mut border, &diagonal);
             corner.gemm(-1.0, &border, &border.transpose(), 1.0);
             links.push(FactorLink {
                 diagonal,
@@ -114,7 +114,7 @@ impl Factor {
 }
 
 /// block ← block · L⁻ᵀ.
-fn divide_right(block: &mut DMatrix<f64>, lower: &DMatrix<f64>) {
+fn divide_by_transpose(block: &mut DMatrix<f64>, lower: &DMatrix<f64>) {
     let mut transposed = block.transpose();
     lower.solve_lower_triangular_mut(&mut transposed);
     *block = transposed.transpose();

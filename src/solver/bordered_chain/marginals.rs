@@ -40,9 +40,9 @@ impl BorderedChain {
 
             // W = L_Ri · Lᵢᵢ⁻¹ for every row block R below
             let w: Vec<DMatrix<f64>> = (0..reach)
-                .map(|k| divided_right_t(below(k), &link.diagonal))
+                .map(|k| divided_by(below(k), &link.diagonal))
                 .collect();
-            let w_border = divided_right_t(&link.border, &link.diagonal);
+            let w_border = divided_by(&link.border, &link.diagonal);
 
             // Σ_Ri = −Σ_RR W
             let mut cross = -(&shared * &w_border);
@@ -113,7 +113,7 @@ fn between(behind: &[Behind], k: usize, l: usize) -> DMatrix<f64> {
 }
 
 /// block · L⁻¹.
-fn divided_right_t(block: &DMatrix<f64>, lower: &DMatrix<f64>) -> DMatrix<f64> {
+fn divided_by(block: &DMatrix<f64>, lower: &DMatrix<f64>) -> DMatrix<f64> {
     let mut transposed = block.transpose();
     lower.tr_solve_lower_triangular_mut(&mut transposed);
     transposed.transpose()
