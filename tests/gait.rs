@@ -8,7 +8,7 @@ mod walker;
 
 use maquette::gait::{
     Angle, EventKind, GaitAnalysis, GaitOptions, Landmark, Movement, MovementError, Paired,
-    Parameter, Segments, Side, Surface, analyse,
+    Parameter, Side, Surface, analyse,
 };
 use nalgebra::Vector3;
 use walker::{STRIDE_S, Walker};
@@ -127,9 +127,7 @@ fn angles_of_joint_centres_are_those_that_the_body_was_posed_with() {
 #[test]
 fn angles_of_a_fitted_body_are_its_own() {
     let walker = Walker::new(0.3);
-    let mut movement = walker.movement().expect("a body");
-    let motions: Vec<_> = walker.motions.iter().cloned().map(Some).collect();
-    movement.segments = Some(Segments::from_body(&walker.model, &walker.shape, &motions));
+    let (movement, _) = walker.fitted();
     let gait = analyse(&movement, &GaitOptions::default()).expect("a pelvis");
     for (angle, joint, sign) in [
         (Angle::KneeFlexion, "knee_flexion_r", 1.0),
@@ -151,6 +149,21 @@ fn angles_of_a_fitted_body_are_its_own() {
             .iter()
             .any(|(angle, _)| *angle == Angle::KneeRotation)
     );
+}
+
+#[test]
+fn a_fitted_body_stands_evenly_in_time_with_gaps_where_nobody_was_seen() {
+    let mut walker = Walker::new(0.0);
+    walker.motions.truncate(20);
+    let (movement, body) = walker.fitted_without(7..9);
+    assert_eq!((movement.frames, body.motions.len()), (20, 20));
+    let hip = body.points.iter().position(|p| p.name == "RHip");
+    let hip = &body.points[hip.expect("a hip")].track;
+    for (i, (motion, place)) in body.motions.iter().zip(hip).enumerate() {
+        let is_seen = !(7..9).contains(&i);
+        assert_eq!(motion.is_some(), is_seen);
+        assert_eq!(place.x.is_finite(), is_seen);
+    }
 }
 
 #[test]

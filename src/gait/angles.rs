@@ -1,9 +1,9 @@
 //! Joint angles over time: Cardan angles of one part's ISB axes in another's, as Grood and Suntay define them.
 //!
-//! Joints: R = Rot_z(flexion)·Rot_x(adduction)·Rot_y(rotation), the distal part's axes in the proximal part's; so
-//! flexion is about the proximal part's own right, rotation about the distal part's own length. Pelvis and trunk in the
-//! room: R = Rot_y(rotation)·Rot_x(obliquity)·Rot_z(tilt), from the axes of the direction of walking (Baker 2001).
-//! Signs are the same on both sides of the body; [`Angle::positive`] says them, and how OpenSim's differ.
+//! Joints: R = Rot_z(flexion)·Rot_x(adduction)·Rot_y(rotation), the distal part's axes in the proximal part's. So
+//! flexion is about the proximal part's axis to the right, rotation about the distal part's long axis. Pelvis and trunk
+//! in the room: R = Rot_y(rotation)·Rot_x(obliquity)·Rot_z(tilt), from the axes of the direction of walking (Baker
+//! 2001). Signs are the same on both sides of the body: see [`Angle::positive`], also for where OpenSim differs.
 //!
 //! # Source
 //! Grood & Suntay, J. Biomech. Eng. 105 (1983) 136–144; Wu et al. 2002, 2005; Baker, Gait Posture 13 (2001) 1–6.

@@ -13,7 +13,7 @@ use super::movement::{Movement, Track};
 const HEEL: (f64, f64) = (0.21, 0.31);
 
 impl Movement {
-    /// Adds joint centres, hips, middle of the hips and heels that can be found from what is there.
+    /// Adds the joint centres, hips, middle of the hips and heels that other places determine.
     pub(super) fn complete(&mut self) {
         for side in Side::BOTH {
             self.middle(side, Paired::Knee, Paired::KneeMedial);
@@ -112,7 +112,7 @@ impl Movement {
         self.insert(Landmark::MidHip, middle, "both hips, their middle".into());
     }
 
-    /// A heel fixed to the foot where no marker is on it.
+    /// A heel without a marker is fixed to the foot.
     fn heel_from_foot(&mut self, side: Side) {
         if self.paired_track(side, Paired::Heel).is_some() {
             return;

@@ -1,4 +1,4 @@
-//! Where the person walks to, and whether the floor moves.
+//! The direction of walking, and whether the floor moves.
 
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};

@@ -35,7 +35,7 @@ pub struct Movement {
     pub tracks: BTreeMap<Landmark, Track>,
     /// Standard deviations of the places, world axes, metres; empty if nothing is known of them.
     pub sd_m: BTreeMap<Landmark, Track>,
-    /// The same of the way from a left place to the right one in the same frame.
+    /// The same of the vector from a left place to the right one in one frame.
     pub apart_sd_m: BTreeMap<Paired, Track>,
     /// Orientations of the body's parts, of a fitted body.
     pub segments: Option<Segments>,

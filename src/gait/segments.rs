@@ -68,7 +68,7 @@ impl Segments {
     /// The parts of a fitted body; the motion of a frame in which nobody was seen is `None`.
     ///
     /// Parts are found by their names in the shipped models.
-    pub fn from_body(model: &BodyModel, shape: &Shape, motions: &[Option<Motion>]) -> Self {
+    pub(crate) fn from_body(model: &BodyModel, shape: &Shape, motions: &[Option<Motion>]) -> Self {
         let mut segments = Self::default();
         let posed = |motion: &Option<Motion>| Some(Posed::new(model, shape, motion.as_ref()?));
         let bodies: Vec<Option<Posed<'_>>> = motions.iter().map(posed).collect();
@@ -90,7 +90,7 @@ impl Segments {
     }
 
     /// The segments of a body model, and its parts.
-    pub fn model_parts(model: &BodyModel) -> Vec<(Segment, PartId)> {
+    pub(crate) fn model_parts(model: &BodyModel) -> Vec<(Segment, PartId)> {
         let trunk = [
             (Segment::Pelvis, "pelvis".to_owned()),
             (Segment::Trunk, "thorax".to_owned()),

@@ -23,8 +23,8 @@ pub struct FrameSd {
     pub angles_rad: Vec<f64>,
     /// Of the points' places, world axes.
     pub points_m: Vec<[f64; 3]>,
-    /// Of the way from each left point to its right twin, world axes, in the order of the right ones; empty in results of
-    /// versions that did not write it.
+    /// Of the vector from each left point to its right twin, world axes, in the order of the right ones; empty in results
+    /// of versions that did not write it.
     #[serde(default)]
     pub apart_m: Vec<[f64; 3]>,
 }
@@ -55,7 +55,7 @@ pub struct FramePose {
     pub points_m: Vec<[f64; 3]>,
     /// How sure they are; only of the joint optimum.
     pub sd: Option<FrameSd>,
-    /// A bit for each camera that saw the person, the first seven of them.
+    /// A bit for each of the first seven cameras: whether it saw the person.
     pub cameras: u8,
 }
 
@@ -70,7 +70,7 @@ pub struct FittedMotion {
     pub rate_hz: f64,
     /// Names of the points, in the order of [`FramePose::points_m`].
     pub points: Vec<String>,
-    /// By number; numbers may be left out.
+    /// In ascending order; numbers may be left out.
     pub frames: Vec<FramePose>,
 }
 
@@ -85,7 +85,7 @@ pub struct FittedBody {
     pub motions: Vec<Option<Motion>>,
     /// The points that it names.
     pub points: Vec<FittedPoint>,
-    /// For each frame a bit for each camera that saw the person, the first seven of them.
+    /// Per frame a bit for each of the first seven cameras: whether it saw the person.
     pub cameras: Vec<u8>,
 }
 
@@ -139,7 +139,7 @@ impl FittedMotion {
     }
 }
 
-/// Most frame numbers that a fit may leave out, for each frame that it has.
+/// Most frame numbers that a fit may leave out per frame that it has.
 const MOST_GAPS: usize = 1000;
 
 /// One place for every frame number; `None` where nobody was seen.
@@ -200,9 +200,9 @@ fn add_joint_sd(segments: &mut Segments, model: &BodyModel, frames: &[Option<&Fr
 
 /// Adds the standard deviations of the angles of pelvis, trunk and feet in the room.
 ///
-/// To first order in tilt and obliquity, pelvis and trunk are turned by obliquity about their own axis that points forwards, by
-/// tilt about the one to the left and by rotation about the one upwards. A foot's direction on the floor turns with the
-/// foot about its own upward axis, by 1/cos θ of that when its sole is pitched by θ.
+/// To first order in tilt and obliquity, obliquity turns pelvis and trunk about their own forward axis, tilt about their
+/// axis to the left and rotation about their upward axis. A foot turned by δ about its own upward axis turns its direction
+/// on the floor by δ/cos θ, with θ the pitch of its sole.
 fn add_part_sd(segments: &mut Segments, model: &BodyModel, frames: &[Option<&FramePose>]) {
     for (segment, part) in Segments::model_parts(model) {
         let sd = |frame: &Option<&FramePose>| {
@@ -246,7 +246,7 @@ fn add_part_sd(segments: &mut Segments, model: &BodyModel, frames: &[Option<&Fra
     }
 }
 
-/// Adds the standard deviations of the model's points; a heel errs as the ankle does that it was found from.
+/// Adds the standard deviations of the model's points; a heel found from the ankle has the ankle's.
 fn add_place_sd(movement: &mut Movement, points: &[FittedPoint]) {
     for point in points {
         let Some((landmark, _)) = Landmark::from_name(&point.name) else {
@@ -262,7 +262,7 @@ fn add_place_sd(movement: &mut Movement, points: &[FittedPoint]) {
     }
 }
 
-/// Adds the standard deviations of the ways from left to right places.
+/// Adds the standard deviations of the vectors from left to right places.
 fn add_apart_sd(movement: &mut Movement, model: &BodyModel, frames: &[Option<&FramePose>]) {
     for (i, (right, _)) in model.point_pairs().into_iter().enumerate() {
         let landmark = Landmark::from_name(&model.points[right].name);

@@ -1,4 +1,4 @@
-//! One small chart, as SVG. The plotting library is named in this file only.
+//! One small chart, as SVG. Only this file names the plotting library.
 
 use kuva::backend::svg::SvgBackend;
 use kuva::plot::{BandPlot, LinePlot};
@@ -9,7 +9,8 @@ use kuva::render::plots::Plot;
 use kuva::render::theme::Theme;
 use maud::{Markup, PreEscaped, html};
 
-/// A colour, `#rrggbb`. The style sheet of the page replaces [`LEFT`] and [`RIGHT`] for colour-blind eyes by their text.
+/// A colour, `#rrggbb`. For colour-blind readers the page's style sheet finds [`LEFT`] and [`RIGHT`] by their text and
+/// replaces them.
 pub(super) type Colour = &'static str;
 
 /// Left side.
@@ -21,7 +22,7 @@ pub(super) const NORM: Colour = "#8a8a8a";
 /// Neither side.
 pub(super) const BOTH: Colour = "#333333";
 
-/// One axis: what it shows, and from where to where.
+/// One axis: its label and range.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Axis {
     pub(super) label: String,
@@ -63,7 +64,7 @@ impl Figure {
         self
     }
 
-    /// A line of a width in pixels; it is broken where a value is not finite.
+    /// Adds a line of a width in pixels; it breaks where a value is not finite.
     pub(super) fn line(mut self, colour: Colour, width_px: f64, points: &[(f64, f64)]) -> Self {
         let is_known = |p: &(f64, f64)| p.1.is_finite();
         for run in points.chunk_by(|a, b| is_known(a) && is_known(b)) {
@@ -76,7 +77,7 @@ impl Figure {
         self
     }
 
-    /// The area between two curves, (x, low, high).
+    /// Adds the area between two curves, (x, low, high).
     pub(super) fn band(mut self, colour: Colour, opacity: f64, points: &[(f64, f64, f64)]) -> Self {
         let known: Vec<_> = points
             .iter()
@@ -91,7 +92,7 @@ impl Figure {
         self
     }
 
-    /// A dashed vertical line.
+    /// Adds a dashed vertical line.
     pub(super) fn rule(mut self, colour: Colour, x: f64) -> Self {
         self.rules
             .push(ReferenceLine::vertical(x).with_color(colour));
@@ -112,7 +113,7 @@ impl Figure {
             .with_padding(0.0)
             .with_cell_size(self.size_px.0, self.size_px.1);
         let svg = SvgBackend.render_scene(&sheet.render());
-        // a drawing that grows and shrinks with its place
+        // a drawing that scales with its frame
         let (width, height) = self.size_px;
         let fixed = format!(r#"width="{width}" height="{height}""#);
         let svg = svg.replacen(&fixed, &format!(r#"viewBox="0 0 {width} {height}""#), 1);
@@ -142,7 +143,7 @@ impl Figure {
             .with_title_size(13)
             .with_label_size(11)
             .with_tick_size(10)
-            // the same for all, so that charts under each other stand in line
+            // the same for all, so that the charts of a column align
             .with_force_margins(46.0, 12.0)
             // room for the title
             .with_force_margins_y(34.0, if x.label.is_empty() { 24.0 } else { 38.0 });

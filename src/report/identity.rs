@@ -137,7 +137,7 @@ fn remarks(input: &ReportInput<'_>) -> Markup {
     let remarks: Vec<&String> = input.gait.notes.iter().chain(warnings).collect();
     html! {
         @if !remarks.is_empty() {
-            h3 { "To be known first" }
+            h3 { "Before reading on" }
             ul class="remarks" { @for remark in remarks { li { (remark) } } }
         }
     }

@@ -66,7 +66,7 @@ const ARMS: [Row; 2] = [
     ("Elbow", [Some(Angle::ElbowFlexion), None, None]),
 ];
 
-/// What a grid draws of each angle.
+/// What a grid draws for each angle.
 #[derive(Debug, Clone, Copy)]
 enum Drawn {
     /// Mean over strides with the fit's band, over the cycle.
@@ -123,7 +123,7 @@ pub(super) fn consistency(input: &ReportInput<'_>) -> Page {
                 (key(None))
                 (remarks(gait))
                 (grid(input, &LEGS, Drawn::Strides))
-                p class="note" { "Every stride that was used. Strides that lie apart make the mean less telling." }
+                p class="note" { "Every stride that was used. The farther they lie apart, the less their mean tells." }
             }
         },
         is_brief: gait.curves.is_empty(),
@@ -144,7 +144,7 @@ fn grid(input: &ReportInput<'_>, rows: &[Row], drawn: Drawn) -> Markup {
     }
 }
 
-/// One angle, or why it is not there.
+/// One angle, or the reason why it is absent.
 fn panel(input: &ReportInput<'_>, angle: Angle, drawn: Drawn) -> Markup {
     let figure = match drawn {
         Drawn::Time => over_time(input, angle),
@@ -182,7 +182,7 @@ fn over_percent(values: &[f64]) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// The points of a line, which breaks at foot off where a stride is joined of two.
+/// The points of a line; it breaks at foot off if swing and stance are of two strides.
 fn line_points(curve: &Curve, values: &[f64]) -> Vec<(f64, f64)> {
     let mut points = over_percent(values);
     if curve.is_joined {

@@ -2,19 +2,19 @@
 
 use crate::gait::{Angle, Parameter};
 
-/// An angle on paper.
+/// How an angle is labelled.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Label {
     /// Heading of its chart.
     pub(super) title: &'static str,
     /// Short words for a negative and a positive value.
     pub(super) signs: (&'static str, &'static str),
-    /// Range that its chart shows at least, degrees.
+    /// Least range of its chart, degrees.
     pub(super) range: (f64, f64),
 }
 
 impl Label {
-    /// `Ext ← ° → Flex`.
+    /// `Ext ‹ ° › Flex`.
     pub(super) fn axis(self) -> String {
         format!("{} ‹ ° › {}", self.signs.0, self.signs.1)
     }

@@ -1,6 +1,6 @@
-//! The clinical report: one page of HTML that needs nothing else, to be read, moved and printed.
+//! The clinical report: one file of HTML that needs nothing else, to read, to play and to print.
 //!
-//! [`html`] makes the text; nothing here touches a file. Pages and their words are explained in docs/report.md.
+//! [`html`] writes its text; nothing here touches a file. Pages and their words are explained in docs/report.md.
 //!
 //! | file                | holds                                                                |
 //! |---------------------|----------------------------------------------------------------------|
@@ -11,8 +11,8 @@
 //! | `kinematics.rs`     | the grids of joint angles                                             |
 //! | `scores.rs`         | key points of the curves, and scores against healthy people           |
 //! | `shape.rs`          | lengths and girths of the body                                        |
-//! | `motion.rs`         | frame of the moving body, its curves and its cameras                  |
-//! | `scene.rs`          | what the page's program draws in that frame                           |
+//! | `motion.rs`         | empty frames for the moving body, its curves and its cameras          |
+//! | `scene.rs`          | what the page's program draws in them                                 |
 //! | `views.rs`          | cameras and the outlines that they saw                                |
 //! | `figure.rs`         | one chart                                                             |
 //! | `label.rs`          | clinical names and signs                                              |

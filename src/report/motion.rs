@@ -1,4 +1,4 @@
-//! The frame of the moving body, of the curves that follow it and of the cameras. The page's program fills it.
+//! Empty frames for the moving body, its curves and its cameras, which the page's program fills.
 
 use maud::{Markup, html};
 

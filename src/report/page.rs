@@ -1,4 +1,4 @@
-//! The document around the pages, and pieces that all pages have.
+//! The document around the pages, and the pieces that all pages share.
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
@@ -62,7 +62,7 @@ fn foot(subject: &Subject) -> String {
     let stated = [&subject.name, &subject.date, &subject.condition];
     let stated = stated.into_iter().flatten().chain([&subject.recording]);
     let whose = stated.map(String::as_str).collect::<Vec<_>>().join(" · ");
-    // every sign by its number, so that none can end the text or the style sheet
+    // every character by its number, so that none can end the string or the style sheet
     let whose: String = whose
         .chars()
         .map(|c| format!("\\{:06x}", u32::from(c)))
@@ -72,15 +72,15 @@ fn foot(subject: &Subject) -> String {
     )
 }
 
-/// Why something is not there.
+/// A reason why something is absent.
 pub(super) fn absent(reason: &str) -> Markup {
     html! { p class="absent" { (reason) } }
 }
 
-/// A number with digits behind the point; a dash for what is not there or not finite.
+/// A number with digits after the point; a dash if it is absent or not finite.
 pub(super) fn number(value: Option<f64>, digits: usize) -> String {
     match value.filter(|v| v.is_finite()) {
-        // what rounds to nothing has no sign
+        // zero has no sign
         Some(value) if value.abs() < 0.5 * 0.1_f64.powi(digits as i32) => {
             format!("{:.digits$}", 0.0)
         }
@@ -89,7 +89,7 @@ pub(super) fn number(value: Option<f64>, digits: usize) -> String {
     }
 }
 
-/// A probability, which never is 1.
+/// A probability; none is printed as 1.
 pub(super) fn probability(value: Option<f64>) -> String {
     match value {
         Some(value) if value > 0.999 => "> 0.999".into(),

@@ -1,4 +1,4 @@
-//! Whether the numbers can be trusted: what the cameras saw, how well the body covers it, and what else was tried.
+//! How far to trust the numbers: what the cameras saw, how well the body covers it, and what else was tried.
 
 use std::collections::BTreeMap;
 
@@ -12,7 +12,7 @@ use crate::inference::confidence::Confidence;
 use crate::io::result::{HypothesisPart, OriginPart, OutcomePart, ResultFile};
 use crate::math::stats::mean;
 
-/// Hypotheses that are listed.
+/// Most hypotheses that are listed.
 const MOST_HYPOTHESES: usize = 10;
 
 pub(super) fn page(input: &ReportInput<'_>) -> Page {
@@ -66,7 +66,7 @@ fn camera_table(result: &ResultFile) -> Markup {
         }
         p class="note" {
             "Overlap: intersection over union of the recorded outline and the fitted body; 1 is perfect. "
-            "A camera far below the others may be calibrated or cut out badly."
+            "A camera far below the others may have a wrong calibration or bad masks."
         }
     }
 }
@@ -227,7 +227,7 @@ fn hypothesis_table(result: &ResultFile) -> Markup {
         p class="note" {
             (result.hypotheses.len()) " explanations were tried"
             @if sorted.len() > MOST_HYPOTHESES { "; the " (MOST_HYPOTHESES) " most probable are shown" }
-            ". Of a dropped one the number is a lower bound when it could no longer win."
+            ". For a dropped one the number is a lower bound, reached when it could no longer win."
         }
     }
 }

@@ -33,7 +33,7 @@ pub(super) struct Scene<'a> {
 struct BodyPart {
     /// Of each part in each frame x, y, z and the quaternion x, y, z, w: f32; NaN where nobody was seen.
     poses: String,
-    /// The same in the pose of binding: at rest, limbs apart.
+    /// The same in the pose in which the skin is bound: at rest, limbs apart.
     bind: String,
     parts: usize,
     flesh: FleshPart,
@@ -43,7 +43,7 @@ struct BodyPart {
 #[derive(Debug, Serialize)]
 #[serde(tag = "kind", rename_all = "lowercase")]
 enum FleshPart {
-    /// A skin in the pose of binding; vertices f32, triangles u32, bones u8, weights f32.
+    /// A skin in that pose; vertices f32, triangles u32, bones u8, weights f32.
     Skin {
         vertices: String,
         normals: String,
@@ -174,7 +174,7 @@ fn quaternion(rotation: &Rotation3<f64>) -> [f64; 4] {
     [q.i, q.j, q.k, q.w]
 }
 
-/// The skin; of a body without one its ellipsoids.
+/// The skin, or the ellipsoids of a body without metaballs.
 fn flesh(model: &BodyModel, shape: &Shape) -> FleshPart {
     let skin = skinned(model, shape)
         .ok()
@@ -206,7 +206,7 @@ fn flesh(model: &BodyModel, shape: &Shape) -> FleshPart {
 fn ellipsoids(model: &BodyModel, shape: &Shape) -> Vec<EllipsoidPart> {
     let rest = Motion::rest(model);
     let body = Posed::new(model, shape, &rest);
-    // alone, a metaball's skin is its ellipsoid, smaller
+    // the skin of a metaball alone: its ellipsoid, smaller
     let alone = (0.5 * 2_f64.ln()).sqrt();
     let (primitives, size) = match model.ellipsoids.as_slice() {
         [] => (&model.metaballs, alone),

@@ -1,4 +1,4 @@
-//! What is read off the curves, and how far they lie from those of healthy people.
+//! Key points of the curves, and their distance from those of healthy people.
 
 use maud::{Markup, html};
 
@@ -34,7 +34,7 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
     }
 }
 
-/// What is read off the curves, degrees.
+/// Values at foot strike, extremes and ranges of the curves, degrees.
 fn key_points(curves: &[Curve]) -> Markup {
     html! {
         table class="numbers small" {

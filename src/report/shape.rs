@@ -1,4 +1,4 @@
-//! How the person is built.
+//! Lengths and girths of the person.
 
 use maud::{Markup, html};
 
@@ -51,8 +51,8 @@ fn fitted_shape(result: &ResultFile, input: &ReportInput<'_>) -> Markup {
             @if result.shape.lengths.iter().all(|l| l.sd_m.is_none()) {
                 "; it is absent because this fit was made without the joint optimum"
             }
-            ". σ is how far the proposals of the keyframes scatter, p how probable one of them lies within ε. "
-            "Joint centres lie in the flesh: outlines do not show them, and statistics of people go into the lengths. "
+            ". σ is how far the proposals of the keyframes scatter, p the probability that one of them lies within ε. "
+            "Joint centres lie inside the body, where outlines do not show them: the lengths also rest on statistics of people. "
             "Girths: around the limb in the middle of the length and square to it."
         }
     }

@@ -33,7 +33,7 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
     }
 }
 
-/// Whose numbers the column Norm holds, or why it is empty.
+/// The source of the column Norm, or the reason why it is empty.
 fn norm_in_words(input: &ReportInput<'_>) -> String {
     let Some(norm) = input.norm else {
         return "none was asked for.".into();
@@ -84,7 +84,7 @@ fn table(gait: &GaitAnalysis, norm: Option<&Norm>) -> Markup {
     }
 }
 
-/// One parameter; dashes where the recording holds none of it.
+/// One parameter; dashes where the recording shows none of it.
 fn row(parameter: Parameter, gait: &GaitAnalysis, norm: Option<&Norm>) -> Markup {
     let has_unit = !parameter.unit().starts_with('%');
     let statistic = |side| gait.parameters.get(&(parameter, side));

@@ -7,7 +7,7 @@ use super::scene::base64_of_i16;
 use crate::camera::Camera;
 use crate::image::{Mask, Runs, resample, trace};
 
-/// Places per pixel in which outlines are kept.
+/// Steps per pixel in which outlines are stored.
 const PER_PX: f64 = 4.0;
 /// Points of an outline along the longer side of an image.
 const POINTS_ALONG: f64 = 120.0;
@@ -25,13 +25,13 @@ pub struct CameraOutlines {
     intrinsics_px: [f64; 5],
     /// Camera from world: rotation row by row, then translation.
     camera_from_world: [f64; 12],
-    /// For each frame of the recording the closed lines that it saw: x, y, x, y, … of each, quarter pixels.
+    /// The closed lines that it saw in each frame: x, y, x, y, … of each line, quarter pixels.
     #[serde(serialize_with = "as_numbers")]
     outlines: Vec<Vec<Vec<i16>>>,
 }
 
 impl CameraOutlines {
-    /// A camera and its outlines, one for each frame; of a frame without a mask it is empty.
+    /// A camera and its outlines, frame by frame; empty for a frame without a mask.
     pub fn new(camera: &Camera, outlines: Vec<Vec<Vec<i16>>>) -> Self {
         let pose = &camera.camera_from_world;
         let (k, turn) = (&camera.intrinsics, pose.rotation.to_rotation_matrix());
@@ -67,7 +67,7 @@ fn quarters(camera: &Camera, border: &[Point2<f64>]) -> Vec<i16> {
         .collect()
 }
 
-/// All outlines in one row of numbers: for each frame the number of lines, for each line its length and its numbers.
+/// All outlines in one row of numbers: per frame the number of lines, per line its length and its numbers.
 fn as_numbers<S: Serializer>(frames: &[Vec<Vec<i16>>], serializer: S) -> Result<S::Ok, S::Error> {
     let mut row = Vec::new();
     let count = |n: usize| i16::try_from(n).unwrap_or(i16::MAX);

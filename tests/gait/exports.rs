@@ -1,16 +1,14 @@
 //! Exports of a known walk, read back by the letter of each format. (Other programs read them in `tests/oracles`.)
 
 use crate::walker::{RATE_HZ, Walker};
-use maquette::gait::{GaitAnalysis, GaitOptions, Movement, Segments, analyse};
+use maquette::gait::{GaitAnalysis, GaitOptions, Movement, analyse};
 use maquette::io::export::{C3dError, C3dInput, TableKind, c3d, coordinates, motion_text};
 use maquette::pipeline::FittedPoint;
 use nalgebra::Vector3;
 
 fn walk() -> (Walker, Movement, GaitAnalysis) {
     let walker = Walker::new(0.8);
-    let mut movement = walker.movement().expect("a body");
-    let motions: Vec<_> = walker.motions.iter().cloned().map(Some).collect();
-    movement.segments = Some(Segments::from_body(&walker.model, &walker.shape, &motions));
+    let (movement, _) = walker.fitted();
     let gait = analyse(&movement, &GaitOptions::default()).expect("a pelvis");
     (walker, movement, gait)
 }

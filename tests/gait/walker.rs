@@ -7,6 +7,8 @@ use maquette::body::{BodyModel, Motion, Posed, Shape};
 use maquette::gait::{Movement, MovementError};
 use maquette::io::model;
 use maquette::io::points::trc::{Trajectories, write_trc};
+use maquette::pipeline::{FittedBody, FittedMotion, FramePose};
+use maquette::silhouette::FrameIndex;
 use maquette::synth::{Walk, WalkingStyle};
 use nalgebra::{Point3, Vector2, Vector3};
 
@@ -37,10 +39,10 @@ impl Walker {
             start_phase: 0.2,
         };
         let motions = walk.motions(&model, &shape, RATE_HZ, FRAMES).expect("feet");
-        Self::of(model, shape, motions, heading)
+        Self::from_motions(model, shape, motions, heading)
     }
 
-    fn of(model: BodyModel, shape: Shape, motions: Vec<Motion>, heading: f64) -> Self {
+    fn from_motions(model: BodyModel, shape: Shape, motions: Vec<Motion>, heading: f64) -> Self {
         let points = |motion: &Motion| {
             let points = Posed::new(&model, &shape, motion).points();
             points.into_iter().map(Some).collect()
@@ -74,11 +76,39 @@ impl Walker {
             let ankle = Posed::new(&walker.model, &walker.shape, motion).points()[foot];
             motion.position_world = -ankle.coords;
         }
-        Self::of(walker.model, walker.shape, walker.motions, 0.0)
+        Self::from_motions(walker.model, walker.shape, walker.motions, 0.0)
     }
 
     pub(crate) fn movement(&self) -> Result<Movement, MovementError> {
         Movement::from_points(RATE_HZ, 0, &self.names, &self.frames)
+    }
+
+    /// The movement as of a fitted body, and the body.
+    pub(crate) fn fitted(&self) -> (Movement, FittedBody) {
+        self.fitted_without(0..0)
+    }
+
+    /// The same with the person not seen in some frames.
+    pub(crate) fn fitted_without(&self, unseen: Range<usize>) -> (Movement, FittedBody) {
+        let pose = |(i, motion): (usize, &Motion)| {
+            let points = Posed::new(&self.model, &self.shape, motion).points();
+            FramePose {
+                frame: FrameIndex(i),
+                is_seen: !unseen.contains(&i),
+                motion: motion.clone(),
+                points_m: points.iter().map(|p| p.coords.into()).collect(),
+                sd: None,
+                cameras: 0,
+            }
+        };
+        let fitted = FittedMotion {
+            model: self.model.clone(),
+            shape: self.shape.clone(),
+            rate_hz: RATE_HZ,
+            points: self.names.clone(),
+            frames: self.motions.iter().enumerate().map(pose).collect(),
+        };
+        fitted.into_movement().expect("a body")
     }
 
     /// Metres between two prints of one foot: what the pelvis moves in a stride.

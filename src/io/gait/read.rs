@@ -34,12 +34,12 @@ pub enum GaitInputError {
     Rate {
         /// The file.
         path: PathBuf,
-        /// DataRate.
+        /// In the header.
         stated_hz: f64,
-        /// Of the times.
+        /// From the times.
         counted_hz: f64,
     },
-    /// Points of which no gait can be made.
+    /// Points that are no movement of a person.
     #[error("{}: {source}", path.display())]
     Points {
         /// The file.
@@ -47,7 +47,7 @@ pub enum GaitInputError {
         /// Why.
         source: MovementError,
     },
-    /// A fitted body of which no gait can be made.
+    /// A fitted body that has no gait.
     #[error("the fitted body {body}: {source}")]
     Body {
         /// Its model.
@@ -126,7 +126,7 @@ pub fn read_fit(
     from_result(&result, model, rate_hz)
 }
 
-/// The moving body of a fit and its model; `rate_hz` replaces the rate of the recording.
+/// Takes the moving body from a fit in memory and its model; `rate_hz` replaces the rate of the recording.
 ///
 /// # Errors
 /// [`GaitInputError::Result`] if the result is of another body, and [`GaitInputError::Body`].

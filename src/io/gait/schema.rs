@@ -1,4 +1,4 @@
-//! `gait.json`, field by field; the same with more words in docs/gait.md. Angles are in degrees here.
+//! `gait.json`, field by field; docs/gait.md explains them. Angles are in degrees.
 
 use serde::Serialize;
 
@@ -79,7 +79,7 @@ pub struct CurvePart {
     pub positive: &'static str,
     /// Foot off, % of the cycle.
     pub foot_off_percent: f64,
-    /// The swing was recorded before the stance: the curve breaks at foot off.
+    /// Whether the swing was recorded before the stance: the curve then breaks at foot off.
     pub is_joined: bool,
     /// Mean over strides, 0 to 100 %.
     pub mean_deg: Vec<f64>,
@@ -95,7 +95,7 @@ pub struct CurvePart {
     pub stance: Extremes,
     /// In swing, degrees.
     pub swing: Extremes,
-    /// Greatest less least.
+    /// Greatest minus least.
     pub range_deg: f64,
 }
 
@@ -106,7 +106,7 @@ pub struct NormPart {
     pub name: String,
     /// Where its numbers are from.
     pub source: String,
-    /// Where those of steps and strides are from, if not from there.
+    /// Where those of steps and strides are from, if from elsewhere.
     pub parameters_source: Option<String>,
 }
 
