@@ -8,6 +8,6 @@ mod tables;
 
 pub use norm::{NormError, SHIPPED_NORM, load_norm, parse_norm};
 pub use people::{Sex, add_parameters};
-pub use read::{GaitInput, GaitInputError, from_result, read_fit, read_points};
+pub use read::{GaitInput, GaitInputError, from_result, read_points};
 pub use schema::{CurvePart, GaitFile, NormPart, ParameterPart, UnknownPart, gait_file};
 pub use tables::{angles_csv, curves_csv, parameters_csv};

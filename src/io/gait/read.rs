@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 
 use crate::body::BodyModel;
 use crate::gait::{Movement, MovementError};
-use crate::io::model::{self, ModelFileError};
 use crate::io::points::trc::{TrcError, rate_of_times, read_trc};
 use crate::io::result::{FramePart, ResultError, ResultFile};
 use crate::pipeline::{FittedBody, FittedMotion, FramePose};
@@ -55,12 +54,9 @@ pub enum GaitInputError {
         /// Why.
         source: MovementError,
     },
-    /// A folder without a fit, or a fit of another body.
+    /// A fit of another body.
     #[error(transparent)]
     Result(#[from] ResultError),
-    /// The model of the fitted body.
-    #[error(transparent)]
-    Model(#[from] ModelFileError),
 }
 
 /// What gait analysis works on.
@@ -110,26 +106,10 @@ pub fn read_points(path: &Path, rate_hz: Option<f64>) -> Result<GaitInput, GaitI
     })
 }
 
-/// Reads the folder of a fit: places and parts of the body with their standard deviations.
-///
-/// `body` is the model of the fit, if it is not a shipped one; `rate_hz` replaces the rate of the recording.
-///
-/// # Errors
-/// [`GaitInputError`].
-pub fn read_fit(
-    folder: &Path,
-    body: Option<&str>,
-    rate_hz: Option<f64>,
-) -> Result<GaitInput, GaitInputError> {
-    let result = ResultFile::read(folder)?;
-    let model = model::load(body.unwrap_or(&result.body), Path::new(""))?;
-    from_result(&result, model, rate_hz)
-}
-
 /// Takes the moving body from a fit in memory and its model; `rate_hz` replaces the rate of the recording.
 ///
 /// # Errors
-/// [`GaitInputError::Result`] if the result is of another body, and [`GaitInputError::Body`].
+/// [`GaitInputError::Result`] if the fit is of another body, and [`GaitInputError::Body`] if this one has no gait.
 pub fn from_result(
     result: &ResultFile,
     model: BodyModel,
