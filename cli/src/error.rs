@@ -67,7 +67,7 @@ impl From<maquette::Error> for CliError {
 }
 
 /// What clap says about arguments, without usage and hints to help, in one line.
-pub(super) fn of_arguments(fault: &clap::Error) -> String {
+pub(super) fn arguments_message(fault: &clap::Error) -> String {
     let text = fault.render().to_string();
     let lines: Vec<&str> = text
         .lines()

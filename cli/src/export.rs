@@ -27,7 +27,7 @@ Examples:
 pub(super) struct ExportArguments {
     /// Folder of a finished fit
     out: PathBuf,
-    /// A format; may be given several times [default: all that are one file]
+    /// A format; may be given several times [default: all formats that are a single file]
     #[arg(long, value_enum)]
     format: Vec<Format>,
     /// Body model of the fit, if it is not a shipped one
@@ -89,10 +89,12 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
         },
         &GaitOptions::default(),
     )?;
+
     let formats = match arguments.format.as_slice() {
         [] => default_formats(),
         some => some.to_vec(),
     };
+
     let folder = arguments.out.join("export");
     for format in formats {
         let path = study.export(format.into(), &folder)?;

@@ -2,19 +2,19 @@
 //!
 //! | file          | holds                                                          |
 //! |---------------|----------------------------------------------------------------|
-//! | `fit.rs`      | `maquette fit`: reads, calls the pipeline, writes               |
+//! | `fit.rs`      | `maquette fit`                                                  |
 //! | `segment.rs`  | `maquette segment`                                              |
 //! | `silhouettes.rs` | `maquette silhouettes`                                       |
 //! | `export.rs`   | `maquette export`                                               |
 //! | `gait.rs`     | `maquette gait`                                                 |
 //! | `report.rs`   | `maquette report`                                               |
-//! | `subject.rs`  | what `gait` and `report` are told of the person                 |
+//! | `subject.rs`  | who was recorded, for `gait` and `report`                       |
 //! | `synth.rs`    | `maquette synth`                                                |
 //! | `models.rs`   | `maquette models`                                               |
 //! | `skin.rs`     | `maquette skin`, and the skins of `maquette models`             |
 //! | `stereo.rs`   | `maquette stereo`                                               |
 //! | `progress.rs` | a bar for each stage                                            |
-//! | `summary.rs`  | what is said of a fit, for a person and as JSON                 |
+//! | `summary.rs`  | the summary of a fit, for a person and as JSON                  |
 //! | `table.rs`    | columns                                                         |
 //! | `error.rs`    | what went wrong, in one line                                    |
 //!
@@ -45,7 +45,7 @@ use clap::{Parser, Subcommand};
 
 use error::{CliError, one_line};
 
-/// How a person is built and moves, from cameras that see them from several sides.
+/// Measure how a person is built and how they move, from cameras that see them from several sides.
 ///
 /// Maquette fits a jointed body to the outlines of a person in calibrated recordings, without markers, clicks or a
 /// start pose. It gives segment lengths, joint centres and joint angles, and says how sure it is.
@@ -79,28 +79,28 @@ enum Command {
     /// Cut the person out of images or videos: masks for every camera and frame
     #[command(long_about = segment::ABOUT, after_help = segment::EXAMPLES)]
     Segment(segment::SegmentArguments),
-    /// Find the person's silhouettes before clutter, from a body that predicts where to look
+    /// Find the person's outline before clutter, with a body that predicts where to look
     #[command(long_about = silhouettes::ABOUT, after_help = silhouettes::EXAMPLES)]
     Silhouettes(silhouettes::SilhouettesArguments),
-    /// Make the skin of a fitted body, as meshes and pictures
+    /// Write the skin of a fitted body as meshes and pictures
     #[command(long_about = skin::ABOUT, after_help = skin::EXAMPLES)]
     Skin(skin::SkinArguments),
-    /// Measure points of the surface from cameras side by side
+    /// Measure points on the surface with cameras that stand side by side
     #[command(long_about = stereo::ABOUT, after_help = stereo::EXAMPLES)]
     Stereo(stereo::StereoArguments),
-    /// Analyse how a person walks: events, parameters, curves, scores
+    /// Analyse a walk: events, steps, angles over the gait cycle, scores
     #[command(long_about = gait::ABOUT, after_help = gait::EXAMPLES)]
     Gait(gait::GaitArguments),
-    /// Write a report that a clinician can read
+    /// Write a report for clinicians
     #[command(long_about = report::ABOUT, after_help = report::EXAMPLES)]
     Report(report::ReportArguments),
-    /// Write a fit in the formats of other programs
+    /// Convert a fit to other programs' formats
     #[command(long_about = export::ABOUT, after_help = export::EXAMPLES)]
     Export(export::ExportArguments),
     /// List the body models that come with the program, or show one
     #[command(long_about = models::ABOUT)]
     Models(models::ModelsArguments),
-    /// Make a recording of a walking person, with the truth beside it
+    /// Make a synthetic recording of a walking person, with the truth
     #[command(long_about = synth::ABOUT)]
     Synth(synth::SynthArguments),
 }
@@ -123,8 +123,9 @@ fn main() -> ExitCode {
             print(&fault.render().to_string());
             Ok(())
         }
-        Err(fault) => Err(CliError::Arguments(error::of_arguments(&fault))),
+        Err(fault) => Err(CliError::Arguments(error::arguments_message(&fault))),
     };
+
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(fault) => {

@@ -19,7 +19,7 @@ With a NAME and --skin or --picture: the skin of that model's mean body at rest.
 #[derive(Debug, Args)]
 #[command(group = ArgGroup::new("shown").args(["skin", "picture"]).multiple(true))]
 pub(super) struct ModelsArguments {
-    /// A body model, shipped or a .toml file: with --skin or --picture
+    /// A body model to draw with --skin or --picture: shipped, or a .toml file
     #[arg(value_name = "NAME|FILE", requires = "shown")]
     name: Option<String>,
     /// Write its skin: a .ply or .obj file; metres, Z up
@@ -66,6 +66,7 @@ fn list() -> Result<(), CliError> {
         "ellipsoids",
         "metaballs",
     ]);
+
     let mut remarks = String::new();
     for (name, text) in SHIPPED {
         let model = parse(text, Path::new(name))?;
@@ -81,6 +82,7 @@ fn list() -> Result<(), CliError> {
         let first = text.lines().next().unwrap_or_default();
         remarks += &format!("  {name}: {}\n", first.trim_start_matches(['#', ' ']));
     }
+
     print(&format!(
         "{}\n{remarks}\nUse one with --body NAME, or your own with --body FILE.toml; docs/formats.md says how to write one.\n",
         table.text()

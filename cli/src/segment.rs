@@ -38,13 +38,13 @@ pub(super) struct SegmentArguments {
     /// Frames per second; overrides sequence.toml
     #[arg(long, allow_negative_numbers = true)]
     fps: Option<f64>,
-    /// Write only the frames of these numbers, both included
+    /// Only these frames, first and last included [default: all]
     #[arg(long, value_name = "FIRST:LAST")]
     frames: Option<FrameRange>,
-    /// Write how probable it is that each pixel shows the person, as probability/<camera>/%06d.png
+    /// Also write each pixel's probability of showing the person, as probability/<camera>/%06d.png
     #[arg(long)]
     probability: bool,
-    /// Write the masks over the pictures, as mask-overlays/<camera>/%06d.jpg
+    /// Draw the masks over the pictures, as mask-overlays/<camera>/%06d.jpg
     #[arg(long)]
     overlays: bool,
     #[command(flatten)]
@@ -92,16 +92,14 @@ fn summary(written: &WrittenMasks, out: &Path, seconds: f64) -> String {
         "filled in",
     ]);
     for name in &written.cameras {
-        let own: Vec<&QualityRow> = written
-            .rows
-            .iter()
-            .filter(|row| row.camera == *name)
-            .collect();
+        let rows = written.rows.iter();
+        let own: Vec<&QualityRow> = rows.filter(|row| row.camera == *name).collect();
+        let empty = own.iter().filter(|row| row.area_px == 0).count();
         let mean = |f: fn(&QualityRow) -> f64| {
             let sum: f64 = own.iter().map(|row| f(row)).sum();
             format!("{:.3}", sum / own.len().max(1) as f64)
         };
-        let empty = own.iter().filter(|row| row.area_px == 0).count();
+
         table.row(vec![
             name.clone(),
             own.len().to_string(),
@@ -111,6 +109,7 @@ fn summary(written: &WrittenMasks, out: &Path, seconds: f64) -> String {
             mean(|row| row.filled_in),
         ]);
     }
+
     let (table, folder) = (table.text(), out.join("masks"));
     let masks = written.rows.len();
     format!(

@@ -33,9 +33,9 @@ Examples:
 /// Which pipeline of PF02.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum Pipeline {
-    /// The body by stereo alone, then active contours from its outline
+    /// One pass: a body from stereo alone, then active contours from its outline
     Simple,
-    /// The body fitted to stereo and to each frame's contours, then active contours again
+    /// By turns: active contours of all frames, and the body fitted to stereo and contours
     Joint,
 }
 
@@ -59,7 +59,7 @@ pub(super) struct SilhouettesArguments {
     /// How body and contours work together
     #[arg(long, value_enum, default_value_t = Pipeline::Joint)]
     pipeline: Pipeline,
-    /// Result of `maquette fit` to begin with [default: one is fitted to the depths of what moves]
+    /// Begin with a result of `maquette fit` [default: fit a body to the depths of what moves]
     #[arg(long, value_name = "DIR")]
     fit: Option<PathBuf>,
     /// Body model: a shipped one or a .toml file; of metaballs
@@ -68,13 +68,13 @@ pub(super) struct SilhouettesArguments {
     /// Frames per second; overrides sequence.toml
     #[arg(long, allow_negative_numbers = true)]
     fps: Option<f64>,
-    /// Only the frames of these numbers, both included [default: all]
+    /// Only these frames, first and last included [default: all]
     #[arg(long, value_name = "FIRST:LAST")]
     frames: Option<FrameRange>,
     /// Write the contours over the pictures, as overlays/<camera>/%06d.png
     #[arg(long)]
     overlays: bool,
-    /// Write what the edges are filtered with and which pass, as stages/<camera>/
+    /// Write the filtered edges, as stages/<camera>/
     #[arg(long)]
     stages: bool,
     #[command(flatten)]
@@ -123,6 +123,7 @@ fn summary(written: &WrittenSilhouettes, out: &Path, seconds: f64) -> String {
     for name in &written.cameras {
         let own = || written.rows.iter().filter(|row| row.camera == *name);
         let mean = |value: fn(&ContourRow) -> f64| mean(own().map(value)).unwrap_or(0.0);
+
         table.row(vec![
             name.clone(),
             own().count().to_string(),
@@ -134,6 +135,7 @@ fn summary(written: &WrittenSilhouettes, out: &Path, seconds: f64) -> String {
                 .to_string(),
         ]);
     }
+
     format!(
         "{}\n{:.1} s, into {}\n",
         table.text(),

@@ -25,7 +25,7 @@ Examples:
   maquette skin out/me
   maquette skin out/me --frame 120 --picture
   maquette skin out/me --frames 100:150 --format obj --around 96
-  maquette skin out/me --rest                      (the fitted person in the pose of rest)";
+  maquette skin out/me --rest                      (the fitted person in the rest pose)";
 
 /// Arguments of `maquette skin`.
 #[derive(Debug, Args)]
@@ -33,19 +33,19 @@ Examples:
 pub(super) struct SkinArguments {
     /// Folder of a finished fit
     out: PathBuf,
-    /// Only the frames of these numbers, both included [default: all]
+    /// Only these frames, first and last included [default: all]
     #[arg(long, value_name = "FIRST:LAST")]
     frames: Option<FrameRange>,
     /// Only this frame
     #[arg(long, value_name = "NUMBER")]
     frame: Option<usize>,
-    /// No frame, but the pose of rest
+    /// The rest pose instead of frames
     #[arg(long)]
     rest: bool,
     /// Format of the meshes
     #[arg(long, value_enum, default_value_t = Format::Ply)]
     format: Format,
-    /// Vertices around the trunk, even; along the body there are as many as fit them
+    /// Vertices around the trunk, an even number; their spacing along the body follows
     #[arg(long, value_name = "VERTICES", default_value_t = SkinOptions::default().around)]
     around: usize,
     /// Write a shaded picture beside each mesh

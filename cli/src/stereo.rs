@@ -38,7 +38,7 @@ pub(super) struct StereoArguments {
     /// Folder to write into
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Only the frames of these numbers, both included [default: all]
+    /// Only these frames, first and last included [default: all]
     #[arg(long, value_name = "FIRST:LAST")]
     frames: Option<FrameRange>,
     #[command(flatten)]
@@ -61,16 +61,16 @@ struct Settings {
     /// Cameras, the template first [default: the one in the middle and those beside it]
     #[arg(long, value_delimiter = ',', value_name = "NAMES")]
     cameras: Vec<String>,
-    /// Nearest and farthest depth, metres [default: from a shift of a third of an image to infinity]
+    /// Nearest and farthest depth, metres [default: infinity down to where the shift is a third of the image]
     #[arg(long, value_name = "NEAR:FAR", value_parser = depth)]
     depth: Option<(f64, f64)>,
-    /// Distance of neighbouring points in the template's image, px (matching)
+    /// Spacing of the points in the template's image, px (matching)
     #[arg(long, value_name = "PX", default_value_t = StereoOptions::default().spacing_px, value_parser = at_least_one)]
     spacing: usize,
-    /// Cameras besides the template that must show a point (matching) [default: all]
+    /// How many cameras besides the template must show a point (matching) [default: all]
     #[arg(long, value_name = "COUNT")]
     least_cameras: Option<usize>,
-    /// Follow the points through ten frames at a time (matching)
+    /// Follow the points, ten frames at a time (matching)
     #[arg(long)]
     tracks: bool,
     /// Write pictures: disparities in colour, the cloud from the side, the motion of the surface

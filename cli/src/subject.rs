@@ -13,13 +13,13 @@ use crate::error::CliError;
 /// Who was recorded, and how, for the report and for whom a walk is compared with.
 #[derive(Debug, Args)]
 pub(super) struct SubjectArguments {
-    /// Who was recorded, as the report shall name them
+    /// Who was recorded, as the report should name them
     #[arg(long, value_name = "TEXT")]
     subject: Option<String>,
-    /// Their age, completed years: steps and strides are compared with people of that age
+    /// Their age in completed years, which chooses the norm of steps and strides
     #[arg(long, value_name = "YEARS")]
     age: Option<u32>,
-    /// Their sex, for the same
+    /// Their sex, which does too
     #[arg(long, value_enum)]
     sex: Option<SexArgument>,
     /// When it was recorded

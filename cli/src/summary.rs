@@ -31,6 +31,7 @@ impl Summary<'_> {
                 })
             })
             .collect();
+
         let summary = json!({
             "out": self.out.display().to_string(),
             "seconds": self.seconds,
@@ -43,6 +44,7 @@ impl Summary<'_> {
             "cameras": result.quality.cameras,
             "warnings": result.warnings,
         });
+
         format!("{summary:#}\n")
     }
 
@@ -64,12 +66,14 @@ impl Summary<'_> {
             self.warnings(),
             format!("Written into {}\n", self.out.display()),
         ];
+
         let filled = sections.into_iter().filter(|section| !section.is_empty());
         filled.collect::<Vec<_>>().join("\n")
     }
 
     fn hypotheses(&self) -> String {
         let mut table = Table::new(&["hypothesis", "keyframe", "−log posterior", "overlap"]);
+
         for (i, hypothesis) in self.result.hypotheses.iter().enumerate() {
             let mark = if i == self.result.winner { "▸" } else { " " };
             table.row(vec![
@@ -87,6 +91,7 @@ impl Summary<'_> {
                 or_dash(hypothesis.iou, |iou| format!("{iou:.3}")),
             ]);
         }
+
         table.text()
     }
 
@@ -98,12 +103,14 @@ impl Summary<'_> {
         let Confidence {
             epsilon, keyframes, ..
         } = first.confidence;
+
         let within = format!("p within {} cm", 100.0 * epsilon);
         let has_sd = lengths.iter().any(|length| length.sd_m.is_some());
         let mut headings = vec!["length", "cm"];
         headings.extend(has_sd.then_some("± SD"));
         headings.extend(["± σ", &within]);
         let mut table = Table::new(&headings);
+
         let cm = |metres: f64| format!("± {:.1}", 100.0 * metres);
         for length in lengths {
             let mut row = vec![
@@ -115,17 +122,19 @@ impl Summary<'_> {
             row.push(or_dash(length.confidence.p_within, probability));
             table.row(row);
         }
+
         let mut text = table.text();
         if has_sd {
-            text += "  SD: of the true length, from all frames at once.\n";
+            text += "  SD: standard deviation of the true length, from all frames together.\n";
         }
         if keyframes > 1 {
             text += &format!(
-                "  σ: spread of the {keyframes} keyframes' estimates. p: that one of them is within {} cm of the model's optimum,\n  \
-                 which is not the true length: an error that all keyframes share does not show.\n",
+                "  σ: spread of the {keyframes} keyframes' estimates. p: probability that one of them is within {} cm of the model's optimum.\n  \
+                 That is not the true length: an error shared by all keyframes does not show.\n",
                 100.0 * epsilon,
             );
         }
+
         text
     }
 

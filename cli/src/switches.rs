@@ -40,7 +40,7 @@ impl Quiet {
 /// `--overwrite` of what cannot be continued.
 #[derive(Debug, Clone, Copy, Args)]
 pub(super) struct Overwrite {
-    /// Write into a folder that holds something, and replace an older run's files in it
+    /// Write into a folder that is not empty, and replace an older run's files
     #[arg(long)]
     overwrite: bool,
 }

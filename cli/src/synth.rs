@@ -38,13 +38,13 @@ pub(super) struct SynthArguments {
     /// Frames per second [default: 50; with --clutter 25]
     #[arg(long, value_parser = positive)]
     fps: Option<f64>,
-    /// Errors of the segmentation
+    /// Segmentation errors of the masks
     #[arg(long, value_enum, default_value_t = Noise::Mild)]
     noise: Noise,
-    /// Points on the skin too, as a second camera beside each would let it see them
+    /// Also points on the skin, as a second camera beside each would measure them
     #[arg(long)]
     points: bool,
-    /// Photographs of a person before clutter, by three cameras side by side
+    /// Photographs of a person before clutter, from three cameras side by side
     #[arg(long, conflicts_with_all = ["cameras", "noise", "points"])]
     clutter: bool,
     /// Body model with metaballs: a shipped one or a .toml file
@@ -54,9 +54,9 @@ pub(super) struct SynthArguments {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Noise {
-    /// True masks
+    /// Exact masks
     None,
-    /// As a good background subtraction makes them
+    /// As from a good background subtraction
     Mild,
 }
 
@@ -102,6 +102,7 @@ fn ring(arguments: &SynthArguments, model: &BodyModel) -> Result<Written, CliErr
         },
         stereo: arguments.points.then(StereoPair::default),
     };
+
     let recording = recipe.walker(model)?;
     synthetic::write(&recording, &arguments.out)?;
     Ok((recording.frames(), arguments.cameras.into(), recipe.fps))

@@ -28,7 +28,7 @@ pub(crate) const TOML: &[Fault] = &[
     (
         "size",
         "Size",
-        "a.toml:1: camera cam1: the file does not say how large the image is: the size of this camera's masks, images or video is needed",
+        "a.toml:1: camera cam1: the file does not state the image size, and this camera has no masks, images or video to take it from",
     ),
     (
         "-0.0007, 0.01]",
@@ -161,7 +161,7 @@ pub(crate) const VICON: &[Fault] = &[
     (
         "SENSOR_SIZE=\"1000 800\"",
         "",
-        "a.xcp:3: camera cam2: the file does not say how large the image is: the size of this camera's masks, images or video is needed",
+        "a.xcp:3: camera cam2: the file does not state the image size, and this camera has no masks, images or video to take it from",
     ),
     (
         "</KeyFrames>",
@@ -180,7 +180,7 @@ pub(crate) const MATRICES: &[Fault] = &[
     (
         "800 600",
         "",
-        "a.txt:4: camera cam1: the file does not say how large the image is: the size of this camera's masks, images or video is needed",
+        "a.txt:4: camera cam1: the file does not state the image size, and this camera has no masks, images or video to take it from",
     ),
     (
         " 1520.4097422070517",

@@ -101,7 +101,7 @@ fn faults_in_opencv_files_are_named() {
     );
     assert_eq!(
         error(&INTRI.replace("W_cam1", "w_cam1"), EXTRI),
-        "intri.yml:6: camera cam1: the file does not say how large the image is: the size of this camera's masks, images or video is needed"
+        "intri.yml:6: camera cam1: the file does not state the image size, and this camera has no masks, images or video to take it from"
     );
     assert_eq!(
         message("intri.yml", INTRI),

@@ -178,7 +178,7 @@ fn no_bytes_are_no_points_and_a_strange_name_is_refused() {
 fn a_header_that_promises_more_than_the_file_holds_is_refused_before_anything_is_allocated() {
     let many = |text: &str| text.replace("vertex 3", "vertex 1000000000000");
     assert!(message("g.ply", many(ASCII)).starts_with(
-        "g.ply: the header promises 1000000000000 of \"vertex\", the file has room for at most "
+        "g.ply: the header promises 1000000000000 of \"vertex\", but the file has room for "
     ));
     let header = "ply\nformat binary_little_endian 1.0\nelement nothing 1000000000000\nelement vertex 1\n\
         property float x\nproperty float y\nproperty float z\nend_header\n............";

@@ -73,7 +73,7 @@ fn cameras_must_be_calibrated_distinct_and_more_than_one() {
     let folder = recording(&["a"]);
     assert_complains(
         open(folder.path()),
-        &["one camera only (a)", "cannot be told apart"],
+        &["only one camera (a) has masks", "cannot tell size"],
     );
     let folder = recording(&["a", "b"]);
     write(

@@ -66,7 +66,7 @@ fn a_manifest_is_followed() {
         assert_eq!(missing, expected);
         let notes: Vec<_> = recording.notes.iter().map(ToString::to_string).collect();
         let expected = [
-            "video: not used, the masks are",
+            "video: not used, because there are masks",
             "camera c: no masks in the manifest: not used",
         ];
         assert_eq!(notes, expected);

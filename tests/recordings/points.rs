@@ -66,7 +66,7 @@ fn a_folder_of_points_needs_no_manifest_and_is_used_where_it_has_frames() {
     let (recording, frames) = all(folder.path());
     assert_eq!(
         said(&recording.notes),
-        ["points: 1 of 3 frames have some: used where they are"]
+        ["points: 1 of 3 frames have points"]
     );
     let counts: Vec<_> = frames.iter().map(|f| f.points.len()).collect();
     assert_eq!(counts, [0, 400, 0]);
@@ -168,8 +168,8 @@ fn empty_clouds_and_numbers_that_are_none_are_told_once() {
     assert_eq!(
         said(&recording.notes_on_points(&frames)),
         [
-            "points: no usable point in frames 0",
-            "points: 3 are not finite or have no positive spread, in frames 2: left out"
+            "points: no usable points in frames 0",
+            "points: 3 points left out in frames 2: not finite, or a spread that is not positive"
         ]
     );
 }
@@ -190,7 +190,7 @@ fn a_million_points_are_thinned_evenly_and_this_is_told() {
     }
     assert_eq!(
         said(&recording.notes_on_points(&frames)),
-        ["points: up to 1000000 in a frame, thinned evenly to 5000 in frames 0"]
+        ["points: up to 1000000 in a frame; thinned evenly to 5000 in frames 0"]
     );
 }
 

@@ -20,8 +20,8 @@ Fit a body to a recording: shape, motion and confidence.
 
 The recording is a folder with a calibration and masks/<camera>/*.png (white where the person is, the frame number \
 in the name), or videos/<camera>.* or images/<camera>/*, or a sequence.toml that says where things are. Pictures without \
-masks are segmented first, and the masks kept in OUT. Into OUT go result.json (everything), joints.trc (joint \
-centres, for OpenSim and others) and, on request, overlays/. A run that was stopped can be continued with --resume.";
+masks are segmented first, and the masks kept in OUT. The result goes into OUT: result.json (everything), joints.trc \
+(joint centres, for OpenSim and others) and, on request, overlays/. --resume continues a run that was stopped.";
 
 pub(crate) const EXAMPLES: &str = "\
 Examples:
@@ -47,43 +47,43 @@ pub(crate) struct FitArguments {
     /// Body model: a shipped one (see `maquette models`) or a .toml file [default: that of sequence.toml, or human-ellipsoids]
     #[arg(long, value_name = "NAME|FILE")]
     pub(super) body: Option<String>,
-    /// Fit only the frames of these numbers, both included
+    /// Only these frames, first and last included [default: all]
     #[arg(long, value_name = "FIRST:LAST")]
     pub(super) frames: Option<FrameRange>,
-    /// Every how many frames a keyframe proposes a body [default: 20, or less where that would be fewer than five keyframes]
+    /// Frames between keyframes, each of which proposes a body [default: 20, or fewer so that there are at least five keyframes]
     #[arg(long, value_name = "FRAMES")]
     keyframe_every: Option<usize>,
-    /// What outlines are compared with, in every stage [default: ellipses first, then metaballs if the body has them]
+    /// What outlines are compared with [default: ellipses in the search, then metaballs if the body has them]
     #[arg(long, value_enum)]
     likelihood: Option<Likelihood>,
-    /// Whether all frames are fitted at once in the end, with a standard deviation for every number
+    /// Fit all frames together at the end, which gives every number a standard deviation
     #[arg(long, value_enum, default_value_t = Switch::On)]
     joint: Switch,
-    /// Whether cameras may look a little elsewhere than their calibration says: found from outlines, and told
+    /// Estimate and report pointing errors of the cameras
     #[arg(long, value_enum, default_value_t = Switch::On)]
     aim: Switch,
-    /// Follow every proposed body to the end, also when it can no longer win
+    /// Follow every proposed body to the end, even when it can no longer win
     #[arg(long)]
     no_pruning: bool,
-    /// Measure points on the person with cameras that stand side by side and fit to them too; they are kept in OUT/points
+    /// Measure points on the person with cameras that stand side by side, and fit to them too (kept in OUT/points)
     #[arg(long, value_enum, value_name = "METHOD", num_args = 0..=1, require_equals = true, default_missing_value = "matching")]
     pub(super) stereo: Option<Method>,
-    /// How silhouettes are found where there are pictures [default: those of the masks; without masks joint, if cameras stand
-    /// side by side and no picture of the empty scene is given, else background]
+    /// How outlines are found in pictures [default: from masks if there are any; else joint if cameras stand side by side and
+    /// there is no picture of the empty scene; else background]
     #[arg(long, value_enum, value_name = "WAY")]
     pub(super) silhouettes: Option<Silhouettes>,
-    /// What is fitted to
+    /// What to fit to
     #[arg(long, value_enum, default_value_t = Fitted::All)]
     fit_to: Fitted,
     #[command(flatten)]
     pub(super) threads: Threads,
-    /// Write pictures of the fit over the masks into OUT/overlays
+    /// Draw the fit over the masks, into OUT/overlays
     #[arg(long)]
     pub(super) overlays: bool,
     /// Continue a run that was stopped
     #[arg(long, conflicts_with = "overwrite")]
     resume: bool,
-    /// Replace the result in OUT when the new one is complete
+    /// Replace the result in OUT once the new one is complete
     #[arg(long)]
     overwrite: bool,
     #[command(flatten)]
@@ -95,11 +95,11 @@ pub(crate) struct FitArguments {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Likelihood {
-    /// Signed distance to the outline of all ellipses, and back
+    /// Signed distance between the outline and that of all ellipses, both ways
     Ellipses,
-    /// Distance to the nearest ellipse, as Zimmermann and Svoboda published it
+    /// Distance to the nearest ellipse, as published by Zimmermann and Svoboda
     Published,
-    /// Lines of sight and points against the skin of the metaballs
+    /// Lines of sight and points against the metaballs' skin
     Metaballs,
     /// Both ellipses and metaballs
     Both,
@@ -118,15 +118,15 @@ impl Likelihood {
 /// How silhouettes are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum Silhouettes {
-    /// Those of masks, given or made by learning the background
+    /// By masks, given or cut out by learning the background
     Background,
-    /// Those that the body predicts, by depth and active contours, as `maquette silhouettes` does; and points with them, or those of --stereo
+    /// By active contours from a fitted body, as in `maquette silhouettes`; points come with them, or from --stereo
     Joint,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Fitted {
-    /// Silhouettes, and points where there are any
+    /// Outlines, and points where there are any
     All,
     /// Points alone; masks only say where the person is
     Points,

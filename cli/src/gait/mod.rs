@@ -36,28 +36,28 @@ pub(super) struct GaitArguments {
     /// Where to write [default: OUT/gait of a fit, NAME_gait beside NAME.trc]
     #[arg(long, value_name = "FOLDER")]
     out: Option<PathBuf>,
-    /// What the person walks on [default: found]
+    /// What the person walks on [default: detected]
     #[arg(long, value_enum)]
     surface: Option<Floor>,
-    /// Frames per second, in place of what the input states
+    /// Frames per second, overriding the input
     #[arg(long, value_name = "HZ", value_parser = rate)]
     fps: Option<f64>,
-    /// Cutoff of the low pass on all places, Hz; 0: none
+    /// Cutoff of the low-pass filter on all points, Hz; 0 turns it off
     #[arg(long, value_name = "HZ", default_value_t = GaitOptions::default().cutoff_hz, value_parser = cutoff)]
     cutoff: f64,
     /// Norm of healthy people: a .toml file, or none [default: schwartz-2008-free]
     #[arg(long, value_name = "FILE|none")]
     norm: Option<String>,
-    /// Show parameters without units, scaled by the leg's length (Hof 1996)
+    /// Show parameters without units, scaled by leg length (Hof 1996)
     #[arg(long)]
     normalised: bool,
     /// Body model of the fit, if it is not a shipped one
     #[arg(long, value_name = "FILE")]
     body: Option<String>,
-    /// Write report.html as well: the same for a clinician
+    /// Also write report.html, for clinicians
     #[arg(long)]
     report: bool,
-    #[command(flatten, next_help_heading = "Of the person and the report")]
+    #[command(flatten, next_help_heading = "About the person and the report")]
     subject: SubjectArguments,
     /// Print nothing but errors
     #[arg(long)]

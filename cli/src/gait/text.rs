@@ -42,7 +42,7 @@ impl Summary<'_> {
         let input = self.input.display();
         let named = file.used.len();
         format!(
-            "{input}: {frames} frames at {fps} Hz, {surface}{leg}; {named} places of the body (gait.json: their names)\n"
+            "{input}: {frames} frames at {fps} Hz, {surface}{leg}; {named} points of the body were found (their names are in gait.json)\n"
         )
     }
 
@@ -57,6 +57,7 @@ impl Summary<'_> {
         headings.extend(side);
         headings.extend(["R/L %", "norm"]);
         let mut table = Table::new(&headings);
+
         for part in &self.file.parameters {
             let leg = self.file.leg_length_m.filter(|_| self.is_normalised);
             let scale = leg.map_or(1.0, |leg| part.name.scale(leg));
@@ -65,6 +66,7 @@ impl Summary<'_> {
             } else {
                 part.unit
             };
+
             let mut row = vec![part.name.name().to_owned(), unit.to_owned()];
             row.extend(cells(part.left.as_ref(), scale));
             row.extend(cells(part.right.as_ref(), scale));
@@ -72,6 +74,7 @@ impl Summary<'_> {
                 part.symmetry_percent
                     .map_or("–".into(), |s| format!("{s:.0}")),
             );
+
             let norm = self.norm.and_then(|n| n.parameters.get(&part.name));
             let norm = norm.filter(|_| leg.is_none());
             row.push(norm.map_or("–".into(), |(mean, sd)| {
@@ -79,6 +82,7 @@ impl Summary<'_> {
             }));
             table.row(row);
         }
+
         table.text() + "  SD: between strides. u: standard uncertainty of one value.\n"
     }
 
@@ -94,7 +98,9 @@ impl Summary<'_> {
                 .map_or(String::new(), |sd| format!(" ± {:.0}", 1e3 * sd));
             let mean = 1e3 * agreement.mean_s;
             let n = agreement.n;
-            text += &format!("  {kind}: by speed less by position {mean:+.0}{sd} ms (n = {n})\n");
+            text += &format!(
+                "  {kind}: time by speed minus time by position: {mean:+.0}{sd} ms (n = {n})\n"
+            );
         }
         text
     }
@@ -116,6 +122,7 @@ impl Summary<'_> {
             "range",
             "fit SD",
         ]);
+
         for curve in &self.file.curves {
             let sd = curve
                 .fit_sd_deg
@@ -135,6 +142,7 @@ impl Summary<'_> {
                 sd.map_or("–".into(), |sd| format!("{sd:.1}")),
             ]);
         }
+
         table.text()
     }
 
@@ -144,6 +152,7 @@ impl Summary<'_> {
         };
         let mut table = Table::new(&["score, °", "left", "right"]);
         let score = |value: Option<f64>| value.map_or("–".into(), |v| format!("{v:.1}"));
+
         for angle in maquette::gait::VARIABLES {
             let of = |side: Side| {
                 let mut all = indices.variables.iter();
@@ -156,15 +165,18 @@ impl Summary<'_> {
                 score(of(Side::Right)),
             ]);
         }
+
         table.row(vec![
             "GPS".into(),
             score(indices.left),
             score(indices.right),
         ]);
+
         let both = indices.both.map_or(
             "  GPS of both sides: – (it needs all nine variables)\n".into(),
             |v| format!("  GPS of both sides: {v:.1}°\n"),
         );
+
         format!(
             "{}{both}  against {}: {}\n",
             table.text(),

@@ -193,14 +193,14 @@ const MASKS: &[Case] = &[
         ],
     ),
     (
-        "one camera only",
+        "only one camera",
         |arm| {
             for camera in ["cam_02", "cam_03"] {
                 fs::remove_dir_all(arm.recording().join("masks").join(camera)).expect("removed");
             }
         },
         &[],
-        &["one camera only (cam_01)", "cannot be told apart"],
+        &["only one camera (cam_01) has masks", "cannot tell size"],
     ),
 ];
 

@@ -90,7 +90,7 @@ fn a_skin_that_cannot_be_is_refused_and_a_new_fit_takes_the_old_ones_away() {
     );
     refused(&["--frame", "1", "--rest"], &["cannot be used with"]);
     run(&["skin", &out, "--body", "walker-metaballs"]).refused(&[
-        "the result is of body model soft-arm with 1 shape coefficients",
+        "this result was fitted with body model soft-arm (1 shape coefficients)",
         "walker-metaballs",
     ]);
     run(&["skin", &out]).refused(&["no body model \"soft-arm\""]);

@@ -138,7 +138,7 @@ pub enum CalibrationError {
     },
     /// A format without image size, and none given.
     #[error(
-        "{place}: the file does not say how large the image is: the size of this camera's masks, images or video is needed"
+        "{place}: the file does not state the image size, and this camera has no masks, images or video to take it from"
     )]
     MissingSize { place: Place },
     /// Two cameras of one name.

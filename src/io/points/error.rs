@@ -53,7 +53,7 @@ pub enum CloudError {
     },
     /// More than the file can hold.
     #[error(
-        "{}: the header promises {promised} of {element:?}, the file has room for at most {room}", path.display()
+        "{}: the header promises {promised} of {element:?}, but the file has room for {room} at most", path.display()
     )]
     Promise {
         /// The file.

@@ -46,7 +46,7 @@ pub enum RecordingError {
     },
     /// A single camera.
     #[error(
-        "{}: one camera only ({camera}): how far away and how large the person is cannot be told apart; expected two or more",
+        "{}: only one camera ({camera}) has masks: one camera cannot tell size from distance; expected two or more",
         path.display()
     )]
     OneCamera {

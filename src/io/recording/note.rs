@@ -84,15 +84,16 @@ pub enum Note {
 impl fmt::Display for Note {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            // masks
             Self::Ignored { keys } => {
-                write!(f, "{}: not used, the masks are", keys.join(", "))
+                write!(f, "{}: not used, because there are masks", keys.join(", "))
             }
             Self::WithoutMasks { camera } => {
                 write!(f, "camera {camera}: no masks in the manifest: not used")
             }
             Self::Uncalibrated { camera, nearest } => write!(
                 f,
-                "masks/{camera}: no camera of this name is calibrated (the nearest is {nearest}): not used"
+                "masks/{camera}: no camera of this name is calibrated (did you mean {nearest}?): not used"
             ),
             Self::Unmasked { cameras } => {
                 write!(f, "no masks for {}: not used", cameras.join(", "))
@@ -103,26 +104,27 @@ impl fmt::Display for Note {
             ),
             Self::BeforeFirst { camera, files } => write!(
                 f,
-                "camera {camera}: {files} masks lie before frame 0 by offset_frames: not used"
+                "camera {camera}: offset_frames puts {files} masks before frame 0: not used"
             ),
             Self::NoCommonFrame => write!(
                 f,
-                "no frame has masks of two cameras: do the numbers of the files agree? offset_frames shifts them"
+                "no frame has masks from two cameras: do the file numbers agree? offset_frames shifts them"
             ),
+
+            // points
             Self::UnnumberedPoints { files } => write!(
                 f,
                 "points: {files} files without a frame number in their names: not used"
             ),
-            Self::PointsMissing { with, frames } => write!(
-                f,
-                "points: {with} of {frames} frames have some: used where they are"
-            ),
+            Self::PointsMissing { with, frames } => {
+                write!(f, "points: {with} of {frames} frames have points")
+            }
             Self::PointsEmpty { frames } => {
-                write!(f, "points: no usable point in frames {frames}")
+                write!(f, "points: no usable points in frames {frames}")
             }
             Self::PointsUnusable { points, frames } => write!(
                 f,
-                "points: {points} are not finite or have no positive spread, in frames {frames}: left out"
+                "points: {points} points left out in frames {frames}: not finite, or a spread that is not positive"
             ),
             Self::PointsThinned {
                 most_points,
@@ -130,7 +132,7 @@ impl fmt::Display for Note {
                 frames,
             } => write!(
                 f,
-                "points: up to {most_points} in a frame, thinned evenly to {used} in frames {frames}"
+                "points: up to {most_points} in a frame; thinned evenly to {used} in frames {frames}"
             ),
         }
     }

@@ -33,7 +33,7 @@ pub enum ResultError {
     },
     /// A result of another body than the one that is given.
     #[error(
-        "the result is of body model {body} with {expected} {kind}; the model {found_body} that is given has {found} or other names: give the body that was fitted, or fit this one"
+        "this result was fitted with body model {body} ({expected} {kind}); the given model {found_body} has {found} or other names: give the fitted body with --body"
     )]
     Body {
         /// Name of the model in the result.
@@ -83,15 +83,15 @@ impl ResultFile {
         let names = coefficients.iter().map(|c| c.name.as_str());
         let expected = model.coefficients.iter().map(String::as_str);
         if !names.eq(expected) {
-            let counts = (coefficients.len(), model.coefficients.len());
-            return Err(self.other_body(model, "shape coefficients", counts));
+            let [expected, found] = [coefficients.len(), model.coefficients.len()];
+            return Err(self.other_body(model, "shape coefficients", expected, found));
         }
         let angles = self.motion.angles.iter().map(String::as_str);
         let joints = model.joints.iter().map(|j| j.name.as_str());
         let whole = |frame: &FramePart| frame.angles_rad.len() == model.joints.len();
         if !angles.eq(joints) || !self.motion.frames.iter().all(whole) {
-            let counts = (self.motion.angles.len(), model.joints.len());
-            return Err(self.other_body(model, "angles", counts));
+            let [expected, found] = [self.motion.angles.len(), model.joints.len()];
+            return Err(self.other_body(model, "angles", expected, found));
         }
         let values = coefficients.iter().map(|c| c.value);
         Ok(Shape(DVector::from_iterator(coefficients.len(), values)))
@@ -101,7 +101,8 @@ impl ResultFile {
         &self,
         model: &BodyModel,
         kind: &'static str,
-        (expected, found): (usize, usize),
+        expected: usize,
+        found: usize,
     ) -> ResultError {
         ResultError::Body {
             body: self.body.clone(),

@@ -117,7 +117,7 @@ impl fmt::Display for FootageNote {
                 fps,
             } => write!(
                 f,
-                "camera {camera}: its video says {video_hz:.3} frames per second, the recording {fps:.3}: the recording's is used"
+                "camera {camera}: the video states {video_hz:.3} frames per second, the recording {fps:.3}: the recording's rate is used"
             ),
             Self::Lengths { cameras } => {
                 let all = cameras.iter().map(|(name, n)| format!("{name} {n}"));
@@ -128,15 +128,8 @@ impl fmt::Display for FootageNote {
                     all.join(", ")
                 )
             }
-            _ => self.fmt_of_pictures(f),
-        }
-    }
-}
 
-impl FootageNote {
-    /// Of what was found while decoding.
-    fn fmt_of_pictures(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
+            // what was found while decoding
             Self::Undecodable {
                 whose,
                 frames,
@@ -155,8 +148,8 @@ impl FootageNote {
                 reason,
             } => write!(
                 f,
-                "{whose}: damaged, {} of the decoder, first: {reason}: the pictures are used as they came",
-                counted(*times, "complaint")
+                "{whose}: damaged ({}, the first: {reason}): the pictures are used as decoded",
+                counted(*times, "decoder error")
             ),
             Self::WrongSize {
                 whose,
@@ -175,7 +168,6 @@ impl FootageNote {
             } => {
                 write!(f, "{whose}: {}: {reason}", path.display())
             }
-            _ => Ok(()),
         }
     }
 }

@@ -34,7 +34,7 @@ pub enum Numbering {
 
 impl Numbering {
     /// The numbering of pictures at these times; `rate_hz` is that of the recording.
-    pub(super) fn of(mut times_s: Vec<f64>, rate_hz: f64) -> Self {
+    pub(super) fn from_times(mut times_s: Vec<f64>, rate_hz: f64) -> Self {
         times_s.sort_by(f64::total_cmp);
         let mut intervals: Vec<f64> = times_s.windows(2).map(|w| w[1] - w[0]).collect();
         intervals.sort_by(f64::total_cmp);
@@ -100,7 +100,7 @@ mod tests {
         let times: Vec<f64> = (0..200)
             .map(|k| (f64::from(k) * 1000.0 / 60.0).round() / 1000.0)
             .collect();
-        let numbering = Numbering::of(times.clone(), 60.0);
+        let numbering = Numbering::from_times(times.clone(), 60.0);
         assert!(matches!(numbering, Numbering::Steady { .. }));
         for (k, time) in times.iter().enumerate() {
             assert_eq!(numbering.number(*time, 0.0), Some(k as u64));
@@ -111,7 +111,7 @@ mod tests {
 
     #[test]
     fn a_video_of_varying_rate_keeps_to_the_clock() {
-        let numbering = Numbering::of(vec![1.0, 1.04, 1.08, 1.2, 1.205, 1.24], 25.0);
+        let numbering = Numbering::from_times(vec![1.0, 1.04, 1.08, 1.2, 1.205, 1.24], 25.0);
         assert_eq!(numbering.numbers(), [0, 1, 2, 5, 6]);
         assert_eq!(numbering.number(1.2, 0.0), Some(5));
     }
@@ -128,8 +128,8 @@ mod tests {
 
     #[test]
     fn one_picture_or_none_is_no_fault() {
-        assert_eq!(Numbering::of(vec![], 25.0).numbers(), [0; 0]);
-        let one = Numbering::of(vec![3.0], 25.0);
+        assert_eq!(Numbering::from_times(vec![], 25.0).numbers(), [0; 0]);
+        let one = Numbering::from_times(vec![3.0], 25.0);
         assert_eq!(one.number(3.0, 3.0), Some(0));
     }
 }

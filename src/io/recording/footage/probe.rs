@@ -26,7 +26,7 @@ impl Probe {
     /// The numbering in a recording of `fps`.
     pub(super) fn numbering(&self, fps: f64) -> Numbering {
         match &self.times_s {
-            Some(times) => Numbering::of(times.clone(), fps),
+            Some(times) => Numbering::from_times(times.clone(), fps),
             None => Numbering::Count {
                 pictures: self.pictures,
                 rate_hz: self.rate_hz.unwrap_or(fps),
@@ -75,10 +75,16 @@ pub(super) fn probe(path: &Path) -> Result<Probe, FootageError> {
         .stdin(Stdio::null())
         .output()
         .map_err(|source| cannot_run(path, source))?;
+
     let no_video = |reason: String| FootageError::NoVideo {
         path: path.into(),
         reason,
     };
+
+    if output.stdout.is_empty() {
+        let reason = "ffprobe gave no answer: is ffmpeg fully installed?";
+        return Err(no_video(reason.into()));
+    }
     let answer: Answer =
         serde_json::from_slice(&output.stdout).map_err(|e| no_video(e.to_string()))?;
     let Some(stream) = answer.streams.first() else {
@@ -90,12 +96,15 @@ pub(super) fn probe(path: &Path) -> Result<Probe, FootageError> {
     if answer.packets.is_empty() || width == 0 || height == 0 {
         return Err(no_video("it holds no pictures".into()));
     }
+
+    // turned by 90°, a picture is as wide as the stream is high
     let turned = stream.side_data_list.iter().find_map(|data| data.rotation);
     let is_upright = turned.is_none_or(|degrees| (degrees / 90.0).round() % 2.0 == 0.0);
     let times = answer
         .packets
         .iter()
         .map(|p| p.pts_time.as_ref()?.parse().ok());
+
     Ok(Probe {
         size: if is_upright {
             [width, height]
