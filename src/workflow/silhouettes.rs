@@ -166,7 +166,7 @@ fn write(
     let seen = found.sighting.seen.iter().zip(found.pictures);
     for ((seen, picture), camera) in seen.zip(&footage.rig.cameras) {
         if let (Some(seen), Some(picture)) = (seen, picture) {
-            folder.view(found.frame, (camera, picture), seen, model)?;
+            folder.view(found.frame, camera, picture, seen, model)?;
         }
     }
     Ok(())

@@ -40,6 +40,8 @@ pub fn read_per_camera(
     let mut cameras = Vec::new();
     for (name, path) in files {
         let found = unchecked(path)?;
+
+        // a file of one camera is that camera's, whatever name stands in it
         let count = found.len();
         let named = |camera: &UncheckedCamera| count == 1 || camera.name == *name;
         let mut camera = found.into_iter().find(named).ok_or_else(|| match count {
@@ -50,9 +52,11 @@ pub fn read_per_camera(
                 found,
             },
         })?;
+
         camera.name.clone_from(name);
         cameras.push(camera);
     }
+
     let path = files
         .first()
         .map_or(Path::new("calibration"), |(_, path)| path);
@@ -107,6 +111,8 @@ fn folder(path: &Path) -> Result<Vec<UncheckedCamera>, CalibrationError> {
         let entry = entry.map_err(|reason| unreadable(path, reason))?;
         names.extend(entry.file_name().into_string());
     }
+
+    // descending, so that the first found is the last by name
     names.sort_by(|a, b| natural(b, a));
     let is_manifest = |name: &str| matches!(name, "sequence.toml" | "Config.toml" | "Cargo.toml");
     let last = |ending: &str| {
@@ -118,6 +124,7 @@ fn folder(path: &Path) -> Result<Vec<UncheckedCamera>, CalibrationError> {
         .or(pair)
         .or_else(|| last(".qca.txt"))
         .or_else(|| last(".xcp"));
+
     match chosen {
         Some(name) => file(&path.join(name)),
         None => Err(CalibrationError::EmptyFolder { path: path.into() }),

@@ -46,6 +46,7 @@ pub(super) fn cameras(
         };
         return Ok(vec![source.camera()?]);
     }
+
     let cameras = names.iter().map(|name| {
         let source = Source {
             storages,

@@ -45,6 +45,7 @@ impl Storage {
                 found: token.clone(),
             })
         };
+
         let values: Result<Vec<f64>, _> = entry.tokens.iter().map(parse).collect();
         let values = values?;
         if entry.expected.is_some_and(|n| n != values.len()) {
@@ -55,6 +56,7 @@ impl Storage {
                 found: values.len(),
             });
         }
+
         Ok(Numbers {
             path: self.path.clone(),
             line: Some(entry.line),
@@ -126,6 +128,8 @@ pub(super) fn parse_yaml(path: &Path, text: &str) -> Result<Storage, Calibration
         if is_marker || line.trim_start().starts_with('#') || line.is_empty() {
             continue;
         }
+
+        // an indented line or list item continues the entry above, as does every line within brackets
         let open = blocks.last().is_some_and(Block::is_open);
         if open || line.starts_with([' ', '\t', '-']) {
             let block = blocks
@@ -139,6 +143,7 @@ pub(super) fn parse_yaml(path: &Path, text: &str) -> Result<Storage, Calibration
             blocks.push(Block::new(unquoted(key.trim()), index + 1, rest));
         }
     }
+
     if let Some(block) = blocks.iter().find(|block| block.is_open()) {
         return Err(CalibrationError::Syntax {
             place: Place::new(path, Some(block.line), None),
@@ -146,6 +151,7 @@ pub(super) fn parse_yaml(path: &Path, text: &str) -> Result<Storage, Calibration
             found: "the end of the file".into(),
         });
     }
+
     Ok(Storage {
         path: path.into(),
         entries: blocks.iter().map(Block::entry).collect(),
@@ -215,6 +221,8 @@ impl Block {
 /// The text of the first value: a list in brackets, a list of dashes, or the rest of the line.
 fn first_value(text: &str) -> &str {
     let first_line = text.lines().next().unwrap_or("").trim();
+
+    // block style: a list whose items begin lines
     if first_line.is_empty() && text.trim_start().starts_with('-') {
         let lines = text.split_inclusive('\n');
         let end: usize = lines
@@ -223,9 +231,12 @@ fn first_value(text: &str) -> &str {
             .sum();
         return &text[..end];
     }
+
     if !text.trim_start().starts_with('[') {
         return first_line;
     }
+
+    // flow style: up to the bracket that closes the list
     let mut depth = 0_usize;
     for (index, c) in text.char_indices() {
         match c {

@@ -89,6 +89,7 @@ fn sections<'a>(path: &'a Path, text: &'a str, document: &'a DeTable<'a>) -> Vec
             table,
             nested,
         };
+
         if is_camera(table) {
             sections.push(section(key.get_ref(), value, table, false));
         } else if key.get_ref() == "cameras" {
@@ -99,6 +100,7 @@ fn sections<'a>(path: &'a Path, text: &'a str, document: &'a DeTable<'a>) -> Vec
             sections.extend(inner);
         }
     }
+
     sections.sort_by(|a, b| natural(a.key, b.key));
     sections
 }
@@ -195,6 +197,7 @@ impl Section<'_> {
             DeValue::String(text) => (None, text.to_string()),
             other => (None, other.type_str().to_owned()),
         };
+
         values.push(number.ok_or_else(|| CalibrationError::NotANumber {
             place: self.place(line_at(self.text, value.span().start)),
             key: key.into(),
@@ -228,12 +231,14 @@ fn section(camera: &Camera) -> String {
     let is_bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
     let bare = !camera.name.is_empty() && camera.name.chars().all(is_bare);
     let key = if bare { &camera.name } else { &name };
+
     let k = camera.intrinsics.matrix();
     let row = |i: usize| list(&[k[(i, 0)], k[(i, 1)], k[(i, 2)]]);
     let size = list(&[camera.width_px.into(), camera.height_px.into()]);
     let pose = &camera.camera_from_world;
     let rotation = list(pose.rotation.scaled_axis().as_slice());
     let translation = list(pose.translation.vector.as_slice());
+
     format!(
         "[{key}]\nname = {name}\nsize = {size}\nmatrix = [ {}, {}, {}]\n{}\nrotation = {rotation}\n\
          translation = {translation}\nfisheye = {}\n\n",
@@ -260,6 +265,8 @@ fn lens(distortion: &Distortion) -> String {
             k6,
         } => {
             let all = [k1, k2, p1, p2, k3, k4, k5, k6];
+
+            // OpenCV reads 4, 5 or 8 coefficients
             let used = all.iter().rposition(|k| k.abs() > 0.0).map_or(0, |i| i + 1);
             let length = [4, 5, 8].into_iter().find(|&n| n >= used).unwrap_or(8);
             all[..length].to_vec()

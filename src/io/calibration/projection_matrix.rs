@@ -31,9 +31,12 @@ pub(super) fn parse(
         common_size: Size::Unstated,
         blocks: Vec::new(),
     };
+
     for (index, line) in text.lines().enumerate() {
         reader.line(index + 1, line)?;
     }
+
+    // a single camera may go without a name
     let nameless = reader.blocks.len() == 1;
     let mut cameras = Vec::new();
     for mut block in reader.blocks {
@@ -42,6 +45,7 @@ pub(super) fn parse(
         }
         cameras.push(block.camera(path)?);
     }
+
     Ok(cameras)
 }
 
@@ -105,6 +109,8 @@ impl Reader<'_> {
                 found: values.len(),
             });
         }
+
+        // a row after a full matrix begins the next camera
         let full = self
             .blocks
             .last()
@@ -115,6 +121,7 @@ impl Reader<'_> {
         if let Some(block) = self.blocks.last_mut() {
             block.values.extend(values);
         }
+
         Ok(())
     }
 
@@ -169,16 +176,19 @@ impl Block {
                 key: "the camera's name above its matrix".into(),
             });
         }
+
         let numbers = |key: &str, values: Vec<f64>| Numbers {
             path: path.into(),
             line: Some(self.line),
             key: key.into(),
             values,
         };
+
         let entries = numbers("projection matrix", self.values).exactly::<12>("12", &self.name)?;
         let matrix = Matrix3x4::from_row_slice(&entries);
         let (k, r, t) = decompose(&matrix).ok_or(CalibrationError::Projection { place })?;
         let by_rows = |m: &Matrix3<f64>| m.transpose().as_slice().to_vec();
+
         Ok(UncheckedCamera {
             path: path.into(),
             line: Some(self.line),

@@ -52,11 +52,13 @@ fn camera(camera: &Element<'_, '_>) -> Result<UncheckedCamera, CalibrationError>
     let [fov, intrinsic, transform] =
         ["fov_video", "intrinsic", "transform"].map(|name| camera.child(name));
     let (fov, intrinsic, transform) = (fov?, intrinsic?, transform?);
+
     let (left, top) = (fov.number("left")?, fov.number("top")?);
     let size = vec![
         fov.number("right")? - left + 1.0,
         fov.number("bottom")? - top + 1.0,
     ];
+
     let pixels = |key: &str| intrinsic.number(key).map(|value| value / SUBPIXELS);
     let matrix = vec![
         pixels("focalLengthU")?,
@@ -73,6 +75,7 @@ fn camera(camera: &Element<'_, '_>) -> Result<UncheckedCamera, CalibrationError>
         0.0,
         1.0,
     ];
+
     let (rotation, translation) = pose(&transform)?;
     Ok(UncheckedCamera {
         name: camera.text("serial")?.into(),

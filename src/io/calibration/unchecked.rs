@@ -194,6 +194,8 @@ impl UncheckedCamera {
                 focal_px,
             });
         }
+
+        // these entries are 0 in a camera matrix, and the last is 1
         let defects = [(k21, k21), (k31, k31), (k32, k32), (k33 - 1.0, k33)];
         if let Some((_, found)) = defects.into_iter().find(|(defect, _)| defect.abs() > 1e-9) {
             return Err(CalibrationError::Intrinsics {
@@ -202,6 +204,7 @@ impl UncheckedCamera {
                 found,
             });
         }
+
         Ok(Intrinsics {
             fx_px,
             fy_px,

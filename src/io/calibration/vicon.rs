@@ -41,12 +41,15 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Vec<UncheckedCamera>, Cal
         })
         .filter(|camera| !key_frames(camera).is_empty())
         .collect();
+
+    // where some cameras record video, the others see only markers
     let any_video = elements.iter().any(records_video);
     let mut cameras = elements
         .iter()
         .filter(|camera| !any_video || records_video(camera))
         .map(camera)
         .collect::<Result<Vec<_>, _>>()?;
+
     cameras.sort_by(|a, b| natural(&a.name, &b.name));
     Ok(cameras)
 }
@@ -75,19 +78,23 @@ fn camera(camera: &Element<'_, '_>) -> Result<UncheckedCamera, CalibrationError>
             key_frames: frames.len(),
         });
     };
+
     let aspect = match camera.node.attribute("PIXEL_ASPECT_RATIO") {
         Some(_) => camera.number("PIXEL_ASPECT_RATIO")?,
         None => 1.0,
     };
+
     let focal = frame.number("FOCAL_LENGTH")?;
     let [cu, cv] = frame
         .numbers("PRINCIPAL_POINT")?
         .exactly::<2>("2", camera.camera)?;
     let matrix = vec![focal, 0.0, cu, 0.0, focal / aspect, cv, 0.0, 0.0, 1.0];
+
     let size = match camera.node.attribute("SENSOR_SIZE") {
         Some(_) => Size::Sensor(camera.numbers("SENSOR_SIZE")?),
         None => Size::Unstated,
     };
+
     let (rotation, translation) = pose(frame)?;
     Ok(UncheckedCamera {
         name: camera.text("DEVICEID")?.into(),
@@ -142,14 +149,17 @@ impl Sensor {
 
 fn lens(frame: &Element<'_, '_>, sensor: &Sensor) -> Result<Lens, CalibrationError> {
     let (key, centre, k) = coefficients(frame, sensor)?;
+
     let bend = |i: usize| k[i].abs() * sensor.corner_squared().powi([1, 2, 3][i]);
     if (0..3).any(|i| bend(i) > LARGEST_BEND) {
         let opencv = vec![k[0], k[1], 0.0, 0.0, k[2]];
         return Ok(Lens::BrownConrady(frame.computed(key, opencv)));
     }
+
     if k.iter().all(|k| k.abs() <= 0.0) {
         return Ok(Lens::BrownConrady(frame.computed(key, Vec::new())));
     }
+
     let (f, f_squared) = (sensor.focal, sensor.focal.powi(2));
     let normalized = vec![
         (centre[0] - sensor.principal[0]) / f,

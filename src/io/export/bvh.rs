@@ -78,8 +78,11 @@ fn bones(model: &BodyModel, shape: &Shape) -> Result<Vec<Bone>, BvhError> {
         let (body, roots) = (model.name.clone(), roots.len());
         return Err(BvhError::Roots { body, roots });
     };
+
     let straight = Motion::straight(model);
     let body = Posed::new(model, shape, &straight);
+
+    // in the T pose the arms stretch sideways
     let t_pose = |part: usize| {
         let name = &model.parts[part].name;
         let is_arm = ["upper_arm", "forearm", "hand"]
@@ -93,6 +96,7 @@ fn bones(model: &BodyModel, shape: &Shape) -> Result<Vec<Bone>, BvhError> {
         let arm_out = Rotation3::from_axis_angle(&Vector3::x_axis(), out);
         UpAxis::Y.export_from_world() * arm_out.matrix() * body.world_from_part(PartId(part))
     };
+
     let mut bones = Vec::new();
     let mut waiting = vec![(root, None)];
     while let Some((part, parent)) = waiting.pop() {
@@ -105,12 +109,14 @@ fn bones(model: &BodyModel, shape: &Shape) -> Result<Vec<Bone>, BvhError> {
                 parent.file_from_part_in_t_pose * body.in_part(parent.part, &origin)
             }
         };
+
         bones.push(Bone {
             part: PartId(part),
             parent,
             offset,
             file_from_part_in_t_pose: t_pose(part),
         });
+
         let children = (0..model.parts.len()).filter(|c| parent_part(model, *c) == Some(part));
         waiting.extend(children.map(|child| (child, Some(place))));
     }
@@ -148,16 +154,19 @@ fn joint(
         ),
         Some(_) => ("JOINT", "3 Zrotation Xrotation Yrotation"),
     };
+
     let name = common_name(&model.parts[bone.part.0].name);
     let _ = writeln!(text, "{pad}{word} {name}\n{pad}{{");
     let _ = writeln!(text, "{pad}  OFFSET {}", numbers(&bone.offset));
     let _ = writeln!(text, "{pad}  CHANNELS {channels}");
+
     let children = (at + 1..bones.len()).filter(|c| bones[*c].parent == Some(at));
     let mut has_child = false;
     for child in children {
         has_child = true;
         joint(text, model, shape, bones, child, depth + 1);
     }
+
     if !has_child {
         let end = bone.file_from_part_in_t_pose * tip(model, shape, bone.part);
         let _ = writeln!(
@@ -166,6 +175,7 @@ fn joint(
             numbers(&end)
         );
     }
+
     let _ = writeln!(text, "{pad}}}");
 }
 
@@ -214,6 +224,7 @@ fn common_name(part: &str) -> String {
         (_, Some(bare)) => (bare, "Right"),
         _ => (part, ""),
     };
+
     let name = match bare {
         "pelvis" => "Hips",
         "abdomen" => "Spine",
@@ -228,6 +239,7 @@ fn common_name(part: &str) -> String {
         "foot" => "Foot",
         other => other,
     };
+
     format!("{side}{name}")
 }
 

@@ -115,14 +115,18 @@ pub fn c3d(input: &C3dInput<'_>) -> Result<Vec<u8>, C3dError> {
         let (frames, points) = (last, count);
         return Err(C3dError::TooLarge { frames, points });
     }
+
+    // the parameters state where the data begin, which follows from their own length
     let mut parameters = parameters(input, &angles, frames, 0);
     let data_block = 2 + parameters.len() / BLOCK;
     parameters = self::parameters(input, &angles, frames, data_block as u16);
+
     let mut bytes = header(input, count as u16, last as u16, data_block as u16);
     bytes.extend(parameters);
     for frame in 0..frames {
         data(input, &angles, frame, &mut bytes);
     }
+
     bytes.resize(bytes.len().div_ceil(BLOCK) * BLOCK, 0);
     Ok(bytes)
 }
@@ -174,6 +178,8 @@ fn data(
             bytes.extend(value.to_le_bytes());
         }
     };
+
+    // fourth number: cameras in the high byte, the residual in steps of SCALE in the low one
     let cameras = f32::from(input.cameras.get(frame).copied().unwrap_or(0) & 0x7f);
     for point in input.points {
         let sd = point.sd_m[frame].norm() / 3_f64.sqrt();
@@ -186,6 +192,7 @@ fn data(
             256.0 * cameras + steps as f32,
         );
     }
+
     for (_, track) in angles {
         push(Vector3::from(track[frame]), 0.0);
     }
@@ -203,6 +210,7 @@ fn parameters(
     let angle_labels: Vec<&str> = angles.iter().map(|(name, _)| name.as_str()).collect();
     let all = [labels, angle_labels.clone()].concat();
     let mut section = Section::default();
+
     section.group("POINT");
     section.integer("USED", all.len() as u16);
     section.integer("FRAMES", frames as u16);
@@ -216,6 +224,7 @@ fn parameters(
     section.texts("ANGLE_UNITS", &["deg"]);
     section.texts("X_SCREEN", &["+Z"]);
     section.texts("Y_SCREEN", &["+Y"]);
+
     section.group("ANALOG");
     section.integer("USED", 0);
     section.float("RATE", &[0.0], &[]);
@@ -224,13 +233,16 @@ fn parameters(
     section.integers("OFFSET", &[]);
     section.texts("LABELS", &[]);
     section.texts("UNITS", &[]);
+
     section.group("TRIAL");
     let field = |frame: usize| [frame as u16, (frame >> 16) as u16];
     section.integers("ACTUAL_START_FIELD", &field(input.first_frame + 1));
     section.integers("ACTUAL_END_FIELD", &field(input.first_frame + frames));
     section.float("CAMERA_RATE", &[rate], &[]);
+
     section.group("FORCE_PLATFORM");
     section.integer("USED", 0);
+
     events(&mut section, input.events);
     section.blocks()
 }

@@ -56,12 +56,14 @@ pub fn glb(
     if motions.iter().all(Option::is_none) {
         return Err(GlbError::Empty);
     }
+
     let skin = match model.metaballs.is_empty() {
         true => skinned_ellipsoids(model, shape),
         false => skinned(model, shape)?,
     };
     let rest = poses(&Posed::new(model, shape, &skin.bind));
     let parents = parents(model);
+
     let mut data = Data::default();
     let mesh = mesh(&mut data, &skin);
     let bind = rest.iter().map(|pose| pose.inverse().to_homogeneous());
@@ -69,12 +71,13 @@ pub fn glb(
         .flat_map(|m| m.iter().map(|v| *v as f32).collect::<Vec<_>>())
         .collect();
     let bind = data.floats("MAT4", &bind);
+
     let keys: Vec<(usize, &Motion)> = motions
         .iter()
         .enumerate()
         .filter_map(|(i, m)| Some((i, m.as_ref()?)))
         .collect();
-    let of_keys: Vec<_> = keys
+    let local_poses: Vec<_> = keys
         .iter()
         .map(|(_, m)| local(&poses(&Posed::new(model, shape, m)), &parents))
         .collect();
@@ -82,7 +85,8 @@ pub fn glb(
         .iter()
         .map(|(i, _)| (*i as f64 / rate_hz) as f32)
         .collect();
-    let animation = animation(&mut data, &seconds, &of_keys);
+    let animation = animation(&mut data, &seconds, &local_poses);
+
     let document = json!({
         "asset": { "version": "2.0", "generator": concat!("maquette ", env!("CARGO_PKG_VERSION")) },
         "scene": 0,
@@ -97,6 +101,7 @@ pub fn glb(
         "bufferViews": data.views,
         "buffers": [{ "byteLength": data.bytes.len() }],
     });
+
     container(&document, data.bytes)
 }
 
@@ -107,6 +112,7 @@ fn nodes(model: &BodyModel, local: &[Isometry3<f64>], parents: &[Option<usize>])
             .filter(|i| parents[*i] == of)
             .collect::<Vec<_>>()
     };
+
     let part = |i: usize| {
         let mut node = json!({
             "name": model.parts[i].name,
@@ -119,7 +125,10 @@ fn nodes(model: &BodyModel, local: &[Isometry3<f64>], parents: &[Option<usize>])
         }
         node
     };
+
     let mut nodes: Vec<Value> = (0..parents.len()).map(part).collect();
+
+    // glTF has Y up
     let turn = Rotation3::from_matrix_unchecked(UpAxis::Y.export_from_world());
     let turn = rotation(&UnitQuaternion::from_rotation_matrix(&turn));
     nodes.push(json!({ "name": "body", "rotation": turn, "children": children(None) }));
@@ -149,16 +158,12 @@ fn mesh(data: &mut Data, skin: &SkinnedMesh) -> Value {
         .zip(&skin.weights)
         .flat_map(joint)
         .collect();
-    let joints = data.push(
-        "VEC4",
-        UNSIGNED_BYTE,
-        (joints.len() / 4, &joints),
-        json!({}),
-    );
+    let joints = data.push("VEC4", UNSIGNED_BYTE, joints.len() / 4, &joints, json!({}));
+
     let corners = skin.mesh.triangles.iter().flatten();
     let count = 3 * skin.mesh.triangles.len();
     let corners: Vec<u8> = corners.flat_map(|i| i.to_le_bytes()).collect();
-    let indices = data.push("SCALAR", UNSIGNED_INT, (count, &corners), json!({}));
+    let indices = data.push("SCALAR", UNSIGNED_INT, count, &corners, json!({}));
     json!({ "name": "skin", "primitives": [{
         "attributes": { "POSITION": position, "NORMAL": normal, "JOINTS_0": joints, "WEIGHTS_0": weights },
         "indices": indices,
@@ -276,19 +281,21 @@ impl Data {
             .collect();
         let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
         let bounds = json!({ "min": least, "max": most });
-        self.push(kind, FLOAT, (values.len() / width, &bytes), bounds)
+        self.push(kind, FLOAT, values.len() / width, &bytes, bounds)
     }
 
     fn push(
         &mut self,
         kind: &str,
         component: u32,
-        (count, bytes): (usize, &[u8]),
+        count: usize,
+        bytes: &[u8],
         mut accessor: Value,
     ) -> usize {
         self.views.push(
             json!({ "buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len() }),
         );
+
         accessor["bufferView"] = json!(self.views.len() - 1);
         accessor["componentType"] = json!(component);
         accessor["count"] = json!(count);

@@ -59,10 +59,11 @@ const OF_ARM: [(Angle, &str); 4] = [
 pub fn coordinates(movement: &Movement, gait: &GaitAnalysis) -> Option<MotionTable> {
     let segments = movement.segments.as_ref()?;
     let pelvis = segments.axes.get(&Segment::Pelvis)?;
-    let mut columns = of_pelvis(pelvis, movement.track(Landmark::MidHip)?);
+    let mut columns = pelvis_columns(pelvis, movement.track(Landmark::MidHip)?);
     for side in [Side::Right, Side::Left] {
-        columns.extend(of_side(segments, gait, side, movement.frames));
+        columns.extend(side_columns(segments, gait, side, movement.frames));
     }
+
     if let Some(trunk) = segments.axes.get(&Segment::Trunk) {
         let turn = |(p, t): (&Matrix3<f64>, &Matrix3<f64>)| cardan_zxy(&(p.transpose() * t));
         let turns: Vec<[f64; 3]> = pelvis.iter().zip(trunk).map(turn).collect();
@@ -71,6 +72,7 @@ pub fn coordinates(movement: &Movement, gait: &GaitAnalysis) -> Option<MotionTab
             &turns,
         ));
     }
+
     let time = |i: usize| (movement.first_frame + i) as f64 / movement.rate_hz;
     Some(MotionTable {
         times_s: (0..movement.frames).map(time).collect(),
@@ -78,7 +80,7 @@ pub fn coordinates(movement: &Movement, gait: &GaitAnalysis) -> Option<MotionTab
     })
 }
 
-fn of_pelvis(pelvis: &[Matrix3<f64>], hips: &[Vector3<f64>]) -> Vec<Column> {
+fn pelvis_columns(pelvis: &[Matrix3<f64>], hips: &[Vector3<f64>]) -> Vec<Column> {
     let turn = |axes: &Matrix3<f64>| cardan_zxy(&(UpAxis::Y.export_from_world() * axes));
     let turns: Vec<[f64; 3]> = pelvis.iter().map(turn).collect();
     let origin = |(hips, axes): (&Vector3<f64>, &Matrix3<f64>)| -> [f64; 3] {
@@ -95,7 +97,12 @@ fn of_pelvis(pelvis: &[Matrix3<f64>], hips: &[Vector3<f64>]) -> Vec<Column> {
     columns
 }
 
-fn of_side(segments: &Segments, gait: &GaitAnalysis, side: Side, frames: usize) -> Vec<Column> {
+fn side_columns(
+    segments: &Segments,
+    gait: &GaitAnalysis,
+    side: Side,
+    frames: usize,
+) -> Vec<Column> {
     let known = |angle| gait.angles.get(&(side, angle)).cloned();
     let column =
         |(angle, name): (Angle, &'static str)| (name, known(angle).unwrap_or(vec![0.0; frames]));
@@ -148,6 +155,7 @@ pub fn motion_text(table: &MotionTable, kind: TableKind, name: &str) -> String {
             .all(|(_, values)| values[*i].is_finite())
     };
     let rows: Vec<usize> = (0..table.times_s.len()).filter(is_known).collect();
+
     let (title, in_degrees) = match kind {
         TableKind::Mot => ("Coordinates", "yes"),
         TableKind::Sto => (name, "no"),
@@ -158,10 +166,12 @@ pub fn motion_text(table: &MotionTable, kind: TableKind, name: &str) -> String {
          If the header above contains a line with 'inDegrees', this indicates whether rotational values are in degrees (yes) or radians (no).\n\n\
          endheader\ntime"
     );
+
     for (name, _) in &table.columns {
         let _ = write!(text, "\t{name}");
     }
     text.push('\n');
+
     for i in rows {
         let _ = write!(text, "{:16.8}", table.times_s[i]);
         for (name, values) in &table.columns {
@@ -174,5 +184,6 @@ pub fn motion_text(table: &MotionTable, kind: TableKind, name: &str) -> String {
         }
         text.push('\n');
     }
+
     text
 }

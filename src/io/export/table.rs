@@ -21,6 +21,7 @@ pub fn frame_table(movement: &Movement, points: &[FittedPoint], gait: &GaitAnaly
     let numbers = movement.first_frame..movement.first_frame + movement.frames;
     let time = |frame: usize| frame as f64 / movement.rate_hz;
     let mut columns = vec![("time_s".to_owned(), numbers.clone().map(time).collect())];
+
     for point in points {
         for (track, what) in [(&point.track, ""), (&point.sd_m, "sd_")] {
             let turned: Vec<_> = track.iter().map(|v| UpAxis::Y.to_export(v)).collect();
@@ -30,6 +31,7 @@ pub fn frame_table(movement: &Movement, points: &[FittedPoint], gait: &GaitAnaly
             }
         }
     }
+
     let degrees = |track: &[f64]| track.iter().map(|a| a.to_degrees()).collect();
     for (key, track) in &gait.angles {
         let (side, angle) = key;
@@ -39,6 +41,7 @@ pub fn frame_table(movement: &Movement, points: &[FittedPoint], gait: &GaitAnaly
         columns.push((format!("{name}_deg"), degrees(track)));
         columns.extend(sd.map(|sd| (format!("{name}_sd_deg"), degrees(sd))));
     }
+
     FrameTable {
         frames: numbers.map(|frame| frame as i64).collect(),
         columns,

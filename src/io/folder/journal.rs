@@ -159,8 +159,10 @@ fn difference(place: &str, was: &Value, is: &Value) -> Option<(String, String, S
         "" => key.to_owned(),
         place => format!("{place} {key}"),
     };
+
     match (was, is) {
         (Value::Object(a), Value::Object(b)) => {
+            // keys of both, so that one that is new or gone counts as well
             let mut keys: Vec<&String> = a.keys().chain(b.keys()).collect();
             keys.sort();
             keys.dedup();

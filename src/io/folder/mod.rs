@@ -224,23 +224,33 @@ fn remove_unfinished(folder: &Path) {
 /// # Errors
 /// [`OutError::Write`] names the file.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), OutError> {
-    let parent = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
     let write = || {
         let mut builder = tempfile::Builder::new();
         builder.prefix(UNFINISHED);
         // as any new file, for others to read as the user's mask allows
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        let mut file = builder.tempfile_in(parent)?;
+        let mut file = builder.tempfile_in(parent_of(path))?;
         file.write_all(bytes)?;
         file.as_file().sync_all()?;
         file.persist(path).map_err(|error| error.error)?;
         Ok(())
     };
     write().map_err(|source| OutError::write(path, source))
+}
+
+/// The folder that a file or folder is in.
+pub(super) fn parent_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    }
+}
+
+/// Writes a file, if it could be encoded.
+pub(super) fn write_encoded(path: &Path, file: io::Result<Vec<u8>>) -> Result<(), OutError> {
+    file.and_then(|bytes| fs::write(path, bytes))
+        .map_err(|source| OutError::write(path, source))
 }
 
 /// A camera's name as the name of a folder, whatever it holds.

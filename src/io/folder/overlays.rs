@@ -1,12 +1,11 @@
 //! Pictures of the fit over the masks: `<camera>/%06d.png`.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
 use super::png::{self, Effort};
-use super::{OutError, OutFolder, file_name};
+use super::{OutError, OutFolder, file_name, write_encoded};
 use crate::body::{BodyModel, Posed};
 use crate::camera::CameraId;
 use crate::image::Picture;
@@ -42,16 +41,19 @@ pub fn write(
         .iter()
         .map(|(id, camera)| (id, folder.join(file_name(&camera.name))))
         .collect();
+
     for (_, path) in &cameras {
         OutFolder::open(path)?;
     }
+
     let all: Vec<_> = fit
         .frames
         .iter()
         .flat_map(|frame| cameras.iter().map(move |(id, path)| (frame, *id, path)))
         .collect();
+
     all.into_par_iter().try_for_each(|(frame, id, folder)| {
-        if let Some(canvas) = picture(recording, model, fit, (frame, id))? {
+        if let Some(canvas) = picture(recording, model, fit, frame, id)? {
             let path = folder.join(format!("{:06}.png", frame.frame.0));
             write_picture(canvas.pixels(), &path)?;
         }
@@ -65,7 +67,8 @@ fn picture(
     recording: &ObservationFiles,
     model: &BodyModel,
     fit: &Fit,
-    (frame, id): (&FittedFrame, CameraId),
+    frame: &FittedFrame,
+    id: CameraId,
 ) -> Result<Option<Canvas>, RecordingError> {
     let mask = recording.load_mask(id, frame.frame)?;
     let body = Posed::new(model, &fit.shape, &frame.fit.motion);
@@ -78,7 +81,5 @@ fn picture(
 /// # Errors
 /// [`OutError::Write`].
 pub fn write_picture(picture: &Picture, path: &Path) -> Result<(), OutError> {
-    png::of_picture(picture, Effort::Quick)
-        .and_then(|bytes| fs::write(path, bytes))
-        .map_err(|source| OutError::write(path, source))
+    write_encoded(path, png::encode_picture(picture, Effort::Quick))
 }

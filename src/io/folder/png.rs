@@ -19,7 +19,8 @@ pub(in crate::io) enum Effort {
 /// A picture of these bytes, row by row.
 pub(in crate::io) fn encode(
     bytes: &[u8],
-    (width, height): (usize, usize),
+    width: usize,
+    height: usize,
     colour: ExtendedColorType,
     effort: Effort,
 ) -> io::Result<Vec<u8>> {
@@ -35,16 +36,21 @@ pub(in crate::io) fn encode(
 }
 
 /// A mask: 8 bits, grey, 0 and 255.
-pub(in crate::io) fn of_mask(mask: &Mask, effort: Effort) -> io::Result<Vec<u8>> {
+pub(in crate::io) fn encode_mask(mask: &Mask, effort: Effort) -> io::Result<Vec<u8>> {
     let rows = (0..mask.height()).flat_map(|y| mask.row(y));
     let pixels: Vec<u8> = rows.map(|v| 255 * v).collect();
-    let size = (mask.width(), mask.height());
-    encode(&pixels, size, ExtendedColorType::L8, effort)
+    encode(
+        &pixels,
+        mask.width(),
+        mask.height(),
+        ExtendedColorType::L8,
+        effort,
+    )
 }
 
 /// A picture in colours: 8 bits each.
-pub(in crate::io) fn of_picture(picture: &Picture, effort: Effort) -> io::Result<Vec<u8>> {
-    let size = (picture.width(), picture.height());
+pub(in crate::io) fn encode_picture(picture: &Picture, effort: Effort) -> io::Result<Vec<u8>> {
     let bytes = picture.values().as_flattened();
-    encode(bytes, size, ExtendedColorType::Rgb8, effort)
+    let (width, height) = (picture.width(), picture.height());
+    encode(bytes, width, height, ExtendedColorType::Rgb8, effort)
 }

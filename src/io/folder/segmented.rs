@@ -10,7 +10,7 @@ use serde::Serialize;
 use super::jpeg;
 use super::png::{self, Effort};
 use super::table;
-use super::{OutError, OutFolder, file_name};
+use super::{OutError, OutFolder, file_name, write_encoded};
 use crate::camera::Rig;
 use crate::image::{Mask, Picture, Plane};
 use crate::pipeline::segment::{MaskQuality, SegmentedFrame};
@@ -128,14 +128,14 @@ impl MaskFolder {
                 self.root.join(kind).join(folder).join(name)
             };
 
-            let mask = png::of_mask(&cut.mask, Effort::Quick);
-            written(path("masks", "png"), mask)?;
+            let mask = png::encode_mask(&cut.mask, Effort::Quick);
+            write_encoded(&path("masks", "png"), mask)?;
             if self.extras.probability {
-                written(path("probability", "png"), grey(&cut.probability))?;
+                write_encoded(&path("probability", "png"), grey(&cut.probability))?;
             }
             if self.extras.overlays {
                 let overlay = jpeg::encode(&over(picture, &cut.mask), JPEG_QUALITY);
-                written(path("mask-overlays", "jpg"), overlay)?;
+                write_encoded(&path("mask-overlays", "jpg"), overlay)?;
             }
         }
         Ok(())
@@ -190,13 +190,14 @@ fn over(picture: &Picture, mask: &Mask) -> Picture {
     over
 }
 
-fn written(path: PathBuf, file: io::Result<Vec<u8>>) -> Result<(), OutError> {
-    let written = file.and_then(|bytes| fs::write(&path, bytes));
-    written.map_err(|source| OutError::Write { path, source })
-}
-
 fn grey(probability: &Plane<f32>) -> io::Result<Vec<u8>> {
     let grey = probability.map(|p| (255.0 * p).round() as u8);
-    let size = (grey.width(), grey.height());
-    png::encode(grey.values(), size, ExtendedColorType::L8, Effort::Quick)
+    let (width, height) = (grey.width(), grey.height());
+    png::encode(
+        grey.values(),
+        width,
+        height,
+        ExtendedColorType::L8,
+        Effort::Quick,
+    )
 }

@@ -74,7 +74,8 @@ impl SilhouetteFolder {
     pub fn view(
         &mut self,
         frame: FrameIndex,
-        (camera, picture): (&Camera, &Picture),
+        camera: &Camera,
+        picture: &Picture,
         seen: &Seen,
         model: &BodyModel,
     ) -> Result<(), OutError> {
@@ -87,31 +88,35 @@ impl SilhouetteFolder {
                 .join(file_name(&camera.name))
                 .join(name)
         };
-        let png = png::of_mask(&mask, Effort::Quick);
+
+        let png = png::encode_mask(&mask, Effort::Quick);
         write(&path("masks", ".png"), png)?;
-        let json = serde_json::to_vec(&ContourFile::of(frame, camera, contours, model));
+        let json = serde_json::to_vec(&ContourFile::new(frame, camera, contours, model));
         let json = json.map_err(std::io::Error::other);
         write(&path("contours", ".json"), json)?;
         write(
             &path("contours", ".svg"),
             Ok(svg(camera, contours).into_bytes()),
         )?;
+
         if self.extras.overlays {
             let canvas = over(picture, camera, contours);
-            let png = png::of_picture(canvas.pixels(), Effort::Quick);
+            let png = png::encode_picture(canvas.pixels(), Effort::Quick);
             write(&path("overlays", ".png"), png)?;
         }
+
         if self.extras.stages {
-            let passed = png::of_mask(&seen.filtered.mask, Effort::Quick);
+            let passed = png::encode_mask(&seen.filtered.mask, Effort::Quick);
             write(&path("stages", "_mask.png"), passed)?;
             let scale = 160.0 / seen.filtered.strong.max(1.0);
             let grey = seen
                 .filtered
                 .magnitude()
                 .map(|g| [(scale * g).min(255.0) as u8; 3]);
-            let grey = png::of_picture(&grey, Effort::Quick);
+            let grey = png::encode_picture(&grey, Effort::Quick);
             write(&path("stages", "_gradient.png"), grey)?;
         }
+
         self.rows.push(row(frame, camera, contours, &mask));
         Ok(())
     }
@@ -167,7 +172,7 @@ struct CurveFile<'a> {
 }
 
 impl<'a> ContourFile<'a> {
-    fn of(
+    fn new(
         frame: FrameIndex,
         camera: &'a Camera,
         contours: &ViewContours,
@@ -184,6 +189,7 @@ impl<'a> ContourFile<'a> {
                 .map(|p| model.parts[p.part.0].name.as_str())
                 .collect(),
         };
+
         Self {
             frame: frame.0,
             camera: &camera.name,
@@ -231,6 +237,7 @@ fn over(picture: &Picture, camera: &Camera, contours: &ViewContours) -> Canvas {
         width_px: 1.2,
     };
     let recorded = |a: &Point2<f64>, b: &Point2<f64>| [camera.distort(a), camera.distort(b)];
+
     let (mut expected, mut sure, mut unsure) = (Vec::new(), Vec::new(), Vec::new());
     for curve in &contours.outer {
         for (a, b) in curve.iter().zip(curve.iter().cycle().skip(1)) {
@@ -243,8 +250,10 @@ fn over(picture: &Picture, camera: &Camera, contours: &ViewContours) -> Canvas {
             found.push(recorded(&a.pixel, &b.pixel));
         }
     }
+
     let pairs = contours.inner.iter().flat_map(|curve| curve.windows(2));
     let inner: Vec<_> = pairs.map(|w| recorded(&w[0].pixel, &w[1].pixel)).collect();
+
     canvas.draw(&expected, pen([70, 70, 255]));
     canvas.draw(&inner, pen([0, 230, 230]));
     canvas.draw(&unsure, pen([255, 40, 0]));

@@ -87,6 +87,7 @@ impl StereoFolder {
             points: measured.points().len(),
             reason: measured.reason,
         });
+
         if let Some(surface) = &measured.surface {
             self.points(frame, &surface.points)?;
             for map in &surface.disparities {
@@ -98,6 +99,7 @@ impl StereoFolder {
                 self.picture(&format!("cloud_{frame:06}"), &cloud)?;
             }
         }
+
         for tracks in measured.ended_tracks {
             if self.extras.pictures {
                 self.motion(&tracks)?;
@@ -114,7 +116,7 @@ impl StereoFolder {
     pub fn finish(self) -> Result<(), OutError> {
         if self.extras.trajectories {
             let path = self.path.join("trajectories.csv");
-            write_atomically(&path, table_of(&self.trajectories).as_bytes())?;
+            write_atomically(&path, trajectory_table(&self.trajectories).as_bytes())?;
         }
         table::finish(&self.out, TABLE, &self.rows)
     }
@@ -129,6 +131,8 @@ impl StereoFolder {
     /// `disparity/<name>.png`, 16 bits: 256 times the disparity in pixels of points nearer than infinity; 0 unknown.
     fn disparity(&self, name: &str, disparities: &Plane<f32>) -> Result<(), OutError> {
         let path = self.path.join(format!("disparity/{name}.png"));
+
+        // 0 stands for no disparity
         let in_steps = |d: &f32| {
             if d.is_finite() {
                 (STEPS * d).round().clamp(1.0, 65535.0) as u16
@@ -136,14 +140,17 @@ impl StereoFolder {
                 0
             }
         };
+
         let bytes: Vec<u8> = disparities
             .values()
             .iter()
             .flat_map(|d| in_steps(d).to_ne_bytes())
             .collect();
-        let size = (disparities.width(), disparities.height());
-        let file = png::encode(&bytes, size, ExtendedColorType::L16, Effort::Quick);
+
+        let (width, height) = (disparities.width(), disparities.height());
+        let file = png::encode(&bytes, width, height, ExtendedColorType::L16, Effort::Quick);
         write_atomically(&path, &file.map_err(|e| OutError::write(&path, e))?)?;
+
         if self.extras.pictures {
             self.picture(&format!("disparity_{name}"), &in_colour(disparities))?;
         }
@@ -168,7 +175,7 @@ impl StereoFolder {
 }
 
 /// `trajectories.csv`: one row for each point of each trajectory, SI units, world.
-fn table_of(trajectories: &[Trajectory]) -> String {
+fn trajectory_table(trajectories: &[Trajectory]) -> String {
     let mut text = String::from("trajectory,frame,x,y,z,vx,vy,vz,ax,ay,az,sigma\n");
     for (id, trajectory) in trajectories.iter().enumerate() {
         for (i, point) in trajectory.points.iter().enumerate() {

@@ -54,6 +54,7 @@ fn empty(spec: &ModelSpec) -> BodyModel {
             turn: spec.root.turn_deg.to_radians(),
         },
     };
+
     BodyModel {
         name: spec.name.clone(),
         coefficients: Vec::new(),
@@ -109,11 +110,14 @@ impl Builder<'_> {
                 let index = spec.factors.iter().position(|f| f == factor);
                 loadings[index.ok_or_else(|| self.missing(&place, "factor", factor))?] = *value;
             }
+
             for side in coefficient.sides.each() {
                 self.model.coefficients.push(side.suffix(&coefficient.name));
                 rows.push((coefficient, loadings.clone()));
             }
         }
+
+        // Σ = ΛΛᵀ + diag(σ²), from the factors' loadings Λ
         let n = rows.len();
         let mean = DVector::from_iterator(n, rows.iter().map(|(c, _)| c.mean));
         let covariance = DMatrix::from_fn(n, n, |i, j| {
@@ -131,11 +135,14 @@ impl Builder<'_> {
             None => None,
             Some(parent) => Some(self.part_named(parent, side, &place)?),
         };
+
         let mut joint = parent.and_then(|p: PartId| self.model.parts[p.0].joint);
         let at_scale = spec.at_scale.as_ref().or(parent.map(|p| &self.scales[p.0]));
         let mut translation = self.scaled(side.place(spec.at), at_scale, side, &place)?;
         let below = parent.map_or(Vec::new(), |p| self.carried[p.0].clone());
         translation.shifts.extend(below.iter().copied());
+
+        // only the first joint lies where the part begins: the others turn in the same place
         let mut turn = side.turn(spec.turn_deg);
         let first = self.model.joints.len();
         for joint_spec in &spec.joints {
@@ -145,11 +152,13 @@ impl Builder<'_> {
             translation = ScaledVector::fixed(Vector3::zeros());
             turn = Rotation3::identity();
         }
+
         let pivot = self.pivot(spec, side, &place)?;
         let carried = match spec.joints.is_empty() {
             true => below,
             false => self.displace(first, &pivot),
         };
+
         self.carried.push(carried);
         self.model.parts.push(Part {
             name,
@@ -209,12 +218,15 @@ impl Builder<'_> {
         mut turn: Rotation3<f64>,
     ) -> Result<Joint, ModelFileError> {
         let axis = self.axis(spec, side)?;
+
+        // Denavit–Hartenberg: turn by α about x, move by (a, 0, d), turn by θ about z
         if let Some(dh) = &spec.dh {
             let alpha = Rotation3::from_axis_angle(&Vector3::x_axis(), dh.alpha_deg.to_radians());
             translation.value += turn * (alpha * Vector3::new(dh.a, 0.0, dh.d));
             turn *=
                 alpha * Rotation3::from_axis_angle(&Vector3::z_axis(), dh.theta_deg.to_radians());
         }
+
         let radians = |d: f64| d.to_radians();
         Ok(Joint {
             name: side.suffix(&spec.name),
@@ -246,6 +258,7 @@ impl Builder<'_> {
         let place = format!("joint {}", spec.name);
         let keys = [("axis", spec.axis.is_some()), ("dh", spec.dh.is_some())];
         self.one_of(&place, keys)?;
+
         let vector = match &spec.axis {
             None => return Ok(Vector3::z_axis()),
             Some(AxisSpec::Vector(v)) => Some(Vector3::from(*v)),
@@ -257,6 +270,7 @@ impl Builder<'_> {
             }
             .map(|v| if letter.starts_with('-') { -v } else { v }),
         };
+
         vector
             .and_then(|v| UnitVector3::try_new(side.axis(v), 1e-9))
             .ok_or_else(|| ModelFileError::Axis {
@@ -344,6 +358,7 @@ impl Builder<'_> {
             ("joint", model.joints.iter().map(|j| &j.name).collect()),
             ("point", model.points.iter().map(|p| &p.name).collect()),
         ];
+
         for (kind, mut names) in lists {
             names.sort();
             if let Some(pair) = names.windows(2).find(|w| w[0] == w[1]) {

@@ -53,6 +53,7 @@ pub(super) fn whole(
     if head.extends.is_none() {
         return toml_of(text, path);
     }
+
     let own: ExtensionSpec = toml_of(text, path)?;
     let base = base(&own.extends, path, read).map_err(|fault| match fault {
         ModelFileError::ExtendsItself { .. } => fault,
@@ -61,6 +62,7 @@ pub(super) fn whole(
             fault: Box::new(fault),
         },
     })?;
+
     merged(base, own, path)
 }
 
@@ -94,6 +96,8 @@ fn merged(
         .into_iter()
         .filter(|f| !base.factors.contains(f));
     base.factors.extend(new.collect::<Vec<_>>());
+
+    // a coefficient of the same name replaces the base's
     let inherited = base.coefficients.len();
     for coefficient in own.coefficients {
         let known = &mut base.coefficients[..inherited];
@@ -102,6 +106,8 @@ fn merged(
             None => base.coefficients.push(coefficient),
         }
     }
+
+    // parts only gain flesh
     for flesh in own.parts {
         let part = base.parts.iter_mut().find(|p| p.name == flesh.name);
         let part = part.ok_or_else(|| ModelFileError::Missing {
@@ -112,5 +118,6 @@ fn merged(
         })?;
         part.metaballs.extend(flesh.metaballs);
     }
+
     Ok(base)
 }

@@ -11,6 +11,14 @@ use super::side::Side;
 use super::spec::{PartSpec, PrimitiveSpec};
 use crate::body::{FrameId, ModelError, PartId, Primitive, Turn};
 
+/// The part that flesh belongs to.
+#[derive(Clone, Copy)]
+struct Owner<'a> {
+    spec: &'a PartSpec,
+    part: PartId,
+    side: Side,
+}
+
 /// The frames that one part's flesh has so far, by share.
 type Frames = Vec<(f64, FrameId)>;
 
@@ -22,13 +30,14 @@ impl Builder<'_> {
         part: PartId,
         side: Side,
     ) -> Result<(), ModelFileError> {
+        let owner = Owner { spec, part, side };
         let mut frames = Vec::new();
         for primitive in &spec.ellipsoids {
-            let made = self.primitive(primitive, (spec, part, side), &mut frames)?;
+            let made = self.primitive(primitive, owner, &mut frames)?;
             self.model.ellipsoids.push(made);
         }
         for primitive in &spec.metaballs {
-            let made = self.primitive(primitive, (spec, part, side), &mut frames)?;
+            let made = self.primitive(primitive, owner, &mut frames)?;
             self.model.metaballs.push(made);
         }
         Ok(())
@@ -37,17 +46,19 @@ impl Builder<'_> {
     fn primitive(
         &mut self,
         spec: &PrimitiveSpec,
-        (owner, part, side): (&PartSpec, PartId, Side),
+        owner: Owner<'_>,
         frames: &mut Frames,
     ) -> Result<Primitive, ModelFileError> {
-        let place = format!("a primitive of part {}", owner.name);
-        let centre_scale = spec.centre_scale.as_ref().or(Some(&owner.scale));
-        let radii_scale = spec.radii_scale.as_ref().or(Some(&owner.scale));
+        let Owner { part, side, .. } = owner;
+        let place = format!("a primitive of part {}", owner.spec.name);
+        let centre_scale = spec.centre_scale.as_ref().or(Some(&owner.spec.scale));
+        let radii_scale = spec.radii_scale.as_ref().or(Some(&owner.spec.scale));
+
         let mut centre = self.scaled(side.place(spec.centre), centre_scale, side, &place)?;
         centre.shifts.extend(&self.carried[part.0]);
         Ok(Primitive {
             part,
-            frame: self.frame_following(spec.follows, (owner, part), frames)?,
+            frame: self.frame_following(spec.follows, owner, frames)?,
             centre,
             radii: self.scaled(Vector3::from(spec.radii), radii_scale, side, &place)?,
             part_from_primitive: side.turn(spec.turn_deg),
@@ -58,22 +69,25 @@ impl Builder<'_> {
     fn frame_following(
         &mut self,
         share: f64,
-        (owner, part): (&PartSpec, PartId),
+        owner: Owner<'_>,
         frames: &mut Frames,
     ) -> Result<FrameId, ModelFileError> {
         if !(0.0..=1.0).contains(&share) {
-            let place = format!("follows of part {}", owner.name);
+            let place = format!("follows of part {}", owner.spec.name);
             let value = share;
             return Err(self.fault(ModelError::Number { place, value }));
         }
-        let mut frame = FrameId::from_joint(self.model.parts[part.0].joint);
+
+        let mut frame = FrameId::from_joint(self.model.parts[owner.part.0].joint);
         if share.total_cmp(&1.0).is_eq() {
             return Ok(frame);
         }
         if let Some((_, made)) = frames.iter().find(|(s, _)| s.total_cmp(&share).is_eq()) {
             return Ok(*made);
         }
-        let path = self.model.path(frame).take(owner.joints.len());
+
+        // the part's own turns once more, each by the share
+        let path = self.model.path(frame).take(owner.spec.joints.len());
         let own: Vec<Turn> = path.map(|(_, turn)| turn).collect();
         if let Some(first) = own.last() {
             frame = first.parent;
@@ -88,6 +102,7 @@ impl Builder<'_> {
             };
             self.model.followers.push(turn);
         }
+
         frames.push((share, frame));
         Ok(frame)
     }

@@ -18,9 +18,11 @@ pub(super) fn parents_first<'s>(
             found: roots,
         });
     }
+
     let mut placed: Vec<&str> = Vec::new();
     let mut waiting: Vec<&PartSpec> = spec.parts.iter().collect();
     let mut order = Vec::new();
+
     while !waiting.is_empty() {
         let is_ready = |p: &&PartSpec| {
             p.parent
@@ -29,15 +31,18 @@ pub(super) fn parents_first<'s>(
         };
         let (ready, rest): (Vec<&PartSpec>, Vec<&PartSpec>) =
             waiting.into_iter().partition(is_ready);
+
         if ready.is_empty() {
             return Err(never_placed(&rest, spec, path));
         }
+
         for part in ready {
             placed.push(&part.name);
             order.extend(part.sides.each().iter().map(|side| (part, *side)));
         }
         waiting = rest;
     }
+
     Ok(order)
 }
 

@@ -36,7 +36,7 @@ enum Kind {
 }
 
 impl Kind {
-    fn of(path: &Path) -> Option<Self> {
+    fn from_name(path: &Path) -> Option<Self> {
         let extension = path.extension()?.to_str()?.to_lowercase();
         match extension.as_str() {
             "ply" => Some(Self::Ply),
@@ -48,8 +48,8 @@ impl Kind {
 }
 
 /// Whether a file's name is that of a point cloud.
-pub fn is_cloud(path: &Path) -> bool {
-    Kind::of(path).is_some()
+pub(crate) fn is_cloud(path: &Path) -> bool {
+    Kind::from_name(path).is_some()
 }
 
 /// The usable points of a file, and how many are not.
@@ -77,7 +77,7 @@ pub fn read(path: &Path) -> Result<Cloud, CloudError> {
 /// # Errors
 /// As [`read`].
 pub fn parse(bytes: &[u8], path: &Path) -> Result<Cloud, CloudError> {
-    let kind = Kind::of(path).ok_or_else(|| CloudError::Kind { path: path.into() })?;
+    let kind = Kind::from_name(path).ok_or_else(|| CloudError::Kind { path: path.into() })?;
     if bytes.is_empty() {
         return Ok(Cloud::default());
     }

@@ -24,11 +24,13 @@ pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<Cloud, CloudError> {
         line: source.line().unwrap_or(1),
         source,
     })?;
+
     let mut body = Body {
         path,
         bytes,
         rest: reader.into_inner(),
     };
+
     for element in header.elements.values() {
         body.check_promise(element, &header)?;
         if element.name == VERTEX {
@@ -41,6 +43,7 @@ pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<Cloud, CloudError> {
         }
         body.each(element, &header, |_| ())?;
     }
+
     Err(CloudError::NoVertices {
         path: path.into(),
         found: header.elements.keys().cloned().collect(),
@@ -111,6 +114,7 @@ impl Body<'_> {
                     parser.read_little_endian_element(&mut self.rest, element)
                 }
             };
+
             take(numbers.map_err(|source| CloudError::Element {
                 path: self.path.into(),
                 byte,
@@ -134,6 +138,7 @@ impl Body<'_> {
                 break (line, String::from_utf8_lossy(line));
             }
         };
+
         ascii_numbers(&text, element).ok_or_else(|| {
             let read = &self.bytes[..self.bytes.len() - self.rest.len()];
             let ends = read.iter().filter(|byte| **byte == b'\n').count();
@@ -194,6 +199,7 @@ impl PropertyAccess for Numbers {
             Property::Double(value) => value,
             _ => return PropertyAccessResult::Ignored,
         };
+
         match columns::slot(name) {
             Some(slot) => {
                 self.0[slot] = value;

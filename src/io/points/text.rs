@@ -17,6 +17,7 @@ pub(super) fn parse_xyz(bytes: &[u8], path: &Path) -> Result<Cloud, CloudError> 
         if line.is_empty() || line.starts_with('#') {
             continue;
         }
+
         let numbers = numbers(line);
         let fault = |expected| CloudError::Line {
             path: path.into(),
@@ -28,6 +29,7 @@ pub(super) fn parse_xyz(bytes: &[u8], path: &Path) -> Result<Cloud, CloudError> 
         if *columns.get_or_insert(numbers.len()) != numbers.len() {
             return Err(fault("as many numbers as in the lines before"));
         }
+
         points.push(point(&numbers));
     }
     Ok(Cloud::from_points(points))
@@ -55,6 +57,8 @@ pub(super) fn parse_csv(bytes: &[u8], path: &Path) -> Result<Cloud, CloudError> 
         path: path.into(),
         source,
     };
+
+    // spreadsheets write a byte order mark
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let mut reader = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
@@ -66,6 +70,7 @@ pub(super) fn parse_csv(bytes: &[u8], path: &Path) -> Result<Cloud, CloudError> 
         expected: columns::EXPECTED,
         found: names.iter().map(shortened).collect(),
     })?;
+
     let slots: Vec<Option<usize>> = names.iter().map(columns::slot).collect();
     let mut points = Vec::new();
     for record in reader.records() {
@@ -82,5 +87,6 @@ pub(super) fn parse_csv(bytes: &[u8], path: &Path) -> Result<Cloud, CloudError> 
         }
         points.push(stated.point(&numbers));
     }
+
     Ok(Cloud::from_points(points))
 }

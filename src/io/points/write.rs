@@ -12,6 +12,7 @@ pub fn ply(points: &[CloudPoint]) -> Vec<u8> {
     } else {
         &[]
     };
+
     let mut header = format!(
         "ply\nformat binary_little_endian 1.0\ncomment metres, world\nelement vertex {}\n",
         points.len()
@@ -19,6 +20,7 @@ pub fn ply(points: &[CloudPoint]) -> Vec<u8> {
     for name in ["x", "y", "z"].iter().chain(spread) {
         header.push_str(&format!("property double {name}\n"));
     }
+
     let mut bytes = (header + "end_header\n").into_bytes();
     for point in points {
         let p = point.position_world;

@@ -53,18 +53,22 @@ impl ObservationFiles {
                 blake3: checksum(path)?.to_string(),
             });
         }
+
         let with_masks = self.rig.cameras.iter().zip(&self.masks);
         for (camera, masks) in with_masks.filter(|(_, masks)| !masks.is_empty()) {
             let input = format!("masks of {}", camera.name);
             checksums.push(checksum_of_all(input, masks.values())?);
         }
+
         if self.has_points() {
             checksums.push(checksum_of_all("points".into(), self.points.paths())?);
         }
+
         for (camera, pictures) in &self.pictures {
             let input = format!("pictures of {camera}");
             checksums.push(checksum_of_all(input, pictures.iter())?);
         }
+
         Ok(checksums)
     }
 }

@@ -38,7 +38,7 @@ pub fn write(filmed: &Film, folder: &Path) -> Result<(), SyntheticError> {
             }
             if let Some(studio) = filmed.studio(id) {
                 let frames = (0..filmed.synthetic.frames()).into_par_iter();
-                frames.try_for_each(|frame| write_shot(&studio, frame, [&images, &masks]))?;
+                frames.try_for_each(|frame| write_shot(&studio, frame, &images, &masks))?;
             }
         }
         write_texts(&filmed.synthetic, whole, &manifest(filmed))
@@ -48,16 +48,18 @@ pub fn write(filmed: &Film, folder: &Path) -> Result<(), SyntheticError> {
 fn write_shot(
     studio: &Studio<'_>,
     frame: usize,
-    [images, masks]: [&Path; 2],
+    images: &Path,
+    masks: &Path,
 ) -> Result<(), SyntheticError> {
     let Some(shot) = studio.shot(FrameIndex(frame)) else {
         return Ok(());
     };
+
     let image = images.join(format!("{frame:06}.jpg"));
     let mask = masks.join(format!("{frame:06}.png"));
     for (path, bytes) in [
         (&image, jpeg::encode(&shot.picture, JPEG_QUALITY)),
-        (&mask, png::of_mask(&shot.mask, Effort::Small)),
+        (&mask, png::encode_mask(&shot.mask, Effort::Small)),
     ] {
         let written = bytes.and_then(|bytes| fs::write(path, bytes));
         written.map_err(failed(path))?;

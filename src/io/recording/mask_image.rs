@@ -1,16 +1,13 @@
 //! One mask, from its file.
 
-use std::io::{self, Cursor};
+use std::io;
 use std::path::Path;
 
-use image::{DynamicImage, ImageDecoder, ImageError, ImageReader, Limits};
+use image::{DynamicImage, ImageDecoder, ImageError};
 
+use super::image_decoder::{MOST_PX, decoder};
 use crate::image::{Mask, Plane};
 
-/// No camera of a laboratory has more columns or rows.
-const MOST_PX: u32 = 32_768;
-/// Bytes that a decoder may take.
-const MOST_BYTES: u64 = 1 << 30;
 /// A picture with nothing brighter than this fraction of its range holds labels, not a mask.
 const LABEL_FRACTION: f64 = 0.125;
 
@@ -40,7 +37,7 @@ pub enum MaskFault {
     },
     /// All values are small, and some are zero: labels rather than black and white.
     #[error(
-        "the mask's values are 0 to {brightest} of {range}: these look like labels; expected foreground brighter than {}",
+        "the mask's values are 0 to {brightest} of {range}: these look like labels; expected a foreground brighter than {}",
         range / 2
     )]
     Labels {
@@ -54,7 +51,7 @@ pub enum MaskFault {
 /// Width and height that the header of an image states.
 pub(super) fn size_of(path: &Path) -> Result<[u32; 2], MaskFault> {
     let bytes = std::fs::read(path).map_err(MaskFault::Unreadable)?;
-    let (width, height) = decoder(&bytes)?.dimensions();
+    let (width, height) = decoder(&bytes).map_err(fault)?.dimensions();
     Ok([width, height])
 }
 
@@ -64,43 +61,25 @@ pub(super) fn size_of(path: &Path) -> Result<[u32; 2], MaskFault> {
 /// is opaque everywhere: so both a white figure and a cut-out photograph on transparent ground are masks.
 pub(super) fn read(path: &Path, expected: [u32; 2]) -> Result<Mask, MaskFault> {
     let bytes = std::fs::read(path).map_err(MaskFault::Unreadable)?;
-    let decoder = decoder(&bytes)?;
-    let found = [decoder.dimensions().0, decoder.dimensions().1];
+    let decoder = decoder(&bytes).map_err(fault)?;
+    let found = decoder.dimensions().into();
     if found != expected {
         return Err(MaskFault::Size { expected, found });
     }
+
     let picture = DynamicImage::from_decoder(decoder).map_err(fault)?;
-    if picture.color().has_alpha() {
+    let colour = picture.color();
+    if colour.has_alpha() {
         let pixels = picture.into_luma_alpha16();
         let is_cut_out = pixels.pixels().any(|pixel| pixel.0[1] <= u16::MAX / 2);
         let channel = usize::from(is_cut_out);
         let values = pixels.pixels().map(|pixel| pixel.0[channel]).collect();
-        mask(values, found, (u16::MAX / 2, u16::MAX))
-    } else if picture.color().bytes_per_pixel() == picture.color().channel_count() {
-        mask(
-            picture.into_luma8().into_raw(),
-            found,
-            (u8::MAX / 2, u8::MAX),
-        )
+        mask(values, found, u16::MAX / 2)
+    } else if colour.bytes_per_pixel() == colour.channel_count() {
+        mask(picture.into_luma8().into_raw(), found, u8::MAX / 2)
     } else {
-        mask(
-            picture.into_luma16().into_raw(),
-            found,
-            (u16::MAX / 2, u16::MAX),
-        )
+        mask(picture.into_luma16().into_raw(), found, u16::MAX / 2)
     }
-}
-
-fn decoder(bytes: &[u8]) -> Result<impl ImageDecoder + '_, MaskFault> {
-    let mut reader = ImageReader::new(Cursor::new(bytes))
-        .with_guessed_format()
-        .map_err(MaskFault::Unreadable)?;
-    let mut limits = Limits::default();
-    limits.max_image_width = Some(MOST_PX);
-    limits.max_image_height = Some(MOST_PX);
-    limits.max_alloc = Some(MOST_BYTES);
-    reader.limits(limits);
-    reader.into_decoder().map_err(fault)
 }
 
 fn fault(error: ImageError) -> MaskFault {
@@ -110,12 +89,12 @@ fn fault(error: ImageError) -> MaskFault {
     }
 }
 
-/// The mask of one value a pixel, from 0 to `range`; foreground is above `half`.
-fn mask<T>(values: Vec<T>, size: [u32; 2], (half, range): (T, T)) -> Result<Mask, MaskFault>
+/// The mask of one value a pixel; foreground is above `half` of the range, rounded down.
+fn mask<T>(values: Vec<T>, size: [u32; 2], half: T) -> Result<Mask, MaskFault>
 where
     T: Copy + Ord + Default + Into<u32>,
 {
-    let range: u32 = range.into();
+    let range = 2 * half.into() + 1;
     let brightest: u32 = values.iter().copied().max().unwrap_or_default().into();
     let darkest: u32 = values.iter().copied().min().unwrap_or_default().into();
     let is_dim = f64::from(brightest) < LABEL_FRACTION * f64::from(range);

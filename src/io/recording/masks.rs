@@ -32,6 +32,7 @@ impl MaskFiles {
                 cameras: Vec::new(),
             });
         }
+
         let size = |files: &NumberedFiles| {
             let first = files.of_number.values().next()?;
             mask_image::size_of(first).ok()
@@ -42,6 +43,7 @@ impl MaskFiles {
             uncalibrated,
             without_files,
         } = recording.calibrate(masks, size)?;
+
         notes.extend(uncalibrated.into_iter().map(|unknown| Note::Uncalibrated {
             camera: unknown.name,
             nearest: unknown.nearest,
@@ -51,6 +53,7 @@ impl MaskFiles {
                 cameras: without_files,
             });
         }
+
         match cameras.as_slice() {
             [(camera, _)] => Err(RecordingError::OneCamera {
                 path: recording.path.clone(),
@@ -69,6 +72,7 @@ fn cameras_with_masks(
     let Recording {
         folder, manifest, ..
     } = recording;
+
     let cameras = if manifest.cameras.is_empty() {
         layout::conventional_cameras(folder)?
     } else {
@@ -77,6 +81,7 @@ fn cameras_with_masks(
     let (with, without): (Vec<_>, Vec<_>) = cameras
         .into_iter()
         .partition(|camera| camera.masks.is_some());
+
     if with.is_empty() && PointFiles::are_promised(folder, manifest) {
         return Ok(Vec::new());
     }
@@ -85,6 +90,7 @@ fn cameras_with_masks(
             path: recording.path.clone(),
         });
     }
+
     let keys = ignored_keys(manifest);
     if !keys.is_empty() {
         notes.push(Note::Ignored { keys });
@@ -127,6 +133,7 @@ fn masks_of_cameras(
         }
         Ok((camera, files))
     };
+
     let cameras = cameras_with_masks(recording, notes)?;
     cameras.into_iter().map(list).collect()
 }
@@ -147,6 +154,7 @@ pub(super) fn by_frame(
         .iter()
         .filter_map(|(number, path)| Some((frame(*number)?, path.clone())))
         .collect();
+
     let (camera, unnumbered) = (camera.name.clone(), files.unnumbered);
     let before = files.of_number.len() - masks.len();
     if before > 0 {

@@ -11,6 +11,7 @@
 //! | `cameras.rs`     | cameras that have files, matched with the calibrated ones              |
 //! | `observations.rs`, `masks.rs`, `points.rs` | [`ObservationFiles`]: masks and points       |
 //! | `footage/`       | [`footage::Footage`]: images and videos, decoded ahead                 |
+//! | `image_decoder.rs` | image files, within limits                                           |
 //! | `checksum.rs`    | fingerprints of the inputs                                             |
 //! | `synthetic.rs`, `filmed.rs` | a synthetic recording as a folder                           |
 
@@ -19,6 +20,7 @@ mod checksum;
 mod error;
 pub mod filmed;
 pub mod footage;
+mod image_decoder;
 pub(super) mod layout;
 pub(super) mod manifest;
 mod mask_image;

@@ -148,6 +148,7 @@ impl ObservationFiles {
             count: self.frames.len(),
         })?;
         let mut observations = FrameObservations::nothing(frame);
+
         for (id, camera) in self.rig.iter() {
             let Some(mask) = self.load_mask(id, frame)? else {
                 continue;
@@ -157,6 +158,7 @@ impl ObservationFiles {
                 Err(reason) => observations.rejected.push((id, reason)),
             }
         }
+
         self.load_points(&mut observations)?;
         Ok(observations)
     }
@@ -223,6 +225,7 @@ fn frames_and_missing(
     let masked = masks.iter().flat_map(|m| m.keys().copied());
     let frames: BTreeSet<FrameIndex> = masked.chain(points.frames()).collect();
     let frames: Vec<FrameIndex> = frames.into_iter().collect();
+
     let with_masks = masks.iter().enumerate().filter(|(_, m)| !m.is_empty());
     let missing = with_masks.filter_map(|(i, masks)| {
         let lacking = frames
@@ -233,6 +236,7 @@ fn frames_and_missing(
         let camera = CameraId(i);
         (!frames.is_empty()).then_some(Missing { camera, frames })
     });
+
     let missing = missing.collect();
     (frames, missing)
 }

@@ -68,14 +68,14 @@ impl fmt::Display for ScaleFault {
 
 /// Where the cameras look, and from how far.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct View {
+struct CommonView {
     middle_world: Point3<f64>,
     /// Mean distance of the cameras, metres.
     cameras: f64,
 }
 
-impl View {
-    fn of(rig: &Rig) -> Option<Self> {
+impl CommonView {
+    fn new(rig: &Rig) -> Option<Self> {
         let middle_world = rig.common_view()?.point_world;
         let distance = |camera: &Camera| (camera.centre_world() - middle_world).norm();
         let sum: f64 = rig.cameras.iter().map(distance).sum();
@@ -91,12 +91,14 @@ impl View {
         let from =
             |middle: Point3<f64>| median(&mut places().map(|p| (p - middle).norm()).collect());
         let cameras = self.cameras;
+
         match from(self.middle_world) {
             Some(distance) if distance > FARTHEST * cameras => {
                 return Err(ScaleFault::Large { distance, cameras });
             }
             _ => {}
         }
+
         let middle = |axis: usize| median(&mut places().map(|p| p[axis]).collect()).unwrap_or(0.0);
         let middle = Point3::from(Vector3::from_fn(|axis, _| middle(axis)));
         match from(middle) {
@@ -116,7 +118,7 @@ pub(super) struct PointFiles {
     of_frame: BTreeMap<FrameIndex, PathBuf>,
     in_metres: f64,
     world_from_file: Rigid3,
-    view: Option<View>,
+    view: Option<CommonView>,
 }
 
 impl PointFiles {
@@ -139,6 +141,7 @@ impl PointFiles {
         };
         let files = pattern.map(|pattern| numbered_files::list(folder, pattern, &wanted));
         let files = files.transpose()?.unwrap_or_default();
+
         if let (Some(pattern), true) = (&manifest.points, files.of_number.is_empty()) {
             let pattern = folder.join(pattern);
             return Err(RecordingError::MissingPoints { pattern });
@@ -147,15 +150,19 @@ impl PointFiles {
             let files = files.unnumbered;
             notes.push(Note::UnnumberedPoints { files });
         }
+
         let frame = |number: u64| Some(FrameIndex(usize::try_from(number).ok()?));
         let numbered = files.of_number.into_iter();
         let of_frame: BTreeMap<_, _> = numbered
             .filter_map(|(number, path)| Some((frame(number)?, path)))
             .collect();
+
         Ok(Self {
             in_metres: manifest.points_unit.map_or(1.0, |unit| unit.in_metres()),
             world_from_file: manifest.up.world_from_file(),
-            view: (!of_frame.is_empty()).then(|| View::of(rig)).flatten(),
+            view: (!of_frame.is_empty())
+                .then(|| CommonView::new(rig))
+                .flatten(),
             of_frame,
         })
     }
@@ -185,10 +192,12 @@ impl PointFiles {
             frame,
             source: Box::new(source),
         })?;
+
         let cloud = cloud
             .scaled(self.in_metres)
             .moved(&self.world_from_file)
             .thinned(MOST_POINTS);
+
         let check = self.view.map_or(Ok(()), |view| view.check(&cloud));
         check.map_err(|fault| RecordingError::PointsScale {
             path: path.clone(),

@@ -19,6 +19,7 @@ use serde::Serialize;
 use crate::body::Posed;
 use crate::camera::{Camera, CameraId};
 use crate::io::calibration;
+use crate::io::folder::parent_of;
 use crate::io::folder::png::{self, Effort};
 use crate::io::points::trc::{Trajectories, write_trc};
 use crate::io::points::write_ply;
@@ -78,13 +79,14 @@ pub struct Truth {
 
 impl Truth {
     /// The truth of a recording.
-    pub fn of(synthetic: &Synthetic) -> Self {
+    pub fn new(synthetic: &Synthetic) -> Self {
         let Synthetic {
             model,
             shape,
             motions,
             ..
         } = synthetic;
+
         let named = |names: &[String], values: &[f64]| {
             names.iter().cloned().zip(values.iter().copied()).collect()
         };
@@ -92,6 +94,7 @@ impl Truth {
             let over_time = motions.iter().map(|m| m.angles[j].to_degrees());
             (joint.name.clone(), over_time.collect())
         });
+
         Self {
             fps: synthetic.fps,
             frames: motions.len(),
@@ -139,11 +142,10 @@ pub(super) fn whole(
         let path = folder.to_owned();
         return Err(SyntheticError::NotEmpty { path });
     }
-    let parent = match folder.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
+
+    let parent = parent_of(folder);
     fs::create_dir_all(parent).map_err(failed(parent))?;
+
     let scratch = tempfile::Builder::new()
         .prefix(".maquette-synth-")
         .tempdir_in(parent)
@@ -151,6 +153,7 @@ pub(super) fn whole(
     let whole = scratch.path().join("recording");
     fs::create_dir_all(&whole).map_err(failed(&whole))?;
     fill(&whole)?;
+
     if folder.is_dir() {
         fs::remove_dir(folder).map_err(failed(folder))?;
     }
@@ -210,7 +213,7 @@ fn write_mask(
     let Some(mask) = synthetic.mask(frame, camera) else {
         return Ok(());
     };
-    png::of_mask(&mask, Effort::Small)
+    png::encode_mask(&mask, Effort::Small)
         .and_then(|bytes| fs::write(path, bytes))
         .map_err(failed(path))
 }
@@ -271,7 +274,7 @@ pub fn trajectories(synthetic: &Synthetic) -> Trajectories {
 }
 
 fn truth_text(synthetic: &Synthetic, folder: &Path) -> Result<String, SyntheticError> {
-    let text = serde_json::to_string(&Truth::of(synthetic));
+    let text = serde_json::to_string(&Truth::new(synthetic));
     text.map_err(|source| SyntheticError::Truth {
         path: folder.join("truth.json"),
         source,

@@ -37,6 +37,7 @@ impl ResultFile {
         let (model, rig) = (from.model, &from.recording.rig);
         let notes = from.recording.notes.iter().map(ToString::to_string);
         let warnings = fit.warnings.iter().map(ToString::to_string);
+
         Self {
             format: "maquette-result".into(),
             version: 1,
@@ -79,6 +80,7 @@ fn recording(from: Provenance<'_>) -> RecordingPart {
             .binary_search_by_key(*frame, |observed| observed.frame);
         known.is_ok()
     };
+
     let missing = from.recording.missing.iter().map(|missing| MissingPart {
         camera: name(rig, missing.camera),
         frames: missing.frames.iter().filter(fitted).map(|f| f.0).collect(),
@@ -91,6 +93,7 @@ fn recording(from: Provenance<'_>) -> RecordingPart {
         };
         observed.rejected.iter().map(one).collect::<Vec<_>>()
     });
+
     RecordingPart {
         fps: from.recording.fps,
         frames: from.observations.len(),
@@ -123,6 +126,7 @@ fn shape(fit: &Fit, model: &BodyModel) -> ShapePart {
         prior_sd: statistics.covariance[(i, i)].sqrt(),
         confidence: fit.confidence.coefficients[i].clone(),
     };
+
     let point = |i: usize| model.points[i].name.clone();
     let length = |(i, (name, from, to)): (usize, &(String, usize, usize))| LengthPart {
         name: name.clone(),
@@ -132,6 +136,7 @@ fn shape(fit: &Fit, model: &BodyModel) -> ShapePart {
         sd_m: fit.uncertainty.as_ref().map(|u| u.lengths_sd_m[i]),
         confidence: fit.confidence.lengths[i].clone(),
     };
+
     ShapePart {
         coefficients: model
             .coefficients
@@ -159,6 +164,7 @@ fn shape(fit: &Fit, model: &BodyModel) -> ShapePart {
 
 fn frame(fitted: &FittedFrame, fps: f64) -> FramePart {
     let motion = &fitted.fit.motion;
+
     FramePart {
         frame: fitted.frame.0,
         time_s: fitted.frame.0 as f64 / fps,
@@ -186,11 +192,13 @@ fn hypotheses(fit: &Fit, model: &BodyModel) -> Vec<HypothesisPart> {
             Origin::Prior => (OriginPart::Prior, None),
             Origin::Keyframe(reading) => (OriginPart::Keyframe, Some(reading)),
         };
+
         let outcome = match tried.trial.finished() {
             _ if i == fit.winner => OutcomePart::Won,
             true => OutcomePart::Finished,
             false => OutcomePart::Pruned,
         };
+
         let [data, pose, step] = tried.parts();
         HypothesisPart {
             origin,
@@ -211,6 +219,7 @@ fn hypotheses(fit: &Fit, model: &BodyModel) -> Vec<HypothesisPart> {
             lengths_m: rest_lengths_m(model, &hypothesis.shape),
         }
     };
+
     fit.hypotheses.iter().enumerate().map(part).collect()
 }
 
@@ -223,6 +232,7 @@ fn quality(fit: &Fit, rig: &Rig) -> QualityPart {
         rms_px: quality.rms_px,
         aim_px: quality.aim_px.into(),
     });
+
     let views = fit.frames.iter().flat_map(|fitted| {
         fitted.views.iter().map(|view| ViewPart {
             frame: fitted.frame.0,
@@ -234,6 +244,7 @@ fn quality(fit: &Fit, rig: &Rig) -> QualityPart {
             p95_px: view.residuals.map(|r| r.p95_px),
         })
     });
+
     let points = fit.frames.iter().filter_map(|fitted| {
         let quality = fitted.points.as_ref()?;
         Some(PointPart {
@@ -244,6 +255,7 @@ fn quality(fit: &Fit, rig: &Rig) -> QualityPart {
             off_skin_m: quality.off_skin_m,
         })
     });
+
     QualityPart {
         cameras: cameras.collect(),
         views: views.collect(),

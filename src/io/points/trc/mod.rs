@@ -8,7 +8,8 @@ mod write;
 
 use nalgebra::Point3;
 
-pub use read::{TrcError, rate_of_times, read_trc};
+pub(crate) use read::rate_of_times;
+pub use read::{TrcError, read_trc};
 pub use write::write_trc;
 
 /// Points over time.

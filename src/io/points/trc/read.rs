@@ -86,11 +86,13 @@ pub enum TrcError {
 /// [`TrcError`] names the line and what was expected.
 pub fn read_trc(text: &str, path: &Path) -> Result<Trajectories, TrcError> {
     let mut lines = text.lines().enumerate().map(|(i, line)| (i + 1, line));
-    let mut header = (1, "");
+
+    // the last line above the names holds the rate and the unit
+    let (mut line, mut rate_line) = (1, "");
     let names = loop {
         match lines.next() {
             Some((_, line)) if line.trim_start().starts_with("Frame#") => break line,
-            Some((i, line)) if !line.trim().is_empty() => header = (i, line),
+            Some((i, text)) if !text.trim().is_empty() => (line, rate_line) = (i, text),
             Some(_) => {}
             None => {
                 return Err(TrcError::NoNames {
@@ -99,9 +101,11 @@ pub fn read_trc(text: &str, path: &Path) -> Result<Trajectories, TrcError> {
             }
         }
     };
-    let between = Separator::of(names);
+
+    let between = Separator::used_in(names);
     let names = names_of(names, between);
-    let (rate_hz, metres) = rate_and_unit(header, between, path)?;
+    let (rate_hz, metres) = rate_and_unit(line, rate_line, between, path)?;
+
     let mut frames = Vec::new();
     let is_data = |row: &str| !row.trim().is_empty() && !row.trim_start().starts_with("X1");
     let mut first_frame = 0;
@@ -109,6 +113,7 @@ pub fn read_trc(text: &str, path: &Path) -> Result<Trajectories, TrcError> {
         if frames.is_empty() {
             first_frame = number_of(row, between).saturating_sub(1);
         }
+
         let cells = split(row, between);
         let expected = 2 + 3 * names.len();
         if between == Separator::Spaces && cells.len() != expected {
@@ -123,6 +128,7 @@ pub fn read_trc(text: &str, path: &Path) -> Result<Trajectories, TrcError> {
         }
         frames.push(frame_of(&cells, line, &names, metres, path)?);
     }
+
     Ok(Trajectories {
         rate_hz,
         first_frame,
@@ -146,7 +152,8 @@ fn names_of(line: &str, between: Separator) -> Vec<String> {
 
 /// The data rate, and the metres of one unit.
 fn rate_and_unit(
-    (line, text): (usize, &str),
+    line: usize,
+    text: &str,
     between: Separator,
     path: &Path,
 ) -> Result<(f64, f64), TrcError> {
@@ -161,6 +168,7 @@ fn rate_and_unit(
             found,
         });
     };
+
     let metres = match unit.to_ascii_lowercase().as_str() {
         "m" => 1.0,
         "cm" => 1e-2,
@@ -174,6 +182,7 @@ fn rate_and_unit(
             });
         }
     };
+
     match rate.parse::<f64>() {
         Ok(rate_hz) if rate_hz > 0.0 && rate_hz.is_finite() => Ok((rate_hz, metres)),
         _ => Err(TrcError::Rate {
@@ -202,6 +211,7 @@ fn frame_of(
                 found: cell.to_owned(),
             }),
         };
+
         let place = Vector3::new(coordinate()?, coordinate()?, coordinate()?);
         let point_world = Point3::from(UpAxis::Y.from_export(&place) * metres);
         let is_there = point_world.iter().all(|v| v.is_finite());
@@ -218,7 +228,7 @@ enum Separator {
 }
 
 impl Separator {
-    fn of(line: &str) -> Self {
+    fn used_in(line: &str) -> Self {
         match line.contains('\t') {
             true => Self::Tabs,
             false => Self::Spaces,
@@ -235,12 +245,17 @@ fn split(line: &str, between: Separator) -> Vec<&str> {
 }
 
 /// Frames per second by the Time column, median over the rows; `None` where it does not count upwards.
-pub fn rate_of_times(text: &str) -> Option<f64> {
+pub(crate) fn rate_of_times(text: &str) -> Option<f64> {
     let names = text
         .lines()
         .position(|line| line.trim_start().starts_with("Frame#"))?;
     let rows = text.lines().skip(names + 1);
-    let time = |row: &str| split(row, Separator::of(row)).get(1)?.parse::<f64>().ok();
+    let time = |row: &str| {
+        split(row, Separator::used_in(row))
+            .get(1)?
+            .parse::<f64>()
+            .ok()
+    };
     let times: Vec<f64> = rows.filter_map(time).filter(|t| t.is_finite()).collect();
     let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let step = crate::math::stats::median(&mut steps)?;

@@ -17,6 +17,7 @@ pub fn write_trc(trajectories: &Trajectories, file_name: &str) -> String {
         names,
         frames,
     } = trajectories;
+
     let (count, points) = (frames.len(), names.len());
     let mut text = format!("PathFileType\t4\t(X/Y/Z)\t{}\n", cell(file_name));
     text.push_str(
@@ -28,6 +29,7 @@ pub fn write_trc(trajectories: &Trajectories, file_name: &str) -> String {
             "{rate_hz}\t{rate_hz}\t{count}\t{points}\tm\t{rate_hz}\t{first_frame}\t{count}\n"
         ),
     );
+
     text.push_str("Frame#\tTime");
     for name in names {
         push(&mut text, format_args!("\t{}\t\t", cell(name)));
@@ -37,6 +39,7 @@ pub fn write_trc(trajectories: &Trajectories, file_name: &str) -> String {
         push(&mut text, format_args!("\tX{i}\tY{i}\tZ{i}"));
     }
     text.push_str("\t\n");
+
     for (k, frame) in (*first_frame..).zip(frames) {
         push(
             &mut text,
@@ -47,6 +50,7 @@ pub fn write_trc(trajectories: &Trajectories, file_name: &str) -> String {
         }
         text.push('\n');
     }
+
     text
 }
 

@@ -2,7 +2,7 @@
 //!
 //! [`Recording::footage`](super::Recording::footage) finds out which frames each camera has;
 //! [`Footage::stream`] gives the pictures of one camera in order, [`Footage::frame_sets`] those of all cameras frame by
-//! frame. Each camera is decoded by a thread of its own, at most [`AHEAD`] pictures ahead of whoever takes them, so
+//! frame. Each camera is decoded by a thread of its own, at most four pictures ahead of whoever takes them, so
 //! memory stays bounded however long the recording is. Videos go through the installed program `ffmpeg`, by pipe.
 //!
 //! A picture that cannot be read is left out; [`Pictures::notes`] says in one line what happened.
@@ -39,7 +39,7 @@ pub use error::FootageError;
 pub use note::FootageNote;
 pub use numbers::Numbering;
 pub(super) use open::open;
-pub use stream::{AHEAD, FrameSets, Pictures};
+pub use stream::{FrameSets, Pictures};
 
 /// Calibrated pictures, frame by frame.
 #[derive(Clone, Debug)]

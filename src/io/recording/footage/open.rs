@@ -106,6 +106,7 @@ fn usable(
             Err(fault) => return Err(fault),
         }
     }
+
     match first_fault {
         Some(fault) if usable.is_empty() => Err(fault.into()),
         _ => Ok(usable),
@@ -118,11 +119,13 @@ fn found(folder: &Path, camera: &CameraFiles) -> Result<Found, RecordingError> {
         key,
         path,
     };
+
     if let Some(background) = camera.background.as_ref().map(|path| folder.join(path))
         && !background.is_file()
     {
         return Err(missing("background", background).into());
     }
+
     match (&camera.images, &camera.video) {
         (Some(_), Some(_)) => Err(FootageError::Both {
             camera: camera.name.clone(),
@@ -161,6 +164,7 @@ fn conventional(folder: &Path) -> Result<Vec<CameraFiles>, LayoutError> {
         let camera = camera_of(&mut cameras, &path);
         camera.video = Some(beneath("videos", &path));
     }
+
     for path in layout::visible(&folder.join("images"))?
         .into_iter()
         .filter(|path| path.is_dir())
@@ -170,6 +174,7 @@ fn conventional(folder: &Path) -> Result<Vec<CameraFiles>, LayoutError> {
             camera.images = Some(format!("images/{}", camera.name));
         }
     }
+
     for path in layout::visible(&folder.join("background"))? {
         let stem = path
             .file_stem()
@@ -178,6 +183,7 @@ fn conventional(folder: &Path) -> Result<Vec<CameraFiles>, LayoutError> {
             camera.background = Some(beneath("background", &path));
         }
     }
+
     Ok(cameras.into_values().collect())
 }
 
@@ -221,6 +227,7 @@ fn check_sizes(rig: &Rig, cameras: &[(CameraFiles, Found)]) -> Result<(), Record
             Found::Video(path, _) => Some(path),
             Found::Images(files) => files.of_number.values().next(),
         };
+
         if let (Some(found), Some(path)) = (size(found), path)
             && found != expected
         {
@@ -279,6 +286,7 @@ impl Found {
                 Source::Video { path, numbering }
             }
         };
+
         CameraFootage {
             source,
             shift: camera.shift(fps),

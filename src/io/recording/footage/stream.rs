@@ -16,7 +16,7 @@ use crate::pipeline::{FramePictures, Frames, PictureStream};
 use crate::silhouette::FrameIndex;
 
 /// Pictures that are decoded ahead of whoever takes them, for each camera.
-pub const AHEAD: usize = 4;
+pub(super) const AHEAD: usize = 4;
 
 /// The pictures of one camera, in order.
 ///
@@ -49,6 +49,7 @@ impl Pictures {
                 .into_iter()
                 .filter(|f| frames.contains(&f.0));
             work.promised = wanted.collect();
+
             match &footage.source {
                 Source::Images(files) => {
                     let files = files

@@ -39,6 +39,7 @@ pub(in crate::io) fn list(
         pattern: pattern.into(),
         expected,
     };
+
     let numbered: Vec<(Option<u64>, PathBuf)> = if pattern.contains('%') && !whole.is_dir() {
         let printf = Printf::parse(&whole).ok_or_else(|| {
             bad_pattern("one %d or %06d in the file's name and no other % in the path")
@@ -49,7 +50,7 @@ pub(in crate::io) fn list(
             .collect()
     } else {
         let files = if whole.is_dir() {
-            of_kind(contents(&whole)?, wanted)
+            wanted_of(contents(&whole)?, wanted)
         } else if whole.is_file() {
             vec![whole]
         } else if pattern.contains(['*', '?', '[']) {
@@ -57,7 +58,7 @@ pub(in crate::io) fn list(
             let found = glob::glob(&format!("{escaped}/{pattern}")).map_err(|_| {
                 bad_pattern("a glob with balanced brackets and ** alone in its place")
             })?;
-            of_kind(found.filter_map(Result::ok).collect(), wanted)
+            wanted_of(found.filter_map(Result::ok).collect(), wanted)
         } else {
             Vec::new()
         };
@@ -66,6 +67,7 @@ pub(in crate::io) fn list(
             .map(|path| (last_number(&path), path))
             .collect()
     };
+
     collect(numbered, wanted)
 }
 
@@ -79,6 +81,7 @@ fn collect(
             files.unnumbered += 1;
             continue;
         };
+
         if let Some(first) = files.of_number.insert(number, path.clone()) {
             return Err(LayoutError::DuplicateFrame {
                 key: wanted.key.into(),
@@ -91,7 +94,7 @@ fn collect(
     Ok(files)
 }
 
-fn of_kind(mut files: Vec<PathBuf>, wanted: &Wanted<'_>) -> Vec<PathBuf> {
+fn wanted_of(mut files: Vec<PathBuf>, wanted: &Wanted<'_>) -> Vec<PathBuf> {
     files.retain(|path| !is_hidden(path) && (wanted.is_kind)(path));
     files
 }

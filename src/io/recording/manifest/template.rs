@@ -17,17 +17,20 @@ pub(super) fn fill(manifest: &mut Manifest, folder: &Path) {
     };
     let (masks, images) = (of_each(&manifest.masks), of_each(&manifest.images));
     let (video, background) = (of_each(&manifest.video), of_each(&manifest.background));
+
     if manifest.cameras.is_empty() {
         let found = [&masks, &images, &video].into_iter().flatten();
         let names: BTreeSet<&String> = found.flat_map(|(_, names)| names).collect();
         manifest.cameras = names.into_iter().map(|name| named(name)).collect();
     }
+
     for camera in &mut manifest.cameras {
         let of = |found: &Option<(String, BTreeSet<String>)>| {
             let (pattern, names) = found.as_ref()?;
             let is_there = names.contains(&camera.name);
             is_there.then(|| pattern.replace(NAME, &camera.name))
         };
+
         let has_pictures = camera.images.is_some() || camera.video.is_some();
         camera.masks = camera.masks.take().or_else(|| of(&masks));
         if !has_pictures {
