@@ -1,22 +1,4 @@
-#![doc = include_str!("../README.md")]
-//!
-//! # The posterior
-//!
-//! E(s, m₁..ₙ) = −log p(s) + Σᵢ \[−log p(Zᵢ | mᵢ, s)\] + Σᵢ \[−log p(mᵢ | mᵢ₋₁)\]
-//!
-//! | factor                       | room                                                    |
-//! |------------------------------|---------------------------------------------------------|
-//! | s, mᵢ: the body              | [`body`]                                                |
-//! | Zᵢ: what the cameras show    | [`camera`], [`image`], [`silhouette`], [`stereo`]       |
-//! | p(Zᵢ given mᵢ, s)            | [`likelihood`]                                          |
-//! | p(s), p(mᵢ given mᵢ₋₁), argmax | [`inference`]                                         |
-//! | least squares                | [`solver`]                                              |
-//! | the skin as a mesh           | [`skin`]                                                |
-//! | recordings with truth        | [`synth`], [`render`]                                   |
-//! | how a person walks           | [`gait`]                                                |
-//! | the order of the stages      | [`pipeline`]                                            |
-//! | files                        | [`io`]                                                  |
-//! | what a clinician reads       | [`report`]                                              |
+#![doc = include_str!("../docs/crate.md")]
 
 pub mod body;
 pub mod camera;
@@ -37,5 +19,6 @@ pub mod stereo;
 pub mod synth;
 pub mod workflow;
 
+pub use gait::Side;
 pub use io::recording::Recording;
 pub use workflow::{Error, FitOptions, FittedRecording, GaitStudy};
