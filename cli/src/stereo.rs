@@ -3,19 +3,16 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use maquette::Recording;
+use maquette::io::folder::check_out;
+use maquette::pipeline::FrameRange;
+use maquette::pipeline::stereo::{StereoMethod, StereoOptions, SurfaceSummary};
+use maquette::workflow::PointFiles;
 
 use super::error::CliError;
 use super::print;
+use maquette::pipeline::counted;
 use super::switches::{Overwrite, Quiet};
-use maquette::io::folder::check_out;
-use maquette::io::folder::stereo::{StereoExtras, StereoFolder};
-use maquette::io::recording::footage::Footage;
-use maquette::io::recording::{Note, ObservationFiles, Recording, RecordingError};
-use maquette::pipeline::stereo::{
-    StereoMethod, StereoOptions, SurfaceSummary, measure_surface, unmasked_note,
-};
-use maquette::pipeline::{FrameRange, MaskSource, Progress, counted};
-use maquette::silhouette::FrameIndex;
 
 pub(super) const ABOUT: &str = "\
 Measure points of the surface from cameras that stand side by side.
@@ -123,71 +120,20 @@ fn depth(text: &str) -> Result<(f64, f64), String> {
 
 /// Measures and writes.
 pub(super) fn run(arguments: &StereoArguments) -> Result<(), CliError> {
-    // 1. read and check everything
     check_out(&arguments.out, arguments.overwrite.existing())?;
     let recording = Recording::open(&arguments.recording)?.with_fps(arguments.fps);
-    let footage = recording.footage()?;
-    let all = footage.frames();
-    let frames = arguments.frames.unwrap_or_default().select(&all)?;
-    let options = arguments.settings.options();
-    options.choose_cameras(&footage.rig)?;
-    let masks = masks(&recording.with_fps(footage.fps))?;
-    let masks = masks.as_ref();
-
-    let quiet = arguments.quiet;
-    quiet.print_notes(&footage.notes);
-    quiet.print_notes(masks.into_iter().flat_map(odd_masks));
-    quiet.print_notes(unmasked_note(&footage, as_source(masks), &options)?);
-
-    // 2. frame by frame
-    let extras = StereoExtras {
+    let files = PointFiles {
+        folder: &arguments.out,
+        frames: arguments.frames.unwrap_or_default(),
+        options: &arguments.settings.options(),
         pictures: arguments.settings.pictures,
-        trajectories: options.tracks,
     };
-    let folder = StereoFolder::open(&arguments.out, footage.up, extras)?;
-    let progress = quiet.progress();
-    let found = write_surface(&footage, masks, frames, &options, folder, &progress)?;
+    let found = recording.write_points(&files, &arguments.quiet.progress())?;
 
-    // 3. what was found
-    quiet.print_notes(&found.notes);
-    if !quiet.is_on() {
+    if !arguments.quiet.is_on() {
         print(&summary(&found, &arguments.out));
     }
     Ok(())
-}
-
-/// The recording, if it has masks; its points are what is to be measured.
-fn masks(recording: &Recording) -> Result<Option<ObservationFiles>, CliError> {
-    match recording.masks() {
-        Ok(files) => Ok(Some(files).filter(ObservationFiles::has_masks)),
-        Err(RecordingError::NoMasks { .. }) => Ok(None),
-        Err(fault) => Err(fault.into()),
-    }
-}
-
-fn as_source(masks: Option<&ObservationFiles>) -> Option<&dyn MaskSource> {
-    masks.map(|masks| masks as &dyn MaskSource)
-}
-
-/// What is odd about the masks; that pictures are not read for them is not.
-fn odd_masks(masks: &ObservationFiles) -> impl Iterator<Item = &Note> {
-    let is_odd = |note: &&Note| !matches!(note, Note::Ignored { .. });
-    masks.notes.iter().filter(is_odd)
-}
-
-/// Measures the points of these frames and writes them into a folder; where there are masks, those of the person.
-pub(super) fn write_surface(
-    footage: &Footage,
-    masks: Option<&ObservationFiles>,
-    frames: &[FrameIndex],
-    options: &StereoOptions,
-    mut folder: StereoFolder,
-    progress: &dyn Progress,
-) -> Result<SurfaceSummary, CliError> {
-    let write = |frame| folder.write(frame).map_err(CliError::from);
-    let found = measure_surface(footage, as_source(masks), frames, options, progress, write)?;
-    folder.finish()?;
-    Ok(found)
 }
 
 fn summary(found: &SurfaceSummary, out: &Path) -> String {

@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use super::masks::cut_masks;
-use super::{Error, FitOptions, SilhouetteFiles, SilhouetteSource, silhouettes};
+use super::{Error, FitOptions, SilhouetteFiles, SilhouetteSource, points, silhouettes};
 use crate::io::folder::segmented::{self, MaskExtras};
 use crate::io::folder::stereo::{self, StereoExtras, StereoFolder};
 use crate::io::recording::footage::{Footage, FootageError};
 use crate::io::recording::{DerivedFiles, ObservationFiles, Recording, RecordingError};
-use crate::pipeline::stereo::{StereoMethod, StereoOptions, measure_surface};
+use crate::pipeline::stereo::{StereoMethod, StereoOptions};
 use crate::pipeline::{FitTo, Progress, span};
 use crate::silhouette::FrameObservations;
 use crate::stereo::SideBySide;
@@ -121,11 +121,8 @@ impl Derived<'_> {
         };
         options.choose_cameras(&footage.rig)?;
 
-        let mut folder = StereoFolder::open(self.folder, footage.up, StereoExtras::default())?;
-        let write = |frame| folder.write(frame).map_err(Error::from);
-        let found = measure_surface(footage, Some(masks), frames, &options, self.progress, write)?;
-        folder.finish()?;
-        found.notes.iter().for_each(|note| self.progress.note(note));
+        let folder = StereoFolder::open(self.folder, footage.up, StereoExtras::default())?;
+        points::measure(footage, Some(masks), frames, &options, folder, self.progress)?;
         Ok(())
     }
 
