@@ -27,7 +27,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     for number in 0..walker.frames() {
         let mut seen = FrameObservations::nothing(FrameIndex(number));
         for (id, camera) in walker.rig.iter() {
-            let mask = walker.mask(seen.frame, id).ok_or("a camera without a mask")?;
+            let mask = walker
+                .mask(seen.frame, id)
+                .ok_or("a camera without a mask")?;
             match extract(&mask, camera, &SilhouetteOptions::default()) {
                 Ok(silhouette) => seen.views.push((id, silhouette)),
                 Err(reason) => seen.rejected.push((id, reason)),

@@ -82,7 +82,12 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // the shipped terms of a frame (here one that no camera saw), and two more
     let rig = Ring::default().regular();
-    let evidence = Evidence::new(&model, &rig, LikelihoodOptions::default(), Measure::Ellipses);
+    let evidence = Evidence::new(
+        &model,
+        &rig,
+        LikelihoodOptions::default(),
+        Measure::Ellipses,
+    );
     let frame = FrameObservations::nothing(FrameIndex(0));
     let mut terms = evidence.terms(&frame, Detail::Fine);
     terms.push(Box::new(tape("RHip", "RKnee", 0.46)?));

@@ -17,7 +17,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let picture = arguments.next().unwrap_or("knee.svg".into());
     let fit = FittedRecording::read(folder, None)?;
 
-    let mut svg = format!("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {}\">\n", SIZE[0], SIZE[1]);
+    let mut svg = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {}\">\n",
+        SIZE[0], SIZE[1]
+    );
     for (side, colour) in [(Side::Left, "#c0392b"), (Side::Right, "#2067b0")] {
         let knee = fit.angle("knee_flexion", side)?;
         let frames = knee.radians.len();
@@ -31,13 +34,23 @@ fn main() -> Result<(), Box<dyn Error>> {
         // the band: up along its upper edge, back along the lower one
         let sd = knee.sd.clone().unwrap_or(vec![0.0; frames]);
         let upper = (0..frames).map(|i| place(i, knee.radians[i] + 2.0 * sd[i]));
-        let lower = (0..frames).rev().map(|i| place(i, knee.radians[i] - 2.0 * sd[i]));
+        let lower = (0..frames)
+            .rev()
+            .map(|i| place(i, knee.radians[i] - 2.0 * sd[i]));
         let band: Vec<String> = upper.chain(lower).filter(|p| !p.contains("NaN")).collect();
-        writeln!(svg, "<polygon points=\"{}\" fill=\"{colour}\" opacity=\"0.2\"/>", band.join(" "))?;
+        writeln!(
+            svg,
+            "<polygon points=\"{}\" fill=\"{colour}\" opacity=\"0.2\"/>",
+            band.join(" ")
+        )?;
 
         let line = (0..frames).map(|i| place(i, knee.radians[i]));
         let line: Vec<String> = line.filter(|p| !p.contains("NaN")).collect();
-        writeln!(svg, "<polyline points=\"{}\" fill=\"none\" stroke=\"{colour}\"/>", line.join(" "))?;
+        writeln!(
+            svg,
+            "<polyline points=\"{}\" fill=\"none\" stroke=\"{colour}\"/>",
+            line.join(" ")
+        )?;
     }
     svg.push_str("</svg>\n");
     std::fs::write(&picture, svg)?;

@@ -11,8 +11,8 @@ use maquette::workflow::PointFiles;
 
 use super::error::CliError;
 use super::print;
-use maquette::pipeline::counted;
 use super::switches::{Overwrite, Quiet};
+use maquette::pipeline::counted;
 
 pub(super) const ABOUT: &str = "\
 Measure points of the surface from cameras that stand side by side.

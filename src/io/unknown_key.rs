@@ -18,7 +18,7 @@ pub struct UnknownKey {
 
 impl UnknownKey {
     /// The first key of `table`, a part of `text`, that is not among `known`; `None` if all are.
-    pub fn first_in(
+    pub(super) fn first_in(
         text: &str,
         table: &DeTable<'_>,
         known: &'static [&'static str],

@@ -122,7 +122,14 @@ impl Derived<'_> {
         options.choose_cameras(&footage.rig)?;
 
         let folder = StereoFolder::open(self.folder, footage.up, StereoExtras::default())?;
-        points::measure(footage, Some(masks), frames, &options, folder, self.progress)?;
+        points::measure(
+            footage,
+            Some(masks),
+            frames,
+            &options,
+            folder,
+            self.progress,
+        )?;
         Ok(())
     }
 

@@ -31,8 +31,8 @@ pub(super) struct Entry {
 impl Storage {
     /// The value of the first of these keys that is there.
     pub(super) fn find(&self, keys: &[String]) -> Option<&Entry> {
-        let of = |key: &String| self.entries.iter().find(|entry| entry.key == *key);
-        keys.iter().find_map(of)
+        let named = |key: &String| self.entries.iter().find(|entry| entry.key == *key);
+        keys.iter().find_map(named)
     }
 
     /// An entry's numbers, as many as its rows and columns say.
@@ -57,12 +57,7 @@ impl Storage {
             });
         }
 
-        Ok(Numbers {
-            path: self.path.clone(),
-            line: Some(entry.line),
-            key: entry.key.clone(),
-            values,
-        })
+        Ok(Numbers::new(&self.path, entry.line, &entry.key, values))
     }
 }
 

@@ -133,7 +133,7 @@ impl Section<'_> {
         Ok(UncheckedCamera {
             name: self.name(),
             path: self.path.into(),
-            line: Some(self.line),
+            line: self.line,
             size,
             matrix: self.numbers("matrix")?,
             lens: self.lens()?,
@@ -172,12 +172,8 @@ impl Section<'_> {
         })?;
         let mut values = Vec::new();
         self.flatten(key, value, &mut values)?;
-        Ok(Numbers {
-            path: self.path.into(),
-            line: Some(line_at(self.text, value.span().start)),
-            key: key.into(),
-            values,
-        })
+        let line = line_at(self.text, value.span().start);
+        Ok(Numbers::new(self.path, line, key, values))
     }
 
     fn flatten(

@@ -84,7 +84,7 @@ impl Reader<'_> {
     }
 
     fn size(&mut self, line: usize, values: Vec<f64>) {
-        let size = Size::Stated(self.numbers(line, values));
+        let size = Size::Stated(Numbers::new(self.path, line, "width height", values));
         match self
             .blocks
             .last_mut()
@@ -156,15 +156,6 @@ impl Reader<'_> {
             values: Vec::new(),
         });
     }
-
-    fn numbers(&self, line: usize, values: Vec<f64>) -> Numbers {
-        Numbers {
-            path: self.path.into(),
-            line: Some(line),
-            key: "width height".into(),
-            values,
-        }
-    }
 }
 
 impl Block {
@@ -177,13 +168,7 @@ impl Block {
             });
         }
 
-        let numbers = |key: &str, values: Vec<f64>| Numbers {
-            path: path.into(),
-            line: Some(self.line),
-            key: key.into(),
-            values,
-        };
-
+        let numbers = |key: &str, values| Numbers::new(path, self.line, key, values);
         let entries = numbers("projection matrix", self.values).exactly::<12>("12", &self.name)?;
         let matrix = Matrix3x4::from_row_slice(&entries);
         let (k, r, t) = decompose(&matrix).ok_or(CalibrationError::Projection { place })?;
@@ -191,7 +176,7 @@ impl Block {
 
         Ok(UncheckedCamera {
             path: path.into(),
-            line: Some(self.line),
+            line: self.line,
             size: self.size,
             matrix: numbers("projection matrix", by_rows(&k)),
             lens: Lens::BrownConrady(numbers("distortion", Vec::new())),

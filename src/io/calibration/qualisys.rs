@@ -80,7 +80,7 @@ fn camera(camera: &Element<'_, '_>) -> Result<UncheckedCamera, CalibrationError>
     Ok(UncheckedCamera {
         name: camera.text("serial")?.into(),
         path: camera.path.into(),
-        line: Some(camera.line()),
+        line: camera.line(),
         size: Size::Stated(fov.computed("fov_video", size)),
         matrix: intrinsic.computed("intrinsic", matrix),
         lens: Lens::BrownConrady(intrinsic.collect("distortion", &DISTORTION)?),

@@ -16,14 +16,23 @@ const LARGEST_SIZE: f64 = 65535.0;
 #[derive(Debug, Clone)]
 pub(super) struct Numbers {
     pub(super) path: PathBuf,
-    pub(super) line: Option<usize>,
+    pub(super) line: usize,
     pub(super) key: String,
     pub(super) values: Vec<f64>,
 }
 
 impl Numbers {
+    pub(super) fn new(path: &Path, line: usize, key: &str, values: Vec<f64>) -> Self {
+        Self {
+            path: path.into(),
+            line,
+            key: key.into(),
+            values,
+        }
+    }
+
     pub(super) fn place(&self, camera: &str) -> Place {
-        Place::new(&self.path, self.line, Some(camera))
+        Place::new(&self.path, Some(self.line), Some(camera))
     }
 
     /// Exactly `N` finite numbers.
@@ -84,7 +93,7 @@ pub(super) enum Lens {
 pub(super) struct UncheckedCamera {
     pub(super) name: String,
     pub(super) path: PathBuf,
-    pub(super) line: Option<usize>,
+    pub(super) line: usize,
     pub(super) size: Size,
     /// K, row by row.
     pub(super) matrix: Numbers,
@@ -120,7 +129,7 @@ pub(super) fn check(
 
 impl UncheckedCamera {
     fn place(&self) -> Place {
-        Place::new(&self.path, self.line, Some(&self.name))
+        Place::new(&self.path, Some(self.line), Some(&self.name))
     }
 
     fn check(&self, options: &CalibrationOptions) -> Result<Camera, CalibrationError> {

@@ -99,7 +99,7 @@ fn camera(camera: &Element<'_, '_>) -> Result<UncheckedCamera, CalibrationError>
     Ok(UncheckedCamera {
         name: camera.text("DEVICEID")?.into(),
         path: camera.path.into(),
-        line: Some(camera.line()),
+        line: camera.line(),
         size,
         lens: lens(
             frame,

@@ -60,12 +60,7 @@ impl<'a, 'i> Element<'a, 'i> {
 
     /// Numbers computed from attributes of this element.
     pub(super) fn computed(&self, key: &str, values: Vec<f64>) -> Numbers {
-        Numbers {
-            path: self.path.into(),
-            line: Some(self.line()),
-            key: key.into(),
-            values,
-        }
+        Numbers::new(self.path, self.line(), key, values)
     }
 
     /// Numbers from tokens found in the attribute `key`.

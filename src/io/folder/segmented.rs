@@ -134,7 +134,7 @@ impl MaskFolder {
                 write_encoded(&path("probability", "png"), grey(&cut.probability))?;
             }
             if self.extras.overlays {
-                let overlay = jpeg::encode(&over(picture, &cut.mask), JPEG_QUALITY);
+                let overlay = jpeg::encode(&overlay(picture, &cut.mask), JPEG_QUALITY);
                 write_encoded(&path("mask-overlays", "jpg"), overlay)?;
             }
         }
@@ -170,10 +170,10 @@ fn rounded(share: f64) -> f64 {
 }
 
 /// The picture, darker where the person is not, with a yellow border.
-fn over(picture: &Picture, mask: &Mask) -> Picture {
-    let mut over = picture.clone();
+fn overlay(picture: &Picture, mask: &Mask) -> Picture {
+    let mut overlay = picture.clone();
     for y in 0..picture.height() {
-        for (x, pixel) in over.row_mut(y).iter_mut().enumerate() {
+        for (x, pixel) in overlay.row_mut(y).iter_mut().enumerate() {
             let is_person = mask.is_foreground(x, y);
             let is_border = is_person
                 && !(mask.is_foreground(x + 1, y)
@@ -187,7 +187,7 @@ fn over(picture: &Picture, mask: &Mask) -> Picture {
             }
         }
     }
-    over
+    overlay
 }
 
 fn grey(probability: &Plane<f32>) -> io::Result<Vec<u8>> {

@@ -100,7 +100,7 @@ impl SilhouetteFolder {
         )?;
 
         if self.extras.overlays {
-            let canvas = over(picture, camera, contours);
+            let canvas = overlay(picture, camera, contours);
             let png = png::encode_picture(canvas.pixels(), Effort::Quick);
             write(&path("overlays", ".png"), png)?;
         }
@@ -229,7 +229,7 @@ fn svg(camera: &Camera, contours: &ViewContours) -> String {
 }
 
 /// The expected outline blue, the contours yellow where they are sure and red where they are not, inner ones cyan.
-fn over(picture: &Picture, camera: &Camera, contours: &ViewContours) -> Canvas {
+fn overlay(picture: &Picture, camera: &Camera, contours: &ViewContours) -> Canvas {
     let mut canvas = Canvas::from_pixels(picture.clone());
     let pen = |color| Pen {
         color,

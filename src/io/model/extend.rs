@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use super::spec::{CoefficientSpec, ModelSpec, PrimitiveSpec};
-use super::{ModelFileError, ModelText, SHIPPED, build, text_of, toml_of};
+use super::{ModelFileError, ModelText, SHIPPED, build, parse_toml, text_of};
 
 /// What every model has, and the one key that tells an extension from a model of its own.
 #[derive(Debug, Deserialize)]
@@ -39,22 +39,22 @@ struct FleshSpec {
 /// The whole model of a file: what it says itself, and before that what the files say that it extends.
 ///
 /// `read` are the files on the way here, outermost first; this one is added.
-pub(super) fn whole(
+pub(super) fn with_base(
     text: &str,
     path: &Path,
     read: &mut Vec<ModelText>,
 ) -> Result<ModelSpec, ModelFileError> {
-    let head: Head = toml_of(text, path)?;
+    let head: Head = parse_toml(text, path)?;
     read.push(ModelText {
         name: head.name,
         path: one_name(path),
         text: text.to_owned(),
     });
     if head.extends.is_none() {
-        return toml_of(text, path);
+        return parse_toml(text, path);
     }
 
-    let own: ExtensionSpec = toml_of(text, path)?;
+    let own: ExtensionSpec = parse_toml(text, path)?;
     let base = base(&own.extends, path, read).map_err(|fault| match fault {
         ModelFileError::ExtendsItself { .. } => fault,
         fault => ModelFileError::Base {
@@ -75,7 +75,7 @@ fn base(name: &str, path: &Path, read: &mut Vec<ModelText>) -> Result<ModelSpec,
     if !is_shipped && read.iter().any(|file| file.path == own_name) {
         return Err(ModelFileError::ExtendsItself { path: base_path });
     }
-    let base = whole(&text, &base_path, read)?;
+    let base = with_base(&text, &base_path, read)?;
     build::build(&base, &base_path)?;
     Ok(base)
 }

@@ -195,7 +195,7 @@ pub fn load_with_texts(
 ) -> Result<(BodyModel, Vec<ModelText>), ModelFileError> {
     let (text, path) = text_of(name, folder)?;
     let mut read = Vec::new();
-    let spec = extend::whole(&text, &path, &mut read)?;
+    let spec = extend::with_base(&text, &path, &mut read)?;
     Ok((build::build(&spec, &path)?, read))
 }
 
@@ -223,11 +223,14 @@ fn text_of(name: &str, folder: &Path) -> Result<(String, PathBuf), ModelFileErro
 /// # Errors
 /// As [`load`].
 pub fn parse(text: &str, path: &Path) -> Result<BodyModel, ModelFileError> {
-    let spec = extend::whole(text, path, &mut Vec::new())?;
+    let spec = extend::with_base(text, path, &mut Vec::new())?;
     build::build(&spec, path)
 }
 
-fn toml_of<T: serde::de::DeserializeOwned>(text: &str, path: &Path) -> Result<T, ModelFileError> {
+fn parse_toml<T: serde::de::DeserializeOwned>(
+    text: &str,
+    path: &Path,
+) -> Result<T, ModelFileError> {
     toml::from_str(text).map_err(|e| ModelFileError::Syntax {
         path: path.to_owned(),
         line: e

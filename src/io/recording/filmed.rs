@@ -13,7 +13,7 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
-use super::synthetic::{SyntheticError, failed, whole, write_texts};
+use super::synthetic::{SyntheticError, failed, write_at_once, write_texts};
 use crate::io::folder::jpeg;
 use crate::io::folder::png::{self, Effort};
 use crate::silhouette::FrameIndex;
@@ -29,7 +29,7 @@ const JPEG_QUALITY: u8 = 95;
 /// # Errors
 /// [`SyntheticError`] names the file and why.
 pub fn write(filmed: &Film, folder: &Path) -> Result<(), SyntheticError> {
-    whole(folder, |whole| {
+    write_at_once(folder, |whole| {
         for (id, camera) in filmed.synthetic.rig.iter() {
             let images = whole.join("images").join(&camera.name);
             let masks = whole.join("truth").join("masks").join(&camera.name);

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use super::masks::{self, MaskFiles};
 use super::points::PointFiles;
-use super::{MaskFault, Note, Recording, RecordingError, layout, mask_image};
-use crate::camera::{Camera, CameraId, Rig};
+use super::{Note, Recording, RecordingError, layout, mask_image};
+use crate::camera::{CameraId, Rig};
 use crate::image::Mask;
 use crate::pipeline::MaskSource;
 use crate::silhouette::{self, FrameIndex, FrameObservations, SilhouetteOptions};
@@ -199,8 +199,12 @@ impl ObservationFiles {
             return Ok(None);
         };
         let mask = mask_image::read(path, [known.width_px, known.height_px]);
-        let mask = mask.map_err(|fault| mask_error(path, known, frame, fault))?;
-        Ok(Some(mask))
+        mask.map(Some).map_err(|fault| RecordingError::Mask {
+            path: path.into(),
+            camera: known.name.clone(),
+            frame,
+            fault: Box::new(fault),
+        })
     }
 }
 
@@ -239,13 +243,4 @@ fn frames_and_missing(
 
     let missing = missing.collect();
     (frames, missing)
-}
-
-fn mask_error(path: &Path, camera: &Camera, frame: FrameIndex, fault: MaskFault) -> RecordingError {
-    RecordingError::Mask {
-        path: path.into(),
-        camera: camera.name.clone(),
-        frame,
-        fault: Box::new(fault),
-    }
 }

@@ -130,11 +130,11 @@ fn lengths(synthetic: &Synthetic) -> BTreeMap<String, f64> {
 /// # Errors
 /// [`SyntheticError`] names the file and why.
 pub fn write(synthetic: &Synthetic, folder: &Path) -> Result<(), SyntheticError> {
-    whole(folder, |whole| fill(synthetic, whole))
+    write_at_once(folder, |whole| fill(synthetic, whole))
 }
 
 /// Lets `fill` write a folder beside the wanted one, and moves it there when all is written.
-pub(super) fn whole(
+pub(super) fn write_at_once(
     folder: &Path,
     fill: impl FnOnce(&Path) -> Result<(), SyntheticError>,
 ) -> Result<(), SyntheticError> {

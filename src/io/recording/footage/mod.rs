@@ -37,7 +37,7 @@ use stream::EmptyScene;
 
 pub use error::FootageError;
 pub use note::FootageNote;
-pub use numbers::Numbering;
+use numbers::Numbering;
 pub(super) use open::open;
 pub use stream::{FrameSets, Pictures};
 
@@ -49,7 +49,7 @@ pub struct Footage {
     /// The cameras that have pictures, in the order of the manifest.
     pub rig: Rig,
     /// What each camera of the rig recorded.
-    pub cameras: Vec<CameraFootage>,
+    pub(crate) cameras: Vec<CameraFootage>,
     /// What the user should know.
     pub notes: Vec<FootageNote>,
     /// Which axis of the files' world points up.
@@ -58,7 +58,7 @@ pub struct Footage {
 
 /// What one camera recorded.
 #[derive(Clone, Debug, PartialEq)]
-pub struct CameraFootage {
+pub(crate) struct CameraFootage {
     /// Its pictures.
     pub source: Source,
     /// Added to the numbers of the source's pictures.
@@ -69,7 +69,7 @@ pub struct CameraFootage {
 
 /// Where pictures come from.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Source {
+pub(crate) enum Source {
     /// An image for each number.
     Images(BTreeMap<u64, PathBuf>),
     /// A video.
@@ -83,7 +83,7 @@ pub enum Source {
 
 impl CameraFootage {
     /// Every file that it is read from: the pictures, and the empty scene.
-    pub fn paths(&self) -> Vec<&PathBuf> {
+    pub(crate) fn paths(&self) -> Vec<&PathBuf> {
         let pictures: Vec<&PathBuf> = match &self.source {
             Source::Images(files) => files.values().collect(),
             Source::Video { path, .. } => vec![path],
@@ -92,7 +92,7 @@ impl CameraFootage {
     }
 
     /// The frames of which there should be a picture, ascending.
-    pub fn frames(&self) -> Vec<FrameIndex> {
+    pub(crate) fn frames(&self) -> Vec<FrameIndex> {
         let numbers: Vec<u64> = match &self.source {
             Source::Images(files) => files.keys().copied().collect(),
             Source::Video { numbering, .. } => numbering.numbers(),

@@ -10,7 +10,7 @@ const NEAR: f64 = 0.5;
 /// The decoder leaves out what it cannot decode, so pictures are not counted but known by their time: what is lost in
 /// the middle does not shift what follows.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Numbering {
+pub(crate) enum Numbering {
     /// A steady rate, and every picture's time known: the k-th time is number k.
     Steady {
         /// Ascending, seconds.

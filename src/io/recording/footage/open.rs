@@ -16,7 +16,7 @@ use crate::io::recording::{Recording, RecordingError};
 const SAME_RATE: f64 = 0.005;
 
 /// What a camera has, before its frames are numbered.
-enum Found {
+enum CameraPictures {
     Images(NumberedFiles),
     Video(PathBuf, Probe),
 }
@@ -69,12 +69,12 @@ pub(in crate::io::recording) fn open(recording: &Recording) -> Result<Footage, R
 fn find(
     recording: &Recording,
     notes: &mut Vec<FootageNote>,
-) -> Result<Vec<(CameraFiles, Found)>, RecordingError> {
+) -> Result<Vec<(CameraFiles, CameraPictures)>, RecordingError> {
     let has_pictures = |camera: &CameraFiles| camera.images.is_some() || camera.video.is_some();
     let cameras = recording.manifest.cameras.iter().cloned();
     let (mut with, without): (Vec<_>, Vec<_>) = cameras.partition(has_pictures);
     if with.is_empty() {
-        with = conventional(&recording.folder)?;
+        with = conventional_cameras(&recording.folder)?;
     } else {
         let without = without.into_iter();
         notes.extend(without.map(|c| FootageNote::Without { camera: c.name }));
@@ -83,18 +83,18 @@ fn find(
         let path = recording.path.clone();
         return Err(FootageError::NoPictures { path }.into());
     }
-    usable(&recording.folder, with, notes)
+    usable_cameras(&recording.folder, with, notes)
 }
 
 /// The cameras whose pictures can be read; a video that holds none costs its camera alone, as long as there are others.
-fn usable(
+fn usable_cameras(
     folder: &Path,
     cameras: Vec<CameraFiles>,
     notes: &mut Vec<FootageNote>,
-) -> Result<Vec<(CameraFiles, Found)>, RecordingError> {
+) -> Result<Vec<(CameraFiles, CameraPictures)>, RecordingError> {
     let (mut usable, mut first_fault) = (Vec::new(), None);
     for camera in cameras {
-        match found(folder, &camera) {
+        match find_pictures(folder, &camera) {
             Ok(found) => usable.push((camera, found)),
             Err(RecordingError::Footage(fault @ FootageError::NoVideo { .. })) => {
                 notes.push(FootageNote::Unusable {
@@ -113,7 +113,7 @@ fn usable(
     }
 }
 
-fn found(folder: &Path, camera: &CameraFiles) -> Result<Found, RecordingError> {
+fn find_pictures(folder: &Path, camera: &CameraFiles) -> Result<CameraPictures, RecordingError> {
     let missing = |key, path| FootageError::Missing {
         camera: camera.name.clone(),
         key,
@@ -137,7 +137,7 @@ fn found(folder: &Path, camera: &CameraFiles) -> Result<Found, RecordingError> {
                 return Err(missing("video", video).into());
             }
             let probed = probe(&video)?;
-            Ok(Found::Video(video, probed))
+            Ok(CameraPictures::Video(video, probed))
         }
         (images, None) => {
             let pattern = images.as_deref().unwrap_or_default();
@@ -149,13 +149,13 @@ fn found(folder: &Path, camera: &CameraFiles) -> Result<Found, RecordingError> {
             if files.of_number.is_empty() {
                 return Err(missing("images", folder.join(pattern)).into());
             }
-            Ok(Found::Images(files))
+            Ok(CameraPictures::Images(files))
         }
     }
 }
 
 /// One camera for each file `videos/<camera>.*` and each folder `images/<camera>`, by name.
-fn conventional(folder: &Path) -> Result<Vec<CameraFiles>, LayoutError> {
+fn conventional_cameras(folder: &Path) -> Result<Vec<CameraFiles>, LayoutError> {
     let mut cameras: BTreeMap<String, CameraFiles> = BTreeMap::new();
     for path in layout::visible(&folder.join("videos"))?
         .into_iter()
@@ -210,22 +210,22 @@ fn beneath(folder: &str, path: &Path) -> PathBuf {
 }
 
 /// Width and height of the pictures; `None` if the first image cannot be read.
-fn size(found: &Found) -> Option<[u32; 2]> {
+fn size(found: &CameraPictures) -> Option<[u32; 2]> {
     match found {
-        Found::Video(_, probe) => Some(probe.size),
-        Found::Images(files) => {
+        CameraPictures::Video(_, probe) => Some(probe.size),
+        CameraPictures::Images(files) => {
             let picture = image::read(files.of_number.values().next()?).ok()?;
             Some([picture.width() as u32, picture.height() as u32])
         }
     }
 }
 
-fn check_sizes(rig: &Rig, cameras: &[(CameraFiles, Found)]) -> Result<(), RecordingError> {
+fn check_sizes(rig: &Rig, cameras: &[(CameraFiles, CameraPictures)]) -> Result<(), RecordingError> {
     for (camera, (_, found)) in rig.cameras.iter().zip(cameras) {
         let expected = [camera.width_px, camera.height_px];
         let path = match found {
-            Found::Video(path, _) => Some(path),
-            Found::Images(files) => files.of_number.values().next(),
+            CameraPictures::Video(path, _) => Some(path),
+            CameraPictures::Images(files) => files.of_number.values().next(),
         };
 
         if let (Some(found), Some(path)) = (size(found), path)
@@ -243,7 +243,7 @@ fn check_sizes(rig: &Rig, cameras: &[(CameraFiles, Found)]) -> Result<(), Record
     Ok(())
 }
 
-impl Found {
+impl CameraPictures {
     /// Frames per second of a video.
     fn rate_hz(&self) -> Option<f64> {
         match self {
@@ -262,7 +262,7 @@ impl Found {
     ) -> CameraFootage {
         let name = camera.name.clone();
         let source = match self {
-            Found::Images(files) => {
+            CameraPictures::Images(files) => {
                 if files.unnumbered > 0 {
                     notes.push(FootageNote::Unnumbered {
                         camera: name,
@@ -271,7 +271,7 @@ impl Found {
                 }
                 Source::Images(files.of_number)
             }
-            Found::Video(path, probe) => {
+            CameraPictures::Video(path, probe) => {
                 if let Some(video_hz) = probe
                     .rate_hz
                     .filter(|hz| (hz - fps).abs() > SAME_RATE * fps)

@@ -12,11 +12,12 @@ use super::video::Decoder;
 use super::{CameraFootage, FootageError, FootageNote, Source, image};
 use crate::camera::Camera;
 use crate::image::Picture;
+use crate::io::recording::layout::numbered_files::is_image;
 use crate::pipeline::{FramePictures, Frames, PictureStream};
 use crate::silhouette::FrameIndex;
 
 /// Pictures that are decoded ahead of whoever takes them, for each camera.
-pub(super) const AHEAD: usize = 4;
+const AHEAD: usize = 4;
 
 /// The pictures of one camera, in order.
 ///
@@ -43,22 +44,22 @@ impl Pictures {
         frames: RangeInclusive<usize>,
     ) -> Self {
         let footage = footage.clone();
-        Self::run(format!("camera {}", camera.name), camera, move |work| {
+        Self::run(format!("camera {}", camera.name), camera, move |decoding| {
             let wanted = footage
                 .frames()
                 .into_iter()
                 .filter(|f| frames.contains(&f.0));
-            work.promised = wanted.collect();
+            decoding.promised = wanted.collect();
 
             match &footage.source {
                 Source::Images(files) => {
                     let files = files
                         .iter()
                         .filter_map(|(n, path)| Some((footage.frame(*n)?, path)));
-                    work.read_images(files.filter(|(frame, _)| frames.contains(&frame.0)));
+                    decoding.read_images(files.filter(|(frame, _)| frames.contains(&frame.0)));
                 }
                 Source::Video { path, numbering } => {
-                    work.read_video(path, numbering, |n| footage.frame(n));
+                    decoding.read_video(path, numbering, |n| footage.frame(n));
                 }
             }
         })
@@ -66,31 +67,35 @@ impl Pictures {
 
     pub(super) fn start_background(path: &Path, camera: &Camera) -> Self {
         let path = path.to_owned();
-        Self::run(path.display().to_string(), camera, move |work| {
-            if ::image::ImageFormat::from_path(&path).is_ok_and(|f| f.reading_enabled()) {
-                work.promised = [FrameIndex(0)].into();
-                work.read_images([(FrameIndex(0), &path)].into_iter());
+        Self::run(path.display().to_string(), camera, move |decoding| {
+            if is_image(&path) {
+                decoding.promised = [FrameIndex(0)].into();
+                decoding.read_images([(FrameIndex(0), &path)].into_iter());
                 return;
             }
             match probe(&path) {
                 Ok(probe) => {
                     let numbering = probe.numbering(probe.rate_hz.unwrap_or(25.0));
                     let frame = |n| usize::try_from(n).ok().map(FrameIndex);
-                    work.promised = numbering.numbers().into_iter().filter_map(frame).collect();
-                    work.read_video(&path, &numbering, frame);
+                    decoding.promised = numbering.numbers().into_iter().filter_map(frame).collect();
+                    decoding.read_video(&path, &numbering, frame);
                 }
-                Err(fault) => work.stop(&path, &fault),
+                Err(fault) => decoding.stop(&path, &fault),
             }
         })
     }
 
-    fn run(whose: String, camera: &Camera, job: impl FnOnce(&mut Work) + Send + 'static) -> Self {
+    fn run(
+        whose: String,
+        camera: &Camera,
+        job: impl FnOnce(&mut Decoding) + Send + 'static,
+    ) -> Self {
         let (sender, decoded) = sync_channel(AHEAD);
         let size = [camera.width_px as usize, camera.height_px as usize];
         let worker = std::thread::spawn(move || {
-            let mut work = Work::new(whose, size, sender);
-            job(&mut work);
-            work.notes()
+            let mut decoding = Decoding::new(whose, size, sender);
+            job(&mut decoding);
+            decoding.notes()
         });
         Self {
             decoded: Some(decoded),
@@ -172,8 +177,7 @@ impl Iterator for FrameSets {
 
 impl PictureStream<FramePictures> for FrameSets {
     fn notes(&self) -> Vec<String> {
-        let notes = self.cameras.iter().flat_map(|(camera, _)| camera.notes());
-        notes.map(ToString::to_string).collect()
+        self.notes().iter().map(ToString::to_string).collect()
     }
 }
 
@@ -195,7 +199,7 @@ impl PictureStream<Picture> for EmptyScene {
 }
 
 /// What the thread of one camera knows.
-struct Work {
+struct Decoding {
     whose: String,
     size: [usize; 2],
     sender: SyncSender<(FrameIndex, Picture)>,
@@ -207,7 +211,7 @@ struct Work {
     notes: Vec<FootageNote>,
 }
 
-impl Work {
+impl Decoding {
     fn new(whose: String, size: [usize; 2], sender: SyncSender<(FrameIndex, Picture)>) -> Self {
         Self {
             whose,

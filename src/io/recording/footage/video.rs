@@ -13,11 +13,10 @@ use std::thread::JoinHandle;
 use super::FootageError;
 use super::probe::cannot_run;
 use crate::image::Picture;
+use crate::io::recording::image_decoder::MOST_PX;
 
 /// Longest line of a PPM's head.
 const MOST_HEAD: usize = 64;
-/// No video has more columns or rows.
-const MOST_PX: usize = 32_768;
 
 /// A video that is being decoded.
 pub(super) struct Decoder {
@@ -124,7 +123,7 @@ fn read_ppm(pipe: &mut impl BufRead) -> Option<Picture> {
     (head.next()??.trim() == "255").then_some(())?;
     let (width, height) = size.trim().split_once(' ')?;
     let (width, height): (usize, usize) = (width.parse().ok()?, height.parse().ok()?);
-    (width.max(height) <= MOST_PX).then_some(())?;
+    (width.max(height) <= MOST_PX as usize).then_some(())?;
     let mut pixels = vec![[0; 3]; width * height];
     pipe.read_exact(pixels.as_flattened_mut()).ok()?;
     Picture::from_values(width, height, pixels)
