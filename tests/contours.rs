@@ -11,7 +11,8 @@ use maquette::io::model;
 use maquette::likelihood::{LikelihoodOptions, Measure, SkinScale};
 use maquette::math::Rigid3;
 use maquette::pipeline::silhouettes::{
-    ContourOptions, Fault, FoundPoint, Scene, Seen, ShownFrame, Sighting, StillScenes,
+    ContourFault, ContourOptions, FoundPoint, FrameSighting, Scene, StillScenes, UndistortedFrame,
+    ViewSighting,
 };
 use maquette::render;
 use maquette::silhouette::{FrameIndex, FrameObservations};
@@ -70,7 +71,7 @@ impl Set {
     }
 
     /// The body bright before a dark ground; `None` of `shown` is a flat picture.
-    fn frame(&self, shown: [bool; 2]) -> ShownFrame {
+    fn frame(&self, shown: [bool; 2]) -> UndistortedFrame {
         let pictures: Vec<Option<Picture>> = (0..2)
             .map(|i| {
                 let (mask, is_shown) = (self.mask(i), shown[i]);
@@ -87,7 +88,7 @@ impl Set {
                 Plane::from_values(SIZE.0 as usize, SIZE.1 as usize, values)
             })
             .collect();
-        ShownFrame::of(&self.rig, &pictures).expect("pictures of the cameras' sizes")
+        UndistortedFrame::new(&self.rig, &pictures).expect("pictures of the cameras' sizes")
     }
 
     fn evidence(&self) -> Evidence<'_> {
@@ -107,21 +108,21 @@ impl Set {
     }
 
     /// A turn of the joint pipeline from a body that stands so far off.
-    fn followed(&self, frame: &ShownFrame, off_m: Vector3<f64>) -> Followed {
+    fn followed(&self, frame: &UndistortedFrame, off_m: Vector3<f64>) -> Followed {
         let mut start = self.truth.clone();
         start.position_world += off_m;
         let first = self.sighting(frame, &self.shape, &start);
         let (_, motion) = self.fitted(first.observed, &self.shape, start);
-        let seen = self.sighting(frame, &self.shape, &motion).seen;
+        let seen = self.sighting(frame, &self.shape, &motion).views;
         Followed { motion, seen }
     }
 
     /// What is seen of a body.
-    fn sighting(&self, frame: &ShownFrame, shape: &Shape, motion: &Motion) -> Sighting {
+    fn sighting(&self, frame: &UndistortedFrame, shape: &Shape, motion: &Motion) -> FrameSighting {
         let body = Posed::new(&self.model, shape, motion);
         let still = StillScenes::default();
-        let shown = (frame, &still);
-        let scene = Scene::new(&self.rig, shown, &body, ContourOptions::default());
+        let options = ContourOptions::default();
+        let scene = Scene::new(&self.rig, frame, &still, &body, options);
         scene.sighting(FrameIndex(0), &body, &SkinScale::new(&self.model))
     }
 
@@ -144,7 +145,7 @@ impl Set {
 /// A body that was fitted to its contours, and its contours then.
 struct Followed {
     motion: Motion,
-    seen: Vec<Option<Seen>>,
+    seen: Vec<Option<ViewSighting>>,
 }
 
 fn overlap(one: &Mask, other: &Mask) -> f64 {
@@ -190,8 +191,8 @@ fn a_flat_picture_is_told_for_its_view_and_does_not_count_there() {
         let seen = followed.seen[camera].as_ref().expect("a picture");
         seen.contours.faults.clone()
     };
-    assert!(!faults(0).contains(&Fault::Flat));
-    assert!(faults(1).contains(&Fault::Flat));
+    assert!(!faults(0).contains(&ContourFault::Flat));
+    assert!(faults(1).contains(&ContourFault::Flat));
     assert!(points(&followed, 1).iter().all(|p| p.reliability <= 0.0));
 }
 
@@ -201,7 +202,7 @@ fn a_body_that_nobody_sees_is_told_and_stays_where_it_is() {
     let far = Vector3::new(0.0, 0.0, 30.0);
     let followed = set.followed(&set.frame([true, true]), far);
     for seen in followed.seen.iter().flatten() {
-        assert!(seen.contours.faults.contains(&Fault::NoOutline));
+        assert!(seen.contours.faults.contains(&ContourFault::NoOutline));
         assert!(seen.contours.silhouette.is_none());
     }
     assert!(followed.motion.position_world.iter().all(|x| x.is_finite()));

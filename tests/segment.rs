@@ -1,9 +1,13 @@
 //! Segmentation by several cameras of a made scene: a person-sized ellipsoid before a textured wall.
 
+use std::convert::Infallible;
+use std::sync::Mutex;
+
 use maquette::camera::Rig;
 use maquette::image::{Mask, Picture, Plane};
-use maquette::pipeline::segment::{SegmentOptions, Segmenter, Training};
-use maquette::silhouette::{ShrunkSize, Support, SupportOptions, Volume};
+use maquette::pipeline::segment::{SegmentOptions, Segmented, Segmenter, Training, segment};
+use maquette::pipeline::{MemoryPictures, NoProgress};
+use maquette::silhouette::{FrameIndex, ShrunkSize, Support, SupportOptions, Volume};
 use maquette::synth::Ring;
 use nalgebra::{Point2, Point3, Vector3};
 
@@ -152,6 +156,49 @@ fn an_overexposed_picture_has_no_mask_and_speaks_against_nobody() {
             without.as_ref().map(|c| &c.mask)
         );
     }
+}
+
+#[test]
+fn a_recording_in_memory_is_segmented_frame_by_frame_and_what_is_odd_is_noted() {
+    let rig = rig();
+    let mut recording = MemoryPictures {
+        frames: (0..FRAMES)
+            .map(|frame| (FrameIndex(frame), pictures(&rig, frame)))
+            .collect(),
+        fps: 25.0,
+        rig: rig.clone(),
+        ..MemoryPictures::default()
+    };
+    let bright = Picture::filled(SIZE.0 as usize, SIZE.1 as usize, [255; 3]);
+    recording.frames.entry(FrameIndex(5)).or_default()[2] = Some(bright);
+
+    let taken = Mutex::new(Vec::new());
+    let options = SegmentOptions::default();
+    let segmented = segment(&recording, 4..=6, options, &NoProgress, |frame| {
+        let cut = frame.cuts[1].as_ref().expect("a mask");
+        let overlap = overlap(&rig, 1, frame.frame.0, &cut.mask);
+        taken
+            .lock()
+            .expect("no panic")
+            .push((frame.frame.0, overlap));
+        Ok::<(), Infallible>(())
+    });
+    let Ok(Segmented { masks, notes }) = segmented;
+
+    let mut taken = taken.into_inner().expect("no panic");
+    taken.sort_by_key(|(frame, _)| *frame);
+    assert!(taken.iter().map(|(frame, _)| *frame).eq(4..=6));
+    assert!(
+        taken.iter().all(|(_, overlap)| *overlap > 0.85),
+        "{taken:?}"
+    );
+    assert_eq!(masks.len(), 3 * 4 - 1);
+    assert!(masks.is_sorted_by_key(|mask| (mask.frame, mask.camera)));
+    let refused = format!(
+        "camera {}: 1 picture (5) with more than half",
+        rig.cameras[2].name
+    );
+    assert!(notes[0].starts_with(&refused), "{notes:?}");
 }
 
 #[test]

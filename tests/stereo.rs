@@ -8,5 +8,7 @@ mod faults;
 mod laws;
 #[path = "stereo/scene.rs"]
 mod scene;
+#[path = "stereo/surface.rs"]
+mod surface;
 #[path = "stereo/tracks.rs"]
 mod tracks;

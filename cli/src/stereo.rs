@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use maquette::Recording;
 use maquette::io::folder::check_out;
-use maquette::pipeline::FrameRange;
 use maquette::pipeline::stereo::{StereoMethod, StereoOptions, SurfaceSummary};
-use maquette::workflow::PointFiles;
+use maquette::pipeline::{FrameRange, counted};
+use maquette::workflow::SurfaceFiles;
 
 use super::error::CliError;
 use super::print;
@@ -49,7 +49,7 @@ pub(super) struct StereoArguments {
     quiet: Quiet,
 }
 
-/// How points are measured, and what is written.
+/// How points are measured, and what is written of them.
 #[derive(Debug, Clone, Args)]
 struct Settings {
     /// How points are found
@@ -122,14 +122,15 @@ fn depth(text: &str) -> Result<(f64, f64), String> {
 pub(super) fn run(arguments: &StereoArguments) -> Result<(), CliError> {
     check_out(&arguments.out, arguments.overwrite.existing())?;
     let recording = Recording::open(&arguments.recording)?.with_fps(arguments.fps);
-    let files = PointFiles {
+    let files = SurfaceFiles {
         folder: &arguments.out,
         frames: arguments.frames.unwrap_or_default(),
-        options: &arguments.settings.options(),
+        options: arguments.settings.options(),
         pictures: arguments.settings.pictures,
     };
-    let found = recording.write_points(&files, &arguments.quiet.progress())?;
+    let found = recording.write_surface(&files, &arguments.quiet.progress())?;
 
+    arguments.quiet.print_notes(&found.notes);
     if !arguments.quiet.is_on() {
         print(&summary(&found, &arguments.out));
     }

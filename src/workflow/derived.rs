@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use super::masks::cut_masks;
-use super::{Error, FitOptions, SilhouetteFiles, SilhouetteSource, points, silhouettes};
+use super::surface::measure_points;
+use super::{Error, FitOptions, SilhouetteFiles, SilhouetteSource, silhouettes};
 use crate::io::folder::segmented::{self, MaskExtras};
 use crate::io::folder::stereo::{self, StereoExtras, StereoFolder};
 use crate::io::recording::footage::{Footage, FootageError};
@@ -122,7 +123,7 @@ impl Derived<'_> {
         options.choose_cameras(&footage.rig)?;
 
         let folder = StereoFolder::open(self.folder, footage.up, StereoExtras::default())?;
-        points::measure(
+        let found = measure_points(
             footage,
             Some(masks),
             frames,
@@ -130,6 +131,7 @@ impl Derived<'_> {
             folder,
             self.progress,
         )?;
+        found.notes.iter().for_each(|note| self.progress.note(note));
         Ok(())
     }
 

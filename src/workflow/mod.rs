@@ -9,7 +9,7 @@
 //! | `fit.rs`      | `Recording::fit`, in memory, and `Recording::fit_into` a folder               |
 //! | `input.rs`    | everything that a fit is made from                                            |
 //! | `derived.rs`  | what a recording lacks, made of its pictures: masks, contours, points         |
-//! | `masks.rs`, `silhouettes.rs`, `points.rs` | what is made of pictures, as files                |
+//! | `masks.rs`, `silhouettes.rs`, `surface.rs` | masks cut out of pictures, silhouettes found in clutter, points measured by stereo, as files |
 //! | `watch.rs`    | the progress of Algorithm 1                                                   |
 //! | `fitted.rs`   | [`FittedRecording`]: lengths, angles, `result.json`                           |
 //! | `gait.rs`     | [`GaitStudy`]: a gait analysis, of a fit or of points of any system           |
@@ -27,11 +27,11 @@ mod gait;
 mod input;
 mod masks;
 mod options;
-mod points;
 #[cfg(feature = "report")]
 mod report;
 mod silhouettes;
 mod skin;
+mod surface;
 mod watch;
 
 pub use error::Error;
@@ -41,6 +41,6 @@ pub use fitted::{AngleTrack, FittedRecording, Length};
 pub use gait::{GaitSource, GaitStudy, NormChoice};
 pub use masks::{MaskFiles, WrittenMasks};
 pub use options::{FitOptions, SilhouetteSource};
-pub use points::PointFiles;
 pub use silhouettes::{SilhouetteFiles, WrittenSilhouettes};
 pub use skin::{RestingBody, SkinFiles, SkinnedPoses};
+pub use surface::SurfaceFiles;

@@ -11,16 +11,9 @@ use crate::io::recording::Recording;
 use crate::io::recording::footage::Footage;
 use crate::io::result::ResultFile;
 use crate::likelihood::Measure;
-use crate::math::stats::mean;
-use crate::pipeline::silhouettes::{
-    FrameSilhouettes, SilhouettePipeline, SilhouetteSearch, StartingFit,
-};
+use crate::pipeline::silhouettes::{SilhouettePipeline, SilhouetteSearch, StartingFit};
 use crate::pipeline::{FrameRange, Progress, check_measure};
 use crate::silhouette::{FrameIndex, FrameObservations};
-
-/// Mean reliability below which contours are not to be trusted: of people it was .54 to .70, of an arm sought in a person
-/// .17 to .38.
-const UNSURE: f64 = 0.45;
 
 /// How the silhouettes of a recording are found and written.
 #[derive(Debug, Clone, Copy)]
@@ -86,16 +79,14 @@ impl Recording {
             start: &start,
             pipeline: files.pipeline,
         };
-        let notes = search.run(progress, |found| {
-            write(&mut folder, &found, &footage, &model)
-        })?;
+        let found = search.run(progress, |found| folder.write(found, &footage.rig, &model))?;
         let rows = folder.finish()?;
 
         Ok(WrittenSilhouettes {
             cameras: footage.rig.names().map(str::to_owned).collect(),
-            warning: doubt(&rows, files.body),
+            warning: found.doubt(files.body),
             rows,
-            notes,
+            notes: found.notes,
         })
     }
 }
@@ -120,16 +111,10 @@ pub(super) fn observe(
     };
 
     let mut folder = SilhouetteFolder::open(folder, SilhouetteExtras::default())?;
-    let mut observed = Vec::new();
-    let notes = search.run(progress, |found| {
-        write(&mut folder, &found, footage, &model)?;
-        observed.push(found.sighting.observed);
-        Ok::<(), Error>(())
-    })?;
+    let found = search.run(progress, |found| folder.write(found, &footage.rig, &model))?;
     folder.finish()?;
-
-    notes.iter().for_each(|note| progress.note(note));
-    Ok(observed)
+    found.notes.iter().for_each(|note| progress.note(note));
+    Ok(found.observations)
 }
 
 /// A body whose skin can be seen in depth.
@@ -154,52 +139,4 @@ fn read_start(
     Ok(StartingFit::from_motions(
         shape, motions, footage, frames, progress,
     ))
-}
-
-/// Writes every view of a frame.
-fn write(
-    folder: &mut SilhouetteFolder,
-    found: &FrameSilhouettes<'_>,
-    footage: &Footage,
-    model: &BodyModel,
-) -> Result<(), Error> {
-    let seen = found.sighting.seen.iter().zip(found.pictures);
-    for ((seen, picture), camera) in seen.zip(&footage.rig.cameras) {
-        if let (Some(seen), Some(picture)) = (seen, picture) {
-            folder.view(found.frame, camera, picture, seen, model)?;
-        }
-    }
-    Ok(())
-}
-
-/// That the contours are hardly on edges; `None` where they are.
-fn doubt(rows: &[ContourRow], body: &str) -> Option<String> {
-    let reliability = mean(rows.iter().map(|row| row.reliability))?;
-    (reliability < UNSURE).then(|| {
-        format!(
-            "the contours hardly lie on edges (mean reliability {reliability:.2}): does {body} look like the person who is seen, and is the calibration right? Look with --overlays"
-        )
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn contours_that_lie_on_no_edges_are_doubted_and_others_are_not() {
-        let row = |reliability| ContourRow {
-            frame: 0,
-            camera: "left".into(),
-            area_px: 1000,
-            reliability,
-            moved_px: 1.0,
-            faults: String::new(),
-        };
-        let line = doubt(&[row(0.6), row(0.1)], "arm").expect("their mean is 0.35");
-        assert!(line.contains("0.35") && line.contains("arm"), "{line}");
-        assert!(!line.contains('\n'), "{line}");
-        assert_eq!(doubt(&[row(0.6), row(0.5)], "arm"), None);
-        assert_eq!(doubt(&[], "arm"), None);
-    }
 }

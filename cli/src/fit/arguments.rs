@@ -1,4 +1,4 @@
-//! The arguments of `maquette fit`.
+//! What `maquette fit` is told.
 
 use std::path::PathBuf;
 

@@ -38,7 +38,7 @@ impl fmt::Display for Place {
     }
 }
 
-/// A text from a file, in one line.
+/// A text from a file, in one line whatever it holds.
 pub(super) fn one_line(text: &str) -> String {
     let printable = |c: char| if c.is_control() { ' ' } else { c };
     text.chars().map(printable).collect()
@@ -67,7 +67,7 @@ pub enum CalibrationError {
         path: PathBuf,
         expected: &'static str,
     },
-    /// The file does not follow its format.
+    /// The file is not what its format asks for.
     #[error("{place}: expected {expected}, found {found}")]
     Syntax {
         place: Place,

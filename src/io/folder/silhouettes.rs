@@ -12,9 +12,9 @@ use super::segmented::{self, QUALITY};
 use super::table;
 use super::{OutError, OutFolder, file_name, write_atomically};
 use crate::body::BodyModel;
-use crate::camera::Camera;
+use crate::camera::{Camera, Rig};
 use crate::image::{Mask, Picture};
-use crate::pipeline::silhouettes::{FoundPoint, Seen, ViewContours};
+use crate::pipeline::silhouettes::{FoundPoint, FrameSilhouettes, ViewContours, ViewSighting};
 use crate::render::{Canvas, Pen};
 use crate::silhouette::FrameIndex;
 
@@ -44,6 +44,15 @@ pub struct ContourRow {
     pub faults: String,
 }
 
+/// What was found in one view.
+#[derive(Clone, Copy)]
+struct FoundView<'a> {
+    frame: FrameIndex,
+    camera: &'a Camera,
+    picture: &'a Picture,
+    seen: &'a ViewSighting,
+}
+
 /// The folder of a run.
 #[derive(Debug)]
 pub struct SilhouetteFolder {
@@ -67,18 +76,38 @@ impl SilhouetteFolder {
         })
     }
 
-    /// Writes what was found in one view of a frame.
+    /// Writes what was found in every view of a frame.
     ///
     /// # Errors
     /// [`OutError`] for the first file that cannot be written.
-    pub fn view(
+    pub fn write(
         &mut self,
-        frame: FrameIndex,
-        camera: &Camera,
-        picture: &Picture,
-        seen: &Seen,
+        found: &FrameSilhouettes<'_>,
+        rig: &Rig,
         model: &BodyModel,
     ) -> Result<(), OutError> {
+        let views = found.sighting.views.iter().zip(found.pictures);
+        for (camera, (seen, picture)) in rig.cameras.iter().zip(views) {
+            if let (Some(seen), Some(picture)) = (seen, picture) {
+                let view = FoundView {
+                    frame: found.frame,
+                    camera,
+                    picture,
+                    seen,
+                };
+                self.write_view(&view, model)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn write_view(&mut self, view: &FoundView<'_>, model: &BodyModel) -> Result<(), OutError> {
+        let FoundView {
+            frame,
+            camera,
+            picture,
+            seen,
+        } = *view;
         let contours = &seen.contours;
         let mask = contours.mask(camera);
         let path = |kind: &str, ending: &str| {

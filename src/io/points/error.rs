@@ -120,14 +120,14 @@ fn listed(names: &[String]) -> String {
     }
 }
 
-/// The parser's message without line breaks.
+/// The parser's message with its line breaks taken out.
 fn one_line(source: &ParseError) -> String {
     let text = source.to_string();
     let parts: Vec<&str> = text.lines().map(str::trim).collect();
     parts.join(", ")
 }
 
-/// The beginning of a text, short enough for a message.
+/// As much of a text as fits into a message.
 pub(super) fn shortened(text: &str) -> String {
     text.chars().take(40).collect()
 }

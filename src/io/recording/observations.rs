@@ -20,7 +20,7 @@ pub struct ObservationFiles {
     pub fps: f64,
     /// The cameras that have masks, or all where none has, in the order of the manifest.
     pub rig: Rig,
-    /// The frames that have points or a mask from at least one camera, ascending.
+    /// The frames of which at least one camera has a mask, or that have points, ascending.
     pub frames: Vec<FrameIndex>,
     /// The masks that are not there.
     pub missing: Vec<Missing>,
@@ -37,7 +37,7 @@ pub struct ObservationFiles {
     pub(super) pictures: Vec<(String, Vec<PathBuf>)>,
 }
 
-/// Frames in which one camera has no mask and another has.
+/// Frames of which one camera has no mask, others have.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Missing {
     /// The camera.
@@ -163,7 +163,7 @@ impl ObservationFiles {
         Ok(observations)
     }
 
-    /// Adds a frame's points to its observations.
+    /// Puts a frame's points beside those that were observed of it.
     ///
     /// # Errors
     /// As [`ObservationFiles::load_frame`] of points.
@@ -174,7 +174,7 @@ impl ObservationFiles {
         Ok(())
     }
 
-    /// Notes on the points of the frames that were loaded.
+    /// What the user should know of the points of the frames that were loaded.
     pub fn notes_on_points(&self, observations: &[FrameObservations]) -> Vec<Note> {
         self.points.notes(observations)
     }
@@ -221,7 +221,7 @@ impl MaskSource for ObservationFiles {
     }
 }
 
-/// The frames that have a mask or a cloud, and the masks that are missing.
+/// The frames of which there is a mask or a cloud, and the masks that are lacking.
 fn frames_and_missing(
     masks: &[BTreeMap<FrameIndex, PathBuf>],
     points: &PointFiles,

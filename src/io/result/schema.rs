@@ -39,7 +39,7 @@ pub struct ResultFile {
 /// Every option of a fit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct OptionsPart {
-    /// How masks and points become observations.
+    /// From masks and points to what is fitted to.
     pub observations: ObservationOptions,
     /// The estimate.
     pub estimate: EstimateOptions,
@@ -54,7 +54,7 @@ pub struct Program {
     pub version: String,
 }
 
-/// What was recorded, and what is missing.
+/// What was recorded, and what of it was missing.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RecordingPart {
     /// Frames per second.
@@ -69,11 +69,11 @@ pub struct RecordingPart {
     pub cameras: Vec<String>,
     /// Masks that are not there.
     pub missing: Vec<MissingPart>,
-    /// Masks without a silhouette.
+    /// Masks that show nobody.
     pub rejected: Vec<RejectedPart>,
 }
 
-/// Frames in which a camera has no mask.
+/// Frames of which a camera has no mask.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MissingPart {
     /// The camera.
@@ -82,7 +82,7 @@ pub struct MissingPart {
     pub frames: Vec<usize>,
 }
 
-/// A mask without a silhouette.
+/// A mask that shows nobody.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RejectedPart {
     /// The frame.
@@ -222,7 +222,7 @@ pub struct HypothesisPart {
     pub reading: Option<usize>,
     /// Number of the frame from which it was followed.
     pub keyframe: usize,
-    /// How it ended.
+    /// What became of it.
     pub outcome: OutcomePart,
     /// Frames that were fitted.
     pub frames_fitted: usize,
@@ -293,9 +293,9 @@ pub struct PointPart {
     pub frame: usize,
     /// Number of points.
     pub points: usize,
-    /// Share of them that lies outside a silhouette by more than three standard deviations.
+    /// Which share of them lies outside a silhouette, by more than three standard deviations.
     pub outside: f64,
-    /// Median distance by which those lie outside.
+    /// Median of how far those lie outside.
     pub outside_m: Option<f64>,
     /// Median distance from the skin; of points that were compared with one.
     pub off_skin_m: Option<f64>,
@@ -314,8 +314,8 @@ pub struct CameraPart {
     pub median_px: Option<f64>,
     /// Root mean square over all border points.
     pub rms_px: Option<f64>,
-    /// How far everything in its pictures lies to the right of and below where its calibration puts it, undistorted pixels;
-    /// 0 if that was not estimated, and in results of older versions.
+    /// By how much all that it shows lies elsewhere than its calibration says, to the right and down, undistorted pixels; 0 where that
+    /// was not asked, and in results of versions that did not write it.
     #[serde(default)]
     pub aim_px: [f64; 2],
 }

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::SegmentOptions;
-use super::view::View;
+use super::view::SegmentedView;
 use crate::image::{
     Mask, Picture, Plane, Region, Runs, box_mean, clean, enlarge, relax, sharpen, shrink,
 };
@@ -19,7 +19,7 @@ const MARGIN: usize = 6;
 /// What was learned of a recording, ready to segment its frames.
 #[derive(Clone, Debug)]
 pub struct Segmenter {
-    pub(super) views: Vec<View>,
+    pub(super) views: Vec<SegmentedView>,
     pub(super) support: Option<Support>,
     pub(super) shrunk: Vec<ShrunkSize>,
     pub(super) options: SegmentOptions,
@@ -72,9 +72,9 @@ impl Segmenter {
         self.support.is_some()
     }
 
-    /// For each camera: of the pixels in which the person ever is, the share whose background was never seen for sure.
+    /// For each camera the share of the person's pixels, over all frames, whose background was never seen for sure.
     pub(super) fn unseen_background(&self) -> Vec<f64> {
-        let share = |view: &View| {
+        let share = |view: &SegmentedView| {
             let trusts = || view.background.values().iter().map(|e| e.trust);
             let doubtful = trusts().filter(|trust| *trust < 0.5).count();
             let near = trusts().filter(|trust| *trust < 1.0).count();
@@ -92,18 +92,22 @@ impl Segmenter {
             .map(|(picture, shrunk)| Some(shrink(picture.as_ref()?, shrunk.factor)))
             .collect();
         let Evidence { own, together, .. } = self.evidence(&small);
+
         let cut = |c: usize| {
             let (full, picture) = (pictures[c].as_ref()?, small[c].as_ref()?);
             let (own, together) = (own[c].as_ref()?, together[c].as_ref()?);
+
+            // labels of the shrunk picture, then the border in the whole one
             let labels = self.labels(together, picture);
             let shrunk = &self.shrunk[c];
             let probability = enlarge(&labels, shrunk.factor, full.width(), full.height());
             let runs = Runs::from_mask(&Mask::brighter_than(&probability, 0.5));
             let coarse = clean(&runs, &self.options.clean).mask();
             let mask = sharpen(&coarse, full, &self.options.border.scaled(shrunk.factor));
+
             let runs = Runs::from_mask(&mask);
             Some(Cut {
-                quality: quality(&runs, (own, together), shrunk.factor),
+                quality: quality(&runs, own, together, shrunk.factor),
                 mask,
                 probability,
             })
@@ -142,11 +146,12 @@ impl Segmenter {
                 own,
             };
         };
+
         let support = support.by_others(&own);
         let count = own.iter().flatten().count().saturating_sub(1);
         let together: Vec<Option<Plane<f32>>> = (support.par_iter().zip(&own).zip(&self.views))
             .map(|((others, own), view)| {
-                Some(view.supported(own.as_ref()?, (others.as_ref()?, count), &self.options))
+                Some(view.supported(own.as_ref()?, others.as_ref()?, count, &self.options))
             })
             .collect();
         Evidence {
@@ -192,9 +197,11 @@ fn painted(runs: &Runs) -> Plane<u8> {
     runs.painted(&whole, 0)
 }
 
-fn quality(runs: &Runs, (own, together): (&Plane<f32>, &Plane<f32>), factor: usize) -> CutQuality {
+fn quality(runs: &Runs, own: &Plane<f32>, together: &Plane<f32>, factor: usize) -> CutQuality {
     let (components, _) = runs.components(crate::image::Connectivity::Eight);
     let mask = painted(runs);
+
+    // pixels of the mask where the evidence is, one for each shrunk pixel
     let (mut area, mut undecided, mut filled, mut unsupported) = (0.0, 0.0, 0.0, 0.0);
     for y in 0..own.height() {
         for (x, (own, together)) in own.row(y).iter().zip(together.row(y)).enumerate() {
@@ -205,6 +212,7 @@ fn quality(runs: &Runs, (own, together): (&Plane<f32>, &Plane<f32>), factor: usi
             unsupported += f64::from(u8::from(!is_person && *own > UNDECIDED && *together < 0.0));
         }
     }
+
     let share = |count: f64| if area > 0.0 { count / area } else { 0.0 };
     CutQuality {
         area_px: runs.area(),

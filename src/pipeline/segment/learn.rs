@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::cut::{KeyMasks, Segmenter};
 use super::subject;
 use super::train::Training;
-use super::view::{Key, View};
+use super::view::{Key, SegmentedView};
 use crate::image::{Mixture, Picture};
 use crate::silhouette::{ShrunkSize, Support};
 
@@ -18,7 +18,9 @@ impl Training {
         let views = shrunk.iter().zip(&mixtures).zip(&self.cameras);
         let mut segmenter = Segmenter {
             views: views
-                .map(|((s, mixture), c)| View::new(mixture, (s.width, s.height), c.hue_noise))
+                .map(|((s, mixture), c)| {
+                    SegmentedView::new(mixture, (s.width, s.height), c.hue_noise)
+                })
                 .collect(),
             support: None,
             shrunk,

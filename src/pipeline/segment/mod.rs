@@ -76,11 +76,14 @@ impl Default for SegmentOptions {
             key_frames: 16,
             rounds: 5,
             training_pictures: 200,
+
+            // weights of a pixel's evidence
             most_evidence: 8.0,
             against_weight: 10.0,
             allowed_weight: 1.0,
             unknown_weight: 6.0,
             background_odds: 3.0,
+
             shadow: ShadowOptions::default(),
             relax: RelaxOptions::default(),
             support: SupportOptions::default(),

@@ -57,6 +57,7 @@ fn place(rig: &Rig, shrunk: &[ShrunkSize], masks: &[Option<Plane<u8>>]) -> Optio
             Some(camera.ray(&camera.undistort(&Point2::from(recorded))?))
         })
         .collect();
+
     loop {
         let place = closest_point(&rays)?;
         let misses = rays.iter().map(|ray| ray.distance_to(&place));

@@ -1,7 +1,7 @@
 //! One pass over the pictures: every pixel's mixture, and the key frames.
 
 use super::SegmentOptions;
-use crate::camera::{CameraId, Rig};
+use crate::camera::{Camera, CameraId, Rig};
 use crate::image::{Mixture, MixtureOptions, Picture, shrink};
 use crate::math::stats::median_of_counts;
 use crate::silhouette::ShrunkSize;
@@ -47,25 +47,11 @@ pub(super) struct CameraTraining {
 impl Training {
     /// For a recording of so many frames.
     pub fn new(rig: &Rig, frames: usize, options: SegmentOptions) -> Self {
-        let camera = |camera: &crate::camera::Camera| {
-            let (width, height) = (camera.width_px as usize, camera.height_px as usize);
-            let factor = (1..).find(|f| (width / f) * (height / f) <= options.most_px.max(1));
-            let factor = factor.unwrap_or(1);
-            CameraTraining {
-                shrunk: ShrunkSize {
-                    width: width / factor,
-                    height: height / factor,
-                    factor,
-                },
-                mixture: None,
-                empty: 0,
-                taught: 0.0,
-                hue_noise: 1.0,
-                first: None,
-            }
-        };
+        let cameras = rig.cameras.iter();
         Self {
-            cameras: rig.cameras.iter().map(camera).collect(),
+            cameras: cameras
+                .map(|camera| CameraTraining::new(camera, options.most_px))
+                .collect(),
             rig: rig.clone(),
             options,
             keys: Vec::new(),
@@ -86,18 +72,14 @@ impl Training {
     /// Learns the pictures of the next frame.
     pub fn add(&mut self, pictures: &[Option<Picture>]) {
         let options = self.options;
-        let (teaches, is_key) = (
-            self.seen.is_multiple_of(
-                self.frames
-                    .div_ceil(options.training_pictures.max(1))
-                    .max(1),
-            ),
-            is_key(self.seen, self.frames, options.key_frames),
-        );
+        let spacing = self.frames.div_ceil(options.training_pictures.max(1));
+        let teaches = self.seen.is_multiple_of(spacing.max(1));
+        let is_key = is_key(self.seen, self.frames, options.key_frames);
         self.seen += 1;
         if !(teaches || is_key) {
             return;
         }
+
         let mut small = Vec::new();
         let weight = self.frames.min(options.training_pictures) as f32;
         for (camera, picture) in self.cameras.iter_mut().zip(pictures) {
@@ -121,6 +103,26 @@ fn is_key(position: usize, frames: usize, keys: usize) -> bool {
 }
 
 impl CameraTraining {
+    /// Of pictures shrunk by a whole factor to no more than so many pixels.
+    fn new(camera: &Camera, most_px: usize) -> Self {
+        let (width, height) = (camera.width_px as usize, camera.height_px as usize);
+        let factor = (1..).find(|f| (width / f) * (height / f) <= most_px.max(1));
+        let factor = factor.unwrap_or(1);
+
+        Self {
+            shrunk: ShrunkSize {
+                width: width / factor,
+                height: height / factor,
+                factor,
+            },
+            mixture: None,
+            empty: 0,
+            taught: 0.0,
+            hue_noise: 1.0,
+            first: None,
+        }
+    }
+
     /// Whether pictures of the empty scene say what the background is.
     pub(super) fn is_given(&self) -> bool {
         self.empty > 0
@@ -143,6 +145,8 @@ impl CameraTraining {
                 self.first = Some(picture.clone());
                 return;
             };
+
+            // two pictures tell the noise
             let [along, across] = noise(&first, picture);
             let sigma = ((along * along + 2.0 * across * across) / 3.0).sqrt();
             self.hue_noise = (across.max(1.0) / along.max(2.0)).clamp(LEAST_HUE_NOISE, 1.0);
@@ -151,11 +155,13 @@ impl CameraTraining {
                 least_sigma: (0.8 * sigma).max(LEAST_SIGMA),
                 ..MixtureOptions::default()
             };
+
             let mut mixture = Mixture::new(first.width(), first.height(), options);
             mixture.update(&first, 1.0);
             self.taught = self.taught.max(1.0);
             self.mixture = Some(mixture);
         }
+
         if let Some(mixture) = &mut self.mixture {
             self.taught += weight;
             mixture.update(picture, weight / self.taught);

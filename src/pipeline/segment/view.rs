@@ -28,9 +28,20 @@ pub(super) struct Key<'a> {
 /// The hue's σ never falls below this, grey levels: rounding, and the blur of hues by codecs.
 const LEAST_HUE: f32 = 2.5;
 
+/// What key frames tell of the person and of what is around.
+struct KnownColours<'a> {
+    keys: &'a [Key<'a>],
+    /// 1 where the person ever was.
+    ever: &'a Plane<f32>,
+    /// Colours of the person.
+    person: &'a Colours,
+    /// Colours of the empty scene around the person.
+    around: &'a Colours,
+}
+
 /// One camera's background and colours.
 #[derive(Clone, Debug)]
-pub(super) struct View {
+pub(super) struct SegmentedView {
     pub(super) background: Background,
     /// σ of the hue over that of the brightness.
     hue_noise: f32,
@@ -40,7 +51,7 @@ pub(super) struct View {
     around: Option<Colours>,
 }
 
-impl View {
+impl SegmentedView {
     /// The mode of largest ω/σ in each pixel, trusted.
     pub(super) fn new(mixture: &Mixture, size: (usize, usize), hue_noise: f32) -> Self {
         Self {
@@ -74,12 +85,14 @@ impl View {
     pub(super) fn supported(
         &self,
         own: &Plane<f32>,
-        (support, others): (&Plane<f32>, usize),
+        support: &Plane<f32>,
+        others: usize,
         options: &SegmentOptions,
     ) -> Plane<f32> {
         let most = options.most_evidence;
         let (allowed, unknown) = (options.allowed_weight, options.unknown_weight);
         let against = options.against_weight * (0.5 * others as f32).min(1.0);
+
         let mut together = own.clone();
         for y in 0..own.height() {
             let pixels = support.row(y).iter().zip(self.background.row(y));
@@ -101,6 +114,7 @@ impl View {
         keys: &[Key<'_>],
         options: &SegmentOptions,
     ) {
+        // the person's colours, and where the person ever was
         let (width, height) = (self.background.width(), self.background.height());
         let mut person = ColourCount::default();
         let mut ever = Plane::filled(width, height, 0.0_f32);
@@ -118,15 +132,18 @@ impl View {
         if person.total() < 1.0 {
             return;
         }
+
+        // with them the background, chosen anew
         let person = person.density();
         if let Some(mixture) = mixture {
             let around = self.colours_around(&ever);
-            self.choose_again(
-                mixture,
-                (keys, &ever),
-                (&person, &around),
-                options.background_odds,
-            );
+            let known = KnownColours {
+                keys,
+                ever: &ever,
+                person: &person,
+                around: &around,
+            };
+            self.choose_again(mixture, &known, options.background_odds);
             self.around = Some(around);
         }
         self.person = Some(person);
@@ -148,13 +165,14 @@ impl View {
     }
 
     /// Where the person ever was: the mode that was there most and is least like the person; and how far it can be trusted.
-    fn choose_again(
-        &mut self,
-        mixture: &Mixture,
-        (keys, ever): (&[Key<'_>], &Plane<f32>),
-        (person, around): (&Colours, &Colours),
-        odds: f32,
-    ) {
+    fn choose_again(&mut self, mixture: &Mixture, known: &KnownColours<'_>, odds: f32) {
+        let KnownColours {
+            keys,
+            ever,
+            person,
+            around,
+        } = *known;
+
         let size = (ever.width(), ever.height());
         let near = box_mean(ever, 2 + (size.0 + size.1) / 750);
         let is_near = |x: usize, y: usize| near.row(y)[x] > 0.0;
@@ -162,6 +180,7 @@ impl View {
             let colour = byte_colour(mean);
             around.log_density(colour) - person.log_density(colour)
         };
+
         self.background = choose(mixture, size, self.hue_noise, |mode, x, y| {
             if !is_near(x, y) {
                 most_there(mode)
@@ -171,6 +190,7 @@ impl View {
                 mode.weight.ln() + unlike(&mode.mean) - others(keys, mode, x, y)
             }
         });
+
         // the odds that what was chosen is the empty scene
         let mut sure = Plane::filled(size.0, size.1, 0.0_f32);
         for y in 0..size.1 {
@@ -183,6 +203,8 @@ impl View {
                 }
             }
         }
+
+        // and so how far it is trusted
         let sure = box_mean(&sure, 1);
         for y in 0..size.1 {
             for (x, empty) in self.background.row_mut(y).iter_mut().enumerate() {

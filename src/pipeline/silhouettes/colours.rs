@@ -1,8 +1,8 @@
 //! Where the person's colours end: of the edges beside a border, the one that parts the two sides.
 //!
-//! Clothes and furniture have edges of their own, some of them stronger than the border. But the border alone has the person's colours on
-//! one side and the background's on the other. Both are learnt beside the contour, for each of its points from its neighbours along it: of
-//! the colours c there, in a strip within and in one outside, by kernels k,
+//! Clothes and furniture have edges of their own, some of them stronger than the border. But only the border has the
+//! person's colours on one side and the background's on the other. Both are learnt beside the contour, for each of its points
+//! from its neighbours along it: from the colours c in a strip within and in one outside, by kernels k,
 //!
 //! ℓ(c) = ln (ε + mean k(c − cᵢ) within) − ln (ε + mean k(c − cⱼ) outside).
 //!
@@ -10,11 +10,13 @@
 //!
 //! b = argmax ½λ (Σ_{s<b} ℓ(s) − Σ_{s>b} ℓ(s)) − ½(b/ρ)²,
 //!
-//! the sums averaged over neighbouring points. λ < 1, as neighbouring pixels are not independent; ρ is how far the contour may be off.
+//! the sums averaged over neighbouring points. λ < 1, as neighbouring pixels are not independent; ρ is how far the contour
+//! may be off.
 //!
 //! # Source
-//! Hanek and Beetz 2004, *The contracting curve density algorithm* (colours of both sides from strips along the curve); Lankton and Tannenbaum
-//! 2008, *Localizing region-based active contours*. **Differs**: kernels instead of one Gaussian a side, for clothes have several colours.
+//! Hanek and Beetz 2004, *The contracting curve density algorithm* (colours of both sides from strips along the curve);
+//! Lankton and Tannenbaum 2008, *Localizing region-based active contours*. **Differs**: kernels instead of one Gaussian a
+//! side, for clothes have several colours.
 
 use nalgebra::{Point2, Vector2};
 
@@ -61,6 +63,7 @@ pub(super) fn parting(
     if n <= 2 * ALONG {
         return contour.to_vec();
     }
+
     // 1. the colours on every normal, and those of them that either side is learnt from
     let normals: Vec<Vector2<f64>> = (0..n).map(|i| outward(contour, i)).collect();
     let place = |i: usize, s: isize| contour[i] + normals[i] * s as f64;
@@ -76,6 +79,7 @@ pub(super) fn parting(
     };
     let within: Vec<_> = (0..n).map(|i| strip(i, -1, true)).collect();
     let outside: Vec<_> = (0..n).map(|i| strip(i, 1, false)).collect();
+
     // 2. where they part
     let sums: Vec<Sums> = (0..n)
         .map(|i| {
@@ -100,6 +104,8 @@ fn parted(normal: &Normal, within: &[[f32; 3]], outside: &[[f32; 3]]) -> Sums {
     if within.len().min(outside.len()) < LEAST_COLOURS {
         return [0.0; 2 * REACH_PX + 1];
     }
+
+    // ℓ of each pixel
     let first = STRIP_PX.1 - REACH_PX;
     let ratios: [f64; 2 * REACH_PX + 1] = std::array::from_fn(|k| {
         let Some(c) = normal[first + k] else {
@@ -108,6 +114,8 @@ fn parted(normal: &Normal, within: &[[f32; 3]], outside: &[[f32; 3]]) -> Sums {
         let ratio = ((UNSEEN + density(&c, within)) / (UNSEEN + density(&c, outside))).ln();
         f64::from(ratio.clamp(-MOST, MOST))
     });
+
+    // and its sums
     let all: f64 = ratios.iter().sum();
     let mut before = 0.0;
     ratios.map(|ratio| {

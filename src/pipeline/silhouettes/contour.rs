@@ -1,9 +1,9 @@
-//! The contours of one view: active contours from the model's outline to the filtered edges, and on to where the person's colours end.
+//! The contours of one view: from the model's outline to the filtered edges, and on to where the person's colours end.
 
 use nalgebra::Point2;
 
-use super::filter::Filtered;
-use super::{ContourOptions, Fault, colours};
+use super::filter::FilteredEdges;
+use super::{ContourFault, ContourOptions, colours};
 use crate::body::PartId;
 use crate::camera::Camera;
 use crate::image::{EvenSteps, Mask, Plane, Scanlines};
@@ -32,14 +32,14 @@ pub struct ViewContours {
     /// Open: a limb before another.
     pub inner: Vec<Vec<FoundPoint>>,
     /// What was wrong; the model's own outline stands there, with reliability 0.
-    pub faults: Vec<Fault>,
+    pub faults: Vec<ContourFault>,
     /// For the likelihood; `None` if there is no contour.
     pub silhouette: Option<Silhouette>,
 }
 
 /// A contour that shrank to less than this share of its expected area is no contour.
 const COLLAPSED: f64 = 0.2;
-/// A contour that loses more than the rest of its points in folds crossed itself.
+/// A contour that keeps less than this share of its points, and loses the others in folds, crossed itself.
 const UNCROSSED: f64 = 0.9;
 /// Depth changes by less than this from a point to the next along one contour, m.
 const JUMP_M: f64 = 0.08;
@@ -47,34 +47,37 @@ const JUMP_M: f64 = 0.08;
 const CUT: f64 = 0.02;
 
 impl ViewContours {
-    /// Settles active contours on the filtered edges, from where the outline is expected.
+    /// Lets active contours move from the expected outline to the filtered edges, and on to where the person's colours end.
     ///
-    /// And from the edges to where the person's colours end. `camera` is the recording's, with its lens; `colours` are red, green and blue
-    /// without it.
-    pub fn of(
+    /// `camera` is the recording's, with its lens; `colours` are red, green and blue without it.
+    pub fn settle(
         camera: &Camera,
         outline: &ModelOutline,
-        (edges, colours): (&Filtered, &[Plane<f32>]),
+        edges: &FilteredEdges,
+        colours: &[Plane<f32>],
         options: &ContourOptions,
     ) -> Self {
+        // what is amiss before anything moves
         let mut faults = Vec::new();
         let count = outline.outer.iter().map(Vec::len).sum::<usize>();
         if count == 0 {
-            faults.push(Fault::NoOutline);
+            faults.push(ContourFault::NoOutline);
         }
         if edges.strong <= 0.0 && count > 0 {
-            faults.push(Fault::Flat);
+            faults.push(ContourFault::Flat);
         }
         let is_cut = |p: &&OutlinePoint| !well_inside(camera, &p.pixel);
         let cut = outline.outer.iter().flatten().filter(is_cut).count();
         if cut as f64 > CUT * count as f64 {
             let percent = 100.0 * cut as f64 / count as f64;
-            faults.push(Fault::PartlyOutside { percent });
+            faults.push(ContourFault::PartlyOutside { percent });
         }
+
+        // on to the edges
         let px_per_m = px_per_m(camera, outline);
         let mut outer = Vec::new();
         for curve in &outline.outer {
-            match settled(curve, Ends::Closed, edges, (px_per_m, options)) {
+            match settled(curve, Ends::Closed, edges, px_per_m, options) {
                 Ok(found) => outer.extend(found),
                 Err(fault) => {
                     faults.extend(fault);
@@ -83,10 +86,12 @@ impl ViewContours {
             }
         }
         let inner = outline.inner.iter().map(|curve| {
-            let found = settled(curve, Ends::Open, edges, (px_per_m, options));
+            let found = settled(curve, Ends::Open, edges, px_per_m, options);
             found.unwrap_or_else(|_| vec![as_expected(curve)])
         });
         let inner = inner.flatten().collect();
+
+        // and from there to where the colours end
         let outer = where_colours_end(&outer, colours);
         let silhouette = silhouette(&outer, camera);
         Self {
@@ -140,21 +145,20 @@ fn where_colours_end(outer: &[Vec<FoundPoint>], colours: &[Plane<f32>]) -> Vec<V
     let Some(person) = inside(outer) else {
         return outer.to_vec();
     };
-    let moved = |curve: &Vec<FoundPoint>| -> Vec<FoundPoint> {
+    let moved = |(point, parting): (&FoundPoint, Point2<f64>)| match point.reliability > 0.0 {
+        true => FoundPoint {
+            pixel: parting,
+            ..*point
+        },
+        false => *point,
+    };
+
+    let curves = outer.iter().map(|curve| {
         let pixels: Vec<Point2<f64>> = curve.iter().map(|p| p.pixel).collect();
         let parting = colours::parting(&pixels, colours, |p| person.contains(p));
-        let points = curve.iter().zip(parting);
-        points
-            .map(|(point, parting)| match point.reliability > 0.0 {
-                true => FoundPoint {
-                    pixel: parting,
-                    ..*point
-                },
-                false => *point,
-            })
-            .collect()
-    };
-    outer.iter().map(moved).collect()
+        curve.iter().zip(parting).map(moved).collect()
+    });
+    curves.collect()
 }
 
 fn silhouette(outer: &[Vec<FoundPoint>], camera: &Camera) -> Option<Silhouette> {
@@ -200,22 +204,26 @@ fn as_expected(curve: &[OutlinePoint]) -> Vec<FoundPoint> {
 fn settled(
     curve: &[OutlinePoint],
     ends: Ends,
-    edges: &Filtered,
-    (px_per_m, options): (f64, &ContourOptions),
-) -> Result<Vec<Vec<FoundPoint>>, Option<Fault>> {
+    edges: &FilteredEdges,
+    px_per_m: f64,
+    options: &ContourOptions,
+) -> Result<Vec<Vec<FoundPoint>>, Option<ContourFault>> {
     if edges.strong <= 0.0 {
         return Err(None);
     }
+
     let pixels: Vec<Point2<f64>> = curve.iter().map(|p| p.pixel).collect();
     let wide = options.snake(px_per_m, edges.strong);
     let mut snake = Snake::new(&pixels, ends, wide).ok_or(None)?;
     snake.settle(&edges.wide);
+
     let narrow = SnakeOptions {
         search_px: (0.4 * wide.search_px).max(2.0),
         ..wide
     };
     let mut snake = snake.with(narrow).ok_or(None)?;
     snake.settle(&edges.narrow);
+
     let points = snake.points(&edges.narrow);
     let found: Vec<FoundPoint> = points.iter().map(|p| attributed(p, curve)).collect();
     let piece = |l: Vec<usize>| -> Vec<FoundPoint> { l.into_iter().map(|i| found[i]).collect() };
@@ -226,7 +234,7 @@ fn settled(
     }
 }
 
-/// A point of a contour, with what the model says of the place where it was expected.
+/// A point of a contour, with the body part that the model expects there.
 fn attributed(point: &SnakePoint, curve: &[OutlinePoint]) -> FoundPoint {
     let (nearest, is_sure) = nearest(curve, &point.expected);
     FoundPoint {
@@ -237,28 +245,28 @@ fn attributed(point: &SnakePoint, curve: &[OutlinePoint]) -> FoundPoint {
     }
 }
 
-/// The loops of a closed contour, unless they are too little of it.
+/// The loops of a closed contour, if enough of it is left.
 fn whole(
     loops: Vec<Vec<FoundPoint>>,
     contour: &[FoundPoint],
-) -> Result<Vec<Vec<FoundPoint>>, Option<Fault>> {
+) -> Result<Vec<Vec<FoundPoint>>, Option<ContourFault>> {
     let area = |points: &[FoundPoint], place: fn(&FoundPoint) -> Point2<f64>| {
         area_on_the_left(&points.iter().map(place).collect::<Vec<_>>())
     };
     let found: f64 = loops.iter().map(|l| area(l, |p| p.pixel)).sum();
     let share = found / area(contour, |p| p.expected);
     if share.is_nan() || share < COLLAPSED {
-        return Err(Some(Fault::Collapsed));
+        return Err(Some(ContourFault::Collapsed));
     }
     let kept: usize = loops.iter().map(Vec::len).sum();
     if loops.len() > 1 || (kept as f64) < UNCROSSED * contour.len() as f64 {
-        return Err(Some(Fault::SelfCrossing));
+        return Err(Some(ContourFault::SelfCrossing));
     }
     Ok(loops)
 }
 
-/// The outline's point nearest to where a contour was expected, and whether one surface goes on there: where it ends behind
-/// another, the border is a corner of two.
+/// The outline's point nearest to where a contour was expected, and whether one surface continues there: where it ends
+/// behind another, the border is a corner of both.
 fn nearest<'c>(curve: &'c [OutlinePoint], expected: &Point2<f64>) -> (&'c OutlinePoint, bool) {
     let off = |p: &OutlinePoint| (p.pixel - expected).norm_squared();
     let indices = 0..curve.len();

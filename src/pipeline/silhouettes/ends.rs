@@ -1,4 +1,4 @@
-//! Where depth ends: the borders of what is near, as far as correlation by windows sees them.
+//! Where depth ends: the borders of near things, as sharply as correlation by windows sees them.
 
 use nalgebra::Point2;
 
@@ -9,7 +9,7 @@ use crate::stereo::DepthMap;
 
 /// Depth ends where it changes by more than this within a window, px of disparity.
 const ENDS_PX: f32 = 1.5;
-/// Half that window, px: correlation finds borders to so much.
+/// Half that window, px: correlation finds borders to within this.
 const ENDS_WITHIN_PX: usize = 4;
 
 /// Disparities of a depth map from infinity: the larger, the nearer; NaN unknown.
@@ -18,20 +18,23 @@ pub fn nearness(map: &DepthMap) -> Plane<f32> {
     map.disparities.map(|d| (d - infinity).abs())
 }
 
-/// Of the pixels of a mask those where an edge can be a border, as far as depth tells: where depth ends, or ends nowhere within reach.
+/// The pixels of a mask in which an edge can be a border: depth ends there, or nowhere within reach.
 ///
-/// Edges of what a person wears lie beside the border as well and are as strong; but there depth goes on. A foot on the floor has no end of
-/// depth, and any edge can be its border.
+/// Clothes have edges beside the border that are as strong as the border, but depth goes on across them. Around a foot on
+/// the floor depth ends nowhere: there any edge can be the border.
 pub(super) fn where_depth_ends(
     mask: &Mask,
     camera: &Camera,
     map: &DepthMap,
     reach_px: f64,
 ) -> Mask {
+    // where it ends, in the pixels of the rectified image
     let near = behind_filled(&nearness(map));
     let (width, height) = (near.width(), near.height());
     let least = extreme(&near, f32::min);
     let most = extreme(&near, f32::max);
+
+    // the same in the pixels of the camera
     let rectified = &map.pair.left.camera;
     let ends = Mask::from_fn(width, height, |x, y| {
         let ray = camera.ray(&Point2::new(x as f64, y as f64));
@@ -42,6 +45,7 @@ pub(super) fn where_depth_ends(
             range.is_some_and(|(most, least)| most - least > ENDS_PX)
         })
     });
+
     let about = widened(&ends, whole_px(reach_px));
     Mask::from_fn(width, height, |x, y| {
         let can_be = ends.is_foreground(x, y) || !about.is_foreground(x, y);
@@ -49,7 +53,7 @@ pub(super) fn where_depth_ends(
     })
 }
 
-/// Of the pixels of a rectified image those about which nothing is farther: correlation by windows makes what is near wider than it is.
+/// The pixels of a rectified image with nothing farther beside them: correlation by windows makes near things too wide.
 pub(super) fn where_depth_goes_on(map: &DepthMap, mask: &Mask) -> Mask {
     let near = nearness(map);
     let least = extreme(&behind_filled(&near), f32::min);
@@ -59,7 +63,8 @@ pub(super) fn where_depth_goes_on(map: &DepthMap, mask: &Mask) -> Mask {
     })
 }
 
-/// What is not known, as far as the farther of its neighbours in the row: beside what is near, one camera sees what the other does not.
+/// Fills unknown places with the farther of their neighbours in the row: beside near things, one camera sees what the
+/// other does not.
 fn behind_filled(nearness: &Plane<f32>) -> Plane<f32> {
     let mut filled = nearness.clone();
     for y in 0..filled.height() {
@@ -70,10 +75,12 @@ fn behind_filled(nearness: &Plane<f32>) -> Plane<f32> {
                 start += 1;
                 continue;
             }
+
             let known = row[start..].iter().position(|v| v.is_finite());
             let end = known.map_or(row.len(), |k| start + k);
             let left = start.checked_sub(1).map(|k| row[k]);
             let right = row.get(end).copied();
+
             let far = left.into_iter().chain(right).fold(f32::NAN, f32::min);
             row[start..end].fill(far);
             start = end;
@@ -88,14 +95,16 @@ fn extreme(plane: &Plane<f32>, of: fn(f32, f32) -> f32) -> Plane<f32> {
     let window = |at: usize, size: usize| {
         at.saturating_sub(ENDS_WITHIN_PX)..(at + ENDS_WITHIN_PX + 1).min(size)
     };
+
+    // first along the rows, then across them
     let mut along = plane.clone();
-    let mut both = plane.clone();
     for y in 0..height {
         let from = plane.row(y);
         for (x, value) in along.row_mut(y).iter_mut().enumerate() {
             *value = from[window(x, width)].iter().copied().fold(f32::NAN, of);
         }
     }
+    let mut both = plane.clone();
     for y in 0..height {
         let row = both.row_mut(y);
         row.fill(f32::NAN);

@@ -3,7 +3,7 @@
 use nalgebra::Point2;
 
 use super::ContourOptions;
-use super::shown::ShownView;
+use super::undistorted::UndistortedView;
 use crate::body::Posed;
 use crate::camera::Camera;
 use crate::image::{Gradient, Mask, Plane, closed, opened, widened};
@@ -21,7 +21,7 @@ pub struct Edges {
 
 impl Edges {
     /// The edges of a view.
-    pub fn of(view: &ShownView, options: &ContourOptions) -> Self {
+    pub fn find(view: &UndistortedView, options: &ContourOptions) -> Self {
         let (wide, narrow) = rayon::join(
             || Gradient::new(&view.colours, options.wide_px),
             || Gradient::new(&view.colours, options.narrow_px),
@@ -30,9 +30,9 @@ impl Edges {
     }
 }
 
-/// The edges that passed, and the steps to them.
+/// The edges that passed, and what they passed.
 #[derive(Debug, Clone)]
-pub struct Filtered {
+pub struct FilteredEdges {
     /// Where edges count: the disparity mask, or the band of the prediction where there is no stereo.
     pub mask: Mask,
     /// The wide scale's edges that passed.
@@ -43,9 +43,9 @@ pub struct Filtered {
     pub strong: f32,
 }
 
-impl Filtered {
-    /// What of the edges lies on the mask and passes the hysteresis.
-    pub fn of(edges: &Edges, mask: Mask, options: &ContourOptions) -> Self {
+impl FilteredEdges {
+    /// The edges that lie on the mask and pass the hysteresis.
+    pub fn select(edges: &Edges, mask: Mask, options: &ContourOptions) -> Self {
         let passed = |gradient: &Gradient| {
             let within = gradient.within(&mask);
             let high = quantile(&within.magnitude(), options.strong).max(options.flattest);
@@ -68,7 +68,7 @@ impl Filtered {
     }
 }
 
-/// A quantile of what is not 0; 0 of nothing.
+/// A quantile of the values above 0; 0 without any.
 fn quantile(plane: &Plane<f32>, share: f64) -> f32 {
     let mut values: Vec<f32> = plane
         .values()
@@ -85,8 +85,8 @@ fn quantile(plane: &Plane<f32>, share: f64) -> f32 {
 
 /// The pixels that show something at the depth of the working volume, binarised and cleaned.
 ///
-/// The working volume is that of the body where it is expected, and `volume_m` around it. The mask reaches a little beyond what
-/// is near, for the edge is at its border and correlation blurs it.
+/// The working volume is the box around the expected body and `volume_m` about it. The mask reaches a little beyond the near
+/// pixels: the edge is at their border, and correlation blurs it.
 pub fn disparity_mask(
     camera: &Camera,
     points: &[CloudPoint],
@@ -101,7 +101,7 @@ pub fn disparity_mask(
     widened(&opened(&closed(&mask, radius), radius), options.reach_px)
 }
 
-/// Whether a point lies in the box around a body and `margin_m` about it; none does of a body without size.
+/// Whether a point lies in the box around a body and `margin_m` about it; no point does if the body has no size.
 pub(super) fn volume(body: &Posed<'_>, margin_m: f64) -> impl Fn(&CloudPoint) -> bool {
     let bounds = body.bounds();
     move |point| {
@@ -112,7 +112,7 @@ pub(super) fn volume(body: &Posed<'_>, margin_m: f64) -> impl Fn(&CloudPoint) ->
     }
 }
 
-/// The band around an expected outline, in the place of a disparity mask.
+/// A band around the expected outline, used where there is no disparity mask.
 pub fn band_mask(camera: &Camera, outline: &ModelOutline, half_px: f64) -> Mask {
     let curves = outline.outer.iter().chain(&outline.inner).flatten();
     widened(&marked(camera, curves.map(|p| p.pixel)), whole_px(half_px))

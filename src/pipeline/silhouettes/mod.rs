@@ -2,9 +2,9 @@
 //!
 //! | stage (PF02)                                    | where                                       |
 //! |-------------------------------------------------|---------------------------------------------|
-//! | pictures without lenses, their depths           | [`ShownFrame`]                              |
+//! | pictures without lenses, their depths           | [`UndistortedFrame`]                              |
 //! | before there is a model: what moves, by depth   | [`StillScenes::moving`]                     |
-//! | the gradient, filtered by disparity (§ 4.2)     | [`Edges`], [`disparity_mask`], [`Filtered`] |
+//! | the gradient, filtered by disparity (§ 4.2)     | [`Edges`], [`disparity_mask`], [`FilteredEdges`] |
 //! | the outline that is expected                    | [`crate::render::outline`]                  |
 //! | active contours                                 | [`ViewContours`]                            |
 //! | and, beside them, where the person's colours end | `colours.rs`                               |
@@ -22,29 +22,29 @@ mod filter;
 mod moving;
 mod run;
 mod scene;
-mod shown;
 mod starting_fit;
 mod still;
+mod undistorted;
 
 use crate::silhouette::snake::SnakeOptions;
 
 pub use contour::{FoundPoint, ViewContours};
 pub use ends::nearness;
 pub use error::SilhouetteError;
-pub use filter::{Edges, Filtered, band_mask, disparity_mask};
-pub use run::{FrameSilhouettes, SilhouettePipeline, SilhouetteSearch};
-pub use scene::{Scene, Sighting};
-pub use shown::{ShownFrame, ShownView};
+pub use filter::{Edges, FilteredEdges, band_mask, disparity_mask};
+pub use run::{FoundSilhouettes, FrameSilhouettes, SilhouettePipeline, SilhouetteSearch};
+pub use scene::{FrameSighting, Scene};
 pub use starting_fit::StartingFit;
 pub use still::{StillScene, StillScenes};
+pub use undistorted::{UndistortedFrame, UndistortedView};
 
 /// What was found in one view, and through which edges.
 #[derive(Debug, Clone)]
-pub struct Seen {
+pub struct ViewSighting {
     /// The contours.
     pub contours: ViewContours,
     /// The edges that they were drawn to.
-    pub filtered: Filtered,
+    pub filtered: FilteredEdges,
 }
 
 /// Settings of the contours.
@@ -123,7 +123,7 @@ impl ContourOptions {
 /// Why a view has no contour of its own somewhere; the model's outline stands there, with reliability 0.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum Fault {
+pub enum ContourFault {
     /// The body is not in view.
     #[error("no outline is expected in view")]
     NoOutline,

@@ -1,22 +1,22 @@
 //! What moves, and so can be the person, before there is a model: points of its surface, and its silhouettes.
 //!
-//! Points say where the person is, and a silhouette also where nobody is: a fit to points alone loses limbs into empty space.
-//! Both are by disparity. A pixel moves where it is nearer than its still scene. Where a person stood before the same place all the time
-//! the still scene is the person, and what moves has a hole: there the border of what moves is none of the person's.
-//! A border is believed where depth ends with it:
+//! Points say where the person is. A silhouette also says where nobody is: a fit to points alone loses limbs into empty space.
+//! Both come from disparities. A pixel moves where it is nearer than its still scene. Where the person stood in one place all
+//! the time, the still scene is the person, and what moves has a hole. The border of that hole is none of the person's, so a
+//! border is believed only where depth ends with it:
 //!
 //! r = \[n(x + kν) − n(x − lν) > T, k, l ≤ w\],
 //!
-//! with nearness n, the normal ν to the person's side, the width w of what correlation blurs, and T as between what moves and what stands
-//! still. Where no depth is known, n is that of the still scene.
+//! with nearness n, the normal ν towards the person, the width w that correlation blurs, and the same threshold T that
+//! separates what moves from what stands still. Where no depth is known, n is that of the still scene.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::{Point2, Vector2};
 
 use super::ends::nearness;
-use super::shown::ShownFrame;
 use super::still::{NEARER_PX, StillScene, StillScenes, points_where};
+use super::undistorted::UndistortedFrame;
 use crate::camera::{Camera, Rig};
 use crate::image::{CleanOptions, Mask, Plane, Runs, clean, closed, opened, resample, trace};
 use crate::silhouette::{
@@ -32,14 +32,19 @@ const SPACING_PX: f64 = 1.5;
 const BLUR_PX: i32 = 6;
 /// Edge of the cells by which points hang together, m.
 const CELL_M: f64 = 0.1;
-/// Points of one frame that are fitted to at most.
+/// At most so many points of one frame are fitted to.
 pub(super) const MOST_POINTS: usize = 1500;
 /// A cell of fewer points is stray.
 const LEAST_IN_CELL: usize = 3;
 
 impl StillScenes {
-    /// What of a frame is before the still scenes, which are those of the same cameras.
-    pub fn moving(&self, frame: FrameIndex, rig: &Rig, shown: &ShownFrame) -> FrameObservations {
+    /// The points and silhouettes of a frame that are in front of the still scenes of the same cameras.
+    pub fn moving(
+        &self,
+        frame: FrameIndex,
+        rig: &Rig,
+        shown: &UndistortedFrame,
+    ) -> FrameObservations {
         let mut observed = FrameObservations::nothing(frame);
         let mut points = Vec::new();
         for (camera, map) in shown.depths(rig) {
@@ -48,9 +53,10 @@ impl StillScenes {
             };
             let moves = still.nearer(&nearness(&map));
             points.extend(points_where(&map, &moves));
-            let silhouette = silhouette((still, &map), &moves, &rig.cameras[camera.0]);
+            let silhouette = silhouette(still, &map, &moves, &rig.cameras[camera.0]);
             observed.views.extend(silhouette.map(|s| (camera, s)));
         }
+
         observed.points = thinned(largest_piece(points), MOST_POINTS);
         observed
     }
@@ -58,7 +64,8 @@ impl StillScenes {
 
 /// The silhouette of what moves, in undistorted pixels of its camera; `None` where nothing does.
 fn silhouette(
-    (still, map): (&StillScene, &DepthMap),
+    still: &StillScene,
+    map: &DepthMap,
     moves: &Mask,
     camera: &Camera,
 ) -> Option<Silhouette> {
@@ -102,13 +109,13 @@ fn depth_ends(nearness: &Plane<f32>, border: &Point2<f64>, inwards: &Vector2<f64
     inside > outside + NEARER_PX
 }
 
-/// At most so many points, of all places alike.
+/// At most so many of the points, taken evenly.
 pub(super) fn thinned(points: Vec<CloudPoint>, most: usize) -> Vec<CloudPoint> {
     let step = points.len().div_ceil(most).max(1);
     points.into_iter().step_by(step).collect()
 }
 
-/// Those of the points that lie in the largest set of neighbouring cells.
+/// The points in the largest set of neighbouring cells.
 fn largest_piece(points: Vec<CloudPoint>) -> Vec<CloudPoint> {
     let cell = |p: &CloudPoint| -> [i64; 3] {
         let cell = p.position_world.coords.map(|x| (x / CELL_M).floor() as i64);
@@ -119,6 +126,8 @@ fn largest_piece(points: Vec<CloudPoint>) -> Vec<CloudPoint> {
         *counts.entry(cell(point)).or_default() += 1;
     }
     counts.retain(|_, count| *count >= LEAST_IN_CELL);
+
+    // from any cell that is left, all that hang together with it
     let (mut best, mut most) = (BTreeSet::new(), 0);
     while let Some((first, count)) = counts.pop_first() {
         let (mut piece, mut waiting, mut total) = (BTreeSet::from([first]), vec![first], count);
@@ -136,6 +145,7 @@ fn largest_piece(points: Vec<CloudPoint>) -> Vec<CloudPoint> {
             (best, most) = (piece, total);
         }
     }
+
     points
         .into_iter()
         .filter(|p| best.contains(&cell(p)))
@@ -161,10 +171,10 @@ mod tests {
                 })
             })
             .collect();
-        let still = StillScene::of(&maps.iter().map(nearness).collect::<Vec<_>>());
+        let still = StillScene::learn(&maps.iter().map(nearness).collect::<Vec<_>>());
         let seen = |map: &DepthMap| {
             let moves = still.nearer(&nearness(map));
-            silhouette((&still, map), &moves, &map.pair.left.camera)
+            silhouette(&still, map, &moves, &map.pair.left.camera)
         };
         assert!(seen(&maps[0]).is_none());
         let found = seen(&maps[9]).unwrap();

@@ -1,15 +1,15 @@
-//! One frame as the pipelines see it: edges, depths, and the contours that they give of a body.
+//! One frame as the pipelines see it: its edges, its depths, and the contours of a body that they give.
 
 use nalgebra::Point3;
 use rayon::prelude::*;
 
 use super::contour::{ViewContours, px_per_m};
 use super::ends::where_depth_ends;
-use super::filter::{Edges, Filtered, band_mask, disparity_mask, volume};
+use super::filter::{Edges, FilteredEdges, band_mask, disparity_mask, volume};
 use super::moving::{MOST_POINTS, thinned};
-use super::shown::ShownFrame;
 use super::still::StillScenes;
-use super::{ContourOptions, Seen};
+use super::undistorted::UndistortedFrame;
+use super::{ContourOptions, ViewSighting};
 use crate::body::Posed;
 use crate::camera::{Camera, CameraId, Rig};
 use crate::likelihood::{PointField, PointOptions, SkinScale, SurfacePoint};
@@ -17,11 +17,11 @@ use crate::render::{ModelOutline, outline};
 use crate::silhouette::{FrameIndex, FrameObservations};
 use crate::stereo::{CloudPoint, DepthMap};
 
-/// One frame's pictures, their edges and their depths: what does not depend on where the body is.
+/// One frame's pictures with their edges and depths.
 #[derive(Debug)]
 pub struct Scene<'a> {
     rig: &'a Rig,
-    shown: &'a ShownFrame,
+    shown: &'a UndistortedFrame,
     depths: Vec<Option<DepthMap>>,
     /// Of each camera, the points that can be the person's.
     points: Vec<Vec<CloudPoint>>,
@@ -31,46 +31,46 @@ pub struct Scene<'a> {
 
 /// What a frame shows of a body.
 #[derive(Debug)]
-pub struct Sighting {
+pub struct FrameSighting {
     /// The contours of its outline, in the order of the rig.
-    pub seen: Vec<Option<Seen>>,
+    pub views: Vec<Option<ViewSighting>>,
     /// Silhouettes and points.
     pub observed: FrameObservations,
 }
 
-/// Depth is looked for so far before and behind the body, m: what stands beside it must not be taken for it.
+/// Depth is looked for so far in front of and behind the body, m: what stands beside it must not be taken for it.
 const BEYOND_M: f64 = 0.6;
 /// Least depth that is looked for, m.
 const NEAREST_M: f64 = 0.3;
 
 impl<'a> Scene<'a> {
-    /// Looks for edges, and for depths about where a body is expected; there are none where no camera stands beside.
+    /// Looks for edges, and for depths around the expected body; a camera with no other beside it has no depths.
     ///
-    /// Where still scenes are known, points are taken from their cameras alone, and only what is before them: a floor or a chair that is
-    /// near a foot would be fitted to.
+    /// Where still scenes are known, points come from their cameras alone, and only from in front of them: else the body
+    /// would be fitted to the floor or a chair near a foot.
     pub fn new(
         rig: &'a Rig,
-        (shown, still): (&'a ShownFrame, &StillScenes),
+        shown: &'a UndistortedFrame,
+        still: &StillScenes,
         body: &Posed<'_>,
         options: ContourOptions,
     ) -> Self {
         let views = shown.views.par_iter();
-        let edges = views.map(|view| Some(Edges::of(view.as_ref()?, &options)));
+        let edges = views.map(|view| Some(Edges::find(view.as_ref()?, &options)));
+
         let cameras = rig.cameras.par_iter().enumerate();
         let depths = cameras.map(|(i, camera)| {
             let range = depths_of(camera, body);
             shown.depth(rig, CameraId(i), range)
         });
         let depths: Vec<Option<DepthMap>> = depths.collect();
-        let points =
-            depths
-                .iter()
-                .enumerate()
-                .map(|(i, depth)| match (depth, still.get(CameraId(i))) {
-                    (Some(depth), Some(still)) => still.before(depth),
-                    (Some(depth), None) if still.is_empty() => depth.points.clone(),
-                    _ => Vec::new(),
-                });
+
+        let points = depths.iter().enumerate();
+        let points = points.map(|(i, depth)| match (depth, still.get(CameraId(i))) {
+            (Some(depth), Some(still)) => still.before(depth),
+            (Some(depth), None) if still.is_empty() => depth.points.clone(),
+            _ => Vec::new(),
+        });
         Self {
             edges: edges.collect(),
             points: points.collect(),
@@ -81,18 +81,19 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// The contours of every view from where a body is expected, in the order of the rig; `None` where there is no picture.
-    fn contours(&self, body: &Posed<'_>) -> Vec<Option<Seen>> {
+    /// The contours of an expected body in every view, in the order of the rig; `None` where there is no picture.
+    fn contours(&self, body: &Posed<'_>) -> Vec<Option<ViewSighting>> {
         let cameras = self.rig.cameras.par_iter().enumerate();
         let seen = cameras.map(|(i, camera)| {
             let view = self.shown.views.get(i)?.as_ref()?;
             let expected = outline(&view.grey.camera, body, self.options.outline_px);
             let filtered = self.filtered(i, body, &expected)?;
-            Some(Seen {
-                contours: ViewContours::of(
+            Some(ViewSighting {
+                contours: ViewContours::settle(
                     camera,
                     &expected,
-                    (&filtered, &view.colours),
+                    &filtered,
+                    &view.colours,
                     &self.options,
                 ),
                 filtered,
@@ -102,7 +103,12 @@ impl<'a> Scene<'a> {
     }
 
     /// The edges of a view that can be the body's.
-    fn filtered(&self, i: usize, body: &Posed<'_>, expected: &ModelOutline) -> Option<Filtered> {
+    fn filtered(
+        &self,
+        i: usize,
+        body: &Posed<'_>,
+        expected: &ModelOutline,
+    ) -> Option<FilteredEdges> {
         let (camera, edges) = (&self.rig.cameras[i], self.edges.get(i)?.as_ref()?);
         let reach_px = self.options.search_m * px_per_m(camera, expected);
         let mask = match &self.depths.get(i).and_then(Option::as_ref) {
@@ -112,7 +118,7 @@ impl<'a> Scene<'a> {
             }
             None => band_mask(camera, expected, reach_px),
         };
-        Some(Filtered::of(edges, mask, &self.options))
+        Some(FilteredEdges::select(edges, mask, &self.options))
     }
 
     /// The points that lie near the skin of a body.
@@ -128,19 +134,24 @@ impl<'a> Scene<'a> {
         thinned(near.map(|(point, _)| point).collect(), MOST_POINTS)
     }
 
-    /// What a frame shows where a body is expected: contours, and the silhouettes and points that it can be fitted to.
-    pub fn sighting(&self, frame: FrameIndex, body: &Posed<'_>, scale: &SkinScale) -> Sighting {
-        let seen = self.contours(body);
-        let views = seen.iter().enumerate().filter_map(|(i, seen)| {
+    /// What the frame shows of an expected body: contours, and the silhouettes and points that it can be fitted to.
+    pub fn sighting(
+        &self,
+        frame: FrameIndex,
+        body: &Posed<'_>,
+        scale: &SkinScale,
+    ) -> FrameSighting {
+        let views = self.contours(body);
+        let silhouettes = views.iter().enumerate().filter_map(|(i, seen)| {
             let silhouette = seen.as_ref()?.contours.silhouette.clone()?;
             Some((CameraId(i), silhouette))
         });
         let observed = FrameObservations {
-            views: views.collect(),
+            views: silhouettes.collect(),
             points: self.points_near(body, scale),
             ..FrameObservations::nothing(frame)
         };
-        Sighting { seen, observed }
+        FrameSighting { views, observed }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{ShownFrame, SilhouetteError, StillScenes, nearness};
+use super::{SilhouetteError, StillScenes, UndistortedFrame, nearness};
 use crate::body::{BodyModel, Motion, Shape};
 use crate::camera::CameraId;
 use crate::inference::joint::{JointOptions, joint_optimum};
@@ -152,7 +152,7 @@ fn still_scenes(
             maps.entry(camera).or_default().push(nearness(&map));
         }
     });
-    StillScenes::of(&maps)
+    StillScenes::learn(&maps)
 }
 
 /// At most so many frames, spread over all.
@@ -167,14 +167,14 @@ fn each_shown(
     frames: &[FrameIndex],
     stage: &'static str,
     progress: &dyn Progress,
-    mut take: impl FnMut(FrameIndex, ShownFrame),
+    mut take: impl FnMut(FrameIndex, UndistortedFrame),
 ) {
     progress.begin(stage, frames.len());
     for (frame, seen) in pictures.pictures(span(frames)) {
         if frames.binary_search(&frame).is_err() {
             continue;
         }
-        if let Ok(shown) = ShownFrame::of(pictures.rig(), &seen) {
+        if let Ok(shown) = UndistortedFrame::new(pictures.rig(), &seen) {
             take(frame, shown);
         }
         progress.step();

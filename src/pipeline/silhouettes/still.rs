@@ -1,4 +1,4 @@
-//! What stands still, and so what is before it: the points that can be the person's while no model says yet where they are.
+//! The static scene, learnt first: per pixel the farthest depth that is seen repeatedly. What is nearer moves.
 
 use std::collections::BTreeMap;
 
@@ -9,21 +9,21 @@ use crate::camera::CameraId;
 use crate::image::{Mask, Plane};
 use crate::stereo::{CloudPoint, DepthMap};
 
-/// The parts of the scene that do not move, by their nearness: what each pixel shows when nobody is before it.
+/// How near the static scene is in each pixel, when nobody stands in front of it.
 ///
-/// Only for the very first fit, when no model says yet where the person is: nothing of the background's look is learned.
-/// A pixel's still scene is the farthest that it ever shows for long: the person is always nearer, and may stand before the same place
-/// in most frames. Where its depth is seldom known (a bare wall), it counts as far away.
+/// It serves the first fit alone, when no model says yet where the person is. Nothing is learnt of how the background looks.
+/// The person is always nearer than the scene and may stand in one place in most frames, so a pixel's scene is the farthest
+/// depth that it shows repeatedly. Where that is seldom known (a bare wall), the scene counts as far away.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StillScene {
     /// 0: far away.
     nearness: Plane<f32>,
 }
 
-/// The still scene is farther than all but this share of the depths that a pixel ever showed: these may be false.
+/// This share of a pixel's depths, the farthest, may be false.
 const FALSE_SHARE: f64 = 0.1;
-/// What stands still has texture if its depth is known in at least this share of the frames in which nothing is before it. If it has none, the
-/// depths that are known are the person's, who walked by.
+/// The scene has texture in a pixel if its depth is known in at least this share of the frames in which nothing is in front
+/// of it. Without texture the known depths are those of the person who walked by.
 const KNOWN_SHARE: f64 = 0.3;
 /// What moves is nearer than the still scene by this disparity, px.
 pub(super) const NEARER_PX: f32 = 1.5;
@@ -36,8 +36,8 @@ pub struct StillScenes(BTreeMap<CameraId, StillScene>);
 
 impl StillScenes {
     /// The still scenes of the [`nearness`] of each camera's depth maps, of frames spread over the recording.
-    pub fn of(maps: &BTreeMap<CameraId, Vec<Plane<f32>>>) -> Self {
-        let scene = |(camera, maps): (&CameraId, &Vec<_>)| (*camera, StillScene::of(maps));
+    pub fn learn(maps: &BTreeMap<CameraId, Vec<Plane<f32>>>) -> Self {
+        let scene = |(camera, maps): (&CameraId, &Vec<_>)| (*camera, StillScene::learn(maps));
         Self(maps.par_iter().map(scene).collect())
     }
 
@@ -54,12 +54,13 @@ impl StillScenes {
 
 impl StillScene {
     /// The still scene of the [`nearness`] of one camera's depth maps, of frames spread over the recording.
-    pub fn of(maps: &[Plane<f32>]) -> Self {
+    pub fn learn(maps: &[Plane<f32>]) -> Self {
         let Some(first) = maps.first() else {
             return Self {
                 nearness: Plane::filled(0, 0, 0.0),
             };
         };
+
         let mut still = Plane::filled(first.width(), first.height(), 0.0);
         let mut seen = Vec::with_capacity(maps.len());
         for y in 0..first.height() {
@@ -73,6 +74,8 @@ impl StillScene {
                 if seen.is_empty() {
                     continue;
                 }
+
+                // the farthest but for false depths, if it was known in most frames with nothing before it
                 let place = (FALSE_SHARE * seen.len() as f64) as usize;
                 let far = *seen.select_nth_unstable_by(place, f32::total_cmp).1;
                 let before = seen.iter().filter(|d| **d > far + NEARER_PX).count();
@@ -87,9 +90,9 @@ impl StillScene {
         }
     }
 
-    /// Where a [`nearness`] of the same camera is before the still scene, and all around as well.
+    /// Where a [`nearness`] of the same camera is in front of the still scene, with all eight neighbours.
     ///
-    /// Without the border of what moves: correlation by windows makes it wider than it is, and a body fitted to it too fat.
+    /// So the outermost pixels are left out: correlation by windows makes what moves too wide, and a body fitted to it too fat.
     pub fn nearer(&self, now: &Plane<f32>) -> Mask {
         let moves = Mask::from_fn(now.width(), now.height(), |x, y| {
             let (now, still) = (now.get(x, y), self.nearness.get(x, y));
@@ -115,7 +118,7 @@ impl StillScene {
         filled
     }
 
-    /// The points of a depth map of the same camera that are before the still scene, and not at the end of what is near.
+    /// The points of a depth map of the same camera that are in front of the still scene, away from the ends of depth.
     pub fn before(&self, map: &DepthMap) -> Vec<CloudPoint> {
         let nearer = self.nearer(&nearness(map));
         points_where(map, &where_depth_goes_on(map, &nearer))
@@ -142,11 +145,13 @@ fn filled(still: &Plane<f32>) -> Plane<f32> {
             if *value > 0.0 {
                 continue;
             }
+
             let reach = 1..=BRIDGED_PX;
             let left = reach.clone().find_map(|k| known(x.checked_sub(k)?, y));
             let right = reach.clone().find_map(|k| known(x + k, y));
             let above = reach.clone().find_map(|k| known(x, y.checked_sub(k)?));
             let below = reach.clone().find_map(|k| known(x, y + k));
+
             let between = |a: Option<f32>, b: Option<f32>| Some(a?.min(b?));
             let bridges = [between(left, right), between(above, below)];
             *value = bridges.into_iter().flatten().fold(0.0, f32::max);
@@ -176,9 +181,9 @@ pub(super) mod tests {
             _ => 40.0,
         });
         let maps: Vec<_> = depths.map(|d| Plane::filled(1, 1, d)).collect();
-        let still = StillScene::of(&maps);
+        let still = StillScene::learn(&maps);
         assert_eq!(still.nearness.get(0, 0), Some(20.0));
-        assert_eq!(StillScene::of(&[]).nearness.values().len(), 0);
+        assert_eq!(StillScene::learn(&[]).nearness.values().len(), 0);
     }
 
     /// One camera and another 20 cm to its right.
@@ -228,7 +233,7 @@ pub(super) mod tests {
                 depth_map(|x, y| floor(y) + if frame > 6 && is_foot(x, y) { 3.0 } else { 0.0 })
             })
             .collect();
-        let still = StillScene::of(&maps.iter().map(nearness).collect::<Vec<_>>());
+        let still = StillScene::learn(&maps.iter().map(nearness).collect::<Vec<_>>());
         assert_eq!(still.before(&maps[0]), []);
         let foot = still.before(&maps[9]);
         let is_in =
@@ -242,7 +247,7 @@ pub(super) mod tests {
         let map = |d: f32| Plane::filled(3, 1, d);
         let mut maps = vec![map(f32::NAN); 9];
         maps.push(map(40.0));
-        let still = StillScene::of(&maps);
+        let still = StillScene::learn(&maps);
         assert!(still.nearness.values().iter().all(|d| *d <= 0.0));
     }
 
@@ -252,7 +257,7 @@ pub(super) mod tests {
         let walks = |frame: usize| 20.0 + frame as f32;
         let of = |wall: fn(usize) -> f32| {
             let depths = (0..40).map(|k| if k < 16 { walks(k) } else { wall(k) });
-            StillScene::of(&depths.map(|d| Plane::filled(1, 1, d)).collect::<Vec<_>>())
+            StillScene::learn(&depths.map(|d| Plane::filled(1, 1, d)).collect::<Vec<_>>())
         };
         assert_eq!(of(|_| f32::NAN).nearness.get(0, 0), Some(0.0));
         let textured = of(|k| if k % 2 == 0 { 15.0 } else { f32::NAN });

@@ -4,7 +4,7 @@ use experiments::contours::{black_and_white, sheet};
 use maquette::camera::CameraId;
 use maquette::image::{Gradient, Picture, Plane};
 use maquette::pipeline::silhouettes::{
-    ContourOptions, Edges, Filtered, ShownFrame, disparity_mask,
+    ContourOptions, Edges, FilteredEdges, UndistortedFrame, disparity_mask,
 };
 use maquette::render;
 use maquette::silhouette::FrameIndex;
@@ -27,7 +27,7 @@ pub(crate) fn stages(sequence: &Sequence, frame: usize) -> Result<Picture, Fault
         studio.shot(FrameIndex(frame)).map(|shot| shot.picture)
     });
     let pictures: Vec<Option<Picture>> = shots.collect();
-    let shown = ShownFrame::of(rig, &pictures)?;
+    let shown = UndistortedFrame::new(rig, &pictures)?;
     let depth = shown.depth(rig, CameraId(CENTRE), None);
     let (Some(view), Some(depth)) = (&shown.views[CENTRE], depth) else {
         return Err("no stereo".into());
@@ -36,7 +36,7 @@ pub(crate) fn stages(sequence: &Sequence, frame: usize) -> Result<Picture, Fault
     let options = ContourOptions::default();
     let camera = &rig.cameras[CENTRE];
     let mask = disparity_mask(camera, &depth.points, &body, &options);
-    let filtered = Filtered::of(&Edges::of(view, &options), mask, &options);
+    let filtered = FilteredEdges::select(&Edges::find(view, &options), mask, &options);
     let gradient = Gradient::new(&view.colours, options.narrow_px).magnitude();
     let black = quantile(&gradient, BLACK);
     let photograph = |id: Option<CameraId>| {

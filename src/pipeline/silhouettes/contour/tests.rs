@@ -38,13 +38,13 @@ fn disk((x0, y0): (f64, f64), radius_px: f64) -> Plane<f32> {
     Plane::from_values(SIZE.0, SIZE.1, (0..SIZE.0 * SIZE.1).map(value).collect()).unwrap()
 }
 
-fn filtered(picture: Plane<f32>, options: &ContourOptions) -> Filtered {
+fn filtered(picture: Plane<f32>, options: &ContourOptions) -> FilteredEdges {
     let pictures = [picture];
     let edges = Edges {
         wide: Gradient::new(&pictures, options.wide_px),
         narrow: Gradient::new(&pictures, options.narrow_px),
     };
-    Filtered::of(&edges, Mask::from_fn(SIZE.0, SIZE.1, |_, _| true), options)
+    FilteredEdges::select(&edges, Mask::from_fn(SIZE.0, SIZE.1, |_, _| true), options)
 }
 
 /// A circle with its inside on the left.
@@ -69,7 +69,7 @@ fn expected(pixels: Vec<Point2<f64>>) -> ModelOutline {
 fn found(outline: &ModelOutline, picture: Plane<f32>, options: &ContourOptions) -> ViewContours {
     let colours = [picture.clone(), picture.clone(), picture.clone()];
     let edges = filtered(picture, options);
-    ViewContours::of(&camera(), outline, (&edges, &colours), options)
+    ViewContours::settle(&camera(), outline, &edges, &colours, options)
 }
 
 fn is_the_outline_and_not_relied_on(found: &ViewContours, outline: &ModelOutline) -> bool {
@@ -101,7 +101,7 @@ fn a_body_out_of_view_is_a_fault_without_a_silhouette() {
         disk(MIDDLE, 40.0),
         &ContourOptions::default(),
     );
-    assert_eq!(found.faults, [Fault::NoOutline]);
+    assert_eq!(found.faults, [ContourFault::NoOutline]);
     assert!(found.outer.is_empty() && found.silhouette.is_none());
     assert!(!found.mask(&camera()).is_foreground(80, 70));
 }
@@ -111,7 +111,7 @@ fn in_a_flat_picture_the_outline_stands_and_nothing_counts() {
     let outline = expected(circle(MIDDLE, 42.0));
     let flat = Plane::filled(SIZE.0, SIZE.1, 90.0);
     let found = found(&outline, flat, &ContourOptions::default());
-    assert_eq!(found.faults, [Fault::Flat]);
+    assert_eq!(found.faults, [ContourFault::Flat]);
     assert!(is_the_outline_and_not_relied_on(&found, &outline));
     let silhouette = found.silhouette.unwrap();
     let counted: f64 = silhouette.contour.iter().map(|p| p.counted_px()).sum();
@@ -124,7 +124,8 @@ fn an_outline_cut_by_the_image_is_told_and_does_not_count_there() {
     let cut = circle(middle, 41.0).into_iter();
     let outline = expected(cut.map(|p| Point2::new(p.x.max(-0.5), p.y)).collect());
     let found = found(&outline, disk(middle, 40.0), &ContourOptions::default());
-    let is_cut = |f: &Fault| matches!(f, Fault::PartlyOutside { percent } if *percent > 20.0);
+    let is_cut =
+        |f: &ContourFault| matches!(f, ContourFault::PartlyOutside { percent } if *percent > 20.0);
     assert!(
         found.faults.len() == 1 && is_cut(&found.faults[0]),
         "{:?}",
@@ -149,7 +150,7 @@ fn a_contour_that_a_speck_draws_together_is_a_fault_and_the_outline_stands() {
     };
     let outline = expected(circle(MIDDLE, 9.0));
     let found = found(&outline, disk(MIDDLE, 1.5), &options);
-    assert_eq!(found.faults, [Fault::Collapsed]);
+    assert_eq!(found.faults, [ContourFault::Collapsed]);
     assert!(is_the_outline_and_not_relied_on(&found, &outline));
 }
 
@@ -162,6 +163,6 @@ fn a_contour_that_crosses_itself_is_a_fault_and_the_outline_stands() {
     let crossed = circle(MIDDLE, 40.0).into_iter().map(turned_over);
     let outline = expected(crossed.collect());
     let found = found(&outline, disk(MIDDLE, 40.0), &ContourOptions::default());
-    assert_eq!(found.faults, [Fault::SelfCrossing]);
+    assert_eq!(found.faults, [ContourFault::SelfCrossing]);
     assert!(is_the_outline_and_not_relied_on(&found, &outline));
 }

@@ -1,4 +1,4 @@
-//! What the cameras show in one frame, without their lenses, and how far away it is.
+//! What the cameras show in one frame, without the distortion of their lenses, and how far away it is.
 
 use rayon::prelude::*;
 
@@ -9,7 +9,7 @@ use crate::stereo::{DepthMap, StereoView, StereoViewError, depth_map, neighbour}
 
 /// One camera's picture as its ideal camera would show it.
 #[derive(Debug, Clone)]
-pub struct ShownView {
+pub struct UndistortedView {
     /// Brightness, and the camera without its lens.
     pub grey: StereoView,
     /// Red, green and blue; NaN where the recorded picture shows nothing.
@@ -18,17 +18,17 @@ pub struct ShownView {
 
 /// The pictures of one frame, in the order of the rig; `None` for a camera that has none.
 #[derive(Debug, Clone)]
-pub struct ShownFrame {
+pub struct UndistortedFrame {
     /// View by view.
-    pub views: Vec<Option<ShownView>>,
+    pub views: Vec<Option<UndistortedView>>,
 }
 
-impl ShownFrame {
+impl UndistortedFrame {
     /// Takes the lenses off the pictures of a frame.
     ///
     /// # Errors
     /// [`StereoViewError`] for a picture of another size than its camera's.
-    pub fn of(rig: &Rig, pictures: &[Option<Picture>]) -> Result<Self, StereoViewError> {
+    pub fn new(rig: &Rig, pictures: &[Option<Picture>]) -> Result<Self, StereoViewError> {
         let cameras = rig.cameras.par_iter().enumerate();
         let views = cameras.map(|(i, camera)| {
             let Some(picture) = pictures.get(i).and_then(Option::as_ref) else {
@@ -38,7 +38,7 @@ impl ShownFrame {
             let colours = (0..3)
                 .map(|c| Ok(channel(c)?.image))
                 .collect::<Result<_, _>>()?;
-            Ok(Some(ShownView {
+            Ok(Some(UndistortedView {
                 grey: StereoView::undistorted(camera, &luma(picture))?,
                 colours,
             }))
@@ -48,9 +48,9 @@ impl ShownFrame {
         })
     }
 
-    /// Depth of what a camera shows, by correlation with the camera beside it; `None` where there is none, or no picture.
+    /// The depths that a camera sees, by correlation with the camera beside it; `None` without such a camera or its picture.
     ///
-    /// Without a mask; between a least and a greatest depth, m, or of all depths that a shift of a third of the image allows.
+    /// They lie between a least and a greatest depth, m; without these, in all that a shift of a third of the image allows.
     pub fn depth(
         &self,
         rig: &Rig,
@@ -64,7 +64,7 @@ impl ShownFrame {
         depth_map(&first.grey, &second.grey, None, depths_m, &options).ok()
     }
 
-    /// Depths of what every camera shows that has one beside it, of all depths that there can be.
+    /// The depths that each camera sees that has another beside it, from the nearest possible to infinity.
     pub fn depths(&self, rig: &Rig) -> Vec<(CameraId, DepthMap)> {
         let cameras = (0..rig.cameras.len()).into_par_iter().map(CameraId);
         cameras
