@@ -12,7 +12,6 @@ use maquette::workflow::SurfaceFiles;
 use super::error::CliError;
 use super::print;
 use super::switches::{Overwrite, Quiet};
-use maquette::pipeline::counted;
 
 pub(super) const ABOUT: &str = "\
 Measure points of the surface from cameras that stand side by side.
