@@ -85,7 +85,7 @@ pub(super) fn arguments_message(fault: &clap::Error) -> String {
     }
 }
 
-/// A text in one line, whatever file names and parsers put into it.
+/// A text in one line, without control characters from file names or parsers.
 pub(super) fn one_line(text: &str) -> String {
     let lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
     let joined = lines.collect::<Vec<_>>().join(", ");

@@ -144,7 +144,7 @@ fn is_help(kind: ErrorKind) -> bool {
     )
 }
 
-/// Prints to standard output. Whoever closed it, as `| head` does, does not want more: no fault.
+/// Prints to standard output. If the reader has closed it, as `| head` does, that is no error.
 fn print(text: &str) {
     let _ = std::io::stdout().lock().write_all(text.as_bytes());
 }

@@ -82,7 +82,7 @@ impl Bars {
     }
 }
 
-/// The time left; nothing until something is known of it.
+/// The time left; nothing until it can be estimated.
 fn write_left(state: &ProgressState, text: &mut dyn Write) {
     if state.pos() > 0 {
         // a bar that cannot be written is no fault

@@ -48,7 +48,7 @@ pub(super) struct StereoArguments {
     quiet: Quiet,
 }
 
-/// How points are measured, and what is written of them.
+/// How points are measured, and what is written.
 #[derive(Debug, Clone, Args)]
 struct Settings {
     /// How points are found

@@ -170,7 +170,7 @@ fn origin(hypothesis: &HypothesisPart) -> String {
     }
 }
 
-/// Three decimals, and never a certainty that nobody has.
+/// Three decimals, but never 1.000, which nobody can know.
 fn probability(p: f64) -> String {
     if p > 0.9995 {
         "> 0.999".into()

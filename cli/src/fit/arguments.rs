@@ -1,4 +1,4 @@
-//! What `maquette fit` is told.
+//! The arguments of `maquette fit`.
 
 use std::path::PathBuf;
 

@@ -41,7 +41,7 @@ pub fn read_per_camera(
     for (name, path) in files {
         let found = unchecked(path)?;
 
-        // a file of one camera is that camera's, whatever name stands in it
+        // a file with a single camera is that camera's, under any name
         let count = found.len();
         let named = |camera: &UncheckedCamera| count == 1 || camera.name == *name;
         let mut camera = found.into_iter().find(named).ok_or_else(|| match count {

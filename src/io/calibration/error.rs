@@ -38,7 +38,7 @@ impl fmt::Display for Place {
     }
 }
 
-/// A text from a file, in one line whatever it holds.
+/// A text from a file, in one line.
 pub(super) fn one_line(text: &str) -> String {
     let printable = |c: char| if c.is_control() { ' ' } else { c };
     text.chars().map(printable).collect()
@@ -67,7 +67,7 @@ pub enum CalibrationError {
         path: PathBuf,
         expected: &'static str,
     },
-    /// The file is not what its format asks for.
+    /// The file does not follow its format.
     #[error("{place}: expected {expected}, found {found}")]
     Syntax {
         place: Place,

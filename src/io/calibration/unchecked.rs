@@ -71,7 +71,7 @@ impl Numbers {
 pub(super) enum Size {
     /// As the file says, [width, height].
     Stated(Numbers),
-    /// The file says how large the sensor is, of which the middle may have been recorded.
+    /// The file states the size of the sensor, the middle of which may have been recorded.
     Sensor(Numbers),
     /// The file does not say.
     Unstated,

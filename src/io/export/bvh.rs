@@ -25,7 +25,7 @@ pub enum BvhError {
         /// Found.
         roots: usize,
     },
-    /// Nobody in any frame.
+    /// No fit in any frame.
     #[error("nobody was seen in any frame")]
     Empty,
 }
@@ -45,7 +45,7 @@ struct Bone {
     file_from_part_in_t_pose: Matrix3<f64>,
 }
 
-/// The text of a file; a frame in which nobody was seen repeats the one before it.
+/// The text of a file. A frame without a fit repeats the one before it.
 ///
 /// # Errors
 /// [`BvhError`].
@@ -69,7 +69,7 @@ pub fn bvh(
     Ok(text)
 }
 
-/// All bones, parents first, each child behind its parent's whole branch before it.
+/// All bones, depth first, each after its parent.
 fn bones(model: &BodyModel, shape: &Shape) -> Result<Vec<Bone>, BvhError> {
     let roots: Vec<usize> = (0..model.parts.len())
         .filter(|p| model.parts[*p].joint.is_none())
@@ -217,7 +217,7 @@ fn numbers(place: &Vector3<f64>) -> String {
     format!("{:.6} {:.6} {:.6}", p.x, p.y, p.z)
 }
 
-/// The names that motion capture gives bones; a part of another name keeps its own.
+/// The usual names of bones in motion capture; other parts keep their own.
 fn common_name(part: &str) -> String {
     let (bare, side) = match (part.strip_suffix("_l"), part.strip_suffix("_r")) {
         (Some(bare), _) => (bare, "Left"),

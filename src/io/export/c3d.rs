@@ -262,7 +262,7 @@ fn events(section: &mut Section, events: &[Event]) {
             EventKind::Off => "Foot Off",
         })
         .collect();
-    // minutes, seconds; as times of the frames, of which the first is at 0
+    // minutes and seconds, with frame 0 at time 0
     let times: Vec<f32> = events
         .iter()
         .flat_map(|e| {

@@ -3,7 +3,7 @@
 //! Metres, seconds, Y up: the node `body` turns our world into the file's, (X, Y, Z) to (Y, Z, X), so that who faces our X
 //! faces the file's +Z; below it everything stands in our world. Bones hang on each other as the parts do, and their names are the parts'. The inverse bind matrix
 //! of a bone is the inverse of its pose of binding: rest, with arms and legs apart. The skin is that of the metaballs; of a body without them
-//! it is a mesh for each ellipsoid, which its bone carries as it was fitted. Frames in which nobody was seen have no key, so viewers bridge them.
+//! it is one mesh per ellipsoid, carried by its bone as it was fitted. Frames without a fit have no key, so viewers interpolate.
 //!
 //! # Source
 //! Khronos, glTF 2.0 specification.
@@ -22,7 +22,7 @@ pub enum GlbError {
     /// No skin.
     #[error(transparent)]
     Skin(#[from] SkinError),
-    /// Nobody in any frame.
+    /// No fit in any frame.
     #[error("nobody was seen in any frame")]
     Empty,
     /// More parts than an 8-bit index can name.
@@ -207,7 +207,7 @@ fn animation(data: &mut Data, seconds: &[f32], keys: &[Vec<Isometry3<f64>>]) -> 
     json!({ "name": "motion", "samplers": samplers, "channels": channels })
 }
 
-/// The part that each hangs on: that of the nearest joint before its own.
+/// The parent of each part: the part of the nearest joint before its own.
 fn parents(model: &BodyModel) -> Vec<Option<usize>> {
     let parent = |i: usize| {
         let mut joint = model.parts[i].joint?;
@@ -246,7 +246,7 @@ fn translation(pose: &Isometry3<f64>) -> [f64; 3] {
     pose.translation.vector.into()
 }
 
-/// In the file's precision, in which a unit quaternion's numbers are never beyond 1.
+/// In the file's precision, with a unit quaternion's numbers within ±1.
 fn rotation(turn: &UnitQuaternion<f64>) -> [f32; 4] {
     [turn.i, turn.j, turn.k, turn.w].map(|v| (v as f32).clamp(-1.0, 1.0))
 }

@@ -146,7 +146,7 @@ fn continuous(values: &[f64]) -> Vec<f64> {
     values.iter().map(step).collect()
 }
 
-/// The text of a file. Frames in which anything is unknown are left out: OpenSim knows no missing value there.
+/// The text of a file. Frames with unknown values are left out: OpenSim has no missing values.
 pub fn motion_text(table: &MotionTable, kind: TableKind, name: &str) -> String {
     let is_known = |i: &usize| {
         table

@@ -67,7 +67,7 @@ pub enum Existing {
 /// Whether a result may be written into a folder; nothing is written yet.
 ///
 /// # Errors
-/// [`OutError`] if it is a file, lies below a file, or holds something and is to be left alone.
+/// [`OutError`] if it is a file, lies below a file, or is not empty and must be left alone.
 pub fn check_out(folder: &Path, existing: Existing) -> Result<(), OutError> {
     let standing = folder
         .ancestors()
@@ -91,7 +91,7 @@ pub fn check_out(folder: &Path, existing: Existing) -> Result<(), OutError> {
 /// replaced: the result last, so that where it stands all of it stands.
 const RESULTS: [&str; 4] = ["overlays", "skin", "joints.trc", "result.json"];
 
-/// Names of what is still being written begin so.
+/// Prefix of the names of unfinished files and folders.
 const UNFINISHED: &str = ".writing-";
 
 /// A folder that results are written into.
@@ -110,8 +110,8 @@ impl OutFolder {
         Ok(Self { path: path.into() })
     }
 
-    /// Begins a run that writes `mark` last: removes what an older one wrote, also one that was stopped; else nothing, for
-    /// it may be the user's.
+    /// Begins a run that writes `mark` last. Removes what an older run wrote, finished or not; where no run was begun
+    /// nothing is removed, for it may be the user's.
     ///
     /// # Errors
     /// [`OutError::Write`] names what could not be removed or written.
@@ -155,7 +155,7 @@ impl OutFolder {
 
     /// Takes back what was begun: the journal, and the folder itself if nothing else is in it.
     pub fn abandon(&self) {
-        // what cannot be removed is in nobody's way
+        // what cannot be removed does no harm
         let _ = fs::remove_dir_all(self.journal());
         let _ = fs::remove_dir(&self.path);
     }
@@ -253,7 +253,7 @@ pub(super) fn write_encoded(path: &Path, file: io::Result<Vec<u8>>) -> Result<()
         .map_err(|source| OutError::write(path, source))
 }
 
-/// A camera's name as the name of a folder, whatever it holds.
+/// A camera's name as the name of a folder, without characters that a folder's name cannot have.
 pub(super) fn file_name(camera: &str) -> String {
     let plain = |c: char| {
         if c.is_alphanumeric() || "-_. ".contains(c) {

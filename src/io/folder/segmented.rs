@@ -24,13 +24,13 @@ pub struct MaskExtras {
     pub overlays: bool,
 }
 
-/// Of the overlays, which are only looked at.
+/// Quality of the overlays, which are only looked at.
 const JPEG_QUALITY: u8 = 85;
 
 /// The table of the masks; it is written last: where it stands the masks are complete.
 pub const QUALITY: &str = "quality.csv";
 
-/// Makes a folder for masks, without those of an older run and what stood beside them, whichever way it found them.
+/// Makes a folder for masks, and removes what an older run of either kind left there.
 ///
 /// # Errors
 /// [`OutError::Write`].

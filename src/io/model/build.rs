@@ -78,7 +78,7 @@ pub(super) struct Builder<'a> {
     path: &'a Path,
     /// The scale of each part, in the order of the model's parts.
     scales: Vec<[String; 3]>,
-    /// By what each part's flesh, and all else that it carries, shifts in its frame: where its joint lies in the flesh.
+    /// How far each part's flesh, and all that the part carries, shifts in its frame because of where its joint lies in the flesh.
     pub(super) carried: Vec<Vec<Shift>>,
     pub(super) model: BodyModel,
 }
@@ -170,7 +170,7 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// What places a part needs a joint to act through.
+    /// Checks that a part which states its joint's place has a joint.
     fn has_effect(&self, spec: &PartSpec) -> Result<(), ModelFileError> {
         let is_any = |numbers: [f64; 3]| numbers.iter().any(|v| *v != 0.0);
         let given = [
@@ -241,7 +241,7 @@ impl Builder<'_> {
         })
     }
 
-    /// Exactly one of two keys is there.
+    /// Checks that exactly one of two keys is given.
     fn one_of(&self, place: &str, keys: [(&'static str, bool); 2]) -> Result<(), ModelFileError> {
         match keys.iter().filter(|(_, is_given)| *is_given).count() {
             1 => Ok(()),

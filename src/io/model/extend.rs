@@ -7,7 +7,7 @@ use serde::Deserialize;
 use super::spec::{CoefficientSpec, ModelSpec, PrimitiveSpec};
 use super::{ModelFileError, ModelText, SHIPPED, build, parse_toml, text_of};
 
-/// What every model has, and the one key that tells an extension from a model of its own.
+/// What every model file has, and the key that marks an extension.
 #[derive(Debug, Deserialize)]
 struct Head {
     name: String,
@@ -36,7 +36,7 @@ struct FleshSpec {
     metaballs: Vec<PrimitiveSpec>,
 }
 
-/// The whole model of a file: what it says itself, and before that what the files say that it extends.
+/// The specification in a file, merged into that of the file which it extends, if it extends one.
 ///
 /// `read` are the files on the way here, outermost first; this one is added.
 pub(super) fn with_base(
@@ -66,7 +66,7 @@ pub(super) fn with_base(
     merged(base, own, path)
 }
 
-/// The model that is extended, checked on its own so that its faults are told with its own name.
+/// The extended model, checked on its own so that errors name its file.
 fn base(name: &str, path: &Path, read: &mut Vec<ModelText>) -> Result<ModelSpec, ModelFileError> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let (text, base_path) = text_of(name, folder)?;
@@ -80,7 +80,7 @@ fn base(name: &str, path: &Path, read: &mut Vec<ModelText>) -> Result<ModelSpec,
     Ok(base)
 }
 
-/// A file's path as it is, whichever way it was written; a path that is no file's stays.
+/// A file's canonical path; a path that is no file's stays.
 fn one_name(path: &Path) -> PathBuf {
     std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned())
 }

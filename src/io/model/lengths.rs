@@ -1,6 +1,6 @@
-//! What shape coefficients do to a length, and where a joint lies in the flesh.
+//! How shape coefficients scale a length, and where a joint lies in the flesh.
 //!
-//! A part's `pivot` names coefficients by which its joint lies elsewhere in flesh that stays where it is.
+//! A part's `pivot` names coefficients that move its joint within flesh that stays in place.
 
 use nalgebra::{Rotation3, Vector3};
 

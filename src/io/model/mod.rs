@@ -110,7 +110,7 @@ pub enum ModelFileError {
         /// What stands there.
         found: String,
     },
-    /// A part without joints that is to lie elsewhere than in its parent's frame.
+    /// A part without joints that states where its first joint is.
     #[error(
         "{path}: part {part}: `{key}` says where its first joint is, and it has none: give it a joint or leave `{key}` out"
     )]
@@ -173,7 +173,7 @@ pub struct ModelText {
     pub name: String,
     /// Where it is; of a shipped model its name.
     pub path: PathBuf,
-    /// All of it.
+    /// The whole text.
     pub text: String,
 }
 
@@ -185,7 +185,7 @@ pub fn load(name: &str, folder: &Path) -> Result<BodyModel, ModelFileError> {
     Ok(load_with_texts(name, folder)?.0)
 }
 
-/// As [`load`], and all that was read for it: the file, what it extends, what that extends.
+/// As [`load`], with every file that was read: the model's own, the one that it extends, and so on.
 ///
 /// # Errors
 /// As [`load`].

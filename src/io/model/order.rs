@@ -46,7 +46,7 @@ pub(super) fn parents_first<'s>(
     Ok(order)
 }
 
-/// Why these parts have no place: one's parent is not there, or they carry each other.
+/// Why these parts cannot be placed: a parent is missing, or they carry each other.
 fn never_placed(parts: &[&PartSpec], spec: &ModelSpec, path: &Path) -> ModelFileError {
     let is_there = |name: &str| spec.parts.iter().any(|part| part.name == name);
     let lost = parts.iter().find_map(|part| {

@@ -3,7 +3,7 @@
 use nalgebra::{Rotation3, Vector3};
 use serde::Deserialize;
 
-/// Whether a part or coefficient of the file stands for one thing or for a right and a left one.
+/// Whether a part or coefficient in the file means one thing, or a right and a left one.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
 #[serde(from = "bool")]
 pub(super) enum Sides {

@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Point3};
 
 use crate::stereo::{CloudPoint, Spread};
 
-/// Everything that a file can say of a point.
+/// The columns that a file of points can have.
 const NAMES: [&str; 10] = [
     "x", "y", "z", "sigma", "cov_xx", "cov_xy", "cov_xz", "cov_yy", "cov_yz", "cov_zz",
 ];
@@ -12,14 +12,14 @@ const NAMES: [&str; 10] = [
 /// What a file must have, for messages.
 pub(super) const EXPECTED: &str = "x, y and z, and for the spread nothing, or sigma, or all of cov_xx cov_xy cov_xz cov_yy cov_yz cov_zz";
 
-/// The place of a name in [`Numbers`]; `None` for what is not used.
+/// The place of a column in [`Numbers`]; `None` if it is not used.
 pub(super) fn slot(name: &str) -> Option<usize> {
     NAMES
         .iter()
         .position(|known| known.eq_ignore_ascii_case(name))
 }
 
-/// What a file says of a point, in the order of [`NAMES`].
+/// The numbers of one point, in the order of [`NAMES`].
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Numbers(pub(super) [f64; 10]);
 
@@ -32,7 +32,7 @@ pub(super) enum Stated {
 }
 
 impl Stated {
-    /// What a file with these columns states; `None` if a place or a part of the covariance is missing.
+    /// Which of these a file with such columns states; `None` if a coordinate or a part of the covariance is missing.
     pub(super) fn by<'a>(names: impl IntoIterator<Item = &'a str>) -> Option<Self> {
         let mut has = [false; 10];
         for slot in names.into_iter().filter_map(slot) {

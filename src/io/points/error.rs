@@ -120,14 +120,14 @@ fn listed(names: &[String]) -> String {
     }
 }
 
-/// The parser's message with its line breaks taken out.
+/// The parser's message without line breaks.
 fn one_line(source: &ParseError) -> String {
     let text = source.to_string();
     let parts: Vec<&str> = text.lines().map(str::trim).collect();
     parts.join(", ")
 }
 
-/// As much of a text as fits into a message.
+/// The beginning of a text, short enough for a message.
 pub(super) fn shortened(text: &str) -> String {
     text.chars().take(40).collect()
 }

@@ -7,7 +7,7 @@
 //! | `text.rs`    | XYZ (numbers with blanks between) and CSV (with a header)                    |
 //! | `write.rs`   | PLY, binary                                                                  |
 //!
-//! A file's points are taken as they are; their unit and their world are the recording's affair.
+//! A file's points are read unchanged: the recording knows their unit and their world.
 
 mod columns;
 mod error;
@@ -72,7 +72,7 @@ pub fn read(path: &Path) -> Result<Cloud, CloudError> {
     parse(&fs::read(path).map_err(unreadable)?, path)
 }
 
-/// [`read`] of bytes that are there already; the name of `path` says what they are. No bytes are no points.
+/// [`read`] for bytes in memory; the name in `path` tells their format. No bytes are no points.
 ///
 /// # Errors
 /// As [`read`].

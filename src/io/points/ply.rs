@@ -14,7 +14,7 @@ use crate::stereo::Cloud;
 
 const VERTEX: &str = "vertex";
 
-/// The vertices; other elements, other properties and lists are passed over.
+/// The vertices; other elements, other properties and lists are skipped.
 pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<Cloud, CloudError> {
     let mut reader = Reader::new(bytes);
     let parser = Parser::<Numbers>::new();
@@ -71,7 +71,7 @@ struct Body<'a> {
 }
 
 impl Body<'_> {
-    /// Refuses, before anything is allocated, an element of which the rest of the file cannot hold so many.
+    /// Refuses an element with more items than the rest of the file can hold, before anything is allocated.
     fn check_promise(&self, element: &ElementDef, header: &Header) -> Result<(), CloudError> {
         let least_bytes = match header.encoding {
             Encoding::Ascii => element.properties.len(),

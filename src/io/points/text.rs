@@ -7,7 +7,7 @@ use super::error::{CloudError, shortened};
 use crate::stereo::{Cloud, CloudPoint};
 
 /// Lines of three or four numbers with blanks between: x y z \[σ\]. Lines that begin with `#` and empty ones are
-/// passed over; the first line with numbers says how many there are.
+/// skipped; the first line with numbers states how many there are.
 pub(super) fn parse_xyz(bytes: &[u8], path: &Path) -> Result<Cloud, CloudError> {
     let text = String::from_utf8_lossy(bytes);
     let mut columns = None;
@@ -51,7 +51,7 @@ fn point(numbers: &[f64]) -> CloudPoint {
     stated.point(&slots)
 }
 
-/// A line of names, then one line for each point; other columns are passed over.
+/// A line of names, then one line for each point; other columns are skipped.
 pub(super) fn parse_csv(bytes: &[u8], path: &Path) -> Result<Cloud, CloudError> {
     let csv_fault = |source| CloudError::Csv {
         path: path.into(),

@@ -1,4 +1,4 @@
-//! The cameras of a recording: those that have files, matched by name with those that are calibrated.
+//! The cameras of a recording: those with files, matched by name with the calibrated ones.
 
 use std::path::PathBuf;
 
@@ -16,7 +16,7 @@ pub(super) struct CalibratedCameras<F> {
     pub(super) cameras: Vec<(CameraFiles, F)>,
     /// Names of a folder's cameras that are not calibrated.
     pub(super) uncalibrated: Vec<UnknownCamera>,
-    /// Calibrated cameras of which a folder has no files.
+    /// Calibrated cameras without files in the folder.
     pub(super) without_files: Vec<String>,
 }
 
@@ -28,7 +28,7 @@ pub(super) struct UnknownCamera {
 }
 
 impl Recording {
-    /// Calibrates the cameras; those of a manifest must all be calibrated, of a folder's those that are not are left out.
+    /// Calibrates the cameras. Those of a manifest must all be calibrated; a folder's uncalibrated cameras are left out.
     ///
     /// `size` is the width and height of a camera's pictures, for calibrations that do not state it.
     pub(super) fn calibrate<F>(
@@ -60,7 +60,7 @@ impl Recording {
         Ok(found)
     }
 
-    /// The cameras of the manifest, or of the calibration where it lists none: what looks at points without masks.
+    /// The cameras of the manifest or, where it lists none, of the calibration; for points without masks.
     pub(super) fn all_cameras(&self) -> Result<Rig, RecordingError> {
         let calibrated = self.read_calibration(self.calibration_options())?;
         let names: Vec<&str> = match self.manifest.cameras.as_slice() {
@@ -94,7 +94,7 @@ impl Recording {
         )?)
     }
 
-    /// What a message names as the calibration.
+    /// The path that errors name as the calibration.
     fn calibration_source(&self) -> PathBuf {
         match self.calibration_paths().as_slice() {
             [(_, source)] => source.clone(),
@@ -104,9 +104,9 @@ impl Recording {
 }
 
 impl<F> CalibratedCameras<F> {
-    /// Keeps the cameras that are calibrated, under their calibrated names and in that order, and tells the others.
+    /// Keeps the calibrated cameras, under their calibrated names and in that order, and lists the others.
     ///
-    /// Where none is calibrated they are left as they are, to be refused.
+    /// If none is calibrated they stay as they are, to be refused.
     fn keep_calibrated(&mut self, calibrated: &Rig) {
         for (camera, _) in &mut self.cameras {
             if let Some(name) = name_alike(calibrated, &camera.name) {
@@ -142,7 +142,7 @@ impl<F> CalibratedCameras<F> {
     }
 }
 
-/// The only calibrated camera whose name has the same letters and digits (`cam_01` for `cam01`); `None` where one has the very name.
+/// The only calibrated camera whose name has the same letters and digits (`cam_01` for `cam01`); `None` if one has exactly this name.
 fn name_alike(rig: &Rig, name: &str) -> Option<String> {
     let plain = |name: &str| {
         let letters = name.chars().filter(|c| c.is_alphanumeric());

@@ -13,7 +13,7 @@ pub struct InputChecksum {
     pub input: String,
     /// Number of files.
     pub files: usize,
-    /// BLAKE3 of the file; of several, of their BLAKE3 sums one after another, in the order of the frames. Hexadecimal.
+    /// BLAKE3 of the file, hexadecimal; of several files, BLAKE3 of their sums one after another, in the order of the frames.
     pub blake3: String,
 }
 
@@ -40,7 +40,7 @@ impl ObservationFiles {
     }
 
     /// Fingerprints of everything that the recording is read from: manifest, calibration, each camera's masks, the
-    /// points, and the pictures that these were made of.
+    /// points, and the pictures that these were made from.
     ///
     /// # Errors
     /// [`RecordingError::Checksum`] for a file that cannot be read.

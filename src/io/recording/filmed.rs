@@ -19,12 +19,12 @@ use crate::io::folder::png::{self, Effort};
 use crate::silhouette::FrameIndex;
 use crate::synth::{Film, Studio};
 
-/// Of a camera that is not set to save space.
+/// Quality of a camera that is not set to save space.
 const JPEG_QUALITY: u8 = 95;
 
 /// Writes a recording into a folder that is empty or does not exist.
 ///
-/// Everything is written beside it first and moved there at the end: a failure leaves nothing.
+/// Everything is written beside it first and moved there at the end, so a failure leaves nothing.
 ///
 /// # Errors
 /// [`SyntheticError`] names the file and why.

@@ -9,7 +9,7 @@ pub(super) const MOST_PX: u32 = 32_768;
 /// Bytes that a decoder may take.
 const MOST_BYTES: u64 = 1 << 30;
 
-/// The decoder of an image file of these bytes, whichever format they show.
+/// The decoder of an image file; the bytes show its format.
 pub(super) fn decoder(bytes: &[u8]) -> ImageResult<impl ImageDecoder + '_> {
     let mut limits = Limits::default();
     limits.max_image_width = Some(MOST_PX);

@@ -55,10 +55,10 @@ pub(super) fn size_of(path: &Path) -> Result<[u32; 2], MaskFault> {
     Ok([width, height])
 }
 
-/// Reads a mask: foreground is what is brighter than half of the range.
+/// Reads a mask: pixels brighter than half of the range are foreground.
 ///
-/// The brightness is the luma of a colour image. In an image with transparency the opacity decides instead, unless it
-/// is opaque everywhere: so both a white figure and a cut-out photograph on transparent ground are masks.
+/// The brightness of a colour image is its luma. In an image with transparency the opacity counts instead, unless it is
+/// opaque everywhere: both a white figure and a photograph cut out on a transparent ground are masks.
 pub(super) fn read(path: &Path, expected: [u32; 2]) -> Result<Mask, MaskFault> {
     let bytes = std::fs::read(path).map_err(MaskFault::Unreadable)?;
     let decoder = decoder(&bytes).map_err(fault)?;

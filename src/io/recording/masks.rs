@@ -1,4 +1,4 @@
-//! Which files are masks, of which cameras and frames.
+//! The mask files of each camera, by frame.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -64,7 +64,7 @@ impl MaskFiles {
     }
 }
 
-/// The cameras of the manifest, or of the folder where it lists none, that have masks; none where there are points alone.
+/// The cameras with masks, of the manifest or, where it lists none, of the folder; none if there are only points.
 fn cameras_with_masks(
     recording: &Recording,
     notes: &mut Vec<Note>,

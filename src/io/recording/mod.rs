@@ -1,6 +1,6 @@
 //! A recording on disk: calibrated cameras, and what they saw of one person as masks, pictures, videos or points.
 //!
-//! [`Recording::open`] reads the manifest, if there is one, and finds where things are; that is all that is read of it.
+//! [`Recording::open`] reads the manifest, if there is one, and finds where things are; nothing else is read.
 //! [`Recording::observations`] lists the masks and points that a body is fitted to, [`Recording::footage`] the pictures
 //! that masks and points are made of. Each reads one frame after another, when it is asked for.
 //!
@@ -106,7 +106,7 @@ impl Recording {
         })
     }
 
-    /// The same recording at this frame rate, Hz, whatever its manifest or its videos say; `None` leaves it to them.
+    /// The same recording at this frame rate, Hz, which overrides its manifest and its videos; `None` leaves the rate to them.
     #[must_use]
     pub fn with_fps(self, fps: impl Into<Option<f64>>) -> Self {
         Self {
@@ -139,7 +139,7 @@ impl Recording {
         ObservationFiles::list(self, WantedPoints::Given)
     }
 
-    /// Lists the masks, whatever points there are.
+    /// Lists the masks, without any points.
     ///
     /// # Errors
     /// As [`Recording::observations`].
@@ -147,7 +147,7 @@ impl Recording {
         ObservationFiles::list(self, WantedPoints::Ignored)
     }
 
-    /// Lists masks and points, some of which were made of the recording's pictures.
+    /// Lists masks and points, some of them made from the recording's pictures.
     ///
     /// # Errors
     /// As [`Recording::observations`].

@@ -1,10 +1,10 @@
-//! What is odd about a recording without being wrong.
+//! Notes on a recording: odd, but not wrong.
 
 use std::fmt;
 
 use crate::pipeline::Frames;
 
-/// Something about a recording that its user should know, in one line.
+/// A note for the user on a recording, in one line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Note {
@@ -13,7 +13,7 @@ pub enum Note {
         /// The keys.
         keys: Vec<&'static str>,
     },
-    /// A camera of the manifest without masks, among others that have some.
+    /// A camera of the manifest without masks, while others have some.
     WithoutMasks {
         /// The camera.
         camera: String,

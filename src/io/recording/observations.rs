@@ -20,7 +20,7 @@ pub struct ObservationFiles {
     pub fps: f64,
     /// The cameras that have masks, or all where none has, in the order of the manifest.
     pub rig: Rig,
-    /// The frames of which at least one camera has a mask, or that have points, ascending.
+    /// The frames that have points or a mask from at least one camera, ascending.
     pub frames: Vec<FrameIndex>,
     /// The masks that are not there.
     pub missing: Vec<Missing>,
@@ -37,7 +37,7 @@ pub struct ObservationFiles {
     pub(super) pictures: Vec<(String, Vec<PathBuf>)>,
 }
 
-/// Frames of which one camera has no mask, others have.
+/// Frames in which one camera has no mask and another has.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Missing {
     /// The camera.
@@ -163,7 +163,7 @@ impl ObservationFiles {
         Ok(observations)
     }
 
-    /// Puts a frame's points beside those that were observed of it.
+    /// Adds a frame's points to its observations.
     ///
     /// # Errors
     /// As [`ObservationFiles::load_frame`] of points.
@@ -174,7 +174,7 @@ impl ObservationFiles {
         Ok(())
     }
 
-    /// What the user should know of the points of the frames that were loaded.
+    /// Notes on the points of the frames that were loaded.
     pub fn notes_on_points(&self, observations: &[FrameObservations]) -> Vec<Note> {
         self.points.notes(observations)
     }
@@ -221,7 +221,7 @@ impl MaskSource for ObservationFiles {
     }
 }
 
-/// The frames of which there is a mask or a cloud, and the masks that are lacking.
+/// The frames that have a mask or a cloud, and the masks that are missing.
 fn frames_and_missing(
     masks: &[BTreeMap<FrameIndex, PathBuf>],
     points: &PointFiles,

@@ -17,16 +17,16 @@ use crate::pipeline::Frames;
 use crate::silhouette::{FrameIndex, FrameObservations};
 use crate::stereo::Cloud;
 
-/// Points that are used of one frame; of more, so many are taken evenly.
+/// Most points used in one frame; a larger cloud is thinned evenly.
 pub const MOST_POINTS: usize = 5000;
 
 /// Where points are looked for when the manifest names no place.
 const FOLDER: &str = "points";
-/// Cameras that stand in one place have no view of a size; nearer ones count as this far, metres.
+/// Least distance that cameras count as having from what they see, metres: cameras in one place would give no scale.
 const NEAREST_CAMERAS: f64 = 1.0;
-/// Points farther from the middle of the view than this many times the cameras are beyond every doubt elsewhere.
+/// Points farther from the middle of the view than this many times the cameras' distance cannot be the person.
 const FARTHEST: f64 = 20.0;
-/// A cloud smaller than this part of the cameras' distance is beyond every doubt no body.
+/// A cloud smaller than this fraction of the cameras' distance cannot be a body.
 const SMALLEST: f64 = 1e-3;
 /// Fewer points have no size.
 const LEAST_FOR_SIZE: usize = 20;
@@ -35,14 +35,14 @@ const LEAST_FOR_SIZE: usize = 20;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum ScaleFault {
-    /// Points far outside, as millimetres are that are read as metres.
+    /// Points far outside the view, as when millimetres are read as metres.
     Large {
         /// Median distance of the points from the middle of what the cameras see, metres.
         distance: f64,
         /// Mean distance of the cameras from it, metres.
         cameras: f64,
     },
-    /// Points in one place, as metres are that are read as millimetres.
+    /// Points in one place, as when metres are read as millimetres.
     Small {
         /// Median distance of the points from their middle, metres.
         distance: f64,
@@ -122,7 +122,7 @@ pub(super) struct PointFiles {
 }
 
 impl PointFiles {
-    /// Whether a recording has, or says that it has, points.
+    /// Whether a recording has points, or its manifest names some.
     pub(super) fn are_promised(folder: &Path, manifest: &Manifest) -> bool {
         pattern(folder, manifest).is_some()
     }
@@ -177,7 +177,7 @@ impl PointFiles {
         self.of_frame.values()
     }
 
-    /// That only some of the frames have points.
+    /// A note if only some of the frames have points.
     pub(super) fn missing(&self, frames: usize) -> Option<Note> {
         let with = self.of_frame.len();
         (0 < with && with < frames).then_some(Note::PointsMissing { with, frames })
@@ -207,7 +207,7 @@ impl PointFiles {
         Ok(cloud)
     }
 
-    /// What there is to say of the points of frames that were loaded.
+    /// Notes on the points of the frames that were loaded.
     pub(super) fn notes(&self, observations: &[FrameObservations]) -> Vec<Note> {
         let those = |is: &dyn Fn(&&FrameObservations) -> bool| {
             let which = observations.iter().filter(is).map(|o| o.frame);

@@ -54,7 +54,7 @@ pub enum SyntheticError {
     },
 }
 
-/// What is true of a synthetic recording; `truth.json`.
+/// The truth of a synthetic recording; `truth.json`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Truth {
     /// Frames per second.
@@ -125,7 +125,7 @@ fn lengths(synthetic: &Synthetic) -> BTreeMap<String, f64> {
 
 /// Writes a recording into a folder that is empty or does not exist.
 ///
-/// Everything is written beside it first and moved there at the end: a failure leaves nothing.
+/// Everything is written beside it first and moved there at the end, so a failure leaves nothing.
 ///
 /// # Errors
 /// [`SyntheticError`] names the file and why.

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use serde_json::ser::{CompactFormatter, Formatter};
 
-/// Levels that are spread over lines; what lies deeper stands on one.
+/// Levels that are spread over several lines; deeper ones share a line.
 const SPREAD_LEVELS: usize = 3;
 
 /// Spreads the outer levels over lines and keeps the inner ones on one.

@@ -21,7 +21,7 @@ const CONFIDENCE_OF: &str = "the model's optimum, not the true length: the proba
 pub struct Provenance<'a> {
     /// The recording.
     pub recording: &'a ObservationFiles,
-    /// The frames of it that were fitted, as they were seen.
+    /// The observations of the frames that were fitted.
     pub observations: &'a [FrameObservations],
     /// Everything that was read.
     pub inputs: &'a [InputChecksum],

@@ -1,4 +1,4 @@
-//! A result read back: the body as it was fitted.
+//! Reading a result back: the body as it was fitted.
 
 use std::path::{Path, PathBuf};
 
@@ -50,7 +50,7 @@ pub enum ResultError {
 }
 
 impl ResultFile {
-    /// Where the cameras of a rig were found to look, see [`Rig::aimed`]; 0 of a camera that the result does not name.
+    /// The pointing errors of a rig's cameras, see [`Rig::aimed`]; 0 for a camera that the result does not name.
     pub fn aims_px(&self, rig: &Rig) -> Vec<Vector2<f64>> {
         let aim = |name: &str| {
             let of_camera = self.quality.cameras.iter().find(|c| c.camera == name);

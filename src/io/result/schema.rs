@@ -39,7 +39,7 @@ pub struct ResultFile {
 /// Every option of a fit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct OptionsPart {
-    /// From masks and points to what is fitted to.
+    /// How masks and points become observations.
     pub observations: ObservationOptions,
     /// The estimate.
     pub estimate: EstimateOptions,
@@ -54,7 +54,7 @@ pub struct Program {
     pub version: String,
 }
 
-/// What was recorded, and what of it was missing.
+/// What was recorded, and what is missing.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RecordingPart {
     /// Frames per second.
@@ -69,11 +69,11 @@ pub struct RecordingPart {
     pub cameras: Vec<String>,
     /// Masks that are not there.
     pub missing: Vec<MissingPart>,
-    /// Masks that show nobody.
+    /// Masks without a silhouette.
     pub rejected: Vec<RejectedPart>,
 }
 
-/// Frames of which a camera has no mask.
+/// Frames in which a camera has no mask.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MissingPart {
     /// The camera.
@@ -82,7 +82,7 @@ pub struct MissingPart {
     pub frames: Vec<usize>,
 }
 
-/// A mask that shows nobody.
+/// A mask without a silhouette.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RejectedPart {
     /// The frame.
@@ -222,7 +222,7 @@ pub struct HypothesisPart {
     pub reading: Option<usize>,
     /// Number of the frame from which it was followed.
     pub keyframe: usize,
-    /// What became of it.
+    /// How it ended.
     pub outcome: OutcomePart,
     /// Frames that were fitted.
     pub frames_fitted: usize,
@@ -293,9 +293,9 @@ pub struct PointPart {
     pub frame: usize,
     /// Number of points.
     pub points: usize,
-    /// Which share of them lies outside a silhouette, by more than three standard deviations.
+    /// Share of them that lies outside a silhouette by more than three standard deviations.
     pub outside: f64,
-    /// Median of how far those lie outside.
+    /// Median distance by which those lie outside.
     pub outside_m: Option<f64>,
     /// Median distance from the skin; of points that were compared with one.
     pub off_skin_m: Option<f64>,
@@ -314,8 +314,8 @@ pub struct CameraPart {
     pub median_px: Option<f64>,
     /// Root mean square over all border points.
     pub rms_px: Option<f64>,
-    /// By how much all that it shows lies elsewhere than its calibration says, to the right and down, undistorted pixels; 0 where that
-    /// was not asked, and in results of versions that did not write it.
+    /// How far everything in its pictures lies to the right of and below where its calibration puts it, undistorted pixels;
+    /// 0 if that was not estimated, and in results of older versions.
     #[serde(default)]
     pub aim_px: [f64; 2],
 }

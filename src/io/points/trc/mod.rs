@@ -17,7 +17,7 @@ pub use write::write_trc;
 pub struct Trajectories {
     /// Frames per second.
     pub rate_hz: f64,
-    /// Number of the first frame, from 0: its time is `first_frame / rate_hz`.
+    /// Number of the first frame, from 0; its time is `first_frame / rate_hz`.
     pub first_frame: usize,
     /// Names of the points.
     pub names: Vec<String>,

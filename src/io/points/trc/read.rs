@@ -47,7 +47,7 @@ pub enum TrcError {
         /// What stands there.
         found: String,
     },
-    /// A row of a file without tabs that has other than three numbers for each name.
+    /// A row of a file without tabs that has not three numbers for each name.
     #[error("{}:{line}: expected {expected} cells ({points} points) between spaces, found {found}", path.display())]
     Cells {
         /// File.
@@ -137,7 +137,7 @@ pub fn read_trc(text: &str, path: &Path) -> Result<Trajectories, TrcError> {
     })
 }
 
-/// What stands under Frame#; 1 where that is no number.
+/// The number under Frame#; 1 if that is no number.
 fn number_of(row: &str, between: Separator) -> usize {
     let cells = split(row, between);
     let number = cells.first().and_then(|cell| cell.parse().ok());
@@ -244,7 +244,7 @@ fn split(line: &str, between: Separator) -> Vec<&str> {
     }
 }
 
-/// Frames per second by the Time column, median over the rows; `None` where it does not count upwards.
+/// Frames per second from the Time column, median over the rows; `None` if it does not ascend.
 pub(crate) fn rate_of_times(text: &str) -> Option<f64> {
     let names = text
         .lines()

@@ -9,7 +9,7 @@ use crate::camera::UpAxis;
 
 /// The text of a TRC file in Pose2Sim's layout: metres, Y up; frame 0 stands there as 1, at 0 s.
 ///
-/// `file_name` is what the first line repeats. Numbers have six decimals (1 µm); a missing point is three empty cells.
+/// The first line repeats `file_name`. Numbers have six decimals (1 µm); a missing point is three empty cells.
 pub fn write_trc(trajectories: &Trajectories, file_name: &str) -> String {
     let Trajectories {
         rate_hz,

@@ -16,7 +16,7 @@ pub enum FootageError {
         /// The recording.
         path: PathBuf,
     },
-    /// A camera's pictures were promised and are not there.
+    /// A camera's pictures are missing from where the manifest says.
     #[error("camera {camera}: no {key} at {}", path.display())]
     Missing {
         /// The camera.

@@ -8,7 +8,7 @@ use super::FootageError;
 use crate::image::Picture;
 use crate::io::recording::image_decoder::decoder;
 
-/// Reads an image of any bit depth and colour type as RGB, turned as its metadata say; opacity is passed over.
+/// Reads an image of any bit depth and colour type as RGB, turned as its metadata state; opacity is ignored.
 pub(super) fn read(path: &Path) -> Result<Picture, FootageError> {
     let unreadable = |reason: String| FootageError::Image {
         path: path.into(),

@@ -1,9 +1,9 @@
 //! The pictures of a recording: images or videos of calibrated cameras, decoded ahead, frame by frame.
 //!
-//! [`Recording::footage`](super::Recording::footage) finds out which frames each camera has;
+//! [`Recording::footage`](super::Recording::footage) finds which frames each camera has;
 //! [`Footage::stream`] gives the pictures of one camera in order, [`Footage::frame_sets`] those of all cameras frame by
-//! frame. Each camera is decoded by a thread of its own, at most four pictures ahead of whoever takes them, so
-//! memory stays bounded however long the recording is. Videos go through the installed program `ffmpeg`, by pipe.
+//! frame. Each camera is decoded by a thread of its own, at most four pictures ahead of the reader, so
+//! memory stays bounded for any length of recording. Videos are piped through the installed program `ffmpeg`.
 //!
 //! A picture that cannot be read is left out; [`Pictures::notes`] says in one line what happened.
 //!
@@ -82,7 +82,7 @@ pub(crate) enum Source {
 }
 
 impl CameraFootage {
-    /// Every file that it is read from: the pictures, and the empty scene.
+    /// Every file that it is read from: the pictures and those of the empty scene.
     pub(crate) fn paths(&self) -> Vec<&PathBuf> {
         let pictures: Vec<&PathBuf> = match &self.source {
             Source::Images(files) => files.values().collect(),
@@ -91,7 +91,7 @@ impl CameraFootage {
         pictures.into_iter().chain(&self.background).collect()
     }
 
-    /// The frames of which there should be a picture, ascending.
+    /// The frames that should have a picture, ascending.
     pub(crate) fn frames(&self) -> Vec<FrameIndex> {
         let numbers: Vec<u64> = match &self.source {
             Source::Images(files) => files.keys().copied().collect(),
@@ -109,7 +109,7 @@ impl CameraFootage {
 }
 
 impl Footage {
-    /// The frames of which at least one camera should have a picture, ascending.
+    /// The frames that should have a picture from at least one camera, ascending.
     pub fn frames(&self) -> Vec<FrameIndex> {
         let all: BTreeSet<FrameIndex> = self.cameras.iter().flat_map(|c| c.frames()).collect();
         all.into_iter().collect()

@@ -1,20 +1,20 @@
-//! What is odd about pictures without being wrong.
+//! Notes on pictures: odd, but not wrong.
 
 use std::fmt;
 use std::path::PathBuf;
 
 use crate::pipeline::{Frames, counted};
 
-/// Something about the pictures of a recording that its user should know, in one line.
+/// A note for the user on the pictures of a recording, in one line.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum FootageNote {
-    /// A camera of the manifest without pictures, among others that have some.
+    /// A camera of the manifest without pictures, while others have some.
     Without {
         /// The camera.
         camera: String,
     },
-    /// A camera whose video holds no pictures, among others that have some.
+    /// A camera whose video holds no pictures, while others have some.
     Unusable {
         /// The camera.
         camera: String,

@@ -1,8 +1,8 @@
 //! Which frame each picture of a video is.
 
-/// How far an interval may be from the usual one in a video of steady rate, as a fraction of it.
+/// Largest relative difference between an interval and the usual one in a video of steady rate.
 const STEADY: f64 = 0.5;
-/// How far a picture's time may be from a promised one, as a fraction of the interval between pictures.
+/// Largest distance of a picture's time from a promised one, as a fraction of the interval between pictures.
 const NEAR: f64 = 0.5;
 
 /// How the time stamp of a picture becomes its number.

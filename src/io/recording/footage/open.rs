@@ -12,10 +12,10 @@ use crate::io::recording::layout::{self, LayoutError};
 use crate::io::recording::manifest::CameraFiles;
 use crate::io::recording::{Recording, RecordingError};
 
-/// How far a video's rate may be from the recording's, as a fraction of it, without a note: 59.94 is 60.
+/// Largest relative difference between a video's rate and the recording's that is not noted: 59.94 passes for 60.
 const SAME_RATE: f64 = 0.005;
 
-/// What a camera has, before its frames are numbered.
+/// A camera's pictures, before their frames are numbered.
 enum CameraPictures {
     Images(NumberedFiles),
     Video(PathBuf, Probe),
@@ -65,7 +65,7 @@ pub(in crate::io::recording) fn open(recording: &Recording) -> Result<Footage, R
     })
 }
 
-/// The cameras of the manifest, or of the folder where it lists none or none has pictures, and what they have.
+/// The cameras that have pictures: of the manifest or, where it names no pictures, of the folder.
 fn find(
     recording: &Recording,
     notes: &mut Vec<FootageNote>,
@@ -86,7 +86,7 @@ fn find(
     usable_cameras(&recording.folder, with, notes)
 }
 
-/// The cameras whose pictures can be read; a video that holds none costs its camera alone, as long as there are others.
+/// The cameras whose pictures can be read. A camera whose video holds no pictures is left out, as long as there are others.
 fn usable_cameras(
     folder: &Path,
     cameras: Vec<CameraFiles>,

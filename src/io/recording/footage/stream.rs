@@ -16,7 +16,7 @@ use crate::io::recording::layout::numbered_files::is_image;
 use crate::pipeline::{FramePictures, Frames, PictureStream};
 use crate::silhouette::FrameIndex;
 
-/// Pictures that are decoded ahead of whoever takes them, for each camera.
+/// Pictures that are decoded ahead of the reader, for each camera.
 const AHEAD: usize = 4;
 
 /// The pictures of one camera, in order.
@@ -104,7 +104,7 @@ impl Pictures {
         }
     }
 
-    /// What was odd, known when all pictures have been taken; in one line each.
+    /// Notes on what was odd; complete when all pictures have been taken.
     pub fn notes(&self) -> &[FootageNote] {
         &self.notes
     }
@@ -137,7 +137,7 @@ impl Drop for Pictures {
 /// The pictures of several cameras, frame by frame.
 #[derive(Debug)]
 pub struct FrameSets {
-    /// Each camera's pictures, and that which was taken from them already.
+    /// Each camera's pictures, and the one already taken but not yet due.
     cameras: Vec<(Pictures, Option<(FrameIndex, Picture)>)>,
 }
 
@@ -148,7 +148,7 @@ impl FrameSets {
         }
     }
 
-    /// What was odd, known when all pictures have been taken.
+    /// Notes on what was odd; complete when all pictures have been taken.
     pub fn notes(&self) -> Vec<FootageNote> {
         let notes = self.cameras.iter().flat_map(|(camera, _)| camera.notes());
         notes.cloned().collect()

@@ -1,6 +1,6 @@
 //! Pictures out of `ffmpeg`'s pipe.
 //!
-//! The program decodes the first video stream, turns it as its metadata say, converts any pixel format to 8-bit RGB and
+//! The program decodes the first video stream, turns it as its metadata state, converts any pixel format to 8-bit RGB and
 //! writes one PPM after another, each with its own size. The filter `showinfo` prints the time stamp of each picture
 //! on standard error just before, so a picture is known by its time, not by its place.
 
@@ -53,7 +53,7 @@ impl Decoder {
         Some((time, picture))
     }
 
-    /// What the program complained of; ends it.
+    /// Ends the program; returns its errors.
     pub(super) fn finish(&mut self) -> Vec<String> {
         // it may have ended by itself
         let _ = self.child.kill();
@@ -69,7 +69,7 @@ impl Drop for Decoder {
     }
 }
 
-/// Every picture of a video as PPM, one after another, and words on each.
+/// The program that writes every picture of a video as PPM, and a line of text about each.
 fn decoding(path: &Path) -> Command {
     let mut ffmpeg = Command::new("ffmpeg");
     ffmpeg
@@ -85,7 +85,7 @@ fn decoding(path: &Path) -> Command {
     ffmpeg
 }
 
-/// Sends on the time of each picture; what else was said and is a complaint.
+/// Passes on the time of each picture; returns the errors.
 fn listen(words: ChildStderr, times_s: &Sender<f64>) -> Vec<String> {
     let mut complaints = Vec::new();
     for line in BufReader::new(words).split(b'\n').map_while(Result::ok) {
@@ -107,7 +107,7 @@ fn time_of(line: &str) -> Option<f64> {
     rest.split_whitespace().next()?.parse().ok()
 }
 
-/// What the decoder says went wrong; what it says of the pipe's own time stamps means nothing.
+/// An error of the decoder. Errors about the pipe's own time stamps mean nothing.
 fn complaint(line: &str) -> Option<String> {
     let (who, words) = line
         .split_once("[error]")
@@ -115,7 +115,7 @@ fn complaint(line: &str) -> Option<String> {
     (!who.contains("image2pipe")).then(|| words.trim().into())
 }
 
-/// One binary PPM of 8 bits; `None` where the pipe ends, also within a picture.
+/// One binary PPM of 8 bits; `None` where the pipe ends, even within a picture.
 fn read_ppm(pipe: &mut impl BufRead) -> Option<Picture> {
     let mut head = [(); 3].into_iter().map(|()| line(pipe));
     (head.next()??.trim() == "P6").then_some(())?;

@@ -29,7 +29,7 @@ pub enum LayoutError {
         /// The recording.
         path: PathBuf,
     },
-    /// A frame rate given from outside that is not positive.
+    /// A given frame rate that is not positive.
     #[error("frame rate {fps}: expected a positive number")]
     Fps {
         /// As given.

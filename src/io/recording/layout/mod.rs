@@ -1,4 +1,4 @@
-//! Where a recording has its files: a folder without manifest, or a manifest that leaves things out.
+//! Where the files of a recording are, in a folder without manifest or where the manifest does not say.
 
 mod error;
 pub(in crate::io) mod numbered_files;
@@ -109,7 +109,7 @@ fn calibration_rank(path: &Path) -> Option<u8> {
     }
 }
 
-/// The files that may have been read when a calibration is read from `source`: itself, the other half of EasyMocap's
+/// The files that a calibration at `source` may have been read from: itself, the other half of EasyMocap's
 /// two, or the calibrations of a folder.
 pub(super) fn files_behind(source: &Path) -> Vec<PathBuf> {
     let name = source.file_name().unwrap_or_default();
@@ -144,7 +144,7 @@ fn contents(folder: &Path) -> Result<Vec<PathBuf>, LayoutError> {
     Ok(paths)
 }
 
-/// What a folder holds and does not hide, by name; nothing if there is no such folder.
+/// The visible contents of a folder, by name; empty if there is no such folder.
 pub(super) fn visible(folder: &Path) -> Result<Vec<PathBuf>, LayoutError> {
     if !folder.is_dir() {
         return Ok(Vec::new());

@@ -1,4 +1,4 @@
-//! Which files are masks or point clouds, and of which frames.
+//! Numbered files: masks, images or point clouds, by frame.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -20,14 +20,14 @@ pub(in crate::io) struct NumberedFiles {
 pub(in crate::io) struct Wanted<'a> {
     /// Whose it is, for messages: `camera left: masks` or `points`.
     pub(in crate::io) key: &'a str,
-    /// Whether a file's name is one of the kind; asked where the pattern itself is not as exact as a printf pattern.
+    /// Whether a file's name is of the wanted kind; not asked of the files of a printf pattern.
     pub(in crate::io) is_kind: fn(&Path) -> bool,
 }
 
 /// The files that `pattern` names, relative to `folder`: a printf pattern, a glob, a folder, or one file.
 ///
-/// The number is what `%d` stands for, otherwise the last group of digits in the name before its extension.
-/// Hidden files and what is not of the kind are passed over.
+/// The number is the one at `%d`, or else the last group of digits in the name before its extension.
+/// Hidden files and files of another kind are skipped.
 pub(in crate::io) fn list(
     folder: &Path,
     pattern: &str,

@@ -12,13 +12,13 @@
 //! ```
 //!
 //! `masks`, `images`, `video` and `background` may also stand once at the top, with `{camera}` in the place of the name:
-//! they count for each camera that does not say itself and whose file or folder is there, and name the cameras where none is
-//! listed.
+//! each applies to every camera without an entry of its own whose file or folder exists. Where no camera is listed, these
+//! files name the cameras.
 //!
 //! Per camera also `images`, `video`, `background`, `offset_frames` and `start_s`; for the recording `points`, `points_unit` and
 //! `start`.
-//! Paths are relative to the file. Every key is optional but a camera's `name`; what is left out is looked for where
-//! a folder without manifest has it.
+//! Paths are relative to the file. All keys but a camera's `name` are optional: what is missing is looked for where a
+//! folder without manifest has it.
 
 mod template;
 
@@ -78,7 +78,7 @@ pub(crate) struct Manifest {
     pub points_unit: Option<Unit>,
     /// Reserved for a known start pose.
     pub start: Option<toml::Value>,
-    /// [`CameraFiles::masks`] of each camera that does not say itself; `{camera}` stands for its name.
+    /// [`CameraFiles::masks`] of each camera that has none of its own; `{camera}` is replaced by its name.
     pub masks: Option<String>,
     /// The same of [`CameraFiles::images`].
     pub images: Option<String>,

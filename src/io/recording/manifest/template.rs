@@ -6,10 +6,10 @@ use std::path::Path;
 
 use super::{CameraFiles, Manifest};
 
-/// What stands for a camera's name.
+/// The placeholder for a camera's name.
 const NAME: &str = "{camera}";
 
-/// Gives each camera the files that it does not name itself and that are there; lists the cameras, if none is listed.
+/// Gives each camera the files that it does not name itself and that exist; lists the cameras if the manifest lists none.
 pub(super) fn fill(manifest: &mut Manifest, folder: &Path) {
     let of_each = |pattern: &Option<String>| {
         let pattern = pattern.as_deref()?;
@@ -49,7 +49,7 @@ fn named(name: &str) -> CameraFiles {
     }
 }
 
-/// The names for which the part of the path with `{camera}` in it is there; none if it does not stand in it.
+/// The names that exist in place of `{camera}` in the path; none if the path has no `{camera}`.
 fn names(folder: &Path, pattern: &str) -> BTreeSet<String> {
     let Some((before, after)) = pattern.split_once(NAME) else {
         return BTreeSet::new();
