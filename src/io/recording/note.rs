@@ -1,24 +1,27 @@
 //! Notes on a recording: odd, but not wrong.
 
-use std::fmt;
-
 use crate::pipeline::Frames;
 
 /// A note for the user on a recording, in one line.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Note {
     /// Keys of the manifest that are not used because there are masks.
+    #[error("{}: not used, because there are masks", keys.join(", "))]
     Ignored {
         /// The keys.
         keys: Vec<&'static str>,
     },
     /// A camera of the manifest without masks, while others have some.
+    #[error("camera {camera}: no masks in the manifest: not used")]
     WithoutMasks {
         /// The camera.
         camera: String,
     },
     /// A folder of masks whose name is no calibrated camera's.
+    #[error(
+        "masks/{camera}: no camera of this name is calibrated (did you mean {nearest}?): not used"
+    )]
     Uncalibrated {
         /// Name of the folder.
         camera: String,
@@ -26,11 +29,13 @@ pub enum Note {
         nearest: String,
     },
     /// Calibrated cameras for which there is no folder of masks.
+    #[error("no masks for {}: not used", cameras.join(", "))]
     Unmasked {
         /// The cameras.
         cameras: Vec<String>,
     },
     /// Images whose names hold no number.
+    #[error("camera {camera}: {files} images without a frame number in their names: not used")]
     Unnumbered {
         /// The camera.
         camera: String,
@@ -38,6 +43,7 @@ pub enum Note {
         files: usize,
     },
     /// Masks that `offset_frames` moves before frame 0.
+    #[error("camera {camera}: offset_frames puts {files} masks before frame 0: not used")]
     BeforeFirst {
         /// The camera.
         camera: String,
@@ -45,13 +51,18 @@ pub enum Note {
         files: usize,
     },
     /// No frame is seen by two cameras.
+    #[error(
+        "no frame has masks from two cameras: do the file numbers agree? offset_frames shifts them"
+    )]
     NoCommonFrame,
     /// Point clouds without a number in their names.
+    #[error("points: {files} files without a frame number in their names: not used")]
     UnnumberedPoints {
         /// How many.
         files: usize,
     },
     /// Only some of the frames have points.
+    #[error("points: {with} of {frames} frames have points")]
     PointsMissing {
         /// How many frames have points.
         with: usize,
@@ -59,11 +70,15 @@ pub enum Note {
         frames: usize,
     },
     /// Point clouds without a usable point.
+    #[error("points: no usable points in frames {frames}")]
     PointsEmpty {
         /// The frames.
         frames: Frames,
     },
     /// Points that are not finite or have no positive spread.
+    #[error(
+        "points: {points} points left out in frames {frames}: not finite, or a spread that is not positive"
+    )]
     PointsUnusable {
         /// How many.
         points: usize,
@@ -71,6 +86,7 @@ pub enum Note {
         frames: Frames,
     },
     /// Clouds of more points than are used.
+    #[error("points: up to {most_points} in a frame; thinned evenly to {used} in frames {frames}")]
     PointsThinned {
         /// The largest of them.
         most_points: usize,
@@ -79,61 +95,4 @@ pub enum Note {
         /// The frames.
         frames: Frames,
     },
-}
-
-impl fmt::Display for Note {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            // masks
-            Self::Ignored { keys } => {
-                write!(f, "{}: not used, because there are masks", keys.join(", "))
-            }
-            Self::WithoutMasks { camera } => {
-                write!(f, "camera {camera}: no masks in the manifest: not used")
-            }
-            Self::Uncalibrated { camera, nearest } => write!(
-                f,
-                "masks/{camera}: no camera of this name is calibrated (did you mean {nearest}?): not used"
-            ),
-            Self::Unmasked { cameras } => {
-                write!(f, "no masks for {}: not used", cameras.join(", "))
-            }
-            Self::Unnumbered { camera, files } => write!(
-                f,
-                "camera {camera}: {files} images without a frame number in their names: not used"
-            ),
-            Self::BeforeFirst { camera, files } => write!(
-                f,
-                "camera {camera}: offset_frames puts {files} masks before frame 0: not used"
-            ),
-            Self::NoCommonFrame => write!(
-                f,
-                "no frame has masks from two cameras: do the file numbers agree? offset_frames shifts them"
-            ),
-
-            // points
-            Self::UnnumberedPoints { files } => write!(
-                f,
-                "points: {files} files without a frame number in their names: not used"
-            ),
-            Self::PointsMissing { with, frames } => {
-                write!(f, "points: {with} of {frames} frames have points")
-            }
-            Self::PointsEmpty { frames } => {
-                write!(f, "points: no usable points in frames {frames}")
-            }
-            Self::PointsUnusable { points, frames } => write!(
-                f,
-                "points: {points} points left out in frames {frames}: not finite, or a spread that is not positive"
-            ),
-            Self::PointsThinned {
-                most_points,
-                used,
-                frames,
-            } => write!(
-                f,
-                "points: up to {most_points} in a frame; thinned evenly to {used} in frames {frames}"
-            ),
-        }
-    }
 }

@@ -1,7 +1,6 @@
 //! The point clouds of a recording.
 
 use std::collections::BTreeMap;
-use std::fmt;
 use std::path::{Path, PathBuf};
 
 use nalgebra::{Point3, Vector3};
@@ -32,10 +31,13 @@ const SMALLEST: f64 = 1e-3;
 const LEAST_FOR_SIZE: usize = 20;
 
 /// How a cloud's size contradicts the cameras'.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ScaleFault {
     /// Points far outside the view, as when millimetres are read as metres.
+    #[error(
+        "the points lie {distance:.0} m from the middle of the cameras' view, the cameras {cameras:.1} m: if the points are in millimetres write points_unit = \"mm\" in sequence.toml; else check unit and up of the calibration"
+    )]
     Large {
         /// Median distance of the points from the middle of what the cameras see, metres.
         distance: f64,
@@ -43,27 +45,15 @@ pub enum ScaleFault {
         cameras: f64,
     },
     /// Points in one place, as when metres are read as millimetres.
+    #[error(
+        "the points lie within {distance:.5} m, the cameras {cameras:.1} m away: if the points are in metres write points_unit = \"m\" in sequence.toml; else check unit of the calibration"
+    )]
     Small {
         /// Median distance of the points from their middle, metres.
         distance: f64,
         /// Mean distance of the cameras from the middle of what they see, metres.
         cameras: f64,
     },
-}
-
-impl fmt::Display for ScaleFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Large { distance, cameras } => write!(
-                f,
-                "the points lie {distance:.0} m from the middle of the cameras' view, the cameras {cameras:.1} m: if the points are in millimetres write points_unit = \"mm\" in sequence.toml; else check unit and up of the calibration"
-            ),
-            Self::Small { distance, cameras } => write!(
-                f,
-                "the points lie within {distance:.5} m, the cameras {cameras:.1} m away: if the points are in metres write points_unit = \"m\" in sequence.toml; else check unit of the calibration"
-            ),
-        }
-    }
 }
 
 /// Where the cameras look, and from how far.

@@ -1,20 +1,21 @@
 //! Notes on pictures: odd, but not wrong.
 
-use std::fmt;
 use std::path::PathBuf;
 
 use crate::pipeline::{Frames, counted};
 
 /// A note for the user on the pictures of a recording, in one line.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FootageNote {
     /// A camera of the manifest without pictures, while others have some.
+    #[error("camera {camera}: no images or video in the manifest: not used")]
     Without {
         /// The camera.
         camera: String,
     },
     /// A camera whose video holds no pictures, while others have some.
+    #[error("camera {camera}: {reason}: not used")]
     Unusable {
         /// The camera.
         camera: String,
@@ -22,11 +23,13 @@ pub enum FootageNote {
         reason: String,
     },
     /// Pictures whose name is no calibrated camera's.
+    #[error("pictures of {camera}: no camera of this name is calibrated: not used")]
     Uncalibrated {
         /// The name.
         camera: String,
     },
     /// Images whose names hold no number.
+    #[error("camera {camera}: {files} images without a frame number in their names: not used")]
     Unnumbered {
         /// The camera.
         camera: String,
@@ -34,6 +37,9 @@ pub enum FootageNote {
         files: usize,
     },
     /// Another rate than that of the recording.
+    #[error(
+        "camera {camera}: the video states {video_hz:.3} frames per second, the recording {fps:.3}: the recording's rate is used"
+    )]
     Rate {
         /// The camera.
         camera: String,
@@ -43,11 +49,16 @@ pub enum FootageNote {
         fps: f64,
     },
     /// Cameras that have different numbers of pictures.
+    #[error("the cameras have different numbers of pictures: {}", listed(cameras))]
     Lengths {
         /// Camera and number of pictures.
         cameras: Vec<(String, usize)>,
     },
     /// Pictures that cannot be decoded.
+    #[error(
+        "{whose}: {} of {of} pictures cannot be decoded ({frames}): {}",
+        frames.0.len(), reason.trim_end_matches('.')
+    )]
     Undecodable {
         /// Camera or file.
         whose: String,
@@ -59,6 +70,10 @@ pub enum FootageNote {
         reason: String,
     },
     /// Damage that the decoder covered up.
+    #[error(
+        "{whose}: damaged ({}, the first: {reason}): the pictures are used as decoded",
+        counted(*times, "decoder error")
+    )]
     Damaged {
         /// Camera or file.
         whose: String,
@@ -68,6 +83,10 @@ pub enum FootageNote {
         reason: String,
     },
     /// Pictures of another size than the camera's.
+    #[error(
+        "{whose}: {} of another size ({} × {} px, expected {} × {} px): not used",
+        counted(*pictures, "picture"), found[0], found[1], expected[0], expected[1]
+    )]
     WrongSize {
         /// Camera or file.
         whose: String,
@@ -79,6 +98,7 @@ pub enum FootageNote {
         expected: [usize; 2],
     },
     /// The decoder cannot be run any more.
+    #[error("{whose}: {}: {reason}", path.display())]
     Stopped {
         /// The camera.
         whose: String,
@@ -89,85 +109,10 @@ pub enum FootageNote {
     },
 }
 
-impl fmt::Display for FootageNote {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Without { camera } => {
-                write!(
-                    f,
-                    "camera {camera}: no images or video in the manifest: not used"
-                )
-            }
-            Self::Unusable { camera, reason } => {
-                write!(f, "camera {camera}: {reason}: not used")
-            }
-            Self::Uncalibrated { camera } => {
-                write!(
-                    f,
-                    "pictures of {camera}: no camera of this name is calibrated: not used"
-                )
-            }
-            Self::Unnumbered { camera, files } => write!(
-                f,
-                "camera {camera}: {files} images without a frame number in their names: not used"
-            ),
-            Self::Rate {
-                camera,
-                video_hz,
-                fps,
-            } => write!(
-                f,
-                "camera {camera}: the video states {video_hz:.3} frames per second, the recording {fps:.3}: the recording's rate is used"
-            ),
-            Self::Lengths { cameras } => {
-                let all = cameras.iter().map(|(name, n)| format!("{name} {n}"));
-                let all: Vec<_> = all.collect();
-                write!(
-                    f,
-                    "the cameras have different numbers of pictures: {}",
-                    all.join(", ")
-                )
-            }
-
-            // what was found while decoding
-            Self::Undecodable {
-                whose,
-                frames,
-                of,
-                reason,
-            } => {
-                let (lost, reason) = (frames.0.len(), reason.trim_end_matches('.'));
-                write!(
-                    f,
-                    "{whose}: {lost} of {of} pictures cannot be decoded ({frames}): {reason}"
-                )
-            }
-            Self::Damaged {
-                whose,
-                times,
-                reason,
-            } => write!(
-                f,
-                "{whose}: damaged ({}, the first: {reason}): the pictures are used as decoded",
-                counted(*times, "decoder error")
-            ),
-            Self::WrongSize {
-                whose,
-                pictures,
-                found: [width, height],
-                expected: [columns, rows],
-            } => write!(
-                f,
-                "{whose}: {} of another size ({width} × {height} px, expected {columns} × {rows} px): not used",
-                counted(*pictures, "picture")
-            ),
-            Self::Stopped {
-                whose,
-                path,
-                reason,
-            } => {
-                write!(f, "{whose}: {}: {reason}", path.display())
-            }
-        }
-    }
+fn listed(cameras: &[(String, usize)]) -> String {
+    let all: Vec<_> = cameras
+        .iter()
+        .map(|(name, n)| format!("{name} {n}"))
+        .collect();
+    all.join(", ")
 }
