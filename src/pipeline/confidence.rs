@@ -25,7 +25,11 @@ pub struct ShapeConfidence {
 
 impl ShapeConfidence {
     /// The confidence that these trials' keyframes give.
-    pub(super) fn of(model: &BodyModel, trials: &[Trial], options: &ConfidenceOptions) -> Self {
+    pub(super) fn from_trials(
+        model: &BodyModel,
+        trials: &[Trial],
+        options: &ConfidenceOptions,
+    ) -> Self {
         let shapes: Vec<&Shape> = best_readings(trials).iter().map(|h| &h.shape).collect();
         let coefficients: Vec<DVector<f64>> = shapes.iter().map(|s| s.0.clone()).collect();
         let lengths: Vec<DVector<f64>> = shapes
@@ -108,7 +112,7 @@ mod tests {
             trial(&model, Origin::Keyframe(1), 0, (7.0, 6.0)),
             trial(&model, Origin::Keyframe(0), 20, (0.3, 4.0)),
         ];
-        let found = ShapeConfidence::of(&model, &trials, &ConfidenceOptions::default());
+        let found = ShapeConfidence::from_trials(&model, &trials, &ConfidenceOptions::default());
         assert_eq!(found.keyframes(), 2);
         approx::assert_relative_eq!(found.coefficients[0].sigma.unwrap(), 0.1, epsilon = 1e-12);
     }

@@ -23,7 +23,7 @@ use crate::math::stats::mean;
 use crate::silhouette::{FrameIndex, FrameObservations, InvalidOption};
 
 use super::unseen::{self, prior_angles_sd};
-use super::warning::{of_body, warnings};
+use super::warning::{odd_body, warnings};
 
 /// The most probable shape and motion, what else was tried, and how good and how sure they are.
 #[derive(Debug, Clone)]
@@ -124,7 +124,7 @@ pub enum FitError {
     },
     /// Points alone, to be compared with ellipses.
     #[error(
-        "points alone are compared with the skin of metaballs: leave --likelihood out, or let it be metaballs"
+        "points can only be compared with the skin of metaballs: leave --likelihood out, or use metaballs"
     )]
     PointsOnEllipses,
     /// No hypothesis could be followed through the sequence.
@@ -150,34 +150,40 @@ pub fn fit(
 ) -> Result<Fit, FitError> {
     options.validate()?;
     let observations = sequence.frames;
+
     // 1. do cameras and masks agree
     let mut notes = check_scene(model, rig, observations)?;
+
     // 2. Algorithm 1
     let measures = match observations.iter().any(|frame| frame.views.len() >= 2) {
-        true => Measures::of(model, options.measure)?,
-        false => Measures::of_points(model, options.measure)?,
+        true => Measures::choose(model, options.measure)?,
+        false => Measures::choose_for_points(model, options.measure)?,
     };
     let coarse = Evidence::new(model, rig, options.likelihood, measures.search);
     let found = search(&coarse, sequence, &options.search, journal);
     let found = found.ok_or(FitError::NoHypothesis {
         frames: observations.len(),
     })?;
+
     // 3. the joint optimum, from its winner, and where the cameras look
     let winner = &found.trials[found.winner];
-    let (estimate, measure) = estimate(model, rig, sequence, (winner, &measures), options);
+    let (estimate, measure) = estimate(model, rig, sequence, winner, &measures, options);
     let looked_at = Evidence::new(model, &estimate.rig, options.likelihood, measure);
+
     // 4. how far the keyframes agree
-    let confidence = ShapeConfidence::of(model, &found.trials, &options.confidence);
+    let confidence = ShapeConfidence::from_trials(model, &found.trials, &options.confidence);
+
     // 5. how well the body covers the masks
     let frames = fitted_frames(&looked_at, observations, &estimate);
     let views: Vec<&[ViewQuality]> = frames.iter().map(|f| f.views.as_slice()).collect();
-    let cameras = quality::of_cameras(&estimate.rig, &views, &estimate.aims_px);
+    let cameras = quality::camera_qualities(&estimate.rig, &views, &estimate.aims_px);
     let shape_cost = coarse.shape_prior.cost(&estimate.shape);
     let hypotheses = found.trials.into_iter();
     let hypotheses = hypotheses.map(|trial| tried(&coarse, observations, trial));
     let hypotheses = hypotheses.collect();
+
     // 6. what a person should know of it
-    notes.extend(of_body(shape_cost, estimate.shape.0.len()));
+    notes.extend(odd_body(shape_cost, estimate.shape.0.len()));
     notes.extend(warnings(rig, observations, &frames, &cameras, &confidence));
     notes.extend(points::warnings(&frames, observations));
     notes.extend(
@@ -185,6 +191,7 @@ pub fn fit(
             .joint
             .and_then(|joint| unseen(model, sequence, &frames, &joint)),
     );
+
     Ok(Fit {
         lengths_m: rest_lengths_m(model, &estimate.shape),
         uncertainty: estimate.uncertainty.map(|u| u.shape),
@@ -205,12 +212,14 @@ fn estimate(
     model: &BodyModel,
     rig: &Rig,
     sequence: Sequence<'_>,
-    (winner, measures): (&Trial, &Measures),
+    winner: &Trial,
+    measures: &Measures,
     options: &EstimateOptions,
 ) -> (Estimate, Measure) {
     let Some(joint) = &options.joint else {
         return (Estimate::tracked(winner, rig), measures.search);
     };
+
     let stage = JointStage {
         model,
         calibrated: rig,
@@ -254,6 +263,8 @@ impl Estimate {
             rig,
             aims_px,
         } = aimed;
+
+        // what Algorithm 1 had to search anew is still told
         let frames = joint.frames.into_iter().zip(winner.frames.iter().flatten());
         let frames = frames.map(|(fit, tracked)| FrameFit {
             recovered: tracked.recovered,
@@ -296,21 +307,20 @@ fn fitted_frames(
     observations: &[FrameObservations],
     estimate: &Estimate,
 ) -> Vec<FittedFrame> {
-    let shape = &estimate.shape;
-    let frames = observations.par_iter().zip(&estimate.frames).enumerate();
-    frames
-        .map(|(i, (observed, fit))| {
-            let body = Posed::new(evidence.model, shape, &fit.motion);
-            FittedFrame {
-                frame: observed.frame,
-                points_world: body.points(),
-                views: quality::of_frame(evidence, observed, &body),
-                points: points::of_frame(evidence, observed, &body),
-                uncertainty: estimate.uncertainty.as_ref().map(|u| u.frames[i].clone()),
-                fit: fit.clone(),
-            }
-        })
-        .collect()
+    let fitted = |(i, (observed, fit)): (usize, (&FrameObservations, &FrameFit))| {
+        let body = Posed::new(evidence.model, &estimate.shape, &fit.motion);
+        FittedFrame {
+            frame: observed.frame,
+            points_world: body.points(),
+            views: quality::view_qualities(evidence, observed, &body),
+            points: points::point_quality(evidence, observed, &body),
+            uncertainty: estimate.uncertainty.as_ref().map(|u| u.frames[i].clone()),
+            fit: fit.clone(),
+        }
+    };
+
+    let frames = observations.par_iter().zip(&estimate.frames);
+    frames.enumerate().map(fitted).collect()
 }
 
 fn tried(

@@ -9,7 +9,7 @@ use crate::likelihood::Measure;
 /// # Errors
 /// [`FitError::Primitives`] if it has not.
 pub fn check_measure(model: &BodyModel, asked: Option<Measure>) -> Result<(), FitError> {
-    Measures::of(model, asked).map(|_| ())
+    Measures::choose(model, asked).map(|_| ())
 }
 
 /// What each stage compares silhouettes and points with.
@@ -23,18 +23,19 @@ pub(super) struct Measures {
 
 impl Measures {
     /// What was asked for, in every stage; or the ellipsoids first and the metaballs then, as far as the model has them.
-    pub(super) fn of(model: &BodyModel, asked: Option<Measure>) -> Result<Self, FitError> {
+    pub(super) fn choose(model: &BodyModel, asked: Option<Measure>) -> Result<Self, FitError> {
         let lacks = |measure: Measure| {
             (measure.has_ellipses() && model.ellipsoids.is_empty())
                 || (measure.has_metaballs() && model.metaballs.is_empty())
         };
+        let first_of = |preferred, other| if lacks(preferred) { other } else { preferred };
+
         match asked {
             Some(measure) if lacks(measure) => Err(FitError::Primitives {
                 model: model.name.clone(),
-                lacking: if model.metaballs.is_empty() {
-                    "metaballs"
-                } else {
-                    "ellipsoids"
+                lacking: match model.metaballs.is_empty() {
+                    true => "metaballs",
+                    false => "ellipsoids",
                 },
             }),
             Some(measure) => Ok(Self {
@@ -42,16 +43,8 @@ impl Measures {
                 joint: measure,
             }),
             None => Ok(Self {
-                search: if lacks(Measure::Ellipses) {
-                    Measure::Metaballs
-                } else {
-                    Measure::Ellipses
-                },
-                joint: if lacks(Measure::Metaballs) {
-                    Measure::Ellipses
-                } else {
-                    Measure::Metaballs
-                },
+                search: first_of(Measure::Ellipses, Measure::Metaballs),
+                joint: first_of(Measure::Metaballs, Measure::Ellipses),
             }),
         }
     }
@@ -60,11 +53,14 @@ impl Measures {
     ///
     /// # Errors
     /// [`FitError::Primitives`] if there is none, or it was not to be looked at.
-    pub(super) fn of_points(model: &BodyModel, asked: Option<Measure>) -> Result<Self, FitError> {
+    pub(super) fn choose_for_points(
+        model: &BodyModel,
+        asked: Option<Measure>,
+    ) -> Result<Self, FitError> {
         let asked = asked.unwrap_or(Measure::Metaballs);
         if !asked.has_metaballs() {
             return Err(FitError::PointsOnEllipses);
         }
-        Self::of(model, Some(asked))
+        Self::choose(model, Some(asked))
     }
 }

@@ -114,6 +114,7 @@ impl EstimateOptions {
             ],
         ]
         .concat();
+
         let outside = |(_, value, least, most): &Range| !(*least..=*most).contains(value);
         match ranges.into_iter().find(outside) {
             Some((name, value, least, most)) => Err(InvalidOption {

@@ -55,14 +55,18 @@ fn skin_iou(camera: &Camera, silhouette: &Silhouette, body: &Posed<'_>) -> f64 {
         .iter()
         .map(Covering::new)
         .collect();
+
+    // the box of both
     let bounds = bounds(silhouette, &balls);
     let (low, high) = (
         silhouette.bounds.0.inf(&bounds.0),
         silhouette.bounds.1.sup(&bounds.1),
     );
     let (low, high) = clipped(camera, low, high);
+
+    // the skin in it
     let step = (high - low).max() / SKIN_STEPS;
-    let window = window(camera, (low, high), step);
+    let window = window(camera, low, high, step);
     let mask = render::silhouette(&window, &Field::from_body(body));
     let is_model = |pixel: &Point2<f64>| {
         let place = (pixel - low) / step;
@@ -80,7 +84,7 @@ fn clipped(camera: &Camera, low: Point2<f64>, high: Point2<f64>) -> (Point2<f64>
 }
 
 /// The camera that sees a box of the undistorted image, one pixel for each `step` of it.
-fn window(camera: &Camera, (low, high): (Point2<f64>, Point2<f64>), step: f64) -> Camera {
+fn window(camera: &Camera, low: Point2<f64>, high: Point2<f64>, step: f64) -> Camera {
     let k = &camera.intrinsics;
     let steps = |length: f64| (length / step).ceil().max(1.0) as u32;
     Camera {

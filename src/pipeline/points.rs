@@ -34,7 +34,7 @@ const SURFACE_M: f64 = 0.01;
 const MANY: f64 = 0.25;
 
 /// The points of one frame; `None` if there are none.
-pub(super) fn of_frame(
+pub(super) fn point_quality(
     evidence: &Evidence<'_>,
     frame: &FrameObservations,
     body: &Posed<'_>,
@@ -42,8 +42,10 @@ pub(super) fn of_frame(
     if frame.points.is_empty() {
         return None;
     }
+
     let outside = frame.points.iter().map(|p| outside_m(evidence, frame, p));
     let mut outside: Vec<f64> = outside.flatten().collect();
+
     let terms = evidence.terms(frame, Detail::Fine);
     let mut off_skin: Vec<f64> = terms
         .iter()
@@ -51,6 +53,7 @@ pub(super) fn of_frame(
         .filter(|r| r.source == Source::Cloud)
         .map(|r| (r.value * r.sigma).abs())
         .collect();
+
     Some(PointQuality {
         points: frame.points.len(),
         outside: outside.len() as f64 / frame.points.len() as f64,
@@ -75,6 +78,7 @@ fn outside_m(
         let outside_m = outside_px / px_per_m;
         (outside_m > FAR * sigma_m).then_some(outside_m)
     };
+
     frame
         .views
         .iter()
@@ -92,6 +96,7 @@ fn sigma_m(point: &CloudPoint) -> f64 {
 /// The frames whose points disagree with their silhouettes, or with a body that the silhouettes agree with.
 pub(super) fn warnings(frames: &[FittedFrame], observations: &[FrameObservations]) -> Vec<Warning> {
     let (mut outside, mut off_skin) = (Disagreement::default(), Disagreement::default());
+
     for (fitted, observed) in frames.iter().zip(observations) {
         let Some(quality) = &fitted.points else {
             continue;
@@ -104,16 +109,20 @@ pub(super) fn warnings(frames: &[FittedFrame], observations: &[FrameObservations
             _ => {}
         }
     }
-    let told = |frames, share, by_m| Warning::PointsOutside {
+
+    let outside_of = |frames, share, by_m| Warning::PointsOutside {
         frames,
         share,
         by_m,
     };
-    let skin = |frames, _, by_m| Warning::PointsOffSkin { frames, by_m };
-    [outside.told(told), off_skin.told(skin)]
-        .into_iter()
-        .flatten()
-        .collect()
+    let off_skin_of = |frames, _, by_m| Warning::PointsOffSkin { frames, by_m };
+    [
+        outside.into_warning(outside_of),
+        off_skin.into_warning(off_skin_of),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
 }
 
 /// Whether the body covers the frame's silhouettes, so that it is the points that are off.
@@ -136,8 +145,8 @@ impl Disagreement {
         self.by_m.push(by_m);
     }
 
-    /// With the medians over the frames.
-    fn told(mut self, warning: impl Fn(Frames, f64, f64) -> Warning) -> Option<Warning> {
+    /// A warning of the medians over the frames; `None` without a frame.
+    fn into_warning(mut self, warning: impl Fn(Frames, f64, f64) -> Warning) -> Option<Warning> {
         let (share, by_m) = (median(&mut self.shares)?, median(&mut self.by_m)?);
         Some(warning(Frames(self.frames), share, by_m))
     }

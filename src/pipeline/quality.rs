@@ -55,7 +55,7 @@ pub struct ViewResiduals {
 
 impl ViewResiduals {
     /// Of the residuals of one view; `None` without any.
-    fn of(residuals: &[PlacedResidual], view: usize) -> Option<Self> {
+    fn new(residuals: &[PlacedResidual], view: usize) -> Option<Self> {
         let of_view = residuals.iter().filter(|r| r.source == Source::View(view));
         let mut distances_px: Vec<f64> = of_view.map(|r| (r.value * r.sigma).abs()).collect();
         distances_px.sort_by(f64::total_cmp);
@@ -71,7 +71,7 @@ impl ViewResiduals {
 }
 
 /// The quality of every view of one frame, in the order of its views.
-pub(super) fn of_frame(
+pub(super) fn view_qualities(
     evidence: &Evidence<'_>,
     frame: &FrameObservations,
     body: &Posed<'_>,
@@ -85,11 +85,12 @@ pub(super) fn of_frame(
         .into_iter()
         .find(|all| !all.is_empty())
         .unwrap_or_default();
+
     let views = frame.views.iter().enumerate();
     views
         .map(|(view, (id, silhouette))| ViewQuality {
             camera: *id,
-            residuals: ViewResiduals::of(&residuals, view),
+            residuals: ViewResiduals::new(&residuals, view),
             iou: iou(
                 &evidence.rig.cameras[id.0],
                 silhouette,
@@ -115,6 +116,7 @@ pub(super) fn sampled_iou(
         .zip(fits)
         .filter_map(|(frame, fit)| Some((frame, fit.as_ref()?)))
         .collect();
+
     let step = fitted.len().div_ceil(SAMPLED_FRAMES).max(1);
     let overlaps: Vec<f64> = fitted
         .par_iter()
@@ -131,7 +133,7 @@ pub(super) fn sampled_iou(
 }
 
 /// Each camera over all frames.
-pub(super) fn of_cameras(
+pub(super) fn camera_qualities(
     rig: &Rig,
     frames: &[&[ViewQuality]],
     aims_px: &[Vector2<f64>],

@@ -122,6 +122,7 @@ fn seen_by_two(rig: &Rig, frames: &[FrameObservations]) -> Result<(), SceneFault
     if frames.iter().any(locates_body) {
         return Ok(());
     }
+
     let seen = |id: CameraId| {
         let sees = |f: &&FrameObservations| f.views.iter().any(|(camera, _)| *camera == id);
         frames.iter().filter(sees).count()
@@ -146,6 +147,7 @@ fn nothing_seen(rig: &Rig, frames: &[FrameObservations]) -> SceneFault {
     let first = rejected.next();
     let named =
         first.and_then(|(frame, (id, reason))| Some((frame, rig.camera(id)?.name.clone(), reason)));
+
     match named {
         Some((frame, camera, reason)) => SceneFault::NothingSeen {
             masks: 1 + rejected.count(),

@@ -26,6 +26,8 @@ pub fn prior_angles_sd(
     let layout = Layout::new(model);
     let (m, root) = (layout.motion(), layout.root());
     let pose_prior = PosePrior::new(model);
+
+    // H of the priors, the root held
     let mut chain = BorderedChain::zeros(motions.len(), m, 0, chain_prior.reach());
     for (i, motion) in motions.iter().enumerate() {
         let mut equations = NormalEquations::zeros(m);
@@ -35,6 +37,7 @@ pub fn prior_angles_sd(
         (0..root).for_each(|k| link.diagonal[(k, k)] += 1.0);
         chain_prior.linearize(motions, seconds, i, &mut chain.links);
     }
+
     let mut all = Vec::with_capacity(motions.len());
     let complete = chain.marginals(|_, marginal| {
         let variances = marginal.frame.diagonal().rows(root, m - root).into_owned();
@@ -56,6 +59,7 @@ pub(super) fn warning(
         .filter(|(f, _)| f.is_observed())
         .filter_map(|(f, prior)| Some((&f.uncertainty.as_ref()?.seen_angles_sd, prior)))
         .collect();
+
     let keeps = |part: usize| {
         let own = own_joints(model, part);
         let untouched = |(sd, prior): &&(&DVector<f64>, &DVector<f64>)| {
@@ -141,14 +145,14 @@ mod tests {
     #[test]
     fn a_part_whose_angles_keep_their_prior_in_most_frames_is_named() {
         let (blind, sure) = ([0.1, 0.1, 0.1, 0.48], [0.1; 4]);
-        let forearm = "forearm keeps its prior: nothing sees how it is turned";
+        let forearm = "forearm: no camera shows how it is turned, so it keeps its prior";
         let frames = [(blind, SEEN), (blind, SEEN), (sure, SEEN)];
         assert_eq!(said(&frames).unwrap(), forearm);
         assert_eq!(said(&[(blind, SEEN), (sure, SEEN), (sure, SEEN)]), None);
         let all = [0.5; 4];
         assert_eq!(
             said(&[(all, SEEN)]).unwrap(),
-            "upper_arm, forearm keep their prior: nothing sees how they are turned"
+            "upper_arm, forearm: no camera shows how they are turned, so they keep their priors"
         );
     }
 

@@ -143,7 +143,7 @@ const LOST_SHARE: f64 = 0.8;
 const RARE: f64 = 10.0;
 
 /// Whether the chosen body is hardly anybody's; ½n is what −log p(s) is on average.
-pub(super) fn of_body(shape_cost: f64, coefficients: usize) -> Option<Warning> {
+pub(super) fn odd_body(shape_cost: f64, coefficients: usize) -> Option<Warning> {
     let ratio = shape_cost / (0.5 * coefficients as f64);
     (ratio > RARE).then_some(Warning::OddBody { ratio })
 }
@@ -156,8 +156,9 @@ pub(super) fn warnings(
     cameras: &[CameraQuality],
     confidence: &ShapeConfidence,
 ) -> Vec<Warning> {
-    let mut warnings = of_aims(rig, cameras);
-    warnings.extend(of_overlaps(rig, frames, cameras));
+    let mut warnings = aim_warnings(rig, cameras);
+    warnings.extend(overlap_warnings(rig, frames, cameras));
+
     let those = |is: &dyn Fn(&&FittedFrame) -> bool| {
         Frames(frames.iter().filter(is).map(|f| f.frame).collect())
     };
@@ -175,7 +176,8 @@ pub(super) fn warnings(
             warnings.push(warning(frames));
         }
     }
-    warnings.extend(of_rejected(rig, observations));
+
+    warnings.extend(rejection_warnings(rig, observations));
     let keyframes = confidence.keyframes();
     if keyframes < ENOUGH_KEYFRAMES {
         warnings.push(Warning::FewKeyframes { keyframes });
@@ -184,7 +186,7 @@ pub(super) fn warnings(
 }
 
 /// The cameras that look elsewhere; what a turn would not have moved either is nothing to calibrate for.
-fn of_aims(rig: &Rig, cameras: &[CameraQuality]) -> Vec<Warning> {
+fn aim_warnings(rig: &Rig, cameras: &[CameraQuality]) -> Vec<Warning> {
     let elsewhere = cameras.iter().filter(|c| c.aim_px.norm() >= LEAST_PX);
     let warning = |c: &CameraQuality| Warning::Aim {
         camera: name(rig, c.camera),
@@ -193,7 +195,7 @@ fn of_aims(rig: &Rig, cameras: &[CameraQuality]) -> Vec<Warning> {
     elsewhere.map(warning).collect()
 }
 
-fn of_overlaps(rig: &Rig, frames: &[FittedFrame], cameras: &[CameraQuality]) -> Vec<Warning> {
+fn overlap_warnings(rig: &Rig, frames: &[FittedFrame], cameras: &[CameraQuality]) -> Vec<Warning> {
     let mut warnings = Vec::new();
     let overlaps: Vec<(FrameIndex, f64)> = frames
         .iter()
@@ -202,6 +204,8 @@ fn of_overlaps(rig: &Rig, frames: &[FittedFrame], cameras: &[CameraQuality]) -> 
     let Some(usual) = median(&mut overlaps.iter().map(|(_, iou)| *iou).collect()) else {
         return warnings;
     };
+
+    // cameras: all of them, and each beside the others
     let seen: Vec<&CameraQuality> = cameras.iter().filter(|c| c.frames > 0).collect();
     let of_cameras = median(&mut seen.iter().map(|c| c.mean_iou).collect());
     if let Some(iou) = of_cameras.filter(|iou| *iou < POOR_IOU) {
@@ -218,6 +222,8 @@ fn of_overlaps(rig: &Rig, frames: &[FittedFrame], cameras: &[CameraQuality]) -> 
             });
         }
     }
+
+    // frames
     let lost: Vec<(FrameIndex, f64)> = overlaps
         .into_iter()
         .filter(|(_, iou)| *iou < LOST_SHARE * usual)
@@ -229,7 +235,7 @@ fn of_overlaps(rig: &Rig, frames: &[FittedFrame], cameras: &[CameraQuality]) -> 
     warnings
 }
 
-fn of_rejected(rig: &Rig, observations: &[FrameObservations]) -> Vec<Warning> {
+fn rejection_warnings(rig: &Rig, observations: &[FrameObservations]) -> Vec<Warning> {
     let of = |(id, _): (CameraId, _)| {
         let rejected: Vec<(FrameIndex, Rejected)> = observations
             .iter()
@@ -271,10 +277,10 @@ mod tests {
 
     #[test]
     fn a_body_that_hardly_anybody_has_is_told() {
-        assert_eq!(of_body(60.0, 39), None);
+        assert_eq!(odd_body(60.0, 39), None);
         assert_eq!(
-            of_body(837.0, 39).unwrap().to_string(),
-            "the chosen body is a rare one (43 times the usual −log p(s)): check up and unit, and the masks"
+            odd_body(837.0, 39).unwrap().to_string(),
+            "the fitted body is very unusual (43 times the usual −log p(s)): check up, unit and the masks"
         );
     }
 
@@ -294,7 +300,7 @@ mod tests {
             camera: name(&rig, CameraId(1)),
             px: [-1.1, 0.0],
         };
-        assert_eq!(of_aims(&rig, &cameras), [expected]);
+        assert_eq!(aim_warnings(&rig, &cameras), [expected]);
     }
 
     #[test]
@@ -306,7 +312,7 @@ mod tests {
         };
         assert_eq!(
             warning.to_string(),
-            "cam_03 overlaps 0.71, the others 0.93: check its calibration and its masks"
+            "cam_03 overlaps the body by 0.71, the other cameras by 0.93: check its calibration and its masks"
         );
     }
 }

@@ -7,18 +7,19 @@ use super::{Frames, Warning};
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            // cameras
             Self::OddCamera { camera } => write!(
                 f,
-                "{camera} has the person elsewhere than the other cameras: check its calibration, unit and up, and offset_frames"
+                "{camera} sees the person in another place than the other cameras do: check its calibration, unit and up, and offset_frames"
             ),
             Self::Aim {
                 camera,
                 px: [right, down],
             } => write!(
                 f,
-                "{camera} shows everything {}, {} of where its calibration says, which is taken into account: calibrate it again (--aim off: believe the calibration)",
-                way(*right, "right", "left"),
-                way(*down, "below", "above"),
+                "{camera} points away from where its calibration says: everything in it lies {} and {}. The fit takes this into account; calibrate the camera again (--aim off: trust the calibration)",
+                way(*right, "to the right", "to the left"),
+                way(*down, "lower", "higher"),
             ),
             Self::WeakCamera {
                 camera,
@@ -26,40 +27,44 @@ impl fmt::Display for Warning {
                 others_iou,
             } => write!(
                 f,
-                "{camera} overlaps {iou:.2}, the others {others_iou:.2}: check its calibration and its masks"
+                "{camera} overlaps the body by {iou:.2}, the other cameras by {others_iou:.2}: check its calibration and its masks"
             ),
             Self::PoorFit { iou } => write!(
                 f,
-                "the body covers the silhouettes badly (overlap {iou:.2}): is this the right body, and is up right in sequence.toml?"
+                "the body covers the silhouettes badly (overlap {iou:.2}): is it the right body model, and is `up` right in sequence.toml?"
             ),
+            // the body
             Self::OddBody { ratio } => write!(
                 f,
-                "the chosen body is a rare one ({ratio:.0} times the usual −log p(s)): check up and unit, and the masks"
+                "the fitted body is very unusual ({ratio:.0} times the usual −log p(s)): check up, unit and the masks"
             ),
             Self::KeepsPrior { parts } => match parts.as_slice() {
-                [part] => write!(f, "{part} keeps its prior: nothing sees how it is turned"),
+                [part] => write!(
+                    f,
+                    "{part}: no camera shows how it is turned, so it keeps its prior"
+                ),
                 parts => write!(
                     f,
-                    "{} keep their prior: nothing sees how they are turned",
+                    "{}: no camera shows how they are turned, so they keep their priors",
                     parts.join(", ")
                 ),
             },
             Self::FewKeyframes { keyframes: 0 | 1 } => write!(
                 f,
-                "one keyframe only, so there is no confidence: a smaller --keyframe-every gives more"
+                "only one keyframe, so there is no confidence: use a smaller --keyframe-every"
             ),
             Self::FewKeyframes { keyframes } => write!(
                 f,
-                "{keyframes} keyframes only: their spread σ is itself uncertain; a smaller --keyframe-every gives more"
+                "only {keyframes} keyframes, so their spread σ is itself uncertain: use a smaller --keyframe-every"
             ),
-            of_frames => of_frames.of_frames(f),
+            of_frames => of_frames.fmt_frames(f),
         }
     }
 }
 
 impl Warning {
-    /// Those that name frames.
-    fn of_frames(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    /// The warnings that name frames.
+    fn fmt_frames(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Rejected {
                 camera,
@@ -75,7 +80,7 @@ impl Warning {
             ),
             Self::OneView { frames: of } => write!(
                 f,
-                "only one camera sees the person in {}: the depth there rests on the frames around",
+                "only one camera sees the person in {}: the depth there comes from the neighbouring frames",
                 frames(of)
             ),
             Self::Recovered { frames: of } => {
@@ -83,22 +88,23 @@ impl Warning {
             }
             Self::Lost { frames: of, iou } => write!(
                 f,
-                "the body covers {} much worse than the rest (overlap {iou:.2}): look at the overlays",
+                "the body fits {} much worse than the rest (overlap {iou:.2}): look at the overlays",
                 frames(of)
             ),
+            // points
             Self::PointsOutside {
                 frames: of,
                 share,
                 by_m,
             } => write!(
                 f,
-                "points and silhouettes disagree in {}: {:.0} % of the points lie outside a silhouette, by {by_m:.2} m: check the points' numbers, unit and world",
+                "points and silhouettes disagree in {}: {:.0} % of the points lie outside a silhouette, by {by_m:.2} m: check the frame numbers, unit and world of the points",
                 frames(of),
                 100.0 * share
             ),
             Self::PointsOffSkin { frames: of, by_m } => write!(
                 f,
-                "points and silhouettes disagree in {}: half of the points lie {by_m:.2} m or more off the skin: check the points' numbers, unit and world",
+                "points and silhouettes disagree in {}: half of the points lie {by_m:.2} m or more off the skin: check the frame numbers, unit and world of the points",
                 frames(of)
             ),
             _ => Ok(()),
@@ -106,7 +112,7 @@ impl Warning {
     }
 }
 
-/// `3.1 px right`.
+/// `3.1 px to the right`.
 fn way(px: f64, positive: &str, negative: &str) -> String {
     let to = if px < 0.0 { negative } else { positive };
     format!("{:.1} px {to}", px.abs())

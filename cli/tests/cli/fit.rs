@@ -297,7 +297,7 @@ fn a_camera_that_looks_elsewhere_than_the_masks_say_is_told() {
         arm.write_mask(&camera.name, frame, &moved);
     }
     let said = arm.fit("out", &[]).succeeded().out;
-    let part = "cam_02 has the person elsewhere than the other cameras";
+    let part = "cam_02 sees the person in another place than the other cameras do";
     assert!(said.contains(part), "{said}");
     assert!(!said.contains("is this the right body"), "{said}");
 }
