@@ -205,7 +205,7 @@ fn a_cloud_that_cannot_be_read_is_named_with_frame_and_place() {
             cut,
             [
                 "the header promises 400 of \"vertex\"",
-                "room for at most 399",
+                "room for 399 at most",
             ],
         ),
         (b"plya\n".to_vec(), ["000001.ply:1: ", "no PLY header"]),

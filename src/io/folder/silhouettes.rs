@@ -87,6 +87,7 @@ impl SilhouetteFolder {
         model: &BodyModel,
     ) -> Result<(), OutError> {
         let views = found.sighting.views.iter().zip(found.pictures);
+
         for (camera, (seen, picture)) in rig.cameras.iter().zip(views) {
             if let (Some(seen), Some(picture)) = (seen, picture) {
                 let view = FoundView {
