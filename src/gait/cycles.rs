@@ -59,14 +59,14 @@ fn side_cycles(events: &[Event], side: Side, rate_hz: f64) -> Vec<Cycle> {
     let own: Vec<&Event> = events.iter().filter(|e| e.side == side).collect();
     let is_period = |frames: f64| (PERIOD_S.0..PERIOD_S.1).contains(&(frames / rate_hz));
 
-    let whole = own.windows(3).filter_map(|three| match three {
+    let from_strike_to_strike = own.windows(3).filter_map(|three| match three {
         [a, b, c] if is_strike(a) && !is_strike(b) && is_strike(c) => {
             let period = c.frame - a.frame;
             is_period(period).then(|| cycle(events, a, b, period))
         }
         _ => None,
     });
-    let whole: Vec<Cycle> = whole.collect();
+    let whole: Vec<Cycle> = from_strike_to_strike.collect();
     if !whole.is_empty() {
         return whole;
     }

@@ -301,9 +301,9 @@ impl Walk<'_> {
         let apart = place(own.side, own_frame)? - place(next.side, next_frame)?;
 
         let u = |side, frame| self.place_u(ankle(side), frame, &left);
-        let u = u(own.side, own_frame).zip(u(next.side, next_frame));
-        let u = u.map(|(a, b)| a + b);
-        Some((-own.side.sign() * apart.dot(&left), u))
+        let ends = u(own.side, own_frame).zip(u(next.side, next_frame));
+        let bound = ends.map(|(a, b)| a + b);
+        Some((-own.side.sign() * apart.dot(&left), bound))
     }
 
     /// Standard uncertainty of an event's time: of the frame it lies in, and of the methods' scatter.

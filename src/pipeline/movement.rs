@@ -109,11 +109,11 @@ impl FittedMotion {
         let first_frame = self.frames.first().map_or(0, |f| f.frame.0);
         let frames = evenly(&self.frames);
 
-        let places = |frame: &Option<&FramePose>| -> Vec<Option<Point3<f64>>> {
+        let row = |frame: &Option<&FramePose>| -> Vec<Option<Point3<f64>>> {
             let points = frame.map_or(&[][..], |f| &f.points_m);
             points.iter().map(|p| Some(Point3::from(*p))).collect()
         };
-        let places: Vec<_> = frames.iter().map(places).collect();
+        let places: Vec<_> = frames.iter().map(row).collect();
         let mut movement = Movement::from_points(self.rate_hz, first_frame, &self.points, &places)?;
 
         let motion = |frame: &Option<&FramePose>| Some((*frame)?.motion.clone());

@@ -19,11 +19,10 @@ pub fn curves_csv(gait: &GaitAnalysis, norm: Option<&Norm>) -> std::io::Result<V
         "norm_deg",
         "norm_sd_deg",
     ];
-    let heading = heading.map(str::to_owned).into_iter();
-    let heading = heading.chain((1..=strides).map(|i| format!("stride_{i}_deg")));
+    let stride_names = (1..=strides).map(|i| format!("stride_{i}_deg"));
 
     let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(heading)?;
+    writer.write_record(heading.map(str::to_owned).into_iter().chain(stride_names))?;
     for curve in &gait.curves {
         let band = norm.and_then(|norm| norm.curves.get(&curve.angle));
         for percent in 0..curve.mean.len() {
@@ -47,11 +46,12 @@ fn curve_row(curve: &Curve, band: Option<&Band>, percent: usize, strides: usize)
         band.and_then(|band| norm_at(&band.sd)),
     ];
     let stride = |i: usize| curve.strides.get(i).map(|s| s[percent]);
-    let numbers = numbers.into_iter().chain((0..strides).map(stride));
 
-    let names = [curve.side.name(), curve.angle.name()].map(str::to_owned);
-    let names = names.into_iter().chain([percent.to_string()]);
-    names.chain(numbers.map(degrees)).collect()
+    let [side, angle] = [curve.side.name(), curve.angle.name()].map(str::to_owned);
+    let mut row = vec![side, angle, percent.to_string()];
+    row.extend(numbers.into_iter().map(degrees));
+    row.extend((0..strides).map(stride).map(degrees));
+    row
 }
 
 /// Every angle in every frame: a column per angle and side.
@@ -60,10 +60,11 @@ fn curve_row(curve: &Curve, band: Option<&Band>, percent: usize, strides: usize)
 /// As [`curves_csv`].
 pub fn angles_csv(gait: &GaitAnalysis, movement: &Movement) -> std::io::Result<Vec<u8>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    let names = gait.angles.keys();
-    let names = names.map(|(side, angle)| format!("{}_{}_deg", angle.name(), &side.name()[..1]));
+    let keys = gait.angles.keys();
+    let names = keys.map(|(side, angle)| format!("{}_{}_deg", angle.name(), &side.name()[..1]));
     let heading = ["frame", "time_s"].map(str::to_owned);
     writer.write_record(heading.into_iter().chain(names))?;
+
     for i in 0..movement.frames {
         let frame = movement.first_frame + i;
         let time = format!("{:.6}", frame as f64 / movement.rate_hz);
