@@ -2,10 +2,7 @@
 //!
 //! `cargo bench --bench background`; `python3 benches/opencv_mog2.py` gives OpenCV's on the same pictures.
 
-#![allow(
-    missing_docs,
-    reason = "divan's macros make items without documentation"
-)]
+#![allow(missing_docs, reason = "divan's macros make items without documentation")]
 
 use divan::counter::ItemsCount;
 use maquette::image::{Mixture, MixtureOptions, Picture};
@@ -25,8 +22,7 @@ fn pictures() -> Vec<Picture> {
                 let (x, y) = (i % SIZE.0, i / SIZE.0);
                 random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
                 let noise = (random >> 24) as i32 % 9 - 4;
-                let is_person =
-                    (200 + 10 * t..400 + 10 * t).contains(&x) && (150..600).contains(&y);
+                let is_person = (200 + 10 * t..400 + 10 * t).contains(&x) && (150..600).contains(&y);
                 let colour = if is_person {
                     [200, 120, 90]
                 } else {
@@ -34,8 +30,7 @@ fn pictures() -> Vec<Picture> {
                 };
                 colour.map(|value| (value as i32 + noise).clamp(0, 255) as u8)
             });
-            Picture::from_values(SIZE.0, SIZE.1, values.collect())
-                .expect("as many values as pixels")
+            Picture::from_values(SIZE.0, SIZE.1, values.collect()).expect("as many values as pixels")
         })
         .collect()
 }
@@ -48,13 +43,11 @@ fn mixture(bencher: divan::Bencher<'_, '_>, threads: usize) {
         .build()
         .expect("threads");
     let mut mixture = Mixture::new(SIZE.0, SIZE.1, MixtureOptions::default());
-    bencher
-        .counter(ItemsCount::new(pictures.len()))
-        .bench_local(|| {
-            pool.install(|| {
-                for picture in &pictures {
-                    divan::black_box(mixture.update(picture, 0.01));
-                }
-            });
+    bencher.counter(ItemsCount::new(pictures.len())).bench_local(|| {
+        pool.install(|| {
+            for picture in &pictures {
+                divan::black_box(mixture.update(picture, 0.01));
+            }
         });
+    });
 }

@@ -25,10 +25,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("skipped: {} is not here", folder.display());
         return Ok(());
     }
-    let (left, right) = (
-        grey(&folder, "Cones_LEFT.tif")?,
-        grey(&folder, "Cones_RIGHT.tif")?,
-    );
+    let (left, right) = (grey(&folder, "Cones_LEFT.tif")?, grey(&folder, "Cones_RIGHT.tif")?);
     let threads = rayon::ThreadPoolBuilder::new().num_threads(2).build()?;
     let options = CorrelationOptions::default();
     let mut times = Vec::new();
@@ -41,11 +38,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     times.sort_by(f64::total_cmp);
     let (off, density) = against_truth(&folder, &found)?;
     println!("name fastest_ms median_ms off_percent density");
-    println!(
-        "maquette {:.2} {:.2} {off:.2} {density:.3}",
-        times[0],
-        times[RUNS / 2]
-    );
+    println!("maquette {:.2} {:.2} {off:.2} {density:.3}", times[0], times[RUNS / 2]);
     let python = std::env::var("PYTHON").unwrap_or_else(|_| "python3".into());
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/disparity.py");
     let opencv = Command::new(python).arg(script).arg(&folder).output()?;
@@ -60,10 +53,7 @@ fn grey(folder: &Path, name: &str) -> Result<Plane<u8>, Box<dyn std::error::Erro
 }
 
 /// Per cent off by more than 2 px, and the share of visible pixels that is matched.
-fn against_truth(
-    folder: &Path,
-    found: &Plane<f32>,
-) -> Result<(f64, f64), Box<dyn std::error::Error>> {
+fn against_truth(folder: &Path, found: &Plane<f32>) -> Result<(f64, f64), Box<dyn std::error::Error>> {
     let file = std::fs::File::open(folder.join("Cones_LEFT_GT.tif"))?;
     let truth = tiff::decoder::Decoder::new(std::io::BufReader::new(file))?.read_image()?;
     let tiff::decoder::DecodingResult::F32(truth) = truth else {

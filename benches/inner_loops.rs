@@ -2,10 +2,7 @@
 //!
 //! `cargo bench`; items per second are border points × ellipses, and hypothesis-frames.
 
-#![allow(
-    missing_docs,
-    reason = "divan's macros make items without documentation"
-)]
+#![allow(missing_docs, reason = "divan's macros make items without documentation")]
 
 use std::path::Path;
 
@@ -20,13 +17,10 @@ use maquette::inference::step::StepPrior;
 use maquette::inference::{Detail, Evidence};
 use maquette::io::model;
 use maquette::likelihood::{
-    EllipseOptions, PointField, PointOptions, RayOptions, RayView, SilhouetteRays, SkinScale,
-    SurfacePoint, Term,
+    EllipseOptions, PointField, PointOptions, RayOptions, RayView, SilhouetteRays, SkinScale, SurfacePoint, Term,
 };
 use maquette::silhouette::{FrameIndex, FrameObservations, SilhouetteOptions, extract};
-use maquette::solver::{
-    BorderedChain, NormalEquations, Options, QuadraticModel, levenberg_marquardt,
-};
+use maquette::solver::{BorderedChain, NormalEquations, Options, QuadraticModel, levenberg_marquardt};
 use maquette::synth::{Recipe, Ring, Synthetic};
 use nalgebra::Vector3;
 
@@ -126,13 +120,8 @@ impl Scene {
 
 fn observe(recording: &Synthetic, frame: FrameIndex) -> FrameObservations {
     let view = |(id, camera): (CameraId, _)| {
-        let mask = recording
-            .mask(frame, id)
-            .expect("the frame and the camera are there");
-        Some((
-            id,
-            extract(&mask, camera, &SilhouetteOptions::default()).ok()?,
-        ))
+        let mask = recording.mask(frame, id).expect("the frame and the camera are there");
+        Some((id, extract(&mask, camera, &SilhouetteOptions::default()).ok()?))
     };
     let views = recording.rig.iter().filter_map(view).collect();
     FrameObservations {
@@ -211,11 +200,7 @@ impl Walker {
             ..Motion::rest(&model)
         };
         let views = scene.frames[0].views.iter().map(|(id, silhouette)| {
-            let camera = scene
-                .recording
-                .rig
-                .camera(*id)
-                .expect("the rig's own camera");
+            let camera = scene.recording.rig.camera(*id).expect("the rig's own camera");
             RayView::new(camera, silhouette, 4.6, 0.02)
         });
         let rays = SilhouetteRays::new(views.collect(), RayOptions::default(), scale.clone());

@@ -2,12 +2,15 @@
 //!
 //! `cargo run --release --example fit_folder -- data/sequences/walker out/example`
 
+#![allow(clippy::print_stdout, reason = "an example prints what it found")]
+
+use std::error::Error;
 use std::path::PathBuf;
 
 use maquette::workflow::ExportFormat;
 use maquette::{FitOptions, Recording, Side};
 
-fn main() -> Result<(), maquette::Error> {
+fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args_os().skip(1).map(PathBuf::from);
     let folder = arguments.next().unwrap_or("data/sequences/walker".into());
     let out = arguments.next().unwrap_or("out/example".into());

@@ -2,6 +2,8 @@
 //!
 //! `cargo run --release --example masks_in_memory`
 
+#![allow(clippy::print_stdout, reason = "an example prints what it found")]
+
 use std::error::Error;
 use std::path::Path;
 
@@ -27,9 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for number in 0..walker.frames() {
         let mut seen = FrameObservations::nothing(FrameIndex(number));
         for (id, camera) in walker.rig.iter() {
-            let mask = walker
-                .mask(seen.frame, id)
-                .ok_or("a camera without a mask")?;
+            let mask = walker.mask(seen.frame, id).ok_or("a camera without a mask")?;
             match extract(&mask, camera, &SilhouetteOptions::default()) {
                 Ok(silhouette) => seen.views.push((id, silhouette)),
                 Err(reason) => seen.rejected.push((id, reason)),

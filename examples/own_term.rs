@@ -5,6 +5,8 @@
 //!
 //! `cargo run --release --example own_term`
 
+#![allow(clippy::print_stdout, reason = "an example prints what it found")]
+
 use std::error::Error;
 use std::path::Path;
 
@@ -82,12 +84,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // the shipped terms of a frame (here one that no camera saw), and two more
     let rig = Ring::default().regular();
-    let evidence = Evidence::new(
-        &model,
-        &rig,
-        LikelihoodOptions::default(),
-        Measure::Ellipses,
-    );
+    let evidence = Evidence::new(&model, &rig, LikelihoodOptions::default(), Measure::Ellipses);
     let frame = FrameObservations::nothing(FrameIndex(0));
     let mut terms = evidence.terms(&frame, Detail::Fine);
     terms.push(Box::new(tape("RHip", "RKnee", 0.46)?));

@@ -2,6 +2,8 @@
 //!
 //! `cargo run --release --example plot_result -- out/walker knee.svg`
 
+#![allow(clippy::print_stdout, reason = "an example prints what it found")]
+
 use std::error::Error;
 use std::fmt::Write;
 
@@ -34,9 +36,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         // the band: up along its upper edge, back along the lower one
         let sd = knee.sd.clone().unwrap_or(vec![0.0; frames]);
         let upper = (0..frames).map(|i| place(i, knee.radians[i] + 2.0 * sd[i]));
-        let lower = (0..frames)
-            .rev()
-            .map(|i| place(i, knee.radians[i] - 2.0 * sd[i]));
+        let lower = (0..frames).rev().map(|i| place(i, knee.radians[i] - 2.0 * sd[i]));
         let band: Vec<String> = upper.chain(lower).filter(|p| !p.contains("NaN")).collect();
         writeln!(
             svg,

@@ -97,8 +97,7 @@ fn module_depth(path: &Path) -> usize {
 /// The names that follow `root::` where it begins a path: `b` and `c` for `root::{b::d, c}`.
 fn first_names(code: &str, root: &str) -> Vec<String> {
     let start = format!("{root}::");
-    let begins_a_path =
-        |at: usize| !code[..at].ends_with(is_name) && !code[..at].ends_with("super::");
+    let begins_a_path = |at: usize| !code[..at].ends_with(is_name) && !code[..at].ends_with("super::");
     code.match_indices(&start)
         .filter(|(at, _)| begins_a_path(*at))
         .flat_map(|(at, _)| branches(&code[at + start.len()..]))
@@ -254,13 +253,7 @@ fn files_below(folder: &Path) -> Vec<PathBuf> {
     };
     entries
         .filter_map(|entry| Some(entry.ok()?.path()))
-        .flat_map(|path| {
-            if path.is_dir() {
-                files_below(&path)
-            } else {
-                vec![path]
-            }
-        })
+        .flat_map(|path| if path.is_dir() { files_below(&path) } else { vec![path] })
         .collect()
 }
 
@@ -289,28 +282,18 @@ fn a_lower_layer_and_the_own_room_are_allowed() {
 
 #[test]
 fn another_room_of_the_same_layer_is_blamed() {
-    assert_eq!(
-        blamed("camera/mod.rs", "use crate::solver::Problem;"),
-        ["solver"]
-    );
+    assert_eq!(blamed("camera/mod.rs", "use crate::solver::Problem;"), ["solver"]);
 }
 
 #[test]
 fn a_forbidden_pair_is_blamed_although_the_layer_is_lower() {
-    assert_eq!(
-        blamed("silhouette/mod.rs", "use crate::body::Posed;"),
-        ["body"]
-    );
-    assert_eq!(
-        blamed("synth.rs", "use crate::likelihood::Term;"),
-        ["likelihood"]
-    );
+    assert_eq!(blamed("silhouette/mod.rs", "use crate::body::Posed;"), ["body"]);
+    assert_eq!(blamed("synth.rs", "use crate::likelihood::Term;"), ["likelihood"]);
 }
 
 #[test]
 fn grouped_imports_are_read_branch_by_branch() {
-    let text =
-        "use crate::{\n    cli, io::{a, math::b},\n    math::{self, stats},\n    report,\n};";
+    let text = "use crate::{\n    cli, io::{a, math::b},\n    math::{self, stats},\n    report,\n};";
     assert_eq!(blamed("likelihood/mod.rs", text), ["cli", "io", "report"]);
 }
 
@@ -335,12 +318,8 @@ fn a_name_at_the_root_that_is_no_room_is_blamed() {
 
 #[test]
 fn the_world_is_for_the_edge_only() {
-    let text =
-        "use std::{collections::BTreeMap, fs, path::Path};\nlet t = std::time::Instant::now();";
-    assert_eq!(
-        blamed("inference/search.rs", text),
-        ["std::fs", "std::time"]
-    );
+    let text = "use std::{collections::BTreeMap, fs, path::Path};\nlet t = std::time::Instant::now();";
+    assert_eq!(blamed("inference/search.rs", text), ["std::fs", "std::time"]);
     assert_eq!(blamed("io/frames.rs", text), [""; 0]);
 }
 
@@ -364,12 +343,6 @@ fn tests_in_a_file_may_use_every_room_and_the_code_after_them_may_not() {
 #[test]
 fn the_crate_roots_are_exempt_and_a_new_room_has_no_layer() {
     assert_eq!(blamed("lib.rs", "pub use crate::cli::run;"), [""; 0]);
-    assert_eq!(
-        room(Path::new("gadgets/mod.rs")).and_then(|room| layer(&room)),
-        None
-    );
-    assert_eq!(
-        blamed("gadgets/mod.rs", "use crate::math::Rigid3;"),
-        ["math"]
-    );
+    assert_eq!(room(Path::new("gadgets/mod.rs")).and_then(|room| layer(&room)), None);
+    assert_eq!(blamed("gadgets/mod.rs", "use crate::math::Rigid3;"), ["math"]);
 }

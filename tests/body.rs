@@ -2,18 +2,14 @@
 
 use std::path::Path;
 
-use maquette::body::{
-    BodyModel, Joint, Layout, Motion, PlacedBody, Posed, Shape, State, check_kinematics,
-};
+use maquette::body::{BodyModel, Joint, Layout, Motion, PlacedBody, Posed, Shape, State, check_kinematics};
 use maquette::io::model;
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 fn shipped() -> Vec<BodyModel> {
-    let load = |(name, _): &(&str, &str)| {
-        model::load(name, Path::new("")).expect("shipped models are right")
-    };
+    let load = |(name, _): &(&str, &str)| model::load(name, Path::new("")).expect("shipped models are right");
     model::SHIPPED.iter().map(load).collect()
 }
 
@@ -35,10 +31,7 @@ fn derivatives_are_those_of_the_positions_at_rest() {
 fn derivatives_hold_at_angles_of_a_hundred_millionth() {
     for model in shipped() {
         let layout = Layout::new(&model);
-        let state = layout.retract(
-            &at_rest(&model),
-            &DVector::from_element(layout.total(), 1e-8),
-        );
+        let state = layout.retract(&at_rest(&model), &DVector::from_element(layout.total(), 1e-8));
         check_kinematics(&model, &state, 1e-9).unwrap();
     }
 }

@@ -11,8 +11,7 @@ use maquette::io::model;
 use maquette::likelihood::{LikelihoodOptions, Measure, SkinScale};
 use maquette::math::Rigid3;
 use maquette::pipeline::silhouettes::{
-    ContourFault, ContourOptions, FoundPoint, FrameSighting, Scene, StillScenes, UndistortedFrame,
-    ViewSighting,
+    ContourFault, ContourOptions, FoundPoint, FrameSighting, Scene, StillScenes, UndistortedFrame, ViewSighting,
 };
 use maquette::render;
 use maquette::silhouette::{FrameIndex, FrameObservations};
@@ -77,11 +76,7 @@ impl Set {
                 let (mask, is_shown) = (self.mask(i), shown[i]);
                 let value = |k: usize| {
                     let (x, y) = (k % SIZE.0 as usize, k / SIZE.0 as usize);
-                    [if is_shown && mask.is_foreground(x, y) {
-                        190
-                    } else {
-                        50
-                    }; 3]
+                    [if is_shown && mask.is_foreground(x, y) { 190 } else { 50 }; 3]
                 };
                 let count = (SIZE.0 * SIZE.1) as usize;
                 let values = (0..count).map(value).collect();
@@ -99,12 +94,7 @@ impl Set {
     /// Overlap of a body's own outline with the person, of either camera.
     fn overlaps(&self, shape: &Shape, motion: &Motion) -> [f64; 2] {
         let field = Field::from_body(&Posed::new(&self.model, shape, motion));
-        [0, 1].map(|i| {
-            overlap(
-                &render::silhouette(&self.rig.cameras[i], &field),
-                &self.mask(i),
-            )
-        })
+        [0, 1].map(|i| overlap(&render::silhouette(&self.rig.cameras[i], &field), &self.mask(i)))
     }
 
     /// A turn of the joint pipeline from a body that stands so far off.

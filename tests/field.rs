@@ -19,9 +19,7 @@ const EXACT: f64 = 1e-9;
 const NUMERIC: f64 = 1e-6;
 
 fn models() -> Vec<BodyModel> {
-    let load = |(name, _): &(&str, &str)| {
-        model::load(name, Path::new("")).expect("shipped models are right")
-    };
+    let load = |(name, _): &(&str, &str)| model::load(name, Path::new("")).expect("shipped models are right");
     let all = model::SHIPPED.iter().map(load);
     all.filter(|m| !m.metaballs.is_empty()).collect()
 }
@@ -131,21 +129,12 @@ fn the_pelvis_belongs_to_both_legs_and_the_trunk() {
     assert_eq!(limbs.len(), 6);
 }
 
-fn against_dual_numbers(
-    model: &BodyModel,
-    state: &State,
-    point: &Point3<f64>,
-) -> Result<(), String> {
+fn against_dual_numbers(model: &BodyModel, state: &State, point: &Point3<f64>) -> Result<(), String> {
     compare(model, model, state, point)
 }
 
 /// Compares every first and second derivative of ln F of `model` with those of `truth`.
-fn compare(
-    model: &BodyModel,
-    truth: &BodyModel,
-    state: &State,
-    point: &Point3<f64>,
-) -> Result<(), String> {
+fn compare(model: &BodyModel, truth: &BodyModel, state: &State, point: &Point3<f64>) -> Result<(), String> {
     let body = Posed::new(model, &state.shape, &state.motion);
     let field = Field::from_body(&body);
     let slopes = FieldSlopes::new(&body, &field);
@@ -157,19 +146,9 @@ fn compare(
         for l in 0..3 {
             let exact = dual.space_space(k, l);
             let scale = sample.log_gradient.amax();
-            close(
-                &format!("∂x{k} ln F"),
-                sample.log_gradient[k],
-                exact.eps1,
-                scale,
-            )?;
+            close(&format!("∂x{k} ln F"), sample.log_gradient[k], exact.eps1, scale)?;
             let found = sample.log_hessian[(k, l)];
-            close(
-                &format!("∂x{k}∂x{l} ln F"),
-                found,
-                exact.eps1eps2,
-                curvature,
-            )?;
+            close(&format!("∂x{k}∂x{l} ln F"), found, exact.eps1eps2, curvature)?;
         }
     }
     // in the state
@@ -190,12 +169,7 @@ fn compare(
         for (c, (first, second)) in analytic.iter().enumerate() {
             let exact = dual.space_state(k, c);
             close(&format!("∂δ{c} ln F"), *first, exact.eps2, scales.0)?;
-            close(
-                &format!("∂x{k}∂δ{c} ln F"),
-                *second,
-                exact.eps1eps2,
-                scales.1,
-            )?;
+            close(&format!("∂x{k}∂δ{c} ln F"), *second, exact.eps1eps2, scales.1)?;
         }
     }
     Ok(())

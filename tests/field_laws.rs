@@ -3,10 +3,7 @@
 //! The limb that is largest changes from state to state, and with it the piece of the cost. So, as in `laws.rs`, a
 //! law is broken only if it fails at each of three states a hair apart.
 
-#[allow(
-    dead_code,
-    reason = "this person is of metaballs, and rendered otherwise"
-)]
+#[allow(dead_code, reason = "this person is of metaballs, and rendered otherwise")]
 mod ellipsoid_person;
 
 use std::path::Path;
@@ -19,14 +16,13 @@ use maquette::inference::prior::{PosePrior, ShapePrior};
 use maquette::inference::step::StepPrior;
 use maquette::io::model;
 use maquette::likelihood::{
-    Association, Derivatives, PointField, PointOptions, RayOptions, RayView, Residual,
-    SilhouetteRays, SkinScale, SkinTouch, SurfacePoint, Term, associate,
+    Association, Derivatives, PointField, PointOptions, RayOptions, RayView, Residual, SilhouetteRays, SkinScale,
+    SkinTouch, SurfacePoint, Term, associate,
 };
 use maquette::render::silhouette;
 use maquette::silhouette::{Silhouette, SilhouetteOptions, extract};
 use maquette::solver::{
-    LinearizationFault, Loss, NormalEquations, Options, Problem, check_linearization,
-    levenberg_marquardt,
+    LinearizationFault, Loss, NormalEquations, Options, Problem, check_linearization, levenberg_marquardt,
 };
 use nalgebra::{DVector, Point3, Rotation3, Unit, Vector3};
 use rand::{RngExt, SeedableRng};
@@ -102,11 +98,7 @@ impl Scene {
     /// Points on the skin of the truth: rays from each metaball's centre outwards.
     fn surface(&self) -> Vec<SurfacePoint> {
         let mut rng = ChaCha8Rng::seed_from_u64(43);
-        let field = Field::from_body(&Posed::new(
-            &self.model,
-            &self.truth.shape,
-            &self.truth.motion,
-        ));
+        let field = Field::from_body(&Posed::new(&self.model, &self.truth.shape, &self.truth.motion));
         let mut points = Vec::new();
         for ball in &field.metaballs {
             let centre = ball.ellipsoid.centre;
@@ -161,9 +153,7 @@ impl Scene {
 }
 
 /// Checks a law for every likelihood in every regime, and names all that break it.
-fn check_all(
-    law: impl Fn(&Scene, &[Box<dyn Term>], &State) -> Result<(), LinearizationFault> + Sync,
-) {
+fn check_all(law: impl Fn(&Scene, &[Box<dyn Term>], &State) -> Result<(), LinearizationFault> + Sync) {
     let scene = Scene::new();
     let broken: Vec<String> = scene
         .terms()
@@ -173,8 +163,7 @@ fn check_all(
             let regimes = scene.regimes().into_iter().filter_map(|(regime, state)| {
                 // the next one only if this one fails
                 let seeds = [None, Some(50), Some(51)];
-                let states =
-                    seeds.map(|s| s.map_or(state.clone(), |s| scene.displaced(&state, HAIR, s)));
+                let states = seeds.map(|s| s.map_or(state.clone(), |s| scene.displaced(&state, HAIR, s)));
                 let faults = states.iter().map(|s| law(&scene, &terms, s).err());
                 let faults: Option<Vec<_>> = faults.collect();
                 Some(format!("{name}, {regime}: {}", faults?[0]))
@@ -265,10 +254,7 @@ fn first_order_derivatives_break_the_law() {
         term: &first_order,
     };
     let fault = check_linearization(&alone, &state, STEP, TOLERANCE).unwrap_err();
-    assert!(
-        matches!(fault, LinearizationFault::Gradient { .. }),
-        "{fault}"
-    );
+    assert!(matches!(fault, LinearizationFault::Gradient { .. }), "{fault}");
 }
 
 #[test]
@@ -310,9 +296,7 @@ fn a_ray_that_misses_the_body_by_a_metre_still_pulls() {
     state.motion.position_world.y += 1.0;
     let body = Posed::new(&scene.model, &state.shape, &state.motion);
     let mut equations = NormalEquations::zeros(Layout::new(&scene.model).total());
-    scene
-        .rays(RayOptions::default())
-        .linearize(&body, &mut equations);
+    scene.rays(RayOptions::default()).linearize(&body, &mut equations);
     // downhill is back
     assert!(equations.gradient[1] > 0.0, "{}", equations.gradient[1]);
 }
@@ -345,11 +329,7 @@ fn a_point_belongs_to_the_part_whose_metaball_it_is_on() {
     let is_of_limb = |a: &Association| limbs[a.limb].contains(&a.part);
     assert!(associated.iter().all(is_of_limb));
     // at a joint a centre may lie deeper in the neighbour
-    assert!(
-        same * 10 >= 9 * associated.len(),
-        "{same} of {}",
-        associated.len()
-    );
+    assert!(same * 10 >= 9 * associated.len(), "{same} of {}", associated.len());
 }
 
 #[test]

@@ -138,9 +138,7 @@ fn a_recording_of_photographs_is_read_like_any_other_and_tells_no_mask() {
     let off = off / read.values().len() as f64;
     assert!(off < 4.0, "{off}");
     assert!(
-        Recording::open(&folder)
-            .and_then(|found| found.observations())
-            .is_err(),
+        Recording::open(&folder).and_then(|found| found.observations()).is_err(),
         "it has no masks"
     );
     assert!(folder.join("truth/masks/left/000011.png").is_file());

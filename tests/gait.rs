@@ -7,8 +7,8 @@ mod exports;
 mod walker;
 
 use maquette::gait::{
-    Angle, EventKind, GaitAnalysis, GaitOptions, Landmark, Movement, MovementError, Paired,
-    Parameter, Side, Surface, analyse,
+    Angle, EventKind, GaitAnalysis, GaitOptions, Landmark, Movement, MovementError, Paired, Parameter, Side, Surface,
+    analyse,
 };
 use nalgebra::Vector3;
 use walker::{STRIDE_S, Walker};
@@ -57,17 +57,10 @@ fn a_treadmill_is_found_and_gives_the_parameters_of_the_same_walk_over_ground() 
         "{}",
         belt.course.belt_m_s
     );
-    for parameter in [
-        Parameter::StrideTime,
-        Parameter::Stance,
-        Parameter::StepLength,
-    ] {
+    for parameter in [Parameter::StrideTime, Parameter::Stance, Parameter::StepLength] {
         for side in Side::BOTH {
             let ratio = mean(&belt, parameter, side) / mean(&ground, parameter, side);
-            assert!(
-                (ratio - 1.0).abs() < 0.03,
-                "{parameter:?} {side:?}: {ratio}"
-            );
+            assert!((ratio - 1.0).abs() < 0.03, "{parameter:?} {side:?}: {ratio}");
         }
     }
 }
@@ -81,10 +74,7 @@ fn nothing_depends_on_where_in_the_room_the_person_walks_to() {
         assert!((a.time_s - b.time_s).abs() < 0.002);
     }
     for (key, track) in &one.angles {
-        let furthest = track
-            .iter()
-            .zip(&other.angles[key])
-            .map(|(a, b)| (a - b).abs());
+        let furthest = track.iter().zip(&other.angles[key]).map(|(a, b)| (a - b).abs());
         let furthest = furthest.fold(0.0, f64::max);
         assert!(furthest < 0.02, "{key:?}: {furthest}");
     }
@@ -97,12 +87,7 @@ fn angles_of_joint_centres_are_those_that_the_body_was_posed_with() {
     for (angle, joint, side, tolerance_deg) in [
         (Angle::KneeFlexion, "knee_flexion_r", Side::Right, 1.0),
         (Angle::HipFlexion, "hip_flexion_l", Side::Left, 2.0),
-        (
-            Angle::AnkleDorsiflexion,
-            "ankle_dorsiflexion_r",
-            Side::Right,
-            1.5,
-        ),
+        (Angle::AnkleDorsiflexion, "ankle_dorsiflexion_r", Side::Right, 1.5),
         (Angle::ElbowFlexion, "elbow_flexion_l", Side::Left, 1.5),
     ] {
         let truth = walker.angle(joint);
@@ -117,11 +102,7 @@ fn angles_of_joint_centres_are_those_that_the_body_was_posed_with() {
         assert!(offset.abs() < 6.0, "{joint}: {offset}");
     }
     assert!(!gait.angles.contains_key(&(Side::Left, Angle::HipRotation)));
-    assert!(
-        gait.unknown
-            .iter()
-            .any(|(angle, _)| *angle == Angle::HipRotation)
-    );
+    assert!(gait.unknown.iter().any(|(angle, _)| *angle == Angle::HipRotation));
 }
 
 #[test]
@@ -138,17 +119,10 @@ fn angles_of_a_fitted_body_are_its_own() {
     ] {
         let found = &gait.angles[&(Side::Right, angle)];
         for (f, t) in found.iter().zip(walker.angle(joint)) {
-            assert!(
-                (f - sign * t).abs() < 0.5_f64.to_radians(),
-                "{joint}: {f} {t}"
-            );
+            assert!((f - sign * t).abs() < 0.5_f64.to_radians(), "{joint}: {f} {t}");
         }
     }
-    assert!(
-        gait.unknown
-            .iter()
-            .any(|(angle, _)| *angle == Angle::KneeRotation)
-    );
+    assert!(gait.unknown.iter().any(|(angle, _)| *angle == Angle::KneeRotation));
 }
 
 #[test]
@@ -171,11 +145,7 @@ fn both_methods_find_every_event() {
     let gait = analysed(&Walker::new(0.0));
     assert_eq!(gait.agreement.len(), 2);
     for agreement in &gait.agreement {
-        let all = gait
-            .events
-            .iter()
-            .filter(|e| e.kind == agreement.kind)
-            .count();
+        let all = gait.events.iter().filter(|e| e.kind == agreement.kind).count();
         assert_eq!(agreement.n, all, "{:?}", agreement.kind);
         assert!(agreement.mean_s.abs() < 0.06 && agreement.sd_s.expect("several") < 0.01);
     }
@@ -189,9 +159,7 @@ fn a_short_recording_says_what_is_missing_and_gives_angles_over_time() {
     let gait = analysed(&walker);
     assert!(gait.cycles.is_empty() && gait.curves.is_empty());
     assert!(
-        gait.notes
-            .iter()
-            .any(|n| n.contains("less than one left stride")),
+        gait.notes.iter().any(|n| n.contains("less than one left stride")),
         "{:?}",
         gait.notes
     );
@@ -225,17 +193,9 @@ fn walking_backwards_is_said_and_not_measured() {
 #[test]
 fn a_gap_costs_the_strides_that_it_lies_in_and_no_others() {
     let mut walker = Walker::new(0.0);
-    let whole = analysed(&walker)
-        .curves
-        .iter()
-        .map(|c| c.strides.len())
-        .sum::<usize>();
+    let whole = analysed(&walker).curves.iter().map(|c| c.strides.len()).sum::<usize>();
     walker.forget(100..103);
-    let bridged = analysed(&walker)
-        .curves
-        .iter()
-        .map(|c| c.strides.len())
-        .sum::<usize>();
+    let bridged = analysed(&walker).curves.iter().map(|c| c.strides.len()).sum::<usize>();
     assert_eq!(whole, bridged);
     walker.forget(90..115);
     let gait = analysed(&walker);
@@ -257,10 +217,7 @@ fn a_body_without_an_ankle_or_of_the_wrong_unit_is_refused() {
         "{refused:?}"
     );
     let small = Walker::new(0.0).scaled(1e-3).movement();
-    assert!(
-        matches!(small, Err(MovementError::Size { .. })),
-        "{small:?}"
-    );
+    assert!(matches!(small, Err(MovementError::Size { .. })), "{small:?}");
 }
 
 #[test]
@@ -277,13 +234,7 @@ fn a_constant_added_to_every_place_changes_nothing() {
 #[test]
 fn too_few_frames_are_refused() {
     let refused = Movement::from_points(100.0, 0, &["RHip".to_owned()], &[]);
-    assert_eq!(
-        refused,
-        Err(MovementError::Short {
-            frames: 0,
-            fewest: 10
-        })
-    );
+    assert_eq!(refused, Err(MovementError::Short { frames: 0, fewest: 10 }));
 }
 
 #[test]

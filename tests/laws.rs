@@ -15,9 +15,7 @@ use maquette::inference::frame::{FramePosterior, KeyframePosterior};
 use maquette::inference::prior::{PosePrior, ShapePrior};
 use maquette::inference::step::StepPrior;
 use maquette::io::model;
-use maquette::likelihood::{
-    EllipseDistance, EllipseOptions, EllipseSilhouette, EllipseView, Term, Variant,
-};
+use maquette::likelihood::{EllipseDistance, EllipseOptions, EllipseSilhouette, EllipseView, Term, Variant};
 use maquette::silhouette::FrameObservations;
 use maquette::solver::{LinearizationFault, Loss, NormalEquations, Problem, check_linearization};
 use nalgebra::{DVector, Rotation3, Unit, Vector3};
@@ -131,20 +129,14 @@ fn likelihoods() -> Vec<(&'static str, EllipseOptions)> {
 }
 
 /// Checks a law for every likelihood in every regime, and names all that break it.
-fn check_all(
-    law: impl Fn(&Scene, &[Box<dyn Term + '_>], &State) -> Result<(), LinearizationFault> + Sync,
-) {
+fn check_all(law: impl Fn(&Scene, &[Box<dyn Term + '_>], &State) -> Result<(), LinearizationFault> + Sync) {
     let scene = Scene::new();
     let broken: Vec<String> = likelihoods()
         .into_par_iter()
         .flat_map_iter(|(name, options)| {
             let terms = scene.terms(options, SPACING_M);
             let regimes = scene.regimes().into_iter().filter_map(|(regime, state)| {
-                let states = [
-                    state.clone(),
-                    scene.nudged(&state, 50),
-                    scene.nudged(&state, 51),
-                ];
+                let states = [state.clone(), scene.nudged(&state, 50), scene.nudged(&state, 51)];
                 let faults = states.iter().map(|state| law(&scene, &terms, state).err());
                 let faults: Option<Vec<_>> = faults.collect();
                 Some(format!("{name}, {regime}: {}", faults?[0]))
@@ -219,10 +211,7 @@ fn the_order_of_the_border_points_does_not_matter() {
         let cost = |s: &State| terms[0].cost(&Posed::new(&scene.model, &s.shape, &s.motion));
         states.iter().map(cost).collect()
     };
-    let kinds = [
-        (EllipseDistance::Orthogonal, 1e-3),
-        (EllipseDistance::Gradient, 2e-2),
-    ];
+    let kinds = [(EllipseDistance::Orthogonal, 1e-3), (EllipseDistance::Gradient, 2e-2)];
     let forwards = kinds.map(|(kind, _)| costs(&scene, kind));
     for (_, silhouette) in &mut scene.frame.views {
         silhouette.contour.reverse();
@@ -265,9 +254,7 @@ where
 }
 
 fn shipped() -> Vec<BodyModel> {
-    let load = |(name, _): &(&str, &str)| {
-        model::load(name, Path::new("")).expect("shipped models are right")
-    };
+    let load = |(name, _): &(&str, &str)| model::load(name, Path::new("")).expect("shipped models are right");
     model::SHIPPED.iter().map(load).collect()
 }
 
@@ -352,19 +339,11 @@ fn the_step_prior_is_linearized_right_for_rotations_up_to_nearly_half_a_turn() {
             let problem = Prior {
                 model: &model,
                 cost: |x: &State| prior.cost(&mean.motion, &x.motion),
-                linearize: |x: &State, e: &mut NormalEquations| {
-                    prior.linearize(&mean.motion, &x.motion, e)
-                },
+                linearize: |x: &State, e: &mut NormalEquations| prior.linearize(&mean.motion, &x.motion, e),
             };
             let layout = Layout::new(&model);
             // at the mean the gradient vanishes, and the logarithm of a rotation is known to 1e-8 only
-            for (angle, tolerance) in [
-                (0.0, 1e-2),
-                (1e-8, 1e-2),
-                (0.3, 1e-6),
-                (1.5, 1e-6),
-                (3.0, 1e-6),
-            ] {
+            for (angle, tolerance) in [(0.0, 1e-2), (1e-8, 1e-2), (0.3, 1e-6), (1.5, 1e-6), (3.0, 1e-6)] {
                 let mut delta = DVector::zeros(layout.total());
                 delta.rows_mut(0, layout.motion()).fill(0.1 * angle);
                 if layout.root() == 6 {

@@ -98,11 +98,7 @@ fn skin(value: impl Fn(&Vector3<f64>) -> f64, inside: &Vector3<f64>, ray: &Vecto
     let mut high = low + step;
     while high - low > 1e-5 {
         let middle = 0.5 * (low + high);
-        (low, high) = if outside(middle) {
-            (low, middle)
-        } else {
-            (middle, high)
-        };
+        (low, high) = if outside(middle) { (low, middle) } else { (middle, high) };
     }
     0.5 * (low + high)
 }
@@ -125,11 +121,7 @@ fn frame(body: &Posed<'_>, part: &str) -> (Vector3<f64>, Rotation3<f64>) {
 
 /// Girth as a tape measures it, breadth (along y) and depth of a section.
 fn section(body: &Posed<'_>, station: &Station) -> [f64; 3] {
-    let limbs: Vec<Field> = station
-        .limbs
-        .iter()
-        .map(|parts| limb(body, parts))
-        .collect();
+    let limbs: Vec<Field> = station.limbs.iter().map(|parts| limb(body, parts)).collect();
     let value = |p: &Vector3<f64>| limbs.iter().map(|f| f.value(p)).fold(0.0, f64::max);
     let (origin, turn) = frame(body, station.part);
     let inside = origin + turn * Vector3::from(station.inside);
@@ -168,11 +160,7 @@ fn cross_sections_have_the_girths_that_were_measured() {
     for station in &STATIONS {
         let reached = section(&body, station);
         let targets = [station.girth, station.breadth, station.depth];
-        for ((what, reached), target) in ["girth", "breadth", "depth"]
-            .iter()
-            .zip(reached)
-            .zip(targets)
-        {
+        for ((what, reached), target) in ["girth", "breadth", "depth"].iter().zip(reached).zip(targets) {
             let name = station.name;
             if target > 0.0 {
                 assert!(
@@ -277,17 +265,12 @@ fn no_limb_has_a_hole() {
 #[test]
 fn every_ball_of_a_leg_and_of_the_trunk_can_shift_in_its_part() {
     let (model, ..) = human();
-    assert!(
-        model.coefficients.len() < 95,
-        "{}",
-        model.coefficients.len()
-    );
+    assert!(model.coefficients.len() < 95, "{}", model.coefficients.len());
     for ball in &model.metaballs {
         let part = model.parts[ball.part.0].name.as_str();
         let mut shifts = ball.centre.shifts.iter();
         let shifts = shifts.any(|shift| shift.direction.x != 0.0);
-        let fixed =
-            part.starts_with("foot") || part.starts_with("hand") || part.starts_with("forearm");
+        let fixed = part.starts_with("foot") || part.starts_with("hand") || part.starts_with("forearm");
         assert!(shifts || fixed, "{part}: {:?}", ball.centre);
     }
 }

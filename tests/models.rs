@@ -53,10 +53,7 @@ fn parse(text: &str) -> Result<BodyModel, ModelFileError> {
 }
 
 fn complaint(from: &str, to: &str) -> String {
-    assert!(
-        ARM.contains(from),
-        "the fault is planted in text that is there"
-    );
+    assert!(ARM.contains(from), "the fault is planted in text that is there");
     let message = parse(&ARM.replacen(from, to, 1))
         .expect_err("the fault is noticed")
         .to_string();
@@ -99,11 +96,7 @@ fn a_pivot_moves_the_joint_in_flesh_that_stays_and_lies_otherwise_only_when_bent
     let model = parse(&text).unwrap();
     let shape = |place: f64| {
         let mut shape = Shape(model.statistics.mean.clone());
-        shape.0[model
-            .coefficients
-            .iter()
-            .position(|c| c == "place")
-            .unwrap()] = place;
+        shape.0[model.coefficients.iter().position(|c| c == "place").unwrap()] = place;
         shape
     };
     let point = |body: &Posed<'_>, name: &str| body.points()[model.point(name).unwrap()];
@@ -111,12 +104,7 @@ fn a_pivot_moves_the_joint_in_flesh_that_stays_and_lies_otherwise_only_when_bent
     let (here, there) = (shape(0.0), shape(0.01));
     // straight: the part's x axis is the parent's y, on the left its −y
     let bodies = [&here, &there].map(|s| Posed::new(&model, s, &motion));
-    for (name, to) in [
-        ("RElbow", 0.01),
-        ("LElbow", -0.01),
-        ("RTip", 0.0),
-        ("LTip", 0.0),
-    ] {
+    for (name, to) in [("RElbow", 0.01), ("LElbow", -0.01), ("RTip", 0.0), ("LTip", 0.0)] {
         let [old, new] = [0, 1].map(|i| point(&bodies[i], name));
         let moved = nalgebra::Vector3::new(0.0, to, 0.0);
         approx::assert_relative_eq!(new - old, moved, epsilon = 1e-12);
@@ -143,11 +131,7 @@ fn a_pivot_moves_the_joint_in_flesh_that_stays_and_lies_otherwise_only_when_bent
 #[test]
 fn coefficients_that_share_a_factor_are_correlated() {
     let covariance = parse(ARM).unwrap().statistics.covariance;
-    approx::assert_relative_eq!(
-        covariance[(0, 0)],
-        0.05_f64.powi(2) + 0.1_f64.powi(2),
-        epsilon = 1e-15
-    );
+    approx::assert_relative_eq!(covariance[(0, 0)], 0.05_f64.powi(2) + 0.1_f64.powi(2), epsilon = 1e-15);
     approx::assert_relative_eq!(covariance[(0, 1)], 0.0);
 }
 
@@ -187,16 +171,8 @@ at = [0.2, 0.0, 0.0]
     let mut motion = Motion::rest(&model);
     (motion.angles[0], motion.angles[1]) = (0.4, 0.5);
     let tip = Posed::new(&model, &shape, &motion).points()[0];
-    approx::assert_relative_eq!(
-        tip.x,
-        0.3 * 0.4_f64.cos() + 0.2 * 0.9_f64.cos(),
-        epsilon = 1e-12
-    );
-    approx::assert_relative_eq!(
-        tip.y,
-        0.3 * 0.4_f64.sin() + 0.2 * 0.9_f64.sin(),
-        epsilon = 1e-12
-    );
+    approx::assert_relative_eq!(tip.x, 0.3 * 0.4_f64.cos() + 0.2 * 0.9_f64.cos(), epsilon = 1e-12);
+    approx::assert_relative_eq!(tip.y, 0.3 * 0.4_f64.sin() + 0.2 * 0.9_f64.sin(), epsilon = 1e-12);
 }
 
 #[test]
@@ -207,9 +183,7 @@ fn the_human_is_as_tall_and_as_long_as_its_sources_say() {
     motion.angles.fill(0.0);
     let body = Posed::new(&model, &shape, &motion);
     let points = body.points();
-    let length = |a: &str, b: &str| {
-        (points[model.point(a).unwrap()] - points[model.point(b).unwrap()]).norm() / 1.70
-    };
+    let length = |a: &str, b: &str| (points[model.point(a).unwrap()] - points[model.point(b).unwrap()]).norm() / 1.70;
     // fractions of stature, docs/anthropometry.md sections 2, 10 and 12
     for (a, b, fraction) in [
         ("RHip", "RKnee", 0.2426),
@@ -221,17 +195,10 @@ fn the_human_is_as_tall_and_as_long_as_its_sources_say() {
     ] {
         approx::assert_relative_eq!(length(a, b), fraction, epsilon = 0.001);
     }
-    let heights =
-        |z: f64, e: &maquette::math::quadric::Ellipsoid| e.centre.z + z * e.shape[(2, 2)].sqrt();
+    let heights = |z: f64, e: &maquette::math::quadric::Ellipsoid| e.centre.z + z * e.shape[(2, 2)].sqrt();
     let ellipsoids = body.ellipsoids();
-    let top = ellipsoids
-        .iter()
-        .map(|e| heights(1.0, e))
-        .fold(f64::MIN, f64::max);
-    let sole = ellipsoids
-        .iter()
-        .map(|e| heights(-1.0, e))
-        .fold(f64::MAX, f64::min);
+    let top = ellipsoids.iter().map(|e| heights(1.0, e)).fold(f64::MIN, f64::max);
+    let sole = ellipsoids.iter().map(|e| heights(-1.0, e)).fold(f64::MAX, f64::min);
     approx::assert_relative_eq!(top - sole, 1.70, epsilon = 0.025);
     assert!(model.parts.len() >= 15);
 }
@@ -240,15 +207,10 @@ fn the_human_is_as_tall_and_as_long_as_its_sources_say() {
 fn a_knee_bends_backwards_and_a_hip_forwards() {
     let model = model::load("human-ellipsoids", Path::new("")).unwrap();
     let shape = Shape(model.statistics.mean.clone());
-    for (joint, point, forwards) in [
-        ("hip_flexion_l", "LKnee", true),
-        ("knee_flexion_r", "RAnkle", false),
-    ] {
+    for (joint, point, forwards) in [("hip_flexion_l", "LKnee", true), ("knee_flexion_r", "RAnkle", false)] {
         let mut motion = Motion::rest(&model);
         let JointId(index) = model.joint(joint).unwrap();
-        let ahead = |motion: &Motion| {
-            Posed::new(&model, &shape, motion).points()[model.point(point).unwrap()].x
-        };
+        let ahead = |motion: &Motion| Posed::new(&model, &shape, motion).points()[model.point(point).unwrap()].x;
         let before = ahead(&motion);
         motion.angles[index] += 0.5;
         assert_eq!(ahead(&motion) > before, forwards, "{joint}");
@@ -257,16 +219,9 @@ fn a_knee_bends_backwards_and_a_hip_forwards() {
 
 #[test]
 fn a_cycle_of_parents_is_named() {
-    let message = complaint(
-        "name = \"upper\"\n",
-        "name = \"upper\"\nparent = \"lower\"\n",
-    );
-    assert_eq!(
-        message,
-        "arm.toml: expected one part without a parent, found 0"
-    );
-    let cycle = ARM.to_owned()
-        + "[[part]]\nname = \"a\"\nparent = \"b\"\n[[part]]\nname = \"b\"\nparent = \"a\"\n";
+    let message = complaint("name = \"upper\"\n", "name = \"upper\"\nparent = \"lower\"\n");
+    assert_eq!(message, "arm.toml: expected one part without a parent, found 0");
+    let cycle = ARM.to_owned() + "[[part]]\nname = \"a\"\nparent = \"b\"\n[[part]]\nname = \"b\"\nparent = \"a\"\n";
     let message = parse(&cycle).unwrap_err().to_string();
     assert_eq!(
         message,
@@ -286,19 +241,13 @@ fn a_missing_parent_is_named() {
 #[test]
 fn a_negative_radius_is_named() {
     let message = complaint("radii = [0.04, 0.05, 0.16]", "radii = [0.04, -0.05, 0.16]");
-    assert_eq!(
-        message,
-        "arm.toml: part upper: radius -0.05 m is not positive"
-    );
+    assert_eq!(message, "arm.toml: part upper: radius -0.05 m is not positive");
 }
 
 #[test]
 fn an_unknown_key_is_named_with_its_line() {
     let message = complaint("sides = true", "side = true");
-    assert!(
-        message.starts_with("arm.toml:25: unknown field `side`"),
-        "{message}"
-    );
+    assert!(message.starts_with("arm.toml:25: unknown field `side`"), "{message}");
 }
 
 #[test]
@@ -314,16 +263,8 @@ fn other_faults_are_named_too() {
             "{ sise = 0.1 }",
             "arm.toml: coefficient length names the factor \"sise\"",
         ),
-        (
-            "[0.0, 150.0]",
-            "[150.0, 0.0]",
-            "arm.toml: joint elbow_r: limits",
-        ),
-        (
-            "axis = \"-y\"",
-            "axis = \"w\"",
-            "arm.toml: joint elbow: the axis",
-        ),
+        ("[0.0, 150.0]", "[150.0, 0.0]", "arm.toml: joint elbow_r: limits"),
+        ("axis = \"-y\"", "axis = \"w\"", "arm.toml: joint elbow: the axis"),
         (
             "name = \"place\"\nsd = 0.01",
             "name = \"place\"\nsd = 0.0",
@@ -407,9 +348,7 @@ fn faults_of_a_pivot_are_named() {
 fn a_model_that_is_not_shipped_is_answered_with_those_that_are() {
     let message = model::load("humen", Path::new("")).unwrap_err().to_string();
     assert!(message.contains("human-ellipsoids"), "{message}");
-    let message = model::load("none.toml", Path::new("nowhere"))
-        .unwrap_err()
-        .to_string();
+    let message = model::load("none.toml", Path::new("nowhere")).unwrap_err().to_string();
     assert!(message.starts_with("cannot read body model"), "{message}");
 }
 
@@ -448,10 +387,7 @@ fn an_extension_has_the_others_skeleton_and_flesh_of_its_own() {
     let model = model::load("flesh.toml", folder.path()).unwrap();
     let other = parse(ARM).unwrap();
     assert_eq!(model.name, "flesh");
-    assert_eq!(
-        (&model.joints, &model.points),
-        (&other.joints, &other.points)
-    );
+    assert_eq!((&model.joints, &model.points), (&other.joints, &other.points));
     assert_eq!(model.ellipsoids, other.ellipsoids);
     assert_eq!(model.metaballs.len(), 2, "one a side");
     approx::assert_relative_eq!(model.metaballs[1].centre.value.y, -0.01);
@@ -514,14 +450,8 @@ fn faults_of_an_extension_are_named() {
         let text = FLESH.replacen(from, to, 1);
         let broken = ARM.replacen("axis = \"-y\"", "axis = \"w\"", 1);
         let round = "name = \"round\"\nextends = \"./flesh.toml\"\n";
-        let folder = folder_of(&[
-            ("flesh.toml", &text),
-            ("broken.toml", &broken),
-            ("round.toml", round),
-        ]);
-        let message = model::load("flesh.toml", folder.path())
-            .unwrap_err()
-            .to_string();
+        let folder = folder_of(&[("flesh.toml", &text), ("broken.toml", &broken), ("round.toml", round)]);
+        let message = model::load("flesh.toml", folder.path()).unwrap_err().to_string();
         assert!(message.contains(said), "{message}");
         assert!(!message.contains('\n'), "{message}");
     }

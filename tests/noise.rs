@@ -43,11 +43,7 @@ fn normal(rng: &mut ChaCha8Rng) -> f64 {
 
 /// ROWS values of variance 1 that go together over `length`.
 fn border(length: f64, rng: &mut ChaCha8Rng) -> Vec<f64> {
-    let rho = if length > 0.0 {
-        (-WEIGHT / length).exp()
-    } else {
-        0.0
-    };
+    let rho = if length > 0.0 { (-WEIGHT / length).exp() } else { 0.0 };
     let mut last = normal(rng);
     let mut next = |_| {
         last = rho * last + (1.0 - rho * rho).sqrt() * normal(rng);
@@ -78,9 +74,7 @@ fn simulate(truth: Truth, seed: u64) -> (Vec<Vec<PlacedResidual>>, Vec<f64>) {
             let own = border(truth.length, &mut rng);
             let both = returning.iter().zip(own).enumerate();
             let (again, new) = (truth.repeated.sqrt(), (1.0 - truth.repeated).sqrt());
-            let value = |(i, (r, o)): (usize, (&f64, f64))| {
-                row(view, i, truth.scale * (again * r + new * o))
-            };
+            let value = |(i, (r, o)): (usize, (&f64, f64))| row(view, i, truth.scale * (again * r + new * o));
             both.map(value).collect::<Vec<_>>()
         });
         views.collect()
@@ -110,13 +104,7 @@ fn residuals_that_err_as_stated_and_independently_are_found_so() {
 #[test]
 fn the_scale_is_found_whatever_it_is() {
     for scale in [0.3, 1.7, 5.0] {
-        let noise = estimated(
-            Truth {
-                scale,
-                ..INDEPENDENT
-            },
-            2,
-        );
+        let noise = estimated(Truth { scale, ..INDEPENDENT }, 2);
         approx::assert_relative_eq!(noise.scale, scale, max_relative = 0.01);
         let weight = 1.0 / (noise.scale.powi(2) * noise.along_border * noise.within_frame);
         approx::assert_relative_eq!(noise.data_weight(), weight);
@@ -127,10 +115,7 @@ fn the_scale_is_found_whatever_it_is() {
 #[test]
 fn the_length_along_the_border_is_found() {
     for length in [0.5, 1.0, 2.0] {
-        let truth = Truth {
-            length,
-            ..INDEPENDENT
-        };
+        let truth = Truth { length, ..INDEPENDENT };
         let found = estimated(truth, 3).along_border;
         approx::assert_relative_eq!(found, 2.0 * length * 0.95, max_relative = 0.1);
     }
@@ -172,9 +157,7 @@ fn what_returns_in_every_frame_is_found() {
         // there are few places, and each returns with one draw: the variance of 15 squares, averaged over five seeds
         let seeds = 10..15;
         let count = 5.0;
-        let found: f64 = seeds
-            .map(|seed| estimated(truth, seed).repeated.powi(2))
-            .sum();
+        let found: f64 = seeds.map(|seed| estimated(truth, seed).repeated.powi(2)).sum();
         approx::assert_abs_diff_eq!(found / count, repeated, epsilon = 0.12);
     }
 }
@@ -260,10 +243,7 @@ fn nothing_seen_is_no_fault() {
         let seconds = vec![0.0; frames.len()];
         let noise = Noise::from_residuals(&frames, &seconds, &[]);
         let numbers = [noise.scale, noise.along_border, noise.over_time];
-        assert!(
-            numbers.iter().all(|v| v.is_finite() && *v > 0.0),
-            "{noise:?}"
-        );
+        assert!(numbers.iter().all(|v| v.is_finite() && *v > 0.0), "{noise:?}");
         assert!(noise.data_weight().is_finite());
     }
 }

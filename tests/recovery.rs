@@ -52,13 +52,8 @@ static SCENE: LazyLock<Scene> = LazyLock::new(|| {
     let (model, rig) = (human(), rig(4));
     let shape = draw_shape(&model, &mut ChaCha8Rng::seed_from_u64(70));
     let motions = walk(&model, &shape, FPS, FRAMES);
-    let bodies = motions
-        .iter()
-        .map(|motion| Posed::new(&model, &shape, motion));
-    let frames = bodies
-        .enumerate()
-        .map(|(i, body)| observe(&body, &rig, i))
-        .collect();
+    let bodies = motions.iter().map(|motion| Posed::new(&model, &shape, motion));
+    let frames = bodies.enumerate().map(|(i, body)| observe(&body, &rig, i)).collect();
     Scene {
         rig,
         motions,
@@ -116,15 +111,11 @@ impl Scene {
     /// The same silhouettes to the eye: turned to the other side, left and right exchanged.
     fn mirrored(&self, motion: &Motion) -> Motion {
         let mut mirrored = motion.clone();
-        mirrored.world_from_root *=
-            Rotation3::from_axis_angle(&Vector3::z_axis(), std::f64::consts::PI);
+        mirrored.world_from_root *= Rotation3::from_axis_angle(&Vector3::z_axis(), std::f64::consts::PI);
         for (index, joint) in self.model.joints.iter().enumerate() {
             let twin = match joint.name.strip_suffix("_r") {
                 Some(name) => Some(format!("{name}_l")),
-                None => joint
-                    .name
-                    .strip_suffix("_l")
-                    .map(|name| format!("{name}_r")),
+                None => joint.name.strip_suffix("_l").map(|name| format!("{name}_r")),
             };
             if let Some(JointId(twin)) = twin.and_then(|name| self.model.joint(&name)) {
                 mirrored.angles[index] = motion.angles[twin];
@@ -153,8 +144,7 @@ fn found(frames: usize, pruning: Pruning) -> Search {
         frames: &SCENE.frames[..frames],
         fps: FPS,
     };
-    search(&SCENE.evidence(), sequence, &options(pruning), &NoJournal)
-        .expect("four cameras see the person")
+    search(&SCENE.evidence(), sequence, &options(pruning), &NoJournal).expect("four cameras see the person")
 }
 
 /// The whole sequence.
@@ -172,10 +162,7 @@ fn keyframes_recover_the_joints_from_perturbed_starts() {
     let (before, mut after): (Vec<f64>, Vec<f64>) = (0..FRAMES).map(errors).unzip();
     after.sort_by(f64::total_cmp);
     assert!(before.iter().all(|e| *e > 25.0), "{before:.0?} mm");
-    assert!(
-        after[FRAMES / 2] < 10.0 && after[FRAMES - 1] < 30.0,
-        "{after:.0?} mm"
-    );
+    assert!(after[FRAMES / 2] < 10.0 && after[FRAMES - 1] < 30.0, "{after:.0?} mm");
 }
 
 /// An arm may be lost before the trunk for a few frames, and is found again.
@@ -200,10 +187,7 @@ fn the_search_finds_the_motion_without_a_start() {
 fn pruning_changes_neither_the_winner_nor_a_bit_of_its_energy() {
     let all = found(FRAMES, Pruning::Off);
     assert!(all.trials.iter().all(|t| t.finished()));
-    assert!(
-        FOUND.trials.iter().any(|t| !t.finished()),
-        "nothing was pruned"
-    );
+    assert!(FOUND.trials.iter().any(|t| !t.finished()), "nothing was pruned");
     assert_eq!(FOUND.winner, all.winner);
     let [pruned, all] = [&*FOUND, &all].map(|s| &s.trials[s.winner]);
     assert_eq!(pruned.energy().to_bits(), all.energy().to_bits());
@@ -214,8 +198,7 @@ fn pruning_changes_neither_the_winner_nor_a_bit_of_its_energy() {
 fn the_result_is_the_same_for_one_two_and_eight_threads() {
     let with = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-        pool.expect("threads are there")
-            .install(|| found(6, Pruning::Exact))
+        pool.expect("threads are there").install(|| found(6, Pruning::Exact))
     };
     let one = with(1);
     assert!(one == with(2) && one == with(8));
@@ -234,12 +217,7 @@ fn a_mirrored_start_costs_more_and_is_not_the_first_reading() {
         mirrored.cost,
         right.cost
     );
-    let first = readings(
-        &SCENE.evidence(),
-        &SCENE.frames[frame],
-        &StartOptions::default(),
-    )
-    .remove(0);
+    let first = readings(&SCENE.evidence(), &SCENE.frames[frame], &StartOptions::default()).remove(0);
     let forward = |motion: &Motion| motion.world_from_root * Vector3::x();
     let truth = forward(&SCENE.motions[frame]);
     assert!(forward(&first.state.motion).dot(&truth) > 0.9);
@@ -287,10 +265,7 @@ fn a_camera_that_was_touched_is_found_and_costs_the_body_nothing() {
     assert!((down - touched.y).abs() < 1.5, "{down} px");
     let overlap = |fit: &Fit| fit.cameras.iter().map(|c| c.mean_iou).sum::<f64>() / 4.0;
     let [best, with, without] = [&untouched, &aimed, &trusting].map(overlap);
-    assert!(
-        best - with < 0.2 * (best - without),
-        "{best} {with} {without}"
-    );
+    assert!(best - with < 0.2 * (best - without), "{best} {with} {without}");
     let [with, without] = [&aimed, &trusting].map(error_mm);
     assert!(with < without, "{with} {without} mm");
 }

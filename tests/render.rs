@@ -21,11 +21,7 @@ fn standing_field() -> Field {
     let model = walker();
     let mut motion = Motion::rest(&model);
     motion.position_world = Vector3::new(0.0, 0.0, 0.985);
-    Field::from_body(&Posed::new(
-        &model,
-        &Shape(model.statistics.mean.clone()),
-        &motion,
-    ))
+    Field::from_body(&Posed::new(&model, &Shape(model.statistics.mean.clone()), &motion))
 }
 
 fn camera(distortion: Distortion) -> Camera {
@@ -37,9 +33,7 @@ fn camera(distortion: Distortion) -> Camera {
         distortion,
         ..Ring::default()
     };
-    ring.irregular(&mut ChaCha8Rng::seed_from_u64(4))
-        .cameras
-        .remove(0)
+    ring.irregular(&mut ChaCha8Rng::seed_from_u64(4)).cameras.remove(0)
 }
 
 /// The greatest F on the ray of a pixel, in steps of 2 mm.
@@ -71,11 +65,7 @@ fn the_mask_is_where_dense_marching_meets_the_skin() {
             let marched = marched_maximum(&field, &camera, x, y);
             // within 0.001 of the threshold, rays miss or meet the skin by less than 0.1 mm
             if (marched - THRESHOLD).abs() > 1e-3 {
-                assert_eq!(
-                    mask.is_foreground(x, y),
-                    marched > THRESHOLD,
-                    "{x} {y} {marched}"
-                );
+                assert_eq!(mask.is_foreground(x, y), marched > THRESHOLD, "{x} {y} {marched}");
             }
         }
     }

@@ -48,14 +48,8 @@ fn no_text_names_a_folder_of_one_machine() {
 fn every_dependency_has_its_line_of_reason() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let read = |file: &str| fs::read_to_string(root.join(file)).expect("part of the repository");
-    let missing = without_reason(
-        &read("Cargo.toml"),
-        &read("docs/decisions/0004-dependencies.md"),
-    );
-    assert_eq!(
-        missing, [""; 0],
-        "add them to docs/decisions/0004-dependencies.md"
-    );
+    let missing = without_reason(&read("Cargo.toml"), &read("docs/decisions/0004-dependencies.md"));
+    assert_eq!(missing, [""; 0], "add them to docs/decisions/0004-dependencies.md");
 }
 
 /// The workspace's dependencies that begin no row of the table in `decisions`.
@@ -74,9 +68,8 @@ fn without_reason(manifest: &str, decisions: &str) -> Vec<String> {
 /// The lines with an absolute path that only one person's machine has.
 fn machine_paths(path: &Path, text: &str) -> Vec<String> {
     let folders = ["work", "tmp", "root", "home"].map(|name| format!("/{name}/"));
-    let begins_a_path = |line: &str, at: usize| {
-        !line[..at].ends_with(|c: char| c.is_alphanumeric() || "._/-*}>~".contains(c))
-    };
+    let begins_a_path =
+        |line: &str, at: usize| !line[..at].ends_with(|c: char| c.is_alphanumeric() || "._/-*}>~".contains(c));
     text.lines()
         .enumerate()
         .filter(|(_, line)| {

@@ -59,9 +59,8 @@ fn picture(camera: usize, frame: usize, is_foreground: impl Fn(usize, usize) -> 
 /// The pictures of a frame; in the first camera a second, smaller thing comes and goes above the person.
 fn pictures(rig: &Rig, frame: usize) -> Vec<Option<Picture>> {
     let cameras = 0..rig.cameras.len();
-    let stranger = |c: usize, x: usize, y: usize| {
-        c == 0 && frame % 3 == 2 && (30..44).contains(&x) && (8..24).contains(&y)
-    };
+    let stranger =
+        |c: usize, x: usize, y: usize| c == 0 && frame % 3 == 2 && (30..44).contains(&x) && (8..24).contains(&y);
     cameras
         .map(|c| {
             Some(picture(c, frame, |x, y| {
@@ -83,10 +82,7 @@ fn overlap(rig: &Rig, camera: usize, frame: usize, mask: &Mask) -> f64 {
     let (mut common, mut all) = (0.0, 0.0);
     for y in 0..mask.height() {
         for x in 0..mask.width() {
-            let (found, truth) = (
-                mask.is_foreground(x, y),
-                is_person(rig, camera, frame, (x, y)),
-            );
+            let (found, truth) = (mask.is_foreground(x, y), is_person(rig, camera, frame, (x, y)));
             common += f64::from(u8::from(found && truth));
             all += f64::from(u8::from(found || truth));
         }
@@ -123,10 +119,7 @@ fn what_no_other_camera_supports_is_removed() {
         against_weight: 0.0,
         ..SegmentOptions::default()
     };
-    assert!(
-        is_stranger(&learned(&rig, alone)).0,
-        "without the others it stays"
-    );
+    assert!(is_stranger(&learned(&rig, alone)).0, "without the others it stays");
 }
 
 #[test]
@@ -151,10 +144,7 @@ fn an_overexposed_picture_has_no_mask_and_speaks_against_nobody() {
     assert!(cuts[2].is_none());
     some[2] = None;
     for (cut, without) in cuts.iter().zip(segmenter.segment(&some)) {
-        assert_eq!(
-            cut.as_ref().map(|c| &c.mask),
-            without.as_ref().map(|c| &c.mask)
-        );
+        assert_eq!(cut.as_ref().map(|c| &c.mask), without.as_ref().map(|c| &c.mask));
     }
 }
 
@@ -177,10 +167,7 @@ fn a_recording_in_memory_is_segmented_frame_by_frame_and_what_is_odd_is_noted() 
     let segmented = segment(&recording, 4..=6, options, &NoProgress, |frame| {
         let cut = frame.cuts[1].as_ref().expect("a mask");
         let overlap = overlap(&rig, 1, frame.frame.0, &cut.mask);
-        taken
-            .lock()
-            .expect("no panic")
-            .push((frame.frame.0, overlap));
+        taken.lock().expect("no panic").push((frame.frame.0, overlap));
         Ok::<(), Infallible>(())
     });
     let Ok(Segmented { masks, notes }) = segmented;
@@ -188,16 +175,10 @@ fn a_recording_in_memory_is_segmented_frame_by_frame_and_what_is_odd_is_noted() 
     let mut taken = taken.into_inner().expect("no panic");
     taken.sort_by_key(|(frame, _)| *frame);
     assert!(taken.iter().map(|(frame, _)| *frame).eq(4..=6));
-    assert!(
-        taken.iter().all(|(_, overlap)| *overlap > 0.85),
-        "{taken:?}"
-    );
+    assert!(taken.iter().all(|(_, overlap)| *overlap > 0.85), "{taken:?}");
     assert_eq!(masks.len(), 3 * 4 - 1);
     assert!(masks.is_sorted_by_key(|mask| (mask.frame, mask.camera)));
-    let refused = format!(
-        "camera {}: 1 picture (5) with more than half",
-        rig.cameras[2].name
-    );
+    let refused = format!("camera {}: 1 picture (5) with more than half", rig.cameras[2].name);
     assert!(notes[0].starts_with(&refused), "{notes:?}");
 }
 
@@ -247,13 +228,7 @@ fn support_is_high_where_all_others_agree_and_low_elsewhere() {
     let support = Support::new(&rig, &[shrunk; 4], &volume, SupportOptions::default());
     let evidence = |c: usize| {
         let places = (0..shrunk.height).flat_map(|y| (0..shrunk.width).map(move |x| (x, y)));
-        let values = places.map(|place| {
-            if is_person(&rig, c, 6, place) {
-                4.0
-            } else {
-                -4.0
-            }
-        });
+        let values = places.map(|place| if is_person(&rig, c, 6, place) { 4.0 } else { -4.0 });
         Plane::from_values(shrunk.width, shrunk.height, values.collect())
     };
     // the first camera sees nobody: the others know better
@@ -261,9 +236,7 @@ fn support_is_high_where_all_others_agree_and_low_elsewhere() {
     let evidence = [nobody, evidence(1), evidence(2), evidence(3)];
     let by_others = support.by_others(&evidence);
     let first = by_others[0].as_ref().expect("support");
-    let middle = rig.cameras[0]
-        .project(&Point3::new(0.04, 0.0, 0.9))
-        .expect("seen");
+    let middle = rig.cameras[0].project(&Point3::new(0.04, 0.0, 0.9)).expect("seen");
     assert_eq!(first.get(middle.x as usize, middle.y as usize), Some(1.0));
     assert_eq!(first.get(2, 50), Some(-1.0));
 }

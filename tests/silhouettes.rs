@@ -33,9 +33,7 @@ fn barrel() -> Camera {
 fn mask(camera: &Camera, is_inside: impl Fn(&Point2<f64>) -> bool) -> Mask {
     Mask::from_fn(320, 240, |x, y| {
         let pixel = Point2::new(x as f64, y as f64);
-        camera
-            .undistort(&pixel)
-            .is_some_and(|pixel| is_inside(&pixel))
+        camera.undistort(&pixel).is_some_and(|pixel| is_inside(&pixel))
     })
 }
 
@@ -44,12 +42,7 @@ fn disk(center: Point2<f64>, radius: f64) -> impl Fn(&Point2<f64>) -> bool {
 }
 
 fn seen(camera: &Camera, is_inside: impl Fn(&Point2<f64>) -> bool) -> Silhouette {
-    extract(
-        &mask(camera, is_inside),
-        camera,
-        &SilhouetteOptions::default(),
-    )
-    .expect("a silhouette")
+    extract(&mask(camera, is_inside), camera, &SilhouetteOptions::default()).expect("a silhouette")
 }
 
 fn length(silhouette: &Silhouette) -> f64 {
@@ -64,18 +57,11 @@ fn a_disk_has_its_area_border_and_normals_with_and_without_a_lens() {
         approx::assert_relative_eq!(silhouette.area_px, PI * 1600.0, max_relative = 0.01);
         approx::assert_relative_eq!(silhouette.centroid, center, epsilon = 0.1);
         approx::assert_relative_eq!(length(&silhouette), PI * 80.0, max_relative = 0.02);
-        approx::assert_relative_eq!(
-            silhouette.bounds.0,
-            center - Vector2::repeat(40.0),
-            epsilon = 0.6
-        );
+        approx::assert_relative_eq!(silhouette.bounds.0, center - Vector2::repeat(40.0), epsilon = 0.6);
         for point in &silhouette.contour {
             let outward = point.pixel - center;
             assert!((outward.norm() - 40.0).abs() < 0.7, "{point:?}");
-            assert!(
-                point.normal.dot(&outward) / outward.norm() > 0.9,
-                "{point:?}"
-            );
+            assert!(point.normal.dot(&outward) / outward.norm() > 0.9, "{point:?}");
             approx::assert_relative_eq!(point.normal.norm(), 1.0, epsilon = 1e-12);
         }
     }
@@ -106,9 +92,7 @@ fn the_border_of_a_hole_points_into_the_hole() {
         assert_eq!(point.normal.dot(&outward) > 0.0, is_outer, "{point:?}");
     }
     assert!(!silhouette.contains(&center));
-    let (distance, gradient) = silhouette
-        .outside
-        .sample(&(center + Vector2::new(10.0, 0.0)));
+    let (distance, gradient) = silhouette.outside.sample(&(center + Vector2::new(10.0, 0.0)));
     approx::assert_relative_eq!(distance, 10.0, epsilon = 0.3);
     approx::assert_relative_eq!(gradient, Vector2::new(-1.0, 0.0), epsilon = 0.35);
 }
@@ -148,10 +132,7 @@ fn the_gradient_of_the_map_is_that_of_its_value() {
     for k in 0..3000 {
         let pixel = Point2::new(f64::from(k % 60) * 5.013, f64::from(k / 60) * 4.507);
         let value = |dx: f64, dy: f64| silhouette.outside.sample(&(pixel + Vector2::new(dx, dy))).0;
-        let slope = Vector2::new(
-            value(h, 0.0) - value(-h, 0.0),
-            value(0.0, h) - value(0.0, -h),
-        ) / (2.0 * h);
+        let slope = Vector2::new(value(h, 0.0) - value(-h, 0.0), value(0.0, h) - value(0.0, -h)) / (2.0 * h);
         let gradient = silhouette.outside.sample(&pixel).1;
         approx::assert_relative_eq!(gradient, slope, epsilon = 1e-5);
         checked += usize::from(gradient.norm() > 0.0);
@@ -167,20 +148,10 @@ fn the_image_edge_is_no_silhouette_and_nothing_is_known_beyond() {
     let half_angle = (19.5f64 / 50.0).acos();
     let arc = (2.0 * PI - 2.0 * half_angle) * 50.0;
     approx::assert_relative_eq!(length(&silhouette), arc, max_relative = 0.03);
-    approx::assert_relative_eq!(
-        silhouette.cut_px,
-        100.0 * half_angle.sin(),
-        max_relative = 0.1
-    );
+    approx::assert_relative_eq!(silhouette.cut_px, 100.0 * half_angle.sin(), max_relative = 0.1);
     for point in &silhouette.contour {
-        assert!(
-            ((point.pixel - center).norm() - 50.0).abs() < 1.0,
-            "{point:?}"
-        );
-        assert!(
-            point.normal.dot(&(point.pixel - center)) > 40.0,
-            "{point:?}"
-        );
+        assert!(((point.pixel - center).norm() - 50.0).abs() < 1.0, "{point:?}");
+        assert!(point.normal.dot(&(point.pixel - center)) > 40.0, "{point:?}");
     }
     let beyond = Point2::new(330.0, 200.0);
     assert!(!silhouette.sees(&beyond));
@@ -198,23 +169,13 @@ fn the_image_edge_is_no_silhouette_and_nothing_is_known_beyond() {
 
 #[test]
 fn a_pixel_that_is_no_number_is_nowhere() {
-    let silhouette = seen(
-        &camera(Distortion::None),
-        disk(Point2::new(150.0, 120.0), 50.0),
-    );
+    let silhouette = seen(&camera(Distortion::None), disk(Point2::new(150.0, 120.0), 50.0));
     for x in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
-        for pixel in [
-            Point2::new(x, 100.0),
-            Point2::new(100.0, x),
-            Point2::new(x, x),
-        ] {
+        for pixel in [Point2::new(x, 100.0), Point2::new(100.0, x), Point2::new(x, x)] {
             let (distance, _) = silhouette.outside.sample(&pixel);
             assert_eq!(distance.is_nan(), x.is_nan(), "{pixel}");
             assert!(x.is_nan() || distance.abs() <= 0.0, "{pixel}");
-            assert!(
-                !silhouette.contains(&pixel) && !silhouette.sees(&pixel),
-                "{pixel}"
-            );
+            assert!(!silhouette.contains(&pixel) && !silhouette.sees(&pixel), "{pixel}");
             silhouette.overlap((pixel, pixel), |_| true);
         }
     }
@@ -239,10 +200,7 @@ fn thinning_keeps_the_length_and_the_points() {
 
 #[test]
 fn the_overlap_of_two_disks_is_that_of_geometry() {
-    let silhouette = seen(
-        &camera(Distortion::None),
-        disk(Point2::new(120.3, 119.6), 50.0),
-    );
+    let silhouette = seen(&camera(Distortion::None), disk(Point2::new(120.3, 119.6), 50.0));
     for (shift, intersection) in [
         (0.0, PI * 2500.0),
         (50.0, 2500.0 * (2.0 * PI / 3.0 - 0.75f64.sqrt())),
@@ -274,19 +232,10 @@ fn a_mask_without_a_person_is_rejected_with_the_reason() {
     assert_eq!(reject(&mask(&camera, |_| false)), Some(Rejected::Empty));
     assert_eq!(
         reject(&mask(&camera, |_| true)),
-        Some(Rejected::Full {
-            edge_percent: 100.0
-        })
+        Some(Rejected::Full { edge_percent: 100.0 })
     );
-    let inverted = mask(&camera, |pixel| {
-        (pixel - Point2::new(150.0, 120.0)).norm() > 50.0
-    });
-    assert_eq!(
-        reject(&inverted),
-        Some(Rejected::Full {
-            edge_percent: 100.0
-        })
-    );
+    let inverted = mask(&camera, |pixel| (pixel - Point2::new(150.0, 120.0)).norm() > 50.0);
+    assert_eq!(reject(&inverted), Some(Rejected::Full { edge_percent: 100.0 }));
     let thin = mask(&camera, |pixel| (pixel.x - 100.0).abs() < 0.5);
     assert_eq!(reject(&thin), Some(Rejected::NoBorder { area_px: 240 }));
     let small = Mask::from_fn(32, 24, |x, _| x > 10);
@@ -302,8 +251,7 @@ fn every_option_changes_the_silhouette() {
     let camera = camera(Distortion::None);
     let mask = mask(&camera, disk(Point2::new(150.0, 120.0), 80.0));
     let defaults = SilhouetteOptions::default();
-    let with =
-        |options: SilhouetteOptions| extract(&mask, &camera, &options).expect("a silhouette");
+    let with = |options: SilhouetteOptions| extract(&mask, &camera, &options).expect("a silhouette");
     let usual = with(defaults);
     let wider = with(SilhouetteOptions {
         spacing_px: 3.0,

@@ -15,12 +15,7 @@ type Pose = (&'static str, &'static [(&'static str, f64)], f64, f64);
 const POSES: &[Pose] = &[
     ("rest", &[], 0.95, 0.02),
     ("arms out", &[("shoulder_abduction", 88.0)], 0.985, 0.01),
-    (
-        "arms half out",
-        &[("shoulder_abduction", 45.0)],
-        0.985,
-        0.01,
-    ),
+    ("arms half out", &[("shoulder_abduction", 45.0)], 0.985, 0.01),
     ("arms up", &[("shoulder_abduction", 160.0)], 0.98, 0.01),
     (
         "arms up in front",
@@ -126,15 +121,11 @@ fn check_poses(model: &BodyModel, slack: f64) {
         let is_near = |v: &&nalgebra::Vector3<f64>| distance(&field, v) < 0.003;
         let share = mesh.vertices.iter().filter(is_near).count() as f64 / count;
         assert!(share > *near - slack, "{name}: {share} within 3 mm");
-        let falls = |(v, n): (&nalgebra::Vector3<f64>, &nalgebra::Vector3<f64>)| {
-            field.value_and_gradient(v).1.dot(n) < 0.0
-        };
+        let falls =
+            |(v, n): (&nalgebra::Vector3<f64>, &nalgebra::Vector3<f64>)| field.value_and_gradient(v).1.dot(n) < 0.0;
         let each = mesh.vertices.iter().zip(&mesh.normals);
         let share = each.filter(|pair| !falls(*pair)).count() as f64 / count;
-        assert!(
-            share < *against + slack,
-            "{name}: {share} of the normals point inwards"
-        );
+        assert!(share < *against + slack, "{name}: {share} of the normals point inwards");
     }
 }
 
@@ -186,10 +177,7 @@ fn the_counts_that_the_user_chooses_are_the_counts_there_are() {
 #[test]
 fn the_papers_patches_stay_within_millimetres_of_the_field_and_the_finish_puts_them_on_it() {
     let model = walker();
-    let (shape, motion) = (
-        shape(&model),
-        motion(&model, &[("shoulder_abduction", 88.0)]),
-    );
+    let (shape, motion) = (shape(&model), motion(&model, &[("shoulder_abduction", 88.0)]));
     let body = Posed::new(&model, &shape, &motion);
     let field = Field::from_body(&body);
     let median = |finish| {
@@ -203,10 +191,7 @@ fn the_papers_patches_stay_within_millimetres_of_the_field_and_the_finish_puts_t
         [all[all.len() / 2], all[all.len() * 95 / 100]]
     };
     let [middle, most] = median(Finish::Spline);
-    assert!(
-        (1e-5..1e-3).contains(&middle) && most < 4e-3,
-        "{middle} {most}"
-    );
+    assert!((1e-5..1e-3).contains(&middle) && most < 4e-3, "{middle} {most}");
     let [middle, most] = median(Finish::Field);
     assert!(middle < 1e-7 && most < 1e-5, "{middle} {most}");
 }
@@ -214,11 +199,7 @@ fn the_papers_patches_stay_within_millimetres_of_the_field_and_the_finish_puts_t
 /// A model of three capsules in a chain, and one that branches in its middle.
 fn worm(branch: &str) -> BodyModel {
     let mut text = String::from("name = \"worm\"\nroot = { fixed = true }\n");
-    for (name, parent) in [
-        ("a", ""),
-        ("b", "parent = \"a\"\n"),
-        ("c", "parent = \"b\"\n"),
-    ] {
+    for (name, parent) in [("a", ""), ("b", "parent = \"a\"\n"), ("c", "parent = \"b\"\n")] {
         text += &format!("[[part]]\nname = \"{name}\"\n{parent}");
         if !parent.is_empty() {
             text += &format!(
@@ -227,9 +208,7 @@ fn worm(branch: &str) -> BodyModel {
             text += "spread_deg = 30.0\nspeed_deg = 60.0\n";
         }
         for height in [0.05, 0.15, 0.25] {
-            text += &format!(
-                "[[part.metaball]]\ncentre = [0.0, 0.0, {height}]\nradii = [0.08, 0.08, 0.1]\n"
-            );
+            text += &format!("[[part.metaball]]\ncentre = [0.0, 0.0, {height}]\nradii = [0.08, 0.08, 0.1]\n");
         }
     }
     let path = Path::new("worm.toml");
@@ -305,10 +284,7 @@ fn what_cannot_have_a_skin_is_told_why() {
     let usual = SkinOptions::default();
     let solid = model::load("human-ellipsoids", Path::new("")).expect("a shipped model");
     let message = fault(&solid, &Motion::rest(&solid), &usual).to_string();
-    assert!(
-        message.contains("human-ellipsoids has no metaballs"),
-        "{message}"
-    );
+    assert!(message.contains("human-ellipsoids has no metaballs"), "{message}");
     // two balls so far apart that the field between them is no flesh
     let gap = BRANCH.replace("centre = [0.0, 0.2, 0.0]", "centre = [0.0, 2.2, 0.0]");
     let model = worm(&gap);

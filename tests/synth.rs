@@ -29,14 +29,8 @@ fn trial(name: &str, seed: u64) -> Trial {
     let model = human(name);
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let (shape, style) = match seed {
-        0 => (
-            Shape(model.statistics.mean.clone()),
-            WalkingStyle::normative(),
-        ),
-        _ => (
-            draw_shape(&model, &mut rng),
-            WalkingStyle::personal(&mut rng),
-        ),
+        0 => (Shape(model.statistics.mean.clone()), WalkingStyle::normative()),
+        _ => (draw_shape(&model, &mut rng), WalkingStyle::personal(&mut rng)),
     };
     let walk = Walk {
         style,
@@ -45,9 +39,7 @@ fn trial(name: &str, seed: u64) -> Trial {
         start_phase: 0.0,
     };
     let frames = (2.0 * FPS / walk.style.stride_hz) as usize;
-    let motions = walk
-        .motions(&model, &shape, FPS, frames)
-        .expect("it has feet");
+    let motions = walk.motions(&model, &shape, FPS, frames).expect("it has feet");
     Trial {
         model,
         shape,
@@ -103,11 +95,7 @@ fn speed_step_length_and_cadence_are_those_of_a_walk() {
         let heights: Vec<f64> = hip.iter().map(|p| p.z).collect();
         let highest = heights.iter().copied().fold(f64::MIN, f64::max);
         let lowest = heights.iter().copied().fold(f64::MAX, f64::min);
-        assert!(
-            (0.015..0.09).contains(&(highest - lowest)),
-            "{} m",
-            highest - lowest
-        );
+        assert!((0.015..0.09).contains(&(highest - lowest)), "{} m", highest - lowest);
         let sideways = hip.iter().map(|p| (p.y + 0.2).abs()).fold(0.0, f64::max);
         assert!(sideways < 0.12, "{sideways} m");
     }
@@ -129,21 +117,12 @@ fn a_heading_turns_the_whole_walk() {
         ..straight.walk.clone()
     };
     let motions = turned
-        .motions(
-            &straight.model,
-            &straight.shape,
-            FPS,
-            straight.motions.len(),
-        )
+        .motions(&straight.model, &straight.shape, FPS, straight.motions.len())
         .expect("it has feet");
     let turn = nalgebra::Rotation2::new(1.0);
     for (a, b) in straight.motions.iter().zip(&motions) {
         let from = turn * (a.position_world.xy() - straight.walk.middle_world);
-        approx::assert_relative_eq!(
-            from,
-            b.position_world.xy() - turned.middle_world,
-            epsilon = 1e-9
-        );
+        approx::assert_relative_eq!(from, b.position_world.xy() - turned.middle_world, epsilon = 1e-9);
         assert_eq!(a.angles, b.angles);
     }
 }
@@ -153,11 +132,7 @@ fn angles_are_within_the_joints_limits_and_motion_is_smooth() {
     for trial in people() {
         for motion in &trial.motions {
             for (angle, joint) in motion.angles.iter().zip(&trial.model.joints) {
-                assert!(
-                    (joint.limits.0..joint.limits.1).contains(angle),
-                    "{}",
-                    joint.name
-                );
+                assert!((joint.limits.0..joint.limits.1).contains(angle), "{}", joint.name);
             }
         }
         let hip = trial.path("Hip");
@@ -174,13 +149,7 @@ fn a_model_without_feet_cannot_walk() {
     let walk = trial("walker-metaballs", 0).walk;
     let shape = Shape(arm.statistics.mean.clone());
     let error = walk.motions(&arm, &shape, 50.0, 3).unwrap_err();
-    assert!(matches!(
-        error,
-        WalkError::NoFoot {
-            point: "RBigToe",
-            ..
-        }
-    ));
+    assert!(matches!(error, WalkError::NoFoot { point: "RBigToe", .. }));
     let model = human("walker-metaballs");
     let shape = Shape(model.statistics.mean.clone());
     let error = walk.motions(&model, &shape, 0.0, 3).unwrap_err();
@@ -216,12 +185,7 @@ fn joint_centres_lie_inside_the_silhouette_of_every_camera() {
             for (point, named) in named.filter(|(_, n)| n.name != "Head") {
                 let pixel = camera.project(point).expect("in view");
                 let (x, y) = (pixel.x.round() as usize, pixel.y.round() as usize);
-                assert!(
-                    mask.is_foreground(x, y),
-                    "{} in {} of {id}",
-                    named.name,
-                    frame
-                );
+                assert!(mask.is_foreground(x, y), "{} in {} of {id}", named.name, frame);
             }
         }
     }

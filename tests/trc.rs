@@ -16,20 +16,14 @@ fn two_points() -> Trajectories {
         names: vec!["RHip".into(), "Big toe".into()],
         frames: vec![
             vec![Some(Point3::new(1.25, -0.5, 0.875)), None],
-            vec![
-                Some(Point3::new(1.5, -0.5, 1e-6)),
-                Some(Point3::new(0.0, 2.0, 3.0)),
-            ],
+            vec![Some(Point3::new(1.5, -0.5, 1e-6)), Some(Point3::new(0.0, 2.0, 3.0))],
         ],
     }
 }
 
 #[test]
 fn what_is_written_is_read_again() {
-    assert_eq!(
-        read(&write_trc(&two_points(), "walk.trc")).unwrap(),
-        two_points()
-    );
+    assert_eq!(read(&write_trc(&two_points(), "walk.trc")).unwrap(), two_points());
 }
 
 #[test]
@@ -81,10 +75,7 @@ fn every_fault_is_named_with_its_line() {
     let good = write_trc(&two_points(), "walk.trc");
     let message = |text: &str| read(text).unwrap_err().to_string();
     let cases = [
-        (
-            message("hello"),
-            "walk.trc: expected a line that starts with Frame#",
-        ),
+        (message("hello"), "walk.trc: expected a line that starts with Frame#"),
         (
             message(&good.replace("\tm\t", "\tinch\t")),
             "walk.trc:3: expected the unit m or mm, found \"inch\"",

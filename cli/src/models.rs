@@ -45,9 +45,7 @@ fn show(name: &str, arguments: &ModelsArguments) -> Result<(), CliError> {
         body.write_mesh(path)?;
         let (vertices, triangles) = (body.skin.vertices.len(), body.skin.triangles.len());
         let path = path.display();
-        print(&format!(
-            "{path}: {vertices} vertices, {triangles} triangles\n"
-        ));
+        print(&format!("{path}: {vertices} vertices, {triangles} triangles\n"));
     }
     if let Some(path) = &arguments.picture {
         body.write_picture(path)?;

@@ -51,9 +51,7 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<(), CliError> {
         fps: None,
     };
     let study = GaitStudy::open(source, &GaitOptions::default())?;
-    let study = arguments
-        .subject
-        .compare(study, arguments.norm.as_deref())?;
+    let study = arguments.subject.compare(study, arguments.norm.as_deref())?;
     let text = arguments.subject.report(&study, &arguments.out)?;
 
     let path = arguments.out.join("report.html");

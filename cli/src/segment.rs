@@ -83,14 +83,7 @@ fn segment(arguments: &SegmentArguments) -> Result<(), CliError> {
 }
 
 fn summary(written: &WrittenMasks, out: &Path, seconds: f64) -> String {
-    let mut table = Table::new(&[
-        "camera",
-        "masks",
-        "empty",
-        "undecided",
-        "unsupported",
-        "filled in",
-    ]);
+    let mut table = Table::new(&["camera", "masks", "empty", "undecided", "unsupported", "filled in"]);
     for name in &written.cameras {
         let rows = written.rows.iter();
         let own: Vec<&QualityRow> = rows.filter(|row| row.camera == *name).collect();
@@ -112,8 +105,5 @@ fn summary(written: &WrittenMasks, out: &Path, seconds: f64) -> String {
 
     let (table, folder) = (table.text(), out.join("masks"));
     let masks = written.rows.len();
-    format!(
-        "{table}\n{}: {masks} masks in {seconds:.1} s\n",
-        folder.display()
-    )
+    format!("{table}\n{}: {masks} masks in {seconds:.1} s\n", folder.display())
 }

@@ -129,17 +129,9 @@ fn summary(written: &WrittenSilhouettes, out: &Path, seconds: f64) -> String {
             own().count().to_string(),
             format!("{:.2}", mean(|row| row.reliability)),
             format!("{:.2}", mean(|row| row.moved_px)),
-            own()
-                .filter(|row| !row.faults.is_empty())
-                .count()
-                .to_string(),
+            own().filter(|row| !row.faults.is_empty()).count().to_string(),
         ]);
     }
 
-    format!(
-        "{}\n{:.1} s, into {}\n",
-        table.text(),
-        seconds,
-        out.display()
-    )
+    format!("{}\n{:.1} s, into {}\n", table.text(), seconds, out.display())
 }

@@ -81,10 +81,7 @@ impl Summary<'_> {
                 hypothesis.keyframe.to_string(),
                 match hypothesis.outcome {
                     OutcomePart::Pruned => {
-                        format!(
-                            "pruned after {}",
-                            counted(hypothesis.frames_fitted, "frame")
-                        )
+                        format!("pruned after {}", counted(hypothesis.frames_fitted, "frame"))
                     }
                     _ => format!("{:.1}", hypothesis.minus_log_posterior.total),
                 },
@@ -100,9 +97,7 @@ impl Summary<'_> {
         let Some(first) = lengths.first() else {
             return String::new();
         };
-        let Confidence {
-            epsilon, keyframes, ..
-        } = first.confidence;
+        let Confidence { epsilon, keyframes, .. } = first.confidence;
 
         let within = format!("p within {} cm", 100.0 * epsilon);
         let has_sd = lengths.iter().any(|length| length.sd_m.is_some());
@@ -113,10 +108,7 @@ impl Summary<'_> {
 
         let cm = |metres: f64| format!("± {:.1}", 100.0 * metres);
         for length in lengths {
-            let mut row = vec![
-                length.name.clone(),
-                format!("{:.1}", 100.0 * length.length_m),
-            ];
+            let mut row = vec![length.name.clone(), format!("{:.1}", 100.0 * length.length_m)];
             row.extend(has_sd.then(|| or_dash(length.sd_m, cm)));
             row.push(or_dash(length.confidence.sigma, cm));
             row.push(or_dash(length.confidence.p_within, probability));
@@ -153,11 +145,7 @@ impl Summary<'_> {
     }
 
     fn warnings(&self) -> String {
-        let lines = self
-            .result
-            .warnings
-            .iter()
-            .map(|warning| format!("  ! {warning}\n"));
+        let lines = self.result.warnings.iter().map(|warning| format!("  ! {warning}\n"));
         lines.collect()
     }
 }

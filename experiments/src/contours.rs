@@ -114,9 +114,7 @@ pub fn sheet(rows: &[Vec<Picture>], [left, top, width, height]: [usize; 4]) -> P
             let corner = column * (width + GAP);
             for y in 0..height.min(picture.height().saturating_sub(top)) {
                 let line = picture.row(top + y);
-                let used = line
-                    .get(left..(left + width).min(line.len()))
-                    .unwrap_or(&[]);
+                let used = line.get(left..(left + width).min(line.len())).unwrap_or(&[]);
                 let into = sheet.row_mut(row * (height + GAP) + y);
                 into[corner..corner + used.len()].copy_from_slice(used);
             }
@@ -130,9 +128,7 @@ mod tests {
     use super::*;
 
     fn square(low: usize, high: usize) -> Mask {
-        Mask::from_fn(60, 60, |x, y| {
-            (low..high).contains(&x) && (low..high).contains(&y)
-        })
+        Mask::from_fn(60, 60, |x, y| (low..high).contains(&x) && (low..high).contains(&y))
     }
 
     #[test]
@@ -141,11 +137,7 @@ mod tests {
         assert!(same.overlap >= 1.0);
         assert!(same.distance_px < 1e-9 && !same.is_error());
         let larger = Score::of(&square(7, 53), &square(10, 50));
-        assert!(
-            (2.9..3.2).contains(&larger.distance_px),
-            "{}",
-            larger.distance_px
-        );
+        assert!((2.9..3.2).contains(&larger.distance_px), "{}", larger.distance_px);
         let much_larger = Score::of(&square(5, 55), &square(10, 50));
         assert!(much_larger.is_error());
     }

@@ -49,10 +49,7 @@ impl Expected {
             self.most.unwrap_or(f64::INFINITY),
         );
         if let (Some(value), Some(tolerance)) = (self.value, self.tolerance) {
-            interval = (
-                interval.0.max(value - tolerance),
-                interval.1.min(value + tolerance),
-            );
+            interval = (interval.0.max(value - tolerance), interval.1.min(value + tolerance));
         }
         interval
     }
@@ -107,30 +104,17 @@ mod tests {
     #[test]
     fn a_number_within_tolerance_and_limits_is_not_out() {
         let expected = expected("[a]\nvalue = 1.0\ntolerance = 0.5\n[b]\nmost = 3.0");
-        assert_eq!(
-            out(&expected, &found(&[("a", 1.4), ("b", 2.0), ("c", 9.0)])),
-            []
-        );
+        assert_eq!(out(&expected, &found(&[("a", 1.4), ("b", 2.0), ("c", 9.0)])), []);
     }
 
     #[test]
     fn what_is_too_far_missing_or_not_a_number_is_named() {
-        let expected =
-            expected("[a]\nvalue = 1.0\ntolerance = 0.5\n[b]\nmost = 3.0\n[c]\nleast = 0.0");
+        let expected = expected("[a]\nvalue = 1.0\ntolerance = 0.5\n[b]\nmost = 3.0\n[c]\nleast = 0.0");
         let out = out(&expected, &found(&[("a", 1.6), ("c", f64::NAN)]));
         let lines: Vec<String> = out.iter().map(ToString::to_string).collect();
-        assert_eq!(
-            lines[0],
-            "out of tolerance: a is 1.6000, expected 0.5000 to 1.5000"
-        );
-        assert_eq!(
-            lines[1],
-            "out of tolerance: b is not measured, expected -inf to 3.0000"
-        );
-        assert_eq!(
-            lines[2],
-            "out of tolerance: c is NaN, expected 0.0000 to inf"
-        );
+        assert_eq!(lines[0], "out of tolerance: a is 1.6000, expected 0.5000 to 1.5000");
+        assert_eq!(lines[1], "out of tolerance: b is not measured, expected -inf to 3.0000");
+        assert_eq!(lines[2], "out of tolerance: c is NaN, expected 0.0000 to inf");
     }
 
     #[test]

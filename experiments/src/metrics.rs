@@ -37,12 +37,7 @@ const SEGMENTS: [(&str, &str); 8] = [
 ];
 
 /// The points of a body in motion.
-pub fn trajectories(
-    model: &BodyModel,
-    shape: &Shape,
-    motions: &[Motion],
-    rate_hz: f64,
-) -> Trajectories {
+pub fn trajectories(model: &BodyModel, shape: &Shape, motions: &[Motion], rate_hz: f64) -> Trajectories {
     let points = |motion| {
         Posed::new(model, shape, motion)
             .points()
@@ -85,9 +80,7 @@ pub fn mpjpe_mm(truth: &Trajectories, fit: &Trajectories) -> Option<f64> {
 pub fn offset_errors_mm(truth: &Trajectories, fit: &Trajectories) -> Vec<Vec<f64>> {
     let frames = truth.frames.len();
     let of_joint = |name: &&str| {
-        let local = |frame| {
-            Some(limb_axes(truth, name, frame)?.transpose() * difference(truth, fit, name, frame)?)
-        };
+        let local = |frame| Some(limb_axes(truth, name, frame)?.transpose() * difference(truth, fit, name, frame)?);
         let local: Vec<Option<Vector3<f64>>> = (0..frames).map(local).collect();
         let known = local.iter().flatten().count().max(1) as f64;
         let offset = local.iter().flatten().sum::<Vector3<f64>>() / known;
@@ -131,10 +124,7 @@ pub fn mean_distance(of: &Trajectories, from: &str, to: &str) -> Option<f64> {
 pub struct Flexion(pub &'static str, pub &'static str, pub &'static str);
 
 /// Flexion of the right and the left knee.
-pub const KNEES: [Flexion; 2] = [
-    Flexion("RHip", "RKnee", "RAnkle"),
-    Flexion("LHip", "LKnee", "LAnkle"),
-];
+pub const KNEES: [Flexion; 2] = [Flexion("RHip", "RKnee", "RAnkle"), Flexion("LHip", "LKnee", "LAnkle")];
 /// Of the hips, against the trunk's side.
 pub const HIPS: [Flexion; 2] = [
     Flexion("RShoulder", "RHip", "RKnee"),
@@ -161,12 +151,7 @@ pub fn rms_deg(angles: &[Flexion], truth: &Trajectories, fit: &Trajectories) -> 
     mean(angles.iter().filter_map(|angle| angle.rms_deg(truth, fit)))
 }
 
-fn difference(
-    truth: &Trajectories,
-    fit: &Trajectories,
-    name: &str,
-    frame: usize,
-) -> Option<Vector3<f64>> {
+fn difference(truth: &Trajectories, fit: &Trajectories, name: &str, frame: usize) -> Option<Vector3<f64>> {
     Some(point(fit, name, frame)? - point(truth, name, frame)?)
 }
 
@@ -181,8 +166,7 @@ fn limb_axes(of: &Trajectories, joint: &str, frame: usize) -> Option<Matrix3<f64
     };
     let [a, b, c] = chain.map(|name| point(of, &format!("{side}{name}"), frame));
     let along = if joint == chain[2] { c? - b? } else { b? - a? };
-    let lateral =
-        point(of, &format!("L{}", chain[0]), frame)? - point(of, &format!("R{}", chain[0]), frame)?;
+    let lateral = point(of, &format!("L{}", chain[0]), frame)? - point(of, &format!("R{}", chain[0]), frame)?;
     let z = along.try_normalize(1e-9)?;
     let y = z.cross(&lateral).try_normalize(1e-9)?;
     Some(Matrix3::from_columns(&[y.cross(&z), y, z]))
@@ -199,11 +183,7 @@ mod tests {
     fn person(scale: f64) -> Trajectories {
         let model = model::load("human-ellipsoids", std::path::Path::new("")).unwrap();
         let mut shape = Shape(DVector::zeros(model.coefficients.len()));
-        let thigh = model
-            .coefficients
-            .iter()
-            .position(|c| c == "thigh_length")
-            .unwrap();
+        let thigh = model.coefficients.iter().position(|c| c == "thigh_length").unwrap();
         shape.0[thigh] = scale.ln();
         let motion = |i: usize| {
             let mut motion = Motion::rest(&model);
@@ -211,12 +191,7 @@ mod tests {
             motion.position_world.x = 0.1 * i as f64;
             motion
         };
-        trajectories(
-            &model,
-            &shape,
-            &(0..10).map(motion).collect::<Vec<_>>(),
-            50.0,
-        )
+        trajectories(&model, &shape, &(0..10).map(motion).collect::<Vec<_>>(), 50.0)
     }
 
     #[test]

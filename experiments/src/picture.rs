@@ -91,11 +91,8 @@ impl Panel {
             .with_data(points.iter().copied())
             .with_color(colour)
             .with_stroke_width(2.0);
-        self.plots.push(Plot::Line(if name.is_empty() {
-            line
-        } else {
-            line.with_legend(name)
-        }));
+        self.plots
+            .push(Plot::Line(if name.is_empty() { line } else { line.with_legend(name) }));
         self
     }
 
@@ -105,11 +102,8 @@ impl Panel {
             .with_data(points.iter().copied())
             .with_color(colour)
             .with_dashed();
-        self.plots.push(Plot::Line(if name.is_empty() {
-            line
-        } else {
-            line.with_legend(name)
-        }));
+        self.plots
+            .push(Plot::Line(if name.is_empty() { line } else { line.with_legend(name) }));
         self
     }
 
@@ -135,11 +129,8 @@ impl Panel {
             .with_color(colour)
             .with_y_err(points.iter().map(|p| p.2))
             .with_stroke_width(1.5);
-        self.plots.push(Plot::Line(if name.is_empty() {
-            line
-        } else {
-            line.with_legend(name)
-        }));
+        self.plots
+            .push(Plot::Line(if name.is_empty() { line } else { line.with_legend(name) }));
         self
     }
 
@@ -152,11 +143,8 @@ impl Panel {
         )
         .with_color(colour)
         .with_opacity(0.2);
-        self.plots.push(Plot::Band(if name.is_empty() {
-            band
-        } else {
-            band.with_legend(name)
-        }));
+        self.plots
+            .push(Plot::Band(if name.is_empty() { band } else { band.with_legend(name) }));
         self
     }
 
@@ -182,11 +170,8 @@ impl Panel {
     /// A vertical line at an abscissa.
     pub fn rule_at(mut self, x: f64, label: &str) -> Self {
         let rule = ReferenceLine::vertical(x).with_color(colour::BLACK);
-        self.rules.push(if label.is_empty() {
-            rule
-        } else {
-            rule.with_label(label)
-        });
+        self.rules
+            .push(if label.is_empty() { rule } else { rule.with_label(label) });
         self
     }
 
@@ -199,9 +184,7 @@ impl Panel {
         };
         let mut layout = Layout::auto_from_plots(&self.plots);
         if self.categories.is_empty() {
-            layout = layout
-                .with_x_axis_min(self.ranges.0.0)
-                .with_x_axis_max(self.ranges.0.1);
+            layout = layout.with_x_axis_min(self.ranges.0.0).with_x_axis_max(self.ranges.0.1);
         }
         layout = layout
             .with_y_axis_min(self.ranges.1.0)
@@ -220,10 +203,7 @@ impl Panel {
         if self.equal == Aspect::Equal {
             layout = layout.with_equal_aspect();
         }
-        self.rules
-            .iter()
-            .cloned()
-            .fold(layout, Layout::with_reference_line)
+        self.rules.iter().cloned().fold(layout, Layout::with_reference_line)
     }
 }
 

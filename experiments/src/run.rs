@@ -132,10 +132,7 @@ impl Run {
     /// [`RunError::Write`].
     pub fn table(&self, title: &str, table: &Table) -> Result<(), RunError> {
         println!("\n{title}\n\n{table}");
-        write(
-            &self.folder().join(format!("{}.csv", table.name)),
-            table.csv(),
-        )
+        write(&self.folder().join(format!("{}.csv", table.name)), table.csv())
     }
 
     /// Prints a line.
@@ -228,9 +225,7 @@ impl Run {
 
     /// Where its files go.
     pub fn folder(&self) -> PathBuf {
-        Path::new(env!("CARGO_MANIFEST_DIR"))
-            .join("out")
-            .join(self.file_name())
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("out").join(self.file_name())
     }
 }
 

@@ -39,10 +39,7 @@ impl Table {
             }
         };
         let line = |row: &Vec<String>| row.iter().map(quoted).collect::<Vec<_>>().join(",") + "\n";
-        std::iter::once(&self.columns)
-            .chain(&self.rows)
-            .map(line)
-            .collect()
+        std::iter::once(&self.columns).chain(&self.rows).map(line).collect()
     }
 }
 
@@ -50,17 +47,11 @@ impl fmt::Display for Table {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let width = |c: usize| {
             let cells = self.rows.iter().map(|row| row[c].chars().count());
-            cells
-                .chain([self.columns[c].chars().count(), 3])
-                .max()
-                .unwrap_or(3)
+            cells.chain([self.columns[c].chars().count(), 3]).max().unwrap_or(3)
         };
         let widths: Vec<usize> = (0..self.columns.len()).map(width).collect();
         let mut line = |cells: &[String]| {
-            let padded = cells
-                .iter()
-                .zip(&widths)
-                .map(|(cell, &w)| format!("{cell:w$}"));
+            let padded = cells.iter().zip(&widths).map(|(cell, &w)| format!("{cell:w$}"));
             writeln!(f, "| {} |", padded.collect::<Vec<_>>().join(" | "))
         };
         line(&self.columns)?;

@@ -84,10 +84,5 @@ fn observe_frame(recording: &Synthetic, rig: &Rig, frame: FrameIndex) -> FrameOb
 
 /// The true joint centres.
 pub fn truth(recording: &Synthetic) -> Trajectories {
-    trajectories(
-        &recording.model,
-        &recording.shape,
-        &recording.motions,
-        recording.fps,
-    )
+    trajectories(&recording.model, &recording.shape, &recording.motions, recording.fps)
 }

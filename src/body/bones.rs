@@ -11,10 +11,7 @@ impl BodyModel {
         let part = &self.parts[part.0];
         let covariance = &self.statistics.covariance;
         let mut variance = part.sd_m.component_mul(&part.sd_m);
-        let pairs = part
-            .pivot
-            .iter()
-            .flat_map(|a| part.pivot.iter().map(move |b| (a, b)));
+        let pairs = part.pivot.iter().flat_map(|a| part.pivot.iter().map(move |b| (a, b)));
         for (a, b) in pairs {
             let shared = covariance[(a.coefficient.0, b.coefficient.0)];
             variance += a.direction.component_mul(&b.direction) * shared;
@@ -33,8 +30,7 @@ impl BodyModel {
         let bone = |part: usize| {
             own_joint(part)?;
             let beyond = (0..parents.len()).filter(|&child| parents[child] == Some(part));
-            let beyond: Vec<(usize, JointId)> =
-                beyond.filter_map(|c| Some((c, own_joint(c)?))).collect();
+            let beyond: Vec<(usize, JointId)> = beyond.filter_map(|c| Some((c, own_joint(c)?))).collect();
 
             // where it branches, the one branch in the middle of the body
             let mut middle = beyond.iter().filter(|(_, joint)| is_middle(*joint));

@@ -26,11 +26,7 @@ pub struct KinematicsFault {
 ///
 /// # Errors
 /// The first entry that is off by more than `tolerance` (absolute, metres or square metres per unit).
-pub fn check_kinematics(
-    model: &BodyModel,
-    state: &State,
-    tolerance: f64,
-) -> Result<(), KinematicsFault> {
+pub fn check_kinematics(model: &BodyModel, state: &State, tolerance: f64) -> Result<(), KinematicsFault> {
     let layout = Layout::new(model);
     let body = Posed::new(model, &state.shape, &state.motion);
 
@@ -73,12 +69,7 @@ pub fn check_kinematics(
         for (column, &component) in jacobians.components[index].iter().enumerate() {
             analytic.set_column(component, &jacobians.values[index].column(column));
         }
-        compare(
-            &format!("ellipsoid {index}"),
-            &analytic,
-            &numeric,
-            tolerance,
-        )?;
+        compare(&format!("ellipsoid {index}"), &analytic, &numeric, tolerance)?;
     }
 
     Ok(())
@@ -94,12 +85,7 @@ fn numbers(e: &Ellipsoid) -> DVector<f64> {
     )
 }
 
-fn compare(
-    what: &str,
-    analytic: &DMatrix<f64>,
-    numeric: &DMatrix<f64>,
-    tolerance: f64,
-) -> Result<(), KinematicsFault> {
+fn compare(what: &str, analytic: &DMatrix<f64>, numeric: &DMatrix<f64>, tolerance: f64) -> Result<(), KinematicsFault> {
     match first_difference(analytic, numeric, |_| tolerance) {
         None => Ok(()),
         Some((row, component)) => Err(KinematicsFault {
@@ -123,9 +109,6 @@ mod tests {
         assert_eq!(compare("RKnee", &analytic, &numeric, 1e-9), Ok(()));
         analytic[(1, 0)] = -3.0;
         let fault = compare("RKnee", &analytic, &numeric, 1e-9).unwrap_err();
-        assert_eq!(
-            fault.to_string(),
-            "∂(RKnee)[1]/∂δ[0] is -3 and 3 by differences"
-        );
+        assert_eq!(fault.to_string(), "∂(RKnee)[1]/∂δ[0] is -3 and 3 by differences");
     }
 }

@@ -27,15 +27,8 @@ impl EllipsoidJacobians {
     /// Memory for a model's ellipsoids, to be filled by [`EllipsoidJacobians::update`].
     pub fn new(model: &BodyModel) -> Self {
         let layout = Layout::new(model);
-        let components: Vec<_> = model
-            .ellipsoids
-            .iter()
-            .map(|e| components(model, layout, e))
-            .collect();
-        let values = components
-            .iter()
-            .map(|c| Matrix9xX::zeros(c.len()))
-            .collect();
+        let components: Vec<_> = model.ellipsoids.iter().map(|e| components(model, layout, e)).collect();
+        let values = components.iter().map(|c| Matrix9xX::zeros(c.len())).collect();
         Self { components, values }
     }
 
@@ -84,16 +77,10 @@ fn fill(
 ) {
     let column = |component: usize| components.binary_search(&component).unwrap_or(usize::MAX);
 
-    point_columns(
-        body,
-        layout,
-        primitive.frame,
-        &primitive.centre,
-        |component, d| {
-            let c = column(component);
-            (0..3).for_each(|k| values[(k, c)] += d[k]);
-        },
-    );
+    point_columns(body, layout, primitive.frame, &primitive.centre, |component, d| {
+        let c = column(component);
+        (0..3).for_each(|k| values[(k, c)] += d[k]);
+    });
 
     // how the shape matrix turns
     let mut turn = |component: usize, axis: Vector3<f64>| {
@@ -109,10 +96,7 @@ fn fill(
     }
 
     // how it stretches
-    let (axes, radii) = (
-        body.primitive_axes(primitive),
-        body.primitive_radii(primitive),
-    );
+    let (axes, radii) = (body.primitive_axes(primitive), body.primitive_radii(primitive));
     for (coefficient, slope) in primitive.radii.slopes(body.shape()) {
         let stretch = Matrix3::from_diagonal(&(2.0 * radii.component_mul(&slope)));
         let d = axes * stretch * axes.transpose();
@@ -143,9 +127,7 @@ fn point_columns(
         for k in 0..3 {
             add(
                 3 + k,
-                root.world_from_frame
-                    .column(k)
-                    .cross(&(point - root.origin_world)),
+                root.world_from_frame.column(k).cross(&(point - root.origin_world)),
             );
         }
     }
@@ -153,10 +135,7 @@ fn point_columns(
     // each joint turns the point about its origin and carries it along a translation
     for (frame, by) in body.model.path(frame) {
         let arm = point - body.frames[frame.0].origin_world;
-        add(
-            layout.angle(by.joint),
-            body.turns_world[frame.0].cross(&arm),
-        );
+        add(layout.angle(by.joint), body.turns_world[frame.0].cross(&arm));
         let parent = body.frames[by.parent.0].world_from_frame;
         let translation = &body.model.joints[by.joint.0].translation;
         stretch_columns(body, layout, &parent, translation, &mut add);

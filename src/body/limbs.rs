@@ -55,9 +55,7 @@ impl BodyModel {
             let mut joint = self.parts[part].joint;
             loop {
                 // several parts may share a frame: the first of them carries the others
-                if let Some(other) =
-                    first_at(joint).filter(|&other| other < part || joint != self.parts[part].joint)
-                {
+                if let Some(other) = first_at(joint).filter(|&other| other < part || joint != self.parts[part].joint) {
                     return Some(other);
                 }
                 joint = self.joints[joint?.0].parent;
@@ -77,9 +75,7 @@ mod tests {
     use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
 
     use super::*;
-    use crate::body::{
-        FrameId, Joint, JointId, Part, Primitive, Root, ScaledVector, ShapeStatistics,
-    };
+    use crate::body::{FrameId, Joint, JointId, Part, Primitive, Root, ScaledVector, ShapeStatistics};
 
     fn fixed(value: [f64; 3]) -> ScaledVector {
         ScaledVector::fixed(Vector3::from(value))
@@ -136,10 +132,7 @@ mod tests {
 
     fn names(model: &BodyModel) -> Vec<String> {
         let name = |limb: &Vec<PartId>| {
-            let names: Vec<_> = limb
-                .iter()
-                .map(|p| model.parts[p.0].name.as_str())
-                .collect();
+            let names: Vec<_> = limb.iter().map(|p| model.parts[p.0].name.as_str()).collect();
             names.join(" ")
         };
         model.limbs().iter().map(name).collect()
@@ -175,11 +168,7 @@ mod tests {
 
     #[test]
     fn a_part_without_metaballs_makes_no_branch() {
-        let arm = tree(&[
-            ("upper", None),
-            ("bare_marker", Some(0)),
-            ("lower", Some(0)),
-        ]);
+        let arm = tree(&[("upper", None), ("bare_marker", Some(0)), ("lower", Some(0))]);
         assert_eq!(names(&arm), ["lower upper"]);
     }
 }

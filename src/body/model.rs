@@ -211,9 +211,7 @@ pub enum ModelError {
         high: f64,
     },
     /// The covariance of p(s) has no inverse.
-    #[error(
-        "the shape coefficients' covariance is not positive definite: give each coefficient an sd > 0"
-    )]
+    #[error("the shape coefficients' covariance is not positive definite: give each coefficient an sd > 0")]
     Covariance,
     /// A number that must be finite, or finite and positive, is not.
     #[error("{place}: {value} is not a usable number")]
@@ -232,17 +230,13 @@ impl BodyModel {
     /// Points whose names make them mirror images, such as `RAnkle` and `LAnkle`: (right, left), in the order of the right ones.
     pub fn point_pairs(&self) -> Vec<(usize, usize)> {
         let names: Vec<&str> = self.points.iter().map(|p| p.name.as_str()).collect();
-        pairs(&names, |right| {
-            Some(format!("L{}", right.strip_prefix('R')?))
-        })
+        pairs(&names, |right| Some(format!("L{}", right.strip_prefix('R')?)))
     }
 
     /// Parts whose names make them mirror images, such as `foot_r` and `foot_l`: (right, left), in the order of the right ones.
     pub fn part_pairs(&self) -> Vec<(usize, usize)> {
         let names: Vec<&str> = self.parts.iter().map(|p| p.name.as_str()).collect();
-        pairs(&names, |right| {
-            Some(format!("{}_l", right.strip_suffix("_r")?))
-        })
+        pairs(&names, |right| Some(format!("{}_l", right.strip_suffix("_r")?)))
     }
 
     /// Checks what kinematics and priors rely on: positive radii, ordered limits, a usable covariance.
@@ -356,10 +350,7 @@ fn check<'a>(
     place: impl Fn() -> String,
 ) -> Result<(), ModelError> {
     match numbers.into_iter().find(|value| !is_right(**value)) {
-        Some(&value) => Err(ModelError::Number {
-            place: place(),
-            value,
-        }),
+        Some(&value) => Err(ModelError::Number { place: place(), value }),
         None => Ok(()),
     }
 }

@@ -24,8 +24,7 @@
 use nalgebra::{DMatrix, Matrix3, Matrix3xX, Rotation3, Vector3};
 
 use super::{
-    BodyModel, CoefficientId, FrameId, Joint, JointId, Layout, Motion, PartId, Posed, ScaledVector,
-    Shape, Shift, Turn,
+    BodyModel, CoefficientId, FrameId, Joint, JointId, Layout, Motion, PartId, Posed, ScaledVector, Shape, Shift, Turn,
 };
 
 /// A body whose coefficients are s and then the places c of joints and points, and whose last joints turn flesh against bones.
@@ -60,10 +59,7 @@ impl PlacedBody {
 
     /// s with every place where the model has it: c = 0.
     pub fn shape(&self, shape: &Shape) -> Shape {
-        let mut all = shape
-            .0
-            .clone()
-            .resize_vertically(self.model.coefficients.len(), 0.0);
+        let mut all = shape.0.clone().resize_vertically(self.model.coefficients.len(), 0.0);
         all.rows_mut(shape.0.len(), self.count()).fill(0.0);
         Shape(all)
     }
@@ -79,9 +75,7 @@ impl PlacedBody {
 
     fn add_coefficients(&mut self, count: usize) {
         let (first, model) = (self.model.coefficients.len(), &mut self.model);
-        model
-            .coefficients
-            .extend((0..count).map(|k| format!("place {k}")));
+        model.coefficients.extend((0..count).map(|k| format!("place {k}")));
         let statistics = &mut model.statistics;
         let all = first + count;
         statistics.mean = statistics.mean.clone().resize_vertically(all, 0.0);
@@ -174,11 +168,7 @@ impl PlacedBody {
         let mut parent = model.parts[part.0].joint;
 
         for axis in [Vector3::x_axis(), Vector3::y_axis(), Vector3::z_axis()] {
-            let name = format!(
-                "flesh {} of {}",
-                model.joints.len(),
-                model.parts[part.0].name
-            );
+            let name = format!("flesh {} of {}", model.joints.len(), model.parts[part.0].name);
             model.joints.push(Joint {
                 name,
                 parent,
@@ -274,9 +264,7 @@ impl Displacements {
         Self {
             count,
             turns: parts.clone().map(turn).collect(),
-            centres: parts
-                .map(|part| in_part(straight, part, &world[part]))
-                .collect(),
+            centres: parts.map(|part| in_part(straight, part, &world[part])).collect(),
             world,
         }
     }

@@ -98,10 +98,7 @@ impl<'a> Posed<'a> {
     /// All exported points in the world, in the order of [`BodyModel::points`].
     pub fn points(&self) -> Vec<Point3<f64>> {
         let mean = |places: &[(PartId, ScaledVector)]| {
-            let sum: Vector3<f64> = places
-                .iter()
-                .map(|(part, place)| self.point(*part, place).coords)
-                .sum();
+            let sum: Vector3<f64> = places.iter().map(|(part, place)| self.point(*part, place).coords).sum();
             Point3::from(sum / places.len() as f64)
         };
         self.model.points.iter().map(|p| mean(&p.places)).collect()
@@ -110,10 +107,7 @@ impl<'a> Posed<'a> {
     /// A primitive as an ellipsoid in the world.
     pub fn primitive(&self, primitive: &Primitive) -> Ellipsoid {
         let frame = &self.frames[primitive.frame.0];
-        let (axes, radii) = (
-            self.primitive_axes(primitive),
-            self.primitive_radii(primitive),
-        );
+        let (axes, radii) = (self.primitive_axes(primitive), self.primitive_radii(primitive));
         let squared = Matrix3::from_diagonal(&radii.component_mul(&radii));
         Ellipsoid {
             centre: frame.origin_world + frame.world_from_frame * primitive.centre.at(self.shape),
@@ -149,10 +143,6 @@ impl<'a> Posed<'a> {
 
     /// The model's ellipsoids in the world.
     pub fn ellipsoids(&self) -> Vec<Ellipsoid> {
-        self.model
-            .ellipsoids
-            .iter()
-            .map(|e| self.primitive(e))
-            .collect()
+        self.model.ellipsoids.iter().map(|e| self.primitive(e)).collect()
     }
 }

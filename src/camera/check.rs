@@ -14,10 +14,7 @@ pub trait ProjectionModel {
     /// The pixel of the recorded image.
     fn project(&self, point_world: &Point3<f64>) -> Option<Point2<f64>>;
     /// The undistorted pixel and its derivative with respect to the world point.
-    fn project_undistorted_with_jacobian(
-        &self,
-        point_world: &Point3<f64>,
-    ) -> Option<(Point2<f64>, Matrix2x3<f64>)>;
+    fn project_undistorted_with_jacobian(&self, point_world: &Point3<f64>) -> Option<(Point2<f64>, Matrix2x3<f64>)>;
     /// From the recorded image to undistorted pixels.
     fn undistort(&self, pixel: &Point2<f64>) -> Option<Point2<f64>>;
     /// From undistorted pixels to the recorded image.
@@ -30,10 +27,7 @@ impl ProjectionModel for Camera {
     fn project(&self, point_world: &Point3<f64>) -> Option<Point2<f64>> {
         self.project(point_world)
     }
-    fn project_undistorted_with_jacobian(
-        &self,
-        point_world: &Point3<f64>,
-    ) -> Option<(Point2<f64>, Matrix2x3<f64>)> {
+    fn project_undistorted_with_jacobian(&self, point_world: &Point3<f64>) -> Option<(Point2<f64>, Matrix2x3<f64>)> {
         self.project_undistorted_with_jacobian(point_world)
     }
     fn undistort(&self, pixel: &Point2<f64>) -> Option<Point2<f64>> {
@@ -122,10 +116,7 @@ pub fn check_projection(
     Ok(())
 }
 
-fn check_round_trip(
-    model: &impl ProjectionModel,
-    pixel: &Point2<f64>,
-) -> Result<Point2<f64>, ProjectionFault> {
+fn check_round_trip(model: &impl ProjectionModel, pixel: &Point2<f64>) -> Result<Point2<f64>, ProjectionFault> {
     let undistorted = model
         .undistort(pixel)
         .ok_or(ProjectionFault::NotUndistorted { pixel: *pixel })?;
@@ -151,18 +142,15 @@ fn check_on_ray(
     let seen = model.project(&point_world);
     let seen_undistorted = model.project_undistorted_with_jacobian(&point_world);
     let (Some(seen), Some((seen_undistorted, jacobian))) = (seen, seen_undistorted) else {
-        return Err(ProjectionFault::NotSeen {
-            pixel: *pixel,
-            depth,
-        });
+        return Err(ProjectionFault::NotSeen { pixel: *pixel, depth });
     };
 
     // relative for undistorted pixels, which lie far outside the image for a wide fisheye
     let scale = 1.0 + undistorted.coords.norm() * f64::EPSILON / ROUND_TRIP_PX;
     let undistorted_px = (seen_undistorted - undistorted).norm() / scale;
-    let back_px = model.undistort(&seen).map_or(f64::INFINITY, |back| {
-        (back - seen_undistorted).norm() / scale
-    });
+    let back_px = model
+        .undistort(&seen)
+        .map_or(f64::INFINITY, |back| (back - seen_undistorted).norm() / scale);
     let error_px = (seen - pixel).norm().max(undistorted_px).max(back_px);
 
     if error_px <= ROUND_TRIP_PX {
@@ -276,10 +264,7 @@ mod tests {
                 skew_px: 0.0,
             },
             distortion: Distortion::brown_conrady(&[-0.2, 0.05, 1e-3, -1e-3]).unwrap(),
-            camera_from_world: Rigid3::new(
-                Vector3::new(0.1, 0.2, 3.0),
-                Vector3::new(1.2, 0.3, 0.1),
-            ),
+            camera_from_world: Rigid3::new(Vector3::new(0.1, 0.2, 3.0), Vector3::new(1.2, 0.3, 0.1)),
         };
         let pixels = camera.pixel_grid(7, 5);
         check_projection(&Planted(camera, fault), &pixels, &[3.0])

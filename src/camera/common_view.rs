@@ -58,11 +58,7 @@ impl fmt::Display for Blindness {
             Self::Behind => write!(f, "behind it"),
             Self::BeyondLens => write!(f, "beyond the view of its lens"),
             Self::OutsideImage { pixel } => {
-                write!(
-                    f,
-                    "outside its image, at ({:.0}, {:.0}) px",
-                    pixel.x, pixel.y
-                )
+                write!(f, "outside its image, at ({:.0}, {:.0}) px", pixel.x, pixel.y)
             }
         }
     }
@@ -102,12 +98,10 @@ impl Rig {
     }
 
     fn votes(&self, point_world: &Point3<f64>) -> Votes {
-        let eccentricities = self.cameras.iter().filter_map(|camera| {
-            Some(eccentricity(
-                camera,
-                &visible_pixel(camera, point_world).ok()?,
-            ))
-        });
+        let eccentricities = self
+            .cameras
+            .iter()
+            .filter_map(|camera| Some(eccentricity(camera, &visible_pixel(camera, point_world).ok()?)));
         eccentricities.fold(Votes::default(), |votes, eccentricity| Votes {
             cameras: votes.cameras + 1,
             eccentricity: votes.eccentricity + eccentricity,
@@ -122,12 +116,7 @@ impl Rig {
             .map(|i| scale * NEAREST * (step * f64::from(i)).exp())
             .collect();
         let rays = self.cameras.iter().flat_map(lines_of_sight);
-        let along = rays.flat_map(|ray| {
-            depths
-                .iter()
-                .map(move |&t| ray.point_at(t))
-                .collect::<Vec<_>>()
-        });
+        let along = rays.flat_map(|ray| depths.iter().map(move |&t| ray.point_at(t)).collect::<Vec<_>>());
         closest_point(&axes).into_iter().chain(along).collect()
     }
 
@@ -153,16 +142,13 @@ struct Votes {
 
 impl Votes {
     fn beats(&self, other: &Self) -> bool {
-        self.cameras > other.cameras
-            || self.cameras == other.cameras && self.eccentricity < other.eccentricity
+        self.cameras > other.cameras || self.cameras == other.cameras && self.eccentricity < other.eccentricity
     }
 }
 
 /// The pixel of the recorded image at which a camera sees a point.
 fn visible_pixel(camera: &Camera, point_world: &Point3<f64>) -> Result<Point2<f64>, Blindness> {
-    camera
-        .project_undistorted(point_world)
-        .ok_or(Blindness::Behind)?;
+    camera.project_undistorted(point_world).ok_or(Blindness::Behind)?;
     let pixel = camera.project(point_world).ok_or(Blindness::BeyondLens)?;
     if camera.contains(&pixel) {
         Ok(pixel)

@@ -28,20 +28,15 @@ impl Camera {
     /// P = K·\[R|t\], 3 × 4, to undistorted pixels.
     pub fn projection(&self) -> Matrix3x4<f64> {
         let mut pose = Matrix3x4::zeros();
-        pose.fixed_columns_mut::<3>(0).copy_from(
-            self.camera_from_world
-                .rotation
-                .to_rotation_matrix()
-                .matrix(),
-        );
+        pose.fixed_columns_mut::<3>(0)
+            .copy_from(self.camera_from_world.rotation.to_rotation_matrix().matrix());
         pose.set_column(3, &self.camera_from_world.translation.vector);
         self.intrinsics.matrix() * pose
     }
 
     /// Position of the camera: −Rᵀt.
     pub fn centre_world(&self) -> Point3<f64> {
-        self.camera_from_world
-            .inverse_transform_point(&Point3::origin())
+        self.camera_from_world.inverse_transform_point(&Point3::origin())
     }
 
     /// The undistorted pixel at which a point is seen; `None` if it is not in front of the camera.
@@ -63,20 +58,11 @@ impl Camera {
         let pixel = finite(self.intrinsics.pixel(&normalized))?;
 
         let Intrinsics {
-            fx_px,
-            fy_px,
-            skew_px,
-            ..
+            fx_px, fy_px, skew_px, ..
         } = self.intrinsics;
         let (x, y) = (normalized.x, normalized.y);
-        let by_camera = Matrix2x3::new(
-            fx_px,
-            skew_px,
-            -fx_px * x - skew_px * y,
-            0.0,
-            fy_px,
-            -fy_px * y,
-        ) / point_camera.z;
+        let by_camera =
+            Matrix2x3::new(fx_px, skew_px, -fx_px * x - skew_px * y, 0.0, fy_px, -fy_px * y) / point_camera.z;
 
         let rotation = self.camera_from_world.rotation.to_rotation_matrix();
         Some((pixel, by_camera * rotation.matrix()))
@@ -96,9 +82,7 @@ impl Camera {
         if self.distortion == Distortion::None {
             return finite(*pixel);
         }
-        let undistorted = self
-            .distortion
-            .undistort(&self.intrinsics.normalized(pixel))?;
+        let undistorted = self.distortion.undistort(&self.intrinsics.normalized(pixel))?;
         finite(self.intrinsics.pixel(&undistorted))
     }
 
@@ -139,17 +123,10 @@ impl Camera {
 
     /// Pixels in `columns` × `rows` equal steps from corner to corner of the image, row by row.
     pub fn pixel_grid(&self, columns: u32, rows: u32) -> Vec<Point2<f64>> {
-        let at = |i: u32, n: u32, size: u32| {
-            f64::from(size) * f64::from(i) / f64::from(n.max(2) - 1) - 0.5
-        };
+        let at = |i: u32, n: u32, size: u32| f64::from(size) * f64::from(i) / f64::from(n.max(2) - 1) - 0.5;
         (0..rows)
             .flat_map(|row| (0..columns).map(move |column| (column, row)))
-            .map(|(column, row)| {
-                Point2::new(
-                    at(column, columns, self.width_px),
-                    at(row, rows, self.height_px),
-                )
-            })
+            .map(|(column, row)| Point2::new(at(column, columns, self.width_px), at(row, rows, self.height_px)))
             .collect()
     }
 }
@@ -239,9 +216,7 @@ mod tests {
     #[test]
     fn the_optical_axis_meets_the_principal_point() {
         let camera = camera(lenses()[1]);
-        let pixel = camera
-            .project(&camera.optical_axis().point_at(2.0))
-            .unwrap();
+        let pixel = camera.project(&camera.optical_axis().point_at(2.0)).unwrap();
         approx::assert_relative_eq!(pixel, Point2::new(336.0, 228.7), epsilon = 1e-9);
     }
 

@@ -75,11 +75,7 @@ impl UpAxis {
     /// [`to_export`](Self::to_export) as a matrix.
     pub fn export_from_world(self) -> Matrix3<f64> {
         let column = |axis: Vector3<f64>| self.to_export(&axis);
-        Matrix3::from_columns(&[
-            column(Vector3::x()),
-            column(Vector3::y()),
-            column(Vector3::z()),
-        ])
+        Matrix3::from_columns(&[column(Vector3::x()), column(Vector3::y()), column(Vector3::z())])
     }
 }
 

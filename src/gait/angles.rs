@@ -31,29 +31,15 @@ pub(super) fn angles(segments: &Segments, heading: &[Vector3<f64>]) -> AngleTrac
             tracks.insert((side, angle), values);
         }
     }
-    tracks.retain(|(_, angle), values| {
-        !segments.unknown.contains_key(angle) && values.iter().any(|v| v.is_finite())
-    });
+    tracks.retain(|(_, angle), values| !segments.unknown.contains_key(angle) && values.iter().any(|v| v.is_finite()));
     tracks.values_mut().for_each(|values| unwrap(values));
     tracks
 }
 
-const PELVIS: [Angle; 3] = [
-    Angle::PelvisTilt,
-    Angle::PelvisObliquity,
-    Angle::PelvisRotation,
-];
-const TRUNK: [Angle; 3] = [
-    Angle::TrunkTilt,
-    Angle::TrunkObliquity,
-    Angle::TrunkRotation,
-];
+const PELVIS: [Angle; 3] = [Angle::PelvisTilt, Angle::PelvisObliquity, Angle::PelvisRotation];
+const TRUNK: [Angle; 3] = [Angle::TrunkTilt, Angle::TrunkObliquity, Angle::TrunkRotation];
 const HIP: [Angle; 3] = [Angle::HipFlexion, Angle::HipAdduction, Angle::HipRotation];
-const KNEE: [Angle; 3] = [
-    Angle::KneeFlexion,
-    Angle::KneeAdduction,
-    Angle::KneeRotation,
-];
+const KNEE: [Angle; 3] = [Angle::KneeFlexion, Angle::KneeAdduction, Angle::KneeRotation];
 const SHOULDER: [Angle; 3] = [
     Angle::ShoulderFlexion,
     Angle::ShoulderAdduction,
@@ -61,11 +47,7 @@ const SHOULDER: [Angle; 3] = [
 ];
 
 /// Pelvis, trunk and foot against the direction of walking.
-fn room_angles(
-    segments: &Segments,
-    heading: &[Vector3<f64>],
-    side: Side,
-) -> Vec<(Angle, Vec<f64>)> {
+fn room_angles(segments: &Segments, heading: &[Vector3<f64>], side: Side) -> Vec<(Angle, Vec<f64>)> {
     let mut found = Vec::new();
     for (segment, names) in [(Segment::Pelvis, PELVIS), (Segment::Trunk, TRUNK)] {
         let Some(axes) = segments.axes.get(&segment) else {
@@ -136,11 +118,7 @@ fn room(heading: &Vector3<f64>) -> Matrix3<f64> {
 /// \[α, β, γ\] of R = Rot_z(α)·Rot_x(β)·Rot_y(γ), radians; β within ±90°.
 pub fn cardan_zxy(r: &Matrix3<f64>) -> [f64; 3] {
     let beta = r[(2, 1)].clamp(-1.0, 1.0).asin();
-    [
-        (-r[(0, 1)]).atan2(r[(1, 1)]),
-        beta,
-        (-r[(2, 0)]).atan2(r[(2, 2)]),
-    ]
+    [(-r[(0, 1)]).atan2(r[(1, 1)]), beta, (-r[(2, 0)]).atan2(r[(2, 2)])]
 }
 
 /// [α, β, γ] of R = Rot_y(α)·Rot_x(β)·Rot_z(γ).
@@ -192,13 +170,7 @@ mod tests {
         let mut segments = Segments::default();
         let mut parts = vec![Segment::Pelvis, Segment::Trunk];
         for side in Side::BOTH {
-            for limb in [
-                Limb::Thigh,
-                Limb::Shank,
-                Limb::Foot,
-                Limb::UpperArm,
-                Limb::Forearm,
-            ] {
+            for limb in [Limb::Thigh, Limb::Shank, Limb::Foot, Limb::UpperArm, Limb::Forearm] {
                 parts.push(Segment::Of(side, limb));
             }
         }
@@ -242,16 +214,8 @@ mod tests {
         let bent = standing(Segment::Of(right, Limb::Shank), 2, -0.4);
         approx::assert_relative_eq!(bent[&(right, Angle::KneeFlexion)][0], 0.4, epsilon = 1e-12);
         let toes = standing(Segment::Of(right, Limb::Foot), 1, 0.1);
-        approx::assert_relative_eq!(
-            toes[&(right, Angle::FootProgression)][0],
-            0.1,
-            epsilon = 1e-12
-        );
+        approx::assert_relative_eq!(toes[&(right, Angle::FootProgression)][0], 0.1, epsilon = 1e-12);
         let toes = standing(Segment::Of(left, Limb::Foot), 2, 0.1);
-        approx::assert_relative_eq!(
-            toes[&(left, Angle::AnkleDorsiflexion)][0],
-            0.1,
-            epsilon = 1e-12
-        );
+        approx::assert_relative_eq!(toes[&(left, Angle::AnkleDorsiflexion)][0], 0.1, epsilon = 1e-12);
     }
 }

@@ -123,11 +123,7 @@ fn over_cycle(track: &[f64], cycle: &Cycle) -> Vec<f64> {
         let frame = cycle.frame_at(i as f64 / (POINTS - 1) as f64);
         // the ends of a cycle may lie a rounding error outside the recording
         let inside = frame.clamp(0.0, last);
-        if (frame - inside).abs() < 1e-6 {
-            inside
-        } else {
-            frame
-        }
+        if (frame - inside).abs() < 1e-6 { inside } else { frame }
     };
     (0..POINTS).map(|i| filter::at(track, place(i))).collect()
 }
@@ -148,9 +144,7 @@ mod tests {
 
     #[test]
     fn a_curve_of_two_strides_has_their_mean_and_spread() {
-        let track: Vec<f64> = (0..=200)
-            .map(|i| f64::from(i % 100) + f64::from(i / 100))
-            .collect();
+        let track: Vec<f64> = (0..=200).map(|i| f64::from(i % 100) + f64::from(i / 100)).collect();
         let cycle = |strike| Cycle {
             side: Side::Left,
             strike,
@@ -164,17 +158,10 @@ mod tests {
         let found = curves(&tracks, &Segments::default(), &[cycle(0.0), cycle(100.0)]);
         assert_eq!((found.len(), found[0].strides.len()), (1, 2));
         approx::assert_relative_eq!(found[0].mean[0], 0.5, epsilon = 1e-12);
-        approx::assert_relative_eq!(
-            found[0].sd.as_ref().unwrap()[50],
-            0.5_f64.sqrt(),
-            epsilon = 1e-9
-        );
+        approx::assert_relative_eq!(found[0].sd.as_ref().unwrap()[50], 0.5_f64.sqrt(), epsilon = 1e-9);
         let key = found[0].key_points();
         assert_eq!(
-            (
-                key.stance.greatest_at_percent,
-                key.swing.greatest_at_percent
-            ),
+            (key.stance.greatest_at_percent, key.swing.greatest_at_percent),
             (61, 100)
         );
     }

@@ -92,9 +92,7 @@ fn cycle(events: &[Event], strike: &Event, off: &Event, period: f64) -> Cycle {
     let other = strike.side.other();
     let find = |kind, from: f64, to: f64| {
         let mut found = events.iter().filter(|e| e.side == other && e.kind == kind);
-        found
-            .find(|e| from < e.frame && e.frame < to)
-            .map(|e| e.frame)
+        found.find(|e| from < e.frame && e.frame < to).map(|e| e.frame)
     };
     Cycle {
         side: strike.side,

@@ -85,18 +85,12 @@ pub(super) fn events(movement: &Movement, course: &Course, options: &GaitOptions
         }
     }
     found.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
-    if feet_take_turns(&found) {
-        found
-    } else {
-        Vec::new()
-    }
+    if feet_take_turns(&found) { found } else { Vec::new() }
 }
 
 fn feet_take_turns(events: &[Event]) -> bool {
     let strikes = Side::BOTH.map(|side| {
-        let own = events
-            .iter()
-            .filter(|e| e.side == side && e.kind == EventKind::Strike);
+        let own = events.iter().filter(|e| e.side == side && e.kind == EventKind::Strike);
         own.count()
     });
     let [fewer, more] = [strikes[0].min(strikes[1]), strikes[0].max(strikes[1])];
@@ -123,8 +117,7 @@ impl Foot {
 
         let ahead = |track: &Track| -> Vec<f64> {
             let rows = track.iter().zip(&pelvis).zip(&course.heading);
-            rows.map(|((p, pelvis), heading)| (p - pelvis).dot(heading))
-                .collect()
+            rows.map(|((p, pelvis), heading)| (p - pelvis).dot(heading)).collect()
         };
 
         let speed = |track: &Track| -> Vec<f64> {

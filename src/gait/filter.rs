@@ -11,9 +11,7 @@ const FEWEST: usize = 4;
 /// Bridges gaps of at most [`LONGEST_GAP_S`] by straight lines.
 pub(super) fn bridge(values: &mut [f64], rate_hz: f64) {
     let longest = (LONGEST_GAP_S * rate_hz).floor() as usize;
-    let known: Vec<usize> = (0..values.len())
-        .filter(|i| values[*i].is_finite())
-        .collect();
+    let known: Vec<usize> = (0..values.len()).filter(|i| values[*i].is_finite()).collect();
     for pair in known.windows(2) {
         let (a, b) = (pair[0], pair[1]);
         if b - a - 1 > longest {

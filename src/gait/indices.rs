@@ -131,9 +131,7 @@ mod tests {
             foot_off: 0.6,
             is_joined: false,
         };
-        let both = Side::BOTH
-            .into_iter()
-            .flat_map(|s| VARIABLES.map(|a| (a, s)));
+        let both = Side::BOTH.into_iter().flat_map(|s| VARIABLES.map(|a| (a, s)));
         let band = || Band {
             mean: vec![0.0; SCORE_POINTS],
             sd: vec![1.0; SCORE_POINTS],

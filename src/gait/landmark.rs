@@ -85,10 +85,7 @@ pub enum Landmark {
 
 /// Names without their side; lower case, letters and digits only; the best first.
 const PAIRED: [(Paired, &[&str]); 12] = [
-    (
-        Paired::Hip,
-        &["hjc", "hipjointcentre", "hipjointcenter", "hip"],
-    ),
+    (Paired::Hip, &["hjc", "hipjointcentre", "hipjointcenter", "hip"]),
     (Paired::Knee, &["kjc", "knee", "kneelat", "lfc", "kne"]),
     (Paired::KneeMedial, &["mknee", "kneemed", "mfc"]),
     (Paired::Ankle, &["ajc", "ankle", "anklelat", "lmal", "ank"]),
@@ -128,11 +125,7 @@ impl Landmark {
             let rank = names.iter().position(|n| *n == plain)?;
             Some((*landmark, rank))
         });
-        single.or_else(|| {
-            Side::BOTH
-                .iter()
-                .find_map(|side| Self::paired_from_name(plain, *side))
-        })
+        single.or_else(|| Side::BOTH.iter().find_map(|side| Self::paired_from_name(plain, *side)))
     }
 
     fn paired_from_name(plain: &str, side: Side) -> Option<(Self, usize)> {
@@ -196,14 +189,7 @@ mod tests {
     #[test]
     fn names_of_five_marker_sets_mean_the_same_place() {
         let heel = Landmark::Of(Side::Right, Paired::Heel);
-        for name in [
-            "RHeel",
-            "R.Heel",
-            "r_calc_study",
-            "RCAL",
-            "right heel",
-            "heel_r",
-        ] {
+        for name in ["RHeel", "R.Heel", "r_calc_study", "RCAL", "right heel", "heel_r"] {
             assert_eq!(Landmark::from_name(name).unwrap().0, heel, "{name}");
         }
     }

@@ -57,8 +57,7 @@ impl Segments {
             Some(neck) => neck.clone(),
             None => left.iter().zip(right).map(|(l, r)| (l + r) * 0.5).collect(),
         };
-        let axes =
-            (0..movement.frames).map(|i| axes_from_y_z(&(high[i] - low[i]), &(right[i] - left[i])));
+        let axes = (0..movement.frames).map(|i| axes_from_y_z(&(high[i] - low[i]), &(right[i] - left[i])));
         self.axes.insert(Segment::Trunk, axes.collect());
     }
 
@@ -76,10 +75,7 @@ impl Segments {
 
         let medial = place(Paired::KneeMedial);
         let medial_ankle = place(Paired::AnkleMedial);
-        let heel = movement
-            .has_heel_marker(side)
-            .then(|| place(Paired::Heel))
-            .flatten();
+        let heel = movement.has_heel_marker(side).then(|| place(Paired::Heel)).flatten();
 
         let mut axes: [Axes; 3] = Default::default();
         for i in 0..movement.frames {
@@ -142,8 +138,7 @@ impl Segments {
     /// Lists the angles that the places cannot show.
     fn list_unknown(&mut self, movement: &Movement) {
         if movement.spines().is_none() {
-            let reason =
-                "the hips alone do not show how the pelvis is tilted; it is taken to be upright";
+            let reason = "the hips alone do not show how the pelvis is tilted; it is taken to be upright";
             self.unknown.insert(Angle::PelvisTilt, reason);
         }
 
@@ -153,8 +148,7 @@ impl Segments {
                 .all(|side| movement.paired_track(*side, place).is_some())
         };
         if !has(Paired::KneeMedial) {
-            let reason =
-                "the turn of a leg about itself needs a lateral and a medial marker on the knee";
+            let reason = "the turn of a leg about itself needs a lateral and a medial marker on the knee";
             self.unknown.insert(Angle::HipRotation, reason);
         }
         if !has(Paired::KneeMedial) || !has(Paired::AnkleMedial) {

@@ -188,9 +188,7 @@ fn notes(course: &Course, events: &[Event], cycles: &[Cycle]) -> Vec<String> {
     }
 
     if events.is_empty() {
-        notes.push(
-            "no steps: the feet do not swing past the pelvis in turn; angles over time only".into(),
-        );
+        notes.push("no steps: the feet do not swing past the pelvis in turn; angles over time only".into());
         return notes;
     }
 

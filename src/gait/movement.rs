@@ -225,9 +225,7 @@ impl Movement {
         let mut gaps = Vec::new();
         for side in Side::BOTH {
             for place in [Paired::Hip, Paired::Knee, Paired::Ankle, Paired::Toe] {
-                let track = self
-                    .paired_track(side, place)
-                    .map_or(&[][..], |track| track);
+                let track = self.paired_track(side, place).map_or(&[][..], |track| track);
                 let missing = track.iter().filter(|p| !p.x.is_finite()).count();
                 if missing > 0 {
                     gaps.push(format!("{} {missing}", Landmark::Of(side, place).name()));
@@ -245,10 +243,7 @@ impl Movement {
 
         let upright = self.height_of_hips().zip(self.leg_length());
         if upright.is_some_and(|(height_m, leg_m)| height_m < LOW_HIPS * leg_m) {
-            remarks.push(
-                "the hips are not above the ankles: is the file's Y axis up, as a TRC has it?"
-                    .into(),
-            );
+            remarks.push("the hips are not above the ankles: is the file's Y axis up, as a TRC has it?".into());
         }
         remarks
     }
@@ -291,9 +286,7 @@ fn columns(names: &[String]) -> BTreeMap<Landmark, usize> {
             }
         }
     }
-    best.into_iter()
-        .map(|(l, (_, column))| (l, column))
-        .collect()
+    best.into_iter().map(|(l, (_, column))| (l, column)).collect()
 }
 
 /// The first names in one line.
@@ -318,7 +311,5 @@ fn bridged(track: &Track, rate_hz: f64) -> Track {
 pub(super) fn by_axis(track: &Track, act: impl Fn(&[f64]) -> Vec<f64>) -> Track {
     let axis = |a: usize| act(&track.iter().map(|p| p[a]).collect::<Vec<_>>());
     let (x, y, z) = (axis(0), axis(1), axis(2));
-    (0..track.len())
-        .map(|i| Vector3::new(x[i], y[i], z[i]))
-        .collect()
+    (0..track.len()).map(|i| Vector3::new(x[i], y[i], z[i])).collect()
 }

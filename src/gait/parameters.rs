@@ -179,10 +179,7 @@ impl Walk<'_> {
             }
         }
 
-        samples
-            .into_iter()
-            .map(|(key, all)| (key, statistic(&all)))
-            .collect()
+        samples.into_iter().map(|(key, all)| (key, statistic(&all))).collect()
     }
 
     fn cycle_parameters(&self, cycle: &Cycle) -> Vec<(Parameter, Option<Measured>)> {
@@ -256,8 +253,7 @@ impl Walk<'_> {
         };
         let own = Landmark::Of(strike.side, place);
         let other = Landmark::Of(strike.side.other(), place);
-        let apart = at(self.movement.track(own)?, strike.frame)
-            - at(self.movement.track(other)?, strike.frame);
+        let apart = at(self.movement.track(own)?, strike.frame) - at(self.movement.track(other)?, strike.frame);
 
         // how the errors of the two go together, or else the bound u₁ + u₂
         let sd = self.movement.apart_sd_m.get(&place);
@@ -309,9 +305,7 @@ impl Walk<'_> {
     /// Standard uncertainty of an event's time: of the frame it lies in, and of the methods' scatter.
     fn time_u(&self, kind: EventKind) -> f64 {
         let frame = 1.0 / (12_f64.sqrt() * self.movement.rate_hz);
-        let scatter = agreement(self.events, kind)
-            .and_then(|a| a.sd_s)
-            .unwrap_or(0.0);
+        let scatter = agreement(self.events, kind).and_then(|a| a.sd_s).unwrap_or(0.0);
         frame.hypot(scatter / 2_f64.sqrt())
     }
 
@@ -381,8 +375,7 @@ mod tests {
         approx::assert_relative_eq!(walked * walked, froude, epsilon = 1e-12);
         // speed = step length times step frequency, also without units
         let (step, cadence) = (0.65, 120.0);
-        let scaled =
-            step / Parameter::StepLength.scale(leg) * cadence / Parameter::Cadence.scale(leg);
+        let scaled = step / Parameter::StepLength.scale(leg) * cadence / Parameter::Cadence.scale(leg);
         approx::assert_relative_eq!(scaled, walked, epsilon = 1e-12);
     }
 }

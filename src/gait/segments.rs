@@ -75,9 +75,7 @@ impl Segments {
 
         for (segment, part) in Self::model_parts(model) {
             let part_axes = |body: &Posed<'_>| isb_from_model(&body.world_from_part(part));
-            let axes = bodies
-                .iter()
-                .map(|b| b.as_ref().map_or(unknown(), part_axes));
+            let axes = bodies.iter().map(|b| b.as_ref().map_or(unknown(), part_axes));
             segments.axes.insert(segment, axes.collect());
         }
 
@@ -96,12 +94,7 @@ impl Segments {
             (Segment::Trunk, "thorax".to_owned()),
         ];
         let limbs = PARTS.into_iter().flat_map(|(name, limb)| {
-            Side::BOTH.map(|side| {
-                (
-                    Segment::Of(side, limb),
-                    format!("{name}_{}", &side.name()[..1]),
-                )
-            })
+            Side::BOTH.map(|side| (Segment::Of(side, limb), format!("{name}_{}", &side.name()[..1])))
         });
         let part = |name: &str| model.parts.iter().position(|p| p.name == name);
         let found = |(segment, name): (Segment, String)| Some((segment, PartId(part(&name)?)));

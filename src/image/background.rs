@@ -54,12 +54,7 @@ impl BackgroundPixel {
     /// # Source
     /// Horprasert, Harwood & Davis, *A statistical approach for real-time robust background subtraction and shadow
     /// detection*, 1999, for a and e. **Differs**: a density takes the place of thresholds.
-    pub fn log_density(
-        &self,
-        colour: [u8; 3],
-        around: Option<&Colours>,
-        shadow: &ShadowOptions,
-    ) -> f32 {
+    pub fn log_density(&self, colour: [u8; 3], around: Option<&Colours>, shadow: &ShadowOptions) -> f32 {
         use std::f32::consts::TAU;
         let (x, mean) = (colour.map(f32::from), self.mean);
         let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -71,8 +66,7 @@ impl BackgroundPixel {
         let hue = (dot(x, x) - light * light * squared).max(0.0);
 
         let gauss = |squared: f32, sigma: f32| (-0.5 * squared / (sigma * sigma)).exp();
-        let plain = gauss(brighter, self.along) / (TAU.sqrt() * self.along)
-            * gauss(hue, self.across)
+        let plain = gauss(brighter, self.along) / (TAU.sqrt() * self.along) * gauss(hue, self.across)
             / (TAU * self.across * self.across);
 
         let in_shadow = if light > shadow.darkest && light < BRIGHTEST {
@@ -116,10 +110,7 @@ mod tests {
         let floor = density(FLOOR, [120, 100, 80]);
         let shadow = density(FLOOR, [84, 70, 56]);
         let shirt = density(FLOOR, [56, 70, 84]);
-        assert!(
-            floor > shadow + 2.0 && shadow > shirt + 5.0,
-            "{floor} {shadow} {shirt}"
-        );
+        assert!(floor > shadow + 2.0 && shadow > shirt + 5.0, "{floor} {shadow} {shirt}");
     }
 
     #[test]
@@ -132,13 +123,7 @@ mod tests {
     fn where_the_background_is_not_known_the_surroundings_speak() {
         let mut wood = ColourCount::default();
         wood.add([200, 150, 90]);
-        let (wood, doubtful) = (
-            wood.density(),
-            BackgroundPixel {
-                trust: 0.01,
-                ..FLOOR
-            },
-        );
+        let (wood, doubtful) = (wood.density(), BackgroundPixel { trust: 0.01, ..FLOOR });
         let with = |colour| doubtful.log_density(colour, Some(&wood), &ShadowOptions::default());
         assert!(with([200, 150, 90]) > density(FLOOR, [200, 150, 90]) + 3.0);
         assert!(with([120, 100, 80]) < density(FLOOR, [120, 100, 80]) - 3.0);

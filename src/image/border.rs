@@ -68,8 +68,7 @@ pub fn sharpen(mask: &Mask, picture: &Picture, options: &BorderOptions) -> Mask 
     let coverage = box_mean(&measured.alpha, SMOOTHED_PX);
 
     Mask::from_fn(mask.width(), mask.height(), |x, y| {
-        let (Some(column), Some(row)) = (x.checked_sub(region.left), y.checked_sub(region.top))
-        else {
+        let (Some(column), Some(row)) = (x.checked_sub(region.left), y.checked_sub(region.top)) else {
             return mask.is_foreground(x, y);
         };
         match measured.is_measured.get(column, row) {
@@ -116,9 +115,7 @@ impl Coverage {
 fn mixed(colour: [u8; 3], f: SideColour, b: SideColour, options: &BorderOptions) -> Option<f32> {
     let difference = |i: usize| f.mean[i] - b.mean[i];
     let squared: f32 = (0..3).map(|i| difference(i).powi(2)).sum();
-    let along: f32 = (0..3)
-        .map(|i| (f32::from(colour[i]) - b.mean[i]) * difference(i))
-        .sum();
+    let along: f32 = (0..3).map(|i| (f32::from(colour[i]) - b.mean[i]) * difference(i)).sum();
     let is_known = f.share.min(b.share) >= LEAST_SHARE;
     let is_clear = squared > options.least_contrast.powi(2)
         && squared > options.least_separation * (f.variance + b.variance + 1.0);

@@ -93,11 +93,7 @@ mod tests {
         }
         let density = count.density();
         let volume = (256.0 / BINS as f64).powi(3);
-        let sum: f64 = density
-            .log_density
-            .iter()
-            .map(|l| f64::from(*l).exp() * volume)
-            .sum();
+        let sum: f64 = density.log_density.iter().map(|l| f64::from(*l).exp() * volume).sum();
         approx::assert_relative_eq!(sum, 1.0, epsilon = 1e-5);
         approx::assert_relative_eq!(count.total(), 256.0);
     }
@@ -107,18 +103,13 @@ mod tests {
         let mut count = ColourCount::default();
         count.add([100, 100, 100]);
         let density = count.density();
-        let [own, near, far] =
-            [[100; 3], [118, 100, 100], [250; 3]].map(|c| density.log_density(c));
+        let [own, near, far] = [[100; 3], [118, 100, 100], [250; 3]].map(|c| density.log_density(c));
         assert!(own > near && near > far);
     }
 
     #[test]
     fn of_nothing_all_colours_are_alike() {
         let density = ColourCount::default().density();
-        approx::assert_relative_eq!(
-            density.log_density([7; 3]),
-            -3.0 * 256_f32.ln(),
-            epsilon = 1e-5
-        );
+        approx::assert_relative_eq!(density.log_density([7; 3]), -3.0 * 256_f32.ln(), epsilon = 1e-5);
     }
 }

@@ -46,8 +46,7 @@ fn without_specks(mask: &Runs, options: &CleanOptions) -> Runs {
     };
 
     // large components, and fragments near them
-    let is_at_least =
-        |c: &Component, fraction: f64| c.area as f64 >= fraction * largest.area as f64;
+    let is_at_least = |c: &Component, fraction: f64| c.area as f64 >= fraction * largest.area as f64;
     let is_part = |i: usize| is_at_least(&components[labels[i]], options.part_fraction);
     let parts = mask.filtered(is_part);
     let reach = (options.fragment_gap * longer_side(largest)) as usize;
@@ -67,9 +66,7 @@ fn without_small_holes(mask: &Runs, fraction: f64) -> Runs {
     let (components, labels) = background.components(Connectivity::Four);
     let least = fraction * mask.area() as f64;
     let is_kept = |c: &Component| c.touches_image_edge || c.area as f64 >= least;
-    background
-        .filtered(|i| is_kept(&components[labels[i]]))
-        .complement()
+    background.filtered(|i| is_kept(&components[labels[i]])).complement()
 }
 
 fn longer_side(component: &Component) -> f64 {

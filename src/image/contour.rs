@@ -122,23 +122,13 @@ enum Edge {
 }
 
 /// The closed border that enters the cell (x, y) downwards through its top edge.
-fn follow(
-    blurred: &Plane<u16>,
-    visited: &mut Plane<bool>,
-    mut x: usize,
-    mut y: usize,
-) -> Vec<Point2<f64>> {
+fn follow(blurred: &Plane<u16>, visited: &mut Plane<bool>, mut x: usize, mut y: usize) -> Vec<Point2<f64>> {
     let value = |x: usize, y: usize| blurred.get(x, y).unwrap_or(0);
     let mut contour = Vec::new();
     let mut entry = Edge::Top;
 
     loop {
-        let corners = [
-            value(x, y),
-            value(x + 1, y),
-            value(x + 1, y + 1),
-            value(x, y + 1),
-        ];
+        let corners = [value(x, y), value(x + 1, y), value(x + 1, y + 1), value(x, y + 1)];
 
         // only top edges are marked: a border has no other start
         if matches!(entry, Edge::Top) {
@@ -174,8 +164,7 @@ fn follow(
 fn crossing(corners: [u16; 4], edge: Edge, corner: Point2<f64>) -> Point2<f64> {
     let [tl, tr, br, bl] = corners;
     let (x, y) = (corner.x, corner.y);
-    let between =
-        |a: u16, b: u16| (f64::from(LEVEL) - f64::from(a)) / (f64::from(b) - f64::from(a));
+    let between = |a: u16, b: u16| (f64::from(LEVEL) - f64::from(a)) / (f64::from(b) - f64::from(a));
     match edge {
         Edge::Top => Point2::new(x + between(tl, tr), y),
         Edge::Right => Point2::new(x + 1.0, y + between(tr, br)),
@@ -215,11 +204,7 @@ mod tests {
     /// Twice the area, positive when the inside is on the left as seen on the screen.
     fn doubled_area(closed: &[Point2<f64>]) -> f64 {
         let next = closed.iter().cycle().skip(1);
-        closed
-            .iter()
-            .zip(next)
-            .map(|(a, b)| b.x * a.y - a.x * b.y)
-            .sum()
+        closed.iter().zip(next).map(|(a, b)| b.x * a.y - a.x * b.y).sum()
     }
 
     #[test]
@@ -310,9 +295,7 @@ mod tests {
             let noise = Mask::from_fn(24, 24, |_, _| true);
             let bits: Vec<bool> = (0..noise.width() * noise.height())
                 .map(|_| {
-                    random = random
-                        .wrapping_mul(6_364_136_223_846_793_005)
-                        .wrapping_add(1);
+                    random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
                     random >> 63 == 1
                 })
                 .collect();

@@ -90,12 +90,7 @@ impl NearestPoints {
                 from = f64::NEG_INFINITY;
             }
             if !is_hidden {
-                self.envelope.push(Arc {
-                    x,
-                    height,
-                    point,
-                    from,
-                });
+                self.envelope.push(Arc { x, height, point, from });
             }
         }
     }
@@ -131,12 +126,7 @@ mod tests {
     fn the_nearest_point_is_that_of_trying_all() {
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(7);
         let points: Vec<_> = (0..300)
-            .map(|_| {
-                Point2::new(
-                    random.random_range(-5.0..30.0),
-                    random.random_range(0.0..25.0),
-                )
-            })
+            .map(|_| Point2::new(random.random_range(-5.0..30.0), random.random_range(0.0..25.0)))
             .collect();
         let pairs = squared_distance_by_row(&points, 60);
         assert_eq!(pairs.len(), 1200);

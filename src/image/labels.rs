@@ -82,10 +82,7 @@ impl Flow {
         };
         // slices of one known length: no bounds are checked in the loops
         let width = here.len();
-        let (px, py) = (
-            &mut self.x.row_mut(y)[..width],
-            &mut self.y.row_mut(y)[..width],
-        );
+        let (px, py) = (&mut self.x.row_mut(y)[..width], &mut self.y.row_mut(y)[..width]);
         let (below, bound) = (&below[..width], &bound[..width]);
 
         for x in 0..width {
@@ -132,11 +129,7 @@ fn bounds(picture: &Picture, border_cost: f32) -> Plane<f32> {
     // ‖∇I‖² from differences to the right and downwards
     for y in 0..height {
         let here = picture.row(y);
-        let below = if y + 1 < height {
-            picture.row(y + 1)
-        } else {
-            here
-        };
+        let below = if y + 1 < height { picture.row(y + 1) } else { here };
         for (x, square) in squares.row_mut(y).iter_mut().enumerate() {
             let right = here.get(x + 1).unwrap_or(&here[x]);
             *square = distance(&here[x], right) + distance(&here[x], &below[x]);

@@ -24,11 +24,7 @@ impl<T: Copy> Plane<T> {
 
     /// A plane of the given row-major values; `None` unless there are exactly `width · height` of them.
     pub fn from_values(width: usize, height: usize, values: Vec<T>) -> Option<Self> {
-        (width.checked_mul(height)? == values.len()).then_some(Self {
-            width,
-            height,
-            values,
-        })
+        (width.checked_mul(height)? == values.len()).then_some(Self { width, height, values })
     }
 
     /// Columns.
@@ -60,9 +56,7 @@ impl<T: Copy> Plane<T> {
     /// Row `y`; empty if there is no such row.
     pub fn row(&self, y: usize) -> &[T] {
         let start = y.saturating_mul(self.width);
-        self.values
-            .get(start..start.saturating_add(self.width))
-            .unwrap_or(&[])
+        self.values.get(start..start.saturating_add(self.width)).unwrap_or(&[])
     }
 
     /// Row `y`, to be written; empty if there is no such row.

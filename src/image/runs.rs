@@ -274,8 +274,7 @@ impl Component {
         self.region.left = self.region.left.min(run.start as usize);
         self.region.right = self.region.right.max(run.end as usize);
         self.region.bottom = y + 1;
-        self.touches_image_edge |=
-            run.start == 0 || run.end as usize == width || y == 0 || y + 1 == height;
+        self.touches_image_edge |= run.start == 0 || run.end as usize == width || y == 0 || y + 1 == height;
     }
 }
 
@@ -329,10 +328,7 @@ mod tests {
         for y in 0..31 {
             for x in 0..67 {
                 let expected = u8::from(mask.is_foreground(x, y));
-                assert_eq!(
-                    painted.get(x + 2 - region.left, y + 2 - region.top),
-                    Some(expected)
-                );
+                assert_eq!(painted.get(x + 2 - region.left, y + 2 - region.top), Some(expected));
             }
         }
         assert_eq!(runs.area() + runs.complement().area(), 67 * 31);
@@ -364,9 +360,6 @@ mod tests {
         let runs = Runs::from_mask(&mask(&["....", "...."]));
         assert_eq!(runs.region(), None);
         assert_eq!(runs.components(Connectivity::Eight).0, vec![]);
-        assert_eq!(
-            Runs::from_mask(&Mask::from_fn(0, 0, |_, _| true)).region(),
-            None
-        );
+        assert_eq!(Runs::from_mask(&Mask::from_fn(0, 0, |_, _| true)).region(), None);
     }
 }

@@ -81,10 +81,7 @@ impl Scanlines {
         if !(r >= 0.0 && r < self.first.len() as f64) {
             return false;
         }
-        let left = self
-            .row(r as usize)
-            .iter()
-            .filter(|x| f64::from(**x) <= point.x);
+        let left = self.row(r as usize).iter().filter(|x| f64::from(**x) <= point.x);
         left.count() % 2 == 1
     }
 
@@ -129,16 +126,9 @@ mod tests {
 
     #[test]
     fn the_lengths_of_the_rows_add_up_to_the_area() {
-        let triangle = vec![
-            Point2::new(0.0, 0.0),
-            Point2::new(8.0, 1.0),
-            Point2::new(2.0, 9.0),
-        ];
+        let triangle = vec![Point2::new(0.0, 0.0), Point2::new(8.0, 1.0), Point2::new(2.0, 9.0)];
         let lines = Scanlines::new(&[triangle], steps(0.005, 0.01, 900));
-        let covered: f32 = (0..900)
-            .map(|r| lines.row(r))
-            .map(|row| row[1] - row[0])
-            .sum();
+        let covered: f32 = (0..900).map(|r| lines.row(r)).map(|row| row[1] - row[0]).sum();
         approx::assert_relative_eq!(covered * 0.01, 35.0, epsilon = 1e-2);
     }
 }

@@ -132,16 +132,12 @@ mod tests {
         assert_eq!(large.get(1, 2), Some(0.25));
         assert_eq!(large.get(4, 5), Some(1.75));
         assert_eq!(large.get(8, 0), Some(3.0), "beyond the last pixel");
-        assert_eq!(
-            enlarge(&Plane::filled(0, 0, 1.0), 2, 3, 3).get(1, 1),
-            Some(0.0)
-        );
+        assert_eq!(enlarge(&Plane::filled(0, 0, 1.0), 2, 3, 3).get(1, 1), Some(0.0));
     }
 
     #[test]
     fn a_box_mean_is_the_mean_of_the_box_within_the_picture() {
-        let plane =
-            Plane::from_values(7, 5, (0..35).map(|i| ((i * i) % 11) as f32).collect()).unwrap();
+        let plane = Plane::from_values(7, 5, (0..35).map(|i| ((i * i) % 11) as f32).collect()).unwrap();
         for reach in [0, 1, 2, 9] {
             let means = box_mean(&plane, reach);
             for (x, y) in [(0_usize, 0_usize), (3, 2), (6, 4), (1, 3)] {

@@ -61,25 +61,13 @@ impl ChainPrior {
 
     /// Sum of the factors whose last motion is that of frame `i`; `seconds[i]` lie between frames i − 1 and i.
     pub fn cost(&self, motions: &[Motion], seconds: &[f64], i: usize) -> f64 {
-        self.factors(motions, seconds, i)
-            .iter()
-            .map(Factor::cost)
-            .sum()
+        self.factors(motions, seconds, i).iter().map(Factor::cost).sum()
     }
 
     /// Adds the factors whose last motion is that of frame `i`.
-    pub fn linearize(
-        &self,
-        motions: &[Motion],
-        seconds: &[f64],
-        i: usize,
-        links: &mut [Link],
-    ) -> f64 {
+    pub fn linearize(&self, motions: &[Motion], seconds: &[f64], i: usize, links: &mut [Link]) -> f64 {
         let factors = self.factors(motions, seconds, i);
-        factors
-            .iter()
-            .map(|factor| factor.add_to(self.layout, i, links))
-            .sum()
+        factors.iter().map(|factor| factor.add_to(self.layout, i, links)).sum()
     }
 
     fn factors(&self, motions: &[Motion], seconds: &[f64], i: usize) -> Vec<Factor> {
@@ -90,8 +78,7 @@ impl ChainPrior {
         let mut factors = Vec::with_capacity(2);
         if self.motion_model == MotionModel::ConstantVelocity && i > 1 {
             let before = self.velocity(&motions[i - 2], &motions[i - 1], seconds[i - 1]);
-            let acceleration =
-                std::f64::consts::TAU * SWING_HZ * 0.5 * (seconds[i] + seconds[i - 1]);
+            let acceleration = std::f64::consts::TAU * SWING_HZ * 0.5 * (seconds[i] + seconds[i - 1]);
             let precision = self.speeds.map(|v| (v * acceleration).powi(-2));
             factors.push(last.minus(&before, precision));
         }
@@ -141,10 +128,7 @@ impl Factor {
     }
 
     fn cost(&self) -> f64 {
-        0.5 * self
-            .residual
-            .component_mul(&self.residual)
-            .dot(&self.precision)
+        0.5 * self.residual.component_mul(&self.residual).dot(&self.precision)
     }
 
     fn add_to(&self, layout: Layout, i: usize, links: &mut [Link]) -> f64 {
@@ -178,13 +162,7 @@ impl Slope {
     }
 
     /// Adds slopeᵀ·W·other.
-    fn add_product(
-        &self,
-        layout: Layout,
-        precision: &DVector<f64>,
-        other: &Self,
-        block: &mut DMatrix<f64>,
-    ) {
+    fn add_product(&self, layout: Layout, precision: &DVector<f64>, other: &Self, block: &mut DMatrix<f64>) {
         for k in straight(layout) {
             block[(k, k)] += self.along * precision[k] * other.along;
         }

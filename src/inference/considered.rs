@@ -39,21 +39,14 @@ pub struct Considered {
 
 impl Considered {
     /// S at an optimum whose g and H are the chain's, the data as they are stated; `None` where H is singular.
-    pub fn new(
-        model: &BodyModel,
-        terms: &[Terms<'_>],
-        state: &SequenceState,
-        chain: &BorderedChain,
-    ) -> Option<Self> {
+    pub fn new(model: &BodyModel, terms: &[Terms<'_>], state: &SequenceState, chain: &BorderedChain) -> Option<Self> {
         let placed = PlacedBody::new(model, &state.shape);
         let shape = placed.shape(&state.shape);
 
         // H_θc, frame by frame
         let frames = terms.par_iter().zip(&state.motions);
         let pulls: Vec<DMatrix<f64>> = match placed.count() {
-            0 => frames
-                .map(|_| DMatrix::zeros(Layout::new(model).total(), 0))
-                .collect(),
+            0 => frames.map(|_| DMatrix::zeros(Layout::new(model).total(), 0)).collect(),
             _ => frames
                 .map(|(terms, motion)| cross_hessian(model, &placed, terms, &shape, motion))
                 .collect(),

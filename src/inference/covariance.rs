@@ -70,9 +70,7 @@ impl Uncertainty {
             let motion = considered.placed.motion(&state.motions[i]);
             let body = Posed::new(&considered.placed.model, &placed_shape, &motion);
             let estimate = estimate_covariance(model, marginal, factor.as_ref(), tau);
-            frames.extend(
-                estimate.map(|e| frame_uncertainty(model, &body, e, considered, sensitivity)),
-            );
+            frames.extend(estimate.map(|e| frame_uncertainty(model, &body, e, considered, sensitivity)));
         });
         frames.reverse();
         if !complete || frames.len() != state.motions.len() {
@@ -139,9 +137,7 @@ fn with_places(
     let mut errors = DMatrix::zeros(total, placed.count());
     errors.rows_mut(0, motion.nrows()).copy_from(motion);
     errors.rows_mut(first_shape, shape.nrows()).copy_from(shape);
-    errors
-        .rows_mut(first_place, placed.count())
-        .fill_with_identity();
+    errors.rows_mut(first_place, placed.count()).fill_with_identity();
     let mut all = &errors * errors.transpose();
 
     // the estimate's, where its components are among all
@@ -178,16 +174,12 @@ fn frame_uncertainty(
         let covariance = jacobian * &all * jacobian.transpose();
         Matrix3::from(covariance.fixed_view::<3, 3>(0, 0))
     };
-    let apart = |(right, left): (usize, usize)| {
-        carried(&(body.point_jacobian(right) - body.point_jacobian(left)))
-    };
+    let apart = |(right, left): (usize, usize)| carried(&(body.point_jacobian(right) - body.point_jacobian(left)));
     let turned = |part: usize| carried(&body.rotation_jacobian(PartId(part))).diagonal();
 
     FrameUncertainty {
         position_sd_m,
-        parts_sd: (0..model.parts.len())
-            .map(|part| turned(part).map(sd))
-            .collect(),
+        parts_sd: (0..model.parts.len()).map(|part| turned(part).map(sd)).collect(),
         angles_sd: deviations.rows(root, joints).into_owned(),
         seen_angles_sd: estimate.diagonal().rows(root, joints).map(sd),
         points: (0..model.points.len())
@@ -211,9 +203,5 @@ fn lengths_sd_m(considered: &Considered, shape: &Shape, all: &DMatrix<f64>) -> V
         let gradient: DVector<f64> = moved.columns_range(first..).tr_mul(&along);
         Some(gradient.dot(&(covariance * &gradient)).max(0.0).sqrt())
     };
-    model
-        .lengths
-        .iter()
-        .map(|l| sd_m(l).unwrap_or(0.0))
-        .collect()
+    model.lengths.iter().map(|l| sd_m(l).unwrap_or(0.0)).collect()
 }

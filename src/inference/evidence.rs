@@ -10,8 +10,8 @@ use super::sequence::Sequence;
 use crate::body::BodyModel;
 use crate::camera::{Camera, CameraId, Rig};
 use crate::likelihood::{
-    EllipseOptions, EllipseSilhouette, EllipseView, LikelihoodOptions, Measure, PointField,
-    RayView, SilhouetteRays, SkinScale, SurfacePoint, Term,
+    EllipseOptions, EllipseSilhouette, EllipseView, LikelihoodOptions, Measure, PointField, RayView, SilhouetteRays,
+    SkinScale, SurfacePoint, Term,
 };
 use crate::silhouette::{FrameObservations, Silhouette};
 
@@ -37,12 +37,7 @@ pub struct Evidence<'a> {
 
 impl<'a> Evidence<'a> {
     /// Puts a model's priors beside the cameras and the likelihood.
-    pub fn new(
-        model: &'a BodyModel,
-        rig: &'a Rig,
-        likelihood: LikelihoodOptions,
-        measure: Measure,
-    ) -> Self {
+    pub fn new(model: &'a BodyModel, rig: &'a Rig, likelihood: LikelihoodOptions, measure: Measure) -> Self {
         Self {
             model,
             rig,

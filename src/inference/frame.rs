@@ -69,11 +69,7 @@ pub(super) fn data_cost(terms: &[Box<dyn Term + '_>], body: &Posed<'_>) -> f64 {
 }
 
 /// The same, and its rows added to the equations.
-pub(super) fn linearize_data(
-    terms: &[Box<dyn Term + '_>],
-    body: &Posed<'_>,
-    equations: &mut NormalEquations,
-) -> f64 {
+pub(super) fn linearize_data(terms: &[Box<dyn Term + '_>], body: &Posed<'_>, equations: &mut NormalEquations) -> f64 {
     terms.iter().map(|t| t.linearize(body, equations)).sum()
 }
 
@@ -92,9 +88,7 @@ impl Problem for KeyframePosterior<'_> {
 
     fn cost(&self, x: &State) -> f64 {
         let body = Posed::new(self.model, &x.shape, &x.motion);
-        data_cost(self.terms, &body)
-            + self.shape_prior.cost(&x.shape)
-            + self.pose_prior.cost(&x.motion)
+        data_cost(self.terms, &body) + self.shape_prior.cost(&x.shape) + self.pose_prior.cost(&x.motion)
     }
 
     fn linearize(&self, x: &State, equations: &mut NormalEquations) -> f64 {
@@ -139,18 +133,14 @@ impl Problem for FramePosterior<'_> {
     }
 
     fn cost(&self, x: &Motion) -> f64 {
-        data_cost(self.terms, &Posed::new(self.model, self.shape, x))
-            + self.pose_prior.cost(x)
-            + self.step_cost(x)
+        data_cost(self.terms, &Posed::new(self.model, self.shape, x)) + self.pose_prior.cost(x) + self.step_cost(x)
     }
 
     fn linearize(&self, x: &Motion, equations: &mut NormalEquations) -> f64 {
         let body = Posed::new(self.model, self.shape, x);
         linearize_data(self.terms, &body, equations)
             + self.pose_prior.linearize(x, equations)
-            + self
-                .step
-                .map_or(0.0, |(step, mean)| step.linearize(mean, x, equations))
+            + self.step.map_or(0.0, |(step, mean)| step.linearize(mean, x, equations))
     }
 
     fn retract(&self, x: &Motion, delta: &DVector<f64>) -> Motion {
@@ -160,22 +150,12 @@ impl Problem for FramePosterior<'_> {
 
 impl std::fmt::Debug for KeyframePosterior<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(
-            f,
-            "KeyframePosterior({}, {} terms)",
-            self.model.name,
-            self.terms.len()
-        )
+        write!(f, "KeyframePosterior({}, {} terms)", self.model.name, self.terms.len())
     }
 }
 
 impl std::fmt::Debug for FramePosterior<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(
-            f,
-            "FramePosterior({}, {} terms)",
-            self.model.name,
-            self.terms.len()
-        )
+        write!(f, "FramePosterior({}, {} terms)", self.model.name, self.terms.len())
     }
 }

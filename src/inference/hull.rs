@@ -71,8 +71,7 @@ impl Hull {
         }
 
         // the points about their median
-        let along =
-            |axis: usize| median(&mut points.iter().map(|p| p.position_world[axis]).collect());
+        let along = |axis: usize| median(&mut points.iter().map(|p| p.position_world[axis]).collect());
         let middle = Point3::new(along(0)?, along(1)?, along(2)?);
         let places = points.iter().map(|p| p.position_world);
         let near: Vec<Point3<f64>> = places.filter(|p| (p - middle).norm() <= REACH).collect();
@@ -81,11 +80,7 @@ impl Hull {
         // from below nearly all to above nearly all
         let mut heights: Vec<f64> = near.iter().map(|p| p.z).collect();
         heights.sort_by(f64::total_cmp);
-        let quantile = |q: f64| {
-            heights
-                .get(((heights.len() as f64 - 1.0) * q) as usize)
-                .copied()
-        };
+        let quantile = |q: f64| heights.get(((heights.len() as f64 - 1.0) * q) as usize).copied();
         Some(Self {
             centroid_world: (sum / near.len() as f64).into(),
             bottom: quantile(0.005)?,

@@ -42,13 +42,7 @@ pub struct Trial {
 impl Trial {
     /// E of what was fitted: the sequence posterior's −log (eq. 1), or a lower bound if it was pruned.
     pub fn energy(&self) -> f64 {
-        self.shape_cost
-            + self
-                .frames
-                .iter()
-                .flatten()
-                .map(FrameFit::cost)
-                .sum::<f64>()
+        self.shape_cost + self.frames.iter().flatten().map(FrameFit::cost).sum::<f64>()
     }
 
     /// Every frame was fitted.

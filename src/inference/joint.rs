@@ -119,8 +119,7 @@ pub fn joint_optimum_from_terms<'a>(
     let considered = Considered::new(model, terms, &optimum, &chain);
     chain.clear();
     weighed.linearize(&optimum, &mut chain);
-    let uncertainty =
-        considered.and_then(|c| Uncertainty::new(model, &optimum, &chain, noise.over_time, &c));
+    let uncertainty = considered.and_then(|c| Uncertainty::new(model, &optimum, &chain, noise.over_time, &c));
 
     JointOptimum {
         frames: weighed.frame_fits(&optimum),
@@ -141,11 +140,7 @@ fn times(seconds: &[f64]) -> Vec<f64> {
 }
 
 /// The residuals of every frame at a state.
-pub fn residuals(
-    model: &BodyModel,
-    terms: &[Terms<'_>],
-    state: &SequenceState,
-) -> Vec<Vec<PlacedResidual>> {
+pub fn residuals(model: &BodyModel, terms: &[Terms<'_>], state: &SequenceState) -> Vec<Vec<PlacedResidual>> {
     let frames = terms.par_iter().zip(&state.motions);
     let residuals = frames.map(|(terms, motion)| {
         let body = Posed::new(model, &state.shape, motion);

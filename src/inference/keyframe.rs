@@ -40,11 +40,7 @@ pub(super) fn keyframe_hypotheses(
 }
 
 /// The mean of p(s), in the pose of another hypothesis.
-pub(super) fn mean_hypothesis(
-    evidence: &Evidence<'_>,
-    sequence: Sequence<'_>,
-    from: &Hypothesis,
-) -> Hypothesis {
+pub(super) fn mean_hypothesis(evidence: &Evidence<'_>, sequence: Sequence<'_>, from: &Hypothesis) -> Hypothesis {
     let shape = evidence.shape_prior.mean();
     let keyframe = from.keyframe;
     let fit = keyframe_fit(evidence, sequence, keyframe, &shape, from.motion.clone());

@@ -59,11 +59,7 @@ impl Noise {
 
     /// From the residuals of every frame at the optimum, the frames' times, and the pairs of parts that are mirror images:
     /// (right, left).
-    pub fn from_residuals(
-        frames: &[Vec<PlacedResidual>],
-        seconds: &[f64],
-        part_pairs: &[(usize, usize)],
-    ) -> Self {
+    pub fn from_residuals(frames: &[Vec<PlacedResidual>], seconds: &[f64], part_pairs: &[(usize, usize)]) -> Self {
         let by_side = places(frames, seconds, Twins(&[]));
         let mirrored = places(frames, seconds, Twins(part_pairs));
         let repeated = repetition(&by_side).repeated;

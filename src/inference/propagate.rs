@@ -80,11 +80,7 @@ impl Track {
     }
 
     /// Fits the next `count` frames.
-    pub(super) fn advance(
-        &mut self,
-        tracking: &Tracking<'_>,
-        count: usize,
-    ) -> Vec<(usize, FrameFit)> {
+    pub(super) fn advance(&mut self, tracking: &Tracking<'_>, count: usize) -> Vec<(usize, FrameFit)> {
         let mut fits = Vec::new();
         while let Some(index) = (fits.len() < count).then(|| self.ahead.pop()).flatten() {
             let fit = self.fit(tracking, index);
@@ -172,11 +168,7 @@ impl Track {
 }
 
 /// Maximises a frame posterior from a motion.
-pub(super) fn solve(
-    posterior: &FramePosterior<'_>,
-    start: Motion,
-    max_iterations: usize,
-) -> FrameFit {
+pub(super) fn solve(posterior: &FramePosterior<'_>, start: Motion, max_iterations: usize) -> FrameFit {
     let options = Options {
         max_iterations,
         damping: 1e-4,

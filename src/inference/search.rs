@@ -88,13 +88,9 @@ pub fn search(
     // 1. the keyframes K
     let keyframes = keyframes(sequence, options.keyframe_spacing(sequence.frames.len()));
     // 3. one hypothesis from each keyframe and reading: argmax p(mₖ, s | Zₖ)
-    let found: Vec<Hypothesis> = keyframes
-        .par_iter()
-        .flat_map_iter(|&k| run.keyframe(k))
-        .collect();
+    let found: Vec<Hypothesis> = keyframes.par_iter().flat_map_iter(|&k| run.keyframe(k)).collect();
     // 2. first hypothesis: the mean of p(s), in the pose of the keyframe that was fitted best
-    let by_cost =
-        |a: &usize, b: &usize| found[*a].keyframe_cost.total_cmp(&found[*b].keyframe_cost);
+    let by_cost = |a: &usize, b: &usize| found[*a].keyframe_cost.total_cmp(&found[*b].keyframe_cost);
     let promising = (0..found.len()).min_by(by_cost)?;
     let mut hypotheses = vec![mean_hypothesis(evidence, sequence, &found[promising])];
     hypotheses.extend(found);

@@ -58,12 +58,7 @@ impl SequencePosterior<'_> {
     }
 
     /// Adds a run of frames to their links; returns their cost and what they add to the corner.
-    fn linearize_chunk(
-        &self,
-        x: &SequenceState,
-        first: usize,
-        links: &mut [Link],
-    ) -> (f64, NormalEquations) {
+    fn linearize_chunk(&self, x: &SequenceState, first: usize, links: &mut [Link]) -> (f64, NormalEquations) {
         let layout = Layout::new(self.model);
         let (m, p) = (layout.motion(), layout.total() - layout.motion());
         let mut equations = NormalEquations::zeros(m + p);
@@ -109,12 +104,7 @@ impl Problem for SequencePosterior<'_> {
     fn empty_model(&self) -> BorderedChain {
         let layout = Layout::new(self.model);
         let shared = layout.total() - layout.motion();
-        BorderedChain::zeros(
-            self.terms.len(),
-            layout.motion(),
-            shared,
-            self.chain_prior.reach(),
-        )
+        BorderedChain::zeros(self.terms.len(), layout.motion(), shared, self.chain_prior.reach())
     }
 
     fn cost(&self, x: &SequenceState) -> f64 {
@@ -156,9 +146,7 @@ impl Problem for SequencePosterior<'_> {
     fn retract(&self, x: &SequenceState, delta: &DVector<f64>) -> SequenceState {
         let layout = Layout::new(self.model);
         let m = layout.motion();
-        let motion = |(i, motion): (usize, &Motion)| {
-            layout.retract_motion(motion, &delta.rows(i * m, m).into_owned())
-        };
+        let motion = |(i, motion): (usize, &Motion)| layout.retract_motion(motion, &delta.rows(i * m, m).into_owned());
         SequenceState {
             shape: Shape(&x.shape.0 + delta.rows(x.motions.len() * m, x.shape.0.len())),
             motions: x.motions.iter().enumerate().map(motion).collect(),
@@ -168,11 +156,6 @@ impl Problem for SequencePosterior<'_> {
 
 impl std::fmt::Debug for SequencePosterior<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(
-            f,
-            "SequencePosterior({}, {} frames)",
-            self.model.name,
-            self.terms.len()
-        )
+        write!(f, "SequencePosterior({}, {} frames)", self.model.name, self.terms.len())
     }
 }

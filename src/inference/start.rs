@@ -47,17 +47,8 @@ pub struct Reading {
 }
 
 /// The readings of one frame, best first: at most one per direction of view (front, back, …).
-pub fn readings(
-    evidence: &Evidence<'_>,
-    frame: &FrameObservations,
-    options: &StartOptions,
-) -> Vec<Reading> {
-    readings_by(
-        evidence,
-        frame,
-        &evidence.terms(frame, Detail::Fine),
-        options,
-    )
+pub fn readings(evidence: &Evidence<'_>, frame: &FrameObservations, options: &StartOptions) -> Vec<Reading> {
+    readings_by(evidence, frame, &evidence.terms(frame, Detail::Fine), options)
 }
 
 /// The same; `fine_terms` are the frame's in full detail.
@@ -140,22 +131,14 @@ fn canonical_poses(model: &BodyModel, limbs: Limbs) -> Vec<&Pose> {
 }
 
 /// The body where the hull is, at every heading in every canonical leg pose.
-fn starting_states(
-    evidence: &Evidence<'_>,
-    hull: Option<&Hull>,
-    options: &StartOptions,
-) -> Vec<State> {
+fn starting_states(evidence: &Evidence<'_>, hull: Option<&Hull>, options: &StartOptions) -> Vec<State> {
     let model = evidence.model;
     let legs = canonical_poses(model, Limbs::Legs);
     let shape = hull.map_or_else(
         || evidence.shape_prior.mean(),
         |h| shape_of_height(model, h.top - h.bottom),
     );
-    let headings = if model.root == Root::Fixed {
-        1
-    } else {
-        options.headings
-    };
+    let headings = if model.root == Root::Fixed { 1 } else { options.headings };
 
     let mut states = Vec::new();
     for heading in 0..headings {
@@ -184,8 +167,7 @@ fn starting_states(
 /// Lowest and highest point of the body at rest, about its root.
 fn vertical_extent(model: &BodyModel, shape: &Shape) -> (f64, f64) {
     let body = Posed::new(model, shape, &Motion::rest(model));
-    body.bounds()
-        .map_or((0.0, 0.0), |(low, high)| (low.z, high.z))
+    body.bounds().map_or((0.0, 0.0), |(low, high)| (low.z, high.z))
 }
 
 /// The most probable shape of a body that stands `height` tall: E\[s | h(s) = height\], h linearised.

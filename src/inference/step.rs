@@ -39,12 +39,7 @@ impl StepPrior {
     }
 
     /// Adds gradient and Hessian with respect to mᵢ.
-    pub fn linearize(
-        &self,
-        mean: &Motion,
-        motion: &Motion,
-        equations: &mut NormalEquations,
-    ) -> f64 {
+    pub fn linearize(&self, mean: &Motion, motion: &Motion, equations: &mut NormalEquations) -> f64 {
         let delta = self.layout.motion_difference(mean, motion);
 
         // every component depends on its own alone, …
@@ -73,10 +68,7 @@ pub(super) fn speeds(model: &BodyModel) -> DVector<f64> {
         Root::Free { speed, turn } => vec![speed, speed, speed, turn, turn, turn],
         Root::Fixed => Vec::new(),
     };
-    let all: Vec<f64> = root
-        .into_iter()
-        .chain(model.joints.iter().map(|j| j.speed))
-        .collect();
+    let all: Vec<f64> = root.into_iter().chain(model.joints.iter().map(|j| j.speed)).collect();
     DVector::from_vec(all)
 }
 

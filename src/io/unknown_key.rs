@@ -18,14 +18,8 @@ pub struct UnknownKey {
 
 impl UnknownKey {
     /// The first key of `table`, a part of `text`, that is not among `known`; `None` if all are.
-    pub(super) fn first_in(
-        text: &str,
-        table: &DeTable<'_>,
-        known: &'static [&'static str],
-    ) -> Option<Self> {
-        let unknown = table
-            .keys()
-            .filter(|key| !known.contains(&key.get_ref().as_ref()));
+    pub(super) fn first_in(text: &str, table: &DeTable<'_>, known: &'static [&'static str]) -> Option<Self> {
+        let unknown = table.keys().filter(|key| !known.contains(&key.get_ref().as_ref()));
         let first = unknown.min_by_key(|key| key.span().start)?;
         let key = first.get_ref().to_string();
         Some(Self {
@@ -40,10 +34,7 @@ impl UnknownKey {
 /// The name that looks most like `name`; `None` if there is none to choose from.
 pub(super) fn nearest<'a, T: AsRef<str> + ?Sized>(name: &str, known: &'a [&'a T]) -> Option<&'a T> {
     let likeness = |other: &&&T| strsim::jaro_winkler(&name.to_lowercase(), other.as_ref());
-    known
-        .iter()
-        .max_by(|a, b| likeness(a).total_cmp(&likeness(b)))
-        .copied()
+    known.iter().max_by(|a, b| likeness(a).total_cmp(&likeness(b))).copied()
 }
 
 /// Line of a position in a text, from 1.

@@ -19,10 +19,7 @@ pub struct Association {
 }
 
 /// Limb and part of every point; empty for a body without metaballs.
-pub fn associate(
-    body: &Posed<'_>,
-    points_world: impl IntoIterator<Item = Point3<f64>>,
-) -> Vec<Association> {
+pub fn associate(body: &Posed<'_>, points_world: impl IntoIterator<Item = Point3<f64>>) -> Vec<Association> {
     let field = Field::from_body(body);
     let mut sampler = Sampler::new(&field);
     let mut sample = FieldSample::default();

@@ -70,13 +70,8 @@ impl<'f> RayField<'f> {
         let balls = &field.metaballs;
         let precision = ENTRIES.map(|entry| balls.iter().map(|m| m.precision[entry]).collect());
         let offset = |i: usize| balls[i].ellipsoid.centre - origin_world;
-        let pulls: Vec<_> = (0..balls.len())
-            .map(|i| balls[i].precision * offset(i))
-            .collect();
-        let constant = pulls
-            .iter()
-            .enumerate()
-            .map(|(i, pull)| pull.dot(&offset(i)));
+        let pulls: Vec<_> = (0..balls.len()).map(|i| balls[i].precision * offset(i)).collect();
+        let constant = pulls.iter().enumerate().map(|(i, pull)| pull.dot(&offset(i)));
 
         Self {
             field,
@@ -100,11 +95,7 @@ impl<'f> RayField<'f> {
     /// The largest F on a ray; `near` receives the metaballs of its limb that contribute there.
     ///
     /// Metaballs that the ray comes closest to behind its origin do not count; `None` if none is left.
-    pub(super) fn contact(
-        &mut self,
-        direction: &Vector3<f64>,
-        near: &mut Vec<usize>,
-    ) -> Option<Contact> {
+    pub(super) fn contact(&mut self, direction: &Vector3<f64>, near: &mut Vec<usize>) -> Option<Contact> {
         // how near the ray comes to each limb
         self.approach(direction);
         self.leasts.clear();
@@ -127,11 +118,7 @@ impl<'f> RayField<'f> {
         let limb = highest.limb;
         let reach = self.leasts[limb] + NEGLIGIBLE;
         near.clear();
-        near.extend(
-            self.field.limbs[limb]
-                .iter()
-                .filter(|&&i| self.nearest[i] < reach),
-        );
+        near.extend(self.field.limbs[limb].iter().filter(|&&i| self.nearest[i] < reach));
         Some(highest)
     }
 
@@ -179,11 +166,7 @@ impl<'f> RayField<'f> {
                 if nearest <= 0.0 {
                     start = at;
                 }
-                self.bumps.push(Bump {
-                    nearest,
-                    at,
-                    sharpness,
-                });
+                self.bumps.push(Bump { nearest, at, sharpness });
             }
         }
 
@@ -209,11 +192,7 @@ fn climb(bumps: &[Bump], start: f64) -> (f64, f64) {
             break;
         }
         // Newton only where it climbs: elsewhere mean shift does
-        let mut next = if here.second < 0.0 {
-            t + newton
-        } else {
-            here.mean
-        };
+        let mut next = if here.second < 0.0 { t + newton } else { here.mean };
         let mut there = slope(bumps, next);
         if there.value < here.value && here.second < 0.0 {
             next = here.mean;

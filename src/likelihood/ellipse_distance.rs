@@ -72,11 +72,7 @@ impl OutlineEllipse {
 
     /// d and ∂d/∂(cx, cy, Σxx, Σxy, Σyy).
     #[inline]
-    pub(super) fn distance(
-        &self,
-        x: &Vector2<f64>,
-        kind: EllipseDistance,
-    ) -> (f64, SVector<f64, 5>) {
+    pub(super) fn distance(&self, x: &Vector2<f64>, kind: EllipseDistance) -> (f64, SVector<f64, 5>) {
         match kind {
             EllipseDistance::Published => self.published(x),
             EllipseDistance::Gradient => self.gradient(x),
@@ -92,10 +88,7 @@ impl OutlineEllipse {
         // ∂d = (1 − 1/ρ) ∂‖y‖ + ‖y‖/ρ² ∂ρ, ∂ρ = (−2uᵀ∂c − uᵀ∂Σu)/(2ρ)
         let d_centre = -y / norm * (1.0 - 1.0 / rho) - u * (norm / rho.powi(3));
         let slope = -0.5 * norm / rho.powi(3);
-        (
-            norm * (1.0 - 1.0 / rho),
-            with_outer(&d_centre, &u, &u, slope),
-        )
+        (norm * (1.0 - 1.0 / rho), with_outer(&d_centre, &u, &u, slope))
     }
 
     #[inline]
@@ -166,12 +159,7 @@ const TINY: f64 = 1e-12;
 
 /// (∂c, factor·aᵀ∂Σb) as five numbers.
 #[inline]
-fn with_outer(
-    d_centre: &Vector2<f64>,
-    a: &Vector2<f64>,
-    b: &Vector2<f64>,
-    factor: f64,
-) -> SVector<f64, 5> {
+fn with_outer(d_centre: &Vector2<f64>, a: &Vector2<f64>, b: &Vector2<f64>, factor: f64) -> SVector<f64, 5> {
     SVector::from([[
         d_centre[0],
         d_centre[1],
@@ -213,28 +201,20 @@ mod tests {
         } else {
             1
         };
-        let (a, b) = (
-            eigen.eigenvalues[major].sqrt(),
-            eigen.eigenvalues[1 - major].sqrt(),
-        );
+        let (a, b) = (eigen.eigenvalues[major].sqrt(), eigen.eigenvalues[1 - major].sqrt());
 
         // the point in the first quadrant of the ellipse's axes, and its foot there
         let y = eigen.eigenvectors.transpose() * (x - ellipse.centre);
         let y = Vector2::new(y[major].abs(), y[1 - major].abs());
         let foot = if y[1] > 0.0 {
-            let f =
-                |t: f64| (a * y[0] / (t + a * a)).powi(2) + (b * y[1] / (t + b * b)).powi(2) - 1.0;
+            let f = |t: f64| (a * y[0] / (t + a * a)).powi(2) + (b * y[1] / (t + b * b)).powi(2) - 1.0;
             let (mut low, mut high) = (
                 -b * b + b * y[1],
                 -b * b + (a * a * y[0] * y[0] + b * b * y[1] * y[1]).sqrt(),
             );
             for _ in 0..200 {
                 let middle = 0.5 * (low + high);
-                if f(middle) > 0.0 {
-                    low = middle
-                } else {
-                    high = middle
-                }
+                if f(middle) > 0.0 { low = middle } else { high = middle }
             }
             let t = 0.5 * (low + high);
             Vector2::new(a * a * y[0] / (t + a * a), b * b * y[1] / (t + b * b))
@@ -267,16 +247,8 @@ mod tests {
     fn all_agree_on_a_circle() {
         let e = OutlineEllipse::new(&ellipse(&[0.0, 0.0, 25.0, 0.0, 25.0]));
         for kind in KINDS {
-            approx::assert_relative_eq!(
-                e.distance(&Vector2::new(6.0, 8.0), kind).0,
-                5.0,
-                epsilon = 1e-9
-            );
-            approx::assert_relative_eq!(
-                e.distance(&Vector2::new(0.0, 3.0), kind).0,
-                -2.0,
-                epsilon = 1e-9
-            );
+            approx::assert_relative_eq!(e.distance(&Vector2::new(6.0, 8.0), kind).0, 5.0, epsilon = 1e-9);
+            approx::assert_relative_eq!(e.distance(&Vector2::new(0.0, 3.0), kind).0, -2.0, epsilon = 1e-9);
         }
     }
 
@@ -301,11 +273,7 @@ mod tests {
         let x = Vector2::new(40.0, 8.0);
         let exact = exact_distance(&raw, &x);
         assert!(e.distance(&x, EllipseDistance::Published).0 > 2.0 * exact);
-        approx::assert_relative_eq!(
-            e.distance(&x, EllipseDistance::Gradient).0,
-            exact,
-            max_relative = 0.1
-        );
+        approx::assert_relative_eq!(e.distance(&x, EllipseDistance::Gradient).0, exact, max_relative = 0.1);
     }
 
     #[test]

@@ -135,14 +135,8 @@ impl<'a> EllipseSilhouette<'a> {
     /// The term of one frame's views.
     pub fn new(views: Vec<EllipseView<'a>>, options: EllipseOptions) -> Self {
         let turn = std::f64::consts::TAU / options.back_samples as f64;
-        let circle = (0..options.back_samples)
-            .map(|k| (turn * k as f64).sin_cos())
-            .collect();
-        Self {
-            views,
-            options,
-            circle,
-        }
+        let circle = (0..options.back_samples).map(|k| (turn * k as f64).sin_cos()).collect();
+        Self { views, options, circle }
     }
 
     /// Number of border points in all views.
@@ -151,9 +145,7 @@ impl<'a> EllipseSilhouette<'a> {
     }
 
     fn sigma_px(&self, view: &EllipseView<'_>) -> f64 {
-        self.options
-            .sigma_px
-            .hypot(self.options.sigma_m * view.px_per_m)
+        self.options.sigma_px.hypot(self.options.sigma_m * view.px_per_m)
     }
 
     /// Calls `row(residual/σ, weight, derivatives by ellipse)` for every residual of a view.
@@ -214,10 +206,7 @@ impl<'a> EllipseSilhouette<'a> {
             };
 
             // the ellipsoid that the distance depends on most
-            let largest = near
-                .slopes
-                .iter()
-                .max_by(|a, b| a.1.norm().total_cmp(&b.1.norm()));
+            let largest = near.slopes.iter().max_by(|a, b| a.1.norm().total_cmp(&b.1.norm()));
             let Some(&(index, _)) = largest else { continue };
             let part = body.model.ellipsoids[index].part;
             let touched = body.in_part(part, &contact(ray, &ellipsoids[index]));
@@ -260,11 +249,7 @@ impl<'a> EllipseSilhouette<'a> {
             let sum = r.norm_squared() - r.min().powi(2);
             std::f64::consts::TAU * (0.5 * sum).sqrt()
         };
-        body.model
-            .ellipsoids
-            .iter()
-            .map(|e| perimeter(e.radii.value))
-            .collect()
+        body.model.ellipsoids.iter().map(|e| perimeter(e.radii.value)).collect()
     }
 }
 
@@ -280,8 +265,7 @@ fn contact(ray: &Ray, ellipsoid: &Ellipsoid) -> Point3<f64> {
 fn outline_slope(e: &OutlineEllipse, sin: f64, cos: f64, slope: &Vector2<f64>) -> SVector<f64, 5> {
     let (l00, l10, l11) = (e.root[(0, 0)], e.root[(1, 0)], e.root[(1, 1)]);
     // l00 = √Σxx, l10 = Σxy/l00, l11 = √(Σyy − l10²)
-    let by =
-        |d00: f64, d10: f64, d11: f64| slope[0] * d00 * cos + slope[1] * (d10 * cos + d11 * sin);
+    let by = |d00: f64, d10: f64, d11: f64| slope[0] * d00 * cos + slope[1] * (d10 * cos + d11 * sin);
     let d00 = 0.5 / l00;
     let d10 = -l10 / l00 * d00;
     SVector::from([[

@@ -43,11 +43,7 @@ impl<const N: usize> EllipseSums<N> {
         for (k, (i, a)) in rows.iter().enumerate() {
             self.gradients[*i] += a * (w * r);
             for (j, b) in &rows[..=k] {
-                let ((i, a), (j, b)) = if i >= j {
-                    ((i, a), (j, b))
-                } else {
-                    ((j, b), (i, a))
-                };
+                let ((i, a), (j, b)) = if i >= j { ((i, a), (j, b)) } else { ((j, b), (i, a)) };
                 self.block(*i, *j).ger(w, a, b, 1.0);
             }
         }
@@ -66,11 +62,7 @@ impl<const N: usize> EllipseSums<N> {
 impl EllipseSums<9> {
     /// Adds one camera's sums through its projection Jacobians.
     pub(super) fn add_camera(&mut self, sums: &EllipseSums<5>, projections: &[ProjectionJacobian]) {
-        for (gradient, (g, p)) in self
-            .gradients
-            .iter_mut()
-            .zip(sums.gradients.iter().zip(projections))
-        {
+        for (gradient, (g, p)) in self.gradients.iter_mut().zip(sums.gradients.iter().zip(projections)) {
             *gradient += p.tr_mul(g);
         }
         for (i, j, block) in &sums.blocks {

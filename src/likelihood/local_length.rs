@@ -74,11 +74,7 @@ impl LocalLength {
     }
 
     /// R, m, and ∂ ln R.
-    pub(super) fn linearize(
-        &self,
-        pull: &Vector3<f64>,
-        metaball: &Metaball,
-    ) -> (f64, LengthSlopes) {
+    pub(super) fn linearize(&self, pull: &Vector3<f64>, metaball: &Metaball) -> (f64, LengthSlopes) {
         let (u, q, growth) = self.shares(pull);
         let e = u.norm_squared() + self.smoothing;
         let by_u = u.zip_map(&self.growth, |u, g| 2.0 * u * (g - growth) / e);
@@ -118,9 +114,7 @@ mod tests {
     fn at(radii: Vector3<f64>, offset: Vector3<f64>) -> (f64, LengthSlopes) {
         let ball = Metaball::new(Ellipsoid {
             centre: Vector3::zeros(),
-            shape: axes()
-                * Matrix3::from_diagonal(&radii.component_mul(&radii))
-                * axes().transpose(),
+            shape: axes() * Matrix3::from_diagonal(&radii.component_mul(&radii)) * axes().transpose(),
         })
         .unwrap();
         let local = MEAN.with_radii(&radii, axes());
@@ -165,12 +159,7 @@ mod tests {
                     at(grown, offset).0
                 };
                 let numeric = (grown(step) - grown(-step)) / (2.0 * step);
-                approx::assert_relative_eq!(
-                    slopes.radii[k],
-                    numeric,
-                    epsilon = 1e-7,
-                    max_relative = 1e-6
-                );
+                approx::assert_relative_eq!(slopes.radii[k], numeric, epsilon = 1e-7, max_relative = 1e-6);
             }
         }
     }

@@ -117,12 +117,7 @@ impl SkinTerm for PointField {
         self.scale.posed(body, field)
     }
 
-    fn touches(
-        &self,
-        field: &Field,
-        scale: &PosedScale<'_>,
-        mut each: impl FnMut(&Touch<'_>, &FieldSample),
-    ) {
+    fn touches(&self, field: &Field, scale: &PosedScale<'_>, mut each: impl FnMut(&Touch<'_>, &FieldSample)) {
         let options = &self.options;
         let mut sampler = Sampler::new(field);
         let mut sample = FieldSample::default();
@@ -176,11 +171,7 @@ fn weights(points: &[SurfacePoint], cell_m: f64) -> Vec<f64> {
         return vec![1.0; points.len()];
     }
     let cell = |p: &SurfacePoint| p.position_world.coords.map(|x| (x / cell_m).floor() as i64);
-    let mut cells: Vec<([i64; 3], usize)> = points
-        .iter()
-        .enumerate()
-        .map(|(i, p)| (cell(p).into(), i))
-        .collect();
+    let mut cells: Vec<([i64; 3], usize)> = points.iter().enumerate().map(|(i, p)| (cell(p).into(), i)).collect();
     cells.sort_unstable();
     let mut weights = vec![1.0; points.len()];
     for shared in cells.chunk_by(|a, b| a.0 == b.0) {
@@ -205,10 +196,7 @@ mod tests {
     #[test]
     fn the_points_of_a_cell_share_one_observation() {
         let points = [0.01, 0.55, 0.03, 0.06, -0.01].map(point);
-        assert_eq!(
-            weights(&points, 0.1),
-            [1.0 / 3.0, 1.0, 1.0 / 3.0, 1.0 / 3.0, 1.0]
-        );
+        assert_eq!(weights(&points, 0.1), [1.0 / 3.0, 1.0, 1.0 / 3.0, 1.0 / 3.0, 1.0]);
         assert_eq!(weights(&points, 0.0), [1.0; 5]);
     }
 

@@ -107,11 +107,7 @@ pub struct SilhouetteRays {
 impl SilhouetteRays {
     /// The term of one frame's views; `scale` is the model's.
     pub fn new(views: Vec<RayView>, options: RayOptions, scale: SkinScale) -> Self {
-        Self {
-            views,
-            options,
-            scale,
-        }
+        Self { views, options, scale }
     }
 
     /// Number of lines of sight in all views.
@@ -134,12 +130,7 @@ impl SkinTerm for SilhouetteRays {
         self.scale.posed(body, field)
     }
 
-    fn touches(
-        &self,
-        field: &Field,
-        scale: &PosedScale<'_>,
-        mut each: impl FnMut(&Touch<'_>, &FieldSample),
-    ) {
+    fn touches(&self, field: &Field, scale: &PosedScale<'_>, mut each: impl FnMut(&Touch<'_>, &FieldSample)) {
         let options = &self.options;
         let mut sample = FieldSample::default();
         let mut near = Vec::new();

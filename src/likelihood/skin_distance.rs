@@ -105,11 +105,7 @@ impl SkinScale {
             }
         }
 
-        Self {
-            offset,
-            at_skin,
-            balls,
-        }
+        Self { offset, at_skin, balls }
     }
 
     /// The scale of a body in a pose; `field` is the body's.
@@ -122,21 +118,14 @@ impl SkinScale {
         };
         PosedScale {
             scale: self,
-            balls: (0..field.metaballs.len())
-                .filter_map(local_length)
-                .collect(),
+            balls: (0..field.metaballs.len()).filter_map(local_length).collect(),
         }
     }
 }
 
 impl PosedScale<'_> {
     /// The residual at a sampled point.
-    pub(super) fn residual(
-        &self,
-        kind: Residual,
-        derivatives: Derivatives,
-        sample: &FieldSample,
-    ) -> SkinResidual {
+    pub(super) fn residual(&self, kind: Residual, derivatives: Derivatives, sample: &FieldSample) -> SkinResidual {
         match kind {
             Residual::Field => field_residual(sample.log_value),
             Residual::Metric => self.metric_residual(derivatives, sample),
@@ -144,12 +133,7 @@ impl PosedScale<'_> {
     }
 
     /// The residual's derivatives in what can change of a metaball.
-    pub(super) fn change(
-        &self,
-        residual: &SkinResidual,
-        field: &Field,
-        share: &Share,
-    ) -> BallChange {
+    pub(super) fn change(&self, residual: &SkinResidual, field: &Field, share: &Share) -> BallChange {
         if residual.gamma.abs() < f64::MIN_POSITIVE {
             return BallChange {
                 alpha: residual.alpha,
@@ -171,17 +155,11 @@ impl PosedScale<'_> {
         // ψ and ∂ψ/∂L
         let square = self.scale.offset - 0.5 * sample.log_value;
         let psi = square.max(LEAST_SQUARE).sqrt();
-        let slope = if square > LEAST_SQUARE {
-            -0.25 / psi
-        } else {
-            0.0
-        };
+        let slope = if square > LEAST_SQUARE { -0.25 / psi } else { 0.0 };
 
         // R
         let each = sample.shares.iter();
-        let length: f64 = each
-            .map(|s| s.weight * self.balls[s.metaball].value_m(&s.pull))
-            .sum();
+        let length: f64 = each.map(|s| s.weight * self.balls[s.metaball].value_m(&s.pull)).sum();
 
         let past = psi - self.scale.at_skin;
         let gamma = match derivatives {
@@ -213,17 +191,11 @@ fn field_residual(log_value: f64) -> SkinResidual {
 fn skin_slope(field: &Field, ball: usize, axes: &Matrix3<f64>) -> Option<f64> {
     let centre = field.metaballs[ball].ellipsoid.centre;
     let ways = (0..6).map(|k| axes.column(k / 2) * if k % 2 == 0 { 1.0 } else { -1.0 });
-    let met: Vec<_> = ways
-        .filter_map(|way| skin_along(field, &centre, &way))
-        .collect();
+    let met: Vec<_> = ways.filter_map(|way| skin_along(field, &centre, &way)).collect();
 
     let is_own = |s: &&FieldSample| s.heaviest() == Some(ball);
     let own: Vec<_> = met.iter().filter(is_own).collect();
-    let places = if own.is_empty() {
-        met.iter().collect()
-    } else {
-        own
-    };
+    let places = if own.is_empty() { met.iter().collect() } else { own };
 
     let slope = places.iter().map(|s| s.log_gradient.norm()).sum::<f64>() / places.len() as f64;
     (slope.is_finite() && slope > 0.0).then_some(slope)

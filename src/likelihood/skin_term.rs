@@ -56,9 +56,7 @@ impl Touch<'_> {
     /// b: what the place's own motion along its line adds.
     fn along(&self, sample: &FieldSample, changes: &[BallChange]) -> Vector3<f64> {
         // only the local length changes with the motion: F is at its summit
-        let line = self
-            .line
-            .filter(|_| self.residual.gamma.abs() >= f64::MIN_POSITIVE);
+        let line = self.line.filter(|_| self.residual.gamma.abs() >= f64::MIN_POSITIVE);
         let Some(r) = line else {
             return Vector3::zeros();
         };
@@ -81,12 +79,7 @@ pub(super) trait SkinTerm {
     /// The scale that turns the field into a distance.
     fn scale(&self, body: &Posed<'_>, field: &Field) -> PosedScale<'_>;
     /// Calls `each` for every observation that touches the field, with the field there.
-    fn touches(
-        &self,
-        field: &Field,
-        scale: &PosedScale<'_>,
-        each: impl FnMut(&Touch<'_>, &FieldSample),
-    );
+    fn touches(&self, field: &Field, scale: &PosedScale<'_>, each: impl FnMut(&Touch<'_>, &FieldSample));
 }
 
 /// ½ Σ w ρ.
@@ -100,11 +93,7 @@ pub(super) fn cost(term: &impl SkinTerm, body: &Posed<'_>) -> f64 {
 }
 
 /// The same, and its rows added to the equations.
-pub(super) fn linearize(
-    term: &impl SkinTerm,
-    body: &Posed<'_>,
-    equations: &mut NormalEquations,
-) -> f64 {
+pub(super) fn linearize(term: &impl SkinTerm, body: &Posed<'_>, equations: &mut NormalEquations) -> f64 {
     let field = Field::from_body(body);
     let scale = term.scale(body, &field);
     let slopes = FieldSlopes::new(body, &field);

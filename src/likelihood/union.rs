@@ -64,10 +64,7 @@ pub(super) fn smooth_union(
         .map_or(f64::INFINITY, |e| e.distance(x, kind).0);
     let mut distances = [0.0; MAX_NEAR];
     for (i, ellipse) in ellipses.iter().enumerate() {
-        let Some(ellipse) = ellipse
-            .as_ref()
-            .filter(|e| !e.is_farther_than(least + reach, x))
-        else {
+        let Some(ellipse) = ellipse.as_ref().filter(|e| !e.is_farther_than(least + reach, x)) else {
             continue;
         };
         let (d, slope) = ellipse.distance(x, kind);

@@ -6,11 +6,7 @@ use nalgebra::{DMatrix, DVector};
 ///
 /// J·eᵢ = (4·D(h/2) − D(h))/3, D(h) = (f(h·eᵢ) − f(−h·eᵢ))/(2h). The error is O(h⁴) plus rounding of O(ε/h).
 /// `f` maps a displacement (`dimension` × 1) to a vector of any fixed length.
-pub fn central_differences(
-    dimension: usize,
-    h: f64,
-    f: impl Fn(&DVector<f64>) -> DVector<f64>,
-) -> DMatrix<f64> {
+pub fn central_differences(dimension: usize, h: f64, f: impl Fn(&DVector<f64>) -> DVector<f64>) -> DMatrix<f64> {
     let slope = |i: usize, h: f64| {
         let mut delta = DVector::zeros(dimension);
         delta[i] = h;

@@ -93,32 +93,19 @@ pub fn project_with_jacobian(
     // ∂B/∂Aᵣₛ = mᵣmₛᵀ + mₛmᵣᵀ, once on the diagonal
     for (i, (r, s)) in Ellipsoid::INDEX.into_iter().enumerate() {
         let outer = m.column(r) * m.column(s).transpose();
-        let db = if r == s {
-            outer
-        } else {
-            outer + outer.transpose()
-        };
-        jacobian.set_column(
-            3 + i,
-            &differential(&conic, &ellipse, &db, &Vector3::zeros()),
-        );
+        let db = if r == s { outer } else { outer + outer.transpose() };
+        jacobian.set_column(3 + i, &differential(&conic, &ellipse, &db, &Vector3::zeros()));
     }
 
     Some((ellipse, jacobian))
 }
 
 /// The change of the ellipse's 5 numbers when B and h change by `db` and `dh`.
-fn differential(
-    conic: &DualConic,
-    ellipse: &Ellipse,
-    db: &Matrix3<f64>,
-    dh: &Vector3<f64>,
-) -> SMatrix<f64, 5, 1> {
+fn differential(conic: &DualConic, ellipse: &Ellipse, db: &Matrix3<f64>, dh: &Vector3<f64>) -> SMatrix<f64, 5, 1> {
     let DualConic { b, h, kappa } = conic;
     let x = &ellipse.centre;
     let dkappa = 2.0 * h[2] * dh[2] - db[(2, 2)];
-    let dx: Vector2<f64> =
-        Vector2::from_fn(|k, _| (dh[k] * h[2] + h[k] * dh[2] - db[(k, 2)] - x[k] * dkappa) / kappa);
+    let dx: Vector2<f64> = Vector2::from_fn(|k, _| (dh[k] * h[2] + h[k] * dh[2] - db[(k, 2)] - x[k] * dkappa) / kappa);
     let dshape = |k: usize, l: usize| {
         let outer = b[(k, l)] - h[k] * h[l];
         let douter = db[(k, l)] - dh[k] * h[l] - h[k] * dh[l];
@@ -170,8 +157,7 @@ mod tests {
             let line = Vector3::new(n[0], n[1], -n.dot(&x));
             let plane = p.transpose() * line;
             let normal = plane.fixed_rows::<3>(0);
-            let tangency =
-                normal.dot(&(e.shape * normal)) - (normal.dot(&e.centre) + plane[3]).powi(2);
+            let tangency = normal.dot(&(e.shape * normal)) - (normal.dot(&e.centre) + plane[3]).powi(2);
             approx::assert_abs_diff_eq!(tangency / normal.norm_squared(), 0.0, epsilon = 1e-9);
         }
     }
@@ -181,20 +167,10 @@ mod tests {
         let p = camera();
         let (_, jacobian) = project_with_jacobian(&p, &ellipsoid(&NUMBERS)).unwrap();
         let numeric = central_differences(9, 1e-4, |delta| {
-            let numbers: Vec<f64> = NUMBERS
-                .iter()
-                .zip(delta.iter())
-                .map(|(a, b)| a + b)
-                .collect();
+            let numbers: Vec<f64> = NUMBERS.iter().zip(delta.iter()).map(|(a, b)| a + b).collect();
             let e = project(&p, &ellipsoid(&numbers)).unwrap();
             let s = e.shape;
-            DVector::from_vec(vec![
-                e.centre[0],
-                e.centre[1],
-                s[(0, 0)],
-                s[(0, 1)],
-                s[(1, 1)],
-            ])
+            DVector::from_vec(vec![e.centre[0], e.centre[1], s[(0, 0)], s[(0, 1)], s[(1, 1)]])
         });
         for (a, n) in jacobian.iter().zip(numeric.iter()) {
             approx::assert_relative_eq!(a, n, max_relative = 1e-6, epsilon = 1e-3);

@@ -20,14 +20,9 @@ pub fn mean_and_sd(values: &[f64]) -> Option<(f64, Option<f64>)> {
 pub fn median(values: &mut Vec<f64>) -> Option<f64> {
     values.retain(|v| v.is_finite());
     let middle = values.len() / 2;
-    let (below, upper, _) =
-        (!values.is_empty()).then(|| values.select_nth_unstable_by(middle, f64::total_cmp))?;
+    let (below, upper, _) = (!values.is_empty()).then(|| values.select_nth_unstable_by(middle, f64::total_cmp))?;
     let upper = *upper;
-    let lower = below
-        .iter()
-        .copied()
-        .max_by(f64::total_cmp)
-        .unwrap_or(upper);
+    let lower = below.iter().copied().max_by(f64::total_cmp).unwrap_or(upper);
     Some(if values.len() % 2 == 1 {
         upper
     } else {

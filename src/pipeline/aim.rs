@@ -61,11 +61,7 @@ impl JointStage<'_> {
 
             let moved_px = next_px.iter().zip(&aims_px).map(|(a, b)| (a - b).norm());
             if moved_px.fold(0.0, f64::max) < LEAST_PX {
-                return AimedOptimum {
-                    joint,
-                    rig,
-                    aims_px,
-                };
+                return AimedOptimum { joint, rig, aims_px };
             }
             aims_px = next_px;
             turn += 1;

@@ -25,11 +25,7 @@ pub struct ShapeConfidence {
 
 impl ShapeConfidence {
     /// The confidence that these trials' keyframes give.
-    pub(super) fn from_trials(
-        model: &BodyModel,
-        trials: &[Trial],
-        options: &ConfidenceOptions,
-    ) -> Self {
+    pub(super) fn from_trials(model: &BodyModel, trials: &[Trial], options: &ConfidenceOptions) -> Self {
         let shapes: Vec<&Shape> = best_readings(trials).iter().map(|h| &h.shape).collect();
         let coefficients: Vec<DVector<f64>> = shapes.iter().map(|s| s.0.clone()).collect();
         let lengths: Vec<DVector<f64>> = shapes
@@ -78,9 +74,7 @@ fn best_readings(trials: &[Trial]) -> Vec<&Hypothesis> {
 
 fn each(estimates: &[DVector<f64>], components: usize, epsilon: f64) -> Vec<Confidence> {
     let of = |i: usize| estimates.iter().map(|e| e[i]).collect::<Vec<f64>>();
-    (0..components)
-        .map(|i| confidence(&of(i), epsilon))
-        .collect()
+    (0..components).map(|i| confidence(&of(i), epsilon)).collect()
 }
 
 #[cfg(test)]

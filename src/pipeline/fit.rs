@@ -123,9 +123,7 @@ pub enum FitError {
         lacking: &'static str,
     },
     /// Points alone, to be compared with ellipses.
-    #[error(
-        "points can only be compared with the skin of metaballs: leave --likelihood out, or use metaballs"
-    )]
+    #[error("points can only be compared with the skin of metaballs: leave --likelihood out, or use metaballs")]
     PointsOnEllipses,
     /// No hypothesis could be followed through the sequence.
     #[error("no hypothesis could be followed through the {frames} frames")]
@@ -186,11 +184,7 @@ pub fn fit(
     notes.extend(odd_body(shape_cost, estimate.shape.0.len()));
     notes.extend(warnings(rig, observations, &frames, &cameras, &confidence));
     notes.extend(points::warnings(&frames, observations));
-    notes.extend(
-        options
-            .joint
-            .and_then(|joint| unseen(model, sequence, &frames, &joint)),
-    );
+    notes.extend(options.joint.and_then(|joint| unseen(model, sequence, &frames, &joint)));
 
     Ok(Fit {
         lengths_m: rest_lengths_m(model, &estimate.shape),
@@ -258,11 +252,7 @@ impl Estimate {
 
     /// The joint optimum that is reached from the winner.
     fn joint(aimed: AimedOptimum, winner: &Trial) -> Self {
-        let AimedOptimum {
-            joint,
-            rig,
-            aims_px,
-        } = aimed;
+        let AimedOptimum { joint, rig, aims_px } = aimed;
 
         // what Algorithm 1 had to search anew is still told
         let frames = joint.frames.into_iter().zip(winner.frames.iter().flatten());
@@ -290,23 +280,14 @@ fn state_of(winner: &Trial) -> SequenceState {
 }
 
 /// What nothing sees of the body, by how much less sure the priors alone would be.
-fn unseen(
-    model: &BodyModel,
-    sequence: Sequence<'_>,
-    frames: &[FittedFrame],
-    joint: &JointOptions,
-) -> Option<Warning> {
+fn unseen(model: &BodyModel, sequence: Sequence<'_>, frames: &[FittedFrame], joint: &JointOptions) -> Option<Warning> {
     let motions: Vec<Motion> = frames.iter().map(|f| f.fit.motion.clone()).collect();
     let chain_prior = ChainPrior::new(model, joint.motion_model);
     let prior = prior_angles_sd(model, &chain_prior, &motions, &sequence.intervals_s())?;
     unseen::warning(model, frames, &prior)
 }
 
-fn fitted_frames(
-    evidence: &Evidence<'_>,
-    observations: &[FrameObservations],
-    estimate: &Estimate,
-) -> Vec<FittedFrame> {
+fn fitted_frames(evidence: &Evidence<'_>, observations: &[FrameObservations], estimate: &Estimate) -> Vec<FittedFrame> {
     let fitted = |(i, (observed, fit)): (usize, (&FrameObservations, &FrameFit))| {
         let body = Posed::new(evidence.model, &estimate.shape, &fit.motion);
         FittedFrame {
@@ -323,11 +304,7 @@ fn fitted_frames(
     frames.enumerate().map(fitted).collect()
 }
 
-fn tried(
-    evidence: &Evidence<'_>,
-    observations: &[FrameObservations],
-    trial: Trial,
-) -> TriedHypothesis {
+fn tried(evidence: &Evidence<'_>, observations: &[FrameObservations], trial: Trial) -> TriedHypothesis {
     let shape = &trial.hypothesis.shape;
     TriedHypothesis {
         keyframe: observations[trial.hypothesis.keyframe].frame,

@@ -23,9 +23,7 @@ pub enum FrameRangeError {
     #[error("the recording has no frame")]
     NoFrame,
     /// No frame of the recording is in the range.
-    #[error(
-        "--frames {range}: no frame of the recording lies in this range: it has {first} to {last}"
-    )]
+    #[error("--frames {range}: no frame of the recording lies in this range: it has {first} to {last}")]
     OutOfRange {
         /// The range that was asked for.
         range: FrameRange,

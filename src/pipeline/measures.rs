@@ -53,10 +53,7 @@ impl Measures {
     ///
     /// # Errors
     /// [`FitError::Primitives`] if there is none, or it was not to be looked at.
-    pub(super) fn choose_for_points(
-        model: &BodyModel,
-        asked: Option<Measure>,
-    ) -> Result<Self, FitError> {
+    pub(super) fn choose_for_points(model: &BodyModel, asked: Option<Measure>) -> Result<Self, FitError> {
         let asked = asked.unwrap_or(Measure::Metaballs);
         if !asked.has_metaballs() {
             return Err(FitError::PointsOnEllipses);

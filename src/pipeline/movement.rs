@@ -6,9 +6,7 @@ use nalgebra::{Matrix3, Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use crate::body::{BodyModel, Motion, Shape};
-use crate::gait::{
-    Angle, Landmark, Limb, Movement, MovementError, Paired, Segment, Segments, Side, Track,
-};
+use crate::gait::{Angle, Landmark, Limb, Movement, MovementError, Paired, Segment, Segments, Side, Track};
 use crate::inference::covariance::FrameUncertainty;
 use crate::silhouette::FrameIndex;
 
@@ -165,8 +163,7 @@ fn vector_or_nan(row: Option<&[f64; 3]>) -> Vector3<f64> {
 fn fitted_points(names: &[String], frames: &[Option<&FramePose>]) -> Vec<FittedPoint> {
     let point = |(i, name): (usize, &String)| {
         let place = |f: &Option<&FramePose>| vector_or_nan(f.and_then(|f| f.points_m.get(i)));
-        let sd =
-            |f: &Option<&FramePose>| vector_or_nan(f.and_then(|f| f.sd.as_ref()?.points_m.get(i)));
+        let sd = |f: &Option<&FramePose>| vector_or_nan(f.and_then(|f| f.sd.as_ref()?.points_m.get(i)));
         FittedPoint {
             name: name.clone(),
             track: frames.iter().map(place).collect(),
@@ -205,9 +202,7 @@ fn add_joint_sd(segments: &mut Segments, model: &BodyModel, frames: &[Option<&Fr
 /// on the floor by δ/cos θ, with θ the pitch of its sole.
 fn add_part_sd(segments: &mut Segments, model: &BodyModel, frames: &[Option<&FramePose>]) {
     for (segment, part) in Segments::model_parts(model) {
-        let sd = |frame: &Option<&FramePose>| {
-            vector_or_nan(frame.and_then(|f| f.sd.as_ref()?.parts_rad.get(part.0)))
-        };
+        let sd = |frame: &Option<&FramePose>| vector_or_nan(frame.and_then(|f| f.sd.as_ref()?.parts_rad.get(part.0)));
         let sd: Vec<Vector3<f64>> = frames.iter().map(sd).collect();
         if sd.iter().all(|sd| sd.x.is_nan()) {
             continue;
@@ -215,16 +210,8 @@ fn add_part_sd(segments: &mut Segments, model: &BodyModel, frames: &[Option<&Fra
 
         let about = |axis: usize| sd.iter().map(move |sd| sd[axis]);
         let angles_about_axes = match segment {
-            Segment::Pelvis => [
-                Angle::PelvisObliquity,
-                Angle::PelvisTilt,
-                Angle::PelvisRotation,
-            ],
-            Segment::Trunk => [
-                Angle::TrunkObliquity,
-                Angle::TrunkTilt,
-                Angle::TrunkRotation,
-            ],
+            Segment::Pelvis => [Angle::PelvisObliquity, Angle::PelvisTilt, Angle::PelvisRotation],
+            Segment::Trunk => [Angle::TrunkObliquity, Angle::TrunkTilt, Angle::TrunkRotation],
             Segment::Of(side, Limb::Foot) => {
                 // cos θ: how much of the foot's forward axis lies in the floor
                 let axes = segments.axes.get(&segment).into_iter().flatten();
@@ -269,9 +256,7 @@ fn add_apart_sd(movement: &mut Movement, model: &BodyModel, frames: &[Option<&Fr
         let Some((Landmark::Of(_, place), _)) = landmark else {
             continue;
         };
-        let sd = |frame: &Option<&FramePose>| {
-            vector_or_nan(frame.and_then(|f| f.sd.as_ref()?.apart_m.get(i)))
-        };
+        let sd = |frame: &Option<&FramePose>| vector_or_nan(frame.and_then(|f| f.sd.as_ref()?.apart_m.get(i)));
         let track: Track = frames.iter().map(sd).collect();
         if track.iter().any(|sd| sd.x.is_finite()) {
             movement.apart_sd_m.insert(place, track);

@@ -105,12 +105,7 @@ impl EstimateOptions {
             self.ranges_of_search().as_slice(),
             &[
                 ("epsilon_m", self.confidence.epsilon_m, 1e-6, 10.0),
-                (
-                    "epsilon_coefficient",
-                    self.confidence.epsilon_coefficient,
-                    1e-6,
-                    10.0,
-                ),
+                ("epsilon_coefficient", self.confidence.epsilon_coefficient, 1e-6, 10.0),
             ],
         ]
         .concat();
@@ -169,10 +164,7 @@ mod tests {
         let options = EstimateOptions::default();
         assert_eq!(options.validate(), Ok(()));
         let text = serde_json::to_string(&options).unwrap();
-        assert_eq!(
-            serde_json::from_str::<EstimateOptions>(&text).unwrap(),
-            options
-        );
+        assert_eq!(serde_json::from_str::<EstimateOptions>(&text).unwrap(), options);
     }
 
     #[test]

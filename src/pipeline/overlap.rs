@@ -23,12 +23,7 @@ fn projected(camera: &Camera, body: &Posed<'_>, primitives: &[Primitive]) -> Vec
 
 /// Intersection over union of a silhouette and the body as it was measured: the skin of its metaballs, or the
 /// union of its ellipses.
-pub(super) fn iou(
-    camera: &Camera,
-    silhouette: &Silhouette,
-    body: &Posed<'_>,
-    measure: Measure,
-) -> f64 {
+pub(super) fn iou(camera: &Camera, silhouette: &Silhouette, body: &Posed<'_>, measure: Measure) -> f64 {
     if measure.has_metaballs() && !body.model.metaballs.is_empty() {
         skin_iou(camera, silhouette, body)
     } else {
@@ -37,10 +32,7 @@ pub(super) fn iou(
 }
 
 fn ellipses_iou(camera: &Camera, silhouette: &Silhouette, body: &Posed<'_>) -> f64 {
-    let ellipses: Vec<Covering> = projected_ellipses(camera, body)
-        .iter()
-        .map(Covering::new)
-        .collect();
+    let ellipses: Vec<Covering> = projected_ellipses(camera, body).iter().map(Covering::new).collect();
     let bounds = bounds(silhouette, &ellipses);
     let overlap = silhouette.overlap(bounds, |pixel| ellipses.iter().any(|e| e.contains(pixel)));
     overlap.iou()
@@ -58,10 +50,7 @@ fn skin_iou(camera: &Camera, silhouette: &Silhouette, body: &Posed<'_>) -> f64 {
 
     // the box of both
     let bounds = bounds(silhouette, &balls);
-    let (low, high) = (
-        silhouette.bounds.0.inf(&bounds.0),
-        silhouette.bounds.1.sup(&bounds.1),
-    );
+    let (low, high) = (silhouette.bounds.0.inf(&bounds.0), silhouette.bounds.1.sup(&bounds.1));
     let (low, high) = clipped(camera, low, high);
 
     // the skin in it
@@ -106,9 +95,7 @@ fn window(camera: &Camera, low: Point2<f64>, high: Point2<f64>, step: f64) -> Ca
 fn bounds(silhouette: &Silhouette, ellipses: &[Covering]) -> (Point2<f64>, Point2<f64>) {
     let nothing = (silhouette.bounds.0, silhouette.bounds.0);
     let boxes = ellipses.iter().map(|e| (e.low, e.high));
-    boxes
-        .reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)))
-        .unwrap_or(nothing)
+    boxes.reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1))).unwrap_or(nothing)
 }
 
 /// An ellipse, its box, and Σ⁻¹.
@@ -179,19 +166,13 @@ mod tests {
         // to the side of the line of sight
         let aside = camera.camera_from_world.rotation.inverse() * Vector3::x();
         motion.position_world += aside * 1.2;
-        let apart = iou(
-            &camera,
-            &seen,
-            &Posed::new(&model, &shape, &motion),
-            measure,
-        );
+        let apart = iou(&camera, &seen, &Posed::new(&model, &shape, &motion), measure);
         [own, apart]
     }
 
     #[test]
     fn a_skin_covers_its_own_silhouette_and_none_beside_it() {
-        let of_skin =
-            |camera: &Camera, body: &Posed<'_>| render::silhouette(camera, &Field::from_body(body));
+        let of_skin = |camera: &Camera, body: &Posed<'_>| render::silhouette(camera, &Field::from_body(body));
         let [own, apart] = iou_of(Measure::Metaballs, of_skin);
         assert!(own > 0.98 && own <= 1.0, "{own}");
         assert!(apart < 1e-9, "{apart}");
@@ -200,10 +181,7 @@ mod tests {
     #[test]
     fn ellipses_cover_their_own_silhouette_and_none_beside_it() {
         let of_ellipses = |camera: &Camera, body: &Posed<'_>| {
-            let all: Vec<Covering> = projected_ellipses(camera, body)
-                .iter()
-                .map(Covering::new)
-                .collect();
+            let all: Vec<Covering> = projected_ellipses(camera, body).iter().map(Covering::new).collect();
             let (width, height) = (camera.width_px as usize, camera.height_px as usize);
             Mask::from_fn(width, height, |x, y| {
                 let pixel = Point2::new(x as f64, y as f64);

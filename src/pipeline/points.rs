@@ -63,11 +63,7 @@ pub(super) fn point_quality(
 }
 
 /// How far a point lies outside the silhouette that it lies farthest out of, m; `None` if it may lie in all.
-fn outside_m(
-    evidence: &Evidence<'_>,
-    frame: &FrameObservations,
-    point: &CloudPoint,
-) -> Option<f64> {
+fn outside_m(evidence: &Evidence<'_>, frame: &FrameObservations, point: &CloudPoint) -> Option<f64> {
     let of_view = |(id, silhouette): &(_, crate::silhouette::Silhouette)| {
         let camera = evidence.rig.camera(*id)?;
         let pixel = camera.project_undistorted(&point.position_world)?;
@@ -79,18 +75,12 @@ fn outside_m(
         (outside_m > FAR * sigma_m).then_some(outside_m)
     };
 
-    frame
-        .views
-        .iter()
-        .filter_map(of_view)
-        .max_by(f64::total_cmp)
+    frame.views.iter().filter_map(of_view).max_by(f64::total_cmp)
 }
 
 /// What a point errs by, the surface's own mismatch included, m.
 fn sigma_m(point: &CloudPoint) -> f64 {
-    crate::likelihood::SurfacePoint::from(point)
-        .sigma_m
-        .hypot(SURFACE_M)
+    crate::likelihood::SurfacePoint::from(point).sigma_m.hypot(SURFACE_M)
 }
 
 /// The frames whose points disagree with their silhouettes, or with a body that the silhouettes agree with.
@@ -110,19 +100,12 @@ pub(super) fn warnings(frames: &[FittedFrame], observations: &[FrameObservations
         }
     }
 
-    let outside_of = |frames, share, by_m| Warning::PointsOutside {
-        frames,
-        share,
-        by_m,
-    };
+    let outside_of = |frames, share, by_m| Warning::PointsOutside { frames, share, by_m };
     let off_skin_of = |frames, _, by_m| Warning::PointsOffSkin { frames, by_m };
-    [
-        outside.into_warning(outside_of),
-        off_skin.into_warning(off_skin_of),
-    ]
-    .into_iter()
-    .flatten()
-    .collect()
+    [outside.into_warning(outside_of), off_skin.into_warning(off_skin_of)]
+        .into_iter()
+        .flatten()
+        .collect()
 }
 
 /// Whether the body covers the frame's silhouettes, so that it is the points that are off.
@@ -204,7 +187,8 @@ mod tests {
         // σ is 1.02 cm with the surface's own
         assert_eq!(said(None, Some(0.03)), [""; 0]);
         let told = said(None, Some(0.12));
-        let start = "points and silhouettes disagree in 2 frames (7, 8): half of the points lie 0.12 m or more off the skin";
+        let start =
+            "points and silhouettes disagree in 2 frames (7, 8): half of the points lie 0.12 m or more off the skin";
         assert!(told.len() == 1 && told[0].starts_with(start), "{told:?}");
     }
 

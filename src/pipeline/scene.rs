@@ -27,9 +27,7 @@ pub enum SceneFault {
     #[error("no frame to fit")]
     NoFrames,
     /// No mask shows anybody.
-    #[error(
-        "none of the {masks} masks shows a person: camera {camera}, {frame}: {reason}, and so on"
-    )]
+    #[error("none of the {masks} masks shows a person: camera {camera}, {frame}: {reason}, and so on")]
     NothingSeen {
         /// How many masks there are.
         masks: usize,
@@ -86,11 +84,7 @@ pub enum SceneFault {
 }
 
 fn listed(cameras: &[String]) -> String {
-    let word = if cameras.len() == 1 {
-        "camera"
-    } else {
-        "cameras"
-    };
+    let word = if cameras.len() == 1 { "camera" } else { "cameras" };
     format!("{word} {}", cameras.join(", "))
 }
 
@@ -101,11 +95,7 @@ fn listed(cameras: &[String]) -> String {
 ///
 /// # Errors
 /// [`SceneFault`], the most basic first.
-pub fn check_scene(
-    model: &BodyModel,
-    rig: &Rig,
-    frames: &[FrameObservations],
-) -> Result<Vec<Warning>, SceneFault> {
+pub fn check_scene(model: &BodyModel, rig: &Rig, frames: &[FrameObservations]) -> Result<Vec<Warning>, SceneFault> {
     // 1. two cameras see something
     seen_by_two(rig, frames)?;
     // 2. the cameras agree where it is
@@ -141,12 +131,9 @@ fn seen_by_two(rig: &Rig, frames: &[FrameObservations]) -> Result<(), SceneFault
 }
 
 fn nothing_seen(rig: &Rig, frames: &[FrameObservations]) -> SceneFault {
-    let mut rejected = frames
-        .iter()
-        .flat_map(|f| f.rejected.iter().map(|r| (f.frame, *r)));
+    let mut rejected = frames.iter().flat_map(|f| f.rejected.iter().map(|r| (f.frame, *r)));
     let first = rejected.next();
-    let named =
-        first.and_then(|(frame, (id, reason))| Some((frame, rig.camera(id)?.name.clone(), reason)));
+    let named = first.and_then(|(frame, (id, reason))| Some((frame, rig.camera(id)?.name.clone(), reason)));
 
     match named {
         Some((frame, camera, reason)) => SceneFault::NothingSeen {
@@ -178,8 +165,7 @@ fn odd_cameras(rig: &Rig, frames: &[&FrameObservations]) -> Vec<CameraId> {
             }
         }
     }
-    let is_odd =
-        |i: &usize| meetings[*i] > 0 && (agreements[*i] as f64) < ODD * meetings[*i] as f64;
+    let is_odd = |i: &usize| meetings[*i] > 0 && (agreements[*i] as f64) < ODD * meetings[*i] as f64;
     (0..count).filter(is_odd).map(CameraId).collect()
 }
 
@@ -228,23 +214,18 @@ fn common_view(rig: &Rig, odd: &[CameraId]) -> Result<Vec<Warning>, SceneFault> 
 }
 
 fn size(model: &BodyModel, rig: &Rig, frames: &[&FrameObservations]) -> Result<(), SceneFault> {
-    let mut sizes: Vec<f64> = frames
-        .iter()
-        .flat_map(|frame| sizes_of_views(rig, frame))
-        .collect();
+    let mut sizes: Vec<f64> = frames.iter().flat_map(|frame| sizes_of_views(rig, frame)).collect();
     if sizes.is_empty() {
         let hulls = frames.iter().filter_map(|f| Hull::from_points(&f.points));
         sizes = hulls.map(|hull| hull.top - hull.bottom).collect();
     }
     let body_m = body_size(model);
     match median(&mut sizes) {
-        Some(seen_m) if seen_m > SIZE_RATIO * body_m || seen_m * SIZE_RATIO < body_m => {
-            Err(SceneFault::Size {
-                seen_m,
-                body: model.name.clone(),
-                body_m,
-            })
-        }
+        Some(seen_m) if seen_m > SIZE_RATIO * body_m || seen_m * SIZE_RATIO < body_m => Err(SceneFault::Size {
+            seen_m,
+            body: model.name.clone(),
+            body_m,
+        }),
         _ => Ok(()),
     }
 }

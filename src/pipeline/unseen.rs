@@ -48,11 +48,7 @@ pub fn prior_angles_sd(
 }
 
 /// The parts all of whose own angles keep their prior in most of the frames that anything sees.
-pub(super) fn warning(
-    model: &BodyModel,
-    frames: &[FittedFrame],
-    prior: &[DVector<f64>],
-) -> Option<Warning> {
+pub(super) fn warning(model: &BodyModel, frames: &[FittedFrame], prior: &[DVector<f64>]) -> Option<Warning> {
     let seen: Vec<(&DVector<f64>, &DVector<f64>)> = frames
         .iter()
         .zip(prior)
@@ -62,9 +58,8 @@ pub(super) fn warning(
 
     let keeps = |part: usize| {
         let own = own_joints(model, part);
-        let untouched = |(sd, prior): &&(&DVector<f64>, &DVector<f64>)| {
-            own.iter().all(|j| sd[*j] >= UNTOUCHED * prior[*j])
-        };
+        let untouched =
+            |(sd, prior): &&(&DVector<f64>, &DVector<f64>)| own.iter().all(|j| sd[*j] >= UNTOUCHED * prior[*j]);
         !own.is_empty() && 2 * seen.iter().filter(untouched).count() > seen.len()
     };
     let parts: Vec<String> = (0..model.parts.len())

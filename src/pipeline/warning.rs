@@ -159,16 +159,11 @@ pub(super) fn warnings(
     let mut warnings = aim_warnings(rig, cameras);
     warnings.extend(overlap_warnings(rig, frames, cameras));
 
-    let those = |is: &dyn Fn(&&FittedFrame) -> bool| {
-        Frames(frames.iter().filter(is).map(|f| f.frame).collect())
-    };
+    let those = |is: &dyn Fn(&&FittedFrame) -> bool| Frames(frames.iter().filter(is).map(|f| f.frame).collect());
     let (unseen, one) = (those(&|f| !f.is_observed()), those(&|f| f.views.len() == 1));
     let recovered = those(&|f| f.fit.recovered);
     for (frames, warning) in [
-        (
-            unseen,
-            (|frames| Warning::Unseen { frames }) as fn(Frames) -> Warning,
-        ),
+        (unseen, (|frames| Warning::Unseen { frames }) as fn(Frames) -> Warning),
         (one, |frames| Warning::OneView { frames }),
         (recovered, |frames| Warning::Recovered { frames }),
     ] {
@@ -197,10 +192,7 @@ fn aim_warnings(rig: &Rig, cameras: &[CameraQuality]) -> Vec<Warning> {
 
 fn overlap_warnings(rig: &Rig, frames: &[FittedFrame], cameras: &[CameraQuality]) -> Vec<Warning> {
     let mut warnings = Vec::new();
-    let overlaps: Vec<(FrameIndex, f64)> = frames
-        .iter()
-        .filter_map(|f| Some((f.frame, f.mean_iou()?)))
-        .collect();
+    let overlaps: Vec<(FrameIndex, f64)> = frames.iter().filter_map(|f| Some((f.frame, f.mean_iou()?))).collect();
     let Some(usual) = median(&mut overlaps.iter().map(|(_, iou)| *iou).collect()) else {
         return warnings;
     };
@@ -267,9 +259,7 @@ mod tests {
 
     #[test]
     fn frames_are_listed_as_ranges() {
-        let of = |numbers: &[usize]| {
-            Frames(numbers.iter().copied().map(FrameIndex).collect()).to_string()
-        };
+        let of = |numbers: &[usize]| Frames(numbers.iter().copied().map(FrameIndex).collect()).to_string();
         assert_eq!(of(&[3, 4, 5, 9, 11, 12]), "3–5, 9, 11, 12");
         assert_eq!(of(&[0, 2, 4, 6, 8, 10, 12]), "0, 2, 4, 6, 8, 10, …");
         assert_eq!(of(&[]), "");

@@ -39,10 +39,7 @@ impl fmt::Display for Warning {
                 "the fitted body is very unusual ({ratio:.0} times the usual −log p(s)): check up, unit and the masks"
             ),
             Self::KeepsPrior { parts } => match parts.as_slice() {
-                [part] => write!(
-                    f,
-                    "{part}: no camera shows how it is turned, so it keeps its prior"
-                ),
+                [part] => write!(f, "{part}: no camera shows how it is turned, so it keeps its prior"),
                 parts => write!(
                     f,
                     "{}: no camera shows how they are turned, so they keep their priors",

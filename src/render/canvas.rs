@@ -135,10 +135,7 @@ mod tests {
 
     #[test]
     fn crossing_segments_of_one_stroke_cover_once() {
-        let half = Pen {
-            opacity: 0.5,
-            ..PEN
-        };
+        let half = Pen { opacity: 0.5, ..PEN };
         let (a, b) = (Point2::new(2.0, 4.0), Point2::new(9.0, 4.0));
         let (mut once, mut twice) = (black(), black());
         once.draw(&[[a, b]], half);
@@ -154,10 +151,7 @@ mod tests {
         let nowhere = Point2::new(f64::NAN, 3.0);
         let far = Point2::new(-1e9, -1e9);
         canvas.draw(&[[nowhere, far], [far, far]], PEN);
-        canvas.draw(
-            &[[Point2::new(1e12, 4.0), Point2::new(1e12 + 1.0, 4.0)]],
-            PEN,
-        );
+        canvas.draw(&[[Point2::new(1e12, 4.0), Point2::new(1e12 + 1.0, 4.0)]], PEN);
         assert_eq!(canvas, black());
     }
 }

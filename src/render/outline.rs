@@ -170,12 +170,7 @@ impl LinesOfSight<'_> {
     }
 
     /// The pieces of a limb's contour where it lies in front of another limb.
-    fn inner_pieces(
-        &self,
-        limb: usize,
-        points: &[Point2<f64>],
-        pieces: &mut Vec<Vec<OutlinePoint>>,
-    ) {
+    fn inner_pieces(&self, limb: usize, points: &[Point2<f64>], pieces: &mut Vec<Vec<OutlinePoint>>) {
         let mut piece = Vec::new();
         for i in 0..points.len() {
             match self.inner_point(limb, &points[i], &outward(points, i)) {
@@ -190,12 +185,7 @@ impl LinesOfSight<'_> {
     }
 
     /// A point of a limb's contour; `None` unless it lies in front of another limb, and no other hides it.
-    fn inner_point(
-        &self,
-        limb: usize,
-        pixel: &Point2<f64>,
-        outward: &Vector2<f64>,
-    ) -> Option<OutlinePoint> {
+    fn inner_point(&self, limb: usize, pixel: &Point2<f64>, outward: &Vector2<f64>) -> Option<OutlinePoint> {
         let is_other = |s: &Summit| s.limb != limb;
 
         // another limb just outside the contour
@@ -268,16 +258,8 @@ mod tests {
         let outer: Vec<_> = found.outer.iter().flatten().collect();
         assert!(outer.len() > 200, "{}", outer.len());
         assert!(outer.iter().all(|p| (p.depth_m - 4.0).abs() < 0.5));
-        let highest = outer
-            .iter()
-            .min_by(|a, b| a.pixel.y.total_cmp(&b.pixel.y))
-            .unwrap();
-        assert!(
-            model.parts[highest.part.0]
-                .name
-                .to_lowercase()
-                .contains("head")
-        );
+        let highest = outer.iter().min_by(|a, b| a.pixel.y.total_cmp(&b.pixel.y)).unwrap();
+        assert!(model.parts[highest.part.0].name.to_lowercase().contains("head"));
     }
 
     #[test]
@@ -296,15 +278,11 @@ mod tests {
             k4: 0.0,
         };
         for distortion in [Distortion::None, lens] {
-            let camera = Camera {
-                distortion,
-                ..camera()
-            };
+            let camera = Camera { distortion, ..camera() };
             let limbs = limb_silhouettes(&camera, &field);
             assert!(limbs.len() > 1);
             let whole = super::super::silhouette(&camera, &field);
-            let together =
-                Mask::from_fn(300, 400, |x, y| limbs.iter().any(|l| l.is_foreground(x, y)));
+            let together = Mask::from_fn(300, 400, |x, y| limbs.iter().any(|l| l.is_foreground(x, y)));
             assert_eq!(together, whole);
         }
     }
@@ -327,8 +305,7 @@ mod tests {
         };
         assert!(turned(&[("shoulder_abduction", 0.8)]) < 10);
         // turned in, whichever way in is
-        let before = [1.2, -1.2]
-            .map(|rotation| turned(&[("elbow_flexion", 1.6), ("shoulder_rotation", rotation)]));
+        let before = [1.2, -1.2].map(|rotation| turned(&[("elbow_flexion", 1.6), ("shoulder_rotation", rotation)]));
         assert!(before[0].max(before[1]) > 20, "{before:?}");
     }
 

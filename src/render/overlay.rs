@@ -171,9 +171,7 @@ fn recorded(camera: &Camera, undistorted: &Point2<f64>) -> Option<Point2<f64>> {
 /// A bone in the recorded image, in pieces.
 fn bone(camera: &Camera, from: &Point3<f64>, to: &Point3<f64>) -> Segments {
     let at = |k: usize| camera.project(&(from + (to - from) * (k as f64 / PIECES as f64)));
-    (0..PIECES)
-        .filter_map(|k| Some([at(k)?, at(k + 1)?]))
-        .collect()
+    (0..PIECES).filter_map(|k| Some([at(k)?, at(k + 1)?])).collect()
 }
 
 /// The bones of a model; of one that has other points, the lines of its lengths.
@@ -247,18 +245,12 @@ mod tests {
         let canvas = overlay(&camera, &mask, &body);
         let at = |x: usize, y: usize| canvas.pixels().get(x, y).unwrap();
         let elbow = camera.project(&body.points()[0]).unwrap();
-        assert_eq!(
-            at(elbow.x.round() as usize, elbow.y.round() as usize),
-            SIDES[2]
-        );
+        assert_eq!(at(elbow.x.round() as usize, elbow.y.round() as usize), SIDES[2]);
         let (outer, inner) = outlines_of_ellipsoids(&camera, &body);
         // the two ellipsoids touch in one point; seen in perspective their ends overlap by a hair
         assert!(inner.len() <= 4 && outer.len() >= 92);
         let [top, _] = outer[24];
-        assert_ne!(
-            at(top.x.round() as usize, top.y.round() as usize),
-            BACKGROUND
-        );
+        assert_ne!(at(top.x.round() as usize, top.y.round() as usize), BACKGROUND);
     }
 
     #[test]
@@ -282,9 +274,6 @@ mod tests {
 
     #[test]
     fn the_side_is_read_from_the_name() {
-        assert_eq!(
-            ["RKnee", "LHip", "Hip", "Rib"].map(side_by_name),
-            [0, 1, 2, 2]
-        );
+        assert_eq!(["RKnee", "LHip", "Hip", "Rib"].map(side_by_name), [0, 1, 2, 2]);
     }
 }

@@ -151,9 +151,7 @@ mod tests {
             at: -0.1,
             sharpness: 100.0,
         };
-        let profile = RayProfile {
-            bumps: vec![behind],
-        };
+        let profile = RayProfile { bumps: vec![behind] };
         let at_origin = 0.9 * (-0.5_f64).exp();
         assert!(profile.reaches(at_origin * 0.999));
         assert!(!profile.reaches(at_origin * 1.001));

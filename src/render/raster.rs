@@ -106,8 +106,7 @@ impl<'a> Raster<'a> {
             for x in columns.clone() {
                 // the corners' weights in the picture: shares of the area
                 let p = Point2::new(x as f64, y as f64);
-                let share = [cross(&b, &c, &p), cross(&c, &a, &p), cross(&a, &b, &p)]
-                    .map(|w| w / twice_area);
+                let share = [cross(&b, &c, &p), cross(&c, &a, &p), cross(&a, &b, &p)].map(|w| w / twice_area);
                 if share.iter().any(|w| *w < 0.0) {
                     continue;
                 }

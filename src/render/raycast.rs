@@ -234,8 +234,6 @@ impl<'a> Caster<'a> {
             }
         }
         let profiles = self.profiles.iter().enumerate();
-        profiles
-            .filter(|(_, p)| p.reaches(THRESHOLD))
-            .map(|(limb, _)| limb)
+        profiles.filter(|(_, p)| p.reaches(THRESHOLD)).map(|(limb, _)| limb)
     }
 }

@@ -95,9 +95,7 @@ impl<'a> Scene<'a> {
     fn first_hit(&self, limb: &[usize], direction: &Vector3<f64>) -> Option<f64> {
         let balls = limb.iter().map(|&i| &self.field.metaballs[i]);
         let bumps = balls.filter_map(|ball| self.bump(ball, direction));
-        let profile = RayProfile {
-            bumps: bumps.collect(),
-        };
+        let profile = RayProfile { bumps: bumps.collect() };
         if !profile.reaches(THRESHOLD) {
             return None;
         }

@@ -35,12 +35,7 @@ fn middle_98_percent(mut values: Vec<f32>) -> (f32, f32) {
     values.retain(|v| v.is_finite());
     values.sort_by(f32::total_cmp);
     let last = values.len().saturating_sub(1);
-    let at = |share: f64| {
-        values
-            .get((share * last as f64) as usize)
-            .copied()
-            .unwrap_or(0.0)
-    };
+    let at = |share: f64| values.get((share * last as f64) as usize).copied().unwrap_or(0.0);
     (at(0.01), at(0.99).max(at(0.01) + 1e-3))
 }
 

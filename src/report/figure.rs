@@ -79,10 +79,7 @@ impl Figure {
 
     /// Adds the area between two curves, (x, low, high).
     pub(super) fn band(mut self, colour: Colour, opacity: f64, points: &[(f64, f64, f64)]) -> Self {
-        let known: Vec<_> = points
-            .iter()
-            .filter(|p| p.1.is_finite() && p.2.is_finite())
-            .collect();
+        let known: Vec<_> = points.iter().filter(|p| p.1.is_finite() && p.2.is_finite()).collect();
         if known.len() > 1 {
             let xs = known.iter().map(|p| p.0);
             let band = BandPlot::new(xs, known.iter().map(|p| p.1), known.iter().map(|p| p.2));
@@ -94,8 +91,7 @@ impl Figure {
 
     /// Adds a dashed vertical line.
     pub(super) fn rule(mut self, colour: Colour, x: f64) -> Self {
-        self.rules
-            .push(ReferenceLine::vertical(x).with_color(colour));
+        self.rules.push(ReferenceLine::vertical(x).with_color(colour));
         self
     }
 
@@ -154,10 +150,7 @@ impl Figure {
 
 /// The range of an axis that holds all finite values and `least` in whole steps, and the step: 4 to 8 ticks where that
 /// leaves a choice.
-pub(super) fn axis_range(
-    values: impl Iterator<Item = f64>,
-    least: (f64, f64),
-) -> ((f64, f64), f64) {
+pub(super) fn axis_range(values: impl Iterator<Item = f64>, least: (f64, f64)) -> ((f64, f64), f64) {
     let known = values.filter(|v| v.is_finite());
     let (low, high) = known.fold(least, |(low, high), v| (low.min(v), high.max(v)));
     let rough = ((high - low) / 6.0).max(1e-6);
@@ -183,13 +176,7 @@ mod tests {
 
     #[test]
     fn a_line_is_broken_where_nothing_is_known() {
-        let points = [
-            (0.0, 1.0),
-            (1.0, 2.0),
-            (2.0, f64::NAN),
-            (3.0, 1.0),
-            (4.0, 2.0),
-        ];
+        let points = [(0.0, 1.0), (1.0, 2.0), (2.0, f64::NAN), (3.0, 1.0), (4.0, 2.0)];
         let figure = Figure::new("t", axis((0.0, 4.0)), axis((0.0, 2.0))).line(LEFT, 1.0, &points);
         assert_eq!(figure.plots.len(), 2);
         let text = figure.markup("two pieces").into_string();

@@ -126,10 +126,7 @@ fn fit_rows(result: &ResultFile) -> [Row; 2] {
         cameras.join(", ")
     );
     let centres = "places fixed to the fitted body; their standard deviations are those of the fit";
-    [
-        ("Measured by", measured_by),
-        ("Joint centres", centres.into()),
-    ]
+    [("Measured by", measured_by), ("Joint centres", centres.into())]
 }
 
 fn remarks(input: &ReportInput<'_>) -> Markup {

@@ -38,11 +38,7 @@ const LEGS: [Row; 5] = [
     ),
     (
         "Ankle, foot",
-        [
-            Some(Angle::AnkleDorsiflexion),
-            None,
-            Some(Angle::FootProgression),
-        ],
+        [Some(Angle::AnkleDorsiflexion), None, Some(Angle::FootProgression)],
     ),
     (
         "Trunk",
@@ -196,8 +192,7 @@ fn line_points(curve: &Curve, values: &[f64]) -> Vec<(f64, f64)> {
 fn over_cycle(input: &ReportInput<'_>, angle: Angle, drawn: Drawn) -> Figure {
     let curves = input.gait.curves.iter();
     let curves: Vec<&Curve> = curves.filter(|c| c.angle == angle).collect();
-    let band = norm_band(input.norm, angle)
-        .filter(|_| matches!(drawn, Drawn::Means) && !curves.is_empty());
+    let band = norm_band(input.norm, angle).filter(|_| matches!(drawn, Drawn::Means) && !curves.is_empty());
 
     let curve_values = curves.iter().flat_map(|c| match drawn {
         Drawn::Strides => degrees(&c.strides.concat()),
@@ -231,9 +226,7 @@ fn mean(mut figure: Figure, curve: &Curve) -> Figure {
         let reach = sd.iter().map(|sd| 1.96 * sd.to_degrees());
         let means = over_percent(&curve.mean).into_iter();
         let rows = means.zip(reach);
-        let band: Vec<_> = rows
-            .map(|((x, mean), reach)| (x, mean - reach, mean + reach))
-            .collect();
+        let band: Vec<_> = rows.map(|((x, mean), reach)| (x, mean - reach, mean + reach)).collect();
         figure = figure.band(colour, 0.15, &band);
     }
     figure.line(colour, 2.0, &line_points(curve, &curve.mean))
@@ -250,13 +243,8 @@ fn norm_band(norm: Option<&Norm>, angle: Angle) -> Option<Vec<(f64, f64, f64)>> 
     let band = norm?.curves.get(&angle)?;
     let step = 100.0 / (band.mean.len() as f64 - 1.0);
     let points = band.mean.iter().zip(&band.sd).enumerate();
-    let at = |(i, (mean, sd)): (usize, (&f64, &f64))| {
-        (
-            i as f64 * step,
-            (mean - sd).to_degrees(),
-            (mean + sd).to_degrees(),
-        )
-    };
+    let at =
+        |(i, (mean, sd)): (usize, (&f64, &f64))| (i as f64 * step, (mean - sd).to_degrees(), (mean + sd).to_degrees());
     Some(points.map(at).collect())
 }
 

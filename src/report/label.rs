@@ -43,11 +43,7 @@ pub(super) fn angle_label(angle: Angle) -> Label {
         Angle::ElbowFlexion => ("Elbow flexion", ("Ext", "Flex"), (0.0, 60.0)),
     };
 
-    Label {
-        title,
-        signs,
-        range,
-    }
+    Label { title, signs, range }
 }
 
 /// The name of a parameter.

@@ -63,10 +63,7 @@ fn foot(subject: &Subject) -> String {
     let stated = stated.into_iter().flatten().chain([&subject.recording]);
     let whose = stated.map(String::as_str).collect::<Vec<_>>().join(" · ");
     // every character by its number, so that none can end the string or the style sheet
-    let whose: String = whose
-        .chars()
-        .map(|c| format!("\\{:06x}", u32::from(c)))
-        .collect();
+    let whose: String = whose.chars().map(|c| format!("\\{:06x}", u32::from(c))).collect();
     format!(
         "@page {{ @bottom-left {{ content: \"{whose}\" }} @bottom-right {{ content: counter(page) \" / \" counter(pages) }} }}"
     )

@@ -21,9 +21,9 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
         title: "Quality",
         body: match input.result {
             Some(result) => fit_quality(result),
-            None => absent(
-                "Points of another system: nothing is known of its cameras, its residuals or its alternatives.",
-            ),
+            None => {
+                absent("Points of another system: nothing is known of its cameras, its residuals or its alternatives.")
+            }
         },
         is_brief: input.result.is_none(),
     }
@@ -84,15 +84,9 @@ fn overlap_chart(result: &ResultFile) -> Markup {
         .iter()
         .filter_map(|(f, v)| Some((*f as f64, mean(v.iter().copied())?)))
         .collect();
-    let band: Vec<_> = overlaps
-        .iter()
-        .map(|(f, v)| (*f as f64, least(v), most(v)))
-        .collect();
+    let band: Vec<_> = overlaps.iter().map(|(f, v)| (*f as f64, least(v), most(v))).collect();
 
-    let ends = (
-        result.recording.first_frame as f64,
-        result.recording.last_frame as f64,
-    );
+    let ends = (result.recording.first_frame as f64, result.recording.last_frame as f64);
     let (_, x_step) = axis_range(std::iter::empty(), ends);
     let (y_range, y_step) = axis_range(band.iter().map(|b| b.1), (0.7, 1.0));
     let x = Axis {

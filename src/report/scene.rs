@@ -109,11 +109,7 @@ impl<'a> Scene<'a> {
 
 fn points(movement: &Movement) -> Points {
     let tracks = &movement.tracks;
-    let row = |i: usize| {
-        tracks
-            .values()
-            .flat_map(move |track| <[f64; 3]>::from(track[i]))
-    };
+    let row = |i: usize| tracks.values().flat_map(move |track| <[f64; 3]>::from(track[i]));
     Points {
         names: tracks.keys().map(|landmark| landmark.name()).collect(),
         places: base64_of_f32((0..movement.frames).flat_map(row)),
@@ -144,11 +140,7 @@ fn floor_m(movement: &Movement, body: Option<&FittedBody>) -> f64 {
 fn body_part(body: &FittedBody) -> BodyPart {
     let (model, shape) = (&body.model, &body.shape);
     let unseen = || vec![f64::NAN; 7 * model.parts.len()];
-    let pose = |motion: &Option<Motion>| {
-        motion
-            .as_ref()
-            .map_or_else(unseen, |m| poses(model, shape, m))
-    };
+    let pose = |motion: &Option<Motion>| motion.as_ref().map_or_else(unseen, |m| poses(model, shape, m));
     BodyPart {
         poses: base64_of_f32(body.motions.iter().flat_map(pose)),
         bind: base64_of_f32(poses(model, shape, &bind_pose(model, shape))),
@@ -161,9 +153,7 @@ fn poses(model: &BodyModel, shape: &Shape, motion: &Motion) -> Vec<f64> {
     let body = Posed::new(model, shape, motion);
     let pose = |i: usize| {
         let place = body.origin_of_part(PartId(i));
-        let [x, y, z, w] = quaternion(&Rotation3::from_matrix_unchecked(
-            body.world_from_part(PartId(i)),
-        ));
+        let [x, y, z, w] = quaternion(&Rotation3::from_matrix_unchecked(body.world_from_part(PartId(i))));
         [place.x, place.y, place.z, x, y, z, w]
     };
     (0..model.parts.len()).flat_map(pose).collect()
@@ -176,14 +166,9 @@ fn quaternion(rotation: &Rotation3<f64>) -> [f64; 4] {
 
 /// The skin, or the ellipsoids of a body without metaballs.
 fn flesh(model: &BodyModel, shape: &Shape) -> FleshPart {
-    let skin = skinned(model, shape)
-        .ok()
-        .filter(|_| model.parts.len() <= 255);
+    let skin = skinned(model, shape).ok().filter(|_| model.parts.len() <= 255);
     let Some(SkinnedMesh {
-        mesh,
-        parts,
-        weights,
-        ..
+        mesh, parts, weights, ..
     }) = skin
     else {
         return FleshPart::Ellipsoids {
@@ -191,8 +176,7 @@ fn flesh(model: &BodyModel, shape: &Shape) -> FleshPart {
         };
     };
 
-    let rows =
-        |vectors: &[Vector3<f64>]| base64_of_f32(vectors.iter().flat_map(|v| [v.x, v.y, v.z]));
+    let rows = |vectors: &[Vector3<f64>]| base64_of_f32(vectors.iter().flat_map(|v| [v.x, v.y, v.z]));
     let corners = mesh.triangles.iter().flatten();
     FleshPart::Skin {
         vertices: rows(&mesh.vertices),

@@ -27,9 +27,7 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
 
 fn fitted_shape(result: &ResultFile, input: &ReportInput<'_>) -> Markup {
     let covariance = result.shape.covariance.as_deref();
-    let girths = input
-        .body
-        .map(|body| girths(&body.model, &body.shape, covariance));
+    let girths = input.body.map(|body| girths(&body.model, &body.shape, covariance));
 
     html! {
         div class="shape" {

@@ -62,9 +62,7 @@ pub fn outline_points(camera: &Camera, mask: &Mask) -> Vec<Vec<i16>> {
 fn quarters(camera: &Camera, border: &[Point2<f64>]) -> Vec<i16> {
     let straight = border.iter().filter_map(|p| camera.undistort(p));
     let quarter = |v: f64| (PER_PX * v).round().clamp(-32768.0, 32767.0) as i16;
-    straight
-        .flat_map(|p| [quarter(p.x), quarter(p.y)])
-        .collect()
+    straight.flat_map(|p| [quarter(p.x), quarter(p.y)]).collect()
 }
 
 /// All outlines in one row of numbers: per frame the number of lines, per line its length and its numbers.

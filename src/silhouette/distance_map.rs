@@ -34,15 +34,9 @@ pub(super) struct MapExtent {
 }
 
 impl DistanceMap {
-    pub(super) fn new(
-        polygons: &[Vec<Point2<f64>>],
-        image_outline: Vec<Point2<f64>>,
-        extent: &MapExtent,
-    ) -> Self {
+    pub(super) fn new(polygons: &[Vec<Point2<f64>>], image_outline: Vec<Point2<f64>>, extent: &MapExtent) -> Self {
         let (low, high) = extent.bounds;
-        let image_bounds = image_outline
-            .iter()
-            .fold((low, high), |(l, h), p| (l.inf(p), h.sup(p)));
+        let image_bounds = image_outline.iter().fold((low, high), |(l, h), p| (l.inf(p), h.sup(p)));
 
         let margin = Vector2::repeat(extent.margin * (high - low).max());
         // a hair inside the image, so that its outermost nodes are known
@@ -158,11 +152,7 @@ impl DistanceMap {
             nearest.along_row(y, columns, |i, point| {
                 let node = Point2::new(columns.at(i), y);
                 let distance = segments[point].distance_around(&node, &segments);
-                let sign = if is_inside.odd_before(node.x) {
-                    -1.0
-                } else {
-                    1.0
-                };
+                let sign = if is_inside.odd_before(node.x) { -1.0 } else { 1.0 };
                 if is_seen.odd_before(node.x) {
                     signed[i] = (sign * distance) as f32;
                 }

@@ -46,9 +46,7 @@ impl Silhouette {
         let low = low.inf(&model_bounds.0).sup(&image_low);
         let high = high.sup(&model_bounds.1).inf(&image_high);
 
-        let step = (size_px / STEPS)
-            .max((high - low).max() / MOST_STEPS)
-            .max(1.0);
+        let step = (size_px / STEPS).max((high - low).max() / MOST_STEPS).max(1.0);
         let nodes = |from: f64, to: f64| ((to - from) / step).ceil().max(0.0) as usize;
 
         let (mut intersection, mut union) = (0usize, 0usize);

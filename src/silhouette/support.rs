@@ -80,12 +80,7 @@ struct Cells {
 
 impl Support {
     /// Projects the voxels of a volume into the shrunk pictures of all cameras.
-    pub fn new(
-        rig: &Rig,
-        pictures: &[ShrunkSize],
-        volume: &Volume,
-        options: SupportOptions,
-    ) -> Self {
+    pub fn new(rig: &Rig, pictures: &[ShrunkSize], volume: &Volume, options: SupportOptions) -> Self {
         let size = (volume.high - volume.low).map(|length| length.max(options.voxel));
         let wanted = (size.x * size.y * size.z / options.most_voxels.max(1) as f64).cbrt();
         let voxel = options.voxel.max(wanted);
@@ -136,8 +131,7 @@ impl Support {
         // for each camera, without its own, the best along each line of sight
         let others = looking.len().saturating_sub(1).max(1) as f32;
         let supports = self.cameras.par_iter().zip(&means);
-        let supports =
-            supports.map(|(cells, means)| Some(cells.best(&sums, means.as_ref()?, most * others)));
+        let supports = supports.map(|(cells, means)| Some(cells.best(&sums, means.as_ref()?, most * others)));
         supports.collect()
     }
 }

@@ -29,11 +29,7 @@ impl Frame {
         let flat = |v: Vector3<f64>| (v - along * v.dot(&along)).try_normalize(1e-6);
         let any = || Vector3::ith(along.iamin(), 1.0);
         let right = flat(right).or_else(|| flat(any())).unwrap_or(right);
-        Self {
-            origin,
-            along,
-            right,
-        }
+        Self { origin, along, right }
     }
 
     /// The frame at another place with another normal, turned no more than it must.
@@ -53,8 +49,7 @@ impl Frame {
     /// The angle at which a point is seen from the axis.
     pub(super) fn angle_of(&self, point: &Vector3<f64>) -> f64 {
         let to = point - self.origin;
-        to.dot(&self.along.cross(&self.right))
-            .atan2(to.dot(&self.right))
+        to.dot(&self.along.cross(&self.right)).atan2(to.dot(&self.right))
     }
 }
 
@@ -147,10 +142,7 @@ impl Axis {
 
         // but no larger than the segments have room for
         let share = |is_end: bool| if is_end { SHARES[0] } else { SHARES[1] };
-        let room = f64::min(
-            before * share(node == 1),
-            after * share(node + 2 == self.nodes.len()),
-        );
+        let room = f64::min(before * share(node == 1), after * share(node + 2 == self.nodes.len()));
         let tangent = (0.5 * angle).tan();
         let reach = (ROOM * thickness * tangent).min(room);
         let radius = reach / tangent;

@@ -71,9 +71,7 @@ impl Flesh {
                 base: field(base),
             }
         });
-        Self {
-            limbs: limbs.collect(),
-        }
+        Self { limbs: limbs.collect() }
     }
 
     /// This and other limbs.

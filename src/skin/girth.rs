@@ -46,12 +46,7 @@ pub fn girths(model: &BodyModel, shape: &Shape, covariance: Option<&[Vec<f64>]>)
     girths.collect()
 }
 
-fn standard_deviation(
-    model: &BodyModel,
-    shape: &Shape,
-    covariance: &[Vec<f64>],
-    length: usize,
-) -> Option<f64> {
+fn standard_deviation(model: &BodyModel, shape: &Shape, covariance: &[Vec<f64>], length: usize) -> Option<f64> {
     let girth_at = |k: usize, offset: f64| {
         let mut moved = shape.clone();
         *moved.0.get_mut(k)? += offset;
@@ -108,8 +103,7 @@ fn girth(model: &BodyModel, shape: &Shape, length: usize) -> Option<f64> {
 /// Whether the name of a point begins with the letter of a side and a capital, as `RKnee` does.
 fn has_side(model: &BodyModel, point: usize) -> bool {
     let mut letters = model.points[point].name.chars();
-    letters.next().is_some_and(|c| "RL".contains(c))
-        && letters.next().is_some_and(char::is_uppercase)
+    letters.next().is_some_and(|c| "RL".contains(c)) && letters.next().is_some_and(char::is_uppercase)
 }
 
 /// The flesh of one part.
@@ -206,12 +200,7 @@ mod tests {
             (covariance[across][across], covariance[ahead][ahead]) = (4e-4, 4e-4);
             (covariance[across][ahead], covariance[ahead][across]) = (together, together);
             let girths = girths(&model, &shape, Some(&covariance));
-            girths
-                .iter()
-                .find(|g| g.name == "thigh")
-                .unwrap()
-                .sd_m
-                .unwrap()
+            girths.iter().find(|g| g.name == "thigh").unwrap().sd_m.unwrap()
         };
         assert!(sd(-3e-4) < sd(0.0) && sd(0.0) < sd(3e-4));
     }
@@ -246,11 +235,7 @@ mod tests {
                 shape.0[broad] *= thorax;
             }
             let girths = girths(&model, &shape, None);
-            girths
-                .iter()
-                .find(|g| g.name == "upper_arm")
-                .unwrap()
-                .girth_m
+            girths.iter().find(|g| g.name == "upper_arm").unwrap().girth_m
         };
         approx::assert_relative_eq!(upper_arm(1.6), upper_arm(1.0), epsilon = 1e-9);
     }

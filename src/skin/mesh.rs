@@ -74,9 +74,7 @@ fn edges(triangle: &[u32; 3]) -> [[u32; 2]; 3] {
 #[non_exhaustive]
 pub enum MeshFault {
     /// A triangle names a corner that does not exist, or one corner twice.
-    #[error(
-        "triangle {triangle}: expected three different corners below {vertices}, found {found:?}"
-    )]
+    #[error("triangle {triangle}: expected three different corners below {vertices}, found {found:?}")]
     Corners {
         /// Its index.
         triangle: usize,
@@ -155,12 +153,7 @@ mod tests {
     use super::*;
 
     fn tetrahedron() -> Mesh {
-        let corners = [
-            [0.0, 0.0, 0.0],
-            [1.0, 0.0, 0.0],
-            [0.0, 1.0, 0.0],
-            [0.0, 0.0, 1.0],
-        ];
+        let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         Mesh::new(
             corners.map(Vector3::from).to_vec(),
             vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
@@ -183,10 +176,7 @@ mod tests {
     fn a_hole_a_turned_triangle_and_a_loose_corner_are_found() {
         let mut hole = tetrahedron();
         hole.triangles.pop();
-        assert!(matches!(
-            check_watertight(&hole),
-            Err(MeshFault::Edge { .. })
-        ));
+        assert!(matches!(check_watertight(&hole), Err(MeshFault::Edge { .. })));
         let mut turned = tetrahedron();
         turned.triangles[2].swap(0, 1);
         assert!(matches!(
@@ -195,10 +185,7 @@ mod tests {
         ));
         let mut loose = tetrahedron();
         loose.vertices.push(Vector3::zeros());
-        assert_eq!(
-            check_watertight(&loose),
-            Err(MeshFault::Unused { vertex: 4 })
-        );
+        assert_eq!(check_watertight(&loose), Err(MeshFault::Unused { vertex: 4 }));
         let mut nowhere = tetrahedron();
         nowhere.triangles[0][1] = 9;
         assert!(matches!(

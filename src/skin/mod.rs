@@ -237,20 +237,15 @@ impl Skinner<'_> {
     fn fork(&mut self, grid: &Grid, legs: [&Chain; 2], trunk: &Flesh) -> Option<[Rim; 2]> {
         let roots = legs.map(|leg| tube::origin(self.body, leg.parts[0]));
         let middle: Vector3<f64> = (roots[0] + roots[1]) * 0.5;
-        let whole = legs.iter().fold(trunk.clone(), |whole, leg| {
-            whole.with(&Flesh::new(self.body, leg))
-        });
+        let whole = legs
+            .iter()
+            .fold(trunk.clone(), |whole, leg| whole.with(&Flesh::new(self.body, leg)));
         let per_m = self.options.along_per_m;
         rim::fork(&mut self.surface, grid, &middle, trunk, &whole, per_m)
     }
 
     /// Cuts a hole for a limb, and grows it from there.
-    fn through_hole(
-        &mut self,
-        limb: &Chain,
-        grid: &mut Grid,
-        base: &Flesh,
-    ) -> Result<(), SkinError> {
+    fn through_hole(&mut self, limb: &Chain, grid: &mut Grid, base: &Flesh) -> Result<(), SkinError> {
         let root = tube::origin(self.body, limb.parts[0]);
         let radius = tube::root_radius(self.body, limb);
         let rim = rim::hole(&self.surface, grid, &root, radius);
@@ -267,9 +262,7 @@ impl Skinner<'_> {
 
         let points = self.surface.positions(&rim.vertices);
         let tube = tube::limb(self.body, limb, &points, rim.straight_on, flesh)?;
-        let grid = self
-            .surface
-            .tessellate(&tube, Some(&rim.vertices), flesh, self.options);
+        let grid = self.surface.tessellate(&tube, Some(&rim.vertices), flesh, self.options);
         let mut grid = grid.ok_or_else(|| tube::thin(self.body, limb))?;
 
         for branch in &limb.limbs {

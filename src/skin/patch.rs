@@ -83,8 +83,7 @@ impl Patch {
             for k in 3 - degree..4 {
                 let i = first + k;
                 let rising = self.ratio(x - self.knot(i), i, i + degree) * below[k];
-                let falling =
-                    self.ratio(self.knot(i + degree + 1) - x, i + 1, i + degree + 1) * below[k + 1];
+                let falling = self.ratio(self.knot(i + degree + 1) - x, i + 1, i + degree + 1) * below[k + 1];
                 basis[k] = rising + falling;
             }
         }
@@ -95,11 +94,7 @@ impl Patch {
     /// A number over the distance of two knots; 0 where they coincide.
     fn ratio(&self, number: f64, low: usize, high: usize) -> f64 {
         let distance = self.knot(high) - self.knot(low);
-        if distance > 0.0 {
-            number / distance
-        } else {
-            0.0
-        }
+        if distance > 0.0 { number / distance } else { 0.0 }
     }
 
     /// Four equal knots at each end, and steps of 1 between.

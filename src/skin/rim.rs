@@ -111,24 +111,15 @@ fn along(line: &[Vector3<f64>], distance: f64) -> Vector3<f64> {
 
 /// Cuts a hole into a grid where a limb of this radius at its root grows out; its rim is counter-clockwise seen from
 /// outside. `None` if there is no room: at an end of the tube, or beside another hole.
-pub(super) fn hole(
-    surface: &Surface,
-    grid: &mut Grid,
-    root: &Vector3<f64>,
-    radius: f64,
-) -> Option<Rim> {
+pub(super) fn hole(surface: &Surface, grid: &mut Grid, root: &Vector3<f64>, radius: f64) -> Option<Rim> {
     let (rows, columns) = (grid.rows.len(), grid.columns);
     let place = |i: usize, j: usize| surface.vertices[grid.rows[i][j % columns] as usize];
 
     // the vertex nearest to the root, in rows that are no pole and no end
     let inner = 1..rows - 1;
-    let all = inner
-        .clone()
-        .flat_map(|i| (0..columns).map(move |j| (i, j)));
+    let all = inner.clone().flat_map(|i| (0..columns).map(move |j| (i, j)));
     let distance = |&(i, j): &(usize, usize)| (place(i, j) - root).norm();
-    let middle = all
-        .clone()
-        .min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+    let middle = all.clone().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
     let centre = place(middle.0, middle.1);
 
     // the rectangle of all vertices near it, columns counted from its own
@@ -156,8 +147,8 @@ pub(super) fn hole(
         .flat_map(|i| (low[1]..high[1]).map(move |j| i as usize * columns + column(j)))
         .collect();
     // not even a corner may touch another hole
-    let around = (low[0] - 1..=high[0])
-        .flat_map(|i| (low[1] - 1..=high[1]).map(move |j| i as usize * columns + column(j)));
+    let around =
+        (low[0] - 1..=high[0]).flat_map(|i| (low[1] - 1..=high[1]).map(move |j| i as usize * columns + column(j)));
     if around.into_iter().any(|cell| grid.removed[cell]) {
         return None;
     }

@@ -120,11 +120,7 @@ mod tests {
         }
         // a foot's lowest vertex does not hang on a hand
         let lowest = (0..skin.parts.len())
-            .min_by(|a, b| {
-                skin.mesh.vertices[*a]
-                    .z
-                    .total_cmp(&skin.mesh.vertices[*b].z)
-            })
+            .min_by(|a, b| skin.mesh.vertices[*a].z.total_cmp(&skin.mesh.vertices[*b].z))
             .unwrap();
         let part = &model.parts[usize::from(skin.parts[lowest][0])].name;
         assert!(part.contains("foot"), "{part}");

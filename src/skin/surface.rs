@@ -79,11 +79,7 @@ impl Surface {
         }
 
         let removed = vec![false; (rows.len() - 1) * columns];
-        Some(Grid {
-            rows,
-            columns,
-            removed,
-        })
+        Some(Grid { rows, columns, removed })
     }
 
     /// Adds the triangles of a grid's cells that are not removed.
@@ -108,8 +104,7 @@ impl Surface {
     /// Two triangles, divided along the shorter diagonal.
     fn quadrangle(&mut self, corners: [u32; 4]) {
         let [a, b, c, d] = corners;
-        let distance =
-            |i: u32, j: u32| (self.vertices[i as usize] - self.vertices[j as usize]).norm_squared();
+        let distance = |i: u32, j: u32| (self.vertices[i as usize] - self.vertices[j as usize]).norm_squared();
         if distance(a, c) <= distance(b, d) {
             self.triangles.extend([[a, b, c], [a, c, d]]);
         } else {

@@ -53,18 +53,11 @@ fn joints(body: &Posed<'_>, chain: &Chain) -> Vec<Vector3<f64>> {
 }
 
 /// The trunk's samples, from where two legs separate, or from its one end, to the other.
-pub(super) fn trunk(
-    body: &Posed<'_>,
-    chain: &Chain,
-    flesh: &Flesh,
-    around: usize,
-) -> Result<Tube, SkinError> {
+pub(super) fn trunk(body: &Posed<'_>, chain: &Chain, flesh: &Flesh, around: usize) -> Result<Tube, SkinError> {
     // from the far end to between the hips, or to the other end
     let joints = joints(body, chain);
     let far = tip(body, chain, End::Last, joints.last().copied(), flesh)?;
-    let hips = chain
-        .fork()
-        .map(|pair| pair.map(|leg| origin(body, leg.parts[0])));
+    let hips = chain.fork().map(|pair| pair.map(|leg| origin(body, leg.parts[0])));
     let near = match hips {
         Some([a, b]) => {
             let middle = (a + b) * 0.5;
@@ -145,8 +138,7 @@ pub(super) fn limb(
         middles: [middle, sections[0].frame.origin],
         ways: [outwards, along],
         rings: [rim, &first],
-        turn: UnitQuaternion::rotation_between(&straight_on, &along)
-            .unwrap_or_else(UnitQuaternion::identity),
+        turn: UnitQuaternion::rotation_between(&straight_on, &along).unwrap_or_else(UnitQuaternion::identity),
     };
     let mut rows = vec![rim.to_vec()];
     rows.extend(junction.rows(flesh.with_base));
@@ -237,9 +229,7 @@ impl Junction<'_> {
             let middle = self.middle(t);
             let pairs = rim.iter().zip(ring);
             let guesses = pairs.map(|(a, b)| self.direction(a, b, t));
-            guesses
-                .map(|to| middle + on_skin(flesh, &middle, to, radius))
-                .collect()
+            guesses.map(|to| middle + on_skin(flesh, &middle, to, radius)).collect()
         });
         rows.collect()
     }
@@ -250,10 +240,7 @@ impl Junction<'_> {
         let chord = (b - a).norm();
         let [out, on] = [0, 1].map(|k| self.ways[k] * (TANGENTS[k] * chord));
         let (t2, t3) = (t * t, t * t * t);
-        a * (2.0 * t3 - 3.0 * t2 + 1.0)
-            + out * (t3 - 2.0 * t2 + t)
-            + b * (3.0 * t2 - 2.0 * t3)
-            + on * (t3 - t2)
+        a * (2.0 * t3 - 3.0 * t2 + 1.0) + out * (t3 - 2.0 * t2 + t) + b * (3.0 * t2 - 2.0 * t3) + on * (t3 - t2)
     }
 
     /// From the axis to the guessed place of a point between one of the rim and one of the cross-section.

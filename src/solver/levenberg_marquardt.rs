@@ -170,10 +170,7 @@ mod tests {
         }
         fn linearize(&self, x: &[f64; 2], equations: &mut NormalEquations) -> f64 {
             let rows = [
-                (
-                    10.0 * (x[1] - x[0] * x[0]),
-                    [-20.0 * x[0] + self.slip, 10.0],
-                ),
+                (10.0 * (x[1] - x[0] * x[0]), [-20.0 * x[0] + self.slip, 10.0]),
                 (1.0 - x[0], [-1.0, 0.0]),
             ];
             for (r, j) in rows {
@@ -241,8 +238,7 @@ mod tests {
     #[test]
     fn the_checker_passes_a_right_derivative_and_names_the_wrong_one() {
         check_linearization(&Rosenbrock { slip: 0.0 }, &[-1.2, 1.0], 1e-4, 1e-7).unwrap();
-        let fault =
-            check_linearization(&Rosenbrock { slip: 0.5 }, &[-1.2, 1.0], 1e-4, 1e-7).unwrap_err();
+        let fault = check_linearization(&Rosenbrock { slip: 0.5 }, &[-1.2, 1.0], 1e-4, 1e-7).unwrap_err();
         assert!(fault.to_string().contains("∂E/∂δ[0]"), "{fault}");
     }
 }

@@ -32,12 +32,8 @@ pub(super) fn sample(image: &Plane<f32>, x: f64, y: f64) -> Option<Sample> {
         slope: [0.0; 2],
     };
     for i in 0..4 {
-        let taps = image
-            .row(row + i - 1)
-            .get(column - 1..)?
-            .first_chunk::<4>()?;
-        let along =
-            |w: &[f32; 4]| w[0] * taps[0] + w[1] * taps[1] + w[2] * taps[2] + w[3] * taps[3];
+        let taps = image.row(row + i - 1).get(column - 1..)?.first_chunk::<4>()?;
+        let along = |w: &[f32; 4]| w[0] * taps[0] + w[1] * taps[1] + w[2] * taps[2] + w[3] * taps[3];
         let value = along(&wx);
         sample.value += wy[i] * value;
         sample.slope[0] += wy[i] * along(&dx);
@@ -80,11 +76,7 @@ mod tests {
         let parabola = image(|x, y| 3.0 + x * x - 2.0 * x * y + 0.5 * y * y);
         let (x, y) = (4.3, 3.8);
         let found = sample(&parabola, x, y).unwrap();
-        let expected = [
-            3.0 + x * x - 2.0 * x * y + 0.5 * y * y,
-            2.0 * x - 2.0 * y,
-            y - 2.0 * x,
-        ];
+        let expected = [3.0 + x * x - 2.0 * x * y + 0.5 * y * y, 2.0 * x - 2.0 * y, y - 2.0 * x];
         let found = [found.value, found.slope[0], found.slope[1]];
         for (found, expected) in found.into_iter().zip(expected) {
             assert!((f64::from(found) - expected).abs() < 1e-4);

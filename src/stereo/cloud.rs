@@ -21,9 +21,7 @@ impl Spread {
         match self {
             Self::Unknown => None,
             Self::Isotropic(sigma) => Some(*sigma),
-            Self::Full(covariance) => {
-                Some(direction_world.dot(&(covariance * direction_world)).sqrt())
-            }
+            Self::Full(covariance) => Some(direction_world.dot(&(covariance * direction_world)).sqrt()),
         }
     }
 
@@ -32,9 +30,7 @@ impl Spread {
         match self {
             Self::Unknown => true,
             Self::Isotropic(sigma) => sigma.is_finite() && *sigma > 0.0,
-            Self::Full(covariance) => {
-                covariance.iter().all(|v| v.is_finite()) && covariance.cholesky().is_some()
-            }
+            Self::Full(covariance) => covariance.iter().all(|v| v.is_finite()) && covariance.cholesky().is_some(),
         }
     }
 

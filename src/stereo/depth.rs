@@ -56,11 +56,7 @@ impl RectifiedPair {
 
         // and one more at each end, which is never a result
         let count = (near - far).abs().ceil().clamp(0.0, MOST_DISPARITIES - 3.0) + 3.0;
-        let least = if near > far {
-            far - 1.0
-        } else {
-            far + 2.0 - count
-        };
+        let least = if near > far { far - 1.0 } else { far + 2.0 - count };
         DisparityRange {
             first: (infinity + least).floor() as i32,
             count: count as usize,
@@ -184,9 +180,7 @@ fn shows(view: &StereoView, mask: Option<&Mask>, point: &CloudPoint) -> bool {
         return false;
     };
     let inside = pixel.x > -0.5 && pixel.y > -0.5;
-    mask.is_none_or(|m| {
-        inside && m.is_foreground(pixel.x.round() as usize, pixel.y.round() as usize)
-    })
+    mask.is_none_or(|m| inside && m.is_foreground(pixel.x.round() as usize, pixel.y.round() as usize))
 }
 
 #[cfg(test)]
@@ -242,12 +236,7 @@ mod tests {
                 let Spread::Full(covariance) = found.spread else {
                     panic!("no covariance");
                 };
-                approx::assert_relative_eq!(
-                    covariance,
-                    met.covariance,
-                    max_relative = 1e-5,
-                    epsilon = 1e-12
-                );
+                approx::assert_relative_eq!(covariance, met.covariance, max_relative = 1e-5, epsilon = 1e-12);
             }
             assert!(triangulation.point([3, 3], infinity as f32).is_none());
             let behind = infinity - 2.0 * x_m.signum();

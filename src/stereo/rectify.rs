@@ -147,11 +147,7 @@ struct TurnedCamera {
 }
 
 /// The turned camera; `None` if a corner of the recorded image is behind it.
-fn turned(
-    camera: &Camera,
-    world_from_rectified: &Rotation3<f64>,
-    focal_px: f64,
-) -> Option<TurnedCamera> {
+fn turned(camera: &Camera, world_from_rectified: &Rotation3<f64>, focal_px: f64) -> Option<TurnedCamera> {
     let rotation = UnitQuaternion::from_rotation_matrix(&world_from_rectified.inverse());
     let centre = rotation * camera.centre_world();
     let turned = Camera {

@@ -52,14 +52,9 @@ impl StereoView {
         let (width, height) = (recorded.width(), recorded.height());
         let image = match camera.distortion {
             Distortion::None => recorded,
-            _ => resampled(&recorded, width, height, |pixel| {
-                Some(camera.distort(&pixel))
-            }),
+            _ => resampled(&recorded, width, height, |pixel| Some(camera.distort(&pixel))),
         };
-        Ok(Self {
-            camera: ideal,
-            image,
-        })
+        Ok(Self { camera: ideal, image })
     }
 }
 

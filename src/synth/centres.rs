@@ -24,12 +24,7 @@ use crate::body::{BodyModel, Displacements, Motion, PartId, PlacedBody, Posed, S
 /// `published` has parts and points of the same names, with the standard deviations of δ along the axes of their parts
 /// ([`BodyModel::scatter_m`], [`NamedPoint::sd_m`](crate::body::NamedPoint::sd_m), metres); what it does not name stays. The δ
 /// of the two sides are mirror images, others are independent.
-pub fn draw_centres(
-    model: &BodyModel,
-    shape: &Shape,
-    published: &BodyModel,
-    rng: &mut impl Rng,
-) -> BodyModel {
+pub fn draw_centres(model: &BodyModel, shape: &Shape, published: &BodyModel, rng: &mut impl Rng) -> BodyModel {
     let mut model = model.clone();
     for part in &mut model.parts {
         let known = published.parts.iter().position(|p| p.name == part.name);
@@ -152,11 +147,7 @@ mod tests {
         let part = |name: &str| walker.parts.iter().position(|p| p.name == name).unwrap();
         let (thigh, shank) = (part("thigh_r"), part("shank_r"));
         let knee = walker.joint("knee_flexion_r").unwrap().0;
-        let sd = published
-            .parts
-            .iter()
-            .position(|p| p.name == "thigh_r")
-            .unwrap();
+        let sd = published.parts.iter().position(|p| p.name == "thigh_r").unwrap();
         let sd = published.scatter_m(PartId(sd));
         let (draws, mut squares) = (1000, Vector3::zeros());
         for _ in 0..draws {
@@ -177,10 +168,7 @@ mod tests {
             // 5 standard errors of a variance
             let variance = squares[k] / f64::from(draws);
             let error = (variance / sd[k].powi(2) - 1.0).abs();
-            assert!(
-                error < 5.0 * (2.0 / f64::from(draws)).sqrt(),
-                "{k}: {error}"
-            );
+            assert!(error < 5.0 * (2.0 / f64::from(draws)).sqrt(), "{k}: {error}");
         }
     }
 
@@ -202,19 +190,11 @@ mod tests {
         linear.0.0.rows_mut(first, c.len()).copy_from(&c);
         let turns = &placed.turns * &c;
         let joints = model.joints.len();
-        linear
-            .1
-            .angles
-            .rows_mut(joints, turns.len())
-            .copy_from(&turns);
+        linear.1.angles.rows_mut(joints, turns.len()).copy_from(&turns);
         let linear = Posed::new(&placed.model, &linear.0, &linear.1);
         let before = Posed::new(&model, &shape, &motion);
         let mut farthest: f64 = 0.0;
-        for (point, (old, new)) in before
-            .points()
-            .iter()
-            .zip(exact.points().iter().zip(linear.points()))
-        {
+        for (point, (old, new)) in before.points().iter().zip(exact.points().iter().zip(linear.points())) {
             farthest = farthest.max((old - point).norm());
             assert!((old - new).norm() < 1e-8, "{point}");
         }

@@ -99,9 +99,7 @@ impl StereoPair {
         };
         Some(CloudPoint {
             position_world: place + error + stray,
-            spread: Spread::Full(
-                d_dt * (along * along) + (Matrix3::identity() - d_dt) * (across * across),
-            ),
+            spread: Spread::Full(d_dt * (along * along) + (Matrix3::identity() - d_dt) * (across * across)),
         })
     }
 }
@@ -233,11 +231,7 @@ mod tests {
                 approx::assert_relative_eq!(value, THRESHOLD, epsilon = 1e-6);
                 let to_camera = camera.centre_world() - place;
                 let before = (1..400).map(|k| place + to_camera * (f64::from(k) * 1e-3 + 1e-4));
-                assert!(
-                    before
-                        .into_iter()
-                        .all(|p| field.value(&p.coords) < THRESHOLD)
-                );
+                assert!(before.into_iter().all(|p| field.value(&p.coords) < THRESHOLD));
             }
         });
     }
@@ -254,19 +248,13 @@ mod tests {
             disparity_sd_px: 0.0,
             ..pair
         };
-        seen(&same_pixels, 1, |_, _, points| {
-            exact.extend(points.to_vec())
-        });
+        seen(&same_pixels, 1, |_, _, points| exact.extend(points.to_vec()));
         seen(&pair, 1, |camera, _, points| {
             assert_eq!(points.len(), exact.len());
             let (mut along, mut across) = (0.0, 0.0);
             for (point, true_point) in points.iter().zip(&exact) {
                 let error = point.position_world - true_point.position_world;
-                let d = camera.ray(
-                    &camera
-                        .project_undistorted(&true_point.position_world)
-                        .unwrap(),
-                );
+                let d = camera.ray(&camera.project_undistorted(&true_point.position_world).unwrap());
                 let d = d.direction_world.into_inner();
                 let side = nalgebra::Unit::new_normalize(d.cross(&Vector3::z())).into_inner();
                 along += (error.dot(&d) / point.spread.along(&d).unwrap()).powi(2);
@@ -286,10 +274,7 @@ mod tests {
 
     #[test]
     fn what_slants_away_is_not_matched() {
-        let pair = StereoPair {
-            steepest: 0.7,
-            ..EXACT
-        };
+        let pair = StereoPair { steepest: 0.7, ..EXACT };
         seen(&pair, 1, |camera, field, points| {
             assert!(points.len() > 30);
             for point in points {
@@ -309,8 +294,7 @@ mod tests {
             ..EXACT
         };
         seen(&pair, 1, |camera, field, points| {
-            let is_off =
-                |p: &&CloudPoint| (field.value(&p.position_world.coords) - THRESHOLD).abs() > 1e-6;
+            let is_off = |p: &&CloudPoint| (field.value(&p.position_world.coords) - THRESHOLD).abs() > 1e-6;
             let share = points.iter().filter(is_off).count() as f64 / points.len() as f64;
             assert!((0.26..0.34).contains(&share), "{share}");
             let distance = |p: &CloudPoint| (p.position_world - camera.centre_world()).norm();

@@ -112,11 +112,7 @@ mod tests {
     fn the_feet_share_the_weight() {
         for percent in 0..100 {
             let phase = f64::from(percent) / 100.0;
-            approx::assert_relative_eq!(
-                right_load(phase) + right_load(phase + 0.5),
-                1.0,
-                epsilon = 1e-12
-            );
+            approx::assert_relative_eq!(right_load(phase) + right_load(phase + 0.5), 1.0, epsilon = 1e-12);
         }
         approx::assert_relative_eq!(right_load(0.3), 1.0);
     }
@@ -134,10 +130,6 @@ mod tests {
             .map(|e| body.primitive(e))
             .map(|e| e.centre.z - e.shape[(2, 2)].sqrt())
             .fold(f64::INFINITY, f64::min);
-        assert!(
-            (0.0..0.005).contains(&(loaded.z - bottom)),
-            "{} {bottom}",
-            loaded.z
-        );
+        assert!((0.0..0.005).contains(&(loaded.z - bottom)), "{} {bottom}", loaded.z);
     }
 }

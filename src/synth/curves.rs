@@ -91,12 +91,7 @@ impl NormativeCurve {
 
 type Harmonics = &'static [(f64, f64)];
 
-const fn sides(
-    joint: &'static str,
-    variation: Variation,
-    mean_deg: f64,
-    harmonics_deg: Harmonics,
-) -> NormativeCurve {
+const fn sides(joint: &'static str, variation: Variation, mean_deg: f64, harmonics_deg: Harmonics) -> NormativeCurve {
     NormativeCurve {
         joint,
         sides: Sides::BothSides,
@@ -106,11 +101,7 @@ const fn sides(
     }
 }
 
-const fn middle(
-    joint: &'static str,
-    variation: Variation,
-    harmonics_deg: Harmonics,
-) -> NormativeCurve {
+const fn middle(joint: &'static str, variation: Variation, harmonics_deg: Harmonics) -> NormativeCurve {
     NormativeCurve {
         joint,
         sides: Sides::Middle,
@@ -124,16 +115,8 @@ const LEGS: Variation = Variation::Legs(0.0);
 
 /// Tilt forwards, right side up, right side forwards: not joints, but turns of the root.
 pub(super) const PELVIS: [NormativeCurve; 3] = [
-    middle(
-        "pelvis_tilt",
-        Variation::Own(2.0),
-        &[(0.0, 0.0), (0.1, -1.0)],
-    ),
-    middle(
-        "pelvis_obliquity",
-        LEGS,
-        &[(1.73, 3.12), (0.0, 0.0), (-0.73, 0.65)],
-    ),
+    middle("pelvis_tilt", Variation::Own(2.0), &[(0.0, 0.0), (0.1, -1.0)]),
+    middle("pelvis_obliquity", LEGS, &[(1.73, 3.12), (0.0, 0.0), (-0.73, 0.65)]),
     middle("pelvis_rotation", LEGS, &[(4.5, 0.0)]),
 ];
 
@@ -212,12 +195,7 @@ pub(super) const JOINTS: [NormativeCurve; 14] = [
     ),
     middle("thorax_rotation", Variation::Own(0.7), &[(-4.5, 0.0)]),
     middle("neck_rotation", Variation::Own(1.0), &[(3.5, 0.0)]),
-    sides(
-        "shoulder_flexion",
-        Variation::Own(3.0),
-        -6.0,
-        &[(-16.0, 2.0)],
-    ),
+    sides("shoulder_flexion", Variation::Own(3.0), -6.0, &[(-16.0, 2.0)]),
     sides("shoulder_abduction", Variation::Own(2.0), 9.0, &[]),
     sides("elbow_flexion", Variation::Own(5.0), 28.0, &[(-9.0, 2.0)]),
 ];
@@ -230,9 +208,7 @@ mod tests {
     fn extreme(joint: &str, sign: f64) -> (f64, f64) {
         let curve = JOINTS.iter().find(|n| n.joint == joint).unwrap().curve();
         let angle = |i: u32| sign * curve.at(f64::from(i) / 1000.0).to_degrees();
-        let best = (0..1000)
-            .max_by(|&a, &b| angle(a).total_cmp(&angle(b)))
-            .unwrap();
+        let best = (0..1000).max_by(|&a, &b| angle(a).total_cmp(&angle(b))).unwrap();
         (angle(best), f64::from(best) / 10.0)
     }
 
@@ -253,11 +229,7 @@ mod tests {
     #[test]
     fn the_sole_is_level_in_mid_stance() {
         let curve = |joint: &str| JOINTS.iter().find(|n| n.joint == joint).unwrap().curve();
-        let (hip, knee, ankle) = (
-            curve("hip_flexion"),
-            curve("knee_flexion"),
-            curve("ankle_dorsiflexion"),
-        );
+        let (hip, knee, ankle) = (curve("hip_flexion"), curve("knee_flexion"), curve("ankle_dorsiflexion"));
         for percent in 8..25 {
             let phase = f64::from(percent) / 100.0;
             let pitch = hip.at(phase) - knee.at(phase) + ankle.at(phase);
@@ -270,11 +242,7 @@ mod tests {
         let curve = JOINTS[0].curve();
         let advanced = curve.advanced(0.13);
         for phase in [0.0, 0.2, 0.7] {
-            approx::assert_relative_eq!(
-                advanced.at(phase),
-                curve.at(phase + 0.13),
-                epsilon = 1e-12
-            );
+            approx::assert_relative_eq!(advanced.at(phase), curve.at(phase + 0.13), epsilon = 1e-12);
         }
     }
 }

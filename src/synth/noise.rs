@@ -73,12 +73,7 @@ impl SegmentationErrors {
     fn bite(&self, mask: &Mask, window: &Window, pixels: &mut Plane<u8>, rng: &mut impl Rng) {
         let inside = |x: usize, y: usize| mask.is_foreground(x, y);
         let is_border = |x: usize, y: usize| {
-            !(inside(x + 1, y)
-                && inside(x, y + 1)
-                && x > 0
-                && inside(x - 1, y)
-                && y > 0
-                && inside(x, y - 1))
+            !(inside(x + 1, y) && inside(x, y + 1) && x > 0 && inside(x - 1, y) && y > 0 && inside(x, y - 1))
         };
 
         let all = window.pixels().filter(|&(x, y)| inside(x, y));
@@ -133,10 +128,7 @@ impl Window {
         let margin = margin_px.clamp(0.0, 1e4).ceil() as usize;
         let columns = |y: usize| {
             let row = mask.row(y);
-            Some((
-                row.iter().position(|&v| v == 1)?,
-                row.iter().rposition(|&v| v == 1)?,
-            ))
+            Some((row.iter().position(|&v| v == 1)?, row.iter().rposition(|&v| v == 1)?))
         };
 
         let (mut left, mut right, mut top, mut bottom) = (usize::MAX, 0, usize::MAX, 0);
@@ -159,8 +151,7 @@ impl Window {
     }
 
     fn pixels(self) -> impl Iterator<Item = (usize, usize)> {
-        (0..self.height)
-            .flat_map(move |y| (0..self.width).map(move |x| (self.left + x, self.top + y)))
+        (0..self.height).flat_map(move |y| (0..self.width).map(move |x| (self.left + x, self.top + y)))
     }
 }
 
@@ -189,11 +180,7 @@ impl SignedDistance {
         let (x, y) = (x as u32, y as u32);
         let outward = self.to_inside_squared.get_pixel(x, y).0[0].sqrt();
         let inward = self.to_outside_squared.get_pixel(x, y).0[0].sqrt();
-        if outward > 0.0 {
-            outward - 0.5
-        } else {
-            0.5 - inward
-        }
+        if outward > 0.0 { outward - 0.5 } else { 0.5 - inward }
     }
 }
 
@@ -207,11 +194,7 @@ struct SmoothNoise {
 
 impl SmoothNoise {
     fn new(window: &Window, correlation_px: f64, rng: &mut impl Rng) -> Self {
-        let spacing_px = if correlation_px > 1.0 {
-            correlation_px
-        } else {
-            1.0
-        };
+        let spacing_px = if correlation_px > 1.0 { correlation_px } else { 1.0 };
         let nodes = |side: usize| (side as f64 / spacing_px) as usize + 4;
         let (columns, rows) = (nodes(window.width), nodes(window.height));
         let mut lattice = Plane::filled(columns, rows, 0.0);
@@ -220,10 +203,7 @@ impl SmoothNoise {
                 *node = StandardNormal.sample(rng);
             }
         }
-        Self {
-            lattice,
-            spacing_px,
-        }
+        Self { lattice, spacing_px }
     }
 
     fn at(&self, x: usize, y: usize) -> f64 {
@@ -334,9 +314,6 @@ mod tests {
             ..SegmentationErrors::MILD
         };
         assert!(area(&specks.apply(&empty, &mut rng(1))) > 0);
-        assert_eq!(
-            area(&NONE.apply(&Mask::from_fn(0, 0, |_, _| true), &mut rng(1))),
-            0
-        );
+        assert_eq!(area(&NONE.apply(&Mask::from_fn(0, 0, |_, _| true), &mut rng(1))), 0);
     }
 }

@@ -108,10 +108,8 @@ pub(super) fn looking_at(eye: &Point3<f64>, target: &Point3<f64>, roll: f64) -> 
     // a camera that looks straight down has no upright: take the world's x for its right
     let right = unit(forward.cross(&Vector3::z()), Vector3::x());
     let down = forward.cross(&right);
-    let world_from_camera =
-        Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[right, down, forward]));
-    let camera_from_world =
-        Rotation3::from_axis_angle(&Vector3::z_axis(), roll) * world_from_camera.inverse();
+    let world_from_camera = Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[right, down, forward]));
+    let camera_from_world = Rotation3::from_axis_angle(&Vector3::z_axis(), roll) * world_from_camera.inverse();
     let rotation = UnitQuaternion::from_rotation_matrix(&camera_from_world);
     Rigid3::from_parts(Translation3::from(-(rotation * eye.coords)), rotation)
 }
@@ -130,9 +128,7 @@ mod tests {
         for camera in &ring.regular().cameras {
             let middle = camera.project(&ring.target_world).unwrap();
             approx::assert_relative_eq!(middle, Point2::new(319.5, 239.5), epsilon = 1e-9);
-            let above = camera
-                .project(&(ring.target_world + Vector3::z() * 0.5))
-                .unwrap();
+            let above = camera.project(&(ring.target_world + Vector3::z() * 0.5)).unwrap();
             assert!(above.y < middle.y - 50.0 && (above.x - middle.x).abs() < 1e-9);
         }
     }

@@ -24,9 +24,7 @@ pub struct Walk {
 #[non_exhaustive]
 pub enum WalkError {
     /// No foot to stand on.
-    #[error(
-        "model {model}: expected a part with primitives that carries the point {point}, found none"
-    )]
+    #[error("model {model}: expected a part with primitives that carries the point {point}, found none")]
     NoFoot {
         /// Model.
         model: String,
@@ -58,13 +56,7 @@ impl Walk {
     ///
     /// # Errors
     /// [`WalkError`] if the model has no feet or `fps` is impossible.
-    pub fn motions(
-        &self,
-        model: &BodyModel,
-        shape: &Shape,
-        fps: f64,
-        frames: usize,
-    ) -> Result<Vec<Motion>, WalkError> {
+    pub fn motions(&self, model: &BodyModel, shape: &Shape, fps: f64, frames: usize) -> Result<Vec<Motion>, WalkError> {
         if !(fps > 0.0 && fps <= FASTEST) {
             return Err(WalkError::Rate { fps });
         }

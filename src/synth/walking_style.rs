@@ -120,10 +120,7 @@ mod tests {
     fn the_left_leg_does_what_the_right_does_half_a_cycle_later() {
         let style = WalkingStyle::normative();
         for phase in [0.0, 0.3, 0.9] {
-            let (right, left) = (
-                &style.joints["knee_flexion_r"],
-                &style.joints["knee_flexion_l"],
-            );
+            let (right, left) = (&style.joints["knee_flexion_r"], &style.joints["knee_flexion_l"]);
             approx::assert_relative_eq!(left.at(phase + 0.5), right.at(phase), epsilon = 1e-12);
         }
     }

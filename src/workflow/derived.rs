@@ -28,11 +28,7 @@ type Observations = (ObservationFiles, Option<Vec<FrameObservations>>);
 
 impl Derived<'_> {
     /// The masks and points that are fitted to; what is lacking or asked for is made of the pictures.
-    pub(super) fn observations(
-        &self,
-        recording: &Recording,
-        options: &FitOptions,
-    ) -> Result<Observations, Error> {
+    pub(super) fn observations(&self, recording: &Recording, options: &FitOptions) -> Result<Observations, Error> {
         if options.silhouettes == Some(SilhouetteSource::Joint) {
             return self.contours(recording, &recording.footage()?, options);
         }
@@ -49,17 +45,14 @@ impl Derived<'_> {
         };
         let has_masks = given.as_ref().is_ok_and(ObservationFiles::has_masks);
         let fits_to_points = options.observations.fit_to == FitTo::Points;
-        let is_enough =
-            |files: &ObservationFiles| files.has_masks() || fits_to_points && files.has_points();
+        let is_enough = |files: &ObservationFiles| files.has_masks() || fits_to_points && files.has_points();
         if options.stereo.is_none() && given.as_ref().is_ok_and(is_enough) {
             return Ok((given?, None));
         }
 
         // what its pictures give
         let footage = match recording.footage() {
-            Err(RecordingError::Footage(FootageError::NoPictures { .. }))
-                if options.stereo.is_none() =>
-            {
+            Err(RecordingError::Footage(FootageError::NoPictures { .. })) if options.stereo.is_none() => {
                 return Ok((given?, None));
             }
             footage => footage?,
@@ -92,13 +85,7 @@ impl Derived<'_> {
         }
         let frames = footage.frames();
         let frames = span(options.frames.select(&frames)?);
-        let found = cut_masks(
-            footage,
-            frames,
-            self.folder,
-            MaskExtras::default(),
-            self.progress,
-        )?;
+        let found = cut_masks(footage, frames, self.folder, MaskExtras::default(), self.progress)?;
         found.notes.iter().for_each(|note| self.progress.note(note));
         Ok(())
     }
@@ -123,14 +110,7 @@ impl Derived<'_> {
         options.choose_cameras(&footage.rig)?;
 
         let folder = StereoFolder::open(self.folder, footage.up, StereoExtras::default())?;
-        let found = measure_points(
-            footage,
-            Some(masks),
-            frames,
-            &options,
-            folder,
-            self.progress,
-        )?;
+        let found = measure_points(footage, Some(masks), frames, &options, folder, self.progress)?;
         found.notes.iter().for_each(|note| self.progress.note(note));
         Ok(())
     }
@@ -140,12 +120,7 @@ impl Derived<'_> {
     /// The points are those before the still scene and near the body that the pipeline itself fits to, and, where they are
     /// asked for, those that are measured within the contours: surer, but not on a leg of which a camera sees little
     /// behind the other.
-    fn contours(
-        &self,
-        recording: &Recording,
-        footage: &Footage,
-        options: &FitOptions,
-    ) -> Result<Observations, Error> {
+    fn contours(&self, recording: &Recording, footage: &Footage, options: &FitOptions) -> Result<Observations, Error> {
         let all = footage.frames();
         let frames = options.frames.select(&all)?;
         let body = options.body.as_deref();

@@ -141,13 +141,12 @@ impl GaitStudy {
     pub fn angle(&self, name: &str, side: Side) -> Result<AngleTrack, Error> {
         let known = self.analysis.angles.keys().filter(|(s, _)| *s == side);
         let known = || known.clone().map(|(_, angle)| *angle);
-        let angle: Angle =
-            known()
-                .find(|angle| angle.name() == name)
-                .ok_or_else(|| Error::NoAngle {
-                    name: name.into(),
-                    known: known().map(Angle::name).collect::<Vec<_>>().join(", "),
-                })?;
+        let angle: Angle = known()
+            .find(|angle| angle.name() == name)
+            .ok_or_else(|| Error::NoAngle {
+                name: name.into(),
+                known: known().map(Angle::name).collect::<Vec<_>>().join(", "),
+            })?;
 
         let movement = &self.input.movement;
         let segments = movement.segments.as_ref();

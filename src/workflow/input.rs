@@ -33,23 +33,15 @@ pub(super) struct FitInput {
 
 impl FitInput {
     /// Reads and checks everything; what is made of pictures is kept in the folder of `derived`.
-    pub(super) fn read(
-        recording: &Recording,
-        options: &FitOptions,
-        derived: &Derived<'_>,
-    ) -> Result<Self, Error> {
-        options
-            .observations
-            .silhouettes
-            .validate()
-            .map_err(FitError::from)?;
+    pub(super) fn read(recording: &Recording, options: &FitOptions, derived: &Derived<'_>) -> Result<Self, Error> {
+        options.observations.silhouettes.validate().map_err(FitError::from)?;
         options.estimate.validate().map_err(FitError::from)?;
 
         // masks, contours or points
         let (mut files, contours) = derived.observations(recording, options)?;
 
         // the body
-        let (model, bodies) = body(options, recording, files.has_points())?;
+        let (model, bodies) = body(options, recording, &files)?;
         check_measure(&model, options.estimate.measure)?;
 
         // what is seen in each frame
@@ -107,17 +99,16 @@ impl FitInput {
 fn body(
     options: &FitOptions,
     recording: &Recording,
-    has_points: bool,
+    files: &ObservationFiles,
 ) -> Result<(BodyModel, Vec<InputChecksum>), Error> {
     let (name, folder) = match (options.body.as_deref(), recording.body()) {
         (Some(name), _) => (name, Path::new("")),
         (None, Some(name)) => (name, recording.folder()),
-        (None, None) if has_points => (DEFAULT_BODY_FOR_POINTS, Path::new("")),
+        (None, None) if files.has_points() => (DEFAULT_BODY_FOR_POINTS, Path::new("")),
         (None, None) => (DEFAULT_BODY, Path::new("")),
     };
     let (model, texts) = model::load_with_texts(name, folder)?;
-    let checksum =
-        |file: &ModelText| InputChecksum::from_text(format!("body {}", file.name), &file.text);
+    let checksum = |file: &ModelText| InputChecksum::from_text(format!("body {}", file.name), &file.text);
     Ok((model, texts.iter().map(checksum).collect()))
 }
 

@@ -136,7 +136,5 @@ fn read_start(
     let shape = result.shape_of(model)?;
     let fitted = result.motion.frames.iter();
     let motions: BTreeMap<_, _> = fitted.map(|f| (FrameIndex(f.frame), f.motion())).collect();
-    Ok(StartingFit::from_motions(
-        shape, motions, footage, frames, progress,
-    ))
+    Ok(StartingFit::from_motions(shape, motions, footage, frames, progress))
 }

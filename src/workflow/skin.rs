@@ -48,11 +48,7 @@ impl FittedRecording {
     /// # Errors
     /// [`Error::NotFitted`] if no fitted frame is in the range, [`Error::Skin`] of a body without metaballs, and
     /// [`Error::Out`]. Nothing is written before the first skin is made.
-    pub fn write_skins(
-        &self,
-        files: &SkinFiles<'_>,
-        progress: &dyn Progress,
-    ) -> Result<usize, Error> {
+    pub fn write_skins(&self, files: &SkinFiles<'_>, progress: &dyn Progress) -> Result<usize, Error> {
         let poses = self.poses(files.poses)?;
         let shape = self.result.shape_of(&self.model)?;
         let posed = |motion: &Motion| Posed::new(&self.model, &shape, motion);

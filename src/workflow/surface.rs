@@ -30,11 +30,7 @@ impl Recording {
     ///
     /// # Errors
     /// [`Error`] says in one line what cannot be used.
-    pub fn write_surface(
-        &self,
-        files: &SurfaceFiles<'_>,
-        progress: &dyn Progress,
-    ) -> Result<SurfaceSummary, Error> {
+    pub fn write_surface(&self, files: &SurfaceFiles<'_>, progress: &dyn Progress) -> Result<SurfaceSummary, Error> {
         let footage = self.footage()?;
         let all = footage.frames();
         let frames = files.frames.select(&all)?;

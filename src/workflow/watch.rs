@@ -18,12 +18,7 @@ pub(super) struct WatchedJournal<'a> {
 
 impl<'a> WatchedJournal<'a> {
     /// Begins the stage of about `keyframes` keyframes.
-    pub(super) fn new(
-        journal: &'a dyn Journal,
-        progress: &'a dyn Progress,
-        keyframes: usize,
-        frames: usize,
-    ) -> Self {
+    pub(super) fn new(journal: &'a dyn Journal, progress: &'a dyn Progress, keyframes: usize, frames: usize) -> Self {
         progress.begin("keyframes", keyframes);
         Self {
             journal,

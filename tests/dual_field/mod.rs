@@ -16,12 +16,7 @@ pub(crate) struct DualField<'a> {
 }
 
 impl<'a> DualField<'a> {
-    pub(crate) fn new(
-        model: &'a BodyModel,
-        state: &'a State,
-        point: &Point3<f64>,
-        limb: usize,
-    ) -> Self {
+    pub(crate) fn new(model: &'a BodyModel, state: &'a State, point: &Point3<f64>, limb: usize) -> Self {
         Self {
             model,
             state,

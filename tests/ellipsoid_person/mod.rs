@@ -36,15 +36,13 @@ pub(crate) fn walk(model: &BodyModel, shape: &Shape, fps: f64, frames: usize) ->
         middle_world: Vector2::new(0.05, -0.1),
         start_phase: 0.1,
     };
-    walk.motions(model, shape, fps, frames)
-        .expect("the human has feet")
+    walk.motions(model, shape, fps, frames).expect("the human has feet")
 }
 
 /// What every camera sees of a body.
 pub(crate) fn observe(body: &Posed<'_>, rig: &Rig, frame: usize) -> FrameObservations {
     let silhouette = |camera: &Camera| {
-        extract(&mask(camera, body), camera, &SilhouetteOptions::default())
-            .expect("the person is in the image")
+        extract(&mask(camera, body), camera, &SilhouetteOptions::default()).expect("the person is in the image")
     };
     FrameObservations {
         views: rig.iter().map(|(id, c)| (id, silhouette(c))).collect(),
@@ -61,15 +59,11 @@ fn mask(camera: &Camera, body: &Posed<'_>) -> Mask {
         .filter_map(|e| project(&projection, e))
         .filter_map(|e| Some((e.centre, e.shape, e.shape.cholesky()?.inverse())))
         .collect();
-    Mask::from_fn(
-        camera.width_px as usize,
-        camera.height_px as usize,
-        |x, y| {
-            let pixel = Vector2::new(x as f64, y as f64);
-            ellipses.iter().any(|(centre, shape, inverse)| {
-                let d = pixel - centre;
-                d.x * d.x <= shape[(0, 0)] && d.dot(&(inverse * d)) <= 1.0
-            })
-        },
-    )
+    Mask::from_fn(camera.width_px as usize, camera.height_px as usize, |x, y| {
+        let pixel = Vector2::new(x as f64, y as f64);
+        ellipses.iter().any(|(centre, shape, inverse)| {
+            let d = pixel - centre;
+            d.x * d.x <= shape[(0, 0)] && d.dot(&(inverse * d)) <= 1.0
+        })
+    })
 }

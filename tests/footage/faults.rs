@@ -99,7 +99,8 @@ fn a_file_that_is_no_video_costs_its_camera_alone() {
 fn a_video_with_sound_alone_is_named() {
     let folder = folder();
     // a WAV of one silent sample, under a video's name
-    let mut wav = b"RIFF\x26\0\0\0WAVEfmt \x10\0\0\0\x01\0\x01\0\x40\x1f\0\0\x80\x3e\0\0\x02\0\x10\0data\x02\0\0\0".to_vec();
+    let mut wav =
+        b"RIFF\x26\0\0\0WAVEfmt \x10\0\0\0\x01\0\x01\0\x40\x1f\0\0\x80\x3e\0\0\x02\0\x10\0data\x02\0\0\0".to_vec();
     wav.extend([0, 0]);
     if !video(&folder, "other.avi", 1, &[]) {
         return;
@@ -149,8 +150,7 @@ fn an_image_that_cannot_be_read_is_left_out() {
     assert_eq!(greys.iter().map(|(k, _)| *k).collect::<Vec<_>>(), [0, 1, 3]);
     let line = notes[0].to_string();
     assert!(
-        line.starts_with("camera a: 1 of 4 pictures cannot be decoded (2): ")
-            && line.contains("2.png"),
+        line.starts_with("camera a: 1 of 4 pictures cannot be decoded (2): ") && line.contains("2.png"),
         "{line}"
     );
 }
@@ -178,14 +178,8 @@ fn what_is_promised_and_not_there_is_named() {
             "images = \"gone\"\nbackground = \"empty.png\"",
             "camera a: no background at ",
         ),
-        (
-            "images = \"i\"\nvideo = \"v\"",
-            "camera a: both images and video",
-        ),
-        (
-            "masks = \"masks\"",
-            "no pictures: expected videos/<camera>.*",
-        ),
+        ("images = \"i\"\nvideo = \"v\"", "camera a: both images and video"),
+        ("masks = \"masks\"", "no pictures: expected videos/<camera>.*"),
     ] {
         let folder = folder();
         write(

@@ -64,12 +64,7 @@ fn every_picture_of_a_video_is_there_in_order_whatever_its_format() {
 fn a_video_of_varying_rate_keeps_to_the_clock() {
     let folder = folder();
     let drop = "select='not(between(n,4,7))'";
-    if !video(
-        &folder,
-        "v.mp4",
-        12,
-        &["-vf", drop, "-fps_mode", "passthrough"],
-    ) {
+    if !video(&folder, "v.mp4", 12, &["-vf", drop, "-fps_mode", "passthrough"]) {
         return;
     }
     write(&folder, "sequence.toml", manifest_of_video("v.mp4"));
@@ -141,13 +136,8 @@ fn a_video_named_almost_as_its_camera_is_that_cameras() {
     let footage = Recording::open(folder.path())
         .and_then(|found| found.with_fps(50.0).footage())
         .unwrap();
-    assert_eq!(
-        footage.rig.names().collect::<Vec<_>>(),
-        ["cam_01", "cam_02"]
-    );
-    let unknown = FootageNote::Uncalibrated {
-        camera: "other".into(),
-    };
+    assert_eq!(footage.rig.names().collect::<Vec<_>>(), ["cam_01", "cam_02"]);
+    let unknown = FootageNote::Uncalibrated { camera: "other".into() };
     assert_eq!(footage.notes, [unknown]);
 }
 

@@ -54,9 +54,7 @@ pub(crate) fn video(folder: &TempDir, name: &str, pictures: usize, options: &[&s
         SIZE.0, SIZE.1
     );
     let made = Command::new("ffmpeg")
-        .args([
-            "-nostdin", "-v", "error", "-y", "-f", "lavfi", "-i", &source,
-        ])
+        .args(["-nostdin", "-v", "error", "-y", "-f", "lavfi", "-i", &source])
         .args(["-frames:v", &pictures.to_string()])
         .args(options)
         .arg(path)
@@ -85,16 +83,8 @@ pub(crate) fn read(path: &Path, fps: Option<f64>) -> (Vec<(usize, f64)>, Vec<Foo
 pub(crate) fn greys(mut pictures: Pictures) -> (Vec<(usize, f64)>, Vec<FootageNote>) {
     let mut greys = Vec::new();
     for (frame, picture) in pictures.by_ref() {
-        let sum: f64 = picture
-            .values()
-            .as_flattened()
-            .iter()
-            .map(|v| f64::from(*v))
-            .sum();
-        greys.push((
-            frame.0,
-            sum / (3 * picture.width() * picture.height()) as f64,
-        ));
+        let sum: f64 = picture.values().as_flattened().iter().map(|v| f64::from(*v)).sum();
+        greys.push((frame.0, sum / (3 * picture.width() * picture.height()) as f64));
     }
     (greys, pictures.notes().to_vec())
 }
@@ -106,7 +96,5 @@ pub(crate) fn expected(k: usize) -> f64 {
 
 /// Whether each picture has the grey of its number.
 pub(crate) fn are_in_place(greys: &[(usize, f64)]) -> bool {
-    greys
-        .iter()
-        .all(|(k, grey)| (grey - expected(*k)).abs() < 3.0)
+    greys.iter().all(|(k, grey)| (grey - expected(*k)).abs() < 3.0)
 }

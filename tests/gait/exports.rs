@@ -27,11 +27,7 @@ fn a_c3d_holds_points_residuals_cameras_and_where_nobody_was() {
     let missing = Vector3::repeat(f64::NAN);
     let places = [Vector3::new(1.0, 2.0, 3.0), missing];
     let points = [point("RHip", &places, 0.0042), point("LHip", &places, 1.0)];
-    let angles = gait
-        .angles
-        .iter()
-        .map(|(k, v)| (*k, v[..2].to_vec()))
-        .collect();
+    let angles = gait.angles.iter().map(|(k, v)| (*k, v[..2].to_vec())).collect();
     let bytes = c3d(&C3dInput {
         rate_hz: RATE_HZ,
         first_frame: 4,
@@ -47,15 +43,8 @@ fn a_c3d_holds_points_residuals_cameras_and_where_nobody_was() {
     let count = usize::from(word(2));
     assert_eq!(count, 2 + 16);
     let data = (usize::from(word(9)) - 1) * 512;
-    let float = |i: usize| {
-        f32::from_le_bytes(
-            bytes[data + 4 * i..data + 4 * i + 4]
-                .try_into()
-                .expect("four"),
-        )
-    };
-    let number =
-        |frame: usize, point: usize, axis: usize| float(4 * (frame * count + point) + axis);
+    let float = |i: usize| f32::from_le_bytes(bytes[data + 4 * i..data + 4 * i + 4].try_into().expect("four"));
+    let number = |frame: usize, point: usize, axis: usize| float(4 * (frame * count + point) + axis);
     // Y up, millimetres; 4.2 mm in steps of 0.1; cameras 1 and 3 in the high byte; 1 m is more than fits
     let first: Vec<f32> = (0..4).map(|axis| number(0, 0, axis)).collect();
     let expected = [2000.0, 3000.0, 1000.0, 256.0 * 5.0 + 42.0];
@@ -94,14 +83,7 @@ fn more_frames_than_the_format_counts_are_refused() {
 fn a_motion_file_has_the_angles_of_the_body_under_opensims_names() {
     let (walker, movement, gait) = walk();
     let table = coordinates(&movement, &gait).expect("a pelvis");
-    let column = |name: &str| {
-        &table
-            .columns
-            .iter()
-            .find(|c| c.0 == name)
-            .expect("a coordinate")
-            .1
-    };
+    let column = |name: &str| &table.columns.iter().find(|c| c.0 == name).expect("a coordinate").1;
     for (name, joint) in [
         ("knee_angle_r", "knee_flexion_r"),
         ("ankle_angle_l", "ankle_dorsiflexion_l"),
@@ -112,11 +94,7 @@ fn a_motion_file_has_the_angles_of_the_body_under_opensims_names() {
     }
     // the pelvis stands a hip's height above the floor, and turns by less than a right angle from one frame to the next
     assert!(column("pelvis_ty").iter().all(|y| (0.8..1.2).contains(y)));
-    assert!(
-        column("pelvis_rotation")
-            .windows(2)
-            .all(|w| (w[1] - w[0]).abs() < 0.1)
-    );
+    assert!(column("pelvis_rotation").windows(2).all(|w| (w[1] - w[0]).abs() < 0.1));
     let mot = motion_text(&table, TableKind::Mot, "walk");
     let sto = motion_text(&table, TableKind::Sto, "walk");
     let (rows, columns) = (table.times_s.len(), table.columns.len() + 1);
@@ -136,10 +114,6 @@ fn a_motion_file_has_the_angles_of_the_body_under_opensims_names() {
         .position(|c| c.0 == "knee_angle_r")
         .expect("a knee");
     assert!((degrees[knee].to_radians() - radians[knee]).abs() < 1e-7);
-    let height = 1 + table
-        .columns
-        .iter()
-        .position(|c| c.0 == "pelvis_ty")
-        .expect("a height");
+    let height = 1 + table.columns.iter().position(|c| c.0 == "pelvis_ty").expect("a height");
     assert!((degrees[height] - radians[height]).abs() < 1e-9);
 }

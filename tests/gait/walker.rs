@@ -137,8 +137,7 @@ impl Walker {
     pub(crate) fn on_a_treadmill(&self) -> Self {
         let speed = self.stride_length() / STRIDE_S;
         let along = Vector3::new(self.heading.cos(), self.heading.sin(), 0.0) * speed;
-        self.clone()
-            .changed(|i, p| p - along * (i as f64 / RATE_HZ))
+        self.clone().changed(|i, p| p - along * (i as f64 / RATE_HZ))
     }
 
     /// The film run backwards.

@@ -47,9 +47,7 @@ fn optimum(
 #[test]
 fn an_optimum_moves_as_foretold_when_a_knee_lies_elsewhere_in_the_flesh() {
     let scene = Scene::person("human-metaballs", 4);
-    let terms = scene
-        .evidence(Measure::Metaballs)
-        .sequence_terms(scene.sequence());
+    let terms = scene.evidence(Measure::Metaballs).sequence_terms(scene.sequence());
     let (state, chain) = optimum(&scene, &scene.model, &terms, &scene.truth);
     let considered = Considered::new(&scene.model, &terms, &state, &chain).expect("priors hold it");
     // the places of the shank's joint, forwards and along, half a standard deviation off
@@ -65,10 +63,7 @@ fn an_optimum_moves_as_foretold_when_a_knee_lies_elsewhere_in_the_flesh() {
     for (i, foretold) in sensitivity.iter().enumerate() {
         let foretold = (foretold * &c)[knee];
         let found = again.motions[i].angles[knee - 6] - state.motions[i].angles[knee - 6];
-        assert!(
-            foretold.abs() > 0.005,
-            "frame {i}: {foretold} says something"
-        );
+        assert!(foretold.abs() > 0.005, "frame {i}: {foretold} says something");
         approx::assert_relative_eq!(found, foretold, max_relative = 0.2);
     }
 }
@@ -93,11 +88,7 @@ fn lengths_and_angles_of_a_person_are_less_sure_than_if_the_joints_were_known() 
     let mut sure = evidence.clone();
     sure.model = &known;
     let sure = found(&sure);
-    let lengths = unsure
-        .shape
-        .lengths_sd_m
-        .iter()
-        .zip(&sure.shape.lengths_sd_m);
+    let lengths = unsure.shape.lengths_sd_m.iter().zip(&sure.shape.lengths_sd_m);
     assert!(lengths.clone().all(|(all, seen)| *all >= 0.999 * seen));
     assert!(lengths.clone().any(|(all, seen)| *all > 1.2 * seen));
 }

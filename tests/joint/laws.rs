@@ -88,8 +88,7 @@ fn check(scene: &Scene, measure: Measure, (step, tolerance): (f64, f64)) {
                 let state = seed.map_or(state.clone(), |s| scene.moved(&state, HAIR, s));
                 check_linearization(&posterior.problem(), &state, step, tolerance).err()
             };
-            let faults: Option<Vec<_>> =
-                [None, Some(50), Some(51)].into_iter().map(fault).collect();
+            let faults: Option<Vec<_>> = [None, Some(50), Some(51)].into_iter().map(fault).collect();
             if let Some(faults) = faults {
                 panic!("{motion_model:?}, {regime}: {}", faults[0]);
             }
@@ -99,11 +98,7 @@ fn check(scene: &Scene, measure: Measure, (step, tolerance): (f64, f64)) {
 
 #[test]
 fn the_sequence_posterior_is_linearized_right_for_a_free_root() {
-    check(
-        &Scene::person("human-metaballs", 3),
-        Measure::Ellipses,
-        (1e-6, 1e-4),
-    );
+    check(&Scene::person("human-metaballs", 3), Measure::Ellipses, (1e-6, 1e-4));
 }
 
 #[test]
@@ -137,15 +132,9 @@ fn where_all_residuals_are_linear_the_model_is_the_cost() {
         let cost = problem.linearize(&state, &mut model);
         for seed in 0..5 {
             let size = model.gradient().len();
-            let step = DVector::from_fn(size, |i, _| {
-                0.01 * ((i as f64 + 1.7) * (seed + 1) as f64).sin()
-            });
+            let step = DVector::from_fn(size, |i, _| 0.01 * ((i as f64 + 1.7) * (seed + 1) as f64).sin());
             let decrease = cost - problem.cost(&problem.retract(&state, &step));
-            approx::assert_relative_eq!(
-                model.predicted_decrease(&step),
-                decrease,
-                max_relative = 1e-9
-            );
+            approx::assert_relative_eq!(model.predicted_decrease(&step), decrease, max_relative = 1e-9);
         }
         // and one step of Newton's is the minimum
         let step = model.minimizer(0.0).expect("the priors hold every angle");
@@ -162,8 +151,7 @@ fn dense(model: &BodyModel, motions: &[Motion], motion_model: MotionModel) -> DM
     let m = layout.motion();
     let speeds = speeds(model);
     let rows = |delta: &DVector<f64>| {
-        let moved =
-            |i: usize| layout.retract_motion(&motions[i], &delta.rows(i * m, m).into_owned());
+        let moved = |i: usize| layout.retract_motion(&motions[i], &delta.rows(i * m, m).into_owned());
         let moved: Vec<Motion> = (0..motions.len()).map(moved).collect();
         let velocity = |i: usize| layout.motion_difference(&moved[i - 1], &moved[i]) / SECONDS[i];
         let mut rows = Vec::new();
@@ -267,9 +255,7 @@ impl Problem for Steps<'_> {
     fn retract(&self, x: &Vec<Motion>, delta: &DVector<f64>) -> Vec<Motion> {
         let layout = Layout::new(self.model);
         let m = layout.motion();
-        let moved = |(i, motion): (usize, &Motion)| {
-            layout.retract_motion(motion, &delta.rows(i * m, m).into_owned())
-        };
+        let moved = |(i, motion): (usize, &Motion)| layout.retract_motion(motion, &delta.rows(i * m, m).into_owned());
         x.iter().enumerate().map(moved).collect()
     }
 }

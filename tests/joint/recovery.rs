@@ -18,10 +18,7 @@ fn fitted(scene: &Scene, measure: Measure, size: f64) -> (f64, JointOptimum) {
     let before = scene.error_mm(&start.shape, &start.motions);
     let evidence = scene.evidence(measure);
     let options = JointOptions::default();
-    (
-        before,
-        joint_optimum(&evidence, scene.sequence(), start, &options),
-    )
+    (before, joint_optimum(&evidence, scene.sequence(), start, &options))
 }
 
 fn after(scene: &Scene, joint: &JointOptimum) -> f64 {
@@ -111,8 +108,7 @@ fn both_motion_models_find_it_and_not_the_same_way() {
         let evidence = scene.evidence(Measure::Metaballs);
         joint_optimum(&evidence, scene.sequence(), start(&scene, 0.1), &options)
     };
-    let [position, velocity] =
-        [MotionModel::ConstantPosition, MotionModel::ConstantVelocity].map(with);
+    let [position, velocity] = [MotionModel::ConstantPosition, MotionModel::ConstantVelocity].map(with);
     assert!(after(&scene, &position) < 5.0 && after(&scene, &velocity) < 5.0);
     assert_ne!(position.frames, velocity.frames);
 }

@@ -108,12 +108,7 @@ impl Scene {
     }
 
     pub(crate) fn evidence(&self, measure: Measure) -> Evidence<'_> {
-        Evidence::new(
-            &self.model,
-            &self.rig,
-            LikelihoodOptions::default(),
-            measure,
-        )
+        Evidence::new(&self.model, &self.rig, LikelihoodOptions::default(), measure)
     }
 
     pub(crate) fn sequence(&self) -> Sequence<'_> {

@@ -83,24 +83,13 @@ fn the_priors_alone_leave_what_a_tridiagonal_matrix_of_one_angle_leaves() {
 fn a_coefficient_that_nothing_sees_keeps_its_prior_too() {
     let scene = half_seen(8);
     let (joint, _) = fitted(&scene);
-    let covariance = joint
-        .uncertainty
-        .expect("the priors hold it")
-        .shape
-        .covariance;
-    let wrist = scene
-        .model
-        .coefficients
-        .iter()
-        .position(|c| c == "wrist_width");
+    let covariance = joint.uncertainty.expect("the priors hold it").shape.covariance;
+    let wrist = scene.model.coefficients.iter().position(|c| c == "wrist_width");
     let wrist = wrist.expect("the arm has one");
     let prior = scene.model.statistics.covariance[(wrist, wrist)].sqrt();
     let found = covariance[(wrist, wrist)].sqrt();
     // what its factors share with the upper arm, which is seen, is learnt
-    assert!(
-        found <= prior * 1.001 && found > 0.3 * prior,
-        "{found} {prior}"
-    );
+    assert!(found <= prior * 1.001 && found > 0.3 * prior, "{found} {prior}");
 }
 
 #[test]
@@ -112,11 +101,7 @@ fn frames_that_nothing_sees_are_less_certain_the_farther_they_are_from_those_tha
     }
     let (joint, prior) = fitted(&scene);
     let uncertainty = joint.uncertainty.expect("the priors hold it");
-    let elbow: Vec<f64> = uncertainty
-        .frames
-        .iter()
-        .map(|f| f.angles_sd[ELBOW])
-        .collect();
+    let elbow: Vec<f64> = uncertainty.frames.iter().map(|f| f.angles_sd[ELBOW]).collect();
     assert!(elbow[2..].is_sorted(), "{elbow:?}");
     assert!(elbow[8] > 3.0 * elbow[2], "{elbow:?}");
     assert!(elbow[8] <= prior[8][ELBOW] * 1.001, "{elbow:?}");

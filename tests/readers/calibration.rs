@@ -2,9 +2,7 @@
 
 use crate::calibration_samples::*;
 use maquette::camera::{Distortion, UpAxis, check_projection};
-use maquette::io::calibration::{
-    CalibrationOptions, Unit, read, read_per_camera, select, write_toml,
-};
+use maquette::io::calibration::{CalibrationOptions, Unit, read, read_per_camera, select, write_toml};
 use nalgebra::Point3;
 use std::fs;
 use std::path::Path;
@@ -61,16 +59,12 @@ fn one_opencv_yaml_may_hold_all_cameras() {
 #[test]
 fn opencv_xml_per_camera_gives_the_two_cameras() {
     let folder = folder(&[("a.xml", XML[0]), ("b.xml", XML[1])]);
-    let files = [("cam1", "a.xml"), ("cam2", "b.xml")]
-        .map(|(name, file)| (name.to_owned(), folder.path().join(file)));
+    let files = [("cam1", "a.xml"), ("cam2", "b.xml")].map(|(name, file)| (name.to_owned(), folder.path().join(file)));
     let options = CalibrationOptions {
         unit: Some(Unit::Millimetre),
         ..with_sizes()
     };
-    assert_same(
-        &read_per_camera(&files, &options).unwrap(),
-        &expected(lens()),
-    );
+    assert_same(&read_per_camera(&files, &options).unwrap(), &expected(lens()));
 }
 
 #[test]
@@ -90,10 +84,7 @@ fn vicon_without_a_given_size_takes_the_whole_sensor() {
     let rig = read_text("session.xcp", VICON, &defaults()).unwrap();
     let camera = &rig.cameras[0];
     assert_eq!((camera.width_px, camera.height_px), (1000, 800));
-    assert_eq!(
-        (camera.intrinsics.cx_px, camera.intrinsics.cy_px),
-        (502.5, 397.25)
-    );
+    assert_eq!((camera.intrinsics.cx_px, camera.intrinsics.cy_px), (502.5, 397.25));
 }
 
 #[test]
@@ -132,8 +123,7 @@ fn a_projection_matrix_per_file_needs_no_name() {
     let (first, second) = matrices.split_once("cam2:\n").unwrap();
     let second = format!("CONTOUR\n640 480\n{second}");
     let folder = folder(&[("1.txt", first), ("2.txt", &second)]);
-    let files = [("cam1", "1.txt"), ("cam2", "2.txt")]
-        .map(|(name, file)| (name.to_owned(), folder.path().join(file)));
+    let files = [("cam1", "1.txt"), ("cam2", "2.txt")].map(|(name, file)| (name.to_owned(), folder.path().join(file)));
     let mut expected = expected(Distortion::None);
     (expected.cameras[1].width_px, expected.cameras[1].height_px) = (640, 480);
     assert_same(&read_per_camera(&files, &with_sizes()).unwrap(), &expected);
@@ -143,11 +133,7 @@ fn a_projection_matrix_per_file_needs_no_name() {
 fn a_projection_matrix_may_stand_on_one_line() {
     let lines: Vec<&str> = MATRICES.lines().collect();
     let one = |name: &str, rows: &[&str]| format!("{name}: {}\n", rows.join(" "));
-    let text = format!(
-        "800 600\n{}{}",
-        one("cam1", &lines[4..7]),
-        one("cam2", &lines[9..12])
-    );
+    let text = format!("800 600\n{}{}", one("cam1", &lines[4..7]), one("cam2", &lines[9..12]));
     let rig = read_text("kitti.txt", &text, &defaults()).unwrap();
     assert_same(&rig, &expected(Distortion::None));
 }
@@ -169,15 +155,9 @@ fn four_five_and_eight_coefficients_and_fisheye_are_read() {
     };
     let brown = |k: &[f64]| Distortion::brown_conrady(k).unwrap();
     assert_eq!(with("[]"), Distortion::None);
-    assert_eq!(
-        with("[0.1, 0.2, 3e-3, 4e-3]"),
-        brown(&[0.1, 0.2, 3e-3, 4e-3])
-    );
+    assert_eq!(with("[0.1, 0.2, 3e-3, 4e-3]"), brown(&[0.1, 0.2, 3e-3, 4e-3]));
     let eight = [0.1, 0.2, 3e-3, 4e-3, 0.5, 0.6, 0.7, 0.8];
-    assert_eq!(
-        with("[0.1, 0.2, 3e-3, 4e-3, 0.5, 0.6, 0.7, 0.8]"),
-        brown(&eight)
-    );
+    assert_eq!(with("[0.1, 0.2, 3e-3, 4e-3, 0.5, 0.6, 0.7, 0.8]"), brown(&eight));
     let text = POSE2SIM
         .replace("fisheye = false", "fisheye = true")
         .replace(", 0.01]", "]");
@@ -256,18 +236,12 @@ fn of_a_folder_the_last_toml_by_name_is_read_and_manifests_are_not() {
         ("Calib.qca.txt", broken),
     ];
     let folder = folder(&files);
-    assert_same(
-        &read(folder.path(), &defaults()).unwrap(),
-        &expected(lens()),
-    );
+    assert_same(&read(folder.path(), &defaults()).unwrap(), &expected(lens()));
     for name in ["Calib_2.toml", "Calib_10.toml"] {
         fs::remove_file(folder.path().join(name)).unwrap();
     }
     fs::write(folder.path().join("Calib.qca.txt"), QUALISYS).unwrap();
-    assert_same(
-        &read(folder.path(), &defaults()).unwrap(),
-        &expected(lens()),
-    );
+    assert_same(&read(folder.path(), &defaults()).unwrap(), &expected(lens()));
 }
 
 #[test]

@@ -10,16 +10,8 @@ pub(crate) const TOML: &[Fault] = &[
         "size = [ 800.0, 600.0",
         "a.toml:4: expected TOML, found missing comma between array elements, expected `,`",
     ),
-    (
-        "matrix = [",
-        "matix = [",
-        "a.toml:1: camera cam1: matrix is missing",
-    ),
-    (
-        "rotation",
-        "Rotation",
-        "a.toml:1: camera cam1: rotation is missing",
-    ),
+    ("matrix = [", "matix = [", "a.toml:1: camera cam1: matrix is missing"),
+    ("rotation", "Rotation", "a.toml:1: camera cam1: rotation is missing"),
     (
         "distortions",
         "distorsions",

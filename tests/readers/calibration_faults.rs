@@ -11,8 +11,7 @@ use std::path::Path;
 /// The message, with the folder taken off the path.
 fn message(name: &str, text: &str) -> String {
     let folder = folder(&[(name, text)]);
-    let error =
-        read(&folder.path().join(name), &CalibrationOptions::default()).expect_err("a fault");
+    let error = read(&folder.path().join(name), &CalibrationOptions::default()).expect_err("a fault");
     let prefix = format!("{}/", folder.path().display());
     error.to_string().replace(&prefix, "")
 }
@@ -28,10 +27,7 @@ fn assert_messages(name: &str, text: &str, faults: &[tables::Fault]) {
 fn a_file_that_is_missing_is_named_as_it_was_given() {
     let error = read(Path::new("no/such.toml"), &CalibrationOptions::default()).unwrap_err();
     let message = error.to_string();
-    assert!(
-        message.starts_with("cannot read no/such.toml: "),
-        "{message}"
-    );
+    assert!(message.starts_with("cannot read no/such.toml: "), "{message}");
 }
 
 #[test]
@@ -45,14 +41,8 @@ fn a_folder_without_calibration_says_what_was_looked_for() {
 fn faults_in_toml_are_named() {
     assert_messages("a.toml", POSE2SIM, tables::TOML);
     let none = "[metadata]\nadjusted = false\n";
-    assert_eq!(
-        message("a.toml", none),
-        "a.toml: no calibrated camera in this file"
-    );
-    assert_eq!(
-        message("a.toml", ""),
-        "a.toml: no calibrated camera in this file"
-    );
+    assert_eq!(message("a.toml", none), "a.toml: no calibrated camera in this file");
+    assert_eq!(message("a.toml", ""), "a.toml: no calibrated camera in this file");
 }
 
 #[test]
@@ -68,9 +58,7 @@ fn faults_in_vicon_files_are_named() {
 #[test]
 fn an_image_larger_than_its_sensor_is_refused() {
     let text = VICON.replace("1000 800", "640 480");
-    let error = read_text("a.xcp", &text, &with_sizes())
-        .unwrap_err()
-        .to_string();
+    let error = read_text("a.xcp", &text, &with_sizes()).unwrap_err().to_string();
     let expected = "camera cam1: the image, 800 × 600, is larger than the sensor, 640 × 480";
     assert!(error.ends_with(expected), "{error}");
 }
@@ -103,10 +91,7 @@ fn faults_in_opencv_files_are_named() {
         error(&INTRI.replace("W_cam1", "w_cam1"), EXTRI),
         "intri.yml:6: camera cam1: the file does not state the image size, and this camera has no masks, images or video to take it from"
     );
-    assert_eq!(
-        message("intri.yml", INTRI),
-        "intri.yml: expected extri.yml beside it"
-    );
+    assert_eq!(message("intri.yml", INTRI), "intri.yml: expected extri.yml beside it");
     assert_eq!(
         message("cam.xml", &XML[0].replace("camera_matrix", "matrix")),
         "cam.xml: camera cam: camera_matrix is missing"
@@ -134,9 +119,7 @@ fn faults_in_projection_matrices_are_named() {
 #[test]
 fn formats_that_are_not_read_say_so() {
     assert!(message("Cam0.pickle", "").ends_with("convert it to TOML with Pose2Sim"));
-    assert!(
-        message("a.json", "{}").starts_with("a.json: unknown calibration format: expected *.toml")
-    );
+    assert!(message("a.json", "{}").starts_with("a.json: unknown calibration format: expected *.toml"));
 }
 
 #[test]
@@ -150,13 +133,8 @@ fn a_camera_that_the_file_lacks_is_named_with_those_it_has() {
     );
     let error = select(&rig, path, &["left"]).unwrap_err().to_string();
     assert_eq!(error, "a.toml: no camera \"left\": it has cam1, cam2");
-    let error = select(&rig, path, &["cam1", "cam1"])
-        .unwrap_err()
-        .to_string();
-    assert_eq!(
-        error,
-        "a.toml: camera cam1: another camera has the same name"
-    );
+    let error = select(&rig, path, &["cam1", "cam1"]).unwrap_err().to_string();
+    assert_eq!(error, "a.toml: camera cam1: another camera has the same name");
 }
 
 #[test]
@@ -177,9 +155,7 @@ fn two_files_for_one_camera_name_are_refused() {
     let folder = folder(&[("a.xml", XML[1])]);
     let path = folder.path().join("a.xml");
     let files = [("cam1".to_owned(), path.clone()), ("cam1".to_owned(), path)];
-    let error = read_per_camera(&files, &with_sizes())
-        .unwrap_err()
-        .to_string();
+    let error = read_per_camera(&files, &with_sizes()).unwrap_err().to_string();
     assert!(error.ends_with("camera cam1: another camera has the same name"));
 }
 

@@ -62,11 +62,7 @@ pub(crate) fn folder(files: &[(&str, &str)]) -> TempDir {
 }
 
 /// Reads a text as if it stood in a file of this name.
-pub(crate) fn read_text(
-    name: &str,
-    text: &str,
-    options: &CalibrationOptions,
-) -> Result<Rig, CalibrationError> {
+pub(crate) fn read_text(name: &str, text: &str, options: &CalibrationOptions) -> Result<Rig, CalibrationError> {
     let folder = folder(&[(name, text)]);
     read(&folder.path().join(name), options)
 }
@@ -82,23 +78,12 @@ pub(crate) fn with_sizes() -> CalibrationOptions {
 
 /// The largest differences that printing and converting may leave.
 pub(crate) fn assert_same(read: &Rig, expected: &Rig) {
-    assert_eq!(
-        read.names().collect::<Vec<_>>(),
-        expected.names().collect::<Vec<_>>()
-    );
+    assert_eq!(read.names().collect::<Vec<_>>(), expected.names().collect::<Vec<_>>());
     for (a, b) in read.cameras.iter().zip(&expected.cameras) {
-        assert_eq!(
-            (a.width_px, a.height_px),
-            (b.width_px, b.height_px),
-            "{}",
-            a.name
-        );
+        assert_eq!((a.width_px, a.height_px), (b.width_px, b.height_px), "{}", a.name);
         let matrices = (a.intrinsics.matrix() - b.intrinsics.matrix()).amax();
         assert!(matrices < 1e-8, "{}: K differs by {matrices:e}", a.name);
-        let turn = a
-            .camera_from_world
-            .rotation
-            .angle_to(&b.camera_from_world.rotation);
+        let turn = a.camera_from_world.rotation.angle_to(&b.camera_from_world.rotation);
         assert!(turn < 1e-8, "{}: turned by {turn:e}", a.name);
         let shift = (a.centre_world() - b.centre_world()).norm();
         assert!(shift < 1e-8, "{}: moved by {shift:e} m", a.name);

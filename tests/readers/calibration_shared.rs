@@ -2,9 +2,7 @@
 
 use crate::calibration_samples::{assert_same, shared};
 use maquette::camera::{Camera, Rig, UpAxis, check_projection};
-use maquette::io::calibration::{
-    CalibrationOptions, Unit, read, read_per_camera, select, write_toml,
-};
+use maquette::io::calibration::{CalibrationOptions, Unit, read, read_per_camera, select, write_toml};
 use nalgebra::Point2;
 use std::path::Path;
 
@@ -26,8 +24,7 @@ fn seated() -> Option<Rig> {
 
 #[test]
 fn the_legitimate_rigs_have_a_common_view() {
-    let files =
-        ["walk7", "balance", "trinocular"].map(|set| shared(&format!("{set}/calibration.toml")));
+    let files = ["walk7", "balance", "trinocular"].map(|set| shared(&format!("{set}/calibration.toml")));
     let rigs = files.into_iter().flatten().map(|path| rig(&path));
     for rig in rigs.chain(seated()) {
         let view = rig.common_view().unwrap();
@@ -46,8 +43,7 @@ fn a_camera_turned_round_is_named_in_every_rig() {
         let whole = rig(&path);
         for (odd, _) in whole.iter() {
             let mut rig = whole.clone();
-            let half_turn =
-                maquette::math::Rigid3::rotation(nalgebra::Vector3::y() * std::f64::consts::PI);
+            let half_turn = maquette::math::Rigid3::rotation(nalgebra::Vector3::y() * std::f64::consts::PI);
             let pose = &mut rig.cameras[odd.0].camera_from_world;
             *pose = half_turn * *pose;
             let view = rig.common_view().unwrap();
@@ -66,11 +62,7 @@ fn the_cameras_of_the_made_walk_are_as_documented() {
     let rig = rig(&path);
     assert_eq!(rig.cameras.len(), 7);
     assert_eq!(rig.cameras[6].name, "cam_07");
-    assert!(
-        rig.cameras
-            .iter()
-            .all(|c| (c.width_px, c.height_px) == (800, 600))
-    );
+    assert!(rig.cameras.iter().all(|c| (c.width_px, c.height_px) == (800, 600)));
     // the folder holds the same calibration
     assert_same(&self::rig(path.parent().unwrap()), &rig);
     let back = read_back(&rig);
@@ -86,10 +78,7 @@ fn read_back(rig: &Rig) -> Rig {
 
 #[test]
 fn the_qualisys_file_is_what_the_corrected_toml_says() {
-    let (Some(qca), Some(toml)) = (
-        shared("balance/Calib.qca.txt"),
-        shared("balance/calibration.toml"),
-    ) else {
+    let (Some(qca), Some(toml)) = (shared("balance/Calib.qca.txt"), shared("balance/calibration.toml")) else {
         return;
     };
     let mut from_qca = rig(&qca);
@@ -98,8 +87,8 @@ fn the_qualisys_file_is_what_the_corrected_toml_says() {
     }
     // the TOML's first two cameras were corrected for their cut videos
     let names = ["cam_03", "cam_04"];
-    let [from_qca, from_toml] = [(&from_qca, &qca), (&rig(&toml), &toml)]
-        .map(|(rig, path)| select(rig, path, &names).unwrap());
+    let [from_qca, from_toml] =
+        [(&from_qca, &qca), (&rig(&toml), &toml)].map(|(rig, path)| select(rig, path, &names).unwrap());
     for (a, b) in from_qca.cameras.iter().zip(&from_toml.cameras) {
         assert_close(a, b);
     }
@@ -113,10 +102,7 @@ fn assert_close(a: &Camera, b: &Camera) {
     assert!(matrices < 1e-6, "{}: K differs by {matrices:e}", a.name);
     let centres = (a.centre_world() - b.centre_world()).norm();
     assert!(centres < 1e-6, "{}: {centres:e} m apart", a.name);
-    let turn = a
-        .camera_from_world
-        .rotation
-        .angle_to(&b.camera_from_world.rotation);
+    let turn = a.camera_from_world.rotation.angle_to(&b.camera_from_world.rotation);
     assert!(turn < 1e-6, "{}: turned by {turn:e}", a.name);
 }
 

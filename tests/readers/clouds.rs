@@ -36,10 +36,7 @@ fn an_ascii_ply_is_read_past_what_is_not_needed() {
     assert_eq!(places(&cloud), [[1.0, 2.0, 3.0], [-1.5, 0.2, 0.0]]);
     assert_eq!(cloud.points[1].spread, Spread::Isotropic(0.02));
     assert_eq!(cloud.left_out.unusable, 1);
-    assert_eq!(
-        read("a.PLY", ASCII.replace('\n', "\r\n")).expect("a cloud"),
-        cloud
-    );
+    assert_eq!(read("a.PLY", ASCII.replace('\n', "\r\n")).expect("a cloud"), cloud);
 }
 
 /// A binary PLY of an unused list element, then floats x y z and a list and a byte after them.
@@ -83,25 +80,15 @@ fn a_binary_ply_is_read_in_both_byte_orders() {
 #[test]
 fn what_is_written_is_read_again_to_the_bit() {
     let covariance = Matrix3::new(4e-4, 1e-5, 0.0, 1e-5, 1e-4, 2e-5, 0.0, 2e-5, 2.25e-4);
-    for spread in [
-        Spread::Unknown,
-        Spread::Isotropic(0.1 / 3.0),
-        Spread::Full(covariance),
-    ] {
+    for spread in [Spread::Unknown, Spread::Isotropic(0.1 / 3.0), Spread::Full(covariance)] {
         let point = |k: f64| CloudPoint {
             position_world: Point3::new(k / 3.0, -k / 7.0, 1e3 + k / 11.0),
             spread,
         };
         let points: Vec<_> = (0..50).map(|k| point(f64::from(k))).collect();
-        assert_eq!(
-            read("c.ply", write_ply(&points)).expect("a cloud").points,
-            points
-        );
+        assert_eq!(read("c.ply", write_ply(&points)).expect("a cloud").points, points);
     }
-    assert_eq!(
-        read("c.ply", write_ply(&[])).expect("a cloud"),
-        Cloud::default()
-    );
+    assert_eq!(read("c.ply", write_ply(&[])).expect("a cloud"), Cloud::default());
 }
 
 #[test]
@@ -123,43 +110,26 @@ fn xyz_has_three_or_four_columns() {
         ("1,2,3\n", "d.xyz:1: expected three or four numbers"),
         ("1 2 3 4 5\n", "d.xyz:1: "),
     ] {
-        assert!(
-            message("d.xyz", text).starts_with(part),
-            "{}",
-            message("d.xyz", text)
-        );
+        assert!(message("d.xyz", text).starts_with(part), "{}", message("d.xyz", text));
     }
 }
 
 #[test]
 fn csv_goes_by_its_header() {
     let cloud = read("e.csv", "id, Z, x, y\n a, 3, 1, 2\n\"b\", inf, 0, 0\n").expect("a cloud");
-    assert_eq!(
-        (places(&cloud), cloud.left_out.unusable),
-        (vec![[1.0, 2.0, 3.0]], 1)
-    );
+    assert_eq!((places(&cloud), cloud.left_out.unusable), (vec![[1.0, 2.0, 3.0]], 1));
     let cloud = read("e.csv", "x,y,z,sigma\n1,2,3,0.5\n").expect("a cloud");
     assert_eq!(cloud.points[0].spread, Spread::Isotropic(0.5));
     let text = "x,y,z,cov_xx,cov_xy,cov_xz,cov_yy,cov_yz,cov_zz\n1,2,3,4,0,0,9,0,16\n";
     let spread = read("e.csv", text).expect("a cloud").points[0].spread;
     assert_eq!(spread.along(&Vector3::y()), Some(3.0));
     for (text, part) in [
-        (
-            "1,2,3\n4,5,6\n",
-            "e.csv: expected x, y and z, and for the spread",
-        ),
+        ("1,2,3\n4,5,6\n", "e.csv: expected x, y and z, and for the spread"),
         ("x,y,z,cov_xx\n1,2,3,4\n", "found x, y, z, cov_xx"),
-        (
-            "x,y,z\n1,2,3\n1,two,3\n",
-            "e.csv:3: expected a number, found \"two\"",
-        ),
+        ("x,y,z\n1,2,3\n1,two,3\n", "e.csv:3: expected a number, found \"two\""),
         ("x,y,z\n1,2\n", "e.csv: CSV error: record 1 (line: 2"),
     ] {
-        assert!(
-            message("e.csv", text).contains(part),
-            "{}",
-            message("e.csv", text)
-        );
+        assert!(message("e.csv", text).contains(part), "{}", message("e.csv", text));
     }
 }
 
@@ -177,9 +147,10 @@ fn no_bytes_are_no_points_and_a_strange_name_is_refused() {
 #[test]
 fn a_header_that_promises_more_than_the_file_holds_is_refused_before_anything_is_allocated() {
     let many = |text: &str| text.replace("vertex 3", "vertex 1000000000000");
-    assert!(message("g.ply", many(ASCII)).starts_with(
-        "g.ply: the header promises 1000000000000 of \"vertex\", but the file has room for "
-    ));
+    assert!(
+        message("g.ply", many(ASCII))
+            .starts_with("g.ply: the header promises 1000000000000 of \"vertex\", but the file has room for ")
+    );
     let header = "ply\nformat binary_little_endian 1.0\nelement nothing 1000000000000\nelement vertex 1\n\
         property float x\nproperty float y\nproperty float z\nend_header\n............";
     assert!(message("g.ply", header).contains("1000000000000 of \"nothing\""));
@@ -190,11 +161,7 @@ fn a_fault_in_a_ply_is_named_with_its_place() {
     for (from, to, part) in [
         ("ply\n", "plu\n", "h.ply:1: the header is no PLY header"),
         ("property float z\n", "", "h.ply: expected x, y and z"),
-        (
-            "float z",
-            "list uchar float z",
-            "h.ply: expected x, y and z",
-        ),
+        ("float z", "list uchar float z", "h.ply: expected x, y and z"),
         (
             "element vertex",
             "element point",
@@ -208,11 +175,7 @@ fn a_fault_in_a_ply_is_named_with_its_place() {
         ("float z", "complex z", "h.ply:10: "),
     ] {
         let text = ASCII.replacen(from, to, 1);
-        assert!(
-            message("h.ply", &text).contains(part),
-            "{}",
-            message("h.ply", &text)
-        );
+        assert!(message("h.ply", &text).contains(part), "{}", message("h.ply", &text));
     }
 }
 

@@ -8,16 +8,12 @@ use maquette::io::recording::{Recording, RecordingError};
 use maquette::silhouette::SilhouetteOptions;
 
 use crate::tiny::{
-    SIZE, assert_complains, calibration, is_person, load, mask, open, recording, save,
-    with_manifest, write,
+    SIZE, assert_complains, calibration, is_person, load, mask, open, recording, save, with_manifest, write,
 };
 
 #[test]
 fn a_missing_recording_is_named() {
-    assert_complains(
-        open(Path::new("no/where")),
-        &["no/where: no such folder or file"],
-    );
+    assert_complains(open(Path::new("no/where")), &["no/where: no such folder or file"]);
     let empty = tempfile::tempdir().expect("a folder");
     assert_complains(
         Recording::open(empty.path()).and_then(|found| found.observations()),
@@ -25,10 +21,7 @@ fn a_missing_recording_is_named() {
     );
     let folder = recording(&["a", "b"]);
     fs::remove_file(folder.path().join("calibration.toml")).expect("removed");
-    assert!(matches!(
-        open(folder.path()),
-        Err(RecordingError::Calibration(_))
-    ));
+    assert!(matches!(open(folder.path()), Err(RecordingError::Calibration(_))));
 }
 
 #[test]
@@ -54,10 +47,7 @@ fn a_frame_rate_must_be_known_and_positive() {
 #[test]
 fn video_alone_has_no_masks() {
     let folder = with_manifest(&["a", "b"], "[[camera]]\nname = \"a\"\nvideo = \"a.avi\"\n");
-    assert_complains(
-        open(folder.path()),
-        &["no masks and no pictures", "videos/<camera>.*"],
-    );
+    assert_complains(open(folder.path()), &["no masks and no pictures", "videos/<camera>.*"]);
 }
 
 #[test]
@@ -76,10 +66,7 @@ fn cameras_must_be_calibrated_distinct_and_more_than_one() {
         &["only one camera (a) has masks", "cannot tell size"],
     );
     let folder = recording(&["a", "b"]);
-    write(
-        folder.path().join("calibration.toml"),
-        calibration(&["c", "d"]),
-    );
+    write(folder.path().join("calibration.toml"), calibration(&["c", "d"]));
     assert_complains(open(folder.path()), &["no camera \"a\"", "it has c, d"]);
 }
 
@@ -89,10 +76,7 @@ fn masks_that_are_not_there_are_named() {
         &["a", "b"],
         "[[camera]]\nname = \"a\"\nmasks = \"masks/a/%04d.jpg\"\n[[camera]]\nname = \"b\"\nmasks = \"masks/b\"\n",
     );
-    assert_complains(
-        open(folder.path()),
-        &["camera a: no mask at", "masks/a/%04d.jpg"],
-    );
+    assert_complains(open(folder.path()), &["camera a: no mask at", "masks/a/%04d.jpg"]);
     let manifest = folder.path().join("sequence.toml");
     for (pattern, part) in [
         ("nowhere/%06d.png", "nowhere: the folder cannot be read"),
@@ -121,17 +105,12 @@ fn a_mask_that_cannot_be_used_is_named_with_camera_and_frame() {
     let whole = fs::read(&path).expect("a mask");
     let labels = GrayImage::from_fn(SIZE.0, SIZE.1, |x, y| Luma([u8::from(is_person(x, y))]));
     let mut label_bytes = std::io::Cursor::new(Vec::new());
-    labels
-        .write_to(&mut label_bytes, ImageFormat::Png)
-        .expect("an image");
+    labels.write_to(&mut label_bytes, ImageFormat::Png).expect("an image");
     for (bytes, part) in [
         (whole[..whole.len() / 2].to_vec(), "cannot be decoded"),
         (Vec::new(), "cannot be decoded"),
         (b"not an image".to_vec(), "cannot be decoded"),
-        (
-            with_size(&whole, 100_000, 100_000),
-            "larger than 32768 × 32768 px",
-        ),
+        (with_size(&whole, 100_000, 100_000), "larger than 32768 × 32768 px"),
         (
             with_size(&whole, 640, 480),
             "the mask is 640 × 480 px, expected 64 × 48 px",
@@ -147,10 +126,7 @@ fn a_mask_that_cannot_be_used_is_named_with_camera_and_frame() {
             load(folder.path(), 1),
             &["masks/b/000001.png: camera b, frame 1: ", part],
         );
-        assert_eq!(
-            load(folder.path(), 0).expect("another frame").views.len(),
-            2
-        );
+        assert_eq!(load(folder.path(), 0).expect("another frame").views.len(), 2);
     }
     let recording = open(folder.path()).expect("a recording");
     fs::remove_file(&path).expect("removed");
@@ -159,10 +135,7 @@ fn a_mask_that_cannot_be_used_is_named_with_camera_and_frame() {
         recording.load_frame(1, &options),
         &["camera b, frame 1: the mask cannot be read"],
     );
-    assert_complains(
-        recording.load_frame(3, &options),
-        &["position 3 of a recording of 3"],
-    );
+    assert_complains(recording.load_frame(3, &options), &["position 3 of a recording of 3"]);
 }
 
 /// A PNG with another size in its header.

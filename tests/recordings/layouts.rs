@@ -6,9 +6,7 @@ use image::{DynamicImage, GrayImage, Luma, Rgba, RgbaImage};
 use maquette::io::recording::{Note, Recording};
 use maquette::silhouette::{FrameIndex, Rejected, SilhouetteOptions};
 
-use crate::tiny::{
-    SIZE, calibration, is_person, load, mask, open, recording, save, with_manifest, write,
-};
+use crate::tiny::{SIZE, calibration, is_person, load, mask, open, recording, save, with_manifest, write};
 
 #[test]
 fn a_folder_with_calibration_and_masks_needs_no_manifest() {
@@ -17,16 +15,10 @@ fn a_folder_with_calibration_and_masks_needs_no_manifest() {
     assert_eq!(recording.rig.names().collect::<Vec<_>>(), ["a", "b"]);
     assert_eq!(recording.frames, [0, 1, 2].map(FrameIndex));
     assert_eq!(
-        (
-            recording.fps,
-            recording.missing.len(),
-            recording.notes.len()
-        ),
+        (recording.fps, recording.missing.len(), recording.notes.len()),
         (50.0, 0, 0)
     );
-    let frame = recording
-        .load_frame(2, &SilhouetteOptions::default())
-        .expect("a frame");
+    let frame = recording.load_frame(2, &SilhouetteOptions::default()).expect("a frame");
     assert_eq!(
         (frame.frame, frame.views.len(), frame.rejected.len()),
         (FrameIndex(2), 2, 0)
@@ -44,10 +36,7 @@ fn a_manifest_is_followed() {
          [[camera]]\nname = \"b\"\nmasks = \"masks/b\"\nvideo = \"b.avi\"\n\
          [[camera]]\nname = \"c\"\nvideo = \"c.avi\"\n",
     );
-    for path in [
-        folder.path().to_owned(),
-        folder.path().join("sequence.toml"),
-    ] {
+    for path in [folder.path().to_owned(), folder.path().join("sequence.toml")] {
         let recording = Recording::open(&path)
             .and_then(|found| found.observations())
             .expect("a recording");
@@ -61,8 +50,7 @@ fn a_manifest_is_followed() {
             .iter()
             .map(|m| (m.camera.0, m.frames.clone()))
             .collect();
-        let expected =
-            [(0, 0), (1, 3), (2, 3)].map(|(camera, frame)| (camera, vec![FrameIndex(frame)]));
+        let expected = [(0, 0), (1, 3), (2, 3)].map(|(camera, frame)| (camera, vec![FrameIndex(frame)]));
         assert_eq!(missing, expected);
         let notes: Vec<_> = recording.notes.iter().map(ToString::to_string).collect();
         let expected = [
@@ -70,13 +58,8 @@ fn a_manifest_is_followed() {
             "camera c: no masks in the manifest: not used",
         ];
         assert_eq!(notes, expected);
-        let first = recording
-            .load_frame(0, &SilhouetteOptions::default())
-            .expect("a frame");
-        assert_eq!(
-            first.views.iter().map(|(id, _)| id.0).collect::<Vec<_>>(),
-            [1, 2]
-        );
+        let first = recording.load_frame(0, &SilhouetteOptions::default()).expect("a frame");
+        assert_eq!(first.views.iter().map(|(id, _)| id.0).collect::<Vec<_>>(), [1, 2]);
     }
     let faster = Recording::open(folder.path())
         .and_then(|found| found.with_fps(100.0).observations())
@@ -113,13 +96,7 @@ fn one_calibration_file_for_each_camera() {
         .collect();
     assert_eq!(
         inputs,
-        [
-            "sequence.toml",
-            "a.toml",
-            "b.toml",
-            "masks of a",
-            "masks of b"
-        ]
+        ["sequence.toml", "a.toml", "b.toml", "masks of a", "masks of b"]
     );
 }
 
@@ -174,11 +151,7 @@ fn masks_of_every_format_and_depth_are_the_same_mask() {
     let cut_out = RgbaImage::from_fn(SIZE.0, SIZE.1, |x, y| {
         Rgba([30, 20, 10, if is_person(x, y) { 255 } else { 0 }])
     });
-    let (deep, rgb, rgba) = (
-        mask().into_luma16(),
-        mask().into_rgb8(),
-        mask().into_rgba8(),
-    );
+    let (deep, rgb, rgba) = (mask().into_luma16(), mask().into_rgb8(), mask().into_rgba8());
     let deep_rgb = mask().into_rgb16();
     let pictures: Vec<(&str, DynamicImage)> = vec![
         ("0.bmp", mask()),
@@ -225,9 +198,7 @@ fn a_calibration_without_image_size_takes_that_of_the_masks() {
     let folder = recording(&["a", "b"]);
     fs::remove_file(folder.path().join("calibration.toml")).expect("removed");
     let matrix = |name: &str, rows, columns, data: &str| {
-        format!(
-            "{name}: !!opencv-matrix\n  rows: {rows}\n  cols: {columns}\n  dt: d\n  data: [{data}]\n"
-        )
+        format!("{name}: !!opencv-matrix\n  rows: {rows}\n  cols: {columns}\n  dt: d\n  data: [{data}]\n")
     };
     let (mut intrinsic, mut extrinsic) = (String::new(), String::new());
     for camera in ["a", "b"] {
@@ -238,14 +209,8 @@ fn a_calibration_without_image_size_takes_that_of_the_masks() {
         extrinsic += &matrix(&format!("T_{camera}"), 3, 1, "0., 0., 4.");
     }
     let head = "%YAML:1.0\n---\nnames:\n  - \"a\"\n  - \"b\"\n";
-    write(
-        folder.path().join("intri.yml"),
-        format!("{head}{intrinsic}"),
-    );
-    write(
-        folder.path().join("extri.yml"),
-        format!("{head}{extrinsic}"),
-    );
+    write(folder.path().join("intri.yml"), format!("{head}{intrinsic}"));
+    write(folder.path().join("extri.yml"), format!("{head}{extrinsic}"));
     let recording = open(folder.path()).expect("a recording");
     let camera = &recording.rig.cameras[1];
     assert_eq!((camera.width_px, camera.height_px), SIZE);
@@ -269,21 +234,11 @@ fn a_calibration_without_image_size_takes_that_of_the_masks() {
 #[test]
 fn checksums_change_with_the_input_and_only_then() {
     let folder = recording(&["a", "b"]);
-    let checksums = || {
-        open(folder.path())
-            .and_then(|r| r.checksums())
-            .expect("checksums")
-    };
+    let checksums = || open(folder.path()).and_then(|r| r.checksums()).expect("checksums");
     let before = checksums();
     assert_eq!(before, checksums());
-    assert_eq!(
-        before.iter().map(|c| c.files).collect::<Vec<_>>(),
-        [1, 3, 3]
-    );
-    save(
-        folder.path().join("masks/b/000002.png"),
-        &mask().rotate180(),
-    );
+    assert_eq!(before.iter().map(|c| c.files).collect::<Vec<_>>(), [1, 3, 3]);
+    save(folder.path().join("masks/b/000002.png"), &mask().rotate180());
     let after = checksums();
     assert_eq!(before[..2], after[..2]);
     assert_ne!(before[2], after[2]);

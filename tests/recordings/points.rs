@@ -16,10 +16,7 @@ use crate::tiny::{assert_complains, load, open, recording, with_manifest, write}
 fn grid(recording: &ObservationFiles, scale: f64) -> Vec<CloudPoint> {
     let middle = recording.rig.common_view().expect("cameras").point_world;
     let point = |i: i32| {
-        let (x, y) = (
-            f64::from(i % 20) / 20.0 - 0.5,
-            f64::from(i / 20) / 20.0 - 0.5,
-        );
+        let (x, y) = (f64::from(i % 20) / 20.0 - 0.5, f64::from(i / 20) / 20.0 - 0.5);
         CloudPoint {
             position_world: Point3::from((middle + Vector3::new(x, y, 0.1 * x)).coords * scale),
             spread: Spread::Isotropic(0.005 * scale),
@@ -64,10 +61,7 @@ fn a_folder_of_points_needs_no_manifest_and_is_used_where_it_has_frames() {
     write(path.join("cloud_000001.ply"), write_ply(&points));
     write(path.join("readme.md"), "not a cloud");
     let (recording, frames) = all(folder.path());
-    assert_eq!(
-        said(&recording.notes),
-        ["points: 1 of 3 frames have points"]
-    );
+    assert_eq!(said(&recording.notes), ["points: 1 of 3 frames have points"]);
     let counts: Vec<_> = frames.iter().map(|f| f.points.len()).collect();
     assert_eq!(counts, [0, 400, 0]);
     assert_eq!(frames[1].points, points);
@@ -88,10 +82,7 @@ fn a_frame_that_only_has_points_is_a_frame() {
 
 #[test]
 fn the_manifest_says_where_the_points_are_and_how_they_turn() {
-    let folder = with_points(
-        "points = \"points/%06d.ply\"\npoints_unit = \"mm\"\n",
-        1000.0,
-    );
+    let folder = with_points("points = \"points/%06d.ply\"\npoints_unit = \"mm\"\n", 1000.0);
     let truth = grid(&recorded(folder.path()), 1.0);
     let (_, frames) = all(folder.path());
     for (point, true_point) in frames[1].points.iter().zip(&truth) {
@@ -113,14 +104,8 @@ fn the_manifest_says_where_the_points_are_and_how_they_turn() {
 fn points_that_are_not_there_are_named() {
     for (pattern, part) in [
         ("clouds/%06d.ply", "clouds: the folder cannot be read"),
-        (
-            "nowhere",
-            "points: no point cloud (.ply, .xyz, .txt, .csv) at ",
-        ),
-        (
-            "points/%x.ply",
-            "points = \"points/%x.ply\": expected one %d",
-        ),
+        ("nowhere", "points: no point cloud (.ply, .xyz, .txt, .csv) at "),
+        ("points/%x.ply", "points = \"points/%x.ply\": expected one %d"),
     ] {
         let folder = with_points(&format!("points = \"{pattern}\"\n"), 1.0);
         assert_complains(open(folder.path()), &[part]);
@@ -143,10 +128,7 @@ fn millimetres_by_mistake_are_refused_with_the_cure() {
     let folder = with_points("points_unit = \"mm\"\n", 1.0);
     assert_complains(
         load(folder.path(), 1),
-        &[
-            "frame 1: the points lie within",
-            "write points_unit = \"m\"",
-        ],
+        &["frame 1: the points lie within", "write points_unit = \"m\""],
     );
 }
 
@@ -201,13 +183,7 @@ fn a_cloud_that_cannot_be_read_is_named_with_frame_and_place() {
     let whole = fs::read(&path).expect("a cloud");
     let cut = whole[..whole.len() - 20].to_vec();
     for (bytes, parts) in [
-        (
-            cut,
-            [
-                "the header promises 400 of \"vertex\"",
-                "room for 399 at most",
-            ],
-        ),
+        (cut, ["the header promises 400 of \"vertex\"", "room for 399 at most"]),
         (b"plya\n".to_vec(), ["000001.ply:1: ", "no PLY header"]),
     ] {
         write(path.clone(), bytes);
@@ -229,11 +205,7 @@ fn a_covariance_turns_with_the_world() {
     let frame = load(folder.path(), 0).expect("a frame");
     let along = |d: Vector3<f64>| frame.points[0].spread.along(&d).expect("stated");
     // up = "y": the file's (x, y, z) is (x, −z, y) here
-    for (here, there) in [
-        (Vector3::x(), 0.02),
-        (Vector3::y(), 0.015),
-        (Vector3::z(), 0.01),
-    ] {
+    for (here, there) in [(Vector3::x(), 0.02), (Vector3::y(), 0.015), (Vector3::z(), 0.01)] {
         assert!((along(here) - there).abs() < 1e-12);
     }
 }

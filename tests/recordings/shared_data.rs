@@ -25,21 +25,14 @@ fn seven_cameras_are_streamed_in_less_than_two_megabytes_a_frame() {
     for set in ["walk7", "walk7-noisy"] {
         let Some(folder) = shared(set) else { return };
         let recording = open(&folder).expect("a recording");
-        assert_eq!(
-            (recording.rig.cameras.len(), recording.frames.len()),
-            (7, 79)
-        );
+        assert_eq!((recording.rig.cameras.len(), recording.frames.len()), (7, 79));
         assert!(recording.missing.is_empty() && recording.notes.is_empty());
         for position in (0..79).step_by(13) {
             let frame = recording
                 .load_frame(position, &SilhouetteOptions::default())
                 .expect("a frame");
             assert_eq!(frame.views.len(), 7);
-            let bytes: usize = frame
-                .views
-                .iter()
-                .map(|(_, silhouette)| silhouette.heap_bytes())
-                .sum();
+            let bytes: usize = frame.views.iter().map(|(_, silhouette)| silhouette.heap_bytes()).sum();
             assert!(bytes < 2_000_000, "{bytes}");
         }
     }
@@ -50,10 +43,7 @@ fn noise_moves_silhouettes_by_little() {
     let (Some(clean), Some(noisy)) = (shared("walk7"), shared("walk7-noisy")) else {
         return;
     };
-    let (clean, noisy) = (
-        load(&clean, 42).expect("a frame"),
-        load(&noisy, 42).expect("a frame"),
-    );
+    let (clean, noisy) = (load(&clean, 42).expect("a frame"), load(&noisy, 42).expect("a frame"));
     for ((_, clean), (_, noisy)) in clean.views.iter().zip(&noisy.views) {
         approx::assert_relative_eq!(clean.bounds.0, noisy.bounds.0, epsilon = 6.0);
         approx::assert_relative_eq!(clean.bounds.1, noisy.bounds.1, epsilon = 6.0);
@@ -71,12 +61,7 @@ fn a_recording_with_video_and_masks_says_that_the_video_is_not_used() {
         .and_then(|found| found.observations())
         .expect("a recording");
     assert_eq!((recording.fps, recording.frames.len()), (60.0, 100));
-    assert_eq!(
-        recording.notes,
-        [Note::Ignored {
-            keys: vec!["video"]
-        }]
-    );
+    assert_eq!(recording.notes, [Note::Ignored { keys: vec!["video"] }]);
     let frame = recording
         .load_frame(50, &SilhouetteOptions::default())
         .expect("a frame");

@@ -15,10 +15,7 @@ pub(crate) fn is_person(x: u32, y: u32) -> bool {
 }
 
 pub(crate) fn mask() -> DynamicImage {
-    GrayImage::from_fn(SIZE.0, SIZE.1, |x, y| {
-        Luma([if is_person(x, y) { 255 } else { 0 }])
-    })
-    .into()
+    GrayImage::from_fn(SIZE.0, SIZE.1, |x, y| Luma([if is_person(x, y) { 255 } else { 0 }])).into()
 }
 
 pub(crate) fn write(path: PathBuf, bytes: impl AsRef<[u8]>) {
@@ -49,10 +46,7 @@ pub(crate) fn recording(cameras: &[&str]) -> TempDir {
     write(folder.path().join("calibration.toml"), calibration(cameras));
     for camera in cameras {
         for frame in 0..3 {
-            save(
-                folder.path().join(format!("masks/{camera}/{frame:06}.png")),
-                &mask(),
-            );
+            save(folder.path().join(format!("masks/{camera}/{frame:06}.png")), &mask());
         }
     }
     folder

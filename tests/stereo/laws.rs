@@ -30,11 +30,7 @@ fn lines_of_sight_meet_where_the_point_is_and_the_covariance_is_longest_in_depth
     assert!(found.residual_px < 1e-9);
     // σ_z = Z²/(f·B)·σ_d with the outer pair 30 cm apart, σ_d = √2·0.1 px; the middle one adds nothing to the base
     let sigma_z = found.covariance.m33.sqrt();
-    approx::assert_relative_eq!(
-        sigma_z,
-        2.5f64.powi(2) / (150.0 * 0.3) * 0.1414,
-        max_relative = 0.05
-    );
+    approx::assert_relative_eq!(sigma_z, 2.5f64.powi(2) / (150.0 * 0.3) * 0.1414, max_relative = 0.05);
     assert!(found.covariance.m11.sqrt() < 0.2 * sigma_z);
 }
 
@@ -64,16 +60,11 @@ fn a_rectified_point_is_in_the_same_row_of_both_images() {
         let pair = rectify(&views[first], &views[second]).unwrap();
         assert_eq!(pair.left.image.height(), pair.right.image.height());
         for point in [Point3::new(0.2, 0.3, 2.2), Point3::new(-0.3, -0.1, 1.8)] {
-            let [a, b] =
-                [&pair.left, &pair.right].map(|v| v.camera.project_undistorted(&point).unwrap());
+            let [a, b] = [&pair.left, &pair.right].map(|v| v.camera.project_undistorted(&point).unwrap());
             approx::assert_relative_eq!(a.y, b.y, epsilon = 1e-9);
             let infinity = pair.left.camera.intrinsics.cx_px - pair.right.camera.intrinsics.cx_px;
             let depth = (pair.left.camera.camera_from_world * point).z;
-            approx::assert_relative_eq!(
-                a.x - b.x - infinity,
-                150.0 * pair.baseline() / depth,
-                epsilon = 1e-9
-            );
+            approx::assert_relative_eq!(a.x - b.x - infinity, 150.0 * pair.baseline() / depth, epsilon = 1e-9);
         }
     }
 }
@@ -83,14 +74,7 @@ fn correlation_finds_the_wall_from_either_side() {
     let views = views();
     for (first, second) in [(0, 2), (2, 0)] {
         let options = CorrelationOptions::default();
-        let map = depth_map(
-            &views[first],
-            &views[second],
-            None,
-            Some((1.5, 3.0)),
-            &options,
-        )
-        .unwrap();
+        let map = depth_map(&views[first], &views[second], None, Some((1.5, 3.0)), &options).unwrap();
         assert!(map.points.len() > 3000, "{}", map.points.len());
         let mut off: Vec<f64> = map
             .points
@@ -163,17 +147,9 @@ fn cameras_of_different_sizes_find_the_wall_too() {
 #[test]
 fn a_lens_is_taken_out_before_matching() {
     let lens = Distortion::brown_conrady(&[-0.15, 0.05, 0.0, 0.0]).unwrap();
-    let cameras = [("left", -0.15), ("middle", 0.0), ("right", 0.15)]
-        .map(|(name, x)| camera(name, x, 0.0, lens));
+    let cameras = [("left", -0.15), ("middle", 0.0), ("right", 0.15)].map(|(name, x)| camera(name, x, 0.0, lens));
     let [left, middle, right] = cameras.map(|camera| Wall::STILL.view(&camera));
-    let found = match_surface(
-        &middle,
-        &[&left, &right],
-        None,
-        &[],
-        &MatchOptions::default(),
-    )
-    .unwrap();
+    let found = match_surface(&middle, &[&left, &right], None, &[], &MatchOptions::default()).unwrap();
     assert!(found.points.len() > 1000);
     let mut off: Vec<f64> = found
         .points
@@ -201,31 +177,16 @@ fn a_mask_a_given_seed_and_a_depth_change_what_is_matched() {
     assert_eq!((nothing.seeds, nothing.points.len()), (0, 0));
     let given = [Point3::new(0.0, 0.0, 2.02)];
     let grown = match_surface(&middle, &others, None, &given, &near).unwrap();
-    assert!(
-        grown.seeds == 1 && grown.points.len() > 1000,
-        "{}",
-        grown.points.len()
-    );
+    assert!(grown.seeds == 1 && grown.points.len() > 1000, "{}", grown.points.len());
 }
 
 #[test]
 fn the_same_points_come_out_for_any_number_of_threads() {
     let [left, middle, right] = views();
     let by = |threads| {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .unwrap();
-        pool.install(|| {
-            match_surface(
-                &middle,
-                &[&left, &right],
-                None,
-                &[],
-                &MatchOptions::default(),
-            )
-        })
-        .unwrap()
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| match_surface(&middle, &[&left, &right], None, &[], &MatchOptions::default()))
+            .unwrap()
     };
     assert_eq!(by(1), by(3));
 }
@@ -241,11 +202,6 @@ fn the_camera_in_the_middle_is_the_template() {
     let mut apart = three().to_vec();
     apart[0] = camera("left", -0.15, 1.5, Distortion::None);
     apart[2] = camera("right", 0.15, -1.5, Distortion::None);
-    let message = SideBySide::choose(&Rig { cameras: apart })
-        .unwrap_err()
-        .to_string();
-    assert!(
-        message.contains("3 cameras") && message.contains("25°"),
-        "{message}"
-    );
+    let message = SideBySide::choose(&Rig { cameras: apart }).unwrap_err().to_string();
+    assert!(message.contains("3 cameras") && message.contains("25°"), "{message}");
 }

@@ -23,8 +23,7 @@ pub fn camera(name: &str, x: f64, turn: f64, distortion: Distortion) -> Camera {
             skew_px: 0.0,
         },
         distortion,
-        camera_from_world: Rigid3::from_parts(Translation3::identity(), rotation)
-            * Translation3::new(-x, 0.0, 0.0),
+        camera_from_world: Rigid3::from_parts(Translation3::identity(), rotation) * Translation3::new(-x, 0.0, 0.0),
     }
 }
 

@@ -2,9 +2,7 @@
 
 use maquette::camera::Rig;
 use maquette::image::Picture;
-use maquette::pipeline::stereo::{
-    StereoError, StereoOptions, SurfaceFrame, SurfaceSummary, measure_surface,
-};
+use maquette::pipeline::stereo::{StereoError, StereoOptions, SurfaceFrame, SurfaceSummary, measure_surface};
 use maquette::pipeline::{MemoryPictures, NoProgress, PictureSource};
 use maquette::silhouette::FrameIndex;
 use nalgebra::Vector3;
@@ -54,11 +52,7 @@ fn every_frame_is_handed_over_and_a_missing_picture_ends_the_tracks() {
     };
     let (frames, summary) = measured(&options);
     assert_eq!(summary.frames, 4);
-    assert!(
-        frames[0].points().len() > 50,
-        "{}",
-        frames[0].points().len()
-    );
+    assert!(frames[0].points().len() > 50, "{}", frames[0].points().len());
     assert!(frames[2].points().is_empty() && frames[2].surface.is_none());
     assert_eq!(frames[2].reason, "a camera has no picture");
     let note = "1 frame without points, frame 2 first: a camera has no picture";
@@ -67,10 +61,7 @@ fn every_frame_is_handed_over_and_a_missing_picture_ends_the_tracks() {
     let ended: Vec<usize> = frames.iter().map(|f| f.ended_tracks.len()).collect();
     assert_eq!(ended, [0, 0, 1, 1]);
     let first = &frames[2].ended_tracks[0];
-    assert_eq!(
-        (first.first_frame, first.trajectories[0].points.len()),
-        (0, 2)
-    );
+    assert_eq!((first.first_frame, first.trajectories[0].points.len()), (0, 2));
     let tracks = frames.iter().flat_map(|f| &f.ended_tracks);
     let trajectories: usize = tracks.map(|tracks| tracks.trajectories.len()).sum();
     assert_eq!(summary.trajectories, Some(trajectories));

@@ -1,9 +1,7 @@
 //! Points of a wall that moves are followed; what is false is filtered.
 
 use maquette::stereo::matching::{MatchOptions, match_surface};
-use maquette::stereo::tracking::{
-    FilterOptions, FrameViews, TrackOptions, Tracker, Trajectory, filter_trajectories,
-};
+use maquette::stereo::tracking::{FilterOptions, FrameViews, TrackOptions, Tracker, Trajectory, filter_trajectories};
 use maquette::stereo::{CloudPoint, Spread};
 use nalgebra::{Point3, Vector3};
 
@@ -33,8 +31,7 @@ fn points_of_a_moving_wall_keep_their_place_on_it_and_have_its_velocity() {
         panic!("three views")
     };
     let found = match_surface(middle, &[left, right], None, &[], &options).unwrap();
-    let mut tracker =
-        Tracker::start(7, first.clone(), &found.points, TrackOptions::default()).unwrap();
+    let mut tracker = Tracker::start(7, first.clone(), &found.points, TrackOptions::default()).unwrap();
     for frame in 1..=4 {
         tracker.advance(shown(step * f64::from(frame))).unwrap();
     }
@@ -52,17 +49,11 @@ fn points_of_a_moving_wall_keep_their_place_on_it_and_have_its_velocity() {
             ..FilterOptions::default()
         },
     );
-    let lasting: Vec<&Trajectory> = filtered
-        .trajectories
-        .iter()
-        .filter(|t| t.points.len() == 5)
-        .collect();
+    let lasting: Vec<&Trajectory> = filtered.trajectories.iter().filter(|t| t.points.len() == 5).collect();
     assert!(lasting.len() > 50, "{}", lasting.len());
     let mut off: Vec<f64> = lasting
         .iter()
-        .map(|t| {
-            (t.at(11).unwrap().position_world - t.points[0].position_world - step * 4.0).norm()
-        })
+        .map(|t| (t.at(11).unwrap().position_world - t.points[0].position_world - step * 4.0).norm())
         .collect();
     off.sort_by(f64::total_cmp);
     assert!(off[off.len() / 2] < 0.01, "{}", off[off.len() / 2]);
@@ -88,9 +79,7 @@ fn a_point_that_a_small_patch_loses_is_followed_by_a_larger_one() {
             ..TrackOptions::default()
         };
         let mut tracker = Tracker::start(0, first.clone(), &found.points, options).unwrap();
-        tracker
-            .advance(shown(Vector3::new(0.02, 0.0, 0.0)))
-            .unwrap();
+        tracker.advance(shown(Vector3::new(0.02, 0.0, 0.0))).unwrap();
         tracker.followed()
     };
     let (small, larger) = (followed(2), followed(6));
@@ -99,11 +88,7 @@ fn a_point_that_a_small_patch_loses_is_followed_by_a_larger_one() {
 
 fn path(y: f64, speed: f64, from: usize, extra: f64) -> Trajectory {
     let point = |i: usize| CloudPoint {
-        position_world: Point3::new(
-            speed * i as f64 / FPS + if i >= from { extra } else { 0.0 },
-            y,
-            0.0,
-        ),
+        position_world: Point3::new(speed * i as f64 / FPS + if i >= from { extra } else { 0.0 }, y, 0.0),
         spread: Spread::Unknown,
     };
     Trajectory::new(0, &(0..8).map(point).collect::<Vec<_>>(), FPS)
@@ -111,9 +96,7 @@ fn path(y: f64, speed: f64, from: usize, extra: f64) -> Trajectory {
 
 #[test]
 fn a_jump_is_truncated_and_a_point_that_moves_alone_is_removed() {
-    let mut trajectories: Vec<Trajectory> = (0..12)
-        .map(|i| path(0.01 * i as f64, 1.0, 99, 0.0))
-        .collect();
+    let mut trajectories: Vec<Trajectory> = (0..12).map(|i| path(0.01 * i as f64, 1.0, 99, 0.0)).collect();
     // faster than a body
     trajectories.push(path(0.05, 1.0, 6, 1.0));
     // other than its neighbours
@@ -122,20 +105,13 @@ fn a_jump_is_truncated_and_a_point_that_moves_alone_is_removed() {
     assert_eq!(filtered.kept, (0..13).collect::<Vec<_>>());
     assert_eq!((filtered.truncated, filtered.removed), (1, 1));
     assert!((3..6).contains(&filtered.trajectories[12].points.len()));
-    assert!(
-        filtered.trajectories[..12]
-            .iter()
-            .all(|t| t.points.len() == 8)
-    );
+    assert!(filtered.trajectories[..12].iter().all(|t| t.points.len() == 8));
 }
 
 #[test]
 fn a_point_without_neighbours_is_not_believed_unless_none_are_asked_for() {
     let alone = [path(0.0, 1.0, 99, 0.0)];
-    assert_eq!(
-        filter_trajectories(&alone, &FilterOptions::default()).removed,
-        1
-    );
+    assert_eq!(filter_trajectories(&alone, &FilterOptions::default()).removed, 1);
     let options = FilterOptions {
         least_neighbours: 0,
         ..FilterOptions::default()
@@ -146,8 +122,7 @@ fn a_point_without_neighbours_is_not_believed_unless_none_are_asked_for() {
 
 #[test]
 fn another_number_of_cameras_than_before_is_refused() {
-    let mut tracker =
-        Tracker::start(0, shown(Vector3::zeros()), &[], TrackOptions::default()).unwrap();
+    let mut tracker = Tracker::start(0, shown(Vector3::zeros()), &[], TrackOptions::default()).unwrap();
     let mut fewer = shown(Vector3::zeros());
     fewer.views.pop();
     let message = tracker.advance(fewer).unwrap_err().to_string();

@@ -108,9 +108,7 @@ pub(super) fn run(arguments: &GaitArguments) -> Result<(), CliError> {
         ..GaitOptions::default()
     };
     let study = GaitStudy::open(source, &options)?;
-    let study = arguments
-        .subject
-        .compare(study, arguments.norm.as_deref())?;
+    let study = arguments.subject.compare(study, arguments.norm.as_deref())?;
 
     let out = out_folder(arguments);
     study.save(&out)?;

@@ -35,9 +35,7 @@ impl Summary<'_> {
             Surface::Ground => "over ground".to_owned(),
             Surface::Treadmill => format!("on a treadmill at {:.2} m/s", file.belt_m_s),
         };
-        let leg = file
-            .leg_length_m
-            .map_or(String::new(), |l| format!(", leg {l:.3} m"));
+        let leg = file.leg_length_m.map_or(String::new(), |l| format!(", leg {l:.3} m"));
         let (frames, fps) = (file.frames, file.fps);
         let input = self.input.display();
         let named = file.used.len();
@@ -70,10 +68,7 @@ impl Summary<'_> {
             let mut row = vec![part.name.name().to_owned(), unit.to_owned()];
             row.extend(cells(part.left.as_ref(), scale));
             row.extend(cells(part.right.as_ref(), scale));
-            row.push(
-                part.symmetry_percent
-                    .map_or("–".into(), |s| format!("{s:.0}")),
-            );
+            row.push(part.symmetry_percent.map_or("–".into(), |s| format!("{s:.0}")));
 
             let norm = self.norm.and_then(|n| n.parameters.get(&part.name));
             let norm = norm.filter(|_| leg.is_none());
@@ -93,14 +88,10 @@ impl Summary<'_> {
                 maquette::gait::EventKind::Strike => "foot strike",
                 maquette::gait::EventKind::Off => "foot off",
             };
-            let sd = agreement
-                .sd_s
-                .map_or(String::new(), |sd| format!(" ± {:.0}", 1e3 * sd));
+            let sd = agreement.sd_s.map_or(String::new(), |sd| format!(" ± {:.0}", 1e3 * sd));
             let mean = 1e3 * agreement.mean_s;
             let n = agreement.n;
-            text += &format!(
-                "  {kind}: time by speed minus time by position: {mean:+.0}{sd} ms (n = {n})\n"
-            );
+            text += &format!("  {kind}: time by speed minus time by position: {mean:+.0}{sd} ms (n = {n})\n");
         }
         text
     }
@@ -124,10 +115,7 @@ impl Summary<'_> {
         ]);
 
         for curve in &self.file.curves {
-            let sd = curve
-                .fit_sd_deg
-                .as_ref()
-                .and_then(|sd| mean(sd.iter().copied()));
+            let sd = curve.fit_sd_deg.as_ref().and_then(|sd| mean(sd.iter().copied()));
             table.row(vec![
                 curve.angle.name().into(),
                 curve.side.name().into(),
@@ -156,8 +144,7 @@ impl Summary<'_> {
         for angle in maquette::gait::VARIABLES {
             let of = |side: Side| {
                 let mut all = indices.variables.iter();
-                all.find(|v| v.angle == angle && v.side == side)
-                    .map(|v| v.score)
+                all.find(|v| v.angle == angle && v.side == side).map(|v| v.score)
             };
             table.row(vec![
                 format!("GVS {}", angle.name()),
@@ -166,23 +153,15 @@ impl Summary<'_> {
             ]);
         }
 
-        table.row(vec![
-            "GPS".into(),
-            score(indices.left),
-            score(indices.right),
-        ]);
+        table.row(vec!["GPS".into(), score(indices.left), score(indices.right)]);
 
-        let both = indices.both.map_or(
-            "  GPS of both sides: – (it needs all nine variables)\n".into(),
-            |v| format!("  GPS of both sides: {v:.1}°\n"),
-        );
+        let both = indices
+            .both
+            .map_or("  GPS of both sides: – (it needs all nine variables)\n".into(), |v| {
+                format!("  GPS of both sides: {v:.1}°\n")
+            });
 
-        format!(
-            "{}{both}  against {}: {}\n",
-            table.text(),
-            norm.name,
-            norm.source
-        )
+        format!("{}{both}  against {}: {}\n", table.text(), norm.name, norm.source)
     }
 
     fn remarks(&self) -> String {

@@ -119,10 +119,7 @@ impl Arm {
 
     pub(crate) fn fit_with_body(&self, out: &str, body: &str, more: &[&str]) -> Ran {
         let mut arguments = self.fit_arguments(out);
-        let place = arguments
-            .iter()
-            .position(|a| a == "arm-2d")
-            .expect("a body");
+        let place = arguments.iter().position(|a| a == "arm-2d").expect("a body");
         arguments[place] = body.into();
         arguments.extend(more.iter().map(ToString::to_string));
         run(&arguments)

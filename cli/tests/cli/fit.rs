@@ -36,9 +36,7 @@ fn a_recording_is_fitted_from_end_to_end() {
     }
     // the shape, from lengths in metres
     let result = arm.result("out");
-    let upper = result["shape"]["lengths"][0]["length_m"]
-        .as_f64()
-        .expect("a length");
+    let upper = result["shape"]["lengths"][0]["length_m"].as_f64().expect("a length");
     let truth = 2.0 / (1.0 + (-SHAPE).exp());
     assert!((upper - truth).abs() < 0.02, "{upper} {truth}");
     // the motion, as points
@@ -82,10 +80,7 @@ fn the_result_says_what_it_is_made_of() {
         "a path of this machine"
     );
     let result: ResultFile = serde_json::from_str(&text).expect("the documented fields");
-    assert_eq!(
-        (result.format.as_str(), result.version),
-        ("maquette-result", 1)
-    );
+    assert_eq!((result.format.as_str(), result.version), ("maquette-result", 1));
     assert_eq!(result.recording.cameras, ["cam_01", "cam_02", "cam_03"]);
     assert_eq!(result.options.estimate.search.keyframe_every, Some(2));
     let inputs: Vec<&str> = result.inputs.iter().map(|i| i.input.as_str()).collect();
@@ -108,10 +103,7 @@ fn the_result_says_what_it_is_made_of() {
         approx::assert_relative_eq!(sum.total, parts, max_relative = 1e-9);
     }
     let winner = &result.hypotheses[result.winner];
-    let finished = result
-        .hypotheses
-        .iter()
-        .filter(|h| h.frames_fitted == FRAMES);
+    let finished = result.hypotheses.iter().filter(|h| h.frames_fitted == FRAMES);
     let least = finished
         .map(|h| h.minus_log_posterior.total)
         .fold(f64::INFINITY, f64::min);
@@ -144,13 +136,8 @@ fn every_field_of_the_result_stands_in_the_description_of_formats() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/formats.md");
     let formats = std::fs::read_to_string(path).expect("part of the repository");
     let section = formats.split("## `result.json`").nth(1).expect("a section");
-    let words: Vec<&str> = section
-        .split(|c: char| !(c.is_alphanumeric() || c == '_'))
-        .collect();
-    let missing: Vec<&String> = found
-        .iter()
-        .filter(|k| !words.contains(&k.as_str()))
-        .collect();
+    let words: Vec<&str> = section.split(|c: char| !(c.is_alphanumeric() || c == '_')).collect();
+    let missing: Vec<&String> = found.iter().filter(|k| !words.contains(&k.as_str())).collect();
     assert!(found.len() > 60 && missing.is_empty(), "{missing:?}");
 }
 
@@ -158,8 +145,7 @@ fn every_field_of_the_result_stands_in_the_description_of_formats() {
 fn the_bytes_do_not_depend_on_the_number_of_threads() {
     let arm = Arm::new();
     for threads in ["1", "2", "8"] {
-        arm.fit(threads, &["--threads", threads, "--quiet"])
-            .succeeded();
+        arm.fit(threads, &["--threads", threads, "--quiet"]).succeeded();
     }
     for name in ["result.json", "joints.trc"] {
         assert_eq!(arm.bytes("1", name), arm.bytes("2", name), "{name}");
@@ -224,10 +210,7 @@ fn some_frames_may_be_chosen() {
         (&recording["first_frame"], &recording["last_frame"]),
         (&2.into(), &4.into())
     );
-    approx::assert_relative_eq!(
-        result["motion"]["frames"][0]["time_s"].as_f64().expect("s"),
-        0.2
-    );
+    approx::assert_relative_eq!(result["motion"]["frames"][0]["time_s"].as_f64().expect("s"), 0.2);
     let joints = joints(&arm, "some");
     assert_eq!((joints.first_frame, joints.frames.len()), (2, 3));
 }
@@ -255,15 +238,9 @@ fn what_was_missing_is_said() {
     let result = arm.result("out");
     assert_eq!(result["recording"]["missing"][0]["camera"], "cam_02");
     assert_eq!(result["recording"]["missing"][0]["frames"][0], 5);
-    assert_eq!(
-        result["recording"]["rejected"].as_array().map(Vec::len),
-        Some(5)
-    );
+    assert_eq!(result["recording"]["rejected"].as_array().map(Vec::len), Some(5));
     let views = |frame: usize| result["motion"]["frames"][frame]["views"].as_u64();
-    assert_eq!(
-        [2, 3, 4, 5].map(views),
-        [Some(3), Some(0), Some(1), Some(2)]
-    );
+    assert_eq!([2, 3, 4, 5].map(views), [Some(3), Some(0), Some(1), Some(2)]);
     let joints = joints(&arm, "out");
     assert!(joints.frames[3].iter().all(Option::is_none));
     assert!(joints.frames[4].iter().all(Option::is_some));
@@ -335,9 +312,7 @@ fn points_that_disagree_with_the_silhouettes_are_told_with_their_frames() {
     assert_eq!(quality["points"], 60);
     assert_eq!(quality["outside"], 1.0);
     assert!(
-        quality["outside_m"]
-            .as_f64()
-            .is_some_and(|m| (0.1..0.5).contains(&m)),
+        quality["outside_m"].as_f64().is_some_and(|m| (0.1..0.5).contains(&m)),
         "{quality}"
     );
 }

@@ -12,19 +12,11 @@ fn without_arguments_the_program_says_what_it_is_for() {
     }
     assert_eq!(said.err, "");
     let help = run(&["fit", "--help"]).succeeded().out;
-    for part in [
-        "--keyframe-every",
-        "[default: 20,",
-        "joints.trc",
-        "--resume",
-    ] {
+    for part in ["--keyframe-every", "[default: 20,", "joints.trc", "--resume"] {
         assert!(help.contains(part), "{part} not in {help}");
     }
     let version = run(&["--version"]).succeeded().out;
-    assert_eq!(
-        version.trim(),
-        format!("maquette {}", env!("CARGO_PKG_VERSION"))
-    );
+    assert_eq!(version.trim(), format!("maquette {}", env!("CARGO_PKG_VERSION")));
 }
 
 #[test]
@@ -55,18 +47,11 @@ fn a_synthetic_recording_can_be_read_and_is_not_written_over() {
         ])
     };
     let said = make("3").succeeded();
-    assert!(
-        said.out.contains("1 frame of 2 cameras at 50 Hz"),
-        "{}",
-        said.out
-    );
-    let recording = Recording::open(&place.out("somebody"))
+    assert!(said.out.contains("1 frame of 2 cameras at 50 Hz"), "{}", said.out);
+    let recording = Recording::open(place.out("somebody"))
         .and_then(|found| found.observations())
         .expect("a recording");
-    assert_eq!(
-        (recording.rig.cameras.len(), recording.frames.len()),
-        (2, 1)
-    );
+    assert_eq!((recording.rig.cameras.len(), recording.frames.len()), (2, 1));
     assert!(place.out("somebody").join("points/000000.ply").is_file());
     make("4").refused(&["this folder is not empty"]);
     run(&["synth", &out, "--fps", "0"]).refused(&["expected a positive number"]);
@@ -78,11 +63,7 @@ fn photographs_before_clutter_are_made_by_three_cameras_without_masks() {
     let place = Arm::new();
     let out = place.out("film").display().to_string();
     let said = run(&["synth", &out, "--clutter", "--frames", "1"]).succeeded();
-    assert!(
-        said.out.contains("1 frame of 3 cameras at 25 Hz"),
-        "{}",
-        said.out
-    );
+    assert!(said.out.contains("1 frame of 3 cameras at 25 Hz"), "{}", said.out);
     let image = place.out("film").join("images/center/000000.jpg");
     assert!(image.is_file());
     run(&["synth", &out, "--clutter", "--cameras", "4"]).refused(&["--clutter", "--cameras"]);

@@ -8,12 +8,7 @@ use maquette::io::calibration;
 use crate::arm::{Arm, FRAMES, SIZE, mask, rig, run};
 
 /// A way to spoil a recording, arguments to go with it, and what must be said.
-type Case = (
-    &'static str,
-    fn(&Arm),
-    &'static [&'static str],
-    &'static [&'static str],
-);
+type Case = (&'static str, fn(&Arm), &'static [&'static str], &'static [&'static str]);
 
 fn check(cases: &[Case]) {
     for (name, spoil, arguments, parts) in cases {
@@ -35,8 +30,7 @@ fn edit_calibration(arm: &Arm, from: &str, to: &str) {
 fn look_away(arm: &Arm) {
     let mut rig = rig();
     let pose = &mut rig.cameras[1].camera_from_world;
-    let turn =
-        nalgebra::UnitQuaternion::from_scaled_axis(nalgebra::Vector3::y() * std::f64::consts::PI);
+    let turn = nalgebra::UnitQuaternion::from_scaled_axis(nalgebra::Vector3::y() * std::f64::consts::PI);
     *pose = nalgebra::Isometry3::from_parts(nalgebra::Translation3::identity(), turn) * *pose;
     arm.write("calibration.toml", &calibration::write_toml(&rig));
 }
@@ -136,11 +130,7 @@ const MASKS: &[Case] = &[
     (
         "points only",
         |arm| {
-            fs::rename(
-                arm.recording().join("masks"),
-                arm.recording().join("points"),
-            )
-            .expect("renamed");
+            fs::rename(arm.recording().join("masks"), arm.recording().join("points")).expect("renamed");
         },
         &[],
         &["no masks and no pictures"],
@@ -273,11 +263,7 @@ fn bodies_that_cannot_be_used() {
         ("syntax.toml", "[[part]]", "[[part", "syntax.toml:"),
     ];
     let shipped = maquette::io::model::SHIPPED;
-    let text = shipped
-        .iter()
-        .find(|(name, _)| *name == "arm-2d")
-        .expect("shipped")
-        .1;
+    let text = shipped.iter().find(|(name, _)| *name == "arm-2d").expect("shipped").1;
     for (name, from, to, part) in bodies {
         let arm = Arm::new();
         assert!(text.contains(from), "{from}");
@@ -301,10 +287,7 @@ fn a_body_without_what_it_is_to_be_compared_by() {
     let mut arguments = arm.fit_arguments("out");
     arguments.extend(["--body", "walker-metaballs", "--likelihood", "ellipses"].map(Into::into));
     arguments.retain(|a| a != "arm-2d");
-    let first = arguments
-        .iter()
-        .position(|a| a == "--body")
-        .expect("a body");
+    let first = arguments.iter().position(|a| a == "--body").expect("a body");
     arguments.remove(first);
     run(&arguments).refused(&["the body walker-metaballs has no ellipsoids"]);
     assert!(!arm.out("out").exists());
@@ -338,45 +321,22 @@ fn arguments_that_make_no_sense() {
             &["fit", &path, "--out", "x", "--fps", "fast"],
             "invalid value 'fast' for '--fps <FPS>'",
         ),
-        (
-            &["fit", &path, "--out", "x", "--likelihood", "best"],
-            "'best'",
-        ),
-        (
-            &["fit", &path, "--out", "x", "--frames", "7:3"],
-            "expected FIRST:LAST",
-        ),
+        (&["fit", &path, "--out", "x", "--likelihood", "best"], "'best'"),
+        (&["fit", &path, "--out", "x", "--frames", "7:3"], "expected FIRST:LAST"),
         (
             &["fit", &path, "--out", "x", "--resume", "--overwrite"],
             "cannot be used with",
         ),
         (
-            &[
-                "fit", &path, "--out", "x", "--fps", "10", "--frames", "90:99",
-            ],
+            &["fit", &path, "--out", "x", "--fps", "10", "--frames", "90:99"],
             "it has 0 to 5",
         ),
         (
-            &[
-                "fit",
-                &path,
-                "--out",
-                "x",
-                "--fps",
-                "10",
-                "--keyframe-every",
-                "0",
-            ],
+            &["fit", &path, "--out", "x", "--fps", "10", "--keyframe-every", "0"],
             "keyframe_every = 0",
         ),
-        (
-            &["fit", "no/where", "--out", "x"],
-            "no/where: no such folder or file",
-        ),
-        (
-            &["fit", &path, "--out", "x"],
-            "the frame rate is not known: give --fps",
-        ),
+        (&["fit", "no/where", "--out", "x"], "no/where: no such folder or file"),
+        (&["fit", &path, "--out", "x"], "the frame rate is not known: give --fps"),
     ] {
         run(arguments).refused(&[part]);
     }

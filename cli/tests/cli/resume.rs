@@ -81,10 +81,7 @@ fn to_resume_what_was_never_begun_is_to_begin() {
 fn another_option_or_input_is_not_continued_and_nothing_is_lost() {
     let arm = Arm::new();
     arm.fit("out", &["--quiet"]).succeeded();
-    let before = (
-        arm.bytes("out", "result.json"),
-        journal_files(&arm.out("out")),
-    );
+    let before = (arm.bytes("out", "result.json"), journal_files(&arm.out("out")));
     arm.fit("out", &["--resume", "--likelihood", "published"])
         .refused(&["started with another options likelihood", "--overwrite"]);
     arm.fit("out", &["--resume", "--frames", "0:3"])
@@ -93,10 +90,7 @@ fn another_option_or_input_is_not_continued_and_nothing_is_lost() {
     arm.write_mask("cam_01", 1, &other);
     arm.fit("out", &["--resume"])
         .refused(&["another inputs 2: masks of cam_01"]);
-    let after = (
-        arm.bytes("out", "result.json"),
-        journal_files(&arm.out("out")),
-    );
+    let after = (arm.bytes("out", "result.json"), journal_files(&arm.out("out")));
     assert_eq!(before, after);
 }
 
@@ -127,8 +121,7 @@ fn a_result_is_replaced_only_on_request_and_only_by_a_complete_one() {
     // a fault in the input is found before anything is touched
     let calibration = fs::read_to_string(arm.recording().join("calibration.toml")).expect("read");
     arm.write("calibration.toml", "nonsense");
-    arm.fit("out", &["--overwrite"])
-        .refused(&["calibration.toml"]);
+    arm.fit("out", &["--overwrite"]).refused(&["calibration.toml"]);
     assert_eq!(arm.bytes("out", "result.json"), before);
     arm.write("calibration.toml", &calibration);
     arm.fit("out", &["--quiet", "--overwrite", "--frames", "0:3"])

@@ -71,9 +71,7 @@ fn pictures_become_masks_with_a_line_of_quality_for_each() {
     );
     for camera in &rig().cameras {
         for frame in 0..FRAMES {
-            let path = arm
-                .out("cut")
-                .join(format!("masks/{}/{frame:06}.png", camera.name));
+            let path = arm.out("cut").join(format!("masks/{}/{frame:06}.png", camera.name));
             let overlap = overlap(&path, &mask(camera, frame));
             assert!(overlap > 0.9, "{} {frame}: {overlap}", camera.name);
         }
@@ -82,10 +80,7 @@ fn pictures_become_masks_with_a_line_of_quality_for_each() {
     let head = "frame,camera,area_px,pieces,touches_edge,undecided,unsupported,filled_in";
     assert_eq!(table.lines().next(), Some(head));
     assert_eq!(table.lines().count(), 1 + 3 * FRAMES);
-    for picture in [
-        "probability/cam_01/000000.png",
-        "mask-overlays/cam_03/000005.jpg",
-    ] {
+    for picture in ["probability/cam_01/000000.png", "mask-overlays/cam_03/000005.jpg"] {
         image::load_from_memory(&arm.bytes("cut", picture)).expect("a picture");
     }
 }
@@ -109,10 +104,7 @@ fn a_recording_of_pictures_is_segmented_and_fitted() {
     let result = arm.result("out");
     let iou = result["quality"]["cameras"][0]["mean_iou"].as_f64();
     assert!(iou.is_some_and(|iou| iou > 0.8), "{iou:?}");
-    assert!(
-        arm.out("out").join("masks/cam_03/000005.png").is_file(),
-        "kept"
-    );
+    assert!(arm.out("out").join("masks/cam_03/000005.png").is_file(), "kept");
     assert!(arm.out("out").join("quality.csv").is_file());
 }
 
@@ -124,9 +116,8 @@ fn bad_pictures_are_told_in_one_line() {
     RgbImage::new(10, 10).save(&empty).expect("a picture");
     let said = segment(&arm, &[]).succeeded();
     assert!(
-        said.err.contains(
-            "cam_02.png: 1 picture of another size (10 × 10 px, expected 160 × 120 px): not used"
-        ),
+        said.err
+            .contains("cam_02.png: 1 picture of another size (10 × 10 px, expected 160 × 120 px): not used"),
         "{}",
         said.err
     );
@@ -141,12 +132,7 @@ fn without_ffmpeg_a_video_says_how_to_install_it() {
     fs::create_dir_all(arm.recording().join("videos")).expect("a folder");
     fs::write(arm.recording().join("videos/cam_01.mp4"), "a video").expect("written");
     let said = Command::new(program())
-        .args([
-            "segment",
-            &arm.recording().display().to_string(),
-            "--out",
-            "nowhere",
-        ])
+        .args(["segment", &arm.recording().display().to_string(), "--out", "nowhere"])
         .env("PATH", "")
         .output()
         .expect("the program starts");

@@ -37,11 +37,7 @@ fn the_skin_of_each_fitted_frame_is_written_and_pictured() {
         assert!(mesh.starts_with(b"ply\nformat binary_little_endian 1.0\n"));
     }
     let first = arm.bytes("out", "skin/frame_000001.ply");
-    assert_ne!(
-        first,
-        arm.bytes("out", "skin/frame_000004.ply"),
-        "the arm moves"
-    );
+    assert_ne!(first, arm.bytes("out", "skin/frame_000004.ply"), "the arm moves");
     let one = [
         "skin",
         &out,
@@ -80,14 +76,8 @@ fn a_skin_that_cannot_be_is_refused_and_a_new_fit_takes_the_old_ones_away() {
         run(&arguments).refused(parts);
     };
     refused(&["--frame", "6"], &["--frame 6", "the result has 0 to 5"]);
-    refused(
-        &["--frames", "8:9"],
-        &["--frames 8:9", "the result has 0 to 5"],
-    );
-    refused(
-        &["--around", "15"],
-        &["even number from 16 to 1024, found 15"],
-    );
+    refused(&["--frames", "8:9"], &["--frames 8:9", "the result has 0 to 5"]);
+    refused(&["--around", "15"], &["even number from 16 to 1024, found 15"]);
     refused(&["--frame", "1", "--rest"], &["cannot be used with"]);
     run(&["skin", &out, "--body", "walker-metaballs"]).refused(&[
         "this result was fitted with body model soft-arm (1 shape coefficients)",
@@ -116,14 +106,7 @@ fn a_model_shows_its_mean_body() {
     let arm = Arm::new();
     let file = |name: &str| arm.out(name).display().to_string();
     let (mesh, picture) = (file("body.obj"), file("body.png"));
-    let show = [
-        "models",
-        "walker-metaballs",
-        "--skin",
-        &mesh,
-        "--picture",
-        &picture,
-    ];
+    let show = ["models", "walker-metaballs", "--skin", &mesh, "--picture", &picture];
     let said = run(&show).succeeded();
     assert!(said.out.contains("vertices"), "{}", said.out);
     let text = fs::read_to_string(&mesh).expect("a mesh");

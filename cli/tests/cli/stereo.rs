@@ -29,8 +29,7 @@ fn record(folder: &Path, frames: usize) {
             };
             let image = wall.seen_by(camera);
             let path = images.join(format!("{frame:06}.png"));
-            image::save_buffer(path, image.values(), SIZE.0, SIZE.1, image::ColorType::L8)
-                .expect("a picture");
+            image::save_buffer(path, image.values(), SIZE.0, SIZE.1, image::ColorType::L8).expect("a picture");
         }
     }
 }
@@ -57,17 +56,12 @@ fn points_disparities_trajectories_and_pictures_of_a_recording_are_written() {
     .succeeded();
     assert!(said.out.contains("3 frames"), "{}", said.out);
     assert!(said.err.contains("no masks"), "{}", said.err);
-    let points = points::read(&out.join("points/000001.ply"))
-        .expect("a cloud")
-        .points;
+    let points = points::read(&out.join("points/000001.ply")).expect("a cloud").points;
     assert!(points.len() > 1000);
     let wall = Wall {
         shift: Vector3::new(0.01, 0.0, 0.0),
     };
-    let mut off: Vec<f64> = points
-        .iter()
-        .map(|p| wall.off(&p.position_world).abs())
-        .collect();
+    let mut off: Vec<f64> = points.iter().map(|p| wall.off(&p.position_world).abs()).collect();
     off.sort_by(f64::total_cmp);
     assert!(off[off.len() / 2] < 0.01, "{}", off[off.len() / 2]);
     let rows = fs::read_to_string(out.join("trajectories.csv")).expect("trajectories");
@@ -109,11 +103,7 @@ fn correlation_writes_the_disparity_of_each_pair_and_a_missing_picture_costs_its
         "{}",
         said.err
     );
-    for name in [
-        "points/000000.ply",
-        "disparity/000000_1.png",
-        "disparity/000000_2.png",
-    ] {
+    for name in ["points/000000.ply", "disparity/000000_1.png", "disparity/000000_2.png"] {
         assert!(out.join(name).is_file(), "{name}");
     }
 }
@@ -129,23 +119,13 @@ fn arguments_that_make_no_sense_are_refused_in_one_line() {
             vec!["--cameras", "left,nobody"],
             "no such camera: the recording has left, middle, right",
         ),
-        (
-            vec!["--cameras", "left,left"],
-            "expected two different cameras",
-        ),
+        (vec!["--cameras", "left,left"], "expected two different cameras"),
         (vec!["--depth", "3:1"], "expected NEAR:FAR"),
-        (
-            vec!["--frames", "7:9"],
-            "no frame of the recording lies in this range",
-        ),
+        (vec!["--frames", "7:9"], "no frame of the recording lies in this range"),
         (vec!["--spacing", "0"], "--spacing"),
     ];
     for (arguments, expected) in cases {
-        let all = [
-            &["stereo", &recording, "--fps", "25", "--out", &out],
-            &arguments[..],
-        ]
-        .concat();
+        let all = [&["stereo", &recording, "--fps", "25", "--out", &out], &arguments[..]].concat();
         run(&all).refused(&[expected]);
     }
 }
@@ -188,21 +168,11 @@ fn a_frame_of_which_the_template_has_no_mask_is_not_measured_and_a_folder_of_no_
     let recording = folder.path().display().to_string();
     let run_into = |out: &str| {
         let out = folder.path().join(out);
-        let arguments = [
-            &recording,
-            "--fps",
-            "25",
-            "--out",
-            &out.display().to_string(),
-        ]
-        .map(String::from);
+        let arguments = [&recording, "--fps", "25", "--out", &out.display().to_string()].map(String::from);
         let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
         let quick = ["--method", "correlation", "--depth", "1.5:3"];
         let ran = run(&[&["stereo"], &arguments[..], &quick].concat()).succeeded();
-        (
-            ran.err,
-            fs::read_to_string(out.join("stereo.csv")).expect("a table"),
-        )
+        (ran.err, fs::read_to_string(out.join("stereo.csv")).expect("a table"))
     };
     let (said, _) = run_into("bare");
     assert!(said.contains("middel"), "{said}");
@@ -218,10 +188,7 @@ fn a_frame_of_which_the_template_has_no_mask_is_not_measured_and_a_folder_of_no_
         "{said}"
     );
     assert!(
-        table
-            .lines()
-            .nth(1)
-            .is_some_and(|line| !line.starts_with("0,0,")),
+        table.lines().nth(1).is_some_and(|line| !line.starts_with("0,0,")),
         "{table}"
     );
 }
@@ -230,15 +197,10 @@ fn a_frame_of_which_the_template_has_no_mask_is_not_measured_and_a_folder_of_no_
 fn masks_that_cannot_be_used_are_told_and_not_taken_for_none() {
     let folder = tempfile::tempdir().expect("a folder");
     record(folder.path(), 1);
-    let camera = |name: &str| {
-        format!("[[camera]]\nname = \"{name}\"\nimages = \"images/{name}\"\nmasks = \"nowhere\"\n")
-    };
+    let camera =
+        |name: &str| format!("[[camera]]\nname = \"{name}\"\nimages = \"images/{name}\"\nmasks = \"nowhere\"\n");
     let manifest: String = ["left", "middle", "right"].map(camera).concat();
-    fs::write(
-        folder.path().join("sequence.toml"),
-        format!("fps = 25\n{manifest}"),
-    )
-    .expect("written");
+    fs::write(folder.path().join("sequence.toml"), format!("fps = 25\n{manifest}")).expect("written");
     let recording = folder.path().display().to_string();
     let out = folder.path().join("out").display().to_string();
     run(&["stereo", &recording, "--out", &out]).refused(&["camera left: no mask at"]);
@@ -257,16 +219,11 @@ fn points_come_back_where_they_were_whichever_axis_of_the_files_is_up() {
     let arguments = ["stereo", &recording, "--out", &out_name];
     run(&[&arguments[..], &quick].concat()).succeeded();
     // the file is in the world of the calibration, in which the wall stands
-    let points = points::read(&out.join("points/000000.ply"))
-        .expect("a cloud")
-        .points;
+    let points = points::read(&out.join("points/000000.ply")).expect("a cloud").points;
     let wall = Wall {
         shift: Vector3::zeros(),
     };
-    let mut off: Vec<f64> = points
-        .iter()
-        .map(|p| wall.off(&p.position_world).abs())
-        .collect();
+    let mut off: Vec<f64> = points.iter().map(|p| wall.off(&p.position_world).abs()).collect();
     off.sort_by(f64::total_cmp);
     assert!(off[off.len() / 2] < 0.03, "{}", off[off.len() / 2]);
     // and the recording reads it in the world of its cameras

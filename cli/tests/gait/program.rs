@@ -46,16 +46,10 @@ fn a_walk_gives_tables_and_four_files() {
     let json = std::fs::read_to_string(out.join("gait.json")).expect("gait.json");
     let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
     assert_eq!(json["format"], "maquette-gait");
-    assert_eq!(
-        json["curves"][0]["mean_deg"].as_array().map(Vec::len),
-        Some(101)
-    );
+    assert_eq!(json["curves"][0]["mean_deg"].as_array().map(Vec::len), Some(101));
     for (name, columns) in [("curves.csv", 9), ("parameters.csv", 6), ("angles.csv", 20)] {
         let mut reader = csv::Reader::from_path(out.join(name)).expect("a table");
-        assert!(
-            reader.headers().expect("a heading").len() >= columns,
-            "{name}"
-        );
+        assert!(reader.headers().expect("a heading").len() >= columns, "{name}");
         assert!(reader.records().all(|r| r.is_ok()), "{name}");
     }
 }
@@ -64,17 +58,8 @@ fn a_walk_gives_tables_and_four_files() {
 fn spaces_for_tabs_are_read_as_tabs_are() {
     let trc = Walker::new(0.4).trc();
     let spaced = trc.replace('\t', " ").replace("  ", " ");
-    let head = |text: &str| {
-        text.lines()
-            .skip(1)
-            .take(12)
-            .map(str::to_owned)
-            .collect::<Vec<_>>()
-    };
-    let (a, b) = (
-        said(&trc, &[]).expect("tabs").0,
-        said(&spaced, &[]).expect("spaces").0,
-    );
+    let head = |text: &str| text.lines().skip(1).take(12).map(str::to_owned).collect::<Vec<_>>();
+    let (a, b) = (said(&trc, &[]).expect("tabs").0, said(&spaced, &[]).expect("spaces").0);
     assert_eq!(head(&a), head(&b));
     let torn = spaced.replacen(" 0.010000", "", 1);
     let line = said(&torn, &[]).expect_err("a cell is missing");
@@ -89,24 +74,13 @@ fn with_point(trc: &str, name: &str, act: impl Fn(usize, f64) -> String) -> Stri
     let names = trc.lines().nth(3).expect("names");
     let first = names.split('\t').position(|n| n == name).expect(name);
     let row = |(i, line): (usize, &str)| {
-        let cell = |(k, cell): (usize, &str)| match (
-            i >= 5 && (first..first + 3).contains(&k),
-            cell.parse(),
-        ) {
+        let cell = |(k, cell): (usize, &str)| match (i >= 5 && (first..first + 3).contains(&k), cell.parse()) {
             (true, Ok(value)) => act(i - 5, value),
             _ => cell.to_owned(),
         };
-        line.split('\t')
-            .enumerate()
-            .map(cell)
-            .collect::<Vec<_>>()
-            .join("\t")
+        line.split('\t').enumerate().map(cell).collect::<Vec<_>>().join("\t")
     };
-    trc.lines()
-        .enumerate()
-        .map(row)
-        .collect::<Vec<_>>()
-        .join("\n")
+    trc.lines().enumerate().map(row).collect::<Vec<_>>().join("\n")
 }
 
 #[test]
@@ -180,10 +154,7 @@ fn each_bad_file_has_its_line() {
         let line = said(&text, &[]).expect_err(what);
         assert!(line.contains(expected), "{what}: {line}");
     }
-    let told = said(
-        &trc.replacen("100\t100\t", "25\t100\t", 1),
-        &["--fps", "100"],
-    );
+    let told = said(&trc.replacen("100\t100\t", "25\t100\t", 1), &["--fps", "100"]);
     assert!(told.is_ok());
 }
 
@@ -195,8 +166,7 @@ fn backwards_and_squats_are_said_in_one_line_and_give_angles() {
     ] {
         let (text, folder) = said(&walker.trc(), &[]).expect("angles");
         assert!(text.contains(expected), "{text}");
-        let angles =
-            std::fs::read_to_string(folder.path().join("walk_gait/angles.csv")).expect("angles");
+        let angles = std::fs::read_to_string(folder.path().join("walk_gait/angles.csv")).expect("angles");
         assert!(
             angles.starts_with("frame,time_s,pelvis_obliquity_l_deg"),
             "{angles:.80}"

@@ -31,10 +31,7 @@ fn a_walk_fills_every_page_that_points_can_fill() {
     assert!(page(&report, "scores").contains("Knee flexion"));
     let kinematics = page(&report, "kinematics");
     assert!(kinematics.matches("<svg").count() >= 8, "charts");
-    assert!(
-        kinematics.contains("the turn"),
-        "why hip rotation is not there"
-    );
+    assert!(kinematics.contains("the turn"), "why hip rotation is not there");
     for number in ["NaN", "inf"] {
         assert!(!kinematics.contains(number), "{number}");
     }

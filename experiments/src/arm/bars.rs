@@ -84,15 +84,11 @@ impl BarArm {
     /// What a camera sees of the arm bent by φ.
     pub fn mask(&self, camera: &Camera, phi: f64) -> Mask {
         let bars = self.bars(phi);
-        Mask::from_fn(
-            camera.width_px as usize,
-            camera.height_px as usize,
-            |x, y| {
-                let ray = camera.ray(&Point2::new(x as f64, y as f64));
-                bars.iter()
-                    .any(|bar| bar.is_hit(&ray.origin_world, &ray.direction_world))
-            },
-        )
+        Mask::from_fn(camera.width_px as usize, camera.height_px as usize, |x, y| {
+            let ray = camera.ray(&Point2::new(x as f64, y as f64));
+            bars.iter()
+                .any(|bar| bar.is_hit(&ray.origin_world, &ray.direction_world))
+        })
     }
 }
 
@@ -171,8 +167,7 @@ mod tests {
     fn a_straight_arm_is_two_metres_long_and_as_thick_as_its_bars() {
         let camera = camera("front", 0.0);
         let mask = ARM.mask(&camera, 0.0);
-        let columns =
-            (0..mask.width()).filter(|&x| (0..mask.height()).any(|y| mask.is_foreground(x, y)));
+        let columns = (0..mask.width()).filter(|&x| (0..mask.height()).any(|y| mask.is_foreground(x, y)));
         let rows = (0..mask.height()).filter(|&y| mask.is_foreground(mask.width() / 2, y));
         assert!(columns.count().abs_diff(280) <= 1);
         assert!(rows.count().abs_diff(28) <= 1);
@@ -190,11 +185,7 @@ mod tests {
     fn a_positive_angle_raises_the_tip() {
         let camera = camera("front", 0.0);
         let mask = ARM.mask(&camera, 0.5);
-        let tip = camera.project_undistorted(&Point3::new(
-            1.0 + 0.5f64.cos() * 0.8,
-            0.0,
-            0.5f64.sin() * 0.8,
-        ));
+        let tip = camera.project_undistorted(&Point3::new(1.0 + 0.5f64.cos() * 0.8, 0.0, 0.5f64.sin() * 0.8));
         let tip = tip.unwrap();
         assert!(mask.is_foreground(tip.x.round() as usize, tip.y.round() as usize));
     }
@@ -207,11 +198,7 @@ mod tests {
             radii: [0.12, 0.1, 0.06],
         }
         .mask(&camera, 0.0);
-        let thickness = |x: usize| {
-            (0..mask.height())
-                .filter(|&y| mask.is_foreground(x, y))
-                .count()
-        };
+        let thickness = |x: usize| (0..mask.height()).filter(|&y| mask.is_foreground(x, y)).count();
         // the left image side is the shoulder's; the middle column the elbow's
         assert!(thickness(90) > thickness(199) && thickness(199) > thickness(310));
     }

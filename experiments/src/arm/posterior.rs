@@ -32,9 +32,7 @@ const STARTS: [f64; 3] = [0.0, -0.2, 0.2];
 impl Posterior {
     /// Fits every frame's φ at `cells` equally spaced values of a.
     pub fn new(evidence: &Evidence<'_>, sequence: Sequence<'_>, cells: usize) -> Self {
-        let grid: Vec<f64> = (0..cells)
-            .map(|i| (i as f64 + 0.5) / cells as f64)
-            .collect();
+        let grid: Vec<f64> = (0..cells).map(|i| (i as f64 + 0.5) / cells as f64).collect();
         let costs = grid
             .par_iter()
             .map(|&a| frame_costs(evidence, sequence, &coefficient_of(a)));
@@ -46,19 +44,11 @@ impl Posterior {
 
     /// (a, density) given the first `frames` frames.
     pub fn after(&self, frames: usize) -> Vec<(f64, f64)> {
-        let energy: Vec<f64> = self
-            .costs
-            .iter()
-            .map(|c| c[..frames].iter().sum())
-            .collect();
+        let energy: Vec<f64> = self.costs.iter().map(|c| c[..frames].iter().sum()).collect();
         let least = energy.iter().copied().fold(f64::INFINITY, f64::min);
         let weights: Vec<f64> = energy.iter().map(|e| (least - e).exp()).collect();
         let sum = weights.iter().sum::<f64>() / self.grid.len() as f64;
-        self.grid
-            .iter()
-            .zip(weights)
-            .map(|(a, w)| (*a, w / sum))
-            .collect()
+        self.grid.iter().zip(weights).map(|(a, w)| (*a, w / sum)).collect()
     }
 
     /// exp(−∫ p ln p da): the width of the uniform density that says as little; 1 if nothing is known.
@@ -73,10 +63,7 @@ impl Posterior {
 
     /// The most probable a.
     pub fn mode(&self, frames: usize) -> f64 {
-        let best = self
-            .after(frames)
-            .into_iter()
-            .max_by(|x, y| x.1.total_cmp(&y.1));
+        let best = self.after(frames).into_iter().max_by(|x, y| x.1.total_cmp(&y.1));
         best.map_or(f64::NAN, |(a, _)| a)
     }
 }

@@ -40,19 +40,13 @@ fn events(run: &mut Run, folder: &Path, out: &Path) -> Result<(), Box<dyn Error>
     let markers = folder.join("motion_capture_walk.trc");
     let few = out.join("joint_centres.trc");
     std::fs::write(&few, joint_centres(&markers)?)?;
-    let mut table = Table::new(
-        "events",
-        &["points", "event", "side", "plate, s", "off by, ms"],
-    );
+    let mut table = Table::new("events", &["points", "event", "side", "plate, s", "off by, ms"]);
     for (points, path) in [("markers", &markers), ("joints", &few)] {
         let gait = gait_of(path)?;
         for kind in [EventKind::Strike, EventKind::Off] {
             let mut errors = Vec::new();
             for (side, _, plate_s) in plates.iter().filter(|(_, k, _)| *k == kind) {
-                let own = gait
-                    .events
-                    .iter()
-                    .filter(|e| e.side == *side && e.kind == kind);
+                let own = gait.events.iter().filter(|e| e.side == *side && e.kind == kind);
                 let off_by = own.map(|e| e.time_s - plate_s);
                 let nearest = off_by.min_by(|a, b| a.abs().total_cmp(&b.abs()));
                 // an event that was not found counts as a tenth of a second
@@ -79,10 +73,7 @@ fn walk7(run: &mut Run, folder: &Path) -> Result<(), Box<dyn Error>> {
     let recording = Recording::open(folder)?.with_fps(50.0);
     let fit = recording.fit(&FitOptions::default())?.gait()?.analysis;
     let truth = gait_of(&folder.join("truth.trc"))?;
-    let mut table = Table::new(
-        "parameters",
-        &["parameter", "side", "true joint centres", "fit"],
-    );
+    let mut table = Table::new("parameters", &["parameter", "side", "true joint centres", "fit"]);
     for (parameter, name, scale) in [
         (Parameter::StepLength, "step_length_mm", 1e3),
         (Parameter::StrideTime, "stride_time_ms", 1e3),
@@ -106,10 +97,7 @@ fn walk7(run: &mut Run, folder: &Path) -> Result<(), Box<dyn Error>> {
 
 fn angles(run: &mut Run, fit: &GaitAnalysis, truth: &Path) -> Result<(), Box<dyn Error>> {
     let truth: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(truth)?)?;
-    let mut table = Table::new(
-        "angles",
-        &["angle", "side", "offset, °", "RMS without it, °"],
-    );
+    let mut table = Table::new("angles", &["angle", "side", "offset, °", "RMS without it, °"]);
     for (angle, name) in [
         (Angle::HipFlexion, "hip_flexion"),
         (Angle::KneeFlexion, "knee_angle"),
@@ -118,9 +106,7 @@ fn angles(run: &mut Run, fit: &GaitAnalysis, truth: &Path) -> Result<(), Box<dyn
         let mut all = Vec::new();
         for side in Side::BOTH {
             let key = format!("{name}_{}", &side.name()[..1]);
-            let expected = truth["angles_deg"][&key]
-                .as_array()
-                .ok_or("no such angle")?;
+            let expected = truth["angles_deg"][&key].as_array().ok_or("no such angle")?;
             let found = fit.angles.get(&(side, angle)).ok_or("angle not found")?;
             let rows = found.iter().zip(expected);
             let apart: Vec<f64> = rows
@@ -131,11 +117,7 @@ fn angles(run: &mut Run, fit: &GaitAnalysis, truth: &Path) -> Result<(), Box<dyn
             let squares = apart.iter().map(|d| (d - offset).powi(2));
             let rms = mean(squares).unwrap_or(f64::NAN).sqrt();
             let cells = [angle.name().to_owned(), side.name().to_owned()];
-            table.row(
-                cells
-                    .into_iter()
-                    .chain([offset, rms].map(|v| format!("{v:.2}"))),
-            );
+            table.row(cells.into_iter().chain([offset, rms].map(|v| format!("{v:.2}"))));
             all.push(rms);
         }
         let name = format!("{}_deg", angle.name());
@@ -146,22 +128,14 @@ fn angles(run: &mut Run, fit: &GaitAnalysis, truth: &Path) -> Result<(), Box<dyn
 }
 
 fn gait_of(path: &Path) -> Result<GaitAnalysis, Box<dyn Error>> {
-    Ok(analyse(
-        &read_points(path, None)?.movement,
-        &GaitOptions::default(),
-    )?)
+    Ok(analyse(&read_points(path, None)?.movement, &GaitOptions::default())?)
 }
 
 /// Where the vertical forces of the right and left plate (third and twelfth column) pass 20 N.
 fn plates(text: &str) -> Vec<PlateEvent> {
-    let rows = text
-        .lines()
-        .skip_while(|line| line.trim() != "endheader")
-        .skip(2);
+    let rows = text.lines().skip_while(|line| line.trim() != "endheader").skip(2);
     let number = |cell: &str| cell.trim().parse::<f64>().ok();
-    let rows: Vec<Vec<f64>> = rows
-        .map(|row| row.split('\t').filter_map(number).collect())
-        .collect();
+    let rows: Vec<Vec<f64>> = rows.map(|row| row.split('\t').filter_map(number).collect()).collect();
     let mut events = Vec::new();
     for (side, column) in [(Side::Right, 2), (Side::Left, 11)] {
         for pair in rows.windows(2) {
@@ -183,29 +157,19 @@ fn joint_centres(markers: &Path) -> Result<String, Box<dyn Error>> {
     let mut names = Vec::new();
     let mut columns = Vec::new();
     for (letter, side) in [("R", Side::Right), ("L", Side::Left)] {
-        let hip = hips
-            .paired_track(side, maquette::gait::Paired::Hip)
-            .ok_or("no hips")?;
+        let hip = hips.paired_track(side, maquette::gait::Paired::Hip).ok_or("no hips")?;
         names.push(format!("{letter}Hip"));
         columns.push(hip.iter().map(|p| Some((*p).into())).collect::<Vec<_>>());
         for (name, marker) in [("Knee", "Knee"), ("Ankle", "Ankle"), ("BigToe", "Toe")] {
             let marker = format!("{letter}.{marker}");
-            let column = all
-                .names
-                .iter()
-                .position(|n| *n == marker)
-                .ok_or("no such marker")?;
+            let column = all.names.iter().position(|n| *n == marker).ok_or("no such marker")?;
             names.push(format!("{letter}{name}"));
             columns.push(all.frames.iter().map(|f| f[column]).collect());
         }
     }
     let frame = |i: usize| columns.iter().map(|column| column[i]).collect();
     let frames = (0..all.frames.len()).map(frame).collect();
-    let few = Trajectories {
-        names,
-        frames,
-        ..all
-    };
+    let few = Trajectories { names, frames, ..all };
     Ok(write_trc(&few, "joint_centres.trc"))
 }
 

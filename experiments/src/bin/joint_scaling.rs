@@ -99,11 +99,7 @@ fn evidence<'a>(model: &'a BodyModel, recording: &'a Synthetic, measure: Measure
 }
 
 /// Algorithm 1's winner, on ellipsoids.
-fn tracked(
-    model: &BodyModel,
-    recording: &Synthetic,
-    frames: &[FrameObservations],
-) -> Option<SequenceState> {
+fn tracked(model: &BodyModel, recording: &Synthetic, frames: &[FrameObservations]) -> Option<SequenceState> {
     let sequence = Sequence {
         frames,
         fps: recording.fps,
@@ -168,8 +164,7 @@ impl Cycle<'_> {
 
     /// One linearisation, one step, the marginals: milliseconds a frame.
     fn stages_ms(&self, terms: &[Terms<'_>], seconds: &[f64]) -> [f64; 3] {
-        let chain_prior =
-            ChainPrior::new(self.evidence.model, JointOptions::default().motion_model);
+        let chain_prior = ChainPrior::new(self.evidence.model, JointOptions::default().motion_model);
         let posterior = SequencePosterior {
             model: self.evidence.model,
             shape_prior: &self.evidence.shape_prior,
@@ -236,14 +231,7 @@ fn report(run: &mut Run, costs: &[Cost]) -> Result<(), Box<dyn Error>> {
     for c in costs {
         let [linearisation, step, marginals] = c.stages_ms;
         let once = linearisation + step + marginals;
-        let figures = [
-            linearisation,
-            step,
-            marginals,
-            once,
-            c.processor_ms,
-            c.whole_ms,
-        ];
+        let figures = [linearisation, step, marginals, once, c.processor_ms, c.whole_ms];
         let figures = figures.map(|ms| format!("{ms:.3}"));
         let cells = std::iter::once(c.frames.to_string()).chain(figures);
         table.row(cells.chain([format!("{:.0}", c.memory_kb)]));
@@ -252,10 +240,7 @@ fn report(run: &mut Run, costs: &[Cost]) -> Result<(), Box<dyn Error>> {
         run.number(format!("kb_a_frame_{}", c.frames), c.memory_kb);
     }
     if let [first, .., last] = costs {
-        run.number(
-            "processor_time_growth",
-            last.processor_ms / first.processor_ms,
-        );
+        run.number("processor_time_growth", last.processor_ms / first.processor_ms);
         run.number("memory_growth", last.memory_kb / first.memory_kb);
     }
     run.table("A frame of three cameras", &table)?;
@@ -277,10 +262,7 @@ fn seven_cameras(run: &mut Run, model: &BodyModel) -> Result<(), Box<dyn Error>>
         "steps of the last round",
     ];
     let mut table = Table::new("seven", &columns);
-    for (name, measure) in [
-        ("ellipses", Measure::Ellipses),
-        ("metaballs", Measure::Metaballs),
-    ] {
+    for (name, measure) in [("ellipses", Measure::Ellipses), ("metaballs", Measure::Metaballs)] {
         let evidence = evidence(model, &recording, measure);
         let (started, before_s) = (Instant::now(), processor_s());
         let joint = joint_optimum(&evidence, sequence, start.clone(), &JointOptions::default());

@@ -7,8 +7,8 @@ use std::error::Error;
 use std::process::ExitCode;
 
 use experiments::limb::{
-    ArmTruth, LimbErrors, LimbFit, aligned, joints, limb_arm, limb_errors, pose, surface_points,
-    three_cameras, true_arm,
+    ArmTruth, LimbErrors, LimbFit, aligned, joints, limb_arm, limb_errors, pose, surface_points, three_cameras,
+    true_arm,
 };
 use experiments::picture::{Panel, colour, svg};
 use experiments::run::Run;
@@ -16,9 +16,7 @@ use experiments::table::Table;
 use kuva::plot::LegendPosition;
 use maquette::body::{BodyModel, Posed, Shape, State};
 use maquette::inference::prior::{PosePrior, ShapePrior};
-use maquette::likelihood::{
-    Derivatives, PointField, PointOptions, Residual, SkinScale, SurfacePoint, Term,
-};
+use maquette::likelihood::{Derivatives, PointField, PointOptions, Residual, SkinScale, SurfacePoint, Term};
 use maquette::math::stats::median;
 use maquette::solver::Loss;
 use maquette::synth::StereoPair;
@@ -90,9 +88,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let arm = limb_arm()?;
     let real = true_arm()?;
     let seed = run.seed() * ARMS;
-    let draws: Vec<Draw> = (0..ARMS)
-        .map(|i| Draw::new(&arm, &real, seed + i))
-        .collect();
+    let draws: Vec<Draw> = (0..ARMS).map(|i| Draw::new(&arm, &real, seed + i)).collect();
     let columns: Vec<String> = ANGLES_DEG.iter().map(|a| format!("{a}°")).collect();
     let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
     let columns = [&["residual", "distance, cm"], columns.as_slice()].concat();
@@ -101,10 +97,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     for way in &WAYS {
         let shares = way.shares(&arm, &draws);
         report(&mut run, &mut table, way, &shares);
-        run.number(
-            format!("{}_inflation_pct", way.name),
-            way.inflation(&arm, &draws),
-        );
+        run.number(format!("{}_inflation_pct", way.name), way.inflation(&arm, &draws));
         panels.push(panel(way, &shares));
     }
     run.table("found, %", &table)?;
@@ -151,9 +144,7 @@ impl Way {
     /// For each distance and angle the share of the arms that were found.
     fn shares(&self, arm: &BodyModel, draws: &[Draw]) -> Vec<Vec<f64>> {
         let share = |distance: f64, angle: f64| {
-            let errors = draws
-                .par_iter()
-                .map(|draw| self.fit(arm, draw, distance, angle));
+            let errors = draws.par_iter().map(|draw| self.fit(arm, draw, distance, angle));
             let found = errors.filter(|errors| errors.joints_mm < FOUND_MM).count();
             100.0 * found as f64 / draws.len() as f64
         };
@@ -200,11 +191,7 @@ fn report(run: &mut Run, table: &mut Table, way: &Way, shares: &[Vec<f64>]) {
     );
     // the farthest start without a turn from which half of the arms are found, and the largest turn without a way
     let half = |list: &[f64], places: &[f64]| {
-        let last = list
-            .iter()
-            .zip(places)
-            .take_while(|(share, _)| **share >= 50.0)
-            .last();
+        let last = list.iter().zip(places).take_while(|(share, _)| **share >= 50.0).last();
         last.map_or(0.0, |(_, place)| *place)
     };
     let straight: Vec<f64> = shares.iter().map(|row| row[0]).collect();
@@ -212,10 +199,7 @@ fn report(run: &mut Run, table: &mut Table, way: &Way, shares: &[Vec<f64>]) {
         format!("{}_half_found_to_cm", way.name),
         100.0 * half(&straight, &DISTANCES),
     );
-    run.number(
-        format!("{}_half_found_to_deg", way.name),
-        half(&shares[0], &ANGLES_DEG),
-    );
+    run.number(format!("{}_half_found_to_deg", way.name), half(&shares[0], &ANGLES_DEG));
 }
 
 fn panel(way: &Way, shares: &[Vec<f64>]) -> Panel {
@@ -229,14 +213,11 @@ fn panel(way: &Way, shares: &[Vec<f64>]) -> Panel {
     let empty = Panel::new(way.title, "start off by, cm", "found, %")
         .ranges((0.0, 50.0), (0.0, 105.0))
         .legend(LegendPosition::OutsideRightTop);
-    ANGLES_DEG
-        .iter()
-        .enumerate()
-        .fold(empty, |panel, (k, angle)| {
-            let curve = DISTANCES.iter().zip(shares);
-            let curve: Vec<(f64, f64)> = curve.map(|(d, row)| (100.0 * d, row[k])).collect();
-            panel
-                .curve(&format!("{angle}°"), COLOURS[k], &curve)
-                .marks("", COLOURS[k], &curve)
-        })
+    ANGLES_DEG.iter().enumerate().fold(empty, |panel, (k, angle)| {
+        let curve = DISTANCES.iter().zip(shares);
+        let curve: Vec<(f64, f64)> = curve.map(|(d, row)| (100.0 * d, row[k])).collect();
+        panel
+            .curve(&format!("{angle}°"), COLOURS[k], &curve)
+            .marks("", COLOURS[k], &curve)
+    })
 }

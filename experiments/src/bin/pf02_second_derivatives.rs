@@ -17,9 +17,7 @@ use experiments::table::Table;
 use kuva::plot::LegendPosition;
 use maquette::body::{BodyModel, Posed, Shape, State};
 use maquette::inference::prior::{PosePrior, ShapePrior};
-use maquette::likelihood::{
-    Derivatives, RayOptions, RayView, Residual, SilhouetteRays, SkinScale, Term,
-};
+use maquette::likelihood::{Derivatives, RayOptions, RayView, Residual, SilhouetteRays, SkinScale, Term};
 use maquette::math::stats::median;
 use maquette::solver::{Loss, Termination};
 use nalgebra::{Rotation3, Unit, Vector3};
@@ -206,17 +204,9 @@ fn moved(state: &State, rng: &mut impl Rng) -> State {
 fn share_optima(all: &mut [Vec<Fits>]) {
     for draw in 0..all.first().map_or(0, Vec::len) {
         for way in &WAYS {
-            let same = WAYS
-                .iter()
-                .zip(all.iter())
-                .filter(|(w, _)| w.cost == way.cost);
-            let least = same
-                .map(|(_, fits)| fits[draw].optimum)
-                .fold(f64::INFINITY, f64::min);
-            let same = WAYS
-                .iter()
-                .zip(all.iter_mut())
-                .filter(|(w, _)| w.cost == way.cost);
+            let same = WAYS.iter().zip(all.iter()).filter(|(w, _)| w.cost == way.cost);
+            let least = same.map(|(_, fits)| fits[draw].optimum).fold(f64::INFINITY, f64::min);
+            let same = WAYS.iter().zip(all.iter_mut()).filter(|(w, _)| w.cost == way.cost);
             same.for_each(|(_, fits)| fits[draw].optimum = least);
         }
     }
@@ -244,9 +234,7 @@ impl Way {
             limb_errors(&body, &draw.truth.posed()).joints_mm
         });
         let joints_mm = joints_mm.collect();
-        let endings = solutions
-            .iter()
-            .filter(|s| s.2 == Some(Termination::Stalled));
+        let endings = solutions.iter().filter(|s| s.2 == Some(Termination::Stalled));
         let stalled = endings.count();
         let costs: Vec<Vec<f64>> = solutions.into_iter().map(|s| s.1).collect();
         let ends = costs.iter().chain([&near]).filter_map(|costs| costs.last());
@@ -266,11 +254,7 @@ impl Way {
             ..RayOptions::default()
         };
         let scale = SkinScale::new(arm);
-        vec![Box::new(SilhouetteRays::new(
-            draw.views.clone(),
-            rays,
-            scale,
-        ))]
+        vec![Box::new(SilhouetteRays::new(draw.views.clone(), rays, scale))]
     }
 }
 
@@ -292,10 +276,7 @@ fn report(run: &mut Run, table: &mut Table, way: &Way, fits: &[Fits]) {
     };
     let [basin, exact] = NEAR.map(steps);
     let share = |count: usize| 100.0 * count as f64 / (ARMS as usize * STARTS) as f64;
-    let mut off: Vec<f64> = fits
-        .iter()
-        .flat_map(|f| f.joints_mm.iter().copied())
-        .collect();
+    let mut off: Vec<f64> = fits.iter().flat_map(|f| f.joints_mm.iter().copied()).collect();
     let ninth = basin.get(basin.len() * 9 / 10).copied();
     let numbers = [
         ("in_basin_pct", share(basin.len())),

@@ -8,8 +8,8 @@ use std::error::Error;
 use std::process::ExitCode;
 
 use experiments::limb::{
-    ArmTruth, Freedom, LimbErrors, LimbFit, aligned, ellipsoid_arm, joints, limb_arm, limb_errors,
-    pose, surface_points, three_cameras, true_arm, views, widened,
+    ArmTruth, Freedom, LimbErrors, LimbFit, aligned, ellipsoid_arm, joints, limb_arm, limb_errors, pose,
+    surface_points, three_cameras, true_arm, views, widened,
 };
 use experiments::picture::{Panel, colour, svg};
 use experiments::run::Run;
@@ -76,10 +76,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     ];
     let real = true_arm()?;
     let seed = run.seed() * DRAWS;
-    let draws: Vec<Draw> = (0..DRAWS)
-        .into_par_iter()
-        .map(|i| Draw::new(&real, seed + i))
-        .collect();
+    let draws: Vec<Draw> = (0..DRAWS).into_par_iter().map(|i| Draw::new(&real, seed + i)).collect();
     let mut table = Table::new(
         "limbs",
         &[
@@ -209,19 +206,10 @@ fn report(run: &mut Run, table: &mut Table, (name, title): (&str, &str), fits: &
 
 /// Steps until a fit was within [`NEAR`] of the least cost of both orders, and how many were.
 fn compare(run: &mut Run, together: &[Fitted], turns: &[Fitted]) -> Result<(), Box<dyn Error>> {
-    let mut table = Table::new(
-        "turns",
-        &["order", "arrived, %", "steps, median", "cost / least"],
-    );
-    for (name, title, fits) in [
-        ("together", "together", together),
-        ("turns", "by turns", turns),
-    ] {
+    let mut table = Table::new("turns", &["order", "arrived, %", "steps, median", "cost / least"]);
+    for (name, title, fits) in [("together", "together", together), ("turns", "by turns", turns)] {
         let last = |fit: &Fitted| fit.costs.last().copied().unwrap_or(f64::INFINITY);
-        let least = together
-            .iter()
-            .zip(turns)
-            .map(|(a, b)| last(a).min(last(b)));
+        let least = together.iter().zip(turns).map(|(a, b)| last(a).min(last(b)));
         let pairs: Vec<(&Fitted, f64)> = fits.iter().zip(least).collect();
         let arrived = |(fit, least): &(&Fitted, f64)| {
             let enough = least * (1.0 + NEAR);
@@ -243,10 +231,7 @@ fn compare(run: &mut Run, together: &[Fitted], turns: &[Fitted]) -> Result<(), B
             format!("{ratio:.4}"),
         ]);
     }
-    Ok(run.table(
-        "Sizes and skeleton together or by turns, three metaballs",
-        &table,
-    )?)
+    Ok(run.table("Sizes and skeleton together or by turns, three metaballs", &table)?)
 }
 
 fn errors_picture(all: &[((&str, &str), Vec<Fitted>)]) -> String {
@@ -291,14 +276,11 @@ fn errors_picture(all: &[((&str, &str), Vec<Fitted>)]) -> String {
 fn turns_picture(together: &[Fitted], turns: &[Fitted]) -> String {
     let curve = |fits: &[Fitted]| -> Vec<(f64, f64)> {
         let at = |n: usize| {
-            let ratios = fits
-                .iter()
-                .zip(together.iter().zip(turns))
-                .map(|(fit, (a, b))| {
-                    let last = |fit: &Fitted| fit.costs.last().copied().unwrap_or(f64::NAN);
-                    let cost = fit.costs.get(n).copied().unwrap_or(last(fit));
-                    (cost / last(a).min(last(b)) - 1.0).max(1e-6)
-                });
+            let ratios = fits.iter().zip(together.iter().zip(turns)).map(|(fit, (a, b))| {
+                let last = |fit: &Fitted| fit.costs.last().copied().unwrap_or(f64::NAN);
+                let cost = fit.costs.get(n).copied().unwrap_or(last(fit));
+                (cost / last(a).min(last(b)) - 1.0).max(1e-6)
+            });
             median(&mut ratios.collect()).unwrap_or(f64::NAN).log10()
         };
         (0..=80).map(|n| (n as f64, at(n))).collect()

@@ -31,8 +31,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         run.say(&format!("skipped: no recording in {}", folder.display()));
         return Ok(ExitCode::SUCCESS);
     }
-    let recording =
-        Recording::open(&folder).and_then(|found| found.with_fps(50.0).observations())?;
+    let recording = Recording::open(&folder).and_then(|found| found.with_fps(50.0).observations())?;
     let truth = {
         let path = folder.join("truth.trc");
         read_trc(&std::fs::read_to_string(&path)?, &path)?
@@ -40,14 +39,10 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let body = model::load("human-ellipsoids", Path::new(""))?;
     let evidence = Evidence::with_ellipses(&body, &recording.rig, EllipseOptions::default());
     // 20 frames, evenly over the recording
-    let frames: Vec<usize> = (0..STARTS)
-        .map(|i| i * recording.frames.len() / STARTS)
-        .collect();
+    let frames: Vec<usize> = (0..STARTS).map(|i| i * recording.frames.len() / STARTS).collect();
     let starts = frames.par_iter().map(|&position| {
         let frame = recording.load_frame(position, &SilhouetteOptions::default())?;
-        let best = readings(&evidence, &frame, &StartOptions::default())
-            .into_iter()
-            .next();
+        let best = readings(&evidence, &frame, &StartOptions::default()).into_iter().next();
         let error = best.and_then(|reading: Reading| {
             let motion = [reading.state.motion];
             let fit = trajectories(&body, &reading.state.shape, &motion, recording.fps);
@@ -65,10 +60,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         ]);
     }
     run.table("Best reading of each frame", &table)?;
-    let near = starts
-        .iter()
-        .filter(|(_, e)| e.is_some_and(|e| e <= NEAR_MM))
-        .count();
+    let near = starts.iter().filter(|(_, e)| e.is_some_and(|e| e <= NEAR_MM)).count();
     run.say(&format!("{near} of {STARTS} within {NEAR_MM} mm"));
     run.number("starts_within_50_mm", near as f64);
     Ok(run.finish()?)

@@ -37,11 +37,7 @@ impl std::fmt::Debug for LimbFit<'_> {
 
 impl<'a> LimbFit<'a> {
     /// The posterior of a model given terms.
-    pub fn new(
-        model: &'a BodyModel,
-        priors: (&'a ShapePrior, &'a PosePrior),
-        terms: &'a [Box<dyn Term + 'a>],
-    ) -> Self {
+    pub fn new(model: &'a BodyModel, priors: (&'a ShapePrior, &'a PosePrior), terms: &'a [Box<dyn Term + 'a>]) -> Self {
         Self {
             held: vec![false; Layout::new(model).total()],
             posterior: KeyframePosterior {
@@ -188,9 +184,7 @@ impl Problem for Alignment<'_> {
 
     fn linearize(&self, x: &Motion, equations: &mut NormalEquations) -> f64 {
         let offsets = self.offsets(x);
-        let slopes = central_differences(equations.gradient.len(), 1e-4, |d| {
-            self.offsets(&self.retract(x, d))
-        });
+        let slopes = central_differences(equations.gradient.len(), 1e-4, |d| self.offsets(&self.retract(x, d)));
         equations.gradient += slopes.transpose() * &offsets;
         equations.hessian += slopes.transpose() * &slopes;
         0.5 * offsets.norm_squared() + self.prior.linearize(x, equations)

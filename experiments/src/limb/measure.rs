@@ -60,11 +60,7 @@ pub fn limb_errors(fitted: &Posed<'_>, truth: &Posed<'_>) -> LimbErrors {
             100.0 * (ratio - 1.0)
         }),
         length_mm: both(&|k| 1000.0 * (along(fit_bones[k]).norm() - along(real_bones[k]).norm())),
-        direction_deg: both(&|k| {
-            along(fit_bones[k])
-                .angle(&along(real_bones[k]))
-                .to_degrees()
-        }),
+        direction_deg: both(&|k| along(fit_bones[k]).angle(&along(real_bones[k])).to_degrees()),
         elbow_deg: (bend(fit_bones) - bend(real_bones)).to_degrees(),
         joints_mm: 1000.0 * each.sum::<f64>() / 3.0,
     }
@@ -82,11 +78,7 @@ fn radius(field: &Field, (a, b): (Point3<f64>, Point3<f64>)) -> f64 {
     let Some(axis) = Unit::try_new(b - a, 1e-9) else {
         return f64::NAN;
     };
-    let aside = if axis.x.abs() < 0.7 {
-        Vector3::x()
-    } else {
-        Vector3::y()
-    };
+    let aside = if axis.x.abs() < 0.7 { Vector3::x() } else { Vector3::y() };
     let first = axis.cross(&aside);
     let mut sum = 0.0;
     for station in STATIONS {

@@ -138,12 +138,7 @@ pub fn cameras_in_front() -> Rig {
 }
 
 /// Points that a camera and its twin see.
-pub fn surface_points(
-    truth: &ArmTruth,
-    camera: &Camera,
-    pair: &StereoPair,
-    rng: &mut impl Rng,
-) -> Vec<SurfacePoint> {
+pub fn surface_points(truth: &ArmTruth, camera: &Camera, pair: &StereoPair, rng: &mut impl Rng) -> Vec<SurfacePoint> {
     let cloud = pair.points(camera, &truth.posed(), rng);
     cloud.iter().map(surface_point).collect()
 }

@@ -19,10 +19,7 @@ impl Metaball {
     /// The metaball of an ellipsoid; `None` if the ellipsoid is flat.
     pub fn new(ellipsoid: Ellipsoid) -> Option<Self> {
         let precision = ellipsoid.shape.cholesky()?.inverse();
-        Some(Self {
-            ellipsoid,
-            precision,
-        })
+        Some(Self { ellipsoid, precision })
     }
 
     /// d(x) = (x − c)ᵀ A⁻¹ (x − c), the algebraic ellipsoidal distance (PF02 eq. 6).
@@ -67,9 +64,7 @@ impl Field {
     /// The field of the given ellipsoids d = 1, all in one limb; flat ones are left out.
     pub fn new(ellipsoids: impl IntoIterator<Item = Ellipsoid>) -> Self {
         let each = ellipsoids.into_iter().enumerate();
-        let (sources, metaballs): (Vec<_>, Vec<_>) = each
-            .filter_map(|(i, e)| Some((i, Metaball::new(e)?)))
-            .unzip();
+        let (sources, metaballs): (Vec<_>, Vec<_>) = each.filter_map(|(i, e)| Some((i, Metaball::new(e)?))).unzip();
         Self {
             limbs: vec![(0..metaballs.len()).collect()],
             metaballs,

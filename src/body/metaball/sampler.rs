@@ -34,12 +34,7 @@ impl<'f> Sampler<'f> {
     /// Samples a limb, or where `limb` is `None` the one whose sum is largest.
     ///
     /// `false`, and nothing changed, if there is no metaball or no such limb.
-    pub fn sample(
-        &mut self,
-        point_world: &Vector3<f64>,
-        limb: Option<usize>,
-        sample: &mut FieldSample,
-    ) -> bool {
+    pub fn sample(&mut self, point_world: &Vector3<f64>, limb: Option<usize>, sample: &mut FieldSample) -> bool {
         self.measure(point_world);
         let Some((limb, least)) = limb.map_or_else(|| self.largest(), |l| self.least(l)) else {
             return false;
@@ -48,8 +43,7 @@ impl<'f> Sampler<'f> {
         let reach = least + NEGLIGIBLE;
         let contributes = |i: &&usize| self.distances[**i] < reach;
         self.near.clear();
-        self.near
-            .extend(self.field.limbs[limb].iter().filter(contributes));
+        self.near.extend(self.field.limbs[limb].iter().filter(contributes));
         sample.update_limb(self.field, limb, point_world, &self.near);
         true
     }
@@ -64,27 +58,22 @@ impl<'f> Sampler<'f> {
             let x = point_world.x - c0[i];
             let y = point_world.y - c1[i];
             let z = point_world.z - c2[i];
-            distances[i] = x * (p0[i] * x + 2.0 * (p3[i] * y + p4[i] * z))
-                + y * (p1[i] * y + 2.0 * p5[i] * z)
-                + z * p2[i] * z;
+            distances[i] =
+                x * (p0[i] * x + 2.0 * (p3[i] * y + p4[i] * z)) + y * (p1[i] * y + 2.0 * p5[i] * z) + z * p2[i] * z;
         }
     }
 
     /// A limb and its least d.
     fn least(&self, limb: usize) -> Option<(usize, f64)> {
         let balls = self.field.limbs.get(limb)?.iter();
-        let least = balls
-            .map(|&i| self.distances[i])
-            .fold(f64::INFINITY, f64::min);
+        let least = balls.map(|&i| self.distances[i]).fold(f64::INFINITY, f64::min);
         least.is_finite().then_some((limb, least))
     }
 
     /// The limb whose sum is largest, and its least d.
     fn largest(&self) -> Option<(usize, f64)> {
         let limbs = 0..self.field.limbs.len();
-        let first = limbs
-            .filter_map(|l| self.least(l))
-            .min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let first = limbs.filter_map(|l| self.least(l)).min_by(|a, b| a.1.total_cmp(&b.1))?;
 
         // the sums of the other limbs, where they could be larger
         let mut best = (first, self.log_sum(first.0, first.1));
@@ -135,12 +124,7 @@ mod tests {
         };
         let balls: Vec<_> = (0..10).map(|_| ball(&mut draw)).collect();
         let mut field = Field::new(balls);
-        field.limbs = vec![
-            vec![0, 1, 2, 3],
-            vec![4, 5, 0],
-            Vec::new(),
-            vec![6, 7, 8, 9],
-        ];
+        field.limbs = vec![vec![0, 1, 2, 3], vec![4, 5, 0], Vec::new(), vec![6, 7, 8, 9]];
         let mut sampler = Sampler::new(&field);
         let mut sample = FieldSample::default();
         for _ in 0..200 {

@@ -161,13 +161,7 @@ impl FieldSlopes {
     ///
     /// # Source
     /// PF02 eq. A.2, A.3, A.5; the sums over parts are ours.
-    pub fn row(
-        &self,
-        sample: &FieldSample,
-        alpha: impl Fn(usize) -> f64,
-        b: &Vector3<f64>,
-        row: &mut FieldRow,
-    ) {
+    pub fn row(&self, sample: &FieldSample, alpha: impl Fn(usize) -> f64, b: &Vector3<f64>, row: &mut FieldRow) {
         let change = |share: &Share| BallChange {
             alpha: alpha(share.metaball),
             ..BallChange::default()
@@ -177,13 +171,7 @@ impl FieldSlopes {
     }
 
     /// [`row`](Self::row) of a residual that depends on more of each metaball: one change for each of [`FieldSample::shares`].
-    pub fn row_from_changes(
-        &self,
-        sample: &FieldSample,
-        changes: &[BallChange],
-        b: &Vector3<f64>,
-        row: &mut FieldRow,
-    ) {
+    pub fn row_from_changes(&self, sample: &FieldSample, changes: &[BallChange], b: &Vector3<f64>, row: &mut FieldRow) {
         let branch = &self.limbs[sample.limb];
         row.clear(branch, self.frames.len());
         let level = b.dot(&sample.log_gradient);
@@ -196,8 +184,7 @@ impl FieldSlopes {
 
             // what the frame passes on, h = β q + M b + w γ
             let q = u * (-4.0 * w);
-            let h = u * (w * (16.0 * along - 4.0 * beta)) - (ball.precision * b) * (4.0 * w)
-                + change.place * w;
+            let h = u * (w * (16.0 * along - 4.0 * beta)) - (ball.precision * b) * (4.0 * w) + change.place * w;
             row.pulls[ball.frame.0].add(Pull { q, h });
 
             // what moves and stretches it within its frame
@@ -207,15 +194,13 @@ impl FieldSlopes {
             for radius in &ball.radii {
                 let v = radius.axis_world.dot(u);
                 let bend = 2.0 * b.dot(&radius.axis_world) * radius.precision;
-                row.dense[radius.component] +=
-                    4.0 * w * radius.slope * v * ((beta - 4.0 * along) * v + bend)
-                        + w * change.radii[radius.axis] * radius.slope * radius.precision;
+                row.dense[radius.component] += 4.0 * w * radius.slope * v * ((beta - 4.0 * along) * v + bend)
+                    + w * change.radii[radius.axis] * radius.slope * radius.precision;
             }
         }
 
         self.pass_down(branch, &sample.point_world, b, row);
-        row.values
-            .extend(branch.components.iter().map(|&c| row.dense[c]));
+        row.values.extend(branch.components.iter().map(|&c| row.dense[c]));
     }
 
     /// Passes what hangs on each frame on to the frame that carries it, from the tip to the root.
@@ -256,10 +241,7 @@ impl FieldRow {
         self.pulls.resize(frames, Pull::default());
         self.values.clear();
         branch.components.iter().for_each(|&c| self.dense[c] = 0.0);
-        branch
-            .frames
-            .iter()
-            .for_each(|f| self.pulls[f.0] = Pull::default());
+        branch.frames.iter().for_each(|f| self.pulls[f.0] = Pull::default());
     }
 }
 
@@ -283,21 +265,13 @@ fn frame_slopes(body: &Posed<'_>, layout: Layout, frame: usize) -> FrameSlopes {
     }
 }
 
-fn ball_slopes(
-    body: &Posed<'_>,
-    layout: Layout,
-    primitive: &Primitive,
-    precision: Matrix3<f64>,
-) -> BallSlopes {
+fn ball_slopes(body: &Posed<'_>, layout: Layout, primitive: &Primitive, precision: Matrix3<f64>) -> BallSlopes {
     let world_from_frame = body.frames[primitive.frame.0].world_from_frame;
     let mut centre = Vec::new();
     let mut add = |component, moved| centre.push((component, moved));
     stretch_columns(body, layout, &world_from_frame, &primitive.centre, &mut add);
 
-    let (axes, radii) = (
-        body.primitive_axes(primitive),
-        body.primitive_radii(primitive),
-    );
+    let (axes, radii) = (body.primitive_axes(primitive), body.primitive_radii(primitive));
     let slope = |(coefficient, slope): (CoefficientId, Vector3<f64>)| {
         let axes_that_grow = (0..3).filter(move |&k| slope[k] != 0.0);
         axes_that_grow.map(move |k| RadiusSlope {
@@ -313,21 +287,12 @@ fn ball_slopes(
         frame: primitive.frame,
         precision,
         centre,
-        radii: primitive
-            .radii
-            .slopes(body.shape())
-            .flat_map(slope)
-            .collect(),
+        radii: primitive.radii.slopes(body.shape()).flat_map(slope).collect(),
     }
 }
 
 /// The frames and components of a limb of these metaballs.
-fn branch(
-    model: &BodyModel,
-    layout: Layout,
-    frames: &[FrameSlopes],
-    balls: &[&BallSlopes],
-) -> Branch {
+fn branch(model: &BodyModel, layout: Layout, frames: &[FrameSlopes], balls: &[&BallSlopes]) -> Branch {
     let paths = balls.iter().flat_map(|ball| model.path(ball.frame));
     let mut on_root: Vec<FrameId> = paths.map(|(frame, _)| frame).chain([FrameId(0)]).collect();
     // a frame's number is above that of the one that carries it

@@ -100,9 +100,7 @@ impl Distortion {
             Lens::Ideal => *undistorted,
             Lens::BrownConrady(lens) => lens.distort(undistorted).0,
             Lens::Fisheye(lens) => lens.distort(undistorted),
-            Lens::RadialCorrection(lens) => lens
-                .distort(undistorted)
-                .unwrap_or(Vector2::repeat(f64::NAN)),
+            Lens::RadialCorrection(lens) => lens.distort(undistorted).unwrap_or(Vector2::repeat(f64::NAN)),
         }
     }
 
@@ -110,9 +108,7 @@ impl Distortion {
     pub(crate) fn distort_in_view(&self, undistorted: &Vector2<f64>) -> Option<Vector2<f64>> {
         match self.lens() {
             Lens::Ideal => Some(*undistorted),
-            Lens::BrownConrady(lens) => lens
-                .in_view(undistorted)
-                .then(|| lens.distort(undistorted).0),
+            Lens::BrownConrady(lens) => lens.in_view(undistorted).then(|| lens.distort(undistorted).0),
             Lens::Fisheye(lens) => lens.in_view(undistorted).then(|| lens.distort(undistorted)),
             Lens::RadialCorrection(lens) => lens.distort(undistorted),
         }
@@ -176,9 +172,10 @@ enum Lens {
 
 /// Value and slope of 1 + k₁s + k₂s² + … at s.
 fn polynomial(k: &[f64], s: f64) -> (f64, f64) {
-    let (value, slope) = k.iter().rev().fold((0.0, 0.0), |(value, slope), &k| {
-        (k + s * value, value + s * slope)
-    });
+    let (value, slope) = k
+        .iter()
+        .rev()
+        .fold((0.0, 0.0), |(value, slope), &k| (k + s * value, value + s * slope));
     (1.0 + s * value, value + s * slope)
 }
 

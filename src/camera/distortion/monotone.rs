@@ -13,11 +13,7 @@ pub(super) fn increases_up_to(end: f64, slope: impl Fn(f64) -> f64) -> bool {
 /// The smallest x in \[0, `limit`\] with f(x) = `target`, if f increases from f(0) = 0 up to there.
 ///
 /// `f` returns value and slope. Newton's iteration, kept in a shrinking bracket by bisection; exact to rounding.
-pub(super) fn solve_increasing(
-    f: impl Fn(f64) -> (f64, f64),
-    target: f64,
-    limit: f64,
-) -> Option<f64> {
+pub(super) fn solve_increasing(f: impl Fn(f64) -> (f64, f64), target: f64, limit: f64) -> Option<f64> {
     if target <= 0.0 {
         return (target >= 0.0).then_some(0.0);
     }

@@ -8,14 +8,8 @@ fn lenses() -> Vec<(&'static str, Distortion)> {
     vec![
         ("4", brown(&[-0.046183, 0.139983, 0.000608, 0.00069])),
         ("5", brown(&SEATED)),
-        (
-            "8",
-            brown(&[0.31, -0.12, 0.0011, -0.0007, 0.02, 0.65, -0.05, 0.013]),
-        ),
-        (
-            "fisheye",
-            Distortion::fisheye(&[-0.013, 0.021, -0.017, 0.004]).unwrap(),
-        ),
+        ("8", brown(&[0.31, -0.12, 0.0011, -0.0007, 0.02, 0.65, -0.05, 0.013])),
+        ("fisheye", Distortion::fisheye(&[-0.013, 0.021, -0.017, 0.004]).unwrap()),
         ("pincushion", brown(&[0.4, 0.1, -0.002, 0.003])),
         (
             "vicon",
@@ -68,10 +62,7 @@ fn distorted_points_are_those_of_opencv() {
         for (point, expected) in points.iter().zip(expected) {
             let distorted = lens.distort(&Vector2::from(*point));
             let error = (distorted - Vector2::from(*expected)).norm();
-            assert!(
-                error < 1e-14,
-                "{name}: {point:?} is {error:e} from OpenCV's"
-            );
+            assert!(error < 1e-14, "{name}: {point:?} is {error:e} from OpenCV's");
         }
     }
 }

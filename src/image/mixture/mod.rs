@@ -124,10 +124,9 @@ impl Mixture {
             let pixels = picture.values().par_chunks_exact(self.width);
             let marks = foreground.par_rows_mut();
             let rows = rows.zip(used).zip(pixels).zip(marks);
-            rows.with_min_len(8)
-                .for_each(|(((row, used), pixels), marks)| {
-                    update_row(row, used, pixels, marks, rate, &options);
-                });
+            rows.with_min_len(8).for_each(|(((row, used), pixels), marks)| {
+                update_row(row, used, pixels, marks, rate, &options);
+            });
         }
         Mask::from_ones(foreground)
     }
@@ -194,14 +193,7 @@ impl Tile {
     }
 
     #[inline(always)]
-    fn update(
-        &self,
-        modes: &mut [Modes],
-        used: &mut u8,
-        marks: &mut [u8],
-        rate: f32,
-        options: &MixtureOptions,
-    ) {
+    fn update(&self, modes: &mut [Modes], used: &mut u8, marks: &mut [u8], rate: f32, options: &MixtureOptions) {
         let mut matches = Matches {
             score: [-1.0; LANES],
             mode: [-1; LANES],
@@ -214,9 +206,7 @@ impl Tile {
         }
 
         // a colour that no mode matches takes the next one, if there is one
-        let is_any_new = matches.score[..marks.len()]
-            .iter()
-            .any(|score| *score < 0.0);
+        let is_any_new = matches.score[..marks.len()].iter().any(|score| *score < 0.0);
         if is_any_new && count < modes.len() {
             matches.compare(count as i32, &modes[count], &self.colour, options);
             count += 1;
@@ -265,11 +255,7 @@ impl Matches {
             let squared = squared(colour, &mode.mean, i);
             let (weight, variance) = (mode.weight[i], mode.variance[i]);
             let is_match = (squared < gate * variance) & (weight > 0.0);
-            let score = if is_match {
-                weight * weight / variance
-            } else {
-                -1.0
-            };
+            let score = if is_match { weight * weight / variance } else { -1.0 };
 
             let is_better = score > self.score[i];
             self.mode[i] = if is_better { k } else { self.mode[i] };
@@ -277,24 +263,13 @@ impl Matches {
 
             let is_less = weight < self.least_weight[i];
             self.least[i] = if is_less { k } else { self.least[i] };
-            self.least_weight[i] = if is_less {
-                weight
-            } else {
-                self.least_weight[i]
-            };
+            self.least_weight[i] = if is_less { weight } else { self.least_weight[i] };
         }
     }
 
     /// Updates mode k, which the colours match, replace, or leave alone.
     #[inline(always)]
-    fn teach(
-        &self,
-        k: i32,
-        mode: &mut Modes,
-        colour: &[Lane; 3],
-        rate: f32,
-        options: &MixtureOptions,
-    ) {
+    fn teach(&self, k: i32, mode: &mut Modes, colour: &[Lane; 3], rate: f32, options: &MixtureOptions) {
         let first = options.first_sigma * options.first_sigma;
         let floor = options.least_sigma * options.least_sigma;
 
@@ -303,11 +278,7 @@ impl Matches {
             let is_new = (self.mode[i] < 0) & (self.least[i] == k);
 
             // ω ← (1 − α) ω + α M; ρ = α/ω
-            let kept = if is_new {
-                0.0
-            } else {
-                mode.weight[i] * (1.0 - rate)
-            };
+            let kept = if is_new { 0.0 } else { mode.weight[i] * (1.0 - rate) };
             let weight = kept + if is_match | is_new { rate } else { 0.0 };
             let share = if is_match { rate / weight } else { 0.0 };
             let rho = if is_new { 1.0 } else { share };

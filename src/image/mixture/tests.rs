@@ -17,10 +17,7 @@ fn what_stays_is_background_and_what_is_new_is_not() {
     let mut picture = Picture::filled(5, 3, [102, 99, 101]);
     picture.row_mut(1)[4] = RED;
     let seen = mixture.update(&picture, 0.01);
-    assert_eq!(
-        (seen.row(0), seen.row(1)),
-        (&[0; 5][..], &[0, 0, 0, 0, 1][..])
-    );
+    assert_eq!((seen.row(0), seen.row(1)), (&[0; 5][..], &[0, 0, 0, 0, 1][..]));
 }
 
 #[test]
@@ -64,10 +61,7 @@ fn the_modes_do_not_depend_on_the_number_of_threads() {
         pictures.push(Picture::from_values(5, 3, values.collect()).unwrap());
     }
     let run = |threads| {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .unwrap();
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
             let mut mixture = Mixture::new(5, 3, MixtureOptions::default());
             for picture in &pictures {

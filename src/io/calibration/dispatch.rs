@@ -33,10 +33,7 @@ pub fn read(path: &Path, options: &CalibrationOptions) -> Result<Rig, Calibratio
 ///
 /// # Errors
 /// [`CalibrationError`], naming the file of the camera that is wrong.
-pub fn read_per_camera(
-    files: &[(String, PathBuf)],
-    options: &CalibrationOptions,
-) -> Result<Rig, CalibrationError> {
+pub fn read_per_camera(files: &[(String, PathBuf)], options: &CalibrationOptions) -> Result<Rig, CalibrationError> {
     let mut cameras = Vec::new();
     for (name, path) in files {
         let found = unchecked(path)?;
@@ -57,9 +54,7 @@ pub fn read_per_camera(
         cameras.push(camera);
     }
 
-    let path = files
-        .first()
-        .map_or(Path::new("calibration"), |(_, path)| path);
+    let path = files.first().map_or(Path::new("calibration"), |(_, path)| path);
     check(path, &cameras, options)
 }
 
@@ -75,9 +70,7 @@ pub fn select(rig: &Rig, path: &Path, names: &[&str]) -> Result<Rig, Calibration
                 place: super::Place::new(path, None, Some(name)),
             });
         }
-        let (_, camera) = rig
-            .by_name(name)
-            .ok_or_else(|| unknown_camera(rig, path, name))?;
+        let (_, camera) = rig.by_name(name).ok_or_else(|| unknown_camera(rig, path, name))?;
         cameras.push(camera.clone());
     }
     Ok(Rig { cameras })
@@ -98,11 +91,7 @@ fn unknown_camera(rig: &Rig, path: &Path, name: &str) -> CalibrationError {
 }
 
 fn unchecked(path: &Path) -> Result<Vec<UncheckedCamera>, CalibrationError> {
-    if path.is_dir() {
-        folder(path)
-    } else {
-        file(path)
-    }
+    if path.is_dir() { folder(path) } else { file(path) }
 }
 
 fn folder(path: &Path) -> Result<Vec<UncheckedCamera>, CalibrationError> {

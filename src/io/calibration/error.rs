@@ -63,10 +63,7 @@ pub enum CalibrationError {
     Pickle { path: PathBuf },
     /// `intri.yml` without `extri.yml`, or the other way round.
     #[error("{}: expected {expected} beside it", path.display())]
-    MissingHalf {
-        path: PathBuf,
-        expected: &'static str,
-    },
+    MissingHalf { path: PathBuf, expected: &'static str },
     /// The file does not follow its format.
     #[error("{place}: expected {expected}, found {found}")]
     Syntax {
@@ -79,18 +76,10 @@ pub enum CalibrationError {
     MissingKey { place: Place, key: String },
     /// Text where a number must be.
     #[error("{place}: {key}: expected a number, found {found:?}")]
-    NotANumber {
-        place: Place,
-        key: String,
-        found: String,
-    },
+    NotANumber { place: Place, key: String, found: String },
     /// NaN or infinity.
     #[error("{place}: {key}: expected a finite number, found {found}")]
-    NotFinite {
-        place: Place,
-        key: String,
-        found: f64,
-    },
+    NotFinite { place: Place, key: String, found: f64 },
     /// Too many or too few numbers.
     #[error("{place}: {key}: expected {expected} numbers, found {found}")]
     Count {
@@ -104,18 +93,10 @@ pub enum CalibrationError {
     Focal { place: Place, focal_px: f64 },
     /// A camera matrix that is not upper triangular with 1 in its corner.
     #[error("{place}: {key}: expected 0 below the diagonal and 1 in the corner, found {found}")]
-    Intrinsics {
-        place: Place,
-        key: String,
-        found: f64,
-    },
+    Intrinsics { place: Place, key: String, found: f64 },
     /// A rotation that is none.
     #[error("{place}: {key} is not a rotation: |RᵀR − I| = {defect:.1e}")]
-    Rotation {
-        place: Place,
-        key: String,
-        defect: f64,
-    },
+    Rotation { place: Place, key: String, defect: f64 },
     /// A rotation matrix with determinant −1.
     #[error("{place}: {key} is a reflection, not a rotation: its determinant is −1")]
     Reflection { place: Place, key: String },
@@ -124,11 +105,7 @@ pub enum CalibrationError {
     Projection { place: Place },
     /// An image size that no image has.
     #[error("{place}: image size {width} × {height} is not between 1 × 1 and 65535 × 65535")]
-    Size {
-        place: Place,
-        width: f64,
-        height: f64,
-    },
+    Size { place: Place, width: f64, height: f64 },
     /// A recorded image that does not fit on its sensor.
     #[error("{place}: the image, {} × {}, is larger than the sensor, {} × {}", image[0], image[1], sensor[0], sensor[1])]
     LargerThanSensor {
@@ -169,4 +146,5 @@ pub enum CalibrationError {
     MovingCamera { place: Place, key_frames: usize },
 }
 
-const EXPECTED_FILES: &str = "*.toml, intri.yml with extri.yml, OpenCV *.yml or *.xml, *.qca.txt, *.xcp, or a text file of projection matrices";
+const EXPECTED_FILES: &str =
+    "*.toml, intri.yml with extri.yml, OpenCV *.yml or *.xml, *.qca.txt, *.xcp, or a text file of projection matrices";

@@ -31,9 +31,7 @@ fn compare_pieces(x: &str, y: &str) -> Ordering {
 /// The leading run of digits, or of non-digits, and the rest.
 fn piece(text: &str) -> (&str, &str) {
     let digits = text.starts_with(|c: char| c.is_ascii_digit());
-    let end = text
-        .find(|c: char| c.is_ascii_digit() != digits)
-        .unwrap_or(text.len());
+    let end = text.find(|c: char| c.is_ascii_digit() != digits).unwrap_or(text.len());
     text.split_at(end)
 }
 

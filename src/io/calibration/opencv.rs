@@ -33,10 +33,7 @@ const HEIGHT: &[&str] = &["H", "image_height", "image_Height", "height"];
 const FISHEYE: &[&str] = &["fisheye_model"];
 
 /// The cameras of these files taken together; `alone` names the camera of a file that describes only one.
-pub(super) fn cameras(
-    storages: &[Storage],
-    alone: &str,
-) -> Result<Vec<UncheckedCamera>, CalibrationError> {
+pub(super) fn cameras(storages: &[Storage], alone: &str) -> Result<Vec<UncheckedCamera>, CalibrationError> {
     let names = names(storages);
     if names.is_empty() {
         let source = Source {
@@ -112,10 +109,7 @@ impl Source<'_> {
     }
 
     fn find(&self, keys: &[&str]) -> Result<Option<Numbers>, CalibrationError> {
-        let keys: Vec<String> = keys
-            .iter()
-            .map(|key| format!("{key}{}", self.suffix))
-            .collect();
+        let keys: Vec<String> = keys.iter().map(|key| format!("{key}{}", self.suffix)).collect();
         let found = self
             .storages
             .iter()
@@ -135,10 +129,9 @@ impl Source<'_> {
         };
         let path = storage.map_or(Path::new(""), |storage| &storage.path);
         let usual = keys.get(usize::from(self.suffix.is_empty())).copied();
-        self.find(keys)?
-            .ok_or_else(|| CalibrationError::MissingKey {
-                place: Place::new(path, None, Some(self.name)),
-                key: format!("{}{}", usual.unwrap_or_default(), self.suffix),
-            })
+        self.find(keys)?.ok_or_else(|| CalibrationError::MissingKey {
+            place: Place::new(path, None, Some(self.name)),
+            key: format!("{}{}", usual.unwrap_or_default(), self.suffix),
+        })
     }
 }

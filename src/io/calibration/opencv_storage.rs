@@ -81,10 +81,7 @@ fn number(token: &str) -> Option<f64> {
 /// Reads `<opencv_storage>`.
 pub(super) fn parse_xml(path: &Path, text: &str) -> Result<Storage, CalibrationError> {
     let document = document(path, text)?;
-    let elements = document
-        .root_element()
-        .children()
-        .filter(|n| n.is_element());
+    let elements = document.root_element().children().filter(|n| n.is_element());
     let entries = elements.map(|node| {
         let text_of = |name: &str| {
             let child = node.children().find(|child| child.has_tag_name(name));
@@ -102,9 +99,7 @@ pub(super) fn parse_xml(path: &Path, text: &str) -> Result<Storage, CalibrationE
         Entry {
             key: node.tag_name().name().into(),
             line: line_of(node),
-            expected: size("rows")
-                .zip(size("cols"))
-                .and_then(|(r, c)| r.checked_mul(c)),
+            expected: size("rows").zip(size("cols")).and_then(|(r, c)| r.checked_mul(c)),
             tokens: tokens(&data),
         }
     });
@@ -127,14 +122,10 @@ pub(super) fn parse_yaml(path: &Path, text: &str) -> Result<Storage, Calibration
         // an indented line or list item continues the entry above, as does every line within brackets
         let open = blocks.last().is_some_and(Block::is_open);
         if open || line.starts_with([' ', '\t', '-']) {
-            let block = blocks
-                .last_mut()
-                .ok_or_else(|| not_a_key(path, index, line))?;
+            let block = blocks.last_mut().ok_or_else(|| not_a_key(path, index, line))?;
             block.push(line);
         } else {
-            let (key, rest) = line
-                .split_once(':')
-                .ok_or_else(|| not_a_key(path, index, line))?;
+            let (key, rest) = line.split_once(':').ok_or_else(|| not_a_key(path, index, line))?;
             blocks.push(Block::new(unquoted(key.trim()), index + 1, rest));
         }
     }
@@ -205,9 +196,7 @@ impl Block {
         Entry {
             key: self.key.clone(),
             line: self.line,
-            expected: size("rows:")
-                .zip(size("cols:"))
-                .and_then(|(r, c)| r.checked_mul(c)),
+            expected: size("rows:").zip(size("cols:")).and_then(|(r, c)| r.checked_mul(c)),
             tokens: tokens(first_value(&data)),
         }
     }
@@ -297,10 +286,7 @@ mod tests {
     #[test]
     fn an_open_bracket_is_found_where_it_was_opened() {
         let error = parse_yaml(Path::new("a.yml"), "x: 1\nK: [1, 2\ny: 3\n").unwrap_err();
-        assert_eq!(
-            error.to_string(),
-            "a.yml:2: expected ], found the end of the file"
-        );
+        assert_eq!(error.to_string(), "a.yml:2: expected ], found the end of the file");
     }
 
     #[test]

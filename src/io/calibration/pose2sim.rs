@@ -176,17 +176,10 @@ impl Section<'_> {
         Ok(Numbers::new(self.path, line, key, values))
     }
 
-    fn flatten(
-        &self,
-        key: &str,
-        value: &Spanned<DeValue<'_>>,
-        values: &mut Vec<f64>,
-    ) -> Result<(), CalibrationError> {
+    fn flatten(&self, key: &str, value: &Spanned<DeValue<'_>>, values: &mut Vec<f64>) -> Result<(), CalibrationError> {
         let (number, found) = match value.get_ref() {
             DeValue::Array(array) => {
-                return array
-                    .iter()
-                    .try_for_each(|item| self.flatten(key, item, values));
+                return array.iter().try_for_each(|item| self.flatten(key, item, values));
             }
             DeValue::Integer(number) => (number.as_str().parse().ok(), number.to_string()),
             DeValue::Float(number) => (number.as_str().parse().ok(), number.to_string()),

@@ -21,11 +21,7 @@ use std::path::Path;
 const INDEPENDENT: f64 = 1e-12;
 
 /// The cameras of a file; `alone` names the camera of a file with one nameless matrix.
-pub(super) fn parse(
-    path: &Path,
-    text: &str,
-    alone: &str,
-) -> Result<Vec<UncheckedCamera>, CalibrationError> {
+pub(super) fn parse(path: &Path, text: &str, alone: &str) -> Result<Vec<UncheckedCamera>, CalibrationError> {
     let mut reader = Reader {
         path,
         common_size: Size::Unstated,
@@ -85,11 +81,7 @@ impl Reader<'_> {
 
     fn size(&mut self, line: usize, values: Vec<f64>) {
         let size = Size::Stated(Numbers::new(self.path, line, "width height", values));
-        match self
-            .blocks
-            .last_mut()
-            .filter(|block| block.values.is_empty())
-        {
+        match self.blocks.last_mut().filter(|block| block.values.is_empty()) {
             Some(block) => block.size = size,
             None => self.common_size = size,
         }
@@ -99,11 +91,7 @@ impl Reader<'_> {
         if !matches!(values.len(), 4 | 12) {
             let camera = self.blocks.last().map(|block| block.name.as_str());
             return Err(CalibrationError::Count {
-                place: Place::new(
-                    self.path,
-                    Some(line),
-                    camera.filter(|name| !name.is_empty()),
-                ),
+                place: Place::new(self.path, Some(line), camera.filter(|name| !name.is_empty())),
                 key: "projection matrix row".into(),
                 expected: "4",
                 found: values.len(),
@@ -111,10 +99,7 @@ impl Reader<'_> {
         }
 
         // a row after a full matrix begins the next camera
-        let full = self
-            .blocks
-            .last()
-            .is_none_or(|block| block.values.len() >= 12);
+        let full = self.blocks.last().is_none_or(|block| block.values.len() >= 12);
         if full {
             self.start(line, "");
         }
@@ -127,10 +112,7 @@ impl Reader<'_> {
 
     fn name(&mut self, line: usize, text: &str, tokens: &[&str]) -> Result<(), CalibrationError> {
         // "P0:" and twelve numbers on one line
-        let numbers: Vec<f64> = tokens
-            .iter()
-            .filter_map(|token| token.parse().ok())
-            .collect();
+        let numbers: Vec<f64> = tokens.iter().filter_map(|token| token.parse().ok()).collect();
         if numbers.len() == 12 && tokens.len() == 13 && tokens[0].ends_with(':') {
             self.start(line, tokens[0].trim_end_matches(':'));
             return self.row(line, &numbers);

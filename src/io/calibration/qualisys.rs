@@ -49,15 +49,11 @@ fn is_used(camera: &Element<'_, '_>) -> bool {
 }
 
 fn camera(camera: &Element<'_, '_>) -> Result<UncheckedCamera, CalibrationError> {
-    let [fov, intrinsic, transform] =
-        ["fov_video", "intrinsic", "transform"].map(|name| camera.child(name));
+    let [fov, intrinsic, transform] = ["fov_video", "intrinsic", "transform"].map(|name| camera.child(name));
     let (fov, intrinsic, transform) = (fov?, intrinsic?, transform?);
 
     let (left, top) = (fov.number("left")?, fov.number("top")?);
-    let size = vec![
-        fov.number("right")? - left + 1.0,
-        fov.number("bottom")? - top + 1.0,
-    ];
+    let size = vec![fov.number("right")? - left + 1.0, fov.number("bottom")? - top + 1.0];
 
     let pixels = |key: &str| intrinsic.number(key).map(|value| value / SUBPIXELS);
     let matrix = vec![
@@ -104,9 +100,7 @@ fn pose(transform: &Element<'_, '_>) -> Result<(Vec<f64>, Vec<f64>), Calibration
     let centre = transform
         .collect("x y z", &["x", "y", "z"])?
         .exactly::<3>("3", transform.camera)?;
-    let keys = [
-        "r11", "r12", "r13", "r21", "r22", "r23", "r31", "r32", "r33",
-    ];
+    let keys = ["r11", "r12", "r13", "r21", "r22", "r23", "r31", "r32", "r33"];
     let mut rotation = transform.collect("r11 … r33", &keys)?.values;
     for value in rotation.iter_mut().skip(3) {
         *value = -*value;

@@ -118,9 +118,7 @@ pub(super) fn check(
     let mut names = BTreeSet::new();
     for camera in cameras {
         if !names.insert(camera.name.as_str()) {
-            return Err(CalibrationError::Duplicate {
-                place: camera.place(),
-            });
+            return Err(CalibrationError::Duplicate { place: camera.place() });
         }
     }
     let cameras: Result<_, _> = cameras.iter().map(|camera| camera.check(options)).collect();
@@ -148,23 +146,16 @@ impl UncheckedCamera {
     }
 
     /// The image's size, and what was cut off the sensor on the left and at the top.
-    fn image_size(
-        &self,
-        options: &CalibrationOptions,
-    ) -> Result<([u32; 2], [f64; 2]), CalibrationError> {
+    fn image_size(&self, options: &CalibrationOptions) -> Result<([u32; 2], [f64; 2]), CalibrationError> {
         let given = options.image_sizes_px.get(&self.name).copied();
         match (&self.size, given) {
-            (Size::Stated(size), _) | (Size::Sensor(size), None) => {
-                Ok((self.whole_size(size)?, [0.0; 2]))
-            }
+            (Size::Stated(size), _) | (Size::Sensor(size), None) => Ok((self.whole_size(size)?, [0.0; 2])),
             (Size::Sensor(sensor), Some(image)) => {
                 let sensor = self.whole_size(sensor)?;
                 Ok((image, self.crop(image, sensor)?))
             }
             (Size::Unstated, Some(image)) => Ok((image, [0.0; 2])),
-            (Size::Unstated, None) => Err(CalibrationError::MissingSize {
-                place: self.place(),
-            }),
+            (Size::Unstated, None) => Err(CalibrationError::MissingSize { place: self.place() }),
         }
     }
 
@@ -195,8 +186,7 @@ impl UncheckedCamera {
     }
 
     fn intrinsics(&self) -> Result<Intrinsics, CalibrationError> {
-        let [fx_px, skew_px, cx_px, k21, fy_px, cy_px, k31, k32, k33] =
-            self.matrix.exactly::<9>("9", &self.name)?;
+        let [fx_px, skew_px, cx_px, k21, fy_px, cy_px, k31, k32, k33] = self.matrix.exactly::<9>("9", &self.name)?;
         if let Some(focal_px) = [fx_px, fy_px].into_iter().find(|&f| f <= 0.0) {
             return Err(CalibrationError::Focal {
                 place: self.matrix.place(&self.name),
@@ -227,8 +217,9 @@ impl UncheckedCamera {
         match &self.lens {
             Lens::BrownConrady(numbers) => Distortion::brown_conrady(numbers.finite(&self.name)?)
                 .ok_or_else(|| numbers.count("0, 4, 5 or 8", &self.name)),
-            Lens::Fisheye(numbers) => Distortion::fisheye(numbers.finite(&self.name)?)
-                .ok_or_else(|| numbers.count("4", &self.name)),
+            Lens::Fisheye(numbers) => {
+                Distortion::fisheye(numbers.finite(&self.name)?).ok_or_else(|| numbers.count("4", &self.name))
+            }
             Lens::RadialCorrection(numbers) => {
                 let [centre_x, centre_y, k1, k2, k3] = numbers.exactly::<5>("5", &self.name)?;
                 Ok(Distortion::RadialCorrection {
@@ -246,8 +237,7 @@ impl UncheckedCamera {
         let rotation = self.rotation(&self.rotation)?;
         let translation = Vector3::from(self.translation.exactly::<3>("3", &self.name)?);
         let metres = options.unit.unwrap_or(self.unit).in_metres();
-        let camera_from_file =
-            Rigid3::from_parts(Translation3::from(translation * metres), rotation);
+        let camera_from_file = Rigid3::from_parts(Translation3::from(translation * metres), rotation);
         Ok(camera_from_file * options.up.file_from_world())
     }
 
@@ -267,10 +257,7 @@ impl UncheckedCamera {
         }
     }
 
-    fn nearest_rotation(
-        &self,
-        matrix: &Matrix3<f64>,
-    ) -> Result<UnitQuaternion<f64>, CalibrationError> {
+    fn nearest_rotation(&self, matrix: &Matrix3<f64>) -> Result<UnitQuaternion<f64>, CalibrationError> {
         if matrix.determinant() < 0.0 {
             return Err(CalibrationError::Reflection {
                 place: self.rotation.place(&self.name),

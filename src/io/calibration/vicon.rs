@@ -85,9 +85,7 @@ fn camera(camera: &Element<'_, '_>) -> Result<UncheckedCamera, CalibrationError>
     };
 
     let focal = frame.number("FOCAL_LENGTH")?;
-    let [cu, cv] = frame
-        .numbers("PRINCIPAL_POINT")?
-        .exactly::<2>("2", camera.camera)?;
+    let [cu, cv] = frame.numbers("PRINCIPAL_POINT")?.exactly::<2>("2", camera.camera)?;
     let matrix = vec![focal, 0.0, cu, 0.0, focal / aspect, cv, 0.0, 0.0, 1.0];
 
     let size = match camera.node.attribute("SENSOR_SIZE") {

@@ -49,12 +49,7 @@ struct Bone {
 ///
 /// # Errors
 /// [`BvhError`].
-pub fn bvh(
-    model: &BodyModel,
-    shape: &Shape,
-    motions: &[Option<Motion>],
-    rate_hz: f64,
-) -> Result<String, BvhError> {
+pub fn bvh(model: &BodyModel, shape: &Shape, motions: &[Option<Motion>], rate_hz: f64) -> Result<String, BvhError> {
     let bones = bones(model, shape)?;
     let first = motions.iter().flatten().next().ok_or(BvhError::Empty)?;
     let mut text = "HIERARCHY\n".to_owned();
@@ -85,9 +80,7 @@ fn bones(model: &BodyModel, shape: &Shape) -> Result<Vec<Bone>, BvhError> {
     // in the T pose the arms stretch sideways
     let t_pose = |part: usize| {
         let name = &model.parts[part].name;
-        let is_arm = ["upper_arm", "forearm", "hand"]
-            .iter()
-            .any(|n| name.starts_with(n));
+        let is_arm = ["upper_arm", "forearm", "hand"].iter().any(|n| name.starts_with(n));
         let out = match (is_arm, name.ends_with("_l")) {
             (false, _) => 0.0,
             (true, true) => std::f64::consts::FRAC_PI_2,
@@ -137,21 +130,11 @@ fn parent_part(model: &BodyModel, part: usize) -> Option<usize> {
 }
 
 /// One bone and all below it.
-fn joint(
-    text: &mut String,
-    model: &BodyModel,
-    shape: &Shape,
-    bones: &[Bone],
-    at: usize,
-    depth: usize,
-) {
+fn joint(text: &mut String, model: &BodyModel, shape: &Shape, bones: &[Bone], at: usize, depth: usize) {
     let bone = &bones[at];
     let pad = "  ".repeat(depth);
     let (word, channels) = match bone.parent {
-        None => (
-            "ROOT",
-            "6 Xposition Yposition Zposition Zrotation Xrotation Yrotation",
-        ),
+        None => ("ROOT", "6 Xposition Yposition Zposition Zrotation Xrotation Yrotation"),
         Some(_) => ("JOINT", "3 Zrotation Xrotation Yrotation"),
     };
 
@@ -302,9 +285,7 @@ mod tests {
         for (i, (_, offset, parent)) in bones.iter().enumerate() {
             let [z, x, y] = [0, 1, 2].map(|k| numbers[3 + 3 * i + k].to_radians());
             let about = |axis, angle| *Rotation3::from_axis_angle(&axis, angle).matrix();
-            let local = about(Vector3::z_axis(), z)
-                * about(Vector3::x_axis(), x)
-                * about(Vector3::y_axis(), y);
+            let local = about(Vector3::z_axis(), z) * about(Vector3::x_axis(), x) * about(Vector3::y_axis(), y);
             global.push(match parent {
                 None => (local, Vector3::new(numbers[0], numbers[1], numbers[2])),
                 Some(p) => (global[*p].0 * local, global[*p].1 + global[*p].0 * offset),

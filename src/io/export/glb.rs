@@ -42,12 +42,7 @@ pub enum GlbError {
 ///
 /// # Errors
 /// [`GlbError`].
-pub fn glb(
-    model: &BodyModel,
-    shape: &Shape,
-    motions: &[Option<Motion>],
-    rate_hz: f64,
-) -> Result<Vec<u8>, GlbError> {
+pub fn glb(model: &BodyModel, shape: &Shape, motions: &[Option<Motion>], rate_hz: f64) -> Result<Vec<u8>, GlbError> {
     let parts = model.parts.len();
     if parts > 255 {
         let body = model.name.clone();
@@ -81,10 +76,7 @@ pub fn glb(
         .iter()
         .map(|(_, m)| local(&poses(&Posed::new(model, shape, m)), &parents))
         .collect();
-    let seconds: Vec<f32> = keys
-        .iter()
-        .map(|(i, _)| (*i as f64 / rate_hz) as f32)
-        .collect();
+    let seconds: Vec<f32> = keys.iter().map(|(i, _)| (*i as f64 / rate_hz) as f32).collect();
     let animation = animation(&mut data, &seconds, &local_poses);
 
     let document = json!({
@@ -107,11 +99,7 @@ pub fn glb(
 
 /// A node for each part, then `body` above them, then the mesh.
 fn nodes(model: &BodyModel, local: &[Isometry3<f64>], parents: &[Option<usize>]) -> Vec<Value> {
-    let children = |of: Option<usize>| {
-        (0..parents.len())
-            .filter(|i| parents[*i] == of)
-            .collect::<Vec<_>>()
-    };
+    let children = |of: Option<usize>| (0..parents.len()).filter(|i| parents[*i] == of).collect::<Vec<_>>();
 
     let part = |i: usize| {
         let mut node = json!({
@@ -152,12 +140,7 @@ fn mesh(data: &mut Data, skin: &SkinnedMesh) -> Value {
             .map(|(part, weight)| if *weight > 0.0 { *part } else { 0 })
             .collect()
     };
-    let joints: Vec<u8> = skin
-        .parts
-        .iter()
-        .zip(&skin.weights)
-        .flat_map(joint)
-        .collect();
+    let joints: Vec<u8> = skin.parts.iter().zip(&skin.weights).flat_map(joint).collect();
     let joints = data.push("VEC4", UNSIGNED_BYTE, joints.len() / 4, &joints, json!({}));
 
     let corners = skin.mesh.triangles.iter().flatten();
@@ -198,9 +181,7 @@ fn animation(data: &mut Data, seconds: &[f32], keys: &[Vec<Isometry3<f64>>]) -> 
             ("rotation", data.floats("VEC4", &turns)),
         ];
         for (path, output) in outputs {
-            channels.push(
-                json!({ "sampler": samplers.len(), "target": { "node": part, "path": path } }),
-            );
+            channels.push(json!({ "sampler": samplers.len(), "target": { "node": part, "path": path } }));
             samplers.push(json!({ "input": input, "output": output, "interpolation": "LINEAR" }));
         }
     }
@@ -228,10 +209,7 @@ fn poses(body: &Posed<'_>) -> Vec<Isometry3<f64>> {
     let pose = |i: usize| {
         let turn = Rotation3::from_matrix_unchecked(body.world_from_part(PartId(i)));
         let place = body.origin_of_part(PartId(i)).coords;
-        Isometry3::from_parts(
-            Translation3::from(place),
-            UnitQuaternion::from_rotation_matrix(&turn),
-        )
+        Isometry3::from_parts(Translation3::from(place), UnitQuaternion::from_rotation_matrix(&turn))
     };
     (0..body.model.parts.len()).map(pose).collect()
 }
@@ -273,28 +251,16 @@ impl Data {
             _ => 16,
         };
         let of = |k: usize| values.iter().skip(k).step_by(width).copied();
-        let least: Vec<f32> = (0..width)
-            .map(|k| of(k).fold(f32::INFINITY, f32::min))
-            .collect();
-        let most: Vec<f32> = (0..width)
-            .map(|k| of(k).fold(f32::NEG_INFINITY, f32::max))
-            .collect();
+        let least: Vec<f32> = (0..width).map(|k| of(k).fold(f32::INFINITY, f32::min)).collect();
+        let most: Vec<f32> = (0..width).map(|k| of(k).fold(f32::NEG_INFINITY, f32::max)).collect();
         let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
         let bounds = json!({ "min": least, "max": most });
         self.push(kind, FLOAT, values.len() / width, &bytes, bounds)
     }
 
-    fn push(
-        &mut self,
-        kind: &str,
-        component: u32,
-        count: usize,
-        bytes: &[u8],
-        mut accessor: Value,
-    ) -> usize {
-        self.views.push(
-            json!({ "buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len() }),
-        );
+    fn push(&mut self, kind: &str, component: u32, count: usize, bytes: &[u8], mut accessor: Value) -> usize {
+        self.views
+            .push(json!({ "buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len() }));
 
         accessor["bufferView"] = json!(self.views.len() - 1);
         accessor["componentType"] = json!(component);
@@ -338,13 +304,8 @@ mod tests {
         let number = |at: usize| u32::from_le_bytes(file[at..at + 4].try_into().unwrap()) as usize;
         assert_eq!((&file[..4], number(8)), (&b"glTF"[..], file.len()));
         let json: Value = serde_json::from_slice(&file[20..20 + number(12)]).unwrap();
-        assert_eq!(
-            json["nodes"].as_array().unwrap().len(),
-            model.parts.len() + 2
-        );
-        let times = json["animations"][0]["samplers"][0]["input"]
-            .as_u64()
-            .unwrap() as usize;
+        assert_eq!(json["nodes"].as_array().unwrap().len(), model.parts.len() + 2);
+        let times = json["animations"][0]["samplers"][0]["input"].as_u64().unwrap() as usize;
         assert_eq!(json["accessors"][times]["count"], 2);
         approx::assert_relative_eq!(
             json["accessors"][times]["max"][0].as_f64().unwrap(),
@@ -363,8 +324,7 @@ mod tests {
         let json: Value = serde_json::from_slice(&file[20..20 + length]).unwrap();
         let position = &json["meshes"][0]["primitives"][0]["attributes"]["POSITION"];
         let corners = json["accessors"][position.as_u64().unwrap() as usize]["count"].as_u64();
-        let of_each =
-            skinned_ellipsoids(&model, &shape).mesh.vertices.len() / model.ellipsoids.len();
+        let of_each = skinned_ellipsoids(&model, &shape).mesh.vertices.len() / model.ellipsoids.len();
         assert_eq!(corners.unwrap() as usize, of_each * model.ellipsoids.len());
     }
 }

@@ -10,9 +10,7 @@ use std::fmt::Write;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::camera::UpAxis;
-use crate::gait::{
-    Angle, GaitAnalysis, Landmark, Limb, Movement, Segment, Segments, Side, cardan_zxy,
-};
+use crate::gait::{Angle, GaitAnalysis, Landmark, Limb, Movement, Segment, Segments, Side, cardan_zxy};
 
 /// The origin of Rajagopal's pelvis (between the ASIS) from the middle of its hips, in its own axes, metres, unscaled.
 const PELVIS_FROM_HIPS: [f64; 3] = [0.0563, 0.0785, 0.0];
@@ -67,10 +65,7 @@ pub fn coordinates(movement: &Movement, gait: &GaitAnalysis) -> Option<MotionTab
     if let Some(trunk) = segments.axes.get(&Segment::Trunk) {
         let turn = |(p, t): (&Matrix3<f64>, &Matrix3<f64>)| cardan_zxy(&(p.transpose() * t));
         let turns: Vec<[f64; 3]> = pelvis.iter().zip(trunk).map(turn).collect();
-        columns.extend(three(
-            ["lumbar_extension", "lumbar_bending", "lumbar_rotation"],
-            &turns,
-        ));
+        columns.extend(three(["lumbar_extension", "lumbar_bending", "lumbar_rotation"], &turns));
     }
 
     let time = |i: usize| (movement.first_frame + i) as f64 / movement.rate_hz;
@@ -97,15 +92,9 @@ fn pelvis_columns(pelvis: &[Matrix3<f64>], hips: &[Vector3<f64>]) -> Vec<Column>
     columns
 }
 
-fn side_columns(
-    segments: &Segments,
-    gait: &GaitAnalysis,
-    side: Side,
-    frames: usize,
-) -> Vec<Column> {
+fn side_columns(segments: &Segments, gait: &GaitAnalysis, side: Side, frames: usize) -> Vec<Column> {
     let known = |angle| gait.angles.get(&(side, angle)).cloned();
-    let column =
-        |(angle, name): (Angle, &'static str)| (name, known(angle).unwrap_or(vec![0.0; frames]));
+    let column = |(angle, name): (Angle, &'static str)| (name, known(angle).unwrap_or(vec![0.0; frames]));
     let mut columns: Vec<(&str, Vec<f64>)> = OF_LEG.into_iter().map(column).collect();
     columns.push(("subtalar_angle", vec![0.0; frames]));
     columns.push(("mtp_angle", vec![0.0; frames]));
@@ -148,12 +137,7 @@ fn continuous(values: &[f64]) -> Vec<f64> {
 
 /// The text of a file. Frames with unknown values are left out: OpenSim has no missing values.
 pub fn motion_text(table: &MotionTable, kind: TableKind, name: &str) -> String {
-    let is_known = |i: &usize| {
-        table
-            .columns
-            .iter()
-            .all(|(_, values)| values[*i].is_finite())
-    };
+    let is_known = |i: &usize| table.columns.iter().all(|(_, values)| values[*i].is_finite());
     let rows: Vec<usize> = (0..table.times_s.len()).filter(is_known).collect();
 
     let (title, in_degrees) = match kind {

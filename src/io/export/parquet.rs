@@ -28,22 +28,15 @@ impl FrameTable {
         let frame = field("frame", Physical::INT64, Repetition::REQUIRED);
         let doubles = self.columns.iter();
         let doubles = doubles.map(|(name, _)| field(name, Physical::DOUBLE, Repetition::OPTIONAL));
-        let fields = std::iter::once(frame)
-            .chain(doubles)
-            .collect::<Result<_, _>>()?;
-        let schema = Type::group_type_builder("motion")
-            .with_fields(fields)
-            .build()?;
-        let properties = WriterProperties::builder()
-            .set_created_by(concat!("maquette ", env!("CARGO_PKG_VERSION")).into());
+        let fields = std::iter::once(frame).chain(doubles).collect::<Result<_, _>>()?;
+        let schema = Type::group_type_builder("motion").with_fields(fields).build()?;
+        let properties =
+            WriterProperties::builder().set_created_by(concat!("maquette ", env!("CARGO_PKG_VERSION")).into());
         let mut bytes = Vec::new();
-        let mut file =
-            SerializedFileWriter::new(&mut bytes, Arc::new(schema), Arc::new(properties.build()))?;
+        let mut file = SerializedFileWriter::new(&mut bytes, Arc::new(schema), Arc::new(properties.build()))?;
         let mut rows = file.next_row_group()?;
         if let Some(mut column) = rows.next_column()? {
-            column
-                .typed::<Int64Type>()
-                .write_batch(&self.frames, None, None)?;
+            column.typed::<Int64Type>().write_batch(&self.frames, None, None)?;
             column.close()?;
         }
         for (_, values) in &self.columns {
@@ -53,9 +46,7 @@ impl FrameTable {
             // a null has no value and the definition level 0
             let known: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
             let levels: Vec<i16> = values.iter().map(|v| i16::from(v.is_finite())).collect();
-            column
-                .typed::<DoubleType>()
-                .write_batch(&known, Some(&levels), None)?;
+            column.typed::<DoubleType>().write_batch(&known, Some(&levels), None)?;
             column.close()?;
         }
         rows.close()?;
@@ -88,14 +79,8 @@ mod tests {
         std::io::Write::write_all(&mut file, &bytes).unwrap();
         let file = SerializedFileReader::new(file).unwrap();
         let rows: Vec<_> = file.into_iter().map(Result::unwrap).collect();
-        assert_eq!(
-            (rows[0].get_long(0).unwrap(), rows[1].get_long(0).unwrap()),
-            (7, 8)
-        );
+        assert_eq!((rows[0].get_long(0).unwrap(), rows[1].get_long(0).unwrap()), (7, 8));
         assert!(rows[0].get_double(2).is_err(), "null");
-        assert_eq!(
-            rows[1].get_double(2).unwrap().to_bits(),
-            (1.0_f64 / 3.0).to_bits()
-        );
+        assert_eq!(rows[1].get_double(2).unwrap().to_bits(), (1.0_f64 / 3.0).to_bits());
     }
 }

@@ -86,9 +86,6 @@ mod tests {
     #[test]
     fn a_cell_of_csv_is_empty_where_nothing_is_known() {
         let text = String::from_utf8(table().csv().unwrap()).unwrap();
-        assert_eq!(
-            text,
-            "frame,time_s,RKnee_x_m\n7,0.140000,\n8,0.160000,0.333333\n"
-        );
+        assert_eq!(text, "frame,time_s,RKnee_x_m\n7,0.140000,\n8,0.160000,0.333333\n");
     }
 }

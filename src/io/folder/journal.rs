@@ -95,9 +95,7 @@ impl DiskJournal {
 
     /// The first thing that could not be kept, if any: the run itself does not need it.
     pub fn fault(self) -> Option<OutError> {
-        self.fault
-            .into_inner()
-            .unwrap_or_else(PoisonError::into_inner)
+        self.fault.into_inner().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn keyframe(&self, keyframe: usize) -> PathBuf {
@@ -166,9 +164,7 @@ fn difference(place: &str, was: &Value, is: &Value) -> Option<(String, String, S
             let mut keys: Vec<&String> = a.keys().chain(b.keys()).collect();
             keys.sort();
             keys.dedup();
-            let at = |object: &serde_json::Map<String, Value>, key: &str| {
-                object.get(key).cloned().unwrap_or_default()
-            };
+            let at = |object: &serde_json::Map<String, Value>, key: &str| object.get(key).cloned().unwrap_or_default();
             keys.into_iter()
                 .find_map(|key| difference(&inside(key), &at(a, key), &at(b, key)))
         }

@@ -80,9 +80,7 @@ pub fn check_out(folder: &Path, existing: Existing) -> Result<(), OutError> {
         Err(_) => true,
     };
     if existing == Existing::Refuse && !is_empty() {
-        return Err(OutError::NotEmpty {
-            path: folder.into(),
-        });
+        return Err(OutError::NotEmpty { path: folder.into() });
     }
     Ok(())
 }
@@ -119,11 +117,7 @@ impl OutFolder {
         let begun = self.begun(mark);
         if self.path.join(mark).is_file() || begun.is_file() {
             let nothing = self.path.join(UNFINISHED);
-            for place in others
-                .iter()
-                .chain([&mark])
-                .map(|name| self.path.join(name))
-            {
+            for place in others.iter().chain([&mark]).map(|name| self.path.join(name)) {
                 replace(&nothing, &place).map_err(|source| OutError::write(&place, source))?;
             }
         }
@@ -165,9 +159,7 @@ impl OutFolder {
     /// # Errors
     /// [`OutError::Write`] if it cannot be made.
     pub fn scratch(&self) -> Result<TempDir, OutError> {
-        let scratch = tempfile::Builder::new()
-            .prefix(UNFINISHED)
-            .tempdir_in(&self.path);
+        let scratch = tempfile::Builder::new().prefix(UNFINISHED).tempdir_in(&self.path);
         scratch.map_err(|source| OutError::write(&self.path, source))
     }
 

@@ -39,13 +39,7 @@ pub(in crate::io) fn encode(
 pub(in crate::io) fn encode_mask(mask: &Mask, effort: Effort) -> io::Result<Vec<u8>> {
     let rows = (0..mask.height()).flat_map(|y| mask.row(y));
     let pixels: Vec<u8> = rows.map(|v| 255 * v).collect();
-    encode(
-        &pixels,
-        mask.width(),
-        mask.height(),
-        ExtendedColorType::L8,
-        effort,
-    )
+    encode(&pixels, mask.width(), mask.height(), ExtendedColorType::L8, effort)
 }
 
 /// A picture in colours: 8 bits each.

@@ -36,13 +36,7 @@ pub const QUALITY: &str = "quality.csv";
 /// [`OutError::Write`].
 pub(super) fn open(root: &Path) -> Result<OutFolder, OutError> {
     let folder = OutFolder::open(root)?;
-    let mut older = vec![
-        "masks",
-        "probability",
-        "mask-overlays",
-        "contours",
-        "stages",
-    ];
+    let mut older = vec!["masks", "probability", "mask-overlays", "contours", "stages"];
     // those of a fit are replaced with its result
     if !root.join("result.json").exists() {
         older.push("overlays");
@@ -89,9 +83,7 @@ impl MaskFolder {
     /// [`OutError::Write`].
     pub fn open(root: &Path, rig: &Rig, extras: MaskExtras) -> Result<Self, OutError> {
         let names = rig.names();
-        let cameras: Vec<(String, PathBuf)> = names
-            .map(|name| (name.to_owned(), file_name(name).into()))
-            .collect();
+        let cameras: Vec<(String, PathBuf)> = names.map(|name| (name.to_owned(), file_name(name).into())).collect();
         let kinds = [
             ("masks", true),
             ("probability", extras.probability),
@@ -193,11 +185,5 @@ fn overlay(picture: &Picture, mask: &Mask) -> Picture {
 fn grey(probability: &Plane<f32>) -> io::Result<Vec<u8>> {
     let grey = probability.map(|p| (255.0 * p).round() as u8);
     let (width, height) = (grey.width(), grey.height());
-    png::encode(
-        grey.values(),
-        width,
-        height,
-        ExtendedColorType::L8,
-        Effort::Quick,
-    )
+    png::encode(grey.values(), width, height, ExtendedColorType::L8, Effort::Quick)
 }

@@ -80,12 +80,7 @@ impl SilhouetteFolder {
     ///
     /// # Errors
     /// [`OutError`] for the first file that cannot be written.
-    pub fn write(
-        &mut self,
-        found: &FrameSilhouettes<'_>,
-        rig: &Rig,
-        model: &BodyModel,
-    ) -> Result<(), OutError> {
+    pub fn write(&mut self, found: &FrameSilhouettes<'_>, rig: &Rig, model: &BodyModel) -> Result<(), OutError> {
         let views = found.sighting.views.iter().zip(found.pictures);
 
         for (camera, (seen, picture)) in rig.cameras.iter().zip(views) {
@@ -113,10 +108,7 @@ impl SilhouetteFolder {
         let mask = contours.mask(camera);
         let path = |kind: &str, ending: &str| {
             let name = format!("{:06}{ending}", frame.0);
-            self.root
-                .join(kind)
-                .join(file_name(&camera.name))
-                .join(name)
+            self.root.join(kind).join(file_name(&camera.name)).join(name)
         };
 
         let png = png::encode_mask(&mask, Effort::Quick);
@@ -124,10 +116,7 @@ impl SilhouetteFolder {
         let json = serde_json::to_vec(&ContourFile::new(frame, camera, contours, model));
         let json = json.map_err(std::io::Error::other);
         write(&path("contours", ".json"), json)?;
-        write(
-            &path("contours", ".svg"),
-            Ok(svg(camera, contours).into_bytes()),
-        )?;
+        write(&path("contours", ".svg"), Ok(svg(camera, contours).into_bytes()))?;
 
         if self.extras.overlays {
             let canvas = overlay(picture, camera, contours);
@@ -139,10 +128,7 @@ impl SilhouetteFolder {
             let passed = png::encode_mask(&seen.filtered.mask, Effort::Quick);
             write(&path("stages", "_mask.png"), passed)?;
             let scale = 160.0 / seen.filtered.strong.max(1.0);
-            let grey = seen
-                .filtered
-                .magnitude()
-                .map(|g| [(scale * g).min(255.0) as u8; 3]);
+            let grey = seen.filtered.magnitude().map(|g| [(scale * g).min(255.0) as u8; 3]);
             let grey = png::encode_picture(&grey, Effort::Quick);
             write(&path("stages", "_gradient.png"), grey)?;
         }
@@ -202,22 +188,11 @@ struct CurveFile<'a> {
 }
 
 impl<'a> ContourFile<'a> {
-    fn new(
-        frame: FrameIndex,
-        camera: &'a Camera,
-        contours: &ViewContours,
-        model: &'a BodyModel,
-    ) -> Self {
+    fn new(frame: FrameIndex, camera: &'a Camera, contours: &ViewContours, model: &'a BodyModel) -> Self {
         let curve = |points: &Vec<FoundPoint>| CurveFile {
-            points_px: points
-                .iter()
-                .map(|p| [p.pixel.x, p.pixel.y].map(hundredths))
-                .collect(),
+            points_px: points.iter().map(|p| [p.pixel.x, p.pixel.y].map(hundredths)).collect(),
             reliability: points.iter().map(|p| hundredths(p.reliability)).collect(),
-            part: points
-                .iter()
-                .map(|p| model.parts[p.part.0].name.as_str())
-                .collect(),
+            part: points.iter().map(|p| model.parts[p.part.0].name.as_str()).collect(),
         };
 
         Self {
@@ -272,11 +247,7 @@ fn overlay(picture: &Picture, camera: &Camera, contours: &ViewContours) -> Canva
     for curve in &contours.outer {
         for (a, b) in curve.iter().zip(curve.iter().cycle().skip(1)) {
             expected.push(recorded(&a.expected, &b.expected));
-            let found = if a.reliability > 0.25 {
-                &mut sure
-            } else {
-                &mut unsure
-            };
+            let found = if a.reliability > 0.25 { &mut sure } else { &mut unsure };
             found.push(recorded(&a.pixel, &b.pixel));
         }
     }

@@ -106,8 +106,7 @@ pub fn parse_norm(text: &str, path: &Path) -> Result<Norm, NormError> {
         let angle = Angle::ALL.into_iter().find(|a| a.name() == name);
         let angle = angle.ok_or_else(|| unknown(path, "angle", &name))?;
 
-        let is_whole =
-            |values: &[f64]| values.len() == SCORE_POINTS && values.iter().all(|v| v.is_finite());
+        let is_whole = |values: &[f64]| values.len() == SCORE_POINTS && values.iter().all(|v| v.is_finite());
         let is_positive = part.sd_deg.iter().all(|sd| *sd > 0.0);
         if !is_whole(&part.mean_deg) || !is_whole(&part.sd_deg) || !is_positive {
             let path = path.into();
@@ -166,17 +165,11 @@ mod tests {
 
     #[test]
     fn a_norm_that_cannot_be_used_says_why() {
-        let parse = |text: &str| {
-            parse_norm(text, Path::new("n.toml"))
-                .unwrap_err()
-                .to_string()
-        };
+        let parse = |text: &str| parse_norm(text, Path::new("n.toml")).unwrap_err().to_string();
         let head = "name = \"a\"\nsource = \"b\"\n";
         let unknown = parse(&format!("{head}[parameter.sped]\nmean = 1\nsd = 1"));
         assert_eq!(unknown, "n.toml: parameter \"sped\" is not known");
-        let short = parse(&format!(
-            "{head}[curve.knee_flexion]\nmean_deg = [1.0]\nsd_deg = [1.0]"
-        ));
+        let short = parse(&format!("{head}[curve.knee_flexion]\nmean_deg = [1.0]\nsd_deg = [1.0]"));
         assert!(short.contains("knee_flexion: expected 51"), "{short}");
     }
 }

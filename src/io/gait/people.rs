@@ -88,20 +88,11 @@ mod tests {
             // means of different quantities are tied only as closely as their two or three digits, and as a mean of
             // quotients is a quotient of means
             let close = |found: f64, expected: f64| {
-                assert!(
-                    (found / expected - 1.0).abs() < 0.04,
-                    "{name}: {found} {expected}"
-                );
+                assert!((found / expected - 1.0).abs() < 0.04, "{name}: {found} {expected}");
             };
-            close(
-                mean(Parameter::Cadence) * mean(Parameter::StrideTime),
-                120.0,
-            );
+            close(mean(Parameter::Cadence) * mean(Parameter::StrideTime), 120.0);
             close(2.0 * mean(Parameter::StepTime), mean(Parameter::StrideTime));
-            close(
-                2.0 * mean(Parameter::StepLength),
-                mean(Parameter::StrideLength),
-            );
+            close(2.0 * mean(Parameter::StepLength), mean(Parameter::StrideLength));
             close(
                 mean(Parameter::SingleSupport) + mean(Parameter::DoubleSupport),
                 mean(Parameter::Stance),
@@ -113,15 +104,9 @@ mod tests {
     fn a_norm_is_that_of_the_age_and_sex() {
         let (woman, man) = (norm(72, Some(Sex::Female)), norm(72, Some(Sex::Male)));
         assert_ne!(woman.parameters, man.parameters);
-        assert!(
-            man.parameters_source
-                .unwrap()
-                .contains("men of 70 to 74 years")
-        );
+        assert!(man.parameters_source.unwrap().contains("men of 70 to 74 years"));
         // tables of children hold for both sexes, those of old people for one, and in between there is none
         assert!(!norm(13, None).parameters.is_empty());
-        assert!(
-            norm(72, None).parameters.is_empty() && norm(34, Some(Sex::Male)).parameters.is_empty()
-        );
+        assert!(norm(72, None).parameters.is_empty() && norm(34, Some(Sex::Male)).parameters.is_empty());
     }
 }

@@ -94,8 +94,7 @@ pub fn read_points(path: &Path, rate_hz: Option<f64>) -> Result<GaitInput, GaitI
     }
 
     let rate_hz = rate_hz.unwrap_or(stated_hz);
-    let movement =
-        Movement::from_points(rate_hz, points.first_frame, &points.names, &points.frames);
+    let movement = Movement::from_points(rate_hz, points.first_frame, &points.names, &points.frames);
     Ok(GaitInput {
         movement: movement.map_err(|source| GaitInputError::Points {
             path: path.into(),
@@ -110,11 +109,7 @@ pub fn read_points(path: &Path, rate_hz: Option<f64>) -> Result<GaitInput, GaitI
 ///
 /// # Errors
 /// [`GaitInputError::Result`] if the fit is of another body, and [`GaitInputError::Body`] if this one has no gait.
-pub fn from_result(
-    result: &ResultFile,
-    model: BodyModel,
-    rate_hz: Option<f64>,
-) -> Result<GaitInput, GaitInputError> {
+pub fn from_result(result: &ResultFile, model: BodyModel, rate_hz: Option<f64>) -> Result<GaitInput, GaitInputError> {
     let cameras = camera_bits(result);
     let pose = |part: &FramePart| FramePose {
         frame: FrameIndex(part.frame),
@@ -132,12 +127,10 @@ pub fn from_result(
         frames: result.motion.frames.iter().map(pose).collect(),
     };
 
-    let (movement, body) = fitted
-        .into_movement()
-        .map_err(|source| GaitInputError::Body {
-            body: result.body.clone(),
-            source,
-        })?;
+    let (movement, body) = fitted.into_movement().map_err(|source| GaitInputError::Body {
+        body: result.body.clone(),
+        source,
+    })?;
     Ok(GaitInput {
         movement,
         source: result.body.clone(),

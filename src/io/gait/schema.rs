@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use super::read::GaitInput;
 use crate::gait::{
-    Agreement, Angle, Curve, Event, Extremes, GaitAnalysis, Indices, Norm, Parameter, Side,
-    Statistic, Surface, Used, indices,
+    Agreement, Angle, Curve, Event, Extremes, GaitAnalysis, Indices, Norm, Parameter, Side, Statistic, Surface, Used,
+    indices,
 };
 
 /// A gait analysis. Version 1.
@@ -121,10 +121,7 @@ pub struct UnknownPart {
 
 /// The file of an analysis.
 pub fn gait_file(input: &GaitInput, gait: &GaitAnalysis, norm: Option<&Norm>) -> GaitFile {
-    let unknown = |(angle, reason): &(Angle, &'static str)| UnknownPart {
-        angle: *angle,
-        reason,
-    };
+    let unknown = |(angle, reason): &(Angle, &'static str)| UnknownPart { angle: *angle, reason };
     let indices = norm.and_then(|norm| Some(in_degrees(indices(&gait.curves, norm)?)));
     let norm = norm.map(|norm| NormPart {
         name: norm.name.clone(),

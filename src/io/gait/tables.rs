@@ -68,10 +68,7 @@ pub fn angles_csv(gait: &GaitAnalysis, movement: &Movement) -> std::io::Result<V
     for i in 0..movement.frames {
         let frame = movement.first_frame + i;
         let time = format!("{:.6}", frame as f64 / movement.rate_hz);
-        let angles = gait
-            .angles
-            .values()
-            .map(|track| degrees(track.get(i).copied()));
+        let angles = gait.angles.values().map(|track| degrees(track.get(i).copied()));
         writer.write_record([frame.to_string(), time].into_iter().chain(angles))?;
     }
     finished(writer)
@@ -83,19 +80,10 @@ pub fn angles_csv(gait: &GaitAnalysis, movement: &Movement) -> std::io::Result<V
 /// As [`curves_csv`].
 pub fn parameters_csv(gait: &GaitAnalysis) -> std::io::Result<Vec<u8>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record([
-        "parameter",
-        "unit",
-        "side",
-        "number",
-        "value",
-        "uncertainty",
-    ])?;
+    writer.write_record(["parameter", "unit", "side", "number", "value", "uncertainty"])?;
 
     for ((parameter, side), statistic) in &gait.parameters {
-        let uncertainty = statistic
-            .uncertainty
-            .map_or(String::new(), |u| format!("{u:.6}"));
+        let uncertainty = statistic.uncertainty.map_or(String::new(), |u| format!("{u:.6}"));
         for (i, value) in statistic.values.iter().enumerate() {
             let cells = [
                 parameter.name().to_owned(),

@@ -9,8 +9,7 @@ use super::order::parents_first;
 use super::side::{Side, Sides};
 use super::spec::{AxisSpec, JointSpec, LengthSpec, ModelSpec, PartSpec, PointSpec, PoseSpec};
 use crate::body::{
-    BodyModel, Joint, JointId, ModelError, NamedPoint, Part, PartId, Pose, Root, ScaledVector,
-    ShapeStatistics, Shift,
+    BodyModel, Joint, JointId, ModelError, NamedPoint, Part, PartId, Pose, Root, ScaledVector, ShapeStatistics, Shift,
 };
 
 pub(super) fn build(spec: &ModelSpec, path: &Path) -> Result<BodyModel, ModelFileError> {
@@ -191,19 +190,8 @@ impl Builder<'_> {
     }
 
     /// A part by its name in the file, on this side or in the middle.
-    pub(super) fn part_named(
-        &self,
-        name: &str,
-        side: Side,
-        place: &str,
-    ) -> Result<PartId, ModelFileError> {
-        let find = |wanted: &str| {
-            self.model
-                .parts
-                .iter()
-                .position(|p| p.name == wanted)
-                .map(PartId)
-        };
+    pub(super) fn part_named(&self, name: &str, side: Side, place: &str) -> Result<PartId, ModelFileError> {
+        let find = |wanted: &str| self.model.parts.iter().position(|p| p.name == wanted).map(PartId);
         find(&side.suffix(name))
             .or_else(|| find(name))
             .ok_or_else(|| self.missing(place, "part", name))
@@ -223,8 +211,7 @@ impl Builder<'_> {
         if let Some(dh) = &spec.dh {
             let alpha = Rotation3::from_axis_angle(&Vector3::x_axis(), dh.alpha_deg.to_radians());
             translation.value += turn * (alpha * Vector3::new(dh.a, 0.0, dh.d));
-            turn *=
-                alpha * Rotation3::from_axis_angle(&Vector3::z_axis(), dh.theta_deg.to_radians());
+            turn *= alpha * Rotation3::from_axis_angle(&Vector3::z_axis(), dh.theta_deg.to_radians());
         }
 
         let radians = |d: f64| d.to_radians();
@@ -282,10 +269,7 @@ impl Builder<'_> {
 
     fn point(&mut self, spec: &PointSpec) -> Result<(), ModelFileError> {
         let place = format!("point {}", spec.name);
-        let keys = [
-            ("part", spec.part.is_some()),
-            ("midpoint", !spec.midpoint.is_empty()),
-        ];
+        let keys = [("part", spec.part.is_some()), ("midpoint", !spec.midpoint.is_empty())];
         self.one_of(&place, keys)?;
         if let Some(part) = &spec.part {
             let sided = Sides::from(!self.model.parts.iter().any(|p| p.name == *part));
@@ -332,11 +316,7 @@ impl Builder<'_> {
         Ok(Pose {
             name: spec.name.clone(),
             limbs: spec.limbs,
-            angles: spec
-                .angles_deg
-                .iter()
-                .map(angle)
-                .collect::<Result<_, _>>()?,
+            angles: spec.angles_deg.iter().map(angle).collect::<Result<_, _>>()?,
         })
     }
 

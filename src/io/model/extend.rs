@@ -39,11 +39,7 @@ struct FleshSpec {
 /// The specification in a file, merged into that of the file which it extends, if it extends one.
 ///
 /// `read` are the files on the way here, outermost first; this one is added.
-pub(super) fn with_base(
-    text: &str,
-    path: &Path,
-    read: &mut Vec<ModelText>,
-) -> Result<ModelSpec, ModelFileError> {
+pub(super) fn with_base(text: &str, path: &Path, read: &mut Vec<ModelText>) -> Result<ModelSpec, ModelFileError> {
     let head: Head = parse_toml(text, path)?;
     read.push(ModelText {
         name: head.name,
@@ -85,16 +81,9 @@ fn one_name(path: &Path) -> PathBuf {
     std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned())
 }
 
-fn merged(
-    mut base: ModelSpec,
-    own: ExtensionSpec,
-    path: &Path,
-) -> Result<ModelSpec, ModelFileError> {
+fn merged(mut base: ModelSpec, own: ExtensionSpec, path: &Path) -> Result<ModelSpec, ModelFileError> {
     base.name = own.name;
-    let new = own
-        .factors
-        .into_iter()
-        .filter(|f| !base.factors.contains(f));
+    let new = own.factors.into_iter().filter(|f| !base.factors.contains(f));
     base.factors.extend(new.collect::<Vec<_>>());
 
     // a coefficient of the same name replaces the base's

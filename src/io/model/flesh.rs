@@ -24,12 +24,7 @@ type Frames = Vec<(f64, FrameId)>;
 
 impl Builder<'_> {
     /// The primitives of a part; all joints are there.
-    pub(super) fn flesh(
-        &mut self,
-        spec: &PartSpec,
-        part: PartId,
-        side: Side,
-    ) -> Result<(), ModelFileError> {
+    pub(super) fn flesh(&mut self, spec: &PartSpec, part: PartId, side: Side) -> Result<(), ModelFileError> {
         let owner = Owner { spec, part, side };
         let mut frames = Vec::new();
         for primitive in &spec.ellipsoids {
@@ -95,11 +90,7 @@ impl Builder<'_> {
         for turn in own.into_iter().rev() {
             let parent = frame;
             frame = FrameId(self.model.frames());
-            let turn = Turn {
-                parent,
-                share,
-                ..turn
-            };
+            let turn = Turn { parent, share, ..turn };
             self.model.followers.push(turn);
         }
 

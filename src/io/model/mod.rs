@@ -99,9 +99,7 @@ pub enum ModelFileError {
         part: String,
     },
     /// An axis that is neither ±x, ±y, ±z nor three numbers of positive length.
-    #[error(
-        "{path}: joint {joint}: the axis {found} is no direction: give \"x\", \"-y\" or three numbers"
-    )]
+    #[error("{path}: joint {joint}: the axis {found} is no direction: give \"x\", \"-y\" or three numbers")]
     Axis {
         /// File.
         path: PathBuf,
@@ -189,10 +187,7 @@ pub fn load(name: &str, folder: &Path) -> Result<BodyModel, ModelFileError> {
 ///
 /// # Errors
 /// As [`load`].
-pub fn load_with_texts(
-    name: &str,
-    folder: &Path,
-) -> Result<(BodyModel, Vec<ModelText>), ModelFileError> {
+pub fn load_with_texts(name: &str, folder: &Path) -> Result<(BodyModel, Vec<ModelText>), ModelFileError> {
     let (text, path) = text_of(name, folder)?;
     let mut read = Vec::new();
     let spec = extend::with_base(&text, &path, &mut read)?;
@@ -227,15 +222,10 @@ pub fn parse(text: &str, path: &Path) -> Result<BodyModel, ModelFileError> {
     build::build(&spec, path)
 }
 
-fn parse_toml<T: serde::de::DeserializeOwned>(
-    text: &str,
-    path: &Path,
-) -> Result<T, ModelFileError> {
+fn parse_toml<T: serde::de::DeserializeOwned>(text: &str, path: &Path) -> Result<T, ModelFileError> {
     toml::from_str(text).map_err(|e| ModelFileError::Syntax {
         path: path.to_owned(),
-        line: e
-            .span()
-            .map_or(0, |s| text[..s.start].matches('\n').count() + 1),
+        line: e.span().map_or(0, |s| text[..s.start].matches('\n').count() + 1),
         message: e.message().to_owned(),
     })
 }

@@ -10,13 +10,12 @@ const NAMES: [&str; 10] = [
 ];
 
 /// What a file must have, for messages.
-pub(super) const EXPECTED: &str = "x, y and z, and for the spread nothing, or sigma, or all of cov_xx cov_xy cov_xz cov_yy cov_yz cov_zz";
+pub(super) const EXPECTED: &str =
+    "x, y and z, and for the spread nothing, or sigma, or all of cov_xx cov_xy cov_xz cov_yy cov_yz cov_zz";
 
 /// The place of a column in [`Numbers`]; `None` if it is not used.
 pub(super) fn slot(name: &str) -> Option<usize> {
-    NAMES
-        .iter()
-        .position(|known| known.eq_ignore_ascii_case(name))
+    NAMES.iter().position(|known| known.eq_ignore_ascii_case(name))
 }
 
 /// The numbers of one point, in the order of [`NAMES`].

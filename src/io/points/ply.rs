@@ -4,8 +4,7 @@ use std::path::Path;
 
 use ply_rs_bw::parser::{Parser, Reader};
 use ply_rs_bw::ply::{
-    ElementDef, Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType,
-    ScalarType,
+    ElementDef, Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType,
 };
 
 use super::columns::{self, Numbers, Stated};
@@ -93,12 +92,7 @@ impl Body<'_> {
         Ok(())
     }
 
-    fn each(
-        &mut self,
-        element: &ElementDef,
-        header: &Header,
-        mut take: impl FnMut(Numbers),
-    ) -> Result<(), CloudError> {
+    fn each(&mut self, element: &ElementDef, header: &Header, mut take: impl FnMut(Numbers)) -> Result<(), CloudError> {
         let parser = Parser::<Numbers>::new();
         for index in 1..=element.count {
             let byte = self.bytes.len() - self.rest.len();
@@ -107,12 +101,8 @@ impl Body<'_> {
                     take(self.ascii(element)?);
                     continue;
                 }
-                Encoding::BinaryBigEndian => {
-                    parser.read_big_endian_element(&mut self.rest, element)
-                }
-                Encoding::BinaryLittleEndian => {
-                    parser.read_little_endian_element(&mut self.rest, element)
-                }
+                Encoding::BinaryBigEndian => parser.read_big_endian_element(&mut self.rest, element),
+                Encoding::BinaryLittleEndian => parser.read_little_endian_element(&mut self.rest, element),
             };
 
             take(numbers.map_err(|source| CloudError::Element {

@@ -67,11 +67,7 @@ impl Recording {
             [] => calibrated.names().collect(),
             cameras => cameras.iter().map(|camera| camera.name.as_str()).collect(),
         };
-        Ok(calibration::select(
-            &calibrated,
-            &self.calibration_source(),
-            &names,
-        )?)
+        Ok(calibration::select(&calibrated, &self.calibration_source(), &names)?)
     }
 
     /// The files or folders that the calibration is read from, each with its camera where there is one for each.
@@ -88,10 +84,7 @@ impl Recording {
     }
 
     fn read_calibration(&self, options: CalibrationOptions) -> Result<Rig, RecordingError> {
-        Ok(layout::read_calibration(
-            &self.calibration_paths(),
-            &options,
-        )?)
+        Ok(layout::read_calibration(&self.calibration_paths(), &options)?)
     }
 
     /// The path that errors name as the calibration.
@@ -114,11 +107,7 @@ impl<F> CalibratedCameras<F> {
             }
         }
         let position = |name: &str| calibrated.by_name(name).map(|(id, _)| id);
-        if !self
-            .cameras
-            .iter()
-            .any(|(camera, _)| position(&camera.name).is_some())
-        {
+        if !self.cameras.iter().any(|(camera, _)| position(&camera.name).is_some()) {
             return;
         }
 

@@ -21,10 +21,7 @@ pub(super) struct MaskFiles {
 
 impl MaskFiles {
     /// Finds the masks of the manifest's cameras, or of the folder's, and calibrates the cameras.
-    pub(super) fn list(
-        recording: &Recording,
-        notes: &mut Vec<Note>,
-    ) -> Result<Self, RecordingError> {
+    pub(super) fn list(recording: &Recording, notes: &mut Vec<Note>) -> Result<Self, RecordingError> {
         let masks = masks_of_cameras(recording, notes)?;
         if masks.is_empty() {
             return Ok(Self {
@@ -49,9 +46,7 @@ impl MaskFiles {
             nearest: unknown.nearest,
         }));
         if !without_files.is_empty() {
-            notes.push(Note::Unmasked {
-                cameras: without_files,
-            });
+            notes.push(Note::Unmasked { cameras: without_files });
         }
 
         match cameras.as_slice() {
@@ -65,22 +60,15 @@ impl MaskFiles {
 }
 
 /// The cameras with masks, of the manifest or, where it lists none, of the folder; none if there are only points.
-fn cameras_with_masks(
-    recording: &Recording,
-    notes: &mut Vec<Note>,
-) -> Result<Vec<CameraFiles>, RecordingError> {
-    let Recording {
-        folder, manifest, ..
-    } = recording;
+fn cameras_with_masks(recording: &Recording, notes: &mut Vec<Note>) -> Result<Vec<CameraFiles>, RecordingError> {
+    let Recording { folder, manifest, .. } = recording;
 
     let cameras = if manifest.cameras.is_empty() {
         layout::conventional_cameras(folder)?
     } else {
         manifest.cameras.clone()
     };
-    let (with, without): (Vec<_>, Vec<_>) = cameras
-        .into_iter()
-        .partition(|camera| camera.masks.is_some());
+    let (with, without): (Vec<_>, Vec<_>) = cameras.into_iter().partition(|camera| camera.masks.is_some());
 
     if with.is_empty() && PointFiles::are_promised(folder, manifest) {
         return Ok(Vec::new());
@@ -95,9 +83,11 @@ fn cameras_with_masks(
     if !keys.is_empty() {
         notes.push(Note::Ignored { keys });
     }
-    notes.extend(without.into_iter().map(|camera| Note::WithoutMasks {
-        camera: camera.name,
-    }));
+    notes.extend(
+        without
+            .into_iter()
+            .map(|camera| Note::WithoutMasks { camera: camera.name }),
+    );
     Ok(with)
 }
 
@@ -159,10 +149,7 @@ pub(super) fn by_frame(
     let before = files.of_number.len() - masks.len();
     if before > 0 {
         let camera = camera.clone();
-        notes.push(Note::BeforeFirst {
-            camera,
-            files: before,
-        });
+        notes.push(Note::BeforeFirst { camera, files: before });
     }
     if unnumbered > 0 {
         notes.push(Note::Unnumbered {

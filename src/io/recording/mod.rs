@@ -151,10 +151,7 @@ impl Recording {
     ///
     /// # Errors
     /// As [`Recording::observations`].
-    pub fn with_derived(
-        &self,
-        derived: DerivedFiles<'_>,
-    ) -> Result<ObservationFiles, RecordingError> {
+    pub fn with_derived(&self, derived: DerivedFiles<'_>) -> Result<ObservationFiles, RecordingError> {
         // the other paths of a recording are relative to its own folder
         let folder = std::path::absolute(derived.folder).unwrap_or_else(|_| derived.folder.into());
         let names = || derived.footage.rig.names();

@@ -60,10 +60,7 @@ pub(super) enum WantedPoints {
 impl ObservationFiles {
     /// Lists the masks and points of a recording; no mask is read but the first header of each camera, for calibrations
     /// without image size.
-    pub(super) fn list(
-        recording: &Recording,
-        wanted: WantedPoints,
-    ) -> Result<Self, RecordingError> {
+    pub(super) fn list(recording: &Recording, wanted: WantedPoints) -> Result<Self, RecordingError> {
         let mut notes = Vec::new();
 
         // cameras and their masks
@@ -97,9 +94,7 @@ impl ObservationFiles {
         }
 
         let calibration = recording.calibration_paths();
-        let calibration = calibration
-            .iter()
-            .flat_map(|(_, source)| layout::files_behind(source));
+        let calibration = calibration.iter().flat_map(|(_, source)| layout::files_behind(source));
         Ok(Self {
             fps,
             rig,
@@ -107,12 +102,7 @@ impl ObservationFiles {
             missing,
             notes,
             folder: recording.folder.clone(),
-            descriptions: recording
-                .manifest_path
-                .iter()
-                .cloned()
-                .chain(calibration)
-                .collect(),
+            descriptions: recording.manifest_path.iter().cloned().chain(calibration).collect(),
             masks,
             points,
             pictures: Vec::new(),
@@ -189,13 +179,8 @@ impl ObservationFiles {
     ///
     /// # Errors
     /// [`RecordingError::Mask`] if it cannot be used.
-    pub fn load_mask(
-        &self,
-        camera: CameraId,
-        frame: FrameIndex,
-    ) -> Result<Option<Mask>, RecordingError> {
-        let (Some(path), Some(known)) = (self.mask_path(camera, frame), self.rig.camera(camera))
-        else {
+    pub fn load_mask(&self, camera: CameraId, frame: FrameIndex) -> Result<Option<Mask>, RecordingError> {
+        let (Some(path), Some(known)) = (self.mask_path(camera, frame), self.rig.camera(camera)) else {
             return Ok(None);
         };
         let mask = mask_image::read(path, [known.width_px, known.height_px]);
@@ -222,20 +207,14 @@ impl MaskSource for ObservationFiles {
 }
 
 /// The frames that have a mask or a cloud, and the masks that are missing.
-fn frames_and_missing(
-    masks: &[BTreeMap<FrameIndex, PathBuf>],
-    points: &PointFiles,
-) -> (Vec<FrameIndex>, Vec<Missing>) {
+fn frames_and_missing(masks: &[BTreeMap<FrameIndex, PathBuf>], points: &PointFiles) -> (Vec<FrameIndex>, Vec<Missing>) {
     let masked = masks.iter().flat_map(|m| m.keys().copied());
     let frames: BTreeSet<FrameIndex> = masked.chain(points.frames()).collect();
     let frames: Vec<FrameIndex> = frames.into_iter().collect();
 
     let with_masks = masks.iter().enumerate().filter(|(_, m)| !m.is_empty());
     let missing = with_masks.filter_map(|(i, masks)| {
-        let lacking = frames
-            .iter()
-            .copied()
-            .filter(|frame| !masks.contains_key(frame));
+        let lacking = frames.iter().copied().filter(|frame| !masks.contains_key(frame));
         let frames: Vec<FrameIndex> = lacking.collect();
         let camera = CameraId(i);
         (!frames.is_empty()).then_some(Missing { camera, frames })

@@ -78,8 +78,7 @@ impl CommonView {
     /// Medians, so that strays do not count.
     fn check(&self, cloud: &Cloud) -> Result<(), ScaleFault> {
         let places = || cloud.points.iter().map(|p| p.position_world);
-        let from =
-            |middle: Point3<f64>| median(&mut places().map(|p| (p - middle).norm()).collect());
+        let from = |middle: Point3<f64>| median(&mut places().map(|p| (p - middle).norm()).collect());
         let cameras = self.cameras;
 
         match from(self.middle_world) {
@@ -92,9 +91,7 @@ impl CommonView {
         let middle = |axis: usize| median(&mut places().map(|p| p[axis]).collect()).unwrap_or(0.0);
         let middle = Point3::from(Vector3::from_fn(|axis, _| middle(axis)));
         match from(middle) {
-            Some(distance)
-                if distance < SMALLEST * cameras && cloud.points.len() >= LEAST_FOR_SIZE =>
-            {
+            Some(distance) if distance < SMALLEST * cameras && cloud.points.len() >= LEAST_FOR_SIZE => {
                 Err(ScaleFault::Small { distance, cameras })
             }
             _ => Ok(()),
@@ -150,9 +147,7 @@ impl PointFiles {
         Ok(Self {
             in_metres: manifest.points_unit.map_or(1.0, |unit| unit.in_metres()),
             world_from_file: manifest.up.world_from_file(),
-            view: (!of_frame.is_empty())
-                .then(|| CommonView::new(rig))
-                .flatten(),
+            view: (!of_frame.is_empty()).then(|| CommonView::new(rig)).flatten(),
             of_frame,
         })
     }

@@ -81,15 +81,10 @@ impl Truth {
     /// The truth of a recording.
     pub fn new(synthetic: &Synthetic) -> Self {
         let Synthetic {
-            model,
-            shape,
-            motions,
-            ..
+            model, shape, motions, ..
         } = synthetic;
 
-        let named = |names: &[String], values: &[f64]| {
-            names.iter().cloned().zip(values.iter().copied()).collect()
-        };
+        let named = |names: &[String], values: &[f64]| names.iter().cloned().zip(values.iter().copied()).collect();
         let angles = model.joints.iter().enumerate().map(|(j, joint)| {
             let over_time = motions.iter().map(|m| m.angles[j].to_degrees());
             (joint.name.clone(), over_time.collect())
@@ -103,10 +98,7 @@ impl Truth {
             coefficients: named(&model.coefficients, shape.0.as_slice()),
             lengths_m: lengths(synthetic),
             root_position_m: motions.iter().map(|m| m.position_world.into()).collect(),
-            root_rotation_rad: motions
-                .iter()
-                .map(|m| m.world_from_root.scaled_axis().into())
-                .collect(),
+            root_rotation_rad: motions.iter().map(|m| m.world_from_root.scaled_axis().into()).collect(),
             angles_deg: angles.collect(),
         }
     }
@@ -117,9 +109,7 @@ fn lengths(synthetic: &Synthetic) -> BTreeMap<String, f64> {
     let Some(points) = synthetic.points(FrameIndex(0)) else {
         return BTreeMap::new();
     };
-    let length = |(name, from, to): &(String, usize, usize)| {
-        (name.clone(), (points[*to] - points[*from]).norm())
-    };
+    let length = |(name, from, to): &(String, usize, usize)| (name.clone(), (points[*to] - points[*from]).norm());
     synthetic.model.lengths.iter().map(length).collect()
 }
 
@@ -171,9 +161,9 @@ fn fill(synthetic: &Synthetic, folder: &Path) -> Result<(), SyntheticError> {
         fs::create_dir_all(&path).map_err(failed(&path))?;
     }
     let rig = &synthetic.rig;
-    let all = rig.iter().flat_map(|(id, camera)| {
-        (0..synthetic.frames()).map(move |frame| (FrameIndex(frame), id, camera))
-    });
+    let all = rig
+        .iter()
+        .flat_map(|(id, camera)| (0..synthetic.frames()).map(move |frame| (FrameIndex(frame), id, camera)));
     let all: Vec<_> = all.collect();
     all.into_par_iter().try_for_each(|(frame, id, camera)| {
         let path = masks_of(folder, camera).join(format!("{:06}.png", frame.0));
@@ -184,11 +174,7 @@ fn fill(synthetic: &Synthetic, folder: &Path) -> Result<(), SyntheticError> {
 }
 
 /// Cameras, manifest and truth.
-pub(super) fn write_texts(
-    synthetic: &Synthetic,
-    folder: &Path,
-    manifest: &str,
-) -> Result<(), SyntheticError> {
+pub(super) fn write_texts(synthetic: &Synthetic, folder: &Path, manifest: &str) -> Result<(), SyntheticError> {
     let text_file = |name: &str, text: &str| {
         let path = folder.join(name);
         fs::write(&path, text).map_err(failed(&path))
@@ -204,12 +190,7 @@ fn masks_of(folder: &Path, camera: &Camera) -> PathBuf {
     folder.join("masks").join(&camera.name)
 }
 
-fn write_mask(
-    synthetic: &Synthetic,
-    frame: FrameIndex,
-    camera: CameraId,
-    path: &Path,
-) -> Result<(), SyntheticError> {
+fn write_mask(synthetic: &Synthetic, frame: FrameIndex, camera: CameraId, path: &Path) -> Result<(), SyntheticError> {
     let Some(mask) = synthetic.mask(frame, camera) else {
         return Ok(());
     };
@@ -236,9 +217,7 @@ fn write_clouds(synthetic: &Synthetic, folder: &Path) -> Result<(), SyntheticErr
 }
 
 fn manifest(synthetic: &Synthetic) -> String {
-    let Synthetic {
-        fps, seed, model, ..
-    } = synthetic;
+    let Synthetic { fps, seed, model, .. } = synthetic;
     let mut text = format!(
         "# Synthetic: model {}, seed {seed}. The truth is in truth.trc and truth.json.\n\
          fps = {fps:?}\ncalibration = \"calibration.toml\"\nunit = \"m\"\nup = \"z\"\n",
@@ -258,13 +237,7 @@ fn manifest(synthetic: &Synthetic) -> String {
 /// The joint centres of every frame.
 pub fn trajectories(synthetic: &Synthetic) -> Trajectories {
     let Synthetic { model, shape, .. } = synthetic;
-    let points = |m| {
-        Posed::new(model, shape, m)
-            .points()
-            .into_iter()
-            .map(Some)
-            .collect()
-    };
+    let points = |m| Posed::new(model, shape, m).points().into_iter().map(Some).collect();
     Trajectories {
         rate_hz: synthetic.fps,
         first_frame: 0,

@@ -23,9 +23,9 @@ pub use joints::trajectories;
 pub use parts::Provenance;
 pub use read::ResultError;
 pub use schema::{
-    CameraPart, CoefficientPart, FramePart, HypothesisPart, InputPart, LengthPart, MissingPart,
-    MotionPart, NoisePart, OptionsPart, OriginPart, OutcomePart, PointPart, PosteriorPart, Program,
-    QualityPart, RecordingPart, RejectedPart, ResultFile, ShapePart, ViewPart,
+    CameraPart, CoefficientPart, FramePart, HypothesisPart, InputPart, LengthPart, MissingPart, MotionPart, NoisePart,
+    OptionsPart, OriginPart, OutcomePart, PointPart, PosteriorPart, Program, QualityPart, RecordingPart, RejectedPart,
+    ResultFile, ShapePart, ViewPart,
 };
 
 impl ResultFile {
@@ -35,10 +35,7 @@ impl ResultFile {
     /// None that a result can cause; the serialiser's, if it has any.
     pub fn text(&self) -> Result<Vec<u8>, serde_json::Error> {
         let mut bytes = Vec::new();
-        self.serialize(&mut Serializer::with_formatter(
-            &mut bytes,
-            layout::Layout::default(),
-        ))?;
+        self.serialize(&mut Serializer::with_formatter(&mut bytes, layout::Layout::default()))?;
         bytes.push(b'\n');
         Ok(bytes)
     }

@@ -1,9 +1,9 @@
 //! How a fit is written down.
 
 use super::schema::{
-    CameraPart, CoefficientPart, FramePart, HypothesisPart, InputPart, LengthPart, MissingPart,
-    MotionPart, NoisePart, OptionsPart, OriginPart, OutcomePart, PointPart, PosteriorPart, Program,
-    QualityPart, RecordingPart, RejectedPart, ResultFile, ShapePart, ViewPart,
+    CameraPart, CoefficientPart, FramePart, HypothesisPart, InputPart, LengthPart, MissingPart, MotionPart, NoisePart,
+    OptionsPart, OriginPart, OutcomePart, PointPart, PosteriorPart, Program, QualityPart, RecordingPart, RejectedPart,
+    ResultFile, ShapePart, ViewPart,
 };
 use crate::body::BodyModel;
 use crate::camera::{CameraId, Rig};
@@ -53,11 +53,7 @@ impl ResultFile {
             motion: MotionPart {
                 angles: model.joints.iter().map(|j| j.name.clone()).collect(),
                 points: model.points.iter().map(|p| p.name.clone()).collect(),
-                frames: fit
-                    .frames
-                    .iter()
-                    .map(|f| frame(f, from.recording.fps))
-                    .collect(),
+                frames: fit.frames.iter().map(|f| frame(f, from.recording.fps)).collect(),
             },
             hypotheses: hypotheses(fit, model),
             winner: fit.winner,
@@ -118,10 +114,7 @@ fn shape(fit: &Fit, model: &BodyModel) -> ShapePart {
     let coefficient = |(i, name): (usize, &String)| CoefficientPart {
         name: name.clone(),
         value: fit.shape.0[i],
-        sd: fit
-            .uncertainty
-            .as_ref()
-            .map(|u| u.covariance[(i, i)].sqrt()),
+        sd: fit.uncertainty.as_ref().map(|u| u.covariance[(i, i)].sqrt()),
         prior_mean: statistics.mean[i],
         prior_sd: statistics.covariance[(i, i)].sqrt(),
         confidence: fit.confidence.coefficients[i].clone(),
@@ -138,12 +131,7 @@ fn shape(fit: &Fit, model: &BodyModel) -> ShapePart {
     };
 
     ShapePart {
-        coefficients: model
-            .coefficients
-            .iter()
-            .enumerate()
-            .map(coefficient)
-            .collect(),
+        coefficients: model.coefficients.iter().enumerate().map(coefficient).collect(),
         covariance: fit.uncertainty.as_ref().map(|u| {
             let rows = u.covariance.row_iter();
             rows.map(|row| row.iter().copied().collect()).collect()
@@ -173,11 +161,7 @@ fn frame(fitted: &FittedFrame, fps: f64) -> FramePart {
         position_m: motion.position_world.into(),
         rotation_rad: motion.world_from_root.scaled_axis().into(),
         angles_rad: motion.angles.as_slice().to_vec(),
-        points_m: fitted
-            .points_world
-            .iter()
-            .map(|p| p.coords.into())
-            .collect(),
+        points_m: fitted.points_world.iter().map(|p| p.coords.into()).collect(),
         sd: fitted.uncertainty.as_ref().map(FrameSd::from),
         data: fitted.fit.data,
         pose: fitted.fit.pose,

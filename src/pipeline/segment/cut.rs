@@ -4,9 +4,7 @@ use rayon::prelude::*;
 
 use super::SegmentOptions;
 use super::view::SegmentedView;
-use crate::image::{
-    Mask, Picture, Plane, Region, Runs, box_mean, clean, enlarge, relax, sharpen, shrink,
-};
+use crate::image::{Mask, Picture, Plane, Region, Runs, box_mean, clean, enlarge, relax, sharpen, shrink};
 use crate::silhouette::{ShrunkSize, Support};
 
 /// Below this evidence a pixel does not tell by itself what it shows.
@@ -117,9 +115,7 @@ impl Segmenter {
 
     /// The masks of a key frame, of its shrunk pictures, and what the other cameras say.
     pub(super) fn key_masks(&self, pictures: &[Option<Picture>]) -> KeyMasks {
-        let Evidence {
-            together, support, ..
-        } = self.evidence(pictures);
+        let Evidence { together, support, .. } = self.evidence(pictures);
         let mask = |(evidence, picture): (&Option<Plane<f32>>, &Option<Picture>)| {
             let labels = self.labels(evidence.as_ref()?, picture.as_ref()?);
             let runs = Runs::from_mask(&Mask::brighter_than(&labels, 0.5));
@@ -150,15 +146,9 @@ impl Segmenter {
         let support = support.by_others(&own);
         let count = own.iter().flatten().count().saturating_sub(1);
         let together: Vec<Option<Plane<f32>>> = (support.par_iter().zip(&own).zip(&self.views))
-            .map(|((others, own), view)| {
-                Some(view.supported(own.as_ref()?, others.as_ref()?, count, &self.options))
-            })
+            .map(|((others, own), view)| Some(view.supported(own.as_ref()?, others.as_ref()?, count, &self.options)))
             .collect();
-        Evidence {
-            own,
-            together,
-            support,
-        }
+        Evidence { own, together, support }
     }
 
     /// The labels, found within the box about what may be the person; background elsewhere.

@@ -18,9 +18,7 @@ impl Training {
         let views = shrunk.iter().zip(&mixtures).zip(&self.cameras);
         let mut segmenter = Segmenter {
             views: views
-                .map(|((s, mixture), c)| {
-                    SegmentedView::new(mixture, (s.width, s.height), c.hue_noise)
-                })
+                .map(|((s, mixture), c)| SegmentedView::new(mixture, (s.width, s.height), c.hue_noise))
                 .collect(),
             support: None,
             shrunk,
@@ -36,21 +34,16 @@ impl Training {
             // 3. where the person is
             if round == 0 && self.rig.cameras.len() > 1 {
                 let volume = subject::volume(&self.rig, &segmenter.shrunk, &found);
-                segmenter.support = volume.map(|volume| {
-                    Support::new(&self.rig, &segmenter.shrunk, &volume, self.options.support)
-                });
+                segmenter.support =
+                    volume.map(|volume| Support::new(&self.rig, &segmenter.shrunk, &volume, self.options.support));
             }
             // 4. colours of the person, and what the background is without the person
             let options = self.options;
-            segmenter
-                .views
-                .par_iter_mut()
-                .enumerate()
-                .for_each(|(c, view)| {
-                    // pictures of the empty scene are believed
-                    let choice = Some(&mixtures[c]).filter(|_| !self.cameras[c].is_given());
-                    view.learn(choice, &self.keys_of(c, &found), &options);
-                });
+            segmenter.views.par_iter_mut().enumerate().for_each(|(c, view)| {
+                // pictures of the empty scene are believed
+                let choice = Some(&mixtures[c]).filter(|_| !self.cameras[c].is_given());
+                view.learn(choice, &self.keys_of(c, &found), &options);
+            });
         }
         segmenter
     }

@@ -70,7 +70,8 @@ impl<'a> Notes<'a> {
         }
 
         if !segmenter.is_consistent() && self.rig.cameras.len() > 1 {
-            let alone = "the cameras do not agree on where the person is: each is segmented by itself; check the calibration";
+            let alone =
+                "the cameras do not agree on where the person is: each is segmented by itself; check the calibration";
             self.lines.push(alone.into());
         }
     }

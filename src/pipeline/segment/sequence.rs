@@ -63,11 +63,7 @@ pub fn segment<E: Send>(
     progress.begin("masks", count);
     let cut = |(frame, pictures): (FrameIndex, Vec<Option<Picture>>)| {
         let cuts = segmenter.segment(&pictures);
-        let segmented = SegmentedFrame {
-            frame,
-            pictures,
-            cuts,
-        };
+        let segmented = SegmentedFrame { frame, pictures, cuts };
         let taken = take(&segmented);
         progress.step();
         taken.map(|()| segmented)

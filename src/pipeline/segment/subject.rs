@@ -26,9 +26,7 @@ pub(super) fn volume(rig: &Rig, shrunk: &[ShrunkSize], keys: &[KeyMasks]) -> Opt
     let middle = Point3::new(middle(0)?, middle(1)?, middle(2)?);
     // a mask of something else, far away, must not blow up the box
     let height = Vector3::new(0.0, 0.0, 1.0);
-    let near = places
-        .iter()
-        .filter(|place| (*place - middle).dot(&height).abs() < 1.0);
+    let near = places.iter().filter(|place| (*place - middle).dot(&height).abs() < 1.0);
     let near: Vec<_> = near.collect();
     let bound = |axis: usize, sign: f64| {
         let ends = near
@@ -73,12 +71,7 @@ fn place(rig: &Rig, shrunk: &[ShrunkSize], masks: &[Option<Plane<u8>>]) -> Optio
 fn middle(mask: &Plane<u8>) -> Option<Point2<f64>> {
     let (mut x_sum, mut y_sum, mut count) = (0.0, 0.0, 0.0);
     for y in 0..mask.height() {
-        for (x, _) in mask
-            .row(y)
-            .iter()
-            .enumerate()
-            .filter(|(_, value)| **value == 1)
-        {
+        for (x, _) in mask.row(y).iter().enumerate().filter(|(_, value)| **value == 1) {
             x_sum += x as f64;
             y_sum += y as f64;
             count += 1.0;

@@ -193,8 +193,7 @@ fn noise(a: &Picture, b: &Picture) -> [f32; 2] {
         counts[0][(r + g + b).unsigned_abs() as usize] += 1;
         counts[1][(r - g).unsigned_abs() as usize] += 1;
     }
-    let [sum, difference] =
-        counts.map(|counts| median_of_counts(&counts) as f32 * SIGMA_OF_MEDIAN / 2_f32.sqrt());
+    let [sum, difference] = counts.map(|counts| median_of_counts(&counts) as f32 * SIGMA_OF_MEDIAN / 2_f32.sqrt());
     [sum / 3_f32.sqrt(), difference / 2_f32.sqrt()]
 }
 
@@ -205,11 +204,7 @@ mod tests {
 
     #[test]
     fn key_frames_are_evenly_spaced_and_as_many_as_asked_for() {
-        let keys = |frames, keys| {
-            (0..frames)
-                .filter(|p| is_key(*p, frames, keys))
-                .collect::<Vec<_>>()
-        };
+        let keys = |frames, keys| (0..frames).filter(|p| is_key(*p, frames, keys)).collect::<Vec<_>>();
         assert_eq!(keys(3, 16), [0, 1, 2]);
         assert_eq!(keys(100, 4), [13, 38, 63, 88]);
         assert_eq!(keys(1000, 16).len(), 16);

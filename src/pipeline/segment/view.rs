@@ -1,9 +1,7 @@
 //! What one camera knows of the empty scene and of the person.
 
 use super::SegmentOptions;
-use crate::image::{
-    Background, BackgroundPixel, ColourCount, Colours, Mixture, Mode, Picture, Plane, box_mean,
-};
+use crate::image::{Background, BackgroundPixel, ColourCount, Colours, Mixture, Mode, Picture, Plane, box_mean};
 
 /// A mode that was there for less than this share of the time is not the empty scene.
 const RARE: f32 = 0.03;
@@ -108,12 +106,7 @@ impl SegmentedView {
     }
 
     /// Learns colours from key frames and their masks, and chooses the background anew from a mixture, if there is one.
-    pub(super) fn learn(
-        &mut self,
-        mixture: Option<&Mixture>,
-        keys: &[Key<'_>],
-        options: &SegmentOptions,
-    ) {
+    pub(super) fn learn(&mut self, mixture: Option<&Mixture>, keys: &[Key<'_>], options: &SegmentOptions) {
         // the person's colours, and where the person ever was
         let (width, height) = (self.background.width(), self.background.height());
         let mut person = ColourCount::default();

@@ -68,9 +68,8 @@ pub(super) fn parting(
     let normals: Vec<Vector2<f64>> = (0..n).map(|i| outward(contour, i)).collect();
     let place = |i: usize, s: isize| contour[i] + normals[i] * s as f64;
     let far = STRIP_PX.1 as isize;
-    let seen = |i: usize| -> Normal {
-        std::array::from_fn(|k| colour([red, green, blue], &place(i, k as isize - far)))
-    };
+    let seen =
+        |i: usize| -> Normal { std::array::from_fn(|k| colour([red, green, blue], &place(i, k as isize - far))) };
     let seen: Vec<Normal> = (0..n).map(seen).collect();
     let strip = |i: usize, side: isize, person: bool| -> Vec<[f32; 3]> {
         let steps = (STRIP_PX.0..=STRIP_PX.1).map(move |s| side * s as isize);
@@ -92,9 +91,7 @@ pub(super) fn parting(
         .collect();
     let best: Vec<f64> = (0..n).map(|i| border(&sums, i)).collect();
     let smooth = |i: usize| 0.25 * (best[(i + n - 1) % n] + 2.0 * best[i] + best[(i + 1) % n]);
-    (0..n)
-        .map(|i| contour[i] + normals[i] * smooth(i))
-        .collect()
+    (0..n).map(|i| contour[i] + normals[i] * smooth(i)).collect()
 }
 
 /// ½(Σ_{s<b} ℓ(s) − Σ_{s>b} ℓ(s)) for every whole b within reach.
@@ -179,23 +176,14 @@ mod tests {
             let is_in = x.hypot(y) < 40.0;
             let stripe = usize::from((x + y).rem_euclid(16.0) < 8.0);
             let colours = [[170.0, 60.0, 60.0], [20.0, 60.0, 110.0]];
-            if is_in {
-                colours[stripe][channel]
-            } else {
-                95.0
-            }
+            if is_in { colours[stripe][channel] } else { 95.0 }
         };
         Plane::from_values(160, 160, (0..160 * 160).map(value).collect()).unwrap()
     }
 
     fn circle(radius_px: f64) -> Vec<Point2<f64>> {
         let at = |i: i32| -TAU * f64::from(i) / 160.0;
-        let point = |i| {
-            Point2::new(
-                80.0 + radius_px * at(i).cos(),
-                80.0 + radius_px * at(i).sin(),
-            )
-        };
+        let point = |i| Point2::new(80.0 + radius_px * at(i).cos(), 80.0 + radius_px * at(i).sin());
         (0..160).map(point).collect()
     }
 
@@ -208,10 +196,7 @@ mod tests {
             let off = found
                 .iter()
                 .map(|p| ((p - Point2::new(80.0, 80.0)).norm() - 40.0).abs());
-            assert!(
-                off.clone().sum::<f64>() / 160.0 < 0.4,
-                "{radius_px}: {found:?}"
-            );
+            assert!(off.clone().sum::<f64>() / 160.0 < 0.4, "{radius_px}: {found:?}");
             assert!(off.fold(0.0, f64::max) < 1.5, "{radius_px}");
         }
     }

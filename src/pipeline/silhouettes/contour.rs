@@ -166,10 +166,7 @@ fn silhouette(outer: &[Vec<FoundPoint>], camera: &Camera) -> Option<Silhouette> 
         pixel: p.pixel,
         reliability: p.reliability,
     };
-    let curves: Vec<Vec<BorderPoint>> = outer
-        .iter()
-        .map(|curve| curve.iter().map(border).collect())
-        .collect();
+    let curves: Vec<Vec<BorderPoint>> = outer.iter().map(|curve| curve.iter().map(border).collect()).collect();
     from_curves(&curves, camera, &SilhouetteOptions::default()).ok()
 }
 
@@ -246,10 +243,7 @@ fn attributed(point: &SnakePoint, curve: &[OutlinePoint]) -> FoundPoint {
 }
 
 /// The loops of a closed contour, if enough of it is left.
-fn whole(
-    loops: Vec<Vec<FoundPoint>>,
-    contour: &[FoundPoint],
-) -> Result<Vec<Vec<FoundPoint>>, Option<ContourFault>> {
+fn whole(loops: Vec<Vec<FoundPoint>>, contour: &[FoundPoint]) -> Result<Vec<Vec<FoundPoint>>, Option<ContourFault>> {
     let area = |points: &[FoundPoint], place: fn(&FoundPoint) -> Point2<f64>| {
         area_on_the_left(&points.iter().map(place).collect::<Vec<_>>())
     };
@@ -273,10 +267,7 @@ fn nearest<'c>(curve: &'c [OutlinePoint], expected: &Point2<f64>) -> (&'c Outlin
     let best = indices.min_by(|a, b| off(&curve[*a]).total_cmp(&off(&curve[*b])));
     let best = best.unwrap_or_default();
     let n = curve.len();
-    let depths = [
-        curve[(best + n - 1) % n].depth_m,
-        curve[(best + 1) % n].depth_m,
-    ];
+    let depths = [curve[(best + n - 1) % n].depth_m, curve[(best + 1) % n].depth_m];
     (&curve[best], (depths[0] - depths[1]).abs() < JUMP_M)
 }
 

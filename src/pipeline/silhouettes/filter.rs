@@ -70,12 +70,7 @@ impl FilteredEdges {
 
 /// A quantile of the values above 0; 0 without any.
 fn quantile(plane: &Plane<f32>, share: f64) -> f32 {
-    let mut values: Vec<f32> = plane
-        .values()
-        .iter()
-        .copied()
-        .filter(|v| *v > 0.0)
-        .collect();
+    let mut values: Vec<f32> = plane.values().iter().copied().filter(|v| *v > 0.0).collect();
     let place = (share * (values.len() as f64 - 1.0)).max(0.0) as usize;
     if values.is_empty() {
         return 0.0;
@@ -87,12 +82,7 @@ fn quantile(plane: &Plane<f32>, share: f64) -> f32 {
 ///
 /// The working volume is the box around the expected body and `volume_m` about it. The mask reaches a little beyond the near
 /// pixels: the edge is at their border, and correlation blurs it.
-pub fn disparity_mask(
-    camera: &Camera,
-    points: &[CloudPoint],
-    body: &Posed<'_>,
-    options: &ContourOptions,
-) -> Mask {
+pub fn disparity_mask(camera: &Camera, points: &[CloudPoint], body: &Posed<'_>, options: &ContourOptions) -> Mask {
     let is_in = volume(body, options.volume_m);
     let near = points.iter().filter(|p| is_in(p));
     let pixels = near.filter_map(|p| camera.project_undistorted(&p.position_world));
@@ -106,9 +96,7 @@ pub(super) fn volume(body: &Posed<'_>, margin_m: f64) -> impl Fn(&CloudPoint) ->
     let bounds = body.bounds();
     move |point| {
         let x = point.position_world.coords;
-        bounds.is_some_and(|(low, high)| {
-            (0..3).all(|k| (low[k] - margin_m..=high[k] + margin_m).contains(&x[k]))
-        })
+        bounds.is_some_and(|(low, high)| (0..3).all(|k| (low[k] - margin_m..=high[k] + margin_m).contains(&x[k])))
     }
 }
 

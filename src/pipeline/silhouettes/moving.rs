@@ -19,9 +19,7 @@ use super::still::{NEARER_PX, StillScene, StillScenes, points_where};
 use super::undistorted::UndistortedFrame;
 use crate::camera::{Camera, Rig};
 use crate::image::{CleanOptions, Mask, Plane, Runs, clean, closed, opened, resample, trace};
-use crate::silhouette::{
-    BorderPoint, FrameIndex, FrameObservations, Silhouette, SilhouetteOptions, from_curves,
-};
+use crate::silhouette::{BorderPoint, FrameIndex, FrameObservations, Silhouette, SilhouetteOptions, from_curves};
 use crate::stereo::{CloudPoint, DepthMap};
 
 /// Radius of the disk that closes and opens what moves, px: the correlation window's.
@@ -39,12 +37,7 @@ const LEAST_IN_CELL: usize = 3;
 
 impl StillScenes {
     /// The points and silhouettes of a frame that are in front of the still scenes of the same cameras.
-    pub fn moving(
-        &self,
-        frame: FrameIndex,
-        rig: &Rig,
-        shown: &UndistortedFrame,
-    ) -> FrameObservations {
+    pub fn moving(&self, frame: FrameIndex, rig: &Rig, shown: &UndistortedFrame) -> FrameObservations {
         let mut observed = FrameObservations::nothing(frame);
         let mut points = Vec::new();
         for (camera, map) in shown.depths(rig) {
@@ -63,12 +56,7 @@ impl StillScenes {
 }
 
 /// The silhouette of what moves, in undistorted pixels of its camera; `None` where nothing does.
-fn silhouette(
-    still: &StillScene,
-    map: &DepthMap,
-    moves: &Mask,
-    camera: &Camera,
-) -> Option<Silhouette> {
+fn silhouette(still: &StillScene, map: &DepthMap, moves: &Mask, camera: &Camera) -> Option<Silhouette> {
     let mask = opened(&closed(moves, CLEAN_PX), CLEAN_PX);
     let now = still.filled_in(&nearness(map));
     let borders = trace(&clean(&Runs::from_mask(&mask), &CleanOptions::default()));
@@ -103,9 +91,7 @@ fn depth_ends(nearness: &Plane<f32>, border: &Point2<f64>, inwards: &Vector2<f64
         value.flatten().filter(|v| v.is_finite())
     };
     let inside = (1..=BLUR_PX).filter_map(at).fold(f32::NAN, f32::max);
-    let outside = (1..=BLUR_PX)
-        .filter_map(|k| at(-k))
-        .fold(f32::NAN, f32::min);
+    let outside = (1..=BLUR_PX).filter_map(|k| at(-k)).fold(f32::NAN, f32::min);
     inside > outside + NEARER_PX
 }
 
@@ -146,10 +132,7 @@ fn largest_piece(points: Vec<CloudPoint>) -> Vec<CloudPoint> {
         }
     }
 
-    points
-        .into_iter()
-        .filter(|p| best.contains(&cell(p)))
-        .collect()
+    points.into_iter().filter(|p| best.contains(&cell(p))).collect()
 }
 
 #[cfg(test)]
@@ -186,14 +169,8 @@ mod tests {
             points.map(|p| p.reliability).collect::<Vec<_>>()
         };
         let (held, free) = (beside(21.0), beside(28.0));
-        assert!(
-            !held.is_empty() && held.iter().all(|r| *r <= 0.0),
-            "{held:?}"
-        );
-        assert!(
-            !free.is_empty() && free.iter().all(|r| *r >= 1.0),
-            "{free:?}"
-        );
+        assert!(!held.is_empty() && held.iter().all(|r| *r <= 0.0), "{held:?}");
+        assert!(!free.is_empty() && free.iter().all(|r| *r >= 1.0), "{free:?}");
     }
 
     #[test]

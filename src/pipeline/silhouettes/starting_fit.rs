@@ -89,12 +89,7 @@ impl StartingFit {
     }
 
     /// Shape and motion of all frames at once, fitted to what was observed in them (PF02, §4.3, step 3).
-    pub(super) fn refitted(
-        mut self,
-        observed: &[FrameObservations],
-        evidence: &Evidence<'_>,
-        fps: f64,
-    ) -> Self {
+    pub(super) fn refitted(mut self, observed: &[FrameObservations], evidence: &Evidence<'_>, fps: f64) -> Self {
         if observed.is_empty() {
             return self;
         }
@@ -103,10 +98,7 @@ impl StartingFit {
             shape: self.shape.clone(),
             motions: motions.cloned().collect(),
         };
-        let sequence = Sequence {
-            frames: observed,
-            fps,
-        };
+        let sequence = Sequence { frames: observed, fps };
         let joint = joint_optimum(evidence, sequence, start, &JointOptions::default());
 
         let fitted = observed.iter().zip(joint.frames);
@@ -136,11 +128,7 @@ fn plain_build(model: &BodyModel) -> BodyModel {
 }
 
 /// What the cameras see that does not move, learnt from frames spread over the recording.
-fn still_scenes(
-    pictures: &dyn PictureSource,
-    frames: &[FrameIndex],
-    progress: &dyn Progress,
-) -> StillScenes {
+fn still_scenes(pictures: &dyn PictureSource, frames: &[FrameIndex], progress: &dyn Progress) -> StillScenes {
     if SideBySide::choose(pictures.rig()).is_err() {
         // no camera sees depth
         return StillScenes::default();

@@ -66,11 +66,7 @@ impl StillScene {
         for y in 0..first.height() {
             for (x, value) in still.row_mut(y).iter_mut().enumerate() {
                 seen.clear();
-                seen.extend(
-                    maps.iter()
-                        .filter_map(|m| m.get(x, y))
-                        .filter(|d| d.is_finite()),
-                );
+                seen.extend(maps.iter().filter_map(|m| m.get(x, y)).filter(|d| d.is_finite()));
                 if seen.is_empty() {
                     continue;
                 }
@@ -96,8 +92,7 @@ impl StillScene {
     pub fn nearer(&self, now: &Plane<f32>) -> Mask {
         let moves = Mask::from_fn(now.width(), now.height(), |x, y| {
             let (now, still) = (now.get(x, y), self.nearness.get(x, y));
-            now.zip(still)
-                .is_some_and(|(now, still)| now > still + NEARER_PX)
+            now.zip(still).is_some_and(|(now, still)| now > still + NEARER_PX)
         });
         Mask::from_fn(now.width(), now.height(), |x, y| {
             let beside = |k: usize| (x + k % 3).checked_sub(1).zip((y + k / 3).checked_sub(1));
@@ -129,8 +124,7 @@ impl StillScene {
 pub(super) fn points_where(map: &DepthMap, mask: &Mask) -> Vec<CloudPoint> {
     // row by row, as the points are
     let pixels = (0..mask.height()).flat_map(|y| (0..mask.width()).map(move |x| (x, y)));
-    let is_known =
-        |(x, y): &(usize, usize)| map.disparities.get(*x, *y).is_some_and(f32::is_finite);
+    let is_known = |(x, y): &(usize, usize)| map.disparities.get(*x, *y).is_some_and(f32::is_finite);
     let known = pixels.filter(is_known).zip(&map.points);
     let shown = known.filter(|((x, y), _)| mask.is_foreground(*x, *y));
     shown.map(|(_, point)| *point).collect()
@@ -217,9 +211,7 @@ pub(super) mod tests {
                 right: view("right", 0.2),
             },
             disparities: Plane::from_values(40, 30, values).unwrap(),
-            points: pixels
-                .map(|(x, y)| point([x as f64, y as f64, 1.0]))
-                .collect(),
+            points: pixels.map(|(x, y)| point([x as f64, y as f64, 1.0])).collect(),
         }
     }
 
@@ -229,15 +221,12 @@ pub(super) mod tests {
         let floor = |y: usize| 5.0 + 0.3 * y as f32;
         let is_foot = |x: usize, y: usize| (10..20).contains(&x) && (15..25).contains(&y);
         let maps: Vec<DepthMap> = (0..10)
-            .map(|frame| {
-                depth_map(|x, y| floor(y) + if frame > 6 && is_foot(x, y) { 3.0 } else { 0.0 })
-            })
+            .map(|frame| depth_map(|x, y| floor(y) + if frame > 6 && is_foot(x, y) { 3.0 } else { 0.0 }))
             .collect();
         let still = StillScene::learn(&maps.iter().map(nearness).collect::<Vec<_>>());
         assert_eq!(still.before(&maps[0]), []);
         let foot = still.before(&maps[9]);
-        let is_in =
-            |p: &CloudPoint| is_foot(p.position_world.x as usize, p.position_world.y as usize);
+        let is_in = |p: &CloudPoint| is_foot(p.position_world.x as usize, p.position_world.y as usize);
         // without its border, as wide as a window
         assert!(foot.len() == 4 && foot.iter().all(is_in), "{}", foot.len());
     }

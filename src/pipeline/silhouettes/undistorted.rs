@@ -35,9 +35,7 @@ impl UndistortedFrame {
                 return Ok(None);
             };
             let channel = |c: usize| StereoView::undistorted(camera, &picture.map(|rgb| rgb[c]));
-            let colours = (0..3)
-                .map(|c| Ok(channel(c)?.image))
-                .collect::<Result<_, _>>()?;
+            let colours = (0..3).map(|c| Ok(channel(c)?.image)).collect::<Result<_, _>>()?;
             Ok(Some(UndistortedView {
                 grey: StereoView::undistorted(camera, &luma(picture))?,
                 colours,
@@ -51,12 +49,7 @@ impl UndistortedFrame {
     /// The depths that a camera sees, by correlation with the camera beside it; `None` without such a camera or its picture.
     ///
     /// They lie between a least and a greatest depth, m; without these, in all that a shift of a third of the image allows.
-    pub fn depth(
-        &self,
-        rig: &Rig,
-        camera: CameraId,
-        depths_m: Option<(f64, f64)>,
-    ) -> Option<DepthMap> {
+    pub fn depth(&self, rig: &Rig, camera: CameraId, depths_m: Option<(f64, f64)>) -> Option<DepthMap> {
         let view = |id: CameraId| self.views.get(id.0)?.as_ref();
         let (first, second) = (view(camera)?, view(neighbour(rig, camera)?)?);
         let options = CorrelationOptions::default();

@@ -51,10 +51,7 @@ impl SurfaceSummary {
     fn without_points(&self) -> Option<String> {
         let (frame, reason) = self.first_without.as_ref()?;
         let count = counted(self.without_points, "frame");
-        Some(format!(
-            "{count} without points, frame {} first: {reason}",
-            frame.0
-        ))
+        Some(format!("{count} without points, frame {} first: {reason}", frame.0))
     }
 }
 

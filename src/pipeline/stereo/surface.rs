@@ -69,11 +69,7 @@ impl<'a> Measurement<'a> {
         let matching = options.matching(ids.len() - 1);
         Ok(Self {
             tracking: Tracking::new(matching, pictures.fps()),
-            cameras: StereoCameras {
-                pictures,
-                masks,
-                ids,
-            },
+            cameras: StereoCameras { pictures, masks, ids },
             options,
         })
     }
@@ -139,10 +135,7 @@ impl<'a> Measurement<'a> {
     }
 
     /// The template in all other images.
-    fn match_all(
-        &self,
-        frame: &FrameViews,
-    ) -> Result<(MeasuredSurface, Vec<MatchedPoint>), StereoError> {
+    fn match_all(&self, frame: &FrameViews) -> Result<(MeasuredSurface, Vec<MatchedPoint>), StereoError> {
         let (template, mask) = (&frame.views[0], frame.masks[0].as_ref());
         let others: Vec<&StereoView> = frame.views[1..].iter().collect();
         let options = self.options.matching(others.len());
@@ -168,8 +161,7 @@ impl<'a> Measurement<'a> {
 /// The shift of each point against one at infinity, as a pair side by side would show it: f·B/Z, px.
 fn disparities(template: &StereoView, other: &StereoView, points: &[MatchedPoint]) -> Plane<f32> {
     let camera = &template.camera;
-    let base =
-        (camera.centre_world() - other.camera.centre_world()).norm() * camera.intrinsics.fx_px;
+    let base = (camera.centre_world() - other.camera.centre_world()).norm() * camera.intrinsics.fx_px;
 
     let mut plane = Plane::filled(template.image.width(), template.image.height(), f32::NAN);
     for point in points {

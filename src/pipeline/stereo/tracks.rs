@@ -3,9 +3,7 @@
 use super::StereoError;
 use crate::stereo::StereoView;
 use crate::stereo::matching::{MatchOptions, MatchedPoint};
-use crate::stereo::tracking::{
-    FilterOptions, FrameViews, TrackOptions, Tracker, Trajectory, filter_trajectories,
-};
+use crate::stereo::tracking::{FilterOptions, FrameViews, TrackOptions, Tracker, Trajectory, filter_trajectories};
 
 /// Frames through which a set of points is followed, before a new one begins.
 const TRACKED_FRAMES: usize = 10;
@@ -91,8 +89,7 @@ impl Tracking {
         Some(SurfaceTracks {
             first_frame: followed.first_frame,
             first_view: followed.first_view,
-            trajectories: filter_trajectories(&trajectories, &FilterOptions::default())
-                .trajectories,
+            trajectories: filter_trajectories(&trajectories, &FilterOptions::default()).trajectories,
         })
     }
 }

@@ -17,11 +17,7 @@ pub(super) struct StereoCameras<'a> {
 
 impl StereoCameras<'_> {
     /// What the cameras show in a frame; why it is not measured, where a picture or the template's mask is missing.
-    pub(super) fn views(
-        &self,
-        frame: FrameIndex,
-        pictures: &[Option<Picture>],
-    ) -> Result<FrameViews, String> {
+    pub(super) fn views(&self, frame: FrameIndex, pictures: &[Option<Picture>]) -> Result<FrameViews, String> {
         let mut frame_views = FrameViews {
             views: Vec::new(),
             masks: Vec::new(),

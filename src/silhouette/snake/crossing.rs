@@ -27,9 +27,7 @@ fn crossing(points: &[Point2<f64>], curve: &[usize]) -> Option<(usize, usize)> {
     let side = |i: usize| [points[curve[i]], points[curve[(i + 1) % n]]];
     (0..n).find_map(|i| {
         let last = if i == 0 { n.saturating_sub(1) } else { n };
-        (i + 2..last)
-            .find(|j| cross(side(i), side(*j)))
-            .map(|j| (i, j))
+        (i + 2..last).find(|j| cross(side(i), side(*j))).map(|j| (i, j))
     })
 }
 
@@ -46,11 +44,7 @@ fn cross(one: [Point2<f64>; 2], other: [Point2<f64>; 2]) -> bool {
 /// Area of a closed polygon, px²; positive if the inside is on the left as seen on the screen (y down).
 pub fn area_on_the_left(points: &[Point2<f64>]) -> f64 {
     let next = points.iter().cycle().skip(1);
-    0.5 * points
-        .iter()
-        .zip(next)
-        .map(|(a, b)| b.x * a.y - a.x * b.y)
-        .sum::<f64>()
+    0.5 * points.iter().zip(next).map(|(a, b)| b.x * a.y - a.x * b.y).sum::<f64>()
 }
 
 #[cfg(test)]
@@ -66,8 +60,7 @@ mod tests {
         let found = loops(&eight);
         assert_eq!(found.len(), 2);
         assert_eq!(found.iter().map(Vec::len).sum::<usize>(), 40);
-        let square =
-            [(0.0, 0.0), (9.0, 0.0), (9.0, 9.0), (0.0, 9.0)].map(|(x, y)| Point2::new(x, y));
+        let square = [(0.0, 0.0), (9.0, 0.0), (9.0, 9.0), (0.0, 9.0)].map(|(x, y)| Point2::new(x, y));
         assert_eq!(loops(&square), [[0, 1, 2, 3]]);
         assert!(area_on_the_left(&square) < 0.0);
     }

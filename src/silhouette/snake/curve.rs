@@ -91,8 +91,7 @@ mod tests {
 
     #[test]
     fn an_open_curve_is_walked_from_end_to_end_and_a_closed_one_around() {
-        let square =
-            [(0.0, 0.0), (8.0, 0.0), (8.0, 8.0), (0.0, 8.0)].map(|(x, y)| Point2::new(x, y));
+        let square = [(0.0, 0.0), (8.0, 0.0), (8.0, 8.0), (0.0, 8.0)].map(|(x, y)| Point2::new(x, y));
         let at = |ends| -> Vec<Point2<f64>> {
             let places = evenly(&square, ends, 2.0);
             places.iter().map(|p| p.on(&square)).collect()

@@ -208,12 +208,7 @@ impl Snake {
     }
 
     /// e − x, and g there; `None` without an edge within reach.
-    fn edge(
-        &self,
-        gradient: &Gradient,
-        i: usize,
-        normal: &Vector2<f64>,
-    ) -> Option<(Vector2<f64>, f64)> {
+    fn edge(&self, gradient: &Gradient, i: usize, normal: &Vector2<f64>) -> Option<(Vector2<f64>, f64)> {
         let change = |s: f64| gradient.along(&(self.points[i] + normal * s), normal);
         let reach = self.options.search_px.round() as i32;
 
@@ -305,10 +300,7 @@ impl Snake {
             let points: Vec<_> = curve.iter().map(|&i| self.points[i]).collect();
             points.len() >= 8 && area_on_the_left(&points) / area > FOLD
         };
-        crossing::loops(&self.points)
-            .into_iter()
-            .filter(is_loop)
-            .collect()
+        crossing::loops(&self.points).into_iter().filter(is_loop).collect()
     }
 }
 
@@ -316,10 +308,7 @@ fn factored(points: &[Point2<f64>], ends: Ends, options: &SnakeOptions) -> Optio
     let sides = sides(points, ends);
     let h = sides.iter().sum::<f64>() / sides.len().max(1) as f64;
     let tau = options.time_step;
-    let bend = [
-        tau * options.tension / (h * h),
-        tau * options.stiffness / h.powi(4),
-    ];
+    let bend = [tau * options.tension / (h * h), tau * options.stiffness / h.powi(4)];
     Banded::new(points.len(), ends, bend)
 }
 

@@ -30,12 +30,7 @@ fn ellipse(grown_px: f64, count: usize) -> Vec<Point2<f64>> {
 
 fn off(points: &[Point2<f64>]) -> f64 {
     let truth = ellipse(0.0, 20_000);
-    let least = |p: &Point2<f64>| {
-        truth
-            .iter()
-            .map(|t| (t - p).norm())
-            .fold(f64::MAX, f64::min)
-    };
+    let least = |p: &Point2<f64>| truth.iter().map(|t| (t - p).norm()).fold(f64::MAX, f64::min);
     points.iter().map(least).sum::<f64>() / points.len() as f64
 }
 
@@ -47,21 +42,12 @@ fn gradient() -> Gradient {
 fn a_closed_contour_comes_to_rest_on_the_border_to_a_tenth_of_a_pixel() {
     let gradient = gradient();
     for grown_px in [-2.0, 2.0] {
-        let mut snake = Snake::new(
-            &ellipse(grown_px, 200),
-            Ends::Closed,
-            SnakeOptions::default(),
-        )
-        .unwrap();
+        let mut snake = Snake::new(&ellipse(grown_px, 200), Ends::Closed, SnakeOptions::default()).unwrap();
         assert_eq!(snake.settle(&gradient), Ending::AtRest);
         let points = snake.points(&gradient);
         let places: Vec<_> = points.iter().map(|p| p.pixel).collect();
         assert!(off(&places) < 0.1, "{}", off(&places));
-        assert!(
-            points
-                .iter()
-                .all(|p| p.reliability > 0.3 && p.reliability <= 1.0)
-        );
+        assert!(points.iter().all(|p| p.reliability > 0.3 && p.reliability <= 1.0));
     }
 }
 
@@ -103,9 +89,7 @@ fn in_a_gap_of_the_border_the_expected_place_is_held_and_not_relied_on() {
         let mut snake = Snake::new(&ellipse(3.0, 200), Ends::Closed, options).unwrap();
         snake.settle(&gapped);
         let points = snake.points(&gapped);
-        let tip = points
-            .into_iter()
-            .max_by(|a, b| a.pixel.x.total_cmp(&b.pixel.x));
+        let tip = points.into_iter().max_by(|a, b| a.pixel.x.total_cmp(&b.pixel.x));
         tip.unwrap()
     };
     let tip = at_gap(Rest::Expected);
@@ -136,17 +120,12 @@ fn at_the_border_of_the_picture_a_contour_is_held() {
     let narrow = Plane::from_values(
         102,
         140,
-        (0..140)
-            .flat_map(|y| picture().row(y)[..102].to_vec())
-            .collect(),
+        (0..140).flat_map(|y| picture().row(y)[..102].to_vec()).collect(),
     );
     let narrow = Gradient::new(&[narrow.unwrap()], 1.0);
     let mut snake = Snake::new(&curve, Ends::Closed, SnakeOptions::default()).unwrap();
     snake.settle(&narrow);
-    let at_border = snake
-        .points(&narrow)
-        .into_iter()
-        .filter(|p| p.expected.x > 99.5);
+    let at_border = snake.points(&narrow).into_iter().filter(|p| p.expected.x > 99.5);
     assert!(at_border.clone().count() > 10);
     assert!(
         at_border
@@ -172,22 +151,8 @@ fn of_a_contour_that_crosses_itself_the_loops_remain() {
 #[test]
 fn a_point_is_no_contour() {
     assert!(Snake::new(&[], Ends::Closed, SnakeOptions::default()).is_none());
-    assert!(
-        Snake::new(
-            &[Point2::new(3.0, 4.0); 20],
-            Ends::Closed,
-            SnakeOptions::default()
-        )
-        .is_none()
-    );
-    assert!(
-        Snake::new(
-            &[Point2::new(f64::NAN, 4.0); 20],
-            Ends::Open,
-            SnakeOptions::default()
-        )
-        .is_none()
-    );
+    assert!(Snake::new(&[Point2::new(3.0, 4.0); 20], Ends::Closed, SnakeOptions::default()).is_none());
+    assert!(Snake::new(&[Point2::new(f64::NAN, 4.0); 20], Ends::Open, SnakeOptions::default()).is_none());
 }
 
 #[test]
@@ -196,11 +161,7 @@ fn every_option_can_be_noticed() {
     let settled = |options: SnakeOptions| {
         let mut snake = Snake::new(&ellipse(4.0, 200), Ends::Closed, options).unwrap();
         snake.settle(&gradient);
-        snake
-            .points(&gradient)
-            .iter()
-            .map(|p| p.pixel)
-            .collect::<Vec<_>>()
+        snake.points(&gradient).iter().map(|p| p.pixel).collect::<Vec<_>>()
     };
     let usual = SnakeOptions {
         rest_px: 1e-3,
@@ -228,23 +189,11 @@ fn every_option_can_be_noticed() {
             search_px: 2.0,
             ..usual
         },
-        SnakeOptions {
-            prior_px: 1.0,
-            ..usual
-        },
+        SnakeOptions { prior_px: 1.0, ..usual },
         SnakeOptions { hold: 0.9, ..usual },
-        SnakeOptions {
-            edge: 500.0,
-            ..usual
-        },
-        SnakeOptions {
-            rest_px: 2.0,
-            ..usual
-        },
-        SnakeOptions {
-            most_steps: 1,
-            ..usual
-        },
+        SnakeOptions { edge: 500.0, ..usual },
+        SnakeOptions { rest_px: 2.0, ..usual },
+        SnakeOptions { most_steps: 1, ..usual },
         SnakeOptions {
             rest: Rest::Straight,
             ..usual

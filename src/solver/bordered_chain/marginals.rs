@@ -39,9 +39,7 @@ impl BorderedChain {
             let below = |k: usize| &factor.links[i + k + 1].couplings[k];
 
             // W = L_Ri · Lᵢᵢ⁻¹ for every row block R below
-            let w: Vec<DMatrix<f64>> = (0..reach)
-                .map(|k| divided_by(below(k), &link.diagonal))
-                .collect();
+            let w: Vec<DMatrix<f64>> = (0..reach).map(|k| divided_by(below(k), &link.diagonal)).collect();
             let w_border = divided_by(&link.border, &link.diagonal);
 
             // Σ_Ri = −Σ_RR W

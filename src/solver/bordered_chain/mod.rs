@@ -98,11 +98,7 @@ impl QuadraticModel for BorderedChain {
     }
 
     fn gradient(&self) -> DVector<f64> {
-        let parts = self
-            .links
-            .iter()
-            .map(|l| &l.gradient)
-            .chain([&self.corner_gradient]);
+        let parts = self.links.iter().map(|l| &l.gradient).chain([&self.corner_gradient]);
         let all: Vec<f64> = parts.flat_map(|g| g.iter().copied()).collect();
         DVector::from_vec(all)
     }
@@ -113,9 +109,7 @@ impl QuadraticModel for BorderedChain {
 
     fn predicted_decrease(&self, delta: &DVector<f64>) -> f64 {
         let m = self.links.first().map_or(0, |l| l.gradient.len());
-        let shared = delta
-            .rows(self.links.len() * m, self.corner.nrows())
-            .into_owned();
+        let shared = delta.rows(self.links.len() * m, self.corner.nrows()).into_owned();
         let step = |i: usize| delta.rows(i * m, m).into_owned();
 
         let mut curvature = quadratic(&self.corner, &shared);

@@ -7,9 +7,7 @@ fn dense(chain: &BorderedChain) -> DMatrix<f64> {
     let p = chain.corner.nrows();
     let mut dense = DMatrix::zeros(frames * m + p, frames * m + p);
     let mut put = |row, column, block: &DMatrix<f64>| {
-        dense
-            .view_mut((row, column), block.shape())
-            .copy_from(block);
+        dense.view_mut((row, column), block.shape()).copy_from(block);
     };
     for (i, link) in chain.links.iter().enumerate() {
         put(i * m, i * m, &link.diagonal);
@@ -26,8 +24,7 @@ fn dense(chain: &BorderedChain) -> DMatrix<f64> {
 /// A random positive definite chain and the dense matrix that it stands for.
 fn random(frames: usize, m: usize, p: usize, reach: usize) -> (BorderedChain, DMatrix<f64>) {
     let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64((frames * 100 + m * 10 + reach) as u64);
-    let mut draw =
-        |rows, columns| DMatrix::from_fn(rows, columns, |_, _| rng.random_range(-1.0..1.0));
+    let mut draw = |rows, columns| DMatrix::from_fn(rows, columns, |_, _| rng.random_range(-1.0..1.0));
     let mut chain = BorderedChain::zeros(frames, m, p, reach);
     for link in &mut chain.links {
         link.couplings.iter_mut().for_each(|c| *c = draw(m, m));
@@ -43,13 +40,7 @@ fn random(frames: usize, m: usize, p: usize, reach: usize) -> (BorderedChain, DM
     (chain, dense)
 }
 
-const SIZES: [(usize, usize, usize, usize); 5] = [
-    (1, 3, 2, 1),
-    (6, 3, 2, 1),
-    (7, 4, 3, 2),
-    (5, 2, 0, 2),
-    (4, 3, 2, 0),
-];
+const SIZES: [(usize, usize, usize, usize); 5] = [(1, 3, 2, 1), (6, 3, 2, 1), (7, 4, 3, 2), (5, 2, 0, 2), (4, 3, 2, 0)];
 
 #[test]
 fn its_step_is_that_of_the_dense_matrix() {
@@ -92,11 +83,7 @@ fn its_predicted_decrease_is_that_of_the_dense_matrix() {
         let (chain, dense) = random(frames, m, p, reach);
         let step = DVector::from_fn(dense.nrows(), |i, _| (i as f64).sin());
         let expected = -chain.gradient().dot(&step) - 0.5 * step.dot(&(&dense * &step));
-        approx::assert_relative_eq!(
-            chain.predicted_decrease(&step),
-            expected,
-            max_relative = 1e-12
-        );
+        approx::assert_relative_eq!(chain.predicted_decrease(&step), expected, max_relative = 1e-12);
     }
 }
 
@@ -108,24 +95,10 @@ fn its_marginals_are_blocks_of_the_dense_inverse() {
         let mut visited = 0;
         assert!(chain.marginals(|i, marginal| {
             visited += 1;
-            let block = |rows: usize, columns: usize, r, c| {
-                inverse.view((rows, columns), (r, c)).into_owned()
-            };
-            approx::assert_relative_eq!(
-                *marginal.frame,
-                block(i * m, i * m, m, m),
-                epsilon = 1e-12
-            );
-            approx::assert_relative_eq!(
-                *marginal.cross,
-                block(frames * m, i * m, p, m),
-                epsilon = 1e-12
-            );
-            approx::assert_relative_eq!(
-                *marginal.shared,
-                block(frames * m, frames * m, p, p),
-                epsilon = 1e-12
-            );
+            let block = |rows: usize, columns: usize, r, c| inverse.view((rows, columns), (r, c)).into_owned();
+            approx::assert_relative_eq!(*marginal.frame, block(i * m, i * m, m, m), epsilon = 1e-12);
+            approx::assert_relative_eq!(*marginal.cross, block(frames * m, i * m, p, m), epsilon = 1e-12);
+            approx::assert_relative_eq!(*marginal.shared, block(frames * m, frames * m, p, p), epsilon = 1e-12);
         }));
         assert_eq!(visited, frames);
     }

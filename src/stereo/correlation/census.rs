@@ -86,10 +86,7 @@ mod tests {
     fn each_neighbour_has_its_bit() {
         for (bit, (dx, dy)) in NEIGHBOURS.iter().enumerate() {
             let mut image = Plane::filled(7, 7, 10u8);
-            let (x, y) = (
-                3usize.saturating_add_signed(*dx),
-                3usize.saturating_add_signed(*dy),
-            );
+            let (x, y) = (3usize.saturating_add_signed(*dx), 3usize.saturating_add_signed(*dy));
             image.row_mut(y)[x] = 11;
             assert_eq!(signature(&image, 3, 3), 1 << bit);
         }

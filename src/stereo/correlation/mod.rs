@@ -56,10 +56,7 @@ pub struct CorrelationOptions {
 impl Default for CorrelationOptions {
     fn default() -> Self {
         Self {
-            range: DisparityRange {
-                first: 0,
-                count: 64,
-            },
+            range: DisparityRange { first: 0, count: 64 },
             step_penalty: 4,
             jump_penalty: 24,
             uniqueness: 0.05,
@@ -156,11 +153,7 @@ fn fill_band(input: &BandInput<'_>, rows: std::ops::Range<usize>, found: &mut [f
     }
 }
 
-fn check(
-    left: &Plane<u8>,
-    right: &Plane<u8>,
-    options: &CorrelationOptions,
-) -> Result<(), CorrelationError> {
+fn check(left: &Plane<u8>, right: &Plane<u8>, options: &CorrelationOptions) -> Result<(), CorrelationError> {
     if left.height() != right.height() {
         return Err(CorrelationError::Rows {
             left: left.height(),
@@ -236,10 +229,7 @@ mod tests {
     #[test]
     fn a_swapped_pair_has_negative_disparities() {
         let [left, right] = pair(100, 40, |_, _| 6);
-        let range = DisparityRange {
-            first: -20,
-            count: 32,
-        };
+        let range = DisparityRange { first: -20, count: 32 };
         let options = CorrelationOptions {
             range,
             ..Default::default()
@@ -252,17 +242,9 @@ mod tests {
     fn the_result_does_not_depend_on_the_number_of_threads() {
         let [left, right] = pair(120, 200, |x, y| 5 + (x / 40 + y / 50) % 3);
         let by = |threads| {
-            let pool = rayon::ThreadPoolBuilder::new()
-                .num_threads(threads)
-                .build()
-                .unwrap();
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let found = pool.install(|| correlate(&left, &right, &Default::default()));
-            found
-                .unwrap()
-                .values()
-                .iter()
-                .map(|d| d.to_bits())
-                .collect::<Vec<_>>()
+            found.unwrap().values().iter().map(|d| d.to_bits()).collect::<Vec<_>>()
         };
         assert_eq!(by(1), by(3));
     }

@@ -83,9 +83,7 @@ const BETWEEN: usize = 64;
 
 impl<const D: usize> Paths<D> {
     fn start(count: usize) -> Self {
-        let mut costs = [[NEVER; BETWEEN].as_slice(), &[0; D]]
-            .concat()
-            .repeat(count);
+        let mut costs = [[NEVER; BETWEEN].as_slice(), &[0; D]].concat().repeat(count);
         costs.extend([NEVER; BETWEEN]);
         Self {
             costs,
@@ -208,8 +206,7 @@ impl<const D: usize> BandWork<D> {
     fn costs(&mut self, input: &BandInput<'_>, y: usize, i: usize) {
         for (mirrored, row) in self.mirrored.iter_mut().zip(input.right.row(y)) {
             let into = mirrored.iter_mut().skip(self.margin);
-            into.zip(row.iter().rev())
-                .for_each(|(to, from)| *to = *from);
+            into.zip(row.iter().rev()).for_each(|(to, from)| *to = *from);
         }
 
         let left = input.left.row(y);
@@ -252,10 +249,7 @@ impl<const D: usize> BandWork<D> {
         for x in 0..width {
             for (i, Row { costs, sums }) in self.rows.iter_mut().enumerate() {
                 for (path, x) in [(2 * i, x), (2 * i + 1, width - 1 - x)] {
-                    add(
-                        &mut sums[x],
-                        &self.from_sides.step(path, &costs[x], options),
-                    );
+                    add(&mut sums[x], &self.from_sides.step(path, &costs[x], options));
                 }
             }
         }
@@ -331,11 +325,7 @@ fn add<const D: usize>(sums: &mut Lane<D>, step: &Lane<D>) {
 fn first_of<const D: usize>(values: &[u8; D], lowest: u8) -> u8 {
     let mut places = [u8::MAX; D];
     for d in 0..D {
-        places[d] = if values[d] == lowest {
-            d as u8
-        } else {
-            u8::MAX
-        };
+        places[d] = if values[d] == lowest { d as u8 } else { u8::MAX };
     }
     least(&places)
 }
@@ -358,10 +348,5 @@ fn refined<const D: usize>(sums: &[u8; D], best: usize) -> f32 {
     let (below, lowest, above) = (at(best - 1), at(best), at(best + 1));
     let rise = below.max(above) - lowest;
     let known = below.max(above) < f32::from(NEVER) && rise > 0.0;
-    best as f32
-        + if known {
-            0.5 * (below - above) / rise
-        } else {
-            0.0
-        }
+    best as f32 + if known { 0.5 * (below - above) / rise } else { 0.0 }
 }

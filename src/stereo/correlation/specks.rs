@@ -106,12 +106,7 @@ fn add_runs(row: &[f32], y: usize, runs: &mut Vec<Run>, regions: &mut Regions) {
         }
 
         let region = regions.add(to - from);
-        runs.push(Run {
-            y,
-            from,
-            to,
-            region,
-        });
+        runs.push(Run { y, from, to, region });
         from = to;
     }
 }

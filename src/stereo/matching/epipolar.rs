@@ -72,14 +72,8 @@ fn inverse(intrinsics: &Intrinsics) -> Matrix3<f64> {
 }
 
 /// The point that the template's pixel shows at an inverse depth.
-pub(in crate::stereo) fn point_world(
-    template: &Camera,
-    pixel: &Point2<f64>,
-    inverse_depth: f64,
-) -> Point3<f64> {
+pub(in crate::stereo) fn point_world(template: &Camera, pixel: &Point2<f64>, inverse_depth: f64) -> Point3<f64> {
     let normalized = template.intrinsics.normalized(pixel);
     let point_camera = Point3::new(normalized.x, normalized.y, 1.0) / inverse_depth;
-    template
-        .camera_from_world
-        .inverse_transform_point(&point_camera)
+    template.camera_from_world.inverse_transform_point(&point_camera)
 }

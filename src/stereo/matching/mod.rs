@@ -86,9 +86,7 @@ pub enum MatchError {
         found: usize,
     },
     /// Two cameras in one place.
-    #[error(
-        "cameras {template} and {other} are in one place: expected a distance between them, to measure depth by"
-    )]
+    #[error("cameras {template} and {other} are in one place: expected a distance between them, to measure depth by")]
     NoBaseline {
         /// The template's camera.
         template: String,
@@ -174,11 +172,7 @@ impl<'a> MatchViews<'a> {
             })
         };
         let others = others.iter().map(other).collect::<Result<_, _>>()?;
-        Ok(Self {
-            template,
-            others,
-            mask,
-        })
+        Ok(Self { template, others, mask })
     }
 
     /// Whether a pixel of the template may show the subject.
@@ -201,12 +195,7 @@ impl<'a> MatchViews<'a> {
     }
 
     /// Matches a patch in all images.
-    pub(super) fn find_patch(
-        &self,
-        patch: &Patch,
-        start: &DepthPlane,
-        options: &MatchOptions,
-    ) -> Option<Match> {
+    pub(super) fn find_patch(&self, patch: &Patch, start: &DepthPlane, options: &MatchOptions) -> Option<Match> {
         fit(self, patch, start, self.all(), options).ok()
     }
 
@@ -323,22 +312,12 @@ fn check(others: usize, options: &MatchOptions) -> Result<(), MatchError> {
         });
     }
 
-    let wrong = |name, found, expected| {
-        Err(MatchError::Option {
-            name,
-            found,
-            expected,
-        })
-    };
+    let wrong = |name, found, expected| Err(MatchError::Option { name, found, expected });
     if !(1..=50).contains(&options.radius_px) {
         return wrong("radius_px", options.radius_px as f64, "1 to 50");
     }
     if !(options.radius_px..=100).contains(&options.larger_radius_px) {
-        return wrong(
-            "larger_radius_px",
-            options.larger_radius_px as f64,
-            "radius_px to 100",
-        );
+        return wrong("larger_radius_px", options.larger_radius_px as f64, "radius_px to 100");
     }
 
     if options.spacing_px == 0 || options.seed_cell_px == 0 {
@@ -347,11 +326,7 @@ fn check(others: usize, options: &MatchOptions) -> Result<(), MatchError> {
 
     let (near, far) = options.depth.unwrap_or((1.0, 2.0));
     if !(near > 0.0 && far > near) {
-        return wrong(
-            "the nearest depth",
-            near,
-            "more than 0 and less than the farthest",
-        );
+        return wrong("the nearest depth", near, "more than 0 and less than the farthest");
     }
     Ok(())
 }

@@ -30,19 +30,13 @@ pub(super) struct Seed {
 }
 
 /// The given seeds and those found, row by row; each matched by least squares.
-pub(super) fn find(
-    views: &MatchViews<'_>,
-    given: &[Point3<f64>],
-    options: &MatchOptions,
-) -> Vec<Seed> {
+pub(super) fn find(views: &MatchViews<'_>, given: &[Point3<f64>], options: &MatchOptions) -> Vec<Seed> {
     let cell = options.seed_cell_px;
     let (width, height) = (views.template.image.width(), views.template.image.height());
     let (columns, rows) = (width.div_ceil(cell), height.div_ceil(cell));
 
     let refined = |seed: Seed| {
-        let found = views
-            .find(seed.pixel, &seed.plane, options.radius_px, options)
-            .ok()?;
+        let found = views.find(seed.pixel, &seed.plane, options.radius_px, options).ok()?;
         Some(Seed {
             plane: found.plane,
             ..seed
@@ -78,9 +72,7 @@ fn given_seed(views: &MatchViews<'_>, point_world: &Point3<f64>) -> Option<Seed>
 
 /// The pixel with the most texture in the square cell whose first pixel is (left, top).
 fn corner(views: &MatchViews<'_>, left: usize, top: usize, cell: usize) -> Option<(usize, usize)> {
-    let pixels = (0..cell * cell)
-        .step_by(2)
-        .map(|i| (left + i % cell, top + i / cell));
+    let pixels = (0..cell * cell).step_by(2).map(|i| (left + i % cell, top + i / cell));
     let usable = pixels.filter(|(x, y)| views.shows_subject(*x, *y));
     let rated = usable.map(|pixel| (texture(views, pixel, RADIUS_PX), pixel));
     let best = rated.max_by(|a, b| a.0.total_cmp(&b.0))?;
@@ -126,11 +118,7 @@ struct LinePlace {
 }
 
 /// The inverse depth at which the corner looks most alike in all images, if it is the only one.
-fn along_the_line(
-    views: &MatchViews<'_>,
-    pixel: (usize, usize),
-    options: &MatchOptions,
-) -> Option<Seed> {
+fn along_the_line(views: &MatchViews<'_>, pixel: (usize, usize), options: &MatchOptions) -> Option<Seed> {
     let patch = Patch::at(views, pixel, RADIUS_PX);
     let rated = places(views, pixel, options).into_iter();
     let rated = rated.filter_map(|place| {

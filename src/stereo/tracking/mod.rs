@@ -15,8 +15,7 @@ use rayon::prelude::*;
 
 use super::intersection::{Sighting, intersect};
 use super::matching::{
-    DepthPlane, MatchError, MatchOptions, MatchViews, MatchedPoint, Patch, PatchPixel,
-    pixels_around, point_world,
+    DepthPlane, MatchError, MatchOptions, MatchViews, MatchedPoint, Patch, PatchPixel, pixels_around, point_world,
 };
 use super::view::StereoView;
 use super::{CloudPoint, Intersection, Spread};
@@ -177,10 +176,7 @@ impl Tracker {
 fn match_views(frame: &FrameViews) -> Result<MatchViews<'_>, MatchError> {
     let views = frame.views.split_first();
     let Some((template, others)) = views.filter(|(_, others)| !others.is_empty()) else {
-        return Err(MatchError::Images {
-            expected: 1,
-            found: 0,
-        });
+        return Err(MatchError::Images { expected: 1, found: 0 });
     };
     let mask = frame.masks.first().and_then(Option::as_ref);
     MatchViews::new(template, &others.iter().collect::<Vec<_>>(), mask)
@@ -244,10 +240,7 @@ impl FrameStep<'_> {
         let mut found = radii
             .iter()
             .filter_map(|radius| self.temporal_with(track, view, *radius));
-        found.find(|moved| {
-            moved.correlation >= options.least_correlation
-                && moved.sigma_px <= options.most_sigma_px
-        })
+        found.find(|moved| moved.correlation >= options.least_correlation && moved.sigma_px <= options.most_sigma_px)
     }
 
     /// The same with the patch of one radius.

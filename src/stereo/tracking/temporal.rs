@@ -65,8 +65,7 @@ fn best_place(
 ) -> Option<Point2<i64>> {
     let side = 2 * (reach / step) + 1;
     let first = middle.map(|x| x - reach);
-    let places =
-        (0..side * side).map(|i| Point2::new(first.x + i % side * step, first.y + i / side * step));
+    let places = (0..side * side).map(|i| Point2::new(first.x + i % side * step, first.y + i / side * step));
     let rated = places.filter_map(|place| Some((correlation(patch, image, place)?, place)));
     let best = rated.max_by(|a, b| a.0.total_cmp(&b.0));
     best.map(|(_, place)| place)
@@ -91,11 +90,7 @@ fn correlation(patch: &[PatchPixel], image: &Plane<f32>, place: Point2<i64>) -> 
 }
 
 /// Moves, turns and stretches the patch until it looks like the image, by Gauss–Newton; `None` if it does not come to rest.
-pub(super) fn fit(
-    patch: &[PatchPixel],
-    image: &Plane<f32>,
-    start: &Point2<f64>,
-) -> Option<TemporalMatch> {
+pub(super) fn fit(patch: &[PatchPixel], image: &Plane<f32>, start: &Point2<f64>) -> Option<TemporalMatch> {
     let (mut place, mut map) = (*start, Matrix2::identity());
     for _ in 0..MOST_STEPS {
         let equations = Sums::over(patch, image, &place, &map)?.equations(&map)?;
@@ -147,12 +142,7 @@ struct Equations {
 
 impl Sums {
     /// `None` where the image ends.
-    fn over(
-        patch: &[PatchPixel],
-        image: &Plane<f32>,
-        place: &Point2<f64>,
-        map: &Matrix2<f64>,
-    ) -> Option<Self> {
+    fn over(patch: &[PatchPixel], image: &Plane<f32>, place: &Point2<f64>, map: &Matrix2<f64>) -> Option<Self> {
         let mut sums = Self {
             count: patch.len() as f64,
             f: 0.0,

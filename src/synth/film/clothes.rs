@@ -44,11 +44,7 @@ impl DressedPerson {
     ///
     /// # Errors
     /// [`SkinError`] if the body cannot have a skin.
-    pub(super) fn random(
-        model: &BodyModel,
-        shape: &Shape,
-        rng: &mut impl Rng,
-    ) -> Result<Self, SkinError> {
+    pub(super) fn random(model: &BodyModel, shape: &Shape, rng: &mut impl Rng) -> Result<Self, SkinError> {
         let skin = skinned(model, shape)?;
         let zones = zones(model, &skin);
 
@@ -101,11 +97,7 @@ impl DressedPerson {
     }
 
     /// The colour at a place on a triangle.
-    pub(super) fn colour(
-        &self,
-        triangle: [u32; 3],
-        mix: impl Fn([[f32; 8]; 3]) -> [f32; 8],
-    ) -> Colour {
+    pub(super) fn colour(&self, triangle: [u32; 3], mix: impl Fn([[f32; 8]; 3]) -> [f32; 8]) -> Colour {
         let corner = |i: u32| {
             let place = self.skin.mesh.vertices[i as usize].cast::<f32>();
             let zones = self.zones[i as usize];

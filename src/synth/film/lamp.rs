@@ -87,8 +87,7 @@ impl Shadow {
             f32::from(u8::from(nearest.is_none_or(|d| depth < d + TOLERANCE)))
         };
         let (u, v) = (x - column, y - row);
-        (1.0 - v) * ((1.0 - u) * is_lit(0, 0) + u * is_lit(1, 0))
-            + v * ((1.0 - u) * is_lit(0, 1) + u * is_lit(1, 1))
+        (1.0 - v) * ((1.0 - u) * is_lit(0, 0) + u * is_lit(1, 0)) + v * ((1.0 - u) * is_lit(0, 1) + u * is_lit(1, 1))
     }
 }
 

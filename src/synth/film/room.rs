@@ -58,11 +58,7 @@ impl Room {
         }
         still.extend(behind(rng));
 
-        let across = if rng.random_range(0.0..1.0) < 0.5 {
-            -1.9
-        } else {
-            0.3
-        };
+        let across = if rng.random_range(0.0..1.0) < 0.5 { -1.9 } else { 0.3 };
 
         Self {
             still,
@@ -88,11 +84,7 @@ impl Room {
 
     /// What moves, at one time: the curtain sways, the picture on the screen shifts, the belt runs along `heading`.
     pub(super) fn moving(&self, time: f64, travelled: f64, heading: f64) -> Vec<Thing> {
-        vec![
-            self.curtain.at(time),
-            self.screen(time),
-            self.belt(travelled, heading),
-        ]
+        vec![self.curtain.at(time), self.screen(time), self.belt(travelled, heading)]
     }
 
     fn screen(&self, time: f64) -> Thing {
@@ -123,8 +115,7 @@ impl Room {
     /// The light at a time: both parts drift by a quarter.
     pub(super) fn light(&self, time: f64) -> Light {
         let Lamps { phase, hertz } = self.lamps;
-        let drift =
-            |k: usize| 1.0 + 0.25 * (std::f64::consts::TAU * (phase[k] + hertz[k] * time)).sin();
+        let drift = |k: usize| 1.0 + 0.25 * (std::f64::consts::TAU * (phase[k] + hertz[k] * time)).sin();
         Light {
             everywhere: (0.55 * drift(0)) as f32,
             lamp: (0.75 * drift(1)) as f32,
@@ -140,12 +131,7 @@ impl Curtain {
         let at = |u: f64, v: f64| {
             let phase = std::f64::consts::TAU * (hertz * time + 0.8 * u);
             let fold = 0.05 * (std::f64::consts::TAU * 7.0 * u + 1.5 * phase.sin()).sin();
-            hanging(u, v)
-                + Vector3::new(
-                    fold + swing * v * phase.sin(),
-                    0.6 * swing * v * phase.cos(),
-                    0.0,
-                )
+            hanging(u, v) + Vector3::new(fold + swing * v * phase.sin(), 0.6 * swing * v * phase.cos(), 0.0)
         };
         let mut thing = Thing::sheet(56, 12, at, self.texture);
         thing.places = Thing::sheet(56, 12, hanging, self.texture).vertices;
@@ -174,10 +160,7 @@ fn beside(side: f64, rng: &mut impl Rng) -> Vec<Thing> {
 
     // a cabinet
     let (depth, width) = (rng.random_range(0.25..0.4), rng.random_range(0.3..0.5));
-    let low = from_floor(
-        rng.random_range(-0.35..0.05),
-        side * rng.random_range(1.3..1.4),
-    );
+    let low = from_floor(rng.random_range(-0.35..0.05), side * rng.random_range(1.3..1.4));
     let high = low + Vector3::new(depth, side * width, rng.random_range(0.9..1.7));
     let turn = rng.random_range(-0.15..0.15);
     all.push(Thing::cuboid(
@@ -188,28 +171,13 @@ fn beside(side: f64, rng: &mut impl Rng) -> Vec<Thing> {
     ));
 
     // a plank as thick as an arm, upright close behind
-    let plank = from_floor(
-        rng.random_range(-0.75..-0.55),
-        side * rng.random_range(0.45..0.75),
-    );
-    let size = Vector3::new(
-        0.05,
-        rng.random_range(0.08..0.14),
-        rng.random_range(1.6..2.1),
-    );
-    all.push(Thing::cuboid(
-        plank,
-        plank + size,
-        turn,
-        Texture::wooden(rng),
-    ));
+    let plank = from_floor(rng.random_range(-0.75..-0.55), side * rng.random_range(0.45..0.75));
+    let size = Vector3::new(0.05, rng.random_range(0.08..0.14), rng.random_range(1.6..2.1));
+    all.push(Thing::cuboid(plank, plank + size, turn, Texture::wooden(rng)));
 
     // a plant, or none
     let height = rng.random_range(1.0..1.6);
-    let foot = from_floor(
-        rng.random_range(-0.7..-0.45),
-        side * rng.random_range(0.9..1.2),
-    );
+    let foot = from_floor(rng.random_range(-0.7..-0.45), side * rng.random_range(0.9..1.2));
     if rng.random_range(0.0..1.0) < 0.7 {
         all.extend(Thing::plant(foot, height, rng));
     }
@@ -224,12 +192,7 @@ fn behind(rng: &mut impl Rng) -> Vec<Thing> {
     let top = rng.random_range(0.62..0.78);
     let wood = Texture::wooden(rng);
     let piece = |low: [f64; 3], high: [f64; 3]| {
-        Thing::cuboid(
-            corner + Vector3::from(low),
-            corner + Vector3::from(high),
-            0.0,
-            wood,
-        )
+        Thing::cuboid(corner + Vector3::from(low), corner + Vector3::from(high), 0.0, wood)
     };
     let mut all = vec![piece([0.0, 0.0, top - 0.04], [0.6, 1.0, top])];
     for (x, y) in [(0.02, 0.02), (0.52, 0.02), (0.02, 0.92), (0.52, 0.92)] {
@@ -239,11 +202,7 @@ fn behind(rng: &mut impl Rng) -> Vec<Thing> {
     // boxes on it
     for k in 0..3 {
         let low = corner + Vector3::new(rng.random_range(0.05..0.3), 0.05 + 0.32 * k as f64, top);
-        let size = Vector3::new(
-            0.22,
-            rng.random_range(0.12..0.28),
-            rng.random_range(0.12..0.5),
-        );
+        let size = Vector3::new(0.22, rng.random_range(0.12..0.28), rng.random_range(0.12..0.5));
         all.push(Thing::cuboid(
             low,
             low + size,
@@ -255,11 +214,6 @@ fn behind(rng: &mut impl Rng) -> Vec<Thing> {
     // the shelf
     let left = rng.random_range(-1.6..0.4);
     let height = rng.random_range(1.5..2.0);
-    all.extend(Thing::shelf(
-        Vector3::new(-1.7, left, FLOOR),
-        0.9,
-        height,
-        rng,
-    ));
+    all.extend(Thing::shelf(Vector3::new(-1.7, left, FLOOR), 0.9, height, rng));
     all
 }

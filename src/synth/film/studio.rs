@@ -133,11 +133,7 @@ impl<'a> Studio<'a> {
             let behind = self.still.row(y).iter().zip(moving.row(y));
             let all = person.row(y).iter().zip(behind);
             for (sample, (fragment, (still, moving))) in samples.row_mut(y).iter_mut().zip(all) {
-                let behind = if moving.depth < still.depth {
-                    moving
-                } else {
-                    still
-                };
+                let behind = if moving.depth < still.depth { moving } else { still };
                 let is_person = fragment.depth < behind.depth;
                 let [r, g, b] = if is_person {
                     lit(&self.skin_sample(fragment, skin))
@@ -168,10 +164,7 @@ impl<'a> Studio<'a> {
     /// Samples to pixels, with the sensor's noise.
     fn develop(&self, samples: &Plane<[f32; 4]>, frame: FrameIndex) -> Shot {
         let synthetic = &self.film.synthetic;
-        let (width, height) = (
-            self.camera.width_px as usize,
-            self.camera.height_px as usize,
-        );
+        let (width, height) = (self.camera.width_px as usize, self.camera.height_px as usize);
         let view = synthetic.view_number(frame, self.id);
         let mut rng = stream(synthetic.seed, FIRST_NOISE + view);
 
@@ -198,8 +191,7 @@ impl<'a> Studio<'a> {
 
 /// The weighted mean of the samples in and around a pixel; those outside the picture are the nearest within.
 fn blur(samples: &Plane<[f32; 4]>, x: usize, y: usize) -> [f32; 4] {
-    let within =
-        |place: usize, k: usize, size: usize| (SAMPLES * place + k).saturating_sub(1).min(size - 1);
+    let within = |place: usize, k: usize, size: usize| (SAMPLES * place + k).saturating_sub(1).min(size - 1);
     let mut sum = [0.0; 4];
     for (j, down) in BLUR.iter().enumerate() {
         let row = samples.row(within(y, j, samples.height()));
@@ -231,19 +223,10 @@ fn unlit_view(camera: &Camera, lamp: &Lamp, things: &[Thing]) -> Plane<UnlitSamp
 }
 
 /// The surface of one triangle of a thing, as a camera at `centre` sees it.
-fn surface(
-    thing: &Thing,
-    own: usize,
-    fragment: &Fragment,
-    centre: &Vector3<f64>,
-    lamp: &Lamp,
-) -> UnlitSample {
+fn surface(thing: &Thing, own: usize, fragment: &Fragment, centre: &Vector3<f64>, lamp: &Lamp) -> UnlitSample {
     let triangle = thing.triangles[own].map(|i| i as usize);
     let [a, b, c] = triangle.map(|i| thing.vertices[i]);
-    let normal = (b - a)
-        .cross(&(c - a))
-        .try_normalize(1e-12)
-        .unwrap_or_else(Vector3::z);
+    let normal = (b - a).cross(&(c - a)).try_normalize(1e-12).unwrap_or_else(Vector3::z);
     // the side that faces the camera
     let normal = normal * normal.dot(&(centre - a)).signum();
 

@@ -20,21 +20,12 @@ const BOARD: f64 = 0.02;
 
 impl Thing {
     /// A box upright on z = `low.z`, turned about its own middle.
-    pub(super) fn cuboid(
-        low: Vector3<f64>,
-        high: Vector3<f64>,
-        turn: f64,
-        texture: Texture,
-    ) -> Self {
+    pub(super) fn cuboid(low: Vector3<f64>, high: Vector3<f64>, turn: f64, texture: Texture) -> Self {
         let middle = (low + high) * 0.5;
         let about = Rotation3::from_axis_angle(&Vector3::z_axis(), turn);
         let corner = |k: usize| {
             let side = |axis: usize| {
-                if k >> axis & 1 == 0 {
-                    low[axis]
-                } else {
-                    high[axis]
-                }
+                if k >> axis & 1 == 0 { low[axis] } else { high[axis] }
             };
             middle + about * (Vector3::new(side(0), side(1), side(2)) - middle)
         };
@@ -61,12 +52,7 @@ impl Thing {
     }
 
     /// A sheet of `columns` × `rows` pieces; `at` takes (0, 0) to (1, 1) to a place.
-    pub(super) fn sheet(
-        columns: usize,
-        rows: usize,
-        at: impl Fn(f64, f64) -> Vector3<f64>,
-        texture: Texture,
-    ) -> Self {
+    pub(super) fn sheet(columns: usize, rows: usize, at: impl Fn(f64, f64) -> Vector3<f64>, texture: Texture) -> Self {
         let place = |k: usize| {
             let (i, j) = (k % (columns + 1), k / (columns + 1));
             at(i as f64 / columns as f64, j as f64 / rows as f64)
@@ -88,21 +74,11 @@ impl Thing {
     }
 
     /// A shelf that is open to the front, as boards, with books on each.
-    pub(super) fn shelf(
-        corner: Vector3<f64>,
-        width: f64,
-        height: f64,
-        rng: &mut impl Rng,
-    ) -> Vec<Self> {
+    pub(super) fn shelf(corner: Vector3<f64>, width: f64, height: f64, rng: &mut impl Rng) -> Vec<Self> {
         let depth = 0.28;
         let wood = Texture::wooden(rng);
         let board = |low: [f64; 3], high: [f64; 3]| {
-            Self::cuboid(
-                corner + Vector3::from(low),
-                corner + Vector3::from(high),
-                0.0,
-                wood,
-            )
+            Self::cuboid(corner + Vector3::from(low), corner + Vector3::from(high), 0.0, wood)
         };
 
         // back and sides
@@ -150,13 +126,9 @@ impl Thing {
         for _ in 0..70 {
             let (sin, cos) = rng.random_range(0.0..std::f64::consts::TAU).sin_cos();
             let outward = Vector3::new(cos, sin, 0.0);
-            let base = foot
-                + Vector3::z() * rng.random_range(0.4..height)
-                + outward * rng.random_range(0.0..0.12);
-            let along = (outward + Vector3::z() * rng.random_range(-0.6..0.8))
-                * rng.random_range(0.12..0.26);
-            let across =
-                Vector3::new(-sin, cos, rng.random_range(-0.5..0.5)) * rng.random_range(0.03..0.06);
+            let base = foot + Vector3::z() * rng.random_range(0.4..height) + outward * rng.random_range(0.0..0.12);
+            let along = (outward + Vector3::z() * rng.random_range(-0.6..0.8)) * rng.random_range(0.12..0.26);
+            let across = Vector3::new(-sin, cos, rng.random_range(-0.5..0.5)) * rng.random_range(0.03..0.06);
             leaves.add_leaf(base, along, across);
         }
 

@@ -27,11 +27,7 @@ const STAGED: usize = 20;
 
 fn main() -> Result<ExitCode, Fault> {
     let mut run = Run::start("pf02_clutter");
-    let (sequences, length) = if run.is_quick() {
-        (1, QUICK)
-    } else {
-        (2, FULL)
-    };
+    let (sequences, length) = if run.is_quick() { (1, QUICK) } else { (2, FULL) };
     run.setting("frames", length.0);
     run.setting("fps", length.1);
     run.setting("sequences", sequences);
@@ -88,10 +84,7 @@ fn report(run: &mut Run, all: &[(Sequence, Vec<Traced>)]) -> Result<(), Fault> {
                 format!("{least:.3}"),
                 format!("{:.2}", traced.seconds_a_frame),
             ]);
-            run.number(
-                format!("{pipeline}_distance_px_{}", number + 1),
-                distance_px,
-            );
+            run.number(format!("{pipeline}_distance_px_{}", number + 1), distance_px);
             run.number(format!("{pipeline}_overlap_{}", number + 1), median);
         }
         run.number(format!("{pipeline}_errors"), errors as f64);

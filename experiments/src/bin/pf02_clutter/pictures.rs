@@ -21,10 +21,7 @@ const MOST_DRAWN_PX: f64 = 10.0;
 
 /// Draws everything.
 pub(crate) fn draw(run: &Run, all: &[(Sequence, Vec<Traced>)]) -> Result<(), Fault> {
-    let panels = all
-        .iter()
-        .enumerate()
-        .map(|(n, (_, traced))| distances(n, traced));
+    let panels = all.iter().enumerate().map(|(n, (_, traced))| distances(n, traced));
     run.picture("distances", &svg(1, (760.0, 240.0), panels.collect()))?;
     if let Some((number, worst)) = worst_failure(all) {
         let (sequence, traced) = &all[number];
@@ -40,9 +37,7 @@ pub(crate) fn draw(run: &Run, all: &[(Sequence, Vec<Traced>)]) -> Result<(), Fau
     }
     if let Some((sequence, traced)) = all.last() {
         let count = traced[1].scores.len();
-        let frames: Vec<usize> = (0..SHOWN)
-            .map(|k| (2 * k + 1) * count / (2 * SHOWN))
-            .collect();
+        let frames: Vec<usize> = (0..SHOWN).map(|k| (2 * k + 1) * count / (2 * SHOWN)).collect();
         run.say(&format!("joint, last sequence: frames {frames:?}"));
         run.photograph("joint", &strip(sequence, &[&traced[1]], &frames)?)?;
     }
@@ -57,9 +52,7 @@ fn worst_failure(all: &[(Sequence, Vec<Traced>)]) -> Option<(usize, usize)> {
             ((number, frame), simple - joint)
         })
     });
-    frames
-        .max_by(|a, b| a.1.total_cmp(&b.1))
-        .map(|(place, _)| place)
+    frames.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(place, _)| place)
 }
 
 /// A row for each pipeline, the centre camera's photographs with the true border and the found one.
@@ -76,18 +69,14 @@ fn strip(sequence: &Sequence, traced: &[&Traced], frames: &[usize]) -> Result<Pi
         rows.push(row);
     }
     let [left, top, right, bottom] = window.unwrap_or_default();
-    let (left, top) = (
-        left.saturating_sub(MARGIN_PX),
-        top.saturating_sub(MARGIN_PX),
-    );
+    let (left, top) = (left.saturating_sub(MARGIN_PX), top.saturating_sub(MARGIN_PX));
     let size = [right + MARGIN_PX - left, bottom + MARGIN_PX - top];
     Ok(sheet(&rows, [left, top, size[0], size[1]]))
 }
 
 /// Left, top, right and bottom of a mask and what was there before.
 fn around(mask: &Mask, before: Option<[usize; 4]>) -> [usize; 4] {
-    let [mut left, mut top, mut right, mut bottom] =
-        before.unwrap_or([usize::MAX, usize::MAX, 0, 0]);
+    let [mut left, mut top, mut right, mut bottom] = before.unwrap_or([usize::MAX, usize::MAX, 0, 0]);
     for y in 0..mask.height() {
         for x in (0..mask.width()).filter(|x| mask.is_foreground(*x, y)) {
             (left, top) = (left.min(x), top.min(y));

@@ -46,11 +46,7 @@ pub(crate) struct Traced {
 
 impl Sequence {
     /// Makes a recording and writes it into `folder`, over what was there.
-    pub(crate) fn photographed(
-        seed: u64,
-        (frames, fps): (usize, f64),
-        folder: &Path,
-    ) -> Result<Self, Fault> {
+    pub(crate) fn photographed(seed: u64, (frames, fps): (usize, f64), folder: &Path) -> Result<Self, Fault> {
         let body = model::load("walker-metaballs", Path::new(""))?;
         let recipe = FilmRecipe {
             seed,
@@ -71,10 +67,7 @@ impl Sequence {
     }
 
     /// Runs a pipeline as a user would, and compares what it wrote with the true masks.
-    pub(crate) fn traced(
-        &self,
-        (name, pipeline): (&'static str, SilhouettePipeline),
-    ) -> Result<Traced, Fault> {
+    pub(crate) fn traced(&self, (name, pipeline): (&'static str, SilhouettePipeline)) -> Result<Traced, Fault> {
         let out = self.folder.join(name);
         let recording = self.folder.join("recording");
         let files = SilhouetteFiles {
@@ -90,9 +83,7 @@ impl Sequence {
         let seconds = start.elapsed().as_secs_f64();
         let frames = self.film.synthetic.frames();
         let numbers: Vec<usize> = (0..frames).collect();
-        let scores = numbers
-            .into_par_iter()
-            .map(|frame| self.scores(frame, &out));
+        let scores = numbers.into_par_iter().map(|frame| self.scores(frame, &out));
         Ok(Traced {
             pipeline: name,
             scores: scores.collect::<Result<_, String>>()?,
@@ -162,19 +153,13 @@ impl Traced {
 
     /// How far the centre camera's contour is off in a frame, px.
     pub(crate) fn distance_px(&self, frame: usize) -> f64 {
-        let of_centre = self
-            .scores
-            .get(frame)
-            .and_then(|cameras| cameras.get(CENTRE));
+        let of_centre = self.scores.get(frame).and_then(|cameras| cameras.get(CENTRE));
         of_centre.map_or(f64::NAN, |score| score.distance_px)
     }
 }
 
 fn mask_path(folder: &Path, camera: &str, frame: usize) -> PathBuf {
-    folder
-        .join("masks")
-        .join(camera)
-        .join(format!("{frame:06}.png"))
+    folder.join("masks").join(camera).join(format!("{frame:06}.png"))
 }
 
 fn read_mask(path: &Path) -> Result<Mask, String> {

@@ -3,9 +3,7 @@
 use experiments::contours::{black_and_white, sheet};
 use maquette::camera::CameraId;
 use maquette::image::{Gradient, Picture, Plane};
-use maquette::pipeline::silhouettes::{
-    ContourOptions, Edges, FilteredEdges, UndistortedFrame, disparity_mask,
-};
+use maquette::pipeline::silhouettes::{ContourOptions, Edges, FilteredEdges, UndistortedFrame, disparity_mask};
 use maquette::render;
 use maquette::silhouette::FrameIndex;
 use maquette::stereo::neighbour;

@@ -134,8 +134,7 @@ impl Problem for Fit<'_> {
 
     fn linearize(&self, x: &Ellipse, equations: &mut NormalEquations) -> f64 {
         let residuals = self.residuals(x);
-        let jacobian =
-            central_differences(DIMENSION, 1e-6, |d| self.residuals(&self.retract(x, d)));
+        let jacobian = central_differences(DIMENSION, 1e-6, |d| self.residuals(&self.retract(x, d)));
         equations.gradient += jacobian.transpose() * &residuals;
         equations.hessian += jacobian.transpose() * &jacobian;
         0.5 * residuals.norm_squared()

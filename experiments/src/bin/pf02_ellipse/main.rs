@@ -138,10 +138,7 @@ fn draw(seed: u64) -> (Ellipse, Seen) {
     while points.len() < POINTS {
         let turn = rng.random_range(0.0..TAU);
         if slant(&truth, turn) < STEEPEST {
-            let error = Vector2::new(
-                ACROSS_SD * gaussian(&mut rng),
-                DEPTH_SD * gaussian(&mut rng),
-            );
+            let error = Vector2::new(ACROSS_SD * gaussian(&mut rng), DEPTH_SD * gaussian(&mut rng));
             points.push(truth.border(turn) + error);
         }
     }
@@ -175,20 +172,11 @@ fn shape_off(a: &Ellipse, b: &Ellipse) -> f64 {
     (each.sum::<f64>() / 180.0).sqrt()
 }
 
-fn report(
-    run: &mut Run,
-    table: &mut Table,
-    way: &Way,
-    draws: &[(Ellipse, Seen)],
-    fits: &[Ellipse],
-) {
+fn report(run: &mut Run, table: &mut Table, way: &Way, draws: &[(Ellipse, Seen)], fits: &[Ellipse]) {
     let pairs = || draws.iter().map(|(truth, _)| truth).zip(fits);
-    let middle = |value: &dyn Fn((&Ellipse, &Ellipse)) -> f64| {
-        median(&mut pairs().map(value).collect()).unwrap_or(f64::NAN)
-    };
-    let mut areas: Vec<f64> = pairs()
-        .map(|(truth, fit)| fit.area() / truth.area())
-        .collect();
+    let middle =
+        |value: &dyn Fn((&Ellipse, &Ellipse)) -> f64| median(&mut pairs().map(value).collect()).unwrap_or(f64::NAN);
+    let mut areas: Vec<f64> = pairs().map(|(truth, fit)| fit.area() / truth.area()).collect();
     areas.sort_by(f64::total_cmp);
     let area = middle(&|(truth, fit)| fit.area() / truth.area());
     let ninth = areas[areas.len() * 9 / 10];
@@ -217,11 +205,7 @@ fn panel(way: &Way, draws: &[(Ellipse, Seen)], fits: &[Ellipse]) -> Panel {
         points.map(|p| (p.x, -p.y)).collect()
     };
     let (truth, seen) = &draws[0];
-    let points: Vec<(f64, f64)> = seen
-        .points
-        .iter()
-        .map(|p| (p.x * 100.0, -p.y * 100.0))
-        .collect();
+    let points: Vec<(f64, f64)> = seen.points.iter().map(|p| (p.x * 100.0, -p.y * 100.0)).collect();
     let mut panel = Panel::new(way.title, "across, cm", "towards the camera, cm")
         .ranges((-12.0, 12.0), (-16.0, 7.0))
         .equal_aspect();

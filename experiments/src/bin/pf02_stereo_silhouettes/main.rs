@@ -11,16 +11,15 @@ use std::error::Error;
 use std::process::ExitCode;
 
 use experiments::limb::{
-    ArmTruth, LimbErrors, LimbFit, aligned, front_pair, joints, limb_arm, limb_errors, pose,
-    surface_points, true_arm, views, widened,
+    ArmTruth, LimbErrors, LimbFit, aligned, front_pair, joints, limb_arm, limb_errors, pose, surface_points, true_arm,
+    views, widened,
 };
 use experiments::run::Run;
 use experiments::table::Table;
 use maquette::body::{BodyModel, Posed, Shape, State};
 use maquette::inference::prior::{PosePrior, ShapePrior};
 use maquette::likelihood::{
-    PointField, PointOptions, RayOptions, RayView, Residual, SilhouetteRays, SkinScale,
-    SurfacePoint, Term,
+    PointField, PointOptions, RayOptions, RayView, Residual, SilhouetteRays, SkinScale, SurfacePoint, Term,
 };
 use maquette::math::stats::median;
 use maquette::solver::Loss;
@@ -59,20 +58,8 @@ struct Way {
 }
 
 const WAYS: [Way; 6] = [
-    way(
-        "field_stereo",
-        "T − F, stereo",
-        Residual::Field,
-        Data::Stereo,
-        WIDE,
-    ),
-    way(
-        "field_both",
-        "T − F, both",
-        Residual::Field,
-        Data::Both,
-        WIDE,
-    ),
+    way("field_stereo", "T − F, stereo", Residual::Field, Data::Stereo, WIDE),
+    way("field_both", "T − F, both", Residual::Field, Data::Both, WIDE),
     way(
         "metric_stereo",
         "distance, stereo",
@@ -80,13 +67,7 @@ const WAYS: [Way; 6] = [
         Data::Stereo,
         WIDE,
     ),
-    way(
-        "metric_both",
-        "distance, both",
-        Residual::Metric,
-        Data::Both,
-        WIDE,
-    ),
+    way("metric_both", "distance, both", Residual::Metric, Data::Both, WIDE),
     way(
         "prior_stereo",
         "distance, stereo, p(s)",
@@ -94,22 +75,10 @@ const WAYS: [Way; 6] = [
         Data::Stereo,
         1.0,
     ),
-    way(
-        "prior_both",
-        "distance, both, p(s)",
-        Residual::Metric,
-        Data::Both,
-        1.0,
-    ),
+    way("prior_both", "distance, both, p(s)", Residual::Metric, Data::Both, 1.0),
 ];
 
-const fn way(
-    name: &'static str,
-    title: &'static str,
-    residual: Residual,
-    data: Data,
-    prior_factor: f64,
-) -> Way {
+const fn way(name: &'static str, title: &'static str, residual: Residual, data: Data, prior_factor: f64) -> Way {
     Way {
         name,
         title,
@@ -156,12 +125,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         let errors: Vec<LimbErrors> = fits
             .iter()
             .zip(&draws)
-            .map(|(fit, draw)| {
-                limb_errors(
-                    &Posed::new(&arm, &fit.shape, &fit.motion),
-                    &draw.truth.posed(),
-                )
-            })
+            .map(|(fit, draw)| limb_errors(&Posed::new(&arm, &fit.shape, &fit.motion), &draw.truth.posed()))
             .collect();
         report(&mut run, &mut table, way, &errors);
         all.push((way, fits, errors));
@@ -224,26 +188,17 @@ impl Way {
             loss,
             ..RayOptions::default()
         };
-        let mut terms: Vec<Box<dyn Term>> = vec![Box::new(PointField::new(
-            draw.points.clone(),
-            points,
-            scale.clone(),
-        ))];
+        let mut terms: Vec<Box<dyn Term>> = vec![Box::new(PointField::new(draw.points.clone(), points, scale.clone()))];
         if self.data == Data::Both {
-            terms.push(Box::new(SilhouetteRays::new(
-                draw.views.clone(),
-                rays,
-                scale,
-            )));
+            terms.push(Box::new(SilhouetteRays::new(draw.views.clone(), rays, scale)));
         }
         terms
     }
 }
 
 fn report(run: &mut Run, table: &mut Table, way: &Way, errors: &[LimbErrors]) {
-    let middle = |value: &dyn Fn(&LimbErrors) -> f64| {
-        median(&mut errors.iter().map(value).collect()).unwrap_or(f64::NAN)
-    };
+    let middle =
+        |value: &dyn Fn(&LimbErrors) -> f64| median(&mut errors.iter().map(value).collect()).unwrap_or(f64::NAN);
     let numbers = [
         ("axis_mm", middle(&|e| e.axis_mm)),
         ("upper_arm_width_pct", middle(&|e| e.width_pct[0])),

@@ -17,10 +17,7 @@ pub(super) fn errors(all: &[Fits<'_>]) -> String {
         maquette::math::stats::median(&mut values).unwrap_or(0.0)
     };
     let pairs = [("T − F", 0), ("distance", 2), ("distance, p(s)", 4)];
-    let series = [
-        ("stereo", colour::ORANGE),
-        ("stereo and silhouettes", colour::BLUE),
-    ];
+    let series = [("stereo", colour::ORANGE), ("stereo and silhouettes", colour::BLUE)];
     let panel = |title: &str, label: &str, range, value: &dyn Fn(&LimbErrors) -> f64| {
         let groups: Vec<(String, Vec<f64>)> = pairs
             .iter()
@@ -46,12 +43,7 @@ pub(super) fn errors(all: &[Fits<'_>]) -> String {
             (0.0, most(&|e| e.axis_mm)),
             &|e| e.axis_mm,
         ),
-        panel(
-            "inflation of the widths",
-            "median, %",
-            (0.0, most(&width)),
-            &width,
-        ),
+        panel("inflation of the widths", "median, %", (0.0, most(&width)), &width),
     ];
     svg(2, (470.0, 340.0), panels)
 }
@@ -68,11 +60,7 @@ pub(super) fn side(arm: &BodyModel, draw: &Draw, all: &[Fits<'_>]) -> String {
         (100.0 * off.dot(&depth), 100.0 * off.z)
     };
     let truth = draw.truth.posed();
-    let points: Vec<(f64, f64)> = draw
-        .points
-        .iter()
-        .map(|p| flat(&p.position_world))
-        .collect();
+    let points: Vec<(f64, f64)> = draw.points.iter().map(|p| flat(&p.position_world)).collect();
     let panels = all.iter().take(4).map(|(way, fits, _)| {
         let fit = Posed::new(arm, &fits[0].shape, &fits[0].motion);
         let panel = Panel::new(way.title, "away from the camera, cm", "up, cm")

@@ -22,9 +22,7 @@ use maquette::body::{BodyModel, Motion, Posed, Shape};
 use maquette::math::stats::median;
 use nalgebra::{Point3, Vector3};
 
-use sequence::{
-    ArmFrame, FPS, FRAMES, Track, fit, joints_of, sequence, skin_off_mm, tracked_joints,
-};
+use sequence::{ArmFrame, FPS, FRAMES, Track, fit, joints_of, sequence, skin_off_mm, tracked_joints};
 
 /// Frames that are drawn.
 const SHOWN: [usize; 3] = [5, 15, 30];
@@ -51,19 +49,10 @@ fn main() -> std::result::Result<ExitCode, Box<dyn Error>> {
     let limb_track = fit(&limb, &frames, &limb_starts);
     // 2. the full arm, from the limb model's joints
     let full = full_arm()?;
-    let found: Vec<_> = (0..FRAMES)
-        .map(|i| joints_of(&limb, &limb_track, i))
-        .collect();
+    let found: Vec<_> = (0..FRAMES).map(|i| joints_of(&limb, &limb_track, i)).collect();
     let full_track = fit(&full, &frames, &starts(&full, &found));
     let results = [
-        Result::new(
-            "limb",
-            "limb model",
-            colour::ORANGE,
-            limb,
-            limb_track,
-            &frames,
-        ),
+        Result::new("limb", "limb model", colour::ORANGE, limb, limb_track, &frames),
         Result::new("full", "full arm", colour::BLUE, full, full_track, &frames),
     ];
     report(&mut run, &results)?;
@@ -75,9 +64,7 @@ fn main() -> std::result::Result<ExitCode, Box<dyn Error>> {
 /// The motions that bring a model of mean shape to given joints.
 fn starts(model: &BodyModel, all: &[[Point3<f64>; 3]]) -> Vec<Motion> {
     let shape = Shape(model.statistics.mean.clone());
-    all.iter()
-        .map(|targets| aligned(model, &shape, targets))
-        .collect()
+    all.iter().map(|targets| aligned(model, &shape, targets)).collect()
 }
 
 impl Result {
@@ -89,18 +76,11 @@ impl Result {
         track: Track,
         frames: &[ArmFrame],
     ) -> Self {
-        let bodies = || {
-            track
-                .motions
-                .iter()
-                .map(|m| Posed::new(&model, &track.shape, m))
-        };
+        let bodies = || track.motions.iter().map(|m| Posed::new(&model, &track.shape, m));
         let errors = bodies()
             .zip(frames)
             .map(|(body, f)| limb_errors(&body, &f.truth.posed()));
-        let skin_mm = bodies()
-            .zip(frames)
-            .map(|(body, f)| skin_off_mm(&model, &body, f));
+        let skin_mm = bodies().zip(frames).map(|(body, f)| skin_off_mm(&model, &body, f));
         Self {
             name,
             title,
@@ -141,10 +121,7 @@ fn report(run: &mut Run, results: &[Result]) -> std::result::Result<(), Box<dyn 
                 "widths_pct",
                 middle(&|e| 0.5 * (e.width_pct[0].abs() + e.width_pct[1].abs())),
             ),
-            (
-                "skin_mm",
-                median(&mut result.skin_mm.clone()).unwrap_or(f64::NAN),
-            ),
+            ("skin_mm", median(&mut result.skin_mm.clone()).unwrap_or(f64::NAN)),
             ("frames_lost", lost as f64),
         ];
         for (name, value) in numbers {
@@ -162,27 +139,20 @@ fn errors_picture(results: &[Result]) -> String {
             .ranges((0.0, FRAMES as f64), (0.0, most))
             .legend(LegendPosition::OutsideRightTop);
         results.iter().fold(empty, |panel, result| {
-            let curve: Vec<(f64, f64)> =
-                (0..FRAMES).map(|i| (i as f64, value(result, i))).collect();
+            let curve: Vec<(f64, f64)> = (0..FRAMES).map(|i| (i as f64, value(result, i))).collect();
             panel.curve(result.title, result.colour, &curve)
         })
     };
     let panels = vec![
-        panel(
-            "shoulder, elbow and wrist",
-            "mean error, mm",
-            40.0,
-            &|r, i| r.errors[i].joints_mm,
-        ),
+        panel("shoulder, elbow and wrist", "mean error, mm", 40.0, &|r, i| {
+            r.errors[i].joints_mm
+        }),
         panel("bend of the elbow", "error, °", 10.0, &|r, i| {
             r.errors[i].elbow_deg.abs()
         }),
-        panel(
-            "true skin off the fitted",
-            "mean distance, mm",
-            8.0,
-            &|r, i| r.skin_mm[i],
-        ),
+        panel("true skin off the fitted", "mean distance, mm", 8.0, &|r, i| {
+            r.skin_mm[i]
+        }),
     ];
     svg(1, (640.0, 250.0), panels)
 }
@@ -196,11 +166,7 @@ fn arm_picture(results: &[Result], frames: &[ArmFrame]) -> String {
     let panel = |result: &Result, i: usize| {
         let middle = joints(&frames[i].truth.posed())[1];
         let flat = |p: &Point3<f64>| (100.0 * (p - middle).dot(&right), 100.0 * (p.z - middle.z));
-        let points: Vec<(f64, f64)> = frames[i]
-            .points
-            .iter()
-            .map(|p| flat(&p.position_world))
-            .collect();
+        let points: Vec<(f64, f64)> = frames[i].points.iter().map(|p| flat(&p.position_world)).collect();
         let fitted = Posed::new(&result.model, &result.track.shape, &result.track.motions[i]);
         let truth = frames[i].truth.posed();
         let title = format!("{}, frame {i}", result.title);
@@ -220,8 +186,6 @@ fn arm_picture(results: &[Result], frames: &[ArmFrame]) -> String {
                 panel.dashed("", colour, &bones)
             })
     };
-    let panels = results
-        .iter()
-        .flat_map(|result| SHOWN.map(|i| panel(result, i)));
+    let panels = results.iter().flat_map(|result| SHOWN.map(|i| panel(result, i)));
     svg(3, (330.0, 310.0), panels.collect())
 }

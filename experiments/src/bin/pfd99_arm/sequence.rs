@@ -151,11 +151,7 @@ fn terms<'a>(arm: &BodyModel, frame: &ArmFrame) -> Vec<Box<dyn Term + 'a>> {
 
 /// Mean distance of the true skin's points from a fitted skin, mm.
 pub(crate) fn skin_off_mm(arm: &BodyModel, body: &Posed<'_>, frame: &ArmFrame) -> f64 {
-    let term = PointField::new(
-        frame.skin.clone(),
-        PointOptions::default(),
-        SkinScale::new(arm),
-    );
+    let term = PointField::new(frame.skin.clone(), PointOptions::default(), SkinScale::new(arm));
     let residuals = term.residuals(body);
     let sum: f64 = residuals.iter().map(|r| r.residual_m.abs()).sum();
     1000.0 * sum / residuals.len().max(1) as f64

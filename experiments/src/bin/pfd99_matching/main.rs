@@ -39,11 +39,7 @@ fn cloth(run: &mut Run, folder: &Path) -> Result<(), Fault> {
         cloth::view(folder, 5)?,
     ];
     let truth = cloth::truth(folder)?;
-    let known = truth
-        .values()
-        .iter()
-        .filter(|shift| shift.is_finite())
-        .count();
+    let known = truth.values().iter().filter(|shift| shift.is_finite()).count();
     for (name, least_images) in [("triplets", 2), ("pairs_too", 1)] {
         let options = MatchOptions {
             spacing_px: 1,

@@ -29,17 +29,10 @@ impl Mesh {
     pub(crate) fn read(path: &Path) -> Result<Self, Fault> {
         let bytes = std::fs::read(path)?;
         let end = b"end_header\n";
-        let at = bytes
-            .windows(end.len())
-            .position(|w| w == end)
-            .ok_or("no header")?
-            + end.len();
+        let at = bytes.windows(end.len()).position(|w| w == end).ok_or("no header")? + end.len();
         let header = String::from_utf8_lossy(&bytes[..at]).into_owned();
         let count = |what: &str| -> Result<usize, Fault> {
-            let line = header
-                .lines()
-                .find_map(|l| l.strip_prefix(what))
-                .ok_or("no element")?;
+            let line = header.lines().find_map(|l| l.strip_prefix(what)).ok_or("no element")?;
             Ok(line.trim().parse()?)
         };
         let (vertices, faces) = (count("element vertex ")?, count("element face ")?);
@@ -51,9 +44,7 @@ impl Mesh {
         let (points, faces) = body.split_at(12 * vertices);
         let vertices = points
             .chunks_exact(12)
-            .map(|b| {
-                Point3::from([0, 4, 8].map(|i| f64::from(f32::from_le_bytes(number(&b[i..])))))
-            })
+            .map(|b| Point3::from([0, 4, 8].map(|i| f64::from(f32::from_le_bytes(number(&b[i..]))))))
             .collect();
         let triangles = faces
             .chunks_exact(13)
@@ -69,11 +60,7 @@ impl Mesh {
 
     fn sorted(mut self) -> Self {
         for (i, triangle) in self.triangles.iter().enumerate() {
-            let middle = triangle
-                .iter()
-                .map(|v| self.vertices[*v].coords)
-                .sum::<Vector3<f64>>()
-                / 3.0;
+            let middle = triangle.iter().map(|v| self.vertices[*v].coords).sum::<Vector3<f64>>() / 3.0;
             self.cells.entry(cell(&middle.into())).or_default().push(i);
         }
         self

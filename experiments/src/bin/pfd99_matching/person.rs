@@ -10,9 +10,7 @@ use maquette::io::recording::Recording;
 use maquette::silhouette::FrameIndex;
 use maquette::stereo::StereoView;
 use maquette::stereo::matching::{MatchOptions, match_surface};
-use maquette::stereo::tracking::{
-    FilterOptions, FrameViews, TrackOptions, Tracker, Trajectory, filter_trajectories,
-};
+use maquette::stereo::tracking::{FilterOptions, FrameViews, TrackOptions, Tracker, Trajectory, filter_trajectories};
 use nalgebra::Unit;
 
 use crate::Fault;
@@ -37,10 +35,9 @@ pub(crate) fn triplets(folder: &Path, last: usize) -> Result<Vec<FrameViews>, Fa
         };
         for camera in [1, 0, 2] {
             let picture = pictures[camera].take().ok_or("no picture")?;
-            shown.views.push(StereoView::undistorted(
-                &footage.rig.cameras[camera],
-                &luma(&picture),
-            )?);
+            shown
+                .views
+                .push(StereoView::undistorted(&footage.rig.cameras[camera], &luma(&picture))?);
             shown
                 .masks
                 .push(recording.load_mask(CameraId(camera), FrameIndex(frame.0))?);
@@ -66,12 +63,7 @@ fn tracks(run: &mut Run, folder: &Path, frames: &[FrameViews]) -> Result<(), Fau
         let mask = frames[first].masks[0].as_ref();
         let found = match_surface(centre, &[left, right], mask, &[], &MatchOptions::default())?;
         let start = Instant::now();
-        let mut tracker = Tracker::start(
-            first,
-            frames[first].clone(),
-            &found.points,
-            TrackOptions::default(),
-        )?;
+        let mut tracker = Tracker::start(first, frames[first].clone(), &found.points, TrackOptions::default())?;
         for next in &frames[first + 1..=first + TRACKED_FRAMES] {
             tracker.advance(next.clone())?;
         }
@@ -84,19 +76,15 @@ fn tracks(run: &mut Run, folder: &Path, frames: &[FrameViews]) -> Result<(), Fau
             "tracks from frame {first}: {} begun, {} followed for {TRACKED_FRAMES} frames, {} of them on their place; after the filters {} and {} ({} truncated, {} removed); {seconds:.2} s a frame",
             found.points.len(), raw.0, raw.1, good.0, good.1, filtered.truncated, filtered.removed
         ));
-        for (count, here) in
-            counts
-                .iter_mut()
-                .zip([found.points.len(), raw.0, raw.1, good.0, good.1])
+        for (count, here) in counts
+            .iter_mut()
+            .zip([found.points.len(), raw.0, raw.1, good.0, good.1])
         {
             *count += here;
         }
     }
     let [begun, followed, _, kept, _] = counts;
-    run.number(
-        "tracks_on_place_unfiltered",
-        counts[2] as f64 / followed as f64,
-    );
+    run.number("tracks_on_place_unfiltered", counts[2] as f64 / followed as f64);
     run.number("tracks_on_place", counts[4] as f64 / kept as f64);
     run.number("tracks_kept", kept as f64 / begun as f64);
     run.say(&format!(
@@ -108,11 +96,7 @@ fn tracks(run: &mut Run, folder: &Path, frames: &[FrameViews]) -> Result<(), Fau
 }
 
 /// Trajectories that last, and those whose last point is on the place of the surface where the first one was.
-fn on_place(
-    folder: &Path,
-    first: usize,
-    trajectories: &[Trajectory],
-) -> Result<(usize, usize), Fault> {
+fn on_place(folder: &Path, first: usize, trajectories: &[Trajectory]) -> Result<(usize, usize), Fault> {
     let mesh = |frame: usize| Mesh::read(&folder.join(format!("surface/{frame:06}.ply")));
     let (before, after) = (mesh(first)?, mesh(first + TRACKED_FRAMES)?);
     let (mut lasting, mut right) = (0, 0);
@@ -142,19 +126,11 @@ fn points(run: &mut Run, folder: &Path, frames: &[FrameViews]) -> Result<(), Fau
         let [centre, left, right] = &shown.views[..] else {
             return Err("three cameras expected".into());
         };
-        let found = match_surface(
-            centre,
-            &[left, right],
-            shown.masks[0].as_ref(),
-            &[],
-            &options,
-        )?;
+        let found = match_surface(centre, &[left, right], shown.masks[0].as_ref(), &[], &options)?;
         let seconds = start.elapsed().as_secs_f64();
         let mut here = Vec::new();
         for point in &found.points {
-            let distance = mesh
-                .nearest(&point.point.position_world)
-                .map_or(0.06, |found| found.0);
+            let distance = mesh.nearest(&point.point.position_world).map_or(0.06, |found| found.0);
             let place = point.point.position_world;
             let ray = Unit::new_normalize(place - centre.camera.centre_world());
             here.push(1000.0 * distance);

@@ -65,14 +65,7 @@ fn within<'a>(deviations: impl Iterator<Item = &'a Deviation>, z: f64) -> f64 {
 fn report(run: &mut Run, all: &[Deviation]) -> Result<(), Box<dyn Error>> {
     let mut table = Table::new(
         "coverage",
-        &[
-            "",
-            "numbers",
-            "50 %",
-            "80 %",
-            "95 %",
-            "RMS of error over SD",
-        ],
+        &["", "numbers", "50 %", "80 %", "95 %", "RMS of error over SD"],
     );
     for (kind, name, _) in KINDS {
         let of_kind = || all.iter().filter(|d| d.kind == kind);
@@ -90,10 +83,7 @@ fn report(run: &mut Run, all: &[Deviation]) -> Result<(), Box<dyn Error>> {
     let mut names: Vec<&str> = all.iter().map(|d| d.name.as_str()).collect();
     names.sort_unstable();
     names.dedup();
-    let mut table = Table::new(
-        "by_name",
-        &["", "50 %", "80 %", "95 %", "mean z", "RMS z", "RMS SD"],
-    );
+    let mut table = Table::new("by_name", &["", "50 %", "80 %", "95 %", "mean z", "RMS z", "RMS SD"]);
     for name in names {
         let of = || all.iter().filter(|d| d.name == name);
         let count = of().count() as f64;
@@ -101,11 +91,7 @@ fn report(run: &mut Run, all: &[Deviation]) -> Result<(), Box<dyn Error>> {
         let rms = (of().map(|d| d.z * d.z).sum::<f64>() / count).sqrt();
         let sd = (of().map(|d| d.sd * d.sd).sum::<f64>() / count).sqrt();
         let shares = INTERVALS.map(|(_, z)| format!("{:.0}", within(of(), z)));
-        let numbers = [
-            format!("{mean:.2}"),
-            format!("{rms:.2}"),
-            format!("{sd:.4}"),
-        ];
+        let numbers = [format!("{mean:.2}"), format!("{rms:.2}"), format!("{sd:.4}")];
         table.row([name.to_owned()].into_iter().chain(shares).chain(numbers));
     }
     run.table("number by number", &table)?;
@@ -114,28 +100,19 @@ fn report(run: &mut Run, all: &[Deviation]) -> Result<(), Box<dyn Error>> {
 
 /// Stated against true, one curve for each kind of number.
 fn reliability(all: &[Deviation]) -> String {
-    let panel = Panel::new(
-        "intervals that contain the truth",
-        "stated, %",
-        "came true, %",
-    )
-    .ranges((0.0, 100.0), (0.0, 100.0))
-    .dashed("as stated", colour::BLACK, &[(0.0, 0.0), (100.0, 100.0)])
-    .legend(LegendPosition::OutsideRightTop);
+    let panel = Panel::new("intervals that contain the truth", "stated, %", "came true, %")
+        .ranges((0.0, 100.0), (0.0, 100.0))
+        .dashed("as stated", colour::BLACK, &[(0.0, 0.0), (100.0, 100.0)])
+        .legend(LegendPosition::OutsideRightTop);
     let panel = KINDS.iter().fold(panel, |panel, &(kind, name, colour)| {
         let of_kind = || all.iter().filter(|d| d.kind == kind);
         let points: Vec<(f64, f64)> = (1..20)
             .map(|i| {
                 let stated = f64::from(i) / 20.0;
-                (
-                    100.0 * stated,
-                    within(of_kind(), recording::quantile(stated)),
-                )
+                (100.0 * stated, within(of_kind(), recording::quantile(stated)))
             })
             .collect();
-        panel
-            .curve(name, colour, &points)
-            .marks("", colour, &points)
+        panel.curve(name, colour, &points).marks("", colour, &points)
     });
     svg(1, (520.0, 400.0), vec![panel])
 }

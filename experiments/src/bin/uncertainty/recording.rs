@@ -42,11 +42,7 @@ pub(crate) fn quantile(probability: f64) -> f64 {
 }
 
 /// `None` if nothing could be fitted.
-pub(crate) fn deviations(
-    body: &BodyModel,
-    walker: &BodyModel,
-    seed: u64,
-) -> Option<Vec<Deviation>> {
+pub(crate) fn deviations(body: &BodyModel, walker: &BodyModel, seed: u64) -> Option<Vec<Deviation>> {
     let recipe = Recipe {
         seed,
         frames: Some(FRAMES),
@@ -89,12 +85,7 @@ fn of_lengths(body: &BodyModel, truth: &Synthetic, found: &Fit) -> Option<Vec<De
     let of = |(i, (name, _, _)): (usize, &(String, usize, usize))| {
         let j = truth.model.lengths.iter().position(|l| l.0 == *name)?;
         let error = found.lengths_m[i] - true_lengths[j];
-        Some(deviation(
-            Kind::Length,
-            name,
-            error,
-            uncertainty.lengths_sd_m[i],
-        ))
+        Some(deviation(Kind::Length, name, error, uncertainty.lengths_sd_m[i]))
     };
     Some(lengths.filter_map(of).collect())
 }

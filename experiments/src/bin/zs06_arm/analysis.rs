@@ -98,11 +98,7 @@ impl<'a> Scene<'a> {
         }
     }
 
-    pub(crate) fn analyse(
-        &self,
-        name: &'static str,
-        likelihood: EllipseOptions,
-    ) -> Option<Analysis> {
+    pub(crate) fn analyse(&self, name: &'static str, likelihood: EllipseOptions) -> Option<Analysis> {
         let evidence = Evidence::with_ellipses(self.model, &self.rig, likelihood);
         let sequence = |frames| Sequence { frames, fps: FPS };
         let searches: Vec<Search> = self

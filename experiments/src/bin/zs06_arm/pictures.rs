@@ -55,11 +55,7 @@ pub(crate) fn posterior(scene: &Scene<'_>, analyses: &[Analysis]) -> String {
             })
             .rule_at(ARM.a, "")
     });
-    svg(
-        3,
-        (340.0, 260.0),
-        silhouettes.into_iter().chain(posteriors).collect(),
-    )
+    svg(3, (340.0, 260.0), silhouettes.into_iter().chain(posteriors).collect())
 }
 
 /// The border that was seen, and the chosen hypothesis' ellipses.
@@ -75,11 +71,7 @@ fn silhouette_panel(scene: &Scene<'_>, camera: &Camera, analyses: &[Analysis], n
     let (_, silhouette) = &scene.recordings[0][n - 1].views[0];
     let border = silhouette.contour.iter().chain(silhouette.contour.first());
     let border: Vec<_> = border.map(|p| up(p.pixel.x, p.pixel.y)).collect();
-    panel = panel.curve(
-        if n == 1 { "silhouette" } else { "" },
-        colour::BLACK,
-        &border,
-    );
+    panel = panel.curve(if n == 1 { "silhouette" } else { "" }, colour::BLACK, &border);
     let Some((analysis, legend, colour)) = drawn(analyses).next() else {
         return panel;
     };
@@ -108,16 +100,10 @@ fn silhouette_panel(scene: &Scene<'_>, camera: &Camera, analyses: &[Analysis], n
 
 /// ZS06, Fig. 5: the hypotheses' posteriors, and φ of the most probable one.
 pub(crate) fn hypotheses(scene: &Scene<'_>, analyses: &[Analysis]) -> String {
-    let series: Vec<(&str, &str)> = drawn(analyses)
-        .map(|(_, name, colour)| (name, colour))
-        .collect();
+    let series: Vec<(&str, &str)> = drawn(analyses).map(|(_, name, colour)| (name, colour)).collect();
     let probabilities: Vec<Vec<f64>> = drawn(analyses).map(|(a, _, _)| a.probabilities()).collect();
     let group = |j: usize| {
-        let label = if j == 0 {
-            "mean".to_owned()
-        } else {
-            j.to_string()
-        };
+        let label = if j == 0 { "mean".to_owned() } else { j.to_string() };
         (label, probabilities.iter().map(|p| p[j]).collect())
     };
     let groups: Vec<(String, Vec<f64>)> = (0..=FRAMES).map(group).collect();

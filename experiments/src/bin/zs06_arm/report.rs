@@ -36,21 +36,14 @@ fn numbers(run: &mut Run, analyses: &[Analysis]) {
             ("width_after_6", posterior.width(6)),
             ("phi_rms_rad", analysis.angle_error()),
             ("fraction_within", analysis.fraction(Outcome::is_right)),
-            (
-                "fraction_first_chosen",
-                analysis.fraction(|o| o.chose_first_frame),
-            ),
+            ("fraction_first_chosen", analysis.fraction(|o| o.chose_first_frame)),
         ] {
             run.number(format!("{}_{what}", analysis.name), value);
         }
     }
-    let sharpens =
-        |a: &&Analysis| (1..FRAMES).all(|n| a.posterior.width(n + 1) < a.posterior.width(n));
+    let sharpens = |a: &&Analysis| (1..FRAMES).all(|n| a.posterior.width(n + 1) < a.posterior.width(n));
     let sharpening = analyses.iter().filter(sharpens).count() as f64;
-    run.number(
-        "sharpens_with_every_frame",
-        sharpening / analyses.len() as f64,
-    );
+    run.number("sharpens_with_every_frame", sharpening / analyses.len() as f64);
 }
 
 fn widths(analyses: &[Analysis]) -> Table {
@@ -58,11 +51,7 @@ fn widths(analyses: &[Analysis]) -> Table {
     let mut table = Table::new("width", &columns);
     for analysis in analyses {
         let width = |n| format!("{:.3}", analysis.posterior.width(n));
-        table.row(
-            [analysis.name.to_owned()]
-                .into_iter()
-                .chain((1..=FRAMES).map(width)),
-        );
+        table.row([analysis.name.to_owned()].into_iter().chain((1..=FRAMES).map(width)));
     }
     table
 }

@@ -11,10 +11,7 @@ use crate::ways::{Scene, Way};
 /// Ways that are drawn, with their colours: frame by frame, and all frames at once.
 const DRAWN: [[(&str, &str); 2]; 2] = [
     [("published", colour::PURPLE), ("metaballs", colour::ORANGE)],
-    [
-        ("joint_ellipses", colour::GREEN),
-        ("joint_metaballs", colour::BLUE),
-    ],
+    [("joint_ellipses", colour::GREEN), ("joint_metaballs", colour::BLUE)],
 ];
 
 /// Flexion of both elbows against the truth: frame by frame, and the joint optimum with twice its standard deviation.
@@ -25,12 +22,8 @@ pub(crate) fn elbow(scene: &Scene<'_>, ways: &[Way]) -> String {
         for (side, arm) in ARMS.into_iter().enumerate() {
             let mut panel = held_marked(
                 scene,
-                Panel::new(
-                    &format!("{} elbow, {title}", arm.name),
-                    "time (s)",
-                    "flexion (°)",
-                )
-                .ranges((0.0, end(scene)), (0.0, 150.0)),
+                Panel::new(&format!("{} elbow, {title}", arm.name), "time (s)", "flexion (°)")
+                    .ranges((0.0, end(scene)), (0.0, 150.0)),
             );
             if side == 1 {
                 panel = panel.legend(LegendPosition::InsideTopRight);
@@ -80,10 +73,7 @@ pub(crate) fn wrist(scene: &Scene<'_>, ways: &[Way]) -> String {
     svg(2, (520.0, 320.0), panels)
 }
 
-fn chosen<'a>(
-    ways: &'a [Way],
-    drawn: &[(&str, &'static str)],
-) -> impl Iterator<Item = (&'a Way, &'static str)> {
+fn chosen<'a>(ways: &'a [Way], drawn: &[(&str, &'static str)]) -> impl Iterator<Item = (&'a Way, &'static str)> {
     drawn.iter().filter_map(|(name, colour)| {
         let way = ways.iter().find(|way| way.name == *name)?;
         Some((way, *colour))

@@ -123,7 +123,6 @@ fn with_parts(model: &BodyModel, side: &str, kept: Kept) -> BodyModel {
     let arm = ["upper_arm", "forearm", "hand"].map(|part| format!("{part}{side}"));
     let is_arm = |part: usize| arm.contains(&model.parts[part].name);
     let mut left = model.clone();
-    left.metaballs
-        .retain(|ball| is_arm(ball.part.0) == (kept == Kept::Arm));
+    left.metaballs.retain(|ball| is_arm(ball.part.0) == (kept == Kept::Arm));
     left
 }

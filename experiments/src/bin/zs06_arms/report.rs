@@ -49,12 +49,7 @@ pub(crate) fn report(
     Ok(())
 }
 
-fn table(
-    name: &'static str,
-    scene: &Scene<'_>,
-    ways: &[Way],
-    counts: impl Fn(usize) -> bool,
-) -> Table {
+fn table(name: &'static str, scene: &Scene<'_>, ways: &[Way], counts: impl Fn(usize) -> bool) -> Table {
     let columns = [
         "way",
         "frames with an arm lost",
@@ -68,12 +63,7 @@ fn table(
     let mut table = Table::new(name, &columns);
     for way in ways {
         let s = Summary::of(&scene.truth, &way.fit, &counts);
-        let figures = [
-            s.shoulder_deg,
-            s.elbow_deg,
-            s.wrist_median_mm,
-            s.wrist_p95_mm,
-        ];
+        let figures = [s.shoulder_deg, s.elbow_deg, s.wrist_median_mm, s.wrist_p95_mm];
         let counted = [s.lost, s.wrong_way].map(|n| n.to_string());
         let cells = std::iter::once(way.title.to_owned()).chain(counted);
         let cells = cells.chain(figures.map(|v| format!("{v:.1}")));

@@ -40,11 +40,7 @@ struct Only<'a>(&'a Hypothesis);
 impl Journal for Only<'_> {
     fn kept_keyframe(&self, keyframe: usize) -> Option<Vec<Hypothesis>> {
         let is_it = keyframe == self.0.keyframe;
-        Some(if is_it {
-            vec![self.0.clone()]
-        } else {
-            Vec::new()
-        })
+        Some(if is_it { vec![self.0.clone()] } else { Vec::new() })
     }
 }
 
@@ -116,13 +112,7 @@ impl Scene<'_> {
         Some((way, winner.clone()))
     }
 
-    fn joint(
-        &self,
-        name: &'static str,
-        title: &'static str,
-        evidence: &Evidence<'_>,
-        winner: &Trial,
-    ) -> Way {
+    fn joint(&self, name: &'static str, title: &'static str, evidence: &Evidence<'_>, winner: &Trial) -> Way {
         let started = Instant::now();
         let start = SequenceState {
             shape: winner.hypothesis.shape.clone(),

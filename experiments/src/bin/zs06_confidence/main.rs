@@ -66,30 +66,18 @@ struct Point {
 
 impl Point {
     fn of(recordings: &[Estimates], k: usize, epsilon: f64) -> Self {
-        let mean = |value: &dyn Fn(&Estimates) -> f64| {
-            mean(recordings.iter().map(value)).unwrap_or(f64::NAN)
-        };
+        let mean = |value: &dyn Fn(&Estimates) -> f64| mean(recordings.iter().map(value)).unwrap_or(f64::NAN);
         let share_within = |target: &dyn Fn(&Estimates) -> f64| {
             mean(&|r| {
-                let near = r.keyframes[..k]
-                    .iter()
-                    .any(|a| (a - target(r)).abs() <= epsilon);
+                let near = r.keyframes[..k].iter().any(|a| (a - target(r)).abs() <= epsilon);
                 f64::from(u8::from(near))
             })
         };
-        let sigma = |r: &Estimates| {
-            maximum_likelihood_sigma(if k == 1 {
-                &r.keyframes
-            } else {
-                &r.keyframes[..k]
-            })
-        };
+        let sigma = |r: &Estimates| maximum_likelihood_sigma(if k == 1 { &r.keyframes } else { &r.keyframes[..k] });
         Self {
             k,
             epsilon,
-            stated: mean(&|r| {
-                p_at_least_one(p_within(epsilon, sigma(r).unwrap_or(f64::INFINITY)), k)
-            }),
+            stated: mean(&|r| p_at_least_one(p_within(epsilon, sigma(r).unwrap_or(f64::INFINITY)), k)),
             of_optimum: share_within(&|r| r.optimum),
             of_truth: share_within(&|r| r.truth),
         }
@@ -97,17 +85,10 @@ impl Point {
 }
 
 fn report(run: &mut Run, recordings: &[Estimates], points: &[Point]) -> Result<(), Box<dyn Error>> {
-    let mut table = Table::new(
-        "reliability",
-        &["K", "ε", "stated", "of the optimum", "of the truth"],
-    );
+    let mut table = Table::new("reliability", &["K", "ε", "stated", "of the optimum", "of the truth"]);
     for p in points {
         let numbers = [p.stated, p.of_optimum, p.of_truth].map(|v| format!("{v:.3}"));
-        table.row(
-            [p.k.to_string(), p.epsilon.to_string()]
-                .into_iter()
-                .chain(numbers),
-        );
+        table.row([p.k.to_string(), p.epsilon.to_string()].into_iter().chain(numbers));
     }
     run.table("stated probability and the share that came true", &table)?;
     // mean gap over ε: how much more, or less, came true than was stated
@@ -121,11 +102,7 @@ fn report(run: &mut Run, recordings: &[Estimates], points: &[Point]) -> Result<(
     }
     let count = recordings.len() as f64;
     let bias = recordings.iter().map(|r| r.optimum - r.truth).sum::<f64>() / count;
-    let off = recordings
-        .iter()
-        .map(|r| (r.optimum - r.truth).abs())
-        .sum::<f64>()
-        / count;
+    let off = recordings.iter().map(|r| (r.optimum - r.truth).abs()).sum::<f64>() / count;
     let sigma = recordings
         .iter()
         .filter_map(|r| maximum_likelihood_sigma(&r.keyframes))

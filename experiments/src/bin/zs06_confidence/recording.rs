@@ -57,10 +57,7 @@ pub(crate) fn estimate(model: &BodyModel, seed: u64) -> Estimates {
         ..EllipseOptions::default()
     };
     let evidence = Evidence::with_ellipses(model, &rig, likelihood);
-    let terms: Vec<_> = frames
-        .iter()
-        .map(|f| evidence.terms(f, Detail::Fine))
-        .collect();
+    let terms: Vec<_> = frames.iter().map(|f| evidence.terms(f, Detail::Fine)).collect();
     let starts: Vec<Motion> = angles.iter().map(|phi| bent(model, phi + 0.05)).collect();
     let keyframes = terms
         .iter()
@@ -92,11 +89,7 @@ fn keyframe(evidence: &Evidence<'_>, terms: &[Box<dyn Term + '_>], start: &Motio
         motion: start.clone(),
         shape: coefficient_of(0.5),
     };
-    share_of(
-        &levenberg_marquardt(&problem, state, &Options::default())
-            .state
-            .shape,
-    )
+    share_of(&levenberg_marquardt(&problem, state, &Options::default()).state.shape)
 }
 
 /// ā = argmin of −log p(a) + Σᵢ min over φᵢ, by golden sections about the middle.

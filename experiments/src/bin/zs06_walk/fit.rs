@@ -24,10 +24,7 @@ pub(crate) struct Named {
 /// From the default to the published likelihood, one thing changed at a time.
 pub(crate) fn variants() -> [Named; 6] {
     let outline = EllipseOptions::default();
-    let with = |distance| EllipseOptions {
-        distance,
-        ..outline
-    };
+    let with = |distance| EllipseOptions { distance, ..outline };
     let no_back = EllipseOptions {
         back_samples: 0,
         ..outline
@@ -125,10 +122,7 @@ impl Scene<'_> {
             name,
             keyframes: self.track(&winner.hypothesis.shape, &tracked),
             joint: self.track(&joint.shape, &joint.frames.iter().collect::<Vec<_>>()),
-            starts: (
-                starts.len(),
-                starts.iter().filter(|e| **e <= START_MM).count(),
-            ),
+            starts: (starts.len(), starts.iter().filter(|e| **e <= START_MM).count()),
             seconds: [searched, started.elapsed().as_secs_f64() - searched],
         })
     }
@@ -162,9 +156,7 @@ fn motions<'a>(fits: impl Iterator<Item = &'a FrameFit>) -> Vec<Motion> {
 impl Losses {
     fn of(errors_mm: &[Vec<f64>]) -> Self {
         let mut losses = Self::default();
-        let mut before: Vec<bool> = errors_mm
-            .first()
-            .map_or(Vec::new(), |e| vec![false; e.len()]);
+        let mut before: Vec<bool> = errors_mm.first().map_or(Vec::new(), |e| vec![false; e.len()]);
         for frame in errors_mm {
             let now: Vec<bool> = frame.iter().map(|e| *e > LOST_MM).collect();
             losses.frames += usize::from(now.contains(&true));

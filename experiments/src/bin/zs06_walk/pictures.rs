@@ -24,15 +24,12 @@ pub(crate) fn angles(scene: &Scene<'_>, fits: &[Fit]) -> String {
             let at = |frame| Some((frame as f64 / scene.fps, flexion.deg(of, frame)?));
             (0..of.frames.len()).filter_map(at).collect()
         };
-        let mut panel =
-            Panel::new(title, "time (s)", "flexion (°)").ranges((0.0, end(scene)), (0.0, top));
+        let mut panel = Panel::new(title, "time (s)", "flexion (°)").ranges((0.0, end(scene)), (0.0, top));
         if legend {
             panel = panel.legend(LegendPosition::InsideTopRight);
         }
         let name = |name| if legend { name } else { "" };
-        panel = drawn(fits).fold(panel, |p, (n, colour, fit)| {
-            p.curve(name(n), colour, &curve(fit))
-        });
+        panel = drawn(fits).fold(panel, |p, (n, colour, fit)| p.curve(name(n), colour, &curve(fit)));
         panel.dashed(name("truth"), colour::BLACK, &curve(&scene.truth))
     };
     let panels = [
@@ -58,12 +55,7 @@ pub(crate) fn errors(scene: &Scene<'_>, fits: &[Fit]) -> String {
     .ranges((0.0, end(scene)), (0.0, 40.0))
     .legend(LegendPosition::InsideTopRight);
     let frames = drawn(fits).fold(frames, |panel, (name, colour, fit)| {
-        let at = |frame| {
-            Some((
-                frame as f64 / scene.fps,
-                frame_error_mm(&scene.truth, fit, frame)?,
-            ))
-        };
+        let at = |frame| Some((frame as f64 / scene.fps, frame_error_mm(&scene.truth, fit, frame)?));
         let points: Vec<_> = (0..fit.frames.len()).filter_map(at).collect();
         panel.curve(name, colour, &points)
     });

@@ -2,9 +2,7 @@
 
 use std::error::Error;
 
-use experiments::metrics::{
-    HIPS, KNEES, length_error_pct, mean_distance, mpjpe_mm, offset_mm, rms_deg,
-};
+use experiments::metrics::{HIPS, KNEES, length_error_pct, mean_distance, mpjpe_mm, offset_mm, rms_deg};
 use experiments::run::Run;
 use experiments::table::Table;
 
@@ -12,10 +10,7 @@ use crate::fit::{Fit, Scene, Track};
 
 pub(crate) fn report(run: &mut Run, scene: &Scene<'_>, fits: &[Fit]) -> Result<(), Box<dyn Error>> {
     numbers(run, scene, fits);
-    run.table(
-        "Lengths, cm (difference from the truth, mm)",
-        &lengths(scene, fits),
-    )?;
+    run.table("Lengths, cm (difference from the truth, mm)", &lengths(scene, fits))?;
     run.table(
         "Likelihoods; hypotheses of the keyframes alone (ZS06)",
         &ablation("keyframes", scene, fits, |f| &f.keyframes),
@@ -50,19 +45,11 @@ fn numbers(run: &mut Run, scene: &Scene<'_>, fits: &[Fit]) {
             run.number(format!("{}_joint_{what}", fit.name), value);
         }
         let (keyframes, near) = fit.starts;
-        run.number(
-            format!("{}_starts", fit.name),
-            near as f64 / keyframes as f64,
-        );
+        run.number(format!("{}_starts", fit.name), near as f64 / keyframes as f64);
     }
 }
 
-fn ablation(
-    name: &'static str,
-    scene: &Scene<'_>,
-    fits: &[Fit],
-    track: fn(&Fit) -> &Track,
-) -> Table {
+fn ablation(name: &'static str, scene: &Scene<'_>, fits: &[Fit], track: fn(&Fit) -> &Track) -> Table {
     let columns = [
         "likelihood",
         "starts within 50 mm",
@@ -125,14 +112,8 @@ fn lengths(scene: &Scene<'_>, fits: &[Fit]) -> Table {
             let length = mean_distance(&track.fit, &from, &to).unwrap_or(f64::NAN);
             format!("{:.1} ({:+.0})", 1e2 * length, 1e3 * (length - truth))
         };
-        let cells = shown
-            .iter()
-            .flat_map(|f| [cell(&f.keyframes), cell(&f.joint)]);
-        table.row(
-            [name, format!("{:.1}", 1e2 * truth)]
-                .into_iter()
-                .chain(cells),
-        );
+        let cells = shown.iter().flat_map(|f| [cell(&f.keyframes), cell(&f.joint)]);
+        table.row([name, format!("{:.1}", 1e2 * truth)].into_iter().chain(cells));
     }
     table
 }

@@ -95,9 +95,7 @@ pub fn read_trc(text: &str, path: &Path) -> Result<Trajectories, TrcError> {
             Some((i, text)) if !text.trim().is_empty() => (line, rate_line) = (i, text),
             Some(_) => {}
             None => {
-                return Err(TrcError::NoNames {
-                    path: path.to_owned(),
-                });
+                return Err(TrcError::NoNames { path: path.to_owned() });
             }
         }
     };
@@ -151,12 +149,7 @@ fn names_of(line: &str, between: Separator) -> Vec<String> {
 }
 
 /// The data rate, and the metres of one unit.
-fn rate_and_unit(
-    line: usize,
-    text: &str,
-    between: Separator,
-    path: &Path,
-) -> Result<(f64, f64), TrcError> {
+fn rate_and_unit(line: usize, text: &str, between: Separator, path: &Path) -> Result<(f64, f64), TrcError> {
     let path = || path.to_owned();
     let cells = split(text, between).into_iter();
     let cells: Vec<&str> = cells.filter(|c| !c.is_empty()).collect();
@@ -246,25 +239,14 @@ fn split(line: &str, between: Separator) -> Vec<&str> {
 
 /// Frames per second from the Time column, median over the rows; `None` if it does not ascend.
 pub(crate) fn rate_of_times(text: &str) -> Option<f64> {
-    let names = text
-        .lines()
-        .position(|line| line.trim_start().starts_with("Frame#"))?;
+    let names = text.lines().position(|line| line.trim_start().starts_with("Frame#"))?;
     let rows = text.lines().skip(names + 1);
-    let time = |row: &str| {
-        split(row, Separator::used_in(row))
-            .get(1)?
-            .parse::<f64>()
-            .ok()
-    };
+    let time = |row: &str| split(row, Separator::used_in(row)).get(1)?.parse::<f64>().ok();
     let times: Vec<f64> = rows.filter_map(time).filter(|t| t.is_finite()).collect();
     let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let step = crate::math::stats::median(&mut steps)?;
     // times of three decimals err by up to half a millisecond in a step: the whole span does not
     let span = (times.last()? - times.first()?) / (times.len() - 1) as f64;
-    let step = if (span / step - 1.0).abs() < 0.1 {
-        span
-    } else {
-        step
-    };
+    let step = if (span / step - 1.0).abs() < 0.1 { span } else { step };
     (step > 0.0).then_some(1.0 / step)
 }

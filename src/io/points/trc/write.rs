@@ -25,9 +25,7 @@ pub fn write_trc(trajectories: &Trajectories, file_name: &str) -> String {
     );
     push(
         &mut text,
-        format_args!(
-            "{rate_hz}\t{rate_hz}\t{count}\t{points}\tm\t{rate_hz}\t{first_frame}\t{count}\n"
-        ),
+        format_args!("{rate_hz}\t{rate_hz}\t{count}\t{points}\tm\t{rate_hz}\t{first_frame}\t{count}\n"),
     );
 
     text.push_str("Frame#\tTime");
@@ -41,10 +39,7 @@ pub fn write_trc(trajectories: &Trajectories, file_name: &str) -> String {
     text.push_str("\t\n");
 
     for (k, frame) in (*first_frame..).zip(frames) {
-        push(
-            &mut text,
-            format_args!("{}\t{:.6}", k + 1, k as f64 / rate_hz),
-        );
+        push(&mut text, format_args!("{}\t{:.6}", k + 1, k as f64 / rate_hz));
         for point in frame {
             push_point(&mut text, point.as_ref());
         }

@@ -132,10 +132,7 @@ impl Footage {
     /// The pictures of a camera's empty scene, in order: of an image one, of a video all; none if there is no such file.
     pub fn background(&self, camera: CameraId) -> Pictures {
         let footage = self.cameras.get(camera.0);
-        match (
-            footage.and_then(|f| f.background.as_ref()),
-            self.rig.camera(camera),
-        ) {
+        match (footage.and_then(|f| f.background.as_ref()), self.rig.camera(camera)) {
             (Some(path), Some(known)) => Pictures::start_background(path, known),
             _ => Pictures::none(),
         }
@@ -155,10 +152,7 @@ impl PictureSource for Footage {
         self.frames()
     }
 
-    fn pictures(
-        &self,
-        frames: RangeInclusive<usize>,
-    ) -> Box<dyn PictureStream<FramePictures> + '_> {
+    fn pictures(&self, frames: RangeInclusive<usize>) -> Box<dyn PictureStream<FramePictures> + '_> {
         Box::new(self.frame_sets(frames))
     }
 

@@ -110,9 +110,6 @@ pub enum FootageNote {
 }
 
 fn listed(cameras: &[(String, usize)]) -> String {
-    let all: Vec<_> = cameras
-        .iter()
-        .map(|(name, n)| format!("{name} {n}"))
-        .collect();
+    let all: Vec<_> = cameras.iter().map(|(name, n)| format!("{name} {n}")).collect();
     all.join(", ")
 }

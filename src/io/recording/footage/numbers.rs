@@ -51,10 +51,7 @@ impl Numbering {
     pub(super) fn numbers(&self) -> Vec<u64> {
         let mut numbers: Vec<u64> = match self {
             Self::Steady { times_s } => (0..times_s.len() as u64).collect(),
-            Self::Clock { times_s, .. } => times_s
-                .iter()
-                .filter_map(|t| self.number(*t, 0.0))
-                .collect(),
+            Self::Clock { times_s, .. } => times_s.iter().filter_map(|t| self.number(*t, 0.0)).collect(),
             Self::Count { pictures, .. } => (0..*pictures as u64).collect(),
         };
         numbers.dedup();
@@ -69,14 +66,9 @@ impl Numbering {
             Self::Steady { times_s } => {
                 let after = times_s.partition_point(|t| *t < time_s);
                 let nearest = [after.checked_sub(1), Some(after)].into_iter().flatten();
-                let distance = |i: &usize| {
-                    times_s
-                        .get(*i)
-                        .map_or(f64::INFINITY, |t| (t - time_s).abs())
-                };
+                let distance = |i: &usize| times_s.get(*i).map_or(f64::INFINITY, |t| (t - time_s).abs());
                 let nearest = nearest.min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
-                let interval =
-                    (times_s.last()? - times_s.first()?) / (times_s.len().max(2) - 1) as f64;
+                let interval = (times_s.last()? - times_s.first()?) / (times_s.len().max(2) - 1) as f64;
                 (distance(&nearest) <= NEAR * interval.max(1e-3)).then_some(nearest as u64)
             }
             Self::Clock { times_s, rate_hz } => rounded((time_s - times_s.first()?) * rate_hz),

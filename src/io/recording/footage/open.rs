@@ -35,9 +35,7 @@ pub(in crate::io::recording) fn open(recording: &Recording) -> Result<Footage, R
     notes.extend(
         uncalibrated
             .into_iter()
-            .map(|unknown| FootageNote::Uncalibrated {
-                camera: unknown.name,
-            }),
+            .map(|unknown| FootageNote::Uncalibrated { camera: unknown.name }),
     );
     check_sizes(&rig, &cameras)?;
 
@@ -176,9 +174,7 @@ fn conventional_cameras(folder: &Path) -> Result<Vec<CameraFiles>, LayoutError> 
     }
 
     for path in layout::visible(&folder.join("background"))? {
-        let stem = path
-            .file_stem()
-            .map(|stem| stem.to_string_lossy().into_owned());
+        let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
         if let Some(camera) = stem.and_then(|stem| cameras.get_mut(&stem)) {
             camera.background = Some(beneath("background", &path));
         }
@@ -187,10 +183,7 @@ fn conventional_cameras(folder: &Path) -> Result<Vec<CameraFiles>, LayoutError> 
     Ok(cameras.into_values().collect())
 }
 
-fn camera_of<'a>(
-    cameras: &'a mut BTreeMap<String, CameraFiles>,
-    path: &Path,
-) -> &'a mut CameraFiles {
+fn camera_of<'a>(cameras: &'a mut BTreeMap<String, CameraFiles>, path: &Path) -> &'a mut CameraFiles {
     let name = if path.is_dir() {
         path.file_name()
     } else {
@@ -253,13 +246,7 @@ impl CameraPictures {
     }
 
     /// The numbered pictures of a camera in a recording of `fps`.
-    fn footage(
-        self,
-        folder: &Path,
-        camera: &CameraFiles,
-        fps: f64,
-        notes: &mut Vec<FootageNote>,
-    ) -> CameraFootage {
+    fn footage(self, folder: &Path, camera: &CameraFiles, fps: f64, notes: &mut Vec<FootageNote>) -> CameraFootage {
         let name = camera.name.clone();
         let source = match self {
             CameraPictures::Images(files) => {
@@ -272,10 +259,7 @@ impl CameraPictures {
                 Source::Images(files.of_number)
             }
             CameraPictures::Video(path, probe) => {
-                if let Some(video_hz) = probe
-                    .rate_hz
-                    .filter(|hz| (hz - fps).abs() > SAME_RATE * fps)
-                {
+                if let Some(video_hz) = probe.rate_hz.filter(|hz| (hz - fps).abs() > SAME_RATE * fps) {
                     notes.push(FootageNote::Rate {
                         camera: name,
                         video_hz,

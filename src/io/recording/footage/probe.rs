@@ -85,8 +85,7 @@ pub(super) fn probe(path: &Path) -> Result<Probe, FootageError> {
         let reason = "ffprobe gave no answer: is ffmpeg fully installed?";
         return Err(no_video(reason.into()));
     }
-    let answer: Answer =
-        serde_json::from_slice(&output.stdout).map_err(|e| no_video(e.to_string()))?;
+    let answer: Answer = serde_json::from_slice(&output.stdout).map_err(|e| no_video(e.to_string()))?;
     let Some(stream) = answer.streams.first() else {
         return Err(no_video(last_words(&output.stderr)));
     };
@@ -100,17 +99,10 @@ pub(super) fn probe(path: &Path) -> Result<Probe, FootageError> {
     // turned by 90°, a picture is as wide as the stream is high
     let turned = stream.side_data_list.iter().find_map(|data| data.rotation);
     let is_upright = turned.is_none_or(|degrees| (degrees / 90.0).round() % 2.0 == 0.0);
-    let times = answer
-        .packets
-        .iter()
-        .map(|p| p.pts_time.as_ref()?.parse().ok());
+    let times = answer.packets.iter().map(|p| p.pts_time.as_ref()?.parse().ok());
 
     Ok(Probe {
-        size: if is_upright {
-            [width, height]
-        } else {
-            [height, width]
-        },
+        size: if is_upright { [width, height] } else { [height, width] },
         rate_hz: stream.avg_frame_rate.as_deref().and_then(ratio),
         times_s: times.collect(),
         pictures: answer.packets.len(),
@@ -134,10 +126,7 @@ fn last_words(stderr: &[u8]) -> String {
     let text = String::from_utf8_lossy(stderr);
     let last = text.lines().rfind(|line| !line.trim().is_empty());
     let last = last.unwrap_or("it has no video stream");
-    last.rsplit_once(": ")
-        .map_or(last, |(_, words)| words)
-        .trim()
-        .into()
+    last.rsplit_once(": ").map_or(last, |(_, words)| words).trim().into()
 }
 
 /// The value of a ratio like `60000/1001`, if it is positive.
@@ -162,8 +151,7 @@ mod tests {
 
     #[test]
     fn of_what_a_program_complains_the_last_words_are_kept() {
-        let text =
-            b"[mov] moov atom not found\nclip.mp4: Invalid data found when processing input\n";
+        let text = b"[mov] moov atom not found\nclip.mp4: Invalid data found when processing input\n";
         assert_eq!(last_words(text), "Invalid data found when processing input");
         assert_eq!(last_words(b""), "it has no video stream");
     }

@@ -38,24 +38,15 @@ impl Pictures {
         }
     }
 
-    pub(super) fn start(
-        footage: &CameraFootage,
-        camera: &Camera,
-        frames: RangeInclusive<usize>,
-    ) -> Self {
+    pub(super) fn start(footage: &CameraFootage, camera: &Camera, frames: RangeInclusive<usize>) -> Self {
         let footage = footage.clone();
         Self::run(format!("camera {}", camera.name), camera, move |decoding| {
-            let wanted = footage
-                .frames()
-                .into_iter()
-                .filter(|f| frames.contains(&f.0));
+            let wanted = footage.frames().into_iter().filter(|f| frames.contains(&f.0));
             decoding.promised = wanted.collect();
 
             match &footage.source {
                 Source::Images(files) => {
-                    let files = files
-                        .iter()
-                        .filter_map(|(n, path)| Some((footage.frame(*n)?, path)));
+                    let files = files.iter().filter_map(|(n, path)| Some((footage.frame(*n)?, path)));
                     decoding.read_images(files.filter(|(frame, _)| frames.contains(&frame.0)));
                 }
                 Source::Video { path, numbering } => {
@@ -85,11 +76,7 @@ impl Pictures {
         })
     }
 
-    fn run(
-        whose: String,
-        camera: &Camera,
-        job: impl FnOnce(&mut Decoding) + Send + 'static,
-    ) -> Self {
+    fn run(whose: String, camera: &Camera, job: impl FnOnce(&mut Decoding) + Send + 'static) -> Self {
         let (sender, decoded) = sync_channel(AHEAD);
         let size = [camera.width_px as usize, camera.height_px as usize];
         let worker = std::thread::spawn(move || {
@@ -226,10 +213,7 @@ impl Decoding {
         }
     }
 
-    fn read_images<'a>(
-        &mut self,
-        files: impl Iterator<Item = (FrameIndex, &'a std::path::PathBuf)>,
-    ) {
+    fn read_images<'a>(&mut self, files: impl Iterator<Item = (FrameIndex, &'a std::path::PathBuf)>) {
         for (frame, path) in files {
             match image::read(path) {
                 Ok(picture) => {
@@ -242,12 +226,7 @@ impl Decoding {
         }
     }
 
-    fn read_video(
-        &mut self,
-        path: &Path,
-        numbering: &Numbering,
-        frame: impl Fn(u64) -> Option<FrameIndex>,
-    ) {
+    fn read_video(&mut self, path: &Path, numbering: &Numbering, frame: impl Fn(u64) -> Option<FrameIndex>) {
         self.is_counted = matches!(numbering, Numbering::Count { .. });
         let Some(last) = self.promised.last().copied() else {
             return;
@@ -263,10 +242,7 @@ impl Decoding {
                 continue;
             };
             // two pictures at the time of one frame: the first counts
-            if self.promised.contains(&frame)
-                && !self.sent.contains(&frame)
-                && !self.send(frame, picture)
-            {
+            if self.promised.contains(&frame) && !self.sent.contains(&frame) && !self.send(frame, picture) {
                 break;
             }
             if frame >= last {

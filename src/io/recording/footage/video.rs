@@ -109,9 +109,7 @@ fn time_of(line: &str) -> Option<f64> {
 
 /// An error of the decoder. Errors about the pipe's own time stamps mean nothing.
 fn complaint(line: &str) -> Option<String> {
-    let (who, words) = line
-        .split_once("[error]")
-        .or_else(|| line.split_once("[fatal]"))?;
+    let (who, words) = line.split_once("[error]").or_else(|| line.split_once("[fatal]"))?;
     (!who.contains("image2pipe")).then(|| words.trim().into())
 }
 
@@ -151,8 +149,7 @@ mod tests {
 
     #[test]
     fn times_and_complaints_are_told_apart() {
-        let line =
-            "[Parsed_showinfo_0 @ 0x55] [info] n:   1 pts:    256 pts_time:0.0166667 pos: 89110";
+        let line = "[Parsed_showinfo_0 @ 0x55] [info] n:   1 pts:    256 pts_time:0.0166667 pos: 89110";
         assert_eq!(time_of(line), Some(0.016_666_7));
         let damage = "[h264 @ 0x1] [error] error while decoding MB 3 4";
         assert_eq!(

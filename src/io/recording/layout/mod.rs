@@ -49,17 +49,11 @@ pub(super) fn conventional_cameras(folder: &Path) -> Result<Vec<CameraFiles>, La
             ..CameraFiles::default()
         })
     };
-    Ok(folders
-        .filter(|path| path.is_dir())
-        .filter_map(camera)
-        .collect())
+    Ok(folders.filter(|path| path.is_dir()).filter_map(camera).collect())
 }
 
 /// The files or folders that the calibration is read from.
-pub(super) fn calibration_paths(
-    folder: &Path,
-    files: Option<&CalibrationFiles>,
-) -> Vec<(Option<String>, PathBuf)> {
+pub(super) fn calibration_paths(folder: &Path, files: Option<&CalibrationFiles>) -> Vec<(Option<String>, PathBuf)> {
     match files {
         Some(CalibrationFiles::One(path)) => vec![(None, folder.join(path))],
         Some(CalibrationFiles::PerCamera(files)) => files

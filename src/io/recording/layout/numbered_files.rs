@@ -28,11 +28,7 @@ pub(in crate::io) struct Wanted<'a> {
 ///
 /// The number is the one at `%d`, or else the last group of digits in the name before its extension.
 /// Hidden files and files of another kind are skipped.
-pub(in crate::io) fn list(
-    folder: &Path,
-    pattern: &str,
-    wanted: &Wanted<'_>,
-) -> Result<NumberedFiles, LayoutError> {
+pub(in crate::io) fn list(folder: &Path, pattern: &str, wanted: &Wanted<'_>) -> Result<NumberedFiles, LayoutError> {
     let whole = folder.join(pattern);
     let bad_pattern = |expected| LayoutError::Pattern {
         key: wanted.key.into(),
@@ -41,9 +37,8 @@ pub(in crate::io) fn list(
     };
 
     let numbered: Vec<(Option<u64>, PathBuf)> = if pattern.contains('%') && !whole.is_dir() {
-        let printf = Printf::parse(&whole).ok_or_else(|| {
-            bad_pattern("one %d or %06d in the file's name and no other % in the path")
-        })?;
+        let printf = Printf::parse(&whole)
+            .ok_or_else(|| bad_pattern("one %d or %06d in the file's name and no other % in the path"))?;
         let files = contents(printf.folder)?.into_iter();
         files
             .filter_map(|path| Some((Some(printf.number(&path)?), path)))
@@ -55,26 +50,19 @@ pub(in crate::io) fn list(
             vec![whole]
         } else if pattern.contains(['*', '?', '[']) {
             let escaped = glob::Pattern::escape(&folder.to_string_lossy());
-            let found = glob::glob(&format!("{escaped}/{pattern}")).map_err(|_| {
-                bad_pattern("a glob with balanced brackets and ** alone in its place")
-            })?;
+            let found = glob::glob(&format!("{escaped}/{pattern}"))
+                .map_err(|_| bad_pattern("a glob with balanced brackets and ** alone in its place"))?;
             wanted_of(found.filter_map(Result::ok).collect(), wanted)
         } else {
             Vec::new()
         };
-        files
-            .into_iter()
-            .map(|path| (last_number(&path), path))
-            .collect()
+        files.into_iter().map(|path| (last_number(&path), path)).collect()
     };
 
     collect(numbered, wanted)
 }
 
-fn collect(
-    numbered: Vec<(Option<u64>, PathBuf)>,
-    wanted: &Wanted<'_>,
-) -> Result<NumberedFiles, LayoutError> {
+fn collect(numbered: Vec<(Option<u64>, PathBuf)>, wanted: &Wanted<'_>) -> Result<NumberedFiles, LayoutError> {
     let mut files = NumberedFiles::default();
     for (number, path) in numbered {
         let Some(number) = number else {
@@ -177,13 +165,7 @@ mod tests {
         assert_eq!(number("a_-012.png"), None);
         assert_eq!(number("b_0012.png"), None);
         assert_eq!(number("a_0012.jpg"), None);
-        for bad in [
-            "%06.png",
-            "%d_%d.png",
-            "%03d/%03d.png",
-            "%x.png",
-            "%0d%.png",
-        ] {
+        for bad in ["%06.png", "%d_%d.png", "%03d/%03d.png", "%x.png", "%0d%.png"] {
             assert!(Printf::parse(Path::new(bad)).is_none(), "{bad}");
         }
         assert_eq!(Printf::parse(Path::new("%d.png")).unwrap().least_digits, 1);

@@ -93,10 +93,7 @@ pub(crate) struct Manifest {
 
 /// One calibration file for all cameras, or one for each.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
-#[serde(
-    untagged,
-    expecting = "calibration: expected a path or a table of camera = path"
-)]
+#[serde(untagged, expecting = "calibration: expected a path or a table of camera = path")]
 pub(crate) enum CalibrationFiles {
     /// All cameras in one file.
     One(PathBuf),
@@ -320,10 +317,7 @@ mod tests {
         };
         assert_eq!(files["right"], PathBuf::from("right.xml"));
         let left = &manifest.cameras[0];
-        assert_eq!(
-            (left.offset_frames, left.images.as_deref()),
-            (-2, Some("images"))
-        );
+        assert_eq!((left.offset_frames, left.images.as_deref()), (-2, Some("images")));
         assert_eq!(left.shift(50.0), 23);
         assert_eq!(manifest.cameras[1].name, "right");
     }
@@ -336,8 +330,7 @@ mod tests {
              name, masks, images, video, background, offset_frames, start_s)"
         );
         assert!(
-            message("calibrations = 3")
-                .contains(":1: unknown key \"calibrations\"; did you mean \"calibration\"?")
+            message("calibrations = 3").contains(":1: unknown key \"calibrations\"; did you mean \"calibration\"?")
         );
     }
 
@@ -345,10 +338,7 @@ mod tests {
     fn a_frame_rate_that_is_not_positive_is_refused() {
         for fps in ["0.0", "-25", "nan", "inf"] {
             let text = format!("body = \"b\"\nfps = {fps}\n");
-            assert!(
-                matches!(parse(&text), Err(ManifestError::Fps { line: 2, .. })),
-                "{fps}"
-            );
+            assert!(matches!(parse(&text), Err(ManifestError::Fps { line: 2, .. })), "{fps}");
         }
     }
 

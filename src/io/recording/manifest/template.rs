@@ -86,14 +86,8 @@ mod tests {
         let names: Vec<&str> = cameras.iter().map(|c| c.name.as_str()).collect();
         assert_eq!(names, ["a", "b"]);
         assert_eq!(cameras[1].masks.as_deref(), Some("masks/b/%06d.png"));
-        assert_eq!(
-            cameras[0].video.as_deref(),
-            Some(Path::new("videos/take_a.mp4"))
-        );
-        assert_eq!(
-            cameras[0].background.as_deref(),
-            Some(Path::new("empty/a.png"))
-        );
+        assert_eq!(cameras[0].video.as_deref(), Some(Path::new("videos/take_a.mp4")));
+        assert_eq!(cameras[0].background.as_deref(), Some(Path::new("empty/a.png")));
         assert_eq!(cameras[1].background, None);
     }
 

@@ -75,8 +75,7 @@ fn found(outline: &ModelOutline, picture: Plane<f32>, options: &ContourOptions) 
 fn is_the_outline_and_not_relied_on(found: &ViewContours, outline: &ModelOutline) -> bool {
     let points: Vec<_> = found.outer.iter().flatten().collect();
     let places = points.iter().map(|p| p.pixel);
-    places.eq(outline.outer.iter().flatten().map(|p| p.pixel))
-        && points.iter().all(|p| p.reliability <= 0.0)
+    places.eq(outline.outer.iter().flatten().map(|p| p.pixel)) && points.iter().all(|p| p.reliability <= 0.0)
 }
 
 #[test]
@@ -96,11 +95,7 @@ fn a_contour_without_fault_is_found_and_relied_on() {
 
 #[test]
 fn a_body_out_of_view_is_a_fault_without_a_silhouette() {
-    let found = found(
-        &ModelOutline::default(),
-        disk(MIDDLE, 40.0),
-        &ContourOptions::default(),
-    );
+    let found = found(&ModelOutline::default(), disk(MIDDLE, 40.0), &ContourOptions::default());
     assert_eq!(found.faults, [ContourFault::NoOutline]);
     assert!(found.outer.is_empty() && found.silhouette.is_none());
     assert!(!found.mask(&camera()).is_foreground(80, 70));
@@ -124,8 +119,7 @@ fn an_outline_cut_by_the_image_is_told_and_does_not_count_there() {
     let cut = circle(middle, 41.0).into_iter();
     let outline = expected(cut.map(|p| Point2::new(p.x.max(-0.5), p.y)).collect());
     let found = found(&outline, disk(middle, 40.0), &ContourOptions::default());
-    let is_cut =
-        |f: &ContourFault| matches!(f, ContourFault::PartlyOutside { percent } if *percent > 20.0);
+    let is_cut = |f: &ContourFault| matches!(f, ContourFault::PartlyOutside { percent } if *percent > 20.0);
     assert!(
         found.faults.len() == 1 && is_cut(&found.faults[0]),
         "{:?}",
@@ -134,10 +128,7 @@ fn an_outline_cut_by_the_image_is_told_and_does_not_count_there() {
     for point in found.outer.iter().flatten() {
         let is_held = point.expected.x < 2.0;
         assert!(!is_held || point.reliability <= 0.0, "{point:?}");
-        assert!(
-            point.expected.x < 10.0 || point.reliability > 0.2,
-            "{point:?}"
-        );
+        assert!(point.expected.x < 10.0 || point.reliability > 0.2, "{point:?}");
     }
 }
 
