@@ -22,7 +22,8 @@ fn pictures() -> Vec<Picture> {
                 let (x, y) = (i % SIZE.0, i / SIZE.0);
                 random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
                 let noise = (random >> 24) as i32 % 9 - 4;
-                let is_person = (200 + 10 * t..400 + 10 * t).contains(&x) && (150..600).contains(&y);
+                let is_person =
+                    (200 + 10 * t..400 + 10 * t).contains(&x) && (150..600).contains(&y);
                 let colour = if is_person {
                     [200, 120, 90]
                 } else {
@@ -30,7 +31,8 @@ fn pictures() -> Vec<Picture> {
                 };
                 colour.map(|value| (value as i32 + noise).clamp(0, 255) as u8)
             });
-            Picture::from_values(SIZE.0, SIZE.1, values.collect()).expect("as many values as pixels")
+            Picture::from_values(SIZE.0, SIZE.1, values.collect())
+                .expect("as many values as pixels")
         })
         .collect()
 }
@@ -38,10 +40,7 @@ fn pictures() -> Vec<Picture> {
 #[divan::bench(args = [1, 2], sample_count = 10)]
 fn mixture(bencher: divan::Bencher<'_, '_>, threads: usize) {
     let pictures = pictures();
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .expect("threads");
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
     let mut mixture = Mixture::new(SIZE.0, SIZE.1, MixtureOptions::default());
     bencher.counter(ItemsCount::new(pictures.len())).bench_local(|| {
         pool.install(|| {

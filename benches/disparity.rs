@@ -16,10 +16,8 @@ use maquette::stereo::correlation::{CorrelationOptions, correlate};
 const RUNS: usize = 100;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let shared = std::env::var_os("MAQUETTE_SHARED").map_or_else(
-        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared"),
-        PathBuf::from,
-    );
+    let shared = std::env::var_os("MAQUETTE_SHARED")
+        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared"), PathBuf::from);
     let folder = shared.join("data/stereo/cones");
     if !folder.exists() {
         println!("skipped: {} is not here", folder.display());
@@ -53,7 +51,10 @@ fn grey(folder: &Path, name: &str) -> Result<Plane<u8>, Box<dyn std::error::Erro
 }
 
 /// Per cent off by more than 2 px, and the share of visible pixels that is matched.
-fn against_truth(folder: &Path, found: &Plane<f32>) -> Result<(f64, f64), Box<dyn std::error::Error>> {
+fn against_truth(
+    folder: &Path,
+    found: &Plane<f32>,
+) -> Result<(f64, f64), Box<dyn std::error::Error>> {
     let file = std::fs::File::open(folder.join("Cones_LEFT_GT.tif"))?;
     let truth = tiff::decoder::Decoder::new(std::io::BufReader::new(file))?.read_image()?;
     let tiff::decoder::DecodingResult::F32(truth) = truth else {

@@ -17,10 +17,13 @@ use maquette::inference::step::StepPrior;
 use maquette::inference::{Detail, Evidence};
 use maquette::io::model;
 use maquette::likelihood::{
-    EllipseOptions, PointField, PointOptions, RayOptions, RayView, SilhouetteRays, SkinScale, SurfacePoint, Term,
+    EllipseOptions, PointField, PointOptions, RayOptions, RayView, SilhouetteRays, SkinScale,
+    SurfacePoint, Term,
 };
 use maquette::silhouette::{FrameIndex, FrameObservations, SilhouetteOptions, extract};
-use maquette::solver::{BorderedChain, NormalEquations, Options, QuadraticModel, levenberg_marquardt};
+use maquette::solver::{
+    BorderedChain, NormalEquations, Options, QuadraticModel, levenberg_marquardt,
+};
 use maquette::synth::{Recipe, Ring, Synthetic};
 use nalgebra::Vector3;
 
@@ -93,24 +96,11 @@ struct Scene {
 impl Scene {
     fn new() -> Self {
         let load = |name| model::load(name, Path::new("")).expect("a shipped model");
-        let ring = Ring {
-            cameras: 7,
-            width_px: 800,
-            height_px: 600,
-            ..Ring::default()
-        };
-        let recipe = Recipe {
-            frames: Some(2),
-            ring,
-            ..Recipe::default()
-        };
+        let ring = Ring { cameras: 7, width_px: 800, height_px: 600, ..Ring::default() };
+        let recipe = Recipe { frames: Some(2), ring, ..Recipe::default() };
         let recording = recipe.walker(&load("walker-metaballs")).expect("a walk");
         let frames = (0..2).map(|i| observe(&recording, FrameIndex(i))).collect();
-        Self {
-            model: load("human-ellipsoids"),
-            recording,
-            frames,
-        }
+        Self { model: load("human-ellipsoids"), recording, frames }
     }
 
     fn evidence(&self) -> Evidence<'_> {
@@ -124,10 +114,7 @@ fn observe(recording: &Synthetic, frame: FrameIndex) -> FrameObservations {
         Some((id, extract(&mask, camera, &SilhouetteOptions::default()).ok()?))
     };
     let views = recording.rig.iter().filter_map(view).collect();
-    FrameObservations {
-        views,
-        ..FrameObservations::nothing(frame)
-    }
+    FrameObservations { views, ..FrameObservations::nothing(frame) }
 }
 
 /// JᵀWJ and JᵀWr of one frame's silhouettes, for the motion alone.
@@ -139,10 +126,8 @@ fn frame_linearization(bencher: divan::Bencher<'_, '_>) {
     let term = terms.first().expect("ellipses are compared");
     let hull = hull::carve(&scene.recording.rig, &scene.frames[0]).expect("a body is seen");
     let shape = Shape(scene.model.statistics.mean.clone());
-    let motion = Motion {
-        position_world: hull.centroid_world.coords,
-        ..Motion::rest(&scene.model)
-    };
+    let motion =
+        Motion { position_world: hull.centroid_world.coords, ..Motion::rest(&scene.model) };
     let mut equations = NormalEquations::zeros(Layout::new(&scene.model).motion());
     let points = term.placed_residuals(&Posed::new(&scene.model, &shape, &motion));
     let items = points.len() * scene.model.ellipsoids.len();
@@ -168,11 +153,7 @@ fn hypothesis_frame(bencher: divan::Bencher<'_, '_>) {
         step: Some((&step, &before.motion)),
         terms: &terms,
     };
-    let options = Options {
-        max_iterations: 5,
-        damping: 1e-4,
-        relative_decrease: 1e-4,
-    };
+    let options = Options { max_iterations: 5, damping: 1e-4, relative_decrease: 1e-4 };
     bencher
         .counter(ItemsCount::new(1_usize))
         .bench_local(|| levenberg_marquardt(&posterior, before.motion.clone(), &options).cost);
@@ -195,31 +176,19 @@ impl Walker {
         let model = model::load("walker-metaballs", Path::new("")).expect("a shipped model");
         let (shape, scale) = (Shape(model.statistics.mean.clone()), SkinScale::new(&model));
         let hull = hull::carve(&scene.recording.rig, &scene.frames[0]).expect("a body is seen");
-        let motion = Motion {
-            position_world: hull.centroid_world.coords,
-            ..Motion::rest(&model)
-        };
+        let motion = Motion { position_world: hull.centroid_world.coords, ..Motion::rest(&model) };
         let views = scene.frames[0].views.iter().map(|(id, silhouette)| {
             let camera = scene.recording.rig.camera(*id).expect("the rig's own camera");
             RayView::new(camera, silhouette, 4.6, 0.02)
         });
         let rays = SilhouetteRays::new(views.collect(), RayOptions::default(), scale.clone());
         let touched = rays.residuals(&Posed::new(&model, &shape, &motion));
-        let points = touched.iter().map(|r| SurfacePoint {
-            position_world: r.place_world,
-            sigma_m: 0.002,
-        });
+        let points =
+            touched.iter().map(|r| SurfacePoint { position_world: r.place_world, sigma_m: 0.002 });
         let points = PointField::new(points.collect(), PointOptions::default(), scale);
         let balls = model.metaballs.len();
         let pairs = (rays.border_points() * balls, touched.len() * balls);
-        Self {
-            model,
-            shape,
-            motion,
-            rays,
-            points,
-            pairs,
-        }
+        Self { model, shape, motion, rays, points, pairs }
     }
 
     fn linearize(&self, bencher: divan::Bencher<'_, '_>, term: &dyn Term, pairs: usize) {
@@ -245,9 +214,7 @@ fn ray_cost(bencher: divan::Bencher<'_, '_>) {
     let walker = Walker::new();
     let items = ItemsCount::new(walker.pairs.0);
     bencher.counter(items).bench_local(|| {
-        walker
-            .rays
-            .cost(&Posed::new(&walker.model, &walker.shape, &walker.motion))
+        walker.rays.cost(&Posed::new(&walker.model, &walker.shape, &walker.motion))
     });
 }
 
@@ -285,9 +252,7 @@ fn field_with_slopes(bencher: divan::Bencher<'_, '_>) {
 #[divan::bench(args = [200, 2000])]
 fn joint_step(bencher: divan::Bencher<'_, '_>, frames: usize) {
     let chain = person_chain(frames);
-    bencher
-        .counter(ItemsCount::new(frames))
-        .bench_local(|| chain.minimizer(1e-4));
+    bencher.counter(ItemsCount::new(frames)).bench_local(|| chain.minimizer(1e-4));
 }
 
 /// The marginal covariances of every frame; items are frames.

@@ -25,11 +25,8 @@ const START_PX: f64 = 6.0;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let picture = picture().ok_or("a picture of no size")?;
     let start = ellipse(START_PX, POINTS);
-    let length: f64 = start
-        .iter()
-        .zip(start.iter().cycle().skip(1))
-        .map(|(a, b)| (b - a).norm())
-        .sum();
+    let length: f64 =
+        start.iter().zip(start.iter().cycle().skip(1)).map(|(a, b)| (b - a).norm()).sum();
     let options = SnakeOptions {
         spacing_px: length / POINTS as f64,
         search_px: 1.5 * START_PX,
@@ -54,12 +51,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let mean = found.iter().map(|p| off(&p.pixel)).sum::<f64>() / found.len() as f64;
     println!("name fastest_ms median_ms off_px points");
-    println!(
-        "maquette {:.3} {:.3} {mean:.3} {}",
-        times[0],
-        times[RUNS / 2],
-        found.len()
-    );
+    println!("maquette {:.3} {:.3} {mean:.3} {}", times[0], times[RUNS / 2], found.len());
     let python = std::env::var("PYTHON").unwrap_or_else(|_| "python3".into());
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/snake.py");
     if let Ok(twin) = Command::new(python).arg(script).output() {

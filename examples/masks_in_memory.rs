@@ -17,11 +17,7 @@ use maquette::synth::Recipe;
 fn main() -> Result<(), Box<dyn Error>> {
     // cameras and masks; yours come from elsewhere
     let person = model::load("walker-metaballs", Path::new(""))?;
-    let recipe = Recipe {
-        frames: Some(10),
-        fps: 25.0,
-        ..Recipe::default()
-    };
+    let recipe = Recipe { frames: Some(10), fps: 25.0, ..Recipe::default() };
     let walker = recipe.walker(&person)?;
 
     // what each frame shows: a silhouette for each camera whose mask shows one
@@ -40,10 +36,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // the fit
     let body = model::load("human-ellipsoids", Path::new(""))?;
-    let sequence = Sequence {
-        frames: &frames,
-        fps: walker.fps,
-    };
+    let sequence = Sequence { frames: &frames, fps: walker.fps };
     let options = EstimateOptions::default();
     let found = fit(&body, &walker.rig, sequence, &options, &NoJournal)?;
     for ((name, _, _), metres) in body.lengths.iter().zip(&found.lengths_m) {

@@ -75,11 +75,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let model = model::load("human-ellipsoids", Path::new(""))?;
     let point = |name| model.point(name).ok_or("the body has no such point");
     let tape = |from, to, length_m| -> Result<Tape, Box<dyn Error>> {
-        Ok(Tape {
-            ends: [point(from)?, point(to)?],
-            length_m,
-            sigma_m: 0.005,
-        })
+        Ok(Tape { ends: [point(from)?, point(to)?], length_m, sigma_m: 0.005 })
     };
 
     // the shipped terms of a frame (here one that no camera saw), and two more
@@ -97,10 +93,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         pose_prior: &evidence.pose_prior,
         terms: &terms,
     };
-    let start = State {
-        shape: Shape(model.statistics.mean.clone()),
-        motion: Motion::rest(&model),
-    };
+    let start = State { shape: Shape(model.statistics.mean.clone()), motion: Motion::rest(&model) };
     check_linearization(&posterior, &start, 1e-6, 1e-4)?;
     let found = levenberg_marquardt(&posterior, start, &Options::default());
 

@@ -25,18 +25,78 @@ const LAYERS: &[&[&str]] = &[
 const FORBIDDEN: &[(&str, &str)] = &[("silhouette", "body"), ("synth", "likelihood")];
 
 /// The only rooms that may use what [`WORLD`] names.
-const EDGE: &[&str] = &["io", "report", "workflow"];
+const EDGE: &[&str] = &["io", "workflow"];
 
 /// Modules of `std` that read files, clock, environment or network.
 const WORLD: &[&str] = &["env", "fs", "io", "net", "process", "time"];
 
+/// What the program may name of the library: the front door, what it takes and hands back, and formats.
+const FRONT: &[&str] = &[
+    "Error",
+    "FitOptions",
+    "FittedRecording",
+    "GaitStudy",
+    "Recording",
+    "gait",
+    "io",
+    "pipeline",
+    "report",
+    "synth",
+    "workflow",
+];
+
+/// Of the rooms that compute, the program names these options and figures, and nothing else.
+const HANDED_OVER: &[&str] = &[
+    "body::BodyModel",
+    "inference::confidence::Confidence",
+    "inference::search::Pruning",
+    "likelihood::{EllipseOptions, Measure}",
+    "math::stats::mean",
+    "skin::SkinOptions",
+];
+
+#[test]
+fn the_program_names_no_room_that_computes() {
+    let sources = sources_in("cli/src");
+    assert!(!sources.is_empty(), "no sources found");
+    let found: Vec<String> =
+        sources.iter().flat_map(|(path, text)| computing(path, text)).collect();
+    assert!(found.is_empty(), "{}", found.join("\n"));
+}
+
+#[test]
+fn a_program_that_computes_is_blamed() {
+    let text = "use maquette::Recording;\nuse maquette::math::stats::mean;\nuse maquette::inference::search::{Pruning, search};\n\
+                fn f() { maquette::solver::levenberg_marquardt() }";
+    let found = computing(Path::new("fit.rs"), text);
+    assert_eq!(found.len(), 2, "{found:?}");
+    assert!(
+        found[0].contains("inference::search::{Pruning, search}") && found[1].contains("solver::")
+    );
+}
+
+/// The paths of the library that the program must not name, one line for each.
+fn computing(path: &Path, text: &str) -> Vec<String> {
+    let code = without_tests(code_only(text));
+    let named = code.match_indices("maquette::").map(|(at, start)| &code[at + start.len()..]);
+    let is_allowed = |rest: &&str| {
+        let first = leading_name(rest);
+        let is_front = FRONT.contains(&first.as_str()) || first.is_empty();
+        let end = |allowed: &str| rest[allowed.len()..].starts_with(|c| !is_name(c) && c != ':');
+        is_front || HANDED_OVER.iter().any(|allowed| rest.starts_with(allowed) && end(allowed))
+    };
+    let line = |rest: &str| rest.split([';', '(', '\n']).next().unwrap_or_default().to_owned();
+    named
+        .filter(|rest| !is_allowed(rest))
+        .map(|rest| format!("cli/src/{}: {}", path.display(), line(rest)))
+        .collect()
+}
+
 #[test]
 fn every_room_uses_only_lower_layers() {
     assert!(!sources().is_empty(), "no sources found");
-    let found: Vec<String> = sources()
-        .iter()
-        .flat_map(|(path, text)| violations(path, text))
-        .collect();
+    let found: Vec<String> =
+        sources().iter().flat_map(|(path, text)| violations(path, text)).collect();
     assert!(found.is_empty(), "{}", found.join("\n"));
 }
 
@@ -65,10 +125,7 @@ fn violations(path: &Path, text: &str) -> Vec<String> {
         .into_iter()
         .filter(|used| WORLD.contains(&used.as_str()) && !EDGE.contains(&room.as_str()))
         .map(|used| format!("std::{used}"));
-    rooms
-        .chain(world)
-        .map(|used| format!("{room} uses {used} (src/{})", path.display()))
-        .collect()
+    rooms.chain(world).map(|used| format!("{room} uses {used} (src/{})", path.display())).collect()
 }
 
 /// Whether `room` may use `used`. A name that is no room (a re-export at the crate's root) hides
@@ -97,7 +154,8 @@ fn module_depth(path: &Path) -> usize {
 /// The names that follow `root::` where it begins a path: `b` and `c` for `root::{b::d, c}`.
 fn first_names(code: &str, root: &str) -> Vec<String> {
     let start = format!("{root}::");
-    let begins_a_path = |at: usize| !code[..at].ends_with(is_name) && !code[..at].ends_with("super::");
+    let begins_a_path =
+        |at: usize| !code[..at].ends_with(is_name) && !code[..at].ends_with("super::");
     code.match_indices(&start)
         .filter(|(at, _)| begins_a_path(*at))
         .flat_map(|(at, _)| branches(&code[at + start.len()..]))
@@ -234,9 +292,14 @@ fn item_length(code: &str) -> usize {
 
 // --- reading the folder ------------------------------------------------------------------------
 
-/// Every source file, its path relative to `src/`.
+/// Every source file of the library, its path relative to `src/`.
 fn sources() -> Vec<(PathBuf, String)> {
-    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    sources_in("src")
+}
+
+/// Every source file in a folder of the repository, its path relative to that folder.
+fn sources_in(folder: &str) -> Vec<(PathBuf, String)> {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
     files_below(&src)
         .into_iter()
         .filter(|path| path.extension().is_some_and(|extension| extension == "rs"))
@@ -262,10 +325,7 @@ fn files_below(folder: &Path) -> Vec<PathBuf> {
 /// The rooms that the planted text is blamed for using.
 fn blamed(path: &str, text: &str) -> Vec<String> {
     let blame = |line: String| line.split(' ').nth(2).map(str::to_owned);
-    violations(Path::new(path), text)
-        .into_iter()
-        .filter_map(blame)
-        .collect()
+    violations(Path::new(path), text).into_iter().filter_map(blame).collect()
 }
 
 #[test]
@@ -293,7 +353,8 @@ fn a_forbidden_pair_is_blamed_although_the_layer_is_lower() {
 
 #[test]
 fn grouped_imports_are_read_branch_by_branch() {
-    let text = "use crate::{\n    cli, io::{a, math::b},\n    math::{self, stats},\n    report,\n};";
+    let text =
+        "use crate::{\n    cli, io::{a, math::b},\n    math::{self, stats},\n    report,\n};";
     assert_eq!(blamed("likelihood/mod.rs", text), ["cli", "io", "report"]);
 }
 
@@ -318,7 +379,8 @@ fn a_name_at_the_root_that_is_no_room_is_blamed() {
 
 #[test]
 fn the_world_is_for_the_edge_only() {
-    let text = "use std::{collections::BTreeMap, fs, path::Path};\nlet t = std::time::Instant::now();";
+    let text =
+        "use std::{collections::BTreeMap, fs, path::Path};\nlet t = std::time::Instant::now();";
     assert_eq!(blamed("inference/search.rs", text), ["std::fs", "std::time"]);
     assert_eq!(blamed("io/frames.rs", text), [""; 0]);
 }

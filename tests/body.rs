@@ -2,22 +2,23 @@
 
 use std::path::Path;
 
-use maquette::body::{BodyModel, Joint, Layout, Motion, PlacedBody, Posed, Shape, State, check_kinematics};
+use maquette::body::{
+    BodyModel, Joint, Layout, Motion, PlacedBody, Posed, Shape, State, check_kinematics,
+};
 use maquette::io::model;
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 fn shipped() -> Vec<BodyModel> {
-    let load = |(name, _): &(&str, &str)| model::load(name, Path::new("")).expect("shipped models are right");
+    let load = |(name, _): &(&str, &str)| {
+        model::load(name, Path::new("")).expect("shipped models are right")
+    };
     model::SHIPPED.iter().map(load).collect()
 }
 
 fn at_rest(model: &BodyModel) -> State {
-    State {
-        motion: Motion::rest(model),
-        shape: Shape(model.statistics.mean.clone()),
-    }
+    State { motion: Motion::rest(model), shape: Shape(model.statistics.mean.clone()) }
 }
 
 #[test]

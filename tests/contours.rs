@@ -11,7 +11,8 @@ use maquette::io::model;
 use maquette::likelihood::{LikelihoodOptions, Measure, SkinScale};
 use maquette::math::Rigid3;
 use maquette::pipeline::silhouettes::{
-    ContourFault, ContourOptions, FoundPoint, FrameSighting, Scene, StillScenes, UndistortedFrame, ViewSighting,
+    ContourFault, ContourOptions, FoundPoint, FrameSighting, Scene, StillScenes, UndistortedFrame,
+    ViewSighting,
 };
 use maquette::render;
 use maquette::silhouette::{FrameIndex, FrameObservations};
@@ -57,9 +58,7 @@ impl Set {
         Self {
             shape: Shape(model.statistics.mean.clone()),
             truth: Motion::rest(&model),
-            rig: Rig {
-                cameras: vec![camera("front", 0.0), camera("side", 80.0)],
-            },
+            rig: Rig { cameras: vec![camera("front", 0.0), camera("side", 80.0)] },
             model,
         }
     }
@@ -118,14 +117,8 @@ impl Set {
 
     /// The joint optimum of one frame.
     fn fitted(&self, seen: FrameObservations, shape: &Shape, motion: Motion) -> (Shape, Motion) {
-        let sequence = Sequence {
-            frames: &[seen],
-            fps: 25.0,
-        };
-        let start = SequenceState {
-            shape: shape.clone(),
-            motions: vec![motion],
-        };
+        let sequence = Sequence { frames: &[seen], fps: 25.0 };
+        let start = SequenceState { shape: shape.clone(), motions: vec![motion] };
         let options = JointOptions::default();
         let joint = joint_optimum(&self.evidence(), sequence, start, &options);
         (joint.shape, joint.frames[0].motion.clone())

@@ -19,16 +19,15 @@ const EXACT: f64 = 1e-9;
 const NUMERIC: f64 = 1e-6;
 
 fn models() -> Vec<BodyModel> {
-    let load = |(name, _): &(&str, &str)| model::load(name, Path::new("")).expect("shipped models are right");
+    let load = |(name, _): &(&str, &str)| {
+        model::load(name, Path::new("")).expect("shipped models are right")
+    };
     let all = model::SHIPPED.iter().map(load);
     all.filter(|m| !m.metaballs.is_empty()).collect()
 }
 
 fn at_rest(model: &BodyModel) -> State {
-    State {
-        motion: Motion::rest(model),
-        shape: Shape(model.statistics.mean.clone()),
-    }
+    State { motion: Motion::rest(model), shape: Shape(model.statistics.mean.clone()) }
 }
 
 /// At rest, straight, with angles of 1e-8, and in random poses and shapes.
@@ -129,12 +128,21 @@ fn the_pelvis_belongs_to_both_legs_and_the_trunk() {
     assert_eq!(limbs.len(), 6);
 }
 
-fn against_dual_numbers(model: &BodyModel, state: &State, point: &Point3<f64>) -> Result<(), String> {
+fn against_dual_numbers(
+    model: &BodyModel,
+    state: &State,
+    point: &Point3<f64>,
+) -> Result<(), String> {
     compare(model, model, state, point)
 }
 
 /// Compares every first and second derivative of ln F of `model` with those of `truth`.
-fn compare(model: &BodyModel, truth: &BodyModel, state: &State, point: &Point3<f64>) -> Result<(), String> {
+fn compare(
+    model: &BodyModel,
+    truth: &BodyModel,
+    state: &State,
+    point: &Point3<f64>,
+) -> Result<(), String> {
     let body = Posed::new(model, &state.shape, &state.motion);
     let field = Field::from_body(&body);
     let slopes = FieldSlopes::new(&body, &field);
@@ -177,7 +185,5 @@ fn compare(model: &BodyModel, truth: &BodyModel, state: &State, point: &Point3<f
 
 fn close(what: &str, found: f64, exact: f64, scale: f64) -> Result<(), String> {
     let is_close = (found - exact).abs() <= EXACT * scale.max(1.0);
-    is_close
-        .then_some(())
-        .ok_or_else(|| format!("{what} is {found}, should be {exact}"))
+    is_close.then_some(()).ok_or_else(|| format!("{what} is {found}, should be {exact}"))
 }

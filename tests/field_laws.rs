@@ -16,13 +16,14 @@ use maquette::inference::prior::{PosePrior, ShapePrior};
 use maquette::inference::step::StepPrior;
 use maquette::io::model;
 use maquette::likelihood::{
-    Association, Derivatives, PointField, PointOptions, RayOptions, RayView, Residual, SilhouetteRays, SkinScale,
-    SkinTouch, SurfacePoint, Term, associate,
+    Association, Derivatives, PointField, PointOptions, RayOptions, RayView, Residual,
+    SilhouetteRays, SkinScale, SkinTouch, SurfacePoint, Term, associate,
 };
 use maquette::render::silhouette;
 use maquette::silhouette::{Silhouette, SilhouetteOptions, extract};
 use maquette::solver::{
-    LinearizationFault, Loss, NormalEquations, Options, Problem, check_linearization, levenberg_marquardt,
+    LinearizationFault, Loss, NormalEquations, Options, Problem, check_linearization,
+    levenberg_marquardt,
 };
 use nalgebra::{DVector, Point3, Rotation3, Unit, Vector3};
 use rand::{RngExt, SeedableRng};
@@ -98,7 +99,8 @@ impl Scene {
     /// Points on the skin of the truth: rays from each metaball's centre outwards.
     fn surface(&self) -> Vec<SurfacePoint> {
         let mut rng = ChaCha8Rng::seed_from_u64(43);
-        let field = Field::from_body(&Posed::new(&self.model, &self.truth.shape, &self.truth.motion));
+        let field =
+            Field::from_body(&Posed::new(&self.model, &self.truth.shape, &self.truth.motion));
         let mut points = Vec::new();
         for ball in &field.metaballs {
             let centre = ball.ellipsoid.centre;
@@ -106,10 +108,11 @@ impl Scene {
             let out = Unit::new_normalize(out).into_inner();
             let steps = (0..300).map(|i| centre + out * (1e-3 * f64::from(i)));
             let outside = steps.skip_while(|x| field.value(x) > 0.5);
-            points.extend(outside.take(1).map(|x| SurfacePoint {
-                position_world: Point3::from(x),
-                sigma_m: 0.002,
-            }));
+            points.extend(
+                outside
+                    .take(1)
+                    .map(|x| SurfacePoint { position_world: Point3::from(x), sigma_m: 0.002 }),
+            );
         }
         points
     }
@@ -128,19 +131,10 @@ impl Scene {
 
     fn terms(&self) -> Vec<(&'static str, Box<dyn Term>)> {
         let metric = RayOptions::default();
-        let field = RayOptions {
-            residual: Residual::Field,
-            ..metric
-        };
-        let squared = RayOptions {
-            loss: Loss::Squared,
-            ..metric
-        };
+        let field = RayOptions { residual: Residual::Field, ..metric };
+        let squared = RayOptions { loss: Loss::Squared, ..metric };
         let points = PointOptions::default();
-        let points_field = PointOptions {
-            residual: Residual::Field,
-            ..points
-        };
+        let points_field = PointOptions { residual: Residual::Field, ..points };
         vec![
             ("points, metric", Box::new(self.points(points))),
             ("points, field", Box::new(self.points(points_field))),
@@ -153,7 +147,9 @@ impl Scene {
 }
 
 /// Checks a law for every likelihood in every regime, and names all that break it.
-fn check_all(law: impl Fn(&Scene, &[Box<dyn Term>], &State) -> Result<(), LinearizationFault> + Sync) {
+fn check_all(
+    law: impl Fn(&Scene, &[Box<dyn Term>], &State) -> Result<(), LinearizationFault> + Sync,
+) {
     let scene = Scene::new();
     let broken: Vec<String> = scene
         .terms()
@@ -163,7 +159,8 @@ fn check_all(law: impl Fn(&Scene, &[Box<dyn Term>], &State) -> Result<(), Linear
             let regimes = scene.regimes().into_iter().filter_map(|(regime, state)| {
                 // the next one only if this one fails
                 let seeds = [None, Some(50), Some(51)];
-                let states = seeds.map(|s| s.map_or(state.clone(), |s| scene.displaced(&state, HAIR, s)));
+                let states =
+                    seeds.map(|s| s.map_or(state.clone(), |s| scene.displaced(&state, HAIR, s)));
                 let faults = states.iter().map(|s| law(&scene, &terms, s).err());
                 let faults: Option<Vec<_>> = faults.collect();
                 Some(format!("{name}, {regime}: {}", faults?[0]))
@@ -205,10 +202,7 @@ impl Problem for Alone<'_> {
 #[test]
 fn every_term_is_linearized_right_by_itself() {
     check_all(|scene, terms, state| {
-        let alone = Alone {
-            model: &scene.model,
-            term: terms[0].as_ref(),
-        };
+        let alone = Alone { model: &scene.model, term: terms[0].as_ref() };
         check_linearization(&alone, state, STEP, TOLERANCE)
     });
 }
@@ -244,15 +238,10 @@ fn the_frame_posterior_is_linearized_right_with_every_term() {
 #[test]
 fn first_order_derivatives_break_the_law() {
     let scene = Scene::new();
-    let first_order = scene.rays(RayOptions {
-        derivatives: Derivatives::FirstOrder,
-        ..RayOptions::default()
-    });
+    let first_order =
+        scene.rays(RayOptions { derivatives: Derivatives::FirstOrder, ..RayOptions::default() });
     let state = scene.displaced(&scene.truth, 0.05, 40);
-    let alone = Alone {
-        model: &scene.model,
-        term: &first_order,
-    };
+    let alone = Alone { model: &scene.model, term: &first_order };
     let fault = check_linearization(&alone, &state, STEP, TOLERANCE).unwrap_err();
     assert!(matches!(fault, LinearizationFault::Gradient { .. }), "{fault}");
 }
@@ -353,10 +342,7 @@ fn error_after_fit(scene: &Scene, term: Box<dyn Term>, start: &State) -> f64 {
         step: None,
         terms: &terms,
     };
-    let options = Options {
-        max_iterations: 30,
-        ..Options::default()
-    };
+    let options = Options { max_iterations: 30, ..Options::default() };
     let found = levenberg_marquardt(&problem, start.motion.clone(), &options).state;
     let points = |motion| Posed::new(&scene.model, &scene.truth.shape, motion).points();
     let pairs = points(&found).into_iter().zip(points(&scene.truth.motion));

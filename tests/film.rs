@@ -13,14 +13,8 @@ use maquette::synth::{Film, FilmRecipe, Shot};
 
 fn small(seed: u64, noise_sd: f32) -> Film {
     let body = model::load("walker-metaballs", Path::new("")).expect("shipped");
-    let recipe = FilmRecipe {
-        seed,
-        frames: 12,
-        fps: 5.0,
-        width_px: 160,
-        noise_sd,
-        ..FilmRecipe::default()
-    };
+    let recipe =
+        FilmRecipe { seed, frames: 12, fps: 5.0, width_px: 160, noise_sd, ..FilmRecipe::default() };
     recipe.film(&body).expect("a body with feet and skin")
 }
 
@@ -116,9 +110,7 @@ fn a_recording_of_photographs_is_read_like_any_other_and_tells_no_mask() {
     let place = tempfile::tempdir().expect("a folder");
     let folder = place.path().join("film");
     filmed::write(&film, &folder).expect("written");
-    let footage = Recording::open(&folder)
-        .and_then(|found| found.footage())
-        .expect("read");
+    let footage = Recording::open(&folder).and_then(|found| found.footage()).expect("read");
     assert_eq!(footage.frames().len(), 12);
     for (read, made) in footage.rig.cameras.iter().zip(&film.synthetic.rig.cameras) {
         let off = read.projection() - made.projection();

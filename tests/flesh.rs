@@ -57,10 +57,7 @@ radii = [0.05, 0.06, 0.1]
 fn bent(model: &BodyModel, flexion: f64, twist: f64) -> State {
     let mut motion = Motion::rest(model);
     (motion.angles[0], motion.angles[1]) = (flexion, twist);
-    State {
-        shape: Shape(model.statistics.mean.clone()),
-        motion,
-    }
+    State { shape: Shape(model.statistics.mean.clone()), motion }
 }
 
 fn centre(model: &BodyModel, state: &State) -> Vector3<f64> {

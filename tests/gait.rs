@@ -7,8 +7,8 @@ mod exports;
 mod walker;
 
 use maquette::gait::{
-    Angle, EventKind, GaitAnalysis, GaitOptions, Landmark, Movement, MovementError, Paired, Parameter, Side, Surface,
-    analyse,
+    Angle, EventKind, GaitAnalysis, GaitOptions, Landmark, Movement, MovementError, Paired,
+    Parameter, Side, Surface, analyse,
 };
 use nalgebra::Vector3;
 use walker::{STRIDE_S, Walker};
@@ -52,11 +52,7 @@ fn a_treadmill_is_found_and_gives_the_parameters_of_the_same_walk_over_ground() 
     let belt = analysed(&walker.on_a_treadmill());
     assert_eq!(belt.course.surface, Surface::Treadmill);
     let speed = walker.stride_length() / STRIDE_S;
-    assert!(
-        (belt.course.belt_m_s / speed - 1.0).abs() < 0.08,
-        "{}",
-        belt.course.belt_m_s
-    );
+    assert!((belt.course.belt_m_s / speed - 1.0).abs() < 0.08, "{}", belt.course.belt_m_s);
     for parameter in [Parameter::StrideTime, Parameter::Stance, Parameter::StepLength] {
         for side in Side::BOTH {
             let ratio = mean(&belt, parameter, side) / mean(&ground, parameter, side);
@@ -93,9 +89,8 @@ fn angles_of_joint_centres_are_those_that_the_body_was_posed_with() {
         let truth = walker.angle(joint);
         let found = &gait.angles[&(side, angle)];
         // the filter's ends and a constant of the definition aside
-        let apart: Vec<f64> = (20..truth.len() - 20)
-            .map(|i| (found[i] - truth[i]).to_degrees())
-            .collect();
+        let apart: Vec<f64> =
+            (20..truth.len() - 20).map(|i| (found[i] - truth[i]).to_degrees()).collect();
         let offset = apart.iter().sum::<f64>() / apart.len() as f64;
         let worst = apart.iter().map(|d| (d - offset).abs()).fold(0.0, f64::max);
         assert!(worst < tolerance_deg, "{joint}: {worst}");
@@ -158,11 +153,7 @@ fn a_short_recording_says_what_is_missing_and_gives_angles_over_time() {
     walker.keep(0..30);
     let gait = analysed(&walker);
     assert!(gait.cycles.is_empty() && gait.curves.is_empty());
-    assert!(
-        gait.notes.iter().any(|n| n.contains("less than one left stride")),
-        "{:?}",
-        gait.notes
-    );
+    assert!(gait.notes.iter().any(|n| n.contains("less than one left stride")), "{:?}", gait.notes);
     assert!(gait.angles.contains_key(&(Side::Left, Angle::KneeFlexion)));
 }
 
@@ -177,10 +168,7 @@ fn a_squat_has_no_steps() {
 
 #[test]
 fn walking_backwards_is_said_and_not_measured() {
-    for walker in [
-        Walker::new(1.0).reversed(),
-        Walker::new(1.0).on_a_treadmill().reversed(),
-    ] {
+    for walker in [Walker::new(1.0).reversed(), Walker::new(1.0).on_a_treadmill().reversed()] {
         let gait = analysed(&walker);
         assert!(
             gait.events.is_empty() && gait.notes[0].starts_with("walks backwards"),

@@ -15,7 +15,9 @@ use maquette::inference::frame::{FramePosterior, KeyframePosterior};
 use maquette::inference::prior::{PosePrior, ShapePrior};
 use maquette::inference::step::StepPrior;
 use maquette::io::model;
-use maquette::likelihood::{EllipseDistance, EllipseOptions, EllipseSilhouette, EllipseView, Term, Variant};
+use maquette::likelihood::{
+    EllipseDistance, EllipseOptions, EllipseSilhouette, EllipseView, Term, Variant,
+};
 use maquette::silhouette::FrameObservations;
 use maquette::solver::{LinearizationFault, Loss, NormalEquations, Problem, check_linearization};
 use nalgebra::{DVector, Rotation3, Unit, Vector3};
@@ -48,12 +50,7 @@ impl Scene {
         let motion = walk(&model, &shape, 10.0, 1).remove(0);
         let frame = observe(&Posed::new(&model, &shape, &motion), &rig, 0);
         let truth = State { motion, shape };
-        Self {
-            model,
-            rig,
-            frame,
-            truth,
-        }
+        Self { model, rig, frame, truth }
     }
 
     /// The truth moved by random amounts of this size: metres, radians and coefficients.
@@ -102,19 +99,10 @@ impl Scene {
 
 fn likelihoods() -> Vec<(&'static str, EllipseOptions)> {
     let outline = EllipseOptions::default();
-    let of = |distance, back_samples| EllipseOptions {
-        distance,
-        back_samples,
-        ..outline
-    };
-    let nearest = EllipseOptions {
-        variant: Variant::Published,
-        ..of(EllipseDistance::Orthogonal, 0)
-    };
-    let squared = EllipseOptions {
-        loss: Loss::Squared,
-        ..outline
-    };
+    let of = |distance, back_samples| EllipseOptions { distance, back_samples, ..outline };
+    let nearest =
+        EllipseOptions { variant: Variant::Published, ..of(EllipseDistance::Orthogonal, 0) };
+    let squared = EllipseOptions { loss: Loss::Squared, ..outline };
     vec![
         ("published", EllipseOptions::published()),
         ("nearest, orthogonal", nearest),
@@ -129,7 +117,9 @@ fn likelihoods() -> Vec<(&'static str, EllipseOptions)> {
 }
 
 /// Checks a law for every likelihood in every regime, and names all that break it.
-fn check_all(law: impl Fn(&Scene, &[Box<dyn Term + '_>], &State) -> Result<(), LinearizationFault> + Sync) {
+fn check_all(
+    law: impl Fn(&Scene, &[Box<dyn Term + '_>], &State) -> Result<(), LinearizationFault> + Sync,
+) {
     let scene = Scene::new();
     let broken: Vec<String> = likelihoods()
         .into_par_iter()
@@ -202,10 +192,7 @@ fn the_order_of_the_border_points_does_not_matter() {
     let mut scene = Scene::new();
     let states: Vec<State> = (60..68).map(|seed| scene.moved(0.4, seed)).collect();
     let costs = |scene: &Scene, distance| -> Vec<f64> {
-        let options = EllipseOptions {
-            distance,
-            ..EllipseOptions::default()
-        };
+        let options = EllipseOptions { distance, ..EllipseOptions::default() };
         // all points: thinning would keep others
         let terms = scene.terms(options, 1e-6);
         let cost = |s: &State| terms[0].cost(&Posed::new(&scene.model, &s.shape, &s.motion));
@@ -254,17 +241,16 @@ where
 }
 
 fn shipped() -> Vec<BodyModel> {
-    let load = |(name, _): &(&str, &str)| model::load(name, Path::new("")).expect("shipped models are right");
+    let load = |(name, _): &(&str, &str)| {
+        model::load(name, Path::new("")).expect("shipped models are right")
+    };
     model::SHIPPED.iter().map(load).collect()
 }
 
 /// Rest, 1e-8 from it, and random states up to far beyond every limit.
 fn states(model: &BodyModel, sizes: &[f64]) -> Vec<State> {
     let mut rng = ChaCha8Rng::seed_from_u64(43);
-    let rest = State {
-        motion: Motion::rest(model),
-        shape: Shape(model.statistics.mean.clone()),
-    };
+    let rest = State { motion: Motion::rest(model), shape: Shape(model.statistics.mean.clone()) };
     let layout = Layout::new(model);
     let mut random = |size: f64| {
         let delta = DVector::from_fn(layout.total(), |_, _| size * rng.random_range(-1.0..1.0));
@@ -339,11 +325,15 @@ fn the_step_prior_is_linearized_right_for_rotations_up_to_nearly_half_a_turn() {
             let problem = Prior {
                 model: &model,
                 cost: |x: &State| prior.cost(&mean.motion, &x.motion),
-                linearize: |x: &State, e: &mut NormalEquations| prior.linearize(&mean.motion, &x.motion, e),
+                linearize: |x: &State, e: &mut NormalEquations| {
+                    prior.linearize(&mean.motion, &x.motion, e)
+                },
             };
             let layout = Layout::new(&model);
             // at the mean the gradient vanishes, and the logarithm of a rotation is known to 1e-8 only
-            for (angle, tolerance) in [(0.0, 1e-2), (1e-8, 1e-2), (0.3, 1e-6), (1.5, 1e-6), (3.0, 1e-6)] {
+            for (angle, tolerance) in
+                [(0.0, 1e-2), (1e-8, 1e-2), (0.3, 1e-6), (1.5, 1e-6), (3.0, 1e-6)]
+            {
                 let mut delta = DVector::zeros(layout.total());
                 delta.rows_mut(0, layout.motion()).fill(0.1 * angle);
                 if layout.root() == 6 {

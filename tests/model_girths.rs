@@ -113,10 +113,7 @@ fn frame(body: &Posed<'_>, part: &str) -> (Vector3<f64>, Rotation3<f64>) {
     };
     let origin = at(Vector3::zeros());
     let columns = [Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| at(axis) - origin);
-    (
-        origin,
-        Rotation3::from_matrix_unchecked(nalgebra::Matrix3::from_columns(&columns)),
-    )
+    (origin, Rotation3::from_matrix_unchecked(nalgebra::Matrix3::from_columns(&columns)))
 }
 
 /// Girth as a tape measures it, breadth (along y) and depth of a section.
@@ -160,7 +157,9 @@ fn cross_sections_have_the_girths_that_were_measured() {
     for station in &STATIONS {
         let reached = section(&body, station);
         let targets = [station.girth, station.breadth, station.depth];
-        for ((what, reached), target) in ["girth", "breadth", "depth"].iter().zip(reached).zip(targets) {
+        for ((what, reached), target) in
+            ["girth", "breadth", "depth"].iter().zip(reached).zip(targets)
+        {
             let name = station.name;
             if target > 0.0 {
                 assert!(
@@ -184,14 +183,10 @@ fn the_skin_is_as_tall_as_the_ellipsoids_and_as_its_source() {
         let inside = ankle + Vector3::new(x, 0.0, -0.05);
         inside.z - skin(|p| foot.value(p), &inside, &-Vector3::z())
     };
-    let sole = [-0.04, -0.02, 0.0, 0.1, 0.13]
-        .map(sole)
-        .into_iter()
-        .fold(f64::MAX, f64::min);
+    let sole = [-0.04, -0.02, 0.0, 0.1, 0.13].map(sole).into_iter().fold(f64::MAX, f64::min);
     let height = |sign: f64| {
         let each = body.ellipsoids().into_iter();
-        each.map(|e| sign * e.centre.z + e.shape[(2, 2)].sqrt())
-            .fold(f64::MIN, f64::max)
+        each.map(|e| sign * e.centre.z + e.shape[(2, 2)].sqrt()).fold(f64::MIN, f64::max)
     };
     approx::assert_relative_eq!(top - sole, 1.70, epsilon = 0.017);
     approx::assert_relative_eq!(top - sole, height(1.0) + height(-1.0), epsilon = 0.012);
@@ -222,16 +217,9 @@ fn no_limb_has_a_hole() {
         place("shank_r", [0.0; 3]),
         place("foot_r", [0.0, 0.0, -0.01]),
     ];
-    let foot = [
-        leg[2],
-        place("foot_r", [0.06, 0.0, -0.045]),
-        place("foot_r", [0.165, 0.0, -0.06]),
-    ];
-    let arm = [
-        place("upper_arm_r", [0.0; 3]),
-        place("forearm_r", [0.0; 3]),
-        place("hand_r", [0.0; 3]),
-    ];
+    let foot = [leg[2], place("foot_r", [0.06, 0.0, -0.045]), place("foot_r", [0.165, 0.0, -0.06])];
+    let arm =
+        [place("upper_arm_r", [0.0; 3]), place("forearm_r", [0.0; 3]), place("hand_r", [0.0; 3])];
     let hand = [arm[2], place("hand_r", [0.003, 0.0, -0.14])];
     let trunk = [
         place("pelvis", [0.0, 0.0, -0.02]),
@@ -240,13 +228,8 @@ fn no_limb_has_a_hole() {
         place("neck", [-0.01, 0.0, 0.0]),
         place("head", [0.01, 0.0, 0.09]),
     ];
-    let lines: [(&[Vector3<f64>], &[&str]); 5] = [
-        (&leg, LEG),
-        (&foot, LEG),
-        (&arm, ARM),
-        (&hand, ARM),
-        (&trunk[..3], TRUNK),
-    ];
+    let lines: [(&[Vector3<f64>], &[&str]); 5] =
+        [(&leg, LEG), (&foot, LEG), (&arm, ARM), (&hand, ARM), (&trunk[..3], TRUNK)];
     for (line, parts) in lines.into_iter().chain([(&trunk[2..], HEAD)]) {
         let field = limb(&body, parts);
         for ends in line.windows(2) {
@@ -270,7 +253,8 @@ fn every_ball_of_a_leg_and_of_the_trunk_can_shift_in_its_part() {
         let part = model.parts[ball.part.0].name.as_str();
         let mut shifts = ball.centre.shifts.iter();
         let shifts = shifts.any(|shift| shift.direction.x != 0.0);
-        let fixed = part.starts_with("foot") || part.starts_with("hand") || part.starts_with("forearm");
+        let fixed =
+            part.starts_with("foot") || part.starts_with("hand") || part.starts_with("forearm");
         assert!(shifts || fixed, "{part}: {:?}", ball.centre);
     }
 }

@@ -54,9 +54,7 @@ fn parse(text: &str) -> Result<BodyModel, ModelFileError> {
 
 fn complaint(from: &str, to: &str) -> String {
     assert!(ARM.contains(from), "the fault is planted in text that is there");
-    let message = parse(&ARM.replacen(from, to, 1))
-        .expect_err("the fault is noticed")
-        .to_string();
+    let message = parse(&ARM.replacen(from, to, 1)).expect_err("the fault is noticed").to_string();
     assert!(!message.contains('\n'), "{message}");
     message
 }
@@ -131,7 +129,11 @@ fn a_pivot_moves_the_joint_in_flesh_that_stays_and_lies_otherwise_only_when_bent
 #[test]
 fn coefficients_that_share_a_factor_are_correlated() {
     let covariance = parse(ARM).unwrap().statistics.covariance;
-    approx::assert_relative_eq!(covariance[(0, 0)], 0.05_f64.powi(2) + 0.1_f64.powi(2), epsilon = 1e-15);
+    approx::assert_relative_eq!(
+        covariance[(0, 0)],
+        0.05_f64.powi(2) + 0.1_f64.powi(2),
+        epsilon = 1e-15
+    );
     approx::assert_relative_eq!(covariance[(0, 1)], 0.0);
 }
 
@@ -183,7 +185,9 @@ fn the_human_is_as_tall_and_as_long_as_its_sources_say() {
     motion.angles.fill(0.0);
     let body = Posed::new(&model, &shape, &motion);
     let points = body.points();
-    let length = |a: &str, b: &str| (points[model.point(a).unwrap()] - points[model.point(b).unwrap()]).norm() / 1.70;
+    let length = |a: &str, b: &str| {
+        (points[model.point(a).unwrap()] - points[model.point(b).unwrap()]).norm() / 1.70
+    };
     // fractions of stature, docs/anthropometry.md sections 2, 10 and 12
     for (a, b, fraction) in [
         ("RHip", "RKnee", 0.2426),
@@ -195,7 +199,8 @@ fn the_human_is_as_tall_and_as_long_as_its_sources_say() {
     ] {
         approx::assert_relative_eq!(length(a, b), fraction, epsilon = 0.001);
     }
-    let heights = |z: f64, e: &maquette::math::quadric::Ellipsoid| e.centre.z + z * e.shape[(2, 2)].sqrt();
+    let heights =
+        |z: f64, e: &maquette::math::quadric::Ellipsoid| e.centre.z + z * e.shape[(2, 2)].sqrt();
     let ellipsoids = body.ellipsoids();
     let top = ellipsoids.iter().map(|e| heights(1.0, e)).fold(f64::MIN, f64::max);
     let sole = ellipsoids.iter().map(|e| heights(-1.0, e)).fold(f64::MAX, f64::min);
@@ -207,10 +212,14 @@ fn the_human_is_as_tall_and_as_long_as_its_sources_say() {
 fn a_knee_bends_backwards_and_a_hip_forwards() {
     let model = model::load("human-ellipsoids", Path::new("")).unwrap();
     let shape = Shape(model.statistics.mean.clone());
-    for (joint, point, forwards) in [("hip_flexion_l", "LKnee", true), ("knee_flexion_r", "RAnkle", false)] {
+    for (joint, point, forwards) in
+        [("hip_flexion_l", "LKnee", true), ("knee_flexion_r", "RAnkle", false)]
+    {
         let mut motion = Motion::rest(&model);
         let JointId(index) = model.joint(joint).unwrap();
-        let ahead = |motion: &Motion| Posed::new(&model, &shape, motion).points()[model.point(point).unwrap()].x;
+        let ahead = |motion: &Motion| {
+            Posed::new(&model, &shape, motion).points()[model.point(point).unwrap()].x
+        };
         let before = ahead(&motion);
         motion.angles[index] += 0.5;
         assert_eq!(ahead(&motion) > before, forwards, "{joint}");
@@ -221,12 +230,10 @@ fn a_knee_bends_backwards_and_a_hip_forwards() {
 fn a_cycle_of_parents_is_named() {
     let message = complaint("name = \"upper\"\n", "name = \"upper\"\nparent = \"lower\"\n");
     assert_eq!(message, "arm.toml: expected one part without a parent, found 0");
-    let cycle = ARM.to_owned() + "[[part]]\nname = \"a\"\nparent = \"b\"\n[[part]]\nname = \"b\"\nparent = \"a\"\n";
+    let cycle = ARM.to_owned()
+        + "[[part]]\nname = \"a\"\nparent = \"b\"\n[[part]]\nname = \"b\"\nparent = \"a\"\n";
     let message = parse(&cycle).unwrap_err().to_string();
-    assert_eq!(
-        message,
-        "arm.toml: part \"a\" is its own ancestor: break the cycle of `parent`"
-    );
+    assert_eq!(message, "arm.toml: part \"a\" is its own ancestor: break the cycle of `parent`");
 }
 
 #[test]
@@ -253,11 +260,7 @@ fn an_unknown_key_is_named_with_its_line() {
 #[test]
 fn other_faults_are_named_too() {
     each_is_answered(&[
-        (
-            "shift:place",
-            "shift:plaice",
-            "arm.toml: part lower_r names the coefficient \"plaice\"",
-        ),
+        ("shift:place", "shift:plaice", "arm.toml: part lower_r names the coefficient \"plaice\""),
         (
             "{ size = 0.1 }",
             "{ sise = 0.1 }",
@@ -278,11 +281,7 @@ part = \"lower\"
 [[point]]",
             "arm.toml: two points are named \"LElbow\"",
         ),
-        (
-            "spread_deg = 40.0",
-            "spread_deg = nan",
-            "arm.toml: spread or speed of joint elbow_r",
-        ),
+        ("spread_deg = 40.0", "spread_deg = nan", "arm.toml: spread or speed of joint elbow_r"),
         (
             "name = \"upper\"",
             "name = \"upper\"\nat = [0.0, 0.0, 0.1]",
@@ -310,11 +309,7 @@ fn two_keys_for_one_thing_and_none_are_named() {
             "axis = \"-y\"\ndh = {}",
             "arm.toml: joint elbow: expected one of `axis`, `dh`, found 2",
         ),
-        (
-            "axis = \"-y\"\n",
-            "",
-            "arm.toml: joint elbow: expected one of `axis`, `dh`, found 0",
-        ),
+        ("axis = \"-y\"\n", "", "arm.toml: joint elbow: expected one of `axis`, `dh`, found 0"),
         (
             "part = \"lower\"\n",
             "part = \"lower\"\nmidpoint = [\"RElbow\", \"LElbow\"]\n",
@@ -410,36 +405,20 @@ fn faults_of_an_extension_are_named() {
             "extends = \"amr.toml\"",
             "what it extends: cannot read body model",
         ),
-        (
-            "extends = \"arm.toml\"",
-            "extends = \"amr\"",
-            "what it extends: no body model \"amr\"",
-        ),
+        ("extends = \"arm.toml\"", "extends = \"amr\"", "what it extends: no body model \"amr\""),
         (
             "name = \"lower\"",
             "name = \"lowr\"",
             "the extension of arm.toml names the part \"lowr\"",
         ),
-        (
-            "girth = 0.05",
-            "grith = 0.05",
-            "coefficient thickness names the factor \"grith\"",
-        ),
+        ("girth = 0.05", "grith = 0.05", "coefficient thickness names the factor \"grith\""),
         (
             "[[part.metaball]]",
             "parent = \"upper\"\n[[part.metaball]]",
             "flesh.toml:15: unknown field `parent`",
         ),
-        (
-            "extends = \"arm.toml\"",
-            "extends = \"flesh.toml\"",
-            "flesh.toml extends itself",
-        ),
-        (
-            "extends = \"arm.toml\"",
-            "extends = \"round.toml\"",
-            "flesh.toml extends itself",
-        ),
+        ("extends = \"arm.toml\"", "extends = \"flesh.toml\"", "flesh.toml extends itself"),
+        ("extends = \"arm.toml\"", "extends = \"round.toml\"", "flesh.toml extends itself"),
         (
             "extends = \"arm.toml\"",
             "extends = \"broken.toml\"",
@@ -450,7 +429,8 @@ fn faults_of_an_extension_are_named() {
         let text = FLESH.replacen(from, to, 1);
         let broken = ARM.replacen("axis = \"-y\"", "axis = \"w\"", 1);
         let round = "name = \"round\"\nextends = \"./flesh.toml\"\n";
-        let folder = folder_of(&[("flesh.toml", &text), ("broken.toml", &broken), ("round.toml", round)]);
+        let folder =
+            folder_of(&[("flesh.toml", &text), ("broken.toml", &broken), ("round.toml", round)]);
         let message = model::load("flesh.toml", folder.path()).unwrap_err().to_string();
         assert!(message.contains(said), "{message}");
         assert!(!message.contains('\n'), "{message}");
@@ -462,10 +442,6 @@ fn points_of_both_sides_are_pairs_right_and_left() {
     let model = model::load("human-ellipsoids", Path::new("")).unwrap();
     let named = |i: usize| model.points[i].name.as_str();
     let pairs = model.point_pairs();
-    assert!(
-        pairs
-            .iter()
-            .any(|(r, l)| (named(*r), named(*l)) == ("RAnkle", "LAnkle"))
-    );
+    assert!(pairs.iter().any(|(r, l)| (named(*r), named(*l)) == ("RAnkle", "LAnkle")));
     assert!(pairs.iter().all(|(r, l)| named(*r)[1..] == named(*l)[1..]));
 }

@@ -31,11 +31,7 @@ struct Truth {
     repeated: f64,
 }
 
-const INDEPENDENT: Truth = Truth {
-    scale: 1.0,
-    length: 0.0,
-    repeated: 0.0,
-};
+const INDEPENDENT: Truth = Truth { scale: 1.0, length: 0.0, repeated: 0.0 };
 
 fn normal(rng: &mut ChaCha8Rng) -> f64 {
     StandardNormal.sample(rng)
@@ -74,7 +70,9 @@ fn simulate(truth: Truth, seed: u64) -> (Vec<Vec<PlacedResidual>>, Vec<f64>) {
             let own = border(truth.length, &mut rng);
             let both = returning.iter().zip(own).enumerate();
             let (again, new) = (truth.repeated.sqrt(), (1.0 - truth.repeated).sqrt());
-            let value = |(i, (r, o)): (usize, (&f64, f64))| row(view, i, truth.scale * (again * r + new * o));
+            let value = |(i, (r, o)): (usize, (&f64, f64))| {
+                row(view, i, truth.scale * (again * r + new * o))
+            };
             both.map(value).collect::<Vec<_>>()
         });
         views.collect()
@@ -125,18 +123,10 @@ fn the_length_along_the_border_is_found() {
 #[test]
 fn the_length_is_found_however_far_apart_the_rows_are() {
     for every in [2, 5] {
-        let (frames, seconds) = simulate(
-            Truth {
-                length: 2.0,
-                ..INDEPENDENT
-            },
-            3,
-        );
+        let (frames, seconds) = simulate(Truth { length: 2.0, ..INDEPENDENT }, 3);
         let thinned = |rows: &Vec<PlacedResidual>| -> Vec<PlacedResidual> {
-            let wider = |row: &PlacedResidual| PlacedResidual {
-                weight: every as f64 * WEIGHT,
-                ..*row
-            };
+            let wider =
+                |row: &PlacedResidual| PlacedResidual { weight: every as f64 * WEIGHT, ..*row };
             rows.iter().step_by(every).map(wider).collect()
         };
         let thinned: Vec<_> = frames.iter().map(thinned).collect();
@@ -149,11 +139,7 @@ fn the_length_is_found_however_far_apart_the_rows_are() {
 #[test]
 fn what_returns_in_every_frame_is_found() {
     for repeated in [0.2, 0.5, 0.9] {
-        let truth = Truth {
-            length: 1.0,
-            repeated,
-            ..INDEPENDENT
-        };
+        let truth = Truth { length: 1.0, repeated, ..INDEPENDENT };
         // there are few places, and each returns with one draw: the variance of 15 squares, averaged over five seeds
         let seeds = 10..15;
         let count = 5.0;
@@ -165,10 +151,7 @@ fn what_returns_in_every_frame_is_found() {
 #[test]
 fn the_more_returns_the_fewer_observations_are_worth_one() {
     let over_time = |repeated| {
-        let truth = Truth {
-            repeated,
-            ..INDEPENDENT
-        };
+        let truth = Truth { repeated, ..INDEPENDENT };
         estimated(truth, 4).over_time
     };
     let [none, some, most] = [0.0, 0.3, 0.9].map(over_time);
@@ -183,10 +166,7 @@ fn the_more_returns_the_fewer_observations_are_worth_one() {
 fn cameras_that_show_one_place_share_what_returns() {
     let alone = estimated(INDEPENDENT, 6);
     assert!((1.0..1.02).contains(&alone.within_frame), "{alone:?}");
-    let truth = Truth {
-        repeated: 0.9,
-        ..INDEPENDENT
-    };
+    let truth = Truth { repeated: 0.9, ..INDEPENDENT };
     let shared = estimated(truth, 6);
     let expected = 1.0 + (VIEWS as f64 - 1.0) * shared.repeated.powi(2);
     approx::assert_relative_eq!(shared.within_frame, expected, max_relative = 1e-9);
@@ -209,10 +189,7 @@ fn a_few_wild_rows_change_little() {
 /// What returns on both sides alike is one thing for a shape that both sides share.
 #[test]
 fn two_sides_that_err_alike_are_one() {
-    let truth = Truth {
-        repeated: 0.5,
-        ..INDEPENDENT
-    };
+    let truth = Truth { repeated: 0.5, ..INDEPENDENT };
     let (right, seconds) = simulate(truth, 11);
     let (own, _) = simulate(truth, 12);
     let left = |values: &[PlacedResidual]| {

@@ -54,13 +54,7 @@ static SCENE: LazyLock<Scene> = LazyLock::new(|| {
     let motions = walk(&model, &shape, FPS, FRAMES);
     let bodies = motions.iter().map(|motion| Posed::new(&model, &shape, motion));
     let frames = bodies.enumerate().map(|(i, body)| observe(&body, &rig, i)).collect();
-    Scene {
-        rig,
-        motions,
-        frames,
-        shape,
-        model,
-    }
+    Scene { rig, motions, frames, shape, model }
 });
 
 impl Scene {
@@ -88,10 +82,7 @@ impl Scene {
             pose_prior: &PosePrior::new(&self.model),
             terms: &terms,
         };
-        let options = Options {
-            max_iterations: 60,
-            ..Options::default()
-        };
+        let options = Options { max_iterations: 60, ..Options::default() };
         levenberg_marquardt(&problem, start, &options)
     }
 
@@ -102,16 +93,14 @@ impl Scene {
         let mut draw = |size: f64| size * rng.random_range(-1.0..1.0);
         motion.angles += DVector::from_fn(motion.angles.len(), |_, _| draw(0.08));
         motion.position_world += Vector3::new(draw(0.03), draw(0.03), draw(0.03));
-        State {
-            motion,
-            shape: ShapePrior::new(&self.model).mean(),
-        }
+        State { motion, shape: ShapePrior::new(&self.model).mean() }
     }
 
     /// The same silhouettes to the eye: turned to the other side, left and right exchanged.
     fn mirrored(&self, motion: &Motion) -> Motion {
         let mut mirrored = motion.clone();
-        mirrored.world_from_root *= Rotation3::from_axis_angle(&Vector3::z_axis(), std::f64::consts::PI);
+        mirrored.world_from_root *=
+            Rotation3::from_axis_angle(&Vector3::z_axis(), std::f64::consts::PI);
         for (index, joint) in self.model.joints.iter().enumerate() {
             let twin = match joint.name.strip_suffix("_r") {
                 Some(name) => Some(format!("{name}_l")),
@@ -129,22 +118,16 @@ impl Scene {
 fn options(pruning: Pruning) -> SearchOptions {
     SearchOptions {
         keyframe_every: Some(10),
-        start: StartOptions {
-            headings: 4,
-            iterations: 6,
-            kept: 2,
-        },
+        start: StartOptions { headings: 4, iterations: 6, kept: 2 },
         pruning,
         ..SearchOptions::default()
     }
 }
 
 fn found(frames: usize, pruning: Pruning) -> Search {
-    let sequence = Sequence {
-        frames: &SCENE.frames[..frames],
-        fps: FPS,
-    };
-    search(&SCENE.evidence(), sequence, &options(pruning), &NoJournal).expect("four cameras see the person")
+    let sequence = Sequence { frames: &SCENE.frames[..frames], fps: FPS };
+    search(&SCENE.evidence(), sequence, &options(pruning), &NoJournal)
+        .expect("four cameras see the person")
 }
 
 /// The whole sequence.
@@ -170,9 +153,8 @@ fn keyframes_recover_the_joints_from_perturbed_starts() {
 fn the_search_finds_the_motion_without_a_start() {
     let winner = &FOUND.trials[FOUND.winner];
     let fits = winner.frames.iter().flatten().enumerate();
-    let mut errors: Vec<f64> = fits
-        .map(|(i, fit)| SCENE.error_mm(&winner.hypothesis.shape, &fit.motion, i))
-        .collect();
+    let mut errors: Vec<f64> =
+        fits.map(|(i, fit)| SCENE.error_mm(&winner.hypothesis.shape, &fit.motion, i)).collect();
     assert_eq!(errors.len(), FRAMES);
     let last = errors[FRAMES - 1];
     errors.sort_by(f64::total_cmp);
@@ -211,13 +193,9 @@ fn a_mirrored_start_costs_more_and_is_not_the_first_reading() {
     let mut start = SCENE.perturbed(frame, 73);
     start.motion = SCENE.mirrored(&start.motion);
     let mirrored = SCENE.fit_keyframe(frame, start);
-    assert!(
-        mirrored.cost > 1.5 * right.cost,
-        "{} against {}",
-        mirrored.cost,
-        right.cost
-    );
-    let first = readings(&SCENE.evidence(), &SCENE.frames[frame], &StartOptions::default()).remove(0);
+    assert!(mirrored.cost > 1.5 * right.cost, "{} against {}", mirrored.cost, right.cost);
+    let first =
+        readings(&SCENE.evidence(), &SCENE.frames[frame], &StartOptions::default()).remove(0);
     let forward = |motion: &Motion| motion.world_from_root * Vector3::x();
     let truth = forward(&SCENE.motions[frame]);
     assert!(forward(&first.state.motion).dot(&truth) > 0.9);
@@ -231,16 +209,10 @@ fn a_camera_that_was_touched_is_found_and_costs_the_body_nothing() {
     let mut calibrated = scene.rig.clone();
     calibrated.cameras[2].intrinsics.cx_px -= touched.x;
     calibrated.cameras[2].intrinsics.cy_px -= touched.y;
-    let sequence = Sequence {
-        frames: &scene.frames,
-        fps: FPS,
-    };
+    let sequence = Sequence { frames: &scene.frames, fps: FPS };
     let fitted = |rig: &Rig, aim: bool| -> Fit {
-        let options = EstimateOptions {
-            search: options(Pruning::Exact),
-            aim,
-            ..EstimateOptions::default()
-        };
+        let options =
+            EstimateOptions { search: options(Pruning::Exact), aim, ..EstimateOptions::default() };
         fit(&scene.model, rig, sequence, &options, &NoJournal).expect("a fit")
     };
     let error_mm = |fit: &Fit| {
@@ -248,11 +220,8 @@ fn a_camera_that_was_touched_is_found_and_costs_the_body_nothing() {
         let each = frames.map(|(i, f)| scene.error_mm(&fit.shape, &f.fit.motion, i));
         each.sum::<f64>() / FRAMES as f64
     };
-    let (untouched, aimed, trusting) = (
-        fitted(&scene.rig, true),
-        fitted(&calibrated, true),
-        fitted(&calibrated, false),
-    );
+    let (untouched, aimed, trusting) =
+        (fitted(&scene.rig, true), fitted(&calibrated, true), fitted(&calibrated, false));
     for camera in &untouched.cameras {
         assert_eq!(camera.aim_px, Vector2::zeros(), "{:?}", camera.camera);
     }

@@ -47,8 +47,7 @@ fn marched_maximum(field: &Field, camera: &Camera, x: usize, y: usize) -> f64 {
 fn border(mask: &Mask) -> Vec<(usize, usize)> {
     let at = |x: usize, y: usize| mask.is_foreground(x, y);
     let all = (1..mask.height() - 1).flat_map(|y| (1..mask.width() - 1).map(move |x| (x, y)));
-    all.filter(|&(x, y)| at(x - 1, y) != at(x + 1, y) || at(x, y - 1) != at(x, y + 1))
-        .collect()
+    all.filter(|&(x, y)| at(x - 1, y) != at(x + 1, y) || at(x, y - 1) != at(x, y + 1)).collect()
 }
 
 #[test]
@@ -76,11 +75,7 @@ fn a_distorted_mask_shows_every_point_where_the_camera_projects_it() {
     let lens = Distortion::brown_conrady(&[-0.25, 0.1, 0.001, -0.002]).expect("four coefficients");
     let (field, camera) = (standing_field(), camera(lens));
     let mask = silhouette(&camera, &field);
-    for metaball in field
-        .metaballs
-        .iter()
-        .filter(|m| field.value(&m.ellipsoid.centre) > 0.8)
-    {
+    for metaball in field.metaballs.iter().filter(|m| field.value(&m.ellipsoid.centre) > 0.8) {
         let centre = Point3::from(metaball.ellipsoid.centre);
         let pixel = camera.project(&centre).expect("in front of the camera");
         assert!(mask.is_foreground(pixel.x.round() as usize, pixel.y.round() as usize));
@@ -93,9 +88,7 @@ fn a_body_behind_the_camera_is_not_seen_and_one_around_it_fills_the_image() {
     let field = standing_field();
     let seen = |camera: &Camera| {
         let mask = silhouette(camera, &field);
-        (0..240)
-            .map(|y| mask.row(y).iter().filter(|&&v| v == 1).count())
-            .sum::<usize>()
+        (0..240).map(|y| mask.row(y).iter().filter(|&&v| v == 1).count()).sum::<usize>()
     };
     assert!(seen(&camera) > 1000);
     camera.camera_from_world.translation.z -= 10.0;

@@ -11,6 +11,7 @@ const FOLDERS: &[&str] = &[
     "cli/tests",
     "data/models",
     "docs",
+    "examples",
     "experiments/expected",
     "experiments/src",
     "src",
@@ -33,14 +34,13 @@ const FILES: &[&str] = &[
     "experiments/Cargo.toml",
     "experiments/README.md",
     "justfile",
+    "rustfmt.toml",
 ];
 
 #[test]
 fn no_text_names_a_folder_of_one_machine() {
-    let found: Vec<String> = texts()
-        .iter()
-        .flat_map(|(path, text)| machine_paths(path, text))
-        .collect();
+    let found: Vec<String> =
+        texts().iter().flat_map(|(path, text)| machine_paths(path, text)).collect();
     assert!(found.is_empty(), "{}", found.join("\n"));
 }
 
@@ -68,8 +68,9 @@ fn without_reason(manifest: &str, decisions: &str) -> Vec<String> {
 /// The lines with an absolute path that only one person's machine has.
 fn machine_paths(path: &Path, text: &str) -> Vec<String> {
     let folders = ["work", "tmp", "root", "home"].map(|name| format!("/{name}/"));
-    let begins_a_path =
-        |line: &str, at: usize| !line[..at].ends_with(|c: char| c.is_alphanumeric() || "._/-*}>~".contains(c));
+    let begins_a_path = |line: &str, at: usize| {
+        !line[..at].ends_with(|c: char| c.is_alphanumeric() || "._/-*}>~".contains(c))
+    };
     text.lines()
         .enumerate()
         .filter(|(_, line)| {

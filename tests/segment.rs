@@ -59,13 +59,12 @@ fn picture(camera: usize, frame: usize, is_foreground: impl Fn(usize, usize) -> 
 /// The pictures of a frame; in the first camera a second, smaller thing comes and goes above the person.
 fn pictures(rig: &Rig, frame: usize) -> Vec<Option<Picture>> {
     let cameras = 0..rig.cameras.len();
-    let stranger =
-        |c: usize, x: usize, y: usize| c == 0 && frame % 3 == 2 && (30..44).contains(&x) && (8..24).contains(&y);
+    let stranger = |c: usize, x: usize, y: usize| {
+        c == 0 && frame % 3 == 2 && (30..44).contains(&x) && (8..24).contains(&y)
+    };
     cameras
         .map(|c| {
-            Some(picture(c, frame, |x, y| {
-                is_person(rig, c, frame, (x, y)) || stranger(c, x, y)
-            }))
+            Some(picture(c, frame, |x, y| is_person(rig, c, frame, (x, y)) || stranger(c, x, y)))
         })
         .collect()
 }
@@ -115,10 +114,7 @@ fn what_no_other_camera_supports_is_removed() {
     let together = learned(&rig, SegmentOptions::default());
     let (is_kept, unsupported) = is_stranger(&together);
     assert!(!is_kept && unsupported > 0.05, "{unsupported}");
-    let alone = SegmentOptions {
-        against_weight: 0.0,
-        ..SegmentOptions::default()
-    };
+    let alone = SegmentOptions { against_weight: 0.0, ..SegmentOptions::default() };
     assert!(is_stranger(&learned(&rig, alone)).0, "without the others it stays");
 }
 
@@ -152,9 +148,7 @@ fn an_overexposed_picture_has_no_mask_and_speaks_against_nobody() {
 fn a_recording_in_memory_is_segmented_frame_by_frame_and_what_is_odd_is_noted() {
     let rig = rig();
     let mut recording = MemoryPictures {
-        frames: (0..FRAMES)
-            .map(|frame| (FrameIndex(frame), pictures(&rig, frame)))
-            .collect(),
+        frames: (0..FRAMES).map(|frame| (FrameIndex(frame), pictures(&rig, frame))).collect(),
         fps: 25.0,
         rig: rig.clone(),
         ..MemoryPictures::default()
@@ -185,11 +179,7 @@ fn a_recording_in_memory_is_segmented_frame_by_frame_and_what_is_odd_is_noted() 
 #[test]
 fn nothing_in_the_pictures_is_no_fault() {
     let rig = rig();
-    let empty = |frame| {
-        (0..4)
-            .map(|c| Some(picture(c, frame, |_, _| false)))
-            .collect::<Vec<_>>()
-    };
+    let empty = |frame| (0..4).map(|c| Some(picture(c, frame, |_, _| false))).collect::<Vec<_>>();
     let mut training = Training::new(&rig, 3, SegmentOptions::default());
     (0..3).for_each(|frame| training.add(&empty(frame)));
     let segmenter = training.learn();
@@ -216,15 +206,8 @@ fn overexposed_pictures_and_pictures_of_one_grey_are_no_fault() {
 #[test]
 fn support_is_high_where_all_others_agree_and_low_elsewhere() {
     let rig = rig();
-    let shrunk = ShrunkSize {
-        width: SIZE.0 as usize,
-        height: SIZE.1 as usize,
-        factor: 1,
-    };
-    let volume = Volume {
-        low: Point3::new(-1.3, -1.3, -0.2),
-        high: Point3::new(1.3, 1.3, 2.2),
-    };
+    let shrunk = ShrunkSize { width: SIZE.0 as usize, height: SIZE.1 as usize, factor: 1 };
+    let volume = Volume { low: Point3::new(-1.3, -1.3, -0.2), high: Point3::new(1.3, 1.3, 2.2) };
     let support = Support::new(&rig, &[shrunk; 4], &volume, SupportOptions::default());
     let evidence = |c: usize| {
         let places = (0..shrunk.height).flat_map(|y| (0..shrunk.width).map(move |x| (x, y)));

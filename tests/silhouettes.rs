@@ -57,7 +57,11 @@ fn a_disk_has_its_area_border_and_normals_with_and_without_a_lens() {
         approx::assert_relative_eq!(silhouette.area_px, PI * 1600.0, max_relative = 0.01);
         approx::assert_relative_eq!(silhouette.centroid, center, epsilon = 0.1);
         approx::assert_relative_eq!(length(&silhouette), PI * 80.0, max_relative = 0.02);
-        approx::assert_relative_eq!(silhouette.bounds.0, center - Vector2::repeat(40.0), epsilon = 0.6);
+        approx::assert_relative_eq!(
+            silhouette.bounds.0,
+            center - Vector2::repeat(40.0),
+            epsilon = 0.6
+        );
         for point in &silhouette.contour {
             let outward = point.pixel - center;
             assert!((outward.norm() - 40.0).abs() < 0.7, "{point:?}");
@@ -106,11 +110,7 @@ fn the_map_holds_the_distance_to_the_disk_in_the_grid_and_beyond() {
             let (angle, r) = (f64::from(k) * 0.7, f64::from(k % 30) * 3.5);
             let pixel = center + Vector2::new(angle.cos(), angle.sin()) * r;
             let (distance, gradient) = silhouette.outside.sample(&pixel);
-            let expected = if silhouette.sees(&pixel) {
-                (r - 30.0).max(0.0)
-            } else {
-                0.0
-            };
+            let expected = if silhouette.sees(&pixel) { (r - 30.0).max(0.0) } else { 0.0 };
             // beyond the grid an upper bound by the triangle inequality
             let slack = if r < 42.0 { 0.7 } else { 0.7 + 0.12 * expected };
             assert!(
@@ -132,7 +132,8 @@ fn the_gradient_of_the_map_is_that_of_its_value() {
     for k in 0..3000 {
         let pixel = Point2::new(f64::from(k % 60) * 5.013, f64::from(k / 60) * 4.507);
         let value = |dx: f64, dy: f64| silhouette.outside.sample(&(pixel + Vector2::new(dx, dy))).0;
-        let slope = Vector2::new(value(h, 0.0) - value(-h, 0.0), value(0.0, h) - value(0.0, -h)) / (2.0 * h);
+        let slope = Vector2::new(value(h, 0.0) - value(-h, 0.0), value(0.0, h) - value(0.0, -h))
+            / (2.0 * h);
         let gradient = silhouette.outside.sample(&pixel).1;
         approx::assert_relative_eq!(gradient, slope, epsilon = 1e-5);
         checked += usize::from(gradient.norm() > 0.0);
@@ -156,15 +157,8 @@ fn the_image_edge_is_no_silhouette_and_nothing_is_known_beyond() {
     let beyond = Point2::new(330.0, 200.0);
     assert!(!silhouette.sees(&beyond));
     assert_eq!(silhouette.outside.sample(&beyond), (0.0, Vector2::zeros()));
-    let jumps = silhouette
-        .contour
-        .windows(2)
-        .filter(|w| (w[1].pixel - w[0].pixel).norm() > 5.0);
-    assert_eq!(
-        jumps.count(),
-        0,
-        "the open piece starts behind the edge and ends before it"
-    );
+    let jumps = silhouette.contour.windows(2).filter(|w| (w[1].pixel - w[0].pixel).norm() > 5.0);
+    assert_eq!(jumps.count(), 0, "the open piece starts behind the edge and ends before it");
 }
 
 #[test]
@@ -201,11 +195,9 @@ fn thinning_keeps_the_length_and_the_points() {
 #[test]
 fn the_overlap_of_two_disks_is_that_of_geometry() {
     let silhouette = seen(&camera(Distortion::None), disk(Point2::new(120.3, 119.6), 50.0));
-    for (shift, intersection) in [
-        (0.0, PI * 2500.0),
-        (50.0, 2500.0 * (2.0 * PI / 3.0 - 0.75f64.sqrt())),
-        (150.0, 0.0),
-    ] {
+    for (shift, intersection) in
+        [(0.0, PI * 2500.0), (50.0, 2500.0 * (2.0 * PI / 3.0 - 0.75f64.sqrt())), (150.0, 0.0)]
+    {
         let model = Point2::new(120.3 + shift, 119.6);
         let reach = Vector2::repeat(50.0);
         let overlap = silhouette.overlap((model - reach, model + reach), disk(model, 50.0));
@@ -230,19 +222,13 @@ fn a_mask_without_a_person_is_rejected_with_the_reason() {
     let camera = camera(Distortion::None);
     let reject = |mask: &Mask| extract(mask, &camera, &SilhouetteOptions::default()).err();
     assert_eq!(reject(&mask(&camera, |_| false)), Some(Rejected::Empty));
-    assert_eq!(
-        reject(&mask(&camera, |_| true)),
-        Some(Rejected::Full { edge_percent: 100.0 })
-    );
+    assert_eq!(reject(&mask(&camera, |_| true)), Some(Rejected::Full { edge_percent: 100.0 }));
     let inverted = mask(&camera, |pixel| (pixel - Point2::new(150.0, 120.0)).norm() > 50.0);
     assert_eq!(reject(&inverted), Some(Rejected::Full { edge_percent: 100.0 }));
     let thin = mask(&camera, |pixel| (pixel.x - 100.0).abs() < 0.5);
     assert_eq!(reject(&thin), Some(Rejected::NoBorder { area_px: 240 }));
     let small = Mask::from_fn(32, 24, |x, _| x > 10);
-    let expected = Rejected::Size {
-        expected: (320, 240),
-        found: (32, 24),
-    };
+    let expected = Rejected::Size { expected: (320, 240), found: (32, 24) };
     assert_eq!(reject(&small), Some(expected));
 }
 
@@ -251,27 +237,16 @@ fn every_option_changes_the_silhouette() {
     let camera = camera(Distortion::None);
     let mask = mask(&camera, disk(Point2::new(150.0, 120.0), 80.0));
     let defaults = SilhouetteOptions::default();
-    let with = |options: SilhouetteOptions| extract(&mask, &camera, &options).expect("a silhouette");
+    let with =
+        |options: SilhouetteOptions| extract(&mask, &camera, &options).expect("a silhouette");
     let usual = with(defaults);
-    let wider = with(SilhouetteOptions {
-        spacing_px: 3.0,
-        ..defaults
-    });
+    let wider = with(SilhouetteOptions { spacing_px: 3.0, ..defaults });
     assert!(wider.contour.len() * 3 < usual.contour.len() * 2);
-    let fewer = with(SilhouetteOptions {
-        points_per_size: 40.0,
-        ..defaults
-    });
+    let fewer = with(SilhouetteOptions { points_per_size: 40.0, ..defaults });
     assert!(fewer.contour.len() * 2 < usual.contour.len());
-    let coarse = with(SilhouetteOptions {
-        map_cells: 20,
-        ..defaults
-    });
+    let coarse = with(SilhouetteOptions { map_cells: 20, ..defaults });
     assert!(coarse.heap_bytes() * 2 < usual.heap_bytes());
-    let tight = with(SilhouetteOptions {
-        map_margin: 0.01,
-        ..defaults
-    });
+    let tight = with(SilhouetteOptions { map_margin: 0.01, ..defaults });
     let corner = Point2::new(40.0, 60.0);
     assert!(tight.outside.sample(&corner).0 > usual.outside.sample(&corner).0 + 1.0);
 }

@@ -17,12 +17,7 @@ const POSES: &[Pose] = &[
     ("arms out", &[("shoulder_abduction", 88.0)], 0.985, 0.01),
     ("arms half out", &[("shoulder_abduction", 45.0)], 0.985, 0.01),
     ("arms up", &[("shoulder_abduction", 160.0)], 0.98, 0.01),
-    (
-        "arms up in front",
-        &[("shoulder_flexion", 170.0), ("elbow_flexion", 100.0)],
-        0.98,
-        0.01,
-    ),
+    ("arms up in front", &[("shoulder_flexion", 170.0), ("elbow_flexion", 100.0)], 0.98, 0.01),
     (
         "walking",
         &[
@@ -121,8 +116,9 @@ fn check_poses(model: &BodyModel, slack: f64) {
         let is_near = |v: &&nalgebra::Vector3<f64>| distance(&field, v) < 0.003;
         let share = mesh.vertices.iter().filter(is_near).count() as f64 / count;
         assert!(share > *near - slack, "{name}: {share} within 3 mm");
-        let falls =
-            |(v, n): (&nalgebra::Vector3<f64>, &nalgebra::Vector3<f64>)| field.value_and_gradient(v).1.dot(n) < 0.0;
+        let falls = |(v, n): (&nalgebra::Vector3<f64>, &nalgebra::Vector3<f64>)| {
+            field.value_and_gradient(v).1.dot(n) < 0.0
+        };
         let each = mesh.vertices.iter().zip(&mesh.normals);
         let share = each.filter(|pair| !falls(*pair)).count() as f64 / count;
         assert!(share < *against + slack, "{name}: {share} of the normals point inwards");
@@ -165,10 +161,7 @@ fn the_counts_that_the_user_chooses_are_the_counts_there_are() {
         assert!(mesh.vertices.len() > 2 * before, "{around}");
         before = mesh.vertices.len();
     }
-    let sparse = SkinOptions {
-        along_per_m: 30.0,
-        ..SkinOptions::default()
-    };
+    let sparse = SkinOptions { along_per_m: 30.0, ..SkinOptions::default() };
     let (sparse, usual) = (skin(&body, &sparse), skin(&body, &SkinOptions::default()));
     let counts = [sparse, usual].map(|mesh| mesh.expect("a skin").vertices.len());
     assert!(2 * counts[0] < counts[1] + counts[1] / 4, "{counts:?}");
@@ -181,10 +174,7 @@ fn the_papers_patches_stay_within_millimetres_of_the_field_and_the_finish_puts_t
     let body = Posed::new(&model, &shape, &motion);
     let field = Field::from_body(&body);
     let median = |finish| {
-        let options = SkinOptions {
-            finish,
-            ..SkinOptions::default()
-        };
+        let options = SkinOptions { finish, ..SkinOptions::default() };
         let mesh = skin(&body, &options).expect("a skin");
         let mut all: Vec<f64> = mesh.vertices.iter().map(|v| distance(&field, v)).collect();
         all.sort_by(f64::total_cmp);
@@ -208,7 +198,9 @@ fn worm(branch: &str) -> BodyModel {
             text += "spread_deg = 30.0\nspeed_deg = 60.0\n";
         }
         for height in [0.05, 0.15, 0.25] {
-            text += &format!("[[part.metaball]]\ncentre = [0.0, 0.0, {height}]\nradii = [0.08, 0.08, 0.1]\n");
+            text += &format!(
+                "[[part.metaball]]\ncentre = [0.0, 0.0, {height}]\nradii = [0.08, 0.08, 0.1]\n"
+            );
         }
     }
     let path = Path::new("worm.toml");
@@ -302,10 +294,7 @@ fn what_cannot_have_a_skin_is_told_why() {
         let found = fault(&model, &Motion::rest(&model), &options);
         assert_eq!(found, SkinError::Around { found: around });
     }
-    let options = SkinOptions {
-        along_per_m: f64::NAN,
-        ..usual
-    };
+    let options = SkinOptions { along_per_m: f64::NAN, ..usual };
     let found = fault(&model, &Motion::rest(&model), &options);
     assert!(matches!(found, SkinError::Along { .. }));
     // two limbs in one place

@@ -32,20 +32,11 @@ fn trial(name: &str, seed: u64) -> Trial {
         0 => (Shape(model.statistics.mean.clone()), WalkingStyle::normative()),
         _ => (draw_shape(&model, &mut rng), WalkingStyle::personal(&mut rng)),
     };
-    let walk = Walk {
-        style,
-        heading: 0.0,
-        middle_world: Vector2::new(0.5, -0.2),
-        start_phase: 0.0,
-    };
+    let walk =
+        Walk { style, heading: 0.0, middle_world: Vector2::new(0.5, -0.2), start_phase: 0.0 };
     let frames = (2.0 * FPS / walk.style.stride_hz) as usize;
     let motions = walk.motions(&model, &shape, FPS, frames).expect("it has feet");
-    Trial {
-        model,
-        shape,
-        walk,
-        motions,
-    }
+    Trial { model, shape, walk, motions }
 }
 
 impl Trial {
@@ -65,11 +56,7 @@ impl Trial {
 fn people() -> Vec<Trial> {
     let seeds = [("walker-metaballs", 0), ("human-ellipsoids", 0)];
     let drawn = (1..6).flat_map(|s| [("walker-metaballs", s), ("human-ellipsoids", s)]);
-    seeds
-        .into_iter()
-        .chain(drawn)
-        .map(|(name, seed)| trial(name, seed))
-        .collect()
+    seeds.into_iter().chain(drawn).map(|(name, seed)| trial(name, seed)).collect()
 }
 
 #[test]
@@ -112,17 +99,18 @@ fn the_path_is_centred_where_it_was_asked_for() {
 #[test]
 fn a_heading_turns_the_whole_walk() {
     let straight = trial("walker-metaballs", 2);
-    let turned = Walk {
-        heading: 1.0,
-        ..straight.walk.clone()
-    };
+    let turned = Walk { heading: 1.0, ..straight.walk.clone() };
     let motions = turned
         .motions(&straight.model, &straight.shape, FPS, straight.motions.len())
         .expect("it has feet");
     let turn = nalgebra::Rotation2::new(1.0);
     for (a, b) in straight.motions.iter().zip(&motions) {
         let from = turn * (a.position_world.xy() - straight.walk.middle_world);
-        approx::assert_relative_eq!(from, b.position_world.xy() - turned.middle_world, epsilon = 1e-9);
+        approx::assert_relative_eq!(
+            from,
+            b.position_world.xy() - turned.middle_world,
+            epsilon = 1e-9
+        );
         assert_eq!(a.angles, b.angles);
     }
 }

@@ -21,13 +21,8 @@ fn sample() -> Synthetic {
 fn small() -> Synthetic {
     let mut synthetic = sample();
     synthetic.motions.truncate(3);
-    let ring = Ring {
-        cameras: 2,
-        width_px: 160,
-        height_px: 120,
-        focal_px: 165.0,
-        ..Ring::default()
-    };
+    let ring =
+        Ring { cameras: 2, width_px: 160, height_px: 120, focal_px: 165.0, ..Ring::default() };
     synthetic.rig = ring.regular();
     synthetic.stereo = Some(StereoPair::default());
     synthetic
@@ -71,7 +66,11 @@ fn the_truth_beside_it_is_where_the_joints_are() {
     let truth: serde_json::Value = serde_json::from_str(&text).unwrap();
     let knee = truth["angles_deg"]["knee_flexion_r"][2].as_f64().unwrap();
     let joint = synthetic.model.joint("knee_flexion_r").unwrap();
-    approx::assert_relative_eq!(knee.to_radians(), synthetic.motions[2].angles[joint.0], epsilon = 1e-12);
+    approx::assert_relative_eq!(
+        knee.to_radians(),
+        synthetic.motions[2].angles[joint.0],
+        epsilon = 1e-12
+    );
     let points = synthetic.points(FrameIndex(0)).unwrap();
     let at = |name| points[synthetic.model.point(name).unwrap()];
     let thigh = truth["lengths_m"]["thigh"].as_f64().unwrap();
@@ -106,22 +105,18 @@ fn the_sample_recording_is_the_one_of_seed_one() {
     assert_eq!(recording.rig.cameras.len(), 6);
     for (frame, camera) in [(0, 0), (17, 3), (40, 5)] {
         let (frame, camera) = (FrameIndex(frame), CameraId(camera));
-        let file = image::open(recording.mask_path(camera, frame).unwrap())
-            .unwrap()
-            .to_luma8();
+        let file = image::open(recording.mask_path(camera, frame).unwrap()).unwrap().to_luma8();
         let mask = synthetic.mask(frame, camera).unwrap();
-        let differs =
-            |(x, y, p): (u32, u32, &image::Luma<u8>)| mask.is_foreground(x as usize, y as usize) != (p.0[0] > 127);
+        let differs = |(x, y, p): (u32, u32, &image::Luma<u8>)| {
+            mask.is_foreground(x as usize, y as usize) != (p.0[0] > 127)
+        };
         let different = file.enumerate_pixels().filter(|p| differs(*p)).count();
         assert!(different < 10, "{frame} {camera}: {different} pixels differ");
     }
     let path = folder.join("truth.trc");
     let truth = trc::read_trc(&fs::read_to_string(&path).unwrap(), &path).unwrap();
-    for (a, b) in truth
-        .frames
-        .iter()
-        .flatten()
-        .zip(trajectories(&synthetic).frames.iter().flatten())
+    for (a, b) in
+        truth.frames.iter().flatten().zip(trajectories(&synthetic).frames.iter().flatten())
     {
         assert!((a.unwrap() - b.unwrap()).norm() < 1e-5);
     }

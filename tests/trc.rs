@@ -39,11 +39,7 @@ fn the_layout_is_that_of_pose2sim() {
 
 #[test]
 fn a_recording_that_begins_later_keeps_its_frame_numbers_and_times() {
-    let late = Trajectories {
-        rate_hz: 50.0,
-        first_frame: 100,
-        ..two_points()
-    };
+    let late = Trajectories { rate_hz: 50.0, first_frame: 100, ..two_points() };
     let text = write_trc(&late, "walk.trc");
     assert!(text.contains("\n101\t2.000000\t") && text.contains("\n102\t2.020000\t"));
     assert_eq!(read(&text).unwrap(), late);
@@ -88,10 +84,7 @@ fn every_fault_is_named_with_its_line() {
             message(&good.replace("0.875000", "x")),
             "walk.trc:6: point RHip: expected a number or nothing, found \"x\"",
         ),
-        (
-            message("a\tb\nFrame#\tTime\n"),
-            "walk.trc:1: expected the values of DataRate",
-        ),
+        (message("a\tb\nFrame#\tTime\n"), "walk.trc:1: expected the values of DataRate"),
     ];
     for (found, expected) in cases {
         assert!(found.starts_with(expected), "{found}");
@@ -103,10 +96,9 @@ fn every_fault_is_named_with_its_line() {
 fn real_files_of_other_programs_are_read() {
     let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared");
     let shared = std::env::var("MAQUETTE_SHARED").unwrap_or(default.into());
-    for (file, points, frames) in [
-        ("data/gait/motion_capture_walk.trc", 41, 2),
-        ("data/balance/reference_raw.trc", 15, 90),
-    ] {
+    for (file, points, frames) in
+        [("data/gait/motion_capture_walk.trc", 41, 2), ("data/balance/reference_raw.trc", 15, 90)]
+    {
         let path = Path::new(&shared).join(file);
         let Ok(text) = std::fs::read_to_string(&path) else {
             eprintln!("skipped: {} is not here", path.display());

@@ -81,12 +81,12 @@ impl From<Format> for ExportFormat {
 
 /// Reads the fit and writes each format.
 pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
+    if !arguments.out.is_dir() {
+        let path = arguments.out.clone();
+        return Err(maquette::Error::NoFit { path }.into());
+    }
     let study = GaitStudy::open(
-        GaitSource {
-            path: &arguments.out,
-            body: arguments.body.as_deref(),
-            fps: None,
-        },
+        GaitSource { path: &arguments.out, body: arguments.body.as_deref(), fps: None },
         &GaitOptions::default(),
     )?;
 

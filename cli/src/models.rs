@@ -56,14 +56,8 @@ fn show(name: &str, arguments: &ModelsArguments) -> Result<(), CliError> {
 
 /// Lists the shipped models with what each is made of.
 fn list() -> Result<(), CliError> {
-    let mut table = Table::new(&[
-        "model",
-        "parts",
-        "angles",
-        "shape coefficients",
-        "ellipsoids",
-        "metaballs",
-    ]);
+    let mut table =
+        Table::new(&["model", "parts", "angles", "shape coefficients", "ellipsoids", "metaballs"]);
 
     let mut remarks = String::new();
     for (name, text) in SHIPPED {

@@ -52,18 +52,12 @@ impl Progress for Bars {
 impl Bars {
     /// Bars that are seen.
     pub(super) fn shown() -> Self {
-        Self {
-            is_shown: true,
-            ..Self::hidden()
-        }
+        Self { is_shown: true, ..Self::hidden() }
     }
 
     /// Bars that never are.
     pub(super) fn hidden() -> Self {
-        Self {
-            is_shown: false,
-            current: Mutex::new(ProgressBar::hidden()),
-        }
+        Self { is_shown: false, current: Mutex::new(ProgressBar::hidden()) }
     }
 
     fn current(&self) -> MutexGuard<'_, ProgressBar> {

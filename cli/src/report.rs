@@ -45,11 +45,7 @@ pub(super) struct ReportArguments {
 
 /// Reads the fit, analyses it and writes the report.
 pub(super) fn run(arguments: &ReportArguments) -> Result<(), CliError> {
-    let source = GaitSource {
-        path: &arguments.out,
-        body: arguments.body.as_deref(),
-        fps: None,
-    };
+    let source = GaitSource { path: &arguments.out, body: arguments.body.as_deref(), fps: None };
     let study = GaitStudy::open(source, &GaitOptions::default())?;
     let study = arguments.subject.compare(study, arguments.norm.as_deref())?;
     let text = arguments.subject.report(&study, &arguments.out)?;

@@ -67,10 +67,7 @@ fn segment(arguments: &SegmentArguments) -> Result<(), CliError> {
     let files = MaskFiles {
         folder: &arguments.out,
         frames: arguments.frames.unwrap_or_default(),
-        extras: MaskExtras {
-            probability: arguments.probability,
-            overlays: arguments.overlays,
-        },
+        extras: MaskExtras { probability: arguments.probability, overlays: arguments.overlays },
     };
     let written = recording.write_masks(&files, &arguments.quiet.progress())?;
 
@@ -83,7 +80,8 @@ fn segment(arguments: &SegmentArguments) -> Result<(), CliError> {
 }
 
 fn summary(written: &WrittenMasks, out: &Path, seconds: f64) -> String {
-    let mut table = Table::new(&["camera", "masks", "empty", "undecided", "unsupported", "filled in"]);
+    let mut table =
+        Table::new(&["camera", "masks", "empty", "undecided", "unsupported", "filled in"]);
     for name in &written.cameras {
         let rows = written.rows.iter();
         let own: Vec<&QualityRow> = rows.filter(|row| row.camera == *name).collect();

@@ -100,10 +100,7 @@ fn silhouettes(arguments: &SilhouettesArguments) -> Result<(), CliError> {
         frames: arguments.frames.unwrap_or_default(),
         pipeline: arguments.pipeline.into(),
         start: arguments.fit.as_deref(),
-        extras: SilhouetteExtras {
-            overlays: arguments.overlays,
-            stages: arguments.stages,
-        },
+        extras: SilhouetteExtras { overlays: arguments.overlays, stages: arguments.stages },
     };
     let written = recording.write_silhouettes(&files, &arguments.quiet.progress())?;
 

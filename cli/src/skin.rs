@@ -101,10 +101,7 @@ impl SkinArguments {
     fn poses(&self) -> SkinnedPoses {
         match (self.rest, self.frame) {
             (true, _) => SkinnedPoses::Rest,
-            (false, Some(frame)) => SkinnedPoses::Frames(FrameRange {
-                first: frame,
-                last: frame,
-            }),
+            (false, Some(frame)) => SkinnedPoses::Frames(FrameRange { first: frame, last: frame }),
             (false, None) => SkinnedPoses::Frames(self.frames.unwrap_or_default()),
         }
     }

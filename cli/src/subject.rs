@@ -50,7 +50,11 @@ impl From<SexArgument> for Sex {
 
 impl SubjectArguments {
     /// The study compared with a norm: a file, `none`, or the shipped one.
-    pub(super) fn compare(&self, study: GaitStudy, norm: Option<&str>) -> Result<GaitStudy, CliError> {
+    pub(super) fn compare(
+        &self,
+        study: GaitStudy,
+        norm: Option<&str>,
+    ) -> Result<GaitStudy, CliError> {
         let norm = match norm {
             None => NormChoice::Shipped,
             Some("none") => NormChoice::None,

@@ -160,11 +160,7 @@ fn origin(hypothesis: &HypothesisPart) -> String {
 
 /// Three decimals, but never 1.000, which nobody can know.
 fn probability(p: f64) -> String {
-    if p > 0.9995 {
-        "> 0.999".into()
-    } else {
-        format!("{p:.3}")
-    }
+    if p > 0.9995 { "> 0.999".into() } else { format!("{p:.3}") }
 }
 
 fn or_dash(value: Option<f64>, text: impl Fn(f64) -> String) -> String {

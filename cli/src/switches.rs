@@ -65,7 +65,10 @@ pub(super) struct Threads {
 
 impl Threads {
     /// Does some work on as many threads.
-    pub(super) fn run<T: Send>(self, work: impl FnOnce() -> Result<T, CliError> + Send) -> Result<T, CliError> {
+    pub(super) fn run<T: Send>(
+        self,
+        work: impl FnOnce() -> Result<T, CliError> + Send,
+    ) -> Result<T, CliError> {
         let threads = self.threads;
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)

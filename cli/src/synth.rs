@@ -70,11 +70,8 @@ fn positive(text: &str) -> Result<f64, String> {
 /// Makes and writes the recording.
 pub(super) fn run(arguments: &SynthArguments) -> Result<(), CliError> {
     let model = model::load(&arguments.body, Path::new(""))?;
-    let (frames, cameras, fps) = if arguments.clutter {
-        film(arguments, &model)?
-    } else {
-        ring(arguments, &model)?
-    };
+    let (frames, cameras, fps) =
+        if arguments.clutter { film(arguments, &model)? } else { ring(arguments, &model)? };
     print(&format!(
         "{}: {} of {cameras} cameras at {fps} Hz; the truth is in truth.trc and truth.json\n",
         arguments.out.display(),
@@ -92,10 +89,7 @@ fn ring(arguments: &SynthArguments, model: &BodyModel) -> Result<Written, CliErr
         seed: arguments.seed,
         frames: arguments.frames.map(|frames| frames as usize),
         fps: arguments.fps.unwrap_or(default.fps),
-        ring: Ring {
-            cameras: arguments.cameras.into(),
-            ..default.ring
-        },
+        ring: Ring { cameras: arguments.cameras.into(), ..default.ring },
         errors: match arguments.noise {
             Noise::None => None,
             Noise::Mild => Some(SegmentationErrors::MILD),

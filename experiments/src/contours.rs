@@ -25,10 +25,7 @@ impl Score {
     pub fn of(found: &Mask, truth: &Mask) -> Self {
         let borders = [found, truth].map(|mask| trace(&Runs::from_mask(mask)));
         let [there, back] = [(0, 1), (1, 0)].map(|(a, b)| mean_distance(&borders[a], &borders[b]));
-        Self {
-            overlap: overlap(found, truth),
-            distance_px: 0.5 * (there + back),
-        }
+        Self { overlap: overlap(found, truth), distance_px: 0.5 * (there + back) }
     }
 
     /// Whether the silhouette is in error.
@@ -85,11 +82,7 @@ pub fn compared(photograph: &Picture, found: &Mask, truth: &Mask) -> Picture {
         let borders = trace(&Runs::from_mask(mask));
         let segments = borders.iter().flat_map(sides);
         let segments: Vec<_> = segments.map(|(a, b)| [a, b]).collect();
-        let pen = Pen {
-            color,
-            opacity: 0.9,
-            width_px: 1.4,
-        };
+        let pen = Pen { color, opacity: 0.9, width_px: 1.4 };
         canvas.draw(&segments, pen);
     }
     canvas.pixels().clone()

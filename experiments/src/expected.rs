@@ -44,10 +44,8 @@ pub struct Out {
 impl Expected {
     /// The interval that holds the number.
     fn interval(&self) -> (f64, f64) {
-        let mut interval = (
-            self.least.unwrap_or(f64::NEG_INFINITY),
-            self.most.unwrap_or(f64::INFINITY),
-        );
+        let mut interval =
+            (self.least.unwrap_or(f64::NEG_INFINITY), self.most.unwrap_or(f64::INFINITY));
         if let (Some(value), Some(tolerance)) = (self.value, self.tolerance) {
             interval = (interval.0.max(value - tolerance), interval.1.min(value + tolerance));
         }
@@ -65,11 +63,7 @@ pub fn out(expected: &ExpectedNumbers, found: &BTreeMap<String, f64>) -> Vec<Out
     let missed = expected.iter().filter_map(|(name, expected)| {
         let found = found.get(name).copied();
         let holds = found.is_some_and(|f| expected.holds(f));
-        (!holds).then(|| Out {
-            name: name.clone(),
-            found,
-            expected: *expected,
-        })
+        (!holds).then(|| Out { name: name.clone(), found, expected: *expected })
     });
     missed.collect()
 }
@@ -95,10 +89,7 @@ mod tests {
     }
 
     fn found(numbers: &[(&str, f64)]) -> BTreeMap<String, f64> {
-        numbers
-            .iter()
-            .map(|(name, value)| ((*name).to_owned(), *value))
-            .collect()
+        numbers.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect()
     }
 
     #[test]
@@ -109,7 +100,8 @@ mod tests {
 
     #[test]
     fn what_is_too_far_missing_or_not_a_number_is_named() {
-        let expected = expected("[a]\nvalue = 1.0\ntolerance = 0.5\n[b]\nmost = 3.0\n[c]\nleast = 0.0");
+        let expected =
+            expected("[a]\nvalue = 1.0\ntolerance = 0.5\n[b]\nmost = 3.0\n[c]\nleast = 0.0");
         let out = out(&expected, &found(&[("a", 1.6), ("c", f64::NAN)]));
         let lines: Vec<String> = out.iter().map(ToString::to_string).collect();
         assert_eq!(lines[0], "out of tolerance: a is 1.6000, expected 0.5000 to 1.5000");

@@ -37,14 +37,13 @@ const SEGMENTS: [(&str, &str); 8] = [
 ];
 
 /// The points of a body in motion.
-pub fn trajectories(model: &BodyModel, shape: &Shape, motions: &[Motion], rate_hz: f64) -> Trajectories {
-    let points = |motion| {
-        Posed::new(model, shape, motion)
-            .points()
-            .into_iter()
-            .map(Some)
-            .collect()
-    };
+pub fn trajectories(
+    model: &BodyModel,
+    shape: &Shape,
+    motions: &[Motion],
+    rate_hz: f64,
+) -> Trajectories {
+    let points = |motion| Posed::new(model, shape, motion).points().into_iter().map(Some).collect();
     Trajectories {
         rate_hz,
         first_frame: 0,
@@ -80,7 +79,9 @@ pub fn mpjpe_mm(truth: &Trajectories, fit: &Trajectories) -> Option<f64> {
 pub fn offset_errors_mm(truth: &Trajectories, fit: &Trajectories) -> Vec<Vec<f64>> {
     let frames = truth.frames.len();
     let of_joint = |name: &&str| {
-        let local = |frame| Some(limb_axes(truth, name, frame)?.transpose() * difference(truth, fit, name, frame)?);
+        let local = |frame| {
+            Some(limb_axes(truth, name, frame)?.transpose() * difference(truth, fit, name, frame)?)
+        };
         let local: Vec<Option<Vector3<f64>>> = (0..frames).map(local).collect();
         let known = local.iter().flatten().count().max(1) as f64;
         let offset = local.iter().flatten().sum::<Vector3<f64>>() / known;
@@ -90,19 +91,12 @@ pub fn offset_errors_mm(truth: &Trajectories, fit: &Trajectories) -> Vec<Vec<f64
             .collect::<Vec<f64>>()
     };
     let joints: Vec<Vec<f64>> = LIMB_JOINTS.iter().map(of_joint).collect();
-    (0..frames)
-        .map(|frame| joints.iter().map(|j| j[frame]).collect())
-        .collect()
+    (0..frames).map(|frame| joints.iter().map(|j| j[frame]).collect()).collect()
 }
 
 /// Mean of [`offset_errors_mm`].
 pub fn offset_mm(truth: &Trajectories, fit: &Trajectories) -> Option<f64> {
-    mean(
-        offset_errors_mm(truth, fit)
-            .into_iter()
-            .flatten()
-            .filter(|e| e.is_finite()),
-    )
+    mean(offset_errors_mm(truth, fit).into_iter().flatten().filter(|e| e.is_finite()))
 }
 
 /// Mean |fit/truth − 1| of thighs, shanks, upper arms and forearms, percent.
@@ -124,12 +118,11 @@ pub fn mean_distance(of: &Trajectories, from: &str, to: &str) -> Option<f64> {
 pub struct Flexion(pub &'static str, pub &'static str, pub &'static str);
 
 /// Flexion of the right and the left knee.
-pub const KNEES: [Flexion; 2] = [Flexion("RHip", "RKnee", "RAnkle"), Flexion("LHip", "LKnee", "LAnkle")];
+pub const KNEES: [Flexion; 2] =
+    [Flexion("RHip", "RKnee", "RAnkle"), Flexion("LHip", "LKnee", "LAnkle")];
 /// Of the hips, against the trunk's side.
-pub const HIPS: [Flexion; 2] = [
-    Flexion("RShoulder", "RHip", "RKnee"),
-    Flexion("LShoulder", "LHip", "LKnee"),
-];
+pub const HIPS: [Flexion; 2] =
+    [Flexion("RShoulder", "RHip", "RKnee"), Flexion("LShoulder", "LHip", "LKnee")];
 
 impl Flexion {
     /// The angle in one frame, degrees: 0 when straight.
@@ -151,7 +144,12 @@ pub fn rms_deg(angles: &[Flexion], truth: &Trajectories, fit: &Trajectories) -> 
     mean(angles.iter().filter_map(|angle| angle.rms_deg(truth, fit)))
 }
 
-fn difference(truth: &Trajectories, fit: &Trajectories, name: &str, frame: usize) -> Option<Vector3<f64>> {
+fn difference(
+    truth: &Trajectories,
+    fit: &Trajectories,
+    name: &str,
+    frame: usize,
+) -> Option<Vector3<f64>> {
     Some(point(fit, name, frame)? - point(truth, name, frame)?)
 }
 
@@ -159,14 +157,11 @@ fn difference(truth: &Trajectories, fit: &Trajectories, name: &str, frame: usize
 fn limb_axes(of: &Trajectories, joint: &str, frame: usize) -> Option<Matrix3<f64>> {
     let (side, joint) = joint.split_at(1);
     let leg = ["Hip", "Knee", "Ankle"];
-    let chain = if leg.contains(&joint) {
-        leg
-    } else {
-        ["Shoulder", "Elbow", "Wrist"]
-    };
+    let chain = if leg.contains(&joint) { leg } else { ["Shoulder", "Elbow", "Wrist"] };
     let [a, b, c] = chain.map(|name| point(of, &format!("{side}{name}"), frame));
     let along = if joint == chain[2] { c? - b? } else { b? - a? };
-    let lateral = point(of, &format!("L{}", chain[0]), frame)? - point(of, &format!("R{}", chain[0]), frame)?;
+    let lateral =
+        point(of, &format!("L{}", chain[0]), frame)? - point(of, &format!("R{}", chain[0]), frame)?;
     let z = along.try_normalize(1e-9)?;
     let y = z.cross(&lateral).try_normalize(1e-9)?;
     Some(Matrix3::from_columns(&[y.cross(&z), y, z]))

@@ -91,19 +91,15 @@ impl Panel {
             .with_data(points.iter().copied())
             .with_color(colour)
             .with_stroke_width(2.0);
-        self.plots
-            .push(Plot::Line(if name.is_empty() { line } else { line.with_legend(name) }));
+        self.plots.push(Plot::Line(if name.is_empty() { line } else { line.with_legend(name) }));
         self
     }
 
     /// A dashed curve.
     pub fn dashed(mut self, name: &str, colour: &str, points: &[(f64, f64)]) -> Self {
-        let line = LinePlot::new()
-            .with_data(points.iter().copied())
-            .with_color(colour)
-            .with_dashed();
-        self.plots
-            .push(Plot::Line(if name.is_empty() { line } else { line.with_legend(name) }));
+        let line =
+            LinePlot::new().with_data(points.iter().copied()).with_color(colour).with_dashed();
+        self.plots.push(Plot::Line(if name.is_empty() { line } else { line.with_legend(name) }));
         self
     }
 
@@ -129,8 +125,7 @@ impl Panel {
             .with_color(colour)
             .with_y_err(points.iter().map(|p| p.2))
             .with_stroke_width(1.5);
-        self.plots
-            .push(Plot::Line(if name.is_empty() { line } else { line.with_legend(name) }));
+        self.plots.push(Plot::Line(if name.is_empty() { line } else { line.with_legend(name) }));
         self
     }
 
@@ -143,8 +138,7 @@ impl Panel {
         )
         .with_color(colour)
         .with_opacity(0.2);
-        self.plots
-            .push(Plot::Band(if name.is_empty() { band } else { band.with_legend(name) }));
+        self.plots.push(Plot::Band(if name.is_empty() { band } else { band.with_legend(name) }));
         self
     }
 
@@ -170,8 +164,7 @@ impl Panel {
     /// A vertical line at an abscissa.
     pub fn rule_at(mut self, x: f64, label: &str) -> Self {
         let rule = ReferenceLine::vertical(x).with_color(colour::BLACK);
-        self.rules
-            .push(if label.is_empty() { rule } else { rule.with_label(label) });
+        self.rules.push(if label.is_empty() { rule } else { rule.with_label(label) });
         self
     }
 

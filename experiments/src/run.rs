@@ -1,9 +1,6 @@
 //! One run of an experiment.
 
-#![allow(
-    clippy::print_stdout,
-    reason = "tables and numbers are what an experiment is run for"
-)]
+#![allow(clippy::print_stdout, reason = "tables and numbers are what an experiment is run for")]
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -161,10 +158,8 @@ impl Run {
         let path = self.folder().join(format!("{name}.jpg"));
         let mut bytes = Vec::new();
         for quality in [90, 80, 70, 60, 50, 40] {
-            bytes = jpeg::encode(picture, quality).map_err(|source| RunError::Write {
-                path: path.clone(),
-                source,
-            })?;
+            bytes = jpeg::encode(picture, quality)
+                .map_err(|source| RunError::Write { path: path.clone(), source })?;
             if bytes.len() <= MOST_BYTES {
                 break;
             }
@@ -216,11 +211,7 @@ impl Run {
         }
         let out = out(&expected, &self.numbers);
         out.iter().for_each(|line| println!("{line}"));
-        Ok(if out.is_empty() {
-            ExitCode::SUCCESS
-        } else {
-            ExitCode::FAILURE
-        })
+        Ok(if out.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
     }
 
     /// Where its files go.
@@ -231,10 +222,8 @@ impl Run {
 
 fn read_expected(name: &str) -> Result<ExpectedNumbers, RunError> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("expected/{name}.toml"));
-    let text = fs::read_to_string(&path).map_err(|source| RunError::Read {
-        path: path.clone(),
-        source,
-    })?;
+    let text = fs::read_to_string(&path)
+        .map_err(|source| RunError::Read { path: path.clone(), source })?;
     toml::from_str(&text).map_err(|source| RunError::Expected { path, source })
 }
 
@@ -245,8 +234,5 @@ fn write(path: &Path, text: impl AsRef<[u8]>) -> Result<(), RunError> {
     let folder = path.parent().unwrap_or(path);
     fs::create_dir_all(folder)
         .and_then(|()| fs::write(path, text))
-        .map_err(|source| RunError::Write {
-            path: path.to_owned(),
-            source,
-        })
+        .map_err(|source| RunError::Write { path: path.to_owned(), source })
 }

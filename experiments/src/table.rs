@@ -15,11 +15,7 @@ impl Table {
     /// A table without rows.
     pub fn new(name: &'static str, columns: &[&str]) -> Self {
         let columns = columns.iter().map(|c| (*c).to_owned()).collect();
-        Self {
-            name,
-            columns,
-            rows: Vec::new(),
-        }
+        Self { name, columns, rows: Vec::new() }
     }
 
     /// Adds a row; missing cells stay empty.
@@ -78,9 +74,6 @@ mod tests {
 
     #[test]
     fn columns_stand_below_each_other_in_markdown() {
-        assert_eq!(
-            table().to_string(),
-            "| name | σ, mm |\n| ---- | ----- |\n| a, b | 1.5   |\n"
-        );
+        assert_eq!(table().to_string(), "| name | σ, mm |\n| ---- | ----- |\n| a, b | 1.5   |\n");
     }
 }

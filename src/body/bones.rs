@@ -30,7 +30,8 @@ impl BodyModel {
         let bone = |part: usize| {
             own_joint(part)?;
             let beyond = (0..parents.len()).filter(|&child| parents[child] == Some(part));
-            let beyond: Vec<(usize, JointId)> = beyond.filter_map(|c| Some((c, own_joint(c)?))).collect();
+            let beyond: Vec<(usize, JointId)> =
+                beyond.filter_map(|c| Some((c, own_joint(c)?))).collect();
 
             // where it branches, the one branch in the middle of the body
             let mut middle = beyond.iter().filter(|(_, joint)| is_middle(*joint));

@@ -26,7 +26,11 @@ pub struct KinematicsFault {
 ///
 /// # Errors
 /// The first entry that is off by more than `tolerance` (absolute, metres or square metres per unit).
-pub fn check_kinematics(model: &BodyModel, state: &State, tolerance: f64) -> Result<(), KinematicsFault> {
+pub fn check_kinematics(
+    model: &BodyModel,
+    state: &State,
+    tolerance: f64,
+) -> Result<(), KinematicsFault> {
     let layout = Layout::new(model);
     let body = Posed::new(model, &state.shape, &state.motion);
 
@@ -36,12 +40,7 @@ pub fn check_kinematics(model: &BodyModel, state: &State, tolerance: f64) -> Res
             let points = Posed::new(model, &moved.shape, &moved.motion).points();
             DVector::from_column_slice(points[index].coords.as_slice())
         });
-        compare(
-            &model.points[index].name,
-            &body.point_jacobian(index),
-            &numeric,
-            tolerance,
-        )?;
+        compare(&model.points[index].name, &body.point_jacobian(index), &numeric, tolerance)?;
     }
 
     for (index, part) in model.parts.iter().enumerate() {
@@ -78,14 +77,16 @@ pub fn check_kinematics(model: &BodyModel, state: &State, tolerance: f64) -> Res
 fn numbers(e: &Ellipsoid) -> DVector<f64> {
     DVector::from_iterator(
         9,
-        e.centre
-            .iter()
-            .copied()
-            .chain(Ellipsoid::INDEX.map(|(r, s)| e.shape[(r, s)])),
+        e.centre.iter().copied().chain(Ellipsoid::INDEX.map(|(r, s)| e.shape[(r, s)])),
     )
 }
 
-fn compare(what: &str, analytic: &DMatrix<f64>, numeric: &DMatrix<f64>, tolerance: f64) -> Result<(), KinematicsFault> {
+fn compare(
+    what: &str,
+    analytic: &DMatrix<f64>,
+    numeric: &DMatrix<f64>,
+    tolerance: f64,
+) -> Result<(), KinematicsFault> {
     match first_difference(analytic, numeric, |_| tolerance) {
         None => Ok(()),
         Some((row, component)) => Err(KinematicsFault {

@@ -27,7 +27,8 @@ impl EllipsoidJacobians {
     /// Memory for a model's ellipsoids, to be filled by [`EllipsoidJacobians::update`].
     pub fn new(model: &BodyModel) -> Self {
         let layout = Layout::new(model);
-        let components: Vec<_> = model.ellipsoids.iter().map(|e| components(model, layout, e)).collect();
+        let components: Vec<_> =
+            model.ellipsoids.iter().map(|e| components(model, layout, e)).collect();
         let values = components.iter().map(|c| Matrix9xX::zeros(c.len())).collect();
         Self { components, values }
     }
@@ -53,9 +54,8 @@ impl EllipsoidJacobians {
 fn components(model: &BodyModel, layout: Layout, primitive: &Primitive) -> Vec<usize> {
     let joints: Vec<_> = model.path(primitive.frame).map(|(_, t)| t.joint).collect();
     let translations = joints.iter().map(|j| &model.joints[j.0].translation);
-    let mut list: Vec<usize> = (0..layout.root())
-        .chain(joints.iter().map(|&j| layout.angle(j)))
-        .collect();
+    let mut list: Vec<usize> =
+        (0..layout.root()).chain(joints.iter().map(|&j| layout.angle(j))).collect();
 
     let lengths = translations.chain([&primitive.centre, &primitive.radii]);
     let coefficients = lengths.flat_map(|v| v.coefficients());
@@ -125,10 +125,7 @@ fn point_columns(
         let root = &body.frames[0];
         (0..3).for_each(|k| add(k, Vector3::ith(k, 1.0)));
         for k in 0..3 {
-            add(
-                3 + k,
-                root.world_from_frame.column(k).cross(&(point - root.origin_world)),
-            );
+            add(3 + k, root.world_from_frame.column(k).cross(&(point - root.origin_world)));
         }
     }
 

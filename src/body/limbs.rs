@@ -55,7 +55,9 @@ impl BodyModel {
             let mut joint = self.parts[part].joint;
             loop {
                 // several parts may share a frame: the first of them carries the others
-                if let Some(other) = first_at(joint).filter(|&other| other < part || joint != self.parts[part].joint) {
+                if let Some(other) =
+                    first_at(joint).filter(|&other| other < part || joint != self.parts[part].joint)
+                {
                     return Some(other);
                 }
                 joint = self.joints[joint?.0].parent;
@@ -75,7 +77,9 @@ mod tests {
     use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
 
     use super::*;
-    use crate::body::{FrameId, Joint, JointId, Part, Primitive, Root, ScaledVector, ShapeStatistics};
+    use crate::body::{
+        FrameId, Joint, JointId, Part, Primitive, Root, ScaledVector, ShapeStatistics,
+    };
 
     fn fixed(value: [f64; 3]) -> ScaledVector {
         ScaledVector::fixed(Vector3::from(value))

@@ -18,8 +18,8 @@ mod state;
 pub use check::{KinematicsFault, check_kinematics};
 pub use jacobian::EllipsoidJacobians;
 pub use model::{
-    BodyModel, CoefficientId, FrameId, Joint, JointId, Limbs, ModelError, NamedPoint, Part, PartId, Pose, Primitive,
-    Root, ShapeStatistics, Turn,
+    BodyModel, CoefficientId, FrameId, Joint, JointId, Limbs, ModelError, NamedPoint, Part, PartId,
+    Pose, Primitive, Root, ShapeStatistics, Turn,
 };
 pub(crate) use places::Displacements;
 pub use places::PlacedBody;

@@ -153,9 +153,7 @@ pub struct Pose {
 impl Pose {
     /// Sets the pose's angles in a motion.
     pub fn apply(&self, motion: &mut super::Motion) {
-        self.angles
-            .iter()
-            .for_each(|(joint, angle)| motion.angles[joint.0] = *angle);
+        self.angles.iter().for_each(|(joint, angle)| motion.angles[joint.0] = *angle);
     }
 }
 
@@ -211,7 +209,9 @@ pub enum ModelError {
         high: f64,
     },
     /// The covariance of p(s) has no inverse.
-    #[error("the shape coefficients' covariance is not positive definite: give each coefficient an sd > 0")]
+    #[error(
+        "the shape coefficients' covariance is not positive definite: give each coefficient an sd > 0"
+    )]
     Covariance,
     /// A number that must be finite, or finite and positive, is not.
     #[error("{place}: {value} is not a usable number")]

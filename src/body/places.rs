@@ -24,7 +24,8 @@
 use nalgebra::{DMatrix, Matrix3, Matrix3xX, Rotation3, Vector3};
 
 use super::{
-    BodyModel, CoefficientId, FrameId, Joint, JointId, Layout, Motion, PartId, Posed, ScaledVector, Shape, Shift, Turn,
+    BodyModel, CoefficientId, FrameId, Joint, JointId, Layout, Motion, PartId, Posed, ScaledVector,
+    Shape, Shift, Turn,
 };
 
 /// A body whose coefficients are s and then the places c of joints and points, and whose last joints turn flesh against bones.
@@ -42,10 +43,7 @@ impl PlacedBody {
         let straight = Motion::straight(model);
         let straight = Posed::new(model, shape, &straight);
         let moved = Displacements::new(&straight);
-        let mut placed = Self {
-            model: model.clone(),
-            turns: DMatrix::zeros(0, moved.count),
-        };
+        let mut placed = Self { model: model.clone(), turns: DMatrix::zeros(0, moved.count) };
         placed.add_coefficients(moved.count);
         placed.add_shifts(&straight, &moved);
         placed.add_turns(&moved);
@@ -67,10 +65,7 @@ impl PlacedBody {
     /// A motion in which no flesh is turned against its bones.
     pub fn motion(&self, motion: &Motion) -> Motion {
         let angles = motion.angles.clone();
-        Motion {
-            angles: angles.resize_vertically(self.model.joints.len(), 0.0),
-            ..motion.clone()
-        }
+        Motion { angles: angles.resize_vertically(self.model.joints.len(), 0.0), ..motion.clone() }
     }
 
     fn add_coefficients(&mut self, count: usize) {
@@ -192,10 +187,8 @@ impl PlacedBody {
     /// Lets the joints that turn a part's flesh also turn its flesh that follows a joint by a share.
     fn carry_followers(&mut self, joints: &[JointId]) {
         let model = &mut self.model;
-        let Some(part) = model
-            .parts
-            .iter()
-            .position(|p| p.joint == model.joints[joints[0].0].parent)
+        let Some(part) =
+            model.parts.iter().position(|p| p.joint == model.joints[joints[0].0].parent)
         else {
             return;
         };
@@ -211,11 +204,7 @@ impl PlacedBody {
         for frame in frames {
             let mut parent = frame;
             for &joint in joints {
-                let turn = Turn {
-                    parent,
-                    joint,
-                    share: 1.0,
-                };
+                let turn = Turn { parent, joint, share: 1.0 };
                 parent = FrameId(model.frames());
                 model.followers.push(turn);
             }

@@ -54,12 +54,7 @@ impl<'a> Posed<'a> {
             });
         }
 
-        Self {
-            model,
-            shape,
-            frames,
-            turns_world,
-        }
+        Self { model, shape, frames, turns_world }
     }
 
     /// s of this body.
@@ -90,15 +85,14 @@ impl<'a> Posed<'a> {
     /// A point of the world in the frame of a part.
     pub fn in_part(&self, part: PartId, point_world: &Point3<f64>) -> Vector3<f64> {
         let frame = self.frame(part);
-        frame
-            .world_from_frame
-            .tr_mul(&(point_world.coords - frame.origin_world))
+        frame.world_from_frame.tr_mul(&(point_world.coords - frame.origin_world))
     }
 
     /// All exported points in the world, in the order of [`BodyModel::points`].
     pub fn points(&self) -> Vec<Point3<f64>> {
         let mean = |places: &[(PartId, ScaledVector)]| {
-            let sum: Vector3<f64> = places.iter().map(|(part, place)| self.point(*part, place).coords).sum();
+            let sum: Vector3<f64> =
+                places.iter().map(|(part, place)| self.point(*part, place).coords).sum();
             Point3::from(sum / places.len() as f64)
         };
         self.model.points.iter().map(|p| mean(&p.places)).collect()

@@ -73,11 +73,7 @@ pub struct ScaledVector {
 impl ScaledVector {
     /// The same in every body.
     pub fn fixed(value: Vector3<f64>) -> Self {
-        Self {
-            value,
-            scale: [Scale::Fixed; 3],
-            shifts: Vec::new(),
-        }
+        Self { value, scale: [Scale::Fixed; 3], shifts: Vec::new() }
     }
 
     /// The coefficients that it reads; one may occur more than once.
@@ -92,7 +88,10 @@ impl ScaledVector {
     }
 
     /// ∂v/∂s for each coefficient that it reads; the slopes of a coefficient that occurs more than once add up.
-    pub(crate) fn slopes(&self, shape: &Shape) -> impl Iterator<Item = (CoefficientId, Vector3<f64>)> {
+    pub(crate) fn slopes(
+        &self,
+        shape: &Shape,
+    ) -> impl Iterator<Item = (CoefficientId, Vector3<f64>)> {
         let scaled = (0..3).filter_map(|k| {
             let slope = self.scale[k].factor(&shape.0).1 * self.value[k];
             Some((self.scale[k].coefficient()?, Vector3::ith(k, slope)))

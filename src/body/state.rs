@@ -31,10 +31,7 @@ impl Motion {
 
     /// All angles 0 at the world's origin.
     pub fn straight(model: &BodyModel) -> Self {
-        Self {
-            angles: DVector::zeros(model.joints.len()),
-            ..Self::rest(model)
-        }
+        Self { angles: DVector::zeros(model.joints.len()), ..Self::rest(model) }
     }
 }
 
@@ -106,10 +103,7 @@ impl Layout {
     /// x ⊞ δ for motion and shape.
     pub fn retract(self, state: &State, delta: &DVector<f64>) -> State {
         let shape = Shape(&state.shape.0 + delta.rows(self.motion(), self.coefficients));
-        State {
-            motion: self.retract_motion(&state.motion, delta),
-            shape,
-        }
+        State { motion: self.retract_motion(&state.motion, delta), shape }
     }
 
     /// The displacement δ with from ⊞ δ = to, in the components of the motion.
@@ -117,18 +111,14 @@ impl Layout {
         let mut delta = DVector::zeros(self.motion());
 
         if self.root == 6 {
-            delta
-                .rows_mut(0, 3)
-                .copy_from(&(to.position_world - from.position_world));
+            delta.rows_mut(0, 3).copy_from(&(to.position_world - from.position_world));
             // through a quaternion: the angle from a trace loses half its digits near 0
             let turn = from.world_from_root.inverse() * to.world_from_root;
             let turn = UnitQuaternion::from_rotation_matrix(&turn).scaled_axis();
             delta.rows_mut(3, 3).copy_from(&turn);
         }
 
-        delta
-            .rows_mut(self.root, self.joints)
-            .copy_from(&(&to.angles - &from.angles));
+        delta.rows_mut(self.root, self.joints).copy_from(&(&to.angles - &from.angles));
         delta
     }
 }

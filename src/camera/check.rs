@@ -14,7 +14,10 @@ pub trait ProjectionModel {
     /// The pixel of the recorded image.
     fn project(&self, point_world: &Point3<f64>) -> Option<Point2<f64>>;
     /// The undistorted pixel and its derivative with respect to the world point.
-    fn project_undistorted_with_jacobian(&self, point_world: &Point3<f64>) -> Option<(Point2<f64>, Matrix2x3<f64>)>;
+    fn project_undistorted_with_jacobian(
+        &self,
+        point_world: &Point3<f64>,
+    ) -> Option<(Point2<f64>, Matrix2x3<f64>)>;
     /// From the recorded image to undistorted pixels.
     fn undistort(&self, pixel: &Point2<f64>) -> Option<Point2<f64>>;
     /// From undistorted pixels to the recorded image.
@@ -27,7 +30,10 @@ impl ProjectionModel for Camera {
     fn project(&self, point_world: &Point3<f64>) -> Option<Point2<f64>> {
         self.project(point_world)
     }
-    fn project_undistorted_with_jacobian(&self, point_world: &Point3<f64>) -> Option<(Point2<f64>, Matrix2x3<f64>)> {
+    fn project_undistorted_with_jacobian(
+        &self,
+        point_world: &Point3<f64>,
+    ) -> Option<(Point2<f64>, Matrix2x3<f64>)> {
         self.project_undistorted_with_jacobian(point_world)
     }
     fn undistort(&self, pixel: &Point2<f64>) -> Option<Point2<f64>> {
@@ -116,19 +122,18 @@ pub fn check_projection(
     Ok(())
 }
 
-fn check_round_trip(model: &impl ProjectionModel, pixel: &Point2<f64>) -> Result<Point2<f64>, ProjectionFault> {
-    let undistorted = model
-        .undistort(pixel)
-        .ok_or(ProjectionFault::NotUndistorted { pixel: *pixel })?;
+fn check_round_trip(
+    model: &impl ProjectionModel,
+    pixel: &Point2<f64>,
+) -> Result<Point2<f64>, ProjectionFault> {
+    let undistorted =
+        model.undistort(pixel).ok_or(ProjectionFault::NotUndistorted { pixel: *pixel })?;
     let error_px = (model.distort(&undistorted) - pixel).norm();
     // written so that NaN is a fault
     if error_px <= ROUND_TRIP_PX {
         Ok(undistorted)
     } else {
-        Err(ProjectionFault::RoundTrip {
-            pixel: *pixel,
-            error_px,
-        })
+        Err(ProjectionFault::RoundTrip { pixel: *pixel, error_px })
     }
 }
 
@@ -156,11 +161,7 @@ fn check_on_ray(
     if error_px <= ROUND_TRIP_PX {
         Ok(jacobian)
     } else {
-        Err(ProjectionFault::NotOnItsRay {
-            pixel: *pixel,
-            depth,
-            error_px,
-        })
+        Err(ProjectionFault::NotOnItsRay { pixel: *pixel, depth, error_px })
     }
 }
 
@@ -264,7 +265,10 @@ mod tests {
                 skew_px: 0.0,
             },
             distortion: Distortion::brown_conrady(&[-0.2, 0.05, 1e-3, -1e-3]).unwrap(),
-            camera_from_world: Rigid3::new(Vector3::new(0.1, 0.2, 3.0), Vector3::new(1.2, 0.3, 0.1)),
+            camera_from_world: Rigid3::new(
+                Vector3::new(0.1, 0.2, 3.0),
+                Vector3::new(1.2, 0.3, 0.1),
+            ),
         };
         let pixels = camera.pixel_grid(7, 5);
         check_projection(&Planted(camera, fault), &pixels, &[3.0])

@@ -83,11 +83,7 @@ impl Rig {
     }
 
     fn view_of(&self, point_world: Point3<f64>) -> CommonView {
-        let mut view = CommonView {
-            point_world,
-            seeing: Vec::new(),
-            blind: Vec::new(),
-        };
+        let mut view = CommonView { point_world, seeing: Vec::new(), blind: Vec::new() };
         for (id, camera) in self.iter() {
             match visible_pixel(camera, &point_world) {
                 Ok(_) => view.seeing.push(id),
@@ -98,10 +94,9 @@ impl Rig {
     }
 
     fn votes(&self, point_world: &Point3<f64>) -> Votes {
-        let eccentricities = self
-            .cameras
-            .iter()
-            .filter_map(|camera| Some(eccentricity(camera, &visible_pixel(camera, point_world).ok()?)));
+        let eccentricities = self.cameras.iter().filter_map(|camera| {
+            Some(eccentricity(camera, &visible_pixel(camera, point_world).ok()?))
+        });
         eccentricities.fold(Votes::default(), |votes, eccentricity| Votes {
             cameras: votes.cameras + 1,
             eccentricity: votes.eccentricity + eccentricity,
@@ -112,11 +107,11 @@ impl Rig {
         let axes: Vec<Ray> = self.cameras.iter().map(Camera::optical_axis).collect();
         let scale = self.typical_distance();
         let step = (FARTHEST / NEAREST).ln() / f64::from(DEPTHS - 1);
-        let depths: Vec<f64> = (0..DEPTHS)
-            .map(|i| scale * NEAREST * (step * f64::from(i)).exp())
-            .collect();
+        let depths: Vec<f64> =
+            (0..DEPTHS).map(|i| scale * NEAREST * (step * f64::from(i)).exp()).collect();
         let rays = self.cameras.iter().flat_map(lines_of_sight);
-        let along = rays.flat_map(|ray| depths.iter().map(move |&t| ray.point_at(t)).collect::<Vec<_>>());
+        let along =
+            rays.flat_map(|ray| depths.iter().map(move |&t| ray.point_at(t)).collect::<Vec<_>>());
         closest_point(&axes).into_iter().chain(along).collect()
     }
 
@@ -128,9 +123,7 @@ impl Rig {
             .enumerate()
             .flat_map(|(i, a)| centres[..i].iter().map(move |b| (a - b).norm()))
             .collect();
-        crate::math::stats::median(&mut distances)
-            .filter(|&distance| distance > 0.0)
-            .unwrap_or(1.0)
+        crate::math::stats::median(&mut distances).filter(|&distance| distance > 0.0).unwrap_or(1.0)
     }
 }
 
@@ -142,7 +135,8 @@ struct Votes {
 
 impl Votes {
     fn beats(&self, other: &Self) -> bool {
-        self.cameras > other.cameras || self.cameras == other.cameras && self.eccentricity < other.eccentricity
+        self.cameras > other.cameras
+            || self.cameras == other.cameras && self.eccentricity < other.eccentricity
     }
 }
 
@@ -150,11 +144,7 @@ impl Votes {
 fn visible_pixel(camera: &Camera, point_world: &Point3<f64>) -> Result<Point2<f64>, Blindness> {
     camera.project_undistorted(point_world).ok_or(Blindness::Behind)?;
     let pixel = camera.project(point_world).ok_or(Blindness::BeyondLens)?;
-    if camera.contains(&pixel) {
-        Ok(pixel)
-    } else {
-        Err(Blindness::OutsideImage { pixel })
-    }
+    if camera.contains(&pixel) { Ok(pixel) } else { Err(Blindness::OutsideImage { pixel }) }
 }
 
 /// 0 in the middle of the image, 1 at its edge.

@@ -63,13 +63,8 @@ mod tests {
     use super::*;
     use nalgebra::Vector3;
 
-    const SKEWED: Intrinsics = Intrinsics {
-        fx_px: 800.0,
-        fy_px: 810.0,
-        cx_px: 321.0,
-        cy_px: 239.5,
-        skew_px: 3.0,
-    };
+    const SKEWED: Intrinsics =
+        Intrinsics { fx_px: 800.0, fy_px: 810.0, cx_px: 321.0, cy_px: 239.5, skew_px: 3.0 };
 
     #[test]
     fn the_pixel_is_that_of_the_matrix() {

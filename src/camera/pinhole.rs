@@ -57,12 +57,11 @@ impl Camera {
         let normalized = in_front(&point_camera)?;
         let pixel = finite(self.intrinsics.pixel(&normalized))?;
 
-        let Intrinsics {
-            fx_px, fy_px, skew_px, ..
-        } = self.intrinsics;
+        let Intrinsics { fx_px, fy_px, skew_px, .. } = self.intrinsics;
         let (x, y) = (normalized.x, normalized.y);
         let by_camera =
-            Matrix2x3::new(fx_px, skew_px, -fx_px * x - skew_px * y, 0.0, fy_px, -fy_px * y) / point_camera.z;
+            Matrix2x3::new(fx_px, skew_px, -fx_px * x - skew_px * y, 0.0, fy_px, -fy_px * y)
+                / point_camera.z;
 
         let rotation = self.camera_from_world.rotation.to_rotation_matrix();
         Some((pixel, by_camera * rotation.matrix()))
@@ -123,10 +122,14 @@ impl Camera {
 
     /// Pixels in `columns` × `rows` equal steps from corner to corner of the image, row by row.
     pub fn pixel_grid(&self, columns: u32, rows: u32) -> Vec<Point2<f64>> {
-        let at = |i: u32, n: u32, size: u32| f64::from(size) * f64::from(i) / f64::from(n.max(2) - 1) - 0.5;
+        let at = |i: u32, n: u32, size: u32| {
+            f64::from(size) * f64::from(i) / f64::from(n.max(2) - 1) - 0.5
+        };
         (0..rows)
             .flat_map(|row| (0..columns).map(move |column| (column, row)))
-            .map(|(column, row)| Point2::new(at(column, columns, self.width_px), at(row, rows, self.height_px)))
+            .map(|(column, row)| {
+                Point2::new(at(column, columns, self.width_px), at(row, rows, self.height_px))
+            })
             .collect()
     }
 }

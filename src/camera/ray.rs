@@ -38,10 +38,7 @@ impl Ray {
 pub fn closest_point(rays: &[Ray]) -> Option<Point3<f64>> {
     let count = f64::from(u32::try_from(rays.len()).ok().filter(|&n| n >= 2)?);
     // about the mean origin, so that distant worlds lose no digits
-    let mean = rays
-        .iter()
-        .map(|ray| ray.origin_world.coords / count)
-        .sum::<Vector3<f64>>();
+    let mean = rays.iter().map(|ray| ray.origin_world.coords / count).sum::<Vector3<f64>>();
 
     // normal equations Σ (I − ddᵀ)·x = Σ (I − ddᵀ)·o
     let mut normal = Matrix3::zeros();
@@ -86,10 +83,7 @@ mod tests {
 
     #[test]
     fn skew_rays_are_closest_halfway_between_their_feet() {
-        let rays = [
-            ray([0.0, 0.0, 1.0], [1.0, 0.0, 1.0]),
-            ray([0.0, 0.0, 2.0], [0.0, 1.0, 2.0]),
-        ];
+        let rays = [ray([0.0, 0.0, 1.0], [1.0, 0.0, 1.0]), ray([0.0, 0.0, 2.0], [0.0, 1.0, 2.0])];
         let met = closest_point(&rays).unwrap();
         approx::assert_relative_eq!(met, Point3::new(0.0, 0.0, 1.5), epsilon = 1e-12);
         approx::assert_relative_eq!(rays[0].distance_to(&met), 0.5, epsilon = 1e-12);

@@ -35,10 +35,7 @@ impl Rig {
 
     /// The cameras with their ids, in order.
     pub fn iter(&self) -> impl Iterator<Item = (CameraId, &Camera)> {
-        self.cameras
-            .iter()
-            .enumerate()
-            .map(|(index, camera)| (CameraId(index), camera))
+        self.cameras.iter().enumerate().map(|(index, camera)| (CameraId(index), camera))
     }
 
     /// The same cameras, each with its principal point moved by its entry of `aims_px`, and with it all that it shows.
@@ -70,19 +67,11 @@ mod tests {
             name: name.into(),
             width_px: 4,
             height_px: 3,
-            intrinsics: Intrinsics {
-                fx_px: 4.0,
-                fy_px: 4.0,
-                cx_px: 1.5,
-                cy_px: 1.0,
-                skew_px: 0.0,
-            },
+            intrinsics: Intrinsics { fx_px: 4.0, fy_px: 4.0, cx_px: 1.5, cy_px: 1.0, skew_px: 0.0 },
             distortion: Distortion::None,
             camera_from_world: Rigid3::identity(),
         };
-        let rig = Rig {
-            cameras: vec![camera("left"), camera("right")],
-        };
+        let rig = Rig { cameras: vec![camera("left"), camera("right")] };
         assert_eq!(rig.by_name("right").unwrap().0, CameraId(1));
         assert_eq!(rig.by_name("centre"), None);
         assert_eq!(rig.camera(CameraId(2)), None);

@@ -79,7 +79,9 @@ impl Angle {
     /// What a positive value means.
     pub fn positive(self) -> &'static str {
         match self {
-            Self::PelvisTilt | Self::TrunkTilt => "forwards (OpenSim's pelvis_tilt has the other sign)",
+            Self::PelvisTilt | Self::TrunkTilt => {
+                "forwards (OpenSim's pelvis_tilt has the other sign)"
+            }
             Self::PelvisObliquity | Self::TrunkObliquity => "own side up",
             Self::PelvisRotation | Self::TrunkRotation => "own side forwards",
             Self::AnkleDorsiflexion => "dorsiflexion",
@@ -87,7 +89,9 @@ impl Angle {
             Self::HipRotation | Self::KneeRotation | Self::ShoulderRotation => "internal",
             Self::HipAdduction | Self::ShoulderAdduction => "adduction",
             Self::KneeAdduction => "adduction (varus)",
-            Self::HipFlexion | Self::KneeFlexion | Self::ShoulderFlexion | Self::ElbowFlexion => "flexion",
+            Self::HipFlexion | Self::KneeFlexion | Self::ShoulderFlexion | Self::ElbowFlexion => {
+                "flexion"
+            }
         }
     }
 

@@ -31,7 +31,9 @@ pub(super) fn angles(segments: &Segments, heading: &[Vector3<f64>]) -> AngleTrac
             tracks.insert((side, angle), values);
         }
     }
-    tracks.retain(|(_, angle), values| !segments.unknown.contains_key(angle) && values.iter().any(|v| v.is_finite()));
+    tracks.retain(|(_, angle), values| {
+        !segments.unknown.contains_key(angle) && values.iter().any(|v| v.is_finite())
+    });
     tracks.values_mut().for_each(|values| unwrap(values));
     tracks
 }
@@ -40,14 +42,15 @@ const PELVIS: [Angle; 3] = [Angle::PelvisTilt, Angle::PelvisObliquity, Angle::Pe
 const TRUNK: [Angle; 3] = [Angle::TrunkTilt, Angle::TrunkObliquity, Angle::TrunkRotation];
 const HIP: [Angle; 3] = [Angle::HipFlexion, Angle::HipAdduction, Angle::HipRotation];
 const KNEE: [Angle; 3] = [Angle::KneeFlexion, Angle::KneeAdduction, Angle::KneeRotation];
-const SHOULDER: [Angle; 3] = [
-    Angle::ShoulderFlexion,
-    Angle::ShoulderAdduction,
-    Angle::ShoulderRotation,
-];
+const SHOULDER: [Angle; 3] =
+    [Angle::ShoulderFlexion, Angle::ShoulderAdduction, Angle::ShoulderRotation];
 
 /// Pelvis, trunk and foot against the direction of walking.
-fn room_angles(segments: &Segments, heading: &[Vector3<f64>], side: Side) -> Vec<(Angle, Vec<f64>)> {
+fn room_angles(
+    segments: &Segments,
+    heading: &[Vector3<f64>],
+    side: Side,
+) -> Vec<(Angle, Vec<f64>)> {
     let mut found = Vec::new();
     for (segment, names) in [(Segment::Pelvis, PELVIS), (Segment::Trunk, TRUNK)] {
         let Some(axes) = segments.axes.get(&segment) else {
@@ -175,11 +178,7 @@ mod tests {
             }
         }
         for segment in parts {
-            let own = if segment == part {
-                turn(axis, angle)
-            } else {
-                Matrix3::identity()
-            };
+            let own = if segment == part { turn(axis, angle) } else { Matrix3::identity() };
             segments.axes.insert(segment, vec![room(&heading) * own]);
         }
         angles(&segments, &[heading])
@@ -214,8 +213,16 @@ mod tests {
         let bent = standing(Segment::Of(right, Limb::Shank), 2, -0.4);
         approx::assert_relative_eq!(bent[&(right, Angle::KneeFlexion)][0], 0.4, epsilon = 1e-12);
         let toes = standing(Segment::Of(right, Limb::Foot), 1, 0.1);
-        approx::assert_relative_eq!(toes[&(right, Angle::FootProgression)][0], 0.1, epsilon = 1e-12);
+        approx::assert_relative_eq!(
+            toes[&(right, Angle::FootProgression)][0],
+            0.1,
+            epsilon = 1e-12
+        );
         let toes = standing(Segment::Of(left, Limb::Foot), 2, 0.1);
-        approx::assert_relative_eq!(toes[&(left, Angle::AnkleDorsiflexion)][0], 0.1, epsilon = 1e-12);
+        approx::assert_relative_eq!(
+            toes[&(left, Angle::AnkleDorsiflexion)][0],
+            0.1,
+            epsilon = 1e-12
+        );
     }
 }

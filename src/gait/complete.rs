@@ -29,7 +29,9 @@ impl Movement {
     /// The middle of a lateral and a medial marker is the joint's centre.
     fn middle(&mut self, side: Side, lateral: Paired, medial: Paired) {
         let landmark = Landmark::Of(side, lateral);
-        let (Some(outer), Some(inner)) = (self.paired_track(side, lateral), self.paired_track(side, medial)) else {
+        let (Some(outer), Some(inner)) =
+            (self.paired_track(side, lateral), self.paired_track(side, medial))
+        else {
             return;
         };
         let middle: Track = outer.iter().zip(inner).map(|(a, b)| (a + b) * 0.5).collect();
@@ -47,7 +49,8 @@ impl Movement {
     /// # Source
     /// Harrington et al., J. Biomech. 40 (2007) 595–602, the regressions without leg length.
     fn hips_from_pelvis(&mut self) {
-        if self.paired_track(Side::Right, Paired::Hip).is_some() || self.paired_track(Side::Left, Paired::Hip).is_some()
+        if self.paired_track(Side::Right, Paired::Hip).is_some()
+            || self.paired_track(Side::Left, Paired::Hip).is_some()
         {
             return;
         }
@@ -131,7 +134,11 @@ impl Movement {
 }
 
 /// ISB axes of the pelvis as columns: X forwards in the plane of the spines, Y up, Z to the right.
-pub(super) fn pelvis_frame(left: &Vector3<f64>, right: &Vector3<f64>, back: &Vector3<f64>) -> Option<Matrix3<f64>> {
+pub(super) fn pelvis_frame(
+    left: &Vector3<f64>,
+    right: &Vector3<f64>,
+    back: &Vector3<f64>,
+) -> Option<Matrix3<f64>> {
     let z = (right - left).try_normalize(1e-9)?;
     let forward = (left + right) * 0.5 - back;
     let x = (forward - z * forward.dot(&z)).try_normalize(1e-9)?;

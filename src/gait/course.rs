@@ -54,37 +54,35 @@ impl Course {
         let speed_m_s = median(&mut speeds)?;
 
         let walks = speed_m_s > STILL_M_S;
-        let direction = |(v, facing): (&Vector3<f64>, &Vector3<f64>)| match v.try_normalize(STILL_M_S) {
-            Some(way) if walks && v.dot(facing) > 0.0 => {
-                let share = (v.norm() / STILL_M_S - 1.0).clamp(0.0, 1.0);
-                let between = facing * (1.0 - share) + way * share;
-                between.try_normalize(1e-9).unwrap_or(way)
-            }
-            _ => *facing,
-        };
+        let direction =
+            |(v, facing): (&Vector3<f64>, &Vector3<f64>)| match v.try_normalize(STILL_M_S) {
+                Some(way) if walks && v.dot(facing) > 0.0 => {
+                    let share = (v.norm() / STILL_M_S - 1.0).clamp(0.0, 1.0);
+                    let between = facing * (1.0 - share) + way * share;
+                    between.try_normalize(1e-9).unwrap_or(way)
+                }
+                _ => *facing,
+            };
         let heading: Vec<Vector3<f64>> = velocity.iter().zip(&facing).map(direction).collect();
 
         let belt_m_s = -standing_foot_speed(movement, &heading)?;
-        let surface = surface.unwrap_or(match belt_m_s.abs() >= STILL_M_S && speed_m_s.abs() < STILL_M_S {
-            true => Surface::Treadmill,
-            false => Surface::Ground,
-        });
+        let surface =
+            surface.unwrap_or(match belt_m_s.abs() >= STILL_M_S && speed_m_s.abs() < STILL_M_S {
+                true => Surface::Treadmill,
+                false => Surface::Ground,
+            });
         let belt_m_s = match surface {
             Surface::Treadmill => belt_m_s,
             Surface::Ground => 0.0,
         };
 
-        Some(Self {
-            heading,
-            surface,
-            belt_m_s,
-            speed_m_s,
-        })
+        Some(Self { heading, surface, belt_m_s, speed_m_s })
     }
 
     /// Whether the person walks with the back first.
     pub(super) fn is_backwards(&self) -> bool {
-        self.speed_m_s < -STILL_M_S || (self.surface == Surface::Treadmill && self.belt_m_s < -STILL_M_S)
+        self.speed_m_s < -STILL_M_S
+            || (self.surface == Surface::Treadmill && self.belt_m_s < -STILL_M_S)
     }
 
     /// The nearest frame's heading.

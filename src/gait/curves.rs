@@ -158,11 +158,12 @@ mod tests {
         let found = curves(&tracks, &Segments::default(), &[cycle(0.0), cycle(100.0)]);
         assert_eq!((found.len(), found[0].strides.len()), (1, 2));
         approx::assert_relative_eq!(found[0].mean[0], 0.5, epsilon = 1e-12);
-        approx::assert_relative_eq!(found[0].sd.as_ref().unwrap()[50], 0.5_f64.sqrt(), epsilon = 1e-9);
-        let key = found[0].key_points();
-        assert_eq!(
-            (key.stance.greatest_at_percent, key.swing.greatest_at_percent),
-            (61, 100)
+        approx::assert_relative_eq!(
+            found[0].sd.as_ref().unwrap()[50],
+            0.5_f64.sqrt(),
+            epsilon = 1e-9
         );
+        let key = found[0].key_points();
+        assert_eq!((key.stance.greatest_at_percent, key.swing.greatest_at_percent), (61, 100));
     }
 }

@@ -31,11 +31,7 @@ impl Cycle {
     /// The frame at a part of the cycle, 0 to 1.
     pub(super) fn frame_at(&self, part: f64) -> f64 {
         let frame = self.strike + part * self.period;
-        if self.is_joined && frame > self.off {
-            frame - self.period
-        } else {
-            frame
-        }
+        if self.is_joined && frame > self.off { frame - self.period } else { frame }
     }
 
     /// Stance over stride.
@@ -49,10 +45,7 @@ impl Cycle {
 /// A stride goes from strike to strike, with the foot off in between. Where a side has one strike only, but a foot off
 /// before and after it, the stride is joined from the stance after the strike and the swing before it.
 pub(super) fn cycles(events: &[Event], rate_hz: f64) -> Vec<Cycle> {
-    Side::BOTH
-        .iter()
-        .flat_map(|side| side_cycles(events, *side, rate_hz))
-        .collect()
+    Side::BOTH.iter().flat_map(|side| side_cycles(events, *side, rate_hz)).collect()
 }
 
 fn side_cycles(events: &[Event], side: Side, rate_hz: f64) -> Vec<Cycle> {
@@ -74,10 +67,7 @@ fn side_cycles(events: &[Event], side: Side, rate_hz: f64) -> Vec<Cycle> {
     let joined = own.windows(3).filter_map(|three| match three {
         [a, b, c] if !is_strike(a) && is_strike(b) && !is_strike(c) => {
             let period = c.frame - a.frame;
-            is_period(period).then(|| Cycle {
-                is_joined: true,
-                ..cycle(events, b, c, period)
-            })
+            is_period(period).then(|| Cycle { is_joined: true, ..cycle(events, b, c, period) })
         }
         _ => None,
     });
@@ -110,14 +100,7 @@ mod tests {
     use super::*;
 
     fn event(side: Side, kind: EventKind, frame: f64) -> Event {
-        Event {
-            side,
-            kind,
-            time_s: frame / 100.0,
-            by_position_s: None,
-            by_speed_s: None,
-            frame,
-        }
+        Event { side, kind, time_s: frame / 100.0, by_position_s: None, by_speed_s: None, frame }
     }
 
     #[test]
@@ -142,11 +125,7 @@ mod tests {
     fn a_single_strike_between_two_offs_is_joined_to_a_stride() {
         use EventKind::{Off, Strike};
         let side = Side::Left;
-        let events = [
-            event(side, Off, 10.0),
-            event(side, Strike, 50.0),
-            event(side, Off, 110.0),
-        ];
+        let events = [event(side, Off, 10.0), event(side, Strike, 50.0), event(side, Off, 110.0)];
         let found = cycles(&events, 100.0);
         assert!(found[0].is_joined);
         approx::assert_relative_eq!(found[0].period, 100.0);

@@ -123,8 +123,7 @@ impl Foot {
         let speed = |track: &Track| -> Vec<f64> {
             let velocity = by_axis(track, |values| filter::slope(values, movement.rate_hz));
             let rows = velocity.iter().zip(&course.heading);
-            rows.map(|(v, heading)| v.z.hypot(v.dot(heading) + course.belt_m_s))
-                .collect()
+            rows.map(|(v, heading)| v.z.hypot(v.dot(heading) + course.belt_m_s)).collect()
         };
 
         Some(Self {
@@ -209,12 +208,7 @@ pub(super) fn agreement(events: &[Event], kind: EventKind) -> Option<Agreement> 
     let differences = own.filter_map(|e| Some(e.by_speed_s? - e.by_position_s?));
     let differences: Vec<f64> = differences.collect();
     let (mean_s, sd_s) = mean_and_sd(&differences)?;
-    Some(Agreement {
-        kind,
-        n: differences.len(),
-        mean_s,
-        sd_s,
-    })
+    Some(Agreement { kind, n: differences.len(), mean_s, sd_s })
 }
 
 #[cfg(test)]

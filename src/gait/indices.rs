@@ -132,10 +132,7 @@ mod tests {
             is_joined: false,
         };
         let both = Side::BOTH.into_iter().flat_map(|s| VARIABLES.map(|a| (a, s)));
-        let band = || Band {
-            mean: vec![0.0; SCORE_POINTS],
-            sd: vec![1.0; SCORE_POINTS],
-        };
+        let band = || Band { mean: vec![0.0; SCORE_POINTS], sd: vec![1.0; SCORE_POINTS] };
         let norm = Norm {
             curves: VARIABLES.into_iter().map(|a| (a, band())).collect(),
             ..Norm::default()

@@ -91,16 +91,10 @@ const PAIRED: [(Paired, &[&str]); 12] = [
     (Paired::Ankle, &["ajc", "ankle", "anklelat", "lmal", "ank"]),
     (Paired::AnkleMedial, &["mankle", "anklemed", "mmal"]),
     (Paired::Heel, &["heel", "calc", "cal", "hee"]),
-    (
-        Paired::Toe,
-        &["bigtoe", "toe", "toetip", "hallux", "footindex", "toemed"],
-    ),
+    (Paired::Toe, &["bigtoe", "toe", "toetip", "hallux", "footindex", "toemed"]),
     (Paired::Asis, &["asis", "asi"]),
     (Paired::Psis, &["psis", "psi"]),
-    (
-        Paired::Shoulder,
-        &["sjc", "shoulder", "acr", "acromium", "acromion", "sho"],
-    ),
+    (Paired::Shoulder, &["sjc", "shoulder", "acr", "acromium", "acromion", "sho"]),
     (Paired::Elbow, &["ejc", "elbow", "elbowlat", "lel", "elb"]),
     (Paired::Wrist, &["wjc", "wrist", "wristlat", "wra"]),
 ];

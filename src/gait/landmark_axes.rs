@@ -57,7 +57,8 @@ impl Segments {
             Some(neck) => neck.clone(),
             None => left.iter().zip(right).map(|(l, r)| (l + r) * 0.5).collect(),
         };
-        let axes = (0..movement.frames).map(|i| axes_from_y_z(&(high[i] - low[i]), &(right[i] - left[i])));
+        let axes =
+            (0..movement.frames).map(|i| axes_from_y_z(&(high[i] - low[i]), &(right[i] - left[i])));
         self.axes.insert(Segment::Trunk, axes.collect());
     }
 
@@ -138,17 +139,16 @@ impl Segments {
     /// Lists the angles that the places cannot show.
     fn list_unknown(&mut self, movement: &Movement) {
         if movement.spines().is_none() {
-            let reason = "the hips alone do not show how the pelvis is tilted; it is taken to be upright";
+            let reason =
+                "the hips alone do not show how the pelvis is tilted; it is taken to be upright";
             self.unknown.insert(Angle::PelvisTilt, reason);
         }
 
-        let has = |place| {
-            Side::BOTH
-                .iter()
-                .all(|side| movement.paired_track(*side, place).is_some())
-        };
+        let has =
+            |place| Side::BOTH.iter().all(|side| movement.paired_track(*side, place).is_some());
         if !has(Paired::KneeMedial) {
-            let reason = "the turn of a leg about itself needs a lateral and a medial marker on the knee";
+            let reason =
+                "the turn of a leg about itself needs a lateral and a medial marker on the knee";
             self.unknown.insert(Angle::HipRotation, reason);
         }
         if !has(Paired::KneeMedial) || !has(Paired::AnkleMedial) {

@@ -128,12 +128,7 @@ pub fn analyse(movement: &Movement, options: &GaitOptions) -> Result<GaitAnalysi
     };
     let cycles = cycles::cycles(&events, movement.rate_hz);
     // 4. parameters
-    let walk = parameters::Walk {
-        movement,
-        course: &course,
-        events: &events,
-        cycles: &cycles,
-    };
+    let walk = parameters::Walk { movement, course: &course, events: &events, cycles: &cycles };
     let parameters = walk.parameters();
     // 5. angles over time and over the cycle
     let from_landmarks;
@@ -188,7 +183,9 @@ fn notes(course: &Course, events: &[Event], cycles: &[Cycle]) -> Vec<String> {
     }
 
     if events.is_empty() {
-        notes.push("no steps: the feet do not swing past the pelvis in turn; angles over time only".into());
+        notes.push(
+            "no steps: the feet do not swing past the pelvis in turn; angles over time only".into(),
+        );
         return notes;
     }
 

@@ -243,7 +243,10 @@ impl Movement {
 
         let upright = self.height_of_hips().zip(self.leg_length());
         if upright.is_some_and(|(height_m, leg_m)| height_m < LOW_HIPS * leg_m) {
-            remarks.push("the hips are not above the ankles: is the file's Y axis up, as a TRC has it?".into());
+            remarks.push(
+                "the hips are not above the ankles: is the file's Y axis up, as a TRC has it?"
+                    .into(),
+            );
         }
         remarks
     }
@@ -253,9 +256,8 @@ impl Movement {
         let hips = self.track(Landmark::MidHip)?;
         let [left, right] = Side::BOTH.map(|side| self.paired_track(side, Paired::Ankle));
         let rows = hips.iter().zip(left?).zip(right?);
-        let mut heights: Vec<f64> = rows
-            .map(|((hips, left), right)| hips.z - 0.5 * (left.z + right.z))
-            .collect();
+        let mut heights: Vec<f64> =
+            rows.map(|((hips, left), right)| hips.z - 0.5 * (left.z + right.z)).collect();
         median(&mut heights)
     }
 
@@ -265,10 +267,8 @@ impl Movement {
     }
 
     fn leg(&self, side: Side) -> Option<f64> {
-        let (hip, knee) = (
-            self.paired_track(side, Paired::Hip)?,
-            self.paired_track(side, Paired::Knee)?,
-        );
+        let (hip, knee) =
+            (self.paired_track(side, Paired::Hip)?, self.paired_track(side, Paired::Knee)?);
         let ankle = self.paired_track(side, Paired::Ankle)?;
         let length = |i: usize| (hip[i] - knee[i]).norm() + (knee[i] - ankle[i]).norm();
         median(&mut (0..self.frames).map(length).collect::<Vec<_>>())

@@ -253,7 +253,8 @@ impl Walk<'_> {
         };
         let own = Landmark::Of(strike.side, place);
         let other = Landmark::Of(strike.side.other(), place);
-        let apart = at(self.movement.track(own)?, strike.frame) - at(self.movement.track(other)?, strike.frame);
+        let apart = at(self.movement.track(own)?, strike.frame)
+            - at(self.movement.track(other)?, strike.frame);
 
         // how the errors of the two go together, or else the bound u₁ + u₂
         let sd = self.movement.apart_sd_m.get(&place);
@@ -279,14 +280,11 @@ impl Walk<'_> {
     fn step_width(&self, strike: usize) -> Option<Measured> {
         let own = &self.events[strike];
         let later = self.events[strike + 1..].iter();
-        let next = later
-            .clone()
-            .find(|e| e.kind == EventKind::Strike && e.side != own.side)?;
+        let next = later.clone().find(|e| e.kind == EventKind::Strike && e.side != own.side)?;
 
         let off_after = |event: &Event| {
             let mut offs = self.events.iter().filter(|e| e.kind == EventKind::Off);
-            offs.find(|e| e.side == event.side && e.frame > event.frame)
-                .map(|e| e.frame)
+            offs.find(|e| e.side == event.side && e.frame > event.frame).map(|e| e.frame)
         };
         let middle = |event: &Event| Some(0.5 * (event.frame + off_after(event)?));
         let (own_frame, next_frame) = (middle(own)?, middle(next)?);
@@ -336,13 +334,7 @@ fn statistic(samples: &[Measured]) -> Statistic {
     let values: Vec<f64> = samples.iter().map(|s| s.0).collect();
     let known = samples.iter().filter_map(|s| s.1);
     let (average, sd) = mean_and_sd(&values).unwrap_or((f64::NAN, None));
-    Statistic {
-        n: values.len(),
-        mean: average,
-        sd,
-        uncertainty: mean(known),
-        values,
-    }
+    Statistic { n: values.len(), mean: average, sd, uncertainty: mean(known), values }
 }
 
 impl GaitAnalysis {
@@ -375,7 +367,8 @@ mod tests {
         approx::assert_relative_eq!(walked * walked, froude, epsilon = 1e-12);
         // speed = step length times step frequency, also without units
         let (step, cadence) = (0.65, 120.0);
-        let scaled = step / Parameter::StepLength.scale(leg) * cadence / Parameter::Cadence.scale(leg);
+        let scaled =
+            step / Parameter::StepLength.scale(leg) * cadence / Parameter::Cadence.scale(leg);
         approx::assert_relative_eq!(scaled, walked, epsilon = 1e-12);
     }
 }

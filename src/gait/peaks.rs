@@ -65,17 +65,11 @@ fn descent<'a>(top: f64, values: impl Iterator<Item = &'a f64>) -> Descent {
             break;
         }
         if *value > top {
-            return Descent {
-                depth: top - lowest,
-                is_full: true,
-            };
+            return Descent { depth: top - lowest, is_full: true };
         }
         lowest = lowest.min(*value);
     }
-    Descent {
-        depth: top - lowest,
-        is_full: false,
-    }
+    Descent { depth: top - lowest, is_full: false }
 }
 
 #[cfg(test)]

@@ -89,12 +89,10 @@ impl Segments {
 
     /// The segments of a body model, and its parts.
     pub(crate) fn model_parts(model: &BodyModel) -> Vec<(Segment, PartId)> {
-        let trunk = [
-            (Segment::Pelvis, "pelvis".to_owned()),
-            (Segment::Trunk, "thorax".to_owned()),
-        ];
+        let trunk = [(Segment::Pelvis, "pelvis".to_owned()), (Segment::Trunk, "thorax".to_owned())];
         let limbs = PARTS.into_iter().flat_map(|(name, limb)| {
-            Side::BOTH.map(|side| (Segment::Of(side, limb), format!("{name}_{}", &side.name()[..1])))
+            Side::BOTH
+                .map(|side| (Segment::Of(side, limb), format!("{name}_{}", &side.name()[..1])))
         });
         let part = |name: &str| model.parts.iter().position(|p| p.name == name);
         let found = |(segment, name): (Segment, String)| Some((segment, PartId(part(&name)?)));

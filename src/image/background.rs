@@ -15,11 +15,7 @@ pub struct ShadowOptions {
 
 impl Default for ShadowOptions {
     fn default() -> Self {
-        Self {
-            share: 0.2,
-            darkest: 0.4,
-            hue_spread: 1.5,
-        }
+        Self { share: 0.2, darkest: 0.4, hue_spread: 1.5 }
     }
 }
 
@@ -54,7 +50,12 @@ impl BackgroundPixel {
     /// # Source
     /// Horprasert, Harwood & Davis, *A statistical approach for real-time robust background subtraction and shadow
     /// detection*, 1999, for a and e. **Differs**: a density takes the place of thresholds.
-    pub fn log_density(&self, colour: [u8; 3], around: Option<&Colours>, shadow: &ShadowOptions) -> f32 {
+    pub fn log_density(
+        &self,
+        colour: [u8; 3],
+        around: Option<&Colours>,
+        shadow: &ShadowOptions,
+    ) -> f32 {
         use std::f32::consts::TAU;
         let (x, mean) = (colour.map(f32::from), self.mean);
         let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -66,7 +67,8 @@ impl BackgroundPixel {
         let hue = (dot(x, x) - light * light * squared).max(0.0);
 
         let gauss = |squared: f32, sigma: f32| (-0.5 * squared / (sigma * sigma)).exp();
-        let plain = gauss(brighter, self.along) / (TAU.sqrt() * self.along) * gauss(hue, self.across)
+        let plain = gauss(brighter, self.along) / (TAU.sqrt() * self.along)
+            * gauss(hue, self.across)
             / (TAU * self.across * self.across);
 
         let in_shadow = if light > shadow.darkest && light < BRIGHTEST {
@@ -94,12 +96,8 @@ mod tests {
     use super::*;
     use crate::image::ColourCount;
 
-    const FLOOR: BackgroundPixel = BackgroundPixel {
-        mean: [120.0, 100.0, 80.0],
-        along: 3.0,
-        across: 3.0,
-        trust: 1.0,
-    };
+    const FLOOR: BackgroundPixel =
+        BackgroundPixel { mean: [120.0, 100.0, 80.0], along: 3.0, across: 3.0, trust: 1.0 };
 
     fn density(empty: BackgroundPixel, colour: [u8; 3]) -> f32 {
         empty.log_density(colour, None, &ShadowOptions::default())
@@ -131,10 +129,7 @@ mod tests {
 
     #[test]
     fn a_black_background_is_no_fault() {
-        let black = BackgroundPixel {
-            mean: [0.0; 3],
-            ..FLOOR
-        };
+        let black = BackgroundPixel { mean: [0.0; 3], ..FLOOR };
         assert!(density(black, [0; 3]).is_finite() && density(black, [255; 3]).is_finite());
     }
 }

@@ -37,11 +37,7 @@ impl Default for BorderOptions {
 impl BorderOptions {
     /// For a mask from a picture that was shrunk by `factor`: its border may be off by so many times as much.
     pub fn scaled(self, factor: usize) -> Self {
-        Self {
-            reach_px: self.reach_px * factor,
-            window_px: self.window_px * factor,
-            ..self
-        }
+        Self { reach_px: self.reach_px * factor, window_px: self.window_px * factor, ..self }
     }
 }
 
@@ -68,7 +64,8 @@ pub fn sharpen(mask: &Mask, picture: &Picture, options: &BorderOptions) -> Mask 
     let coverage = box_mean(&measured.alpha, SMOOTHED_PX);
 
     Mask::from_fn(mask.width(), mask.height(), |x, y| {
-        let (Some(column), Some(row)) = (x.checked_sub(region.left), y.checked_sub(region.top)) else {
+        let (Some(column), Some(row)) = (x.checked_sub(region.left), y.checked_sub(region.top))
+        else {
             return mask.is_foreground(x, y);
         };
         match measured.is_measured.get(column, row) {
@@ -148,11 +145,7 @@ fn side_colours(picture: &Picture, side: &Plane<f32>, window_px: usize) -> Plane
     let sums = [0, 1, 2].map(|channel| mean(&|colour| colour[channel]));
     let squares = mean(&|colour| colour.iter().map(|v| v * v).sum());
 
-    let nothing = SideColour {
-        share: 0.0,
-        mean: [0.0; 3],
-        variance: 0.0,
-    };
+    let nothing = SideColour { share: 0.0, mean: [0.0; 3], variance: 0.0 };
     let mut colours = Plane::filled(side.width(), side.height(), nothing);
     for y in 0..side.height() {
         for (x, colour) in colours.row_mut(y).iter_mut().enumerate() {
@@ -160,11 +153,8 @@ fn side_colours(picture: &Picture, side: &Plane<f32>, window_px: usize) -> Plane
             let per = 1.0 / share.max(1e-6);
             let mean = [0, 1, 2].map(|channel: usize| sums[channel].row(y)[x] * per);
             let squared: f32 = mean.iter().map(|v| v * v).sum();
-            *colour = SideColour {
-                share,
-                mean,
-                variance: (squares.row(y)[x] * per - squared).max(0.0),
-            };
+            *colour =
+                SideColour { share, mean, variance: (squares.row(y)[x] * per - squared).max(0.0) };
         }
     }
     colours

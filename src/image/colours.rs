@@ -49,9 +49,7 @@ impl ColourCount {
             false => (1.0, 0.0),
         };
         let density = |count: &f64| (count * scale + uniform / 256_f64.powi(3)).ln() as f32;
-        Colours {
-            log_density: counts.iter().map(density).collect(),
-        }
+        Colours { log_density: counts.iter().map(density).collect() }
     }
 }
 
@@ -103,13 +101,18 @@ mod tests {
         let mut count = ColourCount::default();
         count.add([100, 100, 100]);
         let density = count.density();
-        let [own, near, far] = [[100; 3], [118, 100, 100], [250; 3]].map(|c| density.log_density(c));
+        let [own, near, far] =
+            [[100; 3], [118, 100, 100], [250; 3]].map(|c| density.log_density(c));
         assert!(own > near && near > far);
     }
 
     #[test]
     fn of_nothing_all_colours_are_alike() {
         let density = ColourCount::default().density();
-        approx::assert_relative_eq!(density.log_density([7; 3]), -3.0 * 256_f32.ln(), epsilon = 1e-5);
+        approx::assert_relative_eq!(
+            density.log_density([7; 3]),
+            -3.0 * 256_f32.ln(),
+            epsilon = 1e-5
+        );
     }
 }

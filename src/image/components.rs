@@ -46,7 +46,8 @@ fn without_specks(mask: &Runs, options: &CleanOptions) -> Runs {
     };
 
     // large components, and fragments near them
-    let is_at_least = |c: &Component, fraction: f64| c.area as f64 >= fraction * largest.area as f64;
+    let is_at_least =
+        |c: &Component, fraction: f64| c.area as f64 >= fraction * largest.area as f64;
     let is_part = |i: usize| is_at_least(&components[labels[i]], options.part_fraction);
     let parts = mask.filtered(is_part);
     let reach = (options.fragment_gap * longer_side(largest)) as usize;
@@ -130,22 +131,10 @@ mod tests {
         let defaults = CleanOptions::default();
         let usual = clean(&noisy, &defaults);
         let changed = [
-            CleanOptions {
-                part_fraction: 0.1,
-                ..defaults
-            },
-            CleanOptions {
-                fragment_fraction: 0.01,
-                ..defaults
-            },
-            CleanOptions {
-                fragment_gap: 0.01,
-                ..defaults
-            },
-            CleanOptions {
-                hole_fraction: 0.001,
-                ..defaults
-            },
+            CleanOptions { part_fraction: 0.1, ..defaults },
+            CleanOptions { fragment_fraction: 0.01, ..defaults },
+            CleanOptions { fragment_gap: 0.01, ..defaults },
+            CleanOptions { hole_fraction: 0.001, ..defaults },
         ];
         for options in changed {
             assert_ne!(clean(&noisy, &options), usual, "{options:?}");

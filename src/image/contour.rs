@@ -122,7 +122,12 @@ enum Edge {
 }
 
 /// The closed border that enters the cell (x, y) downwards through its top edge.
-fn follow(blurred: &Plane<u16>, visited: &mut Plane<bool>, mut x: usize, mut y: usize) -> Vec<Point2<f64>> {
+fn follow(
+    blurred: &Plane<u16>,
+    visited: &mut Plane<bool>,
+    mut x: usize,
+    mut y: usize,
+) -> Vec<Point2<f64>> {
     let value = |x: usize, y: usize| blurred.get(x, y).unwrap_or(0);
     let mut contour = Vec::new();
     let mut entry = Edge::Top;
@@ -164,7 +169,8 @@ fn follow(blurred: &Plane<u16>, visited: &mut Plane<bool>, mut x: usize, mut y: 
 fn crossing(corners: [u16; 4], edge: Edge, corner: Point2<f64>) -> Point2<f64> {
     let [tl, tr, br, bl] = corners;
     let (x, y) = (corner.x, corner.y);
-    let between = |a: u16, b: u16| (f64::from(LEVEL) - f64::from(a)) / (f64::from(b) - f64::from(a));
+    let between =
+        |a: u16, b: u16| (f64::from(LEVEL) - f64::from(a)) / (f64::from(b) - f64::from(a));
     match edge {
         Edge::Top => Point2::new(x + between(tl, tr), y),
         Edge::Right => Point2::new(x + 1.0, y + between(tr, br)),
@@ -245,10 +251,8 @@ mod tests {
     fn a_straight_border_stays_where_it_is() {
         let block = Runs::from_mask(&Mask::from_fn(60, 60, |x, y| x > 19 && x < 50 && y > 9));
         let contours = trace(&block);
-        let left: Vec<_> = contours[0]
-            .iter()
-            .filter(|p| p.x < 25.0 && p.y > 20.0 && p.y < 50.0)
-            .collect();
+        let left: Vec<_> =
+            contours[0].iter().filter(|p| p.x < 25.0 && p.y > 20.0 && p.y < 50.0).collect();
         assert!(left.len() > 20);
         assert!(left.iter().all(|p| (p.x - 19.5).abs() < 1e-9));
     }

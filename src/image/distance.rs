@@ -41,10 +41,7 @@ impl NearestPoints {
             .map(|(i, p)| (p.x, p.y, i))
             .collect();
         points.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.2.cmp(&b.2)));
-        Self {
-            envelope: Vec::with_capacity(points.len()),
-            points,
-        }
+        Self { envelope: Vec::with_capacity(points.len()), points }
     }
 
     /// Calls `visit(i, nearest)` for the nodes (`columns.at(i)`, y), left to right; the step must be positive.
@@ -104,11 +101,7 @@ mod tests {
 
     fn squared_distance_by_row(points: &[Point2<f64>], count: usize) -> Vec<(f64, f64)> {
         let mut nearest = NearestPoints::new(points.iter().copied());
-        let columns = EvenSteps {
-            first: -10.0,
-            step: 0.9,
-            count,
-        };
+        let columns = EvenSteps { first: -10.0, step: 0.9, count };
         let mut pairs = Vec::new();
         for row in 0..20 {
             let y = -3.0 + row as f64 * 1.7;
@@ -137,9 +130,8 @@ mod tests {
 
     #[test]
     fn points_above_each_other_are_told_apart() {
-        let points: Vec<_> = (0..30)
-            .map(|i| Point2::new(f64::from(i % 3), f64::from(i / 3)))
-            .collect();
+        let points: Vec<_> =
+            (0..30).map(|i| Point2::new(f64::from(i % 3), f64::from(i / 3))).collect();
         for (found, least) in squared_distance_by_row(&points, 40) {
             approx::assert_relative_eq!(found, least, max_relative = 1e-12);
         }

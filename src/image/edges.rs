@@ -90,7 +90,8 @@ impl Gradient {
         };
         let [[a, b], [c, d]] = neighbours.vectors;
         let (s, t) = (neighbours.right, neighbours.down);
-        (turned(a) * (1.0 - s) + turned(b) * s) * (1.0 - t) + (turned(c) * (1.0 - s) + turned(d) * s) * t
+        (turned(a) * (1.0 - s) + turned(b) * s) * (1.0 - t)
+            + (turned(c) * (1.0 - s) + turned(d) * s) * t
     }
 
     /// How fast the picture changes along a unit vector: that component of [`Gradient::at`] towards it.
@@ -246,7 +247,13 @@ impl RowBuffers {
 
 /// The bits are the same for every instruction set; only the width of the loops differs.
 #[multiversion::multiversion(targets("x86_64+avx2", "x86_64+avx512f+avx512vl"))]
-fn slopes_of_row(channel: &Plane<f32>, y: usize, kernels: &Kernels, buffers: &mut RowBuffers, slopes: &mut [[f32; 2]]) {
+fn slopes_of_row(
+    channel: &Plane<f32>,
+    y: usize,
+    kernels: &Kernels,
+    buffers: &mut RowBuffers,
+    slopes: &mut [[f32; 2]],
+) {
     let Kernels { blur, slope } = kernels;
     let (width, reach) = (slopes.len(), blur.weights.len() - 1);
     let last = channel.height() - 1;
@@ -336,9 +343,14 @@ mod tests {
     #[test]
     fn hysteresis_keeps_the_weak_only_beside_the_strong() {
         let mut vectors = Plane::filled(6, 1, [0.0f32; 2]);
-        vectors
-            .row_mut(0)
-            .copy_from_slice(&[[9.0, 0.0], [5.0, 0.0], [5.0, 0.0], [0.0, 0.0], [5.0, 0.0], [0.0, 9.0]]);
+        vectors.row_mut(0).copy_from_slice(&[
+            [9.0, 0.0],
+            [5.0, 0.0],
+            [5.0, 0.0],
+            [0.0, 0.0],
+            [5.0, 0.0],
+            [0.0, 9.0],
+        ]);
         let kept = Gradient { vectors }.hysteresis(4.0, 8.0).magnitude();
         assert_eq!(kept.values(), [9.0, 5.0, 0.0, 0.0, 5.0, 9.0]);
     }

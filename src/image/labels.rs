@@ -13,10 +13,7 @@ pub struct RelaxOptions {
 
 impl Default for RelaxOptions {
     fn default() -> Self {
-        Self {
-            border_cost: 8.0,
-            steps: 80,
-        }
+        Self { border_cost: 8.0, steps: 80 }
     }
 }
 
@@ -182,10 +179,7 @@ mod tests {
     fn a_border_without_an_edge_of_the_picture_is_dearer() {
         let (evidence, picture) = disk(|_, _| 0.0);
         let flat = Picture::filled(40, 30, [90; 3]);
-        let dear = RelaxOptions {
-            border_cost: 6.0,
-            ..RelaxOptions::default()
-        };
+        let dear = RelaxOptions { border_cost: 6.0, ..RelaxOptions::default() };
         assert!(area(&relax(&evidence, &picture, &dear)) > 250);
         assert_eq!(area(&relax(&evidence, &flat, &dear)), 0, "2πr·6 > πr²·2");
     }
@@ -194,14 +188,8 @@ mod tests {
     fn both_options_change_the_result() {
         let (evidence, picture) = disk(|x, y| ((x * 13 + y * 7) % 5) as f32 - 2.0);
         let usual = relax(&evidence, &picture, &RelaxOptions::default());
-        let few = RelaxOptions {
-            steps: 5,
-            ..RelaxOptions::default()
-        };
-        let free = RelaxOptions {
-            border_cost: 0.0,
-            ..RelaxOptions::default()
-        };
+        let few = RelaxOptions { steps: 5, ..RelaxOptions::default() };
+        let free = RelaxOptions { border_cost: 0.0, ..RelaxOptions::default() };
         assert_ne!(relax(&evidence, &picture, &few), usual);
         assert_ne!(relax(&evidence, &picture, &free), usual);
     }

@@ -22,7 +22,11 @@ impl Mask {
     }
 
     /// The pixels (x, y) for which `is_foreground` holds.
-    pub fn from_fn(width: usize, height: usize, is_foreground: impl Fn(usize, usize) -> bool) -> Self {
+    pub fn from_fn(
+        width: usize,
+        height: usize,
+        is_foreground: impl Fn(usize, usize) -> bool,
+    ) -> Self {
         let mut pixels = Plane::filled(width, height, 0);
         for y in 0..height {
             for (x, pixel) in pixels.row_mut(y).iter_mut().enumerate() {

@@ -36,10 +36,7 @@ mod tests {
     use super::*;
 
     fn area(mask: &Mask) -> usize {
-        (0..mask.height())
-            .flat_map(|y| mask.row(y))
-            .filter(|v| **v == 1)
-            .count()
+        (0..mask.height()).flat_map(|y| mask.row(y)).filter(|v| **v == 1).count()
     }
 
     #[test]

@@ -15,11 +15,7 @@ pub struct Plane<T> {
 impl<T: Copy> Plane<T> {
     /// A plane that holds `value` everywhere.
     pub fn filled(width: usize, height: usize, value: T) -> Self {
-        Self {
-            width,
-            height,
-            values: vec![value; width * height],
-        }
+        Self { width, height, values: vec![value; width * height] }
     }
 
     /// A plane of the given row-major values; `None` unless there are exactly `width · height` of them.
@@ -62,9 +58,7 @@ impl<T: Copy> Plane<T> {
     /// Row `y`, to be written; empty if there is no such row.
     pub fn row_mut(&mut self, y: usize) -> &mut [T] {
         let start = y.saturating_mul(self.width);
-        self.values
-            .get_mut(start..start.saturating_add(self.width))
-            .unwrap_or(&mut [])
+        self.values.get_mut(start..start.saturating_add(self.width)).unwrap_or(&mut [])
     }
 
     /// All rows, to be written in parallel.
@@ -123,12 +117,7 @@ mod tests {
     #[test]
     fn a_part_of_a_plane_is_a_plane() {
         let plane = Plane::from_values(3, 3, (0..9).collect()).unwrap();
-        let region = |left, top, right, bottom| Region {
-            left,
-            top,
-            right,
-            bottom,
-        };
+        let region = |left, top, right, bottom| Region { left, top, right, bottom };
         let corner = plane.cropped(&region(1, 1, 7, 3));
         assert_eq!((corner.width(), corner.values()), (2, &[4, 5, 7, 8][..]));
         assert_eq!(plane.cropped(&region(5, 2, 4, 1)).values().len(), 0);

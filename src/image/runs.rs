@@ -92,12 +92,7 @@ impl Runs {
 
     /// The mask that has these runs.
     pub fn mask(&self) -> Mask {
-        let whole = Region {
-            left: 0,
-            top: 0,
-            right: self.width,
-            bottom: self.height(),
-        };
+        let whole = Region { left: 0, top: 0, right: self.width, bottom: self.height() };
         Mask::from_ones(self.painted(&whole, 0))
     }
 
@@ -196,11 +191,7 @@ impl Runs {
     }
 
     fn empty(width: usize) -> Self {
-        Self {
-            width,
-            first: vec![0],
-            runs: Vec::new(),
-        }
+        Self { width, first: vec![0], runs: Vec::new() }
     }
 
     fn row(&self, y: usize) -> &[Run] {
@@ -209,10 +200,7 @@ impl Runs {
 
     fn push(&mut self, start: usize, end: usize) {
         if start < end {
-            self.runs.push(Run {
-                start: start as u32,
-                end: end as u32,
-            });
+            self.runs.push(Run { start: start as u32, end: end as u32 });
         }
     }
 
@@ -258,12 +246,7 @@ impl Component {
     fn new(y: usize) -> Self {
         Self {
             area: 0,
-            region: Region {
-                left: usize::MAX,
-                top: y,
-                right: 0,
-                bottom: y,
-            },
+            region: Region { left: usize::MAX, top: y, right: 0, bottom: y },
             touches_image_edge: false,
         }
     }
@@ -274,7 +257,8 @@ impl Component {
         self.region.left = self.region.left.min(run.start as usize);
         self.region.right = self.region.right.max(run.end as usize);
         self.region.bottom = y + 1;
-        self.touches_image_edge |= run.start == 0 || run.end as usize == width || y == 0 || y + 1 == height;
+        self.touches_image_edge |=
+            run.start == 0 || run.end as usize == width || y == 0 || y + 1 == height;
     }
 }
 
@@ -290,10 +274,7 @@ fn position_of(row: &[u8], from: usize, value: u8) -> usize {
         }
         x += 8;
     }
-    x + row[x..]
-        .iter()
-        .position(|pixel| *pixel == value)
-        .unwrap_or(row.len() - x)
+    x + row[x..].iter().position(|pixel| *pixel == value).unwrap_or(row.len() - x)
 }
 
 fn root(parents: &mut [usize], mut i: usize) -> usize {

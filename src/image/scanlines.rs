@@ -60,11 +60,7 @@ impl Scanlines {
             first[r + 1] += first[r];
         }
 
-        Self {
-            rows,
-            first,
-            crossings: cuts.into_iter().map(|(_, x)| x).collect(),
-        }
+        Self { rows, first, crossings: cuts.into_iter().map(|(_, x)| x).collect() }
     }
 
     /// Abscissas where the polygons cross row r, left to right; empty if there is no such row.
@@ -100,9 +96,7 @@ mod tests {
     }
 
     fn square(from: f64, to: f64) -> Vec<Point2<f64>> {
-        [(from, from), (to, from), (to, to), (from, to)]
-            .map(|(x, y)| Point2::new(x, y))
-            .to_vec()
+        [(from, from), (to, from), (to, to), (from, to)].map(|(x, y)| Point2::new(x, y)).to_vec()
     }
 
     #[test]

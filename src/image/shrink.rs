@@ -137,7 +137,8 @@ mod tests {
 
     #[test]
     fn a_box_mean_is_the_mean_of_the_box_within_the_picture() {
-        let plane = Plane::from_values(7, 5, (0..35).map(|i| ((i * i) % 11) as f32).collect()).unwrap();
+        let plane =
+            Plane::from_values(7, 5, (0..35).map(|i| ((i * i) % 11) as f32).collect()).unwrap();
         for reach in [0, 1, 2, 9] {
             let means = box_mean(&plane, reach);
             for (x, y) in [(0_usize, 0_usize), (3, 2), (6, 4), (1, 3)] {

@@ -44,11 +44,7 @@ struct Factor {
 impl ChainPrior {
     /// The factors of a model's motions.
     pub fn new(model: &BodyModel, motion_model: MotionModel) -> Self {
-        Self {
-            layout: Layout::new(model),
-            speeds: speeds(model),
-            motion_model,
-        }
+        Self { layout: Layout::new(model), speeds: speeds(model), motion_model }
     }
 
     /// How many frames before it a frame is coupled to.
@@ -65,7 +61,13 @@ impl ChainPrior {
     }
 
     /// Adds the factors whose last motion is that of frame `i`.
-    pub fn linearize(&self, motions: &[Motion], seconds: &[f64], i: usize, links: &mut [Link]) -> f64 {
+    pub fn linearize(
+        &self,
+        motions: &[Motion],
+        seconds: &[f64],
+        i: usize,
+        links: &mut [Link],
+    ) -> f64 {
         let factors = self.factors(motions, seconds, i);
         factors.iter().map(|factor| factor.add_to(self.layout, i, links)).sum()
     }
@@ -78,7 +80,8 @@ impl ChainPrior {
         let mut factors = Vec::with_capacity(2);
         if self.motion_model == MotionModel::ConstantVelocity && i > 1 {
             let before = self.velocity(&motions[i - 2], &motions[i - 1], seconds[i - 1]);
-            let acceleration = std::f64::consts::TAU * SWING_HZ * 0.5 * (seconds[i] + seconds[i - 1]);
+            let acceleration =
+                std::f64::consts::TAU * SWING_HZ * 0.5 * (seconds[i] + seconds[i - 1]);
             let precision = self.speeds.map(|v| (v * acceleration).powi(-2));
             factors.push(last.minus(&before, precision));
         }
@@ -95,10 +98,8 @@ impl ChainPrior {
         } else {
             Matrix3::identity()
         };
-        let slope = |along: f64, turn: Matrix3<f64>| Slope {
-            along: along / seconds,
-            turn: turn / seconds,
-        };
+        let slope =
+            |along: f64, turn: Matrix3<f64>| Slope { along: along / seconds, turn: turn / seconds };
         Factor {
             residual: difference / seconds,
             precision: DVector::zeros(0),
@@ -112,14 +113,8 @@ impl Factor {
     fn minus(&self, before: &Self, precision: DVector<f64>) -> Self {
         let [to, from] = [self.slopes[0], self.slopes[1]];
         let [before_to, before_from] = [before.slopes[0], before.slopes[1]];
-        let less = |a: Slope, b: Slope| Slope {
-            along: a.along - b.along,
-            turn: a.turn - b.turn,
-        };
-        let none = Slope {
-            along: 0.0,
-            turn: Matrix3::zeros(),
-        };
+        let less = |a: Slope, b: Slope| Slope { along: a.along - b.along, turn: a.turn - b.turn };
+        let none = Slope { along: 0.0, turn: Matrix3::zeros() };
         Self {
             residual: &self.residual - &before.residual,
             precision,
@@ -137,11 +132,8 @@ impl Factor {
             slope.add_gradient(layout, &pull, &mut links[i - a].gradient);
             for (b, other) in self.slopes.iter().enumerate().skip(a) {
                 let link = &mut links[i - a];
-                let block = if a == b {
-                    &mut link.diagonal
-                } else {
-                    &mut link.couplings[b - a - 1]
-                };
+                let block =
+                    if a == b { &mut link.diagonal } else { &mut link.couplings[b - a - 1] };
                 slope.add_product(layout, &self.precision, other, block);
             }
         }
@@ -162,7 +154,13 @@ impl Slope {
     }
 
     /// Adds slopeᵀ·W·other.
-    fn add_product(&self, layout: Layout, precision: &DVector<f64>, other: &Self, block: &mut DMatrix<f64>) {
+    fn add_product(
+        &self,
+        layout: Layout,
+        precision: &DVector<f64>,
+        other: &Self,
+        block: &mut DMatrix<f64>,
+    ) {
         for k in straight(layout) {
             block[(k, k)] += self.along * precision[k] * other.along;
         }

@@ -63,12 +63,7 @@ pub fn confidence(estimates: &[f64], epsilon: f64) -> Confidence {
 /// its diagonal: σ = (1 − α)S + α·diag S, α = n/(n + K).
 pub fn joint_confidence(estimates: &[DVector<f64>], epsilon: f64) -> Confidence {
     let keyframes = estimates.len();
-    let none = Confidence {
-        epsilon,
-        sigma: None,
-        keyframes,
-        p_within: None,
-    };
+    let none = Confidence { epsilon, sigma: None, keyframes, p_within: None };
     if keyframes < 2 || estimates[0].is_empty() {
         return none;
     }
@@ -76,25 +71,16 @@ pub fn joint_confidence(estimates: &[DVector<f64>], epsilon: f64) -> Confidence 
     // S, shrunk
     let n = estimates[0].len();
     let mean = estimates.iter().sum::<DVector<f64>>() / keyframes as f64;
-    let sample = estimates
-        .iter()
-        .map(|s| (s - &mean) * (s - &mean).transpose())
-        .sum::<DMatrix<f64>>()
-        / keyframes as f64;
+    let sample =
+        estimates.iter().map(|s| (s - &mean) * (s - &mean).transpose()).sum::<DMatrix<f64>>()
+            / keyframes as f64;
     let alpha = n as f64 / (n + keyframes) as f64;
     let covariance = DMatrix::from_fn(n, n, |i, j| {
-        if i == j {
-            sample[(i, i)] + 1e-16
-        } else {
-            (1.0 - alpha) * sample[(i, j)]
-        }
+        if i == j { sample[(i, i)] + 1e-16 } else { (1.0 - alpha) * sample[(i, j)] }
     });
 
     let p = box_probability(&covariance, epsilon);
-    Confidence {
-        p_within: p.map(|p| p_at_least_one(p, keyframes)),
-        ..none
-    }
+    Confidence { p_within: p.map(|p| p_at_least_one(p, keyframes)), ..none }
 }
 
 /// P(|eᵢ| ≤ ε for all i), e ~ N(0, σ), by separation of variables over 4000 fixed samples.

@@ -39,7 +39,12 @@ pub struct Considered {
 
 impl Considered {
     /// S at an optimum whose g and H are the chain's, the data as they are stated; `None` where H is singular.
-    pub fn new(model: &BodyModel, terms: &[Terms<'_>], state: &SequenceState, chain: &BorderedChain) -> Option<Self> {
+    pub fn new(
+        model: &BodyModel,
+        terms: &[Terms<'_>],
+        state: &SequenceState,
+        chain: &BorderedChain,
+    ) -> Option<Self> {
         let placed = PlacedBody::new(model, &state.shape);
         let shape = placed.shape(&state.shape);
 
@@ -57,10 +62,7 @@ impl Considered {
         let shared = DMatrix::zeros(p, placed.count());
         let shared = pulls.iter().fold(shared, |sum, pull| sum - pull.rows(m, p));
         let frames = pulls.iter().map(|pull| -pull.rows(0, m)).collect();
-        Some(Self {
-            sensitivity: chain.solve(Columns { frames, shared })?,
-            placed,
-        })
+        Some(Self { sensitivity: chain.solve(Columns { frames, shared })?, placed })
     }
 }
 

@@ -70,7 +70,9 @@ impl Uncertainty {
             let motion = considered.placed.motion(&state.motions[i]);
             let body = Posed::new(&considered.placed.model, &placed_shape, &motion);
             let estimate = estimate_covariance(model, marginal, factor.as_ref(), tau);
-            frames.extend(estimate.map(|e| frame_uncertainty(model, &body, e, considered, sensitivity)));
+            frames.extend(
+                estimate.map(|e| frame_uncertainty(model, &body, e, considered, sensitivity)),
+            );
         });
         frames.reverse();
         if !complete || frames.len() != state.motions.len() {
@@ -174,7 +176,9 @@ fn frame_uncertainty(
         let covariance = jacobian * &all * jacobian.transpose();
         Matrix3::from(covariance.fixed_view::<3, 3>(0, 0))
     };
-    let apart = |(right, left): (usize, usize)| carried(&(body.point_jacobian(right) - body.point_jacobian(left)));
+    let apart = |(right, left): (usize, usize)| {
+        carried(&(body.point_jacobian(right) - body.point_jacobian(left)))
+    };
     let turned = |part: usize| carried(&body.rotation_jacobian(PartId(part))).diagonal();
 
     FrameUncertainty {
@@ -182,9 +186,7 @@ fn frame_uncertainty(
         parts_sd: (0..model.parts.len()).map(|part| turned(part).map(sd)).collect(),
         angles_sd: deviations.rows(root, joints).into_owned(),
         seen_angles_sd: estimate.diagonal().rows(root, joints).map(sd),
-        points: (0..model.points.len())
-            .map(|index| carried(&body.point_jacobian(index)))
-            .collect(),
+        points: (0..model.points.len()).map(|index| carried(&body.point_jacobian(index))).collect(),
         apart: model.point_pairs().into_iter().map(apart).collect(),
     }
 }

@@ -10,8 +10,8 @@ use super::sequence::Sequence;
 use crate::body::BodyModel;
 use crate::camera::{Camera, CameraId, Rig};
 use crate::likelihood::{
-    EllipseOptions, EllipseSilhouette, EllipseView, LikelihoodOptions, Measure, PointField, RayView, SilhouetteRays,
-    SkinScale, SurfacePoint, Term,
+    EllipseOptions, EllipseSilhouette, EllipseView, LikelihoodOptions, Measure, PointField,
+    RayView, SilhouetteRays, SkinScale, SurfacePoint, Term,
 };
 use crate::silhouette::{FrameObservations, Silhouette};
 
@@ -37,7 +37,12 @@ pub struct Evidence<'a> {
 
 impl<'a> Evidence<'a> {
     /// Puts a model's priors beside the cameras and the likelihood.
-    pub fn new(model: &'a BodyModel, rig: &'a Rig, likelihood: LikelihoodOptions, measure: Measure) -> Self {
+    pub fn new(
+        model: &'a BodyModel,
+        rig: &'a Rig,
+        likelihood: LikelihoodOptions,
+        measure: Measure,
+    ) -> Self {
         Self {
             model,
             rig,
@@ -51,10 +56,7 @@ impl<'a> Evidence<'a> {
 
     /// A model's priors and the ellipse likelihood alone (ZS06).
     pub fn with_ellipses(model: &'a BodyModel, rig: &'a Rig, ellipses: EllipseOptions) -> Self {
-        let likelihood = LikelihoodOptions {
-            ellipses,
-            ..LikelihoodOptions::default()
-        };
+        let likelihood = LikelihoodOptions { ellipses, ..LikelihoodOptions::default() };
         Self::new(model, rig, likelihood, Measure::Ellipses)
     }
 
@@ -104,7 +106,5 @@ impl<'a> Evidence<'a> {
 /// How far before a camera the subject is; where nothing shows it, about the world's origin.
 fn depth_m(camera: &Camera, subject: Option<Point3<f64>>) -> f64 {
     let depth = subject.map(|p| (camera.camera_from_world * p).z);
-    depth
-        .filter(|z| *z > 0.0)
-        .unwrap_or_else(|| camera.centre_world().coords.norm())
+    depth.filter(|z| *z > 0.0).unwrap_or_else(|| camera.centre_world().coords.norm())
 }

@@ -69,7 +69,11 @@ pub(super) fn data_cost(terms: &[Box<dyn Term + '_>], body: &Posed<'_>) -> f64 {
 }
 
 /// The same, and its rows added to the equations.
-pub(super) fn linearize_data(terms: &[Box<dyn Term + '_>], body: &Posed<'_>, equations: &mut NormalEquations) -> f64 {
+pub(super) fn linearize_data(
+    terms: &[Box<dyn Term + '_>],
+    body: &Posed<'_>,
+    equations: &mut NormalEquations,
+) -> f64 {
     terms.iter().map(|t| t.linearize(body, equations)).sum()
 }
 
@@ -88,7 +92,9 @@ impl Problem for KeyframePosterior<'_> {
 
     fn cost(&self, x: &State) -> f64 {
         let body = Posed::new(self.model, &x.shape, &x.motion);
-        data_cost(self.terms, &body) + self.shape_prior.cost(&x.shape) + self.pose_prior.cost(&x.motion)
+        data_cost(self.terms, &body)
+            + self.shape_prior.cost(&x.shape)
+            + self.pose_prior.cost(&x.motion)
     }
 
     fn linearize(&self, x: &State, equations: &mut NormalEquations) -> f64 {
@@ -133,7 +139,9 @@ impl Problem for FramePosterior<'_> {
     }
 
     fn cost(&self, x: &Motion) -> f64 {
-        data_cost(self.terms, &Posed::new(self.model, self.shape, x)) + self.pose_prior.cost(x) + self.step_cost(x)
+        data_cost(self.terms, &Posed::new(self.model, self.shape, x))
+            + self.pose_prior.cost(x)
+            + self.step_cost(x)
     }
 
     fn linearize(&self, x: &Motion, equations: &mut NormalEquations) -> f64 {

@@ -57,9 +57,7 @@ fn has_depth(sights: &[Ray]) -> bool {
 /// The rays through the silhouettes' centroids.
 fn lines_of_sight(rig: &Rig, frame: &FrameObservations) -> Vec<Ray> {
     let views = frame.views.iter();
-    views
-        .map(|(camera, s)| rig.cameras[camera.0].ray(&s.centroid))
-        .collect()
+    views.map(|(camera, s)| rig.cameras[camera.0].ray(&s.centroid)).collect()
 }
 
 impl Hull {
@@ -71,7 +69,8 @@ impl Hull {
         }
 
         // the points about their median
-        let along = |axis: usize| median(&mut points.iter().map(|p| p.position_world[axis]).collect());
+        let along =
+            |axis: usize| median(&mut points.iter().map(|p| p.position_world[axis]).collect());
         let middle = Point3::new(along(0)?, along(1)?, along(2)?);
         let places = points.iter().map(|p| p.position_world);
         let near: Vec<Point3<f64>> = places.filter(|p| (p - middle).norm() <= REACH).collect();

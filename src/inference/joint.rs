@@ -30,10 +30,7 @@ pub struct JointOptions {
 
 impl Default for JointOptions {
     fn default() -> Self {
-        Self {
-            iterations: 25,
-            motion_model: MotionModel::ConstantVelocity,
-        }
+        Self { iterations: 25, motion_model: MotionModel::ConstantVelocity }
     }
 }
 
@@ -101,11 +98,8 @@ pub fn joint_optimum_from_terms<'a>(
     };
 
     // 1. the optimum, with every row's σ and weight as stated
-    let solver = Options {
-        max_iterations: options.iterations,
-        damping: 1e-4,
-        relative_decrease: TOLERANCE,
-    };
+    let solver =
+        Options { max_iterations: options.iterations, damping: 1e-4, relative_decrease: TOLERANCE };
     let stated = posterior(&Noise::stated(terms.len()));
     let solution = levenberg_marquardt(&stated, start, &solver);
     let (optimum, mut chain) = (solution.state, solution.model);
@@ -119,7 +113,8 @@ pub fn joint_optimum_from_terms<'a>(
     let considered = Considered::new(model, terms, &optimum, &chain);
     chain.clear();
     weighed.linearize(&optimum, &mut chain);
-    let uncertainty = considered.and_then(|c| Uncertainty::new(model, &optimum, &chain, noise.over_time, &c));
+    let uncertainty =
+        considered.and_then(|c| Uncertainty::new(model, &optimum, &chain, noise.over_time, &c));
 
     JointOptimum {
         frames: weighed.frame_fits(&optimum),
@@ -140,7 +135,11 @@ fn times(seconds: &[f64]) -> Vec<f64> {
 }
 
 /// The residuals of every frame at a state.
-pub fn residuals(model: &BodyModel, terms: &[Terms<'_>], state: &SequenceState) -> Vec<Vec<PlacedResidual>> {
+pub fn residuals(
+    model: &BodyModel,
+    terms: &[Terms<'_>],
+    state: &SequenceState,
+) -> Vec<Vec<PlacedResidual>> {
     let frames = terms.par_iter().zip(&state.motions);
     let residuals = frames.map(|(terms, motion)| {
         let body = Posed::new(model, &state.shape, motion);

@@ -13,11 +13,7 @@ pub(super) fn keyframes(sequence: Sequence<'_>, every: usize) -> Vec<usize> {
     let usable = |&i: &usize| locates_body(&sequence.frames[i]);
     let all = 0..sequence.frames.len();
     let spaced: Vec<usize> = all.clone().step_by(every.max(1)).filter(usable).collect();
-    if spaced.is_empty() {
-        all.into_iter().find(usable).into_iter().collect()
-    } else {
-        spaced
-    }
+    if spaced.is_empty() { all.into_iter().find(usable).into_iter().collect() } else { spaced }
 }
 
 /// argmax p(mₖ, s | Zₖ) of one keyframe (eq. 2), one hypothesis for each reading.
@@ -40,7 +36,11 @@ pub(super) fn keyframe_hypotheses(
 }
 
 /// The mean of p(s), in the pose of another hypothesis.
-pub(super) fn mean_hypothesis(evidence: &Evidence<'_>, sequence: Sequence<'_>, from: &Hypothesis) -> Hypothesis {
+pub(super) fn mean_hypothesis(
+    evidence: &Evidence<'_>,
+    sequence: Sequence<'_>,
+    from: &Hypothesis,
+) -> Hypothesis {
     let shape = evidence.shape_prior.mean();
     let keyframe = from.keyframe;
     let fit = keyframe_fit(evidence, sequence, keyframe, &shape, from.motion.clone());
@@ -63,12 +63,7 @@ pub(super) fn keyframe_fit(
 ) -> FrameFit {
     let terms = evidence.terms(&sequence.frames[keyframe], Detail::Fine);
     let pose_prior = &evidence.pose_prior;
-    let posterior = FramePosterior {
-        model: evidence.model,
-        shape,
-        pose_prior,
-        step: None,
-        terms: &terms,
-    };
+    let posterior =
+        FramePosterior { model: evidence.model, shape, pose_prior, step: None, terms: &terms };
     solve(&posterior, motion, 30)
 }

@@ -59,7 +59,11 @@ impl Noise {
 
     /// From the residuals of every frame at the optimum, the frames' times, and the pairs of parts that are mirror images:
     /// (right, left).
-    pub fn from_residuals(frames: &[Vec<PlacedResidual>], seconds: &[f64], part_pairs: &[(usize, usize)]) -> Self {
+    pub fn from_residuals(
+        frames: &[Vec<PlacedResidual>],
+        seconds: &[f64],
+        part_pairs: &[(usize, usize)],
+    ) -> Self {
         let by_side = places(frames, seconds, Twins(&[]));
         let mirrored = places(frames, seconds, Twins(part_pairs));
         let repeated = repetition(&by_side).repeated;
@@ -235,28 +239,15 @@ fn repetition(places: &[Place]) -> Repetition {
         far_pairs += n * (n - 1.0) - close_pairs;
     }
     if count < 1.0 || own <= 0.0 {
-        return Repetition {
-            repeated: 0.0,
-            over_time: 1.0,
-        };
+        return Repetition { repeated: 0.0, over_time: 1.0 };
     }
 
     // V, P and I′; in a recording too short to tell, all of V may return
     let v = own / count;
-    let p = if far_pairs > 0.0 {
-        (far / far_pairs).clamp(0.0, v)
-    } else {
-        v
-    };
+    let p = if far_pairs > 0.0 { (far / far_pairs).clamp(0.0, v) } else { v };
     let independent = ((own + near - p * (near_pairs + count)) / count).max(1e-6 * v);
 
     // N and N_eff
-    let worth: f64 = places
-        .iter()
-        .map(|place| v / (p + independent / place.len() as f64))
-        .sum();
-    Repetition {
-        repeated: (p / v).sqrt(),
-        over_time: (count / worth).max(1.0),
-    }
+    let worth: f64 = places.iter().map(|place| v / (p + independent / place.len() as f64)).sum();
+    Repetition { repeated: (p / v).sqrt(), over_time: (count / worth).max(1.0) }
 }

@@ -34,11 +34,7 @@ impl ShapePrior {
         for (i, mut row) in apart.row_iter_mut().enumerate() {
             row /= precision[(i, i)].sqrt().max(f64::MIN_POSITIVE);
         }
-        Self {
-            mean: statistics.mean.clone(),
-            precision,
-            apart,
-        }
+        Self { mean: statistics.mean.clone(), precision, apart }
     }
 
     /// (cᵢ beyond ±3)/0.3, coefficient by coefficient.

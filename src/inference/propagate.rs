@@ -22,11 +22,7 @@ pub struct TrackOptions {
 
 impl Default for TrackOptions {
     fn default() -> Self {
-        Self {
-            iterations: 4,
-            motion_model: MotionModel::ConstantPosition,
-            recovery_ratio: 3.0,
-        }
+        Self { iterations: 4, motion_model: MotionModel::ConstantPosition, recovery_ratio: 3.0 }
     }
 }
 
@@ -66,13 +62,7 @@ const SETTLED: usize = 5;
 impl Track {
     pub(super) fn new(ahead: Vec<usize>, keyframe: usize, fit: &FrameFit) -> Self {
         let last = (keyframe, fit.motion.clone());
-        Self {
-            ahead,
-            last,
-            before: None,
-            levels: vec![fit.level()],
-            rest_until: 0,
-        }
+        Self { ahead, last, before: None, levels: vec![fit.level()], rest_until: 0 }
     }
 
     pub(super) fn finished(&self) -> bool {
@@ -80,7 +70,11 @@ impl Track {
     }
 
     /// Fits the next `count` frames.
-    pub(super) fn advance(&mut self, tracking: &Tracking<'_>, count: usize) -> Vec<(usize, FrameFit)> {
+    pub(super) fn advance(
+        &mut self,
+        tracking: &Tracking<'_>,
+        count: usize,
+    ) -> Vec<(usize, FrameFit)> {
         let mut fits = Vec::new();
         while let Some(index) = (fits.len() < count).then(|| self.ahead.pop()).flatten() {
             let fit = self.fit(tracking, index);
@@ -99,13 +93,7 @@ impl Track {
     }
 
     fn fit(&mut self, tracking: &Tracking<'_>, index: usize) -> FrameFit {
-        let Tracking {
-            evidence,
-            sequence,
-            shape,
-            options,
-            start,
-        } = *tracking;
+        let Tracking { evidence, sequence, shape, options, start } = *tracking;
         let frame = &sequence.frames[index];
 
         // the step's prior, and where the frame is expected
@@ -139,10 +127,7 @@ impl Track {
             .min_by(|a, b| a.cost().total_cmp(&b.cost()))
             .filter(|anew| anew.cost() < fit.cost());
         match anew {
-            Some(anew) => FrameFit {
-                recovered: true,
-                ..anew
-            },
+            Some(anew) => FrameFit { recovered: true, ..anew },
             None => fit,
         }
     }
@@ -168,12 +153,12 @@ impl Track {
 }
 
 /// Maximises a frame posterior from a motion.
-pub(super) fn solve(posterior: &FramePosterior<'_>, start: Motion, max_iterations: usize) -> FrameFit {
-    let options = Options {
-        max_iterations,
-        damping: 1e-4,
-        relative_decrease: 1e-4,
-    };
+pub(super) fn solve(
+    posterior: &FramePosterior<'_>,
+    start: Motion,
+    max_iterations: usize,
+) -> FrameFit {
+    let options = Options { max_iterations, damping: 1e-4, relative_decrease: 1e-4 };
     let solution = levenberg_marquardt(posterior, start, &options);
     posterior.frame_fit(solution.state, solution.cost)
 }

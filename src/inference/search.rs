@@ -78,19 +78,15 @@ pub fn search(
     options: &SearchOptions,
     journal: &dyn Journal,
 ) -> Option<Search> {
-    let run = Run {
-        evidence,
-        sequence,
-        options,
-        journal,
-    };
+    let run = Run { evidence, sequence, options, journal };
 
     // 1. the keyframes K
     let keyframes = keyframes(sequence, options.keyframe_spacing(sequence.frames.len()));
     // 3. one hypothesis from each keyframe and reading: argmax p(mₖ, s | Zₖ)
     let found: Vec<Hypothesis> = keyframes.par_iter().flat_map_iter(|&k| run.keyframe(k)).collect();
     // 2. first hypothesis: the mean of p(s), in the pose of the keyframe that was fitted best
-    let by_cost = |a: &usize, b: &usize| found[*a].keyframe_cost.total_cmp(&found[*b].keyframe_cost);
+    let by_cost =
+        |a: &usize, b: &usize| found[*a].keyframe_cost.total_cmp(&found[*b].keyframe_cost);
     let promising = (0..found.len()).min_by(by_cost)?;
     let mut hypotheses = vec![mean_hypothesis(evidence, sequence, &found[promising])];
     hypotheses.extend(found);
@@ -207,18 +203,12 @@ mod tests {
     fn every_20th_frame_is_a_keyframe_and_more_where_that_is_fewer_than_five() {
         let (default, third) = (
             SearchOptions::default(),
-            SearchOptions {
-                keyframe_every: Some(3),
-                ..SearchOptions::default()
-            },
+            SearchOptions { keyframe_every: Some(3), ..SearchOptions::default() },
         );
         for frames in 1..300 {
             let every = default.keyframe_spacing(frames);
             let keyframes = frames.div_ceil(every);
-            assert!(
-                (1..=20).contains(&every) && keyframes >= frames.min(5),
-                "{frames}: {every}"
-            );
+            assert!((1..=20).contains(&every) && keyframes >= frames.min(5), "{frames}: {every}");
             assert_eq!(every == 20, frames > 80, "{frames}");
             assert_eq!(third.keyframe_spacing(frames), 3);
         }

@@ -58,7 +58,12 @@ impl SequencePosterior<'_> {
     }
 
     /// Adds a run of frames to their links; returns their cost and what they add to the corner.
-    fn linearize_chunk(&self, x: &SequenceState, first: usize, links: &mut [Link]) -> (f64, NormalEquations) {
+    fn linearize_chunk(
+        &self,
+        x: &SequenceState,
+        first: usize,
+        links: &mut [Link],
+    ) -> (f64, NormalEquations) {
         let layout = Layout::new(self.model);
         let (m, p) = (layout.motion(), layout.total() - layout.motion());
         let mut equations = NormalEquations::zeros(m + p);
@@ -136,17 +141,17 @@ impl Problem for SequencePosterior<'_> {
         model.corner += corner.hessian;
         model.corner_gradient += corner.gradient;
         // how each follows the ones before
-        let steps = (0..x.motions.len()).map(|i| {
-            self.chain_prior
-                .linearize(&x.motions, self.seconds, i, &mut model.links)
-        });
+        let steps = (0..x.motions.len())
+            .map(|i| self.chain_prior.linearize(&x.motions, self.seconds, i, &mut model.links));
         cost + steps.sum::<f64>()
     }
 
     fn retract(&self, x: &SequenceState, delta: &DVector<f64>) -> SequenceState {
         let layout = Layout::new(self.model);
         let m = layout.motion();
-        let motion = |(i, motion): (usize, &Motion)| layout.retract_motion(motion, &delta.rows(i * m, m).into_owned());
+        let motion = |(i, motion): (usize, &Motion)| {
+            layout.retract_motion(motion, &delta.rows(i * m, m).into_owned())
+        };
         SequenceState {
             shape: Shape(&x.shape.0 + delta.rows(x.motions.len() * m, x.shape.0.len())),
             motions: x.motions.iter().enumerate().map(motion).collect(),

@@ -29,11 +29,7 @@ pub struct StartOptions {
 
 impl Default for StartOptions {
     fn default() -> Self {
-        Self {
-            headings: 8,
-            iterations: 12,
-            kept: 6,
-        }
+        Self { headings: 8, iterations: 12, kept: 6 }
     }
 }
 
@@ -47,7 +43,11 @@ pub struct Reading {
 }
 
 /// The readings of one frame, best first: at most one per direction of view (front, back, …).
-pub fn readings(evidence: &Evidence<'_>, frame: &FrameObservations, options: &StartOptions) -> Vec<Reading> {
+pub fn readings(
+    evidence: &Evidence<'_>,
+    frame: &FrameObservations,
+    options: &StartOptions,
+) -> Vec<Reading> {
     readings_by(evidence, frame, &evidence.terms(frame, Detail::Fine), options)
 }
 
@@ -99,11 +99,7 @@ pub(super) fn readings_by(
 }
 
 fn solver_options(max_iterations: usize, relative_decrease: f64) -> Options {
-    Options {
-        max_iterations,
-        damping: 1e-2,
-        relative_decrease,
-    }
+    Options { max_iterations, damping: 1e-2, relative_decrease }
 }
 
 /// The optimum of the keyframe posterior that is reached from a state.
@@ -115,10 +111,7 @@ fn improve(evidence: &Evidence<'_>, terms: &Terms<'_>, state: State, options: &O
         terms,
     };
     let solution = levenberg_marquardt(&posterior, state, options);
-    Reading {
-        state: solution.state,
-        cost: solution.cost,
-    }
+    Reading { state: solution.state, cost: solution.cost }
 }
 
 fn keep_best(readings: &mut Vec<Reading>, kept: usize) {
@@ -131,13 +124,15 @@ fn canonical_poses(model: &BodyModel, limbs: Limbs) -> Vec<&Pose> {
 }
 
 /// The body where the hull is, at every heading in every canonical leg pose.
-fn starting_states(evidence: &Evidence<'_>, hull: Option<&Hull>, options: &StartOptions) -> Vec<State> {
+fn starting_states(
+    evidence: &Evidence<'_>,
+    hull: Option<&Hull>,
+    options: &StartOptions,
+) -> Vec<State> {
     let model = evidence.model;
     let legs = canonical_poses(model, Limbs::Legs);
-    let shape = hull.map_or_else(
-        || evidence.shape_prior.mean(),
-        |h| shape_of_height(model, h.top - h.bottom),
-    );
+    let shape = hull
+        .map_or_else(|| evidence.shape_prior.mean(), |h| shape_of_height(model, h.top - h.bottom));
     let headings = if model.root == Root::Fixed { 1 } else { options.headings };
 
     let mut states = Vec::new();
@@ -156,10 +151,7 @@ fn starting_states(evidence: &Evidence<'_>, hull: Option<&Hull>, options: &Start
         for (motion, pose) in motions.iter_mut().zip(&legs) {
             pose.apply(motion);
         }
-        states.extend(motions.into_iter().map(|motion| State {
-            motion,
-            shape: shape.clone(),
-        }));
+        states.extend(motions.into_iter().map(|motion| State { motion, shape: shape.clone() }));
     }
     states
 }

@@ -39,7 +39,12 @@ impl StepPrior {
     }
 
     /// Adds gradient and Hessian with respect to mᵢ.
-    pub fn linearize(&self, mean: &Motion, motion: &Motion, equations: &mut NormalEquations) -> f64 {
+    pub fn linearize(
+        &self,
+        mean: &Motion,
+        motion: &Motion,
+        equations: &mut NormalEquations,
+    ) -> f64 {
         let delta = self.layout.motion_difference(mean, motion);
 
         // every component depends on its own alone, …

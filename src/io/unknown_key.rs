@@ -18,7 +18,11 @@ pub struct UnknownKey {
 
 impl UnknownKey {
     /// The first key of `table`, a part of `text`, that is not among `known`; `None` if all are.
-    pub(super) fn first_in(text: &str, table: &DeTable<'_>, known: &'static [&'static str]) -> Option<Self> {
+    pub(super) fn first_in(
+        text: &str,
+        table: &DeTable<'_>,
+        known: &'static [&'static str],
+    ) -> Option<Self> {
         let unknown = table.keys().filter(|key| !known.contains(&key.get_ref().as_ref()));
         let first = unknown.min_by_key(|key| key.span().start)?;
         let key = first.get_ref().to_string();

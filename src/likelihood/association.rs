@@ -19,17 +19,17 @@ pub struct Association {
 }
 
 /// Limb and part of every point; empty for a body without metaballs.
-pub fn associate(body: &Posed<'_>, points_world: impl IntoIterator<Item = Point3<f64>>) -> Vec<Association> {
+pub fn associate(
+    body: &Posed<'_>,
+    points_world: impl IntoIterator<Item = Point3<f64>>,
+) -> Vec<Association> {
     let field = Field::from_body(body);
     let mut sampler = Sampler::new(&field);
     let mut sample = FieldSample::default();
     let association = |point: Point3<f64>| {
         sampler.sample(&point.coords, None, &mut sample);
         let primitive = field.source(sample.heaviest()?)?;
-        Some(Association {
-            limb: sample.limb,
-            part: body.model.metaballs[primitive].part,
-        })
+        Some(Association { limb: sample.limb, part: body.model.metaballs[primitive].part })
     };
     points_world.into_iter().filter_map(association).collect()
 }

@@ -95,7 +95,11 @@ impl<'f> RayField<'f> {
     /// The largest F on a ray; `near` receives the metaballs of its limb that contribute there.
     ///
     /// Metaballs that the ray comes closest to behind its origin do not count; `None` if none is left.
-    pub(super) fn contact(&mut self, direction: &Vector3<f64>, near: &mut Vec<usize>) -> Option<Contact> {
+    pub(super) fn contact(
+        &mut self,
+        direction: &Vector3<f64>,
+        near: &mut Vec<usize>,
+    ) -> Option<Contact> {
         // how near the ray comes to each limb
         self.approach(direction);
         self.leasts.clear();

@@ -55,12 +55,7 @@ impl OutlineEllipse {
         let l11 = (s[(1, 1)] - l10 * l10).max(0.0).sqrt();
         let root = Matrix2::new(l00, 0.0, l10, l11);
 
-        Self {
-            centre: ellipse.centre,
-            inverse,
-            reach: (half + spread).sqrt(),
-            root,
-        }
+        Self { centre: ellipse.centre, inverse, reach: (half + spread).sqrt(), root }
     }
 
     /// Whether every point of the ellipse is farther from x than `distance` (true at once for most).
@@ -72,7 +67,11 @@ impl OutlineEllipse {
 
     /// d and ∂d/∂(cx, cy, Σxx, Σxy, Σyy).
     #[inline]
-    pub(super) fn distance(&self, x: &Vector2<f64>, kind: EllipseDistance) -> (f64, SVector<f64, 5>) {
+    pub(super) fn distance(
+        &self,
+        x: &Vector2<f64>,
+        kind: EllipseDistance,
+    ) -> (f64, SVector<f64, 5>) {
         match kind {
             EllipseDistance::Published => self.published(x),
             EllipseDistance::Gradient => self.gradient(x),
@@ -159,7 +158,12 @@ const TINY: f64 = 1e-12;
 
 /// (∂c, factor·aᵀ∂Σb) as five numbers.
 #[inline]
-fn with_outer(d_centre: &Vector2<f64>, a: &Vector2<f64>, b: &Vector2<f64>, factor: f64) -> SVector<f64, 5> {
+fn with_outer(
+    d_centre: &Vector2<f64>,
+    a: &Vector2<f64>,
+    b: &Vector2<f64>,
+    factor: f64,
+) -> SVector<f64, 5> {
     SVector::from([[
         d_centre[0],
         d_centre[1],
@@ -176,17 +180,11 @@ mod tests {
     use super::*;
     use crate::math::central_differences;
 
-    const KINDS: [EllipseDistance; 3] = [
-        EllipseDistance::Published,
-        EllipseDistance::Gradient,
-        EllipseDistance::Orthogonal,
-    ];
+    const KINDS: [EllipseDistance; 3] =
+        [EllipseDistance::Published, EllipseDistance::Gradient, EllipseDistance::Orthogonal];
 
     fn ellipse(n: &[f64]) -> Ellipse {
-        Ellipse {
-            centre: Vector2::new(n[0], n[1]),
-            shape: Matrix2::new(n[2], n[3], n[3], n[4]),
-        }
+        Ellipse { centre: Vector2::new(n[0], n[1]), shape: Matrix2::new(n[2], n[3], n[3], n[4]) }
     }
 
     /// The true distance, by bisection to rounding: the oracle that the others are tested against.
@@ -196,22 +194,17 @@ mod tests {
     /// F(t) = (a·y₀/(t+a²))² + (b·y₁/(t+b²))² − 1 on t > −b².
     fn exact_distance(ellipse: &Ellipse, x: &Vector2<f64>) -> f64 {
         let eigen = ellipse.shape.symmetric_eigen();
-        let major = if eigen.eigenvalues[0] >= eigen.eigenvalues[1] {
-            0
-        } else {
-            1
-        };
+        let major = if eigen.eigenvalues[0] >= eigen.eigenvalues[1] { 0 } else { 1 };
         let (a, b) = (eigen.eigenvalues[major].sqrt(), eigen.eigenvalues[1 - major].sqrt());
 
         // the point in the first quadrant of the ellipse's axes, and its foot there
         let y = eigen.eigenvectors.transpose() * (x - ellipse.centre);
         let y = Vector2::new(y[major].abs(), y[1 - major].abs());
         let foot = if y[1] > 0.0 {
-            let f = |t: f64| (a * y[0] / (t + a * a)).powi(2) + (b * y[1] / (t + b * b)).powi(2) - 1.0;
-            let (mut low, mut high) = (
-                -b * b + b * y[1],
-                -b * b + (a * a * y[0] * y[0] + b * b * y[1] * y[1]).sqrt(),
-            );
+            let f =
+                |t: f64| (a * y[0] / (t + a * a)).powi(2) + (b * y[1] / (t + b * b)).powi(2) - 1.0;
+            let (mut low, mut high) =
+                (-b * b + b * y[1], -b * b + (a * a * y[0] * y[0] + b * b * y[1] * y[1]).sqrt());
             for _ in 0..200 {
                 let middle = 0.5 * (low + high);
                 if f(middle) > 0.0 { low = middle } else { high = middle }
@@ -247,8 +240,16 @@ mod tests {
     fn all_agree_on_a_circle() {
         let e = OutlineEllipse::new(&ellipse(&[0.0, 0.0, 25.0, 0.0, 25.0]));
         for kind in KINDS {
-            approx::assert_relative_eq!(e.distance(&Vector2::new(6.0, 8.0), kind).0, 5.0, epsilon = 1e-9);
-            approx::assert_relative_eq!(e.distance(&Vector2::new(0.0, 3.0), kind).0, -2.0, epsilon = 1e-9);
+            approx::assert_relative_eq!(
+                e.distance(&Vector2::new(6.0, 8.0), kind).0,
+                5.0,
+                epsilon = 1e-9
+            );
+            approx::assert_relative_eq!(
+                e.distance(&Vector2::new(0.0, 3.0), kind).0,
+                -2.0,
+                epsilon = 1e-9
+            );
         }
     }
 
@@ -273,17 +274,17 @@ mod tests {
         let x = Vector2::new(40.0, 8.0);
         let exact = exact_distance(&raw, &x);
         assert!(e.distance(&x, EllipseDistance::Published).0 > 2.0 * exact);
-        approx::assert_relative_eq!(e.distance(&x, EllipseDistance::Gradient).0, exact, max_relative = 0.1);
+        approx::assert_relative_eq!(
+            e.distance(&x, EllipseDistance::Gradient).0,
+            exact,
+            max_relative = 0.1
+        );
     }
 
     #[test]
     fn derivatives_are_those_of_the_distance() {
         for kind in KINDS {
-            for x in [
-                Vector2::new(50.0, 20.0),
-                Vector2::new(14.0, 9.0),
-                Vector2::new(12.0, 14.0),
-            ] {
+            for x in [Vector2::new(50.0, 20.0), Vector2::new(14.0, 9.0), Vector2::new(12.0, 14.0)] {
                 let analytic = OutlineEllipse::new(&ellipse(&LONG)).distance(&x, kind).1;
                 let numeric = central_differences(5, 1e-2, |delta| {
                     let n: Vec<f64> = LONG.iter().zip(delta.iter()).map(|(a, b)| a + b).collect();

@@ -265,7 +265,8 @@ fn contact(ray: &Ray, ellipsoid: &Ellipsoid) -> Point3<f64> {
 fn outline_slope(e: &OutlineEllipse, sin: f64, cos: f64, slope: &Vector2<f64>) -> SVector<f64, 5> {
     let (l00, l10, l11) = (e.root[(0, 0)], e.root[(1, 0)], e.root[(1, 1)]);
     // l00 = √Σxx, l10 = Σxy/l00, l11 = √(Σyy − l10²)
-    let by = |d00: f64, d10: f64, d11: f64| slope[0] * d00 * cos + slope[1] * (d10 * cos + d11 * sin);
+    let by =
+        |d00: f64, d10: f64, d11: f64| slope[0] * d00 * cos + slope[1] * (d10 * cos + d11 * sin);
     let d00 = 0.5 / l00;
     let d10 = -l10 / l00 * d00;
     SVector::from([[

@@ -62,7 +62,9 @@ impl<const N: usize> EllipseSums<N> {
 impl EllipseSums<9> {
     /// Adds one camera's sums through its projection Jacobians.
     pub(super) fn add_camera(&mut self, sums: &EllipseSums<5>, projections: &[ProjectionJacobian]) {
-        for (gradient, (g, p)) in self.gradients.iter_mut().zip(sums.gradients.iter().zip(projections)) {
+        for (gradient, (g, p)) in
+            self.gradients.iter_mut().zip(sums.gradients.iter().zip(projections))
+        {
             *gradient += p.tr_mul(g);
         }
         for (i, j, block) in &sums.blocks {
@@ -84,10 +86,8 @@ impl EllipseSums<9> {
             }
         }
         for (i, j, block) in &self.blocks {
-            let (rows, columns) = (
-                &jacobians.components[*i][..free[*i]],
-                &jacobians.components[*j][..free[*j]],
-            );
+            let (rows, columns) =
+                (&jacobians.components[*i][..free[*i]], &jacobians.components[*j][..free[*j]]);
             for (b, &column) in columns.iter().enumerate() {
                 let pull = block * jacobians.values[*j].column(b);
                 // a pair's block stands for its transpose too; on the diagonal half of it is enough

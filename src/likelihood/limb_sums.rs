@@ -25,14 +25,9 @@ impl LimbSums {
     pub(super) fn new(slopes: &FieldSlopes, dimension: usize) -> Self {
         let sums = |limb| {
             let n = slopes.components(limb).partition_point(|&c| c < dimension);
-            Sums {
-                gradient: vec![0.0; n],
-                hessian: vec![0.0; n * n],
-            }
+            Sums { gradient: vec![0.0; n], hessian: vec![0.0; n * n] }
         };
-        Self {
-            limbs: (0..slopes.limbs()).map(sums).collect(),
-        }
+        Self { limbs: (0..slopes.limbs()).map(sums).collect() }
     }
 
     /// Adds a residual r of weight w with the derivatives `row`, one for each component of the limb.

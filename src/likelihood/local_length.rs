@@ -74,7 +74,11 @@ impl LocalLength {
     }
 
     /// R, m, and ∂ ln R.
-    pub(super) fn linearize(&self, pull: &Vector3<f64>, metaball: &Metaball) -> (f64, LengthSlopes) {
+    pub(super) fn linearize(
+        &self,
+        pull: &Vector3<f64>,
+        metaball: &Metaball,
+    ) -> (f64, LengthSlopes) {
         let (u, q, growth) = self.shares(pull);
         let e = u.norm_squared() + self.smoothing;
         let by_u = u.zip_map(&self.growth, |u, g| 2.0 * u * (g - growth) / e);
@@ -101,10 +105,7 @@ mod tests {
     use super::*;
     use crate::math::quadric::Ellipsoid;
 
-    const MEAN: MeanLength = MeanLength {
-        length_m: 0.1,
-        radii: Vector3::new(0.05, 0.1, 0.2),
-    };
+    const MEAN: MeanLength = MeanLength { length_m: 0.1, radii: Vector3::new(0.05, 0.1, 0.2) };
 
     fn axes() -> Matrix3<f64> {
         Rotation3::from_scaled_axis(Vector3::new(0.4, -1.0, 0.3)).into_inner()
@@ -114,7 +115,9 @@ mod tests {
     fn at(radii: Vector3<f64>, offset: Vector3<f64>) -> (f64, LengthSlopes) {
         let ball = Metaball::new(Ellipsoid {
             centre: Vector3::zeros(),
-            shape: axes() * Matrix3::from_diagonal(&radii.component_mul(&radii)) * axes().transpose(),
+            shape: axes()
+                * Matrix3::from_diagonal(&radii.component_mul(&radii))
+                * axes().transpose(),
         })
         .unwrap();
         let local = MEAN.with_radii(&radii, axes());
@@ -159,7 +162,12 @@ mod tests {
                     at(grown, offset).0
                 };
                 let numeric = (grown(step) - grown(-step)) / (2.0 * step);
-                approx::assert_relative_eq!(slopes.radii[k], numeric, epsilon = 1e-7, max_relative = 1e-6);
+                approx::assert_relative_eq!(
+                    slopes.radii[k],
+                    numeric,
+                    epsilon = 1e-7,
+                    max_relative = 1e-6
+                );
             }
         }
     }

@@ -63,10 +63,7 @@ impl From<&CloudPoint> for SurfacePoint {
             Spread::Isotropic(sigma_m) => sigma_m,
             Spread::Full(covariance) => (covariance.trace() / 3.0).sqrt(),
         };
-        Self {
-            position_world: point.position_world,
-            sigma_m,
-        }
+        Self { position_world: point.position_world, sigma_m }
     }
 }
 
@@ -117,7 +114,12 @@ impl SkinTerm for PointField {
         self.scale.posed(body, field)
     }
 
-    fn touches(&self, field: &Field, scale: &PosedScale<'_>, mut each: impl FnMut(&Touch<'_>, &FieldSample)) {
+    fn touches(
+        &self,
+        field: &Field,
+        scale: &PosedScale<'_>,
+        mut each: impl FnMut(&Touch<'_>, &FieldSample),
+    ) {
         let options = &self.options;
         let mut sampler = Sampler::new(field);
         let mut sample = FieldSample::default();
@@ -171,7 +173,8 @@ fn weights(points: &[SurfacePoint], cell_m: f64) -> Vec<f64> {
         return vec![1.0; points.len()];
     }
     let cell = |p: &SurfacePoint| p.position_world.coords.map(|x| (x / cell_m).floor() as i64);
-    let mut cells: Vec<([i64; 3], usize)> = points.iter().enumerate().map(|(i, p)| (cell(p).into(), i)).collect();
+    let mut cells: Vec<([i64; 3], usize)> =
+        points.iter().enumerate().map(|(i, p)| (cell(p).into(), i)).collect();
     cells.sort_unstable();
     let mut weights = vec![1.0; points.len()];
     for shared in cells.chunk_by(|a, b| a.0 == b.0) {
@@ -187,10 +190,7 @@ mod tests {
     use super::*;
 
     fn point(x: f64) -> SurfacePoint {
-        SurfacePoint {
-            position_world: Point3::new(x, -0.05, 1.0),
-            sigma_m: 0.002,
-        }
+        SurfacePoint { position_world: Point3::new(x, -0.05, 1.0), sigma_m: 0.002 }
     }
 
     #[test]

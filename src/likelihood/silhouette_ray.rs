@@ -130,7 +130,12 @@ impl SkinTerm for SilhouetteRays {
         self.scale.posed(body, field)
     }
 
-    fn touches(&self, field: &Field, scale: &PosedScale<'_>, mut each: impl FnMut(&Touch<'_>, &FieldSample)) {
+    fn touches(
+        &self,
+        field: &Field,
+        scale: &PosedScale<'_>,
+        mut each: impl FnMut(&Touch<'_>, &FieldSample),
+    ) {
         let options = &self.options;
         let mut sample = FieldSample::default();
         let mut near = Vec::new();

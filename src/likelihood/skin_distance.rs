@@ -90,10 +90,7 @@ impl SkinScale {
         // R̄ and ā of every metaball; one that is nowhere at the skin keeps the length of a common limb
         let primitives = model.metaballs.iter();
         let mut balls: Vec<MeanLength> = primitives
-            .map(|m| MeanLength {
-                length_m: FIELD_RADIUS_M,
-                radii: body.primitive_radii(m),
-            })
+            .map(|m| MeanLength { length_m: FIELD_RADIUS_M, radii: body.primitive_radii(m) })
             .collect();
         for ball in 0..field.metaballs.len() {
             let Some(source) = field.source(ball) else {
@@ -125,7 +122,12 @@ impl SkinScale {
 
 impl PosedScale<'_> {
     /// The residual at a sampled point.
-    pub(super) fn residual(&self, kind: Residual, derivatives: Derivatives, sample: &FieldSample) -> SkinResidual {
+    pub(super) fn residual(
+        &self,
+        kind: Residual,
+        derivatives: Derivatives,
+        sample: &FieldSample,
+    ) -> SkinResidual {
         match kind {
             Residual::Field => field_residual(sample.log_value),
             Residual::Metric => self.metric_residual(derivatives, sample),
@@ -133,12 +135,14 @@ impl PosedScale<'_> {
     }
 
     /// The residual's derivatives in what can change of a metaball.
-    pub(super) fn change(&self, residual: &SkinResidual, field: &Field, share: &Share) -> BallChange {
+    pub(super) fn change(
+        &self,
+        residual: &SkinResidual,
+        field: &Field,
+        share: &Share,
+    ) -> BallChange {
         if residual.gamma.abs() < f64::MIN_POSITIVE {
-            return BallChange {
-                alpha: residual.alpha,
-                ..BallChange::default()
-            };
+            return BallChange { alpha: residual.alpha, ..BallChange::default() };
         }
 
         let local = &self.balls[share.metaball];
@@ -166,11 +170,7 @@ impl PosedScale<'_> {
             Derivatives::Complete => past,
             Derivatives::FirstOrder => 0.0,
         };
-        SkinResidual {
-            distance_m: past * length,
-            alpha: length * (slope - gamma),
-            gamma,
-        }
+        SkinResidual { distance_m: past * length, alpha: length * (slope - gamma), gamma }
     }
 }
 
@@ -178,11 +178,7 @@ fn field_residual(log_value: f64) -> SkinResidual {
     let metres = FIELD_RADIUS_M / std::f64::consts::LN_2;
     // a point deep inside, in an impossible pose, must not give an infinite residual
     let value = log_value.min(50.0).exp();
-    SkinResidual {
-        distance_m: (THRESHOLD - value) * metres,
-        alpha: -value * metres,
-        gamma: 0.0,
-    }
+    SkinResidual { distance_m: (THRESHOLD - value) * metres, alpha: -value * metres, gamma: 0.0 }
 }
 
 /// Mean ‖∇ ln F‖ where the axes of a metaball meet the skin, 1/m; `None` if none does.
@@ -229,21 +225,15 @@ mod tests {
         let at_skin = (offset + 0.5 * 2.0_f64.ln()).sqrt();
         let length_m = 4.0 * at_skin / skin_slope(&field, 0, &Matrix3::identity()).unwrap();
         let radii = Vector3::repeat(squared.sqrt());
-        let scale = SkinScale {
-            offset,
-            at_skin,
-            balls: vec![MeanLength { length_m, radii }],
-        };
+        let scale = SkinScale { offset, at_skin, balls: vec![MeanLength { length_m, radii }] };
         (field, scale)
     }
 
     fn residual(kind: Residual, (field, scale): &(Field, SkinScale), x: f64) -> SkinResidual {
         let sample = field.sample(&Vector3::new(x, 0.0, 0.0)).unwrap();
         let mean = scale.balls[0];
-        let posed = PosedScale {
-            scale,
-            balls: vec![mean.with_radii(&mean.radii, Matrix3::identity())],
-        };
+        let posed =
+            PosedScale { scale, balls: vec![mean.with_radii(&mean.radii, Matrix3::identity())] };
         posed.residual(kind, Derivatives::Complete, &sample)
     }
 

@@ -65,9 +65,8 @@ impl Touch<'_> {
             return Vector3::zeros();
         }
         let each = sample.shares.iter().zip(changes);
-        let slope: f64 = each
-            .map(|(s, c)| s.weight * (c.place - s.pull * (4.0 * c.alpha)).dot(r))
-            .sum();
+        let slope: f64 =
+            each.map(|(s, c)| s.weight * (c.place - s.pull * (4.0 * c.alpha)).dot(r)).sum();
         r * (-slope / curvature)
     }
 }
@@ -79,7 +78,12 @@ pub(super) trait SkinTerm {
     /// The scale that turns the field into a distance.
     fn scale(&self, body: &Posed<'_>, field: &Field) -> PosedScale<'_>;
     /// Calls `each` for every observation that touches the field, with the field there.
-    fn touches(&self, field: &Field, scale: &PosedScale<'_>, each: impl FnMut(&Touch<'_>, &FieldSample));
+    fn touches(
+        &self,
+        field: &Field,
+        scale: &PosedScale<'_>,
+        each: impl FnMut(&Touch<'_>, &FieldSample),
+    );
 }
 
 /// ½ Σ w ρ.
@@ -93,7 +97,11 @@ pub(super) fn cost(term: &impl SkinTerm, body: &Posed<'_>) -> f64 {
 }
 
 /// The same, and its rows added to the equations.
-pub(super) fn linearize(term: &impl SkinTerm, body: &Posed<'_>, equations: &mut NormalEquations) -> f64 {
+pub(super) fn linearize(
+    term: &impl SkinTerm,
+    body: &Posed<'_>,
+    equations: &mut NormalEquations,
+) -> f64 {
     let field = Field::from_body(body);
     let scale = term.scale(body, &field);
     let slopes = FieldSlopes::new(body, &field);

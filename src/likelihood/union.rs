@@ -14,10 +14,7 @@ pub(super) struct NearEllipses {
 
 impl NearEllipses {
     pub(super) fn new() -> Self {
-        Self {
-            hint: 0,
-            slopes: Vec::with_capacity(MAX_NEAR),
-        }
+        Self { hint: 0, slopes: Vec::with_capacity(MAX_NEAR) }
     }
 }
 
@@ -29,10 +26,8 @@ pub(super) fn nearest(
     near: &mut NearEllipses,
 ) -> Option<f64> {
     near.slopes.clear();
-    let all = ellipses
-        .iter()
-        .enumerate()
-        .filter_map(|(i, e)| Some((i, e.as_ref()?.distance(x, kind))));
+    let all =
+        ellipses.iter().enumerate().filter_map(|(i, e)| Some((i, e.as_ref()?.distance(x, kind))));
     let (i, (d, slope)) = all.min_by(|a, b| a.1.0.abs().total_cmp(&b.1.0.abs()))?;
     near.slopes.push((i, slope));
     Some(d)
@@ -59,12 +54,11 @@ pub(super) fn smooth_union(
 
     // the near ones and their distances
     let reach = REACH_IN_BLENDS * blend_px;
-    let mut least = ellipses[*hint]
-        .as_ref()
-        .map_or(f64::INFINITY, |e| e.distance(x, kind).0);
+    let mut least = ellipses[*hint].as_ref().map_or(f64::INFINITY, |e| e.distance(x, kind).0);
     let mut distances = [0.0; MAX_NEAR];
     for (i, ellipse) in ellipses.iter().enumerate() {
-        let Some(ellipse) = ellipse.as_ref().filter(|e| !e.is_farther_than(least + reach, x)) else {
+        let Some(ellipse) = ellipse.as_ref().filter(|e| !e.is_farther_than(least + reach, x))
+        else {
             continue;
         };
         let (d, slope) = ellipse.distance(x, kind);

@@ -6,15 +6,18 @@ use nalgebra::{DMatrix, DVector};
 ///
 /// J·eᵢ = (4·D(h/2) − D(h))/3, D(h) = (f(h·eᵢ) − f(−h·eᵢ))/(2h). The error is O(h⁴) plus rounding of O(ε/h).
 /// `f` maps a displacement (`dimension` × 1) to a vector of any fixed length.
-pub fn central_differences(dimension: usize, h: f64, f: impl Fn(&DVector<f64>) -> DVector<f64>) -> DMatrix<f64> {
+pub fn central_differences(
+    dimension: usize,
+    h: f64,
+    f: impl Fn(&DVector<f64>) -> DVector<f64>,
+) -> DMatrix<f64> {
     let slope = |i: usize, h: f64| {
         let mut delta = DVector::zeros(dimension);
         delta[i] = h;
         (f(&delta) - f(&-delta)) / (2.0 * h)
     };
-    let columns: Vec<_> = (0..dimension)
-        .map(|i| (slope(i, 0.5 * h) * 4.0 - slope(i, h)) / 3.0)
-        .collect();
+    let columns: Vec<_> =
+        (0..dimension).map(|i| (slope(i, 0.5 * h) * 4.0 - slope(i, h)) / 3.0).collect();
     DMatrix::from_columns(&columns)
 }
 

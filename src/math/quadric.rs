@@ -101,11 +101,17 @@ pub fn project_with_jacobian(
 }
 
 /// The change of the ellipse's 5 numbers when B and h change by `db` and `dh`.
-fn differential(conic: &DualConic, ellipse: &Ellipse, db: &Matrix3<f64>, dh: &Vector3<f64>) -> SMatrix<f64, 5, 1> {
+fn differential(
+    conic: &DualConic,
+    ellipse: &Ellipse,
+    db: &Matrix3<f64>,
+    dh: &Vector3<f64>,
+) -> SMatrix<f64, 5, 1> {
     let DualConic { b, h, kappa } = conic;
     let x = &ellipse.centre;
     let dkappa = 2.0 * h[2] * dh[2] - db[(2, 2)];
-    let dx: Vector2<f64> = Vector2::from_fn(|k, _| (dh[k] * h[2] + h[k] * dh[2] - db[(k, 2)] - x[k] * dkappa) / kappa);
+    let dx: Vector2<f64> =
+        Vector2::from_fn(|k, _| (dh[k] * h[2] + h[k] * dh[2] - db[(k, 2)] - x[k] * dkappa) / kappa);
     let dshape = |k: usize, l: usize| {
         let outer = b[(k, l)] - h[k] * h[l];
         let douter = db[(k, l)] - dh[k] * h[l] - h[k] * dh[l];
@@ -136,10 +142,7 @@ mod tests {
             shape[(r, s)] = numbers[3 + i];
             shape[(s, r)] = numbers[3 + i];
         }
-        Ellipsoid {
-            centre: Vector3::new(numbers[0], numbers[1], numbers[2]),
-            shape,
-        }
+        Ellipsoid { centre: Vector3::new(numbers[0], numbers[1], numbers[2]), shape }
     }
 
     const NUMBERS: [f64; 9] = [0.1, -0.3, 0.2, 0.02, 0.003, -0.002, 0.05, 0.004, 0.03];
@@ -157,7 +160,8 @@ mod tests {
             let line = Vector3::new(n[0], n[1], -n.dot(&x));
             let plane = p.transpose() * line;
             let normal = plane.fixed_rows::<3>(0);
-            let tangency = normal.dot(&(e.shape * normal)) - (normal.dot(&e.centre) + plane[3]).powi(2);
+            let tangency =
+                normal.dot(&(e.shape * normal)) - (normal.dot(&e.centre) + plane[3]).powi(2);
             approx::assert_abs_diff_eq!(tangency / normal.norm_squared(), 0.0, epsilon = 1e-9);
         }
     }
@@ -180,10 +184,8 @@ mod tests {
     #[test]
     fn an_ellipsoid_behind_or_around_the_camera_has_no_outline() {
         let p = Matrix3x4::identity();
-        let ball = |z: f64| Ellipsoid {
-            centre: Vector3::new(0.0, 0.0, z),
-            shape: Matrix3::identity(),
-        };
+        let ball =
+            |z: f64| Ellipsoid { centre: Vector3::new(0.0, 0.0, z), shape: Matrix3::identity() };
         assert!(project(&p, &ball(5.0)).is_some());
         assert!(project(&p, &ball(0.5)).is_none());
         assert!(project(&p, &ball(-5.0)).is_none());

@@ -2,9 +2,8 @@
 
 /// Mean; `None` of no values.
 pub fn mean(values: impl IntoIterator<Item = f64>) -> Option<f64> {
-    let (sum, count) = values
-        .into_iter()
-        .fold((0.0, 0.0), |(sum, count), v| (sum + v, count + 1.0));
+    let (sum, count) =
+        values.into_iter().fold((0.0, 0.0), |(sum, count), v| (sum + v, count + 1.0));
     (count > 0.0).then(|| sum / count)
 }
 
@@ -20,14 +19,11 @@ pub fn mean_and_sd(values: &[f64]) -> Option<(f64, Option<f64>)> {
 pub fn median(values: &mut Vec<f64>) -> Option<f64> {
     values.retain(|v| v.is_finite());
     let middle = values.len() / 2;
-    let (below, upper, _) = (!values.is_empty()).then(|| values.select_nth_unstable_by(middle, f64::total_cmp))?;
+    let (below, upper, _) =
+        (!values.is_empty()).then(|| values.select_nth_unstable_by(middle, f64::total_cmp))?;
     let upper = *upper;
     let lower = below.iter().copied().max_by(f64::total_cmp).unwrap_or(upper);
-    Some(if values.len() % 2 == 1 {
-        upper
-    } else {
-        0.5 * (lower + upper)
-    })
+    Some(if values.len() % 2 == 1 { upper } else { 0.5 * (lower + upper) })
 }
 
 /// Median of whole numbers of which `counts[v]` equal v; 0 of no numbers.

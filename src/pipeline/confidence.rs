@@ -25,13 +25,15 @@ pub struct ShapeConfidence {
 
 impl ShapeConfidence {
     /// The confidence that these trials' keyframes give.
-    pub(super) fn from_trials(model: &BodyModel, trials: &[Trial], options: &ConfidenceOptions) -> Self {
+    pub(super) fn from_trials(
+        model: &BodyModel,
+        trials: &[Trial],
+        options: &ConfidenceOptions,
+    ) -> Self {
         let shapes: Vec<&Shape> = best_readings(trials).iter().map(|h| &h.shape).collect();
         let coefficients: Vec<DVector<f64>> = shapes.iter().map(|s| s.0.clone()).collect();
-        let lengths: Vec<DVector<f64>> = shapes
-            .iter()
-            .map(|s| DVector::from_vec(rest_lengths_m(model, s)))
-            .collect();
+        let lengths: Vec<DVector<f64>> =
+            shapes.iter().map(|s| DVector::from_vec(rest_lengths_m(model, s))).collect();
         let (epsilon, epsilon_m) = (options.epsilon_coefficient, options.epsilon_m);
         Self {
             coefficients: each(&coefficients, model.coefficients.len(), epsilon),

@@ -98,9 +98,7 @@ impl TriedHypothesis {
     /// Sums over the fitted frames of −log p(Zᵢ | mᵢ, s), of the limits' and rest's, and of the steps'.
     pub fn parts(&self) -> [f64; 3] {
         let frames = self.trial.frames.iter().flatten();
-        frames.fold([0.0; 3], |[data, pose, step], f| {
-            [data + f.data, pose + f.pose, step + f.step]
-        })
+        frames.fold([0.0; 3], |[data, pose, step], f| [data + f.data, pose + f.pose, step + f.step])
     }
 }
 
@@ -123,7 +121,9 @@ pub enum FitError {
         lacking: &'static str,
     },
     /// Points alone, to be compared with ellipses.
-    #[error("points can only be compared with the skin of metaballs: leave --likelihood out, or use metaballs")]
+    #[error(
+        "points can only be compared with the skin of metaballs: leave --likelihood out, or use metaballs"
+    )]
     PointsOnEllipses,
     /// No hypothesis could be followed through the sequence.
     #[error("no hypothesis could be followed through the {frames} frames")]
@@ -159,9 +159,7 @@ pub fn fit(
     };
     let coarse = Evidence::new(model, rig, options.likelihood, measures.search);
     let found = search(&coarse, sequence, &options.search, journal);
-    let found = found.ok_or(FitError::NoHypothesis {
-        frames: observations.len(),
-    })?;
+    let found = found.ok_or(FitError::NoHypothesis { frames: observations.len() })?;
 
     // 3. the joint optimum, from its winner, and where the cameras look
     let winner = &found.trials[found.winner];
@@ -256,10 +254,7 @@ impl Estimate {
 
         // what Algorithm 1 had to search anew is still told
         let frames = joint.frames.into_iter().zip(winner.frames.iter().flatten());
-        let frames = frames.map(|(fit, tracked)| FrameFit {
-            recovered: tracked.recovered,
-            ..fit
-        });
+        let frames = frames.map(|(fit, tracked)| FrameFit { recovered: tracked.recovered, ..fit });
         Self {
             shape: joint.shape,
             frames: frames.collect(),
@@ -280,14 +275,23 @@ fn state_of(winner: &Trial) -> SequenceState {
 }
 
 /// What nothing sees of the body, by how much less sure the priors alone would be.
-fn unseen(model: &BodyModel, sequence: Sequence<'_>, frames: &[FittedFrame], joint: &JointOptions) -> Option<Warning> {
+fn unseen(
+    model: &BodyModel,
+    sequence: Sequence<'_>,
+    frames: &[FittedFrame],
+    joint: &JointOptions,
+) -> Option<Warning> {
     let motions: Vec<Motion> = frames.iter().map(|f| f.fit.motion.clone()).collect();
     let chain_prior = ChainPrior::new(model, joint.motion_model);
     let prior = prior_angles_sd(model, &chain_prior, &motions, &sequence.intervals_s())?;
     unseen::warning(model, frames, &prior)
 }
 
-fn fitted_frames(evidence: &Evidence<'_>, observations: &[FrameObservations], estimate: &Estimate) -> Vec<FittedFrame> {
+fn fitted_frames(
+    evidence: &Evidence<'_>,
+    observations: &[FrameObservations],
+    estimate: &Estimate,
+) -> Vec<FittedFrame> {
     let fitted = |(i, (observed, fit)): (usize, (&FrameObservations, &FrameFit))| {
         let body = Posed::new(evidence.model, &estimate.shape, &fit.motion);
         FittedFrame {
@@ -304,7 +308,11 @@ fn fitted_frames(evidence: &Evidence<'_>, observations: &[FrameObservations], es
     frames.enumerate().map(fitted).collect()
 }
 
-fn tried(evidence: &Evidence<'_>, observations: &[FrameObservations], trial: Trial) -> TriedHypothesis {
+fn tried(
+    evidence: &Evidence<'_>,
+    observations: &[FrameObservations],
+    trial: Trial,
+) -> TriedHypothesis {
     let shape = &trial.hypothesis.shape;
     TriedHypothesis {
         keyframe: observations[trial.hypothesis.keyframe].frame,

@@ -23,7 +23,9 @@ pub enum FrameRangeError {
     #[error("the recording has no frame")]
     NoFrame,
     /// No frame of the recording is in the range.
-    #[error("--frames {range}: no frame of the recording lies in this range: it has {first} to {last}")]
+    #[error(
+        "--frames {range}: no frame of the recording lies in this range: it has {first} to {last}"
+    )]
     OutOfRange {
         /// The range that was asked for.
         range: FrameRange,
@@ -36,10 +38,7 @@ pub enum FrameRangeError {
 
 impl Default for FrameRange {
     fn default() -> Self {
-        Self {
-            first: 0,
-            last: usize::MAX,
-        }
+        Self { first: 0, last: usize::MAX }
     }
 }
 
@@ -68,10 +67,7 @@ impl FrameRange {
     }
 
     fn spanning(frames: &[FrameIndex]) -> Option<Self> {
-        Some(Self {
-            first: frames.first()?.0,
-            last: frames.last()?.0,
-        })
+        Some(Self { first: frames.first()?.0, last: frames.last()?.0 })
     }
 
     /// Where the frames of the range stand in a recording's frames (ascending).
@@ -84,11 +80,9 @@ impl FrameRange {
         match Self::spanning(frames) {
             None => Err(FrameRangeError::NoFrame),
             Some(_) if first < end => Ok(first..end),
-            Some(all) => Err(FrameRangeError::OutOfRange {
-                range: self,
-                first: all.first,
-                last: all.last,
-            }),
+            Some(all) => {
+                Err(FrameRangeError::OutOfRange { range: self, first: all.first, last: all.last })
+            }
         }
     }
 
@@ -130,10 +124,7 @@ mod tests {
         assert_eq!(select(8, 99).unwrap(), &frames[3..]);
         assert_eq!(FrameRange::default().select(&frames).unwrap(), &frames);
         let message = select(9, 12).unwrap_err().to_string();
-        assert!(
-            message.starts_with("--frames 9:12") && message.ends_with("2 to 8"),
-            "{message}"
-        );
+        assert!(message.starts_with("--frames 9:12") && message.ends_with("2 to 8"), "{message}");
         let nothing = FrameRange::default().select(&[]);
         assert_eq!(nothing, Err(FrameRangeError::NoFrame));
         assert_eq!(span(&frames), 2..=8);

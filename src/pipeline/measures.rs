@@ -38,10 +38,7 @@ impl Measures {
                     false => "ellipsoids",
                 },
             }),
-            Some(measure) => Ok(Self {
-                search: measure,
-                joint: measure,
-            }),
+            Some(measure) => Ok(Self { search: measure, joint: measure }),
             None => Ok(Self {
                 search: first_of(Measure::Ellipses, Measure::Metaballs),
                 joint: first_of(Measure::Metaballs, Measure::Ellipses),
@@ -53,7 +50,10 @@ impl Measures {
     ///
     /// # Errors
     /// [`FitError::Primitives`] if there is none, or it was not to be looked at.
-    pub(super) fn choose_for_points(model: &BodyModel, asked: Option<Measure>) -> Result<Self, FitError> {
+    pub(super) fn choose_for_points(
+        model: &BodyModel,
+        asked: Option<Measure>,
+    ) -> Result<Self, FitError> {
         let asked = asked.unwrap_or(Measure::Metaballs);
         if !asked.has_metaballs() {
             return Err(FitError::PointsOnEllipses);

@@ -34,7 +34,10 @@ impl PictureSource for MemoryPictures {
         self.frames.keys().copied().collect()
     }
 
-    fn pictures(&self, frames: RangeInclusive<usize>) -> Box<dyn PictureStream<FramePictures> + '_> {
+    fn pictures(
+        &self,
+        frames: RangeInclusive<usize>,
+    ) -> Box<dyn PictureStream<FramePictures> + '_> {
         let wanted = self.frames.iter();
         let wanted = wanted.filter(move |(frame, _)| frames.contains(&frame.0));
         Box::new(Copies(wanted.map(|(f, pictures)| (*f, pictures.clone()))))

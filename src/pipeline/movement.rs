@@ -6,7 +6,9 @@ use nalgebra::{Matrix3, Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use crate::body::{BodyModel, Motion, Shape};
-use crate::gait::{Angle, Landmark, Limb, Movement, MovementError, Paired, Segment, Segments, Side, Track};
+use crate::gait::{
+    Angle, Landmark, Limb, Movement, MovementError, Paired, Segment, Segments, Side, Track,
+};
 use crate::inference::covariance::FrameUncertainty;
 use crate::silhouette::FrameIndex;
 
@@ -126,13 +128,7 @@ impl FittedMotion {
         add_apart_sd(&mut movement, &self.model, &frames);
 
         let cameras = frames.iter().map(|f| f.map_or(0, |f| f.cameras)).collect();
-        let body = FittedBody {
-            model: self.model,
-            shape: self.shape,
-            motions,
-            points,
-            cameras,
-        };
+        let body = FittedBody { model: self.model, shape: self.shape, motions, points, cameras };
         Ok((movement, body))
     }
 }
@@ -163,7 +159,8 @@ fn vector_or_nan(row: Option<&[f64; 3]>) -> Vector3<f64> {
 fn fitted_points(names: &[String], frames: &[Option<&FramePose>]) -> Vec<FittedPoint> {
     let point = |(i, name): (usize, &String)| {
         let place = |f: &Option<&FramePose>| vector_or_nan(f.and_then(|f| f.points_m.get(i)));
-        let sd = |f: &Option<&FramePose>| vector_or_nan(f.and_then(|f| f.sd.as_ref()?.points_m.get(i)));
+        let sd =
+            |f: &Option<&FramePose>| vector_or_nan(f.and_then(|f| f.sd.as_ref()?.points_m.get(i)));
         FittedPoint {
             name: name.clone(),
             track: frames.iter().map(place).collect(),
@@ -202,7 +199,9 @@ fn add_joint_sd(segments: &mut Segments, model: &BodyModel, frames: &[Option<&Fr
 /// on the floor by δ/cos θ, with θ the pitch of its sole.
 fn add_part_sd(segments: &mut Segments, model: &BodyModel, frames: &[Option<&FramePose>]) {
     for (segment, part) in Segments::model_parts(model) {
-        let sd = |frame: &Option<&FramePose>| vector_or_nan(frame.and_then(|f| f.sd.as_ref()?.parts_rad.get(part.0)));
+        let sd = |frame: &Option<&FramePose>| {
+            vector_or_nan(frame.and_then(|f| f.sd.as_ref()?.parts_rad.get(part.0)))
+        };
         let sd: Vec<Vector3<f64>> = frames.iter().map(sd).collect();
         if sd.iter().all(|sd| sd.x.is_nan()) {
             continue;
@@ -256,7 +255,9 @@ fn add_apart_sd(movement: &mut Movement, model: &BodyModel, frames: &[Option<&Fr
         let Some((Landmark::Of(_, place), _)) = landmark else {
             continue;
         };
-        let sd = |frame: &Option<&FramePose>| vector_or_nan(frame.and_then(|f| f.sd.as_ref()?.apart_m.get(i)));
+        let sd = |frame: &Option<&FramePose>| {
+            vector_or_nan(frame.and_then(|f| f.sd.as_ref()?.apart_m.get(i)))
+        };
         let track: Track = frames.iter().map(sd).collect();
         if track.iter().any(|sd| sd.x.is_finite()) {
             movement.apart_sd_m.insert(place, track);
@@ -276,10 +277,7 @@ mod tests {
     fn trunk_and_feet_err_about_their_own_axes_and_a_raised_foot_twice_as_much_on_the_floor() {
         let model = crate::io::model::load("human-ellipsoids", Path::new("")).unwrap();
         let pitched = Rotation3::from_axis_angle(&Vector3::y_axis(), 60_f64.to_radians());
-        let motion = Motion {
-            world_from_root: pitched,
-            ..Motion::straight(&model)
-        };
+        let motion = Motion { world_from_root: pitched, ..Motion::straight(&model) };
         let shape = Shape(model.statistics.mean.clone());
         let frame = FramePose {
             frame: FrameIndex(0),

@@ -84,10 +84,7 @@ pub struct ConfidenceOptions {
 
 impl Default for ConfidenceOptions {
     fn default() -> Self {
-        Self {
-            epsilon_m: 0.02,
-            epsilon_coefficient: 0.05,
-        }
+        Self { epsilon_m: 0.02, epsilon_coefficient: 0.05 }
     }
 }
 
@@ -112,12 +109,7 @@ impl EstimateOptions {
 
         let outside = |(_, value, least, most): &Range| !(*least..=*most).contains(value);
         match ranges.into_iter().find(outside) {
-            Some((name, value, least, most)) => Err(InvalidOption {
-                name,
-                value,
-                least,
-                most,
-            }),
+            Some((name, value, least, most)) => Err(InvalidOption { name, value, least, most }),
             None => Ok(()),
         }
     }

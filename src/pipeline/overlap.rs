@@ -23,7 +23,12 @@ fn projected(camera: &Camera, body: &Posed<'_>, primitives: &[Primitive]) -> Vec
 
 /// Intersection over union of a silhouette and the body as it was measured: the skin of its metaballs, or the
 /// union of its ellipses.
-pub(super) fn iou(camera: &Camera, silhouette: &Silhouette, body: &Posed<'_>, measure: Measure) -> f64 {
+pub(super) fn iou(
+    camera: &Camera,
+    silhouette: &Silhouette,
+    body: &Posed<'_>,
+    measure: Measure,
+) -> f64 {
     if measure.has_metaballs() && !body.model.metaballs.is_empty() {
         skin_iou(camera, silhouette, body)
     } else {
@@ -32,7 +37,8 @@ pub(super) fn iou(camera: &Camera, silhouette: &Silhouette, body: &Posed<'_>, me
 }
 
 fn ellipses_iou(camera: &Camera, silhouette: &Silhouette, body: &Posed<'_>) -> f64 {
-    let ellipses: Vec<Covering> = projected_ellipses(camera, body).iter().map(Covering::new).collect();
+    let ellipses: Vec<Covering> =
+        projected_ellipses(camera, body).iter().map(Covering::new).collect();
     let bounds = bounds(silhouette, &ellipses);
     let overlap = silhouette.overlap(bounds, |pixel| ellipses.iter().any(|e| e.contains(pixel)));
     overlap.iou()
@@ -43,10 +49,8 @@ const SKIN_STEPS: f64 = 300.0;
 
 /// The skin is rendered by a camera without distortion that looks at the box of silhouette and body.
 fn skin_iou(camera: &Camera, silhouette: &Silhouette, body: &Posed<'_>) -> f64 {
-    let balls: Vec<Covering> = projected(camera, body, &body.model.metaballs)
-        .iter()
-        .map(Covering::new)
-        .collect();
+    let balls: Vec<Covering> =
+        projected(camera, body, &body.model.metaballs).iter().map(Covering::new).collect();
 
     // the box of both
     let bounds = bounds(silhouette, &balls);
@@ -144,12 +148,7 @@ mod tests {
 
     /// A camera to which a person is 500 px tall, and a body that stands before it.
     fn scene(model: &BodyModel) -> (Camera, Shape, Motion) {
-        let ring = Ring {
-            focal_px: 1040.0,
-            width_px: 1280,
-            height_px: 960,
-            ..Ring::default()
-        };
+        let ring = Ring { focal_px: 1040.0, width_px: 1280, height_px: 960, ..Ring::default() };
         let camera = ring.regular().cameras.remove(0);
         let mut motion = Motion::rest(model);
         motion.position_world = Vector3::new(0.1, -0.1, 0.95);
@@ -172,7 +171,8 @@ mod tests {
 
     #[test]
     fn a_skin_covers_its_own_silhouette_and_none_beside_it() {
-        let of_skin = |camera: &Camera, body: &Posed<'_>| render::silhouette(camera, &Field::from_body(body));
+        let of_skin =
+            |camera: &Camera, body: &Posed<'_>| render::silhouette(camera, &Field::from_body(body));
         let [own, apart] = iou_of(Measure::Metaballs, of_skin);
         assert!(own > 0.98 && own <= 1.0, "{own}");
         assert!(apart < 1e-9, "{apart}");
@@ -181,7 +181,8 @@ mod tests {
     #[test]
     fn ellipses_cover_their_own_silhouette_and_none_beside_it() {
         let of_ellipses = |camera: &Camera, body: &Posed<'_>| {
-            let all: Vec<Covering> = projected_ellipses(camera, body).iter().map(Covering::new).collect();
+            let all: Vec<Covering> =
+                projected_ellipses(camera, body).iter().map(Covering::new).collect();
             let (width, height) = (camera.width_px as usize, camera.height_px as usize);
             Mask::from_fn(width, height, |x, y| {
                 let pixel = Point2::new(x as f64, y as f64);

@@ -63,7 +63,11 @@ pub(super) fn point_quality(
 }
 
 /// How far a point lies outside the silhouette that it lies farthest out of, m; `None` if it may lie in all.
-fn outside_m(evidence: &Evidence<'_>, frame: &FrameObservations, point: &CloudPoint) -> Option<f64> {
+fn outside_m(
+    evidence: &Evidence<'_>,
+    frame: &FrameObservations,
+    point: &CloudPoint,
+) -> Option<f64> {
     let of_view = |(id, silhouette): &(_, crate::silhouette::Silhouette)| {
         let camera = evidence.rig.camera(*id)?;
         let pixel = camera.project_undistorted(&point.position_world)?;
@@ -187,8 +191,7 @@ mod tests {
         // σ is 1.02 cm with the surface's own
         assert_eq!(said(None, Some(0.03)), [""; 0]);
         let told = said(None, Some(0.12));
-        let start =
-            "points and silhouettes disagree in 2 frames (7, 8): half of the points lie 0.12 m or more off the skin";
+        let start = "points and silhouettes disagree in 2 frames (7, 8): half of the points lie 0.12 m or more off the skin";
         assert!(told.len() == 1 && told[0].starts_with(start), "{told:?}");
     }
 

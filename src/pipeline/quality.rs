@@ -71,7 +71,11 @@ impl ViewResiduals {
 }
 
 /// The quality of every view of one frame, in the order of its views.
-pub(super) fn view_qualities(evidence: &Evidence<'_>, frame: &FrameObservations, body: &Posed<'_>) -> Vec<ViewQuality> {
+pub(super) fn view_qualities(
+    evidence: &Evidence<'_>,
+    frame: &FrameObservations,
+    body: &Posed<'_>,
+) -> Vec<ViewQuality> {
     let terms = evidence.terms(frame, Detail::Fine);
     let is_of_view = |r: &PlacedResidual| matches!(r.source, Source::View(_));
     // a border point is measured once: by the last term that looks at borders, the finest
@@ -111,8 +115,9 @@ pub(super) fn sampled_iou(
         .step_by(step)
         .flat_map_iter(|(frame, fit)| {
             let body = Posed::new(evidence.model, shape, &fit.motion);
-            let of =
-                move |(id, s): &(CameraId, Silhouette)| iou(&evidence.rig.cameras[id.0], s, &body, evidence.measure);
+            let of = move |(id, s): &(CameraId, Silhouette)| {
+                iou(&evidence.rig.cameras[id.0], s, &body, evidence.measure)
+            };
             frame.views.iter().map(of)
         })
         .collect();
@@ -120,13 +125,18 @@ pub(super) fn sampled_iou(
 }
 
 /// Each camera over all frames.
-pub(super) fn camera_qualities(rig: &Rig, frames: &[&[ViewQuality]], aims_px: &[Vector2<f64>]) -> Vec<CameraQuality> {
+pub(super) fn camera_qualities(
+    rig: &Rig,
+    frames: &[&[ViewQuality]],
+    aims_px: &[Vector2<f64>],
+) -> Vec<CameraQuality> {
     let of = |(camera, _): (CameraId, _)| {
         let views: Vec<&ViewQuality> = frames
             .iter()
             .flat_map(|frame| frame.iter().filter(|view| view.camera == camera))
             .collect();
-        let residuals: Vec<&ViewResiduals> = views.iter().filter_map(|v| v.residuals.as_ref()).collect();
+        let residuals: Vec<&ViewResiduals> =
+            views.iter().filter_map(|v| v.residuals.as_ref()).collect();
         let points: usize = residuals.iter().map(|r| r.points).sum();
         let squares: f64 = residuals.iter().map(|r| r.points as f64 * r.rms_px.powi(2)).sum();
         let overlaps = views.iter().map(|view| view.iou);

@@ -27,7 +27,9 @@ pub enum SceneFault {
     #[error("no frame to fit")]
     NoFrames,
     /// No mask shows anybody.
-    #[error("none of the {masks} masks shows a person: camera {camera}, {frame}: {reason}, and so on")]
+    #[error(
+        "none of the {masks} masks shows a person: camera {camera}, {frame}: {reason}, and so on"
+    )]
     NothingSeen {
         /// How many masks there are.
         masks: usize,
@@ -95,7 +97,11 @@ fn listed(cameras: &[String]) -> String {
 ///
 /// # Errors
 /// [`SceneFault`], the most basic first.
-pub fn check_scene(model: &BodyModel, rig: &Rig, frames: &[FrameObservations]) -> Result<Vec<Warning>, SceneFault> {
+pub fn check_scene(
+    model: &BodyModel,
+    rig: &Rig,
+    frames: &[FrameObservations],
+) -> Result<Vec<Warning>, SceneFault> {
     // 1. two cameras see something
     seen_by_two(rig, frames)?;
     // 2. the cameras agree where it is
@@ -117,15 +123,11 @@ fn seen_by_two(rig: &Rig, frames: &[FrameObservations]) -> Result<(), SceneFault
         let sees = |f: &&FrameObservations| f.views.iter().any(|(camera, _)| *camera == id);
         frames.iter().filter(sees).count()
     };
-    let most = rig
-        .iter()
-        .map(|(id, camera)| (seen(id), camera))
-        .max_by_key(|(n, _)| *n);
+    let most = rig.iter().map(|(id, camera)| (seen(id), camera)).max_by_key(|(n, _)| *n);
     match most {
-        Some((count, camera)) if count > 0 => Err(SceneFault::NeverTwo {
-            camera: camera.name.clone(),
-            frames: count,
-        }),
+        Some((count, camera)) if count > 0 => {
+            Err(SceneFault::NeverTwo { camera: camera.name.clone(), frames: count })
+        }
         _ => Err(nothing_seen(rig, frames)),
     }
 }
@@ -133,15 +135,13 @@ fn seen_by_two(rig: &Rig, frames: &[FrameObservations]) -> Result<(), SceneFault
 fn nothing_seen(rig: &Rig, frames: &[FrameObservations]) -> SceneFault {
     let mut rejected = frames.iter().flat_map(|f| f.rejected.iter().map(|r| (f.frame, *r)));
     let first = rejected.next();
-    let named = first.and_then(|(frame, (id, reason))| Some((frame, rig.camera(id)?.name.clone(), reason)));
+    let named =
+        first.and_then(|(frame, (id, reason))| Some((frame, rig.camera(id)?.name.clone(), reason)));
 
     match named {
-        Some((frame, camera, reason)) => SceneFault::NothingSeen {
-            masks: 1 + rejected.count(),
-            camera,
-            frame,
-            reason,
-        },
+        Some((frame, camera, reason)) => {
+            SceneFault::NothingSeen { masks: 1 + rejected.count(), camera, frame, reason }
+        }
         None if frames.iter().any(FrameObservations::is_observed) => SceneFault::FewPoints {
             least: LEAST_POINTS,
             most: frames.iter().map(|f| f.points.len()).max().unwrap_or(0),
@@ -165,7 +165,8 @@ fn odd_cameras(rig: &Rig, frames: &[&FrameObservations]) -> Vec<CameraId> {
             }
         }
     }
-    let is_odd = |i: &usize| meetings[*i] > 0 && (agreements[*i] as f64) < ODD * meetings[*i] as f64;
+    let is_odd =
+        |i: &usize| meetings[*i] > 0 && (agreements[*i] as f64) < ODD * meetings[*i] as f64;
     (0..count).filter(is_odd).map(CameraId).collect()
 }
 
@@ -198,10 +199,7 @@ fn common_view(rig: &Rig, odd: &[CameraId]) -> Result<Vec<Warning>, SceneFault> 
         } else {
             both.iter().map(|(id, _)| *id).collect()
         };
-        return Err(SceneFault::NoCommonView {
-            cameras: names(&lost),
-            why: why.to_string(),
-        });
+        return Err(SceneFault::NoCommonView { cameras: names(&lost), why: why.to_string() });
     }
     if !odd.is_empty() && rig.cameras.len() - odd.len() < 2 {
         return Err(SceneFault::NoCommonView {
@@ -221,11 +219,9 @@ fn size(model: &BodyModel, rig: &Rig, frames: &[&FrameObservations]) -> Result<(
     }
     let body_m = body_size(model);
     match median(&mut sizes) {
-        Some(seen_m) if seen_m > SIZE_RATIO * body_m || seen_m * SIZE_RATIO < body_m => Err(SceneFault::Size {
-            seen_m,
-            body: model.name.clone(),
-            body_m,
-        }),
+        Some(seen_m) if seen_m > SIZE_RATIO * body_m || seen_m * SIZE_RATIO < body_m => {
+            Err(SceneFault::Size { seen_m, body: model.name.clone(), body_m })
+        }
         _ => Ok(()),
     }
 }

@@ -21,7 +21,8 @@ pub trait PictureSource: Sync {
     fn frames(&self) -> Vec<FrameIndex>;
 
     /// The pictures of the frames of these numbers, both included, ascending.
-    fn pictures(&self, frames: RangeInclusive<usize>) -> Box<dyn PictureStream<FramePictures> + '_>;
+    fn pictures(&self, frames: RangeInclusive<usize>)
+    -> Box<dyn PictureStream<FramePictures> + '_>;
 
     /// The pictures of a camera's empty scene; none if there are none.
     fn empty_scene(&self, camera: CameraId) -> Box<dyn PictureStream<Picture> + '_>;

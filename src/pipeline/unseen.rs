@@ -48,7 +48,11 @@ pub fn prior_angles_sd(
 }
 
 /// The parts all of whose own angles keep their prior in most of the frames that anything sees.
-pub(super) fn warning(model: &BodyModel, frames: &[FittedFrame], prior: &[DVector<f64>]) -> Option<Warning> {
+pub(super) fn warning(
+    model: &BodyModel,
+    frames: &[FittedFrame],
+    prior: &[DVector<f64>],
+) -> Option<Warning> {
     let seen: Vec<(&DVector<f64>, &DVector<f64>)> = frames
         .iter()
         .zip(prior)
@@ -58,8 +62,9 @@ pub(super) fn warning(model: &BodyModel, frames: &[FittedFrame], prior: &[DVecto
 
     let keeps = |part: usize| {
         let own = own_joints(model, part);
-        let untouched =
-            |(sd, prior): &&(&DVector<f64>, &DVector<f64>)| own.iter().all(|j| sd[*j] >= UNTOUCHED * prior[*j]);
+        let untouched = |(sd, prior): &&(&DVector<f64>, &DVector<f64>)| {
+            own.iter().all(|j| sd[*j] >= UNTOUCHED * prior[*j])
+        };
         !own.is_empty() && 2 * seen.iter().filter(untouched).count() > seen.len()
     };
     let parts: Vec<String> = (0..model.parts.len())
@@ -77,10 +82,7 @@ fn own_joints(model: &BodyModel, part: usize) -> Vec<usize> {
         others.any(|p| p.joint == Some(joint))
     };
     let chain = model.chain(last).into_iter().rev();
-    chain
-        .take_while(|joint| !is_other(*joint))
-        .map(|joint| joint.0)
-        .collect()
+    chain.take_while(|joint| !is_other(*joint)).map(|joint| joint.0).collect()
 }
 
 #[cfg(test)]
@@ -95,12 +97,8 @@ mod tests {
     use crate::pipeline::PointQuality;
     use crate::silhouette::FrameIndex;
 
-    const SEEN: Option<PointQuality> = Some(PointQuality {
-        points: 1,
-        outside: 0.0,
-        outside_m: None,
-        off_skin_m: None,
-    });
+    const SEEN: Option<PointQuality> =
+        Some(PointQuality { points: 1, outside: 0.0, outside_m: None, off_skin_m: None });
 
     /// What a frame shows, and how uncertain its angles are.
     type Case = ([f64; 4], Option<PointQuality>);

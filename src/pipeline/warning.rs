@@ -159,7 +159,9 @@ pub(super) fn warnings(
     let mut warnings = aim_warnings(rig, cameras);
     warnings.extend(overlap_warnings(rig, frames, cameras));
 
-    let those = |is: &dyn Fn(&&FittedFrame) -> bool| Frames(frames.iter().filter(is).map(|f| f.frame).collect());
+    let those = |is: &dyn Fn(&&FittedFrame) -> bool| {
+        Frames(frames.iter().filter(is).map(|f| f.frame).collect())
+    };
     let (unseen, one) = (those(&|f| !f.is_observed()), those(&|f| f.views.len() == 1));
     let recovered = those(&|f| f.fit.recovered);
     for (frames, warning) in [
@@ -183,16 +185,15 @@ pub(super) fn warnings(
 /// The cameras that look elsewhere; what a turn would not have moved either is nothing to calibrate for.
 fn aim_warnings(rig: &Rig, cameras: &[CameraQuality]) -> Vec<Warning> {
     let elsewhere = cameras.iter().filter(|c| c.aim_px.norm() >= LEAST_PX);
-    let warning = |c: &CameraQuality| Warning::Aim {
-        camera: name(rig, c.camera),
-        px: c.aim_px.into(),
-    };
+    let warning =
+        |c: &CameraQuality| Warning::Aim { camera: name(rig, c.camera), px: c.aim_px.into() };
     elsewhere.map(warning).collect()
 }
 
 fn overlap_warnings(rig: &Rig, frames: &[FittedFrame], cameras: &[CameraQuality]) -> Vec<Warning> {
     let mut warnings = Vec::new();
-    let overlaps: Vec<(FrameIndex, f64)> = frames.iter().filter_map(|f| Some((f.frame, f.mean_iou()?))).collect();
+    let overlaps: Vec<(FrameIndex, f64)> =
+        frames.iter().filter_map(|f| Some((f.frame, f.mean_iou()?))).collect();
     let Some(usual) = median(&mut overlaps.iter().map(|(_, iou)| *iou).collect()) else {
         return warnings;
     };
@@ -216,10 +217,8 @@ fn overlap_warnings(rig: &Rig, frames: &[FittedFrame], cameras: &[CameraQuality]
     }
 
     // frames
-    let lost: Vec<(FrameIndex, f64)> = overlaps
-        .into_iter()
-        .filter(|(_, iou)| *iou < LOST_SHARE * usual)
-        .collect();
+    let lost: Vec<(FrameIndex, f64)> =
+        overlaps.into_iter().filter(|(_, iou)| *iou < LOST_SHARE * usual).collect();
     if let Some(iou) = mean(lost.iter().map(|(_, iou)| *iou)) {
         let frames = Frames(lost.into_iter().map(|(frame, _)| frame).collect());
         warnings.push(Warning::Lost { frames, iou });
@@ -236,18 +235,13 @@ fn rejection_warnings(rig: &Rig, observations: &[FrameObservations]) -> Vec<Warn
             .collect();
         let reason = rejected.first()?.1;
         let frames = Frames(rejected.into_iter().map(|(frame, _)| frame).collect());
-        Some(Warning::Rejected {
-            camera: name(rig, id),
-            frames,
-            reason,
-        })
+        Some(Warning::Rejected { camera: name(rig, id), frames, reason })
     };
     rig.iter().filter_map(of).collect()
 }
 
 fn name(rig: &Rig, id: CameraId) -> String {
-    rig.camera(id)
-        .map_or_else(|| id.to_string(), |camera| camera.name.clone())
+    rig.camera(id).map_or_else(|| id.to_string(), |camera| camera.name.clone())
 }
 
 #[cfg(test)]
@@ -259,7 +253,9 @@ mod tests {
 
     #[test]
     fn frames_are_listed_as_ranges() {
-        let of = |numbers: &[usize]| Frames(numbers.iter().copied().map(FrameIndex).collect()).to_string();
+        let of = |numbers: &[usize]| {
+            Frames(numbers.iter().copied().map(FrameIndex).collect()).to_string()
+        };
         assert_eq!(of(&[3, 4, 5, 9, 11, 12]), "3–5, 9, 11, 12");
         assert_eq!(of(&[0, 2, 4, 6, 8, 10, 12]), "0, 2, 4, 6, 8, 10, …");
         assert_eq!(of(&[]), "");
@@ -286,20 +282,14 @@ mod tests {
         };
         let rig = Ring::default().regular();
         let cameras: Vec<CameraQuality> = [(0, 0.9), (1, -1.1), (2, 0.0)].map(looks).into();
-        let expected = Warning::Aim {
-            camera: name(&rig, CameraId(1)),
-            px: [-1.1, 0.0],
-        };
+        let expected = Warning::Aim { camera: name(&rig, CameraId(1)), px: [-1.1, 0.0] };
         assert_eq!(aim_warnings(&rig, &cameras), [expected]);
     }
 
     #[test]
     fn a_weak_camera_is_told_as_a_person_would() {
-        let warning = Warning::WeakCamera {
-            camera: "cam_03".into(),
-            iou: 0.714,
-            others_iou: 0.931,
-        };
+        let warning =
+            Warning::WeakCamera { camera: "cam_03".into(), iou: 0.714, others_iou: 0.931 };
         assert_eq!(
             warning.to_string(),
             "cam_03 overlaps the body by 0.71, the other cameras by 0.93: check its calibration and its masks"

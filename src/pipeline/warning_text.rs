@@ -12,20 +12,13 @@ impl fmt::Display for Warning {
                 f,
                 "{camera} sees the person in another place than the other cameras do: check its calibration, unit and up, and offset_frames"
             ),
-            Self::Aim {
-                camera,
-                px: [right, down],
-            } => write!(
+            Self::Aim { camera, px: [right, down] } => write!(
                 f,
                 "{camera} points away from where its calibration says: everything in it lies {} and {}. The fit takes this into account; calibrate the camera again (--aim off: trust the calibration)",
                 way(*right, "to the right", "to the left"),
                 way(*down, "lower", "higher"),
             ),
-            Self::WeakCamera {
-                camera,
-                iou,
-                others_iou,
-            } => write!(
+            Self::WeakCamera { camera, iou, others_iou } => write!(
                 f,
                 "{camera} overlaps the body by {iou:.2}, the other cameras by {others_iou:.2}: check its calibration and its masks"
             ),
@@ -39,7 +32,9 @@ impl fmt::Display for Warning {
                 "the fitted body is very unusual ({ratio:.0} times the usual −log p(s)): check up, unit and the masks"
             ),
             Self::KeepsPrior { parts } => match parts.as_slice() {
-                [part] => write!(f, "{part}: no camera shows how it is turned, so it keeps its prior"),
+                [part] => {
+                    write!(f, "{part}: no camera shows how it is turned, so it keeps its prior")
+                }
                 parts => write!(
                     f,
                     "{}: no camera shows how they are turned, so they keep their priors",
@@ -63,11 +58,7 @@ impl Warning {
     /// The warnings that name frames.
     fn fmt_frames(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Rejected {
-                camera,
-                frames: of,
-                reason,
-            } => {
+            Self::Rejected { camera, frames: of, reason } => {
                 write!(f, "{camera} shows nobody in {}: {reason}", frames(of))
             }
             Self::Unseen { frames: of } => write!(
@@ -89,11 +80,7 @@ impl Warning {
                 frames(of)
             ),
             // points
-            Self::PointsOutside {
-                frames: of,
-                share,
-                by_m,
-            } => write!(
+            Self::PointsOutside { frames: of, share, by_m } => write!(
                 f,
                 "points and silhouettes disagree in {}: {:.0} % of the points lie outside a silhouette, by {by_m:.2} m: check the frame numbers, unit and world of the points",
                 frames(of),

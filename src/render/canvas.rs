@@ -110,11 +110,7 @@ fn mixed(under: Rgb, over: Rgb, share: f32) -> Rgb {
 mod tests {
     use super::*;
 
-    const PEN: Pen = Pen {
-        color: [255, 255, 255],
-        opacity: 1.0,
-        width_px: 2.0,
-    };
+    const PEN: Pen = Pen { color: [255, 255, 255], opacity: 1.0, width_px: 2.0 };
 
     fn black() -> Canvas {
         Canvas::from_mask(&Mask::from_fn(12, 9, |_, _| false), [0; 3], [9; 3])

@@ -55,16 +55,9 @@ pub struct ModelOutline {
 ///
 /// Where the image cuts the body, its contour runs along the image's edge.
 pub fn outline(camera: &Camera, body: &Posed<'_>, spacing_px: f64) -> ModelOutline {
-    let camera = &Camera {
-        distortion: Distortion::None,
-        ..camera.clone()
-    };
+    let camera = &Camera { distortion: Distortion::None, ..camera.clone() };
     let field = Field::from_body(body);
-    let sight = LinesOfSight {
-        camera,
-        field: &field,
-        body,
-    };
+    let sight = LinesOfSight { camera, field: &field, body };
 
     // 1. the union's contours
     let limbs = limb_silhouettes(camera, &field);
@@ -74,9 +67,7 @@ pub fn outline(camera: &Camera, body: &Posed<'_>, spacing_px: f64) -> ModelOutli
     let outer = contours.iter().map(|closed| {
         let points = resample(closed, spacing_px);
         let inwards = |i: usize| -outward(&points, i) * INWARDS_PX;
-        (0..points.len())
-            .filter_map(|i| sight.outer_point(&points[i], &inwards(i)))
-            .collect()
+        (0..points.len()).filter_map(|i| sight.outer_point(&points[i], &inwards(i))).collect()
     });
     let outer = outer.filter(|curve: &Vec<_>| !curve.is_empty()).collect();
 
@@ -136,12 +127,7 @@ impl LinesOfSight<'_> {
         let share = |k: &usize| profile.bumps[*k].value(depth_m);
         let heaviest = (0..near.len()).max_by(|a, b| share(a).total_cmp(&share(b)))?;
 
-        Some(Summit {
-            limb,
-            depth_m,
-            value,
-            metaball: near[heaviest],
-        })
+        Some(Summit { limb, depth_m, value, metaball: near[heaviest] })
     }
 
     /// The limbs that the line of sight of a pixel meets.
@@ -170,7 +156,12 @@ impl LinesOfSight<'_> {
     }
 
     /// The pieces of a limb's contour where it lies in front of another limb.
-    fn inner_pieces(&self, limb: usize, points: &[Point2<f64>], pieces: &mut Vec<Vec<OutlinePoint>>) {
+    fn inner_pieces(
+        &self,
+        limb: usize,
+        points: &[Point2<f64>],
+        pieces: &mut Vec<Vec<OutlinePoint>>,
+    ) {
         let mut piece = Vec::new();
         for i in 0..points.len() {
             match self.inner_point(limb, &points[i], &outward(points, i)) {
@@ -185,7 +176,12 @@ impl LinesOfSight<'_> {
     }
 
     /// A point of a limb's contour; `None` unless it lies in front of another limb, and no other hides it.
-    fn inner_point(&self, limb: usize, pixel: &Point2<f64>, outward: &Vector2<f64>) -> Option<OutlinePoint> {
+    fn inner_point(
+        &self,
+        limb: usize,
+        pixel: &Point2<f64>,
+        outward: &Vector2<f64>,
+    ) -> Option<OutlinePoint> {
         let is_other = |s: &Summit| s.limb != limb;
 
         // another limb just outside the contour
@@ -271,18 +267,14 @@ mod tests {
             *angle = [0.3, -0.2, 0.5][i % 3];
         }
         let field = Field::from_body(&Posed::new(&model, &shape, &motion));
-        let lens = Distortion::Fisheye {
-            k1: -0.05,
-            k2: 0.01,
-            k3: 0.0,
-            k4: 0.0,
-        };
+        let lens = Distortion::Fisheye { k1: -0.05, k2: 0.01, k3: 0.0, k4: 0.0 };
         for distortion in [Distortion::None, lens] {
             let camera = Camera { distortion, ..camera() };
             let limbs = limb_silhouettes(&camera, &field);
             assert!(limbs.len() > 1);
             let whole = super::super::silhouette(&camera, &field);
-            let together = Mask::from_fn(300, 400, |x, y| limbs.iter().any(|l| l.is_foreground(x, y)));
+            let together =
+                Mask::from_fn(300, 400, |x, y| limbs.iter().any(|l| l.is_foreground(x, y)));
             assert_eq!(together, whole);
         }
     }
@@ -305,7 +297,8 @@ mod tests {
         };
         assert!(turned(&[("shoulder_abduction", 0.8)]) < 10);
         // turned in, whichever way in is
-        let before = [1.2, -1.2].map(|rotation| turned(&[("elbow_flexion", 1.6), ("shoulder_rotation", rotation)]));
+        let before = [1.2, -1.2]
+            .map(|rotation| turned(&[("elbow_flexion", 1.6), ("shoulder_rotation", rotation)]));
         assert!(before[0].max(before[1]) > 20, "{before:?}");
     }
 

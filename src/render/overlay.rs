@@ -50,11 +50,7 @@ const BONES: [(&str, &str); 16] = [
 pub fn overlay(camera: &Camera, mask: &Mask, body: &Posed<'_>) -> Canvas {
     let mut canvas = Canvas::from_mask(mask, BACKGROUND, PERSON);
     let unit = (f64::from(camera.width_px.max(camera.height_px)) / USUAL_PX).max(0.4);
-    let pen = |color, opacity, width| Pen {
-        color,
-        opacity,
-        width_px: width * unit,
-    };
+    let pen = |color, opacity, width| Pen { color, opacity, width_px: width * unit };
 
     // the body's outline, and fainter its parts'
     let (outer, inner) = if body.model.metaballs.is_empty() {
@@ -135,11 +131,7 @@ struct DrawnEllipse {
 impl DrawnEllipse {
     fn new(ellipse: &Ellipse) -> Option<Self> {
         let cholesky = ellipse.shape.cholesky()?;
-        Some(Self {
-            centre: ellipse.centre,
-            root: cholesky.l(),
-            inverse: cholesky.inverse(),
-        })
+        Some(Self { centre: ellipse.centre, root: cholesky.l(), inverse: cholesky.inverse() })
     }
 
     fn contains(&self, point: &Vector2<f64>) -> bool {
@@ -176,9 +168,7 @@ fn bone(camera: &Camera, from: &Point3<f64>, to: &Point3<f64>) -> Segments {
 
 /// The bones of a model; of one that has other points, the lines of its lengths.
 fn bones(model: &BodyModel) -> Vec<(usize, usize)> {
-    let known = BONES
-        .iter()
-        .filter_map(|(from, to)| Some((model.point(from)?, model.point(to)?)));
+    let known = BONES.iter().filter_map(|(from, to)| Some((model.point(from)?, model.point(to)?)));
     let known: Vec<_> = known.collect();
     if !known.is_empty() {
         return known;

@@ -26,11 +26,7 @@ impl Bump {
         let a = direction.dot(&(ball.precision * direction));
         let at = direction.dot(&pull) / a;
         let nearest = to.dot(&pull) - a * at * at;
-        Self {
-            peak: (-2.0 * nearest).exp(),
-            at,
-            sharpness: 4.0 * a,
-        }
+        Self { peak: (-2.0 * nearest).exp(), at, sharpness: 4.0 * a }
     }
 
     /// w·exp(−½ k (t − t₀)²).
@@ -120,9 +116,7 @@ mod tests {
             at: rng.random_range(-0.1..1.0),
             sharpness: 1.0 / rng.random_range(0.05_f64..0.3).powi(2),
         };
-        RayProfile {
-            bumps: (0..count).map(bump).collect(),
-        }
+        RayProfile { bumps: (0..count).map(bump).collect() }
     }
 
     fn marched_maximum(profile: &RayProfile) -> f64 {
@@ -146,11 +140,7 @@ mod tests {
 
     #[test]
     fn what_lies_behind_the_origin_counts_only_by_its_tail() {
-        let behind = Bump {
-            peak: 0.9,
-            at: -0.1,
-            sharpness: 100.0,
-        };
+        let behind = Bump { peak: 0.9, at: -0.1, sharpness: 100.0 };
         let profile = RayProfile { bumps: vec![behind] };
         let at_origin = 0.9 * (-0.5_f64).exp();
         assert!(profile.reaches(at_origin * 0.999));

@@ -24,11 +24,7 @@ pub struct Fragment {
 
 impl Fragment {
     /// The fragment of a sample that sees no triangle.
-    pub const NOTHING: Self = Self {
-        depth: f32::INFINITY,
-        triangle: u32::MAX,
-        weights: [0.0; 3],
-    };
+    pub const NOTHING: Self = Self { depth: f32::INFINITY, triangle: u32::MAX, weights: [0.0; 3] };
 
     /// The weighted mean of what the corners carry.
     pub fn mix<const N: usize>(&self, corners: [[f32; N]; 3]) -> [f32; N] {
@@ -52,11 +48,7 @@ impl<'a> Raster<'a> {
     pub fn new(camera: &'a Camera, samples: usize) -> Self {
         let side = |px: u32| px as usize * samples;
         let (width, height) = (side(camera.width_px), side(camera.height_px));
-        Self {
-            camera,
-            samples,
-            fragments: Plane::filled(width, height, Fragment::NOTHING),
-        }
+        Self { camera, samples, fragments: Plane::filled(width, height, Fragment::NOTHING) }
     }
 
     /// The fragments, sample by sample.
@@ -82,10 +74,7 @@ impl<'a> Raster<'a> {
         let pixel = self.camera.project_undistorted(&place)?;
         let samples = self.samples as f64;
         let at = pixel.map(|x| (x + 0.5) * samples - 0.5);
-        (depth > NEAREST).then(|| Corner {
-            at,
-            inverse_depth: depth.recip(),
-        })
+        (depth > NEAREST).then(|| Corner { at, inverse_depth: depth.recip() })
     }
 
     /// Draws one triangle where nothing nearer was drawn.
@@ -106,7 +95,8 @@ impl<'a> Raster<'a> {
             for x in columns.clone() {
                 // the corners' weights in the picture: shares of the area
                 let p = Point2::new(x as f64, y as f64);
-                let share = [cross(&b, &c, &p), cross(&c, &a, &p), cross(&a, &b, &p)].map(|w| w / twice_area);
+                let share = [cross(&b, &c, &p), cross(&c, &a, &p), cross(&a, &b, &p)]
+                    .map(|w| w / twice_area);
                 if share.iter().any(|w| *w < 0.0) {
                     continue;
                 }
@@ -163,11 +153,8 @@ mod tests {
         }
     }
 
-    const SLOPE: [Vector3<f64>; 3] = [
-        Vector3::new(-2.0, -1.0, 2.0),
-        Vector3::new(3.0, -1.5, 6.0),
-        Vector3::new(0.0, 2.0, 3.0),
-    ];
+    const SLOPE: [Vector3<f64>; 3] =
+        [Vector3::new(-2.0, -1.0, 2.0), Vector3::new(3.0, -1.5, 6.0), Vector3::new(0.0, 2.0, 3.0)];
 
     #[test]
     fn weights_are_those_of_the_place_in_space_that_the_sample_sees() {

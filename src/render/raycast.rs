@@ -118,19 +118,10 @@ impl CameraBall {
 
         let frame = quadric::project(&camera.projection(), &reach).map(|ellipse| {
             let half = Vector2::new(ellipse.shape[(0, 0)].sqrt(), ellipse.shape[(1, 1)].sqrt());
-            Frame {
-                low: ellipse.centre - half,
-                high: ellipse.centre + half,
-            }
+            Frame { low: ellipse.centre - half, high: ellipse.centre + half }
         });
 
-        Some(Self {
-            limb,
-            precision,
-            pull,
-            constant: centre.coords.dot(&pull),
-            frame,
-        })
+        Some(Self { limb, precision, pull, constant: centre.coords.dot(&pull), frame })
     }
 
     /// d₀ and the bump on the ray t·`direction`; `None` if the ray stays farther than [`FARTHEST`].
@@ -138,11 +129,7 @@ impl CameraBall {
         let a = direction.dot(&(self.precision * direction));
         let at = direction.dot(&self.pull) / a;
         let nearest = self.constant - a * at * at;
-        (nearest < FARTHEST).then(|| Bump {
-            peak: (-2.0 * nearest).exp(),
-            at,
-            sharpness: 4.0 * a,
-        })
+        (nearest < FARTHEST).then(|| Bump { peak: (-2.0 * nearest).exp(), at, sharpness: 4.0 * a })
     }
 }
 
@@ -167,14 +154,8 @@ fn undistorted_tile(camera: &Camera, left: usize, top: usize) -> Option<Frame> {
     for (x, y) in corners {
         let corner = camera.undistort(&Point2::new(left + x, top + y))?.coords;
         frame = Some(match frame {
-            None => Frame {
-                low: corner,
-                high: corner,
-            },
-            Some(f) => Frame {
-                low: f.low.inf(&corner),
-                high: f.high.sup(&corner),
-            },
+            None => Frame { low: corner, high: corner },
+            Some(f) => Frame { low: f.low.inf(&corner), high: f.high.sup(&corner) },
         });
     }
     frame
@@ -190,11 +171,7 @@ struct Caster<'a> {
 
 impl<'a> Caster<'a> {
     fn new(camera: &'a Camera, near: Vec<CameraBall>, limbs: usize) -> Self {
-        Self {
-            camera,
-            near,
-            profiles: vec![RayProfile::default(); limbs],
-        }
+        Self { camera, near, profiles: vec![RayProfile::default(); limbs] }
     }
 
     /// The line of sight of a pixel, for which the profiles are emptied.

@@ -163,13 +163,7 @@ pub fn portrait_camera(field: &Field, width_px: u32, height_px: u32) -> Option<C
         name: "portrait".into(),
         width_px,
         height_px,
-        intrinsics: Intrinsics {
-            fx_px: 1.0,
-            fy_px: 1.0,
-            cx_px: 0.0,
-            cy_px: 0.0,
-            skew_px: 0.0,
-        },
+        intrinsics: Intrinsics { fx_px: 1.0, fy_px: 1.0, cx_px: 0.0, cy_px: 0.0, skew_px: 0.0 },
         distortion: Distortion::None,
         camera_from_world: Rigid3::from_parts(translation.into(), rotation),
     };
@@ -248,10 +242,7 @@ mod tests {
 
     #[test]
     fn what_faces_the_lamp_is_brighter() {
-        let ball = Ellipsoid {
-            centre: Vector3::zeros(),
-            shape: nalgebra::Matrix3::identity(),
-        };
+        let ball = Ellipsoid { centre: Vector3::zeros(), shape: nalgebra::Matrix3::identity() };
         let field = Field::new([ball]);
         let camera = portrait_camera(&field, 41, 41).unwrap();
         let picture = shade(&camera, &field);

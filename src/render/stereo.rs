@@ -21,13 +21,9 @@ const FASTEST: f64 = 2.5;
 /// Values in colour from blue (the least of the middle 98 %) over green to red; black where there are none.
 pub fn in_colour(values: &Plane<f32>) -> Canvas {
     let (low, high) = middle_98_percent(values.values().to_vec());
-    Canvas::from_pixels(values.map(|v| {
-        if v.is_finite() {
-            rainbow((v - low) / (high - low))
-        } else {
-            [0; 3]
-        }
-    }))
+    Canvas::from_pixels(
+        values.map(|v| if v.is_finite() { rainbow((v - low) / (high - low)) } else { [0; 3] }),
+    )
 }
 
 /// The least and the largest but for a hundredth at either end.
@@ -83,10 +79,7 @@ fn turned_about(camera: &Camera, point: &Point3<f64>) -> Camera {
     let down = camera.camera_from_world.rotation.inverse() * Vector3::y();
     let turn = UnitQuaternion::from_axis_angle(&Unit::new_normalize(down), SIDE_TURN);
     let about = Rigid3::from_parts((point.coords - turn * point.coords).into(), turn);
-    Camera {
-        camera_from_world: camera.camera_from_world * about,
-        ..camera.clone()
-    }
+    Camera { camera_from_world: camera.camera_from_world * about, ..camera.clone() }
 }
 
 /// The motion of points as arrows over an image, from yellow (at rest) to red (PFD99 Fig. 5).
@@ -113,11 +106,7 @@ pub fn vector_field(camera: &Camera, image: &Plane<f32>, points: &[TrackPoint]) 
     let grey = image.map(|v| [(0.6 * v) as u8; 3]);
     let mut canvas = Canvas::from_pixels(grey);
     for (class, segments) in by_speed.iter().enumerate() {
-        let pen = Pen {
-            color: [255, 240 - 78 * class as u8, 30],
-            opacity: 0.9,
-            width_px: 1.0,
-        };
+        let pen = Pen { color: [255, 240 - 78 * class as u8, 30], opacity: 0.9, width_px: 1.0 };
         canvas.draw(segments, pen);
     }
     canvas

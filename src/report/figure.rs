@@ -150,7 +150,10 @@ impl Figure {
 
 /// The range of an axis that holds all finite values and `least` in whole steps, and the step: 4 to 8 ticks where that
 /// leaves a choice.
-pub(super) fn axis_range(values: impl Iterator<Item = f64>, least: (f64, f64)) -> ((f64, f64), f64) {
+pub(super) fn axis_range(
+    values: impl Iterator<Item = f64>,
+    least: (f64, f64),
+) -> ((f64, f64), f64) {
     let known = values.filter(|v| v.is_finite());
     let (low, high) = known.fold(least, |(low, high), v| (low.min(v), high.max(v)));
     let rough = ((high - low) / 6.0).max(1e-6);
@@ -167,11 +170,7 @@ mod tests {
     use super::*;
 
     fn axis(range: (f64, f64)) -> Axis {
-        Axis {
-            label: "a".into(),
-            range,
-            step: 0.5 * (range.1 - range.0),
-        }
+        Axis { label: "a".into(), range, step: 0.5 * (range.1 - range.0) }
     }
 
     #[test]

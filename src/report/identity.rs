@@ -81,10 +81,9 @@ fn method(input: &ReportInput<'_>) -> Vec<Row> {
 
     match input.result {
         Some(result) => rows.extend(fit_rows(result)),
-        None => rows.push((
-            "Measured by",
-            "points of another system (.trc); no body was fitted".into(),
-        )),
+        None => {
+            rows.push(("Measured by", "points of another system (.trc); no body was fitted".into()))
+        }
     }
 
     rows.push((

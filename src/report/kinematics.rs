@@ -14,40 +14,12 @@ type Row = (&'static str, [Option<Angle>; 3]);
 const LEGS: [Row; 5] = [
     (
         "Pelvis",
-        [
-            Some(Angle::PelvisTilt),
-            Some(Angle::PelvisObliquity),
-            Some(Angle::PelvisRotation),
-        ],
+        [Some(Angle::PelvisTilt), Some(Angle::PelvisObliquity), Some(Angle::PelvisRotation)],
     ),
-    (
-        "Hip",
-        [
-            Some(Angle::HipFlexion),
-            Some(Angle::HipAdduction),
-            Some(Angle::HipRotation),
-        ],
-    ),
-    (
-        "Knee",
-        [
-            Some(Angle::KneeFlexion),
-            Some(Angle::KneeAdduction),
-            Some(Angle::KneeRotation),
-        ],
-    ),
-    (
-        "Ankle, foot",
-        [Some(Angle::AnkleDorsiflexion), None, Some(Angle::FootProgression)],
-    ),
-    (
-        "Trunk",
-        [
-            Some(Angle::TrunkTilt),
-            Some(Angle::TrunkObliquity),
-            Some(Angle::TrunkRotation),
-        ],
-    ),
+    ("Hip", [Some(Angle::HipFlexion), Some(Angle::HipAdduction), Some(Angle::HipRotation)]),
+    ("Knee", [Some(Angle::KneeFlexion), Some(Angle::KneeAdduction), Some(Angle::KneeRotation)]),
+    ("Ankle, foot", [Some(Angle::AnkleDorsiflexion), None, Some(Angle::FootProgression)]),
+    ("Trunk", [Some(Angle::TrunkTilt), Some(Angle::TrunkObliquity), Some(Angle::TrunkRotation)]),
 ];
 
 const ARMS: [Row; 2] = [
@@ -171,11 +143,7 @@ fn degrees(values: &[f64]) -> Vec<f64> {
 /// Values over the cycle, % and degrees.
 fn over_percent(values: &[f64]) -> Vec<(f64, f64)> {
     let step = 100.0 / (values.len() as f64 - 1.0);
-    values
-        .iter()
-        .enumerate()
-        .map(|(i, v)| (i as f64 * step, v.to_degrees()))
-        .collect()
+    values.iter().enumerate().map(|(i, v)| (i as f64 * step, v.to_degrees())).collect()
 }
 
 /// The points of a line; it breaks at foot off if swing and stance are of two strides.
@@ -192,18 +160,15 @@ fn line_points(curve: &Curve, values: &[f64]) -> Vec<(f64, f64)> {
 fn over_cycle(input: &ReportInput<'_>, angle: Angle, drawn: Drawn) -> Figure {
     let curves = input.gait.curves.iter();
     let curves: Vec<&Curve> = curves.filter(|c| c.angle == angle).collect();
-    let band = norm_band(input.norm, angle).filter(|_| matches!(drawn, Drawn::Means) && !curves.is_empty());
+    let band = norm_band(input.norm, angle)
+        .filter(|_| matches!(drawn, Drawn::Means) && !curves.is_empty());
 
     let curve_values = curves.iter().flat_map(|c| match drawn {
         Drawn::Strides => degrees(&c.strides.concat()),
         _ => degrees(&c.mean),
     });
     let norm_values = band.iter().flatten().flat_map(|p| [p.1, p.2]);
-    let cycle = Axis {
-        label: "gait cycle, %".into(),
-        range: (0.0, 100.0),
-        step: 20.0,
-    };
+    let cycle = Axis { label: "gait cycle, %".into(), range: (0.0, 100.0), step: 20.0 };
     let mut figure = empty_figure(angle, cycle, curve_values.chain(norm_values));
 
     if let Some(band) = &band {
@@ -243,8 +208,9 @@ fn norm_band(norm: Option<&Norm>, angle: Angle) -> Option<Vec<(f64, f64, f64)>> 
     let band = norm?.curves.get(&angle)?;
     let step = 100.0 / (band.mean.len() as f64 - 1.0);
     let points = band.mean.iter().zip(&band.sd).enumerate();
-    let at =
-        |(i, (mean, sd)): (usize, (&f64, &f64))| (i as f64 * step, (mean - sd).to_degrees(), (mean + sd).to_degrees());
+    let at = |(i, (mean, sd)): (usize, (&f64, &f64))| {
+        (i as f64 * step, (mean - sd).to_degrees(), (mean + sd).to_degrees())
+    };
     Some(points.map(at).collect())
 }
 
@@ -254,11 +220,7 @@ fn over_time(input: &ReportInput<'_>, angle: Angle) -> Figure {
     let values = tracks.iter().filter_map(|(_, track)| *track).flatten();
     let last_s = (input.movement.frames.max(2) - 1) as f64 / rate_hz;
     let (_, step) = axis_range(std::iter::empty(), (0.0, last_s));
-    let time = Axis {
-        label: "time, s".into(),
-        range: (0.0, last_s),
-        step,
-    };
+    let time = Axis { label: "time, s".into(), range: (0.0, last_s), step };
     let mut figure = empty_figure(angle, time, values.map(|v| v.to_degrees()));
 
     for (side, track) in tracks {
@@ -273,11 +235,7 @@ fn over_time(input: &ReportInput<'_>, angle: Angle) -> Figure {
 fn empty_figure(angle: Angle, x: Axis, values: impl Iterator<Item = f64>) -> Figure {
     let label = label::angle_label(angle);
     let (range, step) = axis_range(values, label.range);
-    let y = Axis {
-        label: label.axis(),
-        range,
-        step,
-    };
+    let y = Axis { label: label.axis(), range, step };
     Figure::new(label.title, x, y)
 }
 
@@ -300,7 +258,5 @@ fn description(input: &ReportInput<'_>, angle: Angle) -> String {
 
 fn least_and_greatest(values: &[f64]) -> (f64, f64) {
     let known = values.iter().filter(|v| v.is_finite());
-    known.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
-        (low.min(*v), high.max(*v))
-    })
+    known.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(*v), high.max(*v)))
 }

@@ -116,10 +116,7 @@ mod tests {
 
     #[test]
     fn a_name_with_markup_stays_text() {
-        let subject = Subject {
-            name: Some("<img src=x>".into()),
-            ..Subject::default()
-        };
+        let subject = Subject { name: Some("<img src=x>".into()), ..Subject::default() };
         assert!(document(&subject, &[], "{}").contains("&lt;img src=x&gt;"));
         assert!(!foot(&subject).contains(['<', 'x']));
     }

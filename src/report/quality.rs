@@ -21,9 +21,9 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
         title: "Quality",
         body: match input.result {
             Some(result) => fit_quality(result),
-            None => {
-                absent("Points of another system: nothing is known of its cameras, its residuals or its alternatives.")
-            }
+            None => absent(
+                "Points of another system: nothing is known of its cameras, its residuals or its alternatives.",
+            ),
         },
         is_brief: input.result.is_none(),
     }
@@ -80,29 +80,16 @@ fn overlap_chart(result: &ResultFile) -> Markup {
 
     let least = |views: &Vec<f64>| views.iter().copied().fold(f64::INFINITY, f64::min);
     let most = |views: &Vec<f64>| views.iter().copied().fold(0.0, f64::max);
-    let means: Vec<_> = overlaps
-        .iter()
-        .filter_map(|(f, v)| Some((*f as f64, mean(v.iter().copied())?)))
-        .collect();
+    let means: Vec<_> =
+        overlaps.iter().filter_map(|(f, v)| Some((*f as f64, mean(v.iter().copied())?))).collect();
     let band: Vec<_> = overlaps.iter().map(|(f, v)| (*f as f64, least(v), most(v))).collect();
 
     let ends = (result.recording.first_frame as f64, result.recording.last_frame as f64);
     let (_, x_step) = axis_range(std::iter::empty(), ends);
     let (y_range, y_step) = axis_range(band.iter().map(|b| b.1), (0.7, 1.0));
-    let x = Axis {
-        label: "frame".into(),
-        range: (ends.0, ends.1.max(ends.0 + 1.0)),
-        step: x_step,
-    };
-    let y = Axis {
-        label: "overlap (IoU)".into(),
-        range: (y_range.0.max(0.0), 1.0),
-        step: y_step,
-    };
-    let figure = Figure::new("", x, y)
-        .wide()
-        .band(BOTH, 0.2, &band)
-        .line(BOTH, 1.5, &means);
+    let x = Axis { label: "frame".into(), range: (ends.0, ends.1.max(ends.0 + 1.0)), step: x_step };
+    let y = Axis { label: "overlap (IoU)".into(), range: (y_range.0.max(0.0), 1.0), step: y_step };
+    let figure = Figure::new("", x, y).wide().band(BOTH, 0.2, &band).line(BOTH, 1.5, &means);
 
     html! {
         @if figure.is_empty() {
@@ -140,9 +127,7 @@ fn rejected(result: &ResultFile) -> String {
     for part in &result.recording.rejected {
         frames.entry(&part.camera).or_default().push(part.frame);
     }
-    let texts = frames
-        .iter()
-        .map(|(camera, frames)| format!("{camera}: {}", ranges(frames)));
+    let texts = frames.iter().map(|(camera, frames)| format!("{camera}: {}", ranges(frames)));
     match frames.is_empty() {
         true => "none".into(),
         false => texts.collect::<Vec<_>>().join("; "),

@@ -44,13 +44,7 @@ struct BodyPart {
 #[serde(tag = "kind", rename_all = "lowercase")]
 enum FleshPart {
     /// A skin in that pose; vertices f32, triangles u32, bones u8, weights f32.
-    Skin {
-        vertices: String,
-        normals: String,
-        triangles: String,
-        bones: String,
-        weights: String,
-    },
+    Skin { vertices: String, normals: String, triangles: String, bones: String, weights: String },
     /// Ellipsoids fixed to parts.
     Ellipsoids { ellipsoids: Vec<EllipsoidPart> },
 }
@@ -140,7 +134,8 @@ fn floor_m(movement: &Movement, body: Option<&FittedBody>) -> f64 {
 fn body_part(body: &FittedBody) -> BodyPart {
     let (model, shape) = (&body.model, &body.shape);
     let unseen = || vec![f64::NAN; 7 * model.parts.len()];
-    let pose = |motion: &Option<Motion>| motion.as_ref().map_or_else(unseen, |m| poses(model, shape, m));
+    let pose =
+        |motion: &Option<Motion>| motion.as_ref().map_or_else(unseen, |m| poses(model, shape, m));
     BodyPart {
         poses: base64_of_f32(body.motions.iter().flat_map(pose)),
         bind: base64_of_f32(poses(model, shape, &bind_pose(model, shape))),
@@ -153,7 +148,8 @@ fn poses(model: &BodyModel, shape: &Shape, motion: &Motion) -> Vec<f64> {
     let body = Posed::new(model, shape, motion);
     let pose = |i: usize| {
         let place = body.origin_of_part(PartId(i));
-        let [x, y, z, w] = quaternion(&Rotation3::from_matrix_unchecked(body.world_from_part(PartId(i))));
+        let [x, y, z, w] =
+            quaternion(&Rotation3::from_matrix_unchecked(body.world_from_part(PartId(i))));
         [place.x, place.y, place.z, x, y, z, w]
     };
     (0..model.parts.len()).flat_map(pose).collect()
@@ -167,16 +163,12 @@ fn quaternion(rotation: &Rotation3<f64>) -> [f64; 4] {
 /// The skin, or the ellipsoids of a body without metaballs.
 fn flesh(model: &BodyModel, shape: &Shape) -> FleshPart {
     let skin = skinned(model, shape).ok().filter(|_| model.parts.len() <= 255);
-    let Some(SkinnedMesh {
-        mesh, parts, weights, ..
-    }) = skin
-    else {
-        return FleshPart::Ellipsoids {
-            ellipsoids: ellipsoids(model, shape),
-        };
+    let Some(SkinnedMesh { mesh, parts, weights, .. }) = skin else {
+        return FleshPart::Ellipsoids { ellipsoids: ellipsoids(model, shape) };
     };
 
-    let rows = |vectors: &[Vector3<f64>]| base64_of_f32(vectors.iter().flat_map(|v| [v.x, v.y, v.z]));
+    let rows =
+        |vectors: &[Vector3<f64>]| base64_of_f32(vectors.iter().flat_map(|v| [v.x, v.y, v.z]));
     let corners = mesh.triangles.iter().flatten();
     FleshPart::Skin {
         vertices: rows(&mesh.vertices),

@@ -51,7 +51,8 @@ fn key_points(curves: &[Curve]) -> Markup {
 fn key_point_row(curve: &Curve) -> Markup {
     let key = curve.key_points();
     let degrees = |angle: f64| number(Some(angle.to_degrees()), 1);
-    let with_place = |angle, percent: usize| html! { td { (degrees(angle)) " " small { "(" (percent) ")" } } };
+    let with_place =
+        |angle, percent: usize| html! { td { (degrees(angle)) " " small { "(" (percent) ")" } } };
     let fit_sd = curve.fit_sd.as_ref();
     let fit_sd_deg = fit_sd.and_then(|sd| mean(sd.iter().map(|sd| sd.to_degrees())));
 

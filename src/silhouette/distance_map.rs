@@ -34,7 +34,11 @@ pub(super) struct MapExtent {
 }
 
 impl DistanceMap {
-    pub(super) fn new(polygons: &[Vec<Point2<f64>>], image_outline: Vec<Point2<f64>>, extent: &MapExtent) -> Self {
+    pub(super) fn new(
+        polygons: &[Vec<Point2<f64>>],
+        image_outline: Vec<Point2<f64>>,
+        extent: &MapExtent,
+    ) -> Self {
         let (low, high) = extent.bounds;
         let image_bounds = image_outline.iter().fold((low, high), |(l, h), p| (l.inf(p), h.sup(p)));
 
@@ -84,11 +88,8 @@ impl DistanceMap {
         let distance = beyond.norm();
 
         let is_unknown = value.is_nan() || (distance > 0.0 && !self.sees(pixel));
-        let (outside, slope) = if is_unknown || value <= 0.0 {
-            (0.0, Vector2::zeros())
-        } else {
-            (value, gradient)
-        };
+        let (outside, slope) =
+            if is_unknown || value <= 0.0 { (0.0, Vector2::zeros()) } else { (value, gradient) };
         if is_unknown || distance <= 0.0 {
             return (outside, slope);
         }

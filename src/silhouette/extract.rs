@@ -24,7 +24,9 @@ pub enum Rejected {
     #[error("the mask is empty")]
     Empty,
     /// Foreground nearly all along the image edge.
-    #[error("the foreground covers {edge_percent:.0} % of the image edge: is foreground white and background black?")]
+    #[error(
+        "the foreground covers {edge_percent:.0} % of the image edge: is foreground white and background black?"
+    )]
     Full {
         /// Share of the outermost pixels that is foreground.
         edge_percent: f64,
@@ -55,7 +57,11 @@ pub enum Rejected {
 ///
 /// # Errors
 /// [`Rejected`] if the mask does not have the camera's size, or nothing in it can be a person's silhouette.
-pub fn extract(mask: &Mask, camera: &Camera, options: &SilhouetteOptions) -> Result<Silhouette, Rejected> {
+pub fn extract(
+    mask: &Mask,
+    camera: &Camera,
+    options: &SilhouetteOptions,
+) -> Result<Silhouette, Rejected> {
     let runs = usable_runs(mask, camera)?;
     let cleaned = clean(&runs, &options.clean);
     let region = cleaned.region().ok_or(Rejected::Empty)?;
@@ -66,9 +72,8 @@ pub fn extract(mask: &Mask, camera: &Camera, options: &SilhouetteOptions) -> Res
     let borders = traced.iter();
     let borders = borders.map(|closed| Border::new(&resample(closed, spacing_px), camera));
     let borders: Vec<Border> = borders.collect();
-    assembled(&borders, camera, options).ok_or_else(|| Rejected::NoBorder {
-        area_px: cleaned.area(),
-    })
+    assembled(&borders, camera, options)
+        .ok_or_else(|| Rejected::NoBorder { area_px: cleaned.area() })
 }
 
 /// A point of a silhouette's border, as an active contour leaves it.
@@ -102,7 +107,11 @@ pub fn from_curves(
 }
 
 /// The silhouette of its borders; `None` if they enclose no area, or lie on the image edge all along.
-fn assembled(borders: &[Border], camera: &Camera, options: &SilhouetteOptions) -> Option<Silhouette> {
+fn assembled(
+    borders: &[Border],
+    camera: &Camera,
+    options: &SilhouetteOptions,
+) -> Option<Silhouette> {
     let polygons: Vec<_> = borders.iter().map(|border| border.pixels.clone()).collect();
     let (area_px, centroid) = area_and_centroid(&polygons)?;
     let bounds = bounds(polygons.iter().flatten())?;
@@ -111,11 +120,7 @@ fn assembled(borders: &[Border], camera: &Camera, options: &SilhouetteOptions) -
         return None;
     }
 
-    let extent = MapExtent {
-        bounds,
-        margin: options.map_margin,
-        cells: options.map_cells,
-    };
+    let extent = MapExtent { bounds, margin: options.map_margin, cells: options.map_cells };
     Some(Silhouette {
         outside: DistanceMap::new(&polygons, image_outline(camera), &extent),
         inside: inside(&polygons, bounds),
@@ -157,7 +162,8 @@ fn edge_foreground(mask: &Mask) -> f64 {
     let last = mask.height().saturating_sub(1);
     let pixels = (0..mask.height()).flat_map(ends);
     let pixels = pixels.chain(mask.row(0)).chain(mask.row(last));
-    let (count, set) = pixels.fold((0u32, 0u32), |(count, set), pixel| (count + 1, set + u32::from(*pixel)));
+    let (count, set) =
+        pixels.fold((0u32, 0u32), |(count, set), pixel| (count + 1, set + u32::from(*pixel)));
     f64::from(set) / f64::from(count.max(1))
 }
 
@@ -183,11 +189,7 @@ impl Border {
                 Some((camera.undistort(pixel)?, is_on_edge))
             })
             .unzip();
-        Self {
-            reliabilities: vec![1.0; pixels.len()],
-            pixels,
-            is_on_image_edge,
-        }
+        Self { reliabilities: vec![1.0; pixels.len()], pixels, is_on_image_edge }
     }
 
     /// The contour point at `i`; `None` on the image edge, or where the border turns back on itself.
@@ -270,7 +272,9 @@ fn area_and_centroid(polygons: &[Vec<Point2<f64>>]) -> Option<(f64, Point2<f64>)
     (doubled > 0.0).then(|| (0.5 * doubled, Point2::from(moment / (3.0 * doubled))))
 }
 
-fn bounds<'a>(mut points: impl Iterator<Item = &'a Point2<f64>>) -> Option<(Point2<f64>, Point2<f64>)> {
+fn bounds<'a>(
+    mut points: impl Iterator<Item = &'a Point2<f64>>,
+) -> Option<(Point2<f64>, Point2<f64>)> {
     let first = points.next()?;
     Some(points.fold((*first, *first), |(low, high), point| (low.inf(point), high.sup(point))))
 }
@@ -301,7 +305,9 @@ fn image_outline(camera: &Camera) -> Vec<Point2<f64>> {
     ];
     let sides = corners.iter().zip(corners.iter().cycle().skip(1));
     sides
-        .flat_map(|(a, b)| (0..OUTLINE_STEPS).map(move |k| a + (b - a) * (k as f64 / OUTLINE_STEPS as f64)))
+        .flat_map(|(a, b)| {
+            (0..OUTLINE_STEPS).map(move |k| a + (b - a) * (k as f64 / OUTLINE_STEPS as f64))
+        })
         .filter_map(|pixel| camera.undistort(&pixel))
         .collect()
 }

@@ -68,12 +68,7 @@ impl SilhouetteOptions {
 
         for (name, value, least, most) in ranges {
             if !(least..=most).contains(&value) {
-                return Err(InvalidOption {
-                    name,
-                    value,
-                    least,
-                    most,
-                });
+                return Err(InvalidOption { name, value, least, most });
             }
         }
         Ok(())
@@ -88,10 +83,7 @@ mod tests {
     fn the_defaults_are_valid_and_nonsense_is_named() {
         let defaults = SilhouetteOptions::default();
         assert_eq!(defaults.validate(), Ok(()));
-        let fault = SilhouetteOptions {
-            spacing_px: f64::NAN,
-            ..defaults
-        };
+        let fault = SilhouetteOptions { spacing_px: f64::NAN, ..defaults };
         let message = fault.validate().unwrap_err().to_string();
         assert_eq!(message, "option spacing_px = NaN: expected 0.25 to 100");
     }

@@ -21,11 +21,7 @@ pub struct Overlap {
 impl Overlap {
     /// Intersection over union, 0 (apart) to 1 (the same); 0 if both are empty.
     pub fn iou(&self) -> f64 {
-        if self.union > 0.0 {
-            self.intersection / self.union
-        } else {
-            0.0
-        }
+        if self.union > 0.0 { self.intersection / self.union } else { 0.0 }
     }
 }
 
@@ -63,9 +59,6 @@ impl Silhouette {
         }
 
         let cell = step * step;
-        Overlap {
-            intersection: intersection as f64 * cell,
-            union: union as f64 * cell,
-        }
+        Overlap { intersection: intersection as f64 * cell, union: union as f64 * cell }
     }
 }

@@ -31,11 +31,7 @@ pub struct SupportOptions {
 
 impl Default for SupportOptions {
     fn default() -> Self {
-        Self {
-            voxel: 0.03,
-            most_voxels: 1_200_000,
-            most_evidence: 4.0,
-        }
+        Self { voxel: 0.03, most_voxels: 1_200_000, most_evidence: 4.0 }
     }
 }
 
@@ -80,7 +76,12 @@ struct Cells {
 
 impl Support {
     /// Projects the voxels of a volume into the shrunk pictures of all cameras.
-    pub fn new(rig: &Rig, pictures: &[ShrunkSize], volume: &Volume, options: SupportOptions) -> Self {
+    pub fn new(
+        rig: &Rig,
+        pictures: &[ShrunkSize],
+        volume: &Volume,
+        options: SupportOptions,
+    ) -> Self {
         let size = (volume.high - volume.low).map(|length| length.max(options.voxel));
         let wanted = (size.x * size.y * size.z / options.most_voxels.max(1) as f64).cbrt();
         let voxel = options.voxel.max(wanted);
@@ -95,10 +96,7 @@ impl Support {
 
         let cameras = rig.cameras.par_iter().zip(pictures);
         let cells = cameras.map(|(camera, picture)| Cells::new(camera, *picture, &centres, voxel));
-        Self {
-            cameras: cells.collect(),
-            options,
-        }
+        Self { cameras: cells.collect(), options }
     }
 
     /// For each camera and pixel of its shrunk picture the best mean of the other cameras' evidence along the line of
@@ -131,7 +129,8 @@ impl Support {
         // for each camera, without its own, the best along each line of sight
         let others = looking.len().saturating_sub(1).max(1) as f32;
         let supports = self.cameras.par_iter().zip(&means);
-        let supports = supports.map(|(cells, means)| Some(cells.best(&sums, means.as_ref()?, most * others)));
+        let supports =
+            supports.map(|(cells, means)| Some(cells.best(&sums, means.as_ref()?, most * others)));
         supports.collect()
     }
 }
@@ -147,18 +146,10 @@ impl Cells {
         let cell_of_voxel = centres.iter().map(|centre| {
             let pixel = camera.project(centre);
             let pixel = pixel.filter(|pixel| camera.contains(pixel));
-            pixel.map_or(UNSEEN, |pixel| {
-                (at(pixel.y, height) * width + at(pixel.x, width)) as u32
-            })
+            pixel.map_or(UNSEEN, |pixel| (at(pixel.y, height) * width + at(pixel.x, width)) as u32)
         });
 
-        Self {
-            cell_of_voxel: cell_of_voxel.collect(),
-            picture,
-            cell,
-            width,
-            height,
-        }
+        Self { cell_of_voxel: cell_of_voxel.collect(), picture, cell, width, height }
     }
 
     /// Mean evidence of each cell, within ±`most`.

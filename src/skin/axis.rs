@@ -109,10 +109,7 @@ impl Axis {
             }
         }
 
-        let mut axis = Self {
-            bends: vec![None; kept.len()],
-            nodes: kept,
-        };
+        let mut axis = Self { bends: vec![None; kept.len()], nodes: kept };
         for node in 1..axis.nodes.len().saturating_sub(1) {
             axis.bends[node] = axis.bend(node, flesh);
         }
@@ -147,10 +144,7 @@ impl Axis {
         let reach = (ROOM * thickness * tangent).min(room);
         let radius = reach / tangent;
 
-        let halving = Wall {
-            point: self.nodes[node],
-            normal: (a + b).try_normalize(1e-6)?,
-        };
+        let halving = Wall { point: self.nodes[node], normal: (a + b).try_normalize(1e-6)? };
         Some(Bend {
             centre: self.nodes[node] - a * reach + axis.cross(&a) * radius,
             axis,
@@ -226,26 +220,17 @@ impl Axis {
                 false => self.walls(node, node + 1),
             };
             if let Some(inwards) = (-from_centre).try_normalize(1e-9) {
-                walls.push(Wall {
-                    point: bend.centre,
-                    normal: inwards,
-                });
+                walls.push(Wall { point: bend.centre, normal: inwards });
             }
 
-            stations.push(Station {
-                origin: bend.centre + from_centre,
-                along: turn * a,
-                walls,
-            });
+            stations.push(Station { origin: bend.centre + from_centre, along: turn * a, walls });
         }
     }
 
     /// The planes that halve the bends at the two ends of a segment.
     fn walls(&self, before: usize, after: usize) -> Vec<Wall> {
-        let back = self.bends[before].map(|bend| Wall {
-            normal: -bend.halving.normal,
-            ..bend.halving
-        });
+        let back =
+            self.bends[before].map(|bend| Wall { normal: -bend.halving.normal, ..bend.halving });
         let ahead = self.bends[after].map(|bend| bend.halving);
         back.into_iter().chain(ahead).collect()
     }

@@ -66,38 +66,25 @@ impl Flesh {
         let limbs = body.model.limbs().into_iter().filter(lies_within);
         let limbs = limbs.map(|limb| {
             let (own, base) = limb.into_iter().partition(is_own);
-            Limb {
-                own: field(own),
-                base: field(base),
-            }
+            Limb { own: field(own), base: field(base) }
         });
         Self { limbs: limbs.collect() }
     }
 
     /// This and other limbs.
     pub(super) fn with(&self, other: &Self) -> Self {
-        Self {
-            limbs: [self.limbs.clone(), other.limbs.clone()].concat(),
-        }
+        Self { limbs: [self.limbs.clone(), other.limbs.clone()].concat() }
     }
 
     /// Without the part that it grows out of.
     pub(super) fn alone(&self) -> Self {
-        let alone = |limb: &Limb| Limb {
-            own: limb.own.clone(),
-            base: Field::new([]),
-        };
-        Self {
-            limbs: self.limbs.iter().map(alone).collect(),
-        }
+        let alone = |limb: &Limb| Limb { own: limb.own.clone(), base: Field::new([]) };
+        Self { limbs: self.limbs.iter().map(alone).collect() }
     }
 
     /// F.
     pub(super) fn value(&self, point: &Vector3<f64>) -> f64 {
-        let sums = self
-            .limbs
-            .iter()
-            .map(|limb| limb.own.value(point) + limb.base.value(point));
+        let sums = self.limbs.iter().map(|limb| limb.own.value(point) + limb.base.value(point));
         sums.fold(0.0, f64::max)
     }
 

@@ -46,7 +46,12 @@ pub fn girths(model: &BodyModel, shape: &Shape, covariance: Option<&[Vec<f64>]>)
     girths.collect()
 }
 
-fn standard_deviation(model: &BodyModel, shape: &Shape, covariance: &[Vec<f64>], length: usize) -> Option<f64> {
+fn standard_deviation(
+    model: &BodyModel,
+    shape: &Shape,
+    covariance: &[Vec<f64>],
+    length: usize,
+) -> Option<f64> {
     let girth_at = |k: usize, offset: f64| {
         let mut moved = shape.clone();
         *moved.0.get_mut(k)? += offset;
@@ -103,7 +108,8 @@ fn girth(model: &BodyModel, shape: &Shape, length: usize) -> Option<f64> {
 /// Whether the name of a point begins with the letter of a side and a capital, as `RKnee` does.
 fn has_side(model: &BodyModel, point: usize) -> bool {
     let mut letters = model.points[point].name.chars();
-    letters.next().is_some_and(|c| "RL".contains(c)) && letters.next().is_some_and(char::is_uppercase)
+    letters.next().is_some_and(|c| "RL".contains(c))
+        && letters.next().is_some_and(char::is_uppercase)
 }
 
 /// The flesh of one part.

@@ -34,11 +34,7 @@ impl Mesh {
         }
 
         let unit = |n: Vector3<f64>| n.try_normalize(1e-12).unwrap_or_else(Vector3::z);
-        Self {
-            vertices,
-            normals: normals.into_iter().map(unit).collect(),
-            triangles,
-        }
+        Self { vertices, normals: normals.into_iter().map(unit).collect(), triangles }
     }
 
     /// The volume that it encloses, cubic metres; positive if its triangles face outwards.
@@ -54,12 +50,8 @@ impl Mesh {
 
     /// Corners − edges + triangles: 2 for a closed surface without handles.
     pub fn euler_characteristic(&self) -> i64 {
-        let edges: std::collections::BTreeSet<_> = self
-            .triangles
-            .iter()
-            .flat_map(edges)
-            .map(|[a, b]| [a.min(b), a.max(b)])
-            .collect();
+        let edges: std::collections::BTreeSet<_> =
+            self.triangles.iter().flat_map(edges).map(|[a, b]| [a.min(b), a.max(b)]).collect();
         self.vertices.len() as i64 - edges.len() as i64 + self.triangles.len() as i64
     }
 }
@@ -74,7 +66,9 @@ fn edges(triangle: &[u32; 3]) -> [[u32; 2]; 3] {
 #[non_exhaustive]
 pub enum MeshFault {
     /// A triangle names a corner that does not exist, or one corner twice.
-    #[error("triangle {triangle}: expected three different corners below {vertices}, found {found:?}")]
+    #[error(
+        "triangle {triangle}: expected three different corners below {vertices}, found {found:?}"
+    )]
     Corners {
         /// Its index.
         triangle: usize,
@@ -120,11 +114,7 @@ pub fn check_watertight(mesh: &Mesh) -> Result<(), MeshFault> {
         let [a, b, c] = *triangle;
         let is_there = triangle.iter().all(|i| (*i as usize) < vertices);
         if !is_there || a == b || b == c || c == a {
-            return Err(MeshFault::Corners {
-                triangle: index,
-                vertices,
-                found: *triangle,
-            });
+            return Err(MeshFault::Corners { triangle: index, vertices, found: *triangle });
         }
 
         for [from, to] in edges(triangle) {
@@ -139,12 +129,9 @@ pub fn check_watertight(mesh: &Mesh) -> Result<(), MeshFault> {
     }
     match count.into_iter().find(|(_, runs)| *runs != [1, 1]) {
         None => Ok(()),
-        Some(([from, to], [forwards, backwards])) => Err(MeshFault::Edge {
-            from,
-            to,
-            forwards,
-            backwards,
-        }),
+        Some(([from, to], [forwards, backwards])) => {
+            Err(MeshFault::Edge { from, to, forwards, backwards })
+        }
     }
 }
 
@@ -188,9 +175,6 @@ mod tests {
         assert_eq!(check_watertight(&loose), Err(MeshFault::Unused { vertex: 4 }));
         let mut nowhere = tetrahedron();
         nowhere.triangles[0][1] = 9;
-        assert!(matches!(
-            check_watertight(&nowhere),
-            Err(MeshFault::Corners { triangle: 0, .. })
-        ));
+        assert!(matches!(check_watertight(&nowhere), Err(MeshFault::Corners { triangle: 0, .. })));
     }
 }

@@ -74,22 +74,14 @@ pub struct SkinOptions {
 impl Default for SkinOptions {
     /// About 12 000 vertices for a person.
     fn default() -> Self {
-        Self {
-            around: 48,
-            along_per_m: 60.0,
-            finish: Finish::Field,
-        }
+        Self { around: 48, along_per_m: 60.0, finish: Finish::Field }
     }
 }
 
 impl SkinOptions {
     /// Vertices around the trunk, and as many along as make the triangles about as long as wide on a person.
     pub fn with_around(around: usize) -> Self {
-        Self {
-            around,
-            along_per_m: 1.25 * around as f64,
-            ..Self::default()
-        }
+        Self { around, along_per_m: 1.25 * around as f64, ..Self::default() }
     }
 
     /// Checks the ranges.
@@ -101,9 +93,7 @@ impl SkinOptions {
             return Err(SkinError::Around { found: self.around });
         }
         if !(20.0..=2000.0).contains(&self.along_per_m) {
-            return Err(SkinError::Along {
-                found: self.along_per_m,
-            });
+            return Err(SkinError::Along { found: self.along_per_m });
         }
         Ok(())
     }
@@ -173,24 +163,17 @@ pub fn skin(body: &Posed<'_>, options: &SkinOptions) -> Result<Mesh, SkinError> 
     options.validate()?;
 
     let model = body.model;
-    let trunk = plan::plan(model).ok_or_else(|| SkinError::NoMetaballs {
-        model: model.name.clone(),
-    })?;
+    let trunk =
+        plan::plan(model).ok_or_else(|| SkinError::NoMetaballs { model: model.name.clone() })?;
 
     for (i, part) in model.parts.iter().enumerate() {
         let place = tube::origin(body, crate::body::PartId(i));
         if !place.iter().all(|x| x.is_finite()) {
-            return Err(SkinError::NotFinite {
-                part: part.name.clone(),
-            });
+            return Err(SkinError::NotFinite { part: part.name.clone() });
         }
     }
 
-    let mut skinner = Skinner {
-        body,
-        options,
-        surface: Surface::default(),
-    };
+    let mut skinner = Skinner { body, options, surface: Surface::default() };
     skinner.trunk(&trunk)?;
     Ok(skinner.surface.mesh())
 }
@@ -206,10 +189,7 @@ impl Skinner<'_> {
     fn trunk(&mut self, trunk: &Chain) -> Result<(), SkinError> {
         let flesh = Flesh::new(self.body, trunk);
         let tube = tube::trunk(self.body, trunk, &flesh, self.options.around)?;
-        let all = TubeFlesh {
-            own: &flesh,
-            with_base: &flesh,
-        };
+        let all = TubeFlesh { own: &flesh, with_base: &flesh };
         let grid = self.surface.tessellate(&tube, None, all, self.options);
         let mut grid = grid.ok_or_else(|| tube::thin(self.body, trunk))?;
 
@@ -237,15 +217,19 @@ impl Skinner<'_> {
     fn fork(&mut self, grid: &Grid, legs: [&Chain; 2], trunk: &Flesh) -> Option<[Rim; 2]> {
         let roots = legs.map(|leg| tube::origin(self.body, leg.parts[0]));
         let middle: Vector3<f64> = (roots[0] + roots[1]) * 0.5;
-        let whole = legs
-            .iter()
-            .fold(trunk.clone(), |whole, leg| whole.with(&Flesh::new(self.body, leg)));
+        let whole =
+            legs.iter().fold(trunk.clone(), |whole, leg| whole.with(&Flesh::new(self.body, leg)));
         let per_m = self.options.along_per_m;
         rim::fork(&mut self.surface, grid, &middle, trunk, &whole, per_m)
     }
 
     /// Cuts a hole for a limb, and grows it from there.
-    fn through_hole(&mut self, limb: &Chain, grid: &mut Grid, base: &Flesh) -> Result<(), SkinError> {
+    fn through_hole(
+        &mut self,
+        limb: &Chain,
+        grid: &mut Grid,
+        base: &Flesh,
+    ) -> Result<(), SkinError> {
         let root = tube::origin(self.body, limb.parts[0]);
         let radius = tube::root_radius(self.body, limb);
         let rim = rim::hole(&self.surface, grid, &root, radius);
@@ -255,10 +239,7 @@ impl Skinner<'_> {
 
     fn limb(&mut self, limb: &Chain, rim: &Rim, base: &Flesh) -> Result<(), SkinError> {
         let own = Flesh::new(self.body, limb);
-        let flesh = TubeFlesh {
-            own: &own,
-            with_base: &own.with(base),
-        };
+        let flesh = TubeFlesh { own: &own, with_base: &own.with(base) };
 
         let points = self.surface.positions(&rim.vertices);
         let tube = tube::limb(self.body, limb, &points, rim.straight_on, flesh)?;

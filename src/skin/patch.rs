@@ -22,11 +22,7 @@ impl Patch {
     pub(super) fn new(control: &[Vec<Vector3<f64>>]) -> Option<Self> {
         let columns = control.first()?.len();
         let fits = control.len() >= 4 && columns >= 3 && control.iter().all(|r| r.len() == columns);
-        fits.then(|| Self {
-            rows: control.len(),
-            columns,
-            control: control.concat(),
-        })
+        fits.then(|| Self { rows: control.len(), columns, control: control.concat() })
     }
 
     /// Number of rows of control points.
@@ -83,7 +79,8 @@ impl Patch {
             for k in 3 - degree..4 {
                 let i = first + k;
                 let rising = self.ratio(x - self.knot(i), i, i + degree) * below[k];
-                let falling = self.ratio(self.knot(i + degree + 1) - x, i + 1, i + degree + 1) * below[k + 1];
+                let falling =
+                    self.ratio(self.knot(i + degree + 1) - x, i + 1, i + degree + 1) * below[k + 1];
                 basis[k] = rising + falling;
             }
         }

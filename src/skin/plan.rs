@@ -79,11 +79,7 @@ impl<'a> Tree<'a> {
         }
         children.iter_mut().for_each(|parts| parts.sort());
 
-        Self {
-            model,
-            root: tops.into_iter().find(|part| !has_parent[part.0]),
-            children,
-        }
+        Self { model, root: tops.into_iter().find(|part| !has_parent[part.0]), children }
     }
 
     /// How many parts grow out of a part, itself included.

@@ -42,17 +42,15 @@ pub(super) fn fork(
     let line = ridge(middle, &down, ends, trunk, whole)?;
     let length: f64 = line.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
     let count = ((length * per_m).round() as usize).max(4);
-    let ridge: Vec<u32> = (1..count)
-        .map(|k| surface.add(along(&line, length * k as f64 / count as f64)))
-        .collect();
+    let ridge: Vec<u32> =
+        (1..count).map(|k| surface.add(along(&line, length * k as f64 / count as f64))).collect();
 
     let side = |from: usize, to: usize| (to..=from).rev().map(|j| first[j % grid.columns]);
     let right = side(grid.columns, half).chain(ridge.iter().rev().copied());
     let left = side(half, 0).chain(ridge.iter().copied());
-    Some([right.collect(), left.collect()].map(|vertices| Rim {
-        vertices,
-        straight_on: Some(down),
-    }))
+    Some(
+        [right.collect(), left.collect()].map(|vertices| Rim { vertices, straight_on: Some(down) }),
+    )
 }
 
 /// The ridge between two limbs, from its front end to its back end: where rays in the plane between the limbs leave the flesh.
@@ -111,7 +109,12 @@ fn along(line: &[Vector3<f64>], distance: f64) -> Vector3<f64> {
 
 /// Cuts a hole into a grid where a limb of this radius at its root grows out; its rim is counter-clockwise seen from
 /// outside. `None` if there is no room: at an end of the tube, or beside another hole.
-pub(super) fn hole(surface: &Surface, grid: &mut Grid, root: &Vector3<f64>, radius: f64) -> Option<Rim> {
+pub(super) fn hole(
+    surface: &Surface,
+    grid: &mut Grid,
+    root: &Vector3<f64>,
+    radius: f64,
+) -> Option<Rim> {
     let (rows, columns) = (grid.rows.len(), grid.columns);
     let place = |i: usize, j: usize| surface.vertices[grid.rows[i][j % columns] as usize];
 
@@ -147,8 +150,8 @@ pub(super) fn hole(surface: &Surface, grid: &mut Grid, root: &Vector3<f64>, radi
         .flat_map(|i| (low[1]..high[1]).map(move |j| i as usize * columns + column(j)))
         .collect();
     // not even a corner may touch another hole
-    let around =
-        (low[0] - 1..=high[0]).flat_map(|i| (low[1] - 1..=high[1]).map(move |j| i as usize * columns + column(j)));
+    let around = (low[0] - 1..=high[0])
+        .flat_map(|i| (low[1] - 1..=high[1]).map(move |j| i as usize * columns + column(j)));
     if around.into_iter().any(|cell| grid.removed[cell]) {
         return None;
     }
@@ -160,8 +163,5 @@ pub(super) fn hole(surface: &Surface, grid: &mut Grid, root: &Vector3<f64>, radi
     let ahead = (low[0]..high[0]).map(|i| at(i, high[1]));
     let top = (low[1] + 1..=high[1]).rev().map(|j| at(high[0], j));
     let back = (low[0] + 1..=high[0]).rev().map(|i| at(i, low[1]));
-    Some(Rim {
-        vertices: bottom.chain(ahead).chain(top).chain(back).collect(),
-        straight_on: None,
-    })
+    Some(Rim { vertices: bottom.chain(ahead).chain(top).chain(back).collect(), straight_on: None })
 }

@@ -31,10 +31,7 @@ impl Section {
     /// over from its neighbour. `None` if there is no flesh.
     pub(super) fn at(station: &Station, neighbour: &Frame, flesh: &Flesh) -> Option<Self> {
         let frame = neighbour.carried(station.origin, station.along);
-        let mut section = Self {
-            frame,
-            walls: station.walls.clone(),
-        };
+        let mut section = Self { frame, walls: station.walls.clone() };
         section.frame.origin = section.within(flesh)?;
 
         for _ in 0..2 {

@@ -39,12 +39,7 @@ pub fn skinned(model: &BodyModel, shape: &Shape) -> Result<SkinnedMesh, SkinErro
     let field = Field::from_body(&body);
     let vertices = mesh.vertices.iter();
     let (parts, weights) = vertices.map(|v| weights(model, &field, v)).unzip();
-    Ok(SkinnedMesh {
-        mesh,
-        bind,
-        parts,
-        weights,
-    })
+    Ok(SkinnedMesh { mesh, bind, parts, weights })
 }
 
 /// Joints that spread the limbs, by the beginning of their names in the shipped models, and by how much, radians.

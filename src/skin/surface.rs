@@ -71,9 +71,7 @@ impl Surface {
                     let is_joint = v < joint_end;
                     let flesh = if is_joint { flesh.with_base } else { flesh.own };
                     let points = (0..columns).map(|j| patch.at(j as f64 / columns as f64, v));
-                    points
-                        .map(|point| self.add(finished(point, flesh, options.finish)))
-                        .collect()
+                    points.map(|point| self.add(finished(point, flesh, options.finish))).collect()
                 }
             });
         }
@@ -104,7 +102,8 @@ impl Surface {
     /// Two triangles, divided along the shorter diagonal.
     fn quadrangle(&mut self, corners: [u32; 4]) {
         let [a, b, c, d] = corners;
-        let distance = |i: u32, j: u32| (self.vertices[i as usize] - self.vertices[j as usize]).norm_squared();
+        let distance =
+            |i: u32, j: u32| (self.vertices[i as usize] - self.vertices[j as usize]).norm_squared();
         if distance(a, c) <= distance(b, d) {
             self.triangles.extend([[a, b, c], [a, c, d]]);
         } else {

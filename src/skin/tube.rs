@@ -53,7 +53,12 @@ fn joints(body: &Posed<'_>, chain: &Chain) -> Vec<Vector3<f64>> {
 }
 
 /// The trunk's samples, from where two legs separate, or from its one end, to the other.
-pub(super) fn trunk(body: &Posed<'_>, chain: &Chain, flesh: &Flesh, around: usize) -> Result<Tube, SkinError> {
+pub(super) fn trunk(
+    body: &Posed<'_>,
+    chain: &Chain,
+    flesh: &Flesh,
+    around: usize,
+) -> Result<Tube, SkinError> {
     // from the far end to between the hips, or to the other end
     let joints = joints(body, chain);
     let far = tip(body, chain, End::Last, joints.last().copied(), flesh)?;
@@ -138,7 +143,8 @@ pub(super) fn limb(
         middles: [middle, sections[0].frame.origin],
         ways: [outwards, along],
         rings: [rim, &first],
-        turn: UnitQuaternion::rotation_between(&straight_on, &along).unwrap_or_else(UnitQuaternion::identity),
+        turn: UnitQuaternion::rotation_between(&straight_on, &along)
+            .unwrap_or_else(UnitQuaternion::identity),
     };
     let mut rows = vec![rim.to_vec()];
     rows.extend(junction.rows(flesh.with_base));
@@ -176,11 +182,7 @@ pub(super) fn root_radius(body: &Posed<'_>, chain: &Chain) -> f64 {
     let next = next.or_else(|| tip(body, chain, End::Last, Some(root), &flesh).ok());
     let to = next.unwrap_or(root) - root;
     let along = to.try_normalize(1e-6).unwrap_or_else(Vector3::z);
-    let station = Station {
-        origin: root + to * 0.25,
-        along,
-        walls: Vec::new(),
-    };
+    let station = Station { origin: root + to * 0.25, along, walls: Vec::new() };
     let frame = Frame::new(station.origin, along, Vector3::zeros());
     roundness(&station, &frame, &flesh)
 }
@@ -240,7 +242,10 @@ impl Junction<'_> {
         let chord = (b - a).norm();
         let [out, on] = [0, 1].map(|k| self.ways[k] * (TANGENTS[k] * chord));
         let (t2, t3) = (t * t, t * t * t);
-        a * (2.0 * t3 - 3.0 * t2 + 1.0) + out * (t3 - 2.0 * t2 + t) + b * (3.0 * t2 - 2.0 * t3) + on * (t3 - t2)
+        a * (2.0 * t3 - 3.0 * t2 + 1.0)
+            + out * (t3 - 2.0 * t2 + t)
+            + b * (3.0 * t2 - 2.0 * t3)
+            + on * (t3 - t2)
     }
 
     /// From the axis to the guessed place of a point between one of the rim and one of the cross-section.
@@ -269,11 +274,8 @@ fn on_skin(flesh: &Flesh, middle: &Vector3<f64>, to: Vector3<f64>, radius: f64) 
 fn middle_and_normal(points: &[Vector3<f64>]) -> Option<(Vector3<f64>, Vector3<f64>)> {
     let middle = points.iter().sum::<Vector3<f64>>() / points.len() as f64;
     let next = points.iter().cycle().skip(1);
-    let twice: Vector3<f64> = points
-        .iter()
-        .zip(next)
-        .map(|(a, b)| (a - middle).cross(&(b - middle)))
-        .sum();
+    let twice: Vector3<f64> =
+        points.iter().zip(next).map(|(a, b)| (a - middle).cross(&(b - middle))).sum();
     Some((middle, twice.try_normalize(1e-9)?))
 }
 

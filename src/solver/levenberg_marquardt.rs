@@ -17,11 +17,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self {
-            max_iterations: 30,
-            damping: 1e-3,
-            relative_decrease: 1e-5,
-        }
+        Self { max_iterations: 30, damping: 1e-3, relative_decrease: 1e-5 }
     }
 }
 
@@ -131,16 +127,7 @@ pub fn levenberg_marquardt<P: Problem>(
         }
     };
 
-    Solution {
-        state,
-        cost,
-        model,
-        report: Report {
-            termination,
-            iterations,
-            costs,
-        },
-    }
+    Solution { state, cost, model, report: Report { termination, iterations, costs } }
 }
 
 fn negligible(delta: &DVector<f64>) -> bool {
@@ -191,11 +178,7 @@ mod tests {
         let solution = levenberg_marquardt(
             &Rosenbrock { slip: 0.0 },
             [-1.2, 1.0],
-            &Options {
-                max_iterations: 100,
-                relative_decrease: 1e-12,
-                ..Options::default()
-            },
+            &Options { max_iterations: 100, relative_decrease: 1e-12, ..Options::default() },
         );
         approx::assert_relative_eq!(solution.state[0], 1.0, epsilon = 1e-6);
         approx::assert_relative_eq!(solution.state[1], 1.0, epsilon = 1e-6);
@@ -238,7 +221,8 @@ mod tests {
     #[test]
     fn the_checker_passes_a_right_derivative_and_names_the_wrong_one() {
         check_linearization(&Rosenbrock { slip: 0.0 }, &[-1.2, 1.0], 1e-4, 1e-7).unwrap();
-        let fault = check_linearization(&Rosenbrock { slip: 0.5 }, &[-1.2, 1.0], 1e-4, 1e-7).unwrap_err();
+        let fault =
+            check_linearization(&Rosenbrock { slip: 0.5 }, &[-1.2, 1.0], 1e-4, 1e-7).unwrap_err();
         assert!(fault.to_string().contains("∂E/∂δ[0]"), "{fault}");
     }
 }

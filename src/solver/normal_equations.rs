@@ -18,10 +18,7 @@ pub struct NormalEquations {
 impl NormalEquations {
     /// The zero model of a given dimension.
     pub fn zeros(dimension: usize) -> Self {
-        Self {
-            hessian: DMatrix::zeros(dimension, dimension),
-            gradient: DVector::zeros(dimension),
-        }
+        Self { hessian: DMatrix::zeros(dimension, dimension), gradient: DVector::zeros(dimension) }
     }
 
     /// Adds one scalar residual `r` with weight `w` and a Jacobian that is zero but in component `i`.

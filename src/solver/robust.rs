@@ -50,7 +50,12 @@ mod tests {
                 let h = 1e-5 * r * r;
                 let value = |squared: f64| loss.evaluate(squared.sqrt()).0;
                 let slope = (value(r * r + h) - value(r * r - h)) / (2.0 * h);
-                approx::assert_relative_eq!(slope, loss.evaluate(r).1, max_relative = 1e-5, epsilon = 1e-12);
+                approx::assert_relative_eq!(
+                    slope,
+                    loss.evaluate(r).1,
+                    max_relative = 1e-5,
+                    epsilon = 1e-12
+                );
             }
         }
     }

@@ -27,13 +27,11 @@ pub(super) fn sample(image: &Plane<f32>, x: f64, y: f64) -> Option<Sample> {
     let (wx, dx) = weights((x - column as f64) as f32);
     let (wy, dy) = weights((y - row as f64) as f32);
 
-    let mut sample = Sample {
-        value: 0.0,
-        slope: [0.0; 2],
-    };
+    let mut sample = Sample { value: 0.0, slope: [0.0; 2] };
     for i in 0..4 {
         let taps = image.row(row + i - 1).get(column - 1..)?.first_chunk::<4>()?;
-        let along = |w: &[f32; 4]| w[0] * taps[0] + w[1] * taps[1] + w[2] * taps[2] + w[3] * taps[3];
+        let along =
+            |w: &[f32; 4]| w[0] * taps[0] + w[1] * taps[1] + w[2] * taps[2] + w[3] * taps[3];
         let value = along(&wx);
         sample.value += wy[i] * value;
         sample.slope[0] += wy[i] * along(&dx);
@@ -86,14 +84,9 @@ mod tests {
     #[test]
     fn outside_there_is_nothing() {
         let image = image(|x, _| x);
-        for (x, y) in [
-            (0.9, 4.0),
-            (8.0, 4.0),
-            (4.0, 6.0),
-            (f64::NAN, 4.0),
-            (4.0, -1e300),
-            (1e300, 1.0),
-        ] {
+        for (x, y) in
+            [(0.9, 4.0), (8.0, 4.0), (4.0, 6.0), (f64::NAN, 4.0), (4.0, -1e300), (1e300, 1.0)]
+        {
             assert_eq!(sample(&image, x, y), None);
         }
         assert!((sample(&image, 4.0, 4.0).unwrap().value - 4.0).abs() < 1e-5);

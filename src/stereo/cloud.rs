@@ -21,7 +21,9 @@ impl Spread {
         match self {
             Self::Unknown => None,
             Self::Isotropic(sigma) => Some(*sigma),
-            Self::Full(covariance) => Some(direction_world.dot(&(covariance * direction_world)).sqrt()),
+            Self::Full(covariance) => {
+                Some(direction_world.dot(&(covariance * direction_world)).sqrt())
+            }
         }
     }
 
@@ -30,7 +32,9 @@ impl Spread {
         match self {
             Self::Unknown => true,
             Self::Isotropic(sigma) => sigma.is_finite() && *sigma > 0.0,
-            Self::Full(covariance) => covariance.iter().all(|v| v.is_finite()) && covariance.cholesky().is_some(),
+            Self::Full(covariance) => {
+                covariance.iter().all(|v| v.is_finite()) && covariance.cholesky().is_some()
+            }
         }
     }
 
@@ -189,18 +193,12 @@ mod tests {
     use super::*;
 
     fn at(x: f64, y: f64, z: f64) -> CloudPoint {
-        CloudPoint {
-            position_world: Point3::new(x, y, z),
-            spread: Spread::Unknown,
-        }
+        CloudPoint { position_world: Point3::new(x, y, z), spread: Spread::Unknown }
     }
 
     #[test]
     fn what_is_not_finite_or_has_no_positive_spread_is_counted_and_left_out() {
-        let with = |spread| CloudPoint {
-            spread,
-            ..at(0.0, 1.0, 2.0)
-        };
+        let with = |spread| CloudPoint { spread, ..at(0.0, 1.0, 2.0) };
         let cloud = Cloud::from_points([
             at(0.0, f64::NAN, 0.0),
             at(f64::INFINITY, 0.0, 0.0),

@@ -57,10 +57,7 @@ impl RectifiedPair {
         // and one more at each end, which is never a result
         let count = (near - far).abs().ceil().clamp(0.0, MOST_DISPARITIES - 3.0) + 3.0;
         let least = if near > far { far - 1.0 } else { far + 2.0 - count };
-        DisparityRange {
-            first: (infinity + least).floor() as i32,
-            count: count as usize,
-        }
+        DisparityRange { first: (infinity + least).floor() as i32, count: count as usize }
     }
 
     /// d∞: the disparity of a point at infinity, px.
@@ -89,10 +86,7 @@ pub fn depth_map(
 ) -> Result<DepthMap, DepthError> {
     // 1. disparities of the rectified pair
     let pair = rectify(first, second)?;
-    let options = CorrelationOptions {
-        range: pair.range(depth),
-        ..*options
-    };
+    let options = CorrelationOptions { range: pair.range(depth), ..*options };
     let (left, right) = (bytes(&pair.left.image), bytes(&pair.right.image));
     let mut disparities = correlate(&left, &right, &options)?;
 
@@ -111,11 +105,7 @@ pub fn depth_map(
         }
     }
 
-    Ok(DepthMap {
-        pair,
-        disparities,
-        points,
-    })
+    Ok(DepthMap { pair, disparities, points })
 }
 
 /// From disparities of one rectified pair to points.
@@ -180,7 +170,9 @@ fn shows(view: &StereoView, mask: Option<&Mask>, point: &CloudPoint) -> bool {
         return false;
     };
     let inside = pixel.x > -0.5 && pixel.y > -0.5;
-    mask.is_none_or(|m| inside && m.is_foreground(pixel.x.round() as usize, pixel.y.round() as usize))
+    mask.is_none_or(|m| {
+        inside && m.is_foreground(pixel.x.round() as usize, pixel.y.round() as usize)
+    })
 }
 
 #[cfg(test)]
@@ -236,7 +228,12 @@ mod tests {
                 let Spread::Full(covariance) = found.spread else {
                     panic!("no covariance");
                 };
-                approx::assert_relative_eq!(covariance, met.covariance, max_relative = 1e-5, epsilon = 1e-12);
+                approx::assert_relative_eq!(
+                    covariance,
+                    met.covariance,
+                    max_relative = 1e-5,
+                    epsilon = 1e-12
+                );
             }
             assert!(triangulation.point([3, 3], infinity as f32).is_none());
             let behind = infinity - 2.0 * x_m.signum();

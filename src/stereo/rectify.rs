@@ -147,7 +147,11 @@ struct TurnedCamera {
 }
 
 /// The turned camera; `None` if a corner of the recorded image is behind it.
-fn turned(camera: &Camera, world_from_rectified: &Rotation3<f64>, focal_px: f64) -> Option<TurnedCamera> {
+fn turned(
+    camera: &Camera,
+    world_from_rectified: &Rotation3<f64>,
+    focal_px: f64,
+) -> Option<TurnedCamera> {
     let rotation = UnitQuaternion::from_rotation_matrix(&world_from_rectified.inverse());
     let centre = rotation * camera.centre_world();
     let turned = Camera {
@@ -171,11 +175,7 @@ fn turned(camera: &Camera, world_from_rectified: &Rotation3<f64>, focal_px: f64)
         let pixel = turned.project_undistorted(&ray.point_at(1.0))?;
         (low, high) = (low.inf(&pixel), high.sup(&pixel));
     }
-    Some(TurnedCamera {
-        camera: turned,
-        low,
-        high,
-    })
+    Some(TurnedCamera { camera: turned, low, high })
 }
 
 /// Columns or rows of a rectified image.
@@ -190,10 +190,7 @@ impl PixelRange {
     fn new(from: f64, to: f64, recorded: u32) -> Self {
         let middle = 0.5 * (from + to);
         let half = (0.5 * (to - from)).min(0.5 * MOST_STRETCH * f64::from(recorded));
-        Self {
-            first: (middle - half).floor(),
-            count: (2.0 * half).ceil().max(1.0) as u32,
-        }
+        Self { first: (middle - half).floor(), count: (2.0 * half).ceil().max(1.0) as u32 }
     }
 }
 

@@ -37,18 +37,11 @@ impl StereoView {
         let expected = [camera.width_px as usize, camera.height_px as usize];
         let found = [recorded.width(), recorded.height()];
         if expected != found {
-            return Err(StereoViewError {
-                camera: camera.name.clone(),
-                expected,
-                found,
-            });
+            return Err(StereoViewError { camera: camera.name.clone(), expected, found });
         }
 
         let recorded = recorded.map(f32::from);
-        let ideal = Camera {
-            distortion: Distortion::None,
-            ..camera.clone()
-        };
+        let ideal = Camera { distortion: Distortion::None, ..camera.clone() };
         let (width, height) = (recorded.width(), recorded.height());
         let image = match camera.distortion {
             Distortion::None => recorded,

@@ -24,7 +24,12 @@ use crate::body::{BodyModel, Displacements, Motion, PartId, PlacedBody, Posed, S
 /// `published` has parts and points of the same names, with the standard deviations of δ along the axes of their parts
 /// ([`BodyModel::scatter_m`], [`NamedPoint::sd_m`](crate::body::NamedPoint::sd_m), metres); what it does not name stays. The δ
 /// of the two sides are mirror images, others are independent.
-pub fn draw_centres(model: &BodyModel, shape: &Shape, published: &BodyModel, rng: &mut impl Rng) -> BodyModel {
+pub fn draw_centres(
+    model: &BodyModel,
+    shape: &Shape,
+    published: &BodyModel,
+    rng: &mut impl Rng,
+) -> BodyModel {
     let mut model = model.clone();
     for part in &mut model.parts {
         let known = published.parts.iter().position(|p| p.name == part.name);
@@ -106,10 +111,7 @@ fn displaced_flesh(straight: &Posed<'_>, moved: &[Vector3<f64>]) -> Vec<Flesh> {
             let new = old + moved[end.0] - moved[part];
             Rotation3::rotation_between(&axes.tr_mul(&old), &axes.tr_mul(&new))
         });
-        Flesh {
-            turn: along.unwrap_or_default(),
-            centre: axes.tr_mul(&moved[part]),
-        }
+        Flesh { turn: along.unwrap_or_default(), centre: axes.tr_mul(&moved[part]) }
     };
     (0..model.parts.len()).map(flesh).collect()
 }
@@ -131,10 +133,7 @@ mod tests {
         let of_part = balls.filter(|(old, _)| old.part.0 == part);
         let flesh = of_part.map(|(old, new)| {
             let turn = old.part_from_primitive * new.part_from_primitive.inverse();
-            Flesh {
-                turn,
-                centre: old.centre.at(shape) - turn * new.centre.at(shape),
-            }
+            Flesh { turn, centre: old.centre.at(shape) - turn * new.centre.at(shape) }
         });
         flesh.collect()
     }
@@ -194,15 +193,13 @@ mod tests {
         let linear = Posed::new(&placed.model, &linear.0, &linear.1);
         let before = Posed::new(&model, &shape, &motion);
         let mut farthest: f64 = 0.0;
-        for (point, (old, new)) in before.points().iter().zip(exact.points().iter().zip(linear.points())) {
+        for (point, (old, new)) in
+            before.points().iter().zip(exact.points().iter().zip(linear.points()))
+        {
             farthest = farthest.max((old - point).norm());
             assert!((old - new).norm() < 1e-8, "{point}");
         }
-        let balls = model
-            .metaballs
-            .iter()
-            .zip(&moved.metaballs)
-            .zip(&placed.model.metaballs);
+        let balls = model.metaballs.iter().zip(&moved.metaballs).zip(&placed.model.metaballs);
         for ((ball, exactly), linearly) in balls {
             let [old, new] = [exact.primitive(exactly), linear.primitive(linearly)];
             let name = &model.parts[ball.part.0].name;

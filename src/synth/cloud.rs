@@ -99,7 +99,9 @@ impl StereoPair {
         };
         Some(CloudPoint {
             position_world: place + error + stray,
-            spread: Spread::Full(d_dt * (along * along) + (Matrix3::identity() - d_dt) * (across * across)),
+            spread: Spread::Full(
+                d_dt * (along * along) + (Matrix3::identity() - d_dt) * (across * across),
+            ),
         })
     }
 }
@@ -134,9 +136,8 @@ struct Skin {
 impl Skin {
     fn new(body: &Posed<'_>) -> Self {
         let primitives = body.model.metaballs.iter();
-        let metaballs: Vec<Metaball> = primitives
-            .filter_map(|primitive| Metaball::new(body.primitive(primitive)))
-            .collect();
+        let metaballs: Vec<Metaball> =
+            primitives.filter_map(|primitive| Metaball::new(body.primitive(primitive))).collect();
         let smallest = metaballs.iter().map(|m| {
             let squared = m.ellipsoid.shape.symmetric_eigenvalues();
             squared.min().max(0.0).sqrt()
@@ -238,23 +239,17 @@ mod tests {
 
     #[test]
     fn errors_have_the_spread_that_points_state_and_grow_with_the_square_of_the_depth() {
-        let pair = StereoPair {
-            disparity_sd_px: 0.2,
-            step_px: 3,
-            ..EXACT
-        };
+        let pair = StereoPair { disparity_sd_px: 0.2, step_px: 3, ..EXACT };
         let mut exact = Vec::new();
-        let same_pixels = StereoPair {
-            disparity_sd_px: 0.0,
-            ..pair
-        };
+        let same_pixels = StereoPair { disparity_sd_px: 0.0, ..pair };
         seen(&same_pixels, 1, |_, _, points| exact.extend(points.to_vec()));
         seen(&pair, 1, |camera, _, points| {
             assert_eq!(points.len(), exact.len());
             let (mut along, mut across) = (0.0, 0.0);
             for (point, true_point) in points.iter().zip(&exact) {
                 let error = point.position_world - true_point.position_world;
-                let d = camera.ray(&camera.project_undistorted(&true_point.position_world).unwrap());
+                let d =
+                    camera.ray(&camera.project_undistorted(&true_point.position_world).unwrap());
                 let d = d.direction_world.into_inner();
                 let side = nalgebra::Unit::new_normalize(d.cross(&Vector3::z())).into_inner();
                 along += (error.dot(&d) / point.spread.along(&d).unwrap()).powi(2);
@@ -288,13 +283,10 @@ mod tests {
     /// 2000 points and a share of 0.3: ± 0.03 (3 σ).
     #[test]
     fn false_matches_have_their_share_and_stay_in_their_range() {
-        let pair = StereoPair {
-            outliers: 0.3,
-            step_px: 2,
-            ..EXACT
-        };
+        let pair = StereoPair { outliers: 0.3, step_px: 2, ..EXACT };
         seen(&pair, 1, |camera, field, points| {
-            let is_off = |p: &&CloudPoint| (field.value(&p.position_world.coords) - THRESHOLD).abs() > 1e-6;
+            let is_off =
+                |p: &&CloudPoint| (field.value(&p.position_world.coords) - THRESHOLD).abs() > 1e-6;
             let share = points.iter().filter(is_off).count() as f64 / points.len() as f64;
             assert!((0.26..0.34).contains(&share), "{share}");
             let distance = |p: &CloudPoint| (p.position_world - camera.centre_world()).norm();
@@ -304,10 +296,7 @@ mod tests {
 
     #[test]
     fn the_seed_decides() {
-        let pair = StereoPair {
-            step_px: 8,
-            ..StereoPair::default()
-        };
+        let pair = StereoPair { step_px: 8, ..StereoPair::default() };
         let mut clouds = Vec::new();
         for seed in [5, 5, 6] {
             let mut cloud = Vec::new();

@@ -20,9 +20,8 @@ pub(super) struct Contact {
 /// Points within this height of the lowest share the load, metres.
 const SOFTNESS: f64 = 0.004;
 /// Pitches of the foot for which the lowest point of each primitive is a point of the sole, degrees.
-const PITCHES_DEG: [f64; 12] = [
-    -80.0, -65.0, -50.0, -35.0, -25.0, -15.0, -7.0, 0.0, 7.0, 15.0, 25.0, 35.0,
-];
+const PITCHES_DEG: [f64; 12] =
+    [-80.0, -65.0, -50.0, -35.0, -25.0, -15.0, -7.0, 0.0, 7.0, 15.0, 25.0, 35.0];
 /// The skin of a metaball alone, in its radii: √(½ ln 2).
 const METABALL_SKIN: f64 = 0.588_705_011_257_737_4;
 
@@ -52,9 +51,7 @@ impl Foot {
         let lowest = heights.iter().copied().fold(f64::INFINITY, f64::min);
         let load = |z: &f64| (-(z - lowest) / SOFTNESS).exp();
         let total: f64 = heights.iter().map(load).sum();
-        Contact {
-            weights: heights.iter().map(|z| load(z) / total).collect(),
-        }
+        Contact { weights: heights.iter().map(|z| load(z) / total).collect() }
     }
 
     /// The loaded point of the foot, Σ wₖ xₖ.
@@ -94,11 +91,7 @@ pub(super) fn right_load(phase: f64) -> f64 {
         let x = (p / DOUBLE_SUPPORT).clamp(0.0, 1.0);
         x * x * (3.0 - 2.0 * x)
     };
-    if phase < 0.5 {
-        rise(phase)
-    } else {
-        1.0 - rise(phase - 0.5)
-    }
+    if phase < 0.5 { rise(phase) } else { 1.0 - rise(phase - 0.5) }
 }
 
 #[cfg(test)]
@@ -112,7 +105,11 @@ mod tests {
     fn the_feet_share_the_weight() {
         for percent in 0..100 {
             let phase = f64::from(percent) / 100.0;
-            approx::assert_relative_eq!(right_load(phase) + right_load(phase + 0.5), 1.0, epsilon = 1e-12);
+            approx::assert_relative_eq!(
+                right_load(phase) + right_load(phase + 0.5),
+                1.0,
+                epsilon = 1e-12
+            );
         }
         approx::assert_relative_eq!(right_load(0.3), 1.0);
     }

@@ -16,10 +16,7 @@ pub struct Curve {
 impl Curve {
     fn from_degrees(mean_deg: f64, harmonics_deg: &[(f64, f64)]) -> Self {
         let radians = |&(a, b): &(f64, f64)| (a.to_radians(), b.to_radians());
-        Self {
-            mean: mean_deg.to_radians(),
-            harmonics: harmonics_deg.iter().map(radians).collect(),
-        }
+        Self { mean: mean_deg.to_radians(), harmonics: harmonics_deg.iter().map(radians).collect() }
     }
 
     /// θ(φ).
@@ -48,10 +45,7 @@ impl Curve {
             let (sin, cos) = (TAU * (n + 1) as f64 * advance).sin_cos();
             (a * cos + b * sin, b * cos - a * sin)
         };
-        Self {
-            mean: self.mean,
-            harmonics: self.harmonics.iter().enumerate().map(turn).collect(),
-        }
+        Self { mean: self.mean, harmonics: self.harmonics.iter().enumerate().map(turn).collect() }
     }
 }
 
@@ -91,24 +85,21 @@ impl NormativeCurve {
 
 type Harmonics = &'static [(f64, f64)];
 
-const fn sides(joint: &'static str, variation: Variation, mean_deg: f64, harmonics_deg: Harmonics) -> NormativeCurve {
-    NormativeCurve {
-        joint,
-        sides: Sides::BothSides,
-        variation,
-        mean_deg,
-        harmonics_deg,
-    }
+const fn sides(
+    joint: &'static str,
+    variation: Variation,
+    mean_deg: f64,
+    harmonics_deg: Harmonics,
+) -> NormativeCurve {
+    NormativeCurve { joint, sides: Sides::BothSides, variation, mean_deg, harmonics_deg }
 }
 
-const fn middle(joint: &'static str, variation: Variation, harmonics_deg: Harmonics) -> NormativeCurve {
-    NormativeCurve {
-        joint,
-        sides: Sides::Middle,
-        variation,
-        mean_deg: 0.0,
-        harmonics_deg,
-    }
+const fn middle(
+    joint: &'static str,
+    variation: Variation,
+    harmonics_deg: Harmonics,
+) -> NormativeCurve {
+    NormativeCurve { joint, sides: Sides::Middle, variation, mean_deg: 0.0, harmonics_deg }
 }
 
 const LEGS: Variation = Variation::Legs(0.0);
@@ -159,40 +150,18 @@ pub(super) const JOINTS: [NormativeCurve; 14] = [
         "knee_flexion",
         Variation::Legs(1.0),
         22.59,
-        &[
-            (-2.24, -19.36),
-            (-14.75, 6.8),
-            (-0.42, 6.05),
-            (0.41, 0.49),
-            (0.14, 0.04),
-            (0.46, -0.13),
-        ],
+        &[(-2.24, -19.36), (-14.75, 6.8), (-0.42, 6.05), (0.41, 0.49), (0.14, 0.04), (0.46, -0.13)],
     ),
     sides(
         "ankle_dorsiflexion",
         Variation::Legs(0.5),
         1.35,
-        &[
-            (-1.66, 5.42),
-            (1.63, -6.62),
-            (-4.38, 0.55),
-            (1.61, 0.13),
-            (0.83, -1.06),
-            (-0.03, -0.1),
-        ],
+        &[(-1.66, 5.42), (1.63, -6.62), (-4.38, 0.55), (1.61, 0.13), (0.83, -1.06), (-0.03, -0.1)],
     ),
     middle("lumbar_flexion", Variation::Own(2.0), &[]),
-    middle(
-        "lumbar_bending",
-        Variation::Own(0.5),
-        &[(1.0, 1.8), (0.0, 0.0), (-0.4, 0.4)],
-    ),
+    middle("lumbar_bending", Variation::Own(0.5), &[(1.0, 1.8), (0.0, 0.0), (-0.4, 0.4)]),
     middle("lumbar_rotation", Variation::Own(0.7), &[(-3.5, 0.0)]),
-    middle(
-        "thorax_bending",
-        Variation::Own(0.5),
-        &[(0.5, 1.0), (0.0, 0.0), (-0.2, 0.2)],
-    ),
+    middle("thorax_bending", Variation::Own(0.5), &[(0.5, 1.0), (0.0, 0.0), (-0.2, 0.2)]),
     middle("thorax_rotation", Variation::Own(0.7), &[(-4.5, 0.0)]),
     middle("neck_rotation", Variation::Own(1.0), &[(3.5, 0.0)]),
     sides("shoulder_flexion", Variation::Own(3.0), -6.0, &[(-16.0, 2.0)]),
@@ -229,7 +198,8 @@ mod tests {
     #[test]
     fn the_sole_is_level_in_mid_stance() {
         let curve = |joint: &str| JOINTS.iter().find(|n| n.joint == joint).unwrap().curve();
-        let (hip, knee, ankle) = (curve("hip_flexion"), curve("knee_flexion"), curve("ankle_dorsiflexion"));
+        let (hip, knee, ankle) =
+            (curve("hip_flexion"), curve("knee_flexion"), curve("ankle_dorsiflexion"));
         for percent in 8..25 {
             let phase = f64::from(percent) / 100.0;
             let pitch = hip.at(phase) - knee.at(phase) + ankle.at(phase);
@@ -242,7 +212,11 @@ mod tests {
         let curve = JOINTS[0].curve();
         let advanced = curve.advanced(0.13);
         for phase in [0.0, 0.2, 0.7] {
-            approx::assert_relative_eq!(advanced.at(phase), curve.at(phase + 0.13), epsilon = 1e-12);
+            approx::assert_relative_eq!(
+                advanced.at(phase),
+                curve.at(phase + 0.13),
+                epsilon = 1e-12
+            );
         }
     }
 }

@@ -73,7 +73,12 @@ impl SegmentationErrors {
     fn bite(&self, mask: &Mask, window: &Window, pixels: &mut Plane<u8>, rng: &mut impl Rng) {
         let inside = |x: usize, y: usize| mask.is_foreground(x, y);
         let is_border = |x: usize, y: usize| {
-            !(inside(x + 1, y) && inside(x, y + 1) && x > 0 && inside(x - 1, y) && y > 0 && inside(x, y - 1))
+            !(inside(x + 1, y)
+                && inside(x, y + 1)
+                && x > 0
+                && inside(x - 1, y)
+                && y > 0
+                && inside(x, y - 1))
         };
 
         let all = window.pixels().filter(|&(x, y)| inside(x, y));
@@ -151,7 +156,8 @@ impl Window {
     }
 
     fn pixels(self) -> impl Iterator<Item = (usize, usize)> {
-        (0..self.height).flat_map(move |y| (0..self.width).map(move |x| (self.left + x, self.top + y)))
+        (0..self.height)
+            .flat_map(move |y| (0..self.width).map(move |x| (self.left + x, self.top + y)))
     }
 }
 
@@ -225,12 +231,8 @@ impl SmoothNoise {
 fn weights(place: f64) -> (usize, [f64; 4]) {
     let t = place.fract();
     let (t2, t3) = (t * t, t * t * t);
-    let each = [
-        (1.0 - t).powi(3),
-        3.0 * t3 - 6.0 * t2 + 4.0,
-        -3.0 * t3 + 3.0 * t2 + 3.0 * t + 1.0,
-        t3,
-    ];
+    let each =
+        [(1.0 - t).powi(3), 3.0 * t3 - 6.0 * t2 + 4.0, -3.0 * t3 + 3.0 * t2 + 3.0 * t + 1.0, t3];
     (place as usize, each.map(|w| w / 6.0))
 }
 
@@ -272,10 +274,7 @@ mod tests {
     /// A straight border of 400 px holds about 50 independent errors: their spread is known to ±20 % (2 σ).
     #[test]
     fn the_border_moves_by_the_stated_amplitude_and_errs_together_along_the_stated_length() {
-        let errors = SegmentationErrors {
-            border_sd_px: 3.0,
-            ..NONE
-        };
+        let errors = SegmentationErrors { border_sd_px: 3.0, ..NONE };
         let (mut variance, mut next, mut far, mut count) = (0.0, 0.0, 0.0, 0.0);
         for seed in 0..8 {
             let mask = errors.apply(&half_plane(), &mut rng(seed));
@@ -295,12 +294,7 @@ mod tests {
     #[test]
     fn bites_and_holes_take_away_and_specks_add() {
         let truth = half_plane();
-        let only = |bites, holes, specks| SegmentationErrors {
-            bites,
-            holes,
-            specks,
-            ..NONE
-        };
+        let only = |bites, holes, specks| SegmentationErrors { bites, holes, specks, ..NONE };
         assert!(area(&only(5.0, 0.0, 0.0).apply(&truth, &mut rng(1))) < area(&truth));
         assert!(area(&only(0.0, 5.0, 0.0).apply(&truth, &mut rng(1))) < area(&truth));
         assert!(area(&only(0.0, 0.0, 9.0).apply(&truth, &mut rng(1))) > area(&truth));
@@ -309,10 +303,7 @@ mod tests {
     #[test]
     fn an_empty_mask_gets_only_specks() {
         let empty = Mask::from_fn(50, 40, |_, _| false);
-        let specks = SegmentationErrors {
-            specks: 4.0,
-            ..SegmentationErrors::MILD
-        };
+        let specks = SegmentationErrors { specks: 4.0, ..SegmentationErrors::MILD };
         assert!(area(&specks.apply(&empty, &mut rng(1))) > 0);
         assert_eq!(area(&NONE.apply(&Mask::from_fn(0, 0, |_, _| true), &mut rng(1))), 0);
     }

@@ -172,9 +172,6 @@ impl Recipe {
 /// # Errors
 /// [`WalkError`] if the model has no feet.
 pub fn sample_walker(model: &BodyModel, seed: u64) -> Result<Synthetic, WalkError> {
-    let recipe = Recipe {
-        seed,
-        ..Recipe::default()
-    };
+    let recipe = Recipe { seed, ..Recipe::default() };
     recipe.walker(model)
 }

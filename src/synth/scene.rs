@@ -53,9 +53,7 @@ impl Ring {
     /// Evenly spaced; the first camera stands half a spacing from the world's x axis.
     pub fn regular(&self) -> Rig {
         let camera = |k| self.camera(k, self.eye(k, 0.0, 0.0, 0.0), self.target_world, 0.0);
-        Rig {
-            cameras: (0..self.cameras).map(camera).collect(),
-        }
+        Rig { cameras: (0..self.cameras).map(camera).collect() }
     }
 
     /// As a person would set them up: off the even places by [`Ring::irregularity`].
@@ -66,9 +64,7 @@ impl Ring {
             let aim = self.target_world + Vector3::new(draw(), draw(), draw()) * 0.08;
             self.camera(k, eye, aim, 3.0_f64.to_radians() * draw())
         };
-        Rig {
-            cameras: (0..self.cameras).map(&mut camera).collect(),
-        }
+        Rig { cameras: (0..self.cameras).map(&mut camera).collect() }
     }
 
     /// Place of camera `k`: off by fractions of the spacing, the radius and the height.
@@ -108,8 +104,10 @@ pub(super) fn looking_at(eye: &Point3<f64>, target: &Point3<f64>, roll: f64) -> 
     // a camera that looks straight down has no upright: take the world's x for its right
     let right = unit(forward.cross(&Vector3::z()), Vector3::x());
     let down = forward.cross(&right);
-    let world_from_camera = Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[right, down, forward]));
-    let camera_from_world = Rotation3::from_axis_angle(&Vector3::z_axis(), roll) * world_from_camera.inverse();
+    let world_from_camera =
+        Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[right, down, forward]));
+    let camera_from_world =
+        Rotation3::from_axis_angle(&Vector3::z_axis(), roll) * world_from_camera.inverse();
     let rotation = UnitQuaternion::from_rotation_matrix(&camera_from_world);
     Rigid3::from_parts(Translation3::from(-(rotation * eye.coords)), rotation)
 }

@@ -24,7 +24,9 @@ pub struct Walk {
 #[non_exhaustive]
 pub enum WalkError {
     /// No foot to stand on.
-    #[error("model {model}: expected a part with primitives that carries the point {point}, found none")]
+    #[error(
+        "model {model}: expected a part with primitives that carries the point {point}, found none"
+    )]
     NoFoot {
         /// Model.
         model: String,
@@ -56,16 +58,20 @@ impl Walk {
     ///
     /// # Errors
     /// [`WalkError`] if the model has no feet or `fps` is impossible.
-    pub fn motions(&self, model: &BodyModel, shape: &Shape, fps: f64, frames: usize) -> Result<Vec<Motion>, WalkError> {
+    pub fn motions(
+        &self,
+        model: &BodyModel,
+        shape: &Shape,
+        fps: f64,
+        frames: usize,
+    ) -> Result<Vec<Motion>, WalkError> {
         if !(fps > 0.0 && fps <= FASTEST) {
             return Err(WalkError::Rate { fps });
         }
         let foot = |point: &'static str| {
             let model_name = || model.name.clone();
-            Foot::find(model, shape, point).ok_or_else(|| WalkError::NoFoot {
-                model: model_name(),
-                point,
-            })
+            Foot::find(model, shape, point)
+                .ok_or_else(|| WalkError::NoFoot { model: model_name(), point })
         };
         let feet = [foot("RBigToe")?, foot("LBigToe")?];
 
@@ -81,10 +87,7 @@ impl Walk {
             let (height, slip) = stand(&feet, right_load(phase), &poses);
             position.z = height;
             if step % SUBSTEPS == 0 && motions.len() < frames {
-                motions.push(Motion {
-                    position_world: position,
-                    ..now
-                });
+                motions.push(Motion { position_world: position, ..now });
             }
             position -= slip;
             now = next;

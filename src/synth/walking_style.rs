@@ -64,10 +64,7 @@ impl WalkingStyle {
     /// A style that departs from the mean by as many standard deviations as `draw` says.
     fn departing(draw: &mut impl FnMut() -> f64) -> Self {
         let stride_hz = STRIDE_HZ * (1.0 + STRIDE_SD * draw());
-        let person = Person {
-            step_gain: 1.0 + STEP_SD * draw(),
-            bend_deg: BEND_SD_DEG * draw(),
-        };
+        let person = Person { step_gain: 1.0 + STEP_SD * draw(), bend_deg: BEND_SD_DEG * draw() };
 
         let pelvis = PELVIS.each_ref().map(|n| depart(n, person, draw));
 
@@ -85,11 +82,7 @@ impl WalkingStyle {
                 joints.insert(format!("{name}_{side}"), own.advanced(half_cycle));
             }
         }
-        Self {
-            stride_hz,
-            pelvis,
-            joints,
-        }
+        Self { stride_hz, pelvis, joints }
     }
 }
 

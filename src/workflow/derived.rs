@@ -28,7 +28,11 @@ type Observations = (ObservationFiles, Option<Vec<FrameObservations>>);
 
 impl Derived<'_> {
     /// The masks and points that are fitted to; what is lacking or asked for is made of the pictures.
-    pub(super) fn observations(&self, recording: &Recording, options: &FitOptions) -> Result<Observations, Error> {
+    pub(super) fn observations(
+        &self,
+        recording: &Recording,
+        options: &FitOptions,
+    ) -> Result<Observations, Error> {
         if options.silhouettes == Some(SilhouetteSource::Joint) {
             return self.contours(recording, &recording.footage()?, options);
         }
@@ -45,14 +49,17 @@ impl Derived<'_> {
         };
         let has_masks = given.as_ref().is_ok_and(ObservationFiles::has_masks);
         let fits_to_points = options.observations.fit_to == FitTo::Points;
-        let is_enough = |files: &ObservationFiles| files.has_masks() || fits_to_points && files.has_points();
+        let is_enough =
+            |files: &ObservationFiles| files.has_masks() || fits_to_points && files.has_points();
         if options.stereo.is_none() && given.as_ref().is_ok_and(is_enough) {
             return Ok((given?, None));
         }
 
         // what its pictures give
         let footage = match recording.footage() {
-            Err(RecordingError::Footage(FootageError::NoPictures { .. })) if options.stereo.is_none() => {
+            Err(RecordingError::Footage(FootageError::NoPictures { .. }))
+                if options.stereo.is_none() =>
+            {
                 return Ok((given?, None));
             }
             footage => footage?,
@@ -103,10 +110,7 @@ impl Derived<'_> {
         }
         let frames = footage.frames();
         let frames = options.frames.select(&frames)?;
-        let options = StereoOptions {
-            method,
-            ..StereoOptions::default()
-        };
+        let options = StereoOptions { method, ..StereoOptions::default() };
         options.choose_cameras(&footage.rig)?;
 
         let folder = StereoFolder::open(self.folder, footage.up, StereoExtras::default())?;
@@ -120,19 +124,20 @@ impl Derived<'_> {
     /// The points are those before the still scene and near the body that the pipeline itself fits to, and, where they are
     /// asked for, those that are measured within the contours: surer, but not on a leg of which a camera sees little
     /// behind the other.
-    fn contours(&self, recording: &Recording, footage: &Footage, options: &FitOptions) -> Result<Observations, Error> {
+    fn contours(
+        &self,
+        recording: &Recording,
+        footage: &Footage,
+        options: &FitOptions,
+    ) -> Result<Observations, Error> {
         let all = footage.frames();
         let frames = options.frames.select(&all)?;
         let body = options.body.as_deref();
         let body = body.unwrap_or(SilhouetteFiles::DEFAULT_BODY);
         let mut observed = silhouettes::observe(footage, frames, body, self.folder, self.progress)?;
 
-        let mut files = DerivedFiles {
-            footage,
-            folder: self.folder,
-            has_masks: true,
-            has_points: false,
-        };
+        let mut files =
+            DerivedFiles { footage, folder: self.folder, has_masks: true, has_points: false };
         if let Some(method) = options.stereo {
             let masks = recording.with_derived(files)?;
             self.measure_points(footage, &masks, method, options)?;

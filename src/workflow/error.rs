@@ -101,7 +101,9 @@ pub enum Error {
         known: String,
     },
     /// No fitted frame is what was asked for.
-    #[error("--frames {range}: no fitted frame has such a number: the result has {first} to {last}")]
+    #[error(
+        "--frames {range}: no fitted frame has such a number: the result has {first} to {last}"
+    )]
     NotFitted {
         /// The range that was asked for.
         range: FrameRange,

@@ -8,7 +8,9 @@ use super::{Error, GaitStudy};
 use crate::body::{Motion, Posed};
 use crate::camera::UpAxis;
 use crate::io::export::mesh::{MeshFormat, bytes_of};
-use crate::io::export::{C3dInput, TableKind, bvh, c3d, coordinates, frame_table, glb, motion_text};
+use crate::io::export::{
+    C3dInput, TableKind, bvh, c3d, coordinates, frame_table, glb, motion_text,
+};
 use crate::io::folder::{OutFolder, write_atomically};
 use crate::io::points::trc::{Trajectories, write_trc};
 use crate::pipeline::{FittedBody, FittedPoint};
@@ -74,10 +76,7 @@ impl GaitStudy {
     }
 
     fn body(&self, folder: &Path) -> Result<&FittedBody, Error> {
-        self.input
-            .body
-            .as_ref()
-            .ok_or_else(|| Error::NoFit { path: folder.into() })
+        self.input.body.as_ref().ok_or_else(|| Error::NoFit { path: folder.into() })
     }
 
     fn c3d(&self, body: &FittedBody) -> Result<Vec<u8>, Error> {
@@ -93,10 +92,8 @@ impl GaitStudy {
 
     fn motion(&self, kind: TableKind, format: &'static str) -> Result<Vec<u8>, Error> {
         let table = coordinates(&self.input.movement, &self.analysis);
-        let table = table.ok_or_else(|| Error::NoCoordinates {
-            format,
-            body: self.input.source.clone(),
-        })?;
+        let table = table
+            .ok_or_else(|| Error::NoCoordinates { format, body: self.input.source.clone() })?;
         Ok(motion_text(&table, kind, "Coordinates").into_bytes())
     }
 
@@ -120,7 +117,12 @@ impl GaitStudy {
     }
 
     /// Writes the skin, or the ellipsoids, of every frame in which the person was seen into a folder of its own.
-    fn surfaces(&self, body: &FittedBody, format: MeshFormat, folder: &Path) -> Result<PathBuf, Error> {
+    fn surfaces(
+        &self,
+        body: &FittedBody,
+        format: MeshFormat,
+        folder: &Path,
+    ) -> Result<PathBuf, Error> {
         let folder = folder.join(format.extension());
         OutFolder::open(&folder)?;
         let first = self.input.movement.first_frame;

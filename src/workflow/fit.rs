@@ -43,11 +43,7 @@ impl Recording {
     /// ```
     pub fn fit(&self, options: &FitOptions) -> Result<FittedRecording, Error> {
         let folder = tempfile::tempdir()?;
-        let derived = Derived {
-            folder: folder.path(),
-            is_resumed: false,
-            progress: &NoProgress,
-        };
+        let derived = Derived { folder: folder.path(), is_resumed: false, progress: &NoProgress };
         let input = FitInput::read(self, options, &derived)?;
         let fit = search(&input, &NoJournal, &NoProgress)?;
         Ok(fitted(input, &fit))
@@ -92,10 +88,7 @@ impl Recording {
         let fitted = fitted(input, &fit);
         for (name, bytes) in fitted.files()? {
             let written = std::fs::write(scratch.path().join(name), bytes);
-            written.map_err(|source| OutError::Write {
-                path: folder.path.join(name),
-                source,
-            })?;
+            written.map_err(|source| OutError::Write { path: folder.path.join(name), source })?;
         }
         out.publish(scratch)?;
 
@@ -140,8 +133,5 @@ fn fitted(input: FitInput, fit: &Fit) -> FittedRecording {
             options: &input.options,
         },
     );
-    FittedRecording {
-        result,
-        model: input.model,
-    }
+    FittedRecording { result, model: input.model }
 }

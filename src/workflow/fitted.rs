@@ -75,10 +75,7 @@ impl FittedRecording {
             body: self.result.body.clone(),
             known: names().collect::<Vec<_>>().join(", "),
         })?;
-        Ok(Length {
-            metres: found.length_m,
-            sd: found.sd_m,
-        })
+        Ok(Length { metres: found.length_m, sd: found.sd_m })
     }
 
     /// An angle of gait analysis by its name (`knee_flexion`, `hip_adduction`, …), as the fit has it, without a filter.
@@ -86,10 +83,7 @@ impl FittedRecording {
     /// # Errors
     /// [`Error::NoAngle`] lists the names there are, and [`Error::GaitInput`] says what the body lacks.
     pub fn angle(&self, name: &str, side: Side) -> Result<AngleTrack, Error> {
-        let gait = self.gait_with(&GaitOptions {
-            cutoff_hz: 0.0,
-            ..GaitOptions::default()
-        })?;
+        let gait = self.gait_with(&GaitOptions { cutoff_hz: 0.0, ..GaitOptions::default() })?;
         gait.angle(name, side)
     }
 
@@ -126,10 +120,7 @@ impl FittedRecording {
     /// The files that a fit leaves behind, the result last: where it stands all of it stands.
     pub(super) fn files(&self) -> Result<[(&'static str, Vec<u8>); 2], Error> {
         let joints = write_trc(&trajectories(&self.result), "joints.trc");
-        Ok([
-            ("joints.trc", joints.into_bytes()),
-            ("result.json", self.result.text()?),
-        ])
+        Ok([("joints.trc", joints.into_bytes()), ("result.json", self.result.text()?)])
     }
 }
 
@@ -141,9 +132,8 @@ impl GaitStudy {
     pub fn angle(&self, name: &str, side: Side) -> Result<AngleTrack, Error> {
         let known = self.analysis.angles.keys().filter(|(s, _)| *s == side);
         let known = || known.clone().map(|(_, angle)| *angle);
-        let angle: Angle = known()
-            .find(|angle| angle.name() == name)
-            .ok_or_else(|| Error::NoAngle {
+        let angle: Angle =
+            known().find(|angle| angle.name() == name).ok_or_else(|| Error::NoAngle {
                 name: name.into(),
                 known: known().map(Angle::name).collect::<Vec<_>>().join(", "),
             })?;

@@ -6,8 +6,8 @@ use super::{Error, FittedRecording};
 use crate::gait::{GaitAnalysis, GaitOptions, Norm, analyse};
 use crate::io::folder::{OutFolder, write_atomically};
 use crate::io::gait::{
-    GaitFile, GaitInput, SHIPPED_NORM, Sex, add_parameters, angles_csv, curves_csv, from_result, gait_file, load_norm,
-    parameters_csv, parse_norm, read_points,
+    GaitFile, GaitInput, SHIPPED_NORM, Sex, add_parameters, angles_csv, curves_csv, from_result,
+    gait_file, load_norm, parameters_csv, parse_norm, read_points,
 };
 use crate::io::result::ResultFile;
 
@@ -75,7 +75,11 @@ impl GaitStudy {
     }
 
     /// Analyses a movement, against the shipped norm.
-    pub(super) fn new(input: GaitInput, result: Option<ResultFile>, options: &GaitOptions) -> Result<Self, Error> {
+    pub(super) fn new(
+        input: GaitInput,
+        result: Option<ResultFile>,
+        options: &GaitOptions,
+    ) -> Result<Self, Error> {
         Ok(Self {
             analysis: analyse(&input.movement, options)?,
             norm: NormChoice::Shipped.read()?,
@@ -88,7 +92,12 @@ impl GaitStudy {
     ///
     /// # Errors
     /// [`Error::Norm`] names the file and what is wrong with it.
-    pub fn compared_with(self, norm: NormChoice<'_>, age_years: Option<u32>, sex: Option<Sex>) -> Result<Self, Error> {
+    pub fn compared_with(
+        self,
+        norm: NormChoice<'_>,
+        age_years: Option<u32>,
+        sex: Option<Sex>,
+    ) -> Result<Self, Error> {
         let mut norm = norm.read()?;
         // a laboratory's own parameters stay
         if let (Some(norm), Some(age)) = (&mut norm, age_years)

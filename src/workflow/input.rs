@@ -33,7 +33,11 @@ pub(super) struct FitInput {
 
 impl FitInput {
     /// Reads and checks everything; what is made of pictures is kept in the folder of `derived`.
-    pub(super) fn read(recording: &Recording, options: &FitOptions, derived: &Derived<'_>) -> Result<Self, Error> {
+    pub(super) fn read(
+        recording: &Recording,
+        options: &FitOptions,
+        derived: &Derived<'_>,
+    ) -> Result<Self, Error> {
         options.observations.silhouettes.validate().map_err(FitError::from)?;
         options.estimate.validate().map_err(FitError::from)?;
 
@@ -69,10 +73,7 @@ impl FitInput {
 
     /// The frames with their time base.
     pub(super) fn sequence(&self) -> Sequence<'_> {
-        Sequence {
-            frames: &self.observations,
-            fps: self.files.fps,
-        }
+        Sequence { frames: &self.observations, fps: self.files.fps }
     }
 
     /// What the result depends on: two runs of one identity have the same result.
@@ -108,7 +109,8 @@ fn body(
         (None, None) => (DEFAULT_BODY, Path::new("")),
     };
     let (model, texts) = model::load_with_texts(name, folder)?;
-    let checksum = |file: &ModelText| InputChecksum::from_text(format!("body {}", file.name), &file.text);
+    let checksum =
+        |file: &ModelText| InputChecksum::from_text(format!("body {}", file.name), &file.text);
     Ok((model, texts.iter().map(checksum).collect()))
 }
 

@@ -37,7 +37,11 @@ impl Recording {
     ///
     /// # Errors
     /// [`Error`] says in one line what cannot be used.
-    pub fn write_masks(&self, files: &MaskFiles<'_>, progress: &dyn Progress) -> Result<WrittenMasks, Error> {
+    pub fn write_masks(
+        &self,
+        files: &MaskFiles<'_>,
+        progress: &dyn Progress,
+    ) -> Result<WrittenMasks, Error> {
         let footage = self.footage()?;
         let frames = footage.frames();
         let frames = span(files.frames.select(&frames)?);

@@ -21,7 +21,11 @@ impl GaitStudy {
     ///
     /// # Errors
     /// As [`GaitStudy::report`], and [`Error::Recording`] for a mask that cannot be read.
-    pub fn report_with_views(&self, subject: &Subject, recording: &Recording) -> Result<String, Error> {
+    pub fn report_with_views(
+        &self,
+        subject: &Subject,
+        recording: &Recording,
+    ) -> Result<String, Error> {
         self.report_of(subject, &self.views(recording)?)
     }
 

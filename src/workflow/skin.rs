@@ -48,7 +48,11 @@ impl FittedRecording {
     /// # Errors
     /// [`Error::NotFitted`] if no fitted frame is in the range, [`Error::Skin`] of a body without metaballs, and
     /// [`Error::Out`]. Nothing is written before the first skin is made.
-    pub fn write_skins(&self, files: &SkinFiles<'_>, progress: &dyn Progress) -> Result<usize, Error> {
+    pub fn write_skins(
+        &self,
+        files: &SkinFiles<'_>,
+        progress: &dyn Progress,
+    ) -> Result<usize, Error> {
         let poses = self.poses(files.poses)?;
         let shape = self.result.shape_of(&self.model)?;
         let posed = |motion: &Motion| Posed::new(&self.model, &shape, motion);
@@ -86,9 +90,8 @@ impl FittedRecording {
         };
         let frames = self.result.motion.frames.iter();
         let in_range = frames.filter(|frame| range.numbers().contains(&frame.frame));
-        let poses: Vec<_> = in_range
-            .map(|frame| (format!("frame_{:06}", frame.frame), frame.motion()))
-            .collect();
+        let poses: Vec<_> =
+            in_range.map(|frame| (format!("frame_{:06}", frame.frame), frame.motion())).collect();
         if poses.is_empty() {
             return Err(Error::NotFitted {
                 range,
@@ -117,10 +120,7 @@ impl RestingBody {
         let shape = Shape(model.statistics.mean.clone());
         let motion = Motion::rest(model);
         let body = Posed::new(model, &shape, &motion);
-        Ok(Self {
-            skin: skin(&body, &SkinOptions::default())?,
-            field: Field::from_body(&body),
-        })
+        Ok(Self { skin: skin(&body, &SkinOptions::default())?, field: Field::from_body(&body) })
     }
 
     /// Writes the skin as a `.ply` or `.obj` file.
@@ -128,9 +128,8 @@ impl RestingBody {
     /// # Errors
     /// [`Error::MeshFormat`] for any other name, and [`Error::Out`].
     pub fn write_mesh(&self, path: &Path) -> Result<(), Error> {
-        let format = MeshFormat::from_extension(path).ok_or_else(|| Error::MeshFormat {
-            path: PathBuf::from(path),
-        })?;
+        let format = MeshFormat::from_extension(path)
+            .ok_or_else(|| Error::MeshFormat { path: PathBuf::from(path) })?;
         write_mesh(&self.skin, path, format)
     }
 

@@ -30,7 +30,11 @@ impl Recording {
     ///
     /// # Errors
     /// [`Error`] says in one line what cannot be used.
-    pub fn write_surface(&self, files: &SurfaceFiles<'_>, progress: &dyn Progress) -> Result<SurfaceSummary, Error> {
+    pub fn write_surface(
+        &self,
+        files: &SurfaceFiles<'_>,
+        progress: &dyn Progress,
+    ) -> Result<SurfaceSummary, Error> {
         let footage = self.footage()?;
         let all = footage.frames();
         let frames = files.frames.select(&all)?;
@@ -46,10 +50,7 @@ impl Recording {
             progress.note(&note);
         }
 
-        let extras = StereoExtras {
-            pictures: files.pictures,
-            trajectories: options.tracks,
-        };
+        let extras = StereoExtras { pictures: files.pictures, trajectories: options.tracks };
         let folder = StereoFolder::open(files.folder, footage.up, extras)?;
         measure_points(&footage, source, frames, options, folder, progress)
     }

@@ -18,14 +18,14 @@ pub(super) struct WatchedJournal<'a> {
 
 impl<'a> WatchedJournal<'a> {
     /// Begins the stage of about `keyframes` keyframes.
-    pub(super) fn new(journal: &'a dyn Journal, progress: &'a dyn Progress, keyframes: usize, frames: usize) -> Self {
+    pub(super) fn new(
+        journal: &'a dyn Journal,
+        progress: &'a dyn Progress,
+        keyframes: usize,
+        frames: usize,
+    ) -> Self {
         progress.begin("keyframes", keyframes);
-        Self {
-            journal,
-            progress,
-            frames,
-            fitted: Mutex::default(),
-        }
+        Self { journal, progress, frames, fitted: Mutex::default() }
     }
 
     /// Counts the frames that a finished hypothesis need not visit any more.

@@ -16,13 +16,13 @@ pub(crate) struct DualField<'a> {
 }
 
 impl<'a> DualField<'a> {
-    pub(crate) fn new(model: &'a BodyModel, state: &'a State, point: &Point3<f64>, limb: usize) -> Self {
-        Self {
-            model,
-            state,
-            point: point.coords.into(),
-            parts: model.limbs()[limb].clone(),
-        }
+    pub(crate) fn new(
+        model: &'a BodyModel,
+        state: &'a State,
+        point: &Point3<f64>,
+        limb: usize,
+    ) -> Self {
+        Self { model, state, point: point.coords.into(), parts: model.limbs()[limb].clone() }
     }
 
     /// ln F with eps1 = ∂x_k and eps2 = ∂x_l.
@@ -119,11 +119,7 @@ fn scaled(vector: &ScaledVector, shape: &[HyperDual64]) -> Vector {
 /// Rodrigues: cos θ I + sin θ [a] + (1 − cos θ) aaᵀ.
 fn about(axis: [f64; 3], angle: HyperDual64) -> Matrix {
     let (sin, cos) = angle.sin_cos();
-    let cross = [
-        [0.0, -axis[2], axis[1]],
-        [axis[2], 0.0, -axis[0]],
-        [-axis[1], axis[0], 0.0],
-    ];
+    let cross = [[0.0, -axis[2], axis[1]], [axis[2], 0.0, -axis[0]], [-axis[1], axis[0], 0.0]];
     [0, 1, 2].map(|r| {
         [0, 1, 2].map(|c| {
             let identity = f64::from(u8::from(r == c));

@@ -18,13 +18,7 @@ pub(crate) fn human() -> BodyModel {
 
 /// Evenly spaced cameras of 480 × 360.
 pub(crate) fn rig(cameras: usize) -> Rig {
-    let ring = Ring {
-        cameras,
-        focal_px: 490.0,
-        width_px: 480,
-        height_px: 360,
-        ..Ring::default()
-    };
+    let ring = Ring { cameras, focal_px: 490.0, width_px: 480, height_px: 360, ..Ring::default() };
     ring.regular()
 }
 
@@ -42,7 +36,8 @@ pub(crate) fn walk(model: &BodyModel, shape: &Shape, fps: f64, frames: usize) ->
 /// What every camera sees of a body.
 pub(crate) fn observe(body: &Posed<'_>, rig: &Rig, frame: usize) -> FrameObservations {
     let silhouette = |camera: &Camera| {
-        extract(&mask(camera, body), camera, &SilhouetteOptions::default()).expect("the person is in the image")
+        extract(&mask(camera, body), camera, &SilhouetteOptions::default())
+            .expect("the person is in the image")
     };
     FrameObservations {
         views: rig.iter().map(|(id, c)| (id, silhouette(c))).collect(),

@@ -63,10 +63,9 @@ fn pictures_after_damage_keep_their_numbers() {
 
 #[test]
 fn a_file_that_is_no_video_is_named() {
-    for (text, part) in [
-        ("", "no video in this file"),
-        ("not a video at all", "no video in this file"),
-    ] {
+    for (text, part) in
+        [("", "no video in this file"), ("not a video at all", "no video in this file")]
+    {
         let folder = folder();
         write(&folder, "v.avi", text);
         write(&folder, "sequence.toml", VIDEO);
@@ -85,9 +84,7 @@ fn a_file_that_is_no_video_costs_its_camera_alone() {
         return;
     }
     write(&folder, "videos/b.avi", "not a video at all");
-    let footage = Recording::open(folder.path())
-        .and_then(|found| found.footage())
-        .unwrap();
+    let footage = Recording::open(folder.path()).and_then(|found| found.footage()).unwrap();
     assert_eq!(footage.rig.names().collect::<Vec<_>>(), ["a"]);
     assert_eq!(footage.frames().len(), 3);
     let line = footage.notes[0].to_string();
@@ -108,10 +105,7 @@ fn a_video_with_sound_alone_is_named() {
     write(&folder, "v.avi", wav);
     write(&folder, "sequence.toml", VIDEO);
     let message = complaint(&folder);
-    assert!(
-        message.ends_with("no video in this file: it has no video stream"),
-        "{message}"
-    );
+    assert!(message.ends_with("no video in this file: it has no video stream"), "{message}");
 }
 
 #[test]
@@ -130,10 +124,7 @@ fn a_video_that_its_metadata_turn_is_turned() {
     assert!(done.unwrap().success());
     write(&folder, "sequence.toml", VIDEO.replace("avi", "mp4"));
     let message = complaint(&folder);
-    assert!(
-        message.contains("48 × 64 px, expected 64 × 48 px as calibrated"),
-        "{message}"
-    );
+    assert!(message.contains("48 × 64 px, expected 64 × 48 px as calibrated"), "{message}");
     write(&folder, "calibration.toml", calibration(&["a"], (48, 64)));
     let (greys, notes) = read(folder.path(), None);
     assert_eq!((greys.len(), notes), (5, vec![]));
@@ -150,7 +141,8 @@ fn an_image_that_cannot_be_read_is_left_out() {
     assert_eq!(greys.iter().map(|(k, _)| *k).collect::<Vec<_>>(), [0, 1, 3]);
     let line = notes[0].to_string();
     assert!(
-        line.starts_with("camera a: 1 of 4 pictures cannot be decoded (2): ") && line.contains("2.png"),
+        line.starts_with("camera a: 1 of 4 pictures cannot be decoded (2): ")
+            && line.contains("2.png"),
         "{line}"
     );
 }
@@ -174,19 +166,12 @@ fn what_is_promised_and_not_there_is_named() {
     for (keys, part) in [
         ("video = \"gone.mp4\"", "camera a: no video at "),
         ("images = \"gone\"", "camera a: no images at "),
-        (
-            "images = \"gone\"\nbackground = \"empty.png\"",
-            "camera a: no background at ",
-        ),
+        ("images = \"gone\"\nbackground = \"empty.png\"", "camera a: no background at "),
         ("images = \"i\"\nvideo = \"v\"", "camera a: both images and video"),
         ("masks = \"masks\"", "no pictures: expected videos/<camera>.*"),
     ] {
         let folder = folder();
-        write(
-            &folder,
-            "sequence.toml",
-            format!("fps = 25\n[[camera]]\nname = \"a\"\n{keys}\n"),
-        );
+        write(&folder, "sequence.toml", format!("fps = 25\n[[camera]]\nname = \"a\"\n{keys}\n"));
         let message = complaint(&folder);
         assert!(message.contains(part), "{message}");
     }

@@ -18,18 +18,14 @@ fn a_folder_of_videos_needs_no_manifest_and_no_frame_rate() {
     if !(video(&folder, "videos/a.mp4", 12, &[]) && video(&folder, "videos/b.mp4", 10, &[])) {
         return;
     }
-    let footage = Recording::open(folder.path())
-        .and_then(|found| found.footage())
-        .unwrap();
+    let footage = Recording::open(folder.path()).and_then(|found| found.footage()).unwrap();
     assert!((footage.fps - 25.0).abs() < 1e-9);
     assert_eq!(footage.rig.names().collect::<Vec<_>>(), ["a", "b"]);
     let lengths = vec![("a".into(), 12), ("b".into(), 10)];
     assert_eq!(footage.notes, [FootageNote::Lengths { cameras: lengths }]);
     let mut sets = footage.frame_sets(0..=usize::MAX);
-    let seen: Vec<(FrameIndex, usize)> = sets
-        .by_ref()
-        .map(|(frame, p)| (frame, p.iter().flatten().count()))
-        .collect();
+    let seen: Vec<(FrameIndex, usize)> =
+        sets.by_ref().map(|(frame, p)| (frame, p.iter().flatten().count())).collect();
     assert_eq!(seen.len(), 12);
     assert_eq!((seen[9].1, seen[10]), (2, (FrameIndex(10), 1)));
     assert_eq!(sets.notes(), []);
@@ -80,14 +76,8 @@ fn a_range_of_frames_is_decoded_and_no_more() {
     if !video(&folder, "v.mp4", 20, &[]) {
         return;
     }
-    write(
-        &folder,
-        "sequence.toml",
-        format!("{}offset_frames = 3\n", manifest_of_video("v.mp4")),
-    );
-    let footage = Recording::open(folder.path())
-        .and_then(|found| found.footage())
-        .unwrap();
+    write(&folder, "sequence.toml", format!("{}offset_frames = 3\n", manifest_of_video("v.mp4")));
+    let footage = Recording::open(folder.path()).and_then(|found| found.footage()).unwrap();
     let (greys, notes) = greys(footage.stream(CameraId(0), 10..=12));
     let numbers: Vec<usize> = greys.iter().map(|(k, _)| *k).collect();
     assert_eq!((numbers, notes), (vec![10, 11, 12], vec![]));
@@ -102,9 +92,8 @@ fn images_are_numbered_by_their_names_and_shifted_by_the_clock() {
         image(&folder, &format!("images/a/{k:06}.png"), 10 * k);
         image(&folder, &format!("images/b/{k:06}.png"), 20 * k);
     }
-    let footage = Recording::open(folder.path())
-        .and_then(|found| found.with_fps(50.0).footage())
-        .unwrap();
+    let footage =
+        Recording::open(folder.path()).and_then(|found| found.with_fps(50.0).footage()).unwrap();
     let sets: Vec<_> = footage.frame_sets(5..=7).collect();
     assert_eq!((sets.len(), sets[0].0), (1, FrameIndex(7)));
     let second = sets[0].1[1].as_ref().unwrap();
@@ -114,9 +103,7 @@ fn images_are_numbered_by_their_names_and_shifted_by_the_clock() {
         "sequence.toml",
         "fps = 50\n[[camera]]\nname = \"b\"\nimages = \"images/b/%06d.png\"\nstart_s = 0.1\n",
     );
-    let footage = Recording::open(folder.path())
-        .and_then(|found| found.footage())
-        .unwrap();
+    let footage = Recording::open(folder.path()).and_then(|found| found.footage()).unwrap();
     assert_eq!(footage.frames(), [9, 12, 13].map(FrameIndex));
 }
 
@@ -133,9 +120,8 @@ fn a_video_named_almost_as_its_camera_is_that_cameras() {
         image(&folder, &format!("images/cam02/{k}.png"), 50);
         image(&folder, &format!("images/other/{k}.png"), 50);
     }
-    let footage = Recording::open(folder.path())
-        .and_then(|found| found.with_fps(50.0).footage())
-        .unwrap();
+    let footage =
+        Recording::open(folder.path()).and_then(|found| found.with_fps(50.0).footage()).unwrap();
     assert_eq!(footage.rig.names().collect::<Vec<_>>(), ["cam_01", "cam_02"]);
     let unknown = FootageNote::Uncalibrated { camera: "other".into() };
     assert_eq!(footage.notes, [unknown]);
@@ -150,9 +136,8 @@ fn the_empty_scene_is_an_image_or_a_video() {
     if !video(&folder, "background/b.mp4", 5, &[]) {
         return;
     }
-    let footage = Recording::open(folder.path())
-        .and_then(|found| found.with_fps(50.0).footage())
-        .unwrap();
+    let footage =
+        Recording::open(folder.path()).and_then(|found| found.with_fps(50.0).footage()).unwrap();
     assert_eq!(greys(footage.background(CameraId(0))).0, [(0, 30.0)]);
     assert_eq!(greys(footage.background(CameraId(1))).0.len(), 5);
     assert_eq!(footage.background(CameraId(9)).count(), 0);
@@ -164,9 +149,7 @@ fn whoever_stops_early_ends_the_decoder() {
     if !video(&folder, "videos/a.mp4", 25, &[]) {
         return;
     }
-    let footage = Recording::open(folder.path())
-        .and_then(|found| found.footage())
-        .unwrap();
+    let footage = Recording::open(folder.path()).and_then(|found| found.footage()).unwrap();
     let first = footage.stream(CameraId(0), 0..=usize::MAX).next();
     assert_eq!(first.map(|(frame, _)| frame), Some(FrameIndex(0)));
 }

@@ -49,10 +49,8 @@ pub(crate) fn image(folder: &TempDir, name: &str, grey: u8) {
 pub(crate) fn video(folder: &TempDir, name: &str, pictures: usize, options: &[&str]) -> bool {
     let path = folder.path().join(name);
     fs::create_dir_all(path.parent().expect("a parent")).expect("a folder");
-    let source = format!(
-        "nullsrc=s={}x{}:r=25,geq=lum='14+8*N+12*random(0)':cb=128:cr=128",
-        SIZE.0, SIZE.1
-    );
+    let source =
+        format!("nullsrc=s={}x{}:r=25,geq=lum='14+8*N+12*random(0)':cb=128:cr=128", SIZE.0, SIZE.1);
     let made = Command::new("ffmpeg")
         .args(["-nostdin", "-v", "error", "-y", "-f", "lavfi", "-i", &source])
         .args(["-frames:v", &pictures.to_string()])
@@ -74,9 +72,8 @@ pub(crate) fn video(folder: &TempDir, name: &str, pictures: usize, options: &[&s
 
 /// Number and mean brightness of each picture of the first camera, and the notes.
 pub(crate) fn read(path: &Path, fps: Option<f64>) -> (Vec<(usize, f64)>, Vec<FootageNote>) {
-    let footage = Recording::open(path)
-        .and_then(|found| found.with_fps(fps).footage())
-        .expect("footage");
+    let footage =
+        Recording::open(path).and_then(|found| found.with_fps(fps).footage()).expect("footage");
     greys(footage.stream(CameraId(0), 0..=usize::MAX))
 }
 

@@ -43,16 +43,16 @@ fn a_c3d_holds_points_residuals_cameras_and_where_nobody_was() {
     let count = usize::from(word(2));
     assert_eq!(count, 2 + 16);
     let data = (usize::from(word(9)) - 1) * 512;
-    let float = |i: usize| f32::from_le_bytes(bytes[data + 4 * i..data + 4 * i + 4].try_into().expect("four"));
-    let number = |frame: usize, point: usize, axis: usize| float(4 * (frame * count + point) + axis);
+    let float = |i: usize| {
+        f32::from_le_bytes(bytes[data + 4 * i..data + 4 * i + 4].try_into().expect("four"))
+    };
+    let number =
+        |frame: usize, point: usize, axis: usize| float(4 * (frame * count + point) + axis);
     // Y up, millimetres; 4.2 mm in steps of 0.1; cameras 1 and 3 in the high byte; 1 m is more than fits
     let first: Vec<f32> = (0..4).map(|axis| number(0, 0, axis)).collect();
     let expected = [2000.0, 3000.0, 1000.0, 256.0 * 5.0 + 42.0];
     assert!(
-        first
-            .iter()
-            .zip(expected)
-            .all(|(f, e): (&f32, f32)| (f - e).abs() < 1e-3),
+        first.iter().zip(expected).all(|(f, e): (&f32, f32)| (f - e).abs() < 1e-3),
         "{first:?}"
     );
     assert_eq!(number(0, 1, 3) as u32 & 0xff, 255);
@@ -70,13 +70,7 @@ fn more_frames_than_the_format_counts_are_refused() {
         angles: &Default::default(),
         events: &[],
     };
-    assert_eq!(
-        c3d(&input),
-        Err(C3dError::TooLarge {
-            frames: 65_540,
-            points: 1
-        })
-    );
+    assert_eq!(c3d(&input), Err(C3dError::TooLarge { frames: 65_540, points: 1 }));
 }
 
 #[test]
@@ -84,10 +78,9 @@ fn a_motion_file_has_the_angles_of_the_body_under_opensims_names() {
     let (walker, movement, gait) = walk();
     let table = coordinates(&movement, &gait).expect("a pelvis");
     let column = |name: &str| &table.columns.iter().find(|c| c.0 == name).expect("a coordinate").1;
-    for (name, joint) in [
-        ("knee_angle_r", "knee_flexion_r"),
-        ("ankle_angle_l", "ankle_dorsiflexion_l"),
-    ] {
+    for (name, joint) in
+        [("knee_angle_r", "knee_flexion_r"), ("ankle_angle_l", "ankle_dorsiflexion_l")]
+    {
         for (found, expected) in column(name).iter().zip(walker.angle(joint)) {
             assert!((found - expected).abs() < 0.01, "{name}");
         }
@@ -108,11 +101,7 @@ fn a_motion_file_has_the_angles_of_the_body_under_opensims_names() {
     };
     let (degrees, radians) = (last(&mot), last(&sto));
     assert_eq!(degrees.len(), columns);
-    let knee = 1 + table
-        .columns
-        .iter()
-        .position(|c| c.0 == "knee_angle_r")
-        .expect("a knee");
+    let knee = 1 + table.columns.iter().position(|c| c.0 == "knee_angle_r").expect("a knee");
     assert!((degrees[knee].to_radians() - radians[knee]).abs() < 1e-7);
     let height = 1 + table.columns.iter().position(|c| c.0 == "pelvis_ty").expect("a height");
     assert!((degrees[height] - radians[height]).abs() < 1e-9);

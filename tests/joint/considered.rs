@@ -33,10 +33,7 @@ fn optimum(
         terms,
         data_weight: 1.0,
     };
-    let options = Options {
-        relative_decrease: 1e-9,
-        ..Options::default()
-    };
+    let options = Options { relative_decrease: 1e-9, ..Options::default() };
     let found = levenberg_marquardt(&posterior, start.clone(), &options);
     let mut chain = found.model;
     chain.clear();

@@ -88,7 +88,8 @@ fn check(scene: &Scene, measure: Measure, (step, tolerance): (f64, f64)) {
                 let state = seed.map_or(state.clone(), |s| scene.moved(&state, HAIR, s));
                 check_linearization(&posterior.problem(), &state, step, tolerance).err()
             };
-            let faults: Option<Vec<_>> = [None, Some(50), Some(51)].into_iter().map(fault).collect();
+            let faults: Option<Vec<_>> =
+                [None, Some(50), Some(51)].into_iter().map(fault).collect();
             if let Some(faults) = faults {
                 panic!("{motion_model:?}, {regime}: {}", faults[0]);
             }
@@ -132,9 +133,14 @@ fn where_all_residuals_are_linear_the_model_is_the_cost() {
         let cost = problem.linearize(&state, &mut model);
         for seed in 0..5 {
             let size = model.gradient().len();
-            let step = DVector::from_fn(size, |i, _| 0.01 * ((i as f64 + 1.7) * (seed + 1) as f64).sin());
+            let step =
+                DVector::from_fn(size, |i, _| 0.01 * ((i as f64 + 1.7) * (seed + 1) as f64).sin());
             let decrease = cost - problem.cost(&problem.retract(&state, &step));
-            approx::assert_relative_eq!(model.predicted_decrease(&step), decrease, max_relative = 1e-9);
+            approx::assert_relative_eq!(
+                model.predicted_decrease(&step),
+                decrease,
+                max_relative = 1e-9
+            );
         }
         // and one step of Newton's is the minimum
         let step = model.minimizer(0.0).expect("the priors hold every angle");
@@ -151,7 +157,8 @@ fn dense(model: &BodyModel, motions: &[Motion], motion_model: MotionModel) -> DM
     let m = layout.motion();
     let speeds = speeds(model);
     let rows = |delta: &DVector<f64>| {
-        let moved = |i: usize| layout.retract_motion(&motions[i], &delta.rows(i * m, m).into_owned());
+        let moved =
+            |i: usize| layout.retract_motion(&motions[i], &delta.rows(i * m, m).into_owned());
         let moved: Vec<Motion> = (0..motions.len()).map(moved).collect();
         let velocity = |i: usize| layout.motion_difference(&moved[i - 1], &moved[i]) / SECONDS[i];
         let mut rows = Vec::new();
@@ -197,11 +204,8 @@ fn assembled(chain: &BorderedChain) -> DMatrix<f64> {
 
 /// Motions with the body turned by up to nearly half a turn from one to the next.
 fn tumbling(scene: &Scene, turn: f64) -> Vec<Motion> {
-    let axes = [
-        Vector3::new(1.0, -2.0, 0.5),
-        Vector3::new(0.2, 0.3, 1.0),
-        Vector3::new(-1.0, 0.1, 0.4),
-    ];
+    let axes =
+        [Vector3::new(1.0, -2.0, 0.5), Vector3::new(0.2, 0.3, 1.0), Vector3::new(-1.0, 0.1, 0.4)];
     let mut motions = scene.moved(&scene.truth, 0.3, 42).motions;
     for i in 1..motions.len() {
         let by = Rotation3::from_scaled_axis(axes[i - 1] * (turn / axes[i - 1].norm()));
@@ -225,10 +229,7 @@ fn the_chain_is_the_gauss_newton_matrix_of_its_residuals_for_turns_up_to_nearly_
             approx::assert_relative_eq!(cost, alone, max_relative = 1e-12);
             let expected = dense(&scene.model, &motions, motion_model);
             let difference = (assembled(&chain) - &expected).amax();
-            assert!(
-                difference < 1e-6 * expected.amax(),
-                "{motion_model:?}, {turn}: {difference}"
-            );
+            assert!(difference < 1e-6 * expected.amax(), "{motion_model:?}, {turn}: {difference}");
         }
     }
 }
@@ -255,7 +256,9 @@ impl Problem for Steps<'_> {
     fn retract(&self, x: &Vec<Motion>, delta: &DVector<f64>) -> Vec<Motion> {
         let layout = Layout::new(self.model);
         let m = layout.motion();
-        let moved = |(i, motion): (usize, &Motion)| layout.retract_motion(motion, &delta.rows(i * m, m).into_owned());
+        let moved = |(i, motion): (usize, &Motion)| {
+            layout.retract_motion(motion, &delta.rows(i * m, m).into_owned())
+        };
         x.iter().enumerate().map(moved).collect()
     }
 }
@@ -264,10 +267,8 @@ impl Problem for Steps<'_> {
 fn the_chain_prior_is_linearized_right_for_turns_up_to_nearly_half() {
     let scene = Scene::person("walker-metaballs", 4);
     for motion_model in MODELS {
-        let steps = Steps {
-            model: &scene.model,
-            prior: ChainPrior::new(&scene.model, motion_model),
-        };
+        let steps =
+            Steps { model: &scene.model, prior: ChainPrior::new(&scene.model, motion_model) };
         for turn in [1e-8, 0.3, 1.5, 2.9] {
             let motions = tumbling(&scene, turn);
             check_linearization(&steps, &motions, 1e-5, 1e-6)
@@ -281,14 +282,8 @@ fn the_mean_shape_has_no_cost_and_the_weights_count() {
     let scene = Scene::arm(2);
     let posterior = Posterior::blind(&scene, MODELS[0]);
     let cost = |weight, shape| {
-        let problem = SequencePosterior {
-            shape_weight: weight,
-            ..posterior.problem()
-        };
-        problem.cost(&SequenceState {
-            shape,
-            ..scene.truth.clone()
-        })
+        let problem = SequencePosterior { shape_weight: weight, ..posterior.problem() };
+        problem.cost(&SequenceState { shape, ..scene.truth.clone() })
     };
     let mean = Shape(scene.model.statistics.mean.clone());
     let other = scene.truth.shape.clone();

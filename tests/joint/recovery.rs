@@ -87,8 +87,7 @@ fn the_optimum_is_the_same_bit_by_bit_with_one_and_two_threads() {
     let scene = Scene::arm(12);
     let with = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-        pool.expect("threads are there")
-            .install(|| fitted(&scene, Measure::Both, 0.1).1)
+        pool.expect("threads are there").install(|| fitted(&scene, Measure::Both, 0.1).1)
     };
     let (one, two) = (with(1), with(2));
     assert_eq!(one.shape, two.shape);
@@ -101,14 +100,12 @@ fn the_optimum_is_the_same_bit_by_bit_with_one_and_two_threads() {
 fn both_motion_models_find_it_and_not_the_same_way() {
     let scene = Scene::arm(6);
     let with = |motion_model| {
-        let options = JointOptions {
-            motion_model,
-            ..JointOptions::default()
-        };
+        let options = JointOptions { motion_model, ..JointOptions::default() };
         let evidence = scene.evidence(Measure::Metaballs);
         joint_optimum(&evidence, scene.sequence(), start(&scene, 0.1), &options)
     };
-    let [position, velocity] = [MotionModel::ConstantPosition, MotionModel::ConstantVelocity].map(with);
+    let [position, velocity] =
+        [MotionModel::ConstantPosition, MotionModel::ConstantVelocity].map(with);
     assert!(after(&scene, &position) < 5.0 && after(&scene, &velocity) < 5.0);
     assert_ne!(position.frames, velocity.frames);
 }

@@ -55,23 +55,15 @@ impl Scene {
             height_px: 120,
             ..Ring::default()
         };
-        let truth = SequenceState {
-            motions: (0..frames).map(motion).collect(),
-            shape,
-        };
+        let truth = SequenceState { motions: (0..frames).map(motion).collect(), shape };
         Self::seen(model, ring.regular(), truth)
     }
 
     /// A walking person of ellipsoids and metaballs.
     pub(crate) fn person(name: &str, frames: usize) -> Self {
         let model = load(name);
-        let ring = Ring {
-            cameras: 3,
-            focal_px: 245.0,
-            width_px: 240,
-            height_px: 180,
-            ..Ring::default()
-        };
+        let ring =
+            Ring { cameras: 3, focal_px: 245.0, width_px: 240, height_px: 180, ..Ring::default() };
         let walk = Walk {
             style: WalkingStyle::normative(),
             heading: 0.2,
@@ -99,12 +91,7 @@ impl Scene {
             }
         };
         let frames = truth.motions.iter().enumerate().map(frame).collect();
-        Self {
-            frames,
-            model,
-            rig,
-            truth,
-        }
+        Self { frames, model, rig, truth }
     }
 
     pub(crate) fn evidence(&self, measure: Measure) -> Evidence<'_> {
@@ -112,10 +99,7 @@ impl Scene {
     }
 
     pub(crate) fn sequence(&self) -> Sequence<'_> {
-        Sequence {
-            frames: &self.frames,
-            fps: FPS,
-        }
+        Sequence { frames: &self.frames, fps: FPS }
     }
 
     /// Every component of every motion and of the shape moved by up to this: metres, radians, coefficients.
@@ -141,9 +125,7 @@ impl Scene {
             .flat_map(|(fit, truth)| {
                 let fit = points(shape, fit).into_iter();
                 let distance = |(a, b): (Point3<f64>, Point3<f64>)| 1e3 * (a - b).norm();
-                fit.zip(points(&self.truth.shape, truth))
-                    .map(distance)
-                    .collect::<Vec<_>>()
+                fit.zip(points(&self.truth.shape, truth)).map(distance).collect::<Vec<_>>()
             })
             .collect();
         errors.iter().sum::<f64>() / errors.len() as f64

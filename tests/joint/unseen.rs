@@ -21,9 +21,7 @@ fn half_seen(frames: usize) -> Scene {
         let upper = maquette::body::PartId(upper.expect("an arm"));
         frame.views.clear();
         frame.points = surface(&Field::from_body(&body), 60, 7);
-        frame
-            .points
-            .retain(|p| body.in_part(upper, &p.position_world).z > -0.05);
+        frame.points.retain(|p| body.in_part(upper, &p.position_world).z > -0.05);
         assert!(frame.points.len() > 20);
     }
     scene

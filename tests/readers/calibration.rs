@@ -2,7 +2,9 @@
 
 use crate::calibration_samples::*;
 use maquette::camera::{Distortion, UpAxis, check_projection};
-use maquette::io::calibration::{CalibrationOptions, Unit, read, read_per_camera, select, write_toml};
+use maquette::io::calibration::{
+    CalibrationOptions, Unit, read, read_per_camera, select, write_toml,
+};
 use nalgebra::Point3;
 use std::fs;
 use std::path::Path;
@@ -31,10 +33,7 @@ fn freemocap_is_in_millimetres_by_itself() {
 
 #[test]
 fn a_unit_that_is_given_wins_over_the_formats_own() {
-    let in_metres = CalibrationOptions {
-        unit: Some(Unit::Metre),
-        ..defaults()
-    };
+    let in_metres = CalibrationOptions { unit: Some(Unit::Metre), ..defaults() };
     let rig = read_text("calibration.toml", FREEMOCAP, &in_metres).unwrap();
     let centre = rig.cameras[0].centre_world();
     approx::assert_relative_eq!(centre, Point3::new(3e3, -2e3, 1.5e3), epsilon = 1e-6);
@@ -59,11 +58,9 @@ fn one_opencv_yaml_may_hold_all_cameras() {
 #[test]
 fn opencv_xml_per_camera_gives_the_two_cameras() {
     let folder = folder(&[("a.xml", XML[0]), ("b.xml", XML[1])]);
-    let files = [("cam1", "a.xml"), ("cam2", "b.xml")].map(|(name, file)| (name.to_owned(), folder.path().join(file)));
-    let options = CalibrationOptions {
-        unit: Some(Unit::Millimetre),
-        ..with_sizes()
-    };
+    let files = [("cam1", "a.xml"), ("cam2", "b.xml")]
+        .map(|(name, file)| (name.to_owned(), folder.path().join(file)));
+    let options = CalibrationOptions { unit: Some(Unit::Millimetre), ..with_sizes() };
     assert_same(&read_per_camera(&files, &options).unwrap(), &expected(lens()));
 }
 
@@ -89,10 +86,8 @@ fn vicon_without_a_given_size_takes_the_whole_sensor() {
 
 #[test]
 fn vicons_lens_corrects_in_pixels() {
-    let text = VICON.replace(
-        "ViconRadial2 502.5 397.25 0 0 0",
-        "ViconRadial2 512.5 397.25 3e-8 -2e-14 0",
-    );
+    let text =
+        VICON.replace("ViconRadial2 502.5 397.25 0 0 0", "ViconRadial2 512.5 397.25 3e-8 -2e-14 0");
     let rig = read_text("session.xcp", &text, &defaults()).unwrap();
     let camera = &rig.cameras[0];
     let pixel = nalgebra::Point2::new(812.5, 397.25);
@@ -123,7 +118,8 @@ fn a_projection_matrix_per_file_needs_no_name() {
     let (first, second) = matrices.split_once("cam2:\n").unwrap();
     let second = format!("CONTOUR\n640 480\n{second}");
     let folder = folder(&[("1.txt", first), ("2.txt", &second)]);
-    let files = [("cam1", "1.txt"), ("cam2", "2.txt")].map(|(name, file)| (name.to_owned(), folder.path().join(file)));
+    let files = [("cam1", "1.txt"), ("cam2", "2.txt")]
+        .map(|(name, file)| (name.to_owned(), folder.path().join(file)));
     let mut expected = expected(Distortion::None);
     (expected.cameras[1].width_px, expected.cameras[1].height_px) = (640, 480);
     assert_same(&read_per_camera(&files, &with_sizes()).unwrap(), &expected);
@@ -158,9 +154,7 @@ fn four_five_and_eight_coefficients_and_fisheye_are_read() {
     assert_eq!(with("[0.1, 0.2, 3e-3, 4e-3]"), brown(&[0.1, 0.2, 3e-3, 4e-3]));
     let eight = [0.1, 0.2, 3e-3, 4e-3, 0.5, 0.6, 0.7, 0.8];
     assert_eq!(with("[0.1, 0.2, 3e-3, 4e-3, 0.5, 0.6, 0.7, 0.8]"), brown(&eight));
-    let text = POSE2SIM
-        .replace("fisheye = false", "fisheye = true")
-        .replace(", 0.01]", "]");
+    let text = POSE2SIM.replace("fisheye = false", "fisheye = true").replace(", 0.01]", "]");
     let rig = read_text("a.toml", &text, &defaults()).unwrap();
     let fisheye = Distortion::fisheye(&[-0.05, 0.14, 0.0006, -0.0007]);
     assert_eq!(Some(rig.cameras[0].distortion), fisheye);
@@ -214,13 +208,8 @@ fn what_is_written_is_read_back() {
 
 #[test]
 fn a_lens_for_which_opencv_has_no_name_is_not_written_as_one() {
-    let correction = Distortion::RadialCorrection {
-        centre_x: 0.0,
-        centre_y: 0.0,
-        k1: 0.03,
-        k2: 0.0,
-        k3: 0.0,
-    };
+    let correction =
+        Distortion::RadialCorrection { centre_x: 0.0, centre_y: 0.0, k1: 0.03, k2: 0.0, k3: 0.0 };
     assert!(!write_toml(&expected(correction)).contains("distortions"));
     assert!(write_toml(&expected(lens())).contains("distortions"));
 }

@@ -12,11 +12,7 @@ pub(crate) const TOML: &[Fault] = &[
     ),
     ("matrix = [", "matix = [", "a.toml:1: camera cam1: matrix is missing"),
     ("rotation", "Rotation", "a.toml:1: camera cam1: rotation is missing"),
-    (
-        "distortions",
-        "distorsions",
-        "a.toml:1: camera cam1: distortions is missing",
-    ),
+    ("distortions", "distorsions", "a.toml:1: camera cam1: distortions is missing"),
     (
         "size",
         "Size",
@@ -27,11 +23,7 @@ pub(crate) const TOML: &[Fault] = &[
         "-0.0007, 0.01, 1.0]",
         "a.toml:5: camera cam1: distortions: expected 0, 4, 5 or 8 numbers, found 6",
     ),
-    (
-        "[ 0.0, 0.0, 1.0]]",
-        "]",
-        "a.toml:4: camera cam1: matrix: expected 9 numbers, found 6",
-    ),
+    ("[ 0.0, 0.0, 1.0]]", "]", "a.toml:4: camera cam1: matrix: expected 9 numbers, found 6"),
     (
         "0.8320765978759244, ",
         "",
@@ -52,16 +44,8 @@ pub(crate) const TOML: &[Fault] = &[
         "inf",
         "a.toml:7: camera cam1: translation: expected a finite number, found inf",
     ),
-    (
-        "1000.0",
-        "0.0",
-        "a.toml:4: camera cam1: focal length 0 px is not positive",
-    ),
-    (
-        "1010.0",
-        "-1010.0",
-        "a.toml:4: camera cam1: focal length -1010 px is not positive",
-    ),
+    ("1000.0", "0.0", "a.toml:4: camera cam1: focal length 0 px is not positive"),
+    ("1010.0", "-1010.0", "a.toml:4: camera cam1: focal length -1010 px is not positive"),
     (
         "[ 0.0, 0.0, 1.0]",
         "[ 0.0, 0.0, 2.0]",
@@ -72,11 +56,7 @@ pub(crate) const TOML: &[Fault] = &[
         "0.0",
         "a.toml:3: camera cam1: image size 0 × 600 is not between 1 × 1 and 65535 × 65535",
     ),
-    (
-        "800.0, 600.0",
-        "800.0",
-        "a.toml:3: camera cam1: size: expected 2 numbers, found 1",
-    ),
+    ("800.0, 600.0", "800.0", "a.toml:3: camera cam1: size: expected 2 numbers, found 1"),
     (
         "name = \"cam2\"",
         "name = \"cam1\"",
@@ -101,11 +81,7 @@ pub(crate) const QUALISYS: &[Fault] = &[
         "<camras>",
         "a.qca.txt:17: expected XML, found expected 'camras' tag, not 'cameras' at 17:3",
     ),
-    (
-        "focalLengthU=\"62720.0\"",
-        "",
-        "a.qca.txt:8: camera cam2: focalLengthU is missing",
-    ),
+    ("focalLengthU=\"62720.0\"", "", "a.qca.txt:8: camera cam2: focalLengthU is missing"),
     (
         "focalLengthU=\"62720.0\"",
         "focalLengthU=\"-64\"",
@@ -145,11 +121,7 @@ pub(crate) const VICON: &[Fault] = &[
         "PRINCIPAL_POINT=\"495\"",
         "a.xcp:5: camera cam2: PRINCIPAL_POINT: expected 2 numbers, found 1",
     ),
-    (
-        "VICON_RADIAL=\"0 0\" WORLD",
-        "WORLD",
-        "a.xcp:5: camera cam2: VICON_RADIAL is missing",
-    ),
+    ("VICON_RADIAL=\"0 0\" WORLD", "WORLD", "a.xcp:5: camera cam2: VICON_RADIAL is missing"),
     (
         "SENSOR_SIZE=\"1000 800\"",
         "",
@@ -199,9 +171,5 @@ pub(crate) const MATRICES: &[Fault] = &[
         "0 0 0",
         "a.txt:4: camera cam1: the projection matrix is singular: its left 3 × 3 block has no inverse",
     ),
-    (
-        "cam2:",
-        "cam1",
-        "a.txt:9: camera cam1: another camera has the same name",
-    ),
+    ("cam2:", "cam1", "a.txt:9: camera cam1: another camera has the same name"),
 ];

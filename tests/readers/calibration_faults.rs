@@ -11,7 +11,8 @@ use std::path::Path;
 /// The message, with the folder taken off the path.
 fn message(name: &str, text: &str) -> String {
     let folder = folder(&[(name, text)]);
-    let error = read(&folder.path().join(name), &CalibrationOptions::default()).expect_err("a fault");
+    let error =
+        read(&folder.path().join(name), &CalibrationOptions::default()).expect_err("a fault");
     let prefix = format!("{}/", folder.path().display());
     error.to_string().replace(&prefix, "")
 }
@@ -119,7 +120,9 @@ fn faults_in_projection_matrices_are_named() {
 #[test]
 fn formats_that_are_not_read_say_so() {
     assert!(message("Cam0.pickle", "").ends_with("convert it to TOML with Pose2Sim"));
-    assert!(message("a.json", "{}").starts_with("a.json: unknown calibration format: expected *.toml"));
+    assert!(
+        message("a.json", "{}").starts_with("a.json: unknown calibration format: expected *.toml")
+    );
 }
 
 #[test]
@@ -127,10 +130,7 @@ fn a_camera_that_the_file_lacks_is_named_with_those_it_has() {
     let rig = expected(lens());
     let path = Path::new("a.toml");
     let error = select(&rig, path, &["cam_2"]).unwrap_err().to_string();
-    assert_eq!(
-        error,
-        "a.toml: no camera \"cam_2\": it has cam1, cam2; did you mean \"cam2\"?"
-    );
+    assert_eq!(error, "a.toml: no camera \"cam_2\": it has cam1, cam2; did you mean \"cam2\"?");
     let error = select(&rig, path, &["left"]).unwrap_err().to_string();
     assert_eq!(error, "a.toml: no camera \"left\": it has cam1, cam2");
     let error = select(&rig, path, &["cam1", "cam1"]).unwrap_err().to_string();

@@ -17,13 +17,7 @@ pub(crate) fn expected(lens: Distortion) -> Rig {
         name: name.into(),
         width_px: 800,
         height_px: 600,
-        intrinsics: Intrinsics {
-            fx_px: k[0],
-            fy_px: k[1],
-            cx_px: k[2],
-            cy_px: k[3],
-            skew_px: 0.0,
-        },
+        intrinsics: Intrinsics { fx_px: k[0], fy_px: k[1], cx_px: k[2], cy_px: k[3], skew_px: 0.0 },
         distortion: lens,
         camera_from_world: Rigid3::from_parts(
             Translation3::from(Vector3::from(translation)),
@@ -62,7 +56,11 @@ pub(crate) fn folder(files: &[(&str, &str)]) -> TempDir {
 }
 
 /// Reads a text as if it stood in a file of this name.
-pub(crate) fn read_text(name: &str, text: &str, options: &CalibrationOptions) -> Result<Rig, CalibrationError> {
+pub(crate) fn read_text(
+    name: &str,
+    text: &str,
+    options: &CalibrationOptions,
+) -> Result<Rig, CalibrationError> {
     let folder = folder(&[(name, text)]);
     read(&folder.path().join(name), options)
 }
@@ -70,10 +68,7 @@ pub(crate) fn read_text(name: &str, text: &str, options: &CalibrationOptions) ->
 /// Options that state the size of both images.
 pub(crate) fn with_sizes() -> CalibrationOptions {
     let sizes = ["cam1", "cam2"].map(|name| (name.to_owned(), [800, 600]));
-    CalibrationOptions {
-        image_sizes_px: sizes.into(),
-        ..CalibrationOptions::default()
-    }
+    CalibrationOptions { image_sizes_px: sizes.into(), ..CalibrationOptions::default() }
 }
 
 /// The largest differences that printing and converting may leave.

@@ -2,7 +2,9 @@
 
 use crate::calibration_samples::{assert_same, shared};
 use maquette::camera::{Camera, Rig, UpAxis, check_projection};
-use maquette::io::calibration::{CalibrationOptions, Unit, read, read_per_camera, select, write_toml};
+use maquette::io::calibration::{
+    CalibrationOptions, Unit, read, read_per_camera, select, write_toml,
+};
 use nalgebra::Point2;
 use std::path::Path;
 
@@ -24,7 +26,8 @@ fn seated() -> Option<Rig> {
 
 #[test]
 fn the_legitimate_rigs_have_a_common_view() {
-    let files = ["walk7", "balance", "trinocular"].map(|set| shared(&format!("{set}/calibration.toml")));
+    let files =
+        ["walk7", "balance", "trinocular"].map(|set| shared(&format!("{set}/calibration.toml")));
     let rigs = files.into_iter().flatten().map(|path| rig(&path));
     for rig in rigs.chain(seated()) {
         let view = rig.common_view().unwrap();
@@ -43,7 +46,8 @@ fn a_camera_turned_round_is_named_in_every_rig() {
         let whole = rig(&path);
         for (odd, _) in whole.iter() {
             let mut rig = whole.clone();
-            let half_turn = maquette::math::Rigid3::rotation(nalgebra::Vector3::y() * std::f64::consts::PI);
+            let half_turn =
+                maquette::math::Rigid3::rotation(nalgebra::Vector3::y() * std::f64::consts::PI);
             let pose = &mut rig.cameras[odd.0].camera_from_world;
             *pose = half_turn * *pose;
             let view = rig.common_view().unwrap();
@@ -78,7 +82,9 @@ fn read_back(rig: &Rig) -> Rig {
 
 #[test]
 fn the_qualisys_file_is_what_the_corrected_toml_says() {
-    let (Some(qca), Some(toml)) = (shared("balance/Calib.qca.txt"), shared("balance/calibration.toml")) else {
+    let (Some(qca), Some(toml)) =
+        (shared("balance/Calib.qca.txt"), shared("balance/calibration.toml"))
+    else {
         return;
     };
     let mut from_qca = rig(&qca);
@@ -87,8 +93,8 @@ fn the_qualisys_file_is_what_the_corrected_toml_says() {
     }
     // the TOML's first two cameras were corrected for their cut videos
     let names = ["cam_03", "cam_04"];
-    let [from_qca, from_toml] =
-        [(&from_qca, &qca), (&rig(&toml), &toml)].map(|(rig, path)| select(rig, path, &names).unwrap());
+    let [from_qca, from_toml] = [(&from_qca, &qca), (&rig(&toml), &toml)]
+        .map(|(rig, path)| select(rig, path, &names).unwrap());
     for (a, b) in from_qca.cameras.iter().zip(&from_toml.cameras) {
         assert_close(a, b);
     }
@@ -121,11 +127,8 @@ fn the_seated_lenses_round_trip_wherever_their_model_does_not_fold() {
     };
     for camera in &rig.cameras {
         let grid = camera.pixel_grid(81, 61);
-        let seen: Vec<Point2<f64>> = grid
-            .iter()
-            .copied()
-            .filter(|pixel| camera.undistort(pixel).is_some())
-            .collect();
+        let seen: Vec<Point2<f64>> =
+            grid.iter().copied().filter(|pixel| camera.undistort(pixel).is_some()).collect();
         // the strong barrel folds in the corners: 1.1 % of the fourth camera's image
         assert!(
             seen.len() * 100 >= grid.len() * 98,

@@ -99,14 +99,8 @@ fn xyz_has_three_or_four_columns() {
     let cloud = read("d.txt", "\u{feff}1 2 3 0.01\r\n4 5 6 0.02\r\n").expect("a cloud");
     assert_eq!(cloud.points[1].spread, Spread::Isotropic(0.02));
     for (text, part) in [
-        (
-            "1 2 3\n1 2\n",
-            "d.xyz:2: expected three or four numbers: x y z [sigma], found \"1 2\"",
-        ),
-        (
-            "1 2 3\n1 2 3 4\n",
-            "d.xyz:2: expected as many numbers as in the lines before",
-        ),
+        ("1 2 3\n1 2\n", "d.xyz:2: expected three or four numbers: x y z [sigma], found \"1 2\""),
+        ("1 2 3\n1 2 3 4\n", "d.xyz:2: expected as many numbers as in the lines before"),
         ("1,2,3\n", "d.xyz:1: expected three or four numbers"),
         ("1 2 3 4 5\n", "d.xyz:1: "),
     ] {
@@ -147,10 +141,9 @@ fn no_bytes_are_no_points_and_a_strange_name_is_refused() {
 #[test]
 fn a_header_that_promises_more_than_the_file_holds_is_refused_before_anything_is_allocated() {
     let many = |text: &str| text.replace("vertex 3", "vertex 1000000000000");
-    assert!(
-        message("g.ply", many(ASCII))
-            .starts_with("g.ply: the header promises 1000000000000 of \"vertex\", but the file has room for ")
-    );
+    assert!(message("g.ply", many(ASCII)).starts_with(
+        "g.ply: the header promises 1000000000000 of \"vertex\", but the file has room for "
+    ));
     let header = "ply\nformat binary_little_endian 1.0\nelement nothing 1000000000000\nelement vertex 1\n\
         property float x\nproperty float y\nproperty float z\nend_header\n............";
     assert!(message("g.ply", header).contains("1000000000000 of \"nothing\""));

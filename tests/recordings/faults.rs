@@ -8,7 +8,8 @@ use maquette::io::recording::{Recording, RecordingError};
 use maquette::silhouette::SilhouetteOptions;
 
 use crate::tiny::{
-    SIZE, assert_complains, calibration, is_person, load, mask, open, recording, save, with_manifest, write,
+    SIZE, assert_complains, calibration, is_person, load, mask, open, recording, save,
+    with_manifest, write,
 };
 
 #[test]
@@ -61,10 +62,7 @@ fn cameras_must_be_calibrated_distinct_and_more_than_one() {
     let folder = two("a", "a");
     assert_complains(open(folder.path()), &["camera \"a\" is listed 2 times"]);
     let folder = recording(&["a"]);
-    assert_complains(
-        open(folder.path()),
-        &["only one camera (a) has masks", "cannot tell size"],
-    );
+    assert_complains(open(folder.path()), &["only one camera (a) has masks", "cannot tell size"]);
     let folder = recording(&["a", "b"]);
     write(folder.path().join("calibration.toml"), calibration(&["c", "d"]));
     assert_complains(open(folder.path()), &["no camera \"a\"", "it has c, d"]);
@@ -84,10 +82,7 @@ fn masks_that_are_not_there_are_named() {
         ("masks/a/%06x.png", "expected one %d or %06d"),
         ("masks/**a/*.png", "expected a glob"),
     ] {
-        write(
-            manifest.clone(),
-            format!("[[camera]]\nname = \"a\"\nmasks = \"{pattern}\"\n"),
-        );
+        write(manifest.clone(), format!("[[camera]]\nname = \"a\"\nmasks = \"{pattern}\"\n"));
         assert_complains(open(folder.path()), &[part]);
     }
     let folder = recording(&["a", "b"]);
@@ -111,15 +106,9 @@ fn a_mask_that_cannot_be_used_is_named_with_camera_and_frame() {
         (Vec::new(), "cannot be decoded"),
         (b"not an image".to_vec(), "cannot be decoded"),
         (with_size(&whole, 100_000, 100_000), "larger than 32768 × 32768 px"),
-        (
-            with_size(&whole, 640, 480),
-            "the mask is 640 × 480 px, expected 64 × 48 px",
-        ),
+        (with_size(&whole, 640, 480), "the mask is 640 × 480 px, expected 64 × 48 px"),
         (with_size(&whole, 0, 48), "cannot be decoded"),
-        (
-            label_bytes.into_inner(),
-            "values are 0 to 1 of 255: these look like labels",
-        ),
+        (label_bytes.into_inner(), "values are 0 to 1 of 255: these look like labels"),
     ] {
         write(path.clone(), bytes);
         assert_complains(

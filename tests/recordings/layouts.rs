@@ -6,7 +6,9 @@ use image::{DynamicImage, GrayImage, Luma, Rgba, RgbaImage};
 use maquette::io::recording::{Note, Recording};
 use maquette::silhouette::{FrameIndex, Rejected, SilhouetteOptions};
 
-use crate::tiny::{SIZE, calibration, is_person, load, mask, open, recording, save, with_manifest, write};
+use crate::tiny::{
+    SIZE, calibration, is_person, load, mask, open, recording, save, with_manifest, write,
+};
 
 #[test]
 fn a_folder_with_calibration_and_masks_needs_no_manifest() {
@@ -14,15 +16,9 @@ fn a_folder_with_calibration_and_masks_needs_no_manifest() {
     let recording = open(folder.path()).expect("a recording");
     assert_eq!(recording.rig.names().collect::<Vec<_>>(), ["a", "b"]);
     assert_eq!(recording.frames, [0, 1, 2].map(FrameIndex));
-    assert_eq!(
-        (recording.fps, recording.missing.len(), recording.notes.len()),
-        (50.0, 0, 0)
-    );
+    assert_eq!((recording.fps, recording.missing.len(), recording.notes.len()), (50.0, 0, 0));
     let frame = recording.load_frame(2, &SilhouetteOptions::default()).expect("a frame");
-    assert_eq!(
-        (frame.frame, frame.views.len(), frame.rejected.len()),
-        (FrameIndex(2), 2, 0)
-    );
+    assert_eq!((frame.frame, frame.views.len(), frame.rejected.len()), (FrameIndex(2), 2, 0));
     approx::assert_relative_eq!(frame.views[0].1.area_px, 600.0, max_relative = 0.02);
 }
 
@@ -37,20 +33,17 @@ fn a_manifest_is_followed() {
          [[camera]]\nname = \"c\"\nvideo = \"c.avi\"\n",
     );
     for path in [folder.path().to_owned(), folder.path().join("sequence.toml")] {
-        let recording = Recording::open(&path)
-            .and_then(|found| found.observations())
-            .expect("a recording");
+        let recording =
+            Recording::open(&path).and_then(|found| found.observations()).expect("a recording");
         assert_eq!(recording.rig.names().collect::<Vec<_>>(), ["d", "a", "b"]);
         approx::assert_relative_eq!(recording.fps, 25.0);
         let body = Recording::open(&path).expect("a recording");
         assert_eq!(body.body(), Some("arm-2d"));
         assert_eq!(recording.frames, [0, 1, 2, 3].map(FrameIndex));
-        let missing: Vec<_> = recording
-            .missing
-            .iter()
-            .map(|m| (m.camera.0, m.frames.clone()))
-            .collect();
-        let expected = [(0, 0), (1, 3), (2, 3)].map(|(camera, frame)| (camera, vec![FrameIndex(frame)]));
+        let missing: Vec<_> =
+            recording.missing.iter().map(|m| (m.camera.0, m.frames.clone())).collect();
+        let expected =
+            [(0, 0), (1, 3), (2, 3)].map(|(camera, frame)| (camera, vec![FrameIndex(frame)]));
         assert_eq!(missing, expected);
         let notes: Vec<_> = recording.notes.iter().map(ToString::to_string).collect();
         let expected = [
@@ -70,34 +63,23 @@ fn a_manifest_is_followed() {
 #[test]
 fn a_manifest_without_cameras_takes_the_folders() {
     let folder = with_manifest(&["a", "b"], "fps = 25\n");
-    let recording = Recording::open(folder.path())
-        .and_then(|found| found.observations())
-        .expect("a recording");
+    let recording =
+        Recording::open(folder.path()).and_then(|found| found.observations()).expect("a recording");
     assert_eq!(recording.rig.cameras.len(), 2);
 }
 
 #[test]
 fn one_calibration_file_for_each_camera() {
-    let folder = with_manifest(
-        &["a", "b"],
-        "fps = 25\ncalibration = { a = \"a.toml\", b = \"b.toml\" }\n",
-    );
+    let folder =
+        with_manifest(&["a", "b"], "fps = 25\ncalibration = { a = \"a.toml\", b = \"b.toml\" }\n");
     write(folder.path().join("a.toml"), calibration(&["a"]));
     write(folder.path().join("b.toml"), calibration(&["b"]));
-    let recording = Recording::open(folder.path())
-        .and_then(|found| found.observations())
-        .expect("a recording");
+    let recording =
+        Recording::open(folder.path()).and_then(|found| found.observations()).expect("a recording");
     assert_eq!(recording.rig.names().collect::<Vec<_>>(), ["a", "b"]);
-    let inputs: Vec<_> = recording
-        .checksums()
-        .expect("checksums")
-        .into_iter()
-        .map(|c| c.input)
-        .collect();
-    assert_eq!(
-        inputs,
-        ["sequence.toml", "a.toml", "b.toml", "masks of a", "masks of b"]
-    );
+    let inputs: Vec<_> =
+        recording.checksums().expect("checksums").into_iter().map(|c| c.input).collect();
+    assert_eq!(inputs, ["sequence.toml", "a.toml", "b.toml", "masks of a", "masks of b"]);
 }
 
 #[test]
@@ -112,17 +94,9 @@ fn odd_files_are_passed_over_and_told() {
     let recording = open(folder.path()).expect("a recording");
     assert_eq!(recording.frames.len(), 3);
     let expected = [
-        Note::Uncalibrated {
-            camera: "cc".into(),
-            nearest: "c".into(),
-        },
-        Note::Unmasked {
-            cameras: vec!["c".into()],
-        },
-        Note::Unnumbered {
-            camera: "a".into(),
-            files: 1,
-        },
+        Note::Uncalibrated { camera: "cc".into(), nearest: "c".into() },
+        Note::Unmasked { cameras: vec!["c".into()] },
+        Note::Unnumbered { camera: "a".into(), files: 1 },
     ];
     assert_eq!(recording.notes, expected);
 }
@@ -133,16 +107,7 @@ fn frames_that_never_meet_are_told() {
                     [[camera]]\nname = \"b\"\nmasks = \"masks/b\"\noffset_frames = 100\n";
     let folder = with_manifest(&["a", "b"], manifest);
     let notes = open(folder.path()).expect("a recording").notes;
-    assert_eq!(
-        notes,
-        [
-            Note::BeforeFirst {
-                camera: "a".into(),
-                files: 1
-            },
-            Note::NoCommonFrame
-        ]
-    );
+    assert_eq!(notes, [Note::BeforeFirst { camera: "a".into(), files: 1 }, Note::NoCommonFrame]);
 }
 
 #[test]
@@ -171,9 +136,7 @@ fn masks_of_every_format_and_depth_are_the_same_mask() {
     }
     let recording = open(folder.path()).expect("a recording");
     for (position, (name, _)) in pictures.iter().enumerate() {
-        let frame = recording
-            .load_frame(position, &SilhouetteOptions::default())
-            .expect(name);
+        let frame = recording.load_frame(position, &SilhouetteOptions::default()).expect(name);
         approx::assert_relative_eq!(frame.views[0].1.area_px, 600.0, max_relative = 0.02);
     }
 }
@@ -198,7 +161,9 @@ fn a_calibration_without_image_size_takes_that_of_the_masks() {
     let folder = recording(&["a", "b"]);
     fs::remove_file(folder.path().join("calibration.toml")).expect("removed");
     let matrix = |name: &str, rows, columns, data: &str| {
-        format!("{name}: !!opencv-matrix\n  rows: {rows}\n  cols: {columns}\n  dt: d\n  data: [{data}]\n")
+        format!(
+            "{name}: !!opencv-matrix\n  rows: {rows}\n  cols: {columns}\n  dt: d\n  data: [{data}]\n"
+        )
     };
     let (mut intrinsic, mut extrinsic) = (String::new(), String::new());
     for camera in ["a", "b"] {
@@ -215,19 +180,11 @@ fn a_calibration_without_image_size_takes_that_of_the_masks() {
     let camera = &recording.rig.cameras[1];
     assert_eq!((camera.width_px, camera.height_px), SIZE);
     assert_eq!(
-        recording
-            .load_frame(0, &SilhouetteOptions::default())
-            .expect("a frame")
-            .views
-            .len(),
+        recording.load_frame(0, &SilhouetteOptions::default()).expect("a frame").views.len(),
         2
     );
-    let inputs: Vec<_> = recording
-        .checksums()
-        .expect("checksums")
-        .into_iter()
-        .map(|c| c.input)
-        .collect();
+    let inputs: Vec<_> =
+        recording.checksums().expect("checksums").into_iter().map(|c| c.input).collect();
     assert_eq!(inputs[..2], ["extri.yml", "intri.yml"]);
 }
 

@@ -120,10 +120,7 @@ fn millimetres_by_mistake_are_refused_with_the_cure() {
     let folder = with_points("", 1000.0);
     assert_complains(
         load(folder.path(), 1),
-        &[
-            "points/000001.ply: frame 1: ",
-            "write points_unit = \"mm\" in sequence.toml",
-        ],
+        &["points/000001.ply: frame 1: ", "write points_unit = \"mm\" in sequence.toml"],
     );
     let folder = with_points("points_unit = \"mm\"\n", 1.0);
     assert_complains(
@@ -137,16 +134,10 @@ fn empty_clouds_and_numbers_that_are_none_are_told_once() {
     let folder = with_points("", 1.0);
     let path = folder.path().join("points");
     write(path.join("000000.ply"), "");
-    write(
-        path.join("000002.xyz"),
-        "0 0 0.1 0.01\nnan 0 0 0.01\n0 inf 0 0.01\n0 0 0 -1\n",
-    );
+    write(path.join("000002.xyz"), "0 0 0.1 0.01\nnan 0 0 0.01\n0 inf 0 0.01\n0 0 0 -1\n");
     let (recording, frames) = all(folder.path());
     let counts: Vec<_> = frames.iter().map(|f| f.points.len()).collect();
-    assert_eq!(
-        (counts, said(&recording.notes)),
-        (vec![0, 400, 1], Vec::<String>::new())
-    );
+    assert_eq!((counts, said(&recording.notes)), (vec![0, 400, 1], Vec::<String>::new()));
     assert_eq!(
         said(&recording.notes_on_points(&frames)),
         [

@@ -28,11 +28,11 @@ fn seven_cameras_are_streamed_in_less_than_two_megabytes_a_frame() {
         assert_eq!((recording.rig.cameras.len(), recording.frames.len()), (7, 79));
         assert!(recording.missing.is_empty() && recording.notes.is_empty());
         for position in (0..79).step_by(13) {
-            let frame = recording
-                .load_frame(position, &SilhouetteOptions::default())
-                .expect("a frame");
+            let frame =
+                recording.load_frame(position, &SilhouetteOptions::default()).expect("a frame");
             assert_eq!(frame.views.len(), 7);
-            let bytes: usize = frame.views.iter().map(|(_, silhouette)| silhouette.heap_bytes()).sum();
+            let bytes: usize =
+                frame.views.iter().map(|(_, silhouette)| silhouette.heap_bytes()).sum();
             assert!(bytes < 2_000_000, "{bytes}");
         }
     }
@@ -57,13 +57,10 @@ fn a_recording_with_video_and_masks_says_that_the_video_is_not_used() {
     let Some(folder) = shared("balance") else {
         return;
     };
-    let recording = Recording::open(&folder)
-        .and_then(|found| found.observations())
-        .expect("a recording");
+    let recording =
+        Recording::open(&folder).and_then(|found| found.observations()).expect("a recording");
     assert_eq!((recording.fps, recording.frames.len()), (60.0, 100));
     assert_eq!(recording.notes, [Note::Ignored { keys: vec!["video"] }]);
-    let frame = recording
-        .load_frame(50, &SilhouetteOptions::default())
-        .expect("a frame");
+    let frame = recording.load_frame(50, &SilhouetteOptions::default()).expect("a frame");
     assert_eq!(frame.views.len(), 4);
 }

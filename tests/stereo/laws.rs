@@ -30,18 +30,18 @@ fn lines_of_sight_meet_where_the_point_is_and_the_covariance_is_longest_in_depth
     assert!(found.residual_px < 1e-9);
     // σ_z = Z²/(f·B)·σ_d with the outer pair 30 cm apart, σ_d = √2·0.1 px; the middle one adds nothing to the base
     let sigma_z = found.covariance.m33.sqrt();
-    approx::assert_relative_eq!(sigma_z, 2.5f64.powi(2) / (150.0 * 0.3) * 0.1414, max_relative = 0.05);
+    approx::assert_relative_eq!(
+        sigma_z,
+        2.5f64.powi(2) / (150.0 * 0.3) * 0.1414,
+        max_relative = 0.05
+    );
     assert!(found.covariance.m11.sqrt() < 0.2 * sigma_z);
 }
 
 #[test]
 fn points_behind_the_cameras_and_parallel_lines_of_sight_have_no_intersection() {
     let cameras = three();
-    let towards = |camera, pixel| Sighting {
-        camera,
-        pixel,
-        sigma_px: 0.1,
-    };
+    let towards = |camera, pixel| Sighting { camera, pixel, sigma_px: 0.1 };
     // lines that part before the cameras meet behind them
     let part = [
         towards(&cameras[0], Point2::new(10.0, 45.0)),
@@ -60,11 +60,16 @@ fn a_rectified_point_is_in_the_same_row_of_both_images() {
         let pair = rectify(&views[first], &views[second]).unwrap();
         assert_eq!(pair.left.image.height(), pair.right.image.height());
         for point in [Point3::new(0.2, 0.3, 2.2), Point3::new(-0.3, -0.1, 1.8)] {
-            let [a, b] = [&pair.left, &pair.right].map(|v| v.camera.project_undistorted(&point).unwrap());
+            let [a, b] =
+                [&pair.left, &pair.right].map(|v| v.camera.project_undistorted(&point).unwrap());
             approx::assert_relative_eq!(a.y, b.y, epsilon = 1e-9);
             let infinity = pair.left.camera.intrinsics.cx_px - pair.right.camera.intrinsics.cx_px;
             let depth = (pair.left.camera.camera_from_world * point).z;
-            approx::assert_relative_eq!(a.x - b.x - infinity, 150.0 * pair.baseline() / depth, epsilon = 1e-9);
+            approx::assert_relative_eq!(
+                a.x - b.x - infinity,
+                150.0 * pair.baseline() / depth,
+                epsilon = 1e-9
+            );
         }
     }
 }
@@ -74,13 +79,11 @@ fn correlation_finds_the_wall_from_either_side() {
     let views = views();
     for (first, second) in [(0, 2), (2, 0)] {
         let options = CorrelationOptions::default();
-        let map = depth_map(&views[first], &views[second], None, Some((1.5, 3.0)), &options).unwrap();
+        let map =
+            depth_map(&views[first], &views[second], None, Some((1.5, 3.0)), &options).unwrap();
         assert!(map.points.len() > 3000, "{}", map.points.len());
-        let mut off: Vec<f64> = map
-            .points
-            .iter()
-            .map(|p| Wall::STILL.off(&p.position_world).abs())
-            .collect();
+        let mut off: Vec<f64> =
+            map.points.iter().map(|p| Wall::STILL.off(&p.position_world).abs()).collect();
         off.sort_by(f64::total_cmp);
         assert!(off[off.len() / 2] < 0.03, "{}", off[off.len() / 2]);
     }
@@ -89,10 +92,7 @@ fn correlation_finds_the_wall_from_either_side() {
 #[test]
 fn matching_finds_the_wall_to_a_hundredth_of_a_pixel_and_its_errors_are_as_stated() {
     let [left, middle, right] = views();
-    let options = MatchOptions {
-        model_sigma_px: 0.01,
-        ..MatchOptions::default()
-    };
+    let options = MatchOptions { model_sigma_px: 0.01, ..MatchOptions::default() };
     let found = match_surface(&middle, &[&left, &right], None, &[], &options).unwrap();
     assert!(
         found.seeds > 10 && found.points.len() > 1200,
@@ -100,11 +100,8 @@ fn matching_finds_the_wall_to_a_hundredth_of_a_pixel_and_its_errors_are_as_state
         found.seeds,
         found.points.len()
     );
-    let mut off: Vec<f64> = found
-        .points
-        .iter()
-        .map(|p| Wall::STILL.off(&p.point.position_world).abs())
-        .collect();
+    let mut off: Vec<f64> =
+        found.points.iter().map(|p| Wall::STILL.off(&p.point.position_world).abs()).collect();
     let ratios = found
         .points
         .iter()
@@ -115,11 +112,7 @@ fn matching_finds_the_wall_to_a_hundredth_of_a_pixel_and_its_errors_are_as_state
     ratios.sort_by(f64::total_cmp);
     // Z²/(f·B) is 27 cm for a pixel of the middle image
     assert!(off[off.len() / 2] < 0.0027, "{}", off[off.len() / 2]);
-    assert!(
-        (0.1..1.5).contains(&ratios[ratios.len() / 2]),
-        "{}",
-        ratios[ratios.len() / 2]
-    );
+    assert!((0.1..1.5).contains(&ratios[ratios.len() / 2]), "{}", ratios[ratios.len() / 2]);
 }
 
 #[test]
@@ -147,15 +140,14 @@ fn cameras_of_different_sizes_find_the_wall_too() {
 #[test]
 fn a_lens_is_taken_out_before_matching() {
     let lens = Distortion::brown_conrady(&[-0.15, 0.05, 0.0, 0.0]).unwrap();
-    let cameras = [("left", -0.15), ("middle", 0.0), ("right", 0.15)].map(|(name, x)| camera(name, x, 0.0, lens));
+    let cameras = [("left", -0.15), ("middle", 0.0), ("right", 0.15)]
+        .map(|(name, x)| camera(name, x, 0.0, lens));
     let [left, middle, right] = cameras.map(|camera| Wall::STILL.view(&camera));
-    let found = match_surface(&middle, &[&left, &right], None, &[], &MatchOptions::default()).unwrap();
+    let found =
+        match_surface(&middle, &[&left, &right], None, &[], &MatchOptions::default()).unwrap();
     assert!(found.points.len() > 1000);
-    let mut off: Vec<f64> = found
-        .points
-        .iter()
-        .map(|p| Wall::STILL.off(&p.point.position_world).abs())
-        .collect();
+    let mut off: Vec<f64> =
+        found.points.iter().map(|p| Wall::STILL.off(&p.point.position_world).abs()).collect();
     off.sort_by(f64::total_cmp);
     assert!(off[off.len() / 2] < 0.006, "{}", off[off.len() / 2]);
 }
@@ -169,10 +161,7 @@ fn a_mask_a_given_seed_and_a_depth_change_what_is_matched() {
     let half = match_surface(&middle, &others, Some(&mask), &[], &options).unwrap();
     assert!(!half.points.is_empty() && half.points.iter().all(|p| p.pixel.0 < 60));
     // no corner lies so near: only the given seed starts anything
-    let near = MatchOptions {
-        depth: Some((0.2, 0.3)),
-        ..options
-    };
+    let near = MatchOptions { depth: Some((0.2, 0.3)), ..options };
     let nothing = match_surface(&middle, &others, None, &[], &near).unwrap();
     assert_eq!((nothing.seeds, nothing.points.len()), (0, 0));
     let given = [Point3::new(0.0, 0.0, 2.02)];
@@ -185,17 +174,17 @@ fn the_same_points_come_out_for_any_number_of_threads() {
     let [left, middle, right] = views();
     let by = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| match_surface(&middle, &[&left, &right], None, &[], &MatchOptions::default()))
-            .unwrap()
+        pool.install(|| {
+            match_surface(&middle, &[&left, &right], None, &[], &MatchOptions::default())
+        })
+        .unwrap()
     };
     assert_eq!(by(1), by(3));
 }
 
 #[test]
 fn the_camera_in_the_middle_is_the_template() {
-    let rig = Rig {
-        cameras: three().to_vec(),
-    };
+    let rig = Rig { cameras: three().to_vec() };
     let chosen = SideBySide::choose(&rig).unwrap();
     assert_eq!(chosen.template.0, 1);
     assert_eq!(chosen.others.len(), 2);

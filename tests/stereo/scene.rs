@@ -23,7 +23,8 @@ pub fn camera(name: &str, x: f64, turn: f64, distortion: Distortion) -> Camera {
             skew_px: 0.0,
         },
         distortion,
-        camera_from_world: Rigid3::from_parts(Translation3::identity(), rotation) * Translation3::new(-x, 0.0, 0.0),
+        camera_from_world: Rigid3::from_parts(Translation3::identity(), rotation)
+            * Translation3::new(-x, 0.0, 0.0),
     }
 }
 
@@ -53,9 +54,7 @@ pub struct Wall {
 }
 
 impl Wall {
-    pub const STILL: Self = Self {
-        shift: Vector3::new(0.0, 0.0, 0.0),
-    };
+    pub const STILL: Self = Self { shift: Vector3::new(0.0, 0.0, 0.0) };
 
     /// Height of a point above the wall along z, m.
     pub fn off(&self, point: &Point3<f64>) -> f64 {
@@ -89,9 +88,7 @@ fn brightness(place: &Point3<f64>) -> u8 {
         let frequency = 14.0 + 5.3 * i as f64;
         (frequency * (angle.cos() * place.x + angle.sin() * place.y) + 1.7 * (i * i) as f64).sin()
     };
-    (128.0 + 28.0 * (0..8).map(wave).sum::<f64>() / 2.0)
-        .round()
-        .clamp(0.0, 255.0) as u8
+    (128.0 + 28.0 * (0..8).map(wave).sum::<f64>() / 2.0).round().clamp(0.0, 255.0) as u8
 }
 
 /// Left, middle and right, 15 cm apart.

@@ -97,11 +97,8 @@ fn cutoff(text: &str) -> Result<f64, String> {
 
 /// Reads, analyses, writes, prints.
 pub(super) fn run(arguments: &GaitArguments) -> Result<(), CliError> {
-    let source = GaitSource {
-        path: &arguments.input,
-        body: arguments.body.as_deref(),
-        fps: arguments.fps,
-    };
+    let source =
+        GaitSource { path: &arguments.input, body: arguments.body.as_deref(), fps: arguments.fps };
     let options = GaitOptions {
         cutoff_hz: arguments.cutoff,
         surface: arguments.surface.map(Surface::from),

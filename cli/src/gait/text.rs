@@ -59,11 +59,7 @@ impl Summary<'_> {
         for part in &self.file.parameters {
             let leg = self.file.leg_length_m.filter(|_| self.is_normalised);
             let scale = leg.map_or(1.0, |leg| part.name.scale(leg));
-            let unit = if leg.is_some() && !part.unit.starts_with('%') {
-                "–"
-            } else {
-                part.unit
-            };
+            let unit = if leg.is_some() && !part.unit.starts_with('%') { "–" } else { part.unit };
 
             let mut row = vec![part.name.name().to_owned(), unit.to_owned()];
             row.extend(cells(part.left.as_ref(), scale));
@@ -72,9 +68,11 @@ impl Summary<'_> {
 
             let norm = self.norm.and_then(|n| n.parameters.get(&part.name));
             let norm = norm.filter(|_| leg.is_none());
-            row.push(norm.map_or("–".into(), |(mean, sd)| {
-                format!("{} ± {}", number(*mean), number(*sd))
-            }));
+            row.push(
+                norm.map_or("–".into(), |(mean, sd)| {
+                    format!("{} ± {}", number(*mean), number(*sd))
+                }),
+            );
             table.row(row);
         }
 
@@ -91,7 +89,9 @@ impl Summary<'_> {
             let sd = agreement.sd_s.map_or(String::new(), |sd| format!(" ± {:.0}", 1e3 * sd));
             let mean = 1e3 * agreement.mean_s;
             let n = agreement.n;
-            text += &format!("  {kind}: time by speed minus time by position: {mean:+.0}{sd} ms (n = {n})\n");
+            text += &format!(
+                "  {kind}: time by speed minus time by position: {mean:+.0}{sd} ms (n = {n})\n"
+            );
         }
         text
     }
@@ -186,12 +186,7 @@ fn cells(statistic: Option<&Statistic>, scale: f64) -> [String; 4] {
         return [dash(), dash(), dash(), dash()];
     };
     let optional = |v: Option<f64>| v.map_or(dash(), |v| number(v / scale));
-    [
-        number(s.mean / scale),
-        optional(s.sd),
-        optional(s.uncertainty),
-        s.n.to_string(),
-    ]
+    [number(s.mean / scale), optional(s.sd), optional(s.uncertainty), s.n.to_string()]
 }
 
 fn number(value: f64) -> String {

@@ -177,10 +177,7 @@ pub(crate) fn program() -> &'static str {
 
 pub(crate) fn run<S: AsRef<str>>(arguments: &[S]) -> Ran {
     let arguments = arguments.iter().map(AsRef::as_ref);
-    let output = Command::new(program())
-        .args(arguments)
-        .output()
-        .expect("the program starts");
+    let output = Command::new(program()).args(arguments).output().expect("the program starts");
     Ran {
         code: output.status.code(),
         out: String::from_utf8(output.stdout).expect("UTF-8"),

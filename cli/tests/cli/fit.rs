@@ -30,7 +30,7 @@ fn a_recording_is_fitted_from_end_to_end() {
         "cam_03",
         "▸",
         "± SD",
-        "SD: of the true length",
+        "SD: standard deviation of the true length",
     ] {
         assert!(said.out.contains(part), "{part} not in {}", said.out);
     }
@@ -50,16 +50,8 @@ fn a_recording_is_fitted_from_end_to_end() {
         }
     }
     // how sure, of every length, coefficient and frame
-    assert!(
-        result["shape"]["lengths"][0]["sd_m"]
-            .as_f64()
-            .is_some_and(|sd| sd > 0.0)
-    );
-    assert!(
-        result["shape"]["noise"]["over_time"]
-            .as_f64()
-            .is_some_and(|tau| tau >= 1.0)
-    );
+    assert!(result["shape"]["lengths"][0]["sd_m"].as_f64().is_some_and(|sd| sd > 0.0));
+    assert!(result["shape"]["noise"]["over_time"].as_f64().is_some_and(|tau| tau >= 1.0));
     for frame in result["motion"]["frames"].as_array().expect("frames") {
         let sd = frame["sd"]["angles_rad"][0].as_f64();
         assert!(sd.is_some_and(|sd| sd > 0.0 && sd < 0.2), "{frame}");
@@ -75,10 +67,7 @@ fn the_result_says_what_it_is_made_of() {
     let arm = Arm::new();
     arm.fit("out", &["--quiet"]).succeeded();
     let text = String::from_utf8(arm.bytes("out", "result.json")).expect("UTF-8");
-    assert!(
-        !text.contains(&arm.recording().display().to_string()),
-        "a path of this machine"
-    );
+    assert!(!text.contains(&arm.recording().display().to_string()), "a path of this machine");
     let result: ResultFile = serde_json::from_str(&text).expect("the documented fields");
     assert_eq!((result.format.as_str(), result.version), ("maquette-result", 1));
     assert_eq!(result.recording.cameras, ["cam_01", "cam_02", "cam_03"]);
@@ -104,9 +93,7 @@ fn the_result_says_what_it_is_made_of() {
     }
     let winner = &result.hypotheses[result.winner];
     let finished = result.hypotheses.iter().filter(|h| h.frames_fitted == FRAMES);
-    let least = finished
-        .map(|h| h.minus_log_posterior.total)
-        .fold(f64::INFINITY, f64::min);
+    let least = finished.map(|h| h.minus_log_posterior.total).fold(f64::INFINITY, f64::min);
     approx::assert_relative_eq!(winner.minus_log_posterior.total, least);
     assert_eq!(result.shape.all_lengths.keyframes, 3);
 }
@@ -181,8 +168,7 @@ fn quiet_says_nothing_and_json_says_the_summary() {
 fn the_published_likelihood_is_another_one() {
     let arm = Arm::new();
     arm.fit("outline", &["--quiet"]).succeeded();
-    arm.fit("published", &["--quiet", "--likelihood", "published"])
-        .succeeded();
+    arm.fit("published", &["--quiet", "--likelihood", "published"]).succeeded();
     let (outline, published) = (arm.result("outline"), arm.result("published"));
     let ellipses = &published["options"]["estimate"]["likelihood"]["ellipses"];
     assert_eq!(ellipses["variant"], "published");
@@ -206,10 +192,7 @@ fn some_frames_may_be_chosen() {
     arm.fit("some", &["--quiet", "--frames", "2:4"]).succeeded();
     let result = arm.result("some");
     let recording = &result["recording"];
-    assert_eq!(
-        (&recording["first_frame"], &recording["last_frame"]),
-        (&2.into(), &4.into())
-    );
+    assert_eq!((&recording["first_frame"], &recording["last_frame"]), (&2.into(), &4.into()));
     approx::assert_relative_eq!(result["motion"]["frames"][0]["time_s"].as_f64().expect("s"), 0.2);
     let joints = joints(&arm, "some");
     assert_eq!((joints.first_frame, joints.frames.len()), (2, 3));
@@ -311,10 +294,7 @@ fn points_that_disagree_with_the_silhouettes_are_told_with_their_frames() {
     let quality = &result["quality"]["points"][3];
     assert_eq!(quality["points"], 60);
     assert_eq!(quality["outside"], 1.0);
-    assert!(
-        quality["outside_m"].as_f64().is_some_and(|m| (0.1..0.5).contains(&m)),
-        "{quality}"
-    );
+    assert!(quality["outside_m"].as_f64().is_some_and(|m| (0.1..0.5).contains(&m)), "{quality}");
 }
 
 /// How the arm of three metaballs a limb moves.
@@ -361,6 +341,5 @@ fn an_arm_is_fitted_to_points_alone() {
             assert!(off < 0.01, "frame {frame}: {off} m");
         }
     }
-    arm.fit_with_body("none", "arm-2d", &[])
-        .refused(&["the body arm-2d has no metaballs"]);
+    arm.fit_with_body("none", "arm-2d", &[]).refused(&["the body arm-2d has no metaballs"]);
 }

@@ -30,7 +30,8 @@ fn edit_calibration(arm: &Arm, from: &str, to: &str) {
 fn look_away(arm: &Arm) {
     let mut rig = rig();
     let pose = &mut rig.cameras[1].camera_from_world;
-    let turn = nalgebra::UnitQuaternion::from_scaled_axis(nalgebra::Vector3::y() * std::f64::consts::PI);
+    let turn =
+        nalgebra::UnitQuaternion::from_scaled_axis(nalgebra::Vector3::y() * std::f64::consts::PI);
     *pose = nalgebra::Isometry3::from_parts(nalgebra::Translation3::identity(), turn) * *pose;
     arm.write("calibration.toml", &calibration::write_toml(&rig));
 }
@@ -58,21 +59,12 @@ const CALIBRATIONS: &[Case] = &[
         &[],
         &["no calibration in this folder"],
     ),
-    (
-        "unreadable",
-        |arm| arm.write("calibration.toml", "[cam_01\n"),
-        &[],
-        &["calibration.toml:1"],
-    ),
+    ("unreadable", |arm| arm.write("calibration.toml", "[cam_01\n"), &[], &["calibration.toml:1"]),
     (
         "focal length 0",
         |arm| edit_calibration(arm, "150.0", "0.0"),
         &[],
-        &[
-            "calibration.toml:",
-            "camera cam_01",
-            "focal length 0 px is not positive",
-        ],
+        &["calibration.toml:", "camera cam_01", "focal length 0 px is not positive"],
     ),
     (
         "NaN",
@@ -102,10 +94,7 @@ const CALIBRATIONS: &[Case] = &[
         "a camera that looks away",
         look_away,
         &[],
-        &[
-            "camera cam_02 sees no volume in common with the other cameras",
-            "unit and up",
-        ],
+        &["camera cam_02 sees no volume in common with the other cameras", "unit and up"],
     ),
     (
         "millimetres taken for metres",
@@ -130,7 +119,8 @@ const MASKS: &[Case] = &[
     (
         "points only",
         |arm| {
-            fs::rename(arm.recording().join("masks"), arm.recording().join("points")).expect("renamed");
+            fs::rename(arm.recording().join("masks"), arm.recording().join("points"))
+                .expect("renamed");
         },
         &[],
         &["no masks and no pictures"],
@@ -203,10 +193,7 @@ const MANIFESTS: &[Case] = &[
     (
         "a camera that is not calibrated",
         |arm| {
-            arm.write(
-                "sequence.toml",
-                "[[camera]]\nname = \"cam_9\"\nmasks = \"masks/cam_01\"\n",
-            )
+            arm.write("sequence.toml", "[[camera]]\nname = \"cam_9\"\nmasks = \"masks/cam_01\"\n")
         },
         &[],
         &["no camera \"cam_9\"", "cam_01, cam_02, cam_03"],
@@ -297,8 +284,7 @@ fn a_body_without_what_it_is_to_be_compared_by() {
 fn places_that_cannot_be_written() {
     let arm = Arm::new();
     fs::write(arm.out("file"), "").expect("written");
-    arm.fit("file", &[])
-        .refused(&["file: this is a file: expected a folder"]);
+    arm.fit("file", &[]).refused(&["file: this is a file: expected a folder"]);
     arm.fit("file/out", &[]).refused(&["file: this is a file"]);
     assert_eq!(arm.bytes("", "file"), b"");
 }
@@ -309,28 +295,13 @@ fn arguments_that_make_no_sense() {
     let path = recording.recording().display().to_string();
     for (arguments, part) in [
         (&["fit"][..], "--out <OUT>"),
-        (
-            &["fitt"],
-            "unrecognized subcommand 'fitt'; tip: a similar subcommand exists: 'fit'",
-        ),
-        (
-            &["fit", &path, "--out", "x", "--keyframe-evry", "3"],
-            "'--keyframe-every'",
-        ),
-        (
-            &["fit", &path, "--out", "x", "--fps", "fast"],
-            "invalid value 'fast' for '--fps <FPS>'",
-        ),
+        (&["fitt"], "unrecognized subcommand 'fitt'; tip: a similar subcommand exists: 'fit'"),
+        (&["fit", &path, "--out", "x", "--keyframe-evry", "3"], "'--keyframe-every'"),
+        (&["fit", &path, "--out", "x", "--fps", "fast"], "invalid value 'fast' for '--fps <FPS>'"),
         (&["fit", &path, "--out", "x", "--likelihood", "best"], "'best'"),
         (&["fit", &path, "--out", "x", "--frames", "7:3"], "expected FIRST:LAST"),
-        (
-            &["fit", &path, "--out", "x", "--resume", "--overwrite"],
-            "cannot be used with",
-        ),
-        (
-            &["fit", &path, "--out", "x", "--fps", "10", "--frames", "90:99"],
-            "it has 0 to 5",
-        ),
+        (&["fit", &path, "--out", "x", "--resume", "--overwrite"], "cannot be used with"),
+        (&["fit", &path, "--out", "x", "--fps", "10", "--frames", "90:99"], "it has 0 to 5"),
         (
             &["fit", &path, "--out", "x", "--fps", "10", "--keyframe-every", "0"],
             "keyframe_every = 0",

@@ -11,10 +11,8 @@ use crate::arm::{Arm, program};
 
 fn journal_files(out: &Path) -> Vec<String> {
     let entries = fs::read_dir(out.join(".journal")).into_iter().flatten();
-    let mut names: Vec<String> = entries
-        .flatten()
-        .map(|entry| entry.file_name().to_string_lossy().into_owned())
-        .collect();
+    let mut names: Vec<String> =
+        entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
     names.sort();
     names
 }
@@ -44,10 +42,7 @@ fn a_run_that_lost_its_end_continues_to_the_same_bytes() {
 fn a_run_that_was_killed_at_any_time_continues_to_the_same_bytes() {
     let arm = Arm::new();
     arm.fit("whole", &["--quiet"]).succeeded();
-    for (i, wanted) in ["run.json", "keyframe-000002.json", "trial-0001.json"]
-        .iter()
-        .enumerate()
-    {
+    for (i, wanted) in ["run.json", "keyframe-000002.json", "trial-0001.json"].iter().enumerate() {
         let name = format!("killed-{i}");
         let awaited = arm.out(&name).join(".journal").join(wanted);
         let mut child = Command::new(program())
@@ -62,11 +57,7 @@ fn a_run_that_was_killed_at_any_time_continues_to_the_same_bytes() {
         child.kill().expect("killed");
         child.wait().expect("ended");
         arm.fit(&name, &["--quiet", "--resume"]).succeeded();
-        assert_eq!(
-            arm.bytes("whole", "result.json"),
-            arm.bytes(&name, "result.json"),
-            "{wanted}"
-        );
+        assert_eq!(arm.bytes("whole", "result.json"), arm.bytes(&name, "result.json"), "{wanted}");
     }
 }
 
@@ -83,13 +74,12 @@ fn another_option_or_input_is_not_continued_and_nothing_is_lost() {
     arm.fit("out", &["--quiet"]).succeeded();
     let before = (arm.bytes("out", "result.json"), journal_files(&arm.out("out")));
     arm.fit("out", &["--resume", "--likelihood", "published"])
-        .refused(&["started with another options likelihood", "--overwrite"]);
+        .refused(&["started with another options estimate likelihood", "--overwrite"]);
     arm.fit("out", &["--resume", "--frames", "0:3"])
         .refused(&["started with another last frame (5, now 3)"]);
     let other = crate::arm::mask(&crate::arm::rig().cameras[0], 0);
     arm.write_mask("cam_01", 1, &other);
-    arm.fit("out", &["--resume"])
-        .refused(&["another inputs 2: masks of cam_01"]);
+    arm.fit("out", &["--resume"]).refused(&["another inputs 2: masks of cam_01"]);
     let after = (arm.bytes("out", "result.json"), journal_files(&arm.out("out")));
     assert_eq!(before, after);
 }
@@ -106,8 +96,7 @@ fn a_run_is_not_continued_with_another_base_of_its_body() {
     arm.fit_with_body("out", &body, &[]).succeeded();
     arm.fit_with_body("out", &body, &["--resume"]).succeeded();
     arm.write("base.toml", &base.replacen("sd = 1.0", "sd = 0.9", 1));
-    arm.fit_with_body("out", &body, &["--resume"])
-        .refused(&["another inputs", "body arm-2d"]);
+    arm.fit_with_body("out", &body, &["--resume"]).refused(&["another inputs", "body arm-2d"]);
 }
 
 #[test]
@@ -116,20 +105,15 @@ fn a_result_is_replaced_only_on_request_and_only_by_a_complete_one() {
     arm.fit("out", &["--quiet", "--overlays"]).succeeded();
     fs::write(arm.out("out").join("notes.txt"), "mine").expect("written");
     let before = arm.bytes("out", "result.json");
-    arm.fit("out", &[])
-        .refused(&["out: this folder is not empty", "--overwrite", "--resume"]);
+    arm.fit("out", &[]).refused(&["out: this folder is not empty", "--overwrite", "--resume"]);
     // a fault in the input is found before anything is touched
     let calibration = fs::read_to_string(arm.recording().join("calibration.toml")).expect("read");
     arm.write("calibration.toml", "nonsense");
     arm.fit("out", &["--overwrite"]).refused(&["calibration.toml"]);
     assert_eq!(arm.bytes("out", "result.json"), before);
     arm.write("calibration.toml", &calibration);
-    arm.fit("out", &["--quiet", "--overwrite", "--frames", "0:3"])
-        .succeeded();
+    arm.fit("out", &["--quiet", "--overwrite", "--frames", "0:3"]).succeeded();
     assert_eq!(arm.result("out")["recording"]["frames"], 4);
     assert_eq!(arm.bytes("out", "notes.txt"), b"mine");
-    assert!(
-        !arm.out("out").join("overlays").exists(),
-        "pictures of the older result"
-    );
+    assert!(!arm.out("out").join("overlays").exists(), "pictures of the older result");
 }

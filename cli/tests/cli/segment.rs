@@ -64,11 +64,7 @@ fn overlap(path: &Path, truth: &image::GrayImage) -> f64 {
 fn pictures_become_masks_with_a_line_of_quality_for_each() {
     let arm = photographed();
     let said = segment(&arm, &["--probability", "--overlays"]).succeeded();
-    assert!(
-        said.out.contains("cam_02") && said.out.contains("18 masks in"),
-        "{}",
-        said.out
-    );
+    assert!(said.out.contains("cam_02") && said.out.contains("18 masks in"), "{}", said.out);
     for camera in &rig().cameras {
         for frame in 0..FRAMES {
             let path = arm.out("cut").join(format!("masks/{}/{frame:06}.png", camera.name));
@@ -116,8 +112,9 @@ fn bad_pictures_are_told_in_one_line() {
     RgbImage::new(10, 10).save(&empty).expect("a picture");
     let said = segment(&arm, &[]).succeeded();
     assert!(
-        said.err
-            .contains("cam_02.png: 1 picture of another size (10 × 10 px, expected 160 × 120 px): not used"),
+        said.err.contains(
+            "cam_02.png: 1 picture of another size (10 × 10 px, expected 160 × 120 px): not used"
+        ),
         "{}",
         said.err
     );
@@ -138,8 +135,5 @@ fn without_ffmpeg_a_video_says_how_to_install_it() {
         .expect("the program starts");
     let line = String::from_utf8(said.stderr).expect("UTF-8");
     assert_eq!(line.lines().count(), 1, "{line}");
-    assert!(
-        line.contains("cam_01.mp4") && line.contains("apt install ffmpeg"),
-        "{line}"
-    );
+    assert!(line.contains("cam_01.mp4") && line.contains("apt install ffmpeg"), "{line}");
 }

@@ -38,22 +38,9 @@ fn the_skin_of_each_fitted_frame_is_written_and_pictured() {
     }
     let first = arm.bytes("out", "skin/frame_000001.ply");
     assert_ne!(first, arm.bytes("out", "skin/frame_000004.ply"), "the arm moves");
-    let one = [
-        "skin",
-        &out,
-        "--body",
-        &body,
-        "--frame",
-        "2",
-        "--picture",
-        "--format",
-        "obj",
-    ];
+    let one = ["skin", &out, "--body", &body, "--frame", "2", "--picture", "--format", "obj"];
     run(&one).succeeded();
-    assert!(
-        arm.bytes("out", "skin/frame_000002.obj")
-            .starts_with(b"# metres, Z up\n")
-    );
+    assert!(arm.bytes("out", "skin/frame_000002.obj").starts_with(b"# metres, Z up\n"));
     let picture = image::load_from_memory(&arm.bytes("out", "skin/frame_000002.png"));
     let picture = picture.expect("a picture").to_rgb8();
     let is_skin = |pixel: &&image::Rgb<u8>| pixel.0 != [255; 3];
@@ -75,7 +62,7 @@ fn a_skin_that_cannot_be_is_refused_and_a_new_fit_takes_the_old_ones_away() {
         arguments.extend(more);
         run(&arguments).refused(parts);
     };
-    refused(&["--frame", "6"], &["--frame 6", "the result has 0 to 5"]);
+    refused(&["--frame", "6"], &["--frames 6:6", "the result has 0 to 5"]);
     refused(&["--frames", "8:9"], &["--frames 8:9", "the result has 0 to 5"]);
     refused(&["--around", "15"], &["even number from 16 to 1024, found 15"]);
     refused(&["--frame", "1", "--rest"], &["cannot be used with"]);

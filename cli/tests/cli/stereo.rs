@@ -16,20 +16,17 @@ use crate::scene::{SIZE, Wall, three};
 /// A recording of `frames` frames of the wall, which moves a centimetre a frame.
 fn record(folder: &Path, frames: usize) {
     let cameras = three();
-    let rig = Rig {
-        cameras: cameras.to_vec(),
-    };
+    let rig = Rig { cameras: cameras.to_vec() };
     fs::write(folder.join("calibration.toml"), write_toml(&rig)).expect("a folder");
     for camera in &cameras {
         let images = folder.join("images").join(&camera.name);
         fs::create_dir_all(&images).expect("a folder");
         for frame in 0..frames {
-            let wall = Wall {
-                shift: Vector3::new(0.01 * frame as f64, 0.0, 0.0),
-            };
+            let wall = Wall { shift: Vector3::new(0.01 * frame as f64, 0.0, 0.0) };
             let image = wall.seen_by(camera);
             let path = images.join(format!("{frame:06}.png"));
-            image::save_buffer(path, image.values(), SIZE.0, SIZE.1, image::ColorType::L8).expect("a picture");
+            image::save_buffer(path, image.values(), SIZE.0, SIZE.1, image::ColorType::L8)
+                .expect("a picture");
         }
     }
 }
@@ -58,19 +55,14 @@ fn points_disparities_trajectories_and_pictures_of_a_recording_are_written() {
     assert!(said.err.contains("no masks"), "{}", said.err);
     let points = points::read(&out.join("points/000001.ply")).expect("a cloud").points;
     assert!(points.len() > 1000);
-    let wall = Wall {
-        shift: Vector3::new(0.01, 0.0, 0.0),
-    };
+    let wall = Wall { shift: Vector3::new(0.01, 0.0, 0.0) };
     let mut off: Vec<f64> = points.iter().map(|p| wall.off(&p.position_world).abs()).collect();
     off.sort_by(f64::total_cmp);
     assert!(off[off.len() / 2] < 0.01, "{}", off[off.len() / 2]);
     let rows = fs::read_to_string(out.join("trajectories.csv")).expect("trajectories");
     assert!(rows.starts_with("trajectory,frame,x,y,z,vx") && rows.lines().count() > 100);
-    for name in [
-        "disparity/000002.png",
-        "pictures/cloud_000000.png",
-        "pictures/vectors_000000.png",
-    ] {
+    for name in ["disparity/000002.png", "pictures/cloud_000000.png", "pictures/vectors_000000.png"]
+    {
         assert!(out.join(name).is_file(), "{name}");
     }
     assert!(!out.join("points/000003.ply").exists());
@@ -98,11 +90,7 @@ fn correlation_writes_the_disparity_of_each_pair_and_a_missing_picture_costs_its
         "1.5:3",
     ])
     .succeeded();
-    assert!(
-        said.err.contains("1 frame without points, frame 1 first"),
-        "{}",
-        said.err
-    );
+    assert!(said.err.contains("1 frame without points, frame 1 first"), "{}", said.err);
     for name in ["points/000000.ply", "disparity/000000_1.png", "disparity/000000_2.png"] {
         assert!(out.join(name).is_file(), "{name}");
     }
@@ -115,10 +103,7 @@ fn arguments_that_make_no_sense_are_refused_in_one_line() {
     let recording = folder.path().display().to_string();
     let out = folder.path().join("out").display().to_string();
     let cases = [
-        (
-            vec!["--cameras", "left,nobody"],
-            "no such camera: the recording has left, middle, right",
-        ),
+        (vec!["--cameras", "left,nobody"], "no such camera: the recording has left, middle, right"),
         (vec!["--cameras", "left,left"], "expected two different cameras"),
         (vec!["--depth", "3:1"], "expected NEAR:FAR"),
         (vec!["--frames", "7:9"], "no frame of the recording lies in this range"),
@@ -168,7 +153,8 @@ fn a_frame_of_which_the_template_has_no_mask_is_not_measured_and_a_folder_of_no_
     let recording = folder.path().display().to_string();
     let run_into = |out: &str| {
         let out = folder.path().join(out);
-        let arguments = [&recording, "--fps", "25", "--out", &out.display().to_string()].map(String::from);
+        let arguments =
+            [&recording, "--fps", "25", "--out", &out.display().to_string()].map(String::from);
         let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
         let quick = ["--method", "correlation", "--depth", "1.5:3"];
         let ran = run(&[&["stereo"], &arguments[..], &quick].concat()).succeeded();
@@ -176,10 +162,7 @@ fn a_frame_of_which_the_template_has_no_mask_is_not_measured_and_a_folder_of_no_
     };
     let (said, _) = run_into("bare");
     assert!(said.contains("middel"), "{said}");
-    assert!(
-        said.contains("camera middle: no masks: everything that it shows"),
-        "{said}"
-    );
+    assert!(said.contains("camera middle: no masks: everything that it shows"), "{said}");
     fs::remove_dir_all(folder.path().join("masks/middel")).expect("removed");
     mask("middle", 0);
     let (said, table) = run_into("masked");
@@ -187,20 +170,19 @@ fn a_frame_of_which_the_template_has_no_mask_is_not_measured_and_a_folder_of_no_
         said.contains("1 frame without points, frame 1 first: camera middle has no mask of it"),
         "{said}"
     );
-    assert!(
-        table.lines().nth(1).is_some_and(|line| !line.starts_with("0,0,")),
-        "{table}"
-    );
+    assert!(table.lines().nth(1).is_some_and(|line| !line.starts_with("0,0,")), "{table}");
 }
 
 #[test]
 fn masks_that_cannot_be_used_are_told_and_not_taken_for_none() {
     let folder = tempfile::tempdir().expect("a folder");
     record(folder.path(), 1);
-    let camera =
-        |name: &str| format!("[[camera]]\nname = \"{name}\"\nimages = \"images/{name}\"\nmasks = \"nowhere\"\n");
+    let camera = |name: &str| {
+        format!("[[camera]]\nname = \"{name}\"\nimages = \"images/{name}\"\nmasks = \"nowhere\"\n")
+    };
     let manifest: String = ["left", "middle", "right"].map(camera).concat();
-    fs::write(folder.path().join("sequence.toml"), format!("fps = 25\n{manifest}")).expect("written");
+    fs::write(folder.path().join("sequence.toml"), format!("fps = 25\n{manifest}"))
+        .expect("written");
     let recording = folder.path().display().to_string();
     let out = folder.path().join("out").display().to_string();
     run(&["stereo", &recording, "--out", &out]).refused(&["camera left: no mask at"]);
@@ -220,23 +202,16 @@ fn points_come_back_where_they_were_whichever_axis_of_the_files_is_up() {
     run(&[&arguments[..], &quick].concat()).succeeded();
     // the file is in the world of the calibration, in which the wall stands
     let points = points::read(&out.join("points/000000.ply")).expect("a cloud").points;
-    let wall = Wall {
-        shift: Vector3::zeros(),
-    };
+    let wall = Wall { shift: Vector3::zeros() };
     let mut off: Vec<f64> = points.iter().map(|p| wall.off(&p.position_world).abs()).collect();
     off.sort_by(f64::total_cmp);
     assert!(off[off.len() / 2] < 0.03, "{}", off[off.len() / 2]);
     // and the recording reads it in the world of its cameras
-    let recording = Recording::open(folder.path())
-        .and_then(|found| found.observations())
-        .expect("a recording");
-    let read = recording
-        .load_frame(0, &SilhouetteOptions::default())
-        .expect("a frame")
-        .points;
+    let recording =
+        Recording::open(folder.path()).and_then(|found| found.observations()).expect("a recording");
+    let read = recording.load_frame(0, &SilhouetteOptions::default()).expect("a frame").points;
     let seen = recording.rig.cameras.iter().filter(|camera| {
-        read.iter()
-            .all(|p| (camera.camera_from_world * p.position_world).z > 0.0)
+        read.iter().all(|p| (camera.camera_from_world * p.position_world).z > 0.0)
     });
     assert_eq!(seen.count(), 3);
 }

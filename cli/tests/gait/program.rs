@@ -11,12 +11,7 @@ fn said(trc: &str, arguments: &[&str]) -> Result<(String, TempDir), String> {
     let path = folder.path().join("walk.trc");
     std::fs::write(&path, trc).expect("a file");
     let mut program = Command::cargo_bin("maquette").expect("the program");
-    let output = program
-        .arg("gait")
-        .arg(&path)
-        .args(arguments)
-        .output()
-        .expect("it runs");
+    let output = program.arg("gait").arg(&path).args(arguments).output().expect("it runs");
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     match output.status.code() {
         Some(0) => Ok((text(&output.stdout), folder)),
@@ -74,7 +69,10 @@ fn with_point(trc: &str, name: &str, act: impl Fn(usize, f64) -> String) -> Stri
     let names = trc.lines().nth(3).expect("names");
     let first = names.split('\t').position(|n| n == name).expect(name);
     let row = |(i, line): (usize, &str)| {
-        let cell = |(k, cell): (usize, &str)| match (i >= 5 && (first..first + 3).contains(&k), cell.parse()) {
+        let cell = |(k, cell): (usize, &str)| match (
+            i >= 5 && (first..first + 3).contains(&k),
+            cell.parse(),
+        ) {
             (true, Ok(value)) => act(i - 5, value),
             _ => cell.to_owned(),
         };
@@ -91,23 +89,14 @@ fn what_a_file_lacks_is_said_beside_what_it_gives() {
         false => value.to_string(),
     };
     let (text, _) = said(&with_point(&trc, "LKnee", gap), &[]).expect("a walk with a gap");
-    assert!(
-        text.contains("and neither is what depends on them: left knee 30"),
-        "{text}"
-    );
+    assert!(text.contains("and neither is what depends on them: left knee 30"), "{text}");
     let (text, _) = said(&trc, &[]).expect("a walk");
-    assert!(
-        !text.contains("not known in some") && !text.contains("Y axis"),
-        "{text}"
-    );
+    assert!(!text.contains("not known in some") && !text.contains("Y axis"), "{text}");
     // what was up lies to the side
     let lying = trc.lines().enumerate().map(|(i, line)| {
         let mut cells: Vec<&str> = line.split('\t').collect();
         if i >= 5 {
-            cells[2..]
-                .chunks_mut(3)
-                .filter(|c| c.len() == 3)
-                .for_each(|c| c.swap(1, 2));
+            cells[2..].chunks_mut(3).filter(|c| c.len() == 3).for_each(|c| c.swap(1, 2));
         }
         cells.join("\t")
     });
@@ -160,17 +149,14 @@ fn each_bad_file_has_its_line() {
 
 #[test]
 fn backwards_and_squats_are_said_in_one_line_and_give_angles() {
-    for (walker, expected) in [
-        (Walker::new(0.0).reversed(), "! walks backwards"),
-        (Walker::squat(), "! no steps"),
-    ] {
+    for (walker, expected) in
+        [(Walker::new(0.0).reversed(), "! walks backwards"), (Walker::squat(), "! no steps")]
+    {
         let (text, folder) = said(&walker.trc(), &[]).expect("angles");
         assert!(text.contains(expected), "{text}");
-        let angles = std::fs::read_to_string(folder.path().join("walk_gait/angles.csv")).expect("angles");
-        assert!(
-            angles.starts_with("frame,time_s,pelvis_obliquity_l_deg"),
-            "{angles:.80}"
-        );
+        let angles =
+            std::fs::read_to_string(folder.path().join("walk_gait/angles.csv")).expect("angles");
+        assert!(angles.starts_with("frame,time_s,pelvis_obliquity_l_deg"), "{angles:.80}");
     }
 }
 
@@ -201,8 +187,5 @@ fn an_export_of_points_is_refused_in_one_line() {
     let line = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(2), "{line}");
     assert_eq!(line.lines().count(), 1, "{line}");
-    assert!(
-        line.contains("walk.trc: expected the folder of a finished fit"),
-        "{line}"
-    );
+    assert!(line.contains("walk.trc: expected the folder of a finished fit"), "{line}");
 }

@@ -44,11 +44,8 @@ impl Bar {
         let t = if a > 1e-18 {
             let rest = (w.norm_squared() - b * b / a).max(0.0);
             let k = self.widening;
-            let slide = if a > k * k {
-                k * (rest / (a * (a - k * k))).sqrt()
-            } else {
-                k.signum() * 1e9
-            };
+            let slide =
+                if a > k * k { k * (rest / (a * (a - k * k))).sqrt() } else { k.signum() * 1e9 };
             (slide - b / a).clamp(0.0, 1.0)
         } else {
             0.0
@@ -66,18 +63,8 @@ impl BarArm {
         let from = Point3::new(shoulder, 0.0, 0.0);
         let joint = Point3::from(upper);
         [
-            Bar {
-                from,
-                along: joint - from,
-                radius: shoulder,
-                widening: elbow - shoulder,
-            },
-            Bar {
-                from: joint,
-                along: lower,
-                radius: elbow,
-                widening: tip - elbow,
-            },
+            Bar { from, along: joint - from, radius: shoulder, widening: elbow - shoulder },
+            Bar { from: joint, along: lower, radius: elbow, widening: tip - elbow },
         ]
     }
 
@@ -86,8 +73,7 @@ impl BarArm {
         let bars = self.bars(phi);
         Mask::from_fn(camera.width_px as usize, camera.height_px as usize, |x, y| {
             let ray = camera.ray(&Point2::new(x as f64, y as f64));
-            bars.iter()
-                .any(|bar| bar.is_hit(&ray.origin_world, &ray.direction_world))
+            bars.iter().any(|bar| bar.is_hit(&ray.origin_world, &ray.direction_world))
         })
     }
 }
@@ -125,9 +111,7 @@ fn camera(name: &str, turn: f64) -> Camera {
 /// Two cameras, 10° to the left and to the right of the plane's normal: a search starts from two views.
 pub fn rig() -> Rig {
     let turn = 10.0_f64.to_radians();
-    Rig {
-        cameras: vec![camera("left", -turn), camera("right", turn)],
-    }
+    Rig { cameras: vec![camera("left", -turn), camera("right", turn)] }
 }
 
 /// The arm in a sequence of angles φ, segmented with errors; each mask draws from a stream of its own.
@@ -158,16 +142,14 @@ pub fn observe(
 mod tests {
     use super::*;
 
-    const ARM: BarArm = BarArm {
-        a: 0.5,
-        radii: [0.1; 3],
-    };
+    const ARM: BarArm = BarArm { a: 0.5, radii: [0.1; 3] };
 
     #[test]
     fn a_straight_arm_is_two_metres_long_and_as_thick_as_its_bars() {
         let camera = camera("front", 0.0);
         let mask = ARM.mask(&camera, 0.0);
-        let columns = (0..mask.width()).filter(|&x| (0..mask.height()).any(|y| mask.is_foreground(x, y)));
+        let columns =
+            (0..mask.width()).filter(|&x| (0..mask.height()).any(|y| mask.is_foreground(x, y)));
         let rows = (0..mask.height()).filter(|&y| mask.is_foreground(mask.width() / 2, y));
         assert!(columns.count().abs_diff(280) <= 1);
         assert!(rows.count().abs_diff(28) <= 1);
@@ -185,7 +167,11 @@ mod tests {
     fn a_positive_angle_raises_the_tip() {
         let camera = camera("front", 0.0);
         let mask = ARM.mask(&camera, 0.5);
-        let tip = camera.project_undistorted(&Point3::new(1.0 + 0.5f64.cos() * 0.8, 0.0, 0.5f64.sin() * 0.8));
+        let tip = camera.project_undistorted(&Point3::new(
+            1.0 + 0.5f64.cos() * 0.8,
+            0.0,
+            0.5f64.sin() * 0.8,
+        ));
         let tip = tip.unwrap();
         assert!(mask.is_foreground(tip.x.round() as usize, tip.y.round() as usize));
     }
@@ -193,11 +179,7 @@ mod tests {
     #[test]
     fn a_tapered_bar_is_thinner_where_it_ends() {
         let camera = camera("front", 0.0);
-        let mask = BarArm {
-            a: 0.5,
-            radii: [0.12, 0.1, 0.06],
-        }
-        .mask(&camera, 0.0);
+        let mask = BarArm { a: 0.5, radii: [0.12, 0.1, 0.06] }.mask(&camera, 0.0);
         let thickness = |x: usize| (0..mask.height()).filter(|&y| mask.is_foreground(x, y)).count();
         // the left image side is the shoulder's; the middle column the elbow's
         assert!(thickness(90) > thickness(199) && thickness(199) > thickness(310));

@@ -33,13 +33,8 @@ impl Posterior {
     /// Fits every frame's φ at `cells` equally spaced values of a.
     pub fn new(evidence: &Evidence<'_>, sequence: Sequence<'_>, cells: usize) -> Self {
         let grid: Vec<f64> = (0..cells).map(|i| (i as f64 + 0.5) / cells as f64).collect();
-        let costs = grid
-            .par_iter()
-            .map(|&a| frame_costs(evidence, sequence, &coefficient_of(a)));
-        Self {
-            costs: costs.collect(),
-            grid,
-        }
+        let costs = grid.par_iter().map(|&a| frame_costs(evidence, sequence, &coefficient_of(a)));
+        Self { costs: costs.collect(), grid }
     }
 
     /// (a, density) given the first `frames` frames.
@@ -53,11 +48,8 @@ impl Posterior {
 
     /// exp(−∫ p ln p da): the width of the uniform density that says as little; 1 if nothing is known.
     pub fn width(&self, frames: usize) -> f64 {
-        let terms = self
-            .after(frames)
-            .into_iter()
-            .filter(|(_, p)| *p > 0.0)
-            .map(|(_, p)| -p * p.ln());
+        let terms =
+            self.after(frames).into_iter().filter(|(_, p)| *p > 0.0).map(|(_, p)| -p * p.ln());
         (terms.sum::<f64>() / self.grid.len() as f64).exp()
     }
 

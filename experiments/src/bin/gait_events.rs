@@ -135,7 +135,8 @@ fn gait_of(path: &Path) -> Result<GaitAnalysis, Box<dyn Error>> {
 fn plates(text: &str) -> Vec<PlateEvent> {
     let rows = text.lines().skip_while(|line| line.trim() != "endheader").skip(2);
     let number = |cell: &str| cell.trim().parse::<f64>().ok();
-    let rows: Vec<Vec<f64>> = rows.map(|row| row.split('\t').filter_map(number).collect()).collect();
+    let rows: Vec<Vec<f64>> =
+        rows.map(|row| row.split('\t').filter_map(number).collect()).collect();
     let mut events = Vec::new();
     for (side, column) in [(Side::Right, 2), (Side::Left, 11)] {
         for pair in rows.windows(2) {

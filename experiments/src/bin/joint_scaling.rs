@@ -84,11 +84,9 @@ fn scaling(run: &mut Run, model: &BodyModel) -> Result<(), Box<dyn Error>> {
             .curve("", colour::BLUE, &curve(value))
             .marks("", colour::BLUE, &curve(value))
     };
-    let time = panel(
-        "linearisation, step and marginals",
-        "processor time a frame (ms)",
-        |c| c.processor_ms,
-    );
+    let time = panel("linearisation, step and marginals", "processor time a frame (ms)", |c| {
+        c.processor_ms
+    });
     let memory = panel("the joint optimum", "memory a frame (kB)", |c| c.memory_kb);
     run.picture("costs", &svg(2, (420.0, 280.0), vec![time, memory]))?;
     Ok(())
@@ -99,19 +97,17 @@ fn evidence<'a>(model: &'a BodyModel, recording: &'a Synthetic, measure: Measure
 }
 
 /// Algorithm 1's winner, on ellipsoids.
-fn tracked(model: &BodyModel, recording: &Synthetic, frames: &[FrameObservations]) -> Option<SequenceState> {
-    let sequence = Sequence {
-        frames,
-        fps: recording.fps,
-    };
+fn tracked(
+    model: &BodyModel,
+    recording: &Synthetic,
+    frames: &[FrameObservations],
+) -> Option<SequenceState> {
+    let sequence = Sequence { frames, fps: recording.fps };
     let coarse = evidence(model, recording, Measure::Ellipses);
     let found = search(&coarse, sequence, &SearchOptions::default(), &NoJournal)?;
     let winner = found.trials.get(found.winner)?;
     let motions = winner.frames.iter().flatten().map(|f| f.motion.clone());
-    Some(SequenceState {
-        shape: winner.hypothesis.shape.clone(),
-        motions: motions.collect(),
-    })
+    Some(SequenceState { shape: winner.hypothesis.shape.clone(), motions: motions.collect() })
 }
 
 impl Cycle<'_> {
@@ -137,10 +133,7 @@ impl Cycle<'_> {
 
     fn cost(&self, length: usize, times: usize, before_kb: f64) -> Cost {
         let (terms, seconds) = (self.terms(length), vec![INTERVAL_S; length]);
-        let options = JointOptions {
-            iterations: 1,
-            ..JointOptions::default()
-        };
+        let options = JointOptions { iterations: 1, ..JointOptions::default() };
         let mut cost = Cost::default();
         for _ in 0..times {
             let share = 1.0 / times as f64;
@@ -164,7 +157,8 @@ impl Cycle<'_> {
 
     /// One linearisation, one step, the marginals: milliseconds a frame.
     fn stages_ms(&self, terms: &[Terms<'_>], seconds: &[f64]) -> [f64; 3] {
-        let chain_prior = ChainPrior::new(self.evidence.model, JointOptions::default().motion_model);
+        let chain_prior =
+            ChainPrior::new(self.evidence.model, JointOptions::default().motion_model);
         let posterior = SequencePosterior {
             model: self.evidence.model,
             shape_prior: &self.evidence.shape_prior,
@@ -251,16 +245,8 @@ fn seven_cameras(run: &mut Run, model: &BodyModel) -> Result<(), Box<dyn Error>>
     let recording = walker::recording(200, run.seed())?;
     let frames = walker::observe(&recording);
     let start = tracked(model, &recording, &frames).ok_or("nothing was found")?;
-    let sequence = Sequence {
-        frames: &frames,
-        fps: recording.fps,
-    };
-    let columns = [
-        "likelihood",
-        "seconds",
-        "of the processors, s",
-        "steps of the last round",
-    ];
+    let sequence = Sequence { frames: &frames, fps: recording.fps };
+    let columns = ["likelihood", "seconds", "of the processors, s", "steps of the last round"];
     let mut table = Table::new("seven", &columns);
     for (name, measure) in [("ellipses", Measure::Ellipses), ("metaballs", Measure::Metaballs)] {
         let evidence = evidence(model, &recording, measure);

@@ -7,8 +7,8 @@ use std::error::Error;
 use std::process::ExitCode;
 
 use experiments::limb::{
-    ArmTruth, LimbErrors, LimbFit, aligned, joints, limb_arm, limb_errors, pose, surface_points, three_cameras,
-    true_arm,
+    ArmTruth, LimbErrors, LimbFit, aligned, joints, limb_arm, limb_errors, pose, surface_points,
+    three_cameras, true_arm,
 };
 use experiments::picture::{Panel, colour, svg};
 use experiments::run::Run;
@@ -16,7 +16,9 @@ use experiments::table::Table;
 use kuva::plot::LegendPosition;
 use maquette::body::{BodyModel, Posed, Shape, State};
 use maquette::inference::prior::{PosePrior, ShapePrior};
-use maquette::likelihood::{Derivatives, PointField, PointOptions, Residual, SkinScale, SurfacePoint, Term};
+use maquette::likelihood::{
+    Derivatives, PointField, PointOptions, Residual, SkinScale, SurfacePoint, Term,
+};
 use maquette::math::stats::median;
 use maquette::solver::Loss;
 use maquette::synth::StereoPair;
@@ -115,12 +117,7 @@ impl Draw {
         let points = points.collect();
         let shape = Shape(arm.statistics.mean.clone());
         let motion = aligned(arm, &shape, &joints(&truth.posed()));
-        Self {
-            truth,
-            points,
-            near: State { motion, shape },
-            seed,
-        }
+        Self { truth, points, near: State { motion, shape }, seed }
     }
 
     /// A start off by a distance and an angle, in the same directions for every way.
@@ -185,39 +182,26 @@ fn report(run: &mut Run, table: &mut Table, way: &Way, shares: &[Vec<f64>]) {
         table.row(head.into_iter().chain(cells));
     }
     let count = (DISTANCES.len() * ANGLES_DEG.len()) as f64;
-    run.number(
-        format!("{}_found_pct", way.name),
-        shares.iter().flatten().sum::<f64>() / count,
-    );
+    run.number(format!("{}_found_pct", way.name), shares.iter().flatten().sum::<f64>() / count);
     // the farthest start without a turn from which half of the arms are found, and the largest turn without a way
     let half = |list: &[f64], places: &[f64]| {
         let last = list.iter().zip(places).take_while(|(share, _)| **share >= 50.0).last();
         last.map_or(0.0, |(_, place)| *place)
     };
     let straight: Vec<f64> = shares.iter().map(|row| row[0]).collect();
-    run.number(
-        format!("{}_half_found_to_cm", way.name),
-        100.0 * half(&straight, &DISTANCES),
-    );
+    run.number(format!("{}_half_found_to_cm", way.name), 100.0 * half(&straight, &DISTANCES));
     run.number(format!("{}_half_found_to_deg", way.name), half(&shares[0], &ANGLES_DEG));
 }
 
 fn panel(way: &Way, shares: &[Vec<f64>]) -> Panel {
-    const COLOURS: [&str; 5] = [
-        colour::BLUE,
-        colour::GREEN,
-        colour::ORANGE,
-        colour::PURPLE,
-        colour::GREY,
-    ];
+    const COLOURS: [&str; 5] =
+        [colour::BLUE, colour::GREEN, colour::ORANGE, colour::PURPLE, colour::GREY];
     let empty = Panel::new(way.title, "start off by, cm", "found, %")
         .ranges((0.0, 50.0), (0.0, 105.0))
         .legend(LegendPosition::OutsideRightTop);
     ANGLES_DEG.iter().enumerate().fold(empty, |panel, (k, angle)| {
         let curve = DISTANCES.iter().zip(shares);
         let curve: Vec<(f64, f64)> = curve.map(|(d, row)| (100.0 * d, row[k])).collect();
-        panel
-            .curve(&format!("{angle}°"), COLOURS[k], &curve)
-            .marks("", COLOURS[k], &curve)
+        panel.curve(&format!("{angle}°"), COLOURS[k], &curve).marks("", COLOURS[k], &curve)
     })
 }

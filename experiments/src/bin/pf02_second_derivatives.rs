@@ -17,7 +17,9 @@ use experiments::table::Table;
 use kuva::plot::LegendPosition;
 use maquette::body::{BodyModel, Posed, Shape, State};
 use maquette::inference::prior::{PosePrior, ShapePrior};
-use maquette::likelihood::{Derivatives, RayOptions, RayView, Residual, SilhouetteRays, SkinScale, Term};
+use maquette::likelihood::{
+    Derivatives, RayOptions, RayView, Residual, SilhouetteRays, SkinScale, Term,
+};
 use maquette::math::stats::median;
 use maquette::solver::{Loss, Termination};
 use nalgebra::{Rotation3, Unit, Vector3};
@@ -139,10 +141,8 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let arm = limb_arm()?;
     let real = true_arm()?;
     let seed = run.seed() * ARMS;
-    let draws: Vec<Draw> = (0..ARMS)
-        .into_par_iter()
-        .map(|i| Draw::new(&arm, &real, seed + i))
-        .collect();
+    let draws: Vec<Draw> =
+        (0..ARMS).into_par_iter().map(|i| Draw::new(&arm, &real, seed + i)).collect();
     let mut table = Table::new(
         "derivatives",
         &[
@@ -155,10 +155,8 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
             "joints, mm",
         ],
     );
-    let mut all: Vec<Vec<Fits>> = WAYS
-        .iter()
-        .map(|way| draws.par_iter().map(|draw| way.fit(&arm, draw)).collect())
-        .collect();
+    let mut all: Vec<Vec<Fits>> =
+        WAYS.iter().map(|way| draws.par_iter().map(|draw| way.fit(&arm, draw)).collect()).collect();
     share_optima(&mut all);
     for (way, fits) in WAYS.iter().zip(&all) {
         report(&mut run, &mut table, way, fits);
@@ -177,12 +175,7 @@ impl Draw {
         let motion = aligned(arm, &shape, &joints(&truth.posed()));
         let near = State { motion, shape };
         let starts = (0..STARTS).map(|_| moved(&near, &mut rng)).collect();
-        Self {
-            truth,
-            views,
-            near,
-            starts,
-        }
+        Self { truth, views, near, starts }
     }
 }
 
@@ -238,12 +231,7 @@ impl Way {
         let stalled = endings.count();
         let costs: Vec<Vec<f64>> = solutions.into_iter().map(|s| s.1).collect();
         let ends = costs.iter().chain([&near]).filter_map(|costs| costs.last());
-        Fits {
-            optimum: ends.copied().fold(f64::INFINITY, f64::min),
-            costs,
-            joints_mm,
-            stalled,
-        }
+        Fits { optimum: ends.copied().fold(f64::INFINITY, f64::min), costs, joints_mm, stalled }
     }
 
     fn terms(&self, arm: &BodyModel, draw: &Draw, derivatives: Derivatives) -> Vec<Box<dyn Term>> {
@@ -297,9 +285,7 @@ fn report(run: &mut Run, table: &mut Table, way: &Way, fits: &[Fits]) {
 fn arrivals(fits: &[Fits], near: f64) -> Vec<(f64, f64)> {
     let all: Vec<Option<usize>> = fits.iter().flat_map(|f| f.arrived(near)).collect();
     let by = |n: usize| all.iter().flatten().filter(|steps| **steps <= n).count();
-    (0..=60)
-        .map(|n| (n as f64, 100.0 * by(n) as f64 / all.len() as f64))
-        .collect()
+    (0..=60).map(|n| (n as f64, 100.0 * by(n) as f64 / all.len() as f64)).collect()
 }
 
 fn picture(all: &[Vec<Fits>]) -> String {

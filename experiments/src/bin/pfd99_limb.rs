@@ -8,8 +8,8 @@ use std::error::Error;
 use std::process::ExitCode;
 
 use experiments::limb::{
-    ArmTruth, Freedom, LimbErrors, LimbFit, aligned, ellipsoid_arm, joints, limb_arm, limb_errors, pose,
-    surface_points, three_cameras, true_arm, views, widened,
+    ArmTruth, Freedom, LimbErrors, LimbFit, aligned, ellipsoid_arm, joints, limb_arm, limb_errors,
+    pose, surface_points, three_cameras, true_arm, views, widened,
 };
 use experiments::picture::{Panel, colour, svg};
 use experiments::run::Run;
@@ -70,24 +70,14 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     run.setting("draws", DRAWS);
     run.setting("p(s), times as wide", WIDE);
     run.setting("linearisations of a turn", TURN);
-    let models = [
-        ("one", "one ellipsoid", ellipsoid_arm()?),
-        ("three", "three metaballs", limb_arm()?),
-    ];
+    let models =
+        [("one", "one ellipsoid", ellipsoid_arm()?), ("three", "three metaballs", limb_arm()?)];
     let real = true_arm()?;
     let seed = run.seed() * DRAWS;
     let draws: Vec<Draw> = (0..DRAWS).into_par_iter().map(|i| Draw::new(&real, seed + i)).collect();
     let mut table = Table::new(
         "limbs",
-        &[
-            "limb",
-            "length, %",
-            "width, %",
-            "direction, °",
-            "elbow, °",
-            "axis, mm",
-            "joints, mm",
-        ],
+        &["limb", "length, %", "width, %", "direction, °", "elbow, °", "axis, mm", "joints, mm"],
     );
     let mut all = Vec::new();
     for (name, title, arm) in &models {
@@ -114,12 +104,7 @@ impl Draw {
         let points = points.collect();
         let views = views(&truth, &rig, &mut rng);
         let mut draw = |reach: f64| Vector3::from_fn(|_, _| rng.random_range(-reach..=reach));
-        Self {
-            truth,
-            points,
-            views,
-            off: (draw(0.04), draw(0.2)),
-        }
+        Self { truth, points, views, off: (draw(0.04), draw(0.2)) }
     }
 
     fn start(&self, arm: &BodyModel) -> State {
@@ -168,10 +153,7 @@ fn fit(arm: &BodyModel, draw: &Draw, order: Order) -> Fitted {
         }
     };
     let body = Posed::new(arm, &state.shape, &state.motion);
-    Fitted {
-        errors: limb_errors(&body, &draw.truth.posed()),
-        costs,
-    }
+    Fitted { errors: limb_errors(&body, &draw.truth.posed()), costs }
 }
 
 /// The errors that are reported, all as sizes: names and values.
@@ -183,10 +165,7 @@ fn numbers(fits: &[Fitted]) -> [(&'static str, f64); 6] {
     // upper arm 30.5 cm, forearm 27 cm
     let lengths = [305.0, 270.0];
     [
-        (
-            "length_pct",
-            middle(&|e| [0, 1].map(|k| 100.0 * e.length_mm[k] / lengths[k])),
-        ),
+        ("length_pct", middle(&|e| [0, 1].map(|k| 100.0 * e.length_mm[k] / lengths[k]))),
         ("width_pct", middle(&|e| e.width_pct)),
         ("direction_deg", middle(&|e| e.direction_deg)),
         ("elbow_deg", middle(&|e| [e.elbow_deg; 2])),
@@ -285,14 +264,11 @@ fn turns_picture(together: &[Fitted], turns: &[Fitted]) -> String {
         };
         (0..=80).map(|n| (n as f64, at(n))).collect()
     };
-    let panel = Panel::new(
-        "three metaballs, 60 arms",
-        "steps",
-        "log₁₀ of (cost / least − 1), median",
-    )
-    .ranges((0.0, 80.0), (-6.5, 2.5))
-    .legend(LegendPosition::InsideTopRight)
-    .curve("together", colour::BLUE, &curve(together))
-    .curve("by turns", colour::ORANGE, &curve(turns));
+    let panel =
+        Panel::new("three metaballs, 60 arms", "steps", "log₁₀ of (cost / least − 1), median")
+            .ranges((0.0, 80.0), (-6.5, 2.5))
+            .legend(LegendPosition::InsideTopRight)
+            .curve("together", colour::BLUE, &curve(together))
+            .curve("by turns", colour::ORANGE, &curve(turns));
     svg(1, (560.0, 380.0), vec![panel])
 }

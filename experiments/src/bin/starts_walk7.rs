@@ -31,7 +31,8 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         run.say(&format!("skipped: no recording in {}", folder.display()));
         return Ok(ExitCode::SUCCESS);
     }
-    let recording = Recording::open(&folder).and_then(|found| found.with_fps(50.0).observations())?;
+    let recording =
+        Recording::open(&folder).and_then(|found| found.with_fps(50.0).observations())?;
     let truth = {
         let path = folder.join("truth.trc");
         read_trc(&std::fs::read_to_string(&path)?, &path)?
@@ -68,10 +69,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
 
 /// One frame of the truth.
 fn only(truth: &Trajectories, frame: usize) -> Option<Trajectories> {
-    Some(Trajectories {
-        frames: vec![truth.frames.get(frame)?.clone()],
-        ..truth.clone()
-    })
+    Some(Trajectories { frames: vec![truth.frames.get(frame)?.clone()], ..truth.clone() })
 }
 
 /// Where the data lie that are shared by projects.

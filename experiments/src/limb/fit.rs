@@ -37,7 +37,11 @@ impl std::fmt::Debug for LimbFit<'_> {
 
 impl<'a> LimbFit<'a> {
     /// The posterior of a model given terms.
-    pub fn new(model: &'a BodyModel, priors: (&'a ShapePrior, &'a PosePrior), terms: &'a [Box<dyn Term + 'a>]) -> Self {
+    pub fn new(
+        model: &'a BodyModel,
+        priors: (&'a ShapePrior, &'a PosePrior),
+        terms: &'a [Box<dyn Term + 'a>],
+    ) -> Self {
         Self {
             held: vec![false; Layout::new(model).total()],
             posterior: KeyframePosterior {
@@ -69,11 +73,7 @@ impl<'a> LimbFit<'a> {
 
     /// Minimum from a start.
     pub fn solve(&self, start: State, max_iterations: usize) -> Solution<State, NormalEquations> {
-        let options = Options {
-            max_iterations,
-            relative_decrease: 1e-6,
-            ..Options::default()
-        };
+        let options = Options { max_iterations, relative_decrease: 1e-6, ..Options::default() };
         levenberg_marquardt(self, start, &options)
     }
 }
@@ -128,17 +128,8 @@ pub fn widened(model: &BodyModel, factor: f64) -> ShapePrior {
 
 /// The motion that brings a model's shoulder, elbow and wrist nearest to given ones.
 pub fn aligned(model: &BodyModel, shape: &Shape, targets: &[Point3<f64>; 3]) -> Motion {
-    let problem = Alignment {
-        model,
-        shape,
-        targets,
-        prior: PosePrior::new(model),
-    };
-    let options = Options {
-        max_iterations: 200,
-        relative_decrease: 1e-9,
-        ..Options::default()
-    };
+    let problem = Alignment { model, shape, targets, prior: PosePrior::new(model) };
+    let options = Options { max_iterations: 200, relative_decrease: 1e-9, ..Options::default() };
     // from several turns: half a turn away the gradient vanishes
     let starts = (0..6).map(|k| {
         let mut motion = Motion::rest(model);
@@ -184,7 +175,9 @@ impl Problem for Alignment<'_> {
 
     fn linearize(&self, x: &Motion, equations: &mut NormalEquations) -> f64 {
         let offsets = self.offsets(x);
-        let slopes = central_differences(equations.gradient.len(), 1e-4, |d| self.offsets(&self.retract(x, d)));
+        let slopes = central_differences(equations.gradient.len(), 1e-4, |d| {
+            self.offsets(&self.retract(x, d))
+        });
         equations.gradient += slopes.transpose() * &offsets;
         equations.hessian += slopes.transpose() * &slopes;
         0.5 * offsets.norm_squared() + self.prior.linearize(x, equations)

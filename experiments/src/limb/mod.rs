@@ -7,6 +7,6 @@ mod scene;
 pub use fit::{Freedom, LimbFit, aligned, widened};
 pub use measure::{LimbErrors, edges, joints, limb_errors};
 pub use scene::{
-    ArmTruth, cameras_in_front, ellipsoid_arm, front_pair, full_arm, limb_arm, pose, surface_points, three_cameras,
-    true_arm, views,
+    ArmTruth, cameras_in_front, ellipsoid_arm, front_pair, full_arm, limb_arm, pose,
+    surface_points, three_cameras, true_arm, views,
 };

@@ -65,10 +65,7 @@ pub fn ellipsoid_arm() -> Result<BodyModel, ModelFileError> {
 
 /// A model whose shoulder is not held: where it is and how it is turned is found, too.
 fn free(mut model: BodyModel) -> BodyModel {
-    model.root = Root::Free {
-        speed: 1.0,
-        turn: 200.0_f64.to_radians(),
-    };
+    model.root = Root::Free { speed: 1.0, turn: 200.0_f64.to_radians() };
     model
 }
 
@@ -89,11 +86,7 @@ pub fn pose(model: &BodyModel, rng: &mut impl Rng) -> ArmTruth {
     motion.angles[0] = rng.random_range(0.35..1.75);
     motion.world_from_root = turn;
     motion.position_world = Vector3::from(MIDDLE) + Vector3::z() * 0.2 + offset;
-    ArmTruth {
-        model: model.clone(),
-        motion,
-        shape: Shape(DVector::zeros(0)),
-    }
+    ArmTruth { model: model.clone(), motion, shape: Shape(DVector::zeros(0)) }
 }
 
 fn ring(cameras: usize) -> Ring {
@@ -138,7 +131,12 @@ pub fn cameras_in_front() -> Rig {
 }
 
 /// Points that a camera and its twin see.
-pub fn surface_points(truth: &ArmTruth, camera: &Camera, pair: &StereoPair, rng: &mut impl Rng) -> Vec<SurfacePoint> {
+pub fn surface_points(
+    truth: &ArmTruth,
+    camera: &Camera,
+    pair: &StereoPair,
+    rng: &mut impl Rng,
+) -> Vec<SurfacePoint> {
     let cloud = pair.points(camera, &truth.posed(), rng);
     cloud.iter().map(surface_point).collect()
 }
@@ -150,21 +148,14 @@ fn surface_point(point: &CloudPoint) -> SurfacePoint {
         Spread::Isotropic(sigma) => sigma,
         Spread::Full(covariance) => covariance.symmetric_eigenvalues().max().sqrt(),
     };
-    SurfacePoint {
-        position_world: point.position_world,
-        sigma_m,
-    }
+    SurfacePoint { position_world: point.position_world, sigma_m }
 }
 
 /// The lines of sight along the arm's silhouettes, segmented with mild errors.
 pub fn views(truth: &ArmTruth, rig: &Rig, rng: &mut impl Rng) -> Vec<RayView> {
     let field = Field::from_body(&truth.posed());
-    let errors = SegmentationErrors {
-        bites: 0.0,
-        holes: 0.0,
-        specks: 0.0,
-        ..SegmentationErrors::MILD
-    };
+    let errors =
+        SegmentationErrors { bites: 0.0, holes: 0.0, specks: 0.0, ..SegmentationErrors::MILD };
     let each = rig.cameras.iter().filter_map(|camera| {
         let mask = errors.apply(&render::silhouette(camera, &field), rng);
         let silhouette = extract(&mask, camera, &SilhouetteOptions::default()).ok()?;

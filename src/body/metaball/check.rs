@@ -8,7 +8,9 @@ use crate::math::{central_differences, first_difference};
 
 /// A derivative of the field that is wrong.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("∂({what})/∂{variable}[{component}] at {point_world} is {analytic} and {numeric} by differences")]
+#[error(
+    "∂({what})/∂{variable}[{component}] at {point_world} is {analytic} and {numeric} by differences"
+)]
 pub struct FieldFault {
     /// `ln F`, or a component of ∇ ln F.
     pub what: &'static str,
@@ -57,7 +59,8 @@ pub fn check_field(
         numbers(&moved)
     };
 
-    let numeric = central_differences(3, STEP, |d| at(&field, &(x + Vector3::new(d[0], d[1], d[2]))));
+    let numeric =
+        central_differences(3, STEP, |d| at(&field, &(x + Vector3::new(d[0], d[1], d[2]))));
     compare("x", &in_space(&sample), &numeric)?;
 
     let layout = Layout::new(model);

@@ -64,12 +64,9 @@ impl Field {
     /// The field of the given ellipsoids d = 1, all in one limb; flat ones are left out.
     pub fn new(ellipsoids: impl IntoIterator<Item = Ellipsoid>) -> Self {
         let each = ellipsoids.into_iter().enumerate();
-        let (sources, metaballs): (Vec<_>, Vec<_>) = each.filter_map(|(i, e)| Some((i, Metaball::new(e)?))).unzip();
-        Self {
-            limbs: vec![(0..metaballs.len()).collect()],
-            metaballs,
-            sources,
-        }
+        let (sources, metaballs): (Vec<_>, Vec<_>) =
+            each.filter_map(|(i, e)| Some((i, Metaball::new(e)?))).unzip();
+        Self { limbs: vec![(0..metaballs.len()).collect()], metaballs, sources }
     }
 
     /// The index of a metaball in the list that the field was made from, such as
@@ -130,10 +127,7 @@ mod tests {
     fn ellipsoid(centre: Vector3<f64>, radii: Vector3<f64>, turn: Vector3<f64>) -> Ellipsoid {
         let axes = Rotation3::from_scaled_axis(turn);
         let squared = Matrix3::from_diagonal(&radii.component_mul(&radii));
-        Ellipsoid {
-            centre,
-            shape: axes * squared * axes.transpose(),
-        }
+        Ellipsoid { centre, shape: axes * squared * axes.transpose() }
     }
 
     #[test]
@@ -155,9 +149,8 @@ mod tests {
     fn the_gradient_is_that_of_the_value() {
         let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(1);
         let mut draw = |low, high| Vector3::from_fn(|_, _| rng.random_range(low..high));
-        let balls: Vec<_> = (0..4)
-            .map(|_| ellipsoid(draw(-0.2, 0.2), draw(0.1, 0.4), draw(-2.0, 2.0)))
-            .collect();
+        let balls: Vec<_> =
+            (0..4).map(|_| ellipsoid(draw(-0.2, 0.2), draw(0.1, 0.4), draw(-2.0, 2.0))).collect();
         let field = Field::new(balls);
         for _ in 0..20 {
             let point = draw(-0.3, 0.3);

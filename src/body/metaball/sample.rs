@@ -70,7 +70,13 @@ impl FieldSample {
     }
 
     /// Samples one limb from those of its metaballs that `metaballs` lists.
-    pub(crate) fn update_limb(&mut self, field: &Field, limb: usize, point_world: &Vector3<f64>, metaballs: &[usize]) {
+    pub(crate) fn update_limb(
+        &mut self,
+        field: &Field,
+        limb: usize,
+        point_world: &Vector3<f64>,
+        metaballs: &[usize],
+    ) {
         self.limb = limb;
         self.point_world = *point_world;
         self.shares.clear();
@@ -83,11 +89,7 @@ impl FieldSample {
             let pull = ball.precision * offset;
             let distance = offset.dot(&pull);
             least = least.min(distance);
-            self.shares.push(Share {
-                metaball,
-                weight: distance,
-                pull,
-            });
+            self.shares.push(Share { metaball, weight: distance, pull });
         }
 
         // wᵢ times a common factor, which cancels
@@ -124,10 +126,7 @@ mod tests {
     use crate::math::quadric::Ellipsoid;
 
     fn ball(x: f64) -> Ellipsoid {
-        Ellipsoid {
-            centre: Vector3::new(x, 0.0, 0.0),
-            shape: Matrix3::identity() * 0.01,
-        }
+        Ellipsoid { centre: Vector3::new(x, 0.0, 0.0), shape: Matrix3::identity() * 0.01 }
     }
 
     #[test]
@@ -138,7 +137,11 @@ mod tests {
         assert!(sample.log_value.exp() < f64::MIN_POSITIVE);
         let expected = -2.0 * 900.0 / 0.01 + 2.0_f64.ln();
         approx::assert_relative_eq!(sample.log_value, expected, max_relative = 1e-14);
-        approx::assert_relative_eq!(sample.log_gradient.x, -4.0 * 30.0 / 0.01, max_relative = 1e-14);
+        approx::assert_relative_eq!(
+            sample.log_gradient.x,
+            -4.0 * 30.0 / 0.01,
+            max_relative = 1e-14
+        );
     }
 
     #[test]

@@ -34,7 +34,12 @@ impl<'f> Sampler<'f> {
     /// Samples a limb, or where `limb` is `None` the one whose sum is largest.
     ///
     /// `false`, and nothing changed, if there is no metaball or no such limb.
-    pub fn sample(&mut self, point_world: &Vector3<f64>, limb: Option<usize>, sample: &mut FieldSample) -> bool {
+    pub fn sample(
+        &mut self,
+        point_world: &Vector3<f64>,
+        limb: Option<usize>,
+        sample: &mut FieldSample,
+    ) -> bool {
         self.measure(point_world);
         let Some((limb, least)) = limb.map_or_else(|| self.largest(), |l| self.least(l)) else {
             return false;
@@ -58,8 +63,9 @@ impl<'f> Sampler<'f> {
             let x = point_world.x - c0[i];
             let y = point_world.y - c1[i];
             let z = point_world.z - c2[i];
-            distances[i] =
-                x * (p0[i] * x + 2.0 * (p3[i] * y + p4[i] * z)) + y * (p1[i] * y + 2.0 * p5[i] * z) + z * p2[i] * z;
+            distances[i] = x * (p0[i] * x + 2.0 * (p3[i] * y + p4[i] * z))
+                + y * (p1[i] * y + 2.0 * p5[i] * z)
+                + z * p2[i] * z;
         }
     }
 

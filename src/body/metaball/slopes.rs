@@ -123,9 +123,8 @@ impl FieldSlopes {
     pub fn new(body: &Posed<'_>, field: &Field) -> Self {
         let layout = Layout::new(body.model);
         let primitives = field.sources.iter().map(|&i| &body.model.metaballs[i]);
-        let frames: Vec<_> = (0..body.frames.len())
-            .map(|frame| frame_slopes(body, layout, frame))
-            .collect();
+        let frames: Vec<_> =
+            (0..body.frames.len()).map(|frame| frame_slopes(body, layout, frame)).collect();
         let metaballs: Vec<_> = primitives
             .zip(&field.metaballs)
             .map(|(p, m)| ball_slopes(body, layout, p, m.precision))
@@ -161,17 +160,27 @@ impl FieldSlopes {
     ///
     /// # Source
     /// PF02 eq. A.2, A.3, A.5; the sums over parts are ours.
-    pub fn row(&self, sample: &FieldSample, alpha: impl Fn(usize) -> f64, b: &Vector3<f64>, row: &mut FieldRow) {
-        let change = |share: &Share| BallChange {
-            alpha: alpha(share.metaball),
-            ..BallChange::default()
-        };
+    pub fn row(
+        &self,
+        sample: &FieldSample,
+        alpha: impl Fn(usize) -> f64,
+        b: &Vector3<f64>,
+        row: &mut FieldRow,
+    ) {
+        let change =
+            |share: &Share| BallChange { alpha: alpha(share.metaball), ..BallChange::default() };
         let changes: Vec<_> = sample.shares.iter().map(change).collect();
         self.row_from_changes(sample, &changes, b, row);
     }
 
     /// [`row`](Self::row) of a residual that depends on more of each metaball: one change for each of [`FieldSample::shares`].
-    pub fn row_from_changes(&self, sample: &FieldSample, changes: &[BallChange], b: &Vector3<f64>, row: &mut FieldRow) {
+    pub fn row_from_changes(
+        &self,
+        sample: &FieldSample,
+        changes: &[BallChange],
+        b: &Vector3<f64>,
+        row: &mut FieldRow,
+    ) {
         let branch = &self.limbs[sample.limb];
         row.clear(branch, self.frames.len());
         let level = b.dot(&sample.log_gradient);
@@ -184,7 +193,8 @@ impl FieldSlopes {
 
             // what the frame passes on, h = β q + M b + w γ
             let q = u * (-4.0 * w);
-            let h = u * (w * (16.0 * along - 4.0 * beta)) - (ball.precision * b) * (4.0 * w) + change.place * w;
+            let h = u * (w * (16.0 * along - 4.0 * beta)) - (ball.precision * b) * (4.0 * w)
+                + change.place * w;
             row.pulls[ball.frame.0].add(Pull { q, h });
 
             // what moves and stretches it within its frame
@@ -194,8 +204,9 @@ impl FieldSlopes {
             for radius in &ball.radii {
                 let v = radius.axis_world.dot(u);
                 let bend = 2.0 * b.dot(&radius.axis_world) * radius.precision;
-                row.dense[radius.component] += 4.0 * w * radius.slope * v * ((beta - 4.0 * along) * v + bend)
-                    + w * change.radii[radius.axis] * radius.slope * radius.precision;
+                row.dense[radius.component] +=
+                    4.0 * w * radius.slope * v * ((beta - 4.0 * along) * v + bend)
+                        + w * change.radii[radius.axis] * radius.slope * radius.precision;
             }
         }
 
@@ -258,14 +269,15 @@ fn frame_slopes(body: &Posed<'_>, layout: Layout, frame: usize) -> FrameSlopes {
             axis_world: body.turns_world[frame],
         }
     });
-    FrameSlopes {
-        origin_world: body.frames[frame].origin_world,
-        turn,
-        stretch,
-    }
+    FrameSlopes { origin_world: body.frames[frame].origin_world, turn, stretch }
 }
 
-fn ball_slopes(body: &Posed<'_>, layout: Layout, primitive: &Primitive, precision: Matrix3<f64>) -> BallSlopes {
+fn ball_slopes(
+    body: &Posed<'_>,
+    layout: Layout,
+    primitive: &Primitive,
+    precision: Matrix3<f64>,
+) -> BallSlopes {
     let world_from_frame = body.frames[primitive.frame.0].world_from_frame;
     let mut centre = Vec::new();
     let mut add = |component, moved| centre.push((component, moved));
@@ -292,7 +304,12 @@ fn ball_slopes(body: &Posed<'_>, layout: Layout, primitive: &Primitive, precisio
 }
 
 /// The frames and components of a limb of these metaballs.
-fn branch(model: &BodyModel, layout: Layout, frames: &[FrameSlopes], balls: &[&BallSlopes]) -> Branch {
+fn branch(
+    model: &BodyModel,
+    layout: Layout,
+    frames: &[FrameSlopes],
+    balls: &[&BallSlopes],
+) -> Branch {
     let paths = balls.iter().flat_map(|ball| model.path(ball.frame));
     let mut on_root: Vec<FrameId> = paths.map(|(frame, _)| frame).chain([FrameId(0)]).collect();
     // a frame's number is above that of the one that carries it
@@ -312,8 +329,5 @@ fn branch(model: &BodyModel, layout: Layout, frames: &[FrameSlopes], balls: &[&B
     components.sort_unstable();
     components.dedup();
 
-    Branch {
-        frames: on_root,
-        components,
-    }
+    Branch { frames: on_root, components }
 }

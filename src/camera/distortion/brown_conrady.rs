@@ -102,11 +102,7 @@ impl BrownConrady {
             && increases_up_to(s, |s| {
                 let (n, n_slope) = polynomial(&self.numerator, s);
                 let (d, d_slope) = polynomial(&self.denominator, s);
-                if d > 0.0 {
-                    (n + 2.0 * s * n_slope) * d - 2.0 * s * n * d_slope
-                } else {
-                    -1.0
-                }
+                if d > 0.0 { (n + 2.0 * s * n_slope) * d - 2.0 * s * n * d_slope } else { -1.0 }
             })
     }
 }

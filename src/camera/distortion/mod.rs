@@ -25,16 +25,7 @@ pub enum Distortion {
     /// x_d = x·(1+k₁r²+k₂r⁴+k₃r⁶)/(1+k₄r²+k₅r⁴+k₆r⁶) + 2p₁xy + p₂(r²+2x²), and
     /// y_d = y·(1+k₁r²+k₂r⁴+k₃r⁶)/(1+k₄r²+k₅r⁴+k₆r⁶) + p₁(r²+2y²) + 2p₂xy.
     #[allow(missing_docs, reason = "the symbols of the formula above")]
-    BrownConrady {
-        k1: f64,
-        k2: f64,
-        p1: f64,
-        p2: f64,
-        k3: f64,
-        k4: f64,
-        k5: f64,
-        k6: f64,
-    },
+    BrownConrady { k1: f64, k2: f64, p1: f64, p2: f64, k3: f64, k4: f64, k5: f64, k6: f64 },
     /// OpenCV's fisheye (Kannala–Brandt): with r = √(x²+y²), θ = atan r,
     /// (x_d, y_d) = (x, y)·θ(1+k₁θ²+k₂θ⁴+k₃θ⁶+k₄θ⁸)/r.
     #[allow(missing_docs, reason = "the symbols of the formula above")]
@@ -42,13 +33,7 @@ pub enum Distortion {
     /// Vicon's radial model, which corrects instead of distorting: with w = (x_d, y_d) − c and ρ = |w|,
     /// (x, y) = c + w·(1+k₁ρ²+k₂ρ⁴+k₃ρ⁶); c = (`centre_x`, `centre_y`).
     #[allow(missing_docs, reason = "the symbols of the formula above")]
-    RadialCorrection {
-        centre_x: f64,
-        centre_y: f64,
-        k1: f64,
-        k2: f64,
-        k3: f64,
-    },
+    RadialCorrection { centre_x: f64, centre_y: f64, k1: f64, k2: f64, k3: f64 },
 }
 
 impl Distortion {
@@ -100,7 +85,9 @@ impl Distortion {
             Lens::Ideal => *undistorted,
             Lens::BrownConrady(lens) => lens.distort(undistorted).0,
             Lens::Fisheye(lens) => lens.distort(undistorted),
-            Lens::RadialCorrection(lens) => lens.distort(undistorted).unwrap_or(Vector2::repeat(f64::NAN)),
+            Lens::RadialCorrection(lens) => {
+                lens.distort(undistorted).unwrap_or(Vector2::repeat(f64::NAN))
+            }
         }
     }
 
@@ -108,7 +95,9 @@ impl Distortion {
     pub(crate) fn distort_in_view(&self, undistorted: &Vector2<f64>) -> Option<Vector2<f64>> {
         match self.lens() {
             Lens::Ideal => Some(*undistorted),
-            Lens::BrownConrady(lens) => lens.in_view(undistorted).then(|| lens.distort(undistorted).0),
+            Lens::BrownConrady(lens) => {
+                lens.in_view(undistorted).then(|| lens.distort(undistorted).0)
+            }
             Lens::Fisheye(lens) => lens.in_view(undistorted).then(|| lens.distort(undistorted)),
             Lens::RadialCorrection(lens) => lens.distort(undistorted),
         }
@@ -131,33 +120,22 @@ impl Distortion {
         match *self {
             Self::None => Lens::Ideal,
 
-            Self::BrownConrady {
-                k1,
-                k2,
-                p1,
-                p2,
-                k3,
-                k4,
-                k5,
-                k6,
-            } => Lens::BrownConrady(BrownConrady {
-                numerator: [k1, k2, k3],
-                denominator: [k4, k5, k6],
-                tangential: [p1, p2],
-            }),
+            Self::BrownConrady { k1, k2, p1, p2, k3, k4, k5, k6 } => {
+                Lens::BrownConrady(BrownConrady {
+                    numerator: [k1, k2, k3],
+                    denominator: [k4, k5, k6],
+                    tangential: [p1, p2],
+                })
+            }
 
             Self::Fisheye { k1, k2, k3, k4 } => Lens::Fisheye(Fisheye([k1, k2, k3, k4])),
 
-            Self::RadialCorrection {
-                centre_x,
-                centre_y,
-                k1,
-                k2,
-                k3,
-            } => Lens::RadialCorrection(RadialCorrection {
-                centre: Vector2::new(centre_x, centre_y),
-                k: [k1, k2, k3],
-            }),
+            Self::RadialCorrection { centre_x, centre_y, k1, k2, k3 } => {
+                Lens::RadialCorrection(RadialCorrection {
+                    centre: Vector2::new(centre_x, centre_y),
+                    k: [k1, k2, k3],
+                })
+            }
         }
     }
 }
@@ -172,10 +150,8 @@ enum Lens {
 
 /// Value and slope of 1 + k₁s + k₂s² + … at s.
 fn polynomial(k: &[f64], s: f64) -> (f64, f64) {
-    let (value, slope) = k
-        .iter()
-        .rev()
-        .fold((0.0, 0.0), |(value, slope), &k| (k + s * value, value + s * slope));
+    let (value, slope) =
+        k.iter().rev().fold((0.0, 0.0), |(value, slope), &k| (k + s * value, value + s * slope));
     (1.0 + s * value, value + s * slope)
 }
 

@@ -13,7 +13,11 @@ pub(super) fn increases_up_to(end: f64, slope: impl Fn(f64) -> f64) -> bool {
 /// The smallest x in \[0, `limit`\] with f(x) = `target`, if f increases from f(0) = 0 up to there.
 ///
 /// `f` returns value and slope. Newton's iteration, kept in a shrinking bracket by bisection; exact to rounding.
-pub(super) fn solve_increasing(f: impl Fn(f64) -> (f64, f64), target: f64, limit: f64) -> Option<f64> {
+pub(super) fn solve_increasing(
+    f: impl Fn(f64) -> (f64, f64),
+    target: f64,
+    limit: f64,
+) -> Option<f64> {
     if target <= 0.0 {
         return (target >= 0.0).then_some(0.0);
     }
@@ -30,11 +34,7 @@ pub(super) fn solve_increasing(f: impl Fn(f64) -> (f64, f64), target: f64, limit
 
         // a step that leaves the bracket is replaced by its middle
         let newton = x - (value - target) / slope;
-        let next = if newton > below && newton < above {
-            newton
-        } else {
-            0.5 * (below + above)
-        };
+        let next = if newton > below && newton < above { newton } else { 0.5 * (below + above) };
 
         if (next - x).abs() <= f64::EPSILON * x {
             return Some(next);

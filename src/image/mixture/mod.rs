@@ -69,11 +69,8 @@ struct Modes {
     mean: [Lane; 3],
 }
 
-const EMPTY: Modes = Modes {
-    weight: [0.0; LANES],
-    variance: [0.0; LANES],
-    mean: [[0.0; LANES]; 3],
-};
+const EMPTY: Modes =
+    Modes { weight: [0.0; LANES], variance: [0.0; LANES], mean: [[0.0; LANES]; 3] };
 
 /// A mixture of Gaussians in every pixel of a picture.
 #[derive(Clone, Debug)]
@@ -90,10 +87,8 @@ pub struct Mixture {
 impl Mixture {
     /// A mixture that has seen nothing.
     pub fn new(width: usize, height: usize, options: MixtureOptions) -> Self {
-        let options = MixtureOptions {
-            modes: options.modes.clamp(1, usize::from(u8::MAX)),
-            ..options
-        };
+        let options =
+            MixtureOptions { modes: options.modes.clamp(1, usize::from(u8::MAX)), ..options };
         let tiles = width.div_ceil(LANES) * height;
         Self {
             width,
@@ -193,7 +188,14 @@ impl Tile {
     }
 
     #[inline(always)]
-    fn update(&self, modes: &mut [Modes], used: &mut u8, marks: &mut [u8], rate: f32, options: &MixtureOptions) {
+    fn update(
+        &self,
+        modes: &mut [Modes],
+        used: &mut u8,
+        marks: &mut [u8],
+        rate: f32,
+        options: &MixtureOptions,
+    ) {
         let mut matches = Matches {
             score: [-1.0; LANES],
             mode: [-1; LANES],
@@ -269,7 +271,14 @@ impl Matches {
 
     /// Updates mode k, which the colours match, replace, or leave alone.
     #[inline(always)]
-    fn teach(&self, k: i32, mode: &mut Modes, colour: &[Lane; 3], rate: f32, options: &MixtureOptions) {
+    fn teach(
+        &self,
+        k: i32,
+        mode: &mut Modes,
+        colour: &[Lane; 3],
+        rate: f32,
+        options: &MixtureOptions,
+    ) {
         let first = options.first_sigma * options.first_sigma;
         let floor = options.least_sigma * options.least_sigma;
 

@@ -33,7 +33,10 @@ pub fn read(path: &Path, options: &CalibrationOptions) -> Result<Rig, Calibratio
 ///
 /// # Errors
 /// [`CalibrationError`], naming the file of the camera that is wrong.
-pub fn read_per_camera(files: &[(String, PathBuf)], options: &CalibrationOptions) -> Result<Rig, CalibrationError> {
+pub fn read_per_camera(
+    files: &[(String, PathBuf)],
+    options: &CalibrationOptions,
+) -> Result<Rig, CalibrationError> {
     let mut cameras = Vec::new();
     for (name, path) in files {
         let found = unchecked(path)?;
@@ -43,11 +46,9 @@ pub fn read_per_camera(files: &[(String, PathBuf)], options: &CalibrationOptions
         let named = |camera: &UncheckedCamera| count == 1 || camera.name == *name;
         let mut camera = found.into_iter().find(named).ok_or_else(|| match count {
             0 => CalibrationError::NoCameras { path: path.clone() },
-            found => CalibrationError::SeveralCameras {
-                path: path.clone(),
-                camera: name.clone(),
-                found,
-            },
+            found => {
+                CalibrationError::SeveralCameras { path: path.clone(), camera: name.clone(), found }
+            }
         })?;
 
         camera.name.clone_from(name);
@@ -109,10 +110,7 @@ fn folder(path: &Path) -> Result<Vec<UncheckedCamera>, CalibrationError> {
         names.iter().find(of_kind)
     };
     let pair = names.iter().find(|name| is_half(name));
-    let chosen = last(".toml")
-        .or(pair)
-        .or_else(|| last(".qca.txt"))
-        .or_else(|| last(".xcp"));
+    let chosen = last(".toml").or(pair).or_else(|| last(".qca.txt")).or_else(|| last(".xcp"));
 
     match chosen {
         Some(name) => file(&path.join(name)),
@@ -168,11 +166,7 @@ fn kind(name: &str, start: &str) -> Kind {
 
 /// XML by its root element: OpenCV's storage, Vicon's `Cameras`, Qualisys' `calibration`.
 fn xml(path: &Path, text: &str, stem: &str) -> Result<Vec<UncheckedCamera>, CalibrationError> {
-    let root = super::xml::document(path, text)?
-        .root_element()
-        .tag_name()
-        .name()
-        .to_owned();
+    let root = super::xml::document(path, text)?.root_element().tag_name().name().to_owned();
     match root.as_str() {
         "opencv_storage" => opencv::cameras(&[opencv_storage::parse_xml(path, text)?], stem),
         "Cameras" => vicon::parse(path, text),
@@ -195,10 +189,7 @@ fn pair(path: &Path) -> Result<Vec<UncheckedCamera>, CalibrationError> {
     for half in ["intri.yml", "extri.yml"] {
         let beside = path.with_file_name(half);
         if !beside.exists() {
-            return Err(CalibrationError::MissingHalf {
-                path: path.into(),
-                expected: half,
-            });
+            return Err(CalibrationError::MissingHalf { path: path.into(), expected: half });
         }
         storages.push(opencv_storage::parse_yaml(&beside, &text(&beside)?)?);
     }
@@ -213,8 +204,5 @@ fn text(path: &Path) -> Result<String, CalibrationError> {
 }
 
 fn unreadable(path: &Path, reason: std::io::Error) -> CalibrationError {
-    CalibrationError::Read {
-        path: path.into(),
-        reason,
-    }
+    CalibrationError::Read { path: path.into(), reason }
 }

@@ -17,11 +17,7 @@ pub struct Place {
 
 impl Place {
     pub(super) fn new(path: &Path, line: Option<usize>, camera: Option<&str>) -> Self {
-        Self {
-            path: path.to_owned(),
-            line,
-            camera: camera.map(one_line),
-        }
+        Self { path: path.to_owned(), line, camera: camera.map(one_line) }
     }
 }
 
@@ -66,11 +62,7 @@ pub enum CalibrationError {
     MissingHalf { path: PathBuf, expected: &'static str },
     /// The file does not follow its format.
     #[error("{place}: expected {expected}, found {found}")]
-    Syntax {
-        place: Place,
-        expected: &'static str,
-        found: String,
-    },
+    Syntax { place: Place, expected: &'static str, found: String },
     /// A value that must be there is not.
     #[error("{place}: {key} is missing")]
     MissingKey { place: Place, key: String },
@@ -82,12 +74,7 @@ pub enum CalibrationError {
     NotFinite { place: Place, key: String, found: f64 },
     /// Too many or too few numbers.
     #[error("{place}: {key}: expected {expected} numbers, found {found}")]
-    Count {
-        place: Place,
-        key: String,
-        expected: &'static str,
-        found: usize,
-    },
+    Count { place: Place, key: String, expected: &'static str, found: usize },
     /// A focal length that is zero or negative.
     #[error("{place}: focal length {focal_px} px is not positive")]
     Focal { place: Place, focal_px: f64 },
@@ -108,11 +95,7 @@ pub enum CalibrationError {
     Size { place: Place, width: f64, height: f64 },
     /// A recorded image that does not fit on its sensor.
     #[error("{place}: the image, {} × {}, is larger than the sensor, {} × {}", image[0], image[1], sensor[0], sensor[1])]
-    LargerThanSensor {
-        place: Place,
-        image: [u32; 2],
-        sensor: [u32; 2],
-    },
+    LargerThanSensor { place: Place, image: [u32; 2], sensor: [u32; 2] },
     /// A format without image size, and none given.
     #[error(
         "{place}: the file does not state the image size, and this camera has no masks, images or video to take it from"
@@ -136,15 +119,10 @@ pub enum CalibrationError {
     },
     /// A file for one camera that holds several, none of the name asked for.
     #[error("{}: expected one camera, for {camera:?}, found {found}", path.display())]
-    SeveralCameras {
-        path: PathBuf,
-        camera: String,
-        found: usize,
-    },
+    SeveralCameras { path: PathBuf, camera: String, found: usize },
     /// A camera that moves during the recording.
     #[error("{place}: expected a fixed camera, found {key_frames} key frames")]
     MovingCamera { place: Place, key_frames: usize },
 }
 
-const EXPECTED_FILES: &str =
-    "*.toml, intri.yml with extri.yml, OpenCV *.yml or *.xml, *.qca.txt, *.xcp, or a text file of projection matrices";
+const EXPECTED_FILES: &str = "*.toml, intri.yml with extri.yml, OpenCV *.yml or *.xml, *.qca.txt, *.xcp, or a text file of projection matrices";

@@ -12,44 +12,28 @@ use std::path::Path;
 
 /// Names of one value: short, as with several cameras; then long, as OpenCV's samples write it; then others in use.
 const MATRIX: &[&str] = &["K", "camera_matrix", "cameraMatrix", "intrinsicMatrix"];
-const DISTORTION: &[&str] = &[
-    "dist",
-    "distortion_coefficients",
-    "distCoeffs",
-    "distortionCoefficients",
-    "D",
-];
-const ROTATION: &[&str] = &[
-    "R",
-    "rotation_vectors",
-    "rotation_vector",
-    "rotation_matrix",
-    "rvec",
-    "Rot",
-];
+const DISTORTION: &[&str] =
+    &["dist", "distortion_coefficients", "distCoeffs", "distortionCoefficients", "D"];
+const ROTATION: &[&str] =
+    &["R", "rotation_vectors", "rotation_vector", "rotation_matrix", "rvec", "Rot"];
 const TRANSLATION: &[&str] = &["T", "translation_vectors", "translation_vector", "tvec"];
 const WIDTH: &[&str] = &["W", "image_width", "image_Width", "width"];
 const HEIGHT: &[&str] = &["H", "image_height", "image_Height", "height"];
 const FISHEYE: &[&str] = &["fisheye_model"];
 
 /// The cameras of these files taken together; `alone` names the camera of a file that describes only one.
-pub(super) fn cameras(storages: &[Storage], alone: &str) -> Result<Vec<UncheckedCamera>, CalibrationError> {
+pub(super) fn cameras(
+    storages: &[Storage],
+    alone: &str,
+) -> Result<Vec<UncheckedCamera>, CalibrationError> {
     let names = names(storages);
     if names.is_empty() {
-        let source = Source {
-            storages,
-            name: alone,
-            suffix: String::new(),
-        };
+        let source = Source { storages, name: alone, suffix: String::new() };
         return Ok(vec![source.camera()?]);
     }
 
     let cameras = names.iter().map(|name| {
-        let source = Source {
-            storages,
-            name,
-            suffix: format!("_{name}"),
-        };
+        let source = Source { storages, name, suffix: format!("_{name}") };
         source.camera()
     });
     cameras.collect()
@@ -101,32 +85,19 @@ impl Source<'_> {
         let coefficients = self.required(DISTORTION)?;
         let flag = self.find(FISHEYE)?;
         let is_fisheye = flag.is_some_and(|flag| flag.values.iter().any(|v| v.abs() > 0.0));
-        Ok(if is_fisheye {
-            Lens::Fisheye(coefficients)
-        } else {
-            Lens::BrownConrady(coefficients)
-        })
+        Ok(if is_fisheye { Lens::Fisheye(coefficients) } else { Lens::BrownConrady(coefficients) })
     }
 
     fn find(&self, keys: &[&str]) -> Result<Option<Numbers>, CalibrationError> {
         let keys: Vec<String> = keys.iter().map(|key| format!("{key}{}", self.suffix)).collect();
-        let found = self
-            .storages
-            .iter()
-            .find_map(|storage| Some((storage, storage.find(&keys)?)));
-        found
-            .map(|(storage, entry)| storage.numbers(entry, self.name))
-            .transpose()
+        let found = self.storages.iter().find_map(|storage| Some((storage, storage.find(&keys)?)));
+        found.map(|(storage, entry)| storage.numbers(entry, self.name)).transpose()
     }
 
     /// A value that must be there: intrinsics in the first file, extrinsics in the last.
     fn required(&self, keys: &[&str]) -> Result<Numbers, CalibrationError> {
         let extrinsic = keys == ROTATION || keys == TRANSLATION;
-        let storage = if extrinsic {
-            self.storages.last()
-        } else {
-            self.storages.first()
-        };
+        let storage = if extrinsic { self.storages.last() } else { self.storages.first() };
         let path = storage.map_or(Path::new(""), |storage| &storage.path);
         let usual = keys.get(usize::from(self.suffix.is_empty())).copied();
         self.find(keys)?.ok_or_else(|| CalibrationError::MissingKey {

@@ -103,10 +103,7 @@ pub(super) fn parse_xml(path: &Path, text: &str) -> Result<Storage, CalibrationE
             tokens: tokens(&data),
         }
     });
-    Ok(Storage {
-        path: path.into(),
-        entries: entries.collect(),
-    })
+    Ok(Storage { path: path.into(), entries: entries.collect() })
 }
 
 /// Reads the YAML that OpenCV and EasyMocap write.
@@ -138,10 +135,7 @@ pub(super) fn parse_yaml(path: &Path, text: &str) -> Result<Storage, Calibration
         });
     }
 
-    Ok(Storage {
-        path: path.into(),
-        entries: blocks.iter().map(Block::entry).collect(),
-    })
+    Ok(Storage { path: path.into(), entries: blocks.iter().map(Block::entry).collect() })
 }
 
 fn not_a_key(path: &Path, index: usize, line: &str) -> CalibrationError {
@@ -164,13 +158,7 @@ struct Block {
 
 impl Block {
     fn new(key: &str, line: usize, rest: &str) -> Self {
-        let mut block = Self {
-            key: key.into(),
-            line,
-            lines: Vec::new(),
-            opened: 0,
-            closed: 0,
-        };
+        let mut block = Self { key: key.into(), line, lines: Vec::new(), opened: 0, closed: 0 };
         block.push(rest);
         block
     }
@@ -243,10 +231,7 @@ fn tokens(text: &str) -> Vec<String> {
 
 fn unquoted(token: &str) -> &str {
     let pairs = ['"', '\''];
-    pairs
-        .iter()
-        .find_map(|&q| token.strip_prefix(q)?.strip_suffix(q))
-        .unwrap_or(token)
+    pairs.iter().find_map(|&q| token.strip_prefix(q)?.strip_suffix(q)).unwrap_or(token)
 }
 
 #[cfg(test)]

@@ -57,11 +57,7 @@ fn line_at(text: &str, offset: usize) -> usize {
 fn own_unit(document: &DeTable<'_>) -> Unit {
     let metadata = get(document, "metadata").and_then(|value| value.get_ref().as_table());
     let is_freemocap = |table| FREEMOCAP_KEYS.iter().any(|key| get(table, key).is_some());
-    if metadata.is_some_and(is_freemocap) {
-        Unit::Millimetre
-    } else {
-        Unit::Metre
-    }
+    if metadata.is_some_and(is_freemocap) { Unit::Millimetre } else { Unit::Metre }
 }
 
 fn get<'a, 'i>(table: &'a DeTable<'i>, key: &str) -> Option<&'a Spanned<DeValue<'i>>> {
@@ -119,9 +115,7 @@ impl Section<'_> {
     /// What caliscope ignores, or has not posed.
     fn is_left_out(&self) -> bool {
         let ignored = get(self.table, "ignore").and_then(|value| value.get_ref().as_bool());
-        let unposed = ["rotation", "translation"]
-            .iter()
-            .all(|key| get(self.table, key).is_none());
+        let unposed = ["rotation", "translation"].iter().all(|key| get(self.table, key).is_none());
         ignored == Some(true) || self.nested && unposed
     }
 
@@ -176,7 +170,12 @@ impl Section<'_> {
         Ok(Numbers::new(self.path, line, key, values))
     }
 
-    fn flatten(&self, key: &str, value: &Spanned<DeValue<'_>>, values: &mut Vec<f64>) -> Result<(), CalibrationError> {
+    fn flatten(
+        &self,
+        key: &str,
+        value: &Spanned<DeValue<'_>>,
+        values: &mut Vec<f64>,
+    ) -> Result<(), CalibrationError> {
         let (number, found) = match value.get_ref() {
             DeValue::Array(array) => {
                 return array.iter().try_for_each(|item| self.flatten(key, item, values));
@@ -243,16 +242,7 @@ fn section(camera: &Camera) -> String {
 fn lens(distortion: &Distortion) -> String {
     let coefficients = match *distortion {
         Distortion::None => vec![0.0; 4],
-        Distortion::BrownConrady {
-            k1,
-            k2,
-            p1,
-            p2,
-            k3,
-            k4,
-            k5,
-            k6,
-        } => {
+        Distortion::BrownConrady { k1, k2, p1, p2, k3, k4, k5, k6 } => {
             let all = [k1, k2, p1, p2, k3, k4, k5, k6];
 
             // OpenCV reads 4, 5 or 8 coefficients
@@ -261,13 +251,7 @@ fn lens(distortion: &Distortion) -> String {
             all[..length].to_vec()
         }
         Distortion::Fisheye { k1, k2, k3, k4 } => vec![k1, k2, k3, k4],
-        Distortion::RadialCorrection {
-            centre_x,
-            centre_y,
-            k1,
-            k2,
-            k3,
-        } => {
+        Distortion::RadialCorrection { centre_x, centre_y, k1, k2, k3 } => {
             let values = list(&[centre_x, centre_y, k1, k2, k3]);
             return format!("{RADIAL_CORRECTION} = {values}");
         }

@@ -21,12 +21,12 @@ use std::path::Path;
 const INDEPENDENT: f64 = 1e-12;
 
 /// The cameras of a file; `alone` names the camera of a file with one nameless matrix.
-pub(super) fn parse(path: &Path, text: &str, alone: &str) -> Result<Vec<UncheckedCamera>, CalibrationError> {
-    let mut reader = Reader {
-        path,
-        common_size: Size::Unstated,
-        blocks: Vec::new(),
-    };
+pub(super) fn parse(
+    path: &Path,
+    text: &str,
+    alone: &str,
+) -> Result<Vec<UncheckedCamera>, CalibrationError> {
+    let mut reader = Reader { path, common_size: Size::Unstated, blocks: Vec::new() };
 
     for (index, line) in text.lines().enumerate() {
         reader.line(index + 1, line)?;

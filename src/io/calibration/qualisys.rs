@@ -49,7 +49,8 @@ fn is_used(camera: &Element<'_, '_>) -> bool {
 }
 
 fn camera(camera: &Element<'_, '_>) -> Result<UncheckedCamera, CalibrationError> {
-    let [fov, intrinsic, transform] = ["fov_video", "intrinsic", "transform"].map(|name| camera.child(name));
+    let [fov, intrinsic, transform] =
+        ["fov_video", "intrinsic", "transform"].map(|name| camera.child(name));
     let (fov, intrinsic, transform) = (fov?, intrinsic?, transform?);
 
     let (left, top) = (fov.number("left")?, fov.number("top")?);
@@ -58,11 +59,7 @@ fn camera(camera: &Element<'_, '_>) -> Result<UncheckedCamera, CalibrationError>
     let pixels = |key: &str| intrinsic.number(key).map(|value| value / SUBPIXELS);
     let matrix = vec![
         pixels("focalLengthU")?,
-        if intrinsic.node.has_attribute("skew") {
-            pixels("skew")?
-        } else {
-            0.0
-        },
+        if intrinsic.node.has_attribute("skew") { pixels("skew")? } else { 0.0 },
         pixels("centerPointU")? - left,
         0.0,
         pixels("focalLengthV")?,
@@ -97,9 +94,8 @@ const DISTORTION: [&str; 5] = [
 
 /// R = diag(1, −1, −1)·(r11 … r33) row by row, t = −R·(x y z).
 fn pose(transform: &Element<'_, '_>) -> Result<(Vec<f64>, Vec<f64>), CalibrationError> {
-    let centre = transform
-        .collect("x y z", &["x", "y", "z"])?
-        .exactly::<3>("3", transform.camera)?;
+    let centre =
+        transform.collect("x y z", &["x", "y", "z"])?.exactly::<3>("3", transform.camera)?;
     let keys = ["r11", "r12", "r13", "r21", "r22", "r23", "r31", "r32", "r33"];
     let mut rotation = transform.collect("r11 … r33", &keys)?.values;
     for value in rotation.iter_mut().skip(3) {

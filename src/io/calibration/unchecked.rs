@@ -23,12 +23,7 @@ pub(super) struct Numbers {
 
 impl Numbers {
     pub(super) fn new(path: &Path, line: usize, key: &str, values: Vec<f64>) -> Self {
-        Self {
-            path: path.into(),
-            line,
-            key: key.into(),
-            values,
-        }
+        Self { path: path.into(), line, key: key.into(), values }
     }
 
     pub(super) fn place(&self, camera: &str) -> Place {
@@ -146,10 +141,15 @@ impl UncheckedCamera {
     }
 
     /// The image's size, and what was cut off the sensor on the left and at the top.
-    fn image_size(&self, options: &CalibrationOptions) -> Result<([u32; 2], [f64; 2]), CalibrationError> {
+    fn image_size(
+        &self,
+        options: &CalibrationOptions,
+    ) -> Result<([u32; 2], [f64; 2]), CalibrationError> {
         let given = options.image_sizes_px.get(&self.name).copied();
         match (&self.size, given) {
-            (Size::Stated(size), _) | (Size::Sensor(size), None) => Ok((self.whole_size(size)?, [0.0; 2])),
+            (Size::Stated(size), _) | (Size::Sensor(size), None) => {
+                Ok((self.whole_size(size)?, [0.0; 2]))
+            }
             (Size::Sensor(sensor), Some(image)) => {
                 let sensor = self.whole_size(sensor)?;
                 Ok((image, self.crop(image, sensor)?))
@@ -162,11 +162,7 @@ impl UncheckedCamera {
     /// What is cut off on the left and at the top when the middle of the sensor is recorded.
     fn crop(&self, image: [u32; 2], sensor: [u32; 2]) -> Result<[f64; 2], CalibrationError> {
         if image[0] > sensor[0] || image[1] > sensor[1] {
-            return Err(CalibrationError::LargerThanSensor {
-                place: self.place(),
-                image,
-                sensor,
-            });
+            return Err(CalibrationError::LargerThanSensor { place: self.place(), image, sensor });
         }
         Ok([0, 1].map(|i| 0.5 * f64::from(sensor[i] - image[i])))
     }
@@ -177,21 +173,15 @@ impl UncheckedCamera {
         let whole = |x: f64| (1.0..=LARGEST_SIZE).contains(&x).then(|| to_pixels(x));
         match (whole(width), whole(height)) {
             (Some(width), Some(height)) => Ok([width, height]),
-            _ => Err(CalibrationError::Size {
-                place: size.place(&self.name),
-                width,
-                height,
-            }),
+            _ => Err(CalibrationError::Size { place: size.place(&self.name), width, height }),
         }
     }
 
     fn intrinsics(&self) -> Result<Intrinsics, CalibrationError> {
-        let [fx_px, skew_px, cx_px, k21, fy_px, cy_px, k31, k32, k33] = self.matrix.exactly::<9>("9", &self.name)?;
+        let [fx_px, skew_px, cx_px, k21, fy_px, cy_px, k31, k32, k33] =
+            self.matrix.exactly::<9>("9", &self.name)?;
         if let Some(focal_px) = [fx_px, fy_px].into_iter().find(|&f| f <= 0.0) {
-            return Err(CalibrationError::Focal {
-                place: self.matrix.place(&self.name),
-                focal_px,
-            });
+            return Err(CalibrationError::Focal { place: self.matrix.place(&self.name), focal_px });
         }
 
         // these entries are 0 in a camera matrix, and the last is 1
@@ -204,31 +194,18 @@ impl UncheckedCamera {
             });
         }
 
-        Ok(Intrinsics {
-            fx_px,
-            fy_px,
-            cx_px,
-            cy_px,
-            skew_px,
-        })
+        Ok(Intrinsics { fx_px, fy_px, cx_px, cy_px, skew_px })
     }
 
     fn distortion(&self) -> Result<Distortion, CalibrationError> {
         match &self.lens {
             Lens::BrownConrady(numbers) => Distortion::brown_conrady(numbers.finite(&self.name)?)
                 .ok_or_else(|| numbers.count("0, 4, 5 or 8", &self.name)),
-            Lens::Fisheye(numbers) => {
-                Distortion::fisheye(numbers.finite(&self.name)?).ok_or_else(|| numbers.count("4", &self.name))
-            }
+            Lens::Fisheye(numbers) => Distortion::fisheye(numbers.finite(&self.name)?)
+                .ok_or_else(|| numbers.count("4", &self.name)),
             Lens::RadialCorrection(numbers) => {
                 let [centre_x, centre_y, k1, k2, k3] = numbers.exactly::<5>("5", &self.name)?;
-                Ok(Distortion::RadialCorrection {
-                    centre_x,
-                    centre_y,
-                    k1,
-                    k2,
-                    k3,
-                })
+                Ok(Distortion::RadialCorrection { centre_x, centre_y, k1, k2, k3 })
             }
         }
     }
@@ -237,7 +214,8 @@ impl UncheckedCamera {
         let rotation = self.rotation(&self.rotation)?;
         let translation = Vector3::from(self.translation.exactly::<3>("3", &self.name)?);
         let metres = options.unit.unwrap_or(self.unit).in_metres();
-        let camera_from_file = Rigid3::from_parts(Translation3::from(translation * metres), rotation);
+        let camera_from_file =
+            Rigid3::from_parts(Translation3::from(translation * metres), rotation);
         Ok(camera_from_file * options.up.file_from_world())
     }
 
@@ -257,7 +235,10 @@ impl UncheckedCamera {
         }
     }
 
-    fn nearest_rotation(&self, matrix: &Matrix3<f64>) -> Result<UnitQuaternion<f64>, CalibrationError> {
+    fn nearest_rotation(
+        &self,
+        matrix: &Matrix3<f64>,
+    ) -> Result<UnitQuaternion<f64>, CalibrationError> {
         if matrix.determinant() < 0.0 {
             return Err(CalibrationError::Reflection {
                 place: self.rotation.place(&self.name),
@@ -274,19 +255,11 @@ impl UncheckedCamera {
 
 /// A rotation that is none.
 pub(super) fn defect_of(numbers: &Numbers, camera: &str, defect: f64) -> CalibrationError {
-    CalibrationError::Rotation {
-        place: numbers.place(camera),
-        key: numbers.key.clone(),
-        defect,
-    }
+    CalibrationError::Rotation { place: numbers.place(camera), key: numbers.key.clone(), defect }
 }
 
 /// A whole number of pixels, known to lie between 1 and [`LARGEST_SIZE`].
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "the range was checked"
-)]
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the range was checked")]
 fn to_pixels(x: f64) -> u32 {
     x as u32
 }

@@ -99,14 +99,7 @@ fn camera(camera: &Element<'_, '_>) -> Result<UncheckedCamera, CalibrationError>
         path: camera.path.into(),
         line: camera.line(),
         size,
-        lens: lens(
-            frame,
-            &Sensor {
-                focal,
-                aspect,
-                principal: [cu, cv],
-            },
-        )?,
+        lens: lens(frame, &Sensor { focal, aspect, principal: [cu, cv] })?,
         matrix: frame.computed("FOCAL_LENGTH", matrix),
         rotation: frame.computed("ORIENTATION", rotation),
         translation: frame.computed("POSITION", translation),

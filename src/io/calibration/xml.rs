@@ -25,10 +25,7 @@ impl<'a, 'i> Element<'a, 'i> {
     /// The child element of this name.
     pub(super) fn child(&self, name: &str) -> Result<Self, CalibrationError> {
         let child = self.node.children().find(|node| node.has_tag_name(name));
-        Ok(Self {
-            node: child.ok_or_else(|| self.missing(&format!("<{name}>")))?,
-            ..*self
-        })
+        Ok(Self { node: child.ok_or_else(|| self.missing(&format!("<{name}>")))?, ..*self })
     }
 
     pub(super) fn line(&self) -> usize {
@@ -85,10 +82,7 @@ impl<'a, 'i> Element<'a, 'i> {
     }
 
     pub(super) fn missing(&self, key: &str) -> CalibrationError {
-        CalibrationError::MissingKey {
-            place: self.place(),
-            key: key.into(),
-        }
+        CalibrationError::MissingKey { place: self.place(), key: key.into() }
     }
 }
 

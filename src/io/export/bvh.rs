@@ -49,7 +49,12 @@ struct Bone {
 ///
 /// # Errors
 /// [`BvhError`].
-pub fn bvh(model: &BodyModel, shape: &Shape, motions: &[Option<Motion>], rate_hz: f64) -> Result<String, BvhError> {
+pub fn bvh(
+    model: &BodyModel,
+    shape: &Shape,
+    motions: &[Option<Motion>],
+    rate_hz: f64,
+) -> Result<String, BvhError> {
     let bones = bones(model, shape)?;
     let first = motions.iter().flatten().next().ok_or(BvhError::Empty)?;
     let mut text = "HIERARCHY\n".to_owned();
@@ -66,9 +71,8 @@ pub fn bvh(model: &BodyModel, shape: &Shape, motions: &[Option<Motion>], rate_hz
 
 /// All bones, depth first, each after its parent.
 fn bones(model: &BodyModel, shape: &Shape) -> Result<Vec<Bone>, BvhError> {
-    let roots: Vec<usize> = (0..model.parts.len())
-        .filter(|p| model.parts[*p].joint.is_none())
-        .collect();
+    let roots: Vec<usize> =
+        (0..model.parts.len()).filter(|p| model.parts[*p].joint.is_none()).collect();
     let &[root] = roots.as_slice() else {
         let (body, roots) = (model.name.clone(), roots.len());
         return Err(BvhError::Roots { body, roots });
@@ -130,7 +134,14 @@ fn parent_part(model: &BodyModel, part: usize) -> Option<usize> {
 }
 
 /// One bone and all below it.
-fn joint(text: &mut String, model: &BodyModel, shape: &Shape, bones: &[Bone], at: usize, depth: usize) {
+fn joint(
+    text: &mut String,
+    model: &BodyModel,
+    shape: &Shape,
+    bones: &[Bone],
+    at: usize,
+    depth: usize,
+) {
     let bone = &bones[at];
     let pad = "  ".repeat(depth);
     let (word, channels) = match bone.parent {
@@ -166,15 +177,10 @@ fn joint(text: &mut String, model: &BodyModel, shape: &Shape, bones: &[Bone], at
 fn tip(model: &BodyModel, shape: &Shape, part: PartId) -> Vector3<f64> {
     let motion = Motion::rest(model);
     let body = Posed::new(model, shape, &motion);
-    let on_part = model
-        .points
-        .iter()
-        .filter(|p| p.places.len() == 1 && p.places[0].0 == part);
+    let on_part = model.points.iter().filter(|p| p.places.len() == 1 && p.places[0].0 == part);
     let places = on_part.map(|p| body.in_part(part, &body.point(part, &p.places[0].1)));
     let farthest = places.max_by(|a, b| a.norm().total_cmp(&b.norm()));
-    farthest
-        .filter(|p| p.norm() > 0.01)
-        .unwrap_or(Vector3::new(0.0, 0.0, -LAST_BONE))
+    farthest.filter(|p| p.norm() > 0.01).unwrap_or(Vector3::new(0.0, 0.0, -LAST_BONE))
 }
 
 fn row(text: &mut String, body: &Posed<'_>, bones: &[Bone]) {
@@ -272,20 +278,17 @@ mod tests {
         }
         let text = bvh(&model, &shape, &[Some(motion.clone())], 50.0).unwrap();
         let bones = places(&text);
-        let numbers: Vec<f64> = text
-            .lines()
-            .last()
-            .unwrap()
-            .split(' ')
-            .map(|n| n.parse().unwrap())
-            .collect();
+        let numbers: Vec<f64> =
+            text.lines().last().unwrap().split(' ').map(|n| n.parse().unwrap()).collect();
         assert_eq!(numbers.len(), 3 + 3 * bones.len());
         // forward kinematics of the file: position, then Z X Y
         let mut global: Vec<(Matrix3<f64>, Vector3<f64>)> = Vec::new();
         for (i, (_, offset, parent)) in bones.iter().enumerate() {
             let [z, x, y] = [0, 1, 2].map(|k| numbers[3 + 3 * i + k].to_radians());
             let about = |axis, angle| *Rotation3::from_axis_angle(&axis, angle).matrix();
-            let local = about(Vector3::z_axis(), z) * about(Vector3::x_axis(), x) * about(Vector3::y_axis(), y);
+            let local = about(Vector3::z_axis(), z)
+                * about(Vector3::x_axis(), x)
+                * about(Vector3::y_axis(), y);
             global.push(match parent {
                 None => (local, Vector3::new(numbers[0], numbers[1], numbers[2])),
                 Some(p) => (global[*p].0 * local, global[*p].1 + global[*p].0 * offset),

@@ -36,7 +36,9 @@ pub struct C3dInput<'a> {
 #[non_exhaustive]
 pub enum C3dError {
     /// The format counts frames in 16 bits.
-    #[error("C3D holds at most 65535 frames and 255 points and angles: this has {frames} and {points}")]
+    #[error(
+        "C3D holds at most 65535 frames and 255 points and angles: this has {frames} and {points}"
+    )]
     TooLarge {
         /// Number of the last frame.
         frames: usize,
@@ -54,37 +56,18 @@ const SCALE: f32 = -0.1;
 const TRIPLES: [(&str, [Option<Angle>; 3]); 8] = [
     (
         "PelvisAngles",
-        [
-            Some(Angle::PelvisTilt),
-            Some(Angle::PelvisObliquity),
-            Some(Angle::PelvisRotation),
-        ],
+        [Some(Angle::PelvisTilt), Some(Angle::PelvisObliquity), Some(Angle::PelvisRotation)],
     ),
-    (
-        "HipAngles",
-        [
-            Some(Angle::HipFlexion),
-            Some(Angle::HipAdduction),
-            Some(Angle::HipRotation),
-        ],
-    ),
+    ("HipAngles", [Some(Angle::HipFlexion), Some(Angle::HipAdduction), Some(Angle::HipRotation)]),
     (
         "KneeAngles",
-        [
-            Some(Angle::KneeFlexion),
-            Some(Angle::KneeAdduction),
-            Some(Angle::KneeRotation),
-        ],
+        [Some(Angle::KneeFlexion), Some(Angle::KneeAdduction), Some(Angle::KneeRotation)],
     ),
     ("AnkleAngles", [Some(Angle::AnkleDorsiflexion), None, None]),
     ("FootProgressAngles", [None, None, Some(Angle::FootProgression)]),
     (
         "ThoraxAngles",
-        [
-            Some(Angle::TrunkTilt),
-            Some(Angle::TrunkObliquity),
-            Some(Angle::TrunkRotation),
-        ],
+        [Some(Angle::TrunkTilt), Some(Angle::TrunkObliquity), Some(Angle::TrunkRotation)],
     ),
     (
         "ShoulderAngles",
@@ -159,7 +142,12 @@ fn header(input: &C3dInput<'_>, count: u16, last: u16, data_block: u16) -> Vec<u
     bytes
 }
 
-fn data(input: &C3dInput<'_>, angles: &[(String, Vec<[f64; 3]>)], frame: usize, bytes: &mut Vec<u8>) {
+fn data(
+    input: &C3dInput<'_>,
+    angles: &[(String, Vec<[f64; 3]>)],
+    frame: usize,
+    bytes: &mut Vec<u8>,
+) {
     let mut push = |place: Vector3<f64>, mask: f32| {
         let is_there = place.iter().all(|v| v.is_finite());
         let place = if is_there { place } else { Vector3::zeros() };
@@ -175,10 +163,7 @@ fn data(input: &C3dInput<'_>, angles: &[(String, Vec<[f64; 3]>)], frame: usize, 
         let sd = point.sd_m[frame].norm() / 3_f64.sqrt();
         let sd = if sd.is_finite() { sd } else { 0.0 };
         let steps = (1e3 * sd / f64::from(SCALE.abs())).round().clamp(0.0, 255.0);
-        push(
-            1e3 * UpAxis::Y.to_export(&point.track[frame]),
-            256.0 * cameras + steps as f32,
-        );
+        push(1e3 * UpAxis::Y.to_export(&point.track[frame]), 256.0 * cameras + steps as f32);
     }
 
     for (_, track) in angles {
@@ -187,7 +172,12 @@ fn data(input: &C3dInput<'_>, angles: &[(String, Vec<[f64; 3]>)], frame: usize, 
 }
 
 /// The parameter blocks.
-fn parameters(input: &C3dInput<'_>, angles: &[(String, Vec<[f64; 3]>)], frames: usize, data_block: u16) -> Vec<u8> {
+fn parameters(
+    input: &C3dInput<'_>,
+    angles: &[(String, Vec<[f64; 3]>)],
+    frames: usize,
+    data_block: u16,
+) -> Vec<u8> {
     let rate = input.rate_hz as f32;
     let labels: Vec<&str> = input.points.iter().map(|p| p.name.as_str()).collect();
     let angle_labels: Vec<&str> = angles.iter().map(|(name, _)| name.as_str()).collect();
@@ -310,9 +300,8 @@ impl Section {
 
     fn texts(&mut self, name: &str, texts: &[&str]) {
         let width = texts.iter().map(|t| t.len()).max().unwrap_or(0).clamp(1, 127);
-        let padded = texts
-            .iter()
-            .flat_map(|t| t.bytes().chain(std::iter::repeat(b' ')).take(width));
+        let padded =
+            texts.iter().flat_map(|t| t.bytes().chain(std::iter::repeat(b' ')).take(width));
         self.parameter(name, -1, &[width as u8, texts.len() as u8], padded);
     }
 

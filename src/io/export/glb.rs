@@ -42,7 +42,12 @@ pub enum GlbError {
 ///
 /// # Errors
 /// [`GlbError`].
-pub fn glb(model: &BodyModel, shape: &Shape, motions: &[Option<Motion>], rate_hz: f64) -> Result<Vec<u8>, GlbError> {
+pub fn glb(
+    model: &BodyModel,
+    shape: &Shape,
+    motions: &[Option<Motion>],
+    rate_hz: f64,
+) -> Result<Vec<u8>, GlbError> {
     let parts = model.parts.len();
     if parts > 255 {
         let body = model.name.clone();
@@ -62,20 +67,14 @@ pub fn glb(model: &BodyModel, shape: &Shape, motions: &[Option<Motion>], rate_hz
     let mut data = Data::default();
     let mesh = mesh(&mut data, &skin);
     let bind = rest.iter().map(|pose| pose.inverse().to_homogeneous());
-    let bind: Vec<f32> = bind
-        .flat_map(|m| m.iter().map(|v| *v as f32).collect::<Vec<_>>())
-        .collect();
+    let bind: Vec<f32> =
+        bind.flat_map(|m| m.iter().map(|v| *v as f32).collect::<Vec<_>>()).collect();
     let bind = data.floats("MAT4", &bind);
 
-    let keys: Vec<(usize, &Motion)> = motions
-        .iter()
-        .enumerate()
-        .filter_map(|(i, m)| Some((i, m.as_ref()?)))
-        .collect();
-    let local_poses: Vec<_> = keys
-        .iter()
-        .map(|(_, m)| local(&poses(&Posed::new(model, shape, m)), &parents))
-        .collect();
+    let keys: Vec<(usize, &Motion)> =
+        motions.iter().enumerate().filter_map(|(i, m)| Some((i, m.as_ref()?))).collect();
+    let local_poses: Vec<_> =
+        keys.iter().map(|(_, m)| local(&poses(&Posed::new(model, shape, m)), &parents)).collect();
     let seconds: Vec<f32> = keys.iter().map(|(i, _)| (*i as f64 / rate_hz) as f32).collect();
     let animation = animation(&mut data, &seconds, &local_poses);
 
@@ -99,7 +98,8 @@ pub fn glb(model: &BodyModel, shape: &Shape, motions: &[Option<Motion>], rate_hz
 
 /// A node for each part, then `body` above them, then the mesh.
 fn nodes(model: &BodyModel, local: &[Isometry3<f64>], parents: &[Option<usize>]) -> Vec<Value> {
-    let children = |of: Option<usize>| (0..parents.len()).filter(|i| parents[*i] == of).collect::<Vec<_>>();
+    let children =
+        |of: Option<usize>| (0..parents.len()).filter(|i| parents[*i] == of).collect::<Vec<_>>();
 
     let part = |i: usize| {
         let mut node = json!({
@@ -126,9 +126,7 @@ fn nodes(model: &BodyModel, local: &[Isometry3<f64>], parents: &[Option<usize>])
 
 fn mesh(data: &mut Data, skin: &SkinnedMesh) -> Value {
     let numbers = |of: &[Vector3<f64>]| {
-        of.iter()
-            .flat_map(|v| [v.x as f32, v.y as f32, v.z as f32])
-            .collect::<Vec<_>>()
+        of.iter().flat_map(|v| [v.x as f32, v.y as f32, v.z as f32]).collect::<Vec<_>>()
     };
     let position = data.floats("VEC3", &numbers(&skin.mesh.vertices));
     let normal = data.floats("VEC3", &numbers(&skin.mesh.normals));
@@ -136,9 +134,7 @@ fn mesh(data: &mut Data, skin: &SkinnedMesh) -> Value {
     // what has no weight names no bone
     let joint = |(parts, weights): (&[u8; BONES], &[f32; BONES])| -> Vec<u8> {
         let pairs = parts.iter().zip(weights);
-        pairs
-            .map(|(part, weight)| if *weight > 0.0 { *part } else { 0 })
-            .collect()
+        pairs.map(|(part, weight)| if *weight > 0.0 { *part } else { 0 }).collect()
     };
     let joints: Vec<u8> = skin.parts.iter().zip(&skin.weights).flat_map(joint).collect();
     let joints = data.push("VEC4", UNSIGNED_BYTE, joints.len() / 4, &joints, json!({}));
@@ -160,10 +156,8 @@ fn animation(data: &mut Data, seconds: &[f32], keys: &[Vec<Isometry3<f64>>]) -> 
     let (mut samplers, mut channels) = (Vec::new(), Vec::new());
     let parts = keys.first().map_or(0, Vec::len);
     for part in 0..parts {
-        let places: Vec<f32> = keys
-            .iter()
-            .flat_map(|k| translation(&k[part]).map(|v| v as f32))
-            .collect();
+        let places: Vec<f32> =
+            keys.iter().flat_map(|k| translation(&k[part]).map(|v| v as f32)).collect();
         let mut last = UnitQuaternion::identity();
         let mut turns: Vec<f32> = Vec::new();
         for key in keys {
@@ -181,7 +175,9 @@ fn animation(data: &mut Data, seconds: &[f32], keys: &[Vec<Isometry3<f64>>]) -> 
             ("rotation", data.floats("VEC4", &turns)),
         ];
         for (path, output) in outputs {
-            channels.push(json!({ "sampler": samplers.len(), "target": { "node": part, "path": path } }));
+            channels.push(
+                json!({ "sampler": samplers.len(), "target": { "node": part, "path": path } }),
+            );
             samplers.push(json!({ "input": input, "output": output, "interpolation": "LINEAR" }));
         }
     }
@@ -209,15 +205,17 @@ fn poses(body: &Posed<'_>) -> Vec<Isometry3<f64>> {
     let pose = |i: usize| {
         let turn = Rotation3::from_matrix_unchecked(body.world_from_part(PartId(i)));
         let place = body.origin_of_part(PartId(i)).coords;
-        Isometry3::from_parts(Translation3::from(place), UnitQuaternion::from_rotation_matrix(&turn))
+        Isometry3::from_parts(
+            Translation3::from(place),
+            UnitQuaternion::from_rotation_matrix(&turn),
+        )
     };
     (0..body.model.parts.len()).map(pose).collect()
 }
 
 fn local(poses: &[Isometry3<f64>], parents: &[Option<usize>]) -> Vec<Isometry3<f64>> {
     let own = poses.iter().zip(parents);
-    own.map(|(pose, parent)| parent.map_or(*pose, |p| poses[p].inverse() * pose))
-        .collect()
+    own.map(|(pose, parent)| parent.map_or(*pose, |p| poses[p].inverse() * pose)).collect()
 }
 
 fn translation(pose: &Isometry3<f64>) -> [f64; 3] {
@@ -258,9 +256,17 @@ impl Data {
         self.push(kind, FLOAT, values.len() / width, &bytes, bounds)
     }
 
-    fn push(&mut self, kind: &str, component: u32, count: usize, bytes: &[u8], mut accessor: Value) -> usize {
-        self.views
-            .push(json!({ "buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len() }));
+    fn push(
+        &mut self,
+        kind: &str,
+        component: u32,
+        count: usize,
+        bytes: &[u8],
+        mut accessor: Value,
+    ) -> usize {
+        self.views.push(
+            json!({ "buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len() }),
+        );
 
         accessor["bufferView"] = json!(self.views.len() - 1);
         accessor["componentType"] = json!(component);
@@ -324,7 +330,8 @@ mod tests {
         let json: Value = serde_json::from_slice(&file[20..20 + length]).unwrap();
         let position = &json["meshes"][0]["primitives"][0]["attributes"]["POSITION"];
         let corners = json["accessors"][position.as_u64().unwrap() as usize]["count"].as_u64();
-        let of_each = skinned_ellipsoids(&model, &shape).mesh.vertices.len() / model.ellipsoids.len();
+        let of_each =
+            skinned_ellipsoids(&model, &shape).mesh.vertices.len() / model.ellipsoids.len();
         assert_eq!(corners.unwrap() as usize, of_each * model.ellipsoids.len());
     }
 }

@@ -10,7 +10,9 @@ use std::fmt::Write;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::camera::UpAxis;
-use crate::gait::{Angle, GaitAnalysis, Landmark, Limb, Movement, Segment, Segments, Side, cardan_zxy};
+use crate::gait::{
+    Angle, GaitAnalysis, Landmark, Limb, Movement, Segment, Segments, Side, cardan_zxy,
+};
 
 /// The origin of Rajagopal's pelvis (between the ASIS) from the middle of its hips, in its own axes, metres, unscaled.
 const PELVIS_FROM_HIPS: [f64; 3] = [0.0563, 0.0785, 0.0];
@@ -69,19 +71,14 @@ pub fn coordinates(movement: &Movement, gait: &GaitAnalysis) -> Option<MotionTab
     }
 
     let time = |i: usize| (movement.first_frame + i) as f64 / movement.rate_hz;
-    Some(MotionTable {
-        times_s: (0..movement.frames).map(time).collect(),
-        columns,
-    })
+    Some(MotionTable { times_s: (0..movement.frames).map(time).collect(), columns })
 }
 
 fn pelvis_columns(pelvis: &[Matrix3<f64>], hips: &[Vector3<f64>]) -> Vec<Column> {
     let turn = |axes: &Matrix3<f64>| cardan_zxy(&(UpAxis::Y.export_from_world() * axes));
     let turns: Vec<[f64; 3]> = pelvis.iter().map(turn).collect();
     let origin = |(hips, axes): (&Vector3<f64>, &Matrix3<f64>)| -> [f64; 3] {
-        UpAxis::Y
-            .to_export(&(hips + axes * Vector3::from(PELVIS_FROM_HIPS)))
-            .into()
+        UpAxis::Y.to_export(&(hips + axes * Vector3::from(PELVIS_FROM_HIPS))).into()
     };
     let origins: Vec<[f64; 3]> = hips.iter().zip(pelvis).map(origin).collect();
     let mut columns = three(["pelvis_tilt", "pelvis_list", "pelvis_rotation"], &turns);
@@ -92,9 +89,15 @@ fn pelvis_columns(pelvis: &[Matrix3<f64>], hips: &[Vector3<f64>]) -> Vec<Column>
     columns
 }
 
-fn side_columns(segments: &Segments, gait: &GaitAnalysis, side: Side, frames: usize) -> Vec<Column> {
+fn side_columns(
+    segments: &Segments,
+    gait: &GaitAnalysis,
+    side: Side,
+    frames: usize,
+) -> Vec<Column> {
     let known = |angle| gait.angles.get(&(side, angle)).cloned();
-    let column = |(angle, name): (Angle, &'static str)| (name, known(angle).unwrap_or(vec![0.0; frames]));
+    let column =
+        |(angle, name): (Angle, &'static str)| (name, known(angle).unwrap_or(vec![0.0; frames]));
     let mut columns: Vec<(&str, Vec<f64>)> = OF_LEG.into_iter().map(column).collect();
     columns.push(("subtalar_angle", vec![0.0; frames]));
     columns.push(("mtp_angle", vec![0.0; frames]));

@@ -30,10 +30,11 @@ impl FrameTable {
         let doubles = doubles.map(|(name, _)| field(name, Physical::DOUBLE, Repetition::OPTIONAL));
         let fields = std::iter::once(frame).chain(doubles).collect::<Result<_, _>>()?;
         let schema = Type::group_type_builder("motion").with_fields(fields).build()?;
-        let properties =
-            WriterProperties::builder().set_created_by(concat!("maquette ", env!("CARGO_PKG_VERSION")).into());
+        let properties = WriterProperties::builder()
+            .set_created_by(concat!("maquette ", env!("CARGO_PKG_VERSION")).into());
         let mut bytes = Vec::new();
-        let mut file = SerializedFileWriter::new(&mut bytes, Arc::new(schema), Arc::new(properties.build()))?;
+        let mut file =
+            SerializedFileWriter::new(&mut bytes, Arc::new(schema), Arc::new(properties.build()))?;
         let mut rows = file.next_row_group()?;
         if let Some(mut column) = rows.next_column()? {
             column.typed::<Int64Type>().write_batch(&self.frames, None, None)?;

@@ -42,10 +42,7 @@ pub fn frame_table(movement: &Movement, points: &[FittedPoint], gait: &GaitAnaly
         columns.extend(sd.map(|sd| (format!("{name}_sd_deg"), degrees(sd))));
     }
 
-    FrameTable {
-        frames: numbers.map(|frame| frame as i64).collect(),
-        columns,
-    }
+    FrameTable { frames: numbers.map(|frame| frame as i64).collect(), columns }
 }
 
 impl FrameTable {

@@ -65,10 +65,7 @@ impl DiskJournal {
         clear(folder).map_err(|source| OutError::write(folder, source))?;
         fs::create_dir_all(folder).map_err(|source| OutError::write(folder, source))?;
         write_atomically(&folder.join(RUN), run.to_string().as_bytes())?;
-        Ok(Self {
-            folder: folder.into(),
-            fault: Mutex::default(),
-        })
+        Ok(Self { folder: folder.into(), fault: Mutex::default() })
     }
 
     /// The journal of an earlier run of the same inputs and options; a new one where there is none.
@@ -87,10 +84,7 @@ impl DiskJournal {
                 is,
             });
         }
-        Ok(Self {
-            folder: folder.into(),
-            fault: Mutex::default(),
-        })
+        Ok(Self { folder: folder.into(), fault: Mutex::default() })
     }
 
     /// The first thing that could not be kept, if any: the run itself does not need it.
@@ -164,9 +158,10 @@ fn difference(place: &str, was: &Value, is: &Value) -> Option<(String, String, S
             let mut keys: Vec<&String> = a.keys().chain(b.keys()).collect();
             keys.sort();
             keys.dedup();
-            let at = |object: &serde_json::Map<String, Value>, key: &str| object.get(key).cloned().unwrap_or_default();
-            keys.into_iter()
-                .find_map(|key| difference(&inside(key), &at(a, key), &at(b, key)))
+            let at = |object: &serde_json::Map<String, Value>, key: &str| {
+                object.get(key).cloned().unwrap_or_default()
+            };
+            keys.into_iter().find_map(|key| difference(&inside(key), &at(a, key), &at(b, key)))
         }
         (was, is) if was == is => None,
         (was, is) => Some((place.to_owned(), shortened(was), shortened(is))),

@@ -46,10 +46,7 @@ pub enum OutError {
 
 impl OutError {
     pub(super) fn write(path: &Path, source: io::Error) -> Self {
-        Self::Write {
-            path: path.into(),
-            source,
-        }
+        Self::Write { path: path.into(), source }
     }
 }
 
@@ -69,9 +66,7 @@ pub enum Existing {
 /// # Errors
 /// [`OutError`] if it is a file, lies below a file, or is not empty and must be left alone.
 pub fn check_out(folder: &Path, existing: Existing) -> Result<(), OutError> {
-    let standing = folder
-        .ancestors()
-        .find(|path| path.exists() || path.as_os_str().is_empty());
+    let standing = folder.ancestors().find(|path| path.exists() || path.as_os_str().is_empty());
     if let Some(path) = standing.filter(|path| path.is_file()) {
         return Err(OutError::NotAFolder { path: path.into() });
     }
@@ -201,11 +196,8 @@ fn remove_unfinished(folder: &Path) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let path = entry.path();
         if entry.file_name().to_string_lossy().starts_with(UNFINISHED) {
-            let removed = if path.is_dir() {
-                fs::remove_dir_all(path)
-            } else {
-                fs::remove_file(path)
-            };
+            let removed =
+                if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
             drop(removed);
         }
     }
@@ -241,18 +233,13 @@ pub(super) fn parent_of(path: &Path) -> &Path {
 
 /// Writes a file, if it could be encoded.
 pub(super) fn write_encoded(path: &Path, file: io::Result<Vec<u8>>) -> Result<(), OutError> {
-    file.and_then(|bytes| fs::write(path, bytes))
-        .map_err(|source| OutError::write(path, source))
+    file.and_then(|bytes| fs::write(path, bytes)).map_err(|source| OutError::write(path, source))
 }
 
 /// A camera's name as the name of a folder, without characters that a folder's name cannot have.
 pub(super) fn file_name(camera: &str) -> String {
     let plain = |c: char| {
-        if c.is_alphanumeric() || "-_. ".contains(c) {
-            c
-        } else {
-            '_'
-        }
+        if c.is_alphanumeric() || "-_. ".contains(c) { c } else { '_' }
     };
     let name: String = camera.chars().map(plain).collect();
     match name.trim_matches(['.', ' ']) {
@@ -327,11 +314,8 @@ mod tests {
         out.begin("quality.csv", &["masks"]).unwrap();
         assert!(!at("masks").exists());
         out.finish("quality.csv", Ok(b"frame".to_vec())).unwrap();
-        let mut left: Vec<_> = fs::read_dir(folder.path())
-            .unwrap()
-            .flatten()
-            .map(|e| e.file_name())
-            .collect();
+        let mut left: Vec<_> =
+            fs::read_dir(folder.path()).unwrap().flatten().map(|e| e.file_name()).collect();
         left.sort();
         assert_eq!(left, ["notes.txt", "quality.csv"]);
     }
@@ -341,11 +325,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         fs::create_dir_all(at("overlays/cam")).unwrap();
-        for (name, text) in [
-            ("result.json", "old"),
-            ("notes.txt", "mine"),
-            (".writing-abc", "left by a kill"),
-        ] {
+        for (name, text) in
+            [("result.json", "old"), ("notes.txt", "mine"), (".writing-abc", "left by a kill")]
+        {
             fs::write(at(name), text).unwrap();
         }
         let out = OutFolder::open(folder.path()).unwrap();

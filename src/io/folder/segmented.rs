@@ -83,7 +83,8 @@ impl MaskFolder {
     /// [`OutError::Write`].
     pub fn open(root: &Path, rig: &Rig, extras: MaskExtras) -> Result<Self, OutError> {
         let names = rig.names();
-        let cameras: Vec<(String, PathBuf)> = names.map(|name| (name.to_owned(), file_name(name).into())).collect();
+        let cameras: Vec<(String, PathBuf)> =
+            names.map(|name| (name.to_owned(), file_name(name).into())).collect();
         let kinds = [
             ("masks", true),
             ("probability", extras.probability),
@@ -97,12 +98,7 @@ impl MaskFolder {
                 fs::create_dir_all(&path).map_err(|source| OutError::Write { path, source })?;
             }
         }
-        Ok(Self {
-            out,
-            root: root.into(),
-            cameras,
-            extras,
-        })
+        Ok(Self { out, root: root.into(), cameras, extras })
     }
 
     /// Writes the masks of a frame, and what was asked for beside them.

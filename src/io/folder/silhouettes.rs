@@ -68,29 +68,24 @@ impl SilhouetteFolder {
     /// # Errors
     /// [`OutError`].
     pub fn open(root: &Path, extras: SilhouetteExtras) -> Result<Self, OutError> {
-        Ok(Self {
-            out: segmented::open(root)?,
-            root: root.into(),
-            extras,
-            rows: Vec::new(),
-        })
+        Ok(Self { out: segmented::open(root)?, root: root.into(), extras, rows: Vec::new() })
     }
 
     /// Writes what was found in every view of a frame.
     ///
     /// # Errors
     /// [`OutError`] for the first file that cannot be written.
-    pub fn write(&mut self, found: &FrameSilhouettes<'_>, rig: &Rig, model: &BodyModel) -> Result<(), OutError> {
+    pub fn write(
+        &mut self,
+        found: &FrameSilhouettes<'_>,
+        rig: &Rig,
+        model: &BodyModel,
+    ) -> Result<(), OutError> {
         let views = found.sighting.views.iter().zip(found.pictures);
 
         for (camera, (seen, picture)) in rig.cameras.iter().zip(views) {
             if let (Some(seen), Some(picture)) = (seen, picture) {
-                let view = FoundView {
-                    frame: found.frame,
-                    camera,
-                    picture,
-                    seen,
-                };
+                let view = FoundView { frame: found.frame, camera, picture, seen };
                 self.write_view(&view, model)?;
             }
         }
@@ -98,12 +93,7 @@ impl SilhouetteFolder {
     }
 
     fn write_view(&mut self, view: &FoundView<'_>, model: &BodyModel) -> Result<(), OutError> {
-        let FoundView {
-            frame,
-            camera,
-            picture,
-            seen,
-        } = *view;
+        let FoundView { frame, camera, picture, seen } = *view;
         let contours = &seen.contours;
         let mask = contours.mask(camera);
         let path = |kind: &str, ending: &str| {
@@ -155,10 +145,7 @@ fn row(frame: FrameIndex, camera: &Camera, contours: &ViewContours, mask: &Mask)
     ContourRow {
         frame: frame.0,
         camera: camera.name.clone(),
-        area_px: (0..mask.height())
-            .flat_map(|y| mask.row(y))
-            .filter(|v| **v == 1)
-            .count(),
+        area_px: (0..mask.height()).flat_map(|y| mask.row(y)).filter(|v| **v == 1).count(),
         reliability: rounded(contours.mean_reliability()),
         moved_px: rounded(moved / points().count().max(1) as f64),
         faults: faults.join("; "),
@@ -188,7 +175,12 @@ struct CurveFile<'a> {
 }
 
 impl<'a> ContourFile<'a> {
-    fn new(frame: FrameIndex, camera: &'a Camera, contours: &ViewContours, model: &'a BodyModel) -> Self {
+    fn new(
+        frame: FrameIndex,
+        camera: &'a Camera,
+        contours: &ViewContours,
+        model: &'a BodyModel,
+    ) -> Self {
         let curve = |points: &Vec<FoundPoint>| CurveFile {
             points_px: points.iter().map(|p| [p.pixel.x, p.pixel.y].map(hundredths)).collect(),
             reliability: points.iter().map(|p| hundredths(p.reliability)).collect(),
@@ -236,11 +228,7 @@ fn svg(camera: &Camera, contours: &ViewContours) -> String {
 /// The expected outline blue, the contours yellow where they are sure and red where they are not, inner ones cyan.
 fn overlay(picture: &Picture, camera: &Camera, contours: &ViewContours) -> Canvas {
     let mut canvas = Canvas::from_pixels(picture.clone());
-    let pen = |color| Pen {
-        color,
-        opacity: 0.9,
-        width_px: 1.2,
-    };
+    let pen = |color| Pen { color, opacity: 0.9, width_px: 1.2 };
     let recorded = |a: &Point2<f64>, b: &Point2<f64>| [camera.distort(a), camera.distort(b)];
 
     let (mut expected, mut sure, mut unsure) = (Vec::new(), Vec::new(), Vec::new());

@@ -134,18 +134,11 @@ impl StereoFolder {
 
         // 0 stands for no disparity
         let in_steps = |d: &f32| {
-            if d.is_finite() {
-                (STEPS * d).round().clamp(1.0, 65535.0) as u16
-            } else {
-                0
-            }
+            if d.is_finite() { (STEPS * d).round().clamp(1.0, 65535.0) as u16 } else { 0 }
         };
 
-        let bytes: Vec<u8> = disparities
-            .values()
-            .iter()
-            .flat_map(|d| in_steps(d).to_ne_bytes())
-            .collect();
+        let bytes: Vec<u8> =
+            disparities.values().iter().flat_map(|d| in_steps(d).to_ne_bytes()).collect();
 
         let (width, height) = (disparities.width(), disparities.height());
         let file = png::encode(&bytes, width, height, ExtendedColorType::L16, Effort::Quick);

@@ -10,7 +10,11 @@ use super::{OutError, OutFolder};
 ///
 /// # Errors
 /// [`OutError::Write`].
-pub(super) fn finish<Row: Serialize>(out: &OutFolder, mark: &str, rows: &[Row]) -> Result<(), OutError> {
+pub(super) fn finish<Row: Serialize>(
+    out: &OutFolder,
+    mark: &str,
+    rows: &[Row],
+) -> Result<(), OutError> {
     let encoded = || -> Result<Vec<u8>, csv::Error> {
         let mut writer = csv::Writer::from_writer(Vec::new());
         for row in rows {

@@ -8,10 +8,8 @@ use serde::Deserialize;
 use crate::gait::{Angle, Band, Norm, Parameter, SCORE_POINTS};
 
 /// The shipped norm: its name and text.
-pub const SHIPPED_NORM: (&str, &str) = (
-    "schwartz-2008-free",
-    include_str!("../../../data/norms/schwartz-2008-free.toml"),
-);
+pub const SHIPPED_NORM: (&str, &str) =
+    ("schwartz-2008-free", include_str!("../../../data/norms/schwartz-2008-free.toml"));
 
 /// Why a norm cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -83,10 +81,8 @@ pub(super) struct ParameterPart {
 /// # Errors
 /// [`NormError`].
 pub fn load_norm(path: &Path) -> Result<Norm, NormError> {
-    let text = std::fs::read_to_string(path).map_err(|source| NormError::Read {
-        path: path.into(),
-        source,
-    })?;
+    let text = std::fs::read_to_string(path)
+        .map_err(|source| NormError::Read { path: path.into(), source })?;
     parse_norm(&text, path)
 }
 
@@ -106,7 +102,8 @@ pub fn parse_norm(text: &str, path: &Path) -> Result<Norm, NormError> {
         let angle = Angle::ALL.into_iter().find(|a| a.name() == name);
         let angle = angle.ok_or_else(|| unknown(path, "angle", &name))?;
 
-        let is_whole = |values: &[f64]| values.len() == SCORE_POINTS && values.iter().all(|v| v.is_finite());
+        let is_whole =
+            |values: &[f64]| values.len() == SCORE_POINTS && values.iter().all(|v| v.is_finite());
         let is_positive = part.sd_deg.iter().all(|sd| *sd > 0.0);
         if !is_whole(&part.mean_deg) || !is_whole(&part.sd_deg) || !is_positive {
             let path = path.into();
@@ -114,10 +111,7 @@ pub fn parse_norm(text: &str, path: &Path) -> Result<Norm, NormError> {
         }
 
         let radians = |values: Vec<f64>| values.into_iter().map(f64::to_radians).collect();
-        let band = Band {
-            mean: radians(part.mean_deg),
-            sd: radians(part.sd_deg),
-        };
+        let band = Band { mean: radians(part.mean_deg), sd: radians(part.sd_deg) };
         norm.curves.insert(angle, band);
     }
     Ok(norm)
@@ -137,18 +131,11 @@ pub(super) fn parameters(
 }
 
 fn unknown(path: &Path, kind: &'static str, name: &str) -> NormError {
-    NormError::Name {
-        path: path.into(),
-        kind,
-        name: name.to_owned(),
-    }
+    NormError::Name { path: path.into(), kind, name: name.to_owned() }
 }
 
 pub(super) fn syntax(path: &Path, source: toml::de::Error) -> NormError {
-    NormError::Syntax {
-        path: path.into(),
-        source: Box::new(source),
-    }
+    NormError::Syntax { path: path.into(), source: Box::new(source) }
 }
 
 #[cfg(test)]

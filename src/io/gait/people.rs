@@ -9,10 +9,8 @@ use super::norm::{NormError, ParameterPart, parameters, syntax};
 use crate::gait::Norm;
 
 /// The shipped groups: name of the file and text.
-const SHIPPED: (&str, &str) = (
-    "spatiotemporal",
-    include_str!("../../../data/norms/spatiotemporal.toml"),
-);
+const SHIPPED: (&str, &str) =
+    ("spatiotemporal", include_str!("../../../data/norms/spatiotemporal.toml"));
 
 /// A sex, as tables of healthy people distinguish it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
@@ -107,6 +105,8 @@ mod tests {
         assert!(man.parameters_source.unwrap().contains("men of 70 to 74 years"));
         // tables of children hold for both sexes, those of old people for one, and in between there is none
         assert!(!norm(13, None).parameters.is_empty());
-        assert!(norm(72, None).parameters.is_empty() && norm(34, Some(Sex::Male)).parameters.is_empty());
+        assert!(
+            norm(72, None).parameters.is_empty() && norm(34, Some(Sex::Male)).parameters.is_empty()
+        );
     }
 }

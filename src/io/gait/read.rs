@@ -75,10 +75,8 @@ pub struct GaitInput {
 /// # Errors
 /// [`GaitInputError`] names the file, and the line where there is one.
 pub fn read_points(path: &Path, rate_hz: Option<f64>) -> Result<GaitInput, GaitInputError> {
-    let bytes = std::fs::read(path).map_err(|source| GaitInputError::Read {
-        path: path.into(),
-        source,
-    })?;
+    let bytes =
+        std::fs::read(path).map_err(|source| GaitInputError::Read { path: path.into(), source })?;
     let text = String::from_utf8_lossy(&bytes);
     let points = read_trc(&text, path)?;
 
@@ -86,20 +84,15 @@ pub fn read_points(path: &Path, rate_hz: Option<f64>) -> Result<GaitInput, GaitI
     let differs = |counted_hz: &f64| (counted_hz / stated_hz - 1.0).abs() > 0.02;
     let counted_hz = rate_of_times(&text).filter(differs);
     if let (None, Some(counted_hz)) = (rate_hz, counted_hz) {
-        return Err(GaitInputError::Rate {
-            path: path.into(),
-            stated_hz,
-            counted_hz,
-        });
+        return Err(GaitInputError::Rate { path: path.into(), stated_hz, counted_hz });
     }
 
     let rate_hz = rate_hz.unwrap_or(stated_hz);
-    let movement = Movement::from_points(rate_hz, points.first_frame, &points.names, &points.frames);
+    let movement =
+        Movement::from_points(rate_hz, points.first_frame, &points.names, &points.frames);
     Ok(GaitInput {
-        movement: movement.map_err(|source| GaitInputError::Points {
-            path: path.into(),
-            source,
-        })?,
+        movement: movement
+            .map_err(|source| GaitInputError::Points { path: path.into(), source })?,
         source: "points".into(),
         body: None,
     })
@@ -109,7 +102,11 @@ pub fn read_points(path: &Path, rate_hz: Option<f64>) -> Result<GaitInput, GaitI
 ///
 /// # Errors
 /// [`GaitInputError::Result`] if the fit is of another body, and [`GaitInputError::Body`] if this one has no gait.
-pub fn from_result(result: &ResultFile, model: BodyModel, rate_hz: Option<f64>) -> Result<GaitInput, GaitInputError> {
+pub fn from_result(
+    result: &ResultFile,
+    model: BodyModel,
+    rate_hz: Option<f64>,
+) -> Result<GaitInput, GaitInputError> {
     let cameras = camera_bits(result);
     let pose = |part: &FramePart| FramePose {
         frame: FrameIndex(part.frame),
@@ -127,15 +124,10 @@ pub fn from_result(result: &ResultFile, model: BodyModel, rate_hz: Option<f64>) 
         frames: result.motion.frames.iter().map(pose).collect(),
     };
 
-    let (movement, body) = fitted.into_movement().map_err(|source| GaitInputError::Body {
-        body: result.body.clone(),
-        source,
-    })?;
-    Ok(GaitInput {
-        movement,
-        source: result.body.clone(),
-        body: Some(body),
-    })
+    let (movement, body) = fitted
+        .into_movement()
+        .map_err(|source| GaitInputError::Body { body: result.body.clone(), source })?;
+    Ok(GaitInput { movement, source: result.body.clone(), body: Some(body) })
 }
 
 /// Which of the first seven cameras saw the person, as bits, by the number of the frame.

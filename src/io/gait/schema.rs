@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use super::read::GaitInput;
 use crate::gait::{
-    Agreement, Angle, Curve, Event, Extremes, GaitAnalysis, Indices, Norm, Parameter, Side, Statistic, Surface, Used,
-    indices,
+    Agreement, Angle, Curve, Event, Extremes, GaitAnalysis, Indices, Norm, Parameter, Side,
+    Statistic, Surface, Used, indices,
 };
 
 /// A gait analysis. Version 1.

@@ -9,16 +9,8 @@ use crate::gait::{Band, Curve, GaitAnalysis, Movement, Norm};
 pub fn curves_csv(gait: &GaitAnalysis, norm: Option<&Norm>) -> std::io::Result<Vec<u8>> {
     let counts = gait.curves.iter().map(|c| c.strides.len());
     let strides = counts.max().unwrap_or(0);
-    let heading = [
-        "side",
-        "angle",
-        "percent",
-        "mean_deg",
-        "sd_deg",
-        "fit_sd_deg",
-        "norm_deg",
-        "norm_sd_deg",
-    ];
+    let heading =
+        ["side", "angle", "percent", "mean_deg", "sd_deg", "fit_sd_deg", "norm_deg", "norm_sd_deg"];
     let stride_names = (1..=strides).map(|i| format!("stride_{i}_deg"));
 
     let mut writer = csv::Writer::from_writer(Vec::new());

@@ -9,16 +9,12 @@ use super::order::parents_first;
 use super::side::{Side, Sides};
 use super::spec::{AxisSpec, JointSpec, LengthSpec, ModelSpec, PartSpec, PointSpec, PoseSpec};
 use crate::body::{
-    BodyModel, Joint, JointId, ModelError, NamedPoint, Part, PartId, Pose, Root, ScaledVector, ShapeStatistics, Shift,
+    BodyModel, Joint, JointId, ModelError, NamedPoint, Part, PartId, Pose, Root, ScaledVector,
+    ShapeStatistics, Shift,
 };
 
 pub(super) fn build(spec: &ModelSpec, path: &Path) -> Result<BodyModel, ModelFileError> {
-    let mut builder = Builder {
-        path,
-        scales: Vec::new(),
-        carried: Vec::new(),
-        model: empty(spec),
-    };
+    let mut builder = Builder { path, scales: Vec::new(), carried: Vec::new(), model: empty(spec) };
     builder.model.statistics = builder.coefficients(spec)?;
     let parts = parents_first(spec, path)?;
     for (part, side) in &parts {
@@ -48,19 +44,13 @@ pub(super) fn build(spec: &ModelSpec, path: &Path) -> Result<BodyModel, ModelFil
 fn empty(spec: &ModelSpec) -> BodyModel {
     let root = match spec.root.fixed {
         true => Root::Fixed,
-        false => Root::Free {
-            speed: spec.root.speed,
-            turn: spec.root.turn_deg.to_radians(),
-        },
+        false => Root::Free { speed: spec.root.speed, turn: spec.root.turn_deg.to_radians() },
     };
 
     BodyModel {
         name: spec.name.clone(),
         coefficients: Vec::new(),
-        statistics: ShapeStatistics {
-            mean: DVector::zeros(0),
-            covariance: DMatrix::zeros(0, 0),
-        },
+        statistics: ShapeStatistics { mean: DVector::zeros(0), covariance: DMatrix::zeros(0, 0) },
         root,
         joints: Vec::new(),
         followers: Vec::new(),
@@ -84,10 +74,7 @@ pub(super) struct Builder<'a> {
 
 impl Builder<'_> {
     pub(super) fn fault(&self, fault: ModelError) -> ModelFileError {
-        ModelFileError::Model {
-            path: self.path.to_owned(),
-            fault,
-        }
+        ModelFileError::Model { path: self.path.to_owned(), fault }
     }
 
     pub(super) fn missing(&self, place: &str, kind: &'static str, name: &str) -> ModelFileError {
@@ -159,12 +146,7 @@ impl Builder<'_> {
         };
 
         self.carried.push(carried);
-        self.model.parts.push(Part {
-            name,
-            joint,
-            pivot,
-            sd_m: spec.sd.into(),
-        });
+        self.model.parts.push(Part { name, joint, pivot, sd_m: spec.sd.into() });
         self.scales.push(spec.scale.clone());
         Ok(())
     }
@@ -190,8 +172,14 @@ impl Builder<'_> {
     }
 
     /// A part by its name in the file, on this side or in the middle.
-    pub(super) fn part_named(&self, name: &str, side: Side, place: &str) -> Result<PartId, ModelFileError> {
-        let find = |wanted: &str| self.model.parts.iter().position(|p| p.name == wanted).map(PartId);
+    pub(super) fn part_named(
+        &self,
+        name: &str,
+        side: Side,
+        place: &str,
+    ) -> Result<PartId, ModelFileError> {
+        let find =
+            |wanted: &str| self.model.parts.iter().position(|p| p.name == wanted).map(PartId);
         find(&side.suffix(name))
             .or_else(|| find(name))
             .ok_or_else(|| self.missing(place, "part", name))
@@ -211,7 +199,8 @@ impl Builder<'_> {
         if let Some(dh) = &spec.dh {
             let alpha = Rotation3::from_axis_angle(&Vector3::x_axis(), dh.alpha_deg.to_radians());
             translation.value += turn * (alpha * Vector3::new(dh.a, 0.0, dh.d));
-            turn *= alpha * Rotation3::from_axis_angle(&Vector3::z_axis(), dh.theta_deg.to_radians());
+            turn *=
+                alpha * Rotation3::from_axis_angle(&Vector3::z_axis(), dh.theta_deg.to_radians());
         }
 
         let radians = |d: f64| d.to_radians();
@@ -258,13 +247,13 @@ impl Builder<'_> {
             .map(|v| if letter.starts_with('-') { -v } else { v }),
         };
 
-        vector
-            .and_then(|v| UnitVector3::try_new(side.axis(v), 1e-9))
-            .ok_or_else(|| ModelFileError::Axis {
+        vector.and_then(|v| UnitVector3::try_new(side.axis(v), 1e-9)).ok_or_else(|| {
+            ModelFileError::Axis {
                 path: self.path.to_owned(),
                 joint: spec.name.clone(),
                 found: format!("{:?}", spec.axis),
-            })
+            }
+        })
     }
 
     fn point(&mut self, spec: &PointSpec) -> Result<(), ModelFileError> {
@@ -294,10 +283,7 @@ impl Builder<'_> {
         }
         let mut places = Vec::new();
         for end in &spec.midpoint {
-            let index = self
-                .model
-                .point(end)
-                .ok_or_else(|| self.missing(&place, "point", end))?;
+            let index = self.model.point(end).ok_or_else(|| self.missing(&place, "point", end))?;
             places.extend(self.model.points[index].places.clone());
         }
         self.model.points.push(NamedPoint {

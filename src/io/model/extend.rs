@@ -39,13 +39,13 @@ struct FleshSpec {
 /// The specification in a file, merged into that of the file which it extends, if it extends one.
 ///
 /// `read` are the files on the way here, outermost first; this one is added.
-pub(super) fn with_base(text: &str, path: &Path, read: &mut Vec<ModelText>) -> Result<ModelSpec, ModelFileError> {
+pub(super) fn with_base(
+    text: &str,
+    path: &Path,
+    read: &mut Vec<ModelText>,
+) -> Result<ModelSpec, ModelFileError> {
     let head: Head = parse_toml(text, path)?;
-    read.push(ModelText {
-        name: head.name,
-        path: one_name(path),
-        text: text.to_owned(),
-    });
+    read.push(ModelText { name: head.name, path: one_name(path), text: text.to_owned() });
     if head.extends.is_none() {
         return parse_toml(text, path);
     }
@@ -53,10 +53,7 @@ pub(super) fn with_base(text: &str, path: &Path, read: &mut Vec<ModelText>) -> R
     let own: ExtensionSpec = parse_toml(text, path)?;
     let base = base(&own.extends, path, read).map_err(|fault| match fault {
         ModelFileError::ExtendsItself { .. } => fault,
-        fault => ModelFileError::Base {
-            path: path.to_owned(),
-            fault: Box::new(fault),
-        },
+        fault => ModelFileError::Base { path: path.to_owned(), fault: Box::new(fault) },
     })?;
 
     merged(base, own, path)
@@ -81,7 +78,11 @@ fn one_name(path: &Path) -> PathBuf {
     std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned())
 }
 
-fn merged(mut base: ModelSpec, own: ExtensionSpec, path: &Path) -> Result<ModelSpec, ModelFileError> {
+fn merged(
+    mut base: ModelSpec,
+    own: ExtensionSpec,
+    path: &Path,
+) -> Result<ModelSpec, ModelFileError> {
     base.name = own.name;
     let new = own.factors.into_iter().filter(|f| !base.factors.contains(f));
     base.factors.extend(new.collect::<Vec<_>>());

@@ -24,7 +24,12 @@ type Frames = Vec<(f64, FrameId)>;
 
 impl Builder<'_> {
     /// The primitives of a part; all joints are there.
-    pub(super) fn flesh(&mut self, spec: &PartSpec, part: PartId, side: Side) -> Result<(), ModelFileError> {
+    pub(super) fn flesh(
+        &mut self,
+        spec: &PartSpec,
+        part: PartId,
+        side: Side,
+    ) -> Result<(), ModelFileError> {
         let owner = Owner { spec, part, side };
         let mut frames = Vec::new();
         for primitive in &spec.ellipsoids {

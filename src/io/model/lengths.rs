@@ -43,7 +43,13 @@ impl Builder<'_> {
     }
 
     /// s along one axis; the left side's is the mirror image.
-    fn shift(&self, name: &str, axis: usize, side: Side, place: &str) -> Result<Shift, ModelFileError> {
+    fn shift(
+        &self,
+        name: &str,
+        axis: usize,
+        side: Side,
+        place: &str,
+    ) -> Result<Shift, ModelFileError> {
         let coefficient = self.coefficient(name, side);
         Ok(Shift {
             coefficient: coefficient.ok_or_else(|| self.missing(place, "coefficient", name))?,
@@ -61,7 +67,12 @@ impl Builder<'_> {
     }
 
     /// The shifts of a part's joint in the flesh, along the part's axes.
-    pub(super) fn pivot(&self, spec: &PartSpec, side: Side, place: &str) -> Result<Vec<Shift>, ModelFileError> {
+    pub(super) fn pivot(
+        &self,
+        spec: &PartSpec,
+        side: Side,
+        place: &str,
+    ) -> Result<Vec<Shift>, ModelFileError> {
         let named = spec.pivot.iter().flatten().enumerate();
         let given = named.filter(|(_, name)| !name.is_empty());
         let shift = |(axis, name): (usize, &String)| self.shift(name, axis, side, place);

@@ -18,23 +18,11 @@ use crate::body::{BodyModel, ModelError};
 
 /// The models that come with the program: name and text.
 pub const SHIPPED: [(&str, &str); 6] = [
-    (
-        "human-ellipsoids",
-        include_str!("../../../data/models/human-ellipsoids.toml"),
-    ),
-    (
-        "human-metaballs",
-        include_str!("../../../data/models/human-metaballs.toml"),
-    ),
-    (
-        "walker-metaballs",
-        include_str!("../../../data/models/walker-metaballs.toml"),
-    ),
+    ("human-ellipsoids", include_str!("../../../data/models/human-ellipsoids.toml")),
+    ("human-metaballs", include_str!("../../../data/models/human-metaballs.toml")),
+    ("walker-metaballs", include_str!("../../../data/models/walker-metaballs.toml")),
     ("arm", include_str!("../../../data/models/arm.toml")),
-    (
-        "arm-ellipsoids",
-        include_str!("../../../data/models/arm-ellipsoids.toml"),
-    ),
+    ("arm-ellipsoids", include_str!("../../../data/models/arm-ellipsoids.toml")),
     ("arm-2d", include_str!("../../../data/models/arm-2d.toml")),
 ];
 
@@ -99,7 +87,9 @@ pub enum ModelFileError {
         part: String,
     },
     /// An axis that is neither ±x, ±y, ±z nor three numbers of positive length.
-    #[error("{path}: joint {joint}: the axis {found} is no direction: give \"x\", \"-y\" or three numbers")]
+    #[error(
+        "{path}: joint {joint}: the axis {found} is no direction: give \"x\", \"-y\" or three numbers"
+    )]
     Axis {
         /// File.
         path: PathBuf,
@@ -187,7 +177,10 @@ pub fn load(name: &str, folder: &Path) -> Result<BodyModel, ModelFileError> {
 ///
 /// # Errors
 /// As [`load`].
-pub fn load_with_texts(name: &str, folder: &Path) -> Result<(BodyModel, Vec<ModelText>), ModelFileError> {
+pub fn load_with_texts(
+    name: &str,
+    folder: &Path,
+) -> Result<(BodyModel, Vec<ModelText>), ModelFileError> {
     let (text, path) = text_of(name, folder)?;
     let mut read = Vec::new();
     let spec = extend::with_base(&text, &path, &mut read)?;
@@ -201,10 +194,7 @@ fn text_of(name: &str, folder: &Path) -> Result<(String, PathBuf), ModelFileErro
     }
     if Path::new(name).extension().is_none_or(|e| e != "toml") {
         let shipped = SHIPPED.map(|(n, _)| n).join(", ");
-        return Err(ModelFileError::Unknown {
-            name: name.to_owned(),
-            shipped,
-        });
+        return Err(ModelFileError::Unknown { name: name.to_owned(), shipped });
     }
     let path = folder.join(name);
     match std::fs::read_to_string(&path) {
@@ -222,7 +212,10 @@ pub fn parse(text: &str, path: &Path) -> Result<BodyModel, ModelFileError> {
     build::build(&spec, path)
 }
 
-fn parse_toml<T: serde::de::DeserializeOwned>(text: &str, path: &Path) -> Result<T, ModelFileError> {
+fn parse_toml<T: serde::de::DeserializeOwned>(
+    text: &str,
+    path: &Path,
+) -> Result<T, ModelFileError> {
     toml::from_str(text).map_err(|e| ModelFileError::Syntax {
         path: path.to_owned(),
         line: e.span().map_or(0, |s| text[..s.start].matches('\n').count() + 1),

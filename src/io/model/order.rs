@@ -7,13 +7,13 @@ use super::side::Side;
 use super::spec::{ModelSpec, PartSpec};
 
 /// Every part on each of its sides, after its parent; the file's order where that leaves a choice.
-pub(super) fn parents_first<'s>(spec: &'s ModelSpec, path: &Path) -> Result<Vec<(&'s PartSpec, Side)>, ModelFileError> {
+pub(super) fn parents_first<'s>(
+    spec: &'s ModelSpec,
+    path: &Path,
+) -> Result<Vec<(&'s PartSpec, Side)>, ModelFileError> {
     let roots = spec.parts.iter().filter(|p| p.parent.is_none()).count();
     if roots != 1 {
-        return Err(ModelFileError::Roots {
-            path: path.to_owned(),
-            found: roots,
-        });
+        return Err(ModelFileError::Roots { path: path.to_owned(), found: roots });
     }
 
     let mut placed: Vec<&str> = Vec::new();
@@ -21,8 +21,10 @@ pub(super) fn parents_first<'s>(spec: &'s ModelSpec, path: &Path) -> Result<Vec<
     let mut order = Vec::new();
 
     while !waiting.is_empty() {
-        let is_ready = |p: &&PartSpec| p.parent.as_deref().is_none_or(|name| placed.contains(&name));
-        let (ready, rest): (Vec<&PartSpec>, Vec<&PartSpec>) = waiting.into_iter().partition(is_ready);
+        let is_ready =
+            |p: &&PartSpec| p.parent.as_deref().is_none_or(|name| placed.contains(&name));
+        let (ready, rest): (Vec<&PartSpec>, Vec<&PartSpec>) =
+            waiting.into_iter().partition(is_ready);
 
         if ready.is_empty() {
             return Err(never_placed(&rest, spec, path));
@@ -52,9 +54,6 @@ fn never_placed(parts: &[&PartSpec], spec: &ModelSpec, path: &Path) -> ModelFile
             kind: "part",
             name: parent.to_owned(),
         },
-        None => ModelFileError::Cycle {
-            path: path.to_owned(),
-            part: parts[0].name.clone(),
-        },
+        None => ModelFileError::Cycle { path: path.to_owned(), part: parts[0].name.clone() },
     }
 }

@@ -50,11 +50,7 @@ impl Side {
 
     /// Axes of rotation mirror the other way round.
     pub(super) fn axis(self, v: Vector3<f64>) -> Vector3<f64> {
-        if self == Self::Left {
-            Vector3::new(-v[0], v[1], -v[2])
-        } else {
-            v
-        }
+        if self == Self::Left { Vector3::new(-v[0], v[1], -v[2]) } else { v }
     }
 
     pub(super) fn turn(self, degrees: [f64; 3]) -> Rotation3<f64> {

@@ -5,13 +5,11 @@ use nalgebra::{Matrix3, Point3};
 use crate::stereo::{CloudPoint, Spread};
 
 /// The columns that a file of points can have.
-const NAMES: [&str; 10] = [
-    "x", "y", "z", "sigma", "cov_xx", "cov_xy", "cov_xz", "cov_yy", "cov_yz", "cov_zz",
-];
+const NAMES: [&str; 10] =
+    ["x", "y", "z", "sigma", "cov_xx", "cov_xy", "cov_xz", "cov_yy", "cov_yz", "cov_zz"];
 
 /// What a file must have, for messages.
-pub(super) const EXPECTED: &str =
-    "x, y and z, and for the spread nothing, or sigma, or all of cov_xx cov_xy cov_xz cov_yy cov_yz cov_zz";
+pub(super) const EXPECTED: &str = "x, y and z, and for the spread nothing, or sigma, or all of cov_xx cov_xy cov_xz cov_yy cov_yz cov_zz";
 
 /// The place of a column in [`Numbers`]; `None` if it is not used.
 pub(super) fn slot(name: &str) -> Option<usize> {

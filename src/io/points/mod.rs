@@ -57,17 +57,10 @@ pub(crate) fn is_cloud(path: &Path) -> bool {
 /// # Errors
 /// [`CloudError`] with the line or the byte where there is one.
 pub fn read(path: &Path) -> Result<Cloud, CloudError> {
-    let unreadable = |source| CloudError::Read {
-        path: path.into(),
-        source,
-    };
+    let unreadable = |source| CloudError::Read { path: path.into(), source };
     let bytes = fs::metadata(path).map_err(unreadable)?.len();
     if bytes > MOST_BYTES {
-        return Err(CloudError::TooLarge {
-            path: path.into(),
-            bytes,
-            most: MOST_BYTES,
-        });
+        return Err(CloudError::TooLarge { path: path.into(), bytes, most: MOST_BYTES });
     }
     parse(&fs::read(path).map_err(unreadable)?, path)
 }

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use ply_rs_bw::parser::{Parser, Reader};
 use ply_rs_bw::ply::{
-    ElementDef, Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType,
+    ElementDef, Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType,
+    ScalarType,
 };
 
 use super::columns::{self, Numbers, Stated};
@@ -24,11 +25,7 @@ pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<Cloud, CloudError> {
         source,
     })?;
 
-    let mut body = Body {
-        path,
-        bytes,
-        rest: reader.into_inner(),
-    };
+    let mut body = Body { path, bytes, rest: reader.into_inner() };
 
     for element in header.elements.values() {
         body.check_promise(element, &header)?;
@@ -92,7 +89,12 @@ impl Body<'_> {
         Ok(())
     }
 
-    fn each(&mut self, element: &ElementDef, header: &Header, mut take: impl FnMut(Numbers)) -> Result<(), CloudError> {
+    fn each(
+        &mut self,
+        element: &ElementDef,
+        header: &Header,
+        mut take: impl FnMut(Numbers),
+    ) -> Result<(), CloudError> {
         let parser = Parser::<Numbers>::new();
         for index in 1..=element.count {
             let byte = self.bytes.len() - self.rest.len();
@@ -101,8 +103,12 @@ impl Body<'_> {
                     take(self.ascii(element)?);
                     continue;
                 }
-                Encoding::BinaryBigEndian => parser.read_big_endian_element(&mut self.rest, element),
-                Encoding::BinaryLittleEndian => parser.read_little_endian_element(&mut self.rest, element),
+                Encoding::BinaryBigEndian => {
+                    parser.read_big_endian_element(&mut self.rest, element)
+                }
+                Encoding::BinaryLittleEndian => {
+                    parser.read_little_endian_element(&mut self.rest, element)
+                }
             };
 
             take(numbers.map_err(|source| CloudError::Element {

@@ -53,17 +53,12 @@ fn point(numbers: &[f64]) -> CloudPoint {
 
 /// A line of names, then one line for each point; other columns are skipped.
 pub(super) fn parse_csv(bytes: &[u8], path: &Path) -> Result<Cloud, CloudError> {
-    let csv_fault = |source| CloudError::Csv {
-        path: path.into(),
-        source,
-    };
+    let csv_fault = |source| CloudError::Csv { path: path.into(), source };
 
     // spreadsheets write a byte order mark
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    let mut reader = csv::ReaderBuilder::new()
-        .trim(csv::Trim::All)
-        .comment(Some(b'#'))
-        .from_reader(bytes);
+    let mut reader =
+        csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(bytes);
     let names = reader.headers().map_err(csv_fault)?.clone();
     let stated = Stated::by(&names).ok_or_else(|| CloudError::Columns {
         path: path.into(),

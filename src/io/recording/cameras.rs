@@ -36,9 +36,8 @@ impl Recording {
         cameras: Vec<(CameraFiles, F)>,
         size: impl Fn(&F) -> Option<[u32; 2]>,
     ) -> Result<CalibratedCameras<F>, RecordingError> {
-        let sizes = cameras
-            .iter()
-            .filter_map(|(camera, files)| Some((camera.name.clone(), size(files)?)));
+        let sizes =
+            cameras.iter().filter_map(|(camera, files)| Some((camera.name.clone(), size(files)?)));
         let calibrated = self.read_calibration(CalibrationOptions {
             image_sizes_px: sizes.collect(),
             ..self.calibration_options()

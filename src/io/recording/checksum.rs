@@ -20,11 +20,7 @@ pub struct InputChecksum {
 impl InputChecksum {
     /// The fingerprint of a text.
     pub fn from_text(input: String, text: &str) -> Self {
-        Self {
-            input,
-            files: 1,
-            blake3: blake3::hash(text.as_bytes()).to_string(),
-        }
+        Self { input, files: 1, blake3: blake3::hash(text.as_bytes()).to_string() }
     }
 }
 
@@ -82,17 +78,11 @@ fn checksum_of_all<'a>(
         all.update(checksum(path)?.as_bytes());
         files += 1;
     }
-    Ok(InputChecksum {
-        input,
-        files,
-        blake3: all.finalize().to_string(),
-    })
+    Ok(InputChecksum { input, files, blake3: all.finalize().to_string() })
 }
 
 fn checksum(path: &Path) -> Result<blake3::Hash, RecordingError> {
-    let bytes = fs::read(path).map_err(|source| RecordingError::Checksum {
-        path: path.into(),
-        source,
-    })?;
+    let bytes =
+        fs::read(path).map_err(|source| RecordingError::Checksum { path: path.into(), source })?;
     Ok(blake3::hash(&bytes))
 }

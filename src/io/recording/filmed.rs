@@ -45,7 +45,12 @@ pub fn write(filmed: &Film, folder: &Path) -> Result<(), SyntheticError> {
     })
 }
 
-fn write_shot(studio: &Studio<'_>, frame: usize, images: &Path, masks: &Path) -> Result<(), SyntheticError> {
+fn write_shot(
+    studio: &Studio<'_>,
+    frame: usize,
+    images: &Path,
+    masks: &Path,
+) -> Result<(), SyntheticError> {
     let Some(shot) = studio.shot(FrameIndex(frame)) else {
         return Ok(());
     };

@@ -21,30 +21,28 @@ pub(super) struct MaskFiles {
 
 impl MaskFiles {
     /// Finds the masks of the manifest's cameras, or of the folder's, and calibrates the cameras.
-    pub(super) fn list(recording: &Recording, notes: &mut Vec<Note>) -> Result<Self, RecordingError> {
+    pub(super) fn list(
+        recording: &Recording,
+        notes: &mut Vec<Note>,
+    ) -> Result<Self, RecordingError> {
         let masks = masks_of_cameras(recording, notes)?;
         if masks.is_empty() {
-            return Ok(Self {
-                rig: recording.all_cameras()?,
-                cameras: Vec::new(),
-            });
+            return Ok(Self { rig: recording.all_cameras()?, cameras: Vec::new() });
         }
 
         let size = |files: &NumberedFiles| {
             let first = files.of_number.values().next()?;
             mask_image::size_of(first).ok()
         };
-        let CalibratedCameras {
-            rig,
-            cameras,
-            uncalibrated,
-            without_files,
-        } = recording.calibrate(masks, size)?;
+        let CalibratedCameras { rig, cameras, uncalibrated, without_files } =
+            recording.calibrate(masks, size)?;
 
-        notes.extend(uncalibrated.into_iter().map(|unknown| Note::Uncalibrated {
-            camera: unknown.name,
-            nearest: unknown.nearest,
-        }));
+        notes.extend(
+            uncalibrated.into_iter().map(|unknown| Note::Uncalibrated {
+                camera: unknown.name,
+                nearest: unknown.nearest,
+            }),
+        );
         if !without_files.is_empty() {
             notes.push(Note::Unmasked { cameras: without_files });
         }
@@ -60,7 +58,10 @@ impl MaskFiles {
 }
 
 /// The cameras with masks, of the manifest or, where it lists none, of the folder; none if there are only points.
-fn cameras_with_masks(recording: &Recording, notes: &mut Vec<Note>) -> Result<Vec<CameraFiles>, RecordingError> {
+fn cameras_with_masks(
+    recording: &Recording,
+    notes: &mut Vec<Note>,
+) -> Result<Vec<CameraFiles>, RecordingError> {
     let Recording { folder, manifest, .. } = recording;
 
     let cameras = if manifest.cameras.is_empty() {
@@ -68,26 +69,21 @@ fn cameras_with_masks(recording: &Recording, notes: &mut Vec<Note>) -> Result<Ve
     } else {
         manifest.cameras.clone()
     };
-    let (with, without): (Vec<_>, Vec<_>) = cameras.into_iter().partition(|camera| camera.masks.is_some());
+    let (with, without): (Vec<_>, Vec<_>) =
+        cameras.into_iter().partition(|camera| camera.masks.is_some());
 
     if with.is_empty() && PointFiles::are_promised(folder, manifest) {
         return Ok(Vec::new());
     }
     if with.is_empty() {
-        return Err(RecordingError::NoMasks {
-            path: recording.path.clone(),
-        });
+        return Err(RecordingError::NoMasks { path: recording.path.clone() });
     }
 
     let keys = ignored_keys(manifest);
     if !keys.is_empty() {
         notes.push(Note::Ignored { keys });
     }
-    notes.extend(
-        without
-            .into_iter()
-            .map(|camera| Note::WithoutMasks { camera: camera.name }),
-    );
+    notes.extend(without.into_iter().map(|camera| Note::WithoutMasks { camera: camera.name }));
     Ok(with)
 }
 
@@ -152,10 +148,7 @@ pub(super) fn by_frame(
         notes.push(Note::BeforeFirst { camera, files: before });
     }
     if unnumbered > 0 {
-        notes.push(Note::Unnumbered {
-            camera,
-            files: unnumbered,
-        });
+        notes.push(Note::Unnumbered { camera, files: unnumbered });
     }
     masks
 }

@@ -97,22 +97,13 @@ impl Recording {
             Some(path) => Manifest::read(path)?,
             None => Manifest::default(),
         };
-        Ok(Self {
-            path: path.into(),
-            folder,
-            manifest_path,
-            manifest,
-            fps: None,
-        })
+        Ok(Self { path: path.into(), folder, manifest_path, manifest, fps: None })
     }
 
     /// The same recording at this frame rate, Hz, which overrides its manifest and its videos; `None` leaves the rate to them.
     #[must_use]
     pub fn with_fps(self, fps: impl Into<Option<f64>>) -> Self {
-        Self {
-            fps: fps.into(),
-            ..self
-        }
+        Self { fps: fps.into(), ..self }
     }
 
     /// The path that it was opened by.
@@ -151,7 +142,10 @@ impl Recording {
     ///
     /// # Errors
     /// As [`Recording::observations`].
-    pub fn with_derived(&self, derived: DerivedFiles<'_>) -> Result<ObservationFiles, RecordingError> {
+    pub fn with_derived(
+        &self,
+        derived: DerivedFiles<'_>,
+    ) -> Result<ObservationFiles, RecordingError> {
         // the other paths of a recording are relative to its own folder
         let folder = std::path::absolute(derived.folder).unwrap_or_else(|_| derived.folder.into());
         let names = || derived.footage.rig.names();

@@ -19,7 +19,9 @@ pub enum Note {
         camera: String,
     },
     /// A folder of masks whose name is no calibrated camera's.
-    #[error("masks/{camera}: no camera of this name is calibrated (did you mean {nearest}?): not used")]
+    #[error(
+        "masks/{camera}: no camera of this name is calibrated (did you mean {nearest}?): not used"
+    )]
     Uncalibrated {
         /// Name of the folder.
         camera: String,
@@ -49,7 +51,9 @@ pub enum Note {
         files: usize,
     },
     /// No frame is seen by two cameras.
-    #[error("no frame has masks from two cameras: do the file numbers agree? offset_frames shifts them")]
+    #[error(
+        "no frame has masks from two cameras: do the file numbers agree? offset_frames shifts them"
+    )]
     NoCommonFrame,
     /// Point clouds without a number in their names.
     #[error("points: {files} files without a frame number in their names: not used")]
@@ -72,7 +76,9 @@ pub enum Note {
         frames: Frames,
     },
     /// Points that are not finite or have no positive spread.
-    #[error("points: {points} points left out in frames {frames}: not finite, or a spread that is not positive")]
+    #[error(
+        "points: {points} points left out in frames {frames}: not finite, or a spread that is not positive"
+    )]
     PointsUnusable {
         /// How many.
         points: usize,

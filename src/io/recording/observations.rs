@@ -60,7 +60,10 @@ pub(super) enum WantedPoints {
 impl ObservationFiles {
     /// Lists the masks and points of a recording; no mask is read but the first header of each camera, for calibrations
     /// without image size.
-    pub(super) fn list(recording: &Recording, wanted: WantedPoints) -> Result<Self, RecordingError> {
+    pub(super) fn list(
+        recording: &Recording,
+        wanted: WantedPoints,
+    ) -> Result<Self, RecordingError> {
         let mut notes = Vec::new();
 
         // cameras and their masks
@@ -121,7 +124,7 @@ impl ObservationFiles {
 
     /// The silhouettes and points of the frame at `position` in [`ObservationFiles::frames`].
     ///
-    /// Of more than [`MOST_POINTS`] points as many are taken, evenly; [`ObservationFiles::notes_on_points`] says so.
+    /// Of more than [`MOST_POINTS`](super::MOST_POINTS) points as many are taken, evenly; [`ObservationFiles::notes_on_points`] says so.
     ///
     /// # Errors
     /// [`RecordingError::Mask`] for the first mask that cannot be used, in the order of the rig,
@@ -133,10 +136,7 @@ impl ObservationFiles {
         options: &SilhouetteOptions,
     ) -> Result<FrameObservations, RecordingError> {
         let frame = self.frames.get(position).copied();
-        let frame = frame.ok_or(RecordingError::NoFrame {
-            position,
-            count: self.frames.len(),
-        })?;
+        let frame = frame.ok_or(RecordingError::NoFrame { position, count: self.frames.len() })?;
         let mut observations = FrameObservations::nothing(frame);
 
         for (id, camera) in self.rig.iter() {
@@ -179,8 +179,13 @@ impl ObservationFiles {
     ///
     /// # Errors
     /// [`RecordingError::Mask`] if it cannot be used.
-    pub fn load_mask(&self, camera: CameraId, frame: FrameIndex) -> Result<Option<Mask>, RecordingError> {
-        let (Some(path), Some(known)) = (self.mask_path(camera, frame), self.rig.camera(camera)) else {
+    pub fn load_mask(
+        &self,
+        camera: CameraId,
+        frame: FrameIndex,
+    ) -> Result<Option<Mask>, RecordingError> {
+        let (Some(path), Some(known)) = (self.mask_path(camera, frame), self.rig.camera(camera))
+        else {
             return Ok(None);
         };
         let mask = mask_image::read(path, [known.width_px, known.height_px]);
@@ -207,7 +212,10 @@ impl MaskSource for ObservationFiles {
 }
 
 /// The frames that have a mask or a cloud, and the masks that are missing.
-fn frames_and_missing(masks: &[BTreeMap<FrameIndex, PathBuf>], points: &PointFiles) -> (Vec<FrameIndex>, Vec<Missing>) {
+fn frames_and_missing(
+    masks: &[BTreeMap<FrameIndex, PathBuf>],
+    points: &PointFiles,
+) -> (Vec<FrameIndex>, Vec<Missing>) {
     let masked = masks.iter().flat_map(|m| m.keys().copied());
     let frames: BTreeSet<FrameIndex> = masked.chain(points.frames()).collect();
     let frames: Vec<FrameIndex> = frames.into_iter().collect();

@@ -69,16 +69,14 @@ impl CommonView {
         let middle_world = rig.common_view()?.point_world;
         let distance = |camera: &Camera| (camera.centre_world() - middle_world).norm();
         let sum: f64 = rig.cameras.iter().map(distance).sum();
-        Some(Self {
-            middle_world,
-            cameras: (sum / rig.cameras.len() as f64).max(NEAREST_CAMERAS),
-        })
+        Some(Self { middle_world, cameras: (sum / rig.cameras.len() as f64).max(NEAREST_CAMERAS) })
     }
 
     /// Medians, so that strays do not count.
     fn check(&self, cloud: &Cloud) -> Result<(), ScaleFault> {
         let places = || cloud.points.iter().map(|p| p.position_world);
-        let from = |middle: Point3<f64>| median(&mut places().map(|p| (p - middle).norm()).collect());
+        let from =
+            |middle: Point3<f64>| median(&mut places().map(|p| (p - middle).norm()).collect());
         let cameras = self.cameras;
 
         match from(self.middle_world) {
@@ -91,7 +89,9 @@ impl CommonView {
         let middle = |axis: usize| median(&mut places().map(|p| p[axis]).collect()).unwrap_or(0.0);
         let middle = Point3::from(Vector3::from_fn(|axis, _| middle(axis)));
         match from(middle) {
-            Some(distance) if distance < SMALLEST * cameras && cloud.points.len() >= LEAST_FOR_SIZE => {
+            Some(distance)
+                if distance < SMALLEST * cameras && cloud.points.len() >= LEAST_FOR_SIZE =>
+            {
                 Err(ScaleFault::Small { distance, cameras })
             }
             _ => Ok(()),
@@ -122,10 +122,7 @@ impl PointFiles {
         notes: &mut Vec<Note>,
     ) -> Result<Self, RecordingError> {
         let pattern = pattern(folder, manifest);
-        let wanted = Wanted {
-            key: "points",
-            is_kind: is_cloud,
-        };
+        let wanted = Wanted { key: "points", is_kind: is_cloud };
         let files = pattern.map(|pattern| numbered_files::list(folder, pattern, &wanted));
         let files = files.transpose()?.unwrap_or_default();
 
@@ -140,9 +137,8 @@ impl PointFiles {
 
         let frame = |number: u64| Some(FrameIndex(usize::try_from(number).ok()?));
         let numbered = files.of_number.into_iter();
-        let of_frame: BTreeMap<_, _> = numbered
-            .filter_map(|(number, path)| Some((frame(number)?, path)))
-            .collect();
+        let of_frame: BTreeMap<_, _> =
+            numbered.filter_map(|(number, path)| Some((frame(number)?, path))).collect();
 
         Ok(Self {
             in_metres: manifest.points_unit.map_or(1.0, |unit| unit.in_metres()),
@@ -173,22 +169,13 @@ impl PointFiles {
         let Some(path) = self.of_frame.get(&frame) else {
             return Ok(Cloud::default());
         };
-        let cloud = points::read(path).map_err(|source| RecordingError::Cloud {
-            frame,
-            source: Box::new(source),
-        })?;
+        let cloud = points::read(path)
+            .map_err(|source| RecordingError::Cloud { frame, source: Box::new(source) })?;
 
-        let cloud = cloud
-            .scaled(self.in_metres)
-            .moved(&self.world_from_file)
-            .thinned(MOST_POINTS);
+        let cloud = cloud.scaled(self.in_metres).moved(&self.world_from_file).thinned(MOST_POINTS);
 
         let check = self.view.map_or(Ok(()), |view| view.check(&cloud));
-        check.map_err(|fault| RecordingError::PointsScale {
-            path: path.clone(),
-            frame,
-            fault,
-        })?;
+        check.map_err(|fault| RecordingError::PointsScale { path: path.clone(), frame, fault })?;
         Ok(cloud)
     }
 
@@ -210,11 +197,8 @@ impl PointFiles {
         let most_points = most.max().unwrap_or(0);
         let empty = empty.map(|frames| Note::PointsEmpty { frames });
         let unusable = unusable.map(|frames| Note::PointsUnusable { points, frames });
-        let thinned = thinned.map(|frames| Note::PointsThinned {
-            most_points,
-            used: MOST_POINTS,
-            frames,
-        });
+        let thinned =
+            thinned.map(|frames| Note::PointsThinned { most_points, used: MOST_POINTS, frames });
         [empty, unusable, thinned].into_iter().flatten().collect()
     }
 }

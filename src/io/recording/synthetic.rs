@@ -80,11 +80,11 @@ pub struct Truth {
 impl Truth {
     /// The truth of a recording.
     pub fn new(synthetic: &Synthetic) -> Self {
-        let Synthetic {
-            model, shape, motions, ..
-        } = synthetic;
+        let Synthetic { model, shape, motions, .. } = synthetic;
 
-        let named = |names: &[String], values: &[f64]| names.iter().cloned().zip(values.iter().copied()).collect();
+        let named = |names: &[String], values: &[f64]| {
+            names.iter().cloned().zip(values.iter().copied()).collect()
+        };
         let angles = model.joints.iter().enumerate().map(|(j, joint)| {
             let over_time = motions.iter().map(|m| m.angles[j].to_degrees());
             (joint.name.clone(), over_time.collect())
@@ -98,7 +98,10 @@ impl Truth {
             coefficients: named(&model.coefficients, shape.0.as_slice()),
             lengths_m: lengths(synthetic),
             root_position_m: motions.iter().map(|m| m.position_world.into()).collect(),
-            root_rotation_rad: motions.iter().map(|m| m.world_from_root.scaled_axis().into()).collect(),
+            root_rotation_rad: motions
+                .iter()
+                .map(|m| m.world_from_root.scaled_axis().into())
+                .collect(),
             angles_deg: angles.collect(),
         }
     }
@@ -109,7 +112,9 @@ fn lengths(synthetic: &Synthetic) -> BTreeMap<String, f64> {
     let Some(points) = synthetic.points(FrameIndex(0)) else {
         return BTreeMap::new();
     };
-    let length = |(name, from, to): &(String, usize, usize)| (name.clone(), (points[*to] - points[*from]).norm());
+    let length = |(name, from, to): &(String, usize, usize)| {
+        (name.clone(), (points[*to] - points[*from]).norm())
+    };
     synthetic.model.lengths.iter().map(length).collect()
 }
 
@@ -161,9 +166,9 @@ fn fill(synthetic: &Synthetic, folder: &Path) -> Result<(), SyntheticError> {
         fs::create_dir_all(&path).map_err(failed(&path))?;
     }
     let rig = &synthetic.rig;
-    let all = rig
-        .iter()
-        .flat_map(|(id, camera)| (0..synthetic.frames()).map(move |frame| (FrameIndex(frame), id, camera)));
+    let all = rig.iter().flat_map(|(id, camera)| {
+        (0..synthetic.frames()).map(move |frame| (FrameIndex(frame), id, camera))
+    });
     let all: Vec<_> = all.collect();
     all.into_par_iter().try_for_each(|(frame, id, camera)| {
         let path = masks_of(folder, camera).join(format!("{:06}.png", frame.0));
@@ -174,7 +179,11 @@ fn fill(synthetic: &Synthetic, folder: &Path) -> Result<(), SyntheticError> {
 }
 
 /// Cameras, manifest and truth.
-pub(super) fn write_texts(synthetic: &Synthetic, folder: &Path, manifest: &str) -> Result<(), SyntheticError> {
+pub(super) fn write_texts(
+    synthetic: &Synthetic,
+    folder: &Path,
+    manifest: &str,
+) -> Result<(), SyntheticError> {
     let text_file = |name: &str, text: &str| {
         let path = folder.join(name);
         fs::write(&path, text).map_err(failed(&path))
@@ -190,7 +199,12 @@ fn masks_of(folder: &Path, camera: &Camera) -> PathBuf {
     folder.join("masks").join(&camera.name)
 }
 
-fn write_mask(synthetic: &Synthetic, frame: FrameIndex, camera: CameraId, path: &Path) -> Result<(), SyntheticError> {
+fn write_mask(
+    synthetic: &Synthetic,
+    frame: FrameIndex,
+    camera: CameraId,
+    path: &Path,
+) -> Result<(), SyntheticError> {
     let Some(mask) = synthetic.mask(frame, camera) else {
         return Ok(());
     };
@@ -248,8 +262,5 @@ pub fn trajectories(synthetic: &Synthetic) -> Trajectories {
 
 fn truth_text(synthetic: &Synthetic, folder: &Path) -> Result<String, SyntheticError> {
     let text = serde_json::to_string(&Truth::new(synthetic));
-    text.map_err(|source| SyntheticError::Truth {
-        path: folder.join("truth.json"),
-        source,
-    })
+    text.map_err(|source| SyntheticError::Truth { path: folder.join("truth.json"), source })
 }

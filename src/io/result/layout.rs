@@ -105,8 +105,7 @@ mod tests {
         let mut serializer = Serializer::with_formatter(&mut bytes, Layout::default());
         value.serialize(&mut serializer).unwrap();
         let text = String::from_utf8(bytes).unwrap();
-        let expected =
-            "{\n  \"a\": {\n    \"b\": [\n      {\"c\": [1, 2], \"d\": []},\n      {}\n    ]\n  },\n  \"e\": []\n}";
+        let expected = "{\n  \"a\": {\n    \"b\": [\n      {\"c\": [1, 2], \"d\": []},\n      {}\n    ]\n  },\n  \"e\": []\n}";
         assert_eq!(text, expected);
     }
 }

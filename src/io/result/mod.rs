@@ -23,9 +23,9 @@ pub use joints::trajectories;
 pub use parts::Provenance;
 pub use read::ResultError;
 pub use schema::{
-    CameraPart, CoefficientPart, FramePart, HypothesisPart, InputPart, LengthPart, MissingPart, MotionPart, NoisePart,
-    OptionsPart, OriginPart, OutcomePart, PointPart, PosteriorPart, Program, QualityPart, RecordingPart, RejectedPart,
-    ResultFile, ShapePart, ViewPart,
+    CameraPart, CoefficientPart, FramePart, HypothesisPart, InputPart, LengthPart, MissingPart,
+    MotionPart, NoisePart, OptionsPart, OriginPart, OutcomePart, PointPart, PosteriorPart, Program,
+    QualityPart, RecordingPart, RejectedPart, ResultFile, ShapePart, ViewPart,
 };
 
 impl ResultFile {

@@ -1,9 +1,9 @@
 //! How a fit is written down.
 
 use super::schema::{
-    CameraPart, CoefficientPart, FramePart, HypothesisPart, InputPart, LengthPart, MissingPart, MotionPart, NoisePart,
-    OptionsPart, OriginPart, OutcomePart, PointPart, PosteriorPart, Program, QualityPart, RecordingPart, RejectedPart,
-    ResultFile, ShapePart, ViewPart,
+    CameraPart, CoefficientPart, FramePart, HypothesisPart, InputPart, LengthPart, MissingPart,
+    MotionPart, NoisePart, OptionsPart, OriginPart, OutcomePart, PointPart, PosteriorPart, Program,
+    QualityPart, RecordingPart, RejectedPart, ResultFile, ShapePart, ViewPart,
 };
 use crate::body::BodyModel;
 use crate::camera::{CameraId, Rig};
@@ -40,7 +40,7 @@ impl ResultFile {
 
         Self {
             format: "maquette-result".into(),
-            version: 1,
+            version: 2,
             program: Program {
                 name: env!("CARGO_PKG_NAME").into(),
                 version: env!("CARGO_PKG_VERSION").into(),
@@ -64,16 +64,13 @@ impl ResultFile {
 }
 
 fn name(rig: &Rig, id: CameraId) -> String {
-    rig.camera(id)
-        .map_or_else(|| id.to_string(), |camera| camera.name.clone())
+    rig.camera(id).map_or_else(|| id.to_string(), |camera| camera.name.clone())
 }
 
 fn recording(from: Provenance<'_>) -> RecordingPart {
     let rig = &from.recording.rig;
     let fitted = |frame: &&FrameIndex| {
-        let known = from
-            .observations
-            .binary_search_by_key(*frame, |observed| observed.frame);
+        let known = from.observations.binary_search_by_key(*frame, |observed| observed.frame);
         known.is_ok()
     };
 
@@ -240,9 +237,5 @@ fn quality(fit: &Fit, rig: &Rig) -> QualityPart {
         })
     });
 
-    QualityPart {
-        cameras: cameras.collect(),
-        views: views.collect(),
-        points: points.collect(),
-    }
+    QualityPart { cameras: cameras.collect(), views: views.collect(), points: points.collect() }
 }

@@ -97,7 +97,13 @@ impl ResultFile {
         Ok(Shape(DVector::from_iterator(coefficients.len(), values)))
     }
 
-    fn other_body(&self, model: &BodyModel, kind: &'static str, expected: usize, found: usize) -> ResultError {
+    fn other_body(
+        &self,
+        model: &BodyModel,
+        kind: &'static str,
+        expected: usize,
+        found: usize,
+    ) -> ResultError {
         ResultError::Body {
             body: self.body.clone(),
             found_body: model.name.clone(),

@@ -5,12 +5,12 @@ use serde::{Deserialize, Serialize};
 use crate::inference::confidence::Confidence;
 use crate::pipeline::{EstimateOptions, FrameSd, ObservationOptions};
 
-/// What a fit found, and what it was made from. Version 1.
+/// What a fit found, and what it was made from. Version 2.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ResultFile {
     /// `maquette-result`.
     pub format: String,
-    /// 1.
+    /// 2.
     pub version: u32,
     /// What wrote it.
     pub program: Program,

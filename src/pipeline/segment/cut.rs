@@ -4,7 +4,9 @@ use rayon::prelude::*;
 
 use super::SegmentOptions;
 use super::view::SegmentedView;
-use crate::image::{Mask, Picture, Plane, Region, Runs, box_mean, clean, enlarge, relax, sharpen, shrink};
+use crate::image::{
+    Mask, Picture, Plane, Region, Runs, box_mean, clean, enlarge, relax, sharpen, shrink,
+};
 use crate::silhouette::{ShrunkSize, Support};
 
 /// Below this evidence a pixel does not tell by itself what it shows.
@@ -104,11 +106,7 @@ impl Segmenter {
             let mask = sharpen(&coarse, full, &self.options.border.scaled(shrunk.factor));
 
             let runs = Runs::from_mask(&mask);
-            Some(Cut {
-                quality: quality(&runs, own, together, shrunk.factor),
-                mask,
-                probability,
-            })
+            Some(Cut { quality: quality(&runs, own, together, shrunk.factor), mask, probability })
         };
         (0..small.len()).into_par_iter().map(cut).collect()
     }
@@ -121,10 +119,7 @@ impl Segmenter {
             let runs = Runs::from_mask(&Mask::brighter_than(&labels, 0.5));
             Some(painted(&clean(&runs, &self.options.clean)))
         };
-        KeyMasks {
-            masks: together.par_iter().zip(pictures).map(mask).collect(),
-            support,
-        }
+        KeyMasks { masks: together.par_iter().zip(pictures).map(mask).collect(), support }
     }
 
     /// Each camera's own evidence, and that with the support of the others.
@@ -136,17 +131,15 @@ impl Segmenter {
             .map(|own| own.filter(|own| !is_another_scene(own)))
             .collect();
         let Some(support) = &self.support else {
-            return Evidence {
-                together: own.clone(),
-                support: vec![None; own.len()],
-                own,
-            };
+            return Evidence { together: own.clone(), support: vec![None; own.len()], own };
         };
 
         let support = support.by_others(&own);
         let count = own.iter().flatten().count().saturating_sub(1);
         let together: Vec<Option<Plane<f32>>> = (support.par_iter().zip(&own).zip(&self.views))
-            .map(|((others, own), view)| Some(view.supported(own.as_ref()?, others.as_ref()?, count, &self.options)))
+            .map(|((others, own), view)| {
+                Some(view.supported(own.as_ref()?, others.as_ref()?, count, &self.options))
+            })
             .collect();
         Evidence { own, together, support }
     }
@@ -159,11 +152,8 @@ impl Segmenter {
             return labels;
         };
         let region = region.grown(MARGIN, evidence.width(), evidence.height());
-        let inner = relax(
-            &evidence.cropped(&region),
-            &picture.cropped(&region),
-            &self.options.relax,
-        );
+        let inner =
+            relax(&evidence.cropped(&region), &picture.cropped(&region), &self.options.relax);
         for y in region.top..region.bottom {
             labels.row_mut(y)[region.left..region.right].copy_from_slice(inner.row(y - region.top));
         }
@@ -178,12 +168,7 @@ fn is_another_scene(own: &Plane<f32>) -> bool {
 }
 
 fn painted(runs: &Runs) -> Plane<u8> {
-    let whole = Region {
-        left: 0,
-        top: 0,
-        right: runs.width(),
-        bottom: runs.height(),
-    };
+    let whole = Region { left: 0, top: 0, right: runs.width(), bottom: runs.height() };
     runs.painted(&whole, 0)
 }
 

@@ -18,7 +18,9 @@ impl Training {
         let views = shrunk.iter().zip(&mixtures).zip(&self.cameras);
         let mut segmenter = Segmenter {
             views: views
-                .map(|((s, mixture), c)| SegmentedView::new(mixture, (s.width, s.height), c.hue_noise))
+                .map(|((s, mixture), c)| {
+                    SegmentedView::new(mixture, (s.width, s.height), c.hue_noise)
+                })
                 .collect(),
             support: None,
             shrunk,
@@ -26,16 +28,14 @@ impl Training {
         };
         for round in 0..self.options.rounds {
             // 2. masks of the key frames, by what is known so far
-            let found: Vec<KeyMasks> = self
-                .keys
-                .par_iter()
-                .map(|pictures| segmenter.key_masks(pictures))
-                .collect();
+            let found: Vec<KeyMasks> =
+                self.keys.par_iter().map(|pictures| segmenter.key_masks(pictures)).collect();
             // 3. where the person is
             if round == 0 && self.rig.cameras.len() > 1 {
                 let volume = subject::volume(&self.rig, &segmenter.shrunk, &found);
-                segmenter.support =
-                    volume.map(|volume| Support::new(&self.rig, &segmenter.shrunk, &volume, self.options.support));
+                segmenter.support = volume.map(|volume| {
+                    Support::new(&self.rig, &segmenter.shrunk, &volume, self.options.support)
+                });
             }
             // 4. colours of the person, and what the background is without the person
             let options = self.options;

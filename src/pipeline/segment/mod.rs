@@ -87,10 +87,7 @@ impl Default for SegmentOptions {
             shadow: ShadowOptions::default(),
             relax: RelaxOptions::default(),
             support: SupportOptions::default(),
-            clean: CleanOptions {
-                part_fraction: 0.1,
-                ..CleanOptions::default()
-            },
+            clean: CleanOptions { part_fraction: 0.1, ..CleanOptions::default() },
             border: BorderOptions::default(),
         }
     }

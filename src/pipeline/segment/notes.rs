@@ -17,11 +17,7 @@ pub(super) struct Notes<'a> {
 
 impl<'a> Notes<'a> {
     pub(super) fn new(rig: &'a Rig) -> Self {
-        Self {
-            rig,
-            refused: vec![Frames::default(); rig.cameras.len()],
-            lines: Vec::new(),
-        }
+        Self { rig, refused: vec![Frames::default(); rig.cameras.len()], lines: Vec::new() }
     }
 
     /// Counts the pictures of a frame that became no masks.
@@ -70,8 +66,7 @@ impl<'a> Notes<'a> {
         }
 
         if !segmenter.is_consistent() && self.rig.cameras.len() > 1 {
-            let alone =
-                "the cameras do not agree on where the person is: each is segmented by itself; check the calibration";
+            let alone = "the cameras do not agree on where the person is: each is segmented by itself; check the calibration";
             self.lines.push(alone.into());
         }
     }

@@ -87,10 +87,7 @@ pub fn segment<E: Send>(
 
     notes.add_masks(&masks);
     notes.add_background(&segmenter);
-    Ok(Segmented {
-        masks,
-        notes: notes.lines,
-    })
+    Ok(Segmented { masks, notes: notes.lines })
 }
 
 /// Learns background and person from the empty scenes and all pictures.

@@ -14,10 +14,8 @@ const MISS: f64 = 0.5;
 
 /// The box in which the person moves; `None` if no two cameras agree on where that is in any frame.
 pub(super) fn volume(rig: &Rig, shrunk: &[ShrunkSize], keys: &[KeyMasks]) -> Option<Volume> {
-    let places: Vec<Point3<f64>> = keys
-        .iter()
-        .filter_map(|masks| place(rig, shrunk, &masks.masks))
-        .collect();
+    let places: Vec<Point3<f64>> =
+        keys.iter().filter_map(|masks| place(rig, shrunk, &masks.masks)).collect();
     let middle = |axis: usize| {
         let mut values: Vec<f64> = places.iter().map(|place| place[axis]).collect();
         values.sort_by(f64::total_cmp);
@@ -29,10 +27,7 @@ pub(super) fn volume(rig: &Rig, shrunk: &[ShrunkSize], keys: &[KeyMasks]) -> Opt
     let near = places.iter().filter(|place| (*place - middle).dot(&height).abs() < 1.0);
     let near: Vec<_> = near.collect();
     let bound = |axis: usize, sign: f64| {
-        let ends = near
-            .iter()
-            .map(|place| sign * place[axis])
-            .fold(f64::NEG_INFINITY, f64::max);
+        let ends = near.iter().map(|place| sign * place[axis]).fold(f64::NEG_INFINITY, f64::max);
         sign * (ends + REACH[axis])
     };
     Some(Volume {

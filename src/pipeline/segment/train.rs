@@ -49,9 +49,7 @@ impl Training {
     pub fn new(rig: &Rig, frames: usize, options: SegmentOptions) -> Self {
         let cameras = rig.cameras.iter();
         Self {
-            cameras: cameras
-                .map(|camera| CameraTraining::new(camera, options.most_px))
-                .collect(),
+            cameras: cameras.map(|camera| CameraTraining::new(camera, options.most_px)).collect(),
             rig: rig.clone(),
             options,
             keys: Vec::new(),
@@ -110,11 +108,7 @@ impl CameraTraining {
         let factor = factor.unwrap_or(1);
 
         Self {
-            shrunk: ShrunkSize {
-                width: width / factor,
-                height: height / factor,
-                factor,
-            },
+            shrunk: ShrunkSize { width: width / factor, height: height / factor, factor },
             mixture: None,
             empty: 0,
             taught: 0.0,
@@ -193,7 +187,8 @@ fn noise(a: &Picture, b: &Picture) -> [f32; 2] {
         counts[0][(r + g + b).unsigned_abs() as usize] += 1;
         counts[1][(r - g).unsigned_abs() as usize] += 1;
     }
-    let [sum, difference] = counts.map(|counts| median_of_counts(&counts) as f32 * SIGMA_OF_MEDIAN / 2_f32.sqrt());
+    let [sum, difference] =
+        counts.map(|counts| median_of_counts(&counts) as f32 * SIGMA_OF_MEDIAN / 2_f32.sqrt());
     [sum / 3_f32.sqrt(), difference / 2_f32.sqrt()]
 }
 
@@ -204,7 +199,8 @@ mod tests {
 
     #[test]
     fn key_frames_are_evenly_spaced_and_as_many_as_asked_for() {
-        let keys = |frames, keys| (0..frames).filter(|p| is_key(*p, frames, keys)).collect::<Vec<_>>();
+        let keys =
+            |frames, keys| (0..frames).filter(|p| is_key(*p, frames, keys)).collect::<Vec<_>>();
         assert_eq!(keys(3, 16), [0, 1, 2]);
         assert_eq!(keys(100, 4), [13, 38, 63, 88]);
         assert_eq!(keys(1000, 16).len(), 16);
@@ -235,12 +231,7 @@ mod tests {
 
     #[test]
     fn one_picture_of_the_empty_scene_is_no_noisier_than_the_recording_shows() {
-        let ring = Ring {
-            cameras: 1,
-            width_px: 80,
-            height_px: 50,
-            ..Ring::default()
-        };
+        let ring = Ring { cameras: 1, width_px: 80, height_px: 50, ..Ring::default() };
         let mut training = Training::new(&ring.regular(), 20, SegmentOptions::default());
         let mut random = 3;
         training.add_empty(CameraId(0), &grainy(&mut random, 12.0));

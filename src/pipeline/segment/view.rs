@@ -1,7 +1,9 @@
 //! What one camera knows of the empty scene and of the person.
 
 use super::SegmentOptions;
-use crate::image::{Background, BackgroundPixel, ColourCount, Colours, Mixture, Mode, Picture, Plane, box_mean};
+use crate::image::{
+    Background, BackgroundPixel, ColourCount, Colours, Mixture, Mode, Picture, Plane, box_mean,
+};
 
 /// A mode that was there for less than this share of the time is not the empty scene.
 const RARE: f32 = 0.03;
@@ -106,7 +108,12 @@ impl SegmentedView {
     }
 
     /// Learns colours from key frames and their masks, and chooses the background anew from a mixture, if there is one.
-    pub(super) fn learn(&mut self, mixture: Option<&Mixture>, keys: &[Key<'_>], options: &SegmentOptions) {
+    pub(super) fn learn(
+        &mut self,
+        mixture: Option<&Mixture>,
+        keys: &[Key<'_>],
+        options: &SegmentOptions,
+    ) {
         // the person's colours, and where the person ever was
         let (width, height) = (self.background.width(), self.background.height());
         let mut person = ColourCount::default();
@@ -130,12 +137,7 @@ impl SegmentedView {
         let person = person.density();
         if let Some(mixture) = mixture {
             let around = self.colours_around(&ever);
-            let known = KnownColours {
-                keys,
-                ever: &ever,
-                person: &person,
-                around: &around,
-            };
+            let known = KnownColours { keys, ever: &ever, person: &person, around: &around };
             self.choose_again(mixture, &known, options.background_odds);
             self.around = Some(around);
         }
@@ -159,12 +161,7 @@ impl SegmentedView {
 
     /// Where the person ever was: the mode that was there most and is least like the person; and how far it can be trusted.
     fn choose_again(&mut self, mixture: &Mixture, known: &KnownColours<'_>, odds: f32) {
-        let KnownColours {
-            keys,
-            ever,
-            person,
-            around,
-        } = *known;
+        let KnownColours { keys, ever, person, around } = *known;
 
         let size = (ever.width(), ever.height());
         let near = box_mean(ever, 2 + (size.0 + size.1) / 750);
@@ -202,11 +199,8 @@ impl SegmentedView {
         for y in 0..size.1 {
             for (x, empty) in self.background.row_mut(y).iter_mut().enumerate() {
                 let trust = 1.0 / (1.0 + (-TRUST_SLOPE * sure.row(y)[x]).exp());
-                empty.trust = if is_near(x, y) {
-                    trust.clamp(LEAST_DOUBT, 1.0 - LEAST_DOUBT)
-                } else {
-                    1.0
-                };
+                empty.trust =
+                    if is_near(x, y) { trust.clamp(LEAST_DOUBT, 1.0 - LEAST_DOUBT) } else { 1.0 };
             }
         }
     }
@@ -253,12 +247,7 @@ fn choose(
     hue_noise: f32,
     score: impl Fn(&Mode, usize, usize) -> f32,
 ) -> Background {
-    let nothing = BackgroundPixel {
-        mean: [0.0; 3],
-        along: 1.0,
-        across: 1.0,
-        trust: 0.0,
-    };
+    let nothing = BackgroundPixel { mean: [0.0; 3], along: 1.0, across: 1.0, trust: 0.0 };
     let mut background = Plane::filled(width, height, nothing);
     for y in 0..height {
         for (x, empty) in background.row_mut(y).iter_mut().enumerate() {

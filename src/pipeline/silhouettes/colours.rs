@@ -68,8 +68,9 @@ pub(super) fn parting(
     let normals: Vec<Vector2<f64>> = (0..n).map(|i| outward(contour, i)).collect();
     let place = |i: usize, s: isize| contour[i] + normals[i] * s as f64;
     let far = STRIP_PX.1 as isize;
-    let seen =
-        |i: usize| -> Normal { std::array::from_fn(|k| colour([red, green, blue], &place(i, k as isize - far))) };
+    let seen = |i: usize| -> Normal {
+        std::array::from_fn(|k| colour([red, green, blue], &place(i, k as isize - far)))
+    };
     let seen: Vec<Normal> = (0..n).map(seen).collect();
     let strip = |i: usize, side: isize, person: bool| -> Vec<[f32; 3]> {
         let steps = (STRIP_PX.0..=STRIP_PX.1).map(move |s| side * s as isize);
@@ -193,9 +194,7 @@ mod tests {
         for radius_px in [38.0, 40.0, 42.0] {
             let is_person = |p: &Point2<f64>| (p - Point2::new(80.0, 80.0)).norm() < radius_px;
             let found = parting(&circle(radius_px), &colours, is_person);
-            let off = found
-                .iter()
-                .map(|p| ((p - Point2::new(80.0, 80.0)).norm() - 40.0).abs());
+            let off = found.iter().map(|p| ((p - Point2::new(80.0, 80.0)).norm() - 40.0).abs());
             assert!(off.clone().sum::<f64>() / 160.0 < 0.4, "{radius_px}: {found:?}");
             assert!(off.fold(0.0, f64::max) < 1.5, "{radius_px}");
         }

@@ -22,7 +22,12 @@ pub fn nearness(map: &DepthMap) -> Plane<f32> {
 ///
 /// Clothes have edges beside the border that are as strong as the border, but depth goes on across them. Around a foot on
 /// the floor depth ends nowhere: there any edge can be the border.
-pub(super) fn where_depth_ends(mask: &Mask, camera: &Camera, map: &DepthMap, reach_px: f64) -> Mask {
+pub(super) fn where_depth_ends(
+    mask: &Mask,
+    camera: &Camera,
+    map: &DepthMap,
+    reach_px: f64,
+) -> Mask {
     // where it ends, in the pixels of the rectified image
     let near = behind_filled(&nearness(map));
     let (width, height) = (near.width(), near.height());
@@ -87,7 +92,9 @@ fn behind_filled(nearness: &Plane<f32>) -> Plane<f32> {
 /// The least or the greatest of every window.
 fn extreme(plane: &Plane<f32>, of: fn(f32, f32) -> f32) -> Plane<f32> {
     let (width, height) = (plane.width(), plane.height());
-    let window = |at: usize, size: usize| at.saturating_sub(ENDS_WITHIN_PX)..(at + ENDS_WITHIN_PX + 1).min(size);
+    let window = |at: usize, size: usize| {
+        at.saturating_sub(ENDS_WITHIN_PX)..(at + ENDS_WITHIN_PX + 1).min(size)
+    };
 
     // first along the rows, then across them
     let mut along = plane.clone();

@@ -54,12 +54,7 @@ impl FilteredEdges {
         let (wide, _) = passed(&edges.wide);
         let (narrow, high) = passed(&edges.narrow);
         let is_flat = narrow.magnitude().values().iter().all(|m| *m <= 0.0);
-        Self {
-            mask,
-            wide,
-            narrow,
-            strong: if is_flat { 0.0 } else { high },
-        }
+        Self { mask, wide, narrow, strong: if is_flat { 0.0 } else { high } }
     }
 
     /// Strength of the edges that passed, for a picture.
@@ -82,7 +77,12 @@ fn quantile(plane: &Plane<f32>, share: f64) -> f32 {
 ///
 /// The working volume is the box around the expected body and `volume_m` about it. The mask reaches a little beyond the near
 /// pixels: the edge is at their border, and correlation blurs it.
-pub fn disparity_mask(camera: &Camera, points: &[CloudPoint], body: &Posed<'_>, options: &ContourOptions) -> Mask {
+pub fn disparity_mask(
+    camera: &Camera,
+    points: &[CloudPoint],
+    body: &Posed<'_>,
+    options: &ContourOptions,
+) -> Mask {
     let is_in = volume(body, options.volume_m);
     let near = points.iter().filter(|p| is_in(p));
     let pixels = near.filter_map(|p| camera.project_undistorted(&p.position_world));
@@ -96,7 +96,9 @@ pub(super) fn volume(body: &Posed<'_>, margin_m: f64) -> impl Fn(&CloudPoint) ->
     let bounds = body.bounds();
     move |point| {
         let x = point.position_world.coords;
-        bounds.is_some_and(|(low, high)| (0..3).all(|k| (low[k] - margin_m..=high[k] + margin_m).contains(&x[k])))
+        bounds.is_some_and(|(low, high)| {
+            (0..3).all(|k| (low[k] - margin_m..=high[k] + margin_m).contains(&x[k]))
+        })
     }
 }
 

@@ -19,7 +19,9 @@ use super::still::{NEARER_PX, StillScene, StillScenes, points_where};
 use super::undistorted::UndistortedFrame;
 use crate::camera::{Camera, Rig};
 use crate::image::{CleanOptions, Mask, Plane, Runs, clean, closed, opened, resample, trace};
-use crate::silhouette::{BorderPoint, FrameIndex, FrameObservations, Silhouette, SilhouetteOptions, from_curves};
+use crate::silhouette::{
+    BorderPoint, FrameIndex, FrameObservations, Silhouette, SilhouetteOptions, from_curves,
+};
 use crate::stereo::{CloudPoint, DepthMap};
 
 /// Radius of the disk that closes and opens what moves, px: the correlation window's.
@@ -37,7 +39,12 @@ const LEAST_IN_CELL: usize = 3;
 
 impl StillScenes {
     /// The points and silhouettes of a frame that are in front of the still scenes of the same cameras.
-    pub fn moving(&self, frame: FrameIndex, rig: &Rig, shown: &UndistortedFrame) -> FrameObservations {
+    pub fn moving(
+        &self,
+        frame: FrameIndex,
+        rig: &Rig,
+        shown: &UndistortedFrame,
+    ) -> FrameObservations {
         let mut observed = FrameObservations::nothing(frame);
         let mut points = Vec::new();
         for (camera, map) in shown.depths(rig) {
@@ -56,7 +63,12 @@ impl StillScenes {
 }
 
 /// The silhouette of what moves, in undistorted pixels of its camera; `None` where nothing does.
-fn silhouette(still: &StillScene, map: &DepthMap, moves: &Mask, camera: &Camera) -> Option<Silhouette> {
+fn silhouette(
+    still: &StillScene,
+    map: &DepthMap,
+    moves: &Mask,
+    camera: &Camera,
+) -> Option<Silhouette> {
     let mask = opened(&closed(moves, CLEAN_PX), CLEAN_PX);
     let now = still.filled_in(&nearness(map));
     let borders = trace(&clean(&Runs::from_mask(&mask), &CleanOptions::default()));
@@ -175,10 +187,8 @@ mod tests {
 
     #[test]
     fn of_two_pieces_the_larger_is_kept_and_strays_go() {
-        let at = |x: f64| CloudPoint {
-            position_world: [x, 0.0, 1.0].into(),
-            spread: Spread::Unknown,
-        };
+        let at =
+            |x: f64| CloudPoint { position_world: [x, 0.0, 1.0].into(), spread: Spread::Unknown };
         let near = (0..90).map(|i| at(f64::from(i) * 0.01));
         let far = (0..30).map(|i| at(5.0 + f64::from(i) * 0.01));
         let all = near.chain(far).chain([at(2.0)]).collect();

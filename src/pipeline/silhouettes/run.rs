@@ -107,11 +107,7 @@ impl<P: PictureSource> SilhouetteSearch<'_, P> {
             observations.push(found.sighting.observed);
             Ok(())
         })?;
-        Ok(FoundSilhouettes {
-            observations,
-            reliability: mean(reliabilities),
-            notes,
-        })
+        Ok(FoundSilhouettes { observations, reliability: mean(reliabilities), notes })
     }
 
     /// Shape and motion of all frames at once fitted to stereo and contours, and contours from there, by turns.
@@ -175,11 +171,8 @@ mod tests {
     #[test]
     fn contours_that_lie_on_no_edges_are_doubted_and_others_are_not() {
         let doubt = |reliability| {
-            let found = FoundSilhouettes {
-                observations: Vec::new(),
-                reliability,
-                notes: Vec::new(),
-            };
+            let found =
+                FoundSilhouettes { observations: Vec::new(), reliability, notes: Vec::new() };
             found.doubt("arm")
         };
         let line = doubt(Some(0.35)).expect("it is below the limit");

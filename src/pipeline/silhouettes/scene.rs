@@ -71,14 +71,7 @@ impl<'a> Scene<'a> {
             (Some(depth), None) if still.is_empty() => depth.points.clone(),
             _ => Vec::new(),
         });
-        Self {
-            edges: edges.collect(),
-            points: points.collect(),
-            depths,
-            rig,
-            shown,
-            options,
-        }
+        Self { edges: edges.collect(), points: points.collect(), depths, rig, shown, options }
     }
 
     /// The contours of an expected body in every view, in the order of the rig; `None` where there is no picture.
@@ -89,7 +82,13 @@ impl<'a> Scene<'a> {
             let expected = outline(&view.grey.camera, body, self.options.outline_px);
             let filtered = self.filtered(i, body, &expected)?;
             Some(ViewSighting {
-                contours: ViewContours::settle(camera, &expected, &filtered, &view.colours, &self.options),
+                contours: ViewContours::settle(
+                    camera,
+                    &expected,
+                    &filtered,
+                    &view.colours,
+                    &self.options,
+                ),
                 filtered,
             })
         });
@@ -97,7 +96,12 @@ impl<'a> Scene<'a> {
     }
 
     /// The edges of a view that can be the body's.
-    fn filtered(&self, i: usize, body: &Posed<'_>, expected: &ModelOutline) -> Option<FilteredEdges> {
+    fn filtered(
+        &self,
+        i: usize,
+        body: &Posed<'_>,
+        expected: &ModelOutline,
+    ) -> Option<FilteredEdges> {
         let (camera, edges) = (&self.rig.cameras[i], self.edges.get(i)?.as_ref()?);
         let reach_px = self.options.search_m * px_per_m(camera, expected);
         let mask = match &self.depths.get(i).and_then(Option::as_ref) {
@@ -124,7 +128,12 @@ impl<'a> Scene<'a> {
     }
 
     /// What the frame shows of an expected body: contours, and the silhouettes and points that it can be fitted to.
-    pub fn sighting(&self, frame: FrameIndex, body: &Posed<'_>, scale: &SkinScale) -> FrameSighting {
+    pub fn sighting(
+        &self,
+        frame: FrameIndex,
+        body: &Posed<'_>,
+        scale: &SkinScale,
+    ) -> FrameSighting {
         let views = self.contours(body);
         let silhouettes = views.iter().enumerate().filter_map(|(i, seen)| {
             let silhouette = seen.as_ref()?.contours.silhouette.clone()?;

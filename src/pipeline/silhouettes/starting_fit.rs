@@ -39,11 +39,7 @@ impl StartingFit {
         frames: &[FrameIndex],
         progress: &dyn Progress,
     ) -> Self {
-        Self {
-            shape,
-            motions,
-            still: still_scenes(pictures, frames, progress),
-        }
+        Self { shape, motions, still: still_scenes(pictures, frames, progress) }
     }
 
     /// Fits a body of plain build to what moves, by depth alone (PF02, §4.1).
@@ -69,45 +65,36 @@ impl StartingFit {
             observed.push(still.moving(frame, pictures.rig(), &shown));
         });
         // 3. the body on it
-        let options = EstimateOptions {
-            measure: Some(Measure::Metaballs),
-            ..EstimateOptions::default()
-        };
-        let sequence = Sequence {
-            frames: &observed,
-            fps: pictures.fps(),
-        };
+        let options =
+            EstimateOptions { measure: Some(Measure::Metaballs), ..EstimateOptions::default() };
+        let sequence = Sequence { frames: &observed, fps: pictures.fps() };
         let plain = plain_build(model);
         let fit = fit(&plain, pictures.rig(), sequence, &options, &NoJournal)?;
 
         let motions = fit.frames.into_iter().map(|f| (f.frame, f.fit.motion));
-        Ok(Self {
-            shape: fit.shape,
-            motions: motions.collect(),
-            still,
-        })
+        Ok(Self { shape: fit.shape, motions: motions.collect(), still })
     }
 
     /// Shape and motion of all frames at once, fitted to what was observed in them (PF02, §4.3, step 3).
-    pub(super) fn refitted(mut self, observed: &[FrameObservations], evidence: &Evidence<'_>, fps: f64) -> Self {
+    pub(super) fn refitted(
+        mut self,
+        observed: &[FrameObservations],
+        evidence: &Evidence<'_>,
+        fps: f64,
+    ) -> Self {
         if observed.is_empty() {
             return self;
         }
         let motions = observed.iter().filter_map(|o| self.motions.get(&o.frame));
-        let start = SequenceState {
-            shape: self.shape.clone(),
-            motions: motions.cloned().collect(),
-        };
+        let start =
+            SequenceState { shape: self.shape.clone(), motions: motions.cloned().collect() };
         let sequence = Sequence { frames: observed, fps };
         let joint = joint_optimum(evidence, sequence, start, &JointOptions::default());
 
         let fitted = observed.iter().zip(joint.frames);
         let motions = fitted.map(|(o, fit)| (o.frame, fit.motion));
         self.motions.extend(motions);
-        Self {
-            shape: joint.shape,
-            ..self
-        }
+        Self { shape: joint.shape, ..self }
     }
 }
 
@@ -128,7 +115,11 @@ fn plain_build(model: &BodyModel) -> BodyModel {
 }
 
 /// What the cameras see that does not move, learnt from frames spread over the recording.
-fn still_scenes(pictures: &dyn PictureSource, frames: &[FrameIndex], progress: &dyn Progress) -> StillScenes {
+fn still_scenes(
+    pictures: &dyn PictureSource,
+    frames: &[FrameIndex],
+    progress: &dyn Progress,
+) -> StillScenes {
     if SideBySide::choose(pictures.rig()).is_err() {
         // no camera sees depth
         return StillScenes::default();

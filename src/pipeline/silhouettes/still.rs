@@ -56,9 +56,7 @@ impl StillScene {
     /// The still scene of the [`nearness`] of one camera's depth maps, of frames spread over the recording.
     pub fn learn(maps: &[Plane<f32>]) -> Self {
         let Some(first) = maps.first() else {
-            return Self {
-                nearness: Plane::filled(0, 0, 0.0),
-            };
+            return Self { nearness: Plane::filled(0, 0, 0.0) };
         };
 
         let mut still = Plane::filled(first.width(), first.height(), 0.0);
@@ -81,9 +79,7 @@ impl StillScene {
                 }
             }
         }
-        Self {
-            nearness: filled(&still),
-        }
+        Self { nearness: filled(&still) }
     }
 
     /// Where a [`nearness`] of the same camera is in front of the still scene, with all eight neighbours.
@@ -124,7 +120,8 @@ impl StillScene {
 pub(super) fn points_where(map: &DepthMap, mask: &Mask) -> Vec<CloudPoint> {
     // row by row, as the points are
     let pixels = (0..mask.height()).flat_map(|y| (0..mask.width()).map(move |x| (x, y)));
-    let is_known = |(x, y): &(usize, usize)| map.disparities.get(*x, *y).is_some_and(f32::is_finite);
+    let is_known =
+        |(x, y): &(usize, usize)| map.disparities.get(*x, *y).is_some_and(f32::is_finite);
     let known = pixels.filter(is_known).zip(&map.points);
     let shown = known.filter(|((x, y), _)| mask.is_foreground(*x, *y));
     shown.map(|(_, point)| *point).collect()
@@ -160,10 +157,7 @@ pub(super) mod tests {
     use crate::stereo::StereoView;
 
     fn point(place: [f64; 3]) -> CloudPoint {
-        CloudPoint {
-            position_world: place.into(),
-            spread: crate::stereo::Spread::Unknown,
-        }
+        CloudPoint { position_world: place.into(), spread: crate::stereo::Spread::Unknown }
     }
 
     #[test]
@@ -221,12 +215,15 @@ pub(super) mod tests {
         let floor = |y: usize| 5.0 + 0.3 * y as f32;
         let is_foot = |x: usize, y: usize| (10..20).contains(&x) && (15..25).contains(&y);
         let maps: Vec<DepthMap> = (0..10)
-            .map(|frame| depth_map(|x, y| floor(y) + if frame > 6 && is_foot(x, y) { 3.0 } else { 0.0 }))
+            .map(|frame| {
+                depth_map(|x, y| floor(y) + if frame > 6 && is_foot(x, y) { 3.0 } else { 0.0 })
+            })
             .collect();
         let still = StillScene::learn(&maps.iter().map(nearness).collect::<Vec<_>>());
         assert_eq!(still.before(&maps[0]), []);
         let foot = still.before(&maps[9]);
-        let is_in = |p: &CloudPoint| is_foot(p.position_world.x as usize, p.position_world.y as usize);
+        let is_in =
+            |p: &CloudPoint| is_foot(p.position_world.x as usize, p.position_world.y as usize);
         // without its border, as wide as a window
         assert!(foot.len() == 4 && foot.iter().all(is_in), "{}", foot.len());
     }

@@ -41,15 +41,18 @@ impl UndistortedFrame {
                 colours,
             }))
         });
-        Ok(Self {
-            views: views.collect::<Result<_, _>>()?,
-        })
+        Ok(Self { views: views.collect::<Result<_, _>>()? })
     }
 
     /// The depths that a camera sees, by correlation with the camera beside it; `None` without such a camera or its picture.
     ///
     /// They lie between a least and a greatest depth, m; without these, in all that a shift of a third of the image allows.
-    pub fn depth(&self, rig: &Rig, camera: CameraId, depths_m: Option<(f64, f64)>) -> Option<DepthMap> {
+    pub fn depth(
+        &self,
+        rig: &Rig,
+        camera: CameraId,
+        depths_m: Option<(f64, f64)>,
+    ) -> Option<DepthMap> {
         let view = |id: CameraId| self.views.get(id.0)?.as_ref();
         let (first, second) = (view(camera)?, view(neighbour(rig, camera)?)?);
         let options = CorrelationOptions::default();
@@ -60,8 +63,6 @@ impl UndistortedFrame {
     /// The depths that each camera sees that has another beside it, from the nearest possible to infinity.
     pub fn depths(&self, rig: &Rig) -> Vec<(CameraId, DepthMap)> {
         let cameras = (0..rig.cameras.len()).into_par_iter().map(CameraId);
-        cameras
-            .filter_map(|camera| Some((camera, self.depth(rig, camera, None)?)))
-            .collect()
+        cameras.filter_map(|camera| Some((camera, self.depth(rig, camera, None)?))).collect()
     }
 }

@@ -105,7 +105,9 @@ mod tests {
         let names: Vec<&str> = names.names().collect();
         assert_eq!(chosen(&[names[2], names[0]]), Ok(vec![CameraId(2), CameraId(0)]));
         let nobody = chosen(&[names[0], "nobody"]).unwrap_err();
-        assert!(nobody.starts_with("--cameras nobody: no such camera") && nobody.contains(names[1]));
+        assert!(
+            nobody.starts_with("--cameras nobody: no such camera") && nobody.contains(names[1])
+        );
         for few in [&names[..1], &[names[0], names[0]]] {
             assert!(chosen(few).unwrap_err().ends_with("two different cameras or more"));
         }

@@ -21,10 +21,7 @@ pub struct SurfaceSummary {
 
 impl SurfaceSummary {
     pub(super) fn new(options: &StereoOptions) -> Self {
-        Self {
-            trajectories: options.tracks.then_some(0),
-            ..Self::default()
-        }
+        Self { trajectories: options.tracks.then_some(0), ..Self::default() }
     }
 
     pub(super) fn count(&mut self, frame: &SurfaceFrame) {

@@ -80,12 +80,8 @@ impl<'a> Measurement<'a> {
         frame: FrameIndex,
         pictures: &[Option<Picture>],
     ) -> Result<SurfaceFrame, StereoError> {
-        let mut measured = SurfaceFrame {
-            frame,
-            surface: None,
-            reason: String::new(),
-            ended_tracks: Vec::new(),
-        };
+        let mut measured =
+            SurfaceFrame { frame, surface: None, reason: String::new(), ended_tracks: Vec::new() };
         let views = match self.cameras.views(frame, pictures) {
             Ok(views) => views,
             Err(reason) => {
@@ -125,17 +121,19 @@ impl<'a> Measurement<'a> {
         for (i, other) in frame.views[1..].iter().enumerate() {
             let options = CorrelationOptions::default();
             let map = depth_map(template, other, mask, self.options.depth_m, &options)?;
-            surface.disparities.push(DisparityMap {
-                pair: Some(i + 1),
-                disparities_px: nearness(&map),
-            });
+            surface
+                .disparities
+                .push(DisparityMap { pair: Some(i + 1), disparities_px: nearness(&map) });
             surface.points.extend(map.points);
         }
         Ok(surface)
     }
 
     /// The template in all other images.
-    fn match_all(&self, frame: &FrameViews) -> Result<(MeasuredSurface, Vec<MatchedPoint>), StereoError> {
+    fn match_all(
+        &self,
+        frame: &FrameViews,
+    ) -> Result<(MeasuredSurface, Vec<MatchedPoint>), StereoError> {
         let (template, mask) = (&frame.views[0], frame.masks[0].as_ref());
         let others: Vec<&StereoView> = frame.views[1..].iter().collect();
         let options = self.options.matching(others.len());
@@ -161,7 +159,8 @@ impl<'a> Measurement<'a> {
 /// The shift of each point against one at infinity, as a pair side by side would show it: f·B/Z, px.
 fn disparities(template: &StereoView, other: &StereoView, points: &[MatchedPoint]) -> Plane<f32> {
     let camera = &template.camera;
-    let base = (camera.centre_world() - other.camera.centre_world()).norm() * camera.intrinsics.fx_px;
+    let base =
+        (camera.centre_world() - other.camera.centre_world()).norm() * camera.intrinsics.fx_px;
 
     let mut plane = Plane::filled(template.image.width(), template.image.height(), f32::NAN);
     for point in points {

@@ -3,7 +3,9 @@
 use super::StereoError;
 use crate::stereo::StereoView;
 use crate::stereo::matching::{MatchOptions, MatchedPoint};
-use crate::stereo::tracking::{FilterOptions, FrameViews, TrackOptions, Tracker, Trajectory, filter_trajectories};
+use crate::stereo::tracking::{
+    FilterOptions, FrameViews, TrackOptions, Tracker, Trajectory, filter_trajectories,
+};
 
 /// Frames through which a set of points is followed, before a new one begins.
 const TRACKED_FRAMES: usize = 10;
@@ -43,11 +45,7 @@ impl FollowedPoints {
 
 impl Tracking {
     pub(super) fn new(matching: MatchOptions, fps: f64) -> Self {
-        Self {
-            matching,
-            fps,
-            followed: None,
-        }
+        Self { matching, fps, followed: None }
     }
 
     /// Follows the points into a frame; every tenth frame, and a frame left out, ends the tracks and begins new ones.
@@ -68,10 +66,7 @@ impl Tracking {
         }
 
         let ended = self.end();
-        let options = TrackOptions {
-            spatial: self.matching.clone(),
-            ..TrackOptions::default()
-        };
+        let options = TrackOptions { spatial: self.matching.clone(), ..TrackOptions::default() };
         let first_view = views.views[0].clone();
         self.followed = Some(FollowedPoints {
             tracker: Tracker::start(frame, views, points, options)?,
@@ -89,7 +84,8 @@ impl Tracking {
         Some(SurfaceTracks {
             first_frame: followed.first_frame,
             first_view: followed.first_view,
-            trajectories: filter_trajectories(&trajectories, &FilterOptions::default()).trajectories,
+            trajectories: filter_trajectories(&trajectories, &FilterOptions::default())
+                .trajectories,
         })
     }
 }

@@ -17,11 +17,12 @@ pub(super) struct StereoCameras<'a> {
 
 impl StereoCameras<'_> {
     /// What the cameras show in a frame; why it is not measured, where a picture or the template's mask is missing.
-    pub(super) fn views(&self, frame: FrameIndex, pictures: &[Option<Picture>]) -> Result<FrameViews, String> {
-        let mut frame_views = FrameViews {
-            views: Vec::new(),
-            masks: Vec::new(),
-        };
+    pub(super) fn views(
+        &self,
+        frame: FrameIndex,
+        pictures: &[Option<Picture>],
+    ) -> Result<FrameViews, String> {
+        let mut frame_views = FrameViews { views: Vec::new(), masks: Vec::new() };
         for id in &self.ids {
             let picture = pictures.get(id.0).and_then(Option::as_ref);
             let (Some(picture), Some(camera)) = (picture, self.pictures.rig().camera(*id)) else {

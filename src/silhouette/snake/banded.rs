@@ -40,9 +40,7 @@ struct Diagonals {
 impl Diagonals {
     /// I + `bend[0]` D₁ᵀD₁ + `bend[1]` D₂ᵀD₂.
     fn new(n: usize, ends: Ends, bend: [f64; 2]) -> Self {
-        let mut diagonals = Self {
-            offset: [vec![1.0; n], vec![0.0; n], vec![0.0; n]],
-        };
+        let mut diagonals = Self { offset: [vec![1.0; n], vec![0.0; n], vec![0.0; n]] };
 
         let stencils: [&[f64]; 2] = [&[-1.0, 1.0], &[1.0, -2.0, 1.0]];
         for (stencil, weight) in stencils.into_iter().zip(bend) {
@@ -96,11 +94,7 @@ impl Banded {
 
             let mut l_first = 0.0;
             if i > 0 {
-                let before = if i > 1 {
-                    l_second * first[i - 1] / inverse[i - 2]
-                } else {
-                    0.0
-                };
+                let before = if i > 1 { l_second * first[i - 1] / inverse[i - 2] } else { 0.0 };
                 let coupling = offset[1][i - 1] - before;
                 l_first = coupling * inverse[i - 1];
                 pivot -= l_first * coupling;
@@ -110,12 +104,7 @@ impl Banded {
             first.push(l_first);
             second.push(l_second);
         }
-        Self {
-            inverse,
-            first,
-            second,
-            border: None,
-        }
+        Self { inverse, first, second, border: None }
     }
 
     /// C, B⁻¹C and S⁻¹; `None` if S is singular.
@@ -140,11 +129,7 @@ impl Banded {
         let products = corner.iter().zip(&solved).map(|(c, s)| c * s.transpose());
         let schur: Matrix2<f64> = own - products.sum::<Matrix2<f64>>();
         let schur_inverse = schur.cholesky()?.inverse();
-        Some(Border {
-            corner,
-            solved,
-            schur_inverse,
-        })
+        Some(Border { corner, solved, schur_inverse })
     }
 
     /// Replaces b by x, both components at once; `values` has as many points as the curve.
@@ -226,9 +211,8 @@ mod tests {
         use Ends::{Closed, Open};
         for (n, ends) in [(5, Open), (6, Closed), (7, Open), (40, Closed), (41, Open)] {
             for bend in [[0.0, 0.0], [3.0, 0.0], [0.5, 40.0], [1e4, 1e6]] {
-                let b: Vec<_> = (0..n)
-                    .map(|i| Vector2::new((i as f64).sin(), (i * i % 7) as f64))
-                    .collect();
+                let b: Vec<_> =
+                    (0..n).map(|i| Vector2::new((i as f64).sin(), (i * i % 7) as f64)).collect();
                 let mut x = b.clone();
                 Banded::new(n, ends, bend).unwrap().solve(&mut x);
                 let back = dense(n, ends, bend) * DMatrix::from_fn(n, 2, |i, k| x[i][k]);

@@ -60,7 +60,8 @@ mod tests {
         let found = loops(&eight);
         assert_eq!(found.len(), 2);
         assert_eq!(found.iter().map(Vec::len).sum::<usize>(), 40);
-        let square = [(0.0, 0.0), (9.0, 0.0), (9.0, 9.0), (0.0, 9.0)].map(|(x, y)| Point2::new(x, y));
+        let square =
+            [(0.0, 0.0), (9.0, 0.0), (9.0, 9.0), (0.0, 9.0)].map(|(x, y)| Point2::new(x, y));
         assert_eq!(loops(&square), [[0, 1, 2, 3]]);
         assert!(area_on_the_left(&square) < 0.0);
     }

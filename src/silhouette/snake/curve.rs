@@ -67,20 +67,14 @@ pub(super) fn evenly(curve: &[Point2<f64>], ends: Ends, spacing_px: f64) -> Vec<
     for (from, side) in sides.iter().enumerate() {
         while places.len() < wanted && places.len() as f64 * step <= walked + side {
             let fraction = (places.len() as f64 * step - walked) / side.max(f64::MIN_POSITIVE);
-            places.push(Place {
-                from,
-                fraction: fraction.clamp(0.0, 1.0),
-            });
+            places.push(Place { from, fraction: fraction.clamp(0.0, 1.0) });
         }
         walked += side;
     }
 
     // rounding decides whether the far end was reached
     if places.len() < wanted && !sides.is_empty() {
-        places.push(Place {
-            from: sides.len() - 1,
-            fraction: 1.0,
-        });
+        places.push(Place { from: sides.len() - 1, fraction: 1.0 });
     }
     places
 }
@@ -91,7 +85,8 @@ mod tests {
 
     #[test]
     fn an_open_curve_is_walked_from_end_to_end_and_a_closed_one_around() {
-        let square = [(0.0, 0.0), (8.0, 0.0), (8.0, 8.0), (0.0, 8.0)].map(|(x, y)| Point2::new(x, y));
+        let square =
+            [(0.0, 0.0), (8.0, 0.0), (8.0, 8.0), (0.0, 8.0)].map(|(x, y)| Point2::new(x, y));
         let at = |ends| -> Vec<Point2<f64>> {
             let places = evenly(&square, ends, 2.0);
             places.iter().map(|p| p.on(&square)).collect()

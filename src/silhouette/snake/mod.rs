@@ -145,11 +145,7 @@ impl Snake {
 
     /// The contour as it is, to go on with other settings.
     pub fn with(self, options: SnakeOptions) -> Option<Self> {
-        Some(Self {
-            step: factored(&self.points, self.ends, &options)?,
-            options,
-            ..self
-        })
+        Some(Self { step: factored(&self.points, self.ends, &options)?, options, ..self })
     }
 
     /// Moves the contour until it is at rest on the edges of a gradient.
@@ -208,7 +204,12 @@ impl Snake {
     }
 
     /// e − x, and g there; `None` without an edge within reach.
-    fn edge(&self, gradient: &Gradient, i: usize, normal: &Vector2<f64>) -> Option<(Vector2<f64>, f64)> {
+    fn edge(
+        &self,
+        gradient: &Gradient,
+        i: usize,
+        normal: &Vector2<f64>,
+    ) -> Option<(Vector2<f64>, f64)> {
         let change = |s: f64| gradient.along(&(self.points[i] + normal * s), normal);
         let reach = self.options.search_px.round() as i32;
 

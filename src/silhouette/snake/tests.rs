@@ -42,7 +42,8 @@ fn gradient() -> Gradient {
 fn a_closed_contour_comes_to_rest_on_the_border_to_a_tenth_of_a_pixel() {
     let gradient = gradient();
     for grown_px in [-2.0, 2.0] {
-        let mut snake = Snake::new(&ellipse(grown_px, 200), Ends::Closed, SnakeOptions::default()).unwrap();
+        let mut snake =
+            Snake::new(&ellipse(grown_px, 200), Ends::Closed, SnakeOptions::default()).unwrap();
         assert_eq!(snake.settle(&gradient), Ending::AtRest);
         let points = snake.points(&gradient);
         let places: Vec<_> = points.iter().map(|p| p.pixel).collect();
@@ -82,10 +83,7 @@ fn in_a_gap_of_the_border_the_expected_place_is_held_and_not_relied_on() {
     let right = crate::image::Mask::from_fn(160, 140, |x, y| !(x > 100 && (50..90).contains(&y)));
     let gapped = whole.within(&right);
     let at_gap = |rest| {
-        let options = SnakeOptions {
-            rest,
-            ..SnakeOptions::default()
-        };
+        let options = SnakeOptions { rest, ..SnakeOptions::default() };
         let mut snake = Snake::new(&ellipse(3.0, 200), Ends::Closed, options).unwrap();
         snake.settle(&gapped);
         let points = snake.points(&gapped);
@@ -113,10 +111,8 @@ fn without_an_edge_nothing_moves_and_nothing_is_relied_on() {
 #[test]
 fn at_the_border_of_the_picture_a_contour_is_held() {
     let gradient = gradient();
-    let curve: Vec<_> = ellipse(3.0, 200)
-        .iter()
-        .map(|p| Point2::new(p.x.min(100.0), p.y))
-        .collect();
+    let curve: Vec<_> =
+        ellipse(3.0, 200).iter().map(|p| Point2::new(p.x.min(100.0), p.y)).collect();
     let narrow = Plane::from_values(
         102,
         140,
@@ -127,11 +123,7 @@ fn at_the_border_of_the_picture_a_contour_is_held() {
     snake.settle(&narrow);
     let at_border = snake.points(&narrow).into_iter().filter(|p| p.expected.x > 99.5);
     assert!(at_border.clone().count() > 10);
-    assert!(
-        at_border
-            .clone()
-            .all(|p| p.reliability <= 0.0 && (p.pixel - p.expected).norm() < 1.0)
-    );
+    assert!(at_border.clone().all(|p| p.reliability <= 0.0 && (p.pixel - p.expected).norm() < 1.0));
     assert_eq!(gradient.width(), 160);
 }
 
@@ -151,8 +143,13 @@ fn of_a_contour_that_crosses_itself_the_loops_remain() {
 #[test]
 fn a_point_is_no_contour() {
     assert!(Snake::new(&[], Ends::Closed, SnakeOptions::default()).is_none());
-    assert!(Snake::new(&[Point2::new(3.0, 4.0); 20], Ends::Closed, SnakeOptions::default()).is_none());
-    assert!(Snake::new(&[Point2::new(f64::NAN, 4.0); 20], Ends::Open, SnakeOptions::default()).is_none());
+    assert!(
+        Snake::new(&[Point2::new(3.0, 4.0); 20], Ends::Closed, SnakeOptions::default()).is_none()
+    );
+    assert!(
+        Snake::new(&[Point2::new(f64::NAN, 4.0); 20], Ends::Open, SnakeOptions::default())
+            .is_none()
+    );
 }
 
 #[test]
@@ -163,41 +160,20 @@ fn every_option_can_be_noticed() {
         snake.settle(&gradient);
         snake.points(&gradient).iter().map(|p| p.pixel).collect::<Vec<_>>()
     };
-    let usual = SnakeOptions {
-        rest_px: 1e-3,
-        ..SnakeOptions::default()
-    };
+    let usual = SnakeOptions { rest_px: 1e-3, ..SnakeOptions::default() };
     let base = settled(usual);
     for options in [
-        SnakeOptions {
-            tension: 400.0,
-            ..usual
-        },
-        SnakeOptions {
-            stiffness: 1e6,
-            ..usual
-        },
-        SnakeOptions {
-            time_step: 0.01,
-            ..usual
-        },
-        SnakeOptions {
-            spacing_px: 3.0,
-            ..usual
-        },
-        SnakeOptions {
-            search_px: 2.0,
-            ..usual
-        },
+        SnakeOptions { tension: 400.0, ..usual },
+        SnakeOptions { stiffness: 1e6, ..usual },
+        SnakeOptions { time_step: 0.01, ..usual },
+        SnakeOptions { spacing_px: 3.0, ..usual },
+        SnakeOptions { search_px: 2.0, ..usual },
         SnakeOptions { prior_px: 1.0, ..usual },
         SnakeOptions { hold: 0.9, ..usual },
         SnakeOptions { edge: 500.0, ..usual },
         SnakeOptions { rest_px: 2.0, ..usual },
         SnakeOptions { most_steps: 1, ..usual },
-        SnakeOptions {
-            rest: Rest::Straight,
-            ..usual
-        },
+        SnakeOptions { rest: Rest::Straight, ..usual },
     ] {
         assert_ne!(settled(options), base, "{options:?}");
     }

@@ -56,19 +56,11 @@ impl Factor {
             let diagonal = diagonal.cholesky()?.unpack();
             divide_by_transpose(&mut border, &diagonal);
             corner.gemm(-1.0, &border, &border.transpose(), 1.0);
-            links.push(FactorLink {
-                diagonal,
-                couplings,
-                border,
-            });
+            links.push(FactorLink { diagonal, couplings, border });
         }
 
         // a chain that shares nothing has no corner
-        let corner = if corner.is_empty() {
-            corner
-        } else {
-            corner.cholesky()?.unpack()
-        };
+        let corner = if corner.is_empty() { corner } else { corner.cholesky()?.unpack() };
         Some(Factor { links, corner })
     }
 

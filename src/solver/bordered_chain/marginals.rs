@@ -39,7 +39,8 @@ impl BorderedChain {
             let below = |k: usize| &factor.links[i + k + 1].couplings[k];
 
             // W = L_Ri · Lᵢᵢ⁻¹ for every row block R below
-            let w: Vec<DMatrix<f64>> = (0..reach).map(|k| divided_by(below(k), &link.diagonal)).collect();
+            let w: Vec<DMatrix<f64>> =
+                (0..reach).map(|k| divided_by(below(k), &link.diagonal)).collect();
             let w_border = divided_by(&link.border, &link.diagonal);
 
             // Σ_Ri = −Σ_RR W
@@ -65,24 +66,10 @@ impl BorderedChain {
             // rounding that breaks the symmetry grows from frame to frame
             frame = (&frame + frame.transpose()) * 0.5;
 
-            visit(
-                i,
-                &Marginal {
-                    frame: &frame,
-                    cross: &cross,
-                    shared: &shared,
-                },
-            );
+            visit(i, &Marginal { frame: &frame, cross: &cross, shared: &shared });
 
             // the frames before are coupled to so many behind
-            behind.insert(
-                0,
-                Behind {
-                    frame,
-                    cross,
-                    to_behind,
-                },
-            );
+            behind.insert(0, Behind { frame, cross, to_behind });
             behind.truncate(self.reach());
         }
         true

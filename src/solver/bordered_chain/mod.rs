@@ -79,9 +79,7 @@ impl BorderedChain {
 
     fn largest_diagonal(&self) -> f64 {
         let blocks = self.links.iter().map(|l| &l.diagonal).chain([&self.corner]);
-        blocks
-            .flat_map(|b| (0..b.nrows()).map(move |k| b[(k, k)]))
-            .fold(0.0, f64::max)
+        blocks.flat_map(|b| (0..b.nrows()).map(move |k| b[(k, k)])).fold(0.0, f64::max)
     }
 }
 

@@ -24,7 +24,8 @@ fn dense(chain: &BorderedChain) -> DMatrix<f64> {
 /// A random positive definite chain and the dense matrix that it stands for.
 fn random(frames: usize, m: usize, p: usize, reach: usize) -> (BorderedChain, DMatrix<f64>) {
     let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64((frames * 100 + m * 10 + reach) as u64);
-    let mut draw = |rows, columns| DMatrix::from_fn(rows, columns, |_, _| rng.random_range(-1.0..1.0));
+    let mut draw =
+        |rows, columns| DMatrix::from_fn(rows, columns, |_, _| rng.random_range(-1.0..1.0));
     let mut chain = BorderedChain::zeros(frames, m, p, reach);
     for link in &mut chain.links {
         link.couplings.iter_mut().for_each(|c| *c = draw(m, m));
@@ -40,7 +41,8 @@ fn random(frames: usize, m: usize, p: usize, reach: usize) -> (BorderedChain, DM
     (chain, dense)
 }
 
-const SIZES: [(usize, usize, usize, usize); 5] = [(1, 3, 2, 1), (6, 3, 2, 1), (7, 4, 3, 2), (5, 2, 0, 2), (4, 3, 2, 0)];
+const SIZES: [(usize, usize, usize, usize); 5] =
+    [(1, 3, 2, 1), (6, 3, 2, 1), (7, 4, 3, 2), (5, 2, 0, 2), (4, 3, 2, 0)];
 
 #[test]
 fn its_step_is_that_of_the_dense_matrix() {
@@ -83,7 +85,11 @@ fn its_predicted_decrease_is_that_of_the_dense_matrix() {
         let (chain, dense) = random(frames, m, p, reach);
         let step = DVector::from_fn(dense.nrows(), |i, _| (i as f64).sin());
         let expected = -chain.gradient().dot(&step) - 0.5 * step.dot(&(&dense * &step));
-        approx::assert_relative_eq!(chain.predicted_decrease(&step), expected, max_relative = 1e-12);
+        approx::assert_relative_eq!(
+            chain.predicted_decrease(&step),
+            expected,
+            max_relative = 1e-12
+        );
     }
 }
 
@@ -95,10 +101,24 @@ fn its_marginals_are_blocks_of_the_dense_inverse() {
         let mut visited = 0;
         assert!(chain.marginals(|i, marginal| {
             visited += 1;
-            let block = |rows: usize, columns: usize, r, c| inverse.view((rows, columns), (r, c)).into_owned();
-            approx::assert_relative_eq!(*marginal.frame, block(i * m, i * m, m, m), epsilon = 1e-12);
-            approx::assert_relative_eq!(*marginal.cross, block(frames * m, i * m, p, m), epsilon = 1e-12);
-            approx::assert_relative_eq!(*marginal.shared, block(frames * m, frames * m, p, p), epsilon = 1e-12);
+            let block = |rows: usize, columns: usize, r, c| {
+                inverse.view((rows, columns), (r, c)).into_owned()
+            };
+            approx::assert_relative_eq!(
+                *marginal.frame,
+                block(i * m, i * m, m, m),
+                epsilon = 1e-12
+            );
+            approx::assert_relative_eq!(
+                *marginal.cross,
+                block(frames * m, i * m, p, m),
+                epsilon = 1e-12
+            );
+            approx::assert_relative_eq!(
+                *marginal.shared,
+                block(frames * m, frames * m, p, p),
+                epsilon = 1e-12
+            );
         }));
         assert_eq!(visited, frames);
     }
@@ -113,11 +133,8 @@ fn marginals_of_a_long_stiff_chain_stay_those_of_the_dense_inverse() {
         for (a, slope) in [1.0, -2.0, 1.0].into_iter().enumerate().filter(|_| i > 1) {
             for (b, other) in [1.0, -2.0, 1.0].into_iter().enumerate().skip(a) {
                 let link = &mut chain.links[i - a];
-                let block = if a == b {
-                    &mut link.diagonal
-                } else {
-                    &mut link.couplings[b - a - 1]
-                };
+                let block =
+                    if a == b { &mut link.diagonal } else { &mut link.couplings[b - a - 1] };
                 (0..m).for_each(|k| block[(k, k)] += stiff * slope * other);
             }
         }

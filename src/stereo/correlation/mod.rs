@@ -153,12 +153,13 @@ fn fill_band(input: &BandInput<'_>, rows: std::ops::Range<usize>, found: &mut [f
     }
 }
 
-fn check(left: &Plane<u8>, right: &Plane<u8>, options: &CorrelationOptions) -> Result<(), CorrelationError> {
+fn check(
+    left: &Plane<u8>,
+    right: &Plane<u8>,
+    options: &CorrelationOptions,
+) -> Result<(), CorrelationError> {
     if left.height() != right.height() {
-        return Err(CorrelationError::Rows {
-            left: left.height(),
-            right: right.height(),
-        });
+        return Err(CorrelationError::Rows { left: left.height(), right: right.height() });
     }
 
     let DisparityRange { first, count } = options.range;
@@ -213,16 +214,10 @@ mod tests {
         for (first, count, shift) in [(0, 20, 7), (0, 64, 31), (5, 100, 60), (-3, 200, 40)] {
             let [left, right] = pair(150, 70, |_, _| shift);
             let range = DisparityRange { first, count };
-            let options = CorrelationOptions {
-                range,
-                ..Default::default()
-            };
+            let options = CorrelationOptions { range, ..Default::default() };
             let found = correlate(&left, &right, &options).unwrap();
             let right_ones = share(&found, |d| (d - shift as f32).abs() < 0.5);
-            assert!(
-                right_ones > 0.9 * (150.0 - shift as f64) / 150.0,
-                "{count}: {right_ones}"
-            );
+            assert!(right_ones > 0.9 * (150.0 - shift as f64) / 150.0, "{count}: {right_ones}");
         }
     }
 
@@ -230,10 +225,7 @@ mod tests {
     fn a_swapped_pair_has_negative_disparities() {
         let [left, right] = pair(100, 40, |_, _| 6);
         let range = DisparityRange { first: -20, count: 32 };
-        let options = CorrelationOptions {
-            range,
-            ..Default::default()
-        };
+        let options = CorrelationOptions { range, ..Default::default() };
         let found = correlate(&right, &left, &options).unwrap();
         assert!(share(&found, |d| (d + 6.0).abs() < 0.5) > 0.85);
     }
@@ -275,18 +267,9 @@ mod tests {
             range: DisparityRange { first, count },
             ..Default::default()
         };
-        let penalties = CorrelationOptions {
-            jump_penalty: 61,
-            ..Default::default()
-        };
-        let refused = [
-            with(0, 2),
-            with(0, 257),
-            with(60, 64),
-            with(-300, 64),
-            with(i32::MAX, 64),
-            penalties,
-        ];
+        let penalties = CorrelationOptions { jump_penalty: 61, ..Default::default() };
+        let refused =
+            [with(0, 2), with(0, 257), with(60, 64), with(-300, 64), with(i32::MAX, 64), penalties];
         for options in refused {
             let fault = correlate(&left, &right, &options).unwrap_err().to_string();
             assert!(fault.contains("expected") && !fault.contains('\n'));
@@ -300,11 +283,7 @@ mod tests {
             right.row_mut(y).fill(90);
         }
         let found = |uniqueness, least_region| {
-            let options = CorrelationOptions {
-                uniqueness,
-                least_region,
-                ..Default::default()
-            };
+            let options = CorrelationOptions { uniqueness, least_region, ..Default::default() };
             share(&correlate(&left, &right, &options).unwrap(), f32::is_finite)
         };
         assert!(found(0.0, 0) > found(0.2, 0));

@@ -85,10 +85,7 @@ impl<const D: usize> Paths<D> {
     fn start(count: usize) -> Self {
         let mut costs = [[NEVER; BETWEEN].as_slice(), &[0; D]].concat().repeat(count);
         costs.extend([NEVER; BETWEEN]);
-        Self {
-            costs,
-            least: vec![0; count],
-        }
+        Self { costs, least: vec![0; count] }
     }
 
     /// Takes one of the paths to its next pixel, which costs C(p, d) itself.
@@ -168,10 +165,7 @@ struct Choice {
 }
 
 impl Choice {
-    const NONE: Self = Self {
-        sum: NEVER,
-        disparity: 0,
-    };
+    const NONE: Self = Self { sum: NEVER, disparity: 0 };
 }
 
 #[derive(Clone)]

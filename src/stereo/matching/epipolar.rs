@@ -54,10 +54,7 @@ impl Epipolar {
         (h.z > 1e-6).then(|| {
             let pixel = Point2::new(h.x / h.z, h.y / h.z);
             let by_inverse_depth = (self.epipole.xy() - pixel.coords * self.epipole.z) / h.z;
-            ImagePoint {
-                pixel,
-                by_inverse_depth,
-            }
+            ImagePoint { pixel, by_inverse_depth }
         })
     }
 }
@@ -72,7 +69,11 @@ fn inverse(intrinsics: &Intrinsics) -> Matrix3<f64> {
 }
 
 /// The point that the template's pixel shows at an inverse depth.
-pub(in crate::stereo) fn point_world(template: &Camera, pixel: &Point2<f64>, inverse_depth: f64) -> Point3<f64> {
+pub(in crate::stereo) fn point_world(
+    template: &Camera,
+    pixel: &Point2<f64>,
+    inverse_depth: f64,
+) -> Point3<f64> {
     let normalized = template.intrinsics.normalized(pixel);
     let point_camera = Point3::new(normalized.x, normalized.y, 1.0) / inverse_depth;
     template.camera_from_world.inverse_transform_point(&point_camera)

@@ -17,19 +17,17 @@ const MOST_NEIGHBOURS: usize = 3;
 /// Of two points on one pixel of another image, the nearer hides the other if their disparities differ by more, px.
 const HIDDEN_PX: f64 = 2.0;
 /// The eight neighbours.
-const AROUND: [(isize, isize); 8] = [(-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (1, -1), (-1, 1), (1, 1)];
+const AROUND: [(isize, isize); 8] =
+    [(-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (1, -1), (-1, 1), (1, 1)];
 
 /// Tries every unmatched place beside a matched one, round by round until no more are found.
 pub(super) fn close(views: &MatchViews<'_>, grid: &mut Grid, options: &MatchOptions) {
     let mut tries: Plane<u8> = Plane::filled(grid.width(), grid.height(), 0);
     for _ in 0..MOST_ROUNDS {
-        let places: Vec<Place> = places(grid)
-            .filter(|place| is_open(views, grid, &tries, *place, options))
-            .collect();
-        let found: Vec<Option<Match>> = places
-            .par_iter()
-            .map(|place| attempt(views, grid, *place, options))
-            .collect();
+        let places: Vec<Place> =
+            places(grid).filter(|place| is_open(views, grid, &tries, *place, options)).collect();
+        let found: Vec<Option<Match>> =
+            places.par_iter().map(|place| attempt(views, grid, *place, options)).collect();
 
         for (place, found) in places.iter().zip(&found) {
             tries.row_mut(place.row)[place.column] += 1;
@@ -48,7 +46,13 @@ fn places(grid: &Grid) -> impl Iterator<Item = Place> + use<> {
 }
 
 /// Whether a place shows the subject, is unmatched beside a matched one, and may still be tried.
-fn is_open(views: &MatchViews<'_>, grid: &Grid, tries: &Plane<u8>, place: Place, options: &MatchOptions) -> bool {
+fn is_open(
+    views: &MatchViews<'_>,
+    grid: &Grid,
+    tries: &Plane<u8>,
+    place: Place,
+    options: &MatchOptions,
+) -> bool {
     let (x, y) = place.pixel(options);
     place.found(grid).is_none()
         && tries.row(place.row)[place.column] < MOST_TRIES
@@ -63,7 +67,12 @@ fn neighbours(grid: &Grid, place: Place) -> impl Iterator<Item = ((isize, isize)
 }
 
 /// Matches a place, starting from the planes of its surest neighbours.
-fn attempt(views: &MatchViews<'_>, grid: &Grid, place: Place, options: &MatchOptions) -> Option<Match> {
+fn attempt(
+    views: &MatchViews<'_>,
+    grid: &Grid,
+    place: Place,
+    options: &MatchOptions,
+) -> Option<Match> {
     let spacing = options.spacing_px as isize;
     let mut neighbours: Vec<_> = neighbours(grid, place).collect();
     neighbours.sort_by(|a, b| a.1.sigma_px.total_cmp(&b.1.sigma_px));
@@ -84,7 +93,8 @@ pub(super) fn prune(views: &MatchViews<'_>, grid: &mut Grid, options: &MatchOpti
     // inverse depths as disparities in the middle of the template, over the spacing: regions end at steps of 1
     let middle = (views.template.image.width() / 2, views.template.image.height() / 2);
     let scale = views.reach(middle, 0.0) / options.spacing_px as f64;
-    let mut disparities = grid.map(|found| found.map_or(f32::NAN, |found| (found.plane.w * scale) as f32));
+    let mut disparities =
+        grid.map(|found| found.map_or(f32::NAN, |found| (found.plane.w * scale) as f32));
     remove_specks(&mut disparities, options.least_region);
     for row in 0..grid.height() {
         for (found, disparity) in grid.row_mut(row).iter_mut().zip(disparities.row(row)) {
@@ -142,7 +152,12 @@ struct ImageCell {
 }
 
 impl ImageCell {
-    fn new(other: &OtherView<'_>, place: Place, found: &Match, options: &MatchOptions) -> Option<Self> {
+    fn new(
+        other: &OtherView<'_>,
+        place: Place,
+        found: &Match,
+        options: &MatchOptions,
+    ) -> Option<Self> {
         let (x, y) = place.pixel(options);
         let direction = other.epipolar.direction(&Point2::new(x as f64, y as f64));
         let image = other.epipolar.image(&direction, found.plane.w)?;

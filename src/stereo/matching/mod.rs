@@ -86,7 +86,9 @@ pub enum MatchError {
         found: usize,
     },
     /// Two cameras in one place.
-    #[error("cameras {template} and {other} are in one place: expected a distance between them, to measure depth by")]
+    #[error(
+        "cameras {template} and {other} are in one place: expected a distance between them, to measure depth by"
+    )]
     NoBaseline {
         /// The template's camera.
         template: String,
@@ -166,10 +168,7 @@ impl<'a> MatchViews<'a> {
                 });
             }
 
-            Ok(OtherView {
-                view,
-                epipolar: Epipolar::new(&template.camera, &view.camera),
-            })
+            Ok(OtherView { view, epipolar: Epipolar::new(&template.camera, &view.camera) })
         };
         let others = others.iter().map(other).collect::<Result<_, _>>()?;
         Ok(Self { template, others, mask })
@@ -195,7 +194,12 @@ impl<'a> MatchViews<'a> {
     }
 
     /// Matches a patch in all images.
-    pub(super) fn find_patch(&self, patch: &Patch, start: &DepthPlane, options: &MatchOptions) -> Option<Match> {
+    pub(super) fn find_patch(
+        &self,
+        patch: &Patch,
+        start: &DepthPlane,
+        options: &MatchOptions,
+    ) -> Option<Match> {
         fit(self, patch, start, self.all(), options).ok()
     }
 
@@ -233,11 +237,10 @@ impl<'a> MatchViews<'a> {
         start: &DepthPlane,
         options: &MatchOptions,
     ) -> Result<Match, Unmatched> {
-        self.find(pixel, start, options.radius_px, options)
-            .or_else(|unmatched| {
-                let larger = self.find(pixel, start, options.larger_radius_px, options);
-                larger.map_err(|_| unmatched)
-            })
+        self.find(pixel, start, options.radius_px, options).or_else(|unmatched| {
+            let larger = self.find(pixel, start, options.larger_radius_px, options);
+            larger.map_err(|_| unmatched)
+        })
     }
 }
 
@@ -306,10 +309,7 @@ impl Place {
 fn check(others: usize, options: &MatchOptions) -> Result<(), MatchError> {
     let needed = options.least_images.max(1);
     if !(needed..=32).contains(&others) {
-        return Err(MatchError::Images {
-            expected: needed,
-            found: others,
-        });
+        return Err(MatchError::Images { expected: needed, found: others });
     }
 
     let wrong = |name, found, expected| Err(MatchError::Option { name, found, expected });

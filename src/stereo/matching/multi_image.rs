@@ -40,10 +40,7 @@ pub(in crate::stereo) struct DepthPlane {
 impl DepthPlane {
     /// The same plane at the pixel (dx, dy) farther.
     pub(super) fn moved(&self, dx: f64, dy: f64) -> Self {
-        Self {
-            w: self.w + self.slope[0] * dx + self.slope[1] * dy,
-            ..*self
-        }
+        Self { w: self.w + self.slope[0] * dx + self.slope[1] * dy, ..*self }
     }
 }
 
@@ -100,8 +97,9 @@ impl Patch {
     pub(super) fn at(views: &MatchViews<'_>, pixel: (usize, usize), radius: usize) -> Self {
         let (x, y) = pixel;
         let image = &views.template.image;
-        let within =
-            |middle: usize, size: usize| middle.saturating_sub(radius)..=(middle + radius).min(size.saturating_sub(1));
+        let within = |middle: usize, size: usize| {
+            middle.saturating_sub(radius)..=(middle + radius).min(size.saturating_sub(1))
+        };
 
         let mut pixels = Vec::with_capacity((2 * radius + 1).pow(2));
         for row in within(y, image.height()) {
@@ -117,21 +115,17 @@ impl Patch {
             }
         }
 
-        Self {
-            middle: Point2::new(x as f64, y as f64),
-            pixels,
-            whole: (2 * radius + 1).pow(2),
-        }
+        Self { middle: Point2::new(x as f64, y as f64), pixels, whole: (2 * radius + 1).pow(2) }
     }
 
     /// The patch around a place between the pixels.
-    pub(in crate::stereo) fn around(views: &MatchViews<'_>, middle: Point2<f64>, radius: usize) -> Self {
+    pub(in crate::stereo) fn around(
+        views: &MatchViews<'_>,
+        middle: Point2<f64>,
+        radius: usize,
+    ) -> Self {
         let pixels = pixels_around(&views.template.image, views.mask, middle, radius);
-        Self {
-            middle,
-            pixels,
-            whole: (2 * radius + 1).pow(2),
-        }
+        Self { middle, pixels, whole: (2 * radius + 1).pow(2) }
     }
 
     pub(super) fn middle(&self) -> Point2<f64> {
@@ -156,7 +150,8 @@ pub(in crate::stereo) fn pixels_around(
         let place = Point2::new(middle.x + dx, middle.y + dy);
         let value = sample(image, place.x, place.y)?.value;
         // a sample lies at (1, 1) or further
-        let shown = mask.is_none_or(|m| m.is_foreground(place.x.round() as usize, place.y.round() as usize));
+        let shown = mask
+            .is_none_or(|m| m.is_foreground(place.x.round() as usize, place.y.round() as usize));
         (value.is_finite() && shown).then_some(PatchPixel { dx, dy, value })
     });
     pixels.collect()
@@ -239,7 +234,8 @@ fn patch_sums(other: &OtherView<'_>, patch: &Patch, plane: &DepthPlane) -> Optio
         };
 
         // ∂g/∂w = ∇g · ∂u/∂w
-        let along = f64::from(g.slope[0]) * image.by_inverse_depth.x + f64::from(g.slope[1]) * image.by_inverse_depth.y;
+        let along = f64::from(g.slope[0]) * image.by_inverse_depth.x
+            + f64::from(g.slope[1]) * image.by_inverse_depth.y;
         if along.is_finite() && g.value.is_finite() {
             let j = Vector3::new(along, along * dx, along * dy);
             sums.add(f64::from(f), f64::from(g.value), &j);
@@ -346,7 +342,11 @@ fn image_equations(
 }
 
 /// The normal equations of all images with the prior of the slopes, and the variance of the brightness.
-fn combined(images: &[ReducedEquations], plane: &DepthPlane, reach: f64) -> (Matrix3<f64>, Vector3<f64>, f64) {
+fn combined(
+    images: &[ReducedEquations],
+    plane: &DepthPlane,
+    reach: f64,
+) -> (Matrix3<f64>, Vector3<f64>, f64) {
     let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
     let (mut squares, mut count) = (0.0, 0.0);
     for image in images {

@@ -44,16 +44,10 @@ pub(super) fn grow(views: &MatchViews<'_>, seeds: &[Seed], options: &MatchOption
 
 /// The nearest seed of every place.
 fn owners(seeds: &[Seed], grid: &Grid, options: &MatchOptions) -> Plane<usize> {
-    let places = seeds
-        .iter()
-        .map(|seed| Point2::new(seed.pixel.0 as f64, seed.pixel.1 as f64));
+    let places = seeds.iter().map(|seed| Point2::new(seed.pixel.0 as f64, seed.pixel.1 as f64));
     let mut nearest = NearestPoints::new(places);
     let mut owners = Plane::filled(grid.width(), grid.height(), usize::MAX);
-    let columns = EvenSteps {
-        first: 0.0,
-        step: options.spacing_px as f64,
-        count: grid.width(),
-    };
+    let columns = EvenSteps { first: 0.0, step: options.spacing_px as f64, count: grid.width() };
     for row in 0..grid.height() {
         let y = (row * options.spacing_px) as f64;
         let owners = owners.row_mut(row);
@@ -82,10 +76,9 @@ impl Region<'_> {
             row: seed.pixel.1 / self.options.spacing_px,
         };
         let pixel = start.pixel(self.options);
-        let plane = seed.plane.moved(
-            pixel.0 as f64 - seed.pixel.0 as f64,
-            pixel.1 as f64 - seed.pixel.1 as f64,
-        );
+        let plane = seed
+            .plane
+            .moved(pixel.0 as f64 - seed.pixel.0 as f64, pixel.1 as f64 - seed.pixel.1 as f64);
         self.visit(start, &plane);
 
         let mut along = [(1, 0), (-1, 0)];

@@ -30,17 +30,18 @@ pub(super) struct Seed {
 }
 
 /// The given seeds and those found, row by row; each matched by least squares.
-pub(super) fn find(views: &MatchViews<'_>, given: &[Point3<f64>], options: &MatchOptions) -> Vec<Seed> {
+pub(super) fn find(
+    views: &MatchViews<'_>,
+    given: &[Point3<f64>],
+    options: &MatchOptions,
+) -> Vec<Seed> {
     let cell = options.seed_cell_px;
     let (width, height) = (views.template.image.width(), views.template.image.height());
     let (columns, rows) = (width.div_ceil(cell), height.div_ceil(cell));
 
     let refined = |seed: Seed| {
         let found = views.find(seed.pixel, &seed.plane, options.radius_px, options).ok()?;
-        Some(Seed {
-            plane: found.plane,
-            ..seed
-        })
+        Some(Seed { plane: found.plane, ..seed })
     };
     let given = given.iter().filter_map(|point| given_seed(views, point));
     let mut seeds: Vec<Seed> = given.filter_map(refined).collect();
@@ -63,10 +64,7 @@ fn given_seed(views: &MatchViews<'_>, point_world: &Point3<f64>) -> Option<Seed>
     let inside = pixel.x >= 0.0 && pixel.y >= 0.0;
     inside.then_some(Seed {
         pixel: (pixel.x.round() as usize, pixel.y.round() as usize),
-        plane: DepthPlane {
-            w: 1.0 / depth,
-            slope: [0.0; 2],
-        },
+        plane: DepthPlane { w: 1.0 / depth, slope: [0.0; 2] },
     })
 }
 
@@ -118,7 +116,11 @@ struct LinePlace {
 }
 
 /// The inverse depth at which the corner looks most alike in all images, if it is the only one.
-fn along_the_line(views: &MatchViews<'_>, pixel: (usize, usize), options: &MatchOptions) -> Option<Seed> {
+fn along_the_line(
+    views: &MatchViews<'_>,
+    pixel: (usize, usize),
+    options: &MatchOptions,
+) -> Option<Seed> {
     let patch = Patch::at(views, pixel, RADIUS_PX);
     let rated = places(views, pixel, options).into_iter();
     let rated = rated.filter_map(|place| {
@@ -132,18 +134,10 @@ fn along_the_line(views: &MatchViews<'_>, pixel: (usize, usize), options: &Match
     let rated: Vec<(f64, LinePlace)> = rated.collect();
 
     let (best, place) = *rated.iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
-    let elsewhere = rated
-        .iter()
-        .filter(|(_, other)| (other.shift - place.shift).abs() > SAME_PX);
+    let elsewhere = rated.iter().filter(|(_, other)| (other.shift - place.shift).abs() > SAME_PX);
     let next = elsewhere.map(|other| other.0).fold(-1.0, f64::max);
     let is_found = best >= options.least_correlation && next <= best - LEAST_LEAD;
-    is_found.then_some(Seed {
-        pixel,
-        plane: DepthPlane {
-            w: place.w,
-            slope: [0.0; 2],
-        },
-    })
+    is_found.then_some(Seed { pixel, plane: DepthPlane { w: place.w, slope: [0.0; 2] } })
 }
 
 /// The places that are tried, a step apart.

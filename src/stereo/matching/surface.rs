@@ -10,7 +10,9 @@ use nalgebra::{Matrix3, Point2, Point3};
 use rayon::prelude::*;
 
 use super::multi_image::Match;
-use super::{Grid, MatchOptions, MatchViews, MatchedPoint, MatchedSurface, Place, point_world, seeds};
+use super::{
+    Grid, MatchOptions, MatchViews, MatchedPoint, MatchedSurface, Place, point_world, seeds,
+};
 use crate::camera::Camera;
 use crate::stereo::{CloudPoint, Spread};
 
@@ -18,16 +20,18 @@ use crate::stereo::{CloudPoint, Spread};
 const DIRECTIONS: [(isize, isize); 4] = [(1, 0), (0, 1), (1, 1), (1, -1)];
 
 /// The points of all matches whose standard deviation is not too large, and how much was not matched.
-pub(super) fn points(views: &MatchViews<'_>, grid: &Grid, seeds: usize, options: &MatchOptions) -> MatchedSurface {
+pub(super) fn points(
+    views: &MatchViews<'_>,
+    grid: &Grid,
+    seeds: usize,
+    options: &MatchOptions,
+) -> MatchedSurface {
     let rows: Vec<MatchedSurface> = (0..grid.height())
         .into_par_iter()
         .map(|row| row_points(views, grid, row, options))
         .collect();
 
-    let mut surface = MatchedSurface {
-        seeds,
-        ..MatchedSurface::default()
-    };
+    let mut surface = MatchedSurface { seeds, ..MatchedSurface::default() };
     for row in rows {
         surface.points.extend(row.points);
         surface.unmatched += row.unmatched;
@@ -37,7 +41,12 @@ pub(super) fn points(views: &MatchViews<'_>, grid: &Grid, seeds: usize, options:
 }
 
 /// The points of one row of the grid.
-fn row_points(views: &MatchViews<'_>, grid: &Grid, row: usize, options: &MatchOptions) -> MatchedSurface {
+fn row_points(
+    views: &MatchViews<'_>,
+    grid: &Grid,
+    row: usize,
+    options: &MatchOptions,
+) -> MatchedSurface {
     let mut surface = MatchedSurface::default();
     for (column, found) in grid.row(row).iter().enumerate() {
         let place = Place { column, row };
@@ -119,10 +128,7 @@ fn point_of_match(
 
     Some(MatchedPoint {
         pixel,
-        point: CloudPoint {
-            position_world,
-            spread: Spread::Full(spread),
-        },
+        point: CloudPoint { position_world, spread: Spread::Full(spread) },
         sigma_px: found.sigma_px,
         correlation: found.correlation,
         images: found.images,
@@ -131,7 +137,13 @@ fn point_of_match(
 }
 
 /// Along the line of sight from σ_w, across it from the error of the model; world, m².
-fn covariance(camera: &Camera, position: &Point3<f64>, w: f64, sigma_w: f64, options: &MatchOptions) -> Matrix3<f64> {
+fn covariance(
+    camera: &Camera,
+    position: &Point3<f64>,
+    w: f64,
+    sigma_w: f64,
+    options: &MatchOptions,
+) -> Matrix3<f64> {
     let ray = position - camera.centre_world();
     let along = ray * (sigma_w / w);
     let across = options.model_sigma_px / (camera.intrinsics.fx_px * w);
@@ -163,10 +175,7 @@ mod tests {
     }
 
     fn middle(grid: &Grid) -> f64 {
-        let options = MatchOptions {
-            spacing_px: 1,
-            ..MatchOptions::default()
-        };
+        let options = MatchOptions { spacing_px: 1, ..MatchOptions::default() };
         bend(grid, Place { column: 10, row: 10 }, &options)
     }
 

@@ -64,7 +64,10 @@ pub struct FilteredTrajectories {
 ///
 /// # Source
 /// PFD99 § 2.2. **Differs**: the median instead of the mean, which a false neighbour would draw along.
-pub fn filter_trajectories(trajectories: &[Trajectory], options: &FilterOptions) -> FilteredTrajectories {
+pub fn filter_trajectories(
+    trajectories: &[Trajectory],
+    options: &FilterOptions,
+) -> FilteredTrajectories {
     let within = trajectories.iter().map(|t| within_thresholds(t, options));
     let mut ends: Vec<usize> = within.collect();
     for _ in 0..2 {
@@ -100,13 +103,19 @@ pub fn filter_trajectories(trajectories: &[Trajectory], options: &FilterOptions)
 fn within_thresholds(trajectory: &Trajectory, options: &FilterOptions) -> usize {
     let points = &trajectory.points;
     let good = |i: &usize| {
-        points[*i].velocity.norm() <= options.most_speed && points[*i].acceleration.norm() <= options.most_acceleration
+        points[*i].velocity.norm() <= options.most_speed
+            && points[*i].acceleration.norm() <= options.most_acceleration
     };
     (0..points.len()).take_while(good).count()
 }
 
 /// How many of the points before `end` come before the first that does not move as its neighbours do.
-fn uniform(trajectory: &Trajectory, end: usize, neighbours: &Neighbours, options: &FilterOptions) -> usize {
+fn uniform(
+    trajectory: &Trajectory,
+    end: usize,
+    neighbours: &Neighbours,
+    options: &FilterOptions,
+) -> usize {
     let good = |i: &usize| {
         let point = &trajectory.points[*i];
         let frame = trajectory.first_frame + i;
@@ -141,7 +150,12 @@ impl Neighbours {
     }
 
     /// Median velocity around a point, itself included; `None` where there are too few.
-    fn velocity(&self, frame: usize, at: &Point3<f64>, options: &FilterOptions) -> Option<Vector3<f64>> {
+    fn velocity(
+        &self,
+        frame: usize,
+        at: &Point3<f64>,
+        options: &FilterOptions,
+    ) -> Option<Vector3<f64>> {
         let [x, y, z] = cell(at, options);
         let mut velocities = [const { Vec::new() }; 3];
         let first = frame.saturating_sub(options.neighbour_frames);
@@ -150,7 +164,9 @@ impl Neighbours {
             for i in 0..27 {
                 let cell = [x + i % 3 - 1, y + i / 3 % 3 - 1, z + i / 9 - 1];
                 let points = self.cells.get(&(frame, cell)).into_iter().flatten();
-                for (_, velocity) in points.filter(|(p, _)| (p - at).norm() <= options.neighbourhood) {
+                for (_, velocity) in
+                    points.filter(|(p, _)| (p - at).norm() <= options.neighbourhood)
+                {
                     let components = velocities.iter_mut().zip(velocity);
                     components.for_each(|(all, v)| all.push(*v));
                 }

@@ -15,7 +15,8 @@ use rayon::prelude::*;
 
 use super::intersection::{Sighting, intersect};
 use super::matching::{
-    DepthPlane, MatchError, MatchOptions, MatchViews, MatchedPoint, Patch, PatchPixel, pixels_around, point_world,
+    DepthPlane, MatchError, MatchOptions, MatchViews, MatchedPoint, Patch, PatchPixel,
+    pixels_around, point_world,
 };
 use super::view::StereoView;
 use super::{CloudPoint, Intersection, Spread};
@@ -117,12 +118,7 @@ impl Tracker {
         let tracks = tracks.collect();
         drop(views);
 
-        Ok(Self {
-            options,
-            first_frame,
-            here,
-            tracks,
-        })
+        Ok(Self { options, first_frame, here, tracks })
     }
 
     /// How many points are still followed.
@@ -167,9 +163,7 @@ impl Tracker {
     /// The trajectories of all points, in the order in which they were given; `fps` frames a second.
     pub fn finish(self, fps: f64) -> Vec<Trajectory> {
         let tracks = self.tracks.into_iter();
-        tracks
-            .map(|track| Trajectory::new(self.first_frame, &track.path, fps))
-            .collect()
+        tracks.map(|track| Trajectory::new(self.first_frame, &track.path, fps)).collect()
     }
 }
 
@@ -202,10 +196,7 @@ impl FrameStep<'_> {
         let rough = self.intersect(&moved)?;
         let camera = &self.next.views[0].camera;
         let depth = (camera.camera_from_world * rough.position_world).z;
-        let plane = DepthPlane {
-            w: 1.0 / depth,
-            ..track.plane
-        };
+        let plane = DepthPlane { w: 1.0 / depth, ..track.plane };
         let patch = Patch::around(&self.match_views, place, self.options.radius_px);
         let spatial = &self.options.spatial;
         let found = self.match_views.find_patch(&patch, &plane, spatial)?;
@@ -237,10 +228,11 @@ impl FrameStep<'_> {
     fn temporal(&self, track: &Track, view: usize) -> Option<TemporalMatch> {
         let options = self.options;
         let radii = [options.radius_px, options.larger_radius_px];
-        let mut found = radii
-            .iter()
-            .filter_map(|radius| self.temporal_with(track, view, *radius));
-        found.find(|moved| moved.correlation >= options.least_correlation && moved.sigma_px <= options.most_sigma_px)
+        let mut found = radii.iter().filter_map(|radius| self.temporal_with(track, view, *radius));
+        found.find(|moved| {
+            moved.correlation >= options.least_correlation
+                && moved.sigma_px <= options.most_sigma_px
+        })
     }
 
     /// The same with the patch of one radius.

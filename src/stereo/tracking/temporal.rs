@@ -44,9 +44,8 @@ pub(super) fn search(
 ) -> Option<Point2<f64>> {
     let is_compared = |offset: f64| offset.round() as i64 % COARSE == 0;
     let thin = patch.iter().copied();
-    let thin: Vec<PatchPixel> = thin
-        .filter(|pixel| is_compared(pixel.dx) && is_compared(pixel.dy))
-        .collect();
+    let thin: Vec<PatchPixel> =
+        thin.filter(|pixel| is_compared(pixel.dx) && is_compared(pixel.dy)).collect();
 
     let reach = i64::try_from(reach).ok()? / COARSE * COARSE;
     let middle = Point2::new(expected.x.round() as i64, expected.y.round() as i64);
@@ -65,7 +64,8 @@ fn best_place(
 ) -> Option<Point2<i64>> {
     let side = 2 * (reach / step) + 1;
     let first = middle.map(|x| x - reach);
-    let places = (0..side * side).map(|i| Point2::new(first.x + i % side * step, first.y + i / side * step));
+    let places =
+        (0..side * side).map(|i| Point2::new(first.x + i % side * step, first.y + i / side * step));
     let rated = places.filter_map(|place| Some((correlation(patch, image, place)?, place)));
     let best = rated.max_by(|a, b| a.0.total_cmp(&b.0));
     best.map(|(_, place)| place)
@@ -90,7 +90,11 @@ fn correlation(patch: &[PatchPixel], image: &Plane<f32>, place: Point2<i64>) -> 
 }
 
 /// Moves, turns and stretches the patch until it looks like the image, by Gauss–Newton; `None` if it does not come to rest.
-pub(super) fn fit(patch: &[PatchPixel], image: &Plane<f32>, start: &Point2<f64>) -> Option<TemporalMatch> {
+pub(super) fn fit(
+    patch: &[PatchPixel],
+    image: &Plane<f32>,
+    start: &Point2<f64>,
+) -> Option<TemporalMatch> {
     let (mut place, mut map) = (*start, Matrix2::identity());
     for _ in 0..MOST_STEPS {
         let equations = Sums::over(patch, image, &place, &map)?.equations(&map)?;
@@ -142,7 +146,12 @@ struct Equations {
 
 impl Sums {
     /// `None` where the image ends.
-    fn over(patch: &[PatchPixel], image: &Plane<f32>, place: &Point2<f64>, map: &Matrix2<f64>) -> Option<Self> {
+    fn over(
+        patch: &[PatchPixel],
+        image: &Plane<f32>,
+        place: &Point2<f64>,
+        map: &Matrix2<f64>,
+    ) -> Option<Self> {
         let mut sums = Self {
             count: patch.len() as f64,
             f: 0.0,
@@ -198,11 +207,6 @@ impl Sums {
             normal[(i + 2, i + 2)] += variance / MAP_SD.powi(2);
             right[i + 2] -= variance / MAP_SD.powi(2) * off;
         }
-        Some(Equations {
-            normal,
-            right,
-            variance,
-            correlation: fg / (ff * gg).sqrt(),
-        })
+        Some(Equations { normal, right, variance, correlation: fg / (ff * gg).sqrt() })
     }
 }

@@ -50,10 +50,7 @@ impl Trajectory {
                 acceleration: acceleration * fps * fps,
             }
         };
-        Self {
-            first_frame,
-            points: (0..path.len()).map(point).collect(),
-        }
+        Self { first_frame, points: (0..path.len()).map(point).collect() }
     }
 
     /// The point of a frame.

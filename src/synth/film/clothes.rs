@@ -44,7 +44,11 @@ impl DressedPerson {
     ///
     /// # Errors
     /// [`SkinError`] if the body cannot have a skin.
-    pub(super) fn random(model: &BodyModel, shape: &Shape, rng: &mut impl Rng) -> Result<Self, SkinError> {
+    pub(super) fn random(
+        model: &BodyModel,
+        shape: &Shape,
+        rng: &mut impl Rng,
+    ) -> Result<Self, SkinError> {
         let skin = skinned(model, shape)?;
         let zones = zones(model, &skin);
 
@@ -56,12 +60,7 @@ impl DressedPerson {
             Texture::plain([0.2, 0.14, 0.1], 0.5, rng),
         ];
 
-        Ok(Self {
-            bind_poses: part_poses(model, shape, &skin.bind),
-            zones,
-            textures,
-            skin,
-        })
+        Ok(Self { bind_poses: part_poses(model, shape, &skin.bind), zones, textures, skin })
     }
 
     /// The skin as the parts move it: v ↦ Σₖ wₖ·(Rₖ R⁰ₖᵀ (v − o⁰ₖ) + oₖ).
@@ -86,10 +85,7 @@ impl DressedPerson {
                 shift += own_shift * f64::from(weight);
             }
             let normal = turn * mesh.normals[i];
-            (
-                turn * mesh.vertices[i] + shift,
-                normal.try_normalize(1e-9).unwrap_or(normal),
-            )
+            (turn * mesh.vertices[i] + shift, normal.try_normalize(1e-9).unwrap_or(normal))
         });
 
         let (vertices, normals) = blended.unzip();
@@ -97,7 +93,11 @@ impl DressedPerson {
     }
 
     /// The colour at a place on a triangle.
-    pub(super) fn colour(&self, triangle: [u32; 3], mix: impl Fn([[f32; 8]; 3]) -> [f32; 8]) -> Colour {
+    pub(super) fn colour(
+        &self,
+        triangle: [u32; 3],
+        mix: impl Fn([[f32; 8]; 3]) -> [f32; 8],
+    ) -> Colour {
         let corner = |i: u32| {
             let place = self.skin.mesh.vertices[i as usize].cast::<f32>();
             let zones = self.zones[i as usize];
@@ -112,8 +112,7 @@ impl DressedPerson {
 fn part_poses(model: &BodyModel, shape: &Shape, motion: &Motion) -> Vec<PartPose> {
     let body = Posed::new(model, shape, motion);
     let all = (0..model.parts.len()).map(PartId);
-    all.map(|part| (body.world_from_part(part), body.origin_of_part(part).coords))
-        .collect()
+    all.map(|part| (body.world_from_part(part), body.origin_of_part(part).coords)).collect()
 }
 
 /// Share of each zone in each vertex, from the parts that move it.
@@ -124,10 +123,7 @@ fn zones(model: &BodyModel, skin: &SkinnedMesh) -> Vec<[f32; ZONES]> {
     // the middle of the head, above which there is hair
     let vertices = &skin.mesh.vertices;
     let head: Vec<usize> = (0..vertices.len()).filter(is_head).collect();
-    let middle = head
-        .iter()
-        .map(|i| vertices[*i] / head.len() as f64)
-        .sum::<Vector3<f64>>();
+    let middle = head.iter().map(|i| vertices[*i] / head.len() as f64).sum::<Vector3<f64>>();
 
     let vertex_zones = |i: usize| {
         let mut shares = [0.0; ZONES];

@@ -62,9 +62,7 @@ impl Lamp {
     pub(super) fn shadow(&self, vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Shadow {
         let mut raster = Raster::new(&self.camera, 1);
         raster.draw(vertices, triangles, 0);
-        Shadow {
-            depth: raster.fragments().map(|fragment| fragment.depth),
-        }
+        Shadow { depth: raster.fragments().map(|fragment| fragment.depth) }
     }
 }
 
@@ -87,7 +85,8 @@ impl Shadow {
             f32::from(u8::from(nearest.is_none_or(|d| depth < d + TOLERANCE)))
         };
         let (u, v) = (x - column, y - row);
-        (1.0 - v) * ((1.0 - u) * is_lit(0, 0) + u * is_lit(1, 0)) + v * ((1.0 - u) * is_lit(0, 1) + u * is_lit(1, 1))
+        (1.0 - v) * ((1.0 - u) * is_lit(0, 0) + u * is_lit(1, 0))
+            + v * ((1.0 - u) * is_lit(0, 1) + u * is_lit(1, 1))
     }
 }
 

@@ -162,9 +162,7 @@ impl FilmRecipe {
                 camera_from_world,
             }
         };
-        Rig {
-            cameras: (0..CAMERAS.len()).map(camera).collect(),
-        }
+        Rig { cameras: (0..CAMERAS.len()).map(camera).collect() }
     }
 }
 

@@ -71,10 +71,7 @@ impl Room {
                 stripes: (1.2, [3.0, 0.0, 0.0]),
                 ..Texture::plain([0.25, 0.25, 0.27], 0.5, rng)
             },
-            screen: Texture {
-                per_m: [9.0; 3],
-                ..Texture::printed(rng)
-            },
+            screen: Texture { per_m: [9.0; 3], ..Texture::printed(rng) },
             lamps: Lamps {
                 phase: [0, 1].map(|_| rng.random_range(0.0..1.0)),
                 hertz: [rng.random_range(0.05..0.1), rng.random_range(0.08..0.16)],
@@ -115,11 +112,9 @@ impl Room {
     /// The light at a time: both parts drift by a quarter.
     pub(super) fn light(&self, time: f64) -> Light {
         let Lamps { phase, hertz } = self.lamps;
-        let drift = |k: usize| 1.0 + 0.25 * (std::f64::consts::TAU * (phase[k] + hertz[k] * time)).sin();
-        Light {
-            everywhere: (0.55 * drift(0)) as f32,
-            lamp: (0.75 * drift(1)) as f32,
-        }
+        let drift =
+            |k: usize| 1.0 + 0.25 * (std::f64::consts::TAU * (phase[k] + hertz[k] * time)).sin();
+        Light { everywhere: (0.55 * drift(0)) as f32, lamp: (0.75 * drift(1)) as f32 }
     }
 }
 
@@ -131,7 +126,8 @@ impl Curtain {
         let at = |u: f64, v: f64| {
             let phase = std::f64::consts::TAU * (hertz * time + 0.8 * u);
             let fold = 0.05 * (std::f64::consts::TAU * 7.0 * u + 1.5 * phase.sin()).sin();
-            hanging(u, v) + Vector3::new(fold + swing * v * phase.sin(), 0.6 * swing * v * phase.cos(), 0.0)
+            hanging(u, v)
+                + Vector3::new(fold + swing * v * phase.sin(), 0.6 * swing * v * phase.cos(), 0.0)
         };
         let mut thing = Thing::sheet(56, 12, at, self.texture);
         thing.places = Thing::sheet(56, 12, hanging, self.texture).vertices;
@@ -143,14 +139,8 @@ impl Curtain {
 fn shell(rng: &mut impl Rng) -> Vec<Thing> {
     let floor = |u: f64, v: f64| Vector3::new(2.6 - (2.6 + WALL) * v, 4.0 * (2.0 * u - 1.0), FLOOR);
     let wall = |u: f64, v: f64| Vector3::new(-WALL, 4.0 * (2.0 * u - 1.0), 3.2 - 3.4 * v);
-    let paper = Texture {
-        grain: 0.15,
-        ..Texture::plain([0.62, 0.6, 0.55], 0.25, rng)
-    };
-    vec![
-        Thing::sheet(1, 1, floor, Texture::wooden(rng)),
-        Thing::sheet(1, 1, wall, paper),
-    ]
+    let paper = Texture { grain: 0.15, ..Texture::plain([0.62, 0.6, 0.55], 0.25, rng) };
+    vec![Thing::sheet(1, 1, floor, Texture::wooden(rng)), Thing::sheet(1, 1, wall, paper)]
 }
 
 /// A cabinet, a plank and perhaps a plant at the person's own depth.
@@ -163,12 +153,7 @@ fn beside(side: f64, rng: &mut impl Rng) -> Vec<Thing> {
     let low = from_floor(rng.random_range(-0.35..0.05), side * rng.random_range(1.3..1.4));
     let high = low + Vector3::new(depth, side * width, rng.random_range(0.9..1.7));
     let turn = rng.random_range(-0.15..0.15);
-    all.push(Thing::cuboid(
-        low.inf(&high),
-        low.sup(&high),
-        turn,
-        Texture::printed(rng),
-    ));
+    all.push(Thing::cuboid(low.inf(&high), low.sup(&high), turn, Texture::printed(rng)));
 
     // a plank as thick as an arm, upright close behind
     let plank = from_floor(rng.random_range(-0.75..-0.55), side * rng.random_range(0.45..0.75));

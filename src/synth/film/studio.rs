@@ -41,12 +41,8 @@ struct UnlitSample {
     in_lamp: InLamp,
 }
 
-const NOTHING: UnlitSample = UnlitSample {
-    albedo: [0.0; 3],
-    facing: 0.0,
-    depth: f32::INFINITY,
-    in_lamp: [-9.0; 3],
-};
+const NOTHING: UnlitSample =
+    UnlitSample { albedo: [0.0; 3], facing: 0.0, depth: f32::INFINITY, in_lamp: [-9.0; 3] };
 
 /// What a camera sees of one frame.
 struct Layers<'a> {
@@ -74,23 +70,12 @@ impl<'a> Studio<'a> {
         let camera = film.synthetic.rig.camera(id)?;
         let lamp = Lamp::new();
         let still = unlit_view(camera, &lamp, &film.room.still);
-        Some(Self {
-            film,
-            id,
-            camera,
-            lamp,
-            still,
-        })
+        Some(Self { film, id, camera, lamp, still })
     }
 
     /// A frame as this camera records it; `None` if there is no such frame.
     pub fn shot(&self, frame: FrameIndex) -> Option<Shot> {
-        let Film {
-            synthetic,
-            room,
-            person,
-            ..
-        } = self.film;
+        let Film { synthetic, room, person, .. } = self.film;
         let motion = synthetic.motions.get(frame.0)?;
         let time = frame.0 as f64 / synthetic.fps;
         let travelled = self.film.travelled.get(frame.0).copied().unwrap_or(0.0);
@@ -114,13 +99,7 @@ impl<'a> Studio<'a> {
 
     /// Red, green, blue and the person's share of each sample.
     fn light_up(&self, layers: &Layers<'_>) -> Plane<[f32; 4]> {
-        let Layers {
-            moving,
-            person,
-            skin,
-            shadow,
-            light,
-        } = layers;
+        let Layers { moving, person, skin, shadow, light } = layers;
         let lit = |sample: &UnlitSample| {
             let facing = sample.facing.max(0.0) * shadow.light_at(sample.in_lamp);
             let brightness = light.everywhere + light.lamp * facing;
@@ -135,11 +114,8 @@ impl<'a> Studio<'a> {
             for (sample, (fragment, (still, moving))) in samples.row_mut(y).iter_mut().zip(all) {
                 let behind = if moving.depth < still.depth { moving } else { still };
                 let is_person = fragment.depth < behind.depth;
-                let [r, g, b] = if is_person {
-                    lit(&self.skin_sample(fragment, skin))
-                } else {
-                    lit(behind)
-                };
+                let [r, g, b] =
+                    if is_person { lit(&self.skin_sample(fragment, skin)) } else { lit(behind) };
                 *sample = [r, g, b, f32::from(u8::from(is_person))];
             }
         }
@@ -182,16 +158,14 @@ impl<'a> Studio<'a> {
         }
 
         let is_person = |x, y| covered.get(x, y).is_some_and(|share| share > 0.5);
-        Shot {
-            picture,
-            mask: Mask::from_fn(width, height, is_person),
-        }
+        Shot { picture, mask: Mask::from_fn(width, height, is_person) }
     }
 }
 
 /// The weighted mean of the samples in and around a pixel; those outside the picture are the nearest within.
 fn blur(samples: &Plane<[f32; 4]>, x: usize, y: usize) -> [f32; 4] {
-    let within = |place: usize, k: usize, size: usize| (SAMPLES * place + k).saturating_sub(1).min(size - 1);
+    let within =
+        |place: usize, k: usize, size: usize| (SAMPLES * place + k).saturating_sub(1).min(size - 1);
     let mut sum = [0.0; 4];
     for (j, down) in BLUR.iter().enumerate() {
         let row = samples.row(within(y, j, samples.height()));
@@ -223,7 +197,13 @@ fn unlit_view(camera: &Camera, lamp: &Lamp, things: &[Thing]) -> Plane<UnlitSamp
 }
 
 /// The surface of one triangle of a thing, as a camera at `centre` sees it.
-fn surface(thing: &Thing, own: usize, fragment: &Fragment, centre: &Vector3<f64>, lamp: &Lamp) -> UnlitSample {
+fn surface(
+    thing: &Thing,
+    own: usize,
+    fragment: &Fragment,
+    centre: &Vector3<f64>,
+    lamp: &Lamp,
+) -> UnlitSample {
     let triangle = thing.triangles[own].map(|i| i as usize);
     let [a, b, c] = triangle.map(|i| thing.vertices[i]);
     let normal = (b - a).cross(&(c - a)).try_normalize(1e-12).unwrap_or_else(Vector3::z);

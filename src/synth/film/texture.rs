@@ -107,7 +107,9 @@ fn noise(place: [f32; 3], seed: u32) -> f32 {
     let [x, y, z] = cell.map(|c| c as i32);
     let mix = |a: f32, b: f32, t: f32| a + t * (b - a);
     let along_x = |dy: i32, dz: i32| {
-        let at = |dx: i32| lattice_value([x.wrapping_add(dx), y.wrapping_add(dy), z.wrapping_add(dz)], seed);
+        let at = |dx: i32| {
+            lattice_value([x.wrapping_add(dx), y.wrapping_add(dy), z.wrapping_add(dz)], seed)
+        };
         mix(at(0), at(1), t[0])
     };
     let plane = |dz: i32| mix(along_x(0, dz), along_x(1, dz), t[1]);

@@ -20,7 +20,12 @@ const BOARD: f64 = 0.02;
 
 impl Thing {
     /// A box upright on z = `low.z`, turned about its own middle.
-    pub(super) fn cuboid(low: Vector3<f64>, high: Vector3<f64>, turn: f64, texture: Texture) -> Self {
+    pub(super) fn cuboid(
+        low: Vector3<f64>,
+        high: Vector3<f64>,
+        turn: f64,
+        texture: Texture,
+    ) -> Self {
         let middle = (low + high) * 0.5;
         let about = Rotation3::from_axis_angle(&Vector3::z_axis(), turn);
         let corner = |k: usize| {
@@ -32,27 +37,23 @@ impl Thing {
         let vertices: Vec<_> = (0..8).map(corner).collect();
 
         // corner k lies at high x, y, z where bit 0, 1, 2 is set
-        let faces = [
-            [0, 1, 3, 2],
-            [4, 6, 7, 5],
-            [0, 4, 5, 1],
-            [2, 3, 7, 6],
-            [0, 2, 6, 4],
-            [1, 5, 7, 3],
-        ];
+        let faces =
+            [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]];
         Self {
             places: vertices.clone(),
-            triangles: faces
-                .iter()
-                .flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]])
-                .collect(),
+            triangles: faces.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect(),
             vertices,
             texture,
         }
     }
 
     /// A sheet of `columns` × `rows` pieces; `at` takes (0, 0) to (1, 1) to a place.
-    pub(super) fn sheet(columns: usize, rows: usize, at: impl Fn(f64, f64) -> Vector3<f64>, texture: Texture) -> Self {
+    pub(super) fn sheet(
+        columns: usize,
+        rows: usize,
+        at: impl Fn(f64, f64) -> Vector3<f64>,
+        texture: Texture,
+    ) -> Self {
         let place = |k: usize| {
             let (i, j) = (k % (columns + 1), k / (columns + 1));
             at(i as f64 / columns as f64, j as f64 / rows as f64)
@@ -74,7 +75,12 @@ impl Thing {
     }
 
     /// A shelf that is open to the front, as boards, with books on each.
-    pub(super) fn shelf(corner: Vector3<f64>, width: f64, height: f64, rng: &mut impl Rng) -> Vec<Self> {
+    pub(super) fn shelf(
+        corner: Vector3<f64>,
+        width: f64,
+        height: f64,
+        rng: &mut impl Rng,
+    ) -> Vec<Self> {
         let depth = 0.28;
         let wood = Texture::wooden(rng);
         let board = |low: [f64; 3], high: [f64; 3]| {
@@ -107,28 +113,27 @@ impl Thing {
 
     /// A pot with leaves on stems, each a rhombus that hangs outwards.
     pub(super) fn plant(foot: Vector3<f64>, height: f64, rng: &mut impl Rng) -> Vec<Self> {
-        let (low, high) = (
-            foot - Vector3::new(0.12, 0.12, 0.0),
-            foot + Vector3::new(0.12, 0.12, 0.3),
-        );
+        let (low, high) =
+            (foot - Vector3::new(0.12, 0.12, 0.0), foot + Vector3::new(0.12, 0.12, 0.3));
 
         let green = [0.16, rng.random_range(0.3..0.5), 0.12];
         let mut leaves = Self {
             vertices: Vec::new(),
             triangles: Vec::new(),
             places: Vec::new(),
-            texture: Texture {
-                contrast: 1.5,
-                ..Texture::plain(green, 0.6, rng)
-            },
+            texture: Texture { contrast: 1.5, ..Texture::plain(green, 0.6, rng) },
         };
 
         for _ in 0..70 {
             let (sin, cos) = rng.random_range(0.0..std::f64::consts::TAU).sin_cos();
             let outward = Vector3::new(cos, sin, 0.0);
-            let base = foot + Vector3::z() * rng.random_range(0.4..height) + outward * rng.random_range(0.0..0.12);
-            let along = (outward + Vector3::z() * rng.random_range(-0.6..0.8)) * rng.random_range(0.12..0.26);
-            let across = Vector3::new(-sin, cos, rng.random_range(-0.5..0.5)) * rng.random_range(0.03..0.06);
+            let base = foot
+                + Vector3::z() * rng.random_range(0.4..height)
+                + outward * rng.random_range(0.0..0.12);
+            let along = (outward + Vector3::z() * rng.random_range(-0.6..0.8))
+                * rng.random_range(0.12..0.26);
+            let across =
+                Vector3::new(-sin, cos, rng.random_range(-0.5..0.5)) * rng.random_range(0.03..0.06);
             leaves.add_leaf(base, along, across);
         }
 
@@ -142,7 +147,6 @@ impl Thing {
         let corners = [base, middle + across, base + along + droop, middle - across];
         self.vertices.extend(corners);
         self.places.extend(corners);
-        self.triangles
-            .extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+        self.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
     }
 }

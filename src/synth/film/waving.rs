@@ -93,7 +93,8 @@ impl Waving {
         let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), angle);
         motion.world_from_root = turn * motion.world_from_root;
         let [x, y, hertz] = self.wander;
-        let wander = Vector3::new(x * (TAU * 0.11 * time).sin(), y * (TAU * hertz * time).sin(), 0.0);
+        let wander =
+            Vector3::new(x * (TAU * 0.11 * time).sin(), y * (TAU * hertz * time).sin(), 0.0);
         motion.position_world = turn * motion.position_world + wander;
     }
 }

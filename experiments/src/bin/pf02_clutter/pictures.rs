@@ -28,10 +28,7 @@ pub(crate) fn draw(run: &Run, all: &[(Sequence, Vec<Traced>)]) -> Result<(), Fau
         let last = traced[0].scores.len().saturating_sub(1);
         let first = (worst + STEP).saturating_sub(STEP * (SHOWN - 1)).min(last);
         let frames: Vec<usize> = (0..SHOWN).map(|k| (first + k * STEP).min(last)).collect();
-        run.say(&format!(
-            "failure and repair: sequence {}, frames {frames:?}",
-            number + 1
-        ));
+        run.say(&format!("failure and repair: sequence {}, frames {frames:?}", number + 1));
         let rows: Vec<&Traced> = traced.iter().collect();
         run.photograph("failure", &strip(sequence, &rows, &frames)?)?;
     }
@@ -76,7 +73,8 @@ fn strip(sequence: &Sequence, traced: &[&Traced], frames: &[usize]) -> Result<Pi
 
 /// Left, top, right and bottom of a mask and what was there before.
 fn around(mask: &Mask, before: Option<[usize; 4]>) -> [usize; 4] {
-    let [mut left, mut top, mut right, mut bottom] = before.unwrap_or([usize::MAX, usize::MAX, 0, 0]);
+    let [mut left, mut top, mut right, mut bottom] =
+        before.unwrap_or([usize::MAX, usize::MAX, 0, 0]);
     for y in 0..mask.height() {
         for x in (0..mask.width()).filter(|x| mask.is_foreground(*x, y)) {
             (left, top) = (left.min(x), top.min(y));

@@ -22,10 +22,8 @@ use rayon::prelude::*;
 use crate::Fault;
 
 /// Both pipelines and their names.
-pub(crate) const PIPELINES: [(&str, SilhouettePipeline); 2] = [
-    ("simple", SilhouettePipeline::Simple),
-    ("joint", SilhouettePipeline::Joint),
-];
+pub(crate) const PIPELINES: [(&str, SilhouettePipeline); 2] =
+    [("simple", SilhouettePipeline::Simple), ("joint", SilhouettePipeline::Joint)];
 /// The camera in the middle.
 pub(crate) const CENTRE: usize = 1;
 
@@ -46,28 +44,27 @@ pub(crate) struct Traced {
 
 impl Sequence {
     /// Makes a recording and writes it into `folder`, over what was there.
-    pub(crate) fn photographed(seed: u64, (frames, fps): (usize, f64), folder: &Path) -> Result<Self, Fault> {
+    pub(crate) fn photographed(
+        seed: u64,
+        (frames, fps): (usize, f64),
+        folder: &Path,
+    ) -> Result<Self, Fault> {
         let body = model::load("walker-metaballs", Path::new(""))?;
-        let recipe = FilmRecipe {
-            seed,
-            frames,
-            fps,
-            ..FilmRecipe::default()
-        };
+        let recipe = FilmRecipe { seed, frames, fps, ..FilmRecipe::default() };
         let film = recipe.film(&body)?;
         let recording = folder.join("recording");
         if recording.is_dir() {
             fs::remove_dir_all(&recording)?;
         }
         filmed::write(&film, &recording)?;
-        Ok(Self {
-            film,
-            folder: folder.to_owned(),
-        })
+        Ok(Self { film, folder: folder.to_owned() })
     }
 
     /// Runs a pipeline as a user would, and compares what it wrote with the true masks.
-    pub(crate) fn traced(&self, (name, pipeline): (&'static str, SilhouettePipeline)) -> Result<Traced, Fault> {
+    pub(crate) fn traced(
+        &self,
+        (name, pipeline): (&'static str, SilhouettePipeline),
+    ) -> Result<Traced, Fault> {
         let out = self.folder.join(name);
         let recording = self.folder.join("recording");
         let files = SilhouetteFiles {

@@ -3,7 +3,9 @@
 use experiments::contours::{black_and_white, sheet};
 use maquette::camera::CameraId;
 use maquette::image::{Gradient, Picture, Plane};
-use maquette::pipeline::silhouettes::{ContourOptions, Edges, FilteredEdges, UndistortedFrame, disparity_mask};
+use maquette::pipeline::silhouettes::{
+    ContourOptions, Edges, FilteredEdges, UndistortedFrame, disparity_mask,
+};
 use maquette::render;
 use maquette::silhouette::FrameIndex;
 use maquette::stereo::neighbour;
@@ -45,9 +47,7 @@ pub(crate) fn stages(sequence: &Sequence, frame: usize) -> Result<Picture, Fault
         vec![
             photograph(Some(CameraId(CENTRE)))?,
             // the nearer the redder, whichever side the other camera stands on
-            render::stereo::in_colour(&depth.disparities.map(f32::abs))
-                .pixels()
-                .clone(),
+            render::stereo::in_colour(&depth.disparities.map(f32::abs)).pixels().clone(),
             dark_on_white(&gradient, black),
         ],
         vec![

@@ -81,11 +81,8 @@ pub(crate) struct Fit<'a> {
 impl Fit<'_> {
     /// Minimum from a start.
     pub(crate) fn solve(&self, start: Ellipse) -> Solution<Ellipse, NormalEquations> {
-        let options = Options {
-            max_iterations: 300,
-            relative_decrease: 1e-10,
-            ..Options::default()
-        };
+        let options =
+            Options { max_iterations: 300, relative_decrease: 1e-10, ..Options::default() };
         levenberg_marquardt(self, start, &options)
     }
 
@@ -134,7 +131,8 @@ impl Problem for Fit<'_> {
 
     fn linearize(&self, x: &Ellipse, equations: &mut NormalEquations) -> f64 {
         let residuals = self.residuals(x);
-        let jacobian = central_differences(DIMENSION, 1e-6, |d| self.residuals(&self.retract(x, d)));
+        let jacobian =
+            central_differences(DIMENSION, 1e-6, |d| self.residuals(&self.retract(x, d)));
         equations.gradient += jacobian.transpose() * &residuals;
         equations.hessian += jacobian.transpose() * &jacobian;
         0.5 * residuals.norm_squared()

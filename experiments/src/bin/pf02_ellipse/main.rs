@@ -80,14 +80,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let draws: Vec<(Ellipse, Seen)> = (0..DRAWS).map(|i| draw(seed + i)).collect();
     let mut table = Table::new(
         "ellipses",
-        &[
-            "fit",
-            "area / true",
-            "9th decile",
-            "width / true",
-            "middle off, mm",
-            "shape off, mm",
-        ],
+        &["fit", "area / true", "9th decile", "width / true", "middle off, mm", "shape off, mm"],
     );
     let mut panels = Vec::new();
     for way in &WAYS {
@@ -106,11 +99,7 @@ impl Way {
         if !self.with_tangents {
             seen.tangents.clear();
         }
-        let fit = Fit {
-            seen: &seen,
-            residual: self.residual,
-            axes_sd: AXES_SD,
-        };
+        let fit = Fit { seen: &seen, residual: self.residual, axes_sd: AXES_SD };
         let middle: Vector2<f64> = seen.points.iter().sum::<Vector2<f64>>() / POINTS as f64;
         let start = Ellipse {
             centre: middle + Vector2::new(0.0, 0.04),
@@ -142,12 +131,8 @@ fn draw(seed: u64) -> (Ellipse, Seen) {
             points.push(truth.border(turn) + error);
         }
     }
-    let seen = Seen {
-        points,
-        tangents: tangents.to_vec(),
-        point_sd: DEPTH_SD,
-        tangent_sd: TANGENT_SD,
-    };
+    let seen =
+        Seen { points, tangents: tangents.to_vec(), point_sd: DEPTH_SD, tangent_sd: TANGENT_SD };
     (truth, seen)
 }
 
@@ -172,10 +157,17 @@ fn shape_off(a: &Ellipse, b: &Ellipse) -> f64 {
     (each.sum::<f64>() / 180.0).sqrt()
 }
 
-fn report(run: &mut Run, table: &mut Table, way: &Way, draws: &[(Ellipse, Seen)], fits: &[Ellipse]) {
+fn report(
+    run: &mut Run,
+    table: &mut Table,
+    way: &Way,
+    draws: &[(Ellipse, Seen)],
+    fits: &[Ellipse],
+) {
     let pairs = || draws.iter().map(|(truth, _)| truth).zip(fits);
-    let middle =
-        |value: &dyn Fn((&Ellipse, &Ellipse)) -> f64| median(&mut pairs().map(value).collect()).unwrap_or(f64::NAN);
+    let middle = |value: &dyn Fn((&Ellipse, &Ellipse)) -> f64| {
+        median(&mut pairs().map(value).collect()).unwrap_or(f64::NAN)
+    };
     let mut areas: Vec<f64> = pairs().map(|(truth, fit)| fit.area() / truth.area()).collect();
     areas.sort_by(f64::total_cmp);
     let area = middle(&|(truth, fit)| fit.area() / truth.area());
@@ -222,7 +214,5 @@ fn panel(way: &Way, draws: &[(Ellipse, Seen)], fits: &[Ellipse]) -> Panel {
             panel = panel.curve("", colour::GREY, &[(x, -16.0), (x, 7.0)]);
         }
     }
-    panel
-        .curve("", colour::BLACK, &outline(truth))
-        .marks("", colour::BLUE, &points)
+    panel.curve("", colour::BLACK, &outline(truth)).marks("", colour::BLUE, &points)
 }

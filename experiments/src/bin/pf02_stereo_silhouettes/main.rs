@@ -11,15 +11,16 @@ use std::error::Error;
 use std::process::ExitCode;
 
 use experiments::limb::{
-    ArmTruth, LimbErrors, LimbFit, aligned, front_pair, joints, limb_arm, limb_errors, pose, surface_points, true_arm,
-    views, widened,
+    ArmTruth, LimbErrors, LimbFit, aligned, front_pair, joints, limb_arm, limb_errors, pose,
+    surface_points, true_arm, views, widened,
 };
 use experiments::run::Run;
 use experiments::table::Table;
 use maquette::body::{BodyModel, Posed, Shape, State};
 use maquette::inference::prior::{PosePrior, ShapePrior};
 use maquette::likelihood::{
-    PointField, PointOptions, RayOptions, RayView, Residual, SilhouetteRays, SkinScale, SurfacePoint, Term,
+    PointField, PointOptions, RayOptions, RayView, Residual, SilhouetteRays, SkinScale,
+    SurfacePoint, Term,
 };
 use maquette::math::stats::median;
 use maquette::solver::Loss;
@@ -60,32 +61,20 @@ struct Way {
 const WAYS: [Way; 6] = [
     way("field_stereo", "T − F, stereo", Residual::Field, Data::Stereo, WIDE),
     way("field_both", "T − F, both", Residual::Field, Data::Both, WIDE),
-    way(
-        "metric_stereo",
-        "distance, stereo",
-        Residual::Metric,
-        Data::Stereo,
-        WIDE,
-    ),
+    way("metric_stereo", "distance, stereo", Residual::Metric, Data::Stereo, WIDE),
     way("metric_both", "distance, both", Residual::Metric, Data::Both, WIDE),
-    way(
-        "prior_stereo",
-        "distance, stereo, p(s)",
-        Residual::Metric,
-        Data::Stereo,
-        1.0,
-    ),
+    way("prior_stereo", "distance, stereo, p(s)", Residual::Metric, Data::Stereo, 1.0),
     way("prior_both", "distance, both, p(s)", Residual::Metric, Data::Both, 1.0),
 ];
 
-const fn way(name: &'static str, title: &'static str, residual: Residual, data: Data, prior_factor: f64) -> Way {
-    Way {
-        name,
-        title,
-        residual,
-        data,
-        prior_factor,
-    }
+const fn way(
+    name: &'static str,
+    title: &'static str,
+    residual: Residual,
+    data: Data,
+    prior_factor: f64,
+) -> Way {
+    Way { name, title, residual, data, prior_factor }
 }
 
 /// One arm, what is seen of it, and where its fits start.
@@ -104,20 +93,11 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let arm = limb_arm()?;
     let real = true_arm()?;
     let seed = run.seed() * DRAWS;
-    let draws: Vec<Draw> = (0..DRAWS)
-        .into_par_iter()
-        .map(|i| Draw::new(&arm, &real, seed + i))
-        .collect();
+    let draws: Vec<Draw> =
+        (0..DRAWS).into_par_iter().map(|i| Draw::new(&arm, &real, seed + i)).collect();
     let mut table = Table::new(
         "fits",
-        &[
-            "fit",
-            "axis, mm",
-            "upper arm width, %",
-            "forearm width, %",
-            "joints, mm",
-            "elbow, °",
-        ],
+        &["fit", "axis, mm", "upper arm width, %", "forearm width, %", "joints, mm", "elbow, °"],
     );
     let mut all = Vec::new();
     for way in &WAYS {
@@ -125,7 +105,9 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         let errors: Vec<LimbErrors> = fits
             .iter()
             .zip(&draws)
-            .map(|(fit, draw)| limb_errors(&Posed::new(&arm, &fit.shape, &fit.motion), &draw.truth.posed()))
+            .map(|(fit, draw)| {
+                limb_errors(&Posed::new(&arm, &fit.shape, &fit.motion), &draw.truth.posed())
+            })
             .collect();
         report(&mut run, &mut table, way, &errors);
         all.push((way, fits, errors));
@@ -149,12 +131,7 @@ impl Draw {
         motion.position_world += Vector3::new(draw(0.01), draw(0.01), draw(0.01));
         let turn = Vector3::new(draw(0.05), draw(0.05), draw(0.05));
         motion.world_from_root *= Rotation3::from_scaled_axis(turn);
-        Self {
-            truth,
-            points,
-            views,
-            start: State { motion, shape },
-        }
+        Self { truth, points, views, start: State { motion, shape } }
     }
 }
 
@@ -178,17 +155,10 @@ impl Way {
             Residual::Metric => Loss::Cauchy(3.0),
         };
         let scale = SkinScale::new(arm);
-        let points = PointOptions {
-            residual: self.residual,
-            loss,
-            ..PointOptions::default()
-        };
-        let rays = RayOptions {
-            residual: self.residual,
-            loss,
-            ..RayOptions::default()
-        };
-        let mut terms: Vec<Box<dyn Term>> = vec![Box::new(PointField::new(draw.points.clone(), points, scale.clone()))];
+        let points = PointOptions { residual: self.residual, loss, ..PointOptions::default() };
+        let rays = RayOptions { residual: self.residual, loss, ..RayOptions::default() };
+        let mut terms: Vec<Box<dyn Term>> =
+            vec![Box::new(PointField::new(draw.points.clone(), points, scale.clone()))];
         if self.data == Data::Both {
             terms.push(Box::new(SilhouetteRays::new(draw.views.clone(), rays, scale)));
         }
@@ -197,8 +167,9 @@ impl Way {
 }
 
 fn report(run: &mut Run, table: &mut Table, way: &Way, errors: &[LimbErrors]) {
-    let middle =
-        |value: &dyn Fn(&LimbErrors) -> f64| median(&mut errors.iter().map(value).collect()).unwrap_or(f64::NAN);
+    let middle = |value: &dyn Fn(&LimbErrors) -> f64| {
+        median(&mut errors.iter().map(value).collect()).unwrap_or(f64::NAN)
+    };
     let numbers = [
         ("axis_mm", middle(&|e| e.axis_mm)),
         ("upper_arm_width_pct", middle(&|e| e.width_pct[0])),

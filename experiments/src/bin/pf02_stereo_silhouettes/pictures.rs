@@ -37,12 +37,7 @@ pub(super) fn errors(all: &[Fits<'_>]) -> String {
     };
     let width = |e: &LimbErrors| 0.5 * (e.width_pct[0] + e.width_pct[1]);
     let panels = vec![
-        panel(
-            "bones off the true ones",
-            "median, mm",
-            (0.0, most(&|e| e.axis_mm)),
-            &|e| e.axis_mm,
-        ),
+        panel("bones off the true ones", "median, mm", (0.0, most(&|e| e.axis_mm)), &|e| e.axis_mm),
         panel("inflation of the widths", "median, %", (0.0, most(&width)), &width),
     ];
     svg(2, (470.0, 340.0), panels)
@@ -67,9 +62,9 @@ pub(super) fn side(arm: &BodyModel, draw: &Draw, all: &[Fits<'_>]) -> String {
             .ranges((-45.0, 45.0), (-45.0, 45.0))
             .equal_aspect()
             .marks("", colour::BLUE, &points);
-        [(&truth, colour::BLACK), (&fit, colour::ORANGE)]
-            .into_iter()
-            .fold(panel, |panel, (body, colour)| {
+        [(&truth, colour::BLACK), (&fit, colour::ORANGE)].into_iter().fold(
+            panel,
+            |panel, (body, colour)| {
                 let bones: Vec<(f64, f64)> = joints(body).iter().map(&flat).collect();
                 edges(body, &depth)
                     .into_iter()
@@ -78,7 +73,8 @@ pub(super) fn side(arm: &BodyModel, draw: &Draw, all: &[Fits<'_>]) -> String {
                         panel.curve("", colour, &edge)
                     })
                     .dashed("", colour, &bones)
-            })
+            },
+        )
     });
     svg(2, (430.0, 400.0), panels.collect())
 }

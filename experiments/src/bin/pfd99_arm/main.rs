@@ -22,7 +22,9 @@ use maquette::body::{BodyModel, Motion, Posed, Shape};
 use maquette::math::stats::median;
 use nalgebra::{Point3, Vector3};
 
-use sequence::{ArmFrame, FPS, FRAMES, Track, fit, joints_of, sequence, skin_off_mm, tracked_joints};
+use sequence::{
+    ArmFrame, FPS, FRAMES, Track, fit, joints_of, sequence, skin_off_mm, tracked_joints,
+};
 
 /// Frames that are drawn.
 const SHOWN: [usize; 3] = [5, 15, 30];
@@ -77,9 +79,7 @@ impl Result {
         frames: &[ArmFrame],
     ) -> Self {
         let bodies = || track.motions.iter().map(|m| Posed::new(&model, &track.shape, m));
-        let errors = bodies()
-            .zip(frames)
-            .map(|(body, f)| limb_errors(&body, &f.truth.posed()));
+        let errors = bodies().zip(frames).map(|(body, f)| limb_errors(&body, &f.truth.posed()));
         let skin_mm = bodies().zip(frames).map(|(body, f)| skin_off_mm(&model, &body, f));
         Self {
             name,
@@ -117,10 +117,7 @@ fn report(run: &mut Run, results: &[Result]) -> std::result::Result<(), Box<dyn 
             ("elbow_deg", middle(&|e| e.elbow_deg.abs())),
             ("upper_arm_mm", middle(&|e| e.length_mm[0])),
             ("forearm_mm", middle(&|e| e.length_mm[1])),
-            (
-                "widths_pct",
-                middle(&|e| 0.5 * (e.width_pct[0].abs() + e.width_pct[1].abs())),
-            ),
+            ("widths_pct", middle(&|e| 0.5 * (e.width_pct[0].abs() + e.width_pct[1].abs()))),
             ("skin_mm", median(&mut result.skin_mm.clone()).unwrap_or(f64::NAN)),
             ("frames_lost", lost as f64),
         ];
@@ -139,20 +136,15 @@ fn errors_picture(results: &[Result]) -> String {
             .ranges((0.0, FRAMES as f64), (0.0, most))
             .legend(LegendPosition::OutsideRightTop);
         results.iter().fold(empty, |panel, result| {
-            let curve: Vec<(f64, f64)> = (0..FRAMES).map(|i| (i as f64, value(result, i))).collect();
+            let curve: Vec<(f64, f64)> =
+                (0..FRAMES).map(|i| (i as f64, value(result, i))).collect();
             panel.curve(result.title, result.colour, &curve)
         })
     };
     let panels = vec![
-        panel("shoulder, elbow and wrist", "mean error, mm", 40.0, &|r, i| {
-            r.errors[i].joints_mm
-        }),
-        panel("bend of the elbow", "error, °", 10.0, &|r, i| {
-            r.errors[i].elbow_deg.abs()
-        }),
-        panel("true skin off the fitted", "mean distance, mm", 8.0, &|r, i| {
-            r.skin_mm[i]
-        }),
+        panel("shoulder, elbow and wrist", "mean error, mm", 40.0, &|r, i| r.errors[i].joints_mm),
+        panel("bend of the elbow", "error, °", 10.0, &|r, i| r.errors[i].elbow_deg.abs()),
+        panel("true skin off the fitted", "mean distance, mm", 8.0, &|r, i| r.skin_mm[i]),
     ];
     svg(1, (640.0, 250.0), panels)
 }
@@ -166,7 +158,8 @@ fn arm_picture(results: &[Result], frames: &[ArmFrame]) -> String {
     let panel = |result: &Result, i: usize| {
         let middle = joints(&frames[i].truth.posed())[1];
         let flat = |p: &Point3<f64>| (100.0 * (p - middle).dot(&right), 100.0 * (p.z - middle.z));
-        let points: Vec<(f64, f64)> = frames[i].points.iter().map(|p| flat(&p.position_world)).collect();
+        let points: Vec<(f64, f64)> =
+            frames[i].points.iter().map(|p| flat(&p.position_world)).collect();
         let fitted = Posed::new(&result.model, &result.track.shape, &result.track.motions[i]);
         let truth = frames[i].truth.posed();
         let title = format!("{}, frame {i}", result.title);
@@ -174,9 +167,9 @@ fn arm_picture(results: &[Result], frames: &[ArmFrame]) -> String {
             .ranges((-45.0, 45.0), (-45.0, 45.0))
             .equal_aspect()
             .marks("", "#c8d8e8", &points);
-        [(&truth, colour::BLACK), (&fitted, result.colour)]
-            .into_iter()
-            .fold(empty, |panel, (body, colour)| {
+        [(&truth, colour::BLACK), (&fitted, result.colour)].into_iter().fold(
+            empty,
+            |panel, (body, colour)| {
                 let bones: Vec<(f64, f64)> = joints(body).iter().map(flat).collect();
                 let sides = edges(body, &right);
                 let panel = sides.iter().fold(panel, |panel, edge| {
@@ -184,7 +177,8 @@ fn arm_picture(results: &[Result], frames: &[ArmFrame]) -> String {
                     panel.curve("", colour, &edge)
                 });
                 panel.dashed("", colour, &bones)
-            })
+            },
+        )
     };
     let panels = results.iter().flat_map(|result| SHOWN.map(|i| panel(result, i)));
     svg(3, (330.0, 310.0), panels.collect())

@@ -32,11 +32,7 @@ const PAIR: StereoPair = StereoPair {
     outlier_range: 0.15,
 };
 /// No noise: where the skin is.
-const TRUE: StereoPair = StereoPair {
-    disparity_sd_px: 0.0,
-    outliers: 0.0,
-    ..PAIR
-};
+const TRUE: StereoPair = StereoPair { disparity_sd_px: 0.0, outliers: 0.0, ..PAIR };
 
 /// One frame: what is true and what is seen.
 pub(crate) struct ArmFrame {
@@ -55,23 +51,14 @@ pub(crate) fn sequence(arm: &BodyModel, rig: &Rig, seed: u64) -> Vec<ArmFrame> {
         motion.world_from_root = Rotation3::from_scaled_axis(swing);
         motion.position_world = Vector3::new(0.0, 0.0, 1.35 + 0.02 * (2.0 * phase).sin());
         motion.angles[0] = 1.13 + 0.7 * phase.sin();
-        let truth = ArmTruth {
-            model: arm.clone(),
-            motion,
-            shape: Shape(DVector::zeros(0)),
-        };
+        let truth = ArmTruth { model: arm.clone(), motion, shape: Shape(DVector::zeros(0)) };
         let seen = |pair: &StereoPair| {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);
             rng.set_stream(i as u64);
             let each = rig.cameras.iter();
-            each.flat_map(|camera| surface_points(&truth, camera, pair, &mut rng))
-                .collect()
+            each.flat_map(|camera| surface_points(&truth, camera, pair, &mut rng)).collect()
         };
-        ArmFrame {
-            points: seen(&PAIR),
-            skin: seen(&TRUE),
-            truth,
-        }
+        ArmFrame { points: seen(&PAIR), skin: seen(&TRUE), truth }
     };
     (0..FRAMES).into_par_iter().map(frame).collect()
 }
@@ -99,10 +86,7 @@ pub(crate) fn tracked_joints(frames: &[ArmFrame], seed: u64) -> Vec<[Point3<f64>
             TRACKED_SD * drawn
         })
     };
-    frames
-        .iter()
-        .map(|frame| joints(&frame.truth.posed()).map(&mut off))
-        .collect()
+    frames.iter().map(|frame| joints(&frame.truth.posed()).map(&mut off)).collect()
 }
 
 /// Mean over the keyframes of argmax p(m, s | Z).
@@ -112,10 +96,7 @@ fn shape_of(arm: &BodyModel, frames: &[ArmFrame], motions: &[Motion]) -> Shape {
     let each = keyframes.par_iter().map(|&i| {
         let terms = terms(arm, &frames[i]);
         let fit = LimbFit::new(arm, (&prior, &pose_prior), &terms);
-        let start = State {
-            motion: motions[i].clone(),
-            shape: Shape(arm.statistics.mean.clone()),
-        };
+        let start = State { motion: motions[i].clone(), shape: Shape(arm.statistics.mean.clone()) };
         fit.solve(start, 100).state.shape.0
     });
     let shapes: Vec<DVector<f64>> = each.collect();

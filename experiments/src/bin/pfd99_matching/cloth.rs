@@ -51,7 +51,8 @@ pub(crate) fn truth(folder: &Path) -> Result<Plane<f64>, Fault> {
     let from_right = warped(&grey(&folder.join("disp5.pgm"))?, 1.0);
     let values = from_left.values().iter().zip(from_right.values());
     let values = values.map(|(a, b)| if a.is_nan() { *b } else { *a }).collect();
-    Plane::from_values(from_left.width(), from_left.height(), values).ok_or_else(|| "disparities of two sizes".into())
+    Plane::from_values(from_left.width(), from_left.height(), values)
+        .ok_or_else(|| "disparities of two sizes".into())
 }
 
 /// Shifts seen from view 3, of disparities seen from a view beside it.

@@ -33,19 +33,12 @@ fn main() -> Result<ExitCode, Fault> {
 
 /// Views 1, 3 and 5, every pixel of view 3.
 fn cloth(run: &mut Run, folder: &Path) -> Result<(), Fault> {
-    let [left, template, right] = [
-        cloth::view(folder, 1)?,
-        cloth::view(folder, 3)?,
-        cloth::view(folder, 5)?,
-    ];
+    let [left, template, right] =
+        [cloth::view(folder, 1)?, cloth::view(folder, 3)?, cloth::view(folder, 5)?];
     let truth = cloth::truth(folder)?;
     let known = truth.values().iter().filter(|shift| shift.is_finite()).count();
     for (name, least_images) in [("triplets", 2), ("pairs_too", 1)] {
-        let options = MatchOptions {
-            spacing_px: 1,
-            least_images,
-            ..MatchOptions::default()
-        };
+        let options = MatchOptions { spacing_px: 1, least_images, ..MatchOptions::default() };
         let start = Instant::now();
         let found = match_surface(&template, &[&left, &right], None, &[], &options)?;
         let seconds = start.elapsed().as_secs_f64();

@@ -36,31 +36,27 @@ impl Mesh {
             Ok(line.trim().parse()?)
         };
         let (vertices, faces) = (count("element vertex ")?, count("element face ")?);
-        let body = bytes
-            .get(at..)
-            .filter(|b| b.len() >= 12 * vertices + 13 * faces)
-            .ok_or("too short")?;
+        let body =
+            bytes.get(at..).filter(|b| b.len() >= 12 * vertices + 13 * faces).ok_or("too short")?;
         let number = |b: &[u8]| [b[0], b[1], b[2], b[3]];
         let (points, faces) = body.split_at(12 * vertices);
         let vertices = points
             .chunks_exact(12)
-            .map(|b| Point3::from([0, 4, 8].map(|i| f64::from(f32::from_le_bytes(number(&b[i..]))))))
+            .map(|b| {
+                Point3::from([0, 4, 8].map(|i| f64::from(f32::from_le_bytes(number(&b[i..])))))
+            })
             .collect();
         let triangles = faces
             .chunks_exact(13)
             .map(|b| [1, 5, 9].map(|i| i32::from_le_bytes(number(&b[i..])) as usize))
             .collect();
-        Ok(Self {
-            vertices,
-            triangles,
-            cells: HashMap::new(),
-        }
-        .sorted())
+        Ok(Self { vertices, triangles, cells: HashMap::new() }.sorted())
     }
 
     fn sorted(mut self) -> Self {
         for (i, triangle) in self.triangles.iter().enumerate() {
-            let middle = triangle.iter().map(|v| self.vertices[*v].coords).sum::<Vector3<f64>>() / 3.0;
+            let middle =
+                triangle.iter().map(|v| self.vertices[*v].coords).sum::<Vector3<f64>>() / 3.0;
             self.cells.entry(cell(&middle.into())).or_default().push(i);
         }
         self
@@ -73,24 +69,16 @@ impl Mesh {
         let near = around.filter_map(|cell| self.cells.get(&cell)).flatten();
         let distances = near.map(|triangle| {
             let weights = closest(self.triangles[*triangle].map(|v| self.vertices[v]), point);
-            let place = Place {
-                triangle: *triangle,
-                weights,
-            };
+            let place = Place { triangle: *triangle, weights };
             ((self.at(&place) - point).norm(), place)
         });
-        distances
-            .min_by(|a, b| a.0.total_cmp(&b.0))
-            .filter(|found| found.0 <= CELL)
+        distances.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|found| found.0 <= CELL)
     }
 
     /// Where a place is in this frame.
     pub(crate) fn at(&self, place: &Place) -> Point3<f64> {
         let corners = self.triangles[place.triangle];
-        let sum = corners
-            .iter()
-            .zip(place.weights)
-            .map(|(v, w)| self.vertices[*v].coords * w);
+        let sum = corners.iter().zip(place.weights).map(|(v, w)| self.vertices[*v].coords * w);
         sum.sum::<Vector3<f64>>().into()
     }
 }

@@ -10,7 +10,9 @@ use maquette::io::recording::Recording;
 use maquette::silhouette::FrameIndex;
 use maquette::stereo::StereoView;
 use maquette::stereo::matching::{MatchOptions, match_surface};
-use maquette::stereo::tracking::{FilterOptions, FrameViews, TrackOptions, Tracker, Trajectory, filter_trajectories};
+use maquette::stereo::tracking::{
+    FilterOptions, FrameViews, TrackOptions, Tracker, Trajectory, filter_trajectories,
+};
 use nalgebra::Unit;
 
 use crate::Fault;
@@ -29,18 +31,13 @@ pub(crate) fn triplets(folder: &Path, last: usize) -> Result<Vec<FrameViews>, Fa
     let recording = Recording::open(folder).and_then(|found| found.observations())?;
     let mut all = Vec::new();
     for (frame, mut pictures) in footage.frame_sets(0..=last) {
-        let mut shown = FrameViews {
-            views: Vec::new(),
-            masks: Vec::new(),
-        };
+        let mut shown = FrameViews { views: Vec::new(), masks: Vec::new() };
         for camera in [1, 0, 2] {
             let picture = pictures[camera].take().ok_or("no picture")?;
             shown
                 .views
                 .push(StereoView::undistorted(&footage.rig.cameras[camera], &luma(&picture))?);
-            shown
-                .masks
-                .push(recording.load_mask(CameraId(camera), FrameIndex(frame.0))?);
+            shown.masks.push(recording.load_mask(CameraId(camera), FrameIndex(frame.0))?);
         }
         all.push(shown);
     }
@@ -63,7 +60,8 @@ fn tracks(run: &mut Run, folder: &Path, frames: &[FrameViews]) -> Result<(), Fau
         let mask = frames[first].masks[0].as_ref();
         let found = match_surface(centre, &[left, right], mask, &[], &MatchOptions::default())?;
         let start = Instant::now();
-        let mut tracker = Tracker::start(first, frames[first].clone(), &found.points, TrackOptions::default())?;
+        let mut tracker =
+            Tracker::start(first, frames[first].clone(), &found.points, TrackOptions::default())?;
         for next in &frames[first + 1..=first + TRACKED_FRAMES] {
             tracker.advance(next.clone())?;
         }
@@ -76,9 +74,8 @@ fn tracks(run: &mut Run, folder: &Path, frames: &[FrameViews]) -> Result<(), Fau
             "tracks from frame {first}: {} begun, {} followed for {TRACKED_FRAMES} frames, {} of them on their place; after the filters {} and {} ({} truncated, {} removed); {seconds:.2} s a frame",
             found.points.len(), raw.0, raw.1, good.0, good.1, filtered.truncated, filtered.removed
         ));
-        for (count, here) in counts
-            .iter_mut()
-            .zip([found.points.len(), raw.0, raw.1, good.0, good.1])
+        for (count, here) in
+            counts.iter_mut().zip([found.points.len(), raw.0, raw.1, good.0, good.1])
         {
             *count += here;
         }
@@ -96,7 +93,11 @@ fn tracks(run: &mut Run, folder: &Path, frames: &[FrameViews]) -> Result<(), Fau
 }
 
 /// Trajectories that last, and those whose last point is on the place of the surface where the first one was.
-fn on_place(folder: &Path, first: usize, trajectories: &[Trajectory]) -> Result<(usize, usize), Fault> {
+fn on_place(
+    folder: &Path,
+    first: usize,
+    trajectories: &[Trajectory],
+) -> Result<(usize, usize), Fault> {
     let mesh = |frame: usize| Mesh::read(&folder.join(format!("surface/{frame:06}.ply")));
     let (before, after) = (mesh(first)?, mesh(first + TRACKED_FRAMES)?);
     let (mut lasting, mut right) = (0, 0);
@@ -105,9 +106,7 @@ fn on_place(folder: &Path, first: usize, trajectories: &[Trajectory]) -> Result<
             continue;
         };
         lasting += 1;
-        let place = before
-            .nearest(&trajectory.points[0].position_world)
-            .map(|found| found.1);
+        let place = before.nearest(&trajectory.points[0].position_world).map(|found| found.1);
         let off = place.map(|place| 1000.0 * (after.at(&place) - end.position_world).norm());
         right += usize::from(off.is_some_and(|off| off <= ON_PLACE_MM));
     }
@@ -115,10 +114,7 @@ fn on_place(folder: &Path, first: usize, trajectories: &[Trajectory]) -> Result<
 }
 
 fn points(run: &mut Run, folder: &Path, frames: &[FrameViews]) -> Result<(), Fault> {
-    let options = MatchOptions {
-        spacing_px: 1,
-        ..MatchOptions::default()
-    };
+    let options = MatchOptions { spacing_px: 1, ..MatchOptions::default() };
     let (mut off, mut ratios, mut least) = (Vec::new(), Vec::new(), usize::MAX);
     for (i, shown) in frames.iter().enumerate().step_by(13) {
         let mesh = Mesh::read(&folder.join(format!("surface/{i:06}.ply")))?;
@@ -163,10 +159,7 @@ fn points(run: &mut Run, folder: &Path, frames: &[FrameViews]) -> Result<(), Fau
 pub(crate) fn quantiles(values: &mut [f64]) -> (f64, f64) {
     values.sort_by(f64::total_cmp);
     let at = |share: f64| {
-        values
-            .get((share * values.len() as f64) as usize)
-            .copied()
-            .unwrap_or(f64::NAN)
+        values.get((share * values.len() as f64) as usize).copied().unwrap_or(f64::NAN)
     };
     (at(0.5), at(0.95))
 }

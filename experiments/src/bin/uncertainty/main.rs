@@ -63,10 +63,8 @@ fn within<'a>(deviations: impl Iterator<Item = &'a Deviation>, z: f64) -> f64 {
 }
 
 fn report(run: &mut Run, all: &[Deviation]) -> Result<(), Box<dyn Error>> {
-    let mut table = Table::new(
-        "coverage",
-        &["", "numbers", "50 %", "80 %", "95 %", "RMS of error over SD"],
-    );
+    let mut table =
+        Table::new("coverage", &["", "numbers", "50 %", "80 %", "95 %", "RMS of error over SD"]);
     for (kind, name, _) in KINDS {
         let of_kind = || all.iter().filter(|d| d.kind == kind);
         let mut cells = vec![name.to_owned(), of_kind().count().to_string()];
@@ -83,7 +81,8 @@ fn report(run: &mut Run, all: &[Deviation]) -> Result<(), Box<dyn Error>> {
     let mut names: Vec<&str> = all.iter().map(|d| d.name.as_str()).collect();
     names.sort_unstable();
     names.dedup();
-    let mut table = Table::new("by_name", &["", "50 %", "80 %", "95 %", "mean z", "RMS z", "RMS SD"]);
+    let mut table =
+        Table::new("by_name", &["", "50 %", "80 %", "95 %", "mean z", "RMS z", "RMS SD"]);
     for name in names {
         let of = || all.iter().filter(|d| d.name == name);
         let count = of().count() as f64;

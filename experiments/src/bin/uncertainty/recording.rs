@@ -42,24 +42,22 @@ pub(crate) fn quantile(probability: f64) -> f64 {
 }
 
 /// `None` if nothing could be fitted.
-pub(crate) fn deviations(body: &BodyModel, walker: &BodyModel, seed: u64) -> Option<Vec<Deviation>> {
+pub(crate) fn deviations(
+    body: &BodyModel,
+    walker: &BodyModel,
+    seed: u64,
+) -> Option<Vec<Deviation>> {
     let recipe = Recipe {
         seed,
         frames: Some(FRAMES),
         fps: 30.0,
-        ring: Ring {
-            cameras: 5,
-            ..Ring::default()
-        },
+        ring: Ring { cameras: 5, ..Ring::default() },
         errors: Some(SegmentationErrors::MILD),
         stereo: None,
     };
     let truth = recipe.walker(&individual(&recipe, body, walker)?).ok()?;
     let observations = observe(&truth);
-    let sequence = Sequence {
-        frames: &observations,
-        fps: truth.fps,
-    };
+    let sequence = Sequence { frames: &observations, fps: truth.fps };
     let options = EstimateOptions::default();
     let found = fit(body, &truth.rig, sequence, &options, &NoJournal).ok()?;
     let mut deviations = of_lengths(body, &truth, &found)?;
@@ -70,12 +68,7 @@ pub(crate) fn deviations(body: &BodyModel, walker: &BodyModel, seed: u64) -> Opt
 }
 
 fn deviation(kind: Kind, name: &str, error: f64, sd: f64) -> Deviation {
-    Deviation {
-        kind,
-        name: name.to_owned(),
-        z: error / sd,
-        sd,
-    }
+    Deviation { kind, name: name.to_owned(), z: error / sd, sd }
 }
 
 fn of_lengths(body: &BodyModel, truth: &Synthetic, found: &Fit) -> Option<Vec<Deviation>> {

@@ -11,10 +11,7 @@ use maquette::solver::Loss;
 use maquette::synth::SegmentationErrors;
 use rayon::prelude::*;
 
-pub(crate) const ARM: BarArm = BarArm {
-    a: 0.5,
-    radii: [0.1; 3],
-};
+pub(crate) const ARM: BarArm = BarArm { a: 0.5, radii: [0.1; 3] };
 pub(crate) const FRAMES: usize = 6;
 pub(crate) const FPS: f64 = 10.0;
 /// Cells of the grid of a.
@@ -52,11 +49,7 @@ pub(crate) fn likelihoods() -> [(&'static str, EllipseOptions); 4] {
 }
 
 pub(crate) fn options() -> SearchOptions {
-    SearchOptions {
-        keyframe_every: Some(1),
-        pruning: Pruning::Off,
-        ..SearchOptions::default()
-    }
+    SearchOptions { keyframe_every: Some(1), pruning: Pruning::Off, ..SearchOptions::default() }
 }
 
 /// The recordings: the same arm and motion, other noise.
@@ -90,15 +83,14 @@ impl<'a> Scene<'a> {
         let angles: Vec<f64> = (0..FRAMES).map(|i| 0.1 * i as f64).collect();
         let recording = |k| observe(&ARM, &angles, &rig, &ERRORS, 1000 * seed + k);
         let recordings = (0..RECORDINGS).into_par_iter().map(recording).collect();
-        Self {
-            model,
-            rig,
-            angles,
-            recordings,
-        }
+        Self { model, rig, angles, recordings }
     }
 
-    pub(crate) fn analyse(&self, name: &'static str, likelihood: EllipseOptions) -> Option<Analysis> {
+    pub(crate) fn analyse(
+        &self,
+        name: &'static str,
+        likelihood: EllipseOptions,
+    ) -> Option<Analysis> {
         let evidence = Evidence::with_ellipses(self.model, &self.rig, likelihood);
         let sequence = |frames| Sequence { frames, fps: FPS };
         let searches: Vec<Search> = self

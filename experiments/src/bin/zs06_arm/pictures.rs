@@ -33,18 +33,11 @@ pub(crate) fn posterior(scene: &Scene<'_>, analyses: &[Analysis]) -> String {
     let highest = drawn(analyses).flat_map(|(a, _, _)| a.posterior.after(FRAMES));
     let top = highest.map(|(_, p)| p).fold(0.0, f64::max) * 1.05;
     let posteriors = SHOWN.map(|n| {
-        let title = if n == 1 {
-            "after frame 1".to_owned()
-        } else {
-            format!("after frames 1–{n}")
-        };
+        let title =
+            if n == 1 { "after frame 1".to_owned() } else { format!("after frames 1–{n}") };
         let panel = Panel::new(&title, "a", "p(a | Z), uniform prior")
             .ranges((0.0, 1.0), (0.0, if n == 1 { 8.0 } else { top }));
-        let panel = if n == FRAMES {
-            panel.legend(LegendPosition::InsideTopLeft)
-        } else {
-            panel
-        };
+        let panel = if n == FRAMES { panel.legend(LegendPosition::InsideTopLeft) } else { panel };
         drawn(analyses)
             .fold(panel, |panel, (analysis, legend, colour)| {
                 panel.curve(
@@ -100,7 +93,8 @@ fn silhouette_panel(scene: &Scene<'_>, camera: &Camera, analyses: &[Analysis], n
 
 /// ZS06, Fig. 5: the hypotheses' posteriors, and φ of the most probable one.
 pub(crate) fn hypotheses(scene: &Scene<'_>, analyses: &[Analysis]) -> String {
-    let series: Vec<(&str, &str)> = drawn(analyses).map(|(_, name, colour)| (name, colour)).collect();
+    let series: Vec<(&str, &str)> =
+        drawn(analyses).map(|(_, name, colour)| (name, colour)).collect();
     let probabilities: Vec<Vec<f64>> = drawn(analyses).map(|(a, _, _)| a.probabilities()).collect();
     let group = |j: usize| {
         let label = if j == 0 { "mean".to_owned() } else { j.to_string() };
@@ -115,12 +109,8 @@ pub(crate) fn hypotheses(scene: &Scene<'_>, analyses: &[Analysis]) -> String {
     .ranges((0.0, 1.0), (0.0, 1.0))
     .legend(LegendPosition::InsideTopLeft)
     .bars(&series, &groups);
-    let truth: Vec<_> = scene
-        .angles
-        .iter()
-        .enumerate()
-        .map(|(i, phi)| (i as f64 + 1.0, *phi))
-        .collect();
+    let truth: Vec<_> =
+        scene.angles.iter().enumerate().map(|(i, phi)| (i as f64 + 1.0, *phi)).collect();
     let angles = Panel::new("angle of the most probable hypothesis", "frame", "φ (rad)")
         .ranges((0.5, 6.5), (-0.05, 0.6))
         .legend(LegendPosition::InsideTopLeft)

@@ -41,7 +41,8 @@ fn numbers(run: &mut Run, analyses: &[Analysis]) {
             run.number(format!("{}_{what}", analysis.name), value);
         }
     }
-    let sharpens = |a: &&Analysis| (1..FRAMES).all(|n| a.posterior.width(n + 1) < a.posterior.width(n));
+    let sharpens =
+        |a: &&Analysis| (1..FRAMES).all(|n| a.posterior.width(n + 1) < a.posterior.width(n));
     let sharpening = analyses.iter().filter(sharpens).count() as f64;
     run.number("sharpens_with_every_frame", sharpening / analyses.len() as f64);
 }

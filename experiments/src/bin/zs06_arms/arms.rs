@@ -13,14 +13,8 @@ pub(crate) struct Arm {
 }
 
 pub(crate) const ARMS: [Arm; 2] = [
-    Arm {
-        name: "right",
-        points: ["RShoulder", "RElbow", "RWrist"],
-    },
-    Arm {
-        name: "left",
-        points: ["LShoulder", "LElbow", "LWrist"],
-    },
+    Arm { name: "right", points: ["RShoulder", "RElbow", "RWrist"] },
+    Arm { name: "left", points: ["LShoulder", "LElbow", "LWrist"] },
 ];
 
 /// Joints farther than this from the truth are lost, as is an elbow's angle that is this far off.
@@ -79,7 +73,12 @@ impl Arm {
         Flexion(shoulder, elbow, wrist)
     }
 
-    pub(crate) fn error(self, truth: &Trajectories, fit: &Trajectories, frame: usize) -> Option<Error> {
+    pub(crate) fn error(
+        self,
+        truth: &Trajectories,
+        fit: &Trajectories,
+        frame: usize,
+    ) -> Option<Error> {
         let (truth, fit) = (Bend::of(self, truth, frame)?, Bend::of(self, fit, frame)?);
         let off = |k: usize| (truth.points[k] - fit.points[k]).norm();
         let bent = truth.flexion_deg.min(fit.flexion_deg) > STRAIGHT_DEG;
@@ -105,13 +104,19 @@ pub(crate) struct Summary {
 
 impl Summary {
     /// Both arms in the frames that `counts` chooses.
-    pub(crate) fn of(truth: &Trajectories, fit: &Trajectories, counts: impl Fn(usize) -> bool) -> Self {
+    pub(crate) fn of(
+        truth: &Trajectories,
+        fit: &Trajectories,
+        counts: impl Fn(usize) -> bool,
+    ) -> Self {
         let frames = (0..truth.frames.len()).filter(|&f| counts(f));
         let each = frames.map(|f| ARMS.map(|arm| arm.error(truth, fit, f)));
         let each: Vec<Vec<Error>> = each.map(|e| e.into_iter().flatten().collect()).collect();
         let all = || each.iter().flatten();
         let any = |is: fn(&Error) -> bool| each.iter().filter(|f| f.iter().any(is)).count();
-        let rms = |value: fn(&Error) -> f64| mean(all().map(|e| value(e).powi(2))).map_or(f64::NAN, f64::sqrt);
+        let rms = |value: fn(&Error) -> f64| {
+            mean(all().map(|e| value(e).powi(2))).map_or(f64::NAN, f64::sqrt)
+        };
         let wrist = |q| {
             let mut wrists: Vec<f64> = all().map(|e| 1e3 * e.wrist_m).collect();
             wrists.sort_by(f64::total_cmp);

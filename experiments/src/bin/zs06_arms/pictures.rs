@@ -50,12 +50,9 @@ pub(crate) fn elbow(scene: &Scene<'_>, ways: &[Way]) -> String {
 /// Distance of both wrists from the truth.
 pub(crate) fn wrist(scene: &Scene<'_>, ways: &[Way]) -> String {
     let panel = |(side, arm): (usize, Arm)| {
-        let mut panel = Panel::new(
-            &format!("{} wrist", arm.name),
-            "time (s)",
-            "distance from the truth (mm)",
-        )
-        .ranges((0.0, end(scene)), (0.0, 600.0));
+        let mut panel =
+            Panel::new(&format!("{} wrist", arm.name), "time (s)", "distance from the truth (mm)")
+                .ranges((0.0, end(scene)), (0.0, 600.0));
         if side == 1 {
             panel = panel.legend(LegendPosition::InsideTopRight);
         }
@@ -73,7 +70,10 @@ pub(crate) fn wrist(scene: &Scene<'_>, ways: &[Way]) -> String {
     svg(2, (520.0, 320.0), panels)
 }
 
-fn chosen<'a>(ways: &'a [Way], drawn: &[(&str, &'static str)]) -> impl Iterator<Item = (&'a Way, &'static str)> {
+fn chosen<'a>(
+    ways: &'a [Way],
+    drawn: &[(&str, &'static str)],
+) -> impl Iterator<Item = (&'a Way, &'static str)> {
     drawn.iter().filter_map(|(name, colour)| {
         let way = ways.iter().find(|way| way.name == *name)?;
         Some((way, *colour))

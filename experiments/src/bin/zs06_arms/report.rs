@@ -49,7 +49,12 @@ pub(crate) fn report(
     Ok(())
 }
 
-fn table(name: &'static str, scene: &Scene<'_>, ways: &[Way], counts: impl Fn(usize) -> bool) -> Table {
+fn table(
+    name: &'static str,
+    scene: &Scene<'_>,
+    ways: &[Way],
+    counts: impl Fn(usize) -> bool,
+) -> Table {
     let columns = [
         "way",
         "frames with an arm lost",

@@ -69,18 +69,12 @@ impl Scene<'_> {
     }
 
     fn evidence(&self, measure: Measure, ellipses: EllipseOptions) -> Evidence<'_> {
-        let likelihood = LikelihoodOptions {
-            ellipses,
-            ..LikelihoodOptions::default()
-        };
+        let likelihood = LikelihoodOptions { ellipses, ..LikelihoodOptions::default() };
         Evidence::new(self.model, self.rig, likelihood, measure)
     }
 
     fn sequence(&self) -> Sequence<'_> {
-        Sequence {
-            frames: &self.frames,
-            fps: self.fps,
-        }
+        Sequence { frames: &self.frames, fps: self.fps }
     }
 
     /// Algorithm 1, and its winner.
@@ -112,12 +106,16 @@ impl Scene<'_> {
         Some((way, winner.clone()))
     }
 
-    fn joint(&self, name: &'static str, title: &'static str, evidence: &Evidence<'_>, winner: &Trial) -> Way {
+    fn joint(
+        &self,
+        name: &'static str,
+        title: &'static str,
+        evidence: &Evidence<'_>,
+        winner: &Trial,
+    ) -> Way {
         let started = Instant::now();
-        let start = SequenceState {
-            shape: winner.hypothesis.shape.clone(),
-            motions: motions(winner),
-        };
+        let start =
+            SequenceState { shape: winner.hypothesis.shape.clone(), motions: motions(winner) };
         let options = JointOptions::default();
         let joint = joint_optimum(evidence, self.sequence(), start, &options);
         let all: Vec<Motion> = joint.frames.iter().map(|f| f.motion.clone()).collect();
@@ -134,9 +132,7 @@ impl Scene<'_> {
         let elbows = ["elbow_flexion_r", "elbow_flexion_l"].map(|name| self.model.joint(name));
         let frames = joint.uncertainty.iter().flat_map(|u| &u.frames);
         let sd = |sd: f64| sd.to_degrees();
-        frames
-            .map(|f| elbows.map(|e| e.map_or(f64::NAN, |e| sd(f.angles_sd[e.0]))))
-            .collect()
+        frames.map(|f| elbows.map(|e| e.map_or(f64::NAN, |e| sd(f.angles_sd[e.0])))).collect()
     }
 
     fn trajectories(&self, shape: &Shape, motions: &[Motion]) -> Trajectories {
@@ -151,8 +147,5 @@ fn motions(trial: &Trial) -> Vec<Motion> {
 
 /// As published, every 20th frame a keyframe.
 fn options() -> SearchOptions {
-    SearchOptions {
-        keyframe_every: Some(20),
-        ..SearchOptions::default()
-    }
+    SearchOptions { keyframe_every: Some(20), ..SearchOptions::default() }
 }

@@ -27,12 +27,8 @@ use rayon::prelude::*;
 use recording::{Estimates, estimate};
 
 const RECORDINGS: u64 = 500;
-const KEYFRAMES: [(usize, &str); 4] = [
-    (1, colour::GREY),
-    (2, colour::ORANGE),
-    (5, colour::GREEN),
-    (10, colour::BLUE),
-];
+const KEYFRAMES: [(usize, &str); 4] =
+    [(1, colour::GREY), (2, colour::ORANGE), (5, colour::GREEN), (10, colour::BLUE)];
 /// Tolerances ε of a, from far below to far above the scatter of the estimates.
 const TOLERANCES: [f64; 8] = [0.0005, 0.001, 0.002, 0.004, 0.007, 0.012, 0.02, 0.04];
 
@@ -42,10 +38,8 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     run.setting("tolerances", TOLERANCES);
     let arm = model::load("arm-2d", Path::new(""))?;
     let seed = run.seed() * RECORDINGS;
-    let recordings: Vec<Estimates> = (0..RECORDINGS)
-        .into_par_iter()
-        .map(|i| estimate(&arm, seed + i))
-        .collect();
+    let recordings: Vec<Estimates> =
+        (0..RECORDINGS).into_par_iter().map(|i| estimate(&arm, seed + i)).collect();
     let points: Vec<Point> = KEYFRAMES
         .iter()
         .flat_map(|&(k, _)| TOLERANCES.map(|epsilon| Point::of(&recordings, k, epsilon)))
@@ -66,18 +60,24 @@ struct Point {
 
 impl Point {
     fn of(recordings: &[Estimates], k: usize, epsilon: f64) -> Self {
-        let mean = |value: &dyn Fn(&Estimates) -> f64| mean(recordings.iter().map(value)).unwrap_or(f64::NAN);
+        let mean = |value: &dyn Fn(&Estimates) -> f64| {
+            mean(recordings.iter().map(value)).unwrap_or(f64::NAN)
+        };
         let share_within = |target: &dyn Fn(&Estimates) -> f64| {
             mean(&|r| {
                 let near = r.keyframes[..k].iter().any(|a| (a - target(r)).abs() <= epsilon);
                 f64::from(u8::from(near))
             })
         };
-        let sigma = |r: &Estimates| maximum_likelihood_sigma(if k == 1 { &r.keyframes } else { &r.keyframes[..k] });
+        let sigma = |r: &Estimates| {
+            maximum_likelihood_sigma(if k == 1 { &r.keyframes } else { &r.keyframes[..k] })
+        };
         Self {
             k,
             epsilon,
-            stated: mean(&|r| p_at_least_one(p_within(epsilon, sigma(r).unwrap_or(f64::INFINITY)), k)),
+            stated: mean(&|r| {
+                p_at_least_one(p_within(epsilon, sigma(r).unwrap_or(f64::INFINITY)), k)
+            }),
             of_optimum: share_within(&|r| r.optimum),
             of_truth: share_within(&|r| r.truth),
         }
@@ -85,7 +85,8 @@ impl Point {
 }
 
 fn report(run: &mut Run, recordings: &[Estimates], points: &[Point]) -> Result<(), Box<dyn Error>> {
-    let mut table = Table::new("reliability", &["K", "ε", "stated", "of the optimum", "of the truth"]);
+    let mut table =
+        Table::new("reliability", &["K", "ε", "stated", "of the optimum", "of the truth"]);
     for p in points {
         let numbers = [p.stated, p.of_optimum, p.of_truth].map(|v| format!("{v:.3}"));
         table.row([p.k.to_string(), p.epsilon.to_string()].into_iter().chain(numbers));
@@ -103,11 +104,9 @@ fn report(run: &mut Run, recordings: &[Estimates], points: &[Point]) -> Result<(
     let count = recordings.len() as f64;
     let bias = recordings.iter().map(|r| r.optimum - r.truth).sum::<f64>() / count;
     let off = recordings.iter().map(|r| (r.optimum - r.truth).abs()).sum::<f64>() / count;
-    let sigma = recordings
-        .iter()
-        .filter_map(|r| maximum_likelihood_sigma(&r.keyframes))
-        .sum::<f64>()
-        / count;
+    let sigma =
+        recordings.iter().filter_map(|r| maximum_likelihood_sigma(&r.keyframes)).sum::<f64>()
+            / count;
     run.number("sigma_of_keyframes", sigma);
     run.number("optimum_minus_truth", bias);
     run.number("optimum_off_truth", off);
@@ -124,9 +123,7 @@ fn reliability(points: &[Point]) -> String {
         KEYFRAMES.iter().fold(empty, |panel, &(k, colour)| {
             let of_k = points.iter().filter(|p| p.k == k);
             let curve: Vec<(f64, f64)> = of_k.map(|p| (p.stated, value(p))).collect();
-            panel
-                .curve(&format!("K = {k}"), colour, &curve)
-                .marks("", colour, &curve)
+            panel.curve(&format!("K = {k}"), colour, &curve).marks("", colour, &curve)
         })
     };
     let panels = vec![

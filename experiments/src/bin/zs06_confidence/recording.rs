@@ -38,11 +38,7 @@ pub(crate) fn estimate(model: &BodyModel, seed: u64) -> Estimates {
     let thick = rng.random_range(0.09..0.11);
     let arm = BarArm {
         a: rng.random_range(0.42..0.58),
-        radii: [
-            thick,
-            thick * rng.random_range(0.9..1.0),
-            thick * rng.random_range(0.8..0.95),
-        ],
+        radii: [thick, thick * rng.random_range(0.9..1.0), thick * rng.random_range(0.8..0.95)],
     };
     let angles: Vec<f64> = (0..FRAMES).map(|_| rng.random_range(0.4..1.2)).collect();
     let rig = rig();
@@ -59,16 +55,8 @@ pub(crate) fn estimate(model: &BodyModel, seed: u64) -> Estimates {
     let evidence = Evidence::with_ellipses(model, &rig, likelihood);
     let terms: Vec<_> = frames.iter().map(|f| evidence.terms(f, Detail::Fine)).collect();
     let starts: Vec<Motion> = angles.iter().map(|phi| bent(model, phi + 0.05)).collect();
-    let keyframes = terms
-        .iter()
-        .zip(&starts)
-        .map(|(t, s)| keyframe(&evidence, t, s))
-        .collect();
-    Estimates {
-        truth: arm.a,
-        keyframes,
-        optimum: optimum(&evidence, &terms, &starts),
-    }
+    let keyframes = terms.iter().zip(&starts).map(|(t, s)| keyframe(&evidence, t, s)).collect();
+    Estimates { truth: arm.a, keyframes, optimum: optimum(&evidence, &terms, &starts) }
 }
 
 fn bent(model: &BodyModel, phi: f64) -> Motion {
@@ -85,10 +73,7 @@ fn keyframe(evidence: &Evidence<'_>, terms: &[Box<dyn Term + '_>], start: &Motio
         pose_prior: &evidence.pose_prior,
         terms,
     };
-    let state = State {
-        motion: start.clone(),
-        shape: coefficient_of(0.5),
-    };
+    let state = State { motion: start.clone(), shape: coefficient_of(0.5) };
     share_of(&levenberg_marquardt(&problem, state, &Options::default()).state.shape)
 }
 
@@ -99,13 +84,7 @@ fn optimum(evidence: &Evidence<'_>, terms: &[Vec<Box<dyn Term + '_>>], starts: &
         let frame = |(terms, start): (&Vec<Box<dyn Term + '_>>, &Motion)| {
             let model = evidence.model;
             let pose_prior = &evidence.pose_prior;
-            let posterior = FramePosterior {
-                model,
-                shape: &shape,
-                pose_prior,
-                step: None,
-                terms,
-            };
+            let posterior = FramePosterior { model, shape: &shape, pose_prior, step: None, terms };
             levenberg_marquardt(&posterior, start.clone(), &Options::default()).cost
         };
         evidence.shape_prior.cost(&shape) + terms.iter().zip(starts).map(frame).sum::<f64>()

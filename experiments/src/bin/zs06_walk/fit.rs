@@ -25,14 +25,8 @@ pub(crate) struct Named {
 pub(crate) fn variants() -> [Named; 6] {
     let outline = EllipseOptions::default();
     let with = |distance| EllipseOptions { distance, ..outline };
-    let no_back = EllipseOptions {
-        back_samples: 0,
-        ..outline
-    };
-    let nearest = EllipseOptions {
-        variant: Variant::Published,
-        ..no_back
-    };
+    let no_back = EllipseOptions { back_samples: 0, ..outline };
+    let nearest = EllipseOptions { variant: Variant::Published, ..no_back };
     let named = |name, likelihood| Named { name, likelihood };
     [
         named("outline", outline),
@@ -46,10 +40,7 @@ pub(crate) fn variants() -> [Named; 6] {
 
 /// As published, every 20th frame a keyframe.
 pub(crate) fn options() -> SearchOptions {
-    SearchOptions {
-        keyframe_every: Some(20),
-        ..SearchOptions::default()
-    }
+    SearchOptions { keyframe_every: Some(20), ..SearchOptions::default() }
 }
 
 /// What is fitted, and the truth.
@@ -99,10 +90,7 @@ const START_MM: f64 = 50.0;
 impl Scene<'_> {
     pub(crate) fn fit(&self, Named { name, likelihood }: Named) -> Option<Fit> {
         let evidence = Evidence::with_ellipses(self.model, self.rig, likelihood);
-        let sequence = Sequence {
-            frames: &self.frames,
-            fps: self.fps,
-        };
+        let sequence = Sequence { frames: &self.frames, fps: self.fps };
         let started = Instant::now();
         let found = search(&evidence, sequence, &options(), &NoJournal)?;
         let winner = found.trials.get(found.winner)?;
@@ -112,10 +100,7 @@ impl Scene<'_> {
             motions: motions(winner.frames.iter().flatten()),
         };
         let joint = joint_optimum(&evidence, sequence, start, &JointOptions::default());
-        let best = found
-            .trials
-            .iter()
-            .filter(|t| t.hypothesis.origin == Origin::Keyframe(0));
+        let best = found.trials.iter().filter(|t| t.hypothesis.origin == Origin::Keyframe(0));
         let starts: Vec<f64> = best.filter_map(|t| self.start_error_mm(t)).collect();
         let tracked: Vec<&FrameFit> = winner.frames.iter().flatten().collect();
         Some(Fit {

@@ -31,10 +31,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         truth: walker::truth(&recording),
         fps: recording.fps,
     };
-    let fits: Vec<Fit> = variants()
-        .into_iter()
-        .filter_map(|variant| scene.fit(variant))
-        .collect();
+    let fits: Vec<Fit> = variants().into_iter().filter_map(|variant| scene.fit(variant)).collect();
     run.setting("search", fit::options());
     run.setting("likelihoods", variants().map(|v| (v.name, v.likelihood)));
     report::report(&mut run, &scene, &fits)?;

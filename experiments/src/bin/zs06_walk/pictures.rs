@@ -24,12 +24,14 @@ pub(crate) fn angles(scene: &Scene<'_>, fits: &[Fit]) -> String {
             let at = |frame| Some((frame as f64 / scene.fps, flexion.deg(of, frame)?));
             (0..of.frames.len()).filter_map(at).collect()
         };
-        let mut panel = Panel::new(title, "time (s)", "flexion (°)").ranges((0.0, end(scene)), (0.0, top));
+        let mut panel =
+            Panel::new(title, "time (s)", "flexion (°)").ranges((0.0, end(scene)), (0.0, top));
         if legend {
             panel = panel.legend(LegendPosition::InsideTopRight);
         }
         let name = |name| if legend { name } else { "" };
-        panel = drawn(fits).fold(panel, |p, (n, colour, fit)| p.curve(name(n), colour, &curve(fit)));
+        panel =
+            drawn(fits).fold(panel, |p, (n, colour, fit)| p.curve(name(n), colour, &curve(fit)));
         panel.dashed(name("truth"), colour::BLACK, &curve(&scene.truth))
     };
     let panels = [
@@ -47,15 +49,13 @@ fn end(scene: &Scene<'_>) -> f64 {
 
 /// Mean joint error of every frame, and the lengths.
 pub(crate) fn errors(scene: &Scene<'_>, fits: &[Fit]) -> String {
-    let frames = Panel::new(
-        "joint centres, every frame",
-        "time (s)",
-        "mean error of the limb joints (mm)",
-    )
-    .ranges((0.0, end(scene)), (0.0, 40.0))
-    .legend(LegendPosition::InsideTopRight);
+    let frames =
+        Panel::new("joint centres, every frame", "time (s)", "mean error of the limb joints (mm)")
+            .ranges((0.0, end(scene)), (0.0, 40.0))
+            .legend(LegendPosition::InsideTopRight);
     let frames = drawn(fits).fold(frames, |panel, (name, colour, fit)| {
-        let at = |frame| Some((frame as f64 / scene.fps, frame_error_mm(&scene.truth, fit, frame)?));
+        let at =
+            |frame| Some((frame as f64 / scene.fps, frame_error_mm(&scene.truth, fit, frame)?));
         let points: Vec<_> = (0..fit.frames.len()).filter_map(at).collect();
         panel.curve(name, colour, &points)
     });

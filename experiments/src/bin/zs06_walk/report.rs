@@ -2,7 +2,9 @@
 
 use std::error::Error;
 
-use experiments::metrics::{HIPS, KNEES, length_error_pct, mean_distance, mpjpe_mm, offset_mm, rms_deg};
+use experiments::metrics::{
+    HIPS, KNEES, length_error_pct, mean_distance, mpjpe_mm, offset_mm, rms_deg,
+};
 use experiments::run::Run;
 use experiments::table::Table;
 
@@ -49,7 +51,12 @@ fn numbers(run: &mut Run, scene: &Scene<'_>, fits: &[Fit]) {
     }
 }
 
-fn ablation(name: &'static str, scene: &Scene<'_>, fits: &[Fit], track: fn(&Fit) -> &Track) -> Table {
+fn ablation(
+    name: &'static str,
+    scene: &Scene<'_>,
+    fits: &[Fit],
+    track: fn(&Fit) -> &Track,
+) -> Table {
     let columns = [
         "likelihood",
         "starts within 50 mm",
@@ -89,9 +96,7 @@ fn ablation(name: &'static str, scene: &Scene<'_>, fits: &[Fit], track: fn(&Fit)
 pub(crate) fn model_lengths(scene: &Scene<'_>) -> Vec<(String, String, String)> {
     let point = |index: &usize| scene.model.points[*index].name.clone();
     let lengths = scene.model.lengths.iter();
-    lengths
-        .map(|(name, from, to)| (name.replace('_', " "), point(from), point(to)))
-        .collect()
+    lengths.map(|(name, from, to)| (name.replace('_', " "), point(from), point(to))).collect()
 }
 
 fn lengths(scene: &Scene<'_>, fits: &[Fit]) -> Table {

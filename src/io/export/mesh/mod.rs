@@ -94,9 +94,8 @@ mod tests {
         assert_eq!(vertices.len() + faces.len(), body.len());
         let number = |b: &[u8]| f32::from_le_bytes(b.try_into().unwrap());
         let corner = |b: &[u8]| i32::from_le_bytes(b.try_into().unwrap());
-        let vertices = vertices
-            .chunks(24)
-            .map(|row| std::array::from_fn(|k| number(&row[4 * k..][..4])));
+        let vertices =
+            vertices.chunks(24).map(|row| std::array::from_fn(|k| number(&row[4 * k..][..4])));
         let faces = faces.chunks(13).map(|face| {
             assert_eq!(face[0], 3);
             std::array::from_fn(|k| corner(&face[1 + 4 * k..][..4]))

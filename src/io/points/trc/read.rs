@@ -116,23 +116,12 @@ pub fn read_trc(text: &str, path: &Path) -> Result<Trajectories, TrcError> {
         let expected = 2 + 3 * names.len();
         if between == Separator::Spaces && cells.len() != expected {
             let (points, found) = (names.len(), cells.len());
-            return Err(TrcError::Cells {
-                path: path.to_owned(),
-                line,
-                expected,
-                points,
-                found,
-            });
+            return Err(TrcError::Cells { path: path.to_owned(), line, expected, points, found });
         }
         frames.push(frame_of(&cells, line, &names, metres, path)?);
     }
 
-    Ok(Trajectories {
-        rate_hz,
-        first_frame,
-        names,
-        frames,
-    })
+    Ok(Trajectories { rate_hz, first_frame, names, frames })
 }
 
 /// The number under Frame#; 1 if that is no number.
@@ -149,17 +138,18 @@ fn names_of(line: &str, between: Separator) -> Vec<String> {
 }
 
 /// The data rate, and the metres of one unit.
-fn rate_and_unit(line: usize, text: &str, between: Separator, path: &Path) -> Result<(f64, f64), TrcError> {
+fn rate_and_unit(
+    line: usize,
+    text: &str,
+    between: Separator,
+    path: &Path,
+) -> Result<(f64, f64), TrcError> {
     let path = || path.to_owned();
     let cells = split(text, between).into_iter();
     let cells: Vec<&str> = cells.filter(|c| !c.is_empty()).collect();
     let [rate, _, _, _, unit, ..] = cells[..] else {
         let found = text.to_owned();
-        return Err(TrcError::Header {
-            path: path(),
-            line,
-            found,
-        });
+        return Err(TrcError::Header { path: path(), line, found });
     };
 
     let metres = match unit.to_ascii_lowercase().as_str() {
@@ -168,21 +158,13 @@ fn rate_and_unit(line: usize, text: &str, between: Separator, path: &Path) -> Re
         "mm" => 1e-3,
         _ => {
             let found = unit.to_owned();
-            return Err(TrcError::Unit {
-                path: path(),
-                line,
-                found,
-            });
+            return Err(TrcError::Unit { path: path(), line, found });
         }
     };
 
     match rate.parse::<f64>() {
         Ok(rate_hz) if rate_hz > 0.0 && rate_hz.is_finite() => Ok((rate_hz, metres)),
-        _ => Err(TrcError::Rate {
-            path: path(),
-            line,
-            found: rate.to_owned(),
-        }),
+        _ => Err(TrcError::Rate { path: path(), line, found: rate.to_owned() }),
     }
 }
 

@@ -11,12 +11,7 @@ use crate::camera::UpAxis;
 ///
 /// The first line repeats `file_name`. Numbers have six decimals (1 µm); a missing point is three empty cells.
 pub fn write_trc(trajectories: &Trajectories, file_name: &str) -> String {
-    let Trajectories {
-        rate_hz,
-        first_frame,
-        names,
-        frames,
-    } = trajectories;
+    let Trajectories { rate_hz, first_frame, names, frames } = trajectories;
 
     let (count, points) = (frames.len(), names.len());
     let mut text = format!("PathFileType\t4\t(X/Y/Z)\t{}\n", cell(file_name));
@@ -25,7 +20,9 @@ pub fn write_trc(trajectories: &Trajectories, file_name: &str) -> String {
     );
     push(
         &mut text,
-        format_args!("{rate_hz}\t{rate_hz}\t{count}\t{points}\tm\t{rate_hz}\t{first_frame}\t{count}\n"),
+        format_args!(
+            "{rate_hz}\t{rate_hz}\t{count}\t{points}\tm\t{rate_hz}\t{first_frame}\t{count}\n"
+        ),
     );
 
     text.push_str("Frame#\tTime");

@@ -10,10 +10,7 @@ use crate::io::recording::image_decoder::decoder;
 
 /// Reads an image of any bit depth and colour type as RGB, turned as its metadata state; opacity is ignored.
 pub(super) fn read(path: &Path) -> Result<Picture, FootageError> {
-    let unreadable = |reason: String| FootageError::Image {
-        path: path.into(),
-        reason,
-    };
+    let unreadable = |reason: String| FootageError::Image { path: path.into(), reason };
     let bytes = std::fs::read(path).map_err(|e| unreadable(e.to_string()))?;
     let mut decoder = decoder(&bytes).map_err(|e| unreadable(e.to_string()))?;
     let turn = decoder.orientation();

@@ -152,7 +152,10 @@ impl PictureSource for Footage {
         self.frames()
     }
 
-    fn pictures(&self, frames: RangeInclusive<usize>) -> Box<dyn PictureStream<FramePictures> + '_> {
+    fn pictures(
+        &self,
+        frames: RangeInclusive<usize>,
+    ) -> Box<dyn PictureStream<FramePictures> + '_> {
         Box::new(self.frame_sets(frames))
     }
 

@@ -51,7 +51,9 @@ impl Numbering {
     pub(super) fn numbers(&self) -> Vec<u64> {
         let mut numbers: Vec<u64> = match self {
             Self::Steady { times_s } => (0..times_s.len() as u64).collect(),
-            Self::Clock { times_s, .. } => times_s.iter().filter_map(|t| self.number(*t, 0.0)).collect(),
+            Self::Clock { times_s, .. } => {
+                times_s.iter().filter_map(|t| self.number(*t, 0.0)).collect()
+            }
             Self::Count { pictures, .. } => (0..*pictures as u64).collect(),
         };
         numbers.dedup();
@@ -66,9 +68,11 @@ impl Numbering {
             Self::Steady { times_s } => {
                 let after = times_s.partition_point(|t| *t < time_s);
                 let nearest = [after.checked_sub(1), Some(after)].into_iter().flatten();
-                let distance = |i: &usize| times_s.get(*i).map_or(f64::INFINITY, |t| (t - time_s).abs());
+                let distance =
+                    |i: &usize| times_s.get(*i).map_or(f64::INFINITY, |t| (t - time_s).abs());
                 let nearest = nearest.min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
-                let interval = (times_s.last()? - times_s.first()?) / (times_s.len().max(2) - 1) as f64;
+                let interval =
+                    (times_s.last()? - times_s.first()?) / (times_s.len().max(2) - 1) as f64;
                 (distance(&nearest) <= NEAR * interval.max(1e-3)).then_some(nearest as u64)
             }
             Self::Clock { times_s, rate_hz } => rounded((time_s - times_s.first()?) * rate_hz),
@@ -89,9 +93,8 @@ mod tests {
 
     #[test]
     fn a_steady_video_is_numbered_by_its_order_however_its_times_are_rounded() {
-        let times: Vec<f64> = (0..200)
-            .map(|k| (f64::from(k) * 1000.0 / 60.0).round() / 1000.0)
-            .collect();
+        let times: Vec<f64> =
+            (0..200).map(|k| (f64::from(k) * 1000.0 / 60.0).round() / 1000.0).collect();
         let numbering = Numbering::from_times(times.clone(), 60.0);
         assert!(matches!(numbering, Numbering::Steady { .. }));
         for (k, time) in times.iter().enumerate() {
@@ -110,10 +113,7 @@ mod tests {
 
     #[test]
     fn pictures_without_known_times_are_numbered_from_the_first() {
-        let numbering = Numbering::Count {
-            pictures: 3,
-            rate_hz: 50.0,
-        };
+        let numbering = Numbering::Count { pictures: 3, rate_hz: 50.0 };
         assert_eq!(numbering.numbers(), [0, 1, 2]);
         assert_eq!(numbering.number(0.1, 0.06), Some(2));
     }

@@ -26,16 +26,9 @@ pub(in crate::io::recording) fn open(recording: &Recording) -> Result<Footage, R
 
     // cameras with pictures, and their calibration
     let found = find(recording, &mut notes)?;
-    let CalibratedCameras {
-        rig,
-        cameras,
-        uncalibrated,
-        ..
-    } = recording.calibrate(found, size)?;
+    let CalibratedCameras { rig, cameras, uncalibrated, .. } = recording.calibrate(found, size)?;
     notes.extend(
-        uncalibrated
-            .into_iter()
-            .map(|unknown| FootageNote::Uncalibrated { camera: unknown.name }),
+        uncalibrated.into_iter().map(|unknown| FootageNote::Uncalibrated { camera: unknown.name }),
     );
     check_sizes(&rig, &cameras)?;
 
@@ -49,18 +42,10 @@ pub(in crate::io::recording) fn open(recording: &Recording) -> Result<Footage, R
     let lengths: Vec<usize> = cameras.iter().map(|c| c.frames().len()).collect();
     if lengths.windows(2).any(|pair| pair[0] != pair[1]) {
         let names = rig.names().map(str::to_owned);
-        notes.push(FootageNote::Lengths {
-            cameras: names.zip(lengths).collect(),
-        });
+        notes.push(FootageNote::Lengths { cameras: names.zip(lengths).collect() });
     }
 
-    Ok(Footage {
-        fps,
-        rig,
-        cameras,
-        notes,
-        up: recording.manifest.up,
-    })
+    Ok(Footage { fps, rig, cameras, notes, up: recording.manifest.up })
 }
 
 /// The cameras that have pictures: of the manifest or, where it names no pictures, of the folder.
@@ -95,10 +80,8 @@ fn usable_cameras(
         match find_pictures(folder, &camera) {
             Ok(found) => usable.push((camera, found)),
             Err(RecordingError::Footage(fault @ FootageError::NoVideo { .. })) => {
-                notes.push(FootageNote::Unusable {
-                    camera: camera.name,
-                    reason: fault.to_string(),
-                });
+                notes
+                    .push(FootageNote::Unusable { camera: camera.name, reason: fault.to_string() });
                 first_fault.get_or_insert(fault);
             }
             Err(fault) => return Err(fault),
@@ -112,11 +95,7 @@ fn usable_cameras(
 }
 
 fn find_pictures(folder: &Path, camera: &CameraFiles) -> Result<CameraPictures, RecordingError> {
-    let missing = |key, path| FootageError::Missing {
-        camera: camera.name.clone(),
-        key,
-        path,
-    };
+    let missing = |key, path| FootageError::Missing { camera: camera.name.clone(), key, path };
 
     if let Some(background) = camera.background.as_ref().map(|path| folder.join(path))
         && !background.is_file()
@@ -125,10 +104,7 @@ fn find_pictures(folder: &Path, camera: &CameraFiles) -> Result<CameraPictures, 
     }
 
     match (&camera.images, &camera.video) {
-        (Some(_), Some(_)) => Err(FootageError::Both {
-            camera: camera.name.clone(),
-        }
-        .into()),
+        (Some(_), Some(_)) => Err(FootageError::Both { camera: camera.name.clone() }.into()),
         (None, Some(video)) => {
             let video = folder.join(video);
             if !video.is_file() {
@@ -155,18 +131,12 @@ fn find_pictures(folder: &Path, camera: &CameraFiles) -> Result<CameraPictures, 
 /// One camera for each file `videos/<camera>.*` and each folder `images/<camera>`, by name.
 fn conventional_cameras(folder: &Path) -> Result<Vec<CameraFiles>, LayoutError> {
     let mut cameras: BTreeMap<String, CameraFiles> = BTreeMap::new();
-    for path in layout::visible(&folder.join("videos"))?
-        .into_iter()
-        .filter(|path| path.is_file())
-    {
+    for path in layout::visible(&folder.join("videos"))?.into_iter().filter(|path| path.is_file()) {
         let camera = camera_of(&mut cameras, &path);
         camera.video = Some(beneath("videos", &path));
     }
 
-    for path in layout::visible(&folder.join("images"))?
-        .into_iter()
-        .filter(|path| path.is_dir())
-    {
+    for path in layout::visible(&folder.join("images"))?.into_iter().filter(|path| path.is_dir()) {
         let camera = camera_of(&mut cameras, &path);
         if camera.video.is_none() {
             camera.images = Some(format!("images/{}", camera.name));
@@ -183,17 +153,13 @@ fn conventional_cameras(folder: &Path) -> Result<Vec<CameraFiles>, LayoutError> 
     Ok(cameras.into_values().collect())
 }
 
-fn camera_of<'a>(cameras: &'a mut BTreeMap<String, CameraFiles>, path: &Path) -> &'a mut CameraFiles {
-    let name = if path.is_dir() {
-        path.file_name()
-    } else {
-        path.file_stem()
-    };
+fn camera_of<'a>(
+    cameras: &'a mut BTreeMap<String, CameraFiles>,
+    path: &Path,
+) -> &'a mut CameraFiles {
+    let name = if path.is_dir() { path.file_name() } else { path.file_stem() };
     let name = name.unwrap_or_default().to_string_lossy().into_owned();
-    let empty = CameraFiles {
-        name: name.clone(),
-        ..CameraFiles::default()
-    };
+    let empty = CameraFiles { name: name.clone(), ..CameraFiles::default() };
     cameras.entry(name).or_insert(empty)
 }
 
@@ -246,25 +212,26 @@ impl CameraPictures {
     }
 
     /// The numbered pictures of a camera in a recording of `fps`.
-    fn footage(self, folder: &Path, camera: &CameraFiles, fps: f64, notes: &mut Vec<FootageNote>) -> CameraFootage {
+    fn footage(
+        self,
+        folder: &Path,
+        camera: &CameraFiles,
+        fps: f64,
+        notes: &mut Vec<FootageNote>,
+    ) -> CameraFootage {
         let name = camera.name.clone();
         let source = match self {
             CameraPictures::Images(files) => {
                 if files.unnumbered > 0 {
-                    notes.push(FootageNote::Unnumbered {
-                        camera: name,
-                        files: files.unnumbered,
-                    });
+                    notes.push(FootageNote::Unnumbered { camera: name, files: files.unnumbered });
                 }
                 Source::Images(files.of_number)
             }
             CameraPictures::Video(path, probe) => {
-                if let Some(video_hz) = probe.rate_hz.filter(|hz| (hz - fps).abs() > SAME_RATE * fps) {
-                    notes.push(FootageNote::Rate {
-                        camera: name,
-                        video_hz,
-                        fps,
-                    });
+                if let Some(video_hz) =
+                    probe.rate_hz.filter(|hz| (hz - fps).abs() > SAME_RATE * fps)
+                {
+                    notes.push(FootageNote::Rate { camera: name, video_hz, fps });
                 }
                 let numbering = probe.numbering(fps);
                 Source::Video { path, numbering }

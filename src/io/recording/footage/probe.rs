@@ -27,10 +27,9 @@ impl Probe {
     pub(super) fn numbering(&self, fps: f64) -> Numbering {
         match &self.times_s {
             Some(times) => Numbering::from_times(times.clone(), fps),
-            None => Numbering::Count {
-                pictures: self.pictures,
-                rate_hz: self.rate_hz.unwrap_or(fps),
-            },
+            None => {
+                Numbering::Count { pictures: self.pictures, rate_hz: self.rate_hz.unwrap_or(fps) }
+            }
         }
     }
 }
@@ -76,16 +75,14 @@ pub(super) fn probe(path: &Path) -> Result<Probe, FootageError> {
         .output()
         .map_err(|source| cannot_run(path, source))?;
 
-    let no_video = |reason: String| FootageError::NoVideo {
-        path: path.into(),
-        reason,
-    };
+    let no_video = |reason: String| FootageError::NoVideo { path: path.into(), reason };
 
     if output.stdout.is_empty() {
         let reason = "ffprobe gave no answer: is ffmpeg fully installed?";
         return Err(no_video(reason.into()));
     }
-    let answer: Answer = serde_json::from_slice(&output.stdout).map_err(|e| no_video(e.to_string()))?;
+    let answer: Answer =
+        serde_json::from_slice(&output.stdout).map_err(|e| no_video(e.to_string()))?;
     let Some(stream) = answer.streams.first() else {
         return Err(no_video(last_words(&output.stderr)));
     };
@@ -114,10 +111,7 @@ pub(super) fn cannot_run(path: &Path, source: io::Error) -> FootageError {
     if source.kind() == io::ErrorKind::NotFound {
         FootageError::NoFfmpeg { path: path.into() }
     } else {
-        FootageError::Ffmpeg {
-            path: path.into(),
-            source,
-        }
+        FootageError::Ffmpeg { path: path.into(), source }
     }
 }
 
@@ -151,7 +145,8 @@ mod tests {
 
     #[test]
     fn of_what_a_program_complains_the_last_words_are_kept() {
-        let text = b"[mov] moov atom not found\nclip.mp4: Invalid data found when processing input\n";
+        let text =
+            b"[mov] moov atom not found\nclip.mp4: Invalid data found when processing input\n";
         assert_eq!(last_words(text), "Invalid data found when processing input");
         assert_eq!(last_words(b""), "it has no video stream");
     }

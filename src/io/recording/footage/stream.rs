@@ -31,14 +31,14 @@ pub struct Pictures {
 
 impl Pictures {
     pub(super) fn none() -> Self {
-        Self {
-            decoded: None,
-            worker: None,
-            notes: Vec::new(),
-        }
+        Self { decoded: None, worker: None, notes: Vec::new() }
     }
 
-    pub(super) fn start(footage: &CameraFootage, camera: &Camera, frames: RangeInclusive<usize>) -> Self {
+    pub(super) fn start(
+        footage: &CameraFootage,
+        camera: &Camera,
+        frames: RangeInclusive<usize>,
+    ) -> Self {
         let footage = footage.clone();
         Self::run(format!("camera {}", camera.name), camera, move |decoding| {
             let wanted = footage.frames().into_iter().filter(|f| frames.contains(&f.0));
@@ -46,7 +46,8 @@ impl Pictures {
 
             match &footage.source {
                 Source::Images(files) => {
-                    let files = files.iter().filter_map(|(n, path)| Some((footage.frame(*n)?, path)));
+                    let files =
+                        files.iter().filter_map(|(n, path)| Some((footage.frame(*n)?, path)));
                     decoding.read_images(files.filter(|(frame, _)| frames.contains(&frame.0)));
                 }
                 Source::Video { path, numbering } => {
@@ -76,7 +77,11 @@ impl Pictures {
         })
     }
 
-    fn run(whose: String, camera: &Camera, job: impl FnOnce(&mut Decoding) + Send + 'static) -> Self {
+    fn run(
+        whose: String,
+        camera: &Camera,
+        job: impl FnOnce(&mut Decoding) + Send + 'static,
+    ) -> Self {
         let (sender, decoded) = sync_channel(AHEAD);
         let size = [camera.width_px as usize, camera.height_px as usize];
         let worker = std::thread::spawn(move || {
@@ -84,11 +89,7 @@ impl Pictures {
             job(&mut decoding);
             decoding.notes()
         });
-        Self {
-            decoded: Some(decoded),
-            worker: Some(worker),
-            notes: Vec::new(),
-        }
+        Self { decoded: Some(decoded), worker: Some(worker), notes: Vec::new() }
     }
 
     /// Notes on what was odd; complete when all pictures have been taken.
@@ -130,9 +131,7 @@ pub struct FrameSets {
 
 impl FrameSets {
     pub(super) fn new(cameras: Vec<Pictures>) -> Self {
-        Self {
-            cameras: cameras.into_iter().map(|camera| (camera, None)).collect(),
-        }
+        Self { cameras: cameras.into_iter().map(|camera| (camera, None)).collect() }
     }
 
     /// Notes on what was odd; complete when all pictures have been taken.
@@ -213,7 +212,10 @@ impl Decoding {
         }
     }
 
-    fn read_images<'a>(&mut self, files: impl Iterator<Item = (FrameIndex, &'a std::path::PathBuf)>) {
+    fn read_images<'a>(
+        &mut self,
+        files: impl Iterator<Item = (FrameIndex, &'a std::path::PathBuf)>,
+    ) {
         for (frame, path) in files {
             match image::read(path) {
                 Ok(picture) => {
@@ -226,7 +228,12 @@ impl Decoding {
         }
     }
 
-    fn read_video(&mut self, path: &Path, numbering: &Numbering, frame: impl Fn(u64) -> Option<FrameIndex>) {
+    fn read_video(
+        &mut self,
+        path: &Path,
+        numbering: &Numbering,
+        frame: impl Fn(u64) -> Option<FrameIndex>,
+    ) {
         self.is_counted = matches!(numbering, Numbering::Count { .. });
         let Some(last) = self.promised.last().copied() else {
             return;
@@ -242,7 +249,10 @@ impl Decoding {
                 continue;
             };
             // two pictures at the time of one frame: the first counts
-            if self.promised.contains(&frame) && !self.sent.contains(&frame) && !self.send(frame, picture) {
+            if self.promised.contains(&frame)
+                && !self.sent.contains(&frame)
+                && !self.send(frame, picture)
+            {
                 break;
             }
             if frame >= last {
@@ -257,11 +267,7 @@ impl Decoding {
         let found = [picture.width(), picture.height()];
         self.sent.insert(frame);
         if found != self.size {
-            let first = if self.wrong_size.0 == 0 {
-                found
-            } else {
-                self.wrong_size.1
-            };
+            let first = if self.wrong_size.0 == 0 { found } else { self.wrong_size.1 };
             self.wrong_size = (self.wrong_size.0 + 1, first);
             return true;
         }
@@ -292,19 +298,10 @@ impl Decoding {
                 reason: reason.unwrap_or_else(|| "the file ends early".into()),
             });
         } else if let Some(reason) = reason {
-            self.notes.push(FootageNote::Damaged {
-                whose: whose.clone(),
-                times,
-                reason,
-            });
+            self.notes.push(FootageNote::Damaged { whose: whose.clone(), times, reason });
         }
         if let (pictures @ 1.., found) = self.wrong_size {
-            self.notes.push(FootageNote::WrongSize {
-                whose,
-                pictures,
-                found,
-                expected: self.size,
-            });
+            self.notes.push(FootageNote::WrongSize { whose, pictures, found, expected: self.size });
         }
         self.notes
     }

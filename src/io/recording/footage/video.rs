@@ -32,10 +32,7 @@ impl Decoder {
         let mut child = decoding(path).spawn().map_err(failed)?;
         let (Some(pipe), Some(words)) = (child.stdout.take(), child.stderr.take()) else {
             let source = io::Error::other("its output is not there");
-            return Err(FootageError::Ffmpeg {
-                path: path.into(),
-                source,
-            });
+            return Err(FootageError::Ffmpeg { path: path.into(), source });
         };
         let (sender, times_s) = channel();
         Ok(Self {
@@ -149,17 +146,15 @@ mod tests {
 
     #[test]
     fn times_and_complaints_are_told_apart() {
-        let line = "[Parsed_showinfo_0 @ 0x55] [info] n:   1 pts:    256 pts_time:0.0166667 pos: 89110";
+        let line =
+            "[Parsed_showinfo_0 @ 0x55] [info] n:   1 pts:    256 pts_time:0.0166667 pos: 89110";
         assert_eq!(time_of(line), Some(0.016_666_7));
         let damage = "[h264 @ 0x1] [error] error while decoding MB 3 4";
         assert_eq!(
             (time_of(damage), complaint(damage).as_deref()),
             (None, Some("error while decoding MB 3 4"))
         );
-        assert_eq!(
-            complaint("[image2pipe @ 0x5] [error] non monotonically increasing dts"),
-            None
-        );
+        assert_eq!(complaint("[image2pipe @ 0x5] [error] non monotonically increasing dts"), None);
         assert_eq!(complaint("[info] Stream #0:0"), None);
     }
 }

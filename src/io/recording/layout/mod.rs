@@ -43,23 +43,21 @@ pub(super) fn conventional_cameras(folder: &Path) -> Result<Vec<CameraFiles>, La
     let folders = visible(&folder.join(MASKS))?.into_iter();
     let camera = |path: PathBuf| {
         let name = path.file_name()?.to_string_lossy().into_owned();
-        Some(CameraFiles {
-            masks: Some(format!("{MASKS}/{name}")),
-            name,
-            ..CameraFiles::default()
-        })
+        Some(CameraFiles { masks: Some(format!("{MASKS}/{name}")), name, ..CameraFiles::default() })
     };
     Ok(folders.filter(|path| path.is_dir()).filter_map(camera).collect())
 }
 
 /// The files or folders that the calibration is read from.
-pub(super) fn calibration_paths(folder: &Path, files: Option<&CalibrationFiles>) -> Vec<(Option<String>, PathBuf)> {
+pub(super) fn calibration_paths(
+    folder: &Path,
+    files: Option<&CalibrationFiles>,
+) -> Vec<(Option<String>, PathBuf)> {
     match files {
         Some(CalibrationFiles::One(path)) => vec![(None, folder.join(path))],
-        Some(CalibrationFiles::PerCamera(files)) => files
-            .iter()
-            .map(|(camera, path)| (Some(camera.clone()), folder.join(path)))
-            .collect(),
+        Some(CalibrationFiles::PerCamera(files)) => {
+            files.iter().map(|(camera, path)| (Some(camera.clone()), folder.join(path))).collect()
+        }
         None => vec![(None, conventional_calibration(folder))],
     }
 }
@@ -72,9 +70,8 @@ pub(super) fn read_calibration(
     match paths {
         [(None, path)] => calibration::read(path, options),
         paths => {
-            let named = paths
-                .iter()
-                .filter_map(|(camera, path)| Some((camera.clone()?, path.clone())));
+            let named =
+                paths.iter().filter_map(|(camera, path)| Some((camera.clone()?, path.clone())));
             calibration::read_per_camera(&named.collect::<Vec<_>>(), options)
         }
     }
@@ -116,9 +113,7 @@ pub(super) fn files_behind(source: &Path) -> Vec<PathBuf> {
         });
         files
     } else if name == "intri.yml" || name == "extri.yml" {
-        ["intri.yml", "extri.yml"]
-            .map(|half| source.with_file_name(half))
-            .to_vec()
+        ["intri.yml", "extri.yml"].map(|half| source.with_file_name(half)).to_vec()
     } else {
         vec![source.into()]
     }
@@ -126,10 +121,7 @@ pub(super) fn files_behind(source: &Path) -> Vec<PathBuf> {
 
 /// What a folder holds, by name.
 fn contents(folder: &Path) -> Result<Vec<PathBuf>, LayoutError> {
-    let unreadable = |source| LayoutError::Folder {
-        path: folder.into(),
-        source,
-    };
+    let unreadable = |source| LayoutError::Folder { path: folder.into(), source };
     let mut paths = Vec::new();
     for entry in fs::read_dir(folder).map_err(unreadable)? {
         paths.push(entry.map_err(unreadable)?.path());

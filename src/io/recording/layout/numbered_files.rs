@@ -28,7 +28,11 @@ pub(in crate::io) struct Wanted<'a> {
 ///
 /// The number is the one at `%d`, or else the last group of digits in the name before its extension.
 /// Hidden files and files of another kind are skipped.
-pub(in crate::io) fn list(folder: &Path, pattern: &str, wanted: &Wanted<'_>) -> Result<NumberedFiles, LayoutError> {
+pub(in crate::io) fn list(
+    folder: &Path,
+    pattern: &str,
+    wanted: &Wanted<'_>,
+) -> Result<NumberedFiles, LayoutError> {
     let whole = folder.join(pattern);
     let bad_pattern = |expected| LayoutError::Pattern {
         key: wanted.key.into(),
@@ -37,12 +41,11 @@ pub(in crate::io) fn list(folder: &Path, pattern: &str, wanted: &Wanted<'_>) -> 
     };
 
     let numbered: Vec<(Option<u64>, PathBuf)> = if pattern.contains('%') && !whole.is_dir() {
-        let printf = Printf::parse(&whole)
-            .ok_or_else(|| bad_pattern("one %d or %06d in the file's name and no other % in the path"))?;
+        let printf = Printf::parse(&whole).ok_or_else(|| {
+            bad_pattern("one %d or %06d in the file's name and no other % in the path")
+        })?;
         let files = contents(printf.folder)?.into_iter();
-        files
-            .filter_map(|path| Some((Some(printf.number(&path)?), path)))
-            .collect()
+        files.filter_map(|path| Some((Some(printf.number(&path)?), path))).collect()
     } else {
         let files = if whole.is_dir() {
             wanted_of(contents(&whole)?, wanted)
@@ -50,8 +53,9 @@ pub(in crate::io) fn list(folder: &Path, pattern: &str, wanted: &Wanted<'_>) -> 
             vec![whole]
         } else if pattern.contains(['*', '?', '[']) {
             let escaped = glob::Pattern::escape(&folder.to_string_lossy());
-            let found = glob::glob(&format!("{escaped}/{pattern}"))
-                .map_err(|_| bad_pattern("a glob with balanced brackets and ** alone in its place"))?;
+            let found = glob::glob(&format!("{escaped}/{pattern}")).map_err(|_| {
+                bad_pattern("a glob with balanced brackets and ** alone in its place")
+            })?;
             wanted_of(found.filter_map(Result::ok).collect(), wanted)
         } else {
             Vec::new()
@@ -62,7 +66,10 @@ pub(in crate::io) fn list(folder: &Path, pattern: &str, wanted: &Wanted<'_>) -> 
     collect(numbered, wanted)
 }
 
-fn collect(numbered: Vec<(Option<u64>, PathBuf)>, wanted: &Wanted<'_>) -> Result<NumberedFiles, LayoutError> {
+fn collect(
+    numbered: Vec<(Option<u64>, PathBuf)>,
+    wanted: &Wanted<'_>,
+) -> Result<NumberedFiles, LayoutError> {
     let mut files = NumberedFiles::default();
     for (number, path) in numbered {
         let Some(number) = number else {
@@ -110,21 +117,14 @@ impl<'a> Printf<'a> {
             "" => 1,
             digits => digits.strip_prefix('0').unwrap_or(digits).parse().ok()?,
         };
-        is_plain.then_some(Self {
-            folder,
-            prefix,
-            least_digits,
-            suffix,
-        })
+        is_plain.then_some(Self { folder, prefix, least_digits, suffix })
     }
 
     fn number(&self, path: &Path) -> Option<u64> {
         let name = path.file_name()?.to_str()?;
         let digits = name.strip_prefix(self.prefix)?.strip_suffix(self.suffix)?;
         let is_number = digits.bytes().all(|byte| byte.is_ascii_digit());
-        (is_number && digits.len() >= self.least_digits)
-            .then(|| digits.parse().ok())
-            .flatten()
+        (is_number && digits.len() >= self.least_digits).then(|| digits.parse().ok()).flatten()
     }
 }
 

@@ -48,15 +48,8 @@ const KEYS: &[&str] = &[
     "video",
     "background",
 ];
-const CAMERA_KEYS: &[&str] = &[
-    "name",
-    "masks",
-    "images",
-    "video",
-    "background",
-    "offset_frames",
-    "start_s",
-];
+const CAMERA_KEYS: &[&str] =
+    &["name", "masks", "images", "video", "background", "offset_frames", "start_s"];
 
 /// A recording's manifest, as written.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
@@ -191,10 +184,8 @@ impl Manifest {
     /// # Errors
     /// [`ManifestError`], with the line where there is one.
     pub(crate) fn read(path: &Path) -> Result<Self, ManifestError> {
-        let text = fs::read_to_string(path).map_err(|source| ManifestError::Read {
-            path: path.into(),
-            source,
-        })?;
+        let text = fs::read_to_string(path)
+            .map_err(|source| ManifestError::Read { path: path.into(), source })?;
         let mut manifest = Self::parse(&text, path)?;
         template::fill(&mut manifest, path.parent().unwrap_or(Path::new("")));
         Ok(manifest)
@@ -212,10 +203,7 @@ impl Manifest {
         };
         let table = DeTable::parse(text).map_err(syntax)?;
         if let Some(key) = first_unknown_key(text, table.get_ref()) {
-            return Err(ManifestError::UnknownKey {
-                path: path.into(),
-                key: Box::new(key),
-            });
+            return Err(ManifestError::UnknownKey { path: path.into(), key: Box::new(key) });
         }
         let manifest: Self = toml::from_str(text).map_err(syntax)?;
         manifest.check_fps(text, table.get_ref(), path)?;
@@ -330,7 +318,8 @@ mod tests {
              name, masks, images, video, background, offset_frames, start_s)"
         );
         assert!(
-            message("calibrations = 3").contains(":1: unknown key \"calibrations\"; did you mean \"calibration\"?")
+            message("calibrations = 3")
+                .contains(":1: unknown key \"calibrations\"; did you mean \"calibration\"?")
         );
     }
 
@@ -355,10 +344,7 @@ mod tests {
             ("fps = = 2", 1, ""),
         ] {
             let message = message(text);
-            assert!(
-                message.starts_with(&format!("walk/sequence.toml:{line}: ")),
-                "{message}"
-            );
+            assert!(message.starts_with(&format!("walk/sequence.toml:{line}: ")), "{message}");
             assert!(message.contains(part), "{message}");
             assert!(!message.contains('\n'), "{message}");
         }

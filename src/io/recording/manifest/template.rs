@@ -43,10 +43,7 @@ pub(super) fn fill(manifest: &mut Manifest, folder: &Path) {
 }
 
 fn named(name: &str) -> CameraFiles {
-    CameraFiles {
-        name: name.into(),
-        ..CameraFiles::default()
-    }
+    CameraFiles { name: name.into(), ..CameraFiles::default() }
 }
 
 /// The names that exist in place of `{camera}` in the path; none if the path has no `{camera}`.
@@ -102,9 +99,6 @@ mod tests {
         fs::write(&path, text).unwrap();
         let cameras = Manifest::read(&path).unwrap().cameras;
         assert_eq!(cameras[0].video.as_deref(), Some(Path::new("a.mp4")));
-        assert_eq!(
-            (&cameras[1].video, cameras[1].images.as_deref()),
-            (&None, Some("pictures"))
-        );
+        assert_eq!((&cameras[1].video, cameras[1].images.as_deref()), (&None, Some("pictures")));
     }
 }

@@ -55,15 +55,8 @@ fn circle((x0, y0): (f64, f64), radius_px: f64) -> Vec<Point2<f64>> {
 }
 
 fn expected(pixels: Vec<Point2<f64>>) -> ModelOutline {
-    let point = |pixel| OutlinePoint {
-        pixel,
-        part: PartId(0),
-        depth_m: DEPTH_M,
-    };
-    ModelOutline {
-        outer: vec![pixels.into_iter().map(point).collect()],
-        inner: Vec::new(),
-    }
+    let point = |pixel| OutlinePoint { pixel, part: PartId(0), depth_m: DEPTH_M };
+    ModelOutline { outer: vec![pixels.into_iter().map(point).collect()], inner: Vec::new() }
 }
 
 fn found(outline: &ModelOutline, picture: Plane<f32>, options: &ContourOptions) -> ViewContours {
@@ -75,7 +68,8 @@ fn found(outline: &ModelOutline, picture: Plane<f32>, options: &ContourOptions) 
 fn is_the_outline_and_not_relied_on(found: &ViewContours, outline: &ModelOutline) -> bool {
     let points: Vec<_> = found.outer.iter().flatten().collect();
     let places = points.iter().map(|p| p.pixel);
-    places.eq(outline.outer.iter().flatten().map(|p| p.pixel)) && points.iter().all(|p| p.reliability <= 0.0)
+    places.eq(outline.outer.iter().flatten().map(|p| p.pixel))
+        && points.iter().all(|p| p.reliability <= 0.0)
 }
 
 #[test]
@@ -119,12 +113,9 @@ fn an_outline_cut_by_the_image_is_told_and_does_not_count_there() {
     let cut = circle(middle, 41.0).into_iter();
     let outline = expected(cut.map(|p| Point2::new(p.x.max(-0.5), p.y)).collect());
     let found = found(&outline, disk(middle, 40.0), &ContourOptions::default());
-    let is_cut = |f: &ContourFault| matches!(f, ContourFault::PartlyOutside { percent } if *percent > 20.0);
-    assert!(
-        found.faults.len() == 1 && is_cut(&found.faults[0]),
-        "{:?}",
-        found.faults
-    );
+    let is_cut =
+        |f: &ContourFault| matches!(f, ContourFault::PartlyOutside { percent } if *percent > 20.0);
+    assert!(found.faults.len() == 1 && is_cut(&found.faults[0]), "{:?}", found.faults);
     for point in found.outer.iter().flatten() {
         let is_held = point.expected.x < 2.0;
         assert!(!is_held || point.reliability <= 0.0, "{point:?}");
@@ -134,11 +125,7 @@ fn an_outline_cut_by_the_image_is_told_and_does_not_count_there() {
 
 #[test]
 fn a_contour_that_a_speck_draws_together_is_a_fault_and_the_outline_stands() {
-    let options = ContourOptions {
-        prior_m: 0.2,
-        search_m: 0.2,
-        ..ContourOptions::default()
-    };
+    let options = ContourOptions { prior_m: 0.2, search_m: 0.2, ..ContourOptions::default() };
     let outline = expected(circle(MIDDLE, 9.0));
     let found = found(&outline, disk(MIDDLE, 1.5), &options);
     assert_eq!(found.faults, [ContourFault::Collapsed]);

@@ -94,12 +94,7 @@ impl ViewContours {
         // and from there to where the colours end
         let outer = where_colours_end(&outer, colours);
         let silhouette = silhouette(&outer, camera);
-        Self {
-            outer,
-            inner,
-            faults,
-            silhouette,
-        }
+        Self { outer, inner, faults, silhouette }
     }
 
     /// Mean reliability of the outer contours; 0 without any.
@@ -115,9 +110,7 @@ impl ViewContours {
         let inside = inside(&self.outer);
         Mask::from_fn(width, height, |x, y| {
             let pixel = camera.undistort(&Point2::new(x as f64, y as f64));
-            pixel
-                .zip(inside.as_ref())
-                .is_some_and(|(p, inside)| inside.contains(&p))
+            pixel.zip(inside.as_ref()).is_some_and(|(p, inside)| inside.contains(&p))
         })
     }
 }
@@ -132,11 +125,7 @@ fn inside(outer: &[Vec<FoundPoint>]) -> Option<Scanlines> {
         return None;
     }
     let top = top.floor() - 1.0;
-    let rows = EvenSteps {
-        first: top,
-        step: 1.0,
-        count: (bottom - top).ceil() as usize + 2,
-    };
+    let rows = EvenSteps { first: top, step: 1.0, count: (bottom - top).ceil() as usize + 2 };
     Some(Scanlines::new(&polygons, rows))
 }
 
@@ -146,10 +135,7 @@ fn where_colours_end(outer: &[Vec<FoundPoint>], colours: &[Plane<f32>]) -> Vec<V
         return outer.to_vec();
     };
     let moved = |(point, parting): (&FoundPoint, Point2<f64>)| match point.reliability > 0.0 {
-        true => FoundPoint {
-            pixel: parting,
-            ..*point
-        },
+        true => FoundPoint { pixel: parting, ..*point },
         false => *point,
     };
 
@@ -162,11 +148,9 @@ fn where_colours_end(outer: &[Vec<FoundPoint>], colours: &[Plane<f32>]) -> Vec<V
 }
 
 fn silhouette(outer: &[Vec<FoundPoint>], camera: &Camera) -> Option<Silhouette> {
-    let border = |p: &FoundPoint| BorderPoint {
-        pixel: p.pixel,
-        reliability: p.reliability,
-    };
-    let curves: Vec<Vec<BorderPoint>> = outer.iter().map(|curve| curve.iter().map(border).collect()).collect();
+    let border = |p: &FoundPoint| BorderPoint { pixel: p.pixel, reliability: p.reliability };
+    let curves: Vec<Vec<BorderPoint>> =
+        outer.iter().map(|curve| curve.iter().map(border).collect()).collect();
     from_curves(&curves, camera, &SilhouetteOptions::default()).ok()
 }
 
@@ -214,10 +198,7 @@ fn settled(
     let mut snake = Snake::new(&pixels, ends, wide).ok_or(None)?;
     snake.settle(&edges.wide);
 
-    let narrow = SnakeOptions {
-        search_px: (0.4 * wide.search_px).max(2.0),
-        ..wide
-    };
+    let narrow = SnakeOptions { search_px: (0.4 * wide.search_px).max(2.0), ..wide };
     let mut snake = snake.with(narrow).ok_or(None)?;
     snake.settle(&edges.narrow);
 
@@ -243,7 +224,10 @@ fn attributed(point: &SnakePoint, curve: &[OutlinePoint]) -> FoundPoint {
 }
 
 /// The loops of a closed contour, if enough of it is left.
-fn whole(loops: Vec<Vec<FoundPoint>>, contour: &[FoundPoint]) -> Result<Vec<Vec<FoundPoint>>, Option<ContourFault>> {
+fn whole(
+    loops: Vec<Vec<FoundPoint>>,
+    contour: &[FoundPoint],
+) -> Result<Vec<Vec<FoundPoint>>, Option<ContourFault>> {
     let area = |points: &[FoundPoint], place: fn(&FoundPoint) -> Point2<f64>| {
         area_on_the_left(&points.iter().map(place).collect::<Vec<_>>())
     };
