@@ -59,7 +59,7 @@ impl Training {
     }
 
     /// Learns a picture of the empty scene; all of them come before the recording's.
-    pub fn add_empty(&mut self, camera: CameraId, picture: &Picture) {
+    pub(super) fn add_empty(&mut self, camera: CameraId, picture: &Picture) {
         if let Some(camera) = self.cameras.get_mut(camera.0) {
             camera.empty += 1;
             let small = shrink(picture, camera.shrunk.factor);

@@ -13,7 +13,7 @@ const ENDS_PX: f32 = 1.5;
 const ENDS_WITHIN_PX: usize = 4;
 
 /// Disparities of a depth map from infinity: the larger, the nearer; NaN unknown.
-pub fn nearness(map: &DepthMap) -> Plane<f32> {
+pub(in crate::pipeline) fn nearness(map: &DepthMap) -> Plane<f32> {
     let infinity = map.pair.infinity() as f32;
     map.disparities.map(|d| (d - infinity).abs())
 }

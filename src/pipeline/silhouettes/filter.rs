@@ -103,7 +103,7 @@ pub(super) fn volume(body: &Posed<'_>, margin_m: f64) -> impl Fn(&CloudPoint) ->
 }
 
 /// A band around the expected outline, used where there is no disparity mask.
-pub fn band_mask(camera: &Camera, outline: &ModelOutline, half_px: f64) -> Mask {
+pub(super) fn band_mask(camera: &Camera, outline: &ModelOutline, half_px: f64) -> Mask {
     let curves = outline.outer.iter().chain(&outline.inner).flatten();
     widened(&marked(camera, curves.map(|p| p.pixel)), whole_px(half_px))
 }

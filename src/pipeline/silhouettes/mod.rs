@@ -29,13 +29,13 @@ mod undistorted;
 use crate::silhouette::snake::SnakeOptions;
 
 pub use contour::{FoundPoint, ViewContours};
-pub use ends::nearness;
+pub(super) use ends::nearness;
 pub use error::SilhouetteError;
-pub use filter::{Edges, FilteredEdges, band_mask, disparity_mask};
+pub use filter::{Edges, FilteredEdges, disparity_mask};
 pub use run::{FoundSilhouettes, FrameSilhouettes, SilhouettePipeline, SilhouetteSearch};
 pub use scene::{FrameSighting, Scene};
 pub use starting_fit::StartingFit;
-pub use still::{StillScene, StillScenes};
+pub use still::StillScenes;
 pub use undistorted::{UndistortedFrame, UndistortedView};
 
 /// What was found in one view, and through which edges.

@@ -15,7 +15,7 @@ use crate::stereo::{CloudPoint, DepthMap};
 /// The person is always nearer than the scene and may stand in one place in most frames, so a pixel's scene is the farthest
 /// depth that it shows repeatedly. Where that is seldom known (a bare wall), the scene counts as far away.
 #[derive(Debug, Clone, PartialEq)]
-pub struct StillScene {
+pub(super) struct StillScene {
     /// 0: far away.
     nearness: Plane<f32>,
 }
@@ -36,25 +36,25 @@ pub struct StillScenes(BTreeMap<CameraId, StillScene>);
 
 impl StillScenes {
     /// The still scenes of the [`nearness`] of each camera's depth maps, of frames spread over the recording.
-    pub fn learn(maps: &BTreeMap<CameraId, Vec<Plane<f32>>>) -> Self {
+    pub(super) fn learn(maps: &BTreeMap<CameraId, Vec<Plane<f32>>>) -> Self {
         let scene = |(camera, maps): (&CameraId, &Vec<_>)| (*camera, StillScene::learn(maps));
         Self(maps.par_iter().map(scene).collect())
     }
 
     /// Whether none is known.
-    pub fn is_empty(&self) -> bool {
+    pub(super) fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
     /// That of one camera.
-    pub fn get(&self, camera: CameraId) -> Option<&StillScene> {
+    pub(super) fn get(&self, camera: CameraId) -> Option<&StillScene> {
         self.0.get(&camera)
     }
 }
 
 impl StillScene {
     /// The still scene of the [`nearness`] of one camera's depth maps, of frames spread over the recording.
-    pub fn learn(maps: &[Plane<f32>]) -> Self {
+    pub(super) fn learn(maps: &[Plane<f32>]) -> Self {
         let Some(first) = maps.first() else {
             return Self { nearness: Plane::filled(0, 0, 0.0) };
         };
@@ -85,7 +85,7 @@ impl StillScene {
     /// Where a [`nearness`] of the same camera is in front of the still scene, with all eight neighbours.
     ///
     /// So the outermost pixels are left out: correlation by windows makes what moves too wide, and a body fitted to it too fat.
-    pub fn nearer(&self, now: &Plane<f32>) -> Mask {
+    pub(super) fn nearer(&self, now: &Plane<f32>) -> Mask {
         let moves = Mask::from_fn(now.width(), now.height(), |x, y| {
             let (now, still) = (now.get(x, y), self.nearness.get(x, y));
             now.zip(still).is_some_and(|(now, still)| now > still + NEARER_PX)
@@ -97,7 +97,7 @@ impl StillScene {
     }
 
     /// A [`nearness`] of the same camera, and that of the still scene where it is not known.
-    pub fn filled_in(&self, now: &Plane<f32>) -> Plane<f32> {
+    pub(super) fn filled_in(&self, now: &Plane<f32>) -> Plane<f32> {
         let mut filled = now.clone();
         for y in 0..filled.height() {
             for (x, value) in filled.row_mut(y).iter_mut().enumerate() {
@@ -110,7 +110,7 @@ impl StillScene {
     }
 
     /// The points of a depth map of the same camera that are in front of the still scene, away from the ends of depth.
-    pub fn before(&self, map: &DepthMap) -> Vec<CloudPoint> {
+    pub(super) fn before(&self, map: &DepthMap) -> Vec<CloudPoint> {
         let nearer = self.nearer(&nearness(map));
         points_where(map, &where_depth_goes_on(map, &nearer))
     }
