@@ -61,17 +61,7 @@ mod tests {
     use parquet::file::serialized_reader::SerializedFileReader;
     use parquet::record::RowAccessor;
 
-    use super::*;
-
-    fn table() -> FrameTable {
-        FrameTable {
-            frames: vec![7, 8],
-            columns: vec![
-                ("time_s".into(), vec![0.14, 0.16]),
-                ("RKnee_x_m".into(), vec![f64::NAN, 1.0 / 3.0]),
-            ],
-        }
-    }
+    use crate::io::export::table::tests::table;
 
     #[test]
     fn parquet_gives_back_every_bit_and_null_for_what_is_unknown() {

@@ -67,10 +67,11 @@ impl FrameTable {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
-    fn table() -> FrameTable {
+    /// Two frames, one of which does not know a place.
+    pub(in crate::io::export) fn table() -> FrameTable {
         FrameTable {
             frames: vec![7, 8],
             columns: vec![
