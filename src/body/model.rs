@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector, Rotation3, UnitVector3, Vector3};
 
-use super::{ScaledVector, Shift};
+use super::{Motion, Posed, ScaledVector, Shape, Shift};
 
 /// Index of a joint in [`BodyModel::joints`]; parents come first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -305,6 +305,15 @@ impl BodyModel {
     pub fn path(&self, frame: FrameId) -> impl Iterator<Item = (FrameId, Turn)> {
         let with_turn = |frame| Some((frame, self.turn(frame)?));
         std::iter::successors(with_turn(frame), move |(_, turn)| with_turn(turn.parent))
+    }
+
+    /// The lengths of a body, metres, in the order of [`BodyModel::lengths`], measured at rest.
+    ///
+    /// A length within a part is the same in every pose; one across a joint is stated at the joints' rest angles.
+    pub fn rest_lengths_m(&self, shape: &Shape) -> Vec<f64> {
+        let points = Posed::new(self, shape, &Motion::rest(self)).points();
+        let length = |(_, from, to): &(String, usize, usize)| (points[*to] - points[*from]).norm();
+        self.lengths.iter().map(length).collect()
     }
 
     /// Index of an exported point.

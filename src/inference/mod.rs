@@ -13,7 +13,7 @@
 //! | its optimum, how sure it is       | [`joint`], [`noise`], [`covariance`] |
 //! | joints elsewhere in the flesh     | [`considered`]   |
 //! | pointing errors of the cameras    | [`aim`]          |
-//! | p_ε,σ(K)                          | [`confidence`]   |
+//! | p_ε,σ(K)                          | [`confidence`], [`ShapeConfidence`] |
 
 pub mod aim;
 pub mod chain;
@@ -34,9 +34,11 @@ pub mod propagate;
 pub mod search;
 mod sequence;
 pub mod sequence_posterior;
+mod shape_confidence;
 pub mod start;
 pub mod step;
 
 pub use detail::Detail;
 pub use evidence::{Evidence, Terms};
 pub use sequence::Sequence;
+pub use shape_confidence::{ConfidenceOptions, ShapeConfidence};

@@ -2,12 +2,13 @@
 
 use nalgebra::{Point3, Vector2};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use super::aim::{AimedOptimum, JointStage};
 use super::measures::Measures;
 use super::points::{self, PointQuality};
 use super::quality::{self, CameraQuality, ViewQuality};
-use super::{EstimateOptions, SceneFault, ShapeConfidence, Warning, check_scene, rest_lengths_m};
+use super::{EstimateOptions, SceneFault, Warning, check_scene};
 use crate::body::{BodyModel, Motion, Posed, Shape};
 use crate::camera::Rig;
 use crate::inference::chain::ChainPrior;
@@ -17,7 +18,7 @@ use crate::inference::joint::JointOptions;
 use crate::inference::noise::Noise;
 use crate::inference::search::{Journal, Trial, search};
 use crate::inference::sequence_posterior::SequenceState;
-use crate::inference::{Evidence, Sequence};
+use crate::inference::{Evidence, Sequence, ShapeConfidence};
 use crate::likelihood::Measure;
 use crate::math::stats::mean;
 use crate::silhouette::{FrameIndex, FrameObservations, InvalidOption};
@@ -95,11 +96,32 @@ pub struct TriedHypothesis {
 }
 
 impl TriedHypothesis {
-    /// Sums over the fitted frames of −log p(Zᵢ | mᵢ, s), of the limits' and rest's, and of the steps'.
-    pub fn parts(&self) -> [f64; 3] {
-        let frames = self.trial.frames.iter().flatten();
-        frames.fold([0.0; 3], |[data, pose, step], f| [data + f.data, pose + f.pose, step + f.step])
+    /// E of the fitted frames and its parts.
+    pub fn minus_log_posterior(&self) -> MinusLogPosterior {
+        let frames = || self.trial.frames.iter().flatten();
+        MinusLogPosterior {
+            total: self.trial.energy(),
+            shape: self.trial.shape_cost,
+            data: frames().fold(0.0, |sum, frame| sum + frame.data),
+            pose: frames().fold(0.0, |sum, frame| sum + frame.pose),
+            step: frames().fold(0.0, |sum, frame| sum + frame.step),
+        }
     }
+}
+
+/// E = −log of the sequence posterior up to a constant (ZS06 eq. 1), and its parts.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct MinusLogPosterior {
+    /// The sum of the parts.
+    pub total: f64,
+    /// −log p(s).
+    pub shape: f64,
+    /// Σ −log p(Zᵢ | mᵢ, s).
+    pub data: f64,
+    /// Σ −log p of limits and rest.
+    pub pose: f64,
+    /// Σ −log p(mᵢ | mᵢ₋₁).
+    pub step: f64,
 }
 
 /// Why nothing could be fitted.
@@ -185,7 +207,7 @@ pub fn fit(
     notes.extend(options.joint.and_then(|joint| unseen(model, sequence, &frames, &joint)));
 
     Ok(Fit {
-        lengths_m: rest_lengths_m(model, &estimate.shape),
+        lengths_m: model.rest_lengths_m(&estimate.shape),
         uncertainty: estimate.uncertainty.map(|u| u.shape),
         noise: estimate.noise,
         rig: estimate.rig,

@@ -5,12 +5,11 @@
 //! | 1. do cameras and masks agree       | [`check_scene`]                    |
 //! | 2. Algorithm 1                      | [`crate::inference::search`]       |
 //! | 3. the joint optimum, and where the cameras look | [`crate::inference::joint`], [`crate::inference::aim`] |
-//! | 4. how far the keyframes agree      | [`ShapeConfidence`]                |
+//! | 4. how far the keyframes agree      | [`crate::inference::ShapeConfidence`] |
 //! | 5. how well the body covers the masks, and lies on the points | [`ViewQuality`], [`CameraQuality`], [`PointQuality`] |
 //! | 6. what a person should know of it  | [`Warning`]                        |
 
 mod aim;
-mod confidence;
 mod counted;
 mod fit;
 mod frame_range;
@@ -32,18 +31,17 @@ mod warning;
 mod warning_text;
 
 pub use crate::inference::covariance::ShapeUncertainty;
-pub use confidence::{ShapeConfidence, rest_lengths_m};
 pub use counted::counted;
-pub use fit::{Fit, FitError, FittedFrame, TriedHypothesis, fit};
+pub use fit::{Fit, FitError, FittedFrame, MinusLogPosterior, TriedHypothesis, fit};
 pub use frame_range::{FrameRange, FrameRangeError, span};
 pub use measures::check_measure;
 pub use memory::MemoryPictures;
 pub use movement::{FittedBody, FittedMotion, FittedPoint, FramePose, FrameSd};
-pub use options::{ConfidenceOptions, EstimateOptions, FitTo, ObservationOptions};
+pub use options::{EstimateOptions, FitTo, ObservationOptions};
 pub use overlap::projected_ellipses;
 pub use points::PointQuality;
 pub use progress::{NoProgress, Progress};
-pub use quality::{CameraQuality, ViewQuality, ViewResiduals};
+pub use quality::{CameraQuality, ViewQuality};
 pub use scene::{SceneFault, check_scene};
 pub use source::{FramePictures, MaskSource, PictureSource, PictureStream};
 pub use unseen::prior_angles_sd;

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::inference::ConfidenceOptions;
 use crate::inference::joint::JointOptions;
 use crate::inference::search::SearchOptions;
 use crate::likelihood::{LikelihoodOptions, Measure};
@@ -69,22 +70,6 @@ impl FitTo {
             frame.views.clear();
         }
         frame
-    }
-}
-
-/// How near an estimate must be to count as right: ε of p_ε,σ(K) (ZS06).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct ConfidenceOptions {
-    /// ε of a length, m (default 0.02).
-    pub epsilon_m: f64,
-    /// ε of a shape coefficient (default 0.05): 5 % of a width or length, 0.05 m of a shift.
-    pub epsilon_coefficient: f64,
-}
-
-impl Default for ConfidenceOptions {
-    fn default() -> Self {
-        Self { epsilon_m: 0.02, epsilon_coefficient: 0.05 }
     }
 }
 

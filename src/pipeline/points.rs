@@ -3,18 +3,22 @@
 //! A point of the surface projects into every silhouette whose camera looks there, whatever the body is; and it lies on
 //! the fitted skin. Where many do not, points and silhouettes do not speak of one scene or not of one moment.
 
+use serde::{Deserialize, Serialize};
+
 use super::warning::POOR_IOU;
 use super::{FittedFrame, Frames, Warning};
 use crate::body::Posed;
 use crate::inference::{Detail, Evidence};
 use crate::likelihood::Source;
 use crate::math::stats::median;
-use crate::silhouette::FrameObservations;
+use crate::silhouette::{FrameIndex, FrameObservations};
 use crate::stereo::CloudPoint;
 
 /// How well the points of one frame agree with its silhouettes and its body.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PointQuality {
+    /// Number of the frame.
+    pub frame: FrameIndex,
     /// How many points there are.
     pub points: usize,
     /// Which share of them lies outside a silhouette, by more than three standard deviations.
@@ -55,6 +59,7 @@ pub(super) fn point_quality(
         .collect();
 
     Some(PointQuality {
+        frame: frame.frame,
         points: frame.points.len(),
         outside: outside.len() as f64 / frame.points.len() as f64,
         outside_m: median(&mut outside),
@@ -120,7 +125,7 @@ fn covers(fitted: &FittedFrame) -> bool {
 /// Frames, which share of their points disagrees, and by how much.
 #[derive(Debug, Default)]
 struct Disagreement {
-    frames: Vec<crate::silhouette::FrameIndex>,
+    frames: Vec<FrameIndex>,
     shares: Vec<f64>,
     by_m: Vec<f64>,
 }
@@ -148,7 +153,6 @@ mod tests {
     use super::*;
     use crate::body::Motion;
     use crate::inference::frame::FrameFit;
-    use crate::silhouette::FrameIndex;
     use crate::stereo::Spread;
 
     /// What is said of two frames of points, known to 2 mm, of this quality.
@@ -168,6 +172,7 @@ mod tests {
             points_world: Vec::new(),
             views: Vec::new(),
             points: Some(PointQuality {
+                frame: FrameIndex(number),
                 points: 1,
                 outside: outside.map_or(0.0, |(share, _)| share),
                 outside_m: outside.map(|(_, by_m)| by_m),

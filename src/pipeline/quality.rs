@@ -2,32 +2,41 @@
 
 use nalgebra::Vector2;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use super::overlap::iou;
 use crate::body::{Posed, Shape};
-use crate::camera::{CameraId, Rig};
+use crate::camera::{Camera, CameraId, Rig};
 use crate::inference::frame::FrameFit;
 use crate::inference::{Detail, Evidence};
 use crate::likelihood::{PlacedResidual, Source};
 use crate::math::stats::{mean, median};
-use crate::silhouette::{FrameObservations, Silhouette};
+use crate::silhouette::{FrameIndex, FrameObservations, Silhouette};
 
-/// How well the body covers one silhouette.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// How well the body covers one silhouette: distances of its border points to the model's outline, and the overlap.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ViewQuality {
-    /// Which camera.
-    pub camera: CameraId,
-    /// Distances of the border points to the model's outline; `None` where the model is not before the camera.
-    pub residuals: Option<ViewResiduals>,
+    /// Number of the frame.
+    pub frame: FrameIndex,
+    /// Name of the camera.
+    pub camera: String,
     /// Intersection over union of silhouette and model, 0 to 1.
     pub iou: f64,
+    /// Number of border points that were compared; 0 where the model is not before the camera.
+    pub points: usize,
+    /// Root mean square of their distances, px; `None` without points.
+    pub rms_px: Option<f64>,
+    /// Median of them, px.
+    pub median_px: Option<f64>,
+    /// 95th percentile of them, px.
+    pub p95_px: Option<f64>,
 }
 
 /// How well the body covers all silhouettes of one camera.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CameraQuality {
-    /// Which camera.
-    pub camera: CameraId,
+    /// Name of the camera.
+    pub camera: String,
     /// Frames in which it shows a silhouette.
     pub frames: usize,
     /// Mean overlap over them; 0 without any.
@@ -36,37 +45,29 @@ pub struct CameraQuality {
     pub median_px: Option<f64>,
     /// Root mean square over all border points, px.
     pub rms_px: Option<f64>,
-    /// By how much all that it shows lies elsewhere than its calibration says, to the right and down, undistorted px.
+    /// How far everything in its pictures lies to the right of and below where its calibration puts it, undistorted px;
+    /// 0 if that was not estimated, and in results of older versions.
+    #[serde(default)]
     pub aim_px: Vector2<f64>,
 }
 
-/// Distances of one view's border points to the model, without sign.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ViewResiduals {
-    /// Number of border points.
-    pub points: usize,
-    /// Root mean square, px.
-    pub rms_px: f64,
-    /// Median, px.
-    pub median_px: f64,
-    /// 95th percentile, px.
-    pub p95_px: f64,
-}
-
-impl ViewResiduals {
-    /// Of the residuals of one view; `None` without any.
-    fn new(residuals: &[PlacedResidual], view: usize) -> Option<Self> {
-        let of_view = residuals.iter().filter(|r| r.source == Source::View(view));
-        let mut distances_px: Vec<f64> = of_view.map(|r| (r.value * r.sigma).abs()).collect();
+impl ViewQuality {
+    /// From the overlap of a view and its border points' distances to the outline, px.
+    fn new(frame: FrameIndex, camera: &str, iou: f64, mut distances_px: Vec<f64>) -> Self {
         distances_px.sort_by(f64::total_cmp);
         let points = distances_px.len();
+        let some = |value: &dyn Fn() -> f64| (points > 0).then(value);
         let quantile = |q: f64| distances_px[((points - 1) as f64 * q).round() as usize];
-        (points > 0).then(|| Self {
+        let mean_square = || distances_px.iter().map(|d| d * d).sum::<f64>() / points as f64;
+        Self {
+            frame,
+            camera: camera.into(),
+            iou,
             points,
-            rms_px: (distances_px.iter().map(|d| d * d).sum::<f64>() / points as f64).sqrt(),
-            median_px: quantile(0.5),
-            p95_px: quantile(0.95),
-        })
+            rms_px: some(&|| mean_square().sqrt()),
+            median_px: some(&|| quantile(0.5)),
+            p95_px: some(&|| quantile(0.95)),
+        }
     }
 }
 
@@ -83,14 +84,14 @@ pub(super) fn view_qualities(
     let of_views = each.map(|all| all.into_iter().filter(is_of_view).collect::<Vec<_>>());
     let residuals = of_views.into_iter().find(|all| !all.is_empty()).unwrap_or_default();
 
-    let views = frame.views.iter().enumerate();
-    views
-        .map(|(view, (id, silhouette))| ViewQuality {
-            camera: *id,
-            residuals: ViewResiduals::new(&residuals, view),
-            iou: iou(&evidence.rig.cameras[id.0], silhouette, body, evidence.measure),
-        })
-        .collect()
+    let quality = |(view, (id, silhouette)): (usize, &(CameraId, Silhouette))| {
+        let camera = &evidence.rig.cameras[id.0];
+        let iou = iou(camera, silhouette, body, evidence.measure);
+        let of_view = residuals.iter().filter(|r| r.source == Source::View(view));
+        let distances_px = of_view.map(|r| (r.value * r.sigma).abs()).collect();
+        ViewQuality::new(frame.frame, &camera.name, iou, distances_px)
+    };
+    frame.views.iter().enumerate().map(quality).collect()
 }
 
 /// Most frames whose overlap is looked at for a hypothesis.
@@ -130,24 +131,23 @@ pub(super) fn camera_qualities(
     frames: &[&[ViewQuality]],
     aims_px: &[Vector2<f64>],
 ) -> Vec<CameraQuality> {
-    let of = |(camera, _): (CameraId, _)| {
+    let of = |(camera, aim_px): (&Camera, &Vector2<f64>)| {
         let views: Vec<&ViewQuality> = frames
             .iter()
-            .flat_map(|frame| frame.iter().filter(|view| view.camera == camera))
+            .flat_map(|frame| frame.iter().filter(|view| view.camera == camera.name))
             .collect();
-        let residuals: Vec<&ViewResiduals> =
-            views.iter().filter_map(|v| v.residuals.as_ref()).collect();
-        let points: usize = residuals.iter().map(|r| r.points).sum();
-        let squares: f64 = residuals.iter().map(|r| r.points as f64 * r.rms_px.powi(2)).sum();
+        let points: usize = views.iter().map(|v| v.points).sum();
+        let square = |v: &&ViewQuality| Some(v.points as f64 * v.rms_px?.powi(2));
+        let squares: f64 = views.iter().filter_map(square).sum();
         let overlaps = views.iter().map(|view| view.iou);
         CameraQuality {
-            camera,
+            camera: camera.name.clone(),
             frames: views.len(),
             mean_iou: mean(overlaps).unwrap_or(0.0),
-            median_px: median(&mut residuals.iter().map(|r| r.median_px).collect()),
+            median_px: median(&mut views.iter().filter_map(|v| v.median_px).collect()),
             rms_px: (points > 0).then(|| (squares / points as f64).sqrt()),
-            aim_px: aims_px[camera.0],
+            aim_px: *aim_px,
         }
     };
-    rig.iter().map(of).collect()
+    rig.cameras.iter().zip(aims_px).map(of).collect()
 }

@@ -97,8 +97,13 @@ mod tests {
     use crate::pipeline::PointQuality;
     use crate::silhouette::FrameIndex;
 
-    const SEEN: Option<PointQuality> =
-        Some(PointQuality { points: 1, outside: 0.0, outside_m: None, off_skin_m: None });
+    const SEEN: Option<PointQuality> = Some(PointQuality {
+        frame: FrameIndex(0),
+        points: 1,
+        outside: 0.0,
+        outside_m: None,
+        off_skin_m: None,
+    });
 
     /// What a frame shows, and how uncertain its angles are.
     type Case = ([f64; 4], Option<PointQuality>);

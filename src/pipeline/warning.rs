@@ -3,8 +3,9 @@
 use std::fmt;
 
 use super::aim::LEAST_PX;
-use super::{CameraQuality, FittedFrame, ShapeConfidence};
-use crate::camera::{CameraId, Rig};
+use super::{CameraQuality, FittedFrame};
+use crate::camera::{Camera, CameraId, Rig};
+use crate::inference::ShapeConfidence;
 use crate::inference::search::ENOUGH_KEYFRAMES;
 use crate::math::stats::{mean, median};
 use crate::silhouette::{FrameIndex, FrameObservations, Rejected};
@@ -156,8 +157,8 @@ pub(super) fn warnings(
     cameras: &[CameraQuality],
     confidence: &ShapeConfidence,
 ) -> Vec<Warning> {
-    let mut warnings = aim_warnings(rig, cameras);
-    warnings.extend(overlap_warnings(rig, frames, cameras));
+    let mut warnings = aim_warnings(cameras);
+    warnings.extend(overlap_warnings(frames, cameras));
 
     let those = |is: &dyn Fn(&&FittedFrame) -> bool| {
         Frames(frames.iter().filter(is).map(|f| f.frame).collect())
@@ -183,14 +184,14 @@ pub(super) fn warnings(
 }
 
 /// The cameras that look elsewhere; what a turn would not have moved either is nothing to calibrate for.
-fn aim_warnings(rig: &Rig, cameras: &[CameraQuality]) -> Vec<Warning> {
+fn aim_warnings(cameras: &[CameraQuality]) -> Vec<Warning> {
     let elsewhere = cameras.iter().filter(|c| c.aim_px.norm() >= LEAST_PX);
     let warning =
-        |c: &CameraQuality| Warning::Aim { camera: name(rig, c.camera), px: c.aim_px.into() };
+        |c: &CameraQuality| Warning::Aim { camera: c.camera.clone(), px: c.aim_px.into() };
     elsewhere.map(warning).collect()
 }
 
-fn overlap_warnings(rig: &Rig, frames: &[FittedFrame], cameras: &[CameraQuality]) -> Vec<Warning> {
+fn overlap_warnings(frames: &[FittedFrame], cameras: &[CameraQuality]) -> Vec<Warning> {
     let mut warnings = Vec::new();
     let overlaps: Vec<(FrameIndex, f64)> =
         frames.iter().filter_map(|f| Some((f.frame, f.mean_iou()?))).collect();
@@ -209,7 +210,7 @@ fn overlap_warnings(rig: &Rig, frames: &[FittedFrame], cameras: &[CameraQuality]
         let others_iou = median(&mut others.map(|c| c.mean_iou).collect());
         if let Some(others_iou) = others_iou.filter(|iou| quality.mean_iou < iou - WEAK_BY) {
             warnings.push(Warning::WeakCamera {
-                camera: name(rig, quality.camera),
+                camera: quality.camera.clone(),
                 iou: quality.mean_iou,
                 others_iou,
             });
@@ -227,7 +228,7 @@ fn overlap_warnings(rig: &Rig, frames: &[FittedFrame], cameras: &[CameraQuality]
 }
 
 fn rejection_warnings(rig: &Rig, observations: &[FrameObservations]) -> Vec<Warning> {
-    let of = |(id, _): (CameraId, _)| {
+    let of = |(id, camera): (CameraId, &Camera)| {
         let rejected: Vec<(FrameIndex, Rejected)> = observations
             .iter()
             .flat_map(|o| o.rejected.iter().map(move |(c, why)| (o.frame, *c, *why)))
@@ -235,13 +236,9 @@ fn rejection_warnings(rig: &Rig, observations: &[FrameObservations]) -> Vec<Warn
             .collect();
         let reason = rejected.first()?.1;
         let frames = Frames(rejected.into_iter().map(|(frame, _)| frame).collect());
-        Some(Warning::Rejected { camera: name(rig, id), frames, reason })
+        Some(Warning::Rejected { camera: camera.name.clone(), frames, reason })
     };
     rig.iter().filter_map(of).collect()
-}
-
-fn name(rig: &Rig, id: CameraId) -> String {
-    rig.camera(id).map_or_else(|| id.to_string(), |camera| camera.name.clone())
 }
 
 #[cfg(test)]
@@ -249,7 +246,6 @@ mod tests {
     use nalgebra::Vector2;
 
     use super::*;
-    use crate::synth::Ring;
 
     #[test]
     fn frames_are_listed_as_ranges() {
@@ -272,18 +268,17 @@ mod tests {
 
     #[test]
     fn a_camera_that_looks_elsewhere_by_less_than_a_pixel_is_not_to_be_calibrated_again() {
-        let looks = |(camera, right_px)| CameraQuality {
-            camera: CameraId(camera),
+        let looks = |(camera, right_px): (&str, f64)| CameraQuality {
+            camera: camera.into(),
             frames: 1,
             mean_iou: 1.0,
             median_px: None,
             rms_px: None,
             aim_px: Vector2::new(right_px, 0.0),
         };
-        let rig = Ring::default().regular();
-        let cameras: Vec<CameraQuality> = [(0, 0.9), (1, -1.1), (2, 0.0)].map(looks).into();
-        let expected = Warning::Aim { camera: name(&rig, CameraId(1)), px: [-1.1, 0.0] };
-        assert_eq!(aim_warnings(&rig, &cameras), [expected]);
+        let cameras = [("left", 0.9), ("right", -1.1), ("front", 0.0)].map(looks);
+        let expected = Warning::Aim { camera: "right".into(), px: [-1.1, 0.0] };
+        assert_eq!(aim_warnings(&cameras), [expected]);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use super::page::Page;
 use super::{ReportInput, Subject};
 use crate::gait::{Side, Surface};
 use crate::io::gait::Sex;
-use crate::io::result::ResultFile;
+use crate::io::result::Program;
 
 pub(super) fn page(input: &ReportInput<'_>) -> Page {
     Page {
@@ -80,7 +80,13 @@ fn method(input: &ReportInput<'_>) -> Vec<Row> {
     ];
 
     match input.result {
-        Some(result) => rows.extend(fit_rows(result)),
+        Some(result) => {
+            let cameras = &result.recording.cameras;
+            let centres =
+                "places fixed to the fitted body; their standard deviations are those of the fit";
+            rows.push(("Measured by", measured_by(&result.program, &result.body, cameras)));
+            rows.push(("Joint centres", centres.into()));
+        }
         None => {
             rows.push(("Measured by", "points of another system (.trc); no body was fitted".into()))
         }
@@ -113,19 +119,15 @@ fn filter(input: &ReportInput<'_>) -> String {
     format!("places: Butterworth low pass at {hz} Hz, forwards and backwards{angles}")
 }
 
-/// How a fit was measured.
-fn fit_rows(result: &ResultFile) -> [Row; 2] {
-    let (program, cameras) = (&result.program, &result.recording.cameras);
-    let measured_by = format!(
-        "{} {}: body model {} fitted to the outlines of {} cameras ({}), without markers",
+/// By which program and cameras a fit was made.
+fn measured_by(program: &Program, body: &str, cameras: &[String]) -> String {
+    format!(
+        "{} {}: body model {body} fitted to the outlines of {} cameras ({}), without markers",
         program.name,
         program.version,
-        result.body,
         cameras.len(),
         cameras.join(", ")
-    );
-    let centres = "places fixed to the fitted body; their standard deviations are those of the fit";
-    [("Measured by", measured_by), ("Joint centres", centres.into())]
+    )
 }
 
 fn remarks(input: &ReportInput<'_>) -> Markup {

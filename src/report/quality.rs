@@ -9,8 +9,13 @@ use super::figure::{Axis, BOTH, Figure, axis_range};
 use super::label::words;
 use super::page::{Page, absent, number, probability};
 use crate::inference::confidence::Confidence;
-use crate::io::result::{HypothesisPart, OriginPart, OutcomePart, ResultFile};
+use crate::io::result::{
+    FramePart, HypothesisPart, MotionPart, OriginPart, OutcomePart, QualityPart, RecordingPart,
+    RejectedPart, ResultFile, ShapePart,
+};
 use crate::math::stats::mean;
+use crate::pipeline::CameraQuality;
+use crate::silhouette::FrameIndex;
 
 /// Most hypotheses that are listed.
 const MOST_HYPOTHESES: usize = 10;
@@ -32,19 +37,19 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
 fn fit_quality(result: &ResultFile) -> Markup {
     html! {
         h3 { "Cameras" }
-        (camera_table(result))
+        (camera_table(&result.quality.cameras))
         h3 { "Overlap over time" }
-        (overlap_chart(result))
+        (overlap_chart(&result.quality, &result.recording))
         h3 { "Missing" }
-        (missing_table(result))
+        (missing_table(&result.recording, &result.motion))
         h3 { "Confidence in the body" }
-        (confidence_table(result))
+        (confidence_table(&result.shape))
         h3 { "Hypotheses" }
         (hypothesis_table(result))
     }
 }
 
-fn camera_table(result: &ResultFile) -> Markup {
+fn camera_table(cameras: &[CameraQuality]) -> Markup {
     html! {
         table class="numbers" {
             thead { tr {
@@ -53,7 +58,7 @@ fn camera_table(result: &ResultFile) -> Markup {
             } }
 
             tbody {
-                @for camera in &result.quality.cameras {
+                @for camera in cameras {
                     tr {
                         th scope="row" { (camera.camera) }
                         td { (camera.frames) }
@@ -72,10 +77,10 @@ fn camera_table(result: &ResultFile) -> Markup {
 }
 
 /// Mean overlap of the views of each frame, and the band from the worst to the best view.
-fn overlap_chart(result: &ResultFile) -> Markup {
+fn overlap_chart(quality: &QualityPart, recording: &RecordingPart) -> Markup {
     let mut overlaps: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
-    for view in &result.quality.views {
-        overlaps.entry(view.frame).or_default().push(view.iou);
+    for view in &quality.views {
+        overlaps.entry(view.frame.0).or_default().push(view.iou);
     }
 
     let least = |views: &Vec<f64>| views.iter().copied().fold(f64::INFINITY, f64::min);
@@ -84,7 +89,7 @@ fn overlap_chart(result: &ResultFile) -> Markup {
         overlaps.iter().filter_map(|(f, v)| Some((*f as f64, mean(v.iter().copied())?))).collect();
     let band: Vec<_> = overlaps.iter().map(|(f, v)| (*f as f64, least(v), most(v))).collect();
 
-    let ends = (result.recording.first_frame as f64, result.recording.last_frame as f64);
+    let ends = (recording.first_frame as f64, recording.last_frame as f64);
     let (_, x_step) = axis_range(std::iter::empty(), ends);
     let (y_range, y_step) = axis_range(band.iter().map(|b| b.1), (0.7, 1.0));
     let x = Axis { label: "frame".into(), range: (ends.0, ends.1.max(ends.0 + 1.0)), step: x_step };
@@ -101,30 +106,31 @@ fn overlap_chart(result: &ResultFile) -> Markup {
     }
 }
 
-fn missing_table(result: &ResultFile) -> Markup {
-    let frames = || result.motion.frames.iter();
-    let unseen = frames().filter(|f| f.views == 0).map(|f| f.frame);
-    let lost = frames().filter(|f| f.recovered).map(|f| f.frame);
-    let (unseen, lost): (Vec<usize>, Vec<usize>) = (unseen.collect(), lost.collect());
+fn missing_table(recording: &RecordingPart, motion: &MotionPart) -> Markup {
+    let those = |is: fn(&&FramePart) -> bool| {
+        let frames = motion.frames.iter().filter(is).map(|part| part.frame);
+        ranges(&frames.collect::<Vec<_>>())
+    };
+    let without = |frames: &[FrameIndex]| ranges(&frames.iter().map(|f| f.0).collect::<Vec<_>>());
 
     html! {
         table class="facts" {
-            tr { th scope="row" { "Frames that no camera saw" } td { (ranges(&unseen)) } }
-            tr { th scope="row" { "Frames searched anew after a loss" } td { (ranges(&lost)) } }
-            @for part in &result.recording.missing {
-                tr { th scope="row" { "No mask of " (part.camera) } td { (ranges(&part.frames)) } }
+            tr { th scope="row" { "Frames that no camera saw" } td { (those(|part| part.views == 0)) } }
+            tr { th scope="row" { "Frames searched anew after a loss" } td { (those(|part| part.recovered)) } }
+            @for masks in &recording.missing {
+                tr { th scope="row" { "No mask of " (masks.camera) } td { (without(&masks.frames)) } }
             }
             tr {
                 th scope="row" { "Masks that show nobody" }
-                td { (rejected(result)) }
+                td { (rejections(&recording.rejected)) }
             }
         }
     }
 }
 
-fn rejected(result: &ResultFile) -> String {
+fn rejections(rejected: &[RejectedPart]) -> String {
     let mut frames: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
-    for part in &result.recording.rejected {
+    for part in rejected {
         frames.entry(&part.camera).or_default().push(part.frame);
     }
     let texts = frames.iter().map(|(camera, frames)| format!("{camera}: {}", ranges(frames)));
@@ -147,8 +153,7 @@ fn ranges(frames: &[usize]) -> String {
     }
 }
 
-fn confidence_table(result: &ResultFile) -> Markup {
-    let shape = &result.shape;
+fn confidence_table(shape: &ShapePart) -> Markup {
     let cm = number(Some(100.0 * shape.all_lengths.epsilon), 1) + " cm";
     let all: [(&str, String, &Confidence); 2] = [
         ("All lengths", cm, &shape.all_lengths),
@@ -175,9 +180,9 @@ fn confidence_table(result: &ResultFile) -> Markup {
         p class="note" {
             "K keyframes each proposed a body of their own; σ is how far the proposals scatter, "
             "p" sub { "ε,σ" } "(K) how probable it is that the best of them lies within ε of the truth, "
-            "if they err at random. Confidence of: " (words(&result.shape.confidence_of)) ". "
+            "if they err at random. Confidence of: " (words(&shape.confidence_of)) ". "
             "σ of each length stands on the Shape page. "
-            @if result.shape.all_lengths.p_within.is_none() { "Absent: fewer than two keyframes proposed a body." }
+            @if shape.all_lengths.p_within.is_none() { "Absent: fewer than two keyframes proposed a body." }
         }
     }
 }

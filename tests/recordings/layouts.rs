@@ -41,9 +41,9 @@ fn a_manifest_is_followed() {
         assert_eq!(body.body(), Some("arm-2d"));
         assert_eq!(recording.frames, [0, 1, 2, 3].map(FrameIndex));
         let missing: Vec<_> =
-            recording.missing.iter().map(|m| (m.camera.0, m.frames.clone())).collect();
+            recording.missing.iter().map(|m| (m.camera.as_str(), m.frames.clone())).collect();
         let expected =
-            [(0, 0), (1, 3), (2, 3)].map(|(camera, frame)| (camera, vec![FrameIndex(frame)]));
+            [("d", 0), ("a", 3), ("b", 3)].map(|(camera, frame)| (camera, vec![FrameIndex(frame)]));
         assert_eq!(missing, expected);
         let notes: Vec<_> = recording.notes.iter().map(ToString::to_string).collect();
         let expected = [

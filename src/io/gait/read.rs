@@ -137,7 +137,7 @@ fn camera_bits(result: &ResultFile) -> BTreeMap<usize, u8> {
         let mut names = result.recording.cameras.iter();
         let camera = names.position(|name| *name == view.camera);
         if let Some(camera) = camera.filter(|i| *i < 7) {
-            *bits.entry(view.frame).or_insert(0) |= 1_u8 << camera;
+            *bits.entry(view.frame.0).or_insert(0) |= 1_u8 << camera;
         }
     }
     bits

@@ -3,10 +3,12 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use serde::{Deserialize, Serialize};
+
 use super::{ObservationFiles, RecordingError};
 
 /// Fingerprint of one input: a file, all masks or pictures of a camera, or all points.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct InputChecksum {
     /// Path of the file relative to the recording's folder (of a file elsewhere its name and that of its folder),
     /// `masks of <camera>`, `points`, or `pictures of <camera>`, the empty scene included.

@@ -3,6 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
+use serde::{Deserialize, Serialize};
+
 use super::masks::{self, MaskFiles};
 use super::points::PointFiles;
 use super::{Note, Recording, RecordingError, layout, mask_image};
@@ -38,10 +40,10 @@ pub struct ObservationFiles {
 }
 
 /// Frames in which one camera has no mask and another has.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Missing {
-    /// The camera.
-    pub camera: CameraId,
+    /// Name of the camera.
+    pub camera: String,
     /// The frames, ascending.
     pub frames: Vec<FrameIndex>,
 }
@@ -83,7 +85,7 @@ impl ObservationFiles {
         };
 
         // frames
-        let (frames, missing) = frames_and_missing(&masks, &points);
+        let (frames, missing) = frames_and_missing(&rig, &masks, &points);
         if frames.is_empty() && !is_masked && wanted == WantedPoints::Given {
             let path = recording.path.clone();
             return Err(RecordingError::NoMasks { path });
@@ -213,6 +215,7 @@ impl MaskSource for ObservationFiles {
 
 /// The frames that have a mask or a cloud, and the masks that are missing.
 fn frames_and_missing(
+    rig: &Rig,
     masks: &[BTreeMap<FrameIndex, PathBuf>],
     points: &PointFiles,
 ) -> (Vec<FrameIndex>, Vec<Missing>) {
@@ -220,12 +223,11 @@ fn frames_and_missing(
     let frames: BTreeSet<FrameIndex> = masked.chain(points.frames()).collect();
     let frames: Vec<FrameIndex> = frames.into_iter().collect();
 
-    let with_masks = masks.iter().enumerate().filter(|(_, m)| !m.is_empty());
-    let missing = with_masks.filter_map(|(i, masks)| {
+    let with_masks = rig.names().zip(masks).filter(|(_, m)| !m.is_empty());
+    let missing = with_masks.filter_map(|(camera, masks)| {
         let lacking = frames.iter().copied().filter(|frame| !masks.contains_key(frame));
         let frames: Vec<FrameIndex> = lacking.collect();
-        let camera = CameraId(i);
-        (!frames.is_empty()).then_some(Missing { camera, frames })
+        (!frames.is_empty()).then(|| Missing { camera: camera.into(), frames })
     });
 
     let missing = missing.collect();

@@ -41,7 +41,7 @@ pub fn trajectories(result: &ResultFile) -> Trajectories {
     let order = order(names);
     let first = fitted.first().map_or(0, |f| f.frame);
     let last = fitted.last().map_or(0, |f| f.frame);
-    let with_points: BTreeSet<usize> = result.quality.points.iter().map(|p| p.frame).collect();
+    let with_points: BTreeSet<usize> = result.quality.points.iter().map(|p| p.frame.0).collect();
     let points = |frame: &FramePart| {
         let is_seen = frame.views > 0 || with_points.contains(&frame.frame);
         let place = |i: &usize| is_seen.then(|| Point3::from(frame.points_m[*i]));

@@ -23,9 +23,8 @@ pub use joints::trajectories;
 pub use parts::Provenance;
 pub use read::ResultError;
 pub use schema::{
-    CameraPart, CoefficientPart, FramePart, HypothesisPart, InputPart, LengthPart, MissingPart,
-    MotionPart, NoisePart, OptionsPart, OriginPart, OutcomePart, PointPart, PosteriorPart, Program,
-    QualityPart, RecordingPart, RejectedPart, ResultFile, ShapePart, ViewPart,
+    CoefficientPart, FramePart, HypothesisPart, LengthPart, MotionPart, OptionsPart, OriginPart,
+    OutcomePart, Program, QualityPart, RecordingPart, RejectedPart, ResultFile, ShapePart,
 };
 
 impl ResultFile {

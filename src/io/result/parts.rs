@@ -1,15 +1,14 @@
 //! How a fit is written down.
 
 use super::schema::{
-    CameraPart, CoefficientPart, FramePart, HypothesisPart, InputPart, LengthPart, MissingPart,
-    MotionPart, NoisePart, OptionsPart, OriginPart, OutcomePart, PointPart, PosteriorPart, Program,
-    QualityPart, RecordingPart, RejectedPart, ResultFile, ShapePart, ViewPart,
+    CoefficientPart, FramePart, HypothesisPart, LengthPart, MotionPart, OptionsPart, OriginPart,
+    OutcomePart, Program, QualityPart, RecordingPart, RejectedPart, ResultFile, ShapePart,
 };
 use crate::body::BodyModel;
-use crate::camera::{CameraId, Rig};
+use crate::camera::CameraId;
 use crate::inference::search::Origin;
 use crate::io::recording::{InputChecksum, ObservationFiles};
-use crate::pipeline::{Fit, FittedFrame, FrameSd, TriedHypothesis, rest_lengths_m};
+use crate::pipeline::{Fit, FittedFrame, FrameSd, TriedHypothesis};
 use crate::silhouette::{FrameIndex, FrameObservations};
 
 /// What p_ε,σ(K) speaks of, and what not.
@@ -34,7 +33,7 @@ pub struct Provenance<'a> {
 impl ResultFile {
     /// Writes down a fit.
     pub fn new(fit: &Fit, from: Provenance<'_>) -> Self {
-        let (model, rig) = (from.model, &from.recording.rig);
+        let model = from.model;
         let notes = from.recording.notes.iter().map(ToString::to_string);
         let warnings = fit.warnings.iter().map(ToString::to_string);
 
@@ -46,7 +45,7 @@ impl ResultFile {
                 version: env!("CARGO_PKG_VERSION").into(),
             },
             recording: recording(from),
-            inputs: from.inputs.iter().map(input).collect(),
+            inputs: from.inputs.to_vec(),
             options: from.options.clone(),
             body: model.name.clone(),
             shape: shape(fit, model),
@@ -57,31 +56,29 @@ impl ResultFile {
             },
             hypotheses: hypotheses(fit, model),
             winner: fit.winner,
-            quality: quality(fit, rig),
+            quality: quality(fit),
             warnings: warnings.chain(notes).collect(),
         }
     }
 }
 
-fn name(rig: &Rig, id: CameraId) -> String {
-    rig.camera(id).map_or_else(|| id.to_string(), |camera| camera.name.clone())
-}
-
 fn recording(from: Provenance<'_>) -> RecordingPart {
     let rig = &from.recording.rig;
-    let fitted = |frame: &&FrameIndex| {
-        let known = from.observations.binary_search_by_key(*frame, |observed| observed.frame);
+    let is_fitted = |frame: &FrameIndex| {
+        let known = from.observations.binary_search_by_key(frame, |observed| observed.frame);
         known.is_ok()
     };
 
-    let missing = from.recording.missing.iter().map(|missing| MissingPart {
-        camera: name(rig, missing.camera),
-        frames: missing.frames.iter().filter(fitted).map(|f| f.0).collect(),
-    });
+    let mut missing = from.recording.missing.clone();
+    for masks in &mut missing {
+        masks.frames.retain(is_fitted);
+    }
+    missing.retain(|masks| !masks.frames.is_empty());
+
     let rejected = from.observations.iter().flat_map(|observed| {
         let one = |(camera, reason): &(CameraId, _)| RejectedPart {
             frame: observed.frame.0,
-            camera: name(rig, *camera),
+            camera: rig.cameras[camera.0].name.clone(),
             reason: ToString::to_string(reason),
         };
         observed.rejected.iter().map(one).collect::<Vec<_>>()
@@ -93,16 +90,8 @@ fn recording(from: Provenance<'_>) -> RecordingPart {
         first_frame: from.observations.first().map_or(0, |o| o.frame.0),
         last_frame: from.observations.last().map_or(0, |o| o.frame.0),
         cameras: rig.names().map(Into::into).collect(),
-        missing: missing.filter(|m| !m.frames.is_empty()).collect(),
+        missing,
         rejected: rejected.collect(),
-    }
-}
-
-fn input(checksum: &InputChecksum) -> InputPart {
-    InputPart {
-        input: checksum.input.clone(),
-        files: checksum.files,
-        blake3: checksum.blake3.clone(),
     }
 }
 
@@ -134,13 +123,7 @@ fn shape(fit: &Fit, model: &BodyModel) -> ShapePart {
             rows.map(|row| row.iter().copied().collect()).collect()
         }),
         lengths: model.lengths.iter().enumerate().map(length).collect(),
-        noise: fit.noise.map(|noise| NoisePart {
-            scale: noise.scale,
-            along_border: noise.along_border,
-            within_frame: noise.within_frame,
-            repeated: noise.repeated,
-            over_time: noise.over_time,
-        }),
+        noise: fit.noise,
         confidence_of: CONFIDENCE_OF.into(),
         all_coefficients: fit.confidence.all_coefficients.clone(),
         all_lengths: fit.confidence.all_lengths.clone(),
@@ -180,62 +163,27 @@ fn hypotheses(fit: &Fit, model: &BodyModel) -> Vec<HypothesisPart> {
             false => OutcomePart::Pruned,
         };
 
-        let [data, pose, step] = tried.parts();
         HypothesisPart {
             origin,
             reading,
             keyframe: tried.keyframe.0,
             outcome,
             frames_fitted: tried.fitted,
-            minus_log_posterior: PosteriorPart {
-                total: tried.trial.energy(),
-                shape: tried.trial.shape_cost,
-                data,
-                pose,
-                step,
-            },
+            minus_log_posterior: tried.minus_log_posterior(),
             keyframe_cost: hypothesis.keyframe_cost,
             iou: tried.iou,
             coefficients: hypothesis.shape.0.as_slice().to_vec(),
-            lengths_m: rest_lengths_m(model, &hypothesis.shape),
+            lengths_m: model.rest_lengths_m(&hypothesis.shape),
         }
     };
 
     fit.hypotheses.iter().enumerate().map(part).collect()
 }
 
-fn quality(fit: &Fit, rig: &Rig) -> QualityPart {
-    let cameras = fit.cameras.iter().map(|quality| CameraPart {
-        camera: name(rig, quality.camera),
-        frames: quality.frames,
-        mean_iou: quality.mean_iou,
-        median_px: quality.median_px,
-        rms_px: quality.rms_px,
-        aim_px: quality.aim_px.into(),
-    });
-
-    let views = fit.frames.iter().flat_map(|fitted| {
-        fitted.views.iter().map(|view| ViewPart {
-            frame: fitted.frame.0,
-            camera: name(rig, view.camera),
-            iou: view.iou,
-            points: view.residuals.map_or(0, |r| r.points),
-            rms_px: view.residuals.map(|r| r.rms_px),
-            median_px: view.residuals.map(|r| r.median_px),
-            p95_px: view.residuals.map(|r| r.p95_px),
-        })
-    });
-
-    let points = fit.frames.iter().filter_map(|fitted| {
-        let quality = fitted.points.as_ref()?;
-        Some(PointPart {
-            frame: fitted.frame.0,
-            points: quality.points,
-            outside: quality.outside,
-            outside_m: quality.outside_m,
-            off_skin_m: quality.off_skin_m,
-        })
-    });
-
-    QualityPart { cameras: cameras.collect(), views: views.collect(), points: points.collect() }
+fn quality(fit: &Fit) -> QualityPart {
+    QualityPart {
+        cameras: fit.cameras.clone(),
+        views: fit.frames.iter().flat_map(|fitted| fitted.views.clone()).collect(),
+        points: fit.frames.iter().filter_map(|fitted| fitted.points).collect(),
+    }
 }

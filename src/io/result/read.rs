@@ -54,7 +54,7 @@ impl ResultFile {
     pub fn aims_px(&self, rig: &Rig) -> Vec<Vector2<f64>> {
         let aim = |name: &str| {
             let of_camera = self.quality.cameras.iter().find(|c| c.camera == name);
-            of_camera.map_or(Vector2::zeros(), |c| c.aim_px.into())
+            of_camera.map_or(Vector2::zeros(), |c| c.aim_px)
         };
         rig.names().map(aim).collect()
     }

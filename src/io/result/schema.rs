@@ -3,7 +3,12 @@
 use serde::{Deserialize, Serialize};
 
 use crate::inference::confidence::Confidence;
-use crate::pipeline::{EstimateOptions, FrameSd, ObservationOptions};
+use crate::inference::noise::Noise;
+use crate::io::recording::{InputChecksum, Missing};
+use crate::pipeline::{
+    CameraQuality, EstimateOptions, FrameSd, MinusLogPosterior, ObservationOptions, PointQuality,
+    ViewQuality,
+};
 
 /// What a fit found, and what it was made from. Version 2.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -17,7 +22,7 @@ pub struct ResultFile {
     /// What was recorded.
     pub recording: RecordingPart,
     /// Fingerprints of everything that was read.
-    pub inputs: Vec<InputPart>,
+    pub inputs: Vec<InputChecksum>,
     /// Every option, also those left at their defaults.
     pub options: OptionsPart,
     /// Name of the body model.
@@ -68,18 +73,9 @@ pub struct RecordingPart {
     /// Names of the cameras.
     pub cameras: Vec<String>,
     /// Masks that are not there.
-    pub missing: Vec<MissingPart>,
+    pub missing: Vec<Missing>,
     /// Masks without a silhouette.
     pub rejected: Vec<RejectedPart>,
-}
-
-/// Frames in which a camera has no mask.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct MissingPart {
-    /// The camera.
-    pub camera: String,
-    /// The frames.
-    pub frames: Vec<usize>,
 }
 
 /// A mask without a silhouette.
@@ -93,17 +89,6 @@ pub struct RejectedPart {
     pub reason: String,
 }
 
-/// Fingerprint of one input.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct InputPart {
-    /// A file, all masks of a camera, or the body.
-    pub input: String,
-    /// Number of files.
-    pub files: usize,
-    /// BLAKE3, hexadecimal; of several files, of their BLAKE3 sums one after another.
-    pub blake3: String,
-}
-
 /// The shape of the winner.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ShapePart {
@@ -115,7 +100,7 @@ pub struct ShapePart {
     /// The lengths that they make.
     pub lengths: Vec<LengthPart>,
     /// How the residuals err; only of the joint optimum.
-    pub noise: Option<NoisePart>,
+    pub noise: Option<Noise>,
     /// What the confidences are a confidence of.
     pub confidence_of: String,
     /// Of all coefficients at once.
@@ -198,21 +183,6 @@ pub struct FramePart {
     pub step: f64,
 }
 
-/// How the residuals err, estimated from the recording.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct NoisePart {
-    /// Residuals over their stated standard deviation, root mean square.
-    pub scale: f64,
-    /// How many of the stated independent observations along a border are one.
-    pub along_border: f64,
-    /// How many cameras that show one place of the body in one frame are one.
-    pub within_frame: f64,
-    /// Which part of a place's mean residual returns in every frame.
-    pub repeated: f64,
-    /// How many observations of the shape, over frames and cameras, are one.
-    pub over_time: f64,
-}
-
 /// A hypothesis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct HypothesisPart {
@@ -227,7 +197,7 @@ pub struct HypothesisPart {
     /// Frames that were fitted.
     pub frames_fitted: usize,
     /// −log of the sequence posterior up to a constant (eq. 1), or a lower bound of it if pruned.
-    pub minus_log_posterior: PosteriorPart,
+    pub minus_log_posterior: MinusLogPosterior,
     /// −log p(mₖ, s | Zₖ) at the keyframe.
     pub keyframe_cost: f64,
     /// Mean overlap over at most ten fitted frames.
@@ -260,81 +230,13 @@ pub enum OutcomePart {
     Pruned,
 }
 
-/// E and its parts.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct PosteriorPart {
-    /// The sum of the parts.
-    pub total: f64,
-    /// −log p(s).
-    pub shape: f64,
-    /// Σ −log p(Zᵢ | mᵢ, s).
-    pub data: f64,
-    /// Σ −log p of limits and rest.
-    pub pose: f64,
-    /// Σ −log p(mᵢ | mᵢ₋₁).
-    pub step: f64,
-}
-
 /// How well the body covers the masks.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct QualityPart {
     /// Camera by camera.
-    pub cameras: Vec<CameraPart>,
+    pub cameras: Vec<CameraQuality>,
     /// View by view, in the order of the frames.
-    pub views: Vec<ViewPart>,
+    pub views: Vec<ViewQuality>,
     /// Frame by frame, those that have points.
-    pub points: Vec<PointPart>,
-}
-
-/// The points of one frame, its silhouettes and the body.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct PointPart {
-    /// Number of the frame.
-    pub frame: usize,
-    /// Number of points.
-    pub points: usize,
-    /// Share of them that lies outside a silhouette by more than three standard deviations.
-    pub outside: f64,
-    /// Median distance by which those lie outside.
-    pub outside_m: Option<f64>,
-    /// Median distance from the skin; of points that were compared with one.
-    pub off_skin_m: Option<f64>,
-}
-
-/// All views of one camera.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct CameraPart {
-    /// The camera.
-    pub camera: String,
-    /// Frames in which it sees the person.
-    pub frames: usize,
-    /// Mean overlap (intersection over union) over them.
-    pub mean_iou: f64,
-    /// Median over them of `median_px`.
-    pub median_px: Option<f64>,
-    /// Root mean square over all border points.
-    pub rms_px: Option<f64>,
-    /// How far everything in its pictures lies to the right of and below where its calibration puts it, undistorted pixels;
-    /// 0 if that was not estimated, and in results of older versions.
-    #[serde(default)]
-    pub aim_px: [f64; 2],
-}
-
-/// One silhouette and the body over it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct ViewPart {
-    /// Number of the frame.
-    pub frame: usize,
-    /// The camera.
-    pub camera: String,
-    /// Intersection over union.
-    pub iou: f64,
-    /// Number of border points that were compared.
-    pub points: usize,
-    /// Root mean square of their distances to the model's outline.
-    pub rms_px: Option<f64>,
-    /// Median of them.
-    pub median_px: Option<f64>,
-    /// 95th percentile of them.
-    pub p95_px: Option<f64>,
+    pub points: Vec<PointQuality>,
 }

@@ -4,7 +4,7 @@ use experiments::walker::observe;
 use maquette::body::{BodyModel, Posed};
 use maquette::inference::Sequence;
 use maquette::inference::search::NoJournal;
-use maquette::pipeline::{EstimateOptions, Fit, FittedFrame, fit, rest_lengths_m};
+use maquette::pipeline::{EstimateOptions, Fit, FittedFrame, fit};
 use maquette::synth::{Recipe, Ring, SegmentationErrors, Synthetic};
 use nalgebra::Vector3;
 
@@ -73,7 +73,7 @@ fn deviation(kind: Kind, name: &str, error: f64, sd: f64) -> Deviation {
 
 fn of_lengths(body: &BodyModel, truth: &Synthetic, found: &Fit) -> Option<Vec<Deviation>> {
     let uncertainty = found.uncertainty.as_ref()?;
-    let true_lengths = rest_lengths_m(&truth.model, &truth.shape);
+    let true_lengths = truth.model.rest_lengths_m(&truth.shape);
     let lengths = body.lengths.iter().enumerate();
     let of = |(i, (name, _, _)): (usize, &(String, usize, usize))| {
         let j = truth.model.lengths.iter().position(|l| l.0 == *name)?;

@@ -1,11 +1,27 @@
 //! How far the keyframes agree about the shape: p_ε,σ(K) of every coefficient and length (ZS06).
 
 use nalgebra::DVector;
+use serde::{Deserialize, Serialize};
 
-use super::ConfidenceOptions;
-use crate::body::{BodyModel, Motion, Posed, Shape};
-use crate::inference::confidence::{Confidence, confidence, joint_confidence};
-use crate::inference::search::{Hypothesis, Origin, Trial};
+use super::confidence::{Confidence, confidence, joint_confidence};
+use super::hypothesis::{Hypothesis, Origin, Trial};
+use crate::body::{BodyModel, Shape};
+
+/// How near an estimate must be to count as right: ε of p_ε,σ(K) (ZS06).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ConfidenceOptions {
+    /// ε of a length, m (default 0.02).
+    pub epsilon_m: f64,
+    /// ε of a shape coefficient (default 0.05): 5 % of a width or length, 0.05 m of a shift.
+    pub epsilon_coefficient: f64,
+}
+
+impl Default for ConfidenceOptions {
+    fn default() -> Self {
+        Self { epsilon_m: 0.02, epsilon_coefficient: 0.05 }
+    }
+}
 
 /// The confidence of a shape, from the K estimates s*ₖ of the keyframes.
 ///
@@ -25,15 +41,11 @@ pub struct ShapeConfidence {
 
 impl ShapeConfidence {
     /// The confidence that these trials' keyframes give.
-    pub(super) fn from_trials(
-        model: &BodyModel,
-        trials: &[Trial],
-        options: &ConfidenceOptions,
-    ) -> Self {
+    pub fn from_trials(model: &BodyModel, trials: &[Trial], options: &ConfidenceOptions) -> Self {
         let shapes: Vec<&Shape> = best_readings(trials).iter().map(|h| &h.shape).collect();
         let coefficients: Vec<DVector<f64>> = shapes.iter().map(|s| s.0.clone()).collect();
         let lengths: Vec<DVector<f64>> =
-            shapes.iter().map(|s| DVector::from_vec(rest_lengths_m(model, s))).collect();
+            shapes.iter().map(|s| DVector::from_vec(model.rest_lengths_m(s))).collect();
         let (epsilon, epsilon_m) = (options.epsilon_coefficient, options.epsilon_m);
         Self {
             coefficients: each(&coefficients, model.coefficients.len(), epsilon),
@@ -47,15 +59,6 @@ impl ShapeConfidence {
     pub fn keyframes(&self) -> usize {
         self.all_coefficients.keyframes
     }
-}
-
-/// The lengths of a body, metres, in the order of [`BodyModel::lengths`], measured at rest.
-///
-/// A length within a part is the same in every pose; one across a joint is stated at the joints' rest angles.
-pub fn rest_lengths_m(model: &BodyModel, shape: &Shape) -> Vec<f64> {
-    let points = Posed::new(model, shape, &Motion::rest(model)).points();
-    let length = |(_, from, to): &(String, usize, usize)| (points[*to] - points[*from]).norm();
-    model.lengths.iter().map(length).collect()
 }
 
 /// The most probable reading of each keyframe, in the order of the keyframes.
@@ -84,6 +87,7 @@ mod tests {
     use std::path::Path;
 
     use super::*;
+    use crate::body::Motion;
 
     fn trial(model: &BodyModel, origin: Origin, keyframe: usize, (a, cost): (f64, f64)) -> Trial {
         Trial {
@@ -117,7 +121,7 @@ mod tests {
     fn the_lengths_of_the_arm_add_up_to_one_metre_in_every_shape() {
         let model = crate::io::model::load("arm-2d", Path::new("")).unwrap();
         for a in [-1.0, 0.0, 0.7] {
-            let lengths = rest_lengths_m(&model, &Shape(DVector::from_vec(vec![a])));
+            let lengths = model.rest_lengths_m(&Shape(DVector::from_vec(vec![a])));
             approx::assert_relative_eq!(lengths[0] + lengths[1], 2.0, epsilon = 1e-12);
         }
     }
