@@ -13,6 +13,7 @@ mod model;
 mod places;
 mod posed;
 mod scaled;
+mod side;
 mod state;
 
 pub use check::{KinematicsFault, check_kinematics};
@@ -25,4 +26,5 @@ pub(crate) use places::Displacements;
 pub use places::PlacedBody;
 pub use posed::Posed;
 pub use scaled::{Scale, ScaledVector, Shift};
+pub use side::Side;
 pub use state::{Layout, Motion, Shape, State};

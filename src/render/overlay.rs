@@ -6,7 +6,7 @@ use nalgebra::{Matrix2, Point2, Point3, Vector2};
 
 use super::{Canvas, Pen, Rgb};
 use crate::body::metaball::Field;
-use crate::body::{BodyModel, Posed};
+use crate::body::{BodyModel, Posed, Side};
 use crate::camera::Camera;
 use crate::image::{Mask, Runs, trace};
 use crate::math::quadric::{Ellipse, project};
@@ -15,8 +15,12 @@ const BACKGROUND: Rgb = [26, 28, 33];
 const PERSON: Rgb = [124, 128, 135];
 const OUTLINE: Rgb = [255, 190, 40];
 const SHADE: Rgb = [12, 13, 16];
-/// Right, left and middle: every kind of colour vision tells them apart (IBM's palette).
-const SIDES: [Rgb; 3] = [[240, 60, 140], [110, 165, 255], [245, 245, 245]];
+/// Joints and bones of neither side.
+const MIDDLE: Rgb = [245, 245, 245];
+/// Sides, and what belongs to neither.
+const SIDES: [Option<Side>; 3] = [Some(Side::Left), Some(Side::Right), None];
+/// Share of white in a side's colour, so that it shows before the dark background.
+const LIGHTER: f64 = 0.25;
 
 /// Longer side of an image in which lines have their widths as given; they grow with the image, px.
 const USUAL_PX: f64 = 800.0;
@@ -46,7 +50,8 @@ const BONES: [(&str, &str); 16] = [
 /// The mask in grey, the outline of the whole body, bones and joints.
 ///
 /// A body of metaballs has the outline of its skin; one of ellipsoids has that of their ellipses, with thin lines where they
-/// lie within the body. Everything is drawn where the recorded, distorted image shows it. Right limbs are red, left ones blue.
+/// lie within the body. Everything is drawn where the recorded, distorted image shows it. Limbs
+/// have the colours of their sides, lightened.
 pub fn overlay(camera: &Camera, mask: &Mask, body: &Posed<'_>) -> Canvas {
     let mut canvas = Canvas::from_mask(mask, BACKGROUND, PERSON);
     let unit = (f64::from(camera.width_px.max(camera.height_px)) / USUAL_PX).max(0.4);
@@ -64,20 +69,21 @@ pub fn overlay(camera: &Camera, mask: &Mask, body: &Posed<'_>) -> Canvas {
 
     // a shade under all bones, and over it the bones and joints of each side in its colour
     let points = body.points();
-    let side = |point: usize| side_by_name(&body.model.points[point].name);
+    let side = |point: usize| Side::from_initial(&body.model.points[point].name);
     let bones = bones(body.model).into_iter();
     let bones = bones.map(|(from, to)| (side(to), bone(camera, &points[from], &points[to])));
-    let bones: Vec<(usize, Segments)> = bones.collect();
+    let bones: Vec<(Option<Side>, Segments)> = bones.collect();
     let all: Segments = bones.iter().flat_map(|(_, s)| s.clone()).collect();
     canvas.draw(&all, pen(SHADE, 0.6, 4.0));
 
     let joints = used_points(body.model);
-    for (number, color) in SIDES.into_iter().enumerate() {
-        let coloured = bones.iter().filter(|(side, _)| *side == number);
+    for of in SIDES {
+        let color = colour(of);
+        let coloured = bones.iter().filter(|(side, _)| *side == of);
         let segments: Segments = coloured.flat_map(|(_, s)| s.clone()).collect();
         canvas.draw(&segments, pen(color, 1.0, 2.0));
 
-        let dots = joints.iter().filter(|i| side(**i) == number);
+        let dots = joints.iter().filter(|i| side(**i) == of);
         let dots = dots.filter_map(|i| camera.project(&points[*i]));
         let dots: Segments = dots.map(|p| [p, p]).collect();
         canvas.draw(&dots, pen(SHADE, 0.8, 8.0));
@@ -184,15 +190,10 @@ fn used_points(model: &BodyModel) -> Vec<usize> {
     (0..model.points.len()).filter(is_used).collect()
 }
 
-/// Index into [`SIDES`] by the first letter of a joint centre's name, as in `RKnee`.
-fn side_by_name(name: &str) -> usize {
-    let mut letters = name.chars();
-    let (first, second) = (letters.next(), letters.next());
-    match (first, second.is_some_and(char::is_uppercase)) {
-        (Some('R'), true) => 0,
-        (Some('L'), true) => 1,
-        _ => 2,
-    }
+/// The colour of a side, lightened; white of neither.
+fn colour(side: Option<Side>) -> Rgb {
+    let lighter = |v: u8| (f64::from(v) + LIGHTER * (255.0 - f64::from(v))).round() as u8;
+    side.map_or(MIDDLE, |side| side.colour().map(lighter))
 }
 
 #[cfg(test)]
@@ -235,7 +236,7 @@ mod tests {
         let canvas = overlay(&camera, &mask, &body);
         let at = |x: usize, y: usize| canvas.pixels().get(x, y).unwrap();
         let elbow = camera.project(&body.points()[0]).unwrap();
-        assert_eq!(at(elbow.x.round() as usize, elbow.y.round() as usize), SIDES[2]);
+        assert_eq!(at(elbow.x.round() as usize, elbow.y.round() as usize), MIDDLE);
         let (outer, inner) = outlines_of_ellipsoids(&camera, &body);
         // the two ellipsoids touch in one point; seen in perspective their ends overlap by a hair
         assert!(inner.len() <= 4 && outer.len() >= 92);
@@ -263,7 +264,26 @@ mod tests {
     }
 
     #[test]
-    fn the_side_is_read_from_the_name() {
-        assert_eq!(["RKnee", "LHip", "Hip", "Rib"].map(side_by_name), [0, 1, 2, 2]);
+    fn a_right_knee_is_blue_and_a_left_one_red() {
+        let model = crate::io::model::load("human-ellipsoids", Path::new("")).unwrap();
+        let shape = Shape(model.statistics.mean.clone());
+        let motion = Motion::rest(&model);
+        let body = Posed::new(&model, &shape, &motion);
+        let mut camera = camera();
+        // in front of the body, which faces x
+        let axes = nalgebra::Matrix3::new(0.0, 1.0, 0.0, 0.0, 0.0, -1.0, -1.0, 0.0, 0.0);
+        let axes = nalgebra::Rotation3::from_matrix_unchecked(axes);
+        let knees = ["LKnee", "RKnee"].map(|name| body.points()[model.point(name).unwrap()]);
+        let middle = axes * nalgebra::center(&knees[0], &knees[1]).coords;
+        let place = nalgebra::Vector3::new(0.0, 0.0, 3.0) - middle;
+        camera.camera_from_world = Rigid3::from_parts(place.into(), axes.into());
+        camera.intrinsics.cx_px = 100.0;
+        let canvas = overlay(&camera, &Mask::from_fn(200, 150, |_, _| true), &body);
+
+        let at = knees.map(|knee| camera.project(&knee).unwrap());
+        let seen =
+            at.map(|p| canvas.pixels().get(p.x.round() as usize, p.y.round() as usize).unwrap());
+        let [[red, _, less_blue], [less_red, _, blue]] = seen;
+        assert!(red > 2 * less_blue && blue > 2 * less_red, "{seen:?}");
     }
 }

@@ -1,5 +1,7 @@
 //! One small chart, as SVG. Only this file names the plotting library.
 
+use std::fmt;
+
 use kuva::backend::svg::SvgBackend;
 use kuva::plot::{BandPlot, LinePlot};
 use kuva::render::annotations::ReferenceLine;
@@ -9,18 +11,45 @@ use kuva::render::plots::Plot;
 use kuva::render::theme::Theme;
 use maud::{Markup, PreEscaped, html};
 
-/// A colour, `#rrggbb`. For colour-blind readers the page's style sheet finds [`LEFT`] and [`RIGHT`] by their text and
-/// replaces them.
-pub(super) type Colour = &'static str;
+use crate::gait::Side;
 
-/// Left side.
-pub(super) const LEFT: Colour = "#c8102e";
-/// Right side.
-pub(super) const RIGHT: Colour = "#0057b8";
+/// A colour, red, green and blue; written `#rrggbb`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Colour([u8; 3]);
+
 /// Healthy people.
-pub(super) const NORM: Colour = "#8a8a8a";
+pub(super) const NORM: Colour = Colour([0x8a; 3]);
 /// Neither side.
-pub(super) const BOTH: Colour = "#333333";
+pub(super) const BOTH: Colour = Colour([0x33; 3]);
+
+impl From<Side> for Colour {
+    fn from(side: Side) -> Self {
+        Self(side.colour())
+    }
+}
+
+impl fmt::Display for Colour {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [red, green, blue] = self.0;
+        write!(f, "#{red:02x}{green:02x}{blue:02x}")
+    }
+}
+
+/// The colours of the sides as the page's style has them: `--left`, `--right`, and for colour-blind readers others, which
+/// also replace those in the charts (Okabe & Ito 2008).
+pub(super) fn style_of_sides() -> String {
+    let [left, right] = Side::BOTH.map(Colour::from);
+    let mut style = format!(
+        ":root {{ --left: {left}; --right: {right} }} .cb {{ --left: #d55e00; --right: #0072b2 }} \
+         .cb [stroke=\"{left}\"] {{ stroke-dasharray: 6 3 }}"
+    );
+    for (side, colour) in [("left", left), ("right", right)] {
+        for what in ["stroke", "fill"] {
+            style += &format!(" .cb [{what}=\"{colour}\"] {{ {what}: var(--{side}) }}");
+        }
+    }
+    style
+}
 
 /// One axis: its label and range.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,8 +69,8 @@ pub(super) struct Figure {
     rules: Vec<ReferenceLine>,
 }
 
-impl std::fmt::Debug for Figure {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+impl fmt::Debug for Figure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "Figure({:?}, {} plots)", self.title, self.plots.len())
     }
 }
@@ -70,7 +99,7 @@ impl Figure {
         for run in points.chunk_by(|a, b| is_known(a) && is_known(b)) {
             if run.len() > 1 {
                 let line = LinePlot::new().with_data(run.iter().copied());
-                let line = line.with_color(colour).with_stroke_width(width_px);
+                let line = line.with_color(colour.to_string()).with_stroke_width(width_px);
                 self.plots.push(Plot::Line(line));
             }
         }
@@ -83,7 +112,7 @@ impl Figure {
         if known.len() > 1 {
             let xs = known.iter().map(|p| p.0);
             let band = BandPlot::new(xs, known.iter().map(|p| p.1), known.iter().map(|p| p.2));
-            let band = band.with_color(colour).with_opacity(opacity);
+            let band = band.with_color(colour.to_string()).with_opacity(opacity);
             self.plots.push(Plot::Band(band));
         }
         self
@@ -91,7 +120,7 @@ impl Figure {
 
     /// Adds a dashed vertical line.
     pub(super) fn rule(mut self, colour: Colour, x: f64) -> Self {
-        self.rules.push(ReferenceLine::vertical(x).with_color(colour));
+        self.rules.push(ReferenceLine::vertical(x).with_color(colour.to_string()));
         self
     }
 
@@ -176,12 +205,21 @@ mod tests {
     #[test]
     fn a_line_is_broken_where_nothing_is_known() {
         let points = [(0.0, 1.0), (1.0, 2.0), (2.0, f64::NAN), (3.0, 1.0), (4.0, 2.0)];
-        let figure = Figure::new("t", axis((0.0, 4.0)), axis((0.0, 2.0))).line(LEFT, 1.0, &points);
+        let left = Colour::from(Side::Left);
+        let figure = Figure::new("t", axis((0.0, 4.0)), axis((0.0, 2.0))).line(left, 1.0, &points);
         assert_eq!(figure.plots.len(), 2);
         let text = figure.markup("two pieces").into_string();
         assert!(text.contains("viewBox=\"0 0 280 206\""), "{text}");
-        assert!(text.contains("aria-label=\"two pieces\"") && text.contains(LEFT));
+        assert!(text.contains("aria-label=\"two pieces\"") && text.contains(&left.to_string()));
         assert!(!text.contains("NaN"));
+    }
+
+    #[test]
+    fn the_page_has_the_colours_of_the_sides_and_finds_them_in_the_charts() {
+        let style = style_of_sides();
+        let [left, right] = Side::BOTH.map(|side| Colour::from(side).to_string());
+        assert!(style.contains(&format!("--left: {left}; --right: {right}")), "{style}");
+        assert!(style.contains(&format!("[fill=\"{right}\"] {{ fill: var(--right) }}")), "{style}");
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use super::ReportInput;
-use super::figure::{Axis, Colour, Figure, LEFT, NORM, RIGHT, axis_range};
+use super::figure::{Axis, Colour, Figure, NORM, axis_range};
 use super::label;
 use super::page::{Page, absent, key};
 use super::spatiotemporal::{reason, remarks};
@@ -129,13 +129,6 @@ fn panel(input: &ReportInput<'_>, angle: Angle, drawn: Drawn) -> Markup {
     html! { div class="panel" { (figure.markup(&description)) } }
 }
 
-fn colour(side: Side) -> Colour {
-    match side {
-        Side::Left => LEFT,
-        Side::Right => RIGHT,
-    }
-}
-
 fn degrees(values: &[f64]) -> Vec<f64> {
     values.iter().map(|v| v.to_degrees()).collect()
 }
@@ -175,7 +168,7 @@ fn over_cycle(input: &ReportInput<'_>, angle: Angle, drawn: Drawn) -> Figure {
         figure = figure.band(NORM, 0.3, band);
     }
     for curve in curves {
-        figure = figure.rule(colour(curve.side), 100.0 * curve.foot_off);
+        figure = figure.rule(curve.side.into(), 100.0 * curve.foot_off);
         figure = match drawn {
             Drawn::Strides => strides(figure, curve),
             _ => mean(figure, curve),
@@ -185,7 +178,7 @@ fn over_cycle(input: &ReportInput<'_>, angle: Angle, drawn: Drawn) -> Figure {
 }
 
 fn mean(mut figure: Figure, curve: &Curve) -> Figure {
-    let colour = colour(curve.side);
+    let colour = Colour::from(curve.side);
     if let Some(sd) = &curve.fit_sd {
         // 95 % of a normal distribution
         let reach = sd.iter().map(|sd| 1.96 * sd.to_degrees());
@@ -200,7 +193,7 @@ fn mean(mut figure: Figure, curve: &Curve) -> Figure {
 fn strides(figure: Figure, curve: &Curve) -> Figure {
     let all = curve.strides.iter();
     all.fold(figure, |figure, stride| {
-        figure.line(colour(curve.side), 0.9, &line_points(curve, stride))
+        figure.line(curve.side.into(), 0.9, &line_points(curve, stride))
     })
 }
 
@@ -226,7 +219,7 @@ fn over_time(input: &ReportInput<'_>, angle: Angle) -> Figure {
     for (side, track) in tracks {
         let at = |(i, v): (usize, &f64)| (i as f64 / rate_hz, v.to_degrees());
         let points: Vec<_> = track.into_iter().flatten().enumerate().map(at).collect();
-        figure = figure.line(colour(side), 1.5, &points);
+        figure = figure.line(side.into(), 1.5, &points);
     }
     figure
 }

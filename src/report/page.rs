@@ -3,6 +3,7 @@
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::Subject;
+use super::figure::style_of_sides;
 
 const SCRIPT: &str = include_str!("bundle/report.js");
 const STYLE: &str = include_str!("bundle/report.css");
@@ -29,7 +30,7 @@ pub(super) fn document(subject: &Subject, pages: &[Page], scene: &str) -> String
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 title { "Motion report · " (title) }
-                style { (PreEscaped(STYLE)) (PreEscaped(foot(subject))) }
+                style { (PreEscaped(STYLE)) (PreEscaped(style_of_sides())) (PreEscaped(foot(subject))) }
             }
             body {
                 a class="skip" href="#identity" { "Skip to the report" }
