@@ -5,7 +5,6 @@ use std::path::Path;
 use serde_json::json;
 
 use super::table::Table;
-use maquette::inference::confidence::Confidence;
 use maquette::io::result::{HypothesisPart, OriginPart, OutcomePart, ResultFile};
 use maquette::pipeline::counted;
 
@@ -97,36 +96,28 @@ impl Summary<'_> {
         let Some(first) = lengths.first() else {
             return String::new();
         };
-        let Confidence { epsilon, keyframes, .. } = first.confidence;
-
-        let within = format!("p within {} cm", 100.0 * epsilon);
+        let keyframes = first.confidence.keyframes;
         let has_sd = lengths.iter().any(|length| length.sd_m.is_some());
-        let mut headings = vec!["length", "cm"];
-        headings.extend(has_sd.then_some("± SD"));
-        headings.extend(["± σ", &within]);
-        let mut table = Table::new(&headings);
+        let mut table = Table::new(&["length", "cm", if has_sd { "± SD" } else { "± σ" }]);
 
         let cm = |metres: f64| format!("± {:.1}", 100.0 * metres);
         for length in lengths {
-            let mut row = vec![length.name.clone(), format!("{:.1}", 100.0 * length.length_m)];
-            row.extend(has_sd.then(|| or_dash(length.sd_m, cm)));
-            row.push(or_dash(length.confidence.sigma, cm));
-            row.push(or_dash(length.confidence.p_within, probability));
-            table.row(row);
+            let spread = if has_sd { length.sd_m } else { length.confidence.sigma };
+            table.row(vec![
+                length.name.clone(),
+                format!("{:.1}", 100.0 * length.length_m),
+                or_dash(spread, cm),
+            ]);
         }
 
         let mut text = table.text();
         if has_sd {
             text += "  SD: standard deviation of the true length, from all frames together.\n";
-        }
-        if keyframes > 1 {
+        } else if keyframes > 1 {
             text += &format!(
-                "  σ: spread of the {keyframes} keyframes' estimates. p: probability that one of them is within {} cm of the model's optimum.\n  \
-                 That is not the true length: an error shared by all keyframes does not show.\n",
-                100.0 * epsilon,
+                "  σ: spread of the {keyframes} keyframes' estimates; an error that all of them share does not show.\n"
             );
         }
-
         text
     }
 
@@ -156,11 +147,6 @@ fn origin(hypothesis: &HypothesisPart) -> String {
         (OriginPart::Keyframe, None | Some(0)) => "keyframe".into(),
         (OriginPart::Keyframe, Some(reading)) => format!("keyframe, reading {}", reading + 1),
     }
-}
-
-/// Three decimals, but never 1.000, which nobody can know.
-fn probability(p: f64) -> String {
-    if p > 0.9995 { "> 0.999".into() } else { format!("{p:.3}") }
 }
 
 fn or_dash(value: Option<f64>, text: impl Fn(f64) -> String) -> String {

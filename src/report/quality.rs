@@ -8,7 +8,6 @@ use super::ReportInput;
 use super::figure::{Axis, BOTH, Figure, axis_range};
 use super::label::words;
 use super::page::{Page, absent, number, probability};
-use crate::inference::confidence::Confidence;
 use crate::io::result::{
     FramePart, HypothesisPart, MotionPart, OriginPart, OutcomePart, QualityPart, RecordingPart,
     RejectedPart, ResultFile, ShapePart,
@@ -42,7 +41,7 @@ fn fit_quality(result: &ResultFile) -> Markup {
         (overlap_chart(&result.quality, &result.recording))
         h3 { "Missing" }
         (missing_table(&result.recording, &result.motion))
-        h3 { "Confidence in the body" }
+        h3 { "Agreement of the keyframes" }
         (confidence_table(&result.shape))
         h3 { "Hypotheses" }
         (hypothesis_table(result))
@@ -154,34 +153,39 @@ fn ranges(frames: &[usize]) -> String {
 }
 
 fn confidence_table(shape: &ShapePart) -> Markup {
-    let cm = number(Some(100.0 * shape.all_lengths.epsilon), 1) + " cm";
-    let all: [(&str, String, &Confidence); 2] = [
-        ("All lengths", cm, &shape.all_lengths),
-        (
-            "All shape coefficients",
-            number(Some(shape.all_coefficients.epsilon), 3),
-            &shape.all_coefficients,
-        ),
-    ];
+    let coefficients = &shape.all_coefficients;
+    let lengths = shape.lengths.iter().map(|length| (words(&length.name), &length.confidence));
+    let all = lengths.chain([("all lengths".into(), &shape.all_lengths)]);
+    let in_cm = |value: Option<f64>, digits| number(value.map(|v| 100.0 * v), digits);
 
     html! {
         table class="numbers" {
             thead { tr {
-                th scope="col" { "Of" } th scope="col" { "ε" } th scope="col" { "K" }
+                th scope="col" { "Of" } th scope="col" { "ε, cm" } th scope="col" { "K" } th scope="col" { "σ, cm" }
                 th scope="col" { "p" sub { "ε,σ" } "(K)" }
             } }
-            tbody { @for (name, epsilon, confidence) in all { tr {
-                th scope="row" { (name) }
-                td { (epsilon) }
-                td { (confidence.keyframes) }
-                td { (probability(confidence.p_within)) }
-            } } }
+            tbody {
+                @for (name, confidence) in all { tr {
+                    th scope="row" { (name) }
+                    td { (in_cm(Some(confidence.epsilon), 1)) }
+                    td { (confidence.keyframes) }
+                    td { (in_cm(confidence.sigma, 2)) }
+                    td { (probability(confidence.p_within)) }
+                } }
+                tr {
+                    th scope="row" { "all shape coefficients, without unit" }
+                    td { (number(Some(coefficients.epsilon), 3)) }
+                    td { (coefficients.keyframes) }
+                    td { (number(coefficients.sigma, 3)) }
+                    td { (probability(coefficients.p_within)) }
+                }
+            }
         }
         p class="note" {
             "K keyframes each proposed a body of their own; σ is how far the proposals scatter, "
-            "p" sub { "ε,σ" } "(K) how probable it is that the best of them lies within ε of the truth, "
-            "if they err at random. Confidence of: " (words(&shape.confidence_of)) ". "
-            "σ of each length stands on the Shape page. "
+            "p" sub { "ε,σ" } "(K) how probable it is that the best of them lies within ε of where they would settle, "
+            "if they err at random. That is no accuracy: an error that all keyframes share does not show; the standard "
+            "deviation of a length stands on the Shape page. Confidence of: " (words(&shape.confidence_of)) ". "
             @if shape.all_lengths.p_within.is_none() { "Absent: fewer than two keyframes proposed a body." }
         }
     }

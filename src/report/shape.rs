@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::ReportInput;
 use super::label::words;
-use super::page::{Page, absent, number, probability};
+use super::page::{Page, absent, number};
 use crate::io::result::{LengthPart, ResultFile};
 use crate::skin::{Girth, girths};
 
@@ -49,8 +49,7 @@ fn fitted_shape(result: &ResultFile, input: &ReportInput<'_>) -> Markup {
             @if result.shape.lengths.iter().all(|l| l.sd_m.is_none()) {
                 "; it is absent because this fit was made without the joint optimum"
             }
-            ". σ is how far the proposals of the keyframes scatter, p the probability that one of them lies within ε. "
-            "Joint centres lie inside the body, where outlines do not show them: the lengths also rest on statistics of people. "
+            ". Joint centres lie inside the body, where outlines do not show them: the lengths also rest on statistics of people. "
             "Girths: around the limb in the middle of the length and square to it."
         }
     }
@@ -61,15 +60,11 @@ fn length_table(lengths: &[LengthPart]) -> Markup {
         table class="numbers" {
             thead { tr {
                 th scope="col" { "Length" } th scope="col" { "cm" } th scope="col" { "± cm" }
-                th scope="col" { "ε, cm" } th scope="col" { "σ, cm" } th scope="col" { "p" sub { "ε,σ" } "(K)" }
             } }
             tbody { @for length in lengths { tr {
                 th scope="row" { (words(&length.name)) }
                 td class="mean" { (number(Some(100.0 * length.length_m), 1)) }
                 td { (number(length.sd_m.map(|sd| 100.0 * sd), 1)) }
-                td { (number(Some(100.0 * length.confidence.epsilon), 1)) }
-                td { (number(length.confidence.sigma.map(|s| 100.0 * s), 2)) }
-                td { (probability(length.confidence.p_within)) }
             } } }
         }
     }
@@ -87,5 +82,28 @@ fn girth_table(girths: &[Girth]) -> Markup {
                 td { (number(girth.sd_m.map(|sd| 100.0 * sd), 1)) }
             } } }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::inference::confidence::Confidence;
+
+    #[test]
+    fn no_probability_that_reads_as_accuracy_stands_beside_a_length() {
+        let confidence =
+            Confidence { epsilon: 0.02, sigma: Some(0.001), keyframes: 7, p_within: Some(0.9999) };
+        let thigh = LengthPart {
+            name: "thigh".into(),
+            from: "RHip".into(),
+            to: "RKnee".into(),
+            length_m: 0.41,
+            sd_m: Some(0.012),
+            confidence,
+        };
+        let table = length_table(&[thigh]).into_string();
+        assert!(table.contains("41.0") && table.contains("1.2"), "{table}");
+        assert!(!table.contains("0.999") && !table.contains("ε"), "{table}");
     }
 }

@@ -34,6 +34,7 @@ fn a_recording_is_fitted_from_end_to_end() {
     ] {
         assert!(said.out.contains(part), "{part} not in {}", said.out);
     }
+    assert!(!said.out.contains("p within"), "a probability beside a length: {}", said.out);
     // the shape, from lengths in metres
     let result = arm.result("out");
     let upper = result["shape"]["lengths"][0]["length_m"].as_f64().expect("a length");
