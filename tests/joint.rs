@@ -2,6 +2,8 @@
 
 #[path = "joint/considered.rs"]
 mod considered;
+#[path = "joint/journal.rs"]
+mod journal;
 #[path = "joint/laws.rs"]
 mod laws;
 #[path = "joint/recovery.rs"]

@@ -6,7 +6,7 @@ use clap::Args;
 
 use maquette::GaitStudy;
 use maquette::gait::GaitOptions;
-use maquette::io::folder::write_atomically;
+use maquette::io::folder::OutFolder;
 use maquette::workflow::GaitSource;
 
 use super::error::CliError;
@@ -50,10 +50,9 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<(), CliError> {
     let study = arguments.subject.compare(study, arguments.norm.as_deref())?;
     let text = arguments.subject.report(&study, &arguments.out)?;
 
-    let path = arguments.out.join("report.html");
-    write_atomically(&path, text.as_bytes())?;
+    OutFolder::open(&arguments.out)?.write("report.html", text.as_bytes())?;
     if !arguments.quiet {
-        print(&format!("{}\n", path.display()));
+        print(&format!("{}\n", arguments.out.join("report.html").display()));
     }
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! A shape hypothesis, what became of it, and which one won.
 
 use super::frame::FrameFit;
-use crate::body::{Motion, Shape};
+use crate::body::{BodyModel, Motion, Shape};
 
 /// Where a shape hypothesis comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -28,6 +28,13 @@ pub struct Hypothesis {
     pub keyframe_cost: f64,
 }
 
+impl Hypothesis {
+    /// Whether it is one of this body.
+    pub(super) fn fits(&self, model: &BodyModel) -> bool {
+        self.shape.0.len() == model.coefficients.len() && is_of(&self.motion, model)
+    }
+}
+
 /// What became of a hypothesis.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Trial {
@@ -45,10 +52,22 @@ impl Trial {
         self.shape_cost + self.frames.iter().flatten().map(FrameFit::cost).sum::<f64>()
     }
 
+    /// Whether it is one of this body in so many frames.
+    pub(super) fn fits(&self, model: &BodyModel, frames: usize) -> bool {
+        let mut fitted = self.frames.iter().flatten();
+        self.frames.len() == frames
+            && self.hypothesis.fits(model)
+            && fitted.all(|fit| is_of(&fit.motion, model))
+    }
+
     /// Every frame was fitted.
     pub fn finished(&self) -> bool {
         self.frames.iter().all(Option::is_some)
     }
+}
+
+fn is_of(motion: &Motion, model: &BodyModel) -> bool {
+    motion.angles.len() == model.joints.len()
 }
 
 /// The finished trial of least energy.

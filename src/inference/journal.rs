@@ -16,6 +16,10 @@ pub trait Journal: Sync {
     }
     /// A trial is finished or pruned.
     fn keep_trial(&self, _index: usize, _trial: &Trial) {}
+    /// Whether something could not be kept, so that the search is to be given up.
+    fn is_failing(&self) -> bool {
+        false
+    }
     /// The hypotheses are known: this many will be tried.
     fn hypotheses(&self, _count: usize) {}
     /// Frames of a hypothesis were fitted.

@@ -67,7 +67,9 @@ const STRIDE: usize = 8;
 
 /// Algorithm 1: the most probable shape and motion of a sequence.
 ///
-/// `None` if no keyframe tells where the body is, or no hypothesis can be followed to the end.
+/// `None` if no keyframe tells where the body is, no hypothesis can be followed to the end, or the journal fails.
+///
+/// What the journal kept is taken only if it is of this body and these frames.
 ///
 /// # Source
 /// ZS06, Algorithm 1. Differs: a keyframe gives one hypothesis for each reading (front, back); tracks run
@@ -92,6 +94,9 @@ pub fn search(
     hypotheses.extend(found);
     // 4. propagate every hypothesis along the chain: argmax p(mᵢ | mᵢ₋₁, s, Zᵢ)
     let trials = run.follow_all(&hypotheses, promising + 1);
+    if journal.is_failing() {
+        return None;
+    }
     // 5. the most probable sequence posterior (eq. 1)
     let winner = most_probable(&trials)?;
     Some(Search { trials, winner })
@@ -107,7 +112,13 @@ struct Run<'a> {
 
 impl Run<'_> {
     fn keyframe(&self, keyframe: usize) -> Vec<Hypothesis> {
-        self.journal.kept_keyframe(keyframe).unwrap_or_else(|| {
+        let kept = self.journal.kept_keyframe(keyframe);
+        let model = self.evidence.model;
+        let is_of = |found: &Hypothesis| found.keyframe == keyframe && found.fits(model);
+        kept.filter(|kept| kept.iter().all(is_of)).unwrap_or_else(|| {
+            if self.journal.is_failing() {
+                return Vec::new();
+            }
             let start = &self.options.start;
             let found = keyframe_hypotheses(self.evidence, self.sequence, keyframe, start);
             self.journal.keep_keyframe(keyframe, &found);
@@ -131,6 +142,9 @@ impl Run<'_> {
         let mut bound = f64::INFINITY;
 
         for batch in [&[promising][..]].into_iter().chain(others.chunks(ABREAST)) {
+            if self.journal.is_failing() {
+                return Vec::new();
+            }
             let follow = |&index: &usize| (index, self.follow(index, &hypotheses[index], bound));
             let done: Vec<(usize, Trial)> = batch.par_iter().map(follow).collect();
 
@@ -145,9 +159,15 @@ impl Run<'_> {
     }
 
     fn follow(&self, index: usize, hypothesis: &Hypothesis, bound: f64) -> Trial {
-        self.journal.kept_trial(index).unwrap_or_else(|| {
+        let kept = self.journal.kept_trial(index);
+        let (model, frames) = (self.evidence.model, self.sequence.frames.len());
+        let is_of = |trial: &Trial| trial.hypothesis == *hypothesis && trial.fits(model, frames);
+        kept.filter(is_of).unwrap_or_else(|| {
             let trial = self.propagate(index, hypothesis, bound);
-            self.journal.keep_trial(index, &trial);
+            // one that was given up is neither finished nor pruned
+            if !self.journal.is_failing() {
+                self.journal.keep_trial(index, &trial);
+            }
             trial
         })
     }
@@ -181,7 +201,10 @@ impl Run<'_> {
         trial.frames[k] = Some(fit);
 
         // every factor costs something: the partial sum only grows
-        while trial.energy() <= bound && !(forward.finished() && backward.finished()) {
+        while trial.energy() <= bound
+            && !(forward.finished() && backward.finished())
+            && !self.journal.is_failing()
+        {
             let (ahead, behind) = rayon::join(
                 || forward.advance(&tracking, STRIDE),
                 || backward.advance(&tracking, STRIDE),

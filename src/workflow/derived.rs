@@ -1,10 +1,9 @@
 //! What a recording lacks, made of its pictures and kept in a folder: masks, contours, points.
 
-use std::path::Path;
-
 use super::masks::cut_masks;
 use super::surface::measure_points;
 use super::{Error, FitOptions, SilhouetteFiles, SilhouetteSource, silhouettes};
+use crate::io::folder::OutFolder;
 use crate::io::folder::segmented::{self, MaskExtras};
 use crate::io::folder::stereo::{self, StereoExtras, StereoFolder};
 use crate::io::recording::footage::{Footage, FootageError};
@@ -17,7 +16,7 @@ use crate::stereo::SideBySide;
 /// What is made of a recording's pictures, and where it is kept.
 pub(super) struct Derived<'a> {
     /// Masks, contours and points are written here.
-    pub(super) folder: &'a Path,
+    pub(super) out: &'a OutFolder,
     /// Whether what an earlier run has finished there is used again.
     pub(super) is_resumed: bool,
     pub(super) progress: &'a dyn Progress,
@@ -70,7 +69,7 @@ impl Derived<'_> {
         }
         let mut files = DerivedFiles {
             footage: &footage,
-            folder: self.folder,
+            folder: self.out.path(),
             has_masks: !has_masks,
             has_points: false,
         };
@@ -92,7 +91,7 @@ impl Derived<'_> {
         }
         let frames = footage.frames();
         let frames = span(options.frames.select(&frames)?);
-        let found = cut_masks(footage, frames, self.folder, MaskExtras::default(), self.progress)?;
+        let found = cut_masks(footage, frames, self.out, MaskExtras::default(), self.progress)?;
         found.notes.iter().for_each(|note| self.progress.note(note));
         Ok(())
     }
@@ -113,7 +112,7 @@ impl Derived<'_> {
         let options = StereoOptions { method, ..StereoOptions::default() };
         options.choose_cameras(&footage.rig)?;
 
-        let folder = StereoFolder::open(self.folder, footage.up, StereoExtras::default())?;
+        let folder = StereoFolder::open(self.out, footage.up, StereoExtras::default())?;
         let found = measure_points(footage, Some(masks), frames, &options, folder, self.progress)?;
         found.notes.iter().for_each(|note| self.progress.note(note));
         Ok(())
@@ -134,10 +133,10 @@ impl Derived<'_> {
         let frames = options.frames.select(&all)?;
         let body = options.body.as_deref();
         let body = body.unwrap_or(SilhouetteFiles::DEFAULT_BODY);
-        let mut observed = silhouettes::observe(footage, frames, body, self.folder, self.progress)?;
+        let mut observed = silhouettes::observe(footage, frames, body, self.out, self.progress)?;
 
         let mut files =
-            DerivedFiles { footage, folder: self.folder, has_masks: true, has_points: false };
+            DerivedFiles { footage, folder: self.out.path(), has_masks: true, has_points: false };
         if let Some(method) = options.stereo {
             let masks = recording.with_derived(files)?;
             self.measure_points(footage, &masks, method, options)?;
@@ -154,7 +153,7 @@ impl Derived<'_> {
 
     /// Whether an earlier run that is continued has finished what it writes this table after.
     fn is_kept(&self, table: &str) -> bool {
-        self.is_resumed && self.folder.join(table).is_file()
+        self.is_resumed && self.out.path().join(table).is_file()
     }
 }
 

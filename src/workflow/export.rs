@@ -11,7 +11,7 @@ use crate::io::export::mesh::{MeshFormat, bytes_of};
 use crate::io::export::{
     C3dInput, TableKind, bvh, c3d, coordinates, frame_table, glb, motion_text,
 };
-use crate::io::folder::{OutFolder, write_atomically};
+use crate::io::folder::OutFolder;
 use crate::io::points::trc::{Trajectories, write_trc};
 use crate::pipeline::{FittedBody, FittedPoint};
 use crate::skin::{SkinOptions, ellipsoids, skin};
@@ -69,10 +69,9 @@ impl GaitStudy {
             ExportFormat::Obj => return self.surfaces(body, MeshFormat::Obj, folder),
         };
 
-        OutFolder::open(folder)?;
-        let path = folder.join(format!("motion.{extension}"));
-        write_atomically(&path, &bytes)?;
-        Ok(path)
+        let name = format!("motion.{extension}");
+        OutFolder::open(folder)?.write(&name, &bytes)?;
+        Ok(folder.join(name))
     }
 
     fn body(&self, folder: &Path) -> Result<&FittedBody, Error> {
@@ -124,7 +123,7 @@ impl GaitStudy {
         folder: &Path,
     ) -> Result<PathBuf, Error> {
         let folder = folder.join(format.extension());
-        OutFolder::open(&folder)?;
+        let out = OutFolder::open(&folder)?;
         let first = self.input.movement.first_frame;
 
         let write = |(i, motion): (usize, &Option<Motion>)| -> Result<(), Error> {
@@ -136,7 +135,7 @@ impl GaitStudy {
             };
             let name = format!("frame_{:06}.{}", first + i, format.extension());
             let bytes = bytes_of(&mesh, format, UpAxis::Y);
-            Ok(write_atomically(&folder.join(name), &bytes)?)
+            Ok(out.write(&name, &bytes)?)
         };
         let written = body.motions.par_iter().enumerate().map(write);
         let written: Vec<Result<(), Error>> = written.collect();

@@ -8,7 +8,7 @@ use super::watch::WatchedJournal;
 use super::{Error, FitOptions, FittedRecording};
 use crate::inference::search::{Journal, NoJournal};
 use crate::io::folder::journal::DiskJournal;
-use crate::io::folder::{Existing, OutError, OutFolder, check_out, overlays};
+use crate::io::folder::{Existing, OutFolder, check_out, overlays, write_atomically};
 use crate::io::recording::Recording;
 use crate::io::result::{Provenance, ResultFile};
 use crate::pipeline::{self, Fit, NoProgress, Progress};
@@ -43,7 +43,8 @@ impl Recording {
     /// ```
     pub fn fit(&self, options: &FitOptions) -> Result<FittedRecording, Error> {
         let folder = tempfile::tempdir()?;
-        let derived = Derived { folder: folder.path(), is_resumed: false, progress: &NoProgress };
+        let out = OutFolder::open(folder.path())?;
+        let derived = Derived { out: &out, is_resumed: false, progress: &NoProgress };
         let input = FitInput::read(self, options, &derived)?;
         let fit = search(&input, &NoJournal, &NoProgress)?;
         Ok(fitted(input, &fit))
@@ -52,7 +53,8 @@ impl Recording {
     /// Fits a body and writes the result into a folder, where a run that is stopped can be continued.
     ///
     /// What it leaves there is described in docs/formats.md. Nothing is written until the recording is known to be
-    /// usable, and an older result stays until the new one is complete.
+    /// usable, and an older result stays until the new one is complete. Where something that is finished cannot be kept the
+    /// run stops at once; what was kept before is continued from.
     ///
     /// # Errors
     /// [`Error`], as [`Recording::fit`], and [`Error::Out`] and [`Error::Journal`] about the folder.
@@ -64,17 +66,17 @@ impl Recording {
     ) -> Result<FittedRecording, Error> {
         // 1. read and check everything
         check_out(folder.path, folder.existing)?;
-        let derived = Derived {
-            folder: folder.path,
-            is_resumed: folder.existing == Existing::Resume,
-            progress,
-        };
+        let out = OutFolder::open(folder.path)?;
+        let derived =
+            Derived { out: &out, is_resumed: folder.existing == Existing::Resume, progress };
         let input = FitInput::read(self, options, &derived)?;
 
         // 2. fit, keeping what is finished
-        let out = OutFolder::open(folder.path)?;
         let journal = journal(&out, folder.existing, &input)?;
-        let fit = search(&input, &journal, progress).inspect_err(|_| out.abandon())?;
+        journal.note().iter().for_each(|note| progress.note(note));
+        let found = search(&input, &journal, progress);
+        journal.into_whole()?;
+        let fit = found.inspect_err(|_| out.abandon())?;
 
         // 3. write the result, and only then replace an older one
         let scratch = out.scratch()?;
@@ -87,14 +89,9 @@ impl Recording {
         }
         let fitted = fitted(input, &fit);
         for (name, bytes) in fitted.files()? {
-            let written = std::fs::write(scratch.path().join(name), bytes);
-            written.map_err(|source| OutError::Write { path: folder.path.join(name), source })?;
+            write_atomically(&scratch.path().join(name), &bytes)?;
         }
         out.publish(scratch)?;
-
-        if let Some(fault) = journal.fault() {
-            progress.note(&format!("the result is complete; {fault}"));
-        }
         Ok(fitted)
     }
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::{Error, GaitStudy};
 use crate::body::BodyModel;
 use crate::gait::{Angle, GaitOptions, Side};
-use crate::io::folder::{OutFolder, write_atomically};
+use crate::io::folder::OutFolder;
 use crate::io::gait::from_result;
 use crate::io::model;
 use crate::io::points::trc::write_trc;
@@ -109,10 +109,9 @@ impl FittedRecording {
     /// # Errors
     /// [`Error::Out`] for the file that cannot be written.
     pub fn save(&self, folder: impl AsRef<Path>) -> Result<(), Error> {
-        let folder = folder.as_ref();
-        OutFolder::open(folder)?;
+        let out = OutFolder::open(folder.as_ref())?;
         for (name, bytes) in self.files()? {
-            write_atomically(&folder.join(name), &bytes)?;
+            out.write(name, &bytes)?;
         }
         Ok(())
     }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::{Error, FittedRecording};
 use crate::gait::{GaitAnalysis, GaitOptions, Norm, analyse};
-use crate::io::folder::{OutFolder, write_atomically};
+use crate::io::folder::OutFolder;
 use crate::io::gait::{
     GaitFile, GaitInput, SHIPPED_NORM, Sex, add_parameters, angles_csv, curves_csv, from_result,
     gait_file, load_norm, parameters_csv, parse_norm, read_points,
@@ -114,14 +114,14 @@ impl GaitStudy {
     /// [`Error::Out`] for the file that cannot be written.
     pub fn save(&self, folder: &Path) -> Result<(), Error> {
         let (gait, norm) = (&self.analysis, self.norm.as_ref());
-        OutFolder::open(folder)?;
+        let out = OutFolder::open(folder)?;
         for (name, bytes) in [
             ("parameters.csv", parameters_csv(gait)?),
             ("curves.csv", curves_csv(gait, norm)?),
             ("angles.csv", angles_csv(gait, &self.input.movement)?),
             ("gait.json", serde_json::to_vec_pretty(&self.file())?),
         ] {
-            write_atomically(&folder.join(name), &bytes)?;
+            out.write(name, &bytes)?;
         }
         Ok(())
     }

@@ -4,6 +4,7 @@ use std::ops::RangeInclusive;
 use std::path::Path;
 
 use super::Error;
+use crate::io::folder::OutFolder;
 use crate::io::folder::segmented::{MaskExtras, MaskFolder, QualityRow};
 use crate::io::recording::Recording;
 use crate::io::recording::footage::{Footage, FootageNote};
@@ -45,7 +46,8 @@ impl Recording {
         let footage = self.footage()?;
         let frames = footage.frames();
         let frames = span(files.frames.select(&frames)?);
-        cut_masks(&footage, frames, files.folder, files.extras, progress)
+        let out = OutFolder::open(files.folder)?;
+        cut_masks(&footage, frames, &out, files.extras, progress)
     }
 }
 
@@ -53,11 +55,11 @@ impl Recording {
 pub(super) fn cut_masks(
     footage: &Footage,
     frames: RangeInclusive<usize>,
-    folder: &Path,
+    out: &OutFolder,
     extras: MaskExtras,
     progress: &dyn Progress,
 ) -> Result<WrittenMasks, Error> {
-    let folder = MaskFolder::open(folder, &footage.rig, extras)?;
+    let folder = MaskFolder::open(out, &footage.rig, extras)?;
     let options = SegmentOptions::default();
     let write = |frame: &SegmentedFrame| folder.write(frame);
     let found = segment(footage, frames, options, progress, write)?;

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use super::Error;
 use crate::body::BodyModel;
+use crate::io::folder::OutFolder;
 use crate::io::folder::silhouettes::{ContourRow, SilhouetteExtras, SilhouetteFolder};
 use crate::io::model;
 use crate::io::recording::Recording;
@@ -65,13 +66,15 @@ impl Recording {
         let frames = files.frames.select(&all)?;
         let model = load_body(files.body)?;
 
+        let out = OutFolder::open(files.folder)?;
+
         // 1. where the body is
         let start = match files.start {
             Some(folder) => read_start(folder, &footage, frames, &model, progress)?,
             None => StartingFit::find(&footage, frames, &model, progress)?,
         };
         // 2. contours, frame by frame
-        let mut folder = SilhouetteFolder::open(files.folder, files.extras)?;
+        let mut folder = SilhouetteFolder::open(&out, files.extras)?;
         let search = SilhouetteSearch {
             pictures: &footage,
             frames,
@@ -97,7 +100,7 @@ pub(super) fn observe(
     footage: &Footage,
     frames: &[FrameIndex],
     body: &str,
-    folder: &Path,
+    out: &OutFolder,
     progress: &dyn Progress,
 ) -> Result<Vec<FrameObservations>, Error> {
     let model = load_body(body)?;
@@ -110,7 +113,7 @@ pub(super) fn observe(
         pipeline: SilhouettePipeline::Joint,
     };
 
-    let mut folder = SilhouetteFolder::open(folder, SilhouetteExtras::default())?;
+    let mut folder = SilhouetteFolder::open(out, SilhouetteExtras::default())?;
     let found = search.run(progress, |found| folder.write(found, &footage.rig, &model))?;
     folder.finish()?;
     found.notes.iter().for_each(|note| progress.note(note));

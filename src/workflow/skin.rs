@@ -61,7 +61,7 @@ impl FittedRecording {
         if let Some((_, motion)) = poses.first() {
             skin(&posed(motion), &files.options)?;
         }
-        OutFolder::open(files.folder)?;
+        let _out = OutFolder::open(files.folder)?;
 
         let write = |(name, motion): &(String, Motion)| -> Result<(), Error> {
             let body = posed(motion);

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::Error;
+use crate::io::folder::OutFolder;
 use crate::io::folder::stereo::{StereoExtras, StereoFolder};
 use crate::io::recording::footage::Footage;
 use crate::io::recording::{Note, ObservationFiles, Recording, RecordingError};
@@ -50,8 +51,9 @@ impl Recording {
             progress.note(&note);
         }
 
+        let out = OutFolder::open(files.folder)?;
         let extras = StereoExtras { pictures: files.pictures, trajectories: options.tracks };
-        let folder = StereoFolder::open(files.folder, footage.up, extras)?;
+        let folder = StereoFolder::open(&out, footage.up, extras)?;
         measure_points(&footage, source, frames, options, folder, progress)
     }
 }
@@ -77,7 +79,7 @@ pub(super) fn measure_points(
     masks: Option<&dyn MaskSource>,
     frames: &[FrameIndex],
     options: &StereoOptions,
-    mut folder: StereoFolder,
+    mut folder: StereoFolder<'_>,
     progress: &dyn Progress,
 ) -> Result<SurfaceSummary, Error> {
     let write = |frame| folder.write(frame).map_err(Error::from);

@@ -61,6 +61,10 @@ impl Journal for WatchedJournal<'_> {
         self.close(index);
     }
 
+    fn is_failing(&self) -> bool {
+        self.journal.is_failing()
+    }
+
     fn hypotheses(&self, count: usize) {
         self.journal.hypotheses(count);
         self.progress.end();

@@ -5,9 +5,10 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
+use maquette::io::folder::OutFolder;
 use maquette::io::model;
 
-use crate::arm::{Arm, program};
+use crate::arm::{Arm, program, run};
 
 fn journal_files(out: &Path) -> Vec<String> {
     let entries = fs::read_dir(out.join(".journal")).into_iter().flatten();
@@ -31,7 +32,12 @@ fn a_run_that_lost_its_end_continues_to_the_same_bytes() {
     let half = fs::read(journal.join("trial-0003.json")).expect("a trial");
     fs::write(journal.join("trial-0003.json"), &half[..half.len() / 2]).expect("written");
     fs::write(journal.join(".writing-abc"), "left by a kill").expect("written");
-    arm.fit("cut", &["--quiet", "--resume"]).succeeded();
+    let said = arm.fit("cut", &["--resume"]).succeeded();
+    let note = "note: ";
+    assert!(
+        said.err.starts_with(note) && said.err.contains("trial-0003.json: changed"),
+        "{said:?}"
+    );
     for name in ["result.json", "joints.trc"] {
         assert_eq!(arm.bytes("whole", name), arm.bytes("cut", name), "{name}");
     }
@@ -116,4 +122,71 @@ fn a_result_is_replaced_only_on_request_and_only_by_a_complete_one() {
     assert_eq!(arm.result("out")["recording"]["frames"], 4);
     assert_eq!(arm.bytes("out", "notes.txt"), b"mine");
     assert!(!arm.out("out").join("overlays").exists(), "pictures of the older result");
+}
+
+#[test]
+fn one_run_at_a_time_writes_into_a_folder() {
+    let arm = Arm::new();
+    let this = format!("another run writes into this folder (process {}: ", std::process::id());
+    let held = OutFolder::open(&arm.out("out")).expect("locked");
+    for more in [&[][..], &["--resume"], &["--overwrite"]] {
+        arm.fit("out", more).refused(&[&this]);
+    }
+    let (recording, out) = (arm.recording(), arm.out("out"));
+    let [recording, out] = [&recording, &out].map(|path| path.display().to_string());
+    for verb in ["segment", "stereo", "silhouettes"] {
+        run(&[verb, &recording, "--out", &out, "--overwrite"]).refused(&[&this]);
+    }
+
+    // a lock that is left by a run that was killed holds nobody up
+    drop(held);
+    fs::create_dir(&out).expect("a folder");
+    fs::write(arm.out("out").join(".lock"), "process 1: maquette fit").expect("written");
+    arm.fit("out", &["--quiet"]).succeeded();
+    assert!(!arm.out("out").join(".lock").exists());
+}
+
+#[test]
+fn steps_of_a_longer_run_are_named_and_computed_again() {
+    let arm = Arm::new();
+    arm.fit("long", &["--quiet"]).succeeded();
+    arm.fit("short", &["--quiet", "--frames", "0:3"]).succeeded();
+    let whole = arm.bytes("short", "result.json");
+
+    let foreign: Vec<String> =
+        journal_files(&arm.out("long")).into_iter().filter(|name| name != "run.json").collect();
+    for name in &foreign {
+        let [from, to] = ["long", "short"].map(|out| arm.out(out).join(".journal").join(name));
+        fs::copy(from, to).expect("copied");
+    }
+    fs::remove_file(arm.out("short").join("result.json")).expect("removed");
+    let said = arm.fit("short", &["--resume", "--frames", "0:3"]).succeeded();
+    let others = format!("another run's, and {} more like it", foreign.len() - 1);
+    assert!(said.err.contains(&others), "{said:?}");
+    assert_eq!(arm.bytes("short", "result.json"), whole);
+}
+
+#[test]
+fn a_step_that_cannot_be_kept_ends_the_run_at_once_and_what_was_kept_is_continued_from() {
+    let arm = Arm::new();
+    arm.fit("whole", &["--quiet"]).succeeded();
+    arm.fit("out", &["--quiet"]).succeeded();
+    let journal = arm.out("out").join(".journal");
+    fs::remove_file(arm.out("out").join("result.json")).expect("removed");
+    for name in journal_files(&arm.out("out")).iter().filter(|name| name.starts_with("trial-")) {
+        fs::remove_file(journal.join(name)).expect("removed");
+    }
+    // no file can take the place of a folder that is not empty
+    for i in 0..9 {
+        fs::create_dir_all(journal.join(format!("trial-{i:04}.json/full"))).expect("a folder");
+    }
+
+    let stopped = arm.fit("out", &["--resume", "--quiet"]);
+    stopped.refused(&[".json: cannot be written", "continue it with --resume"]);
+    assert!(!arm.out("out").join("result.json").exists());
+    for i in 0..9 {
+        fs::remove_dir_all(journal.join(format!("trial-{i:04}.json"))).expect("removed");
+    }
+    arm.fit("out", &["--resume", "--quiet"]).succeeded();
+    assert_eq!(arm.bytes("out", "result.json"), arm.bytes("whole", "result.json"));
 }

@@ -7,11 +7,14 @@
 //! | `trial-0003.json`       | what became of the hypothesis of that number                         |
 //!
 //! Every file appears by rename, so each is whole or absent. Numbers are written so that they come back to the bit.
+//!
+//! Each step is sealed: beside it stands the BLAKE3 of its name and content, keyed by what the run was started with. A step
+//! of another run, of another name or with another digit is found, and computed again.
 
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -45,12 +48,21 @@ pub enum JournalError {
         /// What it is.
         is: String,
     },
+    /// A finished step that could not be kept.
+    #[error(
+        "{0}; the run was stopped, what it had finished before is kept: continue it with --resume"
+    )]
+    NotKept(OutError),
 }
 
 /// A journal in a folder.
 #[derive(Debug)]
 pub struct DiskJournal {
     folder: PathBuf,
+    /// Of what the run was started with.
+    key: [u8; blake3::KEY_LEN],
+    /// Files that an earlier run should have left and has not.
+    damaged: Vec<String>,
     fault: Mutex<Option<OutError>>,
 }
 
@@ -65,7 +77,12 @@ impl DiskJournal {
         clear(folder).map_err(|source| OutError::write(folder, source))?;
         fs::create_dir_all(folder).map_err(|source| OutError::write(folder, source))?;
         write_atomically(&folder.join(RUN), run.to_string().as_bytes())?;
-        Ok(Self { folder: folder.into(), fault: Mutex::default() })
+        Ok(Self::at(folder, run))
+    }
+
+    fn at(folder: &Path, run: &Value) -> Self {
+        let key = *blake3::hash(run.to_string().as_bytes()).as_bytes();
+        Self { folder: folder.into(), key, damaged: Vec::new(), fault: Mutex::default() }
     }
 
     /// The journal of an earlier run of the same inputs and options; a new one where there is none.
@@ -73,8 +90,12 @@ impl DiskJournal {
     /// # Errors
     /// [`JournalError::OtherRun`] names the first difference.
     pub fn resume(folder: &Path, run: &Value) -> Result<Self, JournalError> {
-        let Some(was) = read::<Value>(&folder.join(RUN)) else {
-            return Ok(Self::create(folder, run)?);
+        let run_file = folder.join(RUN);
+        let was = fs::read(&run_file).ok().map(|bytes| serde_json::from_slice::<Value>(&bytes));
+        let Some(Ok(was)) = was else {
+            let damaged = was.map(|_| RUN.to_owned());
+            let created = Self::create(folder, run)?;
+            return Ok(Self { damaged: damaged.into_iter().collect(), ..created });
         };
         if let Some((what, was, is)) = difference("", &was, run) {
             return Err(JournalError::OtherRun {
@@ -84,55 +105,116 @@ impl DiskJournal {
                 is,
             });
         }
-        Ok(Self { folder: folder.into(), fault: Mutex::default() })
+        let mut journal = Self::at(folder, run);
+        journal.damaged = steps(folder).filter(|name| journal.content(name).is_none()).collect();
+        journal.damaged.sort();
+        Ok(journal)
     }
 
-    /// The first thing that could not be kept, if any: the run itself does not need it.
-    pub fn fault(self) -> Option<OutError> {
-        self.fault.into_inner().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    fn keyframe(&self, keyframe: usize) -> PathBuf {
-        self.folder.join(format!("keyframe-{keyframe:06}.json"))
-    }
-
-    fn trial(&self, index: usize) -> PathBuf {
-        self.folder.join(format!("trial-{index:04}.json"))
-    }
-
-    fn keep<T: Serialize + ?Sized>(&self, path: &Path, what: &T) {
-        let written = match serde_json::to_vec(what) {
-            Ok(bytes) => write_atomically(path, &bytes),
-            Err(source) => Err(OutError::write(path, source.into())),
+    /// What of an earlier run cannot be used, in one line.
+    pub fn note(&self) -> Option<String> {
+        let (first, others) = self.damaged.split_first()?;
+        let path = self.folder.join(first);
+        let whole = if first == RUN { ", and all that was finished" } else { "" };
+        let more = match others.len() {
+            0 => String::new(),
+            more => format!(", and {more} more like it"),
         };
-        if let Err(fault) = written {
-            let mut first = self.fault.lock().unwrap_or_else(PoisonError::into_inner);
-            first.get_or_insert(fault);
+        Some(format!(
+            "{}: changed since this run wrote it, or another run's{more}: computed again{whole}",
+            path.display()
+        ))
+    }
+
+    /// Ends the run's use of the journal, in which all that was finished is kept.
+    ///
+    /// # Errors
+    /// [`JournalError::NotKept`] with the first fault.
+    pub fn into_whole(self) -> Result<(), JournalError> {
+        match self.fault.into_inner().unwrap_or_else(PoisonError::into_inner) {
+            Some(fault) => Err(JournalError::NotKept(fault)),
+            None => Ok(()),
         }
     }
+
+    fn fault(&self) -> MutexGuard<'_, Option<OutError>> {
+        self.fault.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn keep<T: Serialize + ?Sized>(&self, name: &str, what: &T) {
+        let path = self.folder.join(name);
+        let written = match serde_json::to_string(what) {
+            Ok(content) => write_atomically(&path, self.sealed(name, &content).as_bytes()),
+            Err(source) => Err(OutError::write(&path, source.into())),
+        };
+        if let Err(fault) = written {
+            self.fault().get_or_insert(fault);
+        }
+    }
+
+    /// What was kept under a name; `None` if it is absent or not what this run would have written.
+    fn kept<T: DeserializeOwned>(&self, name: &str) -> Option<T> {
+        serde_json::from_str(&self.content(name)?).ok()
+    }
+
+    /// The content of a sealed file, if the seal is this run's.
+    fn content(&self, name: &str) -> Option<String> {
+        let text = fs::read_to_string(self.folder.join(name)).ok()?;
+        let (_, content) = text.strip_suffix(END)?.split_once(BETWEEN)?;
+        (self.sealed(name, content) == text).then(|| content.to_owned())
+    }
+
+    /// The text of a file: JSON, `{"blake3": …, "content": …}`.
+    fn sealed(&self, name: &str, content: &str) -> String {
+        let mut hasher = blake3::Hasher::new_keyed(&self.key);
+        // no name has a line's end in it
+        for part in [name, "\n", content] {
+            hasher.update(part.as_bytes());
+        }
+        format!("{BEGIN}{}{BETWEEN}{content}{END}", hasher.finalize())
+    }
+}
+
+/// What stands before, between and after the sum and the content of a sealed file.
+const BEGIN: &str = "{\"blake3\":\"";
+const BETWEEN: &str = "\",\n\"content\":";
+const END: &str = "}\n";
+
+fn keyframe_name(keyframe: usize) -> String {
+    format!("keyframe-{keyframe:06}.json")
+}
+
+fn trial_name(index: usize) -> String {
+    format!("trial-{index:04}.json")
+}
+
+/// The names of the steps that a folder holds.
+fn steps(folder: &Path) -> impl Iterator<Item = String> {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
+    names.filter(|name| ["keyframe-", "trial-"].iter().any(|kind| name.starts_with(kind)))
 }
 
 impl Journal for DiskJournal {
     fn kept_keyframe(&self, keyframe: usize) -> Option<Vec<Hypothesis>> {
-        read(&self.keyframe(keyframe))
+        self.kept(&keyframe_name(keyframe))
     }
 
     fn keep_keyframe(&self, keyframe: usize, hypotheses: &[Hypothesis]) {
-        self.keep(&self.keyframe(keyframe), hypotheses);
+        self.keep(&keyframe_name(keyframe), hypotheses);
     }
 
     fn kept_trial(&self, index: usize) -> Option<Trial> {
-        read(&self.trial(index))
+        self.kept(&trial_name(index))
     }
 
     fn keep_trial(&self, index: usize, trial: &Trial) {
-        self.keep(&self.trial(index), trial);
+        self.keep(&trial_name(index), trial);
     }
-}
 
-/// What a file holds; `None` if it is absent or not that.
-fn read<T: DeserializeOwned>(path: &Path) -> Option<T> {
-    serde_json::from_slice(&fs::read(path).ok()?).ok()
+    fn is_failing(&self) -> bool {
+        self.fault().is_some()
+    }
 }
 
 /// Removes a journal, `run.json` first: without it the rest counts for nothing.
@@ -227,7 +309,7 @@ mod tests {
         let bits = |t: &Trial| format!("{t:?}");
         assert_eq!(bits(&again.kept_trial(3).unwrap()), bits(&trial()));
         assert_eq!(again.kept_keyframe(20).unwrap(), [trial().hypothesis]);
-        assert!(journal.fault().is_none());
+        assert!(again.note().is_none() && journal.into_whole().is_ok());
     }
 
     #[test]
@@ -241,24 +323,74 @@ mod tests {
         assert!(message.contains(said), "{message}");
     }
 
-    #[test]
-    fn half_a_file_counts_as_none() {
+    /// A journal of one run with the trials 0 to 2, whose files somebody changes; the trials that are still kept, and the note.
+    fn after(change: impl Fn(&Path)) -> (Vec<usize>, Option<String>) {
         let folder = tempfile::tempdir().unwrap();
-        let journal = DiskJournal::create(folder.path(), &json!({})).unwrap();
-        journal.keep_trial(0, &trial());
-        let path = folder.path().join("trial-0000.json");
-        let text = fs::read(&path).unwrap();
-        fs::write(&path, &text[..text.len() / 2]).unwrap();
-        assert_eq!(journal.kept_trial(0), None);
+        let journal = DiskJournal::create(folder.path(), &json!({"run": 1})).unwrap();
+        (0..3).for_each(|i| journal.keep_trial(i, &trial()));
+        change(folder.path());
+        let again = DiskJournal::resume(folder.path(), &json!({"run": 1})).unwrap();
+        ((0..3).filter(|i| again.kept_trial(*i).is_some()).collect(), again.note())
     }
 
     #[test]
-    fn what_cannot_be_kept_is_told_at_the_end() {
+    fn what_somebody_changed_is_named_once_and_counts_as_none() {
+        assert_eq!(after(|_| {}), (vec![0, 1, 2], None));
+
+        let (kept, note) = after(|folder| {
+            let path = folder.join("trial-0001.json");
+            let text = fs::read_to_string(&path).unwrap();
+            fs::write(&path, text.replacen("\"keyframe\":20", "\"keyframe\":21", 1)).unwrap();
+        });
+        assert_eq!(kept, [0, 2], "one digit");
+        assert!(note.unwrap().contains("trial-0001.json: changed since this run wrote it"));
+
+        let (kept, note) = after(|folder| {
+            let at = |name: &str| folder.join(name);
+            fs::rename(at("trial-0001.json"), at("other")).unwrap();
+            fs::rename(at("trial-0000.json"), at("trial-0001.json")).unwrap();
+            fs::rename(at("other"), at("trial-0000.json")).unwrap();
+        });
+        assert_eq!(kept, [2], "two exchanged");
+        assert!(note.unwrap().contains(
+            "trial-0000.json: changed since this run wrote it, or another run's, and 1 more"
+        ));
+
+        let (kept, _) = after(|folder| {
+            let path = folder.join("trial-0002.json");
+            let text = fs::read(&path).unwrap();
+            fs::write(&path, &text[..text.len() / 2]).unwrap();
+        });
+        assert_eq!(kept, [0, 1], "half a file");
+
+        let (kept, note) = after(|folder| fs::write(folder.join(RUN), "{").unwrap());
+        assert_eq!(kept, [0; 0]);
+        assert!(note.unwrap().contains("run.json: changed"));
+    }
+
+    #[test]
+    fn what_another_run_kept_counts_as_none() {
+        let (kept, note) = after(|folder| {
+            let other = tempfile::tempdir().unwrap();
+            let journal = DiskJournal::create(other.path(), &json!({"run": 2})).unwrap();
+            journal.keep_trial(1, &trial());
+            fs::copy(other.path().join("trial-0001.json"), folder.join("trial-0001.json")).unwrap();
+        });
+        assert_eq!(kept, [0, 2]);
+        assert!(note.is_some());
+    }
+
+    #[test]
+    fn what_cannot_be_kept_stops_the_run() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("journal");
         let journal = DiskJournal::create(&path, &json!({})).unwrap();
+        assert!(!journal.is_failing());
         fs::remove_dir_all(&path).unwrap();
         journal.keep_trial(0, &trial());
-        assert!(journal.fault().is_some());
+        assert!(journal.is_failing());
+        let message = journal.into_whole().unwrap_err().to_string();
+        assert!(message.contains("trial-0000.json: cannot be written"), "{message}");
+        assert!(message.contains("continue it with --resume"), "{message}");
     }
 }

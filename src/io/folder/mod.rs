@@ -2,6 +2,7 @@
 
 pub mod journal;
 pub mod jpeg;
+mod lock;
 pub mod overlays;
 pub(super) mod png;
 pub mod segmented;
@@ -9,10 +10,11 @@ pub mod silhouettes;
 pub mod stereo;
 mod table;
 
-use std::fs;
+use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use lock::FolderLock;
 use tempfile::TempDir;
 
 /// Why a result cannot be written.
@@ -33,6 +35,17 @@ pub enum OutError {
     NotAFolder {
         /// The file.
         path: PathBuf,
+    },
+    /// A folder that another run writes into.
+    #[error(
+        "{}: another run writes into this folder ({holder}): wait until it has ended, or give another --out",
+        path.display()
+    )]
+    Locked {
+        /// The folder.
+        path: PathBuf,
+        /// Who writes: its process and its command.
+        holder: String,
     },
     /// A file or folder that cannot be written.
     #[error("{}: cannot be written: {source}", path.display())]
@@ -64,17 +77,18 @@ pub enum Existing {
 /// Whether a result may be written into a folder; nothing is written yet.
 ///
 /// # Errors
-/// [`OutError`] if it is a file, lies below a file, or is not empty and must be left alone.
+/// [`OutError`] if it is a file, lies below a file, is being written by another run, or is not empty and must be left alone.
 pub fn check_out(folder: &Path, existing: Existing) -> Result<(), OutError> {
     let standing = folder.ancestors().find(|path| path.exists() || path.as_os_str().is_empty());
     if let Some(path) = standing.filter(|path| path.is_file()) {
         return Err(OutError::NotAFolder { path: path.into() });
     }
-    let is_empty = || match fs::read_dir(folder) {
-        Ok(mut entries) => entries.next().is_none(),
-        Err(_) => true,
-    };
-    if existing == Existing::Refuse && !is_empty() {
+    lock::check_free(folder)?;
+
+    // the lock of a run that was killed is nobody's
+    let is_something = |entry: fs::DirEntry| entry.file_name() != lock::NAME;
+    let is_full = || fs::read_dir(folder).into_iter().flatten().flatten().any(is_something);
+    if existing == Existing::Refuse && is_full() {
         return Err(OutError::NotEmpty { path: folder.into() });
     }
     Ok(())
@@ -87,20 +101,33 @@ const RESULTS: [&str; 4] = ["overlays", "skin", "joints.trc", "result.json"];
 /// Prefix of the names of unfinished files and folders.
 const UNFINISHED: &str = ".writing-";
 
-/// A folder that results are written into.
+/// A folder that results are written into, by nobody else as long as this value lives.
 #[derive(Debug)]
 pub struct OutFolder {
     path: PathBuf,
+    _lock: FolderLock,
 }
 
 impl OutFolder {
-    /// Makes the folder, if it is not there.
+    /// Makes the folder, if it is not there, and locks it. A folder that was made and is left empty is removed again.
     ///
     /// # Errors
-    /// [`OutError::Write`] if it cannot be made.
+    /// [`OutError::Write`] if it cannot be made, [`OutError::Locked`] if another run writes into it.
     pub fn open(path: &Path) -> Result<Self, OutError> {
-        fs::create_dir_all(path).map_err(|source| OutError::write(path, source))?;
-        Ok(Self { path: path.into() })
+        Ok(Self { path: path.into(), _lock: FolderLock::take(path)? })
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Writes a file into it, whole or not at all.
+    ///
+    /// # Errors
+    /// [`OutError::Write`] names the file.
+    pub fn write(&self, name: &str, bytes: &[u8]) -> Result<(), OutError> {
+        write_atomically(&self.path.join(name), bytes)
     }
 
     /// Begins a run that writes `mark` last. Removes what an older run wrote, finished or not; where no run was begun
@@ -142,11 +169,10 @@ impl OutFolder {
         self.path.join(".journal")
     }
 
-    /// Takes back what was begun: the journal, and the folder itself if nothing else is in it.
+    /// Takes back the journal that was begun.
     pub fn abandon(&self) {
         // what cannot be removed does no harm
         let _ = fs::remove_dir_all(self.journal());
-        let _ = fs::remove_dir(&self.path);
     }
 
     /// A folder within it to write a result into, before it is published.
@@ -171,8 +197,11 @@ impl OutFolder {
             if !new.exists() && !had_result {
                 continue;
             }
+            // whoever finds the new result finds all of it, also after a loss of power
+            sync_folder(&self.path);
             replace(&new, &place).map_err(|source| OutError::write(&place, source))?;
         }
+        sync_folder(&self.path);
         drop(scratch);
         remove_unfinished(&self.path);
         remove_unfinished(&self.journal());
@@ -218,9 +247,20 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), OutError> {
         file.write_all(bytes)?;
         file.as_file().sync_all()?;
         file.persist(path).map_err(|error| error.error)?;
+        sync_folder(parent_of(path));
         Ok(())
     };
     write().map_err(|source| OutError::write(path, source))
+}
+
+/// Brings the names in a folder to the disk; a file system that cannot do so keeps an order of its own.
+fn sync_folder(folder: &Path) {
+    let _ = File::open(folder).and_then(|folder| folder.sync_all());
+}
+
+/// Makes a folder within one that is written into.
+pub(crate) fn make_folder(path: &Path) -> Result<(), OutError> {
+    fs::create_dir_all(path).map_err(|source| OutError::write(path, source))
 }
 
 /// The folder that a file or folder is in.
@@ -314,6 +354,7 @@ mod tests {
         out.begin("quality.csv", &["masks"]).unwrap();
         assert!(!at("masks").exists());
         out.finish("quality.csv", Ok(b"frame".to_vec())).unwrap();
+        drop(out);
         let mut left: Vec<_> =
             fs::read_dir(folder.path()).unwrap().flatten().map(|e| e.file_name()).collect();
         left.sort();

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 
 use super::png::{self, Effort};
-use super::{OutError, OutFolder, file_name, write_encoded};
+use super::{OutError, file_name, make_folder, write_encoded};
 use crate::body::{BodyModel, Posed};
 use crate::camera::CameraId;
 use crate::image::Picture;
@@ -43,7 +43,7 @@ pub fn write(
         .collect();
 
     for (_, path) in &cameras {
-        OutFolder::open(path)?;
+        make_folder(path)?;
     }
 
     let all: Vec<_> = fit

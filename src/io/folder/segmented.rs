@@ -1,8 +1,7 @@
 //! What `maquette segment` writes: `masks/<camera>/%06d.png`, pictures beside them, and `quality.csv`.
 
-use std::fs;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use ::image::ExtendedColorType;
 use serde::Serialize;
@@ -10,7 +9,7 @@ use serde::Serialize;
 use super::jpeg;
 use super::png::{self, Effort};
 use super::table;
-use super::{OutError, OutFolder, file_name, write_encoded};
+use super::{OutError, OutFolder, file_name, make_folder, write_encoded};
 use crate::camera::Rig;
 use crate::image::{Mask, Picture, Plane};
 use crate::pipeline::segment::{MaskQuality, SegmentedFrame};
@@ -30,19 +29,14 @@ const JPEG_QUALITY: u8 = 85;
 /// The table of the masks; it is written last: where it stands the masks are complete.
 pub const QUALITY: &str = "quality.csv";
 
-/// Makes a folder for masks, and removes what an older run of either kind left there.
-///
-/// # Errors
-/// [`OutError::Write`].
-pub(super) fn open(root: &Path) -> Result<OutFolder, OutError> {
-    let folder = OutFolder::open(root)?;
+/// Begins a run that writes masks, and removes what an older one of either kind left there.
+pub(super) fn begin(out: &OutFolder) -> Result<(), OutError> {
     let mut older = vec!["masks", "probability", "mask-overlays", "contours", "stages"];
     // those of a fit are replaced with its result
-    if !root.join("result.json").exists() {
+    if !out.path().join("result.json").exists() {
         older.push("overlays");
     }
-    folder.begin(QUALITY, &older)?;
-    Ok(folder)
+    out.begin(QUALITY, &older)
 }
 
 /// One line of `quality.csv`.
@@ -68,20 +62,19 @@ pub struct QualityRow {
 
 /// Where the masks of a recording go.
 #[derive(Debug)]
-pub struct MaskFolder {
-    out: OutFolder,
-    root: PathBuf,
+pub struct MaskFolder<'a> {
+    out: &'a OutFolder,
     /// Of each camera, its name and that of its folders.
     cameras: Vec<(String, PathBuf)>,
     extras: MaskExtras,
 }
 
-impl MaskFolder {
-    /// Makes the folder and those within it, without what an older run left there.
+impl<'a> MaskFolder<'a> {
+    /// Makes the folders within it, without what an older run left there.
     ///
     /// # Errors
     /// [`OutError::Write`].
-    pub fn open(root: &Path, rig: &Rig, extras: MaskExtras) -> Result<Self, OutError> {
+    pub fn open(out: &'a OutFolder, rig: &Rig, extras: MaskExtras) -> Result<Self, OutError> {
         let names = rig.names();
         let cameras: Vec<(String, PathBuf)> =
             names.map(|name| (name.to_owned(), file_name(name).into())).collect();
@@ -91,14 +84,13 @@ impl MaskFolder {
             ("mask-overlays", extras.overlays),
         ];
 
-        let out = open(root)?;
+        begin(out)?;
         for (kind, _) in kinds.iter().filter(|(_, is_wanted)| *is_wanted) {
             for (_, folder) in &cameras {
-                let path = root.join(kind).join(folder);
-                fs::create_dir_all(&path).map_err(|source| OutError::Write { path, source })?;
+                make_folder(&out.path().join(kind).join(folder))?;
             }
         }
-        Ok(Self { out, root: root.into(), cameras, extras })
+        Ok(Self { out, cameras, extras })
     }
 
     /// Writes the masks of a frame, and what was asked for beside them.
@@ -113,7 +105,7 @@ impl MaskFolder {
             };
             let path = |kind: &str, extension: &str| {
                 let name = format!("{:06}.{extension}", segmented.frame.0);
-                self.root.join(kind).join(folder).join(name)
+                self.out.path().join(kind).join(folder).join(name)
             };
 
             let mask = png::encode_mask(&cut.mask, Effort::Quick);
@@ -148,7 +140,7 @@ impl MaskFolder {
             })
         };
         let rows: Vec<QualityRow> = masks.iter().filter_map(row).collect();
-        table::finish(&self.out, QUALITY, &rows)?;
+        table::finish(self.out, QUALITY, &rows)?;
         Ok(rows)
     }
 }

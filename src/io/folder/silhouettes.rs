@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use nalgebra::Point2;
 use serde::Serialize;
@@ -10,7 +10,7 @@ use serde::Serialize;
 use super::png::{self, Effort};
 use super::segmented::{self, QUALITY};
 use super::table;
-use super::{OutError, OutFolder, file_name, write_atomically};
+use super::{OutError, OutFolder, file_name, make_folder, write_atomically};
 use crate::body::BodyModel;
 use crate::camera::{Camera, Rig};
 use crate::image::{Mask, Picture};
@@ -55,20 +55,20 @@ struct FoundView<'a> {
 
 /// The folder of a run.
 #[derive(Debug)]
-pub struct SilhouetteFolder {
-    out: OutFolder,
-    root: PathBuf,
+pub struct SilhouetteFolder<'a> {
+    out: &'a OutFolder,
     extras: SilhouetteExtras,
     rows: Vec<ContourRow>,
 }
 
-impl SilhouetteFolder {
-    /// Makes the folder, without what an older run left there.
+impl<'a> SilhouetteFolder<'a> {
+    /// Begins a run in a folder, without what an older one left there.
     ///
     /// # Errors
     /// [`OutError`].
-    pub fn open(root: &Path, extras: SilhouetteExtras) -> Result<Self, OutError> {
-        Ok(Self { out: segmented::open(root)?, root: root.into(), extras, rows: Vec::new() })
+    pub fn open(out: &'a OutFolder, extras: SilhouetteExtras) -> Result<Self, OutError> {
+        segmented::begin(out)?;
+        Ok(Self { out, extras, rows: Vec::new() })
     }
 
     /// Writes what was found in every view of a frame.
@@ -98,7 +98,7 @@ impl SilhouetteFolder {
         let mask = contours.mask(camera);
         let path = |kind: &str, ending: &str| {
             let name = format!("{:06}{ending}", frame.0);
-            self.root.join(kind).join(file_name(&camera.name)).join(name)
+            self.out.path().join(kind).join(file_name(&camera.name)).join(name)
         };
 
         let png = png::encode_mask(&mask, Effort::Quick);
@@ -132,7 +132,7 @@ impl SilhouetteFolder {
     /// # Errors
     /// [`OutError`].
     pub fn finish(self) -> Result<Vec<ContourRow>, OutError> {
-        table::finish(&self.out, QUALITY, &self.rows)?;
+        table::finish(self.out, QUALITY, &self.rows)?;
         Ok(self.rows)
     }
 }
@@ -254,7 +254,7 @@ fn overlay(picture: &Picture, camera: &Camera, contours: &ViewContours) -> Canva
 fn write(path: &Path, bytes: io::Result<Vec<u8>>) -> Result<(), OutError> {
     let bytes = bytes.map_err(|source| OutError::write(path, source))?;
     if let Some(folder) = path.parent() {
-        OutFolder::open(folder)?;
+        make_folder(folder)?;
     }
     write_atomically(path, &bytes)
 }
@@ -273,7 +273,8 @@ mod tests {
             fs::create_dir_all(path.parent().unwrap()).unwrap();
             fs::write(path, "older").unwrap();
         }
-        SilhouetteFolder::open(folder.path(), SilhouetteExtras::default()).unwrap();
+        let out = OutFolder::open(folder.path()).unwrap();
+        SilhouetteFolder::open(&out, SilhouetteExtras::default()).unwrap();
         let is_left = |name: &&&str| folder.path().join(name).exists();
         let left = files.iter().filter(is_left);
         left.map(|name| (*name).to_owned()).collect()

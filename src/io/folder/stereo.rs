@@ -1,7 +1,6 @@
 //! What `maquette stereo` writes: points, disparities, trajectories, pictures, and a table of the frames.
 
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
 
 use ::image::ExtendedColorType;
 use serde::Serialize;
@@ -9,7 +8,7 @@ use serde::Serialize;
 use super::overlays::write_picture;
 use super::png::{self, Effort};
 use super::table;
-use super::{OutError, OutFolder, write_atomically};
+use super::{OutError, OutFolder, make_folder, write_atomically};
 use crate::camera::UpAxis;
 use crate::image::Plane;
 use crate::io::points::write_ply;
@@ -34,9 +33,8 @@ pub struct StereoExtras {
 
 /// The folder of a run.
 #[derive(Debug)]
-pub struct StereoFolder {
-    path: PathBuf,
-    out: OutFolder,
+pub struct StereoFolder<'a> {
+    out: &'a OutFolder,
     file_from_world: Rigid3,
     extras: StereoExtras,
     rows: Vec<FrameRow>,
@@ -54,20 +52,18 @@ struct FrameRow {
     reason: String,
 }
 
-impl StereoFolder {
-    /// Makes the folder and those within it, without what an older run left there; `up` is that of the recording's files.
+impl<'a> StereoFolder<'a> {
+    /// Makes the folders within it, without what an older run left there; `up` is that of the recording's files.
     ///
     /// # Errors
     /// [`OutError::Write`].
-    pub fn open(path: &Path, up: UpAxis, extras: StereoExtras) -> Result<Self, OutError> {
+    pub fn open(out: &'a OutFolder, up: UpAxis, extras: StereoExtras) -> Result<Self, OutError> {
         let older = ["points", "disparity", "pictures", "trajectories.csv"];
-        let out = OutFolder::open(path)?;
         out.begin(TABLE, &older)?;
         for folder in ["points", "disparity"] {
-            OutFolder::open(&path.join(folder))?;
+            make_folder(&out.path().join(folder))?;
         }
         Ok(Self {
-            path: path.into(),
             out,
             file_from_world: up.file_from_world(),
             extras,
@@ -115,22 +111,21 @@ impl StereoFolder {
     /// [`OutError::Write`].
     pub fn finish(self) -> Result<(), OutError> {
         if self.extras.trajectories {
-            let path = self.path.join("trajectories.csv");
-            write_atomically(&path, trajectory_table(&self.trajectories).as_bytes())?;
+            let table = trajectory_table(&self.trajectories);
+            self.out.write("trajectories.csv", table.as_bytes())?;
         }
-        table::finish(&self.out, TABLE, &self.rows)
+        table::finish(self.out, TABLE, &self.rows)
     }
 
     /// `points/%06d.ply`: metres, in the world of the recording's files, each with its covariance.
     fn points(&self, frame: usize, points: &[CloudPoint]) -> Result<(), OutError> {
-        let path = self.path.join(format!("points/{frame:06}.ply"));
         let in_file = Cloud::from_points(points.iter().copied()).moved(&self.file_from_world);
-        write_atomically(&path, &write_ply(&in_file.points))
+        self.out.write(&format!("points/{frame:06}.ply"), &write_ply(&in_file.points))
     }
 
     /// `disparity/<name>.png`, 16 bits: 256 times the disparity in pixels of points nearer than infinity; 0 unknown.
     fn disparity(&self, name: &str, disparities: &Plane<f32>) -> Result<(), OutError> {
-        let path = self.path.join(format!("disparity/{name}.png"));
+        let path = self.out.path().join(format!("disparity/{name}.png"));
 
         // 0 stands for no disparity
         let in_steps = |d: &f32| {
@@ -161,8 +156,8 @@ impl StereoFolder {
 
     /// `pictures/<name>.png`.
     fn picture(&self, name: &str, canvas: &Canvas) -> Result<(), OutError> {
-        let folder = self.path.join("pictures");
-        OutFolder::open(&folder)?;
+        let folder = self.out.path().join("pictures");
+        make_folder(&folder)?;
         write_picture(canvas.pixels(), &folder.join(format!("{name}.png")))
     }
 }
