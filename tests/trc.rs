@@ -78,7 +78,7 @@ fn every_fault_is_named_with_its_line() {
         ),
         (
             message(&good.replace("59.94\t59.94\t2", "0\t0\t2")),
-            "walk.trc:3: expected a data rate above 0 Hz, found \"0\"",
+            "walk.trc:3: expected a frame rate from 0.1 to 100000 Hz, found \"0\"",
         ),
         (
             message(&good.replace("0.875000", "x")),

@@ -85,12 +85,35 @@ pub(super) fn arguments_message(fault: &clap::Error) -> String {
     }
 }
 
-/// A text in one line, without control characters from file names or parsers.
+/// A text in one line that can be read, whatever file names or parsers have put into it.
 pub(super) fn one_line(text: &str) -> String {
     let lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
     let joined = lines.collect::<Vec<_>>().join(", ");
-    let printable = |c: char| if c.is_control() { ' ' } else { c };
-    joined.chars().map(printable).collect()
+    let text = printable(&joined);
+    let count = text.chars().count();
+    if count <= MOST_CHARACTERS {
+        return text;
+    }
+    // what is wrong stands at the beginning, what to do at the end
+    let kept = MOST_CHARACTERS / 2;
+    let first: String = text.chars().take(kept).collect();
+    let last: String = text.chars().skip(count - kept).collect();
+    format!("{first} … {last}")
+}
+
+/// The most characters of a line.
+const MOST_CHARACTERS: usize = 1000;
+
+/// A text whose control characters are spelt out, so that no file's name or content commands the terminal.
+pub(super) fn printable(text: &str) -> String {
+    let mut printable = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c.is_control() && c != '\n' {
+            true => printable.extend(c.escape_default()),
+            false => printable.push(c),
+        }
+    }
+    printable
 }
 
 #[cfg(test)]
@@ -100,6 +123,14 @@ mod tests {
     #[test]
     fn a_text_of_several_lines_becomes_one() {
         assert_eq!(one_line("a: b\n  |\n  ^ c\r\n\n"), "a: b, |, ^ c");
-        assert_eq!(one_line("odd\u{7}name"), "odd name");
+        assert_eq!(one_line("odd\u{1b}[31mname"), "odd\\u{1b}[31mname");
+    }
+
+    #[test]
+    fn a_line_of_a_whole_file_is_cut_in_the_middle() {
+        let line =
+            one_line(&format!("rec/calibration.toml:1: {}: what to do", "7".repeat(20_000_000)));
+        assert!(line.starts_with("rec/calibration.toml:1: 777") && line.ends_with("7: what to do"));
+        assert!(line.chars().count() < 1010);
     }
 }

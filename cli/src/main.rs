@@ -43,7 +43,7 @@ use std::process::ExitCode;
 use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 
-use error::{CliError, one_line};
+use error::{CliError, one_line, printable};
 
 /// Measure how a person is built and how they move, from cameras that see them from several sides.
 ///
@@ -146,7 +146,7 @@ fn is_help(kind: ErrorKind) -> bool {
 
 /// Prints to standard output. If the reader has closed it, as `| head` does, that is no error.
 fn print(text: &str) {
-    let _ = std::io::stdout().lock().write_all(text.as_bytes());
+    let _ = std::io::stdout().lock().write_all(printable(text).as_bytes());
 }
 
 /// Prints one line to standard error.

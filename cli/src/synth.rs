@@ -7,8 +7,8 @@ use clap::{Args, ValueEnum};
 use super::error::CliError;
 use super::print;
 use maquette::body::BodyModel;
-use maquette::io::model;
 use maquette::io::recording::{filmed, synthetic};
+use maquette::io::{frame_rate, model};
 use maquette::pipeline::counted;
 use maquette::synth::{FilmRecipe, Recipe, Ring, SegmentationErrors, StereoPair};
 
@@ -36,7 +36,7 @@ pub(super) struct SynthArguments {
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     frames: Option<u32>,
     /// Frames per second [default: 50; with --clutter 25]
-    #[arg(long, value_parser = positive)]
+    #[arg(long, value_parser = rate)]
     fps: Option<f64>,
     /// Segmentation errors of the masks
     #[arg(long, value_enum, default_value_t = Noise::Mild)]
@@ -60,10 +60,10 @@ enum Noise {
     Mild,
 }
 
-fn positive(text: &str) -> Result<f64, String> {
+fn rate(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
-        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
-        _ => Err("expected a positive number".into()),
+        Ok(hz) if frame_rate::is_one(hz) => Ok(hz),
+        _ => Err(format!("expected {}", frame_rate::EXPECTED)),
     }
 }
 

@@ -4,6 +4,8 @@
 
 #[path = "cli/arm.rs"]
 mod arm;
+#[path = "cli/changed.rs"]
+mod changed;
 #[path = "cli/fit.rs"]
 mod fit;
 #[path = "gait/program.rs"]

@@ -11,11 +11,15 @@
 //! | [`gait`]        | what gait analysis reads and leaves behind; norms                              |
 //! | [`export`]      | a fit in the formats of other programs                                         |
 //! | [`folder`]      | the folder that a run writes into                                              |
+//! | [`frame_rate`]  | which frame rates there are                                                    |
+//! | `input`         | a file that somebody names, of a kind and size that can be read                |
 
 pub mod calibration;
 pub mod export;
 pub mod folder;
+pub mod frame_rate;
 pub mod gait;
+pub(crate) mod input;
 pub mod model;
 pub mod points;
 pub mod recording;

@@ -42,6 +42,7 @@ pub use overlap::projected_ellipses;
 pub use points::PointQuality;
 pub use progress::{NoProgress, Progress};
 pub use quality::{CameraQuality, ViewQuality};
+pub(crate) use scene::MOST_EMPTY_FRAMES;
 pub use scene::{SceneFault, check_scene};
 pub use source::{FramePictures, MaskSource, PictureSource, PictureStream};
 pub use unseen::prior_angles_sd;

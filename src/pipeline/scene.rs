@@ -19,6 +19,9 @@ const ODD: f64 = 0.2;
 /// Seen size over the body's size, and its inverse, beyond which the unit is doubted: nobody is six times as tall.
 const SIZE_RATIO: f64 = 6.0;
 
+/// How many numbers between the first frame and the last may be of no frame: a quarter of an hour at 100 Hz.
+pub(crate) const MOST_EMPTY_FRAMES: usize = 100_000;
+
 /// Why a recording cannot be fitted.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -26,6 +29,18 @@ pub enum SceneFault {
     /// No frame at all.
     #[error("no frame to fit")]
     NoFrames,
+    /// Numbers that no recording has.
+    #[error(
+        "the frames are numbered from {first} to {last}, and {empty} numbers between have none ({MOST_EMPTY_FRAMES} at most): number the files by frame, from 0"
+    )]
+    Sparse {
+        /// The first number.
+        first: FrameIndex,
+        /// The last.
+        last: FrameIndex,
+        /// How many between them are of no frame.
+        empty: usize,
+    },
     /// No mask shows anybody.
     #[error(
         "none of the {masks} masks shows a person: camera {camera}, {frame}: {reason}, and so on"
@@ -102,7 +117,8 @@ pub fn check_scene(
     rig: &Rig,
     frames: &[FrameObservations],
 ) -> Result<Vec<Warning>, SceneFault> {
-    // 1. two cameras see something
+    // 1. two cameras see something, in frames that are numbered as such
+    numbered(frames)?;
     seen_by_two(rig, frames)?;
     // 2. the cameras agree where it is
     let step = frames.len().div_ceil(SAMPLED_FRAMES).max(1);
@@ -112,6 +128,17 @@ pub fn check_scene(
     // 3. it is as large as the body
     size(model, rig, &sampled)?;
     Ok(warnings)
+}
+
+fn numbered(frames: &[FrameObservations]) -> Result<(), SceneFault> {
+    let (Some(first), Some(last)) = (frames.first(), frames.last()) else {
+        return Err(SceneFault::NoFrames);
+    };
+    let (first, last) = (first.frame, last.frame);
+    match (last.0 - first.0).saturating_sub(frames.len()) {
+        empty if empty > MOST_EMPTY_FRAMES => Err(SceneFault::Sparse { first, last, empty }),
+        _ => Ok(()),
+    }
 }
 
 fn seen_by_two(rig: &Rig, frames: &[FrameObservations]) -> Result<(), SceneFault> {

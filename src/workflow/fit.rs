@@ -88,7 +88,7 @@ impl Recording {
             progress.end();
         }
         let fitted = fitted(input, &fit);
-        for (name, bytes) in fitted.files()? {
+        for (name, bytes) in fitted.result.files()? {
             write_atomically(&scratch.path().join(name), &bytes)?;
         }
         out.publish(scratch)?;

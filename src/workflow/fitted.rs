@@ -8,8 +8,7 @@ use crate::gait::{Angle, GaitOptions, Side};
 use crate::io::folder::OutFolder;
 use crate::io::gait::from_result;
 use crate::io::model;
-use crate::io::points::trc::write_trc;
-use crate::io::result::{ResultFile, trajectories};
+use crate::io::result::ResultFile;
 
 /// A fitted body: its lengths, its motion, and how sure both are.
 #[derive(Debug, Clone, PartialEq)]
@@ -110,16 +109,10 @@ impl FittedRecording {
     /// [`Error::Out`] for the file that cannot be written.
     pub fn save(&self, folder: impl AsRef<Path>) -> Result<(), Error> {
         let out = OutFolder::open(folder.as_ref())?;
-        for (name, bytes) in self.files()? {
+        for (name, bytes) in self.result.files()? {
             out.write(name, &bytes)?;
         }
         Ok(())
-    }
-
-    /// The files that a fit leaves behind, the result last: where it stands all of it stands.
-    pub(super) fn files(&self) -> Result<[(&'static str, Vec<u8>); 2], Error> {
-        let joints = write_trc(&trajectories(&self.result), "joints.trc");
-        Ok([("joints.trc", joints.into_bytes()), ("result.json", self.result.text()?)])
     }
 }
 

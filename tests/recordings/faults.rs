@@ -35,7 +35,7 @@ fn a_frame_rate_must_be_known_and_positive() {
     for fps in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         assert_complains(
             Recording::open(folder.path()).and_then(|found| found.with_fps(fps).observations()),
-            &["expected a positive number"],
+            &["expected a frame rate"],
         );
     }
     let folder = with_manifest(&["a", "b"], "fps = 0\n");

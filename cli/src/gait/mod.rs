@@ -12,6 +12,7 @@ use crate::subject::SubjectArguments;
 use maquette::GaitStudy;
 use maquette::gait::{GaitOptions, Surface};
 use maquette::io::folder::write_atomically;
+use maquette::io::frame_rate;
 use maquette::workflow::GaitSource;
 use text::Summary;
 
@@ -83,8 +84,8 @@ impl From<Floor> for Surface {
 
 fn rate(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
-        Ok(hz) if hz > 0.0 && hz.is_finite() => Ok(hz),
-        _ => Err("expected a rate above 0 Hz".into()),
+        Ok(hz) if frame_rate::is_one(hz) => Ok(hz),
+        _ => Err(format!("expected {}", frame_rate::EXPECTED)),
     }
 }
 

@@ -54,7 +54,7 @@ fn a_synthetic_recording_can_be_read_and_is_not_written_over() {
     assert_eq!((recording.rig.cameras.len(), recording.frames.len()), (2, 1));
     assert!(place.out("somebody").join("points/000000.ply").is_file());
     make("4").refused(&["this folder is not empty"]);
-    run(&["synth", &out, "--fps", "0"]).refused(&["expected a positive number"]);
+    run(&["synth", &out, "--fps", "0"]).refused(&["expected a frame rate from 0.1"]);
     run(&["synth", &out, "--cameras", "0"]).refused(&["0 is not in 1..=64"]);
 }
 

@@ -214,10 +214,43 @@ const MANIFESTS: &[Case] = &[
         &["sequence.toml:1: unknown key \"fsp\"; did you mean \"fps\"?"],
     ),
     (
+        "fps 1e308",
+        |arm| arm.write("sequence.toml", "fps = 1e308\n"),
+        &[],
+        &["fps = 1", "expected a frame rate from 0.1 to 100000 Hz"],
+    ),
+    (
+        "a clock that is none",
+        |arm| arm.write("sequence.toml", "[[camera]]\nname = \"cam_01\"\nstart_s = nan\n"),
+        &[],
+        &["camera cam_01: start_s = NaN: expected a number"],
+    ),
+    (
+        "an offset of 2^63",
+        |arm| {
+            let offset = i64::MIN;
+            let text = format!("[[camera]]\nname = \"cam_01\"\noffset_frames = {offset}\n");
+            arm.write("sequence.toml", &text);
+        },
+        &[],
+        &["camera cam_01: offset_frames = -9"],
+    ),
+    (
+        "numbers that are no frames",
+        |arm| {
+            for camera in ["cam_01", "cam_02", "cam_03"] {
+                let late = arm.mask_path(camera, 0).with_file_name("1700000000.png");
+                fs::rename(arm.mask_path(camera, 5), late).expect("renamed");
+            }
+        },
+        &[],
+        &["numbered from frame 0 to frame 1700000000", "number the files by frame"],
+    ),
+    (
         "fps 0",
         |arm| arm.write("sequence.toml", "body = \"arm-2d\"\nfps = 0\n"),
         &[],
-        &["sequence.toml:2: fps = 0: expected a positive number"],
+        &["sequence.toml:2: fps = 0: expected a frame rate from 0.1 to 100000 Hz"],
     ),
 ];
 
@@ -311,4 +344,62 @@ fn arguments_that_make_no_sense() {
     ] {
         run(arguments).refused(&[part]);
     }
+}
+
+#[cfg(unix)]
+#[test]
+fn inputs_that_never_end_are_refused_at_once() {
+    let pipe = |path: &std::path::Path| {
+        drop(fs::remove_file(path));
+        let made = std::process::Command::new("mkfifo").arg(path).status();
+        assert!(made.is_ok_and(|status| status.success()), "no mkfifo");
+    };
+
+    let arm = Arm::new();
+    let mask = arm.mask_path("cam_02", 4);
+    fs::remove_file(&mask).expect("removed");
+    std::os::unix::fs::symlink("/dev/zero", &mask).expect("a link");
+    arm.fit("out", &[]).refused(&["cam_02/000004.png", "expected a file, found a device"]);
+    pipe(&mask);
+    arm.fit("out", &[]).refused(&["cam_02/000004.png", "expected a file, found a pipe"]);
+
+    for name in ["sequence.toml", "calibration.toml"] {
+        let arm = Arm::new();
+        pipe(&arm.recording().join(name));
+        arm.fit("out", &[]).refused(&[name, "expected a file, found a pipe"]);
+    }
+    for name in ["body.toml", "walk.trc", "norm.toml"] {
+        pipe(&arm.recording().join(name));
+    }
+    let at = |name: &str| arm.recording().join(name).display().to_string();
+    let expected = &["expected a file, found a pipe"];
+    Arm::new().fit_with_body("out", &at("body.toml"), &[]).refused(expected);
+    run(&["gait", &at("walk.trc")]).refused(expected);
+}
+
+#[test]
+fn a_file_of_one_long_line_gives_a_short_message() {
+    let long = "7".repeat(2_000_000);
+    for (name, text) in [
+        ("calibration.toml", format!("[cam_01]\nname = {long}x\n")),
+        ("sequence.toml", format!("fps = \"{long}\"\n")),
+    ] {
+        let arm = Arm::new();
+        arm.write(name, &text);
+        let said = arm.fit("out", &[]);
+        assert!(said.err.len() < 1500, "{} bytes", said.err.len());
+        said.refused(&[name]);
+    }
+}
+
+#[test]
+fn a_folder_may_have_a_percent_sign_in_its_name() {
+    let arm = Arm::new();
+    let folder = arm.out("100%d");
+    fs::rename(arm.recording(), &folder).expect("renamed");
+    fs::write(folder.join("sequence.toml"), "fps = 10\nmasks = \"masks/{camera}/%06d.png\"\n")
+        .expect("written");
+    let mut arguments = arm.fit_arguments("out");
+    arguments[1] = folder.display().to_string();
+    run(&arguments).succeeded();
 }

@@ -9,6 +9,7 @@ use super::{
     vicon,
 };
 use crate::camera::Rig;
+use crate::io::input::{self, MOST_OF_A_TEXT, shortened};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -174,7 +175,7 @@ fn xml(path: &Path, text: &str, stem: &str) -> Result<Vec<UncheckedCamera>, Cali
         _ => Err(CalibrationError::Syntax {
             place: super::Place::new(path, None, None),
             expected: "<opencv_storage>, <Cameras> or <calibration>",
-            found: format!("<{root}>"),
+            found: format!("<{}>", shortened(&root)),
         }),
     }
 }
@@ -198,7 +199,7 @@ fn pair(path: &Path) -> Result<Vec<UncheckedCamera>, CalibrationError> {
 
 /// The file's text without byte-order mark; what is not UTF-8, as in remarks of older systems, is replaced.
 fn text(path: &Path) -> Result<String, CalibrationError> {
-    let bytes = fs::read(path).map_err(|reason| unreadable(path, reason))?;
+    let bytes = input::read(path, MOST_OF_A_TEXT).map_err(|reason| unreadable(path, reason))?;
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
     Ok(String::from_utf8_lossy(bytes).into_owned())
 }

@@ -8,6 +8,7 @@ use super::{
     unchecked::Numbers,
     xml::{document, line_of},
 };
+use crate::io::input::shortened;
 use std::path::{Path, PathBuf};
 
 /// The values of one file, in its order.
@@ -42,7 +43,7 @@ impl Storage {
             number(token).ok_or_else(|| CalibrationError::NotANumber {
                 place: place.clone(),
                 key: entry.key.clone(),
-                found: token.clone(),
+                found: shortened(token),
             })
         };
 
@@ -142,7 +143,7 @@ fn not_a_key(path: &Path, index: usize, line: &str) -> CalibrationError {
     CalibrationError::Syntax {
         place: Place::new(path, Some(index + 1), None),
         expected: "key: value",
-        found: format!("{line:?}"),
+        found: format!("{:?}", shortened(line)),
     }
 }
 

@@ -14,6 +14,7 @@ use super::{
     CalibrationError, Place, Unit,
     unchecked::{Lens, Numbers, Size, UncheckedCamera},
 };
+use crate::io::input::shortened;
 use nalgebra::{Matrix3, Matrix3x4, Vector3};
 use std::path::Path;
 
@@ -123,7 +124,7 @@ impl Reader<'_> {
             return Err(CalibrationError::NotANumber {
                 place: Place::new(self.path, Some(line), None),
                 key: "projection matrix row".into(),
-                found: (*found).into(),
+                found: shortened(found),
             });
         }
         self.start(line, text.trim_end_matches(':').trim());

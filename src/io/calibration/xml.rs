@@ -1,6 +1,7 @@
 //! XML with lines and cameras in its errors.
 
 use super::{CalibrationError, Place, error::one_line, unchecked::Numbers};
+use crate::io::input::shortened;
 use roxmltree::{Document, Node};
 use std::path::Path;
 
@@ -70,7 +71,7 @@ impl<'a, 'i> Element<'a, 'i> {
             token.parse().map_err(|_| CalibrationError::NotANumber {
                 place: self.place(),
                 key: key.into(),
-                found: token.into(),
+                found: shortened(token),
             })
         };
         let values: Result<_, _> = tokens.map(parse).collect();

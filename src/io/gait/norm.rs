@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use crate::gait::{Angle, Band, Norm, Parameter, SCORE_POINTS};
+use crate::io::input;
 
 /// The shipped norm: its name and text.
 pub const SHIPPED_NORM: (&str, &str) =
@@ -81,8 +82,8 @@ pub(super) struct ParameterPart {
 /// # Errors
 /// [`NormError`].
 pub fn load_norm(path: &Path) -> Result<Norm, NormError> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|source| NormError::Read { path: path.into(), source })?;
+    let text =
+        input::read_text(path).map_err(|source| NormError::Read { path: path.into(), source })?;
     parse_norm(&text, path)
 }
 

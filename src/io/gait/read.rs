@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::body::BodyModel;
 use crate::gait::{Movement, MovementError};
+use crate::io::input::{self, MOST_OF_A_TABLE};
 use crate::io::points::trc::{TrcError, rate_of_times, read_trc};
 use crate::io::result::{FramePart, ResultError, ResultFile};
 use crate::pipeline::{FittedBody, FittedMotion, FramePose};
@@ -75,8 +76,8 @@ pub struct GaitInput {
 /// # Errors
 /// [`GaitInputError`] names the file, and the line where there is one.
 pub fn read_points(path: &Path, rate_hz: Option<f64>) -> Result<GaitInput, GaitInputError> {
-    let bytes =
-        std::fs::read(path).map_err(|source| GaitInputError::Read { path: path.into(), source })?;
+    let bytes = input::read(path, MOST_OF_A_TABLE)
+        .map_err(|source| GaitInputError::Read { path: path.into(), source })?;
     let text = String::from_utf8_lossy(&bytes);
     let points = read_trc(&text, path)?;
 

@@ -15,6 +15,7 @@ mod spec;
 use std::path::{Path, PathBuf};
 
 use crate::body::{BodyModel, ModelError};
+use crate::io::input;
 
 /// The models that come with the program: name and text.
 pub const SHIPPED: [(&str, &str); 6] = [
@@ -197,7 +198,7 @@ fn text_of(name: &str, folder: &Path) -> Result<(String, PathBuf), ModelFileErro
         return Err(ModelFileError::Unknown { name: name.to_owned(), shipped });
     }
     let path = folder.join(name);
-    match std::fs::read_to_string(&path) {
+    match input::read_text(&path) {
         Ok(text) => Ok((text, path)),
         Err(source) => Err(ModelFileError::Read { path, source }),
     }

@@ -17,16 +17,6 @@ pub enum CloudError {
         /// Why.
         source: io::Error,
     },
-    /// A file that is too large.
-    #[error("{}: {bytes} bytes, expected at most {most}", path.display())]
-    TooLarge {
-        /// The file.
-        path: PathBuf,
-        /// Its size.
-        bytes: u64,
-        /// The limit.
-        most: u64,
-    },
     /// A name that says nothing.
     #[error("{}: expected a point cloud: .ply, .xyz, .txt or .csv", path.display())]
     Kind {

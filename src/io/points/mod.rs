@@ -16,9 +16,9 @@ mod text;
 pub mod trc;
 mod write;
 
-use std::fs;
 use std::path::Path;
 
+use crate::io::input;
 use crate::stereo::Cloud;
 
 pub use error::CloudError;
@@ -58,11 +58,7 @@ pub(crate) fn is_cloud(path: &Path) -> bool {
 /// [`CloudError`] with the line or the byte where there is one.
 pub fn read(path: &Path) -> Result<Cloud, CloudError> {
     let unreadable = |source| CloudError::Read { path: path.into(), source };
-    let bytes = fs::metadata(path).map_err(unreadable)?.len();
-    if bytes > MOST_BYTES {
-        return Err(CloudError::TooLarge { path: path.into(), bytes, most: MOST_BYTES });
-    }
-    parse(&fs::read(path).map_err(unreadable)?, path)
+    parse(&input::read(path, MOST_BYTES).map_err(unreadable)?, path)
 }
 
 /// [`read`] for bytes in memory; the name in `path` tells their format. No bytes are no points.

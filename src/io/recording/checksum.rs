@@ -1,11 +1,13 @@
 //! Fingerprints of everything that a recording is read from.
 
-use std::fs;
+use std::fs::File;
+use std::io;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
 use super::{ObservationFiles, RecordingError};
+use crate::io::input;
 
 /// Fingerprint of one input: a file, all masks or pictures of a camera, or all points.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -84,7 +86,11 @@ fn checksum_of_all<'a>(
 }
 
 fn checksum(path: &Path) -> Result<blake3::Hash, RecordingError> {
-    let bytes =
-        fs::read(path).map_err(|source| RecordingError::Checksum { path: path.into(), source })?;
-    Ok(blake3::hash(&bytes))
+    let sum = || -> io::Result<blake3::Hash> {
+        input::check_kind(path)?;
+        let mut hasher = blake3::Hasher::new();
+        hasher.update_reader(File::open(path)?)?;
+        Ok(hasher.finalize())
+    };
+    sum().map_err(|source| RecordingError::Checksum { path: path.into(), source })
 }

@@ -7,6 +7,7 @@ use image::{DynamicImage, ImageDecoder, ImageError};
 
 use super::image_decoder::{MOST_PX, decoder};
 use crate::image::{Mask, Plane};
+use crate::io::input::{self, MOST_OF_AN_IMAGE};
 
 /// A picture with nothing brighter than this fraction of its range holds labels, not a mask.
 const LABEL_FRACTION: f64 = 0.125;
@@ -50,7 +51,7 @@ pub enum MaskFault {
 
 /// Width and height that the header of an image states.
 pub(super) fn size_of(path: &Path) -> Result<[u32; 2], MaskFault> {
-    let bytes = std::fs::read(path).map_err(MaskFault::Unreadable)?;
+    let bytes = input::read(path, MOST_OF_AN_IMAGE).map_err(MaskFault::Unreadable)?;
     let (width, height) = decoder(&bytes).map_err(fault)?.dimensions();
     Ok([width, height])
 }
@@ -60,7 +61,7 @@ pub(super) fn size_of(path: &Path) -> Result<[u32; 2], MaskFault> {
 /// The brightness of a colour image is its luma. In an image with transparency the opacity counts instead, unless it is
 /// opaque everywhere: both a white figure and a photograph cut out on a transparent ground are masks.
 pub(super) fn read(path: &Path, expected: [u32; 2]) -> Result<Mask, MaskFault> {
-    let bytes = std::fs::read(path).map_err(MaskFault::Unreadable)?;
+    let bytes = input::read(path, MOST_OF_AN_IMAGE).map_err(MaskFault::Unreadable)?;
     let decoder = decoder(&bytes).map_err(fault)?;
     let found = decoder.dimensions().into();
     if found != expected {

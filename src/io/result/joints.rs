@@ -28,32 +28,25 @@ const POSE2SIM: [&str; 17] = [
     "LWrist",
 ];
 
-/// Most rows that gaps in the frame numbers may add, for each frame that there is.
-const MOST_GAPS: usize = 1000;
-
 /// The points of every frame from the first to the last.
 ///
 /// A frame of the recording that no camera saw, and a number between two frames that no mask has, is a frame
-/// without points, so that rows stay evenly spaced in time. (Where numbers are so sparse that there would be a
-/// thousand rows to a frame, only the frames themselves are listed.)
+/// without points, so that rows stay evenly spaced in time.
 pub fn trajectories(result: &ResultFile) -> Trajectories {
     let (names, fitted) = (&result.motion.points, &result.motion.frames);
     let order = order(names);
     let first = fitted.first().map_or(0, |f| f.frame);
-    let last = fitted.last().map_or(0, |f| f.frame);
     let with_points: BTreeSet<usize> = result.quality.points.iter().map(|p| p.frame.0).collect();
     let points = |frame: &FramePart| {
         let is_seen = frame.views > 0 || with_points.contains(&frame.frame);
-        let place = |i: &usize| is_seen.then(|| Point3::from(frame.points_m[*i]));
+        let place =
+            |i: &usize| frame.points_m.get(*i).filter(|_| is_seen).map(|p| Point3::from(*p));
         order.iter().map(place).collect()
     };
 
-    let is_sparse = (last - first) / MOST_GAPS > fitted.len();
     let mut frames: Vec<Vec<_>> = Vec::new();
     for frame in fitted {
-        if !is_sparse {
-            frames.resize(frame.frame - first, vec![None; order.len()]);
-        }
+        frames.resize(frame.frame.saturating_sub(first), vec![None; order.len()]);
         frames.push(points(frame));
     }
     Trajectories {

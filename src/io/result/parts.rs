@@ -4,6 +4,7 @@ use super::schema::{
     CoefficientPart, FramePart, HypothesisPart, LengthPart, MotionPart, OptionsPart, OriginPart,
     OutcomePart, Program, QualityPart, RecordingPart, RejectedPart, ResultFile, ShapePart,
 };
+use super::{FORMAT, VERSION};
 use crate::body::BodyModel;
 use crate::camera::CameraId;
 use crate::inference::search::Origin;
@@ -38,8 +39,8 @@ impl ResultFile {
         let warnings = fit.warnings.iter().map(ToString::to_string);
 
         Self {
-            format: "maquette-result".into(),
-            version: 2,
+            format: FORMAT.into(),
+            version: VERSION,
             program: Program {
                 name: env!("CARGO_PKG_NAME").into(),
                 version: env!("CARGO_PKG_VERSION").into(),

@@ -1,12 +1,35 @@
 //! Reading a result back: the body as it was fitted.
 
+use std::io;
 use std::path::{Path, PathBuf};
 
 use nalgebra::{DVector, Rotation3, Vector2, Vector3};
+use serde::Deserialize;
 
-use super::{FramePart, ResultFile};
+use super::check::{self, OddField};
+use super::{FORMAT, FramePart, JOINTS, RESULT, ResultFile, VERSION, seal};
 use crate::body::{BodyModel, Motion, Shape};
 use crate::camera::Rig;
+use crate::io::input::{self, MOST_OF_A_TABLE, shortened};
+
+/// What a file says that it is.
+#[derive(Deserialize)]
+struct Head {
+    format: String,
+    version: u32,
+    #[serde(default)]
+    joints_blake3: String,
+}
+
+/// Whether the points beside a result are those that were written with it; removed points are no fault.
+fn check_joints(path: &Path, blake3: &str) -> Result<(), ResultError> {
+    match input::read(path, MOST_OF_A_TABLE) {
+        Err(fault) if fault.kind() == io::ErrorKind::NotFound => Ok(()),
+        Err(source) => Err(ResultError::Read { path: path.into(), source }),
+        Ok(bytes) if blake3::hash(&bytes).to_string() == blake3 => Ok(()),
+        Ok(_) => Err(ResultError::Joints { path: path.into() }),
+    }
+}
 
 /// Why a result cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -30,6 +53,53 @@ pub enum ResultError {
         path: PathBuf,
         /// What is wrong.
         source: serde_json::Error,
+    },
+    /// A result of other fields than this program knows.
+    #[error(
+        "{}: version {found} of the format; this program reads version {VERSION}: {}",
+        path.display(), if *found < VERSION { "fit the recording again, with --overwrite" } else { "use the newer program that wrote it" }
+    )]
+    Version {
+        /// The file.
+        path: PathBuf,
+        /// Its version.
+        found: u32,
+    },
+    /// Another file.
+    #[error("{}: expected the format {FORMAT:?}, found {found:?}: this is no result of `maquette fit`", path.display())]
+    Format {
+        /// The file.
+        path: PathBuf,
+        /// Its format.
+        found: String,
+    },
+    /// A file that does not end with the sum of what stands before.
+    #[error(
+        "{}: changed since `maquette fit` wrote it, or not whole: take the original back, or fit again (--resume keeps what was finished)",
+        path.display()
+    )]
+    Changed {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Points of another fit than the result's.
+    #[error(
+        "{}: changed since it was written with result.json, or another fit's: take the original back, remove it, or fit again (--resume keeps what was finished)",
+        path.display()
+    )]
+    Joints {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A number that no fit writes.
+    #[error("{}: {field}: expected {expected}", path.display())]
+    Field {
+        /// The file.
+        path: PathBuf,
+        /// The field.
+        field: &'static str,
+        /// What it should be.
+        expected: &'static str,
     },
     /// A result of another body than the one that is given.
     #[error(
@@ -59,18 +129,37 @@ impl ResultFile {
         rig.names().map(aim).collect()
     }
 
-    /// Reads the `result.json` of a folder.
+    /// Reads the `result.json` of a folder, and checks that it and `joints.trc` are as they were written together. Where
+    /// `joints.trc` was removed, that is no fault.
     ///
     /// # Errors
-    /// [`ResultError::Read`] and [`ResultError::Syntax`].
+    /// [`ResultError`] of everything but the body.
     pub fn read(folder: &Path) -> Result<Self, ResultError> {
-        let path = folder.join("result.json");
-        match std::fs::read(&path) {
-            Ok(bytes) => {
-                let parsed = serde_json::from_slice(&bytes);
-                parsed.map_err(|source| ResultError::Syntax { path, source })
+        let path = || folder.join(RESULT);
+        let bytes = input::read(&path(), MOST_OF_A_TABLE)
+            .map_err(|source| ResultError::Read { path: path(), source })?;
+        let syntax = |source| ResultError::Syntax { path: path(), source };
+
+        // what it says that it is
+        let head: Head = serde_json::from_slice(&bytes).map_err(syntax)?;
+        if head.format != FORMAT {
+            return Err(ResultError::Format { path: path(), found: shortened(&head.format) });
+        }
+        if head.version != VERSION {
+            return Err(ResultError::Version { path: path(), found: head.version });
+        }
+        if !seal::is_whole(&bytes) {
+            return Err(ResultError::Changed { path: path() });
+        }
+        check_joints(&folder.join(JOINTS), &head.joints_blake3)?;
+
+        // what it holds
+        let result: Self = serde_json::from_slice(&bytes).map_err(syntax)?;
+        match check::odd_field(&result) {
+            Some(OddField { field, expected }) => {
+                Err(ResultError::Field { path: path(), field, expected })
             }
-            Err(source) => Err(ResultError::Read { path, source }),
+            None => Ok(result),
         }
     }
 

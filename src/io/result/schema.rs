@@ -10,12 +10,12 @@ use crate::pipeline::{
     ViewQuality,
 };
 
-/// What a fit found, and what it was made from. Version 2.
+/// What a fit found, and what it was made from. Version 3.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ResultFile {
     /// `maquette-result`.
     pub format: String,
-    /// 2.
+    /// 3.
     pub version: u32,
     /// What wrote it.
     pub program: Program,

@@ -6,6 +6,8 @@ use nalgebra::{Point3, Vector3};
 
 use super::Trajectories;
 use crate::camera::UpAxis;
+use crate::io::frame_rate;
+use crate::io::input::shortened;
 
 /// Why a TRC file could not be used.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -28,7 +30,7 @@ pub enum TrcError {
         found: String,
     },
     /// A frame rate that is none.
-    #[error("{}:{line}: expected a data rate above 0 Hz, found {found:?}", path.display())]
+    #[error("{}:{line}: expected {}, found {found:?}", path.display(), frame_rate::EXPECTED)]
     Rate {
         /// File.
         path: PathBuf,
@@ -148,7 +150,7 @@ fn rate_and_unit(
     let cells = split(text, between).into_iter();
     let cells: Vec<&str> = cells.filter(|c| !c.is_empty()).collect();
     let [rate, _, _, _, unit, ..] = cells[..] else {
-        let found = text.to_owned();
+        let found = shortened(text);
         return Err(TrcError::Header { path: path(), line, found });
     };
 
@@ -157,14 +159,14 @@ fn rate_and_unit(
         "cm" => 1e-2,
         "mm" => 1e-3,
         _ => {
-            let found = unit.to_owned();
+            let found = shortened(unit);
             return Err(TrcError::Unit { path: path(), line, found });
         }
     };
 
     match rate.parse::<f64>() {
-        Ok(rate_hz) if rate_hz > 0.0 && rate_hz.is_finite() => Ok((rate_hz, metres)),
-        _ => Err(TrcError::Rate { path: path(), line, found: rate.to_owned() }),
+        Ok(rate_hz) if frame_rate::is_one(rate_hz) => Ok((rate_hz, metres)),
+        _ => Err(TrcError::Rate { path: path(), line, found: shortened(rate) }),
     }
 }
 
@@ -183,7 +185,7 @@ fn frame_of(
                 path: path.to_owned(),
                 line,
                 point: name.clone(),
-                found: cell.to_owned(),
+                found: shortened(cell),
             }),
         };
 

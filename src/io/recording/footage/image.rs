@@ -6,12 +6,13 @@ use ::image::{DynamicImage, ImageDecoder};
 
 use super::FootageError;
 use crate::image::Picture;
+use crate::io::input::{self, MOST_OF_AN_IMAGE};
 use crate::io::recording::image_decoder::decoder;
 
 /// Reads an image of any bit depth and colour type as RGB, turned as its metadata state; opacity is ignored.
 pub(super) fn read(path: &Path) -> Result<Picture, FootageError> {
     let unreadable = |reason: String| FootageError::Image { path: path.into(), reason };
-    let bytes = std::fs::read(path).map_err(|e| unreadable(e.to_string()))?;
+    let bytes = input::read(path, MOST_OF_AN_IMAGE).map_err(|e| unreadable(e.to_string()))?;
     let mut decoder = decoder(&bytes).map_err(|e| unreadable(e.to_string()))?;
     let turn = decoder.orientation();
     let mut picture = DynamicImage::from_decoder(decoder).map_err(|e| unreadable(e.to_string()))?;

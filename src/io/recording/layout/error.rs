@@ -3,6 +3,8 @@
 use std::io;
 use std::path::PathBuf;
 
+use crate::io::frame_rate;
+
 /// Why the files of a recording could not be found, in one line that says what to mend.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -29,8 +31,8 @@ pub enum LayoutError {
         /// The recording.
         path: PathBuf,
     },
-    /// A given frame rate that is not positive.
-    #[error("frame rate {fps}: expected a positive number")]
+    /// A given frame rate that no camera has.
+    #[error("frame rate {fps}: expected {}", frame_rate::EXPECTED)]
     Fps {
         /// As given.
         fps: f64,

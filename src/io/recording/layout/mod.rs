@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 
 use crate::camera::Rig;
 use crate::io::calibration::{self, CalibrationError, CalibrationOptions};
+use crate::io::frame_rate;
 use crate::io::recording::manifest::{CalibrationFiles, CameraFiles};
 
 pub use error::LayoutError;
@@ -19,7 +20,7 @@ const MASKS: &str = "masks";
 pub(super) fn locate(path: &Path) -> Result<(PathBuf, Option<PathBuf>), LayoutError> {
     if path.is_dir() {
         let manifest = path.join(MANIFEST);
-        let manifest = manifest.is_file().then_some(manifest);
+        let manifest = manifest.exists().then_some(manifest);
         Ok((path.into(), manifest))
     } else if path.is_file() {
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
@@ -32,7 +33,7 @@ pub(super) fn locate(path: &Path) -> Result<(PathBuf, Option<PathBuf>), LayoutEr
 /// A frame rate that was given or found; the recording at `path` needs one.
 pub(super) fn frame_rate(fps: Option<f64>, path: &Path) -> Result<f64, LayoutError> {
     match fps {
-        Some(fps) if fps > 0.0 && fps.is_finite() => Ok(fps),
+        Some(fps) if frame_rate::is_one(fps) => Ok(fps),
         Some(fps) => Err(LayoutError::Fps { fps }),
         None => Err(LayoutError::NoFps { path: path.into() }),
     }

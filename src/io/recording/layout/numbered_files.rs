@@ -112,7 +112,9 @@ impl<'a> Printf<'a> {
         let (prefix, rest) = whole.file_name()?.to_str()?.split_once('%')?;
         let (digits, suffix) = rest.split_once('d')?;
         let folder = whole.parent()?;
-        let is_plain = !suffix.contains('%') && !folder.to_string_lossy().contains('%');
+        // a folder may have such a sign in its name, but is no pattern itself
+        let is_folder = folder.is_dir() || !folder.to_string_lossy().contains('%');
+        let is_plain = !suffix.contains('%') && is_folder;
         let least_digits = match digits {
             "" => 1,
             digits => digits.strip_prefix('0').unwrap_or(digits).parse().ok()?,

@@ -23,8 +23,9 @@
 mod template;
 
 use std::collections::BTreeMap;
+use std::io;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 
 use serde::Deserialize;
 use toml::de::{DeTable, DeValue};
@@ -32,6 +33,7 @@ use toml::de::{DeTable, DeValue};
 use crate::camera::UpAxis;
 use crate::io::calibration::Unit;
 use crate::io::unknown_key::{UnknownKey, line_of};
+use crate::io::{frame_rate, input};
 
 const KEYS: &[&str] = &[
     "fps",
@@ -117,12 +119,16 @@ pub(crate) struct CameraFiles {
     pub start_s: f64,
 }
 
+/// When a camera may begin: also on a clock that counts seconds from 1970.
+const MOST_START_S: RangeInclusive<f64> = -1e10..=1e10;
+const MOST_OFFSET: RangeInclusive<i64> = -10_000_000_000..=10_000_000_000;
+
 impl CameraFiles {
     /// By how much the numbers of this camera's files are shifted: offset_frames + start_s·fps, rounded.
     pub(crate) fn shift(&self, fps: f64) -> i64 {
         let by_clock = (self.start_s * fps).round();
-        // a float becomes the nearest integer that there is
-        self.offset_frames.saturating_add(by_clock as i64)
+        // within 1e15 both, as `check_clocks` has it
+        self.offset_frames + by_clock as i64
     }
 }
 
@@ -156,8 +162,8 @@ pub enum ManifestError {
         /// The key, its line and its neighbour.
         key: Box<UnknownKey>,
     },
-    /// A frame rate that is not positive.
-    #[error("{}:{line}: fps = {fps}: expected a positive number", path.display())]
+    /// A frame rate that no camera has.
+    #[error("{}:{line}: fps = {fps}: expected {}", path.display(), frame_rate::EXPECTED)]
     Fps {
         /// The manifest.
         path: PathBuf,
@@ -165,6 +171,18 @@ pub enum ManifestError {
         line: usize,
         /// As written.
         fps: f64,
+    },
+    /// A beginning that no camera has.
+    #[error("{}: camera {camera}: {key} = {value}: expected a number from −1e10 to 1e10", path.display())]
+    Clock {
+        /// The manifest.
+        path: PathBuf,
+        /// The camera.
+        camera: String,
+        /// Which.
+        key: &'static str,
+        /// As written.
+        value: f64,
     },
     /// Two cameras of the same name.
     #[error("{}: camera {name:?} is listed {count} times: names must differ", path.display())]
@@ -184,7 +202,7 @@ impl Manifest {
     /// # Errors
     /// [`ManifestError`], with the line where there is one.
     pub(crate) fn read(path: &Path) -> Result<Self, ManifestError> {
-        let text = fs::read_to_string(path)
+        let text = input::read_text(path)
             .map_err(|source| ManifestError::Read { path: path.into(), source })?;
         let mut manifest = Self::parse(&text, path)?;
         template::fill(&mut manifest, path.parent().unwrap_or(Path::new("")));
@@ -208,12 +226,13 @@ impl Manifest {
         let manifest: Self = toml::from_str(text).map_err(syntax)?;
         manifest.check_fps(text, table.get_ref(), path)?;
         manifest.check_names(path)?;
+        manifest.check_clocks(path)?;
         Ok(manifest)
     }
 
     fn check_fps(&self, text: &str, table: &DeTable<'_>, path: &Path) -> Result<(), ManifestError> {
         match self.fps {
-            Some(fps) if !(fps > 0.0 && fps.is_finite()) => {
+            Some(fps) if !frame_rate::is_one(fps) => {
                 let key = table.keys().find(|key| key.get_ref() == "fps");
                 Err(ManifestError::Fps {
                     path: path.into(),
@@ -223,6 +242,24 @@ impl Manifest {
             }
             _ => Ok(()),
         }
+    }
+
+    fn check_clocks(&self, path: &Path) -> Result<(), ManifestError> {
+        let clock = |camera: &CameraFiles, key, value| ManifestError::Clock {
+            path: path.into(),
+            camera: camera.name.clone(),
+            key,
+            value,
+        };
+        for camera in &self.cameras {
+            if !MOST_START_S.contains(&camera.start_s) {
+                return Err(clock(camera, "start_s", camera.start_s));
+            }
+            if !MOST_OFFSET.contains(&camera.offset_frames) {
+                return Err(clock(camera, "offset_frames", camera.offset_frames as f64));
+            }
+        }
+        Ok(())
     }
 
     fn check_names(&self, path: &Path) -> Result<(), ManifestError> {
