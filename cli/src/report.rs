@@ -12,17 +12,19 @@ use maquette::workflow::GaitSource;
 use super::error::CliError;
 use super::print;
 use super::subject::SubjectArguments;
+use super::switches::Quiet;
 
 pub(super) const ABOUT: &str = "\
 Write a report that a clinician can read: one HTML file that needs nothing else.
 
 Reads the folder of a finished `maquette fit` and writes OUT/report.html: identity and method, quality, steps and \
 strides, joint angles against a norm, shape, and the body in motion. It opens in any browser without a network and \
-prints on A4. docs/report.md explains every page.";
+prints on A4. It shows what the cameras saw of the recording, which OUT names in recording.toml. docs/report.md explains every page.";
 
 pub(super) const EXAMPLES: &str = "\
 Examples:
-  maquette report out/me --recording my-recording
+  maquette report out/me
+  maquette report out/me --recording my-recording --no-pictures
   maquette report out/me --subject 'P 017' --age 72 --sex female --date 2026-03-02 --condition barefoot";
 
 /// Arguments of `maquette report`.
@@ -38,9 +40,8 @@ pub(super) struct ReportArguments {
     /// Body model of the fit, if it is not a shipped one
     #[arg(long, value_name = "FILE")]
     body: Option<String>,
-    /// Print nothing but errors
-    #[arg(long)]
-    quiet: bool,
+    #[command(flatten)]
+    quiet: Quiet,
 }
 
 /// Reads the fit, analyses it and writes the report.
@@ -48,10 +49,10 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<(), CliError> {
     let source = GaitSource { path: &arguments.out, body: arguments.body.as_deref(), fps: None };
     let study = GaitStudy::open(source, &GaitOptions::default())?;
     let study = arguments.subject.compare(study, arguments.norm.as_deref())?;
-    let text = arguments.subject.report(&study, &arguments.out)?;
+    let text = arguments.subject.report(&study, &arguments.out, arguments.quiet)?;
 
     OutFolder::open(&arguments.out)?.write("report.html", text.as_bytes())?;
-    if !arguments.quiet {
+    if !arguments.quiet.is_on() {
         print(&format!("{}\n", arguments.out.join("report.html").display()));
     }
     Ok(())

@@ -3,12 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use maquette::io::folder::origin;
 use maquette::io::gait::Sex;
 use maquette::report::Subject;
-use maquette::workflow::NormChoice;
+use maquette::workflow::{NormChoice, ReportedRecording};
 use maquette::{GaitStudy, Recording};
 
 use crate::error::CliError;
+use crate::switches::Quiet;
 
 /// Who was recorded, and how, for the report and for whom a walk is compared with.
 #[derive(Debug, Args)]
@@ -28,9 +30,12 @@ pub(super) struct SubjectArguments {
     /// Barefoot, with shoes, with an orthosis, …
     #[arg(long, value_name = "TEXT")]
     condition: Option<String>,
-    /// The recording that was fitted: shows what the cameras saw
+    /// The recording that was fitted, which shows what the cameras saw [default: where the fit found it]
     #[arg(long, value_name = "FOLDER")]
     recording: Option<PathBuf>,
+    /// Show the outlines of the person without the recorded pictures
+    #[arg(long)]
+    no_pictures: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -64,19 +69,48 @@ impl SubjectArguments {
     }
 
     /// The report of a study that was made from this folder or file.
-    pub(super) fn report(&self, study: &GaitStudy, from: &Path) -> Result<String, CliError> {
-        let subject = self.subject(from);
-        Ok(match &self.recording {
-            Some(folder) => study.report_with_views(&subject, &Recording::open(folder)?)?,
-            None => study.report(&subject)?,
-        })
+    pub(super) fn report(
+        &self,
+        study: &GaitStudy,
+        from: &Path,
+        quiet: Quiet,
+    ) -> Result<String, CliError> {
+        if let Some(path) = &self.recording {
+            return self.report_with_views(study, from, path, quiet);
+        }
+        let Some(path) = origin::read(from) else {
+            return Ok(study.report(&self.subject(from))?);
+        };
+        match self.report_with_views(study, from, &path, quiet) {
+            Ok(text) => Ok(text),
+            Err(fault) => {
+                quiet.print_notes([format!("the report is without camera views: {fault}")]);
+                Ok(study.report(&self.subject(&path))?)
+            }
+        }
     }
 
-    fn subject(&self, from: &Path) -> Subject {
-        let path = self.recording.as_deref().unwrap_or(from);
-        let name = path.file_name().map(|n| n.to_string_lossy().into_owned());
+    fn report_with_views(
+        &self,
+        study: &GaitStudy,
+        out: &Path,
+        recording: &Path,
+        quiet: Quiet,
+    ) -> Result<String, CliError> {
+        let shown = ReportedRecording {
+            recording: &Recording::open(recording)?,
+            out,
+            pictures: !self.no_pictures,
+            progress: &quiet.progress(),
+        };
+        Ok(study.report_with_views(&self.subject(recording), shown)?)
+    }
+
+    fn subject(&self, recording: &Path) -> Subject {
+        let whole = recording.canonicalize().unwrap_or_else(|_| recording.into());
+        let name = whole.file_name().map(|n| n.to_string_lossy().into_owned());
         Subject {
-            recording: name.unwrap_or_else(|| path.display().to_string()),
+            recording: name.unwrap_or_else(|| recording.display().to_string()),
             name: self.subject.clone(),
             age_years: self.age,
             sex: self.sex.map(Sex::from),

@@ -14,6 +14,7 @@
 //! | `motion.rs`         | empty frames for the moving body, its curves and its cameras          |
 //! | `scene.rs`          | what the page's program draws in them                                 |
 //! | `views.rs`          | cameras and the outlines that they saw                                |
+//! | `picture.rs`        | the pictures under the outlines, in few bytes                         |
 //! | `figure.rs`         | one chart                                                             |
 //! | `label.rs`          | clinical names and signs                                              |
 //! | `bundle/`           | the page's program and style, built from `web/`                       |
@@ -24,6 +25,7 @@ mod kinematics;
 mod label;
 mod motion;
 mod page;
+mod picture;
 mod quality;
 mod scene;
 mod scores;
@@ -36,7 +38,8 @@ use crate::io::gait::Sex;
 use crate::io::result::ResultFile;
 use crate::pipeline::FittedBody;
 
-pub use views::{CameraOutlines, outline_points};
+pub use picture::{FramePicture, ImagePart, PictureBudget};
+pub use views::{CameraOutlines, Views, outline_points};
 
 /// Who was recorded, when and how, as the report shall state it.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -70,8 +73,8 @@ pub struct ReportInput<'a> {
     pub gait: &'a GaitAnalysis,
     /// Healthy people.
     pub norm: Option<&'a Norm>,
-    /// Outlines that the cameras saw; empty if the recording is not at hand.
-    pub views: &'a [CameraOutlines],
+    /// What the cameras saw; empty if the recording is not at hand.
+    pub views: &'a Views,
 }
 
 /// The report as the text of one file.

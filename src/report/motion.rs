@@ -32,7 +32,7 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
                     option value="1" { "1" } option value="0.5" { "½" } option value="0.25" { "¼" } option value="0.1" { "⅒" }
                 } }
             }
-            @if !input.views.is_empty() {
+            @if !input.views.cameras.is_empty() {
                 div class="sheet" id="sheet" role="img" aria-label="The fitted body under the recorded outline, all cameras, middle frame" {}
             }
             div class="choice" {
@@ -46,16 +46,25 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
 }
 
 fn cameras(input: &ReportInput<'_>) -> Markup {
+    let cameras = &input.views.cameras;
     html! {
         div class="camera" {
-            @if input.views.is_empty() {
+            @if cameras.is_empty() {
                 (absent("No camera views: the recording was not at hand (give --recording)."))
             } @else {
                 canvas id="camera" role="img" aria-label="The fitted body as the chosen camera sees it, with the recorded outline over it" {}
                 label { "camera " select id="camera-choice" {
-                    @for (i, view) in input.views.iter().enumerate() { option value=(i) { (view.name) } }
+                    @for (i, view) in cameras.iter().enumerate() { option value=(i) { (view.name) } }
                 } }
-                p class="note" { "Yellow: recorded outline. Under it: fitted body. Both without the lens's distortion." }
+                @if input.views.has_pictures() {
+                    label { input type="checkbox" id="camera-body" checked; " fitted body" }
+                }
+                p class="note" {
+                    "Yellow: recorded outline. Under it: "
+                    @if input.views.has_pictures() { "the recorded picture and the fitted body over it" } @else { "the fitted body" }
+                    ". All without the lens's distortion."
+                    @if input.views.every > 1 { " To keep this file small, every " (input.views.every) "th frame is shown here." }
+                }
             }
         }
     }

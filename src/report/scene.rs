@@ -26,6 +26,8 @@ pub(super) struct Scene<'a> {
     tracks: Vec<TrackPart>,
     events: &'a [Event],
     views: &'a [CameraOutlines],
+    /// Every so many frames have pictures.
+    picture_every: usize,
 }
 
 /// The fitted body.
@@ -96,7 +98,8 @@ impl<'a> Scene<'a> {
             points: points(movement),
             tracks: input.gait.angles.iter().map(track).collect(),
             events: &input.gait.events,
-            views: input.views,
+            views: &input.views.cameras,
+            picture_every: input.views.every.max(1),
         }
     }
 }

@@ -8,7 +8,7 @@ use super::watch::WatchedJournal;
 use super::{Error, FitOptions, FittedRecording};
 use crate::inference::search::{Journal, NoJournal};
 use crate::io::folder::journal::DiskJournal;
-use crate::io::folder::{Existing, OutFolder, check_out, overlays, write_atomically};
+use crate::io::folder::{Existing, OutFolder, check_out, origin, overlays, write_atomically};
 use crate::io::recording::Recording;
 use crate::io::result::{Provenance, ResultFile};
 use crate::pipeline::{self, Fit, NoProgress, Progress};
@@ -90,6 +90,9 @@ impl Recording {
         let fitted = fitted(input, &fit);
         for (name, bytes) in fitted.result.files()? {
             write_atomically(&scratch.path().join(name), &bytes)?;
+        }
+        if let Some(text) = origin::text(self.path(), folder.path) {
+            write_atomically(&scratch.path().join(origin::ORIGIN), text.as_bytes())?;
         }
         out.publish(scratch)?;
         Ok(fitted)

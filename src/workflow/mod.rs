@@ -41,6 +41,8 @@ pub use fitted::{AngleTrack, FittedRecording, Length};
 pub use gait::{GaitSource, GaitStudy, NormChoice};
 pub use masks::{MaskFiles, WrittenMasks};
 pub use options::{FitOptions, SilhouetteSource};
+#[cfg(feature = "report")]
+pub use report::ReportedRecording;
 pub use silhouettes::{SilhouetteFiles, WrittenSilhouettes};
 pub use skin::{RestingBody, SkinFiles, SkinnedPoses};
 pub use surface::SurfaceFiles;

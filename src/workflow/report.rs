@@ -1,12 +1,39 @@
 //! The report of a gait study; with the feature `report`.
 
+use std::path::Path;
+
 use rayon::prelude::*;
 
 use super::{Error, GaitStudy};
-use crate::camera::CameraId;
-use crate::io::recording::Recording;
-use crate::report::{CameraOutlines, ReportInput, Subject, html, outline_points};
+use crate::camera::{Camera, CameraId};
+use crate::image::Picture;
+use crate::io::recording::footage::Footage;
+use crate::io::recording::{DerivedFiles, ObservationFiles, Recording};
+use crate::io::result::ResultFile;
+use crate::pipeline::Progress;
+use crate::report::{
+    CameraOutlines, FramePicture, PictureBudget, ReportInput, Subject, Views, html, outline_points,
+};
 use crate::silhouette::FrameIndex;
+
+/// The recording that a report shows.
+#[derive(Clone, Copy)]
+pub struct ReportedRecording<'a> {
+    /// The recording that was fitted.
+    pub recording: &'a Recording,
+    /// The folder of the fit, which holds the masks and points that were made of the recording's pictures.
+    pub out: &'a Path,
+    /// Whether the recorded pictures are shown under the outlines, where there are any.
+    pub pictures: bool,
+    /// Is told how far it is.
+    pub progress: &'a dyn Progress,
+}
+
+impl std::fmt::Debug for ReportedRecording<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "ReportedRecording({:?} fitted into {:?})", self.recording.path(), self.out)
+    }
+}
 
 impl GaitStudy {
     /// The report that a clinician reads: one HTML page that needs nothing else.
@@ -14,22 +41,23 @@ impl GaitStudy {
     /// # Errors
     /// [`Error::Json`], if the serialiser has any.
     pub fn report(&self, subject: &Subject) -> Result<String, Error> {
-        self.report_of(subject, &[])
+        self.report_of(subject, &Views::default())
     }
 
     /// The same with what the cameras of the recording saw.
     ///
     /// # Errors
-    /// As [`GaitStudy::report`], and [`Error::Recording`] for a mask that cannot be read.
+    /// As [`GaitStudy::report`], and [`Error::Recording`] for another recording than the one that was fitted, and for a
+    /// mask that cannot be read.
     pub fn report_with_views(
         &self,
         subject: &Subject,
-        recording: &Recording,
+        shown: ReportedRecording<'_>,
     ) -> Result<String, Error> {
-        self.report_of(subject, &self.views(recording)?)
+        self.report_of(subject, &self.views(shown)?)
     }
 
-    fn report_of(&self, subject: &Subject, views: &[CameraOutlines]) -> Result<String, Error> {
+    fn report_of(&self, subject: &Subject, views: &Views) -> Result<String, Error> {
         Ok(html(&ReportInput {
             subject,
             result: self.result.as_ref(),
@@ -41,31 +69,124 @@ impl GaitStudy {
         })?)
     }
 
-    /// The outlines of all masks, camera by camera, each looking where the fit found it to look.
-    fn views(&self, recording: &Recording) -> Result<Vec<CameraOutlines>, Error> {
-        let movement = &self.input.movement;
-        let recording = recording.clone().with_fps(movement.rate_hz);
-        let mut files = recording.observations()?;
+    /// The outlines of all masks, camera by camera, each looking where the fit found it to look, and the pictures.
+    fn views(&self, shown: ReportedRecording<'_>) -> Result<Views, Error> {
+        let recording = shown.recording.clone().with_fps(self.input.movement.rate_hz);
+        let (mut files, footage) = fitted_files(self.result.as_ref(), &recording, shown.out)?;
         if let Some(result) = &self.result {
+            files.check(&result.inputs)?;
             files.rig = files.rig.aimed(&result.aims_px(&files.rig));
         }
+
+        let cameras = self.outlines(&files, shown.progress)?;
+        let mut views = Views { cameras, ..Views::default() };
+        if shown.pictures {
+            // without pictures the outlines are shown alone
+            let footage = footage.or_else(|| recording.footage().ok());
+            if let Some(footage) = footage {
+                self.add_pictures(&mut views, &files, &footage, shown.progress)?;
+            }
+        }
+        Ok(views)
+    }
+
+    fn outlines(
+        &self,
+        files: &ObservationFiles,
+        progress: &dyn Progress,
+    ) -> Result<Vec<CameraOutlines>, Error> {
+        let movement = &self.input.movement;
         let numbers = movement.first_frame..movement.first_frame + movement.frames;
         let frames: Vec<FrameIndex> = numbers.map(FrameIndex).collect();
-
         let outlines = |id: CameraId, frame: FrameIndex| -> Result<Vec<Vec<i16>>, Error> {
             let mask = files.load_mask(id, frame)?;
             let seen = mask.zip(files.rig.camera(id));
             let borders = seen.map(|(mask, camera)| outline_points(camera, &mask));
+            progress.step();
             Ok(borders.unwrap_or_default())
         };
-        let mut views = Vec::new();
+
+        progress.begin("outlines", frames.len() * files.rig.cameras.len());
+        let mut cameras = Vec::new();
         for (id, camera) in files.rig.iter() {
             let all = frames.par_iter().map(|frame| outlines(id, *frame));
             let all: Vec<Result<Vec<Vec<i16>>, Error>> = all.collect();
             // the first fault in the order of the frames, whichever thread met one first
             let all = all.into_iter().collect::<Result<_, _>>()?;
-            views.push(CameraOutlines::new(camera, all));
+            cameras.push(CameraOutlines::new(camera, all));
         }
-        Ok(views)
+        progress.end();
+        Ok(cameras)
     }
+
+    /// Adds the pictures of as many frames as the report has room for.
+    fn add_pictures(
+        &self,
+        views: &mut Views,
+        files: &ObservationFiles,
+        footage: &Footage,
+        progress: &dyn Progress,
+    ) -> Result<(), Error> {
+        let movement = &self.input.movement;
+        let (first, last) = (movement.first_frame, movement.first_frame + movement.frames - 1);
+        let budget = PictureBudget::new(views.cameras.len(), movement.frames);
+        views.every = budget.every;
+        let known: Vec<(&Camera, Option<CameraId>)> = files
+            .rig
+            .cameras
+            .iter()
+            .map(|camera| (camera, footage.rig.by_name(&camera.name).map(|(id, _)| id)))
+            .collect();
+
+        progress.begin("pictures", movement.frames);
+        for (frame, pictures) in footage.frame_sets(first..=last) {
+            progress.step();
+            let at = frame.0 - first;
+            if at % budget.every != 0 {
+                continue;
+            }
+            let of = |id: CameraId| pictures.get(id.0).and_then(Option::as_ref);
+            let cameras = views.cameras.par_iter_mut().zip(&known);
+            cameras.try_for_each(|(view, (camera, id))| {
+                add(view, camera, at, id.and_then(of), budget)
+            })?;
+        }
+        progress.end();
+        Ok(())
+    }
+}
+
+/// Adds the part of a picture around the person to a view; nothing where either is not there.
+fn add(
+    view: &mut CameraOutlines,
+    camera: &Camera,
+    at: usize,
+    picture: Option<&Picture>,
+    budget: PictureBudget,
+) -> Result<(), Error> {
+    if let (Some(picture), Some(part)) = (picture, view.part(at)) {
+        view.pictures.push(FramePicture::new(camera, picture, (at, part), budget)?);
+    }
+    Ok(())
+}
+
+/// What the body was fitted to; where masks or points were made of pictures, those of the fit's folder, and the pictures.
+fn fitted_files(
+    result: Option<&ResultFile>,
+    recording: &Recording,
+    out: &Path,
+) -> Result<(ObservationFiles, Option<Footage>), Error> {
+    let inputs = result.map_or(&[][..], |result| &result.inputs);
+    let has = |start: &str| inputs.iter().any(|input| input.input.starts_with(start));
+    if !has("pictures of ") {
+        return Ok((recording.observations()?, None));
+    }
+    let footage = recording.footage()?;
+    let files = recording.with_derived(DerivedFiles {
+        footage: &footage,
+        folder: out,
+        has_masks: has("masks of ") && out.join("masks").is_dir(),
+        has_points: has("points") && out.join("points").is_dir(),
+    })?;
+    Ok((files, Some(footage)))
 }

@@ -37,14 +37,22 @@ function seek(frame: number) {
 function drawCamera(frame: number) {
   const canvas = get<HTMLCanvasElement>('camera')
   const choice = get<HTMLSelectElement>('camera-choice')
-  if (canvas && choice && painter) painter.camera(scene.views[Number(choice.value)], frame, canvas, 420)
+  if (!canvas || !choice || !painter) return
+  const view = scene.views[Number(choice.value)]
+  const draw = () => painter!.camera(view, frame, canvas, 420, get<HTMLInputElement>('camera-body')?.checked)
+  draw()
+  // a picture that had to be decoded first, unless another frame is shown by now
+  painter.waiting(view, frame)?.then(() => {
+    if (Number(slider.value) === frame && scene.views[Number(choice.value)] === view) draw()
+  })
 }
 
 /** All cameras in one frame, for paper. */
-function fillSheet() {
+async function fillSheet() {
   const sheet = get('sheet')
   if (!sheet || !painter) return
   const middle = Math.floor(scene.frames / 2)
+  await Promise.all(scene.views.map((view) => painter!.waiting(view, middle)))
   body.pose(middle)
   for (const view of scene.views) {
     const figure = document.createElement('figure')
@@ -87,7 +95,9 @@ function play() {
 
 slider.addEventListener('input', () => seek(Number(slider.value)))
 get('play')!.addEventListener('click', play)
-get('camera-choice')?.addEventListener('change', () => drawCamera(Number(slider.value)))
+for (const id of ['camera-choice', 'camera-body']) {
+  get(id)?.addEventListener('change', () => drawCamera(Number(slider.value)))
+}
 get<HTMLInputElement>('colour-blind')!.addEventListener('change', (event) => {
   document.body.classList.toggle('cb', (event.target as HTMLInputElement).checked)
   body.paint?.()
@@ -102,10 +112,10 @@ addEventListener('resize', () => stage?.draw())
 seek(0)
 document.body.dataset.ready = String(Math.round(performance.now()))
 // what stands still can wait until the page answers
-setTimeout(() => {
-  if (stage) painter = new Painter(body)
+setTimeout(async () => {
+  if (stage) painter = new Painter(body, scene.picture_every)
   fillPortraits()
-  fillSheet()
+  await fillSheet()
   seek(Number(slider.value))
   document.body.dataset.complete = String(Math.round(performance.now()))
 })

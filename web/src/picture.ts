@@ -1,7 +1,7 @@
 // Still pictures of the body: as a camera of the recording saw it, and portraits.
-import { AmbientLight, Box3, Color, DirectionalLight, Matrix4, OrthographicCamera, Camera, Scene as Room, Vector3, WebGLRenderer } from 'three'
+import { AmbientLight, Box3, DirectionalLight, Matrix4, OrthographicCamera, Camera, Scene as Room, Vector3, WebGLRenderer } from 'three'
 import type { Body } from './body'
-import { outlines, type View } from './scene'
+import { outlines, type Picture, type View } from './scene'
 
 /** A part of a camera's image, px. */
 export type Crop = { left: number; top: number; width: number; height: number }
@@ -18,16 +18,26 @@ function boxOf(lines: Float32Array[]): Crop | null {
   return left < right && top < bottom ? { left, top, width: right - left, height: bottom - top } : null
 }
 
-/** What a camera saw: the lines of each frame, and a size that holds those of any. */
+/** What a camera saw: the lines and the picture of each frame, and a size that holds the lines of any. */
 class Seen {
   readonly lines: Float32Array[][]
   private size: { width: number; height: number }
+  private pictures = new Map<number, { at: Picture; image: HTMLImageElement; loaded: Promise<void> }>()
 
   constructor(private view: View) {
     this.lines = outlines(view)
     const boxes = this.lines.map(boxOf).filter((box) => box !== null)
     const height = 1.2 * Math.max(...boxes.map((box) => box.height))
+    for (const at of view.pictures) {
+      const image = new Image()
+      image.src = `data:image/jpeg;base64,${at.jpeg}`
+      this.pictures.set(at.frame, { at, image, loaded: image.decode() })
+    }
     this.size = { width: Math.max(...boxes.map((box) => 1.2 * box.width), 0.7 * height), height }
+  }
+
+  picture(frame: number) {
+    return this.pictures.get(frame)
   }
 
   /** The part of the image around the person, always of one size; the whole image where nobody was seen. */
@@ -74,9 +84,9 @@ export class Painter {
   private room = new Room()
   private seen = new Map<View, Seen>()
 
-  constructor(private body: Body) {
-    this.renderer = new WebGLRenderer({ antialias: true, preserveDrawingBuffer: true })
-    this.room.background = new Color(0xffffff)
+  constructor(private body: Body, private every: number) {
+    this.renderer = new WebGLRenderer({ antialias: true, preserveDrawingBuffer: true, alpha: true })
+    this.renderer.setClearColor(0xffffff, 0)
     const sun = new DirectionalLight(0xffffff, 2)
     sun.position.set(2, -3, 5)
     this.room.add(new AmbientLight(0xffffff, 1.4), sun)
@@ -92,16 +102,43 @@ export class Painter {
     return this.renderer.domElement
   }
 
-  /** What a camera saw in a frame: the body in grey, the recorded outline over it. */
-  camera(view: View, frame: number, canvas: HTMLCanvasElement, height: number) {
+  private seenBy(view: View) {
     const seen = this.seen.get(view) ?? new Seen(view)
     this.seen.set(view, seen)
+    return seen
+  }
+
+  /** The nearest frame before this one that is shown. */
+  shown(view: View, frame: number) {
+    return view.pictures.length ? frame - (frame % this.every) : frame
+  }
+
+  /** When the picture of a frame can be drawn; null if it can be, or there is none. */
+  waiting(view: View, frame: number): Promise<void> | null {
+    const picture = this.seenBy(view).picture(this.shown(view, frame))
+    return picture && !picture.image.complete ? picture.loaded : null
+  }
+
+  /** What a camera saw in a frame: the recorded picture, the body, the recorded outline over both. */
+  camera(view: View, at: number, canvas: HTMLCanvasElement, height: number, hasBody = true) {
+    const seen = this.seenBy(view), frame = this.shown(view, at)
+    if (frame !== at) this.body.pose(frame)
     const crop = seen.crop(frame)
     const scale = height / crop.height
     canvas.height = height
     canvas.width = Math.round(crop.width * scale)
     const pen = canvas.getContext('2d')!
-    pen.drawImage(this.shot(eyeOf(view, crop), canvas.width, canvas.height), 0, 0)
+    pen.fillStyle = '#fff'
+    pen.fillRect(0, 0, canvas.width, canvas.height)
+    const picture = seen.picture(frame)
+    if (picture) {
+      const { left, top, width, height } = picture.at
+      pen.drawImage(picture.image, (left - crop.left) * scale, (top - crop.top) * scale, width * scale, height * scale)
+      pen.globalAlpha = 0.5
+    }
+    if (hasBody || !picture) pen.drawImage(this.shot(eyeOf(view, crop), canvas.width, canvas.height), 0, 0)
+    pen.globalAlpha = 1
+    if (frame !== at) this.body.pose(at)
     for (const [colour, thick] of [['#222', 3.4], ['#ffc400', 1.8]] as const) {
       pen.strokeStyle = colour
       pen.lineWidth = thick

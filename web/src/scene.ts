@@ -16,12 +16,16 @@ export type Ellipsoids = {
   ellipsoids: { part: number; centre: number[]; turn: number[]; radii: number[] }[]
 }
 
+/** A part of an image without distortion, and when. */
+export type Picture = { frame: number; left: number; top: number; width: number; height: number; jpeg: string }
+
 export type View = {
   name: string
   size_px: [number, number]
   intrinsics_px: [number, number, number, number, number]
   camera_from_world: number[]
   outlines: string
+  pictures: Picture[]
 }
 
 export type Track = { name: string; title: string; axis: string; side: Side; values: string }
@@ -36,6 +40,8 @@ export type Scene = {
   tracks: Track[]
   events: { side: Side; kind: 'strike' | 'off'; time_s: number }[]
   views: View[]
+  /** Every so many frames have pictures. */
+  picture_every: number
 }
 
 export function readScene(): Scene {

@@ -9,6 +9,7 @@ use clap::{Args, ValueEnum};
 use crate::error::CliError;
 use crate::print;
 use crate::subject::SubjectArguments;
+use crate::switches::Quiet;
 use maquette::GaitStudy;
 use maquette::gait::{GaitOptions, Surface};
 use maquette::io::folder::write_atomically;
@@ -60,9 +61,8 @@ pub(super) struct GaitArguments {
     report: bool,
     #[command(flatten, next_help_heading = "About the person and the report")]
     subject: SubjectArguments,
-    /// Print nothing but errors
-    #[arg(long)]
-    quiet: bool,
+    #[command(flatten)]
+    quiet: Quiet,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -111,10 +111,10 @@ pub(super) fn run(arguments: &GaitArguments) -> Result<(), CliError> {
     let out = out_folder(arguments);
     study.save(&out)?;
     if arguments.report {
-        let text = arguments.subject.report(&study, &arguments.input)?;
+        let text = arguments.subject.report(&study, &arguments.input, arguments.quiet)?;
         write_atomically(&out.join("report.html"), text.as_bytes())?;
     }
-    if !arguments.quiet {
+    if !arguments.quiet.is_on() {
         let summary = Summary {
             input: &arguments.input,
             file: &study.file(),

@@ -3,6 +3,7 @@
 pub mod journal;
 pub mod jpeg;
 mod lock;
+pub mod origin;
 pub mod overlays;
 pub(super) mod png;
 pub mod segmented;
@@ -96,7 +97,7 @@ pub fn check_out(folder: &Path, existing: Existing) -> Result<(), OutError> {
 
 /// Everything that a run writes into the folder but its journal, and the skins made of it, in the order in which it is
 /// replaced: the result last, so that where it stands all of it stands.
-const RESULTS: [&str; 4] = ["overlays", "skin", "joints.trc", "result.json"];
+const RESULTS: [&str; 5] = ["overlays", "skin", "joints.trc", origin::ORIGIN, "result.json"];
 
 /// Prefix of the names of unfinished files and folders.
 const UNFINISHED: &str = ".writing-";

@@ -45,44 +45,101 @@ impl ObservationFiles {
     /// # Errors
     /// [`RecordingError::Checksum`] for a file that cannot be read.
     pub fn checksums(&self) -> Result<Vec<InputChecksum>, RecordingError> {
-        let mut checksums = Vec::new();
-        for path in &self.descriptions {
-            checksums.push(InputChecksum {
-                input: self.name_of(path),
-                files: 1,
-                blake3: checksum(path)?.to_string(),
-            });
+        self.inputs().iter().map(Input::checksum).collect()
+    }
+
+    /// Checks that this is the recording of which fingerprints were taken; the first difference is named. Names and
+    /// numbers of files are compared before any file is read.
+    ///
+    /// # Errors
+    /// [`RecordingError::Another`], and [`RecordingError::Checksum`] for a file that cannot be read.
+    pub fn check(&self, known: &[InputChecksum]) -> Result<(), RecordingError> {
+        let another =
+            |reason: String| RecordingError::Another { path: self.folder.clone(), reason };
+        let inputs = self.inputs();
+        // the body's files are no part of the recording
+        let known: Vec<_> = known.iter().filter(|k| !k.input.starts_with(BODY)).collect();
+
+        for input in &inputs {
+            let files = input.paths.len();
+            match known.iter().find(|k| k.input == input.name) {
+                None => return Err(another(format!("{} was not fitted", input.name))),
+                Some(k) if k.files != files => {
+                    let reason =
+                        format!("{}: {} files were fitted, found {files}", k.input, k.files);
+                    return Err(another(reason));
+                }
+                Some(_) => {}
+            }
+        }
+        if let Some(k) = known.iter().find(|k| !inputs.iter().any(|input| input.name == k.input)) {
+            return Err(another(format!("{} is not there", k.input)));
         }
 
+        for input in &inputs {
+            let found = input.checksum()?;
+            // two files elsewhere may have one name
+            if !known.contains(&&found) {
+                return Err(another(format!("{} is not what was fitted", input.name)));
+            }
+        }
+        Ok(())
+    }
+
+    /// All inputs, in the order in which the result lists them.
+    fn inputs(&self) -> Vec<Input<'_>> {
+        let descriptions = self.descriptions.iter().map(|path| Input {
+            name: self.name_of(path),
+            paths: vec![path],
+            is_single: true,
+        });
         let with_masks = self.rig.cameras.iter().zip(&self.masks);
-        for (camera, masks) in with_masks.filter(|(_, masks)| !masks.is_empty()) {
-            let input = format!("masks of {}", camera.name);
-            checksums.push(checksum_of_all(input, masks.values())?);
-        }
-
-        if self.has_points() {
-            checksums.push(checksum_of_all("points".into(), self.points.paths())?);
-        }
-
-        for (camera, pictures) in &self.pictures {
-            let input = format!("pictures of {camera}");
-            checksums.push(checksum_of_all(input, pictures.iter())?);
-        }
-
-        Ok(checksums)
+        let with_masks = with_masks.filter(|(_, masks)| !masks.is_empty());
+        let masks =
+            with_masks.map(|(camera, masks)| Input::several("masks", &camera.name, masks.values()));
+        let points = self.has_points().then(|| Input {
+            name: "points".into(),
+            paths: self.points.paths().collect(),
+            is_single: false,
+        });
+        let pictures = self.pictures.iter();
+        let pictures = pictures.map(|(camera, all)| Input::several("pictures", camera, all.iter()));
+        descriptions.chain(masks).chain(points).chain(pictures).collect()
     }
 }
 
-fn checksum_of_all<'a>(
-    input: String,
-    paths: impl Iterator<Item = &'a PathBuf>,
-) -> Result<InputChecksum, RecordingError> {
-    let (mut all, mut files) = (blake3::Hasher::new(), 0);
-    for path in paths {
-        all.update(checksum(path)?.as_bytes());
-        files += 1;
+/// What the names of a body's files begin with.
+const BODY: &str = "body ";
+
+/// A file, or files that are one input.
+struct Input<'a> {
+    name: String,
+    paths: Vec<&'a PathBuf>,
+    /// A file by itself.
+    is_single: bool,
+}
+
+impl<'a> Input<'a> {
+    fn several(kind: &str, camera: &str, paths: impl Iterator<Item = &'a PathBuf>) -> Self {
+        Self { name: format!("{kind} of {camera}"), paths: paths.collect(), is_single: false }
     }
-    Ok(InputChecksum { input, files, blake3: all.finalize().to_string() })
+
+    fn checksum(&self) -> Result<InputChecksum, RecordingError> {
+        let sums = self.paths.iter().map(|path| checksum(path));
+        let sums: Vec<blake3::Hash> = sums.collect::<Result<_, _>>()?;
+        let sum = match (self.is_single, sums.as_slice()) {
+            (true, [only]) => *only,
+            _ => {
+                let mut all = blake3::Hasher::new();
+                sums.iter().for_each(|sum| {
+                    all.update(sum.as_bytes());
+                });
+                all.finalize()
+            }
+        };
+        let (input, files) = (self.name.clone(), self.paths.len());
+        Ok(InputChecksum { input, files, blake3: sum.to_string() })
+    }
 }
 
 fn checksum(path: &Path) -> Result<blake3::Hash, RecordingError> {

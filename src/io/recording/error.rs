@@ -99,6 +99,17 @@ pub enum RecordingError {
         /// Why.
         source: io::Error,
     },
+    /// Another recording than the one that a result was fitted to.
+    #[error(
+        "{}: this is not the recording of the result: {reason}; give the one that was fitted, or fit this one",
+        path.display()
+    )]
+    Another {
+        /// The recording.
+        path: PathBuf,
+        /// What differs.
+        reason: String,
+    },
     /// A frame was asked for that the recording does not have.
     #[error("frame at position {position} of a recording of {count}")]
     NoFrame {

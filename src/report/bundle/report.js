@@ -13751,13 +13751,25 @@ var Im = class {
 	view;
 	lines;
 	size;
+	pictures = /* @__PURE__ */ new Map();
 	constructor(e) {
 		this.view = e, this.lines = vl(e);
 		let t = this.lines.map(Fm).filter((e) => e !== null), n = 1.2 * Math.max(...t.map((e) => e.height));
+		for (let t of e.pictures) {
+			let e = new Image();
+			e.src = `data:image/jpeg;base64,${t.jpeg}`, this.pictures.set(t.frame, {
+				at: t,
+				image: e,
+				loaded: e.decode()
+			});
+		}
 		this.size = {
 			width: Math.max(...t.map((e) => 1.2 * e.width), .7 * n),
 			height: n
 		};
+	}
+	picture(e) {
+		return this.pictures.get(e);
 	}
 	crop(e) {
 		let t = Fm(this.lines[e] ?? []), [n, r] = this.view.size_px;
@@ -13783,34 +13795,53 @@ function Lm(e, t) {
 }
 var Rm = class {
 	body;
+	every;
 	renderer;
 	room = new An();
 	seen = /* @__PURE__ */ new Map();
-	constructor(e) {
-		this.body = e, this.renderer = new fl({
+	constructor(e, t) {
+		this.body = e, this.every = t, this.renderer = new fl({
 			antialias: !0,
-			preserveDrawingBuffer: !0
-		}), this.room.background = new Q(16777215);
-		let t = new Ma(16777215, 2);
-		t.position.set(2, -3, 5), this.room.add(new Na(16777215, 1.4), t);
+			preserveDrawingBuffer: !0,
+			alpha: !0
+		}), this.renderer.setClearColor(16777215, 0);
+		let n = new Ma(16777215, 2);
+		n.position.set(2, -3, 5), this.room.add(new Na(16777215, 1.4), n);
 	}
 	shot(e, t, n) {
 		let r = this.body.object.parent;
 		return this.room.add(this.body.object), this.renderer.setSize(t, n, !1), this.renderer.render(this.room, e), r?.add(this.body.object), this.renderer.domElement;
 	}
-	camera(e, t, n, r) {
-		let i = this.seen.get(e) ?? new Im(e);
-		this.seen.set(e, i);
-		let a = i.crop(t), o = r / a.height;
-		n.height = r, n.width = Math.round(a.width * o);
-		let s = n.getContext("2d");
-		s.drawImage(this.shot(Lm(e, a), n.width, n.height), 0, 0);
-		for (let [e, n] of [["#222", 3.4], ["#ffc400", 1.8]]) {
-			s.strokeStyle = e, s.lineWidth = n;
-			for (let e of i.lines[t] ?? []) {
-				s.beginPath();
-				for (let t = 0; t < e.length; t += 2) s.lineTo((e[t] + .5 - a.left) * o, (e[t + 1] + .5 - a.top) * o);
-				s.closePath(), s.stroke();
+	seenBy(e) {
+		let t = this.seen.get(e) ?? new Im(e);
+		return this.seen.set(e, t), t;
+	}
+	shown(e, t) {
+		return e.pictures.length ? t - t % this.every : t;
+	}
+	waiting(e, t) {
+		let n = this.seenBy(e).picture(this.shown(e, t));
+		return n && !n.image.complete ? n.loaded : null;
+	}
+	camera(e, t, n, r, i = !0) {
+		let a = this.seenBy(e), o = this.shown(e, t);
+		o !== t && this.body.pose(o);
+		let s = a.crop(o), c = r / s.height;
+		n.height = r, n.width = Math.round(s.width * c);
+		let l = n.getContext("2d");
+		l.fillStyle = "#fff", l.fillRect(0, 0, n.width, n.height);
+		let u = a.picture(o);
+		if (u) {
+			let { left: e, top: t, width: n, height: r } = u.at;
+			l.drawImage(u.image, (e - s.left) * c, (t - s.top) * c, n * c, r * c), l.globalAlpha = .5;
+		}
+		(i || !u) && l.drawImage(this.shot(Lm(e, s), n.width, n.height), 0, 0), l.globalAlpha = 1, o !== t && this.body.pose(t);
+		for (let [e, t] of [["#222", 3.4], ["#ffc400", 1.8]]) {
+			l.strokeStyle = e, l.lineWidth = t;
+			for (let e of a.lines[o] ?? []) {
+				l.beginPath();
+				for (let t = 0; t < e.length; t += 2) l.lineTo((e[t] + .5 - s.left) * c, (e[t + 1] + .5 - s.top) * c);
+				l.closePath(), l.stroke();
 			}
 		}
 	}
@@ -14334,13 +14365,17 @@ function vh(e) {
 }
 function yh(e) {
 	let t = fh("camera"), n = fh("camera-choice");
-	t && n && gh && gh.camera(dh.views[Number(n.value)], e, t, 420);
+	if (!t || !n || !gh) return;
+	let r = dh.views[Number(n.value)], i = () => gh.camera(r, e, t, 420, fh("camera-body")?.checked);
+	i(), gh.waiting(r, e)?.then(() => {
+		Number(ph.value) === e && dh.views[Number(n.value)] === r && i();
+	});
 }
-function bh() {
+async function bh() {
 	let e = fh("sheet");
 	if (!e || !gh) return;
 	let t = Math.floor(dh.frames / 2);
-	mh.pose(t);
+	await Promise.all(dh.views.map((e) => gh.waiting(e, t))), mh.pose(t);
 	for (let n of dh.views) {
 		let r = document.createElement("figure"), i = document.createElement("canvas"), a = document.createElement("figcaption");
 		a.textContent = `${n.name}, frame ${dh.first_frame + t}`, gh.camera(n, t, i, 260), r.append(i, a), e.append(r);
@@ -14364,8 +14399,10 @@ function Ch() {
 	}
 	e.textContent = Sh ? "⏸" : "▶", e.setAttribute("aria-label", Sh ? "Pause" : "Play");
 }
-ph.addEventListener("input", () => vh(Number(ph.value))), fh("play").addEventListener("click", Ch), fh("camera-choice")?.addEventListener("change", () => yh(Number(ph.value))), fh("colour-blind").addEventListener("change", (e) => {
+ph.addEventListener("input", () => vh(Number(ph.value))), fh("play").addEventListener("click", Ch);
+for (let e of ["camera-choice", "camera-body"]) fh(e)?.addEventListener("change", () => yh(Number(ph.value)));
+fh("colour-blind").addEventListener("change", (e) => {
 	document.body.classList.toggle("cb", e.target.checked), mh.paint?.(), hh?.draw(), _h.draw();
-}), addEventListener("beforeprint", () => _h.hold(!0)), addEventListener("afterprint", () => _h.hold(!1)), addEventListener("resize", () => hh?.draw()), vh(0), document.body.dataset.ready = String(Math.round(performance.now())), setTimeout(() => {
-	hh && (gh = new Rm(mh)), xh(), bh(), vh(Number(ph.value)), document.body.dataset.complete = String(Math.round(performance.now()));
+}), addEventListener("beforeprint", () => _h.hold(!0)), addEventListener("afterprint", () => _h.hold(!1)), addEventListener("resize", () => hh?.draw()), vh(0), document.body.dataset.ready = String(Math.round(performance.now())), setTimeout(async () => {
+	hh && (gh = new Rm(mh, dh.picture_every)), xh(), await bh(), vh(Number(ph.value)), document.body.dataset.complete = String(Math.round(performance.now()));
 });
