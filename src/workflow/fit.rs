@@ -84,8 +84,12 @@ impl Recording {
             let pictures = fit.frames.len() * input.files.rig.cameras.len();
             progress.begin("overlays", pictures);
             let into = scratch.path().join("overlays");
-            overlays::write(&into, &input.files, &input.model, &fit, &|| progress.step())?;
+            let done = || progress.step();
+            let no_film = overlays::write(&into, &input.files, &input.model, &fit, &done)?;
             progress.end();
+            if let Some(reason) = no_film {
+                progress.note(&format!("overlays: pictures only, no films: {reason}"));
+            }
         }
         let fitted = fitted(input, &fit);
         for (name, bytes) in fitted.result.files()? {

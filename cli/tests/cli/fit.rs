@@ -61,6 +61,8 @@ fn a_recording_is_fitted_from_end_to_end() {
     let picture = image::load_from_memory(&arm.bytes("out", "overlays/cam_02/000003.png"));
     let picture = picture.expect("a picture");
     assert_eq!((picture.width(), picture.height()), SIZE);
+    let has_ffmpeg = std::process::Command::new("ffmpeg").arg("-version").output().is_ok();
+    assert_eq!(arm.out("out/overlays/cam_02.mp4").is_file(), has_ffmpeg, "a film of the pictures");
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! The folder that a result is written into: nothing in it is lost, nothing in it is ever half written.
 
+mod film;
 pub mod journal;
 pub mod jpeg;
 mod lock;

@@ -1,9 +1,10 @@
-//! Pictures of the fit over the masks: `<camera>/%06d.png`.
+//! Pictures of the fit over the masks: `<camera>/%06d.png`, and as a film `<camera>.mp4`.
 
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
+use super::film;
 use super::png::{self, Effort};
 use super::{OutError, file_name, make_folder, write_encoded};
 use crate::body::{BodyModel, Posed};
@@ -25,7 +26,8 @@ pub enum OverlayError {
     Out(#[from] OutError),
 }
 
-/// Writes a picture for each mask of each fitted frame into a folder; `done` is called after each.
+/// Writes a picture for each mask of each fitted frame into a folder; `done` is called after each. Then writes each camera's as
+/// a film, and gives the reason where there is none.
 ///
 /// # Errors
 /// [`OverlayError`] for the first that fails.
@@ -35,7 +37,7 @@ pub fn write(
     model: &BodyModel,
     fit: &Fit,
     done: &(dyn Fn() + Sync),
-) -> Result<(), OverlayError> {
+) -> Result<Option<String>, OverlayError> {
     let cameras: Vec<(CameraId, PathBuf)> = recording
         .rig
         .iter()
@@ -58,8 +60,21 @@ pub fn write(
             write_picture(canvas.pixels(), &path)?;
         }
         done();
-        Ok(())
-    })
+        Ok::<(), OverlayError>(())
+    })?;
+
+    let films = cameras.par_iter().map(|(_, folder)| {
+        let picture = |frame: &FittedFrame| {
+            let path = folder.join(format!("{:06}.png", frame.frame.0));
+            path.is_file().then_some(path)
+        };
+        let pictures: Vec<Option<PathBuf>> = fit.frames.iter().map(picture).collect();
+        // a camera's name may hold a point, which is no extension
+        let name = folder.file_name().unwrap_or_default().to_string_lossy();
+        film::write(&folder.with_file_name(format!("{name}.mp4")), &pictures, recording.fps)
+    });
+    let films: Vec<Result<(), String>> = films.collect();
+    Ok(films.into_iter().find_map(Result::err))
 }
 
 /// `None` where the camera has no mask of the frame.
