@@ -29,6 +29,8 @@ mod silhouettes;
 mod skin;
 #[path = "cli/stereo.rs"]
 mod stereo;
+#[path = "cli/views.rs"]
+mod views;
 #[allow(dead_code, reason = "a walker shared with the tests of gait")]
 #[path = "../../tests/gait/walker.rs"]
 mod walker;
