@@ -25,7 +25,7 @@ pub(super) const EXAMPLES: &str = "\
 Examples:
   maquette report out/me
   maquette report out/me --recording my-recording --no-pictures
-  maquette report out/me --subject 'P 017' --age 72 --sex female --date 2026-03-02 --condition barefoot";
+  maquette report out/me --subject 'P 017' --age 72 --sex female --date 2026-03-02 --footwear barefoot";
 
 /// Arguments of `maquette report`.
 #[derive(Debug, Args)]

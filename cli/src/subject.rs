@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use maquette::gait::Footwear;
 use maquette::io::folder::origin;
 use maquette::io::gait::Sex;
 use maquette::report::Subject;
@@ -27,9 +28,12 @@ pub(super) struct SubjectArguments {
     /// When it was recorded
     #[arg(long, value_name = "TEXT")]
     date: Option<String>,
-    /// Barefoot, with shoes, with an orthosis, …
+    /// With an orthosis, on a slope, …
     #[arg(long, value_name = "TEXT")]
     condition: Option<String>,
+    /// What they wore on their feet; a norm of other footwear is compared with a caution
+    #[arg(long, value_enum)]
+    footwear: Option<FootwearArgument>,
     /// The recording that was fitted, which shows what the cameras saw [default: where the fit found it]
     #[arg(long, value_name = "FOLDER")]
     recording: Option<PathBuf>,
@@ -42,6 +46,21 @@ pub(super) struct SubjectArguments {
 enum SexArgument {
     Female,
     Male,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum FootwearArgument {
+    Barefoot,
+    Shoes,
+}
+
+impl From<FootwearArgument> for Footwear {
+    fn from(footwear: FootwearArgument) -> Self {
+        match footwear {
+            FootwearArgument::Barefoot => Self::Barefoot,
+            FootwearArgument::Shoes => Self::Shoes,
+        }
+    }
 }
 
 impl From<SexArgument> for Sex {
@@ -106,6 +125,11 @@ impl SubjectArguments {
         Ok(study.report_with_views(&self.subject(recording), shown)?)
     }
 
+    /// What they wore, as stated.
+    pub(super) fn footwear(&self) -> Option<Footwear> {
+        self.footwear.map(Footwear::from)
+    }
+
     fn subject(&self, recording: &Path) -> Subject {
         let whole = recording.canonicalize().unwrap_or_else(|_| recording.into());
         let name = whole.file_name().map(|n| n.to_string_lossy().into_owned());
@@ -116,6 +140,7 @@ impl SubjectArguments {
             sex: self.sex.map(Sex::from),
             date: self.date.clone(),
             condition: self.condition.clone(),
+            footwear: self.footwear(),
         }
     }
 }

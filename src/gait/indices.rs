@@ -12,6 +12,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::angle::Angle;
+use super::beyond::{Beyond, Footwear};
 use super::curves::{Curve, POINTS};
 use super::landmark::Side;
 use super::parameters::Parameter;
@@ -54,6 +55,25 @@ pub struct Norm {
     pub parameters: BTreeMap<Parameter, (f64, f64)>,
     /// Where the parameters are from, and of whom; `None`: as the curves.
     pub parameters_source: Option<String>,
+    /// What the people of the curves wore, if it is known.
+    pub footwear: Option<Footwear>,
+    /// What the people of the parameters wore, if it is known.
+    pub parameters_footwear: Option<Footwear>,
+}
+
+impl Norm {
+    /// Where a parameter lies beyond those of healthy people; `None` within, and where the norm has none.
+    pub fn beyond(&self, parameter: Parameter, value: f64) -> Option<Beyond> {
+        let (mean, sd) = self.parameters.get(&parameter)?;
+        Beyond::of(value, *mean, *sd)
+    }
+
+    /// Where an angle lies beyond those of healthy people at the same place of the cycle, in percent; radians.
+    pub fn beyond_at(&self, angle: Angle, percent: usize, value: f64) -> Option<Beyond> {
+        let band = self.curves.get(&angle)?;
+        let at = (percent * (SCORE_POINTS - 1) + 50) / 100;
+        Beyond::of(value, *band.mean.get(at)?, *band.sd.get(at)?)
+    }
 }
 
 /// A score of one variable.

@@ -14,10 +14,11 @@
 //! | `segments.rs`   | orientations of parts; `landmark_axes.rs`: from places of the body |
 //! | `angle.rs`      | names and signs of joint angles; `angles.rs`: the angles of parts  |
 //! | `curves.rs`     | angles over the gait cycle                                         |
-//! | `indices.rs`    | scores against healthy people                                      |
+//! | `indices.rs`    | scores against healthy people; `beyond.rs`: numbers beyond theirs  |
 
 mod angle;
 mod angles;
+mod beyond;
 mod complete;
 mod course;
 mod curves;
@@ -34,6 +35,7 @@ mod segments;
 
 pub use angle::Angle;
 pub use angles::{AngleTracks, cardan_zxy};
+pub use beyond::{BEYOND_SD, Beyond, Footwear};
 pub use course::{Course, Surface};
 pub use curves::{Curve, Extremes, KeyPoints, POINTS};
 pub use cycles::Cycle;

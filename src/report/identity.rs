@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::page::Page;
 use super::{ReportInput, Subject};
-use crate::gait::{Side, Surface};
+use crate::gait::{Footwear, Side, Surface};
 use crate::io::gait::Sex;
 use crate::io::result::Program;
 
@@ -44,6 +44,7 @@ fn person(subject: &Subject) -> Vec<Row> {
         ("Age, sex", age_and_sex(subject)),
         ("Date of recording", or_not_stated(&subject.date)),
         ("Condition", or_not_stated(&subject.condition)),
+        ("Footwear", subject.footwear.map_or("not stated", Footwear::words).into()),
         ("Recording", subject.recording.clone()),
     ]
 }

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::ReportInput;
 use super::figure::{Axis, Colour, Figure, NORM, axis_range};
 use super::label;
-use super::page::{Page, absent, key};
+use super::page::{Page, absent, footwear_note, key};
 use super::spatiotemporal::{reason, remarks};
 use crate::gait::{Angle, Curve, Norm, Side};
 
@@ -63,11 +63,14 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
                 (absent(&format!("Angles over time, not over the gait cycle: {}.", reason(gait))))
             }
             (key(norm))
+            @if let Some(norm) = input.norm.filter(|_| walks) {
+                (footwear_note(norm.footwear, input.subject.footwear))
+            }
             @if walks { (remarks(gait)) }
             (grid(input, &LEGS, drawn))
             p class="note" {
                 @if walks {
-                    "From foot strike to foot strike of the same side. Line: mean over strides. Tint: 95 % band of the fit, ±1.96 SD, where it is known. Dashed: foot off. "
+                    "From foot strike to foot strike of the same side. Line: mean over strides. Tint: ± 1 SD of the fit, where it is known, as the norm's band is ± 1 SD between people. Dashed: foot off. "
                 }
                 "Between systems a constant offset of some degrees is the rule: compare shapes and ranges first."
             }
@@ -180,8 +183,8 @@ fn over_cycle(input: &ReportInput<'_>, angle: Angle, drawn: Drawn) -> Figure {
 fn mean(mut figure: Figure, curve: &Curve) -> Figure {
     let colour = Colour::from(curve.side);
     if let Some(sd) = &curve.fit_sd {
-        // 95 % of a normal distribution
-        let reach = sd.iter().map(|sd| 1.96 * sd.to_degrees());
+        // ± 1 SD, as the norm's band
+        let reach = sd.iter().map(|sd| sd.to_degrees());
         let means = over_percent(&curve.mean).into_iter();
         let rows = means.zip(reach);
         let band: Vec<_> = rows.map(|((x, mean), reach)| (x, mean - reach, mean + reach)).collect();

@@ -33,7 +33,7 @@ mod shape;
 mod spatiotemporal;
 mod views;
 
-use crate::gait::{GaitAnalysis, Movement, Norm};
+use crate::gait::{Footwear, GaitAnalysis, Movement, Norm};
 use crate::io::gait::Sex;
 use crate::io::result::ResultFile;
 use crate::pipeline::FittedBody;
@@ -54,8 +54,10 @@ pub struct Subject {
     pub sex: Option<Sex>,
     /// Date of the recording.
     pub date: Option<String>,
-    /// Barefoot, with an orthosis, …
+    /// With an orthosis, on a slope, …
     pub condition: Option<String>,
+    /// What they wore on their feet.
+    pub footwear: Option<Footwear>,
 }
 
 /// Everything that a report shows.

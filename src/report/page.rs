@@ -4,6 +4,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::Subject;
 use super::figure::style_of_sides;
+use crate::gait::{BEYOND_SD, Beyond, Footwear};
 
 const SCRIPT: &str = include_str!("bundle/report.js");
 const STYLE: &str = include_str!("bundle/report.css");
@@ -70,6 +71,32 @@ fn foot(subject: &Subject) -> String {
     )
 }
 
+/// The mark of a number beyond the norm, which is also read aloud.
+pub(super) fn mark(beyond: Option<Beyond>) -> Markup {
+    html! {
+        @if let Some(beyond) = beyond {
+            span class="beyond" { span aria-hidden="true" { (beyond.mark()) } span class="spoken" { (beyond.words()) } }
+        }
+    }
+}
+
+/// What to know before a person is compared with a norm; nothing where both walked alike.
+pub(super) fn footwear_note(norm: Option<Footwear>, person: Option<Footwear>) -> Markup {
+    html! {
+        @if let Some(caution) = Footwear::caution(norm, person) {
+            p class="absent" { "Before comparing with the norm: " (caution) "." }
+        }
+    }
+}
+
+/// What the marks mean.
+pub(super) fn mark_legend() -> Markup {
+    html! {
+        span aria-hidden="true" { (Beyond::Above.mark()) " " (Beyond::Below.mark()) }
+        " marked: beyond the norm's mean by more than " (BEYOND_SD) " SD between people. "
+    }
+}
+
 /// A reason why something is absent.
 pub(super) fn absent(reason: &str) -> Markup {
     html! { p class="absent" { (reason) } }
@@ -100,7 +127,7 @@ pub(super) fn key(norm: Option<&str>) -> Markup {
     html! {
         p class="key" {
             span class="left" { "left" } span class="right" { "right" }
-            @if let Some(norm) = norm { span class="norm" { "norm: " (norm) ", mean ± 1 SD" } }
+            @if let Some(norm) = norm { span class="norm" { "norm: " (norm) ", mean ± 1 SD between people" } }
         }
     }
 }

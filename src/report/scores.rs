@@ -4,9 +4,9 @@ use maud::{Markup, html};
 
 use super::ReportInput;
 use super::label;
-use super::page::{Page, absent, number};
+use super::page::{Page, absent, footwear_note, mark, mark_legend, number};
 use super::spatiotemporal::reason;
-use crate::gait::{Angle, Curve, Indices, Side, VARIABLES, indices};
+use crate::gait::{Angle, Curve, Indices, Norm, Side, VARIABLES, indices};
 use crate::math::stats::mean;
 
 pub(super) fn page(input: &ReportInput<'_>) -> Page {
@@ -21,9 +21,13 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
             @if is_empty {
                 (absent(&format!("No key points and no scores: {}.", reason(gait))))
             } @else {
-                (key_points(&gait.curves))
-                p class="note" { "Degrees; in brackets the place in the cycle, %. Fit SD: mean over the cycle." }
+                (key_points(&gait.curves, input.norm))
+                p class="note" {
+                    "Degrees; in brackets the place in the cycle, %. Fit SD: mean over the cycle. "
+                    @if input.norm.is_some() { (mark_legend()) "An angle is compared with the norm at its own place in the cycle." }
+                }
                 h3 { "Scores against the norm" }
+                @if let Some(norm) = input.norm { (footwear_note(norm.footwear, input.subject.footwear)) }
                 @match &indices {
                     Some(indices) => (scores(indices)),
                     None => (absent("No scores: no norm has a curve in common with this recording.")),
@@ -35,7 +39,7 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
 }
 
 /// Values at foot strike, extremes and ranges of the curves, degrees.
-fn key_points(curves: &[Curve]) -> Markup {
+fn key_points(curves: &[Curve], norm: Option<&Norm>) -> Markup {
     html! {
         table class="numbers small" {
             thead { tr { @for name in
@@ -43,16 +47,18 @@ fn key_points(curves: &[Curve]) -> Markup {
                 { th scope="col" { (name) } }
             } }
 
-            tbody { @for curve in curves { (key_point_row(curve)) } }
+            tbody { @for curve in curves { (key_point_row(curve, norm)) } }
         }
     }
 }
 
-fn key_point_row(curve: &Curve) -> Markup {
+fn key_point_row(curve: &Curve, norm: Option<&Norm>) -> Markup {
     let key = curve.key_points();
     let degrees = |angle: f64| number(Some(angle.to_degrees()), 1);
-    let with_place =
-        |angle, percent: usize| html! { td { (degrees(angle)) " " small { "(" (percent) ")" } } };
+    let beyond = |angle, percent| mark(norm.and_then(|n| n.beyond_at(curve.angle, percent, angle)));
+    let with_place = |angle, percent: usize| {
+        html! { td { (degrees(angle)) (beyond(angle, percent)) " " small { "(" (percent) ")" } } }
+    };
     let fit_sd = curve.fit_sd.as_ref();
     let fit_sd_deg = fit_sd.and_then(|sd| mean(sd.iter().map(|sd| sd.to_degrees())));
 
@@ -60,7 +66,7 @@ fn key_point_row(curve: &Curve) -> Markup {
         tr {
             th scope="row" { (label::angle_label(curve.angle).title) }
             td class=(curve.side.name()) { (curve.side.name()) }
-            td { (degrees(key.initial_contact)) }
+            td { (degrees(key.initial_contact)) (beyond(key.initial_contact, 0)) }
             (with_place(key.stance.least, key.stance.least_at_percent))
             (with_place(key.stance.greatest, key.stance.greatest_at_percent))
             (with_place(key.swing.greatest, key.swing.greatest_at_percent))

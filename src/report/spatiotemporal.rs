@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::ReportInput;
 use super::identity::age_and_sex;
 use super::label;
-use super::page::{Page, absent, number};
+use super::page::{Page, absent, footwear_note, mark, mark_legend, number};
 use crate::gait::{EventKind, GaitAnalysis, Norm, Parameter, Side, Statistic};
 
 pub(super) fn page(input: &ReportInput<'_>) -> Page {
@@ -20,7 +20,11 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
                 (absent(&format!("No parameters: {}.", reason(gait))))
             } @else {
                 (table(gait, input.norm))
+                @if let Some(norm) = input.norm.filter(|norm| !norm.parameters.is_empty()) {
+                    (footwear_note(norm.parameters_footwear, input.subject.footwear))
+                }
                 p class="note" {
+                    @if input.norm.is_some_and(|norm| !norm.parameters.is_empty()) { (mark_legend()) }
                     "SD: between strides. u: standard uncertainty of one value; more strides do not make it smaller. "
                     "Normalised: mean of both sides by leg length and gravity (Hof 1996). "
                     "Norm: " (norm_in_words(input))
@@ -92,8 +96,8 @@ fn row(parameter: Parameter, gait: &GaitAnalysis, norm: Option<&Norm>) -> Markup
         tr {
             th scope="row" { (label::parameter_name(parameter)) }
             td { (parameter.unit()) }
-            (cells(parameter, statistic(Side::Left)))
-            (cells(parameter, statistic(Side::Right)))
+            (cells(parameter, statistic(Side::Left), norm))
+            (cells(parameter, statistic(Side::Right), norm))
             td { (number(gait.symmetry_percent(parameter), 0)) }
             td { (norm_cell(parameter, norm)) }
             td { (number(gait.normalised(parameter).filter(|_| has_unit), 3)) }
@@ -108,10 +112,11 @@ fn digits(parameter: Parameter) -> usize {
     }
 }
 
-fn cells(parameter: Parameter, statistic: Option<&Statistic>) -> Markup {
+fn cells(parameter: Parameter, statistic: Option<&Statistic>, norm: Option<&Norm>) -> Markup {
     let digits = digits(parameter);
+    let beyond = statistic.and_then(|s| norm?.beyond(parameter, s.mean));
     html! {
-        td class="mean" { (number(statistic.map(|s| s.mean), digits)) }
+        td class="mean" { (number(statistic.map(|s| s.mean), digits)) (mark(beyond)) }
         td { (number(statistic.and_then(|s| s.sd), digits)) }
         td { (number(statistic.and_then(|s| s.uncertainty), digits)) }
         td { (statistic.map_or(0, |s| s.n)) }

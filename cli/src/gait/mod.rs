@@ -119,6 +119,7 @@ pub(super) fn run(arguments: &GaitArguments) -> Result<(), CliError> {
             input: &arguments.input,
             file: &study.file(),
             norm: study.norm.as_ref(),
+            footwear: arguments.subject.footwear(),
             is_normalised: arguments.normalised,
         };
         print(&summary.text());

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::table::Table;
-use maquette::gait::{Norm, Side, Statistic, Surface, Used};
+use maquette::gait::{BEYOND_SD, Beyond, Footwear, Norm, Side, Statistic, Surface, Used};
 use maquette::io::gait::GaitFile;
 use maquette::math::stats::mean;
 
@@ -12,6 +12,7 @@ pub(super) struct Summary<'a> {
     pub(super) input: &'a Path,
     pub(super) file: &'a GaitFile,
     pub(super) norm: Option<&'a Norm>,
+    pub(super) footwear: Option<Footwear>,
     pub(super) is_normalised: bool,
 }
 
@@ -62,8 +63,12 @@ impl Summary<'_> {
             let unit = if leg.is_some() && !part.unit.starts_with('%') { "–" } else { part.unit };
 
             let mut row = vec![part.name.name().to_owned(), unit.to_owned()];
-            row.extend(cells(part.left.as_ref(), scale));
-            row.extend(cells(part.right.as_ref(), scale));
+            for side in [part.left.as_ref(), part.right.as_ref()] {
+                let mut side_cells = cells(side, scale);
+                let beyond = side.and_then(|s| self.norm?.beyond(part.name, s.mean));
+                side_cells[0] += beyond.map_or("", Beyond::mark);
+                row.extend(side_cells);
+            }
             row.push(part.symmetry_percent.map_or("–".into(), |s| format!("{s:.0}")));
 
             let norm = self.norm.and_then(|n| n.parameters.get(&part.name));
@@ -76,7 +81,19 @@ impl Summary<'_> {
             table.row(row);
         }
 
-        table.text() + "  SD: between strides. u: standard uncertainty of one value.\n"
+        let mut text = table.text();
+        text += "  SD: between strides. u: standard uncertainty of one value.\n";
+        if let Some(norm) = self.norm.filter(|norm| !norm.parameters.is_empty()) {
+            text += &format!(
+                "  {} {}: beyond the norm's mean by more than {BEYOND_SD} SD between people.\n",
+                Beyond::Above.mark(),
+                Beyond::Below.mark()
+            );
+            if let Some(caution) = Footwear::caution(norm.parameters_footwear, self.footwear) {
+                text += &format!("  ! {caution}\n");
+            }
+        }
+        text
     }
 
     fn events(&self) -> String {
@@ -161,7 +178,9 @@ impl Summary<'_> {
                 format!("  GPS of both sides: {v:.1}°\n")
             });
 
-        format!("{}{both}  against {}: {}\n", table.text(), norm.name, norm.source)
+        let caution = Footwear::caution(norm.footwear, self.footwear);
+        let caution = caution.map_or(String::new(), |caution| format!("  ! {caution}\n"));
+        format!("{}{both}  against {}: {}\n{caution}", table.text(), norm.name, norm.source)
     }
 
     fn remarks(&self) -> String {

@@ -58,3 +58,18 @@ fn the_column_norm_says_whose_it_is_or_why_it_is_empty() {
     assert!(said(&[]).contains("as the age was not stated"));
     assert!(said(&["--age", "34"]).contains("no table for: 34 years"));
 }
+
+#[test]
+fn numbers_beyond_the_norm_are_marked_and_its_footwear_is_said() {
+    let trc = Walker::new(0.4).trc();
+    let person = ["--age", "9", "--footwear"];
+    let said = |footwear: &str| {
+        let report = report_of(&trc, &[&person[..], &[footwear]].concat());
+        page(&report, "spatiotemporal").to_owned()
+    };
+    let barefoot = said("barefoot");
+    // an adult's cadence is far below a child's
+    assert!(barefoot.contains("▼") && barefoot.contains("below the norm"), "{barefoot}");
+    assert!(barefoot.contains("walked in shoes, this person barefoot"), "{barefoot}");
+    assert!(!said("shoes").contains("Before comparing"));
+}

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use crate::gait::{Angle, Band, Norm, Parameter, SCORE_POINTS};
+use crate::gait::{Angle, Band, Footwear, Norm, Parameter, SCORE_POINTS};
 use crate::io::input;
 
 /// The shipped norm: its name and text.
@@ -57,6 +57,8 @@ pub enum NormError {
 struct NormFile {
     name: String,
     source: String,
+    /// What its people wore.
+    footwear: Option<Footwear>,
     #[serde(default)]
     curve: BTreeMap<String, CurvePart>,
     #[serde(default)]
@@ -96,6 +98,8 @@ pub fn parse_norm(text: &str, path: &Path) -> Result<Norm, NormError> {
     let mut norm = Norm {
         name: file.name,
         source: file.source,
+        footwear: file.footwear,
+        parameters_footwear: file.footwear,
         parameters: parameters(file.parameter, path)?,
         ..Norm::default()
     };

@@ -6,7 +6,7 @@ use std::path::Path;
 use serde::Deserialize;
 
 use super::norm::{NormError, ParameterPart, parameters, syntax};
-use crate::gait::Norm;
+use crate::gait::{Footwear, Norm};
 
 /// The shipped groups: name of the file and text.
 const SHIPPED: (&str, &str) =
@@ -37,6 +37,8 @@ struct GroupPart {
     ages: [u32; 2],
     /// Absent: both sexes together.
     sex: Option<Sex>,
+    /// What they wore, if the source says so.
+    footwear: Option<Footwear>,
     source: String,
     parameter: BTreeMap<String, ParameterPart>,
 }
@@ -57,6 +59,7 @@ pub fn add_parameters(norm: &mut Norm, age_years: u32, sex: Option<Sex>) -> Resu
     let file: GroupsFile = toml::from_str(SHIPPED.1).map_err(|fault| syntax(path, fault))?;
     let group = file.group.into_iter().find(|g| g.holds(age_years, sex));
     if let Some(group) = group {
+        norm.parameters_footwear = group.footwear;
         norm.parameters = parameters(group.parameter, path)?;
         let (name, people, source) = (group.name, group.people, group.source);
         norm.parameters_source = Some(format!("{name}: {source}, {people}"));
@@ -102,6 +105,8 @@ mod tests {
     fn a_norm_is_that_of_the_age_and_sex() {
         let (woman, man) = (norm(72, Some(Sex::Female)), norm(72, Some(Sex::Male)));
         assert_ne!(woman.parameters, man.parameters);
+        assert_eq!(norm(9, None).parameters_footwear, Some(Footwear::Shoes));
+        assert_eq!(man.parameters_footwear, None, "the transcription does not say");
         assert!(man.parameters_source.unwrap().contains("men of 70 to 74 years"));
         // tables of children hold for both sexes, those of old people for one, and in between there is none
         assert!(!norm(13, None).parameters.is_empty());
