@@ -6,6 +6,8 @@ use std::path::{Component, Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use crate::io::input;
+
 /// The name of the file.
 pub const ORIGIN: &str = "recording.toml";
 
@@ -27,7 +29,7 @@ pub fn text(recording: &Path, out: &Path) -> Option<String> {
 
 /// The recording that the folder of a result names; `None` if it names none.
 pub fn read(out: &Path) -> Option<PathBuf> {
-    let text = std::fs::read_to_string(out.join(ORIGIN)).ok()?;
+    let text = input::read_text(&out.join(ORIGIN)).ok()?;
     let file: OriginFile = toml::from_str(&text).ok()?;
     Some(out.join(file.path))
 }
