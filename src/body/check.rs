@@ -4,23 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::{BodyModel, EllipsoidJacobians, Layout, PartId, Posed, State};
 use crate::math::quadric::Ellipsoid;
-use crate::math::{central_differences, first_difference};
-
-/// A derivative of the kinematics that is wrong.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("∂({what})[{row}]/∂δ[{component}] is {analytic} and {numeric} by differences")]
-pub struct KinematicsFault {
-    /// Which point, part or ellipsoid.
-    pub what: String,
-    /// Which of its numbers.
-    pub row: usize,
-    /// Which component of the state.
-    pub component: usize,
-    /// What the code says.
-    pub analytic: f64,
-    /// What differences say.
-    pub numeric: f64,
-}
+use crate::math::{DerivativeFault, central_differences, compare_derivatives};
 
 /// Checks the Jacobians of every exported point, part and ellipsoid of a model at a state.
 ///
@@ -30,7 +14,7 @@ pub fn check_kinematics(
     model: &BodyModel,
     state: &State,
     tolerance: f64,
-) -> Result<(), KinematicsFault> {
+) -> Result<(), DerivativeFault> {
     let layout = Layout::new(model);
     let body = Posed::new(model, &state.shape, &state.motion);
 
@@ -86,30 +70,7 @@ fn compare(
     analytic: &DMatrix<f64>,
     numeric: &DMatrix<f64>,
     tolerance: f64,
-) -> Result<(), KinematicsFault> {
-    match first_difference(analytic, numeric, |_| tolerance) {
-        None => Ok(()),
-        Some((row, component)) => Err(KinematicsFault {
-            what: what.to_owned(),
-            row,
-            component,
-            analytic: analytic[(row, component)],
-            numeric: numeric[(row, component)],
-        }),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_sign_error_in_one_row_is_found_and_named() {
-        let numeric = DMatrix::from_row_slice(2, 2, &[1.0, 2.0, 3.0, 4.0]);
-        let mut analytic = numeric.clone();
-        assert_eq!(compare("RKnee", &analytic, &numeric, 1e-9), Ok(()));
-        analytic[(1, 0)] = -3.0;
-        let fault = compare("RKnee", &analytic, &numeric, 1e-9).unwrap_err();
-        assert_eq!(fault.to_string(), "∂(RKnee)[1]/∂δ[0] is -3 and 3 by differences");
-    }
+) -> Result<(), DerivativeFault> {
+    let names = |row, component| [format!("({what})[{row}]"), format!("δ[{component}]")];
+    compare_derivatives(analytic, numeric, |_| tolerance, names)
 }

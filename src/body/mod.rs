@@ -16,7 +16,7 @@ mod scaled;
 mod side;
 mod state;
 
-pub use check::{KinematicsFault, check_kinematics};
+pub use check::check_kinematics;
 pub use jacobian::EllipsoidJacobians;
 pub use model::{
     BodyModel, CoefficientId, FrameId, Joint, JointId, Limbs, ModelError, NamedPoint, Part, PartId,

@@ -19,7 +19,7 @@ mod ray;
 mod rig;
 mod up_axis;
 
-pub use check::{ProjectionFault, ProjectionModel, check_projection};
+pub use check::{ProjectionFault, check_projection};
 pub use common_view::{Blindness, CommonView};
 pub use distortion::Distortion;
 pub use intrinsics::Intrinsics;

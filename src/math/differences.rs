@@ -21,20 +21,46 @@ pub fn central_differences(
     DMatrix::from_columns(&columns)
 }
 
-/// Row and column of the first entry in which two Jacobians differ by more than its row's tolerance, or by NaN.
+/// A derivative that is not the slope of its function.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("∂{function}/∂{variable} is {analytic} and {numeric} by differences")]
+pub struct DerivativeFault {
+    /// Which number is differentiated.
+    pub function: String,
+    /// With respect to what, and where.
+    pub variable: String,
+    /// What the code says.
+    pub analytic: f64,
+    /// What differences say.
+    pub numeric: f64,
+}
+
+/// Compares a Jacobian with the same by differences, column after column; `names` are those of a row's function and a
+/// column's variable.
 ///
-/// Searched column after column.
-pub fn first_difference(
+/// # Errors
+/// The first entry that differs by more than its row's tolerance, or by NaN.
+pub fn compare_derivatives(
     analytic: &DMatrix<f64>,
     numeric: &DMatrix<f64>,
     tolerance: impl Fn(usize) -> f64,
-) -> Option<(usize, usize)> {
+    names: impl Fn(usize, usize) -> [String; 2],
+) -> Result<(), DerivativeFault> {
     let rows = analytic.nrows();
     let mut entries = (0..analytic.ncols()).flat_map(|c| (0..rows).map(move |r| (r, c)));
-    entries.find(|&at| {
-        let off = (analytic[at] - numeric[at]).abs();
+    let is_off = |at: &(usize, usize)| {
+        let off = (analytic[*at] - numeric[*at]).abs();
         off.is_nan() || off > tolerance(at.0)
-    })
+    };
+
+    match entries.find(is_off) {
+        None => Ok(()),
+        Some((row, column)) => {
+            let [function, variable] = names(row, column);
+            let [analytic, numeric] = [analytic, numeric].map(|all| all[(row, column)]);
+            Err(DerivativeFault { function, variable, analytic, numeric })
+        }
+    }
 }
 
 #[cfg(test)]
@@ -48,5 +74,21 @@ mod tests {
         });
         approx::assert_relative_eq!(jacobian[(0, 0)], 6.0, epsilon = 1e-10);
         approx::assert_relative_eq!(jacobian[(0, 1)], 1.0, epsilon = 1e-10);
+    }
+
+    #[test]
+    fn a_sign_error_in_one_entry_is_found_and_named() {
+        let numeric = DMatrix::from_row_slice(2, 2, &[1.0, 2.0, 3.0, 4.0]);
+        let compare = |analytic: &DMatrix<f64>| {
+            let names = |row, column| [format!("f[{row}]"), format!("δ[{column}]")];
+            compare_derivatives(analytic, &numeric, |_| 1e-9, names)
+        };
+        let mut analytic = numeric.clone();
+        assert_eq!(compare(&analytic), Ok(()));
+        analytic[(1, 0)] = -3.0;
+        let fault = compare(&analytic).unwrap_err();
+        assert_eq!(fault.to_string(), "∂f[1]/∂δ[0] is -3 and 3 by differences");
+        analytic[(0, 0)] = f64::NAN;
+        assert_eq!(compare(&analytic).unwrap_err().function, "f[0]");
     }
 }

@@ -6,7 +6,7 @@ pub mod quadric;
 pub mod rotation;
 pub mod stats;
 
-pub use differences::{central_differences, first_difference};
+pub use differences::{DerivativeFault, central_differences, compare_derivatives};
 
 /// Rigid motion in three dimensions, named by both frames: `camera_from_world * point_world` is a point in the camera frame.
 pub type Rigid3 = nalgebra::Isometry3<f64>;

@@ -1,9 +1,9 @@
 //! The law of every problem: what `linearize` says is what `cost` does.
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 use super::{Problem, QuadraticModel};
-use crate::math::central_differences;
+use crate::math::{DerivativeFault, central_differences, compare_derivatives};
 
 /// How a linearisation contradicts its cost.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -17,15 +17,8 @@ pub enum LinearizationFault {
         cost: f64,
     },
     /// One component of the gradient is wrong.
-    #[error("∂E/∂δ[{component}] is {analytic} in linearize and {numeric} by differences")]
-    Gradient {
-        /// Which component of δ.
-        component: usize,
-        /// What `linearize` added.
-        analytic: f64,
-        /// Central differences of `cost`.
-        numeric: f64,
-    },
+    #[error(transparent)]
+    Gradient(#[from] DerivativeFault),
 }
 
 /// Compares `linearize` with `cost` and with central differences of it at `x`.
@@ -53,12 +46,7 @@ pub fn check_linearization<P: Problem>(
         DVector::from_element(1, problem.cost(&problem.retract(x, delta)))
     });
     let scale = numeric.amax().max(1e-3);
-    match (0..gradient.len()).find(|&i| (numeric[(0, i)] - gradient[i]).abs() > tolerance * scale) {
-        None => Ok(()),
-        Some(component) => Err(LinearizationFault::Gradient {
-            component,
-            analytic: gradient[component],
-            numeric: numeric[(0, component)],
-        }),
-    }
+    let analytic = DMatrix::from_row_slice(1, gradient.len(), gradient.as_slice());
+    let names = |_, component| ["E".into(), format!("δ[{component}]")];
+    Ok(compare_derivatives(&analytic, &numeric, |_| tolerance * scale, names)?)
 }

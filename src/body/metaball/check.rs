@@ -4,27 +4,7 @@ use nalgebra::{DMatrix, DVector, Point3, Vector3};
 
 use super::{Field, FieldRow, FieldSample, FieldSlopes};
 use crate::body::{BodyModel, Layout, Posed, State};
-use crate::math::{central_differences, first_difference};
-
-/// A derivative of the field that is wrong.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error(
-    "∂({what})/∂{variable}[{component}] at {point_world} is {analytic} and {numeric} by differences"
-)]
-pub struct FieldFault {
-    /// `ln F`, or a component of ∇ ln F.
-    pub what: &'static str,
-    /// `x`, or `δ` for the state.
-    pub variable: &'static str,
-    /// Which component of it.
-    pub component: usize,
-    /// Where.
-    pub point_world: Point3<f64>,
-    /// What the code says.
-    pub analytic: f64,
-    /// What differences say.
-    pub numeric: f64,
-}
+use crate::math::{DerivativeFault, central_differences, compare_derivatives};
 
 /// Rows of the checked Jacobians.
 const ROWS: [&str; 4] = ["ln F", "∂x ln F", "∂y ln F", "∂z ln F"];
@@ -42,7 +22,7 @@ pub fn check_field(
     state: &State,
     point_world: &Point3<f64>,
     tolerance: f64,
-) -> Result<(), FieldFault> {
+) -> Result<(), DerivativeFault> {
     let x = point_world.coords;
     let body = Posed::new(model, &state.shape, &state.motion);
     let field = Field::from_body(&body);
@@ -50,8 +30,12 @@ pub fn check_field(
         return Ok(());
     };
 
-    let compare = |variable, analytic: &DMatrix<f64>, numeric: &DMatrix<f64>| {
-        compare(variable, point_world, analytic, numeric, tolerance)
+    let compare = |variable: &str, analytic: &DMatrix<f64>, numeric: &DMatrix<f64>| {
+        let names = |row: usize, component| {
+            [format!("({})", ROWS[row]), format!("{variable}[{component}] at {point_world}")]
+        };
+        let scaled = |row| tolerance * numeric.row(row).amax().max(1.0);
+        compare_derivatives(analytic, numeric, scaled, names)
     };
     let at = |field: &Field, x: &Vector3<f64>| {
         let mut moved = FieldSample::default();
@@ -98,43 +82,4 @@ fn in_state(slopes: &FieldSlopes, sample: &FieldSample, total: usize) -> DMatrix
         }
     }
     jacobian
-}
-
-fn compare(
-    variable: &'static str,
-    point_world: &Point3<f64>,
-    analytic: &DMatrix<f64>,
-    numeric: &DMatrix<f64>,
-    tolerance: f64,
-) -> Result<(), FieldFault> {
-    let scaled = |row: usize| tolerance * numeric.row(row).amax().max(1.0);
-
-    match first_difference(analytic, numeric, scaled) {
-        None => Ok(()),
-        Some((row, component)) => Err(FieldFault {
-            what: ROWS[row],
-            variable,
-            component,
-            point_world: *point_world,
-            analytic: analytic[(row, component)],
-            numeric: numeric[(row, component)],
-        }),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_sign_error_in_one_entry_is_found_and_named() {
-        let numeric = DMatrix::from_fn(4, 2, |i, j| 1.0 + (i * 2 + j) as f64);
-        let mut analytic = numeric.clone();
-        let point = Point3::origin();
-        assert_eq!(compare("δ", &point, &analytic, &numeric, 1e-9), Ok(()));
-        analytic[(2, 1)] = -6.0;
-        let fault = compare("δ", &point, &analytic, &numeric, 1e-9).unwrap_err();
-        let message = "∂(∂y ln F)/∂δ[1] at {0, 0, 0} is -6 and 6 by differences";
-        assert_eq!(fault.to_string(), message);
-    }
 }

@@ -18,7 +18,7 @@ mod sample;
 mod sampler;
 mod slopes;
 
-pub use check::{FieldFault, check_field};
+pub use check::check_field;
 pub use field::{Field, Metaball};
 pub(crate) use sample::NEGLIGIBLE;
 pub use sample::{FieldSample, Share};
