@@ -35,7 +35,7 @@ pub struct Curve {
 }
 
 /// What is read off a curve. Angles in radians, places in % of the cycle.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct KeyPoints {
     /// At foot strike.
     pub initial_contact: f64,

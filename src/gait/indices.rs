@@ -9,8 +9,6 @@
 
 use std::collections::BTreeMap;
 
-use serde::Serialize;
-
 use super::angle::Angle;
 use super::beyond::{Beyond, Footwear};
 use super::curves::{Curve, POINTS};
@@ -76,22 +74,11 @@ impl Norm {
     }
 }
 
-/// A score of one variable.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct VariableScore {
-    /// The variable.
-    pub angle: Angle,
-    /// Whose.
-    pub side: Side,
-    /// GVS, radians.
-    pub score: f64,
-}
-
 /// The scores of a walk, radians.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Indices {
-    /// The Movement Analysis Profile.
-    pub variables: Vec<VariableScore>,
+    /// The Movement Analysis Profile: the GVS of each variable that is known.
+    pub variables: BTreeMap<(Side, Angle), f64>,
     /// GPS of the left side; only where all nine variables are known.
     pub left: Option<f64>,
     /// GPS of the right side.
@@ -106,20 +93,14 @@ pub fn indices(curves: &[Curve], norm: &Norm) -> Option<Indices> {
         let band = norm.curves.get(&curve.angle)?;
         let step = (POINTS - 1) / (SCORE_POINTS - 1);
         let squares = (0..SCORE_POINTS).map(|i| (curve.mean[i * step] - band.mean[i]).powi(2));
-        Some(VariableScore {
-            angle: curve.angle,
-            side: curve.side,
-            score: (squares.sum::<f64>() / SCORE_POINTS as f64).sqrt(),
-        })
+        let score = (squares.sum::<f64>() / SCORE_POINTS as f64).sqrt();
+        Some(((curve.side, curve.angle), score))
     };
     let scored = curves.iter().filter(|c| VARIABLES.contains(&c.angle));
-    let variables: Vec<VariableScore> = scored.filter_map(score).collect();
+    let variables: BTreeMap<_, f64> = scored.filter_map(score).collect();
 
     let sum_of_squares = |side: Side, angles: &[Angle]| -> Option<f64> {
-        let square = |angle: &Angle| {
-            let own = |v: &&VariableScore| v.side == side && v.angle == *angle;
-            variables.iter().find(own).map(|v| v.score * v.score)
-        };
+        let square = |angle: &Angle| variables.get(&(side, *angle)).map(|score| score * score);
         angles.iter().map(square).sum()
     };
     let left = sum_of_squares(Side::Left, &VARIABLES);

@@ -6,7 +6,7 @@ use super::ReportInput;
 use super::label;
 use super::page::{Page, absent, footwear_note, mark, mark_legend, number};
 use super::spatiotemporal::reason;
-use crate::gait::{Angle, Curve, Indices, Norm, Side, VARIABLES, indices};
+use crate::gait::{Curve, Indices, Norm, Side, VARIABLES, indices};
 use crate::math::stats::mean;
 
 pub(super) fn page(input: &ReportInput<'_>) -> Page {
@@ -78,11 +78,7 @@ fn key_point_row(curve: &Curve, norm: Option<&Norm>) -> Markup {
 
 /// The Movement Analysis Profile with a bar for each score, and the Gait Profile Score.
 fn scores(indices: &Indices) -> Markup {
-    let variable_score = |angle: Angle, side: Side| {
-        let mut variables = indices.variables.iter();
-        let own = variables.find(|v| v.angle == angle && v.side == side)?;
-        Some(own.score)
-    };
+    let variable_score = |angle, side| indices.variables.get(&(side, angle)).copied();
 
     html! {
         table class="numbers scores" {

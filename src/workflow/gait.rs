@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use super::{Error, FittedRecording};
-use crate::gait::{GaitAnalysis, GaitOptions, Norm, analyse};
+use crate::gait::{GaitAnalysis, GaitOptions, Indices, Norm, analyse, indices};
 use crate::io::folder::OutFolder;
 use crate::io::gait::{
-    GaitFile, GaitInput, SHIPPED_NORM, Sex, add_parameters, angles_csv, curves_csv, from_result,
-    gait_file, load_norm, parameters_csv, parse_norm, read_points,
+    GaitInput, SHIPPED_NORM, Sex, add_parameters, angles_csv, curves_csv, from_result, gait_json,
+    load_norm, parameters_csv, parse_norm, read_points,
 };
 use crate::io::result::ResultFile;
 
@@ -119,16 +119,16 @@ impl GaitStudy {
             ("parameters.csv", parameters_csv(gait)?),
             ("curves.csv", curves_csv(gait, norm)?),
             ("angles.csv", angles_csv(gait, &self.input.movement)?),
-            ("gait.json", serde_json::to_vec_pretty(&self.file())?),
+            ("gait.json", gait_json(&self.input, gait, norm)?),
         ] {
             out.write(name, &bytes)?;
         }
         Ok(())
     }
 
-    /// The same in the units of files: `gait.json`.
-    pub fn file(&self) -> GaitFile {
-        gait_file(&self.input, &self.analysis, self.norm.as_ref())
+    /// How far the angles lie from those of healthy people; `None` without a norm, or an angle of it.
+    pub fn indices(&self) -> Option<Indices> {
+        indices(&self.analysis.curves, self.norm.as_ref()?)
     }
 }
 

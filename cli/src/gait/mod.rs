@@ -117,8 +117,7 @@ pub(super) fn run(arguments: &GaitArguments) -> Result<(), CliError> {
     if !arguments.quiet.is_on() {
         let summary = Summary {
             input: &arguments.input,
-            file: &study.file(),
-            norm: study.norm.as_ref(),
+            study: &study,
             footwear: arguments.subject.footwear(),
             is_normalised: arguments.normalised,
         };

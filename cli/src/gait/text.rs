@@ -3,15 +3,17 @@
 use std::path::Path;
 
 use crate::table::Table;
-use maquette::gait::{BEYOND_SD, Beyond, Footwear, Norm, Side, Statistic, Surface, Used};
-use maquette::io::gait::GaitFile;
+use maquette::GaitStudy;
+use maquette::gait::{
+    BEYOND_SD, Beyond, Course, Curve, EventKind, Footwear, Parameter, Side, Statistic,
+    Surface, Used, VARIABLES,
+};
 use maquette::math::stats::mean;
 
 /// What is said at the end of an analysis.
 pub(super) struct Summary<'a> {
     pub(super) input: &'a Path,
-    pub(super) file: &'a GaitFile,
-    pub(super) norm: Option<&'a Norm>,
+    pub(super) study: &'a GaitStudy,
     pub(super) footwear: Option<Footwear>,
     pub(super) is_normalised: bool,
 }
@@ -31,22 +33,20 @@ impl Summary<'_> {
     }
 
     fn head(&self) -> String {
-        let file = self.file;
-        let surface = match file.surface {
-            Surface::Ground => "over ground".to_owned(),
-            Surface::Treadmill => format!("on a treadmill at {:.2} m/s", file.belt_m_s),
-        };
-        let leg = file.leg_length_m.map_or(String::new(), |l| format!(", leg {l:.3} m"));
-        let (frames, fps) = (file.frames, file.fps);
+        let (gait, movement) = (&self.study.analysis, &self.study.input.movement);
+        let surface = surface(&gait.course);
+        let leg = gait.leg_length_m.map_or(String::new(), |l| format!(", leg {l:.3} m"));
+        let (frames, fps) = (movement.frames, movement.rate_hz);
         let input = self.input.display();
-        let named = file.used.len();
+        let named = movement.used.len();
         format!(
             "{input}: {frames} frames at {fps} Hz, {surface}{leg}; {named} points of the body were found (their names are in gait.json)\n"
         )
     }
 
     fn parameters(&self) -> String {
-        if self.file.parameters.is_empty() {
+        let (gait, norm) = (&self.study.analysis, self.study.norm.as_ref());
+        if gait.parameters.is_empty() {
             return String::new();
         }
         let side = ["SD", "± u", "n"];
@@ -57,24 +57,29 @@ impl Summary<'_> {
         headings.extend(["R/L %", "norm"]);
         let mut table = Table::new(&headings);
 
-        for part in &self.file.parameters {
-            let leg = self.file.leg_length_m.filter(|_| self.is_normalised);
-            let scale = leg.map_or(1.0, |leg| part.name.scale(leg));
-            let unit = if leg.is_some() && !part.unit.starts_with('%') { "–" } else { part.unit };
+        for parameter in Parameter::ALL {
+            let [left, right] = Side::BOTH.map(|side| gait.parameters.get(&(parameter, side)));
+            if left.is_none() && right.is_none() {
+                continue;
+            }
+            let leg = gait.leg_length_m.filter(|_| self.is_normalised);
+            let scale = leg.map_or(1.0, |leg| parameter.scale(leg));
+            let unit = parameter.unit();
+            let unit = if leg.is_some() && !unit.starts_with('%') { "–" } else { unit };
 
-            let mut row = vec![part.name.name().to_owned(), unit.to_owned()];
-            for side in [part.left.as_ref(), part.right.as_ref()] {
+            let mut row = vec![parameter.name().to_owned(), unit.to_owned()];
+            for side in [left, right] {
                 let mut side_cells = cells(side, scale);
-                let beyond = side.and_then(|s| self.norm?.beyond(part.name, s.mean));
+                let beyond = side.and_then(|s| norm?.beyond(parameter, s.mean));
                 side_cells[0] += beyond.map_or("", Beyond::mark);
                 row.extend(side_cells);
             }
-            row.push(part.symmetry_percent.map_or("–".into(), |s| format!("{s:.0}")));
+            let symmetry = gait.symmetry_percent(parameter);
+            row.push(symmetry.map_or("–".into(), |s| format!("{s:.0}")));
 
-            let norm = self.norm.and_then(|n| n.parameters.get(&part.name));
-            let norm = norm.filter(|_| leg.is_none());
+            let usual = norm.and_then(|n| n.parameters.get(&parameter)).filter(|_| leg.is_none());
             row.push(
-                norm.map_or("–".into(), |(mean, sd)| {
+                usual.map_or("–".into(), |(mean, sd)| {
                     format!("{} ± {}", number(*mean), number(*sd))
                 }),
             );
@@ -83,7 +88,7 @@ impl Summary<'_> {
 
         let mut text = table.text();
         text += "  SD: between strides. u: standard uncertainty of one value.\n";
-        if let Some(norm) = self.norm.filter(|norm| !norm.parameters.is_empty()) {
+        if let Some(norm) = norm.filter(|norm| !norm.parameters.is_empty()) {
             text += &format!(
                 "  {} {}: beyond the norm's mean by more than {BEYOND_SD} SD between people.\n",
                 Beyond::Above.mark(),
@@ -98,10 +103,10 @@ impl Summary<'_> {
 
     fn events(&self) -> String {
         let mut text = String::new();
-        for agreement in &self.file.agreement {
+        for agreement in &self.study.analysis.agreement {
             let kind = match agreement.kind {
-                maquette::gait::EventKind::Strike => "foot strike",
-                maquette::gait::EventKind::Off => "foot off",
+                EventKind::Strike => "foot strike",
+                EventKind::Off => "foot off",
             };
             let sd = agreement.sd_s.map_or(String::new(), |sd| format!(" ± {:.0}", 1e3 * sd));
             let mean = 1e3 * agreement.mean_s;
@@ -114,7 +119,8 @@ impl Summary<'_> {
     }
 
     fn key_points(&self) -> String {
-        if self.file.curves.is_empty() {
+        let curves = &self.study.analysis.curves;
+        if curves.is_empty() {
             return String::new();
         }
         let mut table = Table::new(&[
@@ -131,43 +137,24 @@ impl Summary<'_> {
             "fit SD",
         ]);
 
-        for curve in &self.file.curves {
-            let sd = curve.fit_sd_deg.as_ref().and_then(|sd| mean(sd.iter().copied()));
-            table.row(vec![
-                curve.angle.name().into(),
-                curve.side.name().into(),
-                format!("{:.1}", curve.initial_contact_deg),
-                format!("{:.1}", curve.stance.least),
-                curve.stance.least_at_percent.to_string(),
-                format!("{:.1}", curve.stance.greatest),
-                curve.stance.greatest_at_percent.to_string(),
-                format!("{:.1}", curve.swing.greatest),
-                curve.swing.greatest_at_percent.to_string(),
-                format!("{:.1}", curve.range_deg),
-                sd.map_or("–".into(), |sd| format!("{sd:.1}")),
-            ]);
+        for curve in curves {
+            table.row(key_points(curve));
         }
 
         table.text()
     }
 
     fn scores(&self) -> String {
-        let (Some(indices), Some(norm)) = (&self.file.indices, self.norm) else {
+        let (Some(indices), Some(norm)) = (self.study.indices(), &self.study.norm) else {
             return String::new();
         };
         let mut table = Table::new(&["score, °", "left", "right"]);
-        let score = |value: Option<f64>| value.map_or("–".into(), |v| format!("{v:.1}"));
+        let score = |value: Option<f64>| value.map_or("–".into(), degrees);
 
-        for angle in maquette::gait::VARIABLES {
-            let of = |side: Side| {
-                let mut all = indices.variables.iter();
-                all.find(|v| v.angle == angle && v.side == side).map(|v| v.score)
-            };
-            table.row(vec![
-                format!("GVS {}", angle.name()),
-                score(of(Side::Left)),
-                score(of(Side::Right)),
-            ]);
+        for angle in VARIABLES {
+            let [left, right] =
+                Side::BOTH.map(|side| score(indices.variables.get(&(side, angle)).copied()));
+            table.row(vec![format!("GVS {}", angle.name()), left, right]);
         }
 
         table.row(vec!["GPS".into(), score(indices.left), score(indices.right)]);
@@ -175,7 +162,7 @@ impl Summary<'_> {
         let both = indices
             .both
             .map_or("  GPS of both sides: – (it needs all nine variables)\n".into(), |v| {
-                format!("  GPS of both sides: {v:.1}°\n")
+                format!("  GPS of both sides: {}°\n", degrees(v))
             });
 
         let caution = Footwear::caution(norm.footwear, self.footwear);
@@ -185,18 +172,49 @@ impl Summary<'_> {
 
     fn remarks(&self) -> String {
         let mut text = String::new();
-        for note in &self.file.notes {
+        for note in &self.study.analysis.notes {
             text += &format!("  ! {note}\n");
         }
-        for unknown in &self.file.unknown {
-            text += &format!("  ! {}: {}\n", unknown.angle.name(), unknown.reason);
+        for (angle, reason) in &self.study.analysis.unknown {
+            text += &format!("  ! {}: {reason}\n", angle.name());
         }
         let is_made = |u: &&Used| u.from.contains(", ") || u.from.contains(": ");
-        for used in self.file.used.iter().filter(is_made) {
+        for used in self.study.input.movement.used.iter().filter(is_made) {
             text += &format!("  ! {}: from {}\n", used.landmark.name(), used.from);
         }
         text
     }
+}
+
+fn surface(course: &Course) -> String {
+    match course.surface {
+        Surface::Ground => "over ground".to_owned(),
+        Surface::Treadmill => format!("on a treadmill at {:.2} m/s", course.belt_m_s),
+    }
+}
+
+/// What is read off a curve.
+fn key_points(curve: &Curve) -> Vec<String> {
+    let key = curve.key_points();
+    let fit_sd = curve.fit_sd.as_ref().and_then(|sd| mean(sd.iter().copied()));
+    vec![
+        curve.angle.name().into(),
+        curve.side.name().into(),
+        degrees(key.initial_contact),
+        degrees(key.stance.least),
+        key.stance.least_at_percent.to_string(),
+        degrees(key.stance.greatest),
+        key.stance.greatest_at_percent.to_string(),
+        degrees(key.swing.greatest),
+        key.swing.greatest_at_percent.to_string(),
+        degrees(key.range),
+        fit_sd.map_or("–".into(), degrees),
+    ]
+}
+
+/// An angle in degrees.
+fn degrees(radians: f64) -> String {
+    format!("{:.1}", radians.to_degrees())
 }
 
 fn cells(statistic: Option<&Statistic>, scale: f64) -> [String; 4] {

@@ -10,129 +10,154 @@ use crate::gait::{
 
 /// A gait analysis. Version 1.
 #[derive(Debug, Serialize)]
-pub struct GaitFile {
+struct GaitFile<'a> {
     /// `maquette-gait`.
-    pub format: &'static str,
+    format: &'static str,
     /// 1.
-    pub version: u32,
+    version: u32,
     /// `points`, or the name of the fitted body.
-    pub source: String,
+    source: &'a str,
     /// Frames per second.
-    pub fps: f64,
+    fps: f64,
     /// Number of frames.
-    pub frames: usize,
+    frames: usize,
     /// Cutoff of the low pass on all places; 0: none.
-    pub cutoff_hz: f64,
+    cutoff_hz: f64,
     /// Floor or belt.
-    pub surface: Surface,
+    surface: Surface,
     /// Speed of the belt; 0 on the floor.
-    pub belt_m_s: f64,
+    belt_m_s: f64,
     /// Speed of the pelvis in the room; negative: backwards.
-    pub speed_in_room_m_s: f64,
+    speed_in_room_m_s: f64,
     /// Hip to knee to ankle.
-    pub leg_length_m: Option<f64>,
+    leg_length_m: Option<f64>,
     /// What each place was taken from.
-    pub used: Vec<Used>,
+    used: &'a [Used],
     /// Foot strikes and foot offs, by time.
-    pub events: Vec<Event>,
+    events: &'a [Event],
     /// How far the two methods agree.
-    pub agreement: Vec<Agreement>,
+    agreement: &'a [Agreement],
     /// Spatiotemporal parameters.
-    pub parameters: Vec<ParameterPart>,
+    parameters: Vec<ParameterPart<'a>>,
     /// Angles over the cycle.
-    pub curves: Vec<CurvePart>,
+    curves: Vec<CurvePart>,
     /// Scores against the norm, degrees.
-    pub indices: Option<Indices>,
+    indices: Option<IndicesPart>,
     /// The norm.
-    pub norm: Option<NormPart>,
+    norm: Option<NormPart<'a>>,
     /// Angles that cannot be known, and why.
-    pub unknown: Vec<UnknownPart>,
+    unknown: Vec<UnknownPart>,
     /// What a person should know.
-    pub notes: Vec<String>,
+    notes: &'a [String],
 }
 
 /// One parameter.
 #[derive(Debug, Serialize)]
-pub struct ParameterPart {
+struct ParameterPart<'a> {
     /// Which.
-    pub name: Parameter,
+    name: Parameter,
     /// Unit of all its numbers.
-    pub unit: &'static str,
+    unit: &'static str,
     /// Of the left side.
-    pub left: Option<Statistic>,
+    left: Option<&'a Statistic>,
     /// Of the right side.
-    pub right: Option<Statistic>,
+    right: Option<&'a Statistic>,
     /// Right over left.
-    pub symmetry_percent: Option<f64>,
+    symmetry_percent: Option<f64>,
     /// Mean of left and right over its scale (Hof 1996): without unit.
-    pub normalised: Option<f64>,
+    normalised: Option<f64>,
 }
 
 /// One angle over the cycle.
 #[derive(Debug, Serialize)]
-pub struct CurvePart {
+struct CurvePart {
     /// Which.
-    pub angle: Angle,
+    angle: Angle,
     /// Whose cycle.
-    pub side: Side,
+    side: Side,
     /// What a positive value means.
-    pub positive: &'static str,
+    positive: &'static str,
     /// Foot off, % of the cycle.
-    pub foot_off_percent: f64,
+    foot_off_percent: f64,
     /// Whether the swing was recorded before the stance: the curve then breaks at foot off.
-    pub is_joined: bool,
+    is_joined: bool,
     /// Mean over strides, 0 to 100 %.
-    pub mean_deg: Vec<f64>,
+    mean_deg: Vec<f64>,
     /// Standard deviation over strides.
-    pub sd_deg: Option<Vec<f64>>,
+    sd_deg: Option<Vec<f64>>,
     /// Standard deviation of the angle, from the fit.
-    pub fit_sd_deg: Option<Vec<f64>>,
+    fit_sd_deg: Option<Vec<f64>>,
     /// Stride by stride.
-    pub strides_deg: Vec<Vec<f64>>,
+    strides_deg: Vec<Vec<f64>>,
     /// At foot strike.
-    pub initial_contact_deg: f64,
+    initial_contact_deg: f64,
     /// In stance, degrees.
-    pub stance: Extremes,
+    stance: Extremes,
     /// In swing, degrees.
-    pub swing: Extremes,
+    swing: Extremes,
     /// Greatest minus least.
-    pub range_deg: f64,
+    range_deg: f64,
 }
 
 /// The norm.
 #[derive(Debug, Serialize)]
-pub struct NormPart {
+struct NormPart<'a> {
     /// Its name.
-    pub name: String,
+    name: &'a str,
     /// Where its numbers are from.
-    pub source: String,
+    source: &'a str,
     /// Where those of steps and strides are from, if from elsewhere.
-    pub parameters_source: Option<String>,
+    parameters_source: Option<&'a str>,
 }
 
 /// An angle that cannot be known.
 #[derive(Debug, Serialize)]
-pub struct UnknownPart {
+struct UnknownPart {
     /// Which.
-    pub angle: Angle,
+    angle: Angle,
     /// Why.
-    pub reason: &'static str,
+    reason: &'static str,
 }
 
-/// The file of an analysis.
-pub fn gait_file(input: &GaitInput, gait: &GaitAnalysis, norm: Option<&Norm>) -> GaitFile {
-    let unknown = |(angle, reason): &(Angle, &'static str)| UnknownPart { angle: *angle, reason };
-    let indices = norm.and_then(|norm| Some(in_degrees(indices(&gait.curves, norm)?)));
-    let norm = norm.map(|norm| NormPart {
-        name: norm.name.clone(),
-        source: norm.source.clone(),
-        parameters_source: norm.parameters_source.clone(),
-    });
+/// Scores against a norm, degrees.
+#[derive(Debug, Serialize)]
+struct IndicesPart {
+    /// GVS of each variable.
+    variables: Vec<VariablePart>,
+    /// GPS of the left side; only where all nine variables are known.
+    left: Option<f64>,
+    /// GPS of the right side.
+    right: Option<f64>,
+    /// GPS of both.
+    both: Option<f64>,
+}
 
-    GaitFile {
+/// The score of one variable.
+#[derive(Debug, Serialize)]
+struct VariablePart {
+    /// The variable.
+    angle: Angle,
+    /// Whose.
+    side: Side,
+    /// GVS, degrees.
+    score: f64,
+}
+
+/// The text of `gait.json`.
+///
+/// # Errors
+/// None that an analysis can cause; the serialiser's, if it has any.
+pub fn gait_json(
+    input: &GaitInput,
+    gait: &GaitAnalysis,
+    norm: Option<&Norm>,
+) -> serde_json::Result<Vec<u8>> {
+    let unknown = |(angle, reason): &(Angle, &'static str)| UnknownPart { angle: *angle, reason };
+
+    serde_json::to_vec_pretty(&GaitFile {
         format: "maquette-gait",
         version: 1,
-        source: input.source.clone(),
+        source: &input.source,
         fps: input.movement.rate_hz,
         frames: input.movement.frames,
         cutoff_hz: gait.cutoff_hz,
@@ -140,21 +165,25 @@ pub fn gait_file(input: &GaitInput, gait: &GaitAnalysis, norm: Option<&Norm>) ->
         belt_m_s: gait.course.belt_m_s,
         speed_in_room_m_s: gait.course.speed_m_s,
         leg_length_m: gait.leg_length_m,
-        used: input.movement.used.clone(),
-        events: gait.events.clone(),
-        agreement: gait.agreement.clone(),
+        used: &input.movement.used,
+        events: &gait.events,
+        agreement: &gait.agreement,
         parameters: parameters(gait),
         curves: gait.curves.iter().map(curve).collect(),
-        indices,
-        norm,
+        indices: norm.and_then(|norm| Some(scores(&indices(&gait.curves, norm)?))),
+        norm: norm.map(|norm| NormPart {
+            name: &norm.name,
+            source: &norm.source,
+            parameters_source: norm.parameters_source.as_deref(),
+        }),
         unknown: gait.unknown.iter().map(unknown).collect(),
-        notes: gait.notes.clone(),
-    }
+        notes: &gait.notes,
+    })
 }
 
-fn parameters(gait: &GaitAnalysis) -> Vec<ParameterPart> {
+fn parameters(gait: &GaitAnalysis) -> Vec<ParameterPart<'_>> {
     let part = |name: Parameter| {
-        let statistic = |side| gait.parameters.get(&(name, side)).cloned();
+        let statistic = |side| gait.parameters.get(&(name, side));
         let (left, right) = (statistic(Side::Left), statistic(Side::Right));
         let is_known = left.is_some() || right.is_some();
         is_known.then(|| ParameterPart {
@@ -197,12 +226,18 @@ fn extremes(extremes: Extremes) -> Extremes {
     }
 }
 
-fn in_degrees(mut indices: Indices) -> Indices {
-    for variable in &mut indices.variables {
-        variable.score = variable.score.to_degrees();
+fn scores(indices: &Indices) -> IndicesPart {
+    let variables = indices.variables.iter();
+    let part = |(&(side, angle), score): (&(Side, Angle), &f64)| VariablePart {
+        angle,
+        side,
+        score: score.to_degrees(),
+    };
+
+    IndicesPart {
+        variables: variables.map(part).collect(),
+        left: indices.left.map(f64::to_degrees),
+        right: indices.right.map(f64::to_degrees),
+        both: indices.both.map(f64::to_degrees),
     }
-    for score in [&mut indices.left, &mut indices.right, &mut indices.both] {
-        *score = score.map(f64::to_degrees);
-    }
-    indices
 }
