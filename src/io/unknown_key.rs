@@ -3,17 +3,16 @@
 use toml::de::DeTable;
 
 /// A key that means nothing there.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("unknown key {key:?}; did you mean {nearest:?}? (known here: {})", known.join(", "))]
-pub struct UnknownKey {
+#[derive(Debug, PartialEq, Eq)]
+pub(super) struct UnknownKey {
     /// Where it stands, from 1.
-    pub line: usize,
+    pub(super) line: usize,
     /// The key.
-    pub key: String,
+    pub(super) key: String,
     /// The known key that looks most like it.
-    pub nearest: &'static str,
+    pub(super) nearest: &'static str,
     /// All keys known there.
-    pub known: &'static [&'static str],
+    pub(super) known: &'static [&'static str],
 }
 
 impl UnknownKey {
@@ -61,10 +60,7 @@ mod tests {
         let text = "fps = 3\nmsks = 2\n";
         let table = DeTable::parse(text).unwrap();
         let unknown = UnknownKey::first_in(text, table.get_ref(), known).unwrap();
-        assert_eq!(
-            unknown.to_string(),
-            "unknown key \"msks\"; did you mean \"masks\"? (known here: fps, masks)"
-        );
+        assert_eq!((unknown.line, unknown.nearest, unknown.known), (2, "masks", known));
     }
 
     #[test]

@@ -43,7 +43,7 @@ impl ObservationFiles {
     /// points, and the pictures that these were made from.
     ///
     /// # Errors
-    /// [`RecordingError::Checksum`] for a file that cannot be read.
+    /// [`RecordingError::Read`] for a file that cannot be read.
     pub fn checksums(&self) -> Result<Vec<InputChecksum>, RecordingError> {
         self.inputs().iter().map(Input::checksum).collect()
     }
@@ -52,7 +52,7 @@ impl ObservationFiles {
     /// numbers of files are compared before any file is read.
     ///
     /// # Errors
-    /// [`RecordingError::Another`], and [`RecordingError::Checksum`] for a file that cannot be read.
+    /// [`RecordingError::Another`], and [`RecordingError::Read`] for a file that cannot be read.
     pub fn check(&self, known: &[InputChecksum]) -> Result<(), RecordingError> {
         let another =
             |reason: String| RecordingError::Another { path: self.folder.clone(), reason };
@@ -149,5 +149,5 @@ fn checksum(path: &Path) -> Result<blake3::Hash, RecordingError> {
         hasher.update_reader(File::open(path)?)?;
         Ok(hasher.finalize())
     };
-    sum().map_err(|source| RecordingError::Checksum { path: path.into(), source })
+    sum().map_err(|source| RecordingError::Read { path: path.into(), source })
 }

@@ -3,24 +3,134 @@
 use std::io;
 use std::path::PathBuf;
 
+use super::MaskFault;
 use super::footage::FootageError;
-use super::{MaskFault, ScaleFault};
 use crate::io::calibration::CalibrationError;
+use crate::io::frame_rate;
 use crate::io::points::CloudError;
-use crate::io::recording::layout::LayoutError;
-use crate::io::recording::manifest::ManifestError;
 use crate::silhouette::FrameIndex;
 
 /// Why a recording could not be used, in one line that says what to mend.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RecordingError {
-    /// The files are not where or what they should be.
-    #[error(transparent)]
-    Layout(#[from] LayoutError),
-    /// The manifest is at fault.
-    #[error(transparent)]
-    Manifest(#[from] ManifestError),
+    /// Neither a folder nor a manifest.
+    #[error("{}: no such folder or file", path.display())]
+    NotFound {
+        /// As given.
+        path: PathBuf,
+    },
+    /// A folder that cannot be listed.
+    #[error("{}: the folder cannot be read: {source}", path.display())]
+    Folder {
+        /// The folder.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// The manifest, or an input whose checksum is wanted, cannot be read.
+    #[error("{}: cannot be read: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// A manifest that is not TOML, or a value of the wrong kind.
+    #[error("{}:{line}: {}", path.display(), source.message().replace('\n', ", "))]
+    Syntax {
+        /// The manifest.
+        path: PathBuf,
+        /// From 1.
+        line: usize,
+        /// What the parser expected.
+        source: Box<toml::de::Error>,
+    },
+    /// A key of the manifest that means nothing.
+    #[error(
+        "{}:{line}: unknown key {key:?}; did you mean {nearest:?}? (known here: {})",
+        path.display(), known.join(", ")
+    )]
+    UnknownKey {
+        /// The manifest.
+        path: PathBuf,
+        /// From 1.
+        line: usize,
+        /// The key.
+        key: String,
+        /// The known key that looks most like it.
+        nearest: &'static str,
+        /// All keys known there.
+        known: &'static [&'static str],
+    },
+    /// Two cameras of the same name.
+    #[error("{}: camera {name:?} is listed {count} times: names must differ", path.display())]
+    DuplicateCamera {
+        /// The manifest.
+        path: PathBuf,
+        /// The name.
+        name: String,
+        /// How often it occurs.
+        count: usize,
+    },
+    /// No frame rate anywhere.
+    #[error(
+        "{}: the frame rate is not known: give --fps, or fps = … in sequence.toml", path.display()
+    )]
+    NoFps {
+        /// The recording.
+        path: PathBuf,
+    },
+    /// A given frame rate that no camera has.
+    #[error("frame rate {fps}: expected {}", frame_rate::EXPECTED)]
+    Fps {
+        /// As given.
+        fps: f64,
+    },
+    /// A frame rate of the manifest that no camera has.
+    #[error("{}:{line}: fps = {fps}: expected {}", path.display(), frame_rate::EXPECTED)]
+    ManifestFps {
+        /// The manifest.
+        path: PathBuf,
+        /// From 1.
+        line: usize,
+        /// As written.
+        fps: f64,
+    },
+    /// A beginning of the manifest that no camera has.
+    #[error("{}: camera {camera}: {key} = {value}: expected a number from −1e10 to 1e10", path.display())]
+    Clock {
+        /// The manifest.
+        path: PathBuf,
+        /// The camera.
+        camera: String,
+        /// Which.
+        key: &'static str,
+        /// As written.
+        value: f64,
+    },
+    /// A pattern that is none.
+    #[error("{key} = {pattern:?}: expected {expected}")]
+    Pattern {
+        /// Whose: `camera left: masks` or `points`.
+        key: String,
+        /// As written.
+        pattern: String,
+        /// What a pattern looks like.
+        expected: &'static str,
+    },
+    /// Two masks of one camera, or two clouds, of one frame.
+    #[error("{key}: {} and {} are both number {number}", first.display(), second.display())]
+    DuplicateFrame {
+        /// Whose: `camera left: masks` or `points`.
+        key: String,
+        /// The number in both names.
+        number: u64,
+        /// One file.
+        first: PathBuf,
+        /// The other.
+        second: PathBuf,
+    },
     /// The calibration is at fault.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
@@ -81,23 +191,35 @@ pub enum RecordingError {
         /// Why, with the file.
         source: Box<CloudError>,
     },
-    /// A point cloud of another size than the cameras' view.
-    #[error("{}: {frame}: {fault}", path.display())]
-    PointsScale {
+    /// Points far outside the cameras' view, as when millimetres are read as metres.
+    #[error(
+        "{}: {frame}: the points lie {distance_m:.0} m from the middle of the cameras' view, the cameras {cameras_m:.1} m: if the points are in millimetres write points_unit = \"mm\" in sequence.toml; else check unit and up of the calibration",
+        path.display()
+    )]
+    PointsFar {
         /// The file.
         path: PathBuf,
         /// The frame.
         frame: FrameIndex,
-        /// How the sizes differ.
-        fault: ScaleFault,
+        /// Median distance of the points from the middle of what the cameras see, metres.
+        distance_m: f64,
+        /// Mean distance of the cameras from it, metres.
+        cameras_m: f64,
     },
-    /// An input that cannot be read for its checksum.
-    #[error("{}: cannot be read: {source}", path.display())]
-    Checksum {
+    /// Points in one place, as when metres are read as millimetres.
+    #[error(
+        "{}: {frame}: the points lie within {distance_m:.5} m, the cameras {cameras_m:.1} m away: if the points are in metres write points_unit = \"m\" in sequence.toml; else check unit of the calibration",
+        path.display()
+    )]
+    PointsTogether {
         /// The file.
         path: PathBuf,
-        /// Why.
-        source: io::Error,
+        /// The frame.
+        frame: FrameIndex,
+        /// Median distance of the points from their middle, metres.
+        distance_m: f64,
+        /// Mean distance of the cameras from the middle of what they see, metres.
+        cameras_m: f64,
     },
     /// Another recording than the one that a result was fitted to.
     #[error(

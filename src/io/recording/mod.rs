@@ -39,12 +39,10 @@ use observations::WantedPoints;
 
 pub use checksum::InputChecksum;
 pub use error::RecordingError;
-pub use layout::LayoutError;
-pub use manifest::ManifestError;
 pub use mask_image::MaskFault;
 pub use note::Note;
 pub use observations::{Missing, ObservationFiles};
-pub use points::{MOST_POINTS, ScaleFault};
+pub use points::MOST_POINTS;
 
 /// A folder with a calibration and with masks, pictures, videos or points of one person; or the manifest of one.
 ///
@@ -198,6 +196,6 @@ impl Recording {
     /// The frame rate that was given, or that of the manifest, or that of the files.
     fn frame_rate(&self, of_files: Option<f64>) -> Result<f64, RecordingError> {
         let fps = self.fps.or(self.manifest.fps).or(of_files);
-        Ok(layout::frame_rate(fps, &self.path)?)
+        layout::frame_rate(fps, &self.path)
     }
 }

@@ -130,8 +130,8 @@ impl ObservationFiles {
     ///
     /// # Errors
     /// [`RecordingError::Mask`] for the first mask that cannot be used, in the order of the rig,
-    /// [`RecordingError::Cloud`] and [`RecordingError::PointsScale`] for points that cannot, and
-    /// [`RecordingError::NoFrame`]. A mask that is read and shows no silhouette is no error: it is listed as rejected.
+    /// [`RecordingError::Cloud`], [`RecordingError::PointsFar`] and [`RecordingError::PointsTogether`] for points that
+    /// cannot, and [`RecordingError::NoFrame`]. A mask that is read and shows no silhouette is no error: it is listed as rejected.
     pub fn load_frame(
         &self,
         position: usize,

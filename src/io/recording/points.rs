@@ -30,38 +30,12 @@ const SMALLEST: f64 = 1e-3;
 /// Fewer points have no size.
 const LEAST_FOR_SIZE: usize = 20;
 
-/// How a cloud's size contradicts the cameras'.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ScaleFault {
-    /// Points far outside the view, as when millimetres are read as metres.
-    #[error(
-        "the points lie {distance:.0} m from the middle of the cameras' view, the cameras {cameras:.1} m: if the points are in millimetres write points_unit = \"mm\" in sequence.toml; else check unit and up of the calibration"
-    )]
-    Large {
-        /// Median distance of the points from the middle of what the cameras see, metres.
-        distance: f64,
-        /// Mean distance of the cameras from it, metres.
-        cameras: f64,
-    },
-    /// Points in one place, as when metres are read as millimetres.
-    #[error(
-        "the points lie within {distance:.5} m, the cameras {cameras:.1} m away: if the points are in metres write points_unit = \"m\" in sequence.toml; else check unit of the calibration"
-    )]
-    Small {
-        /// Median distance of the points from their middle, metres.
-        distance: f64,
-        /// Mean distance of the cameras from the middle of what they see, metres.
-        cameras: f64,
-    },
-}
-
 /// Where the cameras look, and from how far.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct CommonView {
     middle_world: Point3<f64>,
     /// Mean distance of the cameras, metres.
-    cameras: f64,
+    cameras_m: f64,
 }
 
 impl CommonView {
@@ -69,19 +43,22 @@ impl CommonView {
         let middle_world = rig.common_view()?.point_world;
         let distance = |camera: &Camera| (camera.centre_world() - middle_world).norm();
         let sum: f64 = rig.cameras.iter().map(distance).sum();
-        Some(Self { middle_world, cameras: (sum / rig.cameras.len() as f64).max(NEAREST_CAMERAS) })
+        Some(Self {
+            middle_world,
+            cameras_m: (sum / rig.cameras.len() as f64).max(NEAREST_CAMERAS),
+        })
     }
 
     /// Medians, so that strays do not count.
-    fn check(&self, cloud: &Cloud) -> Result<(), ScaleFault> {
+    fn check(&self, cloud: &Cloud, path: &Path, frame: FrameIndex) -> Result<(), RecordingError> {
         let places = || cloud.points.iter().map(|p| p.position_world);
         let from =
             |middle: Point3<f64>| median(&mut places().map(|p| (p - middle).norm()).collect());
-        let cameras = self.cameras;
+        let (path, cameras_m) = (path.to_owned(), self.cameras_m);
 
         match from(self.middle_world) {
-            Some(distance) if distance > FARTHEST * cameras => {
-                return Err(ScaleFault::Large { distance, cameras });
+            Some(distance_m) if distance_m > FARTHEST * cameras_m => {
+                return Err(RecordingError::PointsFar { path, frame, distance_m, cameras_m });
             }
             _ => {}
         }
@@ -89,10 +66,10 @@ impl CommonView {
         let middle = |axis: usize| median(&mut places().map(|p| p[axis]).collect()).unwrap_or(0.0);
         let middle = Point3::from(Vector3::from_fn(|axis, _| middle(axis)));
         match from(middle) {
-            Some(distance)
-                if distance < SMALLEST * cameras && cloud.points.len() >= LEAST_FOR_SIZE =>
+            Some(distance_m)
+                if distance_m < SMALLEST * cameras_m && cloud.points.len() >= LEAST_FOR_SIZE =>
             {
-                Err(ScaleFault::Small { distance, cameras })
+                Err(RecordingError::PointsTogether { path, frame, distance_m, cameras_m })
             }
             _ => Ok(()),
         }
@@ -174,8 +151,9 @@ impl PointFiles {
 
         let cloud = cloud.scaled(self.in_metres).moved(&self.world_from_file).thinned(MOST_POINTS);
 
-        let check = self.view.map_or(Ok(()), |view| view.check(&cloud));
-        check.map_err(|fault| RecordingError::PointsScale { path: path.clone(), frame, fault })?;
+        if let Some(view) = &self.view {
+            view.check(&cloud, path, frame)?;
+        }
         Ok(cloud)
     }
 

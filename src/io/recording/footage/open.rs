@@ -7,8 +7,8 @@ use super::probe::{Probe, probe};
 use super::{CameraFootage, Footage, FootageError, FootageNote, Source, image};
 use crate::camera::Rig;
 use crate::io::recording::cameras::CalibratedCameras;
+use crate::io::recording::layout;
 use crate::io::recording::layout::numbered_files::{self, NumberedFiles, Wanted};
-use crate::io::recording::layout::{self, LayoutError};
 use crate::io::recording::manifest::CameraFiles;
 use crate::io::recording::{Recording, RecordingError};
 
@@ -129,7 +129,7 @@ fn find_pictures(folder: &Path, camera: &CameraFiles) -> Result<CameraPictures, 
 }
 
 /// One camera for each file `videos/<camera>.*` and each folder `images/<camera>`, by name.
-fn conventional_cameras(folder: &Path) -> Result<Vec<CameraFiles>, LayoutError> {
+fn conventional_cameras(folder: &Path) -> Result<Vec<CameraFiles>, RecordingError> {
     let mut cameras: BTreeMap<String, CameraFiles> = BTreeMap::new();
     for path in layout::visible(&folder.join("videos"))?.into_iter().filter(|path| path.is_file()) {
         let camera = camera_of(&mut cameras, &path);

@@ -1,6 +1,5 @@
 //! Where the files of a recording are, in a folder without manifest or where the manifest does not say.
 
-mod error;
 pub(in crate::io) mod numbered_files;
 
 use std::fs;
@@ -9,15 +8,14 @@ use std::path::{Path, PathBuf};
 use crate::camera::Rig;
 use crate::io::calibration::{self, CalibrationError, CalibrationOptions};
 use crate::io::frame_rate;
+use crate::io::recording::RecordingError;
 use crate::io::recording::manifest::{CalibrationFiles, CameraFiles};
-
-pub use error::LayoutError;
 
 const MANIFEST: &str = "sequence.toml";
 const MASKS: &str = "masks";
 
 /// The folder of a recording and its manifest, if it has one.
-pub(super) fn locate(path: &Path) -> Result<(PathBuf, Option<PathBuf>), LayoutError> {
+pub(super) fn locate(path: &Path) -> Result<(PathBuf, Option<PathBuf>), RecordingError> {
     if path.is_dir() {
         let manifest = path.join(MANIFEST);
         let manifest = manifest.exists().then_some(manifest);
@@ -26,21 +24,21 @@ pub(super) fn locate(path: &Path) -> Result<(PathBuf, Option<PathBuf>), LayoutEr
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
         Ok((folder, Some(path.into())))
     } else {
-        Err(LayoutError::NotFound { path: path.into() })
+        Err(RecordingError::NotFound { path: path.into() })
     }
 }
 
 /// A frame rate that was given or found; the recording at `path` needs one.
-pub(super) fn frame_rate(fps: Option<f64>, path: &Path) -> Result<f64, LayoutError> {
+pub(super) fn frame_rate(fps: Option<f64>, path: &Path) -> Result<f64, RecordingError> {
     match fps {
         Some(fps) if frame_rate::is_one(fps) => Ok(fps),
-        Some(fps) => Err(LayoutError::Fps { fps }),
-        None => Err(LayoutError::NoFps { path: path.into() }),
+        Some(fps) => Err(RecordingError::Fps { fps }),
+        None => Err(RecordingError::NoFps { path: path.into() }),
     }
 }
 
 /// One camera for each folder `masks/<camera>`, by name.
-pub(super) fn conventional_cameras(folder: &Path) -> Result<Vec<CameraFiles>, LayoutError> {
+pub(super) fn conventional_cameras(folder: &Path) -> Result<Vec<CameraFiles>, RecordingError> {
     let folders = visible(&folder.join(MASKS))?.into_iter();
     let camera = |path: PathBuf| {
         let name = path.file_name()?.to_string_lossy().into_owned();
@@ -121,8 +119,8 @@ pub(super) fn files_behind(source: &Path) -> Vec<PathBuf> {
 }
 
 /// What a folder holds, by name.
-fn contents(folder: &Path) -> Result<Vec<PathBuf>, LayoutError> {
-    let unreadable = |source| LayoutError::Folder { path: folder.into(), source };
+fn contents(folder: &Path) -> Result<Vec<PathBuf>, RecordingError> {
+    let unreadable = |source| RecordingError::Folder { path: folder.into(), source };
     let mut paths = Vec::new();
     for entry in fs::read_dir(folder).map_err(unreadable)? {
         paths.push(entry.map_err(unreadable)?.path());
@@ -132,7 +130,7 @@ fn contents(folder: &Path) -> Result<Vec<PathBuf>, LayoutError> {
 }
 
 /// The visible contents of a folder, by name; empty if there is no such folder.
-pub(super) fn visible(folder: &Path) -> Result<Vec<PathBuf>, LayoutError> {
+pub(super) fn visible(folder: &Path) -> Result<Vec<PathBuf>, RecordingError> {
     if !folder.is_dir() {
         return Ok(Vec::new());
     }

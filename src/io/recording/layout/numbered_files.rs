@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 use image::ImageFormat;
 
-use super::{LayoutError, contents, is_hidden};
+use super::{contents, is_hidden};
+use crate::io::recording::RecordingError;
 
 /// The masks of one camera, or the point clouds.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -32,9 +33,9 @@ pub(in crate::io) fn list(
     folder: &Path,
     pattern: &str,
     wanted: &Wanted<'_>,
-) -> Result<NumberedFiles, LayoutError> {
+) -> Result<NumberedFiles, RecordingError> {
     let whole = folder.join(pattern);
-    let bad_pattern = |expected| LayoutError::Pattern {
+    let bad_pattern = |expected| RecordingError::Pattern {
         key: wanted.key.into(),
         pattern: pattern.into(),
         expected,
@@ -69,7 +70,7 @@ pub(in crate::io) fn list(
 fn collect(
     numbered: Vec<(Option<u64>, PathBuf)>,
     wanted: &Wanted<'_>,
-) -> Result<NumberedFiles, LayoutError> {
+) -> Result<NumberedFiles, RecordingError> {
     let mut files = NumberedFiles::default();
     for (number, path) in numbered {
         let Some(number) = number else {
@@ -78,7 +79,7 @@ fn collect(
         };
 
         if let Some(first) = files.of_number.insert(number, path.clone()) {
-            return Err(LayoutError::DuplicateFrame {
+            return Err(RecordingError::DuplicateFrame {
                 key: wanted.key.into(),
                 number,
                 first,

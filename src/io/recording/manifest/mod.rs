@@ -23,7 +23,6 @@
 mod template;
 
 use std::collections::BTreeMap;
-use std::io;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
@@ -32,6 +31,7 @@ use toml::de::{DeTable, DeValue};
 
 use crate::camera::UpAxis;
 use crate::io::calibration::Unit;
+use crate::io::recording::RecordingError;
 use crate::io::unknown_key::{UnknownKey, line_of};
 use crate::io::{frame_rate, input};
 
@@ -132,78 +132,14 @@ impl CameraFiles {
     }
 }
 
-/// Why a manifest could not be used.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum ManifestError {
-    /// The file cannot be read.
-    #[error("{}: cannot be read: {source}", path.display())]
-    Read {
-        /// The manifest.
-        path: PathBuf,
-        /// Why.
-        source: io::Error,
-    },
-    /// Not TOML, or a value of the wrong kind.
-    #[error("{}:{line}: {}", path.display(), source.message().replace('\n', ", "))]
-    Syntax {
-        /// The manifest.
-        path: PathBuf,
-        /// From 1.
-        line: usize,
-        /// What the parser expected.
-        source: Box<toml::de::Error>,
-    },
-    /// A key that means nothing.
-    #[error("{}:{}: {key}", path.display(), key.line)]
-    UnknownKey {
-        /// The manifest.
-        path: PathBuf,
-        /// The key, its line and its neighbour.
-        key: Box<UnknownKey>,
-    },
-    /// A frame rate that no camera has.
-    #[error("{}:{line}: fps = {fps}: expected {}", path.display(), frame_rate::EXPECTED)]
-    Fps {
-        /// The manifest.
-        path: PathBuf,
-        /// From 1.
-        line: usize,
-        /// As written.
-        fps: f64,
-    },
-    /// A beginning that no camera has.
-    #[error("{}: camera {camera}: {key} = {value}: expected a number from −1e10 to 1e10", path.display())]
-    Clock {
-        /// The manifest.
-        path: PathBuf,
-        /// The camera.
-        camera: String,
-        /// Which.
-        key: &'static str,
-        /// As written.
-        value: f64,
-    },
-    /// Two cameras of the same name.
-    #[error("{}: camera {name:?} is listed {count} times: names must differ", path.display())]
-    DuplicateCamera {
-        /// The manifest.
-        path: PathBuf,
-        /// The name.
-        name: String,
-        /// How often it occurs.
-        count: usize,
-    },
-}
-
 impl Manifest {
     /// Reads and checks a manifest.
     ///
     /// # Errors
-    /// [`ManifestError`], with the line where there is one.
-    pub(crate) fn read(path: &Path) -> Result<Self, ManifestError> {
+    /// [`RecordingError`], with the line where there is one.
+    pub(crate) fn read(path: &Path) -> Result<Self, RecordingError> {
         let text = input::read_text(path)
-            .map_err(|source| ManifestError::Read { path: path.into(), source })?;
+            .map_err(|source| RecordingError::Read { path: path.into(), source })?;
         let mut manifest = Self::parse(&text, path)?;
         template::fill(&mut manifest, path.parent().unwrap_or(Path::new("")));
         Ok(manifest)
@@ -212,16 +148,18 @@ impl Manifest {
     /// Checks the text of a manifest; `path` is for messages.
     ///
     /// # Errors
-    /// [`ManifestError`], with the line where there is one.
-    pub(crate) fn parse(text: &str, path: &Path) -> Result<Self, ManifestError> {
-        let syntax = |source: toml::de::Error| ManifestError::Syntax {
+    /// [`RecordingError`], with the line where there is one.
+    pub(crate) fn parse(text: &str, path: &Path) -> Result<Self, RecordingError> {
+        let syntax = |source: toml::de::Error| RecordingError::Syntax {
             path: path.into(),
             line: line_of(text, source.span().map_or(0, |span| span.start)),
             source: Box::new(source),
         };
         let table = DeTable::parse(text).map_err(syntax)?;
         if let Some(key) = first_unknown_key(text, table.get_ref()) {
-            return Err(ManifestError::UnknownKey { path: path.into(), key: Box::new(key) });
+            let UnknownKey { line, key, nearest, known } = key;
+            let path = path.into();
+            return Err(RecordingError::UnknownKey { path, line, key, nearest, known });
         }
         let manifest: Self = toml::from_str(text).map_err(syntax)?;
         manifest.check_fps(text, table.get_ref(), path)?;
@@ -230,11 +168,16 @@ impl Manifest {
         Ok(manifest)
     }
 
-    fn check_fps(&self, text: &str, table: &DeTable<'_>, path: &Path) -> Result<(), ManifestError> {
+    fn check_fps(
+        &self,
+        text: &str,
+        table: &DeTable<'_>,
+        path: &Path,
+    ) -> Result<(), RecordingError> {
         match self.fps {
             Some(fps) if !frame_rate::is_one(fps) => {
                 let key = table.keys().find(|key| key.get_ref() == "fps");
-                Err(ManifestError::Fps {
+                Err(RecordingError::ManifestFps {
                     path: path.into(),
                     line: line_of(text, key.map_or(0, |key| key.span().start)),
                     fps,
@@ -244,8 +187,8 @@ impl Manifest {
         }
     }
 
-    fn check_clocks(&self, path: &Path) -> Result<(), ManifestError> {
-        let clock = |camera: &CameraFiles, key, value| ManifestError::Clock {
+    fn check_clocks(&self, path: &Path) -> Result<(), RecordingError> {
+        let clock = |camera: &CameraFiles, key, value| RecordingError::Clock {
             path: path.into(),
             camera: camera.name.clone(),
             key,
@@ -262,10 +205,10 @@ impl Manifest {
         Ok(())
     }
 
-    fn check_names(&self, path: &Path) -> Result<(), ManifestError> {
+    fn check_names(&self, path: &Path) -> Result<(), RecordingError> {
         let count = |name: &str| self.cameras.iter().filter(|c| c.name == name).count();
         match self.cameras.iter().find(|camera| count(&camera.name) > 1) {
-            Some(camera) => Err(ManifestError::DuplicateCamera {
+            Some(camera) => Err(RecordingError::DuplicateCamera {
                 path: path.into(),
                 name: camera.name.clone(),
                 count: count(&camera.name),
@@ -298,7 +241,7 @@ fn first_unknown_key(text: &str, table: &DeTable<'_>) -> Option<UnknownKey> {
 mod tests {
     use super::*;
 
-    fn parse(text: &str) -> Result<Manifest, ManifestError> {
+    fn parse(text: &str) -> Result<Manifest, RecordingError> {
         Manifest::parse(text, Path::new("walk/sequence.toml"))
     }
 
@@ -364,7 +307,10 @@ mod tests {
     fn a_frame_rate_that_is_not_positive_is_refused() {
         for fps in ["0.0", "-25", "nan", "inf"] {
             let text = format!("body = \"b\"\nfps = {fps}\n");
-            assert!(matches!(parse(&text), Err(ManifestError::Fps { line: 2, .. })), "{fps}");
+            assert!(
+                matches!(parse(&text), Err(RecordingError::ManifestFps { line: 2, .. })),
+                "{fps}"
+            );
         }
     }
 
