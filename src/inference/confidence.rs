@@ -61,7 +61,7 @@ pub fn confidence(estimates: &[f64], epsilon: f64) -> Confidence {
 ///
 /// Fewer keyframes than components leave the sample covariance S without an inverse, so it is shrunk to
 /// its diagonal: σ = (1 − α)S + α·diag S, α = n/(n + K).
-pub fn joint_confidence(estimates: &[DVector<f64>], epsilon: f64) -> Confidence {
+pub(super) fn joint_confidence(estimates: &[DVector<f64>], epsilon: f64) -> Confidence {
     let keyframes = estimates.len();
     let none = Confidence { epsilon, sigma: None, keyframes, p_within: None };
     if keyframes < 2 || estimates[0].is_empty() {

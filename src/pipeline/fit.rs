@@ -8,7 +8,7 @@ use super::aim::{AimedOptimum, JointStage};
 use super::measures::Measures;
 use super::points::{self, PointQuality};
 use super::quality::{self, CameraQuality, ViewQuality};
-use super::{EstimateOptions, SceneFault, Warning, check_scene};
+use super::{EstimateOptions, FitError, Warning, check_scene};
 use crate::body::{BodyModel, Motion, Posed, Shape};
 use crate::camera::Rig;
 use crate::inference::chain::ChainPrior;
@@ -21,7 +21,7 @@ use crate::inference::sequence_posterior::SequenceState;
 use crate::inference::{Evidence, Sequence, ShapeConfidence};
 use crate::likelihood::Measure;
 use crate::math::stats::mean;
-use crate::silhouette::{FrameIndex, FrameObservations, InvalidOption};
+use crate::silhouette::{FrameIndex, FrameObservations};
 
 use super::unseen::{self, prior_angles_sd};
 use super::warning::{odd_body, warnings};
@@ -122,37 +122,6 @@ pub struct MinusLogPosterior {
     pub pose: f64,
     /// Σ −log p(mᵢ | mᵢ₋₁).
     pub step: f64,
-}
-
-/// Why nothing could be fitted.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum FitError {
-    /// An option outside its range.
-    #[error(transparent)]
-    Option(#[from] InvalidOption),
-    /// Cameras, masks and body do not speak of one scene.
-    #[error(transparent)]
-    Scene(#[from] SceneFault),
-    /// The body has not what was asked to be compared.
-    #[error("the body {model} has no {lacking}: choose another body or another --likelihood")]
-    Primitives {
-        /// Name of the body.
-        model: String,
-        /// What it lacks.
-        lacking: &'static str,
-    },
-    /// Points alone, to be compared with ellipses.
-    #[error(
-        "points can only be compared with the skin of metaballs: leave --likelihood out, or use metaballs"
-    )]
-    PointsOnEllipses,
-    /// No hypothesis could be followed through the sequence.
-    #[error("no hypothesis could be followed through the {frames} frames")]
-    NoHypothesis {
-        /// How many frames there are.
-        frames: usize,
-    },
 }
 
 /// Fits a body to the observations of a sequence.

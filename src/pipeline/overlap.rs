@@ -10,11 +10,7 @@ use crate::math::quadric::{Ellipse, project};
 use crate::render;
 use crate::silhouette::Silhouette;
 
-/// The model's ellipses in a camera, in undistorted pixels; those around or behind it are left out.
-pub fn projected_ellipses(camera: &Camera, body: &Posed<'_>) -> Vec<Ellipse> {
-    projected(camera, body, &body.model.ellipsoids)
-}
-
+/// Primitives of the model as ellipses in a camera, in undistorted pixels; those around or behind it are left out.
 fn projected(camera: &Camera, body: &Posed<'_>, primitives: &[Primitive]) -> Vec<Ellipse> {
     let projection = camera.projection();
     let each = primitives.iter().map(|p| body.primitive(p));
@@ -38,7 +34,7 @@ pub(super) fn iou(
 
 fn ellipses_iou(camera: &Camera, silhouette: &Silhouette, body: &Posed<'_>) -> f64 {
     let ellipses: Vec<Covering> =
-        projected_ellipses(camera, body).iter().map(Covering::new).collect();
+        projected(camera, body, &body.model.ellipsoids).iter().map(Covering::new).collect();
     let bounds = bounds(silhouette, &ellipses);
     let overlap = silhouette.overlap(bounds, |pixel| ellipses.iter().any(|e| e.contains(pixel)));
     overlap.iou()
@@ -182,7 +178,7 @@ mod tests {
     fn ellipses_cover_their_own_silhouette_and_none_beside_it() {
         let of_ellipses = |camera: &Camera, body: &Posed<'_>| {
             let all: Vec<Covering> =
-                projected_ellipses(camera, body).iter().map(Covering::new).collect();
+                projected(camera, body, &body.model.ellipsoids).iter().map(Covering::new).collect();
             let (width, height) = (camera.width_px as usize, camera.height_px as usize);
             Mask::from_fn(width, height, |x, y| {
                 let pixel = Point2::new(x as f64, y as f64);

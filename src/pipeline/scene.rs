@@ -4,12 +4,12 @@
 //! nearest to each other before both, at a point that both see near their silhouette. Only pixels are compared, so
 //! this holds in every unit of length; the unit shows in how large the silhouettes are where the cameras agree.
 
-use super::Warning;
+use super::{FitError, Warning};
 use crate::body::{BodyModel, Motion, Posed, Shape};
 use crate::camera::{Camera, CameraId, Rig, closest_point};
 use crate::inference::hull::{self, Hull, LEAST_POINTS, locates_body};
 use crate::math::stats::median;
-use crate::silhouette::{FrameIndex, FrameObservations, Rejected, Silhouette};
+use crate::silhouette::{FrameObservations, Silhouette};
 
 /// Frames that are looked at, evenly spaced.
 const SAMPLED_FRAMES: usize = 50;
@@ -22,101 +22,18 @@ const SIZE_RATIO: f64 = 6.0;
 /// How many numbers between the first frame and the last may be of no frame: a quarter of an hour at 100 Hz.
 pub(crate) const MOST_EMPTY_FRAMES: usize = 100_000;
 
-/// Why a recording cannot be fitted.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum SceneFault {
-    /// No frame at all.
-    #[error("no frame to fit")]
-    NoFrames,
-    /// Numbers that no recording has.
-    #[error(
-        "the frames are numbered from {first} to {last}, and {empty} numbers between have none ({MOST_EMPTY_FRAMES} at most): number the files by frame, from 0"
-    )]
-    Sparse {
-        /// The first number.
-        first: FrameIndex,
-        /// The last.
-        last: FrameIndex,
-        /// How many between them are of no frame.
-        empty: usize,
-    },
-    /// No mask shows anybody.
-    #[error(
-        "none of the {masks} masks shows a person: camera {camera}, {frame}: {reason}, and so on"
-    )]
-    NothingSeen {
-        /// How many masks there are.
-        masks: usize,
-        /// A camera.
-        camera: String,
-        /// A frame.
-        frame: FrameIndex,
-        /// Why its mask shows nobody.
-        reason: Rejected,
-    },
-    /// Points without silhouettes, and too few of them.
-    #[error(
-        "no frame shows the person to two cameras and none has as many as {least} points ({most} at most): a search begins at one or the other"
-    )]
-    FewPoints {
-        /// How many points show where a body is.
-        least: usize,
-        /// How many there are.
-        most: usize,
-    },
-    /// No frame shows the person to two cameras.
-    #[error(
-        "no frame shows the person to two cameras at once (most are shown by camera {camera}: {frames}), so how far away and how large the person is cannot be told apart; do the numbers in the names of the masks agree between cameras?"
-    )]
-    NeverTwo {
-        /// The camera that sees most.
-        camera: String,
-        /// In how many frames.
-        frames: usize,
-    },
-    /// Cameras that look elsewhere.
-    #[error(
-        "{} {} no volume in common with the other cameras ({why}): check {} calibration, and unit and up in sequence.toml",
-        listed(cameras), if cameras.len() == 1 { "sees" } else { "see" }, if cameras.len() == 1 { "its" } else { "their" }
-    )]
-    NoCommonView {
-        /// The cameras.
-        cameras: Vec<String>,
-        /// Where the first of them has what the others see.
-        why: String,
-    },
-    /// Nobody is so tall.
-    #[error(
-        "masks or points show something {seen_m:.3} m large, the body {body} is {body_m:.2} m: check unit in sequence.toml (m or mm), and the body"
-    )]
-    Size {
-        /// Size of what is seen, m.
-        seen_m: f64,
-        /// Name of the body.
-        body: String,
-        /// Its size, m.
-        body_m: f64,
-    },
-}
-
-fn listed(cameras: &[String]) -> String {
-    let word = if cameras.len() == 1 { "camera" } else { "cameras" };
-    format!("{word} {}", cameras.join(", "))
-}
-
 /// Whether anything is seen, by at least two cameras, that look at one place, in a size that the body can have.
 ///
 /// A camera without a point in common with the others by calibration alone is a fault only if its silhouettes
 /// confirm that: along a corridor no point need be seen by all. One whose silhouettes alone disagree is a warning.
 ///
 /// # Errors
-/// [`SceneFault`], the most basic first.
+/// [`FitError`], the most basic first.
 pub fn check_scene(
     model: &BodyModel,
     rig: &Rig,
     frames: &[FrameObservations],
-) -> Result<Vec<Warning>, SceneFault> {
+) -> Result<Vec<Warning>, FitError> {
     // 1. two cameras see something, in frames that are numbered as such
     numbered(frames)?;
     seen_by_two(rig, frames)?;
@@ -130,18 +47,18 @@ pub fn check_scene(
     Ok(warnings)
 }
 
-fn numbered(frames: &[FrameObservations]) -> Result<(), SceneFault> {
+fn numbered(frames: &[FrameObservations]) -> Result<(), FitError> {
     let (Some(first), Some(last)) = (frames.first(), frames.last()) else {
-        return Err(SceneFault::NoFrames);
+        return Err(FitError::NoFrames);
     };
     let (first, last) = (first.frame, last.frame);
     match (last.0 - first.0).saturating_sub(frames.len()) {
-        empty if empty > MOST_EMPTY_FRAMES => Err(SceneFault::Sparse { first, last, empty }),
+        empty if empty > MOST_EMPTY_FRAMES => Err(FitError::Sparse { first, last, empty }),
         _ => Ok(()),
     }
 }
 
-fn seen_by_two(rig: &Rig, frames: &[FrameObservations]) -> Result<(), SceneFault> {
+fn seen_by_two(rig: &Rig, frames: &[FrameObservations]) -> Result<(), FitError> {
     if frames.iter().any(locates_body) {
         return Ok(());
     }
@@ -153,13 +70,13 @@ fn seen_by_two(rig: &Rig, frames: &[FrameObservations]) -> Result<(), SceneFault
     let most = rig.iter().map(|(id, camera)| (seen(id), camera)).max_by_key(|(n, _)| *n);
     match most {
         Some((count, camera)) if count > 0 => {
-            Err(SceneFault::NeverTwo { camera: camera.name.clone(), frames: count })
+            Err(FitError::NeverTwo { camera: camera.name.clone(), frames: count })
         }
         _ => Err(nothing_seen(rig, frames)),
     }
 }
 
-fn nothing_seen(rig: &Rig, frames: &[FrameObservations]) -> SceneFault {
+fn nothing_seen(rig: &Rig, frames: &[FrameObservations]) -> FitError {
     let mut rejected = frames.iter().flat_map(|f| f.rejected.iter().map(|r| (f.frame, *r)));
     let first = rejected.next();
     let named =
@@ -167,13 +84,13 @@ fn nothing_seen(rig: &Rig, frames: &[FrameObservations]) -> SceneFault {
 
     match named {
         Some((frame, camera, reason)) => {
-            SceneFault::NothingSeen { masks: 1 + rejected.count(), camera, frame, reason }
+            FitError::NothingSeen { masks: 1 + rejected.count(), camera, frame, reason }
         }
-        None if frames.iter().any(FrameObservations::is_observed) => SceneFault::FewPoints {
+        None if frames.iter().any(FrameObservations::is_observed) => FitError::FewPoints {
             least: LEAST_POINTS,
             most: frames.iter().map(|f| f.points.len()).max().unwrap_or(0),
         },
-        None => SceneFault::NoFrames,
+        None => FitError::NoFrames,
     }
 }
 
@@ -212,7 +129,7 @@ fn agree(a: (&Camera, &Silhouette), b: (&Camera, &Silhouette)) -> bool {
 }
 
 /// Refuses the odd cameras that share no point with the others, and warns of the other odd ones.
-fn common_view(rig: &Rig, odd: &[CameraId]) -> Result<Vec<Warning>, SceneFault> {
+fn common_view(rig: &Rig, odd: &[CameraId]) -> Result<Vec<Warning>, FitError> {
     let names = |ids: &[CameraId]| -> Vec<String> {
         let camera = |id: &CameraId| Some(rig.camera(*id)?.name.clone());
         ids.iter().filter_map(camera).collect()
@@ -226,10 +143,10 @@ fn common_view(rig: &Rig, odd: &[CameraId]) -> Result<Vec<Warning>, SceneFault> 
         } else {
             both.iter().map(|(id, _)| *id).collect()
         };
-        return Err(SceneFault::NoCommonView { cameras: names(&lost), why: why.to_string() });
+        return Err(FitError::NoCommonView { cameras: names(&lost), why: why.to_string() });
     }
     if !odd.is_empty() && rig.cameras.len() - odd.len() < 2 {
-        return Err(SceneFault::NoCommonView {
+        return Err(FitError::NoCommonView {
             cameras: names(odd),
             why: "it shows the person elsewhere".into(),
         });
@@ -238,7 +155,7 @@ fn common_view(rig: &Rig, odd: &[CameraId]) -> Result<Vec<Warning>, SceneFault> 
     Ok(names(odd).into_iter().map(warning).collect())
 }
 
-fn size(model: &BodyModel, rig: &Rig, frames: &[&FrameObservations]) -> Result<(), SceneFault> {
+fn size(model: &BodyModel, rig: &Rig, frames: &[&FrameObservations]) -> Result<(), FitError> {
     let mut sizes: Vec<f64> = frames.iter().flat_map(|frame| sizes_of_views(rig, frame)).collect();
     if sizes.is_empty() {
         let hulls = frames.iter().filter_map(|f| Hull::from_points(&f.points));
@@ -247,7 +164,7 @@ fn size(model: &BodyModel, rig: &Rig, frames: &[&FrameObservations]) -> Result<(
     let body_m = body_size(model);
     match median(&mut sizes) {
         Some(seen_m) if seen_m > SIZE_RATIO * body_m || seen_m * SIZE_RATIO < body_m => {
-            Err(SceneFault::Size { seen_m, body: model.name.clone(), body_m })
+            Err(FitError::Size { seen_m, body: model.name.clone(), body_m })
         }
         _ => Ok(()),
     }

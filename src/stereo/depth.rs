@@ -9,10 +9,10 @@
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
-use super::correlation::{CorrelationError, CorrelationOptions, DisparityRange, correlate};
-use super::rectify::{RectifiedPair, RectifyError, bytes, rectify};
+use super::correlation::{CorrelationOptions, DisparityRange, correlate};
+use super::rectify::{RectifiedPair, bytes, rectify};
 use super::view::StereoView;
-use super::{CloudPoint, Spread};
+use super::{CloudPoint, DepthError, Spread};
 use crate::image::{Mask, Plane};
 use crate::math::Rigid3;
 
@@ -30,17 +30,6 @@ pub struct DepthMap {
     pub disparities: Plane<f32>,
     /// A point for each disparity, row by row.
     pub points: Vec<CloudPoint>,
-}
-
-/// Why there is no depth map.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum DepthError {
-    /// The pair cannot be rectified.
-    #[error(transparent)]
-    Rectify(#[from] RectifyError),
-    /// The pair cannot be correlated.
-    #[error(transparent)]
-    Correlation(#[from] CorrelationError),
 }
 
 impl RectifiedPair {

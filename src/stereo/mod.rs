@@ -21,6 +21,7 @@ mod choice;
 mod cloud;
 pub mod correlation;
 mod depth;
+mod depth_error;
 mod intersection;
 pub mod matching;
 mod rectify;
@@ -29,7 +30,8 @@ mod view;
 
 pub use choice::{NoneSideBySide, SideBySide, neighbour};
 pub use cloud::{Cloud, CloudPoint, LeftOut, Spread};
-pub use depth::{DepthError, DepthMap, depth_map};
+pub use depth::{DepthMap, depth_map};
+pub use depth_error::DepthError;
 pub use intersection::{Intersection, Sighting, intersect};
-pub use rectify::{RectifiedPair, RectifyError, rectify};
+pub use rectify::{RectifiedPair, rectify};
 pub use view::{StereoView, StereoViewError};

@@ -2,6 +2,7 @@
 
 use nalgebra::{Matrix3, Point2, Rotation3, UnitQuaternion, Vector2, Vector3};
 
+use super::DepthError;
 use super::view::{StereoView, resampled};
 use crate::camera::{Camera, Intrinsics};
 use crate::image::Plane;
@@ -23,54 +24,17 @@ pub struct RectifiedPair {
     pub right: StereoView,
 }
 
-/// Why two images cannot be rectified.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum RectifyError {
-    /// The cameras are in one place.
-    #[error(
-        "cameras {left} and {right} are {distance_mm:.3} mm apart: expected a distance between them, to measure depth by"
-    )]
-    NoBaseline {
-        /// First camera.
-        left: String,
-        /// Second camera.
-        right: String,
-        /// Distance between them.
-        distance_mm: f64,
-    },
-    /// One camera sees the other, or they look at different things.
-    #[error(
-        "cameras {left} and {right} do not look side by side ({angle_deg:.0}° between their axes, or one sees the other): expected at most 60°"
-    )]
-    NotSideBySide {
-        /// First camera.
-        left: String,
-        /// Second camera.
-        right: String,
-        /// Angle between the optical axes.
-        angle_deg: f64,
-    },
-    /// The turned images have no rows in common.
-    #[error("cameras {left} and {right} see no common rows once rectified")]
-    NoCommonRows {
-        /// First camera.
-        left: String,
-        /// Second camera.
-        right: String,
-    },
-}
-
 /// Turns both cameras about their centres so that rows run along the line between them, and resamples their images.
 ///
 /// x = ±(c₂ − c₁)/|c₂ − c₁|, the one that points to the right in the first image; z is the mean of both optical axes, made
 /// perpendicular to x; y = z × x.
 ///
 /// # Errors
-/// [`RectifyError`] for cameras in one place, and cameras that do not look side by side.
+/// [`DepthError`] for cameras in one place, and cameras that do not look side by side.
 ///
 /// # Source
 /// Fusiello, Trucco & Verri 2000, *A compact algorithm for rectification of stereo pairs*; z as the mean of both axes.
-pub fn rectify(first: &StereoView, second: &StereoView) -> Result<RectifiedPair, RectifyError> {
+pub fn rectify(first: &StereoView, second: &StereoView) -> Result<RectifiedPair, DepthError> {
     // both cameras are turned alike and get one focal length
     let world_from_rectified = rotation(&first.camera, &second.camera)?;
     let focal = [first, second].map(|view| view.camera.intrinsics.fy_px);
@@ -84,10 +48,7 @@ pub fn rectify(first: &StereoView, second: &StereoView) -> Result<RectifiedPair,
     let top = left.low.y.max(right.low.y);
     let bottom = left.high.y.min(right.high.y);
     if bottom - top < 1.0 {
-        return Err(RectifyError::NoCommonRows {
-            left: left.camera.name,
-            right: right.camera.name,
-        });
+        return Err(DepthError::NoCommonRows { left: left.camera.name, right: right.camera.name });
     }
     let rows = PixelRange::new(top, bottom, first.camera.height_px);
     let left_columns = PixelRange::new(left.low.x, left.high.x, first.camera.width_px);
@@ -100,11 +61,11 @@ pub fn rectify(first: &StereoView, second: &StereoView) -> Result<RectifiedPair,
 }
 
 /// The orientation that both cameras are turned to.
-fn rotation(first: &Camera, second: &Camera) -> Result<Rotation3<f64>, RectifyError> {
+fn rotation(first: &Camera, second: &Camera) -> Result<Rotation3<f64>, DepthError> {
     let baseline = second.centre_world() - first.centre_world();
     // nearer than a thousandth of a millimetre is no distance
     let Some(along) = baseline.try_normalize(1e-6) else {
-        return Err(RectifyError::NoBaseline {
+        return Err(DepthError::NoBaseline {
             left: first.name.clone(),
             right: second.name.clone(),
             distance_mm: 1000.0 * baseline.norm(),
@@ -125,8 +86,8 @@ fn rotation(first: &Camera, second: &Camera) -> Result<Rotation3<f64>, RectifyEr
     Ok(Rotation3::from_matrix_unchecked(axes))
 }
 
-fn not_side_by_side(first: &Camera, second: &Camera) -> RectifyError {
-    RectifyError::NotSideBySide {
+fn not_side_by_side(first: &Camera, second: &Camera) -> DepthError {
+    DepthError::NotSideBySide {
         left: first.name.clone(),
         right: second.name.clone(),
         angle_deg: angle_deg(first, second),

@@ -55,7 +55,7 @@ impl FitInput {
             None => load(&files, options, derived.progress)?,
         };
         files.notes.extend(files.notes_on_points(&observations));
-        check_scene(&model, &files.rig, &observations).map_err(FitError::from)?;
+        check_scene(&model, &files.rig, &observations)?;
 
         let mut checksums = files.checksums()?;
         checksums.extend(bodies);

@@ -4,6 +4,7 @@ use crate::tiny::{are_in_place, folder, greys, image, read, video, write};
 use maquette::Recording;
 use maquette::camera::CameraId;
 use maquette::io::recording::footage::FootageNote;
+use maquette::pipeline::PictureStream;
 use maquette::silhouette::FrameIndex;
 
 const TWO: &str = "fps = 25\n[[camera]]\nname = \"a\"\n";
@@ -28,7 +29,7 @@ fn a_folder_of_videos_needs_no_manifest_and_no_frame_rate() {
         sets.by_ref().map(|(frame, p)| (frame, p.iter().flatten().count())).collect();
     assert_eq!(seen.len(), 12);
     assert_eq!((seen[9].1, seen[10]), (2, (FrameIndex(10), 1)));
-    assert_eq!(sets.notes(), []);
+    assert_eq!(sets.notes(), [""; 0]);
 }
 
 #[test]

@@ -23,5 +23,5 @@ mod table;
 pub use bvh::{BvhError, bvh};
 pub use c3d::{C3dError, C3dInput, c3d};
 pub use glb::{GlbError, glb};
-pub use mot::{MotionTable, TableKind, coordinates, motion_text};
+pub use mot::{TableKind, coordinates, motion_text};
 pub use table::{FrameTable, frame_table};

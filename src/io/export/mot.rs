@@ -9,6 +9,7 @@ use std::fmt::Write;
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::FrameTable;
 use crate::camera::UpAxis;
 use crate::gait::{
     Angle, GaitAnalysis, Landmark, Limb, Movement, Segment, Segments, Side, cardan_zxy,
@@ -16,15 +17,6 @@ use crate::gait::{
 
 /// The origin of Rajagopal's pelvis (between the ASIS) from the middle of its hips, in its own axes, metres, unscaled.
 const PELVIS_FROM_HIPS: [f64; 3] = [0.0563, 0.0785, 0.0];
-
-/// Columns over time.
-#[derive(Debug, Clone, PartialEq)]
-pub struct MotionTable {
-    /// Times of the rows, seconds.
-    pub times_s: Vec<f64>,
-    /// Names and values, radians and metres; NaN where unknown.
-    pub columns: Vec<(String, Vec<f64>)>,
-}
 
 /// Which file it is to be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -55,11 +47,13 @@ const OF_ARM: [(Angle, &str); 4] = [
 
 /// The coordinates of Rajagopal's model that a fit knows; those that it does not (subtalar, toes) are 0.
 ///
-/// Rows begin at the first frame's time. `None` if the recording has no oriented pelvis.
-pub fn coordinates(movement: &Movement, gait: &GaitAnalysis) -> Option<MotionTable> {
+/// Radians and metres. `None` if the recording has no oriented pelvis.
+pub fn coordinates(movement: &Movement, gait: &GaitAnalysis) -> Option<FrameTable> {
     let segments = movement.segments.as_ref()?;
     let pelvis = segments.axes.get(&Segment::Pelvis)?;
-    let mut columns = pelvis_columns(pelvis, movement.track(Landmark::MidHip)?);
+    let mut table = FrameTable::new(movement, "time");
+    let columns = &mut table.columns;
+    columns.extend(pelvis_columns(pelvis, movement.track(Landmark::MidHip)?));
     for side in [Side::Right, Side::Left] {
         columns.extend(side_columns(segments, gait, side, movement.frames));
     }
@@ -70,8 +64,7 @@ pub fn coordinates(movement: &Movement, gait: &GaitAnalysis) -> Option<MotionTab
         columns.extend(three(["lumbar_extension", "lumbar_bending", "lumbar_rotation"], &turns));
     }
 
-    let time = |i: usize| (movement.first_frame + i) as f64 / movement.rate_hz;
-    Some(MotionTable { times_s: (0..movement.frames).map(time).collect(), columns })
+    Some(table)
 }
 
 fn pelvis_columns(pelvis: &[Matrix3<f64>], hips: &[Vector3<f64>]) -> Vec<Column> {
@@ -139,38 +132,37 @@ fn continuous(values: &[f64]) -> Vec<f64> {
 }
 
 /// The text of a file. Frames with unknown values are left out: OpenSim has no missing values.
-pub fn motion_text(table: &MotionTable, kind: TableKind, name: &str) -> String {
+pub fn motion_text(table: &FrameTable, kind: TableKind, name: &str) -> String {
     let is_known = |i: &usize| table.columns.iter().all(|(_, values)| values[*i].is_finite());
-    let rows: Vec<usize> = (0..table.times_s.len()).filter(is_known).collect();
+    let rows: Vec<usize> = (0..table.frames.len()).filter(is_known).collect();
 
     let (title, in_degrees) = match kind {
         TableKind::Mot => ("Coordinates", "yes"),
         TableKind::Sto => (name, "no"),
     };
-    let (n, m) = (rows.len(), table.columns.len() + 1);
+    let (n, m) = (rows.len(), table.columns.len());
     let mut text = format!(
         "{title}\nversion=1\nnRows={n}\nnColumns={m}\ninDegrees={in_degrees}\n\nUnits are S.I. units (second, meters, Newtons, ...)\n\
          If the header above contains a line with 'inDegrees', this indicates whether rotational values are in degrees (yes) or radians (no).\n\n\
-         endheader\ntime"
+         endheader\n"
     );
 
-    for (name, _) in &table.columns {
-        let _ = write!(text, "\t{name}");
-    }
-    text.push('\n');
+    let names: Vec<&str> = table.columns.iter().map(|(name, _)| name.as_str()).collect();
+    let _ = writeln!(text, "{}", names.join("\t"));
 
     for i in rows {
-        let _ = write!(text, "{:16.8}", table.times_s[i]);
-        for (name, values) in &table.columns {
-            let is_angle = !name.starts_with("pelvis_t") || name == "pelvis_tilt";
-            let value = match kind {
-                TableKind::Mot if is_angle => values[i].to_degrees(),
-                _ => values[i],
-            };
-            let _ = write!(text, "\t{value:16.8}");
-        }
-        text.push('\n');
+        let number = |(name, values): &Column| match kind {
+            TableKind::Mot if is_angle(name) => format!("{:16.8}", values[i].to_degrees()),
+            _ => format!("{:16.8}", values[i]),
+        };
+        let row: Vec<String> = table.columns.iter().map(number).collect();
+        let _ = writeln!(text, "{}", row.join("\t"));
     }
 
     text
+}
+
+/// Whether a column is an angle, and neither the time nor a place of the pelvis.
+fn is_angle(name: &str) -> bool {
+    name != "time" && (!name.starts_with("pelvis_t") || name == "pelvis_tilt")
 }

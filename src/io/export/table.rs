@@ -12,15 +12,14 @@ use crate::pipeline::FittedPoint;
 pub struct FrameTable {
     /// Numbers of the frames.
     pub frames: Vec<i64>,
-    /// Names and values, a value per frame; NaN where unknown. The first is `time_s`, from frame 0.
+    /// Names and values, a value per frame; NaN where unknown. The first is the time, seconds from frame 0.
     pub columns: Vec<(String, Vec<f64>)>,
 }
 
 /// The table of a fit.
 pub fn frame_table(movement: &Movement, points: &[FittedPoint], gait: &GaitAnalysis) -> FrameTable {
-    let numbers = movement.first_frame..movement.first_frame + movement.frames;
-    let time = |frame: usize| frame as f64 / movement.rate_hz;
-    let mut columns = vec![("time_s".to_owned(), numbers.clone().map(time).collect())];
+    let mut table = FrameTable::new(movement, "time_s");
+    let columns = &mut table.columns;
 
     for point in points {
         for (track, what) in [(&point.track, ""), (&point.sd_m, "sd_")] {
@@ -42,10 +41,20 @@ pub fn frame_table(movement: &Movement, points: &[FittedPoint], gait: &GaitAnaly
         columns.extend(sd.map(|sd| (format!("{name}_sd_deg"), degrees(sd))));
     }
 
-    FrameTable { frames: numbers.map(|frame| frame as i64).collect(), columns }
+    table
 }
 
 impl FrameTable {
+    /// The frames of a movement with their times.
+    pub(super) fn new(movement: &Movement, time: &str) -> Self {
+        let frames = movement.first_frame..movement.first_frame + movement.frames;
+        let seconds = |frame: usize| frame as f64 / movement.rate_hz;
+        Self {
+            frames: frames.clone().map(|frame| frame as i64).collect(),
+            columns: vec![(time.to_owned(), frames.map(seconds).collect())],
+        }
+    }
+
     /// As CSV, numbers with 6 decimals.
     ///
     /// # Errors

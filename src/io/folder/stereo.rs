@@ -10,10 +10,9 @@ use super::png::{self, Effort};
 use super::table;
 use super::{OutError, OutFolder, make_folder, write_atomically};
 use crate::camera::UpAxis;
-use crate::image::Plane;
 use crate::io::points::write_ply;
 use crate::math::Rigid3;
-use crate::pipeline::stereo::{SurfaceFrame, SurfaceTracks};
+use crate::pipeline::stereo::{DisparityMap, MeasuredSurface, SurfaceFrame, SurfaceTracks};
 use crate::render::Canvas;
 use crate::render::stereo::{cloud_from_the_side, in_colour, vector_field};
 use crate::stereo::tracking::Trajectory;
@@ -85,15 +84,7 @@ impl<'a> StereoFolder<'a> {
         });
 
         if let Some(surface) = &measured.surface {
-            self.points(frame, &surface.points)?;
-            for map in &surface.disparities {
-                let pair = map.pair.map_or(String::new(), |pair| format!("_{pair}"));
-                self.disparity(&format!("{frame:06}{pair}"), &map.disparities_px)?;
-            }
-            if self.extras.pictures {
-                let cloud = cloud_from_the_side(&surface.template.camera, &surface.points);
-                self.picture(&format!("cloud_{frame:06}"), &cloud)?;
-            }
+            self.surface(frame, surface)?;
         }
 
         for tracks in measured.ended_tracks {
@@ -101,6 +92,18 @@ impl<'a> StereoFolder<'a> {
                 self.motion(&tracks)?;
             }
             self.trajectories.extend(tracks.trajectories);
+        }
+        Ok(())
+    }
+
+    fn surface(&mut self, frame: usize, surface: &MeasuredSurface) -> Result<(), OutError> {
+        self.points(frame, &surface.points)?;
+        for map in &surface.disparities {
+            self.disparity(frame, map)?;
+        }
+        if self.extras.pictures {
+            let cloud = cloud_from_the_side(&surface.template.camera, &surface.points);
+            self.picture(&format!("cloud_{frame:06}"), &cloud)?;
         }
         Ok(())
     }
@@ -124,7 +127,9 @@ impl<'a> StereoFolder<'a> {
     }
 
     /// `disparity/<name>.png`, 16 bits: 256 times the disparity in pixels of points nearer than infinity; 0 unknown.
-    fn disparity(&self, name: &str, disparities: &Plane<f32>) -> Result<(), OutError> {
+    fn disparity(&self, frame: usize, map: &DisparityMap) -> Result<(), OutError> {
+        let pair = map.pair.map_or(String::new(), |pair| format!("_{pair}"));
+        let (name, disparities) = (format!("{frame:06}{pair}"), &map.disparities_px);
         let path = self.out.path().join(format!("disparity/{name}.png"));
 
         // 0 stands for no disparity

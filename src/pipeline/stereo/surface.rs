@@ -8,7 +8,7 @@ use crate::pipeline::silhouettes::nearness;
 use crate::pipeline::{MaskSource, PictureSource};
 use crate::silhouette::FrameIndex;
 use crate::stereo::correlation::CorrelationOptions;
-use crate::stereo::matching::{MatchedPoint, match_surface};
+use crate::stereo::matching::{MatchedPoint, MatchedSurface, match_surface};
 use crate::stereo::tracking::FrameViews;
 use crate::stereo::{CloudPoint, StereoView, depth_map};
 
@@ -43,6 +43,19 @@ pub struct DisparityMap {
     pub pair: Option<usize>,
     /// NaN where not known.
     pub disparities_px: Plane<f32>,
+}
+
+impl MeasuredSurface {
+    /// The surface by matching the template in all other images at once.
+    fn from_matches(frame: &FrameViews, found: &MatchedSurface) -> Self {
+        let [template, other] = [&frame.views[0], &frame.views[1]];
+        let disparities_px = disparities(template, other, &found.points);
+        Self {
+            template: template.clone(),
+            disparities: vec![DisparityMap { pair: None, disparities_px }],
+            points: found.points.iter().map(|point| point.point).collect(),
+        }
+    }
 }
 
 impl SurfaceFrame {
@@ -94,9 +107,10 @@ impl<'a> Measurement<'a> {
         let surface = match self.options.method {
             StereoMethod::Correlation => self.correlate(&views)?,
             StereoMethod::Matching => {
-                let (surface, matched) = self.match_all(&views)?;
+                let found = self.match_all(&views)?;
+                let surface = MeasuredSurface::from_matches(&views, &found);
                 if self.options.tracks {
-                    let ended = self.tracking.follow(frame.0, views, &matched)?;
+                    let ended = self.tracking.follow(frame.0, views, &found.points)?;
                     measured.ended_tracks.extend(ended);
                 }
                 surface
@@ -130,24 +144,11 @@ impl<'a> Measurement<'a> {
     }
 
     /// The template in all other images.
-    fn match_all(
-        &self,
-        frame: &FrameViews,
-    ) -> Result<(MeasuredSurface, Vec<MatchedPoint>), StereoError> {
+    fn match_all(&self, frame: &FrameViews) -> Result<MatchedSurface, StereoError> {
         let (template, mask) = (&frame.views[0], frame.masks[0].as_ref());
         let others: Vec<&StereoView> = frame.views[1..].iter().collect();
         let options = self.options.matching(others.len());
-        let found = match_surface(template, &others, mask, &[], &options)?;
-
-        let surface = MeasuredSurface {
-            template: template.clone(),
-            disparities: vec![DisparityMap {
-                pair: None,
-                disparities_px: disparities(template, others[0], &found.points),
-            }],
-            points: found.points.iter().map(|point| point.point).collect(),
-        };
-        Ok((surface, found.points))
+        Ok(match_surface(template, &others, mask, &[], &options)?)
     }
 
     /// The tracks that are still followed.

@@ -80,12 +80,12 @@ impl Tracking {
     /// Ends the tracks and takes the false ones away; `None` where nothing is followed.
     pub(super) fn end(&mut self) -> Option<SurfaceTracks> {
         let followed = self.followed.take()?;
-        let trajectories = followed.tracker.finish(self.fps);
+        let all = followed.tracker.finish(self.fps);
+        let true_ones = filter_trajectories(&all, &FilterOptions::default()).into_iter();
         Some(SurfaceTracks {
             first_frame: followed.first_frame,
             first_view: followed.first_view,
-            trajectories: filter_trajectories(&trajectories, &FilterOptions::default())
-                .trajectories,
+            trajectories: true_ones.map(|(_, trajectory)| trajectory).collect(),
         })
     }
 }

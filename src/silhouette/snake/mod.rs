@@ -84,15 +84,6 @@ impl Default for SnakeOptions {
     }
 }
 
-/// How an active contour ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ending {
-    /// No point moved any more.
-    AtRest,
-    /// Steps ran out.
-    OutOfSteps,
-}
-
 /// A point of an active contour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SnakePoint {
@@ -148,18 +139,18 @@ impl Snake {
         Some(Self { step: factored(&self.points, self.ends, &options)?, options, ..self })
     }
 
-    /// Moves the contour until it is at rest on the edges of a gradient.
-    pub fn settle(&mut self, gradient: &Gradient) -> Ending {
+    /// Moves the contour until it is at rest on the edges of a gradient; `false` if it runs out of steps before.
+    pub fn settle(&mut self, gradient: &Gradient) -> bool {
         for step in 1..=self.options.most_steps {
             let moved = self.advance(gradient);
             if moved < self.options.rest_px {
-                return Ending::AtRest;
+                return true;
             }
             if step % RESAMPLED_EVERY == 0 {
                 self.resample_if_uneven();
             }
         }
-        Ending::OutOfSteps
+        false
     }
 
     /// One step: (I + τA) d ← d + τ w (e − x); how far the point went that went farthest, px.

@@ -44,7 +44,7 @@ fn a_closed_contour_comes_to_rest_on_the_border_to_a_tenth_of_a_pixel() {
     for grown_px in [-2.0, 2.0] {
         let mut snake =
             Snake::new(&ellipse(grown_px, 200), Ends::Closed, SnakeOptions::default()).unwrap();
-        assert_eq!(snake.settle(&gradient), Ending::AtRest);
+        assert!(snake.settle(&gradient));
         let points = snake.points(&gradient);
         let places: Vec<_> = points.iter().map(|p| p.pixel).collect();
         assert!(off(&places) < 0.1, "{}", off(&places));
@@ -100,7 +100,7 @@ fn in_a_gap_of_the_border_the_expected_place_is_held_and_not_relied_on() {
 fn without_an_edge_nothing_moves_and_nothing_is_relied_on() {
     let flat = Gradient::new(&[Plane::filled(160, 140, 90.0)], 1.0);
     let mut snake = Snake::new(&ellipse(0.0, 200), Ends::Closed, SnakeOptions::default()).unwrap();
-    assert_eq!(snake.settle(&flat), Ending::AtRest);
+    assert!(snake.settle(&flat));
     for point in snake.points(&flat) {
         assert!((point.pixel - point.expected).norm() < 1e-9);
         // the sums of a constant are not 0 to the last bit

@@ -17,6 +17,7 @@ mod specks;
 use multiversion::multiversion;
 use rayon::prelude::*;
 
+use super::DepthError;
 use crate::image::Plane;
 use census::Census;
 use semi_global::{BandInput, MOST_DISPARITIES, band};
@@ -66,52 +67,17 @@ impl Default for CorrelationOptions {
     }
 }
 
-/// Why there can be no disparities.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-pub enum CorrelationError {
-    /// The images have different numbers of rows.
-    #[error("the rectified images have {left} and {right} rows: expected the same number")]
-    Rows {
-        /// Of the left image.
-        left: usize,
-        /// Of the right image.
-        right: usize,
-    },
-    /// Too few or too many disparities, or none that leads into the other image.
-    #[error(
-        "disparities {first} to {last} px: expected 3 to 256 of them, and some that lead from an image of {left} px into one of {right} px"
-    )]
-    Range {
-        /// The least.
-        first: i64,
-        /// The largest.
-        last: i64,
-        /// Width of the left image.
-        left: usize,
-        /// Width of the right image.
-        right: usize,
-    },
-    /// Penalties too large for a byte, or P₁ larger than P₂.
-    #[error("penalties {step} and {jump}: expected step ≤ jump ≤ 60")]
-    Penalties {
-        /// P₁.
-        step: u8,
-        /// P₂.
-        jump: u8,
-    },
-}
-
 /// The disparities of the left image, x_left − x_right in pixels; NaN where none is sure.
 ///
 /// Images are grey and rectified: a point is in the same row of both. The result is the same for any number of threads.
 ///
 /// # Errors
-/// [`CorrelationError`] for images with different numbers of rows and options outside their range.
+/// [`DepthError`] for images with different numbers of rows and options outside their range.
 pub fn correlate(
     left: &Plane<u8>,
     right: &Plane<u8>,
     options: &CorrelationOptions,
-) -> Result<Plane<f32>, CorrelationError> {
+) -> Result<Plane<f32>, DepthError> {
     check(left, right, options)?;
 
     // 1. signatures
@@ -157,16 +123,16 @@ fn check(
     left: &Plane<u8>,
     right: &Plane<u8>,
     options: &CorrelationOptions,
-) -> Result<(), CorrelationError> {
+) -> Result<(), DepthError> {
     if left.height() != right.height() {
-        return Err(CorrelationError::Rows { left: left.height(), right: right.height() });
+        return Err(DepthError::Rows { left: left.height(), right: right.height() });
     }
 
     let DisparityRange { first, count } = options.range;
     let last = i64::from(first) + count as i64 - 1;
     let leads_inside = i64::from(first) < left.width() as i64 && last > -(right.width() as i64);
     if !(3..=MOST_DISPARITIES).contains(&count) || !leads_inside {
-        return Err(CorrelationError::Range {
+        return Err(DepthError::Range {
             first: first.into(),
             last,
             left: left.width(),
@@ -176,7 +142,7 @@ fn check(
 
     let (step, jump) = (options.step_penalty, options.jump_penalty);
     if step > jump || jump > MOST_PENALTY {
-        return Err(CorrelationError::Penalties { step, jump });
+        return Err(DepthError::Penalties { step, jump });
     }
     Ok(())
 }

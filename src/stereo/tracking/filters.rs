@@ -43,21 +43,8 @@ impl Default for FilterOptions {
     }
 }
 
-/// The true parts of trajectories.
-#[derive(Debug, Clone, PartialEq)]
-pub struct FilteredTrajectories {
-    /// Those that are left, truncated where they became false.
-    pub trajectories: Vec<Trajectory>,
-    /// Index of each in the trajectories given.
-    pub kept: Vec<usize>,
-    /// How many were truncated.
-    pub truncated: usize,
-    /// How many were removed because they are true in too few frames: errors of the first frame.
-    pub removed: usize,
-}
-
 /// Truncates trajectories where they are faster or accelerate more than a body can, and where their velocity is not
-/// that of their neighbours; removes those that are then too short.
+/// that of their neighbours; removes those that are then too short. Each that is left comes with its index.
 ///
 /// The neighbours' velocity is the median, by component, of the velocities within a ball around the point, in the
 /// frames beside it too. Two passes are made: in the second, the neighbours are those that the first left.
@@ -67,7 +54,7 @@ pub struct FilteredTrajectories {
 pub fn filter_trajectories(
     trajectories: &[Trajectory],
     options: &FilterOptions,
-) -> FilteredTrajectories {
+) -> Vec<(usize, Trajectory)> {
     let within = trajectories.iter().map(|t| within_thresholds(t, options));
     let mut ends: Vec<usize> = within.collect();
     for _ in 0..2 {
@@ -77,26 +64,13 @@ pub fn filter_trajectories(
         ends = uniform.collect();
     }
 
-    let mut filtered = FilteredTrajectories {
-        trajectories: Vec::new(),
-        kept: Vec::new(),
-        truncated: 0,
-        removed: 0,
-    };
-    for (i, (trajectory, end)) in trajectories.iter().zip(ends).enumerate() {
-        if end < options.least_frames {
-            filtered.removed += 1;
-            continue;
-        }
-
-        filtered.truncated += usize::from(end < trajectory.points.len());
-        filtered.kept.push(i);
-        filtered.trajectories.push(Trajectory {
-            first_frame: trajectory.first_frame,
-            points: trajectory.points[..end].to_vec(),
-        });
-    }
-    filtered
+    let whole = trajectories.iter().zip(ends).enumerate();
+    let lasting = whole.filter(|(_, (_, end))| *end >= options.least_frames);
+    let truncated = lasting.map(|(index, (trajectory, end))| {
+        let points = trajectory.points[..end].to_vec();
+        (index, Trajectory { first_frame: trajectory.first_frame, points })
+    });
+    truncated.collect()
 }
 
 /// How many points come before the first that is too fast or accelerates too much.

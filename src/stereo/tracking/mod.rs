@@ -22,7 +22,7 @@ use super::view::StereoView;
 use super::{CloudPoint, Intersection, Spread};
 use crate::image::Mask;
 
-pub use filters::{FilterOptions, FilteredTrajectories, filter_trajectories};
+pub use filters::{FilterOptions, filter_trajectories};
 use temporal::TemporalMatch;
 pub use trajectory::{TrackPoint, Trajectory};
 

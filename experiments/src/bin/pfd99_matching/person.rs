@@ -68,11 +68,15 @@ fn tracks(run: &mut Run, folder: &Path, frames: &[FrameViews]) -> Result<(), Fau
         let seconds = start.elapsed().as_secs_f64() / TRACKED_FRAMES as f64;
         let all = tracker.finish(25.0);
         let filtered = filter_trajectories(&all, &FilterOptions::default());
+        let is_truncated = |(i, t): &&(usize, Trajectory)| t.points.len() < all[*i].points.len();
+        let truncated = filtered.iter().filter(is_truncated).count();
+        let removed = all.len() - filtered.len();
+        let filtered: Vec<Trajectory> = filtered.into_iter().map(|(_, t)| t).collect();
         let raw = on_place(folder, first, &all)?;
-        let good = on_place(folder, first, &filtered.trajectories)?;
+        let good = on_place(folder, first, &filtered)?;
         run.say(&format!(
             "tracks from frame {first}: {} begun, {} followed for {TRACKED_FRAMES} frames, {} of them on their place; after the filters {} and {} ({} truncated, {} removed); {seconds:.2} s a frame",
-            found.points.len(), raw.0, raw.1, good.0, good.1, filtered.truncated, filtered.removed
+            found.points.len(), raw.0, raw.1, good.0, good.1, truncated, removed
         ));
         for (count, here) in
             counts.iter_mut().zip([found.points.len(), raw.0, raw.1, good.0, good.1])

@@ -14,7 +14,7 @@
 //! | `probe.rs`   | what `ffprobe` says of a video                                           |
 //! | `video.rs`   | pictures out of `ffmpeg`'s pipe                                          |
 //! | `image.rs`   | pictures out of image files                                              |
-//! | `stream.rs`  | [`Pictures`] and [`FrameSets`]: decoding ahead                            |
+//! | `stream.rs`  | [`Pictures`] of one camera, or of all frame by frame: decoding ahead      |
 
 mod error;
 mod image;
@@ -39,7 +39,8 @@ pub use error::FootageError;
 pub use note::FootageNote;
 use numbers::Numbering;
 pub(super) use open::open;
-pub use stream::{FrameSets, Pictures};
+use stream::FrameSets;
+pub use stream::Pictures;
 
 /// Calibrated pictures, frame by frame.
 #[derive(Clone, Debug)]
@@ -124,7 +125,10 @@ impl Footage {
     }
 
     /// The pictures of all cameras in these frames (both included), frame by frame.
-    pub fn frame_sets(&self, frames: RangeInclusive<usize>) -> FrameSets {
+    pub fn frame_sets(
+        &self,
+        frames: RangeInclusive<usize>,
+    ) -> impl PictureStream<FramePictures> + use<> {
         let cameras = self.rig.iter().map(|(id, _)| id);
         FrameSets::new(cameras.map(|id| self.stream(id, frames.clone())).collect())
     }

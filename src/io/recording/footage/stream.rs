@@ -124,7 +124,7 @@ impl Drop for Pictures {
 
 /// The pictures of several cameras, frame by frame.
 #[derive(Debug)]
-pub struct FrameSets {
+pub(super) struct FrameSets {
     /// Each camera's pictures, and the one already taken but not yet due.
     cameras: Vec<(Pictures, Option<(FrameIndex, Picture)>)>,
 }
@@ -132,12 +132,6 @@ pub struct FrameSets {
 impl FrameSets {
     pub(super) fn new(cameras: Vec<Pictures>) -> Self {
         Self { cameras: cameras.into_iter().map(|camera| (camera, None)).collect() }
-    }
-
-    /// Notes on what was odd; complete when all pictures have been taken.
-    pub fn notes(&self) -> Vec<FootageNote> {
-        let notes = self.cameras.iter().flat_map(|(camera, _)| camera.notes());
-        notes.cloned().collect()
     }
 }
 
@@ -163,7 +157,8 @@ impl Iterator for FrameSets {
 
 impl PictureStream<FramePictures> for FrameSets {
     fn notes(&self) -> Vec<String> {
-        self.notes().iter().map(ToString::to_string).collect()
+        let notes = self.cameras.iter().flat_map(|(camera, _)| camera.notes());
+        notes.map(ToString::to_string).collect()
     }
 }
 

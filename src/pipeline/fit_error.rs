@@ -1,0 +1,109 @@
+//! Why nothing could be fitted.
+
+use super::scene::MOST_EMPTY_FRAMES;
+use crate::silhouette::{FrameIndex, InvalidOption, Rejected};
+
+/// Why nothing could be fitted.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FitError {
+    /// An option outside its range.
+    #[error(transparent)]
+    Option(#[from] InvalidOption),
+    /// No frame at all.
+    #[error("no frame to fit")]
+    NoFrames,
+    /// Numbers that no recording has.
+    #[error(
+        "the frames are numbered from {first} to {last}, and {empty} numbers between have none ({MOST_EMPTY_FRAMES} at most): number the files by frame, from 0"
+    )]
+    Sparse {
+        /// The first number.
+        first: FrameIndex,
+        /// The last.
+        last: FrameIndex,
+        /// How many between them are of no frame.
+        empty: usize,
+    },
+    /// No mask shows anybody.
+    #[error(
+        "none of the {masks} masks shows a person: camera {camera}, {frame}: {reason}, and so on"
+    )]
+    NothingSeen {
+        /// How many masks there are.
+        masks: usize,
+        /// A camera.
+        camera: String,
+        /// A frame.
+        frame: FrameIndex,
+        /// Why its mask shows nobody.
+        reason: Rejected,
+    },
+    /// Points without silhouettes, and too few of them.
+    #[error(
+        "no frame shows the person to two cameras and none has as many as {least} points ({most} at most): a search begins at one or the other"
+    )]
+    FewPoints {
+        /// How many points show where a body is.
+        least: usize,
+        /// How many there are.
+        most: usize,
+    },
+    /// No frame shows the person to two cameras.
+    #[error(
+        "no frame shows the person to two cameras at once (most are shown by camera {camera}: {frames}), so how far away and how large the person is cannot be told apart; do the numbers in the names of the masks agree between cameras?"
+    )]
+    NeverTwo {
+        /// The camera that sees most.
+        camera: String,
+        /// In how many frames.
+        frames: usize,
+    },
+    /// Cameras that look elsewhere.
+    #[error(
+        "{} {} no volume in common with the other cameras ({why}): check {} calibration, and unit and up in sequence.toml",
+        listed(cameras), if cameras.len() == 1 { "sees" } else { "see" }, if cameras.len() == 1 { "its" } else { "their" }
+    )]
+    NoCommonView {
+        /// The cameras.
+        cameras: Vec<String>,
+        /// Where the first of them has what the others see.
+        why: String,
+    },
+    /// Nobody is so tall.
+    #[error(
+        "masks or points show something {seen_m:.3} m large, the body {body} is {body_m:.2} m: check unit in sequence.toml (m or mm), and the body"
+    )]
+    Size {
+        /// Size of what is seen, m.
+        seen_m: f64,
+        /// Name of the body.
+        body: String,
+        /// Its size, m.
+        body_m: f64,
+    },
+    /// The body has not what was asked to be compared.
+    #[error("the body {model} has no {lacking}: choose another body or another --likelihood")]
+    Primitives {
+        /// Name of the body.
+        model: String,
+        /// What it lacks.
+        lacking: &'static str,
+    },
+    /// Points alone, to be compared with ellipses.
+    #[error(
+        "points can only be compared with the skin of metaballs: leave --likelihood out, or use metaballs"
+    )]
+    PointsOnEllipses,
+    /// No hypothesis could be followed through the sequence.
+    #[error("no hypothesis could be followed through the {frames} frames")]
+    NoHypothesis {
+        /// How many frames there are.
+        frames: usize,
+    },
+}
+
+fn listed(cameras: &[String]) -> String {
+    let word = if cameras.len() == 1 { "camera" } else { "cameras" };
+    format!("{word} {}", cameras.join(", "))
+}
