@@ -5,8 +5,8 @@
 #![allow(clippy::print_stdout, reason = "an example prints what it found")]
 
 use std::error::Error;
-use std::fmt::Write;
 
+use maquette::workflow::AngleTrack;
 use maquette::{FittedRecording, Side};
 
 /// Width and height of the picture, and degrees from top to bottom.
@@ -24,36 +24,36 @@ fn main() -> Result<(), Box<dyn Error>> {
         SIZE[0], SIZE[1]
     );
     for (side, colour) in [(Side::Left, "#c0392b"), (Side::Right, "#2067b0")] {
-        let knee = fit.angle("knee_flexion", side)?;
-        let frames = knee.radians.len();
-        let place = |i: usize, radians: f64| {
-            let [top, bottom] = DEGREES;
-            let x = SIZE[0] * i as f64 / (frames - 1).max(1) as f64;
-            let y = SIZE[1] * (top - radians.to_degrees()) / (top - bottom);
-            format!("{x:.1},{y:.1}")
-        };
-
-        // the band: up along its upper edge, back along the lower one
-        let sd = knee.sd.clone().unwrap_or(vec![0.0; frames]);
-        let upper = (0..frames).map(|i| place(i, knee.radians[i] + 2.0 * sd[i]));
-        let lower = (0..frames).rev().map(|i| place(i, knee.radians[i] - 2.0 * sd[i]));
-        let band: Vec<String> = upper.chain(lower).filter(|p| !p.contains("NaN")).collect();
-        writeln!(
-            svg,
-            "<polygon points=\"{}\" fill=\"{colour}\" opacity=\"0.2\"/>",
-            band.join(" ")
-        )?;
-
-        let line = (0..frames).map(|i| place(i, knee.radians[i]));
-        let line: Vec<String> = line.filter(|p| !p.contains("NaN")).collect();
-        writeln!(
-            svg,
-            "<polyline points=\"{}\" fill=\"none\" stroke=\"{colour}\"/>",
-            line.join(" ")
-        )?;
+        svg += &curve(&fit.angle("knee_flexion", side)?, colour);
     }
     svg.push_str("</svg>\n");
     std::fs::write(&picture, svg)?;
     println!("{picture}");
     Ok(())
+}
+
+/// The line of an angle and its band.
+fn curve(angle: &AngleTrack, colour: &str) -> String {
+    let frames = angle.radians.len();
+    let place = |i: usize, radians: f64| {
+        let [top, bottom] = DEGREES;
+        let x = SIZE[0] * i as f64 / (frames - 1).max(1) as f64;
+        let y = SIZE[1] * (top - radians.to_degrees()) / (top - bottom);
+        format!("{x:.1},{y:.1}")
+    };
+
+    // the band: up along its upper edge, back along the lower one
+    let sd = angle.sd.clone().unwrap_or(vec![0.0; frames]);
+    let upper = (0..frames).map(|i| place(i, angle.radians[i] + 2.0 * sd[i]));
+    let lower = (0..frames).rev().map(|i| place(i, angle.radians[i] - 2.0 * sd[i]));
+    let band: Vec<String> = upper.chain(lower).filter(|p| !p.contains("NaN")).collect();
+
+    let line = (0..frames).map(|i| place(i, angle.radians[i]));
+    let line: Vec<String> = line.filter(|p| !p.contains("NaN")).collect();
+    format!(
+        "<polygon points=\"{}\" fill=\"{colour}\" opacity=\"0.2\"/>\n\
+         <polyline points=\"{}\" fill=\"none\" stroke=\"{colour}\"/>\n",
+        band.join(" "),
+        line.join(" ")
+    )
 }

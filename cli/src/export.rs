@@ -2,11 +2,12 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use maquette::GaitStudy;
 use maquette::gait::GaitOptions;
 use maquette::workflow::{ExportFormat, GaitSource};
 
+use super::choice::{Choice, one_of};
 use super::error::CliError;
 use super::print;
 
@@ -28,8 +29,8 @@ pub(super) struct ExportArguments {
     /// Folder of a finished fit
     out: PathBuf,
     /// A format; may be given several times [default: all formats that are a single file]
-    #[arg(long, value_enum)]
-    format: Vec<Format>,
+    #[arg(long, value_parser = one_of(FORMATS))]
+    format: Vec<ExportFormat>,
     /// Body model of the fit, if it is not a shipped one
     #[arg(long, value_name = "FILE")]
     body: Option<String>,
@@ -38,46 +39,18 @@ pub(super) struct ExportArguments {
     quiet: bool,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Format {
-    /// Points with their SD and cameras, angles, foot strikes and offs
-    C3d,
-    /// Points
-    Trc,
-    /// OpenSim's motion, degrees
-    Mot,
-    /// The same as OpenSim's storage, radians
-    Sto,
-    /// Skeleton in T-pose and its motion
-    Bvh,
-    /// glTF 2.0: the body on its bones, moving
-    Glb,
-    /// Points, angles and their SD, frame by frame
-    Csv,
-    /// The same as Parquet
-    Parquet,
-    /// The body's surface, a PLY file per frame
-    Ply,
-    /// The body's surface, an OBJ file per frame
-    Obj,
-}
-
-impl From<Format> for ExportFormat {
-    fn from(format: Format) -> Self {
-        match format {
-            Format::C3d => Self::C3d,
-            Format::Trc => Self::Trc,
-            Format::Mot => Self::Mot,
-            Format::Sto => Self::Sto,
-            Format::Bvh => Self::Bvh,
-            Format::Glb => Self::Glb,
-            Format::Csv => Self::Csv,
-            Format::Parquet => Self::Parquet,
-            Format::Ply => Self::Ply,
-            Format::Obj => Self::Obj,
-        }
-    }
-}
+const FORMATS: &[Choice<ExportFormat>] = &[
+    ("c3d", ExportFormat::C3d, "Points with their SD and cameras, angles, foot strikes and offs"),
+    ("trc", ExportFormat::Trc, "Points"),
+    ("mot", ExportFormat::Mot, "OpenSim's motion, degrees"),
+    ("sto", ExportFormat::Sto, "The same as OpenSim's storage, radians"),
+    ("bvh", ExportFormat::Bvh, "Skeleton in T-pose and its motion"),
+    ("glb", ExportFormat::Glb, "glTF 2.0: the body on its bones, moving"),
+    ("csv", ExportFormat::Csv, "Points, angles and their SD, frame by frame"),
+    ("parquet", ExportFormat::Parquet, "The same as Parquet"),
+    ("ply", ExportFormat::Ply, "The body's surface, a PLY file per frame"),
+    ("obj", ExportFormat::Obj, "The body's surface, an OBJ file per frame"),
+];
 
 /// Reads the fit and writes each format.
 pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
@@ -97,7 +70,7 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
 
     let folder = arguments.out.join("export");
     for format in formats {
-        let path = study.export(format.into(), &folder)?;
+        let path = study.export(format, &folder)?;
         if !arguments.quiet {
             print(&format!("{}\n", path.display()));
         }
@@ -106,8 +79,7 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
 }
 
 /// All that are one file.
-fn default_formats() -> Vec<Format> {
-    let is_one_file = |format: &Format| !matches!(format, Format::Ply | Format::Obj);
-    let all = Format::value_variants().iter().copied();
-    all.filter(is_one_file).collect()
+fn default_formats() -> Vec<ExportFormat> {
+    let is_one_file = |f: &ExportFormat| !matches!(f, ExportFormat::Ply | ExportFormat::Obj);
+    FORMATS.iter().map(|(_, format, _)| *format).filter(is_one_file).collect()
 }

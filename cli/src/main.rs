@@ -13,6 +13,8 @@
 //! | `models.rs`   | `maquette models`                                               |
 //! | `skin.rs`     | `maquette skin`, and the skins of `maquette models`             |
 //! | `stereo.rs`   | `maquette stereo`                                               |
+//! | `choice.rs`   | arguments that choose a value of the library by its name        |
+//! | `pictures.rs` | the recording, frames and folder of `segment`, `silhouettes`, `stereo` |
 //! | `progress.rs` | a bar for each stage                                            |
 //! | `summary.rs`  | the summary of a fit, for a person and as JSON                  |
 //! | `table.rs`    | columns                                                         |
@@ -20,11 +22,13 @@
 //!
 //! Exit code 0, or 2 for arguments or input that cannot be used, with one line on standard error.
 
+mod choice;
 mod error;
 mod export;
 mod fit;
 mod gait;
 mod models;
+mod pictures;
 mod progress;
 mod report;
 mod segment;

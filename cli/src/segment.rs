@@ -1,18 +1,16 @@
 //! `maquette segment`: pictures in, masks out.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 use clap::Args;
-use maquette::Recording;
-use maquette::io::folder::check_out;
 use maquette::io::folder::segmented::{MaskExtras, QualityRow};
-use maquette::pipeline::FrameRange;
 use maquette::workflow::{MaskFiles, WrittenMasks};
 
 use super::error::CliError;
+use super::pictures::PictureArguments;
 use super::print;
-use super::switches::{Overwrite, Quiet, Threads};
+use super::switches::Threads;
 use super::table::Table;
 
 pub(super) const ABOUT: &str = "\
@@ -30,17 +28,8 @@ Examples:
 /// Arguments of `maquette segment`.
 #[derive(Debug, Args)]
 pub(super) struct SegmentArguments {
-    /// Folder with calibration and pictures, or a sequence.toml
-    recording: PathBuf,
-    /// Folder for the masks; it must be empty or new
-    #[arg(long)]
-    out: PathBuf,
-    /// Frames per second; overrides sequence.toml
-    #[arg(long, allow_negative_numbers = true)]
-    fps: Option<f64>,
-    /// Only these frames, first and last included [default: all]
-    #[arg(long, value_name = "FIRST:LAST")]
-    frames: Option<FrameRange>,
+    #[command(flatten)]
+    pictures: PictureArguments,
     /// Also write each pixel's probability of showing the person, as probability/<camera>/%06d.png
     #[arg(long)]
     probability: bool,
@@ -49,10 +38,6 @@ pub(super) struct SegmentArguments {
     overlays: bool,
     #[command(flatten)]
     threads: Threads,
-    #[command(flatten)]
-    overwrite: Overwrite,
-    #[command(flatten)]
-    quiet: Quiet,
 }
 
 /// Segments a recording and writes the masks.
@@ -62,19 +47,19 @@ pub(super) fn run(arguments: &SegmentArguments) -> Result<(), CliError> {
 
 fn segment(arguments: &SegmentArguments) -> Result<(), CliError> {
     let start = Instant::now();
-    check_out(&arguments.out, arguments.overwrite.existing())?;
-    let recording = Recording::open(&arguments.recording)?.with_fps(arguments.fps);
+    let (pictures, quiet) = (&arguments.pictures, arguments.pictures.quiet);
+    let recording = pictures.open()?;
     let files = MaskFiles {
-        folder: &arguments.out,
-        frames: arguments.frames.unwrap_or_default(),
+        folder: pictures.out(),
+        frames: pictures.frames(),
         extras: MaskExtras { probability: arguments.probability, overlays: arguments.overlays },
     };
-    let written = recording.write_masks(&files, &arguments.quiet.progress())?;
+    let written = recording.write_masks(&files, &quiet.progress())?;
 
-    arguments.quiet.print_notes(&written.notes);
-    if !arguments.quiet.is_on() {
+    quiet.print_notes(&written.notes);
+    if !quiet.is_on() {
         let seconds = start.elapsed().as_secs_f64();
-        print(&summary(&written, &arguments.out, seconds));
+        print(&summary(&written, pictures.out(), seconds));
     }
     Ok(())
 }

@@ -3,17 +3,16 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use clap::{Args, ValueEnum};
-use maquette::Recording;
-use maquette::io::folder::check_out;
+use clap::Args;
 use maquette::io::folder::silhouettes::{ContourRow, SilhouetteExtras};
 use maquette::math::stats::mean;
-use maquette::pipeline::FrameRange;
 use maquette::pipeline::silhouettes::SilhouettePipeline;
 use maquette::workflow::{SilhouetteFiles, WrittenSilhouettes};
 
+use super::choice::{Choice, one_of};
 use super::error::CliError;
-use super::switches::{Overwrite, Quiet, Threads};
+use super::pictures::PictureArguments;
+use super::switches::Threads;
 use super::table::Table;
 use super::{complain, print};
 
@@ -30,47 +29,34 @@ Examples:
   maquette silhouettes my-recording --out out/contours --pipeline simple --overlays --stages
   maquette silhouettes my-recording --out out/contours --fit out/me    (begin with a body that was fitted before)";
 
-/// Which pipeline of PF02.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum Pipeline {
-    /// One pass: a body from stereo alone, then active contours from its outline
-    Simple,
-    /// By turns: active contours of all frames, and the body fitted to stereo and contours
-    Joint,
-}
-
-impl From<Pipeline> for SilhouettePipeline {
-    fn from(pipeline: Pipeline) -> Self {
-        match pipeline {
-            Pipeline::Simple => Self::Simple,
-            Pipeline::Joint => Self::Joint,
-        }
-    }
-}
+/// The pipelines of PF02.
+const PIPELINES: &[Choice<SilhouettePipeline>] = &[
+    (
+        "simple",
+        SilhouettePipeline::Simple,
+        "One pass: a body from stereo alone, then active contours from its outline",
+    ),
+    (
+        "joint",
+        SilhouettePipeline::Joint,
+        "By turns: active contours of all frames, and the body fitted to stereo and contours",
+    ),
+];
 
 /// Arguments of `maquette silhouettes`.
 #[derive(Debug, Args)]
 pub(super) struct SilhouettesArguments {
-    /// Folder with a calibration and videos or images, or a sequence.toml
-    recording: PathBuf,
-    /// Folder to write into; it must be empty or new
-    #[arg(long, value_name = "DIR")]
-    out: PathBuf,
+    #[command(flatten)]
+    pictures: PictureArguments,
     /// How body and contours work together
-    #[arg(long, value_enum, default_value_t = Pipeline::Joint)]
-    pipeline: Pipeline,
+    #[arg(long, value_parser = one_of(PIPELINES), default_value = "joint")]
+    pipeline: SilhouettePipeline,
     /// Begin with a result of `maquette fit` [default: fit a body to the depths of what moves]
     #[arg(long, value_name = "DIR")]
     fit: Option<PathBuf>,
     /// Body model: a shipped one or a .toml file; of metaballs
     #[arg(long, value_name = "NAME|FILE", default_value = SilhouetteFiles::DEFAULT_BODY)]
     body: String,
-    /// Frames per second; overrides sequence.toml
-    #[arg(long, allow_negative_numbers = true)]
-    fps: Option<f64>,
-    /// Only these frames, first and last included [default: all]
-    #[arg(long, value_name = "FIRST:LAST")]
-    frames: Option<FrameRange>,
     /// Write the contours over the pictures, as overlays/<camera>/%06d.png
     #[arg(long)]
     overlays: bool,
@@ -79,10 +65,6 @@ pub(super) struct SilhouettesArguments {
     stages: bool,
     #[command(flatten)]
     threads: Threads,
-    #[command(flatten)]
-    overwrite: Overwrite,
-    #[command(flatten)]
-    quiet: Quiet,
 }
 
 /// Finds the silhouettes of a recording and writes them.
@@ -92,25 +74,25 @@ pub(super) fn run(arguments: &SilhouettesArguments) -> Result<(), CliError> {
 
 fn silhouettes(arguments: &SilhouettesArguments) -> Result<(), CliError> {
     let start = Instant::now();
-    check_out(&arguments.out, arguments.overwrite.existing())?;
-    let recording = Recording::open(&arguments.recording)?.with_fps(arguments.fps);
+    let (pictures, quiet) = (&arguments.pictures, arguments.pictures.quiet);
+    let recording = pictures.open()?;
     let files = SilhouetteFiles {
-        folder: &arguments.out,
+        folder: pictures.out(),
         body: &arguments.body,
-        frames: arguments.frames.unwrap_or_default(),
-        pipeline: arguments.pipeline.into(),
+        frames: pictures.frames(),
+        pipeline: arguments.pipeline,
         start: arguments.fit.as_deref(),
         extras: SilhouetteExtras { overlays: arguments.overlays, stages: arguments.stages },
     };
-    let written = recording.write_silhouettes(&files, &arguments.quiet.progress())?;
+    let written = recording.write_silhouettes(&files, &quiet.progress())?;
 
     if let Some(line) = &written.warning {
         complain("warning", line);
     }
-    arguments.quiet.print_notes(&written.notes);
-    if !arguments.quiet.is_on() {
+    quiet.print_notes(&written.notes);
+    if !quiet.is_on() {
         let seconds = start.elapsed().as_secs_f64();
-        print(&summary(&written, &arguments.out, seconds));
+        print(&summary(&written, pictures.out(), seconds));
     }
     Ok(())
 }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{ArgGroup, Args, ValueEnum};
+use clap::{ArgGroup, Args};
 use maquette::FittedRecording;
 use maquette::io::export::mesh::MeshFormat;
 use maquette::pipeline::FrameRange;
@@ -10,6 +10,7 @@ use maquette::pipeline::counted;
 use maquette::skin::SkinOptions;
 use maquette::workflow::{SkinFiles, SkinnedPoses};
 
+use super::choice::{Choice, one_of};
 use super::error::CliError;
 use super::print;
 use super::switches::Quiet;
@@ -43,8 +44,8 @@ pub(super) struct SkinArguments {
     #[arg(long)]
     rest: bool,
     /// Format of the meshes
-    #[arg(long, value_enum, default_value_t = Format::Ply)]
-    format: Format,
+    #[arg(long, value_parser = one_of(FORMATS), default_value = "ply")]
+    format: MeshFormat,
     /// Vertices around the trunk, an even number; their spacing along the body follows
     #[arg(long, value_name = "VERTICES", default_value_t = SkinOptions::default().around)]
     around: usize,
@@ -58,25 +59,11 @@ pub(super) struct SkinArguments {
     quiet: Quiet,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Format {
-    /// PLY, binary
-    Ply,
-    /// PLY as text
-    PlyText,
-    /// Wavefront OBJ
-    Obj,
-}
-
-impl From<Format> for MeshFormat {
-    fn from(format: Format) -> Self {
-        match format {
-            Format::Ply => Self::Ply,
-            Format::PlyText => Self::PlyText,
-            Format::Obj => Self::Obj,
-        }
-    }
-}
+const FORMATS: &[Choice<MeshFormat>] = &[
+    ("ply", MeshFormat::Ply, "PLY, binary"),
+    ("ply-text", MeshFormat::PlyText, "PLY as text"),
+    ("obj", MeshFormat::Obj, "Wavefront OBJ"),
+];
 
 /// Makes and writes the skins.
 pub(super) fn run(arguments: &SkinArguments) -> Result<(), CliError> {
@@ -85,7 +72,7 @@ pub(super) fn run(arguments: &SkinArguments) -> Result<(), CliError> {
     let files = SkinFiles {
         folder: &folder,
         poses: arguments.poses(),
-        format: arguments.format.into(),
+        format: arguments.format,
         options: SkinOptions::with_around(arguments.around),
         pictures: arguments.picture,
     };

@@ -1,17 +1,16 @@
 //! `maquette stereo`.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use clap::{Args, ValueEnum};
-use maquette::Recording;
-use maquette::io::folder::check_out;
+use clap::Args;
+use maquette::pipeline::counted;
 use maquette::pipeline::stereo::{StereoMethod, StereoOptions, SurfaceSummary};
-use maquette::pipeline::{FrameRange, counted};
 use maquette::workflow::SurfaceFiles;
 
+use super::choice::{Choice, one_of};
 use super::error::CliError;
+use super::pictures::PictureArguments;
 use super::print;
-use super::switches::{Overwrite, Quiet};
 
 pub(super) const ABOUT: &str = "\
 Measure points of the surface from cameras that stand side by side.
@@ -29,31 +28,18 @@ Examples:
 /// Arguments of `maquette stereo`.
 #[derive(Debug, Args)]
 pub(super) struct StereoArguments {
-    /// Folder of the recording, or its sequence.toml
-    recording: PathBuf,
-    /// Folder to write into
-    #[arg(long, value_name = "DIR")]
-    out: PathBuf,
-    /// Only these frames, first and last included [default: all]
-    #[arg(long, value_name = "FIRST:LAST")]
-    frames: Option<FrameRange>,
+    #[command(flatten)]
+    pictures: PictureArguments,
     #[command(flatten)]
     settings: Settings,
-    /// Frames per second, where the recording does not say
-    #[arg(long, value_name = "HZ")]
-    fps: Option<f64>,
-    #[command(flatten)]
-    overwrite: Overwrite,
-    #[command(flatten)]
-    quiet: Quiet,
 }
 
 /// How points are measured, and what is written.
 #[derive(Debug, Clone, Args)]
 struct Settings {
     /// How points are found
-    #[arg(long, value_enum, default_value_t = Method::Matching)]
-    method: Method,
+    #[arg(long, value_parser = one_of(METHODS), default_value = "matching")]
+    method: StereoMethod,
     /// Cameras, the template first [default: the one in the middle and those beside it]
     #[arg(long, value_delimiter = ',', value_name = "NAMES")]
     cameras: Vec<String>,
@@ -77,7 +63,7 @@ struct Settings {
 impl Settings {
     fn options(&self) -> StereoOptions {
         StereoOptions {
-            method: self.method.into(),
+            method: self.method,
             cameras: self.cameras.clone(),
             depth_m: self.depth,
             spacing_px: self.spacing,
@@ -87,22 +73,19 @@ impl Settings {
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum Method {
-    /// Disparity of each pair by correlation: fast, a point for every pixel
-    Correlation,
-    /// Least-squares matching in all images at once: more exact
-    Matching,
-}
-
-impl From<Method> for StereoMethod {
-    fn from(method: Method) -> Self {
-        match method {
-            Method::Correlation => Self::Correlation,
-            Method::Matching => Self::Matching,
-        }
-    }
-}
+/// How points are found.
+pub(super) const METHODS: &[Choice<StereoMethod>] = &[
+    (
+        "correlation",
+        StereoMethod::Correlation,
+        "Disparity of each pair by correlation: fast, a point for every pixel",
+    ),
+    (
+        "matching",
+        StereoMethod::Matching,
+        "Least-squares matching in all images at once: more exact",
+    ),
+];
 
 fn at_least_one(text: &str) -> Result<usize, String> {
     let parsed = text.parse().ok().filter(|count| *count > 0);
@@ -119,19 +102,19 @@ fn depth(text: &str) -> Result<(f64, f64), String> {
 
 /// Measures and writes.
 pub(super) fn run(arguments: &StereoArguments) -> Result<(), CliError> {
-    check_out(&arguments.out, arguments.overwrite.existing())?;
-    let recording = Recording::open(&arguments.recording)?.with_fps(arguments.fps);
+    let (pictures, quiet) = (&arguments.pictures, arguments.pictures.quiet);
+    let recording = pictures.open()?;
     let files = SurfaceFiles {
-        folder: &arguments.out,
-        frames: arguments.frames.unwrap_or_default(),
+        folder: pictures.out(),
+        frames: pictures.frames(),
         options: arguments.settings.options(),
         pictures: arguments.settings.pictures,
     };
-    let found = recording.write_surface(&files, &arguments.quiet.progress())?;
+    let found = recording.write_surface(&files, &quiet.progress())?;
 
-    arguments.quiet.print_notes(&found.notes);
-    if !arguments.quiet.is_on() {
-        print(&summary(&found, &arguments.out));
+    quiet.print_notes(&found.notes);
+    if !quiet.is_on() {
+        print(&summary(&found, pictures.out()));
     }
     Ok(())
 }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use maquette::gait::Footwear;
 use maquette::io::folder::origin;
 use maquette::io::gait::Sex;
@@ -10,6 +10,7 @@ use maquette::report::Subject;
 use maquette::workflow::{NormChoice, ReportedRecording};
 use maquette::{GaitStudy, Recording};
 
+use crate::choice::{Choice, one_of};
 use crate::error::CliError;
 use crate::switches::Quiet;
 
@@ -23,8 +24,8 @@ pub(super) struct SubjectArguments {
     #[arg(long, value_name = "YEARS")]
     age: Option<u32>,
     /// Their sex, which does too
-    #[arg(long, value_enum)]
-    sex: Option<SexArgument>,
+    #[arg(long, value_parser = one_of(SEXES))]
+    sex: Option<Sex>,
     /// When it was recorded
     #[arg(long, value_name = "TEXT")]
     date: Option<String>,
@@ -32,8 +33,8 @@ pub(super) struct SubjectArguments {
     #[arg(long, value_name = "TEXT")]
     condition: Option<String>,
     /// What they wore on their feet; a norm of other footwear is compared with a caution
-    #[arg(long, value_enum)]
-    footwear: Option<FootwearArgument>,
+    #[arg(long, value_parser = one_of(FOOTWEAR))]
+    footwear: Option<Footwear>,
     /// The recording that was fitted, which shows what the cameras saw [default: where the fit found it]
     #[arg(long, value_name = "FOLDER")]
     recording: Option<PathBuf>,
@@ -42,35 +43,10 @@ pub(super) struct SubjectArguments {
     no_pictures: bool,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum SexArgument {
-    Female,
-    Male,
-}
+const SEXES: &[Choice<Sex>] = &[("female", Sex::Female, ""), ("male", Sex::Male, "")];
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum FootwearArgument {
-    Barefoot,
-    Shoes,
-}
-
-impl From<FootwearArgument> for Footwear {
-    fn from(footwear: FootwearArgument) -> Self {
-        match footwear {
-            FootwearArgument::Barefoot => Self::Barefoot,
-            FootwearArgument::Shoes => Self::Shoes,
-        }
-    }
-}
-
-impl From<SexArgument> for Sex {
-    fn from(sex: SexArgument) -> Self {
-        match sex {
-            SexArgument::Female => Self::Female,
-            SexArgument::Male => Self::Male,
-        }
-    }
-}
+const FOOTWEAR: &[Choice<Footwear>] =
+    &[("barefoot", Footwear::Barefoot, ""), ("shoes", Footwear::Shoes, "")];
 
 impl SubjectArguments {
     /// The study compared with a norm: a file, `none`, or the shipped one.
@@ -84,7 +60,7 @@ impl SubjectArguments {
             Some("none") => NormChoice::None,
             Some(path) => NormChoice::File(Path::new(path)),
         };
-        Ok(study.compared_with(norm, self.age, self.sex.map(Sex::from))?)
+        Ok(study.compared_with(norm, self.age, self.sex)?)
     }
 
     /// The report of a study that was made from this folder or file.
@@ -127,7 +103,7 @@ impl SubjectArguments {
 
     /// What they wore, as stated.
     pub(super) fn footwear(&self) -> Option<Footwear> {
-        self.footwear.map(Footwear::from)
+        self.footwear
     }
 
     fn subject(&self, recording: &Path) -> Subject {
@@ -137,7 +113,7 @@ impl SubjectArguments {
             recording: name.unwrap_or_else(|| recording.display().to_string()),
             name: self.subject.clone(),
             age_years: self.age,
-            sex: self.sex.map(Sex::from),
+            sex: self.sex,
             date: self.date.clone(),
             condition: self.condition.clone(),
             footwear: self.footwear(),

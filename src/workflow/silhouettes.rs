@@ -12,7 +12,9 @@ use crate::io::recording::Recording;
 use crate::io::recording::footage::Footage;
 use crate::io::result::ResultFile;
 use crate::likelihood::Measure;
-use crate::pipeline::silhouettes::{SilhouettePipeline, SilhouetteSearch, StartingFit};
+use crate::pipeline::silhouettes::{
+    FoundSilhouettes, SilhouettePipeline, SilhouetteSearch, StartingFit,
+};
 use crate::pipeline::{FrameRange, Progress, check_measure};
 use crate::silhouette::{FrameIndex, FrameObservations};
 
@@ -74,7 +76,6 @@ impl Recording {
             None => StartingFit::find(&footage, frames, &model, progress)?,
         };
         // 2. contours, frame by frame
-        let mut folder = SilhouetteFolder::open(&out, files.extras)?;
         let search = SilhouetteSearch {
             pictures: &footage,
             frames,
@@ -82,8 +83,7 @@ impl Recording {
             start: &start,
             pipeline: files.pipeline,
         };
-        let found = search.run(progress, |found| folder.write(found, &footage.rig, &model))?;
-        let rows = folder.finish()?;
+        let (found, rows) = find_and_keep(&search, &out, files.extras, progress)?;
 
         Ok(WrittenSilhouettes {
             cameras: footage.rig.names().map(str::to_owned).collect(),
@@ -113,11 +113,22 @@ pub(super) fn observe(
         pipeline: SilhouettePipeline::Joint,
     };
 
-    let mut folder = SilhouetteFolder::open(out, SilhouetteExtras::default())?;
-    let found = search.run(progress, |found| folder.write(found, &footage.rig, &model))?;
-    folder.finish()?;
+    let (found, _) = find_and_keep(&search, out, SilhouetteExtras::default(), progress)?;
     found.notes.iter().for_each(|note| progress.note(note));
     Ok(found.observations)
+}
+
+/// Finds silhouettes, and keeps masks, contours and quality in a folder.
+fn find_and_keep(
+    search: &SilhouetteSearch<'_, Footage>,
+    out: &OutFolder,
+    extras: SilhouetteExtras,
+    progress: &dyn Progress,
+) -> Result<(FoundSilhouettes, Vec<ContourRow>), Error> {
+    let mut folder = SilhouetteFolder::open(out, extras)?;
+    let rig = &search.pictures.rig;
+    let found = search.run(progress, |found| folder.write(found, rig, search.model))?;
+    Ok((found, folder.finish()?))
 }
 
 /// A body whose skin can be seen in depth.

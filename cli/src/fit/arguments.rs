@@ -12,7 +12,8 @@ use maquette::pipeline::stereo::StereoMethod;
 use maquette::pipeline::{FitTo, FrameRange};
 use maquette::workflow::SilhouetteSource;
 
-use crate::stereo::Method;
+use crate::choice::{Choice, one_of};
+use crate::stereo::METHODS;
 use crate::switches::{Quiet, Threads};
 
 pub(crate) const ABOUT: &str = "\
@@ -66,15 +67,15 @@ pub(crate) struct FitArguments {
     #[arg(long)]
     no_pruning: bool,
     /// Measure points on the person with cameras that stand side by side, and fit to them too (kept in OUT/points)
-    #[arg(long, value_enum, value_name = "METHOD", num_args = 0..=1, require_equals = true, default_missing_value = "matching")]
-    pub(super) stereo: Option<Method>,
+    #[arg(long, value_parser = one_of(METHODS), value_name = "METHOD", num_args = 0..=1, require_equals = true, default_missing_value = "matching")]
+    pub(super) stereo: Option<StereoMethod>,
     /// How outlines are found in pictures [default: from masks if there are any; else joint if cameras stand side by side and
     /// there is no picture of the empty scene; else background]
-    #[arg(long, value_enum, value_name = "WAY")]
-    pub(super) silhouettes: Option<Silhouettes>,
+    #[arg(long, value_parser = one_of(SILHOUETTES), value_name = "WAY")]
+    pub(super) silhouettes: Option<SilhouetteSource>,
     /// What to fit to
-    #[arg(long, value_enum, default_value_t = Fitted::All)]
-    fit_to: Fitted,
+    #[arg(long, value_parser = one_of(FITTED), default_value = "all")]
+    fit_to: FitTo,
     #[command(flatten)]
     pub(super) threads: Threads,
     /// Draw the fit over the masks, into OUT/overlays
@@ -115,22 +116,23 @@ impl Likelihood {
     }
 }
 
-/// How silhouettes are found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum Silhouettes {
-    /// By masks, given or cut out by learning the background
-    Background,
-    /// By active contours from a fitted body, as in `maquette silhouettes`; points come with them, or from --stereo
-    Joint,
-}
+const SILHOUETTES: &[Choice<SilhouetteSource>] = &[
+    (
+        "background",
+        SilhouetteSource::Background,
+        "By masks, given or cut out by learning the background",
+    ),
+    (
+        "joint",
+        SilhouetteSource::Joint,
+        "By active contours from a fitted body, as in `maquette silhouettes`; points come with them, or from --stereo",
+    ),
+];
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Fitted {
-    /// Outlines, and points where there are any
-    All,
-    /// Points alone; masks only say where the person is
-    Points,
-}
+const FITTED: &[Choice<FitTo>] = &[
+    ("all", FitTo::All, "Outlines, and points where there are any"),
+    ("points", FitTo::Points, "Points alone; masks only say where the person is"),
+];
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Switch {
@@ -138,34 +140,16 @@ enum Switch {
     Off,
 }
 
-impl From<Silhouettes> for SilhouetteSource {
-    fn from(way: Silhouettes) -> Self {
-        match way {
-            Silhouettes::Background => Self::Background,
-            Silhouettes::Joint => Self::Joint,
-        }
-    }
-}
-
-impl From<Fitted> for FitTo {
-    fn from(fitted: Fitted) -> Self {
-        match fitted {
-            Fitted::All => Self::All,
-            Fitted::Points => Self::Points,
-        }
-    }
-}
-
 impl FitArguments {
     pub(super) fn options(&self) -> FitOptions {
         let mut options = FitOptions {
             body: self.body.clone(),
             frames: self.frames.unwrap_or_default(),
-            silhouettes: self.silhouettes.map(SilhouetteSource::from),
-            stereo: self.stereo.map(StereoMethod::from),
+            silhouettes: self.silhouettes,
+            stereo: self.stereo,
             ..FitOptions::default()
         };
-        options.observations.fit_to = self.fit_to.into();
+        options.observations.fit_to = self.fit_to;
 
         let estimate = &mut options.estimate;
         estimate.search.keyframe_every = self.keyframe_every;

@@ -4,8 +4,9 @@ mod text;
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 
+use crate::choice::{Choice, one_of};
 use crate::error::CliError;
 use crate::print;
 use crate::subject::SubjectArguments;
@@ -39,8 +40,8 @@ pub(super) struct GaitArguments {
     #[arg(long, value_name = "FOLDER")]
     out: Option<PathBuf>,
     /// What the person walks on [default: detected]
-    #[arg(long, value_enum)]
-    surface: Option<Floor>,
+    #[arg(long, value_parser = one_of(SURFACES))]
+    surface: Option<Surface>,
     /// Frames per second, overriding the input
     #[arg(long, value_name = "HZ", value_parser = rate)]
     fps: Option<f64>,
@@ -65,22 +66,10 @@ pub(super) struct GaitArguments {
     quiet: Quiet,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Floor {
-    /// The floor of the room
-    Ground,
-    /// A belt
-    Treadmill,
-}
-
-impl From<Floor> for Surface {
-    fn from(floor: Floor) -> Self {
-        match floor {
-            Floor::Ground => Self::Ground,
-            Floor::Treadmill => Self::Treadmill,
-        }
-    }
-}
+const SURFACES: &[Choice<Surface>] = &[
+    ("ground", Surface::Ground, "The floor of the room"),
+    ("treadmill", Surface::Treadmill, "A belt"),
+];
 
 fn rate(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
@@ -102,7 +91,7 @@ pub(super) fn run(arguments: &GaitArguments) -> Result<(), CliError> {
         GaitSource { path: &arguments.input, body: arguments.body.as_deref(), fps: arguments.fps };
     let options = GaitOptions {
         cutoff_hz: arguments.cutoff,
-        surface: arguments.surface.map(Surface::from),
+        surface: arguments.surface,
         ..GaitOptions::default()
     };
     let study = GaitStudy::open(source, &options)?;

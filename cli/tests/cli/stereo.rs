@@ -1,7 +1,7 @@
 //! Points, disparities and trajectories of a wall before three cameras.
 
 use std::fs;
-use std::path::Path;
+use std::path::PathBuf;
 
 use maquette::camera::Rig;
 use maquette::io::calibration::write_toml;
@@ -9,48 +9,62 @@ use maquette::io::points;
 use maquette::io::recording::Recording;
 use maquette::silhouette::SilhouetteOptions;
 use nalgebra::Vector3;
+use tempfile::TempDir;
 
-use crate::arm::run;
+use crate::arm::{Ran, run};
 use crate::scene::{SIZE, Wall, three};
 
-/// A recording of `frames` frames of the wall, which moves a centimetre a frame.
-fn record(folder: &Path, frames: usize) {
-    let cameras = three();
-    let rig = Rig { cameras: cameras.to_vec() };
-    fs::write(folder.join("calibration.toml"), write_toml(&rig)).expect("a folder");
-    for camera in &cameras {
-        let images = folder.join("images").join(&camera.name);
-        fs::create_dir_all(&images).expect("a folder");
-        for frame in 0..frames {
-            let wall = Wall { shift: Vector3::new(0.01 * frame as f64, 0.0, 0.0) };
-            let image = wall.seen_by(camera);
-            let path = images.join(format!("{frame:06}.png"));
-            image::save_buffer(path, image.values(), SIZE.0, SIZE.1, image::ColorType::L8)
-                .expect("a picture");
+/// Correlation between two depths, which is fast.
+const QUICK: [&str; 4] = ["--method", "correlation", "--depth", "1.5:3"];
+
+/// A recording of the wall, which moves a centimetre a frame.
+struct Recorded(TempDir);
+
+impl Recorded {
+    fn new(frames: usize) -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        let cameras = three();
+        let rig = Rig { cameras: cameras.to_vec() };
+        fs::write(folder.path().join("calibration.toml"), write_toml(&rig)).expect("a folder");
+        for camera in &cameras {
+            let images = folder.path().join("images").join(&camera.name);
+            fs::create_dir_all(&images).expect("a folder");
+            for frame in 0..frames {
+                let wall = Wall { shift: Vector3::new(0.01 * frame as f64, 0.0, 0.0) };
+                let image = wall.seen_by(camera);
+                let path = images.join(format!("{frame:06}.png"));
+                image::save_buffer(path, image.values(), SIZE.0, SIZE.1, image::ColorType::L8)
+                    .expect("a picture");
+            }
         }
+        Self(folder)
+    }
+
+    /// A file or folder of the recording.
+    fn at(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn write(&self, name: &str, text: &str) {
+        fs::write(self.at(name), text).expect("written");
+    }
+
+    fn table(&self, out: &str) -> String {
+        fs::read_to_string(self.at(out).join("stereo.csv")).expect("a table")
+    }
+
+    /// `maquette stereo` into a folder of the recording.
+    fn stereo(&self, out: &str, arguments: &[&str]) -> Ran {
+        let [recording, out] = ["", out].map(|name| self.at(name).display().to_string());
+        run(&[&["stereo", &recording, "--fps", "25", "--out", &out], arguments].concat())
     }
 }
 
 #[test]
 fn points_disparities_trajectories_and_pictures_of_a_recording_are_written() {
-    let folder = tempfile::tempdir().expect("a folder");
-    record(folder.path(), 4);
-    let recording = folder.path().display().to_string();
-    let out = folder.path().join("out");
-    let out_name = out.display().to_string();
-    let said = run(&[
-        "stereo",
-        &recording,
-        "--fps",
-        "25",
-        "--out",
-        &out_name,
-        "--tracks",
-        "--pictures",
-        "--frames",
-        "0:2",
-    ])
-    .succeeded();
+    let recorded = Recorded::new(4);
+    let out = recorded.at("out");
+    let said = recorded.stereo("out", &["--tracks", "--pictures", "--frames", "0:2"]).succeeded();
     assert!(said.out.contains("3 frames"), "{}", said.out);
     assert!(said.err.contains("no masks"), "{}", said.err);
     let points = points::read(&out.join("points/000001.ply")).expect("a cloud").points;
@@ -66,42 +80,23 @@ fn points_disparities_trajectories_and_pictures_of_a_recording_are_written() {
         assert!(out.join(name).is_file(), "{name}");
     }
     assert!(!out.join("points/000003.ply").exists());
-    run(&["stereo", &recording, "--fps", "25", "--out", &out_name]).refused(&["not empty"]);
+    recorded.stereo("out", &[]).refused(&["not empty"]);
 }
 
 #[test]
 fn correlation_writes_the_disparity_of_each_pair_and_a_missing_picture_costs_its_frame_alone() {
-    let folder = tempfile::tempdir().expect("a folder");
-    record(folder.path(), 2);
-    fs::remove_file(folder.path().join("images/left/000001.png")).expect("a picture");
-    let recording = folder.path().display().to_string();
-    let out = folder.path().join("out");
-    let out_name = out.display().to_string();
-    let said = run(&[
-        "stereo",
-        &recording,
-        "--fps",
-        "25",
-        "--out",
-        &out_name,
-        "--method",
-        "correlation",
-        "--depth",
-        "1.5:3",
-    ])
-    .succeeded();
+    let recorded = Recorded::new(2);
+    fs::remove_file(recorded.at("images/left/000001.png")).expect("a picture");
+    let said = recorded.stereo("out", &QUICK).succeeded();
     assert!(said.err.contains("1 frame without points, frame 1 first"), "{}", said.err);
     for name in ["points/000000.ply", "disparity/000000_1.png", "disparity/000000_2.png"] {
-        assert!(out.join(name).is_file(), "{name}");
+        assert!(recorded.at("out").join(name).is_file(), "{name}");
     }
 }
 
 #[test]
 fn arguments_that_make_no_sense_are_refused_in_one_line() {
-    let folder = tempfile::tempdir().expect("a folder");
-    record(folder.path(), 1);
-    let recording = folder.path().display().to_string();
-    let out = folder.path().join("out").display().to_string();
+    let recorded = Recorded::new(1);
     let cases = [
         (vec!["--cameras", "left,nobody"], "no such camera: the recording has left, middle, right"),
         (vec!["--cameras", "left,left"], "expected two different cameras"),
@@ -110,37 +105,30 @@ fn arguments_that_make_no_sense_are_refused_in_one_line() {
         (vec!["--spacing", "0"], "--spacing"),
     ];
     for (arguments, expected) in cases {
-        let all = [&["stereo", &recording, "--fps", "25", "--out", &out], &arguments[..]].concat();
-        run(&all).refused(&[expected]);
+        recorded.stereo("out", &arguments).refused(&[expected]);
     }
 }
 
 #[test]
 fn what_an_older_run_left_is_removed_and_what_is_not_its_own_stays() {
-    let folder = tempfile::tempdir().expect("a folder");
-    record(folder.path(), 2);
-    let recording = folder.path().display().to_string();
-    let out = folder.path().join("out");
-    let out_name = out.display().to_string();
-    let common = ["stereo", &recording, "--fps", "25", "--out", &out_name];
-    let quick = ["--method", "correlation", "--depth", "1.5:3"];
-    run(&[&common[..], &quick].concat()).succeeded();
+    let recorded = Recorded::new(2);
+    let out = recorded.at("out");
+    recorded.stereo("out", &QUICK).succeeded();
     assert!(out.join("points/000001.ply").is_file());
-    fs::write(out.join("notes.txt"), "mine").expect("written");
-    let again = [&common[..], &quick, &["--overwrite", "--frames", "0:0"]].concat();
-    run(&again).succeeded();
+    recorded.write("out/notes.txt", "mine");
+    let again = [&QUICK[..], &["--overwrite", "--frames", "0:0"]].concat();
+    recorded.stereo("out", &again).succeeded();
     assert!(out.join("points/000000.ply").is_file() && out.join("notes.txt").is_file());
     assert!(!out.join("points/000001.ply").exists());
-    let table = fs::read_to_string(out.join("stereo.csv")).expect("a table");
+    let table = recorded.table("out");
     assert_eq!(table.lines().count(), 2, "{table}");
 }
 
 #[test]
 fn a_frame_of_which_the_template_has_no_mask_is_not_measured_and_a_folder_of_no_camera_is_told() {
-    let folder = tempfile::tempdir().expect("a folder");
-    record(folder.path(), 2);
+    let recorded = Recorded::new(2);
     let mask = |camera: &str, frame: usize| {
-        let masks = folder.path().join("masks").join(camera);
+        let masks = recorded.at("masks").join(camera);
         fs::create_dir_all(&masks).expect("a folder");
         image::GrayImage::from_pixel(SIZE.0, SIZE.1, image::Luma([255]))
             .save(masks.join(format!("{frame:06}.png")))
@@ -150,22 +138,13 @@ fn a_frame_of_which_the_template_has_no_mask_is_not_measured_and_a_folder_of_no_
         mask(camera, 0);
         mask(camera, 1);
     }
-    let recording = folder.path().display().to_string();
-    let run_into = |out: &str| {
-        let out = folder.path().join(out);
-        let arguments =
-            [&recording, "--fps", "25", "--out", &out.display().to_string()].map(String::from);
-        let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
-        let quick = ["--method", "correlation", "--depth", "1.5:3"];
-        let ran = run(&[&["stereo"], &arguments[..], &quick].concat()).succeeded();
-        (ran.err, fs::read_to_string(out.join("stereo.csv")).expect("a table"))
-    };
-    let (said, _) = run_into("bare");
+    let said = recorded.stereo("bare", &QUICK).succeeded().err;
     assert!(said.contains("middel"), "{said}");
     assert!(said.contains("camera middle: no masks: everything that it shows"), "{said}");
-    fs::remove_dir_all(folder.path().join("masks/middel")).expect("removed");
+    fs::remove_dir_all(recorded.at("masks/middel")).expect("removed");
     mask("middle", 0);
-    let (said, table) = run_into("masked");
+    let said = recorded.stereo("masked", &QUICK).succeeded().err;
+    let table = recorded.table("masked");
     assert!(
         said.contains("1 frame without points, frame 1 first: camera middle has no mask of it"),
         "{said}"
@@ -175,40 +154,31 @@ fn a_frame_of_which_the_template_has_no_mask_is_not_measured_and_a_folder_of_no_
 
 #[test]
 fn masks_that_cannot_be_used_are_told_and_not_taken_for_none() {
-    let folder = tempfile::tempdir().expect("a folder");
-    record(folder.path(), 1);
+    let recorded = Recorded::new(1);
     let camera = |name: &str| {
         format!("[[camera]]\nname = \"{name}\"\nimages = \"images/{name}\"\nmasks = \"nowhere\"\n")
     };
     let manifest: String = ["left", "middle", "right"].map(camera).concat();
-    fs::write(folder.path().join("sequence.toml"), format!("fps = 25\n{manifest}"))
-        .expect("written");
-    let recording = folder.path().display().to_string();
-    let out = folder.path().join("out").display().to_string();
-    run(&["stereo", &recording, "--out", &out]).refused(&["camera left: no mask at"]);
+    recorded.write("sequence.toml", &manifest);
+    recorded.stereo("out", &[]).refused(&["camera left: no mask at"]);
 }
 
 #[test]
 fn points_come_back_where_they_were_whichever_axis_of_the_files_is_up() {
-    let folder = tempfile::tempdir().expect("a folder");
-    record(folder.path(), 1);
+    let recorded = Recorded::new(1);
     let manifest = "fps = 25\nup = \"-z\"\npoints = \"out/points/%06d.ply\"\n";
-    fs::write(folder.path().join("sequence.toml"), manifest).expect("written");
-    let recording = folder.path().display().to_string();
-    let out = folder.path().join("out");
-    let out_name = out.display().to_string();
-    let quick = ["--method", "correlation", "--depth", "1.5:3"];
-    let arguments = ["stereo", &recording, "--out", &out_name];
-    run(&[&arguments[..], &quick].concat()).succeeded();
+    recorded.write("sequence.toml", manifest);
+    recorded.stereo("out", &QUICK).succeeded();
     // the file is in the world of the calibration, in which the wall stands
-    let points = points::read(&out.join("points/000000.ply")).expect("a cloud").points;
+    let points = points::read(&recorded.at("out/points/000000.ply")).expect("a cloud").points;
     let wall = Wall { shift: Vector3::zeros() };
     let mut off: Vec<f64> = points.iter().map(|p| wall.off(&p.position_world).abs()).collect();
     off.sort_by(f64::total_cmp);
     assert!(off[off.len() / 2] < 0.03, "{}", off[off.len() / 2]);
     // and the recording reads it in the world of its cameras
-    let recording =
-        Recording::open(folder.path()).and_then(|found| found.observations()).expect("a recording");
+    let recording = Recording::open(recorded.at(""))
+        .and_then(|found| found.observations())
+        .expect("a recording");
     let read = recording.load_frame(0, &SilhouetteOptions::default()).expect("a frame").points;
     let seen = recording.rig.cameras.iter().filter(|camera| {
         read.iter().all(|p| (camera.camera_from_world * p.position_world).z > 0.0)
