@@ -77,7 +77,7 @@ fn field_rate() -> f64 {
     let seconds = fastest(|| {
         shares = 0;
         for r in &touched {
-            sampler.sample(&r.place_world.coords, None, &mut sample);
+            sampler.sample(&r.place_world.coords, &mut sample);
             slopes.row(&sample, |_| 1.0, &Vector3::zeros(), &mut row);
             shares += sample.shares.len();
             divan::black_box(&row);
@@ -239,7 +239,7 @@ fn field_with_slopes(bencher: divan::Bencher<'_, '_>) {
     bencher.counter(items).bench_local(|| {
         let mut sum = 0.0;
         for r in &touched {
-            sampler.sample(&r.place_world.coords, None, &mut sample);
+            sampler.sample(&r.place_world.coords, &mut sample);
             slopes.row(&sample, |_| 1.0, &Vector3::zeros(), &mut row);
             sum += row.values.iter().sum::<f64>();
         }

@@ -16,8 +16,8 @@ use maquette::inference::prior::{PosePrior, ShapePrior};
 use maquette::inference::step::StepPrior;
 use maquette::io::model;
 use maquette::likelihood::{
-    Association, Derivatives, PointField, PointOptions, RayOptions, RayView, Residual,
-    SilhouetteRays, SkinScale, SkinTouch, SurfacePoint, Term, associate,
+    Derivatives, PointField, PointOptions, RayOptions, RayView, Residual, SilhouetteRays,
+    SkinScale, SkinTouch, SurfacePoint, Term,
 };
 use maquette::render::silhouette;
 use maquette::silhouette::{Silhouette, SilhouetteOptions, extract};
@@ -121,14 +121,6 @@ impl Scene {
         PointField::new(self.surface(), options, SkinScale::new(&self.model))
     }
 
-    /// Points that stay with the limb that they are on at the truth.
-    fn held_points(&self) -> PointField {
-        let mut points = self.points(PointOptions::default());
-        let State { motion, shape } = &self.truth;
-        points.associate(&Posed::new(&self.model, shape, motion));
-        points
-    }
-
     fn terms(&self) -> Vec<(&'static str, Box<dyn Term>)> {
         let metric = RayOptions::default();
         let field = RayOptions { residual: Residual::Field, ..metric };
@@ -138,7 +130,6 @@ impl Scene {
         vec![
             ("points, metric", Box::new(self.points(points))),
             ("points, field", Box::new(self.points(points_field))),
-            ("points, held", Box::new(self.held_points())),
             ("rays, metric", Box::new(self.rays(metric))),
             ("rays, field", Box::new(self.rays(field))),
             ("rays, squared", Box::new(self.rays(squared))),
@@ -302,34 +293,6 @@ fn points_on_the_skin_have_no_residual_and_points_off_it_their_distance() {
     for r in on_skin {
         assert!((-1e-4..1.5e-3).contains(&r.residual_m), "{r:?}");
     }
-}
-
-#[test]
-fn a_point_belongs_to_the_part_whose_metaball_it_is_on() {
-    let scene = Scene::new();
-    let State { motion, shape } = &scene.truth;
-    let body = Posed::new(&scene.model, shape, motion);
-    let field = Field::from_body(&body);
-    let centres = field.metaballs.iter().map(|m| m.ellipsoid.centre.into());
-    let associated = associate(&body, centres);
-    let limbs = scene.model.limbs();
-    let parts = associated.iter().zip(&scene.model.metaballs);
-    let same = parts.filter(|(b, ball)| b.part == ball.part).count();
-    let is_of_limb = |a: &Association| limbs[a.limb].contains(&a.part);
-    assert!(associated.iter().all(is_of_limb));
-    // at a joint a centre may lie deeper in the neighbour
-    assert!(same * 10 >= 9 * associated.len(), "{same} of {}", associated.len());
-}
-
-#[test]
-fn a_held_point_pulls_its_own_limb_when_another_is_nearer() {
-    let scene = Scene::new();
-    let mut state = scene.truth.clone();
-    // as wide as the person: left is where right was
-    state.motion.position_world.y += 0.3;
-    let body = Posed::new(&scene.model, &state.shape, &state.motion);
-    let (free, held) = (scene.points(PointOptions::default()), scene.held_points());
-    assert!(held.cost(&body) > free.cost(&body) * 1.05);
 }
 
 /// Mean distance of the exported points from the truth after a fit of the motion, m.

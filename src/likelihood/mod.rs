@@ -9,7 +9,6 @@
 //! Every term is ½ Σ w ρ((r/σ)²): r in the unit of its data, σ its standard deviation in that unit
 //! (PFD99 eq. 11), w the number of independent observations that a row stands for, ρ a robust loss.
 
-mod association;
 mod contact;
 mod ellipse_distance;
 mod ellipse_silhouette;
@@ -23,7 +22,6 @@ mod skin_distance;
 mod skin_term;
 mod union;
 
-pub use association::{Association, associate};
 pub use ellipse_distance::EllipseDistance;
 pub use ellipse_silhouette::{EllipseOptions, EllipseSilhouette, EllipseView, Variant};
 pub use options::{LikelihoodOptions, Measure};

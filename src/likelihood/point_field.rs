@@ -9,7 +9,6 @@
 
 use nalgebra::{Point3, Vector2};
 
-use super::association::associate;
 use super::skin_distance::{Derivatives, PosedScale, Residual, SkinScale};
 use super::skin_term::{self, SkinTerm, SkinTouch, Touch};
 use super::{PlacedResidual, Source, Term};
@@ -72,8 +71,6 @@ impl From<&CloudPoint> for SurfacePoint {
 pub struct PointField {
     points: Vec<SurfacePoint>,
     weights: Vec<f64>,
-    /// Limb of each point; empty: the limb that is largest at it.
-    limbs: Vec<usize>,
     options: PointOptions,
     scale: SkinScale,
 }
@@ -81,22 +78,7 @@ pub struct PointField {
 impl PointField {
     /// The term of one frame's points; each belongs to the limb that is largest at it. `scale` is the model's.
     pub fn new(points: Vec<SurfacePoint>, options: PointOptions, scale: SkinScale) -> Self {
-        Self {
-            weights: weights(&points, options.correlation_m),
-            points,
-            limbs: Vec::new(),
-            options,
-            scale,
-        }
-    }
-
-    /// Assigns every point to the limb that is largest at it in this pose, until the next call (PFD99 § 3.3).
-    ///
-    /// No fit of this library calls it: there, a point always belongs to the limb that is largest at it. It is for callers
-    /// that optimise by rounds of their own and associate anew between these.
-    pub fn associate(&mut self, body: &Posed<'_>) {
-        let points = self.points.iter().map(|p| p.position_world);
-        self.limbs = associate(body, points).iter().map(|b| b.limb).collect();
+        Self { weights: weights(&points, options.correlation_m), points, options, scale }
     }
 
     /// The residual of every point; none for a body without metaballs.
@@ -124,9 +106,8 @@ impl SkinTerm for PointField {
         let mut sampler = Sampler::new(field);
         let mut sample = FieldSample::default();
 
-        for (index, (point, &weight)) in self.points.iter().zip(&self.weights).enumerate() {
-            let limb = self.limbs.get(index).copied();
-            if !sampler.sample(&point.position_world.coords, limb, &mut sample) {
+        for (point, &weight) in self.points.iter().zip(&self.weights) {
+            if !sampler.sample(&point.position_world.coords, &mut sample) {
                 continue;
             }
 

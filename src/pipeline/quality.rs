@@ -139,6 +139,7 @@ pub(super) fn camera_qualities(
         let points: usize = views.iter().map(|v| v.points).sum();
         let square = |v: &&ViewQuality| Some(v.points as f64 * v.rms_px?.powi(2));
         let squares: f64 = views.iter().filter_map(square).sum();
+
         let overlaps = views.iter().map(|view| view.iou);
         CameraQuality {
             camera: camera.name.clone(),

@@ -5,8 +5,8 @@ use std::path::Path;
 use crate::table::Table;
 use maquette::GaitStudy;
 use maquette::gait::{
-    BEYOND_SD, Beyond, Course, Curve, EventKind, Footwear, Parameter, Side, Statistic,
-    Surface, Used, VARIABLES,
+    BEYOND_SD, Beyond, Course, Curve, EventKind, Footwear, Parameter, Side, Statistic, Surface,
+    Used, VARIABLES,
 };
 use maquette::math::stats::mean;
 

@@ -31,17 +31,10 @@ impl<'f> Sampler<'f> {
         }
     }
 
-    /// Samples a limb, or where `limb` is `None` the one whose sum is largest.
-    ///
-    /// `false`, and nothing changed, if there is no metaball or no such limb.
-    pub fn sample(
-        &mut self,
-        point_world: &Vector3<f64>,
-        limb: Option<usize>,
-        sample: &mut FieldSample,
-    ) -> bool {
+    /// Samples the limb whose sum is largest; `false`, and nothing changed, if there is no metaball.
+    pub fn sample(&mut self, point_world: &Vector3<f64>, sample: &mut FieldSample) -> bool {
         self.measure(point_world);
-        let Some((limb, least)) = limb.map_or_else(|| self.largest(), |l| self.least(l)) else {
+        let Some((limb, least)) = self.largest() else {
             return false;
         };
 
@@ -135,7 +128,7 @@ mod tests {
         let mut sample = FieldSample::default();
         for _ in 0..200 {
             let x = draw(1.0);
-            assert!(sampler.sample(&x, None, &mut sample));
+            assert!(sampler.sample(&x, &mut sample));
             let expected = field.sample(&x).unwrap();
             assert_eq!(sample.limb, expected.limb);
             approx::assert_relative_eq!(
@@ -151,9 +144,6 @@ mod tests {
                 epsilon = 1e-6
             );
         }
-        assert!(sampler.sample(&Vector3::zeros(), Some(1), &mut sample));
-        assert_eq!(sample.limb, 1);
-        assert!(!sampler.sample(&Vector3::zeros(), Some(2), &mut sample));
-        assert!(!sampler.sample(&Vector3::zeros(), Some(9), &mut sample));
+        assert!(!Sampler::new(&Field::new([])).sample(&Vector3::zeros(), &mut sample));
     }
 }
