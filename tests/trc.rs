@@ -66,6 +66,77 @@ fn a_row_that_ends_early_lacks_its_last_points() {
     assert_eq!(read(&text).unwrap(), two_points());
 }
 
+/// A minute at 50 Hz, one point, row by row: number, time, and the point's height.
+fn rows() -> Vec<String> {
+    let row = |i: usize| format!("{}\t{:.3}\t0.1\t{i}.0\t0.2\n", i + 1, i as f64 / 50.0);
+    (0..200).map(row).collect()
+}
+
+fn text_of(rows: &[String]) -> String {
+    let head = "PathFileType\t4\t(X/Y/Z)\ta.trc\nDataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\tOrigDataStartFrame\tOrigNumFrames\n\
+        50\t50\t200\t1\tm\t50\t0\t200\nFrame#\tTime\tRHip\t\t\n\t\tX1\tY1\tZ1\n";
+    format!("{head}{}", rows.concat())
+}
+
+#[test]
+fn rows_that_are_missing_with_their_numbers_are_frames_without_points() {
+    let mut rows = rows();
+    rows.drain(50..80);
+    let found = read(&text_of(&rows)).unwrap();
+    assert_eq!(found.frames.len(), 200);
+    for (i, frame) in found.frames.iter().enumerate() {
+        let height = frame[0].map(|p| p.z);
+        assert_eq!(height, (!(50..80).contains(&i)).then_some(i as f64), "{i}");
+    }
+    // two rows and nothing between them
+    let far = ["1\t0\t0.1\t1\t0.2\n", "60001\t1200\t0.1\t1\t0.2\n"].map(str::to_owned);
+    assert_eq!(read(&text_of(&far)).unwrap().frames.len(), 60_001);
+}
+
+#[test]
+fn frames_and_times_that_do_not_grow_together_are_refused_at_the_first_such_row() {
+    let refused = |rows: &[String]| read(&text_of(rows)).unwrap_err().to_string();
+    let number = |row: &String, number: usize| {
+        let (_, rest) = row.split_once('\t').unwrap();
+        format!("{number}\t{rest}")
+    };
+
+    // thirty rows cut out and the rest numbered anew: the times tell
+    let mut cut = rows();
+    cut.drain(50..80);
+    let cut: Vec<String> = cut.iter().enumerate().map(|(i, row)| number(row, i + 1)).collect();
+    let expected = "walk.trc:56: 0.620000 s from frame 50 to frame 51, expected 0.020000 s";
+    assert!(refused(&cut).starts_with(expected), "{}", refused(&cut));
+
+    // every row twice, with its number or with a new one
+    let twice: Vec<String> = rows().iter().flat_map(|row| [row.clone(), row.clone()]).collect();
+    let expected = "walk.trc:7: frame 1 follows frame 1: expected ascending numbers";
+    assert!(refused(&twice).starts_with(expected), "{}", refused(&twice));
+    let anew: Vec<String> = twice.iter().enumerate().map(|(i, row)| number(row, i + 1)).collect();
+    assert!(
+        refused(&anew).starts_with("walk.trc:7: 0.000000 s from frame 1"),
+        "{}",
+        refused(&anew)
+    );
+
+    // a clock that jumps
+    let mut jump = rows();
+    jump[70] = jump[70].replace("\t1.400\t", "\t1000000000\t");
+    assert!(refused(&jump).starts_with("walk.trc:76: 999999998.620000 s"), "{}", refused(&jump));
+
+    // every second row
+    let half: Vec<String> = rows().into_iter().step_by(2).collect();
+    assert!(refused(&half).contains("100 rows, and 99 frame numbers"), "{}", refused(&half));
+    for (from, to, column) in [("7\t0.120", "x\t0.120", "Frame#"), ("7\t0.120", "7\tnow", "Time")] {
+        let text = text_of(&rows()).replacen(from, to, 1);
+        let message = read(&text).unwrap_err().to_string();
+        assert!(
+            message.starts_with(&format!("walk.trc:12: {column}: expected a number")),
+            "{message}"
+        );
+    }
+}
+
 #[test]
 fn every_fault_is_named_with_its_line() {
     let good = write_trc(&two_points(), "walk.trc");

@@ -18,15 +18,18 @@
 //! | `progress.rs` | a bar for each stage                                            |
 //! | `summary.rs`  | the summary of a fit, for a person and as JSON                  |
 //! | `table.rs`    | columns                                                         |
+//! | `interrupt.rs` | a signal to stop                                               |
 //! | `error.rs`    | what went wrong, in one line                                    |
 //!
-//! Exit code 0, or 2 for arguments or input that cannot be used, with one line on standard error.
+//! Exit code 0, or 2 for arguments or input that cannot be used, with one line on standard error; 130, 143 and 129 after
+//! SIGINT, SIGTERM and SIGHUP, with one line that says how to go on.
 
 mod choice;
 mod error;
 mod export;
 mod fit;
 mod gait;
+mod interrupt;
 mod models;
 mod pictures;
 mod progress;
@@ -109,20 +112,42 @@ enum Command {
     Synth(synth::SynthArguments),
 }
 
+impl Command {
+    fn run(&self) -> Result<(), CliError> {
+        match self {
+            Self::Fit(arguments) => fit::run(arguments),
+            Self::Segment(arguments) => segment::run(arguments),
+            Self::Silhouettes(arguments) => silhouettes::run(arguments),
+            Self::Skin(arguments) => skin::run(arguments),
+            Self::Stereo(arguments) => stereo::run(arguments),
+            Self::Gait(arguments) => gait::run(arguments),
+            Self::Report(arguments) => report::run(arguments),
+            Self::Export(arguments) => export::run(arguments),
+            Self::Models(arguments) => models::run(arguments),
+            Self::Synth(arguments) => synth::run(arguments),
+        }
+    }
+
+    /// How to go on after a signal to stop.
+    fn after_an_interruption(&self) -> &'static str {
+        match self {
+            Self::Fit(_) => {
+                "what was finished is kept in OUT: the same command with --resume, and without --overwrite, goes on there"
+            }
+            Self::Segment(_) | Self::Silhouettes(_) | Self::Stereo(_) => {
+                "OUT is not complete: the same command with --overwrite begins anew"
+            }
+            _ => "the same command begins anew",
+        }
+    }
+}
+
 fn main() -> ExitCode {
     let done = match Arguments::try_parse_from(std::env::args_os()) {
-        Ok(arguments) => match arguments.command {
-            Command::Fit(arguments) => fit::run(&arguments),
-            Command::Segment(arguments) => segment::run(&arguments),
-            Command::Silhouettes(arguments) => silhouettes::run(&arguments),
-            Command::Skin(arguments) => skin::run(&arguments),
-            Command::Stereo(arguments) => stereo::run(&arguments),
-            Command::Gait(arguments) => gait::run(&arguments),
-            Command::Report(arguments) => report::run(&arguments),
-            Command::Export(arguments) => export::run(&arguments),
-            Command::Models(arguments) => models::run(&arguments),
-            Command::Synth(arguments) => synth::run(&arguments),
-        },
+        Ok(arguments) => {
+            interrupt::watch(arguments.command.after_an_interruption());
+            arguments.command.run()
+        }
         Err(fault) if is_help(fault.kind()) => {
             print(&fault.render().to_string());
             Ok(())

@@ -43,9 +43,7 @@ impl Progress for Bars {
     }
 
     fn note(&self, line: &str) {
-        if self.is_shown {
-            self.current().suspend(|| complain("note", &one_line(line)));
-        }
+        self.current().suspend(|| complain("note", &one_line(line)));
     }
 }
 

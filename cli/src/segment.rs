@@ -10,7 +10,7 @@ use maquette::workflow::{MaskFiles, WrittenMasks};
 use super::error::CliError;
 use super::pictures::PictureArguments;
 use super::print;
-use super::switches::Threads;
+use super::switches::{Threads, print_notes};
 use super::table::Table;
 
 pub(super) const ABOUT: &str = "\
@@ -56,7 +56,7 @@ fn segment(arguments: &SegmentArguments) -> Result<(), CliError> {
     };
     let written = recording.write_masks(&files, &quiet.progress())?;
 
-    quiet.print_notes(&written.notes);
+    print_notes(&written.notes);
     if !quiet.is_on() {
         let seconds = start.elapsed().as_secs_f64();
         print(&summary(&written, pictures.out(), seconds));

@@ -12,7 +12,7 @@ use maquette::workflow::{SilhouetteFiles, WrittenSilhouettes};
 use super::choice::{Choice, one_of};
 use super::error::CliError;
 use super::pictures::PictureArguments;
-use super::switches::Threads;
+use super::switches::{Threads, print_notes};
 use super::table::Table;
 use super::{complain, print};
 
@@ -89,7 +89,7 @@ fn silhouettes(arguments: &SilhouettesArguments) -> Result<(), CliError> {
     if let Some(line) = &written.warning {
         complain("warning", line);
     }
-    quiet.print_notes(&written.notes);
+    print_notes(&written.notes);
     if !quiet.is_on() {
         let seconds = start.elapsed().as_secs_f64();
         print(&summary(&written, pictures.out(), seconds));

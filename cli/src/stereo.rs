@@ -11,6 +11,7 @@ use super::choice::{Choice, one_of};
 use super::error::CliError;
 use super::pictures::PictureArguments;
 use super::print;
+use super::switches::print_notes;
 
 pub(super) const ABOUT: &str = "\
 Measure points of the surface from cameras that stand side by side.
@@ -112,7 +113,7 @@ pub(super) fn run(arguments: &StereoArguments) -> Result<(), CliError> {
     };
     let found = recording.write_surface(&files, &quiet.progress())?;
 
-    quiet.print_notes(&found.notes);
+    print_notes(&found.notes);
     if !quiet.is_on() {
         print(&summary(&found, pictures.out()));
     }

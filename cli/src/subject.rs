@@ -12,7 +12,7 @@ use maquette::{GaitStudy, Recording};
 
 use crate::choice::{Choice, one_of};
 use crate::error::CliError;
-use crate::switches::Quiet;
+use crate::switches::{Quiet, print_notes};
 
 /// Who was recorded, and how, for the report and for whom a walk is compared with.
 #[derive(Debug, Args)]
@@ -79,7 +79,7 @@ impl SubjectArguments {
         match self.report_with_views(study, from, &path, quiet) {
             Ok(text) => Ok(text),
             Err(fault) => {
-                quiet.print_notes([format!("the report is without camera views: {fault}")]);
+                print_notes(&[format!("the report is without camera views: {fault}")]);
                 Ok(study.report(&self.subject(&path))?)
             }
         }

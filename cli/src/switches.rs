@@ -10,13 +10,13 @@ use maquette::io::folder::Existing;
 /// `--quiet`.
 #[derive(Debug, Clone, Copy, Args)]
 pub(super) struct Quiet {
-    /// Print nothing but errors
+    /// Print nothing but errors, warnings and notes
     #[arg(long)]
     quiet: bool,
 }
 
 impl Quiet {
-    /// Whether nothing but errors is printed.
+    /// Whether nothing but errors, warnings and notes is printed.
     pub(super) fn is_on(self) -> bool {
         self.quiet
     }
@@ -28,12 +28,12 @@ impl Quiet {
             false => Bars::shown(),
         }
     }
+}
 
-    /// Prints what the user should know, each in one line.
-    pub(super) fn print_notes(self, notes: impl IntoIterator<Item: ToString>) {
-        for note in notes.into_iter().filter(|_| !self.quiet) {
-            complain("note", &one_line(&note.to_string()));
-        }
+/// Prints what the user should know, each in one line.
+pub(super) fn print_notes(notes: &[String]) {
+    for note in notes {
+        complain("note", &one_line(note));
     }
 }
 

@@ -70,6 +70,15 @@ pub enum FitError {
         /// Where the first of them has what the others see.
         why: String,
     },
+    /// Silhouettes that the edges of the images cut, and that do not meet.
+    #[error(
+        "{} and the other cameras show the person at different places, but most masks are cut by the edge of the picture: is the person in view yet? Give the frames in which they are with --frames FIRST:LAST; else check calibration, unit and up",
+        listed(cameras)
+    )]
+    NotInView {
+        /// The cameras that disagree.
+        cameras: Vec<String>,
+    },
     /// Nobody is so tall.
     #[error(
         "masks or points show something {seen_m:.3} m large, the body {body} is {body_m:.2} m: check unit in sequence.toml (m or mm), and the body"

@@ -12,6 +12,12 @@ pub fn check_measure(model: &BodyModel, asked: Option<Measure>) -> Result<(), Fi
     Measures::choose(model, asked).map(|_| ())
 }
 
+/// Whether any stage compares points with the body: only the skin of metaballs meets them.
+pub(crate) fn fits_points(model: &BodyModel, asked: Option<Measure>) -> bool {
+    let measures = Measures::choose(model, asked);
+    measures.is_ok_and(|m| m.search.has_metaballs() || m.joint.has_metaballs())
+}
+
 /// What each stage compares silhouettes and points with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Measures {

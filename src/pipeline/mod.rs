@@ -37,6 +37,7 @@ pub use fit::{Fit, FittedFrame, MinusLogPosterior, TriedHypothesis, fit};
 pub use fit_error::FitError;
 pub use frame_range::{FrameRange, FrameRangeError, span};
 pub use measures::check_measure;
+pub(crate) use measures::fits_points;
 pub use memory::MemoryPictures;
 pub use movement::{FittedBody, FittedMotion, FittedPoint, FramePose, FrameSd};
 pub use options::{EstimateOptions, FitTo, ObservationOptions};

@@ -41,7 +41,7 @@ pub fn check_scene(
     let step = frames.len().div_ceil(SAMPLED_FRAMES).max(1);
     let sampled: Vec<&FrameObservations> = frames.iter().step_by(step).collect();
     let odd = odd_cameras(rig, &sampled);
-    let warnings = common_view(rig, &odd)?;
+    let warnings = common_view(rig, &odd).map_err(|fault| in_frames(fault, &sampled))?;
     // 3. it is as large as the body
     size(model, rig, &sampled)?;
     Ok(warnings)
@@ -126,6 +126,18 @@ fn agree(a: (&Camera, &Silhouette), b: (&Camera, &Silhouette)) -> bool {
             })
         })
     })
+}
+
+/// The same fault, or where most masks are cut another cause: a person who is not yet in view.
+fn in_frames(fault: FitError, frames: &[&FrameObservations]) -> FitError {
+    let views = || frames.iter().flat_map(|frame| &frame.views);
+    let cut = views().filter(|(_, silhouette)| silhouette.cut_px > 0.0).count();
+    match fault {
+        FitError::NoCommonView { cameras, .. } if 2 * cut > views().count() => {
+            FitError::NotInView { cameras }
+        }
+        fault => fault,
+    }
 }
 
 /// Refuses the odd cameras that share no point with the others, and warns of the other odd ones.

@@ -6,8 +6,8 @@ use super::{Error, FitOptions, SilhouetteFiles, SilhouetteSource, silhouettes};
 use crate::io::folder::OutFolder;
 use crate::io::folder::segmented::{self, MaskExtras};
 use crate::io::folder::stereo::{self, StereoExtras, StereoFolder};
-use crate::io::recording::footage::{Footage, FootageError};
-use crate::io::recording::{DerivedFiles, ObservationFiles, Recording, RecordingError};
+use crate::io::recording::footage::{Footage, FootageError, FootageNote};
+use crate::io::recording::{DerivedFiles, Note, ObservationFiles, Recording, RecordingError};
 use crate::pipeline::stereo::{StereoMethod, StereoOptions};
 use crate::pipeline::{FitTo, Progress, span};
 use crate::silhouette::FrameObservations;
@@ -73,39 +73,39 @@ impl Derived<'_> {
             has_masks: !has_masks,
             has_points: false,
         };
+        let mut notes = lines(&footage.notes);
         if files.has_masks {
-            self.cut_masks(&footage, options)?;
+            notes.extend(self.cut_masks(&footage, options)?);
         }
         if let Some(method) = options.stereo {
             let masks = recording.with_derived(files)?;
-            self.measure_points(&footage, &masks, method, options)?;
+            notes.extend(self.measure_points(&footage, &masks, method, options)?);
             files.has_points = true;
         }
-        Ok((recording.with_derived(files)?, None))
+        Ok((noted(recording.with_derived(files)?, notes), None))
     }
 
-    /// Cuts the person out of the pictures of the frames that are fitted.
-    fn cut_masks(&self, footage: &Footage, options: &FitOptions) -> Result<(), Error> {
-        if self.is_kept(segmented::QUALITY) {
-            return Ok(());
+    /// Cuts the person out of the pictures of the frames that are fitted, and says what was odd.
+    fn cut_masks(&self, footage: &Footage, options: &FitOptions) -> Result<Vec<String>, Error> {
+        if let Some(notes) = self.kept_notes(segmented::QUALITY) {
+            return Ok(notes);
         }
         let frames = footage.frames();
         let frames = span(options.frames.select(&frames)?);
         let found = cut_masks(footage, frames, self.out, MaskExtras::default(), self.progress)?;
-        found.notes.iter().for_each(|note| self.progress.note(note));
-        Ok(())
+        self.keep_notes(segmented::QUALITY, found.notes)
     }
 
-    /// Measures points in the pictures of the frames that are fitted, where the masks show the person.
+    /// Measures points in the pictures of the frames that are fitted, where the masks show the person, and says what was odd.
     fn measure_points(
         &self,
         footage: &Footage,
         masks: &ObservationFiles,
         method: StereoMethod,
         options: &FitOptions,
-    ) -> Result<(), Error> {
-        if self.is_kept(stereo::TABLE) {
-            return Ok(());
+    ) -> Result<Vec<String>, Error> {
+        if let Some(notes) = self.kept_notes(stereo::TABLE) {
+            return Ok(notes);
         }
         let frames = footage.frames();
         let frames = options.frames.select(&frames)?;
@@ -114,8 +114,7 @@ impl Derived<'_> {
 
         let folder = StereoFolder::open(self.out, footage.up, StereoExtras::default())?;
         let found = measure_points(footage, Some(masks), frames, &options, folder, self.progress)?;
-        found.notes.iter().for_each(|note| self.progress.note(note));
-        Ok(())
+        self.keep_notes(stereo::TABLE, found.notes)
     }
 
     /// Finds the contours of the frames that are fitted by a body that predicts them (PF02, §4.3), and points with them.
@@ -133,13 +132,16 @@ impl Derived<'_> {
         let frames = options.frames.select(&all)?;
         let body = options.body.as_deref();
         let body = body.unwrap_or(SilhouetteFiles::DEFAULT_BODY);
-        let mut observed = silhouettes::observe(footage, frames, body, self.out, self.progress)?;
+        let found = silhouettes::observe(footage, frames, body, self.out, self.progress)?;
+        let mut notes = lines(&footage.notes);
+        notes.extend(found.notes);
+        let mut observed = found.observations;
 
         let mut files =
             DerivedFiles { footage, folder: self.out.path(), has_masks: true, has_points: false };
         if let Some(method) = options.stereo {
             let masks = recording.with_derived(files)?;
-            self.measure_points(footage, &masks, method, options)?;
+            notes.extend(self.measure_points(footage, &masks, method, options)?);
             files.has_points = true;
         }
         let files = recording.with_derived(files)?;
@@ -148,13 +150,35 @@ impl Derived<'_> {
                 files.load_points(frame)?;
             }
         }
-        Ok((files, Some(observed)))
+        Ok((noted(files, notes), Some(observed)))
     }
 
-    /// Whether an earlier run that is continued has finished what it writes this table after.
-    fn is_kept(&self, table: &str) -> bool {
-        self.is_resumed && self.out.path().join(table).is_file()
+    /// What an earlier run that is continued found odd, if it has finished what it writes this table after.
+    fn kept_notes(&self, table: &str) -> Option<Vec<String>> {
+        self.is_resumed.then(|| self.out.kept_notes(table)).flatten()
     }
+
+    /// Keeps what was odd beside a finished table, and says it at once.
+    fn keep_notes(&self, table: &str, notes: Vec<String>) -> Result<Vec<String>, Error> {
+        self.out.keep_notes(table, &notes)?;
+        notes.iter().for_each(|note| self.progress.note(note));
+        Ok(notes)
+    }
+}
+
+fn lines(notes: &[FootageNote]) -> Vec<String> {
+    notes.iter().map(ToString::to_string).collect()
+}
+
+/// Adds what was odd about the pictures to what is known of the files, each line once.
+fn noted(mut files: ObservationFiles, lines: Vec<String>) -> ObservationFiles {
+    for line in lines {
+        let note = Note::Pictures { line };
+        if !files.notes.contains(&note) {
+            files.notes.push(note);
+        }
+    }
+    files
 }
 
 /// Whether, without masks, contours are the only good way: depth is seen and the empty scene is not.

@@ -10,9 +10,9 @@ use super::{Error, FitOptions};
 use crate::body::BodyModel;
 use crate::inference::Sequence;
 use crate::io::model::{self, ModelText};
-use crate::io::recording::{InputChecksum, ObservationFiles, Recording};
+use crate::io::recording::{InputChecksum, Note, ObservationFiles, Recording};
 use crate::io::result::OptionsPart;
-use crate::pipeline::{FitError, Progress, check_measure, check_scene};
+use crate::pipeline::{FitError, Progress, check_measure, check_scene, fits_points};
 use crate::silhouette::FrameObservations;
 
 /// The body that is fitted when nobody names one.
@@ -54,7 +54,10 @@ impl FitInput {
             Some(found) => found.into_iter().map(|seen| fit_to.select(seen)).collect(),
             None => load(&files, options, derived.progress)?,
         };
-        files.notes.extend(files.notes_on_points(&observations));
+        files.notes.extend(files.notes_on(&observations));
+        if files.has_points() && !fits_points(&model, options.estimate.measure) {
+            files.notes.push(Note::PointsUnfitted { body: model.name.clone() });
+        }
         check_scene(&model, &files.rig, &observations)?;
 
         let mut checksums = files.checksums()?;

@@ -16,7 +16,7 @@ use crate::pipeline::silhouettes::{
     FoundSilhouettes, SilhouettePipeline, SilhouetteSearch, StartingFit,
 };
 use crate::pipeline::{FrameRange, Progress, check_measure};
-use crate::silhouette::{FrameIndex, FrameObservations};
+use crate::silhouette::FrameIndex;
 
 /// How the silhouettes of a recording are found and written.
 #[derive(Debug, Clone, Copy)]
@@ -85,11 +85,12 @@ impl Recording {
         };
         let (found, rows) = find_and_keep(&search, &out, files.extras, progress)?;
 
+        let known = footage.notes.iter().map(ToString::to_string);
         Ok(WrittenSilhouettes {
             cameras: footage.rig.names().map(str::to_owned).collect(),
             warning: found.doubt(files.body),
             rows,
-            notes: found.notes,
+            notes: known.chain(found.notes).collect(),
         })
     }
 }
@@ -102,7 +103,7 @@ pub(super) fn observe(
     body: &str,
     out: &OutFolder,
     progress: &dyn Progress,
-) -> Result<Vec<FrameObservations>, Error> {
+) -> Result<FoundSilhouettes, Error> {
     let model = load_body(body)?;
     let start = StartingFit::find(footage, frames, &model, progress)?;
     let search = SilhouetteSearch {
@@ -115,7 +116,7 @@ pub(super) fn observe(
 
     let (found, _) = find_and_keep(&search, out, SilhouetteExtras::default(), progress)?;
     found.notes.iter().for_each(|note| progress.note(note));
-    Ok(found.observations)
+    Ok(found)
 }
 
 /// Finds silhouettes, and keeps masks, contours and quality in a folder.

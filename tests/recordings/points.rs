@@ -65,7 +65,7 @@ fn a_folder_of_points_needs_no_manifest_and_is_used_where_it_has_frames() {
     let counts: Vec<_> = frames.iter().map(|f| f.points.len()).collect();
     assert_eq!(counts, [0, 400, 0]);
     assert_eq!(frames[1].points, points);
-    assert!(recording.notes_on_points(&frames).is_empty());
+    assert!(recording.notes_on(&frames).is_empty());
     let inputs = recording.checksums().expect("checksums");
     assert_eq!(inputs.last().expect("points").input, "points");
 }
@@ -139,7 +139,7 @@ fn empty_clouds_and_numbers_that_are_none_are_told_once() {
     let counts: Vec<_> = frames.iter().map(|f| f.points.len()).collect();
     assert_eq!((counts, said(&recording.notes)), (vec![0, 400, 1], Vec::<String>::new()));
     assert_eq!(
-        said(&recording.notes_on_points(&frames)),
+        said(&recording.notes_on(&frames)),
         [
             "points: no usable points in frames 0",
             "points: 3 points left out in frames 2: not finite, or a spread that is not positive"
@@ -162,7 +162,7 @@ fn a_million_points_are_thinned_evenly_and_this_is_told() {
         assert!((12..=13).contains(&count), "{count}");
     }
     assert_eq!(
-        said(&recording.notes_on_points(&frames)),
+        said(&recording.notes_on(&frames)),
         ["points: up to 1000000 in a frame; thinned evenly to 5000 in frames 0"]
     );
 }

@@ -8,9 +8,9 @@ pub(super) use arguments::{ABOUT, EXAMPLES, FitArguments};
 use maquette::Recording;
 use maquette::workflow::FitFolder;
 
-use crate::error::CliError;
-use crate::print;
+use crate::error::{CliError, one_line};
 use crate::summary::Summary;
+use crate::{complain, print};
 
 /// Fits a recording and writes the result.
 pub(super) fn run(arguments: &FitArguments) -> Result<(), CliError> {
@@ -36,6 +36,10 @@ fn fit(arguments: &FitArguments) -> Result<(), CliError> {
         (true, _) => print(&summary.json()),
         (false, false) => print(&summary.text()),
         (false, true) => {}
+    }
+    if arguments.quiet.is_on() {
+        let warnings = fit.result.warnings.iter();
+        warnings.for_each(|warning| complain("warning", &one_line(warning)));
     }
     Ok(())
 }

@@ -156,10 +156,15 @@ fn without_pruning_the_same_hypothesis_wins_with_the_same_posterior() {
 }
 
 #[test]
-fn quiet_says_nothing_and_json_says_the_summary() {
+fn quiet_says_warnings_alone_and_json_says_the_summary() {
     let arm = Arm::new();
     let said = arm.fit("quiet", &["--quiet"]).succeeded();
-    assert_eq!((said.out.as_str(), said.err.as_str()), ("", ""));
+    assert_eq!(said.out, "");
+    assert!(said.err.lines().all(|line| line.starts_with("warning: ")), "{}", said.err);
+    assert_eq!(
+        said.err.lines().count(),
+        arm.result("quiet")["warnings"].as_array().map_or(0, Vec::len)
+    );
     let said = arm.fit("json", &["--json"]).succeeded();
     let summary: serde_json::Value = serde_json::from_str(&said.out).expect("JSON");
     assert_eq!(summary["frames"], FRAMES);
@@ -345,4 +350,34 @@ fn an_arm_is_fitted_to_points_alone() {
         }
     }
     arm.fit_with_body("none", "arm-2d", &[]).refused(&["the body arm-2d has no metaballs"]);
+}
+
+#[test]
+fn what_is_dropped_is_in_the_warnings_and_is_said_although_quiet() {
+    let arm = Arm::new();
+    for frame in [1, 2, 4] {
+        std::fs::remove_file(arm.mask_path("cam_02", frame)).expect("removed");
+    }
+    let points = arm.recording().join("points");
+    std::fs::create_dir(&points).expect("a folder");
+    let cloud: Vec<String> =
+        crate::arm::points(0).iter().map(|p| format!("{} {} {}", p.x, p.y, p.z)).collect();
+    std::fs::write(points.join("000000.xyz"), cloud.join("\n")).expect("written");
+
+    let said = arm.fit("out", &["--quiet"]).succeeded();
+    let result = arm.result("out");
+    let warnings: Vec<&str> = result["warnings"]
+        .as_array()
+        .expect("warnings")
+        .iter()
+        .filter_map(|w| w.as_str())
+        .collect();
+    for part in [
+        "camera cam_02: 3 of 6 masks are missing (1, 2, 4)",
+        "points: not fitted to: the body arm-2d is compared by its ellipsoids",
+    ] {
+        assert!(warnings.iter().any(|w| w.contains(part)), "{part} not in {warnings:?}");
+        assert!(said.err.contains(part), "{part} not in {}", said.err);
+    }
+    assert_eq!(said.out, "");
 }

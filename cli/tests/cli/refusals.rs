@@ -161,6 +161,27 @@ const MASKS: &[Case] = &[
         &["none of the 18 masks shows a person", "image edge"],
     ),
     (
+        "somebody who is not yet in view",
+        |arm| {
+            for (i, camera) in rig().cameras.iter().enumerate() {
+                for frame in 0..FRAMES {
+                    // the middle of the upper, the left and the lower edge
+                    let edge = |x: u32, y: u32| match i {
+                        0 => y < 8 && x.abs_diff(SIZE.0 / 2) < 20,
+                        1 => x < 8 && y.abs_diff(SIZE.1 / 2) < 20,
+                        _ => y > SIZE.1 - 8 && x.abs_diff(SIZE.0 / 2) < 20,
+                    };
+                    let mask = GrayImage::from_fn(SIZE.0, SIZE.1, |x, y| {
+                        Luma([if edge(x, y) { 255 } else { 0 }])
+                    });
+                    arm.write_mask(&camera.name, frame, &mask);
+                }
+            }
+        },
+        &[],
+        &["is the person in view yet?", "--frames FIRST:LAST"],
+    ),
+    (
         "one camera has all there is to see",
         |arm| {
             fill_masks(arm, 0);

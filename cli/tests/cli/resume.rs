@@ -182,11 +182,48 @@ fn a_step_that_cannot_be_kept_ends_the_run_at_once_and_what_was_kept_is_continue
     }
 
     let stopped = arm.fit("out", &["--resume", "--quiet"]);
-    stopped.refused(&[".json: cannot be written", "continue it with --resume"]);
+    assert_eq!(stopped.code, Some(2), "{stopped:?}");
+    for part in [".json: cannot be written", "continue it with --resume"] {
+        assert!(stopped.err.contains(part), "{part} not in {}", stopped.err);
+    }
     assert!(!arm.out("out").join("result.json").exists());
     for i in 0..9 {
         fs::remove_dir_all(journal.join(format!("trial-{i:04}.json"))).expect("removed");
     }
     arm.fit("out", &["--resume", "--quiet"]).succeeded();
     assert_eq!(arm.bytes("out", "result.json"), arm.bytes("whole", "result.json"));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_signal_ends_a_run_with_one_line_that_says_how_to_go_on() {
+    for (signal, code) in [("INT", 130), ("TERM", 143), ("HUP", 129)] {
+        let arm = Arm::new();
+        // a body that takes long to find
+        let mut arguments = arm.fit_arguments("out");
+        let body = arguments.iter().position(|a| a == "arm-2d").expect("a body");
+        arguments[body] = "human-ellipsoids".into();
+        let mut child = Command::new(program());
+        child.args(&arguments).stdout(Stdio::null()).stderr(Stdio::piped());
+        let child = child.spawn().expect("started");
+
+        let (begun, start) = (arm.out("out").join(".journal/run.json"), Instant::now());
+        while !begun.exists() && start.elapsed() < Duration::from_secs(60) {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        let pid = child.id().to_string();
+        let sent = Command::new("kill").args(["-s", signal, &pid]).status();
+        assert!(sent.is_ok_and(|status| status.success()), "no kill");
+        let ended = child.wait_with_output().expect("ended");
+        let said = String::from_utf8_lossy(&ended.stderr);
+        assert_eq!(ended.status.code(), Some(code), "{said}");
+        assert_eq!(said.lines().count(), 1, "{said}");
+        assert!(
+            said.starts_with(&format!("stopped by SIG{signal}: ")) && said.contains("--resume")
+        );
+
+        // its lock holds nobody up
+        assert!(arm.out("out").join(".lock").exists());
+        OutFolder::open(&arm.out("out")).expect("free");
+    }
 }

@@ -105,6 +105,33 @@ fn a_recording_of_pictures_is_segmented_and_fitted() {
 }
 
 #[test]
+#[allow(clippy::print_stderr, reason = "a skipped test says so")]
+fn a_camera_whose_video_cannot_be_read_is_in_the_warnings_of_every_run() {
+    if Command::new("ffprobe").arg("-version").output().is_err() {
+        eprintln!("skipped: ffmpeg is not here");
+        return;
+    }
+    let arm = photographed();
+    fs::create_dir_all(arm.recording().join("videos")).expect("a folder");
+    fs::write(arm.recording().join("videos/cam_03.mp4"), "a video").expect("written");
+
+    let said = arm.fit("out", &["--joint", "off", "--quiet"]).succeeded();
+    let dropped = |text: &str| text.contains("camera cam_03: ") && text.contains(": not used");
+    assert!(dropped(&said.err), "{}", said.err);
+    assert!(
+        dropped(&arm.result("out")["warnings"].to_string()),
+        "{}",
+        arm.result("out")["warnings"]
+    );
+
+    // a run that goes on with the masks of the first knows of it too
+    let whole = arm.bytes("out", "result.json");
+    fs::remove_file(arm.out("out").join("result.json")).expect("removed");
+    arm.fit("out", &["--joint", "off", "--resume"]).succeeded();
+    assert_eq!(arm.bytes("out", "result.json"), whole);
+}
+
+#[test]
 fn bad_pictures_are_told_in_one_line() {
     let arm = photographed();
     segment(&arm, &["--frames", "70:80"]).refused(&["--frames 70:80", "it has 0 to 5"]);

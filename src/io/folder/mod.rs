@@ -141,7 +141,9 @@ impl OutFolder {
         let begun = self.begun(mark);
         if self.path.join(mark).is_file() || begun.is_file() {
             let nothing = self.path.join(UNFINISHED);
-            for place in others.iter().chain([&mark]).map(|name| self.path.join(name)) {
+            let notes = notes_of(mark);
+            let all = others.iter().copied().chain([mark, &notes]);
+            for place in all.map(|name| self.path.join(name)) {
                 replace(&nothing, &place).map_err(|source| OutError::write(&place, source))?;
             }
         }
@@ -159,6 +161,23 @@ impl OutFolder {
         // what cannot be removed makes the next run clear what this one wrote, which it does anyway
         let _ = fs::remove_file(self.begun(mark));
         Ok(())
+    }
+
+    /// Keeps what was odd about the inputs of a finished run, for whoever continues from its files.
+    ///
+    /// # Errors
+    /// [`OutError::Write`] names the file.
+    pub fn keep_notes(&self, mark: &str, notes: &[String]) -> Result<(), OutError> {
+        let bytes = serde_json::to_vec(notes).map_err(io::Error::from);
+        let bytes = bytes.map_err(|source| OutError::write(&self.path, source))?;
+        self.write(&notes_of(mark), &bytes)
+    }
+
+    /// The notes of the run of a mark, if it was finished.
+    pub fn kept_notes(&self, mark: &str) -> Option<Vec<String>> {
+        let notes = self.path.join(notes_of(mark));
+        let is_finished = self.path.join(mark).is_file();
+        is_finished.then(|| serde_json::from_slice(&fs::read(notes).ok()?).ok()).flatten()
     }
 
     /// Stands while the run of a mark is not finished.
@@ -209,6 +228,11 @@ impl OutFolder {
         remove_unfinished(&self.journal());
         Ok(())
     }
+}
+
+/// Name of the file of a run's notes.
+fn notes_of(mark: &str) -> String {
+    format!(".notes-{mark}.json")
 }
 
 fn replace(new: &Path, place: &Path) -> io::Result<()> {

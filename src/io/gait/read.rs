@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use crate::body::BodyModel;
 use crate::gait::{Movement, MovementError};
 use crate::io::input::{self, MOST_OF_A_TABLE};
-use crate::io::points::trc::{TrcError, rate_of_times, read_trc};
+use crate::io::points::trc::{TrcError, read_with_rate};
 use crate::io::result::{FramePart, ResultError, ResultFile};
 use crate::pipeline::{FittedBody, FittedMotion, FramePose};
 use crate::silhouette::FrameIndex;
@@ -79,11 +79,11 @@ pub fn read_points(path: &Path, rate_hz: Option<f64>) -> Result<GaitInput, GaitI
     let bytes = input::read(path, MOST_OF_A_TABLE)
         .map_err(|source| GaitInputError::Read { path: path.into(), source })?;
     let text = String::from_utf8_lossy(&bytes);
-    let points = read_trc(&text, path)?;
+    let (points, counted_hz) = read_with_rate(&text, path)?;
 
     let stated_hz = points.rate_hz;
     let differs = |counted_hz: &f64| (counted_hz / stated_hz - 1.0).abs() > 0.02;
-    let counted_hz = rate_of_times(&text).filter(differs);
+    let counted_hz = counted_hz.filter(differs);
     if let (None, Some(counted_hz)) = (rate_hz, counted_hz) {
         return Err(GaitInputError::Rate { path: path.into(), stated_hz, counted_hz });
     }

@@ -50,6 +50,30 @@ pub enum Note {
         /// How many.
         files: usize,
     },
+    /// Masks that are not there, while other cameras have theirs.
+    #[error("camera {camera}: {} of {of} masks are missing ({frames})", frames.0.len())]
+    MasksMissing {
+        /// The camera.
+        camera: String,
+        /// The frames.
+        frames: Frames,
+        /// How many there should be.
+        of: usize,
+    },
+    /// What was odd about the pictures that masks, contours or points were made of.
+    #[error("{line}")]
+    Pictures {
+        /// In one line.
+        line: String,
+    },
+    /// Points that no stage of the fit compares with the body.
+    #[error(
+        "points: not fitted to: the body {body} is compared by its ellipsoids: choose a body with metaballs, or --likelihood metaballs"
+    )]
+    PointsUnfitted {
+        /// Name of the body.
+        body: String,
+    },
     /// No frame is seen by two cameras.
     #[error(
         "no frame has masks from two cameras: do the file numbers agree? offset_frames shifts them"

@@ -10,7 +10,7 @@ use super::points::PointFiles;
 use super::{Note, Recording, RecordingError, layout, mask_image};
 use crate::camera::{CameraId, Rig};
 use crate::image::Mask;
-use crate::pipeline::MaskSource;
+use crate::pipeline::{Frames, MaskSource};
 use crate::silhouette::{self, FrameIndex, FrameObservations, SilhouetteOptions};
 
 /// Calibrated masks and points of one person, frame by frame.
@@ -126,7 +126,7 @@ impl ObservationFiles {
 
     /// The silhouettes and points of the frame at `position` in [`ObservationFiles::frames`].
     ///
-    /// Of more than [`MOST_POINTS`](super::MOST_POINTS) points as many are taken, evenly; [`ObservationFiles::notes_on_points`] says so.
+    /// Of more than [`MOST_POINTS`](super::MOST_POINTS) points as many are taken, evenly; [`ObservationFiles::notes_on`] says so.
     ///
     /// # Errors
     /// [`RecordingError::Mask`] for the first mask that cannot be used, in the order of the rig,
@@ -166,9 +166,19 @@ impl ObservationFiles {
         Ok(())
     }
 
-    /// Notes on the points of the frames that were loaded.
-    pub fn notes_on_points(&self, observations: &[FrameObservations]) -> Vec<Note> {
-        self.points.notes(observations)
+    /// Notes on the masks and the points of the frames that were loaded.
+    pub fn notes_on(&self, observations: &[FrameObservations]) -> Vec<Note> {
+        let is_loaded = |frame: &FrameIndex| {
+            let known = observations.binary_search_by_key(frame, |observed| observed.frame);
+            known.is_ok()
+        };
+        let missing = self.missing.iter().filter_map(|missing| {
+            let frames = missing.frames.iter().copied().filter(is_loaded).collect();
+            let frames = Some(Frames(frames)).filter(|frames| !frames.0.is_empty())?;
+            let camera = missing.camera.clone();
+            Some(Note::MasksMissing { camera, frames, of: observations.len() })
+        });
+        missing.chain(self.points.notes(observations)).collect()
     }
 
     /// The mask of a camera in a frame; `None` if it is missing.

@@ -3,12 +3,13 @@
 //! Tab-separated text; three header lines, one with the names, one with X1 Y1 Z1 …, then a row per frame. The file's
 //! world is Y up (see [`UpAxis`](crate::camera::UpAxis)).
 
+mod clock;
 mod read;
 mod write;
 
 use nalgebra::Point3;
 
-pub(crate) use read::rate_of_times;
+pub(crate) use read::read_with_rate;
 pub use read::{TrcError, read_trc};
 pub use write::write_trc;
 

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use nalgebra::{Point3, Vector3};
 
 use super::Trajectories;
+use super::clock::{self, Stamp};
 use crate::camera::UpAxis;
 use crate::io::frame_rate;
 use crate::io::input::shortened;
@@ -49,6 +50,64 @@ pub enum TrcError {
         /// What stands there.
         found: String,
     },
+    /// A frame number or a time that is none.
+    #[error("{}:{line}: {column}: expected a number, found {found:?}", path.display())]
+    Stamp {
+        /// File.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// `Frame#` or `Time`.
+        column: &'static str,
+        /// What stands there.
+        found: String,
+    },
+    /// A row that comes twice, or too early.
+    #[error(
+        "{}:{line}: frame {number} follows frame {before}: expected ascending numbers, each once", path.display()
+    )]
+    Order {
+        /// File.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// Of the row.
+        number: usize,
+        /// Of the row before.
+        before: usize,
+    },
+    /// Too many numbers without a row.
+    #[error(
+        "{}: {rows} rows, and {missing} frame numbers between them have none: expected a row for every frame, or nearly",
+        path.display()
+    )]
+    Missing {
+        /// File.
+        path: PathBuf,
+        /// How many rows there are.
+        rows: usize,
+        /// How many there are not.
+        missing: usize,
+    },
+    /// Times that do not grow as the frame numbers do.
+    #[error(
+        "{}:{line}: {found_s:.6} s from frame {before} to frame {number}, expected {expected_s:.6} s by the other rows: are rows missing, doubled or out of order?",
+        path.display()
+    )]
+    Time {
+        /// File.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// Of the row.
+        number: usize,
+        /// Of the row before.
+        before: usize,
+        /// Between the two.
+        found_s: f64,
+        /// The same by the other rows.
+        expected_s: f64,
+    },
     /// A row of a file without tabs that has not three numbers for each name.
     #[error("{}:{line}: expected {expected} cells ({points} points) between spaces, found {found}", path.display())]
     Cells {
@@ -81,12 +140,20 @@ pub enum TrcError {
 ///
 /// Takes Pose2Sim's, OpenSim's and caliscope's: metres or millimetres, padded cells, marker names with spaces, an
 /// empty line before the data or none, trailing tabs, and empty or NaN cells for a missing point; and files in which
-/// spaces stand for tabs, if no name has a space and no cell is empty. Times, the stated
-/// number of frames, and frame numbers after the first row's are not relied on: rows are frames in order.
+/// spaces stand for tabs, if no name has a space and no cell is empty. Frame numbers and times must grow together; a number
+/// that is left out with its time is a frame without points. The stated number of frames is not relied on.
 ///
 /// # Errors
 /// [`TrcError`] names the line and what was expected.
 pub fn read_trc(text: &str, path: &Path) -> Result<Trajectories, TrcError> {
+    read_with_rate(text, path).map(|(trajectories, _)| trajectories)
+}
+
+/// The same, and how many frames a second has by the times of the rows, if they say.
+pub(crate) fn read_with_rate(
+    text: &str,
+    path: &Path,
+) -> Result<(Trajectories, Option<f64>), TrcError> {
     let mut lines = text.lines().enumerate().map(|(i, line)| (i + 1, line));
 
     // the last line above the names holds the rate and the unit
@@ -106,31 +173,28 @@ pub fn read_trc(text: &str, path: &Path) -> Result<Trajectories, TrcError> {
     let names = names_of(names, between);
     let (rate_hz, metres) = rate_and_unit(line, rate_line, between, path)?;
 
-    let mut frames = Vec::new();
+    let (mut stamps, mut rows) = (Vec::new(), Vec::new());
     let is_data = |row: &str| !row.trim().is_empty() && !row.trim_start().starts_with("X1");
-    let mut first_frame = 0;
     for (line, row) in lines.filter(|(_, row)| is_data(row)) {
-        if frames.is_empty() {
-            first_frame = number_of(row, between).saturating_sub(1);
-        }
-
         let cells = split(row, between);
         let expected = 2 + 3 * names.len();
         if between == Separator::Spaces && cells.len() != expected {
             let (points, found) = (names.len(), cells.len());
             return Err(TrcError::Cells { path: path.to_owned(), line, expected, points, found });
         }
-        frames.push(frame_of(&cells, line, &names, metres, path)?);
+        stamps.push(Stamp::read(&cells, line, path)?);
+        rows.push(frame_of(&cells, line, &names, metres, path)?);
     }
 
-    Ok(Trajectories { rate_hz, first_frame, names, frames })
-}
-
-/// The number under Frame#; 1 if that is no number.
-fn number_of(row: &str, between: Separator) -> usize {
-    let cells = split(row, between);
-    let number = cells.first().and_then(|cell| cell.parse().ok());
-    number.unwrap_or(1)
+    let counted_hz = clock::check(&stamps, path)?;
+    let first = stamps.first().map_or(1, |stamp| stamp.number);
+    let mut frames: Vec<Vec<_>> = Vec::new();
+    for (stamp, row) in stamps.iter().zip(rows) {
+        frames.resize(stamp.number - first, vec![None; names.len()]);
+        frames.push(row);
+    }
+    let first_frame = first.saturating_sub(1);
+    Ok((Trajectories { rate_hz, first_frame, names, frames }, counted_hz))
 }
 
 /// The cells after Frame# and Time that are not empty.
@@ -219,18 +283,4 @@ fn split(line: &str, between: Separator) -> Vec<&str> {
         Separator::Tabs => line.split('\t').map(str::trim).collect(),
         Separator::Spaces => line.split_whitespace().collect(),
     }
-}
-
-/// Frames per second from the Time column, median over the rows; `None` if it does not ascend.
-pub(crate) fn rate_of_times(text: &str) -> Option<f64> {
-    let names = text.lines().position(|line| line.trim_start().starts_with("Frame#"))?;
-    let rows = text.lines().skip(names + 1);
-    let time = |row: &str| split(row, Separator::used_in(row)).get(1)?.parse::<f64>().ok();
-    let times: Vec<f64> = rows.filter_map(time).filter(|t| t.is_finite()).collect();
-    let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let step = crate::math::stats::median(&mut steps)?;
-    // times of three decimals err by up to half a millisecond in a step: the whole span does not
-    let span = (times.last()? - times.first()?) / (times.len() - 1) as f64;
-    let step = if (span / step - 1.0).abs() < 0.1 { span } else { step };
-    (step > 0.0).then_some(1.0 / step)
 }
