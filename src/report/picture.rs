@@ -1,7 +1,5 @@
 //! Recorded pictures in a report: the part around the person, as JPEG of few bytes.
 
-use std::io;
-
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use nalgebra::Point2;
@@ -68,25 +66,23 @@ pub struct FramePicture {
 }
 
 impl FramePicture {
-    /// The part of a picture, `frame` frames after the first, as large and as good as the budget allows.
-    ///
-    /// # Errors
-    /// A part without pixels.
+    /// The part of a picture, `frame` frames after the first, as large and as good as the budget allows; `None` of a part
+    /// without pixels.
     pub fn new(
         camera: &Camera,
         picture: &Picture,
         (frame, part): (usize, ImagePart),
         budget: PictureBudget,
-    ) -> io::Result<Self> {
+    ) -> Option<Self> {
         let mut scale = (HIGHEST_PX / part.height as f64).min(1.0);
         loop {
             let small = shrunk(camera, picture, part, scale);
             let is_smallest = small.width().min(small.height()) <= SMALLEST_PX;
             for quality in QUALITIES {
-                let file = jpeg::encode(&small, quality)?;
+                let file = jpeg::encode(&small, quality).ok()?;
                 let is_last = is_smallest && Some(&quality) == QUALITIES.last();
                 if file.len() <= budget.bytes || is_last {
-                    return Ok(Self { frame, part, jpeg: BASE64_STANDARD.encode(file) });
+                    return Some(Self { frame, part, jpeg: BASE64_STANDARD.encode(file) });
                 }
             }
             scale *= 0.75;

@@ -28,6 +28,11 @@ pub enum Error {
     /// The frames that were asked for.
     #[error(transparent)]
     FrameRange(#[from] FrameRangeError),
+    /// One picture of each camera, and none of the empty scene.
+    #[error(
+        "nobody can be told from the room in one picture of each camera: give masks/<camera>/, pictures of the empty scene in background/<camera>.*, or a video"
+    )]
+    OneInstant,
     /// The body model.
     #[error(transparent)]
     Model(#[from] ModelFileError),

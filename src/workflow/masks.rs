@@ -59,6 +59,10 @@ pub(super) fn cut_masks(
     extras: MaskExtras,
     progress: &dyn Progress,
 ) -> Result<WrittenMasks, Error> {
+    let is_empty_seen = footage.cameras.iter().any(|camera| camera.background.is_some());
+    if footage.frames().len() == 1 && !is_empty_seen {
+        return Err(Error::OneInstant);
+    }
     let folder = MaskFolder::open(out, &footage.rig, extras)?;
     let options = SegmentOptions::default();
     let write = |frame: &SegmentedFrame| folder.write(frame);

@@ -84,7 +84,7 @@ impl GaitStudy {
             // without pictures the outlines are shown alone
             let footage = footage.or_else(|| recording.footage().ok());
             if let Some(footage) = footage {
-                self.add_pictures(&mut views, &files, &footage, shown.progress)?;
+                self.add_pictures(&mut views, &files, &footage, shown.progress);
             }
         }
         Ok(views)
@@ -126,7 +126,7 @@ impl GaitStudy {
         files: &ObservationFiles,
         footage: &Footage,
         progress: &dyn Progress,
-    ) -> Result<(), Error> {
+    ) {
         let movement = &self.input.movement;
         let (first, last) = (movement.first_frame, movement.first_frame + movement.frames - 1);
         let budget = PictureBudget::new(views.cameras.len(), movement.frames);
@@ -147,12 +147,9 @@ impl GaitStudy {
             }
             let of = |id: CameraId| pictures.get(id.0).and_then(Option::as_ref);
             let cameras = views.cameras.par_iter_mut().zip(&known);
-            cameras.try_for_each(|(view, (camera, id))| {
-                add(view, camera, at, id.and_then(of), budget)
-            })?;
+            cameras.for_each(|(view, (camera, id))| add(view, camera, at, id.and_then(of), budget));
         }
         progress.end();
-        Ok(())
     }
 }
 
@@ -163,11 +160,10 @@ fn add(
     at: usize,
     picture: Option<&Picture>,
     budget: PictureBudget,
-) -> Result<(), Error> {
+) {
     if let (Some(picture), Some(part)) = (picture, view.part(at)) {
-        view.pictures.push(FramePicture::new(camera, picture, (at, part), budget)?);
+        view.pictures.extend(FramePicture::new(camera, picture, (at, part), budget));
     }
-    Ok(())
 }
 
 /// What the body was fitted to; where masks or points were made of pictures, those of the fit's folder, and the pictures.

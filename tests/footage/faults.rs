@@ -180,6 +180,8 @@ fn what_is_promised_and_not_there_is_named() {
 #[test]
 fn images_alone_do_not_tell_the_frame_rate() {
     let folder = folder();
-    image(&folder, "images/a/0.png", 50);
+    for name in ["images/a/0.png", "images/a/1.png"] {
+        image(&folder, name, 50);
+    }
     assert!(complaint(&folder).contains("--fps"));
 }

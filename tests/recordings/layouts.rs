@@ -7,7 +7,8 @@ use maquette::io::recording::{Note, Recording};
 use maquette::silhouette::{FrameIndex, Rejected, SilhouetteOptions};
 
 use crate::tiny::{
-    SIZE, calibration, is_person, load, mask, open, recording, save, with_manifest, write,
+    SIZE, assert_complains, calibration, is_person, load, mask, open, recording, save,
+    with_manifest, write,
 };
 
 #[test]
@@ -199,4 +200,96 @@ fn checksums_change_with_the_input_and_only_then() {
     let after = checksums();
     assert_eq!(before[..2], after[..2]);
     assert_ne!(before[2], after[2]);
+}
+
+/// An EasyMocap calibration in which one camera has a lens only.
+fn easymocap(cameras: &[&str], posed: &[&str]) -> [(&'static str, String); 2] {
+    let head = "%YAML:1.0\n---\n";
+    let names = |of: &[&str]| {
+        let lines: String = of.iter().map(|name| format!("   - \"{name}\"\n")).collect();
+        format!("names:\n{lines}")
+    };
+    let matrix = |key: &str, [rows, cols]: [usize; 2], data: &str| {
+        format!(
+            "{key}: !!opencv-matrix\n   rows: {rows}\n   cols: {cols}\n   dt: d\n   data: [ {data} ]\n"
+        )
+    };
+    let lens = |name: &&str| {
+        matrix(&format!("K_{name}"), [3, 3], "60., 0., 31.5, 0., 60., 23.5, 0., 0., 1.")
+            + &matrix(&format!("dist_{name}"), [1, 5], "0., 0., 0., 0., 0.")
+    };
+    let pose = |name: &&str| {
+        matrix(&format!("R_{name}"), [3, 1], "1.2, 1.2, -1.2")
+            + &matrix(&format!("T_{name}"), [3, 1], "0., 0., 4.")
+    };
+    let lenses: String = cameras.iter().map(lens).collect();
+    let poses: String = posed.iter().map(pose).collect();
+    [
+        ("intri.yml", format!("{head}{}{lenses}", names(cameras))),
+        ("extri.yml", format!("{head}{}{poses}", names(posed))),
+    ]
+}
+
+#[test]
+fn of_easymocaps_cameras_those_with_lens_and_pose_are_used_and_the_others_named() {
+    let folder = recording(&["01", "02"]);
+    std::fs::remove_file(folder.path().join("calibration.toml")).expect("removed");
+    for (name, text) in easymocap(&["01", "02", "03"], &["01", "02"]) {
+        write(folder.path().join(name), text);
+    }
+    let found = open(folder.path()).expect("a recording");
+    assert_eq!(found.rig.names().collect::<Vec<_>>(), ["01", "02"]);
+    let notes: Vec<String> = found.notes.iter().map(ToString::to_string).collect();
+    assert!(
+        notes.iter().any(|note| note.contains("intri.yml") && note.contains("03")),
+        "{notes:?}"
+    );
+}
+
+#[test]
+fn a_trial_finds_the_calibration_of_its_session() {
+    let session = tempfile::tempdir().expect("a folder");
+    let trial = recording(&["a", "b"]);
+    let calibration = std::fs::read(trial.path().join("calibration.toml")).expect("read");
+    write(session.path().join("calibration/Calib_scene.toml"), calibration);
+    write(session.path().join("Trial_1/Config.toml"), "");
+    std::fs::rename(trial.path().join("masks"), session.path().join("Trial_1/masks"))
+        .expect("moved");
+    let found = open(&session.path().join("Trial_1")).expect("a recording");
+    assert_eq!(found.rig.cameras.len(), 2);
+    let notes: Vec<String> = found.notes.iter().map(ToString::to_string).collect();
+    assert!(notes[0].contains("calibration: read from"), "{notes:?}");
+}
+
+#[test]
+fn masks_that_are_named_otherwise_get_the_lines_to_write() {
+    let folder = recording(&["left", "right"]);
+    write(folder.path().join("calibration.toml"), calibration(&["north", "south"]));
+    let lines = "camera = [{ name = \"north\", masks = \"masks/left\" }, { name = \"south\", masks = \"masks/right\" }]";
+    assert_complains(open(folder.path()), &["left, right", "north, south", lines]);
+    // which are what a manifest may hold
+    write(folder.path().join("sequence.toml"), lines);
+    assert_eq!(open(folder.path()).expect("a recording").rig.cameras.len(), 2);
+}
+
+#[test]
+fn numbers_name_cameras_and_one_instant_needs_no_clock() {
+    let folder = recording(&["cam_0", "cam_1"]);
+    let text = calibration(&["0", "1"]).replace('[', "[cameras.").replace("= [cameras.", "= [");
+    let text = text.replace("[[cameras.", "[[").replace(", [cameras.", ", [");
+    write(folder.path().join("calibration.toml"), text);
+    assert_eq!(
+        open(folder.path()).expect("a recording").rig.names().collect::<Vec<_>>(),
+        ["0", "1"]
+    );
+
+    let without_fps = || Recording::open(folder.path()).and_then(|found| found.observations());
+    assert_complains(without_fps(), &["frame rate"]);
+    for camera in ["cam_0", "cam_1"] {
+        for frame in 1..3 {
+            let mask = folder.path().join(format!("masks/{camera}/{frame:06}.png"));
+            std::fs::remove_file(mask).expect("removed");
+        }
+    }
+    assert_eq!(without_fps().expect("one instant").frames.len(), 1);
 }

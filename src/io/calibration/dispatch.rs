@@ -97,6 +97,11 @@ fn unchecked(path: &Path) -> Result<Vec<UncheckedCamera>, CalibrationError> {
 }
 
 fn folder(path: &Path) -> Result<Vec<UncheckedCamera>, CalibrationError> {
+    file(&newest(path)?)
+}
+
+/// The calibration that a folder is read from.
+fn newest(path: &Path) -> Result<PathBuf, CalibrationError> {
     let mut names = Vec::new();
     for entry in fs::read_dir(path).map_err(|reason| unreadable(path, reason))? {
         let entry = entry.map_err(|reason| unreadable(path, reason))?;
@@ -114,7 +119,7 @@ fn folder(path: &Path) -> Result<Vec<UncheckedCamera>, CalibrationError> {
     let chosen = last(".toml").or(pair).or_else(|| last(".qca.txt")).or_else(|| last(".xcp"));
 
     match chosen {
-        Some(name) => file(&path.join(name)),
+        Some(name) => Ok(path.join(name)),
         None => Err(CalibrationError::EmptyFolder { path: path.into() }),
     }
 }
@@ -186,6 +191,18 @@ fn is_half(name: &str) -> bool {
 }
 
 fn pair(path: &Path) -> Result<Vec<UncheckedCamera>, CalibrationError> {
+    opencv::cameras(&halves(path)?, "camera")
+}
+
+/// The cameras that only one of EasyMocap's two files describes, which are therefore left out; none of any other calibration.
+pub(in crate::io) fn unpaired(path: &Path) -> Vec<String> {
+    let path = if path.is_dir() { newest(path) } else { Ok(path.into()) };
+    let is_pair = |path: &PathBuf| is_half(&path.file_name().unwrap_or_default().to_string_lossy());
+    let halves = path.ok().filter(is_pair).and_then(|path| halves(&path).ok());
+    halves.map(|storages| opencv::paired(&storages).1).unwrap_or_default()
+}
+
+fn halves(path: &Path) -> Result<Vec<opencv_storage::Storage>, CalibrationError> {
     let mut storages = Vec::new();
     for half in ["intri.yml", "extri.yml"] {
         let beside = path.with_file_name(half);
@@ -194,7 +211,7 @@ fn pair(path: &Path) -> Result<Vec<UncheckedCamera>, CalibrationError> {
         }
         storages.push(opencv_storage::parse_yaml(&beside, &text(&beside)?)?);
     }
-    opencv::cameras(&storages, "camera")
+    Ok(storages)
 }
 
 /// The file's text without byte-order mark; what is not UTF-8, as in remarks of older systems, is replaced.

@@ -29,6 +29,7 @@ mod unchecked;
 mod vicon;
 mod xml;
 
+pub(in crate::io) use dispatch::unpaired;
 pub use dispatch::{read, read_per_camera, select};
 pub use error::{CalibrationError, Place};
 pub use options::{CalibrationOptions, Unit};

@@ -26,7 +26,9 @@ pub(super) fn cameras(
     storages: &[Storage],
     alone: &str,
 ) -> Result<Vec<UncheckedCamera>, CalibrationError> {
-    let names = names(storages);
+    let (paired, unpaired) = paired(storages);
+    // without a camera that both describe, the first fault says what is missing
+    let names = if paired.is_empty() { unpaired } else { paired };
     if names.is_empty() {
         let source = Source { storages, name: alone, suffix: String::new() };
         return Ok(vec![source.camera()?]);
@@ -37,6 +39,24 @@ pub(super) fn cameras(
         source.camera()
     });
     cameras.collect()
+}
+
+/// The cameras that have a lens in the first file and a pose in the last, and those that have one of them.
+pub(super) fn paired(storages: &[Storage]) -> (Vec<String>, Vec<String>) {
+    let (Some(first), Some(last)) = (storages.first(), storages.last()) else {
+        return (Vec::new(), Vec::new());
+    };
+    let has = |storage: &Storage, keys: &[&str], name: &str| {
+        let keys: Vec<String> = keys.iter().map(|key| format!("{key}_{name}")).collect();
+        storage.find(&keys).is_some()
+    };
+    let mut all = names(storages);
+    let listed: Vec<String> =
+        storages[1..].iter().flat_map(|s| names(std::slice::from_ref(s))).collect();
+    all.extend(listed.into_iter().filter(|name| !all.contains(name)).collect::<Vec<_>>());
+    all.into_iter().partition(|name| {
+        has(first, MATRIX, name) && (has(last, ROTATION, name) || has(last, TRANSLATION, name))
+    })
 }
 
 /// As listed under `names`, or, without a list, as the keys `K_…` say.

@@ -1,8 +1,9 @@
 //! The cameras of a recording: those with files, matched by name with the calibrated ones.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::manifest::CameraFiles;
+use super::note::CalibrationNote;
 use super::{Recording, RecordingError, layout};
 use crate::camera::Rig;
 use crate::io::calibration::{self, CalibrationOptions};
@@ -51,6 +52,7 @@ impl Recording {
         };
         if self.manifest.cameras.is_empty() {
             found.keep_calibrated(&calibrated);
+            found.refuse_strangers(&calibrated, &self.path)?;
         }
 
         let names = found.cameras.iter().map(|(camera, _)| camera.name.as_str());
@@ -86,6 +88,22 @@ impl Recording {
         Ok(layout::read_calibration(&self.calibration_paths(), &options)?)
     }
 
+    /// What is to be known of where the calibration was found.
+    pub(super) fn calibration_notes(&self) -> Vec<CalibrationNote> {
+        let mut notes = Vec::new();
+        for (_, path) in self.calibration_paths() {
+            let is_below = path.starts_with(&self.folder);
+            if self.manifest.calibration.is_none() && !is_below {
+                notes.push(CalibrationNote::Above { path: path.clone() });
+            }
+            let cameras = calibration::unpaired(&path);
+            if !cameras.is_empty() {
+                notes.push(CalibrationNote::Unpaired { cameras });
+            }
+        }
+        notes
+    }
+
     /// The path that errors name as the calibration.
     fn calibration_source(&self) -> PathBuf {
         match self.calibration_paths().as_slice() {
@@ -100,8 +118,10 @@ impl<F> CalibratedCameras<F> {
     ///
     /// If none is calibrated they stay as they are, to be refused.
     fn keep_calibrated(&mut self, calibrated: &Rig) {
+        let names: Vec<String> = self.cameras.iter().map(|(c, _)| c.name.clone()).collect();
         for (camera, _) in &mut self.cameras {
-            if let Some(name) = name_alike(calibrated, &camera.name) {
+            let alike = name_alike(calibrated, &camera.name);
+            if let Some(name) = alike.or_else(|| same_number(calibrated, &names, &camera.name)) {
                 camera.name = name;
             }
         }
@@ -130,6 +150,51 @@ impl<F> CalibratedCameras<F> {
     }
 }
 
+impl<F> CalibratedCameras<F> {
+    /// Refuses a folder's cameras of which none is calibrated, and says what to write into `sequence.toml`.
+    fn refuse_strangers(&self, calibrated: &Rig, path: &Path) -> Result<(), RecordingError> {
+        let is_known = |(camera, _): &(CameraFiles, F)| calibrated.by_name(&camera.name).is_some();
+        if self.cameras.is_empty() || self.cameras.iter().any(is_known) {
+            return Ok(());
+        }
+        let quoted = |text: &str| format!("\"{}\"", text.escape_default());
+        let known: Vec<&str> = calibrated.names().collect();
+        // in the order of both, which is a guess
+        let line = |(i, (camera, _)): (usize, &(CameraFiles, F))| {
+            let name = known.get(i).copied().unwrap_or("…");
+            let video = camera.video.as_ref().map(|path| ("video", path.display().to_string()));
+            let images = camera.images.clone().map(|path| ("images", path));
+            let masks = camera.masks.clone().map(|path| ("masks", path));
+            let (key, file) = masks.or(video).or(images)?;
+            Some(format!("{{ name = {}, {key} = {} }}", quoted(name), quoted(&file)))
+        };
+        let lines: Vec<String> = self.cameras.iter().enumerate().filter_map(line).collect();
+        Err(RecordingError::Strangers {
+            path: path.into(),
+            found: self.cameras.iter().map(|(camera, _)| camera.name.clone()).collect(),
+            known: known.into_iter().map(str::to_owned).collect(),
+            lines: lines.join(", "),
+        })
+    }
+}
+
+/// The only calibrated camera with the same last number (`0` for `cam_0`), if no other of the names has that number.
+fn same_number(rig: &Rig, names: &[String], name: &str) -> Option<String> {
+    let number = |name: &str| {
+        let before = name.trim_end_matches(|c: char| !c.is_ascii_digit());
+        let digits = before.len() - before.trim_end_matches(|c: char| c.is_ascii_digit()).len();
+        before[before.len() - digits..].parse::<u64>().ok()
+    };
+    let wanted = number(name)?;
+    if rig.by_name(name).is_some() || names.iter().filter(|n| number(n) == Some(wanted)).count() > 1
+    {
+        return None;
+    }
+    let mut same = rig.names().filter(|other| number(other) == Some(wanted));
+    let first = same.next()?;
+    same.next().is_none().then(|| first.into())
+}
+
 /// The only calibrated camera whose name has the same letters and digits (`cam_01` for `cam01`); `None` if one has exactly this name.
 fn name_alike(rig: &Rig, name: &str) -> Option<String> {
     let plain = |name: &str| {
@@ -142,4 +207,42 @@ fn name_alike(rig: &Rig, name: &str) -> Option<String> {
     let mut alike = rig.names().filter(|other| plain(other) == plain(name));
     let first = alike.next()?;
     alike.next().is_none().then(|| first.into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{Camera, Distortion, Intrinsics};
+    use crate::math::Rigid3;
+
+    fn rig(names: &[&str]) -> Rig {
+        let camera = |name: &&str| Camera {
+            name: (*name).into(),
+            width_px: 10,
+            height_px: 10,
+            intrinsics: Intrinsics {
+                fx_px: 10.0,
+                fy_px: 10.0,
+                cx_px: 5.0,
+                cy_px: 5.0,
+                skew_px: 0.0,
+            },
+            distortion: Distortion::None,
+            camera_from_world: Rigid3::identity(),
+        };
+        Rig { cameras: names.iter().map(camera).collect() }
+    }
+
+    #[test]
+    fn a_number_names_a_camera_if_one_camera_and_one_file_have_it() {
+        let same = |rig: &Rig, names: &[&str]| {
+            let names: Vec<String> = names.iter().map(ToString::to_string).collect();
+            names.iter().map(|name| same_number(rig, &names, name)).collect::<Vec<_>>()
+        };
+        let (zero, one) = (Some("0".to_owned()), Some("1".to_owned()));
+        assert_eq!(same(&rig(&["0", "1"]), &["cam_0", "port_1_synced"]), [zero, one.clone()]);
+        assert_eq!(same(&rig(&["0", "1"]), &["a0", "b0", "left"]), [None, None, None]);
+        assert_eq!(same(&rig(&["a1", "b1"]), &["cam_1"]), [None]);
+        assert_eq!(same(&rig(&["1", "01"]), &["1"]), [None], "its own name");
+    }
 }

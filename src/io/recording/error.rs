@@ -146,6 +146,21 @@ pub enum RecordingError {
         /// The recording.
         path: PathBuf,
     },
+    /// Files of which none has the name of a calibrated camera.
+    #[error(
+        "{}: no calibrated camera is called {}: the calibration has {}; say in sequence.toml which is which, as in: camera = [{lines}]",
+        path.display(), found.join(", "), known.join(", ")
+    )]
+    Strangers {
+        /// The recording.
+        path: PathBuf,
+        /// The names of the files or folders.
+        found: Vec<String>,
+        /// The calibrated cameras.
+        known: Vec<String>,
+        /// The cameras, in the order of both, for a manifest.
+        lines: String,
+    },
     /// A camera's masks were promised and are not there.
     #[error("camera {camera}: no mask at {}", pattern.display())]
     MissingMasks {

@@ -40,7 +40,7 @@ use observations::WantedPoints;
 pub use checksum::InputChecksum;
 pub use error::RecordingError;
 pub use mask_image::MaskFault;
-pub use note::Note;
+pub use note::{CalibrationNote, Note};
 pub use observations::{Missing, ObservationFiles};
 pub use points::MOST_POINTS;
 

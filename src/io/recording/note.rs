@@ -1,11 +1,34 @@
 //! Notes on a recording: odd, but not wrong.
 
+use std::path::PathBuf;
+
 use crate::pipeline::Frames;
+
+/// A note for the user on where cameras were calibrated, in one line.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CalibrationNote {
+    /// A calibration above the recording's folder.
+    #[error("calibration: read from {}, as the recording's own folder has none", path.display())]
+    Above {
+        /// Where it was found.
+        path: PathBuf,
+    },
+    /// Cameras with a lens and no pose, or the other way round.
+    #[error("calibration: only one of intri.yml and extri.yml has {}: not used", cameras.join(", "))]
+    Unpaired {
+        /// The cameras.
+        cameras: Vec<String>,
+    },
+}
 
 /// A note for the user on a recording, in one line.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Note {
+    /// Where the cameras were calibrated.
+    #[error(transparent)]
+    Calibration(#[from] CalibrationNote),
     /// Keys of the manifest that are not used because there are masks.
     #[error("{}: not used, because there are masks", keys.join(", "))]
     Ignored {

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use super::layout::numbered_files::NumberedFiles;
 use super::masks::{self, MaskFiles};
 use super::points::PointFiles;
 use super::{Note, Recording, RecordingError, layout, mask_image};
@@ -70,7 +71,11 @@ impl ObservationFiles {
 
         // cameras and their masks
         let MaskFiles { rig, cameras } = MaskFiles::list(recording, &mut notes)?;
-        let fps = recording.frame_rate(None)?;
+        notes.extend(recording.calibration_notes().into_iter().map(Note::from));
+        // the pictures of one instant need no clock
+        let of_one_instant = |(_, files): &(_, NumberedFiles)| files.of_number.len() == 1;
+        let is_instant = !cameras.is_empty() && cameras.iter().all(of_one_instant);
+        let fps = recording.frame_rate(is_instant.then_some(1.0))?;
         let is_masked = !cameras.is_empty();
         let mut masks: Vec<_> = cameras
             .iter()

@@ -2,12 +2,16 @@
 
 use std::path::PathBuf;
 
+use crate::io::recording::CalibrationNote;
 use crate::pipeline::{Frames, counted};
 
 /// A note for the user on the pictures of a recording, in one line.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FootageNote {
+    /// Where the cameras were calibrated.
+    #[error(transparent)]
+    Calibration(#[from] CalibrationNote),
     /// A camera of the manifest without pictures, while others have some.
     #[error("camera {camera}: no images or video in the manifest: not used")]
     Without {

@@ -30,11 +30,14 @@ pub(in crate::io::recording) fn open(recording: &Recording) -> Result<Footage, R
     notes.extend(
         uncalibrated.into_iter().map(|unknown| FootageNote::Uncalibrated { camera: unknown.name }),
     );
+    notes.extend(recording.calibration_notes().into_iter().map(FootageNote::from));
     check_sizes(&rig, &cameras)?;
 
     // frames
     let of_videos = cameras.iter().find_map(|(_, found)| found.rate_hz());
-    let fps = recording.frame_rate(of_videos)?;
+    // the pictures of one instant need no clock
+    let is_instant = cameras.iter().all(|(_, found)| found.is_one_image());
+    let fps = recording.frame_rate(of_videos.or(is_instant.then_some(1.0)))?;
     let cameras: Vec<CameraFootage> = cameras
         .into_iter()
         .map(|(files, found)| found.footage(&recording.folder, &files, fps, &mut notes))
@@ -128,12 +131,34 @@ fn find_pictures(folder: &Path, camera: &CameraFiles) -> Result<CameraPictures, 
     }
 }
 
+/// Folders of videos: ours and Pose2Sim's, FreeMoCap's, and the recording's own, as caliscope has it.
+const VIDEOS: [&str; 3] = ["videos", "synchronized_videos", ""];
+/// Endings of videos in the recording's own folder.
+const ENDINGS: [&str; 6] = ["mp4", "mov", "avi", "mkv", "m4v", "webm"];
+
+/// The videos of the first of these folders that holds some.
+fn conventional_videos(folder: &Path) -> Result<Vec<PathBuf>, RecordingError> {
+    for place in VIDEOS {
+        let is_video = |path: &PathBuf| {
+            let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+            path.is_file() && (!place.is_empty() || ENDINGS.contains(&ending.as_str()))
+        };
+        let mut found = layout::visible(&folder.join(place))?;
+        found.retain(is_video);
+        if !found.is_empty() {
+            let beneath = |path: &PathBuf| beneath(place, path);
+            return Ok(found.iter().map(beneath).collect());
+        }
+    }
+    Ok(Vec::new())
+}
+
 /// One camera for each file `videos/<camera>.*` and each folder `images/<camera>`, by name.
 fn conventional_cameras(folder: &Path) -> Result<Vec<CameraFiles>, RecordingError> {
     let mut cameras: BTreeMap<String, CameraFiles> = BTreeMap::new();
-    for path in layout::visible(&folder.join("videos"))?.into_iter().filter(|path| path.is_file()) {
+    for path in conventional_videos(folder)? {
         let camera = camera_of(&mut cameras, &path);
-        camera.video = Some(beneath("videos", &path));
+        camera.video = Some(path);
     }
 
     for path in layout::visible(&folder.join("images"))?.into_iter().filter(|path| path.is_dir()) {
@@ -209,6 +234,10 @@ impl CameraPictures {
             Self::Video(_, probe) => probe.rate_hz,
             Self::Images(_) => None,
         }
+    }
+
+    fn is_one_image(&self) -> bool {
+        matches!(self, Self::Images(files) if files.of_number.len() == 1)
     }
 
     /// The numbered pictures of a camera in a recording of `fps`.

@@ -86,7 +86,31 @@ fn conventional_calibration(folder: &Path) -> PathBuf {
         .collect();
     candidates.sort();
     let best = candidates.into_iter().next();
-    best.map_or_else(|| folder.into(), |(_, path)| path)
+    let best = best.map(|(_, path)| path);
+    best.or_else(|| calibration_above(folder)).unwrap_or_else(|| folder.into())
+}
+
+/// Above a trial of Pose2Sim's session its folder `calibration`, above a recording of caliscope `camera_array.toml`; `None`
+/// where the folder itself holds a calibration, or neither of the two folders above it.
+fn calibration_above(folder: &Path) -> Option<PathBuf> {
+    let is_calibration = |path: &PathBuf| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+        let is_toml =
+            name.ends_with(".toml") && !["sequence.toml", "config.toml"].contains(&name.as_str());
+        is_toml || name == "intri.yml" || name.ends_with(".qca.txt") || name.ends_with(".xcp")
+    };
+    if contents(folder).ok()?.iter().any(is_calibration) {
+        return None;
+    }
+    let whole = folder.canonicalize().ok()?;
+    whole.ancestors().skip(1).take(2).find_map(|above| {
+        let held = contents(above).ok()?;
+        let name =
+            |path: &PathBuf| path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+        let array = held.iter().find(|path| name(path) == "camera_array.toml");
+        let session = held.iter().find(|path| path.is_dir() && name(path).starts_with("calib"));
+        array.or(session).cloned()
+    })
 }
 
 fn calibration_rank(path: &Path) -> Option<u8> {
