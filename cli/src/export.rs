@@ -6,10 +6,11 @@ use clap::Args;
 use maquette::GaitStudy;
 use maquette::gait::GaitOptions;
 use maquette::workflow::{ExportFormat, GaitSource};
+use serde_json::json;
 
 use super::choice::{Choice, one_of};
 use super::error::CliError;
-use super::print;
+use super::switches::Output;
 
 pub(super) const ABOUT: &str = "\
 Write a fit in the formats of other programs.
@@ -21,22 +22,21 @@ holds.";
 pub(super) const EXAMPLES: &str = "\
 Examples:
   maquette export out/me
-  maquette export out/me --format c3d --format mot";
+  maquette export out/me --format c3d,mot";
 
 /// Arguments of `maquette export`.
 #[derive(Debug, Args)]
 pub(super) struct ExportArguments {
     /// Folder of a finished fit
     out: PathBuf,
-    /// A format; may be given several times [default: all formats that are a single file]
-    #[arg(long, value_parser = one_of(FORMATS))]
+    /// Formats, with commas between them [default: all formats that are a single file]
+    #[arg(long, value_parser = one_of(FORMATS), value_delimiter = ',')]
     format: Vec<ExportFormat>,
     /// Body model of the fit, if it is not a shipped one
     #[arg(long, value_name = "FILE")]
     body: Option<String>,
-    /// Print nothing but errors
-    #[arg(long)]
-    quiet: bool,
+    #[command(flatten)]
+    output: Output,
 }
 
 const FORMATS: &[Choice<ExportFormat>] = &[
@@ -69,12 +69,12 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
     };
 
     let folder = arguments.out.join("export");
+    let mut paths = Vec::new();
     for format in formats {
-        let path = study.export(format, &folder)?;
-        if !arguments.quiet {
-            print(&format!("{}\n", path.display()));
-        }
+        paths.push(study.export(format, &folder)?.display().to_string());
     }
+    let lines = || paths.iter().map(|path| format!("{path}\n")).collect();
+    arguments.output.summarise(lines, || json!({ "files": paths }));
     Ok(())
 }
 

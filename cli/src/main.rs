@@ -15,6 +15,8 @@
 //! | `stereo.rs`   | `maquette stereo`                                               |
 //! | `choice.rs`   | arguments that choose a value of the library by its name        |
 //! | `pictures.rs` | the recording, frames and folder of `segment`, `silhouettes`, `stereo` |
+//! | `schema.rs`   | `maquette schema`; the schemas are in `cli/schemas`             |
+//! | `shell.rs`    | `maquette completions`, `maquette man`                          |
 //! | `progress.rs` | a bar for each stage                                            |
 //! | `summary.rs`  | the summary of a fit, for a person and as JSON                  |
 //! | `table.rs`    | columns                                                         |
@@ -34,7 +36,9 @@ mod models;
 mod pictures;
 mod progress;
 mod report;
+mod schema;
 mod segment;
+mod shell;
 mod silhouettes;
 mod skin;
 mod stereo;
@@ -48,7 +52,7 @@ use std::io::Write;
 use std::process::ExitCode;
 
 use clap::error::ErrorKind;
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 use error::{CliError, one_line, printable};
 
@@ -110,6 +114,15 @@ enum Command {
     /// Make a synthetic recording of a walking person, with the truth
     #[command(long_about = synth::ABOUT)]
     Synth(synth::SynthArguments),
+    /// Print the JSON Schema of what a command prints with --json
+    #[command(long_about = schema::ABOUT)]
+    Schema(schema::SchemaArguments),
+    /// Print completions for a shell
+    #[command(long_about = shell::COMPLETIONS)]
+    Completions(shell::CompletionsArguments),
+    /// Print the manual, for `man`
+    #[command(long_about = shell::MAN)]
+    Man,
 }
 
 impl Command {
@@ -125,6 +138,17 @@ impl Command {
             Self::Export(arguments) => export::run(arguments),
             Self::Models(arguments) => models::run(arguments),
             Self::Synth(arguments) => synth::run(arguments),
+            Self::Schema(arguments) => {
+                schema::run(arguments);
+                Ok(())
+            }
+            Self::Completions(arguments) => {
+                shell::completions(Arguments::command(), arguments);
+                Ok(())
+            }
+            Self::Man => {
+                shell::man(Arguments::command()).map_err(|e| maquette::Error::from(e).into())
+            }
         }
     }
 

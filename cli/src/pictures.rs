@@ -8,7 +8,7 @@ use maquette::io::folder::check_out;
 use maquette::pipeline::FrameRange;
 
 use super::error::CliError;
-use super::switches::{Overwrite, Quiet};
+use super::switches::{Output, Overwrite};
 
 /// Where pictures are read from, which of them, and where to write.
 #[derive(Debug, Args)]
@@ -27,7 +27,7 @@ pub(super) struct PictureArguments {
     #[command(flatten)]
     overwrite: Overwrite,
     #[command(flatten)]
-    pub(super) quiet: Quiet,
+    pub(super) output: Output,
 }
 
 impl PictureArguments {

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use serde_json::json;
 
 use maquette::GaitStudy;
 use maquette::gait::GaitOptions;
@@ -10,9 +11,8 @@ use maquette::io::folder::OutFolder;
 use maquette::workflow::GaitSource;
 
 use super::error::CliError;
-use super::print;
 use super::subject::SubjectArguments;
-use super::switches::Quiet;
+use super::switches::Output;
 
 pub(super) const ABOUT: &str = "\
 Write a report that a clinician can read: one HTML file that needs nothing else.
@@ -41,7 +41,7 @@ pub(super) struct ReportArguments {
     #[arg(long, value_name = "FILE")]
     body: Option<String>,
     #[command(flatten)]
-    quiet: Quiet,
+    output: Output,
 }
 
 /// Reads the fit, analyses it and writes the report.
@@ -49,11 +49,10 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<(), CliError> {
     let source = GaitSource { path: &arguments.out, body: arguments.body.as_deref(), fps: None };
     let study = GaitStudy::open(source, &GaitOptions::default())?;
     let study = arguments.subject.compare(study, arguments.norm.as_deref())?;
-    let text = arguments.subject.report(&study, &arguments.out, arguments.quiet)?;
+    let text = arguments.subject.report(&study, &arguments.out, arguments.output)?;
 
     OutFolder::open(&arguments.out)?.write("report.html", text.as_bytes())?;
-    if !arguments.quiet.is_on() {
-        print(&format!("{}\n", arguments.out.join("report.html").display()));
-    }
+    let path = arguments.out.join("report.html").display().to_string();
+    arguments.output.summarise(|| format!("{path}\n"), || json!({ "report": path }));
     Ok(())
 }

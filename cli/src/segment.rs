@@ -6,10 +6,10 @@ use std::time::Instant;
 use clap::Args;
 use maquette::io::folder::segmented::{MaskExtras, QualityRow};
 use maquette::workflow::{MaskFiles, WrittenMasks};
+use serde_json::{Value, json};
 
 use super::error::CliError;
 use super::pictures::PictureArguments;
-use super::print;
 use super::switches::{Threads, print_notes};
 use super::table::Table;
 
@@ -47,43 +47,72 @@ pub(super) fn run(arguments: &SegmentArguments) -> Result<(), CliError> {
 
 fn segment(arguments: &SegmentArguments) -> Result<(), CliError> {
     let start = Instant::now();
-    let (pictures, quiet) = (&arguments.pictures, arguments.pictures.quiet);
+    let (pictures, output) = (&arguments.pictures, arguments.pictures.output);
     let recording = pictures.open()?;
     let files = MaskFiles {
         folder: pictures.out(),
         frames: pictures.frames(),
         extras: MaskExtras { probability: arguments.probability, overlays: arguments.overlays },
     };
-    let written = recording.write_masks(&files, &quiet.progress())?;
+    let written = recording.write_masks(&files, &output.progress())?;
 
     print_notes(&written.notes);
-    if !quiet.is_on() {
-        let seconds = start.elapsed().as_secs_f64();
-        print(&summary(&written, pictures.out(), seconds));
-    }
+    let (out, seconds) = (pictures.out(), start.elapsed().as_secs_f64());
+    output.summarise(|| summary(&written, out, seconds), || as_json(&written, out, seconds));
     Ok(())
+}
+
+/// A camera's masks, and the means of their quality.
+struct CameraMasks<'a> {
+    camera: &'a str,
+    masks: usize,
+    empty: usize,
+    /// Undecided, unsupported, filled in.
+    means: [f64; 3],
+}
+
+fn cameras(written: &WrittenMasks) -> impl Iterator<Item = CameraMasks<'_>> {
+    written.cameras.iter().map(|name| {
+        let rows = written.rows.iter();
+        let own: Vec<&QualityRow> = rows.filter(|row| row.camera == *name).collect();
+        let mean = |f: fn(&QualityRow) -> f64| {
+            own.iter().map(|row| f(row)).sum::<f64>() / own.len().max(1) as f64
+        };
+        CameraMasks {
+            camera: name,
+            masks: own.len(),
+            empty: own.iter().filter(|row| row.area_px == 0).count(),
+            means: [
+                mean(|row| row.undecided),
+                mean(|row| row.unsupported),
+                mean(|row| row.filled_in),
+            ],
+        }
+    })
+}
+
+fn as_json(written: &WrittenMasks, out: &Path, seconds: f64) -> Value {
+    let camera = |c: CameraMasks<'_>| {
+        let [undecided, unsupported, filled_in] = c.means;
+        json!({
+            "camera": c.camera, "masks": c.masks, "empty": c.empty,
+            "undecided": undecided, "unsupported": unsupported, "filled_in": filled_in,
+        })
+    };
+    json!({
+        "out": out.display().to_string(), "seconds": seconds, "masks": written.rows.len(),
+        "cameras": cameras(written).map(camera).collect::<Vec<_>>(), "notes": written.notes,
+    })
 }
 
 fn summary(written: &WrittenMasks, out: &Path, seconds: f64) -> String {
     let mut table =
         Table::new(&["camera", "masks", "empty", "undecided", "unsupported", "filled in"]);
-    for name in &written.cameras {
-        let rows = written.rows.iter();
-        let own: Vec<&QualityRow> = rows.filter(|row| row.camera == *name).collect();
-        let empty = own.iter().filter(|row| row.area_px == 0).count();
-        let mean = |f: fn(&QualityRow) -> f64| {
-            let sum: f64 = own.iter().map(|row| f(row)).sum();
-            format!("{:.3}", sum / own.len().max(1) as f64)
-        };
-
-        table.row(vec![
-            name.clone(),
-            own.len().to_string(),
-            empty.to_string(),
-            mean(|row| row.undecided),
-            mean(|row| row.unsupported),
-            mean(|row| row.filled_in),
-        ]);
+    for camera in cameras(written) {
+        let counts = [camera.masks, camera.empty].map(|count| count.to_string());
+        let means = camera.means.map(|mean| format!("{mean:.3}"));
+        let name = std::iter::once(camera.camera.to_owned());
+        table.row(name.chain(counts).chain(means).collect());
     }
 
     let (table, folder) = (table.text(), out.join("masks"));

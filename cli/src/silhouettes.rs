@@ -8,13 +8,14 @@ use maquette::io::folder::silhouettes::{ContourRow, SilhouetteExtras};
 use maquette::math::stats::mean;
 use maquette::pipeline::silhouettes::SilhouettePipeline;
 use maquette::workflow::{SilhouetteFiles, WrittenSilhouettes};
+use serde_json::{Value, json};
 
 use super::choice::{Choice, one_of};
+use super::complain;
 use super::error::CliError;
 use super::pictures::PictureArguments;
 use super::switches::{Threads, print_notes};
 use super::table::Table;
-use super::{complain, print};
 
 pub(super) const ABOUT: &str = "\
 Find the person's silhouettes before an unknown, cluttered, changing background.
@@ -74,7 +75,7 @@ pub(super) fn run(arguments: &SilhouettesArguments) -> Result<(), CliError> {
 
 fn silhouettes(arguments: &SilhouettesArguments) -> Result<(), CliError> {
     let start = Instant::now();
-    let (pictures, quiet) = (&arguments.pictures, arguments.pictures.quiet);
+    let (pictures, output) = (&arguments.pictures, arguments.pictures.output);
     let recording = pictures.open()?;
     let files = SilhouetteFiles {
         folder: pictures.out(),
@@ -84,17 +85,31 @@ fn silhouettes(arguments: &SilhouettesArguments) -> Result<(), CliError> {
         start: arguments.fit.as_deref(),
         extras: SilhouetteExtras { overlays: arguments.overlays, stages: arguments.stages },
     };
-    let written = recording.write_silhouettes(&files, &quiet.progress())?;
+    let written = recording.write_silhouettes(&files, &output.progress())?;
 
     if let Some(line) = &written.warning {
         complain("warning", line);
     }
     print_notes(&written.notes);
-    if !quiet.is_on() {
-        let seconds = start.elapsed().as_secs_f64();
-        print(&summary(&written, pictures.out(), seconds));
-    }
+    let (out, seconds) = (pictures.out(), start.elapsed().as_secs_f64());
+    output.summarise(|| summary(&written, out, seconds), || as_json(&written, out, seconds));
     Ok(())
+}
+
+fn as_json(written: &WrittenSilhouettes, out: &Path, seconds: f64) -> Value {
+    let camera = |name: &String| {
+        let own = || written.rows.iter().filter(|row| row.camera == *name);
+        json!({
+            "camera": name, "frames": own().count(),
+            "reliability": mean(own().map(|row| row.reliability)),
+            "moved_px": mean(own().map(|row| row.moved_px)),
+            "with_faults": own().filter(|row| !row.faults.is_empty()).count(),
+        })
+    };
+    json!({
+        "out": out.display().to_string(), "seconds": seconds, "warning": written.warning,
+        "cameras": written.cameras.iter().map(camera).collect::<Vec<_>>(), "notes": written.notes,
+    })
 }
 
 fn summary(written: &WrittenSilhouettes, out: &Path, seconds: f64) -> String {

@@ -9,11 +9,11 @@ use maquette::pipeline::FrameRange;
 use maquette::pipeline::counted;
 use maquette::skin::SkinOptions;
 use maquette::workflow::{SkinFiles, SkinnedPoses};
+use serde_json::json;
 
 use super::choice::{Choice, one_of};
 use super::error::CliError;
-use super::print;
-use super::switches::Quiet;
+use super::switches::Output;
 
 pub(super) const ABOUT: &str = "\
 Make the skin of a fitted body: one closed surface of triangles for each frame.
@@ -56,7 +56,7 @@ pub(super) struct SkinArguments {
     #[arg(long, value_name = "FILE")]
     body: Option<String>,
     #[command(flatten)]
-    quiet: Quiet,
+    output: Output,
 }
 
 const FORMATS: &[Choice<MeshFormat>] = &[
@@ -76,11 +76,12 @@ pub(super) fn run(arguments: &SkinArguments) -> Result<(), CliError> {
         options: SkinOptions::with_around(arguments.around),
         pictures: arguments.picture,
     };
-    let skins = fit.write_skins(&files, &arguments.quiet.progress())?;
-    if !arguments.quiet.is_on() {
-        let (folder, body) = (folder.display(), &fit.model.name);
-        print(&format!("{folder}: {} of {body}\n", counted(skins, "skin")));
-    }
+    let skins = fit.write_skins(&files, &arguments.output.progress())?;
+    let (folder, body) = (folder.display().to_string(), &fit.model.name);
+    arguments.output.summarise(
+        || format!("{folder}: {} of {body}\n", counted(skins, "skin")),
+        || json!({ "out": folder, "body": body, "skins": skins }),
+    );
     Ok(())
 }
 

@@ -6,11 +6,11 @@ use clap::Args;
 use maquette::pipeline::counted;
 use maquette::pipeline::stereo::{StereoMethod, StereoOptions, SurfaceSummary};
 use maquette::workflow::SurfaceFiles;
+use serde_json::{Value, json};
 
 use super::choice::{Choice, one_of};
 use super::error::CliError;
 use super::pictures::PictureArguments;
-use super::print;
 use super::switches::print_notes;
 
 pub(super) const ABOUT: &str = "\
@@ -103,7 +103,7 @@ fn depth(text: &str) -> Result<(f64, f64), String> {
 
 /// Measures and writes.
 pub(super) fn run(arguments: &StereoArguments) -> Result<(), CliError> {
-    let (pictures, quiet) = (&arguments.pictures, arguments.pictures.quiet);
+    let (pictures, output) = (&arguments.pictures, arguments.pictures.output);
     let recording = pictures.open()?;
     let files = SurfaceFiles {
         folder: pictures.out(),
@@ -111,13 +111,19 @@ pub(super) fn run(arguments: &StereoArguments) -> Result<(), CliError> {
         options: arguments.settings.options(),
         pictures: arguments.settings.pictures,
     };
-    let found = recording.write_surface(&files, &quiet.progress())?;
+    let found = recording.write_surface(&files, &output.progress())?;
 
     print_notes(&found.notes);
-    if !quiet.is_on() {
-        print(&summary(&found, pictures.out()));
-    }
+    let out = pictures.out();
+    output.summarise(|| summary(&found, out), || as_json(&found, out));
     Ok(())
+}
+
+fn as_json(found: &SurfaceSummary, out: &Path) -> Value {
+    json!({
+        "out": out.display().to_string(), "frames": found.frames, "points": found.points,
+        "trajectories": found.trajectories, "notes": found.notes,
+    })
 }
 
 fn summary(found: &SurfaceSummary, out: &Path) -> String {

@@ -12,7 +12,7 @@ use maquette::{GaitStudy, Recording};
 
 use crate::choice::{Choice, one_of};
 use crate::error::CliError;
-use crate::switches::{Quiet, print_notes};
+use crate::switches::{Output, print_notes};
 
 /// Who was recorded, and how, for the report and for whom a walk is compared with.
 #[derive(Debug, Args)]
@@ -68,15 +68,15 @@ impl SubjectArguments {
         &self,
         study: &GaitStudy,
         from: &Path,
-        quiet: Quiet,
+        output: Output,
     ) -> Result<String, CliError> {
         if let Some(path) = &self.recording {
-            return self.report_with_views(study, from, path, quiet);
+            return self.report_with_views(study, from, path, output);
         }
         let Some(path) = origin::read(from) else {
             return Ok(study.report(&self.subject(from))?);
         };
-        match self.report_with_views(study, from, &path, quiet) {
+        match self.report_with_views(study, from, &path, output) {
             Ok(text) => Ok(text),
             Err(fault) => {
                 print_notes(&[format!("the report is without camera views: {fault}")]);
@@ -90,13 +90,13 @@ impl SubjectArguments {
         study: &GaitStudy,
         out: &Path,
         recording: &Path,
-        quiet: Quiet,
+        output: Output,
     ) -> Result<String, CliError> {
         let shown = ReportedRecording {
             recording: &Recording::open(recording)?,
             out,
             pictures: !self.no_pictures,
-            progress: &quiet.progress(),
+            progress: &output.progress(),
         };
         Ok(study.report_with_views(&self.subject(recording), shown)?)
     }

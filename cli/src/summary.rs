@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::table::Table;
 use maquette::io::result::{HypothesisPart, OriginPart, OutcomePart, ResultFile};
@@ -18,7 +18,7 @@ pub(super) struct Summary<'a> {
 
 impl Summary<'_> {
     /// The same as JSON, in one object.
-    pub(super) fn json(&self) -> String {
+    pub(super) fn json(&self) -> Value {
         let result = self.result;
         let hypotheses: Vec<_> = result
             .hypotheses
@@ -31,7 +31,7 @@ impl Summary<'_> {
             })
             .collect();
 
-        let summary = json!({
+        json!({
             "out": self.out.display().to_string(),
             "seconds": self.seconds,
             "body": result.body,
@@ -42,9 +42,7 @@ impl Summary<'_> {
             "winner": result.winner,
             "cameras": result.quality.cameras,
             "warnings": result.warnings,
-        });
-
-        format!("{summary:#}\n")
+        })
     }
 
     /// Tables for a person.

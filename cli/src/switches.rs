@@ -1,24 +1,37 @@
 //! Switches that several commands have.
 
 use clap::Args;
+use serde_json::Value;
 
-use super::complain;
 use super::error::{CliError, one_line};
 use super::progress::Bars;
+use super::{complain, print};
 use maquette::io::folder::Existing;
 
-/// `--quiet`.
+/// `--quiet` and `--json`.
 #[derive(Debug, Clone, Copy, Args)]
-pub(super) struct Quiet {
+pub(super) struct Output {
     /// Print nothing but errors, warnings and notes
     #[arg(long)]
     quiet: bool,
+    /// Print the summary as JSON, also with --quiet; `maquette schema` describes it
+    #[arg(long)]
+    json: bool,
 }
 
-impl Quiet {
+impl Output {
     /// Whether nothing but errors, warnings and notes is printed.
-    pub(super) fn is_on(self) -> bool {
+    pub(super) fn is_quiet(self) -> bool {
         self.quiet
+    }
+
+    /// Prints the summary, for a person or as JSON.
+    pub(super) fn summarise(self, text: impl FnOnce() -> String, json: impl FnOnce() -> Value) {
+        match (self.json, self.quiet) {
+            (true, _) => print(&format!("{:#}\n", json())),
+            (false, false) => print(&text()),
+            (false, true) => {}
+        }
     }
 
     /// The bars of the stages.

@@ -3,9 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use serde_json::json;
 
 use super::error::CliError;
-use super::print;
+use super::switches::Output;
 use maquette::body::BodyModel;
 use maquette::io::recording::{filmed, synthetic};
 use maquette::io::{frame_rate, model};
@@ -50,6 +51,8 @@ pub(super) struct SynthArguments {
     /// Body model with metaballs: a shipped one or a .toml file
     #[arg(long, default_value = "walker-metaballs")]
     body: String,
+    #[command(flatten)]
+    output: Output,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -72,11 +75,16 @@ pub(super) fn run(arguments: &SynthArguments) -> Result<(), CliError> {
     let model = model::load(&arguments.body, Path::new(""))?;
     let (frames, cameras, fps) =
         if arguments.clutter { film(arguments, &model)? } else { ring(arguments, &model)? };
-    print(&format!(
-        "{}: {} of {cameras} cameras at {fps} Hz; the truth is in truth.trc and truth.json\n",
-        arguments.out.display(),
-        counted(frames, "frame"),
-    ));
+    let out = arguments.out.display().to_string();
+    let counted = counted(frames, "frame");
+    arguments.output.summarise(
+        || {
+            format!(
+                "{out}: {counted} of {cameras} cameras at {fps} Hz; the truth is in truth.trc and truth.json\n"
+            )
+        },
+        || json!({ "out": out, "frames": frames, "cameras": cameras, "fps": fps }),
+    );
     Ok(())
 }
 

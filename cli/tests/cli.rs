@@ -21,6 +21,8 @@ mod resume;
 #[allow(dead_code, reason = "a scene shared with the tests of stereo")]
 #[path = "../../tests/stereo/scene.rs"]
 mod scene;
+#[path = "cli/schema.rs"]
+mod schema;
 #[path = "cli/segment.rs"]
 mod segment;
 #[path = "cli/silhouettes.rs"]

@@ -119,11 +119,19 @@ impl GaitStudy {
             ("parameters.csv", parameters_csv(gait)?),
             ("curves.csv", curves_csv(gait, norm)?),
             ("angles.csv", angles_csv(gait, &self.input.movement)?),
-            ("gait.json", gait_json(&self.input, gait, norm)?),
+            ("gait.json", self.json()?),
         ] {
             out.write(name, &bytes)?;
         }
         Ok(())
+    }
+
+    /// What `gait.json` holds.
+    ///
+    /// # Errors
+    /// [`Error::Json`], if the serialiser has any.
+    pub fn json(&self) -> Result<Vec<u8>, Error> {
+        Ok(gait_json(&self.input, &self.analysis, self.norm.as_ref())?)
     }
 
     /// How far the angles lie from those of healthy people; `None` without a norm, or an angle of it.

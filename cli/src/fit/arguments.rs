@@ -14,7 +14,7 @@ use maquette::workflow::SilhouetteSource;
 
 use crate::choice::{Choice, one_of};
 use crate::stereo::METHODS;
-use crate::switches::{Quiet, Threads};
+use crate::switches::{Output, Threads};
 
 pub(crate) const ABOUT: &str = "\
 Fit a body to a recording: shape, motion and confidence.
@@ -88,10 +88,7 @@ pub(crate) struct FitArguments {
     #[arg(long)]
     overwrite: bool,
     #[command(flatten)]
-    pub(super) quiet: Quiet,
-    /// Print the summary as JSON
-    #[arg(long)]
-    pub(super) json: bool,
+    pub(super) output: Output,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -10,7 +10,7 @@ use maquette::workflow::FitFolder;
 
 use crate::error::{CliError, one_line};
 use crate::summary::Summary;
-use crate::{complain, print};
+use crate::complain;
 
 /// Fits a recording and writes the result.
 pub(super) fn run(arguments: &FitArguments) -> Result<(), CliError> {
@@ -25,19 +25,15 @@ fn fit(arguments: &FitArguments) -> Result<(), CliError> {
         overlays: arguments.overlays,
     };
     let recording = Recording::open(&arguments.recording)?.with_fps(arguments.fps);
-    let fit = recording.fit_into(folder, &arguments.options(), &arguments.quiet.progress())?;
+    let fit = recording.fit_into(folder, &arguments.options(), &arguments.output.progress())?;
 
     let summary = Summary {
         result: &fit.result,
         out: &arguments.out,
         seconds: start.elapsed().as_secs_f64(),
     };
-    match (arguments.json, arguments.quiet.is_on()) {
-        (true, _) => print(&summary.json()),
-        (false, false) => print(&summary.text()),
-        (false, true) => {}
-    }
-    if arguments.quiet.is_on() {
+    arguments.output.summarise(|| summary.text(), || summary.json());
+    if arguments.output.is_quiet() {
         let warnings = fit.result.warnings.iter();
         warnings.for_each(|warning| complain("warning", &one_line(warning)));
     }

@@ -5,15 +5,15 @@ mod text;
 use std::path::PathBuf;
 
 use clap::Args;
+use serde_json::{Value, json};
 
 use crate::choice::{Choice, one_of};
 use crate::error::CliError;
-use crate::print;
 use crate::subject::SubjectArguments;
-use crate::switches::Quiet;
+use crate::switches::{Output, Overwrite};
 use maquette::GaitStudy;
 use maquette::gait::{GaitOptions, Surface};
-use maquette::io::folder::write_atomically;
+use maquette::io::folder::{check_out, write_atomically};
 use maquette::io::frame_rate;
 use maquette::workflow::GaitSource;
 use text::Summary;
@@ -63,7 +63,9 @@ pub(super) struct GaitArguments {
     #[command(flatten, next_help_heading = "About the person and the report")]
     subject: SubjectArguments,
     #[command(flatten)]
-    quiet: Quiet,
+    overwrite: Overwrite,
+    #[command(flatten)]
+    output: Output,
 }
 
 const SURFACES: &[Choice<Surface>] = &[
@@ -94,25 +96,28 @@ pub(super) fn run(arguments: &GaitArguments) -> Result<(), CliError> {
         surface: arguments.surface,
         ..GaitOptions::default()
     };
+    let out = out_folder(arguments);
+    check_out(&out, arguments.overwrite.existing())?;
     let study = GaitStudy::open(source, &options)?;
     let study = arguments.subject.compare(study, arguments.norm.as_deref())?;
 
-    let out = out_folder(arguments);
     study.save(&out)?;
     if arguments.report {
-        let text = arguments.subject.report(&study, &arguments.input, arguments.quiet)?;
+        let text = arguments.subject.report(&study, &arguments.input, arguments.output)?;
         write_atomically(&out.join("report.html"), text.as_bytes())?;
     }
-    if !arguments.quiet.is_on() {
+    let text = || {
         let summary = Summary {
             input: &arguments.input,
             study: &study,
             footwear: arguments.subject.footwear(),
             is_normalised: arguments.normalised,
         };
-        print(&summary.text());
-        print(&format!("\nWritten into {}\n", out.display()));
-    }
+        format!("{}\nWritten into {}\n", summary.text(), out.display())
+    };
+    let json: Value = serde_json::from_slice(&study.json()?).map_err(maquette::Error::from)?;
+    let json = || json!({ "out": out.display().to_string(), "gait": json });
+    arguments.output.summarise(text, json);
     Ok(())
 }
 

@@ -84,7 +84,8 @@ fn pictures_become_masks_with_a_line_of_quality_for_each() {
 #[test]
 fn a_range_of_frames_is_written_and_no_more_and_threads_change_nothing() {
     let arm = photographed();
-    segment(&arm, &["--frames", "2:3", "--threads", "1"]).succeeded();
+    let said = segment(&arm, &["--frames", "2:3", "--threads", "1", "--json"]).succeeded();
+    crate::schema::check("segment", &said.out);
     let folder = arm.out("cut").join("masks/cam_01");
     let names = fs::read_dir(&folder).expect("masks").count();
     assert_eq!(names, 2);

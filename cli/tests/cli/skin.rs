@@ -46,7 +46,8 @@ fn the_skin_of_each_fitted_frame_is_written_and_pictured() {
     let is_skin = |pixel: &&image::Rgb<u8>| pixel.0 != [255; 3];
     let share = picture.pixels().filter(is_skin).count() as f64 / 480_000.0;
     assert!((0.01..0.5).contains(&share), "{share} of the picture");
-    run(&["skin", &out, "--body", &body, "--rest", "--quiet"]).succeeded();
+    let said = run(&["skin", &out, "--body", &body, "--rest", "--quiet", "--json"]).succeeded();
+    crate::schema::check("skin", &said.out);
     assert!(arm.out("out").join("skin/rest.ply").exists());
 }
 

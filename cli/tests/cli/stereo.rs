@@ -113,7 +113,8 @@ fn arguments_that_make_no_sense_are_refused_in_one_line() {
 fn what_an_older_run_left_is_removed_and_what_is_not_its_own_stays() {
     let recorded = Recorded::new(2);
     let out = recorded.at("out");
-    recorded.stereo("out", &QUICK).succeeded();
+    let said = recorded.stereo("out", &[&QUICK[..], &["--json"]].concat()).succeeded();
+    crate::schema::check("stereo", &said.out);
     assert!(out.join("points/000001.ply").is_file());
     recorded.write("out/notes.txt", "mine");
     let again = [&QUICK[..], &["--overwrite", "--frames", "0:0"]].concat();

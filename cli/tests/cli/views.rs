@@ -5,6 +5,7 @@ use std::fs;
 use image::{Rgb, RgbImage};
 
 use crate::arm::{Arm, run};
+use crate::schema::check;
 
 /// A walk of ten frames before three cameras, with masks and with pictures of one colour.
 fn filmed(place: &Arm, name: &str, seed: &str) -> String {
@@ -43,6 +44,10 @@ fn a_report_finds_its_recording_shows_its_pictures_and_refuses_another_one() {
     let (_, page) = report(&[]);
     assert!(page.contains("\"jpeg\":\"/9j/") && page.contains("id=\"camera-body\""));
     assert!(page.contains("<td>walk</td>"), "the name of the recording");
+    let json = run(&["report", &out, "--json", "--quiet"]).succeeded().out;
+    assert!(check("report", &json)["report"].as_str().is_some_and(|p| p.ends_with("report.html")));
+    let json = run(&["export", &out, "--format", "c3d,mot", "--json"]).succeeded().out;
+    assert_eq!(check("export", &json)["files"].as_array().map(Vec::len), Some(2));
     let (_, page) = report(&["--no-pictures"]);
     assert!(!page.contains("\"jpeg\"") && page.contains("\"cam_02\""), "outlines only");
 
