@@ -22,6 +22,13 @@ pub(super) struct Derived<'a> {
     pub(super) progress: &'a dyn Progress,
 }
 
+/// What is said where contours are chosen.
+const CONTOURS_CHOSEN: &str = "no masks, cameras side by side, no picture of the empty scene: outlines are found by a body that \
+    predicts them (as `maquette silhouettes` does), which takes many times as long as masks; --silhouettes background cuts masks";
+/// What is said where masks are chosen.
+const MASKS_CHOSEN: &str = "no masks: the person is cut out of the pictures first (as `maquette segment` does), which reads every \
+    picture twice or more; masks/<camera>/ spare that";
+
 /// Files to read observations from, and those observations that no file holds.
 type Observations = (ObservationFiles, Option<Vec<FrameObservations>>);
 
@@ -65,6 +72,7 @@ impl Derived<'_> {
         };
         let is_free = options.silhouettes.is_none() && options.stereo.is_none();
         if is_free && given.is_err() && is_best_by_contours(&footage) {
+            self.progress.note(CONTOURS_CHOSEN);
             return self.contours(recording, &footage, options);
         }
         let mut files = DerivedFiles {
@@ -75,6 +83,9 @@ impl Derived<'_> {
         };
         let mut notes = lines(&footage.notes);
         if files.has_masks {
+            if options.silhouettes.is_none() {
+                self.progress.note(MASKS_CHOSEN);
+            }
             notes.extend(self.cut_masks(&footage, options)?);
         }
         if let Some(method) = options.stereo {

@@ -73,8 +73,8 @@ fn faults_in_opencv_files_are_named() {
         error.to_string().replace(&prefix, "")
     };
     assert_eq!(
-        error(&INTRI.replace("K_cam2", "K_cam3"), EXTRI),
-        "intri.yml: camera cam2: K_cam2 is missing"
+        error(&INTRI.replace("K_cam", "k_cam"), EXTRI),
+        "intri.yml: camera cam1: K_cam1 is missing"
     );
     assert_eq!(
         error(INTRI, &EXTRI.replace("T_cam1", "t_cam1")),

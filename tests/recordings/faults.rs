@@ -65,7 +65,7 @@ fn cameras_must_be_calibrated_distinct_and_more_than_one() {
     assert_complains(open(folder.path()), &["only one camera (a) has masks", "cannot tell size"]);
     let folder = recording(&["a", "b"]);
     write(folder.path().join("calibration.toml"), calibration(&["c", "d"]));
-    assert_complains(open(folder.path()), &["no camera \"a\"", "it has c, d"]);
+    assert_complains(open(folder.path()), &["no calibrated camera is called a, b", "has c, d"]);
 }
 
 #[test]

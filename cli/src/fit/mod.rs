@@ -8,9 +8,9 @@ pub(super) use arguments::{ABOUT, EXAMPLES, FitArguments};
 use maquette::Recording;
 use maquette::workflow::FitFolder;
 
+use crate::complain;
 use crate::error::{CliError, one_line};
 use crate::summary::Summary;
-use crate::complain;
 
 /// Fits a recording and writes the result.
 pub(super) fn run(arguments: &FitArguments) -> Result<(), CliError> {

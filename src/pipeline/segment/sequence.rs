@@ -115,7 +115,12 @@ fn learn(
     }
     notes.lines.extend(stream.notes());
 
+    progress.end();
+
+    // the bar of the pictures would stand at its end for as long
+    progress.begin("learning", 1);
     let segmenter = training.learn();
+    progress.step();
     progress.end();
     segmenter
 }
