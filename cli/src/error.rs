@@ -7,7 +7,7 @@ use maquette::io::recording::RecordingError;
 use maquette::io::recording::synthetic::SyntheticError;
 use maquette::io::result::ResultError;
 use maquette::pipeline::stereo::StereoError;
-use maquette::pipeline::{FitError, FrameRangeError};
+use maquette::pipeline::{FitError, FrameRangeError, Verdict};
 use maquette::synth::{FilmError, WalkError};
 
 /// Why a command could not be carried out.
@@ -16,6 +16,9 @@ pub(super) enum CliError {
     /// Arguments that make no sense.
     #[error("{0}")]
     Arguments(String),
+    /// Everything was written, but it is not to be used: the verdict.
+    #[error("{0}")]
+    Unusable(String),
     /// What the library says.
     #[error(transparent)]
     Library(Box<maquette::Error>),
@@ -36,6 +39,24 @@ pub(super) enum CliError {
     /// A synthetic recording that cannot be written.
     #[error(transparent)]
     Synthetic(#[from] SyntheticError),
+}
+
+impl CliError {
+    /// 3 for a result that is not to be used, 2 for what could not be done.
+    pub(super) fn exit_code(&self) -> u8 {
+        match self {
+            Self::Unusable(_) => 3,
+            _ => 2,
+        }
+    }
+}
+
+/// Whether a fit can be used; the verdict is the error if not.
+pub(super) fn usable(verdict: &Verdict) -> Result<(), CliError> {
+    match verdict.headline() {
+        Some(headline) if !verdict.is_usable() => Err(CliError::Unusable(headline)),
+        _ => Ok(()),
+    }
 }
 
 /// Whatever the library's own calls fail with is its error.

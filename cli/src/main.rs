@@ -23,8 +23,8 @@
 //! | `interrupt.rs` | a signal to stop                                               |
 //! | `error.rs`    | what went wrong, in one line                                    |
 //!
-//! Exit code 0, or 2 for arguments or input that cannot be used, with one line on standard error; 130, 143 and 129 after
-//! SIGINT, SIGTERM and SIGHUP, with one line that says how to go on.
+//! Exit code 0; 2 for arguments or input that cannot be used, and 3 for a fit that cannot be used, with one line on standard
+//! error; 130, 143 and 129 after SIGINT, SIGTERM and SIGHUP, with one line that says how to go on.
 
 mod choice;
 mod error;
@@ -183,7 +183,7 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(fault) => {
             complain("error", &one_line(&fault.to_string()));
-            ExitCode::from(2)
+            ExitCode::from(fault.exit_code())
         }
     }
 }

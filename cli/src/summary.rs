@@ -34,6 +34,8 @@ impl Summary<'_> {
         json!({
             "out": self.out.display().to_string(),
             "seconds": self.seconds,
+            "verdict": result.verdict,
+            "usable": result.verdict.is_usable(),
             "body": result.body,
             "frames": result.recording.frames,
             "lengths": result.shape.lengths,
@@ -48,7 +50,9 @@ impl Summary<'_> {
     /// Tables for a person.
     pub(super) fn text(&self) -> String {
         let recording = &self.result.recording;
+        let verdict = self.result.verdict.headline().filter(|_| !self.result.verdict.is_usable());
         let sections = [
+            verdict.map_or(String::new(), |headline| format!("!! {headline}\n")),
             format!(
                 "{} fitted to {} of {} cameras at {} Hz in {:.1} s\n",
                 self.result.body,

@@ -30,7 +30,9 @@ mod landmark;
 mod landmark_axes;
 mod movement;
 mod parameters;
+mod passes;
 mod peaks;
+mod plausible;
 mod segments;
 
 pub use angle::Angle;
@@ -61,6 +63,8 @@ pub struct GaitOptions {
     pub off_speed_m_s: f64,
     /// Floor or belt; `None`: found.
     pub surface: Option<Surface>,
+    /// Which of the passes through the room, from 1 on, if the person leaves and comes back; `None`: the longest.
+    pub pass: Option<usize>,
 }
 
 impl Default for GaitOptions {
@@ -71,6 +75,7 @@ impl Default for GaitOptions {
             strike_speed_m_s: 0.5,
             off_speed_m_s: 1.0,
             surface: None,
+            pass: None,
         }
     }
 }
@@ -102,10 +107,33 @@ pub struct GaitAnalysis {
     pub notes: Vec<String>,
 }
 
+impl GaitAnalysis {
+    /// The same without any number, and the reason as its first note: of a fit that cannot be used.
+    pub fn withheld(mut self, reason: String) -> Self {
+        self.leg_length_m = None;
+        self.agreement.clear();
+        self.events.clear();
+        self.cycles.clear();
+        self.parameters.clear();
+        self.angles.clear();
+        self.curves.clear();
+        self.notes = vec![reason];
+        self
+    }
+}
+
 /// Why a movement has no gait.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GaitError {
+    /// There is no such pass.
+    #[error("pass {pass}: the recording holds {passes} (--pass 1 is the first)")]
+    NoPass {
+        /// As asked for.
+        pass: usize,
+        /// How many there are.
+        passes: usize,
+    },
     /// The hips are nowhere known.
     #[error("the hips are missing in every frame: nothing shows where the person walks to")]
     NoPelvis,
@@ -119,8 +147,9 @@ pub enum GaitError {
 /// # Errors
 /// [`GaitError::NoPelvis`].
 pub fn analyse(movement: &Movement, options: &GaitOptions) -> Result<GaitAnalysis, GaitError> {
-    // 1. remove what is faster than a body moves
-    let movement = &smoothed(movement, options.cutoff_hz);
+    // 1. one pass through the room, without what is faster than a body moves
+    let (movement, pass_note) = passes::one_pass(movement, options.pass)?;
+    let movement = &smoothed(&movement, options.cutoff_hz);
     // 2. direction of walking, floor or belt
     let course = Course::find(movement, options.surface).ok_or(GaitError::NoPelvis)?;
     // 3. events by two methods, and the strides between them
@@ -147,6 +176,8 @@ pub fn analyse(movement: &Movement, options: &GaitOptions) -> Result<GaitAnalysi
     let kinds = [EventKind::Strike, EventKind::Off].into_iter();
     let agreement = kinds.filter_map(|kind| events::agreement(&events, kind));
     let mut notes = notes(&course, &events, &cycles);
+    notes.extend(pass_note);
+    notes.extend(plausible::frame_rate_note(&parameters));
     notes.extend(movement.remarks());
 
     Ok(GaitAnalysis {

@@ -36,6 +36,14 @@ pub struct Evidence<'a> {
 }
 
 impl<'a> Evidence<'a> {
+    /// The same body before other cameras.
+    pub fn with_rig<'b>(&self, rig: &'b Rig) -> Evidence<'b>
+    where
+        'a: 'b,
+    {
+        Evidence { rig, ..self.clone() }
+    }
+
     /// Puts a model's priors beside the cameras and the likelihood.
     pub fn new(
         model: &'a BodyModel,

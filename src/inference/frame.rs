@@ -116,6 +116,18 @@ impl FramePosterior<'_> {
         self.step.map_or(0.0, cost)
     }
 
+    /// The fit of a frame that shows nothing: the motion is taken to be the last that was seen.
+    pub(super) fn held(&self, motion: Motion) -> FrameFit {
+        FrameFit {
+            data: 0.0,
+            pose: self.pose_prior.cost(&motion),
+            step: 0.0,
+            observations: 0.0,
+            recovered: false,
+            motion,
+        }
+    }
+
     /// The fit of a motion whose cost is known; the data's part of it is what the priors leave.
     pub(super) fn frame_fit(&self, motion: Motion, cost: f64) -> FrameFit {
         let (pose, step) = (self.pose_prior.cost(&motion), self.step_cost(&motion));

@@ -43,9 +43,9 @@ pub(super) struct Tracking<'a> {
 pub(super) struct Track {
     /// Frames still to be visited, nearest last.
     ahead: Vec<usize>,
-    /// The frame that was fitted last.
+    /// The last frame that showed anything.
     last: (usize, Motion),
-    /// The one before it.
+    /// The one before it, unless nothing was seen in between.
     before: Option<(usize, Motion)>,
     /// Costs per observation of the last frames.
     levels: Vec<f64>,
@@ -79,14 +79,17 @@ impl Track {
         while let Some(index) = (fits.len() < count).then(|| self.ahead.pop()).flatten() {
             let fit = self.fit(tracking, index);
 
+            // nothing is extrapolated across frames that show nothing
             if fit.observations > 0.0 {
                 self.levels.push(fit.level());
+                let now = (index, fit.motion.clone());
+                self.before = Some(std::mem::replace(&mut self.last, now));
+            } else {
+                self.before = None;
             }
+
             let forgotten = self.levels.len().saturating_sub(MEMORY);
             self.levels.drain(..forgotten);
-
-            let now = (index, fit.motion.clone());
-            self.before = Some(std::mem::replace(&mut self.last, now));
             fits.push((index, fit));
         }
         fits
@@ -114,18 +117,23 @@ impl Track {
             step: Some((&step, mean)),
             terms: &terms,
         };
+        if !frame.is_observed() {
+            return posterior.held(self.last.1.clone());
+        }
         let fit = solve(&posterior, predicted.clone(), options.iterations);
         if self.is_plausible(&fit, options.recovery_ratio) {
             return fit;
         }
 
-        // lost: search the frame anew, and take what is more probable
+        // lost: search the frame anew, and take what it shows more probably; the lost pose is no witness
         self.rest_until = self.ahead.len().saturating_sub(PATIENCE);
+        let alone = FramePosterior { step: None, ..posterior };
         let anew = readings_by(evidence, frame, &terms, start)
             .into_iter()
-            .map(|reading| solve(&posterior, reading.state.motion, 30))
+            .map(|reading| solve(&alone, reading.state.motion, 30))
             .min_by(|a, b| a.cost().total_cmp(&b.cost()))
-            .filter(|anew| anew.cost() < fit.cost());
+            .filter(|anew| anew.cost() < fit.data + fit.pose)
+            .map(|anew| FrameFit { step: step.cost(mean, &anew.motion), ..anew });
         match anew {
             Some(anew) => FrameFit { recovered: true, ..anew },
             None => fit,

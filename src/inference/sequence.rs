@@ -20,7 +20,7 @@ impl Sequence<'_> {
     }
 
     /// Frames of the recording from one position in the sequence to another, at least 1.
-    pub(super) fn frames_between(self, from: usize, to: usize) -> f64 {
+    pub(crate) fn frames_between(self, from: usize, to: usize) -> f64 {
         let number = |i: usize| self.frames[i].frame.0;
         number(from).abs_diff(number(to)).max(1) as f64
     }

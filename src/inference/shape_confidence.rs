@@ -59,6 +59,14 @@ impl ShapeConfidence {
     pub fn keyframes(&self) -> usize {
         self.all_coefficients.keyframes
     }
+
+    /// Takes back σ and p_ε,σ(K) of a shape that is not the person's: that keyframes agree about it says nothing.
+    pub(crate) fn withhold(&mut self) {
+        let each = self.coefficients.iter_mut().chain(&mut self.lengths);
+        for confidence in each.chain([&mut self.all_coefficients, &mut self.all_lengths]) {
+            (confidence.sigma, confidence.p_within) = (None, None);
+        }
+    }
 }
 
 /// The most probable reading of each keyframe, in the order of the keyframes.

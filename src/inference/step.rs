@@ -77,6 +77,11 @@ pub(super) fn speeds(model: &BodyModel) -> DVector<f64> {
     DVector::from_vec(all)
 }
 
+/// The motion a part of the way from one to another: m₀ ⊞ (m₁ ⊟ m₀)·part.
+pub fn between(layout: Layout, from: &Motion, to: &Motion, part: f64) -> Motion {
+    layout.retract_motion(from, &(layout.motion_difference(from, to) * part))
+}
+
 /// The motion that follows two others at constant velocity: m₁ ⊞ (m₁ ⊟ m₀)·ratio.
 pub(super) fn extrapolate(layout: Layout, before: &Motion, last: &Motion, ratio: f64) -> Motion {
     layout.retract_motion(last, &(layout.motion_difference(before, last) * ratio))

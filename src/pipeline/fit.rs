@@ -4,12 +4,15 @@ use nalgebra::{Point3, Vector2};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::Verdict;
 use super::aim::{AimedOptimum, JointStage};
+use super::ambiguity::{facing_warning, one_outline_warning};
+use super::diagnosis::{Diagnosis, lost_frames};
 use super::measures::Measures;
 use super::points::{self, PointQuality};
 use super::quality::{self, CameraQuality, ViewQuality};
 use super::{EstimateOptions, FitError, Warning, check_scene};
-use crate::body::{BodyModel, Motion, Posed, Shape};
+use crate::body::{BodyModel, Layout, Motion, Posed, Shape};
 use crate::camera::Rig;
 use crate::inference::chain::ChainPrior;
 use crate::inference::covariance::{FrameUncertainty, ShapeUncertainty, Uncertainty};
@@ -18,13 +21,14 @@ use crate::inference::joint::JointOptions;
 use crate::inference::noise::Noise;
 use crate::inference::search::{Journal, Trial, search};
 use crate::inference::sequence_posterior::SequenceState;
+use crate::inference::step::between;
 use crate::inference::{Evidence, Sequence, ShapeConfidence};
 use crate::likelihood::Measure;
 use crate::math::stats::mean;
 use crate::silhouette::{FrameIndex, FrameObservations};
 
 use super::unseen::{self, prior_angles_sd};
-use super::warning::{odd_body, warnings};
+use super::warning::warnings;
 
 /// The most probable shape and motion, what else was tried, and how good and how sure they are.
 #[derive(Debug, Clone)]
@@ -49,7 +53,9 @@ pub struct Fit {
     pub confidence: ShapeConfidence,
     /// How well each camera is covered, in the order of the rig.
     pub cameras: Vec<CameraQuality>,
-    /// What a person should know.
+    /// Whether it can be used, and what is wrong with the recording.
+    pub verdict: Verdict,
+    /// What a person should know besides.
     pub warnings: Vec<Warning>,
 }
 
@@ -164,18 +170,31 @@ pub fn fit(
     let frames = fitted_frames(&looked_at, observations, &estimate);
     let views: Vec<&[ViewQuality]> = frames.iter().map(|f| f.views.as_slice()).collect();
     let cameras = quality::camera_qualities(&estimate.rig, &views, &estimate.aims_px);
-    let shape_cost = coarse.shape_prior.cost(&estimate.shape);
     let hypotheses = found.trials.into_iter();
     let hypotheses = hypotheses.map(|trial| tried(&coarse, observations, trial));
-    let hypotheses = hypotheses.collect();
+    let hypotheses: Vec<TriedHypothesis> = hypotheses.collect();
 
-    // 6. what a person should know of it
-    notes.extend(odd_body(shape_cost, estimate.shape.0.len()));
+    // 6. what it is worth, and what a person should know of it
+    let shape = &estimate.shape;
+    let diagnosis = Diagnosis {
+        evidence: &coarse,
+        observations,
+        fps: sequence.fps,
+        shape,
+        frames: &frames,
+        cameras: &cameras,
+    };
+    let verdict = diagnosis.verdict();
+    let data_weight = estimate.noise.map_or(1.0, |noise| noise.data_weight());
+    notes.extend(facing_warning(&coarse, &hypotheses, found.winner, data_weight));
+    notes.extend(one_outline_warning(rig, observations));
     notes.extend(warnings(rig, observations, &frames, &cameras, &confidence));
     notes.extend(points::warnings(&frames, observations));
     notes.extend(options.joint.and_then(|joint| unseen(model, sequence, &frames, &joint)));
+    notes.retain(|warning| verdict.causes.is_empty() || !warning.is_symptom());
 
-    Ok(Fit {
+    let fit = Fit {
+        verdict,
         lengths_m: model.rest_lengths_m(&estimate.shape),
         uncertainty: estimate.uncertainty.map(|u| u.shape),
         noise: estimate.noise,
@@ -187,7 +206,24 @@ pub fn fit(
         confidence,
         cameras,
         warnings: notes,
-    })
+    };
+    Ok(fit.without_false_certainty())
+}
+
+impl Fit {
+    /// Withholds the standard deviations and confidences of a fit that cannot be used, and of frames that are lost: they speak of
+    /// an optimum that is not the person.
+    fn without_false_certainty(mut self) -> Self {
+        for lost in lost_frames(&self.frames) {
+            self.frames[lost].uncertainty = None;
+        }
+        if !self.verdict.is_usable() {
+            self.uncertainty = None;
+            self.frames.iter_mut().for_each(|frame| frame.uncertainty = None);
+            self.confidence.withhold();
+        }
+        self
+    }
 }
 
 /// The joint optimum, or the winner where none is asked for, and what it was compared by.
@@ -212,7 +248,7 @@ fn estimate(
         options: joint,
         aim: options.aim && sequence.frames.iter().all(|frame| frame.points.is_empty()),
     };
-    let aimed = stage.run(&state_of(winner));
+    let aimed = stage.run(&state_of(model, sequence, winner));
     (Estimate::joint(aimed, winner), measures.joint)
 }
 
@@ -257,12 +293,21 @@ impl Estimate {
     }
 }
 
-fn state_of(winner: &Trial) -> SequenceState {
+/// The winner as it was tracked, and evenly from one pose to the next where nothing was seen between.
+fn state_of(model: &BodyModel, sequence: Sequence<'_>, winner: &Trial) -> SequenceState {
     let tracked = winner.frames.iter().flatten();
-    SequenceState {
-        shape: winner.hypothesis.shape.clone(),
-        motions: tracked.map(|fit| fit.motion.clone()).collect(),
+    let mut motions: Vec<Motion> = tracked.map(|fit| fit.motion.clone()).collect();
+
+    let seen = |i: &usize| sequence.frames[*i].is_observed();
+    let seen: Vec<usize> = (0..motions.len()).filter(seen).collect();
+    for ends in seen.windows(2) {
+        let (from, to) = (ends[0], ends[1]);
+        for i in from + 1..to {
+            let part = sequence.frames_between(from, i) / sequence.frames_between(from, to);
+            motions[i] = between(Layout::new(model), &motions[from], &motions[to], part);
+        }
     }
+    SequenceState { shape: winner.hypothesis.shape.clone(), motions }
 }
 
 /// What nothing sees of the body, by how much less sure the priors alone would be.

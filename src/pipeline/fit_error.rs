@@ -1,5 +1,6 @@
 //! Why nothing could be fitted.
 
+use super::Cause;
 use super::scene::MOST_EMPTY_FRAMES;
 use crate::silhouette::{FrameIndex, InvalidOption, Rejected};
 
@@ -79,6 +80,9 @@ pub enum FitError {
         /// The cameras that disagree.
         cameras: Vec<String>,
     },
+    /// Cameras that look elsewhere, and why.
+    #[error("the cameras do not see one scene: {0}")]
+    Cameras(Cause),
     /// Nobody is so tall.
     #[error(
         "masks or points show something {seen_m:.3} m large, the body {body} is {body_m:.2} m: check unit in sequence.toml (m or mm), and the body"

@@ -10,7 +10,9 @@
 //! | 6. what a person should know of it  | [`Warning`]                        |
 
 mod aim;
+mod ambiguity;
 mod counted;
+mod diagnosis;
 mod fit;
 mod fit_error;
 mod frame_range;
@@ -33,6 +35,7 @@ mod warning_text;
 
 pub use crate::inference::covariance::ShapeUncertainty;
 pub use counted::counted;
+pub use diagnosis::{Cause, HeadAxis, Reason, Verdict};
 pub use fit::{Fit, FittedFrame, MinusLogPosterior, TriedHypothesis, fit};
 pub use fit_error::FitError;
 pub use frame_range::{FrameRange, FrameRangeError, span};

@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::warning::POOR_IOU;
+use super::diagnosis::LEAST_OVERLAP;
 use super::{FittedFrame, Frames, Warning};
 use crate::body::Posed;
 use crate::inference::{Detail, Evidence};
@@ -119,7 +119,7 @@ pub(super) fn warnings(frames: &[FittedFrame], observations: &[FrameObservations
 
 /// Whether the body covers the frame's silhouettes, so that it is the points that are off.
 fn covers(fitted: &FittedFrame) -> bool {
-    fitted.mean_iou().is_none_or(|iou| iou >= POOR_IOU)
+    fitted.mean_iou().is_none_or(|iou| iou >= LEAST_OVERLAP)
 }
 
 /// Frames, which share of their points disagrees, and by how much.

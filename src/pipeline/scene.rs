@@ -4,7 +4,8 @@
 //! nearest to each other before both, at a point that both see near their silhouette. Only pixels are compared, so
 //! this holds in every unit of length; the unit shows in how large the silhouettes are where the cameras agree.
 
-use super::{FitError, Warning};
+use super::diagnosis::camera_causes;
+use super::{Cause, FitError, Warning};
 use crate::body::{BodyModel, Motion, Posed, Shape};
 use crate::camera::{Camera, CameraId, Rig, closest_point};
 use crate::inference::hull::{self, Hull, LEAST_POINTS, locates_body};
@@ -41,7 +42,8 @@ pub fn check_scene(
     let step = frames.len().div_ceil(SAMPLED_FRAMES).max(1);
     let sampled: Vec<&FrameObservations> = frames.iter().step_by(step).collect();
     let odd = odd_cameras(rig, &sampled);
-    let warnings = common_view(rig, &odd).map_err(|fault| in_frames(fault, &sampled))?;
+    let warnings =
+        common_view(rig, &odd).map_err(|fault| named(in_frames(fault, &sampled), rig, frames))?;
     // 3. it is as large as the body
     size(model, rig, &sampled)?;
     Ok(warnings)
@@ -56,6 +58,13 @@ fn numbered(frames: &[FrameObservations]) -> Result<(), FitError> {
         empty if empty > MOST_EMPTY_FRAMES => Err(FitError::Sparse { first, last, empty }),
         _ => Ok(()),
     }
+}
+
+/// The cause of cameras that share no view, where there is one, or else the fault itself.
+fn named(fault: FitError, rig: &Rig, frames: &[FrameObservations]) -> FitError {
+    let causes = camera_causes(rig, frames).into_iter();
+    let is_displaced = |cause: &Cause| matches!(cause, Cause::Displaced { .. });
+    causes.filter(|cause| !is_displaced(cause)).map(FitError::Cameras).next().unwrap_or(fault)
 }
 
 fn seen_by_two(rig: &Rig, frames: &[FrameObservations]) -> Result<(), FitError> {
@@ -198,7 +207,7 @@ fn sizes_of_views(rig: &Rig, frame: &FrameObservations) -> Vec<f64> {
 }
 
 /// Longest side of the box around the mean body at rest.
-fn body_size(model: &BodyModel) -> f64 {
+pub(super) fn body_size(model: &BodyModel) -> f64 {
     let shape = Shape(model.statistics.mean.clone());
     let body = Posed::new(model, &shape, &Motion::rest(model));
     body.bounds().map_or(0.0, |(low, high)| (high - low).max())

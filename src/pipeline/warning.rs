@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::aim::LEAST_PX;
+use super::diagnosis::lost_frames;
 use super::{CameraQuality, FittedFrame};
 use crate::camera::{Camera, CameraId, Rig};
 use crate::inference::ShapeConfidence;
@@ -35,16 +36,15 @@ pub enum Warning {
         /// The median of the others'.
         others_iou: f64,
     },
-    /// The body covers the silhouettes badly altogether.
-    PoorFit {
-        /// Median over the cameras of their mean overlap.
-        iou: f64,
+    /// A person who may face the other way.
+    Facing {
+        /// How many times less probable that is.
+        odds: f64,
     },
-    /// The chosen body is one that hardly anybody has.
-    OddBody {
-        /// −log p(s) of its shape, over half the number of coefficients: 1 is usual.
-        ratio: f64,
-    },
+    /// A person whose other way of facing was not tried.
+    FacingUntried,
+    /// Cameras that look along one line.
+    OneOutline,
     /// Masks that show nobody.
     Rejected {
         /// The camera.
@@ -133,20 +133,13 @@ impl fmt::Display for Frames {
 /// More ranges of frames than these are not read by anybody.
 const MOST_RANGES: usize = 6;
 
-/// An overlap below this is bad: bodies and masks of other people still overlap as much.
-pub(super) const POOR_IOU: f64 = 0.65;
 /// A camera this much below the median of the others is weak.
 const WEAK_BY: f64 = 0.08;
-/// A frame below this share of the median frame's overlap is lost.
-const LOST_SHARE: f64 = 0.8;
-
-/// A shape this many times as improbable as usual is rare: upside-down cameras gave 43, real bodies up to 5.
-const RARE: f64 = 10.0;
-
-/// Whether the chosen body is hardly anybody's; ½n is what −log p(s) is on average.
-pub(super) fn odd_body(shape_cost: f64, coefficients: usize) -> Option<Warning> {
-    let ratio = shape_cost / (0.5 * coefficients as f64);
-    (ratio > RARE).then_some(Warning::OddBody { ratio })
+impl Warning {
+    /// Whether this follows where something is wrong with the recording, and says nothing beside the cause.
+    pub(super) fn is_symptom(&self) -> bool {
+        matches!(self, Self::OddCamera { .. } | Self::Aim { .. } | Self::WeakCamera { .. })
+    }
 }
 
 /// What is to be said about the observations and the fit, worst first.
@@ -193,18 +186,9 @@ fn aim_warnings(cameras: &[CameraQuality]) -> Vec<Warning> {
 
 fn overlap_warnings(frames: &[FittedFrame], cameras: &[CameraQuality]) -> Vec<Warning> {
     let mut warnings = Vec::new();
-    let overlaps: Vec<(FrameIndex, f64)> =
-        frames.iter().filter_map(|f| Some((f.frame, f.mean_iou()?))).collect();
-    let Some(usual) = median(&mut overlaps.iter().map(|(_, iou)| *iou).collect()) else {
-        return warnings;
-    };
 
-    // cameras: all of them, and each beside the others
+    // each camera beside the others
     let seen: Vec<&CameraQuality> = cameras.iter().filter(|c| c.frames > 0).collect();
-    let of_cameras = median(&mut seen.iter().map(|c| c.mean_iou).collect());
-    if let Some(iou) = of_cameras.filter(|iou| *iou < POOR_IOU) {
-        warnings.push(Warning::PoorFit { iou });
-    }
     for quality in &seen {
         let others = seen.iter().filter(|c| c.camera != quality.camera);
         let others_iou = median(&mut others.map(|c| c.mean_iou).collect());
@@ -218,10 +202,9 @@ fn overlap_warnings(frames: &[FittedFrame], cameras: &[CameraQuality]) -> Vec<Wa
     }
 
     // frames
-    let lost: Vec<(FrameIndex, f64)> =
-        overlaps.into_iter().filter(|(_, iou)| *iou < LOST_SHARE * usual).collect();
-    if let Some(iou) = mean(lost.iter().map(|(_, iou)| *iou)) {
-        let frames = Frames(lost.into_iter().map(|(frame, _)| frame).collect());
+    let lost: Vec<&FittedFrame> = lost_frames(frames).into_iter().map(|i| &frames[i]).collect();
+    if let Some(iou) = mean(lost.iter().filter_map(|frame| frame.mean_iou())) {
+        let frames = Frames(lost.iter().map(|frame| frame.frame).collect());
         warnings.push(Warning::Lost { frames, iou });
     }
     warnings
@@ -255,15 +238,6 @@ mod tests {
         assert_eq!(of(&[3, 4, 5, 9, 11, 12]), "3–5, 9, 11, 12");
         assert_eq!(of(&[0, 2, 4, 6, 8, 10, 12]), "0, 2, 4, 6, 8, 10, …");
         assert_eq!(of(&[]), "");
-    }
-
-    #[test]
-    fn a_body_that_hardly_anybody_has_is_told() {
-        assert_eq!(odd_body(60.0, 39), None);
-        assert_eq!(
-            odd_body(837.0, 39).unwrap().to_string(),
-            "the fitted body is very unusual (43 times the usual −log p(s)): check up, unit and the masks"
-        );
     }
 
     #[test]

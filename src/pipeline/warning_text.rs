@@ -22,15 +22,7 @@ impl fmt::Display for Warning {
                 f,
                 "{camera} overlaps the body by {iou:.2}, the other cameras by {others_iou:.2}: check its calibration and its masks"
             ),
-            Self::PoorFit { iou } => write!(
-                f,
-                "the body covers the silhouettes badly (overlap {iou:.2}): is it the right body model, and is `up` right in sequence.toml?"
-            ),
             // the body
-            Self::OddBody { ratio } => write!(
-                f,
-                "the fitted body is very unusual ({ratio:.0} times the usual −log p(s)): check up, unit and the masks"
-            ),
             Self::KeepsPrior { parts } => match parts.as_slice() {
                 [part] => {
                     write!(f, "{part}: no camera shows how it is turned, so it keeps its prior")
@@ -41,6 +33,18 @@ impl fmt::Display for Warning {
                     parts.join(", ")
                 ),
             },
+            Self::Facing { odds } => write!(
+                f,
+                "the person may face the other way: that is only {odds:.0} times less probable; look at the overlays"
+            ),
+            Self::FacingUntried => write!(
+                f,
+                "which way the person faces was not compared: no keyframe proposed the other way; look at the overlays"
+            ),
+            Self::OneOutline => write!(
+                f,
+                "the cameras look along one line, so they show one outline: left and right legs, and left and right arms, can be exchanged; add a camera from the side"
+            ),
             Self::FewKeyframes { keyframes: 0 | 1 } => write!(
                 f,
                 "only one keyframe, so there is no confidence: use a smaller --keyframe-every"

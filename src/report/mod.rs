@@ -95,5 +95,6 @@ pub fn html(input: &ReportInput<'_>) -> Result<String, serde_json::Error> {
         shape::page(input),
         motion::page(input),
     ];
-    Ok(page::document(input.subject, &pages, &scene))
+    let banner = input.result.and_then(|result| page::banner(&result.verdict));
+    Ok(page::document(input.subject, banner.as_ref(), &pages, &scene))
 }

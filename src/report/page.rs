@@ -5,6 +5,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use super::Subject;
 use super::figure::style_of_sides;
 use crate::gait::{BEYOND_SD, Beyond, Footwear};
+use crate::pipeline::Verdict;
 
 const SCRIPT: &str = include_str!("bundle/report.js");
 const STYLE: &str = include_str!("bundle/report.css");
@@ -19,8 +20,19 @@ pub(super) struct Page {
     pub(super) is_brief: bool,
 }
 
-/// The whole file. `scene` is JSON.
-pub(super) fn document(subject: &Subject, pages: &[Page], scene: &str) -> String {
+/// What is printed across every page of a fit that cannot be used.
+pub(super) fn banner(verdict: &Verdict) -> Option<Markup> {
+    let headline = verdict.headline().filter(|_| !verdict.is_usable())?;
+    Some(html! { p class="verdict" role="alert" { (headline) } })
+}
+
+/// The whole file. `scene` is JSON, the banner stands on every page.
+pub(super) fn document(
+    subject: &Subject,
+    banner: Option<&Markup>,
+    pages: &[Page],
+    scene: &str,
+) -> String {
     // within a script element no text may look like its end
     let scene = scene.replace('<', "\\u003c");
     let title = subject.name.as_ref().unwrap_or(&subject.recording);
@@ -47,6 +59,7 @@ pub(super) fn document(subject: &Subject, pages: &[Page], scene: &str) -> String
                         section id=(page.id) class=[page.is_brief.then_some("brief")] aria-labelledby={ (page.id) "-title" } {
                             @if i == 0 { h1 { "Motion report" } }
                             h2 id={ (page.id) "-title" } { (page.title) }
+                            @if let Some(banner) = banner { (banner) }
                             (page.body)
                         }
                     }
@@ -135,17 +148,36 @@ pub(super) fn key(norm: Option<&str>) -> Markup {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::pipeline::{Cause, Reason};
 
     #[test]
     fn no_text_of_the_data_can_end_its_script() {
-        let page = document(&Subject::default(), &[], r#"{"name":"</script><b>"}"#);
+        let page = document(&Subject::default(), None, &[], r#"{"name":"</script><b>"}"#);
         assert!(page.contains(r#"{"name":"\u003c/script>\u003cb>"}"#));
+    }
+
+    #[test]
+    fn the_verdict_on_a_fit_that_cannot_be_used_stands_on_every_page() {
+        let page = |id| Page { id, title: id, body: html! {}, is_brief: false };
+        let reason = Reason::Overlap { found: 0.31, least: 0.65 };
+        let unusable = Verdict { unusable: vec![reason], causes: vec![Cause::AllMirrored] };
+        let pages = [page("one"), page("two")];
+        let text = document(&Subject::default(), banner(&unusable).as_ref(), &pages, "{}");
+        assert_eq!(
+            text.matches("not usable: the body overlaps the silhouettes by 0.31").count(),
+            2
+        );
+        assert!(text.contains("all pictures are mirrored"));
+
+        let late = Cause::Late { camera: "a".into(), frames: 2 };
+        let usable = Verdict { unusable: Vec::new(), causes: vec![late] };
+        assert!(banner(&usable).is_none());
     }
 
     #[test]
     fn a_name_with_markup_stays_text() {
         let subject = Subject { name: Some("<img src=x>".into()), ..Subject::default() };
-        assert!(document(&subject, &[], "{}").contains("&lt;img src=x&gt;"));
+        assert!(document(&subject, None, &[], "{}").contains("&lt;img src=x&gt;"));
         assert!(!foot(&subject).contains(['<', 'x']));
     }
 

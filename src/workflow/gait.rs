@@ -74,18 +74,19 @@ impl GaitStudy {
         Self::new(input, Some(result), options)
     }
 
-    /// Analyses a movement, against the shipped norm.
+    /// Analyses a movement, against the shipped norm; of a fit that cannot be used all numbers are withheld.
     pub(super) fn new(
         input: GaitInput,
         result: Option<ResultFile>,
         options: &GaitOptions,
     ) -> Result<Self, Error> {
-        Ok(Self {
-            analysis: analyse(&input.movement, options)?,
-            norm: NormChoice::Shipped.read()?,
-            input,
-            result,
-        })
+        let mut analysis = analyse(&input.movement, options)?;
+        let verdict = result.as_ref().map(|result| &result.verdict);
+        if let Some(unusable) = verdict.filter(|verdict| !verdict.is_usable()) {
+            analysis = analysis.withheld(unusable.headline().unwrap_or_default());
+        }
+
+        Ok(Self { analysis, norm: NormChoice::Shipped.read()?, input, result })
     }
 
     /// The same compared with another norm, and its steps and strides with people of this age and sex.

@@ -8,7 +8,7 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use crate::choice::{Choice, one_of};
-use crate::error::CliError;
+use crate::error::{CliError, usable};
 use crate::subject::SubjectArguments;
 use crate::switches::{Output, Overwrite};
 use maquette::GaitStudy;
@@ -39,6 +39,9 @@ pub(super) struct GaitArguments {
     /// Where to write [default: OUT/gait of a fit, NAME_gait beside NAME.trc]
     #[arg(long, value_name = "FOLDER")]
     out: Option<PathBuf>,
+    /// Which pass through the room to analyse, if the person leaves and comes back [default: the longest]
+    #[arg(long, value_name = "N")]
+    pass: Option<usize>,
     /// What the person walks on [default: detected]
     #[arg(long, value_parser = one_of(SURFACES))]
     surface: Option<Surface>,
@@ -94,6 +97,7 @@ pub(super) fn run(arguments: &GaitArguments) -> Result<(), CliError> {
     let options = GaitOptions {
         cutoff_hz: arguments.cutoff,
         surface: arguments.surface,
+        pass: arguments.pass,
         ..GaitOptions::default()
     };
     let out = out_folder(arguments);
@@ -118,7 +122,7 @@ pub(super) fn run(arguments: &GaitArguments) -> Result<(), CliError> {
     let json: Value = serde_json::from_slice(&study.json()?).map_err(maquette::Error::from)?;
     let json = || json!({ "out": out.display().to_string(), "gait": json });
     arguments.output.summarise(text, json);
-    Ok(())
+    study.result.as_ref().map_or(Ok(()), |result| usable(&result.verdict))
 }
 
 fn out_folder(arguments: &GaitArguments) -> PathBuf {

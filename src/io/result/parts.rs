@@ -36,7 +36,8 @@ impl ResultFile {
     pub fn new(fit: &Fit, from: Provenance<'_>) -> Self {
         let model = from.model;
         let notes = from.recording.notes.iter().map(ToString::to_string);
-        let warnings = fit.warnings.iter().map(ToString::to_string);
+        let warnings = fit.verdict.headline().into_iter();
+        let warnings = warnings.chain(fit.warnings.iter().map(ToString::to_string));
 
         Self {
             format: FORMAT.into(),
@@ -58,6 +59,7 @@ impl ResultFile {
             hypotheses: hypotheses(fit, model),
             winner: fit.winner,
             quality: quality(fit),
+            verdict: fit.verdict.clone(),
             warnings: warnings.chain(notes).collect(),
         }
     }

@@ -7,7 +7,7 @@ use crate::inference::noise::Noise;
 use crate::io::recording::{InputChecksum, Missing};
 use crate::pipeline::{
     CameraQuality, EstimateOptions, FrameSd, MinusLogPosterior, ObservationOptions, PointQuality,
-    ViewQuality,
+    Verdict, ViewQuality,
 };
 
 /// What a fit found, and what it was made from. Version 3.
@@ -37,7 +37,9 @@ pub struct ResultFile {
     pub winner: usize,
     /// How well the body covers the masks.
     pub quality: QualityPart,
-    /// What a person should know, in plain words.
+    /// Whether all this can be used, and what is wrong with the recording.
+    pub verdict: Verdict,
+    /// What a person should know, in plain words; the verdict first.
     pub warnings: Vec<String>,
 }
 

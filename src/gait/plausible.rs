@@ -1,0 +1,53 @@
+//! Steps that nobody takes: a wrong frame rate.
+
+use super::landmark::Side;
+use super::parameters::{Parameter, Parameters};
+use crate::math::stats::mean;
+
+/// Step length over cadence, m·min: adults walk at 0.0065 at any speed they choose (Sekiya & Nagasaki 1998: men 0.0066 ± 0.0005,
+/// women 0.0058 ± 0.0006), patients at 0.0045 to 0.0075 (Rota et al. 2011). Half the frame rate doubles it.
+const MOST_WALK_RATIO: f64 = 0.0105;
+/// Steps a minute that no walk has; twice the frame rate doubles them. Race walkers reach 200 in short steps.
+const MOST_CADENCE: f64 = 170.0;
+
+/// What to say where steps are such that the frame rate must be wrong.
+pub(super) fn frame_rate_note(parameters: &Parameters) -> Option<String> {
+    let both = |parameter: Parameter| {
+        mean(Side::BOTH.iter().filter_map(|side| Some(parameters.get(&(parameter, *side))?.mean)))
+    };
+    let (cadence, step_m) = (both(Parameter::Cadence)?, both(Parameter::StepLength)?);
+    let direction = match () {
+        () if cadence > MOST_CADENCE => "high",
+        () if step_m / cadence > MOST_WALK_RATIO => "low",
+        () => return None,
+    };
+    Some(format!(
+        "steps of {step_m:.2} m at {cadence:.0} a minute: nobody walks so; is the frame rate right? It seems too {direction} (--fps)"
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gait::Statistic;
+
+    fn note(cadence: f64, step_m: f64) -> Option<String> {
+        let of = |mean| Statistic { n: 1, mean, sd: None, uncertainty: None, values: vec![mean] };
+        let parameters = [(Parameter::Cadence, cadence), (Parameter::StepLength, step_m)];
+        let each = parameters.map(|(parameter, mean)| ((parameter, Side::Left), of(mean)));
+        frame_rate_note(&Parameters::from(each))
+    }
+
+    #[test]
+    fn the_same_walk_at_half_and_at_twice_the_frame_rate_is_told() {
+        assert_eq!(note(104.0, 0.65), None);
+        assert!(note(52.0, 0.65).unwrap().contains("too low"));
+        assert!(note(208.0, 0.65).unwrap().contains("too high"));
+    }
+
+    #[test]
+    fn slow_short_steps_of_a_patient_are_no_wrong_frame_rate() {
+        assert_eq!(note(60.0, 0.30), None);
+        assert_eq!(note(80.0, 0.60), None);
+    }
+}

@@ -1,0 +1,110 @@
+//! What silhouettes alone leave open: which way a person faces, and which limb is left.
+
+use super::Warning;
+use super::fit::TriedHypothesis;
+use crate::body::{Motion, Root};
+use crate::camera::Rig;
+use crate::inference::Evidence;
+use crate::silhouette::FrameObservations;
+
+/// Log odds below which the other way of facing is worth a word: a thousand to one.
+const CERTAIN: f64 = 6.9;
+/// Lines of sight nearer to one line than this show one outline, degrees.
+const ONE_LINE_DEG: f64 = 25.0;
+
+/// Says so if the person may face the other way: the best hypothesis that faces there is nearly as probable as the winner, or
+/// there was none.
+///
+/// `data_weight` is what the recording's own noise leaves of the residuals' stated weight. A hypothesis that was dropped on its
+/// way costs as much in the frames that it was spared as in those that it was followed through.
+pub(super) fn facing_warning(
+    evidence: &Evidence<'_>,
+    hypotheses: &[TriedHypothesis],
+    winner: usize,
+    data_weight: f64,
+) -> Option<Warning> {
+    if evidence.model.root == Root::Fixed {
+        return None;
+    }
+    let won = &hypotheses[winner].trial;
+    let faces_away = |other: &&TriedHypothesis| {
+        let both = won.frames.iter().zip(&other.trial.frames);
+        let mut both = both.filter_map(|(a, b)| Some((a.as_ref()?, b.as_ref()?)));
+        both.next().is_some_and(|(a, b)| forwards(&a.motion).dot(&forwards(&b.motion)) < 0.0)
+    };
+    let energy = |tried: &TriedHypothesis| {
+        let followed = tried.fitted.max(1) as f64 / tried.trial.frames.len().max(1) as f64;
+        tried.trial.energy() / followed
+    };
+
+    let away = hypotheses.iter().filter(faces_away).map(energy);
+    match away.reduce(f64::min) {
+        None => Some(Warning::FacingUntried),
+        Some(other) => {
+            let log_odds = data_weight * (other - won.energy());
+            (log_odds < CERTAIN).then(|| Warning::Facing { odds: log_odds.max(0.0).exp() })
+        }
+    }
+}
+
+/// The horizontal direction of the root's x axis.
+fn forwards(motion: &Motion) -> nalgebra::Vector2<f64> {
+    motion.world_from_root.matrix().column(0).xy()
+}
+
+/// Says so if all cameras that see the person look along one line, from one end or from both: they show one outline, and what
+/// is left in it may be right.
+pub(super) fn one_outline_warning(rig: &Rig, frames: &[FrameObservations]) -> Option<Warning> {
+    let has_points = frames.iter().any(|frame| !frame.points.is_empty());
+    let sees = |id: usize| frames.iter().any(|f| f.views.iter().any(|(c, _)| c.0 == id));
+    let axes: Vec<_> = (0..rig.cameras.len())
+        .filter(|id| sees(*id))
+        .map(|id| rig.cameras[id].optical_axis().direction_world)
+        .collect();
+
+    let first = axes.first()?;
+    let along = ONE_LINE_DEG.to_radians().cos();
+    (axes.len() > 1 && !has_points && axes.iter().all(|axis| first.dot(axis).abs() > along))
+        .then_some(Warning::OneOutline)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::CameraId;
+    use crate::math::Rigid3;
+    use crate::silhouette::{FrameIndex, SilhouetteOptions, extract};
+    use crate::synth::Ring;
+    use nalgebra::Vector3;
+
+    fn warning(headings_deg: &[f64]) -> Option<Warning> {
+        let mut rig = Ring::default().regular();
+        let first = rig.cameras[0].clone();
+        rig.cameras = headings_deg
+            .iter()
+            .map(|deg| {
+                let mut camera = first.clone();
+                camera.camera_from_world *= Rigid3::rotation(Vector3::z() * deg.to_radians());
+                camera
+            })
+            .collect();
+
+        let (w, h) = (first.width_px as usize, first.height_px as usize);
+        let mask = crate::image::Mask::from_fn(w, h, |x, y| {
+            x > w / 3 && x < w / 2 && y > h / 3 && y < h / 2
+        });
+        let silhouette = extract(&mask, &first, &SilhouetteOptions::default()).unwrap();
+        let mut frame = FrameObservations::nothing(FrameIndex(0));
+        frame.views = (0..rig.cameras.len()).map(|i| (CameraId(i), silhouette.clone())).collect();
+        one_outline_warning(&rig, &[frame])
+    }
+
+    #[test]
+    fn cameras_on_one_line_show_one_outline_and_others_do_not() {
+        assert_eq!(warning(&[0.0, 180.0]), Some(Warning::OneOutline));
+        assert_eq!(warning(&[0.0, 10.0, 190.0]), Some(Warning::OneOutline));
+        assert_eq!(warning(&[0.0, 90.0]), None);
+        assert_eq!(warning(&[0.0, 180.0, 60.0]), None);
+        assert_eq!(warning(&[0.0]), None);
+    }
+}

@@ -1,0 +1,257 @@
+//! Whether the silhouettes agree with each other, whatever body they show.
+//!
+//! A point p on the border of a silhouette shows a point of the person, somewhere along its line of sight x(t); there every
+//! other camera sees the person too. By how much a line of sight *misses* the other silhouettes, in metres,
+//!
+//! ```text
+//! miss(p) = min over t of max over cameras b of d_b(x(t)) · z_b(x(t)) / f_b
+//! ```
+//!
+//! (d_b: pixels outside the silhouette of b, z_b: depth, f_b: focal length) is 0 for any body if cameras, clocks and masks are
+//! right (silhouette coherence: Hernández, Schmitt & Cipolla, PAMI 2007). Its mean over border points, cameras and frames
+//! compares hypotheses about a recording that no body needs to be fitted for: [`Reading`]s.
+
+use nalgebra::{Point2, Point3};
+use rayon::prelude::*;
+
+use crate::camera::{Camera, CameraId, Ray, Rig, closest_point};
+use crate::math::stats::mean;
+use crate::silhouette::{FrameObservations, Silhouette};
+
+/// Frames that are looked at, evenly spaced.
+const SAMPLED_FRAMES: usize = 8;
+/// A bad hypothesis shows in every third of them.
+const FEW: usize = 3;
+/// Border points of each silhouette that are looked at.
+const BORDER_POINTS: f64 = 48.0;
+/// How far before and behind the subject a line of sight is followed, and in which steps, metres.
+const REACH_M: f64 = 1.6;
+const STEP_M: f64 = 0.04;
+/// A line of sight that misses by more than this misses altogether, metres.
+const MOST_M: f64 = 0.3;
+
+/// How the pictures of a camera are read: as they are, or by a hypothesis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Reading {
+    /// The camera whose pictures these are.
+    pub(super) camera: CameraId,
+    /// By how many frames they are late.
+    pub(super) late: isize,
+    /// Whether left and right are exchanged in them.
+    pub(super) mirrored: bool,
+    /// The true focal length over the calibrated one.
+    pub(super) zoom: f64,
+}
+
+impl Reading {
+    /// As they are.
+    pub(super) fn plain(camera: CameraId) -> Self {
+        Self { camera, late: 0, mirrored: false, zoom: 1.0 }
+    }
+}
+
+/// The recording that hypotheses are about.
+#[derive(Debug, Clone)]
+pub(super) struct Scene<'a> {
+    pub(super) rig: &'a Rig,
+    frames: &'a [FrameObservations],
+    sampled: Vec<usize>,
+}
+
+/// By how much silhouettes miss each other, metres.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Misses {
+    /// Camera by camera, mean over frames; `None` for one that is left out or sees nothing.
+    pub(super) cameras: Vec<Option<f64>>,
+    /// Frame by frame, mean over cameras; `None` where a camera that shows the frame is not there as it is read.
+    pub(super) frames: Vec<Option<f64>>,
+}
+
+impl Misses {
+    /// Mean over the frames; 0 without any.
+    pub(super) fn mean_m(&self) -> f64 {
+        mean(self.frames.iter().flatten().copied()).unwrap_or(0.0)
+    }
+
+    /// Those of [`Scene::few_misses`].
+    pub(super) fn few(&self) -> Self {
+        let frames = self.frames.iter().step_by(FEW).copied().collect();
+        Self { frames, ..self.clone() }
+    }
+
+    /// Which share of other misses these are, and in which share of the frames they are fewer; `None` unless both are known in
+    /// half of the frames.
+    pub(super) fn share_of(&self, others: &Self) -> Option<(f64, f64)> {
+        let frames = self.frames.iter().zip(&others.frames);
+        let both: Vec<(f64, f64)> = frames.filter_map(|(a, b)| Some(((*a)?, (*b)?))).collect();
+        let sum = |of: fn(&(f64, f64)) -> f64| both.iter().map(of).sum::<f64>();
+        let fewer = both.iter().filter(|(a, b)| a < b).count() as f64 / both.len().max(1) as f64;
+        let known = 2 * both.len() >= self.frames.len() && sum(|b| b.1) > 0.0;
+        known.then(|| (sum(|b| b.0) / sum(|b| b.1), fewer))
+    }
+}
+
+/// A silhouette as a hypothesis reads it.
+struct View<'a> {
+    id: usize,
+    camera: &'a Camera,
+    silhouette: &'a Silhouette,
+    reading: Reading,
+}
+
+impl<'a> Scene<'a> {
+    /// A recording; frames that fewer than two cameras show are not looked at.
+    pub(super) fn new(rig: &'a Rig, frames: &'a [FrameObservations]) -> Self {
+        let usable: Vec<usize> =
+            (0..frames.len()).filter(|i| frames[*i].views.len() >= 2).collect();
+        let count = usable.len().min(SAMPLED_FRAMES);
+        // the middles of as many equal stretches
+        let sampled = (0..count).map(|i| usable[(2 * i + 1) * usable.len() / (2 * count)]);
+        Self { rig, frames, sampled: sampled.collect() }
+    }
+
+    /// Every camera as it is.
+    pub(super) fn plain(&self) -> Vec<Option<Reading>> {
+        self.rig.iter().map(|(id, _)| Some(Reading::plain(id))).collect()
+    }
+
+    /// By how much the silhouettes miss each other if each camera of the rig is read as `readings` say; `None` leaves it out.
+    pub(super) fn misses(&self, readings: &[Option<Reading>]) -> Misses {
+        self.misses_in(&self.sampled, readings)
+    }
+
+    /// The same, of every third frame only: enough to drop a bad hypothesis.
+    pub(super) fn few_misses(&self, readings: &[Option<Reading>]) -> Misses {
+        let few: Vec<usize> = self.sampled.iter().step_by(FEW).copied().collect();
+        self.misses_in(&few, readings)
+    }
+
+    fn misses_in(&self, sampled: &[usize], readings: &[Option<Reading>]) -> Misses {
+        let of_frame = |i: &usize| Some(frame_misses(&self.views(*i, readings)?));
+        let frames: Vec<Option<Vec<(usize, f64)>>> = sampled.par_iter().map(of_frame).collect();
+
+        let of_camera = |id: usize| {
+            let all = frames.iter().flatten().flatten().filter(|(camera, _)| *camera == id);
+            mean(all.map(|(_, miss)| *miss))
+        };
+        let total = |views: &Option<Vec<(usize, f64)>>| mean(views.iter().flatten().map(|v| v.1));
+        Misses {
+            cameras: (0..self.rig.cameras.len()).map(of_camera).collect(),
+            frames: frames.iter().map(total).collect(),
+        }
+    }
+
+    /// The silhouettes of a frame; `None` if a camera is not there at the moment at which it is read, but shows the frame.
+    fn views(&self, position: usize, readings: &[Option<Reading>]) -> Option<Vec<View<'a>>> {
+        let shown = |frame: &'a FrameObservations, id: CameraId| {
+            frame.views.iter().find(|(c, _)| *c == id).map(|(_, silhouette)| silhouette)
+        };
+        let mut views = Vec::new();
+        for (id, reading) in readings.iter().enumerate() {
+            let Some(reading) = *reading else {
+                continue;
+            };
+            let moment = self.shifted(position, reading.late);
+            let camera = &self.rig.cameras[id];
+            match moment.and_then(|frame| shown(frame, reading.camera)) {
+                Some(silhouette) => views.push(View { id, camera, silhouette, reading }),
+                None if shown(&self.frames[position], reading.camera).is_some() => return None,
+                None => {}
+            }
+        }
+        Some(views)
+    }
+
+    /// The frame so many frame numbers on.
+    fn shifted(&self, position: usize, by: isize) -> Option<&'a FrameObservations> {
+        let number = self.frames[position].frame.0.checked_add_signed(by)?;
+        let found = self.frames.binary_search_by_key(&number, |f| f.frame.0);
+        self.frames.get(found.ok()?)
+    }
+}
+
+impl View<'_> {
+    /// Where the picture shows what the calibration puts at a pixel.
+    fn shown(&self, calibrated: Point2<f64>) -> Point2<f64> {
+        let middle = self.principal_point();
+        self.unmirrored(middle + (calibrated - middle) * self.reading.zoom)
+    }
+
+    /// Where the calibration would put what the picture shows at a pixel.
+    fn calibrated(&self, shown: Point2<f64>) -> Point2<f64> {
+        let middle = self.principal_point();
+        middle + (self.unmirrored(shown) - middle) / self.reading.zoom
+    }
+
+    fn unmirrored(&self, pixel: Point2<f64>) -> Point2<f64> {
+        let last = f64::from(self.camera.width_px) - 1.0;
+        if self.reading.mirrored { Point2::new(last - pixel.x, pixel.y) } else { pixel }
+    }
+
+    fn principal_point(&self) -> Point2<f64> {
+        let k = &self.camera.intrinsics;
+        Point2::new(k.cx_px, k.cy_px)
+    }
+}
+
+/// The camera and the mean miss of each view.
+fn frame_misses(views: &[View<'_>]) -> Vec<(usize, f64)> {
+    let middle = |v: &View<'_>| v.camera.ray(&v.calibrated(v.silhouette.centroid));
+    let sights: Vec<Ray> = views.iter().map(middle).collect();
+    let Some(subject) = closest_point(&sights) else {
+        return Vec::new();
+    };
+
+    let of_view = |(i, view): (usize, &View<'_>)| {
+        let border: f64 = view.silhouette.contour.iter().map(|p| p.length_px).sum();
+        let points = view.silhouette.thinned(border / BORDER_POINTS);
+        let misses = points.iter().filter_map(|point| {
+            let ray = view.camera.ray(&view.calibrated(point.pixel));
+            let middle = (subject - ray.origin_world).dot(&ray.direction_world);
+            line_of_sight_miss(&ray, middle, views, i)
+        });
+        Some((view.id, mean(misses)?))
+    };
+    views.iter().enumerate().filter_map(of_view).collect()
+}
+
+/// The least over the line of sight of the most over the other views; `None` where no other camera sees any of it.
+fn line_of_sight_miss(ray: &Ray, middle: f64, views: &[View<'_>], own: usize) -> Option<f64> {
+    let steps = (2.0 * REACH_M / STEP_M) as usize;
+    let mut least: Option<f64> = None;
+    for step in 0..=steps {
+        let t = middle - REACH_M + step as f64 * STEP_M;
+        if t <= 0.0 {
+            continue;
+        }
+        if let Some(miss) = place_miss(&ray.point_at(t), views, own, least.unwrap_or(MOST_M)) {
+            least = Some(least.map_or(miss, |l| l.min(miss)));
+        }
+        if least == Some(0.0) {
+            break;
+        }
+    }
+    least
+}
+
+/// By how much a place lies outside the silhouette that it is farthest outside of; no more than `enough`.
+fn place_miss(place: &Point3<f64>, views: &[View<'_>], own: usize, enough: f64) -> Option<f64> {
+    let mut most: Option<f64> = None;
+    for view in views.iter().enumerate().filter(|(i, _)| *i != own).map(|(_, v)| v) {
+        let Some(pixel) = view.camera.project_undistorted(place) else {
+            continue;
+        };
+        let pixel = view.shown(pixel);
+        if !view.silhouette.sees(&pixel) {
+            continue;
+        }
+        let depth = (view.camera.camera_from_world * place).z;
+        let (outside_px, _) = view.silhouette.outside.sample(&pixel);
+        let miss = outside_px * depth / (view.reading.zoom * view.camera.intrinsics.focal_px());
+        most = Some(most.map_or(miss, |m: f64| m.max(miss)));
+        if miss >= enough {
+            return Some(enough);
+        }
+    }
+    most
+}

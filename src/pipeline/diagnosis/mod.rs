@@ -1,0 +1,28 @@
+//! Whether a fit can be used, and what is wrong with the recording where something is.
+//!
+//! | file             | holds                                                             |
+//! |------------------|-------------------------------------------------------------------|
+//! | `verdict.rs`     | [`Verdict`]: usable or not, by which figures, and the [`Cause`]s |
+//! | `text.rs`        | all of it in plain words                                          |
+//! | `coherence.rs`   | whether the silhouettes agree, whatever body they show            |
+//! | `cameras.rs`     | exchanged, mirrored, late, zoomed and displaced cameras           |
+//! | `room.rs`        | what stands still in the masks                                    |
+//! | `volume.rs`      | what the silhouettes hold beside the body, and how tall it is     |
+//! | `upright.rs`     | whether the person stands along another axis                      |
+//! | `proportions.rs` | whether the world is too large for the body                       |
+//!
+//! Causes are hypotheses that were tested, one after the other, each against the recording as it is. The first that explains
+//! what was found is named, and what would follow from it is not.
+
+mod cameras;
+mod coherence;
+mod proportions;
+mod room;
+mod text;
+mod upright;
+mod verdict;
+mod volume;
+
+pub use upright::HeadAxis;
+pub use verdict::{Cause, Reason, Verdict};
+pub(super) use verdict::{Diagnosis, LEAST_OVERLAP, camera_causes, lost_frames};

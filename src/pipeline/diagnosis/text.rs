@@ -1,0 +1,139 @@
+//! Verdicts in plain words.
+
+use std::fmt;
+
+use super::{Cause, Reason, Verdict};
+
+impl Verdict {
+    /// The verdict in one line: why a fit cannot be used, and what is wrong. `None` where there is nothing to say.
+    pub fn headline(&self) -> Option<String> {
+        let reasons: Vec<String> = self.unusable.iter().map(ToString::to_string).collect();
+        let causes: Vec<String> = self.causes.iter().map(ToString::to_string).collect();
+        match (reasons.is_empty(), causes.is_empty()) {
+            (true, true) => None,
+            (true, false) => Some(causes.join("; ")),
+            (false, true) => Some(format!("not usable: {}", reasons.join(", "))),
+            (false, false) => {
+                Some(format!("not usable: {}. {}", reasons.join(", "), causes.join("; ")))
+            }
+        }
+    }
+}
+
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Overlap { found, least } => {
+                write!(
+                    f,
+                    "the body overlaps the silhouettes by {found:.2} (at least {least:.2} is needed)"
+                )
+            }
+            Self::Body { found, most } => {
+                write!(
+                    f,
+                    "its size and proportions are {found:.0} times as improbable as usual (at most {most:.0})"
+                )
+            }
+            Self::LostFrames { found, most } => {
+                write!(
+                    f,
+                    "{:.0} % of the frames are lost (at most {:.0} %)",
+                    100.0 * found,
+                    100.0 * most
+                )
+            }
+        }
+    }
+}
+
+impl fmt::Display for Cause {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            // cameras
+            Self::AllMirrored => {
+                write!(f, "all pictures are mirrored: exchange left and right in them")
+            }
+            Self::Mirrored { camera } => {
+                write!(f, "{camera} is mirrored: exchange left and right in its pictures")
+            }
+            Self::Exchanged { cameras: [a, b] } => {
+                write!(f, "{a} and {b} are exchanged: each has the other's files or calibration")
+            }
+            Self::Late { camera, frames } => write!(
+                f,
+                "{camera} is {} by {}: add {} to its offset_frames in sequence.toml",
+                if *frames > 0 { "late" } else { "early" },
+                crate::pipeline::counted(frames.unsigned_abs(), "frame"),
+                -frames
+            ),
+            Self::FocalLengths { factor } => write!(
+                f,
+                "the focal lengths of all cameras are about {}: calibrate the lenses again, with zoom and picture size as recorded",
+                too_large(*factor, "long", "short")
+            ),
+            Self::FocalLength { camera, factor } => write!(
+                f,
+                "the focal length of {camera} is about {}: calibrate its lens again, with zoom and picture size as recorded",
+                too_large(*factor, "long", "short")
+            ),
+            Self::Displaced { camera, miss_m } => write!(
+                f,
+                "{camera} shows the person elsewhere than the other cameras do, by {:.0} cm: it was moved, turned or zoomed after the calibration; calibrate it again, or leave it out",
+                (100.0 * miss_m).max(1.0)
+            ),
+            of_scene => of_scene.fmt_scene(f),
+        }
+    }
+}
+
+impl Cause {
+    /// What is wrong with the masks, the world or the body.
+    fn fmt_scene(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::StillParts { cameras, share } => write!(
+                f,
+                "the masks of {} hold something that never moves, up to {:.0} % of the person's area: furniture, or a stale picture of the empty room; segment again",
+                cameras.join(", "),
+                100.0 * share
+            ),
+            Self::SecondBody { litres } => write!(
+                f,
+                "the silhouettes hold {litres:.0} litres beside the body: a second person or a large object; keep one person in the masks"
+            ),
+            Self::MasksDisagree { miss_m } => write!(
+                f,
+                "the outlines of all cameras miss each other, by {:.0} mm: thin parts (arms, hands, feet) are lost in the masks, or the masks hold more than the person; segment again",
+                1e3 * miss_m
+            ),
+            Self::CutOff { height_m } => write!(
+                f,
+                "the silhouettes are {height_m:.2} m tall, less than a standing adult: the legs or other parts are hidden, cut off or lost in the masks (or the person sits or is a child, or the unit of the calibration is wrong)"
+            ),
+            Self::Turned { head } => write!(
+                f,
+                "the person's head points along {} of the world, not up: set another `up` in sequence.toml (z, -z, y or -y)",
+                head.name()
+            ),
+            Self::FrameRate { acceleration_g } => write!(
+                f,
+                "the pelvis is accelerated by {acceleration_g:.0} g on average, and nobody moves so: the frame rate is too high (--fps)"
+            ),
+            Self::Scale { factor } => write!(
+                f,
+                "the body is about {} for a person: is the calibration's unit of length right (the size of the board's squares)?",
+                too_large(*factor, "large", "small")
+            ),
+            _ => write!(
+                f,
+                "no cause was found: look at the overlays (--overlays): does every mask show one whole person, and nothing else?"
+            ),
+        }
+    }
+}
+
+/// `5 % too long`.
+fn too_large(factor: f64, large: &str, small: &str) -> String {
+    let percent = 100.0 * (factor - 1.0).abs();
+    format!("{percent:.0} % too {}", if factor > 1.0 { large } else { small })
+}

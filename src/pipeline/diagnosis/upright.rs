@@ -1,0 +1,75 @@
+//! Whether the person stands along another axis of the world than the one that is said to point up.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use nalgebra::Vector3;
+
+use crate::camera::Rig;
+use crate::inference::Evidence;
+use crate::inference::start::{StartOptions, readings};
+use crate::math::Rigid3;
+use crate::silhouette::FrameObservations;
+
+/// The axis of the world along which a person's head points.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum HeadAxis {
+    /// +X.
+    X,
+    /// −X.
+    MinusX,
+    /// +Y.
+    Y,
+    /// −Y.
+    MinusY,
+    /// −Z: upside down.
+    MinusZ,
+}
+
+impl HeadAxis {
+    const ALL: [Self; 5] = [Self::X, Self::MinusX, Self::Y, Self::MinusY, Self::MinusZ];
+
+    /// `−Z`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::X => "X",
+            Self::MinusX => "−X",
+            Self::Y => "Y",
+            Self::MinusY => "−Y",
+            Self::MinusZ => "−Z",
+        }
+    }
+
+    /// The turn that takes the axis to z.
+    fn to_up(self) -> Rigid3 {
+        Rigid3::rotation(match self {
+            Self::X => Vector3::y() * -FRAC_PI_2,
+            Self::MinusX => Vector3::y() * FRAC_PI_2,
+            Self::Y => Vector3::x() * FRAC_PI_2,
+            Self::MinusY => Vector3::x() * -FRAC_PI_2,
+            Self::MinusZ => Vector3::x() * PI,
+        })
+    }
+}
+
+/// A person along another axis must cost less than this share of what one along z costs, at a keyframe's optimum.
+const CLEARLY: f64 = 0.6;
+
+/// The axis of the head, if a body fits one frame much better along it than along z.
+pub(super) fn head_axis(evidence: &Evidence<'_>, frame: &FrameObservations) -> Option<HeadAxis> {
+    let cost = |rig: &Rig| {
+        let found = readings(&evidence.with_rig(rig), frame, &StartOptions::default());
+        found.first().map(|reading| reading.cost)
+    };
+    let turned = |axis: HeadAxis| {
+        let world_from_turned = axis.to_up().inverse();
+        let mut rig = evidence.rig.clone();
+        rig.cameras.iter_mut().for_each(|c| c.camera_from_world *= world_from_turned);
+        Some((axis, cost(&rig)?))
+    };
+
+    let upright = cost(evidence.rig)?;
+    let all = HeadAxis::ALL.into_iter().filter_map(turned);
+    let best = all.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    (best.1 < CLEARLY * upright).then_some(best.0)
+}

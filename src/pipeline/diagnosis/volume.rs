@@ -1,0 +1,106 @@
+//! The room that the silhouettes leave: voxels that lie in all of them, body or not.
+
+use nalgebra::{Point3, Vector3};
+
+use super::coherence::Reading;
+use crate::body::Posed;
+use crate::camera::{Ray, Rig, closest_point};
+use crate::math::stats::median;
+use crate::silhouette::{FrameObservations, Silhouette};
+
+/// Edge of a voxel, and half the edge of the cube that is looked at, metres.
+const VOXEL_M: f64 = 0.08;
+const REACH_M: f64 = 2.0;
+/// Frames that are looked at.
+const SAMPLED_FRAMES: usize = 6;
+/// A voxel must lie in so many silhouettes, or in all where there are fewer: two leave room for much that is not there.
+const LEAST_VIEWS: usize = 4;
+/// What is farther from the body than this is not its cloth, m.
+const CLOTH_M: f64 = 0.15;
+
+/// The voxels of one frame.
+#[derive(Debug, Clone)]
+pub(super) struct Volume {
+    /// Position of the frame among the observations.
+    pub(super) frame: usize,
+    places: Vec<Point3<f64>>,
+}
+
+/// The volumes of some frames, of the cameras that are not left out.
+pub(super) fn volumes(
+    rig: &Rig,
+    frames: &[FrameObservations],
+    readings: &[Option<Reading>],
+) -> Vec<Volume> {
+    let seen: Vec<usize> = (0..frames.len()).filter(|i| frames[*i].views.len() >= 2).collect();
+    let count = seen.len().min(SAMPLED_FRAMES);
+    let sampled = (0..count).map(|i| seen[(2 * i + 1) * seen.len() / (2 * count)]);
+    let volume = |frame: usize| {
+        let views = frames[frame].views.iter();
+        let views: Vec<(usize, &Silhouette)> = views
+            .filter(|(id, _)| readings[id.0].is_some())
+            .map(|(id, silhouette)| (id.0, silhouette))
+            .collect();
+        Volume { frame, places: carve(rig, &views) }
+    };
+    sampled.map(volume).collect()
+}
+
+fn carve(rig: &Rig, views: &[(usize, &Silhouette)]) -> Vec<Point3<f64>> {
+    let sights = views.iter().map(|(id, s)| rig.cameras[*id].ray(&s.centroid));
+    let Some(middle) = closest_point(&sights.collect::<Vec<Ray>>()) else {
+        return Vec::new();
+    };
+
+    let n = (2.0 * REACH_M / VOXEL_M) as usize;
+    let along = |i: usize| (i as f64 + 0.5) * VOXEL_M - REACH_M;
+    let place =
+        |v: usize| middle + Vector3::new(along(v % n), along(v / n % n), along(v / (n * n)));
+    (0..n * n * n).map(place).filter(|place| is_in_all(rig, views, place)).collect()
+}
+
+fn is_in_all(rig: &Rig, views: &[(usize, &Silhouette)], place: &Point3<f64>) -> bool {
+    let mut seen = 0;
+    for (id, silhouette) in views {
+        let pixel = rig.cameras[*id].project_undistorted(place);
+        let Some(pixel) = pixel.filter(|pixel| silhouette.sees(pixel)) else {
+            continue;
+        };
+        if !silhouette.contains(&pixel) {
+            return false;
+        }
+        seen += 1;
+    }
+    seen >= LEAST_VIEWS.min(views.len())
+}
+
+/// How tall what is seen is: the median over the frames of the voxels' extent along z; `None` without any.
+pub(super) fn height_m(volumes: &[Volume]) -> Option<f64> {
+    let extent = |volume: &Volume| {
+        let heights = || volume.places.iter().map(|p| p.z);
+        let (low, high) = (heights().reduce(f64::min)?, heights().reduce(f64::max)?);
+        Some(high - low + VOXEL_M)
+    };
+    median(&mut volumes.iter().filter_map(extent).collect())
+}
+
+/// Litres that lie apart from the body, which stands in each volume's frame as `body` says: median over the frames.
+pub(super) fn apart_l<'a>(volumes: &[Volume], body: impl Fn(usize) -> Posed<'a>) -> f64 {
+    let apart = |volume: &Volume| {
+        let ellipsoids = body(volume.frame).ellipsoids();
+        let inverse = ellipsoids.iter().filter_map(|e| Some((e.centre, e.shape.try_inverse()?)));
+        let inverse: Vec<_> = inverse.collect();
+
+        // along the line from the centre, the surface lies at 1/ρ of the way
+        let is_apart = |place: &&Point3<f64>| {
+            inverse.iter().all(|(centre, inverse)| {
+                let offset = place.coords - centre;
+                let rho = offset.dot(&(inverse * offset)).sqrt();
+                offset.norm() * (1.0 - 1.0 / rho.max(f64::MIN_POSITIVE)) > CLOTH_M
+            })
+        };
+        volume.places.iter().filter(is_apart).count() as f64
+    };
+    let voxels = median(&mut volumes.iter().map(apart).collect()).unwrap_or(0.0);
+    1e3 * VOXEL_M.powi(3) * voxels
+}
