@@ -13,7 +13,7 @@ use maquette::inference::start::{StartOptions, readings};
 use maquette::inference::{Detail, Evidence, Sequence};
 use maquette::likelihood::EllipseOptions;
 use maquette::pipeline::{EstimateOptions, Fit, fit};
-use maquette::silhouette::FrameObservations;
+use maquette::silhouette::{FrameIndex, FrameObservations};
 use maquette::solver::{NormalEquations, Options, Solution, levenberg_marquardt};
 use maquette::synth::draw_shape;
 use nalgebra::{DVector, Rotation3, Vector2, Vector3};
@@ -237,4 +237,40 @@ fn a_camera_that_was_touched_is_found_and_costs_the_body_nothing() {
     assert!(best - with < 0.2 * (best - without), "{best} {with} {without}");
     let [with, without] = [&aimed, &trusting].map(error_mm);
     assert!(with < without, "{with} {without} mm");
+}
+
+#[test]
+fn a_person_who_leaves_and_comes_back_elsewhere_facing_the_other_way_is_found_again() {
+    // twenty frames, twenty without anybody, and ten of the same walk turned about
+    let scene = &*SCENE;
+    let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), std::f64::consts::PI);
+    let returned = |i: usize| {
+        let motion = &scene.motions[i];
+        Motion {
+            position_world: turn * motion.position_world,
+            world_from_root: turn * motion.world_from_root,
+            ..motion.clone()
+        }
+    };
+    let mut motions: Vec<Option<Motion>> = scene.motions.iter().cloned().map(Some).collect();
+    motions.extend((0..FRAMES).map(|_| None));
+    motions.extend((0..10).map(|i| Some(returned(i))));
+    let frames: Vec<FrameObservations> = motions
+        .iter()
+        .enumerate()
+        .map(|(i, motion)| match motion {
+            Some(m) => observe(&Posed::new(&scene.model, &scene.shape, m), &scene.rig, i),
+            None => FrameObservations::nothing(FrameIndex(i)),
+        })
+        .collect();
+
+    let options = EstimateOptions { joint: None, ..EstimateOptions::default() };
+    let sequence = Sequence { frames: &frames, fps: FPS };
+    let found = fit(&scene.model, &scene.rig, sequence, &options, &NoJournal).unwrap();
+    for (i, truth) in motions.iter().enumerate() {
+        let Some(truth) = truth else { continue };
+        let off = (found.frames[i].fit.motion.position_world - truth.position_world).norm();
+        assert!(off < 0.05, "frame {i} is {off:.2} m off");
+        assert!(found.frames[i].mean_iou().is_some_and(|iou| iou > 0.8), "frame {i}");
+    }
 }

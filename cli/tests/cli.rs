@@ -31,6 +31,8 @@ mod silhouettes;
 mod skin;
 #[path = "cli/stereo.rs"]
 mod stereo;
+#[path = "cli/verdict.rs"]
+mod verdict;
 #[path = "cli/views.rs"]
 mod views;
 #[allow(dead_code, reason = "a walker shared with the tests of gait")]

@@ -1,5 +1,7 @@
 //! What silhouettes alone leave open: which way a person faces, and which limb is left.
 
+use nalgebra::Vector2;
+
 use super::Warning;
 use super::fit::TriedHypothesis;
 use crate::body::{Motion, Root};
@@ -48,7 +50,7 @@ pub(super) fn facing_warning(
 }
 
 /// The horizontal direction of the root's x axis.
-fn forwards(motion: &Motion) -> nalgebra::Vector2<f64> {
+fn forwards(motion: &Motion) -> Vector2<f64> {
     motion.world_from_root.matrix().column(0).xy()
 }
 
@@ -57,15 +59,15 @@ fn forwards(motion: &Motion) -> nalgebra::Vector2<f64> {
 pub(super) fn one_outline_warning(rig: &Rig, frames: &[FrameObservations]) -> Option<Warning> {
     let has_points = frames.iter().any(|frame| !frame.points.is_empty());
     let sees = |id: usize| frames.iter().any(|f| f.views.iter().any(|(c, _)| c.0 == id));
-    let axes: Vec<_> = (0..rig.cameras.len())
-        .filter(|id| sees(*id))
-        .map(|id| rig.cameras[id].optical_axis().direction_world)
-        .collect();
+    // seen from above
+    let axes = (0..rig.cameras.len()).filter(|id| sees(*id));
+    let axes = axes.map(|id| rig.cameras[id].optical_axis().direction_world.xy());
+    let axes: Vec<Vector2<f64>> = axes.filter_map(|axis| axis.try_normalize(1e-3)).collect();
 
     let first = axes.first()?;
     let along = ONE_LINE_DEG.to_radians().cos();
-    (axes.len() > 1 && !has_points && axes.iter().all(|axis| first.dot(axis).abs() > along))
-        .then_some(Warning::OneOutline)
+    let is_one_line = axes.iter().all(|axis| first.dot(axis).abs() > along);
+    (axes.len() > 1 && !has_points && is_one_line).then_some(Warning::OneOutline)
 }
 
 #[cfg(test)]

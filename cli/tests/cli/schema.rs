@@ -46,6 +46,7 @@ fn faults(value: &Value, schema: &Value, at: &str) -> Vec<String> {
 fn is_of_type(value: &Value, rule: &Value) -> bool {
     let is = |name: &Value| match name.as_str() {
         Some("string") => value.is_string(),
+        Some("boolean") => value.is_boolean(),
         Some("number") => value.is_number(),
         Some("integer") => value.is_u64() || value.is_i64(),
         Some("null") => value.is_null(),

@@ -113,7 +113,7 @@ pub(super) fn camera_faults(scene: &Scene<'_>) -> CameraFaults {
     let mut left = 1.0;
     let first_m = scene.misses(&readings).mean_m();
     while faults.len() < readings.len() {
-        let found = next_fault(scene, &readings, faults.is_empty());
+        let found = next_fault(scene, &readings);
         let Some(found) = found else {
             break;
         };
@@ -124,7 +124,7 @@ pub(super) fn camera_faults(scene: &Scene<'_>) -> CameraFaults {
     CameraFaults { faults, readings, left, left_m: left * first_m }
 }
 
-fn next_fault(scene: &Scene<'_>, readings: &[Option<Reading>], first: bool) -> Option<Trial> {
+fn next_fault(scene: &Scene<'_>, readings: &[Option<Reading>]) -> Option<Trial> {
     let now = scene.misses(readings);
     if now.mean_m() < QUIET_M {
         return None;
@@ -139,7 +139,7 @@ fn next_fault(scene: &Scene<'_>, readings: &[Option<Reading>], first: bool) -> O
     };
 
     // other ways to read the pictures
-    let mut trials = rearranged(scene, readings, &now, first);
+    let mut trials = rearranged(scene, readings, &now);
     trials.extend(zoomed(scene, readings, &now, &suspects));
     trials.extend(suspects.iter().filter_map(|camera| shifted(scene, readings, &now, *camera)));
     let best = trials.into_iter().filter(Trial::explains).min_by(Trial::order);
@@ -184,24 +184,17 @@ fn odd_one(without: &[Trial], now: &Misses) -> Option<usize> {
     (first.left < EXPLAINED * usual && usual * now.mean_m() > QUIET_M).then_some(0)
 }
 
-/// Mirrored and exchanged pictures; all mirrored is tried before anything else is found.
-fn rearranged(
-    scene: &Scene<'_>,
-    readings: &[Option<Reading>],
-    now: &Misses,
-    first: bool,
-) -> Vec<Trial> {
+/// Mirrored and exchanged pictures.
+fn rearranged(scene: &Scene<'_>, readings: &[Option<Reading>], now: &Misses) -> Vec<Trial> {
     let mut hypotheses = Vec::new();
     let mirrored = |r: &mut Option<Reading>| {
         if let Some(r) = r {
             r.mirrored = !r.mirrored;
         }
     };
-    if first {
-        let mut all = readings.to_vec();
-        all.iter_mut().for_each(mirrored);
-        hypotheses.push((CameraFault::AllMirrored, all));
-    }
+    let mut all = readings.to_vec();
+    all.iter_mut().for_each(mirrored);
+    hypotheses.push((CameraFault::AllMirrored, all));
     for i in present(readings) {
         let mut one = readings.to_vec();
         mirrored(&mut one[i]);
@@ -272,5 +265,74 @@ impl CameraFault {
             | Self::Elsewhere { camera: id, .. } => Some(id.0),
             Self::AllMirrored | Self::AllZoomed(_) | Self::Exchanged(..) => None,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use nalgebra::Vector3;
+
+    use super::*;
+    use crate::camera::Rig;
+    use crate::math::Rigid3;
+    use crate::silhouette::{FrameIndex, FrameObservations, SilhouetteOptions, extract};
+    use crate::synth::Recipe;
+
+    /// A walker before a ring of cameras.
+    fn recording() -> (Rig, Vec<FrameObservations>) {
+        let person = crate::io::model::load("walker-metaballs", Path::new("")).unwrap();
+        let recipe = Recipe { frames: Some(16), fps: 25.0, ..Recipe::default() };
+        let walker = recipe.walker(&person).unwrap();
+        let shown = |number: usize| {
+            let mut seen = FrameObservations::nothing(FrameIndex(number));
+            for (id, camera) in walker.rig.iter() {
+                let mask = walker.mask(seen.frame, id).unwrap();
+                if let Ok(silhouette) = extract(&mask, camera, &SilhouetteOptions::default()) {
+                    seen.views.push((id, silhouette));
+                }
+            }
+            seen
+        };
+        (walker.rig.clone(), (0..walker.frames()).map(shown).collect())
+    }
+
+    fn faults(rig: &Rig, frames: &[FrameObservations]) -> Vec<CameraFault> {
+        camera_faults(&Scene::new(rig, frames)).faults
+    }
+
+    #[test]
+    fn each_fault_of_a_camera_is_named_and_none_where_there_is_none() {
+        let (rig, frames) = recording();
+        assert!(rig.cameras.len() >= 4, "leaving one out must leave three");
+        assert_eq!(faults(&rig, &frames), []);
+
+        // two cameras exchanged
+        let mut exchanged = rig.clone();
+        let (a, b) = (rig.cameras[0].clone(), rig.cameras[1].clone());
+        exchanged.cameras[0] = b;
+        exchanged.cameras[1] = a;
+        let found = faults(&exchanged, &frames);
+        assert_eq!(found, [CameraFault::Exchanged(CameraId(0), CameraId(1))]);
+
+        // one turned by three degrees after its calibration
+        let mut turned = rig.clone();
+        let turn = Rigid3::rotation(Vector3::y() * 3f64.to_radians());
+        turned.cameras[1].camera_from_world = turn * turned.cameras[1].camera_from_world;
+        let found = faults(&turned, &frames);
+        let is_elsewhere =
+            |f: &CameraFault| matches!(f, CameraFault::Elsewhere { camera: CameraId(1), .. });
+        assert!(found.len() == 1 && is_elsewhere(&found[0]), "{found:?}");
+
+        // one late by three frames
+        let mut late = frames.clone();
+        for i in 0..frames.len() {
+            let shown = i.checked_sub(3).map(|i| frames[i].views[1].clone());
+            late[i].views.retain(|(id, _)| *id != CameraId(1));
+            late[i].views.extend(shown);
+            late[i].views.sort_by_key(|(id, _)| *id);
+        }
+        assert_eq!(faults(&rig, &late), [CameraFault::Late(CameraId(1), 3)]);
     }
 }

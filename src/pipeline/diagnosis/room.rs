@@ -45,7 +45,7 @@ type Outline = (Vector2<f64>, Matrix2<f64>);
 fn outlines(camera: &Camera, body: &Posed<'_>) -> Vec<Outline> {
     let projection = camera.projection();
     let ellipses = body.ellipsoids().into_iter().filter_map(|e| project(&projection, &e));
-    ellipses.filter_map(|e| Some((e.centre, e.shape.try_inverse()?))).collect()
+    ellipses.filter_map(|e| Some((e.centre, e.shape.cholesky()?.inverse()))).collect()
 }
 
 fn still_share(camera: &Camera, views: &[(&Silhouette, Vec<Outline>)]) -> f64 {

@@ -181,7 +181,7 @@ impl Diagnosis<'_> {
     /// The verdict on a fit.
     pub(in crate::pipeline) fn verdict(&self) -> Verdict {
         let unusable = self.unusable();
-        let mut causes = self.causes(!unusable.is_empty());
+        let mut causes = self.causes(&unusable);
         if causes.is_empty() && !unusable.is_empty() {
             causes.push(Cause::Unknown);
         }
@@ -211,7 +211,8 @@ impl Diagnosis<'_> {
     }
 
     /// The first hypothesis that holds, from the cameras to the body.
-    fn causes(&self, is_unusable: bool) -> Vec<Cause> {
+    fn causes(&self, unusable: &[Reason]) -> Vec<Cause> {
+        let is_unusable = !unusable.is_empty();
         let Evidence { model, rig, .. } = self.evidence;
         if self.overlap().is_none() {
             return Vec::new();

@@ -88,7 +88,8 @@ pub(super) fn height_m(volumes: &[Volume]) -> Option<f64> {
 pub(super) fn apart_l<'a>(volumes: &[Volume], body: impl Fn(usize) -> Posed<'a>) -> f64 {
     let apart = |volume: &Volume| {
         let ellipsoids = body(volume.frame).ellipsoids();
-        let inverse = ellipsoids.iter().filter_map(|e| Some((e.centre, e.shape.try_inverse()?)));
+        let inverse =
+            ellipsoids.iter().filter_map(|e| Some((e.centre, e.shape.cholesky()?.inverse())));
         let inverse: Vec<_> = inverse.collect();
 
         // along the line from the centre, the surface lies at 1/ρ of the way

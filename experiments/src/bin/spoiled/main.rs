@@ -98,7 +98,7 @@ impl Row {
     }
 
     fn is_silent(&self, clean_mm: f64, damage: &Damage) -> bool {
-        self.error_mm > TWICE * clean_mm && !(self.names_cause(damage) && !damage.cause.is_empty())
+        self.error_mm > TWICE * clean_mm && (damage.cause.is_empty() || !self.names_cause(damage))
     }
 
     fn cells(&self, set: &str, damage: &Damage, clean_mm: f64) -> [String; 5] {

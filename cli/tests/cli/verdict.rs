@@ -1,0 +1,59 @@
+//! A fit that cannot be used says so, and why, wherever it is read.
+
+use std::fs;
+use std::path::Path;
+
+use assert_cmd::Command;
+use serde_json::Value;
+
+fn maquette(arguments: &[&str]) -> (Option<i32>, String) {
+    let ran = Command::cargo_bin("maquette").expect("the program").args(arguments).output();
+    let ran = ran.expect("a run");
+    (ran.status.code(), String::from_utf8_lossy(&ran.stderr).into_owned())
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().expect("UTF-8")
+}
+
+#[test]
+fn two_exchanged_cameras_are_named_and_no_certainty_is_stated() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (recording, out) = (folder.path().join("recording"), folder.path().join("out"));
+    let made = ["synth", text(&recording), "--frames", "12", "--cameras", "5", "--quiet"];
+    assert_eq!(maquette(&made).0, Some(0));
+    let masks = |name: &str| recording.join("masks").join(name);
+    fs::rename(masks("cam_01"), masks("other")).expect("renamed");
+    fs::rename(masks("cam_03"), masks("cam_01")).expect("renamed");
+    fs::rename(masks("other"), masks("cam_03")).expect("renamed");
+
+    // the fit
+    let (code, said) = maquette(&["fit", text(&recording), "--out", text(&out), "--quiet"]);
+    assert_eq!(code, Some(3), "{said}");
+    assert!(
+        said.contains("not usable") && said.contains("cam_01 and cam_03 are exchanged"),
+        "{said}"
+    );
+
+    let result = fs::read_to_string(out.join("result.json")).expect("a result");
+    let result: Value = serde_json::from_str(&result).expect("JSON");
+    assert_eq!(result["verdict"]["causes"][0]["cause"], "exchanged");
+    let lengths = result["shape"]["lengths"].as_array().expect("lengths");
+    assert!(lengths.iter().all(|l| l["sd_m"].is_null() && l["confidence"]["p_within"].is_null()));
+    let frames = result["motion"]["frames"].as_array().expect("frames");
+    assert!(frames.iter().all(|frame| frame["sd"].is_null()));
+
+    // what is made of it
+    let (code, said) = maquette(&["report", text(&out), "--quiet"]);
+    assert_eq!(code, Some(3), "{said}");
+    let report = fs::read_to_string(out.join("report.html")).expect("a report");
+    assert!(report.matches("class=\"verdict\"").count() > 5);
+
+    let (code, said) = maquette(&["gait", text(&out), "--quiet"]);
+    assert_eq!(code, Some(3), "{said}");
+    let gait = fs::read_to_string(out.join("gait/gait.json")).expect("a gait");
+    let gait: Value = serde_json::from_str(&gait).expect("JSON");
+    assert_eq!(gait["curves"].as_array().map(Vec::len), Some(0));
+    assert_eq!(gait["parameters"].as_array().map(Vec::len), Some(0));
+    assert!(gait["notes"][0].as_str().is_some_and(|note| note.starts_with("not usable")));
+}
