@@ -327,11 +327,11 @@ mod tests {
 
         // one late by three frames
         let mut late = frames.clone();
-        for i in 0..frames.len() {
+        for (i, frame) in late.iter_mut().enumerate() {
             let shown = i.checked_sub(3).map(|i| frames[i].views[1].clone());
-            late[i].views.retain(|(id, _)| *id != CameraId(1));
-            late[i].views.extend(shown);
-            late[i].views.sort_by_key(|(id, _)| *id);
+            frame.views.retain(|(id, _)| *id != CameraId(1));
+            frame.views.extend(shown);
+            frame.views.sort_by_key(|(id, _)| *id);
         }
         assert_eq!(faults(&rig, &late), [CameraFault::Late(CameraId(1), 3)]);
     }
