@@ -138,6 +138,8 @@ impl Command {
             Self::Export(arguments) => export::run(arguments),
             Self::Models(arguments) => models::run(arguments),
             Self::Synth(arguments) => synth::run(arguments),
+
+            // what the program says of itself
             Self::Schema(arguments) => {
                 schema::run(arguments);
                 Ok(())

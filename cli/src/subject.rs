@@ -73,6 +73,8 @@ impl SubjectArguments {
         if let Some(path) = &self.recording {
             return self.report_with_views(study, from, path, output);
         }
+
+        // the recording that the fit was made from, if it is still there
         let Some(path) = origin::read(from) else {
             return Ok(study.report(&self.subject(from))?);
         };

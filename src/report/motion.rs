@@ -47,6 +47,7 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
 
 fn cameras(input: &ReportInput<'_>) -> Markup {
     let cameras = &input.views.cameras;
+
     html! {
         div class="camera" {
             @if cameras.is_empty() {

@@ -77,6 +77,8 @@ impl FramePicture {
         let mut scale = (HIGHEST_PX / part.height as f64).min(1.0);
         loop {
             let small = shrunk(camera, picture, part, scale);
+
+            // the best quality that the budget allows
             let is_smallest = small.width().min(small.height()) <= SMALLEST_PX;
             for quality in QUALITIES {
                 let file = jpeg::encode(&small, quality).ok()?;

@@ -97,6 +97,8 @@ impl DiskJournal {
             let created = Self::create(folder, run)?;
             return Ok(Self { damaged: damaged.into_iter().collect(), ..created });
         };
+
+        // the same run, or none that can be resumed
         if let Some((what, was, is)) = difference("", &was, run) {
             return Err(JournalError::OtherRun {
                 path: folder.parent().unwrap_or(folder).into(),
@@ -105,6 +107,7 @@ impl DiskJournal {
                 is,
             });
         }
+
         let mut journal = Self::at(folder, run);
         journal.damaged = steps(folder).filter(|name| journal.content(name).is_none()).collect();
         journal.damaged.sort();

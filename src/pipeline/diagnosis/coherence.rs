@@ -241,10 +241,12 @@ fn place_miss(place: &Point3<f64>, views: &[View<'_>], own: usize, enough: f64) 
         let Some(pixel) = view.camera.project_undistorted(place) else {
             continue;
         };
+
         let pixel = view.shown(pixel);
         if !view.silhouette.sees(&pixel) {
             continue;
         }
+
         let depth = (view.camera.camera_from_world * place).z;
         let (outside_px, _) = view.silhouette.outside.sample(&pixel);
         let miss = outside_px * depth / (view.reading.zoom * view.camera.intrinsics.focal_px());

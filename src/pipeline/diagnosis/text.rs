@@ -35,6 +35,7 @@ impl fmt::Display for Reason {
                     "its size and proportions are {found:.0} times as improbable as usual (at most {most:.0})"
                 )
             }
+            // of all frames
             Self::LostFrames { found, most } => {
                 write!(
                     f,
@@ -60,6 +61,8 @@ impl fmt::Display for Cause {
             Self::Exchanged { cameras: [a, b] } => {
                 write!(f, "{a} and {b} are exchanged: each has the other's files or calibration")
             }
+
+            // clocks and lenses
             Self::Late { camera, frames } => write!(
                 f,
                 "{camera} is {} by {}: add {} to its offset_frames in sequence.toml",
@@ -77,6 +80,8 @@ impl fmt::Display for Cause {
                 "the focal length of {camera} is about {}: calibrate its lens again, with zoom and picture size as recorded",
                 too_large(*factor, "long", "short")
             ),
+
+            // where it stands
             Self::Displaced { camera, miss_m } => write!(
                 f,
                 "{camera} shows the person elsewhere than the other cameras do, by {:.0} cm: it was moved, turned or zoomed after the calibration; calibrate it again, or leave it out",
@@ -91,6 +96,7 @@ impl Cause {
     /// What is wrong with the masks, the world or the body.
     fn fmt_scene(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            // the masks
             Self::StillParts { cameras, share } => write!(
                 f,
                 "the masks of {} hold something that never moves, up to {:.0} % of the person's area: furniture, or a stale picture of the empty room; segment again",
@@ -110,6 +116,8 @@ impl Cause {
                 f,
                 "the silhouettes are {height_m:.2} m tall, less than a standing adult: the legs or other parts are hidden, cut off or lost in the masks (or the person sits or is a child, or the unit of the calibration is wrong)"
             ),
+
+            // the world
             Self::Turned { head } => write!(
                 f,
                 "the person's head points along {} of the world, not up: set another `up` in sequence.toml (z, -z, y or -y)",

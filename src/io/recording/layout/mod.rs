@@ -102,6 +102,8 @@ fn calibration_above(folder: &Path) -> Option<PathBuf> {
     if contents(folder).ok()?.iter().any(is_calibration) {
         return None;
     }
+
+    // Pose2Sim's sessions have it one or two folders above the trial
     let whole = folder.canonicalize().ok()?;
     whole.ancestors().skip(1).take(2).find_map(|above| {
         let held = contents(above).ok()?;
