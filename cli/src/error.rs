@@ -51,11 +51,11 @@ impl CliError {
     }
 }
 
-/// Whether a fit can be used; the verdict is the error if not.
-pub(super) fn usable(verdict: &Verdict) -> Result<(), CliError> {
-    match verdict.headline() {
-        Some(headline) if !verdict.is_usable() => Err(CliError::Unusable(headline)),
-        _ => Ok(()),
+/// Whether a fit can be used; its verdict is the error if not.
+pub(super) fn usable(verdict: Option<&Verdict>) -> Result<(), CliError> {
+    match verdict.and_then(Verdict::why_unusable) {
+        Some(why) => Err(CliError::Unusable(why)),
+        None => Ok(()),
     }
 }
 

@@ -75,7 +75,7 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
     }
     let lines = || paths.iter().map(|path| format!("{path}\n")).collect();
     arguments.output.summarise(lines, || json!({ "files": paths }));
-    study.result.as_ref().map_or(Ok(()), |result| usable(&result.verdict))
+    usable(study.verdict())
 }
 
 /// All that are one file.

@@ -54,5 +54,5 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<(), CliError> {
     OutFolder::open(&arguments.out)?.write("report.html", text.as_bytes())?;
     let path = arguments.out.join("report.html").display().to_string();
     arguments.output.summarise(|| format!("{path}\n"), || json!({ "report": path }));
-    study.result.as_ref().map_or(Ok(()), |result| usable(&result.verdict))
+    usable(study.verdict())
 }

@@ -50,7 +50,7 @@ impl Summary<'_> {
     /// Tables for a person.
     pub(super) fn text(&self) -> String {
         let recording = &self.result.recording;
-        let verdict = self.result.verdict.headline().filter(|_| !self.result.verdict.is_usable());
+        let verdict = self.result.verdict.why_unusable();
         let sections = [
             verdict.map_or(String::new(), |headline| format!("!! {headline}\n")),
             format!(

@@ -16,7 +16,7 @@ pub enum Beyond {
 
 impl Beyond {
     /// Where a value lies; `None` within mean ± 2 SD, and where a number is not finite.
-    pub fn of(value: f64, mean: f64, sd: f64) -> Option<Self> {
+    pub fn new(value: f64, mean: f64, sd: f64) -> Option<Self> {
         match value - mean {
             off if off > BEYOND_SD * sd => Some(Self::Above),
             off if off < -BEYOND_SD * sd => Some(Self::Below),
@@ -85,7 +85,7 @@ mod tests {
 
     #[test]
     fn beyond_two_standard_deviations_a_number_is_marked() {
-        let of = |value| Beyond::of(value, 1.0, 0.1);
+        let of = |value| Beyond::new(value, 1.0, 0.1);
         assert_eq!([0.81, 1.0, 1.19, f64::NAN].map(of), [None; 4]);
         assert_eq!([0.79, 1.21].map(of), [Some(Beyond::Below), Some(Beyond::Above)]);
     }

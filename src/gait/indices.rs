@@ -63,14 +63,14 @@ impl Norm {
     /// Where a parameter lies beyond those of healthy people; `None` within, and where the norm has none.
     pub fn beyond(&self, parameter: Parameter, value: f64) -> Option<Beyond> {
         let (mean, sd) = self.parameters.get(&parameter)?;
-        Beyond::of(value, *mean, *sd)
+        Beyond::new(value, *mean, *sd)
     }
 
     /// Where an angle lies beyond those of healthy people at the same place of the cycle, in percent; radians.
     pub fn beyond_at(&self, angle: Angle, percent: usize, value: f64) -> Option<Beyond> {
         let band = self.curves.get(&angle)?;
         let at = (percent * (SCORE_POINTS - 1) + 50) / 100;
-        Beyond::of(value, *band.mean.get(at)?, *band.sd.get(at)?)
+        Beyond::new(value, *band.mean.get(at)?, *band.sd.get(at)?)
     }
 }
 

@@ -57,6 +57,12 @@ impl FrameFit {
         self.data + self.pose + self.step
     }
 
+    /// The fit of a frame that shows nothing: the motion is taken to be the last that was seen.
+    pub(super) fn held(pose_prior: &PosePrior, motion: Motion) -> Self {
+        let pose = pose_prior.cost(&motion);
+        Self { motion, data: 0.0, pose, step: 0.0, observations: 0.0, recovered: false }
+    }
+
     /// The data's cost per observation.
     pub(super) fn level(&self) -> f64 {
         self.data / self.observations.max(1.0)
@@ -114,18 +120,6 @@ impl FramePosterior<'_> {
     fn step_cost(&self, motion: &Motion) -> f64 {
         let cost = |(step, mean): (&StepPrior, &Motion)| step.cost(mean, motion);
         self.step.map_or(0.0, cost)
-    }
-
-    /// The fit of a frame that shows nothing: the motion is taken to be the last that was seen.
-    pub(super) fn held(&self, motion: Motion) -> FrameFit {
-        FrameFit {
-            data: 0.0,
-            pose: self.pose_prior.cost(&motion),
-            step: 0.0,
-            observations: 0.0,
-            recovered: false,
-            motion,
-        }
     }
 
     /// The fit of a motion whose cost is known; the data's part of it is what the priors leave.

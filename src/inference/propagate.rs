@@ -98,6 +98,9 @@ impl Track {
     fn fit(&mut self, tracking: &Tracking<'_>, index: usize) -> FrameFit {
         let Tracking { evidence, sequence, shape, options, start } = *tracking;
         let frame = &sequence.frames[index];
+        if !frame.is_observed() {
+            return FrameFit::held(&evidence.pose_prior, self.last.1.clone());
+        }
 
         // the step's prior, and where the frame is expected
         let interval_frames = sequence.frames_between(self.last.0, index);
@@ -117,9 +120,6 @@ impl Track {
             step: Some((&step, mean)),
             terms: &terms,
         };
-        if !frame.is_observed() {
-            return posterior.held(self.last.1.clone());
-        }
         let fit = solve(&posterior, predicted.clone(), options.iterations);
         if self.is_plausible(&fit, options.recovery_ratio) {
             return fit;

@@ -32,9 +32,13 @@ pub(super) fn iou(
     }
 }
 
+/// The body's ellipsoids as a camera sees them, without those around or behind it.
+pub(super) fn coverings(camera: &Camera, body: &Posed<'_>) -> Vec<Covering> {
+    projected(camera, body, &body.model.ellipsoids).iter().map(Covering::new).collect()
+}
+
 fn ellipses_iou(camera: &Camera, silhouette: &Silhouette, body: &Posed<'_>) -> f64 {
-    let ellipses: Vec<Covering> =
-        projected(camera, body, &body.model.ellipsoids).iter().map(Covering::new).collect();
+    let ellipses = coverings(camera, body);
     let bounds = bounds(silhouette, &ellipses);
     let overlap = silhouette.overlap(bounds, |pixel| ellipses.iter().any(|e| e.contains(pixel)));
     overlap.iou()
@@ -99,7 +103,8 @@ fn bounds(silhouette: &Silhouette, ellipses: &[Covering]) -> (Point2<f64>, Point
 }
 
 /// An ellipse, its box, and Σ⁻¹.
-struct Covering {
+#[derive(Debug)]
+pub(super) struct Covering {
     low: Point2<f64>,
     high: Point2<f64>,
     centre: Vector2<f64>,
@@ -119,7 +124,7 @@ impl Covering {
         }
     }
 
-    fn contains(&self, pixel: &Point2<f64>) -> bool {
+    pub(super) fn contains(&self, pixel: &Point2<f64>) -> bool {
         let y = pixel.coords - self.centre;
         let [xx, xy, yy] = self.inverse;
         xx * y.x * y.x + 2.0 * xy * y.x * y.y + yy * y.y * y.y <= 1.0

@@ -22,7 +22,7 @@ pub(super) struct Page {
 
 /// What is printed across every page of a fit that cannot be used.
 pub(super) fn banner(verdict: &Verdict) -> Option<Markup> {
-    let headline = verdict.headline().filter(|_| !verdict.is_usable())?;
+    let headline = verdict.why_unusable()?;
     Some(html! { p class="verdict" role="alert" { (headline) } })
 }
 

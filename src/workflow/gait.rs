@@ -10,6 +10,7 @@ use crate::io::gait::{
     load_norm, parameters_csv, parse_norm, read_points,
 };
 use crate::io::result::ResultFile;
+use crate::pipeline::Verdict;
 
 /// How somebody walks, with what that was found from and what it is compared with.
 #[derive(Debug, Clone)]
@@ -74,6 +75,11 @@ impl GaitStudy {
         Self::new(input, Some(result), options)
     }
 
+    /// The verdict on the fit; `None` of points.
+    pub fn verdict(&self) -> Option<&Verdict> {
+        self.result.as_ref().map(|result| &result.verdict)
+    }
+
     /// Analyses a movement, against the shipped norm; of a fit that cannot be used all numbers are withheld.
     pub(super) fn new(
         input: GaitInput,
@@ -81,9 +87,8 @@ impl GaitStudy {
         options: &GaitOptions,
     ) -> Result<Self, Error> {
         let mut analysis = analyse(&input.movement, options)?;
-        let verdict = result.as_ref().map(|result| &result.verdict);
-        if let Some(unusable) = verdict.filter(|verdict| !verdict.is_usable()) {
-            analysis = analysis.withheld(unusable.headline().unwrap_or_default());
+        if let Some(why) = result.as_ref().and_then(|result| result.verdict.why_unusable()) {
+            analysis = analysis.withheld(why);
         }
 
         Ok(Self { analysis, norm: NormChoice::Shipped.read()?, input, result })

@@ -37,5 +37,5 @@ fn fit(arguments: &FitArguments) -> Result<(), CliError> {
         let warnings = fit.result.warnings.iter();
         warnings.for_each(|warning| complain("warning", &one_line(warning)));
     }
-    usable(&fit.result.verdict)
+    usable(Some(&fit.result.verdict))
 }

@@ -122,7 +122,7 @@ pub(super) fn run(arguments: &GaitArguments) -> Result<(), CliError> {
     let json: Value = serde_json::from_slice(&study.json()?).map_err(maquette::Error::from)?;
     let json = || json!({ "out": out.display().to_string(), "gait": json });
     arguments.output.summarise(text, json);
-    study.result.as_ref().map_or(Ok(()), |result| usable(&result.verdict))
+    usable(study.verdict())
 }
 
 fn out_folder(arguments: &GaitArguments) -> PathBuf {

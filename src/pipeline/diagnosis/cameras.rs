@@ -70,6 +70,7 @@ const SHIFTS: [isize; 8] = [1, 2, 3, 5, 8, 12, 18, 25];
 struct Trial {
     fault: CameraFault,
     readings: Vec<Option<Reading>>,
+    misses: Misses,
     /// The share of the misses that is left.
     left: f64,
     /// The share of the frames that miss less.
@@ -88,8 +89,9 @@ impl Trial {
         if few_left > 1.0 {
             return None;
         }
-        let (left, fewer_in) = scene.misses(&readings).share_of(now)?;
-        Some(Self { fault, readings, left, fewer_in })
+        let misses = scene.misses(&readings);
+        let (left, fewer_in) = misses.share_of(now)?;
+        Some(Self { fault, readings, misses, left, fewer_in })
     }
 
     /// Whether the hypothesis leaves much less than there was, and in nearly every frame.
@@ -109,29 +111,29 @@ impl Trial {
 /// What is wrong with the cameras, the greatest first; nothing where the silhouettes agree.
 pub(super) fn camera_faults(scene: &Scene<'_>) -> CameraFaults {
     let mut readings = scene.plain();
+    let mut misses = scene.misses(&readings);
+    let first_m = misses.mean_m();
     let mut faults: Vec<CameraFault> = Vec::new();
     let mut left = 1.0;
-    let first_m = scene.misses(&readings).mean_m();
     while faults.len() < readings.len() {
-        let found = next_fault(scene, &readings);
-        let Some(found) = found else {
+        let Some(found) = next_fault(scene, &readings, &misses) else {
             break;
         };
         faults.push(found.fault);
         left *= found.left;
-        readings = found.readings;
+        (readings, misses) = (found.readings, found.misses);
     }
     CameraFaults { faults, readings, left, left_m: left * first_m }
 }
 
-fn next_fault(scene: &Scene<'_>, readings: &[Option<Reading>]) -> Option<Trial> {
-    let now = scene.misses(readings);
+/// The hypothesis that explains most of the misses that there are `now`.
+fn next_fault(scene: &Scene<'_>, readings: &[Option<Reading>], now: &Misses) -> Option<Trial> {
     if now.mean_m() < QUIET_M {
         return None;
     }
 
     // without each camera in turn
-    let mut without: Vec<Trial> = left_out(scene, readings, &now);
+    let mut without: Vec<Trial> = left_out(scene, readings, now);
     without.sort_by(Trial::order);
     let suspects: Vec<usize> = match without.as_slice() {
         [] => present(readings).collect(),
@@ -139,22 +141,21 @@ fn next_fault(scene: &Scene<'_>, readings: &[Option<Reading>]) -> Option<Trial> 
     };
 
     // other ways to read the pictures
-    let mut trials = rearranged(scene, readings, &now);
-    trials.extend(zoomed(scene, readings, &now, &suspects));
-    trials.extend(suspects.iter().filter_map(|camera| shifted(scene, readings, &now, *camera)));
+    let mut trials = rearranged(scene, readings, now);
+    trials.extend(zoomed(scene, readings, now, &suspects));
+    trials.extend(suspects.iter().filter_map(|camera| shifted(scene, readings, now, *camera)));
     let best = trials.into_iter().filter(Trial::explains).min_by(Trial::order);
 
     // the cause is what explains as much as leaving the camera out does
-    let odd = odd_one(&without, &now);
+    let odd = odd_one(without, now);
     match (best, odd) {
         (Some(best), Some(odd)) => {
+            // one camera less leaves less to miss, with four by far
             let looser = if present(readings).count() > 4 { 1.5 } else { 3.5 };
-            let floor = looser * without[odd].left.max(0.25 * QUIET_M / now.mean_m());
-            if best.left <= floor { Some(best) } else { Some(without.swap_remove(odd)) }
+            let floor = looser * odd.left.max(0.25 * QUIET_M / now.mean_m());
+            Some(if best.left <= floor { best } else { odd })
         }
-        (Some(best), None) => Some(best),
-        (None, Some(odd)) => Some(without.swap_remove(odd)),
-        (None, None) => None,
+        (best, odd) => best.or(odd),
     }
 }
 
@@ -162,7 +163,7 @@ fn present(readings: &[Option<Reading>]) -> impl Iterator<Item = usize> {
     readings.iter().enumerate().filter(|(_, r)| r.is_some()).map(|(i, _)| i)
 }
 
-/// Leaves out each camera; nothing with fewer than four, for two agree about nearly anything.
+/// Leaves out each camera; nothing with fewer than four, for the two that are left agree about nearly anything.
 fn left_out(scene: &Scene<'_>, readings: &[Option<Reading>], now: &Misses) -> Vec<Trial> {
     if present(readings).count() < 4 {
         return Vec::new();
@@ -177,11 +178,12 @@ fn left_out(scene: &Scene<'_>, readings: &[Option<Reading>], now: &Misses) -> Ve
     present(readings).filter_map(without).collect()
 }
 
-/// The camera, first of those sorted, without which the others agree much better than without another.
-fn odd_one(without: &[Trial], now: &Misses) -> Option<usize> {
-    let (first, others) = without.split_first()?;
-    let usual = median(&mut others.iter().map(|t| t.left).collect())?;
-    (first.left < EXPLAINED * usual && usual * now.mean_m() > QUIET_M).then_some(0)
+/// The first of the sorted trials, if the others agree much better without its camera than without another.
+fn odd_one(without: Vec<Trial>, now: &Misses) -> Option<Trial> {
+    let mut sorted = without.into_iter();
+    let first = sorted.next()?;
+    let usual = median(&mut sorted.map(|t| t.left).collect())?;
+    (first.left < EXPLAINED * usual && usual * now.mean_m() > QUIET_M).then_some(first)
 }
 
 /// Mirrored and exchanged pictures.

@@ -14,6 +14,7 @@
 use nalgebra::{Point2, Point3};
 use rayon::prelude::*;
 
+use super::shown_by_two;
 use crate::camera::{Camera, CameraId, Ray, Rig, closest_point};
 use crate::math::stats::mean;
 use crate::silhouette::{FrameObservations, Silhouette};
@@ -102,12 +103,7 @@ struct View<'a> {
 impl<'a> Scene<'a> {
     /// A recording; frames that fewer than two cameras show are not looked at.
     pub(super) fn new(rig: &'a Rig, frames: &'a [FrameObservations]) -> Self {
-        let usable: Vec<usize> =
-            (0..frames.len()).filter(|i| frames[*i].views.len() >= 2).collect();
-        let count = usable.len().min(SAMPLED_FRAMES);
-        // the middles of as many equal stretches
-        let sampled = (0..count).map(|i| usable[(2 * i + 1) * usable.len() / (2 * count)]);
-        Self { rig, frames, sampled: sampled.collect() }
+        Self { rig, frames, sampled: shown_by_two(frames, SAMPLED_FRAMES) }
     }
 
     /// Every camera as it is.

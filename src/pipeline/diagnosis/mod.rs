@@ -23,6 +23,20 @@ mod upright;
 mod verdict;
 mod volume;
 
+use crate::silhouette::FrameObservations;
+
 pub use upright::HeadAxis;
 pub use verdict::{Cause, Reason, Verdict};
 pub(super) use verdict::{Diagnosis, LEAST_OVERLAP, camera_causes, lost_frames};
+
+/// At most so many of `count` positions, evenly: the middles of as many equal stretches.
+fn evenly(count: usize, most: usize) -> impl Iterator<Item = usize> {
+    let stretches = count.min(most);
+    (0..stretches).map(move |i| (2 * i + 1) * count / (2 * stretches))
+}
+
+/// Positions of at most so many of the frames that two cameras show, evenly.
+fn shown_by_two(frames: &[FrameObservations], most: usize) -> Vec<usize> {
+    let shown: Vec<usize> = (0..frames.len()).filter(|i| frames[*i].views.len() >= 2).collect();
+    evenly(shown.len(), most).map(|i| shown[i]).collect()
+}

@@ -5,6 +5,11 @@ use std::fmt;
 use super::{Cause, Reason, Verdict};
 
 impl Verdict {
+    /// The headline of a fit that cannot be used.
+    pub fn why_unusable(&self) -> Option<String> {
+        self.headline().filter(|_| !self.is_usable())
+    }
+
     /// The verdict in one line: why a fit cannot be used, and what is wrong. `None` where there is nothing to say.
     pub fn headline(&self) -> Option<String> {
         let reasons: Vec<String> = self.unusable.iter().map(ToString::to_string).collect();

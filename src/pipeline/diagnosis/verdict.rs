@@ -214,16 +214,15 @@ impl Diagnosis<'_> {
     fn causes(&self, unusable: &[Reason]) -> Vec<Cause> {
         let is_unusable = !unusable.is_empty();
         let Evidence { model, rig, .. } = self.evidence;
-        if self.overlap().is_none() {
+        let Some(overlap) = self.overlap() else {
             return Vec::new();
-        }
+        };
         let scene = Scene::new(rig, self.observations);
         let found = camera_faults(&scene);
         let of_cameras = || found.faults.iter().map(|fault| camera_cause(rig, *fault)).collect();
 
         // what the masks hold; where they are good there is nothing to look for
-        let is_good = self.overlap().is_some_and(|iou| iou > GOOD_OVERLAP);
-        if !is_unusable && is_good {
+        if !is_unusable && overlap > GOOD_OVERLAP {
             let scale = || wrong_scale(model, self.shape).map(|factor| Cause::Scale { factor });
             let is_fine = found.faults.is_empty();
             let of_body = || self.too_fast().or_else(scale).into_iter().collect();

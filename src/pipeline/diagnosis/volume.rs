@@ -3,6 +3,7 @@
 use nalgebra::{Point3, Vector3};
 
 use super::coherence::Reading;
+use super::shown_by_two;
 use crate::body::Posed;
 use crate::camera::{Ray, Rig, closest_point};
 use crate::math::stats::median;
@@ -32,9 +33,6 @@ pub(super) fn volumes(
     frames: &[FrameObservations],
     readings: &[Option<Reading>],
 ) -> Vec<Volume> {
-    let seen: Vec<usize> = (0..frames.len()).filter(|i| frames[*i].views.len() >= 2).collect();
-    let count = seen.len().min(SAMPLED_FRAMES);
-    let sampled = (0..count).map(|i| seen[(2 * i + 1) * seen.len() / (2 * count)]);
     let volume = |frame: usize| {
         let views = frames[frame].views.iter();
         let views: Vec<(usize, &Silhouette)> = views
@@ -43,7 +41,7 @@ pub(super) fn volumes(
             .collect();
         Volume { frame, places: carve(rig, &views) }
     };
-    sampled.map(volume).collect()
+    shown_by_two(frames, SAMPLED_FRAMES).into_iter().map(volume).collect()
 }
 
 fn carve(rig: &Rig, views: &[(usize, &Silhouette)]) -> Vec<Point3<f64>> {
