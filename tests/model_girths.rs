@@ -285,3 +285,75 @@ fn the_elbow_lies_as_far_ahead_of_the_skin_as_its_sources_have_it() {
         assert!((0.38..0.42).contains(&share), "{name}: {share}");
     }
 }
+
+/// Skin or ellipsoids, whichever reaches further: how deep a point lies in these parts, T on the surface.
+struct Flesh {
+    skin: Vec<Field>,
+    ellipsoids: Vec<Ellipsoid>,
+}
+
+impl Flesh {
+    /// Of the limbs that meet at a station.
+    fn at(body: &Posed<'_>, limbs: &[&[&str]]) -> Self {
+        let of_limbs = |part: usize| limbs.concat().contains(&body.model.parts[part].name.as_str());
+        let each = body.model.ellipsoids.iter().zip(body.ellipsoids());
+        let ellipsoids = each.filter(|(e, _)| of_limbs(e.part.0)).map(|(_, e)| e).collect();
+        let has_skin = !body.model.metaballs.is_empty();
+        let skin = limbs.iter().filter(|_| has_skin).map(|parts| limb(body, parts)).collect();
+        Self { skin, ellipsoids }
+    }
+
+    fn depth(&self, p: &Vector3<f64>) -> f64 {
+        if !self.skin.is_empty() {
+            return self.skin.iter().map(|f| f.value(p)).fold(0.0, f64::max);
+        }
+        // (p − c)ᵀ A⁻¹ (p − c) is 1 on an ellipsoid
+        let depth = |e: &Ellipsoid| {
+            let factor = e.shape.cholesky().expect("it has a volume");
+            THRESHOLD + 1.0 - (p - e.centre).dot(&factor.solve(&(p - e.centre)))
+        };
+        self.ellipsoids.iter().map(depth).fold(f64::MIN, f64::max)
+    }
+}
+
+/// Section 6 of docs/anthropometry.md: how far ahead of the line between the joints a section's middle lies, metres. Section 3: the
+/// hip's centre is 91 mm behind the front. The skin follows the sections better than one or two ellipsoids can.
+#[test]
+fn flesh_lies_about_the_leg_s_joints_where_its_sources_have_it() {
+    let thigh = |share: f64| ("thigh_r", [0.0, 0.0, -0.4125 * share]);
+    let shank = |share: f64| ("shank_r", [0.0, 0.0, -0.4165 * share]);
+    let trunk: &[&[&str]] = &[TRUNK, LEG, OTHER_LEG];
+    let stations = [
+        ("hips", ("pelvis", [0.0, 0.0, -0.02]), trunk, -0.029),
+        ("middle of the thigh", thigh(0.5), &[LEG], 0.0),
+        ("above the knee", thigh(0.85), &[LEG], 0.006),
+        ("knee", shank(0.0), &[LEG], 0.007),
+        ("calf", shank(0.3), &[LEG], -0.016),
+        ("above the ankle", shank(0.9), &[LEG], -0.006),
+    ];
+    for (name, tolerance) in [("human-metaballs", 0.003), ("human-ellipsoids", 0.005)] {
+        let model = model::load(name, Path::new("")).expect("shipped models are right");
+        let shape = Shape(model.statistics.mean.clone());
+        let mut motion = Motion::rest(&model);
+        motion.angles.fill(0.0);
+        let body = Posed::new(&model, &shape, &motion);
+        for (station, (part, inside), limbs, ahead) in stations {
+            let flesh = Flesh::at(&body, limbs);
+            let (origin, turn) = frame(&body, part);
+            // the buttocks reach furthest beside the middle
+            let aside: &[f64] = if station == "hips" { &[-0.065, 0.0, 0.065] } else { &[0.0] };
+            let reach = |sign: f64| {
+                let rays = aside.iter().map(|y| {
+                    let from = origin + turn * (Vector3::from(inside) + Vector3::y() * *y);
+                    skin(|p| flesh.depth(p), &from, &(turn * Vector3::x() * sign))
+                });
+                rays.fold(0.0, f64::max)
+            };
+            let (front, back) = (reach(1.0), reach(-1.0));
+            let found = 0.5 * (front - back);
+            assert!((found - ahead).abs() < tolerance, "{name}, {station}: {found} m, not {ahead}");
+            let hip = station != "hips" || (front - 0.091).abs() < 0.005;
+            assert!(hip, "{name}: the hip's centre lies {front} m behind the front");
+        }
+    }
+}
