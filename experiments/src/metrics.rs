@@ -72,6 +72,26 @@ pub fn mpjpe_mm(truth: &Trajectories, fit: &Trajectories) -> Option<f64> {
     mean((0..truth.frames.len()).filter_map(|frame| frame_error_mm(truth, fit, frame)))
 }
 
+/// Root mean square of the limb joints' errors in standard deviations, √(mean of ⅓ eᵀΣ⁻¹e): 1 where the stated covariances are
+/// right, 2 where errors are twice as large as stated.
+///
+/// `covariances` are those of the fit's points, square metres, frame by frame; `None` where they are withheld.
+pub fn rms_z(
+    truth: &Trajectories,
+    fit: &Trajectories,
+    covariances: &[Option<&[Matrix3<f64>]>],
+) -> Option<f64> {
+    let square = |frame: usize, name: &str| {
+        let index = fit.names.iter().position(|n| n == name)?;
+        let precision = covariances.get(frame)?.as_ref()?.get(index)?.cholesky()?.inverse();
+        let error = difference(truth, fit, name, frame)?;
+        Some(error.dot(&(precision * error)) / 3.0)
+    };
+    let frames = 0..truth.frames.len();
+    let squares = frames.flat_map(|f| LIMB_JOINTS.iter().filter_map(move |n| square(f, n)));
+    Some(mean(squares)?.sqrt())
+}
+
 /// Distance of every limb joint in every frame, mm, after the joint's mean offset is taken away.
 ///
 /// The offset is expressed in the frame of the limb that the joint opens, where a skeleton's own idea of

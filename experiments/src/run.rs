@@ -28,6 +28,9 @@ struct Arguments {
     /// A shorter recording, with expected numbers of its own; only some experiments have one
     #[arg(long)]
     quick: bool,
+    /// Only the rows whose name holds this text, with no numbers; only some experiments have rows
+    #[arg(long)]
+    only: Option<String>,
     /// Seed of everything that is drawn; expected numbers are checked for the default only
     #[arg(long, default_value_t = SEED)]
     seed: u64,
@@ -104,6 +107,16 @@ impl Run {
     /// A shorter recording was asked for.
     pub fn is_quick(&self) -> bool {
         self.arguments.quick
+    }
+
+    /// Whether a row of this name was asked for.
+    pub fn wants(&self, row: &str) -> bool {
+        self.arguments.only.as_deref().is_none_or(|only| row.contains(only))
+    }
+
+    /// Whether only some rows were asked for: what they give is printed, and nothing is kept or checked.
+    pub fn is_partial(&self) -> bool {
+        self.arguments.only.is_some()
     }
 
     /// The name of its files.

@@ -72,8 +72,15 @@ pub(super) fn one_outline_warning(rig: &Rig, frames: &[FrameObservations]) -> Op
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+    use std::path::Path;
+
     use super::*;
+    use crate::body::{BodyModel, Shape};
     use crate::camera::CameraId;
+    use crate::inference::frame::FrameFit;
+    use crate::inference::search::{Hypothesis, Origin, Trial};
+    use crate::likelihood::{LikelihoodOptions, Measure};
     use crate::math::Rigid3;
     use crate::silhouette::{FrameIndex, SilhouetteOptions, extract};
     use crate::synth::Ring;
@@ -108,5 +115,59 @@ mod tests {
         assert_eq!(warning(&[0.0, 90.0]), None);
         assert_eq!(warning(&[0.0, 180.0, 60.0]), None);
         assert_eq!(warning(&[0.0]), None);
+    }
+
+    /// A hypothesis of four frames, `fitted` of them followed at this cost each, whose person faces this way.
+    fn facing(model: &BodyModel, heading: f64, fitted: usize, cost: f64) -> TriedHypothesis {
+        let mut motion = Motion::rest(model);
+        motion.world_from_root = nalgebra::Rotation3::from_axis_angle(&Vector3::z_axis(), heading);
+        let fit = FrameFit {
+            motion: motion.clone(),
+            data: cost,
+            pose: 0.0,
+            step: 0.0,
+            observations: 1.0,
+            recovered: false,
+        };
+        let hypothesis = Hypothesis {
+            origin: Origin::Prior,
+            keyframe: 0,
+            shape: Shape(model.statistics.mean.clone()),
+            motion,
+            keyframe_cost: 0.0,
+        };
+        let frames = (0..4).map(|i| (i < fitted).then(|| fit.clone())).collect();
+        TriedHypothesis {
+            trial: Trial { hypothesis, shape_cost: 0.0, frames },
+            keyframe: FrameIndex(0),
+            fitted,
+            iou: None,
+        }
+    }
+
+    #[test]
+    fn the_other_way_of_facing_is_said_unless_it_is_a_thousand_times_less_probable() {
+        let model = crate::io::model::load("human-ellipsoids", Path::new("")).unwrap();
+        let rig = Ring::default().regular();
+        let evidence = Evidence::new(&model, &rig, LikelihoodOptions::default(), Measure::Ellipses);
+        let said = |other: TriedHypothesis, data_weight: f64| {
+            let hypotheses = [facing(&model, 0.1, 4, 10.0), other];
+            facing_warning(&evidence, &hypotheses, 0, data_weight)
+        };
+        let odds = |warning: Option<Warning>| match warning {
+            Some(Warning::Facing { odds }) => odds,
+            other => panic!("{other:?}"),
+        };
+
+        // e², e⁸; with residuals that weigh a tenth e⁰·⁸
+        approx::assert_relative_eq!(odds(said(facing(&model, PI, 4, 10.5), 1.0)), 2f64.exp());
+        assert_eq!(said(facing(&model, PI, 4, 12.0), 1.0), None);
+        approx::assert_relative_eq!(odds(said(facing(&model, PI, 4, 12.0), 0.1)), 0.8f64.exp());
+
+        // dropped on its way, at the same cost a frame
+        assert_eq!(said(facing(&model, PI, 2, 12.0), 1.0), None);
+
+        // none that faces away
+        assert_eq!(said(facing(&model, 0.3, 4, 10.5), 1.0), Some(Warning::FacingUntried));
     }
 }

@@ -33,6 +33,8 @@ use super::warning::warnings;
 /// The most probable shape and motion, what else was tried, and how good and how sure they are.
 #[derive(Debug, Clone)]
 pub struct Fit {
+    /// The body; after the joint optimum, with the places of its joints and the offsets of its surface as coefficients.
+    pub model: BodyModel,
     /// s.
     pub shape: Shape,
     /// How sure it is; only of the joint optimum.
@@ -160,11 +162,15 @@ pub fn fit(
 
     // 3. the joint optimum, from its winner, and where the cameras look
     let winner = &found.trials[found.winner];
-    let (estimate, measure) = estimate(model, rig, sequence, winner, &measures, options);
-    let looked_at = Evidence::new(model, &estimate.rig, options.likelihood, measure);
+    let body = if options.joint.is_some() { model.detailed() } else { model.clone() };
+    let (estimate, measure) = estimate(&body, rig, sequence, winner, &measures, options);
+    let looked_at = Evidence::new(&body, &estimate.rig, options.likelihood, measure);
 
     // 4. how far the keyframes agree
-    let confidence = ShapeConfidence::from_trials(model, &found.trials, &options.confidence);
+    let sizes = Shape(estimate.shape.0.rows(0, model.coefficients.len()).into_owned());
+    let lengths_m = body.rest_lengths_m(&estimate.shape);
+    let (trials, epsilons) = (&found.trials, &options.confidence);
+    let confidence = ShapeConfidence::from_trials(model, trials, &sizes, &lengths_m, epsilons);
 
     // 5. how well the body covers the masks
     let frames = fitted_frames(&looked_at, observations, &estimate);
@@ -175,12 +181,13 @@ pub fn fit(
     let hypotheses: Vec<TriedHypothesis> = hypotheses.collect();
 
     // 6. what it is worth, and what a person should know of it
-    let shape = &estimate.shape;
     let diagnosis = Diagnosis {
         evidence: &coarse,
         observations,
         fps: sequence.fps,
-        shape,
+        shape: &sizes,
+        uncertainty: estimate.uncertainty.as_ref().map(|u| &u.shape),
+        height_m: options.height_m,
         frames: &frames,
         cameras: &cameras,
     };
@@ -195,11 +202,12 @@ pub fn fit(
 
     let fit = Fit {
         verdict,
-        lengths_m: model.rest_lengths_m(&estimate.shape),
+        lengths_m,
         uncertainty: estimate.uncertainty.map(|u| u.shape),
         noise: estimate.noise,
         rig: estimate.rig,
         shape: estimate.shape,
+        model: body,
         frames,
         hypotheses,
         winner: found.winner,

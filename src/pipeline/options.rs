@@ -37,6 +37,10 @@ pub struct EstimateOptions {
     pub aim: bool,
     /// ε of the confidence.
     pub confidence: ConfidenceOptions,
+    /// The person's height without shoes, metres, where it is known. It changes nothing of the estimate: the verdict tests the
+    /// size of the world with it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub height_m: Option<f64>,
 }
 
 impl Default for EstimateOptions {
@@ -48,6 +52,7 @@ impl Default for EstimateOptions {
             joint: Some(JointOptions::default()),
             aim: true,
             confidence: ConfidenceOptions::default(),
+            height_m: None,
         }
     }
 }
@@ -73,6 +78,9 @@ impl FitTo {
     }
 }
 
+/// A height that is in its range where none is given.
+const USUAL_HEIGHT_M: f64 = 1.7;
+
 /// Name, value, least and most.
 type Range = (&'static str, f64, f64, f64);
 
@@ -86,6 +94,7 @@ impl EstimateOptions {
             self.ranges_of_likelihood().as_slice(),
             self.ranges_of_search().as_slice(),
             &[
+                ("height_m", self.height_m.unwrap_or(USUAL_HEIGHT_M), 0.4, 2.6),
                 ("epsilon_m", self.confidence.epsilon_m, 1e-6, 10.0),
                 ("epsilon_coefficient", self.confidence.epsilon_coefficient, 1e-6, 10.0),
             ],
@@ -159,5 +168,8 @@ mod tests {
         let mut options = EstimateOptions::default();
         options.confidence.epsilon_m = -0.02;
         assert_eq!(options.validate().unwrap_err().name, "epsilon_m");
+        let options = EstimateOptions { height_m: Some(180.0), ..EstimateOptions::default() };
+        let message = options.validate().unwrap_err().to_string();
+        assert_eq!(message, "option height_m = 180: expected 0.4 to 2.6");
     }
 }

@@ -39,7 +39,9 @@ impl FitInput {
         derived: &Derived<'_>,
     ) -> Result<Self, Error> {
         options.observations.silhouettes.validate().map_err(FitError::from)?;
-        options.estimate.validate().map_err(FitError::from)?;
+        let mut estimate = options.estimate.clone();
+        estimate.height_m = estimate.height_m.or(recording.height_m());
+        estimate.validate().map_err(FitError::from)?;
 
         // masks, contours or points
         let (mut files, contours) = derived.observations(recording, options)?;
@@ -67,10 +69,7 @@ impl FitInput {
             model,
             observations,
             checksums,
-            options: OptionsPart {
-                observations: options.observations,
-                estimate: options.estimate.clone(),
-            },
+            options: OptionsPart { observations: options.observations, estimate },
         })
     }
 

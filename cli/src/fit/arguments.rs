@@ -48,6 +48,10 @@ pub(crate) struct FitArguments {
     /// Body model: a shipped one (see `maquette models`) or a .toml file [default: that of sequence.toml, or human-ellipsoids]
     #[arg(long, value_name = "NAME|FILE")]
     pub(super) body: Option<String>,
+    /// The person's height without shoes, m; overrides sequence.toml. It is compared with the body's, which tests the calibration
+    /// of all cameras together, and changes nothing of the fit
+    #[arg(long, value_name = "METRES")]
+    height: Option<f64>,
     /// Only these frames, first and last included [default: all]
     #[arg(long, value_name = "FIRST:LAST")]
     pub(super) frames: Option<FrameRange>,
@@ -150,6 +154,7 @@ impl FitArguments {
 
         let estimate = &mut options.estimate;
         estimate.search.keyframe_every = self.keyframe_every;
+        estimate.height_m = self.height;
         if self.no_pruning {
             estimate.search.pruning = Pruning::Off;
         }

@@ -57,3 +57,35 @@ fn two_exchanged_cameras_are_named_and_no_certainty_is_stated() {
     assert_eq!(gait["parameters"].as_array().map(Vec::len), Some(0));
     assert!(gait["notes"][0].as_str().is_some_and(|note| note.starts_with("not usable")));
 }
+
+#[test]
+fn a_height_that_is_given_tests_the_size_of_the_world_and_changes_nothing_of_the_fit() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let recording = folder.path().join("recording");
+    let made = ["synth", text(&recording), "--frames", "6", "--cameras", "4", "--quiet"];
+    assert_eq!(maquette(&made).0, Some(0));
+    let fitted = |name: &str, more: &[&str]| {
+        let out = folder.path().join(name);
+        let fit = ["fit", text(&recording), "--out", text(&out), "--quiet"];
+        let (code, said) = maquette(&[&fit[..], more].concat());
+        assert_eq!(code, Some(0), "{said}");
+        let result = fs::read_to_string(out.join("result.json")).expect("a result");
+        serde_json::from_str::<Value>(&result).expect("JSON")
+    };
+    let plain = fitted("plain", &[]);
+    assert_eq!(plain["verdict"]["causes"].as_array().map(Vec::len), Some(0));
+
+    // in the manifest, and over it on the command line
+    let manifest = recording.join("sequence.toml");
+    let written = fs::read_to_string(&manifest).expect("a manifest");
+    fs::write(&manifest, format!("height_m = 2.4\n{written}")).expect("written");
+    let small = fitted("small", &[]);
+    assert_eq!(small["verdict"]["causes"][0]["cause"], "height");
+    let found_m = &small["verdict"]["causes"][0]["found_m"];
+    let right = fitted("right", &["--height", &found_m.to_string()]);
+    assert_eq!(right["verdict"]["causes"].as_array().map(Vec::len), Some(0));
+
+    for part in ["shape", "motion"] {
+        assert!(small[part] == plain[part] && right[part] == plain[part], "{part}");
+    }
+}

@@ -114,6 +114,11 @@ impl Recording {
         self.manifest.body.as_deref()
     }
 
+    /// The person's height without shoes that the manifest states, metres.
+    pub fn height_m(&self) -> Option<f64> {
+        self.manifest.height_m
+    }
+
     /// The folder that the paths of the manifest are relative to.
     pub fn folder(&self) -> &Path {
         &self.folder

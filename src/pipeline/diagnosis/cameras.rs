@@ -63,14 +63,69 @@ const IN_FRAMES: f64 = 0.8;
 const NEARLY_ALL: f64 = 0.3;
 /// The focal lengths that are tried, as shares of the calibrated ones.
 const ZOOMS: [f64; 10] = [0.7, 0.8, 0.87, 0.91, 0.95, 1.05, 1.1, 1.15, 1.25, 1.4];
+/// Rounds in which several late clocks settle at most.
+const SETTLING_ROUNDS: usize = 4;
 /// The shifts in time that are tried first, frames; the best is then refined.
 const SHIFTS: [isize; 8] = [1, 2, 3, 5, 8, 12, 18, 25];
+
+/// Of other ways to read the pictures, so many that a few frames speak for are looked at in all.
+const RACED: usize = 3;
+
+/// The silhouettes as they are read so far, and how they miss each other.
+struct Now {
+    readings: Vec<Option<Reading>>,
+    misses: Misses,
+    few_misses: Misses,
+}
+
+impl Now {
+    fn new(scene: &Scene<'_>, readings: Vec<Option<Reading>>) -> Self {
+        let (misses, few_misses) = (scene.misses(&readings), scene.few_misses(&readings));
+        Self { readings, misses, few_misses }
+    }
+
+    /// The readings with another one of a camera that is there.
+    fn with(&self, camera: usize, change: impl Fn(&mut Reading)) -> Vec<Option<Reading>> {
+        let mut readings = self.readings.clone();
+        readings[camera].iter_mut().for_each(change);
+        readings
+    }
+}
+
+/// Another way to read the pictures.
+struct Hypothesis {
+    fault: CameraFault,
+    readings: Vec<Option<Reading>>,
+}
+
+impl Hypothesis {
+    /// The share of the misses that it leaves in a few frames; `None` where that is more than there was, or too few frames can be
+    /// compared.
+    fn few_left(&self, scene: &Scene<'_>, now: &Now) -> Option<f64> {
+        let (left, _) = scene.few_misses(&self.readings).share_of(&now.few_misses)?;
+        (left <= 1.0).then_some(left)
+    }
+
+    /// What it leaves in all frames that are looked at; `None` where too few can be compared.
+    fn tried(self, scene: &Scene<'_>, now: &Now) -> Option<Trial> {
+        let (left, fewer_in) = scene.misses(&self.readings).share_of(&now.misses)?;
+        Some(Trial { fault: self.fault, readings: self.readings, left, fewer_in })
+    }
+}
+
+/// Those that leave the least: all are looked at in a few frames, and in all frames only the first of them.
+fn raced(scene: &Scene<'_>, now: &Now, hypotheses: Vec<Hypothesis>) -> Vec<Trial> {
+    let few = |hypothesis: Hypothesis| Some((hypothesis.few_left(scene, now)?, hypothesis));
+    let mut sorted: Vec<(f64, Hypothesis)> = hypotheses.into_iter().filter_map(few).collect();
+    sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let first = sorted.into_iter().take(RACED);
+    first.filter_map(|(_, hypothesis)| hypothesis.tried(scene, now)).collect()
+}
 
 /// A hypothesis and what it leaves.
 struct Trial {
     fault: CameraFault,
     readings: Vec<Option<Reading>>,
-    misses: Misses,
     /// The share of the misses that is left.
     left: f64,
     /// The share of the frames that miss less.
@@ -78,22 +133,6 @@ struct Trial {
 }
 
 impl Trial {
-    /// `None` where it leaves more than there was, or too few frames can be compared.
-    fn new(
-        scene: &Scene<'_>,
-        now: &Misses,
-        fault: CameraFault,
-        readings: Vec<Option<Reading>>,
-    ) -> Option<Self> {
-        let (few_left, _) = scene.few_misses(&readings).share_of(&now.few())?;
-        if few_left > 1.0 {
-            return None;
-        }
-        let misses = scene.misses(&readings);
-        let (left, fewer_in) = misses.share_of(now)?;
-        Some(Self { fault, readings, misses, left, fewer_in })
-    }
-
     /// Whether the hypothesis leaves much less than there was, and in nearly every frame.
     fn explains(&self) -> bool {
         let share = match self.fault {
@@ -110,40 +149,79 @@ impl Trial {
 
 /// What is wrong with the cameras, the greatest first; nothing where the silhouettes agree.
 pub(super) fn camera_faults(scene: &Scene<'_>) -> CameraFaults {
-    let mut readings = scene.plain();
-    let mut misses = scene.misses(&readings);
-    let first_m = misses.mean_m();
+    let mut now = Now::new(scene, scene.plain());
+    let first_m = now.misses.mean_m();
     let mut faults: Vec<CameraFault> = Vec::new();
     let mut left = 1.0;
-    while faults.len() < readings.len() {
-        let Some(found) = next_fault(scene, &readings, &misses) else {
+    while faults.len() < now.readings.len() {
+        let Some(found) = next_fault(scene, &now) else {
             break;
         };
         faults.push(found.fault);
         left *= found.left;
-        (readings, misses) = (found.readings, found.misses);
+        now = Now::new(scene, found.readings);
+        left *= settle_clocks(scene, &mut now, &mut faults);
     }
-    CameraFaults { faults, readings, left, left_m: left * first_m }
+    CameraFaults { faults, readings: now.readings, left, left_m: left * first_m }
+}
+
+/// Moves the clocks that were found late by single frames until the silhouettes agree best, for the first was found when the
+/// others were still wrong. Gives the share of the misses that is left.
+fn settle_clocks(scene: &Scene<'_>, now: &mut Now, faults: &mut [CameraFault]) -> f64 {
+    let is_late = |fault: &&CameraFault| matches!(fault, CameraFault::Late(..));
+    if faults.iter().filter(is_late).count() < 2 {
+        return 1.0;
+    }
+
+    let mut left = 1.0;
+    for _ in 0..SETTLING_ROUNDS {
+        let before = left;
+        for fault in faults.iter_mut() {
+            if let Some(better) = moved_clock(scene, now, *fault) {
+                left *= better.left;
+                *fault = better.fault;
+                *now = Now::new(scene, better.readings);
+            }
+        }
+        if left >= before {
+            break;
+        }
+    }
+    left
+}
+
+/// A late clock moved by a frame, if the silhouettes agree better so.
+fn moved_clock(scene: &Scene<'_>, now: &Now, fault: CameraFault) -> Option<Trial> {
+    let CameraFault::Late(id, late) = fault else {
+        return None;
+    };
+    let moved = |by: isize| {
+        let readings = now.with(id.0, |r| r.late = late + by);
+        Hypothesis { fault: CameraFault::Late(id, late + by), readings }.tried(scene, now)
+    };
+    let best = [-1, 1].into_iter().filter_map(moved).min_by(Trial::order)?;
+    (best.left < 1.0).then_some(best)
 }
 
 /// The hypothesis that explains most of the misses that there are `now`.
-fn next_fault(scene: &Scene<'_>, readings: &[Option<Reading>], now: &Misses) -> Option<Trial> {
-    if now.mean_m() < QUIET_M {
+fn next_fault(scene: &Scene<'_>, now: &Now) -> Option<Trial> {
+    if now.misses.mean_m() < QUIET_M {
         return None;
     }
 
     // without each camera in turn
-    let mut without: Vec<Trial> = left_out(scene, readings, now);
+    let mut without: Vec<Trial> = left_out(scene, now);
     without.sort_by(Trial::order);
     let suspects: Vec<usize> = match without.as_slice() {
-        [] => present(readings).collect(),
+        [] => present(now).collect(),
         sorted => sorted.iter().take(2).filter_map(|t| t.fault.camera()).collect(),
     };
 
     // other ways to read the pictures
-    let mut trials = rearranged(scene, readings, now);
-    trials.extend(zoomed(scene, readings, now, &suspects));
-    trials.extend(suspects.iter().filter_map(|camera| shifted(scene, readings, now, *camera)));
+    let mut hypotheses = rearranged(now);
+    hypotheses.extend(zoomed(now, &suspects));
+    let mut trials = raced(scene, now, hypotheses);
+    trials.extend(suspects.iter().filter_map(|camera| shifted(scene, now, *camera)));
     let best = trials.into_iter().filter(Trial::explains).min_by(Trial::order);
 
     // the cause is what explains as much as leaving the camera out does
@@ -151,110 +229,91 @@ fn next_fault(scene: &Scene<'_>, readings: &[Option<Reading>], now: &Misses) -> 
     match (best, odd) {
         (Some(best), Some(odd)) => {
             // one camera less leaves less to miss, with four by far
-            let looser = if present(readings).count() > 4 { 1.5 } else { 3.5 };
-            let floor = looser * odd.left.max(0.25 * QUIET_M / now.mean_m());
+            let looser = if present(now).count() > 4 { 1.5 } else { 3.5 };
+            let floor = looser * odd.left.max(0.25 * QUIET_M / now.misses.mean_m());
             Some(if best.left <= floor { best } else { odd })
         }
         (best, odd) => best.or(odd),
     }
 }
 
-fn present(readings: &[Option<Reading>]) -> impl Iterator<Item = usize> {
-    readings.iter().enumerate().filter(|(_, r)| r.is_some()).map(|(i, _)| i)
+fn present(now: &Now) -> impl Iterator<Item = usize> {
+    now.readings.iter().enumerate().filter(|(_, r)| r.is_some()).map(|(i, _)| i)
 }
 
 /// Leaves out each camera; nothing with fewer than four, for the two that are left agree about nearly anything.
-fn left_out(scene: &Scene<'_>, readings: &[Option<Reading>], now: &Misses) -> Vec<Trial> {
-    if present(readings).count() < 4 {
+fn left_out(scene: &Scene<'_>, now: &Now) -> Vec<Trial> {
+    if present(now).count() < 4 {
         return Vec::new();
     }
     let without = |camera: usize| {
-        let mut left = readings.to_vec();
-        left[camera] = None;
-        let miss_m = now.cameras[camera].unwrap_or(0.0);
+        let mut readings = now.readings.clone();
+        readings[camera] = None;
+        let miss_m = now.misses.cameras[camera].unwrap_or(0.0);
         let fault = CameraFault::Elsewhere { camera: CameraId(camera), miss_m };
-        Trial::new(scene, now, fault, left)
+        let trial = Hypothesis { fault, readings }.tried(scene, now)?;
+        (trial.left <= 1.0).then_some(trial)
     };
-    present(readings).filter_map(without).collect()
+    present(now).filter_map(without).collect()
 }
 
 /// The first of the sorted trials, if the others agree much better without its camera than without another.
-fn odd_one(without: Vec<Trial>, now: &Misses) -> Option<Trial> {
+fn odd_one(without: Vec<Trial>, now: &Now) -> Option<Trial> {
     let mut sorted = without.into_iter();
     let first = sorted.next()?;
     let usual = median(&mut sorted.map(|t| t.left).collect())?;
-    (first.left < EXPLAINED * usual && usual * now.mean_m() > QUIET_M).then_some(first)
+    let is_odd = first.left < EXPLAINED * usual && usual * now.misses.mean_m() > QUIET_M;
+    is_odd.then_some(first)
 }
 
 /// Mirrored and exchanged pictures.
-fn rearranged(scene: &Scene<'_>, readings: &[Option<Reading>], now: &Misses) -> Vec<Trial> {
-    let mut hypotheses = Vec::new();
-    let mirrored = |r: &mut Option<Reading>| {
-        if let Some(r) = r {
-            r.mirrored = !r.mirrored;
-        }
-    };
-    let mut all = readings.to_vec();
-    all.iter_mut().for_each(mirrored);
-    hypotheses.push((CameraFault::AllMirrored, all));
-    for i in present(readings) {
-        let mut one = readings.to_vec();
-        mirrored(&mut one[i]);
-        hypotheses.push((CameraFault::Mirrored(CameraId(i)), one));
-        for j in present(readings).take_while(|j| *j < i) {
-            let mut pair = readings.to_vec();
-            pair.swap(i, j);
-            hypotheses.push((CameraFault::Exchanged(CameraId(j), CameraId(i)), pair));
+fn rearranged(now: &Now) -> Vec<Hypothesis> {
+    let mirror = |r: &mut Reading| r.mirrored = !r.mirrored;
+    let mut all = now.readings.clone();
+    all.iter_mut().flatten().for_each(mirror);
+
+    let mut hypotheses = vec![Hypothesis { fault: CameraFault::AllMirrored, readings: all }];
+    for i in present(now) {
+        let fault = CameraFault::Mirrored(CameraId(i));
+        hypotheses.push(Hypothesis { fault, readings: now.with(i, mirror) });
+        for j in present(now).take_while(|j| *j < i) {
+            let mut readings = now.readings.clone();
+            readings.swap(i, j);
+            let fault = CameraFault::Exchanged(CameraId(j), CameraId(i));
+            hypotheses.push(Hypothesis { fault, readings });
         }
     }
-
-    let trial = |(fault, readings)| Trial::new(scene, now, fault, readings);
-    hypotheses.into_iter().filter_map(trial).collect()
+    hypotheses
 }
 
 /// Other focal lengths, of all cameras and of each that is suspected.
-fn zoomed(
-    scene: &Scene<'_>,
-    readings: &[Option<Reading>],
-    now: &Misses,
-    suspects: &[usize],
-) -> Vec<Trial> {
-    let zoom = |reading: Reading, by: f64| Reading { zoom: reading.zoom * by, ..reading };
-    let all = |by: f64| {
-        let readings = readings.iter().map(|r| Some(zoom((*r)?, by))).collect();
-        Trial::new(scene, now, CameraFault::AllZoomed(by), readings)
+fn zoomed(now: &Now, suspects: &[usize]) -> Vec<Hypothesis> {
+    let all = |by: &f64| {
+        let mut readings = now.readings.clone();
+        readings.iter_mut().flatten().for_each(|r| r.zoom *= by);
+        Hypothesis { fault: CameraFault::AllZoomed(*by), readings }
     };
-    let one = |camera: usize, by: f64| {
-        let mut one = readings.to_vec();
-        one[camera] = Some(zoom(one[camera]?, by));
-        Trial::new(scene, now, CameraFault::Zoomed(CameraId(camera), by), one)
+    let one = |camera: usize, by: f64| Hypothesis {
+        fault: CameraFault::Zoomed(CameraId(camera), by),
+        readings: now.with(camera, |r| r.zoom *= by),
     };
-
-    let each = suspects.iter().flat_map(|camera| ZOOMS.iter().filter_map(|by| one(*camera, *by)));
-    ZOOMS.iter().filter_map(|by| all(*by)).chain(each).collect()
+    let each = suspects.iter().flat_map(|camera| ZOOMS.map(|by| one(*camera, by)));
+    ZOOMS.iter().map(all).chain(each).collect()
 }
 
 /// The shift of a camera's clock under which it agrees best with the others.
-fn shifted(
-    scene: &Scene<'_>,
-    readings: &[Option<Reading>],
-    now: &Misses,
-    camera: usize,
-) -> Option<Trial> {
-    let own = readings[camera]?;
-    let at = |by: isize| {
-        let mut late = readings.to_vec();
-        late[camera] = Some(Reading { late: own.late + by, ..own });
-        let fault = CameraFault::Late(CameraId(camera), own.late + by);
-        Some((by, Trial::new(scene, now, fault, late)?))
+fn shifted(scene: &Scene<'_>, now: &Now, camera: usize) -> Option<Trial> {
+    let own = now.readings[camera]?;
+    let at = |by: isize| Hypothesis {
+        fault: CameraFault::Late(CameraId(camera), own.late + by),
+        readings: now.with(camera, |r| r.late += by),
     };
-    let order = |a: &(isize, Trial), b: &(isize, Trial)| Trial::order(&a.1, &b.1);
+    let few_left = |by: isize| Some((by, at(by).few_left(scene, now)?));
+    let order = |a: &(isize, f64), b: &(isize, f64)| a.1.total_cmp(&b.1);
 
-    let (coarse, best) = SHIFTS.iter().flat_map(|by| [*by, -by]).filter_map(at).min_by(order)?;
-    let around = [coarse - 3, coarse - 2, coarse - 1, coarse + 1, coarse + 2, coarse + 3];
-    let untried = around.into_iter().filter(|by| *by != 0 && !SHIFTS.contains(&by.abs()));
-    let (_, finest) = untried.filter_map(at).chain([(coarse, best)]).min_by(order)?;
-    Some(finest)
+    let coarse = SHIFTS.iter().flat_map(|by| [*by, -by]).filter_map(few_left).min_by(order)?;
+    let around = (coarse.0 - 3..=coarse.0 + 3).filter(|by| *by != 0);
+    raced(scene, now, around.map(at).collect()).into_iter().min_by(Trial::order)
 }
 
 impl CameraFault {
@@ -300,6 +359,19 @@ mod tests {
         (walker.rig.clone(), (0..walker.frames()).map(shown).collect())
     }
 
+    /// The same with a camera that shows everything so many frames late.
+    fn late(frames: &[FrameObservations], camera: usize, by: isize) -> Vec<FrameObservations> {
+        let mut spoiled = frames.to_vec();
+        for (i, frame) in spoiled.iter_mut().enumerate() {
+            let moment = i.checked_add_signed(-by).and_then(|i| frames.get(i));
+            let shown = moment.and_then(|m| m.views.iter().find(|(id, _)| id.0 == camera));
+            frame.views.retain(|(id, _)| id.0 != camera);
+            frame.views.extend(shown.cloned());
+            frame.views.sort_by_key(|(id, _)| *id);
+        }
+        spoiled
+    }
+
     fn faults(rig: &Rig, frames: &[FrameObservations]) -> Vec<CameraFault> {
         camera_faults(&Scene::new(rig, frames)).faults
     }
@@ -328,13 +400,16 @@ mod tests {
         assert!(found.len() == 1 && is_elsewhere(&found[0]), "{found:?}");
 
         // one late by three frames
-        let mut late = frames.clone();
-        for (i, frame) in late.iter_mut().enumerate() {
-            let shown = i.checked_sub(3).map(|i| frames[i].views[1].clone());
-            frame.views.retain(|(id, _)| *id != CameraId(1));
-            frame.views.extend(shown);
-            frame.views.sort_by_key(|(id, _)| *id);
-        }
-        assert_eq!(faults(&rig, &late), [CameraFault::Late(CameraId(1), 3)]);
+        assert_eq!(faults(&rig, &late(&frames, 1, 3)), [CameraFault::Late(CameraId(1), 3)]);
+    }
+
+    #[test]
+    fn clocks_of_several_cameras_settle_at_what_each_is_late_by() {
+        let (rig, frames) = recording();
+        let spoiled = [(1, 2), (3, -2)];
+        let shown = spoiled.iter().fold(frames, |frames, (id, by)| late(&frames, *id, *by));
+        let mut found = faults(&rig, &shown);
+        found.sort_by_key(|fault| fault.camera());
+        assert_eq!(found, spoiled.map(|(id, by)| CameraFault::Late(CameraId(id), by)));
     }
 }

@@ -23,8 +23,9 @@ use crate::silhouette::{FrameObservations, Silhouette};
 const SAMPLED_FRAMES: usize = 8;
 /// A bad hypothesis shows in every third of them.
 const FEW: usize = 3;
-/// Border points of each silhouette that are looked at.
+/// Border points of each silhouette that are looked at, and where a bad hypothesis need only show.
 const BORDER_POINTS: f64 = 48.0;
+const FEW_BORDER_POINTS: f64 = 16.0;
 /// How far before and behind the subject a line of sight is followed, and in which steps, metres.
 const REACH_M: f64 = 1.6;
 const STEP_M: f64 = 0.04;
@@ -74,12 +75,6 @@ impl Misses {
         mean(self.frames.iter().flatten().copied()).unwrap_or(0.0)
     }
 
-    /// Those of [`Scene::few_misses`].
-    pub(super) fn few(&self) -> Self {
-        let frames = self.frames.iter().step_by(FEW).copied().collect();
-        Self { frames, ..self.clone() }
-    }
-
     /// Which share of other misses these are, and in which share of the frames they are fewer; `None` unless both are known in
     /// half of the frames.
     pub(super) fn share_of(&self, others: &Self) -> Option<(f64, f64)> {
@@ -113,17 +108,22 @@ impl<'a> Scene<'a> {
 
     /// By how much the silhouettes miss each other if each camera of the rig is read as `readings` say; `None` leaves it out.
     pub(super) fn misses(&self, readings: &[Option<Reading>]) -> Misses {
-        self.misses_in(&self.sampled, readings)
+        self.misses_in(&self.sampled, readings, BORDER_POINTS)
     }
 
-    /// The same, of every third frame only: enough to drop a bad hypothesis.
+    /// The same, of every third frame and every third point of the borders: enough to drop a bad hypothesis.
     pub(super) fn few_misses(&self, readings: &[Option<Reading>]) -> Misses {
         let few: Vec<usize> = self.sampled.iter().step_by(FEW).copied().collect();
-        self.misses_in(&few, readings)
+        self.misses_in(&few, readings, FEW_BORDER_POINTS)
     }
 
-    fn misses_in(&self, sampled: &[usize], readings: &[Option<Reading>]) -> Misses {
-        let of_frame = |i: &usize| Some(frame_misses(&self.views(*i, readings)?));
+    fn misses_in(
+        &self,
+        sampled: &[usize],
+        readings: &[Option<Reading>],
+        border_points: f64,
+    ) -> Misses {
+        let of_frame = |i: &usize| Some(frame_misses(&self.views(*i, readings)?, border_points));
         let frames: Vec<Option<Vec<(usize, f64)>>> = sampled.par_iter().map(of_frame).collect();
 
         let of_camera = |id: usize| {
@@ -191,7 +191,7 @@ impl View<'_> {
 }
 
 /// The camera and the mean miss of each view.
-fn frame_misses(views: &[View<'_>]) -> Vec<(usize, f64)> {
+fn frame_misses(views: &[View<'_>], border_points: f64) -> Vec<(usize, f64)> {
     let middle = |v: &View<'_>| v.camera.ray(&v.calibrated(v.silhouette.centroid));
     let sights: Vec<Ray> = views.iter().map(middle).collect();
     let Some(subject) = closest_point(&sights) else {
@@ -200,7 +200,7 @@ fn frame_misses(views: &[View<'_>]) -> Vec<(usize, f64)> {
 
     let of_view = |(i, view): (usize, &View<'_>)| {
         let border: f64 = view.silhouette.contour.iter().map(|p| p.length_px).sum();
-        let points = view.silhouette.thinned(border / BORDER_POINTS);
+        let points = view.silhouette.thinned(border / border_points);
         let misses = points.iter().filter_map(|point| {
             let ray = view.camera.ray(&view.calibrated(point.pixel));
             let middle = (subject - ray.origin_world).dot(&ray.direction_world);

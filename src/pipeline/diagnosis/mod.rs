@@ -10,14 +10,19 @@
 //! | `volume.rs`      | what the silhouettes hold beside the body, and how tall it is     |
 //! | `upright.rs`     | whether the person stands along another axis                      |
 //! | `proportions.rs` | whether the world is too large for the body                       |
+//! | `stature.rs`     | whether the body is as tall as the person is known to be          |
+//! | `figures.rs`     | persons before cameras, for the tests of all                      |
 //!
 //! Causes are hypotheses that were tested, one after the other, each against the recording as it is. The first that explains
 //! what was found is named, and what would follow from it is not.
 
 mod cameras;
 mod coherence;
+#[cfg(test)]
+mod figures;
 mod proportions;
 mod room;
+mod stature;
 mod text;
 mod upright;
 mod verdict;

@@ -56,3 +56,44 @@ fn still_share(camera: &Camera, views: &[(&Silhouette, Vec<Covering>)]) -> f64 {
     let still = (0..rows * ACROSS as usize).filter(is_still).count();
     still as f64 * step * step / area_px
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::Motion;
+    use crate::image::Mask;
+    use crate::pipeline::diagnosis::figures::{Figures, joined};
+
+    /// The greatest and the least share over the cameras, of a person who stands where `motions` say, frame by frame.
+    fn shares(figures: &Figures, motions: &[Motion], shown: &[Vec<Mask>]) -> (f64, f64) {
+        let frames = shown.iter().enumerate().map(|(i, masks)| figures.frame(i, masks));
+        let frames: Vec<FrameObservations> = frames.collect();
+        let found = still_shares(&figures.rig, &frames, |frame| figures.posed(&motions[frame]));
+        let all = || found.iter().map(|(_, share)| *share);
+        (all().fold(0.0, f64::max), all().fold(f64::INFINITY, f64::min))
+    }
+
+    #[test]
+    fn what_never_moves_and_is_not_the_body_is_found_in_each_camera() {
+        let figures = Figures::new();
+        let motions: Vec<Motion> =
+            (0..5).map(|i| figures.standing(0.5 * f64::from(i) - 1.0, 0.0)).collect();
+        let alone: Vec<Vec<Mask>> = motions.iter().map(|m| figures.masks(m)).collect();
+        let (most, _) = shares(&figures, &motions, &alone);
+        assert!(most < 0.01, "a person who walks: {most}");
+
+        // a picture of the room with the person in it
+        let stale: Vec<Vec<Mask>> = alone.iter().map(|masks| joined(masks, &alone[0])).collect();
+        let (_, least) = shares(&figures, &motions, &stale);
+        assert!(least > 0.25, "{least}");
+    }
+
+    #[test]
+    fn a_person_who_stands_still_is_no_part_of_the_room() {
+        let figures = Figures::new();
+        let motions = vec![figures.standing(0.0, 0.0); 4];
+        let shown = vec![figures.masks(&motions[0]); 4];
+        let (most, _) = shares(&figures, &motions, &shown);
+        assert!(most < 0.1, "{most}");
+    }
+}

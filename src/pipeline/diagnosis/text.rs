@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use super::verdict::BODY_L;
 use super::{Cause, Reason, Verdict};
 
 impl Verdict {
@@ -108,9 +109,13 @@ impl Cause {
                 cameras.join(", "),
                 100.0 * share
             ),
-            Self::SecondBody { litres } => write!(
+            Self::SecondBody { litres } if *litres > BODY_L => write!(
                 f,
                 "the silhouettes hold {litres:.0} litres beside the body: a second person or a large object; keep one person in the masks"
+            ),
+            Self::SecondBody { litres } => write!(
+                f,
+                "the silhouettes hold {litres:.0} litres beside the body, as much as a limb: a second person, a stale picture of the person, or something carried; keep one person in the masks"
             ),
             Self::MasksDisagree { miss_m } => write!(
                 f,
@@ -134,8 +139,13 @@ impl Cause {
             ),
             Self::Scale { factor } => write!(
                 f,
-                "the body is about {} for a person: is the calibration's unit of length right (the size of the board's squares)?",
+                "the body is about {} for a person: is the calibration's unit of length right (the size of the board's squares)? Give the height if it is (--height)",
                 too_large(*factor, "large", "small")
+            ),
+            Self::Height { found_m, given_m } => write!(
+                f,
+                "the body is {found_m:.2} m tall, {} for a person of {given_m:.2} m: is the calibration's unit of length right (the size of the board's squares), and are the focal lengths (zoom)?",
+                too_large(found_m / given_m, "large", "small")
             ),
             _ => write!(
                 f,

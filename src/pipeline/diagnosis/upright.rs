@@ -73,3 +73,29 @@ pub(super) fn head_axis(evidence: &Evidence<'_>, frame: &FrameObservations) -> O
     let best = all.min_by(|a, b| a.1.total_cmp(&b.1))?;
     (best.1 < CLEARLY * upright).then_some(best.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::likelihood::{LikelihoodOptions, Measure};
+    use crate::pipeline::diagnosis::figures::Figures;
+
+    #[test]
+    fn a_person_who_stands_along_another_axis_is_found_and_one_upright_is_not() {
+        let figures = Figures::new();
+        let frame = figures.frame(0, &figures.masks(&figures.standing(0.0, 0.0)));
+        let found = |rig: &Rig| {
+            let body =
+                crate::io::model::load("human-ellipsoids", std::path::Path::new("")).unwrap();
+            let likelihood = LikelihoodOptions::default();
+            head_axis(&Evidence::new(&body, rig, likelihood, Measure::Ellipses), &frame)
+        };
+        assert_eq!(found(&figures.rig), None);
+
+        // z becomes y
+        let mut turned = figures.rig.clone();
+        let world_from_turned = HeadAxis::Y.to_up();
+        turned.cameras.iter_mut().for_each(|c| c.camera_from_world *= world_from_turned);
+        assert_eq!(found(&turned), Some(HeadAxis::Y));
+    }
+}

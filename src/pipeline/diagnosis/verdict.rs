@@ -6,11 +6,13 @@ use super::cameras::{CameraFault, camera_faults};
 use super::coherence::Scene;
 use super::proportions::wrong_scale;
 use super::room::still_shares;
+use super::stature::wrong_stature_m;
 use super::upright::{HeadAxis, head_axis};
 use super::volume::{apart_l, height_m, volumes};
 use crate::body::{Posed, Root, Shape};
 use crate::camera::{CameraId, Rig};
 use crate::inference::Evidence;
+use crate::inference::covariance::ShapeUncertainty;
 use crate::math::stats::{mean, median};
 use crate::pipeline::scene::body_size;
 use crate::pipeline::{CameraQuality, FittedFrame};
@@ -136,6 +138,13 @@ pub enum Cause {
         /// By which factor.
         factor: f64,
     },
+    /// The body is not as tall as the person is known to be.
+    Height {
+        /// How tall it is, m.
+        found_m: f64,
+        /// How tall the person is, m.
+        given_m: f64,
+    },
     /// The frame rate is too high for a person's accelerations.
     FrameRate {
         /// Root mean square of the root's acceleration, in g.
@@ -157,7 +166,11 @@ const LOST_SHARE: f64 = 0.8;
 const GOOD_OVERLAP: f64 = 0.85;
 /// Still parts and volumes beside the body count from here on, over the silhouette's area and in litres (a child of five: 18).
 const STILL_PART: f64 = 0.25;
-const BODY_L: f64 = 15.0;
+pub(super) const BODY_L: f64 = 15.0;
+/// Of a fit that cannot be used, and for which nothing else was found, a limb's volume counts too, litres: an arm.
+const LIMB_L: f64 = 3.5;
+/// So many silhouettes, and fewer, hold much that is not there: 14 litres beside one person in a real room.
+const FEW_CAMERAS: usize = 4;
 /// A pelvis is accelerated by less, RMS, in g: 0.2 walking, 1 running and jumping.
 const MOST_G: f64 = 2.0;
 /// Ragged masks miss each other by 3 mm.
@@ -173,6 +186,9 @@ pub(in crate::pipeline) struct Diagnosis<'a> {
     pub(in crate::pipeline) observations: &'a [FrameObservations],
     pub(in crate::pipeline) fps: f64,
     pub(in crate::pipeline) shape: &'a Shape,
+    pub(in crate::pipeline) uncertainty: Option<&'a ShapeUncertainty>,
+    /// How tall the person is, m, if that is known.
+    pub(in crate::pipeline) height_m: Option<f64>,
     pub(in crate::pipeline) frames: &'a [FittedFrame],
     pub(in crate::pipeline) cameras: &'a [CameraQuality],
 }
@@ -223,9 +239,8 @@ impl Diagnosis<'_> {
 
         // what the masks hold; where they are good there is nothing to look for
         if !is_unusable && overlap > GOOD_OVERLAP {
-            let scale = || wrong_scale(model, self.shape).map(|factor| Cause::Scale { factor });
             let is_fine = found.faults.is_empty();
-            let of_body = || self.too_fast().or_else(scale).into_iter().collect();
+            let of_body = || self.too_fast().or_else(|| self.too_large()).into_iter().collect();
             return if is_fine { of_body() } else { of_cameras() };
         }
         if found.explain_nearly_all() {
@@ -239,7 +254,8 @@ impl Diagnosis<'_> {
         let volumes = volumes(rig, self.observations, &found.readings);
         let litres = apart_l(&volumes, |frame| self.body(frame));
         let height_m = height_m(&volumes).filter(|height| *height < WHOLE * body_size(model));
-        if rig.cameras.len() > 3 && litres > BODY_L {
+        let is_tight = rig.cameras.len() > FEW_CAMERAS;
+        if litres > BODY_L && (is_tight || is_unusable && rig.cameras.len() == FEW_CAMERAS) {
             return vec![Cause::SecondBody { litres }];
         }
         let turned = if is_unusable { self.turned() } else { None };
@@ -248,14 +264,19 @@ impl Diagnosis<'_> {
             return vec![cause];
         }
 
-        // cameras that explain a part of it, or none
-        match found.faults.is_empty() {
-            false => of_cameras(),
-            true if is_unusable && found.left_m > MASKS_AGREE_M => {
-                vec![Cause::MasksDisagree { miss_m: found.left_m }]
-            }
-            true => Vec::new(),
+        // cameras that explain a part of it
+        if !found.faults.is_empty() {
+            return of_cameras();
         }
+        if is_unusable && found.left_m > MASKS_AGREE_M {
+            return vec![Cause::MasksDisagree { miss_m: found.left_m }];
+        }
+        if is_unusable && is_tight && litres > LIMB_L {
+            return vec![Cause::SecondBody { litres }];
+        }
+
+        // the outlines agree: time or space is of another size
+        self.too_fast().or_else(|| self.too_large()).into_iter().collect()
     }
 
     fn body(&self, frame: usize) -> Posed<'_> {
@@ -273,6 +294,16 @@ impl Diagnosis<'_> {
         let squares = self.frames.windows(3).filter_map(acceleration);
         let acceleration_g = mean(squares)?.sqrt() / 9.81;
         (acceleration_g > MOST_G).then_some(Cause::FrameRate { acceleration_g })
+    }
+
+    /// A world that is too large or too small: by the person's height if that is known, or else by the bones alone.
+    fn too_large(&self) -> Option<Cause> {
+        let model = self.evidence.model;
+        match self.height_m {
+            Some(given_m) => wrong_stature_m(model, self.shape, self.uncertainty, given_m)
+                .map(|found_m| Cause::Height { found_m, given_m }),
+            None => wrong_scale(model, self.shape).map(|factor| Cause::Scale { factor }),
+        }
     }
 
     fn still_parts(&self) -> Option<Cause> {

@@ -103,3 +103,31 @@ pub(super) fn apart_l<'a>(volumes: &[Volume], body: impl Fn(usize) -> Posed<'a>)
     let voxels = median(&mut volumes.iter().map(apart).collect()).unwrap_or(0.0);
     1e3 * VOXEL_M.powi(3) * voxels
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pipeline::diagnosis::coherence::Scene;
+    use crate::pipeline::diagnosis::figures::{Figures, joined};
+
+    #[test]
+    fn a_second_person_is_litres_beside_the_first_and_one_alone_is_as_tall_as_he_is() {
+        let figures = Figures::new();
+        let (first, second) = (figures.standing(0.0, -0.5), figures.standing(0.0, 0.5));
+        let found = |masks| {
+            let frames = [figures.frame(0, masks)];
+            let readings = Scene::new(&figures.rig, &frames).plain();
+            let volumes = volumes(&figures.rig, &frames, &readings);
+            let litres = apart_l(&volumes, |_| figures.posed(&first));
+            (litres, height_m(&volumes).unwrap())
+        };
+
+        let alone = figures.masks(&first);
+        let (litres, height_m) = found(&alone);
+        assert!(litres < 1.0, "{litres}");
+        assert!((1.5..1.9).contains(&height_m), "{height_m}");
+
+        let (litres, _) = found(&joined(&alone, &figures.masks(&second)));
+        assert!(litres > 40.0, "{litres}");
+    }
+}

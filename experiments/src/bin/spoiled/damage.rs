@@ -14,7 +14,7 @@ use crate::recorded::Recorded;
 /// A way to spoil a recording.
 pub(crate) struct Damage {
     pub(crate) name: &'static str,
-    /// What a verdict must say that names the cause.
+    /// What a verdict must say that names the cause; ` & ` between what it must say besides.
     pub(crate) cause: &'static str,
     pub(crate) spoil: Box<dyn Fn(&Recorded) -> Recorded>,
 }
@@ -34,6 +34,16 @@ pub(crate) fn damages() -> Vec<Damage> {
     all.extend(masks());
     all.extend(world());
     all
+}
+
+/// What is wrong with a recording already; `cause` names it.
+pub(crate) fn as_recorded(cause: &'static str) -> Damage {
+    damage("as recorded", cause, Clone::clone)
+}
+
+/// The cameras where they were.
+pub(crate) fn recalibrated() -> Damage {
+    damage("nothing", "", |r| Recorded { rig: r.true_rig.clone(), ..r.clone() })
 }
 
 fn cameras() -> Vec<Damage> {
@@ -77,6 +87,9 @@ fn cameras() -> Vec<Damage> {
         }),
         damage("focal lengths 20 % off", "focal lengths of all", |r| {
             all_cameras(r, |c| zoom(c, 1.2))
+        }),
+        damage("focal lengths 20 % off, height given", "focal lengths", |r| {
+            with_height(&all_cameras(r, |c| zoom(c, 1.2)))
         }),
     ]
 }
@@ -130,6 +143,12 @@ fn world() -> Vec<Damage> {
         damage("up is down", "`up`", move |r| turned_world(r, turn(Vector3::x(), 180.0))),
         damage("world 10 % too large", "too large for a person", |r| scaled(r, 1.1)),
         damage("world 10 % too small", "too small for a person", |r| scaled(r, 0.9)),
+        damage("world 10 % too large, height given", "too large for a person", |r| {
+            with_height(&scaled(r, 1.1))
+        }),
+        damage("world 10 % too small, height given", "too small for a person", |r| {
+            with_height(&scaled(r, 0.9))
+        }),
         damage("world 30 % too large", "too large for a person", |r| scaled(r, 1.3)),
         damage("unit ten times too large", "unit", |r| scaled(r, 10.0)),
         damage("frame rate half", "frame rate", |r| Recorded { fps: 0.5 * r.fps, ..r.clone() }),
@@ -193,6 +212,10 @@ fn turned_world(r: &Recorded, turned_from_world: Rigid3) -> Recorded {
 /// Only the cameras: the truth keeps its size.
 fn scaled(r: &Recorded, factor: f64) -> Recorded {
     all_cameras(r, |c| c.camera_from_world.translation.vector *= factor)
+}
+
+fn with_height(r: &Recorded) -> Recorded {
+    Recorded { given_m: r.stature_m, ..r.clone() }
 }
 
 fn lost(r: &Recorded, share: f64) -> Recorded {

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use maquette::camera::Rig;
 use maquette::image::Mask;
+use maquette::io::calibration::{self, CalibrationOptions};
 use maquette::io::points::trc::{Trajectories, read_trc};
 use maquette::io::recording::Recording;
 use maquette::silhouette::{FrameIndex, FrameObservations, SilhouetteOptions, extract};
@@ -14,12 +15,18 @@ use rayon::prelude::*;
 #[derive(Debug, Clone)]
 pub(crate) struct Recorded {
     pub(crate) rig: Rig,
+    /// The cameras where they were, if that is known to differ.
+    pub(crate) true_rig: Rig,
     pub(crate) fps: f64,
     /// The numbers of the frames.
     pub(crate) numbers: Vec<FrameIndex>,
     /// Frame by frame a place for each camera.
     pub(crate) masks: Vec<Vec<Option<Mask>>>,
     pub(crate) truth: Trajectories,
+    /// The person's height, where it is known, metres.
+    pub(crate) stature_m: Option<f64>,
+    /// The height that a fit is given.
+    pub(crate) given_m: Option<f64>,
 }
 
 impl Recorded {
@@ -35,10 +42,13 @@ impl Recorded {
 
         let path = folder.join(truth);
         Ok(Self {
+            stature_m: stature_m(&folder.join("truth.json"))?,
+            given_m: None,
             masks: masks?,
             numbers: files.frames.clone(),
             fps,
             truth: read_trc(&std::fs::read_to_string(&path)?, &path)?,
+            true_rig: true_rig(folder)?.unwrap_or_else(|| files.rig.clone()),
             rig: files.rig,
         })
     }
@@ -80,4 +90,21 @@ impl Recorded {
             ..self.clone()
         }
     }
+}
+
+fn true_rig(folder: &Path) -> Result<Option<Rig>, Box<dyn Error>> {
+    let path = folder.join("calibration-true.toml");
+    if !path.is_file() {
+        return Ok(None);
+    }
+    Ok(Some(calibration::read(&path, &CalibrationOptions::default())?))
+}
+
+/// `segment_lengths_m.stature` of a file of truths; `None` without the file or the number.
+fn stature_m(path: &Path) -> Result<Option<f64>, Box<dyn Error>> {
+    if !path.is_file() {
+        return Ok(None);
+    }
+    let truth: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(path)?)?;
+    Ok(truth["segment_lengths_m"]["stature"].as_f64())
 }

@@ -6,6 +6,7 @@
 //! unit = "m"                         # of the calibration: m | mm
 //! up = "z"                           # of the calibration's world: z | -z | y | -y
 //! body = "human-ellipsoids"          # a shipped model or a path
+//! height_m = 1.80                    # of the person, without shoes
 //! [[camera]]
 //! name = "cam_01"
 //! masks = "masks/cam_01/%06d.png"    # printf pattern, folder, or glob
@@ -41,6 +42,7 @@ const KEYS: &[&str] = &[
     "unit",
     "up",
     "body",
+    "height_m",
     "points",
     "points_unit",
     "start",
@@ -67,6 +69,8 @@ pub(crate) struct Manifest {
     pub up: UpAxis,
     /// A shipped body model or the path of one.
     pub body: Option<String>,
+    /// The person's height without shoes, metres.
+    pub height_m: Option<f64>,
     /// Points on the surface, of each frame: printf pattern, folder, or glob.
     pub points: Option<String>,
     /// Unit of the points; metres if left out.
@@ -258,6 +262,7 @@ mod tests {
             unit = "mm"
             up = "-z"
             body = "human-ellipsoids"
+            height_m = 1.8
             points = "points/%06d.ply"
             points_unit = "mm"
             start = { frame = 3 }
@@ -280,6 +285,7 @@ mod tests {
         assert_eq!(manifest.points.as_deref(), Some("points/%06d.ply"));
         assert_eq!(manifest.points_unit, Some(Unit::Millimetre));
         assert_eq!(manifest.body.as_deref(), Some("human-ellipsoids"));
+        assert_eq!(manifest.height_m, Some(1.8));
         let Some(CalibrationFiles::PerCamera(files)) = &manifest.calibration else {
             panic!("{manifest:?}");
         };

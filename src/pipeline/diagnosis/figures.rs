@@ -1,0 +1,65 @@
+//! Persons who stand before a ring of cameras, for tests.
+
+use std::path::Path;
+
+use nalgebra::Vector3;
+
+use crate::body::metaball::Field;
+use crate::body::{BodyModel, Motion, Posed, Shape};
+use crate::camera::Rig;
+use crate::image::Mask;
+use crate::render;
+use crate::silhouette::{FrameIndex, FrameObservations, SilhouetteOptions, extract};
+use crate::synth::Ring;
+
+/// A usual person, and cameras all around.
+pub(super) struct Figures {
+    pub(super) model: BodyModel,
+    pub(super) shape: Shape,
+    pub(super) rig: Rig,
+}
+
+impl Figures {
+    pub(super) fn new() -> Self {
+        let model = crate::io::model::load("human-metaballs", Path::new("")).unwrap();
+        let shape = Shape(model.statistics.mean.clone());
+        let ring = Ring { width_px: 320, height_px: 240, focal_px: 250.0, ..Ring::default() };
+        Self { model, shape, rig: ring.regular() }
+    }
+
+    /// Upright, this far along x and y.
+    pub(super) fn standing(&self, x: f64, y: f64) -> Motion {
+        let mut motion = Motion::rest(&self.model);
+        let lowest = self.posed(&motion).bounds().unwrap().0.z;
+        motion.position_world += Vector3::new(x, y, -lowest);
+        motion
+    }
+
+    pub(super) fn posed(&self, motion: &Motion) -> Posed<'_> {
+        Posed::new(&self.model, &self.shape, motion)
+    }
+
+    /// The masks of one person, camera by camera.
+    pub(super) fn masks(&self, motion: &Motion) -> Vec<Mask> {
+        let field = Field::from_body(&self.posed(motion));
+        self.rig.cameras.iter().map(|camera| render::silhouette(camera, &field)).collect()
+    }
+
+    /// What masks show of one frame.
+    pub(super) fn frame(&self, number: usize, masks: &[Mask]) -> FrameObservations {
+        let mut seen = FrameObservations::nothing(FrameIndex(number));
+        for ((id, camera), mask) in self.rig.iter().zip(masks) {
+            let silhouette = extract(mask, camera, &SilhouetteOptions::default()).unwrap();
+            seen.views.push((id, silhouette));
+        }
+        seen
+    }
+}
+
+/// What either mask shows.
+pub(super) fn joined(a: &[Mask], b: &[Mask]) -> Vec<Mask> {
+    let both = |(a, b): (&Mask, &Mask)| {
+        Mask::from_fn(a.width(), a.height(), |x, y| a.is_foreground(x, y) || b.is_foreground(x, y))
+    };
+    a.iter().zip(b).map(both).collect()
+}
