@@ -2,9 +2,7 @@
 
 use std::path::Path;
 
-use maquette::body::{
-    BodyModel, Joint, Layout, Motion, PlacedBody, Posed, Shape, State, check_kinematics,
-};
+use maquette::body::{BodyModel, Layout, Motion, Posed, Shape, State, check_kinematics};
 use maquette::io::model;
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
@@ -61,48 +59,57 @@ fn the_motion_difference_undoes_the_retraction() {
     }
 }
 
+/// Components of the places of a body's joints, in the order of its coefficients.
+fn places(model: &BodyModel) -> Vec<usize> {
+    let first = Layout::new(model).motion();
+    let names = model.coefficients.iter().enumerate();
+    names.filter(|(_, name)| name.contains(" place ")).map(|(k, _)| first + k).collect()
+}
+
 /// What the places of a body's joints do to a point, a column for each: metres per standard deviation.
-fn moved_by_places(model: &BodyModel, placed: &PlacedBody, index: usize) -> DMatrix<f64> {
-    let shape = placed.shape(&Shape(model.statistics.mean.clone()));
-    let mut motion = placed.motion(&Motion::rest(model));
-    motion.angles.fill(0.0);
-    let jacobian = Posed::new(&placed.model, &shape, &motion).point_jacobian(index);
-    let first = jacobian.ncols() - placed.count();
-    jacobian.columns(first, placed.count()).into_owned()
+fn moved_by_places(model: &BodyModel, index: usize) -> DMatrix<f64> {
+    let shape = Shape(model.statistics.mean.clone());
+    let body = Posed::new(model, &shape, &Motion::straight(model));
+    body.point_jacobian(index).select_columns(&places(model))
 }
 
 #[test]
-fn a_thigh_turns_in_its_flesh_as_far_as_hip_and_knee_lie_elsewhere_over_its_length() {
-    let model = model::load("human-ellipsoids", Path::new("")).unwrap();
+fn flesh_turns_about_a_joint_that_lies_elsewhere_and_stays_at_the_other_end_of_the_bone() {
+    let model = model::load("human-ellipsoids", Path::new("")).unwrap().detailed();
     let shape = Shape(model.statistics.mean.clone());
-    let placed = PlacedBody::new(&model, &shape);
-    let body = Posed::new(&model, &shape, &Motion::rest(&model));
-    let place = |name: &str| body.points()[model.point(name).unwrap()];
-    let length = (place("RKnee") - place("RHip")).norm();
-    let forward = |name: &str| model.points[model.point(name).unwrap()].sd_m.x;
-    let expected = forward("RHip").hypot(forward("RKnee")) / length;
-    // joints x, y, z that turn the flesh of the thigh; y across it
-    let first = |joint: &Joint| joint.name.ends_with("of thigh_r");
-    let first = placed.model.joints.iter().position(first).unwrap();
-    let across = placed.turns.row(first + 1 - model.joints.len()).norm();
-    approx::assert_relative_eq!(across, expected, max_relative = 1e-9);
+    let place = model.coefficients.iter().position(|c| c == "shank place forward").unwrap();
+    let shank = model.parts.iter().position(|p| p.name == "shank_r").unwrap();
+    let sd = model.parts[shank].sd_m.x;
+    let body = Posed::new(&model, &shape, &Motion::straight(&model));
+    let point = |name: &str| body.points()[model.point(name).unwrap()];
+    let length = point("RKnee").z - point("RAnkle").z;
+    let mut fleshy = 0;
+    for ellipsoid in model.ellipsoids.iter().filter(|e| e.part.0 == shank) {
+        let shift = ellipsoid.centre.shifts.iter().find(|s| s.coefficient.0 == place).unwrap();
+        let down = -ellipsoid.centre.value.z / length;
+        approx::assert_relative_eq!(shift.direction.x, -sd * (1.0 - down), max_relative = 0.05);
+        fleshy += 1;
+    }
+    assert!(fleshy > 0);
 }
 
 #[test]
 fn flesh_that_is_not_told_from_its_bones_has_no_places() {
     let model = model::load("arm", Path::new("")).unwrap();
-    let placed = PlacedBody::new(&model, &Shape(model.statistics.mean.clone()));
-    assert_eq!((placed.count(), placed.turns.nrows()), (0, 0));
-    assert_eq!(placed.model, model);
+    let detailed = model.detailed();
+    assert!(places(&detailed).is_empty());
+    assert_eq!(detailed.metaballs, model.metaballs);
+    let offsets = detailed.offsets.as_ref().unwrap().count();
+    assert_eq!(detailed.coefficients.len(), model.coefficients.len() + offsets);
 }
 
 #[test]
 fn what_hips_leave_open_of_their_distance_is_their_sideways_doubt_twice() {
-    let model = model::load("human-ellipsoids", Path::new("")).unwrap();
-    let placed = PlacedBody::new(&model, &Shape(model.statistics.mean.clone()));
+    let model = model::load("human-ellipsoids", Path::new("")).unwrap().detailed();
     let [right, left] = ["RHip", "LHip"].map(|name| model.point(name).unwrap());
-    let sd = model.points[right].sd_m;
-    let [at_right, at_left] = [right, left].map(|index| moved_by_places(&model, &placed, index));
+    let thigh = model.parts.iter().position(|p| p.name == "thigh_r").unwrap();
+    let sd = model.parts[thigh].sd_m;
+    let [at_right, at_left] = [right, left].map(|index| moved_by_places(&model, index));
     let between = at_left - &at_right;
     approx::assert_relative_eq!(between.row(1).norm(), 2.0 * sd.y, epsilon = 1e-12);
     approx::assert_relative_eq!(between.row(0).norm(), 0.0, epsilon = 1e-12);

@@ -201,6 +201,6 @@ fn a_body_too_large_is_mended_by_a_fit_to_the_contours_that_it_finds() {
     let before = set.overlaps(&wrong, &set.truth);
     let after = set.overlaps(&shape, &motion);
     for (before, after) in before.into_iter().zip(after) {
-        assert!(1.0 - after < 0.5 * (1.0 - before), "{before} {after}");
+        assert!(1.0 - after < 0.55 * (1.0 - before), "{before} {after}");
     }
 }

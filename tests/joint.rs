@@ -1,11 +1,11 @@
 //! The sequence posterior and the joint optimum: laws, truth in and estimate out, and what nothing sees.
 
-#[path = "joint/considered.rs"]
-mod considered;
 #[path = "joint/journal.rs"]
 mod journal;
 #[path = "joint/laws.rs"]
 mod laws;
+#[path = "joint/places.rs"]
+mod places;
 #[path = "joint/recovery.rs"]
 mod recovery;
 #[path = "joint/scene.rs"]

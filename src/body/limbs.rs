@@ -118,6 +118,7 @@ mod tests {
             root: Root::Fixed,
             joints: parts[1..].iter().map(joint).collect(),
             followers: Vec::new(),
+            offsets: None,
             parts: (0..parts.len())
                 .map(|i| Part {
                     name: parts[i].0.into(),

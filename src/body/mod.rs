@@ -10,6 +10,7 @@ mod jacobian;
 mod limbs;
 pub mod metaball;
 mod model;
+mod offsets;
 mod places;
 mod posed;
 mod scaled;
@@ -22,8 +23,8 @@ pub use model::{
     BodyModel, CoefficientId, FrameId, Joint, JointId, Limbs, ModelError, NamedPoint, Part, PartId,
     Pose, Primitive, Root, ShapeStatistics, Turn,
 };
+pub use offsets::{Offset, SurfaceOffsets};
 pub(crate) use places::Displacements;
-pub use places::PlacedBody;
 pub use posed::Posed;
 pub use scaled::{Scale, ScaledVector, Shift};
 pub use side::Side;

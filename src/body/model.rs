@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector, Rotation3, UnitVector3, Vector3};
 
-use super::{Motion, Posed, ScaledVector, Shape, Shift};
+use super::{Motion, Posed, ScaledVector, Shape, Shift, SurfaceOffsets};
 
 /// Index of a joint in [`BodyModel::joints`]; parents come first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -178,6 +178,8 @@ pub struct BodyModel {
     pub ellipsoids: Vec<Primitive>,
     /// Metaballs (PF02).
     pub metaballs: Vec<Primitive>,
+    /// How far the surface of a person lies outside that of the model; `None`: nowhere.
+    pub offsets: Option<SurfaceOffsets>,
     /// Exported points.
     pub points: Vec<NamedPoint>,
     /// Canonical poses.

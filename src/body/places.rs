@@ -1,4 +1,4 @@
-//! Uncertain places of joints in the flesh: a body whose coefficients also say where its joints lie.
+//! Uncertain places of joints in the flesh: coefficients that say where the joints lie.
 //!
 //! Cameras see flesh, not joints. Where in the flesh a joint lies is known to within [`Part::sd_m`](super::Part::sd_m), and where
 //! an exported point lies, to within [`NamedPoint::sd_m`](super::NamedPoint::sd_m). The coefficients c are these places, each in
@@ -17,66 +17,39 @@
 //! | a joint it carries | x      | x − δ − ω × x + its δ | –                |
 //! | an exported point  | x      | x − δ − ω × x + its δ | –                |
 //!
-//! The displacements are shifts by further coefficients ([`Shift`]). The flesh is turned by three further joints about the axes x, y
-//! and z through the part's origin, which carry nothing else; how c turns them, −∂ω/∂c, is the same in every pose. A joint or point
-//! on the left is displaced as the mirror image of the right one, by (δx, −δy, δz); all others are independent.
+//! The displacements are shifts by further coefficients ([`Shift`]). An ellipsoid or metaball is shifted so, but not turned: at
+//! one standard deviation ω is about 1°, which moves the end of a primitive of 20 cm by 2 mm. A joint or point on the left is
+//! displaced as the mirror image of the right one, by (δx, −δy, δz); all others are independent.
 
-use nalgebra::{DMatrix, Matrix3, Matrix3xX, Rotation3, Vector3};
+use nalgebra::{DMatrix, Matrix3, Matrix3xX, Vector3};
 
-use super::{
-    BodyModel, CoefficientId, FrameId, Joint, JointId, Layout, Motion, PartId, Posed, ScaledVector,
-    Shape, Shift, Turn,
-};
+use super::{BodyModel, CoefficientId, Motion, PartId, Posed, ScaledVector, Shape, Shift};
 
-/// A body whose coefficients are s and then the places c of joints and points, and whose last joints turn flesh against bones.
-#[derive(Debug, Clone)]
-pub struct PlacedBody {
-    /// The body.
-    pub model: BodyModel,
-    /// What c does to the angles of the joints that turn flesh: −∂ω/∂c, rad per standard deviation.
-    pub turns: DMatrix<f64>,
-}
-
-impl PlacedBody {
-    /// Adds places to a body, linearised at a shape.
-    pub fn new(model: &BodyModel, shape: &Shape) -> Self {
-        let straight = Motion::straight(model);
-        let straight = Posed::new(model, shape, &straight);
+impl BodyModel {
+    /// The body whose coefficients are s and then the places c of its joints and points, measured on the mean body.
+    pub(super) fn with_places(&self) -> Self {
+        let mean = Shape(self.statistics.mean.clone());
+        let straight = Motion::straight(self);
+        let straight = Posed::new(self, &mean, &straight);
         let moved = Displacements::new(&straight);
-        let mut placed = Self { model: model.clone(), turns: DMatrix::zeros(0, moved.count) };
-        placed.add_coefficients(moved.count);
+
+        let mut placed = self.clone();
+        let unit = DMatrix::identity(moved.names.len(), moved.names.len());
+        placed.add_coefficients(&moved.names, &unit);
         placed.add_shifts(&straight, &moved);
-        placed.add_turns(&moved);
         placed
     }
 
-    /// Number of places.
-    pub fn count(&self) -> usize {
-        self.turns.ncols()
-    }
-
-    /// s with every place where the model has it: c = 0.
-    pub fn shape(&self, shape: &Shape) -> Shape {
-        let mut all = shape.0.clone().resize_vertically(self.model.coefficients.len(), 0.0);
-        all.rows_mut(shape.0.len(), self.count()).fill(0.0);
-        Shape(all)
-    }
-
-    /// A motion in which no flesh is turned against its bones.
-    pub fn motion(&self, motion: &Motion) -> Motion {
-        let angles = motion.angles.clone();
-        Motion { angles: angles.resize_vertically(self.model.joints.len(), 0.0), ..motion.clone() }
-    }
-
-    fn add_coefficients(&mut self, count: usize) {
-        let (first, model) = (self.model.coefficients.len(), &mut self.model);
-        model.coefficients.extend((0..count).map(|k| format!("place {k}")));
-        let statistics = &mut model.statistics;
-        let all = first + count;
+    /// Adds coefficients of mean 0 and this covariance, independent of the others.
+    pub(super) fn add_coefficients(&mut self, names: &[String], covariance: &DMatrix<f64>) {
+        let first = self.coefficients.len();
+        let all = first + names.len();
+        self.coefficients.extend_from_slice(names);
+        let statistics = &mut self.statistics;
         statistics.mean = statistics.mean.clone().resize_vertically(all, 0.0);
         statistics.covariance = statistics.covariance.clone().resize(all, all, 0.0);
-        // c is in standard deviations
-        (first..all).for_each(|k| statistics.covariance[(k, k)] = 1.0);
+        let mut added = statistics.covariance.view_mut((first, first), covariance.shape());
+        added.copy_from(covariance);
     }
 
     /// Lets c shift joints, flesh and points.
@@ -98,20 +71,19 @@ impl PlacedBody {
             let (Some(parent), Some(joint)) = (parent, joint) else {
                 continue;
             };
-            let translation = &mut self.model.joints[joint.0].translation;
+            let translation = &mut self.joints[joint.0].translation;
             let own = in_part(straight, parent, &moved.world[part]);
             let carried = own + moved.flesh(parent, &translation.at(straight.shape));
             translation.shifts.extend(shifts(&carried));
         }
 
-        let primitives = self.model.ellipsoids.iter_mut();
-        for primitive in primitives.chain(&mut self.model.metaballs) {
-            // −ω × x is left to the joints that turn the flesh about the part's origin
-            let flesh = -&moved.centres[primitive.part.0];
+        let primitives = self.ellipsoids.iter_mut();
+        for primitive in primitives.chain(&mut self.metaballs) {
+            let flesh = moved.flesh(primitive.part.0, &primitive.centre.at(straight.shape));
             primitive.centre.shifts.extend(shifts(&flesh));
         }
 
-        for (index, point) in self.model.points.iter_mut().enumerate() {
+        for (index, point) in self.points.iter_mut().enumerate() {
             // joint centres and their midpoints lie where their parts' joints lie
             let places = point.places.iter_mut();
             for (part, at) in places.filter(|(_, at)| at.value != Vector3::zeros()) {
@@ -122,99 +94,6 @@ impl PlacedBody {
             }
         }
     }
-
-    /// Puts three joints between bone and flesh of each part that c turns.
-    fn add_turns(&mut self, moved: &Displacements) {
-        let turned = |part: &usize| moved.turns[*part].amax() > 0.0;
-        let turned: Vec<usize> = (0..moved.turns.len()).filter(turned).collect();
-        let (old, added) = (self.model.joints.len(), 3 * turned.len());
-        self.turns = DMatrix::zeros(added, moved.count);
-
-        // the frames of followers come after those of all joints
-        let renumbered = |frame: FrameId| match frame.0 > old {
-            true => FrameId(frame.0 + added),
-            false => frame,
-        };
-        for turn in &mut self.model.followers {
-            turn.parent = renumbered(turn.parent);
-        }
-        let model = &mut self.model;
-        let primitives = model.ellipsoids.iter_mut().chain(&mut model.metaballs);
-        for primitive in primitives {
-            primitive.frame = renumbered(primitive.frame);
-        }
-
-        for (i, part) in turned.into_iter().enumerate() {
-            let mut rows = self.turns.rows_mut(3 * i, 3);
-            rows.copy_from(&-&moved.turns[part]);
-            self.add_joints(PartId(part));
-        }
-
-        let added: Vec<JointId> = (old..old + added).map(JointId).collect();
-        for joints in added.chunks(3) {
-            self.carry_followers(joints);
-        }
-    }
-
-    /// Adds joints about x, y and z through a part's origin, which carry its flesh unless that follows a joint by a share.
-    fn add_joints(&mut self, part: PartId) {
-        let model = &mut self.model;
-        let before = FrameId::from_joint(model.parts[part.0].joint);
-        let mut parent = model.parts[part.0].joint;
-
-        for axis in [Vector3::x_axis(), Vector3::y_axis(), Vector3::z_axis()] {
-            let name = format!("flesh {} of {}", model.joints.len(), model.parts[part.0].name);
-            model.joints.push(Joint {
-                name,
-                parent,
-                parent_from_joint: Rotation3::identity(),
-                translation: ScaledVector::fixed(Vector3::zeros()),
-                axis,
-                limits: (-1.0, 1.0),
-                rest: 0.0,
-                spread: 1.0,
-                speed: 1.0,
-            });
-            parent = Some(JointId(model.joints.len() - 1));
-        }
-
-        let primitives = model.ellipsoids.iter_mut().chain(&mut model.metaballs);
-        for primitive in primitives.filter(|p| p.part == part && p.frame == before) {
-            primitive.frame = FrameId::from_joint(parent);
-        }
-    }
-
-    /// Lets the joints that turn a part's flesh also turn its flesh that follows a joint by a share.
-    fn carry_followers(&mut self, joints: &[JointId]) {
-        let model = &mut self.model;
-        let Some(part) =
-            model.parts.iter().position(|p| p.joint == model.joints[joints[0].0].parent)
-        else {
-            return;
-        };
-
-        // the frames of such flesh
-        let own = FrameId::from_joint(joints.last().copied());
-        let primitives = model.ellipsoids.iter().chain(&model.metaballs);
-        let follow = primitives.filter(|p| p.part.0 == part && p.frame != own);
-        let mut frames: Vec<FrameId> = follow.map(|p| p.frame).collect();
-        frames.sort_unstable_by_key(|f| f.0);
-        frames.dedup();
-
-        for frame in frames {
-            let mut parent = frame;
-            for &joint in joints {
-                let turn = Turn { parent, joint, share: 1.0 };
-                parent = FrameId(model.frames());
-                model.followers.push(turn);
-            }
-
-            let primitives = model.ellipsoids.iter_mut().chain(&mut model.metaballs);
-            for primitive in primitives.filter(|p| p.part.0 == part && p.frame == frame) {
-                primitive.frame = parent;
-            }
-        }
-    }
 }
 
 /// The derivative of a place or turn with respect to c, a column for each: metres or radians per standard deviation.
@@ -222,8 +101,8 @@ type PlaceSlopes = Matrix3xX<f64>;
 
 /// How c moves joints and points, and turns bones against flesh, at angles 0.
 pub(crate) struct Displacements {
-    /// Number of places.
-    count: usize,
+    /// What each c is called, such as `shank place forward`.
+    pub(crate) names: Vec<String>,
     /// ∂δ/∂c of every part's joint, then of every exported point, in the world.
     pub(crate) world: Vec<PlaceSlopes>,
     /// ∂δ/∂c of every part's joint, in the part's axes.
@@ -235,7 +114,8 @@ pub(crate) struct Displacements {
 impl Displacements {
     pub(crate) fn new(straight: &Posed<'_>) -> Self {
         let model = straight.model;
-        let (count, world) = displacements_world(straight);
+        let (names, world) = displacements_world(straight);
+        let count = names.len();
 
         // ω = L × (δ′ − δ)/‖L‖²
         let bones = model.bones();
@@ -251,7 +131,7 @@ impl Displacements {
 
         let parts = 0..model.parts.len();
         Self {
-            count,
+            names,
             turns: parts.clone().map(turn).collect(),
             centres: parts.map(|part| in_part(straight, part, &world[part])).collect(),
             world,
@@ -269,8 +149,8 @@ fn in_part(straight: &Posed<'_>, part: usize, world: &PlaceSlopes) -> PlaceSlope
     straight.world_from_part(PartId(part)).transpose() * world
 }
 
-/// Number of places, and ∂δ/∂c of every part's joint and then of every exported point, in the world.
-fn displacements_world(straight: &Posed<'_>) -> (usize, Vec<PlaceSlopes>) {
+/// The names of the places, and ∂δ/∂c of every part's joint and then of every exported point, in the world.
+fn displacements_world(straight: &Posed<'_>) -> (Vec<String>, Vec<PlaceSlopes>) {
     let all = joints_and_points(straight.model);
     let pairs = mirror_pairs(straight.model);
     let left_of = |right: usize| pairs.iter().find(|p| p.0 == right).map(|p| p.1);
@@ -292,7 +172,17 @@ fn displacements_world(straight: &Posed<'_>) -> (usize, Vec<PlaceSlopes>) {
             world[left].set_column(column, &(axes(left) * mirror * along));
         }
     }
-    (places.len(), world)
+    let names = places.iter().map(|(index, along)| place_name(straight.model, *index, along));
+    (names.collect(), world)
+}
+
+/// Such as `shank place forward`, without the side.
+fn place_name(model: &BodyModel, index: usize, along: &Vector3<f64>) -> String {
+    let name = match index.checked_sub(model.parts.len()) {
+        None => model.parts[index].name.trim_end_matches("_r"),
+        Some(point) => model.points[point].name.trim_start_matches('R'),
+    };
+    format!("{name} place {}", ["forward", "left", "up"][along.iamax()])
 }
 
 /// The part of every part's joint and then of every exported point, and the standard deviations of its place.
@@ -317,13 +207,4 @@ fn mirror_pairs(model: &BodyModel) -> Vec<(usize, usize)> {
     let after_parts = |(right, left)| (model.parts.len() + right, model.parts.len() + left);
     let points = model.point_pairs().into_iter().map(after_parts);
     model.part_pairs().into_iter().chain(points).collect()
-}
-
-impl Layout {
-    /// Which components of the body with places are those of this body: of its motion, then of s.
-    pub fn components_in(self, placed: &PlacedBody) -> impl Iterator<Item = usize> + use<> {
-        let shape = Layout::new(&placed.model).motion();
-        let coefficients = self.total() - self.motion();
-        (0..self.motion()).chain(shape..shape + coefficients)
-    }
 }

@@ -113,16 +113,21 @@ impl<'a> Posed<'a> {
     ///
     /// Least and greatest x, y, z in the world, metres; `None` for a body with neither.
     pub fn bounds(&self) -> Option<(Vector3<f64>, Vector3<f64>)> {
-        let (primitives, size) = match self.model.ellipsoids.as_slice() {
-            [] => (&self.model.metaballs, SKIN_OF_ONE),
-            _ => (&self.model.ellipsoids, 1.0),
-        };
+        let (primitives, size) = self.solids();
         let boxes = primitives.iter().map(|p| {
             let e = self.primitive(p);
             let half = e.shape.diagonal().map(f64::sqrt) * size;
             (e.centre - half, e.centre + half)
         });
         boxes.reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)))
+    }
+
+    /// The ellipsoids, or where there are none, the metaballs, and by how much smaller their skins are.
+    pub(super) fn solids(&self) -> (&[Primitive], f64) {
+        match self.model.ellipsoids.as_slice() {
+            [] => (&self.model.metaballs, SKIN_OF_ONE),
+            ellipsoids => (ellipsoids, 1.0),
+        }
     }
 
     /// Unit axes of a primitive in the world, as columns.

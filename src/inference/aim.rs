@@ -7,7 +7,7 @@
 //!
 //! (Σ c w ρ′ nnᵀ/σ² + I/σ_δ²) δ = Σ c w ρ′ n d/σ²
 //!
-//! over all rows of the camera. c = 1/(κ²λμτ): like the shape, δ is one for all frames ([`Noise`]). Body and δ are
+//! over all rows of the camera, c = 1/(κ²λτ) ([`Noise`]). Body and δ are
 //! improved by turns, from δ = 0. A shift common to all cameras stays in the body.
 
 use nalgebra::{Matrix2, Vector2};
@@ -36,7 +36,7 @@ pub fn estimate_aims_px(
     let mut right = vec![Vector2::zeros(); rig.cameras.len()];
 
     // both sides of the equation, row by row
-    let c = noise.data_weight() / noise.over_time;
+    let c = noise.data_weight();
     for (frame, rows) in frames.iter().zip(residuals) {
         for row in rows {
             let Source::View(view) = row.source else {

@@ -1,13 +1,28 @@
-//! The factors between neighbouring motions, for all frames at once.
+//! The factors between neighbouring motions, for all frames at once: a process in continuous time.
 //!
-//! | model             | factor                                     | residual e                        | standard deviation |
-//! |-------------------|--------------------------------------------|-----------------------------------|--------------------|
-//! | constant position | p(mᵢ given mᵢ₋₁)                           | (mᵢ ⊟ mᵢ₋₁)/Δ                     | v, the model's speed |
-//! | constant velocity | the same, and p(mᵢ given mᵢ₋₁, mᵢ₋₂)       | (mᵢ ⊟ mᵢ₋₁)/Δᵢ − (mᵢ₋₁ ⊟ mᵢ₋₂)/Δᵢ₋₁ | 2πf·v·(Δᵢ + Δᵢ₋₁)/2 |
+//! An angle θ about its rest, of spread S and speed v, is a stationary process whose acceleration is white noise but for what
+//! draws it back (Matérn 3/2): with λ = v/S,
 //!
-//! A limb that swings with speed v at frequency f accelerates by 2πf·v. With Δ in seconds, e is a velocity.
-//! Every component of e depends on its own component of the motions alone, but for the three of the root's
-//! rotation φ = log(RₐᵀR_b): ∂φ/∂δ_b = J_r⁻¹(φ), ∂φ/∂δₐ = −J_r⁻¹(φ)ᵀ.
+//! θ̈ + 2λθ̇ + λ²θ = w,  E w(t)w(t′) = q δ(t − t′),  q = 4λ³S² = 4v³/S
+//!
+//! Its standard deviation is S, that of its velocity is v. −log p of a path is ∫ (θ̈ + 2λθ̇ + λ²θ)²/2q dt; the products of two
+//! different derivatives are derivatives again or add to the squares, which leaves, but for the ends,
+//!
+//! | per second                    | here                                    | where              |
+//! |-------------------------------|-----------------------------------------|--------------------|
+//! | θ̈²/2q, q = 4v³/S               | e = θ̇ᵢ − θ̇ᵢ₋₁, variance qΔ̄               | constant velocity   |
+//! | 2λ²θ̇²/2q = θ̇²/(4Sv)            | e = (θᵢ − θᵢ₋₁)/Δ, variance 2Sv/Δ         | both models         |
+//! | λ⁴θ²/2q = vθ²/8S³              | [`PosePrior`](super::prior::PosePrior)   | the frame's own     |
+//!
+//! The first frame has p(m) whole. So a second counts as much at 25 as at 100 frames, and a step after a gap is what its time
+//! says. The root has no rest: its velocity, of speed v, is renewed 2πf times a second: q = 2v²·2πf, and the velocity's own part
+//! is 2πf·ẋ²/4v².
+//!
+//! Every component of e depends on its own component of the motions alone, but for the three of the root's rotation
+//! φ = log(RₐᵀR_b): ∂φ/∂δ_b = J_r⁻¹(φ), ∂φ/∂δₐ = −J_r⁻¹(φ)ᵀ.
+//!
+//! # Source
+//! Särkkä & Solin 2019, *Applied Stochastic Differential Equations*, ch. 12 (Matérn processes as state spaces).
 
 use nalgebra::{DMatrix, DVector, Matrix3};
 
@@ -23,7 +38,10 @@ pub const SWING_HZ: f64 = 2.0;
 #[derive(Debug, Clone)]
 pub struct ChainPrior {
     layout: Layout,
-    speeds: DVector<f64>,
+    /// What e² of an acceleration counts for each second, 1/q.
+    acceleration: DVector<f64>,
+    /// What e² of a velocity counts for each second.
+    velocity: DVector<f64>,
     motion_model: MotionModel,
 }
 
@@ -44,7 +62,28 @@ struct Factor {
 impl ChainPrior {
     /// The factors of a model's motions.
     pub fn new(model: &BodyModel, motion_model: MotionModel) -> Self {
-        Self { layout: Layout::new(model), speeds: speeds(model), motion_model }
+        let layout = Layout::new(model);
+        let speeds = speeds(model);
+        // λ
+        let renewal = |k: usize| match k.checked_sub(layout.root()) {
+            Some(joint) => speeds[k] / model.joints[joint].spread,
+            None => std::f64::consts::TAU * SWING_HZ,
+        };
+        let density = |k: usize| match k < layout.root() {
+            true => 2.0 * renewal(k) * speeds[k].powi(2),
+            false => 4.0 * renewal(k) * speeds[k].powi(2),
+        };
+        let per_velocity = |k: usize| match k < layout.root() {
+            true => renewal(k).powi(2) / density(k),
+            false => 2.0 * renewal(k).powi(2) / density(k),
+        };
+        let n = speeds.len();
+        Self {
+            acceleration: DVector::from_fn(n, |k, _| 1.0 / density(k)),
+            velocity: DVector::from_fn(n, |k, _| per_velocity(k)),
+            layout,
+            motion_model,
+        }
     }
 
     /// How many frames before it a frame is coupled to.
@@ -80,12 +119,11 @@ impl ChainPrior {
         let mut factors = Vec::with_capacity(2);
         if self.motion_model == MotionModel::ConstantVelocity && i > 1 {
             let before = self.velocity(&motions[i - 2], &motions[i - 1], seconds[i - 1]);
-            let acceleration =
-                std::f64::consts::TAU * SWING_HZ * 0.5 * (seconds[i] + seconds[i - 1]);
-            let precision = self.speeds.map(|v| (v * acceleration).powi(-2));
+            let between = 0.5 * (seconds[i] + seconds[i - 1]);
+            let precision = &self.acceleration / between;
             factors.push(last.minus(&before, precision));
         }
-        let precision = self.speeds.map(|v| v.powi(-2));
+        let precision = &self.velocity * seconds[i];
         factors.push(Factor { precision, ..last });
         factors
     }

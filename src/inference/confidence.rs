@@ -1,15 +1,18 @@
-//! p_ε,σ(K): how likely one of K keyframe estimates is within ε of the model's optimum (ZS06).
+//! p_ε,σ(K): how likely one of K keyframe estimates is within ε of the reported estimate (ZS06).
 //!
-//! The estimates s*ₖ scatter about s̄ as N(0, σ), with σ by maximum likelihood from the K of them. One is
-//! within ε with p_ε,σ = ∫₋ε^ε N(e; 0, σ) de, at least one of K with p_ε,σ(K) = 1 − (1 − p_ε,σ)^K.
+//! The errors e = s̄ − s*ₖ of the estimates s*ₖ about the reported s̄ are N(0, σ), with σ by maximum likelihood from the K of them.
+//! One is within ε with p_ε,σ = ∫₋ε^ε p(e) de, at least one of K with p_ε,σ(K) = 1 − (1 − p_ε,σ)^K. As σ is estimated from K
+//! errors, p(e) is Student's t with K degrees of freedom and the scale σ; for many keyframes that is the normal distribution.
 //!
-//! It is a confidence *of the model's optimum*. A bias that all keyframes share (the body is not made of
-//! ellipsoids) is invisible to it: the true length may be farther away than ε.
+//! **Differs** from ZS06, who have the normal distribution for any K.
+//!
+//! It is a confidence *of the model's optimum*. A bias that all keyframes and s̄ share (the body is not made of ellipsoids) is
+//! invisible to it: the true length may be farther away than ε.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use statrs::distribution::{ContinuousCDF, Normal};
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 /// The confidence of one number, or of a vector.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -37,31 +40,38 @@ pub fn p_at_least_one(p_within: f64, k: usize) -> f64 {
     1.0 - (1.0 - p_within).powi(k as i32)
 }
 
-/// σ of estimates about their mean; `None` with fewer than two.
-pub fn maximum_likelihood_sigma(estimates: &[f64]) -> Option<f64> {
+/// ∫₋ε^ε t_K(e/σ) de/σ, Student's t with K degrees of freedom.
+pub fn p_within_estimated(epsilon: f64, sigma: f64, k: usize) -> f64 {
+    match StudentsT::new(0.0, sigma, k as f64) {
+        Ok(student) => 2.0 * student.cdf(epsilon) - 1.0,
+        Err(_) => 1.0,
+    }
+}
+
+/// σ of estimates about a reported one; `None` with fewer than two.
+pub fn maximum_likelihood_sigma(estimates: &[f64], reported: f64) -> Option<f64> {
     let k = estimates.len() as f64;
-    let mean = estimates.iter().sum::<f64>() / k;
-    let variance = estimates.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / k;
+    let variance = estimates.iter().map(|s| (reported - s).powi(2)).sum::<f64>() / k;
     (estimates.len() >= 2).then(|| variance.sqrt())
 }
 
 /// The confidence of one number from its K keyframe estimates.
-pub fn confidence(estimates: &[f64], epsilon: f64) -> Confidence {
-    let sigma = maximum_likelihood_sigma(estimates);
+pub fn confidence(estimates: &[f64], reported: f64, epsilon: f64) -> Confidence {
+    let sigma = maximum_likelihood_sigma(estimates, reported);
     let keyframes = estimates.len();
-    Confidence {
-        epsilon,
-        sigma,
-        keyframes,
-        p_within: sigma.map(|s| p_at_least_one(p_within(epsilon, s), keyframes)),
-    }
+    let p = |sigma| p_at_least_one(p_within_estimated(epsilon, sigma, keyframes), keyframes);
+    Confidence { epsilon, sigma, keyframes, p_within: sigma.map(p) }
 }
 
-/// The confidence that one of K whole vectors is within ±ε in every component.
+/// The confidence that one of K whole vectors is within ±ε of the reported one in every component.
 ///
 /// Fewer keyframes than components leave the sample covariance S without an inverse, so it is shrunk to
 /// its diagonal: σ = (1 − α)S + α·diag S, α = n/(n + K).
-pub(super) fn joint_confidence(estimates: &[DVector<f64>], epsilon: f64) -> Confidence {
+pub(super) fn joint_confidence(
+    estimates: &[DVector<f64>],
+    reported: &DVector<f64>,
+    epsilon: f64,
+) -> Confidence {
     let keyframes = estimates.len();
     let none = Confidence { epsilon, sigma: None, keyframes, p_within: None };
     if keyframes < 2 || estimates[0].is_empty() {
@@ -69,11 +79,9 @@ pub(super) fn joint_confidence(estimates: &[DVector<f64>], epsilon: f64) -> Conf
     }
 
     // S, shrunk
-    let n = estimates[0].len();
-    let mean = estimates.iter().sum::<DVector<f64>>() / keyframes as f64;
-    let sample =
-        estimates.iter().map(|s| (s - &mean) * (s - &mean).transpose()).sum::<DMatrix<f64>>()
-            / keyframes as f64;
+    let n = reported.len();
+    let square = |s: &DVector<f64>| (reported - s) * (reported - s).transpose();
+    let sample = estimates.iter().map(square).sum::<DMatrix<f64>>() / keyframes as f64;
     let alpha = n as f64 / (n + keyframes) as f64;
     let covariance = DMatrix::from_fn(n, n, |i, j| {
         if i == j { sample[(i, i)] + 1e-16 } else { (1.0 - alpha) * sample[(i, j)] }
@@ -126,12 +134,23 @@ mod tests {
 
     #[test]
     fn a_single_keyframe_gives_no_confidence() {
-        assert_eq!(confidence(&[0.4], 0.02).p_within, None);
+        assert_eq!(confidence(&[0.4], 0.4, 0.02).p_within, None);
     }
 
     #[test]
-    fn sigma_is_the_maximum_likelihood_estimate() {
-        approx::assert_relative_eq!(maximum_likelihood_sigma(&[1.0, 3.0]).unwrap(), 1.0);
+    fn sigma_is_that_about_the_reported_estimate() {
+        approx::assert_relative_eq!(maximum_likelihood_sigma(&[1.0, 3.0], 2.0).unwrap(), 1.0);
+        // keyframes that agree far from it are not sure
+        approx::assert_relative_eq!(maximum_likelihood_sigma(&[2.0, 2.0], 3.0).unwrap(), 1.0);
+    }
+
+    #[test]
+    fn few_keyframes_are_less_sure_and_many_are_the_normal_distribution() {
+        // Student's t of two degrees of freedom: P(|t| < 1) = 1/√3
+        let few = p_within_estimated(0.02, 0.02, 2);
+        approx::assert_relative_eq!(few, 1.0 / 3.0_f64.sqrt(), epsilon = 1e-6);
+        let many = p_within_estimated(0.02, 0.02, 100_000);
+        approx::assert_relative_eq!(many, p_within(0.02, 0.02), epsilon = 1e-4);
     }
 
     #[test]

@@ -3,20 +3,25 @@
 //! ZS06 call the optimum of all of θ "technically intractable". With the shape as border, the Gauss–Newton
 //! matrix of eq. 1 is block-tridiagonal (block-pentadiagonal with constant velocity), and a step is one pass
 //! forwards and one backwards: O(n). Algorithm 1's winner is its start.
+//!
+//! With a detailed body ([`BodyModel::detailed`]) s also says where the joints lie in the flesh and how far the surface lies
+//! outside the model's. How much the data count ([`Noise`]) and how far surfaces lie outside (`spread`) are estimated by turns
+//! with the optimum. The covariance is the inverse of the last optimum's own matrix.
 
 use rayon::prelude::*;
 
 use super::chain::ChainPrior;
-use super::considered::Considered;
 use super::covariance::Uncertainty;
 use super::frame::FrameFit;
 use super::noise::Noise;
+use super::prior::ShapePrior;
 use super::sequence_posterior::{SequencePosterior, SequenceState};
+use super::spread::with_spreads;
 use super::step::MotionModel;
 use super::{Evidence, Sequence, Terms};
 use crate::body::{BodyModel, Posed, Shape};
 use crate::likelihood::PlacedResidual;
-use crate::solver::{Options, Problem, QuadraticModel, Report, levenberg_marquardt};
+use crate::solver::{BorderedChain, Options, Report, Solution, levenberg_marquardt};
 
 /// Settings of the joint optimum.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -76,6 +81,9 @@ pub fn joint_optimum(
     joint_optimum_from_terms(evidence, &terms, &sequence.intervals_s(), start, options)
 }
 
+/// Rounds of optimum, noise and spreads.
+const ROUNDS: usize = 3;
+
 /// The joint optimum of what each frame shows; `seconds[i]` lie between frames i − 1 and i.
 pub fn joint_optimum_from_terms<'a>(
     evidence: &Evidence<'_>,
@@ -86,52 +94,75 @@ pub fn joint_optimum_from_terms<'a>(
 ) -> JointOptimum {
     let model = evidence.model;
     let chain_prior = ChainPrior::new(model, options.motion_model);
-    let posterior = |noise: &Noise| SequencePosterior {
-        model,
-        shape_prior: &evidence.shape_prior,
-        shape_weight: noise.over_time,
-        pose_prior: &evidence.pose_prior,
-        chain_prior: &chain_prior,
-        seconds,
-        terms,
-        data_weight: noise.data_weight(),
-    };
+    let search = Search { evidence, terms, seconds, chain_prior, iterations: options.iterations };
 
-    // 1. the optimum, with every row's σ and weight as stated
-    let solver =
-        Options { max_iterations: options.iterations, damping: 1e-4, relative_decrease: TOLERANCE };
-    let stated = posterior(&Noise::stated(terms.len()));
-    let solution = levenberg_marquardt(&stated, start, &solver);
-    let (optimum, mut chain) = (solution.state, solution.model);
+    // how the residuals err, how far surfaces lie outside, and the optimum, by turns
+    let mut round = search.round(start.detailed(model), &evidence.shape_prior);
+    for _ in 1..ROUNDS {
+        let shape_prior = search.shape_prior(&round);
+        round = search.round(round.solution.state, &shape_prior);
+    }
 
-    // 2. how the residuals err there
-    let residuals = residuals(model, terms, &optimum);
-    let noise = Noise::from_residuals(&residuals, &times(seconds), &model.part_pairs());
-
-    // 3. how sure the optimum is, with residuals that err so
-    let weighed = posterior(&noise);
-    let considered = Considered::new(model, terms, &optimum, &chain);
-    chain.clear();
-    weighed.linearize(&optimum, &mut chain);
-    let uncertainty =
-        considered.and_then(|c| Uncertainty::new(model, &optimum, &chain, noise.over_time, &c));
-
+    let Round { noise, frames, solution } = round;
     JointOptimum {
-        frames: weighed.frame_fits(&optimum),
-        shape: optimum.shape,
+        frames,
         noise,
-        uncertainty,
+        uncertainty: Uncertainty::new(model, &solution.state, &solution.model),
+        shape: solution.state.shape,
         report: solution.report,
     }
 }
 
-/// Seconds from the start, frame by frame.
-fn times(seconds: &[f64]) -> Vec<f64> {
-    let sums = seconds.iter().scan(0.0, |time, interval| {
-        *time += interval;
-        Some(*time)
-    });
-    sums.collect()
+/// What the rounds have in common.
+struct Search<'a, 'b> {
+    evidence: &'a Evidence<'b>,
+    terms: &'a [Terms<'a>],
+    seconds: &'a [f64],
+    chain_prior: ChainPrior,
+    iterations: usize,
+}
+
+/// An optimum, and the noise with which it was sought.
+struct Round {
+    noise: Noise,
+    frames: Vec<FrameFit>,
+    solution: Solution<SequenceState, BorderedChain>,
+}
+
+impl Search<'_, '_> {
+    /// The optimum with residuals that err as they do at `start`.
+    fn round(&self, start: SequenceState, shape_prior: &ShapePrior) -> Round {
+        let model = self.evidence.model;
+        let noise = Noise::from_residuals(&residuals(model, self.terms, &start));
+        let posterior = SequencePosterior {
+            model,
+            shape_prior,
+            pose_prior: &self.evidence.pose_prior,
+            chain_prior: &self.chain_prior,
+            seconds: self.seconds,
+            terms: self.terms,
+            data_weight: noise.data_weight(),
+        };
+        let solver = Options {
+            max_iterations: self.iterations,
+            damping: 1e-4,
+            relative_decrease: TOLERANCE,
+        };
+        let solution = levenberg_marquardt(&posterior, start, &solver);
+        Round { noise, frames: posterior.frame_fits(&solution.state), solution }
+    }
+
+    /// p(s) with surfaces that lie as far outside as they do at an optimum.
+    fn shape_prior(&self, round: &Round) -> ShapePrior {
+        let covariance = round.solution.model.shared_covariance();
+        covariance.map_or_else(
+            || self.evidence.shape_prior.clone(),
+            |covariance| {
+                let shape = &round.solution.state.shape;
+                ShapePrior::from_statistics(&with_spreads(self.evidence.model, shape, &covariance))
+            },
+        )
+    }
 }
 
 /// The residuals of every frame at a state.

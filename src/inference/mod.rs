@@ -10,15 +10,13 @@
 //! | one hypothesis along the chain    | [`propagate`]    |
 //! | Algorithm 1                       | [`search`]       |
 //! | eq. 1 as a problem of all frames  | [`chain`], [`sequence_posterior`] |
-//! | its optimum, how sure it is       | [`joint`], [`noise`], [`covariance`] |
-//! | joints elsewhere in the flesh     | [`considered`]   |
+//! | its optimum, how sure it is       | [`joint`], [`noise`], `spread`, [`covariance`] |
 //! | pointing errors of the cameras    | [`aim`]          |
 //! | p_ε,σ(K)                          | [`confidence`], [`ShapeConfidence`] |
 
 pub mod aim;
 pub mod chain;
 pub mod confidence;
-pub mod considered;
 pub mod covariance;
 mod detail;
 mod evidence;
@@ -35,6 +33,7 @@ pub mod search;
 mod sequence;
 pub mod sequence_posterior;
 mod shape_confidence;
+mod spread;
 pub mod start;
 pub mod step;
 

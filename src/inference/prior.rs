@@ -2,45 +2,28 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-use crate::body::{BodyModel, Layout, Motion, Shape};
+use crate::body::{BodyModel, Layout, Motion, Shape, ShapeStatistics};
 use crate::solver::NormalEquations;
 
-/// −log p(s) = ½ (s − μ)ᵀ Λ (s − μ) + ½ Σ ((|cᵢ| − 3)₊/0.3)², Λ = Σ⁻¹: Gaussian on the logarithmic coefficients, with limits.
-///
-/// c = diag(Λ)^(−½) Λ (s − μ): how far, in its standard deviations, each coefficient lies from what all the others
-/// predict. A child is small in everything, and its c are ordinary. A hand twice as broad as its arm is more likely a wrong
-/// mask than a body, but thousands of border points would outvote the Gaussian alone.
+/// −log p(s) = ½ (s − μ)ᵀ Λ (s − μ), Λ = Σ⁻¹: Gaussian on the logarithmic coefficients.
 #[derive(Debug, Clone)]
 pub struct ShapePrior {
     mean: DVector<f64>,
     precision: DMatrix<f64>,
-    /// Row i is ∂cᵢ.
-    apart: DMatrix<f64>,
 }
-
-/// |c| beyond which a size is improbable for a body: one in 400.
-const LIMIT: f64 = 3.0;
-/// How soft that limit is, standard deviations.
-const LIMIT_SOFT: f64 = 0.3;
 
 impl ShapePrior {
     /// The prior of a model; its covariance was checked when the model was made.
     pub fn new(model: &BodyModel) -> Self {
-        let statistics = &model.statistics;
+        Self::from_statistics(&model.statistics)
+    }
+
+    /// The prior of such coefficients; their covariance has an inverse.
+    pub(super) fn from_statistics(statistics: &ShapeStatistics) -> Self {
         let n = statistics.mean.len();
         let precision = Cholesky::<f64, Dyn>::new(statistics.covariance.clone())
             .map_or_else(|| DMatrix::zeros(n, n), |c| c.inverse());
-        let mut apart = precision.clone();
-        for (i, mut row) in apart.row_iter_mut().enumerate() {
-            row /= precision[(i, i)].sqrt().max(f64::MIN_POSITIVE);
-        }
-        Self { mean: statistics.mean.clone(), precision, apart }
-    }
-
-    /// (cᵢ beyond ±3)/0.3, coefficient by coefficient.
-    fn beyond(&self, offset: &DVector<f64>) -> DVector<f64> {
-        let beyond = |c: f64| (c - c.clamp(-LIMIT, LIMIT)) / LIMIT_SOFT;
-        (&self.apart * offset).map(beyond)
+        Self { mean: statistics.mean.clone(), precision }
     }
 
     /// μ, the most probable shape.
@@ -51,42 +34,36 @@ impl ShapePrior {
     /// −log p(s), 0 at the mean.
     pub fn cost(&self, shape: &Shape) -> f64 {
         let offset = &shape.0 - &self.mean;
-        let beyond = self.beyond(&offset);
-        0.5 * (offset.dot(&(&self.precision * &offset)) + beyond.norm_squared())
+        0.5 * offset.dot(&(&self.precision * &offset))
     }
 
     /// Adds gradient and Hessian to the components from `first` on.
     pub fn linearize(&self, shape: &Shape, first: usize, equations: &mut NormalEquations) -> f64 {
         let offset = &shape.0 - &self.mean;
         let n = offset.len();
-
-        // the Gaussian
         let pull = &self.precision * &offset;
         let mut gradient = equations.gradient.rows_mut(first, n);
         gradient += &pull;
         let mut hessian = equations.hessian.view_mut((first, first), (n, n));
         hessian += &self.precision;
-
-        // the limits
-        let beyond = self.beyond(&offset);
-        for (i, b) in beyond.iter().enumerate().filter(|(_, b)| **b != 0.0) {
-            let slope = self.apart.row(i).transpose() / LIMIT_SOFT;
-            gradient += &slope * *b;
-            hessian += &slope * slope.transpose();
-        }
-
-        0.5 * (offset.dot(&pull) + beyond.norm_squared())
+        0.5 * offset.dot(&pull)
     }
 }
 
 /// p(m): joint limits as a smooth barrier, and a wide Gaussian about rest where nothing is seen.
 ///
 /// Barrier: ½((θ − limit)/σ)² beyond a limit, σ = 3°; once differentiable.
+///
+/// That is of one motion. Along a chain the frames of a moment are not so many independent poses: an angle of spread S that
+/// moves at the speed v is a new one about every S/v seconds. In a frame that lasts Δ seconds the Gaussian counts vΔ/4S
+/// times ([`ChainPrior`](super::chain::ChainPrior)) and the barrier vΔ/S times, never more than once.
 #[derive(Debug, Clone)]
 pub struct PosePrior {
     rest: DVector<f64>,
     precision: DVector<f64>,
     limits: Vec<(f64, f64)>,
+    /// v/S, 1/s.
+    renewal: DVector<f64>,
     first: usize,
 }
 
@@ -100,6 +77,7 @@ impl PosePrior {
             rest: DVector::from_iterator(n, model.joints.iter().map(|j| j.rest)),
             precision: DVector::from_iterator(n, model.joints.iter().map(|j| j.spread.powi(-2))),
             limits: model.joints.iter().map(|j| j.limits).collect(),
+            renewal: DVector::from_iterator(n, model.joints.iter().map(|j| j.speed / j.spread)),
             first: Layout::new(model).root(),
         }
     }
@@ -119,14 +97,41 @@ impl PosePrior {
 
     /// Adds gradient and Hessian.
     pub fn linearize(&self, motion: &Motion, equations: &mut NormalEquations) -> f64 {
+        self.linearize_lasting(motion, f64::INFINITY, equations)
+    }
+
+    /// How often Gaussian and barrier of an angle count in a frame that lasts `seconds`.
+    fn counts(&self, joint: usize, seconds: f64) -> (f64, f64) {
+        let renewed = self.renewal[joint] * seconds;
+        ((0.25 * renewed).min(1.0), renewed.min(1.0))
+    }
+
+    /// −log p(m) of a frame that lasts `seconds`.
+    pub fn cost_lasting(&self, motion: &Motion, seconds: f64) -> f64 {
+        let one = |(j, angle): (usize, &f64)| {
+            let (rest, limit) = self.counts(j, seconds);
+            rest * self.precision[j] * (angle - self.rest[j]).powi(2)
+                + limit * self.beyond(j, *angle).powi(2)
+        };
+        0.5 * motion.angles.iter().enumerate().map(one).sum::<f64>()
+    }
+
+    /// Adds gradient and Hessian of a frame that lasts `seconds`.
+    pub fn linearize_lasting(
+        &self,
+        motion: &Motion,
+        seconds: f64,
+        equations: &mut NormalEquations,
+    ) -> f64 {
         for (j, angle) in motion.angles.iter().enumerate() {
             let row = self.first + j;
-            equations.add_single(row, 1.0, angle - self.rest[j], self.precision[j]);
+            let (rest, limit) = self.counts(j, seconds);
+            equations.add_single(row, 1.0, angle - self.rest[j], rest * self.precision[j]);
             let beyond = self.beyond(j, *angle);
             if beyond != 0.0 {
-                equations.add_single(row, 1.0 / LIMIT_SIGMA, beyond, 1.0);
+                equations.add_single(row, 1.0 / LIMIT_SIGMA, beyond, limit);
             }
         }
-        self.cost(motion)
+        self.cost_lasting(motion, seconds)
     }
 }

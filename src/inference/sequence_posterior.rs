@@ -24,19 +24,24 @@ pub struct SequenceState {
     pub motions: Vec<Motion>,
 }
 
+impl SequenceState {
+    /// The same motions with a shape of all of a model's coefficients: those that the shape has not are 0.
+    pub fn detailed(self, model: &BodyModel) -> Self {
+        Self { shape: Shape(self.shape.0.resize_vertically(model.coefficients.len(), 0.0)), ..self }
+    }
+}
+
 /// −log p(s, m₁..ₙ | Z₁..ₙ) (eq. 1).
 pub struct SequencePosterior<'a> {
     /// The body.
     pub model: &'a BodyModel,
     /// p(s).
     pub shape_prior: &'a ShapePrior,
-    /// τ: how many times p(s) counts.
-    pub shape_weight: f64,
     /// p(mᵢ): limits and rest.
     pub pose_prior: &'a PosePrior,
-    /// p(mᵢ | mᵢ₋₁, …).
+    /// p(m₁, …, mₙ), but for each frame's own part.
     pub chain_prior: &'a ChainPrior,
-    /// Seconds from the frame before; the first is not read.
+    /// Seconds from the frame before; the first is not read: p(m₁) counts whole.
     pub seconds: &'a [f64],
     /// p(Zᵢ | mᵢ, s), frame by frame.
     pub terms: &'a [Terms<'a>],
@@ -54,7 +59,13 @@ impl SequencePosterior<'_> {
         let data = linearize_data(&self.terms[i], &body, equations);
         equations.hessian *= self.data_weight;
         equations.gradient *= self.data_weight;
-        self.data_weight * data + self.pose_prior.linearize(&x.motions[i], equations)
+        let lasts = self.lasts_s(i);
+        self.data_weight * data + self.pose_prior.linearize_lasting(&x.motions[i], lasts, equations)
+    }
+
+    /// How long a frame lasts, seconds; the first frame's pose is drawn from all.
+    fn lasts_s(&self, i: usize) -> f64 {
+        if i == 0 { f64::INFINITY } else { self.seconds[i] }
     }
 
     /// Adds a run of frames to their links; returns their cost and what they add to the corner.
@@ -92,7 +103,7 @@ impl SequencePosterior<'_> {
             FrameFit {
                 motion: motion.clone(),
                 data: data_cost(&self.terms[i], &body),
-                pose: self.pose_prior.cost(motion),
+                pose: self.pose_prior.cost_lasting(motion, self.lasts_s(i)),
                 step: self.chain_prior.cost(&x.motions, self.seconds, i),
                 observations: observations(&self.terms[i]),
                 recovered: false,
@@ -115,7 +126,7 @@ impl Problem for SequencePosterior<'_> {
     fn cost(&self, x: &SequenceState) -> f64 {
         let cost = |f: FrameFit| self.data_weight * f.data + f.pose + f.step;
         let each = self.frame_fits(x).into_iter().map(cost);
-        each.sum::<f64>() + self.shape_weight * self.shape_prior.cost(&x.shape)
+        each.sum::<f64>() + self.shape_prior.cost(&x.shape)
     }
 
     fn linearize(&self, x: &SequenceState, model: &mut BorderedChain) -> f64 {
@@ -130,9 +141,6 @@ impl Problem for SequencePosterior<'_> {
         let p = model.corner_gradient.len();
         let mut corner = NormalEquations::zeros(p);
         let mut cost = self.shape_prior.linearize(&x.shape, 0, &mut corner);
-        cost *= self.shape_weight;
-        corner.hessian *= self.shape_weight;
-        corner.gradient *= self.shape_weight;
         for (chunk_cost, chunk) in chunks {
             cost += chunk_cost;
             corner.hessian += chunk.hessian;

@@ -25,8 +25,8 @@ impl Default for ConfidenceOptions {
 
 /// The confidence of a shape, from the K estimates s*ₖ of the keyframes.
 ///
-/// Each keyframe counts once, with its most probable reading. What the confidence is *of*: the model's
-/// optimum. An error that all keyframes share does not show in it.
+/// Each keyframe counts once, with its most probable reading; its error is that from the reported shape s̄. What the confidence
+/// is *of*: the model's optimum. An error that all keyframes and s̄ share does not show in it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ShapeConfidence {
     /// Of each shape coefficient, ε and σ in the coefficient's unit.
@@ -40,18 +40,25 @@ pub struct ShapeConfidence {
 }
 
 impl ShapeConfidence {
-    /// The confidence that these trials' keyframes give.
-    pub fn from_trials(model: &BodyModel, trials: &[Trial], options: &ConfidenceOptions) -> Self {
+    /// The confidence that these trials' keyframes give in a reported shape and its lengths, metres.
+    pub fn from_trials(
+        model: &BodyModel,
+        trials: &[Trial],
+        reported: &Shape,
+        reported_m: &[f64],
+        options: &ConfidenceOptions,
+    ) -> Self {
         let shapes: Vec<&Shape> = best_readings(trials).iter().map(|h| &h.shape).collect();
         let coefficients: Vec<DVector<f64>> = shapes.iter().map(|s| s.0.clone()).collect();
         let lengths: Vec<DVector<f64>> =
             shapes.iter().map(|s| DVector::from_vec(model.rest_lengths_m(s))).collect();
+        let reported_lengths = DVector::from_column_slice(reported_m);
         let (epsilon, epsilon_m) = (options.epsilon_coefficient, options.epsilon_m);
         Self {
-            coefficients: each(&coefficients, model.coefficients.len(), epsilon),
-            lengths: each(&lengths, model.lengths.len(), epsilon_m),
-            all_coefficients: joint_confidence(&coefficients, epsilon),
-            all_lengths: joint_confidence(&lengths, epsilon_m),
+            coefficients: each(&coefficients, &reported.0, epsilon),
+            lengths: each(&lengths, &reported_lengths, epsilon_m),
+            all_coefficients: joint_confidence(&coefficients, &reported.0, epsilon),
+            all_lengths: joint_confidence(&lengths, &reported_lengths, epsilon_m),
         }
     }
 
@@ -85,9 +92,9 @@ fn best_readings(trials: &[Trial]) -> Vec<&Hypothesis> {
     best
 }
 
-fn each(estimates: &[DVector<f64>], components: usize, epsilon: f64) -> Vec<Confidence> {
+fn each(estimates: &[DVector<f64>], reported: &DVector<f64>, epsilon: f64) -> Vec<Confidence> {
     let of = |i: usize| estimates.iter().map(|e| e[i]).collect::<Vec<f64>>();
-    (0..components).map(|i| confidence(&of(i), epsilon)).collect()
+    reported.iter().enumerate().map(|(i, s)| confidence(&of(i), *s, epsilon)).collect()
 }
 
 #[cfg(test)]
@@ -120,7 +127,9 @@ mod tests {
             trial(&model, Origin::Keyframe(1), 0, (7.0, 6.0)),
             trial(&model, Origin::Keyframe(0), 20, (0.3, 4.0)),
         ];
-        let found = ShapeConfidence::from_trials(&model, &trials, &ConfidenceOptions::default());
+        let reported = Shape(DVector::from_vec(vec![0.2]));
+        let options = ConfidenceOptions::default();
+        let found = ShapeConfidence::from_trials(&model, &trials, &reported, &[1.0, 1.0], &options);
         assert_eq!(found.keyframes(), 2);
         approx::assert_relative_eq!(found.coefficients[0].sigma.unwrap(), 0.1, epsilon = 1e-12);
     }

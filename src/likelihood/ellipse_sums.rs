@@ -5,6 +5,8 @@
 //! H = Σᵢⱼ Jᵢᵀ (Σ_cameras Pᵢᵀ (Σ_points) Pⱼ) Jⱼ. A row that touches two ellipses (smooth minimum)
 //! adds a block to their pair.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{SMatrix, SVector};
 
 use crate::body::EllipsoidJacobians;
@@ -18,6 +20,8 @@ pub(super) struct EllipseSums<const N: usize> {
     /// Where the block of a pair (i ≥ j) is; `NONE` if no row touched it.
     places: Vec<u32>,
     blocks: Vec<(usize, usize, SMatrix<f64, N, N>)>,
+    /// Of an offset's component and an ellipse.
+    offsets: BTreeMap<(usize, usize), SVector<f64, N>>,
 }
 
 const NONE: u32 = u32::MAX;
@@ -28,6 +32,7 @@ impl<const N: usize> EllipseSums<N> {
             gradients: vec![SVector::zeros(); ellipses],
             places: vec![NONE; ellipses * ellipses],
             blocks: Vec::with_capacity(4 * ellipses),
+            offsets: BTreeMap::new(),
         }
     }
 
@@ -35,6 +40,7 @@ impl<const N: usize> EllipseSums<N> {
         self.gradients.fill(SVector::zeros());
         self.places.fill(NONE);
         self.blocks.clear();
+        self.offsets.clear();
     }
 
     /// Adds one residual r of weight w whose derivative is `rows[k].1` in ellipse `rows[k].0`.
@@ -59,6 +65,33 @@ impl<const N: usize> EllipseSums<N> {
     }
 }
 
+impl EllipseSums<5> {
+    /// Adds what one residual r of weight w has to do with offsets, whose components have the derivatives `offset`: their own
+    /// equations, and those with the ellipses of `rows`.
+    pub(super) fn add_offset(
+        &mut self,
+        offset: impl Iterator<Item = (usize, f64)> + Clone,
+        rows: &[(usize, SVector<f64, 5>)],
+        r: f64,
+        w: f64,
+        equations: &mut NormalEquations,
+    ) {
+        for (component, slope) in offset.clone() {
+            if component >= equations.gradient.len() {
+                return;
+            }
+            equations.gradient[component] += w * slope * r;
+            for (other, other_slope) in offset.clone().filter(|(other, _)| *other <= component) {
+                equations.hessian[(component, other)] += w * slope * other_slope;
+            }
+            for (ellipse, row) in rows {
+                let sum = self.offsets.entry((component, *ellipse)).or_default();
+                *sum += row * (w * slope);
+            }
+        }
+    }
+}
+
 impl EllipseSums<9> {
     /// Adds one camera's sums through its projection Jacobians.
     pub(super) fn add_camera(&mut self, sums: &EllipseSums<5>, projections: &[ProjectionJacobian]) {
@@ -70,6 +103,10 @@ impl EllipseSums<9> {
         for (i, j, block) in &sums.blocks {
             let chained = projections[*i].tr_mul(block) * projections[*j];
             *self.block(*i, *j) += chained;
+        }
+        for ((component, ellipse), sum) in &sums.offsets {
+            let chained = projections[*ellipse].tr_mul(sum);
+            *self.offsets.entry((*component, *ellipse)).or_default() += chained;
         }
     }
 
@@ -83,6 +120,14 @@ impl EllipseSums<9> {
         for (i, gradient) in self.gradients.iter().enumerate() {
             for (column, &component) in jacobians.components[i][..free[i]].iter().enumerate() {
                 equations.gradient[component] += jacobians.values[i].column(column).dot(gradient);
+            }
+        }
+        for ((offset, ellipse), sum) in &self.offsets {
+            let components = &jacobians.components[*ellipse][..free[*ellipse]];
+            for (column, &component) in components.iter().enumerate() {
+                let value = jacobians.values[*ellipse].column(column).dot(sum);
+                let (row, column) = (component.max(*offset), component.min(*offset));
+                equations.hessian[(row, column)] += value;
             }
         }
         for (i, j, block) in &self.blocks {

@@ -4,8 +4,19 @@
 //! in a small dense matrix for each limb, and each of these is added to the whole once. Where the shape is given, its
 //! components, more than half of a limb's, are not summed at all.
 
+use std::collections::BTreeMap;
+
 use crate::body::metaball::FieldSlopes;
 use crate::solver::NormalEquations;
+
+/// The derivatives of a residual with respect to the offsets of the surface, by component.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct OffsetRow {
+    pub(super) slopes: [(usize, f64); 4],
+    pub(super) residual_m: f64,
+    /// Of the row, 1/m².
+    pub(super) weight: f64,
+}
 
 /// JᵀWJ and JᵀWr of the rows of each limb.
 #[derive(Debug, Clone)]
@@ -15,6 +26,8 @@ pub(super) struct LimbSums {
 
 #[derive(Debug, Clone)]
 struct Sums {
+    /// By the component of an offset: what it has to do with the limb's components.
+    offsets: BTreeMap<usize, Vec<f64>>,
     gradient: Vec<f64>,
     /// Column after column; the lower triangle is filled.
     hessian: Vec<f64>,
@@ -25,7 +38,7 @@ impl LimbSums {
     pub(super) fn new(slopes: &FieldSlopes, dimension: usize) -> Self {
         let sums = |limb| {
             let n = slopes.components(limb).partition_point(|&c| c < dimension);
-            Sums { gradient: vec![0.0; n], hessian: vec![0.0; n * n] }
+            Sums { offsets: BTreeMap::new(), gradient: vec![0.0; n], hessian: vec![0.0; n * n] }
         };
         Self { limbs: (0..slopes.limbs()).map(sums).collect() }
     }
@@ -33,7 +46,7 @@ impl LimbSums {
     /// Adds a residual r of weight w with the derivatives `row`, one for each component of the limb.
     #[inline]
     pub(super) fn add(&mut self, limb: usize, row: &[f64], r: f64, w: f64) {
-        let Sums { gradient, hessian } = &mut self.limbs[limb];
+        let Sums { gradient, hessian, .. } = &mut self.limbs[limb];
         let n = gradient.len();
         let row = &row[..n];
         for (j, column) in hessian.chunks_exact_mut(n.max(1)).enumerate() {
@@ -45,11 +58,44 @@ impl LimbSums {
         }
     }
 
+    /// Adds what a residual has to do with offsets: their own equations, and those with the limb's components, whose derivatives
+    /// are `row`.
+    pub(super) fn add_offset(
+        &mut self,
+        limb: usize,
+        row: &[f64],
+        offset: &OffsetRow,
+        equations: &mut NormalEquations,
+    ) {
+        let OffsetRow { slopes, residual_m, weight: w } = *offset;
+        let Sums { gradient, offsets, .. } = &mut self.limbs[limb];
+        let n = gradient.len();
+        for (component, slope) in slopes {
+            if component >= equations.gradient.len() {
+                return;
+            }
+            equations.gradient[component] += w * slope * residual_m;
+            for (other, other_slope) in slopes.iter().filter(|(other, _)| *other <= component) {
+                equations.hessian[(component, *other)] += w * slope * other_slope;
+            }
+            let sums = offsets.entry(component).or_insert_with(|| vec![0.0; n]);
+            for (sum, value) in sums.iter_mut().zip(row) {
+                *sum += w * slope * value;
+            }
+        }
+    }
+
     /// Adds all sums to the equations; their dimension is that of [`LimbSums::new`].
     pub(super) fn add_to(&self, slopes: &FieldSlopes, equations: &mut NormalEquations) {
         for (limb, sums) in self.limbs.iter().enumerate() {
             let n = sums.gradient.len();
             let components = &slopes.components(limb)[..n];
+            for (offset, sums) in &sums.offsets {
+                for (&component, sum) in components.iter().zip(sums) {
+                    let (row, column) = (component.max(*offset), component.min(*offset));
+                    equations.hessian[(row, column)] += sum;
+                }
+            }
             for (j, &column) in components.iter().enumerate() {
                 equations.gradient[column] += sums.gradient[j];
                 for (i, &row) in components.iter().enumerate().skip(j) {

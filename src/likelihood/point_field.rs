@@ -98,6 +98,7 @@ impl SkinTerm for PointField {
 
     fn touches(
         &self,
+        body: &Posed<'_>,
         field: &Field,
         scale: &PosedScale<'_>,
         mut each: impl FnMut(&Touch<'_>, &FieldSample),
@@ -110,6 +111,8 @@ impl SkinTerm for PointField {
             if !sampler.sample(&point.position_world.coords, &mut sample) {
                 continue;
             }
+            let metaballs = &field.limbs[sample.limb];
+            let offset = skin_term::displace(body, field, metaballs, &mut sample);
 
             let sigma_m = point.sigma_m.hypot(options.sigma_m);
             let touch = Touch {
@@ -119,6 +122,7 @@ impl SkinTerm for PointField {
                 weight,
                 outward_px: Vector2::zeros(),
                 residual: scale.residual(options.residual, options.derivatives, &sample),
+                offset,
                 line: None,
             };
             each(&touch, &sample);

@@ -132,6 +132,7 @@ impl SkinTerm for SilhouetteRays {
 
     fn touches(
         &self,
+        body: &Posed<'_>,
         field: &Field,
         scale: &PosedScale<'_>,
         mut each: impl FnMut(&Touch<'_>, &FieldSample),
@@ -151,6 +152,7 @@ impl SkinTerm for SilhouetteRays {
                 };
                 let x = rays.point(direction, contact.t);
                 sample.update_limb(field, contact.limb, &x, &near);
+                let offset = skin_term::displace(body, field, &near, &mut sample);
 
                 let touch = Touch {
                     source: Source::View(index),
@@ -159,6 +161,7 @@ impl SkinTerm for SilhouetteRays {
                     weight: length_px * per_px,
                     outward_px: *outward_px,
                     residual: scale.residual(options.residual, options.derivatives, &sample),
+                    offset,
                     line: Some(direction),
                 };
                 each(&touch, &sample);

@@ -2,11 +2,11 @@
 
 use nalgebra::{Point3, Vector2, Vector3};
 
-use super::limb_sums::LimbSums;
+use super::limb_sums::{LimbSums, OffsetRow};
 use super::skin_distance::{PosedScale, SkinResidual};
 use super::{PlacedResidual, Source};
-use crate::body::Posed;
 use crate::body::metaball::{BallChange, Field, FieldRow, FieldSample, FieldSlopes};
+use crate::body::{Layout, Offset, PartId, Posed};
 use crate::solver::{Loss, NormalEquations};
 
 /// One observation where it touches the field.
@@ -38,6 +38,8 @@ pub(super) struct Touch<'a> {
     pub(super) weight: f64,
     pub(super) outward_px: Vector2<f64>,
     pub(super) residual: SkinResidual,
+    /// b, by which the residual is less.
+    pub(super) offset: Option<Offset>,
     /// The line on which the place is the summit of F; `None`: the place does not move.
     pub(super) line: Option<&'a Vector3<f64>>,
 }
@@ -80,17 +82,48 @@ pub(super) trait SkinTerm {
     /// Calls `each` for every observation that touches the field, with the field there.
     fn touches(
         &self,
+        body: &Posed<'_>,
         field: &Field,
         scale: &PosedScale<'_>,
         each: impl FnMut(&Touch<'_>, &FieldSample),
     );
 }
 
+/// Moves a sample from x to x − b n, n the normal outwards: the person's surface at x is the model's there. Returns b.
+///
+/// The residual of x − b n is not that of x less b: deep inside a limb the skin distance is shorter than a distance, and a fat
+/// body with its surface far inside would seem to err less.
+pub(super) fn displace(
+    body: &Posed<'_>,
+    field: &Field,
+    metaballs: &[usize],
+    sample: &mut FieldSample,
+) -> Option<Offset> {
+    body.model.offsets.as_ref()?;
+    let (part, place) = place(body, field, sample.heaviest()?, &sample.point_world.into())?;
+    let offset = body.surface_offset(part, &place)?;
+    let inwards = sample.log_gradient.try_normalize(f64::MIN_POSITIVE)?;
+    let x = sample.point_world + inwards * offset.value_m;
+    sample.update_limb(field, sample.limb, &x, metaballs);
+    Some(offset)
+}
+
+/// The part of a metaball, and a place in its axes.
+fn place(
+    body: &Posed<'_>,
+    field: &Field,
+    metaball: usize,
+    place_world: &Point3<f64>,
+) -> Option<(PartId, Vector3<f64>)> {
+    let part = body.model.metaballs[field.source(metaball)?].part;
+    Some((part, body.in_part(part, place_world)))
+}
+
 /// ½ Σ w ρ.
 pub(super) fn cost(term: &impl SkinTerm, body: &Posed<'_>) -> f64 {
     let field = Field::from_body(body);
     let mut cost = 0.0;
-    term.touches(&field, &term.scale(body, &field), |touch, _| {
+    term.touches(body, &field, &term.scale(body, &field), |touch, _| {
         cost += 0.5 * touch.loss(term.loss()).0;
     });
     cost
@@ -105,12 +138,13 @@ pub(super) fn linearize(
     let field = Field::from_body(body);
     let scale = term.scale(body, &field);
     let slopes = FieldSlopes::new(body, &field);
+    let layout = Layout::new(body.model);
     let mut sums = LimbSums::new(&slopes, equations.gradient.len());
     let mut row = FieldRow::default();
     let mut changes = Vec::new();
     let mut cost = 0.0;
 
-    term.touches(&field, &scale, |touch, sample| {
+    term.touches(body, &field, &scale, |touch, sample| {
         let (rho, weight) = touch.loss(term.loss());
         cost += 0.5 * rho;
 
@@ -122,7 +156,13 @@ pub(super) fn linearize(
         let b = touch.along(sample, &changes);
         slopes.row_from_changes(sample, &changes, &b, &mut row);
 
-        sums.add(sample.limb, &row.values, r.distance_m, weight);
+        let residual_m = r.distance_m;
+        sums.add(sample.limb, &row.values, residual_m, weight);
+        if let Some(offset) = touch.offset {
+            let slopes = offset.slopes.map(|(c, phi)| (layout.coefficient(c), -phi));
+            let offset = OffsetRow { slopes, residual_m, weight };
+            sums.add_offset(sample.limb, &row.values, &offset, equations);
+        }
     });
     sums.add_to(&slopes, equations);
     cost
@@ -132,7 +172,7 @@ pub(super) fn linearize(
 pub(super) fn all_touches(term: &impl SkinTerm, body: &Posed<'_>) -> Vec<SkinTouch> {
     let field = Field::from_body(body);
     let mut all = Vec::new();
-    term.touches(&field, &term.scale(body, &field), |touch, sample| {
+    term.touches(body, &field, &term.scale(body, &field), |touch, sample| {
         all.push(SkinTouch {
             source: touch.source,
             residual_m: touch.residual.distance_m,
@@ -151,18 +191,18 @@ pub(super) fn all_touches(term: &impl SkinTerm, body: &Posed<'_>) -> Vec<SkinTou
 pub(super) fn placed(term: &impl SkinTerm, body: &Posed<'_>) -> Vec<PlacedResidual> {
     let field = Field::from_body(body);
     let placed = |touch: SkinTouch| {
-        let source = field.source(touch.metaball).unwrap_or_default();
-        let part = body.model.metaballs[source].part;
-        PlacedResidual {
+        let (part, place_part) = place(body, &field, touch.metaball, &touch.place_world)?;
+        let value = touch.residual_m / touch.sigma_m;
+        Some(PlacedResidual {
             source: touch.source,
-            value: touch.residual_m / touch.sigma_m,
-            trust: term.loss().evaluate(touch.residual_m / touch.sigma_m).1,
+            value,
+            trust: term.loss().evaluate(value).1,
             sigma: touch.sigma,
             weight: touch.weight,
             outward_px: touch.outward_px,
             part,
-            place_part: body.in_part(part, &touch.place_world),
-        }
+            place_part,
+        })
     };
-    all_touches(term, body).into_iter().map(placed).collect()
+    all_touches(term, body).into_iter().filter_map(placed).collect()
 }

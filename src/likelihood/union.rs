@@ -16,6 +16,12 @@ impl NearEllipses {
     pub(super) fn new() -> Self {
         Self { hint: 0, slopes: Vec::with_capacity(MAX_NEAR) }
     }
+
+    /// The ellipse on which the distance depends most.
+    pub(super) fn most(&self) -> Option<usize> {
+        let largest = self.slopes.iter().max_by(|a, b| a.1.norm().total_cmp(&b.1.norm()));
+        largest.map(|(index, _)| *index)
+    }
 }
 
 /// min |dᵢ| (ZS06, App. C), with its sign.

@@ -31,7 +31,8 @@ pub fn prior_angles_sd(
     let mut chain = BorderedChain::zeros(motions.len(), m, 0, chain_prior.reach());
     for (i, motion) in motions.iter().enumerate() {
         let mut equations = NormalEquations::zeros(m);
-        pose_prior.linearize(motion, &mut equations);
+        let lasts_s = if i == 0 { f64::INFINITY } else { seconds[i] };
+        pose_prior.linearize_lasting(motion, lasts_s, &mut equations);
         let link = &mut chain.links[i];
         link.diagonal += equations.hessian;
         (0..root).for_each(|k| link.diagonal[(k, k)] += 1.0);
@@ -57,7 +58,7 @@ pub(super) fn warning(
         .iter()
         .zip(prior)
         .filter(|(f, _)| f.is_observed())
-        .filter_map(|(f, prior)| Some((&f.uncertainty.as_ref()?.seen_angles_sd, prior)))
+        .filter_map(|(f, prior)| Some((&f.uncertainty.as_ref()?.angles_sd, prior)))
         .collect();
 
     let keeps = |part: usize| {
@@ -123,7 +124,6 @@ mod tests {
                 position_sd_m: Vector3::zeros(),
                 parts_sd: Vec::new(),
                 angles_sd: DVector::from_row_slice(angles_sd),
-                seen_angles_sd: DVector::from_row_slice(angles_sd),
                 points: Vec::new(),
                 apart: Vec::new(),
             }),

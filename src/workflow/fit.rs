@@ -85,7 +85,7 @@ impl Recording {
             progress.begin("overlays", pictures);
             let into = scratch.path().join("overlays");
             let done = || progress.step();
-            let no_film = overlays::write(&into, &input.files, &input.model, &fit, &done)?;
+            let no_film = overlays::write(&into, &input.files, &fit, &done)?;
             progress.end();
             if let Some(reason) = no_film {
                 progress.note(&format!("overlays: pictures only, no films: {reason}"));
@@ -137,5 +137,5 @@ fn fitted(input: FitInput, fit: &Fit) -> FittedRecording {
             options: &input.options,
         },
     );
-    FittedRecording { result, model: input.model }
+    FittedRecording { result, model: fit.model.clone() }
 }

@@ -57,7 +57,7 @@ impl FittedRecording {
     pub fn read(folder: impl AsRef<Path>, body: Option<&str>) -> Result<Self, Error> {
         let result = ResultFile::read(folder.as_ref())?;
         let model = model::load(body.unwrap_or(&result.body), Path::new(""))?;
-        result.shape_of(&model)?;
+        let model = result.body_of(&model)?;
         Ok(Self { result, model })
     }
 

@@ -4,11 +4,13 @@ use std::path::Path;
 
 use maquette::body::metaball::Field;
 use maquette::body::{BodyModel, Layout, Motion, Posed, Shape};
-use maquette::camera::Rig;
+use maquette::camera::{Camera, Rig};
+use maquette::image::Mask;
 use maquette::inference::sequence_posterior::SequenceState;
 use maquette::inference::{Evidence, Sequence};
 use maquette::io::model;
 use maquette::likelihood::{LikelihoodOptions, Measure};
+use maquette::math::quadric::project;
 use maquette::render::silhouette;
 use maquette::silhouette::{FrameIndex, FrameObservations, SilhouetteOptions, extract};
 use maquette::stereo::{CloudPoint, Spread};
@@ -78,9 +80,13 @@ impl Scene {
     /// The skin's silhouettes, and a point of it from every metaball outwards.
     fn seen(model: BodyModel, rig: Rig, truth: SequenceState) -> Self {
         let frame = |(i, motion): (usize, &Motion)| {
-            let field = Field::from_body(&Posed::new(&model, &truth.shape, motion));
+            let body = Posed::new(&model, &truth.shape, motion);
+            let field = Field::from_body(&body);
             let seen = |(id, camera)| {
-                let mask = silhouette(camera, &field);
+                let mask = match model.metaballs.is_empty() {
+                    true => ellipsoid_silhouette(camera, &body),
+                    false => silhouette(camera, &field),
+                };
                 let options = SilhouetteOptions::default();
                 (id, extract(&mask, camera, &options).expect("it is seen"))
             };
@@ -92,6 +98,19 @@ impl Scene {
         };
         let frames = truth.motions.iter().enumerate().map(frame).collect();
         Self { frames, model, rig, truth }
+    }
+
+    /// Films another body in the same motion: its ellipsoids.
+    pub(crate) fn film(&mut self, model: &BodyModel) {
+        for (frame, motion) in self.frames.iter_mut().zip(&self.truth.motions) {
+            let body = Posed::new(model, &self.truth.shape, motion);
+            let seen = |(id, camera)| {
+                let mask = ellipsoid_silhouette(camera, &body);
+                let options = SilhouetteOptions::default();
+                (id, extract(&mask, camera, &options).expect("it is seen"))
+            };
+            frame.views = self.rig.iter().map(seen).collect();
+        }
     }
 
     pub(crate) fn evidence(&self, measure: Measure) -> Evidence<'_> {
@@ -149,4 +168,21 @@ pub(crate) fn surface(field: &Field, each: usize, seed: u64) -> Vec<CloudPoint> 
         }
     }
     points
+}
+
+/// The pixels that any ellipsoid of a body covers.
+fn ellipsoid_silhouette(camera: &Camera, body: &Posed<'_>) -> Mask {
+    let projection = camera.projection();
+    let ellipses: Vec<_> =
+        body.ellipsoids().iter().filter_map(|e| project(&projection, e)).collect();
+    let inverses: Vec<_> =
+        ellipses.iter().filter_map(|e| Some((e.centre, e.shape.cholesky()?.inverse()))).collect();
+    let covers = |x: usize, y: usize| {
+        let pixel = Vector2::new(x as f64, y as f64);
+        inverses.iter().any(|(centre, inverse)| {
+            let offset = pixel - centre;
+            offset.dot(&(inverse * offset)) <= 1.0
+        })
+    };
+    Mask::from_fn(camera.width_px as usize, camera.height_px as usize, covers)
 }

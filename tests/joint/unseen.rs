@@ -63,8 +63,14 @@ fn the_priors_alone_leave_what_a_tridiagonal_matrix_of_one_angle_leaves() {
     let seconds = scene.sequence().intervals_s();
     let found = prior_angles_sd(&scene.model, &chain, &scene.truth.motions, &seconds);
     let joint = &scene.model.joints[ELBOW];
-    let (rest, step) = (joint.spread.powi(-2), (joint.speed / FPS).powi(-2));
-    let mut precision = nalgebra::DMatrix::identity(5, 5) * rest;
+    // p(m) whole, then for each frame vΔ/4S of it and θ̇²Δ/2Sv of its velocity
+    let rest = joint.spread.powi(-2);
+    let step = FPS / (2.0 * joint.spread * joint.speed);
+    let mut precision = nalgebra::DMatrix::zeros(5, 5);
+    precision[(0, 0)] = rest;
+    for i in 1..5 {
+        precision[(i, i)] = 0.25 * joint.speed / (FPS * joint.spread) * rest;
+    }
     for i in 1..5 {
         precision[(i, i)] += step;
         precision[(i - 1, i - 1)] += step;

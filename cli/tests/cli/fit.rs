@@ -52,7 +52,7 @@ fn a_recording_is_fitted_from_end_to_end() {
     }
     // how sure, of every length, coefficient and frame
     assert!(result["shape"]["lengths"][0]["sd_m"].as_f64().is_some_and(|sd| sd > 0.0));
-    assert!(result["shape"]["noise"]["over_time"].as_f64().is_some_and(|tau| tau >= 1.0));
+    assert!(result["shape"]["noise"]["together"].as_f64().is_some_and(|tau| tau >= 1.0));
     for frame in result["motion"]["frames"].as_array().expect("frames") {
         let sd = frame["sd"]["angles_rad"][0].as_f64();
         assert!(sd.is_some_and(|sd| sd > 0.0 && sd < 0.2), "{frame}");
@@ -72,7 +72,7 @@ fn the_result_says_what_it_is_made_of() {
     let text = String::from_utf8(arm.bytes("out", "result.json")).expect("UTF-8");
     assert!(!text.contains(&arm.recording().display().to_string()), "a path of this machine");
     let result: ResultFile = serde_json::from_str(&text).expect("the documented fields");
-    assert_eq!((result.format.as_str(), result.version), ("maquette-result", 3));
+    assert_eq!((result.format.as_str(), result.version), ("maquette-result", 4));
     assert_eq!(result.recording.cameras, ["cam_01", "cam_02", "cam_03"]);
     assert_eq!(result.options.estimate.search.keyframe_every, Some(2));
     let inputs: Vec<&str> = result.inputs.iter().map(|i| i.input.as_str()).collect();

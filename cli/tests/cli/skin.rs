@@ -68,7 +68,7 @@ fn a_skin_that_cannot_be_is_refused_and_a_new_fit_takes_the_old_ones_away() {
     refused(&["--around", "15"], &["even number from 16 to 1024, found 15"]);
     refused(&["--frame", "1", "--rest"], &["cannot be used with"]);
     run(&["skin", &out, "--body", "walker-metaballs"]).refused(&[
-        "this result was fitted with body model soft-arm (1 shape coefficients)",
+        "this result was fitted with body model soft-arm (67 shape coefficients)",
         "walker-metaballs",
     ]);
     run(&["skin", &out]).refused(&["no body model \"soft-arm\""]);

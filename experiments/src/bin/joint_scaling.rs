@@ -162,7 +162,6 @@ impl Cycle<'_> {
         let posterior = SequencePosterior {
             model: self.evidence.model,
             shape_prior: &self.evidence.shape_prior,
-            shape_weight: 1.0,
             pose_prior: &self.evidence.pose_prior,
             chain_prior: &chain_prior,
             seconds,

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::film;
 use super::png::{self, Effort};
 use super::{OutError, file_name, make_folder, write_encoded};
-use crate::body::{BodyModel, Posed};
+use crate::body::Posed;
 use crate::camera::CameraId;
 use crate::image::Picture;
 use crate::io::recording::{ObservationFiles, RecordingError};
@@ -34,7 +34,6 @@ pub enum OverlayError {
 pub fn write(
     folder: &Path,
     recording: &ObservationFiles,
-    model: &BodyModel,
     fit: &Fit,
     done: &(dyn Fn() + Sync),
 ) -> Result<Option<String>, OverlayError> {
@@ -55,7 +54,7 @@ pub fn write(
         .collect();
 
     all.into_par_iter().try_for_each(|(frame, id, folder)| {
-        if let Some(canvas) = picture(recording, model, fit, frame, id)? {
+        if let Some(canvas) = picture(recording, fit, frame, id)? {
             let path = folder.join(format!("{:06}.png", frame.frame.0));
             write_picture(canvas.pixels(), &path)?;
         }
@@ -80,13 +79,12 @@ pub fn write(
 /// `None` where the camera has no mask of the frame.
 fn picture(
     recording: &ObservationFiles,
-    model: &BodyModel,
     fit: &Fit,
     frame: &FittedFrame,
     id: CameraId,
 ) -> Result<Option<Canvas>, RecordingError> {
     let mask = recording.load_mask(id, frame.frame)?;
-    let body = Posed::new(model, &fit.shape, &frame.fit.motion);
+    let body = Posed::new(&fit.model, &fit.shape, &frame.fit.motion);
     let over = |mask| Some(overlay(fit.rig.camera(id)?, &mask, &body));
     Ok(mask.and_then(over))
 }

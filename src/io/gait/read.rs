@@ -108,6 +108,7 @@ pub fn from_result(
     model: BodyModel,
     rate_hz: Option<f64>,
 ) -> Result<GaitInput, GaitInputError> {
+    let model = result.body_of(&model)?;
     let cameras = camera_bits(result);
     let pose = |part: &FramePart| FramePose {
         frame: FrameIndex(part.frame),

@@ -54,6 +54,7 @@ fn empty(spec: &ModelSpec) -> BodyModel {
         root,
         joints: Vec::new(),
         followers: Vec::new(),
+        offsets: None,
         parts: Vec::new(),
         ellipsoids: Vec::new(),
         metaballs: Vec::new(),

@@ -1,6 +1,6 @@
 //! Whether the numbers of a result are ones that a fit can have.
 
-use super::{FramePart, ResultFile};
+use super::{FramePart, HypothesisPart, ResultFile};
 use crate::io::frame_rate;
 use crate::pipeline::MOST_EMPTY_FRAMES;
 
@@ -21,6 +21,12 @@ pub(super) fn odd_field(result: &ResultFile) -> Option<OddField> {
     let coefficients = shape.coefficients.len();
     let is_square = |rows: &Vec<Vec<f64>>| {
         rows.len() == coefficients && rows.iter().all(|row| row.len() == coefficients)
+    };
+
+    // what a keyframe alone is asked for: fewer than the joint optimum knows
+    let asked = result.hypotheses.first().map_or(0, |h| h.coefficients.len());
+    let is_hypothesis = |h: &HypothesisPart| {
+        h.coefficients.len() == asked && h.lengths_m.len() == shape.lengths.len()
     };
 
     let fields = [
@@ -44,10 +50,8 @@ pub(super) fn odd_field(result: &ResultFile) -> Option<OddField> {
         ("winner", "the number of a hypothesis", result.winner < result.hypotheses.len()),
         (
             "hypotheses",
-            "as many coefficients and lengths as shape has",
-            result.hypotheses.iter().all(|h| {
-                h.coefficients.len() == coefficients && h.lengths_m.len() == shape.lengths.len()
-            }),
+            "as many coefficients and lengths in each, and no more than shape has",
+            asked <= coefficients && result.hypotheses.iter().all(is_hypothesis),
         ),
         (
             "shape.covariance",

@@ -50,7 +50,7 @@ impl ResultFile {
             inputs: from.inputs.to_vec(),
             options: from.options.clone(),
             body: model.name.clone(),
-            shape: shape(fit, model),
+            shape: shape(fit, &fit.model),
             motion: MotionPart {
                 angles: model.joints.iter().map(|j| j.name.clone()).collect(),
                 points: model.points.iter().map(|p| p.name.clone()).collect(),
@@ -106,7 +106,7 @@ fn shape(fit: &Fit, model: &BodyModel) -> ShapePart {
         sd: fit.uncertainty.as_ref().map(|u| u.covariance[(i, i)].sqrt()),
         prior_mean: statistics.mean[i],
         prior_sd: statistics.covariance[(i, i)].sqrt(),
-        confidence: fit.confidence.coefficients[i].clone(),
+        confidence: fit.confidence.coefficients.get(i).cloned(),
     };
 
     let point = |i: usize| model.points[i].name.clone();

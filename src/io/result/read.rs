@@ -163,11 +163,31 @@ impl ResultFile {
         }
     }
 
-    /// s, if the result is of this model.
+    /// The body that was fitted, in as much detail as the result has, if the result is of this model.
+    ///
+    /// # Errors
+    /// [`ResultError::Body`] if the coefficients or angles of the model have other names.
+    pub fn body_of(&self, model: &BodyModel) -> Result<BodyModel, ResultError> {
+        let has_more = self.shape.coefficients.len() > model.coefficients.len();
+        let body = if has_more { model.detailed() } else { model.clone() };
+        self.check_body(&body)?;
+        Ok(body)
+    }
+
+    /// s of the coefficients that a model has, if the result is of this model.
     ///
     /// # Errors
     /// [`ResultError::Body`] if the coefficients or angles of the model have other names.
     pub fn shape_of(&self, model: &BodyModel) -> Result<Shape, ResultError> {
+        if self.check_body(model).is_err() {
+            self.check_body(&model.detailed())?;
+        }
+        let values = self.shape.coefficients.iter().map(|c| c.value);
+        let values: Vec<f64> = values.take(model.coefficients.len()).collect();
+        Ok(Shape(DVector::from_vec(values)))
+    }
+
+    fn check_body(&self, model: &BodyModel) -> Result<(), ResultError> {
         let coefficients = &self.shape.coefficients;
         let names = coefficients.iter().map(|c| c.name.as_str());
         let expected = model.coefficients.iter().map(String::as_str);
@@ -182,8 +202,7 @@ impl ResultFile {
             let [expected, found] = [self.motion.angles.len(), model.joints.len()];
             return Err(self.other_body(model, "angles", expected, found));
         }
-        let values = coefficients.iter().map(|c| c.value);
-        Ok(Shape(DVector::from_iterator(coefficients.len(), values)))
+        Ok(())
     }
 
     fn other_body(

@@ -124,8 +124,8 @@ pub struct CoefficientPart {
     pub prior_mean: f64,
     /// Standard deviation of p(s).
     pub prior_sd: f64,
-    /// How far the keyframes agree.
-    pub confidence: Confidence,
+    /// How far the keyframes agree; `None` of what a keyframe alone is not asked for.
+    pub confidence: Option<Confidence>,
 }
 
 /// One length.

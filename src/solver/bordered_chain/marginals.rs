@@ -75,6 +75,11 @@ impl BorderedChain {
         true
     }
 
+    /// Σ of the shared components, p × p; `None` if H is not positive definite.
+    pub fn shared_covariance(&self) -> Option<DMatrix<f64>> {
+        Some(inverse_of_square(&Factor::new(self, 0.0)?.corner))
+    }
+
     fn reach(&self) -> usize {
         self.links.last().map_or(0, |l| l.couplings.len())
     }

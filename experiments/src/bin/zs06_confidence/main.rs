@@ -70,7 +70,8 @@ impl Point {
             })
         };
         let sigma = |r: &Estimates| {
-            maximum_likelihood_sigma(if k == 1 { &r.keyframes } else { &r.keyframes[..k] })
+            let keyframes = if k == 1 { &r.keyframes[..] } else { &r.keyframes[..k] };
+            maximum_likelihood_sigma(keyframes, r.optimum)
         };
         Self {
             k,
@@ -104,9 +105,11 @@ fn report(run: &mut Run, recordings: &[Estimates], points: &[Point]) -> Result<(
     let count = recordings.len() as f64;
     let bias = recordings.iter().map(|r| r.optimum - r.truth).sum::<f64>() / count;
     let off = recordings.iter().map(|r| (r.optimum - r.truth).abs()).sum::<f64>() / count;
-    let sigma =
-        recordings.iter().filter_map(|r| maximum_likelihood_sigma(&r.keyframes)).sum::<f64>()
-            / count;
+    let sigma = recordings
+        .iter()
+        .filter_map(|r| maximum_likelihood_sigma(&r.keyframes, r.optimum))
+        .sum::<f64>()
+        / count;
     run.number("sigma_of_keyframes", sigma);
     run.number("optimum_minus_truth", bias);
     run.number("optimum_off_truth", off);

@@ -1,0 +1,285 @@
+//! Offsets of the surface: what flesh, cloth, hair and shoes have that the model has not.
+//!
+//! The surface of a person lies b(p) outside that of the model, along its normal, at the place p of a part:
+//!
+//! b(p) = Σₖ φₖ(p) bₖ
+//!
+//! with coefficients bₖ in metres, constant over a recording. A part is divided about every 10 cm along its longest axis, and
+//! into quarters around it; φ are the hat functions of this grid: four of them are not 0 at a place, and they add up to one. Both sides of the body are alike: the place of a left part is that of its mirror image on the right, and a part in the
+//! middle has one half.
+//!
+//! A border point that lies d outside the model's outline lies d − b(p) outside the person's.
+
+use nalgebra::{DMatrix, Matrix3, Vector3};
+
+use super::{BodyModel, CoefficientId, Motion, Posed, Shape};
+use crate::body::PartId;
+
+/// Distance of the grid's nodes along a part, metres: errors of the surface go together over so much.
+const ALONG_M: f64 = 0.1;
+/// Nodes around a part.
+const AROUND: usize = 4;
+
+/// The grids of all parts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SurfaceOffsets {
+    /// By part; `None` for a part without flesh.
+    grids: Vec<Option<Grid>>,
+    /// b₀.
+    first: CoefficientId,
+    /// The part of each coefficient; of mirror images, the right one.
+    owners: Vec<PartId>,
+}
+
+/// b at a place, and what it depends on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Offset {
+    /// b(p), metres.
+    pub value_m: f64,
+    /// φ of the four coefficients that are not 0 there.
+    pub slopes: [(CoefficientId, f64); 4],
+}
+
+/// The nodes of one part.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Grid {
+    /// x, y or z of the part: along it.
+    axis: usize,
+    /// The first node along it, and the distance to the next, metres.
+    low_m: f64,
+    step_m: f64,
+    /// Nodes along it.
+    along: usize,
+    /// The axis around which the others stand, metres.
+    centre: Vector3<f64>,
+    /// The first coefficient.
+    first: usize,
+    side: GridSide,
+}
+
+/// How the places of the left side are those of the right one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum GridSide {
+    Right,
+    Left,
+    /// Both halves of the part are one.
+    Middle,
+}
+
+impl Grid {
+    /// Nodes around: a quarter each; of a half, its two ends and its middle.
+    fn around(self) -> usize {
+        if self.side == GridSide::Middle { AROUND / 2 + 1 } else { AROUND }
+    }
+
+    fn nodes(self) -> usize {
+        self.along * self.around()
+    }
+
+    /// The nodes around a place and their φ.
+    fn hats(self, place: &Vector3<f64>) -> [(usize, f64); 4] {
+        let mut place = place - self.centre;
+        match self.side {
+            GridSide::Right => {}
+            GridSide::Left => place.y = -place.y,
+            GridSide::Middle => place.y = place.y.abs(),
+        }
+
+        // along
+        let last = (self.along - 1) as f64;
+        let t = ((place[self.axis] - self.low_m) / self.step_m).clamp(0.0, last);
+        let row = (t.floor() as usize).min(self.along.saturating_sub(2));
+        let (next_row, t) = ((row + 1).min(self.along - 1), t - row as f64);
+
+        // around: y is always one of the two axes across
+        let across = if self.axis == 0 { place.z } else { place.x };
+        let quarter = std::f64::consts::TAU / AROUND as f64;
+        let u = place.y.atan2(across).rem_euclid(std::f64::consts::TAU) / quarter;
+        let column = u.floor() as usize;
+        let u = u - column as f64;
+        let around = self.around();
+        let wrapped = |column: usize| match self.side {
+            GridSide::Middle => column.min(around - 1),
+            _ => column % around,
+        };
+        let (column, next) = (wrapped(column), wrapped(column + 1));
+
+        let node = |row: usize, column: usize| self.first + row * around + column;
+        [
+            (node(row, column), (1.0 - t) * (1.0 - u)),
+            (node(row, next), (1.0 - t) * u),
+            (node(next_row, column), t * (1.0 - u)),
+            (node(next_row, next), t * u),
+        ]
+    }
+}
+
+impl SurfaceOffsets {
+    /// Standard deviation of bare flesh about a model that has its person's girths, metres.
+    pub(crate) const FLESH_SD_M: f64 = 0.004;
+    /// Grids for the parts of a model, measured on its mean body; their coefficients come after those that it has.
+    pub(super) fn new(model: &BodyModel) -> Self {
+        let mean = Shape(model.statistics.mean.clone());
+        let straight = Motion::straight(model);
+        let body = Posed::new(model, &mean, &straight);
+        let pairs = model.part_pairs();
+
+        let mut owners = Vec::new();
+        let mut grids: Vec<Option<Grid>> = Vec::new();
+        for part in (0..model.parts.len()).map(PartId) {
+            let is_left = pairs.iter().any(|(_, left)| *left == part.0);
+            let is_right = pairs.iter().any(|(right, _)| *right == part.0);
+            let side = if is_right { GridSide::Right } else { GridSide::Middle };
+            let grid = match is_left {
+                true => None,
+                false => flesh_box(&body, part).map(|ends| grid(ends, side, owners.len())),
+            };
+            owners.extend(std::iter::repeat_n(part, grid.map_or(0, Grid::nodes)));
+            grids.push(grid);
+        }
+
+        // the left ones are those of the right
+        for (right, left) in pairs {
+            let mirrored = |grid: Grid| {
+                let centre = grid.centre.component_mul(&Vector3::new(1.0, -1.0, 1.0));
+                Grid { side: GridSide::Left, centre, ..grid }
+            };
+            grids[left] = grids[right].map(mirrored);
+        }
+        Self { grids, first: CoefficientId(model.coefficients.len()), owners }
+    }
+
+    /// Number of coefficients.
+    pub fn count(&self) -> usize {
+        self.owners.len()
+    }
+
+    /// The first of them.
+    pub fn first(&self) -> CoefficientId {
+        self.first
+    }
+
+    /// The part of each of them; of mirror images, the right one.
+    pub fn owners(&self) -> &[PartId] {
+        &self.owners
+    }
+}
+
+impl BodyModel {
+    /// The body of the joint optimum: its coefficients say also where its joints lie in the flesh (standard normal), and how far
+    /// its surface lies outside (metres).
+    pub fn detailed(&self) -> Self {
+        let mut detailed = self.with_places();
+        let offsets = SurfaceOffsets::new(&detailed);
+        let names: Vec<String> =
+            offsets.owners.iter().enumerate().map(|(k, part)| self.offset_name(k, *part)).collect();
+        let count = offsets.count();
+        let variance = SurfaceOffsets::FLESH_SD_M.powi(2);
+        detailed.add_coefficients(&names, &DMatrix::from_diagonal_element(count, count, variance));
+        detailed.offsets = Some(offsets);
+        detailed
+    }
+
+    fn offset_name(&self, index: usize, part: PartId) -> String {
+        format!("{} offset {index}", self.parts[part.0].name.trim_end_matches("_r"))
+    }
+}
+
+/// The box around the flesh of a part in its own axes: its least and greatest x, y, z.
+fn flesh_box(body: &Posed<'_>, part: PartId) -> Option<(Vector3<f64>, Vector3<f64>)> {
+    let (primitives, size) = body.solids();
+    let part_from_world = body.world_from_part(part).transpose();
+    let own = primitives.iter().filter(|primitive| primitive.part == part);
+    let boxes = own.map(|primitive| {
+        let solid = body.primitive(primitive);
+        let centre = body.in_part(part, &solid.centre.into());
+        let shape: Matrix3<f64> = part_from_world * solid.shape * part_from_world.transpose();
+        let half = shape.diagonal().map(f64::sqrt) * size;
+        (centre - half, centre + half)
+    });
+    boxes.reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)))
+}
+
+fn grid((low, high): (Vector3<f64>, Vector3<f64>), side: GridSide, first: usize) -> Grid {
+    let (extent, mut centre) = (high - low, 0.5 * (low + high));
+    let axis = if extent.x > extent.z { 0 } else { 2 };
+    if side == GridSide::Middle {
+        centre.y = 0.0;
+    }
+
+    let intervals = (extent[axis] / ALONG_M).round().max(1.0);
+    let low_m = low[axis] - centre[axis];
+    let step_m = extent[axis] / intervals;
+    Grid { axis, low_m, step_m, along: intervals as usize + 1, centre, first, side }
+}
+
+impl Posed<'_> {
+    /// b at a place of a part, in its axes; `None` for a model without offsets.
+    pub fn surface_offset(&self, part: PartId, place_part: &Vector3<f64>) -> Option<Offset> {
+        let offsets = self.model.offsets.as_ref()?;
+        let hats = offsets.grids[part.0]?.hats(place_part);
+        let slopes = hats.map(|(node, phi)| (CoefficientId(offsets.first.0 + node), phi));
+        let value_m = slopes.iter().map(|(c, phi)| phi * self.shape.0[c.0]).sum();
+        Some(Offset { value_m, slopes })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    fn body() -> BodyModel {
+        crate::io::model::load("human-ellipsoids", Path::new("")).unwrap().detailed()
+    }
+
+    fn part(model: &BodyModel, name: &str) -> PartId {
+        PartId(model.parts.iter().position(|p| p.name == name).unwrap())
+    }
+
+    fn offset(model: &BodyModel, shape: &Shape, part: PartId, place: [f64; 3]) -> Offset {
+        let rest = Motion::rest(model);
+        Posed::new(model, shape, &rest).surface_offset(part, &place.into()).unwrap()
+    }
+
+    fn bumps(model: &BodyModel) -> Shape {
+        let mut shape = Shape(model.statistics.mean.clone());
+        let first = model.offsets.as_ref().unwrap().first().0;
+        (first..shape.0.len()).for_each(|k| shape.0[k] = 1e-3 * (k as f64 * 1.7).sin());
+        shape
+    }
+
+    #[test]
+    fn the_hats_add_up_to_one_and_do_not_jump() {
+        let model = body();
+        let shape = bumps(&model);
+        for name in ["thigh_r", "foot_l", "thorax", "head"] {
+            let part = part(&model, name);
+            let mut before: Option<f64> = None;
+            for k in 0..2000 {
+                let (sin, cos) = (k as f64 * 0.00315).sin_cos();
+                let place = [0.07 * cos, 0.07 * sin, -0.2 + 0.0002 * k as f64];
+                let offset = offset(&model, &shape, part, place);
+                let sum: f64 = offset.slopes.iter().map(|(_, phi)| phi).sum();
+                approx::assert_relative_eq!(sum, 1.0, epsilon = 1e-12);
+                if let Some(before) = before {
+                    assert!((offset.value_m - before).abs() < 2e-5, "{name} {k}");
+                }
+                before = Some(offset.value_m);
+            }
+        }
+    }
+
+    #[test]
+    fn both_sides_are_alike() {
+        let model = body();
+        let shape = bumps(&model);
+        let (right, left) = (part(&model, "shank_r"), part(&model, "shank_l"));
+        let at = |part, y| offset(&model, &shape, part, [0.03, y, -0.21]).value_m;
+        approx::assert_relative_eq!(at(right, 0.02), at(left, -0.02), epsilon = 1e-12);
+        assert!((at(right, 0.02) - at(left, 0.02)).abs() > 1e-5);
+        let trunk = part(&model, "abdomen");
+        approx::assert_relative_eq!(at(trunk, 0.1), at(trunk, -0.1), epsilon = 1e-12);
+    }
+}
