@@ -156,8 +156,8 @@ pub enum Cause {
 
 /// An overlap below this is bad: bodies and masks of other people still overlap as much.
 pub(in crate::pipeline) const LEAST_OVERLAP: f64 = 0.65;
-/// A shape this many times as improbable as usual is nobody's: upside-down cameras gave 43, real bodies up to 5.
-const MOST_BODY: f64 = 6.0;
+/// A shape this many times as improbable as usual is nobody's: upside-down cameras gave 43, people in clothes up to 8.
+const MOST_BODY: f64 = 10.0;
 /// More lost frames than this share, and nobody knows which are right.
 const MOST_LOST: f64 = 0.33;
 /// A frame below this share of the median frame's overlap is lost.
