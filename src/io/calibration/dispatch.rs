@@ -3,14 +3,13 @@
 use super::{
     CalibrationError, CalibrationOptions,
     error::one_line,
-    natural_order::natural,
+    found::{self, EASYMOCAP},
     opencv, opencv_storage, pose2sim, projection_matrix, qualisys,
     unchecked::{UncheckedCamera, check},
     vicon,
 };
 use crate::camera::Rig;
 use crate::io::input::{self, MOST_OF_A_TEXT, shortened};
-use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Similarity (Jaro–Winkler) from which a name is offered instead of an unknown one.
@@ -93,35 +92,7 @@ fn unknown_camera(rig: &Rig, path: &Path, name: &str) -> CalibrationError {
 }
 
 fn unchecked(path: &Path) -> Result<Vec<UncheckedCamera>, CalibrationError> {
-    if path.is_dir() { folder(path) } else { file(path) }
-}
-
-fn folder(path: &Path) -> Result<Vec<UncheckedCamera>, CalibrationError> {
-    file(&newest(path)?)
-}
-
-/// The calibration that a folder is read from.
-fn newest(path: &Path) -> Result<PathBuf, CalibrationError> {
-    let mut names = Vec::new();
-    for entry in fs::read_dir(path).map_err(|reason| unreadable(path, reason))? {
-        let entry = entry.map_err(|reason| unreadable(path, reason))?;
-        names.extend(entry.file_name().into_string());
-    }
-
-    // descending, so that the first found is the last by name
-    names.sort_by(|a, b| natural(b, a));
-    let is_manifest = |name: &str| matches!(name, "sequence.toml" | "Config.toml" | "Cargo.toml");
-    let last = |ending: &str| {
-        let of_kind = |name: &&String| name.ends_with(ending) && !is_manifest(name);
-        names.iter().find(of_kind)
-    };
-    let pair = names.iter().find(|name| is_half(name));
-    let chosen = last(".toml").or(pair).or_else(|| last(".qca.txt")).or_else(|| last(".xcp"));
-
-    match chosen {
-        Some(name) => Ok(path.join(name)),
-        None => Err(CalibrationError::EmptyFolder { path: path.into() }),
-    }
+    if path.is_dir() { file(&found::find(path)?) } else { file(path) }
 }
 
 fn file(path: &Path) -> Result<Vec<UncheckedCamera>, CalibrationError> {
@@ -134,7 +105,7 @@ fn file(path: &Path) -> Result<Vec<UncheckedCamera>, CalibrationError> {
     match kind(&name, text.trim_start()) {
         Kind::Toml => pose2sim::parse(path, &text),
         Kind::Xml => xml(path, &text, &stem),
-        Kind::Yaml if is_half(&name) => pair(path),
+        Kind::Yaml if found::is_half(path) => pair(path),
         Kind::Yaml => {
             let storage = opencv_storage::parse_yaml(path, &text)?;
             opencv::cameras(&[storage], &stem)
@@ -185,26 +156,21 @@ fn xml(path: &Path, text: &str, stem: &str) -> Result<Vec<UncheckedCamera>, Cali
     }
 }
 
-/// Whether a file is one of EasyMocap's two.
-fn is_half(name: &str) -> bool {
-    matches!(name, "intri.yml" | "extri.yml")
-}
-
 fn pair(path: &Path) -> Result<Vec<UncheckedCamera>, CalibrationError> {
     opencv::cameras(&halves(path)?, "camera")
 }
 
 /// The cameras that only one of EasyMocap's two files describes, which are therefore left out; none of any other calibration.
 pub(in crate::io) fn unpaired(path: &Path) -> Vec<String> {
-    let path = if path.is_dir() { newest(path) } else { Ok(path.into()) };
-    let is_pair = |path: &PathBuf| is_half(&path.file_name().unwrap_or_default().to_string_lossy());
-    let halves = path.ok().filter(is_pair).and_then(|path| halves(&path).ok());
+    let files = found::files(path);
+    let pair = files.first().filter(|file| found::is_half(file));
+    let halves = pair.and_then(|half| halves(half).ok());
     halves.map(|storages| opencv::paired(&storages).1).unwrap_or_default()
 }
 
 fn halves(path: &Path) -> Result<Vec<opencv_storage::Storage>, CalibrationError> {
     let mut storages = Vec::new();
-    for half in ["intri.yml", "extri.yml"] {
+    for half in EASYMOCAP {
         let beside = path.with_file_name(half);
         if !beside.exists() {
             return Err(CalibrationError::MissingHalf { path: path.into(), expected: half });

@@ -18,6 +18,7 @@
 
 mod dispatch;
 mod error;
+mod found;
 mod natural_order;
 mod opencv;
 mod opencv_storage;
@@ -32,6 +33,7 @@ mod xml;
 pub(in crate::io) use dispatch::unpaired;
 pub use dispatch::{read, read_per_camera, select};
 pub use error::{CalibrationError, Place};
+pub(in crate::io) use found::{files, find};
 pub use options::{CalibrationOptions, Unit};
 pub use pose2sim::write_toml;
 

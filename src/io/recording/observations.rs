@@ -8,9 +8,10 @@ use serde::{Deserialize, Serialize};
 use super::layout::numbered_files::NumberedFiles;
 use super::masks::{self, MaskFiles};
 use super::points::PointFiles;
-use super::{Note, Recording, RecordingError, layout, mask_image};
+use super::{Note, Recording, RecordingError, mask_image};
 use crate::camera::{CameraId, Rig};
 use crate::image::Mask;
+use crate::io::calibration;
 use crate::pipeline::{Frames, MaskSource};
 use crate::silhouette::{self, FrameIndex, FrameObservations, SilhouetteOptions};
 
@@ -104,7 +105,7 @@ impl ObservationFiles {
         }
 
         let calibration = recording.calibration_paths();
-        let calibration = calibration.iter().flat_map(|(_, source)| layout::files_behind(source));
+        let calibration = calibration.iter().flat_map(|(_, source)| calibration::files(source));
         Ok(Self {
             fps,
             rig,

@@ -93,13 +93,7 @@ fn conventional_calibration(folder: &Path) -> PathBuf {
 /// Above a trial of Pose2Sim's session its folder `calibration`, above a recording of caliscope `camera_array.toml`; `None`
 /// where the folder itself holds a calibration, or neither of the two folders above it.
 fn calibration_above(folder: &Path) -> Option<PathBuf> {
-    let is_calibration = |path: &PathBuf| {
-        let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
-        let is_toml =
-            name.ends_with(".toml") && !["sequence.toml", "config.toml"].contains(&name.as_str());
-        is_toml || name == "intri.yml" || name.ends_with(".qca.txt") || name.ends_with(".xcp")
-    };
-    if contents(folder).ok()?.iter().any(is_calibration) {
+    if calibration::find(folder).is_ok() {
         return None;
     }
 
@@ -122,25 +116,6 @@ fn calibration_rank(path: &Path) -> Option<u8> {
         (false, true) => Some(1),
         (true, _) if stem.starts_with("calib") => Some(2),
         _ => None,
-    }
-}
-
-/// The files that a calibration at `source` may have been read from: itself, the other half of EasyMocap's
-/// two, or the calibrations of a folder.
-pub(super) fn files_behind(source: &Path) -> Vec<PathBuf> {
-    let name = source.file_name().unwrap_or_default();
-    if source.is_dir() {
-        let mut files = contents(source).unwrap_or_default();
-        files.retain(|path| {
-            let extension = path.extension().unwrap_or_default().to_string_lossy();
-            let is_description = ["toml", "yml", "txt", "xcp"].contains(&extension.as_ref());
-            path.is_file() && is_description && path.file_name() != Some(MANIFEST.as_ref())
-        });
-        files
-    } else if name == "intri.yml" || name == "extri.yml" {
-        ["intri.yml", "extri.yml"].map(|half| source.with_file_name(half)).to_vec()
-    } else {
-        vec![source.into()]
     }
 }
 
