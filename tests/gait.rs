@@ -7,8 +7,8 @@ mod exports;
 mod walker;
 
 use maquette::gait::{
-    Angle, EventKind, GaitAnalysis, GaitOptions, Landmark, Movement, MovementError, Paired,
-    Parameter, Side, Surface, analyse,
+    Angle, Cycle, EventKind, GaitAnalysis, GaitError, GaitOptions, Landmark, Movement,
+    MovementError, Paired, Parameter, Side, Surface, analyse,
 };
 use nalgebra::Vector3;
 use walker::{STRIDE_S, Walker};
@@ -263,4 +263,74 @@ fn who_sways_on_the_spot_keeps_one_heading() {
     for (i, heading) in gait.course.heading.iter().enumerate() {
         assert!(heading.x > 0.99, "frame {i}: {heading}");
     }
+}
+
+fn of_pass(walker: &Walker, pass: Option<usize>) -> GaitAnalysis {
+    let movement = walker.movement().expect("a body");
+    analyse(&movement, &GaitOptions { pass, ..GaitOptions::default() }).expect("a pass")
+}
+
+#[test]
+fn who_leaves_and_comes_back_has_two_passes_and_no_number_is_of_both() {
+    const UNSEEN: usize = 80;
+    let walker = Walker::new(0.3);
+    let frames = walker.motions.len();
+    let twice = walker.who_returns(UNSEEN, Vector3::new(-1.0, 3.0, 0.0));
+    let alone = analysed(&walker);
+
+    for (pass, first) in [(1, 0), (2, frames + UNSEEN)] {
+        let gait = of_pass(&twice, Some(pass));
+        assert_eq!(gait.cycles.len(), alone.cycles.len(), "pass {pass}");
+        let within = first as f64..(first + frames) as f64;
+        assert!(gait.events.iter().all(|event| within.contains(&event.frame)), "pass {pass}");
+        for (key, statistic) in &alone.parameters {
+            let found = &gait.parameters[key];
+            assert_eq!(found.n, statistic.n, "{key:?}");
+            approx::assert_relative_eq!(found.mean, statistic.mean, epsilon = 1e-4);
+        }
+        let note = gait.notes.iter().find(|note| note.contains("comes back"));
+        let shown = format!("2: frames {}–{}", frames + UNSEEN, 2 * frames + UNSEEN - 1);
+        assert!(note.is_some_and(|note| note.contains(&shown)), "{:?}", gait.notes);
+    }
+    assert_eq!(of_pass(&twice, None).parameters, of_pass(&twice, Some(1)).parameters);
+
+    // no third pass, and one pass where somebody is hidden for a moment
+    let movement = twice.movement().expect("a body");
+    let third = analyse(&movement, &GaitOptions { pass: Some(3), ..GaitOptions::default() });
+    assert_eq!(third, Err(GaitError::NoPass { pass: 3, passes: 2 }));
+    let hidden = walker.who_returns(10, Vector3::zeros());
+    assert!(!of_pass(&hidden, None).notes.iter().any(|note| note.contains("comes back")));
+}
+
+#[test]
+fn a_stride_in_which_the_person_was_lost_is_refused_and_the_others_stay() {
+    let walker = Walker::new(0.0);
+    let (whole, gait) = (analysed(&walker), {
+        let lost = walker.lost_from(200, Vector3::new(0.0, 3.0, 0.0));
+        analysed(&lost)
+    });
+    let over = |gait: &GaitAnalysis| {
+        let holds = |c: &&Cycle| c.strike < 200.0 && 200.0 < c.strike + c.period;
+        gait.cycles.iter().filter(holds).count()
+    };
+    assert_eq!((over(&whole), over(&gait)), (2, 0));
+    assert!(!gait.cycles.is_empty());
+    let refused = gait.notes.iter().filter(|note| note.contains("is refused: the hips move at"));
+    assert_eq!(refused.count(), 2, "{:?}", gait.notes);
+    for side in Side::BOTH {
+        assert!(mean(&gait, Parameter::StepWidth, side) < 0.5);
+    }
+}
+
+#[test]
+fn a_walk_read_at_half_or_twice_its_frame_rate_is_told() {
+    let movement = Walker::new(0.0).movement().expect("a body");
+    let note = |factor: f64| {
+        let other = Movement { rate_hz: factor * movement.rate_hz, ..movement.clone() };
+        let gait = analyse(&other, &GaitOptions::default()).expect("a pelvis");
+        gait.notes.into_iter().find(|note| note.contains("frame rate"))
+    };
+    assert_eq!(note(1.0), None);
+    assert!(note(0.5).is_some_and(|note| note.contains("seems too low")));
+    assert!(note(2.0).is_some_and(|note| note.contains("seems too high")));
 }

@@ -158,6 +158,7 @@ pub fn analyse(movement: &Movement, options: &GaitOptions) -> Result<GaitAnalysi
         false => events::events(movement, &course, options),
     };
     let cycles = cycles::cycles(&events, movement.rate_hz);
+    let (cycles, refused) = plausible::strides(movement, cycles);
     // 4. parameters
     let walk = parameters::Walk { movement, course: &course, events: &events, cycles: &cycles };
     let parameters = walk.parameters();
@@ -176,7 +177,7 @@ pub fn analyse(movement: &Movement, options: &GaitOptions) -> Result<GaitAnalysi
     let kinds = [EventKind::Strike, EventKind::Off].into_iter();
     let agreement = kinds.filter_map(|kind| events::agreement(&events, kind));
     let mut notes = notes(&course, &events, &cycles);
-    notes.extend(pass_note);
+    notes.extend(pass_note.into_iter().chain(refused));
     notes.extend(plausible::frame_rate_note(&parameters));
     notes.extend(movement.remarks());
 

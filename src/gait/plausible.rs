@@ -1,6 +1,8 @@
-//! Steps that nobody takes: a wrong frame rate.
+//! Steps that nobody takes: a wrong frame rate, and a person who was lost.
 
-use super::landmark::Side;
+use super::cycles::Cycle;
+use super::landmark::{Landmark, Side};
+use super::movement::Movement;
 use super::parameters::{Parameter, Parameters};
 use crate::math::stats::mean;
 
@@ -10,6 +12,45 @@ use crate::math::stats::mean;
 const MOST_WALK_RATIO: f64 = 0.0105;
 /// Steps a minute; 409 people in the street took 95 to 160 (Sato & Ishizu, J Hum Ergol 1990). Twice the frame rate doubles them.
 const MOST_CADENCE: f64 = 170.0;
+
+/// Speed of the hips through the room that nobody reaches who is followed, m/s: a sprinter's 12 need a longer room than cameras
+/// see. Who is lost and found again elsewhere seems to move faster.
+const MOST_HIPS_M_S: f64 = 8.0;
+
+/// The strides that somebody can have taken, and why the others are refused.
+pub(super) fn strides(movement: &Movement, strides: Vec<Cycle>) -> (Vec<Cycle>, Vec<String>) {
+    let mut refused = Vec::new();
+    let is_possible = |stride: &Cycle| {
+        let fastest = fastest_hips(movement, stride);
+        if fastest > MOST_HIPS_M_S {
+            let number = |part: f64| movement.first_frame + stride.frame_at(part).round() as usize;
+            refused.push(format!(
+                "the {} stride from frame {} on is refused: the hips move at {fastest:.0} m/s in it, so the person was lost there",
+                stride.side.name(),
+                number(0.0),
+            ));
+        }
+        fastest <= MOST_HIPS_M_S
+    };
+    (strides.into_iter().filter(is_possible).collect(), refused)
+}
+
+/// Greatest speed of the middle of the hips in a stride, from one frame in which it is known to the next.
+fn fastest_hips(movement: &Movement, stride: &Cycle) -> f64 {
+    let Some(hips) = movement.track(Landmark::MidHip) else {
+        return 0.0;
+    };
+    let ends = [stride.frame_at(0.0), stride.frame_at(1.0), stride.off];
+    let first = ends.iter().copied().fold(f64::INFINITY, f64::min).floor() as usize;
+    let last = ends.iter().copied().fold(0.0, f64::max).ceil() as usize;
+    let known: Vec<usize> =
+        (first..=last.min(hips.len() - 1)).filter(|i| hips[*i].x.is_finite()).collect();
+    let speed = |ends: &[usize]| {
+        let seconds = (ends[1] - ends[0]) as f64 / movement.rate_hz;
+        (hips[ends[1]] - hips[ends[0]]).norm() / seconds
+    };
+    known.windows(2).map(speed).fold(0.0, f64::max)
+}
 
 /// What to say where steps are such that the frame rate must be wrong.
 pub(super) fn frame_rate_note(parameters: &Parameters) -> Option<String> {

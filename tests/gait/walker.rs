@@ -158,6 +158,20 @@ impl Walker {
         self.frames = self.frames[range].to_vec();
     }
 
+    /// The same person who leaves, is not seen for some frames, comes back elsewhere and walks as far again.
+    pub(crate) fn who_returns(&self, unseen: usize, elsewhere: Vector3<f64>) -> Self {
+        let mut walker = self.clone();
+        let nobody = vec![None; self.names.len()];
+        walker.frames.extend(std::iter::repeat_n(nobody, unseen));
+        walker.frames.extend(self.moved(elsewhere).frames);
+        walker
+    }
+
+    /// The same person whom the cameras lose: from some frame on all places are elsewhere.
+    pub(crate) fn lost_from(&self, frame: usize, elsewhere: Vector3<f64>) -> Self {
+        self.clone().changed(|i, p| if i < frame { p } else { p + elsewhere })
+    }
+
     /// The legs are not known in these frames.
     pub(crate) fn forget(&mut self, range: Range<usize>) {
         for frame in &mut self.frames[range] {

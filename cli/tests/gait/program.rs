@@ -105,6 +105,17 @@ fn what_a_file_lacks_is_said_beside_what_it_gives() {
 }
 
 #[test]
+fn each_pass_of_somebody_who_comes_back_is_analysed_alone() {
+    let trc = Walker::new(0.0).who_returns(60, nalgebra::Vector3::new(0.0, 2.0, 0.0)).trc();
+    let (text, _) = said(&trc, &[]).expect("a walk");
+    assert!(text.contains("all numbers are of pass 1; --pass chooses another"), "{text}");
+    let (text, _) = said(&trc, &["--pass", "2"]).expect("a walk");
+    assert!(text.contains("all numbers are of pass 2"), "{text}");
+    let line = said(&trc, &["--pass", "3"]).expect_err("two passes");
+    assert!(line.contains("pass 3: the recording holds 2"), "{line}");
+}
+
+#[test]
 fn an_age_and_a_sex_choose_the_norm_of_steps() {
     let trc = Walker::new(0.0).trc();
     let (text, _) = said(&trc, &["--age", "72", "--sex", "female"]).expect("a walk");
