@@ -106,14 +106,16 @@ impl Figure {
         self
     }
 
-    /// Adds the area between two curves, (x, low, high).
+    /// Adds the area between two curves, (x, low, high); it breaks where one of them is not finite.
     pub(super) fn band(mut self, colour: Colour, opacity: f64, points: &[(f64, f64, f64)]) -> Self {
-        let known: Vec<_> = points.iter().filter(|p| p.1.is_finite() && p.2.is_finite()).collect();
-        if known.len() > 1 {
-            let xs = known.iter().map(|p| p.0);
-            let band = BandPlot::new(xs, known.iter().map(|p| p.1), known.iter().map(|p| p.2));
-            let band = band.with_color(colour.to_string()).with_opacity(opacity);
-            self.plots.push(Plot::Band(band));
+        let is_known = |p: &(f64, f64, f64)| p.1.is_finite() && p.2.is_finite();
+        for run in points.chunk_by(|a, b| is_known(a) && is_known(b)) {
+            if run.len() > 1 {
+                let xs = run.iter().map(|p| p.0);
+                let band = BandPlot::new(xs, run.iter().map(|p| p.1), run.iter().map(|p| p.2));
+                let band = band.with_color(colour.to_string()).with_opacity(opacity);
+                self.plots.push(Plot::Band(band));
+            }
         }
         self
     }
@@ -206,8 +208,10 @@ mod tests {
     fn a_line_is_broken_where_nothing_is_known() {
         let points = [(0.0, 1.0), (1.0, 2.0), (2.0, f64::NAN), (3.0, 1.0), (4.0, 2.0)];
         let left = Colour::from(Side::Left);
+        let band = points.map(|(x, y)| (x, 0.5 * y, y));
         let figure = Figure::new("t", axis((0.0, 4.0)), axis((0.0, 2.0))).line(left, 1.0, &points);
-        assert_eq!(figure.plots.len(), 2);
+        let figure = figure.band(left, 0.2, &band);
+        assert_eq!(figure.plots.len(), 4);
         let text = figure.markup("two pieces").into_string();
         assert!(text.contains("viewBox=\"0 0 280 206\""), "{text}");
         assert!(text.contains("aria-label=\"two pieces\"") && text.contains(&left.to_string()));

@@ -9,8 +9,8 @@ use super::figure::{Axis, BOTH, Figure, axis_range};
 use super::label::words;
 use super::page::{Page, absent, number, probability};
 use crate::io::result::{
-    FramePart, HypothesisPart, MotionPart, OriginPart, OutcomePart, QualityPart, RecordingPart,
-    RejectedPart, ResultFile, ShapePart,
+    FramePart, HypothesisPart, MotionPart, OriginPart, OutcomePart, RecordingPart, RejectedPart,
+    ResultFile, ShapePart,
 };
 use crate::math::stats::mean;
 use crate::pipeline::CameraQuality;
@@ -38,7 +38,7 @@ fn fit_quality(result: &ResultFile) -> Markup {
         h3 { "Cameras" }
         (camera_table(&result.quality.cameras))
         h3 { "Overlap over time" }
-        (overlap_chart(&result.quality, &result.recording))
+        (overlap_chart(result))
         h3 { "Missing" }
         (missing_table(&result.recording, &result.motion))
         h3 { "Agreement of the keyframes" }
@@ -75,19 +75,50 @@ fn camera_table(cameras: &[CameraQuality]) -> Markup {
     }
 }
 
-/// Mean overlap of the views of each frame, and the band from the worst to the best view.
-fn overlap_chart(quality: &QualityPart, recording: &RecordingPart) -> Markup {
-    let mut overlaps: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
-    for view in &quality.views {
-        overlaps.entry(view.frame.0).or_default().push(view.iou);
+/// The overlap of a frame, over its cameras.
+struct Overlap {
+    frame: usize,
+    least: f64,
+    mean: f64,
+    most: f64,
+}
+
+/// The overlap frame by frame; NaN in frames that no camera saw, that are missing, and in which the body was lost.
+fn overlaps(result: &ResultFile) -> Vec<Overlap> {
+    let mut views: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
+    for view in &result.quality.views {
+        views.entry(view.frame.0).or_default().push(view.iou);
     }
 
-    let least = |views: &Vec<f64>| views.iter().copied().fold(f64::INFINITY, f64::min);
-    let most = |views: &Vec<f64>| views.iter().copied().fold(0.0, f64::max);
-    let means: Vec<_> =
-        overlaps.iter().filter_map(|(f, v)| Some((*f as f64, mean(v.iter().copied())?))).collect();
-    let band: Vec<_> = overlaps.iter().map(|(f, v)| (*f as f64, least(v), most(v))).collect();
+    // of a frame that is lost nothing is stated
+    let frames = &result.motion.frames;
+    let is_stated = frames.iter().any(|part| part.sd.is_some());
+    let lost = frames.iter().filter(|part| is_stated && part.sd.is_none());
+    for part in lost {
+        views.remove(&part.frame);
+    }
 
+    let spacing = frames.windows(2).map(|w| w[1].frame - w[0].frame).min().unwrap_or(1);
+    let all = result.recording.first_frame..=result.recording.last_frame;
+    let overlap = |frame: usize| {
+        let views = views.get(&frame).map_or(&[][..], Vec::as_slice);
+        Overlap {
+            frame,
+            least: views.iter().copied().fold(f64::NAN, f64::min),
+            mean: mean(views.iter().copied()).unwrap_or(f64::NAN),
+            most: views.iter().copied().fold(f64::NAN, f64::max),
+        }
+    };
+    all.step_by(spacing.max(1)).map(overlap).collect()
+}
+
+/// Mean overlap of the views of each frame, and the band from the worst to the best view.
+fn overlap_chart(result: &ResultFile) -> Markup {
+    let overlaps = overlaps(result);
+    let means: Vec<_> = overlaps.iter().map(|o| (o.frame as f64, o.mean)).collect();
+    let band: Vec<_> = overlaps.iter().map(|o| (o.frame as f64, o.least, o.most)).collect();
+
+    let recording = &result.recording;
     let ends = (recording.first_frame as f64, recording.last_frame as f64);
     let (_, x_step) = axis_range(std::iter::empty(), ends);
     let (y_range, y_step) = axis_range(band.iter().map(|b| b.1), (0.7, 1.0));
@@ -100,7 +131,9 @@ fn overlap_chart(quality: &QualityPart, recording: &RecordingPart) -> Markup {
             (absent("No chart: fewer than two frames were seen by a camera."))
         } @else {
             (figure.markup("Overlap of body and outlines, frame by frame: mean of the cameras, and from the worst to the best of them."))
-            p class="note" { "Line: mean of the cameras. Tint: from the worst to the best of them." }
+            p class="note" {
+                "Line: mean of the cameras. Tint: from the worst to the best of them. Gaps: frames that no camera saw, or in which the body was lost."
+            }
         }
     }
 }
