@@ -12,6 +12,8 @@ mod fit;
 mod gait;
 #[path = "cli/others.rs"]
 mod others;
+#[path = "cli/progress.rs"]
+mod progress;
 #[path = "cli/refusals.rs"]
 mod refusals;
 #[path = "gait/report.rs"]

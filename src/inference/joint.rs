@@ -8,6 +8,7 @@
 //! outside the model's. How much the data count ([`Noise`]) and how far surfaces lie outside (`spread`) are estimated by turns
 //! with the optimum. The covariance is the inverse of the last optimum's own matrix.
 
+use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::chain::ChainPrior;
@@ -36,6 +37,13 @@ pub struct JointOptions {
 impl Default for JointOptions {
     fn default() -> Self {
         Self { iterations: 25, motion_model: MotionModel::ConstantVelocity }
+    }
+}
+
+impl JointOptions {
+    /// Steps of the work at most: in each round the first linearisation and one for each iteration, and the standard deviations.
+    pub fn most_steps(&self) -> usize {
+        ROUNDS * (self.iterations + 1) + 1
     }
 }
 
@@ -78,23 +86,26 @@ pub fn joint_optimum(
     options: &JointOptions,
 ) -> JointOptimum {
     let terms = evidence.sequence_terms(sequence);
-    joint_optimum_from_terms(evidence, &terms, &sequence.intervals_s(), start, options)
+    joint_optimum_from_terms(evidence, &terms, &sequence.intervals_s(), start, options, &|| {})
 }
 
 /// Rounds of optimum, noise and spreads.
 const ROUNDS: usize = 3;
 
-/// The joint optimum of what each frame shows; `seconds[i]` lie between frames i − 1 and i.
+/// The joint optimum of what each frame shows; `seconds[i]` lie between frames i − 1 and i. `step` is called
+/// [`JointOptions::most_steps`] times at most, the last time when all is done.
 pub fn joint_optimum_from_terms<'a>(
     evidence: &Evidence<'_>,
     terms: &[Terms<'a>],
     seconds: &[f64],
     start: SequenceState,
     options: &JointOptions,
+    step: &dyn Fn(),
 ) -> JointOptimum {
     let model = evidence.model;
     let chain_prior = ChainPrior::new(model, options.motion_model);
-    let search = Search { evidence, terms, seconds, chain_prior, iterations: options.iterations };
+    let iterations = options.iterations;
+    let search = Search { evidence, terms, seconds, chain_prior, iterations, step };
 
     // how the residuals err, how far surfaces lie outside, and the optimum, by turns
     let mut round = search.round(start.detailed(model), &evidence.shape_prior);
@@ -104,10 +115,12 @@ pub fn joint_optimum_from_terms<'a>(
     }
 
     let Round { noise, frames, solution } = round;
+    let uncertainty = Uncertainty::new(model, &solution.state, &solution.model);
+    step();
     JointOptimum {
         frames,
         noise,
-        uncertainty: Uncertainty::new(model, &solution.state, &solution.model),
+        uncertainty,
         shape: solution.state.shape,
         report: solution.report,
     }
@@ -120,6 +133,7 @@ struct Search<'a, 'b> {
     seconds: &'a [f64],
     chain_prior: ChainPrior,
     iterations: usize,
+    step: &'a dyn Fn(),
 }
 
 /// An optimum, and the noise with which it was sought.
@@ -148,7 +162,8 @@ impl Search<'_, '_> {
             damping: 1e-4,
             relative_decrease: TOLERANCE,
         };
-        let solution = levenberg_marquardt(&posterior, start, &solver);
+        let counted = Counted { problem: &posterior, step: self.step };
+        let solution = levenberg_marquardt(&counted, start, &solver);
         Round { noise, frames: posterior.frame_fits(&solution.state), solution }
     }
 
@@ -164,6 +179,36 @@ impl Search<'_, '_> {
         )
     }
 }
+
+/// A problem that tells of each linearisation.
+struct Counted<'a, P> {
+    problem: &'a P,
+    step: &'a dyn Fn(),
+}
+
+impl<P: Problem> Problem for Counted<'_, P> {
+    type State = P::State;
+    type Model = P::Model;
+
+    fn empty_model(&self) -> P::Model {
+        self.problem.empty_model()
+    }
+
+    fn cost(&self, x: &P::State) -> f64 {
+        self.problem.cost(x)
+    }
+
+    fn linearize(&self, x: &P::State, model: &mut P::Model) -> f64 {
+        let cost = self.problem.linearize(x, model);
+        (self.step)();
+        cost
+    }
+
+    fn retract(&self, x: &P::State, delta: &DVector<f64>) -> P::State {
+        self.problem.retract(x, delta)
+    }
+}
+
 
 /// The residuals of every frame at a state.
 pub fn residuals(

@@ -9,6 +9,7 @@ use crate::inference::joint::{JointOptimum, JointOptions, joint_optimum_from_ter
 use crate::inference::sequence_posterior::SequenceState;
 use crate::inference::{Evidence, Sequence};
 use crate::likelihood::{LikelihoodOptions, Measure};
+use crate::pipeline::Progress;
 
 /// A turn that moves no camera's image by this much is the last, and a smaller pointing error is not worth a warning. Pixels.
 pub(super) const LEAST_PX: f64 = 1.0;
@@ -26,6 +27,7 @@ pub(super) struct JointStage<'a> {
     pub(super) options: &'a JointOptions,
     /// Whether the cameras' pointing errors are estimated; otherwise they are 0.
     pub(super) aim: bool,
+    pub(super) progress: &'a dyn Progress,
 }
 
 /// The joint optimum, and the cameras with the pointing errors that were found.
@@ -48,7 +50,10 @@ impl JointStage<'_> {
             let evidence = Evidence::new(self.model, &rig, self.likelihood, self.measure);
             let terms = evidence.sequence_terms(self.sequence);
             let (start, options) = (start.clone(), self.options);
-            let joint = joint_optimum_from_terms(&evidence, &terms, &seconds, start, options);
+            self.progress.begin("joint optimum", options.most_steps());
+            let step = || self.progress.step();
+            let joint =
+                joint_optimum_from_terms(&evidence, &terms, &seconds, start, options, &step);
 
             // the pointing errors, given that body
             let mut next_px = aims_px.clone();
@@ -58,6 +63,8 @@ impl JointStage<'_> {
                 let noise = &joint.noise;
                 next_px = estimate_aims_px(self.calibrated, &aims_px, frames, &residuals, noise);
             }
+
+            self.progress.end();
 
             let moved_px = next_px.iter().zip(&aims_px).map(|(a, b)| (a - b).norm());
             if moved_px.fold(0.0, f64::max) < LEAST_PX {

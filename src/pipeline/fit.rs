@@ -11,7 +11,8 @@ use super::diagnosis::{Diagnosis, lost_frames};
 use super::measures::Measures;
 use super::points::{self, PointQuality};
 use super::quality::{self, CameraQuality, ViewQuality};
-use super::{EstimateOptions, FitError, Warning, check_scene};
+use super::watch::WatchedJournal;
+use super::{EstimateOptions, FitError, NoProgress, Progress, Warning, check_scene};
 use crate::body::{BodyModel, Layout, Motion, Posed, Shape};
 use crate::camera::Rig;
 use crate::inference::chain::ChainPrior;
@@ -145,7 +146,39 @@ pub fn fit(
     options: &EstimateOptions,
     journal: &dyn Journal,
 ) -> Result<Fit, FitError> {
+    fit_watched(model, rig, sequence, options, journal, &NoProgress)
+}
+
+/// The same, and `progress` is told how far it is.
+///
+/// # Errors
+/// As [`fit`].
+pub fn fit_watched(
+    model: &BodyModel,
+    rig: &Rig,
+    sequence: Sequence<'_>,
+    options: &EstimateOptions,
+    journal: &dyn Journal,
+    progress: &dyn Progress,
+) -> Result<Fit, FitError> {
     options.validate()?;
+    let frames = sequence.frames.len();
+    let keyframes = frames.div_ceil(options.search.keyframe_spacing(frames));
+    let watched = WatchedJournal::new(journal, progress, keyframes, frames);
+    let fit = stages(model, rig, sequence, options, &watched);
+    progress.end();
+    fit
+}
+
+/// The stages, one after the other.
+fn stages(
+    model: &BodyModel,
+    rig: &Rig,
+    sequence: Sequence<'_>,
+    options: &EstimateOptions,
+    journal: &WatchedJournal<'_>,
+) -> Result<Fit, FitError> {
+    let progress = journal.progress;
     let observations = sequence.frames;
 
     // 1. do cameras and masks agree
@@ -158,15 +191,18 @@ pub fn fit(
     };
     let coarse = Evidence::new(model, rig, options.likelihood, measures.search);
     let found = search(&coarse, sequence, &options.search, journal);
+    progress.end();
     let found = found.ok_or(FitError::NoHypothesis { frames: observations.len() })?;
 
     // 3. the joint optimum, from its winner, and where the cameras look
     let winner = &found.trials[found.winner];
     let body = if options.joint.is_some() { model.detailed() } else { model.clone() };
-    let (estimate, measure) = estimate(&body, rig, sequence, winner, &measures, options);
+    let detailed = Evidence::new(&body, rig, options.likelihood, measures.search);
+    let (estimate, measure) = estimate(&detailed, sequence, winner, measures, options, progress);
     let looked_at = Evidence::new(&body, &estimate.rig, options.likelihood, measure);
 
     // 4. how far the keyframes agree
+    progress.begin("checks", 1);
     let sizes = Shape(estimate.shape.0.rows(0, model.coefficients.len()).into_owned());
     let lengths_m = body.rest_lengths_m(&estimate.shape);
     let (trials, epsilons) = (&found.trials, &options.confidence);
@@ -215,6 +251,7 @@ pub fn fit(
         cameras,
         warnings: notes,
     };
+    progress.step();
     Ok(fit.without_false_certainty())
 }
 
@@ -236,13 +273,14 @@ impl Fit {
 
 /// The joint optimum, or the winner where none is asked for, and what it was compared by.
 fn estimate(
-    model: &BodyModel,
-    rig: &Rig,
+    evidence: &Evidence<'_>,
     sequence: Sequence<'_>,
     winner: &Trial,
-    measures: &Measures,
+    measures: Measures,
     options: &EstimateOptions,
+    progress: &dyn Progress,
 ) -> (Estimate, Measure) {
+    let Evidence { model, rig, .. } = *evidence;
     let Some(joint) = &options.joint else {
         return (Estimate::tracked(winner, rig), measures.search);
     };
@@ -255,6 +293,7 @@ fn estimate(
         sequence,
         options: joint,
         aim: options.aim && sequence.frames.iter().all(|frame| frame.points.is_empty()),
+        progress,
     };
     let aimed = stage.run(&state_of(model, sequence, winner));
     (Estimate::joint(aimed, winner), measures.joint)

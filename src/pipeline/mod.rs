@@ -32,11 +32,12 @@ pub mod stereo;
 mod unseen;
 mod warning;
 mod warning_text;
+mod watch;
 
 pub use crate::inference::covariance::ShapeUncertainty;
 pub use counted::counted;
 pub use diagnosis::{Cause, HeadAxis, Reason, Verdict};
-pub use fit::{Fit, FittedFrame, MinusLogPosterior, TriedHypothesis, fit};
+pub use fit::{Fit, FittedFrame, MinusLogPosterior, TriedHypothesis, fit, fit_watched};
 pub use fit_error::FitError;
 pub use frame_range::{FrameRange, FrameRangeError, span};
 pub use measures::check_measure;

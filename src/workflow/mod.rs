@@ -10,7 +10,6 @@
 //! | `input.rs`    | everything that a fit is made from                                            |
 //! | `derived.rs`  | what a recording lacks, made of its pictures: masks, contours, points         |
 //! | `masks.rs`, `silhouettes.rs`, `surface.rs` | masks cut out of pictures, silhouettes found in clutter, points measured by stereo, as files |
-//! | `watch.rs`    | the progress of Algorithm 1                                                   |
 //! | `fitted.rs`   | [`FittedRecording`]: lengths, angles, `result.json`                           |
 //! | `gait.rs`     | [`GaitStudy`]: a gait analysis, of a fit or of points of any system           |
 //! | `report.rs`   | its report, with the feature `report`                                         |
@@ -32,7 +31,6 @@ mod report;
 mod silhouettes;
 mod skin;
 mod surface;
-mod watch;
 
 pub use error::Error;
 pub use export::ExportFormat;

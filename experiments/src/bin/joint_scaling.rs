@@ -145,7 +145,7 @@ impl Cycle<'_> {
             }
             let state = self.state(length);
             let started = Instant::now();
-            joint_optimum_from_terms(&self.evidence, &terms, &seconds, state, &options);
+            joint_optimum_from_terms(&self.evidence, &terms, &seconds, state, &options, &|| {});
             cost.whole_ms += share * 1e3 * started.elapsed().as_secs_f64() / length as f64;
         }
         Cost {

@@ -119,7 +119,7 @@ impl<P: PictureSource> SilhouetteSearch<'_, P> {
                 observed.push(found.sighting.observed);
                 Ok::<(), Infallible>(())
             });
-            fitted = fitted.refitted(&observed, evidence, self.pictures.fps());
+            fitted = fitted.refitted(&observed, evidence, self.pictures.fps(), progress);
         }
         fitted
     }
@@ -132,35 +132,35 @@ impl<P: PictureSource> SilhouetteSearch<'_, P> {
         progress: &dyn Progress,
         mut take: impl FnMut(FrameSilhouettes<'_>) -> Result<(), E>,
     ) -> Result<Vec<String>, E> {
-        let rig = self.pictures.rig();
         let scale = SkinScale::new(self.model);
         let mut skipped = Vec::new();
 
         progress.begin(stage, self.frames.len());
         for (frame, pictures) in self.pictures.pictures(span(self.frames)) {
+            match self.sighting(fit, frame, &pictures, &scale) {
+                Ok(sighting) => take(FrameSilhouettes { frame, pictures: &pictures, sighting })?,
+                Err(why) => skipped.push(format!("{frame}: {why}")),
+            }
             progress.step();
-            let Some(motion) = fit.motions.get(&frame) else {
-                skipped.push(format!("{frame}: the first fit has no such frame"));
-                continue;
-            };
-            let shown = match UndistortedFrame::new(rig, &pictures) {
-                Ok(shown) => shown,
-                Err(fault) => {
-                    skipped.push(format!("{frame}: {fault}"));
-                    continue;
-                }
-            };
-
-            let body = Posed::new(self.model, &fit.shape, motion);
-            let scene = Scene::new(rig, &shown, &fit.still, &body, ContourOptions::default());
-            take(FrameSilhouettes {
-                frame,
-                pictures: &pictures,
-                sighting: scene.sighting(frame, &body, &scale),
-            })?;
         }
         progress.end();
         Ok(skipped)
+    }
+
+    /// What is seen of a body in a frame, or why it is left out.
+    fn sighting(
+        &self,
+        fit: &StartingFit,
+        frame: FrameIndex,
+        pictures: &[Option<Picture>],
+        scale: &SkinScale,
+    ) -> Result<FrameSighting, String> {
+        let motion = fit.motions.get(&frame).ok_or("the first fit has no such frame")?;
+        let rig = self.pictures.rig();
+        let shown = UndistortedFrame::new(rig, pictures).map_err(|fault| fault.to_string())?;
+        let body = Posed::new(self.model, &fit.shape, motion);
+        let scene = Scene::new(rig, &shown, &fit.still, &body, ContourOptions::default());
+        Ok(scene.sighting(frame, &body, scale))
     }
 }
 

@@ -5,12 +5,12 @@ use std::collections::BTreeMap;
 use super::{SilhouetteError, StillScenes, UndistortedFrame, nearness};
 use crate::body::{BodyModel, Motion, Shape};
 use crate::camera::CameraId;
-use crate::inference::joint::{JointOptions, joint_optimum};
+use crate::inference::joint::{JointOptions, joint_optimum_from_terms};
 use crate::inference::search::NoJournal;
 use crate::inference::sequence_posterior::SequenceState;
 use crate::inference::{Evidence, Sequence};
 use crate::likelihood::Measure;
-use crate::pipeline::{EstimateOptions, PictureSource, Progress, fit, span};
+use crate::pipeline::{EstimateOptions, PictureSource, Progress, fit_watched, span};
 use crate::silhouette::{FrameIndex, FrameObservations};
 use crate::stereo::SideBySide;
 
@@ -69,7 +69,8 @@ impl StartingFit {
             EstimateOptions { measure: Some(Measure::Metaballs), ..EstimateOptions::default() };
         let sequence = Sequence { frames: &observed, fps: pictures.fps() };
         let plain = plain_build(model);
-        let fit = fit(&plain, pictures.rig(), sequence, &options, &NoJournal)?;
+        let (rig, none) = (pictures.rig(), &NoJournal);
+        let fit = fit_watched(&plain, rig, sequence, &options, none, progress)?;
 
         let motions = fit.frames.into_iter().map(|f| (f.frame, f.fit.motion));
         Ok(Self { shape: fit.shape, motions: motions.collect(), still })
@@ -81,6 +82,7 @@ impl StartingFit {
         observed: &[FrameObservations],
         evidence: &Evidence<'_>,
         fps: f64,
+        progress: &dyn Progress,
     ) -> Self {
         if observed.is_empty() {
             return self;
@@ -89,7 +91,12 @@ impl StartingFit {
         let start =
             SequenceState { shape: self.shape.clone(), motions: motions.cloned().collect() };
         let sequence = Sequence { frames: observed, fps };
-        let joint = joint_optimum(evidence, sequence, start, &JointOptions::default());
+        let (options, terms) = (JointOptions::default(), evidence.sequence_terms(sequence));
+        let seconds = sequence.intervals_s();
+        progress.begin("joint optimum", options.most_steps());
+        let step = || progress.step();
+        let joint = joint_optimum_from_terms(evidence, &terms, &seconds, start, &options, &step);
+        progress.end();
 
         let fitted = observed.iter().zip(joint.frames);
         let motions = fitted.map(|(o, fit)| (o.frame, fit.motion));

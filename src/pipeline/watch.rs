@@ -9,7 +9,7 @@ use crate::pipeline::Progress;
 /// A journal that also tells how far the search is.
 pub(super) struct WatchedJournal<'a> {
     journal: &'a dyn Journal,
-    progress: &'a dyn Progress,
+    pub(super) progress: &'a dyn Progress,
     /// Frames of each hypothesis.
     frames: usize,
     /// Frames fitted so far, by hypothesis.
