@@ -293,3 +293,45 @@ fn numbers_name_cameras_and_one_instant_needs_no_clock() {
     }
     assert_eq!(without_fps().expect("one instant").frames.len(), 1);
 }
+
+#[test]
+fn videos_elsewhere_are_shown_as_the_cameras_of_a_manifest() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for camera in ["Cam0", "Cam1"] {
+        for trial in ["walk1", "walk2", "walk3"] {
+            write(
+                folder.path().join(format!("Videos/{camera}/InputMedia/{trial}/{trial}.mov")),
+                "a video",
+            );
+        }
+        write(
+            folder.path().join(format!("Videos/{camera}/cameraIntrinsicsExtrinsics.pickle")),
+            "a pickle",
+        );
+    }
+    let said = || open(folder.path()).map(|_| ()).expect_err("nothing to be fitted").to_string();
+    let opencap = said();
+    for part in [
+        "are not read: convert them to calibration.toml with Pose2Sim, and write [[camera]] into sequence.toml",
+        r#"{ name = "cam_01", video = "Videos/Cam1/InputMedia/walk1/walk1.mov" }"#,
+    ] {
+        assert!(opencap.contains(part), "{part} not in {opencap}");
+    }
+
+    // what is shown is what a manifest may hold
+    let cameras = opencap.split("here in one line: ").nth(1).expect("the cameras");
+    write(folder.path().join("sequence.toml"), cameras);
+    Recording::open(folder.path()).expect("a manifest");
+
+    // no pickle: the cameras have the names of their folders
+    fs::remove_file(folder.path().join("sequence.toml")).expect("removed");
+    for camera in ["Cam0", "Cam1"] {
+        let pickle = format!("Videos/{camera}/cameraIntrinsicsExtrinsics.pickle");
+        fs::remove_file(folder.path().join(pickle)).expect("removed");
+    }
+    let others = said();
+    assert!(
+        others.contains(r#"name = "Cam1", video = "Videos/Cam1"#) && !others.contains("pickle"),
+        "{others}"
+    );
+}

@@ -139,12 +139,14 @@ pub enum RecordingError {
     Footage(#[from] FootageError),
     /// No camera has masks.
     #[error(
-        "{}: no masks and no pictures: expected masks/<camera>/, videos/<camera>.* or images/<camera>/ beside the calibration, or masks, video or images = … for each camera in sequence.toml",
+        "{}: no masks and no pictures: expected masks/<camera>/, videos/<camera>.* or images/<camera>/ beside the calibration, or masks, video or images = … for each camera in sequence.toml{hint}",
         path.display()
     )]
     NoMasks {
         /// The recording.
         path: PathBuf,
+        /// The videos that lie elsewhere, or nothing.
+        hint: String,
     },
     /// Files of which none has the name of a calibrated camera.
     #[error(

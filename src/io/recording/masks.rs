@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use super::cameras::CalibratedCameras;
+use super::layout::elsewhere;
 use super::layout::numbered_files::{self, NumberedFiles, Wanted};
 use super::manifest::{CameraFiles, Manifest};
 use super::points::PointFiles;
@@ -76,7 +77,8 @@ fn cameras_with_masks(
         return Ok(Vec::new());
     }
     if with.is_empty() {
-        return Err(RecordingError::NoMasks { path: recording.path.clone() });
+        let hint = elsewhere::hint(&recording.folder);
+        return Err(RecordingError::NoMasks { path: recording.path.clone(), hint });
     }
 
     let keys = ignored_keys(manifest);

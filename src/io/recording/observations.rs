@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use super::layout::elsewhere;
 use super::layout::numbered_files::NumberedFiles;
 use super::masks::{self, MaskFiles};
 use super::points::PointFiles;
@@ -93,8 +94,8 @@ impl ObservationFiles {
         // frames
         let (frames, missing) = frames_and_missing(&rig, &masks, &points);
         if frames.is_empty() && !is_masked && wanted == WantedPoints::Given {
-            let path = recording.path.clone();
-            return Err(RecordingError::NoMasks { path });
+            let (path, hint) = (recording.path.clone(), elsewhere::hint(&recording.folder));
+            return Err(RecordingError::NoMasks { path, hint });
         }
         if wanted != WantedPoints::Measured {
             notes.extend(points.missing(frames.len()));

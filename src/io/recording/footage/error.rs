@@ -9,12 +9,14 @@ use std::path::PathBuf;
 pub enum FootageError {
     /// No camera has images or a video.
     #[error(
-        "{}: no pictures: expected videos/<camera>.* or images/<camera>/ beside the calibration, or images = … or video = … for each camera in sequence.toml",
+        "{}: no pictures: expected videos/<camera>.* or images/<camera>/ beside the calibration, or images = … or video = … for each camera in sequence.toml{hint}",
         path.display()
     )]
     NoPictures {
         /// The recording.
         path: PathBuf,
+        /// The videos that lie elsewhere, or nothing.
+        hint: String,
     },
     /// A camera's pictures are missing from where the manifest says.
     #[error("camera {camera}: no {key} at {}", path.display())]

@@ -38,7 +38,7 @@ use stream::EmptyScene;
 pub use error::FootageError;
 pub use note::FootageNote;
 use numbers::Numbering;
-pub(super) use open::open;
+pub(super) use open::{ENDINGS, open};
 use stream::FrameSets;
 pub use stream::Pictures;
 

@@ -7,8 +7,8 @@ use super::probe::{Probe, probe};
 use super::{CameraFootage, Footage, FootageError, FootageNote, Source, image};
 use crate::camera::Rig;
 use crate::io::recording::cameras::CalibratedCameras;
-use crate::io::recording::layout;
 use crate::io::recording::layout::numbered_files::{self, NumberedFiles, Wanted};
+use crate::io::recording::layout::{self, elsewhere};
 use crate::io::recording::manifest::CameraFiles;
 use crate::io::recording::{Recording, RecordingError};
 
@@ -66,8 +66,8 @@ fn find(
         notes.extend(without.map(|c| FootageNote::Without { camera: c.name }));
     }
     if with.is_empty() {
-        let path = recording.path.clone();
-        return Err(FootageError::NoPictures { path }.into());
+        let (path, hint) = (recording.path.clone(), elsewhere::hint(&recording.folder));
+        return Err(FootageError::NoPictures { path, hint }.into());
     }
     usable_cameras(&recording.folder, with, notes)
 }
@@ -134,7 +134,7 @@ fn find_pictures(folder: &Path, camera: &CameraFiles) -> Result<CameraPictures, 
 /// Folders of videos: ours and Pose2Sim's, FreeMoCap's, and the recording's own, as caliscope has it.
 const VIDEOS: [&str; 3] = ["videos", "synchronized_videos", ""];
 /// Endings of videos in the recording's own folder.
-const ENDINGS: [&str; 6] = ["mp4", "mov", "avi", "mkv", "m4v", "webm"];
+pub(in crate::io::recording) const ENDINGS: [&str; 6] = ["mp4", "mov", "avi", "mkv", "m4v", "webm"];
 
 /// The videos of the first of these folders that holds some.
 fn conventional_videos(folder: &Path) -> Result<Vec<PathBuf>, RecordingError> {

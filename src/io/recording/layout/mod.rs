@@ -1,5 +1,6 @@
 //! Where the files of a recording are, in a folder without manifest or where the manifest does not say.
 
+pub(super) mod elsewhere;
 pub(in crate::io) mod numbered_files;
 
 use std::fs;
