@@ -16,9 +16,6 @@ pub(super) enum CliError {
     /// Arguments that make no sense.
     #[error("{0}")]
     Arguments(String),
-    /// Everything was written, but it is not to be used: the verdict.
-    #[error("{0}")]
-    Unusable(String),
     /// What the library says.
     #[error(transparent)]
     Library(Box<maquette::Error>),
@@ -45,7 +42,7 @@ impl CliError {
     /// 3 for a result that is not to be used, 2 for what could not be done.
     pub(super) fn exit_code(&self) -> u8 {
         match self {
-            Self::Unusable(_) => 3,
+            Self::Library(fault) if matches!(**fault, maquette::Error::Unusable(_)) => 3,
             _ => 2,
         }
     }
@@ -54,7 +51,7 @@ impl CliError {
 /// Whether a fit can be used; its verdict is the error if not.
 pub(super) fn usable(verdict: Option<&Verdict>) -> Result<(), CliError> {
     match verdict.and_then(Verdict::why_unusable) {
-        Some(why) => Err(CliError::Unusable(why)),
+        Some(why) => Err(maquette::Error::Unusable(why).into()),
         None => Ok(()),
     }
 }

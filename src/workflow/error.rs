@@ -87,6 +87,9 @@ pub enum Error {
     /// JSON that cannot be written.
     #[error("result.json: {0}")]
     Json(#[from] serde_json::Error),
+    /// A fit that is not to be used: its verdict.
+    #[error("{0}")]
+    Unusable(String),
     /// A length that the body does not have.
     #[error("no length named {name:?}: the body {body} has {known}")]
     NoLength {

@@ -64,8 +64,9 @@ impl FittedRecording {
     /// A length by its name in the model: `thigh`, `shank`, `upper_arm`, …
     ///
     /// # Errors
-    /// [`Error::NoLength`] lists the names there are.
+    /// [`Error::NoLength`] lists the names there are, [`Error::Unusable`] says why the fit has no lengths.
     pub fn length(&self, name: &str) -> Result<Length, Error> {
+        usable(&self.result)?;
         let lengths = &self.result.shape.lengths;
         let found = lengths.iter().find(|length| length.name == name);
         let names = || lengths.iter().map(|length| length.name.as_str());
@@ -80,7 +81,8 @@ impl FittedRecording {
     /// An angle of gait analysis by its name (`knee_flexion`, `hip_adduction`, …), as the fit has it, without a filter.
     ///
     /// # Errors
-    /// [`Error::NoAngle`] lists the names there are, and [`Error::GaitInput`] says what the body lacks.
+    /// [`Error::NoAngle`] lists the names there are, [`Error::GaitInput`] says what the body lacks, and
+    /// [`Error::Unusable`] why the fit has no angles.
     pub fn angle(&self, name: &str, side: Side) -> Result<AngleTrack, Error> {
         let gait = self.gait_with(&GaitOptions { cutoff_hz: 0.0, ..GaitOptions::default() })?;
         gait.angle(name, side)
@@ -116,12 +118,18 @@ impl FittedRecording {
     }
 }
 
+/// Whether a fit can be used; its verdict if not.
+fn usable(fit: &ResultFile) -> Result<(), Error> {
+    fit.verdict.why_unusable().map_or(Ok(()), |why| Err(Error::Unusable(why)))
+}
+
 impl GaitStudy {
     /// An angle by its name (`knee_flexion`, `hip_adduction`, …), frame by frame.
     ///
     /// # Errors
-    /// [`Error::NoAngle`] lists the names there are.
+    /// [`Error::NoAngle`] lists the names there are, [`Error::Unusable`] says why the fit has no angles.
     pub fn angle(&self, name: &str, side: Side) -> Result<AngleTrack, Error> {
+        self.result.as_ref().map_or(Ok(()), usable)?;
         let known = self.analysis.angles.keys().filter(|(s, _)| *s == side);
         let known = || known.clone().map(|(_, angle)| *angle);
         let angle: Angle =

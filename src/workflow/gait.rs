@@ -2,11 +2,13 @@
 
 use std::path::Path;
 
+use serde::Serialize;
+
 use super::{Error, FittedRecording};
 use crate::gait::{GaitAnalysis, GaitOptions, Indices, Norm, analyse, indices};
 use crate::io::folder::OutFolder;
 use crate::io::gait::{
-    GaitInput, SHIPPED_NORM, Sex, add_parameters, angles_csv, curves_csv, from_result, gait_json,
+    GaitInput, SHIPPED_NORM, Sex, add_parameters, angles_csv, curves_csv, from_result, gait_file,
     load_norm, parameters_csv, parse_norm, read_points,
 };
 use crate::io::result::ResultFile;
@@ -125,7 +127,7 @@ impl GaitStudy {
             ("parameters.csv", parameters_csv(gait)?),
             ("curves.csv", curves_csv(gait, norm)?),
             ("angles.csv", angles_csv(gait, &self.input.movement)?),
-            ("gait.json", self.json()?),
+            ("gait.json", serde_json::to_vec_pretty(&self.file())?),
         ] {
             out.write(name, &bytes)?;
         }
@@ -133,11 +135,8 @@ impl GaitStudy {
     }
 
     /// What `gait.json` holds.
-    ///
-    /// # Errors
-    /// [`Error::Json`], if the serialiser has any.
-    pub fn json(&self) -> Result<Vec<u8>, Error> {
-        Ok(gait_json(&self.input, &self.analysis, self.norm.as_ref())?)
+    pub fn file(&self) -> impl Serialize + '_ {
+        gait_file(&self.input, &self.analysis, self.norm.as_ref())
     }
 
     /// How far the angles lie from those of healthy people; `None` without a norm, or an angle of it.

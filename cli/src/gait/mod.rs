@@ -5,7 +5,7 @@ mod text;
 use std::path::PathBuf;
 
 use clap::Args;
-use serde_json::{Value, json};
+use serde_json::json;
 
 use crate::choice::{Choice, one_of};
 use crate::error::{CliError, usable};
@@ -119,8 +119,7 @@ pub(super) fn run(arguments: &GaitArguments) -> Result<(), CliError> {
         };
         format!("{}\nWritten into {}\n", summary.text(), out.display())
     };
-    let json: Value = serde_json::from_slice(&study.json()?).map_err(maquette::Error::from)?;
-    let json = || json!({ "out": out.display().to_string(), "gait": json });
+    let json = || json!({ "out": out.display().to_string(), "gait": study.file() });
     arguments.output.summarise(text, json);
     usable(study.verdict())
 }

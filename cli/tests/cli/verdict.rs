@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use assert_cmd::Command;
+use maquette::{FittedRecording, Side};
 use serde_json::Value;
 
 fn maquette(arguments: &[&str]) -> (Option<i32>, String) {
@@ -42,6 +43,15 @@ fn two_exchanged_cameras_are_named_and_no_certainty_is_stated() {
     assert!(lengths.iter().all(|l| l["sd_m"].is_null() && l["confidence"]["p_within"].is_null()));
     let frames = result["motion"]["frames"].as_array().expect("frames");
     assert!(frames.iter().all(|frame| frame["sd"].is_null()));
+
+    // who asks for a number gets the verdict
+    let fit = FittedRecording::read(&out, None).expect("a fit");
+    let length = fit.length("thigh").map(|_| ());
+    let angle = fit.angle("knee_flexion", Side::Left).map(|_| ());
+    for refused in [length, angle] {
+        let said = refused.expect_err("no number").to_string();
+        assert!(said.contains("not usable") && said.contains("cam_01 and cam_03"), "{said}");
+    }
 
     // what is made of it
     let (code, said) = maquette(&["report", text(&out), "--quiet"]);
@@ -88,4 +98,32 @@ fn a_height_that_is_given_tests_the_size_of_the_world_and_changes_nothing_of_the
     for part in ["shape", "motion"] {
         assert!(small[part] == plain[part] && right[part] == plain[part], "{part}");
     }
+}
+
+#[test]
+fn the_chart_of_the_overlap_has_gaps_where_nobody_was_seen_and_where_frames_are_missing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (recording, out) = (folder.path().join("recording"), folder.path().join("out"));
+    let made = ["synth", text(&recording), "--frames", "14", "--cameras", "3", "--quiet"];
+    assert_eq!(maquette(&made).0, Some(0));
+    for camera in ["cam_01", "cam_02", "cam_03"] {
+        let mask = |frame: usize| recording.join(format!("masks/{camera}/{frame:06}.png"));
+        let size = image::image_dimensions(mask(0)).expect("a mask");
+        for nobody in [5, 6] {
+            image::GrayImage::new(size.0, size.1).save(mask(nobody)).expect("written");
+        }
+        fs::remove_file(mask(10)).expect("removed");
+    }
+
+    let quick = ["--likelihood", "ellipses", "--joint", "off", "--quiet"];
+    let fit = ["fit", text(&recording), "--out", text(&out), "--body", "human-ellipsoids"];
+    assert_eq!(maquette(&[&fit[..], &quick].concat()).0, Some(0));
+    assert_eq!(maquette(&["report", text(&out), "--no-pictures", "--quiet"]).0, Some(0));
+
+    // frames 0–4, 7–9 and 11–13, a line and a band each
+    let report = fs::read_to_string(out.join("report.html")).expect("a report");
+    let chart = report.split("Overlap of body and outlines").nth(1).expect("a chart");
+    let chart = chart.split("</svg>").next().expect("its end");
+    assert_eq!(chart.matches("stroke=\"#333333\" stroke-width=\"1.5\"").count(), 3);
+    assert_eq!(chart.matches("fill=\"#333333\" fill-opacity=\"0.2\"").count(), 3);
 }

@@ -9,5 +9,5 @@ mod tables;
 pub use norm::{NormError, SHIPPED_NORM, load_norm, parse_norm};
 pub use people::{Sex, add_parameters};
 pub use read::{GaitInput, GaitInputError, from_result, read_points};
-pub use schema::gait_json;
+pub use schema::gait_file;
 pub use tables::{angles_csv, curves_csv, parameters_csv};

@@ -143,18 +143,15 @@ struct VariablePart {
     score: f64,
 }
 
-/// The text of `gait.json`.
-///
-/// # Errors
-/// None that an analysis can cause; the serialiser's, if it has any.
-pub fn gait_json(
-    input: &GaitInput,
-    gait: &GaitAnalysis,
-    norm: Option<&Norm>,
-) -> serde_json::Result<Vec<u8>> {
+/// What `gait.json` holds.
+pub fn gait_file<'a>(
+    input: &'a GaitInput,
+    gait: &'a GaitAnalysis,
+    norm: Option<&'a Norm>,
+) -> impl Serialize + use<'a> {
     let unknown = |(angle, reason): &(Angle, &'static str)| UnknownPart { angle: *angle, reason };
 
-    serde_json::to_vec_pretty(&GaitFile {
+    GaitFile {
         format: "maquette-gait",
         version: 1,
         source: &input.source,
@@ -178,7 +175,7 @@ pub fn gait_json(
         }),
         unknown: gait.unknown.iter().map(unknown).collect(),
         notes: &gait.notes,
-    })
+    }
 }
 
 fn parameters(gait: &GaitAnalysis) -> Vec<ParameterPart<'_>> {
