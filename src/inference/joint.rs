@@ -22,7 +22,7 @@ use super::step::MotionModel;
 use super::{Evidence, Sequence, Terms};
 use crate::body::{BodyModel, Posed, Shape};
 use crate::likelihood::PlacedResidual;
-use crate::solver::{BorderedChain, Options, Report, Solution, levenberg_marquardt};
+use crate::solver::{BorderedChain, Options, Problem, Report, Solution, levenberg_marquardt};
 
 /// Settings of the joint optimum.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]

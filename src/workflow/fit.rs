@@ -4,10 +4,10 @@ use std::path::Path;
 
 use super::derived::Derived;
 use super::input::FitInput;
-use super::watch::WatchedJournal;
 use super::{Error, FitOptions, FittedRecording};
 use crate::inference::search::{Journal, NoJournal};
-use crate::io::folder::journal::DiskJournal;
+use crate::io::folder::journal::{DiskJournal, JournalError};
+use crate::io::folder::overlays::OverlayError;
 use crate::io::folder::{Existing, OutFolder, check_out, origin, overlays, write_atomically};
 use crate::io::recording::Recording;
 use crate::io::result::{Provenance, ResultFile};
@@ -79,19 +79,38 @@ impl Recording {
         let fit = found.inspect_err(|_| out.abandon())?;
 
         // 3. write the result, and only then replace an older one
+        let written = self.write_fit(folder, &out, input, &fit, progress);
+        written.map_err(|fault| match fault {
+            Error::Out(fault) | Error::Overlay(OverlayError::Out(fault)) => {
+                JournalError::NotKept(fault).into()
+            }
+            fault => fault,
+        })
+    }
+
+    /// Writes all files of a fit beside their places, and then puts them there.
+    fn write_fit(
+        &self,
+        folder: FitFolder<'_>,
+        out: &OutFolder,
+        input: FitInput,
+        fit: &Fit,
+        progress: &dyn Progress,
+    ) -> Result<FittedRecording, Error> {
         let scratch = out.scratch()?;
         if folder.overlays {
             let pictures = fit.frames.len() * input.files.rig.cameras.len();
             progress.begin("overlays", pictures);
             let into = scratch.path().join("overlays");
             let done = || progress.step();
-            let no_film = overlays::write(&into, &input.files, &fit, &done)?;
+            let no_film = overlays::write(&into, &input.files, fit, &done)?;
             progress.end();
             if let Some(reason) = no_film {
                 progress.note(&format!("overlays: pictures only, no films: {reason}"));
             }
         }
-        let fitted = fitted(input, &fit);
+
+        let fitted = fitted(input, fit);
         for (name, bytes) in fitted.result.files()? {
             write_atomically(&scratch.path().join(name), &bytes)?;
         }
@@ -116,14 +135,8 @@ fn journal(out: &OutFolder, existing: Existing, input: &FitInput) -> Result<Disk
 }
 
 fn search(input: &FitInput, journal: &dyn Journal, progress: &dyn Progress) -> Result<Fit, Error> {
-    let frames = input.observations.len();
-    let options = &input.options.estimate;
-    let keyframes = frames.div_ceil(options.search.keyframe_spacing(frames));
-    let watched = WatchedJournal::new(journal, progress, keyframes, frames);
-    let (model, rig) = (&input.model, &input.files.rig);
-    let fit = pipeline::fit(model, rig, input.sequence(), options, &watched);
-    progress.end();
-    Ok(fit?)
+    let (model, rig, options) = (&input.model, &input.files.rig, &input.options.estimate);
+    Ok(pipeline::fit_watched(model, rig, input.sequence(), options, journal, progress)?)
 }
 
 fn fitted(input: FitInput, fit: &Fit) -> FittedRecording {

@@ -196,6 +196,34 @@ fn a_step_that_cannot_be_kept_ends_the_run_at_once_and_what_was_kept_is_continue
 
 #[cfg(unix)]
 #[test]
+fn a_result_that_cannot_be_written_can_be_resumed() {
+    let arm = Arm::new();
+    arm.fit("out", &["--quiet"]).succeeded();
+    let whole = arm.bytes("out", "result.json");
+    fs::remove_file(arm.out("out").join("result.json")).expect("removed");
+
+    // no file may be longer than a kilobyte, and the result is
+    assert!(whole.len() > 1024);
+    let mut arguments = arm.fit_arguments("out");
+    arguments.extend(["--quiet", "--resume"].map(Into::into));
+    let limited = "trap '' XFSZ; ulimit -f 1; exec \"$@\"";
+    let stopped =
+        Command::new("sh").args(["-c", limited, "sh", program()]).args(&arguments).output();
+    let stopped = stopped.expect("a shell");
+    let said = String::from_utf8_lossy(&stopped.stderr);
+    assert_eq!(stopped.status.code(), Some(2), "{said}");
+    assert_eq!(said.lines().count(), 1, "{said}");
+    for part in ["cannot be written: ", "continue it with --resume"] {
+        assert!(said.contains(part), "{part} not in {said}");
+    }
+    assert!(!arm.out("out").join("result.json").exists());
+
+    arm.fit("out", &["--resume", "--quiet"]).succeeded();
+    assert_eq!(arm.bytes("out", "result.json"), whole);
+}
+
+#[cfg(unix)]
+#[test]
 fn a_signal_ends_a_run_with_one_line_that_says_how_to_go_on() {
     for (signal, code) in [("INT", 130), ("TERM", 143), ("HUP", 129)] {
         let arm = Arm::new();
