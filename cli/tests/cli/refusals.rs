@@ -343,6 +343,19 @@ fn places_that_cannot_be_written() {
     assert_eq!(arm.bytes("", "file"), b"");
 }
 
+/// Nobody may make a folder there, not even root.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_place_that_is_read_only_is_told_before_anything_is_computed() {
+    let arm = Arm::new();
+    let mut arguments = arm.fit_arguments("out");
+    let out = arguments.iter().position(|a| a == "--out").expect("--out") + 1;
+    arguments[out] = "/proc/maquette/out".into();
+    // the fault is OUT, and not the recording, which is read after it
+    fs::remove_dir_all(arm.recording().join("masks")).expect("removed");
+    run(&arguments).refused(&["/proc/maquette", "cannot be written"]);
+}
+
 #[test]
 fn arguments_that_make_no_sense() {
     let recording = Arm::new();

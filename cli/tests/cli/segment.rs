@@ -97,7 +97,8 @@ fn a_range_of_frames_is_written_and_no_more_and_threads_change_nothing() {
 #[test]
 fn a_recording_of_pictures_is_segmented_and_fitted() {
     let arm = photographed();
-    arm.fit("out", &["--joint", "off"]).succeeded();
+    let said = arm.fit("out", &["--joint", "off"]).succeeded();
+    assert!(said.err.contains("no masks: the person is cut out of the pictures first"), "{said:?}");
     let result = arm.result("out");
     let iou = result["quality"]["cameras"][0]["mean_iou"].as_f64();
     assert!(iou.is_some_and(|iou| iou > 0.8), "{iou:?}");

@@ -1,4 +1,6 @@
-//! What `maquette silhouettes` refuses, in one line.
+//! What `maquette silhouettes` prints, and what it refuses in one line.
+
+use std::fs;
 
 use crate::arm::{Arm, Ran, run};
 use crate::segment::photographed;
@@ -40,4 +42,25 @@ fn a_fit_may_have_joint_contours_and_points_measured_within_them() {
     let both = ["--silhouettes", "joint", "--stereo"];
     // what is amiss is where the cameras stand, not that both were asked for
     run(&[&arguments[..], &both].concat()).refused(&["side by side"]);
+}
+
+#[test]
+fn what_is_printed_as_json_is_described() {
+    // photographs of a person before clutter, and a fit to the true masks
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    run(&["synth", &path("photos"), "--clutter", "--frames", "1", "--quiet"]).succeeded();
+    fs::create_dir(path("masked")).expect("a folder");
+    fs::rename(path("photos/truth/masks"), path("masked/masks")).expect("the true masks");
+    fs::copy(path("photos/calibration.toml"), path("masked/calibration.toml")).expect("a copy");
+    let fit = ["fit", &path("masked"), "--out", &path("fit"), "--fps", "25", "--quiet"];
+    let quick = ["--body", "human-metaballs", "--likelihood", "ellipses", "--joint", "off"];
+    run(&[&fit[..], &quick].concat()).succeeded();
+
+    let (photos, out, fit) = (path("photos"), path("out"), path("fit"));
+    let arguments = ["silhouettes", &photos, "--out", &out, "--fit", &fit];
+    let said = run(&[&arguments[..], &["--pipeline", "simple", "--json"]].concat()).succeeded();
+    let printed = crate::schema::check("silhouettes", &said.out);
+    assert_eq!(printed["cameras"].as_array().map(Vec::len), Some(3));
+    assert!(printed["cameras"][0]["reliability"].is_number());
 }

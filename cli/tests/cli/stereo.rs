@@ -110,6 +110,18 @@ fn arguments_that_make_no_sense_are_refused_in_one_line() {
 }
 
 #[test]
+fn that_contours_were_chosen_is_said_with_what_they_cost() {
+    let recorded = Recorded::new(1);
+    let [recording, out] = ["", "fit"].map(|name| recorded.at(name).display().to_string());
+    // there is nobody to be fitted
+    let said = run(&["fit", &recording, "--fps", "25", "--out", &out, "--quiet"]);
+    assert_eq!(said.code, Some(2), "{said:?}");
+    for part in ["note: no masks, cameras side by side", "takes many times as long as masks"] {
+        assert!(said.err.contains(part), "{said:?}");
+    }
+}
+
+#[test]
 fn what_an_older_run_left_is_removed_and_what_is_not_its_own_stays() {
     let recorded = Recorded::new(2);
     let out = recorded.at("out");
