@@ -2,15 +2,26 @@
 //!
 //! `cargo run --release --example fit_folder -- data/sequences/walker out/example`
 
-#![allow(clippy::print_stdout, reason = "an example prints what it found")]
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "an example prints what it found")]
 
 use std::error::Error;
 use std::path::PathBuf;
+use std::process::ExitCode;
 
 use maquette::workflow::ExportFormat;
 use maquette::{FitOptions, Recording, Side};
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args_os().skip(1).map(PathBuf::from);
     let folder = arguments.next().unwrap_or("data/sequences/walker".into());
     let out = arguments.next().unwrap_or("out/example".into());

@@ -2,10 +2,11 @@
 //!
 //! `cargo run --release --example masks_in_memory`
 
-#![allow(clippy::print_stdout, reason = "an example prints what it found")]
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "an example prints what it found")]
 
 use std::error::Error;
 use std::path::Path;
+use std::process::ExitCode;
 
 use maquette::inference::Sequence;
 use maquette::inference::search::NoJournal;
@@ -14,7 +15,17 @@ use maquette::pipeline::{EstimateOptions, fit};
 use maquette::silhouette::{FrameIndex, FrameObservations, SilhouetteOptions, extract};
 use maquette::synth::Recipe;
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run() -> Result<(), Box<dyn Error>> {
     // cameras and masks; yours come from elsewhere
     let person = model::load("walker-metaballs", Path::new(""))?;
     let recipe = Recipe { frames: Some(10), fps: 25.0, ..Recipe::default() };

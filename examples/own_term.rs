@@ -5,10 +5,11 @@
 //!
 //! `cargo run --release --example own_term`
 
-#![allow(clippy::print_stdout, reason = "an example prints what it found")]
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "an example prints what it found")]
 
 use std::error::Error;
 use std::path::Path;
+use std::process::ExitCode;
 
 use maquette::body::{Motion, Posed, Shape, State};
 use maquette::inference::frame::KeyframePosterior;
@@ -71,7 +72,17 @@ impl Term for Tape {
     }
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run() -> Result<(), Box<dyn Error>> {
     let model = model::load("human-ellipsoids", Path::new(""))?;
     let point = |name| model.point(name).ok_or("the body has no such point");
     let tape = |from, to, length_m| -> Result<Tape, Box<dyn Error>> {

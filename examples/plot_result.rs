@@ -2,9 +2,10 @@
 //!
 //! `cargo run --release --example plot_result -- out/walker knee.svg`
 
-#![allow(clippy::print_stdout, reason = "an example prints what it found")]
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "an example prints what it found")]
 
 use std::error::Error;
+use std::process::ExitCode;
 
 use maquette::workflow::AngleTrack;
 use maquette::{FittedRecording, Side};
@@ -13,7 +14,17 @@ use maquette::{FittedRecording, Side};
 const SIZE: [f64; 2] = [640.0, 320.0];
 const DEGREES: [f64; 2] = [90.0, -10.0];
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
     let folder = arguments.next().unwrap_or("out/walker".into());
     let picture = arguments.next().unwrap_or("knee.svg".into());
