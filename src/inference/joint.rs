@@ -209,7 +209,6 @@ impl<P: Problem> Problem for Counted<'_, P> {
     }
 }
 
-
 /// The residuals of every frame at a state.
 pub fn residuals(
     model: &BodyModel,
