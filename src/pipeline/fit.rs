@@ -212,9 +212,8 @@ fn stages(
     let frames = fitted_frames(&looked_at, observations, &estimate);
     let views: Vec<&[ViewQuality]> = frames.iter().map(|f| f.views.as_slice()).collect();
     let cameras = quality::camera_qualities(&estimate.rig, &views, &estimate.aims_px);
-    let hypotheses = found.trials.into_iter();
-    let hypotheses = hypotheses.map(|trial| tried(&coarse, observations, trial));
-    let hypotheses: Vec<TriedHypothesis> = hypotheses.collect();
+    let tried = |trial| tried(&coarse, observations, trial);
+    let hypotheses: Vec<TriedHypothesis> = found.trials.into_iter().map(tried).collect();
 
     // 6. what it is worth, and what a person should know of it
     let diagnosis = Diagnosis {
@@ -231,8 +230,8 @@ fn stages(
     let data_weight = estimate.noise.map_or(1.0, |noise| noise.data_weight());
     notes.extend(facing_warning(&coarse, &hypotheses, found.winner, data_weight));
     notes.extend(one_outline_warning(rig, observations));
-    notes.extend(warnings(rig, observations, &frames, &cameras, &confidence));
-    notes.extend(points::warnings(&frames, observations));
+    let seen = warnings(rig, observations, &frames, &cameras, &confidence);
+    notes.extend(seen.into_iter().chain(points::warnings(&frames, observations)));
     notes.extend(options.joint.and_then(|joint| unseen(model, sequence, &frames, &joint)));
     notes.retain(|warning| verdict.causes.is_empty() || !warning.is_symptom());
 

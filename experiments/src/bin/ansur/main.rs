@@ -1,6 +1,6 @@
 //! The shape prior from all of ANSUR II: what 4082 men and 1986 women share, and what is each quantity's own.
 //!
-//! Each sex counts half. Quantities: [`quantities`]; factors: [`factors`]; soldiers to civilians: [`civilians`]; what the body
+//! Each sex counts half. Quantities: `quantities.rs`; factors: `factors.rs`; soldiers to civilians: `civilians.rs`; what the body
 //! models' files must say: [`models`]. docs/anthropometry.md, § 5, explains the numbers.
 
 mod civilians;
