@@ -8,6 +8,13 @@ use super::{BodyModel, CoefficientId, JointId, Root};
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Shape(pub DVector<f64>);
 
+impl Shape {
+    /// The first so many coefficients.
+    pub fn first(&self, count: usize) -> Self {
+        Self(self.0.rows(0, count).into_owned())
+    }
+}
+
 /// mᵢ: where the body is and how it is bent in one frame.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Motion {

@@ -203,17 +203,17 @@ fn stages(
 
     // 4. how far the keyframes agree
     progress.begin("checks", 1);
-    let sizes = Shape(estimate.shape.0.rows(0, model.coefficients.len()).into_owned());
+    let sizes = estimate.shape.first(model.coefficients.len());
     let lengths_m = body.rest_lengths_m(&estimate.shape);
-    let (trials, epsilons) = (&found.trials, &options.confidence);
-    let confidence = ShapeConfidence::from_trials(model, trials, &sizes, &lengths_m, epsilons);
+    let epsilons = &options.confidence;
+    let confidence =
+        ShapeConfidence::from_trials(model, &found.trials, &sizes, &lengths_m, epsilons);
 
     // 5. how well the body covers the masks
     let frames = fitted_frames(&looked_at, observations, &estimate);
     let views: Vec<&[ViewQuality]> = frames.iter().map(|f| f.views.as_slice()).collect();
     let cameras = quality::camera_qualities(&estimate.rig, &views, &estimate.aims_px);
-    let tried = |trial| tried(&coarse, observations, trial);
-    let hypotheses: Vec<TriedHypothesis> = found.trials.into_iter().map(tried).collect();
+    let hypotheses = all_tried(&coarse, observations, found.trials);
 
     // 6. what it is worth, and what a person should know of it
     let diagnosis = Diagnosis {
@@ -227,11 +227,11 @@ fn stages(
         cameras: &cameras,
     };
     let verdict = diagnosis.verdict();
-    let data_weight = estimate.noise.map_or(1.0, |noise| noise.data_weight());
-    notes.extend(facing_warning(&coarse, &hypotheses, found.winner, data_weight));
+    let weight = estimate.noise.map_or(1.0, |noise| noise.data_weight());
+    notes.extend(facing_warning(&coarse, &hypotheses, found.winner, weight));
     notes.extend(one_outline_warning(rig, observations));
-    let seen = warnings(rig, observations, &frames, &cameras, &confidence);
-    notes.extend(seen.into_iter().chain(points::warnings(&frames, observations)));
+    notes.extend(warnings(rig, observations, &frames, &cameras, &confidence));
+    notes.extend(points::warnings(&frames, observations));
     notes.extend(options.joint.and_then(|joint| unseen(model, sequence, &frames, &joint)));
     notes.retain(|warning| verdict.causes.is_empty() || !warning.is_symptom());
 
@@ -390,16 +390,20 @@ fn fitted_frames(
     frames.enumerate().map(fitted).collect()
 }
 
-fn tried(
+/// What became of each hypothesis.
+fn all_tried(
     evidence: &Evidence<'_>,
     observations: &[FrameObservations],
-    trial: Trial,
-) -> TriedHypothesis {
-    let shape = &trial.hypothesis.shape;
-    TriedHypothesis {
+    trials: Vec<Trial>,
+) -> Vec<TriedHypothesis> {
+    let tried = |trial: Trial| TriedHypothesis {
         keyframe: observations[trial.hypothesis.keyframe].frame,
         fitted: trial.frames.iter().flatten().count(),
-        iou: quality::sampled_iou(evidence, observations, shape, &trial.frames),
+        iou: {
+            let shape = &trial.hypothesis.shape;
+            quality::sampled_iou(evidence, observations, shape, &trial.frames)
+        },
         trial,
-    }
+    };
+    trials.into_iter().map(tried).collect()
 }
