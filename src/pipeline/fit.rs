@@ -205,9 +205,8 @@ fn stages(
     progress.begin("checks", 1);
     let sizes = estimate.shape.first(model.coefficients.len());
     let lengths_m = body.rest_lengths_m(&estimate.shape);
-    let epsilons = &options.confidence;
-    let confidence =
-        ShapeConfidence::from_trials(model, &found.trials, &sizes, &lengths_m, epsilons);
+    let (trials, epsilons) = (&found.trials, &options.confidence);
+    let confidence = ShapeConfidence::from_trials(model, trials, &sizes, &lengths_m, epsilons);
 
     // 5. how well the body covers the masks
     let frames = fitted_frames(&looked_at, observations, &estimate);
@@ -227,8 +226,7 @@ fn stages(
         cameras: &cameras,
     };
     let verdict = diagnosis.verdict();
-    let weight = estimate.noise.map_or(1.0, |noise| noise.data_weight());
-    notes.extend(facing_warning(&coarse, &hypotheses, found.winner, weight));
+    notes.extend(facing_warning(&coarse, &hypotheses, found.winner, estimate.data_weight()));
     notes.extend(one_outline_warning(rig, observations));
     notes.extend(warnings(rig, observations, &frames, &cameras, &confidence));
     notes.extend(points::warnings(&frames, observations));
@@ -309,6 +307,11 @@ struct Estimate {
 }
 
 impl Estimate {
+    /// How often the data's cost counts.
+    fn data_weight(&self) -> f64 {
+        self.noise.map_or(1.0, |noise| noise.data_weight())
+    }
+
     /// The winner as it was tracked.
     fn tracked(winner: &Trial, rig: &Rig) -> Self {
         Self {
