@@ -262,7 +262,7 @@ mod tests {
         let mut correlations = &made * made.transpose();
         correlations.fill_diagonal(1.0);
         let found = varimax(&principal_axes(&correlations, 2)).abs();
-        let (same, other) = ((&found - &made).amax(), (&found.column(1) - made.column(0)).amax());
+        let (same, other) = ((&found - &made).amax(), (found.column(1) - made.column(0)).amax());
         assert!(same.min(other) < 1e-4, "{found}");
     }
 }
