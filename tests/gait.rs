@@ -286,7 +286,7 @@ fn who_leaves_and_comes_back_has_two_passes_and_no_number_is_of_both() {
         for (key, statistic) in &alone.parameters {
             let found = &gait.parameters[key];
             assert_eq!(found.n, statistic.n, "{key:?}");
-            approx::assert_relative_eq!(found.mean, statistic.mean, epsilon = 1e-4);
+            approx::assert_relative_eq!(found.mean, statistic.mean, max_relative = 1e-3);
         }
         let note = gait.notes.iter().find(|note| note.contains("comes back"));
         let shown = format!("2: frames {}–{}", frames + UNSEEN, 2 * frames + UNSEEN - 1);

@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
+use super::filter;
 use super::landmark::{Landmark, Paired, Side};
 use super::movement::{Movement, Track};
 use crate::math::stats::median;
@@ -49,20 +50,22 @@ impl Course {
         let pelvis = movement.track(Landmark::MidHip)?;
         let facing = facing(movement)?;
         let velocity = velocity(pelvis, movement.rate_hz);
-        let along = |(v, facing): (&Vector3<f64>, &Vector3<f64>)| v.dot(facing);
-        let mut speeds: Vec<f64> = velocity.iter().zip(&facing).map(along).collect();
-        let speed_m_s = median(&mut speeds)?;
+        // what is not known of other passes is no standing still
+        let along =
+            |(v, facing): (&Option<Vector3<f64>>, &Vector3<f64>)| Some(v.as_ref()?.dot(facing));
+        let mut speeds: Vec<f64> = velocity.iter().zip(&facing).filter_map(along).collect();
+        let speed_m_s = median(&mut speeds).unwrap_or(0.0);
 
         let walks = speed_m_s > STILL_M_S;
-        let direction =
-            |(v, facing): (&Vector3<f64>, &Vector3<f64>)| match v.try_normalize(STILL_M_S) {
-                Some(way) if walks && v.dot(facing) > 0.0 => {
-                    let share = (v.norm() / STILL_M_S - 1.0).clamp(0.0, 1.0);
-                    let between = facing * (1.0 - share) + way * share;
-                    between.try_normalize(1e-9).unwrap_or(way)
-                }
-                _ => *facing,
-            };
+        let direction = |(v, facing): (&Option<Vector3<f64>>, &Vector3<f64>)| match v {
+            Some(v) if walks && v.norm() > STILL_M_S && v.dot(facing) > 0.0 => {
+                let way = v / v.norm();
+                let share = (v.norm() / STILL_M_S - 1.0).clamp(0.0, 1.0);
+                let between = facing * (1.0 - share) + way * share;
+                between.try_normalize(1e-9).unwrap_or(way)
+            }
+            _ => *facing,
+        };
         let heading: Vec<Vector3<f64>> = velocity.iter().zip(&facing).map(direction).collect();
 
         let belt_m_s = -standing_foot_speed(movement, &heading)?;
@@ -121,17 +124,28 @@ fn facing(movement: &Movement) -> Option<Track> {
     Some(filled.collect())
 }
 
-/// Horizontal velocity over [`WINDOW_S`] about each frame, m/s; 0 where it is unknown.
-fn velocity(pelvis: &Track, rate_hz: f64) -> Track {
-    let n = pelvis.len();
-    let window = ((WINDOW_S * rate_hz).round() as usize).clamp(1, n - 1);
-    let velocity = |i: usize| {
-        let first = i.saturating_sub(window / 2).min(n - 1 - window);
-        let mut v = (pelvis[first + window] - pelvis[first]) * rate_hz / window as f64;
-        v.z = 0.0;
-        if v.x.is_finite() { v } else { Vector3::zeros() }
-    };
-    (0..n).map(velocity).collect()
+/// Horizontal velocity over [`WINDOW_S`] about each frame, m/s; `None` where it is unknown.
+///
+/// No window reaches across a gap: near one it moves to where the pelvis is known, as at the ends of the recording. A stretch
+/// between gaps that is shorter than half a window tells no velocity.
+fn velocity(pelvis: &Track, rate_hz: f64) -> Vec<Option<Vector3<f64>>> {
+    let whole = ((WINDOW_S * rate_hz).round() as usize).max(1);
+    let xs: Vec<f64> = pelvis.iter().map(|place| place.x).collect();
+    let mut velocity = vec![None; pelvis.len()];
+
+    for known in filter::stretches(&xs) {
+        let is_all = known.len() == pelvis.len();
+        let window = whole.min(known.len() - 1);
+        if window == 0 || (2 * window < whole && !is_all) {
+            continue;
+        }
+        for i in known.clone() {
+            let first = i.saturating_sub(window / 2).clamp(known.start, known.end - 1 - window);
+            let v = (pelvis[first + window] - pelvis[first]) * rate_hz / window as f64;
+            velocity[i] = Some(Vector3::new(v.x, v.y, 0.0));
+        }
+    }
+    velocity
 }
 
 /// Median velocity along the heading of the lower foot's middle, m/s.
