@@ -8,6 +8,8 @@ use crate::body::metaball::Field;
 use crate::body::{BodyModel, Motion, Posed, Shape};
 use crate::camera::Rig;
 use crate::image::Mask;
+#[cfg(test)]
+use crate::io::model;
 use crate::render;
 use crate::silhouette::{FrameIndex, FrameObservations, SilhouetteOptions, extract};
 use crate::synth::Ring;
@@ -21,7 +23,7 @@ pub(super) struct Figures {
 
 impl Figures {
     pub(super) fn new() -> Self {
-        let model = crate::io::model::load("human-metaballs", Path::new("")).unwrap();
+        let model = model::load("human-metaballs", Path::new("")).unwrap();
         let shape = Shape(model.statistics.mean.clone());
         let ring = Ring { width_px: 320, height_px: 240, focal_px: 250.0, ..Ring::default() };
         Self { model, shape, rig: ring.regular() }
