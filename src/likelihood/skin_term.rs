@@ -66,11 +66,14 @@ impl Touch<'_> {
         if curvature > FLATTEST {
             return Vector3::zeros();
         }
-        let each = sample.shares.iter().zip(changes);
-        let slope: f64 =
-            each.map(|(s, c)| s.weight * (c.place - s.pull * (4.0 * c.alpha)).dot(r)).sum();
-        r * (-slope / curvature)
+        r * (-slope_along(r, sample, changes) / curvature)
     }
+}
+
+/// The derivative of a residual when its place moves along a unit vector.
+fn slope_along(along: &Vector3<f64>, sample: &FieldSample, changes: &[BallChange]) -> f64 {
+    let each = sample.shares.iter().zip(changes);
+    each.map(|(s, c)| s.weight * (c.place - s.pull * (4.0 * c.alpha)).dot(along)).sum()
 }
 
 /// A likelihood whose observations touch the skin.
@@ -158,8 +161,10 @@ pub(super) fn linearize(
 
         let residual_m = r.distance_m;
         sums.add(sample.limb, &row.values, residual_m, weight);
-        if let Some(offset) = touch.offset {
-            let slopes = offset.slopes.map(|(c, phi)| (layout.coefficient(c), -phi));
+        let inwards = sample.log_gradient.try_normalize(f64::MIN_POSITIVE);
+        if let Some((offset, inwards)) = touch.offset.zip(inwards) {
+            let slope = slope_along(&inwards, sample, &changes);
+            let slopes = offset.slopes.map(|(c, phi)| (layout.coefficient(c), phi * slope));
             let offset = OffsetRow { slopes, residual_m, weight };
             sums.add_offset(sample.limb, &row.values, &offset, equations);
         }
