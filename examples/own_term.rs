@@ -73,13 +73,14 @@ impl Term for Tape {
 }
 
 fn main() -> ExitCode {
-    match run() {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
+    // as a person reads it: `Result` from `main` would print the error's fields
+    run().map_or_else(
+        |error| {
             eprintln!("error: {error}");
             ExitCode::FAILURE
-        }
-    }
+        },
+        |()| ExitCode::SUCCESS,
+    )
 }
 
 fn run() -> Result<(), Box<dyn Error>> {

@@ -15,13 +15,14 @@ const SIZE: [f64; 2] = [640.0, 320.0];
 const DEGREES: [f64; 2] = [90.0, -10.0];
 
 fn main() -> ExitCode {
-    match run() {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
+    // as a person reads it: `Result` from `main` would print the error's fields
+    run().map_or_else(
+        |error| {
             eprintln!("error: {error}");
             ExitCode::FAILURE
-        }
-    }
+        },
+        |()| ExitCode::SUCCESS,
+    )
 }
 
 fn run() -> Result<(), Box<dyn Error>> {

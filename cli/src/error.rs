@@ -7,7 +7,7 @@ use maquette::io::recording::RecordingError;
 use maquette::io::recording::synthetic::SyntheticError;
 use maquette::io::result::ResultError;
 use maquette::pipeline::stereo::StereoError;
-use maquette::pipeline::{FitError, FrameRangeError, Verdict};
+use maquette::pipeline::{FitError, FrameRangeError};
 use maquette::synth::{FilmError, WalkError};
 
 /// Why a command could not be carried out.
@@ -45,14 +45,6 @@ impl CliError {
             Self::Library(fault) if matches!(**fault, maquette::Error::Unusable(_)) => 3,
             _ => 2,
         }
-    }
-}
-
-/// Whether a fit can be used; its verdict is the error if not.
-pub(super) fn usable(verdict: Option<&Verdict>) -> Result<(), CliError> {
-    match verdict.and_then(Verdict::why_unusable) {
-        Some(why) => Err(maquette::Error::Unusable(why).into()),
-        None => Ok(()),
     }
 }
 

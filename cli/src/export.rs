@@ -9,7 +9,7 @@ use maquette::workflow::{ExportFormat, GaitSource};
 use serde_json::json;
 
 use super::choice::{Choice, one_of};
-use super::error::{CliError, usable};
+use super::error::CliError;
 use super::switches::Output;
 
 pub(super) const ABOUT: &str = "\
@@ -75,7 +75,7 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
     }
     let lines = || paths.iter().map(|path| format!("{path}\n")).collect();
     arguments.output.summarise(lines, || json!({ "files": paths }));
-    usable(study.verdict())
+    Ok(study.usable()?)
 }
 
 /// All that are one file.

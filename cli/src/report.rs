@@ -10,7 +10,7 @@ use maquette::gait::GaitOptions;
 use maquette::io::folder::OutFolder;
 use maquette::workflow::GaitSource;
 
-use super::error::{CliError, usable};
+use super::error::CliError;
 use super::subject::SubjectArguments;
 use super::switches::Output;
 
@@ -54,5 +54,5 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<(), CliError> {
     OutFolder::open(&arguments.out)?.write("report.html", text.as_bytes())?;
     let path = arguments.out.join("report.html").display().to_string();
     arguments.output.summarise(|| format!("{path}\n"), || json!({ "report": path }));
-    usable(study.verdict())
+    Ok(study.usable()?)
 }

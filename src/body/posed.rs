@@ -32,6 +32,7 @@ impl<'a> Posed<'a> {
     ///
     /// world_from_frame = world_from_parent · Trans(t(s)) · D_ini · Rot(axis, share · θ).
     pub fn new(model: &'a BodyModel, shape: &'a Shape, motion: &Motion) -> Self {
+        debug_assert_eq!(shape.0.len(), model.coefficients.len(), "a shape of another model");
         let mut frames: Vec<Frame> = Vec::with_capacity(model.frames());
         let mut turns_world = vec![Vector3::zeros()];
         frames.push(Frame {

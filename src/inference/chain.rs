@@ -73,14 +73,10 @@ impl ChainPrior {
             true => 2.0 * renewal(k) * speeds[k].powi(2),
             false => 4.0 * renewal(k) * speeds[k].powi(2),
         };
-        let per_velocity = |k: usize| match k < layout.root() {
-            true => renewal(k).powi(2) / density(k),
-            false => 2.0 * renewal(k).powi(2) / density(k),
-        };
         let n = speeds.len();
         Self {
             acceleration: DVector::from_fn(n, |k, _| 1.0 / density(k)),
-            velocity: DVector::from_fn(n, |k, _| per_velocity(k)),
+            velocity: DVector::from_fn(n, |k, _| 0.5 * renewal(k) / speeds[k].powi(2)),
             layout,
             motion_model,
         }

@@ -1,9 +1,9 @@
 //! The sequence posterior, ZS06 eq. 1, of all motions and the shape at once.
 //!
-//! E(s, m₁..ₙ) = −τ log p(s) + Σᵢ \[−log p(Zᵢ | mᵢ, s) − log p(mᵢ)\] + Σᵢ \[−log p(mᵢ | mᵢ₋₁, …)\]
+//! E(s, m₁..ₙ) = −log p(s) + Σᵢ \[−w log p(Zᵢ | mᵢ, s) − log p(mᵢ)\] + Σᵢ \[−log p(mᵢ | mᵢ₋₁, …)\]
 //!
 //! A frame's terms touch its own motion and the shape, a motion's factor touches its neighbours: g and H are a
-//! [`BorderedChain`] with the shape as border. τ tempers the data's weight on s: see [`super::joint`].
+//! [`BorderedChain`] with the shape as border. w is how often the data count: see [`super::noise`].
 
 use nalgebra::DVector;
 use rayon::prelude::*;

@@ -11,13 +11,15 @@
 //! A border pixel has the variance σ² = σ_px² + (σ_m·f/z)²: that of the segmentation, and the ellipsoids' own mismatch
 //! with a body. Neighbouring pixels err together: the weight of a row is its length over the correlation length.
 
-use nalgebra::{Matrix3, Matrix3x4, SVector, Vector2, Vector3};
+use nalgebra::{Matrix3x4, SVector, Vector2, Vector3};
 
 use super::ellipse_distance::{EllipseDistance, OutlineEllipse};
 use super::ellipse_sums::EllipseSums;
+use super::ellipsoid_surface::EllipsoidSurface;
+use super::offset_row::OffsetRow;
 use super::union::{NearEllipses, nearest, smooth_union};
 use super::{PlacedResidual, Source, Term};
-use crate::body::{CoefficientId, EllipsoidJacobians, Layout, Offset, PartId, Posed};
+use crate::body::{EllipsoidJacobians, Layout, Posed};
 use crate::camera::{Camera, Ray};
 use crate::math::quadric::{Ellipsoid, ProjectionJacobian, project, project_with_jacobian};
 use crate::silhouette::{ContourPoint, DistanceMap, Silhouette};
@@ -155,45 +157,46 @@ impl<'a> EllipseSilhouette<'a> {
         &self,
         view: &EllipseView<'_>,
         ellipses: &[Option<OutlineEllipse>],
-        surface: &Surface<'_>,
-        mut row: impl FnMut(f64, f64, &[(usize, SVector<f64, 5>)], &[(CoefficientId, f64)]),
+        body: &PlacedBody<'_>,
+        mut row: impl FnMut(f64, f64, &[(usize, SVector<f64, 5>)], Option<&OffsetRow>),
     ) {
         let precision = 1.0 / self.sigma_px(view);
         let per_m = precision * view.px_per_m;
+        let surface = body.surface.as_ref();
 
         // forwards: from the border to the model
         let mut near = NearEllipses::new();
         let points = view.points.iter().zip(&view.rays);
         for ((x, ray), length_px) in points.zip(&view.lengths_px) {
-            if let Some(d) = self.distance(view, ellipses, x, &mut near) {
-                let weight = length_px / (view.px_per_m * self.options.correlation_m);
-                let offset = near.most().and_then(|index| surface.offset(index, ray));
-                for (_, slope) in &mut near.slopes {
-                    *slope *= precision;
-                }
-                let (beyond, slopes) = scaled(offset, per_m);
-                row(d * precision - beyond, weight, &near.slopes, &slopes);
+            let Some(d) = self.distance(view, ellipses, x, &mut near) else { continue };
+            let weight = length_px / (view.px_per_m * self.options.correlation_m);
+            let offset = surface.and_then(|surface| surface.offset(near.most()?, ray));
+            let offset = offset.map(|b| OffsetRow::new(&b, body.layout, -per_m));
+            let beyond = offset.map_or(0.0, |b| b.value);
+
+            for (_, slope) in &mut near.slopes {
+                *slope *= precision;
             }
+            row(d * precision + beyond, weight, &near.slopes, offset.as_ref());
         }
 
         // back: from the model to the mask
         for (i, ellipse) in ellipses.iter().enumerate() {
             let Some(ellipse) = ellipse else { continue };
-            let weight =
-                surface.girths_m[i] / (self.circle.len() as f64 * self.options.correlation_m);
+            let weight = body.girths_m[i] / (self.circle.len() as f64 * self.options.correlation_m);
             for &(sin, cos) in &self.circle {
                 let x = ellipse.centre + ellipse.root * Vector2::new(cos, sin);
                 let (d, slope) = view.outside.sample(&x.into());
-                if d > 0.0 {
-                    let offset = surface
-                        .with_offsets()
-                        .and_then(|surface| surface.offset(i, &view.camera.ray(&x.into())));
-                    let (beyond, slopes) = scaled(offset, -per_m);
-                    let outside = d * precision - beyond;
-                    if outside > 0.0 {
-                        let rows = [(i, outline_slope(ellipse, sin, cos, &slope) * precision)];
-                        row(outside, weight, &rows, &slopes);
-                    }
+                if d <= 0.0 {
+                    continue;
+                }
+                let offset =
+                    surface.and_then(|surface| surface.offset(i, &view.camera.ray(&x.into())));
+                let offset = offset.map(|b| OffsetRow::new(&b, body.layout, per_m));
+                let outside = d * precision + offset.map_or(0.0, |b| b.value);
+                if outside > 0.0 {
+                    let rows = [(i, outline_slope(ellipse, sin, cos, &slope) * precision)];
+                    row(outside, weight, &rows, offset.as_ref());
                 }
             }
         }
@@ -204,11 +207,10 @@ impl<'a> EllipseSilhouette<'a> {
         &self,
         source: usize,
         view: &EllipseView<'_>,
-        body: &Posed<'_>,
         ellipsoids: &[Ellipsoid],
+        surface: &EllipsoidSurface<'_>,
     ) -> Vec<PlacedResidual> {
         let (ellipses, _) = project_all(&view.projection, ellipsoids);
-        let surface = Surface::new(body, ellipsoids);
         let sigma = self.sigma_px(view);
         let mut near = NearEllipses::new();
         let mut residuals = Vec::with_capacity(view.points.len());
@@ -222,8 +224,8 @@ impl<'a> EllipseSilhouette<'a> {
 
             let Some(index) = near.most() else { continue };
             let (part, touched) = surface.contact(index, ray);
-            let offset_px = body.surface_offset(part, &touched).map_or(0.0, |b| b.value_m);
-            let distance = distance - offset_px * view.px_per_m;
+            let offset_m = surface.offset(index, ray).map_or(0.0, |b| b.value_m);
+            let distance = distance - offset_m * view.px_per_m;
 
             residuals.push(PlacedResidual {
                 source: Source::View(source),
@@ -258,62 +260,28 @@ impl<'a> EllipseSilhouette<'a> {
     }
 }
 
-/// What lies about the ellipsoids of a posed body.
-struct Surface<'a> {
-    body: &'a Posed<'a>,
-    /// The girth of each at coefficient 0, metres: whatever the state is.
+/// What the rows of all views have in common.
+struct PlacedBody<'a> {
+    layout: Layout,
+    /// The girth of each ellipsoid at coefficient 0, metres: whatever the state is.
     girths_m: Vec<f64>,
-    /// Centre and A⁻¹ of each.
-    inverses: Vec<(Vector3<f64>, Matrix3<f64>)>,
+    /// Of a model with offsets.
+    surface: Option<EllipsoidSurface<'a>>,
 }
 
-impl<'a> Surface<'a> {
+impl<'a> PlacedBody<'a> {
     fn new(body: &'a Posed<'a>, ellipsoids: &[Ellipsoid]) -> Self {
         let girth = |r: Vector3<f64>| {
             let sum = r.norm_squared() - r.min().powi(2);
             std::f64::consts::TAU * (0.5 * sum).sqrt()
         };
-        let inverse = |e: &Ellipsoid| {
-            let inverse = e.shape.cholesky().map(|c| c.inverse());
-            (e.centre, inverse.unwrap_or_else(Matrix3::identity))
-        };
+        let has_offsets = body.model.offsets.is_some();
         Self {
-            body,
+            layout: Layout::new(body.model),
             girths_m: body.model.ellipsoids.iter().map(|e| girth(e.radii.value)).collect(),
-            inverses: ellipsoids.iter().map(inverse).collect(),
+            surface: has_offsets.then(|| EllipsoidSurface::new(body, ellipsoids)),
         }
     }
-
-    /// The part of an ellipsoid, and in its axes the point of a ray that is nearest to the ellipsoid's centre in the
-    /// ellipsoid's own measure.
-    fn contact(&self, index: usize, ray: &Ray) -> (PartId, Vector3<f64>) {
-        let (centre, inverse) = &self.inverses[index];
-        let pull = inverse * ray.direction_world.into_inner();
-        let offset = centre - ray.origin_world.coords;
-        let touched = ray.point_at(offset.dot(&pull) / ray.direction_world.dot(&pull));
-        let part = self.body.model.ellipsoids[index].part;
-        (part, self.body.in_part(part, &touched))
-    }
-
-    /// Itself, if its model has offsets.
-    fn with_offsets(&self) -> Option<&Self> {
-        self.body.model.offsets.is_some().then_some(self)
-    }
-
-    /// b where a ray touches an ellipsoid.
-    fn offset(&self, index: usize, ray: &Ray) -> Option<Offset> {
-        self.with_offsets()?;
-        let (part, touched) = self.contact(index, ray);
-        self.body.surface_offset(part, &touched)
-    }
-}
-
-/// b and its slopes in standard deviations of a border pixel; the slopes of a residual that is less by it.
-fn scaled(offset: Option<Offset>, per_m: f64) -> (f64, Vec<(CoefficientId, f64)>) {
-    offset.map_or((0.0, Vec::new()), |b| {
-        let slopes = b.slopes.iter().map(|(c, phi)| (*c, -phi * per_m));
-        (b.value_m * per_m, slopes.collect())
-    })
 }
 
 /// ∂(slope·x)/∂(ellipse) for the sample x = c + L·(cos, sin), L the Cholesky factor of Σ.
@@ -345,14 +313,14 @@ impl Term for EllipseSilhouette<'_> {
 
     fn cost(&self, body: &Posed<'_>) -> f64 {
         let ellipsoids = body.ellipsoids();
-        let surface = Surface::new(body, &ellipsoids);
+        let placed = PlacedBody::new(body, &ellipsoids);
         let mut cost = 0.0;
         for view in &self.views {
             let ellipses: Vec<_> = ellipsoids
                 .iter()
                 .map(|e| project(&view.projection, e).map(|e| OutlineEllipse::new(&e)))
                 .collect();
-            self.rows(view, &ellipses, &surface, |r, w, _, _| {
+            self.rows(view, &ellipses, &placed, |r, w, _, _| {
                 cost += 0.5 * w * self.options.loss.evaluate(r).0
             });
         }
@@ -361,8 +329,7 @@ impl Term for EllipseSilhouette<'_> {
 
     fn linearize(&self, body: &Posed<'_>, equations: &mut NormalEquations) -> f64 {
         let ellipsoids = body.ellipsoids();
-        let surface = Surface::new(body, &ellipsoids);
-        let layout = Layout::new(body.model);
+        let placed = PlacedBody::new(body, &ellipsoids);
         let mut cost = 0.0;
 
         // rows are summed in the image, and over the cameras in the world
@@ -371,12 +338,14 @@ impl Term for EllipseSilhouette<'_> {
         for view in &self.views {
             let (ellipses, projections) = project_all(&view.projection, &ellipsoids);
             in_image.clear();
-            self.rows(view, &ellipses, &surface, |r, w, rows, offset| {
+            self.rows(view, &ellipses, &placed, |r, w, rows, offset| {
                 let (rho, weight) = self.options.loss.evaluate(r);
                 cost += 0.5 * w * rho;
                 in_image.add(rows, r, w * weight);
-                let offset = offset.iter().map(|(c, slope)| (layout.coefficient(*c), *slope));
-                in_image.add_offset(offset, rows, r, w * weight, equations);
+                if let Some(offset) = offset.filter(|offset| offset.is_free(equations)) {
+                    offset.add_own(r, w * weight, equations);
+                    in_image.add_offset(offset, rows, w * weight);
+                }
             });
             in_world.add_camera(&in_image, &projections);
         }
@@ -390,9 +359,10 @@ impl Term for EllipseSilhouette<'_> {
 
     fn placed_residuals(&self, body: &Posed<'_>) -> Vec<PlacedResidual> {
         let ellipsoids = body.ellipsoids();
+        let surface = EllipsoidSurface::new(body, &ellipsoids);
         let views = self.views.iter().enumerate();
         views
-            .flat_map(|(source, view)| self.view_residuals(source, view, body, &ellipsoids))
+            .flat_map(|(source, view)| self.view_residuals(source, view, &ellipsoids, &surface))
             .collect()
     }
 }

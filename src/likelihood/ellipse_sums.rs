@@ -5,10 +5,9 @@
 //! H = Σᵢⱼ Jᵢᵀ (Σ_cameras Pᵢᵀ (Σ_points) Pⱼ) Jⱼ. A row that touches two ellipses (smooth minimum)
 //! adds a block to their pair.
 
-use std::collections::BTreeMap;
+use nalgebra::{DMatrix, SMatrix, SVector};
 
-use nalgebra::{SMatrix, SVector};
-
+use super::offset_row::OffsetRow;
 use crate::body::EllipsoidJacobians;
 use crate::math::quadric::ProjectionJacobian;
 use crate::solver::NormalEquations;
@@ -20,8 +19,10 @@ pub(super) struct EllipseSums<const N: usize> {
     /// Where the block of a pair (i ≥ j) is; `NONE` if no row touched it.
     places: Vec<u32>,
     blocks: Vec<(usize, usize, SMatrix<f64, N, N>)>,
-    /// Of an offset's component and an ellipse.
-    offsets: BTreeMap<(usize, usize), SVector<f64, N>>,
+    /// Of an ellipse and the component of an offset, in the order in which they came.
+    offsets: Vec<(usize, usize, SVector<f64, N>)>,
+    /// Where each is, by ellipse and component.
+    offset_places: Vec<Vec<u32>>,
 }
 
 const NONE: u32 = u32::MAX;
@@ -32,7 +33,8 @@ impl<const N: usize> EllipseSums<N> {
             gradients: vec![SVector::zeros(); ellipses],
             places: vec![NONE; ellipses * ellipses],
             blocks: Vec::with_capacity(4 * ellipses),
-            offsets: BTreeMap::new(),
+            offsets: Vec::new(),
+            offset_places: vec![Vec::new(); ellipses],
         }
     }
 
@@ -40,7 +42,9 @@ impl<const N: usize> EllipseSums<N> {
         self.gradients.fill(SVector::zeros());
         self.places.fill(NONE);
         self.blocks.clear();
-        self.offsets.clear();
+        for (ellipse, component, _) in self.offsets.drain(..) {
+            self.offset_places[ellipse][component] = NONE;
+        }
     }
 
     /// Adds one residual r of weight w whose derivative is `rows[k].1` in ellipse `rows[k].0`.
@@ -63,30 +67,32 @@ impl<const N: usize> EllipseSums<N> {
         }
         &mut self.blocks[*place as usize].2
     }
+
+    fn offset(&mut self, ellipse: usize, component: usize) -> &mut SVector<f64, N> {
+        let places = &mut self.offset_places[ellipse];
+        if places.len() <= component {
+            places.resize(component + 1, NONE);
+        }
+        let place = &mut places[component];
+        if *place == NONE {
+            *place = self.offsets.len() as u32;
+            self.offsets.push((ellipse, component, SVector::zeros()));
+        }
+        &mut self.offsets[*place as usize].2
+    }
 }
 
 impl EllipseSums<5> {
-    /// Adds what one residual r of weight w has to do with offsets, whose components have the derivatives `offset`: their own
-    /// equations, and those with the ellipses of `rows`.
+    /// Adds what the offsets of a residual of weight w have to do with the ellipses of its `rows`.
     pub(super) fn add_offset(
         &mut self,
-        offset: impl Iterator<Item = (usize, f64)> + Clone,
+        offset: &OffsetRow,
         rows: &[(usize, SVector<f64, 5>)],
-        r: f64,
         w: f64,
-        equations: &mut NormalEquations,
     ) {
-        for (component, slope) in offset.clone() {
-            if component >= equations.gradient.len() {
-                return;
-            }
-            equations.gradient[component] += w * slope * r;
-            for (other, other_slope) in offset.clone().filter(|(other, _)| *other <= component) {
-                equations.hessian[(component, other)] += w * slope * other_slope;
-            }
-            for (ellipse, row) in rows {
-                let sum = self.offsets.entry((component, *ellipse)).or_default();
-                *sum += row * (w * slope);
+        for (ellipse, row) in rows {
+            for (component, slope) in offset.slopes {
+                *self.offset(*ellipse, component) += row * (w * slope);
             }
         }
     }
@@ -104,45 +110,95 @@ impl EllipseSums<9> {
             let chained = projections[*i].tr_mul(block) * projections[*j];
             *self.block(*i, *j) += chained;
         }
-        for ((component, ellipse), sum) in &sums.offsets {
-            let chained = projections[*ellipse].tr_mul(sum);
-            *self.offsets.entry((*component, *ellipse)).or_default() += chained;
+        for (ellipse, component, sum) in &sums.offsets {
+            *self.offset(*ellipse, *component) += projections[*ellipse].tr_mul(sum);
         }
     }
 
     /// Chains to the body: adds to the components that `equations` has.
+    ///
+    /// With Jᵢ the body's Jacobian of ellipsoid i and Bᵢⱼ the blocks, H = A + Aᵀ with A = Σᵢ JᵢᵀRᵢ,
+    /// Rᵢ = ½BᵢᵢJᵢ + Σ BᵢⱼJⱼ over j < i, and what offsets have to do with i in their own columns of Rᵢ.
     pub(super) fn add_to(&self, jacobians: &EllipsoidJacobians, equations: &mut NormalEquations) {
-        let free: Vec<usize> = jacobians
-            .components
-            .iter()
-            .map(|c| c.partition_point(|&component| component < equations.gradient.len()))
-            .collect();
+        let dimension = equations.gradient.len();
+        let free = |i: usize| {
+            let components = &jacobians.components[i];
+            let free = components.partition_point(|&component| component < dimension);
+            components[..free].iter().copied().zip(jacobians.values[i].column_iter())
+        };
+
+        let mut half: DMatrix<f64> = DMatrix::zeros(dimension, dimension);
+        let mut row = SparseRow::new(dimension);
         for (i, gradient) in self.gradients.iter().enumerate() {
-            for (column, &component) in jacobians.components[i][..free[i]].iter().enumerate() {
-                equations.gradient[component] += jacobians.values[i].column(column).dot(gradient);
+            for (component, slope) in free(i) {
+                equations.gradient[component] += slope.dot(gradient);
+            }
+
+            // Rᵢ
+            for (j, block) in self.blocks_of(i) {
+                let block = if i == j { block * 0.5 } else { *block };
+                free(j).for_each(|(component, slope)| row.add(component, &(block * slope)));
+            }
+            self.offsets_of(i).for_each(|(component, sum)| row.add(component, sum));
+
+            // A
+            row.drain(|column, pull| {
+                let mut target = half.column_mut(column);
+                free(i).for_each(|(component, slope)| target[component] += slope.dot(pull));
+            });
+        }
+
+        for column in 0..dimension {
+            for row in column..dimension {
+                equations.hessian[(row, column)] += half[(row, column)] + half[(column, row)];
             }
         }
-        for ((offset, ellipse), sum) in &self.offsets {
-            let components = &jacobians.components[*ellipse][..free[*ellipse]];
-            for (column, &component) in components.iter().enumerate() {
-                let value = jacobians.values[*ellipse].column(column).dot(sum);
-                let (row, column) = (component.max(*offset), component.min(*offset));
-                equations.hessian[(row, column)] += value;
-            }
+    }
+
+    /// The blocks (i, j), j ≤ i, that a row touched.
+    fn blocks_of(&self, i: usize) -> impl Iterator<Item = (usize, &SMatrix<f64, 9, 9>)> {
+        let count = self.gradients.len();
+        let places = self.places[i * count..][..=i].iter().enumerate();
+        places.filter(|(_, place)| **place != NONE).map(|(j, p)| (j, &self.blocks[*p as usize].2))
+    }
+
+    /// The offsets that a row of ellipse i touched.
+    fn offsets_of(&self, i: usize) -> impl Iterator<Item = (usize, &SVector<f64, 9>)> {
+        let places = self.offset_places[i].iter().enumerate();
+        places.filter(|(_, place)| **place != NONE).map(|(c, p)| (c, &self.offsets[*p as usize].2))
+    }
+}
+
+/// A row of many columns of 9 numbers, of which few are not 0.
+struct SparseRow {
+    columns: Vec<SVector<f64, 9>>,
+    is_touched: Vec<bool>,
+    touched: Vec<usize>,
+}
+
+impl SparseRow {
+    fn new(columns: usize) -> Self {
+        Self {
+            columns: vec![SVector::zeros(); columns],
+            is_touched: vec![false; columns],
+            touched: Vec::with_capacity(columns),
         }
-        for (i, j, block) in &self.blocks {
-            let (rows, columns) =
-                (&jacobians.components[*i][..free[*i]], &jacobians.components[*j][..free[*j]]);
-            for (b, &column) in columns.iter().enumerate() {
-                let pull = block * jacobians.values[*j].column(b);
-                // a pair's block stands for its transpose too; on the diagonal half of it is enough
-                let first = if i == j { b } else { 0 };
-                for (a, &row) in rows.iter().enumerate().skip(first) {
-                    let value = jacobians.values[*i].column(a).dot(&pull);
-                    let twice = if i != j && row == column { 2.0 } else { 1.0 };
-                    equations.hessian[(row.max(column), row.min(column))] += twice * value;
-                }
-            }
+    }
+
+    #[inline]
+    fn add(&mut self, column: usize, value: &SVector<f64, 9>) {
+        if !std::mem::replace(&mut self.is_touched[column], true) {
+            self.touched.push(column);
+        }
+        self.columns[column] += value;
+    }
+
+    /// Calls `visit` for every column that is not 0, and clears it.
+    fn drain(&mut self, mut visit: impl FnMut(usize, &SVector<f64, 9>)) {
+        for column in self.touched.drain(..) {
+            visit(column, &self.columns[column]);
+            self.columns[column] = SVector::zeros();
+            self.is_touched[column] = false;
         }
     }
 }

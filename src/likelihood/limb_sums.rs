@@ -6,17 +6,9 @@
 
 use std::collections::BTreeMap;
 
+use super::offset_row::OffsetRow;
 use crate::body::metaball::FieldSlopes;
 use crate::solver::NormalEquations;
-
-/// The derivatives of a residual with respect to the offsets of the surface, by component.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct OffsetRow {
-    pub(super) slopes: [(usize, f64); 4],
-    pub(super) residual_m: f64,
-    /// Of the row, 1/m².
-    pub(super) weight: f64,
-}
 
 /// JᵀWJ and JᵀWr of the rows of each limb.
 #[derive(Debug, Clone)]
@@ -58,26 +50,11 @@ impl LimbSums {
         }
     }
 
-    /// Adds what a residual has to do with offsets: their own equations, and those with the limb's components, whose derivatives
-    /// are `row`.
-    pub(super) fn add_offset(
-        &mut self,
-        limb: usize,
-        row: &[f64],
-        offset: &OffsetRow,
-        equations: &mut NormalEquations,
-    ) {
-        let OffsetRow { slopes, residual_m, weight: w } = *offset;
+    /// Adds what the offsets of a residual of weight w have to do with the limb's components, whose derivatives are `row`.
+    pub(super) fn add_offset(&mut self, limb: usize, row: &[f64], offset: &OffsetRow, w: f64) {
         let Sums { gradient, offsets, .. } = &mut self.limbs[limb];
         let n = gradient.len();
-        for (component, slope) in slopes {
-            if component >= equations.gradient.len() {
-                return;
-            }
-            equations.gradient[component] += w * slope * residual_m;
-            for (other, other_slope) in slopes.iter().filter(|(other, _)| *other <= component) {
-                equations.hessian[(component, *other)] += w * slope * other_slope;
-            }
+        for (component, slope) in offset.slopes {
             let sums = offsets.entry(component).or_insert_with(|| vec![0.0; n]);
             for (sum, value) in sums.iter_mut().zip(row) {
                 *sum += w * slope * value;

@@ -2,7 +2,8 @@
 
 use nalgebra::{Point3, Vector2, Vector3};
 
-use super::limb_sums::{LimbSums, OffsetRow};
+use super::limb_sums::LimbSums;
+use super::offset_row::OffsetRow;
 use super::skin_distance::{PosedScale, SkinResidual};
 use super::{PlacedResidual, Source};
 use crate::body::metaball::{BallChange, Field, FieldRow, FieldSample, FieldSlopes};
@@ -164,9 +165,11 @@ pub(super) fn linearize(
         let inwards = sample.log_gradient.try_normalize(f64::MIN_POSITIVE);
         if let Some((offset, inwards)) = touch.offset.zip(inwards) {
             let slope = slope_along(&inwards, sample, &changes);
-            let slopes = offset.slopes.map(|(c, phi)| (layout.coefficient(c), phi * slope));
-            let offset = OffsetRow { slopes, residual_m, weight };
-            sums.add_offset(sample.limb, &row.values, &offset, equations);
+            let offset = OffsetRow::new(&offset, layout, slope);
+            if offset.is_free(equations) {
+                offset.add_own(residual_m, weight, equations);
+                sums.add_offset(sample.limb, &row.values, &offset, weight);
+            }
         }
     });
     sums.add_to(&slopes, equations);

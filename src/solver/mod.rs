@@ -11,7 +11,7 @@ mod levenberg_marquardt;
 mod normal_equations;
 mod robust;
 
-pub use bordered_chain::{BorderedChain, Columns, Link, Marginal};
+pub use bordered_chain::{BorderedChain, Link, Marginal};
 pub use check::{LinearizationFault, check_linearization};
 pub use levenberg_marquardt::{Options, Report, Solution, Termination, levenberg_marquardt};
 pub use normal_equations::NormalEquations;

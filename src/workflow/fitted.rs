@@ -61,12 +61,20 @@ impl FittedRecording {
         Ok(Self { result, model })
     }
 
+    /// Whether the fit can be used.
+    ///
+    /// # Errors
+    /// [`Error::Unusable`] has its verdict if not.
+    pub fn usable(&self) -> Result<(), Error> {
+        self.result.verdict.why_unusable().map_or(Ok(()), |why| Err(Error::Unusable(why)))
+    }
+
     /// A length by its name in the model: `thigh`, `shank`, `upper_arm`, …
     ///
     /// # Errors
     /// [`Error::NoLength`] lists the names there are, [`Error::Unusable`] says why the fit has no lengths.
     pub fn length(&self, name: &str) -> Result<Length, Error> {
-        usable(&self.result)?;
+        self.usable()?;
         let lengths = &self.result.shape.lengths;
         let found = lengths.iter().find(|length| length.name == name);
         let names = || lengths.iter().map(|length| length.name.as_str());
@@ -118,18 +126,13 @@ impl FittedRecording {
     }
 }
 
-/// Whether a fit can be used; its verdict if not.
-fn usable(fit: &ResultFile) -> Result<(), Error> {
-    fit.verdict.why_unusable().map_or(Ok(()), |why| Err(Error::Unusable(why)))
-}
-
 impl GaitStudy {
     /// An angle by its name (`knee_flexion`, `hip_adduction`, …), frame by frame.
     ///
     /// # Errors
     /// [`Error::NoAngle`] lists the names there are, [`Error::Unusable`] says why the fit has no angles.
     pub fn angle(&self, name: &str, side: Side) -> Result<AngleTrack, Error> {
-        self.result.as_ref().map_or(Ok(()), usable)?;
+        self.usable()?;
         let known = self.analysis.angles.keys().filter(|(s, _)| *s == side);
         let known = || known.clone().map(|(_, angle)| *angle);
         let angle: Angle =

@@ -12,7 +12,6 @@ use crate::io::gait::{
     load_norm, parameters_csv, parse_norm, read_points,
 };
 use crate::io::result::ResultFile;
-use crate::pipeline::Verdict;
 
 /// How somebody walks, with what that was found from and what it is compared with.
 #[derive(Debug, Clone)]
@@ -77,9 +76,13 @@ impl GaitStudy {
         Self::new(input, Some(result), options)
     }
 
-    /// The verdict on the fit; `None` of points.
-    pub fn verdict(&self) -> Option<&Verdict> {
-        self.result.as_ref().map(|result| &result.verdict)
+    /// Whether the fit can be used; points always can.
+    ///
+    /// # Errors
+    /// [`Error::Unusable`] has its verdict if not.
+    pub fn usable(&self) -> Result<(), Error> {
+        let why = self.result.as_ref().and_then(|result| result.verdict.why_unusable());
+        why.map_or(Ok(()), |why| Err(Error::Unusable(why)))
     }
 
     /// Analyses a movement, against the shipped norm; of a fit that cannot be used all numbers are withheld.

@@ -9,7 +9,7 @@ use maquette::Recording;
 use maquette::workflow::FitFolder;
 
 use crate::complain;
-use crate::error::{CliError, one_line, usable};
+use crate::error::{CliError, one_line};
 use crate::summary::Summary;
 
 /// Fits a recording and writes the result.
@@ -37,5 +37,5 @@ fn fit(arguments: &FitArguments) -> Result<(), CliError> {
         let warnings = fit.result.warnings.iter();
         warnings.for_each(|warning| complain("warning", &one_line(warning)));
     }
-    usable(Some(&fit.result.verdict))
+    Ok(fit.usable()?)
 }

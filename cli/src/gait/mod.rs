@@ -8,7 +8,7 @@ use clap::Args;
 use serde_json::json;
 
 use crate::choice::{Choice, one_of};
-use crate::error::{CliError, usable};
+use crate::error::CliError;
 use crate::subject::SubjectArguments;
 use crate::switches::{Output, Overwrite};
 use maquette::GaitStudy;
@@ -121,7 +121,7 @@ pub(super) fn run(arguments: &GaitArguments) -> Result<(), CliError> {
     };
     let json = || json!({ "out": out.display().to_string(), "gait": study.file() });
     arguments.output.summarise(text, json);
-    usable(study.verdict())
+    Ok(study.usable()?)
 }
 
 fn out_folder(arguments: &GaitArguments) -> PathBuf {

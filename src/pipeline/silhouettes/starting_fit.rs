@@ -73,7 +73,8 @@ impl StartingFit {
         let fit = fit_watched(&plain, rig, sequence, &options, none, progress)?;
 
         let motions = fit.frames.into_iter().map(|f| (f.frame, f.fit.motion));
-        Ok(Self { shape: fit.shape, motions: motions.collect(), still })
+        let shape = fit.shape.first(model.coefficients.len());
+        Ok(Self { shape, motions: motions.collect(), still })
     }
 
     /// Shape and motion of all frames at once, fitted to what was observed in them (PF02, §4.3, step 3).

@@ -2,12 +2,20 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{BorderedChain, Columns};
+use super::BorderedChain;
 
 /// L of H = LLᵀ; its blocks lie where those of H lie.
 pub(super) struct Factor {
     pub(super) links: Vec<FactorLink>,
     pub(super) corner: DMatrix<f64>,
+}
+
+/// Right-hand sides or solutions of a chain's equations, as columns.
+pub(super) struct Columns {
+    /// The components of each frame, m × columns.
+    pub(super) frames: Vec<DMatrix<f64>>,
+    /// The shared ones, p × columns.
+    pub(super) shared: DMatrix<f64>,
 }
 
 /// The blocks of L in one frame's row.
@@ -68,14 +76,17 @@ impl Factor {
     pub(super) fn minimizer(&self, chain: &BorderedChain) -> DVector<f64> {
         let column = |g: &DVector<f64>| DMatrix::from_column_slice(g.len(), 1, g.as_slice());
         let frames = chain.links.iter().map(|link| -column(&link.gradient));
-        let solved = self.solve(frames.collect(), -column(&chain.corner_gradient));
+        let shared = -column(&chain.corner_gradient);
+        let solved = self.solve(Columns { frames: frames.collect(), shared });
         let all = solved.frames.iter().chain([&solved.shared]);
         let all: Vec<f64> = all.flat_map(|x| x.iter().copied()).collect();
         DVector::from_vec(all)
     }
 
     /// H⁻¹Y.
-    pub(super) fn solve(&self, mut frames: Vec<DMatrix<f64>>, mut shared: DMatrix<f64>) -> Columns {
+    pub(super) fn solve(&self, columns: Columns) -> Columns {
+        let Columns { mut frames, mut shared } = columns;
+
         // forwards: LX = Y
         for (i, factor) in self.links.iter().enumerate() {
             let (before, from) = frames.split_at_mut(i);

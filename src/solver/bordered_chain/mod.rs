@@ -47,15 +47,6 @@ pub struct BorderedChain {
     pub corner_gradient: DVector<f64>,
 }
 
-/// Right-hand sides or solutions of a chain's equations, as columns.
-#[derive(Debug, Clone)]
-pub struct Columns {
-    /// The components of each frame, m × columns.
-    pub frames: Vec<DMatrix<f64>>,
-    /// The shared ones, p × columns.
-    pub shared: DMatrix<f64>,
-}
-
 impl BorderedChain {
     /// The zero model of `frames` blocks of m components, each coupled to the `reach` blocks before it, and p shared components.
     pub fn zeros(frames: usize, m: usize, p: usize, reach: usize) -> Self {
@@ -70,11 +61,6 @@ impl BorderedChain {
             corner: DMatrix::zeros(p, p),
             corner_gradient: DVector::zeros(p),
         }
-    }
-
-    /// H⁻¹Y; `None` where H is not positive definite.
-    pub fn solve(&self, y: Columns) -> Option<Columns> {
-        Some(Factor::new(self, 0.0)?.solve(y.frames, y.shared))
     }
 
     fn largest_diagonal(&self) -> f64 {
