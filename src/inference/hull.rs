@@ -23,6 +23,8 @@ pub struct Hull {
 /// Half the edge of the cube that is carved, and the edge of a voxel, metres.
 const REACH: f64 = 1.4;
 const VOXEL: f64 = 0.04;
+/// Half the depth of a person in a stride, metres.
+const HALF_DEPTH_M: f64 = 0.4;
 
 /// Fewer points do not tell where a body is.
 pub const LEAST_POINTS: usize = 200;
@@ -97,9 +99,15 @@ pub fn subject(rig: &Rig, frame: &FrameObservations) -> Option<Point3<f64>> {
 /// Carves the hull around the subject; `None` where no voxel survives.
 ///
 /// A voxel is kept if it lies in every silhouette that its camera can see; with five or more such
-/// cameras one may disagree (a bitten mask must not cut a leg off).
+/// cameras one may disagree (a bitten mask must not cut a leg off). The hull of cameras that stand side by side is open in depth;
+/// there the parallax of the silhouettes' centroids says how far away the body is, and only what is near that place is kept.
 pub fn carve(rig: &Rig, frame: &FrameObservations) -> Option<Hull> {
     let subject = subject(rig, frame)?;
+    let sights = lines_of_sight(rig, frame);
+    let open: Vector3<f64> = sights.iter().map(|sight| sight.direction_world.into_inner()).sum();
+    let open = (!has_depth(&sights)).then(|| open.try_normalize(f64::MIN_POSITIVE)).flatten();
+    let is_near =
+        |offset: &Vector3<f64>| open.is_none_or(|open| offset.dot(&open).abs() < HALF_DEPTH_M);
 
     // voxel by voxel of the cube around the subject
     let n = (2.0 * REACH / VOXEL) as i32;
@@ -108,7 +116,7 @@ pub fn carve(rig: &Rig, frame: &FrameObservations) -> Option<Hull> {
     let mut sum = Vector3::zeros();
     for (i, j, k) in (0..n * n * n).map(|v| (v / (n * n), v / n % n, v % n)) {
         let voxel = corner + Vector3::new(f64::from(i), f64::from(j), f64::from(k)) * VOXEL;
-        if occupied(rig, frame, &voxel) {
+        if is_near(&(voxel - subject)) && occupied(rig, frame, &voxel) {
             sum += voxel.coords;
             heights.push(voxel.z);
         }
