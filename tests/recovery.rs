@@ -6,9 +6,11 @@ use std::sync::LazyLock;
 
 use maquette::body::{BodyModel, JointId, Motion, Posed, Shape, State};
 use maquette::camera::Rig;
+use maquette::inference::facing::trial_faces_away;
 use maquette::inference::frame::KeyframePosterior;
+use maquette::inference::hull::hull;
 use maquette::inference::prior::{PosePrior, ShapePrior};
-use maquette::inference::search::{NoJournal, Pruning, Search, SearchOptions, search};
+use maquette::inference::search::{NoJournal, Origin, Pruning, Search, SearchOptions, search};
 use maquette::inference::start::{StartOptions, readings};
 use maquette::inference::{Detail, Evidence, Sequence};
 use maquette::likelihood::EllipseOptions;
@@ -16,7 +18,7 @@ use maquette::pipeline::{EstimateOptions, Fit, fit};
 use maquette::silhouette::{FrameIndex, FrameObservations};
 use maquette::solver::{NormalEquations, Options, Solution, levenberg_marquardt};
 use maquette::synth::draw_shape;
-use nalgebra::{DVector, Rotation3, Vector2, Vector3};
+use nalgebra::{DVector, Point3, Rotation3, Vector2, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -63,14 +65,18 @@ impl Scene {
     }
 
     /// Mean distance of the limb joints from the truth in a frame, mm.
-    fn error_mm(&self, shape: &Shape, motion: &Motion, frame: usize) -> f64 {
-        let fit = Posed::new(&self.model, shape, motion).points();
+    fn error_mm(&self, points: &[Point3<f64>], frame: usize) -> f64 {
         let truth = Posed::new(&self.model, &self.shape, &self.motions[frame]).points();
         let distance = |name: &&str| {
             let index = self.model.point(name).expect("the model has the joint");
-            1e3 * (fit[index] - truth[index]).norm()
+            1e3 * (points[index] - truth[index]).norm()
         };
         LIMB_JOINTS.iter().map(distance).sum::<f64>() / LIMB_JOINTS.len() as f64
+    }
+
+    /// The same of a body in its model.
+    fn body_error_mm(&self, shape: &Shape, motion: &Motion, frame: usize) -> f64 {
+        self.error_mm(&Posed::new(&self.model, shape, motion).points(), frame)
     }
 
     /// argmax p(mₖ, s | Zₖ) from a start.
@@ -138,9 +144,9 @@ static FOUND: LazyLock<Search> = LazyLock::new(|| found(FRAMES, Pruning::Exact))
 fn keyframes_recover_the_joints_from_perturbed_starts() {
     let errors = |frame: usize| {
         let start = SCENE.perturbed(frame, 71 + frame as u64);
-        let before = SCENE.error_mm(&start.shape, &start.motion, frame);
+        let before = SCENE.body_error_mm(&start.shape, &start.motion, frame);
         let fit = SCENE.fit_keyframe(frame, start).state;
-        (before, SCENE.error_mm(&fit.shape, &fit.motion, frame))
+        (before, SCENE.body_error_mm(&fit.shape, &fit.motion, frame))
     };
     let (before, mut after): (Vec<f64>, Vec<f64>) = (0..FRAMES).map(errors).unzip();
     after.sort_by(f64::total_cmp);
@@ -153,8 +159,9 @@ fn keyframes_recover_the_joints_from_perturbed_starts() {
 fn the_search_finds_the_motion_without_a_start() {
     let winner = &FOUND.trials[FOUND.winner];
     let fits = winner.frames.iter().flatten().enumerate();
-    let mut errors: Vec<f64> =
-        fits.map(|(i, fit)| SCENE.error_mm(&winner.hypothesis.shape, &fit.motion, i)).collect();
+    let mut errors: Vec<f64> = fits
+        .map(|(i, fit)| SCENE.body_error_mm(&winner.hypothesis.shape, &fit.motion, i))
+        .collect();
     assert_eq!(errors.len(), FRAMES);
     let last = errors[FRAMES - 1];
     errors.sort_by(f64::total_cmp);
@@ -203,6 +210,41 @@ fn a_mirrored_start_costs_more_and_is_not_the_first_reading() {
 }
 
 #[test]
+fn the_other_way_of_facing_is_tried_where_no_keyframe_proposes_it() {
+    let scene = &*SCENE;
+    let one = StartOptions { kept: 1, ..options(Pruning::Exact).start };
+    let one = SearchOptions { start: one, ..options(Pruning::Exact) };
+    let sequence = Sequence { frames: &scene.frames[..6], fps: FPS };
+    let found = search(&scene.evidence(), sequence, &one, &NoJournal).expect("a winner");
+
+    let turned = found.trials.last().expect("trials");
+    assert_eq!(turned.hypothesis.origin, Origin::Turned);
+    assert!(trial_faces_away(turned, &found.trials[found.winner]));
+    let truth = scene.motions[0].world_from_root * Vector3::x();
+    let winner = &found.trials[found.winner].hypothesis.motion;
+    assert!((winner.world_from_root * Vector3::x()).dot(&truth) > 0.9);
+}
+
+#[test]
+fn before_cameras_side_by_side_a_start_stands_where_their_parallax_says() {
+    let scene = &*SCENE;
+    let first = scene.rig.cameras[0].clone();
+    let mut side_by_side = scene.rig.clone();
+    side_by_side.cameras.truncate(3);
+    for (camera, x) in side_by_side.cameras.iter_mut().zip([-0.2, 0.0, 0.2]) {
+        camera.camera_from_world = first.camera_from_world;
+        camera.camera_from_world.translation.vector.x -= x;
+    }
+
+    let body = Posed::new(&scene.model, &scene.shape, &scene.motions[0]);
+    let hull = hull(&side_by_side, &observe(&body, &side_by_side, 0)).expect("a hull");
+    let depth_m = |point: &Point3<f64>| (first.camera_from_world * point).z;
+    let middle = body.points().iter().map(depth_m).sum::<f64>() / body.points().len() as f64;
+    let off_m = depth_m(&hull.centroid_world) - middle;
+    assert!(off_m.abs() < 0.1, "{off_m} m");
+}
+
+#[test]
 fn a_camera_that_was_touched_is_found_and_costs_the_body_nothing() {
     let scene = &*SCENE;
     let touched = Vector2::new(9.0, -6.0);
@@ -217,7 +259,7 @@ fn a_camera_that_was_touched_is_found_and_costs_the_body_nothing() {
     };
     let error_mm = |fit: &Fit| {
         let frames = fit.frames.iter().enumerate();
-        let each = frames.map(|(i, f)| scene.error_mm(&fit.shape, &f.fit.motion, i));
+        let each = frames.map(|(i, f)| scene.error_mm(&f.points_world, i));
         each.sum::<f64>() / FRAMES as f64
     };
     let (untouched, aimed, trusting) =

@@ -146,6 +146,7 @@ impl Summary<'_> {
 fn origin(hypothesis: &HypothesisPart) -> String {
     match (hypothesis.origin, hypothesis.reading) {
         (OriginPart::Prior, _) => "mean body".into(),
+        (OriginPart::Turned, _) => "facing the other way".into(),
         (OriginPart::Keyframe, None | Some(0)) => "keyframe".into(),
         (OriginPart::Keyframe, Some(reading)) => format!("keyframe, reading {}", reading + 1),
     }

@@ -11,6 +11,8 @@ pub enum Origin {
     Prior,
     /// argmax p(mₖ, s | Zₖ): the reading of that number, 0 the best.
     Keyframe(usize),
+    /// The winner of the others, turned to face the other way.
+    Turned,
 }
 
 /// A shape s*ₖ with the motion of its keyframe.

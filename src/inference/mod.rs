@@ -20,6 +20,7 @@ pub mod confidence;
 pub mod covariance;
 mod detail;
 mod evidence;
+pub mod facing;
 pub mod frame;
 pub mod hull;
 mod hypothesis;

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::facing::turned_hypothesis;
 use super::hypothesis::most_probable;
 pub use super::hypothesis::{Hypothesis, Origin, Search, Trial};
 pub use super::journal::{Journal, NoJournal};
@@ -73,7 +74,8 @@ const STRIDE: usize = 8;
 ///
 /// # Source
 /// ZS06, Algorithm 1. Differs: a keyframe gives one hypothesis for each reading (front, back); tracks run
-/// both ways from the keyframe; hypotheses that can no longer win are dropped, exactly.
+/// both ways from the keyframe; hypotheses that can no longer win are dropped, exactly; if no keyframe proposes that the person
+/// faces the other way, the winner turned around is one more hypothesis.
 pub fn search(
     evidence: &Evidence<'_>,
     sequence: Sequence<'_>,
@@ -93,12 +95,18 @@ pub fn search(
     let mut hypotheses = vec![mean_hypothesis(evidence, sequence, &found[promising])];
     hypotheses.extend(found);
     // 4. propagate every hypothesis along the chain: argmax p(mᵢ | mᵢ₋₁, s, Zᵢ)
-    let trials = run.follow_all(&hypotheses, promising + 1);
+    let mut trials = run.follow_all(&hypotheses, promising + 1);
     if journal.is_failing() {
         return None;
     }
     // 5. the most probable sequence posterior (eq. 1)
-    let winner = most_probable(&trials)?;
+    let mut winner = most_probable(&trials)?;
+    // 6. which way the person faces is compared in any case
+    if let Some(turned) = turned_hypothesis(evidence, sequence, &trials, winner) {
+        journal.hypotheses(1);
+        trials.push(run.follow(trials.len(), &turned, run.bound(&trials[winner])));
+        winner = most_probable(&trials)?;
+    }
     Some(Search { trials, winner })
 }
 

@@ -98,6 +98,15 @@ pub(super) fn readings_by(
     distinct_headings(refined)
 }
 
+/// The reading of a frame that is reached from a state.
+pub(super) fn improved_reading(
+    evidence: &Evidence<'_>,
+    frame: &FrameObservations,
+    state: State,
+) -> Reading {
+    improve(evidence, &evidence.terms(frame, Detail::Fine), state, &solver_options(30, 1e-4))
+}
+
 fn solver_options(max_iterations: usize, relative_decrease: f64) -> Options {
     Options { max_iterations, damping: 1e-2, relative_decrease }
 }

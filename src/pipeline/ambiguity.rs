@@ -3,10 +3,12 @@
 use nalgebra::Vector2;
 
 use super::Warning;
+use super::diagnosis::stature_m;
 use super::fit::TriedHypothesis;
-use crate::body::{Motion, Root};
+use crate::body::{BodyModel, Root, Shape};
 use crate::camera::Rig;
 use crate::inference::Evidence;
+use crate::inference::facing::trial_faces_away;
 use crate::silhouette::FrameObservations;
 
 /// Log odds below which the other way of facing is worth a word: a thousand to one.
@@ -29,17 +31,12 @@ pub(super) fn facing_warning(
         return None;
     }
     let won = &hypotheses[winner].trial;
-    let faces_away = |other: &&TriedHypothesis| {
-        let both = won.frames.iter().zip(&other.trial.frames);
-        let mut both = both.filter_map(|(a, b)| Some((a.as_ref()?, b.as_ref()?)));
-        both.next().is_some_and(|(a, b)| forwards(&a.motion).dot(&forwards(&b.motion)) < 0.0)
-    };
     let energy = |tried: &TriedHypothesis| {
         let followed = tried.fitted.max(1) as f64 / tried.trial.frames.len().max(1) as f64;
         tried.trial.energy() / followed
     };
 
-    let away = hypotheses.iter().filter(faces_away).map(energy);
+    let away = hypotheses.iter().filter(|other| trial_faces_away(won, &other.trial)).map(energy);
     match away.reduce(f64::min) {
         None => Some(Warning::FacingUntried),
         Some(other) => {
@@ -49,14 +46,20 @@ pub(super) fn facing_warning(
     }
 }
 
-/// The horizontal direction of the root's x axis.
-fn forwards(motion: &Motion) -> Vector2<f64> {
-    motion.world_from_root.matrix().column(0).xy()
+/// Says how tall the body is if nobody said how tall the person is: cameras and person may both be larger.
+pub(super) fn scale_warning(
+    model: &BodyModel,
+    shape: &Shape,
+    height_m: Option<f64>,
+) -> Option<Warning> {
+    let is_person = matches!(model.root, Root::Free { .. });
+    let found_m = || stature_m(model, shape);
+    (is_person && height_m.is_none()).then(|| Warning::ScaleUnchecked { found_m: found_m() })
 }
 
 /// Says so if all cameras that see the person look along one line, from one end or from both: they show one outline, and what
-/// is left in it may be right.
-pub(super) fn one_outline_warning(rig: &Rig, frames: &[FrameObservations]) -> Option<Warning> {
+/// is left in it may be right. Or if there are two of them: limbs that one hides are where the other leaves room.
+pub(super) fn few_outlines_warning(rig: &Rig, frames: &[FrameObservations]) -> Option<Warning> {
     let has_points = frames.iter().any(|frame| !frame.points.is_empty());
     let sees = |id: usize| frames.iter().any(|f| f.views.iter().any(|(c, _)| c.0 == id));
     // seen from above
@@ -67,7 +70,13 @@ pub(super) fn one_outline_warning(rig: &Rig, frames: &[FrameObservations]) -> Op
     let first = axes.first()?;
     let along = ONE_LINE_DEG.to_radians().cos();
     let is_one_line = axes.iter().all(|axis| first.dot(axis).abs() > along);
-    (axes.len() > 1 && !has_points && is_one_line).then_some(Warning::OneOutline)
+    match axes.len() {
+        _ if has_points => None,
+        0 | 1 => None,
+        _ if is_one_line => Some(Warning::OneOutline),
+        2 => Some(Warning::TwoCameras),
+        _ => None,
+    }
 }
 
 #[cfg(test)]
@@ -76,7 +85,7 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::body::{BodyModel, Shape};
+    use crate::body::Motion;
     use crate::camera::CameraId;
     use crate::inference::frame::FrameFit;
     use crate::inference::search::{Hypothesis, Origin, Trial};
@@ -105,14 +114,14 @@ mod tests {
         let silhouette = extract(&mask, &first, &SilhouetteOptions::default()).unwrap();
         let mut frame = FrameObservations::nothing(FrameIndex(0));
         frame.views = (0..rig.cameras.len()).map(|i| (CameraId(i), silhouette.clone())).collect();
-        one_outline_warning(&rig, &[frame])
+        few_outlines_warning(&rig, &[frame])
     }
 
     #[test]
     fn cameras_on_one_line_show_one_outline_and_others_do_not() {
         assert_eq!(warning(&[0.0, 180.0]), Some(Warning::OneOutline));
         assert_eq!(warning(&[0.0, 10.0, 190.0]), Some(Warning::OneOutline));
-        assert_eq!(warning(&[0.0, 90.0]), None);
+        assert_eq!(warning(&[0.0, 90.0]), Some(Warning::TwoCameras));
         assert_eq!(warning(&[0.0, 180.0, 60.0]), None);
         assert_eq!(warning(&[0.0]), None);
     }

@@ -1,30 +1,27 @@
 //! The stages, one after the other.
 
-use nalgebra::{Point3, Vector2};
+use nalgebra::Point3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::Verdict;
-use super::aim::{AimedOptimum, JointStage};
-use super::ambiguity::{facing_warning, one_outline_warning};
+use super::ambiguity::{facing_warning, few_outlines_warning, scale_warning};
 use super::diagnosis::{Diagnosis, lost_frames};
+use super::estimate::{Estimate, estimate};
 use super::measures::Measures;
 use super::points::{self, PointQuality};
 use super::quality::{self, CameraQuality, ViewQuality};
 use super::watch::WatchedJournal;
 use super::{EstimateOptions, FitError, NoProgress, Progress, Warning, check_scene};
-use crate::body::{BodyModel, Layout, Motion, Posed, Shape};
+use crate::body::{BodyModel, Motion, Posed, Shape};
 use crate::camera::Rig;
 use crate::inference::chain::ChainPrior;
-use crate::inference::covariance::{FrameUncertainty, ShapeUncertainty, Uncertainty};
+use crate::inference::covariance::{FrameUncertainty, ShapeUncertainty};
 use crate::inference::frame::FrameFit;
 use crate::inference::joint::JointOptions;
 use crate::inference::noise::Noise;
 use crate::inference::search::{Journal, Trial, search};
-use crate::inference::sequence_posterior::SequenceState;
-use crate::inference::step::between;
 use crate::inference::{Evidence, Sequence, ShapeConfidence};
-use crate::likelihood::Measure;
 use crate::math::stats::mean;
 use crate::silhouette::{FrameIndex, FrameObservations};
 
@@ -227,7 +224,8 @@ fn stages(
     };
     let verdict = diagnosis.verdict();
     notes.extend(facing_warning(&coarse, &hypotheses, found.winner, estimate.data_weight()));
-    notes.extend(one_outline_warning(rig, observations));
+    notes.extend(few_outlines_warning(rig, observations));
+    notes.extend(scale_warning(model, &sizes, options.height_m));
     notes.extend(warnings(rig, observations, &frames, &cameras, &confidence));
     notes.extend(points::warnings(&frames, observations));
     notes.extend(options.joint.and_then(|joint| unseen(model, sequence, &frames, &joint)));
@@ -266,97 +264,6 @@ impl Fit {
         }
         self
     }
-}
-
-/// The joint optimum, or the winner where none is asked for, and what it was compared by.
-fn estimate(
-    evidence: &Evidence<'_>,
-    sequence: Sequence<'_>,
-    winner: &Trial,
-    measures: Measures,
-    options: &EstimateOptions,
-    progress: &dyn Progress,
-) -> (Estimate, Measure) {
-    let Evidence { model, rig, .. } = *evidence;
-    let Some(joint) = &options.joint else {
-        return (Estimate::tracked(winner, rig), measures.search);
-    };
-
-    let stage = JointStage {
-        model,
-        calibrated: rig,
-        likelihood: options.likelihood,
-        measure: measures.joint,
-        sequence,
-        options: joint,
-        aim: options.aim && sequence.frames.iter().all(|frame| frame.points.is_empty()),
-        progress,
-    };
-    let aimed = stage.run(&state_of(model, sequence, winner));
-    (Estimate::joint(aimed, winner), measures.joint)
-}
-
-/// The most probable shape and motion, of the last stage.
-struct Estimate {
-    shape: Shape,
-    frames: Vec<FrameFit>,
-    noise: Option<Noise>,
-    uncertainty: Option<Uncertainty>,
-    rig: Rig,
-    aims_px: Vec<Vector2<f64>>,
-}
-
-impl Estimate {
-    /// How often the data's cost counts.
-    fn data_weight(&self) -> f64 {
-        self.noise.map_or(1.0, |noise| noise.data_weight())
-    }
-
-    /// The winner as it was tracked.
-    fn tracked(winner: &Trial, rig: &Rig) -> Self {
-        Self {
-            shape: winner.hypothesis.shape.clone(),
-            frames: winner.frames.iter().flatten().cloned().collect(),
-            noise: None,
-            uncertainty: None,
-            rig: rig.clone(),
-            aims_px: vec![Vector2::zeros(); rig.cameras.len()],
-        }
-    }
-
-    /// The joint optimum that is reached from the winner.
-    fn joint(aimed: AimedOptimum, winner: &Trial) -> Self {
-        let AimedOptimum { joint, rig, aims_px } = aimed;
-
-        // what Algorithm 1 had to search anew is still told
-        let frames = joint.frames.into_iter().zip(winner.frames.iter().flatten());
-        let frames = frames.map(|(fit, tracked)| FrameFit { recovered: tracked.recovered, ..fit });
-        Self {
-            shape: joint.shape,
-            frames: frames.collect(),
-            noise: Some(joint.noise),
-            uncertainty: joint.uncertainty,
-            rig,
-            aims_px,
-        }
-    }
-}
-
-/// The winner as it was tracked, and evenly from one pose to the next where nothing was seen between.
-fn state_of(model: &BodyModel, sequence: Sequence<'_>, winner: &Trial) -> SequenceState {
-    let tracked = winner.frames.iter().flatten();
-    let mut motions: Vec<Motion> = tracked.map(|fit| fit.motion.clone()).collect();
-
-    let seen = |i: &usize| sequence.frames[*i].is_observed();
-    let seen: Vec<usize> = (0..motions.len()).filter(seen).collect();
-    for ends in seen.windows(2) {
-        let (from, to) = (ends[0], ends[1]);
-        for i in from + 1..to {
-            let part = sequence.frames_between(from, i) / sequence.frames_between(from, to);
-            motions[i] = between(Layout::new(model), &motions[from], &motions[to], part);
-        }
-    }
-    SequenceState { shape: winner.hypothesis.shape.clone(), motions }
 }
 
 /// What nothing sees of the body, by how much less sure the priors alone would be.
@@ -399,14 +306,15 @@ fn all_tried(
     observations: &[FrameObservations],
     trials: Vec<Trial>,
 ) -> Vec<TriedHypothesis> {
-    let tried = |trial: Trial| TriedHypothesis {
-        keyframe: observations[trial.hypothesis.keyframe].frame,
-        fitted: trial.frames.iter().flatten().count(),
-        iou: {
-            let shape = &trial.hypothesis.shape;
-            quality::sampled_iou(evidence, observations, shape, &trial.frames)
-        },
-        trial,
+    let tried = |trial: Trial| {
+        let shape = &trial.hypothesis.shape;
+        let iou = quality::sampled_iou(evidence, observations, shape, &trial.frames);
+        TriedHypothesis {
+            keyframe: observations[trial.hypothesis.keyframe].frame,
+            fitted: trial.frames.iter().flatten().count(),
+            iou,
+            trial,
+        }
     };
     trials.into_iter().map(tried).collect()
 }

@@ -13,6 +13,7 @@ mod aim;
 mod ambiguity;
 mod counted;
 mod diagnosis;
+mod estimate;
 mod fit;
 mod fit_error;
 mod frame_range;

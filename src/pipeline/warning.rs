@@ -43,6 +43,13 @@ pub enum Warning {
     },
     /// A person whose other way of facing was not tried.
     FacingUntried,
+    /// A person whose height is not known: outlines show no scale.
+    ScaleUnchecked {
+        /// How tall the body is, m.
+        found_m: f64,
+    },
+    /// Two cameras, which do not tell everything.
+    TwoCameras,
     /// Cameras that look along one line.
     OneOutline,
     /// Masks that show nobody.

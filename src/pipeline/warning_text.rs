@@ -39,7 +39,15 @@ impl fmt::Display for Warning {
             ),
             Self::FacingUntried => write!(
                 f,
-                "which way the person faces was not compared: no keyframe proposed the other way; look at the overlays"
+                "which way the person faces was not compared: turned around, the body turned back; look at the overlays"
+            ),
+            Self::ScaleUnchecked { found_m } => write!(
+                f,
+                "the body is {found_m:.2} m tall; outlines alone do not show whether the calibration's unit of length and focal lengths are right: give the person's height (--height), and they are checked"
+            ),
+            Self::TwoCameras => write!(
+                f,
+                "two cameras see the person: an arm or a leg that lies before or behind the body in one of them can be elsewhere than its standard deviation says; add a camera"
             ),
             Self::OneOutline => write!(
                 f,

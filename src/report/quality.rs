@@ -257,6 +257,7 @@ fn origin(hypothesis: &HypothesisPart) -> &'static str {
     match hypothesis.origin {
         OriginPart::Prior => "mean of people",
         OriginPart::Keyframe => "keyframe",
+        OriginPart::Turned => "facing the other way",
     }
 }
 

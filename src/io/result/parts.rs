@@ -158,6 +158,7 @@ fn hypotheses(fit: &Fit, model: &BodyModel) -> Vec<HypothesisPart> {
         let (origin, reading) = match hypothesis.origin {
             Origin::Prior => (OriginPart::Prior, None),
             Origin::Keyframe(reading) => (OriginPart::Keyframe, Some(reading)),
+            Origin::Turned => (OriginPart::Turned, None),
         };
 
         let outcome = match tried.trial.finished() {

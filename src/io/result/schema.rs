@@ -218,6 +218,8 @@ pub enum OriginPart {
     Prior,
     /// One keyframe.
     Keyframe,
+    /// The winner of the others, turned to face the other way.
+    Turned,
 }
 
 /// What became of a hypothesis.

@@ -2,12 +2,14 @@
 //!
 //! | file             | holds                                                             |
 //! |------------------|-------------------------------------------------------------------|
-//! | `verdict.rs`     | [`Verdict`]: usable or not, by which figures, and the [`Cause`]s |
+//! | `verdict.rs`     | [`Verdict`]: usable or not, and which hypothesis holds            |
+//! | `cause.rs`       | [`Reason`]s, [`Cause`]s, and those of the cameras                 |
 //! | `text.rs`        | all of it in plain words                                          |
 //! | `coherence.rs`   | whether the silhouettes agree, whatever body they show            |
 //! | `cameras.rs`     | exchanged, mirrored, late, zoomed and displaced cameras           |
 //! | `room.rs`        | what stands still in the masks                                    |
 //! | `volume.rs`      | what the silhouettes hold beside the body, and how tall it is     |
+//! | `thin.rs`        | whether the masks have lost arms, hands and feet                  |
 //! | `upright.rs`     | whether the person stands along another axis                      |
 //! | `proportions.rs` | whether the world is too large for the body                       |
 //! | `stature.rs`     | whether the body is as tall as the person is known to be          |
@@ -17,6 +19,7 @@
 //! what was found is named, and what would follow from it is not.
 
 mod cameras;
+mod cause;
 mod coherence;
 #[cfg(test)]
 mod figures;
@@ -24,15 +27,19 @@ mod proportions;
 mod room;
 mod stature;
 mod text;
+mod thin;
 mod upright;
 mod verdict;
 mod volume;
 
 use crate::silhouette::FrameObservations;
 
+pub(super) use cause::camera_causes;
+pub use cause::{Cause, Reason};
+pub(super) use stature::stature_m;
 pub use upright::HeadAxis;
-pub use verdict::{Cause, Reason, Verdict};
-pub(super) use verdict::{Diagnosis, LEAST_OVERLAP, camera_causes, lost_frames};
+pub use verdict::Verdict;
+pub(super) use verdict::{Diagnosis, LEAST_OVERLAP, lost_frames};
 
 /// At most so many of `count` positions, evenly: the middles of as many equal stretches.
 fn evenly(count: usize, most: usize) -> impl Iterator<Item = usize> {

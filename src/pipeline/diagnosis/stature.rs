@@ -7,6 +7,7 @@ use nalgebra::DVector;
 
 use crate::body::{BodyModel, Motion, Posed, Root, Shape};
 use crate::inference::covariance::ShapeUncertainty;
+use crate::math::central_differences;
 
 /// What silhouettes add to a person's height at most, m: soles of four centimetres, and hair.
 const WORN_M: f64 = 0.08;
@@ -18,7 +19,7 @@ const SIGMAS: f64 = 2.0;
 const STEP: f64 = 1e-4;
 
 /// The height of the standing body, m.
-pub(super) fn stature_m(model: &BodyModel, shape: &Shape) -> f64 {
+pub(in crate::pipeline) fn stature_m(model: &BodyModel, shape: &Shape) -> f64 {
     let body = Posed::new(model, shape, &Motion::rest(model));
     body.bounds().map_or(0.0, |(low, high)| (high - low).z)
 }
@@ -41,15 +42,14 @@ pub(super) fn wrong_stature_m(
 
 /// √(gᵀΣg), g the derivatives of the height by the coefficients.
 fn stature_sd_m(model: &BodyModel, shape: &Shape, uncertainty: &ShapeUncertainty) -> f64 {
-    let at = |coefficient: usize, by: f64| {
-        let mut moved = shape.clone();
-        moved.0[coefficient] += by;
-        stature_m(model, &moved)
-    };
     let count = uncertainty.covariance.nrows().min(shape.0.len());
-    let gradient = DVector::from_fn(count, |k, _| (at(k, STEP) - at(k, -STEP)) / (2.0 * STEP));
+    let slope = central_differences(count, STEP, |delta| {
+        let mut moved = shape.clone();
+        moved.0.iter_mut().zip(delta.iter()).for_each(|(s, by)| *s += by);
+        DVector::from_element(1, stature_m(model, &moved))
+    });
     let covariance = uncertainty.covariance.view((0, 0), (count, count));
-    gradient.dot(&(covariance * &gradient)).max(0.0).sqrt()
+    (&slope * covariance * slope.transpose())[0].max(0.0).sqrt()
 }
 
 #[cfg(test)]

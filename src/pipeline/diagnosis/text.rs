@@ -35,6 +35,14 @@ impl fmt::Display for Reason {
                     "the body overlaps the silhouettes by {found:.2} (at least {least:.2} is needed)"
                 )
             }
+            Self::ThinParts { found, least } => {
+                write!(
+                    f,
+                    "{:.1} % of the silhouettes are thin as arms, hands and feet are (at least {:.0} % is usual)",
+                    100.0 * found,
+                    100.0 * least
+                )
+            }
             Self::Body { found, most } => {
                 write!(
                     f,
@@ -122,9 +130,13 @@ impl Cause {
                 "the outlines of all cameras miss each other, by {:.0} mm: thin parts (arms, hands, feet) are lost in the masks, or the masks hold more than the person; segment again",
                 1e3 * miss_m
             ),
+            Self::ThinPartsGone => write!(
+                f,
+                "the masks have lost the thin parts (arms, hands, feet): clean them up with a smaller disk, or segment again"
+            ),
             Self::CutOff { height_m } => write!(
                 f,
-                "the silhouettes are {height_m:.2} m tall, less than a standing adult: the legs or other parts are hidden, cut off or lost in the masks (or the person sits or is a child, or the unit of the calibration is wrong)"
+                "what the silhouettes show is {height_m:.2} m tall, less than a standing person: the legs or other parts are hidden, cut off or lost in the masks (or the person sits or crouches, or the unit of the calibration is wrong)"
             ),
 
             // the world

@@ -2,15 +2,17 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::cameras::{CameraFault, camera_faults};
+use super::cameras::camera_faults;
+use super::cause::{Cause, Reason, camera_cause, name};
 use super::coherence::Scene;
 use super::proportions::wrong_scale;
 use super::room::still_shares;
-use super::stature::wrong_stature_m;
-use super::upright::{HeadAxis, head_axis};
+use super::stature::{stature_m, wrong_stature_m};
+use super::thin::thin_share;
+use super::upright::head_axis;
 use super::volume::{apart_l, height_m, volumes};
 use crate::body::{Posed, Root, Shape};
-use crate::camera::{CameraId, Rig};
+use crate::camera::CameraId;
 use crate::inference::Evidence;
 use crate::inference::covariance::ShapeUncertainty;
 use crate::math::stats::{mean, median};
@@ -35,129 +37,12 @@ impl Verdict {
     }
 }
 
-/// A figure beyond its limit.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case", tag = "figure")]
-#[non_exhaustive]
-pub enum Reason {
-    /// Median over the cameras of the mean overlap.
-    Overlap {
-        /// It.
-        found: f64,
-        /// Its limit.
-        least: f64,
-    },
-    /// −log p(s) over ½n: 1 is usual.
-    Body {
-        /// It.
-        found: f64,
-        /// Its limit.
-        most: f64,
-    },
-    /// The share of the seen frames that the body covers much worse than the rest.
-    LostFrames {
-        /// It.
-        found: f64,
-        /// Its limit.
-        most: f64,
-    },
-}
-
-/// What is wrong with a recording.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case", tag = "cause")]
-#[non_exhaustive]
-pub enum Cause {
-    /// All pictures show left for right.
-    AllMirrored,
-    /// The pictures of a camera show left for right.
-    Mirrored {
-        /// Its name.
-        camera: String,
-    },
-    /// The pictures of two cameras are exchanged.
-    Exchanged {
-        /// Their names.
-        cameras: [String; 2],
-    },
-    /// A camera shows everything late; negative: early.
-    Late {
-        /// Its name.
-        camera: String,
-        /// By how many frames.
-        frames: isize,
-    },
-    /// The focal lengths of all cameras are wrong.
-    FocalLengths {
-        /// The calibrated over the true ones.
-        factor: f64,
-    },
-    /// The focal length of a camera is wrong.
-    FocalLength {
-        /// Its name.
-        camera: String,
-        /// The calibrated over the true one.
-        factor: f64,
-    },
-    /// A camera shows the person elsewhere than the others.
-    Displaced {
-        /// Its name.
-        camera: String,
-        /// By how much its outlines miss the others', m.
-        miss_m: f64,
-    },
-    /// Masks hold something that stands still.
-    StillParts {
-        /// The cameras.
-        cameras: Vec<String>,
-        /// The largest area, over that of the silhouette.
-        share: f64,
-    },
-    /// The silhouettes hold more than one body.
-    SecondBody {
-        /// Litres beside the body.
-        litres: f64,
-    },
-    /// The silhouettes miss each other, and no camera is the cause.
-    MasksDisagree {
-        /// By how much, m.
-        miss_m: f64,
-    },
-    /// The silhouettes show less than a whole person.
-    CutOff {
-        /// How tall what they show is, m.
-        height_m: f64,
-    },
-    /// The person stands along another axis.
-    Turned {
-        /// Along which.
-        head: HeadAxis,
-    },
-    /// The world is too large or too small for the body.
-    Scale {
-        /// By which factor.
-        factor: f64,
-    },
-    /// The body is not as tall as the person is known to be.
-    Height {
-        /// How tall it is, m.
-        found_m: f64,
-        /// How tall the person is, m.
-        given_m: f64,
-    },
-    /// The frame rate is too high for a person's accelerations.
-    FrameRate {
-        /// Root mean square of the root's acceleration, in g.
-        acceleration_g: f64,
-    },
-    /// Nothing of what was tested.
-    Unknown,
-}
-
 /// An overlap below this is bad: bodies and masks of other people still overlap as much.
 pub(in crate::pipeline) const LEAST_OVERLAP: f64 = 0.65;
 /// A shape this many times as improbable as usual is nobody's: upside-down cameras gave 43, people in clothes up to 8.
 const MOST_BODY: f64 = 10.0;
+/// Silhouettes of which less is thin have lost arms, hands and feet.
+const LEAST_THIN: f64 = 0.02;
 /// More lost frames than this share, and nobody knows which are right.
 const MOST_LOST: f64 = 0.33;
 /// A frame below this share of the median frame's overlap is lost.
@@ -166,6 +51,8 @@ const LOST_SHARE: f64 = 0.8;
 const GOOD_OVERLAP: f64 = 0.85;
 /// Still parts and volumes beside the body count from here on, over the silhouette's area and in litres (a child of five: 18).
 const STILL_PART: f64 = 0.25;
+/// Of a body that is too large for a person, smaller ones count too: it covers a part of what stands still.
+const SMALL_STILL_PART: f64 = 0.1;
 pub(super) const BODY_L: f64 = 15.0;
 /// Of a fit that cannot be used, and for which nothing else was found, a limb's volume counts too, litres: an arm.
 const LIMB_L: f64 = 3.5;
@@ -217,7 +104,11 @@ impl Diagnosis<'_> {
         let found = lost_frames(self.frames).len() as f64 / seen.max(1) as f64;
         let lost = (found > MOST_LOST).then_some(Reason::LostFrames { found, most: MOST_LOST });
 
-        [overlap, body, lost].into_iter().flatten().collect()
+        let thin = thin_share(self.observations).filter(|_| self.is_person());
+        let thin = thin.filter(|found| *found < LEAST_THIN);
+        let thin = thin.map(|found| Reason::ThinParts { found, least: LEAST_THIN });
+
+        [overlap, thin, body, lost].into_iter().flatten().collect()
     }
 
     /// Median over the cameras that see the person.
@@ -240,28 +131,33 @@ impl Diagnosis<'_> {
         // what the masks hold; where they are good there is nothing to look for
         if !is_unusable && overlap > GOOD_OVERLAP {
             let is_fine = found.faults.is_empty();
-            let of_body = || self.too_fast().or_else(|| self.too_large()).into_iter().collect();
+            let of_body = || self.of_another_size().into_iter().collect();
             return if is_fine { of_body() } else { of_cameras() };
         }
         if found.explain_nearly_all() {
             return of_cameras();
         }
-        if let Some(still) = self.still_parts() {
-            return vec![still];
+        if unusable.iter().any(|reason| matches!(reason, Reason::ThinParts { .. })) {
+            return vec![Cause::ThinPartsGone];
         }
 
-        // the room that the silhouettes leave, without the cameras that are elsewhere
+        // the room that the silhouettes leave, without the cameras that are elsewhere: what lacks is tested before what is too much
         let volumes = volumes(rig, self.observations, &found.readings);
-        let litres = apart_l(&volumes, |frame| self.body(frame));
         let height_m = height_m(&volumes).filter(|height| *height < WHOLE * body_size(model));
+        let cut_off = height_m.filter(|_| is_unusable).map(|height_m| Cause::CutOff { height_m });
+        if let Some(cut_off) = cut_off {
+            return vec![self.turned().unwrap_or(cut_off)];
+        }
+        if let Some(still) = self.still_parts(STILL_PART) {
+            return vec![still];
+        }
+        let litres = apart_l(&volumes, |frame| self.body(frame));
         let is_tight = rig.cameras.len() > FEW_CAMERAS;
         if litres > BODY_L && (is_tight || is_unusable && rig.cameras.len() == FEW_CAMERAS) {
             return vec![Cause::SecondBody { litres }];
         }
-        let turned = if is_unusable { self.turned() } else { None };
-        let cut_off = height_m.filter(|_| is_unusable).map(|height_m| Cause::CutOff { height_m });
-        if let Some(cause) = turned.or(cut_off) {
-            return vec![cause];
+        if let Some(turned) = self.turned().filter(|_| is_unusable) {
+            return vec![turned];
         }
 
         // cameras that explain a part of it
@@ -275,8 +171,34 @@ impl Diagnosis<'_> {
             return vec![Cause::SecondBody { litres }];
         }
 
-        // the outlines agree: time or space is of another size
-        self.too_fast().or_else(|| self.too_large()).into_iter().collect()
+        // the outlines agree; a body that is too large for a person may also have grown to cover what is not one
+        let cause = self.of_another_size();
+        let has_grown = matches!(cause, Some(Cause::Scale { factor }) if factor > 1.0);
+        let still = if has_grown { self.still_parts(SMALL_STILL_PART) } else { None };
+        still.or(cause).into_iter().collect()
+    }
+
+    /// Time or space is of another size, or the body never stands.
+    fn of_another_size(&self) -> Option<Cause> {
+        let height_m = self.shown_height_m().filter(|_| self.is_person());
+        let low =
+            height_m.filter(|height| *height < WHOLE * stature_m(self.evidence.model, self.shape));
+        let low = low.map(|height_m| Cause::CutOff { height_m });
+        self.too_fast().or(low).or_else(|| self.too_large())
+    }
+
+    /// The body's height as it is posed: median over the frames.
+    fn shown_height_m(&self) -> Option<f64> {
+        let height = |frame: usize| {
+            let (low, high) = self.body(frame).bounds()?;
+            Some((high - low).z)
+        };
+        median(&mut (0..self.frames.len()).filter_map(height).collect())
+    }
+
+    /// Whether the body is no limb that is held.
+    fn is_person(&self) -> bool {
+        self.evidence.model.root != Root::Fixed
     }
 
     fn body(&self, frame: usize) -> Posed<'_> {
@@ -306,10 +228,10 @@ impl Diagnosis<'_> {
         }
     }
 
-    fn still_parts(&self) -> Option<Cause> {
+    fn still_parts(&self, least: f64) -> Option<Cause> {
         let rig = self.evidence.rig;
         let shares = still_shares(rig, self.observations, |frame| self.body(frame));
-        let large = shares.into_iter().filter(|(_, share)| *share > STILL_PART);
+        let large = shares.into_iter().filter(|(_, share)| *share > least);
         let large: Vec<(CameraId, f64)> = large.collect();
         let share = large.iter().map(|(_, share)| *share).reduce(f64::max)?;
         let cameras = large.into_iter().map(|(id, _)| name(rig, id)).collect();
@@ -317,7 +239,7 @@ impl Diagnosis<'_> {
     }
 
     fn turned(&self) -> Option<Cause> {
-        if self.evidence.model.root == Root::Fixed {
+        if !self.is_person() {
             return None;
         }
         let middle = self.observations.len() / 2;
@@ -335,28 +257,62 @@ pub(in crate::pipeline) fn lost_frames(frames: &[FittedFrame]) -> Vec<usize> {
     lost.map(|(i, _)| i).collect()
 }
 
-/// What is wrong with the cameras, for recordings that cannot be fitted at all.
-pub(in crate::pipeline) fn camera_causes(rig: &Rig, frames: &[FrameObservations]) -> Vec<Cause> {
-    let found = camera_faults(&Scene::new(rig, frames));
-    found.faults.into_iter().map(|fault| camera_cause(rig, fault)).collect()
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::Motion;
+    use crate::inference::frame::FrameFit;
+    use crate::likelihood::{LikelihoodOptions, Measure};
+    use crate::pipeline::diagnosis::figures::Figures;
+    use crate::silhouette::FrameIndex;
 
-fn camera_cause(rig: &Rig, fault: CameraFault) -> Cause {
-    match fault {
-        CameraFault::AllMirrored => Cause::AllMirrored,
-        CameraFault::Mirrored(id) => Cause::Mirrored { camera: name(rig, id) },
-        CameraFault::Exchanged(a, b) => Cause::Exchanged { cameras: [name(rig, a), name(rig, b)] },
-        CameraFault::Late(id, frames) => Cause::Late { camera: name(rig, id), frames },
-        CameraFault::AllZoomed(zoom) => Cause::FocalLengths { factor: 1.0 / zoom },
-        CameraFault::Zoomed(id, zoom) => {
-            Cause::FocalLength { camera: name(rig, id), factor: 1.0 / zoom }
-        }
-        CameraFault::Elsewhere { camera, miss_m } => {
-            Cause::Displaced { camera: name(rig, camera), miss_m }
+    fn fitted(motion: Motion) -> FittedFrame {
+        FittedFrame {
+            frame: FrameIndex(0),
+            fit: FrameFit {
+                motion,
+                data: 0.0,
+                pose: 0.0,
+                step: 0.0,
+                observations: 1.0,
+                recovered: false,
+            },
+            uncertainty: None,
+            points_world: Vec::new(),
+            views: Vec::new(),
+            points: None,
         }
     }
-}
 
-fn name(rig: &Rig, id: CameraId) -> String {
-    rig.camera(id).map_or_else(|| id.to_string(), |camera| camera.name.clone())
+    #[test]
+    fn a_body_that_never_stands_is_part_of_a_person_and_one_that_stands_is_whole() {
+        let figures = Figures::new();
+        let (model, rig) = (&figures.model, &figures.rig);
+        let evidence = Evidence::new(model, rig, LikelihoodOptions::default(), Measure::Metaballs);
+        let cause = |motion: Motion| {
+            let diagnosis = Diagnosis {
+                evidence: &evidence,
+                observations: &[],
+                fps: 25.0,
+                shape: &figures.shape,
+                uncertainty: None,
+                height_m: None,
+                frames: &[fitted(motion)],
+                cameras: &[],
+            };
+            diagnosis.of_another_size()
+        };
+
+        let standing = figures.standing(0.0, 0.0);
+        let mut folded = standing.clone();
+        for (name, angle) in [("hip_flexion", 2.0), ("knee_flexion", 2.3)] {
+            for side in ["_r", "_l"] {
+                let joint = model.joint(&format!("{name}{side}")).unwrap();
+                folded.angles[joint.0] = angle;
+            }
+        }
+        assert_eq!(cause(standing), None);
+        let found = cause(folded);
+        assert!(matches!(found, Some(Cause::CutOff { height_m }) if height_m < 1.3), "{found:?}");
+    }
 }

@@ -14,7 +14,6 @@ use damage::{Damage, as_recorded, damages, recalibrated};
 use experiments::metrics::{mpjpe_mm, rms_z, trajectories};
 use experiments::run::Run;
 use experiments::table::Table;
-use maquette::body::BodyModel;
 use maquette::inference::Sequence;
 use maquette::inference::search::NoJournal;
 use maquette::io::model;
@@ -113,6 +112,7 @@ struct Row {
     z: f64,
     is_usable: bool,
     said: String,
+    notes: Vec<String>,
 }
 
 impl Row {
@@ -128,19 +128,20 @@ impl Row {
         let options = EstimateOptions { height_m: spoiled.given_m, ..EstimateOptions::default() };
         let found = fit(&body, &spoiled.rig, sequence, &options, &NoJournal);
         Ok(Some(match found {
-            Ok(fit) => Self::from_fit(&body, &spoiled, &fit),
+            Ok(fit) => Self::from_fit(&spoiled, &fit),
             Err(refused) => Self {
                 error_mm: f64::NAN,
                 z: f64::NAN,
                 is_usable: false,
                 said: format!("refused: {refused}"),
+                notes: Vec::new(),
             },
         }))
     }
 
-    fn from_fit(body: &BodyModel, spoiled: &Recorded, fit: &Fit) -> Self {
+    fn from_fit(spoiled: &Recorded, fit: &Fit) -> Self {
         let motions: Vec<_> = fit.frames.iter().map(|f| f.fit.motion.clone()).collect();
-        let fitted = trajectories(body, &fit.shape, &motions, spoiled.fps);
+        let fitted = trajectories(&fit.model, &fit.shape, &motions, spoiled.fps);
         let covariances =
             fit.frames.iter().map(|f| Some(f.uncertainty.as_ref()?.points.as_slice()));
         let covariances: Vec<_> = covariances.collect();
@@ -149,11 +150,19 @@ impl Row {
             z: rms_z(&spoiled.truth, &fitted, &covariances).unwrap_or(f64::NAN),
             is_usable: fit.verdict.is_usable(),
             said: fit.verdict.headline().unwrap_or_default(),
+            notes: fit.warnings.iter().map(ToString::to_string).collect(),
         }
     }
 
     fn names_cause(&self, damage: &Damage) -> bool {
-        damage.cause.split(" & ").all(|said| self.said.contains(said))
+        let mut causes = damage.cause.split(" & ");
+        causes.all(|cause| self.said.contains(cause)) || self.note(damage).is_some()
+    }
+
+    /// The note that names the cause, where the verdict does not.
+    fn note(&self, damage: &Damage) -> Option<&String> {
+        let is_of = |note: &&String| !damage.cause.is_empty() && note.contains(damage.cause);
+        self.notes.iter().find(is_of).filter(|_| self.said.is_empty())
     }
 
     /// Far off, without a word that says why or a standard deviation that says how far.
@@ -170,13 +179,14 @@ impl Row {
             (false, false) => "(✗) ",
             _ => "",
         };
+        let note = self.note(damage).map(|note| format!("note: {note}")).unwrap_or_default();
         [
             set.to_owned(),
             damage.name.to_owned(),
             format!("{:.0}", self.error_mm),
             format!("{:.1}", self.error_mm / clean_mm),
             format!("{:.1}", self.z),
-            format!("{mark}{}{}", if self.is_usable { "" } else { "exit 3: " }, self.said),
+            format!("{mark}{}{}{note}", if self.is_usable { "" } else { "exit 3: " }, self.said),
         ]
     }
 }

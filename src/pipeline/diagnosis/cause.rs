@@ -1,0 +1,163 @@
+//! Why a fit cannot be used, and what is wrong with a recording.
+
+use serde::{Deserialize, Serialize};
+
+use super::cameras::{CameraFault, camera_faults};
+use super::coherence::Scene;
+use super::upright::HeadAxis;
+use crate::camera::{CameraId, Rig};
+use crate::silhouette::FrameObservations;
+
+/// A figure beyond its limit.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", tag = "figure")]
+#[non_exhaustive]
+pub enum Reason {
+    /// Median over the cameras of the mean overlap.
+    Overlap {
+        /// It.
+        found: f64,
+        /// Its limit.
+        least: f64,
+    },
+    /// −log p(s) over ½n: 1 is usual.
+    Body {
+        /// It.
+        found: f64,
+        /// Its limit.
+        most: f64,
+    },
+    /// The largest share of a silhouette that is thin.
+    ThinParts {
+        /// It.
+        found: f64,
+        /// Its limit.
+        least: f64,
+    },
+    /// The share of the seen frames that the body covers much worse than the rest.
+    LostFrames {
+        /// It.
+        found: f64,
+        /// Its limit.
+        most: f64,
+    },
+}
+
+/// What is wrong with a recording.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", tag = "cause")]
+#[non_exhaustive]
+pub enum Cause {
+    /// All pictures show left for right.
+    AllMirrored,
+    /// The pictures of a camera show left for right.
+    Mirrored {
+        /// Its name.
+        camera: String,
+    },
+    /// The pictures of two cameras are exchanged.
+    Exchanged {
+        /// Their names.
+        cameras: [String; 2],
+    },
+    /// A camera shows everything late; negative: early.
+    Late {
+        /// Its name.
+        camera: String,
+        /// By how many frames.
+        frames: isize,
+    },
+    /// The focal lengths of all cameras are wrong.
+    FocalLengths {
+        /// The calibrated over the true ones.
+        factor: f64,
+    },
+    /// The focal length of a camera is wrong.
+    FocalLength {
+        /// Its name.
+        camera: String,
+        /// The calibrated over the true one.
+        factor: f64,
+    },
+    /// A camera shows the person elsewhere than the others.
+    Displaced {
+        /// Its name.
+        camera: String,
+        /// By how much its outlines miss the others', m.
+        miss_m: f64,
+    },
+    /// Masks hold something that stands still.
+    StillParts {
+        /// The cameras.
+        cameras: Vec<String>,
+        /// The largest area, over that of the silhouette.
+        share: f64,
+    },
+    /// The silhouettes hold more than one body.
+    SecondBody {
+        /// Litres beside the body.
+        litres: f64,
+    },
+    /// The silhouettes miss each other, and no camera is the cause.
+    MasksDisagree {
+        /// By how much, m.
+        miss_m: f64,
+    },
+    /// The masks have lost arms, hands and feet.
+    ThinPartsGone,
+    /// The silhouettes show less than a whole person.
+    CutOff {
+        /// How tall what they show is, m.
+        height_m: f64,
+    },
+    /// The person stands along another axis.
+    Turned {
+        /// Along which.
+        head: HeadAxis,
+    },
+    /// The world is too large or too small for the body.
+    Scale {
+        /// By which factor.
+        factor: f64,
+    },
+    /// The body is not as tall as the person is known to be.
+    Height {
+        /// How tall it is, m.
+        found_m: f64,
+        /// How tall the person is, m.
+        given_m: f64,
+    },
+    /// The frame rate is too high for a person's accelerations.
+    FrameRate {
+        /// Root mean square of the root's acceleration, in g.
+        acceleration_g: f64,
+    },
+    /// Nothing of what was tested.
+    Unknown,
+}
+
+/// What is wrong with the cameras, for recordings that cannot be fitted at all.
+pub(in crate::pipeline) fn camera_causes(rig: &Rig, frames: &[FrameObservations]) -> Vec<Cause> {
+    let found = camera_faults(&Scene::new(rig, frames));
+    found.faults.into_iter().map(|fault| camera_cause(rig, fault)).collect()
+}
+
+pub(super) fn camera_cause(rig: &Rig, fault: CameraFault) -> Cause {
+    match fault {
+        CameraFault::AllMirrored => Cause::AllMirrored,
+        CameraFault::Mirrored(id) => Cause::Mirrored { camera: name(rig, id) },
+        CameraFault::Exchanged(a, b) => Cause::Exchanged { cameras: [name(rig, a), name(rig, b)] },
+        CameraFault::Late(id, frames) => Cause::Late { camera: name(rig, id), frames },
+        CameraFault::AllZoomed(zoom) => Cause::FocalLengths { factor: 1.0 / zoom },
+        CameraFault::Zoomed(id, zoom) => {
+            Cause::FocalLength { camera: name(rig, id), factor: 1.0 / zoom }
+        }
+        CameraFault::Elsewhere { camera, miss_m } => {
+            Cause::Displaced { camera: name(rig, camera), miss_m }
+        }
+    }
+}
+
+pub(super) fn name(rig: &Rig, id: CameraId) -> String {
+    rig.camera(id).map_or_else(|| id.to_string(), |camera| camera.name.clone())
+}
