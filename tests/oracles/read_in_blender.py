@@ -22,7 +22,7 @@ def empty_scene(rate_hz):
     bpy.context.scene.render.fps_base = round(rate_hz) / rate_hz
 
 
-def heads(truth, first, bones):
+def heads(truth, first, bones, limit_m):
     """Where bones begin in each frame, and where they should; Blender's world is Z up: the file's (x, y, z) is (x, −z, y) there."""
     armature = next(o for o in bpy.data.objects if o.type == 'ARMATURE')
     found = {bone: [] for bone in bones if bone in armature.pose.bones}
@@ -32,13 +32,13 @@ def heads(truth, first, bones):
             places.append((armature.matrix_world @ armature.pose.bones[bone].head)[:])
     yield 'bones', abs(len(found) - len(bones)), 0
     for bone, places in found.items():
-        yield bones[bone] + ', m', most(np.array(places)[:, [0, 2, 1]] * [1, 1, -1] - truth.point(bones[bone])), 2e-5
+        yield bones[bone] + ', m', most(np.array(places)[:, [0, 2, 1]] * [1, 1, -1] - truth.point(bones[bone])), limit_m
 
 
 def read_glb(folder, truth):
     empty_scene(truth.rate_hz)
     bpy.ops.import_scene.gltf(filepath=str(folder / 'motion.glb'))
-    yield from heads(truth, 0, PARTS)
+    yield from heads(truth, 0, PARTS, 2e-5)
     # the skin that the bones carry, against the fitted one of the same frame
     frame = len(truth.points) // 2
     bpy.context.scene.frame_set(frame)
@@ -57,7 +57,9 @@ def read_glb(folder, truth):
 def read_bvh(folder, truth):
     empty_scene(truth.rate_hz)
     bpy.ops.import_anim.bvh(filepath=str(folder / 'motion.bvh'), global_scale=0.01, frame_start=1, use_fps_scale=False)
-    yield from heads(truth, 1, BONES)
+    # in single precision Blender turns bones that hang straight down, as legs in T-pose do, by up to 4e-5 rad; the file itself is
+    # held to 1e-5 m by the BVH reader of read_exports.py
+    yield from heads(truth, 1, BONES, 5e-5)
 
 
 READERS = {('blender', 'motion.glb'): read_glb, ('blender', 'motion.bvh'): read_bvh}
