@@ -160,6 +160,10 @@ impl Diagnosis<'_> {
             return vec![turned];
         }
 
+        if let Some(low) = self.never_stands().filter(|_| !is_unusable) {
+            return vec![low];
+        }
+
         // cameras that explain a part of it
         if !found.faults.is_empty() {
             return of_cameras();
@@ -180,11 +184,14 @@ impl Diagnosis<'_> {
 
     /// Time or space is of another size, or the body never stands.
     fn of_another_size(&self) -> Option<Cause> {
-        let height_m = self.shown_height_m().filter(|_| self.is_person());
-        let low =
-            height_m.filter(|height| *height < WHOLE * stature_m(self.evidence.model, self.shape));
-        let low = low.map(|height_m| Cause::CutOff { height_m });
-        self.too_fast().or(low).or_else(|| self.too_large())
+        self.too_fast().or_else(|| self.never_stands()).or_else(|| self.too_large())
+    }
+
+    /// A body that is folded in most frames: where the silhouettes lack the legs it is left nothing else.
+    fn never_stands(&self) -> Option<Cause> {
+        let height_m = self.shown_height_m().filter(|_| self.is_person())?;
+        let is_low = height_m < WHOLE * stature_m(self.evidence.model, self.shape);
+        is_low.then_some(Cause::CutOff { height_m })
     }
 
     /// The body's height as it is posed: median over the frames.
