@@ -12,14 +12,13 @@ use maquette::workflow::ExportFormat;
 use maquette::{FitOptions, Recording, Side};
 
 fn main() -> ExitCode {
-    // as a person reads it: `Result` from `main` would print the error's fields
-    run().map_or_else(
-        |error| {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
             eprintln!("error: {error}");
             ExitCode::FAILURE
-        },
-        |()| ExitCode::SUCCESS,
-    )
+        }
+    }
 }
 
 fn run() -> Result<(), Box<dyn Error>> {

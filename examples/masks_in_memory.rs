@@ -16,14 +16,13 @@ use maquette::silhouette::{FrameIndex, FrameObservations, SilhouetteOptions, ext
 use maquette::synth::Recipe;
 
 fn main() -> ExitCode {
-    // as a person reads it: `Result` from `main` would print the error's fields
-    run().map_or_else(
-        |error| {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
             eprintln!("error: {error}");
             ExitCode::FAILURE
-        },
-        |()| ExitCode::SUCCESS,
-    )
+        }
+    }
 }
 
 fn run() -> Result<(), Box<dyn Error>> {

@@ -73,14 +73,13 @@ impl Term for Tape {
 }
 
 fn main() -> ExitCode {
-    // as a person reads it: `Result` from `main` would print the error's fields
-    run().map_or_else(
-        |error| {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
             eprintln!("error: {error}");
             ExitCode::FAILURE
-        },
-        |()| ExitCode::SUCCESS,
-    )
+        }
+    }
 }
 
 fn run() -> Result<(), Box<dyn Error>> {

@@ -15,14 +15,13 @@ const SIZE: [f64; 2] = [640.0, 320.0];
 const DEGREES: [f64; 2] = [90.0, -10.0];
 
 fn main() -> ExitCode {
-    // as a person reads it: `Result` from `main` would print the error's fields
-    run().map_or_else(
-        |error| {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
             eprintln!("error: {error}");
             ExitCode::FAILURE
-        },
-        |()| ExitCode::SUCCESS,
-    )
+        }
+    }
 }
 
 fn run() -> Result<(), Box<dyn Error>> {

@@ -4,9 +4,9 @@ mod ellipsoid_person;
 
 use std::sync::LazyLock;
 
-use maquette::body::{BodyModel, JointId, Motion, Posed, Shape, State};
+use maquette::body::{BodyModel, Motion, Posed, Shape, State};
 use maquette::camera::Rig;
-use maquette::inference::facing::trial_faces_away;
+use maquette::inference::facing::{trial_faces_away, turned};
 use maquette::inference::frame::KeyframePosterior;
 use maquette::inference::hull::hull;
 use maquette::inference::prior::{PosePrior, ShapePrior};
@@ -101,23 +101,6 @@ impl Scene {
         motion.position_world += Vector3::new(draw(0.03), draw(0.03), draw(0.03));
         State { motion, shape: ShapePrior::new(&self.model).mean() }
     }
-
-    /// The same silhouettes to the eye: turned to the other side, left and right exchanged.
-    fn mirrored(&self, motion: &Motion) -> Motion {
-        let mut mirrored = motion.clone();
-        mirrored.world_from_root *=
-            Rotation3::from_axis_angle(&Vector3::z_axis(), std::f64::consts::PI);
-        for (index, joint) in self.model.joints.iter().enumerate() {
-            let twin = match joint.name.strip_suffix("_r") {
-                Some(name) => Some(format!("{name}_l")),
-                None => joint.name.strip_suffix("_l").map(|name| format!("{name}_r")),
-            };
-            if let Some(JointId(twin)) = twin.and_then(|name| self.model.joint(&name)) {
-                mirrored.angles[index] = motion.angles[twin];
-            }
-        }
-        mirrored
-    }
 }
 
 /// Two keyframes, and a narrow search at each: the tests are about what comes after.
@@ -198,7 +181,7 @@ fn a_mirrored_start_costs_more_and_is_not_the_first_reading() {
     let frame = 3;
     let right = SCENE.fit_keyframe(frame, SCENE.perturbed(frame, 73));
     let mut start = SCENE.perturbed(frame, 73);
-    start.motion = SCENE.mirrored(&start.motion);
+    start.motion = turned(&SCENE.model, &start.motion);
     let mirrored = SCENE.fit_keyframe(frame, start);
     assert!(mirrored.cost > 1.5 * right.cost, "{} against {}", mirrored.cost, right.cost);
     let first =
@@ -217,9 +200,9 @@ fn the_other_way_of_facing_is_tried_where_no_keyframe_proposes_it() {
     let sequence = Sequence { frames: &scene.frames[..6], fps: FPS };
     let found = search(&scene.evidence(), sequence, &one, &NoJournal).expect("a winner");
 
-    let turned = found.trials.last().expect("trials");
-    assert_eq!(turned.hypothesis.origin, Origin::Turned);
-    assert!(trial_faces_away(turned, &found.trials[found.winner]));
+    let last = found.trials.last().expect("trials");
+    assert_eq!(last.hypothesis.origin, Origin::Turned);
+    assert!(trial_faces_away(last, &found.trials[found.winner]));
     let truth = scene.motions[0].world_from_root * Vector3::x();
     let winner = &found.trials[found.winner].hypothesis.motion;
     assert!((winner.world_from_root * Vector3::x()).dot(&truth) > 0.9);

@@ -241,6 +241,12 @@ impl BodyModel {
         pairs(&names, |right| Some(format!("{}_l", right.strip_suffix("_r")?)))
     }
 
+    /// Joints that are mirror images of each other, the right one first.
+    pub fn joint_pairs(&self) -> Vec<(usize, usize)> {
+        let names: Vec<&str> = self.joints.iter().map(|j| j.name.as_str()).collect();
+        pairs(&names, |right| Some(format!("{}_l", right.strip_suffix("_r")?)))
+    }
+
     /// Checks what kinematics and priors rely on: positive radii, ordered limits, a usable covariance.
     ///
     /// # Errors

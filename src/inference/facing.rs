@@ -3,12 +3,12 @@
 use nalgebra::{Rotation3, Vector2, Vector3};
 
 use super::hypothesis::{Hypothesis, Origin, Trial};
-use super::start::improved_reading;
-use super::{Evidence, Sequence};
-use crate::body::{BodyModel, JointId, Motion, Root, State};
+use super::start::refined;
+use super::{Detail, Evidence, Sequence};
+use crate::body::{BodyModel, Motion, Root, State};
 
 /// Whether two bodies face to opposite sides, seen from above.
-pub fn faces_away(one: &Motion, other: &Motion) -> bool {
+fn faces_away(one: &Motion, other: &Motion) -> bool {
     forwards(one).dot(&forwards(other)) < 0.0
 }
 
@@ -25,16 +25,11 @@ pub fn trial_faces_away(one: &Trial, other: &Trial) -> bool {
 }
 
 /// A body turned by 180° whose left limbs do what the right ones did: seen from afar its outline is nearly the same.
-fn turned(model: &BodyModel, motion: &Motion) -> Motion {
+pub fn turned(model: &BodyModel, motion: &Motion) -> Motion {
     let mut turned = motion.clone();
     turned.world_from_root *= Rotation3::from_axis_angle(&Vector3::z_axis(), std::f64::consts::PI);
-    for (index, joint) in model.joints.iter().enumerate() {
-        let right = joint.name.strip_suffix("_r").map(|name| format!("{name}_l"));
-        let left = || joint.name.strip_suffix("_l").map(|name| format!("{name}_r"));
-        let twin = right.or_else(left).and_then(|name| model.joint(&name));
-        if let Some(JointId(twin)) = twin {
-            turned.angles[index] = motion.angles[twin];
-        }
+    for (right, left) in model.joint_pairs() {
+        turned.angles.swap_rows(right, left);
     }
     turned
 }
@@ -55,7 +50,8 @@ pub(super) fn turned_hypothesis(
     let keyframe = won.hypothesis.keyframe;
     let motion = &won.frames[keyframe].as_ref()?.motion;
     let start = State { motion: turned(model, motion), shape: won.hypothesis.shape.clone() };
-    let reading = improved_reading(evidence, &sequence.frames[keyframe], start);
+    let terms = evidence.terms(&sequence.frames[keyframe], Detail::Fine);
+    let reading = refined(evidence, &terms, start);
     let found = Hypothesis {
         origin: Origin::Turned,
         keyframe,

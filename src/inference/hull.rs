@@ -102,8 +102,8 @@ pub fn subject(rig: &Rig, frame: &FrameObservations) -> Option<Point3<f64>> {
 /// cameras one may disagree (a bitten mask must not cut a leg off). The hull of cameras that stand side by side is open in depth;
 /// there the parallax of the silhouettes' centroids says how far away the body is, and only what is near that place is kept.
 pub fn carve(rig: &Rig, frame: &FrameObservations) -> Option<Hull> {
-    let subject = subject(rig, frame)?;
     let sights = lines_of_sight(rig, frame);
+    let subject = closest_point(&sights)?;
     let open: Vector3<f64> = sights.iter().map(|sight| sight.direction_world.into_inner()).sum();
     let open = (!has_depth(&sights)).then(|| open.try_normalize(f64::MIN_POSITIVE)).flatten();
     let is_near =

@@ -107,7 +107,7 @@ pub fn search(
         trials.push(run.follow(trials.len(), &turned, run.bound(&trials[winner])));
         winner = most_probable(&trials)?;
     }
-    Some(Search { trials, winner })
+    (!journal.is_failing()).then_some(Search { trials, winner })
 }
 
 /// One search: what its steps share.

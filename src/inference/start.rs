@@ -89,22 +89,15 @@ pub(super) fn readings_by(
     keep_best(&mut found, options.kept);
 
     // 4. refine, and keep the best of each heading
-    let refine = |reading: Reading| {
-        let solver = solver_options(30, 1e-4);
-        improve(evidence, fine_terms, reading.state, &solver)
-    };
+    let refine = |reading: Reading| refined(evidence, fine_terms, reading.state);
     let mut refined: Vec<Reading> = found.into_iter().map(refine).collect();
     keep_best(&mut refined, options.kept);
     distinct_headings(refined)
 }
 
-/// The reading of a frame that is reached from a state.
-pub(super) fn improved_reading(
-    evidence: &Evidence<'_>,
-    frame: &FrameObservations,
-    state: State,
-) -> Reading {
-    improve(evidence, &evidence.terms(frame, Detail::Fine), state, &solver_options(30, 1e-4))
+/// The reading that is reached from a state with all that a frame shows.
+pub(super) fn refined(evidence: &Evidence<'_>, fine_terms: &Terms<'_>, state: State) -> Reading {
+    improve(evidence, fine_terms, state, &solver_options(30, 1e-4))
 }
 
 fn solver_options(max_iterations: usize, relative_decrease: f64) -> Options {

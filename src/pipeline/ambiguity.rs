@@ -52,9 +52,8 @@ pub(super) fn scale_warning(
     shape: &Shape,
     height_m: Option<f64>,
 ) -> Option<Warning> {
-    let is_person = matches!(model.root, Root::Free { .. });
-    let found_m = || stature_m(model, shape);
-    (is_person && height_m.is_none()).then(|| Warning::ScaleUnchecked { found_m: found_m() })
+    let is_unchecked = model.root != Root::Fixed && height_m.is_none();
+    is_unchecked.then(|| Warning::ScaleUnchecked { found_m: stature_m(model, shape) })
 }
 
 /// Says so if all cameras that see the person look along one line, from one end or from both: they show one outline, and what
@@ -70,13 +69,13 @@ pub(super) fn few_outlines_warning(rig: &Rig, frames: &[FrameObservations]) -> O
     let first = axes.first()?;
     let along = ONE_LINE_DEG.to_radians().cos();
     let is_one_line = axes.iter().all(|axis| first.dot(axis).abs() > along);
-    match axes.len() {
-        _ if has_points => None,
-        0 | 1 => None,
-        _ if is_one_line => Some(Warning::OneOutline),
-        2 => Some(Warning::TwoCameras),
-        _ => None,
+    if axes.len() < 2 || has_points {
+        return None;
     }
+    if is_one_line {
+        return Some(Warning::OneOutline);
+    }
+    (axes.len() == 2).then_some(Warning::TwoCameras)
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ use super::thin::thin_share;
 use super::upright::head_axis;
 use super::volume::{apart_l, height_m, volumes};
 use crate::body::{Posed, Root, Shape};
-use crate::camera::CameraId;
+use crate::camera::{CameraId, Rig};
 use crate::inference::Evidence;
 use crate::inference::covariance::ShapeUncertainty;
 use crate::math::stats::{mean, median};
@@ -104,7 +104,7 @@ impl Diagnosis<'_> {
         let found = lost_frames(self.frames).len() as f64 / seen.max(1) as f64;
         let lost = (found > MOST_LOST).then_some(Reason::LostFrames { found, most: MOST_LOST });
 
-        let thin = thin_share(self.observations).filter(|_| self.is_person());
+        let thin = if self.is_person() { thin_share(self.observations) } else { None };
         let thin = thin.filter(|found| *found < LEAST_THIN);
         let thin = thin.map(|found| Reason::ThinParts { found, least: LEAST_THIN });
 
@@ -148,7 +148,9 @@ impl Diagnosis<'_> {
         if let Some(cut_off) = cut_off {
             return vec![self.turned().unwrap_or(cut_off)];
         }
-        if let Some(still) = self.still_parts(STILL_PART) {
+        let shares = still_shares(rig, self.observations, |frame| self.body(frame));
+        let still_parts = |least: f64| still_parts(rig, &shares, least);
+        if let Some(still) = still_parts(STILL_PART) {
             return vec![still];
         }
         let litres = apart_l(&volumes, |frame| self.body(frame));
@@ -156,12 +158,9 @@ impl Diagnosis<'_> {
         if litres > BODY_L && (is_tight || is_unusable && rig.cameras.len() == FEW_CAMERAS) {
             return vec![Cause::SecondBody { litres }];
         }
-        if let Some(turned) = self.turned().filter(|_| is_unusable) {
-            return vec![turned];
-        }
-
-        if let Some(low) = self.never_stands().filter(|_| !is_unusable) {
-            return vec![low];
+        let of_pose = if is_unusable { self.turned() } else { self.never_stands() };
+        if let Some(cause) = of_pose {
+            return vec![cause];
         }
 
         // cameras that explain a part of it
@@ -178,7 +177,7 @@ impl Diagnosis<'_> {
         // the outlines agree; a body that is too large for a person may also have grown to cover what is not one
         let cause = self.of_another_size();
         let has_grown = matches!(cause, Some(Cause::Scale { factor }) if factor > 1.0);
-        let still = if has_grown { self.still_parts(SMALL_STILL_PART) } else { None };
+        let still = if has_grown { still_parts(SMALL_STILL_PART) } else { None };
         still.or(cause).into_iter().collect()
     }
 
@@ -235,16 +234,6 @@ impl Diagnosis<'_> {
         }
     }
 
-    fn still_parts(&self, least: f64) -> Option<Cause> {
-        let rig = self.evidence.rig;
-        let shares = still_shares(rig, self.observations, |frame| self.body(frame));
-        let large = shares.into_iter().filter(|(_, share)| *share > least);
-        let large: Vec<(CameraId, f64)> = large.collect();
-        let share = large.iter().map(|(_, share)| *share).reduce(f64::max)?;
-        let cameras = large.into_iter().map(|(id, _)| name(rig, id)).collect();
-        Some(Cause::StillParts { cameras, share })
-    }
-
     fn turned(&self) -> Option<Cause> {
         if !self.is_person() {
             return None;
@@ -253,6 +242,13 @@ impl Diagnosis<'_> {
         let frame = self.observations.iter().skip(middle).find(|f| f.views.len() >= 2)?;
         Some(Cause::Turned { head: head_axis(self.evidence, frame)? })
     }
+}
+
+/// What stands still in more than `least` of a camera's silhouettes.
+fn still_parts(rig: &Rig, shares: &[(CameraId, f64)], least: f64) -> Option<Cause> {
+    let large = || shares.iter().filter(|(_, share)| *share > least);
+    let share = large().map(|(_, share)| *share).reduce(f64::max)?;
+    Some(Cause::StillParts { cameras: large().map(|(id, _)| name(rig, *id)).collect(), share })
 }
 
 /// Positions of the frames that the body covers much worse than the rest.

@@ -58,7 +58,7 @@ fn cameras() -> Vec<Damage> {
         damage("three cameras", "", |r| {
             r.with_cameras(&[0, r.rig.cameras.len() / 3, 2 * r.rig.cameras.len() / 3])
         }),
-        damage("two cameras side by side", "two cameras", |r| r.with_cameras(&[0, 1])),
+        damage("two cameras side by side", "", |r| r.with_cameras(&[0, 1])),
         damage("two cameras", "", |r| r.with_cameras(&[0, r.rig.cameras.len() / 2])),
         damage("one camera", "two cameras", |r| r.with_cameras(&[0])),
         damage("cameras 1 and 2 exchanged", "exchanged", |r| exchanged(r, 0, 1)),
@@ -85,7 +85,9 @@ fn cameras() -> Vec<Damage> {
         damage("focal lengths 5 % off", "focal lengths of all", |r| {
             all_cameras(r, |c| zoom(c, 1.05))
         }),
-        damage("focal lengths 20 % off", "focal lengths", |r| all_cameras(r, |c| zoom(c, 1.2))),
+        damage("focal lengths 20 % off", "focal lengths of all", |r| {
+            all_cameras(r, |c| zoom(c, 1.2))
+        }),
         damage("focal lengths 20 % off, height given", "focal lengths", |r| {
             with_height(&all_cameras(r, |c| zoom(c, 1.2)))
         }),
@@ -139,8 +141,8 @@ fn world() -> Vec<Damage> {
         damage("up is another axis", "`up`", move |r| turned_world(r, turn(Vector3::x(), 90.0))),
         damage("up is a third axis", "`up`", move |r| turned_world(r, turn(Vector3::y(), 90.0))),
         damage("up is down", "`up`", move |r| turned_world(r, turn(Vector3::x(), 180.0))),
-        damage("world 10 % too large", "unit of length", |r| scaled(r, 1.1)),
-        damage("world 10 % too small", "unit of length", |r| scaled(r, 0.9)),
+        damage("world 10 % too large", "too large for a person", |r| scaled(r, 1.1)),
+        damage("world 10 % too small", "too small for a person", |r| scaled(r, 0.9)),
         damage("world 10 % too large, height given", "too large for a person", |r| {
             with_height(&scaled(r, 1.1))
         }),

@@ -112,7 +112,6 @@ struct Row {
     z: f64,
     is_usable: bool,
     said: String,
-    notes: Vec<String>,
 }
 
 impl Row {
@@ -134,7 +133,6 @@ impl Row {
                 z: f64::NAN,
                 is_usable: false,
                 said: format!("refused: {refused}"),
-                notes: Vec::new(),
             },
         }))
     }
@@ -150,19 +148,11 @@ impl Row {
             z: rms_z(&spoiled.truth, &fitted, &covariances).unwrap_or(f64::NAN),
             is_usable: fit.verdict.is_usable(),
             said: fit.verdict.headline().unwrap_or_default(),
-            notes: fit.warnings.iter().map(ToString::to_string).collect(),
         }
     }
 
     fn names_cause(&self, damage: &Damage) -> bool {
-        let mut causes = damage.cause.split(" & ");
-        causes.all(|cause| self.said.contains(cause)) || self.note(damage).is_some()
-    }
-
-    /// The note that names the cause, where the verdict does not.
-    fn note(&self, damage: &Damage) -> Option<&String> {
-        let is_of = |note: &&String| !damage.cause.is_empty() && note.contains(damage.cause);
-        self.notes.iter().find(is_of).filter(|_| self.said.is_empty())
+        damage.cause.split(" & ").all(|said| self.said.contains(said))
     }
 
     /// Far off, without a word that says why or a standard deviation that says how far.
@@ -179,14 +169,13 @@ impl Row {
             (false, false) => "(✗) ",
             _ => "",
         };
-        let note = self.note(damage).map(|note| format!("note: {note}")).unwrap_or_default();
         [
             set.to_owned(),
             damage.name.to_owned(),
             format!("{:.0}", self.error_mm),
             format!("{:.1}", self.error_mm / clean_mm),
             format!("{:.1}", self.z),
-            format!("{mark}{}{}{note}", if self.is_usable { "" } else { "exit 3: " }, self.said),
+            format!("{mark}{}{}", if self.is_usable { "" } else { "exit 3: " }, self.said),
         ]
     }
 }
