@@ -170,7 +170,7 @@ fn a_pixel_that_is_no_number_is_nowhere() {
             assert_eq!(distance.is_nan(), x.is_nan(), "{pixel}");
             assert!(x.is_nan() || distance.abs() <= 0.0, "{pixel}");
             assert!(!silhouette.contains(&pixel) && !silhouette.sees(&pixel), "{pixel}");
-            silhouette.overlap((pixel, pixel), |_| true);
+            silhouette.overlap(&silhouette.overlap_grid((pixel, pixel)), |_, _, _| true);
         }
     }
 }
@@ -200,7 +200,9 @@ fn the_overlap_of_two_disks_is_that_of_geometry() {
     {
         let model = Point2::new(120.3 + shift, 119.6);
         let reach = Vector2::repeat(50.0);
-        let overlap = silhouette.overlap((model - reach, model + reach), disk(model, 50.0));
+        let grid = silhouette.overlap_grid((model - reach, model + reach));
+        let is_model = disk(model, 50.0);
+        let overlap = silhouette.overlap(&grid, |_, _, pixel| is_model(pixel));
         let union = PI * 5000.0 - intersection;
         approx::assert_relative_eq!(overlap.intersection, intersection, epsilon = 80.0);
         approx::assert_relative_eq!(overlap.union, union, epsilon = 120.0);
@@ -213,7 +215,9 @@ fn a_model_that_leaves_the_image_is_not_held_against_it() {
     let center = Point2::new(300.0, 120.0);
     let silhouette = seen(&camera(Distortion::None), disk(center, 50.0));
     let reach = Vector2::repeat(50.0);
-    let overlap = silhouette.overlap((center - reach, center + reach), disk(center, 50.0));
+    let grid = silhouette.overlap_grid((center - reach, center + reach));
+    let is_model = disk(center, 50.0);
+    let overlap = silhouette.overlap(&grid, |_, _, pixel| is_model(pixel));
     assert!(overlap.iou() > 0.97, "{overlap:?}");
 }
 

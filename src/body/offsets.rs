@@ -38,6 +38,8 @@ pub struct Offset {
     pub value_m: f64,
     /// φ of the four coefficients that are not 0 there.
     pub slopes: [(CoefficientId, f64); 4],
+    /// ∂b/∂p, in the part's axes.
+    pub gradient: Vector3<f64>,
 }
 
 /// The nodes of one part.
@@ -76,23 +78,27 @@ impl Grid {
         self.along * self.around()
     }
 
-    /// The nodes around a place and their φ.
-    fn hats(self, place: &Vector3<f64>) -> [(usize, f64); 4] {
+    /// The nodes around a place.
+    fn cell(self, place: &Vector3<f64>) -> Cell {
         let mut place = place - self.centre;
-        match self.side {
-            GridSide::Right => {}
-            GridSide::Left => place.y = -place.y,
-            GridSide::Middle => place.y = place.y.abs(),
-        }
+        let mirror = match self.side {
+            GridSide::Right => 1.0,
+            GridSide::Left => -1.0,
+            GridSide::Middle => place.y.signum(),
+        };
+        place.y *= mirror;
 
-        // along
+        // along: beyond the ends b stays
         let last = (self.along - 1) as f64;
-        let t = ((place[self.axis] - self.low_m) / self.step_m).clamp(0.0, last);
+        let t = (place[self.axis] - self.low_m) / self.step_m;
+        let is_between = (0.0..last).contains(&t);
+        let t = t.clamp(0.0, last);
         let row = (t.floor() as usize).min(self.along.saturating_sub(2));
         let (next_row, t) = ((row + 1).min(self.along - 1), t - row as f64);
 
         // around: y is always one of the two axes across
-        let across = if self.axis == 0 { place.z } else { place.x };
+        let across_axis = if self.axis == 0 { 2 } else { 0 };
+        let across = place[across_axis];
         let quarter = std::f64::consts::TAU / AROUND as f64;
         let u = place.y.atan2(across).rem_euclid(std::f64::consts::TAU) / quarter;
         let column = u.floor() as usize;
@@ -104,15 +110,53 @@ impl Grid {
         };
         let (column, next) = (wrapped(column), wrapped(column + 1));
 
+        let per_square = 1.0 / (quarter * (across * across + place.y * place.y).max(LEAST_SQUARE));
+        let mut by_u = Vector3::zeros();
+        by_u.y = mirror * across * per_square;
+        by_u[across_axis] = -place.y * per_square;
+        let mut by_t = Vector3::zeros();
+        by_t[self.axis] = if is_between { 1.0 / self.step_m } else { 0.0 };
+
         let node = |row: usize, column: usize| self.first + row * around + column;
-        [
-            (node(row, column), (1.0 - t) * (1.0 - u)),
-            (node(row, next), (1.0 - t) * u),
-            (node(next_row, column), t * (1.0 - u)),
-            (node(next_row, next), t * u),
-        ]
+        Cell {
+            nodes: [
+                [node(row, column), node(row, next)],
+                [node(next_row, column), node(next_row, next)],
+            ],
+            at: [t, u],
+            slopes: [by_t, by_u],
+        }
     }
 }
+
+/// Four nodes, and where a place lies between them.
+struct Cell {
+    /// [along][around].
+    nodes: [[usize; 2]; 2],
+    /// t and u: 0 at the first node, 1 at the second.
+    at: [f64; 2],
+    /// Their slopes by the place, in the part's axes, 1/m.
+    slopes: [Vector3<f64>; 2],
+}
+
+impl Cell {
+    /// φ of each node.
+    fn hats(&self) -> [(usize, f64); 4] {
+        let ([[a, b], [c, d]], [t, u]) = (self.nodes, self.at);
+        [(a, (1.0 - t) * (1.0 - u)), (b, (1.0 - t) * u), (c, t * (1.0 - u)), (d, t * u)]
+    }
+
+    /// The gradient of what has these values at the nodes.
+    fn gradient(&self, value: impl Fn(usize) -> f64) -> Vector3<f64> {
+        let ([[a, b], [c, d]], [t, u]) = (self.nodes.map(|row| row.map(&value)), self.at);
+        let by_t = (1.0 - u) * (c - a) + u * (d - b);
+        let by_u = (1.0 - t) * (b - a) + t * (d - c);
+        self.slopes[0] * by_t + self.slopes[1] * by_u
+    }
+}
+
+/// Nearer to the axis than the root of this, m², a place has no direction around it.
+const LEAST_SQUARE: f64 = 1e-6;
 
 impl SurfaceOffsets {
     /// Standard deviation of bare flesh about a model that has its person's girths, metres.
@@ -217,16 +261,20 @@ impl Posed<'_> {
     /// b at a place of a part, in its axes; `None` for a model without offsets.
     pub fn surface_offset(&self, part: PartId, place_part: &Vector3<f64>) -> Option<Offset> {
         let offsets = self.model.offsets.as_ref()?;
-        let hats = offsets.grids[part.0]?.hats(place_part);
-        let slopes = hats.map(|(node, phi)| (CoefficientId(offsets.first.0 + node), phi));
+        let cell = offsets.grids[part.0]?.cell(place_part);
+        let coefficient = |node: usize| CoefficientId(offsets.first.0 + node);
+        let slopes = cell.hats().map(|(node, phi)| (coefficient(node), phi));
         let value_m = slopes.iter().map(|(c, phi)| phi * self.shape.0[c.0]).sum();
-        Some(Offset { value_m, slopes })
+        let gradient = cell.gradient(|node| self.shape.0[coefficient(node).0]);
+        Some(Offset { value_m, slopes, gradient })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use std::path::Path;
+
+    use nalgebra::DVector;
 
     use super::*;
 
@@ -267,6 +315,29 @@ mod tests {
                     assert!((offset.value_m - before).abs() < 2e-5, "{name} {k}");
                 }
                 before = Some(offset.value_m);
+            }
+        }
+    }
+
+    #[test]
+    fn the_gradient_is_that_of_the_offset() {
+        let model = body();
+        let shape = bumps(&model);
+        for (name, place) in [
+            ("thigh_r", [0.05, 0.03, -0.21]),
+            ("foot_l", [0.08, 0.03, -0.02]),
+            ("thorax", [-0.06, -0.09, 0.11]),
+            ("shank_l", [-0.03, 0.02, -0.14]),
+        ] {
+            let part = part(&model, name);
+            let numeric = crate::math::central_differences(3, 1e-6, |d| {
+                let moved = [place[0] + d[0], place[1] + d[1], place[2] + d[2]];
+                DVector::from_element(1, offset(&model, &shape, part, moved).value_m)
+            });
+            let analytic = offset(&model, &shape, part, place).gradient;
+            assert!(analytic.norm() > 1e-3, "{name}: {analytic}");
+            for k in 0..3 {
+                approx::assert_relative_eq!(analytic[k], numeric[(0, k)], epsilon = 1e-8);
             }
         }
     }

@@ -7,6 +7,8 @@ use crate::likelihood::LikelihoodOptions;
 pub enum Detail {
     /// A thinned part, and forgiving: to sort starts.
     Coarse,
+    /// A thinned part: to approach an optimum.
+    Thinned,
     /// All: to measure.
     Fine,
 }
@@ -22,7 +24,7 @@ impl Detail {
     /// The distance between neighbouring border points, m.
     pub(super) fn spacing_m(self) -> f64 {
         match self {
-            Self::Coarse => 0.05,
+            Self::Coarse | Self::Thinned => 0.05,
             Self::Fine => 0.02,
         }
     }
@@ -31,13 +33,13 @@ impl Detail {
     pub(super) fn point_step(self, points: usize) -> usize {
         match self {
             Self::Coarse => points.div_ceil(COARSE_POINTS).max(1),
-            Self::Fine => 1,
+            Self::Thinned | Self::Fine => 1,
         }
     }
 
     /// The settings of the terms, from those of full detail.
     pub(super) fn likelihood(self, mut options: LikelihoodOptions) -> LikelihoodOptions {
-        if self == Self::Fine {
+        if self != Self::Coarse {
             return options;
         }
         let ellipses = &mut options.ellipses;

@@ -18,6 +18,21 @@ use crate::silhouette::{FrameObservations, Silhouette};
 /// What one frame shows, as terms of −log p(Zᵢ | mᵢ, s).
 pub type Terms<'f> = Vec<Box<dyn Term + 'f>>;
 
+/// What every frame of a sequence shows.
+#[derive(Default)]
+pub struct SequenceTerms<'f> {
+    /// A part of it, to approach an optimum.
+    pub thinned: Vec<Terms<'f>>,
+    /// All of it, to measure.
+    pub all: Vec<Terms<'f>>,
+}
+
+impl std::fmt::Debug for SequenceTerms<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "SequenceTerms({} frames)", self.all.len())
+    }
+}
+
 /// Body, priors, cameras and likelihood; shared by all keyframes, hypotheses and threads.
 #[derive(Debug, Clone)]
 pub struct Evidence<'a> {
@@ -104,10 +119,13 @@ impl<'a> Evidence<'a> {
         terms
     }
 
-    /// The terms of every frame of a sequence, in full detail.
-    pub fn sequence_terms<'f>(&self, sequence: Sequence<'f>) -> Vec<Terms<'f>> {
-        let frames = sequence.frames.par_iter();
-        frames.map(|f| self.terms(f, Detail::Fine)).collect()
+    /// The terms of every frame of a sequence.
+    pub fn sequence_terms<'f>(&self, sequence: Sequence<'f>) -> SequenceTerms<'f> {
+        let terms = |detail: Detail| {
+            let frames = sequence.frames.par_iter();
+            frames.map(|f| self.terms(f, detail)).collect()
+        };
+        SequenceTerms { thinned: terms(Detail::Thinned), all: terms(Detail::Fine) }
     }
 }
 

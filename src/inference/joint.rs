@@ -6,7 +6,8 @@
 //!
 //! With a detailed body ([`BodyModel::detailed`]) s also says where the joints lie in the flesh and how far the surface lies
 //! outside the model's. How much the data count ([`Noise`]) and how far surfaces lie outside (`spread`) are estimated by turns
-//! with the optimum. The covariance is the inverse of the last optimum's own matrix.
+//! with the optimum: first in some rounds of a few steps before a part of the border points, then before all of them until E no
+//! longer falls. The covariance is the inverse of the last optimum's own matrix.
 
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -19,7 +20,7 @@ use super::prior::ShapePrior;
 use super::sequence_posterior::{SequencePosterior, SequenceState};
 use super::spread::with_spreads;
 use super::step::MotionModel;
-use super::{Evidence, Sequence, Terms};
+use super::{Evidence, Sequence, SequenceTerms, Terms};
 use crate::body::{BodyModel, Posed, Shape};
 use crate::likelihood::PlacedResidual;
 use crate::solver::{BorderedChain, Options, Problem, Report, Solution, levenberg_marquardt};
@@ -28,7 +29,7 @@ use crate::solver::{BorderedChain, Options, Problem, Report, Solution, levenberg
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct JointOptions {
-    /// Steps at most.
+    /// Steps at most in the last round.
     pub iterations: usize,
     /// How a motion follows the others.
     pub motion_model: MotionModel,
@@ -43,7 +44,8 @@ impl Default for JointOptions {
 impl JointOptions {
     /// Steps of the work at most: in each round the first linearisation and one for each iteration, and the standard deviations.
     pub fn most_steps(&self) -> usize {
-        ROUNDS * (self.iterations + 1) + 1
+        let approach: usize = APPROACH.iter().map(|iterations| iterations + 1).sum();
+        approach + (self.iterations + 1) + 1
     }
 }
 
@@ -75,8 +77,12 @@ impl JointOptimum {
 /// The fraction of E below which a step's decrease ends the optimisation.
 ///
 /// Under its own posterior, E of n frames of m components has a standard deviation of √(nm/2), 65 for 200 frames of a
-/// body; this fraction of E is a few units.
-const TOLERANCE: f64 = 1e-4;
+/// body, and E itself is about a thousand: this fraction of it is a unit. Lines of sight that come to touch another summit of
+/// the field make E jump by as much.
+const TOLERANCE: f64 = 1e-3;
+/// The first λ of the first round, which is far from its optimum, and of the others, which are near theirs: there what lines of
+/// sight touch changes within a Gauss–Newton step, and shorter steps are accepted at once.
+const DAMPING: [f64; 2] = [1e-4, 1e-1];
 
 /// The joint optimum of a sequence, from a first shape and motion.
 pub fn joint_optimum(
@@ -89,14 +95,14 @@ pub fn joint_optimum(
     joint_optimum_from_terms(evidence, &terms, &sequence.intervals_s(), start, options, &|| {})
 }
 
-/// Rounds of optimum, noise and spreads.
-const ROUNDS: usize = 3;
+/// Steps in each of the rounds before the last: after them E falls by less than a hundredth.
+const APPROACH: [usize; 2] = [4, 6];
 
 /// The joint optimum of what each frame shows; `seconds[i]` lie between frames i − 1 and i. `step` is called
 /// [`JointOptions::most_steps`] times at most, the last time when all is done.
 pub fn joint_optimum_from_terms<'a>(
     evidence: &Evidence<'_>,
-    terms: &[Terms<'a>],
+    terms: &SequenceTerms<'a>,
     seconds: &[f64],
     start: SequenceState,
     options: &JointOptions,
@@ -104,17 +110,24 @@ pub fn joint_optimum_from_terms<'a>(
 ) -> JointOptimum {
     let model = evidence.model;
     let chain_prior = ChainPrior::new(model, options.motion_model);
-    let iterations = options.iterations;
-    let search = Search { evidence, terms, seconds, chain_prior, iterations, step };
+    let search = Search { evidence, seconds, chain_prior, step };
 
-    // how the residuals err, how far surfaces lie outside, and the optimum, by turns
-    let mut round = search.round(start.detailed(model), &evidence.shape_prior);
-    for _ in 1..ROUNDS {
-        let shape_prior = search.shape_prior(&round);
-        round = search.round(round.solution.state, &shape_prior);
+    // how the residuals err, the optimum, and how far surfaces lie outside, by turns
+    let mut state = start.detailed(model);
+    let mut shape_prior = evidence.shape_prior.clone();
+    let [mut damping, next_damping] = DAMPING;
+    for max_iterations in APPROACH {
+        let solver = Options { max_iterations, damping, relative_decrease: TOLERANCE };
+        damping = next_damping;
+        let round = search.round(&terms.thinned, state, &shape_prior, &solver);
+        shape_prior = search.shape_prior(&round);
+        state = round.solution.state;
     }
 
-    let Round { noise, frames, solution } = round;
+    let max_iterations = options.iterations;
+    let solver = Options { max_iterations, damping, relative_decrease: TOLERANCE };
+    let last = search.round(&terms.all, state, &shape_prior, &solver);
+    let Round { noise, frames, solution } = last;
     let uncertainty = Uncertainty::new(model, &solution.state, &solution.model);
     step();
     JointOptimum {
@@ -129,10 +142,8 @@ pub fn joint_optimum_from_terms<'a>(
 /// What the rounds have in common.
 struct Search<'a, 'b> {
     evidence: &'a Evidence<'b>,
-    terms: &'a [Terms<'a>],
     seconds: &'a [f64],
     chain_prior: ChainPrior,
-    iterations: usize,
     step: &'a dyn Fn(),
 }
 
@@ -145,25 +156,26 @@ struct Round {
 
 impl Search<'_, '_> {
     /// The optimum with residuals that err as they do at `start`.
-    fn round(&self, start: SequenceState, shape_prior: &ShapePrior) -> Round {
+    fn round(
+        &self,
+        terms: &[Terms<'_>],
+        start: SequenceState,
+        shape_prior: &ShapePrior,
+        solver: &Options,
+    ) -> Round {
         let model = self.evidence.model;
-        let noise = Noise::from_residuals(&residuals(model, self.terms, &start));
+        let noise = Noise::from_residuals(&residuals(model, terms, &start));
         let posterior = SequencePosterior {
             model,
             shape_prior,
             pose_prior: &self.evidence.pose_prior,
             chain_prior: &self.chain_prior,
             seconds: self.seconds,
-            terms: self.terms,
+            terms,
             data_weight: noise.data_weight(),
         };
-        let solver = Options {
-            max_iterations: self.iterations,
-            damping: 1e-4,
-            relative_decrease: TOLERANCE,
-        };
         let counted = Counted { problem: &posterior, step: self.step };
-        let solution = levenberg_marquardt(&counted, start, &solver);
+        let solution = levenberg_marquardt(&counted, start, solver);
         Round { noise, frames: posterior.frame_fits(&solution.state), solution }
     }
 

@@ -39,6 +39,6 @@ pub mod start;
 pub mod step;
 
 pub use detail::Detail;
-pub use evidence::{Evidence, Terms};
+pub use evidence::{Evidence, SequenceTerms, Terms};
 pub use sequence::Sequence;
 pub use shape_confidence::{ConfidenceOptions, ShapeConfidence};

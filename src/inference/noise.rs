@@ -101,7 +101,8 @@ fn along_border(frames: &[Vec<PlacedResidual>]) -> f64 {
             stated += score * score / w.max(1e-12);
             weights += w;
             for (v, other_w, other) in &rows[i + 1..] {
-                let bin = ((v - u) / BIN).round() as usize;
+                // what is nearer than a bin counts with the neighbours: it is too little to say where ρ ends
+                let bin = ((v - u) / BIN).round().max(1.0) as usize;
                 if bin >= BINS {
                     break;
                 }

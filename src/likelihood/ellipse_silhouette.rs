@@ -343,7 +343,7 @@ impl Term for EllipseSilhouette<'_> {
                 cost += 0.5 * w * rho;
                 in_image.add(rows, r, w * weight);
                 if let Some(offset) = offset.filter(|offset| offset.is_free(equations)) {
-                    offset.add_own(r, w * weight, equations);
+                    OffsetRow::add_own(std::slice::from_ref(offset), r, w * weight, equations);
                     in_image.add_offset(offset, rows, w * weight);
                 }
             });

@@ -23,12 +23,13 @@ impl OffsetRow {
         self.slopes.iter().all(|(component, _)| *component < equations.gradient.len())
     }
 
-    /// Adds the coefficients' own equations, of a residual r of weight w.
-    pub(super) fn add_own(&self, r: f64, w: f64, equations: &mut NormalEquations) {
-        for (component, slope) in self.slopes {
+    /// Adds the coefficients' own equations, of a residual r of weight w that depends on all these.
+    pub(super) fn add_own(rows: &[Self], r: f64, w: f64, equations: &mut NormalEquations) {
+        let all = || rows.iter().flat_map(|row| row.slopes);
+        for (component, slope) in all() {
             equations.gradient[component] += w * slope * r;
-            for (other, other_slope) in self.slopes.iter().filter(|(o, _)| *o <= component) {
-                equations.hessian[(component, *other)] += w * slope * other_slope;
+            for (other, other_slope) in all().filter(|(o, _)| *o <= component) {
+                equations.hessian[(component, other)] += w * slope * other_slope;
             }
         }
     }

@@ -106,13 +106,14 @@ impl SkinTerm for PointField {
         let options = &self.options;
         let mut sampler = Sampler::new(field);
         let mut sample = FieldSample::default();
+        let mut offsets = Vec::new();
 
         for (point, &weight) in self.points.iter().zip(&self.weights) {
             if !sampler.sample(&point.position_world.coords, &mut sample) {
                 continue;
             }
             let metaballs = &field.limbs[sample.limb];
-            let offset = skin_term::displace(body, field, metaballs, &mut sample);
+            skin_term::displace(body, field, metaballs, &mut sample, &mut offsets);
 
             let sigma_m = point.sigma_m.hypot(options.sigma_m);
             let touch = Touch {
@@ -122,7 +123,7 @@ impl SkinTerm for PointField {
                 weight,
                 outward_px: Vector2::zeros(),
                 residual: scale.residual(options.residual, options.derivatives, &sample),
-                offset,
+                offsets: &offsets,
                 line: None,
             };
             each(&touch, &sample);

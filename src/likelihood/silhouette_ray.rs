@@ -139,7 +139,7 @@ impl SkinTerm for SilhouetteRays {
     ) {
         let options = &self.options;
         let mut sample = FieldSample::default();
-        let mut near = Vec::new();
+        let (mut near, mut offsets) = (Vec::new(), Vec::new());
 
         for (index, view) in self.views.iter().enumerate() {
             let mut rays = RayField::new(field, view.origin_world);
@@ -152,7 +152,7 @@ impl SkinTerm for SilhouetteRays {
                 };
                 let x = rays.point(direction, contact.t);
                 sample.update_limb(field, contact.limb, &x, &near);
-                let offset = skin_term::displace(body, field, &near, &mut sample);
+                skin_term::displace(body, field, &near, &mut sample, &mut offsets);
 
                 let touch = Touch {
                     source: Source::View(index),
@@ -161,7 +161,7 @@ impl SkinTerm for SilhouetteRays {
                     weight: length_px * per_px,
                     outward_px: *outward_px,
                     residual: scale.residual(options.residual, options.derivatives, &sample),
-                    offset,
+                    offsets: &offsets,
                     line: Some(direction),
                 };
                 each(&touch, &sample);

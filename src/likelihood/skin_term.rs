@@ -1,4 +1,14 @@
 //! What lines of sight and points have in common: each touches the field at one place and gives one row of the normal equations.
+//!
+//! A person's surface lies b outside the model's ([`SurfaceOffsets`](crate::body::SurfaceOffsets)), so the residual at x is the
+//! skin distance r at x − b n, n the normal outwards. Where parts meet, b = Σ Wₖ bₖ(pₖ): pₖ is x in the axes of part k, Wₖ the
+//! sum of the weights w of its metaballs. With u = ∂r/∂b, the derivative of r along −n,
+//!
+//! dr/dθ = ∂r/∂θ at a fixed b + u Σ Wₖ (φ of bₖ) + u Σ Wₖ ∇bₖ·(dx − vₖ) + u Σ (bᵢ − b) wᵢ ∂ ln fᵢ/∂θ,
+//!
+//! dx the motion of x along its line, vₖ that of the part past it, bᵢ that of the part of metaball i. The last two sums say that
+//! the surface's unevenness is fixed to the bones. x, where F is largest on a line, and the slopes of F are taken at x − b n: what
+//! that leaves out is of second order in b.
 
 use nalgebra::{Point3, Vector2, Vector3};
 
@@ -6,8 +16,8 @@ use super::limb_sums::LimbSums;
 use super::offset_row::OffsetRow;
 use super::skin_distance::{PosedScale, SkinResidual};
 use super::{PlacedResidual, Source};
-use crate::body::metaball::{BallChange, Field, FieldRow, FieldSample, FieldSlopes};
-use crate::body::{Layout, Offset, PartId, Posed};
+use crate::body::metaball::{BallChange, Field, FieldRow, FieldSample, FieldSlopes, FrameChange};
+use crate::body::{FrameId, Layout, Offset, PartId, Posed};
 use crate::solver::{Loss, NormalEquations};
 
 /// One observation where it touches the field.
@@ -39,10 +49,23 @@ pub(super) struct Touch<'a> {
     pub(super) weight: f64,
     pub(super) outward_px: Vector2<f64>,
     pub(super) residual: SkinResidual,
-    /// b, by which the residual is less.
-    pub(super) offset: Option<Offset>,
+    /// By how far the person's surface lies outside; empty for a model without offsets.
+    pub(super) offsets: &'a [PartOffset],
     /// The line on which the place is the summit of F; `None`: the place does not move.
     pub(super) line: Option<&'a Vector3<f64>>,
+}
+
+/// What one part says of how far the person's surface lies outside, where an observation touches the skin: b = Σ W bₖ over the
+/// parts, W the sum of the weights of a part's metaballs.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PartOffset {
+    part: PartId,
+    /// W.
+    weight: f64,
+    /// bₖ.
+    offset: Offset,
+    /// ∂bₖ/∂p, world.
+    gradient_world: Vector3<f64>,
 }
 
 /// A line along which the curvature of ln F is above this has no defined summit, 1/m².
@@ -56,18 +79,59 @@ impl Touch<'_> {
         (self.weight * rho, self.weight * slope * precision)
     }
 
-    /// b: what the place's own motion along its line adds.
-    fn along(&self, sample: &FieldSample, changes: &[BallChange]) -> Vector3<f64> {
-        // only the local length changes with the motion: F is at its summit
-        let line = self.line.filter(|_| self.residual.gamma.abs() >= f64::MIN_POSITIVE);
-        let Some(r) = line else {
+    /// b: what the place's own motion along its line adds; `carried` is what the offset adds on the way.
+    fn along(
+        &self,
+        sample: &FieldSample,
+        changes: &[BallChange],
+        carried: &[FrameChange],
+    ) -> Vector3<f64> {
+        // only the local length and the offset change with the motion: F is at its summit
+        let changes_with = self.residual.gamma.abs() >= f64::MIN_POSITIVE || !carried.is_empty();
+        let Some(r) = self.line.filter(|_| changes_with) else {
             return Vector3::zeros();
         };
         let curvature = r.dot(&(sample.log_hessian * r));
         if curvature > FLATTEST {
             return Vector3::zeros();
         }
-        r * (-slope_along(r, sample, changes) / curvature)
+        let of_offset: f64 = carried.iter().map(|c| c.place.dot(r)).sum();
+        r * (-(slope_along(r, sample, changes) + of_offset) / curvature)
+    }
+
+    /// ∂r/∂b; what b changes with the weights of the parts is added to `changes`, and with the places on them to `carried`.
+    fn linearize_offset(
+        &self,
+        body: &Posed<'_>,
+        field: &Field,
+        sample: &FieldSample,
+        changes: &mut [BallChange],
+        carried: &mut Vec<FrameChange>,
+    ) -> f64 {
+        carried.clear();
+        let inwards = sample.log_gradient.try_normalize(f64::MIN_POSITIVE);
+        let Some(inwards) = inwards.filter(|_| !self.offsets.is_empty()) else {
+            return 0.0;
+        };
+        let slope = slope_along(&inwards, sample, changes);
+
+        // ∂wᵢ = wᵢ (∂ ln fᵢ − Σ wⱼ ∂ ln fⱼ)
+        let value = |metaball: usize| {
+            let part = field.source(metaball).map(|source| body.model.metaballs[source].part);
+            let own = self.offsets.iter().find(|o| Some(o.part) == part);
+            own.map_or(0.0, |o| o.offset.value_m)
+        };
+        if self.offsets.len() > 1 {
+            let mean: f64 = sample.shares.iter().map(|s| s.weight * value(s.metaball)).sum();
+            for (share, change) in sample.shares.iter().zip(changes) {
+                change.alpha += slope * (value(share.metaball) - mean);
+            }
+        }
+        carried.extend(self.offsets.iter().map(|o| FrameChange {
+            frame: FrameId::from_joint(body.model.parts[o.part.0].joint),
+            place: o.gradient_world * (o.weight * slope),
+        }));
+        slope
     }
 }
 
@@ -93,7 +157,10 @@ pub(super) trait SkinTerm {
     );
 }
 
-/// Moves a sample from x to x − b n, n the normal outwards: the person's surface at x is the model's there. Returns b.
+/// Parts of which less than this is at a place say nothing of its offset.
+const LEAST_WEIGHT: f64 = 1e-4;
+
+/// Moves a sample from x to x − b n, n the normal outwards: the person's surface at x is the model's there. `offsets` receives b.
 ///
 /// The residual of x − b n is not that of x less b: deep inside a limb the skin distance is shorter than a distance, and a fat
 /// body with its surface far inside would seem to err less.
@@ -102,14 +169,28 @@ pub(super) fn displace(
     field: &Field,
     metaballs: &[usize],
     sample: &mut FieldSample,
-) -> Option<Offset> {
-    body.model.offsets.as_ref()?;
-    let (part, place) = place(body, field, sample.heaviest()?, &sample.point_world.into())?;
-    let offset = body.surface_offset(part, &place)?;
-    let inwards = sample.log_gradient.try_normalize(f64::MIN_POSITIVE)?;
-    let x = sample.point_world + inwards * offset.value_m;
-    sample.update_limb(field, sample.limb, &x, metaballs);
-    Some(offset)
+    offsets: &mut Vec<PartOffset>,
+) {
+    offsets.clear();
+    let inwards = sample.log_gradient.try_normalize(f64::MIN_POSITIVE);
+    let Some(inwards) = inwards.filter(|_| body.model.offsets.is_some()) else {
+        return;
+    };
+
+    // the parts that are at the place
+    for share in sample.shares.iter().filter(|share| share.weight > LEAST_WEIGHT) {
+        let x = sample.point_world.into();
+        let Some((part, place)) = place(body, field, share.metaball, &x) else { continue };
+        if let Some(own) = offsets.iter_mut().find(|o| o.part == part) {
+            own.weight += share.weight;
+        } else if let Some(offset) = body.surface_offset(part, &place) {
+            let gradient_world = body.world_from_part(part) * offset.gradient;
+            offsets.push(PartOffset { part, weight: share.weight, offset, gradient_world });
+        }
+    }
+
+    let b_m: f64 = offsets.iter().map(|o| o.weight * o.offset.value_m).sum();
+    sample.update_limb(field, sample.limb, &(sample.point_world + inwards * b_m), metaballs);
 }
 
 /// The part of a metaball, and a place in its axes.
@@ -145,7 +226,7 @@ pub(super) fn linearize(
     let layout = Layout::new(body.model);
     let mut sums = LimbSums::new(&slopes, equations.gradient.len());
     let mut row = FieldRow::default();
-    let mut changes = Vec::new();
+    let (mut changes, mut carried, mut offset_rows) = (Vec::new(), Vec::new(), Vec::new());
     let mut cost = 0.0;
 
     term.touches(body, &field, &scale, |touch, sample| {
@@ -157,18 +238,19 @@ pub(super) fn linearize(
         let shares = sample.shares.iter();
         changes.clear();
         changes.extend(shares.map(|share| scale.change(&r, &field, share)));
-        let b = touch.along(sample, &changes);
-        slopes.row_from_changes(sample, &changes, &b, &mut row);
+        let slope = touch.linearize_offset(body, &field, sample, &mut changes, &mut carried);
+        let b = touch.along(sample, &changes, &carried);
+        slopes.row_from_changes(sample, &changes, &carried, &b, &mut row);
 
         let residual_m = r.distance_m;
         sums.add(sample.limb, &row.values, residual_m, weight);
-        let inwards = sample.log_gradient.try_normalize(f64::MIN_POSITIVE);
-        if let Some((offset, inwards)) = touch.offset.zip(inwards) {
-            let slope = slope_along(&inwards, sample, &changes);
-            let offset = OffsetRow::new(&offset, layout, slope);
-            if offset.is_free(equations) {
-                offset.add_own(residual_m, weight, equations);
-                sums.add_offset(sample.limb, &row.values, &offset, weight);
+        offset_rows.clear();
+        let each = touch.offsets.iter();
+        offset_rows.extend(each.map(|o| OffsetRow::new(&o.offset, layout, o.weight * slope)));
+        if offset_rows.iter().all(|offset| offset.is_free(equations)) {
+            OffsetRow::add_own(&offset_rows, residual_m, weight, equations);
+            for offset in &offset_rows {
+                sums.add_offset(sample.limb, &row.values, offset, weight);
             }
         }
     });

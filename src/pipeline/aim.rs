@@ -58,7 +58,7 @@ impl JointStage<'_> {
             // the pointing errors, given that body
             let mut next_px = aims_px.clone();
             if self.aim && turn < TURNS {
-                let residuals = residuals(self.model, &terms, &joint.state());
+                let residuals = residuals(self.model, &terms.all, &joint.state());
                 let frames = self.sequence.frames;
                 let noise = &joint.noise;
                 next_px = estimate_aims_px(self.calibrated, &aims_px, frames, &residuals, noise);

@@ -4,8 +4,9 @@ use nalgebra::Vector2;
 
 use super::Warning;
 use super::diagnosis::stature_m;
-use super::fit::TriedHypothesis;
-use crate::body::{BodyModel, Root, Shape};
+use super::fit::{FittedFrame, TriedHypothesis};
+use super::hidden::hidden_warning;
+use crate::body::{BodyModel, Motion, Root, Shape};
 use crate::camera::Rig;
 use crate::inference::Evidence;
 use crate::inference::facing::trial_faces_away;
@@ -56,9 +57,21 @@ pub(super) fn scale_warning(
     is_unchecked.then(|| Warning::ScaleUnchecked { found_m: stature_m(model, shape) })
 }
 
+/// What few outlines leave open: that there is but one, and limbs that are hidden in most of them.
+pub(super) fn outline_warnings(
+    evidence: &Evidence<'_>,
+    frames: &[FrameObservations],
+    shape: &Shape,
+    fitted: &[FittedFrame],
+) -> impl Iterator<Item = Warning> {
+    let motions: Vec<&Motion> = fitted.iter().map(|frame| &frame.fit.motion).collect();
+    let hidden = hidden_warning(evidence, frames, shape, &motions);
+    one_outline_warning(evidence.rig, frames).into_iter().chain(hidden)
+}
+
 /// Says so if all cameras that see the person look along one line, from one end or from both: they show one outline, and what
-/// is left in it may be right. Or if there are two of them: limbs that one hides are where the other leaves room.
-pub(super) fn few_outlines_warning(rig: &Rig, frames: &[FrameObservations]) -> Option<Warning> {
+/// is left in it may be right.
+fn one_outline_warning(rig: &Rig, frames: &[FrameObservations]) -> Option<Warning> {
     let has_points = frames.iter().any(|frame| !frame.points.is_empty());
     let sees = |id: usize| frames.iter().any(|f| f.views.iter().any(|(c, _)| c.0 == id));
     // seen from above
@@ -69,13 +82,7 @@ pub(super) fn few_outlines_warning(rig: &Rig, frames: &[FrameObservations]) -> O
     let first = axes.first()?;
     let along = ONE_LINE_DEG.to_radians().cos();
     let is_one_line = axes.iter().all(|axis| first.dot(axis).abs() > along);
-    if axes.len() < 2 || has_points {
-        return None;
-    }
-    if is_one_line {
-        return Some(Warning::OneOutline);
-    }
-    (axes.len() == 2).then_some(Warning::TwoCameras)
+    (axes.len() >= 2 && is_one_line && !has_points).then_some(Warning::OneOutline)
 }
 
 #[cfg(test)]
@@ -84,7 +91,6 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::body::Motion;
     use crate::camera::CameraId;
     use crate::inference::frame::FrameFit;
     use crate::inference::search::{Hypothesis, Origin, Trial};
@@ -113,14 +119,14 @@ mod tests {
         let silhouette = extract(&mask, &first, &SilhouetteOptions::default()).unwrap();
         let mut frame = FrameObservations::nothing(FrameIndex(0));
         frame.views = (0..rig.cameras.len()).map(|i| (CameraId(i), silhouette.clone())).collect();
-        few_outlines_warning(&rig, &[frame])
+        one_outline_warning(&rig, &[frame])
     }
 
     #[test]
     fn cameras_on_one_line_show_one_outline_and_others_do_not() {
         assert_eq!(warning(&[0.0, 180.0]), Some(Warning::OneOutline));
         assert_eq!(warning(&[0.0, 10.0, 190.0]), Some(Warning::OneOutline));
-        assert_eq!(warning(&[0.0, 90.0]), Some(Warning::TwoCameras));
+        assert_eq!(warning(&[0.0, 90.0]), None);
         assert_eq!(warning(&[0.0, 180.0, 60.0]), None);
         assert_eq!(warning(&[0.0]), None);
     }

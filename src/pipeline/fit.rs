@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::Verdict;
-use super::ambiguity::{facing_warning, few_outlines_warning, scale_warning};
+use super::ambiguity::{facing_warning, outline_warnings, scale_warning};
 use super::diagnosis::{Diagnosis, lost_frames};
 use super::estimate::{Estimate, estimate};
 use super::measures::Measures;
@@ -224,7 +224,7 @@ fn stages(
     };
     let verdict = diagnosis.verdict();
     notes.extend(facing_warning(&coarse, &hypotheses, found.winner, estimate.data_weight()));
-    notes.extend(few_outlines_warning(rig, observations));
+    notes.extend(outline_warnings(&coarse, observations, &sizes, &frames));
     notes.extend(scale_warning(model, &sizes, options.height_m));
     notes.extend(warnings(rig, observations, &frames, &cameras, &confidence));
     notes.extend(points::warnings(&frames, observations));

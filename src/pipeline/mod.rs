@@ -17,6 +17,7 @@ mod estimate;
 mod fit;
 mod fit_error;
 mod frame_range;
+mod hidden;
 mod measures;
 mod memory;
 mod movement;

@@ -8,10 +8,14 @@ use crate::camera::{Camera, Distortion, Intrinsics};
 use crate::likelihood::Measure;
 use crate::math::quadric::{Ellipse, project};
 use crate::render;
-use crate::silhouette::Silhouette;
+use crate::silhouette::{OverlapGrid, Silhouette};
 
 /// Primitives of the model as ellipses in a camera, in undistorted pixels; those around or behind it are left out.
-fn projected(camera: &Camera, body: &Posed<'_>, primitives: &[Primitive]) -> Vec<Ellipse> {
+pub(super) fn projected(
+    camera: &Camera,
+    body: &Posed<'_>,
+    primitives: &[Primitive],
+) -> Vec<Ellipse> {
     let projection = camera.projection();
     let each = primitives.iter().map(|p| body.primitive(p));
     each.filter_map(|e| project(&projection, &e)).collect()
@@ -39,51 +43,29 @@ pub(super) fn coverings(camera: &Camera, body: &Posed<'_>) -> Vec<Covering> {
 
 fn ellipses_iou(camera: &Camera, silhouette: &Silhouette, body: &Posed<'_>) -> f64 {
     let ellipses = coverings(camera, body);
-    let bounds = bounds(silhouette, &ellipses);
-    let overlap = silhouette.overlap(bounds, |pixel| ellipses.iter().any(|e| e.contains(pixel)));
-    overlap.iou()
+    let grid = silhouette.overlap_grid(bounds(silhouette, &ellipses));
+    let is_model = |_, _, pixel: &Point2<f64>| ellipses.iter().any(|e| e.contains(pixel));
+    silhouette.overlap(&grid, is_model).iou()
 }
 
-/// Pixels along the longer side of the picture in which the skin is rendered. Fewer show in the overlap: 200 cost a person 2.4 % of it.
-const SKIN_STEPS: f64 = 300.0;
-
-/// The skin is rendered by a camera without distortion that looks at the box of silhouette and body.
+/// The skin is rendered by a camera without distortion, of which each pixel is a cell of the grid.
 fn skin_iou(camera: &Camera, silhouette: &Silhouette, body: &Posed<'_>) -> f64 {
     let balls: Vec<Covering> =
         projected(camera, body, &body.model.metaballs).iter().map(Covering::new).collect();
-
-    // the box of both
-    let bounds = bounds(silhouette, &balls);
-    let (low, high) = (silhouette.bounds.0.inf(&bounds.0), silhouette.bounds.1.sup(&bounds.1));
-    let (low, high) = clipped(camera, low, high);
-
-    // the skin in it
-    let step = (high - low).max() / SKIN_STEPS;
-    let window = window(camera, low, high, step);
-    let mask = render::silhouette(&window, &Field::from_body(body));
-    let is_model = |pixel: &Point2<f64>| {
-        let place = (pixel - low) / step;
-        let (x, y) = (place.x as usize, place.y as usize);
-        x < mask.width() && y < mask.height() && mask.is_foreground(x, y)
-    };
-    silhouette.overlap((low, high), is_model).iou()
+    let grid = silhouette.overlap_grid(bounds(silhouette, &balls));
+    let mask = render::silhouette(&window(camera, &grid), &Field::from_body(body));
+    let is_model = |column, row, _: &Point2<f64>| mask.is_foreground(column, row);
+    silhouette.overlap(&grid, is_model).iou()
 }
 
-/// A box no larger than three images, so that a body close to the camera costs no more.
-fn clipped(camera: &Camera, low: Point2<f64>, high: Point2<f64>) -> (Point2<f64>, Point2<f64>) {
-    let size = Vector2::new(f64::from(camera.width_px), f64::from(camera.height_px));
-    let (least, most) = (Point2::from(-size), Point2::from(size * 2.0));
-    (low.sup(&least), high.inf(&most))
-}
-
-/// The camera that sees a box of the undistorted image, one pixel for each `step` of it.
-fn window(camera: &Camera, low: Point2<f64>, high: Point2<f64>, step: f64) -> Camera {
+/// The camera that sees the cells of a grid, one pixel for each.
+fn window(camera: &Camera, grid: &OverlapGrid) -> Camera {
+    let OverlapGrid { low, step, columns, rows } = *grid;
     let k = &camera.intrinsics;
-    let steps = |length: f64| (length / step).ceil().max(1.0) as u32;
     Camera {
-        width_px: steps(high.x - low.x),
-        height_px: steps(high.y - low.y),
-        // the centre of pixel 0 lies half a step inside the box
+        width_px: columns as u32,
+        height_px: rows as u32,
+        // the centre of pixel 0 lies half a step inside the grid
         intrinsics: Intrinsics {
             fx_px: k.fx_px / step,
             fy_px: k.fy_px / step,
@@ -112,7 +94,7 @@ pub(super) struct Covering {
 }
 
 impl Covering {
-    fn new(ellipse: &Ellipse) -> Self {
+    pub(super) fn new(ellipse: &Ellipse) -> Self {
         let s = &ellipse.shape;
         let determinant = s[(0, 0)] * s[(1, 1)] - s[(0, 1)] * s[(0, 1)];
         let half = Vector2::new(s[(0, 0)].sqrt(), s[(1, 1)].sqrt());

@@ -48,8 +48,11 @@ pub enum Warning {
         /// How tall the body is, m.
         found_m: f64,
     },
-    /// Two cameras, which do not tell everything.
-    TwoCameras,
+    /// Limbs that lie before or behind the body in all cameras but one, or in all.
+    HiddenLimbs {
+        /// Their tips, and in which share of the frames.
+        limbs: Vec<(String, f64)>,
+    },
     /// Cameras that look along one line.
     OneOutline,
     /// Masks that show nobody.

@@ -45,9 +45,10 @@ impl fmt::Display for Warning {
                 f,
                 "the body is {found_m:.2} m tall; outlines alone do not show whether the calibration's unit of length and focal lengths are right: give the person's height (--height), and they are checked"
             ),
-            Self::TwoCameras => write!(
+            Self::HiddenLimbs { limbs } => write!(
                 f,
-                "two cameras see the person: an arm or a leg that lies before or behind the body in one of them can be elsewhere than its standard deviation says; add a camera"
+                "fewer than two cameras show these limbs apart from the body: {}. A limb that lies before or behind the body can be elsewhere than its standard deviation says; add a camera",
+                shares(limbs)
             ),
             Self::OneOutline => write!(
                 f,
@@ -106,6 +107,13 @@ impl Warning {
             _ => Ok(()),
         }
     }
+}
+
+/// `hand_r (40 % of the frames)`, one after the other.
+fn shares(limbs: &[(String, f64)]) -> String {
+    let each =
+        limbs.iter().map(|(tip, share)| format!("{tip} ({:.0} % of the frames)", 100.0 * share));
+    each.collect::<Vec<_>>().join(", ")
 }
 
 /// `3.1 px to the right`.

@@ -19,5 +19,5 @@ pub use extract::{BorderPoint, Rejected, extract, from_curves};
 pub use frame::{FrameIndex, FrameObservations};
 pub use options::{InvalidOption, SilhouetteOptions};
 pub use outline::{ContourPoint, Silhouette};
-pub use overlap::Overlap;
+pub use overlap::{Overlap, OverlapGrid};
 pub use support::{ShrunkSize, Support, SupportOptions, Volume};

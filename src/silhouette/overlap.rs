@@ -1,6 +1,6 @@
 //! How well a model covers a silhouette.
 
-use nalgebra::Point2;
+use nalgebra::{Point2, Vector2};
 
 use super::Silhouette;
 
@@ -25,17 +25,32 @@ impl Overlap {
     }
 }
 
+/// The points at which areas are counted: the centres of square cells.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OverlapGrid {
+    /// The corner of the first cell, undistorted px.
+    pub low: Point2<f64>,
+    /// Side of a cell, px.
+    pub step: f64,
+    /// Cells across.
+    pub columns: usize,
+    /// Cells down.
+    pub rows: usize,
+}
+
+impl OverlapGrid {
+    /// The centre of a cell.
+    pub fn centre(&self, column: usize, row: usize) -> Point2<f64> {
+        self.low + Vector2::new(column as f64 + 0.5, row as f64 + 0.5) * self.step
+    }
+}
+
 impl Silhouette {
-    /// Overlap with the model whose pixels are those for which `is_model` holds; `model_bounds` is a box around them.
+    /// The grid over the silhouette's box and that of a model.
     ///
-    /// Counted on a square grid over both boxes. Its step is 1/150 of the longer side of the silhouette's box or 1/600 of
-    /// that of both boxes, whichever is more, and at least 1 px. What lies beyond the image is not counted: there the
-    /// silhouette is unknown.
-    pub fn overlap(
-        &self,
-        model_bounds: (Point2<f64>, Point2<f64>),
-        is_model: impl Fn(&Point2<f64>) -> bool,
-    ) -> Overlap {
+    /// Its step is 1/150 of the longer side of the silhouette's box or 1/600 of that of both boxes, whichever is more, and at
+    /// least 1 px. What lies beyond the image is not counted: there the silhouette is unknown.
+    pub fn overlap_grid(&self, model_bounds: (Point2<f64>, Point2<f64>)) -> OverlapGrid {
         let (low, high) = self.bounds;
         let size_px = (high - low).max();
         let (image_low, image_high) = self.outside.image_bounds();
@@ -43,14 +58,21 @@ impl Silhouette {
         let high = high.sup(&model_bounds.1).inf(&image_high);
 
         let step = (size_px / STEPS).max((high - low).max() / MOST_STEPS).max(1.0);
-        let nodes = |from: f64, to: f64| ((to - from) / step).ceil().max(0.0) as usize;
+        let cells = |from: f64, to: f64| ((to - from) / step).ceil().max(0.0) as usize;
+        OverlapGrid { low, step, columns: cells(low.x, high.x), rows: cells(low.y, high.y) }
+    }
 
+    /// Overlap with the model that covers the cells of a grid for which `is_model` holds: column, row, and the cell's centre.
+    pub fn overlap(
+        &self,
+        grid: &OverlapGrid,
+        is_model: impl Fn(usize, usize, &Point2<f64>) -> bool,
+    ) -> Overlap {
         let (mut intersection, mut union) = (0usize, 0usize);
-        for row in 0..nodes(low.y, high.y) {
-            for column in 0..nodes(low.x, high.x) {
-                let offset = nalgebra::Vector2::new(column as f64 + 0.5, row as f64 + 0.5) * step;
-                let pixel = low + offset;
-                let (mask, model) = (self.contains(&pixel), is_model(&pixel));
+        for row in 0..grid.rows {
+            for column in 0..grid.columns {
+                let pixel = grid.centre(column, row);
+                let (mask, model) = (self.contains(&pixel), is_model(column, row, &pixel));
                 if (mask || model) && self.sees(&pixel) {
                     union += 1;
                     intersection += usize::from(mask && model);
@@ -58,7 +80,7 @@ impl Silhouette {
             }
         }
 
-        let cell = step * step;
+        let cell = grid.step * grid.step;
         Overlap { intersection: intersection as f64 * cell, union: union as f64 * cell }
     }
 }

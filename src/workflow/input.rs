@@ -16,9 +16,7 @@ use crate::pipeline::{FitError, Progress, check_measure, check_scene, fits_point
 use crate::silhouette::FrameObservations;
 
 /// The body that is fitted when nobody names one.
-const DEFAULT_BODY: &str = "human-ellipsoids";
-/// The same where there are points, which lie on a skin.
-const DEFAULT_BODY_FOR_POINTS: &str = "human-metaballs";
+const DEFAULT_BODY: &str = "human-metaballs";
 
 /// Everything that a fit is made from, read and checked.
 #[derive(Debug)]
@@ -47,7 +45,7 @@ impl FitInput {
         let (mut files, contours) = derived.observations(recording, options)?;
 
         // the body
-        let (model, bodies) = body(options, recording, &files)?;
+        let (model, bodies) = body(options, recording)?;
         check_measure(&model, options.estimate.measure)?;
 
         // what is seen in each frame
@@ -102,12 +100,10 @@ impl FitInput {
 fn body(
     options: &FitOptions,
     recording: &Recording,
-    files: &ObservationFiles,
 ) -> Result<(BodyModel, Vec<InputChecksum>), Error> {
     let (name, folder) = match (options.body.as_deref(), recording.body()) {
         (Some(name), _) => (name, Path::new("")),
         (None, Some(name)) => (name, recording.folder()),
-        (None, None) if files.has_points() => (DEFAULT_BODY_FOR_POINTS, Path::new("")),
         (None, None) => (DEFAULT_BODY, Path::new("")),
     };
     let (model, texts) = model::load_with_texts(name, folder)?;

@@ -78,7 +78,7 @@ fn a_residual_is_less_by_the_offset() {
     outside.0.rows_mut(offsets.first().0, offsets.count()).fill(0.01);
 
     let residuals = |shape: &Shape| {
-        terms[0][0].placed_residuals(&Posed::new(&detailed, shape, &state.motions[0]))
+        terms.all[0][0].placed_residuals(&Posed::new(&detailed, shape, &state.motions[0]))
     };
     let (bare, dressed) = (residuals(&state.shape), residuals(&outside));
     let mut seen = 0;

@@ -45,7 +45,7 @@ pub(crate) struct FitArguments {
     /// Frames per second; overrides sequence.toml
     #[arg(long, allow_negative_numbers = true)]
     pub(super) fps: Option<f64>,
-    /// Body model: a shipped one (see `maquette models`) or a .toml file [default: that of sequence.toml, or human-ellipsoids]
+    /// Body model: a shipped one (see `maquette models`) or a .toml file [default: that of sequence.toml, or human-metaballs]
     #[arg(long, value_name = "NAME|FILE")]
     pub(super) body: Option<String>,
     /// The person's height without shoes, m; overrides sequence.toml. It is compared with the body's, which tests the calibration

@@ -20,7 +20,7 @@ use maquette::inference::chain::ChainPrior;
 use maquette::inference::joint::{JointOptions, joint_optimum, joint_optimum_from_terms};
 use maquette::inference::search::{NoJournal, SearchOptions, search};
 use maquette::inference::sequence_posterior::{SequencePosterior, SequenceState};
-use maquette::inference::{Detail, Evidence, Sequence, Terms};
+use maquette::inference::{Detail, Evidence, Sequence, SequenceTerms, Terms};
 use maquette::io::model;
 use maquette::likelihood::{LikelihoodOptions, Measure};
 use maquette::silhouette::FrameObservations;
@@ -118,9 +118,12 @@ impl Cycle<'_> {
         k.min(2 * last - k)
     }
 
-    fn terms(&self, length: usize) -> Vec<Terms<'_>> {
-        let one = |i| self.evidence.terms(&self.frames[self.at(i)], Detail::Fine);
-        (0..length).map(one).collect()
+    fn terms(&self, length: usize) -> SequenceTerms<'_> {
+        let one = |i, detail| self.evidence.terms(&self.frames[self.at(i)], detail);
+        SequenceTerms {
+            thinned: (0..length).map(|i| one(i, Detail::Thinned)).collect(),
+            all: (0..length).map(|i| one(i, Detail::Fine)).collect(),
+        }
     }
 
     fn state(&self, length: usize) -> SequenceState {
@@ -138,7 +141,7 @@ impl Cycle<'_> {
         for _ in 0..times {
             let share = 1.0 / times as f64;
             let before_s = processor_s();
-            let stages = self.stages_ms(&terms, &seconds);
+            let stages = self.stages_ms(&terms.all, &seconds);
             cost.processor_ms += share * 1e3 * (processor_s() - before_s) / length as f64;
             for (mean, ms) in cost.stages_ms.iter_mut().zip(stages) {
                 *mean += share * ms;

@@ -34,6 +34,13 @@ pub enum Reason {
         /// Its limit.
         least: f64,
     },
+    /// Cameras whose pictures are another's, or mirrored: however well a body covers them, it is not the person.
+    WrongPictures {
+        /// How many.
+        found: f64,
+        /// Their limit.
+        most: f64,
+    },
     /// The share of the seen frames that the body covers much worse than the rest.
     LostFrames {
         /// It.
@@ -90,7 +97,7 @@ pub enum Cause {
     StillParts {
         /// The cameras.
         cameras: Vec<String>,
-        /// The largest area, over that of the silhouette.
+        /// The largest area or volume, over that of what the masks show.
         share: f64,
     },
     /// The silhouettes hold more than one body.
@@ -134,6 +141,18 @@ pub enum Cause {
     },
     /// Nothing of what was tested.
     Unknown,
+}
+
+impl Cause {
+    /// How many cameras do not show what they would.
+    pub(super) fn wrong_pictures(&self, rig: &Rig) -> usize {
+        match self {
+            Self::AllMirrored => rig.cameras.len(),
+            Self::Mirrored { .. } => 1,
+            Self::Exchanged { .. } => 2,
+            _ => 0,
+        }
+    }
 }
 
 /// What is wrong with the cameras, for recordings that cannot be fitted at all.

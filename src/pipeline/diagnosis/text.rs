@@ -35,6 +35,9 @@ impl fmt::Display for Reason {
                     "the body overlaps the silhouettes by {found:.2} (at least {least:.2} is needed)"
                 )
             }
+            Self::WrongPictures { found, .. } => {
+                write!(f, "the pictures of {found:.0} cameras are those of others, or mirrored")
+            }
             Self::ThinParts { found, least } => {
                 write!(
                     f,

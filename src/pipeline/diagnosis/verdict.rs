@@ -10,7 +10,7 @@ use super::room::still_shares;
 use super::stature::{stature_m, wrong_stature_m};
 use super::thin::thin_share;
 use super::upright::head_axis;
-use super::volume::{apart_l, height_m, volumes};
+use super::volume::{apart_l, height_m, still_share, volumes};
 use crate::body::{Posed, Root, Shape};
 use crate::camera::{CameraId, Rig};
 use crate::inference::Evidence;
@@ -83,8 +83,13 @@ pub(in crate::pipeline) struct Diagnosis<'a> {
 impl Diagnosis<'_> {
     /// The verdict on a fit.
     pub(in crate::pipeline) fn verdict(&self) -> Verdict {
-        let unusable = self.unusable();
+        let mut unusable = self.unusable();
         let mut causes = self.causes(&unusable);
+        let rig = self.evidence.rig;
+        let wrong: usize = causes.iter().map(|cause| cause.wrong_pictures(rig)).sum();
+        if wrong > 0 {
+            unusable.push(Reason::WrongPictures { found: wrong as f64, most: 0.0 });
+        }
         if causes.is_empty() && !unusable.is_empty() {
             causes.push(Cause::Unknown);
         }
@@ -156,7 +161,11 @@ impl Diagnosis<'_> {
         let litres = apart_l(&volumes, |frame| self.body(frame));
         let is_tight = rig.cameras.len() > FEW_CAMERAS;
         if litres > BODY_L && (is_tight || is_unusable && rig.cameras.len() == FEW_CAMERAS) {
-            return vec![Cause::SecondBody { litres }];
+            // one that never moves is a picture, wherever the body went
+            let share = still_share(rig, self.observations, &found.readings, &volumes);
+            let cameras = rig.cameras.iter().map(|camera| camera.name.clone()).collect();
+            let still = (share > STILL_PART).then_some(Cause::StillParts { cameras, share });
+            return vec![still.unwrap_or(Cause::SecondBody { litres })];
         }
         let of_pose = if is_unusable { self.turned() } else { self.never_stands() };
         if let Some(cause) = of_pose {

@@ -33,15 +33,37 @@ pub(super) fn volumes(
     frames: &[FrameObservations],
     readings: &[Option<Reading>],
 ) -> Vec<Volume> {
-    let volume = |frame: usize| {
-        let views = frames[frame].views.iter();
-        let views: Vec<(usize, &Silhouette)> = views
-            .filter(|(id, _)| readings[id.0].is_some())
-            .map(|(id, silhouette)| (id.0, silhouette))
-            .collect();
-        Volume { frame, places: carve(rig, &views) }
-    };
+    let volume =
+        |frame: usize| Volume { frame, places: carve(rig, &views(&frames[frame], readings)) };
     shown_by_two(frames, SAMPLED_FRAMES).into_iter().map(volume).collect()
+}
+
+/// The silhouettes of the cameras that are not left out.
+fn views<'a>(
+    frame: &'a FrameObservations,
+    readings: &[Option<Reading>],
+) -> Vec<(usize, &'a Silhouette)> {
+    let kept = frame.views.iter().filter(|(id, _)| readings[id.0].is_some());
+    kept.map(|(id, silhouette)| (id.0, silhouette)).collect()
+}
+
+/// How much of the room that the silhouettes leave they leave in every one of the frames, over their median volume.
+///
+/// Of a person who walks it is nothing; of one in a picture of the room that was taken with the person in it, half.
+pub(super) fn still_share(
+    rig: &Rig,
+    frames: &[FrameObservations],
+    readings: &[Option<Reading>],
+    volumes: &[Volume],
+) -> f64 {
+    let Some((first, others)) = volumes.split_first() else {
+        return 0.0;
+    };
+    let others: Vec<_> = others.iter().map(|v| views(&frames[v.frame], readings)).collect();
+    let is_still = |place: &&Point3<f64>| others.iter().all(|views| is_in_all(rig, views, place));
+    let still = first.places.iter().filter(is_still).count() as f64;
+    let usual = median(&mut volumes.iter().map(|v| v.places.len() as f64).collect());
+    still / usual.unwrap_or(0.0).max(1.0)
 }
 
 fn carve(rig: &Rig, views: &[(usize, &Silhouette)]) -> Vec<Point3<f64>> {
@@ -107,6 +129,7 @@ pub(super) fn apart_l<'a>(volumes: &[Volume], body: impl Fn(usize) -> Posed<'a>)
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::image::Mask;
     use crate::pipeline::diagnosis::coherence::Scene;
     use crate::pipeline::diagnosis::figures::{Figures, joined};
 
@@ -129,5 +152,26 @@ mod tests {
 
         let (litres, _) = found(&joined(&alone, &figures.masks(&second)));
         assert!(litres > 40.0, "{litres}");
+    }
+
+    #[test]
+    fn who_stands_in_every_frame_is_half_of_what_is_seen_and_who_walks_is_nothing() {
+        let figures = Figures::new();
+        let walks: Vec<Vec<Mask>> = (0..4)
+            .map(|i| figures.masks(&figures.standing(0.6 * f64::from(i) - 0.9, 0.0)))
+            .collect();
+        let still = figures.masks(&figures.standing(0.0, 0.8));
+        let share = |shown: &dyn Fn(&[Mask]) -> Vec<Mask>| {
+            let frames: Vec<FrameObservations> =
+                walks.iter().enumerate().map(|(i, m)| figures.frame(i, &shown(m))).collect();
+            let readings = Scene::new(&figures.rig, &frames).plain();
+            let volumes = volumes(&figures.rig, &frames, &readings);
+            still_share(&figures.rig, &frames, &readings, &volumes)
+        };
+
+        let walker = share(&|masks| masks.to_vec());
+        assert!(walker < 0.02, "{walker}");
+        let beside = share(&|masks| joined(masks, &still));
+        assert!((0.3..0.7).contains(&beside), "{beside}");
     }
 }

@@ -16,6 +16,8 @@ pub(crate) struct Damage {
     pub(crate) name: &'static str,
     /// What a verdict must say that names the cause; ` & ` between what it must say besides.
     pub(crate) cause: &'static str,
+    /// What a note says of it, where that is all that can be said.
+    pub(crate) note: Option<&'static str>,
     pub(crate) spoil: Box<dyn Fn(&Recorded) -> Recorded>,
 }
 
@@ -24,8 +26,19 @@ fn damage(
     cause: &'static str,
     spoil: impl Fn(&Recorded) -> Recorded + 'static,
 ) -> Damage {
-    Damage { name, cause, spoil: Box::new(spoil) }
+    Damage { name, cause, note: None, spoil: Box::new(spoil) }
 }
+
+impl Damage {
+    fn noted(self, note: &'static str) -> Self {
+        Self { note: Some(note), ..self }
+    }
+}
+
+/// What a note says of the scale where nobody stated the person's height.
+const UNCHECKED: &str = "outlines alone do not show whether the calibration's unit of length";
+/// What a note says of limbs.
+const HIDDEN: &str = "lies before or behind the body";
 
 /// Everything that is done to a recording.
 pub(crate) fn damages() -> Vec<Damage> {
@@ -58,8 +71,8 @@ fn cameras() -> Vec<Damage> {
         damage("three cameras", "", |r| {
             r.with_cameras(&[0, r.rig.cameras.len() / 3, 2 * r.rig.cameras.len() / 3])
         }),
-        damage("two cameras side by side", "", |r| r.with_cameras(&[0, 1])),
-        damage("two cameras", "", |r| r.with_cameras(&[0, r.rig.cameras.len() / 2])),
+        damage("two cameras side by side", "", |r| r.with_cameras(&[0, 1])).noted(HIDDEN),
+        damage("two cameras", "", |r| r.with_cameras(&[0, r.rig.cameras.len() / 2])).noted(HIDDEN),
         damage("one camera", "two cameras", |r| r.with_cameras(&[0])),
         damage("cameras 1 and 2 exchanged", "exchanged", |r| exchanged(r, 0, 1)),
         damage("cameras 1 and 4 exchanged", "exchanged", |r| exchanged(r, 0, 3)),
@@ -87,7 +100,8 @@ fn cameras() -> Vec<Damage> {
         }),
         damage("focal lengths 20 % off", "focal lengths of all", |r| {
             all_cameras(r, |c| zoom(c, 1.2))
-        }),
+        })
+        .noted(UNCHECKED),
         damage("focal lengths 20 % off, height given", "focal lengths", |r| {
             with_height(&all_cameras(r, |c| zoom(c, 1.2)))
         }),
@@ -141,8 +155,10 @@ fn world() -> Vec<Damage> {
         damage("up is another axis", "`up`", move |r| turned_world(r, turn(Vector3::x(), 90.0))),
         damage("up is a third axis", "`up`", move |r| turned_world(r, turn(Vector3::y(), 90.0))),
         damage("up is down", "`up`", move |r| turned_world(r, turn(Vector3::x(), 180.0))),
-        damage("world 10 % too large", "too large for a person", |r| scaled(r, 1.1)),
-        damage("world 10 % too small", "too small for a person", |r| scaled(r, 0.9)),
+        damage("world 10 % too large", "too large for a person", |r| scaled(r, 1.1))
+            .noted(UNCHECKED),
+        damage("world 10 % too small", "too small for a person", |r| scaled(r, 0.9))
+            .noted(UNCHECKED),
         damage("world 10 % too large, height given", "too large for a person", |r| {
             with_height(&scaled(r, 1.1))
         }),
