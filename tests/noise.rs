@@ -124,6 +124,19 @@ fn the_length_is_found_however_far_apart_the_rows_are() {
 }
 
 /// What k = 4 cameras share of each frame, and what lasts, ρ = exp(−t/T), both count: τ = k(1 + 2Σρ) of a whole variance.
+/// Where a contour is cut into pieces a few rows are short: what they say of each other is too little to say where ρ ends.
+#[test]
+fn a_few_short_rows_do_not_hide_that_neighbours_go_together() {
+    let mut frames = simulate(Truth { scale: 1.0, length: 0.6 }, 5);
+    let whole = Noise::from_residuals(&frames).along_border;
+    for frame in &mut frames {
+        let short = [1.0, -1.0].map(|value| PlacedResidual { weight: 0.01, ..row(0, 0, value) });
+        frame.splice(0..0, short);
+    }
+    let found = Noise::from_residuals(&frames).along_border;
+    approx::assert_relative_eq!(found, whole, max_relative = 0.05);
+}
+
 #[test]
 fn looks_that_go_together_are_worth_one() {
     let lasts_s = 0.06;

@@ -86,12 +86,13 @@ fn one_outline_warning(rig: &Rig, frames: &[FrameObservations]) -> Option<Warnin
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use std::f64::consts::PI;
     use std::path::Path;
 
     use super::*;
     use crate::camera::CameraId;
+    use crate::image::Mask;
     use crate::inference::frame::FrameFit;
     use crate::inference::search::{Hypothesis, Origin, Trial};
     use crate::likelihood::{LikelihoodOptions, Measure};
@@ -100,25 +101,27 @@ mod tests {
     use crate::synth::Ring;
     use nalgebra::Vector3;
 
-    fn warning(headings_deg: &[f64]) -> Option<Warning> {
+    /// Cameras that look at the world's origin from these headings, and a frame in which all show something.
+    pub(in crate::pipeline) fn before_cameras(headings_deg: &[f64]) -> (Rig, FrameObservations) {
         let mut rig = Ring::default().regular();
         let first = rig.cameras[0].clone();
-        rig.cameras = headings_deg
-            .iter()
-            .map(|deg| {
-                let mut camera = first.clone();
-                camera.camera_from_world *= Rigid3::rotation(Vector3::z() * deg.to_radians());
-                camera
-            })
-            .collect();
+        let headed = |deg: &f64| {
+            let mut camera = first.clone();
+            camera.camera_from_world *= Rigid3::rotation(Vector3::z() * deg.to_radians());
+            camera
+        };
+        rig.cameras = headings_deg.iter().map(headed).collect();
 
         let (w, h) = (first.width_px as usize, first.height_px as usize);
-        let mask = crate::image::Mask::from_fn(w, h, |x, y| {
-            x > w / 3 && x < w / 2 && y > h / 3 && y < h / 2
-        });
+        let mask = Mask::from_fn(w, h, |x, y| x > w / 3 && x < w / 2 && y > h / 3 && y < h / 2);
         let silhouette = extract(&mask, &first, &SilhouetteOptions::default()).unwrap();
         let mut frame = FrameObservations::nothing(FrameIndex(0));
         frame.views = (0..rig.cameras.len()).map(|i| (CameraId(i), silhouette.clone())).collect();
+        (rig, frame)
+    }
+
+    fn warning(headings_deg: &[f64]) -> Option<Warning> {
+        let (rig, frame) = before_cameras(headings_deg);
         one_outline_warning(&rig, &[frame])
     }
 

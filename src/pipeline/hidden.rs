@@ -91,33 +91,13 @@ mod tests {
     use nalgebra::Vector3;
 
     use super::*;
-    use crate::camera::CameraId;
-    use crate::image::Mask;
     use crate::likelihood::{LikelihoodOptions, Measure};
-    use crate::math::Rigid3;
-    use crate::silhouette::{FrameIndex, SilhouetteOptions, extract};
-    use crate::synth::Ring;
+    use crate::pipeline::ambiguity::tests::before_cameras;
 
     /// What is said of a person whose arms hang, before cameras that stand at these headings; 0 is before the face.
     fn said(headings_deg: &[f64]) -> Option<Warning> {
         let model = crate::io::model::load("human-ellipsoids", Path::new("")).unwrap();
-        let mut rig = Ring::default().regular();
-        let first = rig.cameras[0].clone();
-        rig.cameras = headings_deg
-            .iter()
-            .map(|deg| {
-                let mut camera = first.clone();
-                camera.camera_from_world *= Rigid3::rotation(Vector3::z() * deg.to_radians());
-                camera
-            })
-            .collect();
-
-        let (w, h) = (first.width_px as usize, first.height_px as usize);
-        let mask = Mask::from_fn(w, h, |x, y| x > w / 3 && x < w / 2 && y > h / 3 && y < h / 2);
-        let silhouette = extract(&mask, &first, &SilhouetteOptions::default()).unwrap();
-        let mut frame = FrameObservations::nothing(FrameIndex(0));
-        frame.views = (0..rig.cameras.len()).map(|i| (CameraId(i), silhouette.clone())).collect();
-
+        let (rig, frame) = before_cameras(headings_deg);
         let shape = Shape(model.statistics.mean.clone());
         let mut motion = Motion::rest(&model);
         motion.position_world = Vector3::new(0.0, 0.0, 0.95);
