@@ -19,7 +19,6 @@ use crate::silhouette::{FrameObservations, Silhouette};
 pub type Terms<'f> = Vec<Box<dyn Term + 'f>>;
 
 /// What every frame of a sequence shows.
-#[derive(Default)]
 pub struct SequenceTerms<'f> {
     /// A part of it, to approach an optimum.
     pub thinned: Vec<Terms<'f>>,

@@ -44,7 +44,7 @@ impl Default for JointOptions {
 impl JointOptions {
     /// Steps of the work at most: in each round the first linearisation and one for each iteration, and the standard deviations.
     pub fn most_steps(&self) -> usize {
-        let approach: usize = APPROACH.iter().map(|iterations| iterations + 1).sum();
+        let approach: usize = APPROACH.iter().map(|(iterations, _)| iterations + 1).sum();
         approach + (self.iterations + 1) + 1
     }
 }
@@ -80,9 +80,10 @@ impl JointOptimum {
 /// body, and E itself is about a thousand: this fraction of it is a unit. Lines of sight that come to touch another summit of
 /// the field make E jump by as much.
 const TOLERANCE: f64 = 1e-3;
-/// The first λ of the first round, which is far from its optimum, and of the others, which are near theirs: there what lines of
-/// sight touch changes within a Gauss–Newton step, and shorter steps are accepted at once.
-const DAMPING: [f64; 2] = [1e-4, 1e-1];
+/// The first λ far from an optimum, …
+const FAR: f64 = 1e-4;
+/// … and near one: there what lines of sight touch changes within a Gauss–Newton step, and shorter steps are accepted at once.
+const NEAR: f64 = 1e-1;
 
 /// The joint optimum of a sequence, from a first shape and motion.
 pub fn joint_optimum(
@@ -95,8 +96,8 @@ pub fn joint_optimum(
     joint_optimum_from_terms(evidence, &terms, &sequence.intervals_s(), start, options, &|| {})
 }
 
-/// Steps in each of the rounds before the last: after them E falls by less than a hundredth.
-const APPROACH: [usize; 2] = [4, 6];
+/// Steps in each of the rounds before the last, after which E falls by less than a hundredth, and their first λ.
+const APPROACH: [(usize, f64); 2] = [(4, FAR), (6, NEAR)];
 
 /// The joint optimum of what each frame shows; `seconds[i]` lie between frames i − 1 and i. `step` is called
 /// [`JointOptions::most_steps`] times at most, the last time when all is done.
@@ -115,17 +116,15 @@ pub fn joint_optimum_from_terms<'a>(
     // how the residuals err, the optimum, and how far surfaces lie outside, by turns
     let mut state = start.detailed(model);
     let mut shape_prior = evidence.shape_prior.clone();
-    let [mut damping, next_damping] = DAMPING;
-    for max_iterations in APPROACH {
+    for (max_iterations, damping) in APPROACH {
         let solver = Options { max_iterations, damping, relative_decrease: TOLERANCE };
-        damping = next_damping;
         let round = search.round(&terms.thinned, state, &shape_prior, &solver);
         shape_prior = search.shape_prior(&round);
         state = round.solution.state;
     }
 
     let max_iterations = options.iterations;
-    let solver = Options { max_iterations, damping, relative_decrease: TOLERANCE };
+    let solver = Options { max_iterations, damping: NEAR, relative_decrease: TOLERANCE };
     let last = search.round(&terms.all, state, &shape_prior, &solver);
     let Round { noise, frames, solution } = last;
     let uncertainty = Uncertainty::new(model, &solution.state, &solution.model);

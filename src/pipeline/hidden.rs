@@ -35,10 +35,11 @@ pub(super) fn hidden_warning(
     let hidden_in = |frame: &usize| {
         let body = Posed::new(model, shape, motions[*frame]);
         let views = &frames[*frame].views;
-        let shown = |limb: &Vec<PartId>| {
-            views.iter().filter(|(id, _)| is_shown(&rig.cameras[id.0], &body, limb)).count()
+        let is_hidden = |limb: &Vec<PartId>| {
+            let shown = views.iter().filter(|(id, _)| is_shown(&rig.cameras[id.0], &body, limb));
+            shown.take(2).count() < 2
         };
-        limbs.iter().map(|limb| shown(limb) < 2).collect::<Vec<bool>>()
+        limbs.iter().map(is_hidden).collect::<Vec<bool>>()
     };
     let hidden: Vec<Vec<bool>> = observed.par_iter().map(hidden_in).collect();
 
@@ -64,12 +65,12 @@ fn limbs(model: &BodyModel) -> Vec<Vec<PartId>> {
 }
 
 fn is_shown(camera: &Camera, body: &Posed<'_>, limb: &[PartId]) -> bool {
-    let ellipsoids = body.model.ellipsoids.iter().cloned();
-    let (own, rest): (Vec<Primitive>, Vec<Primitive>) =
+    let ellipsoids = body.model.ellipsoids.iter();
+    let (own, rest): (Vec<&Primitive>, Vec<&Primitive>) =
         ellipsoids.partition(|e| limb.contains(&e.part));
-    let rest: Vec<Covering> = projected(camera, body, &rest).iter().map(Covering::new).collect();
+    let rest: Vec<Covering> = projected(camera, body, rest).iter().map(Covering::new).collect();
 
-    let outlines = projected(camera, body, &own);
+    let outlines = projected(camera, body, own);
     let outline: Vec<Point2<f64>> = outlines
         .iter()
         .filter_map(|ellipse| Some((ellipse.centre, ellipse.shape.cholesky()?.l())))

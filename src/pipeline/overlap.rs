@@ -11,13 +11,13 @@ use crate::render;
 use crate::silhouette::{OverlapGrid, Silhouette};
 
 /// Primitives of the model as ellipses in a camera, in undistorted pixels; those around or behind it are left out.
-pub(super) fn projected(
+pub(super) fn projected<'p>(
     camera: &Camera,
     body: &Posed<'_>,
-    primitives: &[Primitive],
+    primitives: impl IntoIterator<Item = &'p Primitive>,
 ) -> Vec<Ellipse> {
     let projection = camera.projection();
-    let each = primitives.iter().map(|p| body.primitive(p));
+    let each = primitives.into_iter().map(|p| body.primitive(p));
     each.filter_map(|e| project(&projection, &e)).collect()
 }
 
