@@ -4,7 +4,7 @@ use nalgebra::Vector2;
 
 use super::Warning;
 use super::diagnosis::stature_m;
-use super::fit::{FittedFrame, TriedHypothesis};
+use super::fitted::{FittedFrame, TriedHypothesis};
 use super::hidden::hidden_warning;
 use crate::body::{BodyModel, Motion, Root, Shape};
 use crate::camera::Rig;
