@@ -258,6 +258,14 @@ fn grid((low, high): (Vector3<f64>, Vector3<f64>), side: GridSide, first: usize)
 }
 
 impl Posed<'_> {
+    /// The greatest b anywhere, metres, not less than 0.
+    pub(crate) fn greatest_offset_m(&self) -> f64 {
+        let of = |offsets: &SurfaceOffsets| {
+            self.shape.0.rows(offsets.first.0, offsets.count()).max().max(0.0)
+        };
+        self.model.offsets.as_ref().map_or(0.0, of)
+    }
+
     /// b at a place of a part, in its axes; `None` for a model without offsets.
     pub fn surface_offset(&self, part: PartId, place_part: &Vector3<f64>) -> Option<Offset> {
         let offsets = self.model.offsets.as_ref()?;

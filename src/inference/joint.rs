@@ -44,7 +44,7 @@ impl Default for JointOptions {
 impl JointOptions {
     /// Steps of the work at most: in each round the first linearisation and one for each iteration, and the standard deviations.
     pub fn most_steps(&self) -> usize {
-        let approach: usize = APPROACH.iter().map(|(iterations, _)| iterations + 1).sum();
+        let approach: usize = APPROACH.iter().map(|iterations| iterations + 1).sum();
         approach + (self.iterations + 1) + 1
     }
 }
@@ -77,13 +77,11 @@ impl JointOptimum {
 /// The fraction of E below which a step's decrease ends the optimisation.
 ///
 /// Under its own posterior, E of n frames of m components has a standard deviation of √(nm/2), 65 for 200 frames of a
-/// body, and E itself is about a thousand: this fraction of it is a unit. Lines of sight that come to touch another summit of
-/// the field make E jump by as much.
-const TOLERANCE: f64 = 1e-3;
-/// The first λ far from an optimum, …
-const FAR: f64 = 1e-4;
-/// … and near one: there what lines of sight touch changes within a Gauss–Newton step, and shorter steps are accepted at once.
-const NEAR: f64 = 1e-1;
+/// body, and E itself is about a thousand: this fraction of it is two units. Lines of sight that come to touch another summit of
+/// a limb's field make E jump by a tenth of that.
+const TOLERANCE: f64 = 2e-3;
+/// The first λ of a round.
+const DAMPING: f64 = 1e-4;
 
 /// The joint optimum of a sequence, from a first shape and motion.
 pub fn joint_optimum(
@@ -96,8 +94,8 @@ pub fn joint_optimum(
     joint_optimum_from_terms(evidence, &terms, &sequence.intervals_s(), start, options, &|| {})
 }
 
-/// Steps in each of the rounds before the last, after which E falls by less than a hundredth, and their first λ.
-const APPROACH: [(usize, f64); 2] = [(4, FAR), (6, NEAR)];
+/// Steps in each of the rounds before the last, after which E falls by less than a hundredth.
+const APPROACH: [usize; 2] = [4, 6];
 
 /// The joint optimum of what each frame shows; `seconds[i]` lie between frames i − 1 and i. `step` is called
 /// [`JointOptions::most_steps`] times at most, the last time when all is done.
@@ -116,16 +114,13 @@ pub fn joint_optimum_from_terms<'a>(
     // how the residuals err, the optimum, and how far surfaces lie outside, by turns
     let mut state = start.detailed(model);
     let mut shape_prior = evidence.shape_prior.clone();
-    for (max_iterations, damping) in APPROACH {
-        let solver = Options { max_iterations, damping, relative_decrease: TOLERANCE };
-        let round = search.round(&terms.thinned, state, &shape_prior, &solver);
+    for iterations in APPROACH {
+        let round = search.round(&terms.thinned, state, &shape_prior, iterations);
         shape_prior = search.shape_prior(&round);
         state = round.solution.state;
     }
 
-    let max_iterations = options.iterations;
-    let solver = Options { max_iterations, damping: NEAR, relative_decrease: TOLERANCE };
-    let last = search.round(&terms.all, state, &shape_prior, &solver);
+    let last = search.round(&terms.all, state, &shape_prior, options.iterations);
     let Round { noise, frames, solution } = last;
     let uncertainty = Uncertainty::new(model, &solution.state, &solution.model);
     step();
@@ -160,7 +155,7 @@ impl Search<'_, '_> {
         terms: &[Terms<'_>],
         start: SequenceState,
         shape_prior: &ShapePrior,
-        solver: &Options,
+        max_iterations: usize,
     ) -> Round {
         let model = self.evidence.model;
         let noise = Noise::from_residuals(&residuals(model, terms, &start));
@@ -174,7 +169,8 @@ impl Search<'_, '_> {
             data_weight: noise.data_weight(),
         };
         let counted = Counted { problem: &posterior, step: self.step };
-        let solution = levenberg_marquardt(&counted, start, solver);
+        let solver = Options { max_iterations, damping: DAMPING, relative_decrease: TOLERANCE };
+        let solution = levenberg_marquardt(&counted, start, &solver);
         Round { noise, frames: posterior.frame_fits(&solution.state), solution }
     }
 

@@ -6,6 +6,7 @@
 //! Silhouettes confuse front and back: the best start of another heading is kept as a second reading.
 
 use nalgebra::{DVector, Rotation3, Vector3};
+use rayon::prelude::*;
 
 use super::detail::Detail;
 use super::frame::KeyframePosterior;
@@ -70,15 +71,15 @@ pub(super) fn readings_by(
         let solver = solver_options(options.iterations, 1e-3);
         improve(evidence, &coarse_terms, state, &solver)
     };
-    let starts = starting_states(evidence, hull.as_ref(), options).into_iter();
+    let starts = starting_states(evidence, hull.as_ref(), options).into_par_iter();
     let mut found: Vec<Reading> = starts.map(sort).collect();
     keep_best(&mut found, options.kept);
 
     // 3. the best of them try the arm poses
     let arms = canonical_poses(evidence.model, Limbs::Arms);
     let with_arms: Vec<Reading> = found
-        .iter()
-        .flat_map(|reading| arms.iter().map(move |pose| (reading, pose)))
+        .par_iter()
+        .flat_map_iter(|reading| arms.iter().map(move |pose| (reading, pose)))
         .map(|(reading, pose)| {
             let mut state = reading.state.clone();
             pose.apply(&mut state.motion);
@@ -88,16 +89,20 @@ pub(super) fn readings_by(
     found.extend(with_arms);
     keep_best(&mut found, options.kept);
 
-    // 4. refine, and keep the best of each heading
+    // 4. refine on a part of the border, and the best of each heading on all of it
+    let thinned_terms = evidence.terms(frame, Detail::Thinned);
+    let approach = |reading: Reading| refined(evidence, &thinned_terms, reading.state);
+    let mut near: Vec<Reading> = found.into_par_iter().map(approach).collect();
+    keep_best(&mut near, options.kept);
     let refine = |reading: Reading| refined(evidence, fine_terms, reading.state);
-    let mut refined: Vec<Reading> = found.into_iter().map(refine).collect();
-    keep_best(&mut refined, options.kept);
-    distinct_headings(refined)
+    let mut fine: Vec<Reading> = distinct_headings(near).into_par_iter().map(refine).collect();
+    keep_best(&mut fine, options.kept);
+    fine
 }
 
-/// The reading that is reached from a state with all that a frame shows.
-pub(super) fn refined(evidence: &Evidence<'_>, fine_terms: &Terms<'_>, state: State) -> Reading {
-    improve(evidence, fine_terms, state, &solver_options(30, 1e-4))
+/// The reading that is reached from a state.
+pub(super) fn refined(evidence: &Evidence<'_>, terms: &Terms<'_>, state: State) -> Reading {
+    improve(evidence, terms, state, &solver_options(30, 1e-4))
 }
 
 fn solver_options(max_iterations: usize, relative_decrease: f64) -> Options {

@@ -56,14 +56,6 @@ struct Slope {
     mean: f64,
 }
 
-/// Where F is largest on a ray.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Contact {
-    pub(super) limb: usize,
-    /// In units of the ray's direction.
-    pub(super) t: f64,
-}
-
 impl<'f> RayField<'f> {
     pub(super) fn new(field: &'f Field, origin_world: Vector3<f64>) -> Self {
         const ENTRIES: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
@@ -92,15 +84,10 @@ impl<'f> RayField<'f> {
         self.origin_world + direction * t
     }
 
-    /// The largest F on a ray; `near` receives the metaballs of its limb that contribute there.
+    /// Turns to another ray; the limb that it comes nearest to, in units of its metaballs.
     ///
     /// Metaballs that the ray comes closest to behind its origin do not count; `None` if none is left.
-    pub(super) fn contact(
-        &mut self,
-        direction: &Vector3<f64>,
-        near: &mut Vec<usize>,
-    ) -> Option<Contact> {
-        // how near the ray comes to each limb
+    pub(super) fn turn_to(&mut self, direction: &Vector3<f64>) -> Option<usize> {
         self.approach(direction);
         self.leasts.clear();
         for limb in &self.field.limbs {
@@ -108,22 +95,44 @@ impl<'f> RayField<'f> {
             self.leasts.push(nearest.fold(f64::INFINITY, f64::min));
         }
 
-        // the highest summit: the nearest limb first, to rule out most of the others
-        let limbs = 0..self.leasts.len();
         let nearer = |a: &usize, b: &usize| self.leasts[*a].total_cmp(&self.leasts[*b]);
-        let first = limbs.clone().min_by(nearer)?;
-        let mut highest: Option<(Contact, f64)> = None;
-        for limb in std::iter::once(first).chain(limbs.filter(|&l| l != first)) {
-            let beat = highest.map_or(f64::NEG_INFINITY, |(_, value)| value);
-            highest = self.climb_limb(limb, beat).or(highest);
+        let nearest = (0..self.leasts.len()).min_by(nearer)?;
+        self.leasts[nearest].is_finite().then_some(nearest)
+    }
+
+    /// Where on the ray the F of a limb is largest; `None` if no metaball of it is before the origin, or if ln F is known to be at
+    /// most a value that is not `enough`.
+    pub(super) fn contact(&mut self, limb: usize, enough: impl Fn(f64) -> bool) -> Option<f64> {
+        let least = self.leasts[limb];
+        // nowhere is F more than the sum of all summits
+        let balls = self.field.limbs[limb].len() as f64;
+        if !least.is_finite() || !enough(balls.ln() - 2.0 * least) {
+            return None;
         }
 
-        let (highest, _) = highest?;
-        let limb = highest.limb;
+        // the metaballs that contribute at the nearest one
+        self.bumps.clear();
+        let mut start = 0.0;
+        for &i in &self.field.limbs[limb] {
+            let nearest = self.nearest[i] - least;
+            if nearest < NEGLIGIBLE {
+                let (at, sharpness) = (self.at[i], self.sharpness[i]);
+                if nearest <= 0.0 {
+                    start = at;
+                }
+                self.bumps.push(Bump { nearest, at, sharpness });
+            }
+        }
+
+        let summits: f64 = self.bumps.iter().map(|b| (-2.0 * b.nearest).exp()).sum();
+        enough(summits.ln() - 2.0 * least).then(|| climb(&self.bumps, start))
+    }
+
+    /// The metaballs of a limb that contribute where the present ray touches it.
+    pub(super) fn near(&self, limb: usize, near: &mut Vec<usize>) {
         let reach = self.leasts[limb] + NEGLIGIBLE;
         near.clear();
         near.extend(self.field.limbs[limb].iter().filter(|&&i| self.nearest[i] < reach));
-        Some(highest)
     }
 
     /// a, tᵢ and dᵢ₀ of every metaball.
@@ -150,43 +159,10 @@ impl<'f> RayField<'f> {
             nearest[i] = if t > 0.0 { d } else { f64::INFINITY };
         }
     }
-
-    /// The summit of a limb, and ln F there; `None` if it is not above `beat`, or no metaball is before the origin.
-    fn climb_limb(&mut self, limb: usize, beat: f64) -> Option<(Contact, f64)> {
-        let least = self.leasts[limb];
-        // nowhere is F more than the sum of all summits
-        let balls = self.field.limbs[limb].len() as f64;
-        if !least.is_finite() || balls.ln() - 2.0 * least <= beat {
-            return None;
-        }
-
-        // the metaballs that contribute at the nearest one
-        self.bumps.clear();
-        let mut start = 0.0;
-        for &i in &self.field.limbs[limb] {
-            let nearest = self.nearest[i] - least;
-            if nearest < NEGLIGIBLE {
-                let (at, sharpness) = (self.at[i], self.sharpness[i]);
-                if nearest <= 0.0 {
-                    start = at;
-                }
-                self.bumps.push(Bump { nearest, at, sharpness });
-            }
-        }
-
-        let summits: f64 = self.bumps.iter().map(|b| (-2.0 * b.nearest).exp()).sum();
-        if beat.is_finite() && summits.ln() - 2.0 * least <= beat {
-            return None;
-        }
-
-        let (t, value) = climb(&self.bumps, start);
-        let value = value - 2.0 * least;
-        (value > beat).then_some((Contact { limb, t }, value))
-    }
 }
 
-/// The summit reached from `start`, and ln F there.
-fn climb(bumps: &[Bump], start: f64) -> (f64, f64) {
+/// The summit reached from `start`.
+fn climb(bumps: &[Bump], start: f64) -> f64 {
     let mut t = start;
     let mut here = slope(bumps, t);
     for _ in 0..MOST_STEPS {
@@ -204,7 +180,7 @@ fn climb(bumps: &[Bump], start: f64) -> (f64, f64) {
         }
         (t, here) = (next, there);
     }
-    (t, here.value)
+    t
 }
 
 fn slope(bumps: &[Bump], t: f64) -> Slope {
@@ -255,15 +231,15 @@ mod tests {
     #[test]
     fn at_the_contact_the_field_rises_in_no_direction_of_the_ray() {
         let mut rng = ChaCha8Rng::seed_from_u64(80);
-        let mut near = Vec::new();
         for _ in 0..300 {
             let field = balls(&mut rng, 12);
             let mut rays = RayField::new(&field, Vector3::new(0.0, 0.0, 1.0));
             let aside = |rng: &mut ChaCha8Rng| rng.random_range(-0.1..0.1);
             let direction = Vector3::new(1.0, aside(&mut rng), aside(&mut rng));
             let direction = Unit::new_normalize(direction).into_inner();
-            let contact = rays.contact(&direction, &mut near).unwrap();
-            let sample = field.sample(&rays.point(&direction, contact.t)).unwrap();
+            let limb = rays.turn_to(&direction).unwrap();
+            let t = rays.contact(limb, |_| true).unwrap();
+            let sample = field.sample(&rays.point(&direction, t)).unwrap();
             let slope = sample.log_gradient.dot(&direction);
             let bend = direction.dot(&(sample.log_hessian * direction));
             assert!((slope / bend).abs() < 1e-8 && bend < 0.0, "{slope} {bend}");
@@ -271,23 +247,33 @@ mod tests {
     }
 
     #[test]
-    fn the_contact_is_where_marching_finds_the_highest_of_all_limbs() {
+    fn the_contact_is_where_marching_finds_the_highest_of_each_limb() {
         let mut rng = ChaCha8Rng::seed_from_u64(81);
-        let mut near = Vec::new();
-        for _ in 0..100 {
+        for _ in 0..20 {
             let mut field = balls(&mut rng, 7);
             // one ball has one summit
             field.limbs = (0..7).map(|i| vec![i]).chain([Vec::new()]).collect();
             let origin = Vector3::new(0.0, 0.0, 1.0);
             let mut rays = RayField::new(&field, origin);
             let direction = Vector3::new(1.0, rng.random_range(-0.1..0.1), 0.02);
-            let contact = rays.contact(&direction, &mut near).unwrap();
-            let at = |t: f64| field.sample(&(origin + direction * t)).unwrap();
-            let marched = (0..1000).map(|i| at(3.0 + 2e-3 * f64::from(i)).log_value);
-            let highest = marched.fold(f64::NEG_INFINITY, f64::max);
-            let found = at(contact.t);
-            assert!(found.log_value >= highest, "{found:?} {highest}");
-            assert_eq!(found.limb, contact.limb);
+            let nearest = rays.turn_to(&direction).unwrap();
+
+            let mut values = Vec::new();
+            for limb in 0..7 {
+                let alone = Field::new([field.metaballs[limb].ellipsoid]);
+                let at = |t: f64| alone.sample(&(origin + direction * t)).unwrap().log_value;
+                let marched = (0..1000).map(|i| at(3.0 + 2e-3 * f64::from(i)));
+                let highest = marched.fold(f64::NEG_INFINITY, f64::max);
+                let found = at(rays.contact(limb, |_| true).unwrap());
+                assert!(found >= highest, "{found} {highest}");
+                values.push(found);
+
+                // and what is said to be the most is no less
+                assert!(rays.contact(limb, |most| most >= found).is_some());
+                assert!(rays.contact(limb, |most| most > found + 1e-9).is_none());
+            }
+            assert!(values.iter().all(|value| *value <= values[nearest]), "{values:?}");
+            assert_eq!(rays.contact(7, |_| true), None);
         }
     }
 
@@ -295,6 +281,6 @@ mod tests {
     fn what_is_behind_the_camera_has_no_contact() {
         let field = balls(&mut ChaCha8Rng::seed_from_u64(82), 5);
         let mut rays = RayField::new(&field, Vector3::new(6.0, 0.0, 1.0));
-        assert_eq!(rays.contact(&Vector3::x(), &mut Vec::new()), None);
+        assert_eq!(rays.turn_to(&Vector3::x()), None);
     }
 }

@@ -67,6 +67,11 @@ impl MeanLength {
 }
 
 impl LocalLength {
+    /// The least and the greatest R, m: G is a mean of the g.
+    pub(super) fn range_m(&self) -> (f64, f64) {
+        (self.length_m * self.growth.min().exp(), self.length_m * self.growth.max().exp())
+    }
+
     /// R, m; `pull` is A⁻¹(x − c).
     pub(super) fn value_m(&self, pull: &Vector3<f64>) -> f64 {
         let (_, _, growth) = self.shares(pull);

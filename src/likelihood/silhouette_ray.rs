@@ -13,14 +13,19 @@
 //! dr/dθ = Σ wᵢ (αᵢ ∂ ln fᵢ + γᵢ ∂ ln Rᵢ)/∂θ + b·∂p/∂θ with b = −r e/(rᵀKr): one row of
 //! [`FieldSlopes`](crate::body::metaball::FieldSlopes). The published residual depends on F alone and needs no second derivative.
 //!
+//! Limbs do not blend, and each has its own summit on the line. The line touches the limb whose r is least. That is not always the
+//! one with the largest F: the same F is another distance from a thick limb than from a thin one, and the person's surface may
+//! lie further outside the model's on one than on the other ([`skin_term`]). Chosen by F, r would jump where another limb comes to
+//! be touched.
+//!
 //! A border pixel has the variance σ² = (σ_px z/f)² + σ_m², in metres at the contact: that of the segmentation, and the model's
 //! own mismatch with a body. Neighbours err together: the weight of a row is its length over the correlation length.
 
 use nalgebra::{Vector2, Vector3};
 
 use super::contact::RayField;
-use super::skin_distance::{Derivatives, PosedScale, Residual, SkinScale};
-use super::skin_term::{self, SkinTerm, SkinTouch, Touch};
+use super::skin_distance::{Derivatives, PosedScale, Residual, SkinResidual, SkinScale};
+use super::skin_term::{self, PartOffset, SkinTerm, SkinTouch, Touch};
 use super::{PlacedResidual, Source, Term};
 use crate::body::Posed;
 use crate::body::metaball::{Field, FieldSample};
@@ -121,6 +126,13 @@ impl SilhouetteRays {
     }
 }
 
+/// Where a line may touch the person.
+#[derive(Debug, Default)]
+struct Contender {
+    sample: FieldSample,
+    offsets: Vec<PartOffset>,
+}
+
 impl SkinTerm for SilhouetteRays {
     fn loss(&self) -> Loss {
         self.options.loss
@@ -138,8 +150,8 @@ impl SkinTerm for SilhouetteRays {
         mut each: impl FnMut(&Touch<'_>, &FieldSample),
     ) {
         let options = &self.options;
-        let mut sample = FieldSample::default();
-        let (mut near, mut offsets) = (Vec::new(), Vec::new());
+        let mut near = Vec::new();
+        let (mut touched, mut other) = (Contender::default(), Contender::default());
 
         for (index, view) in self.views.iter().enumerate() {
             let mut rays = RayField::new(field, view.origin_world);
@@ -147,12 +159,25 @@ impl SkinTerm for SilhouetteRays {
             let per_px = 1.0 / (view.px_per_m * options.correlation_m);
             let borders = view.lengths_px.iter().zip(&view.normals_px);
             for (direction, (length_px, outward_px)) in view.directions_world.iter().zip(borders) {
-                let Some(contact) = rays.contact(direction, &mut near) else {
-                    continue;
-                };
-                let x = rays.point(direction, contact.t);
-                sample.update_limb(field, contact.limb, &x, &near);
-                skin_term::displace(body, field, &near, &mut sample, &mut offsets);
+                // of all limbs, the one that it is least outside of: the nearest first, to rule out most of the others
+                let Some(nearest) = rays.turn_to(direction) else { continue };
+                let mut least: Option<SkinResidual> = None;
+                let others = (0..field.limbs.len()).filter(|limb| *limb != nearest);
+                for limb in std::iter::once(nearest).chain(others) {
+                    let least_m = least.map_or(f64::INFINITY, |r| r.distance_m);
+                    let may_win = |most: f64| scale.least_m(options.residual, limb, most) < least_m;
+                    let Some(t) = rays.contact(limb, may_win) else { continue };
+                    rays.near(limb, &mut near);
+                    let Contender { sample, offsets } = &mut other;
+                    sample.update_limb(field, limb, &rays.point(direction, t), &near);
+                    skin_term::displace(body, field, &near, sample, offsets);
+                    let r = scale.residual(options.residual, options.derivatives, sample);
+                    if r.distance_m < least_m {
+                        least = Some(r);
+                        std::mem::swap(&mut touched, &mut other);
+                    }
+                }
+                let Some(residual) = least else { continue };
 
                 let touch = Touch {
                     source: Source::View(index),
@@ -160,11 +185,11 @@ impl SkinTerm for SilhouetteRays {
                     sigma: sigma_m * view.px_per_m,
                     weight: length_px * per_px,
                     outward_px: *outward_px,
-                    residual: scale.residual(options.residual, options.derivatives, &sample),
-                    offsets: &offsets,
+                    residual,
+                    offsets: &touched.offsets,
                     line: Some(direction),
                 };
-                each(&touch, &sample);
+                each(&touch, &touched.sample);
             }
         }
     }

@@ -64,7 +64,14 @@ pub(super) struct PosedScale<'a> {
     scale: &'a SkinScale,
     /// Of each of [`Field::metaballs`].
     balls: Vec<LocalLength>,
+    /// Of each limb the least and the greatest R, m.
+    limbs: Vec<(f64, f64)>,
+    /// By how much offsets may make r less than that of the model's surface, m.
+    most_outside_m: f64,
 }
+
+/// r grows faster than the distance where R, a mean over all directions, is more than the length along the normal.
+const STEEPEST: f64 = 2.0;
 
 /// r, and ∂r = Σ wᵢ (αᵢ ∂ ln fᵢ + γᵢ ∂ ln Rᵢ): see [`PosedScale::change`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -105,6 +112,13 @@ impl SkinScale {
         Self { offset, at_skin, balls }
     }
 
+    /// ψ and ∂ψ/∂L.
+    fn psi(&self, log_value: f64) -> (f64, f64) {
+        let square = self.offset - 0.5 * log_value;
+        let psi = square.max(LEAST_SQUARE).sqrt();
+        (psi, if square > LEAST_SQUARE { -0.25 / psi } else { 0.0 })
+    }
+
     /// The scale of a body in a pose; `field` is the body's.
     pub(super) fn posed(&self, body: &Posed<'_>, field: &Field) -> PosedScale<'_> {
         let local_length = |ball: usize| {
@@ -113,10 +127,15 @@ impl SkinScale {
             let radii = body.primitive_radii(primitive);
             Some(mean.with_radii(&radii, body.primitive_axes(primitive)))
         };
-        PosedScale {
-            scale: self,
-            balls: (0..field.metaballs.len()).filter_map(local_length).collect(),
-        }
+        let balls: Vec<LocalLength> = (0..field.metaballs.len()).filter_map(local_length).collect();
+
+        let limb = |limb: &Vec<usize>| {
+            let ranges = limb.iter().filter_map(|&ball| Some(balls.get(ball)?.range_m()));
+            ranges.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or_default()
+        };
+        let limbs = field.limbs.iter().map(limb).collect();
+        let most_outside_m = STEEPEST * body.greatest_offset_m();
+        PosedScale { scale: self, balls, limbs, most_outside_m }
     }
 }
 
@@ -132,6 +151,19 @@ impl PosedScale<'_> {
             Residual::Field => field_residual(sample.log_value),
             Residual::Metric => self.metric_residual(derivatives, sample),
         }
+    }
+
+    /// A bound below which no residual of a limb lies where its ln F is not more than this.
+    pub(super) fn least_m(&self, kind: Residual, limb: usize, most_log_value: f64) -> f64 {
+        let of_model_m = match kind {
+            Residual::Field => field_residual(most_log_value).distance_m,
+            Residual::Metric => {
+                let past = self.scale.psi(most_log_value).0 - self.scale.at_skin;
+                let (least_m, greatest_m) = self.limbs[limb];
+                past * if past > 0.0 { least_m } else { greatest_m }
+            }
+        };
+        of_model_m - self.most_outside_m
     }
 
     /// The residual's derivatives in what can change of a metaball.
@@ -156,10 +188,7 @@ impl PosedScale<'_> {
     }
 
     fn metric_residual(&self, derivatives: Derivatives, sample: &FieldSample) -> SkinResidual {
-        // ψ and ∂ψ/∂L
-        let square = self.scale.offset - 0.5 * sample.log_value;
-        let psi = square.max(LEAST_SQUARE).sqrt();
-        let slope = if square > LEAST_SQUARE { -0.25 / psi } else { 0.0 };
+        let (psi, slope) = self.scale.psi(sample.log_value);
 
         // R
         let each = sample.shares.iter();
@@ -232,8 +261,9 @@ mod tests {
     fn residual(kind: Residual, (field, scale): &(Field, SkinScale), x: f64) -> SkinResidual {
         let sample = field.sample(&Vector3::new(x, 0.0, 0.0)).unwrap();
         let mean = scale.balls[0];
-        let posed =
-            PosedScale { scale, balls: vec![mean.with_radii(&mean.radii, Matrix3::identity())] };
+        let balls = vec![mean.with_radii(&mean.radii, Matrix3::identity())];
+        let limbs = vec![balls[0].range_m()];
+        let posed = PosedScale { scale, balls, limbs, most_outside_m: 0.0 };
         posed.residual(kind, Derivatives::Complete, &sample)
     }
 

@@ -5,9 +5,9 @@ use nalgebra::{Point2, Vector2};
 use super::Silhouette;
 
 /// Steps along the longer side of the silhouette's box.
-const STEPS: f64 = 150.0;
+const STEPS: f64 = 100.0;
 /// Most steps along the longer side of both boxes together: a model that has gone astray costs no more.
-const MOST_STEPS: f64 = 600.0;
+const MOST_STEPS: f64 = 400.0;
 
 /// Areas of the intersection and of the union of a silhouette and a model, undistorted px².
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,7 +48,7 @@ impl OverlapGrid {
 impl Silhouette {
     /// The grid over the silhouette's box and that of a model.
     ///
-    /// Its step is 1/150 of the longer side of the silhouette's box or 1/600 of that of both boxes, whichever is more, and at
+    /// Its step is 1/100 of the longer side of the silhouette's box or 1/400 of that of both boxes, whichever is more, and at
     /// least 1 px. What lies beyond the image is not counted: there the silhouette is unknown.
     pub fn overlap_grid(&self, model_bounds: (Point2<f64>, Point2<f64>)) -> OverlapGrid {
         let (low, high) = self.bounds;
