@@ -7,7 +7,7 @@ use clap::Args;
 use maquette::io::folder::silhouettes::{ContourRow, SilhouetteExtras};
 use maquette::math::stats::mean;
 use maquette::pipeline::silhouettes::SilhouettePipeline;
-use maquette::workflow::{SilhouetteFiles, WrittenSilhouettes};
+use maquette::workflow::{DEFAULT_BODY, SilhouetteFiles, WrittenSilhouettes};
 use serde_json::{Value, json};
 
 use super::choice::{Choice, one_of};
@@ -56,7 +56,7 @@ pub(super) struct SilhouettesArguments {
     #[arg(long, value_name = "DIR")]
     fit: Option<PathBuf>,
     /// Body model: a shipped one or a .toml file; of metaballs
-    #[arg(long, value_name = "NAME|FILE", default_value = SilhouetteFiles::DEFAULT_BODY)]
+    #[arg(long, value_name = "NAME|FILE", default_value = DEFAULT_BODY)]
     body: String,
     /// Write the contours over the pictures, as overlays/<camera>/%06d.png
     #[arg(long)]

@@ -15,6 +15,7 @@
 //! | [`contours`] | how far silhouettes are from the true ones, and pictures of both                |
 //! | [`walker`]  | a walking person of metaballs, seen by seven cameras                           |
 //! | [`metrics`] | how far fitted joint centres are from the true ones                             |
+//! | [`recorded`] | recordings that are shared by projects, with their truth, and their fit          |
 
 pub mod arm;
 pub mod contours;
@@ -22,6 +23,7 @@ pub mod expected;
 pub mod limb;
 pub mod metrics;
 pub mod picture;
+pub mod recorded;
 pub mod run;
 pub mod table;
 pub mod walker;

@@ -2,7 +2,7 @@
 
 use super::masks::cut_masks;
 use super::surface::measure_points;
-use super::{Error, FitOptions, SilhouetteFiles, SilhouetteSource, silhouettes};
+use super::{DEFAULT_BODY, Error, FitOptions, SilhouetteSource, silhouettes};
 use crate::io::folder::OutFolder;
 use crate::io::folder::segmented::{self, MaskExtras};
 use crate::io::folder::stereo::{self, StereoExtras, StereoFolder};
@@ -142,7 +142,7 @@ impl Derived<'_> {
         let all = footage.frames();
         let frames = options.frames.select(&all)?;
         let body = options.body.as_deref();
-        let body = body.unwrap_or(SilhouetteFiles::DEFAULT_BODY);
+        let body = body.unwrap_or(DEFAULT_BODY);
         let found = silhouettes::observe(footage, frames, body, self.out, self.progress)?;
         let mut notes = lines(&footage.notes);
         notes.extend(found.notes);

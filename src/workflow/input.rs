@@ -15,8 +15,8 @@ use crate::io::result::OptionsPart;
 use crate::pipeline::{FitError, Progress, check_measure, check_scene, fits_points};
 use crate::silhouette::FrameObservations;
 
-/// The body that is fitted when nobody names one.
-const DEFAULT_BODY: &str = "human-metaballs";
+/// The body when nobody names one: its contours and depths are those of a skin.
+pub const DEFAULT_BODY: &str = "human-metaballs";
 
 /// Everything that a fit is made from, read and checked.
 #[derive(Debug)]

@@ -37,6 +37,7 @@ pub use export::ExportFormat;
 pub use fit::FitFolder;
 pub use fitted::{AngleTrack, FittedRecording, Length};
 pub use gait::{GaitSource, GaitStudy, NormChoice};
+pub use input::DEFAULT_BODY;
 pub use masks::{MaskFiles, WrittenMasks};
 pub use options::{FitOptions, SilhouetteSource};
 #[cfg(feature = "report")]

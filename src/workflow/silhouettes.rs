@@ -48,11 +48,6 @@ pub struct WrittenSilhouettes {
     pub warning: Option<String>,
 }
 
-impl SilhouetteFiles<'_> {
-    /// The body that is followed when nobody names one: contours and depths are those of a skin.
-    pub const DEFAULT_BODY: &'static str = "human-metaballs";
-}
-
 impl Recording {
     /// Finds the silhouettes in the pictures and writes masks, contours and `quality.csv` (PF02, §4).
     ///

@@ -27,7 +27,14 @@ pub enum HeadAxis {
 }
 
 impl HeadAxis {
-    const ALL: [Self; 5] = [Self::X, Self::MinusX, Self::Y, Self::MinusY, Self::MinusZ];
+    /// Both ways along an axis of the world, but for z.
+    fn along(axis: usize) -> &'static [Self] {
+        match axis {
+            0 => &[Self::X, Self::MinusX],
+            1 => &[Self::Y, Self::MinusY],
+            _ => &[Self::MinusZ],
+        }
+    }
 
     /// `−Z`.
     pub fn name(self) -> &'static str {
@@ -55,21 +62,25 @@ impl HeadAxis {
 /// A person along another axis must cost less than this share of what one along z costs, at a keyframe's optimum.
 const CLEARLY: f64 = 0.6;
 
-/// The axis of the head, if a body fits one frame much better along it than along z.
-pub(super) fn head_axis(evidence: &Evidence<'_>, frame: &FrameObservations) -> Option<HeadAxis> {
+/// Which way the head points along the longest axis of what is seen, if a body fits one frame much better that way than along z.
+pub(super) fn head_axis(
+    evidence: &Evidence<'_>,
+    frame: &FrameObservations,
+    longest: usize,
+) -> Option<HeadAxis> {
     let cost = |rig: &Rig| {
         let found = readings(&evidence.with_rig(rig), frame, &StartOptions::default());
         found.first().map(|reading| reading.cost)
     };
-    let turned = |axis: HeadAxis| {
+    let turned = |axis: &HeadAxis| {
         let world_from_turned = axis.to_up().inverse();
         let mut rig = evidence.rig.clone();
         rig.cameras.iter_mut().for_each(|c| c.camera_from_world *= world_from_turned);
-        Some((axis, cost(&rig)?))
+        Some((*axis, cost(&rig)?))
     };
 
     let upright = cost(evidence.rig)?;
-    let all = HeadAxis::ALL.into_iter().filter_map(turned);
+    let all = HeadAxis::along(longest).iter().filter_map(turned);
     let best = all.min_by(|a, b| a.1.total_cmp(&b.1))?;
     (best.1 < CLEARLY * upright).then_some(best.0)
 }
@@ -84,18 +95,18 @@ mod tests {
     fn a_person_who_stands_along_another_axis_is_found_and_one_upright_is_not() {
         let figures = Figures::new();
         let frame = figures.frame(0, &figures.masks(&figures.standing(0.0, 0.0)));
-        let found = |rig: &Rig| {
+        let found = |rig: &Rig, longest: usize| {
             let body =
                 crate::io::model::load("human-ellipsoids", std::path::Path::new("")).unwrap();
             let likelihood = LikelihoodOptions::default();
-            head_axis(&Evidence::new(&body, rig, likelihood, Measure::Ellipses), &frame)
+            head_axis(&Evidence::new(&body, rig, likelihood, Measure::Ellipses), &frame, longest)
         };
-        assert_eq!(found(&figures.rig), None);
+        assert_eq!(found(&figures.rig, 2), None);
 
         // z becomes y
         let mut turned = figures.rig.clone();
         let world_from_turned = HeadAxis::Y.to_up();
         turned.cameras.iter_mut().for_each(|c| c.camera_from_world *= world_from_turned);
-        assert_eq!(found(&turned), Some(HeadAxis::Y));
+        assert_eq!(found(&turned, 1), Some(HeadAxis::Y));
     }
 }

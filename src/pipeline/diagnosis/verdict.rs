@@ -10,7 +10,7 @@ use super::room::still_shares;
 use super::stature::{stature_m, wrong_stature_m};
 use super::thin::thin_share;
 use super::upright::head_axis;
-use super::volume::{apart_l, height_m, still_share, volumes};
+use super::volume::{apart_l, size_m, still_share, volumes};
 use crate::body::{Posed, Root, Shape};
 use crate::camera::{CameraId, Rig};
 use crate::inference::Evidence;
@@ -85,11 +85,7 @@ impl Diagnosis<'_> {
     pub(in crate::pipeline) fn verdict(&self) -> Verdict {
         let mut unusable = self.unusable();
         let mut causes = self.causes(&unusable);
-        let rig = self.evidence.rig;
-        let wrong: usize = causes.iter().map(|cause| cause.wrong_pictures(rig)).sum();
-        if wrong > 0 {
-            unusable.push(Reason::WrongPictures { found: wrong as f64, most: 0.0 });
-        }
+        unusable.extend(self.unusable_by(&causes, &unusable));
         if causes.is_empty() && !unusable.is_empty() {
             causes.push(Cause::Unknown);
         }
@@ -114,6 +110,21 @@ impl Diagnosis<'_> {
         let thin = thin.map(|found| Reason::ThinParts { found, least: LEAST_THIN });
 
         [overlap, thin, body, lost].into_iter().flatten().collect()
+    }
+
+    /// What makes the numbers unusable of what is wrong with the recording, besides other reasons.
+    fn unusable_by(&self, causes: &[Cause], others: &[Reason]) -> Option<Reason> {
+        let wrong = causes.iter().map(|cause| cause.wrong_pictures(self.evidence.rig));
+        let wrong: usize = wrong.sum();
+        if wrong > 0 {
+            return Some(Reason::WrongPictures { found: wrong as f64, most: 0.0 });
+        }
+
+        // a folded body covers a part of a person fairly
+        let is_cut_off = causes.iter().any(|cause| matches!(cause, Cause::CutOff { .. }));
+        let overlap = self.overlap().filter(|_| is_cut_off && others.is_empty());
+        let overlap = overlap.filter(|found| *found < GOOD_OVERLAP);
+        overlap.map(|found| Reason::Overlap { found, least: GOOD_OVERLAP })
     }
 
     /// Median over the cameras that see the person.
@@ -148,10 +159,13 @@ impl Diagnosis<'_> {
 
         // the room that the silhouettes leave, without the cameras that are elsewhere: what lacks is tested before what is too much
         let volumes = volumes(rig, self.observations, &found.readings);
-        let height_m = height_m(&volumes).filter(|height| *height < WHOLE * body_size(model));
-        let cut_off = height_m.filter(|_| is_unusable).map(|height_m| Cause::CutOff { height_m });
-        if let Some(cut_off) = cut_off {
-            return vec![self.turned().unwrap_or(cut_off)];
+        let size_m = size_m(&volumes).filter(|_| is_unusable);
+        if let Some(turned) = size_m.and_then(|size_m| self.turned(size_m.imax())) {
+            return vec![turned];
+        }
+        let height_m = size_m.map(|size_m| size_m.z);
+        if let Some(height_m) = height_m.filter(|height| *height < WHOLE * body_size(model)) {
+            return vec![Cause::CutOff { height_m }];
         }
         let shares = still_shares(rig, self.observations, |frame| self.body(frame));
         let still_parts = |least: f64| still_parts(rig, &shares, least);
@@ -167,9 +181,8 @@ impl Diagnosis<'_> {
             let still = (share > STILL_PART).then_some(Cause::StillParts { cameras, share });
             return vec![still.unwrap_or(Cause::SecondBody { litres })];
         }
-        let of_pose = if is_unusable { self.turned() } else { self.never_stands() };
-        if let Some(cause) = of_pose {
-            return vec![cause];
+        if let Some(cut_off) = self.never_stands().filter(|_| !is_unusable) {
+            return vec![cut_off];
         }
 
         // cameras that explain a part of it
@@ -243,13 +256,14 @@ impl Diagnosis<'_> {
         }
     }
 
-    fn turned(&self) -> Option<Cause> {
+    /// A person who stands along the axis of the world along which what is seen is longest.
+    fn turned(&self, longest: usize) -> Option<Cause> {
         if !self.is_person() {
             return None;
         }
         let middle = self.observations.len() / 2;
         let frame = self.observations.iter().skip(middle).find(|f| f.views.len() >= 2)?;
-        Some(Cause::Turned { head: head_axis(self.evidence, frame)? })
+        Some(Cause::Turned { head: head_axis(self.evidence, frame, longest)? })
     }
 }
 

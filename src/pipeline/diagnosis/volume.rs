@@ -94,14 +94,15 @@ fn is_in_all(rig: &Rig, views: &[(usize, &Silhouette)], place: &Point3<f64>) -> 
     seen >= LEAST_VIEWS.min(views.len())
 }
 
-/// How tall what is seen is: the median over the frames of the voxels' extent along z; `None` without any.
-pub(super) fn height_m(volumes: &[Volume]) -> Option<f64> {
-    let extent = |volume: &Volume| {
-        let heights = || volume.places.iter().map(|p| p.z);
-        let (low, high) = (heights().reduce(f64::min)?, heights().reduce(f64::max)?);
+/// How large what is seen is along each axis of the world: the median over the frames of the voxels' extent; `None` without any.
+pub(super) fn size_m(volumes: &[Volume]) -> Option<Vector3<f64>> {
+    let extent = |volume: &Volume, axis: usize| {
+        let along = || volume.places.iter().map(|p| p[axis]);
+        let (low, high) = (along().reduce(f64::min)?, along().reduce(f64::max)?);
         Some(high - low + VOXEL_M)
     };
-    median(&mut volumes.iter().filter_map(extent).collect())
+    let usual = |axis: usize| median(&mut volumes.iter().filter_map(|v| extent(v, axis)).collect());
+    Some(Vector3::new(usual(0)?, usual(1)?, usual(2)?))
 }
 
 /// Litres that lie apart from the body, which stands in each volume's frame as `body` says: median over the frames.
@@ -142,7 +143,7 @@ mod tests {
             let readings = Scene::new(&figures.rig, &frames).plain();
             let volumes = volumes(&figures.rig, &frames, &readings);
             let litres = apart_l(&volumes, |_| figures.posed(&first));
-            (litres, height_m(&volumes).unwrap())
+            (litres, size_m(&volumes).unwrap().z)
         };
 
         let alone = figures.masks(&first);

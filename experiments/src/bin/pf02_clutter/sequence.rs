@@ -16,7 +16,7 @@ use maquette::pipeline::silhouettes::SilhouettePipeline;
 use maquette::pipeline::{FrameRange, NoProgress};
 use maquette::silhouette::FrameIndex;
 use maquette::synth::{Film, FilmRecipe, Studio};
-use maquette::workflow::SilhouetteFiles;
+use maquette::workflow::{DEFAULT_BODY, SilhouetteFiles};
 use rayon::prelude::*;
 
 use crate::Fault;
@@ -69,7 +69,7 @@ impl Sequence {
         let recording = self.folder.join("recording");
         let files = SilhouetteFiles {
             folder: &out,
-            body: SilhouetteFiles::DEFAULT_BODY,
+            body: DEFAULT_BODY,
             frames: FrameRange::default(),
             pipeline,
             start: None,

@@ -1,5 +1,6 @@
 //! Ways to spoil a recording, each with what a verdict must say that names the cause.
 
+use experiments::recorded::Recorded;
 use maquette::camera::Camera;
 use maquette::image::{Mask, opened};
 use maquette::math::Rigid3;
@@ -8,8 +9,6 @@ use maquette::silhouette::FrameIndex;
 use nalgebra::{Point3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-
-use crate::recorded::Recorded;
 
 /// A way to spoil a recording.
 pub(crate) struct Damage {

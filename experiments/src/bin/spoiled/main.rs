@@ -5,21 +5,16 @@
 //! that is 10 % too large shows what a person who is 10 % taller shows, so no program can do more than ask for the height.
 
 mod damage;
-mod recorded;
 
 use std::error::Error;
-use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use damage::{Damage, as_recorded, damages, recalibrated};
-use experiments::metrics::{mpjpe_mm, rms_z, trajectories};
+use experiments::metrics::{mpjpe_mm, rms_z};
+use experiments::recorded::{Recorded, fitted, shared};
 use experiments::run::Run;
 use experiments::table::Table;
-use maquette::inference::Sequence;
-use maquette::inference::search::NoJournal;
-use maquette::io::model;
-use maquette::pipeline::{EstimateOptions, Fit, fit};
-use recorded::Recorded;
+use maquette::pipeline::Fit;
 
 /// A recording that is spoiled.
 struct Set {
@@ -137,16 +132,11 @@ enum Told {
 impl Row {
     /// `None` for a height that is not known.
     fn new(damage: &Damage, recorded: &Recorded) -> Result<Option<Self>, Box<dyn Error>> {
-        let body = model::load("human-ellipsoids", Path::new(""))?;
         let spoiled = (damage.spoil)(recorded);
         if damage.name.ends_with(HEIGHT_GIVEN) && spoiled.given_m.is_none() {
             return Ok(None);
         }
-        let frames = spoiled.observations();
-        let sequence = Sequence { frames: &frames, fps: spoiled.fps };
-        let options = EstimateOptions { height_m: spoiled.given_m, ..EstimateOptions::default() };
-        let found = fit(&body, &spoiled.rig, sequence, &options, &NoJournal);
-        Ok(Some(match found {
+        Ok(Some(match spoiled.fit()? {
             Ok(fit) => Self::from_fit(&spoiled, &fit),
             Err(refused) => Self {
                 error_mm: f64::NAN,
@@ -159,8 +149,7 @@ impl Row {
     }
 
     fn from_fit(spoiled: &Recorded, fit: &Fit) -> Self {
-        let motions: Vec<_> = fit.frames.iter().map(|f| f.fit.motion.clone()).collect();
-        let fitted = trajectories(&fit.model, &fit.shape, &motions, spoiled.fps);
+        let fitted = fitted(fit, spoiled.fps);
         let covariances =
             fit.frames.iter().map(|f| Some(f.uncertainty.as_ref()?.points.as_slice()));
         let covariances: Vec<_> = covariances.collect();
@@ -206,10 +195,4 @@ impl Row {
             format!("{mark}{}{}", if self.is_usable { "" } else { "exit 3: " }, self.said),
         ]
     }
-}
-
-/// Where the recordings lie that are shared by projects.
-fn shared() -> PathBuf {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
-    std::env::var_os("MAQUETTE_SHARED").map_or(beside, |shared| PathBuf::from(shared).join("data"))
 }

@@ -1,37 +1,63 @@
-//! A recording in memory: what is spoiled.
+//! A recording in memory, with its truth.
 
 use std::error::Error;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use maquette::body::Motion;
 use maquette::camera::Rig;
 use maquette::image::Mask;
+use maquette::inference::Sequence;
+use maquette::inference::search::NoJournal;
 use maquette::io::calibration::{self, CalibrationOptions};
+use maquette::io::model;
 use maquette::io::points::trc::{Trajectories, read_trc};
 use maquette::io::recording::Recording;
+use maquette::pipeline::{EstimateOptions, Fit, FitError, fit};
 use maquette::silhouette::{FrameIndex, FrameObservations, SilhouetteOptions, extract};
+use maquette::workflow::DEFAULT_BODY;
 use rayon::prelude::*;
+
+use crate::metrics::trajectories;
+
+/// Where the recordings lie that are shared by projects; it need not be there.
+pub fn shared() -> PathBuf {
+    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
+    std::env::var_os("MAQUETTE_SHARED").map_or(beside, |shared| PathBuf::from(shared).join("data"))
+}
+
+/// The joint centres of a fit.
+pub fn fitted(fit: &Fit, fps: f64) -> Trajectories {
+    let motions: Vec<Motion> = fit.frames.iter().map(|f| f.fit.motion.clone()).collect();
+    trajectories(&fit.model, &fit.shape, &motions, fps)
+}
 
 /// Cameras and masks of a recording, and the truth.
 #[derive(Debug, Clone)]
-pub(crate) struct Recorded {
-    pub(crate) rig: Rig,
+pub struct Recorded {
+    /// The cameras as they are calibrated.
+    pub rig: Rig,
     /// The cameras where they were, if that is known to differ.
-    pub(crate) true_rig: Rig,
-    pub(crate) fps: f64,
+    pub true_rig: Rig,
+    /// Frames per second.
+    pub fps: f64,
     /// The numbers of the frames.
-    pub(crate) numbers: Vec<FrameIndex>,
+    pub numbers: Vec<FrameIndex>,
     /// Frame by frame a place for each camera.
-    pub(crate) masks: Vec<Vec<Option<Mask>>>,
-    pub(crate) truth: Trajectories,
+    pub masks: Vec<Vec<Option<Mask>>>,
+    /// Where the joint centres were.
+    pub truth: Trajectories,
     /// The person's height, where it is known, metres.
-    pub(crate) stature_m: Option<f64>,
+    pub stature_m: Option<f64>,
     /// The height that a fit is given.
-    pub(crate) given_m: Option<f64>,
+    pub given_m: Option<f64>,
 }
 
 impl Recorded {
     /// Reads a recording with its masks, and the truth beside it.
-    pub(crate) fn read(folder: &Path, fps: f64, truth: &str) -> Result<Self, Box<dyn Error>> {
+    ///
+    /// # Errors
+    /// If a file is missing, or cannot be read.
+    pub fn read(folder: &Path, fps: f64, truth: &str) -> Result<Self, Box<dyn Error>> {
         let files = Recording::open(folder)?.with_fps(fps).masks()?;
         let cameras: Vec<_> = files.rig.iter().map(|(id, _)| id).collect();
         let read = |frame: &FrameIndex| {
@@ -53,8 +79,20 @@ impl Recorded {
         })
     }
 
+    /// The default body's fit, or why there is none.
+    ///
+    /// # Errors
+    /// As [`model::load`].
+    pub fn fit(&self) -> Result<Result<Fit, FitError>, Box<dyn Error>> {
+        let body = model::load(DEFAULT_BODY, Path::new(""))?;
+        let frames = self.observations();
+        let sequence = Sequence { frames: &frames, fps: self.fps };
+        let options = EstimateOptions { height_m: self.given_m, ..EstimateOptions::default() };
+        Ok(fit(&body, &self.rig, sequence, &options, &NoJournal))
+    }
+
     /// The silhouettes of every frame.
-    pub(crate) fn observations(&self) -> Vec<FrameObservations> {
+    pub fn observations(&self) -> Vec<FrameObservations> {
         let of_frame = |(number, masks): (&FrameIndex, &Vec<Option<Mask>>)| {
             let mut seen = FrameObservations::nothing(*number);
             for ((id, camera), mask) in self.rig.iter().zip(masks) {
@@ -70,10 +108,7 @@ impl Recorded {
     }
 
     /// The same with every mask changed; `change` is given frame, camera and mask.
-    pub(crate) fn with_masks(
-        &self,
-        change: impl Fn(usize, usize, &Mask) -> Option<Mask> + Sync,
-    ) -> Self {
+    pub fn with_masks(&self, change: impl Fn(usize, usize, &Mask) -> Option<Mask> + Sync) -> Self {
         let of_frame = |(frame, masks): (usize, &Vec<Option<Mask>>)| {
             let masks = masks.iter().enumerate();
             masks.map(|(camera, mask)| change(frame, camera, mask.as_ref()?)).collect()
@@ -81,8 +116,21 @@ impl Recorded {
         Self { masks: self.masks.par_iter().enumerate().map(of_frame).collect(), ..self.clone() }
     }
 
+    /// Every so many frames.
+    pub fn with_every(&self, step: usize) -> Self {
+        let every = |frames: &[Vec<_>]| frames.iter().step_by(step).cloned().collect();
+        let frames = self.truth.frames.iter().step_by(step).cloned().collect();
+        Self {
+            fps: self.fps / step as f64,
+            numbers: (0..self.numbers.len().div_ceil(step)).map(FrameIndex).collect(),
+            masks: every(&self.masks),
+            truth: Trajectories { frames, ..self.truth.clone() },
+            ..self.clone()
+        }
+    }
+
     /// Only some of the cameras.
-    pub(crate) fn with_cameras(&self, kept: &[usize]) -> Self {
+    pub fn with_cameras(&self, kept: &[usize]) -> Self {
         let masks = self.masks.iter();
         Self {
             rig: Rig { cameras: kept.iter().map(|i| self.rig.cameras[*i].clone()).collect() },

@@ -1,0 +1,268 @@
+//! Recordings of other makes of body than ours, which are shared by projects: how far joint centres are from the truth, and whether
+//! their stated standard deviations are true; of all cameras, of two of them, and at half the frame rate.
+//!
+//! A limb is *wrong* if its tip is more than 10 cm off in more than a tenth of the frames: exchanged, or lost behind the body. It is
+//! announced if a note names the limb, or says that left and right can be exchanged.
+
+use std::error::Error;
+use std::process::ExitCode;
+
+use experiments::metrics::{
+    KNEES, LIMB_JOINTS, length_error_pct, mpjpe_mm, offset_mm, point, rms_deg,
+};
+use experiments::recorded::{Recorded, fitted, shared};
+use experiments::run::Run;
+use experiments::table::Table;
+use maquette::camera::Rig;
+use maquette::inference::facing::trial_faces_away;
+use maquette::io::points::trc::Trajectories;
+use maquette::math::stats::mean;
+use maquette::pipeline::{Fit, Warning};
+use nalgebra::Vector2;
+
+/// A recording, and its frames per second.
+type Set = (&'static str, f64);
+
+/// Persons of other makes of body.
+const SETS: [Set; 6] = [
+    ("walk7", 50.0),
+    ("walk7-noisy", 50.0),
+    ("dressed", 50.0),
+    ("moved", 50.0),
+    ("trinocular", 25.0),
+    ("treadmill", 25.0),
+];
+/// Those whose coverage is pooled.
+const POOLED: usize = 5;
+/// Those of which pairs of cameras are taken.
+const PAIRED: [Set; 3] = [("walk7", 50.0), ("dressed", 50.0), ("moved", 50.0)];
+/// Pairs of each that look at each other, and that look across each other.
+const FACING: usize = 2;
+const ACROSS: usize = 3;
+
+/// Half-widths of the 50, 80 and 95 % intervals in standard deviations.
+const INTERVALS: [f64; 3] = [0.674_49, 1.281_55, 1.959_96];
+/// The tips of limbs: joint, and part.
+const TIPS: [(&str, &str); 4] =
+    [("RAnkle", "foot_r"), ("LAnkle", "foot_l"), ("RWrist", "hand_r"), ("LWrist", "hand_l")];
+/// When a limb is wrong.
+const FAR_M: f64 = 0.1;
+const OFTEN: f64 = 0.1;
+
+fn main() -> Result<ExitCode, Box<dyn Error>> {
+    let mut run = Run::start("recordings");
+    if !shared().is_dir() {
+        run.say(&format!("skipped: no recordings in {}", shared().display()));
+        return Ok(ExitCode::SUCCESS);
+    }
+    all_cameras(&mut run)?;
+    if !run.is_quick() {
+        two_cameras(&mut run)?;
+        half_the_rate(&mut run)?;
+    }
+    Ok(run.finish()?)
+}
+
+/// Every recording with all of its cameras, where they were.
+fn all_cameras(run: &mut Run) -> Result<(), Box<dyn Error>> {
+    let header =
+        ["set", "mm", "without offset", "lengths, %", "knee, °", "RMS z", "50 · 80 · 95 %"];
+    let mut table = Table::new("all_cameras", &header);
+    let sets = if run.is_quick() { &SETS[..1] } else { &SETS[..] };
+    let mut pooled = Vec::new();
+    for (number, (name, fps)) in sets.iter().enumerate() {
+        let recorded = read(name, *fps)?;
+        let fit = recorded.fit()??;
+        let figures = Figures::new(&recorded, &fit);
+        table.row([
+            (*name).to_owned(),
+            format!("{:.1}", figures.raw_mm),
+            format!("{:.1}", figures.offset_mm),
+            format!("{:.1}", figures.lengths_pct),
+            format!("{:.1}", figures.knee_deg),
+            format!("{:.2}", rms(&figures.z)),
+            shares_text(&figures.z),
+        ]);
+        run.number(format!("{name}_mm"), figures.raw_mm);
+        run.number(format!("{name}_z"), rms(&figures.z));
+        if number < POOLED {
+            pooled.extend(figures.z);
+        }
+    }
+    run.table("All cameras", &table)?;
+    if run.is_quick() {
+        return Ok(());
+    }
+    for (percent, share) in [50, 80, 95].into_iter().zip(shares(&pooled)) {
+        run.number(format!("pooled_{percent}"), share);
+    }
+    Ok(())
+}
+
+/// Pairs of cameras.
+fn two_cameras(run: &mut Run) -> Result<(), Box<dyn Error>> {
+    let header = ["set", "cameras", "apart, °", "mm", "RMS z", "50 · 80 · 95 %", "wrong", "said"];
+    let mut table = Table::new("two_cameras", &header);
+    let (mut pooled, mut unannounced) = (Vec::new(), 0);
+    for (name, fps) in PAIRED {
+        let recorded = read(name, fps)?;
+        for (degrees, pair) in pairs(&recorded) {
+            let seen = recorded.with_cameras(&pair);
+            let fit = seen.fit()??;
+            let figures = Figures::new(&seen, &fit);
+            let wrong = wrong_limbs(&seen.truth, &fitted(&fit, fps));
+            let is_announced = wrong.iter().all(|part| announces(&fit, part));
+            unannounced += usize::from(!is_announced);
+            table.row([
+                name.to_owned(),
+                format!("{} {}", pair[0] + 1, pair[1] + 1),
+                format!("{degrees:.0}"),
+                format!("{:.0}", figures.raw_mm),
+                format!("{:.2}", rms(&figures.z)),
+                shares_text(&figures.z),
+                wrong.join(" "),
+                if is_announced { "announced" } else { "**not announced**" }.to_owned(),
+            ]);
+            pooled.extend(figures.z);
+        }
+    }
+    run.table("Two cameras", &table)?;
+    run.number("two_cameras_95", shares(&pooled)[2]);
+    run.number("two_cameras_unannounced", f64::from(u32::try_from(unannounced)?));
+    Ok(())
+}
+
+/// The same person at half the frame rate: by which factors standard deviations and log odds grow.
+fn half_the_rate(run: &mut Run) -> Result<(), Box<dyn Error>> {
+    let recorded = read("walk7", 50.0)?;
+    let half = recorded.with_every(2);
+    let (all, half) = (recorded.fit()??, half.fit()??);
+
+    let ratios = all.frames.iter().step_by(2).zip(&half.frames).flat_map(|(all, half)| {
+        let (all, half) = (all.uncertainty.as_ref(), half.uncertainty.as_ref());
+        let points = all.zip(half).map(|(all, half)| all.points.iter().zip(&half.points));
+        points.into_iter().flatten().map(|(all, half)| (half.trace() / all.trace()).sqrt())
+    });
+    run.number("half_rate_points_sd", mean(ratios).unwrap_or(f64::NAN));
+    let lengths = all.uncertainty.as_ref().zip(half.uncertainty.as_ref());
+    let lengths = lengths.into_iter().flat_map(|(all, half)| {
+        all.lengths_sd_m.iter().zip(&half.lengths_sd_m).map(|(all, half)| half / all)
+    });
+    run.number("half_rate_lengths_sd", mean(lengths).unwrap_or(f64::NAN));
+    run.number("half_rate_odds", facing_odds(&half) / facing_odds(&all));
+    Ok(())
+}
+
+/// Log odds against the other way of facing. A hypothesis that was dropped on its way costs as much in the other frames.
+fn facing_odds(fit: &Fit) -> f64 {
+    let won = &fit.hypotheses[fit.winner].trial;
+    let away = fit.hypotheses.iter().filter(|other| trial_faces_away(won, &other.trial));
+    let energies = away.map(|other| {
+        let followed = other.fitted as f64 / other.trial.frames.len() as f64;
+        other.trial.energy() / followed
+    });
+    let least = energies.fold(f64::INFINITY, f64::min);
+    fit.noise.map_or(1.0, |noise| noise.data_weight()) * (least - won.energy())
+}
+
+fn read(name: &str, fps: f64) -> Result<Recorded, Box<dyn Error>> {
+    let recorded = Recorded::read(&shared().join(name), fps, "truth.trc")?;
+    Ok(Recorded { rig: recorded.true_rig.clone(), ..recorded })
+}
+
+/// What a fit is compared by.
+struct Figures {
+    raw_mm: f64,
+    offset_mm: f64,
+    lengths_pct: f64,
+    knee_deg: f64,
+    /// Errors of the joint centres along the axes of the world, in their standard deviations.
+    z: Vec<f64>,
+}
+
+impl Figures {
+    fn new(recorded: &Recorded, fit: &Fit) -> Self {
+        let (truth, fitted) = (&recorded.truth, fitted(fit, recorded.fps));
+        let some = |figure: Option<f64>| figure.unwrap_or(f64::NAN);
+        Self {
+            raw_mm: some(mpjpe_mm(truth, &fitted)),
+            offset_mm: some(offset_mm(truth, &fitted)),
+            lengths_pct: some(length_error_pct(truth, &fitted)),
+            knee_deg: some(rms_deg(&KNEES, truth, &fitted)),
+            z: errors_in_sd(truth, &fitted, fit),
+        }
+    }
+}
+
+fn errors_in_sd(truth: &Trajectories, fitted: &Trajectories, fit: &Fit) -> Vec<f64> {
+    let index = |name: &str| fitted.names.iter().position(|n| n == name);
+    let joints: Vec<(&str, usize)> =
+        LIMB_JOINTS.iter().filter_map(|name| Some((*name, index(name)?))).collect();
+    let of_frame = |frame: usize| {
+        let uncertainty = fit.frames[frame].uncertainty.as_ref();
+        uncertainty.into_iter().flat_map({
+            let joints = &joints;
+            move |uncertainty| {
+                joints.iter().filter_map(move |(name, index)| {
+                    let error = point(fitted, name, frame)? - point(truth, name, frame)?;
+                    let sd = uncertainty.points[*index].diagonal().map(f64::sqrt);
+                    Some(error.component_div(&sd))
+                })
+            }
+        })
+    };
+    (0..fit.frames.len()).flat_map(of_frame).flat_map(|z| [z.x, z.y, z.z]).collect()
+}
+
+fn rms(z: &[f64]) -> f64 {
+    mean(z.iter().map(|z| z * z)).unwrap_or(f64::NAN).sqrt()
+}
+
+/// In 50, 80 and 95 % intervals, percent.
+fn shares(z: &[f64]) -> [f64; 3] {
+    let within = |k: f64| z.iter().filter(|z| z.abs() < k).count() as f64;
+    INTERVALS.map(|k| 100.0 * within(k) / z.len() as f64)
+}
+
+fn shares_text(z: &[f64]) -> String {
+    shares(z).map(|share| format!("{share:.0}")).join(" · ")
+}
+
+/// Pairs of cameras that look at each other most nearly, and across each other, and by how much they are apart.
+fn pairs(recorded: &Recorded) -> Vec<(f64, [usize; 2])> {
+    let Rig { cameras } = &recorded.rig;
+    let centres: Vec<Vector2<f64>> =
+        cameras.iter().map(|camera| camera.centre_world().coords.xy()).collect();
+    let middle = centres.iter().sum::<Vector2<f64>>() / centres.len() as f64;
+    let apart = |a: usize, b: usize| (centres[a] - middle).angle(&(centres[b] - middle));
+    let pairs = (0..cameras.len()).flat_map(|b| (0..b).map(move |a| [a, b]));
+    let mut all: Vec<_> = pairs.map(|[a, b]| (apart(a, b).to_degrees(), [a, b])).collect();
+
+    all.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut kept = all[..FACING].to_vec();
+    all.sort_by(|a, b| (a.0 - 90.0).abs().total_cmp(&(b.0 - 90.0).abs()));
+    kept.extend_from_slice(&all[..ACROSS]);
+    kept
+}
+
+/// The tips of the limbs that are wrong.
+fn wrong_limbs(truth: &Trajectories, fitted: &Trajectories) -> Vec<&'static str> {
+    let is_wrong = |(joint, _): &&(&str, &str)| {
+        let error =
+            |frame| Some((point(truth, joint, frame)? - point(fitted, joint, frame)?).norm());
+        let errors: Vec<f64> = (0..truth.frames.len()).filter_map(error).collect();
+        let far = errors.iter().filter(|error| **error > FAR_M).count();
+        far as f64 > OFTEN * errors.len() as f64
+    };
+    TIPS.iter().filter(is_wrong).map(|(_, part)| *part).collect()
+}
+
+/// Whether a note says that a limb may be elsewhere.
+fn announces(fit: &Fit, part: &str) -> bool {
+    let names = |warning: &Warning| match warning {
+        Warning::HiddenLimbs { limbs } => limbs.iter().any(|(tip, _)| tip == part),
+        Warning::OneOutline => true,
+        _ => false,
+    };
+    fit.warnings.iter().any(names)
+}
