@@ -121,7 +121,11 @@ fn two_cameras(run: &mut Run) -> Result<(), Box<dyn Error>> {
                 format!("{:.2}", rms(&figures.z)),
                 shares_text(&figures.z),
                 wrong.join(" "),
-                if is_announced { "announced" } else { "**not announced**" }.to_owned(),
+                match (wrong.is_empty(), is_announced) {
+                    (true, _) => String::new(),
+                    (false, true) => "announced".to_owned(),
+                    (false, false) => "**not announced**".to_owned(),
+                },
             ]);
             pooled.extend(figures.z);
         }

@@ -3,6 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use nalgebra::Vector3;
+use rayon::prelude::*;
 
 use crate::camera::Rig;
 use crate::inference::Evidence;
@@ -59,18 +60,23 @@ impl HeadAxis {
     }
 }
 
-/// A person along another axis must cost less than this share of what one along z costs, at a keyframe's optimum.
+/// A person along another axis must cost less than this share of what one along z costs, at the best of the frames.
 const CLEARLY: f64 = 0.6;
 
-/// Which way the head points along the longest axis of what is seen, if a body fits one frame much better that way than along z.
+/// Which way the head points along the longest axis of what is seen, if a body fits much better that way than along z.
+///
+/// Each way is judged by the frame of which it makes most: in single frames also the right way may find no good start.
 pub(super) fn head_axis(
     evidence: &Evidence<'_>,
-    frame: &FrameObservations,
+    frames: &[&FrameObservations],
     longest: usize,
 ) -> Option<HeadAxis> {
     let cost = |rig: &Rig| {
-        let found = readings(&evidence.with_rig(rig), frame, &StartOptions::default());
-        found.first().map(|reading| reading.cost)
+        let of_frame = |frame: &&FrameObservations| {
+            let found = readings(&evidence.with_rig(rig), frame, &StartOptions::default());
+            found.first().map(|reading| reading.cost)
+        };
+        frames.par_iter().filter_map(of_frame).min_by(f64::total_cmp)
     };
     let turned = |axis: &HeadAxis| {
         let world_from_turned = axis.to_up().inverse();
@@ -99,7 +105,7 @@ mod tests {
             let body =
                 crate::io::model::load("human-ellipsoids", std::path::Path::new("")).unwrap();
             let likelihood = LikelihoodOptions::default();
-            head_axis(&Evidence::new(&body, rig, likelihood, Measure::Ellipses), &frame, longest)
+            head_axis(&Evidence::new(&body, rig, likelihood, Measure::Ellipses), &[&frame], longest)
         };
         assert_eq!(found(&figures.rig, 2), None);
 

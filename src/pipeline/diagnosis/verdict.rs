@@ -7,6 +7,7 @@ use super::cause::{Cause, Reason, camera_cause, name};
 use super::coherence::Scene;
 use super::proportions::wrong_scale;
 use super::room::still_shares;
+use super::shown_by_two;
 use super::stature::{stature_m, wrong_stature_m};
 use super::thin::thin_share;
 use super::upright::head_axis;
@@ -60,6 +61,8 @@ const LIMB_L: f64 = 3.5;
 const FEW_CAMERAS: usize = 4;
 /// A pelvis is accelerated by less, RMS, in g: 0.2 walking, 1 running and jumping.
 const MOST_G: f64 = 2.0;
+/// Frames of which a person along another axis of the world may make the most.
+const UPRIGHT_FRAMES: usize = 5;
 /// Ragged masks miss each other by 3 mm.
 const MASKS_AGREE_M: f64 = 0.005;
 /// Silhouettes below this share of the body's height show less than all of it: three standard deviations of stature.
@@ -261,9 +264,9 @@ impl Diagnosis<'_> {
         if !self.is_person() {
             return None;
         }
-        let middle = self.observations.len() / 2;
-        let frame = self.observations.iter().skip(middle).find(|f| f.views.len() >= 2)?;
-        Some(Cause::Turned { head: head_axis(self.evidence, frame, longest)? })
+        let frames = shown_by_two(self.observations, UPRIGHT_FRAMES).into_iter();
+        let frames: Vec<_> = frames.map(|frame| &self.observations[frame]).collect();
+        Some(Cause::Turned { head: head_axis(self.evidence, &frames, longest)? })
     }
 }
 
