@@ -313,6 +313,38 @@ mod tests {
         }
     }
 
+    /// What makes a fit unusable of which nothing but a cut-off person is known.
+    fn cut_off(mean_iou: f64) -> Option<Reason> {
+        let figures = Figures::new();
+        let (model, rig) = (&figures.model, &figures.rig);
+        let camera = CameraQuality {
+            camera: "cam".into(),
+            frames: 1,
+            mean_iou,
+            median_px: None,
+            rms_px: None,
+            aim_px: nalgebra::Vector2::zeros(),
+        };
+        let diagnosis = Diagnosis {
+            evidence: &Evidence::new(model, rig, LikelihoodOptions::default(), Measure::Metaballs),
+            observations: &[],
+            fps: 25.0,
+            shape: &figures.shape,
+            uncertainty: None,
+            height_m: None,
+            frames: &[],
+            cameras: &[camera],
+        };
+        diagnosis.unusable_by(&[Cause::CutOff { height_m: 1.0 }], &[])
+    }
+
+    #[test]
+    fn a_folded_body_must_overlap_more_than_one_that_stands() {
+        let found = cut_off(0.5 * (LEAST_OVERLAP + GOOD_OVERLAP));
+        assert!(matches!(found, Some(Reason::Overlap { .. })), "{found:?}");
+        assert_eq!(cut_off(0.5 * (1.0 + GOOD_OVERLAP)), None);
+    }
+
     #[test]
     fn a_body_that_never_stands_is_part_of_a_person_and_one_that_stands_is_whole() {
         let figures = Figures::new();
