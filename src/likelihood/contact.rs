@@ -1,4 +1,4 @@
-//! Where a line of sight comes closest to the skin: x* = argmax F on the ray (PF02 § 3.2).
+//! Where a line of sight comes closest to the skin of a limb: x* = argmax F on the ray (PF02 § 3.2).
 //!
 //! On the ray o + t r each distance is a parabola, dᵢ(t) = dᵢ₀ + aᵢ (t − tᵢ)². With P = Aᵢ⁻¹ and e = cᵢ − o:
 //! aᵢ = rᵀPr, tᵢ = rᵀPe/aᵢ, dᵢ₀ = eᵀPe − aᵢ tᵢ²; Pe and eᵀPe are the same for all rays of a camera. So ln F
@@ -15,7 +15,7 @@ use crate::body::metaball::{Field, NEGLIGIBLE};
 /// square over the size of a metaball, 1e-9 m, and r depends only on the square of that, because x* is a summit.
 const LAST_STEP_M: f64 = 1e-5;
 
-/// Metaballs whose fᵢ is less than e⁻¹⁸, 10⁻⁸, of the largest do not move the summit by more than that: half of that exponent.
+/// Metaballs whose fᵢ is less than e⁻¹⁸, 10⁻⁸, of the largest move no summit that one could see: half of that exponent.
 const FAINT: f64 = 9.0;
 
 /// A climb ends after so many steps in any case; most take four.

@@ -133,6 +133,46 @@ struct Contender {
     offsets: Vec<PartOffset>,
 }
 
+/// The search for the limb that a line of sight touches.
+struct LimbSearch<'a> {
+    body: &'a Posed<'a>,
+    field: &'a Field,
+    scale: &'a PosedScale<'a>,
+    options: &'a RayOptions,
+    near: Vec<usize>,
+    touched: Contender,
+    other: Contender,
+}
+
+impl LimbSearch<'_> {
+    /// Finds the limb that a line is least outside of: `touched`, and r there; `None` if there is no metaball before the camera.
+    fn touch(&mut self, rays: &mut RayField<'_>, direction: &Vector3<f64>) -> Option<SkinResidual> {
+        let RayOptions { residual, derivatives, .. } = *self.options;
+        // the nearest first, to rule out most of the others
+        let nearest = rays.turn_to(direction)?;
+        let others = (0..self.field.limbs.len()).filter(|limb| *limb != nearest);
+
+        let mut least: Option<SkinResidual> = None;
+        for limb in std::iter::once(nearest).chain(others) {
+            let least_m = least.map_or(f64::INFINITY, |r| r.distance_m);
+            let may_win = |most: f64| self.scale.least_m(residual, limb, most) < least_m;
+            let Some(t) = rays.contact(limb, may_win) else { continue };
+
+            // the residual where the person's surface lies
+            let Self { body, field, near, other, .. } = self;
+            rays.near(limb, near);
+            other.sample.update_limb(field, limb, &rays.point(direction, t), near);
+            skin_term::displace(body, field, near, &mut other.sample, &mut other.offsets);
+            let r = self.scale.residual(residual, derivatives, &self.other.sample);
+            if r.distance_m < least_m {
+                least = Some(r);
+                std::mem::swap(&mut self.touched, &mut self.other);
+            }
+        }
+        least
+    }
+}
+
 impl SkinTerm for SilhouetteRays {
     fn loss(&self) -> Loss {
         self.options.loss
@@ -150,8 +190,15 @@ impl SkinTerm for SilhouetteRays {
         mut each: impl FnMut(&Touch<'_>, &FieldSample),
     ) {
         let options = &self.options;
-        let mut near = Vec::new();
-        let (mut touched, mut other) = (Contender::default(), Contender::default());
+        let mut search = LimbSearch {
+            body,
+            field,
+            scale,
+            options,
+            near: Vec::new(),
+            touched: Contender::default(),
+            other: Contender::default(),
+        };
 
         for (index, view) in self.views.iter().enumerate() {
             let mut rays = RayField::new(field, view.origin_world);
@@ -159,26 +206,7 @@ impl SkinTerm for SilhouetteRays {
             let per_px = 1.0 / (view.px_per_m * options.correlation_m);
             let borders = view.lengths_px.iter().zip(&view.normals_px);
             for (direction, (length_px, outward_px)) in view.directions_world.iter().zip(borders) {
-                // of all limbs, the one that it is least outside of: the nearest first, to rule out most of the others
-                let Some(nearest) = rays.turn_to(direction) else { continue };
-                let mut least: Option<SkinResidual> = None;
-                let others = (0..field.limbs.len()).filter(|limb| *limb != nearest);
-                for limb in std::iter::once(nearest).chain(others) {
-                    let least_m = least.map_or(f64::INFINITY, |r| r.distance_m);
-                    let may_win = |most: f64| scale.least_m(options.residual, limb, most) < least_m;
-                    let Some(t) = rays.contact(limb, may_win) else { continue };
-                    rays.near(limb, &mut near);
-                    let Contender { sample, offsets } = &mut other;
-                    sample.update_limb(field, limb, &rays.point(direction, t), &near);
-                    skin_term::displace(body, field, &near, sample, offsets);
-                    let r = scale.residual(options.residual, options.derivatives, sample);
-                    if r.distance_m < least_m {
-                        least = Some(r);
-                        std::mem::swap(&mut touched, &mut other);
-                    }
-                }
-                let Some(residual) = least else { continue };
-
+                let Some(residual) = search.touch(&mut rays, direction) else { continue };
                 let touch = Touch {
                     source: Source::View(index),
                     sigma_m,
@@ -186,10 +214,10 @@ impl SkinTerm for SilhouetteRays {
                     weight: length_px * per_px,
                     outward_px: *outward_px,
                     residual,
-                    offsets: &touched.offsets,
+                    offsets: &search.touched.offsets,
                     line: Some(direction),
                 };
-                each(&touch, &touched.sample);
+                each(&touch, &search.touched.sample);
             }
         }
     }
