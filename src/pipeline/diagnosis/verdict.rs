@@ -123,9 +123,11 @@ impl Diagnosis<'_> {
             return Some(Reason::WrongPictures { found: wrong as f64, most: 0.0 });
         }
 
-        // a folded body covers a part of a person fairly
-        let is_cut_off = causes.iter().any(|cause| matches!(cause, Cause::CutOff { .. }));
-        let overlap = self.overlap().filter(|_| is_cut_off && others.is_empty());
+        // a body that is folded or upside down covers a part of a person fairly
+        let is_elsewhere =
+            |cause: &Cause| matches!(cause, Cause::CutOff { .. } | Cause::Turned { .. });
+        let is_elsewhere = causes.iter().any(is_elsewhere);
+        let overlap = self.overlap().filter(|_| is_elsewhere && others.is_empty());
         let overlap = overlap.filter(|found| *found < GOOD_OVERLAP);
         overlap.map(|found| Reason::Overlap { found, least: GOOD_OVERLAP })
     }
@@ -162,11 +164,11 @@ impl Diagnosis<'_> {
 
         // the room that the silhouettes leave, without the cameras that are elsewhere: what lacks is tested before what is too much
         let volumes = volumes(rig, self.observations, &found.readings);
-        let size_m = size_m(&volumes).filter(|_| is_unusable);
+        let size_m = size_m(&volumes);
         if let Some(turned) = size_m.and_then(|size_m| self.turned(size_m.imax())) {
             return vec![turned];
         }
-        let height_m = size_m.map(|size_m| size_m.z);
+        let height_m = size_m.filter(|_| is_unusable).map(|size_m| size_m.z);
         if let Some(height_m) = height_m.filter(|height| *height < WHOLE * body_size(model)) {
             return vec![Cause::CutOff { height_m }];
         }
@@ -293,6 +295,7 @@ mod tests {
     use crate::inference::frame::FrameFit;
     use crate::likelihood::{LikelihoodOptions, Measure};
     use crate::pipeline::diagnosis::figures::Figures;
+    use crate::pipeline::diagnosis::upright::HeadAxis;
     use crate::silhouette::FrameIndex;
 
     fn fitted(motion: Motion) -> FittedFrame {
@@ -313,8 +316,8 @@ mod tests {
         }
     }
 
-    /// What makes a fit unusable of which nothing but a cut-off person is known.
-    fn cut_off(mean_iou: f64) -> Option<Reason> {
+    /// What makes a fit unusable of which nothing but a cause is known.
+    fn unusable_by(cause: Cause, mean_iou: f64) -> Option<Reason> {
         let figures = Figures::new();
         let (model, rig) = (&figures.model, &figures.rig);
         let camera = CameraQuality {
@@ -335,14 +338,16 @@ mod tests {
             frames: &[],
             cameras: &[camera],
         };
-        diagnosis.unusable_by(&[Cause::CutOff { height_m: 1.0 }], &[])
+        diagnosis.unusable_by(&[cause], &[])
     }
 
     #[test]
-    fn a_folded_body_must_overlap_more_than_one_that_stands() {
-        let found = cut_off(0.5 * (LEAST_OVERLAP + GOOD_OVERLAP));
-        assert!(matches!(found, Some(Reason::Overlap { .. })), "{found:?}");
-        assert_eq!(cut_off(0.5 * (1.0 + GOOD_OVERLAP)), None);
+    fn a_folded_or_turned_body_must_overlap_more_than_one_that_stands() {
+        for cause in [Cause::CutOff { height_m: 1.0 }, Cause::Turned { head: HeadAxis::MinusZ }] {
+            let found = unusable_by(cause.clone(), 0.5 * (LEAST_OVERLAP + GOOD_OVERLAP));
+            assert!(matches!(found, Some(Reason::Overlap { .. })), "{found:?}");
+            assert_eq!(unusable_by(cause, 0.5 * (1.0 + GOOD_OVERLAP)), None);
+        }
     }
 
     #[test]
