@@ -24,6 +24,9 @@ pub const LIMB_JOINTS: [&str; 12] = [
     "LWrist",
 ];
 
+/// Percent of a standard normal, and within ± how many standard deviations they lie.
+pub const INTERVALS: [(f64, f64); 3] = [(50.0, 0.674_490), (80.0, 1.281_552), (95.0, 1.959_964)];
+
 /// Segments whose lengths are compared.
 const SEGMENTS: [(&str, &str); 8] = [
     ("RHip", "RKnee"),
@@ -90,6 +93,16 @@ pub fn rms_z(
     let frames = 0..truth.frames.len();
     let squares = frames.flat_map(|f| LIMB_JOINTS.iter().filter_map(move |n| square(f, n)));
     Some(mean(squares)?.sqrt())
+}
+
+/// Share of errors, in standard deviations, that are not more than so many, %.
+pub fn within_pct(errors: impl Iterator<Item = f64>, sds: f64) -> f64 {
+    let (mut inside, mut all) = (0usize, 0usize);
+    for error in errors {
+        all += 1;
+        inside += usize::from(error.abs() <= sds);
+    }
+    100.0 * inside as f64 / all.max(1) as f64
 }
 
 /// Distance of every limb joint in every frame, mm, after the joint's mean offset is taken away.

@@ -1,7 +1,7 @@
 //! A recording in memory, with its truth.
 
 use std::error::Error;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use maquette::body::Motion;
 use maquette::camera::Rig;
@@ -18,12 +18,6 @@ use maquette::workflow::DEFAULT_BODY;
 use rayon::prelude::*;
 
 use crate::metrics::trajectories;
-
-/// Where the recordings lie that are shared by projects; it need not be there.
-pub fn shared() -> PathBuf {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
-    std::env::var_os("MAQUETTE_SHARED").map_or(beside, |shared| PathBuf::from(shared).join("data"))
-}
 
 /// The joint centres of a fit.
 pub fn fitted(fit: &Fit, fps: f64) -> Trajectories {

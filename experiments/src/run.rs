@@ -36,6 +36,12 @@ struct Arguments {
     seed: u64,
 }
 
+/// Where the data lie that are shared by projects; it need not be there.
+pub fn shared_data() -> PathBuf {
+    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared");
+    std::env::var_os("MAQUETTE_SHARED").map_or(beside, PathBuf::from).join("data")
+}
+
 /// Why an experiment could not be finished.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]

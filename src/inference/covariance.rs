@@ -4,7 +4,6 @@
 //! surface lies outside. A number q(θ) of the body has the variance J H⁻¹ Jᵀ, J = ∂q/∂θ.
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
-use rayon::prelude::*;
 
 use super::sequence_posterior::SequenceState;
 use crate::body::{BodyModel, Layout, Motion, PartId, Posed, Shape};
@@ -50,25 +49,19 @@ impl Uncertainty {
         state: &SequenceState,
         chain: &BorderedChain,
     ) -> Option<Self> {
-        // of each frame by itself and with s, in the order of the chain's marginals: backwards
-        let (mut marginals, mut shape) = (Vec::new(), DMatrix::zeros(0, 0));
-        let complete = chain.marginals(|_, Marginal { frame, cross, shared }| {
+        // frame by frame, in the order of the chain's marginals: backwards
+        let (mut frames, mut shape) = (Vec::new(), DMatrix::zeros(0, 0));
+        let complete = chain.marginals(|i, marginal| {
             if shape.is_empty() {
-                shape = (*shared).clone();
+                shape = marginal.shared.clone();
             }
-            marginals.push(((*frame).clone(), (*cross).clone()));
+            let body = Posed::new(model, &state.shape, &state.motions[i]);
+            frames.push(frame_uncertainty(model, &body, &covariance(marginal)));
         });
-        marginals.reverse();
-        if !complete || marginals.len() != state.motions.len() {
+        frames.reverse();
+        if !complete || frames.len() != state.motions.len() {
             return None;
         }
-
-        let each = marginals.par_iter().zip(&state.motions);
-        let frames = each.map(|((frame, cross), motion)| {
-            let body = Posed::new(model, &state.shape, motion);
-            frame_uncertainty(model, &body, &covariance(frame, cross, &shape))
-        });
-        let frames = frames.collect();
 
         let lengths_sd_m = lengths_sd_m(model, &state.shape, &shape);
         Some(Self { shape: ShapeUncertainty { covariance: shape, lengths_sd_m }, frames })
@@ -76,12 +69,12 @@ impl Uncertainty {
 }
 
 /// Of a frame's motion and of s.
-fn covariance(frame: &DMatrix<f64>, cross: &DMatrix<f64>, shape: &DMatrix<f64>) -> DMatrix<f64> {
-    let (m, p) = (frame.nrows(), shape.nrows());
+fn covariance(marginal: &Marginal<'_>) -> DMatrix<f64> {
+    let (m, p) = (marginal.frame.nrows(), marginal.shared.nrows());
     let mut all = DMatrix::zeros(m + p, m + p);
-    all.view_mut((0, 0), (m, m)).copy_from(frame);
-    all.view_mut((m, 0), (p, m)).copy_from(cross);
-    all.view_mut((m, m), (p, p)).copy_from(shape);
+    all.view_mut((0, 0), (m, m)).copy_from(marginal.frame);
+    all.view_mut((m, 0), (p, m)).copy_from(marginal.cross);
+    all.view_mut((m, m), (p, p)).copy_from(marginal.shared);
     all.fill_upper_triangle_with_lower_triangle();
     all
 }

@@ -252,7 +252,7 @@ mod tests {
     #[test]
     fn the_contact_is_where_marching_finds_the_highest_of_each_limb() {
         let mut rng = ChaCha8Rng::seed_from_u64(81);
-        for _ in 0..20 {
+        for _ in 0..100 {
             let mut field = balls(&mut rng, 7);
             // one ball has one summit
             field.limbs = (0..7).map(|i| vec![i]).chain([Vec::new()]).collect();

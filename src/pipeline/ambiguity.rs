@@ -19,9 +19,6 @@ const ONE_LINE_DEG: f64 = 25.0;
 
 /// Says so if the person may face the other way: the best hypothesis that faces there is nearly as probable as the winner, or
 /// there was none.
-///
-/// `data_weight` is what the recording's own noise leaves of the residuals' stated weight. A hypothesis that was dropped on its
-/// way costs as much in the frames that it was spared as in those that it was followed through.
 pub(super) fn facing_warning(
     evidence: &Evidence<'_>,
     hypotheses: &[TriedHypothesis],
@@ -31,6 +28,23 @@ pub(super) fn facing_warning(
     if evidence.model.root == Root::Fixed {
         return None;
     }
+    match facing_log_odds(hypotheses, winner, data_weight) {
+        None => Some(Warning::FacingUntried),
+        Some(log_odds) => {
+            (log_odds < CERTAIN).then(|| Warning::Facing { odds: log_odds.max(0.0).exp() })
+        }
+    }
+}
+
+/// Log odds of the winner against the best hypothesis that faces the other way; `None` if there was none.
+///
+/// `data_weight` is what the recording's own noise leaves of the residuals' stated weight. A hypothesis that was dropped on its
+/// way costs as much in the frames that it was spared as in those that it was followed through.
+pub fn facing_log_odds(
+    hypotheses: &[TriedHypothesis],
+    winner: usize,
+    data_weight: f64,
+) -> Option<f64> {
     let won = &hypotheses[winner].trial;
     let energy = |tried: &TriedHypothesis| {
         let followed = tried.fitted.max(1) as f64 / tried.trial.frames.len().max(1) as f64;
@@ -38,13 +52,7 @@ pub(super) fn facing_warning(
     };
 
     let away = hypotheses.iter().filter(|other| trial_faces_away(won, &other.trial)).map(energy);
-    match away.reduce(f64::min) {
-        None => Some(Warning::FacingUntried),
-        Some(other) => {
-            let log_odds = data_weight * (other - won.energy());
-            (log_odds < CERTAIN).then(|| Warning::Facing { odds: log_odds.max(0.0).exp() })
-        }
-    }
+    Some(data_weight * (away.reduce(f64::min)? - won.energy()))
 }
 
 /// Says how tall the body is if nobody said how tall the person is: cameras and person may both be larger.

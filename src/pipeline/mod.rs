@@ -38,6 +38,7 @@ mod warning_text;
 mod watch;
 
 pub use crate::inference::covariance::ShapeUncertainty;
+pub use ambiguity::facing_log_odds;
 pub use counted::counted;
 pub use diagnosis::{Cause, HeadAxis, Reason, Verdict};
 pub use fit::{Fit, fit, fit_watched};

@@ -7,7 +7,7 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use experiments::run::Run;
+use experiments::run::{Run, shared_data};
 use experiments::table::Table;
 use maquette::gait::{Angle, EventKind, GaitAnalysis, GaitOptions, Parameter, Side, analyse};
 use maquette::io::gait::read_points;
@@ -23,7 +23,7 @@ type PlateEvent = (Side, EventKind, f64);
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
     let mut run = Run::start("gait_events");
-    let data = shared().join("data");
+    let data = shared_data();
     if !data.join("gait").is_dir() || !data.join("walk7").is_dir() {
         run.say(&format!("skipped: no recordings in {}", data.display()));
         return Ok(ExitCode::SUCCESS);
@@ -179,10 +179,4 @@ fn tempfile(run: &Run) -> Result<PathBuf, Box<dyn Error>> {
     let folder = std::env::temp_dir().join(format!("maquette_gait_events_{}", run.seed()));
     std::fs::create_dir_all(&folder)?;
     Ok(folder)
-}
-
-/// Where the data lie that are shared by projects.
-fn shared() -> PathBuf {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared");
-    std::env::var_os("MAQUETTE_SHARED").map_or(beside, PathBuf::from)
 }

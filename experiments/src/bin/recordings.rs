@@ -8,16 +8,16 @@ use std::error::Error;
 use std::process::ExitCode;
 
 use experiments::metrics::{
-    KNEES, LIMB_JOINTS, length_error_pct, mpjpe_mm, offset_mm, point, rms_deg,
+    INTERVALS, KNEES, LIMB_JOINTS, length_error_pct, mpjpe_mm, offset_mm, point, rms_deg,
+    within_pct,
 };
-use experiments::recorded::{Recorded, fitted, shared};
-use experiments::run::Run;
+use experiments::recorded::{Recorded, fitted};
+use experiments::run::{Run, shared_data};
 use experiments::table::Table;
 use maquette::camera::Rig;
-use maquette::inference::facing::trial_faces_away;
 use maquette::io::points::trc::Trajectories;
 use maquette::math::stats::mean;
-use maquette::pipeline::{Fit, Warning};
+use maquette::pipeline::{Fit, Warning, facing_log_odds};
 use nalgebra::Vector2;
 
 /// A recording, and its frames per second.
@@ -40,8 +40,6 @@ const PAIRED: [Set; 3] = [("walk7", 50.0), ("dressed", 50.0), ("moved", 50.0)];
 const FACING: usize = 2;
 const ACROSS: usize = 3;
 
-/// Half-widths of the 50, 80 and 95 % intervals in standard deviations.
-const INTERVALS: [f64; 3] = [0.674_49, 1.281_55, 1.959_96];
 /// The tips of limbs: joint, and part.
 const TIPS: [(&str, &str); 4] =
     [("RAnkle", "foot_r"), ("LAnkle", "foot_l"), ("RWrist", "hand_r"), ("LWrist", "hand_l")];
@@ -51,8 +49,8 @@ const OFTEN: f64 = 0.1;
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
     let mut run = Run::start("recordings");
-    if !shared().is_dir() {
-        run.say(&format!("skipped: no recordings in {}", shared().display()));
+    if !shared_data().is_dir() {
+        run.say(&format!("skipped: no recordings in {}", shared_data().display()));
         return Ok(ExitCode::SUCCESS);
     }
     all_cameras(&mut run)?;
@@ -93,7 +91,7 @@ fn all_cameras(run: &mut Run) -> Result<(), Box<dyn Error>> {
     if run.is_quick() {
         return Ok(());
     }
-    for (percent, share) in [50, 80, 95].into_iter().zip(shares(&pooled)) {
+    for ((percent, _), share) in INTERVALS.into_iter().zip(shares(&pooled)) {
         run.number(format!("pooled_{percent}"), share);
     }
     Ok(())
@@ -157,20 +155,14 @@ fn half_the_rate(run: &mut Run) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Log odds against the other way of facing. A hypothesis that was dropped on its way costs as much in the other frames.
+/// Log odds against the other way of facing; NaN if it was not tried.
 fn facing_odds(fit: &Fit) -> f64 {
-    let won = &fit.hypotheses[fit.winner].trial;
-    let away = fit.hypotheses.iter().filter(|other| trial_faces_away(won, &other.trial));
-    let energies = away.map(|other| {
-        let followed = other.fitted as f64 / other.trial.frames.len() as f64;
-        other.trial.energy() / followed
-    });
-    let least = energies.fold(f64::INFINITY, f64::min);
-    fit.noise.map_or(1.0, |noise| noise.data_weight()) * (least - won.energy())
+    let data_weight = fit.noise.map_or(1.0, |noise| noise.data_weight());
+    facing_log_odds(&fit.hypotheses, fit.winner, data_weight).unwrap_or(f64::NAN)
 }
 
 fn read(name: &str, fps: f64) -> Result<Recorded, Box<dyn Error>> {
-    let recorded = Recorded::read(&shared().join(name), fps, "truth.trc")?;
+    let recorded = Recorded::read(&shared_data().join(name), fps, "truth.trc")?;
     Ok(Recorded { rig: recorded.true_rig.clone(), ..recorded })
 }
 
@@ -224,8 +216,7 @@ fn rms(z: &[f64]) -> f64 {
 
 /// In 50, 80 and 95 % intervals, percent.
 fn shares(z: &[f64]) -> [f64; 3] {
-    let within = |k: f64| z.iter().filter(|z| z.abs() < k).count() as f64;
-    INTERVALS.map(|k| 100.0 * within(k) / z.len() as f64)
+    INTERVALS.map(|(_, sds)| within_pct(z.iter().copied(), sds))
 }
 
 fn shares_text(z: &[f64]) -> String {

@@ -3,11 +3,11 @@
 //! The best reading of a frame lands when its limb joints are within 50 mm of the truth on average.
 
 use std::error::Error;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 
 use experiments::metrics::{frame_error_mm, trajectories};
-use experiments::run::Run;
+use experiments::run::{Run, shared_data};
 use experiments::table::Table;
 use maquette::inference::Evidence;
 use maquette::inference::start::{Reading, StartOptions, readings};
@@ -26,7 +26,7 @@ const NEAR_MM: f64 = 50.0;
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
     let mut run = Run::start("starts_walk7");
-    let folder = shared().join("data/walk7");
+    let folder = shared_data().join("walk7");
     if !folder.is_dir() {
         run.say(&format!("skipped: no recording in {}", folder.display()));
         return Ok(ExitCode::SUCCESS);
@@ -70,10 +70,4 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
 /// One frame of the truth.
 fn only(truth: &Trajectories, frame: usize) -> Option<Trajectories> {
     Some(Trajectories { frames: vec![truth.frames.get(frame)?.clone()], ..truth.clone() })
-}
-
-/// Where the data lie that are shared by projects.
-fn shared() -> PathBuf {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared");
-    std::env::var_os("MAQUETTE_SHARED").map_or(beside, PathBuf::from)
 }

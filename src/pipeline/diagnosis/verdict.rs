@@ -124,12 +124,13 @@ impl Diagnosis<'_> {
         }
 
         // a body that is folded or upside down covers a part of a person fairly
-        let is_elsewhere =
+        let misplaces =
             |cause: &Cause| matches!(cause, Cause::CutOff { .. } | Cause::Turned { .. });
-        let is_elsewhere = causes.iter().any(is_elsewhere);
-        let overlap = self.overlap().filter(|_| is_elsewhere && others.is_empty());
-        let overlap = overlap.filter(|found| *found < GOOD_OVERLAP);
-        overlap.map(|found| Reason::Overlap { found, least: GOOD_OVERLAP })
+        if !others.is_empty() || !causes.iter().any(misplaces) {
+            return None;
+        }
+        let found = self.overlap().filter(|found| *found < GOOD_OVERLAP)?;
+        Some(Reason::Overlap { found, least: GOOD_OVERLAP })
     }
 
     /// Median over the cameras that see the person.

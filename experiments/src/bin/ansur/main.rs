@@ -10,10 +10,10 @@ mod quantities;
 mod survey;
 
 use std::error::Error;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 
-use experiments::run::Run;
+use experiments::run::{Run, shared_data};
 use experiments::table::Table;
 use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng;
@@ -28,7 +28,7 @@ use survey::Person;
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
     let mut run = Run::start("ansur");
-    let folder = shared().join("data/ansur2");
+    let folder = shared_data().join("ansur2");
     if !folder.is_dir() {
         run.say(&format!("skipped: no survey in {}", folder.display()));
         return Ok(ExitCode::SUCCESS);
@@ -52,11 +52,6 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     numbers(&mut run, &estimate, civil);
     run.number("largest_standard_error_of_a_loading", errors.0.max());
     Ok(run.finish()?)
-}
-
-fn shared() -> PathBuf {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared");
-    std::env::var_os("MAQUETTE_SHARED").map_or(beside, PathBuf::from)
 }
 
 /// Men and women.
@@ -194,7 +189,7 @@ mod tests {
     #[test]
     #[allow(clippy::print_stderr, reason = "a skipped test says so")]
     fn the_body_models_say_what_the_survey_says() {
-        let folder = shared().join("data/ansur2");
+        let folder = shared_data().join("ansur2");
         if !folder.is_dir() {
             eprintln!("skipped: no survey in {}", folder.display());
             return;

@@ -8,11 +8,11 @@ mod mesh;
 mod person;
 
 use std::error::Error;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use experiments::run::Run;
+use experiments::run::{Run, shared_data};
 use maquette::math::stats::median;
 use maquette::stereo::matching::{MatchOptions, match_surface};
 
@@ -21,7 +21,7 @@ type Fault = Box<dyn Error>;
 
 fn main() -> Result<ExitCode, Fault> {
     let mut run = Run::start("pfd99_matching");
-    let data = shared().join("data");
+    let data = shared_data();
     if !data.is_dir() {
         run.say(&format!("skipped: {} is not here", data.display()));
         return Ok(ExitCode::SUCCESS);
@@ -60,9 +60,4 @@ fn cloth(run: &mut Run, folder: &Path) -> Result<(), Fault> {
         ));
     }
     Ok(())
-}
-
-fn shared() -> PathBuf {
-    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared");
-    std::env::var_os("MAQUETTE_SHARED").map_or_else(beside, PathBuf::from)
 }

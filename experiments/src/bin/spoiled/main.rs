@@ -11,8 +11,8 @@ use std::process::ExitCode;
 
 use damage::{Damage, as_recorded, damages, recalibrated};
 use experiments::metrics::{mpjpe_mm, rms_z};
-use experiments::recorded::{Recorded, fitted, shared};
-use experiments::run::Run;
+use experiments::recorded::{Recorded, fitted};
+use experiments::run::{Run, shared_data};
 use experiments::table::Table;
 use maquette::pipeline::Fit;
 
@@ -59,8 +59,8 @@ const HEIGHT_GIVEN: &str = "height given";
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
     let mut run = Run::start("spoiled");
-    if !shared().is_dir() {
-        run.say(&format!("skipped: no recordings in {}", shared().display()));
+    if !shared_data().is_dir() {
+        run.say(&format!("skipped: no recordings in {}", shared_data().display()));
         return Ok(ExitCode::SUCCESS);
     }
     let sets = if run.is_quick() { &SETS[..1] } else { &SETS[..] };
@@ -75,7 +75,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         }
         wanted.retain(|damage| is_wanted(damage) || damage.name == CLEAN);
 
-        let recorded = Recorded::read(&shared().join(name), *fps, truth)?;
+        let recorded = Recorded::read(&shared_data().join(name), *fps, truth)?;
         let mut clean_mm = f64::NAN;
         for damage in wanted {
             let Some(row) = Row::new(&damage, &recorded)? else {

@@ -14,6 +14,7 @@ use std::error::Error;
 use std::path::Path;
 use std::process::ExitCode;
 
+use experiments::metrics::{INTERVALS, within_pct};
 use experiments::picture::{Panel, colour, svg};
 use experiments::run::Run;
 use experiments::table::Table;
@@ -23,8 +24,6 @@ use rayon::prelude::*;
 
 use recording::{Deviation, Kind, deviations};
 
-/// Probability that a standard normal lies within ± this.
-const INTERVALS: [(f64, f64); 3] = [(50.0, 0.674_490), (80.0, 1.281_552), (95.0, 1.959_964)];
 const KINDS: [(Kind, &str, &str); 3] = [
     (Kind::Angle, "angles", colour::BLUE),
     (Kind::Joint, "joint centres", colour::ORANGE),
@@ -52,16 +51,6 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     Ok(run.finish()?)
 }
 
-/// Share of the deviations within so many standard deviations, %.
-fn within<'a>(deviations: impl Iterator<Item = &'a Deviation>, z: f64) -> f64 {
-    let (mut inside, mut all) = (0usize, 0usize);
-    for deviation in deviations {
-        all += 1;
-        inside += usize::from(deviation.z.abs() <= z);
-    }
-    100.0 * inside as f64 / all.max(1) as f64
-}
-
 fn report(run: &mut Run, all: &[Deviation]) -> Result<(), Box<dyn Error>> {
     let mut table =
         Table::new("coverage", &["", "numbers", "50 %", "80 %", "95 %", "RMS of error over SD"]);
@@ -69,7 +58,7 @@ fn report(run: &mut Run, all: &[Deviation]) -> Result<(), Box<dyn Error>> {
         let of_kind = || all.iter().filter(|d| d.kind == kind);
         let mut cells = vec![name.to_owned(), of_kind().count().to_string()];
         for (stated, z) in INTERVALS {
-            let share = within(of_kind(), z);
+            let share = within_pct(of_kind().map(|d| d.z), z);
             run.number(format!("{}_{stated}", name.replace(' ', "_")), share);
             cells.push(format!("{share:.1}"));
         }
@@ -89,7 +78,7 @@ fn report(run: &mut Run, all: &[Deviation]) -> Result<(), Box<dyn Error>> {
         let mean = of().map(|d| d.z).sum::<f64>() / count;
         let rms = (of().map(|d| d.z * d.z).sum::<f64>() / count).sqrt();
         let sd = (of().map(|d| d.sd * d.sd).sum::<f64>() / count).sqrt();
-        let shares = INTERVALS.map(|(_, z)| format!("{:.0}", within(of(), z)));
+        let shares = INTERVALS.map(|(_, z)| format!("{:.0}", within_pct(of().map(|d| d.z), z)));
         let numbers = [format!("{mean:.2}"), format!("{rms:.2}"), format!("{sd:.4}")];
         table.row([name.to_owned()].into_iter().chain(shares).chain(numbers));
     }
@@ -108,7 +97,7 @@ fn reliability(all: &[Deviation]) -> String {
         let points: Vec<(f64, f64)> = (1..20)
             .map(|i| {
                 let stated = f64::from(i) / 20.0;
-                (100.0 * stated, within(of_kind(), recording::quantile(stated)))
+                (100.0 * stated, within_pct(of_kind().map(|d| d.z), recording::quantile(stated)))
             })
             .collect();
         panel.curve(name, colour, &points).marks("", colour, &points)
