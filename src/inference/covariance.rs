@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::sequence_posterior::SequenceState;
 use crate::body::{BodyModel, Layout, Motion, PartId, Posed, Shape};
-use crate::solver::{BorderedChain, Marginal};
+use crate::solver::BorderedChain;
 
 /// How far the joint optimum may be from the truth, as far as a bias that returns in every frame can be known.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,7 +56,7 @@ impl Uncertainty {
                 shape = marginal.shared.clone();
             }
             let body = Posed::new(model, &state.shape, &state.motions[i]);
-            frames.push(frame_uncertainty(model, &body, &covariance(marginal)));
+            frames.push(frame_uncertainty(model, &body, &marginal.covariance()));
         });
         frames.reverse();
         if !complete || frames.len() != state.motions.len() {
@@ -66,17 +66,6 @@ impl Uncertainty {
         let lengths_sd_m = lengths_sd_m(model, &state.shape, &shape);
         Some(Self { shape: ShapeUncertainty { covariance: shape, lengths_sd_m }, frames })
     }
-}
-
-/// Of a frame's motion and of s.
-fn covariance(marginal: &Marginal<'_>) -> DMatrix<f64> {
-    let (m, p) = (marginal.frame.nrows(), marginal.shared.nrows());
-    let mut all = DMatrix::zeros(m + p, m + p);
-    all.view_mut((0, 0), (m, m)).copy_from(marginal.frame);
-    all.view_mut((m, 0), (p, m)).copy_from(marginal.cross);
-    all.view_mut((m, m), (p, p)).copy_from(marginal.shared);
-    all.fill_upper_triangle_with_lower_triangle();
-    all
 }
 
 fn frame_uncertainty(model: &BodyModel, body: &Posed<'_>, all: &DMatrix<f64>) -> FrameUncertainty {

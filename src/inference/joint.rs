@@ -5,7 +5,7 @@
 //! forwards and one backwards: O(n). Algorithm 1's winner is its start.
 //!
 //! With a detailed body ([`BodyModel::detailed`]) s also says where the joints lie in the flesh and how far the surface lies
-//! outside the model's. How much the data count ([`Noise`]) and how far surfaces lie outside (`spread`) are estimated by turns
+//! outside the model's. How much the data count ([`Noise`], [`Contrasts`]) and how far surfaces lie outside (`spread`) are estimated by turns
 //! with the optimum: first in some rounds of a few steps before a part of the border points, then before all of them until E no
 //! longer falls. The covariance is the inverse of the last optimum's own matrix.
 
@@ -13,6 +13,7 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::chain::ChainPrior;
+use super::contrasts::Contrasts;
 use super::covariance::Uncertainty;
 use super::frame::FrameFit;
 use super::noise::Noise;
@@ -112,16 +113,18 @@ pub fn joint_optimum_from_terms<'a>(
     let search = Search { evidence, seconds, chain_prior, step };
 
     // how the residuals err, the optimum, and how far surfaces lie outside, by turns
-    let mut state = start.detailed(model);
-    let mut shape_prior = evidence.shape_prior.clone();
+    let mut from = Approached {
+        state: start.detailed(model),
+        shape_prior: evidence.shape_prior.clone(),
+        followed: 0.0,
+    };
     for iterations in APPROACH {
-        let round = search.round(&terms.thinned, state, &shape_prior, iterations);
-        shape_prior = search.shape_prior(&round);
-        state = round.solution.state;
+        let round = search.round(&terms.thinned, from, iterations);
+        from = search.approached(round);
     }
 
-    let last = search.round(&terms.all, state, &shape_prior, options.iterations);
-    let Round { noise, frames, solution } = last;
+    let last = search.round(&terms.all, from, options.iterations);
+    let Round { noise, frames, solution, .. } = last;
     let uncertainty = Uncertainty::new(model, &solution.state, &solution.model);
     step();
     JointOptimum {
@@ -141,49 +144,61 @@ struct Search<'a, 'b> {
     step: &'a dyn Fn(),
 }
 
+/// What the rounds before have found.
+struct Approached {
+    state: SequenceState,
+    /// p(s) with surfaces that lie as far outside as they do there.
+    shape_prior: ShapePrior,
+    /// How many of the contrasts the state follows.
+    followed: f64,
+}
+
 /// An optimum, and the noise with which it was sought.
 struct Round {
     noise: Noise,
+    contrasts: Contrasts,
     frames: Vec<FrameFit>,
     solution: Solution<SequenceState, BorderedChain>,
 }
 
 impl Search<'_, '_> {
-    /// The optimum with residuals that err as they do at `start`.
-    fn round(
-        &self,
-        terms: &[Terms<'_>],
-        start: SequenceState,
-        shape_prior: &ShapePrior,
-        max_iterations: usize,
-    ) -> Round {
+    /// The optimum with residuals that err as they do at its start.
+    fn round(&self, terms: &[Terms<'_>], from: Approached, max_iterations: usize) -> Round {
         let model = self.evidence.model;
+        let Approached { state: start, shape_prior, followed } = from;
         let noise = Noise::from_residuals(&residuals(model, terms, &start));
+        let data_weight = noise.data_weight();
+        let contrasts = Contrasts::new(model, terms, &start, followed, data_weight);
         let posterior = SequencePosterior {
             model,
-            shape_prior,
+            shape_prior: &shape_prior,
             pose_prior: &self.evidence.pose_prior,
             chain_prior: &self.chain_prior,
             seconds: self.seconds,
             terms,
-            data_weight: noise.data_weight(),
+            data_weight,
+            contrasts: &contrasts,
         };
         let counted = Counted { problem: &posterior, step: self.step };
         let solver = Options { max_iterations, damping: DAMPING, relative_decrease: TOLERANCE };
         let solution = levenberg_marquardt(&counted, start, &solver);
-        Round { noise, frames: posterior.frame_fits(&solution.state), solution }
+        let frames = posterior.frame_fits(&solution.state);
+        Round { noise, frames, contrasts, solution }
     }
 
-    /// p(s) with surfaces that lie as far outside as they do at an optimum.
-    fn shape_prior(&self, round: &Round) -> ShapePrior {
-        let covariance = round.solution.model.shared_covariance();
-        covariance.map_or_else(
-            || self.evidence.shape_prior.clone(),
-            |covariance| {
-                let shape = &round.solution.state.shape;
-                ShapePrior::from_statistics(&with_spreads(self.evidence.model, shape, &covariance))
-            },
-        )
+    /// From where the next round starts.
+    fn approached(&self, round: Round) -> Approached {
+        let model = self.evidence.model;
+        let Solution { state, model: chain, .. } = round.solution;
+        let with_spreads = |covariance| {
+            ShapePrior::from_statistics(&with_spreads(model, &state.shape, &covariance))
+        };
+        let shape_prior = chain.shared_covariance().map(with_spreads);
+        Approached {
+            shape_prior: shape_prior.unwrap_or_else(|| self.evidence.shape_prior.clone()),
+            followed: round.contrasts.followed(model, &state, &chain),
+            state,
+        }
     }
 }
 

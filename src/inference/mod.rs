@@ -10,13 +10,14 @@
 //! | one hypothesis along the chain    | [`propagate`]    |
 //! | Algorithm 1                       | [`search`]       |
 //! | eq. 1 as a problem of all frames  | [`chain`], [`sequence_posterior`] |
-//! | its optimum, how sure it is       | [`joint`], [`noise`], `spread`, [`covariance`] |
+//! | its optimum, how sure it is       | [`joint`], [`noise`], [`contrasts`], `spread`, [`covariance`] |
 //! | pointing errors of the cameras    | [`aim`]          |
 //! | p_ε,σ(K)                          | [`confidence`], [`ShapeConfidence`] |
 
 pub mod aim;
 pub mod chain;
 pub mod confidence;
+pub mod contrasts;
 pub mod covariance;
 mod detail;
 mod evidence;

@@ -14,7 +14,8 @@
 //!    variance of the sum of a place's scores over what it would be if they were independent (cluster-robust, with places as
 //!    clusters). A recording with twice the frames in the same time has twice the τ, and says as much.
 //!
-//! The data's cost is divided by κ²λτ, for all unknowns alike. What is the same over a decimetre in every frame is not noise
+//! The data's cost is divided by κ²λτ, for all unknowns alike; what cameras side by side see differently counts more
+//! ([`contrasts`](super::contrasts)). What is the same over a decimetre in every frame is not noise
 //! but an unknown of its own: the surface's offsets ([`SurfaceOffsets`](crate::body::SurfaceOffsets)).
 //!
 //! # Source
@@ -22,7 +23,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::likelihood::{PlacedResidual, Source};
+use crate::likelihood::{Place, PlacedResidual, Source};
 
 /// How the residuals of a recording err.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -34,9 +35,6 @@ pub struct Noise {
     /// τ: how many looks at one place, by other cameras and in other frames, are worth one.
     pub together: f64,
 }
-
-/// Edge of the cubes into which a part's frame is divided, metres; each is a place of the body.
-const CELL_M: f64 = 0.03;
 
 impl Noise {
     /// As stated: every row's σ and weight are right.
@@ -123,9 +121,6 @@ fn along_border(frames: &[Vec<PlacedResidual>]) -> f64 {
     (own + 2.0 * together) / stated
 }
 
-/// A cube of a part.
-type Place = (usize, [i32; 3]);
-
 /// τ.
 fn together(frames: &[Vec<PlacedResidual>]) -> f64 {
     // Σy and Σy² of each place
@@ -148,9 +143,7 @@ fn together(frames: &[Vec<PlacedResidual>]) -> f64 {
 fn scores(frame: &[PlacedResidual]) -> BTreeMap<(Place, Source), (f64, f64)> {
     let mut scores: BTreeMap<(Place, Source), (f64, f64)> = BTreeMap::new();
     for r in frame {
-        let cell: [f64; 3] = r.place_part.into();
-        let cell = cell.map(|length| (length / CELL_M).floor() as i32);
-        let (sum, weight) = scores.entry(((r.part.0, cell), r.source)).or_default();
+        let (sum, weight) = scores.entry((r.place(), r.source)).or_default();
         *sum += r.weight * influence(r);
         *weight += r.weight;
     }

@@ -1,15 +1,17 @@
 //! The sequence posterior, ZS06 eq. 1, of all motions and the shape at once.
 //!
-//! E(s, m₁..ₙ) = −log p(s) + Σᵢ \[−w log p(Zᵢ | mᵢ, s) − log p(mᵢ)\] + Σᵢ \[−log p(mᵢ | mᵢ₋₁, …)\]
+//! E(s, m₁..ₙ) = −log p(s) + Σᵢ \[−w log p(Zᵢ | mᵢ, s) + E_d − log p(mᵢ)\] + Σᵢ \[−log p(mᵢ | mᵢ₋₁, …)\]
 //!
 //! A frame's terms touch its own motion and the shape, a motion's factor touches its neighbours: g and H are a
-//! [`BorderedChain`] with the shape as border. w is how often the data count: see [`super::noise`].
+//! [`BorderedChain`] with the shape as border. w is how often the data count, see [`super::noise`], and E_d what the differences
+//! between cameras side by side say beyond that: [`super::contrasts`].
 
 use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::Terms;
 use super::chain::ChainPrior;
+use super::contrasts::Contrasts;
 use super::frame::{FrameFit, data_cost, linearize_data, observations};
 use super::prior::{PosePrior, ShapePrior};
 use crate::body::{BodyModel, Layout, Motion, Posed, Shape};
@@ -47,6 +49,8 @@ pub struct SequencePosterior<'a> {
     pub terms: &'a [Terms<'a>],
     /// How many times the data's cost counts: observations that err more, or more together, count less.
     pub data_weight: f64,
+    /// E_d.
+    pub contrasts: &'a Contrasts,
 }
 
 /// Frames that are summed one after the other, so that sums do not depend on the number of threads.
@@ -60,7 +64,9 @@ impl SequencePosterior<'_> {
         equations.hessian *= self.data_weight;
         equations.gradient *= self.data_weight;
         let lasts = self.lasts_s(i);
-        self.data_weight * data + self.pose_prior.linearize_lasting(&x.motions[i], lasts, equations)
+        self.data_weight * data
+            + self.contrasts.linearize(i, &body, equations)
+            + self.pose_prior.linearize_lasting(&x.motions[i], lasts, equations)
     }
 
     /// How long a frame lasts, seconds; the first frame's pose is drawn from all.
@@ -126,7 +132,10 @@ impl Problem for SequencePosterior<'_> {
     fn cost(&self, x: &SequenceState) -> f64 {
         let cost = |f: FrameFit| self.data_weight * f.data + f.pose + f.step;
         let each = self.frame_fits(x).into_iter().map(cost);
-        each.sum::<f64>() + self.shape_prior.cost(&x.shape)
+        let contrasts =
+            |(i, motion)| self.contrasts.cost(i, &Posed::new(self.model, &x.shape, motion));
+        let contrasts: Vec<f64> = x.motions.par_iter().enumerate().map(contrasts).collect();
+        each.chain(contrasts).sum::<f64>() + self.shape_prior.cost(&x.shape)
     }
 
     fn linearize(&self, x: &SequenceState, model: &mut BorderedChain) -> f64 {

@@ -6,6 +6,8 @@
 //! | [`SilhouetteRays`]   | border points                | distance to the skin, m   | PF02 § 3.2      |
 //! | [`PointField`]       | points of the surface        | distance to the skin, m   | PF02 § 3.1      |
 //!
+//! What cameras side by side see differently at one place is weighed apart: [`Parallax`].
+//!
 //! Every term is ½ Σ w ρ((r/σ)²): r in the unit of its data, σ its standard deviation in that unit
 //! (PFD99 eq. 11), w the number of independent observations that a row stands for, ρ a robust loss.
 
@@ -18,6 +20,8 @@ mod limb_sums;
 mod local_length;
 mod offset_row;
 mod options;
+mod parallax;
+mod placed_residual;
 mod point_field;
 mod silhouette_ray;
 mod skin_distance;
@@ -27,45 +31,15 @@ mod union;
 pub use ellipse_distance::EllipseDistance;
 pub use ellipse_silhouette::{EllipseOptions, EllipseSilhouette, EllipseView, Variant};
 pub use options::{LikelihoodOptions, Measure};
+pub use parallax::{Contrast, Parallax, Quarter};
+pub use placed_residual::{Place, PlacedResidual, Source};
 pub use point_field::{PointField, PointOptions, SurfacePoint};
 pub use silhouette_ray::{RayOptions, RayView, SilhouetteRays};
 pub use skin_distance::{Derivatives, Residual, SkinScale};
 pub use skin_term::SkinTouch;
 
-use nalgebra::{Vector2, Vector3};
-
-use crate::body::{PartId, Posed};
+use crate::body::Posed;
 use crate::solver::NormalEquations;
-
-/// Where an observation comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Source {
-    /// A silhouette: its position among the frame's views.
-    View(usize),
-    /// A cloud of points.
-    Cloud,
-}
-
-/// One residual, and where on the body it was measured.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PlacedResidual {
-    /// Where it comes from.
-    pub source: Source,
-    /// r/σ.
-    pub value: f64,
-    /// ρ′: the part of its weight that the robust loss leaves, 1 for an inlier.
-    pub trust: f64,
-    /// σ, px for a view, metres for a cloud.
-    pub sigma: f64,
-    /// w: the number of independent observations that it stands for.
-    pub weight: f64,
-    /// Unit normal of the border there, away from the person, in undistorted pixels; 0 for a cloud.
-    pub outward_px: Vector2<f64>,
-    /// The part on which it was measured.
-    pub part: PartId,
-    /// Where on it, in the part's frame, metres.
-    pub place_part: Vector3<f64>,
-}
 
 /// −log p(one kind of data | pose and shape), up to a constant; never negative.
 pub trait Term: Send + Sync {
@@ -82,4 +56,8 @@ pub trait Term: Send + Sync {
     fn linearize(&self, body: &Posed<'_>, equations: &mut NormalEquations) -> f64;
     /// The residuals at a pose, those of one source in the order of its data (along a border).
     fn placed_residuals(&self, body: &Posed<'_>) -> Vec<PlacedResidual>;
+    /// What cameras side by side see differently, of a kind of data that can tell.
+    fn parallax(&self, _body: &Posed<'_>) -> Option<Parallax> {
+        None
+    }
 }

@@ -108,7 +108,7 @@ impl SkinTerm for PointField {
         let mut sample = FieldSample::default();
         let mut offsets = Vec::new();
 
-        for (point, &weight) in self.points.iter().zip(&self.weights) {
+        for (index, (point, &weight)) in self.points.iter().zip(&self.weights).enumerate() {
             if !sampler.sample(&point.position_world.coords, &mut sample) {
                 continue;
             }
@@ -118,6 +118,7 @@ impl SkinTerm for PointField {
             let sigma_m = point.sigma_m.hypot(options.sigma_m);
             let touch = Touch {
                 source: Source::Cloud,
+                index,
                 sigma_m,
                 sigma: sigma_m,
                 weight,

@@ -26,7 +26,7 @@ use nalgebra::{Vector2, Vector3};
 use super::contact::RayField;
 use super::skin_distance::{Derivatives, PosedScale, Residual, SkinResidual, SkinScale};
 use super::skin_term::{self, PartOffset, SkinTerm, SkinTouch, Touch};
-use super::{PlacedResidual, Source, Term};
+use super::{Parallax, PlacedResidual, Source, Term};
 use crate::body::Posed;
 use crate::body::metaball::{Field, FieldSample};
 use crate::camera::Camera;
@@ -90,6 +90,16 @@ impl RayView {
         }
     }
 
+    fn only(&self, lines: &[usize]) -> Self {
+        Self {
+            origin_world: self.origin_world,
+            directions_world: lines.iter().map(|&i| self.directions_world[i]).collect(),
+            lengths_px: lines.iter().map(|&i| self.lengths_px[i]).collect(),
+            normals_px: lines.iter().map(|&i| self.normals_px[i]).collect(),
+            px_per_m: self.px_per_m,
+        }
+    }
+
     /// Number of lines of sight.
     pub fn len(&self) -> usize {
         self.directions_world.len()
@@ -115,9 +125,20 @@ impl SilhouetteRays {
         Self { views, options, scale }
     }
 
+    /// Number of views.
+    pub(super) fn views(&self) -> usize {
+        self.views.len()
+    }
+
     /// Number of lines of sight in all views.
     pub fn border_points(&self) -> usize {
         self.views.iter().map(RayView::len).sum()
+    }
+
+    /// Of each view only these lines of sight.
+    pub(super) fn only(&self, lines: &[Vec<usize>]) -> Self {
+        let views = self.views.iter().zip(lines).map(|(view, lines)| view.only(lines)).collect();
+        Self { views, options: self.options, scale: self.scale.clone() }
     }
 
     /// The residual of every line of sight, view after view; lines with no metaball before the camera are left out.
@@ -200,19 +221,19 @@ impl SkinTerm for SilhouetteRays {
             other: Contender::default(),
         };
 
-        for (index, view) in self.views.iter().enumerate() {
+        for (source, view) in self.views.iter().enumerate() {
             let mut rays = RayField::new(field, view.origin_world);
             let sigma_m = (options.sigma_px / view.px_per_m).hypot(options.sigma_m);
             let per_px = 1.0 / (view.px_per_m * options.correlation_m);
-            let borders = view.lengths_px.iter().zip(&view.normals_px);
-            for (direction, (length_px, outward_px)) in view.directions_world.iter().zip(borders) {
+            for (index, direction) in view.directions_world.iter().enumerate() {
                 let Some(residual) = search.touch(&mut rays, direction) else { continue };
                 let touch = Touch {
-                    source: Source::View(index),
+                    source: Source::View(source),
+                    index,
                     sigma_m,
                     sigma: sigma_m * view.px_per_m,
-                    weight: length_px * per_px,
-                    outward_px: *outward_px,
+                    weight: view.lengths_px[index] * per_px,
+                    outward_px: view.normals_px[index],
                     residual,
                     offsets: &search.touched.offsets,
                     line: Some(direction),
@@ -243,5 +264,9 @@ impl Term for SilhouetteRays {
 
     fn placed_residuals(&self, body: &Posed<'_>) -> Vec<PlacedResidual> {
         skin_term::placed(self, body)
+    }
+
+    fn parallax(&self, body: &Posed<'_>) -> Option<Parallax> {
+        Parallax::new(self, body)
     }
 }

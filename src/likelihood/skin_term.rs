@@ -44,6 +44,8 @@ pub struct SkinTouch {
 /// An observation at one state.
 pub(super) struct Touch<'a> {
     pub(super) source: Source,
+    /// Its position among the data of its source.
+    pub(super) index: usize,
     pub(super) sigma_m: f64,
     pub(super) sigma: f64,
     pub(super) weight: f64,
@@ -73,7 +75,7 @@ const FLATTEST: f64 = -1e-3;
 
 impl Touch<'_> {
     /// (ρ, what a row weighs in units of 1/m²), ρ with its weight.
-    fn loss(&self, loss: Loss) -> (f64, f64) {
+    pub(super) fn loss(&self, loss: Loss) -> (f64, f64) {
         let (rho, slope) = loss.evaluate(self.residual.distance_m / self.sigma_m);
         let precision = 1.0 / (self.sigma_m * self.sigma_m);
         (self.weight * rho, self.weight * slope * precision)
@@ -194,7 +196,7 @@ pub(super) fn displace(
 }
 
 /// The part of a metaball, and a place in its axes.
-fn place(
+pub(super) fn place(
     body: &Posed<'_>,
     field: &Field,
     metaball: usize,
@@ -221,41 +223,62 @@ pub(super) fn linearize(
     equations: &mut NormalEquations,
 ) -> f64 {
     let field = Field::from_body(body);
-    let scale = term.scale(body, &field);
     let slopes = FieldSlopes::new(body, &field);
-    let layout = Layout::new(body.model);
     let mut sums = LimbSums::new(&slopes, equations.gradient.len());
-    let mut row = FieldRow::default();
-    let (mut changes, mut carried, mut offset_rows) = (Vec::new(), Vec::new(), Vec::new());
     let mut cost = 0.0;
 
-    term.touches(body, &field, &scale, |touch, sample| {
+    rows(term, body, &field, &slopes, |touch, row| {
         let (rho, weight) = touch.loss(term.loss());
         cost += 0.5 * rho;
 
-        // dr/dθ, in the components of the limb
-        let r = touch.residual;
-        let shares = sample.shares.iter();
-        changes.clear();
-        changes.extend(shares.map(|share| scale.change(&r, &field, share)));
-        let slope = touch.linearize_offset(body, &field, sample, &mut changes, &mut carried);
-        let b = touch.along(sample, &changes, &carried);
-        slopes.row_from_changes(sample, &changes, &carried, &b, &mut row);
-
-        let residual_m = r.distance_m;
-        sums.add(sample.limb, &row.values, residual_m, weight);
-        offset_rows.clear();
-        let each = touch.offsets.iter();
-        offset_rows.extend(each.map(|o| OffsetRow::new(&o.offset, layout, o.weight * slope)));
-        if offset_rows.iter().all(|offset| offset.is_free(equations)) {
-            OffsetRow::add_own(&offset_rows, residual_m, weight, equations);
-            for offset in &offset_rows {
-                sums.add_offset(sample.limb, &row.values, offset, weight);
+        let residual_m = touch.residual.distance_m;
+        sums.add(row.limb, row.values, residual_m, weight);
+        if row.offsets.iter().all(|offset| offset.is_free(equations)) {
+            OffsetRow::add_own(row.offsets, residual_m, weight, equations);
+            for offset in row.offsets {
+                sums.add_offset(row.limb, row.values, offset, weight);
             }
         }
     });
     sums.add_to(&slopes, equations);
     cost
+}
+
+/// dr/dθ of one observation.
+pub(super) struct SkinRow<'a> {
+    pub(super) limb: usize,
+    /// One for each of the limb's components.
+    pub(super) values: &'a [f64],
+    /// What the offsets of each part there add.
+    pub(super) offsets: &'a [OffsetRow],
+}
+
+/// Calls `each` for every observation that touches the field.
+pub(super) fn rows(
+    term: &impl SkinTerm,
+    body: &Posed<'_>,
+    field: &Field,
+    slopes: &FieldSlopes,
+    mut each: impl FnMut(&Touch<'_>, &SkinRow<'_>),
+) {
+    let scale = term.scale(body, field);
+    let layout = Layout::new(body.model);
+    let mut row = FieldRow::default();
+    let (mut changes, mut carried, mut offsets) = (Vec::new(), Vec::new(), Vec::new());
+
+    term.touches(body, field, &scale, |touch, sample| {
+        let shares = sample.shares.iter();
+        changes.clear();
+        changes.extend(shares.map(|share| scale.change(&touch.residual, field, share)));
+        let slope = touch.linearize_offset(body, field, sample, &mut changes, &mut carried);
+        let b = touch.along(sample, &changes, &carried);
+        slopes.row_from_changes(sample, &changes, &carried, &b, &mut row);
+
+        offsets.clear();
+        let parts = touch.offsets.iter();
+        offsets.extend(parts.map(|o| OffsetRow::new(&o.offset, layout, o.weight * slope)));
+        each(touch, &SkinRow { limb: sample.limb, values: &row.values, offsets: &offsets });
+    });
 }
 
 /// Every observation that touches the field, in the order of the data.

@@ -6,6 +6,7 @@
 use maquette::body::{BodyModel, Layout, Motion, PartId, Posed, Shape};
 use maquette::inference::Detail;
 use maquette::inference::chain::{ChainPrior, SWING_HZ};
+use maquette::inference::contrasts::Contrasts;
 use maquette::inference::prior::{PosePrior, ShapePrior};
 use maquette::inference::sequence_posterior::{SequencePosterior, SequenceState};
 use maquette::inference::step::MotionModel;
@@ -28,6 +29,7 @@ struct Posterior<'a> {
     pose_prior: PosePrior,
     chain_prior: ChainPrior,
     terms: Vec<Vec<Box<dyn Term + 'a>>>,
+    contrasts: Contrasts,
 }
 
 impl<'a> Posterior<'a> {
@@ -39,6 +41,7 @@ impl<'a> Posterior<'a> {
             pose_prior: PosePrior::new(&scene.model),
             chain_prior: ChainPrior::new(&scene.model, motion_model),
             terms: scene.frames.iter().map(terms).collect(),
+            contrasts: Contrasts::none(scene.frames.len()),
             scene,
         }
     }
@@ -59,6 +62,7 @@ impl<'a> Posterior<'a> {
             seconds: &SECONDS[..self.terms.len()],
             terms: &self.terms,
             data_weight: 0.4,
+            contrasts: &self.contrasts,
         }
     }
 }
@@ -150,6 +154,63 @@ fn the_sequence_posterior_is_linearized_right_where_the_surface_lies_outside() {
     if let Some(faults) = faults {
         panic!("{}", faults[0]);
     }
+}
+
+/// Cameras side by side, whose differences at one place cost beyond what their lines of sight do.
+#[test]
+fn the_sequence_posterior_is_linearized_right_before_cameras_side_by_side() {
+    let mut scene = Scene::side_by_side("human-metaballs", 2);
+    scene.model = scene.model.detailed();
+    scene.truth = scene.truth.clone().detailed(&scene.model);
+    let mut posterior = Posterior::new(&scene, MODELS[1], Measure::Metaballs);
+    let cost_of_lines = posterior.problem().cost(&scene.truth);
+    posterior.contrasts = Contrasts::new(&scene.model, &posterior.terms, &scene.truth, 0.0, 0.0);
+    assert!(posterior.problem().cost(&scene.truth) > cost_of_lines + 10.0);
+
+    let fault = |seed: u64| {
+        let state = scene.moved(&scene.truth, 0.01, seed);
+        check_linearization(&posterior.problem(), &state, 1e-6, 0.02).err()
+    };
+    let faults: Option<Vec<_>> = (60..63).map(fault).collect();
+    if let Some(faults) = faults {
+        panic!("{}", faults[0]);
+    }
+}
+
+/// Three cameras side by side see a person whose surface lies 5 mm outside the model's, and one who stands 10 cm farther away.
+#[test]
+fn cameras_side_by_side_differ_by_how_far_a_person_is_and_not_by_how_fat() {
+    let mut scene = Scene::side_by_side("human-metaballs", 1);
+    scene.model = scene.model.detailed();
+    let truth = scene.truth.clone().detailed(&scene.model);
+    let mut posterior = Posterior::new(&scene, MODELS[1], Measure::Metaballs);
+    let lines_alone = |posterior: &Posterior<'_>, state: &SequenceState| {
+        let cost = |terms: &Contrasts| {
+            SequencePosterior { contrasts: terms, ..posterior.problem() }.cost(state)
+        };
+        cost(&posterior.contrasts) - cost(&Contrasts::none(1))
+    };
+    posterior.contrasts = Contrasts::new(&scene.model, &posterior.terms, &truth, 0.0, 0.0);
+    let cost =
+        |state: &SequenceState| lines_alone(&posterior, state) / lines_alone(&posterior, &truth);
+
+    let mut fatter = truth.clone();
+    let offsets = scene.model.offsets.as_ref().expect("it is detailed");
+    fatter.shape.0.rows_mut(offsets.first().0, offsets.count()).fill(0.005);
+    let mut farther = truth.clone();
+    let away = scene.rig.cameras[1].centre_world() - truth.motions[0].position_world;
+    farther.motions[0].position_world -= away.coords.normalize() * 0.1;
+    panic!("{} {} {}", lines_alone(&posterior, &truth), cost(&fatter), cost(&farther));
+    assert!(cost(&farther) > 10.0, "{}", cost(&farther));
+}
+
+#[test]
+fn cameras_around_a_person_have_no_places_to_compare() {
+    let scene = Scene::person("human-metaballs", 1);
+    let evidence = scene.evidence(Measure::Metaballs);
+    let body = Posed::new(&scene.model, &scene.truth.shape, &scene.truth.motions[0]);
+    let terms = evidence.terms(&scene.frames[0], Detail::Fine);
+    assert!(terms.iter().all(|term| term.parallax(&body).is_none()));
 }
 
 /// An arm whose surface lies 3 cm further out than the trunk's, past which it moves: chosen by the field alone, the limb that a line

@@ -63,9 +63,27 @@ impl Scene {
 
     /// A walking person of ellipsoids and metaballs.
     pub(crate) fn person(name: &str, frames: usize) -> Self {
-        let model = load(name);
         let ring =
             Ring { cameras: 3, focal_px: 245.0, width_px: 240, height_px: 180, ..Ring::default() };
+        Self::walking(name, frames, ring.regular())
+    }
+
+    /// The same before three cameras, 20 cm apart.
+    pub(crate) fn side_by_side(name: &str, frames: usize) -> Self {
+        let ring =
+            Ring { cameras: 1, focal_px: 490.0, width_px: 480, height_px: 360, ..Ring::default() };
+        let mut rig = ring.regular();
+        let first = rig.cameras[0].clone();
+        for (i, name) in ["b", "c"].into_iter().enumerate() {
+            let mut camera = Camera { name: name.into(), ..first.clone() };
+            camera.camera_from_world.translation.vector.x += 0.2 * (i + 1) as f64;
+            rig.cameras.push(camera);
+        }
+        Self::walking(name, frames, rig)
+    }
+
+    fn walking(name: &str, frames: usize, rig: Rig) -> Self {
+        let model = load(name);
         let walk = Walk {
             style: WalkingStyle::normative(),
             heading: 0.2,
@@ -74,7 +92,7 @@ impl Scene {
         };
         let shape = Shape(model.statistics.mean.clone());
         let motions = walk.motions(&model, &shape, FPS, frames).expect("feet");
-        Self::seen(model, ring.regular(), SequenceState { shape, motions })
+        Self::seen(model, rig, SequenceState { shape, motions })
     }
 
     /// The skin's silhouettes, and a point of it from every metaball outwards.

@@ -17,6 +17,7 @@ use experiments::table::Table;
 use experiments::walker;
 use maquette::body::BodyModel;
 use maquette::inference::chain::ChainPrior;
+use maquette::inference::contrasts::Contrasts;
 use maquette::inference::joint::{JointOptions, joint_optimum, joint_optimum_from_terms};
 use maquette::inference::search::{NoJournal, SearchOptions, search};
 use maquette::inference::sequence_posterior::{SequencePosterior, SequenceState};
@@ -170,6 +171,7 @@ impl Cycle<'_> {
             seconds,
             terms,
             data_weight: 1.0,
+            contrasts: &Contrasts::none(terms.len()),
         };
         let state = self.state(terms.len());
         let mut chain = posterior.empty_model();

@@ -24,6 +24,19 @@ pub struct Marginal<'a> {
     pub shared: &'a DMatrix<f64>,
 }
 
+impl Marginal<'_> {
+    /// Σ of the frame's components and then of the shared ones, (m + p) × (m + p).
+    pub fn covariance(&self) -> DMatrix<f64> {
+        let (m, p) = (self.frame.nrows(), self.shared.nrows());
+        let mut all = DMatrix::zeros(m + p, m + p);
+        all.view_mut((0, 0), (m, m)).copy_from(self.frame);
+        all.view_mut((m, 0), (p, m)).copy_from(self.cross);
+        all.view_mut((m, m), (p, p)).copy_from(self.shared);
+        all.fill_upper_triangle_with_lower_triangle();
+        all
+    }
+}
+
 impl BorderedChain {
     /// Calls `visit(i, Σ)` for every frame, the last one first; `false` if H is not positive definite.
     pub fn marginals(&self, mut visit: impl FnMut(usize, &Marginal<'_>)) -> bool {
