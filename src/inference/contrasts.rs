@@ -1,27 +1,36 @@
 //! How much the differences between cameras side by side count ([`Parallax`]).
 //!
-//! The score of a contrast d of weight W is W d. If contrasts err independently, a sum of n scores has the variance v ΣW f, f the share
+//! The score of a contrast d of weight W is W d. If contrasts err independently, a sum of scores has the variance v ΣW f, f the share
 //! of a contrast that is free. They do not: what is finer than a place, or a camera that is not where its calibration says, stays.
 //! So scores are summed over *clusters*: a part's border in one view that faces one way, over all frames; and as for τ in
 //! [`noise`](super::noise)
 //!
-//! v = Σ_clusters (ΣWd)²/ΣW f · 1/(1 − k/n),   n = Σf ΣW²d²/Σ_clusters (ΣWd)²
+//! v = Σ_clusters (ΣWd)²/(1 − h) / ΣW f,   but no less than with each contrast for a cluster.
 //!
-//! n is the number of independent contrasts. An optimum follows k of them, and they seem not to err: k = tr(H⁻¹ ∂²E_d/∂θ²), with
-//! the optimum's own H and the contrasts' part of it. The contrasts count 1/v, of which the lines themselves hold c = 1/(κ²λτ).
+//! An optimum follows what errs, and least seems to err where it follows most. h is the *leverage* of a cluster: which share of the
+//! variance of its sum the optimum takes. With g_im and g_s = Σᵢ g_is its gradient ΣW ∂d/∂θ with respect to the motion of frame i and to
+//! what the frames share, Σ = H⁻¹, and w the weight of contrasts in H,
+//!
+//! h = w (g̃ᵀ Σ_ss g̃ + Σᵢ g_imᵀ Σᵢ′ g_im)/ΣW f,
+//!
+//! Σ_ss g̃ = Σ_ss g_s + Σᵢ Σ_si g_im,   Σᵢ′ = Σᵢᵢ − Σ_siᵀ Σ_ss⁻¹ Σ_si:
+//!
+//! a motion goes with what is shared, and by itself. By themselves, motions of different frames are taken to be independent. The
+//! contrasts count 1/v, of which the lines themselves hold c = 1/(κ²λτ).
 //!
 //! # Source
-//! Liang & Zeger 1986; the degrees of freedom: Patterson & Thompson 1971, *Recovery of inter-block information when block
-//! sizes are unequal*.
+//! Liang & Zeger 1986; the leverage: Bell & McCaffrey 2002, *Bias reduction in standard errors for linear regression with
+//! multi-stage samples*.
 
 use std::collections::BTreeMap;
 
+use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::Terms;
 use super::sequence_posterior::SequenceState;
-use crate::body::{BodyModel, Posed};
-use crate::likelihood::{Contrast, Parallax};
+use crate::body::{BodyModel, PartId, Posed};
+use crate::likelihood::{Contrast, Parallax, Quarter};
 use crate::solver::{BorderedChain, NormalEquations};
 
 /// The contrasts of every frame.
@@ -32,7 +41,13 @@ pub struct Contrasts {
     weight: f64,
 }
 
-/// An optimum that follows more of the contrasts than this says nothing of how the others err.
+/// A part's border in one view that faces one way.
+type Cluster = (PartId, usize, Quarter);
+
+/// h of each cluster; where there is none it is 0.
+pub type Leverages = BTreeMap<Cluster, f64>;
+
+/// A cluster that is followed by more than this says nothing of how it errs.
 const MOST_FOLLOWED: f64 = 0.9;
 
 impl Contrasts {
@@ -41,17 +56,16 @@ impl Contrasts {
         Self { frames: vec![None; frames], weight: 0.0 }
     }
 
-    /// At a state that is the optimum of others, of which it followed k; the lines themselves count `data_weight`.
+    /// At a state that is an optimum with these leverages; the lines themselves count `data_weight`.
     pub fn new(
         model: &BodyModel,
         terms: &[Terms<'_>],
         state: &SequenceState,
-        followed: f64,
+        leverages: &Leverages,
         data_weight: f64,
     ) -> Self {
-        let frame = |(terms, motion)| {
+        let frame = |(terms, motion): (&Terms<'_>, _)| {
             let body = Posed::new(model, &state.shape, motion);
-            let terms: &Terms<'_> = terms;
             let parallax = terms.iter().find_map(|term| term.parallax(&body));
             let contrasts = parallax.as_ref().map(|p| p.contrasts(&body)).unwrap_or_default();
             (parallax, contrasts)
@@ -59,7 +73,7 @@ impl Contrasts {
         let pairs = terms.par_iter().zip(&state.motions);
         let (frames, contrasts): (_, Vec<Vec<Contrast>>) = pairs.map(frame).unzip();
 
-        let variance = variance(&contrasts.concat(), followed);
+        let variance = variance(&contrasts.concat(), leverages);
         let weight = variance.map_or(0.0, |v| (1.0 / v - data_weight).max(0.0));
         Self { frames, weight }
     }
@@ -80,46 +94,90 @@ impl Contrasts {
         parallax.map_or(0.0, |parallax| parallax.linearize(body, self.weight, equations))
     }
 
-    /// k: how many of them an optimum follows, of which `chain` is H.
-    pub fn followed(
+    /// h of each cluster at an optimum, of which `chain` is H.
+    pub fn leverages(
         &self,
         model: &BodyModel,
         optimum: &SequenceState,
         chain: &BorderedChain,
-    ) -> f64 {
-        let mut followed = 0.0;
+    ) -> Leverages {
+        let mut clusters: BTreeMap<Cluster, Followed> = BTreeMap::new();
         if self.frames.iter().all(Option::is_none) {
-            return followed;
+            return Leverages::new();
         }
+
+        let mut shared = None;
         chain.marginals(|i, marginal| {
+            let shared = shared.get_or_insert_with(|| marginal.shared.clone().cholesky());
+            let (Some(parallax), Some(shared)) = (&self.frames[i], shared) else { return };
+            let (m, p) = (marginal.frame.nrows(), marginal.shared.nrows());
             let body = Posed::new(model, &optimum.shape, &optimum.motions[i]);
-            let covariance = marginal.covariance();
-            let mut own = NormalEquations::zeros(covariance.nrows());
-            self.linearize(i, &body, &mut own);
-            own.hessian.fill_upper_triangle_with_lower_triangle();
-            followed += covariance.dot(&own.hessian);
+            for (cluster, (gradient, free)) in scores(&parallax.rows(&body, m + p)) {
+                let (of_motion, of_shared) = (gradient.rows(0, m), gradient.rows(m, p));
+                let moved = marginal.cross * of_motion;
+                let followed = clusters.entry(cluster).or_insert_with(|| Followed::none(p));
+                followed.own +=
+                    of_motion.dot(&(marginal.frame * of_motion)) - moved.dot(&shared.solve(&moved));
+                followed.shared += marginal.shared * of_shared + moved;
+                followed.free += free;
+            }
         });
-        followed
+
+        let Some(Some(shared)) = shared else { return Leverages::new() };
+        let leverage = |f: &Followed| (f.own + f.shared.dot(&shared.solve(&f.shared))) / f.free;
+        clusters.iter().map(|(cluster, f)| (*cluster, self.weight * leverage(f))).collect()
     }
 }
 
+/// What an optimum follows of a cluster.
+struct Followed {
+    /// Σᵢ g_imᵀ Σᵢ′ g_im.
+    own: f64,
+    /// Σ_ss g̃.
+    shared: DVector<f64>,
+    /// ΣW f.
+    free: f64,
+}
+
+impl Followed {
+    fn none(shared: usize) -> Self {
+        Self { own: 0.0, shared: DVector::zeros(shared), free: 0.0 }
+    }
+}
+
+/// g and ΣW f of each cluster in a frame.
+fn scores(rows: &[(Contrast, DVector<f64>)]) -> BTreeMap<Cluster, (DVector<f64>, f64)> {
+    let mut scores: BTreeMap<Cluster, (DVector<f64>, f64)> = BTreeMap::new();
+    for (contrast, row) in rows {
+        let none = || (DVector::zeros(row.len()), 0.0);
+        let (gradient, free) = scores.entry(cluster(contrast)).or_insert_with(none);
+        gradient.axpy(contrast.weight, row, 1.0);
+        *free += contrast.weight * contrast.freedom;
+    }
+    scores
+}
+
+fn cluster(contrast: &Contrast) -> Cluster {
+    (contrast.part, contrast.view, contrast.quarter)
+}
+
 /// v; `None` if there is nothing to tell it from.
-fn variance(contrasts: &[Contrast], followed: f64) -> Option<f64> {
-    let mut clusters: BTreeMap<_, f64> = BTreeMap::new();
-    let (mut squares, mut free, mut free_weight) = (0.0, 0.0, 0.0);
-    for Contrast { part, view, quarter, weight, value_m, freedom } in contrasts {
-        let score = weight * value_m;
-        *clusters.entry((part, view, quarter)).or_default() += score;
+fn variance(contrasts: &[Contrast], leverages: &Leverages) -> Option<f64> {
+    let mut clusters: BTreeMap<Cluster, f64> = BTreeMap::new();
+    let (mut squares, mut free) = (0.0, 0.0);
+    for contrast in contrasts {
+        let score = contrast.weight * contrast.value_m;
+        *clusters.entry(cluster(contrast)).or_default() += score;
         squares += score * score;
-        free += freedom;
-        free_weight += weight * freedom;
+        free += contrast.weight * contrast.freedom;
     }
 
-    // together they err no less than each by itself
-    let together = clusters.values().map(|sum| sum * sum).sum::<f64>().max(squares);
-    let independent = free * squares / together;
-    let left = 1.0 - (followed / independent).min(MOST_FOLLOWED);
-    let variance = together / (free_weight * left);
+    let square = |(cluster, sum): (&Cluster, &f64)| {
+        let leverage = leverages.get(cluster).copied().unwrap_or_default();
+        sum * sum / (1.0 - leverage.min(MOST_FOLLOWED))
+    };
+    let together: f64 = clusters.iter().map(square).sum();
+    let variance = together.max(squares) / free;
     (variance.is_finite() && variance > 0.0).then_some(variance)
 }
 
@@ -130,8 +188,6 @@ mod tests {
     use rand_distr::{Distribution, StandardNormal};
 
     use super::*;
-    use crate::body::PartId;
-    use crate::likelihood::Quarter;
 
     /// Two views of 20 parts in 50 frames, 5 contrasts each; d = a + e, a the same for a cluster.
     fn drawn(constant_sd: f64, own_sd: f64) -> Vec<Contrast> {
@@ -152,32 +208,31 @@ mod tests {
         all
     }
 
+    fn found(constant_sd: f64, own_sd: f64) -> f64 {
+        variance(&drawn(constant_sd, own_sd), &Leverages::new()).unwrap()
+    }
+
     #[test]
     fn contrasts_that_err_independently_count_as_they_err() {
         // 400 squared sums: √(2/400), 7 %
-        approx::assert_relative_eq!(
-            variance(&drawn(0.0, 0.3), 0.0).unwrap(),
-            0.09,
-            max_relative = 0.2
-        );
+        approx::assert_relative_eq!(found(0.0, 0.3), 0.09, max_relative = 0.2);
     }
 
     #[test]
     fn what_stays_counts_once_and_not_in_every_frame() {
-        let v = variance(&drawn(0.1, 0.3), 0.0).unwrap();
-        approx::assert_relative_eq!(v, 0.09 + 250.0 * 0.01, max_relative = 0.2);
+        approx::assert_relative_eq!(found(0.1, 0.3), 0.09 + 250.0 * 0.01, max_relative = 0.2);
     }
 
     #[test]
-    fn contrasts_that_the_optimum_follows_do_not_make_the_others_surer() {
+    fn a_cluster_that_the_optimum_follows_counts_for_what_it_would_err() {
         let contrasts = drawn(0.0, 0.3);
-        let free = 0.5 * contrasts.len() as f64;
-        let (none, half) = (variance(&contrasts, 0.0), variance(&contrasts, 0.5 * free));
-        approx::assert_relative_eq!(half.unwrap(), 2.0 * none.unwrap(), max_relative = 0.2);
+        let half = contrasts.iter().map(|c| (cluster(c), 0.5)).collect();
+        let found = variance(&contrasts, &half).unwrap();
+        approx::assert_relative_eq!(found, 2.0 * 0.09, max_relative = 0.2);
     }
 
     #[test]
     fn nothing_is_told_from_nothing() {
-        assert_eq!(variance(&[], 0.0), None);
+        assert_eq!(variance(&[], &Leverages::new()), None);
     }
 }

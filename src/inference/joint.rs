@@ -13,7 +13,7 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::chain::ChainPrior;
-use super::contrasts::Contrasts;
+use super::contrasts::{Contrasts, Leverages};
 use super::covariance::Uncertainty;
 use super::frame::FrameFit;
 use super::noise::Noise;
@@ -116,7 +116,7 @@ pub fn joint_optimum_from_terms<'a>(
     let mut from = Approached {
         state: start.detailed(model),
         shape_prior: evidence.shape_prior.clone(),
-        followed: 0.0,
+        leverages: Leverages::new(),
     };
     for iterations in APPROACH {
         let round = search.round(&terms.thinned, from, iterations);
@@ -149,8 +149,8 @@ struct Approached {
     state: SequenceState,
     /// p(s) with surfaces that lie as far outside as they do there.
     shape_prior: ShapePrior,
-    /// How many of the contrasts the state follows.
-    followed: f64,
+    /// How far the state follows the contrasts.
+    leverages: Leverages,
 }
 
 /// An optimum, and the noise with which it was sought.
@@ -165,10 +165,10 @@ impl Search<'_, '_> {
     /// The optimum with residuals that err as they do at its start.
     fn round(&self, terms: &[Terms<'_>], from: Approached, max_iterations: usize) -> Round {
         let model = self.evidence.model;
-        let Approached { state: start, shape_prior, followed } = from;
+        let Approached { state: start, shape_prior, leverages } = from;
         let noise = Noise::from_residuals(&residuals(model, terms, &start));
         let data_weight = noise.data_weight();
-        let contrasts = Contrasts::new(model, terms, &start, followed, data_weight);
+        let contrasts = Contrasts::new(model, terms, &start, &leverages, data_weight);
         let posterior = SequencePosterior {
             model,
             shape_prior: &shape_prior,
@@ -196,7 +196,7 @@ impl Search<'_, '_> {
         let shape_prior = chain.shared_covariance().map(with_spreads);
         Approached {
             shape_prior: shape_prior.unwrap_or_else(|| self.evidence.shape_prior.clone()),
-            followed: round.contrasts.followed(model, &state, &chain),
+            leverages: round.contrasts.leverages(model, &state, &chain),
             state,
         }
     }

@@ -178,20 +178,29 @@ impl Parallax {
 
     /// c·E, whose equations are added.
     pub fn linearize(&self, body: &Posed<'_>, c: f64, equations: &mut NormalEquations) -> f64 {
+        let mut cost = 0.0;
+        for (contrast, row) in self.rows(body, equations.gradient.len()) {
+            let weight = c * contrast.weight;
+            cost += 0.5 * weight * contrast.value_m * contrast.value_m;
+            add_row(&row, contrast.value_m, weight, equations);
+        }
+        cost
+    }
+
+    /// Every contrast with its derivatives with respect to the state's first n components.
+    pub fn rows(&self, body: &Posed<'_>, n: usize) -> Vec<(Contrast, DVector<f64>)> {
         let field = Field::from_body(body);
         let slopes = FieldSlopes::new(body, &field);
-        let n = equations.gradient.len();
 
-        // Σw, Σwr and Σw ∂r/∂θ of each look
+        // Σw, Σwr and Σw ∂r/∂θ of each look, and the last of each place
         let mut sums = vec![Sum::default(); self.looks.len()];
         let mut rows = vec![DVector::zeros(n); self.looks.len()];
         skin_term::rows(&self.rays, body, &field, &slopes, |touch, row| {
             let Some(Line { look, weight }) = self.line(touch.source, touch.index) else { return };
             sums[look].add(Sum { weight, residual: weight * touch.residual.distance_m });
-            let components =
-                slopes.components(row.limb).iter().copied().zip(row.values.iter().copied());
-            let offsets = row.offsets.iter().flat_map(|offset| offset.slopes);
-            for (component, slope) in components.chain(offsets).filter(|(k, _)| *k < n) {
+            let of_limb = slopes.components(row.limb).iter().zip(row.values).map(|(k, v)| (*k, *v));
+            let of_offsets = row.offsets.iter().flat_map(|offset| offset.slopes);
+            for (component, slope) in of_limb.chain(of_offsets).filter(|(k, _)| *k < n) {
                 rows[look][component] += weight * slope;
             }
         });
@@ -201,15 +210,12 @@ impl Parallax {
         }
 
         let weights = self.of_places(&sums);
-        let mut cost = 0.0;
-        for (look, contrast) in self.contrasts_of(&sums) {
+        let row = |(look, contrast): (usize, Contrast)| {
             let place = self.looks[look].place;
             let row = &rows[look] / sums[look].weight - &of_places[place] / weights[place].weight;
-            let weight = c * contrast.weight;
-            cost += 0.5 * weight * contrast.value_m * contrast.value_m;
-            add_row(&row, contrast.value_m, weight, equations);
-        }
-        cost
+            (contrast, row)
+        };
+        self.contrasts_of(&sums).into_iter().map(row).collect()
     }
 
     fn line(&self, source: Source, index: usize) -> Option<Line> {
