@@ -11,7 +11,7 @@ use maquette::body::BodyModel;
 use maquette::io::recording::{filmed, synthetic};
 use maquette::io::{frame_rate, model};
 use maquette::pipeline::counted;
-use maquette::synth::{FilmRecipe, Recipe, Ring, SegmentationErrors, StereoPair};
+use maquette::synth::{FilmRecipe, Make, Recipe, Ring, SegmentationErrors, StereoPair};
 
 pub(super) const ABOUT: &str = "\
 Make a recording of a walking person, with the truth beside it.
@@ -39,20 +39,33 @@ pub(super) struct SynthArguments {
     /// Frames per second [default: 50; with --clutter 25]
     #[arg(long, value_parser = rate)]
     fps: Option<f64>,
+    /// What the person is made of
+    #[arg(long, value_enum, default_value_t = Body::Metaballs)]
+    make: Body,
     /// Segmentation errors of the masks
     #[arg(long, value_enum, default_value_t = Noise::Mild)]
     noise: Noise,
     /// Also points on the skin, as a second camera beside each would measure them
-    #[arg(long)]
+    #[arg(long, conflicts_with = "make")]
     points: bool,
     /// Photographs of a person before clutter, from three cameras side by side
-    #[arg(long, conflicts_with_all = ["cameras", "noise", "points"])]
+    #[arg(long, conflicts_with_all = ["cameras", "make", "noise", "points"])]
     clutter: bool,
     /// Body model with metaballs: a shipped one or a .toml file
     #[arg(long, default_value = "walker-metaballs")]
     body: String,
     #[command(flatten)]
     output: Output,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Body {
+    /// Metaballs, each fixed to its part
+    Metaballs,
+    /// A skin that follows the parts by shares, of uneven sections
+    Flesh,
+    /// The same with clothes, shoes and hair
+    Dressed,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -97,6 +110,11 @@ fn ring(arguments: &SynthArguments, model: &BodyModel) -> Result<Written, CliErr
         seed: arguments.seed,
         frames: arguments.frames.map(|frames| frames as usize),
         fps: arguments.fps.unwrap_or(default.fps),
+        make: match arguments.make {
+            Body::Metaballs => Make::Metaballs,
+            Body::Flesh => Make::Flesh,
+            Body::Dressed => Make::Dressed,
+        },
         ring: Ring { cameras: arguments.cameras.into(), ..default.ring },
         errors: match arguments.noise {
             Noise::None => None,

@@ -6,7 +6,7 @@ use maquette::camera::Rig;
 use maquette::io::model::{self, ModelFileError};
 use maquette::io::points::trc::Trajectories;
 use maquette::silhouette::{FrameIndex, FrameObservations, SilhouetteOptions, extract};
-use maquette::synth::{Recipe, Ring, SegmentationErrors, Synthetic, WalkError};
+use maquette::synth::{Make, Recipe, Ring, SegmentationErrors, Synthetic, WalkError};
 use rayon::prelude::*;
 
 use crate::metrics::trajectories;
@@ -42,6 +42,7 @@ pub fn seen_by(cameras: usize, frames: Option<usize>, seed: u64) -> Result<Synth
     let body = model::load("walker-metaballs", Path::new(""))?;
     let recipe = Recipe {
         seed,
+        make: Make::Metaballs,
         frames,
         fps: 50.0,
         ring: Ring {

@@ -3,6 +3,7 @@
 //! | file         | holds                                                             |
 //! |--------------|-------------------------------------------------------------------|
 //! | `raycast.rs` | [`silhouette`]: the mask of a metaball body, by casting rays       |
+//! | `covered.rs` | [`covered`]: the mask of a mesh                                  |
 //! | `profile.rs` | the field along one ray, as a sum of bumps                          |
 //! | `canvas.rs`  | [`Canvas`]: smooth lines and dots in a picture                      |
 //! | `raster.rs`  | [`Raster`]: which triangle of a mesh each sample of a picture sees  |
@@ -14,6 +15,7 @@
 //! Nothing here is shared with the likelihoods: they are tested on what is rendered here.
 
 mod canvas;
+mod covered;
 mod outline;
 mod overlay;
 mod profile;
@@ -23,6 +25,7 @@ mod shade;
 pub mod stereo;
 
 pub use canvas::{Canvas, Pen, Rgb};
+pub use covered::covered;
 pub use outline::{ModelOutline, OutlinePoint, outline};
 pub use overlay::overlay;
 pub use raster::{Fragment, Raster};

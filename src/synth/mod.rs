@@ -8,6 +8,8 @@
 //! | `scene.rs`   | [`Ring`]: cameras around a volume                                           |
 //! | `shape.rs`   | [`draw_shape`]: a body drawn from a model's statistics                      |
 //! | `centres.rs` | [`draw_centres`]: where in the flesh a person's joint centres lie       |
+//! | `make.rs`    | [`Make`]: what a person is made of                                        |
+//! | `bound_skin.rs`, `worn.rs` | a skin that bones move, and what is worn where on it |
 //! | `curves.rs`  | [`Curve`], normative joint angles over the gait cycle                       |
 //! | `walking_style.rs` | [`WalkingStyle`]: the angles over one person's gait cycle |
 //! | `contact.rs` | soles, and how the floor holds them                                         |
@@ -17,22 +19,27 @@
 //! | `film/`      | [`FilmRecipe`]: photographs of a person before clutter, by cameras side by side |
 //! | `recording.rs` | [`Synthetic`]: all of it together; [`Recipe`], [`sample_walker`]: how it is made |
 
+mod bound_skin;
 mod centres;
 mod cloud;
 mod contact;
 mod curves;
 mod film;
+mod make;
 mod noise;
 mod recording;
 mod scene;
 mod shape;
 mod walk;
 mod walking_style;
+mod worn;
 
+pub use bound_skin::BoundSkin;
 pub use centres::{draw_centres, move_centres};
 pub use cloud::StereoPair;
 pub use curves::Curve;
 pub use film::{Film, FilmError, FilmRecipe, Shot, Studio};
+pub use make::Make;
 pub use noise::SegmentationErrors;
 pub use recording::{Recipe, Synthetic, sample_walker};
 pub use scene::Ring;

@@ -4,7 +4,10 @@ use nalgebra::{Point3, Vector2};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use super::{Ring, SegmentationErrors, StereoPair, Walk, WalkError, WalkingStyle, draw_shape};
+use super::{
+    BoundSkin, Make, Ring, SegmentationErrors, StereoPair, Walk, WalkError, WalkingStyle,
+    draw_shape,
+};
 use crate::body::metaball::Field;
 use crate::body::{BodyModel, Motion, Posed, Shape};
 use crate::camera::{CameraId, Distortion, Rig};
@@ -16,8 +19,10 @@ use crate::stereo::CloudPoint;
 /// What a recording would show, and the truth behind it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Synthetic {
-    /// The body's model; its metaballs are what the cameras see.
+    /// The body's model.
     pub model: BodyModel,
+    /// What the cameras see; `None`: the model's metaballs.
+    pub skin: Option<BoundSkin>,
     /// s, the true shape.
     pub shape: Shape,
     /// m, the true motion of each frame.
@@ -28,7 +33,7 @@ pub struct Synthetic {
     pub fps: f64,
     /// Errors of the segmentation; `None` for true masks.
     pub errors: Option<SegmentationErrors>,
-    /// A second camera beside each, with which it sees points on the skin; `None` for no points.
+    /// A second camera beside each, with which it sees points on the metaballs; `None` for no points.
     pub stereo: Option<StereoPair>,
     /// Seed of the errors.
     pub seed: u64,
@@ -53,8 +58,15 @@ impl Synthetic {
 
     /// The true silhouette; `None` if there is no such frame or camera.
     pub fn true_mask(&self, frame: FrameIndex, camera: CameraId) -> Option<Mask> {
-        let field = Field::from_body(&self.posed(frame)?);
-        Some(render::silhouette(self.rig.camera(camera)?, &field))
+        let camera = self.rig.camera(camera)?;
+        Some(match &self.skin {
+            None => render::silhouette(camera, &Field::from_body(&self.posed(frame)?)),
+            Some(bound) => {
+                let motion = self.motions.get(frame.0)?;
+                let skin = bound.posed(&self.model, &self.shape, motion);
+                render::covered(camera, &skin.vertices, &bound.skin.mesh.triangles)
+            }
+        })
     }
 
     /// The silhouette as it was segmented.
@@ -94,6 +106,8 @@ pub struct Recipe {
     pub frames: Option<usize>,
     /// Frames per second.
     pub fps: f64,
+    /// What the person is made of.
+    pub make: Make,
     /// The cameras.
     pub ring: Ring,
     /// Errors of the segmentation; `None` for true masks.
@@ -110,6 +124,7 @@ impl Default for Recipe {
             seed: 1,
             frames: None,
             fps: 50.0,
+            make: Make::Metaballs,
             ring: Ring {
                 distortion: Distortion::brown_conrady(&coefficients).unwrap_or(Distortion::None),
                 ..Ring::default()
@@ -124,6 +139,7 @@ impl Default for Recipe {
 const BODY: u64 = 1;
 const STYLE: u64 = 2;
 const SCENE: u64 = 3;
+const SKIN: u64 = 5;
 const FIRST_MASK: u64 = 16;
 const FIRST_CLOUD: u64 = 1 << 40;
 
@@ -149,14 +165,20 @@ impl Recipe {
     /// A person drawn from the model, who walks in a style of their own along x through the middle of the ring.
     ///
     /// # Errors
-    /// [`WalkError`] if the model has no feet or the frame rate is impossible.
+    /// [`WalkError`] if the model has no feet or cannot have the skin of its make, or if the frame rate is impossible.
     pub fn walker(&self, model: &BodyModel) -> Result<Synthetic, WalkError> {
         let middle_world = self.ring.target_world.coords.xy();
         let (shape, walk) = person(model, self.seed, middle_world);
         let cycle = (self.fps / walk.style.stride_hz).ceil() as usize;
+        let mut motions = walk.motions(model, &shape, self.fps, self.frames.unwrap_or(cycle))?;
+        let skin = self.make.skin(model, &shape, &mut stream(self.seed, SKIN))?;
+        if let Some((_, sole_m)) = &skin {
+            motions.iter_mut().for_each(|motion| motion.position_world.z += sole_m);
+        }
         Ok(Synthetic {
             model: model.clone(),
-            motions: walk.motions(model, &shape, self.fps, self.frames.unwrap_or(cycle))?,
+            skin: skin.map(|(skin, _)| skin),
+            motions,
             shape,
             rig: self.ring.irregular(&mut stream(self.seed, SCENE)),
             fps: self.fps,

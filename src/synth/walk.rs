@@ -5,6 +5,7 @@ use nalgebra::{DVector, Rotation3, Vector2, Vector3};
 use super::WalkingStyle;
 use super::contact::{Foot, right_load};
 use crate::body::{BodyModel, Joint, Motion, Posed, Shape};
+use crate::skin::SkinError;
 
 /// A straight walk on the floor z = 0.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,6 +40,9 @@ pub enum WalkError {
         /// Found.
         fps: f64,
     },
+    /// A body without the skin of its make.
+    #[error(transparent)]
+    Skin(#[from] SkinError),
 }
 
 /// No camera records a person with more frames per second.

@@ -126,6 +126,7 @@ impl FilmRecipe {
             noise_sd: self.noise_sd,
             synthetic: Synthetic {
                 model: model.clone(),
+                skin: None,
                 shape,
                 motions,
                 rig: self.rig(),

@@ -4,7 +4,6 @@ use nalgebra::Vector3;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::Film;
-use super::clothes::PosedSkin;
 use super::lamp::{InLamp, Lamp, Shadow};
 use super::room::Light;
 use super::texture::Colour;
@@ -13,6 +12,7 @@ use crate::camera::{Camera, CameraId};
 use crate::image::{Mask, Picture, Plane};
 use crate::render::{Fragment, Raster};
 use crate::silhouette::FrameIndex;
+use crate::synth::bound_skin::PosedSkin;
 use crate::synth::recording::stream;
 
 /// Samples across a pixel, and down it.
@@ -82,8 +82,8 @@ impl<'a> Studio<'a> {
 
         // what moves in the room, and the person
         let things = room.moving(time, travelled, self.film.waving.heading);
-        let skin = person.posed(&synthetic.model, &synthetic.shape, motion);
-        let triangles = &person.skin.mesh.triangles;
+        let skin = person.bound.posed(&synthetic.model, &synthetic.shape, motion);
+        let triangles = &person.bound.skin.mesh.triangles;
         let mut raster = Raster::new(self.camera, SAMPLES);
         raster.draw(&skin.vertices, triangles, 0);
 
@@ -124,7 +124,7 @@ impl<'a> Studio<'a> {
 
     fn skin_sample(&self, fragment: &Fragment, skin: &PosedSkin) -> UnlitSample {
         let person = &self.film.person;
-        let triangle = person.skin.mesh.triangles[fragment.triangle as usize];
+        let triangle = person.bound.skin.mesh.triangles[fragment.triangle as usize];
         let normals = triangle.map(|i| skin.normals[i as usize].cast::<f32>().into());
         let normal = Vector3::from(fragment.mix::<3>(normals));
         UnlitSample {

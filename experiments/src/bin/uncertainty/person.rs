@@ -8,7 +8,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// Random stream of joints' centres and habits; the recipe's own are lower.
+/// Random stream of joints' centres and habits; the recipe's own are others.
 const OWN: u64 = 4;
 
 /// Where publications have joints and points in the flesh, from where the walker was drawn, forwards, inwards or upwards, metres

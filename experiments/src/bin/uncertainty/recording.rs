@@ -5,7 +5,7 @@ use maquette::body::{BodyModel, Posed};
 use maquette::inference::Sequence;
 use maquette::inference::search::NoJournal;
 use maquette::pipeline::{EstimateOptions, Fit, FittedFrame, fit};
-use maquette::synth::{Recipe, Ring, SegmentationErrors, Synthetic};
+use maquette::synth::{Make, Recipe, Ring, SegmentationErrors, Synthetic};
 use nalgebra::Vector3;
 
 use crate::person::individual;
@@ -45,10 +45,12 @@ pub(crate) fn quantile(probability: f64) -> f64 {
 pub(crate) fn deviations(
     body: &BodyModel,
     walker: &BodyModel,
+    make: Make,
     seed: u64,
 ) -> Option<Vec<Deviation>> {
     let recipe = Recipe {
         seed,
+        make,
         frames: Some(FRAMES),
         fps: 30.0,
         ring: Ring { cameras: 5, ..Ring::default() },

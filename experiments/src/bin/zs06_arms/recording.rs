@@ -6,7 +6,7 @@ use experiments::walker::WalkerError;
 use maquette::body::BodyModel;
 use maquette::io::model;
 use maquette::silhouette::FrameIndex;
-use maquette::synth::{Recipe, Ring, SegmentationErrors, Synthetic};
+use maquette::synth::{Make, Recipe, Ring, SegmentationErrors, Synthetic};
 
 /// Frames per second.
 const FPS: f64 = 50.0;
@@ -39,6 +39,7 @@ pub(crate) fn recording(frames: usize, seed: u64) -> Result<Synthetic, WalkerErr
         seed,
         frames: Some(frames),
         fps: FPS,
+        make: Make::Metaballs,
         ring: Ring {
             cameras: CAMERAS,
             radius: 6.0,
