@@ -40,8 +40,8 @@ pub(super) struct SynthArguments {
     #[arg(long, value_parser = rate)]
     fps: Option<f64>,
     /// What the person is made of
-    #[arg(long, value_enum, default_value_t = Body::Metaballs)]
-    make: Body,
+    #[arg(long, value_enum, default_value_t = MadeOf::Metaballs)]
+    make: MadeOf,
     /// Segmentation errors of the masks
     #[arg(long, value_enum, default_value_t = Noise::Mild)]
     noise: Noise,
@@ -59,7 +59,7 @@ pub(super) struct SynthArguments {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Body {
+enum MadeOf {
     /// Metaballs, each fixed to its part
     Metaballs,
     /// A skin that follows the parts by shares, of uneven sections
@@ -111,9 +111,9 @@ fn ring(arguments: &SynthArguments, model: &BodyModel) -> Result<Written, CliErr
         frames: arguments.frames.map(|frames| frames as usize),
         fps: arguments.fps.unwrap_or(default.fps),
         make: match arguments.make {
-            Body::Metaballs => Make::Metaballs,
-            Body::Flesh => Make::Flesh,
-            Body::Dressed => Make::Dressed,
+            MadeOf::Metaballs => Make::Metaballs,
+            MadeOf::Flesh => Make::Flesh,
+            MadeOf::Dressed => Make::Dressed,
         },
         ring: Ring { cameras: arguments.cameras.into(), ..default.ring },
         errors: match arguments.noise {

@@ -28,7 +28,7 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::Terms;
-use super::sequence_posterior::SequenceState;
+use super::sequence_state::SequenceState;
 use crate::body::{BodyModel, PartId, Posed};
 use crate::likelihood::{Contrast, Parallax, Quarter};
 use crate::solver::{BorderedChain, NormalEquations};

@@ -5,7 +5,7 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
-use super::sequence_posterior::SequenceState;
+use super::sequence_state::SequenceState;
 use crate::body::{BodyModel, Layout, Motion, PartId, Posed, Shape};
 use crate::solver::BorderedChain;
 

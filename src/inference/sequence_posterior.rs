@@ -14,24 +14,9 @@ use super::chain::ChainPrior;
 use super::contrasts::Contrasts;
 use super::frame::{FrameFit, data_cost, linearize_data, observations};
 use super::prior::{PosePrior, ShapePrior};
+use super::sequence_state::SequenceState;
 use crate::body::{BodyModel, Layout, Motion, Posed, Shape};
 use crate::solver::{BorderedChain, Link, NormalEquations, Problem};
-
-/// θ: the shape and every motion.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SequenceState {
-    /// s.
-    pub shape: Shape,
-    /// m₁..ₙ.
-    pub motions: Vec<Motion>,
-}
-
-impl SequenceState {
-    /// The same motions with a shape of all of a model's coefficients: those that the shape has not are 0.
-    pub fn detailed(self, model: &BodyModel) -> Self {
-        Self { shape: Shape(self.shape.0.resize_vertically(model.coefficients.len(), 0.0)), ..self }
-    }
-}
 
 /// −log p(s, m₁..ₙ | Z₁..ₙ) (eq. 1).
 pub struct SequencePosterior<'a> {

@@ -4,9 +4,9 @@ use nalgebra::Vector2;
 
 use crate::body::BodyModel;
 use crate::camera::Rig;
+use crate::inference::SequenceState;
 use crate::inference::aim::estimate_aims_px;
 use crate::inference::joint::{JointOptimum, JointOptions, joint_optimum_from_terms, residuals};
-use crate::inference::sequence_posterior::SequenceState;
 use crate::inference::{Evidence, Sequence};
 use crate::likelihood::{LikelihoodOptions, Measure};
 use crate::pipeline::Progress;

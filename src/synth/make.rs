@@ -17,7 +17,7 @@ use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
 
 use super::bound_skin::BoundSkin;
-use super::worn::{self, HAIR, SHIRT, SHOES, SKIN, TROUSERS, ZONES};
+use super::worn::{self, HAIR, SHIRT, SHOES, TROUSERS, ZONES};
 use crate::body::{BodyModel, Shape};
 use crate::skin::SkinError;
 
@@ -64,24 +64,18 @@ impl Make {
 
         let mut bound = BoundSkin::new(model, shape)?;
         let uneven = Waves::random(rng);
-        let mut outside = vec![Vector3::zeros(); bound.skin.mesh.vertices.len()];
-        let mut sole_m = 0.0;
-        for (i, by) in outside.iter_mut().enumerate() {
-            let mesh = &bound.skin.mesh;
-            *by = mesh.normals[i] * (UNEVEN_M * uneven.at(&mesh.vertices[i]));
-        }
-        if self == Self::Dressed {
-            let worn = Worn::random(rng);
-            sole_m = worn.sole_m;
-            let zones = worn::zones(model, &bound.skin);
-            for (i, by) in outside.iter_mut().enumerate() {
-                let mesh = &bound.skin.mesh;
-                *by += worn.outside(&zones[i], &mesh.vertices[i], &mesh.normals[i]);
+        let is_dressed = self == Self::Dressed;
+        let worn = is_dressed.then(|| (Worn::random(rng), worn::zones(model, &bound.skin)));
+
+        let mesh = &mut bound.skin.mesh;
+        for (i, (vertex, normal)) in mesh.vertices.iter_mut().zip(&mesh.normals).enumerate() {
+            let place = *vertex;
+            *vertex += normal * (UNEVEN_M * uneven.at(&place));
+            if let Some((worn, zones)) = &worn {
+                *vertex += worn.outside(&zones[i], &place, normal);
             }
         }
-        for (vertex, by) in bound.skin.mesh.vertices.iter_mut().zip(outside) {
-            *vertex += by;
-        }
+        let sole_m = worn.map_or(0.0, |(worn, _)| worn.sole_m);
         Ok(Some((bound, sole_m)))
     }
 }
@@ -123,7 +117,6 @@ impl Worn {
         for (zone, least_m, most_m) in OUTSIDE_M {
             outside_m[zone] = rng.random_range(least_m..most_m);
         }
-        outside_m[SKIN] = 0.0;
         let sole_m = rng.random_range(SOLE_M.0..SOLE_M.1);
         Self { outside_m, sole_m, folds: Waves::random(rng) }
     }

@@ -5,10 +5,11 @@
 
 use maquette::body::{BodyModel, Layout, Motion, PartId, Posed, Shape};
 use maquette::inference::Detail;
+use maquette::inference::SequenceState;
 use maquette::inference::chain::{ChainPrior, SWING_HZ};
 use maquette::inference::contrasts::{Contrasts, Leverages};
 use maquette::inference::prior::{PosePrior, ShapePrior};
-use maquette::inference::sequence_posterior::{SequencePosterior, SequenceState};
+use maquette::inference::sequence_posterior::SequencePosterior;
 use maquette::inference::step::MotionModel;
 use maquette::likelihood::{Measure, Term};
 use maquette::math::central_differences;

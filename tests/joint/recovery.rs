@@ -1,7 +1,7 @@
 //! Truth in, estimate out.
 
+use maquette::inference::SequenceState;
 use maquette::inference::joint::{JointOptimum, JointOptions, joint_optimum};
-use maquette::inference::sequence_posterior::SequenceState;
 use maquette::inference::step::MotionModel;
 use maquette::likelihood::Measure;
 

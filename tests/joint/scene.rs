@@ -6,7 +6,7 @@ use maquette::body::metaball::Field;
 use maquette::body::{BodyModel, Layout, Motion, Posed, Shape};
 use maquette::camera::{Camera, Rig};
 use maquette::image::Mask;
-use maquette::inference::sequence_posterior::SequenceState;
+use maquette::inference::SequenceState;
 use maquette::inference::{Evidence, Sequence};
 use maquette::io::model;
 use maquette::likelihood::{LikelihoodOptions, Measure};
