@@ -95,6 +95,11 @@ pub fn rms_z(
     Some(mean(squares)?.sqrt())
 }
 
+/// Root mean square; NaN of no values.
+pub fn rms(values: impl IntoIterator<Item = f64>) -> f64 {
+    mean(values.into_iter().map(|value| value * value)).map_or(f64::NAN, f64::sqrt)
+}
+
 /// Share of errors, in standard deviations, that are not more than so many, %.
 pub fn within_pct(errors: impl Iterator<Item = f64>, sds: f64) -> f64 {
     let (mut inside, mut all) = (0usize, 0usize);

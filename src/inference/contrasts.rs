@@ -189,7 +189,7 @@ mod tests {
 
     use super::*;
 
-    /// Two views of 20 parts in 50 frames, 5 contrasts each; d = a + e, a the same for a cluster.
+    /// 250 contrasts of each of 400 parts; d = a + e, a the same for a part.
     fn drawn(constant_sd: f64, own_sd: f64) -> Vec<Contrast> {
         let mut rng = ChaCha8Rng::seed_from_u64(7);
         let mut draw =

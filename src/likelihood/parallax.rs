@@ -126,6 +126,11 @@ struct Found {
 impl Parallax {
     /// Of the lines of sight of one frame at the places that they touch now; `None` if no two cameras are side by side.
     pub(super) fn new(rays: &SilhouetteRays, body: &Posed<'_>) -> Option<Self> {
+        // cameras around a person need no search for the places
+        if !rays.has_views_within(BESIDE_RAD) {
+            return None;
+        }
+
         let mut looks: Vec<Look> = Vec::new();
         let mut places = 0;
         let mut kept: BTreeMap<(usize, usize), Line> = BTreeMap::new();

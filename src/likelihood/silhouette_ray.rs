@@ -100,6 +100,14 @@ impl RayView {
         }
     }
 
+    /// The mean direction, and the greatest angle of a line with it; `None` if there is no line.
+    fn cone(&self) -> Option<(Vector3<f64>, f64)> {
+        let axis = self.directions_world.iter().sum::<Vector3<f64>>();
+        let axis = axis.try_normalize(f64::MIN_POSITIVE)?;
+        let angles = self.directions_world.iter().map(|direction| direction.angle(&axis));
+        Some((axis, angles.fold(0.0, f64::max)))
+    }
+
     /// Number of lines of sight.
     pub fn len(&self) -> usize {
         self.directions_world.len()
@@ -133,6 +141,16 @@ impl SilhouetteRays {
     /// Number of lines of sight in all views.
     pub fn border_points(&self) -> usize {
         self.views.iter().map(RayView::len).sum()
+    }
+
+    /// Whether lines of sight of two views may be at a smaller angle than this.
+    pub(super) fn has_views_within(&self, angle_rad: f64) -> bool {
+        let cones: Vec<_> = self.views.iter().filter_map(RayView::cone).collect();
+        let is_within = |i: usize, j: usize| {
+            let ((a, wide), (b, other_wide)) = (&cones[i], &cones[j]);
+            a.angle(b) < angle_rad + wide + other_wide
+        };
+        (0..cones.len()).any(|i| (0..i).any(|j| is_within(i, j)))
     }
 
     /// Of each view only these lines of sight.

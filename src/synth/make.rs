@@ -144,6 +144,7 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
 
     use super::*;
+    use crate::math::stats::mean_and_sd;
 
     /// Mean and standard deviation of how far the skin of a make lies outside that of metaballs, mm, and the same of the feet's lowest.
     fn outside(make: Make) -> (f64, f64, f64) {
@@ -154,12 +155,11 @@ mod tests {
         let (bound, sole_m) = make.skin(&model, &shape, &mut rng).unwrap().unwrap();
         let moved = bound.skin.mesh.vertices.iter().zip(&plain.vertices).zip(&plain.normals);
         let along: Vec<f64> = moved.map(|((to, from), n)| 1e3 * (to - from).dot(n)).collect();
-        let mean = along.iter().sum::<f64>() / along.len() as f64;
-        let variance = along.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / along.len() as f64;
+        let (mean, sd) = mean_and_sd(&along).unwrap();
         let lowest = |mesh: &[Vector3<f64>]| mesh.iter().map(|v| v.z).fold(f64::INFINITY, f64::min);
         let lower_mm = 1e3 * (lowest(&plain.vertices) - lowest(&bound.skin.mesh.vertices));
         assert!(sole_m == 0.0 || (lower_mm - 1e3 * sole_m).abs() < 15.0, "{lower_mm} {sole_m}");
-        (mean, variance.sqrt(), lower_mm)
+        (mean, sd.unwrap(), lower_mm)
     }
 
     #[test]

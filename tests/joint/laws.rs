@@ -3,6 +3,8 @@
 //! As in `tests/laws.rs` the likelihoods are smooth piece by piece: a law is broken if it fails at three states a hair
 //! apart.
 
+use std::fmt::Display;
+
 use maquette::body::{BodyModel, Layout, Motion, PartId, Posed, Shape};
 use maquette::inference::Detail;
 use maquette::inference::SequenceState;
@@ -78,6 +80,14 @@ fn straight(state: &SequenceState) -> SequenceState {
     state
 }
 
+/// A law is broken if it fails at three states.
+fn is_kept_somewhere<F: Display>(what: &str, fault: impl Fn(u64) -> Option<F>) {
+    let faults: Option<Vec<_>> = (60..63).map(fault).collect();
+    if let Some(faults) = faults {
+        panic!("{what}: {}", faults[0]);
+    }
+}
+
 /// Checks the law in every regime with both motion models.
 fn check(scene: &Scene, measure: Measure, (step, tolerance): (f64, f64)) {
     for motion_model in MODELS {
@@ -129,10 +139,7 @@ fn the_sequence_posterior_is_linearized_right_for_a_detailed_body() {
             state.shape.0.rows_mut(offsets.first().0, offsets.count()).fill(0.0);
             check_linearization(&posterior.problem(), &state, 1e-6, tolerance).err()
         };
-        let faults: Option<Vec<_>> = (60..63).map(fault).collect();
-        if let Some(faults) = faults {
-            panic!("{name}: {}", faults[0]);
-        }
+        is_kept_somewhere(name, fault);
     }
 }
 
@@ -151,10 +158,7 @@ fn the_sequence_posterior_is_linearized_right_where_the_surface_lies_outside() {
         outside.iter_mut().enumerate().for_each(|(k, b)| *b = 0.005 * (1.7 * k as f64).sin());
         check_linearization(&posterior.problem(), &state, 1e-6, 0.02).err()
     };
-    let faults: Option<Vec<_>> = (60..63).map(fault).collect();
-    if let Some(faults) = faults {
-        panic!("{}", faults[0]);
-    }
+    is_kept_somewhere("human-metaballs", fault);
 }
 
 /// Cameras side by side, whose differences at one place cost beyond what their lines of sight do.
@@ -173,10 +177,7 @@ fn the_sequence_posterior_is_linearized_right_before_cameras_side_by_side() {
         let state = scene.moved(&scene.truth, 0.01, seed);
         check_linearization(&posterior.problem(), &state, 1e-6, 0.02).err()
     };
-    let faults: Option<Vec<_>> = (60..63).map(fault).collect();
-    if let Some(faults) = faults {
-        panic!("{}", faults[0]);
-    }
+    is_kept_somewhere("human-metaballs", fault);
 }
 
 /// Three cameras side by side see a person whose surface lies 5 mm outside the model's, and one who stands 10 cm farther away.

@@ -8,7 +8,7 @@ use std::error::Error;
 use std::process::ExitCode;
 
 use experiments::metrics::{
-    INTERVALS, KNEES, LIMB_JOINTS, length_error_pct, mpjpe_mm, offset_mm, point, rms_deg,
+    INTERVALS, KNEES, LIMB_JOINTS, length_error_pct, mpjpe_mm, offset_mm, point, rms, rms_deg,
     within_pct,
 };
 use experiments::recorded::{Recorded, fitted};
@@ -78,11 +78,11 @@ fn all_cameras(run: &mut Run) -> Result<(), Box<dyn Error>> {
             format!("{:.1}", figures.offset_mm),
             format!("{:.1}", figures.lengths_pct),
             format!("{:.1}", figures.knee_deg),
-            format!("{:.2}", rms(&figures.z)),
+            format!("{:.2}", rms(figures.z.iter().copied())),
             shares_text(&figures.z),
         ]);
         run.number(format!("{name}_mm"), figures.raw_mm);
-        run.number(format!("{name}_z"), rms(&figures.z));
+        run.number(format!("{name}_z"), rms(figures.z.iter().copied()));
         if number < POOLED {
             pooled.extend(figures.z);
         }
@@ -116,7 +116,7 @@ fn two_cameras(run: &mut Run) -> Result<(), Box<dyn Error>> {
                 format!("{} {}", pair[0] + 1, pair[1] + 1),
                 format!("{degrees:.0}"),
                 format!("{:.0}", figures.raw_mm),
-                format!("{:.2}", rms(&figures.z)),
+                format!("{:.2}", rms(figures.z.iter().copied())),
                 shares_text(&figures.z),
                 wrong.join(" "),
                 match (wrong.is_empty(), is_announced) {
@@ -208,10 +208,6 @@ fn errors_in_sd(truth: &Trajectories, fitted: &Trajectories, fit: &Fit) -> Vec<f
         })
     };
     (0..fit.frames.len()).flat_map(of_frame).flat_map(|z| [z.x, z.y, z.z]).collect()
-}
-
-fn rms(z: &[f64]) -> f64 {
-    mean(z.iter().map(|z| z * z)).unwrap_or(f64::NAN).sqrt()
 }
 
 /// In 50, 80 and 95 % intervals, percent.

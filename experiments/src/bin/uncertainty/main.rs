@@ -15,7 +15,7 @@ use std::error::Error;
 use std::path::Path;
 use std::process::ExitCode;
 
-use experiments::metrics::{INTERVALS, within_pct};
+use experiments::metrics::{INTERVALS, rms, within_pct};
 use experiments::picture::{Panel, colour, svg};
 use experiments::run::Run;
 use experiments::table::Table;
@@ -88,13 +88,12 @@ fn report(run: &mut Run, table: &mut Table, [body, make]: [&str; 2], all: &[Devi
     for (kind, name, _) in KINDS {
         let of_kind: Vec<f64> = all.iter().filter(|d| d.kind == kind).map(|d| d.z).collect();
         let shares = INTERVALS.map(|(_, z)| within_pct(of_kind.iter().copied(), z));
-        let rms = (of_kind.iter().map(|z| z * z).sum::<f64>() / of_kind.len() as f64).sqrt();
         let ece = calibration_error(&of_kind);
         run.number(format!("{body}_{make}_{}", name.replace(' ', "_")), ece);
 
         let titles = [body.to_owned(), make.to_owned(), name.to_owned(), of_kind.len().to_string()];
         let shares = shares.map(|share| format!("{share:.1}"));
-        let ends = [format!("{rms:.2}"), format!("{ece:.3}")];
+        let ends = [format!("{:.2}", rms(of_kind.iter().copied())), format!("{ece:.3}")];
         table.row(titles.into_iter().chain(shares).chain(ends));
     }
 }
@@ -119,10 +118,8 @@ fn number_by_number(run: &mut Run, make: &Tried, all: &[Deviation]) -> Result<()
         Table::new(make.table, &["", "50 %", "80 %", "95 %", "mean z", "RMS z", "RMS SD"]);
     for name in names {
         let of = || all.iter().filter(|d| d.name == name);
-        let count = of().count() as f64;
-        let mean = of().map(|d| d.z).sum::<f64>() / count;
-        let rms = (of().map(|d| d.z * d.z).sum::<f64>() / count).sqrt();
-        let sd = (of().map(|d| d.sd * d.sd).sum::<f64>() / count).sqrt();
+        let mean = mean(of().map(|d| d.z)).unwrap_or(f64::NAN);
+        let (rms, sd) = (rms(of().map(|d| d.z)), rms(of().map(|d| d.sd)));
         let shares = INTERVALS.map(|(_, z)| format!("{:.0}", within_pct(of().map(|d| d.z), z)));
         let numbers = [format!("{mean:.2}"), format!("{rms:.2}"), format!("{sd:.4}")];
         table.row([name.to_owned()].into_iter().chain(shares).chain(numbers));
