@@ -118,7 +118,7 @@ impl Set {
     /// The joint optimum of one frame.
     fn fitted(&self, seen: FrameObservations, shape: &Shape, motion: Motion) -> (Shape, Motion) {
         let sequence = Sequence { frames: &[seen], fps: 25.0 };
-        let start = SequenceState { shape: shape.clone(), motions: vec![motion] };
+        let start = SequenceState::new(shape.clone(), vec![motion]);
         let options = JointOptions::default();
         let joint = joint_optimum(&self.evidence(), sequence, start, &options);
         (joint.shape, joint.frames[0].motion.clone())

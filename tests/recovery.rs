@@ -6,6 +6,7 @@ use std::sync::LazyLock;
 
 use maquette::body::{BodyModel, Motion, Posed, Shape, State};
 use maquette::camera::Rig;
+use maquette::inference::camera_offset::CameraOffset;
 use maquette::inference::facing::{trial_faces_away, turned};
 use maquette::inference::frame::KeyframePosterior;
 use maquette::inference::hull::hull;
@@ -14,11 +15,11 @@ use maquette::inference::search::{NoJournal, Origin, Pruning, Search, SearchOpti
 use maquette::inference::start::{StartOptions, readings};
 use maquette::inference::{Detail, Evidence, Sequence};
 use maquette::likelihood::EllipseOptions;
-use maquette::pipeline::{EstimateOptions, Fit, fit};
+use maquette::pipeline::{Cameras, Clocks, EstimateOptions, Fit, fit};
 use maquette::silhouette::{FrameIndex, FrameObservations};
 use maquette::solver::{NormalEquations, Options, Solution, levenberg_marquardt};
 use maquette::synth::draw_shape;
-use nalgebra::{DVector, Point3, Rotation3, Vector2, Vector3};
+use nalgebra::{DVector, Point3, Rotation3, UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -227,41 +228,78 @@ fn before_cameras_side_by_side_a_start_stands_where_their_parallax_says() {
     assert!(off_m.abs() < 0.1, "{off_m} m");
 }
 
+/// A fit before cameras that may be elsewhere and late, or may not.
+fn fitted(rig: &Rig, frames: &[FrameObservations], cameras: Cameras, clocks: Clocks) -> Fit {
+    let search = options(Pruning::Exact);
+    let options = EstimateOptions { search, cameras, clocks, ..EstimateOptions::default() };
+    let sequence = Sequence { frames, fps: FPS };
+    fit(&SCENE.model, rig, sequence, &options, &NoJournal).expect("a fit")
+}
+
+fn mean_error_mm(fit: &Fit) -> f64 {
+    let frames = fit.frames.iter().enumerate();
+    let each = frames.map(|(i, f)| SCENE.error_mm(&f.points_world, i));
+    each.sum::<f64>() / FRAMES as f64
+}
+
 #[test]
 fn a_camera_that_was_touched_is_found_and_costs_the_body_nothing() {
     let scene = &*SCENE;
-    let touched = Vector2::new(9.0, -6.0);
+    let touched = CameraOffset {
+        turn: UnitQuaternion::from_scaled_axis(Vector3::new(0.006, -0.005, 0.007)),
+        displacement_m: Vector3::new(-0.006, 0.008, 0.01),
+        ahead_s: 0.0,
+    };
+    // the second camera of the calibration stands where it was before it was touched
     let mut calibrated = scene.rig.clone();
-    calibrated.cameras[2].intrinsics.cx_px -= touched.x;
-    calibrated.cameras[2].intrinsics.cy_px -= touched.y;
-    let sequence = Sequence { frames: &scene.frames, fps: FPS };
-    let fitted = |rig: &Rig, aim: bool| -> Fit {
-        let options =
-            EstimateOptions { search: options(Pruning::Exact), aim, ..EstimateOptions::default() };
-        fit(&scene.model, rig, sequence, &options, &NoJournal).expect("a fit")
+    let back = CameraOffset {
+        turn: touched.turn.inverse(),
+        displacement_m: -touched.displacement_m,
+        ahead_s: 0.0,
     };
-    let error_mm = |fit: &Fit| {
-        let frames = fit.frames.iter().enumerate();
-        let each = frames.map(|(i, f)| scene.error_mm(&f.points_world, i));
-        each.sum::<f64>() / FRAMES as f64
-    };
-    let (untouched, aimed, trusting) =
-        (fitted(&scene.rig, true), fitted(&calibrated, true), fitted(&calibrated, false));
-    for camera in &untouched.cameras {
-        assert_eq!(camera.aim_px, Vector2::zeros(), "{:?}", camera.camera);
+    let rig = CameraOffset::applied(&scene.rig, std::iter::repeat_n(back, 4));
+    calibrated.cameras[1] = rig.cameras[1].clone();
+
+    let of = |rig: &Rig, cameras| fitted(rig, &scene.frames, cameras, Clocks::Trust);
+    let untouched = of(&scene.rig, Cameras::Refine);
+    let (found, trusting) = (of(&calibrated, Cameras::Refine), of(&calibrated, Cameras::Trust));
+
+    for (camera, fit) in [0, 2, 3].map(|c| (c, &found)).into_iter().chain([(1, &untouched)]) {
+        let pose = fit.cameras[camera].found.pose.expect("it is estimated");
+        assert!(!pose.was_touched(), "{camera} {pose:?}");
     }
-    // what opposite cameras show displaced the other way is a body that stands elsewhere, and so is what all show higher: only
-    // the rest can be known
-    let aim = |i: usize| aimed.cameras[i].aim_px;
-    let sideways = aim(2).x + aim(0).x;
-    let down = aim(2).y - (aim(0).y + aim(1).y + aim(3).y) / 3.0;
-    assert!((sideways - touched.x).abs() < 1.5, "{sideways} px");
-    assert!((down - touched.y).abs() < 1.5, "{down} px");
-    let overlap = |fit: &Fit| fit.cameras.iter().map(|c| c.mean_iou).sum::<f64>() / 4.0;
-    let [best, with, without] = [&untouched, &aimed, &trusting].map(overlap);
-    assert!(best - with < 0.2 * (best - without), "{best} {with} {without}");
-    let [with, without] = [&aimed, &trusting].map(error_mm);
-    assert!(with < without, "{with} {without} mm");
+    let pose = found.cameras[1].found.pose.expect("it is estimated");
+    assert!(pose.was_touched(), "{pose:?}");
+    let off = found.cameras[1].found.offset().turn.angle_to(&touched.turn).to_degrees();
+    assert!(off < 0.25, "{off}° of {}°", touched.turn.angle().to_degrees());
+    let [best, with, without] = [&untouched, &found, &trusting].map(mean_error_mm);
+    assert!(with < 1.3 * best && with < 0.7 * without, "{best} {with} {without} mm");
+}
+
+#[test]
+fn a_clock_that_is_off_is_found_and_costs_the_body_nothing() {
+    // one camera shows each moment two frames early
+    let scene = &*SCENE;
+    let mut frames = scene.frames.clone();
+    for (i, frame) in frames.iter_mut().enumerate() {
+        frame.views.retain(|(id, _)| id.0 != 1);
+        if let Some(later) = scene.frames.get(i + 2) {
+            frame.views.extend(later.views.iter().filter(|(id, _)| id.0 == 1).cloned());
+        }
+        frame.views.sort_by_key(|(id, _)| *id);
+    }
+
+    let of = |clocks| fitted(&scene.rig, &frames, Cameras::Trust, clocks);
+    let (found, trusting) = (of(Clocks::Estimate), of(Clocks::Trust));
+    for (camera, quality) in found.cameras.iter().enumerate() {
+        let clock = quality.found.clock.expect("it is estimated");
+        let off = FPS * clock.ahead_s - if camera == 1 { 2.0 } else { 0.0 };
+        assert!(off.abs() < 0.3, "camera {camera}: {off} frames, {clock:?}");
+        assert_eq!(clock.is_off(FPS), camera == 1, "camera {camera}: {clock:?}");
+    }
+    let best = mean_error_mm(&fitted(&scene.rig, &scene.frames, Cameras::Trust, Clocks::Trust));
+    let [with, without] = [&found, &trusting].map(mean_error_mm);
+    assert!(with < 1.3 * best && with < 0.7 * without, "{best} {with} {without} mm");
 }
 
 #[test]

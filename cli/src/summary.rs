@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::table::Table;
 use maquette::io::result::{HypothesisPart, OriginPart, OutcomePart, ResultFile};
-use maquette::pipeline::counted;
+use maquette::pipeline::{CameraFound, PoseFound, counted};
 
 /// What a run says at its end.
 #[derive(Debug)]
@@ -124,17 +124,37 @@ impl Summary<'_> {
     }
 
     fn cameras(&self) -> String {
-        let mut table = Table::new(&["camera", "frames", "overlap", "border off by", "RMS"]);
-        for camera in &self.result.quality.cameras {
-            table.row(vec![
+        let cameras = &self.result.quality.cameras;
+        let is_found = cameras.iter().any(|c| c.found != CameraFound::default());
+        let found = if is_found { &["turned", "displaced", "late"][..] } else { &[] };
+        let mut table =
+            Table::new(&[&["camera", "frames", "overlap", "border off by", "RMS"], found].concat());
+        for camera in cameras {
+            let mut cells = vec![
                 camera.camera.clone(),
                 camera.frames.to_string(),
                 format!("{:.3}", camera.mean_iou),
                 or_dash(camera.median_px, |px| format!("{px:.1} px")),
                 or_dash(camera.rms_px, |px| format!("{px:.1} px")),
-            ]);
+            ];
+            if is_found {
+                cells.extend(self.found(&camera.found));
+            }
+            table.row(cells);
         }
         table.text()
+    }
+
+    /// Where and when a camera was.
+    fn found(&self, found: &CameraFound) -> [String; 3] {
+        let fps = self.result.recording.fps;
+        let pose = |of: fn(&PoseFound) -> (f64, f64)| found.pose.as_ref().map(of);
+        let turned = pose(PoseFound::turn).map(|(turn, sd)| format!("{turn:.2} ± {sd:.2}°"));
+        let displaced = pose(PoseFound::displacement)
+            .map(|(way, sd)| format!("{:.1} ± {:.1} mm", 1e3 * way, 1e3 * sd));
+        let late = found.clock.map(|clock| clock.late_frames(fps));
+        let late = late.map(|(late, sd)| format!("{late:+.2} ± {sd:.2} frames"));
+        [turned, displaced, late].map(|text| text.unwrap_or("–".into()))
     }
 
     fn warnings(&self) -> String {

@@ -1,7 +1,6 @@
 //! All cameras of a recording.
 
 use super::Camera;
-use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -36,17 +35,6 @@ impl Rig {
     /// The cameras with their ids, in order.
     pub fn iter(&self) -> impl Iterator<Item = (CameraId, &Camera)> {
         self.cameras.iter().enumerate().map(|(index, camera)| (CameraId(index), camera))
-    }
-
-    /// The same cameras, each with its principal point moved by its entry of `aims_px`, and with it all that it shows.
-    #[must_use]
-    pub fn aimed(&self, aims_px: &[Vector2<f64>]) -> Self {
-        let mut rig = self.clone();
-        for (camera, aim) in rig.cameras.iter_mut().zip(aims_px) {
-            camera.intrinsics.cx_px += aim.x;
-            camera.intrinsics.cy_px += aim.y;
-        }
-        rig
     }
 
     /// The names, in order.

@@ -27,7 +27,7 @@ use std::collections::BTreeMap;
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-use super::Terms;
+use super::Look;
 use super::sequence_state::SequenceState;
 use crate::body::{BodyModel, PartId, Posed};
 use crate::likelihood::{Contrast, Parallax, Quarter};
@@ -56,26 +56,34 @@ impl Contrasts {
         Self { frames: vec![None; frames], weight: 0.0 }
     }
 
-    /// At a state that is an optimum with these leverages; the lines themselves count `data_weight`.
+    /// At a state that is an optimum with these leverages; the lines themselves count `data_weight`. Only of cameras that are
+    /// trusted: what is side by side but turned by nobody knows how much says nothing of depth.
     pub fn new(
         model: &BodyModel,
-        terms: &[Terms<'_>],
+        looks: &[Vec<&Look<'_>>],
         state: &SequenceState,
         leverages: &Leverages,
         data_weight: f64,
     ) -> Self {
-        let frame = |(terms, motion): (&Terms<'_>, _)| {
+        let frame = |(looks, motion): (&Vec<&Look<'_>>, _)| {
             let body = Posed::new(model, &state.shape, motion);
-            let parallax = terms.iter().find_map(|term| term.parallax(&body));
+            let trusted = looks.iter().filter(|look| look.camera.is_none());
+            let mut terms = trusted.flat_map(|look| &look.terms);
+            let parallax = terms.find_map(|term| term.parallax(&body));
             let contrasts = parallax.as_ref().map(|p| p.contrasts(&body)).unwrap_or_default();
             (parallax, contrasts)
         };
-        let pairs = terms.par_iter().zip(&state.motions);
+        let pairs = looks.par_iter().zip(&state.motions);
         let (frames, contrasts): (_, Vec<Vec<Contrast>>) = pairs.map(frame).unzip();
 
         let variance = variance(&contrasts.concat(), leverages);
         let weight = variance.map_or(0.0, |v| (1.0 / v - data_weight).max(0.0));
         Self { frames, weight }
+    }
+
+    /// Whether a frame has any.
+    pub(super) fn has(&self, frame: usize) -> bool {
+        self.frames[frame].is_some()
     }
 
     /// Their cost in one frame.

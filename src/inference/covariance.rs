@@ -3,8 +3,9 @@
 //! H⁻¹ of what was minimised is the covariance of all unknowns: the motions, s, where the joints lie in the flesh, how far the
 //! surface lies outside. A number q(θ) of the body has the variance J H⁻¹ Jᵀ, J = ∂q/∂θ.
 
-use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, SVector, Vector3};
 
+use super::camera_offset::COMPONENTS;
 use super::sequence_state::SequenceState;
 use crate::body::{BodyModel, Layout, Motion, PartId, Posed, Shape};
 use crate::solver::BorderedChain;
@@ -16,6 +17,8 @@ pub struct Uncertainty {
     pub shape: ShapeUncertainty,
     /// Frame by frame.
     pub frames: Vec<FrameUncertainty>,
+    /// Standard deviations of the components of each camera's offset; empty where cameras are trusted.
+    pub cameras: Vec<SVector<f64, COMPONENTS>>,
 }
 
 /// Covariances of the shape.
@@ -50,10 +53,10 @@ impl Uncertainty {
         chain: &BorderedChain,
     ) -> Option<Self> {
         // frame by frame, in the order of the chain's marginals: backwards
-        let (mut frames, mut shape) = (Vec::new(), DMatrix::zeros(0, 0));
+        let (mut frames, mut shared) = (Vec::new(), DMatrix::zeros(0, 0));
         let complete = chain.marginals(|i, marginal| {
-            if shape.is_empty() {
-                shape = marginal.shared.clone();
+            if shared.is_empty() {
+                shared = marginal.shared.clone();
             }
             let body = Posed::new(model, &state.shape, &state.motions[i]);
             frames.push(frame_uncertainty(model, &body, &marginal.covariance()));
@@ -63,8 +66,15 @@ impl Uncertainty {
             return None;
         }
 
-        let lengths_sd_m = lengths_sd_m(model, &state.shape, &shape);
-        Some(Self { shape: ShapeUncertainty { covariance: shape, lengths_sd_m }, frames })
+        let p = state.shape.0.len();
+        let covariance = shared.view((0, 0), (p, p)).into_owned();
+        let lengths_sd_m = lengths_sd_m(model, &state.shape, &covariance);
+        let camera = |c: usize| {
+            let variances = |k: usize| shared[(p + COMPONENTS * c + k, p + COMPONENTS * c + k)];
+            SVector::from_fn(|k, _| variances(k).max(0.0).sqrt())
+        };
+        let cameras = (0..state.cameras.len()).map(camera).collect();
+        Some(Self { shape: ShapeUncertainty { covariance, lengths_sd_m }, frames, cameras })
     }
 }
 

@@ -1,12 +1,8 @@
 //! What every stage of the search is given: the body, its priors, the cameras, the likelihood.
 
-use nalgebra::Point3;
-use rayon::prelude::*;
-
 use super::detail::Detail;
 use super::hull;
 use super::prior::{PosePrior, ShapePrior};
-use super::sequence::Sequence;
 use crate::body::BodyModel;
 use crate::camera::{Camera, CameraId, Rig};
 use crate::likelihood::{
@@ -14,23 +10,10 @@ use crate::likelihood::{
     RayView, SilhouetteRays, SkinScale, SurfacePoint, Term,
 };
 use crate::silhouette::{FrameObservations, Silhouette};
+use nalgebra::Point3;
 
 /// What one frame shows, as terms of −log p(Zᵢ | mᵢ, s).
 pub type Terms<'f> = Vec<Box<dyn Term + 'f>>;
-
-/// What every frame of a sequence shows.
-pub struct SequenceTerms<'f> {
-    /// A part of it, to approach an optimum.
-    pub thinned: Vec<Terms<'f>>,
-    /// All of it, to measure.
-    pub all: Vec<Terms<'f>>,
-}
-
-impl std::fmt::Debug for SequenceTerms<'_> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "SequenceTerms({} frames)", self.all.len())
-    }
-}
 
 /// Body, priors, cameras and likelihood; shared by all keyframes, hypotheses and threads.
 #[derive(Debug, Clone)]
@@ -84,9 +67,21 @@ impl<'a> Evidence<'a> {
 
     /// The terms of −log p(Zᵢ | mᵢ, s) of one frame.
     pub fn terms<'f>(&self, frame: &'f FrameObservations, detail: Detail) -> Terms<'f> {
+        let subject = hull::subject(self.rig, frame);
+        let mut terms = self.terms_of_views(&frame.views, subject, detail);
+        terms.extend(self.terms_of_points(frame, detail));
+        terms
+    }
+
+    /// Those of some of its views; `subject` is where the body is.
+    pub(super) fn terms_of_views<'f>(
+        &self,
+        views: &'f [(CameraId, Silhouette)],
+        subject: Option<Point3<f64>>,
+        detail: Detail,
+    ) -> Terms<'f> {
         let options = detail.likelihood(self.likelihood);
         let spacing_m = detail.spacing_m();
-        let subject = hull::subject(self.rig, frame);
         let mut terms: Terms<'f> = Vec::new();
 
         if self.measure.has_ellipses() {
@@ -94,7 +89,7 @@ impl<'a> Evidence<'a> {
                 let camera = &self.rig.cameras[id.0];
                 EllipseView::new(camera, silhouette, depth_m(camera, subject), spacing_m)
             };
-            let views = frame.views.iter().map(view).collect();
+            let views = views.iter().map(view).collect();
             terms.push(Box::new(EllipseSilhouette::new(views, options.ellipses)));
         }
 
@@ -103,28 +98,27 @@ impl<'a> Evidence<'a> {
                 let camera = &self.rig.cameras[id.0];
                 RayView::new(camera, silhouette, depth_m(camera, subject), spacing_m)
             };
-            let views = frame.views.iter().map(view).collect();
+            let views = views.iter().map(view).collect();
             let rays = SilhouetteRays::new(views, options.rays, self.skin_scale.clone());
             terms.push(Box::new(rays));
-        }
-
-        if self.measure.has_metaballs() && !frame.points.is_empty() {
-            let step = detail.point_step(frame.points.len());
-            let points = frame.points.iter().step_by(step);
-            let points = points.map(SurfacePoint::from).collect();
-            let field = PointField::new(points, options.points, self.skin_scale.clone());
-            terms.push(Box::new(field));
         }
         terms
     }
 
-    /// The terms of every frame of a sequence.
-    pub fn sequence_terms<'f>(&self, sequence: Sequence<'f>) -> SequenceTerms<'f> {
-        let terms = |detail: Detail| {
-            let frames = sequence.frames.par_iter();
-            frames.map(|f| self.terms(f, detail)).collect()
-        };
-        SequenceTerms { thinned: terms(Detail::Thinned), all: terms(Detail::Fine) }
+    /// That of its points, if there are any.
+    pub(super) fn terms_of_points<'f>(
+        &self,
+        frame: &'f FrameObservations,
+        detail: Detail,
+    ) -> Terms<'f> {
+        if !self.measure.has_metaballs() || frame.points.is_empty() {
+            return Vec::new();
+        }
+        let step = detail.point_step(frame.points.len());
+        let points = frame.points.iter().step_by(step);
+        let points = points.map(SurfacePoint::from).collect();
+        let options = detail.likelihood(self.likelihood).points;
+        vec![Box::new(PointField::new(points, options, self.skin_scale.clone()))]
     }
 }
 

@@ -4,14 +4,15 @@
 //! matrix of eq. 1 is block-tridiagonal (block-pentadiagonal with constant velocity), and a step is one pass
 //! forwards and one backwards: O(n). Algorithm 1's winner is its start.
 //!
-//! With a detailed body ([`BodyModel::detailed`]) s also says where the joints lie in the flesh and how far the surface lies
-//! outside the model's. How much the data count ([`Noise`], [`Contrasts`]) and how far surfaces lie outside (`spread`) are estimated by turns
-//! with the optimum: first in some rounds of a few steps before a part of the border points, then before all of them until E no
-//! longer falls. The covariance is the inverse of the last optimum's own matrix.
+//! With a detailed body ([`BodyModel::detailed`](crate::body::BodyModel::detailed)) s also says where the joints lie in the flesh
+//! and how far the surface lies outside the model's. Where cameras are not trusted, their places and clocks are unknowns too
+//! ([`CameraPrior`]). How much the data count ([`Noise`], [`Contrasts`]) and how far surfaces lie outside (`spread`) are
+//! estimated by turns with the optimum: first in some rounds of a few steps before a part of the border points, then before all
+//! of them until E no longer falls. The covariance is the inverse of the last optimum's own matrix.
 
 use nalgebra::DVector;
-use rayon::prelude::*;
 
+use super::camera_offset::{CameraOffset, CameraPrior};
 use super::chain::ChainPrior;
 use super::contrasts::{Contrasts, Leverages};
 use super::covariance::Uncertainty;
@@ -22,9 +23,8 @@ use super::sequence_posterior::SequencePosterior;
 use super::sequence_state::SequenceState;
 use super::spread::with_spreads;
 use super::step::MotionModel;
-use super::{Evidence, Sequence, SequenceTerms, Terms};
-use crate::body::{BodyModel, Posed, Shape};
-use crate::likelihood::PlacedResidual;
+use super::{Evidence, Look, Sequence, SequenceTerms};
+use crate::body::Shape;
 use crate::solver::{BorderedChain, Options, Problem, Report, Solution, levenberg_marquardt};
 
 /// Settings of the joint optimum.
@@ -58,6 +58,8 @@ pub struct JointOptimum {
     pub shape: Shape,
     /// m₁..ₙ and what each costs.
     pub frames: Vec<FrameFit>,
+    /// By how much each camera is off, in the order of the rig; empty where they were trusted.
+    pub cameras: Vec<CameraOffset>,
     /// How the residuals err.
     pub noise: Noise,
     /// How sure they are; `None` where the matrix is singular.
@@ -72,6 +74,7 @@ impl JointOptimum {
         SequenceState {
             shape: self.shape.clone(),
             motions: self.frames.iter().map(|f| f.motion.clone()).collect(),
+            cameras: self.cameras.clone(),
         }
     }
 }
@@ -85,14 +88,14 @@ const TOLERANCE: f64 = 2e-3;
 /// The first λ of a round.
 const DAMPING: f64 = 1e-4;
 
-/// The joint optimum of a sequence, from a first shape and motion.
+/// The joint optimum of a sequence before cameras that are trusted, from a first shape and motion.
 pub fn joint_optimum(
     evidence: &Evidence<'_>,
     sequence: Sequence<'_>,
     start: SequenceState,
     options: &JointOptions,
 ) -> JointOptimum {
-    let terms = evidence.sequence_terms(sequence);
+    let terms = evidence.sequence_terms(sequence, CameraPrior::trusting());
     joint_optimum_from_terms(evidence, &terms, &sequence.intervals_s(), start, options, &|| {})
 }
 
@@ -111,11 +114,13 @@ pub fn joint_optimum_from_terms<'a>(
 ) -> JointOptimum {
     let model = evidence.model;
     let chain_prior = ChainPrior::new(model, options.motion_model);
-    let search = Search { evidence, seconds, chain_prior, step };
+    let search = Search { evidence, seconds, chain_prior, camera_prior: &terms.camera_prior, step };
+    let mut state = start.detailed(model);
+    state.cameras.resize(terms.camera_prior.cameras(), CameraOffset::none());
 
     // how the residuals err, the optimum, and how far surfaces lie outside, by turns
     let mut from = Approached {
-        state: start.detailed(model),
+        state,
         shape_prior: evidence.shape_prior.clone(),
         leverages: Leverages::new(),
     };
@@ -132,6 +137,7 @@ pub fn joint_optimum_from_terms<'a>(
         frames,
         noise,
         uncertainty,
+        cameras: solution.state.cameras,
         shape: solution.state.shape,
         report: solution.report,
     }
@@ -142,6 +148,7 @@ struct Search<'a, 'b> {
     evidence: &'a Evidence<'b>,
     seconds: &'a [f64],
     chain_prior: ChainPrior,
+    camera_prior: &'a CameraPrior,
     step: &'a dyn Fn(),
 }
 
@@ -164,27 +171,52 @@ struct Round {
 
 impl Search<'_, '_> {
     /// The optimum with residuals that err as they do at its start.
-    fn round(&self, terms: &[Terms<'_>], from: Approached, max_iterations: usize) -> Round {
-        let model = self.evidence.model;
+    fn round(&self, looks: &[Vec<Look<'_>>], from: Approached, max_iterations: usize) -> Round {
+        let Evidence { model, rig, .. } = *self.evidence;
         let Approached { state: start, shape_prior, leverages } = from;
-        let noise = Noise::from_residuals(&residuals(model, terms, &start));
-        let data_weight = noise.data_weight();
-        let contrasts = Contrasts::new(model, terms, &start, &leverages, data_weight);
-        let posterior = SequencePosterior {
+        let looks = self.within(looks, &start);
+        let mut posterior = SequencePosterior {
             model,
+            rig,
+            camera_prior: self.camera_prior,
             shape_prior: &shape_prior,
             pose_prior: &self.evidence.pose_prior,
             chain_prior: &self.chain_prior,
             seconds: self.seconds,
-            terms,
-            data_weight,
-            contrasts: &contrasts,
+            looks: &looks,
+            data_weight: 1.0,
+            contrasts: &Contrasts::none(looks.len()),
         };
+        let noise = Noise::from_residuals(&posterior.residuals(&start));
+        posterior.data_weight = noise.data_weight();
+        let contrasts = Contrasts::new(model, &looks, &start, &leverages, posterior.data_weight);
+        posterior.contrasts = &contrasts;
         let counted = Counted { problem: &posterior, step: self.step };
         let solver = Options { max_iterations, damping: DAMPING, relative_decrease: TOLERANCE };
         let solution = levenberg_marquardt(&counted, start, &solver);
         let frames = posterior.frame_fits(&solution.state);
         Round { noise, frames, contrasts, solution }
+    }
+
+    /// The looks at moments of the recording: what a late camera shows after its end is not compared.
+    fn within<'l, 'f>(
+        &self,
+        looks: &'l [Vec<Look<'f>>],
+        state: &SequenceState,
+    ) -> Vec<Vec<&'l Look<'f>>> {
+        let mut time_s = 0.0;
+        let end_s: f64 = self.seconds.iter().skip(1).sum();
+        let interval_s = self.seconds.iter().copied().fold(f64::INFINITY, f64::min);
+        let mut of_frame = |(i, looks): (usize, &'l Vec<Look<'f>>)| {
+            time_s += if i == 0 { 0.0 } else { self.seconds[i] };
+            let is_within = |look: &&Look<'_>| {
+                let offset = look.camera.and_then(|camera| state.cameras.get(camera));
+                let shown_s = time_s + offset.map_or(0.0, |offset| offset.ahead_s);
+                (-0.5 * interval_s..=end_s + 0.5 * interval_s).contains(&shown_s)
+            };
+            looks.iter().filter(is_within).collect()
+        };
+        looks.iter().enumerate().map(&mut of_frame).collect()
     }
 
     /// From where the next round starts.
@@ -230,19 +262,4 @@ impl<P: Problem> Problem for Counted<'_, P> {
     fn retract(&self, x: &P::State, delta: &DVector<f64>) -> P::State {
         self.problem.retract(x, delta)
     }
-}
-
-/// The residuals of every frame at a state.
-pub fn residuals(
-    model: &BodyModel,
-    terms: &[Terms<'_>],
-    state: &SequenceState,
-) -> Vec<Vec<PlacedResidual>> {
-    let frames = terms.par_iter().zip(&state.motions);
-    let residuals = frames.map(|(terms, motion)| {
-        let body = Posed::new(model, &state.shape, motion);
-        let residuals = terms.iter().flat_map(|t| t.placed_residuals(&body));
-        residuals.collect()
-    });
-    residuals.collect()
 }

@@ -11,10 +11,10 @@
 //! | Algorithm 1                       | [`search`]       |
 //! | eq. 1 as a problem of all frames  | [`chain`], [`sequence_posterior`] |
 //! | its optimum, how sure it is       | [`joint`], [`noise`], [`contrasts`], `spread`, [`covariance`] |
-//! | pointing errors of the cameras    | [`aim`]          |
+//! | cameras and clocks as unknowns    | [`camera_offset`], [`instant`] |
 //! | p_ε,σ(K)                          | [`confidence`], [`ShapeConfidence`] |
 
-pub mod aim;
+pub mod camera_offset;
 pub mod chain;
 pub mod confidence;
 pub mod contrasts;
@@ -25,9 +25,12 @@ pub mod facing;
 pub mod frame;
 pub mod hull;
 mod hypothesis;
+pub mod instant;
 pub mod joint;
 mod journal;
 mod keyframe;
+mod look_sum;
+mod looks;
 pub mod noise;
 pub mod prior;
 pub mod propagate;
@@ -41,7 +44,8 @@ pub mod start;
 pub mod step;
 
 pub use detail::Detail;
-pub use evidence::{Evidence, SequenceTerms, Terms};
+pub use evidence::{Evidence, Terms};
+pub use looks::{Look, SequenceTerms};
 pub use sequence::Sequence;
 pub use sequence_state::SequenceState;
 pub use shape_confidence::{ConfidenceOptions, ShapeConfidence};

@@ -1,27 +1,38 @@
 //! The sequence posterior, ZS06 eq. 1, of all motions and the shape at once.
 //!
-//! E(s, m₁..ₙ) = −log p(s) + Σᵢ \[−w log p(Zᵢ | mᵢ, s) + E_d − log p(mᵢ)\] + Σᵢ \[−log p(mᵢ | mᵢ₋₁, …)\]
+//! E(s, m₁..ₙ, c) = −log p(s) − log p(c) + Σᵢ \[−w log p(Zᵢ | mᵢ, s, c) + E_d − log p(mᵢ)\] + Σᵢ \[−log p(mᵢ | mᵢ₋₁, …)\]
 //!
 //! A frame's terms touch its own motion and the shape, a motion's factor touches its neighbours: g and H are a
-//! [`BorderedChain`] with the shape as border. w is how often the data count, see [`super::noise`], and E_d what the differences
-//! between cameras side by side say beyond that: [`super::contrasts`].
+//! [`BorderedChain`] with the shape as border, and after it the cameras c where they are unknowns. w is how often the data count,
+//! see [`super::noise`], and E_d what the differences between cameras side by side say beyond that: [`super::contrasts`].
+//!
+//! What one camera shows is a [`Look`] at a body that is moved by the camera's offset and its clock: `look_sum.rs`.
 
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-use super::Terms;
+use super::Look;
+use super::camera_offset::{COMPONENTS, CameraOffset, CameraPrior};
 use super::chain::ChainPrior;
 use super::contrasts::Contrasts;
 use super::frame::{FrameFit, data_cost, linearize_data, observations};
+use super::instant::Instant;
+use super::look_sum::{LookSum, Placed, REACH, Unknown};
 use super::prior::{PosePrior, ShapePrior};
 use super::sequence_state::SequenceState;
 use crate::body::{BodyModel, Layout, Motion, Posed, Shape};
-use crate::solver::{BorderedChain, Link, NormalEquations, Problem};
+use crate::camera::Rig;
+use crate::likelihood::{PlacedResidual, Source};
+use crate::solver::{BorderedChain, NormalEquations, Problem};
 
-/// −log p(s, m₁..ₙ | Z₁..ₙ) (eq. 1).
+/// −log p(s, m₁..ₙ, c | Z₁..ₙ) (eq. 1).
 pub struct SequencePosterior<'a> {
     /// The body.
     pub model: &'a BodyModel,
+    /// The cameras, as they are calibrated.
+    pub rig: &'a Rig,
+    /// p(c).
+    pub camera_prior: &'a CameraPrior,
     /// p(s).
     pub shape_prior: &'a ShapePrior,
     /// p(mᵢ): limits and rest.
@@ -30,8 +41,8 @@ pub struct SequencePosterior<'a> {
     pub chain_prior: &'a ChainPrior,
     /// Seconds from the frame before; the first is not read: p(m₁) counts whole.
     pub seconds: &'a [f64],
-    /// p(Zᵢ | mᵢ, s), frame by frame.
-    pub terms: &'a [Terms<'a>],
+    /// p(Zᵢ | mᵢ, s, c), frame by frame.
+    pub looks: &'a [Vec<&'a Look<'a>>],
     /// How many times the data's cost counts: observations that err more, or more together, count less.
     pub data_weight: f64,
     /// E_d.
@@ -42,16 +53,65 @@ pub struct SequencePosterior<'a> {
 const CHUNK: usize = 8;
 
 impl SequencePosterior<'_> {
-    /// −log p(Zᵢ | mᵢ, s) − log p(mᵢ) of one frame, added to its equations.
-    fn linearize_frame(&self, x: &SequenceState, i: usize, equations: &mut NormalEquations) -> f64 {
-        let body = Posed::new(self.model, &x.shape, &x.motions[i]);
-        let data = linearize_data(&self.terms[i], &body, equations);
-        equations.hessian *= self.data_weight;
-        equations.gradient *= self.data_weight;
-        let lasts = self.lasts_s(i);
-        self.data_weight * data
-            + self.contrasts.linearize(i, &body, equations)
-            + self.pose_prior.linearize_lasting(&x.motions[i], lasts, equations)
+    /// The seconds of each frame since the first.
+    fn times_s(&self) -> Vec<f64> {
+        let mut time_s = 0.0;
+        let mut at = |(i, interval): (usize, &f64)| {
+            time_s += if i == 0 { 0.0 } else { *interval };
+            time_s
+        };
+        self.seconds.iter().enumerate().map(&mut at).collect()
+    }
+
+    /// The camera of a look, where it is an unknown.
+    fn camera(&self, x: &SequenceState, look: &Look<'_>) -> Option<Unknown> {
+        let index = look.camera?;
+        Some(Unknown {
+            index,
+            offset: *x.cameras.get(index)?,
+            free: self.camera_prior.free(index),
+            centre_world: self.rig.cameras[index].centre_world().coords,
+        })
+    }
+
+    /// Every look, by the frames about which it is.
+    fn placed(&self, x: &SequenceState) -> Vec<Placed<'_>> {
+        let (layout, times_s) = (Layout::new(self.model), self.times_s());
+        let place = |(recorded, look)| {
+            let camera = self.camera(x, look);
+            let instant = match &camera {
+                Some(camera) if camera.free.clock => {
+                    let time_s = times_s[recorded] + camera.offset.ahead_s;
+                    Instant::at(layout, &x.motions, &times_s, time_s)
+                }
+                _ => Instant::of_frame(&x.motions, recorded),
+            };
+            let seen = match &camera {
+                Some(camera) if camera.free.pose => {
+                    camera.offset.seen(&camera.centre_world, &instant.motion)
+                }
+                _ => instant.motion.clone(),
+            };
+            Placed { recorded, look, camera, instant, seen }
+        };
+        let looks = self.looks.iter().enumerate();
+        let looks = looks.flat_map(|(i, looks)| looks.iter().map(move |look| (i, *look)));
+        let mut placed: Vec<Placed<'_>> = looks.map(place).collect();
+        placed.sort_by_key(Placed::middle);
+        placed
+    }
+
+    /// −log p of what a look shows, with E_d.
+    fn look_cost(&self, x: &SequenceState, placed: &Placed<'_>) -> f64 {
+        let body = Posed::new(self.model, &x.shape, &placed.seen);
+        self.data_weight * data_cost(&placed.look.terms, &body) + self.contrast_cost(placed, &body)
+    }
+
+    fn contrast_cost(&self, placed: &Placed<'_>, body: &Posed<'_>) -> f64 {
+        match placed.look.camera {
+            None => self.contrasts.cost(placed.recorded, body),
+            Some(_) => 0.0,
+        }
     }
 
     /// How long a frame lasts, seconds; the first frame's pose is drawn from all.
@@ -59,48 +119,82 @@ impl SequencePosterior<'_> {
         if i == 0 { f64::INFINITY } else { self.seconds[i] }
     }
 
-    /// Adds a run of frames to their links; returns their cost and what they add to the corner.
-    fn linearize_chunk(
-        &self,
-        x: &SequenceState,
-        first: usize,
-        links: &mut [Link],
-    ) -> (f64, NormalEquations) {
+    /// Sums the looks about a run of frames.
+    fn linearize_chunk(&self, x: &SequenceState, placed: &[Placed<'_>]) -> LookSum {
         let layout = Layout::new(self.model);
-        let (m, p) = (layout.motion(), layout.total() - layout.motion());
-        let mut equations = NormalEquations::zeros(m + p);
-        let mut corner = NormalEquations::zeros(p);
-        let mut cost = 0.0;
+        let (m, n) = (layout.motion(), layout.total());
+        let shared = n - m + COMPONENTS * x.cameras.len();
+        let mut sum = LookSum::new(placed, m, shared);
 
-        for (k, link) in links.iter_mut().enumerate() {
-            equations.hessian.fill(0.0);
-            equations.gradient.fill(0.0);
-            cost += self.linearize_frame(x, first + k, &mut equations);
-
-            // blocks of the motion, of motion and shape, of the shape
-            link.diagonal += equations.hessian.view((0, 0), (m, m));
-            link.border += equations.hessian.view((m, 0), (p, m));
-            link.gradient += equations.gradient.rows(0, m);
-            corner.hessian += equations.hessian.view((m, m), (p, p));
-            corner.gradient += equations.gradient.rows(m, p);
+        // blocks of the motion and of motion and shape look by look, of the shape all together
+        let mut equations = NormalEquations::zeros(n);
+        let mut of_contrasts = NormalEquations::zeros(n);
+        for look in placed {
+            equations.hessian.columns_mut(0, m).fill(0.0);
+            equations.gradient.rows_mut(0, m).fill(0.0);
+            let body = Posed::new(self.model, &x.shape, &look.seen);
+            sum.cost += self.data_weight * linearize_data(&look.look.terms, &body, &mut equations);
+            sum.carry(look, &equations, self.data_weight);
+            if look.look.camera.is_none() && self.contrasts.has(look.recorded) {
+                of_contrasts.hessian.columns_mut(0, m).fill(0.0);
+                of_contrasts.gradient.rows_mut(0, m).fill(0.0);
+                sum.cost += self.contrasts.linearize(look.recorded, &body, &mut of_contrasts);
+                sum.carry(look, &of_contrasts, 1.0);
+            }
         }
-        (cost, corner)
+        sum.add_shape(&equations, self.data_weight);
+        sum.add_shape(&of_contrasts, 1.0);
+        sum
+    }
+
+    /// The residuals of every frame.
+    pub(super) fn residuals(&self, x: &SequenceState) -> Vec<Vec<PlacedResidual>> {
+        let of_look = |placed: &Placed<'_>| {
+            let body = Posed::new(self.model, &x.shape, &placed.seen);
+            let residuals = placed.look.terms.iter().flat_map(|t| t.placed_residuals(&body));
+            let source = placed.look.camera.map(Source::View);
+            let named =
+                residuals.map(|r| PlacedResidual { source: source.unwrap_or(r.source), ..r });
+            (placed.recorded, named.collect::<Vec<_>>())
+        };
+        let placed = self.placed(x);
+        let mut frames = vec![Vec::new(); x.motions.len()];
+        for (frame, residuals) in placed.par_iter().map(of_look).collect::<Vec<_>>() {
+            frames[frame].extend(residuals);
+        }
+        frames
     }
 
     /// The fit of every frame; the data's cost has weight 1.
     pub(super) fn frame_fits(&self, x: &SequenceState) -> Vec<FrameFit> {
-        let one = |(i, motion): (usize, &Motion)| {
-            let body = Posed::new(self.model, &x.shape, motion);
-            FrameFit {
-                motion: motion.clone(),
-                data: data_cost(&self.terms[i], &body),
-                pose: self.pose_prior.cost_lasting(motion, self.lasts_s(i)),
-                step: self.chain_prior.cost(&x.motions, self.seconds, i),
-                observations: observations(&self.terms[i]),
-                recovered: false,
-            }
+        let placed = self.placed(x);
+        let cost = |look: &Placed<'_>| {
+            let body = Posed::new(self.model, &x.shape, &look.seen);
+            (look.recorded, data_cost(&look.look.terms, &body))
         };
-        x.motions.par_iter().enumerate().map(one).collect()
+        let costs: Vec<(usize, f64)> = placed.par_iter().map(cost).collect();
+        let mut data = vec![0.0; x.motions.len()];
+        costs.into_iter().for_each(|(i, cost)| data[i] += cost);
+
+        let one = |(i, motion): (usize, &Motion)| FrameFit {
+            motion: motion.clone(),
+            data: data[i],
+            pose: self.pose_prior.cost_lasting(motion, self.lasts_s(i)),
+            step: self.chain_prior.cost(&x.motions, self.seconds, i),
+            observations: self.looks[i].iter().map(|look| observations(&look.terms)).sum(),
+            recovered: false,
+        };
+        x.motions.iter().enumerate().map(one).collect()
+    }
+
+    /// The priors' part of E but for the shape's: of each motion, of the steps and of the cameras.
+    fn prior_cost(&self, x: &SequenceState) -> f64 {
+        let of_frame = |(i, motion): (usize, &Motion)| {
+            self.pose_prior.cost_lasting(motion, self.lasts_s(i))
+                + self.chain_prior.cost(&x.motions, self.seconds, i)
+        };
+        let frames: f64 = x.motions.iter().enumerate().map(of_frame).sum();
+        frames + self.camera_prior.cost(&x.cameras)
     }
 }
 
@@ -110,38 +204,50 @@ impl Problem for SequencePosterior<'_> {
 
     fn empty_model(&self) -> BorderedChain {
         let layout = Layout::new(self.model);
-        let shared = layout.total() - layout.motion();
-        BorderedChain::zeros(self.terms.len(), layout.motion(), shared, self.chain_prior.reach())
+        let shared = layout.total() - layout.motion() + COMPONENTS * self.camera_prior.cameras();
+        let of_clocks = if self.camera_prior.has_clocks() { REACH } else { 0 };
+        let reach = self.chain_prior.reach().max(of_clocks);
+        BorderedChain::zeros(self.looks.len(), layout.motion(), shared, reach)
     }
 
     fn cost(&self, x: &SequenceState) -> f64 {
-        let cost = |f: FrameFit| self.data_weight * f.data + f.pose + f.step;
-        let each = self.frame_fits(x).into_iter().map(cost);
-        let contrasts =
-            |(i, motion)| self.contrasts.cost(i, &Posed::new(self.model, &x.shape, motion));
-        let contrasts: Vec<f64> = x.motions.par_iter().enumerate().map(contrasts).collect();
-        each.chain(contrasts).sum::<f64>() + self.shape_prior.cost(&x.shape)
+        let placed = self.placed(x);
+        let looks: Vec<f64> = placed.par_iter().map(|look| self.look_cost(x, look)).collect();
+        looks.into_iter().sum::<f64>() + self.prior_cost(x) + self.shape_prior.cost(&x.shape)
     }
 
     fn linearize(&self, x: &SequenceState, model: &mut BorderedChain) -> f64 {
-        // each frame by itself: data, limits and rest
-        let chunks: Vec<(f64, NormalEquations)> = model
-            .links
-            .par_chunks_mut(CHUNK)
-            .enumerate()
-            .map(|(k, links)| self.linearize_chunk(x, k * CHUNK, links))
-            .collect();
-        // what they share: the shape
-        let p = model.corner_gradient.len();
-        let mut corner = NormalEquations::zeros(p);
-        let mut cost = self.shape_prior.linearize(&x.shape, 0, &mut corner);
-        for (chunk_cost, chunk) in chunks {
-            cost += chunk_cost;
-            corner.hessian += chunk.hessian;
-            corner.gradient += chunk.gradient;
+        // what each camera shows
+        let placed = self.placed(x);
+        let chunks: Vec<_> =
+            placed.chunk_by(|a, b| a.middle() / CHUNK == b.middle() / CHUNK).collect();
+        let sums: Vec<LookSum> =
+            chunks.into_par_iter().map(|chunk| self.linearize_chunk(x, chunk)).collect();
+        let mut cost = 0.0;
+        for sum in sums {
+            cost += sum.cost;
+            sum.add_to(model);
         }
+
+        // limits and rest of each frame
+        let m = Layout::new(self.model).motion();
+        let mut equations = NormalEquations::zeros(m);
+        for (i, link) in model.links.iter_mut().enumerate() {
+            equations.hessian.fill(0.0);
+            equations.gradient.fill(0.0);
+            cost +=
+                self.pose_prior.linearize_lasting(&x.motions[i], self.lasts_s(i), &mut equations);
+            link.diagonal += &equations.hessian;
+            link.gradient += &equations.gradient;
+        }
+
+        // what they share: the shape and the cameras
+        let mut corner = NormalEquations::zeros(model.corner_gradient.len());
+        cost += self.shape_prior.linearize(&x.shape, 0, &mut corner);
+        cost += self.camera_prior.linearize(&x.cameras, x.shape.0.len(), &mut corner);
         model.corner += corner.hessian;
         model.corner_gradient += corner.gradient;
+
         // how each follows the ones before
         let steps = (0..x.motions.len())
             .map(|i| self.chain_prior.linearize(&x.motions, self.seconds, i, &mut model.links));
@@ -150,19 +256,25 @@ impl Problem for SequencePosterior<'_> {
 
     fn retract(&self, x: &SequenceState, delta: &DVector<f64>) -> SequenceState {
         let layout = Layout::new(self.model);
-        let m = layout.motion();
+        let (m, p) = (layout.motion(), x.shape.0.len());
         let motion = |(i, motion): (usize, &Motion)| {
             layout.retract_motion(motion, &delta.rows(i * m, m).into_owned())
         };
+        let shared = delta.rows_range(x.motions.len() * m..);
+        let camera = |(c, camera): (usize, &CameraOffset)| {
+            let step = shared.fixed_rows::<COMPONENTS>(p + COMPONENTS * c).into_owned();
+            camera.retract(&step)
+        };
         SequenceState {
-            shape: Shape(&x.shape.0 + delta.rows(x.motions.len() * m, x.shape.0.len())),
+            shape: Shape(&x.shape.0 + shared.rows(0, p)),
             motions: x.motions.iter().enumerate().map(motion).collect(),
+            cameras: x.cameras.iter().enumerate().map(camera).collect(),
         }
     }
 }
 
 impl std::fmt::Debug for SequencePosterior<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "SequencePosterior({}, {} frames)", self.model.name, self.terms.len())
+        write!(f, "SequencePosterior({}, {} frames)", self.model.name, self.looks.len())
     }
 }

@@ -1,47 +1,56 @@
 //! The most probable shape and motion: the joint optimum that is reached from the winner of Algorithm 1.
 
-use nalgebra::Vector2;
-
-use super::aim::{AimedOptimum, JointStage};
+use super::camera_found::CameraFound;
+use super::joint_stage::JointStage;
 use super::measures::Measures;
 use super::{EstimateOptions, Progress};
 use crate::body::{BodyModel, Layout, Motion, Shape};
 use crate::camera::Rig;
 use crate::inference::SequenceState;
+use crate::inference::camera_offset::{CameraOffset, CameraPrior};
 use crate::inference::covariance::Uncertainty;
 use crate::inference::frame::FrameFit;
+use crate::inference::joint::JointOptimum;
 use crate::inference::noise::Noise;
 use crate::inference::search::Trial;
 use crate::inference::step::between;
 use crate::inference::{Evidence, Sequence};
 use crate::likelihood::Measure;
 
-/// The joint optimum, or the winner where none is asked for, and what it was compared by.
-pub(super) fn estimate(
-    evidence: &Evidence<'_>,
-    sequence: Sequence<'_>,
-    winner: &Trial,
-    measures: Measures,
-    options: &EstimateOptions,
-    progress: &dyn Progress,
-) -> (Estimate, Measure) {
-    let Evidence { model, rig, .. } = *evidence;
-    let Some(joint) = &options.joint else {
-        return (Estimate::tracked(winner, rig), measures.search);
-    };
+/// What the last stage of a fit is given.
+pub(super) struct LastStage<'a> {
+    /// The body before the cameras as they are calibrated.
+    pub(super) evidence: &'a Evidence<'a>,
+    pub(super) sequence: Sequence<'a>,
+    pub(super) measures: Measures,
+    pub(super) options: &'a EstimateOptions,
+    /// By how many frames the pictures of each camera seem ahead.
+    pub(super) ahead_frames: &'a [isize],
+    pub(super) progress: &'a dyn Progress,
+}
 
-    let stage = JointStage {
-        model,
-        calibrated: rig,
-        likelihood: options.likelihood,
-        measure: measures.joint,
-        sequence,
-        options: joint,
-        aim: options.aim && sequence.frames.iter().all(|frame| frame.points.is_empty()),
-        progress,
-    };
-    let aimed = stage.run(&state_of(model, sequence, winner));
-    (Estimate::joint(aimed, winner), measures.joint)
+impl LastStage<'_> {
+    /// The joint optimum, or the winner where none is asked for, and what it was compared by.
+    pub(super) fn run(&self, winner: &Trial) -> (Estimate, Measure) {
+        let Evidence { model, rig, .. } = *self.evidence;
+        let Some(joint) = &self.options.joint else {
+            return (Estimate::tracked(winner, rig), self.measures.search);
+        };
+
+        let measure = self.measures.joint;
+        let stage = JointStage {
+            model,
+            calibrated: rig,
+            measure,
+            sequence: self.sequence,
+            options: self.options,
+            joint,
+            ahead_frames: self.ahead_frames,
+            progress: self.progress,
+        };
+        let (optimum, camera_prior) = stage.run(state_of(model, self.sequence, winner));
+        (Estimate::joint(optimum, &camera_prior, rig, winner), measure)
+    }
 }
 
 /// The most probable shape and motion, of the last stage.
@@ -50,8 +59,10 @@ pub(super) struct Estimate {
     pub(super) frames: Vec<FrameFit>,
     pub(super) noise: Option<Noise>,
     pub(super) uncertainty: Option<Uncertainty>,
+    /// The cameras where they were found to be.
     pub(super) rig: Rig,
-    pub(super) aims_px: Vec<Vector2<f64>>,
+    /// By how much each is off.
+    pub(super) cameras: Vec<CameraFound>,
 }
 
 impl Estimate {
@@ -68,13 +79,24 @@ impl Estimate {
             noise: None,
             uncertainty: None,
             rig: rig.clone(),
-            aims_px: vec![Vector2::zeros(); rig.cameras.len()],
+            cameras: vec![CameraFound::default(); rig.cameras.len()],
         }
     }
 
     /// The joint optimum that is reached from the winner.
-    fn joint(aimed: AimedOptimum, winner: &Trial) -> Self {
-        let AimedOptimum { joint, rig, aims_px } = aimed;
+    fn joint(
+        joint: JointOptimum,
+        camera_prior: &CameraPrior,
+        calibrated: &Rig,
+        winner: &Trial,
+    ) -> Self {
+        let found = |camera: usize| {
+            let sd = joint.uncertainty.as_ref().and_then(|u| u.cameras.get(camera));
+            let offset = joint.cameras.get(camera);
+            let found = |offset| CameraFound::new(offset, camera_prior.free(camera), sd);
+            offset.map(found).unwrap_or_default()
+        };
+        let cameras: Vec<CameraFound> = (0..calibrated.cameras.len()).map(found).collect();
 
         // what Algorithm 1 had to search anew is still told
         let frames = joint.frames.into_iter().zip(winner.frames.iter().flatten());
@@ -84,8 +106,8 @@ impl Estimate {
             frames: frames.collect(),
             noise: Some(joint.noise),
             uncertainty: joint.uncertainty,
-            rig,
-            aims_px,
+            rig: CameraOffset::applied(calibrated, cameras.iter().map(CameraFound::offset)),
+            cameras,
         }
     }
 }
@@ -104,5 +126,5 @@ fn state_of(model: &BodyModel, sequence: Sequence<'_>, winner: &Trial) -> Sequen
             motions[i] = between(Layout::new(model), &motions[from], &motions[to], part);
         }
     }
-    SequenceState { shape: winner.hypothesis.shape.clone(), motions }
+    SequenceState::new(winner.hypothesis.shape.clone(), motions)
 }

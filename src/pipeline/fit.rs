@@ -3,26 +3,26 @@
 use rayon::prelude::*;
 
 use super::ambiguity::{facing_warning, outline_warnings, scale_warning};
-use super::diagnosis::{Diagnosis, lost_frames};
-use super::estimate::{Estimate, estimate};
+use super::diagnosis::{CameraFaults, Diagnosis, lost_frames};
+use super::estimate::{Estimate, LastStage};
 use super::fitted::{FittedFrame, TriedHypothesis};
 use super::measures::Measures;
 use super::points;
-use super::quality::{self, CameraQuality, ViewQuality};
+use super::quality::{self, CameraQuality};
 use super::unseen::{self, prior_angles_sd};
 use super::warning::warnings;
 use super::watch::WatchedJournal;
 use super::{EstimateOptions, FitError, NoProgress, Progress, Verdict, Warning, check_scene};
-use crate::body::{BodyModel, Motion, Posed, Shape};
-use crate::camera::Rig;
+use crate::body::{BodyModel, Layout, Motion, Posed, Shape};
+use crate::camera::{CameraId, Rig};
 use crate::inference::chain::ChainPrior;
 use crate::inference::covariance::ShapeUncertainty;
 use crate::inference::frame::FrameFit;
 use crate::inference::joint::JointOptions;
 use crate::inference::noise::Noise;
-use crate::inference::search::{Journal, Trial, search};
+use crate::inference::search::{Journal, Search, Trial, search};
 use crate::inference::{Evidence, Sequence, ShapeConfidence};
-use crate::silhouette::FrameObservations;
+use crate::silhouette::{FrameObservations, Silhouette};
 
 /// The most probable shape and motion, what else was tried, and how good and how sure they are.
 #[derive(Debug, Clone)]
@@ -100,59 +100,58 @@ fn stages(
     options: &EstimateOptions,
     journal: &WatchedJournal<'_>,
 ) -> Result<Fit, FitError> {
-    let progress = journal.progress;
-    let observations = sequence.frames;
-
     // 1. do cameras and masks agree
-    let mut notes = check_scene(model, rig, observations)?;
+    let mut notes = check_scene(model, rig, sequence.frames)?;
 
-    // 2. Algorithm 1
-    let measures = match observations.iter().any(|frame| frame.views.len() >= 2) {
-        true => Measures::choose(model, options.measure)?,
-        false => Measures::choose_for_points(model, options.measure)?,
-    };
+    // 2. Algorithm 1, before the cameras that agree
+    let measures = measures(model, sequence.frames, options)?;
     let coarse = Evidence::new(model, rig, options.likelihood, measures.search);
-    let found = search(&coarse, sequence, &options.search, journal);
-    progress.end();
-    let found = found.ok_or(FitError::NoHypothesis { frames: observations.len() })?;
+    let faults = CameraFaults::of(rig, sequence.frames);
+    let found = searched(&coarse, &faults, sequence, options, journal)?;
 
-    // 3. the joint optimum, from its winner, and where the cameras look
-    let winner = &found.trials[found.winner];
+    // 3. the joint optimum, from its winner, and where and when the cameras are
     let body = if options.joint.is_some() { model.detailed() } else { model.clone() };
     let detailed = Evidence::new(&body, rig, options.likelihood, measures.search);
-    let (estimate, measure) = estimate(&detailed, sequence, winner, measures, options, progress);
+    let (estimate, measure) = LastStage {
+        evidence: &detailed,
+        sequence,
+        measures,
+        options,
+        ahead_frames: &faults.ahead_frames(),
+        progress: journal.progress,
+    }
+    .run(&found.trials[found.winner]);
     let looked_at = Evidence::new(&body, &estimate.rig, options.likelihood, measure);
 
     // 4. how far the keyframes agree
-    progress.begin("checks", 1);
+    journal.progress.begin("checks", 1);
     let sizes = estimate.shape.first(model.coefficients.len());
     let lengths_m = body.rest_lengths_m(&estimate.shape);
     let (trials, epsilons) = (&found.trials, &options.confidence);
     let confidence = ShapeConfidence::from_trials(model, trials, &sizes, &lengths_m, epsilons);
 
     // 5. how well the body covers the masks
-    let frames = fitted_frames(&looked_at, observations, &estimate);
-    let views: Vec<&[ViewQuality]> = frames.iter().map(|f| f.views.as_slice()).collect();
-    let cameras = quality::camera_qualities(&estimate.rig, &views, &estimate.aims_px);
-    let hypotheses = all_tried(&coarse, observations, found.trials);
+    let frames = fitted_frames(&looked_at, sequence, &estimate);
+    let cameras = quality::camera_qualities(&estimate.rig, &frames, &estimate.cameras);
+    let hypotheses = all_tried(&coarse, sequence.frames, found.trials);
 
     // 6. what it is worth, and what a person should know of it
-    let diagnosis = Diagnosis {
+    let verdict = Diagnosis {
         evidence: &coarse,
-        observations,
+        faults: &faults,
+        observations: sequence.frames,
         fps: sequence.fps,
         shape: &sizes,
         uncertainty: estimate.uncertainty.as_ref().map(|u| &u.shape),
         height_m: options.height_m,
         frames: &frames,
         cameras: &cameras,
-    };
-    let verdict = diagnosis.verdict();
+    }
+    .verdict();
     notes.extend(facing_warning(&coarse, &hypotheses, found.winner, estimate.data_weight()));
-    notes.extend(outline_warnings(&coarse, observations, &sizes, &frames));
+    notes.extend(outline_warnings(&coarse, sequence.frames, &sizes, &frames));
     notes.extend(scale_warning(model, &sizes, options.height_m));
-    notes.extend(warnings(rig, observations, &frames, &cameras, &confidence));
-    notes.extend(points::warnings(&frames, observations));
+    notes.extend(warnings(rig, sequence.frames, &frames, &cameras, &confidence));
     notes.extend(options.joint.and_then(|joint| unseen(model, sequence, &frames, &joint)));
     notes.retain(|warning| verdict.causes.is_empty() || !warning.is_symptom());
 
@@ -171,11 +170,21 @@ fn stages(
         cameras,
         warnings: notes,
     };
-    progress.step();
+    journal.progress.step();
     Ok(fit.without_false_certainty())
 }
 
 impl Fit {
+    /// The motion that each camera shows in each frame of a recording at `fps`, by its own clock.
+    pub fn shown(&self, fps: f64) -> impl Fn(usize, CameraId) -> Motion + Sync {
+        let motions: Vec<Motion> = self.frames.iter().map(|f| f.fit.motion.clone()).collect();
+        let first = self.frames.first().map_or(0, |f| f.frame.0);
+        let times_s: Vec<f64> =
+            self.frames.iter().map(|f| (f.frame.0 - first) as f64 / fps).collect();
+        let layout = Layout::new(&self.model);
+        move |i, id| self.cameras[id.0].found.shown(layout, &motions, &times_s, i)
+    }
+
     /// Withholds the standard deviations and confidences of a fit that cannot be used, and of frames that are lost: they speak of
     /// an optimum that is not the person.
     fn without_false_certainty(mut self) -> Self {
@@ -185,10 +194,40 @@ impl Fit {
         if !self.verdict.is_usable() {
             self.uncertainty = None;
             self.frames.iter_mut().for_each(|frame| frame.uncertainty = None);
+            self.cameras.iter_mut().for_each(|camera| camera.found.withhold());
             self.confidence.withhold();
         }
         self
     }
+}
+
+/// What the observations are compared with.
+fn measures(
+    model: &BodyModel,
+    observations: &[FrameObservations],
+    options: &EstimateOptions,
+) -> Result<Measures, FitError> {
+    match observations.iter().any(|frame| frame.views.len() >= 2) {
+        true => Measures::choose(model, options.measure),
+        false => Measures::choose_for_points(model, options.measure),
+    }
+}
+
+/// Algorithm 1. Where the joint optimum finds out where and when the cameras are, those that disagree are left out or moved in time
+/// until then.
+fn searched(
+    evidence: &Evidence<'_>,
+    faults: &CameraFaults,
+    sequence: Sequence<'_>,
+    options: &EstimateOptions,
+    journal: &WatchedJournal<'_>,
+) -> Result<Search, FitError> {
+    let is_joint = options.joint.is_some();
+    let agreeing = is_joint.then(|| faults.agreeing(sequence.frames, options.free())).flatten();
+    let agreeing = Sequence { frames: agreeing.as_deref().unwrap_or(sequence.frames), ..sequence };
+    let found = search(evidence, agreeing, &options.search, journal);
+    journal.progress.end();
+    found.ok_or(FitError::NoHypothesis { frames: sequence.frames.len() })
 }
 
 /// What nothing sees of the body, by how much less sure the priors alone would be.
@@ -206,22 +245,29 @@ fn unseen(
 
 fn fitted_frames(
     evidence: &Evidence<'_>,
-    observations: &[FrameObservations],
+    sequence: Sequence<'_>,
     estimate: &Estimate,
 ) -> Vec<FittedFrame> {
+    let (layout, times_s) = (Layout::new(evidence.model), sequence.times_s());
+    let motions: Vec<Motion> = estimate.frames.iter().map(|fit| fit.motion.clone()).collect();
+    let posed = |motion: &Motion| Posed::new(evidence.model, &estimate.shape, motion);
     let fitted = |(i, (observed, fit)): (usize, (&FrameObservations, &FrameFit))| {
-        let body = Posed::new(evidence.model, &estimate.shape, &fit.motion);
+        let body = posed(&fit.motion);
+        let shown = |(id, _): &(CameraId, Silhouette)| {
+            posed(&estimate.cameras[id.0].shown(layout, &motions, &times_s, i))
+        };
+        let bodies: Vec<Posed<'_>> = observed.views.iter().map(shown).collect();
         FittedFrame {
             frame: observed.frame,
             points_world: body.points(),
-            views: quality::view_qualities(evidence, observed, &body),
+            views: quality::view_qualities(evidence, observed, &bodies),
             points: points::point_quality(evidence, observed, &body),
             uncertainty: estimate.uncertainty.as_ref().map(|u| u.frames[i].clone()),
             fit: fit.clone(),
         }
     };
 
-    let frames = observations.par_iter().zip(&estimate.frames);
+    let frames = sequence.frames.par_iter().zip(&estimate.frames);
     frames.enumerate().map(fitted).collect()
 }
 

@@ -4,13 +4,13 @@
 //! |-------------------------------------|------------------------------------|
 //! | 1. do cameras and masks agree       | [`check_scene`]                    |
 //! | 2. Algorithm 1                      | [`crate::inference::search`]       |
-//! | 3. the joint optimum, and where the cameras look | [`crate::inference::joint`], [`crate::inference::aim`] |
+//! | 3. the joint optimum, and where the cameras look | [`crate::inference::joint`], [`crate::inference::camera_offset`] |
 //! | 4. how far the keyframes agree      | [`crate::inference::ShapeConfidence`] |
 //! | 5. how well the body covers the masks, and lies on the points | [`ViewQuality`], [`CameraQuality`], [`PointQuality`] |
 //! | 6. what a person should know of it  | [`Warning`]                        |
 
-mod aim;
 mod ambiguity;
+mod camera_found;
 mod counted;
 mod diagnosis;
 mod estimate;
@@ -19,6 +19,7 @@ mod fit_error;
 mod fitted;
 mod frame_range;
 mod hidden;
+mod joint_stage;
 mod measures;
 mod memory;
 mod movement;
@@ -39,6 +40,7 @@ mod watch;
 
 pub use crate::inference::covariance::ShapeUncertainty;
 pub use ambiguity::facing_log_odds;
+pub use camera_found::{CameraFound, ClockFound, PoseFound};
 pub use counted::counted;
 pub use diagnosis::{Cause, HeadAxis, Reason, Verdict};
 pub use fit::{Fit, fit, fit_watched};
@@ -49,7 +51,7 @@ pub use measures::check_measure;
 pub(crate) use measures::fits_points;
 pub use memory::MemoryPictures;
 pub use movement::{FittedBody, FittedMotion, FittedPoint, FramePose, FrameSd};
-pub use options::{EstimateOptions, FitTo, ObservationOptions};
+pub use options::{Cameras, Clocks, EstimateOptions, FitTo, ObservationOptions};
 pub use points::PointQuality;
 pub use progress::{NoProgress, Progress};
 pub use quality::{CameraQuality, ViewQuality};

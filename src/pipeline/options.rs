@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::inference::ConfidenceOptions;
+use crate::inference::camera_offset::Free;
 use crate::inference::joint::JointOptions;
 use crate::inference::search::SearchOptions;
 use crate::likelihood::{LikelihoodOptions, Measure};
@@ -32,9 +33,11 @@ pub struct EstimateOptions {
     pub search: SearchOptions,
     /// The joint optimum; none: the winner of Algorithm 1 as it was tracked.
     pub joint: Option<JointOptions>,
-    /// Whether cameras may look a little elsewhere than their calibration says; only with the joint optimum, and without points,
+    /// Whether cameras may be a little elsewhere than their calibration says; only with the joint optimum, and without points,
     /// which were measured with the calibration.
-    pub aim: bool,
+    pub cameras: Cameras,
+    /// Whether their clocks may be off; as for `cameras`.
+    pub clocks: Clocks,
     /// ε of the confidence.
     pub confidence: ConfidenceOptions,
     /// The person's height without shoes, metres, where it is known. It changes nothing of the estimate: the verdict tests the
@@ -50,11 +53,34 @@ impl Default for EstimateOptions {
             measure: None,
             search: SearchOptions::default(),
             joint: Some(JointOptions::default()),
-            aim: true,
+            cameras: Cameras::default(),
+            clocks: Clocks::default(),
             confidence: ConfidenceOptions::default(),
             height_m: None,
         }
     }
+}
+
+/// Where the cameras are.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Cameras {
+    /// Where their calibration says.
+    Trust,
+    /// About there: turns and displacements are estimated.
+    #[default]
+    Refine,
+}
+
+/// When the cameras took their pictures.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Clocks {
+    /// All at once.
+    Trust,
+    /// By clocks that may be off: offsets are estimated.
+    #[default]
+    Estimate,
 }
 
 /// Which of the observations are fitted to.
@@ -106,6 +132,11 @@ impl EstimateOptions {
             Some((name, value, least, most)) => Err(InvalidOption { name, value, least, most }),
             None => Ok(()),
         }
+    }
+
+    /// What of the cameras is estimated.
+    pub(super) fn free(&self) -> Free {
+        Free { pose: self.cameras == Cameras::Refine, clock: self.clocks == Clocks::Estimate }
     }
 
     fn ranges_of_likelihood(&self) -> [Range; 6] {

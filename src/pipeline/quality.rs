@@ -1,15 +1,15 @@
 //! How well the fitted body covers what the cameras saw.
 
-use nalgebra::Vector2;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::camera_found::CameraFound;
+use super::fitted::FittedFrame;
 use super::overlap::iou;
 use crate::body::{Posed, Shape};
 use crate::camera::{Camera, CameraId, Rig};
 use crate::inference::frame::FrameFit;
-use crate::inference::{Detail, Evidence};
-use crate::likelihood::{PlacedResidual, Source};
+use crate::inference::{Detail, Evidence, Terms};
 use crate::math::stats::{mean, median};
 use crate::silhouette::{FrameIndex, FrameObservations, Silhouette};
 
@@ -45,10 +45,9 @@ pub struct CameraQuality {
     pub median_px: Option<f64>,
     /// Root mean square over all border points, px.
     pub rms_px: Option<f64>,
-    /// How far everything in its pictures lies to the right of and below where its calibration puts it, undistorted px;
-    /// 0 if that was not estimated, and in results of older versions.
+    /// By how much it was found to be off.
     #[serde(default)]
-    pub aim_px: Vector2<f64>,
+    pub found: CameraFound,
 }
 
 impl ViewQuality {
@@ -71,27 +70,24 @@ impl ViewQuality {
     }
 }
 
-/// The quality of every view of one frame, in the order of its views.
+/// The quality of every view of one frame, in the order of its views; `bodies` are as each of them shows the body.
 pub(super) fn view_qualities(
     evidence: &Evidence<'_>,
     frame: &FrameObservations,
-    body: &Posed<'_>,
+    bodies: &[Posed<'_>],
 ) -> Vec<ViewQuality> {
-    let terms = evidence.terms(frame, Detail::Fine);
-    let is_of_view = |r: &PlacedResidual| matches!(r.source, Source::View(_));
-    // a border point is measured once: by the last term that looks at borders, the finest
-    let each = terms.iter().rev().map(|t| t.placed_residuals(body));
-    let of_views = each.map(|all| all.into_iter().filter(is_of_view).collect::<Vec<_>>());
-    let residuals = of_views.into_iter().find(|all| !all.is_empty()).unwrap_or_default();
-
-    let quality = |(view, (id, silhouette)): (usize, &(CameraId, Silhouette))| {
-        let camera = &evidence.rig.cameras[id.0];
-        let iou = iou(camera, silhouette, body, evidence.measure);
-        let of_view = residuals.iter().filter(|r| r.source == Source::View(view));
-        let distances_px = of_view.map(|r| (r.value * r.sigma).abs()).collect();
-        ViewQuality::new(frame.frame, &camera.name, iou, distances_px)
-    };
-    frame.views.iter().enumerate().map(quality).collect()
+    let views = evidence.view_terms(frame, Detail::Fine);
+    let quality =
+        |((id, silhouette), (terms, body)): (&(CameraId, Silhouette), (Terms<'_>, &Posed<'_>))| {
+            let camera = &evidence.rig.cameras[id.0];
+            let iou = iou(camera, silhouette, body, evidence.measure);
+            // a border point is measured once: by the last term that looks at borders, the finest
+            let each = terms.iter().rev().map(|t| t.placed_residuals(body));
+            let residuals = each.into_iter().find(|all| !all.is_empty()).unwrap_or_default();
+            let distances_px = residuals.iter().map(|r| (r.value * r.sigma).abs()).collect();
+            ViewQuality::new(frame.frame, &camera.name, iou, distances_px)
+        };
+    frame.views.iter().zip(views.into_iter().zip(bodies)).map(quality).collect()
 }
 
 /// Most frames whose overlap is looked at for a hypothesis.
@@ -128,13 +124,13 @@ pub(super) fn sampled_iou(
 /// Each camera over all frames.
 pub(super) fn camera_qualities(
     rig: &Rig,
-    frames: &[&[ViewQuality]],
-    aims_px: &[Vector2<f64>],
+    frames: &[FittedFrame],
+    found: &[CameraFound],
 ) -> Vec<CameraQuality> {
-    let of = |(camera, aim_px): (&Camera, &Vector2<f64>)| {
+    let of = |(camera, found): (&Camera, &CameraFound)| {
         let views: Vec<&ViewQuality> = frames
             .iter()
-            .flat_map(|frame| frame.iter().filter(|view| view.camera == camera.name))
+            .flat_map(|frame| frame.views.iter().filter(|view| view.camera == camera.name))
             .collect();
         let points: usize = views.iter().map(|v| v.points).sum();
         let square = |v: &&ViewQuality| Some(v.points as f64 * v.rms_px?.powi(2));
@@ -147,8 +143,8 @@ pub(super) fn camera_qualities(
             mean_iou: mean(overlaps).unwrap_or(0.0),
             median_px: median(&mut views.iter().filter_map(|v| v.median_px).collect()),
             rms_px: (points > 0).then(|| (squares / points as f64).sqrt()),
-            aim_px: *aim_px,
+            found: *found,
         }
     };
-    rig.cameras.iter().zip(aims_px).map(of).collect()
+    rig.cameras.iter().zip(found).map(of).collect()
 }

@@ -2,9 +2,8 @@
 
 use std::fmt;
 
-use super::aim::LEAST_PX;
 use super::diagnosis::lost_frames;
-use super::{CameraQuality, FittedFrame};
+use super::{CameraQuality, FittedFrame, points};
 use crate::camera::{Camera, CameraId, Rig};
 use crate::inference::ShapeConfidence;
 use crate::inference::search::ENOUGH_KEYFRAMES;
@@ -19,13 +18,6 @@ pub enum Warning {
     OddCamera {
         /// Its name.
         camera: String,
-    },
-    /// A camera that shows everything elsewhere than its calibration says.
-    Aim {
-        /// Its name.
-        camera: String,
-        /// By how much, to the right and down, px.
-        px: [f64; 2],
     },
     /// A camera that the body covers worse than the others.
     WeakCamera {
@@ -148,7 +140,7 @@ const WEAK_BY: f64 = 0.08;
 impl Warning {
     /// Whether this follows where something is wrong with the recording, and says nothing beside the cause.
     pub(super) fn is_symptom(&self) -> bool {
-        matches!(self, Self::OddCamera { .. } | Self::Aim { .. } | Self::WeakCamera { .. })
+        matches!(self, Self::OddCamera { .. } | Self::WeakCamera { .. })
     }
 }
 
@@ -160,8 +152,7 @@ pub(super) fn warnings(
     cameras: &[CameraQuality],
     confidence: &ShapeConfidence,
 ) -> Vec<Warning> {
-    let mut warnings = aim_warnings(cameras);
-    warnings.extend(overlap_warnings(frames, cameras));
+    let mut warnings = overlap_warnings(frames, cameras);
 
     let those = |is: &dyn Fn(&&FittedFrame) -> bool| {
         Frames(frames.iter().filter(is).map(|f| f.frame).collect())
@@ -179,19 +170,12 @@ pub(super) fn warnings(
     }
 
     warnings.extend(rejection_warnings(rig, observations));
+    warnings.extend(points::warnings(frames, observations));
     let keyframes = confidence.keyframes();
     if keyframes < ENOUGH_KEYFRAMES {
         warnings.push(Warning::FewKeyframes { keyframes });
     }
     warnings
-}
-
-/// The cameras that look elsewhere; what a turn would not have moved either is nothing to calibrate for.
-fn aim_warnings(cameras: &[CameraQuality]) -> Vec<Warning> {
-    let elsewhere = cameras.iter().filter(|c| c.aim_px.norm() >= LEAST_PX);
-    let warning =
-        |c: &CameraQuality| Warning::Aim { camera: c.camera.clone(), px: c.aim_px.into() };
-    elsewhere.map(warning).collect()
 }
 
 fn overlap_warnings(frames: &[FittedFrame], cameras: &[CameraQuality]) -> Vec<Warning> {
@@ -236,8 +220,6 @@ fn rejection_warnings(rig: &Rig, observations: &[FrameObservations]) -> Vec<Warn
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::Vector2;
-
     use super::*;
 
     #[test]
@@ -248,21 +230,6 @@ mod tests {
         assert_eq!(of(&[3, 4, 5, 9, 11, 12]), "3–5, 9, 11, 12");
         assert_eq!(of(&[0, 2, 4, 6, 8, 10, 12]), "0, 2, 4, 6, 8, 10, …");
         assert_eq!(of(&[]), "");
-    }
-
-    #[test]
-    fn a_camera_that_looks_elsewhere_by_less_than_a_pixel_is_not_to_be_calibrated_again() {
-        let looks = |(camera, right_px): (&str, f64)| CameraQuality {
-            camera: camera.into(),
-            frames: 1,
-            mean_iou: 1.0,
-            median_px: None,
-            rms_px: None,
-            aim_px: Vector2::new(right_px, 0.0),
-        };
-        let cameras = [("left", 0.9), ("right", -1.1), ("front", 0.0)].map(looks);
-        let expected = Warning::Aim { camera: "right".into(), px: [-1.1, 0.0] };
-        assert_eq!(aim_warnings(&cameras), [expected]);
     }
 
     #[test]

@@ -12,12 +12,6 @@ impl fmt::Display for Warning {
                 f,
                 "{camera} sees the person in another place than the other cameras do: check its calibration, unit and up, and offset_frames"
             ),
-            Self::Aim { camera, px: [right, down] } => write!(
-                f,
-                "{camera} points away from where its calibration says: everything in it lies {} and {}. The fit takes this into account; calibrate the camera again (--aim off: trust the calibration)",
-                way(*right, "to the right", "to the left"),
-                way(*down, "lower", "higher"),
-            ),
             Self::WeakCamera { camera, iou, others_iou } => write!(
                 f,
                 "{camera} overlaps the body by {iou:.2}, the other cameras by {others_iou:.2}: check its calibration and its masks"
@@ -114,12 +108,6 @@ fn shares(limbs: &[(String, f64)]) -> String {
     let each =
         limbs.iter().map(|(tip, share)| format!("{tip} ({:.0} % of the frames)", 100.0 * share));
     each.collect::<Vec<_>>().join(", ")
-}
-
-/// `3.1 px to the right`.
-fn way(px: f64, positive: &str, negative: &str) -> String {
-    let to = if px < 0.0 { negative } else { positive };
-    format!("{:.1} px {to}", px.abs())
 }
 
 /// How many frames, and which.

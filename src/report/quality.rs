@@ -13,7 +13,7 @@ use crate::io::result::{
     ResultFile, ShapePart,
 };
 use crate::math::stats::mean;
-use crate::pipeline::CameraQuality;
+use crate::pipeline::{CameraFound, CameraQuality, PoseFound};
 use crate::silhouette::FrameIndex;
 
 /// Most hypotheses that are listed.
@@ -37,6 +37,7 @@ fn fit_quality(result: &ResultFile) -> Markup {
     html! {
         h3 { "Cameras" }
         (camera_table(&result.quality.cameras))
+        (found_table(&result.quality.cameras, result.recording.fps))
         h3 { "Overlap over time" }
         (overlap_chart(result))
         h3 { "Missing" }
@@ -72,6 +73,45 @@ fn camera_table(cameras: &[CameraQuality]) -> Markup {
             "Overlap: intersection over union of the recorded outline and the fitted body; 1 is perfect. "
             "A camera far below the others may have a wrong calibration or bad masks."
         }
+    }
+}
+
+/// Where and when the cameras were found to be; nothing where they were trusted.
+fn found_table(cameras: &[CameraQuality], fps: f64) -> Markup {
+    let all = cameras.iter().filter(|c| c.found != CameraFound::default());
+    let all: Vec<&CameraQuality> = all.collect();
+    let pose = |c: &CameraQuality, of: fn(&PoseFound) -> (f64, f64)| c.found.pose.as_ref().map(of);
+    html! {
+        @if !all.is_empty() {
+            h3 { "Where and when the cameras were" }
+            table class="numbers" {
+                thead { tr {
+                    th scope="col" { "Camera" } th scope="col" { "Turned, °" } th scope="col" { "Displaced, mm" }
+                    th scope="col" { "Late, frames" }
+                } }
+                tbody { @for camera in all { tr {
+                    th scope="row" { (camera.camera) }
+                    td { (off(pose(camera, PoseFound::turn), 1.0, 2)) }
+                    td { (off(pose(camera, PoseFound::displacement), 1e3, 1)) }
+                    td { (off(camera.found.clock.map(|clock| clock.late_frames(fps)), 1.0, 2)) }
+                } } }
+            }
+            p class="note" {
+                "By how much each camera is off its calibration and its clock, ± one standard deviation, relative to the rig: what all "
+                "cameras have in common does not show. The fit takes it into account. –: not estimated, and taken as calibrated."
+            }
+        }
+    }
+}
+
+/// A size and its standard deviation, in another unit; a standard deviation of 0 was withheld.
+fn off(found: Option<(f64, f64)>, unit: f64, digits: usize) -> String {
+    match found {
+        None => "–".into(),
+        Some((size, sd)) if sd > 0.0 => {
+            format!("{} ± {:.digits$}", number(Some(unit * size), digits), unit * sd)
+        }
+        Some((size, _)) => number(Some(unit * size), digits),
     }
 }
 

@@ -75,7 +75,7 @@ impl GaitStudy {
         let (mut files, footage) = fitted_files(self.result.as_ref(), &recording, shown.out)?;
         if let Some(result) = &self.result {
             files.check(&result.inputs)?;
-            files.rig = files.rig.aimed(&result.aims_px(&files.rig));
+            files.rig = result.rig(&files.rig);
         }
 
         let cameras = self.outlines(&files, shown.progress)?;

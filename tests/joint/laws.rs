@@ -6,19 +6,19 @@
 use std::fmt::Display;
 
 use maquette::body::{BodyModel, Layout, Motion, PartId, Posed, Shape};
-use maquette::inference::Detail;
-use maquette::inference::SequenceState;
+use maquette::inference::camera_offset::{CameraOffset, CameraPrior, Free};
 use maquette::inference::chain::{ChainPrior, SWING_HZ};
 use maquette::inference::contrasts::{Contrasts, Leverages};
 use maquette::inference::prior::{PosePrior, ShapePrior};
 use maquette::inference::sequence_posterior::SequencePosterior;
 use maquette::inference::step::MotionModel;
-use maquette::likelihood::{Measure, Term};
+use maquette::inference::{Detail, Look, SequenceState};
+use maquette::likelihood::Measure;
 use maquette::math::central_differences;
 use maquette::solver::{BorderedChain, Problem, QuadraticModel, check_linearization};
-use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
+use nalgebra::{DMatrix, DVector, Rotation3, UnitQuaternion, Vector3};
 
-use crate::scene::Scene;
+use crate::scene::{FPS, Scene};
 
 const MODELS: [MotionModel; 2] = [MotionModel::ConstantPosition, MotionModel::ConstantVelocity];
 /// Unequal, as where frames are missing; the first is not read.
@@ -31,39 +31,56 @@ struct Posterior<'a> {
     shape_prior: ShapePrior,
     pose_prior: PosePrior,
     chain_prior: ChainPrior,
-    terms: Vec<Vec<Box<dyn Term + 'a>>>,
+    looks: Vec<Vec<Look<'a>>>,
+    camera_prior: CameraPrior,
     contrasts: Contrasts,
 }
 
 impl<'a> Posterior<'a> {
     fn new(scene: &'a Scene, motion_model: MotionModel, measure: Measure) -> Self {
         let evidence = scene.evidence(measure);
-        let terms = |f| evidence.terms(f, Detail::Coarse);
+        let look = |f| vec![Look::of_all(evidence.terms(f, Detail::Coarse))];
         Self {
             shape_prior: ShapePrior::new(&scene.model),
             pose_prior: PosePrior::new(&scene.model),
             chain_prior: ChainPrior::new(&scene.model, motion_model),
-            terms: scene.frames.iter().map(terms).collect(),
+            looks: scene.frames.iter().map(look).collect(),
+            camera_prior: CameraPrior::trusting(),
             contrasts: Contrasts::none(scene.frames.len()),
             scene,
         }
     }
 
+    /// Before cameras whose places and clocks are unknown.
+    fn before_unknown_cameras(scene: &'a Scene, measure: Measure) -> Self {
+        let free = Free { pose: true, clock: true };
+        let camera_prior = CameraPrior::new(&scene.rig, &scene.truth, free, 1.0 / FPS);
+        let terms = scene.evidence(measure).sequence_terms(scene.sequence(), camera_prior);
+        let (looks, camera_prior) = (terms.thinned, terms.camera_prior);
+        Self { looks, camera_prior, ..Self::new(scene, MODELS[1], measure) }
+    }
+
     /// Of the priors alone.
     fn blind(scene: &'a Scene, motion_model: MotionModel) -> Self {
         let mut blind = Self::new(scene, motion_model, Measure::Metaballs);
-        blind.terms.iter_mut().for_each(Vec::clear);
+        blind.looks.iter_mut().for_each(Vec::clear);
         blind
     }
 
-    fn problem(&self) -> SequencePosterior<'_> {
+    fn looks(&self) -> Vec<Vec<&Look<'_>>> {
+        self.looks.iter().map(|frame| frame.iter().collect()).collect()
+    }
+
+    fn problem<'b>(&'b self, looks: &'b [Vec<&'b Look<'b>>]) -> SequencePosterior<'b> {
         SequencePosterior {
             model: &self.scene.model,
+            rig: &self.scene.rig,
+            camera_prior: &self.camera_prior,
             shape_prior: &self.shape_prior,
             pose_prior: &self.pose_prior,
             chain_prior: &self.chain_prior,
-            seconds: &SECONDS[..self.terms.len()],
-            terms: &self.terms,
+            seconds: &SECONDS[..self.looks.len()],
+            looks,
             data_weight: 0.4,
             contrasts: &self.contrasts,
         }
@@ -92,6 +109,7 @@ fn is_kept_somewhere<F: Display>(what: &str, fault: impl Fn(u64) -> Option<F>) {
 fn check(scene: &Scene, measure: Measure, (step, tolerance): (f64, f64)) {
     for motion_model in MODELS {
         let posterior = Posterior::new(scene, motion_model, measure);
+        let looks = posterior.looks();
         for (regime, state) in [
             ("at the truth", scene.truth.clone()),
             ("straight", straight(&scene.truth)),
@@ -100,7 +118,7 @@ fn check(scene: &Scene, measure: Measure, (step, tolerance): (f64, f64)) {
         ] {
             let fault = |seed: Option<u64>| {
                 let state = seed.map_or(state.clone(), |s| scene.moved(&state, HAIR, s));
-                check_linearization(&posterior.problem(), &state, step, tolerance).err()
+                check_linearization(&posterior.problem(&looks), &state, step, tolerance).err()
             };
             let faults: Option<Vec<_>> =
                 [None, Some(50), Some(51)].into_iter().map(fault).collect();
@@ -133,11 +151,12 @@ fn the_sequence_posterior_is_linearized_right_for_a_detailed_body() {
         scene.model = scene.model.detailed();
         scene.truth = scene.truth.clone().detailed(&scene.model);
         let posterior = Posterior::new(&scene, MODELS[1], measure);
+        let looks = posterior.looks();
         let fault = |seed: u64| {
             let mut state = scene.moved(&scene.truth, 0.03, seed);
             let offsets = scene.model.offsets.as_ref().expect("it is detailed");
             state.shape.0.rows_mut(offsets.first().0, offsets.count()).fill(0.0);
-            check_linearization(&posterior.problem(), &state, 1e-6, tolerance).err()
+            check_linearization(&posterior.problem(&looks), &state, 1e-6, tolerance).err()
         };
         is_kept_somewhere(name, fault);
     }
@@ -151,12 +170,13 @@ fn the_sequence_posterior_is_linearized_right_where_the_surface_lies_outside() {
     scene.model = scene.model.detailed();
     scene.truth = scene.truth.clone().detailed(&scene.model);
     let posterior = Posterior::new(&scene, MODELS[1], Measure::Metaballs);
+    let looks = posterior.looks();
     let fault = |seed: u64| {
         let mut state = scene.moved(&scene.truth, 0.03, seed);
         let offsets = scene.model.offsets.as_ref().expect("it is detailed");
         let mut outside = state.shape.0.rows_mut(offsets.first().0, offsets.count());
         outside.iter_mut().enumerate().for_each(|(k, b)| *b = 0.005 * (1.7 * k as f64).sin());
-        check_linearization(&posterior.problem(), &state, 1e-6, 0.02).err()
+        check_linearization(&posterior.problem(&looks), &state, 1e-6, 0.02).err()
     };
     is_kept_somewhere("human-metaballs", fault);
 }
@@ -168,16 +188,69 @@ fn the_sequence_posterior_is_linearized_right_before_cameras_side_by_side() {
     scene.model = scene.model.detailed();
     scene.truth = scene.truth.clone().detailed(&scene.model);
     let mut posterior = Posterior::new(&scene, MODELS[1], Measure::Metaballs);
-    let cost_of_lines = posterior.problem().cost(&scene.truth);
+    let cost_of_lines = posterior.problem(&posterior.looks()).cost(&scene.truth);
+    let looks = posterior.looks();
     posterior.contrasts =
-        Contrasts::new(&scene.model, &posterior.terms, &scene.truth, &Leverages::new(), 0.0);
-    assert!(posterior.problem().cost(&scene.truth) > cost_of_lines + 10.0);
+        Contrasts::new(&scene.model, &looks, &scene.truth, &Leverages::new(), 0.0);
+    let looks = posterior.looks();
+    assert!(posterior.problem(&looks).cost(&scene.truth) > cost_of_lines + 10.0);
 
     let fault = |seed: u64| {
         let state = scene.moved(&scene.truth, 0.01, seed);
-        check_linearization(&posterior.problem(), &state, 1e-6, 0.02).err()
+        check_linearization(&posterior.problem(&looks), &state, 1e-6, 0.02).err()
     };
     is_kept_somewhere("human-metaballs", fault);
+}
+
+/// Cameras that are turned, displaced and ahead by up to two frames, each by its own amount.
+fn off(cameras: usize) -> Vec<CameraOffset> {
+    let offset = |camera: usize| {
+        let wave = |k: usize| (1.3 * k as f64 + 2.1 * camera as f64).sin();
+        CameraOffset {
+            turn: UnitQuaternion::from_scaled_axis(Vector3::from_fn(|k, _| 0.02 * wave(k))),
+            displacement_m: Vector3::from_fn(|k, _| 0.02 * wave(k + 3)),
+            ahead_s: 2.0 / FPS * wave(6),
+        }
+    };
+    (0..cameras).map(offset).collect()
+}
+
+/// The place of a camera moves the body before it, its clock moves it along its way. That is to first order in the body's turn between
+/// frames, which is 4° at most here.
+#[test]
+fn the_sequence_posterior_is_linearized_right_before_cameras_that_are_unknown() {
+    for (name, measure) in
+        [("human-ellipsoids", Measure::Ellipses), ("human-metaballs", Measure::Metaballs)]
+    {
+        let scene = Scene::person(name, 4);
+        let posterior = Posterior::before_unknown_cameras(&scene, measure);
+        let looks = posterior.looks();
+        assert_eq!(looks[0].len(), scene.rig.cameras.len() + 1);
+        let fault = |seed: u64| {
+            let mut state = scene.moved(&scene.truth, 0.01, seed);
+            state.cameras = off(scene.rig.cameras.len());
+            check_linearization(&posterior.problem(&looks), &state, 1e-6, 0.02).err()
+        };
+        is_kept_somewhere(name, fault);
+    }
+}
+
+/// What a camera shows of a body is the same whether the camera was moved or the body: its picture of the moved one is the one by which
+/// it is compared.
+#[test]
+fn a_camera_that_is_off_shows_what_a_camera_at_its_place_shows() {
+    let scene = Scene::person("human-metaballs", 1);
+    let offsets = off(scene.rig.cameras.len());
+    let there = CameraOffset::applied(&scene.rig, offsets.clone());
+    let motion = &scene.truth.motions[0];
+    for ((camera, moved), offset) in scene.rig.cameras.iter().zip(&there.cameras).zip(offsets) {
+        let seen = offset.seen(&camera.centre_world().coords, motion);
+        let points = |motion| Posed::new(&scene.model, &scene.truth.shape, motion).points();
+        for (point, seen) in points(motion).iter().zip(points(&seen)) {
+            let (a, b) = (moved.project(point), camera.project(&seen));
+            assert!((a.unwrap() - b.unwrap()).norm() < 1e-9);
+        }
+    }
 }
 
 /// Three cameras side by side see a person whose surface lies 5 mm outside the model's, and one who stands 10 cm farther away.
@@ -187,7 +260,8 @@ fn cameras_side_by_side_differ_by_how_far_a_person_is_and_not_by_how_fat() {
     scene.model = scene.model.detailed();
     let truth = scene.truth.clone().detailed(&scene.model);
     let posterior = Posterior::new(&scene, MODELS[1], Measure::Metaballs);
-    let contrasts = Contrasts::new(&scene.model, &posterior.terms, &truth, &Leverages::new(), 0.0);
+    let looks = posterior.looks();
+    let contrasts = Contrasts::new(&scene.model, &looks, &truth, &Leverages::new(), 0.0);
     let cost = |state: &SequenceState| {
         contrasts.cost(0, &Posed::new(&scene.model, &state.shape, &state.motions[0]))
     };
@@ -258,8 +332,8 @@ fn no_residual_jumps_where_a_line_of_sight_comes_to_touch_another_limb() {
 #[test]
 fn the_sequence_posterior_is_linearized_right_with_all_terms_together() {
     let scene = Scene::arm(2);
-    let terms = Posterior::new(&scene, MODELS[0], Measure::Both).terms;
-    assert_eq!(terms[0].len(), 3);
+    let looks = Posterior::new(&scene, MODELS[0], Measure::Both).looks;
+    assert_eq!(looks[0][0].terms.len(), 3);
     check(&scene, Measure::Both, (1e-6, 1e-4));
 }
 
@@ -275,7 +349,8 @@ fn where_all_residuals_are_linear_the_model_is_the_cost() {
     let state = scene.truth.clone();
     for motion_model in MODELS {
         let posterior = Posterior::blind(&scene, motion_model);
-        let problem = posterior.problem();
+        let looks = posterior.looks();
+        let problem = posterior.problem(&looks);
         let mut model = problem.empty_model();
         let cost = problem.linearize(&state, &mut model);
         for seed in 0..5 {
@@ -439,7 +514,9 @@ fn the_chain_prior_is_linearized_right_for_turns_up_to_nearly_half() {
 fn the_mean_shape_has_no_cost() {
     let scene = Scene::arm(2);
     let posterior = Posterior::blind(&scene, MODELS[0]);
-    let cost = |shape| posterior.problem().cost(&SequenceState { shape, ..scene.truth.clone() });
+    let looks = posterior.looks();
+    let cost =
+        |shape| posterior.problem(&looks).cost(&SequenceState { shape, ..scene.truth.clone() });
     let mean = Shape(scene.model.statistics.mean.clone());
     let own = cost(scene.truth.shape.clone()) - cost(mean);
     approx::assert_relative_eq!(

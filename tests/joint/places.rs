@@ -1,6 +1,7 @@
 //! Joints elsewhere in the flesh, and surfaces outside the model's, are found and keep the intervals honest.
 
 use maquette::body::{BodyModel, Posed, Shape};
+use maquette::inference::camera_offset::CameraPrior;
 use maquette::inference::joint::{JointOptimum, JointOptions, joint_optimum};
 use maquette::inference::{Evidence, Sequence};
 use maquette::likelihood::{LikelihoodOptions, Measure};
@@ -71,14 +72,14 @@ fn a_residual_is_less_by_the_offset() {
     let detailed = scene.model.detailed();
     let evidence =
         Evidence::new(&detailed, &scene.rig, LikelihoodOptions::default(), Measure::Ellipses);
-    let terms = evidence.sequence_terms(scene.sequence());
+    let terms = evidence.sequence_terms(scene.sequence(), CameraPrior::trusting());
     let state = scene.truth.clone().detailed(&detailed);
     let offsets = detailed.offsets.as_ref().expect("it is detailed");
     let mut outside = state.shape.clone();
     outside.0.rows_mut(offsets.first().0, offsets.count()).fill(0.01);
 
     let residuals = |shape: &Shape| {
-        terms.all[0][0].placed_residuals(&Posed::new(&detailed, shape, &state.motions[0]))
+        terms.all[0][0].terms[0].placed_residuals(&Posed::new(&detailed, shape, &state.motions[0]))
     };
     let (bare, dressed) = (residuals(&state.shape), residuals(&outside));
     let mut seen = 0;

@@ -57,7 +57,7 @@ impl Scene {
             height_px: 120,
             ..Ring::default()
         };
-        let truth = SequenceState { motions: (0..frames).map(motion).collect(), shape };
+        let truth = SequenceState::new(shape, (0..frames).map(motion).collect());
         Self::seen(model, ring.regular(), truth)
     }
 
@@ -92,7 +92,7 @@ impl Scene {
         };
         let shape = Shape(model.statistics.mean.clone());
         let motions = walk.motions(&model, &shape, FPS, frames).expect("feet");
-        Self::seen(model, rig, SequenceState { shape, motions })
+        Self::seen(model, rig, SequenceState::new(shape, motions))
     }
 
     /// The skin's silhouettes, and a point of it from every metaball outwards.
@@ -151,6 +151,7 @@ impl Scene {
                 .map(|motion| layout.retract_motion(motion, &draw(layout.motion())))
                 .collect(),
             shape: Shape(&state.shape.0 + draw(state.shape.0.len())),
+            cameras: state.cameras.clone(),
         }
     }
 

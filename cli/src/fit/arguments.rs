@@ -9,7 +9,7 @@ use maquette::inference::search::Pruning;
 use maquette::io::folder::Existing;
 use maquette::likelihood::{EllipseOptions, Measure};
 use maquette::pipeline::stereo::StereoMethod;
-use maquette::pipeline::{FitTo, FrameRange};
+use maquette::pipeline::{Cameras, Clocks, FitTo, FrameRange};
 use maquette::workflow::SilhouetteSource;
 
 use crate::choice::{Choice, one_of};
@@ -64,9 +64,12 @@ pub(crate) struct FitArguments {
     /// Fit all frames together at the end, which gives every number a standard deviation
     #[arg(long, value_enum, default_value_t = Switch::On)]
     joint: Switch,
-    /// Estimate and report pointing errors of the cameras
-    #[arg(long, value_enum, default_value_t = Switch::On)]
-    aim: Switch,
+    /// Where the cameras are: where their calibration says, or about there, with turns and displacements estimated and reported
+    #[arg(long, value_parser = one_of(CAMERAS), default_value = "refine")]
+    cameras: Cameras,
+    /// When they took their pictures: all at once, or by clocks whose offsets are estimated and reported
+    #[arg(long, value_parser = one_of(CLOCKS), default_value = "estimate")]
+    clocks: Clocks,
     /// Follow every proposed body to the end, even when it can no longer win
     #[arg(long)]
     no_pruning: bool,
@@ -130,6 +133,24 @@ const SILHOUETTES: &[Choice<SilhouetteSource>] = &[
     ),
 ];
 
+const CAMERAS: &[Choice<Cameras>] = &[
+    ("trust", Cameras::Trust, "Where their calibration says"),
+    (
+        "refine",
+        Cameras::Refine,
+        "About there: turns and displacements of cameras that two others cross are estimated",
+    ),
+];
+
+const CLOCKS: &[Choice<Clocks>] = &[
+    ("trust", Clocks::Trust, "All at once"),
+    (
+        "estimate",
+        Clocks::Estimate,
+        "By clocks that may be off; those of cameras that another crosses are estimated",
+    ),
+];
+
 const FITTED: &[Choice<FitTo>] = &[
     ("all", FitTo::All, "Outlines, and points where there are any"),
     ("points", FitTo::Points, "Points alone; masks only say where the person is"),
@@ -165,7 +186,7 @@ impl FitArguments {
         if self.joint == Switch::Off {
             estimate.joint = None;
         }
-        estimate.aim = self.aim == Switch::On;
+        (estimate.cameras, estimate.clocks) = (self.cameras, self.clocks);
         options
     }
 

@@ -35,7 +35,7 @@ fn a_report_finds_its_recording_shows_its_pictures_and_refuses_another_one() {
     let recording = filmed(&place, "walk", "1");
     let out = place.out("out").display().to_string();
     let fit = ["fit", &recording, "--out", &out, "--keyframe-every", "9", "--joint", "off"];
-    run(&[&fit[..], &["--aim", "off", "--quiet"]].concat()).succeeded();
+    run(&[&fit[..], &["--quiet"]].concat()).succeeded();
 
     let report = |arguments: &[&str]| {
         let said = run(&[&["report", &out][..], arguments].concat()).succeeded();

@@ -17,12 +17,13 @@ use experiments::table::Table;
 use experiments::walker;
 use maquette::body::BodyModel;
 use maquette::inference::SequenceState;
+use maquette::inference::camera_offset::CameraPrior;
 use maquette::inference::chain::ChainPrior;
 use maquette::inference::contrasts::Contrasts;
 use maquette::inference::joint::{JointOptions, joint_optimum, joint_optimum_from_terms};
 use maquette::inference::search::{NoJournal, SearchOptions, search};
 use maquette::inference::sequence_posterior::SequencePosterior;
-use maquette::inference::{Detail, Evidence, Sequence, SequenceTerms, Terms};
+use maquette::inference::{Detail, Evidence, Look, Sequence, SequenceTerms};
 use maquette::io::model;
 use maquette::likelihood::{LikelihoodOptions, Measure};
 use maquette::silhouette::FrameObservations;
@@ -109,7 +110,7 @@ fn tracked(
     let found = search(&coarse, sequence, &SearchOptions::default(), &NoJournal)?;
     let winner = found.trials.get(found.winner)?;
     let motions = winner.frames.iter().flatten().map(|f| f.motion.clone());
-    Some(SequenceState { shape: winner.hypothesis.shape.clone(), motions: motions.collect() })
+    Some(SequenceState::new(winner.hypothesis.shape.clone(), motions.collect()))
 }
 
 impl Cycle<'_> {
@@ -121,19 +122,18 @@ impl Cycle<'_> {
     }
 
     fn terms(&self, length: usize) -> SequenceTerms<'_> {
-        let one = |i, detail| self.evidence.terms(&self.frames[self.at(i)], detail);
+        let one =
+            |i, detail| vec![Look::of_all(self.evidence.terms(&self.frames[self.at(i)], detail))];
         SequenceTerms {
             thinned: (0..length).map(|i| one(i, Detail::Thinned)).collect(),
             all: (0..length).map(|i| one(i, Detail::Fine)).collect(),
+            camera_prior: CameraPrior::trusting(),
         }
     }
 
     fn state(&self, length: usize) -> SequenceState {
         let motion = |i| self.fitted.motions[self.at(i)].clone();
-        SequenceState {
-            shape: self.fitted.shape.clone(),
-            motions: (0..length).map(motion).collect(),
-        }
+        SequenceState::new(self.fitted.shape.clone(), (0..length).map(motion).collect())
     }
 
     fn cost(&self, length: usize, times: usize, before_kb: f64) -> Cost {
@@ -161,24 +161,27 @@ impl Cycle<'_> {
     }
 
     /// One linearisation, one step, the marginals: milliseconds a frame.
-    fn stages_ms(&self, terms: &[Terms<'_>], seconds: &[f64]) -> [f64; 3] {
+    fn stages_ms(&self, looks: &[Vec<Look<'_>>], seconds: &[f64]) -> [f64; 3] {
         let chain_prior =
             ChainPrior::new(self.evidence.model, JointOptions::default().motion_model);
+        let looks: Vec<Vec<&Look<'_>>> = looks.iter().map(|frame| frame.iter().collect()).collect();
         let posterior = SequencePosterior {
             model: self.evidence.model,
+            rig: self.evidence.rig,
+            camera_prior: &CameraPrior::trusting(),
             shape_prior: &self.evidence.shape_prior,
             pose_prior: &self.evidence.pose_prior,
             chain_prior: &chain_prior,
             seconds,
-            terms,
+            looks: &looks,
             data_weight: 1.0,
-            contrasts: &Contrasts::none(terms.len()),
+            contrasts: &Contrasts::none(looks.len()),
         };
-        let state = self.state(terms.len());
+        let state = self.state(looks.len());
         let mut chain = posterior.empty_model();
         let mut started = Instant::now();
         let mut lap_ms = || {
-            let ms = 1e3 * started.elapsed().as_secs_f64() / terms.len() as f64;
+            let ms = 1e3 * started.elapsed().as_secs_f64() / looks.len() as f64;
             started = Instant::now();
             ms
         };

@@ -14,10 +14,10 @@ use experiments::metrics::{
 use experiments::recorded::{Recorded, fitted};
 use experiments::run::{Run, shared_data};
 use experiments::table::Table;
-use maquette::camera::Rig;
+use maquette::camera::{Camera, Rig};
 use maquette::io::points::trc::Trajectories;
 use maquette::math::stats::mean;
-use maquette::pipeline::{Fit, Warning, facing_log_odds};
+use maquette::pipeline::{CameraQuality, Fit, Warning, facing_log_odds};
 use nalgebra::Vector2;
 
 /// A recording, and its frames per second.
@@ -55,6 +55,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     }
     all_cameras(&mut run)?;
     if !run.is_quick() {
+        cameras_that_are_off(&mut run)?;
         two_cameras(&mut run)?;
         half_the_rate(&mut run)?;
     }
@@ -94,6 +95,45 @@ fn all_cameras(run: &mut Run) -> Result<(), Box<dyn Error>> {
     for ((percent, _), share) in INTERVALS.into_iter().zip(shares(&pooled)) {
         run.number(format!("pooled_{percent}"), share);
     }
+    Ok(())
+}
+
+/// Cameras that were touched after their calibration, and clocks that disagree.
+fn cameras_that_are_off(run: &mut Run) -> Result<(), Box<dyn Error>> {
+    let moved = Recorded::read(&shared_data().join("moved"), 50.0, "truth.trc")?;
+    let truly = Recorded { rig: moved.true_rig.clone(), ..moved.clone() };
+    let (found, best) = (moved.fit()??, truly.fit()??);
+    let (with, without) = (Figures::new(&moved, &found), Figures::new(&truly, &best));
+    run.number("moved_found_over_true", with.raw_mm / without.raw_mm);
+    run.number("moved_found_over_true_offset", with.offset_mm / without.offset_mm);
+    let (mut turn_deg, mut place_mm, mut wrongly) = (0.0_f64, 0.0_f64, 0);
+    let rigs = moved.rig.cameras.iter().zip(&moved.true_rig.cameras);
+    for ((before, after), quality) in rigs.zip(&found.cameras) {
+        let rotation = |camera: &Camera| camera.camera_from_world.rotation;
+        let turn = rotation(after).inverse() * rotation(before);
+        let place = after.centre_world() - before.centre_world();
+        let is_touched = turn.angle() > 1e-6;
+        let offset = quality.found.offset();
+        let was_touched = quality.found.pose.is_some_and(|pose| pose.was_touched());
+        wrongly += usize::from(is_touched != was_touched);
+        turn_deg = turn_deg.max(offset.turn.angle_to(&turn).to_degrees());
+        place_mm = place_mm.max(1e3 * (offset.displacement_m - place).norm());
+    }
+    run.number("moved_turn_deg", turn_deg);
+    run.number("moved_displacement_mm", place_mm);
+    run.number("moved_named_wrongly", f64::from(u32::try_from(wrongly)?));
+
+    let clocks = Recorded::read(&shared_data().join("clocks"), 50.0, "truth.trc")?;
+    let text = std::fs::read_to_string(shared_data().join("clocks/truth.json"))?;
+    let truth: serde_json::Value = serde_json::from_str(&text)?;
+    let fit = clocks.fit()??;
+    let ahead = truth["clock_offsets_frames"].as_array().map_or(&[][..], Vec::as_slice);
+    let off = |(truth, quality): (&serde_json::Value, &CameraQuality)| {
+        Some((quality.found.offset().ahead_s * clocks.fps - truth.as_f64()?).abs())
+    };
+    let worst = ahead.iter().zip(&fit.cameras).filter_map(off).fold(0.0, f64::max);
+    run.number("clocks_frames", worst);
+    run.number("clocks_mm", Figures::new(&clocks, &fit).raw_mm);
     Ok(())
 }
 

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::film;
 use super::png::{self, Effort};
 use super::{OutError, file_name, make_folder, write_encoded};
-use crate::body::Posed;
+use crate::body::{Motion, Posed};
 use crate::camera::CameraId;
 use crate::image::Picture;
 use crate::io::recording::{ObservationFiles, RecordingError};
@@ -47,15 +47,14 @@ pub fn write(
         make_folder(path)?;
     }
 
-    let all: Vec<_> = fit
-        .frames
-        .iter()
-        .flat_map(|frame| cameras.iter().map(move |(id, path)| (frame, *id, path)))
+    let all: Vec<_> = (0..fit.frames.len())
+        .flat_map(|i| cameras.iter().map(move |(id, path)| (i, *id, path)))
         .collect();
 
-    all.into_par_iter().try_for_each(|(frame, id, folder)| {
-        if let Some(canvas) = picture(recording, fit, frame, id)? {
-            let path = folder.join(format!("{:06}.png", frame.frame.0));
+    let shown = fit.shown(recording.fps);
+    all.into_par_iter().try_for_each(|(i, id, folder)| {
+        if let Some(canvas) = picture(recording, fit, &shown(i, id), (i, id))? {
+            let path = folder.join(format!("{:06}.png", fit.frames[i].frame.0));
             write_picture(canvas.pixels(), &path)?;
         }
         done();
@@ -76,15 +75,15 @@ pub fn write(
     Ok(films.into_iter().find_map(Result::err))
 }
 
-/// `None` where the camera has no mask of the frame.
+/// The body over the mask of a frame and a camera; `None` where there is no mask.
 fn picture(
     recording: &ObservationFiles,
     fit: &Fit,
-    frame: &FittedFrame,
-    id: CameraId,
+    shown: &Motion,
+    (i, id): (usize, CameraId),
 ) -> Result<Option<Canvas>, RecordingError> {
-    let mask = recording.load_mask(id, frame.frame)?;
-    let body = Posed::new(&fit.model, &fit.shape, &frame.fit.motion);
+    let mask = recording.load_mask(id, fit.frames[i].frame)?;
+    let body = Posed::new(&fit.model, &fit.shape, shown);
     let over = |mask| Some(overlay(fit.rig.camera(id)?, &mask, &body));
     Ok(mask.and_then(over))
 }

@@ -3,13 +3,14 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use nalgebra::{DVector, Rotation3, Vector2, Vector3};
+use nalgebra::{DVector, Rotation3, Vector3};
 use serde::Deserialize;
 
 use super::check::{self, OddField};
 use super::{FORMAT, FramePart, JOINTS, RESULT, ResultFile, VERSION, seal};
 use crate::body::{BodyModel, Motion, Shape};
 use crate::camera::Rig;
+use crate::inference::camera_offset::CameraOffset;
 use crate::io::input::{self, MOST_OF_A_TABLE, shortened};
 
 /// What a file says that it is.
@@ -120,13 +121,13 @@ pub enum ResultError {
 }
 
 impl ResultFile {
-    /// The pointing errors of a rig's cameras, see [`Rig::aimed`]; 0 for a camera that the result does not name.
-    pub fn aims_px(&self, rig: &Rig) -> Vec<Vector2<f64>> {
-        let aim = |name: &str| {
+    /// The cameras of a rig where they were found to be; those that the result does not name as they are.
+    pub fn rig(&self, calibrated: &Rig) -> Rig {
+        let offset = |name: &str| {
             let of_camera = self.quality.cameras.iter().find(|c| c.camera == name);
-            of_camera.map_or(Vector2::zeros(), |c| c.aim_px)
+            of_camera.map_or(CameraOffset::none(), |c| c.found.offset())
         };
-        rig.names().map(aim).collect()
+        CameraOffset::applied(calibrated, calibrated.names().map(offset))
     }
 
     /// Reads the `result.json` of a folder, and checks that it and `joints.trc` are as they were written together. Where

@@ -5,8 +5,9 @@
 //! which the others agree, is elsewhere than its calibration says. What was found is applied, and the search goes on.
 
 use super::coherence::{Misses, Reading, Scene};
-use crate::camera::CameraId;
+use crate::camera::{CameraId, Rig};
 use crate::math::stats::median;
+use crate::silhouette::FrameObservations;
 
 /// What is wrong with a camera or two.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,7 +34,7 @@ pub(super) enum CameraFault {
 
 /// What is wrong with all cameras together.
 #[derive(Debug, Clone)]
-pub(super) struct CameraFaults {
+pub(in crate::pipeline) struct CameraFaults {
     /// One after the other.
     pub(super) faults: Vec<CameraFault>,
     /// How the pictures are to be read then.
@@ -45,6 +46,19 @@ pub(super) struct CameraFaults {
 }
 
 impl CameraFaults {
+    /// Of a recording.
+    pub(in crate::pipeline) fn of(rig: &Rig, frames: &[FrameObservations]) -> Self {
+        camera_faults(&Scene::new(rig, frames))
+    }
+
+    /// Whether all of them are what an estimate of the cameras' places and clocks finds better: cameras that are late or elsewhere.
+    pub(super) fn are_of_places_or_clocks(&self) -> bool {
+        let is_such = |fault: &CameraFault| {
+            matches!(fault, CameraFault::Late(..) | CameraFault::Elsewhere { .. })
+        };
+        self.faults.iter().all(is_such)
+    }
+
     /// Whether nearly all misses come from them.
     pub(super) fn explain_nearly_all(&self) -> bool {
         self.left < NEARLY_ALL
@@ -148,7 +162,7 @@ impl Trial {
 }
 
 /// What is wrong with the cameras, the greatest first; nothing where the silhouettes agree.
-pub(super) fn camera_faults(scene: &Scene<'_>) -> CameraFaults {
+fn camera_faults(scene: &Scene<'_>) -> CameraFaults {
     let mut now = Now::new(scene, scene.plain());
     let first_m = now.misses.mean_m();
     let mut faults: Vec<CameraFault> = Vec::new();
@@ -331,46 +345,11 @@ impl CameraFault {
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
     use nalgebra::Vector3;
 
     use super::*;
-    use crate::camera::Rig;
     use crate::math::Rigid3;
-    use crate::silhouette::{FrameIndex, FrameObservations, SilhouetteOptions, extract};
-    use crate::synth::Recipe;
-
-    /// A walker before a ring of cameras.
-    fn recording() -> (Rig, Vec<FrameObservations>) {
-        let person = crate::io::model::load("walker-metaballs", Path::new("")).unwrap();
-        let recipe = Recipe { frames: Some(16), fps: 25.0, ..Recipe::default() };
-        let walker = recipe.walker(&person).unwrap();
-        let shown = |number: usize| {
-            let mut seen = FrameObservations::nothing(FrameIndex(number));
-            for (id, camera) in walker.rig.iter() {
-                let mask = walker.mask(seen.frame, id).unwrap();
-                if let Ok(silhouette) = extract(&mask, camera, &SilhouetteOptions::default()) {
-                    seen.views.push((id, silhouette));
-                }
-            }
-            seen
-        };
-        (walker.rig.clone(), (0..walker.frames()).map(shown).collect())
-    }
-
-    /// The same with a camera that shows everything so many frames late.
-    fn late(frames: &[FrameObservations], camera: usize, by: isize) -> Vec<FrameObservations> {
-        let mut spoiled = frames.to_vec();
-        for (i, frame) in spoiled.iter_mut().enumerate() {
-            let moment = i.checked_add_signed(-by).and_then(|i| frames.get(i));
-            let shown = moment.and_then(|m| m.views.iter().find(|(id, _)| id.0 == camera));
-            frame.views.retain(|(id, _)| id.0 != camera);
-            frame.views.extend(shown.cloned());
-            frame.views.sort_by_key(|(id, _)| *id);
-        }
-        spoiled
-    }
+    use crate::pipeline::diagnosis::figures::{late, walker as recording};
 
     fn faults(rig: &Rig, frames: &[FrameObservations]) -> Vec<CameraFault> {
         camera_faults(&Scene::new(rig, frames)).faults

@@ -2,10 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::cameras::{CameraFault, camera_faults};
-use super::coherence::Scene;
+use super::cameras::{CameraFault, CameraFaults};
 use super::upright::HeadAxis;
 use crate::camera::{CameraId, Rig};
+use crate::pipeline::{CameraQuality, PoseFound};
 use crate::silhouette::FrameObservations;
 
 /// A figure beyond its limit.
@@ -93,6 +93,22 @@ pub enum Cause {
         /// By how much its outlines miss the others', m.
         miss_m: f64,
     },
+    /// A camera was touched after its calibration, as the joint optimum found it.
+    Touched {
+        /// Its name.
+        camera: String,
+        /// By how much.
+        pose: Box<PoseFound>,
+    },
+    /// A camera's clock is off, as the joint optimum found it.
+    Clock {
+        /// Its name.
+        camera: String,
+        /// By how many frames its pictures are late; negative: early.
+        late_frames: f64,
+        /// Their standard deviation.
+        sd_frames: f64,
+    },
     /// Masks hold something that stands still.
     StillParts {
         /// The cameras.
@@ -157,8 +173,24 @@ impl Cause {
 
 /// What is wrong with the cameras, for recordings that cannot be fitted at all.
 pub(in crate::pipeline) fn camera_causes(rig: &Rig, frames: &[FrameObservations]) -> Vec<Cause> {
-    let found = camera_faults(&Scene::new(rig, frames));
-    found.faults.into_iter().map(|fault| camera_cause(rig, fault)).collect()
+    let found = CameraFaults::of(rig, frames).faults;
+    found.into_iter().map(|fault| camera_cause(rig, fault)).collect()
+}
+
+/// What the joint optimum found to be wrong with the cameras of a recording at `fps`.
+pub(super) fn found_causes(cameras: &[CameraQuality], fps: f64) -> Vec<Cause> {
+    let of_camera = |quality: &CameraQuality| {
+        let camera = || quality.camera.clone();
+        let pose = quality.found.pose.filter(PoseFound::was_touched);
+        let clock = quality.found.clock.filter(|clock| clock.is_off(fps));
+        let touched = pose.map(|pose| Cause::Touched { camera: camera(), pose: Box::new(pose) });
+        let off = clock.map(|clock| {
+            let (late_frames, sd_frames) = clock.late_frames(fps);
+            Cause::Clock { camera: camera(), late_frames, sd_frames }
+        });
+        touched.into_iter().chain(off)
+    };
+    cameras.iter().flat_map(of_camera).collect()
 }
 
 pub(super) fn camera_cause(rig: &Rig, fault: CameraFault) -> Cause {

@@ -12,7 +12,7 @@ use crate::image::Mask;
 use crate::io::model;
 use crate::render;
 use crate::silhouette::{FrameIndex, FrameObservations, SilhouetteOptions, extract};
-use crate::synth::Ring;
+use crate::synth::{Recipe, Ring};
 
 /// A usual person, and cameras all around.
 pub(super) struct Figures {
@@ -64,4 +64,39 @@ pub(super) fn joined(a: &[Mask], b: &[Mask]) -> Vec<Mask> {
         Mask::from_fn(a.width(), a.height(), |x, y| a.is_foreground(x, y) || b.is_foreground(x, y))
     };
     a.iter().zip(b).map(both).collect()
+}
+
+/// A walker before a ring of cameras.
+pub(super) fn walker() -> (Rig, Vec<FrameObservations>) {
+    let person = model::load("walker-metaballs", Path::new("")).unwrap();
+    let recipe = Recipe { frames: Some(16), fps: 25.0, ..Recipe::default() };
+    let walker = recipe.walker(&person).unwrap();
+    let shown = |number: usize| {
+        let mut seen = FrameObservations::nothing(FrameIndex(number));
+        for (id, camera) in walker.rig.iter() {
+            let mask = walker.mask(seen.frame, id).unwrap();
+            if let Ok(silhouette) = extract(&mask, camera, &SilhouetteOptions::default()) {
+                seen.views.push((id, silhouette));
+            }
+        }
+        seen
+    };
+    (walker.rig.clone(), (0..walker.frames()).map(shown).collect())
+}
+
+/// The same with a camera that shows everything so many frames late.
+pub(super) fn late(
+    frames: &[FrameObservations],
+    camera: usize,
+    by: isize,
+) -> Vec<FrameObservations> {
+    let mut spoiled = frames.to_vec();
+    for (i, frame) in spoiled.iter_mut().enumerate() {
+        let moment = i.checked_add_signed(-by).and_then(|i| frames.get(i));
+        let shown = moment.and_then(|m| m.views.iter().find(|(id, _)| id.0 == camera));
+        frame.views.retain(|(id, _)| id.0 != camera);
+        frame.views.extend(shown.cloned());
+        frame.views.sort_by_key(|(id, _)| *id);
+    }
+    spoiled
 }

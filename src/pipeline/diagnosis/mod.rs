@@ -7,6 +7,7 @@
 //! | `text.rs`        | all of it in plain words                                          |
 //! | `coherence.rs`   | whether the silhouettes agree, whatever body they show            |
 //! | `cameras.rs`     | exchanged, mirrored, late, zoomed and displaced cameras           |
+//! | `agreeing.rs`    | what the cameras show that agree, for the search                  |
 //! | `room.rs`        | what stands still in the masks                                    |
 //! | `volume.rs`      | what the silhouettes hold beside the body, and how tall it is     |
 //! | `thin.rs`        | whether the masks have lost arms, hands and feet                  |
@@ -18,6 +19,7 @@
 //! Causes are hypotheses that were tested, one after the other, each against the recording as it is. The first that explains
 //! what was found is named, and what would follow from it is not.
 
+mod agreeing;
 mod cameras;
 mod cause;
 mod coherence;
@@ -34,6 +36,7 @@ mod volume;
 
 use crate::silhouette::FrameObservations;
 
+pub(super) use cameras::CameraFaults;
 pub(super) use cause::camera_causes;
 pub use cause::{Cause, Reason};
 pub(super) use stature::stature_m;

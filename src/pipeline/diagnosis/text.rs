@@ -104,6 +104,21 @@ impl fmt::Display for Cause {
                 "{camera} shows the person elsewhere than the other cameras do, by {:.0} cm: it was moved, turned or zoomed after the calibration; calibrate it again, or leave it out",
                 (100.0 * miss_m).max(1.0)
             ),
+            Self::Touched { camera, pose } => {
+                let ((turn, turn_sd), (place, place_sd)) = (pose.turn(), pose.displacement());
+                write!(
+                    f,
+                    "{camera} was touched after its calibration: turned by {turn:.1} ± {turn_sd:.1}°, displaced by {:.0} ± {:.0} mm (taken into account)",
+                    1e3 * place,
+                    1e3 * place_sd
+                )
+            }
+            Self::Clock { camera, late_frames, sd_frames } => write!(
+                f,
+                "{camera} is {} by {:.1} ± {sd_frames:.1} frames (taken into account)",
+                if *late_frames > 0.0 { "late" } else { "early" },
+                late_frames.abs()
+            ),
             of_scene => of_scene.fmt_scene(f),
         }
     }

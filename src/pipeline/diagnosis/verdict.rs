@@ -2,9 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::cameras::camera_faults;
-use super::cause::{Cause, Reason, camera_cause, name};
-use super::coherence::Scene;
+use super::cameras::CameraFaults;
+use super::cause::{Cause, Reason, camera_cause, found_causes, name};
 use super::proportions::wrong_scale;
 use super::room::still_shares;
 use super::shown_by_two;
@@ -18,7 +17,7 @@ use crate::inference::Evidence;
 use crate::inference::covariance::ShapeUncertainty;
 use crate::math::stats::{mean, median};
 use crate::pipeline::scene::body_size;
-use crate::pipeline::{CameraQuality, FittedFrame};
+use crate::pipeline::{CameraFound, CameraQuality, FittedFrame};
 use crate::silhouette::FrameObservations;
 
 /// What a fit is worth: whether its numbers can be used, and what is wrong with the recording.
@@ -73,6 +72,8 @@ const WHOLE: f64 = 0.8;
 pub(in crate::pipeline) struct Diagnosis<'a> {
     /// The body before the cameras as they are calibrated.
     pub(in crate::pipeline) evidence: &'a Evidence<'a>,
+    /// What is wrong with these cameras, whatever body they show.
+    pub(in crate::pipeline) faults: &'a CameraFaults,
     pub(in crate::pipeline) observations: &'a [FrameObservations],
     pub(in crate::pipeline) fps: f64,
     pub(in crate::pipeline) shape: &'a Shape,
@@ -146,15 +147,14 @@ impl Diagnosis<'_> {
         let Some(overlap) = self.overlap() else {
             return Vec::new();
         };
-        let scene = Scene::new(rig, self.observations);
-        let found = camera_faults(&scene);
-        let of_cameras = || found.faults.iter().map(|fault| camera_cause(rig, *fault)).collect();
+        let found = self.faults;
+        let of_cameras = || self.of_cameras(unusable);
 
         // what the masks hold; where they are good there is nothing to look for
         if !is_unusable && overlap > GOOD_OVERLAP {
-            let is_fine = found.faults.is_empty();
+            let of_cameras = of_cameras();
             let of_body = || self.of_another_size().into_iter().collect();
-            return if is_fine { of_body() } else { of_cameras() };
+            return if of_cameras.is_empty() { of_body() } else { of_cameras };
         }
         if found.explain_nearly_all() {
             return of_cameras();
@@ -207,6 +207,20 @@ impl Diagnosis<'_> {
         let has_grown = matches!(cause, Some(Cause::Scale { factor }) if factor > 1.0);
         let still = if has_grown { still_parts(SMALL_STILL_PART) } else { None };
         still.or(cause).into_iter().collect()
+    }
+
+    /// What is wrong with the cameras: as the joint optimum found it, where that can.
+    fn of_cameras(&self, unusable: &[Reason]) -> Vec<Cause> {
+        if unusable.is_empty() && self.faults.are_of_places_or_clocks() && self.has_estimates() {
+            return found_causes(self.cameras, self.fps);
+        }
+        let faults = self.faults.faults.iter();
+        faults.map(|fault| camera_cause(self.evidence.rig, *fault)).collect()
+    }
+
+    /// Whether the joint optimum says where or when the cameras are.
+    fn has_estimates(&self) -> bool {
+        self.cameras.iter().any(|camera| camera.found != CameraFound::default())
     }
 
     /// Time or space is of another size, or the body never stands.
@@ -327,10 +341,11 @@ mod tests {
             mean_iou,
             median_px: None,
             rms_px: None,
-            aim_px: nalgebra::Vector2::zeros(),
+            found: CameraFound::default(),
         };
         let diagnosis = Diagnosis {
             evidence: &Evidence::new(model, rig, LikelihoodOptions::default(), Measure::Metaballs),
+            faults: &CameraFaults::of(rig, &[]),
             observations: &[],
             fps: 25.0,
             shape: &figures.shape,
@@ -359,6 +374,7 @@ mod tests {
         let cause = |motion: Motion| {
             let diagnosis = Diagnosis {
                 evidence: &evidence,
+                faults: &CameraFaults::of(rig, &[]),
                 observations: &[],
                 fps: 25.0,
                 shape: &figures.shape,

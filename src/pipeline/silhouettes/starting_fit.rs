@@ -6,6 +6,7 @@ use super::{SilhouetteError, StillScenes, UndistortedFrame, nearness};
 use crate::body::{BodyModel, Motion, Shape};
 use crate::camera::CameraId;
 use crate::inference::SequenceState;
+use crate::inference::camera_offset::CameraPrior;
 use crate::inference::joint::{JointOptions, joint_optimum_from_terms};
 use crate::inference::search::NoJournal;
 use crate::inference::{Evidence, Sequence};
@@ -89,10 +90,10 @@ impl StartingFit {
             return self;
         }
         let motions = observed.iter().filter_map(|o| self.motions.get(&o.frame));
-        let start =
-            SequenceState { shape: self.shape.clone(), motions: motions.cloned().collect() };
+        let start = SequenceState::new(self.shape.clone(), motions.cloned().collect());
         let sequence = Sequence { frames: observed, fps };
-        let (options, terms) = (JointOptions::default(), evidence.sequence_terms(sequence));
+        let options = JointOptions::default();
+        let terms = evidence.sequence_terms(sequence, CameraPrior::trusting());
         let seconds = sequence.intervals_s();
         progress.begin("joint optimum", options.most_steps());
         let step = || progress.step();

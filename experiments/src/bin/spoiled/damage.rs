@@ -81,14 +81,14 @@ fn cameras() -> Vec<Damage> {
         damage("camera 2 mirrored", "is mirrored", |r| {
             r.with_masks(|_, c, m| Some(if c == 1 { mirrored(m) } else { m.clone() }))
         }),
-        damage("camera 2 moved by 10 cm", "elsewhere", |r| moved(r, 1, |c| shift(c, 0.1))),
-        damage("camera 2 moved by 30 cm", "elsewhere", |r| moved(r, 1, |c| shift(c, 0.3))),
-        damage("camera 2 turned by 1°", "elsewhere", move |r| moved(r, 1, turned(1.0))),
-        damage("camera 2 turned by 3°", "elsewhere", move |r| moved(r, 1, turned(3.0))),
-        damage("camera 2 late by 1 frame", "late by 1 frame", |r| late(r, 1, 1)),
-        damage("camera 2 late by 3 frames", "late by 3 frames", |r| late(r, 1, 3)),
-        damage("camera 2 late by 10 frames", "late by 10 frames", |r| late(r, 1, 10)),
-        damage("cameras 2 and 4 late by 4 and −5 frames", "early by 5 frames", |r| {
+        damage("camera 2 moved by 10 cm", "was touched", |r| moved(r, 1, |c| shift(c, 0.1))),
+        damage("camera 2 moved by 30 cm", "was touched", |r| moved(r, 1, |c| shift(c, 0.3))),
+        damage("camera 2 turned by 1°", "was touched", move |r| moved(r, 1, turned(1.0))),
+        damage("camera 2 turned by 3°", "was touched", move |r| moved(r, 1, turned(3.0))),
+        damage("camera 2 late by 1 frame", "late by 1.0", |r| late(r, 1, 1)),
+        damage("camera 2 late by 3 frames", "late by 3.0", |r| late(r, 1, 3)),
+        damage("camera 2 late by 10 frames", "late by 10.0", |r| late(r, 1, 10)),
+        damage("cameras 2 and 4 late by 4 and −5 frames", "early by 5.0", |r| {
             late(&late(r, 1, 4), 3, -5)
         }),
         damage("camera 2's focal length 10 % off", "focal length of", |r| {

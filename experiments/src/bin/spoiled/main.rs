@@ -33,7 +33,12 @@ const SETS: [Set; 6] = [
         name: "moved",
         fps: 50.0,
         truth: "truth.trc",
-        damages: || vec![recalibrated(), as_recorded("cam_02 shows & cam_04 shows & cam_05 shows")],
+        damages: || {
+            vec![
+                recalibrated(),
+                as_recorded("cam_02 was touched & cam_04 was touched & cam_05 was touched"),
+            ]
+        },
     },
     Set {
         name: "clocks",

@@ -114,8 +114,7 @@ impl Scene<'_> {
         winner: &Trial,
     ) -> Way {
         let started = Instant::now();
-        let start =
-            SequenceState { shape: winner.hypothesis.shape.clone(), motions: motions(winner) };
+        let start = SequenceState::new(winner.hypothesis.shape.clone(), motions(winner));
         let options = JointOptions::default();
         let joint = joint_optimum(evidence, self.sequence(), start, &options);
         let all: Vec<Motion> = joint.frames.iter().map(|f| f.motion.clone()).collect();

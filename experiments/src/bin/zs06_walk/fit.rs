@@ -95,10 +95,8 @@ impl Scene<'_> {
         let found = search(&evidence, sequence, &options(), &NoJournal)?;
         let winner = found.trials.get(found.winner)?;
         let searched = started.elapsed().as_secs_f64();
-        let start = SequenceState {
-            shape: winner.hypothesis.shape.clone(),
-            motions: motions(winner.frames.iter().flatten()),
-        };
+        let tracked = motions(winner.frames.iter().flatten());
+        let start = SequenceState::new(winner.hypothesis.shape.clone(), tracked);
         let joint = joint_optimum(&evidence, sequence, start, &JointOptions::default());
         let best = found.trials.iter().filter(|t| t.hypothesis.origin == Origin::Keyframe(0));
         let starts: Vec<f64> = best.filter_map(|t| self.start_error_mm(t)).collect();

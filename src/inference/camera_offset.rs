@@ -1,0 +1,250 @@
+//! Where and when a camera is, against its calibration and its clock: unknowns of the joint optimum.
+//!
+//! A camera with the centre o that was touched is turned about it by R and displaced by t: what its calibration has at x̃ is at
+//! x = o + t + R(x̃ − o). Of a body whose root is at p, turned by W, it shows what the calibrated camera shows of the same body at
+//!
+//! p̃ = o + Rᵀq,  W̃ = RᵀW,  q = p − o − t,
+//!
+//! so no likelihood needs a derivative of its own. With R ← exp(ω)R, t ← t + δt, and δp, δr the root's own displacement,
+//!
+//! δp̃ = Rᵀ(δp − δt + \[q\]ω),  δr̃ = δr − Wᵀω.
+//!
+//! Its picture i is τ ahead: it shows the body of the time tᵢ + τ ([`Instant`](super::instant::Instant)).
+//!
+//! # Prior
+//! Most cameras are where their calibration says, within a usual one's errors; some were touched, by more than those errors tell.
+//! That is Student's t of one degree of freedom, for the turn and displacement of a camera together and for its clock,
+//!
+//! −log p = ½(1 + d) ln(1 + z²),  z² = Σ (x/σ)² over d components,
+//!
+//! whose weight (1 + d)/(1 + z²) leaves a touched camera free. So the cameras that are well hold the world and its time; what is
+//! common to all of them is left to this prior. σ (E): 0.1° and 3 mm along each axis; of a clock, which was set to the nearest frame,
+//! the interval of frames over √12.
+//!
+//! # Which cameras
+//! A camera that nothing crosses is held: the depth at which cameras side by side see a person is as uncertain as their turns, so their
+//! calibration must be trusted. The pose of a camera is free if two others look across its line of sight, its clock if one does.
+//!
+//! # Source
+//! Lange, Little, Taylor 1989, *Robust statistical modeling using the t distribution*.
+
+use nalgebra::{Matrix3, SMatrix, SVector, UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
+
+use super::sequence_state::SequenceState;
+use crate::body::Motion;
+use crate::camera::{Camera, Rig};
+use crate::math::Rigid3;
+use crate::math::rotation::right_jacobian_inverse;
+use crate::solver::NormalEquations;
+
+/// By how much a camera is turned, displaced and ahead.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct CameraOffset {
+    /// R, about the camera's centre, in world axes.
+    pub turn: UnitQuaternion<f64>,
+    /// t, world axes.
+    pub displacement_m: Vector3<f64>,
+    /// τ: by how much later than the recording's own moment its picture was taken, seconds.
+    pub ahead_s: f64,
+}
+
+/// Components of one camera: ω, δt, δτ.
+pub const COMPONENTS: usize = 7;
+/// The place of δτ among them.
+pub const AHEAD: usize = 6;
+
+/// What of a camera is unknown.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Free {
+    /// Turn and displacement.
+    pub pose: bool,
+    /// How far it is ahead.
+    pub clock: bool,
+}
+
+/// σ of a turn about one axis.
+const TURN_SD: f64 = 0.1 * std::f64::consts::PI / 180.0;
+/// σ of a displacement along one axis, metres.
+const DISPLACEMENT_SD_M: f64 = 0.003;
+/// Lines of sight at a larger angle than this cross, so that one says where along the other a body stands.
+const ACROSS_RAD: f64 = 0.35;
+
+/// p(c): what of each camera is unknown, and how far it may be off.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CameraPrior {
+    /// In the order of the rig; empty where all are trusted.
+    free: Vec<Free>,
+    /// σ of a clock, seconds.
+    ahead_sd_s: f64,
+}
+
+impl CameraPrior {
+    /// Every camera is where and when its calibration says.
+    pub fn trusting() -> Self {
+        Self { free: Vec::new(), ahead_sd_s: 1.0 }
+    }
+
+    /// Of what is `allowed`, what the rig can tell about a body that moves as `state` does; frames are `interval_s` apart.
+    pub fn new(rig: &Rig, state: &SequenceState, allowed: Free, interval_s: f64) -> Self {
+        let places = state.motions.iter().map(|motion| motion.position_world);
+        let subject = places.sum::<Vector3<f64>>() / state.motions.len().max(1) as f64;
+        let sights: Vec<Vector3<f64>> =
+            rig.cameras.iter().map(|camera| subject - camera.centre_world().coords).collect();
+        let crosses = |a: &Vector3<f64>, b: &Vector3<f64>| {
+            let angle = a.angle(b);
+            angle.min(std::f64::consts::PI - angle) > ACROSS_RAD
+        };
+        let of_camera = |sight: &Vector3<f64>| {
+            let across = sights.iter().filter(|other| crosses(sight, other)).count();
+            Free { pose: allowed.pose && across >= 2, clock: allowed.clock && across >= 1 }
+        };
+        let free: Vec<Free> = sights.iter().map(of_camera).collect();
+        let is_any = free.iter().any(|free| *free != Free::default());
+        Self {
+            free: if is_any { free } else { Vec::new() },
+            ahead_sd_s: interval_s / 12.0_f64.sqrt(),
+        }
+    }
+
+    /// Whether nothing is unknown.
+    pub fn is_trusting(&self) -> bool {
+        self.free.is_empty()
+    }
+
+    /// Number of the cameras that have components.
+    pub(super) fn cameras(&self) -> usize {
+        self.free.len()
+    }
+
+    /// What of a camera is unknown.
+    pub fn free(&self, camera: usize) -> Free {
+        self.free.get(camera).copied().unwrap_or_default()
+    }
+
+    /// Whether any clock is unknown.
+    pub(super) fn has_clocks(&self) -> bool {
+        self.free.iter().any(|free| free.clock)
+    }
+
+    /// −log p, 0 where nothing is off.
+    pub(super) fn cost(&self, cameras: &[CameraOffset]) -> f64 {
+        let each = cameras.iter().zip(&self.free);
+        each.map(|(offset, free)| self.cost_of(offset, *free)).sum()
+    }
+
+    fn cost_of(&self, offset: &CameraOffset, free: Free) -> f64 {
+        let (pose, ahead) = self.squares(offset);
+        let student = |is_free: bool, d: f64, square: f64| match is_free {
+            true => 0.5 * (1.0 + d) * square.ln_1p(),
+            false => 0.0,
+        };
+        student(free.pose, 6.0, pose) + student(free.clock, 1.0, ahead)
+    }
+
+    /// The same, with gradient and Gauss–Newton matrix added to the components from `first` on. Those that are not free stay where
+    /// they are.
+    pub(super) fn linearize(
+        &self,
+        cameras: &[CameraOffset],
+        first: usize,
+        equations: &mut NormalEquations,
+    ) -> f64 {
+        for (camera, (offset, free)) in cameras.iter().zip(&self.free).enumerate() {
+            self.linearize_of(offset, *free, first + COMPONENTS * camera, equations);
+        }
+        self.cost(cameras)
+    }
+
+    fn linearize_of(
+        &self,
+        offset: &CameraOffset,
+        free: Free,
+        first: usize,
+        equations: &mut NormalEquations,
+    ) {
+        let (pose, ahead) = self.squares(offset);
+        let turn = offset.turn.scaled_axis();
+        // log(exp(ω)R) = φ + J_r⁻¹(−φ) ω
+        let by_turn = right_jacobian_inverse(&-turn);
+        let weight = if free.pose { 7.0 / (1.0 + pose) } else { 0.0 };
+        let (of_turn, of_place) = (weight / TURN_SD.powi(2), weight / DISPLACEMENT_SD_M.powi(2));
+        let of_clock = if free.clock { 2.0 / (1.0 + ahead) / self.ahead_sd_s.powi(2) } else { 0.0 };
+
+        let mut gradient = equations.gradient.rows_mut(first, COMPONENTS);
+        gradient.rows_mut(0, 3).gemv_tr(of_turn, &by_turn, &turn, 1.0);
+        gradient.rows_mut(3, 3).axpy(of_place, &offset.displacement_m, 1.0);
+        gradient[AHEAD] += of_clock * offset.ahead_s;
+
+        let held = |is_free: bool| if is_free { 0.0 } else { 1.0 };
+        let mut hessian = equations.hessian.view_mut((first, first), (COMPONENTS, COMPONENTS));
+        let mut turns = hessian.fixed_view_mut::<3, 3>(0, 0);
+        turns += by_turn.transpose() * by_turn * of_turn + Matrix3::identity() * held(free.pose);
+        let mut places = hessian.fixed_view_mut::<3, 3>(3, 3);
+        places += Matrix3::identity() * (of_place + held(free.pose));
+        hessian[(AHEAD, AHEAD)] += of_clock + held(free.clock);
+    }
+
+    /// z² of turn and displacement, and of the clock.
+    fn squares(&self, offset: &CameraOffset) -> (f64, f64) {
+        let turn = offset.turn.scaled_axis().norm_squared() / TURN_SD.powi(2);
+        let place = offset.displacement_m.norm_squared() / DISPLACEMENT_SD_M.powi(2);
+        (turn + place, (offset.ahead_s / self.ahead_sd_s).powi(2))
+    }
+}
+
+impl CameraOffset {
+    /// None.
+    pub fn none() -> Self {
+        Self { turn: UnitQuaternion::identity(), displacement_m: Vector3::zeros(), ahead_s: 0.0 }
+    }
+
+    /// After the step (ω, δt, δτ).
+    pub(super) fn retract(&self, step: &SVector<f64, COMPONENTS>) -> Self {
+        let turn: Vector3<f64> = step.fixed_rows::<3>(0).into();
+        Self {
+            turn: UnitQuaternion::from_scaled_axis(turn) * self.turn,
+            displacement_m: self.displacement_m + step.fixed_rows::<3>(3),
+            ahead_s: self.ahead_s + step[AHEAD],
+        }
+    }
+
+    /// The motion before the calibrated camera that shows what this one shows.
+    pub fn seen(&self, centre_world: &Vector3<f64>, motion: &Motion) -> Motion {
+        let back = self.turn.inverse();
+        let q = motion.position_world - centre_world - self.displacement_m;
+        Motion {
+            position_world: centre_world + back * q,
+            world_from_root: back.to_rotation_matrix() * motion.world_from_root,
+            angles: motion.angles.clone(),
+        }
+    }
+
+    /// Rᵀ, and how root and time move with (ω, δt): rows of p̃ and r̃.
+    pub(super) fn slopes(
+        &self,
+        centre_world: &Vector3<f64>,
+        motion: &Motion,
+    ) -> (Matrix3<f64>, SMatrix<f64, 6, 6>) {
+        let back: Matrix3<f64> = self.turn.inverse().to_rotation_matrix().into();
+        let q = motion.position_world - centre_world - self.displacement_m;
+        let mut slopes = SMatrix::<f64, 6, 6>::zeros();
+        slopes.fixed_view_mut::<3, 3>(0, 0).copy_from(&(back * q.cross_matrix()));
+        slopes.fixed_view_mut::<3, 3>(0, 3).copy_from(&-back);
+        let turned = -motion.world_from_root.matrix().transpose();
+        slopes.fixed_view_mut::<3, 3>(3, 0).copy_from(&turned);
+        (back, slopes)
+    }
+
+    /// The cameras where they are.
+    pub fn applied(rig: &Rig, offsets: impl IntoIterator<Item = Self>) -> Rig {
+        let moved = |(camera, offset): (&Camera, Self)| {
+            let centre = camera.centre_world().coords;
+            let place = centre + offset.displacement_m - offset.turn * centre;
+            let moved = Rigid3::from_parts(place.into(), offset.turn);
+            let camera_from_world = camera.camera_from_world * moved.inverse();
+            Camera { camera_from_world, ..camera.clone() }
+        };
+        Rig { cameras: rig.cameras.iter().zip(offsets).map(moved).collect() }
+    }
+}

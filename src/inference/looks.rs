@@ -1,0 +1,85 @@
+//! What is seen of one body: by all cameras at once, or by one whose place or clock is an unknown.
+
+use rayon::prelude::*;
+
+use super::camera_offset::CameraPrior;
+use super::detail::Detail;
+use super::evidence::{Evidence, Terms};
+use super::hull;
+use super::sequence::Sequence;
+use crate::silhouette::FrameObservations;
+
+/// Terms of −log p(Zᵢ | mᵢ, s) that one place and one moment of the body explain.
+pub struct Look<'f> {
+    /// The camera, if its place or its clock is an unknown: its position in the rig.
+    pub camera: Option<usize>,
+    /// What it shows.
+    pub terms: Terms<'f>,
+}
+
+/// What every frame of a sequence shows.
+pub struct SequenceTerms<'f> {
+    /// A part of it, to approach an optimum.
+    pub thinned: Vec<Vec<Look<'f>>>,
+    /// All of it, to measure.
+    pub all: Vec<Vec<Look<'f>>>,
+    /// What of the cameras is unknown.
+    pub camera_prior: CameraPrior,
+}
+
+impl<'f> Look<'f> {
+    /// Of cameras that are trusted.
+    pub fn of_all(terms: Terms<'f>) -> Self {
+        Self { camera: None, terms }
+    }
+}
+
+impl Evidence<'_> {
+    /// The terms of every frame of a sequence: of all cameras together, or camera by camera where something of them is unknown.
+    pub fn sequence_terms<'f>(
+        &self,
+        sequence: Sequence<'f>,
+        camera_prior: CameraPrior,
+    ) -> SequenceTerms<'f> {
+        let looks = |detail: Detail| {
+            let frames = sequence.frames.par_iter();
+            let looks = |frame| match camera_prior.is_trusting() {
+                true => vec![Look::of_all(self.terms(frame, detail))],
+                false => self.looks(frame, detail),
+            };
+            frames.map(looks).collect()
+        };
+        SequenceTerms { thinned: looks(Detail::Thinned), all: looks(Detail::Fine), camera_prior }
+    }
+
+    /// One look for each camera, and one for the points.
+    fn looks<'f>(&self, frame: &'f FrameObservations, detail: Detail) -> Vec<Look<'f>> {
+        let terms = self.view_terms(frame, detail);
+        let views = frame.views.iter().zip(terms);
+        let views = views.map(|((id, _), terms)| Look { camera: Some(id.0), terms });
+        views.chain([Look::of_all(self.terms_of_points(frame, detail))]).collect()
+    }
+
+    /// The terms of each view of a frame.
+    pub(crate) fn view_terms<'f>(
+        &self,
+        frame: &'f FrameObservations,
+        detail: Detail,
+    ) -> Vec<Terms<'f>> {
+        let subject = hull::subject(self.rig, frame);
+        let views = frame.views.chunks(1);
+        views.map(|view| self.terms_of_views(view, subject, detail)).collect()
+    }
+}
+
+impl std::fmt::Debug for Look<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "Look(camera {:?}, {} terms)", self.camera, self.terms.len())
+    }
+}
+
+impl std::fmt::Debug for SequenceTerms<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "SequenceTerms({} frames)", self.all.len())
+    }
+}

@@ -1,0 +1,185 @@
+//! Where and when a camera was found to be, against its calibration and its clock.
+
+use nalgebra::{SVector, UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
+
+use crate::body::{Layout, Motion};
+use crate::inference::camera_offset::{AHEAD, COMPONENTS, CameraOffset, Free};
+use crate::inference::instant::Instant;
+
+/// By how much a camera was found to be off; what was not estimated is not there.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct CameraFound {
+    /// Its place.
+    pub pose: Option<PoseFound>,
+    /// Its clock.
+    pub clock: Option<ClockFound>,
+}
+
+/// By how much a camera was turned and displaced after its calibration. World axes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct PoseFound {
+    /// Axis times angle of the turn about the camera's own centre, degrees.
+    pub turn_deg: [f64; 3],
+    /// Its standard deviations, relative to the rig; withheld where the fit cannot be used.
+    pub turn_sd_deg: Option<[f64; 3]>,
+    /// The displacement, metres.
+    pub displacement_m: [f64; 3],
+    /// Its standard deviations.
+    pub displacement_sd_m: Option<[f64; 3]>,
+}
+
+/// By how much a camera's pictures are ahead of the recording's time.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ClockFound {
+    /// Seconds; negative: late.
+    pub ahead_s: f64,
+    /// Its standard deviation.
+    pub sd_s: Option<f64>,
+}
+
+/// What is known to be off by so many of its standard deviations is told.
+const SURE: f64 = 3.0;
+/// Smaller offsets are not worth a word: degrees, metres, frames.
+const USUAL_DEG: f64 = 0.1;
+const USUAL_M: f64 = 0.003;
+const USUAL_FRAMES: f64 = 0.125;
+
+impl CameraFound {
+    /// Of what is free of a camera; `sd` are the standard deviations of its components.
+    pub(super) fn new(
+        offset: &CameraOffset,
+        free: Free,
+        sd: Option<&SVector<f64, COMPONENTS>>,
+    ) -> Self {
+        let degrees = |v: Vector3<f64>| v.map(f64::to_degrees).into();
+        let three = |first: usize| sd.map(|sd| sd.fixed_rows::<3>(first).into_owned());
+        let pose = PoseFound {
+            turn_deg: degrees(offset.turn.scaled_axis()),
+            turn_sd_deg: three(0).map(degrees),
+            displacement_m: offset.displacement_m.into(),
+            displacement_sd_m: three(3).map(Into::into),
+        };
+        let clock = ClockFound { ahead_s: offset.ahead_s, sd_s: sd.map(|sd| sd[AHEAD]) };
+        Self { pose: free.pose.then_some(pose), clock: free.clock.then_some(clock) }
+    }
+
+    /// The camera's offset; none of what was not estimated.
+    pub fn offset(&self) -> CameraOffset {
+        let radians = |degrees: [f64; 3]| Vector3::from(degrees).map(f64::to_radians);
+        let none = CameraOffset::none();
+        let pose = self.pose.map(|pose| CameraOffset {
+            turn: UnitQuaternion::from_scaled_axis(radians(pose.turn_deg)),
+            displacement_m: pose.displacement_m.into(),
+            ..none
+        });
+        let ahead_s = self.clock.map_or(0.0, |clock| clock.ahead_s);
+        CameraOffset { ahead_s, ..pose.unwrap_or(none) }
+    }
+
+    /// The motion that the camera shows in frame i: that of another moment, where its clock is off.
+    pub(crate) fn shown(
+        &self,
+        layout: Layout,
+        motions: &[Motion],
+        times_s: &[f64],
+        i: usize,
+    ) -> Motion {
+        match self.clock {
+            None => motions[i].clone(),
+            Some(clock) => Instant::at(layout, motions, times_s, times_s[i] + clock.ahead_s).motion,
+        }
+    }
+
+    /// Without standard deviations.
+    pub(super) fn withhold(&mut self) {
+        if let Some(pose) = &mut self.pose {
+            (pose.turn_sd_deg, pose.displacement_sd_m) = (None, None);
+        }
+        if let Some(clock) = &mut self.clock {
+            clock.sd_s = None;
+        }
+    }
+}
+
+impl PoseFound {
+    /// Whether the camera was surely touched, by more than a usual calibration is off.
+    pub fn was_touched(&self) -> bool {
+        let is_sure = |found: [f64; 3], sd: Option<[f64; 3]>| {
+            let sure = |sd: [f64; 3]| found.iter().zip(sd).any(|(x, sd)| x.abs() > SURE * sd);
+            sd.is_some_and(sure)
+        };
+        let (turn, place) = (self.turn(), self.displacement());
+        is_sure(self.turn_deg, self.turn_sd_deg) && turn.0 > USUAL_DEG
+            || is_sure(self.displacement_m, self.displacement_sd_m) && place.0 > USUAL_M
+    }
+
+    /// The angle of the turn and its standard deviation, degrees.
+    pub fn turn(&self) -> (f64, f64) {
+        length(self.turn_deg, self.turn_sd_deg)
+    }
+
+    /// The way of the displacement and its standard deviation, metres.
+    pub fn displacement(&self) -> (f64, f64) {
+        length(self.displacement_m, self.displacement_sd_m)
+    }
+}
+
+impl ClockFound {
+    /// By how many frames its pictures are late, and the standard deviation.
+    pub fn late_frames(&self, fps: f64) -> (f64, f64) {
+        (-self.ahead_s * fps, self.sd_s.unwrap_or_default() * fps)
+    }
+
+    /// Whether the clock is surely off, by more than an eighth of a frame.
+    pub fn is_off(&self, fps: f64) -> bool {
+        let is_sure = self.sd_s.is_some_and(|sd| self.ahead_s.abs() > SURE * sd);
+        is_sure && self.ahead_s.abs() * fps > USUAL_FRAMES
+    }
+}
+
+/// ‖x‖ and its standard deviation √(Σ x²σ²)/‖x‖, of components that are taken to be independent; 0 where that is withheld.
+fn length(x: [f64; 3], sd: Option<[f64; 3]>) -> (f64, f64) {
+    let x = Vector3::from(x);
+    let sd = Vector3::from(sd.unwrap_or_default());
+    let norm = x.norm();
+    (norm, if norm > 0.0 { x.component_mul(&sd).norm() / norm } else { sd.max() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pose(turn_deg: f64, displacement_m: f64) -> PoseFound {
+        PoseFound {
+            turn_deg: [turn_deg, 0.0, 0.0],
+            turn_sd_deg: Some([0.1; 3]),
+            displacement_m: [0.0, displacement_m, 0.0],
+            displacement_sd_m: Some([0.005; 3]),
+        }
+    }
+
+    #[test]
+    fn a_camera_was_touched_where_that_is_sure_and_not_where_it_may_be() {
+        assert!(pose(1.0, 0.0).was_touched() && pose(0.0, 0.02).was_touched());
+        assert!(!pose(0.25, 0.012).was_touched());
+        let mut withheld = CameraFound { pose: Some(pose(1.0, 0.02)), clock: None };
+        withheld.withhold();
+        assert!(!withheld.pose.unwrap().was_touched());
+    }
+
+    #[test]
+    fn what_is_written_is_what_was_found() {
+        let found = CameraFound {
+            pose: Some(pose(1.0, 0.02)),
+            clock: Some(ClockFound { ahead_s: -0.03, sd_s: Some(0.002) }),
+        };
+        let free = Free { pose: true, clock: true };
+        let again = CameraFound::new(&found.offset(), free, None).offset();
+        approx::assert_relative_eq!(again.turn.angle().to_degrees(), 1.0, epsilon = 1e-9);
+        assert_eq!((again.displacement_m.y, again.ahead_s), (0.02, -0.03));
+        let (turn, sd) = found.pose.unwrap().turn();
+        assert_eq!((turn, sd), (1.0, 0.1));
+        assert_eq!(CameraFound::default().offset(), CameraOffset::none());
+    }
+}

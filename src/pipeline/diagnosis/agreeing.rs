@@ -1,0 +1,95 @@
+//! What the cameras show that agree: until the joint optimum finds out where and when the others are, the search looks at these.
+
+use super::cameras::{CameraFault, CameraFaults};
+use crate::camera::CameraId;
+use crate::inference::camera_offset::Free;
+use crate::silhouette::FrameObservations;
+
+impl CameraFaults {
+    /// By how many frames the pictures of each camera seem ahead.
+    pub(in crate::pipeline) fn ahead_frames(&self) -> Vec<isize> {
+        let mut ahead = vec![0; self.readings.len()];
+        for fault in &self.faults {
+            if let CameraFault::Late(id, frames) = fault {
+                ahead[id.0] = -frames;
+            }
+        }
+        ahead
+    }
+
+    /// What the cameras show that agree: late ones at their moments where clocks are `free`, without those that are elsewhere where poses
+    /// are. `None` where there is nothing to change.
+    pub(in crate::pipeline) fn agreeing(
+        &self,
+        frames: &[FrameObservations],
+        free: Free,
+    ) -> Option<Vec<FrameObservations>> {
+        let ahead = if free.clock { self.ahead_frames() } else { vec![0; self.readings.len()] };
+        let is_elsewhere = |id: CameraId| {
+            let is_it = |fault: &CameraFault| {
+                matches!(fault, CameraFault::Elsewhere { .. }) && fault.camera() == Some(id.0)
+            };
+            self.faults.iter().any(is_it)
+        };
+        let is_left_out = |id: CameraId| free.pose && is_elsewhere(id);
+        let kept: Vec<CameraId> =
+            (0..ahead.len()).map(CameraId).filter(|id| !is_left_out(*id)).collect();
+        if kept.len() == ahead.len() && ahead.iter().all(|frames| *frames == 0) {
+            return None;
+        }
+
+        let shown = |frame: &FrameObservations, id: CameraId| {
+            let number = frame.frame.0.checked_add_signed(-ahead[id.0])?;
+            let moment = frames.binary_search_by_key(&number, |f| f.frame.0).ok()?;
+            frames[moment].views.iter().find(|(camera, _)| *camera == id).cloned()
+        };
+        let agreeing = |frame: &FrameObservations| FrameObservations {
+            views: kept.iter().filter_map(|id| shown(frame, *id)).collect(),
+            ..frame.clone()
+        };
+        Some(frames.iter().map(agreeing).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Point2;
+
+    use super::*;
+    use crate::pipeline::diagnosis::figures::{late, walker};
+
+    /// The centroid of what a camera shows in a frame.
+    fn shown(frame: &FrameObservations, camera: usize) -> Option<Point2<f64>> {
+        let view = frame.views.iter().find(|(id, _)| id.0 == camera);
+        view.map(|(_, silhouette)| silhouette.centroid)
+    }
+
+    const ALL: Free = Free { pose: true, clock: true };
+
+    #[test]
+    fn a_late_camera_is_searched_at_its_moments_if_clocks_are_unknown() {
+        let (rig, frames) = walker();
+        assert!(CameraFaults::of(&rig, &frames).agreeing(&frames, ALL).is_none());
+
+        let spoiled = late(&frames, 1, 3);
+        let faults = CameraFaults::of(&rig, &spoiled);
+        assert_eq!(faults.ahead_frames()[1], -3);
+        assert!(faults.agreeing(&spoiled, Free { clock: false, ..ALL }).is_none());
+        let agreeing = faults.agreeing(&spoiled, ALL).expect("one is late");
+        for (found, right) in agreeing.iter().zip(&frames).take(frames.len() - 3) {
+            assert_eq!(shown(found, 1), shown(right, 1));
+            assert_eq!(shown(found, 2), shown(right, 2));
+        }
+    }
+
+    #[test]
+    fn a_camera_that_is_elsewhere_is_not_searched_if_poses_are_unknown() {
+        let (mut rig, frames) = walker();
+        rig.cameras[1].camera_from_world.translation.vector.x += 0.3;
+        let faults = CameraFaults::of(&rig, &frames);
+        assert!(faults.agreeing(&frames, Free { pose: false, ..ALL }).is_none());
+        let agreeing = faults.agreeing(&frames, ALL).expect("one is elsewhere");
+        assert!(agreeing.iter().all(|frame| shown(frame, 1).is_none()));
+        assert!(agreeing.iter().all(|frame| shown(frame, 2).is_some()));
+    }
+}

@@ -1,0 +1,57 @@
+//! The joint optimum, and where and when the cameras are.
+
+use super::{EstimateOptions, Progress};
+use crate::body::{BodyModel, Root};
+use crate::camera::Rig;
+use crate::inference::camera_offset::{CameraOffset, CameraPrior};
+use crate::inference::joint::{JointOptimum, JointOptions, joint_optimum_from_terms};
+use crate::inference::{Evidence, Sequence, SequenceState};
+use crate::likelihood::Measure;
+
+/// What the last stage of a fit is given.
+pub(super) struct JointStage<'a> {
+    pub(super) model: &'a BodyModel,
+    /// The cameras as they were calibrated.
+    pub(super) calibrated: &'a Rig,
+    pub(super) measure: Measure,
+    pub(super) sequence: Sequence<'a>,
+    pub(super) options: &'a EstimateOptions,
+    pub(super) joint: &'a JointOptions,
+    /// By how many frames the pictures of each camera seem ahead.
+    pub(super) ahead_frames: &'a [isize],
+    pub(super) progress: &'a dyn Progress,
+}
+
+impl JointStage<'_> {
+    /// The optimum, and what of the cameras was unknown.
+    pub(super) fn run(&self, mut start: SequenceState) -> (JointOptimum, CameraPrior) {
+        let Self { model, calibrated, measure, sequence, options, joint, .. } = *self;
+        let evidence = Evidence::new(model, calibrated, options.likelihood, measure);
+        let prior = self.camera_prior(&start);
+        if !prior.is_trusting() {
+            let from = |(camera, frames): (usize, &isize)| CameraOffset {
+                ahead_s: if prior.free(camera).clock { *frames as f64 / sequence.fps } else { 0.0 },
+                ..CameraOffset::none()
+            };
+            start.cameras = self.ahead_frames.iter().enumerate().map(from).collect();
+        }
+
+        let terms = evidence.sequence_terms(sequence, prior.clone());
+        self.progress.begin("joint optimum", joint.most_steps());
+        let step = || self.progress.step();
+        let seconds = sequence.intervals_s();
+        let optimum = joint_optimum_from_terms(&evidence, &terms, &seconds, start, joint, &step);
+        self.progress.end();
+        (optimum, prior)
+    }
+
+    /// What of the cameras is estimated; nothing where points were measured with them.
+    fn camera_prior(&self, start: &SequenceState) -> CameraPrior {
+        let has_points = self.sequence.frames.iter().any(|frame| !frame.points.is_empty());
+        if has_points || self.model.root == Root::Fixed {
+            return CameraPrior::trusting();
+        }
+        let interval_s = 1.0 / self.sequence.fps;
+        CameraPrior::new(self.calibrated, start, self.options.free(), interval_s)
+    }
+}
