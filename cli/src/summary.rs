@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::table::Table;
 use maquette::io::result::{HypothesisPart, OriginPart, OutcomePart, ResultFile};
-use maquette::pipeline::{CameraFound, PoseFound, counted};
+use maquette::pipeline::{CameraFound, counted};
 
 /// What a run says at its end.
 #[derive(Debug)]
@@ -148,12 +148,22 @@ impl Summary<'_> {
     /// Where and when a camera was.
     fn found(&self, found: &CameraFound) -> [String; 3] {
         let fps = self.result.recording.fps;
-        let pose = |of: fn(&PoseFound) -> (f64, f64)| found.pose.as_ref().map(of);
-        let turned = pose(PoseFound::turn).map(|(turn, sd)| format!("{turn:.2} ± {sd:.2}°"));
-        let displaced = pose(PoseFound::displacement)
-            .map(|(way, sd)| format!("{:.1} ± {:.1} mm", 1e3 * way, 1e3 * sd));
-        let late = found.clock.map(|clock| clock.late_frames(fps));
-        let late = late.map(|(late, sd)| format!("{late:+.2} ± {sd:.2} frames"));
+        // a standard deviation that is withheld is not 0
+        let sd = |sd: Option<f64>, digits: usize| {
+            sd.map_or(String::new(), |sd| format!(" ± {sd:.digits$}"))
+        };
+        let turned = found.pose.map(|pose| {
+            let (turn, turn_sd) = pose.turn();
+            format!("{turn:.2}{}°", sd(turn_sd, 2))
+        });
+        let displaced = found.pose.map(|pose| {
+            let (way_m, way_sd_m) = pose.displacement();
+            format!("{:.1}{} mm", 1e3 * way_m, sd(way_sd_m.map(|sd_m| 1e3 * sd_m), 1))
+        });
+        let late = found.clock.map(|clock| {
+            let (late, late_sd) = clock.late_frames(fps);
+            format!("{late:+.2}{} frames", sd(late_sd, 2))
+        });
         [turned, displaced, late].map(|text| text.unwrap_or("–".into()))
     }
 

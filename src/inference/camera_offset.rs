@@ -64,9 +64,9 @@ pub struct Free {
 }
 
 /// σ of a turn about one axis.
-const TURN_SD: f64 = 0.1 * std::f64::consts::PI / 180.0;
+pub const TURN_SD: f64 = 0.1 * std::f64::consts::PI / 180.0;
 /// σ of a displacement along one axis, metres.
-const DISPLACEMENT_SD_M: f64 = 0.003;
+pub const DISPLACEMENT_SD_M: f64 = 0.003;
 /// Lines of sight at a larger angle than this cross, so that one says where along the other a body stands.
 const ACROSS_RAD: f64 = 0.35;
 

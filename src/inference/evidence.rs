@@ -1,5 +1,7 @@
 //! What every stage of the search is given: the body, its priors, the cameras, the likelihood.
 
+use nalgebra::Point3;
+
 use super::detail::Detail;
 use super::hull;
 use super::prior::{PosePrior, ShapePrior};
@@ -10,7 +12,6 @@ use crate::likelihood::{
     RayView, SilhouetteRays, SkinScale, SurfacePoint, Term,
 };
 use crate::silhouette::{FrameObservations, Silhouette};
-use nalgebra::Point3;
 
 /// What one frame shows, as terms of −log p(Zᵢ | mᵢ, s).
 pub type Terms<'f> = Vec<Box<dyn Term + 'f>>;

@@ -1,6 +1,6 @@
 //! The body at a moment between frames.
 //!
-//! A camera whose clock is τ late shows the body of the time t + τ. About the nearest frame k, the motion is a parabola
+//! A camera whose clock is τ ahead shows the body of the time t + τ. About the nearest frame k, the motion is a parabola
 //! through three frames,
 //!
 //! m(t) = mₖ ⊞ Σⱼ wⱼ(t) (mⱼ ⊟ mₖ),  j = k − 1, k, k + 1,
@@ -56,13 +56,24 @@ impl Instant {
     }
 }
 
+/// The time of each frame since the first; `seconds[i]` lie between frames i − 1 and i, the first is not read.
+pub fn times_s(seconds: &[f64]) -> Vec<f64> {
+    let mut time_s = 0.0;
+    let later = seconds.iter().skip(1).map(|interval| {
+        time_s += interval;
+        time_s
+    });
+    std::iter::once(0.0).chain(later).take(seconds.len()).collect()
+}
+
 /// The first of the frames about a moment, the middle one, and the one after the last.
 fn about(times_s: &[f64], time_s: f64) -> (usize, usize, usize) {
     let n = times_s.len();
     let after = times_s.partition_point(|t| *t < time_s).min(n - 1);
     let before = after.saturating_sub(1);
     let nearest = if time_s - times_s[before] < times_s[after] - time_s { before } else { after };
-    let middle = nearest.clamp(1.min(n - 1), n.saturating_sub(2).max(1.min(n - 1)));
+    let last = n.saturating_sub(2).max(1).min(n - 1);
+    let middle = nearest.clamp(last.min(1), last);
     (middle.saturating_sub(1), middle, (middle + 2).min(n))
 }
 

@@ -17,6 +17,7 @@ use super::chain::ChainPrior;
 use super::contrasts::{Contrasts, Leverages};
 use super::covariance::Uncertainty;
 use super::frame::FrameFit;
+use super::instant::times_s;
 use super::noise::Noise;
 use super::prior::ShapePrior;
 use super::sequence_posterior::SequencePosterior;
@@ -204,19 +205,17 @@ impl Search<'_, '_> {
         looks: &'l [Vec<Look<'f>>],
         state: &SequenceState,
     ) -> Vec<Vec<&'l Look<'f>>> {
-        let mut time_s = 0.0;
-        let end_s: f64 = self.seconds.iter().skip(1).sum();
-        let interval_s = self.seconds.iter().copied().fold(f64::INFINITY, f64::min);
-        let mut of_frame = |(i, looks): (usize, &'l Vec<Look<'f>>)| {
-            time_s += if i == 0 { 0.0 } else { self.seconds[i] };
+        let times_s = times_s(self.seconds);
+        let half_s = 0.5 * self.seconds.iter().copied().fold(f64::INFINITY, f64::min);
+        let whole = -half_s..=times_s.last().unwrap_or(&0.0) + half_s;
+        let of_frame = |(looks, time_s): (&'l Vec<Look<'f>>, f64)| {
             let is_within = |look: &&Look<'_>| {
                 let offset = look.camera.and_then(|camera| state.cameras.get(camera));
-                let shown_s = time_s + offset.map_or(0.0, |offset| offset.ahead_s);
-                (-0.5 * interval_s..=end_s + 0.5 * interval_s).contains(&shown_s)
+                whole.contains(&(time_s + offset.map_or(0.0, |offset| offset.ahead_s)))
             };
             looks.iter().filter(is_within).collect()
         };
-        looks.iter().enumerate().map(&mut of_frame).collect()
+        looks.iter().zip(times_s.iter().copied()).map(of_frame).collect()
     }
 
     /// From where the next round starts.

@@ -19,12 +19,6 @@ impl Sequence<'_> {
             .collect()
     }
 
-    /// The time of each frame since the first, seconds.
-    pub fn times_s(self) -> Vec<f64> {
-        let number = |i: usize| self.frames[i].frame.0 - self.frames[0].frame.0;
-        (0..self.frames.len()).map(|i| number(i) as f64 / self.fps).collect()
-    }
-
     /// Frames of the recording from one position in the sequence to another, at least 1.
     pub(crate) fn frames_between(self, from: usize, to: usize) -> f64 {
         let number = |i: usize| self.frames[i].frame.0;

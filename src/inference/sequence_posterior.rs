@@ -16,7 +16,7 @@ use super::camera_offset::{COMPONENTS, CameraOffset, CameraPrior};
 use super::chain::ChainPrior;
 use super::contrasts::Contrasts;
 use super::frame::{FrameFit, data_cost, linearize_data, observations};
-use super::instant::Instant;
+use super::instant::{Instant, times_s};
 use super::look_sum::{LookSum, Placed, REACH, Unknown};
 use super::prior::{PosePrior, ShapePrior};
 use super::sequence_state::SequenceState;
@@ -53,16 +53,6 @@ pub struct SequencePosterior<'a> {
 const CHUNK: usize = 8;
 
 impl SequencePosterior<'_> {
-    /// The seconds of each frame since the first.
-    fn times_s(&self) -> Vec<f64> {
-        let mut time_s = 0.0;
-        let mut at = |(i, interval): (usize, &f64)| {
-            time_s += if i == 0 { 0.0 } else { *interval };
-            time_s
-        };
-        self.seconds.iter().enumerate().map(&mut at).collect()
-    }
-
     /// The camera of a look, where it is an unknown.
     fn camera(&self, x: &SequenceState, look: &Look<'_>) -> Option<Unknown> {
         let index = look.camera?;
@@ -76,7 +66,7 @@ impl SequencePosterior<'_> {
 
     /// Every look, by the frames about which it is.
     fn placed(&self, x: &SequenceState) -> Vec<Placed<'_>> {
-        let (layout, times_s) = (Layout::new(self.model), self.times_s());
+        let (layout, times_s) = (Layout::new(self.model), times_s(self.seconds));
         let place = |(recorded, look)| {
             let camera = self.camera(x, look);
             let instant = match &camera {

@@ -4,7 +4,9 @@ use nalgebra::{SVector, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
 use crate::body::{Layout, Motion};
-use crate::inference::camera_offset::{AHEAD, COMPONENTS, CameraOffset, Free};
+use crate::inference::camera_offset::{
+    AHEAD, COMPONENTS, CameraOffset, DISPLACEMENT_SD_M, Free, TURN_SD,
+};
 use crate::inference::instant::Instant;
 
 /// By how much a camera was found to be off; what was not estimated is not there.
@@ -40,9 +42,7 @@ pub struct ClockFound {
 
 /// What is known to be off by so many of its standard deviations is told.
 const SURE: f64 = 3.0;
-/// Smaller offsets are not worth a word: degrees, metres, frames.
-const USUAL_DEG: f64 = 0.1;
-const USUAL_M: f64 = 0.003;
+/// A clock that is off by less is not worth a word, frames.
 const USUAL_FRAMES: f64 = 0.125;
 
 impl CameraFound {
@@ -109,26 +109,26 @@ impl PoseFound {
             let sure = |sd: [f64; 3]| found.iter().zip(sd).any(|(x, sd)| x.abs() > SURE * sd);
             sd.is_some_and(sure)
         };
-        let (turn, place) = (self.turn(), self.displacement());
-        is_sure(self.turn_deg, self.turn_sd_deg) && turn.0 > USUAL_DEG
-            || is_sure(self.displacement_m, self.displacement_sd_m) && place.0 > USUAL_M
+        let ((turn, _), (place, _)) = (self.turn(), self.displacement());
+        is_sure(self.turn_deg, self.turn_sd_deg) && turn > TURN_SD.to_degrees()
+            || is_sure(self.displacement_m, self.displacement_sd_m) && place > DISPLACEMENT_SD_M
     }
 
     /// The angle of the turn and its standard deviation, degrees.
-    pub fn turn(&self) -> (f64, f64) {
+    pub fn turn(&self) -> (f64, Option<f64>) {
         length(self.turn_deg, self.turn_sd_deg)
     }
 
     /// The way of the displacement and its standard deviation, metres.
-    pub fn displacement(&self) -> (f64, f64) {
+    pub fn displacement(&self) -> (f64, Option<f64>) {
         length(self.displacement_m, self.displacement_sd_m)
     }
 }
 
 impl ClockFound {
     /// By how many frames its pictures are late, and the standard deviation.
-    pub fn late_frames(&self, fps: f64) -> (f64, f64) {
-        (-self.ahead_s * fps, self.sd_s.unwrap_or_default() * fps)
+    pub fn late_frames(&self, fps: f64) -> (f64, Option<f64>) {
+        (-self.ahead_s * fps, self.sd_s.map(|sd| sd * fps))
     }
 
     /// Whether the clock is surely off, by more than an eighth of a frame.
@@ -138,12 +138,15 @@ impl ClockFound {
     }
 }
 
-/// ‖x‖ and its standard deviation √(Σ x²σ²)/‖x‖, of components that are taken to be independent; 0 where that is withheld.
-fn length(x: [f64; 3], sd: Option<[f64; 3]>) -> (f64, f64) {
+/// ‖x‖ and its standard deviation √(Σ x²σ²)/‖x‖, of components that are taken to be independent; none where it is withheld.
+fn length(x: [f64; 3], sd: Option<[f64; 3]>) -> (f64, Option<f64>) {
     let x = Vector3::from(x);
-    let sd = Vector3::from(sd.unwrap_or_default());
     let norm = x.norm();
-    (norm, if norm > 0.0 { x.component_mul(&sd).norm() / norm } else { sd.max() })
+    let along = |sd: Vector3<f64>| match norm > 0.0 {
+        true => x.component_mul(&sd).norm() / norm,
+        false => sd.max(),
+    };
+    (norm, sd.map(|sd| along(sd.into())))
 }
 
 #[cfg(test)]
@@ -165,7 +168,9 @@ mod tests {
         assert!(!pose(0.25, 0.012).was_touched());
         let mut withheld = CameraFound { pose: Some(pose(1.0, 0.02)), clock: None };
         withheld.withhold();
-        assert!(!withheld.pose.unwrap().was_touched());
+        let withheld = withheld.pose.unwrap();
+        assert!(!withheld.was_touched());
+        assert_eq!(withheld.turn(), (1.0, None));
     }
 
     #[test]
@@ -179,7 +184,7 @@ mod tests {
         approx::assert_relative_eq!(again.turn.angle().to_degrees(), 1.0, epsilon = 1e-9);
         assert_eq!((again.displacement_m.y, again.ahead_s), (0.02, -0.03));
         let (turn, sd) = found.pose.unwrap().turn();
-        assert_eq!((turn, sd), (1.0, 0.1));
+        assert_eq!((turn, sd), (1.0, Some(0.1)));
         assert_eq!(CameraFound::default().offset(), CameraOffset::none());
     }
 }

@@ -18,6 +18,7 @@ use crate::camera::{CameraId, Rig};
 use crate::inference::chain::ChainPrior;
 use crate::inference::covariance::ShapeUncertainty;
 use crate::inference::frame::FrameFit;
+use crate::inference::instant::times_s;
 use crate::inference::joint::JointOptions;
 use crate::inference::noise::Noise;
 use crate::inference::search::{Journal, Search, Trial, search};
@@ -248,7 +249,7 @@ fn fitted_frames(
     sequence: Sequence<'_>,
     estimate: &Estimate,
 ) -> Vec<FittedFrame> {
-    let (layout, times_s) = (Layout::new(evidence.model), sequence.times_s());
+    let (layout, times_s) = (Layout::new(evidence.model), times_s(&sequence.intervals_s()));
     let motions: Vec<Motion> = estimate.frames.iter().map(|fit| fit.motion.clone()).collect();
     let posed = |motion: &Motion| Posed::new(evidence.model, &estimate.shape, motion);
     let fitted = |(i, (observed, fit)): (usize, (&FrameObservations, &FrameFit))| {

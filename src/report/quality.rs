@@ -80,7 +80,8 @@ fn camera_table(cameras: &[CameraQuality]) -> Markup {
 fn found_table(cameras: &[CameraQuality], fps: f64) -> Markup {
     let all = cameras.iter().filter(|c| c.found != CameraFound::default());
     let all: Vec<&CameraQuality> = all.collect();
-    let pose = |c: &CameraQuality, of: fn(&PoseFound) -> (f64, f64)| c.found.pose.as_ref().map(of);
+    let pose =
+        |c: &CameraQuality, of: fn(&PoseFound) -> (f64, Option<f64>)| c.found.pose.as_ref().map(of);
     html! {
         @if !all.is_empty() {
             h3 { "Where and when the cameras were" }
@@ -104,14 +105,14 @@ fn found_table(cameras: &[CameraQuality], fps: f64) -> Markup {
     }
 }
 
-/// A size and its standard deviation, in another unit; a standard deviation of 0 was withheld.
-fn off(found: Option<(f64, f64)>, unit: f64, digits: usize) -> String {
+/// A size and its standard deviation, if that is not withheld, in another unit.
+fn off(found: Option<(f64, Option<f64>)>, unit: f64, digits: usize) -> String {
     match found {
         None => "–".into(),
-        Some((size, sd)) if sd > 0.0 => {
+        Some((size, Some(sd))) => {
             format!("{} ± {:.digits$}", number(Some(unit * size), digits), unit * sd)
         }
-        Some((size, _)) => number(Some(unit * size), digits),
+        Some((size, None)) => number(Some(unit * size), digits),
     }
 }
 

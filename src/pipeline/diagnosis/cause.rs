@@ -186,7 +186,7 @@ pub(super) fn found_causes(cameras: &[CameraQuality], fps: f64) -> Vec<Cause> {
         let touched = pose.map(|pose| Cause::Touched { camera: camera(), pose: Box::new(pose) });
         let off = clock.map(|clock| {
             let (late_frames, sd_frames) = clock.late_frames(fps);
-            Cause::Clock { camera: camera(), late_frames, sd_frames }
+            Cause::Clock { camera: camera(), late_frames, sd_frames: sd_frames.unwrap_or_default() }
         });
         touched.into_iter().chain(off)
     };

@@ -108,9 +108,10 @@ impl fmt::Display for Cause {
                 let ((turn, turn_sd), (place, place_sd)) = (pose.turn(), pose.displacement());
                 write!(
                     f,
-                    "{camera} was touched after its calibration: turned by {turn:.1} ± {turn_sd:.1}°, displaced by {:.0} ± {:.0} mm (taken into account)",
+                    "{camera} was touched after its calibration: turned by {turn:.1} ± {:.1}°, displaced by {:.0} ± {:.0} mm (taken into account)",
+                    turn_sd.unwrap_or_default(),
                     1e3 * place,
-                    1e3 * place_sd
+                    1e3 * place_sd.unwrap_or_default()
                 )
             }
             Self::Clock { camera, late_frames, sd_frames } => write!(
