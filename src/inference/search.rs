@@ -15,8 +15,8 @@ use super::{Evidence, Sequence};
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SearchOptions {
-    /// Every how many frames a keyframe is taken. `None`: every 20th (ZS06), or more often where that would give fewer than
-    /// [`ENOUGH_KEYFRAMES`].
+    /// Every how many frames a keyframe is taken. `None`: every 20th (ZS06), more often where that would give fewer than
+    /// [`ENOUGH_KEYFRAMES`], and less often where it would give more than [`MOST_KEYFRAMES`].
     pub keyframe_every: Option<usize>,
     /// Settings of the search for a start.
     pub start: StartOptions,
@@ -30,12 +30,16 @@ pub struct SearchOptions {
 const EVERY: usize = 20;
 /// Fewer keyframes leave the choice between readings and the spread σ uncertain: σ has a relative error of 1/√(2(K − 1)), 35 % at five.
 pub const ENOUGH_KEYFRAMES: usize = 5;
+/// More keyframes tell little more: σ is known to 20 %. Each proposes a body that is carried through all frames, so the search would cost
+/// the square of the recording's length.
+pub const MOST_KEYFRAMES: usize = 13;
 
 impl SearchOptions {
     /// Frames from one keyframe to the next, in a recording of so many frames.
     pub fn keyframe_spacing(&self, frames: usize) -> usize {
         let enough = frames.saturating_sub(1) / (ENOUGH_KEYFRAMES - 1);
-        self.keyframe_every.unwrap_or(EVERY.min(enough)).max(1)
+        let few = frames.div_ceil(MOST_KEYFRAMES);
+        self.keyframe_every.unwrap_or(EVERY.min(enough).max(few)).max(1)
     }
 }
 
@@ -231,17 +235,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_20th_frame_is_a_keyframe_and_more_where_that_is_fewer_than_five() {
+    fn every_20th_frame_is_a_keyframe_more_where_that_is_fewer_than_five_and_13_at_most() {
         let (default, third) = (
             SearchOptions::default(),
             SearchOptions { keyframe_every: Some(3), ..SearchOptions::default() },
         );
-        for frames in 1..300 {
+        for frames in 1..1000 {
             let every = default.keyframe_spacing(frames);
             let keyframes = frames.div_ceil(every);
-            assert!((1..=20).contains(&every) && keyframes >= frames.min(5), "{frames}: {every}");
-            assert_eq!(every == 20, frames > 80, "{frames}");
+            assert!((frames.min(5)..=13).contains(&keyframes), "{frames}: every {every}");
+            assert_eq!(every == 20, (81..=260).contains(&frames), "{frames}");
             assert_eq!(third.keyframe_spacing(frames), 3);
         }
+        assert_eq!(20_000_usize.div_ceil(default.keyframe_spacing(20_000)), 13);
     }
 }

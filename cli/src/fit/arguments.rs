@@ -55,7 +55,7 @@ pub(crate) struct FitArguments {
     /// Only these frames, first and last included [default: all]
     #[arg(long, value_name = "FIRST:LAST")]
     pub(super) frames: Option<FrameRange>,
-    /// Frames between keyframes, each of which proposes a body [default: 20, or fewer so that there are at least five keyframes]
+    /// Frames between keyframes, each of which proposes a body [default: 20, or as many as give five to 13 keyframes]
     #[arg(long, value_name = "FRAMES")]
     keyframe_every: Option<usize>,
     /// What outlines are compared with [default: ellipses in the search, then metaballs if the body has them]
