@@ -111,7 +111,7 @@ fn add_shape(values: &mut Matrix9xX, column: usize, d: &Matrix3<f64>) {
 }
 
 /// Calls `add(component, ∂point)` for every component of the state that moves a point of a frame.
-fn point_columns(
+pub(super) fn point_columns(
     body: &Posed<'_>,
     layout: Layout,
     frame: FrameId,

@@ -130,6 +130,7 @@ mod tests {
             ellipsoids: Vec::new(),
             metaballs: carrying.map(ball).collect(),
             points: Vec::new(),
+            keypoints: Vec::new(),
             poses: Vec::new(),
             lengths: Vec::new(),
         }

@@ -7,6 +7,7 @@
 mod bones;
 mod check;
 mod jacobian;
+mod keypoints;
 mod limbs;
 pub mod metaball;
 mod model;
@@ -19,6 +20,7 @@ mod state;
 
 pub use check::check_kinematics;
 pub use jacobian::EllipsoidJacobians;
+pub use keypoints::{KEYPOINT_SD_M, PointSlopes};
 pub use model::{
     BodyModel, CoefficientId, FrameId, Joint, JointId, Limbs, ModelError, NamedPoint, Part, PartId,
     Pose, Primitive, Root, ShapeStatistics, Turn,

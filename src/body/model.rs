@@ -182,6 +182,8 @@ pub struct BodyModel {
     pub offsets: Option<SurfaceOffsets>,
     /// Exported points.
     pub points: Vec<NamedPoint>,
+    /// Exported points as a detector means them ([`BodyModel::with_keypoints`]); none in a model's file.
+    pub keypoints: Vec<NamedPoint>,
     /// Canonical poses.
     pub poses: Vec<Pose>,
     /// Lengths that are reported: name and the two points between which they are measured.

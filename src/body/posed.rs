@@ -91,12 +91,7 @@ impl<'a> Posed<'a> {
 
     /// All exported points in the world, in the order of [`BodyModel::points`].
     pub fn points(&self) -> Vec<Point3<f64>> {
-        let mean = |places: &[(PartId, ScaledVector)]| {
-            let sum: Vector3<f64> =
-                places.iter().map(|(part, place)| self.point(*part, place).coords).sum();
-            Point3::from(sum / places.len() as f64)
-        };
-        self.model.points.iter().map(|p| mean(&p.places)).collect()
+        self.model.points.iter().map(|point| self.named_point(point)).collect()
     }
 
     /// A primitive as an ellipsoid in the world.

@@ -51,6 +51,15 @@ impl Side {
         }
     }
 
+    /// The name of a joint centre's mirror image: `LKnee` for `RKnee`; `None` of one in the middle.
+    pub fn mirrored(name: &str) -> Option<String> {
+        let other = match Self::from_initial(name)? {
+            Self::Left => 'R',
+            Self::Right => 'L',
+        };
+        Some(format!("{other}{}", &name[1..]))
+    }
+
     /// +1 for right, −1 for left: what points to the body's right points outwards on the right side, inwards on the left.
     pub(crate) fn sign(self) -> f64 {
         match self {
@@ -75,5 +84,7 @@ mod tests {
     fn the_side_is_read_from_the_name_of_a_joint_centre() {
         let sides = ["RKnee", "LHip", "Hip", "Rib"].map(Side::from_initial);
         assert_eq!(sides, [Some(Side::Right), Some(Side::Left), None, None]);
+        let mirrored = ["RKnee", "LHip", "Hip"].map(Side::mirrored);
+        assert_eq!(mirrored, [Some("LKnee".to_owned()), Some("RHip".to_owned()), None]);
     }
 }

@@ -5,13 +5,13 @@ use nalgebra::Point3;
 use super::detail::Detail;
 use super::hull;
 use super::prior::{PosePrior, ShapePrior};
-use crate::body::BodyModel;
+use crate::body::{BodyModel, Root};
 use crate::camera::{Camera, CameraId, Rig};
 use crate::likelihood::{
-    EllipseOptions, EllipseSilhouette, EllipseView, LikelihoodOptions, Measure, PointField,
-    RayView, SilhouetteRays, SkinScale, SurfacePoint, Term,
+    EllipseOptions, EllipseSilhouette, EllipseView, KeypointView, Keypoints, LikelihoodOptions,
+    Measure, PointField, RayView, SilhouetteRays, SkinScale, SurfacePoint, Term,
 };
-use crate::silhouette::{FrameObservations, Silhouette};
+use crate::silhouette::{Detection, FrameObservations, Silhouette};
 
 /// What one frame shows, as terms of −log p(Zᵢ | mᵢ, s).
 pub type Terms<'f> = Vec<Box<dyn Term + 'f>>;
@@ -71,7 +71,25 @@ impl<'a> Evidence<'a> {
         let subject = hull::subject(self.rig, frame);
         let mut terms = self.terms_of_views(&frame.views, subject, detail);
         terms.extend(self.terms_of_points(frame, detail));
+        terms.extend(self.terms_of_detections(&frame.detections, subject));
         terms
+    }
+
+    /// Those of detections; none of a body that is held, whose points have other names.
+    pub(super) fn terms_of_detections<'f>(
+        &self,
+        detections: &[(CameraId, Detection)],
+        subject: Option<Point3<f64>>,
+    ) -> Terms<'f> {
+        if detections.is_empty() || self.model.root == Root::Fixed {
+            return Vec::new();
+        }
+        let view = |(id, detection): &(CameraId, Detection)| {
+            let camera = &self.rig.cameras[id.0];
+            KeypointView::new(self.model, camera, detection, depth_m(camera, subject))
+        };
+        let views = detections.iter().map(view).collect();
+        vec![Box::new(Keypoints::new(views, self.likelihood.keypoints))]
     }
 
     /// Those of some of its views; `subject` is where the body is.

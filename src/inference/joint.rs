@@ -18,7 +18,7 @@ use super::contrasts::{Contrasts, Leverages};
 use super::covariance::Uncertainty;
 use super::frame::FrameFit;
 use super::instant::times_s;
-use super::noise::Noise;
+use super::noise::{DataWeights, Noise};
 use super::prior::ShapePrior;
 use super::sequence_posterior::SequencePosterior;
 use super::sequence_state::SequenceState;
@@ -70,6 +70,17 @@ pub struct JointOptimum {
 }
 
 impl JointOptimum {
+    /// Of a body that has only the first so many coefficients of s.
+    #[must_use]
+    pub fn of_first(mut self, coefficients: usize) -> Self {
+        self.shape = self.shape.first(coefficients);
+        if let Some(uncertainty) = &mut self.uncertainty {
+            let all = &mut uncertainty.shape.covariance;
+            *all = all.view((0, 0), (coefficients, coefficients)).into_owned();
+        }
+        self
+    }
+
     /// s and m₁..ₙ.
     pub fn state(&self) -> SequenceState {
         SequenceState {
@@ -185,12 +196,12 @@ impl Search<'_, '_> {
             chain_prior: &self.chain_prior,
             seconds: self.seconds,
             looks: &looks,
-            data_weight: 1.0,
+            weights: DataWeights::all(1.0),
             contrasts: &Contrasts::none(looks.len()),
         };
         let noise = Noise::from_residuals(&posterior.residuals(&start));
-        posterior.data_weight = noise.data_weight();
-        let contrasts = Contrasts::new(model, &looks, &start, &leverages, posterior.data_weight);
+        posterior.weights = noise.weights();
+        let contrasts = Contrasts::new(model, &looks, &start, &leverages, noise.data_weight());
         posterior.contrasts = &contrasts;
         let counted = Counted { problem: &posterior, step: self.step };
         let solver = Options { max_iterations, damping: DAMPING, relative_decrease: TOLERANCE };

@@ -13,8 +13,19 @@ use crate::silhouette::FrameObservations;
 pub struct Look<'f> {
     /// The camera, if its place or its clock is an unknown: its position in the rig.
     pub camera: Option<usize>,
+    /// What kind of data it shows: each errs in its own way.
+    pub kind: Kind,
     /// What it shows.
     pub terms: Terms<'f>,
+}
+
+/// A kind of data.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Outlines, and points of the surface.
+    Surface,
+    /// Detections of joints.
+    Keypoints,
 }
 
 /// What every frame of a sequence shows.
@@ -28,9 +39,15 @@ pub struct SequenceTerms<'f> {
 }
 
 impl<'f> Look<'f> {
-    /// Of cameras that are trusted.
+    /// Of the surface, by cameras that are trusted.
     pub fn of_all(terms: Terms<'f>) -> Self {
-        Self { camera: None, terms }
+        Self { camera: None, kind: Kind::Surface, terms }
+    }
+}
+
+impl Look<'_> {
+    fn shows_any(&self) -> bool {
+        !self.terms.is_empty()
     }
 }
 
@@ -44,7 +61,7 @@ impl Evidence<'_> {
         let looks = |detail: Detail| {
             let frames = sequence.frames.par_iter();
             let looks = |frame| match camera_prior.is_trusting() {
-                true => vec![Look::of_all(self.terms(frame, detail))],
+                true => self.looks_of_all(frame, detail),
                 false => self.looks(frame, detail),
             };
             frames.map(looks).collect()
@@ -52,12 +69,29 @@ impl Evidence<'_> {
         SequenceTerms { thinned: looks(Detail::Thinned), all: looks(Detail::Fine), camera_prior }
     }
 
-    /// One look for each camera, and one for the points.
+    /// One look for the surface, and one for detections.
+    fn looks_of_all<'f>(&self, frame: &'f FrameObservations, detail: Detail) -> Vec<Look<'f>> {
+        let subject = hull::subject(self.rig, frame);
+        let mut surface = self.terms_of_views(&frame.views, subject, detail);
+        surface.extend(self.terms_of_points(frame, detail));
+        let terms = self.terms_of_detections(&frame.detections, subject);
+        let detected = Look { camera: None, kind: Kind::Keypoints, terms };
+        [Look::of_all(surface), detected].into_iter().filter(Look::shows_any).collect()
+    }
+
+    /// One look for each camera and kind, and one for the points.
     fn looks<'f>(&self, frame: &'f FrameObservations, detail: Detail) -> Vec<Look<'f>> {
-        let terms = self.view_terms(frame, detail);
-        let views = frame.views.iter().zip(terms);
-        let views = views.map(|((id, _), terms)| Look { camera: Some(id.0), terms });
-        views.chain([Look::of_all(self.terms_of_points(frame, detail))]).collect()
+        let subject = hull::subject(self.rig, frame);
+        let views = frame.views.iter().zip(self.view_terms(frame, detail));
+        let views =
+            views.map(|((id, _), terms)| Look { camera: Some(id.0), kind: Kind::Surface, terms });
+        let detected = frame.detections.iter().map(|seen| Look {
+            camera: Some(seen.0.0),
+            kind: Kind::Keypoints,
+            terms: self.terms_of_detections(std::slice::from_ref(seen), subject),
+        });
+        let points = Look::of_all(self.terms_of_points(frame, detail));
+        views.chain(detected).chain([points]).filter(Look::shows_any).collect()
     }
 
     /// The terms of each view of a frame.

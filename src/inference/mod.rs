@@ -45,7 +45,7 @@ pub mod step;
 
 pub use detail::Detail;
 pub use evidence::{Evidence, Terms};
-pub use looks::{Look, SequenceTerms};
+pub use looks::{Kind, Look, SequenceTerms};
 pub use sequence::Sequence;
 pub use sequence_state::SequenceState;
 pub use shape_confidence::{ConfidenceOptions, ShapeConfidence};

@@ -18,11 +18,16 @@
 //! ([`contrasts`](super::contrasts)). What is the same over a decimetre in every frame is not noise
 //! but an unknown of its own: the surface's offsets ([`SurfaceOffsets`](crate::body::SurfaceOffsets)).
 //!
+//! Detections of joints are another kind of data with a κ and a τ of their own. What a detector means by a joint is an unknown
+//! ([`keypoints`](crate::likelihood::Keypoints)); what it errs besides lasts from frame to frame, so the looks of
+//! one camera at one keypoint, along one axis of the picture, are a cluster. Their cost is divided by κ²τ.
+//!
 //! # Source
 //! Huber 1981, *Robust Statistics*; Liang & Zeger 1986, *Longitudinal data analysis using generalized linear models*.
 
 use std::collections::BTreeMap;
 
+use super::Kind;
 use crate::likelihood::{Place, PlacedResidual, Source};
 
 /// How the residuals of a recording err.
@@ -34,26 +39,87 @@ pub struct Noise {
     pub along_border: f64,
     /// τ: how many looks at one place, by other cameras and in other frames, are worth one.
     pub together: f64,
+    /// How detections of joints err, if there are any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub keypoints: Option<KeypointNoise>,
+}
+
+/// How the detections of a recording err.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct KeypointNoise {
+    /// κ: how many times larger than stated the residuals are.
+    pub scale: f64,
+    /// τ: how many detections of one joint by one camera are worth one.
+    pub together: f64,
+}
+
+/// How many times the cost of each kind of data counts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DataWeights {
+    /// Of outlines and points of the surface.
+    pub surface: f64,
+    /// Of detections.
+    pub keypoints: f64,
+}
+
+impl DataWeights {
+    /// The same of all.
+    pub fn all(weight: f64) -> Self {
+        Self { surface: weight, keypoints: weight }
+    }
+
+    /// That of one kind.
+    pub fn of(self, kind: Kind) -> f64 {
+        match kind {
+            Kind::Surface => self.surface,
+            Kind::Keypoints => self.keypoints,
+        }
+    }
 }
 
 impl Noise {
     /// As stated: every row's σ and weight are right.
     pub fn stated() -> Self {
-        Self { scale: 1.0, along_border: 1.0, together: 1.0 }
+        Self { scale: 1.0, along_border: 1.0, together: 1.0, keypoints: None }
     }
 
     /// From the residuals of every frame.
     pub fn from_residuals(frames: &[Vec<PlacedResidual>]) -> Self {
+        let is_keypoint = |r: &&PlacedResidual| matches!(r.source, Source::Keypoints(_));
+        let parted = frames.iter().map(|rows| rows.iter().partition(is_keypoint));
+        let (keypoints, surface): (Vec<Vec<_>>, Vec<Vec<_>>) = parted.unzip();
         Self {
-            scale: scale(frames),
-            along_border: along_border(frames),
-            together: together(frames),
+            scale: scale(&surface),
+            along_border: along_border(&surface),
+            together: together(&surface),
+            keypoints: KeypointNoise::from_residuals(&keypoints),
         }
     }
 
-    /// The factor of the data's cost: 1/(κ²λτ).
+    /// The factor of the cost of outlines and points: 1/(κ²λτ).
     pub fn data_weight(&self) -> f64 {
         1.0 / (self.scale * self.scale * self.along_border * self.together)
+    }
+
+    /// The factors of all kinds of data.
+    pub fn weights(&self) -> DataWeights {
+        let of_keypoints = |noise: KeypointNoise| 1.0 / (noise.scale.powi(2) * noise.together);
+        DataWeights {
+            surface: self.data_weight(),
+            keypoints: self.keypoints.map_or(1.0, of_keypoints),
+        }
+    }
+}
+
+impl KeypointNoise {
+    fn from_residuals(frames: &[Vec<&PlacedResidual>]) -> Option<Self> {
+        let mut clusters: BTreeMap<(Place, Source, bool), (f64, f64)> = BTreeMap::new();
+        for r in frames.iter().flatten() {
+            let key = (r.place(), r.source, r.outward_px.x > r.outward_px.y);
+            add(clusters.entry(key).or_default(), influence(r));
+        }
+        let is_seen = !clusters.is_empty();
+        is_seen.then(|| Self { scale: scale(frames), together: worth_one(clusters.values()) })
     }
 }
 
@@ -63,7 +129,7 @@ fn influence(residual: &PlacedResidual) -> f64 {
 }
 
 /// κ.
-fn scale(frames: &[Vec<PlacedResidual>]) -> f64 {
+fn scale(frames: &[Vec<&PlacedResidual>]) -> f64 {
     let (mut squares, mut weights) = (0.0, 0.0);
     for r in frames.iter().flatten() {
         squares += r.weight * influence(r).powi(2);
@@ -76,7 +142,7 @@ fn scale(frames: &[Vec<PlacedResidual>]) -> f64 {
 }
 
 /// λ; the pairs that count are those nearer than where ρ first falls below 0.05.
-fn along_border(frames: &[Vec<PlacedResidual>]) -> f64 {
+fn along_border(frames: &[Vec<&PlacedResidual>]) -> f64 {
     const BIN: f64 = 0.2;
     const BINS: usize = 100;
 
@@ -88,7 +154,7 @@ fn along_border(frames: &[Vec<PlacedResidual>]) -> f64 {
     for border in borders {
         // u, w and wψ of each row
         let mut at = 0.0;
-        let mut place = |r: &PlacedResidual| {
+        let mut place = |r: &&PlacedResidual| {
             at += r.weight;
             (at - 0.5 * r.weight, r.weight, r.weight * influence(r))
         };
@@ -122,25 +188,32 @@ fn along_border(frames: &[Vec<PlacedResidual>]) -> f64 {
 }
 
 /// τ.
-fn together(frames: &[Vec<PlacedResidual>]) -> f64 {
+fn together(frames: &[Vec<&PlacedResidual>]) -> f64 {
     // Σy and Σy² of each place
     let mut places: BTreeMap<Place, (f64, f64)> = BTreeMap::new();
     for frame in frames {
         for ((place, _), (sum, weight)) in scores(frame) {
-            let y = sum / weight.max(1e-12);
-            let (sum, squares) = places.entry(place).or_default();
-            *sum += y;
-            *squares += y * y;
+            add(places.entry(place).or_default(), sum / weight.max(1e-12));
         }
     }
+    worth_one(places.values())
+}
 
+/// Adds y to the Σy and Σy² of a cluster.
+fn add((sum, squares): &mut (f64, f64), y: f64) {
+    *sum += y;
+    *squares += y * y;
+}
+
+/// Σ_clusters (Σy)²/Σ_clusters Σy².
+fn worth_one<'a>(clusters: impl Iterator<Item = &'a (f64, f64)>) -> f64 {
     let (together, apart) =
-        places.values().fold((0.0, 0.0), |(a, b), (sum, squares)| (a + sum * sum, b + squares));
+        clusters.fold((0.0, 0.0), |(a, b), (sum, squares)| (a + sum * sum, b + squares));
     if apart > 0.0 { (together / apart).max(1.0) } else { 1.0 }
 }
 
 /// Σwψ and Σw of each place in each view of a frame.
-fn scores(frame: &[PlacedResidual]) -> BTreeMap<(Place, Source), (f64, f64)> {
+fn scores(frame: &[&PlacedResidual]) -> BTreeMap<(Place, Source), (f64, f64)> {
     let mut scores: BTreeMap<(Place, Source), (f64, f64)> = BTreeMap::new();
     for r in frame {
         let (sum, weight) = scores.entry((r.place(), r.source)).or_default();

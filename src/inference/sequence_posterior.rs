@@ -11,15 +11,16 @@
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-use super::Look;
 use super::camera_offset::{COMPONENTS, CameraOffset, CameraPrior};
 use super::chain::ChainPrior;
 use super::contrasts::Contrasts;
 use super::frame::{FrameFit, data_cost, linearize_data, observations};
 use super::instant::{Instant, times_s};
 use super::look_sum::{LookSum, Placed, REACH, Unknown};
+use super::noise::DataWeights;
 use super::prior::{PosePrior, ShapePrior};
 use super::sequence_state::SequenceState;
+use super::{Kind, Look};
 use crate::body::{BodyModel, Layout, Motion, Posed, Shape};
 use crate::camera::Rig;
 use crate::likelihood::{PlacedResidual, Source};
@@ -44,7 +45,7 @@ pub struct SequencePosterior<'a> {
     /// p(Zᵢ | mᵢ, s, c), frame by frame.
     pub looks: &'a [Vec<&'a Look<'a>>],
     /// How many times the data's cost counts: observations that err more, or more together, count less.
-    pub data_weight: f64,
+    pub weights: DataWeights,
     /// E_d.
     pub contrasts: &'a Contrasts,
 }
@@ -94,14 +95,26 @@ impl SequencePosterior<'_> {
     /// −log p of what a look shows, with E_d.
     fn look_cost(&self, x: &SequenceState, placed: &Placed<'_>) -> f64 {
         let body = Posed::new(self.model, &x.shape, &placed.seen);
-        self.data_weight * data_cost(&placed.look.terms, &body) + self.contrast_cost(placed, &body)
+        self.weight(placed) * data_cost(&placed.look.terms, &body)
+            + self.contrast_cost(placed, &body)
     }
 
     fn contrast_cost(&self, placed: &Placed<'_>, body: &Posed<'_>) -> f64 {
-        match placed.look.camera {
-            None => self.contrasts.cost(placed.recorded, body),
-            Some(_) => 0.0,
+        match self.has_contrasts(placed) {
+            true => self.contrasts.cost(placed.recorded, body),
+            false => 0.0,
         }
+    }
+
+    /// What cameras side by side see differently is told of the outlines of all.
+    fn has_contrasts(&self, placed: &Placed<'_>) -> bool {
+        let Look { camera, kind, .. } = placed.look;
+        camera.is_none() && *kind == Kind::Surface && self.contrasts.has(placed.recorded)
+    }
+
+    /// w of what a look shows.
+    fn weight(&self, placed: &Placed<'_>) -> f64 {
+        self.weights.of(placed.look.kind)
     }
 
     /// How long a frame lasts, seconds; the first frame's pose is drawn from all.
@@ -116,23 +129,29 @@ impl SequencePosterior<'_> {
         let shared = n - m + COMPONENTS * x.cameras.len();
         let mut sum = LookSum::new(placed, m, shared);
 
-        // blocks of the motion and of motion and shape look by look, of the shape all together
-        let mut equations = NormalEquations::zeros(n);
-        let mut of_contrasts = NormalEquations::zeros(n);
+        // blocks of the motion and of motion and shape look by look, of the shape all of one weight together
+        let [mut surface, mut keypoints, mut of_contrasts] =
+            [0; 3].map(|_| NormalEquations::zeros(n));
         for look in placed {
-            equations.hessian.columns_mut(0, m).fill(0.0);
-            equations.gradient.rows_mut(0, m).fill(0.0);
             let body = Posed::new(self.model, &x.shape, &look.seen);
-            sum.cost += self.data_weight * linearize_data(&look.look.terms, &body, &mut equations);
-            sum.carry(look, &equations, self.data_weight);
-            if look.look.camera.is_none() && self.contrasts.has(look.recorded) {
-                of_contrasts.hessian.columns_mut(0, m).fill(0.0);
-                of_contrasts.gradient.rows_mut(0, m).fill(0.0);
+            let (weight, equations) = (
+                self.weight(look),
+                match look.look.kind {
+                    Kind::Surface => &mut surface,
+                    Kind::Keypoints => &mut keypoints,
+                },
+            );
+            clear_motion(equations, m);
+            sum.cost += weight * linearize_data(&look.look.terms, &body, equations);
+            sum.carry(look, equations, weight);
+            if self.has_contrasts(look) {
+                clear_motion(&mut of_contrasts, m);
                 sum.cost += self.contrasts.linearize(look.recorded, &body, &mut of_contrasts);
                 sum.carry(look, &of_contrasts, 1.0);
             }
         }
-        sum.add_shape(&equations, self.data_weight);
+        sum.add_shape(&surface, self.weights.surface);
+        sum.add_shape(&keypoints, self.weights.keypoints);
         sum.add_shape(&of_contrasts, 1.0);
         sum
     }
@@ -142,9 +161,12 @@ impl SequencePosterior<'_> {
         let of_look = |placed: &Placed<'_>| {
             let body = Posed::new(self.model, &x.shape, &placed.seen);
             let residuals = placed.look.terms.iter().flat_map(|t| t.placed_residuals(&body));
-            let source = placed.look.camera.map(Source::View);
-            let named =
-                residuals.map(|r| PlacedResidual { source: source.unwrap_or(r.source), ..r });
+            let source = |own: Source| match (placed.look.camera, placed.look.kind) {
+                (Some(camera), Kind::Surface) => Source::View(camera),
+                (Some(camera), Kind::Keypoints) => Source::Keypoints(camera),
+                (None, _) => own,
+            };
+            let named = residuals.map(|r| PlacedResidual { source: source(r.source), ..r });
             (placed.recorded, named.collect::<Vec<_>>())
         };
         let placed = self.placed(x);
@@ -186,6 +208,12 @@ impl SequencePosterior<'_> {
         let frames: f64 = x.motions.iter().enumerate().map(of_frame).sum();
         frames + self.camera_prior.cost(&x.cameras)
     }
+}
+
+/// Clears all but the block of the shape.
+fn clear_motion(equations: &mut NormalEquations, m: usize) {
+    equations.hessian.columns_mut(0, m).fill(0.0);
+    equations.gradient.rows_mut(0, m).fill(0.0);
 }
 
 impl Problem for SequencePosterior<'_> {

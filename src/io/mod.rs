@@ -15,6 +15,7 @@
 //! | `input`         | a file that somebody names, of a kind and size that can be read                |
 
 pub mod calibration;
+pub mod detections;
 pub mod export;
 pub mod folder;
 pub mod frame_rate;

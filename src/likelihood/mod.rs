@@ -5,6 +5,7 @@
 //! | [`EllipseSilhouette`] | border points, distance map | distance to outlines, px  | ZS06, App. C    |
 //! | [`SilhouetteRays`]   | border points                | distance to the skin, m   | PF02 § 3.2      |
 //! | [`PointField`]       | points of the surface        | distance to the skin, m   | PF02 § 3.1      |
+//! | [`Keypoints`]        | 2-D detections of joints     | distance to the joint, px | –               |
 //!
 //! What cameras side by side see differently at one place is weighed apart: [`Parallax`].
 //!
@@ -16,6 +17,7 @@ mod ellipse_distance;
 mod ellipse_silhouette;
 mod ellipse_sums;
 mod ellipsoid_surface;
+mod keypoints;
 mod limb_sums;
 mod local_length;
 mod offset_row;
@@ -30,6 +32,7 @@ mod union;
 
 pub use ellipse_distance::EllipseDistance;
 pub use ellipse_silhouette::{EllipseOptions, EllipseSilhouette, EllipseView, Variant};
+pub use keypoints::{KeypointOptions, KeypointView, Keypoints};
 pub use options::{LikelihoodOptions, Measure};
 pub use parallax::{Contrast, Parallax, Quarter};
 pub use placed_residual::{Place, PlacedResidual, Source};

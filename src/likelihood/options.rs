@@ -1,6 +1,6 @@
 //! Which terms a likelihood is made of, and the settings of each.
 
-use super::{EllipseOptions, PointOptions, RayOptions};
+use super::{EllipseOptions, KeypointOptions, PointOptions, RayOptions};
 
 /// What silhouettes and points are compared with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -36,4 +36,6 @@ pub struct LikelihoodOptions {
     pub rays: RayOptions,
     /// Points against metaballs.
     pub points: PointOptions,
+    /// Detections against joints.
+    pub keypoints: KeypointOptions,
 }

@@ -226,7 +226,7 @@ impl Parallax {
     fn line(&self, source: Source, index: usize) -> Option<Line> {
         match source {
             Source::View(view) => Some(self.lines[view][index]),
-            Source::Cloud => None,
+            Source::Cloud | Source::Keypoints(_) => None,
         }
     }
 

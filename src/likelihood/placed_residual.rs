@@ -11,6 +11,8 @@ pub enum Source {
     View(usize),
     /// A cloud of points.
     Cloud,
+    /// The keypoints of one camera: its position among those of the frame.
+    Keypoints(usize),
 }
 
 /// One residual, and where on the body it was measured.
@@ -22,7 +24,7 @@ pub struct PlacedResidual {
     pub value: f64,
     /// ρ′: the part of its weight that the robust loss leaves, 1 for an inlier.
     pub trust: f64,
-    /// σ, px for a view, metres for a cloud.
+    /// σ, px for a view or keypoints, metres for a cloud.
     pub sigma: f64,
     /// w: the number of independent observations that it stands for.
     pub weight: f64,

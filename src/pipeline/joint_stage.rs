@@ -1,5 +1,7 @@
 //! The joint optimum, and where and when the cameras are.
 
+use std::collections::BTreeSet;
+
 use super::{EstimateOptions, Progress};
 use crate::body::{BodyModel, Root};
 use crate::camera::Rig;
@@ -24,9 +26,12 @@ pub(super) struct JointStage<'a> {
 
 impl JointStage<'_> {
     /// The optimum, and what of the cameras was unknown.
+    ///
+    /// Where there are detections, what their detector means by each joint is an unknown too; it is left out of what is returned.
     pub(super) fn run(&self, mut start: SequenceState) -> (JointOptimum, CameraPrior) {
         let Self { model, calibrated, measure, sequence, options, joint, .. } = *self;
-        let evidence = Evidence::new(model, calibrated, options.likelihood, measure);
+        let detected = model.with_keypoints(&detected_names(sequence));
+        let evidence = Evidence::new(&detected, calibrated, options.likelihood, measure);
         let prior = self.camera_prior(&start);
         if !prior.is_trusting() {
             let from = |(camera, frames): (usize, &isize)| CameraOffset {
@@ -42,7 +47,7 @@ impl JointStage<'_> {
         let seconds = sequence.intervals_s();
         let optimum = joint_optimum_from_terms(&evidence, &terms, &seconds, start, joint, &step);
         self.progress.end();
-        (optimum, prior)
+        (optimum.of_first(model.coefficients.len()), prior)
     }
 
     /// What of the cameras is estimated; nothing where points were measured with them.
@@ -54,4 +59,11 @@ impl JointStage<'_> {
         let interval_s = 1.0 / self.sequence.fps;
         CameraPrior::new(self.calibrated, start, self.options.free(), interval_s)
     }
+}
+
+/// The names of all keypoints of a sequence.
+fn detected_names(sequence: Sequence<'_>) -> Vec<&'static str> {
+    let detections = sequence.frames.iter().flat_map(|frame| &frame.detections);
+    let names = detections.flat_map(|(_, detection)| detection.keypoints.iter().map(|k| k.name));
+    names.collect::<BTreeSet<_>>().into_iter().collect()
 }

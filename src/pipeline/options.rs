@@ -87,9 +87,11 @@ pub enum Clocks {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum FitTo {
-    /// Silhouettes, and points where there are any.
+    /// Silhouettes, and points and detections where there are any.
     #[default]
     All,
+    /// Silhouettes alone.
+    Silhouettes,
     /// Points alone.
     Points,
 }
@@ -97,8 +99,13 @@ pub enum FitTo {
 impl FitTo {
     /// Keeps what is fitted to of a frame.
     pub fn select(self, mut frame: FrameObservations) -> FrameObservations {
-        if self == Self::Points {
-            frame.views.clear();
+        if self != Self::All {
+            frame.detections.clear();
+        }
+        match self {
+            Self::All => {}
+            Self::Silhouettes => frame.points.clear(),
+            Self::Points => frame.views.clear(),
         }
         frame
     }

@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Rejected, Silhouette};
+use super::{Detection, Rejected, Silhouette};
 use crate::camera::CameraId;
 use crate::stereo::{CloudPoint, LeftOut};
 
@@ -18,7 +18,7 @@ impl fmt::Display for FrameIndex {
     }
 }
 
-/// The silhouettes of one frame, at most one for each camera, in the order of the rig, and its points in space.
+/// The silhouettes and detections of one frame, at most one for each camera, in the order of the rig, and its points in space.
 #[derive(Clone, Debug)]
 pub struct FrameObservations {
     /// Which frame.
@@ -27,6 +27,8 @@ pub struct FrameObservations {
     pub views: Vec<(CameraId, Silhouette)>,
     /// The cameras whose mask was read but shows no silhouette, and why.
     pub rejected: Vec<(CameraId, Rejected)>,
+    /// Where other programs see the person's joints, in the cameras in which they see the person.
+    pub detections: Vec<(CameraId, Detection)>,
     /// Points on the surface; empty where there are none.
     pub points: Vec<CloudPoint>,
     /// How many points their source held besides.
@@ -40,6 +42,7 @@ impl FrameObservations {
             frame,
             views: Vec::new(),
             rejected: Vec::new(),
+            detections: Vec::new(),
             points: Vec::new(),
             points_left_out: LeftOut::default(),
         }

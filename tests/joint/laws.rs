@@ -9,6 +9,7 @@ use maquette::body::{BodyModel, Layout, Motion, PartId, Posed, Shape};
 use maquette::inference::camera_offset::{CameraOffset, CameraPrior, Free};
 use maquette::inference::chain::{ChainPrior, SWING_HZ};
 use maquette::inference::contrasts::{Contrasts, Leverages};
+use maquette::inference::noise::DataWeights;
 use maquette::inference::prior::{PosePrior, ShapePrior};
 use maquette::inference::sequence_posterior::SequencePosterior;
 use maquette::inference::step::MotionModel;
@@ -81,7 +82,7 @@ impl<'a> Posterior<'a> {
             chain_prior: &self.chain_prior,
             seconds: &SECONDS[..self.looks.len()],
             looks,
-            data_weight: 0.4,
+            weights: DataWeights::all(0.4),
             contrasts: &self.contrasts,
         }
     }

@@ -152,7 +152,8 @@ const CLOCKS: &[Choice<Clocks>] = &[
 ];
 
 const FITTED: &[Choice<FitTo>] = &[
-    ("all", FitTo::All, "Outlines, and points where there are any"),
+    ("all", FitTo::All, "Outlines, and points and detections where there are any"),
+    ("silhouettes", FitTo::Silhouettes, "Outlines alone"),
     ("points", FitTo::Points, "Points alone; masks only say where the person is"),
 ];
 

@@ -21,6 +21,7 @@ use maquette::inference::camera_offset::CameraPrior;
 use maquette::inference::chain::ChainPrior;
 use maquette::inference::contrasts::Contrasts;
 use maquette::inference::joint::{JointOptions, joint_optimum, joint_optimum_from_terms};
+use maquette::inference::noise::DataWeights;
 use maquette::inference::search::{NoJournal, SearchOptions, search};
 use maquette::inference::sequence_posterior::SequencePosterior;
 use maquette::inference::{Detail, Evidence, Look, Sequence, SequenceTerms};
@@ -174,7 +175,7 @@ impl Cycle<'_> {
             chain_prior: &chain_prior,
             seconds,
             looks: &looks,
-            data_weight: 1.0,
+            weights: DataWeights::all(1.0),
             contrasts: &Contrasts::none(looks.len()),
         };
         let state = self.state(looks.len());

@@ -59,6 +59,7 @@ fn empty(spec: &ModelSpec) -> BodyModel {
         ellipsoids: Vec::new(),
         metaballs: Vec::new(),
         points: Vec::new(),
+        keypoints: Vec::new(),
         poses: Vec::new(),
         lengths: Vec::new(),
     }

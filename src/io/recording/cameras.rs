@@ -178,6 +178,11 @@ impl<F> CalibratedCameras<F> {
     }
 }
 
+/// The calibrated camera that is called so, or all but so.
+pub(super) fn calibrated_name(rig: &Rig, name: &str) -> Option<String> {
+    rig.by_name(name).map(|_| name.to_owned()).or_else(|| name_alike(rig, name))
+}
+
 /// The only calibrated camera with the same last number (`0` for `cam_0`), if no other of the names has that number.
 fn same_number(rig: &Rig, names: &[String], name: &str) -> Option<String> {
     let number = |name: &str| {

@@ -9,11 +9,11 @@ use serde::{Deserialize, Serialize};
 use super::{ObservationFiles, RecordingError};
 use crate::io::input;
 
-/// Fingerprint of one input: a file, all masks or pictures of a camera, or all points.
+/// Fingerprint of one input: a file, all masks, detections or pictures of a camera, or all points.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct InputChecksum {
     /// Path of the file relative to the recording's folder (of a file elsewhere its name and that of its folder),
-    /// `masks of <camera>`, `points`, or `pictures of <camera>`, the empty scene included.
+    /// `masks of <camera>`, `detections of <camera>`, `points`, or `pictures of <camera>`, the empty scene included.
     pub input: String,
     /// Number of files.
     pub files: usize,
@@ -97,6 +97,10 @@ impl ObservationFiles {
         let with_masks = with_masks.filter(|(_, masks)| !masks.is_empty());
         let masks =
             with_masks.map(|(camera, masks)| Input::several("masks", &camera.name, masks.values()));
+        let detected = self.rig.cameras.iter().zip(self.detections.of_cameras());
+        let detected = detected.filter(|(_, files)| !files.is_empty());
+        let detected = detected
+            .map(|(camera, files)| Input::several("detections", &camera.name, files.values()));
         let points = self.has_points().then(|| Input {
             name: "points".into(),
             paths: self.points.paths().collect(),
@@ -104,7 +108,7 @@ impl ObservationFiles {
         });
         let pictures = self.pictures.iter();
         let pictures = pictures.map(|(camera, all)| Input::several("pictures", camera, all.iter()));
-        descriptions.chain(masks).chain(points).chain(pictures).collect()
+        descriptions.chain(masks).chain(detected).chain(points).chain(pictures).collect()
     }
 }
 

@@ -208,6 +208,45 @@ pub enum RecordingError {
         /// Why, with the file.
         source: Box<CloudError>,
     },
+    /// No detections where the manifest or the folder promises some.
+    #[error("camera {camera}: no detections (.json) at {}", pattern.display())]
+    MissingDetections {
+        /// Where they were looked for.
+        pattern: PathBuf,
+        /// The camera.
+        camera: String,
+    },
+    /// A file of detections that cannot be used.
+    #[error("{}: {reason}", path.display())]
+    Detections {
+        /// The file.
+        path: PathBuf,
+        /// Why, in one line.
+        reason: String,
+    },
+    /// Detections of points that nobody names.
+    #[error("{}: detections: {found}: write keypoints = \"…\" in sequence.toml, with one of {known}", path.display())]
+    KeypointSet {
+        /// The recording.
+        path: PathBuf,
+        /// What was found.
+        found: String,
+        /// The sets that are known.
+        known: String,
+    },
+    /// Detections in pictures of another size than the calibration's.
+    #[error(
+        "camera {camera}: detections reach pixel ({:.0}, {:.0}), its calibration is of pictures of {} × {}: were they made from pictures of another size?",
+        farthest[0], farthest[1], size[0], size[1]
+    )]
+    DetectionSize {
+        /// The camera.
+        camera: String,
+        /// Largest x and y, pixels.
+        farthest: [f64; 2],
+        /// Width and height, pixels.
+        size: [u32; 2],
+    },
     /// Points far outside the cameras' view, as when millimetres are read as metres.
     #[error(
         "{}: {frame}: the points lie {distance_m:.0} m from the middle of the cameras' view, the cameras {cameras_m:.1} m: if the points are in millimetres write points_unit = \"mm\" in sequence.toml; else check unit and up of the calibration",

@@ -9,7 +9,7 @@
 //! | `manifest/`      | `sequence.toml`                                                        |
 //! | `layout/`        | where a folder without manifest has its files                          |
 //! | `cameras.rs`     | cameras that have files, matched with the calibrated ones              |
-//! | `observations.rs`, `masks.rs`, `points.rs` | [`ObservationFiles`]: masks and points       |
+//! | `observations.rs`, `masks.rs`, `points.rs`, `detections.rs` | [`ObservationFiles`]: masks, points and detections |
 //! | `footage/`       | [`footage::Footage`]: images and videos, decoded ahead                 |
 //! | `image_decoder.rs` | image files, within limits                                           |
 //! | `checksum.rs`    | fingerprints of the inputs                                             |
@@ -17,6 +17,7 @@
 
 mod cameras;
 mod checksum;
+mod detections;
 mod error;
 pub mod filmed;
 pub mod footage;
@@ -38,6 +39,7 @@ use manifest::{CameraFiles, Manifest};
 use observations::WantedPoints;
 
 pub use checksum::InputChecksum;
+use detections::DetectionFiles;
 pub use error::RecordingError;
 pub use mask_image::MaskFault;
 pub use note::{CalibrationNote, Note};
@@ -159,9 +161,13 @@ impl Recording {
         // the masks and points of that folder stand in the place of the manifest's
         if derived.has_masks {
             let masks = |name: &str| folder.join("masks").join(file_name(name));
+            let stated = std::mem::take(&mut manifest.cameras);
+            let detections =
+                |name: &str| stated.iter().find(|c| c.name == name)?.detections.clone();
             let camera = |name: &str| CameraFiles {
                 name: name.into(),
                 masks: Some(masks(name).display().to_string()),
+                detections: detections(name),
                 ..CameraFiles::default()
             };
             manifest.cameras = names().map(camera).collect();

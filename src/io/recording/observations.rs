@@ -7,9 +7,10 @@ use serde::{Deserialize, Serialize};
 
 use super::layout::elsewhere;
 use super::layout::numbered_files::NumberedFiles;
+use super::manifest::CameraFiles;
 use super::masks::{self, MaskFiles};
 use super::points::PointFiles;
-use super::{Note, Recording, RecordingError, mask_image};
+use super::{DetectionFiles, Note, Recording, RecordingError, mask_image};
 use crate::camera::{CameraId, Rig};
 use crate::image::Mask;
 use crate::io::calibration;
@@ -38,6 +39,7 @@ pub struct ObservationFiles {
     /// Frame → mask, for each camera of the rig.
     pub(super) masks: Vec<BTreeMap<FrameIndex, PathBuf>>,
     pub(super) points: PointFiles,
+    pub(super) detections: DetectionFiles,
     /// What masks or points were made of: each camera's pictures.
     pub(super) pictures: Vec<(String, Vec<PathBuf>)>,
 }
@@ -85,6 +87,13 @@ impl ObservationFiles {
             .collect();
         masks.resize_with(rig.cameras.len(), BTreeMap::new);
 
+        // detections
+        let files: Vec<CameraFiles> = cameras.into_iter().map(|(camera, _)| camera).collect();
+        let detections = match wanted {
+            WantedPoints::Ignored => DetectionFiles::default(),
+            _ => DetectionFiles::find(recording, &rig, &files, fps)?,
+        };
+
         // points
         let points = match wanted {
             WantedPoints::Ignored => PointFiles::default(),
@@ -117,6 +126,7 @@ impl ObservationFiles {
             descriptions: recording.manifest_path.iter().cloned().chain(calibration).collect(),
             masks,
             points,
+            detections,
             pictures: Vec::new(),
         })
     }
@@ -153,7 +163,12 @@ impl ObservationFiles {
                 continue;
             };
             match silhouette::extract(&mask, camera, options) {
-                Ok(silhouette) => observations.views.push((id, silhouette)),
+                Ok(silhouette) => {
+                    let people = self.detections.load((id, camera), frame)?;
+                    let own = silhouette.detection(people).map(|detection| (id, detection));
+                    observations.detections.extend(own);
+                    observations.views.push((id, silhouette));
+                }
                 Err(reason) => observations.rejected.push((id, reason)),
             }
         }

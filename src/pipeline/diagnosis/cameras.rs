@@ -59,6 +59,14 @@ impl CameraFaults {
         self.faults.iter().all(is_such)
     }
 
+    /// Whether all of them are focal lengths, if there are any.
+    pub(super) fn are_of_lenses(&self) -> bool {
+        let is_such = |fault: &CameraFault| {
+            matches!(fault, CameraFault::AllZoomed(_) | CameraFault::Zoomed(..))
+        };
+        self.faults.iter().all(is_such)
+    }
+
     /// Whether nearly all misses come from them.
     pub(super) fn explain_nearly_all(&self) -> bool {
         self.left < NEARLY_ALL

@@ -137,6 +137,29 @@ impl<'a> Scene<'a> {
         }
     }
 
+    /// Of some pixels in the silhouette of a camera, those that show what the others do not: nowhere along their lines of sight does
+    /// half of the others see anything.
+    pub(super) fn alone(
+        &self,
+        position: usize,
+        camera: CameraId,
+        pixels: &[Point2<f64>],
+    ) -> Vec<Point2<f64>> {
+        let views = self.views(position, &self.plain()).unwrap_or_default();
+        let Some(own) = views.iter().position(|view| view.id == camera.0) else {
+            return Vec::new();
+        };
+        let middle = |view: &View<'_>| view.camera.ray(&view.silhouette.centroid);
+        let subject = closest_point(&views.iter().map(middle).collect::<Vec<Ray>>());
+        let Some(subject) = subject else { return Vec::new() };
+        let is_alone = |pixel: &&Point2<f64>| {
+            let ray = views[own].camera.ray(pixel);
+            let middle = (subject - ray.origin_world).dot(&ray.direction_world);
+            !along(middle).any(|t| is_seen_by_half(&ray.point_at(t), &views, own))
+        };
+        pixels.iter().filter(is_alone).copied().collect()
+    }
+
     /// The silhouettes of a frame; `None` if a camera is not there at the moment at which it is read, but shows the frame.
     fn views(&self, position: usize, readings: &[Option<Reading>]) -> Option<Vec<View<'a>>> {
         let shown = |frame: &'a FrameObservations, id: CameraId| {
@@ -213,13 +236,8 @@ fn frame_misses(views: &[View<'_>], border_points: f64) -> Vec<(usize, f64)> {
 
 /// The least over the line of sight of the most over the other views; `None` where no other camera sees any of it.
 fn line_of_sight_miss(ray: &Ray, middle: f64, views: &[View<'_>], own: usize) -> Option<f64> {
-    let steps = (2.0 * REACH_M / STEP_M) as usize;
     let mut least: Option<f64> = None;
-    for step in 0..=steps {
-        let t = middle - REACH_M + step as f64 * STEP_M;
-        if t <= 0.0 {
-            continue;
-        }
+    for t in along(middle) {
         if let Some(miss) = place_miss(&ray.point_at(t), views, own, least.unwrap_or(MOST_M)) {
             least = Some(least.map_or(miss, |l| l.min(miss)));
         }
@@ -228,6 +246,24 @@ fn line_of_sight_miss(ray: &Ray, middle: f64, views: &[View<'_>], own: usize) ->
         }
     }
     least
+}
+
+/// The places along a line of sight that are looked at.
+fn along(middle: f64) -> impl Iterator<Item = f64> {
+    let steps = (2.0 * REACH_M / STEP_M) as usize;
+    (0..=steps).map(move |step| middle - REACH_M + step as f64 * STEP_M).filter(|t| *t > 0.0)
+}
+
+/// Whether half of the other views that could see a place see something there.
+fn is_seen_by_half(place: &Point3<f64>, views: &[View<'_>], own: usize) -> bool {
+    let (mut could, mut do_see) = (0, 0);
+    for view in views.iter().enumerate().filter(|(i, _)| *i != own).map(|(_, view)| view) {
+        let pixel = view.camera.project_undistorted(place);
+        let Some(pixel) = pixel.filter(|pixel| view.silhouette.sees(pixel)) else { continue };
+        could += 1;
+        do_see += usize::from(view.silhouette.contains(&pixel));
+    }
+    do_see > 0 && 2 * do_see >= could
 }
 
 /// By how much a place lies outside the silhouette that it is farthest outside of; no more than `enough`.

@@ -3,6 +3,7 @@
 use nalgebra::Point2;
 use rayon::prelude::*;
 
+use super::coherence::Scene;
 use super::evenly;
 use crate::body::Posed;
 use crate::camera::{Camera, CameraId, Rig};
@@ -37,24 +38,57 @@ pub(super) fn still_shares<'a>(
     cameras.into_par_iter().map(share).collect()
 }
 
+/// For each camera the area that stands still and that the other cameras do not see, over the median area of its silhouettes: a piece
+/// of the room, whatever the body is.
+pub(super) fn alone_shares(rig: &Rig, frames: &[FrameObservations]) -> Vec<(CameraId, f64)> {
+    let sampled: Vec<usize> = evenly(frames.len(), SAMPLED_FRAMES).collect();
+    let scene = Scene::new(rig, frames);
+    let cameras: Vec<(CameraId, &Camera)> = rig.iter().collect();
+    let share = |(id, camera): (CameraId, &Camera)| {
+        let of_frame = |frame: &usize| frames[*frame].views.iter().find(|(c, _)| *c == id);
+        let views: Vec<&Silhouette> = sampled.iter().filter_map(of_frame).map(|v| &v.1).collect();
+        let middle = sampled.iter().filter(|frame| of_frame(frame).is_some());
+        let middle = middle.copied().nth(views.len() / 2).unwrap_or(0);
+        let is_still = |pixel: &Point2<f64>| {
+            let shown = views.iter().filter(|s| s.contains(pixel)).count();
+            shown as f64 >= STILL * views.len() as f64
+        };
+        let still: Vec<Point2<f64>> = cells(camera).filter(is_still).collect();
+        let area_px =
+            median(&mut views.iter().map(|s| s.area_px).collect()).unwrap_or(f64::INFINITY);
+        let alone = scene.alone(middle, id, &still).len() as f64;
+        (id, alone * step_px(camera).powi(2) / area_px)
+    };
+    cameras.into_par_iter().map(share).collect()
+}
+
+/// The distance of the cells that are looked at, and their middles.
+fn step_px(camera: &Camera) -> f64 {
+    f64::from(camera.width_px) / ACROSS
+}
+
+fn cells(camera: &Camera) -> impl Iterator<Item = Point2<f64>> {
+    let step = step_px(camera);
+    let rows = (f64::from(camera.height_px) / step) as usize;
+    (0..rows * ACROSS as usize).map(move |cell| {
+        let (x, y) = (cell % ACROSS as usize, cell / ACROSS as usize);
+        Point2::new((x as f64 + 0.5) * step, (y as f64 + 0.5) * step)
+    })
+}
+
 fn still_share(camera: &Camera, views: &[(&Silhouette, Vec<Covering>)]) -> f64 {
     let Some(area_px) = median(&mut views.iter().map(|(s, _)| s.area_px).collect()) else {
         return 0.0;
     };
-    let step = f64::from(camera.width_px) / ACROSS;
-    let rows = (f64::from(camera.height_px) / step) as usize;
-
-    let is_still = |cell: &usize| {
-        let (x, y) = (cell % ACROSS as usize, cell / ACROSS as usize);
-        let pixel = Point2::new((x as f64 + 0.5) * step, (y as f64 + 0.5) * step);
-        let shown = views.iter().filter(|(s, _)| s.contains(&pixel)).count();
+    let is_still = |pixel: &Point2<f64>| {
+        let shown = views.iter().filter(|(s, _)| s.contains(pixel)).count();
         let covered = || {
-            views.iter().filter(|(_, body)| body.iter().any(|part| part.contains(&pixel))).count()
+            views.iter().filter(|(_, body)| body.iter().any(|part| part.contains(pixel))).count()
         };
         shown as f64 >= STILL * views.len() as f64 && 2 * covered() < views.len()
     };
-    let still = (0..rows * ACROSS as usize).filter(is_still).count();
-    still as f64 * step * step / area_px
+    let still = cells(camera).filter(is_still).count();
+    still as f64 * step_px(camera).powi(2) / area_px
 }
 
 #[cfg(test)]
@@ -85,6 +119,28 @@ mod tests {
         // a picture of the room with the person in it
         let stale: Vec<Vec<Mask>> = alone.iter().map(|masks| joined(masks, &alone[0])).collect();
         let (_, least) = shares(&figures, &motions, &stale);
+        assert!(least > 0.25, "{least}");
+    }
+
+    #[test]
+    fn what_stands_still_and_no_other_camera_sees_is_found_beside_one_who_stands_still_too() {
+        let figures = Figures::new();
+        let masks = figures.masks(&figures.standing(0.0, 0.0));
+        let chair = |(camera, mask): (usize, &Mask)| {
+            let (w, h) = (mask.width(), mask.height());
+            let x = if camera % 2 == 0 { 0 } else { w * 3 / 4 };
+            let is_chair = |px: usize, py: usize| (x..x + w / 4).contains(&px) && py > h / 2;
+            Mask::from_fn(w, h, |px, py| mask.is_foreground(px, py) || is_chair(px, py))
+        };
+        let shares = |masks: &[Mask]| {
+            let frames: Vec<_> = (0..3).map(|i| figures.frame(i, masks)).collect();
+            let found = alone_shares(&figures.rig, &frames);
+            let all = || found.iter().map(|(_, share)| *share);
+            (all().fold(0.0, f64::max), all().fold(f64::INFINITY, f64::min))
+        };
+        let (most, _) = shares(&masks);
+        assert!(most < 0.02, "a person alone: {most}");
+        let (_, least) = shares(&masks.iter().enumerate().map(chair).collect::<Vec<_>>());
         assert!(least > 0.25, "{least}");
     }
 

@@ -132,7 +132,7 @@ impl Cause {
             // the masks
             Self::StillParts { cameras, share } => write!(
                 f,
-                "the masks of {} hold something that never moves, up to {:.0} % of the person's area: furniture, or a stale picture of the empty room; segment again",
+                "the masks of {} hold something that never moves, up to {:.0} % of the person's area: furniture, a second person who stays in place, or a stale picture of the empty room; segment again",
                 cameras.join(", "),
                 100.0 * share
             ),

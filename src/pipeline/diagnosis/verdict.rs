@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::cameras::CameraFaults;
 use super::cause::{Cause, Reason, camera_cause, found_causes, name};
 use super::proportions::wrong_scale;
-use super::room::still_shares;
+use super::room::{alone_shares, still_shares};
 use super::shown_by_two;
 use super::stature::{stature_m, wrong_stature_m};
 use super::thin::thin_share;
@@ -155,6 +155,11 @@ impl Diagnosis<'_> {
             let of_cameras = of_cameras();
             let of_body = || self.of_another_size().into_iter().collect();
             return if of_cameras.is_empty() { of_body() } else { of_cameras };
+        }
+        // pieces of the room, elsewhere in each camera, look like lenses that are wrong
+        let alone = |rig| still_parts(rig, &alone_shares(rig, self.observations), STILL_PART);
+        if let Some(room) = if found.are_of_lenses() { alone(rig) } else { None } {
+            return vec![room];
         }
         if found.explain_nearly_all() {
             return of_cameras();

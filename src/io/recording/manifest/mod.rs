@@ -12,12 +12,12 @@
 //! masks = "masks/cam_01/%06d.png"    # printf pattern, folder, or glob
 //! ```
 //!
-//! `masks`, `images`, `video` and `background` may also stand once at the top, with `{camera}` in the place of the name:
+//! `masks`, `images`, `video`, `background` and `detections` may also stand once at the top, with `{camera}` in the place of the name:
 //! each applies to every camera without an entry of its own whose file or folder exists. Where no camera is listed, these
 //! files name the cameras.
 //!
-//! Per camera also `images`, `video`, `background`, `offset_frames` and `start_s`; for the recording `points`, `points_unit` and
-//! `start`.
+//! Per camera also `images`, `video`, `background`, `detections`, `offset_frames` and `start_s`; for the recording `points`,
+//! `points_unit`, `keypoints` and `start`.
 //! Paths are relative to the file. All keys but a camera's `name` are optional: what is missing is looked for where a
 //! folder without manifest has it.
 
@@ -45,15 +45,17 @@ const KEYS: &[&str] = &[
     "height_m",
     "points",
     "points_unit",
+    "keypoints",
     "start",
     "camera",
     "masks",
     "images",
     "video",
     "background",
+    "detections",
 ];
 const CAMERA_KEYS: &[&str] =
-    &["name", "masks", "images", "video", "background", "offset_frames", "start_s"];
+    &["name", "masks", "images", "video", "background", "detections", "offset_frames", "start_s"];
 
 /// A recording's manifest, as written.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
@@ -75,6 +77,8 @@ pub(crate) struct Manifest {
     pub points: Option<String>,
     /// Unit of the points; metres if left out.
     pub points_unit: Option<Unit>,
+    /// The set of points of the detections; `None`: by the number of their points.
+    pub keypoints: Option<String>,
     /// Reserved for a known start pose.
     pub start: Option<toml::Value>,
     /// [`CameraFiles::masks`] of each camera that has none of its own; `{camera}` is replaced by its name.
@@ -85,6 +89,8 @@ pub(crate) struct Manifest {
     pub video: Option<String>,
     /// The same of [`CameraFiles::background`].
     pub background: Option<String>,
+    /// The same of [`CameraFiles::detections`].
+    pub detections: Option<String>,
     /// The cameras, in the order in which they are numbered.
     #[serde(rename = "camera")]
     pub cameras: Vec<CameraFiles>,
@@ -113,6 +119,8 @@ pub(crate) struct CameraFiles {
     pub video: Option<PathBuf>,
     /// An image or a video of the empty scene.
     pub background: Option<PathBuf>,
+    /// Detections of joints, a JSON file for each frame: printf pattern, folder, or glob.
+    pub detections: Option<String>,
     /// Added to the numbers of this camera's files, so that those of one moment agree: a camera that started three
     /// frames after the others has 3.
     #[serde(default)]
@@ -265,6 +273,7 @@ mod tests {
             height_m = 1.8
             points = "points/%06d.ply"
             points_unit = "mm"
+            keypoints = "halpe26"
             start = { frame = 3 }
             [[camera]]
             name = "left"
@@ -272,6 +281,7 @@ mod tests {
             images = "images"
             video = "left.avi"
             background = "empty.png"
+            detections = "pose/left_json"
             offset_frames = -2
             start_s = 0.5
             [[camera]]
@@ -290,7 +300,9 @@ mod tests {
             panic!("{manifest:?}");
         };
         assert_eq!(files["right"], PathBuf::from("right.xml"));
+        assert_eq!(manifest.keypoints.as_deref(), Some("halpe26"));
         let left = &manifest.cameras[0];
+        assert_eq!(left.detections.as_deref(), Some("pose/left_json"));
         assert_eq!((left.offset_frames, left.images.as_deref()), (-2, Some("images")));
         assert_eq!(left.shift(50.0), 23);
         assert_eq!(manifest.cameras[1].name, "right");
@@ -301,7 +313,7 @@ mod tests {
         assert_eq!(
             message("fps = 50\n[[camera]]\nname = \"a\"\nmask = \"m\"\n"),
             "walk/sequence.toml:4: unknown key \"mask\"; did you mean \"masks\"? (known here: \
-             name, masks, images, video, background, offset_frames, start_s)"
+             name, masks, images, video, background, detections, offset_frames, start_s)"
         );
         assert!(
             message("calibrations = 3")

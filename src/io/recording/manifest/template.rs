@@ -17,6 +17,7 @@ pub(super) fn fill(manifest: &mut Manifest, folder: &Path) {
     };
     let (masks, images) = (of_each(&manifest.masks), of_each(&manifest.images));
     let (video, background) = (of_each(&manifest.video), of_each(&manifest.background));
+    let detections = of_each(&manifest.detections);
 
     if manifest.cameras.is_empty() {
         let found = [&masks, &images, &video].into_iter().flatten();
@@ -33,6 +34,7 @@ pub(super) fn fill(manifest: &mut Manifest, folder: &Path) {
 
         let has_pictures = camera.images.is_some() || camera.video.is_some();
         camera.masks = camera.masks.take().or_else(|| of(&masks));
+        camera.detections = camera.detections.take().or_else(|| of(&detections));
         if !has_pictures {
             camera.images = of(&images);
             camera.video = of(&video).map(Into::into);

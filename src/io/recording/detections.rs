@@ -1,0 +1,157 @@
+//! The 2-D detections of a recording: which frames have some, and where they put the person's joints.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use nalgebra::Point2;
+
+use super::cameras::calibrated_name;
+use super::layout::numbered_files::{self, Wanted};
+use super::layout::visible;
+use super::manifest::CameraFiles;
+use super::{Recording, RecordingError};
+use crate::camera::{Camera, CameraId, Rig};
+use crate::io::detections::{self, KeypointSet, Person};
+use crate::silhouette::{FrameIndex, Keypoint};
+
+/// Where they are looked for if the manifest names no place: Pose2Sim's `pose/<camera>_json/`.
+const FOLDER: &str = "pose";
+const SUFFIX: &str = "_json";
+/// Files of a camera that are read to know what they hold.
+const SAMPLED_FILES: usize = 12;
+/// Points farther outside the picture than this share of its size are of another size of picture.
+const OUTSIDE: f64 = 0.2;
+
+/// The detections of every camera.
+#[derive(Debug, Clone, Default)]
+pub(super) struct DetectionFiles {
+    /// By camera of the rig.
+    cameras: Vec<BTreeMap<FrameIndex, PathBuf>>,
+    set: Option<KeypointSet>,
+}
+
+impl DetectionFiles {
+    /// The detections that the manifest names, else those in the folder `pose`; of the cameras of the rig, whose files are shifted as
+    /// `cameras` say.
+    pub(super) fn find(
+        recording: &Recording,
+        rig: &Rig,
+        cameras: &[CameraFiles],
+        fps: f64,
+    ) -> Result<Self, RecordingError> {
+        let folders = folders(recording, rig)?;
+        let mut found = Self { cameras: vec![BTreeMap::new(); rig.cameras.len()], set: None };
+        let mut seen = Vec::new();
+        for (camera, pattern) in folders {
+            let Some((id, calibrated)) = rig.by_name(&camera) else { continue };
+            let wanted =
+                Wanted { key: &format!("camera {camera}: detections"), is_kind: is_detection };
+            let files = numbered_files::list(&recording.folder, &pattern, &wanted)?;
+            if files.of_number.is_empty() {
+                let pattern = recording.folder.join(pattern);
+                return Err(RecordingError::MissingDetections { pattern, camera });
+            }
+            let shift = cameras.iter().find(|c| c.name == camera).map_or(0, |c| c.shift(fps));
+            let frame = |number: u64| {
+                Some(FrameIndex(usize::try_from(number.checked_add_signed(shift)?).ok()?))
+            };
+            seen.extend(sampled(&files.of_number, calibrated)?);
+            let numbered = files.of_number.into_iter();
+            found.cameras[id.0] =
+                numbered.filter_map(|(number, path)| Some((frame(number)?, path))).collect();
+        }
+        found.set = set_of(recording, &seen)?;
+        Ok(found)
+    }
+
+    /// Every file, in the order of the rig and the frames.
+    pub(super) fn of_cameras(&self) -> &[BTreeMap<FrameIndex, PathBuf>] {
+        &self.cameras
+    }
+
+    /// The people whom a camera sees in a frame, in undistorted pixels.
+    pub(super) fn load(
+        &self,
+        (id, camera): (CameraId, &Camera),
+        frame: FrameIndex,
+    ) -> Result<Vec<Vec<Keypoint>>, RecordingError> {
+        let path = self.cameras.get(id.0).and_then(|files| files.get(&frame));
+        let (Some(path), Some(set)) = (path, self.set) else {
+            return Ok(Vec::new());
+        };
+        let people = read(path)?;
+        let of_set = people.iter().filter(|person| person.len() == set.count);
+        Ok(of_set.map(|person| keypoints(&set, camera, person)).collect())
+    }
+}
+
+/// That of the manifest, or the one that the people's points are of.
+fn set_of(recording: &Recording, people: &[Person]) -> Result<Option<KeypointSet>, RecordingError> {
+    let unknown = |found: String| RecordingError::KeypointSet {
+        path: recording.path.clone(),
+        found,
+        known: KeypointSet::names().collect::<Vec<_>>().join(", "),
+    };
+    if let Some(name) = &recording.manifest.keypoints {
+        return KeypointSet::by_name(name).map(Some).ok_or_else(|| unknown(format!("{name:?}")));
+    }
+    match people.first() {
+        None => Ok(None),
+        Some(first) => KeypointSet::of_people(people)
+            .map(Some)
+            .ok_or_else(|| unknown(format!("people of {} points", first.len()))),
+    }
+}
+
+/// The name of each camera that has detections, and where they are.
+fn folders(recording: &Recording, rig: &Rig) -> Result<Vec<(String, String)>, RecordingError> {
+    let named = recording.manifest.cameras.iter();
+    let named = named.filter_map(|c| Some((c.name.clone(), c.detections.clone()?)));
+    let named: Vec<_> = named.collect();
+    if !named.is_empty() {
+        return Ok(named);
+    }
+    let camera = |path: PathBuf| {
+        let folder = path.file_name()?.to_string_lossy().into_owned();
+        let name = calibrated_name(rig, folder.strip_suffix(SUFFIX).unwrap_or(&folder))?;
+        path.is_dir().then(|| (name, format!("{FOLDER}/{folder}")))
+    };
+    Ok(visible(&recording.folder.join(FOLDER))?.into_iter().filter_map(camera).collect())
+}
+
+fn is_detection(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension == "json")
+}
+
+fn read(path: &Path) -> Result<Vec<Person>, RecordingError> {
+    detections::read(path)
+        .map_err(|reason| RecordingError::Detections { path: path.into(), reason })
+}
+
+/// The people of some files of a camera, whose pictures must be of the calibrated size.
+fn sampled(files: &BTreeMap<u64, PathBuf>, camera: &Camera) -> Result<Vec<Person>, RecordingError> {
+    let step = files.len().div_ceil(SAMPLED_FILES).max(1);
+    let mut people = Vec::new();
+    for path in files.values().step_by(step) {
+        people.extend(read(path)?);
+    }
+    let seen = people.iter().flatten().filter(|point| point[2] > 0.0);
+    let farthest =
+        seen.fold([0.0_f64; 2], |far, point| [far[0].max(point[0]), far[1].max(point[1])]);
+    let size = [camera.width_px, camera.height_px];
+    match (0..2).any(|k| farthest[k] > (1.0 + OUTSIDE) * f64::from(size[k])) {
+        true => Err(RecordingError::DetectionSize { camera: camera.name.clone(), farthest, size }),
+        false => Ok(people),
+    }
+}
+
+/// The points of a person that have a name and were seen.
+fn keypoints(set: &KeypointSet, camera: &Camera, person: &Person) -> Vec<Keypoint> {
+    let named = set.points.iter().zip(person).filter(|(name, _)| !name.is_empty());
+    let seen = |(name, [x, y, confidence]): (&&'static str, &[f64; 3])| {
+        let is_usable = *confidence > 0.0 && x.is_finite() && y.is_finite();
+        let pixel = is_usable.then(|| camera.undistort(&Point2::new(*x, *y)))??;
+        Some(Keypoint { name, pixel, confidence: confidence.min(1.0) })
+    };
+    named.filter_map(seen).collect()
+}

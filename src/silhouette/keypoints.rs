@@ -1,0 +1,77 @@
+//! Detections: where another program sees the joints of a person in one picture.
+
+use nalgebra::Point2;
+
+use super::Silhouette;
+
+/// One named point of a person in one picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Keypoint {
+    /// Its name, as Pose2Sim has it: `RKnee`.
+    pub name: &'static str,
+    /// Where it was seen, undistorted pixels.
+    pub pixel: Point2<f64>,
+    /// How sure the detector is: above 0, at most 1.
+    pub confidence: f64,
+}
+
+/// The keypoints of one person in one picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Detection {
+    /// Those that were seen, at most one of each name.
+    pub keypoints: Vec<Keypoint>,
+    /// The person's size in the picture: √ of the area of the silhouette, or of half the box around the keypoints, px.
+    pub size_px: f64,
+}
+
+/// A detection is the silhouette's if this share of its keypoints, by confidence, lies within it or near it.
+const LEAST_INSIDE: f64 = 0.5;
+/// Keypoints lie so near to the silhouette that they are of, over its size: hands and feet are thin, masks are ragged.
+const NEAR: f64 = 0.05;
+
+impl Silhouette {
+    /// The one of several people in the picture whose silhouette this is, if it is one's.
+    pub fn detection(&self, people: Vec<Vec<Keypoint>>) -> Option<Detection> {
+        let size_px = self.area_px.sqrt();
+        let is_near = |k: &Keypoint| {
+            self.contains(&k.pixel) || self.outside.sample(&k.pixel).0 <= NEAR * size_px
+        };
+        let share = |keypoints: &[Keypoint]| {
+            let all: f64 = keypoints.iter().map(|k| k.confidence).sum();
+            let near = keypoints.iter().filter(|k| is_near(k));
+            near.map(|k| k.confidence).sum::<f64>() / all.max(f64::MIN_POSITIVE)
+        };
+
+        // of two that lie within it the one with more keypoints there
+        let seen = people.into_iter().filter(|keypoints| share(keypoints) > LEAST_INSIDE);
+        let weight = |keypoints: &[Keypoint]| share(keypoints) * keypoints.len() as f64;
+        let keypoints = seen.max_by(|a, b| weight(a).total_cmp(&weight(b)))?;
+        Some(Detection { keypoints, size_px })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::Mask;
+    use crate::silhouette::{SilhouetteOptions, extract};
+
+    fn people(at: [f64; 2]) -> Vec<Keypoint> {
+        let seen =
+            |name, y| Keypoint { name, pixel: Point2::new(at[0], at[1] + y), confidence: 0.8 };
+        vec![seen("RHip", 0.0), seen("RKnee", 20.0), seen("RAnkle", 40.0)]
+    }
+
+    #[test]
+    fn of_two_people_the_one_in_the_silhouette_is_taken_and_nobody_if_none_is() {
+        let mask = Mask::from_fn(160, 120, |x, y| (30..50).contains(&x) && (20..100).contains(&y));
+        let camera = crate::camera::Camera::looking_along_z(160, 120, 200.0);
+        let silhouette = extract(&mask, &camera, &SilhouetteOptions::default()).unwrap();
+        let found =
+            silhouette.detection(vec![people([120.0, 40.0]), people([40.0, 40.0])]).unwrap();
+        assert_eq!(found.keypoints[0].pixel.x, 40.0);
+        approx::assert_relative_eq!(found.size_px, 40.0, max_relative = 0.02);
+        assert_eq!(silhouette.detection(vec![people([120.0, 40.0])]), None);
+        assert_eq!(silhouette.detection(Vec::new()), None);
+    }
+}
