@@ -191,6 +191,36 @@ fn a_few_wild_rows_change_little() {
     assert!((0.97..1.03).contains(&noise.scale), "{noise:?}");
 }
 
+/// One camera's detections of a joint along one axis: half of their variance is the same in every frame, so of n frames
+/// (1 + n)/2 are worth one.
+#[test]
+fn detections_that_err_alike_in_every_frame_count_as_few_and_change_nothing_of_the_outlines() {
+    const JOINTS: usize = 40;
+    let mut rng = ChaCha8Rng::seed_from_u64(12);
+    let outlines = simulate(INDEPENDENT, 12);
+    let constant: Vec<f64> = (0..2 * JOINTS).map(|_| normal(&mut rng)).collect();
+    let mut frames = outlines.clone();
+    for frame in &mut frames {
+        for (k, constant) in constant.iter().enumerate() {
+            let value = 3.0 * (constant + normal(&mut rng)) / 2.0_f64.sqrt();
+            let outward_px = Vector2::ith(k % 2, 1.0);
+            let own = row(0, ROWS_A_PLACE * (k / 2), value);
+            frame.push(PlacedResidual { source: Source::Keypoints(0), outward_px, ..own });
+        }
+    }
+    let noise = Noise::from_residuals(&frames);
+    let found = noise.keypoints.expect("there are detections");
+    approx::assert_relative_eq!(found.scale, 3.0, max_relative = 0.15);
+    // of 80 clusters: a standard error of √(2/80)
+    approx::assert_relative_eq!(found.together, 0.5 * (1.0 + FRAMES as f64), max_relative = 0.5);
+    assert_eq!(Noise { keypoints: None, ..noise }, Noise::from_residuals(&outlines));
+    assert_eq!(noise.weights().surface, noise.data_weight());
+    approx::assert_relative_eq!(
+        noise.weights().keypoints,
+        1.0 / (found.scale.powi(2) * found.together)
+    );
+}
+
 #[test]
 fn nothing_seen_is_no_fault() {
     for frames in [vec![], vec![Vec::new(); 3]] {

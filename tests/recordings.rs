@@ -1,5 +1,7 @@
 //! Recordings on disk: good ones of every layout, each way to be bad, and the shared ones.
 
+#[path = "recordings/detections.rs"]
+mod detections;
 #[path = "recordings/faults.rs"]
 mod faults;
 #[path = "recordings/layouts.rs"]

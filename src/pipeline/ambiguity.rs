@@ -78,9 +78,11 @@ pub(super) fn outline_warnings(
 }
 
 /// Says so if all cameras that see the person look along one line, from one end or from both: they show one outline, and what
-/// is left in it may be right.
+/// is left in it may be right. Points and detections tell.
 fn one_outline_warning(rig: &Rig, frames: &[FrameObservations]) -> Option<Warning> {
-    let has_points = frames.iter().any(|frame| !frame.points.is_empty());
+    let tells =
+        |frame: &FrameObservations| !(frame.points.is_empty() && frame.detections.is_empty());
+    let has_more = frames.iter().any(tells);
     let sees = |id: usize| frames.iter().any(|f| f.views.iter().any(|(c, _)| c.0 == id));
     // seen from above
     let axes = (0..rig.cameras.len()).filter(|id| sees(*id));
@@ -90,7 +92,7 @@ fn one_outline_warning(rig: &Rig, frames: &[FrameObservations]) -> Option<Warnin
     let first = axes.first()?;
     let along = ONE_LINE_DEG.to_radians().cos();
     let is_one_line = axes.iter().all(|axis| first.dot(axis).abs() > along);
-    (axes.len() >= 2 && is_one_line && !has_points).then_some(Warning::OneOutline)
+    (axes.len() >= 2 && is_one_line && !has_more).then_some(Warning::OneOutline)
 }
 
 #[cfg(test)]

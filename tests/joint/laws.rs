@@ -13,7 +13,7 @@ use maquette::inference::noise::DataWeights;
 use maquette::inference::prior::{PosePrior, ShapePrior};
 use maquette::inference::sequence_posterior::SequencePosterior;
 use maquette::inference::step::MotionModel;
-use maquette::inference::{Detail, Look, SequenceState};
+use maquette::inference::{Detail, Kind, Look, SequenceState};
 use maquette::likelihood::Measure;
 use maquette::math::central_differences;
 use maquette::solver::{BorderedChain, Problem, QuadraticModel, check_linearization};
@@ -82,7 +82,7 @@ impl<'a> Posterior<'a> {
             chain_prior: &self.chain_prior,
             seconds: &SECONDS[..self.looks.len()],
             looks,
-            weights: DataWeights::all(0.4),
+            weights: DataWeights { surface: 0.4, keypoints: 0.7 },
             contrasts: &self.contrasts,
         }
     }
@@ -226,7 +226,8 @@ fn the_sequence_posterior_is_linearized_right_before_cameras_that_are_unknown() 
         let scene = Scene::person(name, 4);
         let posterior = Posterior::before_unknown_cameras(&scene, measure);
         let looks = posterior.looks();
-        assert_eq!(looks[0].len(), scene.rig.cameras.len() + 1);
+        let of_points = usize::from(measure == Measure::Metaballs);
+        assert_eq!(looks[0].len(), scene.rig.cameras.len() + of_points);
         let fault = |seed: u64| {
             let mut state = scene.moved(&scene.truth, 0.01, seed);
             state.cameras = off(scene.rig.cameras.len());
@@ -238,6 +239,33 @@ fn the_sequence_posterior_is_linearized_right_before_cameras_that_are_unknown() 
 
 /// What a camera shows of a body is the same whether the camera was moved or the body: its picture of the moved one is the one by which
 /// it is compared.
+/// Detections count apart from outlines, before cameras that are trusted and such that are unknown.
+#[test]
+fn the_sequence_posterior_is_linearized_right_with_detections() {
+    let mut scene = Scene::person("human-ellipsoids", 3);
+    scene.detect();
+    let trusting =
+        scene.evidence(Measure::Ellipses).sequence_terms(scene.sequence(), CameraPrior::trusting());
+    let trusted = Posterior {
+        looks: trusting.thinned,
+        ..Posterior::new(&scene, MODELS[1], Measure::Ellipses)
+    };
+    let unknown = Posterior::before_unknown_cameras(&scene, Measure::Ellipses);
+    // between frames the body's turn counts to first order
+    for (what, posterior, cameras, tolerance) in
+        [("trusted", trusted, 0, 1e-4), ("unknown", unknown, 3, 0.02)]
+    {
+        let looks = posterior.looks();
+        assert!(looks.iter().flatten().any(|look| look.kind == Kind::Keypoints), "{what}");
+        let fault = |seed: u64| {
+            let moved = scene.moved(&scene.truth, 0.01, seed);
+            let state = SequenceState { cameras: off(cameras), ..moved };
+            check_linearization(&posterior.problem(&looks), &state, 1e-6, tolerance).err()
+        };
+        is_kept_somewhere(what, fault);
+    }
+}
+
 #[test]
 fn a_camera_that_is_off_shows_what_a_camera_at_its_place_shows() {
     let scene = Scene::person("human-metaballs", 1);
