@@ -274,6 +274,27 @@ fn a_camera_that_was_touched_is_found_and_costs_the_body_nothing() {
     assert!(off < 0.25, "{off}° of {}°", touched.turn.angle().to_degrees());
     let [best, with, without] = [&untouched, &found, &trusting].map(mean_error_mm);
     assert!(with < 1.3 * best && with < 0.7 * without, "{best} {with} {without} mm");
+
+    // a check finds the camera as well, and leaves the body where it is with the cameras as calibrated
+    let checked = of(&calibrated, Cameras::Check);
+    let told = checked.cameras[1].found.pose.expect("it is estimated");
+    assert!(told.was_touched() && !told.used && pose.used, "{told:?}");
+    assert_eq!(checked.rig, calibrated);
+    assert_eq!(checked.shape, trusting.shape);
+    for (checked, trusting) in checked.frames.iter().zip(&trusting.frames) {
+        assert_eq!(checked.fit.motion, trusting.fit.motion);
+    }
+
+    // how sure the poses are together, with the standard deviations that are stated
+    let covariance = found.poses_covariance.as_ref().expect("it is known");
+    assert_eq!(covariance.nrows(), 24);
+    assert!(covariance.clone().cholesky().is_some(), "it is positive definite");
+    for (camera, quality) in found.cameras.iter().enumerate() {
+        let sd = quality.found.pose.and_then(|pose| pose.displacement_sd_m).expect("it is known");
+        let stated = covariance[(6 * camera + 3, 6 * camera + 3)].sqrt();
+        approx::assert_relative_eq!(stated, sd[0], max_relative = 1e-9);
+    }
+    assert!(trusting.poses_covariance.is_none());
 }
 
 #[test]
