@@ -95,7 +95,9 @@ fn text(synced: &SyncedRecording, out: &Path, seconds: f64) -> String {
     let mut table = Table::new(&headings);
     for camera in &synced.cameras {
         let found = camera.found.ok();
-        let [frames, in_ms] = found.map_or(["–".into(), "–".into()], |found| {
+        let is_reference = camera.camera == synced.reference;
+        let told = found.filter(|_| !is_reference);
+        let [frames, in_ms] = told.map_or(["–".into(), "–".into()], |found| {
             let (frames, sd) = (found.offset_frames, found.sd_frames);
             [format!("{frames:+.2} ± {sd:.2}"), format!("{:+.1} ± {:.1}", ms(frames), ms(sd))]
         });
@@ -109,11 +111,15 @@ fn text(synced: &SyncedRecording, out: &Path, seconds: f64) -> String {
         table.row(cells);
     }
 
+    let against = format!(
+        "  against {}, whose clock is the recording's and which keeps its offset\n",
+        synced.reference
+    );
     let kept = synced.cameras.iter().filter_map(|camera| {
         Some(format!("  {} keeps its offset: {}\n", camera.camera, camera.found.err()?))
     });
     let no_drift = synced.no_drift.iter().map(|why| format!("  {why}\n"));
-    let notes: String = kept.chain(no_drift).collect();
+    let notes: String = [against].into_iter().chain(kept).chain(no_drift).collect();
     format!("{}{notes}{} in {seconds:.1} s\n", table.text(), out.display())
 }
 
@@ -152,6 +158,7 @@ fn as_json(synced: &SyncedRecording, out: &Path, seconds: f64) -> Value {
         "file": out.display().to_string(),
         "seconds": seconds,
         "fps": synced.fps,
+        "reference": synced.reference,
         "windows": synced.windows,
         "no_drift": synced.no_drift,
         "cameras": synced.cameras.iter().map(camera).collect::<Vec<_>>(),

@@ -1,7 +1,6 @@
 //! The most probable shape and motion: the joint optimum that is reached from the winner of Algorithm 1.
 
-use nalgebra::DMatrix;
-
+use super::camera_covariance::CameraCovariances;
 use super::camera_found::{CameraFound, PoseFound};
 use super::joint_stage::{Joined, JointStage};
 use super::measures::Measures;
@@ -74,8 +73,8 @@ pub(super) struct Estimate {
     pub(super) rig: Rig,
     /// By how much each is off.
     pub(super) cameras: Vec<CameraFound>,
-    /// Covariance of the poses of those whose poses were estimated.
-    pub(super) poses: Option<DMatrix<f64>>,
+    /// How sure they are together.
+    pub(super) covariances: CameraCovariances,
 }
 
 impl Estimate {
@@ -93,13 +92,13 @@ impl Estimate {
             uncertainty: None,
             rig: rig.clone(),
             cameras: vec![CameraFound::default(); rig.cameras.len()],
-            poses: None,
+            covariances: CameraCovariances::default(),
         }
     }
 
     /// The joint optimum that is reached from the winner.
     fn joint(joined: Joined, calibrated: &Rig, winner: &Trial) -> Self {
-        let Joined { optimum: joint, prior: camera_prior, poses } = joined;
+        let Joined { optimum: joint, prior: camera_prior, covariances } = joined;
         let found = |camera: usize| {
             let sd = joint.uncertainty.as_ref().and_then(|u| u.cameras.get(camera));
             let offset = joint.cameras.get(camera);
@@ -118,7 +117,7 @@ impl Estimate {
             uncertainty: joint.uncertainty,
             rig: CameraOffset::applied(calibrated, cameras.iter().map(CameraFound::offset)),
             cameras,
-            poses,
+            covariances,
         }
     }
 
@@ -127,7 +126,7 @@ impl Estimate {
         for (camera, told) in self.cameras.iter_mut().zip(told.cameras) {
             camera.pose = told.pose.map(|pose| PoseFound { used: false, ..pose });
         }
-        self.poses = told.poses;
+        self.covariances.poses = told.covariances.poses;
     }
 }
 

@@ -1,9 +1,9 @@
 //! The stages, one after the other.
 
-use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::ambiguity::{facing_warning, outline_warnings, scale_warning};
+use super::camera_covariance::CameraCovariances;
 use super::diagnosis::{CameraFaults, Diagnosis, lost_frames};
 use super::estimate::{Estimate, LastStage};
 use super::fitted::{FittedFrame, TriedHypothesis};
@@ -39,8 +39,8 @@ pub struct Fit {
     pub noise: Option<Noise>,
     /// The cameras, where they were found to look.
     pub rig: Rig,
-    /// Covariance of the turns (rad) and displacements (m) of the cameras whose poses were estimated, in the order of the rig.
-    pub poses_covariance: Option<DMatrix<f64>>,
+    /// How sure it is where and when they are, all together.
+    pub camera_covariances: CameraCovariances,
     /// Its lengths at rest, metres, in the order of [`BodyModel::lengths`].
     pub lengths_m: Vec<f64>,
     /// The motion, frame by frame.
@@ -161,7 +161,7 @@ fn stages(
         uncertainty: estimate.uncertainty.map(|u| u.shape),
         noise: estimate.noise,
         rig: estimate.rig,
-        poses_covariance: estimate.poses,
+        camera_covariances: estimate.covariances,
         shape: estimate.shape,
         model: body,
         frames,
@@ -192,7 +192,8 @@ impl Fit {
             self.frames[lost].uncertainty = None;
         }
         if !self.verdict.is_usable() {
-            (self.uncertainty, self.poses_covariance) = (None, None);
+            self.uncertainty = None;
+            self.camera_covariances = CameraCovariances::default();
             self.frames.iter_mut().for_each(|frame| frame.uncertainty = None);
             self.cameras.iter_mut().for_each(|camera| camera.found.withhold());
             self.confidence.withhold();

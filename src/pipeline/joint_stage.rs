@@ -1,8 +1,6 @@
 //! The joint optimum, and where and when the cameras are.
 
-use nalgebra::DMatrix;
-
-use super::poses_covariance::poses_covariance;
+use super::camera_covariance::CameraCovariances;
 use super::{EstimateOptions, Progress};
 use crate::body::{BodyModel, Root};
 use crate::camera::Rig;
@@ -32,8 +30,8 @@ pub(super) struct Joined {
     pub(super) optimum: JointOptimum,
     /// What of the cameras was unknown.
     pub(super) prior: CameraPrior,
-    /// Of the turns and displacements of all cameras.
-    pub(super) poses: Option<DMatrix<f64>>,
+    /// How sure the cameras are together.
+    pub(super) covariances: CameraCovariances,
 }
 
 impl JointStage<'_> {
@@ -55,9 +53,9 @@ impl JointStage<'_> {
         let step = || self.progress.step();
         let seconds = sequence.intervals_s();
         let optimum = joint_optimum_from_terms(&evidence, &terms, &seconds, start, joint, &step);
-        let poses = poses_covariance(&evidence, &terms, &seconds, joint, &optimum);
+        let covariances = CameraCovariances::new(&evidence, &terms, &seconds, joint, &optimum);
         self.progress.end();
-        Joined { optimum, prior, poses }
+        Joined { optimum, prior, covariances }
     }
 
     /// Where the estimate of a clock starts: whole frames, if the silhouettes tell them, or else what is known before.

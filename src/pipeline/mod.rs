@@ -10,6 +10,7 @@
 //! | 6. what a person should know of it  | [`Warning`]                        |
 
 mod ambiguity;
+mod camera_covariance;
 mod camera_found;
 mod clock_line;
 mod counted;
@@ -27,7 +28,6 @@ mod movement;
 mod options;
 mod overlap;
 mod points;
-mod poses_covariance;
 mod progress;
 mod quality;
 mod rig_estimate;
@@ -45,6 +45,7 @@ mod watch;
 
 pub use crate::inference::covariance::ShapeUncertainty;
 pub use ambiguity::facing_log_odds;
+pub use camera_covariance::{CameraCovariances, POSE};
 pub use camera_found::{CameraFound, ClockFound, PoseFound};
 pub use clock_line::{ClockLine, Drift, TOLD_PPM, WindowClock, clock_line};
 pub use counted::counted;
@@ -59,7 +60,6 @@ pub use memory::MemoryPictures;
 pub use movement::{FittedBody, FittedMotion, FittedPoint, FramePose, FrameSd};
 pub use options::{Cameras, Clocks, EstimateOptions, FitTo, ObservationOptions};
 pub use points::PointQuality;
-pub use poses_covariance::POSE;
 pub use progress::{NoProgress, Progress};
 pub use quality::{CameraQuality, ViewQuality};
 pub use rig_estimate::{RigEstimate, RigEvidence, Singular, rig_estimate};

@@ -1,7 +1,7 @@
 //! Where the cameras of one rig are, from several recordings of it.
 //!
 //! c holds the turn and the displacement of every camera since it was calibrated, six numbers each. Recording r ended at ĉ_r with the
-//! covariance Σ_r ([`poses_covariance`](super::Fit::poses_covariance)), both of data and prior together:
+//! covariance Σ_r ([`CameraCovariances::poses`](super::CameraCovariances::poses)), both of data and prior together:
 //!
 //! E_r(c) + ρ(c),  E_r the data's part with body, motions and clocks left free, ρ = Σ ½(1 + 6) ln(1 + z²) Student's prior of a camera
 //! ([`camera_offset`](crate::inference::camera_offset)), z² = ‖ω‖²/σ_ω² + ‖t‖²/σ_t².
@@ -20,7 +20,9 @@
 //! in a recording is told nothing of by it. Where rounding makes L_r indefinite, its negative eigenvalues are taken for 0.
 //!
 //! # What the motion determines
-//! Of a camera's six numbers the data determine tr(1 − ΣW) over its block: 0 where the prior says all, 6 where it says nothing.
+//! Of a camera's six numbers the data determine tr(1 − (Σ L_r + W₀)⁻¹W₀) over its block, W₀ with 1/σ² of each component: 0 where
+//! the usual errors of a calibration say all, 6 where they say nothing. W(c) would not do: Student's prior holds a camera that is
+//! found at its calibration by seven times as much, as if less had been seen of it.
 //!
 //! # Whether recordings agree
 //! If nothing was touched between them, ĉ_r − c has about the covariance Σ_r − Σ, c being made of ĉ_r too.
@@ -31,7 +33,7 @@
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-use super::poses_covariance::POSE;
+use super::camera_covariance::POSE;
 use crate::inference::camera_offset::{DISPLACEMENT_SD_M, TURN_SD};
 
 /// What a recording says of the cameras whose poses it estimated.
@@ -94,11 +96,12 @@ pub fn rig_estimate(cameras: usize, recordings: &[RigEvidence]) -> Result<RigEst
         }
     }
 
-    let weights = prior(&found);
-    let covariance = inverse(&data, &weights).ok_or(Singular(0))?;
+    let covariance = inverse(&data, &prior(&found)).ok_or(Singular(0))?;
+    let usual = usual(n);
+    let by_usual = inverse(&data, &usual).ok_or(Singular(0))?;
     let determined = |camera: usize| {
         let own = POSE * camera..POSE * (camera + 1);
-        own.map(|k| 1.0 - covariance[(k, k)] * weights[k]).sum()
+        own.map(|k| 1.0 - by_usual[(k, k)] * usual[k]).sum()
     };
     let determined = (0..cameras).map(determined).collect();
     let disagreeing = disagreeing(recordings, &found, &covariance);
@@ -123,6 +126,12 @@ fn add(recording: &RigEvidence, data: &mut DMatrix<f64>, right: &mut DVector<f64
         }
     }
     Some(())
+}
+
+/// The diagonal of W₀, of so many components.
+fn usual(n: usize) -> DVector<f64> {
+    let sd = |k: usize| if k % POSE < 3 { TURN_SD } else { DISPLACEMENT_SD_M };
+    DVector::from_fn(n, |k, _| sd(k).powi(-2))
 }
 
 /// The diagonal of W(c).

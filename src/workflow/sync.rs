@@ -75,6 +75,9 @@ pub struct SyncOptions {
 pub struct SyncedRecording {
     /// Frames per second.
     pub fps: f64,
+    /// The camera whose clock is the recording's: what all clocks have in common does not show, so it keeps its offset and the others are
+    /// told against it.
+    pub reference: String,
     /// First and last frame of each window.
     pub windows: Vec<[usize; 2]>,
     /// Camera by camera.
@@ -141,9 +144,15 @@ impl SyncedRecording {
             true => vec![FittedSource::open(path, fps, &fit, progress)?],
             false => windows_fitted(path, fps, &SyncOptions { fit, ..options.clone() }, progress)?,
         };
-        let mut synced = Self::from_fits(&fits);
-        if synced.cameras.iter().all(|camera| camera.found.is_err()) {
-            let why = why_nothing(&fits[0]);
+        let reference = reference(&fits).ok_or_else(|| SyncError::NothingTold {
+            path: path.into(),
+            why: why_nothing(&fits[0]),
+        })?;
+        let mut synced = Self::from_fits(&fits, reference);
+        let is_told = |(i, camera): (usize, &SyncedCamera)| i != reference && camera.found.is_ok();
+        if !synced.cameras.iter().enumerate().any(is_told) {
+            let why =
+                "none sees the person together with another that looks across its line of sight";
             return Err(SyncError::NothingTold { path: path.into(), why }.into());
         }
         if options.sound {
@@ -153,23 +162,26 @@ impl SyncedRecording {
     }
 
     /// What the fits of the windows say together.
-    fn from_fits(fits: &[FittedSource]) -> Self {
+    fn from_fits(fits: &[FittedSource], reference: usize) -> Self {
         let first = &fits[0].result;
         let fps = first.recording.fps;
         let camera = |i: usize| SyncedCamera {
             camera: first.quality.cameras[i].camera.clone(),
             was_frames: first.recording.offset_frames.get(i).copied().unwrap_or(0.0),
-            found: found_offset(fits, i),
+            found: found_offset(fits, i, reference),
             sound: None,
         };
         let cameras: Vec<SyncedCamera> = (0..first.quality.cameras.len()).map(camera).collect();
         let of_window = |fit: &FittedSource| {
             [fit.result.recording.first_frame, fit.result.recording.last_frame]
         };
-        let lines: Vec<ClockLine> =
-            (0..cameras.len()).filter_map(|i| clock_line(&clocks(fits, i))).collect();
+        let lines: Vec<ClockLine> = (0..cameras.len())
+            .filter(|i| *i != reference)
+            .filter_map(|i| clock_line(&clocks(fits, i, reference)))
+            .collect();
         Self {
             fps,
+            reference: cameras[reference].camera.clone(),
             windows: fits.iter().map(of_window).collect(),
             no_drift: why_no_drift(fits, &lines),
             cameras,
@@ -328,34 +340,58 @@ fn windows(
     Ok((0..count).map(window).collect())
 }
 
-/// What each window says of a camera's clock.
-fn clocks(fits: &[FittedSource], camera: usize) -> Vec<WindowClock> {
+/// The first camera whose clock some window tells, with its standard deviation, and that sees somebody.
+fn reference(fits: &[FittedSource]) -> Option<usize> {
+    let cameras = 0..fits[0].result.quality.cameras.len();
+    let is_told = |fit: &FittedSource, i: usize| {
+        let camera = &fit.result.quality.cameras[i];
+        let has_covariance = fit.result.quality.clocks_covariance.is_some();
+        has_covariance && camera.frames > 0 && camera.found.clock.is_some()
+    };
+    cameras.into_iter().find(|i| fits.iter().any(|fit| is_told(fit, *i)))
+}
+
+/// By how much a camera's clock is ahead of the reference's in each window: of a difference the variance is Σ_cc + Σ_rr − 2Σ_cr.
+fn clocks(fits: &[FittedSource], camera: usize, reference: usize) -> Vec<WindowClock> {
     let clock = |fit: &FittedSource| {
-        let recording = &fit.result.recording;
-        let clock = fit.result.quality.cameras.get(camera)?.found.clock?;
+        let (recording, quality) = (&fit.result.recording, &fit.result.quality);
+        let ahead_s = |i: usize| Some(quality.cameras.get(i)?.found.clock?.ahead_s);
+        let row = |i: usize| {
+            let before = quality.cameras[..i].iter();
+            before.filter(|camera| camera.found.clock.is_some()).count()
+        };
+        let covariance = quality.clocks_covariance.as_ref()?;
+        let (c, r) = (row(camera), row(reference));
+        let off_s = ahead_s(camera)? - ahead_s(reference)?;
+        let variance = covariance[c][c] + covariance[r][r] - 2.0 * covariance[c][r];
         let middle = 0.5 * (recording.first_frame + recording.last_frame) as f64;
-        Some(WindowClock {
-            middle_s: middle / recording.fps,
-            off_s: clock.ahead_s,
-            sd_s: clock.sd_s.filter(|sd_s| *sd_s > 0.0)?,
-        })
+        let sd_s = variance.max(0.0).sqrt();
+        (sd_s > 0.0).then_some(WindowClock { middle_s: middle / recording.fps, off_s, sd_s })
     };
     fits.iter().filter_map(clock).collect()
 }
 
 /// When a camera began, or why that is not told.
-fn found_offset(fits: &[FittedSource], camera: usize) -> Result<FoundOffset, &'static str> {
+fn found_offset(
+    fits: &[FittedSource],
+    camera: usize,
+    reference: usize,
+) -> Result<FoundOffset, &'static str> {
     let result = &fits[0].result;
+    let was = |i: usize| result.recording.offset_frames.get(i).copied().unwrap_or(0.0);
+    if camera == reference {
+        return Ok(FoundOffset { offset_frames: was(camera), sd_frames: 0.0, drift: None });
+    }
     if fits.iter().all(|fit| fit.result.quality.cameras[camera].frames == 0) {
         return Err("it sees nobody");
     }
-    let line = clock_line(&clocks(fits, camera));
+    let line = clock_line(&clocks(fits, camera, reference));
     let line = line.ok_or("no other camera looks across its line of sight")?;
     let fps = result.recording.fps;
-    let was = result.recording.offset_frames.get(camera).copied().unwrap_or(0.0);
+    // the files were moved by whole frames, and the estimate holds the rest
+    let of_reference = was(reference) - was(reference).round();
     Ok(FoundOffset {
-        // the files were moved by whole frames, and the estimate holds the rest
-        offset_frames: was.round() + line.off_s * fps,
+        offset_frames: was(camera).round() + line.off_s * fps + of_reference,
         sd_frames: line.sd_s * fps,
         drift: line.drift.filter(Drift::is_told),
     })

@@ -37,6 +37,7 @@ fn fitted(arm: &Arm, out: &str, change: impl FnOnce(&mut ResultFile)) -> PathBuf
     };
     let row = |i: usize| (0..12).map(|j| if i == j { variance(i) } else { 0.0 }).collect();
     result.quality.poses_covariance = Some((0..12).map(row).collect());
+    result.quality.clocks_covariance = Some(vec![vec![16e-6, 8e-6], vec![8e-6, 16e-6]]);
     change(&mut result);
     let opened = OutFolder::open(&folder).expect("a folder");
     for (name, bytes) in result.files().expect("a result") {
@@ -183,11 +184,19 @@ fn what_a_recording_does_not_determine_is_refused_in_one_line() {
 #[test]
 fn a_camera_that_sees_nobody_keeps_its_calibration_and_its_clock() {
     let arm = Arm::new();
-    let fit = fitted(&arm, "out", |result| result.quality.cameras[1].frames = 0);
+    let fit = fitted(&arm, "out", |result| {
+        let cameras = &mut result.quality.cameras;
+        cameras[1].frames = 0;
+        cameras[2].found.clock = Some(ClockFound { ahead_s: 0.03, sd_s: Some(0.004) });
+        let row = |i: usize| (0..3).map(|j| if i == j { 16e-6 } else { 8e-6 }).collect();
+        result.quality.clocks_covariance = Some((0..3).map(row).collect());
+    });
     let printed = calibrate(&[&fit], &arm.out("rig.toml"), &["--json", "--quiet"]).succeeded();
     assert_eq!(check("calibrate", &printed.out)["cameras"][1]["kept"], "it sees nobody");
     let printed = on("sync", &[&fit], &["--json", "--quiet"]).succeeded();
-    assert_eq!(check("sync", &printed.out)["cameras"][1]["kept"], "it sees nobody");
+    let said = check("sync", &printed.out);
+    assert_eq!(said["cameras"][1]["kept"], "it sees nobody");
+    assert!((said["cameras"][2]["offset_frames"].as_f64().unwrap() - 2.0).abs() < 1e-9, "{said}");
 }
 
 #[test]
@@ -196,34 +205,39 @@ fn offsets_are_written_where_the_next_fit_reads_them() {
     let fit = fitted(&arm, "out", |_| {});
     let said = check("sync", &on("sync", &[&fit], &["--json", "--quiet"]).succeeded().out);
     let offset = |said: &Value, i: usize| said["cameras"][i]["offset_frames"].as_f64();
-    assert!((offset(&said, 0).unwrap() + 1.7).abs() < 1e-9, "{said}");
-    assert!((offset(&said, 1).unwrap() - 0.6).abs() < 1e-9, "{said}");
+    // the first camera's clock is the recording's
+    assert_eq!((said["reference"].as_str(), offset(&said, 0)), (Some("cam_01"), Some(0.0)));
+    assert!((offset(&said, 1).unwrap() - 2.3).abs() < 1e-9, "{said}");
     assert_eq!(said["cameras"][2]["kept"], "no other camera looks across its line of sight");
-    assert!((said["cameras"][0]["sd_ms"].as_f64().unwrap() - 4.0).abs() < 1e-9);
+    assert!((said["cameras"][1]["sd_ms"].as_f64().unwrap() - 4.0).abs() < 1e-9);
     assert!(said["no_drift"].as_str().is_some_and(|why| why.contains("too short to tell drift")));
 
     // whole frames shift the files, and the rest is where the clock starts
     let text = fs::read_to_string(arm.recording().join("offsets.toml")).unwrap();
-    assert!(text.contains("name = \"cam_01\"\noffset_frames = -1.7\nsd_frames = 0.04"), "{text}");
+    assert!(text.contains("name = \"cam_02\"\noffset_frames = 2.3\nsd_frames = 0.04"), "{text}");
     assert!(text.contains("name = \"cam_03\"\noffset_frames = 0.0\n"), "{text}");
     arm.fit("again", &["--quiet"]).succeeded();
     let result = ResultFile::read(&arm.out("again")).unwrap();
-    assert_eq!(result.recording.offset_frames, [-1.7, 0.6, 0.0]);
+    assert_eq!(result.recording.offset_frames, [0.0, 2.3, 0.0]);
     let ahead = &result.options.estimate.ahead_frames;
-    assert!(
-        (ahead["cam_01"] - 0.3).abs() < 1e-9 && (ahead["cam_02"] + 0.4).abs() < 1e-9,
-        "{ahead:?}"
-    );
+    assert!(ahead.len() == 1 && (ahead["cam_02"] - 0.3).abs() < 1e-9, "{ahead:?}");
     assert!(result.inputs.iter().any(|input| input.input == "offsets.toml"));
-    let first = result.quality.views.iter().filter(|view| view.camera == "cam_01");
-    assert_eq!(first.count(), crate::arm::FRAMES - 2, "two frames are before the recording");
+    let late = result.quality.views.iter().filter(|view| view.camera == "cam_02");
+    let first = late.map(|view| view.frame.0).min();
+    assert_eq!(first, Some(2), "its first picture is of the third moment");
 
     // a fit with offsets has what it found on top of them
     let again = fitted(&arm, "more", |_| {});
     on("sync", &[&again], &[]).refused(&["offsets.toml: this file stands already", "--overwrite"]);
     let ran = on("sync", &[&again], &["--overwrite"]).succeeded();
-    for part in ["-3.70 ± 0.04", "-370.0 ± 4.0", "-1.70", "cam_03 keeps its offset", "too short"]
-    {
+    for part in [
+        "+4.30 ± 0.04",
+        "+430.0 ± 4.0",
+        "+2.30",
+        "against cam_01",
+        "cam_03 keeps its offset",
+        "too short",
+    ] {
         assert!(ran.out.contains(part), "{part} not in {}", ran.out);
     }
 }

@@ -197,7 +197,8 @@ fn quality(fit: &Fit, calibrated: &Rig) -> QualityPart {
     QualityPart {
         cameras: fit.cameras.clone(),
         places: calibrated.cameras.iter().map(place).collect(),
-        poses_covariance: fit.poses_covariance.as_ref().map(rows),
+        poses_covariance: fit.camera_covariances.poses.as_ref().map(rows),
+        clocks_covariance: fit.camera_covariances.clocks.as_ref().map(rows),
         views: fit.frames.iter().flat_map(|fitted| fitted.views.clone()).collect(),
         points: fit.frames.iter().filter_map(|fitted| fitted.points).collect(),
     }

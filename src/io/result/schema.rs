@@ -257,6 +257,9 @@ pub struct QualityPart {
     /// Covariance of the turns (rad) and displacements (m) of the cameras whose poses were estimated, six rows each in their order.
     #[serde(default)]
     pub poses_covariance: Option<Vec<Vec<f64>>>,
+    /// Covariance of the times (s) by which the cameras are ahead whose clocks were estimated, in their order.
+    #[serde(default)]
+    pub clocks_covariance: Option<Vec<Vec<f64>>>,
     /// View by view, in the order of the frames.
     pub views: Vec<ViewQuality>,
     /// Frame by frame, those that have points.
