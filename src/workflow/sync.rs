@@ -330,14 +330,19 @@ fn windows(
         let path = path.into();
         return Err(SyncError::TooShort { path, frames, least, windows: count }.into());
     }
+    Ok(spread(wanted, count))
+}
 
+/// So many windows, evenly from the first frame to the last; one is in the middle. There are enough frames.
+fn spread(frames: &[FrameIndex], count: usize) -> Vec<FrameRange> {
+    let room = frames.len() - WINDOW;
     let first = |w: usize| match count {
-        1 => (frames - WINDOW) / 2,
-        _ => w * (frames - WINDOW) / (count - 1),
+        1 => room / 2,
+        _ => w * room / (count - 1),
     };
     let window =
-        |w: usize| FrameRange { first: wanted[first(w)].0, last: wanted[first(w) + WINDOW - 1].0 };
-    Ok((0..count).map(window).collect())
+        |w: usize| FrameRange { first: frames[first(w)].0, last: frames[first(w) + WINDOW - 1].0 };
+    (0..count).map(window).collect()
 }
 
 /// The first camera whose clock some window tells, with its standard deviation, and that sees somebody.
@@ -426,5 +431,20 @@ fn why_nothing(source: &FittedSource) -> &'static str {
         "its points were measured by pictures of one moment: give a recording of masks or videos"
     } else {
         "no camera has another that looks across its line of sight by more than 20°, or the body is held: expected cameras around a person who moves"
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn windows_reach_from_the_first_frame_to_the_last_and_do_not_overlap() {
+        let frames: Vec<FrameIndex> = (7..707).map(FrameIndex).collect();
+        let range = |first, last| FrameRange { first, last };
+        assert_eq!(spread(&frames, 1), [range(307, 406)]);
+        assert_eq!(spread(&frames, 3), [range(7, 106), range(307, 406), range(607, 706)]);
+        let seven = spread(&frames, 7);
+        assert!(seven.windows(2).all(|pair| pair[0].last < pair[1].first), "{seven:?}");
     }
 }

@@ -8,7 +8,7 @@ use maquette::camera::Rig;
 use maquette::io::calibration::{self, CalibrationOptions};
 use maquette::io::folder::OutFolder;
 use maquette::io::result::ResultFile;
-use maquette::pipeline::{ClockFound, PoseFound};
+use maquette::pipeline::{CameraFound, ClockFound, PoseFound};
 use serde_json::Value;
 
 use crate::arm::{Arm, Ran, rig, run};
@@ -44,6 +44,13 @@ fn fitted(arm: &Arm, out: &str, change: impl FnOnce(&mut ResultFile)) -> PathBuf
         opened.write(name, &bytes).expect("written");
     }
     folder
+}
+
+/// Nothing was found of any camera.
+fn forget(result: &mut ResultFile) {
+    let quality = &mut result.quality;
+    (quality.poses_covariance, quality.clocks_covariance) = (None, None);
+    quality.cameras.iter_mut().for_each(|camera| camera.found = CameraFound::default());
 }
 
 fn on(verb: &str, paths: &[&Path], more: &[&str]) -> Ran {
@@ -151,8 +158,7 @@ fn what_a_recording_does_not_determine_is_refused_in_one_line() {
 
     // what nothing tells
     let held = fitted(&arm, "held", |result| {
-        result.quality.poses_covariance = None;
-        result.quality.cameras.iter_mut().for_each(|camera| camera.found = Default::default());
+        forget(result);
     });
     let why = "no camera's place can be told: no camera has two others";
     calibrate(&[&held], &out, &[]).refused(&["held: ", why]);
@@ -252,7 +258,7 @@ fn clocks_that_nothing_tells_are_refused_in_one_line() {
     let ran = on("sync", &[&recording], &[&body[..], &["--windows", "2"]].concat());
     ran.refused(&["6 frames: expected 200 or more for 2 windows of 100 frames"]);
     let trusted = fitted(&arm, "trusted", |result| {
-        result.quality.cameras.iter_mut().for_each(|camera| camera.found = Default::default());
+        forget(result);
         result.options.estimate.clocks = maquette::pipeline::Clocks::Trust;
     });
     on("sync", &[&trusted], &[]).refused(&["trusted: ", "fitted with --clocks trust"]);
@@ -327,4 +333,51 @@ fn two_videos_of_one_camera_and_a_clock_that_jumps_back_are_refused() {
     let one = fs::read(videos.join("cam_01.ts")).unwrap();
     fs::write(videos.join("cam_01.ts"), [&one[..], &one[..]].concat()).unwrap();
     arm.fit("back", &[]).refused(&["cam_01.ts: the time stamps go backwards, from "]);
+}
+
+/// A video of six seconds with beeps at these times.
+fn beeping(path: &Path, beeps_s: [f64; 3]) {
+    let beep = |at: f64| format!("between(t,{at},{})", at + 0.02);
+    let beeps = beeps_s.map(beep).join("+");
+    let sound = format!("aevalsrc='0.001*sin(700*t)+({beeps})*0.7*sin(6000*t)':d=6");
+    let made = Command::new("ffmpeg")
+        .args(["-v", "error", "-f", "lavfi", "-i", "testsrc=size=160x120:rate=10:duration=6"])
+        .args(["-f", "lavfi", "-i", &sound, "-c:a", "pcm_s16le", "-c:v", "mpeg4"])
+        .arg(path)
+        .status();
+    assert!(made.expect("it runs").success());
+}
+
+#[test]
+#[allow(clippy::print_stderr, reason = "a skipped test says so")]
+fn the_sound_of_videos_agrees_or_differs() {
+    if !has("ffmpeg") {
+        eprintln!("skipped: no ffmpeg here");
+        return;
+    }
+    let arm = Arm::new();
+    let fit = fitted(&arm, "out", |_| {});
+    let videos = arm.recording().join("videos");
+    fs::create_dir_all(&videos).unwrap();
+    // what began 2.3 frames later hears everything that much earlier in its video
+    for (camera, later_s) in [("cam_01", 0.0), ("cam_02", 0.23), ("cam_03", -1.0)] {
+        let beeps = [2.0, 2.7, 4.1].map(|at| at - later_s);
+        beeping(&videos.join(format!("{camera}.mkv")), beeps);
+    }
+    let said = check("sync", &on("sync", &[&fit], &["--json", "--quiet"]).succeeded().out);
+    let sound = |i: usize| &said["cameras"][i]["sound"];
+    assert!(sound(0).is_null());
+    assert_eq!(
+        (sound(1)["agrees"].as_bool(), sound(1)["against"].as_str()),
+        (Some(true), Some("cam_01"))
+    );
+    assert!((sound(1)["after_frames"].as_f64().unwrap() - 2.3).abs() < 0.02, "{said}");
+    // the third keeps its offset, and its sound says that it should not
+    assert_eq!(sound(2)["agrees"].as_bool(), Some(false));
+    assert!((sound(2)["after_frames"].as_f64().unwrap() + 10.0).abs() < 0.02, "{said}");
+
+    let ran = on("sync", &[&fit], &["--overwrite", "--no-sound"]).succeeded();
+    assert!(!ran.out.contains("by sound"), "{}", ran.out);
+    let ran = on("sync", &[&fit], &["--overwrite"]).succeeded();
+    assert!(ran.out.contains("after cam_01: agrees") && ran.out.contains("DIFFERS"), "{}", ran.out);
 }
