@@ -4,5 +4,7 @@
 mod faults;
 #[path = "footage/layouts.rs"]
 mod layouts;
+#[path = "footage/sound.rs"]
+mod sound;
 #[path = "footage/tiny.rs"]
 mod tiny;

@@ -10,5 +10,7 @@ mod calibration_faults;
 mod calibration_samples;
 #[path = "readers/calibration_shared.rs"]
 mod calibration_shared;
+#[path = "readers/calibration_writers.rs"]
+mod calibration_writers;
 #[path = "readers/clouds.rs"]
 mod clouds;

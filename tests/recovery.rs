@@ -274,6 +274,27 @@ fn a_camera_that_was_touched_is_found_and_costs_the_body_nothing() {
     assert!(off < 0.25, "{off}° of {}°", touched.turn.angle().to_degrees());
     let [best, with, without] = [&untouched, &found, &trusting].map(mean_error_mm);
     assert!(with < 1.3 * best && with < 0.7 * without, "{best} {with} {without} mm");
+
+    // a check finds the camera as well, and leaves the body where it is with the cameras as calibrated
+    let checked = of(&calibrated, Cameras::Check);
+    let told = checked.cameras[1].found.pose.expect("it is estimated");
+    assert!(told.was_touched() && !told.used && pose.used, "{told:?}");
+    assert_eq!(checked.rig, calibrated);
+    assert_eq!(checked.shape, trusting.shape);
+    for (checked, trusting) in checked.frames.iter().zip(&trusting.frames) {
+        assert_eq!(checked.fit.motion, trusting.fit.motion);
+    }
+
+    // how sure the poses are together, with the standard deviations that are stated
+    let covariance = found.camera_covariances.poses.as_ref().expect("it is known");
+    assert_eq!(covariance.nrows(), 24);
+    assert!(covariance.clone().cholesky().is_some(), "it is positive definite");
+    for (camera, quality) in found.cameras.iter().enumerate() {
+        let sd = quality.found.pose.and_then(|pose| pose.displacement_sd_m).expect("it is known");
+        let stated = covariance[(6 * camera + 3, 6 * camera + 3)].sqrt();
+        approx::assert_relative_eq!(stated, sd[0], max_relative = 1e-9);
+    }
+    assert!(trusting.camera_covariances.poses.is_none());
 }
 
 #[test]
@@ -297,6 +318,14 @@ fn a_clock_that_is_off_is_found_and_costs_the_body_nothing() {
         assert!(off.abs() < 0.3, "camera {camera}: {off} frames, {clock:?}");
         assert_eq!(clock.is_off(FPS), camera == 1, "camera {camera}: {clock:?}");
     }
+    // how far one clock is ahead of another is known better than how far either is
+    let covariance = found.camera_covariances.clocks.as_ref().expect("it is known");
+    assert_eq!(covariance.nrows(), 4);
+    let sd = found.cameras[1].found.clock.and_then(|clock| clock.sd_s).expect("it is known");
+    approx::assert_relative_eq!(covariance[(1, 1)].sqrt(), sd, max_relative = 1e-9);
+    let apart = covariance[(0, 0)] + covariance[(1, 1)] - 2.0 * covariance[(0, 1)];
+    assert!(apart > 0.0 && apart < covariance[(0, 0)] + covariance[(1, 1)], "{covariance}");
+
     let best = mean_error_mm(&fitted(&scene.rig, &scene.frames, Cameras::Trust, Clocks::Trust));
     let [with, without] = [&found, &trusting].map(mean_error_mm);
     assert!(with < 1.3 * best && with < 0.7 * without, "{best} {with} {without} mm");

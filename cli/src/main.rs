@@ -13,6 +13,9 @@
 //! | `models.rs`   | `maquette models`                                               |
 //! | `skin.rs`     | `maquette skin`, and the skins of `maquette models`             |
 //! | `stereo.rs`   | `maquette stereo`                                               |
+//! | `calibrate.rs` | `maquette calibrate`                                           |
+//! | `sync.rs`     | `maquette sync`                                                 |
+//! | `camera_fit.rs` | the fit and the files of both                                 |
 //! | `choice.rs`   | arguments that choose a value of the library by its name        |
 //! | `pictures.rs` | the recording, frames and folder of `segment`, `silhouettes`, `stereo` |
 //! | `schema.rs`   | `maquette schema`; the schemas are in `cli/schemas`             |
@@ -26,6 +29,8 @@
 //! Exit code 0; 2 for arguments or input that cannot be used, and 3 for a fit that cannot be used, with one line on standard
 //! error; 130, 143 and 129 after SIGINT, SIGTERM and SIGHUP, with one line that says how to go on.
 
+mod calibrate;
+mod camera_fit;
 mod choice;
 mod error;
 mod export;
@@ -45,6 +50,7 @@ mod stereo;
 mod subject;
 mod summary;
 mod switches;
+mod sync;
 mod synth;
 mod table;
 
@@ -99,6 +105,12 @@ enum Command {
     /// Measure points on the surface with cameras that stand side by side
     #[command(long_about = stereo::ABOUT, after_help = stereo::EXAMPLES)]
     Stereo(stereo::StereoArguments),
+    /// Refine a calibration by a person who moves before the cameras
+    #[command(long_about = calibrate::ABOUT, after_help = calibrate::EXAMPLES)]
+    Calibrate(calibrate::CalibrateArguments),
+    /// Find when each camera began, from the person that they show
+    #[command(long_about = sync::ABOUT, after_help = sync::EXAMPLES)]
+    Sync(sync::SyncArguments),
     /// Analyse a walk: events, steps, angles over the gait cycle, scores
     #[command(long_about = gait::ABOUT, after_help = gait::EXAMPLES)]
     Gait(gait::GaitArguments),
@@ -133,6 +145,8 @@ impl Command {
             Self::Silhouettes(arguments) => silhouettes::run(arguments),
             Self::Skin(arguments) => skin::run(arguments),
             Self::Stereo(arguments) => stereo::run(arguments),
+            Self::Calibrate(arguments) => calibrate::run(arguments),
+            Self::Sync(arguments) => sync::run(arguments),
             Self::Gait(arguments) => gait::run(arguments),
             Self::Report(arguments) => report::run(arguments),
             Self::Export(arguments) => export::run(arguments),

@@ -4,6 +4,8 @@
 
 #[path = "cli/arm.rs"]
 mod arm;
+#[path = "cli/cameras.rs"]
+mod cameras;
 #[path = "cli/changed.rs"]
 mod changed;
 #[path = "cli/fit.rs"]

@@ -17,8 +17,8 @@ pub struct Uncertainty {
     pub shape: ShapeUncertainty,
     /// Frame by frame.
     pub frames: Vec<FrameUncertainty>,
-    /// Standard deviations of the components of each camera's offset; empty where cameras are trusted.
-    pub cameras: Vec<SVector<f64, COMPONENTS>>,
+    /// Covariance of the components of all cameras' offsets, camera after camera; empty where cameras are trusted.
+    pub cameras: DMatrix<f64>,
 }
 
 /// Covariances of the shape.
@@ -46,6 +46,14 @@ pub struct FrameUncertainty {
 }
 
 impl Uncertainty {
+    /// Standard deviations of the components of a camera's offset; `None` where cameras are trusted.
+    pub fn camera_sd(&self, camera: usize) -> Option<SVector<f64, COMPONENTS>> {
+        let first = COMPONENTS * camera;
+        let is_unknown = first < self.cameras.nrows();
+        let sd = |k: usize| self.cameras[(first + k, first + k)].max(0.0).sqrt();
+        is_unknown.then(|| SVector::from_fn(|k, _| sd(k)))
+    }
+
     /// From H of the chain at an optimum; `None` where H is singular.
     pub(super) fn new(
         model: &BodyModel,
@@ -69,11 +77,8 @@ impl Uncertainty {
         let p = state.shape.0.len();
         let covariance = shared.view((0, 0), (p, p)).into_owned();
         let lengths_sd_m = lengths_sd_m(model, &state.shape, &covariance);
-        let camera = |c: usize| {
-            let variances = |k: usize| shared[(p + COMPONENTS * c + k, p + COMPONENTS * c + k)];
-            SVector::from_fn(|k, _| variances(k).max(0.0).sqrt())
-        };
-        let cameras = (0..state.cameras.len()).map(camera).collect();
+        let of_cameras = COMPONENTS * state.cameras.len();
+        let cameras = shared.view((p, p), (of_cameras, of_cameras)).into_owned();
         Some(Self { shape: ShapeUncertainty { covariance, lengths_sd_m }, frames, cameras })
     }
 }

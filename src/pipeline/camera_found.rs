@@ -29,6 +29,14 @@ pub struct PoseFound {
     pub displacement_m: [f64; 3],
     /// Its standard deviations.
     pub displacement_sd_m: Option<[f64; 3]>,
+    /// Whether the fit takes it into account; else it is told, and the camera taken as calibrated.
+    #[serde(default = "is_used")]
+    pub used: bool,
+}
+
+/// What results said before anything was told and not used.
+fn is_used() -> bool {
+    true
 }
 
 /// By how much a camera's pictures are ahead of the recording's time.
@@ -59,20 +67,16 @@ impl CameraFound {
             turn_sd_deg: three(0).map(degrees),
             displacement_m: offset.displacement_m.into(),
             displacement_sd_m: three(3).map(Into::into),
+            used: true,
         };
         let clock = ClockFound { ahead_s: offset.ahead_s, sd_s: sd.map(|sd| sd[AHEAD]) };
         Self { pose: free.pose.then_some(pose), clock: free.clock.then_some(clock) }
     }
 
-    /// The camera's offset; none of what was not estimated.
+    /// The camera's offset; none of what was not estimated, or not used.
     pub fn offset(&self) -> CameraOffset {
-        let radians = |degrees: [f64; 3]| Vector3::from(degrees).map(f64::to_radians);
         let none = CameraOffset::none();
-        let pose = self.pose.map(|pose| CameraOffset {
-            turn: UnitQuaternion::from_scaled_axis(radians(pose.turn_deg)),
-            displacement_m: pose.displacement_m.into(),
-            ..none
-        });
+        let pose = self.pose.filter(|pose| pose.used).map(|pose| pose.offset());
         let ahead_s = self.clock.map_or(0.0, |clock| clock.ahead_s);
         CameraOffset { ahead_s, ..pose.unwrap_or(none) }
     }
@@ -103,6 +107,16 @@ impl CameraFound {
 }
 
 impl PoseFound {
+    /// The offset that was found, used or not.
+    pub fn offset(&self) -> CameraOffset {
+        let turn = Vector3::from(self.turn_deg).map(f64::to_radians);
+        CameraOffset {
+            turn: UnitQuaternion::from_scaled_axis(turn),
+            displacement_m: self.displacement_m.into(),
+            ..CameraOffset::none()
+        }
+    }
+
     /// Whether the camera was surely touched, by more than a usual calibration is off.
     pub fn was_touched(&self) -> bool {
         let is_sure = |found: [f64; 3], sd: Option<[f64; 3]>| {
@@ -159,6 +173,7 @@ mod tests {
             turn_sd_deg: Some([0.1; 3]),
             displacement_m: [0.0, displacement_m, 0.0],
             displacement_sd_m: Some([0.005; 3]),
+            used: true,
         }
     }
 
@@ -175,7 +190,7 @@ mod tests {
 
     #[test]
     fn what_is_written_is_what_was_found() {
-        let found = CameraFound {
+        let mut found = CameraFound {
             pose: Some(pose(1.0, 0.02)),
             clock: Some(ClockFound { ahead_s: -0.03, sd_s: Some(0.002) }),
         };
@@ -186,5 +201,10 @@ mod tests {
         let (turn, sd) = found.pose.unwrap().turn();
         assert_eq!((turn, sd), (1.0, Some(0.1)));
         assert_eq!(CameraFound::default().offset(), CameraOffset::none());
+
+        // what is only told moves nothing
+        found.pose = found.pose.map(|pose| PoseFound { used: false, ..pose });
+        let told = found.offset();
+        assert_eq!((told.turn.angle(), told.displacement_m.y, told.ahead_s), (0.0, 0.0, -0.03));
     }
 }

@@ -1,16 +1,16 @@
 //! The most probable shape and motion: the joint optimum that is reached from the winner of Algorithm 1.
 
-use super::camera_found::CameraFound;
-use super::joint_stage::JointStage;
+use super::camera_covariance::CameraCovariances;
+use super::camera_found::{CameraFound, PoseFound};
+use super::joint_stage::{Joined, JointStage};
 use super::measures::Measures;
 use super::{EstimateOptions, Progress};
 use crate::body::{BodyModel, Layout, Motion, Shape};
 use crate::camera::Rig;
 use crate::inference::SequenceState;
-use crate::inference::camera_offset::{CameraOffset, CameraPrior};
+use crate::inference::camera_offset::{CameraOffset, Free};
 use crate::inference::covariance::Uncertainty;
 use crate::inference::frame::FrameFit;
-use crate::inference::joint::JointOptimum;
 use crate::inference::noise::Noise;
 use crate::inference::search::Trial;
 use crate::inference::step::between;
@@ -38,18 +38,28 @@ impl LastStage<'_> {
         };
 
         let measure = self.measures.joint;
-        let stage = JointStage {
+        let stage = |free: Free| JointStage {
             model,
             calibrated: rig,
             measure,
             sequence: self.sequence,
             options: self.options,
             joint,
+            free,
             ahead_frames: self.ahead_frames,
             progress: self.progress,
         };
-        let (optimum, camera_prior) = stage.run(state_of(model, self.sequence, winner));
-        (Estimate::joint(optimum, &camera_prior, rig, winner), measure)
+        let start = state_of(model, self.sequence, winner);
+        let (free, asked) = (self.options.free(), self.options.asked());
+        if asked == free {
+            return (Estimate::joint(stage(free).run(start), rig, winner), measure);
+        }
+
+        // what is asked for and not used is estimated by the side
+        let told = Estimate::joint(stage(asked).run(start.clone()), rig, winner);
+        let mut used = Estimate::joint(stage(free).run(start), rig, winner);
+        used.tell_poses(told);
+        (used, measure)
     }
 }
 
@@ -63,6 +73,8 @@ pub(super) struct Estimate {
     pub(super) rig: Rig,
     /// By how much each is off.
     pub(super) cameras: Vec<CameraFound>,
+    /// How sure they are together.
+    pub(super) covariances: CameraCovariances,
 }
 
 impl Estimate {
@@ -80,20 +92,17 @@ impl Estimate {
             uncertainty: None,
             rig: rig.clone(),
             cameras: vec![CameraFound::default(); rig.cameras.len()],
+            covariances: CameraCovariances::default(),
         }
     }
 
     /// The joint optimum that is reached from the winner.
-    fn joint(
-        joint: JointOptimum,
-        camera_prior: &CameraPrior,
-        calibrated: &Rig,
-        winner: &Trial,
-    ) -> Self {
+    fn joint(joined: Joined, calibrated: &Rig, winner: &Trial) -> Self {
+        let Joined { optimum: joint, prior: camera_prior, covariances } = joined;
         let found = |camera: usize| {
-            let sd = joint.uncertainty.as_ref().and_then(|u| u.cameras.get(camera));
+            let sd = joint.uncertainty.as_ref().and_then(|u| u.camera_sd(camera));
             let offset = joint.cameras.get(camera);
-            let found = |offset| CameraFound::new(offset, camera_prior.free(camera), sd);
+            let found = |offset| CameraFound::new(offset, camera_prior.free(camera), sd.as_ref());
             offset.map(found).unwrap_or_default()
         };
         let cameras: Vec<CameraFound> = (0..calibrated.cameras.len()).map(found).collect();
@@ -108,7 +117,16 @@ impl Estimate {
             uncertainty: joint.uncertainty,
             rig: CameraOffset::applied(calibrated, cameras.iter().map(CameraFound::offset)),
             cameras,
+            covariances,
         }
+    }
+
+    /// Takes over where the cameras were found to be, without using it.
+    fn tell_poses(&mut self, told: Self) {
+        for (camera, told) in self.cameras.iter_mut().zip(told.cameras) {
+            camera.pose = told.pose.map(|pose| PoseFound { used: false, ..pose });
+        }
+        self.covariances.poses = told.covariances.poses;
     }
 }
 

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::ambiguity::{facing_warning, outline_warnings, scale_warning};
+use super::camera_covariance::CameraCovariances;
 use super::diagnosis::{CameraFaults, Diagnosis, lost_frames};
 use super::estimate::{Estimate, LastStage};
 use super::fitted::{FittedFrame, TriedHypothesis};
@@ -38,6 +39,8 @@ pub struct Fit {
     pub noise: Option<Noise>,
     /// The cameras, where they were found to look.
     pub rig: Rig,
+    /// How sure it is where and when they are, all together.
+    pub camera_covariances: CameraCovariances,
     /// Its lengths at rest, metres, in the order of [`BodyModel::lengths`].
     pub lengths_m: Vec<f64>,
     /// The motion, frame by frame.
@@ -111,17 +114,12 @@ fn stages(
     let found = searched(&coarse, &faults, sequence, options, journal)?;
 
     // 3. the joint optimum, from its winner, and where and when the cameras are
-    let body = if options.joint.is_some() { model.detailed() } else { model.clone() };
+    let body = options.joint.map_or_else(|| model.clone(), |_| model.detailed());
     let detailed = Evidence::new(&body, rig, options.likelihood, measures.search);
-    let (estimate, measure) = LastStage {
-        evidence: &detailed,
-        sequence,
-        measures,
-        options,
-        ahead_frames: &faults.ahead_frames(),
-        progress: journal.progress,
-    }
-    .run(&found.trials[found.winner]);
+    let ahead_frames = &faults.ahead_frames();
+    let (evidence, progress) = (&detailed, journal.progress);
+    let stage = LastStage { evidence, sequence, measures, options, ahead_frames, progress };
+    let (estimate, measure) = stage.run(&found.trials[found.winner]);
     let looked_at = Evidence::new(&body, &estimate.rig, options.likelihood, measure);
 
     // 4. how far the keyframes agree
@@ -156,12 +154,14 @@ fn stages(
     notes.extend(options.joint.and_then(|joint| unseen(model, sequence, &frames, &joint)));
     notes.retain(|warning| verdict.causes.is_empty() || !warning.is_symptom());
 
+    journal.progress.step();
     let fit = Fit {
         verdict,
         lengths_m,
         uncertainty: estimate.uncertainty.map(|u| u.shape),
         noise: estimate.noise,
         rig: estimate.rig,
+        camera_covariances: estimate.covariances,
         shape: estimate.shape,
         model: body,
         frames,
@@ -171,7 +171,6 @@ fn stages(
         cameras,
         warnings: notes,
     };
-    journal.progress.step();
     Ok(fit.without_false_certainty())
 }
 
@@ -194,6 +193,7 @@ impl Fit {
         }
         if !self.verdict.is_usable() {
             self.uncertainty = None;
+            self.camera_covariances = CameraCovariances::default();
             self.frames.iter_mut().for_each(|frame| frame.uncertainty = None);
             self.cameras.iter_mut().for_each(|camera| camera.found.withhold());
             self.confidence.withhold();

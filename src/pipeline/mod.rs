@@ -10,7 +10,9 @@
 //! | 6. what a person should know of it  | [`Warning`]                        |
 
 mod ambiguity;
+mod camera_covariance;
 mod camera_found;
+mod clock_line;
 mod counted;
 mod diagnosis;
 mod estimate;
@@ -28,19 +30,24 @@ mod overlap;
 mod points;
 mod progress;
 mod quality;
+mod rig_estimate;
 mod scene;
 pub mod segment;
 pub mod silhouettes;
+mod sound;
 mod source;
 pub mod stereo;
 mod unseen;
+mod verdict_words;
 mod warning;
 mod warning_text;
 mod watch;
 
 pub use crate::inference::covariance::ShapeUncertainty;
 pub use ambiguity::facing_log_odds;
+pub use camera_covariance::{CameraCovariances, POSE};
 pub use camera_found::{CameraFound, ClockFound, PoseFound};
+pub use clock_line::{ClockLine, Drift, TOLD_PPM, WindowClock, clock_line};
 pub use counted::counted;
 pub use diagnosis::{Cause, HeadAxis, Reason, Verdict};
 pub use fit::{Fit, fit, fit_watched};
@@ -55,8 +62,10 @@ pub use options::{Cameras, Clocks, EstimateOptions, FitTo, ObservationOptions};
 pub use points::PointQuality;
 pub use progress::{NoProgress, Progress};
 pub use quality::{CameraQuality, ViewQuality};
+pub use rig_estimate::{RigEstimate, RigEvidence, Singular, rig_estimate};
 pub(crate) use scene::MOST_EMPTY_FRAMES;
 pub use scene::check_scene;
+pub use sound::{ENVELOPE_HZ, sound_delay_s};
 pub use source::{FramePictures, MaskSource, PictureSource, PictureStream};
 pub use unseen::prior_angles_sd;
 pub use warning::{Frames, Warning};

@@ -1,5 +1,7 @@
 //! The settings of a fit: what is observed, and one field for each stage of the estimate.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
 use crate::inference::ConfidenceOptions;
@@ -38,6 +40,10 @@ pub struct EstimateOptions {
     pub cameras: Cameras,
     /// Whether their clocks may be off; as for `cameras`.
     pub clocks: Clocks,
+    /// By how many frames the pictures of a camera are known to be ahead, by its name: where the estimate of its clock starts, and
+    /// what it is where it is not estimated but other clocks or places are.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub ahead_frames: BTreeMap<String, f64>,
     /// ε of the confidence.
     pub confidence: ConfidenceOptions,
     /// The person's height without shoes, metres, where it is known. It changes nothing of the estimate: the verdict tests the
@@ -55,6 +61,7 @@ impl Default for EstimateOptions {
             joint: Some(JointOptions::default()),
             cameras: Cameras::default(),
             clocks: Clocks::default(),
+            ahead_frames: BTreeMap::new(),
             confidence: ConfidenceOptions::default(),
             height_m: None,
         }
@@ -70,6 +77,8 @@ pub enum Cameras {
     /// About there: turns and displacements are estimated.
     #[default]
     Refine,
+    /// Where their calibration says; turns and displacements are estimated and told, and not used.
+    Check,
 }
 
 /// When the cameras took their pictures.
@@ -141,7 +150,12 @@ impl EstimateOptions {
         }
     }
 
-    /// What of the cameras is estimated.
+    /// What of the cameras is estimated to be told of.
+    pub(super) fn asked(&self) -> Free {
+        Free { pose: self.cameras != Cameras::Trust, ..self.free() }
+    }
+
+    /// What of the cameras is an unknown of the result.
     pub(super) fn free(&self) -> Free {
         Free { pose: self.cameras == Cameras::Refine, clock: self.clocks == Clocks::Estimate }
     }

@@ -7,6 +7,7 @@
 //! | `page.rs`           | the document around the pages                                        |
 //! | `identity.rs`       | who was recorded, and how                                             |
 //! | `quality.rs`        | how far to trust it: cameras, missing views, confidence, hypotheses   |
+//! | `rig_view.rs`       | the cameras from above, as calibrated and as found                    |
 //! | `spatiotemporal.rs` | parameters of steps and strides                                       |
 //! | `kinematics.rs`     | the grids of joint angles                                             |
 //! | `scores.rs`         | key points of the curves, and scores against healthy people           |
@@ -27,6 +28,7 @@ mod motion;
 mod page;
 mod picture;
 mod quality;
+mod rig_view;
 mod scene;
 mod scores;
 mod shape;

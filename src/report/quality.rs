@@ -8,6 +8,7 @@ use super::ReportInput;
 use super::figure::{Axis, BOTH, Figure, axis_range};
 use super::label::words;
 use super::page::{Page, absent, number, probability};
+use super::rig_view::rig_view;
 use crate::io::result::{
     FramePart, HypothesisPart, MotionPart, OriginPart, OutcomePart, RecordingPart, RejectedPart,
     ResultFile, ShapePart,
@@ -38,6 +39,7 @@ fn fit_quality(result: &ResultFile) -> Markup {
         h3 { "Cameras" }
         (camera_table(&result.quality.cameras))
         (found_table(&result.quality.cameras, result.recording.fps))
+        @if let Some(view) = rig_view(result) { (view) }
         h3 { "Overlap over time" }
         (overlap_chart(result))
         h3 { "Missing" }
@@ -99,7 +101,7 @@ fn found_table(cameras: &[CameraQuality], fps: f64) -> Markup {
             }
             p class="note" {
                 "By how much each camera is off its calibration and its clock, ± one standard deviation, relative to the rig: what all "
-                "cameras have in common does not show. The fit takes it into account. –: not estimated, and taken as calibrated."
+                "cameras have in common does not show. –: not estimated, and taken as calibrated."
             }
         }
     }

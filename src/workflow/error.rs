@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
+use super::{CalibrateError, SyncError};
 use crate::gait::{GaitError, MovementError};
+use crate::io::calibration::CalibrationWriteError;
 use crate::io::export::{BvhError, C3dError, GlbError};
 use crate::io::folder::OutError;
 use crate::io::folder::journal::JournalError;
@@ -87,6 +89,21 @@ pub enum Error {
     /// JSON that cannot be written.
     #[error("result.json: {0}")]
     Json(#[from] serde_json::Error),
+    /// A calibration that cannot be refined.
+    #[error(transparent)]
+    Calibrate(#[from] CalibrateError),
+    /// Clocks that cannot be found.
+    #[error(transparent)]
+    Sync(#[from] SyncError),
+    /// A calibration that cannot be written in a format.
+    #[error(transparent)]
+    CalibrationFile(#[from] CalibrationWriteError),
+    /// The folder of a fit that does not name its recording.
+    #[error("{}: recording.toml names no recording: expected the folder of a fit as it was written; or give the recording", path.display())]
+    NoOrigin {
+        /// The folder.
+        path: PathBuf,
+    },
     /// A fit that is not to be used: its verdict.
     #[error("{0}")]
     Unusable(String),

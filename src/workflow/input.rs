@@ -60,6 +60,10 @@ impl FitInput {
         }
         check_scene(&model, &files.rig, &observations)?;
 
+        let named = files.rig.names().zip(&files.beginnings);
+        let ahead = named.map(|(name, beginning)| (name.to_owned(), beginning.ahead_frames()));
+        estimate.ahead_frames = ahead.filter(|(_, frames)| frames.abs() > 0.0).collect();
+
         let mut checksums = files.checksums()?;
         checksums.extend(bodies);
         Ok(Self {

@@ -14,14 +14,19 @@
 //! | `gait.rs`     | [`GaitStudy`]: a gait analysis, of a fit or of points of any system           |
 //! | `report.rs`   | its report, with the feature `report`                                         |
 //! | `export.rs`   | its files for other programs                                                  |
+//! | `calibrate.rs` | [`RefinedRig`]: a calibration refined by a person who moves                  |
+//! | `sync.rs`     | [`SyncedRecording`]: when each camera began                                   |
+//! | `fitted_source.rs` | a fit that either of them looks at                                      |
 //! | `skin.rs`     | the skins of a fitted body                                                    |
 //! | `error.rs`    | [`Error`]                                                                     |
 
+mod calibrate;
 mod derived;
 mod error;
 mod export;
 mod fit;
 mod fitted;
+mod fitted_source;
 mod gait;
 mod input;
 mod masks;
@@ -31,7 +36,9 @@ mod report;
 mod silhouettes;
 mod skin;
 mod surface;
+mod sync;
 
+pub use calibrate::{CalibrateError, RefinedCamera, RefinedRig, UsedRecording};
 pub use error::Error;
 pub use export::ExportFormat;
 pub use fit::FitFolder;
@@ -45,3 +52,6 @@ pub use report::ReportedRecording;
 pub use silhouettes::{SilhouetteFiles, WrittenSilhouettes};
 pub use skin::{RestingBody, SkinFiles, SkinnedPoses};
 pub use surface::SurfaceFiles;
+pub use sync::{
+    FoundOffset, SoundCheck, SyncError, SyncOptions, SyncedCamera, SyncedRecording, WINDOW,
+};

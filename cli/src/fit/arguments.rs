@@ -140,6 +140,11 @@ const CAMERAS: &[Choice<Cameras>] = &[
         Cameras::Refine,
         "About there: turns and displacements of cameras that two others cross are estimated",
     ),
+    (
+        "check",
+        Cameras::Check,
+        "Where their calibration says; turns and displacements are estimated and told, and not used",
+    ),
 ];
 
 const CLOCKS: &[Choice<Clocks>] = &[

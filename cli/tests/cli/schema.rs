@@ -12,6 +12,8 @@ fn faults(value: &Value, schema: &Value, at: &str) -> Vec<String> {
         match keyword.as_str() {
             "$schema" | "title" => {}
             "type" if is_of_type(value, rule) => {}
+            // a rule for objects
+            "required" if value.is_null() => {}
             "enum" if rule.as_array().is_some_and(|all| all.contains(value)) => {}
             "minimum" if value.as_f64().is_none_or(|v| v >= rule.as_f64().expect("a number")) => {}
             "required" => {

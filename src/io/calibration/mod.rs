@@ -11,7 +11,7 @@
 //! | 3 × 4 projection matrices | `*.txt`, all cameras or one per file | m |
 //!
 //! [`read`] takes a file or a folder, [`read_per_camera`] one file for each camera, and [`select`] puts the cameras in
-//! the order in which a manifest names them. [`write_toml`] writes Pose2Sim's TOML.
+//! the order in which a manifest names them. [`write()`] writes the formats that hold all of a camera.
 //!
 //! Every reader only finds the numbers in its file; the module `unchecked` checks them all alike and converts unit and
 //! world. A wrong number is a [`CalibrationError`] that names file, line and camera.
@@ -28,6 +28,7 @@ mod projection_matrix;
 mod qualisys;
 mod unchecked;
 mod vicon;
+mod write;
 mod xml;
 
 pub(in crate::io) use dispatch::unpaired;
@@ -35,7 +36,7 @@ pub use dispatch::{read, read_per_camera, select};
 pub use error::{CalibrationError, Place};
 pub(in crate::io) use found::{files, find};
 pub use options::{CalibrationOptions, Unit};
-pub use pose2sim::write_toml;
+pub use write::{CalibrationFile, CalibrationWriteError, Refined, check_name, write, write_toml};
 
 #[cfg(doc)]
 use crate::camera::Rig;

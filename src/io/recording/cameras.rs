@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::manifest::CameraFiles;
 use super::note::CalibrationNote;
 use super::{Recording, RecordingError, layout};
-use crate::camera::Rig;
+use crate::camera::{Camera, Rig};
 use crate::io::calibration::{self, CalibrationOptions};
 use crate::io::unknown_key::nearest;
 
@@ -55,6 +55,9 @@ impl Recording {
             found.refuse_strangers(&calibrated, &self.path)?;
         }
 
+        if let Some((_, offsets)) = &self.offsets {
+            offsets.apply(found.cameras.iter_mut().map(|(camera, _)| camera));
+        }
         let names = found.cameras.iter().map(|(camera, _)| camera.name.as_str());
         let names: Vec<&str> = names.collect();
         found.rig = calibration::select(&calibrated, &self.calibration_source(), &names)?;
@@ -74,6 +77,23 @@ impl Recording {
     /// The files or folders that the calibration is read from, each with its camera where there is one for each.
     pub(super) fn calibration_paths(&self) -> Vec<(Option<String>, PathBuf)> {
         layout::calibration_paths(&self.folder, self.manifest.calibration.as_ref())
+    }
+
+    /// The whole calibration, in metres with Z up, and how its files are read: also of cameras without masks or pictures, if their size is
+    /// stated.
+    ///
+    /// # Errors
+    /// [`RecordingError`] if neither masks nor pictures are there, or the calibration is at fault.
+    pub fn calibration(&self) -> Result<(Rig, CalibrationOptions), RecordingError> {
+        let used = match self.masks() {
+            Ok(files) if files.has_masks() => files.rig,
+            _ => self.footage()?.rig,
+        };
+        let size = |camera: &Camera| (camera.name.clone(), [camera.width_px, camera.height_px]);
+        let image_sizes_px = used.cameras.iter().map(size).collect();
+        let options = CalibrationOptions { image_sizes_px, ..self.calibration_options() };
+        let whole = self.read_calibration(options.clone());
+        Ok((whole.unwrap_or(used), options))
     }
 
     fn calibration_options(&self) -> CalibrationOptions {

@@ -51,7 +51,8 @@ impl DetectionFiles {
                 let pattern = recording.folder.join(pattern);
                 return Err(RecordingError::MissingDetections { pattern, camera });
             }
-            let shift = cameras.iter().find(|c| c.name == camera).map_or(0, |c| c.shift(fps));
+            let shift =
+                cameras.iter().find(|c| c.name == camera).map_or(0, |c| c.beginning(fps).whole());
             let frame = |number: u64| {
                 Some(FrameIndex(usize::try_from(number.checked_add_signed(shift)?).ok()?))
             };

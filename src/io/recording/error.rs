@@ -109,6 +109,19 @@ pub enum RecordingError {
         /// As written.
         value: f64,
     },
+    /// Offsets that were found at another frame rate.
+    #[error(
+        "{}: found at {found} frames per second, and the recording is read at {fps}: find them again with maquette sync, or delete the file",
+        path.display()
+    )]
+    OffsetsFps {
+        /// `offsets.toml`.
+        path: PathBuf,
+        /// At which they were found.
+        found: f64,
+        /// That of the recording.
+        fps: f64,
+    },
     /// A pattern that is none.
     #[error("{key} = {pattern:?}: expected {expected}")]
     Pattern {

@@ -134,7 +134,7 @@ pub(super) fn by_frame(
     notes: &mut Vec<Note>,
 ) -> BTreeMap<FrameIndex, PathBuf> {
     let frame = |number: u64| {
-        let shifted = number.checked_add_signed(camera.shift(fps))?;
+        let shifted = number.checked_add_signed(camera.beginning(fps).whole())?;
         Some(FrameIndex(usize::try_from(shifted).ok()?))
     };
     let masks: BTreeMap<_, _> = files

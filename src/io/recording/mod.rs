@@ -7,6 +7,7 @@
 //! | file or folder   | holds                                                                 |
 //! |------------------|-----------------------------------------------------------------------|
 //! | `manifest/`      | `sequence.toml`                                                        |
+//! | `offsets.rs`     | `offsets.toml`: when each camera began, as it was found                |
 //! | `layout/`        | where a folder without manifest has its files                          |
 //! | `cameras.rs`     | cameras that have files, matched with the calibrated ones              |
 //! | `observations.rs`, `masks.rs`, `points.rs`, `detections.rs` | [`ObservationFiles`]: masks, points and detections |
@@ -28,6 +29,7 @@ mod mask_image;
 mod masks;
 mod note;
 mod observations;
+pub mod offsets;
 mod points;
 pub mod synthetic;
 
@@ -35,8 +37,9 @@ use std::path::{Path, PathBuf};
 
 use crate::io::folder::file_name;
 use footage::Footage;
-use manifest::{CameraFiles, Manifest};
+use manifest::{Beginning, CameraFiles, Manifest};
 use observations::WantedPoints;
+use offsets::Offsets;
 
 pub use checksum::InputChecksum;
 use detections::DetectionFiles;
@@ -64,6 +67,8 @@ pub struct Recording {
     folder: PathBuf,
     manifest_path: Option<PathBuf>,
     manifest: Manifest,
+    /// When each camera began, in the place of what the manifest says, and the file that says so.
+    offsets: Option<(PathBuf, Offsets)>,
     /// Replaces the manifest's frame rate.
     fps: Option<f64>,
 }
@@ -97,7 +102,8 @@ impl Recording {
             Some(path) => Manifest::read(path)?,
             None => Manifest::default(),
         };
-        Ok(Self { path: path.into(), folder, manifest_path, manifest, fps: None })
+        let offsets = Offsets::find(&folder)?;
+        Ok(Self { path: path.into(), folder, manifest_path, manifest, offsets, fps: None })
     }
 
     /// The same recording at this frame rate, Hz, which overrides its manifest and its videos; `None` leaves the rate to them.
@@ -156,6 +162,9 @@ impl Recording {
         let names = || derived.footage.rig.names();
         let mut recording = self.clone();
         recording.fps = Some(derived.footage.fps);
+        recording.offsets = None;
+        let beginnings: Vec<Beginning> =
+            derived.footage.cameras.iter().map(|camera| camera.beginning).collect();
         let manifest = &mut recording.manifest;
 
         // the masks and points of that folder stand in the place of the manifest's
@@ -164,13 +173,15 @@ impl Recording {
             let stated = std::mem::take(&mut manifest.cameras);
             let detections =
                 |name: &str| stated.iter().find(|c| c.name == name)?.detections.clone();
-            let camera = |name: &str| CameraFiles {
+            // they are numbered by frame already
+            let camera = |(name, beginning): (&str, &Beginning)| CameraFiles {
                 name: name.into(),
                 masks: Some(masks(name).display().to_string()),
                 detections: detections(name),
+                offset_frames: beginning.ahead_frames(),
                 ..CameraFiles::default()
             };
-            manifest.cameras = names().map(camera).collect();
+            manifest.cameras = names().zip(&beginnings).map(camera).collect();
         }
         if derived.has_points {
             manifest.points = Some(folder.join("points").display().to_string());
@@ -186,6 +197,9 @@ impl Recording {
             false => WantedPoints::Given,
         };
         let mut files = ObservationFiles::list(&recording, wanted)?;
+        if derived.has_masks {
+            files.beginnings = beginnings;
+        }
         let pictures = names().zip(&derived.footage.cameras);
         files.pictures = pictures
             .map(|(name, camera)| (name.into(), camera.paths().into_iter().cloned().collect()))
@@ -202,6 +216,17 @@ impl Recording {
     /// [`RecordingError`] if something is missing, contradictory, or cannot be read.
     pub fn footage(&self) -> Result<Footage, RecordingError> {
         footage::open(self)
+    }
+
+    /// The files that say what the recording consists of, but for its calibration.
+    fn descriptions(&self) -> impl Iterator<Item = PathBuf> {
+        let offsets = self.offsets.iter().map(|(path, _)| path.clone());
+        self.manifest_path.iter().cloned().chain(offsets)
+    }
+
+    /// Whether the offsets that stand beside the manifest are of this frame rate.
+    fn check_offsets(&self, fps: f64) -> Result<(), RecordingError> {
+        self.offsets.iter().try_for_each(|(path, offsets)| offsets.check(path, fps))
     }
 
     /// The frame rate that was given, or that of the manifest, or that of the files.

@@ -97,6 +97,22 @@ pub enum Note {
         /// Name of the body.
         body: String,
     },
+    /// A camera whose pictures are of other moments than those of all others.
+    #[error(
+        "camera {camera}: none of its frames ({first} to {last}) is one of the other cameras' ({others_first} to {others_last}), so it says nothing: check offset_frames, start_s and offsets.toml"
+    )]
+    NeverTogether {
+        /// The camera.
+        camera: String,
+        /// Number of its first frame.
+        first: usize,
+        /// Of its last.
+        last: usize,
+        /// Of the others' first.
+        others_first: usize,
+        /// Of the others' last.
+        others_last: usize,
+    },
     /// No frame is seen by two cameras.
     #[error(
         "no frame has masks from two cameras: do the file numbers agree? offset_frames shifts them"

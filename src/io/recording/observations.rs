@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::layout::elsewhere;
 use super::layout::numbered_files::NumberedFiles;
-use super::manifest::CameraFiles;
+use super::manifest::{Beginning, CameraFiles};
 use super::masks::{self, MaskFiles};
 use super::points::PointFiles;
 use super::{DetectionFiles, Note, Recording, RecordingError, mask_image};
@@ -30,6 +30,8 @@ pub struct ObservationFiles {
     pub frames: Vec<FrameIndex>,
     /// The masks that are not there.
     pub missing: Vec<Missing>,
+    /// By how many frames each camera of the rig began after the recording, as its files were numbered.
+    pub(crate) beginnings: Vec<Beginning>,
     /// What the user should know.
     pub notes: Vec<Note>,
     /// The folder that the manifest's paths are relative to.
@@ -86,6 +88,10 @@ impl ObservationFiles {
             .map(|(camera, files)| masks::by_frame(camera, files, fps, &mut notes))
             .collect();
         masks.resize_with(rig.cameras.len(), BTreeMap::new);
+        let mut beginnings: Vec<Beginning> =
+            cameras.iter().map(|(camera, _)| camera.beginning(fps)).collect();
+        beginnings.resize(rig.cameras.len(), Beginning::default());
+        recording.check_offsets(fps)?;
 
         // detections
         let files: Vec<CameraFiles> = cameras.into_iter().map(|(camera, _)| camera).collect();
@@ -112,6 +118,8 @@ impl ObservationFiles {
         let views = |frame: &FrameIndex| masks.iter().filter(|m| m.contains_key(frame)).count();
         if masks.iter().any(|m| !m.is_empty()) && !frames.iter().any(|frame| views(frame) > 1) {
             notes.push(Note::NoCommonFrame);
+        } else {
+            notes.extend(never_together(&rig, &masks));
         }
 
         let calibration = recording.calibration_paths();
@@ -122,8 +130,9 @@ impl ObservationFiles {
             frames,
             missing,
             notes,
+            beginnings,
             folder: recording.folder.clone(),
-            descriptions: recording.manifest_path.iter().cloned().chain(calibration).collect(),
+            descriptions: recording.descriptions().chain(calibration).collect(),
             masks,
             points,
             detections,
@@ -243,6 +252,25 @@ impl MaskSource for ObservationFiles {
             None => Ok(None),
         }
     }
+}
+
+/// The cameras that have masks, but in no frame that another has.
+fn never_together(rig: &Rig, masks: &[BTreeMap<FrameIndex, PathBuf>]) -> Vec<Note> {
+    let note = |(i, name): (usize, &str)| {
+        let own = &masks[i];
+        let others = || masks.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, m)| m);
+        let is_alone = |frame: &FrameIndex| !others().any(|m| m.contains_key(frame));
+        let all = || others().flat_map(|m| m.keys());
+        let is_noted = own.keys().all(is_alone);
+        Some(Note::NeverTogether {
+            camera: name.into(),
+            first: own.keys().next().filter(|_| is_noted)?.0,
+            last: own.keys().next_back()?.0,
+            others_first: all().min()?.0,
+            others_last: all().max()?.0,
+        })
+    };
+    rig.names().enumerate().filter_map(note).collect()
 }
 
 /// The frames that have a mask or a cloud, and the masks that are missing.

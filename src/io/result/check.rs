@@ -59,7 +59,7 @@ pub(super) fn odd_field(result: &ResultFile) -> Option<OddField> {
             shape.covariance.as_ref().is_none_or(is_square),
         ),
     ];
-    let odd = fields.into_iter().find(|(_, _, is_right)| !is_right);
+    let odd = fields.into_iter().chain(covariances(result)).find(|(_, _, is_right)| !is_right);
     odd.map(|(field, expected, _)| OddField { field, expected })
 }
 
@@ -68,4 +68,27 @@ fn is_of_names(frame: &FramePart, result: &ResultFile) -> bool {
     let is_right = frame.angles_rad.len() == angles && frame.points_m.len() == points;
     let sd = frame.sd.as_ref();
     is_right && sd.is_none_or(|sd| sd.angles_rad.len() == angles && sd.points_m.len() == points)
+}
+
+/// The covariances of the cameras, each of as many as were estimated.
+fn covariances(result: &ResultFile) -> [(&'static str, &'static str, bool); 2] {
+    let cameras = &result.quality.cameras;
+    let poses = 6 * cameras.iter().filter(|camera| camera.found.pose.is_some()).count();
+    let clocks = cameras.iter().filter(|camera| camera.found.clock.is_some()).count();
+    let is_of = |rows: &Option<Vec<Vec<f64>>>, n: usize| {
+        let is_of_n = |rows: &Vec<Vec<f64>>| rows.len() == n && rows.iter().all(|r| r.len() == n);
+        rows.as_ref().is_none_or(is_of_n)
+    };
+    [
+        (
+            "quality.poses_covariance",
+            "six rows and columns for each camera with a pose",
+            is_of(&result.quality.poses_covariance, poses),
+        ),
+        (
+            "quality.clocks_covariance",
+            "a row and a column for each camera with a clock",
+            is_of(&result.quality.clocks_covariance, clocks),
+        ),
+    ]
 }

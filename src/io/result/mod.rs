@@ -30,7 +30,8 @@ pub use parts::Provenance;
 pub use read::ResultError;
 pub use schema::{
     CoefficientPart, FramePart, HypothesisPart, LengthPart, MotionPart, OptionsPart, OriginPart,
-    OutcomePart, Program, QualityPart, RecordingPart, RejectedPart, ResultFile, ShapePart,
+    OutcomePart, PlacePart, Program, QualityPart, RecordingPart, RejectedPart, ResultFile,
+    ShapePart,
 };
 
 /// What `format` says.
@@ -39,7 +40,7 @@ pub(crate) const FORMAT: &str = "maquette-result";
 pub(crate) const VERSION: u32 = 4;
 
 /// Name of the file of the result, and of the points beside it.
-const RESULT: &str = "result.json";
+pub(crate) const RESULT: &str = "result.json";
 const JOINTS: &str = "joints.trc";
 
 impl ResultFile {

@@ -1,12 +1,15 @@
 //! How a fit is written down.
 
+use nalgebra::{DMatrix, Vector3};
+
 use super::schema::{
     CoefficientPart, FramePart, HypothesisPart, LengthPart, MotionPart, OptionsPart, OriginPart,
-    OutcomePart, Program, QualityPart, RecordingPart, RejectedPart, ResultFile, ShapePart,
+    OutcomePart, PlacePart, Program, QualityPart, RecordingPart, RejectedPart, ResultFile,
+    ShapePart,
 };
 use super::{FORMAT, VERSION};
 use crate::body::BodyModel;
-use crate::camera::CameraId;
+use crate::camera::{Camera, CameraId, Rig};
 use crate::inference::search::Origin;
 use crate::io::recording::{InputChecksum, ObservationFiles};
 use crate::pipeline::{Fit, FittedFrame, FrameSd, TriedHypothesis};
@@ -36,7 +39,7 @@ impl ResultFile {
     pub fn new(fit: &Fit, from: Provenance<'_>) -> Self {
         let model = from.model;
         let notes = from.recording.notes.iter().map(ToString::to_string);
-        let warnings = fit.verdict.headline().into_iter();
+        let warnings = fit.verdict.words().into_iter();
         let warnings = warnings.chain(fit.warnings.iter().map(ToString::to_string));
 
         Self {
@@ -58,7 +61,7 @@ impl ResultFile {
             },
             hypotheses: hypotheses(fit, model),
             winner: fit.winner,
-            quality: quality(fit),
+            quality: quality(fit, &from.recording.rig),
             verdict: fit.verdict.clone(),
             warnings: warnings.chain(notes).collect(),
         }
@@ -93,6 +96,7 @@ fn recording(from: Provenance<'_>) -> RecordingPart {
         first_frame: from.observations.first().map_or(0, |o| o.frame.0),
         last_frame: from.observations.last().map_or(0, |o| o.frame.0),
         cameras: rig.names().map(Into::into).collect(),
+        offset_frames: from.recording.beginnings.iter().map(|beginning| beginning.0).collect(),
         missing,
         rejected: rejected.collect(),
     }
@@ -121,16 +125,17 @@ fn shape(fit: &Fit, model: &BodyModel) -> ShapePart {
 
     ShapePart {
         coefficients: model.coefficients.iter().enumerate().map(coefficient).collect(),
-        covariance: fit.uncertainty.as_ref().map(|u| {
-            let rows = u.covariance.row_iter();
-            rows.map(|row| row.iter().copied().collect()).collect()
-        }),
+        covariance: fit.uncertainty.as_ref().map(|u| rows(&u.covariance)),
         lengths: model.lengths.iter().enumerate().map(length).collect(),
         noise: fit.noise,
         confidence_of: CONFIDENCE_OF.into(),
         all_coefficients: fit.confidence.all_coefficients.clone(),
         all_lengths: fit.confidence.all_lengths.clone(),
     }
+}
+
+fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
+    matrix.row_iter().map(|row| row.iter().copied().collect()).collect()
 }
 
 fn frame(fitted: &FittedFrame, fps: f64) -> FramePart {
@@ -184,9 +189,16 @@ fn hypotheses(fit: &Fit, model: &BodyModel) -> Vec<HypothesisPart> {
     fit.hypotheses.iter().enumerate().map(part).collect()
 }
 
-fn quality(fit: &Fit) -> QualityPart {
+fn quality(fit: &Fit, calibrated: &Rig) -> QualityPart {
+    let place = |camera: &Camera| PlacePart {
+        centre_m: camera.centre_world().into(),
+        looks: (camera.camera_from_world.rotation.inverse() * Vector3::z()).into(),
+    };
     QualityPart {
         cameras: fit.cameras.clone(),
+        places: calibrated.cameras.iter().map(place).collect(),
+        poses_covariance: fit.camera_covariances.poses.as_ref().map(rows),
+        clocks_covariance: fit.camera_covariances.clocks.as_ref().map(rows),
         views: fit.frames.iter().flat_map(|fitted| fitted.views.clone()).collect(),
         points: fit.frames.iter().filter_map(|fitted| fitted.points).collect(),
     }

@@ -74,10 +74,22 @@ pub struct RecordingPart {
     pub last_frame: usize,
     /// Names of the cameras.
     pub cameras: Vec<String>,
+    /// By how many frames each began after the recording, as its files were numbered: offset_frames + start_s·fps.
+    #[serde(default)]
+    pub offset_frames: Vec<f64>,
     /// Masks that are not there.
     pub missing: Vec<Missing>,
     /// Masks without a silhouette.
     pub rejected: Vec<RejectedPart>,
+}
+
+/// Where a camera stands by its calibration, and where it looks; world axes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PlacePart {
+    /// Its centre, metres.
+    pub centre_m: [f64; 3],
+    /// Along its optical axis, of length 1.
+    pub looks: [f64; 3],
 }
 
 /// A mask without a silhouette.
@@ -239,6 +251,15 @@ pub enum OutcomePart {
 pub struct QualityPart {
     /// Camera by camera.
     pub cameras: Vec<CameraQuality>,
+    /// Where each camera stands by its calibration, in the same order.
+    #[serde(default)]
+    pub places: Vec<PlacePart>,
+    /// Covariance of the turns (rad) and displacements (m) of the cameras whose poses were estimated, six rows each in their order.
+    #[serde(default)]
+    pub poses_covariance: Option<Vec<Vec<f64>>>,
+    /// Covariance of the times (s) by which the cameras are ahead whose clocks were estimated, in their order.
+    #[serde(default)]
+    pub clocks_covariance: Option<Vec<Vec<f64>>>,
     /// View by view, in the order of the frames.
     pub views: Vec<ViewQuality>,
     /// Frame by frame, those that have points.

@@ -34,6 +34,36 @@ pub enum FootageError {
         /// The camera.
         camera: String,
     },
+    /// Two videos of one name.
+    #[error(
+        "camera {camera}: both {} and {} are its videos: expected one of them; remove one, or say in sequence.toml which it is (video = …)",
+        first.display(), second.display()
+    )]
+    Two {
+        /// The camera.
+        camera: String,
+        /// One.
+        first: PathBuf,
+        /// The other.
+        second: PathBuf,
+    },
+    /// A video whose clock jumps back.
+    #[error(
+        "{}: the time stamps go backwards, from {from_s:.3} s to {to_s:.3} s at picture {picture} of {pictures}: expected one recording from beginning to end; write it anew (ffmpeg -fflags +genpts -i IN -c copy OUT), or cut it there",
+        path.display()
+    )]
+    Backwards {
+        /// The video.
+        path: PathBuf,
+        /// Before the jump.
+        from_s: f64,
+        /// After it.
+        to_s: f64,
+        /// The first picture after it, from 1.
+        picture: usize,
+        /// How many there are.
+        pictures: usize,
+    },
     /// Pictures of another size than the camera was calibrated for.
     #[error(
         "camera {camera}: {}: the pictures are {} × {} px, expected {} × {} px as calibrated",

@@ -14,6 +14,7 @@
 //! | `probe.rs`   | what `ffprobe` says of a video                                           |
 //! | `video.rs`   | pictures out of `ffmpeg`'s pipe                                          |
 //! | `image.rs`   | pictures out of image files                                              |
+//! | `sound.rs`   | [`Loudness`] of a video                                                  |
 //! | `stream.rs`  | [`Pictures`] of one camera, or of all frame by frame: decoding ahead      |
 
 mod error;
@@ -22,6 +23,7 @@ mod note;
 mod numbers;
 mod open;
 mod probe;
+mod sound;
 mod stream;
 mod video;
 
@@ -29,6 +31,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
+use super::manifest::Beginning;
 use crate::camera::{CameraId, Rig, UpAxis};
 use crate::image::Picture;
 use crate::pipeline::{FramePictures, PictureSource, PictureStream};
@@ -39,6 +42,7 @@ pub use error::FootageError;
 pub use note::FootageNote;
 use numbers::Numbering;
 pub(super) use open::{ENDINGS, open};
+pub use sound::Loudness;
 use stream::FrameSets;
 pub use stream::Pictures;
 
@@ -62,8 +66,8 @@ pub struct Footage {
 pub(crate) struct CameraFootage {
     /// Its pictures.
     pub source: Source,
-    /// Added to the numbers of the source's pictures.
-    pub shift: i64,
+    /// When it began: added to the numbers of the source's pictures.
+    pub beginning: Beginning,
     /// An image or a video of the empty scene.
     pub background: Option<PathBuf>,
 }
@@ -104,7 +108,7 @@ impl CameraFootage {
 
     /// The frame of the picture of this number; `None` before frame 0.
     fn frame(&self, number: u64) -> Option<FrameIndex> {
-        let shifted = number.checked_add_signed(self.shift)?;
+        let shifted = number.checked_add_signed(self.beginning.whole())?;
         Some(FrameIndex(usize::try_from(shifted).ok()?))
     }
 }

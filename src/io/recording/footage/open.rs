@@ -38,6 +38,7 @@ pub(in crate::io::recording) fn open(recording: &Recording) -> Result<Footage, R
     // the pictures of one instant need no clock
     let is_instant = cameras.iter().all(|(_, found)| found.is_one_image());
     let fps = recording.frame_rate(of_videos.or(is_instant.then_some(1.0)))?;
+    recording.check_offsets(fps)?;
     let cameras: Vec<CameraFootage> = cameras
         .into_iter()
         .map(|(files, found)| found.footage(&recording.folder, &files, fps, &mut notes))
@@ -158,7 +159,11 @@ fn conventional_cameras(folder: &Path) -> Result<Vec<CameraFiles>, RecordingErro
     let mut cameras: BTreeMap<String, CameraFiles> = BTreeMap::new();
     for path in conventional_videos(folder)? {
         let camera = camera_of(&mut cameras, &path);
-        camera.video = Some(path);
+        if let Some(first) = camera.video.replace(path.clone()) {
+            let (camera, folder) = (camera.name.clone(), folder.to_owned());
+            let [first, second] = [first, path].map(|path| folder.join(path));
+            return Err(FootageError::Two { camera, first, second }.into());
+        }
     }
 
     for path in layout::visible(&folder.join("images"))?.into_iter().filter(|path| path.is_dir()) {
@@ -269,7 +274,7 @@ impl CameraPictures {
 
         CameraFootage {
             source,
-            shift: camera.shift(fps),
+            beginning: camera.beginning(fps),
             background: camera.background.as_ref().map(|path| folder.join(path)),
         }
     }

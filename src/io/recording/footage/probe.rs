@@ -45,6 +45,8 @@ struct Answer {
 #[derive(Deserialize)]
 struct Packet {
     pts_time: Option<String>,
+    /// When it is decoded: in the order of the file, also where pictures are not shown in that order.
+    dts_time: Option<String>,
 }
 
 #[derive(Deserialize)]
@@ -67,7 +69,7 @@ pub(super) fn probe(path: &Path) -> Result<Probe, FootageError> {
         .args(["-v", "error", "-select_streams", "V:0", "-of", "json"])
         .args([
             "-show_entries",
-            "stream=width,height,avg_frame_rate:stream_side_data=rotation:packet=pts_time",
+            "stream=width,height,avg_frame_rate:stream_side_data=rotation:packet=pts_time,dts_time",
         ])
         .arg("-i")
         .arg(path)
@@ -93,6 +95,8 @@ pub(super) fn probe(path: &Path) -> Result<Probe, FootageError> {
         return Err(no_video("it holds no pictures".into()));
     }
 
+    check_clock(path, &answer.packets)?;
+
     // turned by 90°, a picture is as wide as the stream is high
     let turned = stream.side_data_list.iter().find_map(|data| data.rotation);
     let is_upright = turned.is_none_or(|degrees| (degrees / 90.0).round() % 2.0 == 0.0);
@@ -104,6 +108,23 @@ pub(super) fn probe(path: &Path) -> Result<Probe, FootageError> {
         times_s: times.collect(),
         pictures: answer.packets.len(),
     })
+}
+
+/// Whether the clock of a video never jumps back.
+fn check_clock(path: &Path, packets: &[Packet]) -> Result<(), FootageError> {
+    let time_s = |packet: &Packet| packet.dts_time.as_ref()?.parse::<f64>().ok();
+    let times: Option<Vec<f64>> = packets.iter().map(time_s).collect();
+    let times = times.unwrap_or_default();
+    match times.windows(2).position(|pair| pair[1] < pair[0]) {
+        Some(at) => Err(FootageError::Backwards {
+            path: path.into(),
+            from_s: times[at],
+            to_s: times[at + 1],
+            picture: at + 2,
+            pictures: packets.len(),
+        }),
+        None => Ok(()),
+    }
 }
 
 /// The program is missing, or cannot be started.
@@ -141,6 +162,24 @@ mod tests {
         for odd in ["0/0", "0/1", "25", "a/b", "-25/1"] {
             assert_eq!(ratio(odd), None, "{odd}");
         }
+    }
+
+    #[test]
+    fn a_clock_that_jumps_back_is_refused_and_one_that_stands_still_is_not() {
+        let packets = |times: &[f64]| {
+            let packet = |t: &f64| Packet { pts_time: None, dts_time: Some(t.to_string()) };
+            times.iter().map(packet).collect::<Vec<_>>()
+        };
+        let path = Path::new("a.ts");
+        assert!(check_clock(path, &packets(&[0.0, 0.04, 0.04, 0.08])).is_ok());
+        let fault = check_clock(path, &packets(&[1.0, 1.04, 0.0, 0.04])).unwrap_err();
+        let text = fault.to_string();
+        assert!(
+            text.starts_with(
+                "a.ts: the time stamps go backwards, from 1.040 s to 0.000 s at picture 3 of 4"
+            ),
+            "{text}"
+        );
     }
 
     #[test]

@@ -21,6 +21,7 @@
 //! Paths are relative to the file. All keys but a camera's `name` are optional: what is missing is looked for where a
 //! folder without manifest has it.
 
+mod beginning;
 mod template;
 
 use std::collections::BTreeMap;
@@ -35,6 +36,8 @@ use crate::io::calibration::Unit;
 use crate::io::recording::RecordingError;
 use crate::io::unknown_key::{UnknownKey, line_of};
 use crate::io::{frame_rate, input};
+
+pub(crate) use beginning::Beginning;
 
 const KEYS: &[&str] = &[
     "fps",
@@ -124,23 +127,21 @@ pub(crate) struct CameraFiles {
     /// Added to the numbers of this camera's files, so that those of one moment agree: a camera that started three
     /// frames after the others has 3.
     #[serde(default)]
-    pub offset_frames: i64,
-    /// When this camera's first frame was taken, in seconds on a clock that all cameras share; the numbers of its files
-    /// grow by this times the frame rate, rounded.
+    pub offset_frames: f64,
+    /// When this camera's first frame was taken, in seconds on a clock that all cameras share; this times the frame rate is
+    /// added to `offset_frames`.
     #[serde(default)]
     pub start_s: f64,
 }
 
 /// When a camera may begin: also on a clock that counts seconds from 1970.
 const MOST_START_S: RangeInclusive<f64> = -1e10..=1e10;
-const MOST_OFFSET: RangeInclusive<i64> = -10_000_000_000..=10_000_000_000;
+pub(crate) const MOST_OFFSET: RangeInclusive<f64> = -1e10..=1e10;
 
 impl CameraFiles {
-    /// By how much the numbers of this camera's files are shifted: offset_frames + start_s·fps, rounded.
-    pub(crate) fn shift(&self, fps: f64) -> i64 {
-        let by_clock = (self.start_s * fps).round();
-        // within 1e15 both, as `check_clocks` has it
-        self.offset_frames + by_clock as i64
+    /// When this camera began in a recording of this rate.
+    pub(crate) fn beginning(&self, fps: f64) -> Beginning {
+        Beginning(self.offset_frames + self.start_s * fps)
     }
 }
 
@@ -211,7 +212,7 @@ impl Manifest {
                 return Err(clock(camera, "start_s", camera.start_s));
             }
             if !MOST_OFFSET.contains(&camera.offset_frames) {
-                return Err(clock(camera, "offset_frames", camera.offset_frames as f64));
+                return Err(clock(camera, "offset_frames", camera.offset_frames));
             }
         }
         Ok(())
@@ -303,8 +304,8 @@ mod tests {
         assert_eq!(manifest.keypoints.as_deref(), Some("halpe26"));
         let left = &manifest.cameras[0];
         assert_eq!(left.detections.as_deref(), Some("pose/left_json"));
-        assert_eq!((left.offset_frames, left.images.as_deref()), (-2, Some("images")));
-        assert_eq!(left.shift(50.0), 23);
+        assert_eq!((left.offset_frames, left.images.as_deref()), (-2.0, Some("images")));
+        assert_eq!(left.beginning(50.0), Beginning(23.0));
         assert_eq!(manifest.cameras[1].name, "right");
     }
 

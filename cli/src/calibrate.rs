@@ -1,0 +1,138 @@
+//! `maquette calibrate`: recordings in, a refined calibration out.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+use maquette::io::calibration::check_name;
+use maquette::workflow::{RefinedCamera, RefinedRig, UsedRecording};
+use serde_json::{Value, json};
+
+use super::camera_fit::{CameraFitArguments, check_free};
+use super::error::CliError;
+use super::switches::{Output, Threads, print_notes};
+use super::table::Table;
+
+pub(super) const ABOUT: &str = "\
+Refine a calibration by a person who moves before the cameras.
+
+Reads recordings of one calibration, or the folders of finished fits of them, and writes the calibration with each camera \
+where the person shows it to be. The format follows from the name of OUT: *.toml (Pose2Sim, aniposelib), intri.yml \
+(EasyMocap, with extri.yml), *.yml or *.xml (OpenCV), {camera}.yml or {camera}.xml (OpenCV, a file for each camera), \
+*.qca.txt (Qualisys). A camera that the motion does not determine keeps its calibration. Lenses stay as they are.";
+
+pub(super) const EXAMPLES: &str = "\
+Examples:
+  maquette calibrate my-recording --fps 50 --out rig.toml
+  maquette calibrate monday tuesday out/wednesday --fps 50 --out rig.toml    (out/wednesday: a finished fit)
+  maquette calibrate out/me --out '{camera}.xml'";
+
+/// Arguments of `maquette calibrate`.
+#[derive(Debug, Args)]
+pub(super) struct CalibrateArguments {
+    /// Recordings, or folders of finished fits
+    #[arg(required = true)]
+    recordings: Vec<PathBuf>,
+    /// The calibration to write
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+    #[command(flatten)]
+    fit: CameraFitArguments,
+    #[command(flatten)]
+    threads: Threads,
+    #[command(flatten)]
+    output: Output,
+}
+
+/// Refines a calibration and writes it.
+pub(super) fn run(arguments: &CalibrateArguments) -> Result<(), CliError> {
+    arguments.threads.run(|| calibrate(arguments))
+}
+
+fn calibrate(arguments: &CalibrateArguments) -> Result<(), CliError> {
+    let start = Instant::now();
+    let CalibrateArguments { recordings, out, fit, output, .. } = arguments;
+    // before the minutes that the fits take
+    check_name(out).map_err(maquette::Error::from)?;
+    check_free(std::slice::from_ref(out), fit.existing())?;
+
+    let rig = RefinedRig::of(recordings, fit.fps, &fit.options(), &output.progress())?;
+    check_free(&rig.files(out)?, fit.existing())?;
+    let written = rig.write(out)?;
+
+    print_notes(&rig.notes);
+    let seconds = start.elapsed().as_secs_f64();
+    output.summarise(|| text(&rig, &written, seconds), || as_json(&rig, &written, seconds));
+    Ok(())
+}
+
+fn length(x: [f64; 3]) -> f64 {
+    x.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// Standard deviation of a length, of components that are taken to be independent.
+fn length_sd(x: [f64; 3], sd: [f64; 3]) -> f64 {
+    let norm = length(x);
+    match norm > 0.0 {
+        true => length([0, 1, 2].map(|i| x[i] * sd[i])) / norm,
+        false => sd.into_iter().fold(0.0, f64::max),
+    }
+}
+
+fn text(rig: &RefinedRig, written: &[PathBuf], seconds: f64) -> String {
+    let mut table = Table::new(&["camera", "turned", "displaced", "determined"]);
+    for camera in &rig.cameras {
+        let [turned, displaced] = match &camera.found {
+            Err(_) => ["–".into(), "–".into()],
+            Ok(found) => {
+                let (turn, turn_sd) = (found.turn_deg, found.turn_sd_deg);
+                let (way, way_sd) = (found.displacement_m, found.displacement_sd_m);
+                [
+                    format!("{:.2} ± {:.2}°", length(turn), length_sd(turn, turn_sd)),
+                    format!("{:.1} ± {:.1} mm", 1e3 * length(way), 1e3 * length_sd(way, way_sd)),
+                ]
+            }
+        };
+        let determined = format!("{:.1} of 6", camera.determined);
+        table.row(vec![camera.camera.clone(), turned, displaced, determined]);
+    }
+
+    let kept = rig.cameras.iter().filter_map(|camera| {
+        let why = camera.found.as_ref().err()?;
+        Some(format!("  {} keeps its calibration: {why}\n", camera.camera))
+    });
+    let files: Vec<String> = written.iter().map(|path| path.display().to_string()).collect();
+    let recordings = match rig.recordings.len() {
+        1 => "1 recording".into(),
+        count => format!("{count} recordings"),
+    };
+    format!(
+        "{}{}{} from {recordings} in {seconds:.1} s\n",
+        table.text(),
+        kept.collect::<String>(),
+        files.join(", ")
+    )
+}
+
+fn as_json(rig: &RefinedRig, written: &[PathBuf], seconds: f64) -> Value {
+    let camera = |camera: &RefinedCamera| {
+        let found = camera.found.as_ref().ok();
+        json!({
+            "camera": camera.camera,
+            "kept": camera.found.as_ref().err(),
+            "determined": camera.determined,
+            "turn_deg": found.map(|f| f.turn_deg),
+            "turn_sd_deg": found.map(|f| f.turn_sd_deg),
+            "displacement_m": found.map(|f| f.displacement_m),
+            "displacement_sd_m": found.map(|f| f.displacement_sd_m),
+        })
+    };
+    let recording = |used: &UsedRecording| json!({ "path": used.path.display().to_string(), "frames": used.frames, "cameras": used.cameras });
+    json!({
+        "files": written.iter().map(|path| path.display().to_string()).collect::<Vec<_>>(),
+        "seconds": seconds,
+        "recordings": rig.recordings.iter().map(recording).collect::<Vec<_>>(),
+        "cameras": rig.cameras.iter().map(camera).collect::<Vec<_>>(),
+        "notes": rig.notes,
+    })
+}

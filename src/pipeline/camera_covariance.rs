@@ -1,0 +1,45 @@
+//! How sure the turns, displacements and clocks of all cameras are together.
+//!
+//! A turn and a displacement of one camera look alike, and a motion of all cameras together does not show: what several recordings
+//! say of one rig can be put together only with the covariance of all its cameras. In the same way a time that all clocks are ahead does not
+//! show, and how far one is ahead of another is known better than either. Both are blocks of the joint optimum's H⁻¹.
+
+use nalgebra::DMatrix;
+
+use crate::inference::camera_offset::{AHEAD, COMPONENTS, CameraPrior};
+use crate::inference::joint::JointOptimum;
+
+/// Components of a camera's pose: ω, δt.
+pub const POSE: usize = 6;
+
+/// Covariances of all cameras together.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct CameraCovariances {
+    /// Of the turns (rad) and displacements (m) of the cameras whose poses were unknown, in the order of the rig; `None` where there are
+    /// none, or they are not known.
+    pub poses: Option<DMatrix<f64>>,
+    /// The same of the times (s) by which those are ahead whose clocks were unknown.
+    pub clocks: Option<DMatrix<f64>>,
+}
+
+impl CameraCovariances {
+    /// At the joint optimum.
+    pub(super) fn new(prior: &CameraPrior, optimum: &JointOptimum) -> Self {
+        let Some(uncertainty) = &optimum.uncertainty else {
+            return Self::default();
+        };
+        let cameras = 0..optimum.cameras.len();
+        let of_pose = |camera: usize| (0..POSE).map(move |k| COMPONENTS * camera + k);
+        let with_pose = cameras.clone().filter(|camera| prior.free(*camera).pose);
+        let poses: Vec<usize> = with_pose.flat_map(of_pose).collect();
+        let with_clock = cameras.filter(|camera| prior.free(*camera).clock);
+        let clocks: Vec<usize> = with_clock.map(|camera| COMPONENTS * camera + AHEAD).collect();
+
+        let block = |components: &[usize]| {
+            let of = |i: usize, j: usize| uncertainty.cameras[(components[i], components[j])];
+            let n = components.len();
+            (n > 0).then(|| DMatrix::from_fn(n, n, of))
+        };
+        Self { poses: block(&poses), clocks: block(&clocks) }
+    }
+}
