@@ -51,6 +51,8 @@ impl FittedSource {
     fn read(path: &Path) -> Result<Self, Error> {
         let result = ResultFile::read(path)?;
         let origin = origin::read(path).ok_or_else(|| Error::NoOrigin { path: path.into() })?;
+        // seen from the fit's folder it has steps up and down again
+        let origin = origin.canonicalize().unwrap_or(origin);
         let recording = Recording::open(origin)?.with_fps(result.recording.fps);
         Ok(Self { recording, result })
     }
