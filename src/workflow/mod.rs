@@ -15,7 +15,7 @@
 //! | `report.rs`   | its report, with the feature `report`                                         |
 //! | `export.rs`   | its files for other programs                                                  |
 //! | `calibrate.rs` | [`RefinedRig`]: a calibration refined by a person who moves                  |
-//! | `sync.rs`     | [`SyncedRecording`]: when each camera began                                   |
+//! | `sync/`       | [`SyncedRecording`]: when each camera began                                   |
 //! | `fitted_source.rs` | a fit that either of them looks at                                      |
 //! | `skin.rs`     | the skins of a fitted body                                                    |
 //! | `error.rs`    | [`Error`]                                                                     |

@@ -46,11 +46,22 @@ fn every_format_gives_the_same_rig_in_every_world_and_unit() {
     for up in [UpAxis::Z, UpAxis::MinusZ, UpAxis::Y, UpAxis::MinusY] {
         for unit in [None, Some(Unit::Metre), Some(Unit::Millimetre)] {
             let options = CalibrationOptions { unit, up, ..CalibrationOptions::default() };
-            for name in NAMES.into_iter().chain(["rig.qca.txt"]) {
+            for name in NAMES {
                 let rig = expected(lens());
                 assert_equal(&back(name, &rig, &options), &rig);
             }
         }
+    }
+}
+
+#[test]
+fn qualisys_is_in_millimetres_whatever_unit_is_asked_for() {
+    for up in [UpAxis::Z, UpAxis::Y] {
+        let own = CalibrationOptions { up, ..CalibrationOptions::default() };
+        let asked = CalibrationOptions { unit: Some(Unit::Metre), ..own.clone() };
+        let (rig, folder) = (expected(lens()), tempfile::tempdir().unwrap());
+        written(folder.path(), "rig.qca.txt", &rig, &asked);
+        assert_equal(&read(&folder.path().join("rig.qca.txt"), &own).unwrap(), &rig);
     }
 }
 

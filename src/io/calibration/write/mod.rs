@@ -9,7 +9,7 @@
 //! | `*.qca.txt` | Qualisys |
 //!
 //! A number is written with as many digits as give the same number back. The world and the unit are those that a reader expects who
-//! is told the same [`CalibrationOptions`].
+//! is told the same [`CalibrationOptions`]; but Qualisys' is always in millimetres, for no other program asks which unit it has.
 //!
 //! **Differs** from the readers: Vicon's `.xcp` and projection matrices are not written. The first has one focal length and a lens
 //! that corrects; the second has no lens.
@@ -116,13 +116,12 @@ pub fn write(
         ..camera.clone()
     };
     let rig = Rig { cameras: rig.cameras.iter().map(in_file).collect() };
-    let unit_m = |own: Unit| options.unit.unwrap_or(own).in_metres();
-    let in_metres = unit_m(Unit::Metre);
+    let in_metres = options.unit.unwrap_or(Unit::Metre).in_metres();
 
     let one = |text: String| vec![CalibrationFile { path: path.into(), text }];
     Ok(match format {
         Format::Toml => one(toml::text(&rig, in_metres, refined)),
-        Format::Qualisys => one(qualisys::text(&rig, unit_m(Unit::Millimetre), path)?),
+        Format::Qualisys => one(qualisys::text(&rig, path)?),
         Format::OpenCv(syntax) => {
             let values = opencv::values(&rig, in_metres, path)?;
             one(opencv::text(syntax, &values))

@@ -5,19 +5,20 @@ use std::path::Path;
 
 use super::CalibrationWriteError;
 use crate::camera::{Camera, Distortion, Rig};
+use crate::io::calibration::Unit;
 
 /// Subpixels in a pixel.
 const SUBPIXELS: f64 = 64.0;
 
 /// The cameras, by serial number.
-pub(super) fn text(rig: &Rig, unit_m: f64, path: &Path) -> Result<String, CalibrationWriteError> {
+pub(super) fn text(rig: &Rig, path: &Path) -> Result<String, CalibrationWriteError> {
     let mut text = String::from(
         "<?xml version='1.0' encoding='UTF-8'?>\n<calibration type=\"regular\">\n  <cameras>\n",
     );
     for camera in &rig.cameras {
         let lens = lens(camera, path)?;
         // writing to a String cannot fail
-        let _ = section(camera, lens, unit_m, &mut text);
+        let _ = section(camera, lens, &mut text);
     }
     Ok(text + "  </cameras>\n</calibration>\n")
 }
@@ -40,7 +41,7 @@ fn lens(camera: &Camera, path: &Path) -> Result<[f64; 5], CalibrationWriteError>
     }
 }
 
-fn section(camera: &Camera, lens: [f64; 5], unit_m: f64, text: &mut String) -> std::fmt::Result {
+fn section(camera: &Camera, lens: [f64; 5], text: &mut String) -> std::fmt::Result {
     let k = &camera.intrinsics;
     let [k1, k2, p1, p2, k3] = lens;
     writeln!(
@@ -61,7 +62,7 @@ fn section(camera: &Camera, lens: [f64; 5], unit_m: f64, text: &mut String) -> s
             write!(text, " r{}{}=\"{:?}\"", i + 1, j + 1, sign * value)?;
         }
     }
-    let centre = camera.centre_world() / unit_m;
+    let centre = camera.centre_world() / Unit::Millimetre.in_metres();
     writeln!(text, " x=\"{:?}\" y=\"{:?}\" z=\"{:?}\"/>", centre.x, centre.y, centre.z)?;
 
     let [fx, fy, cx, cy, skew] =
