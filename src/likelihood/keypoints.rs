@@ -73,7 +73,7 @@ impl Target {
         keypoint.or_else(|| model.point(name).map(Self::Point))
     }
 
-    fn point<'a>(self, model: &'a BodyModel) -> &'a NamedPoint {
+    fn point(self, model: &BodyModel) -> &NamedPoint {
         match self {
             Self::Keypoint(index) => &model.keypoints[index],
             Self::Point(index) => &model.points[index],

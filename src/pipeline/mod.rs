@@ -38,7 +38,6 @@ mod sound;
 mod source;
 pub mod stereo;
 mod unseen;
-mod verdict_words;
 mod warning;
 mod warning_text;
 mod watch;

@@ -39,7 +39,7 @@ impl ResultFile {
     pub fn new(fit: &Fit, from: Provenance<'_>) -> Self {
         let model = from.model;
         let notes = from.recording.notes.iter().map(ToString::to_string);
-        let warnings = fit.verdict.words().into_iter();
+        let warnings = fit.verdict.headline().into_iter();
         let warnings = warnings.chain(fit.warnings.iter().map(ToString::to_string));
 
         Self {

@@ -5,6 +5,9 @@ use std::fmt;
 use super::verdict::BODY_L;
 use super::{Cause, Reason, Verdict};
 
+/// What is said of what the fit moves.
+const USED: &str = "taken into account";
+
 impl Verdict {
     /// The headline of a fit that cannot be used.
     pub fn why_unusable(&self) -> Option<String> {
@@ -108,15 +111,16 @@ impl fmt::Display for Cause {
                 let ((turn, turn_sd), (place, place_sd)) = (pose.turn(), pose.displacement());
                 write!(
                     f,
-                    "{camera} was touched after its calibration: turned by {turn:.1} ± {:.1}°, displaced by {:.0} ± {:.0} mm (taken into account)",
+                    "{camera} was touched after its calibration: turned by {turn:.1} ± {:.1}°, displaced by {:.0} ± {:.0} mm ({})",
                     turn_sd.unwrap_or_default(),
                     1e3 * place,
-                    1e3 * place_sd.unwrap_or_default()
+                    1e3 * place_sd.unwrap_or_default(),
+                    if pose.used { USED } else { "told, and not used: --cameras check" }
                 )
             }
             Self::Clock { camera, late_frames, sd_frames } => write!(
                 f,
-                "{camera} is {} by {:.1} ± {sd_frames:.1} frames (taken into account)",
+                "{camera} is {} by {:.1} ± {sd_frames:.1} frames ({USED})",
                 if *late_frames > 0.0 { "late" } else { "early" },
                 late_frames.abs()
             ),
@@ -190,4 +194,34 @@ impl Cause {
 fn too_large(factor: f64, large: &str, small: &str) -> String {
     let percent = 100.0 * (factor - 1.0).abs();
     format!("{percent:.0} % too {}", if factor > 1.0 { large } else { small })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pipeline::PoseFound;
+
+    #[test]
+    fn what_is_told_and_not_used_is_said_to_be_so() {
+        let touched = |used: bool| Cause::Touched {
+            camera: "cam_02".into(),
+            pose: Box::new(PoseFound {
+                turn_deg: [1.0, 0.0, 0.0],
+                turn_sd_deg: Some([0.1; 3]),
+                displacement_m: [0.02, 0.0, 0.0],
+                displacement_sd_m: Some([0.005; 3]),
+                used,
+            }),
+        };
+        let late = Cause::Clock { camera: "cam_03".into(), late_frames: 2.0, sd_frames: 0.1 };
+        let words =
+            |causes: Vec<Cause>| Verdict { unusable: Vec::new(), causes }.headline().unwrap();
+        let told = words(vec![touched(false), late]);
+        assert!(told.contains("displaced by 20 ± 5 mm (told, and not used"), "{told}");
+        assert!(
+            told.ends_with("cam_03 is late by 2.0 ± 0.1 frames (taken into account)"),
+            "{told}"
+        );
+        assert!(words(vec![touched(true)]).ends_with("(taken into account)"));
+    }
 }
