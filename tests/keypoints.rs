@@ -149,7 +149,7 @@ fn keypoints_of_the_body_itself_cost_next_to_nothing() {
         -views * groups * 0.99_f64.ln(),
         max_relative = 1e-3
     );
-    assert_eq!(terms[0].observations(), 2.0 * 3.0 * NAMES.len() as f64);
+    approx::assert_relative_eq!(terms[0].observations(), 2.0 * 3.0 * NAMES.len() as f64);
 }
 
 #[test]

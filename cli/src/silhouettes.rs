@@ -87,13 +87,13 @@ fn silhouettes(arguments: &SilhouettesArguments) -> Result<(), CliError> {
     };
     let written = recording.write_silhouettes(&files, &output.progress())?;
 
-    if let Some(line) = &written.warning {
+    if let Some(line) = written.warning.as_ref().filter(|_| written.failure.is_none()) {
         complain("warning", line);
     }
     print_notes(&written.notes);
     let (out, seconds) = (pictures.out(), start.elapsed().as_secs_f64());
     output.summarise(|| summary(&written, out, seconds), || as_json(&written, out, seconds));
-    Ok(())
+    written.failure.map_or(Ok(()), |why| Err(maquette::Error::Unusable(why).into()))
 }
 
 fn as_json(written: &WrittenSilhouettes, out: &Path, seconds: f64) -> Value {
@@ -108,6 +108,7 @@ fn as_json(written: &WrittenSilhouettes, out: &Path, seconds: f64) -> Value {
     };
     json!({
         "out": out.display().to_string(), "seconds": seconds, "warning": written.warning,
+        "failure": written.failure,
         "cameras": written.cameras.iter().map(camera).collect::<Vec<_>>(), "notes": written.notes,
     })
 }

@@ -1,5 +1,7 @@
 //! How far silhouettes are from the true ones, and pictures of both.
 
+use std::path::{Path, PathBuf};
+
 use maquette::image::{Mask, Picture, Plane, Runs, trace};
 use maquette::render::{Canvas, Pen, Rgb};
 use nalgebra::Point2;
@@ -32,6 +34,44 @@ impl Score {
     pub fn is_error(&self) -> bool {
         self.overlap < LEAST_OVERLAP || self.distance_px > MOST_DISTANCE_PX
     }
+}
+
+/// Compares a mask of one view in a folder with the true one; one that was not written is no silhouette.
+///
+/// # Errors
+/// If a mask cannot be read, or the true one is missing.
+pub fn score_of_view(
+    found: &Path,
+    truth: &Path,
+    camera: &str,
+    frame: usize,
+) -> Result<Score, String> {
+    let truth = read_mask(&mask_path(truth, camera, frame))?;
+    let path = mask_path(found, camera, frame);
+    let found = if path.is_file() {
+        read_mask(&path)?
+    } else {
+        Mask::from_fn(truth.width(), truth.height(), |_, _| false)
+    };
+    Ok(Score::of(&found, &truth))
+}
+
+/// Where a folder keeps the mask of a camera in a frame.
+pub fn mask_path(folder: &Path, camera: &str, frame: usize) -> PathBuf {
+    folder.join("masks").join(camera).join(format!("{frame:06}.png"))
+}
+
+/// A mask of a file: what is brighter than the middle.
+///
+/// # Errors
+/// If it cannot be read.
+pub fn read_mask(path: &Path) -> Result<Mask, String> {
+    let picture = image::open(path).map_err(|fault| format!("{}: {fault}", path.display()))?;
+    let grey = picture.to_luma8();
+    let (width, height) = (grey.width() as usize, grey.height() as usize);
+    let plane = Plane::from_values(width, height, grey.into_raw());
+    let plane = plane.ok_or_else(|| format!("{}: a mask of no size", path.display()))?;
+    Ok(Mask::brighter_than(&plane, 127))
 }
 
 fn overlap(one: &Mask, other: &Mask) -> f64 {

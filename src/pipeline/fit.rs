@@ -22,7 +22,7 @@ use crate::inference::frame::FrameFit;
 use crate::inference::instant::times_s;
 use crate::inference::joint::JointOptions;
 use crate::inference::noise::Noise;
-use crate::inference::search::{Journal, Search, Trial, search};
+use crate::inference::search::{Journal, NoJournal, Search, Trial, search};
 use crate::inference::{Evidence, Sequence, ShapeConfidence};
 use crate::silhouette::{FrameObservations, Silhouette};
 
@@ -94,6 +94,35 @@ pub fn fit_watched(
     let fit = stages(model, rig, sequence, options, &watched);
     progress.end();
     fit
+}
+
+/// Algorithm 1 and the joint optimum alone, without what tells how good they are.
+pub(super) fn estimated(
+    model: &BodyModel,
+    rig: &Rig,
+    sequence: Sequence<'_>,
+    options: &EstimateOptions,
+    progress: &dyn Progress,
+) -> Result<Estimate, FitError> {
+    let frames = sequence.frames.len();
+    let keyframes = frames.div_ceil(options.search.keyframe_spacing(frames));
+    let journal = WatchedJournal::new(&NoJournal, progress, keyframes, frames);
+    check_scene(model, rig, sequence.frames)?;
+
+    let measures = measures(model, sequence.frames, options)?;
+    let evidence = Evidence::new(model, rig, options.likelihood, measures.search);
+    let faults = CameraFaults::of(rig, sequence.frames);
+    let found = searched(&evidence, &faults, sequence, options, &journal)?;
+    let (estimate, _) = LastStage {
+        evidence: &evidence,
+        sequence,
+        measures,
+        options,
+        ahead_frames: &faults.ahead_frames(),
+        progress,
+    }
+    .run(&found.trials[found.winner]);
+    Ok(estimate)
 }
 
 /// The stages, one after the other.

@@ -38,7 +38,7 @@ pub use bound_skin::BoundSkin;
 pub use centres::{draw_centres, move_centres};
 pub use cloud::StereoPair;
 pub use curves::Curve;
-pub use film::{Film, FilmError, FilmRecipe, Shot, Studio};
+pub use film::{Company, Film, FilmError, FilmRecipe, Shot, Staging, Studio};
 pub use make::Make;
 pub use noise::SegmentationErrors;
 pub use recording::{Recipe, Synthetic, sample_walker};

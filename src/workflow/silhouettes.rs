@@ -46,6 +46,8 @@ pub struct WrittenSilhouettes {
     pub notes: Vec<String>,
     /// That the contours are hardly on edges, where they are not.
     pub warning: Option<String>,
+    /// Why they are not to be used, where they are nobody's outline.
+    pub failure: Option<String>,
 }
 
 impl Recording {
@@ -84,6 +86,7 @@ impl Recording {
         Ok(WrittenSilhouettes {
             cameras: footage.rig.names().map(str::to_owned).collect(),
             warning: found.doubt(files.body),
+            failure: found.failure(files.body),
             rows,
             notes: known.chain(found.notes).collect(),
         })
@@ -91,7 +94,7 @@ impl Recording {
 }
 
 /// Silhouettes and points of some frames by the joint pipeline, to be fitted to; masks, contours and quality are kept in a
-/// folder.
+/// folder. [`Error::Unusable`] says why they are nobody's outline.
 pub(super) fn observe(
     footage: &Footage,
     frames: &[FrameIndex],
@@ -111,7 +114,10 @@ pub(super) fn observe(
 
     let (found, _) = find_and_keep(&search, out, SilhouetteExtras::default(), progress)?;
     found.notes.iter().for_each(|note| progress.note(note));
-    Ok(found)
+    match found.failure(body) {
+        Some(line) => Err(Error::Unusable(line)),
+        None => Ok(found),
+    }
 }
 
 /// Finds silhouettes, and keeps masks, contours and quality in a folder.

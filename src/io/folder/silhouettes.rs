@@ -40,6 +40,8 @@ pub struct ContourRow {
     pub reliability: f64,
     /// Mean distance of the contour from where it was expected, px.
     pub moved_px: f64,
+    /// How far depth backs the contour, 0 to 1; empty where no depth is seen.
+    pub backing: Option<f64>,
     /// What was wrong; empty if nothing was.
     pub faults: String,
 }
@@ -123,7 +125,7 @@ impl<'a> SilhouetteFolder<'a> {
             write(&path("stages", "_gradient.png"), grey)?;
         }
 
-        self.rows.push(row(frame, camera, contours, &mask));
+        self.rows.push(row(frame, camera, seen, &mask));
         Ok(())
     }
 
@@ -137,7 +139,8 @@ impl<'a> SilhouetteFolder<'a> {
     }
 }
 
-fn row(frame: FrameIndex, camera: &Camera, contours: &ViewContours, mask: &Mask) -> ContourRow {
+fn row(frame: FrameIndex, camera: &Camera, seen: &ViewSighting, mask: &Mask) -> ContourRow {
+    let contours = &seen.contours;
     let points = || contours.outer.iter().flatten();
     let moved: f64 = points().map(|p| (p.pixel - p.expected).norm()).sum();
     let rounded = |v: f64| (v * 1e3).round() / 1e3;
@@ -148,6 +151,7 @@ fn row(frame: FrameIndex, camera: &Camera, contours: &ViewContours, mask: &Mask)
         area_px: (0..mask.height()).flat_map(|y| mask.row(y)).filter(|v| **v == 1).count(),
         reliability: rounded(contours.mean_reliability()),
         moved_px: rounded(moved / points().count().max(1) as f64),
+        backing: seen.backing.map(rounded),
         faults: faults.join("; "),
     }
 }

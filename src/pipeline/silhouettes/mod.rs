@@ -14,6 +14,7 @@
 //! A contour point counts in the likelihood by its reliability. Lengths are given in metres at the person and become pixels by
 //! the camera and the depth, so that they mean the same in every recording.
 
+mod backing;
 mod colours;
 mod contour;
 mod ends;
@@ -23,6 +24,7 @@ mod moving;
 mod run;
 mod scene;
 mod starting_fit;
+mod staying;
 mod still;
 mod undistorted;
 
@@ -32,7 +34,9 @@ pub use contour::{FoundPoint, ViewContours};
 pub(super) use ends::nearness;
 pub use error::SilhouetteError;
 pub use filter::{Edges, FilteredEdges, disparity_mask};
-pub use run::{FoundSilhouettes, FrameSilhouettes, SilhouettePipeline, SilhouetteSearch};
+pub use run::{
+    FoundSilhouettes, FrameSilhouettes, SilhouettePipeline, SilhouetteSearch, UNSURE_BACKING,
+};
 pub use scene::{FrameSighting, Scene};
 pub use starting_fit::StartingFit;
 pub use still::StillScenes;
@@ -45,6 +49,8 @@ pub struct ViewSighting {
     pub contours: ViewContours,
     /// The edges that they were drawn to.
     pub filtered: FilteredEdges,
+    /// How far depth backs them, 0 to 1; `None` where no depth is seen.
+    pub backing: Option<f64>,
 }
 
 /// Settings of the contours.
@@ -142,4 +148,10 @@ pub enum ContourFault {
     /// The contour crossed itself.
     #[error("a contour crossed itself")]
     SelfCrossing,
+    /// More depths speak against the body than for it.
+    #[error("depth backs {percent:.0} % of the contour and of what stands out from the room")]
+    Unbacked {
+        /// Of the pixels.
+        percent: f64,
+    },
 }

@@ -22,10 +22,10 @@ use crate::image::{CleanOptions, Mask, Plane, Runs, clean, closed, opened, resam
 use crate::silhouette::{
     BorderPoint, FrameIndex, FrameObservations, Silhouette, SilhouetteOptions, from_curves,
 };
-use crate::stereo::{CloudPoint, DepthMap};
+use crate::stereo::{CloudPoint, DepthMap, RectifiedPair};
 
 /// Radius of the disk that closes and opens what moves, px: the correlation window's.
-const CLEAN_PX: u8 = 3;
+pub(super) const CLEAN_PX: u8 = 3;
 /// Distance of neighbouring points of a border, px.
 const SPACING_PX: f64 = 1.5;
 /// Depth ends within so many pixels of a border, on either side: the window's reach, and the disk's.
@@ -85,7 +85,10 @@ fn silhouette(
             let inwards = Vector2::new(along.y, -along.x).try_normalize(0.0)?;
             Some(BorderPoint {
                 pixel: seen(&pixels[i])?,
-                reliability: f64::from(u8::from(depth_ends(&now, &pixels[i], &inwards))),
+                reliability: f64::from(u8::from(
+                    depth_ends(&now, &pixels[i], &inwards)
+                        .is_some_and(|near| both_see(&map.pair, &pixels[i], &inwards, near)),
+                )),
             })
         };
         (0..n).filter_map(point).collect()
@@ -94,8 +97,8 @@ fn silhouette(
     from_curves(&curves, camera, &SilhouetteOptions::default()).ok()
 }
 
-/// Whether what is within a border is nearer than what is outside.
-fn depth_ends(nearness: &Plane<f32>, border: &Point2<f64>, inwards: &Vector2<f64>) -> bool {
+/// How near what is within a border is, if it is nearer than what is outside.
+fn depth_ends(nearness: &Plane<f32>, border: &Point2<f64>, inwards: &Vector2<f64>) -> Option<f32> {
     let at = |steps: i32| {
         let p = border + inwards * f64::from(steps);
         let is_in = p.x >= 0.0 && p.y >= 0.0;
@@ -104,7 +107,22 @@ fn depth_ends(nearness: &Plane<f32>, border: &Point2<f64>, inwards: &Vector2<f64
     };
     let inside = (1..=BLUR_PX).filter_map(at).fold(f32::NAN, f32::max);
     let outside = (1..=BLUR_PX).filter_map(|k| at(-k)).fold(f32::NAN, f32::min);
-    inside > outside + NEARER_PX
+    (inside > outside + NEARER_PX).then_some(inside)
+}
+
+/// Whether both cameras of a pair see what is just outside a border, were it as near as what is inside.
+///
+/// On one side of a picture is a strip that the other camera does not see. There depths end, but nobody does.
+fn both_see(
+    pair: &RectifiedPair,
+    border: &Point2<f64>,
+    inwards: &Vector2<f64>,
+    nearness: f32,
+) -> bool {
+    let beyond = border.x - inwards.x * f64::from(BLUR_PX);
+    let disparity = pair.infinity() + f64::from(nearness) * pair.baseline().signum();
+    let sees = |x: f64, width: u32| (0.0..f64::from(width)).contains(&x);
+    sees(beyond, pair.left.camera.width_px) && sees(beyond - disparity, pair.right.camera.width_px)
 }
 
 /// At most so many of the points, taken evenly.
@@ -114,7 +132,7 @@ pub(super) fn thinned(points: Vec<CloudPoint>, most: usize) -> Vec<CloudPoint> {
 }
 
 /// The points in the largest set of neighbouring cells.
-fn largest_piece(points: Vec<CloudPoint>) -> Vec<CloudPoint> {
+pub(super) fn largest_piece(points: Vec<CloudPoint>) -> Vec<CloudPoint> {
     let cell = |p: &CloudPoint| -> [i64; 3] {
         let cell = p.position_world.coords.map(|x| (x / CELL_M).floor() as i64);
         cell.into()
@@ -149,7 +167,7 @@ fn largest_piece(points: Vec<CloudPoint>) -> Vec<CloudPoint> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::still::tests::depth_map;
+    use super::super::still::tests::{depth_map, learnt};
     use super::*;
     use crate::stereo::Spread;
 
@@ -166,7 +184,7 @@ mod tests {
                 })
             })
             .collect();
-        let still = StillScene::learn(&maps.iter().map(nearness).collect::<Vec<_>>());
+        let still = learnt(&maps.iter().map(nearness).collect::<Vec<_>>());
         let seen = |map: &DepthMap| {
             let moves = still.nearer(&nearness(map));
             silhouette(&still, map, &moves, &map.pair.left.camera)
@@ -183,6 +201,18 @@ mod tests {
         let (held, free) = (beside(21.0), beside(28.0));
         assert!(!held.is_empty() && held.iter().all(|r| *r <= 0.0), "{held:?}");
         assert!(!free.is_empty() && free.iter().all(|r| *r >= 1.0), "{free:?}");
+    }
+
+    #[test]
+    fn where_only_one_camera_sees_depths_end_but_nobody_does() {
+        // the second camera is to the right: it does not see the leftmost columns, as many as the disparity has pixels
+        let map = depth_map(|_, _| 5.0);
+        let outwards_left = Vector2::new(1.0, 0.0);
+        let at = |x: f64| both_see(&map.pair, &Point2::new(x, 15.0), &outwards_left, 20.0);
+        assert!(!at(20.0) && !at(25.0) && at(27.0));
+        let upwards = Vector2::new(0.0, 1.0);
+        let at = |x: f64| both_see(&map.pair, &Point2::new(x, 15.0), &upwards, 20.0);
+        assert!(!at(19.0) && at(21.0) && !at(41.0));
     }
 
     #[test]

@@ -3,13 +3,14 @@
 use nalgebra::Point3;
 use rayon::prelude::*;
 
+use super::backing::{DepthView, LEAST_BACKING};
 use super::contour::{ViewContours, px_per_m};
 use super::ends::where_depth_ends;
 use super::filter::{Edges, FilteredEdges, band_mask, disparity_mask, volume};
 use super::moving::{MOST_POINTS, thinned};
 use super::still::StillScenes;
 use super::undistorted::UndistortedFrame;
-use super::{ContourOptions, ViewSighting};
+use super::{ContourFault, ContourOptions, ViewSighting};
 use crate::body::Posed;
 use crate::camera::{Camera, CameraId, Rig};
 use crate::likelihood::{PointField, PointOptions, SkinScale, SurfacePoint};
@@ -22,6 +23,7 @@ use crate::stereo::{CloudPoint, DepthMap};
 pub struct Scene<'a> {
     rig: &'a Rig,
     shown: &'a UndistortedFrame,
+    still: &'a StillScenes,
     depths: Vec<Option<DepthMap>>,
     /// Of each camera, the points that can be the person's.
     points: Vec<Vec<CloudPoint>>,
@@ -38,6 +40,22 @@ pub struct FrameSighting {
     pub observed: FrameObservations,
 }
 
+impl FrameSighting {
+    /// The least [`ViewSighting::backing`] of its views; `None` where no depth is seen.
+    pub fn least_backing(&self) -> Option<f64> {
+        let backings = self.views.iter().flatten().filter_map(|view| view.backing);
+        backings.min_by(f64::total_cmp)
+    }
+
+    /// Whether depth backs the contours in most of the views in which it can tell; `None` where it can in none.
+    pub fn is_backed(&self) -> Option<bool> {
+        let backings = || self.views.iter().flatten().filter_map(|view| view.backing);
+        let (all, good) =
+            (backings().count(), backings().filter(|backing| *backing >= LEAST_BACKING).count());
+        (all > 0).then_some(2 * good > all)
+    }
+}
+
 /// Depth is looked for so far in front of and behind the body, m: what stands beside it must not be taken for it.
 const BEYOND_M: f64 = 0.6;
 /// Least depth that is looked for, m.
@@ -51,7 +69,7 @@ impl<'a> Scene<'a> {
     pub fn new(
         rig: &'a Rig,
         shown: &'a UndistortedFrame,
-        still: &StillScenes,
+        still: &'a StillScenes,
         body: &Posed<'_>,
         options: ContourOptions,
     ) -> Self {
@@ -71,26 +89,34 @@ impl<'a> Scene<'a> {
             (Some(depth), None) if still.is_empty() => depth.points.clone(),
             _ => Vec::new(),
         });
-        Self { edges: edges.collect(), points: points.collect(), depths, rig, shown, options }
+        Self {
+            edges: edges.collect(),
+            points: points.collect(),
+            depths,
+            rig,
+            shown,
+            still,
+            options,
+        }
     }
 
     /// The contours of an expected body in every view, in the order of the rig; `None` where there is no picture.
-    fn contours(&self, body: &Posed<'_>) -> Vec<Option<ViewSighting>> {
+    fn contours(&self, body: &Posed<'_>, scale: &SkinScale) -> Vec<Option<ViewSighting>> {
         let cameras = self.rig.cameras.par_iter().enumerate();
         let seen = cameras.map(|(i, camera)| {
             let view = self.shown.views.get(i)?.as_ref()?;
             let expected = outline(&view.grey.camera, body, self.options.outline_px);
             let filtered = self.filtered(i, body, &expected)?;
-            Some(ViewSighting {
-                contours: ViewContours::settle(
-                    camera,
-                    &expected,
-                    &filtered,
-                    &view.colours,
-                    &self.options,
-                ),
-                filtered,
-            })
+            let (colours, options) = (&view.colours, &self.options);
+            let mut contours = ViewContours::settle(camera, &expected, &filtered, colours, options);
+            let depths = self.depths.get(i)?.as_ref().zip(self.still.get(CameraId(i)));
+            let backing = depths.and_then(|(map, still)| {
+                DepthView { camera, map, still }.backing(&contours, body, scale)
+            });
+            if let Some(backing) = backing.filter(|backing| *backing < LEAST_BACKING) {
+                contours.distrust(ContourFault::Unbacked { percent: 100.0 * backing });
+            }
+            Some(ViewSighting { contours, filtered, backing })
         });
         seen.collect()
     }
@@ -134,7 +160,7 @@ impl<'a> Scene<'a> {
         body: &Posed<'_>,
         scale: &SkinScale,
     ) -> FrameSighting {
-        let views = self.contours(body);
+        let views = self.contours(body, scale);
         let silhouettes = views.iter().enumerate().filter_map(|(i, seen)| {
             let silhouette = seen.as_ref()?.contours.silhouette.clone()?;
             Some((CameraId(i), silhouette))

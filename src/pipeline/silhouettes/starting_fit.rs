@@ -2,16 +2,17 @@
 
 use std::collections::BTreeMap;
 
-use super::{SilhouetteError, StillScenes, UndistortedFrame, nearness};
+use super::staying::SeenDepths;
+use super::{SilhouetteError, StillScenes, UndistortedFrame};
 use crate::body::{BodyModel, Motion, Shape};
 use crate::camera::CameraId;
 use crate::inference::SequenceState;
 use crate::inference::camera_offset::CameraPrior;
 use crate::inference::joint::{JointOptions, joint_optimum_from_terms};
-use crate::inference::search::NoJournal;
 use crate::inference::{Evidence, Sequence};
 use crate::likelihood::Measure;
-use crate::pipeline::{EstimateOptions, PictureSource, Progress, fit_watched, span};
+use crate::pipeline::fit::estimated;
+use crate::pipeline::{EstimateOptions, PictureSource, Progress, span};
 use crate::silhouette::{FrameIndex, FrameObservations};
 use crate::stereo::SideBySide;
 
@@ -70,12 +71,11 @@ impl StartingFit {
             EstimateOptions { measure: Some(Measure::Metaballs), ..EstimateOptions::default() };
         let sequence = Sequence { frames: &observed, fps: pictures.fps() };
         let plain = plain_build(model);
-        let (rig, none) = (pictures.rig(), &NoJournal);
-        let fit = fit_watched(&plain, rig, sequence, &options, none, progress)?;
+        let found = estimated(&plain, pictures.rig(), sequence, &options, progress)?;
 
-        let motions = fit.frames.into_iter().map(|f| (f.frame, f.fit.motion));
-        let shape = fit.shape.first(model.coefficients.len());
-        Ok(Self { shape, motions: motions.collect(), still })
+        let fitted = observed.iter().zip(found.frames);
+        let motions = fitted.map(|(o, fit)| (o.frame, fit.motion)).collect();
+        Ok(Self { shape: found.shape.first(model.coefficients.len()), motions, still })
     }
 
     /// Shape and motion of all frames at once, fitted to what was observed in them (PF02, §4.3, step 3).
@@ -133,14 +133,16 @@ fn still_scenes(
         // no camera sees depth
         return StillScenes::default();
     }
-    let mut maps = BTreeMap::<CameraId, Vec<_>>::new();
+    let mut seen = BTreeMap::<CameraId, SeenDepths>::new();
     let some = spread(frames, STILL_FRAMES);
-    each_shown(pictures, &some, "still scene", progress, |_, shown| {
+    each_shown(pictures, &some, "still scene", progress, |frame, shown| {
         for (camera, map) in shown.depths(pictures.rig()) {
-            maps.entry(camera).or_default().push(nearness(&map));
+            seen.entry(camera).or_insert_with(|| SeenDepths::of(&map)).add(frame, &map);
         }
     });
-    StillScenes::learn(&maps)
+    let mut still = StillScenes::learn(&seen);
+    still.put_behind_who_stays(&seen);
+    still
 }
 
 /// At most so many frames, spread over all.

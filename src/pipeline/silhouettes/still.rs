@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 
 use super::ends::{nearness, where_depth_goes_on};
+use super::staying::SeenDepths;
 use crate::camera::CameraId;
 use crate::image::{Mask, Plane};
 use crate::stereo::{CloudPoint, DepthMap};
@@ -18,6 +19,8 @@ use crate::stereo::{CloudPoint, DepthMap};
 pub(super) struct StillScene {
     /// 0: far away.
     nearness: Plane<f32>,
+    /// What moves is nearer by more than this, px.
+    margin: Plane<f32>,
 }
 
 /// This share of a pixel's depths, the farthest, may be false.
@@ -25,10 +28,18 @@ const FALSE_SHARE: f64 = 0.1;
 /// The scene has texture in a pixel if its depth is known in at least this share of the frames in which nothing is in front
 /// of it. Without texture the known depths are those of the person who walked by.
 const KNOWN_SHARE: f64 = 0.3;
-/// What moves is nearer than the still scene by this disparity, px.
+/// What moves is nearer than the still scene at least by this disparity, px.
 pub(super) const NEARER_PX: f32 = 1.5;
 /// Gaps in the known part of the still scene up to twice this are bridged, px: correlation has no answer for every pixel.
 const BRIDGED_PX: usize = 20;
+
+/// What moves is beyond the noise of a pixel's depths by three standard deviations: from their middle, which lies 1.28
+/// above the farthest tenth.
+const BEYOND_NOISE: f32 = 4.28;
+/// The lower quartile of |d − d'| of two depths with the same noise σ, over σ: √2 · 0.3186.
+const QUARTILE_OF_STEPS: f32 = 0.4506;
+/// Fewer steps do not tell the noise.
+const LEAST_STEPS: usize = 4;
 
 /// The still scenes of those cameras of which they are known.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -36,14 +47,22 @@ pub struct StillScenes(BTreeMap<CameraId, StillScene>);
 
 impl StillScenes {
     /// The still scenes of the [`nearness`] of each camera's depth maps, of frames spread over the recording.
-    pub(super) fn learn(maps: &BTreeMap<CameraId, Vec<Plane<f32>>>) -> Self {
-        let scene = |(camera, maps): (&CameraId, &Vec<_>)| (*camera, StillScene::learn(maps));
-        Self(maps.par_iter().map(scene).collect())
+    pub(super) fn learn(seen: &BTreeMap<CameraId, SeenDepths>) -> Self {
+        let scene = |(camera, seen): (&CameraId, &SeenDepths)| {
+            let maps: Vec<&Plane<f32>> = seen.maps.values().collect();
+            (*camera, StillScene::learn(&maps))
+        };
+        Self(seen.par_iter().map(scene).collect())
     }
 
     /// Whether none is known.
     pub(super) fn is_empty(&self) -> bool {
         self.0.is_empty()
+    }
+
+    /// Those of all cameras, to be changed.
+    pub(super) fn iter_mut(&mut self) -> impl Iterator<Item = (&CameraId, &mut StillScene)> {
+        self.0.iter_mut()
     }
 
     /// That of one camera.
@@ -54,12 +73,14 @@ impl StillScenes {
 
 impl StillScene {
     /// The still scene of the [`nearness`] of one camera's depth maps, of frames spread over the recording.
-    pub(super) fn learn(maps: &[Plane<f32>]) -> Self {
+    pub(super) fn learn(maps: &[&Plane<f32>]) -> Self {
         let Some(first) = maps.first() else {
-            return Self { nearness: Plane::filled(0, 0, 0.0) };
+            let nothing = Plane::filled(0, 0, 0.0);
+            return Self { nearness: nothing.clone(), margin: nothing };
         };
 
         let mut still = Plane::filled(first.width(), first.height(), 0.0);
+        let mut margin = Plane::filled(first.width(), first.height(), NEARER_PX);
         let mut seen = Vec::with_capacity(maps.len());
         for y in 0..first.height() {
             for (x, value) in still.row_mut(y).iter_mut().enumerate() {
@@ -67,6 +88,9 @@ impl StillScene {
                 seen.extend(maps.iter().filter_map(|m| m.get(x, y)).filter(|d| d.is_finite()));
                 if seen.is_empty() {
                     continue;
+                }
+                if let Some(margin) = margin.row_mut(y).get_mut(x) {
+                    *margin = NEARER_PX.max(BEYOND_NOISE * noise_px(&seen));
                 }
 
                 // the farthest but for false depths, if it was known in most frames with nothing before it
@@ -79,7 +103,39 @@ impl StillScene {
                 }
             }
         }
-        Self { nearness: filled(&still) }
+        Self { nearness: filled(&still), margin }
+    }
+
+    /// How near it is in a pixel; `None` outside, 0 far away.
+    pub(super) fn nearness(&self, x: usize, y: usize) -> Option<f32> {
+        self.nearness.get(x, y)
+    }
+
+    /// Whether a nearness in a pixel is in front of it.
+    fn is_before(&self, x: usize, y: usize, nearness: f32) -> bool {
+        let still = self.nearness.get(x, y).zip(self.margin.get(x, y));
+        still.is_some_and(|(still, margin)| nearness > still + margin)
+    }
+
+    /// Whether a nearness in a pixel is its own, but for noise.
+    pub(super) fn is_at(&self, x: usize, y: usize, nearness: f32) -> bool {
+        let still = self.nearness.get(x, y).zip(self.margin.get(x, y));
+        still.is_some_and(|(still, margin)| (nearness - still).abs() <= margin)
+    }
+
+    /// The scene behind somebody who always stands in some of its pixels: `behind` has how near things may be there without
+    /// being the person's.
+    pub(super) fn put_behind(&mut self, person: &Mask, behind: impl Fn(f32) -> f32) {
+        for y in 0..person.height().min(self.nearness.height()) {
+            for (x, value) in self.nearness.row_mut(y).iter_mut().enumerate() {
+                if person.is_foreground(x, y) {
+                    *value = behind(*value);
+                    if let Some(margin) = self.margin.row_mut(y).get_mut(x) {
+                        *margin = NEARER_PX;
+                    }
+                }
+            }
+        }
     }
 
     /// Where a [`nearness`] of the same camera is in front of the still scene, with all eight neighbours.
@@ -87,8 +143,7 @@ impl StillScene {
     /// So the outermost pixels are left out: correlation by windows makes what moves too wide, and a body fitted to it too fat.
     pub(super) fn nearer(&self, now: &Plane<f32>) -> Mask {
         let moves = Mask::from_fn(now.width(), now.height(), |x, y| {
-            let (now, still) = (now.get(x, y), self.nearness.get(x, y));
-            now.zip(still).is_some_and(|(now, still)| now > still + NEARER_PX)
+            now.get(x, y).is_some_and(|now| self.is_before(x, y, now))
         });
         Mask::from_fn(now.width(), now.height(), |x, y| {
             let beside = |k: usize| (x + k % 3).checked_sub(1).zip((y + k / 3).checked_sub(1));
@@ -114,6 +169,17 @@ impl StillScene {
         let nearer = self.nearer(&nearness(map));
         points_where(map, &where_depth_goes_on(map, &nearer))
     }
+}
+
+/// Standard deviation of a pixel's depths, in the order of time, from the lower quartile of the steps between them: what comes
+/// and goes takes larger steps, but not most of the time. 0 of too few depths.
+fn noise_px(seen: &[f32]) -> f32 {
+    let mut steps: Vec<f32> = seen.windows(2).map(|d| (d[1] - d[0]).abs()).collect();
+    if steps.len() < LEAST_STEPS {
+        return 0.0;
+    }
+    let quarter = steps.len() / 4;
+    *steps.select_nth_unstable_by(quarter, f32::total_cmp).1 / QUARTILE_OF_STEPS
 }
 
 /// The points of a depth map that a mask of its pixels shows.
@@ -156,6 +222,10 @@ pub(super) mod tests {
     use super::*;
     use crate::stereo::StereoView;
 
+    pub(in super::super) fn learnt(maps: &[Plane<f32>]) -> StillScene {
+        StillScene::learn(&maps.iter().collect::<Vec<_>>())
+    }
+
     fn point(place: [f64; 3]) -> CloudPoint {
         CloudPoint { position_world: place.into(), spread: crate::stereo::Spread::Unknown }
     }
@@ -169,7 +239,7 @@ pub(super) mod tests {
             _ => 40.0,
         });
         let maps: Vec<_> = depths.map(|d| Plane::filled(1, 1, d)).collect();
-        let still = StillScene::learn(&maps);
+        let still = learnt(&maps);
         assert_eq!(still.nearness.get(0, 0), Some(20.0));
         assert_eq!(StillScene::learn(&[]).nearness.values().len(), 0);
     }
@@ -219,7 +289,7 @@ pub(super) mod tests {
                 depth_map(|x, y| floor(y) + if frame > 6 && is_foot(x, y) { 3.0 } else { 0.0 })
             })
             .collect();
-        let still = StillScene::learn(&maps.iter().map(nearness).collect::<Vec<_>>());
+        let still = learnt(&maps.iter().map(nearness).collect::<Vec<_>>());
         assert_eq!(still.before(&maps[0]), []);
         let foot = still.before(&maps[9]);
         let is_in =
@@ -233,7 +303,7 @@ pub(super) mod tests {
         let map = |d: f32| Plane::filled(3, 1, d);
         let mut maps = vec![map(f32::NAN); 9];
         maps.push(map(40.0));
-        let still = StillScene::learn(&maps);
+        let still = learnt(&maps);
         assert!(still.nearness.values().iter().all(|d| *d <= 0.0));
     }
 
@@ -243,7 +313,7 @@ pub(super) mod tests {
         let walks = |frame: usize| 20.0 + frame as f32;
         let of = |wall: fn(usize) -> f32| {
             let depths = (0..40).map(|k| if k < 16 { walks(k) } else { wall(k) });
-            StillScene::learn(&depths.map(|d| Plane::filled(1, 1, d)).collect::<Vec<_>>())
+            learnt(&depths.map(|d| Plane::filled(1, 1, d)).collect::<Vec<_>>())
         };
         assert_eq!(of(|_| f32::NAN).nearness.get(0, 0), Some(0.0));
         let textured = of(|k| if k % 2 == 0 { 15.0 } else { f32::NAN });

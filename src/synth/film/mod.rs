@@ -66,6 +66,37 @@ pub struct FilmRecipe {
     pub distance: f64,
     /// Standard deviation of each pixel's noise, grey levels of 255.
     pub noise_sd: f32,
+    /// What else differs from PF02's sequences.
+    pub staging: Staging,
+}
+
+/// What the person does before the cameras, what these see of it, and what else moves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Staging {
+    /// How much of the waving and wandering there is, 0 to 1. 0: arms swing, and the person walks on the spot.
+    pub waving: f64,
+    /// By how much belt and person are turned further, radians.
+    pub turned: f64,
+    /// How far beside (along y) and above the person's middle the cameras look, metres.
+    pub aimed_off: [f64; 2],
+    /// Whether a cart goes to and fro behind the person.
+    pub company: Company,
+}
+
+/// Who or what else is in the room and moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Company {
+    /// Nothing but curtain, screen and belt.
+    Nobody,
+    /// A cart as high as a table or a person, which goes to and fro behind the person.
+    Cart,
+}
+
+impl Default for Staging {
+    /// PF02's: the person waves and wanders, and is seen whole.
+    fn default() -> Self {
+        Self { waving: 1.0, turned: 0.0, aimed_off: [0.0; 2], company: Company::Nobody }
+    }
 }
 
 impl Default for FilmRecipe {
@@ -79,6 +110,7 @@ impl Default for FilmRecipe {
             baseline: 0.2,
             distance: 3.8,
             noise_sd: 2.0,
+            staging: Staging::default(),
         }
     }
 }
@@ -115,12 +147,12 @@ impl FilmRecipe {
     pub fn film(&self, model: &BodyModel) -> Result<Film, FilmError> {
         let (shape, walk) = person(model, self.seed, Vector2::zeros());
         let mut motions = walk.motions(model, &shape, self.fps, self.frames)?;
-        let waving = Waving::random(&mut stream(self.seed, WAVING));
+        let waving = Waving::random(&mut stream(self.seed, WAVING)).staged(&self.staging);
         let travelled = waving.apply(model, &mut motions, self.fps);
 
         Ok(Film {
             person: DressedPerson::random(model, &shape, &mut stream(self.seed, CLOTHES))?,
-            room: Room::random(&mut stream(self.seed, ROOM)),
+            room: Room::random(&mut stream(self.seed, ROOM), self.staging.company),
             waving,
             travelled,
             noise_sd: self.noise_sd,
@@ -138,10 +170,12 @@ impl FilmRecipe {
         })
     }
 
-    /// Three parallel cameras; the one in the middle looks at the person's middle.
+    /// Three parallel cameras; the one in the middle looks at the person's middle, or as far off as is staged.
     fn rig(&self) -> Rig {
         let middle = Point3::new(self.distance, 0.0, HEIGHT);
-        let pose = scene::looking_at(&middle, &Point3::new(0.0, 0.0, LOOKED_AT), 0.0);
+        let [beside, above] = self.staging.aimed_off;
+        let looked_at = Point3::new(0.0, beside, LOOKED_AT + above);
+        let pose = scene::looking_at(&middle, &looked_at, 0.0);
         let (width_px, height_px) = (self.width_px, self.width_px * 3 / 4);
         let focal_px = f64::from(width_px);
 

@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 use rand::{Rng, RngExt};
 
+use super::Company;
 use super::texture::Texture;
 use super::thing::Thing;
 
@@ -12,6 +13,7 @@ pub(super) struct Room {
     /// What stands still: floor, walls, furniture.
     pub(super) still: Vec<Thing>,
     curtain: Curtain,
+    cart: Option<Cart>,
     belt: Texture,
     screen: Texture,
     lamps: Lamps,
@@ -24,6 +26,16 @@ struct Curtain {
     along_y: [f64; 2],
     /// Swings a second, and their amplitude at the hem, metres.
     sway: [f64; 2],
+}
+
+/// A box that goes to and fro behind the person.
+#[derive(Debug, Clone)]
+struct Cart {
+    texture: Texture,
+    /// Depth behind the person, width, height, metres.
+    size: [f64; 3],
+    /// Ways to and fro in a second, and their phase at the start.
+    goes: [f64; 2],
 }
 
 /// How the brightness of the two kinds of light drifts.
@@ -46,12 +58,14 @@ pub(super) struct Light {
 const FLOOR: f64 = -0.12;
 /// Depth of the back wall, metres behind the person.
 const WALL: f64 = 2.3;
+/// How deep a cart is, and how far it goes to either side, metres.
+const CART: [f64; 2] = [0.4, 1.6];
 /// Length and width of the belt, metres.
 const BELT: [f64; 2] = [1.8, 1.5];
 
 impl Room {
     /// Furniture beside the person at their own depth, out of the reach of their arms, and close behind them.
-    pub(super) fn random(rng: &mut impl Rng) -> Self {
+    pub(super) fn random(rng: &mut impl Rng, company: Company) -> Self {
         let mut still = shell(rng);
         for side in [-1.0, 1.0] {
             still.extend(beside(side, rng));
@@ -76,12 +90,15 @@ impl Room {
                 phase: [0, 1].map(|_| rng.random_range(0.0..1.0)),
                 hertz: [rng.random_range(0.05..0.1), rng.random_range(0.08..0.16)],
             },
+            cart: (company == Company::Cart).then(|| Cart::random(rng)),
         }
     }
 
     /// What moves, at one time: the curtain sways, the picture on the screen shifts, the belt runs along `heading`.
     pub(super) fn moving(&self, time: f64, travelled: f64, heading: f64) -> Vec<Thing> {
-        vec![self.curtain.at(time), self.screen(time), self.belt(travelled, heading)]
+        let mut all = vec![self.curtain.at(time), self.screen(time), self.belt(travelled, heading)];
+        all.extend(self.cart.as_ref().map(|cart| cart.at(time)));
+        all
     }
 
     fn screen(&self, time: f64) -> Thing {
@@ -115,6 +132,31 @@ impl Room {
         let drift =
             |k: usize| 1.0 + 0.25 * (std::f64::consts::TAU * (phase[k] + hertz[k] * time)).sin();
         Light { everywhere: (0.55 * drift(0)) as f32, lamp: (0.75 * drift(1)) as f32 }
+    }
+}
+
+impl Cart {
+    fn random(rng: &mut impl Rng) -> Self {
+        Self {
+            texture: Texture::printed(rng),
+            size: [
+                rng.random_range(1.25..1.45),
+                rng.random_range(0.4..0.7),
+                rng.random_range(0.7..1.7),
+            ],
+            goes: [rng.random_range(0.08..0.16), rng.random_range(0.0..1.0)],
+        }
+    }
+
+    fn at(&self, time: f64) -> Thing {
+        let ([behind, width, height], [hertz, phase]) = (self.size, self.goes);
+        let [deep, most] = CART;
+        let y = most * (std::f64::consts::TAU * (hertz * time + phase)).sin();
+        let low = Vector3::new(-behind - deep, -0.5 * width, FLOOR);
+        let high = Vector3::new(-behind, 0.5 * width, FLOOR + height);
+        let mut cart = Thing::cuboid(low, high, 0.0, self.texture);
+        cart.vertices.iter_mut().for_each(|vertex| vertex.y += y);
+        cart
     }
 }
 

@@ -5,12 +5,15 @@ use std::f64::consts::TAU;
 use nalgebra::{Rotation3, Vector3};
 use rand::{Rng, RngExt};
 
+use super::Staging;
 use crate::body::{BodyModel, Motion};
 
 /// How the arms wave, and how the body turns and wanders on the belt.
 #[derive(Debug, Clone)]
 pub(super) struct Waving {
     arms: [Arm; 2],
+    /// How far a lifted arm is lifted, 0 to 1.
+    raised: f64,
     /// Direction in which the belt runs, from the world's x axis.
     pub(super) heading: f64,
     /// Greatest turn away from the heading, radians, and turns to and fro in a second.
@@ -51,6 +54,7 @@ impl Waving {
         let begin = rng.random_range(0.0..1.0);
         Self {
             arms: [0.0, 0.4].map(|later| Arm::random(begin + later, rng)),
+            raised: 1.0,
             heading: rng.random_range(-0.7..0.7),
             turn: [rng.random_range(0.2..0.4), rng.random_range(0.06..0.12)],
             wander: [
@@ -59,6 +63,15 @@ impl Waving {
                 rng.random_range(0.085..0.12),
             ],
         }
+    }
+
+    /// The same with as much of it as is staged, and turned further.
+    pub(super) fn staged(mut self, staging: &Staging) -> Self {
+        self.raised = staging.waving;
+        self.heading += staging.turned;
+        self.wander[0] *= staging.waving;
+        self.wander[1] *= staging.waving;
+        self
     }
 
     /// Takes a straight walk along x onto the belt; returns how far the belt has run in each frame, metres.
@@ -80,7 +93,7 @@ impl Waving {
             motion.position_world.x -= start + speed * time;
             self.turn_and_wander(motion, time);
             for (side, arm) in ["r", "l"].into_iter().zip(&self.arms) {
-                arm.wave(model, motion, side, time);
+                arm.wave(model, motion, side, self.raised, time);
             }
             travelled.push(speed * time);
         }
@@ -114,10 +127,10 @@ impl Arm {
     }
 
     /// Blends the walk's swing into the wave as the arm is lifted.
-    fn wave(&self, model: &BodyModel, motion: &mut Motion, side: &str, time: f64) {
+    fn wave(&self, model: &BodyModel, motion: &mut Motion, side: &str, most: f64, time: f64) {
         let [hertz, begin] = self.lifts;
         let raised = (0.5 + 0.9 * (TAU * (hertz * time + begin)).sin()).clamp(0.0, 1.0);
-        let lifted = raised * raised * (3.0 - 2.0 * raised);
+        let lifted = most * raised * raised * (3.0 - 2.0 * raised);
         for (k, reach) in self.joints.iter().enumerate() {
             let Some(joint) = model.joint(&format!("{}_{side}", reach.joint)) else {
                 continue;

@@ -4,10 +4,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use experiments::contours::Score;
+use experiments::contours::{Score, mask_path, read_mask, score_of_view};
 use maquette::Recording;
 use maquette::camera::CameraId;
-use maquette::image::{Mask, Picture, Plane};
+use maquette::image::{Mask, Picture};
 use maquette::io::folder::silhouettes::SilhouetteExtras;
 use maquette::io::model;
 use maquette::io::recording::filmed;
@@ -91,19 +91,8 @@ impl Sequence {
 
     fn scores(&self, frame: usize, out: &Path) -> Result<Vec<Score>, String> {
         let names = self.film.synthetic.rig.names();
-        let score = |name: &str| {
-            let truth = self.folder.join("recording/truth");
-            let truth = read_mask(&mask_path(&truth, name, frame))?;
-            // a mask that was not written is no silhouette
-            let path = mask_path(out, name, frame);
-            let found = if path.is_file() {
-                read_mask(&path)?
-            } else {
-                Mask::from_fn(truth.width(), truth.height(), |_, _| false)
-            };
-            Ok(Score::of(&found, &truth))
-        };
-        names.into_iter().map(score).collect()
+        let truth = self.folder.join("recording/truth");
+        names.into_iter().map(|name| score_of_view(out, &truth, name, frame)).collect()
     }
 
     /// The centre camera's photographs and true masks.
@@ -153,17 +142,4 @@ impl Traced {
         let of_centre = self.scores.get(frame).and_then(|cameras| cameras.get(CENTRE));
         of_centre.map_or(f64::NAN, |score| score.distance_px)
     }
-}
-
-fn mask_path(folder: &Path, camera: &str, frame: usize) -> PathBuf {
-    folder.join("masks").join(camera).join(format!("{frame:06}.png"))
-}
-
-fn read_mask(path: &Path) -> Result<Mask, String> {
-    let picture = image::open(path).map_err(|fault| format!("{}: {fault}", path.display()))?;
-    let grey = picture.to_luma8();
-    let (width, height) = (grey.width() as usize, grey.height() as usize);
-    let plane = Plane::from_values(width, height, grey.into_raw());
-    let plane = plane.ok_or_else(|| format!("{}: a mask of no size", path.display()))?;
-    Ok(Mask::brighter_than(&plane, 127))
 }

@@ -104,6 +104,20 @@ impl ViewContours {
         all.sum::<f64>() / count.max(1) as f64
     }
 
+    /// What lies within the outer contours, undistorted px.
+    pub(super) fn inside(&self) -> Option<Scanlines> {
+        inside(&self.outer)
+    }
+
+    /// Takes it that nobody is there: no point counts any more.
+    pub(super) fn distrust(&mut self, fault: ContourFault) {
+        let curves = self.outer.iter_mut().chain(&mut self.inner);
+        curves.flatten().for_each(|point| point.reliability = 0.0);
+        let silhouette = self.silhouette.iter_mut();
+        silhouette.flat_map(|s| &mut s.contour).for_each(|point| point.reliability = 0.0);
+        self.faults.push(fault);
+    }
+
     /// The pixels of the recorded image within the outer contours.
     pub fn mask(&self, camera: &Camera) -> Mask {
         let (width, height) = (camera.width_px as usize, camera.height_px as usize);
