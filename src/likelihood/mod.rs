@@ -16,8 +16,10 @@ mod ellipse_distance;
 mod ellipse_silhouette;
 mod ellipse_sums;
 mod ellipsoid_surface;
+mod foot;
 mod limb_sums;
 mod local_length;
+mod nearest_limb;
 mod offset_row;
 mod options;
 mod parallax;
@@ -26,6 +28,7 @@ mod point_field;
 mod silhouette_ray;
 mod skin_distance;
 mod skin_term;
+mod surface_point;
 mod union;
 
 pub use ellipse_distance::EllipseDistance;
@@ -33,10 +36,11 @@ pub use ellipse_silhouette::{EllipseOptions, EllipseSilhouette, EllipseView, Var
 pub use options::{LikelihoodOptions, Measure};
 pub use parallax::{Contrast, Parallax, Quarter};
 pub use placed_residual::{Place, PlacedResidual, Source};
-pub use point_field::{PointField, PointOptions, SurfacePoint};
+pub use point_field::{PointField, PointOptions, PointResidual};
 pub use silhouette_ray::{RayOptions, RayView, SilhouetteRays};
 pub use skin_distance::{Derivatives, Residual, SkinScale};
 pub use skin_term::SkinTouch;
+pub use surface_point::SurfacePoint;
 
 use crate::body::Posed;
 use crate::solver::NormalEquations;
