@@ -146,7 +146,8 @@ impl Scene {
 
 /// That of a point which errs by 20 mm along one direction and by 1 mm across it.
 fn depth_covariance(rng: &mut impl RngExt) -> Matrix3<f64> {
-    let depth = Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0)).normalize();
+    let depth = Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0));
+    let depth = Unit::new_normalize(depth).into_inner();
     Matrix3::from_diagonal_element(1e-6) + depth * depth.transpose() * 4e-4
 }
 
@@ -327,7 +328,7 @@ fn a_point_errs_by_its_covariance_along_the_normal() {
         let (value, gradient) = field.value_and_gradient(&touch.place_world.coords);
         // where limbs overlap, another one may be larger there
         if (value - 0.5).abs() < 1e-5 {
-            let normal = gradient.normalize();
+            let normal = Unit::new_normalize(gradient).into_inner();
             let variance = normal.dot(&(point.covariance * normal)) + options.sigma_m.powi(2);
             approx::assert_relative_eq!(touch.sigma_m, variance.sqrt(), max_relative = 1e-4);
             checked += 1;

@@ -125,7 +125,7 @@ impl Touch<'_> {
     }
 
     /// α and b of the distance from a foot, and of what the offset adds as the foot moves.
-    fn from_foot(
+    fn foot_slopes(
         &self,
         sample: &FieldSample,
         changes: &mut [BallChange],
@@ -329,7 +329,7 @@ pub(super) fn rows(
         changes.extend(shares.map(|share| scale.change(&touch.residual, field, share)));
         let slope = touch.linearize_offset(body, field, sample, &mut changes, &mut carried);
         let b = match touch.place {
-            TouchPlace::Foot { .. } => touch.from_foot(sample, &mut changes, &carried),
+            TouchPlace::Foot { .. } => touch.foot_slopes(sample, &mut changes, &carried),
             _ => touch.along(sample, &changes, &carried),
         };
         slopes.row_from_changes(sample, &changes, &carried, &b, &mut row);

@@ -7,10 +7,9 @@ use clap::{Args, ValueEnum};
 use maquette::FitOptions;
 use maquette::inference::search::Pruning;
 use maquette::io::folder::Existing;
-use maquette::likelihood::{EllipseOptions, Measure, PointResidual, Residual};
+use maquette::likelihood::{EllipseOptions, Measure};
 use maquette::pipeline::stereo::StereoMethod;
 use maquette::pipeline::{Cameras, Clocks, FitTo, FrameRange};
-use maquette::solver::Loss;
 use maquette::workflow::SilhouetteSource;
 
 use crate::choice::{Choice, one_of};
@@ -196,9 +195,7 @@ impl FitArguments {
             estimate.likelihood.ellipses = EllipseOptions::published();
         }
         if self.residual == Some(SkinResidual::Field) {
-            let (rays, points) = (&mut estimate.likelihood.rays, &mut estimate.likelihood.points);
-            (rays.residual, rays.loss) = (Residual::Field, Loss::Squared);
-            (points.residual, points.loss) = (PointResidual::Field, Loss::Squared);
+            estimate.likelihood = estimate.likelihood.by_field();
         }
         if self.joint == Switch::Off {
             estimate.joint = None;
