@@ -183,8 +183,7 @@ impl Walker {
         });
         let rays = SilhouetteRays::new(views.collect(), RayOptions::default(), scale.clone());
         let touched = rays.residuals(&Posed::new(&model, &shape, &motion));
-        let points =
-            touched.iter().map(|r| SurfacePoint { position_world: r.place_world, sigma_m: 0.002 });
+        let points = touched.iter().map(|r| SurfacePoint::isotropic(r.place_world, 0.002));
         let points = PointField::new(points.collect(), PointOptions::default(), scale);
         let balls = model.metaballs.len();
         let pairs = (rays.border_points() * balls, touched.len() * balls);

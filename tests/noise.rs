@@ -214,7 +214,7 @@ fn detections_that_err_alike_in_every_frame_count_as_few_and_change_nothing_of_t
     // of 80 clusters: a standard error of √(2/80)
     approx::assert_relative_eq!(found.together, 0.5 * (1.0 + FRAMES as f64), max_relative = 0.5);
     assert_eq!(Noise { keypoints: None, ..noise }, Noise::from_residuals(&outlines));
-    assert_eq!(noise.weights().surface, noise.data_weight());
+    approx::assert_relative_eq!(noise.weights().surface, noise.data_weight());
     approx::assert_relative_eq!(
         noise.weights().keypoints,
         1.0 / (found.scale.powi(2) * found.together)

@@ -17,6 +17,8 @@ pub enum Detail {
 const COARSE_SIGMA_M: f64 = 0.03;
 /// They look at so many points in space at most: several for each correlation length of a body.
 const COARSE_POINTS: usize = 600;
+/// To approach an optimum so many are enough: they share the weights of all, see [`PointOptions`](crate::likelihood::PointOptions).
+const THINNED_POINTS: usize = 1500;
 /// They look at so few samples of each ellipse's outline.
 const COARSE_BACK_SAMPLES: usize = 12;
 
@@ -33,7 +35,8 @@ impl Detail {
     pub(super) fn point_step(self, points: usize) -> usize {
         match self {
             Self::Coarse => points.div_ceil(COARSE_POINTS).max(1),
-            Self::Thinned | Self::Fine => 1,
+            Self::Thinned => points.div_ceil(THINNED_POINTS).max(1),
+            Self::Fine => 1,
         }
     }
 

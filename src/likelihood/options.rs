@@ -1,6 +1,7 @@
 //! Which terms a likelihood is made of, and the settings of each.
 
-use super::{EllipseOptions, KeypointOptions, PointOptions, RayOptions};
+use super::{EllipseOptions, KeypointOptions, PointOptions, PointResidual, RayOptions, Residual};
+use crate::solver::Loss;
 
 /// What silhouettes and points are compared with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -38,4 +39,13 @@ pub struct LikelihoodOptions {
     pub points: PointOptions,
     /// Detections against joints.
     pub keypoints: KeypointOptions,
+}
+
+impl LikelihoodOptions {
+    /// Lines of sight and points by T − F in least squares, as published (PF02 eq. 7).
+    pub fn by_field(mut self) -> Self {
+        (self.rays.residual, self.rays.loss) = (Residual::Field, Loss::Squared);
+        (self.points.residual, self.points.loss) = (PointResidual::Field, Loss::Squared);
+        self
+    }
 }

@@ -21,7 +21,7 @@ use nalgebra::{DVector, Vector2, Vector3};
 use super::Source;
 use super::placed_residual::{PLACE_M, Place, place};
 use super::silhouette_ray::SilhouetteRays;
-use super::skin_term::{self, SkinTerm};
+use super::skin_term::{self, SkinTerm, TouchPlace};
 use crate::body::metaball::{Field, FieldSlopes};
 use crate::body::{PartId, Posed};
 use crate::solver::NormalEquations;
@@ -259,7 +259,10 @@ fn touched(rays: &SilhouetteRays, body: &Posed<'_>) -> BTreeMap<Place, Vec<Found
     let field = Field::from_body(body);
     let mut places: BTreeMap<Place, Vec<Found>> = BTreeMap::new();
     rays.touches(body, &field, &rays.scale(body, &field), |touch, sample| {
-        let (Source::View(view), Some(direction)) = (touch.source, touch.line) else { return };
+        let (Source::View(view), TouchPlace::Summit(direction)) = (touch.source, touch.place)
+        else {
+            return;
+        };
         let metaball = sample.heaviest().unwrap_or_default();
         let point = sample.point_world.into();
         let Some((part, point)) = skin_term::place(body, &field, metaball, &point) else { return };

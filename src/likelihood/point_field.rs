@@ -1,68 +1,78 @@
 //! Points of the surface against the skin (PF02 § 3.1, eq. 7; PFD99 eq. 13).
 //!
-//! The residual is the skin distance at the point, see [`SkinScale`]; the point itself does not move, so
-//! dr/dθ = Σ wᵢ αᵢ ∂(ln fᵢ)/∂θ.
+//! The residual is the signed distance r of the point from the nearest place of the skin, its foot, see [`foot`](super::foot).
+//! A point errs by its covariance C, and the body's surface about the skin by σ_m. What of both is felt is along the normal n at
+//! the foot:
 //!
-//! A point has the variance σ² = σᵢ² + σ_m²: that of its own error, and of the skin's mismatch with the body. The mismatch at
-//! least is common to neighbours: space is cut into cells of the correlation length, and the points of a cell share the
-//! weight of one observation. So a dense cloud, or a dense place in one, says no more than a sparse one.
+//! σ² = nᵀCn + σ_m².
+//!
+//! A point of cameras side by side errs in depth, along their line of sight v: C ≈ σ_z² vvᵀ. Then r = Δz n·v, σ = σ_z n·v, and
+//! r/σ = Δz/σ_z is how far the depth is off, whichever way the surface faces: the likelihood of a depth at a given pixel. (So
+//! there is no ln σ in it. Over a given piece of the *surface* there would be one; but the points are given by the pixels, and pixels
+//! see a piece of surface in proportion to n·v, which takes it away.) Were σ the mean over all directions, σ_z/√3, the points of
+//! surfaces that face the cameras would be trusted √3 times too much, and those of slanting surfaces too little.
+//!
+//! n changes with the state. Its change is carried, not held: r/σ changes by
+//!
+//! σ d(r/σ) = dr − (r/σ²) (Cn)·dn,
+//!
+//! which is one row of the foot's, exactly. So `linearize` tells the slope of what `cost` returns.
+//!
+//! **Which limb.** A point is compared with the limb whose surface it is least outside of. Once points are assigned
+//! ([`PointField::assigned_to`]), it is compared with the limb that it was assigned to (PFD99 § 3.3), and only if that faces the cameras
+//! which measured the point, n·v > 0: one that is nearest to the far side of a limb belongs to another limb about as near that shows
+//! them its skin there, or to none. One that belongs to none pulls nothing, and costs what it did when it was assigned: turning away
+//! from points must not pay. **Differs** from PFD99: the program's fits do not assign. With points assigned every five iterations,
+//! tracks lost limbs; [decision 0007](../../docs/decisions/0007-limbs-and-the-skin-distance.md) has the numbers.
+//!
+//! The skin's mismatch at least is common to neighbours: space is cut into cells of the correlation length, and the points of a cell
+//! share the weight of one observation. So a dense cloud, or a dense place in one, says no more than a sparse one. But a cell with
+//! far fewer points than the others is hardly one that the surface goes through: with a weight of its own, each stray that is
+//! alone in its cell would count as much as all points of a piece of surface. A tenth of the points lies in cells with fewer points
+//! than some number; cells with fewer share so much less than one observation.
 
-use nalgebra::{Point3, Vector2};
+use nalgebra::Vector2;
 
-use super::skin_distance::{Derivatives, PosedScale, Residual, SkinScale};
+use super::nearest_limb::NearestLimb;
+use super::skin_distance::{PosedScale, SkinScale};
 use super::skin_term::{self, SkinTerm, SkinTouch, Touch};
-use super::{PlacedResidual, Source, Term};
+use super::{PlacedResidual, Source, SurfacePoint, Term};
 use crate::body::Posed;
-use crate::body::metaball::{Field, FieldSample, Sampler};
+use crate::body::metaball::{Field, FieldSample};
 use crate::solver::{Loss, NormalEquations};
-use crate::stereo::{CloudPoint, Spread};
+
+/// What a point is compared by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum PointResidual {
+    /// Signed distance to the nearest place of the skin, metres.
+    Distance,
+    /// PF02: T − F at the point, over the slope of a limb of radius 5 cm.
+    Field,
+}
 
 /// Settings of the point likelihood.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PointOptions {
     /// Which residual.
-    pub residual: Residual,
+    pub residual: PointResidual,
     /// σ_m: standard deviation of the body's surface about the skin, m.
     pub sigma_m: f64,
     /// Length over which errors go together, m; 0 makes every point an observation of its own.
     pub correlation_m: f64,
     /// Robust loss, in standard deviations.
     pub loss: Loss,
-    /// Which derivatives.
-    pub derivatives: Derivatives,
 }
 
 impl Default for PointOptions {
     fn default() -> Self {
         Self {
-            residual: Residual::Metric,
+            residual: PointResidual::Distance,
             sigma_m: 0.01,
             correlation_m: 0.1,
             loss: Loss::Cauchy(3.0),
-            derivatives: Derivatives::Complete,
         }
-    }
-}
-
-/// A point measured on the surface.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SurfacePoint {
-    /// Where.
-    pub position_world: Point3<f64>,
-    /// σᵢ: standard deviation of a coordinate, m; 0 where it is not known.
-    pub sigma_m: f64,
-}
-
-impl From<&CloudPoint> for SurfacePoint {
-    /// A covariance is replaced by its mean over all directions: the variance along the skin's normal would change with the pose.
-    fn from(point: &CloudPoint) -> Self {
-        let sigma_m = match point.spread {
-            Spread::Unknown => 0.0,
-            Spread::Isotropic(sigma_m) => sigma_m,
-            Spread::Full(covariance) => (covariance.trace() / 3.0).sqrt(),
-        };
-        Self { position_world: point.position_world, sigma_m }
     }
 }
 
@@ -73,12 +83,45 @@ pub struct PointField {
     weights: Vec<f64>,
     options: PointOptions,
     scale: SkinScale,
+    /// Once they are assigned, what each belongs to.
+    belongs: Option<Belongs>,
+}
+
+/// What the points belong to.
+#[derive(Debug, Clone)]
+struct Belongs {
+    /// The limb of each; `None` for a point that belongs to none.
+    limbs: Vec<Option<usize>>,
+    /// What those cost that belong to none.
+    stray_cost: f64,
 }
 
 impl PointField {
-    /// The term of one frame's points; each belongs to the limb that is largest at it. `scale` is the model's.
+    /// The term of one frame's points; each is compared with the limb whose surface it is least outside of. `scale` is the model's.
     pub fn new(points: Vec<SurfacePoint>, options: PointOptions, scale: SkinScale) -> Self {
-        Self { weights: weights(&points, options.correlation_m), points, options, scale }
+        let weights = weights(&points, options.correlation_m);
+        Self { weights, points, options, scale, belongs: None }
+    }
+
+    /// The same points, each assigned to the limb that it belongs to before a body.
+    pub fn assigned_to(&self, body: &Posed<'_>) -> Self {
+        let field = Field::from_body(body);
+        let scale = self.scale.posed(body, &field);
+        let mut nearest = NearestLimb::new(body, &field, &scale, self.options);
+        let limbs: Vec<Option<usize>> = self.points.iter().map(|p| nearest.limb(p)).collect();
+
+        let mut stray_cost = 0.0;
+        let strays = limbs.iter().enumerate().filter(|(_, limb)| limb.is_none());
+        for (index, _) in strays {
+            let Some(met) = nearest.meet(&self.points[index]) else { continue };
+            let (rho, _) = self.options.loss.evaluate(met.residual.distance_m / met.sigma_m);
+            stray_cost += 0.5 * self.weights[index] * rho;
+        }
+        Self { belongs: Some(Belongs { limbs, stray_cost }), ..self.clone() }
+    }
+
+    fn stray_cost(&self) -> f64 {
+        self.belongs.as_ref().map_or(0.0, |belongs| belongs.stray_cost)
     }
 
     /// The residual of every point; none for a body without metaballs.
@@ -103,31 +146,25 @@ impl SkinTerm for PointField {
         scale: &PosedScale<'_>,
         mut each: impl FnMut(&Touch<'_>, &FieldSample),
     ) {
-        let options = &self.options;
-        let mut sampler = Sampler::new(field);
-        let mut sample = FieldSample::default();
-        let mut offsets = Vec::new();
-
+        let mut nearest = NearestLimb::new(body, field, scale, self.options);
         for (index, (point, &weight)) in self.points.iter().zip(&self.weights).enumerate() {
-            if !sampler.sample(&point.position_world.coords, &mut sample) {
-                continue;
-            }
-            let metaballs = &field.limbs[sample.limb];
-            skin_term::displace(body, field, metaballs, &mut sample, &mut offsets);
-
-            let sigma_m = point.sigma_m.hypot(options.sigma_m);
+            let met = match self.belongs.as_ref().map(|belongs| belongs.limbs[index]) {
+                None => nearest.meet(point),
+                Some(limb) => limb.and_then(|limb| nearest.meet_limb(point, limb)),
+            };
+            let Some(met) = met else { continue };
             let touch = Touch {
                 source: Source::Cloud,
                 index,
-                sigma_m,
-                sigma: sigma_m,
+                sigma_m: met.sigma_m,
+                sigma: met.sigma_m,
                 weight,
                 outward_px: Vector2::zeros(),
-                residual: scale.residual(options.residual, options.derivatives, &sample),
-                offsets: &offsets,
-                line: None,
+                residual: met.residual,
+                offsets: &nearest.met.offsets,
+                place: met.place,
             };
-            each(&touch, &sample);
+            each(&touch, &nearest.met.sample);
         }
     }
 }
@@ -142,11 +179,11 @@ impl Term for PointField {
     }
 
     fn cost(&self, body: &Posed<'_>) -> f64 {
-        skin_term::cost(self, body)
+        skin_term::cost(self, body) + self.stray_cost()
     }
 
     fn linearize(&self, body: &Posed<'_>, equations: &mut NormalEquations) -> f64 {
-        skin_term::linearize(self, body, equations)
+        skin_term::linearize(self, body, equations) + self.stray_cost()
     }
 
     fn placed_residuals(&self, body: &Posed<'_>) -> Vec<PlacedResidual> {
@@ -154,7 +191,10 @@ impl Term for PointField {
     }
 }
 
-/// One for each cell of space, shared by its points.
+/// The share of the points that lie in cells of fewer points than usual.
+const SPARSE: f64 = 0.1;
+
+/// One for each cell of space, shared by its points; less where a cell has fewer points than usual.
 fn weights(points: &[SurfacePoint], cell_m: f64) -> Vec<f64> {
     if cell_m.is_nan() || cell_m <= 0.0 {
         return vec![1.0; points.len()];
@@ -163,21 +203,28 @@ fn weights(points: &[SurfacePoint], cell_m: f64) -> Vec<f64> {
     let mut cells: Vec<([i64; 3], usize)> =
         points.iter().enumerate().map(|(i, p)| (cell(p).into(), i)).collect();
     cells.sort_unstable();
-    let mut weights = vec![1.0; points.len()];
+
+    // how many points are with each, itself included
+    let mut counts = vec![1; points.len()];
     for shared in cells.chunk_by(|a, b| a.0 == b.0) {
         for (_, index) in shared {
-            weights[*index] = 1.0 / shared.len() as f64;
+            counts[*index] = shared.len();
         }
     }
-    weights
+    let mut sorted = counts.clone();
+    sorted.sort_unstable();
+    let usual = sorted.get((SPARSE * sorted.len() as f64) as usize).copied().unwrap_or(1);
+    counts.into_iter().map(|count| 1.0 / count.max(usual) as f64).collect()
 }
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::Point3;
+
     use super::*;
 
     fn point(x: f64) -> SurfacePoint {
-        SurfacePoint { position_world: Point3::new(x, -0.05, 1.0), sigma_m: 0.002 }
+        SurfacePoint::isotropic(Point3::new(x, -0.05, 1.0), 0.002)
     }
 
     #[test]
@@ -185,6 +232,15 @@ mod tests {
         let points = [0.01, 0.55, 0.03, 0.06, -0.01].map(point);
         assert_eq!(weights(&points, 0.1), [1.0 / 3.0, 1.0, 1.0 / 3.0, 1.0 / 3.0, 1.0]);
         assert_eq!(weights(&points, 0.0), [1.0; 5]);
+    }
+
+    #[test]
+    fn a_point_alone_says_less_than_a_cell_of_many() {
+        // 9 cells of 20 points, and 5 points alone
+        let surface = (0..180).map(|i| point(0.005 * f64::from(i) + 0.001));
+        let strays = (0..5).map(|i| point(5.05 + f64::from(i)));
+        let weights = weights(&surface.chain(strays).collect::<Vec<_>>(), 0.1);
+        assert_eq!(weights, [0.05; 185]);
     }
 
     #[test]

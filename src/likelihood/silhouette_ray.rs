@@ -25,7 +25,7 @@ use nalgebra::{Vector2, Vector3};
 
 use super::contact::RayField;
 use super::skin_distance::{Derivatives, PosedScale, Residual, SkinResidual, SkinScale};
-use super::skin_term::{self, PartOffset, SkinTerm, SkinTouch, Touch};
+use super::skin_term::{self, PartOffset, SkinTerm, SkinTouch, Touch, TouchPlace};
 use super::{Parallax, PlacedResidual, Source, Term};
 use crate::body::Posed;
 use crate::body::metaball::{Field, FieldSample};
@@ -254,7 +254,7 @@ impl SkinTerm for SilhouetteRays {
                     outward_px: view.normals_px[index],
                     residual,
                     offsets: &search.touched.offsets,
-                    line: Some(direction),
+                    place: TouchPlace::Summit(direction),
                 };
                 each(&touch, &search.touched.sample);
             }

@@ -91,8 +91,7 @@ impl SkinScale {
         let rest = Motion::rest(model);
         let body = Posed::new(model, &shape, &rest);
         let field = Field::from_body(&body);
-        let offset = 0.5 * field.ceiling().ln();
-        let at_skin = (offset - 0.5 * THRESHOLD.ln()).max(LEAST_SQUARE).sqrt();
+        let scale = Self::of_field(&field);
 
         // R̄ and ā of every metaball; one that is nowhere at the skin keeps the length of a common limb
         let primitives = model.metaballs.iter();
@@ -105,11 +104,25 @@ impl SkinScale {
             };
             let axes = body.primitive_axes(&model.metaballs[source]);
             if let Some(slope) = skin_slope(&field, ball, &axes) {
-                balls[source].length_m = 4.0 * at_skin / slope;
+                balls[source].length_m = 4.0 * scale.at_skin / slope;
             }
         }
 
-        Self { offset, at_skin, balls }
+        Self { balls, ..scale }
+    }
+
+    /// c and ψ_T alone.
+    pub(super) fn of_field(field: &Field) -> Self {
+        let offset = 0.5 * field.ceiling().ln();
+        let at_skin = (offset - 0.5 * THRESHOLD.ln()).max(LEAST_SQUARE).sqrt();
+        Self { offset, at_skin, balls: Vec::new() }
+    }
+
+    /// How far outwards the skin is from a place by ψ's value and slope there; ‖∇L‖ is `slope`.
+    pub(super) fn way_to_skin_m(&self, log_value: f64, slope: f64) -> f64 {
+        let (psi, _) = self.psi(log_value);
+        let per_m = 0.25 * slope.max(1e-9) / psi;
+        (self.at_skin - psi) / per_m
     }
 
     /// ψ and ∂ψ/∂L.
@@ -151,6 +164,17 @@ impl PosedScale<'_> {
             Residual::Field => field_residual(sample.log_value),
             Residual::Metric => self.metric_residual(derivatives, sample),
         }
+    }
+
+    /// About how far a place is from the skin of a limb: by ln F and the ball that is largest there, m.
+    pub(super) fn about_m(&self, log_value: f64, ball: usize) -> f64 {
+        let (least_m, greatest_m) = self.balls[ball].range_m();
+        (self.scale.psi(log_value).0 - self.scale.at_skin) * 0.5 * (least_m + greatest_m)
+    }
+
+    /// The constants of the model.
+    pub(super) fn of_model(&self) -> &SkinScale {
+        self.scale
     }
 
     /// A bound below which no residual of a limb lies where its ln F is not more than this.

@@ -9,9 +9,13 @@
 //! dx the motion of x along its line, vₖ that of the part past it, bᵢ that of the part of metaball i. The last two sums say that
 //! the surface's unevenness is fixed to the bones. x, where F is largest on a line, and the slopes of F are taken at x − b n: what
 //! that leaves out is of second order in b.
+//!
+//! A point is compared by its foot ([`foot`](super::foot)), and there nothing is left out: the residual is r − b, b at the foot, and
+//! the foot's own motion is in its row.
 
 use nalgebra::{Point3, Vector2, Vector3};
 
+use super::foot::Foot;
 use super::limb_sums::LimbSums;
 use super::offset_row::OffsetRow;
 use super::skin_distance::{PosedScale, SkinResidual};
@@ -53,8 +57,24 @@ pub(super) struct Touch<'a> {
     pub(super) residual: SkinResidual,
     /// By how far the person's surface lies outside; empty for a model without offsets.
     pub(super) offsets: &'a [PartOffset],
-    /// The line on which the place is the summit of F; `None`: the place does not move.
-    pub(super) line: Option<&'a Vector3<f64>>,
+    /// How the place moves with the body.
+    pub(super) place: TouchPlace<'a>,
+}
+
+/// How the place where an observation touches the field moves with the body.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum TouchPlace<'a> {
+    /// It stays where it is.
+    Fixed,
+    /// It is the summit of F on a line of this direction.
+    Summit(&'a Vector3<f64>),
+    /// It is the foot of a point; r/σ changes besides by `by_normal`·dn for each 1/σ.
+    Foot {
+        /// The foot.
+        foot: Foot,
+        /// ∂/∂n, metres.
+        by_normal: Vector3<f64>,
+    },
 }
 
 /// What one part says of how far the person's surface lies outside, where an observation touches the skin: b = Σ W bₖ over the
@@ -90,15 +110,37 @@ impl Touch<'_> {
     ) -> Vector3<f64> {
         // only the local length and the offset change with the motion: F is at its summit
         let changes_with = self.residual.gamma.abs() >= f64::MIN_POSITIVE || !carried.is_empty();
-        let Some(r) = self.line.filter(|_| changes_with) else {
+        let TouchPlace::Summit(r) = self.place else {
             return Vector3::zeros();
         };
+        if !changes_with {
+            return Vector3::zeros();
+        }
         let curvature = r.dot(&(sample.log_hessian * r));
         if curvature > FLATTEST {
             return Vector3::zeros();
         }
         let of_offset: f64 = carried.iter().map(|c| c.place.dot(r)).sum();
-        r * (-(slope_along(r, sample, changes) + of_offset) / curvature)
+        r * (-(slope_in_space(sample, changes).dot(r) + of_offset) / curvature)
+    }
+
+    /// α and b of the distance from a foot, and of what the offset adds as the foot moves.
+    fn foot_slopes(
+        &self,
+        sample: &FieldSample,
+        changes: &mut [BallChange],
+        carried: &[FrameChange],
+    ) -> Vector3<f64> {
+        let TouchPlace::Foot { foot, by_normal } = &self.place else {
+            return Vector3::zeros();
+        };
+        let of_offset: Vector3<f64> = carried.iter().map(|c| c.place).sum();
+        let by_place = slope_in_space(sample, changes) + of_offset;
+        let row = foot.row(sample, 1.0, by_normal, &by_place);
+        for change in changes {
+            change.alpha += row.alpha;
+        }
+        row.b
     }
 
     /// ∂r/∂b; what b changes with the weights of the parts is added to `changes`, and with the places on them to `carried`.
@@ -115,7 +157,10 @@ impl Touch<'_> {
         let Some(inwards) = inwards.filter(|_| !self.offsets.is_empty()) else {
             return 0.0;
         };
-        let slope = slope_along(&inwards, sample, changes);
+        let slope = match self.place {
+            TouchPlace::Foot { .. } => -1.0,
+            _ => slope_in_space(sample, changes).dot(&inwards),
+        };
 
         // ∂wᵢ = wᵢ (∂ ln fᵢ − Σ wⱼ ∂ ln fⱼ)
         let value = |metaball: usize| {
@@ -137,10 +182,10 @@ impl Touch<'_> {
     }
 }
 
-/// The derivative of a residual when its place moves along a unit vector.
-fn slope_along(along: &Vector3<f64>, sample: &FieldSample, changes: &[BallChange]) -> f64 {
+/// The gradient of a residual in its place.
+fn slope_in_space(sample: &FieldSample, changes: &[BallChange]) -> Vector3<f64> {
     let each = sample.shares.iter().zip(changes);
-    each.map(|(s, c)| s.weight * (c.place - s.pull * (4.0 * c.alpha)).dot(along)).sum()
+    each.map(|(s, c)| (c.place - s.pull * (4.0 * c.alpha)) * s.weight).sum()
 }
 
 /// A likelihood whose observations touch the skin.
@@ -173,11 +218,24 @@ pub(super) fn displace(
     sample: &mut FieldSample,
     offsets: &mut Vec<PartOffset>,
 ) {
+    let b_m = offset_m(body, field, sample, offsets);
+    let Some(inwards) = sample.log_gradient.try_normalize(f64::MIN_POSITIVE) else { return };
+    if !offsets.is_empty() {
+        sample.update_limb(field, sample.limb, &(sample.point_world + inwards * b_m), metaballs);
+    }
+}
+
+/// By how far the person's surface lies outside the model's at a sample: b, metres. `offsets` receives what each part says.
+pub(super) fn offset_m(
+    body: &Posed<'_>,
+    field: &Field,
+    sample: &FieldSample,
+    offsets: &mut Vec<PartOffset>,
+) -> f64 {
     offsets.clear();
-    let inwards = sample.log_gradient.try_normalize(f64::MIN_POSITIVE);
-    let Some(inwards) = inwards.filter(|_| body.model.offsets.is_some()) else {
-        return;
-    };
+    if body.model.offsets.is_none() {
+        return 0.0;
+    }
 
     // the parts that are at the place
     for share in sample.shares.iter().filter(|share| share.weight > LEAST_WEIGHT) {
@@ -191,8 +249,7 @@ pub(super) fn displace(
         }
     }
 
-    let b_m: f64 = offsets.iter().map(|o| o.weight * o.offset.value_m).sum();
-    sample.update_limb(field, sample.limb, &(sample.point_world + inwards * b_m), metaballs);
+    offsets.iter().map(|o| o.weight * o.offset.value_m).sum()
 }
 
 /// The part of a metaball, and a place in its axes.
@@ -271,7 +328,10 @@ pub(super) fn rows(
         changes.clear();
         changes.extend(shares.map(|share| scale.change(&touch.residual, field, share)));
         let slope = touch.linearize_offset(body, field, sample, &mut changes, &mut carried);
-        let b = touch.along(sample, &changes, &carried);
+        let b = match touch.place {
+            TouchPlace::Foot { .. } => touch.foot_slopes(sample, &mut changes, &carried),
+            _ => touch.along(sample, &changes, &carried),
+        };
         slopes.row_from_changes(sample, &changes, &carried, &b, &mut row);
 
         offsets.clear();

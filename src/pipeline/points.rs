@@ -89,7 +89,7 @@ fn outside_m(
 
 /// What a point errs by, the surface's own mismatch included, m.
 fn sigma_m(point: &CloudPoint) -> f64 {
-    crate::likelihood::SurfacePoint::from(point).sigma_m.hypot(SURFACE_M)
+    crate::likelihood::SurfacePoint::from(point).mean_sigma_m().hypot(SURFACE_M)
 }
 
 /// The frames whose points disagree with their silhouettes, or with a body that the silhouettes agree with.

@@ -61,6 +61,9 @@ pub(crate) struct FitArguments {
     /// What outlines are compared with [default: ellipses in the search, then metaballs if the body has them]
     #[arg(long, value_enum)]
     likelihood: Option<Likelihood>,
+    /// What lines of sight and points are compared with the metaballs' skin by [default: distance]
+    #[arg(long, value_enum)]
+    residual: Option<SkinResidual>,
     /// Fit all frames together at the end, which gives every number a standard deviation
     #[arg(long, value_enum, default_value_t = Switch::On)]
     joint: Switch,
@@ -108,6 +111,14 @@ enum Likelihood {
     Metaballs,
     /// Both ellipses and metaballs
     Both,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum SkinResidual {
+    /// How far they are from the skin
+    Distance,
+    /// What the field there is off the skin's value, T − F, in least squares, as published by Plänkers and Fua
+    Field,
 }
 
 impl Likelihood {
@@ -188,6 +199,9 @@ impl FitArguments {
         estimate.measure = self.likelihood.map(Likelihood::measure);
         if self.likelihood == Some(Likelihood::Published) {
             estimate.likelihood.ellipses = EllipseOptions::published();
+        }
+        if self.residual == Some(SkinResidual::Field) {
+            estimate.likelihood = estimate.likelihood.by_field();
         }
         if self.joint == Switch::Off {
             estimate.joint = None;

@@ -350,6 +350,15 @@ fn an_arm_is_fitted_to_points_alone() {
         }
     }
     arm.fit_with_body("none", "arm-2d", &[]).refused(&["the body arm-2d has no metaballs"]);
+
+    // the published residual is another one
+    arm.fit_with_body("field", "arm", &["--quiet", "--residual", "field"]).succeeded();
+    let (distance, field) = (arm.result("out"), arm.result("field"));
+    let points = |result: &serde_json::Value| {
+        result["options"]["estimate"]["likelihood"]["points"]["residual"].clone()
+    };
+    assert_eq!((points(&distance), points(&field)), ("distance".into(), "field".into()));
+    assert_ne!(distance["motion"], field["motion"]);
 }
 
 #[test]

@@ -17,7 +17,7 @@ use kuva::plot::LegendPosition;
 use maquette::body::{BodyModel, Posed, Shape, State};
 use maquette::inference::prior::{PosePrior, ShapePrior};
 use maquette::likelihood::{
-    Derivatives, PointField, PointOptions, Residual, SkinScale, SurfacePoint, Term,
+    PointField, PointOptions, PointResidual, SkinScale, SurfacePoint, Term,
 };
 use maquette::math::stats::median;
 use maquette::solver::Loss;
@@ -45,32 +45,17 @@ const PAIR: StereoPair = StereoPair {
 struct Way {
     name: &'static str,
     title: &'static str,
-    residual: Residual,
+    residual: PointResidual,
     loss: Loss,
-    derivatives: Derivatives,
 }
 
-const WAYS: [Way; 3] = [
+const WAYS: [Way; 2] = [
+    Way { name: "field", title: "T − F", residual: PointResidual::Field, loss: Loss::Squared },
     Way {
-        name: "field",
-        title: "T − F",
-        residual: Residual::Field,
-        loss: Loss::Squared,
-        derivatives: Derivatives::Complete,
-    },
-    Way {
-        name: "metric",
+        name: "distance",
         title: "distance",
-        residual: Residual::Metric,
+        residual: PointResidual::Distance,
         loss: Loss::Cauchy(3.0),
-        derivatives: Derivatives::Complete,
-    },
-    Way {
-        name: "metric_first_order",
-        title: "distance, first order",
-        residual: Residual::Metric,
-        loss: Loss::Cauchy(3.0),
-        derivatives: Derivatives::FirstOrder,
     },
 ];
 
@@ -103,7 +88,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         panels.push(panel(way, &shares));
     }
     run.table("found, %", &table)?;
-    run.picture("basins", &svg(3, (430.0, 320.0), panels))?;
+    run.picture("basins", &svg(2, (430.0, 320.0), panels))?;
     Ok(run.finish()?)
 }
 
@@ -159,12 +144,8 @@ impl Way {
     }
 
     fn fit(&self, arm: &BodyModel, draw: &Draw, distance: f64, angle: f64) -> LimbErrors {
-        let options = PointOptions {
-            residual: self.residual,
-            loss: self.loss,
-            derivatives: self.derivatives,
-            ..PointOptions::default()
-        };
+        let options =
+            PointOptions { residual: self.residual, loss: self.loss, ..PointOptions::default() };
         let (prior, pose_prior) = (ShapePrior::new(arm), PosePrior::new(arm));
         let term = PointField::new(draw.points.clone(), options, SkinScale::new(arm));
         let terms: Vec<Box<dyn Term>> = vec![Box::new(term)];

@@ -8,7 +8,6 @@ use maquette::likelihood::{RayView, SurfacePoint};
 use maquette::math::Rigid3;
 use maquette::render;
 use maquette::silhouette::{SilhouetteOptions, extract};
-use maquette::stereo::{CloudPoint, Spread};
 use maquette::synth::{Ring, SegmentationErrors, StereoPair};
 use nalgebra::{DVector, Point3, Rotation3, Vector3};
 use rand::{Rng, RngExt};
@@ -138,17 +137,7 @@ pub fn surface_points(
     rng: &mut impl Rng,
 ) -> Vec<SurfacePoint> {
     let cloud = pair.points(camera, &truth.posed(), rng);
-    cloud.iter().map(surface_point).collect()
-}
-
-/// The likelihood knows one standard deviation of a point: here the largest, which is that of the depth.
-fn surface_point(point: &CloudPoint) -> SurfacePoint {
-    let sigma_m = match point.spread {
-        Spread::Unknown => 0.0,
-        Spread::Isotropic(sigma) => sigma,
-        Spread::Full(covariance) => covariance.symmetric_eigenvalues().max().sqrt(),
-    };
-    SurfacePoint { position_world: point.position_world, sigma_m }
+    cloud.iter().map(SurfacePoint::from).collect()
 }
 
 /// The lines of sight along the arm's silhouettes, segmented with mild errors.

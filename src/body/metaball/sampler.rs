@@ -5,6 +5,10 @@ use nalgebra::Vector3;
 use super::sample::NEGLIGIBLE;
 use super::{Field, FieldSample};
 
+/// d of a limb's nearest metaball below which a point counts as near its skin, where d of a metaball alone is 0.35. There the skin of
+/// a metaball that is left out is farther away than that of the nearest, even if its radii are a tenth of the nearest's.
+const NEAR: f64 = 0.8;
+
 /// A field laid out for sampling at many points: one array for each number of a metaball.
 #[derive(Debug, Clone)]
 pub struct Sampler<'f> {
@@ -44,6 +48,35 @@ impl<'f> Sampler<'f> {
         self.near.extend(self.field.limbs[limb].iter().filter(contributes));
         sample.update_limb(self.field, limb, point_world, &self.near);
         true
+    }
+
+    /// Measures a point for [`limb_value`](Self::limb_value) and [`sample_limb`](Self::sample_limb).
+    pub fn turn_to(&mut self, point_world: &Vector3<f64>) {
+        self.measure(point_world);
+    }
+
+    /// ln F of a limb at the point that was measured, and its largest metaball there; `None` for a limb without metaballs.
+    pub fn limb_value(&self, limb: usize) -> Option<(f64, usize)> {
+        let (_, least) = self.least(limb)?;
+        let nearest = self.field.limbs[limb].iter().find(|i| self.distances[**i] <= least)?;
+        Some((self.log_sum(limb, least), *nearest))
+    }
+
+    /// Samples a limb at the point that was measured. It returns the metaballs that count there and at the nearest place of the skin:
+    /// of a point far from the skin all of the limb's.
+    pub fn sample_limb(
+        &mut self,
+        limb: usize,
+        point_world: &Vector3<f64>,
+        sample: &mut FieldSample,
+    ) -> &[usize] {
+        let least = self.least(limb).map_or(f64::INFINITY, |(_, least)| least);
+        let reach = if least < NEAR { least + NEGLIGIBLE } else { f64::INFINITY };
+        let distances = &self.distances;
+        self.near.clear();
+        self.near.extend(self.field.limbs[limb].iter().filter(|i| distances[**i] < reach));
+        sample.update_limb(self.field, limb, point_world, &self.near);
+        &self.near
     }
 
     /// d of every metaball.

@@ -19,8 +19,8 @@ use experiments::table::Table;
 use maquette::body::{BodyModel, Posed, Shape, State};
 use maquette::inference::prior::{PosePrior, ShapePrior};
 use maquette::likelihood::{
-    PointField, PointOptions, RayOptions, RayView, Residual, SilhouetteRays, SkinScale,
-    SurfacePoint, Term,
+    PointField, PointOptions, PointResidual, RayOptions, RayView, Residual, SilhouetteRays,
+    SkinScale, SurfacePoint, Term,
 };
 use maquette::math::stats::median;
 use maquette::solver::Loss;
@@ -154,8 +154,12 @@ impl Way {
             Residual::Field => Loss::Squared,
             Residual::Metric => Loss::Cauchy(3.0),
         };
+        let of_points = match self.residual {
+            Residual::Field => PointResidual::Field,
+            Residual::Metric => PointResidual::Distance,
+        };
         let scale = SkinScale::new(arm);
-        let points = PointOptions { residual: self.residual, loss, ..PointOptions::default() };
+        let points = PointOptions { residual: of_points, loss, ..PointOptions::default() };
         let rays = RayOptions { residual: self.residual, loss, ..RayOptions::default() };
         let mut terms: Vec<Box<dyn Term>> =
             vec![Box::new(PointField::new(draw.points.clone(), points, scale.clone()))];
