@@ -109,11 +109,11 @@ impl Scene {
             let steps = (0..300).map(|i| centre + out * (1e-3 * f64::from(i)));
             let outside = steps.skip_while(|x| field.value(x) > 0.5);
             let covariance = depth_covariance(&mut rng);
-            points.extend(outside.take(1).map(|x| SurfacePoint {
-                position_world: Point3::from(x),
-                covariance,
-                towards_cameras: None,
-            }));
+            points.extend(
+                outside
+                    .take(1)
+                    .map(|x| SurfacePoint { position_world: Point3::from(x), covariance }),
+            );
         }
         points
     }
@@ -132,10 +132,8 @@ impl Scene {
         let squared = RayOptions { loss: Loss::Squared, ..metric };
         let points = PointOptions::default();
         let points_field = PointOptions { residual: PointResidual::Field, ..points };
-        let assigned = self.points(points).assigned_to(&self.posed());
         vec![
             ("points, distance", Box::new(self.points(points))),
-            ("points, distance, assigned", Box::new(assigned)),
             ("points, field", Box::new(self.points(points_field))),
             ("rays, metric", Box::new(self.rays(metric))),
             ("rays, field", Box::new(self.rays(field))),
@@ -335,35 +333,6 @@ fn a_point_errs_by_its_covariance_along_the_normal() {
         }
     }
     assert!(checked > 30, "{checked}");
-}
-
-#[test]
-fn points_belong_to_surfaces_that_face_the_cameras_which_measured_them() {
-    let scene = Scene::new();
-    let body = scene.posed();
-    let field = Field::from_body(&body);
-    let towards = Vector3::x();
-    let seen = |mut point: SurfacePoint| {
-        point.towards_cameras = Some(towards);
-        point
-    };
-    let points = scene.surface().into_iter().map(seen).collect();
-    let points = PointField::new(points, PointOptions::default(), SkinScale::new(&scene.model));
-    let (all, assigned) = (points.residuals(&body), points.assigned_to(&body).residuals(&body));
-
-    // before, about half of the points lie on the far side
-    let faces = |touch: &&SkinTouch| {
-        let (_, gradient) = field.value_and_gradient(&touch.place_world.coords);
-        gradient.dot(&towards) < 0.0
-    };
-    let facing = |touches: &[SkinTouch]| touches.iter().filter(faces).count();
-    assert!(facing(&all) < 3 * all.len() / 4, "{} of {}", facing(&all), all.len());
-    // then hardly one: where limbs overlap, the field is that of the other
-    assert!(facing(&assigned) + 1 >= assigned.len() && assigned.len() > 10);
-
-    // turning away from points does not pay: those of no limb cost what they did
-    let costs = [points.cost(&body), points.assigned_to(&body).cost(&body)];
-    assert!(costs[1] >= costs[0] - 1e-9, "{costs:?}");
 }
 
 /// Mean distance of the exported points from the truth after a fit of the motion, m.

@@ -60,46 +60,11 @@ impl<'a> NearestLimb<'a> {
     pub(super) fn meet(&mut self, point: &SurfacePoint) -> Option<Met> {
         let x = &point.position_world.coords;
         match self.options.residual {
-            PointResidual::Distance => self.find(x, |_| true).map(|foot| self.met_at(point, &foot)),
+            PointResidual::Distance => self.find(x).map(|foot| self.met_at(point, &foot)),
             PointResidual::Field => {
                 self.sampler.sample(x, &mut self.met.sample).then(|| self.meet_field(point))
             }
         }
-    }
-
-    /// The residual of a point on the limb that it belongs to, with `met` there.
-    pub(super) fn meet_limb(&mut self, point: &SurfacePoint, limb: usize) -> Option<Met> {
-        let x = &point.position_world.coords;
-        self.sampler.turn_to(x);
-        match self.options.residual {
-            PointResidual::Distance => {
-                let foot = self.foot_on(limb, x)?;
-                std::mem::swap(&mut self.met, &mut self.other);
-                Some(self.met_at(point, &foot))
-            }
-            PointResidual::Field => {
-                self.sampler.sample_limb(limb, x, &mut self.met.sample);
-                Some(self.meet_field(point))
-            }
-        }
-    }
-
-    /// The limb that a point belongs to: the nearest that shows the point's cameras its skin there. `None` if there is none about
-    /// as near as the nearest of all.
-    pub(super) fn limb(&mut self, point: &SurfacePoint) -> Option<usize> {
-        let x = &point.position_world.coords;
-        if self.options.residual == PointResidual::Field {
-            let is_there = self.sampler.sample(x, &mut self.met.sample);
-            let faces = |sample: &FieldSample| point.may_face(&-sample.log_gradient);
-            return (is_there && faces(&self.met.sample)).then_some(self.met.sample.limb);
-        }
-        let nearest = self.find(x, |_| true)?;
-        if point.may_face(&nearest.0.normal) {
-            return Some(self.met.sample.limb);
-        }
-        let most_m = MARGIN_M + (1.0 + MARGIN) * nearest.1.abs();
-        let seen = self.find(x, |foot| point.may_face(&foot.normal))?;
-        (seen.1.abs() < most_m).then_some(self.met.sample.limb)
     }
 
     /// By the field at the point itself, which `met` has sampled.
@@ -114,8 +79,8 @@ impl<'a> NearestLimb<'a> {
         }
     }
 
-    /// The foot of a point on the limb whose surface it is least outside of, among those with a foot that may be; `met` is there.
-    fn find(&mut self, x: &Vector3<f64>, may_be: impl Fn(&Foot) -> bool) -> Option<(Foot, f64)> {
+    /// The foot of a point on the limb whose surface it is least outside of; `met` is there.
+    fn find(&mut self, x: &Vector3<f64>) -> Option<(Foot, f64)> {
         self.sampler.turn_to(x);
         let about_m = |limb: usize| {
             let (log_value, ball) = self.sampler.limb_value(limb)?;
@@ -131,7 +96,7 @@ impl<'a> NearestLimb<'a> {
             if about_m > least_m + MARGIN_M + MARGIN * least_m.abs() {
                 break;
             }
-            let found = self.foot_on(limb, x).filter(|f| f.1 < least_m && may_be(&f.0));
+            let found = self.foot_on(limb, x).filter(|f| f.1 < least_m);
             if found.is_some() {
                 least = found;
                 std::mem::swap(&mut self.met, &mut self.other);

@@ -18,12 +18,9 @@
 //!
 //! which is one row of the foot's, exactly. So `linearize` tells the slope of what `cost` returns.
 //!
-//! **Which limb.** A point is compared with the limb whose surface it is least outside of. Once points are assigned
-//! ([`PointField::assigned_to`]), it is compared with the limb that it was assigned to (PFD99 § 3.3), and only if that faces the cameras
-//! which measured the point, n·v > 0: one that is nearest to the far side of a limb belongs to another limb about as near that shows
-//! them its skin there, or to none. One that belongs to none pulls nothing, and costs what it did when it was assigned: turning away
-//! from points must not pay. **Differs** from PFD99: the program's fits do not assign. With points assigned every five iterations,
-//! tracks lost limbs; [decision 0007](../../docs/decisions/0007-limbs-and-the-skin-distance.md) has the numbers.
+//! A point is compared with the limb whose surface it is least outside of, anew in every evaluation. **Differs** from PFD99 § 3.3, where
+//! points are assigned to limbs and assigned anew every few iterations: with that, tracks lost limbs;
+//! [decision 0007](../../docs/decisions/0007-limbs-and-the-skin-distance.md) has the numbers.
 //!
 //! The skin's mismatch at least is common to neighbours: space is cut into cells of the correlation length, and the points of a cell
 //! share the weight of one observation. So a dense cloud, or a dense place in one, says no more than a sparse one. But a cell with
@@ -83,45 +80,13 @@ pub struct PointField {
     weights: Vec<f64>,
     options: PointOptions,
     scale: SkinScale,
-    /// Once they are assigned, what each belongs to.
-    belongs: Option<Belongs>,
-}
-
-/// What the points belong to.
-#[derive(Debug, Clone)]
-struct Belongs {
-    /// The limb of each; `None` for a point that belongs to none.
-    limbs: Vec<Option<usize>>,
-    /// What those cost that belong to none.
-    stray_cost: f64,
 }
 
 impl PointField {
     /// The term of one frame's points; each is compared with the limb whose surface it is least outside of. `scale` is the model's.
     pub fn new(points: Vec<SurfacePoint>, options: PointOptions, scale: SkinScale) -> Self {
         let weights = weights(&points, options.correlation_m);
-        Self { weights, points, options, scale, belongs: None }
-    }
-
-    /// The same points, each assigned to the limb that it belongs to before a body.
-    pub fn assigned_to(&self, body: &Posed<'_>) -> Self {
-        let field = Field::from_body(body);
-        let scale = self.scale.posed(body, &field);
-        let mut nearest = NearestLimb::new(body, &field, &scale, self.options);
-        let limbs: Vec<Option<usize>> = self.points.iter().map(|p| nearest.limb(p)).collect();
-
-        let mut stray_cost = 0.0;
-        let strays = limbs.iter().enumerate().filter(|(_, limb)| limb.is_none());
-        for (index, _) in strays {
-            let Some(met) = nearest.meet(&self.points[index]) else { continue };
-            let (rho, _) = self.options.loss.evaluate(met.residual.distance_m / met.sigma_m);
-            stray_cost += 0.5 * self.weights[index] * rho;
-        }
-        Self { belongs: Some(Belongs { limbs, stray_cost }), ..self.clone() }
-    }
-
-    fn stray_cost(&self) -> f64 {
-        self.belongs.as_ref().map_or(0.0, |belongs| belongs.stray_cost)
+        Self { weights, points, options, scale }
     }
 
     /// The residual of every point; none for a body without metaballs.
@@ -148,11 +113,7 @@ impl SkinTerm for PointField {
     ) {
         let mut nearest = NearestLimb::new(body, field, scale, self.options);
         for (index, (point, &weight)) in self.points.iter().zip(&self.weights).enumerate() {
-            let met = match self.belongs.as_ref().map(|belongs| belongs.limbs[index]) {
-                None => nearest.meet(point),
-                Some(limb) => limb.and_then(|limb| nearest.meet_limb(point, limb)),
-            };
-            let Some(met) = met else { continue };
+            let Some(met) = nearest.meet(point) else { continue };
             let touch = Touch {
                 source: Source::Cloud,
                 index,
@@ -179,11 +140,11 @@ impl Term for PointField {
     }
 
     fn cost(&self, body: &Posed<'_>) -> f64 {
-        skin_term::cost(self, body) + self.stray_cost()
+        skin_term::cost(self, body)
     }
 
     fn linearize(&self, body: &Posed<'_>, equations: &mut NormalEquations) -> f64 {
-        skin_term::linearize(self, body, equations) + self.stray_cost()
+        skin_term::linearize(self, body, equations)
     }
 
     fn placed_residuals(&self, body: &Posed<'_>) -> Vec<PlacedResidual> {
