@@ -7,7 +7,9 @@
 //!
 //! with r the skin distance of the point that x shows. Only pixels count that have a depth, away from where depth ends:
 //! correlation by windows cannot tell there. Were nobody where the contour is, its pixels would show the still scene, C ∩ D
-//! would be empty and b = 0. Below one half, more speaks against the body than for it.
+//! would be empty and b = 0. Below one half, more speaks against the body than for it. Where nothing in the whole picture is nearer
+//! than the still scene, as of a person who never moves or of a single frame, the person is a part of that scene, and depth
+//! cannot tell.
 
 use nalgebra::Point2;
 
@@ -58,6 +60,10 @@ impl DepthView<'_> {
         let (inside, is_about) = (contours.inside(), volume(body, ABOUT_M));
 
         // pixel by pixel that has a depth
+        let stands_out = (0..height).flat_map(|y| before.row(y)).filter(|shown| **shown > 0);
+        if stands_out.count() < LEAST_PIXELS {
+            return None;
+        }
         let mut points = self.map.points.iter();
         let (mut either, mut both) = (0usize, Vec::<CloudPoint>::new());
         for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
