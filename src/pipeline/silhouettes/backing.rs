@@ -7,7 +7,7 @@
 //!
 //! with r the skin distance of the point that x shows. Only pixels count that have a depth, away from where depth ends:
 //! correlation by windows cannot tell there. Were nobody where the contour is, its pixels would show the still scene, C ∩ D
-//! would be empty and b = 0. Below one half, more speaks against the body than for it. Where nothing in the whole picture is nearer
+//! would be empty and b = 0. Below one half, more speaks against the body than for it. Where hardly anything in the whole picture is nearer
 //! than the still scene, as of a person who never moves or of a single frame, the person is a part of that scene, and depth
 //! cannot tell.
 
@@ -34,6 +34,8 @@ const ON_SKIN_M: f64 = 0.1;
 const EVERY_PX: usize = 2;
 /// Of so many points the skin distance is looked at.
 const MOST_POINTS: usize = 400;
+/// Less than this share of the contour's pixels, an arm, are no person who stands out somewhere in the picture (E).
+const LEAST_OUT: f64 = 0.1;
 /// Of fewer pixels nothing can be said.
 const LEAST_PIXELS: usize = 50;
 
@@ -60,12 +62,9 @@ impl DepthView<'_> {
         let (inside, is_about) = (contours.inside(), volume(body, ABOUT_M));
 
         // pixel by pixel that has a depth
-        let stands_out = (0..height).flat_map(|y| before.row(y)).filter(|shown| **shown > 0);
-        if stands_out.count() < LEAST_PIXELS {
-            return None;
-        }
         let mut points = self.map.points.iter();
         let (mut either, mut both) = (0usize, Vec::<CloudPoint>::new());
+        let (mut within, mut stands_out) = (0usize, 0usize);
         for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
             if !near.get(x, y).is_some_and(f32::is_finite) {
                 continue;
@@ -81,12 +80,14 @@ impl DepthView<'_> {
                     self.camera.project_undistorted(&point.position_world);
                 pixel.is_some_and(|pixel| inside.contains(&pixel))
             });
+            within += usize::from(is_in);
+            stands_out += usize::from(before.is_foreground(x, y));
             either += usize::from(is_in || is_somebody);
             if is_in && is_somebody {
                 both.push(*point);
             }
         }
-        if either < LEAST_PIXELS {
+        if either < LEAST_PIXELS || (stands_out as f64) < LEAST_OUT * within as f64 {
             return None;
         }
 
