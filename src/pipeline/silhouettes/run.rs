@@ -116,14 +116,10 @@ impl<P: PictureSource> SilhouetteSearch<'_, P> {
         progress: &dyn Progress,
         mut take: impl FnMut(&FrameSilhouettes<'_>) -> Result<(), E>,
     ) -> Result<FoundSilhouettes, E> {
-        let rig = self.pictures.rig();
-        let likelihood = LikelihoodOptions::default();
-        let evidence = Evidence::new(self.model, rig, likelihood, Measure::Metaballs);
-
         // 1. the body of each frame
         let fitted = match self.pipeline {
             SilhouettePipeline::Simple => self.start.clone(),
-            SilhouettePipeline::Joint => self.refit_by_turns(&evidence, progress),
+            SilhouettePipeline::Joint => self.refit_by_turns(progress),
         };
 
         // 2. active contours from its outline
@@ -152,7 +148,13 @@ impl<P: PictureSource> SilhouetteSearch<'_, P> {
     }
 
     /// Shape and motion of all frames at once fitted to stereo and contours, and contours from there, by turns.
-    fn refit_by_turns(&self, evidence: &Evidence<'_>, progress: &dyn Progress) -> StartingFit {
+    ///
+    /// The fit may have its surface outside the model's; the body from which contours are expected has not. Else a contour
+    /// that is drawn too wide makes a fatter body, from which the next is drawn wider still.
+    fn refit_by_turns(&self, progress: &dyn Progress) -> StartingFit {
+        let (detailed, likelihood) = (self.model.detailed(), LikelihoodOptions::default());
+        let rig = self.pictures.rig();
+        let evidence = Evidence::new(&detailed, rig, likelihood, Measure::Metaballs);
         let mut fitted = self.start.clone();
         for _ in 0..TURNS {
             let mut observed = Vec::new();
@@ -160,7 +162,7 @@ impl<P: PictureSource> SilhouetteSearch<'_, P> {
                 observed.push(found.sighting.observed);
                 Ok::<(), Infallible>(())
             });
-            fitted = fitted.refitted(&observed, evidence, self.pictures.fps(), progress);
+            fitted = fitted.refitted(&observed, &evidence, self.pictures.fps(), progress);
         }
         fitted
     }

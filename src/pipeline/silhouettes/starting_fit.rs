@@ -103,7 +103,7 @@ impl StartingFit {
         let fitted = observed.iter().zip(joint.frames);
         let motions = fitted.map(|(o, fit)| (o.frame, fit.motion));
         self.motions.extend(motions);
-        Self { shape: joint.shape, ..self }
+        Self { shape: joint.shape.first(self.shape.0.len()), ..self }
     }
 }
 
