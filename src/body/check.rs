@@ -6,7 +6,7 @@ use super::{BodyModel, EllipsoidJacobians, Layout, PartId, Posed, State};
 use crate::math::quadric::Ellipsoid;
 use crate::math::{DerivativeFault, central_differences, compare_derivatives};
 
-/// Checks the Jacobians of every exported point, part and ellipsoid of a model at a state.
+/// Checks the Jacobians of every exported point, keypoint, part and ellipsoid of a model at a state.
 ///
 /// # Errors
 /// The first entry that is off by more than `tolerance` (absolute, metres or square metres per unit).
@@ -18,13 +18,13 @@ pub fn check_kinematics(
     let layout = Layout::new(model);
     let body = Posed::new(model, &state.shape, &state.motion);
 
-    for index in 0..model.points.len() {
+    for point in model.points.iter().chain(&model.keypoints) {
         let numeric = central_differences(layout.total(), 1e-3, |delta| {
             let moved = layout.retract(state, delta);
-            let points = Posed::new(model, &moved.shape, &moved.motion).points();
-            DVector::from_column_slice(points[index].coords.as_slice())
+            let at = Posed::new(model, &moved.shape, &moved.motion).named_point(point);
+            DVector::from_column_slice(at.coords.as_slice())
         });
-        compare(&model.points[index].name, &body.point_jacobian(index), &numeric, tolerance)?;
+        compare(&point.name, &body.named_point_jacobian(point), &numeric, tolerance)?;
     }
 
     for (index, part) in model.parts.iter().enumerate() {

@@ -8,7 +8,9 @@
 
 use nalgebra::{Const, DMatrix, Dyn, Matrix3, OMatrix, Vector3};
 
-use super::{BodyModel, FrameId, Layout, PartId, Posed, Primitive, ScaledVector};
+use super::{
+    BodyModel, FrameId, Layout, NamedPoint, PartId, PointSlopes, Posed, Primitive, ScaledVector,
+};
 use crate::math::quadric::Ellipsoid;
 
 /// 9 × any number of columns.
@@ -179,16 +181,15 @@ impl Posed<'_> {
 
     /// ∂(exported point)/∂(state), 3 × all components.
     pub fn point_jacobian(&self, index: usize) -> DMatrix<f64> {
-        let layout = Layout::new(self.model);
-        let mut jacobian = DMatrix::zeros(3, layout.total());
-        let places = &self.model.points[index].places;
-        for (part, place) in places {
-            let frame = FrameId::from_joint(self.model.parts[part.0].joint);
-            point_columns(self, layout, frame, place, |component, d| {
-                let mut column = jacobian.column_mut(component);
-                column += d / places.len() as f64;
-            });
-        }
+        self.named_point_jacobian(&self.model.points[index])
+    }
+
+    /// The same of a named point: its slopes, and 0 for all other components.
+    pub(super) fn named_point_jacobian(&self, point: &NamedPoint) -> DMatrix<f64> {
+        let mut slopes = PointSlopes::new();
+        self.named_point_slopes(point, &mut slopes);
+        let mut jacobian = DMatrix::zeros(3, Layout::new(self.model).total());
+        slopes.iter().for_each(|(component, slope)| jacobian.set_column(*component, slope));
         jacobian
     }
 }

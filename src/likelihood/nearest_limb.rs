@@ -6,11 +6,10 @@
 
 use nalgebra::Vector3;
 
-use super::SurfacePoint;
 use super::foot::Foot;
-use super::point_field::{PointOptions, PointResidual};
 use super::skin_distance::{Derivatives, PosedScale, Residual, SkinResidual};
 use super::skin_term::{self, PartOffset, TouchPlace};
+use super::{PointOptions, PointResidual, SurfacePoint};
 use crate::body::Posed;
 use crate::body::metaball::{Field, FieldSample, Sampler};
 

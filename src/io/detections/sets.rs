@@ -7,186 +7,49 @@ use super::Person;
 pub struct KeypointSet {
     /// As `keypoints` in `sequence.toml` names it.
     pub name: &'static str,
-    /// The points, in the order of a file.
-    pub points: &'static [&'static str],
+    /// The points, block after block in the order of a file.
+    blocks: &'static [&'static [&'static str]],
     /// How many points a file holds of it.
     pub count: usize,
 }
 
+#[rustfmt::skip]
 const COCO: &[&str] = &[
-    "Nose",
-    "LEye",
-    "REye",
-    "LEar",
-    "REar",
-    "LShoulder",
-    "RShoulder",
-    "LElbow",
-    "RElbow",
-    "LWrist",
-    "RWrist",
-    "LHip",
-    "RHip",
-    "LKnee",
-    "RKnee",
-    "LAnkle",
-    "RAnkle",
+    "Nose", "LEye", "REye", "LEar", "REar", "LShoulder", "RShoulder", "LElbow", "RElbow",
+    "LWrist", "RWrist", "LHip", "RHip", "LKnee", "RKnee", "LAnkle", "RAnkle",
 ];
-const COCO_WITH_FEET: &[&str] = &[
-    "Nose",
-    "LEye",
-    "REye",
-    "LEar",
-    "REar",
-    "LShoulder",
-    "RShoulder",
-    "LElbow",
-    "RElbow",
-    "LWrist",
-    "RWrist",
-    "LHip",
-    "RHip",
-    "LKnee",
-    "RKnee",
-    "LAnkle",
-    "RAnkle",
-    "LBigToe",
-    "LSmallToe",
-    "LHeel",
-    "RBigToe",
-    "RSmallToe",
-    "RHeel",
-];
-const HALPE: &[&str] = &[
-    "Nose",
-    "LEye",
-    "REye",
-    "LEar",
-    "REar",
-    "LShoulder",
-    "RShoulder",
-    "LElbow",
-    "RElbow",
-    "LWrist",
-    "RWrist",
-    "LHip",
-    "RHip",
-    "LKnee",
-    "RKnee",
-    "LAnkle",
-    "RAnkle",
-    "Head",
-    "Neck",
-    "Hip",
-    "LBigToe",
-    "RBigToe",
-    "LSmallToe",
-    "RSmallToe",
-    "LHeel",
-    "RHeel",
-];
+const FEET: &[&str] = &["LBigToe", "LSmallToe", "LHeel", "RBigToe", "RSmallToe", "RHeel"];
+const HALPE: &[&str] =
+    &["Head", "Neck", "Hip", "LBigToe", "RBigToe", "LSmallToe", "RSmallToe", "LHeel", "RHeel"];
+#[rustfmt::skip]
 const BODY_25: &[&str] = &[
-    "Nose",
-    "Neck",
-    "RShoulder",
-    "RElbow",
-    "RWrist",
-    "LShoulder",
-    "LElbow",
-    "LWrist",
-    "Hip",
-    "RHip",
-    "RKnee",
-    "RAnkle",
-    "LHip",
-    "LKnee",
-    "LAnkle",
-    "REye",
-    "LEye",
-    "REar",
-    "LEar",
-    "LBigToe",
-    "LSmallToe",
-    "LHeel",
-    "RBigToe",
-    "RSmallToe",
-    "RHeel",
+    "Nose", "Neck", "RShoulder", "RElbow", "RWrist", "LShoulder", "LElbow", "LWrist", "Hip",
+    "RHip", "RKnee", "RAnkle", "LHip", "LKnee", "LAnkle", "REye", "LEye", "REar", "LEar",
 ];
-const BODY_25B: &[&str] = &[
-    "Nose",
-    "LEye",
-    "REye",
-    "LEar",
-    "REar",
-    "LShoulder",
-    "RShoulder",
-    "LElbow",
-    "RElbow",
-    "LWrist",
-    "RWrist",
-    "LHip",
-    "RHip",
-    "LKnee",
-    "RKnee",
-    "LAnkle",
-    "RAnkle",
-    "Neck",
-    "Head",
-    "LBigToe",
-    "LSmallToe",
-    "LHeel",
-    "RBigToe",
-    "RSmallToe",
-    "RHeel",
-];
+#[rustfmt::skip]
 const MEDIAPIPE: &[&str] = &[
-    "Nose",
-    "",
-    "",
-    "",
-    "",
-    "",
-    "",
-    "LEar",
-    "REar",
-    "",
-    "",
-    "LShoulder",
-    "RShoulder",
-    "LElbow",
-    "RElbow",
-    "LWrist",
-    "RWrist",
-    "",
-    "",
-    "",
-    "",
-    "",
-    "",
-    "LHip",
-    "RHip",
-    "LKnee",
-    "RKnee",
-    "LAnkle",
-    "RAnkle",
-    "LHeel",
-    "RHeel",
-    "LBigToe",
-    "RBigToe",
+    "Nose", "", "", "", "", "", "", "LEar", "REar", "", "", "LShoulder", "RShoulder", "LElbow",
+    "RElbow", "LWrist", "RWrist", "", "", "", "", "", "", "LHip", "RHip", "LKnee", "RKnee",
+    "LAnkle", "RAnkle", "LHeel", "RHeel", "LBigToe", "RBigToe",
 ];
 
 /// All that are known; of two with the same count the first is tried first.
 const SETS: [KeypointSet; 7] = [
-    KeypointSet { name: "coco17", points: COCO, count: 17 },
-    KeypointSet { name: "body25", points: BODY_25, count: 25 },
-    KeypointSet { name: "body25b", points: BODY_25B, count: 25 },
-    KeypointSet { name: "halpe26", points: HALPE, count: 26 },
-    KeypointSet { name: "mediapipe33", points: MEDIAPIPE, count: 33 },
-    KeypointSet { name: "wholebody133", points: COCO_WITH_FEET, count: 133 },
-    KeypointSet { name: "halpe136", points: HALPE, count: 136 },
+    KeypointSet { name: "coco17", blocks: &[COCO], count: 17 },
+    KeypointSet { name: "body25", blocks: &[BODY_25, FEET], count: 25 },
+    KeypointSet { name: "body25b", blocks: &[COCO, &["Neck", "Head"], FEET], count: 25 },
+    KeypointSet { name: "halpe26", blocks: &[COCO, HALPE], count: 26 },
+    KeypointSet { name: "mediapipe33", blocks: &[MEDIAPIPE], count: 33 },
+    KeypointSet { name: "wholebody133", blocks: &[COCO, FEET], count: 133 },
+    KeypointSet { name: "halpe136", blocks: &[COCO, HALPE], count: 136 },
 ];
 
 impl KeypointSet {
+    /// The points, in the order of a file.
+    pub fn points(self) -> impl Iterator<Item = &'static str> {
+        self.blocks.iter().copied().flatten().copied()
+    }
+
     /// The names of all sets.
     pub fn names() -> impl Iterator<Item = &'static str> {
         SETS.iter().map(|set| set.name)
@@ -242,7 +105,7 @@ mod tests {
             "Shoulder" => 60.0,
             _ => 10.0,
         };
-        let points = (0..set.count).map(|i| set.points.get(i).copied().unwrap_or(""));
+        let points = set.points().chain(std::iter::repeat("")).take(set.count);
         points.map(|name| [100.0, y(name), 0.9]).collect()
     }
 
@@ -251,7 +114,7 @@ mod tests {
         for set in SETS {
             assert_eq!(KeypointSet::of_people(&[person(&set)]), Some(set));
             assert_eq!(KeypointSet::by_name(set.name), Some(set));
-            assert!(set.points.len() <= set.count);
+            assert!(set.points().count() <= set.count);
         }
         assert_eq!(KeypointSet::by_name("BODY_25B").unwrap().name, "body25b");
         assert_eq!(KeypointSet::of_people(&[vec![[0.0; 3]; 12]]), None);

@@ -148,8 +148,8 @@ fn sampled(files: &BTreeMap<u64, PathBuf>, camera: &Camera) -> Result<Vec<Person
 
 /// The points of a person that have a name and were seen.
 fn keypoints(set: &KeypointSet, camera: &Camera, person: &Person) -> Vec<Keypoint> {
-    let named = set.points.iter().zip(person).filter(|(name, _)| !name.is_empty());
-    let seen = |(name, [x, y, confidence]): (&&'static str, &[f64; 3])| {
+    let named = set.points().zip(person).filter(|(name, _)| !name.is_empty());
+    let seen = |(name, [x, y, confidence]): (&'static str, &[f64; 3])| {
         let is_usable = *confidence > 0.0 && x.is_finite() && y.is_finite();
         let pixel = is_usable.then(|| camera.undistort(&Point2::new(*x, *y)))??;
         Some(Keypoint { name, pixel, confidence: confidence.min(1.0) })

@@ -156,10 +156,8 @@ impl Diagnosis<'_> {
             let of_body = || self.of_another_size().into_iter().collect();
             return if of_cameras.is_empty() { of_body() } else { of_cameras };
         }
-        // pieces of the room, elsewhere in each camera, look like lenses that are wrong
-        let alone = |rig| still_parts(rig, &alone_shares(rig, self.observations), STILL_PART);
-        if let Some(room) = if found.are_of_lenses() { alone(rig) } else { None } {
-            return vec![room];
+        if let Some(pieces) = self.pieces_of_room() {
+            return vec![pieces];
         }
         if found.explain_nearly_all() {
             return of_cameras();
@@ -212,6 +210,15 @@ impl Diagnosis<'_> {
         let has_grown = matches!(cause, Some(Cause::Scale { factor }) if factor > 1.0);
         let still = if has_grown { still_parts(SMALL_STILL_PART) } else { None };
         still.or(cause).into_iter().collect()
+    }
+
+    /// Pieces of the room, elsewhere in each camera: they look like lenses that are wrong.
+    fn pieces_of_room(&self) -> Option<Cause> {
+        if !self.faults.are_of_lenses() {
+            return None;
+        }
+        let rig = self.evidence.rig;
+        still_parts(rig, &alone_shares(rig, self.observations), STILL_PART)
     }
 
     /// What is wrong with the cameras: as the joint optimum found it, where that can.

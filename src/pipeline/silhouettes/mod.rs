@@ -23,6 +23,7 @@ mod filter;
 mod moving;
 mod run;
 mod scene;
+mod seen_depths;
 mod starting_fit;
 mod staying;
 mod still;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::staying::SeenDepths;
+use super::seen_depths::SeenDepths;
 use super::{SilhouetteError, StillScenes, UndistortedFrame};
 use crate::body::{BodyModel, Motion, Shape};
 use crate::camera::CameraId;

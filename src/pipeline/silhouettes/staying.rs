@@ -14,17 +14,17 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{Point3, Vector2, Vector3};
+use nalgebra::{Point3, Vector2};
 use rayon::prelude::*;
 
-use super::ends::nearness;
 use super::moving::{CLEAN_PX, largest_piece};
+use super::seen_depths::{EVERY_PX, SeenDepths};
 use super::still::{StillScene, StillScenes};
-use crate::camera::{Camera, CameraId};
+use crate::camera::CameraId;
 use crate::image::{Mask, Plane, closed, opened};
 use crate::math::stats::median;
 use crate::silhouette::FrameIndex;
-use crate::stereo::{CloudPoint, DepthMap, Spread};
+use crate::stereo::CloudPoint;
 
 /// A standing body lies within this distance of its middle, but for arms that are stretched out, m.
 const REACH_M: f64 = 0.6;
@@ -42,61 +42,6 @@ const GAP_PX: usize = 3;
 const MOSTLY: f64 = 0.5;
 /// This share of the heights of what moves may be false, as of the depths of the still scene.
 const LOWEST: f64 = 0.1;
-/// Every so many moving pixels one is taken to find the place.
-const EVERY_PX: usize = 2;
-
-/// Depths that one camera has seen, frame by frame.
-#[derive(Debug, Clone)]
-pub(super) struct SeenDepths {
-    /// The rectified camera.
-    camera: Camera,
-    /// Distance of the camera beside it, m.
-    baseline_m: f64,
-    /// How near each pixel is, px; NaN unknown.
-    pub(super) maps: BTreeMap<FrameIndex, Plane<f32>>,
-}
-
-impl SeenDepths {
-    /// None yet, of the camera that sees a depth map.
-    pub(super) fn of(map: &DepthMap) -> Self {
-        let baseline_m = map.pair.baseline().abs();
-        Self { camera: map.pair.left.camera.clone(), baseline_m, maps: BTreeMap::new() }
-    }
-
-    /// One frame more.
-    pub(super) fn add(&mut self, frame: FrameIndex, map: &DepthMap) {
-        self.maps.insert(frame, nearness(map));
-    }
-
-    /// Depth · nearness, m px.
-    fn scale(&self) -> f64 {
-        self.camera.intrinsics.fx_px * self.baseline_m
-    }
-
-    /// The place that a pixel shows; `None` where nothing is known, or at infinity.
-    fn place(&self, x: usize, y: usize, nearness: f32) -> Option<Point3<f64>> {
-        let depth_m = self.scale() / f64::from(nearness);
-        if !depth_m.is_finite() || depth_m <= 0.0 {
-            return None;
-        }
-        let k = &self.camera.intrinsics;
-        let ray = Vector3::new((x as f64 - k.cx_px) / k.fx_px, (y as f64 - k.cy_px) / k.fy_px, 1.0);
-        Some(self.camera.camera_from_world.inverse() * Point3::from(ray * depth_m))
-    }
-
-    /// The places of every few pixels that `shows` (column, row) tells the nearness of.
-    fn places(&self, shows: impl Fn(usize, usize) -> Option<f32>) -> Vec<CloudPoint> {
-        let (width, height) = (self.camera.width_px as usize, self.camera.height_px as usize);
-        let rows = (0..height).step_by(EVERY_PX);
-        let pixels = rows.flat_map(|y| (0..width).step_by(EVERY_PX).map(move |x| (x, y)));
-        let place = |(x, y)| self.place(x, y, shows(x, y)?);
-        pixels.filter_map(place).map(cloud_point).collect()
-    }
-}
-
-fn cloud_point(position_world: Point3<f64>) -> CloudPoint {
-    CloudPoint { position_world, spread: Spread::Unknown }
-}
 
 /// Where the person stands, and the floor there.
 #[derive(Debug, Clone, Copy)]
@@ -304,8 +249,10 @@ fn beside(x: usize, y: usize) -> impl Iterator<Item = (usize, usize)> {
 mod tests {
     use std::f64::consts::FRAC_PI_2;
 
+    use nalgebra::Vector3;
+
     use super::*;
-    use crate::camera::{Distortion, Intrinsics};
+    use crate::camera::{Camera, Distortion, Intrinsics};
     use crate::math::Rigid3;
 
     const SIZE: [usize; 2] = [40, 30];

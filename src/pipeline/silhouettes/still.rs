@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 
 use super::ends::{nearness, where_depth_goes_on};
-use super::staying::SeenDepths;
+use super::seen_depths::SeenDepths;
 use crate::camera::CameraId;
 use crate::image::{Mask, Plane};
 use crate::stereo::{CloudPoint, DepthMap};
