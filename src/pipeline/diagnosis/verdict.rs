@@ -124,9 +124,10 @@ impl Diagnosis<'_> {
             return Some(Reason::WrongPictures { found: wrong as f64, most: 0.0 });
         }
 
-        // a body that is folded or upside down covers a part of a person fairly
-        let misplaces =
-            |cause: &Cause| matches!(cause, Cause::CutOff { .. } | Cause::Turned { .. });
+        // a body that is folded, upside down or drawn to furniture covers a part of a person fairly
+        let misplaces = |cause: &Cause| {
+            matches!(cause, Cause::CutOff { .. } | Cause::Turned { .. } | Cause::StillParts { .. })
+        };
         if !others.is_empty() || !causes.iter().any(misplaces) {
             return None;
         }
@@ -370,8 +371,12 @@ mod tests {
     }
 
     #[test]
-    fn a_folded_or_turned_body_must_overlap_more_than_one_that_stands() {
-        for cause in [Cause::CutOff { height_m: 1.0 }, Cause::Turned { head: HeadAxis::MinusZ }] {
+    fn a_folded_or_turned_body_must_overlap_more_than_one_that_stands_and_one_beside_furniture_too()
+    {
+        let still = Cause::StillParts { cameras: Vec::new(), share: 0.5 };
+        let (cut_off, turned) =
+            (Cause::CutOff { height_m: 1.0 }, Cause::Turned { head: HeadAxis::MinusZ });
+        for cause in [cut_off, turned, still] {
             let found = unusable_by(cause.clone(), 0.5 * (LEAST_OVERLAP + GOOD_OVERLAP));
             assert!(matches!(found, Some(Reason::Overlap { .. })), "{found:?}");
             assert_eq!(unusable_by(cause, 0.5 * (1.0 + GOOD_OVERLAP)), None);
