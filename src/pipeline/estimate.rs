@@ -2,6 +2,7 @@
 
 use super::camera_covariance::CameraCovariances;
 use super::camera_found::{CameraFound, PoseFound};
+use super::diagnosis::CameraFaults;
 use super::joint_stage::{Joined, JointStage};
 use super::measures::Measures;
 use super::{EstimateOptions, Progress};
@@ -24,8 +25,8 @@ pub(super) struct LastStage<'a> {
     pub(super) sequence: Sequence<'a>,
     pub(super) measures: Measures,
     pub(super) options: &'a EstimateOptions,
-    /// By how many frames the pictures of each camera seem ahead.
-    pub(super) ahead_frames: &'a [isize],
+    /// What silhouettes alone say of the cameras.
+    pub(super) faults: &'a CameraFaults,
     pub(super) progress: &'a dyn Progress,
 }
 
@@ -46,7 +47,7 @@ impl LastStage<'_> {
             options: self.options,
             joint,
             free,
-            ahead_frames: self.ahead_frames,
+            faults: self.faults,
             progress: self.progress,
         };
         let start = state_of(model, self.sequence, winner);

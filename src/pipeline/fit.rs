@@ -113,15 +113,9 @@ pub(super) fn estimated(
     let evidence = Evidence::new(model, rig, options.likelihood, measures.search);
     let faults = CameraFaults::of(rig, sequence.frames);
     let found = searched(&evidence, &faults, sequence, options, &journal)?;
-    let (estimate, _) = LastStage {
-        evidence: &evidence,
-        sequence,
-        measures,
-        options,
-        ahead_frames: &faults.ahead_frames(),
-        progress,
-    }
-    .run(&found.trials[found.winner]);
+    let (estimate, _) =
+        LastStage { evidence: &evidence, sequence, measures, options, faults: &faults, progress }
+            .run(&found.trials[found.winner]);
     Ok(estimate)
 }
 
@@ -145,9 +139,8 @@ fn stages(
     // 3. the joint optimum, from its winner, and where and when the cameras are
     let body = options.joint.map_or_else(|| model.clone(), |_| model.detailed());
     let detailed = Evidence::new(&body, rig, options.likelihood, measures.search);
-    let ahead_frames = &faults.ahead_frames();
     let (evidence, progress) = (&detailed, journal.progress);
-    let stage = LastStage { evidence, sequence, measures, options, ahead_frames, progress };
+    let stage = LastStage { evidence, sequence, measures, options, faults: &faults, progress };
     let (estimate, measure) = stage.run(&found.trials[found.winner]);
     let looked_at = Evidence::new(&body, &estimate.rig, options.likelihood, measure);
 

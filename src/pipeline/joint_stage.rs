@@ -2,10 +2,13 @@
 
 use std::collections::BTreeSet;
 
+use nalgebra::{Point2, Point3, UnitQuaternion, Vector3};
+
 use super::camera_covariance::CameraCovariances;
+use super::diagnosis::CameraFaults;
 use super::{EstimateOptions, Progress};
 use crate::body::{BodyModel, Root};
-use crate::camera::Rig;
+use crate::camera::{Camera, CameraId, Rig};
 use crate::inference::camera_offset::{CameraOffset, CameraPrior, Free};
 use crate::inference::joint::{JointOptimum, JointOptions, joint_optimum_from_terms};
 use crate::inference::{Evidence, Sequence, SequenceState};
@@ -22,8 +25,8 @@ pub(super) struct JointStage<'a> {
     pub(super) joint: &'a JointOptions,
     /// What of the cameras may be an unknown.
     pub(super) free: Free,
-    /// By how many frames the pictures of each camera seem ahead.
-    pub(super) ahead_frames: &'a [isize],
+    /// What silhouettes alone say of the cameras.
+    pub(super) faults: &'a CameraFaults,
     pub(super) progress: &'a dyn Progress,
 }
 
@@ -46,11 +49,13 @@ impl JointStage<'_> {
         let evidence = Evidence::new(&detected, calibrated, options.likelihood, measure);
         let prior = self.camera_prior(&start);
         if !prior.is_trusting() {
-            let from = |camera: usize| CameraOffset {
-                ahead_s: self.first_ahead_frames(&prior, camera) / sequence.fps,
+            let ahead_frames = self.faults.ahead_frames();
+            let from = |(camera, ahead): (usize, isize)| CameraOffset {
+                turn: self.first_turn(&prior, CameraId(camera), &start),
+                ahead_s: self.first_ahead_frames(&prior, camera, ahead) / sequence.fps,
                 ..CameraOffset::none()
             };
-            start.cameras = (0..self.ahead_frames.len()).map(from).collect();
+            start.cameras = ahead_frames.into_iter().enumerate().map(from).collect();
         }
 
         let terms = evidence.sequence_terms(sequence, prior.clone());
@@ -65,13 +70,29 @@ impl JointStage<'_> {
     }
 
     /// Where the estimate of a clock starts: whole frames, if the silhouettes tell them, or else what is known before.
-    fn first_ahead_frames(&self, prior: &CameraPrior, camera: usize) -> f64 {
+    fn first_ahead_frames(&self, prior: &CameraPrior, camera: usize, seen: isize) -> f64 {
         let name = &self.calibrated.cameras[camera].name;
         let known = self.options.ahead_frames.get(name).copied().unwrap_or(0.0);
-        match self.ahead_frames[camera] {
-            frames if frames != 0 && prior.free(camera).clock => frames as f64,
-            _ => known,
+        if seen != 0 && prior.free(camera).clock { seen as f64 } else { known }
+    }
+
+    /// Where the estimate of a turn starts: of a camera that shows the person elsewhere, where it sees the pelvis that the others found.
+    /// From its calibration, a person's width off, the optimum would rather move the others.
+    fn first_turn(
+        &self,
+        prior: &CameraPrior,
+        id: CameraId,
+        start: &SequenceState,
+    ) -> UnitQuaternion<f64> {
+        if !prior.free(id.0).pose || !self.faults.is_elsewhere(id) {
+            return UnitQuaternion::identity();
         }
+        let frames = self.sequence.frames.iter().zip(&start.motions);
+        let shown = frames.filter_map(|(frame, motion)| {
+            let (_, silhouette) = frame.views.iter().find(|(camera, _)| *camera == id)?;
+            Some((silhouette.centroid, Point3::from(motion.position_world)))
+        });
+        turn_towards(&self.calibrated.cameras[id.0], shown)
     }
 
     /// What of the cameras is estimated; nothing where points were measured with them.
@@ -85,9 +106,50 @@ impl JointStage<'_> {
     }
 }
 
+/// The shortest turn of a camera about its centre that brings what it shows, at pixels, to places in the world, on the mean.
+fn turn_towards(
+    camera: &Camera,
+    shown: impl Iterator<Item = (Point2<f64>, Point3<f64>)>,
+) -> UnitQuaternion<f64> {
+    let centre = camera.centre_world();
+    let (mut from, mut to) = (Vector3::zeros(), Vector3::zeros());
+    for (pixel, place) in shown {
+        from += *camera.ray(&pixel).direction_world;
+        to += (place - centre).normalize();
+    }
+    UnitQuaternion::rotation_between(&from, &to).unwrap_or_default()
+}
+
 /// The names of all keypoints of a sequence.
 fn detected_names(sequence: Sequence<'_>) -> Vec<&'static str> {
     let detections = sequence.frames.iter().flat_map(|frame| &frame.detections);
     let names = detections.flat_map(|(_, detection)| detection.keypoints.iter().map(|k| k.name));
     names.collect::<BTreeSet<_>>().into_iter().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::UnitVector3;
+
+    use crate::synth::Ring;
+
+    #[test]
+    fn a_camera_that_was_turned_is_turned_back_to_what_it_shows() {
+        let calibrated = &Ring::default().regular().cameras[0];
+        let places = [0.0, 0.1, 0.2].map(|x| Point3::new(x, 0.0, 1.0));
+        let sight = (places[1] - calibrated.centre_world()).normalize();
+        let across = UnitVector3::new_normalize(sight.cross(&Vector3::z()));
+        let touched = CameraOffset {
+            turn: UnitQuaternion::from_axis_angle(&across, 0.05),
+            ..CameraOffset::none()
+        };
+        let rig = Rig { cameras: vec![calibrated.clone()] };
+        let camera = &CameraOffset::applied(&rig, [touched]).cameras[0];
+
+        let shown = places.map(|place| (camera.project(&place).unwrap(), place));
+        let found = turn_towards(calibrated, shown.into_iter());
+        assert!(found.angle_to(&touched.turn) < 0.002, "{found} for {}", touched.turn);
+        assert_eq!(turn_towards(calibrated, std::iter::empty()), UnitQuaternion::identity());
+    }
 }

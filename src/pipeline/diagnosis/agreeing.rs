@@ -17,6 +17,14 @@ impl CameraFaults {
         ahead
     }
 
+    /// Whether a camera shows the person elsewhere than the others do.
+    pub(in crate::pipeline) fn is_elsewhere(&self, id: CameraId) -> bool {
+        let is_it = |fault: &CameraFault| {
+            matches!(fault, CameraFault::Elsewhere { .. }) && fault.camera() == Some(id.0)
+        };
+        self.faults.iter().any(is_it)
+    }
+
     /// What the cameras show that agree: late ones at their moments where clocks are `free`, without those that are elsewhere where poses
     /// are. `None` where there is nothing to change.
     pub(in crate::pipeline) fn agreeing(
@@ -25,13 +33,7 @@ impl CameraFaults {
         free: Free,
     ) -> Option<Vec<FrameObservations>> {
         let ahead = if free.clock { self.ahead_frames() } else { vec![0; self.readings.len()] };
-        let is_elsewhere = |id: CameraId| {
-            let is_it = |fault: &CameraFault| {
-                matches!(fault, CameraFault::Elsewhere { .. }) && fault.camera() == Some(id.0)
-            };
-            self.faults.iter().any(is_it)
-        };
-        let is_left_out = |id: CameraId| free.pose && is_elsewhere(id);
+        let is_left_out = |id: CameraId| free.pose && self.is_elsewhere(id);
         let kept: Vec<CameraId> =
             (0..ahead.len()).map(CameraId).filter(|id| !is_left_out(*id)).collect();
         if kept.len() == ahead.len() && ahead.iter().all(|frames| *frames == 0) {

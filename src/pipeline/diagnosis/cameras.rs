@@ -59,12 +59,12 @@ impl CameraFaults {
         self.faults.iter().all(is_such)
     }
 
-    /// Whether all of them are focal lengths, if there are any.
-    pub(super) fn are_of_lenses(&self) -> bool {
+    /// Whether one of them is a focal length, or there are none.
+    pub(super) fn is_any_of_lenses(&self) -> bool {
         let is_such = |fault: &CameraFault| {
             matches!(fault, CameraFault::AllZoomed(_) | CameraFault::Zoomed(..))
         };
-        self.faults.iter().all(is_such)
+        self.faults.is_empty() || self.faults.iter().any(is_such)
     }
 
     /// Whether nearly all misses come from them.

@@ -41,6 +41,13 @@ pub enum Reason {
         /// Their limit.
         most: f64,
     },
+    /// The largest displacement of a camera, m: one that stands a metre elsewhere was not touched, the optimum is another.
+    Displacement {
+        /// It.
+        found: f64,
+        /// Its limit.
+        most: f64,
+    },
     /// The share of the seen frames that the body covers much worse than the rest.
     LostFrames {
         /// It.

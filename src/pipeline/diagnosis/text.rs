@@ -55,6 +55,12 @@ impl fmt::Display for Reason {
                     "its size and proportions are {found:.0} times as improbable as usual (at most {most:.0})"
                 )
             }
+            Self::Displacement { found, most } => {
+                write!(
+                    f,
+                    "a camera would stand {found:.1} m from where it was calibrated (at most {most:.0} m is believed)"
+                )
+            }
             // of all frames
             Self::LostFrames { found, most } => {
                 write!(

@@ -1,5 +1,6 @@
 //! What a fit is worth.
 
+use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::cameras::CameraFaults;
@@ -45,6 +46,8 @@ const MOST_BODY: f64 = 10.0;
 const LEAST_THIN: f64 = 0.02;
 /// More lost frames than this share, and nobody knows which are right.
 const MOST_LOST: f64 = 0.33;
+/// Cameras are kicked and bumped by less, metres.
+const MOST_DISPLACED_M: f64 = 1.0;
 /// A frame below this share of the median frame's overlap is lost.
 const LOST_SHARE: f64 = 0.8;
 /// Above this overlap there is no reason to look for what the masks hold besides.
@@ -113,7 +116,16 @@ impl Diagnosis<'_> {
         let thin = thin.filter(|found| *found < LEAST_THIN);
         let thin = thin.map(|found| Reason::ThinParts { found, least: LEAST_THIN });
 
-        [overlap, thin, body, lost].into_iter().flatten().collect()
+        [overlap, thin, body, lost, self.too_far_displaced()].into_iter().flatten().collect()
+    }
+
+    /// A camera that was found much farther from its calibrated place than a touch moves it.
+    fn too_far_displaced(&self) -> Option<Reason> {
+        let poses = self.cameras.iter().filter_map(|camera| camera.found.pose.as_ref());
+        let used = poses.filter(|pose| pose.used);
+        let displaced = used.map(|pose| Vector3::from(pose.displacement_m).norm());
+        let found = displaced.reduce(f64::max).filter(|found| *found > MOST_DISPLACED_M)?;
+        Some(Reason::Displacement { found, most: MOST_DISPLACED_M })
     }
 
     /// What makes the numbers unusable of what is wrong with the recording, besides other reasons.
@@ -213,9 +225,10 @@ impl Diagnosis<'_> {
         still.or(cause).into_iter().collect()
     }
 
-    /// Pieces of the room, elsewhere in each camera: they look like lenses that are wrong.
+    /// Pieces of the room, elsewhere in each camera: they look like lenses that are wrong. A camera that is elsewhere shows the person
+    /// where no other does, so where nothing speaks of lenses they are not looked for.
     fn pieces_of_room(&self) -> Option<Cause> {
-        if !self.faults.are_of_lenses() {
+        if !self.faults.is_any_of_lenses() {
             return None;
         }
         let rig = self.evidence.rig;
@@ -320,6 +333,7 @@ pub(in crate::pipeline) fn lost_frames(frames: &[FittedFrame]) -> Vec<usize> {
 mod tests {
     use super::*;
     use crate::body::Motion;
+    use crate::inference::camera_offset::{CameraOffset, Free};
     use crate::inference::frame::FrameFit;
     use crate::likelihood::{LikelihoodOptions, Measure};
     use crate::pipeline::diagnosis::figures::Figures;
@@ -344,19 +358,26 @@ mod tests {
         }
     }
 
-    /// What makes a fit unusable of which nothing but a cause is known.
-    fn unusable_by(cause: Cause, mean_iou: f64) -> Option<Reason> {
-        let figures = Figures::new();
-        let (model, rig) = (&figures.model, &figures.rig);
-        let camera = CameraQuality {
+    /// A camera that the body overlaps by so much.
+    fn quality(mean_iou: f64) -> CameraQuality {
+        CameraQuality {
             camera: "cam".into(),
             frames: 1,
             mean_iou,
             median_px: None,
             rms_px: None,
             found: CameraFound::default(),
-        };
-        let diagnosis = Diagnosis {
+        }
+    }
+
+    /// What a diagnosis says of a usual body of which nothing but its cameras is known.
+    fn diagnosed<T>(
+        figures: &Figures,
+        cameras: &[CameraQuality],
+        say: impl Fn(&Diagnosis<'_>) -> T,
+    ) -> T {
+        let (model, rig) = (&figures.model, &figures.rig);
+        say(&Diagnosis {
             evidence: &Evidence::new(model, rig, LikelihoodOptions::default(), Measure::Metaballs),
             faults: &CameraFaults::of(rig, &[]),
             observations: &[],
@@ -365,9 +386,15 @@ mod tests {
             uncertainty: None,
             height_m: None,
             frames: &[],
-            cameras: &[camera],
-        };
-        diagnosis.unusable_by(&[cause], &[])
+            cameras,
+        })
+    }
+
+    /// What makes a fit unusable of which nothing but a cause is known.
+    fn unusable_by(cause: Cause, mean_iou: f64) -> Option<Reason> {
+        diagnosed(&Figures::new(), &[quality(mean_iou)], |diagnosis| {
+            diagnosis.unusable_by(&[cause.clone()], &[])
+        })
     }
 
     #[test]
@@ -381,6 +408,24 @@ mod tests {
             assert!(matches!(found, Some(Reason::Overlap { .. })), "{found:?}");
             assert_eq!(unusable_by(cause, 0.5 * (1.0 + GOOD_OVERLAP)), None);
         }
+    }
+
+    #[test]
+    fn a_camera_that_would_stand_a_metre_elsewhere_makes_a_fit_unusable_and_a_kicked_one_does_not()
+    {
+        let figures = Figures::new();
+        let reasons = |displacement_m: f64| {
+            let offset = CameraOffset {
+                displacement_m: Vector3::new(0.0, displacement_m, 0.0),
+                ..CameraOffset::none()
+            };
+            let free = Free { pose: true, clock: true };
+            let camera =
+                CameraQuality { found: CameraFound::new(&offset, free, None), ..quality(0.9) };
+            diagnosed(&figures, &[camera], |diagnosis| diagnosis.unusable())
+        };
+        assert_eq!(reasons(0.5), []);
+        assert!(matches!(reasons(2.0)[..], [Reason::Displacement { .. }]));
     }
 
     #[test]
