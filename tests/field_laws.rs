@@ -32,7 +32,8 @@ use rayon::prelude::*;
 
 use ellipsoid_person::{rig, walk};
 
-const STEP: f64 = 1e-5;
+// a random body has spots that bend within 4 mm, whose feet longer steps move too far
+const STEP: f64 = 3e-6;
 /// Of the largest component of the gradient.
 const TOLERANCE: f64 = 1e-6;
 /// How far the states are apart at which a law is tried.
@@ -159,13 +160,7 @@ fn check_all(
         .into_par_iter()
         .flat_map_iter(|(name, term)| {
             let terms = [term];
-            // the nearest place of the skin jumps where a point lies at a centre of curvature, as some of points deep inside do
-            let is_smooth = |regime: &str| {
-                !name.starts_with("points, distance")
-                    || ["at the truth", "ordinary"].contains(&regime)
-            };
             let regimes = scene.regimes().into_iter();
-            let regimes = regimes.filter(|(regime, _)| is_smooth(regime));
             let regimes = regimes.filter_map(|(regime, state)| {
                 // the next one only if this one fails
                 let seeds = [None, Some(50), Some(51)];

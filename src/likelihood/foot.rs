@@ -13,6 +13,9 @@
 //!   step goes farther along the skin than half its least radius of curvature, beyond which the skin is not what S says: from
 //!   afar, steps along a long limb went to and fro without that.
 //!
+//! From afar, both at once may go to and fro between places of a skin that bends much. So after twelve steps the way goes from place to
+//! place of the skin itself, and only to nearer ones.
+//!
 //! **Derivatives.** y lies on the skin: ∂L + g·dy = 0, and dy = −dr n − r dn for a point that stays where it is. So
 //!
 //! dr/dθ = −(1/‖g‖) ∂L/∂θ,  dn = M⁻¹P v,  v = −(1/‖g‖)(∂g − H n dr),
@@ -30,10 +33,19 @@ use nalgebra::{Matrix2, Matrix3, Matrix3x2, Vector2, Vector3};
 use super::skin_distance::SkinScale;
 use crate::body::metaball::{Field, FieldSample};
 
-/// Steps at most. Points within a limb's radius of the skin take four, those a metre away ten, few of them thirty.
-const MOST_STEPS: usize = 48;
-/// A step that is shorter than this is the last, metres: what is left is of the order of its square over a radius.
-const LAST_STEP_M: f64 = 1e-8;
+/// Steps at most of both corrections at once. Points within a limb's radius of the skin take four, those a metre away ten.
+const MOST_STEPS: usize = 12;
+/// Steps at most from place to place of the skin, of those that went to and fro.
+const MOST_PLACES: usize = 40;
+/// A way along the skin that leads no nearer is tried by halves, down to this share of it.
+const LEAST_SHARE: f64 = 1e-3;
+/// Of steps that are shorter than this, distances cannot tell whether they lead nearer, metres; Newton's do.
+const SMALL_STEP_M: f64 = 1e-6;
+/// Steps along n at most that lead to the skin.
+const MOST_OUT: usize = 20;
+/// A step that is shorter than this is not taken any more, metres: it errs the normal by itself over a radius, and what that changes
+/// with the body is told by no derivative. At 1e-8 they were 1e-4 off.
+const LAST_STEP_M: f64 = 1e-11;
 /// Least size of an eigenvalue of M in a step.
 const LEAST_BEND: f64 = 0.03;
 /// No step along the skin turns the normal by more than this, rad.
@@ -72,25 +84,20 @@ impl Foot {
     ) -> Option<Self> {
         let x = sample.point_world;
         let limb = sample.limb;
+        let skin = Skin { field, scale, metaballs, limb };
         for step in 0..MOST_STEPS {
             let y = sample.point_world;
-            let slope = sample.log_gradient.norm();
-            let normal = sample.log_gradient.try_normalize(1e-9).map(|inwards| -inwards);
-            // the middle of a limb has no normal: any way out will do
-            let normal = normal.unwrap_or_else(Vector3::z);
-
-            let out_m = scale.way_to_skin_m(sample.log_value, slope).clamp(-LONGEST_M, LONGEST_M);
+            let (normal, out_m) = skin.normal(sample);
             let distance_m = (x - y).dot(&normal) - out_m;
             let bend = Bend::new(sample, &normal);
             let along = bend.along_skin(&(x - y), distance_m);
-            if (out_m.abs().max(along.norm()) < LAST_STEP_M && step > 0) || step + 1 == MOST_STEPS {
+            if out_m.abs().max(along.norm()) < LAST_STEP_M && step > 0 {
                 return distance_m.is_finite().then_some(Self { distance_m, normal });
             }
-            // the skin falls away below a step along it
-            let sink_m = (0.5 * along.dot(&(bend.shape * along))).clamp(-LONGEST_M, LONGEST_M);
+            let sink_m = bend.sink_m(&along).clamp(-LONGEST_M, LONGEST_M);
             sample.update_limb(field, limb, &(y + normal * (out_m - sink_m) + along), metaballs);
         }
-        None
+        skin.nearest(&x, sample)
     }
 
     /// The row of A dr + q·dn + s·dy; `sample` is that of the foot.
@@ -107,6 +114,70 @@ impl Foot {
         let of_distance =
             a - s.dot(&self.normal) + u.dot(&(sample.log_hessian * self.normal)) * per_slope;
         FootRow { alpha: -of_distance * per_slope, b: -u * per_slope }
+    }
+}
+
+/// The skin of a limb.
+struct Skin<'a> {
+    field: &'a Field,
+    scale: &'a SkinScale,
+    metaballs: &'a [usize],
+    limb: usize,
+}
+
+impl Skin<'_> {
+    /// The outward normal at a sample, and the way along it to the skin, metres.
+    fn normal(&self, sample: &FieldSample) -> (Vector3<f64>, f64) {
+        let slope = sample.log_gradient.norm();
+        let normal = sample.log_gradient.try_normalize(1e-9).map(|inwards| -inwards);
+        let out_m = self.scale.way_to_skin_m(sample.log_value, slope).clamp(-LONGEST_M, LONGEST_M);
+        // the middle of a limb has no normal: any way out will do
+        (normal.unwrap_or_else(Vector3::z), out_m)
+    }
+
+    /// Moves a sample to a place, and from there along normals to the skin; the normal there.
+    fn land(&self, place: &Vector3<f64>, sample: &mut FieldSample) -> Vector3<f64> {
+        sample.update_limb(self.field, self.limb, place, self.metaballs);
+        for _ in 0..MOST_OUT {
+            let (normal, out_m) = self.normal(sample);
+            if out_m.abs() < LAST_STEP_M {
+                return normal;
+            }
+            let out = sample.point_world + normal * out_m;
+            sample.update_limb(self.field, self.limb, &out, self.metaballs);
+        }
+        self.normal(sample).0
+    }
+
+    /// The foot of x, from place to place of the skin, each nearer to x than the one before.
+    fn nearest(&self, x: &Vector3<f64>, sample: &mut FieldSample) -> Option<Foot> {
+        let mut normal = self.land(&{ sample.point_world }, sample);
+        for _ in 0..MOST_PLACES {
+            let y = sample.point_world;
+            let distance_m = (x - y).dot(&normal);
+            let bend = Bend::new(sample, &normal);
+            let whole = bend.along_skin(&(x - y), distance_m);
+            let mut share = if whole.norm() < LAST_STEP_M { 0.0 } else { 1.0 };
+            let is_nearer = |place: &Vector3<f64>| {
+                whole.norm() < SMALL_STEP_M || (x - place).norm() <= (x - y).norm()
+            };
+            loop {
+                if share < LEAST_SHARE {
+                    // no place nearby is nearer
+                    self.land(&y, sample);
+                    return distance_m.is_finite().then_some(Foot { distance_m, normal });
+                }
+                let along = whole * share;
+                let next = self.land(&(y + along - normal * bend.sink_m(&along)), sample);
+                if is_nearer(&sample.point_world) {
+                    normal = next;
+                    break;
+                }
+                share *= 0.5;
+            }
+        }
+        let distance_m = (x - sample.point_world).dot(&normal);
+        distance_m.is_finite().then_some(Foot { distance_m, normal })
     }
 }
 
@@ -129,6 +200,11 @@ impl Bend {
         let per_slope = 1.0 / sample.log_gradient.norm().max(1e-9);
         let local = -(tangents.transpose() * sample.log_hessian * tangents) * per_slope;
         Self { shape: tangents * local * tangents.transpose(), tangents, local }
+    }
+
+    /// By how much the skin falls away below a step along it, metres.
+    fn sink_m(&self, along: &Vector3<f64>) -> f64 {
+        0.5 * along.dot(&(self.shape * along))
     }
 
     /// M⁻¹P of a vector, for a step.

@@ -9,9 +9,10 @@
 //! within the union, where the limb is the nearest that the line of sight meets and another lies behind it. Folds of one
 //! limb in front of itself (a forearm in front of its upper arm) are not found.
 //!
-//! Depth and part of a point are those of the largest F on the line of sight one pixel inwards.
+//! Depth and part of a point are those of the largest F on the line of sight one pixel inwards. Of a body whose surface lies b outside
+//! the model's, an outer point lies b f/z farther out.
 
-use nalgebra::{Point2, Vector2, Vector3};
+use nalgebra::{Point2, Point3, Vector2, Vector3};
 
 use super::profile::{Bump, RayProfile};
 use super::raycast::limb_silhouettes;
@@ -66,8 +67,13 @@ pub fn outline(camera: &Camera, body: &Posed<'_>, spacing_px: f64) -> ModelOutli
     let contours = trace(&Runs::from_mask(&Mask::from_fn(width, height, is_body)));
     let outer = contours.iter().map(|closed| {
         let points = resample(closed, spacing_px);
-        let inwards = |i: usize| -outward(&points, i) * INWARDS_PX;
-        (0..points.len()).filter_map(|i| sight.outer_point(&points[i], &inwards(i))).collect()
+        let point = |i: usize| {
+            let outward = outward(&points, i);
+            let mut point = sight.outer_point(&points[i], &(-outward * INWARDS_PX))?;
+            point.pixel += outward * sight.offset_px(&point);
+            Some(point)
+        };
+        (0..points.len()).filter_map(point).collect()
     });
     let outer = outer.filter(|curve: &Vec<_>| !curve.is_empty()).collect();
 
@@ -143,6 +149,16 @@ impl LinesOfSight<'_> {
         let all = (0..self.field.limbs.len()).filter_map(|l| self.summit(&(pixel + inwards), l));
         let largest = all.max_by(|a, b| a.value.total_cmp(&b.value))?;
         self.placed(pixel, &largest)
+    }
+
+    /// How far the person's surface lies outside the model's at a point of its outline, px.
+    fn offset_px(&self, point: &OutlinePoint) -> f64 {
+        let sight = self.camera.intrinsics.normalized(&point.pixel).push(1.0);
+        let place = self.camera.camera_from_world.inverse() * Point3::from(sight * point.depth_m);
+        let place = self.body.in_part(point.part, &place);
+        let offset = self.body.surface_offset(point.part, &place);
+        let focal_px = self.camera.intrinsics.focal_px();
+        offset.map_or(0.0, |offset| offset.value_m * focal_px / point.depth_m)
     }
 
     /// A point with depth and part of a summit.

@@ -31,6 +31,8 @@ const REACH_M: f64 = 1.6;
 const STEP_M: f64 = 0.04;
 /// A line of sight that misses by more than this misses altogether, metres.
 const MOST_M: f64 = 0.3;
+/// What so many of the cameras that could see it see is there: of three others all, for two of them agree about many places.
+const NEARLY_ALL: f64 = 0.75;
 
 /// How the pictures of a camera are read: as they are, or by a hypothesis.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -137,8 +139,8 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// Of some pixels in the silhouette of a camera, those that show what the others do not: nowhere along their lines of sight does
-    /// half of the others see anything.
+    /// Of some pixels in the silhouette of a camera, those that show what the others do not: nowhere along their lines of sight do
+    /// nearly all of the others see anything.
     pub(super) fn alone(
         &self,
         position: usize,
@@ -155,7 +157,7 @@ impl<'a> Scene<'a> {
         let is_alone = |pixel: &&Point2<f64>| {
             let ray = views[own].camera.ray(pixel);
             let middle = (subject - ray.origin_world).dot(&ray.direction_world);
-            !along(middle).any(|t| is_seen_by_half(&ray.point_at(t), &views, own))
+            !along(middle).any(|t| is_seen_by_nearly_all(&ray.point_at(t), &views, own))
         };
         pixels.iter().filter(is_alone).copied().collect()
     }
@@ -254,8 +256,8 @@ fn along(middle: f64) -> impl Iterator<Item = f64> {
     (0..=steps).map(move |step| middle - REACH_M + step as f64 * STEP_M).filter(|t| *t > 0.0)
 }
 
-/// Whether half of the other views that could see a place see something there.
-fn is_seen_by_half(place: &Point3<f64>, views: &[View<'_>], own: usize) -> bool {
+/// Whether at least [`NEARLY_ALL`] of the other views that could see a place see something there.
+fn is_seen_by_nearly_all(place: &Point3<f64>, views: &[View<'_>], own: usize) -> bool {
     let (mut could, mut do_see) = (0, 0);
     for view in views.iter().enumerate().filter(|(i, _)| *i != own).map(|(_, view)| view) {
         let pixel = view.camera.project_undistorted(place);
@@ -263,7 +265,7 @@ fn is_seen_by_half(place: &Point3<f64>, views: &[View<'_>], own: usize) -> bool 
         could += 1;
         do_see += usize::from(view.silhouette.contains(&pixel));
     }
-    do_see > 0 && 2 * do_see >= could
+    do_see > 0 && do_see as f64 >= NEARLY_ALL * could as f64
 }
 
 /// By how much a place lies outside the silhouette that it is farthest outside of; no more than `enough`.

@@ -38,8 +38,8 @@ pub(super) fn still_shares<'a>(
     cameras.into_par_iter().map(share).collect()
 }
 
-/// For each camera the area that stands still and that the other cameras do not see, over the median area of its silhouettes: a piece
-/// of the room, whatever the body is.
+/// For each camera the area that stands still and shows what the other cameras do not see, over the median area of its silhouettes: a
+/// piece of the room, whatever the body is.
 pub(super) fn alone_shares(rig: &Rig, frames: &[FrameObservations]) -> Vec<(CameraId, f64)> {
     let sampled: Vec<usize> = evenly(frames.len(), SAMPLED_FRAMES).collect();
     let scene = Scene::new(rig, frames);

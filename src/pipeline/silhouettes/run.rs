@@ -117,15 +117,16 @@ impl<P: PictureSource> SilhouetteSearch<'_, P> {
         mut take: impl FnMut(&FrameSilhouettes<'_>) -> Result<(), E>,
     ) -> Result<FoundSilhouettes, E> {
         // 1. the body of each frame
-        let fitted = match self.pipeline {
-            SilhouettePipeline::Simple => self.start.clone(),
-            SilhouettePipeline::Joint => self.refit_by_turns(progress),
+        let detailed = self.model.detailed();
+        let (body, fitted) = match self.pipeline {
+            SilhouettePipeline::Simple => (self.model, self.start.clone()),
+            SilhouettePipeline::Joint => (&detailed, self.refit_by_turns(&detailed, progress)),
         };
 
         // 2. active contours from its outline
         let (mut observations, mut reliabilities) = (Vec::new(), Vec::new());
         let (mut unbacked, mut doubtful) = ((0, 0), Vec::new());
-        let notes = self.each_frame(&fitted, "silhouettes", progress, |found| {
+        let notes = self.each_frame(body, &fitted, "silhouettes", progress, |found| {
             take(&found)?;
             let views = found.sighting.views.iter().flatten();
             reliabilities.extend(views.map(|view| view.contours.mean_reliability()));
@@ -149,16 +150,16 @@ impl<P: PictureSource> SilhouetteSearch<'_, P> {
 
     /// Shape and motion of all frames at once fitted to stereo and contours, and contours from there, by turns.
     ///
-    /// The fit may have its surface outside the model's; the body from which contours are expected has not. Else a contour
-    /// that is drawn too wide makes a fatter body, from which the next is drawn wider still.
-    fn refit_by_turns(&self, progress: &dyn Progress) -> StartingFit {
-        let (detailed, likelihood) = (self.model.detailed(), LikelihoodOptions::default());
+    /// The body may have its surface outside the model's, and so may the outline that is expected of it: one that is expected without
+    /// cloth is drawn to the edges of the limbs within, and one of a body whose flesh must grow to fill the cloth grows on with every
+    /// turn.
+    fn refit_by_turns(&self, body: &BodyModel, progress: &dyn Progress) -> StartingFit {
         let rig = self.pictures.rig();
-        let evidence = Evidence::new(&detailed, rig, likelihood, Measure::Metaballs);
-        let mut fitted = self.start.clone();
+        let evidence = Evidence::new(body, rig, LikelihoodOptions::default(), Measure::Metaballs);
+        let mut fitted = self.start.clone().detailed(body);
         for _ in 0..TURNS {
             let mut observed = Vec::new();
-            let Ok(_) = self.each_frame(&fitted, "following", progress, |found| {
+            let Ok(_) = self.each_frame(body, &fitted, "following", progress, |found| {
                 observed.push(found.sighting.observed);
                 Ok::<(), Infallible>(())
             });
@@ -170,17 +171,18 @@ impl<P: PictureSource> SilhouetteSearch<'_, P> {
     /// Hands what is seen of a body in every frame that it has to `take`; what was left out, and why.
     fn each_frame<E>(
         &self,
+        body: &BodyModel,
         fit: &StartingFit,
         stage: &'static str,
         progress: &dyn Progress,
         mut take: impl FnMut(FrameSilhouettes<'_>) -> Result<(), E>,
     ) -> Result<Vec<String>, E> {
-        let scale = SkinScale::new(self.model);
+        let scale = SkinScale::new(body);
         let mut skipped = Vec::new();
 
         progress.begin(stage, self.frames.len());
         for (frame, pictures) in self.pictures.pictures(span(self.frames)) {
-            match self.sighting(fit, frame, &pictures, &scale) {
+            match self.sighting(body, fit, frame, &pictures, &scale) {
                 Ok(sighting) => take(FrameSilhouettes { frame, pictures: &pictures, sighting })?,
                 Err(why) => skipped.push(format!("{frame}: {why}")),
             }
@@ -193,6 +195,7 @@ impl<P: PictureSource> SilhouetteSearch<'_, P> {
     /// What is seen of a body in a frame, or why it is left out.
     fn sighting(
         &self,
+        body: &BodyModel,
         fit: &StartingFit,
         frame: FrameIndex,
         pictures: &[Option<Picture>],
@@ -201,7 +204,7 @@ impl<P: PictureSource> SilhouetteSearch<'_, P> {
         let motion = fit.motions.get(&frame).ok_or("the first fit has no such frame")?;
         let rig = self.pictures.rig();
         let shown = UndistortedFrame::new(rig, pictures).map_err(|fault| fault.to_string())?;
-        let body = Posed::new(self.model, &fit.shape, motion);
+        let body = Posed::new(body, &fit.shape, motion);
         let scene = Scene::new(rig, &shown, &fit.still, &body, ContourOptions::default());
         Ok(scene.sighting(frame, &body, scale))
     }

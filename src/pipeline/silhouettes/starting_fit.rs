@@ -78,6 +78,12 @@ impl StartingFit {
         Ok(Self { shape: found.shape.first(model.coefficients.len()), motions, still })
     }
 
+    /// The same of a body with more coefficients.
+    pub(super) fn detailed(mut self, body: &BodyModel) -> Self {
+        self.shape = SequenceState::new(self.shape, Vec::new()).detailed(body).shape;
+        self
+    }
+
     /// Shape and motion of all frames at once, fitted to what was observed in them (PF02, §4.3, step 3).
     pub(super) fn refitted(
         mut self,
@@ -103,7 +109,7 @@ impl StartingFit {
         let fitted = observed.iter().zip(joint.frames);
         let motions = fitted.map(|(o, fit)| (o.frame, fit.motion));
         self.motions.extend(motions);
-        Self { shape: joint.shape.first(self.shape.0.len()), ..self }
+        Self { shape: joint.shape, ..self }
     }
 }
 
