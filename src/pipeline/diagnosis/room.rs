@@ -17,6 +17,10 @@ const SAMPLED_FRAMES: usize = 24;
 const ACROSS: f64 = 120.0;
 /// What is foreground in this share of the frames stands still, and is not the body if that covers it in less than half of them.
 const STILL: f64 = 0.9;
+/// What stands still is a picture of somebody if the smallest silhouette holds no more, by this share, …
+const ALL: f64 = 0.97;
+/// … and the others hold much more: of somebody who stands still it is a larger share of them than this.
+const MOST_STILL: f64 = 0.9;
 
 /// For each camera the area that stands still and is not the body, over the median area of its silhouettes.
 pub(super) fn still_shares<'a>(
@@ -49,17 +53,39 @@ pub(super) fn alone_shares(rig: &Rig, frames: &[FrameObservations]) -> Vec<(Came
         let views: Vec<&Silhouette> = sampled.iter().filter_map(of_frame).map(|v| &v.1).collect();
         let middle = sampled.iter().filter(|frame| of_frame(frame).is_some());
         let middle = middle.copied().nth(views.len() / 2).unwrap_or(0);
-        let is_still = |pixel: &Point2<f64>| {
-            let shown = views.iter().filter(|s| s.contains(pixel)).count();
-            shown as f64 >= STILL * views.len() as f64
-        };
-        let still: Vec<Point2<f64>> = cells(camera).filter(is_still).collect();
+        let still = cells(camera).filter(|pixel| is_still(pixel, &views));
+        let still: Vec<Point2<f64>> = still.collect();
         let area_px =
             median(&mut views.iter().map(|s| s.area_px).collect()).unwrap_or(f64::INFINITY);
         let alone = scene.alone(middle, id, &still).len() as f64;
         (id, alone * step_px(camera).powi(2) / area_px)
     };
     cameras.into_par_iter().map(share).collect()
+}
+
+/// For each camera what stands still in the silhouettes, whatever the body is, over the median area of these, where it is all that the
+/// smallest of them holds: a picture of the person is in every mask. Somebody who moves on the spot uncovers something in every frame.
+pub(super) fn stale_shares(rig: &Rig, frames: &[FrameObservations]) -> Vec<(CameraId, f64)> {
+    let sampled: Vec<usize> = evenly(frames.len(), SAMPLED_FRAMES).collect();
+    let share = |(id, camera): (CameraId, &Camera)| {
+        let of_frame = |frame: &usize| frames[*frame].views.iter().find(|(c, _)| *c == id);
+        let views: Vec<&Silhouette> = sampled.iter().filter_map(of_frame).map(|v| &v.1).collect();
+        let count =
+            |s: &&Silhouette| cells(camera).filter(|pixel| s.contains(pixel)).count() as f64;
+        let mut areas: Vec<f64> = views.iter().map(count).collect();
+        let still = cells(camera).filter(|pixel| is_still(pixel, &views)).count() as f64;
+        let least = areas.iter().copied().fold(f64::INFINITY, f64::min);
+        let share = still / median(&mut areas)?;
+        (still >= ALL * least && share < MOST_STILL).then_some((id, share))
+    };
+    let cameras: Vec<(CameraId, &Camera)> = rig.iter().collect();
+    cameras.into_par_iter().filter_map(share).collect()
+}
+
+/// Whether a pixel is foreground in nearly all silhouettes.
+fn is_still(pixel: &Point2<f64>, views: &[&Silhouette]) -> bool {
+    let shown = views.iter().filter(|s| s.contains(pixel)).count();
+    shown as f64 >= STILL * views.len() as f64
 }
 
 /// The distance of the cells that are looked at, and their middles.
@@ -120,6 +146,27 @@ mod tests {
         let stale: Vec<Vec<Mask>> = alone.iter().map(|masks| joined(masks, &alone[0])).collect();
         let (_, least) = shares(&figures, &motions, &stale);
         assert!(least > 0.25, "{least}");
+    }
+
+    #[test]
+    fn a_picture_of_somebody_in_every_mask_is_found_though_they_move_on_the_spot() {
+        let figures = Figures::new();
+        let joint = |name: &str| figures.model.joint(name).unwrap().0;
+        let joints = ["hip_flexion_r", "knee_flexion_r", "shoulder_flexion_l"].map(joint);
+        let motions = (0..6).map(|i| {
+            let mut motion = figures.standing(0.0, 0.0);
+            joints.iter().for_each(|joint| motion.angles[*joint] = 0.3 * f64::from(i));
+            motion
+        });
+        let shown: Vec<Vec<Mask>> = motions.map(|motion| figures.masks(&motion)).collect();
+        let found = |shown: &[Vec<Mask>]| {
+            let frames: Vec<_> = (0..6).map(|i| figures.frame(i, &shown[i])).collect();
+            stale_shares(&figures.rig, &frames).len()
+        };
+        assert_eq!(found(&shown), 0, "somebody who lifts a leg and an arm");
+        assert_eq!(found(&vec![shown[0].clone(); 6]), 0, "somebody who stands");
+        let stale: Vec<_> = shown.iter().map(|masks| joined(masks, &shown[0])).collect();
+        assert!(2 * found(&stale) >= figures.rig.cameras.len(), "{}", found(&stale));
     }
 
     #[test]

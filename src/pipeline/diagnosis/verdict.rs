@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::cameras::CameraFaults;
 use super::cause::{Cause, Reason, camera_cause, found_causes, name};
 use super::proportions::wrong_scale;
-use super::room::{alone_shares, still_shares};
+use super::room::{alone_shares, stale_shares, still_shares};
 use super::shown_by_two;
 use super::stature::{stature_m, wrong_stature_m};
 use super::thin::thin_share;
@@ -169,7 +169,7 @@ impl Diagnosis<'_> {
             let of_body = || self.of_another_size().into_iter().collect();
             return if of_cameras.is_empty() { of_body() } else { of_cameras };
         }
-        if let Some(pieces) = self.pieces_of_room() {
+        if let Some(pieces) = self.stale_picture().or_else(|| self.pieces_of_room()) {
             return vec![pieces];
         }
         if found.explain_nearly_all() {
@@ -223,6 +223,14 @@ impl Diagnosis<'_> {
         let has_grown = matches!(cause, Some(Cause::Scale { factor }) if factor > 1.0);
         let still = if has_grown { still_parts(SMALL_STILL_PART) } else { None };
         still.or(cause).into_iter().collect()
+    }
+
+    /// A picture of the person in all masks of half of the cameras: a body that stays there covers them fairly.
+    fn stale_picture(&self) -> Option<Cause> {
+        let rig = self.evidence.rig;
+        let shares = stale_shares(rig, self.observations);
+        let is_in_half = 2 * shares.len() >= rig.cameras.len();
+        is_in_half.then(|| still_parts(rig, &shares, 0.0)).flatten()
     }
 
     /// Pieces of the room, elsewhere in each camera: they look like lenses that are wrong. A camera that is elsewhere shows the person
