@@ -3,6 +3,7 @@
 //! | file             | holds                                                             |
 //! |------------------|-------------------------------------------------------------------|
 //! | `verdict.rs`     | [`Verdict`]: usable or not, and which hypothesis holds            |
+//! | `unusable.rs`    | why the numbers cannot be used                                    |
 //! | `cause.rs`       | [`Reason`]s, [`Cause`]s, and those of the cameras                 |
 //! | `text.rs`        | all of it in plain words                                          |
 //! | `coherence.rs`   | whether the silhouettes agree, whatever body they show            |
@@ -30,6 +31,7 @@ mod room;
 mod stature;
 mod text;
 mod thin;
+mod unusable;
 mod upright;
 mod verdict;
 mod volume;
@@ -40,9 +42,10 @@ pub(super) use cameras::CameraFaults;
 pub(super) use cause::camera_causes;
 pub use cause::{Cause, Reason};
 pub(super) use stature::stature_m;
+pub(super) use unusable::{LEAST_OVERLAP, lost_frames};
 pub use upright::HeadAxis;
+pub(super) use verdict::Diagnosis;
 pub use verdict::Verdict;
-pub(super) use verdict::{Diagnosis, LEAST_OVERLAP, lost_frames};
 
 /// At most so many of `count` positions, evenly: the middles of as many equal stretches.
 fn evenly(count: usize, most: usize) -> impl Iterator<Item = usize> {

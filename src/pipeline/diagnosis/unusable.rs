@@ -1,0 +1,166 @@
+//! Why the numbers of a fit cannot be used: figures beyond their limits, and causes that misplace a body.
+
+use nalgebra::Vector3;
+
+use super::cause::{Cause, Reason};
+use super::thin::thin_share;
+use super::verdict::Diagnosis;
+use crate::math::stats::median;
+use crate::pipeline::FittedFrame;
+
+/// An overlap below this is bad: bodies and masks of other people still overlap as much.
+pub(in crate::pipeline) const LEAST_OVERLAP: f64 = 0.65;
+/// A shape this many times as improbable as usual is nobody's: upside-down cameras gave 43, people in clothes up to 8.
+const MOST_BODY: f64 = 10.0;
+/// Silhouettes of which less is thin have lost arms, hands and feet.
+const LEAST_THIN: f64 = 0.02;
+/// More lost frames than this share, and nobody knows which are right.
+const MOST_LOST: f64 = 0.33;
+/// Cameras are kicked and bumped by less, metres.
+const MOST_DISPLACED_M: f64 = 1.0;
+/// A frame below this share of the median frame's overlap is lost.
+const LOST_SHARE: f64 = 0.8;
+/// Above this overlap there is no reason to look for what the masks hold besides.
+pub(super) const GOOD_OVERLAP: f64 = 0.85;
+
+impl Diagnosis<'_> {
+    /// The figures beyond their limits.
+    pub(super) fn unusable(&self) -> Vec<Reason> {
+        let overlap = self.overlap();
+        let overlap = overlap.filter(|iou| *iou < LEAST_OVERLAP);
+        let overlap = overlap.map(|found| Reason::Overlap { found, least: LEAST_OVERLAP });
+
+        let usual = 0.5 * self.shape.0.len() as f64;
+        let found = self.evidence.shape_prior.cost(self.shape) / usual.max(0.5);
+        let body = (found > MOST_BODY).then_some(Reason::Body { found, most: MOST_BODY });
+
+        let seen = self.frames.iter().filter(|f| !f.views.is_empty()).count();
+        let found = lost_frames(self.frames).len() as f64 / seen.max(1) as f64;
+        let lost = (found > MOST_LOST).then_some(Reason::LostFrames { found, most: MOST_LOST });
+
+        let thin = if self.is_person() { thin_share(self.observations) } else { None };
+        let thin = thin.filter(|found| *found < LEAST_THIN);
+        let thin = thin.map(|found| Reason::ThinParts { found, least: LEAST_THIN });
+
+        [overlap, thin, body, lost, self.too_far_displaced()].into_iter().flatten().collect()
+    }
+
+    /// A camera that was found much farther from its calibrated place than a touch moves it.
+    fn too_far_displaced(&self) -> Option<Reason> {
+        let poses = self.cameras.iter().filter_map(|camera| camera.found.pose.as_ref());
+        let used = poses.filter(|pose| pose.used);
+        let displaced = used.map(|pose| Vector3::from(pose.displacement_m).norm());
+        let found = displaced.reduce(f64::max).filter(|found| *found > MOST_DISPLACED_M)?;
+        Some(Reason::Displacement { found, most: MOST_DISPLACED_M })
+    }
+
+    /// What makes the numbers unusable of what is wrong with the recording, besides other reasons.
+    pub(super) fn unusable_by(&self, causes: &[Cause], others: &[Reason]) -> Option<Reason> {
+        let wrong = causes.iter().map(|cause| cause.wrong_pictures(self.evidence.rig));
+        let wrong: usize = wrong.sum();
+        if wrong > 0 {
+            return Some(Reason::WrongPictures { found: wrong as f64, most: 0.0 });
+        }
+
+        // a body that is folded, upside down or drawn to furniture covers a part of a person fairly
+        let misplaces = |cause: &Cause| {
+            matches!(cause, Cause::CutOff { .. } | Cause::Turned { .. } | Cause::StillParts { .. })
+        };
+        if !others.is_empty() || !causes.iter().any(misplaces) {
+            return None;
+        }
+        let found = self.overlap().filter(|found| *found < GOOD_OVERLAP)?;
+        Some(Reason::Overlap { found, least: GOOD_OVERLAP })
+    }
+}
+
+/// Positions of the frames that the body covers much worse than the rest.
+pub(in crate::pipeline) fn lost_frames(frames: &[FittedFrame]) -> Vec<usize> {
+    let overlaps = frames.iter().enumerate().filter_map(|(i, f)| Some((i, f.mean_iou()?)));
+    let overlaps: Vec<(usize, f64)> = overlaps.collect();
+    let usual = median(&mut overlaps.iter().map(|(_, iou)| *iou).collect()).unwrap_or(0.0);
+    let lost = overlaps.into_iter().filter(|(_, iou)| *iou < LOST_SHARE * usual);
+    lost.map(|(i, _)| i).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::inference::Evidence;
+    use crate::inference::camera_offset::{CameraOffset, Free};
+    use crate::likelihood::{LikelihoodOptions, Measure};
+    use crate::pipeline::diagnosis::CameraFaults;
+    use crate::pipeline::diagnosis::figures::Figures;
+    use crate::pipeline::diagnosis::upright::HeadAxis;
+    use crate::pipeline::{CameraFound, CameraQuality};
+
+    /// A camera that the body overlaps by so much.
+    fn quality(mean_iou: f64) -> CameraQuality {
+        CameraQuality {
+            camera: "cam".into(),
+            frames: 1,
+            mean_iou,
+            median_px: None,
+            rms_px: None,
+            found: CameraFound::default(),
+        }
+    }
+
+    /// What a diagnosis says of a usual body of which nothing but its cameras is known.
+    fn diagnosed<T>(
+        figures: &Figures,
+        cameras: &[CameraQuality],
+        say: impl Fn(&Diagnosis<'_>) -> T,
+    ) -> T {
+        let (model, rig) = (&figures.model, &figures.rig);
+        say(&Diagnosis {
+            evidence: &Evidence::new(model, rig, LikelihoodOptions::default(), Measure::Metaballs),
+            faults: &CameraFaults::of(rig, &[]),
+            observations: &[],
+            fps: 25.0,
+            shape: &figures.shape,
+            uncertainty: None,
+            height_m: None,
+            frames: &[],
+            cameras,
+        })
+    }
+
+    /// What makes a fit unusable of which nothing but a cause is known.
+    fn unusable_by(cause: Cause, mean_iou: f64) -> Option<Reason> {
+        diagnosed(&Figures::new(), &[quality(mean_iou)], |diagnosis| {
+            diagnosis.unusable_by(&[cause.clone()], &[])
+        })
+    }
+
+    #[test]
+    fn a_folded_or_turned_body_must_overlap_more_than_one_that_stands_and_one_beside_furniture_too()
+    {
+        let still = Cause::StillParts { cameras: Vec::new(), share: 0.5 };
+        let (cut_off, turned) =
+            (Cause::CutOff { height_m: 1.0 }, Cause::Turned { head: HeadAxis::MinusZ });
+        for cause in [cut_off, turned, still] {
+            let found = unusable_by(cause.clone(), 0.5 * (LEAST_OVERLAP + GOOD_OVERLAP));
+            assert!(matches!(found, Some(Reason::Overlap { .. })), "{found:?}");
+            assert_eq!(unusable_by(cause, 0.5 * (1.0 + GOOD_OVERLAP)), None);
+        }
+    }
+
+    #[test]
+    fn a_camera_that_would_stand_a_metre_elsewhere_makes_a_fit_unusable_and_a_kicked_one_does_not()
+    {
+        let figures = Figures::new();
+        let reasons = |displacement_m: f64| {
+            let offset = CameraOffset {
+                displacement_m: Vector3::new(0.0, displacement_m, 0.0),
+                ..CameraOffset::none()
+            };
+            let free = Free { pose: true, clock: true };
+            let camera =
+                CameraQuality { found: CameraFound::new(&offset, free, None), ..quality(0.9) };
+            diagnosed(&figures, &[camera], |diagnosis| diagnosis.unusable())
+        };
+        assert_eq!(reasons(0.5), []);
+        assert!(matches!(reasons(2.0)[..], [Reason::Displacement { .. }]));
+    }
+}
