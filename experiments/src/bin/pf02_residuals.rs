@@ -2,6 +2,10 @@
 //!
 //! 40 arms, points on all their skin from three pairs of cameras; model `arm`. Every start is off by a distance and by
 //! an angle in directions that are drawn; a fit has found the arm when shoulder, elbow and wrist are within 2 cm.
+//!
+//! The points err each by itself here, so each counts as one observation. Where errors are taken to go together over 10 cm, as those
+//! of recordings do, all points of an arm count as some fifteen, and limbs stay nearer to the prior's mean, which is 14 % (upper arm) and
+//! 5 % (forearm) wider than this truth: that says nothing of the residual.
 
 use std::error::Error;
 use std::process::ExitCode;
@@ -144,8 +148,12 @@ impl Way {
     }
 
     fn fit(&self, arm: &BodyModel, draw: &Draw, distance: f64, angle: f64) -> LimbErrors {
-        let options =
-            PointOptions { residual: self.residual, loss: self.loss, ..PointOptions::default() };
+        let options = PointOptions {
+            residual: self.residual,
+            loss: self.loss,
+            correlation_m: 0.0,
+            ..PointOptions::default()
+        };
         let (prior, pose_prior) = (ShapePrior::new(arm), PosePrior::new(arm));
         let term = PointField::new(draw.points.clone(), options, SkinScale::new(arm));
         let terms: Vec<Box<dyn Term>> = vec![Box::new(term)];
