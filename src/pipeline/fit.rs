@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::ambiguity::{facing_warning, outline_warnings, scale_warning};
 use super::camera_covariance::CameraCovariances;
-use super::diagnosis::{CameraFaults, Diagnosis, lost_frames};
+use super::diagnosis::{CameraFaults, Diagnosis, Seen, lost_frames};
 use super::estimate::{Estimate, LastStage};
 use super::fitted::{FittedFrame, TriedHypothesis};
 use super::measures::Measures;
@@ -250,7 +250,11 @@ fn searched(
     let agreeing = Sequence { frames: agreeing.as_deref().unwrap_or(sequence.frames), ..sequence };
     let found = search(evidence, agreeing, &options.search, journal);
     journal.progress.end();
-    found.ok_or(FitError::NoHypothesis { frames: sequence.frames.len() })
+    found.ok_or_else(|| {
+        let (model, rig, observations) = (evidence.model, evidence.rig, sequence.frames);
+        let causes = Seen { model, rig, faults, observations }.causes();
+        FitError::NoHypothesis { frames: observations.len(), causes }
+    })
 }
 
 /// What nothing sees of the body, by how much less sure the priors alone would be.

@@ -109,14 +109,39 @@ pub enum FitError {
     )]
     PointsOnEllipses,
     /// No hypothesis could be followed through the sequence.
-    #[error("no hypothesis could be followed through the {frames} frames")]
+    #[error("no hypothesis could be followed through the {frames} frames{}", because(causes))]
     NoHypothesis {
         /// How many frames there are.
         frames: usize,
+        /// What is wrong with the recording, if that is known.
+        causes: Vec<Cause>,
     },
+}
+
+/// What is wrong, or where to look.
+fn because(causes: &[Cause]) -> String {
+    let causes: Vec<String> = causes.iter().map(ToString::to_string).collect();
+    match causes.is_empty() {
+        true => ": look at the masks, and check `up` and the calibration".to_owned(),
+        false => format!(": {}", causes.join("; ")),
+    }
 }
 
 fn listed(cameras: &[String]) -> String {
     let word = if cameras.len() == 1 { "camera" } else { "cameras" };
     format!("{word} {}", cameras.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_search_that_found_nothing_says_what_is_wrong_or_where_to_look() {
+        let told = |causes| FitError::NoHypothesis { frames: 126, causes }.to_string();
+        assert!(told(vec![Cause::ThinPartsGone]).contains("thin parts"));
+        assert!(
+            told(Vec::new()).ends_with("look at the masks, and check `up` and the calibration")
+        );
+    }
 }

@@ -4,7 +4,7 @@
 //! nearest to each other before both, at a point that both see near their silhouette. Only pixels are compared, so
 //! this holds in every unit of length; the unit shows in how large the silhouettes are where the cameras agree.
 
-use super::diagnosis::camera_causes;
+use super::diagnosis::{CameraFaults, camera_causes};
 use super::{Cause, FitError, Warning};
 use crate::body::{BodyModel, Motion, Posed, Shape};
 use crate::camera::{Camera, CameraId, Rig, closest_point};
@@ -62,7 +62,7 @@ fn numbered(frames: &[FrameObservations]) -> Result<(), FitError> {
 
 /// The cause of cameras that share no view, where there is one, or else the fault itself.
 fn named(fault: FitError, rig: &Rig, frames: &[FrameObservations]) -> FitError {
-    let causes = camera_causes(rig, frames).into_iter();
+    let causes = camera_causes(rig, &CameraFaults::of(rig, frames)).into_iter();
     let is_displaced = |cause: &Cause| matches!(cause, Cause::Displaced { .. });
     causes.filter(|cause| !is_displaced(cause)).map(FitError::Cameras).next().unwrap_or(fault)
 }

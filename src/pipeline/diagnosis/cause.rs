@@ -6,7 +6,6 @@ use super::cameras::{CameraFault, CameraFaults};
 use super::upright::HeadAxis;
 use crate::camera::{CameraId, Rig};
 use crate::pipeline::{CameraQuality, PoseFound};
-use crate::silhouette::FrameObservations;
 
 /// A figure beyond its limit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -178,10 +177,9 @@ impl Cause {
     }
 }
 
-/// What is wrong with the cameras, for recordings that cannot be fitted at all.
-pub(in crate::pipeline) fn camera_causes(rig: &Rig, frames: &[FrameObservations]) -> Vec<Cause> {
-    let found = CameraFaults::of(rig, frames).faults;
-    found.into_iter().map(|fault| camera_cause(rig, fault)).collect()
+/// What is wrong with the cameras, as silhouettes alone tell it.
+pub(in crate::pipeline) fn camera_causes(rig: &Rig, found: &CameraFaults) -> Vec<Cause> {
+    found.faults.iter().map(|fault| camera_cause(rig, *fault)).collect()
 }
 
 /// What the joint optimum found to be wrong with the cameras of a recording at `fps`.
@@ -200,7 +198,7 @@ pub(super) fn found_causes(cameras: &[CameraQuality], fps: f64) -> Vec<Cause> {
     cameras.iter().flat_map(of_camera).collect()
 }
 
-pub(super) fn camera_cause(rig: &Rig, fault: CameraFault) -> Cause {
+fn camera_cause(rig: &Rig, fault: CameraFault) -> Cause {
     match fault {
         CameraFault::AllMirrored => Cause::AllMirrored,
         CameraFault::Mirrored(id) => Cause::Mirrored { camera: name(rig, id) },

@@ -3,6 +3,7 @@
 //! | file             | holds                                                             |
 //! |------------------|-------------------------------------------------------------------|
 //! | `verdict.rs`     | [`Verdict`]: usable or not, and which hypothesis holds            |
+//! | `seen.rs`        | what is wrong that shows without a body                           |
 //! | `unusable.rs`    | why the numbers cannot be used                                    |
 //! | `cause.rs`       | [`Reason`]s, [`Cause`]s, and those of the cameras                 |
 //! | `text.rs`        | all of it in plain words                                          |
@@ -28,6 +29,7 @@ mod coherence;
 mod figures;
 mod proportions;
 mod room;
+mod seen;
 mod stature;
 mod text;
 mod thin;
@@ -41,6 +43,7 @@ use crate::silhouette::FrameObservations;
 pub(super) use cameras::CameraFaults;
 pub(super) use cause::camera_causes;
 pub use cause::{Cause, Reason};
+pub(super) use seen::Seen;
 pub(super) use stature::stature_m;
 pub(super) use unusable::{LEAST_OVERLAP, lost_frames};
 pub use upright::HeadAxis;

@@ -13,7 +13,7 @@ pub(in crate::pipeline) const LEAST_OVERLAP: f64 = 0.65;
 /// A shape this many times as improbable as usual is nobody's: upside-down cameras gave 43, people in clothes up to 8.
 const MOST_BODY: f64 = 10.0;
 /// Silhouettes of which less is thin have lost arms, hands and feet.
-const LEAST_THIN: f64 = 0.02;
+pub(super) const LEAST_THIN: f64 = 0.02;
 /// More lost frames than this share, and nobody knows which are right.
 const MOST_LOST: f64 = 0.33;
 /// Cameras are kicked and bumped by less, metres.

@@ -3,20 +3,19 @@
 use serde::{Deserialize, Serialize};
 
 use super::cameras::CameraFaults;
-use super::cause::{Cause, Reason, camera_cause, found_causes, name};
+use super::cause::{Cause, Reason, camera_causes, found_causes};
 use super::proportions::wrong_scale;
-use super::room::{alone_shares, stale_shares, still_shares};
+use super::room::still_shares;
+use super::seen::{STILL_PART, Seen, WHOLE, cut_off, still_parts};
 use super::shown_by_two;
 use super::stature::{stature_m, wrong_stature_m};
 use super::unusable::GOOD_OVERLAP;
 use super::upright::head_axis;
 use super::volume::{apart_l, size_m, still_share, volumes};
 use crate::body::{Posed, Root, Shape};
-use crate::camera::{CameraId, Rig};
 use crate::inference::Evidence;
 use crate::inference::covariance::ShapeUncertainty;
 use crate::math::stats::{mean, median};
-use crate::pipeline::scene::body_size;
 use crate::pipeline::{CameraFound, CameraQuality, FittedFrame};
 use crate::silhouette::FrameObservations;
 
@@ -37,8 +36,6 @@ impl Verdict {
     }
 }
 
-/// Still parts and volumes beside the body count from here on, over the silhouette's area and in litres (a child of five: 18).
-const STILL_PART: f64 = 0.25;
 /// Of a body that is too large for a person, smaller ones count too: it covers a part of what stands still.
 const SMALL_STILL_PART: f64 = 0.1;
 pub(super) const BODY_L: f64 = 15.0;
@@ -52,8 +49,6 @@ const MOST_G: f64 = 2.0;
 const UPRIGHT_FRAMES: usize = 5;
 /// Ragged masks miss each other by 3 mm.
 const MASKS_AGREE_M: f64 = 0.005;
-/// Silhouettes below this share of the body's height show less than all of it: three standard deviations of stature.
-const WHOLE: f64 = 0.8;
 
 /// What a diagnosis is made from.
 #[derive(Debug)]
@@ -106,7 +101,8 @@ impl Diagnosis<'_> {
             let of_body = || self.of_another_size().into_iter().collect();
             return if of_cameras.is_empty() { of_body() } else { of_cameras };
         }
-        if let Some(pieces) = self.stale_picture().or_else(|| self.pieces_of_room()) {
+        let seen = self.seen();
+        if let Some(pieces) = seen.stale_picture().or_else(|| seen.pieces_of_room()) {
             return vec![pieces];
         }
         if found.explain_nearly_all() {
@@ -123,8 +119,8 @@ impl Diagnosis<'_> {
             return vec![turned];
         }
         let height_m = size_m.filter(|_| is_unusable).map(|size_m| size_m.z);
-        if let Some(height_m) = height_m.filter(|height| *height < WHOLE * body_size(model)) {
-            return vec![Cause::CutOff { height_m }];
+        if let Some(cut_off) = height_m.and_then(|height_m| cut_off(model, height_m)) {
+            return vec![cut_off];
         }
         let shares = still_shares(rig, self.observations, |frame| self.body(frame));
         let still_parts = |least: f64| still_parts(rig, &shares, least);
@@ -162,22 +158,10 @@ impl Diagnosis<'_> {
         still.or(cause).into_iter().collect()
     }
 
-    /// A picture of the person in all masks of half of the cameras: a body that stays there covers them fairly.
-    fn stale_picture(&self) -> Option<Cause> {
-        let rig = self.evidence.rig;
-        let shares = stale_shares(rig, self.observations);
-        let is_in_half = 2 * shares.len() >= rig.cameras.len();
-        is_in_half.then(|| still_parts(rig, &shares, 0.0)).flatten()
-    }
-
-    /// Pieces of the room, elsewhere in each camera: they look like lenses that are wrong. A camera that is elsewhere shows the person
-    /// where no other does, so where nothing speaks of lenses they are not looked for.
-    fn pieces_of_room(&self) -> Option<Cause> {
-        if !self.faults.is_any_of_lenses() {
-            return None;
-        }
-        let rig = self.evidence.rig;
-        still_parts(rig, &alone_shares(rig, self.observations), STILL_PART)
+    /// The recording without the body.
+    fn seen(&self) -> Seen<'_> {
+        let Self { evidence, faults, observations, .. } = *self;
+        Seen { model: evidence.model, rig: evidence.rig, faults, observations }
     }
 
     /// What is wrong with the cameras: as the joint optimum found it, where that can.
@@ -185,8 +169,7 @@ impl Diagnosis<'_> {
         if unusable.is_empty() && self.faults.are_of_places_or_clocks() && self.has_estimates() {
             return found_causes(self.cameras, self.fps);
         }
-        let faults = self.faults.faults.iter();
-        faults.map(|fault| camera_cause(self.evidence.rig, *fault)).collect()
+        camera_causes(self.evidence.rig, self.faults)
     }
 
     /// Whether the joint optimum says where or when the cameras are.
@@ -256,13 +239,6 @@ impl Diagnosis<'_> {
         let frames: Vec<_> = frames.map(|frame| &self.observations[frame]).collect();
         Some(Cause::Turned { head: head_axis(self.evidence, &frames, longest)? })
     }
-}
-
-/// What stands still in more than `least` of a camera's silhouettes.
-fn still_parts(rig: &Rig, shares: &[(CameraId, f64)], least: f64) -> Option<Cause> {
-    let large = || shares.iter().filter(|(_, share)| *share > least);
-    let share = large().map(|(_, share)| *share).reduce(f64::max)?;
-    Some(Cause::StillParts { cameras: large().map(|(id, _)| name(rig, *id)).collect(), share })
 }
 
 #[cfg(test)]
