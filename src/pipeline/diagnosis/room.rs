@@ -19,8 +19,8 @@ const ACROSS: f64 = 120.0;
 const STILL: f64 = 0.9;
 /// What stands still is a picture of somebody if the smallest silhouette holds less than this share of what the usual one holds besides, …
 const MOST_UNCOVERED: f64 = 0.33;
-/// … and that is much: of somebody who stands still, what stands still is a larger share.
-const MOST_STILL: f64 = 0.9;
+/// … and if it is most of a person, whom the rest overlaps, but not all: of somebody who stands still it is a larger share.
+const MOST_OF_A_PERSON: std::ops::Range<f64> = 0.6..0.9;
 
 /// For each camera the area that stands still and is not the body, over the median area of its silhouettes.
 pub(super) fn still_shares<'a>(
@@ -76,9 +76,9 @@ pub(super) fn stale_shares(rig: &Rig, frames: &[FrameObservations]) -> Vec<(Came
         let still = cells(camera).filter(|pixel| is_still(pixel, &views)).count() as f64;
         let least = areas.iter().copied().fold(f64::INFINITY, f64::min);
         let usual = median(&mut areas)?;
-        let is_stale =
-            least - still < MOST_UNCOVERED * (usual - still) && still < MOST_STILL * usual;
-        is_stale.then_some((id, still / usual))
+        let (uncovered, share) = (least - still, still / usual);
+        let is_stale = uncovered < MOST_UNCOVERED * (usual - still);
+        (is_stale && MOST_OF_A_PERSON.contains(&share)).then_some((id, share))
     };
     let cameras: Vec<(CameraId, &Camera)> = rig.iter().collect();
     cameras.into_par_iter().filter_map(share).collect()

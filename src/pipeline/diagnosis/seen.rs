@@ -29,22 +29,24 @@ pub(in crate::pipeline) struct Seen<'a> {
 impl Seen<'_> {
     /// The first hypothesis that holds, where no body could be found.
     pub(in crate::pipeline) fn causes(&self) -> Vec<Cause> {
+        let is_person = self.model.root != Root::Fixed;
+        if let Some(cut_off) = self.cut_off().filter(|_| is_person) {
+            return vec![cut_off];
+        }
         if let Some(pieces) = self.stale_picture().or_else(|| self.pieces_of_room()) {
             return vec![pieces];
         }
-        if self.faults.explain_nearly_all() {
-            return camera_causes(self.rig, self.faults);
+        let is_thin = || thin_share(self.observations).is_some_and(|share| share < LEAST_THIN);
+        if !self.faults.explain_nearly_all() && is_person && is_thin() {
+            return vec![Cause::ThinPartsGone];
         }
-        let lacking = if self.model.root == Root::Fixed { None } else { self.lacking() };
-        lacking.map_or_else(|| camera_causes(self.rig, self.faults), |cause| vec![cause])
+        camera_causes(self.rig, self.faults)
     }
 
-    /// Parts of a person that the silhouettes lack.
-    fn lacking(&self) -> Option<Cause> {
-        let size_m = size_m(&volumes(self.rig, self.observations, &self.faults.readings));
-        let cut_off = size_m.and_then(|size_m| cut_off(self.model, size_m.z));
-        let is_thinned = || thin_share(self.observations).is_some_and(|share| share < LEAST_THIN);
-        cut_off.or_else(|| is_thinned().then_some(Cause::ThinPartsGone))
+    /// What all silhouettes together hold is lower than a standing person.
+    fn cut_off(&self) -> Option<Cause> {
+        let size_m = size_m(&volumes(self.rig, self.observations, &self.faults.readings))?;
+        cut_off(self.model, size_m.z)
     }
 
     /// A picture of the person in all masks of half of the cameras: a body that stays there covers them fairly.

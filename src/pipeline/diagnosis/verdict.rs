@@ -102,7 +102,7 @@ impl Diagnosis<'_> {
             return if of_cameras.is_empty() { of_body() } else { of_cameras };
         }
         let seen = self.seen();
-        if let Some(pieces) = seen.stale_picture().or_else(|| seen.pieces_of_room()) {
+        if let Some(pieces) = seen.pieces_of_room() {
             return vec![pieces];
         }
         if found.explain_nearly_all() {
@@ -121,6 +121,9 @@ impl Diagnosis<'_> {
         let height_m = size_m.filter(|_| is_unusable).map(|size_m| size_m.z);
         if let Some(cut_off) = height_m.and_then(|height_m| cut_off(model, height_m)) {
             return vec![cut_off];
+        }
+        if let Some(stale) = seen.stale_picture() {
+            return vec![stale];
         }
         let shares = still_shares(rig, self.observations, |frame| self.body(frame));
         let still_parts = |least: f64| still_parts(rig, &shares, least);
