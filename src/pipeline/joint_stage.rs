@@ -115,7 +115,7 @@ fn turn_towards(
     let (mut from, mut to) = (Vector3::zeros(), Vector3::zeros());
     for (pixel, place) in shown {
         from += *camera.ray(&pixel).direction_world;
-        to += (place - centre).normalize();
+        to += (place - centre).try_normalize(0.0).unwrap_or_default();
     }
     UnitQuaternion::rotation_between(&from, &to).unwrap_or_default()
 }
@@ -138,7 +138,7 @@ mod tests {
     fn a_camera_that_was_turned_is_turned_back_to_what_it_shows() {
         let calibrated = &Ring::default().regular().cameras[0];
         let places = [0.0, 0.1, 0.2].map(|x| Point3::new(x, 0.0, 1.0));
-        let sight = (places[1] - calibrated.centre_world()).normalize();
+        let sight = places[1] - calibrated.centre_world();
         let across = UnitVector3::new_normalize(sight.cross(&Vector3::z()));
         let touched = CameraOffset {
             turn: UnitQuaternion::from_axis_angle(&across, 0.05),

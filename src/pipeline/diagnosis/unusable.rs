@@ -129,7 +129,7 @@ mod tests {
     /// What makes a fit unusable of which nothing but a cause is known.
     fn unusable_by(cause: Cause, mean_iou: f64) -> Option<Reason> {
         diagnosed(&Figures::new(), &[quality(mean_iou)], |diagnosis| {
-            diagnosis.unusable_by(&[cause.clone()], &[])
+            diagnosis.unusable_by(std::slice::from_ref(&cause), &[])
         })
     }
 

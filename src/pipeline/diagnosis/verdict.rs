@@ -11,7 +11,7 @@ use super::shown_by_two;
 use super::stature::{stature_m, wrong_stature_m};
 use super::unusable::GOOD_OVERLAP;
 use super::upright::head_axis;
-use super::volume::{apart_l, size_m, still_share, volumes};
+use super::volume::{Volume, apart_l, size_m, still_share, volumes};
 use crate::body::{Posed, Root, Shape};
 use crate::inference::Evidence;
 use crate::inference::covariance::ShapeUncertainty;
@@ -88,7 +88,7 @@ impl Diagnosis<'_> {
     /// The first hypothesis that holds, from the cameras to the body.
     fn causes(&self, unusable: &[Reason]) -> Vec<Cause> {
         let is_unusable = !unusable.is_empty();
-        let Evidence { model, rig, .. } = self.evidence;
+        let rig = self.evidence.rig;
         let Some(overlap) = self.overlap() else {
             return Vec::new();
         };
@@ -114,13 +114,8 @@ impl Diagnosis<'_> {
 
         // the room that the silhouettes leave, without the cameras that are elsewhere: what lacks is tested before what is too much
         let volumes = volumes(rig, self.observations, &found.readings);
-        let size_m = size_m(&volumes);
-        if let Some(turned) = size_m.and_then(|size_m| self.turned(size_m.imax())) {
-            return vec![turned];
-        }
-        let height_m = size_m.filter(|_| is_unusable).map(|size_m| size_m.z);
-        if let Some(cut_off) = height_m.and_then(|height_m| cut_off(model, height_m)) {
-            return vec![cut_off];
+        if let Some(cause) = self.of_size(&volumes, unusable) {
+            return vec![cause];
         }
         if let Some(stale) = seen.stale_picture() {
             return vec![stale];
@@ -159,6 +154,13 @@ impl Diagnosis<'_> {
         let has_grown = matches!(cause, Some(Cause::Scale { factor }) if factor > 1.0);
         let still = if has_grown { still_parts(SMALL_STILL_PART) } else { None };
         still.or(cause).into_iter().collect()
+    }
+
+    /// What the silhouettes hold lies down, or is lower than a person.
+    fn of_size(&self, volumes: &[Volume], unusable: &[Reason]) -> Option<Cause> {
+        let size_m = size_m(volumes)?;
+        let is_low = || cut_off(self.evidence.model, size_m.z).filter(|_| !unusable.is_empty());
+        self.turned(size_m.imax()).or_else(is_low)
     }
 
     /// The recording without the body.
