@@ -275,6 +275,23 @@ mod tests {
     }
 
     #[test]
+    fn of_a_body_in_thick_clothes_the_outline_lies_as_far_out_as_the_clothes_are_thick() {
+        let model = human().detailed();
+        let motion = Motion::rest(&model);
+        let highest = |clothes_m: f64| {
+            let mut shape = crate::body::Shape(model.statistics.mean.clone());
+            let offsets = model.offsets.as_ref().unwrap();
+            shape.0.rows_mut(offsets.first().0, offsets.count()).fill(clothes_m);
+            let found = outline(&camera(), &Posed::new(&model, &shape, &motion), 2.0);
+            let points = found.outer.into_iter().flatten();
+            points.min_by(|a, b| a.pixel.y.total_cmp(&b.pixel.y)).unwrap()
+        };
+        let (bare, dressed) = (highest(0.0), highest(0.02));
+        let out_px = 0.02 * 600.0 / bare.depth_m;
+        approx::assert_abs_diff_eq!(bare.pixel.y - dressed.pixel.y, out_px, epsilon = 0.2);
+    }
+
+    #[test]
     fn the_limbs_masks_together_are_the_bodys() {
         let model = human();
         let shape = crate::body::Shape(model.statistics.mean.clone());
