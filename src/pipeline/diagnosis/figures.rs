@@ -4,12 +4,16 @@ use std::path::Path;
 
 use nalgebra::Vector3;
 
+use super::{CameraFaults, Diagnosis};
 use crate::body::metaball::Field;
 use crate::body::{BodyModel, Motion, Posed, Shape};
 use crate::camera::Rig;
 use crate::image::Mask;
+use crate::inference::Evidence;
 #[cfg(test)]
 use crate::io::model;
+use crate::likelihood::{LikelihoodOptions, Measure};
+use crate::pipeline::{CameraQuality, FittedFrame};
 use crate::render;
 use crate::silhouette::{FrameIndex, FrameObservations, SilhouetteOptions, extract};
 use crate::synth::{Recipe, Ring};
@@ -39,6 +43,27 @@ impl Figures {
 
     pub(super) fn posed(&self, motion: &Motion) -> Posed<'_> {
         Posed::new(&self.model, &self.shape, motion)
+    }
+
+    /// What a diagnosis says of this person, of whom nothing but fitted frames and cameras is known.
+    pub(super) fn diagnosed<T>(
+        &self,
+        frames: &[FittedFrame],
+        cameras: &[CameraQuality],
+        say: impl Fn(&Diagnosis<'_>) -> T,
+    ) -> T {
+        let (model, rig) = (&self.model, &self.rig);
+        say(&Diagnosis {
+            evidence: &Evidence::new(model, rig, LikelihoodOptions::default(), Measure::Metaballs),
+            faults: &CameraFaults::of(rig, &[]),
+            observations: &[],
+            fps: 25.0,
+            shape: &self.shape,
+            uncertainty: None,
+            height_m: None,
+            frames,
+            cameras,
+        })
     }
 
     /// The masks of one person, camera by camera.

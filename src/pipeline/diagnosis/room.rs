@@ -32,7 +32,7 @@ pub(super) fn still_shares<'a>(
     let cameras: Vec<(CameraId, &Camera)> = rig.iter().collect();
     let share = |(id, camera): (CameraId, &Camera)| {
         let of_camera = |frame: &usize| {
-            let (_, silhouette) = frames[*frame].views.iter().find(|(c, _)| *c == id)?;
+            let silhouette = shown(&frames[*frame], id)?;
             Some((silhouette, coverings(camera, &body(*frame))))
         };
         let views: Vec<(&Silhouette, Vec<Covering>)> =
@@ -49,8 +49,8 @@ pub(super) fn alone_shares(rig: &Rig, frames: &[FrameObservations]) -> Vec<(Came
     let scene = Scene::new(rig, frames);
     let cameras: Vec<(CameraId, &Camera)> = rig.iter().collect();
     let share = |(id, camera): (CameraId, &Camera)| {
-        let of_frame = |frame: &usize| frames[*frame].views.iter().find(|(c, _)| *c == id);
-        let views: Vec<&Silhouette> = sampled.iter().filter_map(of_frame).map(|v| &v.1).collect();
+        let of_frame = |frame: &usize| shown(&frames[*frame], id);
+        let views: Vec<&Silhouette> = sampled.iter().filter_map(of_frame).collect();
         let middle = sampled.iter().filter(|frame| of_frame(frame).is_some());
         let middle = middle.copied().nth(views.len() / 2).unwrap_or(0);
         let still = cells(camera).filter(|pixel| is_still(pixel, &views));
@@ -68,8 +68,8 @@ pub(super) fn alone_shares(rig: &Rig, frames: &[FrameObservations]) -> Vec<(Came
 pub(super) fn stale_shares(rig: &Rig, frames: &[FrameObservations]) -> Vec<(CameraId, f64)> {
     let sampled: Vec<usize> = evenly(frames.len(), SAMPLED_FRAMES).collect();
     let share = |(id, camera): (CameraId, &Camera)| {
-        let of_frame = |frame: &usize| frames[*frame].views.iter().find(|(c, _)| *c == id);
-        let views: Vec<&Silhouette> = sampled.iter().filter_map(of_frame).map(|v| &v.1).collect();
+        let of_frame = |frame: &usize| shown(&frames[*frame], id);
+        let views: Vec<&Silhouette> = sampled.iter().filter_map(of_frame).collect();
         let count =
             |s: &&Silhouette| cells(camera).filter(|pixel| s.contains(pixel)).count() as f64;
         let mut areas: Vec<f64> = views.iter().map(count).collect();
@@ -82,6 +82,11 @@ pub(super) fn stale_shares(rig: &Rig, frames: &[FrameObservations]) -> Vec<(Came
     };
     let cameras: Vec<(CameraId, &Camera)> = rig.iter().collect();
     cameras.into_par_iter().filter_map(share).collect()
+}
+
+/// What a camera shows in a frame.
+fn shown(frame: &FrameObservations, camera: CameraId) -> Option<&Silhouette> {
+    frame.views.iter().find(|(id, _)| *id == camera).map(|(_, silhouette)| silhouette)
 }
 
 /// Whether a pixel is foreground in nearly all silhouettes.

@@ -86,10 +86,7 @@ pub(in crate::pipeline) fn lost_frames(frames: &[FittedFrame]) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::inference::Evidence;
     use crate::inference::camera_offset::{CameraOffset, Free};
-    use crate::likelihood::{LikelihoodOptions, Measure};
-    use crate::pipeline::diagnosis::CameraFaults;
     use crate::pipeline::diagnosis::figures::Figures;
     use crate::pipeline::diagnosis::upright::HeadAxis;
     use crate::pipeline::{CameraFound, CameraQuality};
@@ -106,29 +103,9 @@ mod tests {
         }
     }
 
-    /// What a diagnosis says of a usual body of which nothing but its cameras is known.
-    fn diagnosed<T>(
-        figures: &Figures,
-        cameras: &[CameraQuality],
-        say: impl Fn(&Diagnosis<'_>) -> T,
-    ) -> T {
-        let (model, rig) = (&figures.model, &figures.rig);
-        say(&Diagnosis {
-            evidence: &Evidence::new(model, rig, LikelihoodOptions::default(), Measure::Metaballs),
-            faults: &CameraFaults::of(rig, &[]),
-            observations: &[],
-            fps: 25.0,
-            shape: &figures.shape,
-            uncertainty: None,
-            height_m: None,
-            frames: &[],
-            cameras,
-        })
-    }
-
     /// What makes a fit unusable of which nothing but a cause is known.
     fn unusable_by(cause: Cause, mean_iou: f64) -> Option<Reason> {
-        diagnosed(&Figures::new(), &[quality(mean_iou)], |diagnosis| {
+        Figures::new().diagnosed(&[], &[quality(mean_iou)], |diagnosis| {
             diagnosis.unusable_by(std::slice::from_ref(&cause), &[])
         })
     }
@@ -158,7 +135,7 @@ mod tests {
             let free = Free { pose: true, clock: true };
             let camera =
                 CameraQuality { found: CameraFound::new(&offset, free, None), ..quality(0.9) };
-            diagnosed(&figures, &[camera], |diagnosis| diagnosis.unusable())
+            figures.diagnosed(&[], &[camera], |diagnosis| diagnosis.unusable())
         };
         assert_eq!(reasons(0.5), []);
         assert!(matches!(reasons(2.0)[..], [Reason::Displacement { .. }]));

@@ -251,7 +251,6 @@ mod tests {
     use super::*;
     use crate::body::Motion;
     use crate::inference::frame::FrameFit;
-    use crate::likelihood::{LikelihoodOptions, Measure};
     use crate::pipeline::diagnosis::figures::Figures;
     use crate::silhouette::FrameIndex;
 
@@ -276,28 +275,14 @@ mod tests {
     #[test]
     fn a_body_that_never_stands_is_part_of_a_person_and_one_that_stands_is_whole() {
         let figures = Figures::new();
-        let (model, rig) = (&figures.model, &figures.rig);
-        let evidence = Evidence::new(model, rig, LikelihoodOptions::default(), Measure::Metaballs);
-        let cause = |motion: Motion| {
-            let diagnosis = Diagnosis {
-                evidence: &evidence,
-                faults: &CameraFaults::of(rig, &[]),
-                observations: &[],
-                fps: 25.0,
-                shape: &figures.shape,
-                uncertainty: None,
-                height_m: None,
-                frames: &[fitted(motion)],
-                cameras: &[],
-            };
-            diagnosis.of_another_size()
-        };
+        let cause =
+            |motion: Motion| figures.diagnosed(&[fitted(motion)], &[], |d| d.of_another_size());
 
         let standing = figures.standing(0.0, 0.0);
         let mut folded = standing.clone();
         for (name, angle) in [("hip_flexion", 2.0), ("knee_flexion", 2.3)] {
             for side in ["_r", "_l"] {
-                let joint = model.joint(&format!("{name}{side}")).unwrap();
+                let joint = figures.model.joint(&format!("{name}{side}")).unwrap();
                 folded.angles[joint.0] = angle;
             }
         }
