@@ -9,6 +9,7 @@
 //! | a pose from nothing               | [`hull`], [`start`] |
 //! | one hypothesis along the chain    | [`propagate`]    |
 //! | Algorithm 1                       | [`search`]       |
+//! | what the winner lost              | `relay`          |
 //! | eq. 1 as a problem of all frames  | [`chain`], [`sequence_posterior`] |
 //! | its optimum, how sure it is       | [`joint`], [`noise`], [`contrasts`], `spread`, [`covariance`] |
 //! | cameras and clocks as unknowns    | [`camera_offset`], [`instant`] |
@@ -34,6 +35,7 @@ mod looks;
 pub mod noise;
 pub mod prior;
 pub mod propagate;
+mod relay;
 pub mod search;
 mod sequence;
 pub mod sequence_posterior;

@@ -8,8 +8,10 @@ pub use super::hypothesis::{Hypothesis, Origin, Search, Trial};
 pub use super::journal::{Journal, NoJournal};
 use super::keyframe::{keyframe_fit, keyframe_hypotheses, keyframes, mean_hypothesis};
 use super::propagate::{Track, TrackOptions, Tracking};
+use super::relay::relayed;
 use super::start::StartOptions;
 use super::{Evidence, Sequence};
+use crate::body::Shape;
 
 /// Settings of the search.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -79,7 +81,8 @@ const STRIDE: usize = 8;
 /// # Source
 /// ZS06, Algorithm 1. Differs: a keyframe gives one hypothesis for each reading (front, back); tracks run
 /// both ways from the keyframe; hypotheses that can no longer win are dropped, exactly; if no keyframe proposes that the person
-/// faces the other way, the winner turned around is one more hypothesis.
+/// faces the other way, the winner turned around is one more hypothesis; where the winner lost a limb and another hypothesis did
+/// not, its motion goes over into the other's ([`relay`](super::relay)).
 pub fn search(
     evidence: &Evidence<'_>,
     sequence: Sequence<'_>,
@@ -110,6 +113,11 @@ pub fn search(
         journal.hypotheses(1);
         trials.push(run.follow(trials.len(), &turned, run.bound(&trials[winner])));
         winner = most_probable(&trials)?;
+    }
+    // 7. what the winner lost, another hypothesis may have
+    let shape = trials[winner].hypothesis.shape.clone();
+    if let Some(relayed) = relayed(&run.tracking(&shape), &trials, winner) {
+        trials[winner] = relayed;
     }
     (!journal.is_failing()).then_some(Search { trials, winner })
 }
@@ -184,15 +192,20 @@ impl Run<'_> {
         })
     }
 
-    /// Follows a hypothesis both ways until every frame is fitted or its partial sum exceeds `bound`.
-    fn propagate(&self, index: usize, hypothesis: &Hypothesis, bound: f64) -> Trial {
-        let tracking = Tracking {
+    /// What tracks of a shape share.
+    fn tracking<'s>(&'s self, shape: &'s Shape) -> Tracking<'s> {
+        Tracking {
             evidence: self.evidence,
             sequence: self.sequence,
-            shape: &hypothesis.shape,
+            shape,
             options: &self.options.track,
             start: &self.options.start,
-        };
+        }
+    }
+
+    /// Follows a hypothesis both ways until every frame is fitted or its partial sum exceeds `bound`.
+    fn propagate(&self, index: usize, hypothesis: &Hypothesis, bound: f64) -> Trial {
+        let tracking = self.tracking(&hypothesis.shape);
         let (k, n) = (hypothesis.keyframe, self.sequence.frames.len());
 
         // two tracks from the keyframe
