@@ -11,9 +11,10 @@ use maquette::io::model;
 use maquette::likelihood::{LikelihoodOptions, Measure, SkinScale};
 use maquette::math::Rigid3;
 use maquette::pipeline::silhouettes::{
-    ContourFault, ContourOptions, FoundPoint, FrameSighting, Scene, StillScenes, UndistortedFrame,
-    ViewSighting,
+    ContourFault, ContourOptions, FoundPoint, FrameSighting, Scene, SilhouettePipeline,
+    SilhouetteSearch, StartingFit, StillScenes, UndistortedFrame, ViewSighting,
 };
+use maquette::pipeline::{MemoryPictures, NoProgress};
 use maquette::render;
 use maquette::silhouette::{FrameIndex, FrameObservations};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
@@ -68,9 +69,9 @@ impl Set {
         render::silhouette(&self.rig.cameras[camera], &Field::from_body(&body))
     }
 
-    /// The body bright before a dark ground; `None` of `shown` is a flat picture.
-    fn frame(&self, shown: [bool; 2]) -> UndistortedFrame {
-        let pictures: Vec<Option<Picture>> = (0..2)
+    /// The body bright before a dark ground; what is not `shown` is a flat picture.
+    fn pictures(&self, shown: [bool; 2]) -> Vec<Option<Picture>> {
+        (0..2)
             .map(|i| {
                 let (mask, is_shown) = (self.mask(i), shown[i]);
                 let value = |k: usize| {
@@ -81,7 +82,11 @@ impl Set {
                 let values = (0..count).map(value).collect();
                 Plane::from_values(SIZE.0 as usize, SIZE.1 as usize, values)
             })
-            .collect();
+            .collect()
+    }
+
+    fn frame(&self, shown: [bool; 2]) -> UndistortedFrame {
+        let pictures = self.pictures(shown);
         UndistortedFrame::new(&self.rig, &pictures).expect("pictures of the cameras' sizes")
     }
 
@@ -203,4 +208,53 @@ fn a_body_too_large_is_mended_by_a_fit_to_the_contours_that_it_finds() {
     for (before, after) in before.into_iter().zip(after) {
         assert!(1.0 - after < 0.55 * (1.0 - before), "{before} {after}");
     }
+}
+
+/// Overlap of what a pipeline finds in the last of four frames with the person, who goes 3 cm aside from frame to frame; the start
+/// stands where the first frame has them.
+fn overlaps_of_who_goes_aside(pipeline: SilhouettePipeline) -> [f64; 2] {
+    let moved = |frame: usize| {
+        let mut set = Set::new();
+        set.truth.position_world.y += 0.03 * frame as f64;
+        set
+    };
+    let sets: Vec<Set> = (0..4).map(moved).collect();
+    let first = &sets[0];
+    let seen = |(i, set): (usize, &Set)| (FrameIndex(i), set.pictures([true, true]));
+    let pictures = MemoryPictures {
+        rig: first.rig.clone(),
+        fps: 25.0,
+        frames: sets.iter().enumerate().map(seen).collect(),
+        ..MemoryPictures::default()
+    };
+    let frames: Vec<FrameIndex> = (0..4).map(FrameIndex).collect();
+    let motions = frames.iter().map(|frame| (*frame, first.truth.clone())).collect();
+    let start =
+        StartingFit::from_motions(first.shape.clone(), motions, &pictures, &frames, &NoProgress);
+    let search = SilhouetteSearch {
+        pictures: &pictures,
+        frames: &frames,
+        model: &first.model,
+        start: &start,
+        pipeline,
+    };
+
+    let mut last = [0.0; 2];
+    let taken = search.run(&NoProgress, |found| {
+        last = [0, 1].map(|i| {
+            let seen = found.sighting.views[i].as_ref().expect("a picture");
+            overlap(&seen.contours.mask(&first.rig.cameras[i]), &sets[found.frame.0].mask(i))
+        });
+        Ok::<(), std::convert::Infallible>(())
+    });
+    assert_eq!(taken.map(|found| found.observations.len()), Ok(4));
+    last
+}
+
+#[test]
+fn frame_after_frame_follows_who_leaves_the_first_fit_and_the_simple_pipeline_does_not() {
+    let [followed, left] = [SilhouettePipeline::FrameAfterFrame, SilhouettePipeline::Simple]
+        .map(overlaps_of_who_goes_aside);
+    assert!(followed.iter().all(|overlap| *overlap > 0.85), "{followed:?}");
+    assert!(left[0] < 0.8, "{left:?}");
 }

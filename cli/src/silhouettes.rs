@@ -42,6 +42,11 @@ const PIPELINES: &[Choice<SilhouettePipeline>] = &[
         SilhouettePipeline::Joint,
         "By turns: active contours of all frames, and the body fitted to stereo and contours",
     ),
+    (
+        "frame-after-frame",
+        SilhouettePipeline::FrameAfterFrame,
+        "As published: contours and body of each frame from those of the frame before",
+    ),
 ];
 
 /// Arguments of `maquette silhouettes`.

@@ -117,9 +117,14 @@ const FOUND: Rgb = [255, 60, 40];
 
 /// A photograph with the true border (light blue) and the found one (red) over it.
 pub fn compared(photograph: &Picture, found: &Mask, truth: &Mask) -> Picture {
+    compared_with(photograph, &trace(&Runs::from_mask(found)), truth)
+}
+
+/// The same of a border that is known as closed curves, px.
+pub fn compared_with(photograph: &Picture, found: &[Vec<Point2<f64>>], truth: &Mask) -> Picture {
     let mut canvas = Canvas::from_pixels(photograph.clone());
-    for (mask, color) in [(truth, TRUE), (found, FOUND)] {
-        let borders = trace(&Runs::from_mask(mask));
+    let truth = trace(&Runs::from_mask(truth));
+    for (borders, color) in [(truth.as_slice(), TRUE), (found, FOUND)] {
         let segments = borders.iter().flat_map(sides);
         let segments: Vec<_> = segments.map(|(a, b)| [a, b]).collect();
         let pen = Pen { color, opacity: 0.9, width_px: 1.4 };

@@ -70,7 +70,7 @@ impl Derived<'_> {
             }
             footage => footage?,
         };
-        let is_free = options.silhouettes.is_none() && options.stereo.is_none();
+        let is_free = options.silhouettes.is_none();
         if is_free && given.is_err() && is_best_by_contours(&footage) {
             self.progress.note(CONTOURS_CHOSEN);
             return self.contours(recording, &footage, options);

@@ -1,7 +1,7 @@
 //! How far a fitted arm is from the true one.
 
 use maquette::body::metaball::{Field, THRESHOLD};
-use maquette::body::{BodyModel, Posed};
+use maquette::body::{PartId, Posed};
 use nalgebra::{Point3, Unit, UnitQuaternion, Vector3};
 
 /// Places along a bone at which it is measured, as parts of its length.
@@ -28,23 +28,54 @@ pub struct LimbErrors {
     pub joints_mm: f64,
 }
 
-/// Shoulder, elbow and wrist; points of a model that has none of such names are the origin.
-pub fn joints(body: &Posed<'_>) -> [Point3<f64>; 3] {
-    let points = body.points();
-    let of = |name: &str| index(body.model, name).map_or_else(Point3::origin, |i| points[i]);
-    ["Shoulder", "Elbow", "Wrist"].map(of)
+/// Which arm of a body.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Arm {
+    /// The only one, of a model that is an arm.
+    Only,
+    /// The right one of a person.
+    Right,
+    /// The left one of a person.
+    Left,
 }
 
-fn index(model: &BodyModel, name: &str) -> Option<usize> {
-    model.points.iter().position(|p| p.name.ends_with(name))
+impl Arm {
+    /// What the names of its points begin with, and those of its parts end with.
+    fn affixes(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Only => ("", ""),
+            Self::Right => ("R", "_r"),
+            Self::Left => ("L", "_l"),
+        }
+    }
+}
+
+/// Shoulder, elbow and wrist; points of a model that has none of such names are the origin.
+pub fn joints(body: &Posed<'_>) -> [Point3<f64>; 3] {
+    joints_of(body, Arm::Only)
+}
+
+/// Shoulder, elbow and wrist of one arm; as [`joints`].
+pub fn joints_of(body: &Posed<'_>, arm: Arm) -> [Point3<f64>; 3] {
+    let (points, names) = (body.points(), &body.model.points);
+    let of = |name: &str| {
+        let name = format!("{}{name}", arm.affixes().0);
+        names.iter().position(|p| p.name == name).map_or_else(Point3::origin, |i| points[i])
+    };
+    ["Shoulder", "Elbow", "Wrist"].map(of)
 }
 
 /// Fitted against true.
 pub fn limb_errors(fitted: &Posed<'_>, truth: &Posed<'_>) -> LimbErrors {
-    let (fit, real) = (joints(fitted), joints(truth));
+    arm_errors(fitted, truth, Arm::Only)
+}
+
+/// Fitted against true, of one arm.
+pub fn arm_errors(fitted: &Posed<'_>, truth: &Posed<'_>, arm: Arm) -> LimbErrors {
+    let (fit, real) = (joints_of(fitted, arm), joints_of(truth, arm));
     let bones = |[shoulder, elbow, wrist]: [Point3<f64>; 3]| [(shoulder, elbow), (elbow, wrist)];
     let (fit_bones, real_bones) = (bones(fit), bones(real));
-    let fields = (Field::from_body(fitted), Field::from_body(truth));
+    let (fit_limb, real_limb) = (Limb::new(fitted, arm), Limb::new(truth, arm));
     let both = |value: &dyn Fn(usize) -> f64| [value(0), value(1)];
     let along = |(a, b): (Point3<f64>, Point3<f64>)| b - a;
     let stations = (0..2).flat_map(|k| {
@@ -56,7 +87,7 @@ pub fn limb_errors(fitted: &Posed<'_>, truth: &Posed<'_>) -> LimbErrors {
     LimbErrors {
         axis_mm: 1000.0 * stations.sum::<f64>() / (2 * STATIONS.len()) as f64,
         width_pct: both(&|k| {
-            let ratio = radius(&fields.0, fit_bones[k]) / radius(&fields.1, real_bones[k]);
+            let ratio = fit_limb.radius(k, fit_bones[k]) / real_limb.radius(k, real_bones[k]);
             100.0 * (ratio - 1.0)
         }),
         length_mm: both(&|k| 1000.0 * (along(fit_bones[k]).norm() - along(real_bones[k]).norm())),
@@ -73,23 +104,50 @@ fn distance_to((a, b): (Point3<f64>, Point3<f64>), point: &Point3<f64>) -> f64 {
     (point - (a + along * place.clamp(0.0, 1.0))).norm()
 }
 
-/// Mean over stations and directions of the way from the bone out to the skin, metres.
-fn radius(field: &Field, (a, b): (Point3<f64>, Point3<f64>)) -> f64 {
-    let Some(axis) = Unit::try_new(b - a, 1e-9) else {
-        return f64::NAN;
-    };
-    let aside = if axis.x.abs() < 0.7 { Vector3::x() } else { Vector3::y() };
-    let first = axis.cross(&aside);
-    let mut sum = 0.0;
-    for station in STATIONS {
-        let from = a + (b - a) * station;
-        for k in 0..DIRECTIONS {
-            let turn = std::f64::consts::TAU * f64::from(k) / f64::from(DIRECTIONS);
-            let direction = UnitQuaternion::from_axis_angle(&axis, turn) * first;
-            sum += way_out(field, &from, &direction.scale(1.0 / first.norm()));
-        }
+/// The flesh of an arm.
+struct Limb<'a> {
+    body: &'a Posed<'a>,
+    field: Field,
+    /// Upper arm and forearm.
+    parts: [Option<PartId>; 2],
+}
+
+impl<'a> Limb<'a> {
+    fn new(body: &'a Posed<'a>, arm: Arm) -> Self {
+        let part = |name: &str| {
+            let name = format!("{name}{}", arm.affixes().1);
+            body.model.parts.iter().position(|part| part.name == name).map(PartId)
+        };
+        Self { body, field: Field::from_body(body), parts: ["upper_arm", "forearm"].map(part) }
     }
-    sum / (STATIONS.len() as f64 * f64::from(DIRECTIONS))
+
+    /// Mean over stations and directions of the way from the bone out to the surface, metres: to the skin, and what lies on it.
+    fn radius(&self, bone: usize, (a, b): (Point3<f64>, Point3<f64>)) -> f64 {
+        let Some(axis) = Unit::try_new(b - a, 1e-9) else {
+            return f64::NAN;
+        };
+        let aside = if axis.x.abs() < 0.7 { Vector3::x() } else { Vector3::y() };
+        let first = axis.cross(&aside);
+        let mut sum = 0.0;
+        for station in STATIONS {
+            let from = a + (b - a) * station;
+            for k in 0..DIRECTIONS {
+                let turn = std::f64::consts::TAU * f64::from(k) / f64::from(DIRECTIONS);
+                let direction = UnitQuaternion::from_axis_angle(&axis, turn) * first;
+                let direction = direction.scale(1.0 / first.norm());
+                let way = way_out(&self.field, &from, &direction);
+                sum += way + self.offset(bone, &(from + direction * way));
+            }
+        }
+        sum / (STATIONS.len() as f64 * f64::from(DIRECTIONS))
+    }
+
+    /// How far outside the skin the surface is, metres.
+    fn offset(&self, bone: usize, place: &Point3<f64>) -> f64 {
+        let offset = self.parts[bone]
+            .and_then(|part| self.body.surface_offset(part, &self.body.in_part(part, place)));
+        offset.map_or(0.0, |offset| offset.value_m)
+    }
 }
 
 /// How far a point can go in a direction before it is out of the skin; 0 if it is out already.

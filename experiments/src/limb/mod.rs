@@ -5,8 +5,8 @@ mod measure;
 mod scene;
 
 pub use fit::{Freedom, LimbFit, aligned, widened};
-pub use measure::{LimbErrors, edges, joints, limb_errors};
+pub use measure::{Arm, LimbErrors, arm_errors, edges, joints, joints_of, limb_errors};
 pub use scene::{
-    ArmTruth, cameras_in_front, ellipsoid_arm, front_pair, full_arm, limb_arm, pose,
-    surface_points, three_cameras, true_arm, views,
+    ArmTruth, ellipsoid_arm, front_pair, limb_arm, pose, surface_points, three_cameras, true_arm,
+    views,
 };

@@ -68,14 +68,6 @@ fn free(mut model: BodyModel) -> BodyModel {
     model
 }
 
-/// The model of fifteen metaballs.
-///
-/// # Errors
-/// As [`true_arm`].
-pub fn full_arm() -> Result<BodyModel, ModelFileError> {
-    model::parse(include_str!("full-arm.toml"), Path::new("full-arm.toml"))
-}
-
 /// The arm in a pose that is drawn: up to 40° from hanging, bent by 20 to 100°.
 pub fn pose(model: &BodyModel, rng: &mut impl Rng) -> ArmTruth {
     let mut draw = |reach: f64| rng.random_range(-reach..=reach);
@@ -120,13 +112,6 @@ fn twin(camera: &Camera, baseline: f64) -> Camera {
 /// Three cameras around the arm.
 pub fn three_cameras() -> Rig {
     ring(3).regular()
-}
-
-/// Three cameras side by side, 36° apart.
-pub fn cameras_in_front() -> Rig {
-    let mut cameras = ring(10).regular().cameras;
-    cameras.truncate(3);
-    Rig { cameras }
 }
 
 /// Points that a camera and its twin see.

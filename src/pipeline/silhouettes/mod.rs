@@ -10,6 +10,7 @@
 //! | and, beside them, where the person's colours end | `colours.rs`                               |
 //! | the first fit (§ 4.1)                           | [`StartingFit`]                             |
 //! | the simple pipeline (§ 4.1), the joint one (§ 4.3) | [`SilhouetteSearch`]                     |
+//! | the joint one as published                      | `frame_after_frame.rs`                      |
 //!
 //! A contour point counts in the likelihood by its reliability. Lengths are given in metres at the person and become pixels by
 //! the camera and the depth, so that they mean the same in every recording.
@@ -20,6 +21,7 @@ mod contour;
 mod ends;
 mod error;
 mod filter;
+mod frame_after_frame;
 mod moving;
 mod run;
 mod scene;

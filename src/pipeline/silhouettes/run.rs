@@ -33,6 +33,8 @@ pub enum SilhouettePipeline {
     /// **Differs** from the paper, which goes from frame to frame: each of four turns takes all frames at once.
     #[default]
     Joint,
+    /// The same as published, each frame from the one before: a limb that is lost stays lost.
+    FrameAfterFrame,
 }
 
 /// What one frame gave.
@@ -121,6 +123,9 @@ impl<P: PictureSource> SilhouetteSearch<'_, P> {
         let (body, fitted) = match self.pipeline {
             SilhouettePipeline::Simple => (self.model, self.start.clone()),
             SilhouettePipeline::Joint => (&detailed, self.refit_by_turns(&detailed, progress)),
+            SilhouettePipeline::FrameAfterFrame => {
+                (self.model, self.fitted_frame_after_frame(progress))
+            }
         };
 
         // 2. active contours from its outline
@@ -193,7 +198,7 @@ impl<P: PictureSource> SilhouetteSearch<'_, P> {
     }
 
     /// What is seen of a body in a frame, or why it is left out.
-    fn sighting(
+    pub(super) fn sighting(
         &self,
         body: &BodyModel,
         fit: &StartingFit,

@@ -1,7 +1,8 @@
-//! PF02 Figs. 3 to 6: silhouettes of a person who walks and waves before clutter, by the simple and by the joint pipeline.
+//! PF02 Figs. 3 to 6: silhouettes of a person who walks and waves before clutter, by the simple and by the joint pipeline,
+//! ours and as published.
 //!
 //! Two sequences of 300 frames, photographed by three cameras side by side (`maquette synth --clutter`), each given to
-//! `maquette silhouettes` with both pipelines. A frame is in error where, in any camera, the overlap with the true mask is less
+//! `maquette silhouettes` with all three. A frame is in error where, in any camera, the overlap with the true mask is less
 //! than 0.9 or the contour is more than 4 px off on average. `--quick`: the first six seconds of the first sequence, every other frame.
 
 mod pictures;

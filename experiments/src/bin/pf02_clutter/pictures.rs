@@ -90,7 +90,7 @@ fn distances(number: usize, traced: &[Traced]) -> Panel {
     let mut panel = Panel::new(&title, "frame", "contour off, px")
         .ranges((0.0, count as f64), (0.0, MOST_DRAWN_PX))
         .legend(LegendPosition::InsideTopRight);
-    for (traced, colour) in traced.iter().zip([colour::ORANGE, colour::BLUE]) {
+    for (traced, colour) in traced.iter().zip([colour::ORANGE, colour::BLUE, colour::GREY]) {
         let points: Vec<(f64, f64)> = (0..count)
             .map(|frame| (frame as f64, traced.distance_px(frame).min(MOST_DRAWN_PX)))
             .collect();

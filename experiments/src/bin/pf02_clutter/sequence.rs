@@ -21,9 +21,12 @@ use rayon::prelude::*;
 
 use crate::Fault;
 
-/// Both pipelines and their names.
-pub(crate) const PIPELINES: [(&str, SilhouettePipeline); 2] =
-    [("simple", SilhouettePipeline::Simple), ("joint", SilhouettePipeline::Joint)];
+/// The pipelines and their names: PF02's simple one, ours, and the joint one as published.
+pub(crate) const PIPELINES: [(&str, SilhouettePipeline); 3] = [
+    ("simple", SilhouettePipeline::Simple),
+    ("joint", SilhouettePipeline::Joint),
+    ("frame_after_frame", SilhouettePipeline::FrameAfterFrame),
+];
 /// The camera in the middle.
 pub(crate) const CENTRE: usize = 1;
 
