@@ -82,7 +82,7 @@ const STRIDE: usize = 8;
 /// ZS06, Algorithm 1. Differs: a keyframe gives one hypothesis for each reading (front, back); tracks run
 /// both ways from the keyframe; hypotheses that can no longer win are dropped, exactly; if no keyframe proposes that the person
 /// faces the other way, the winner turned around is one more hypothesis; where the winner lost a limb and another hypothesis did
-/// not, its motion goes over into the other's ([`relay`](super::relay)).
+/// not, its motion goes over into the other's (`relay`).
 pub fn search(
     evidence: &Evidence<'_>,
     sequence: Sequence<'_>,
