@@ -13,6 +13,7 @@
 //! | [`arm`]     | an arm of two bars, its cameras and silhouettes (ZS06, Fig. 2)                 |
 //! | [`limb`]    | an arm of metaballs before cameras, and how a fitted arm is measured (PF02, PFD99) |
 //! | [`contours`] | how far silhouettes are from the true ones, and pictures of both                |
+//! | [`film`]    | films of a person before clutter, as recordings on disk                        |
 //! | [`walker`]  | a walking person of metaballs, seen by seven cameras                           |
 //! | [`metrics`] | how far fitted joint centres are from the true ones                             |
 //! | [`recorded`] | recordings that are shared by projects, with their truth, and their fit          |
@@ -20,6 +21,7 @@
 pub mod arm;
 pub mod contours;
 pub mod expected;
+pub mod film;
 pub mod limb;
 pub mod metrics;
 pub mod picture;

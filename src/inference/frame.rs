@@ -54,7 +54,12 @@ pub struct FrameFit {
 impl FrameFit {
     /// Its share of E.
     pub fn cost(&self) -> f64 {
-        self.data + self.pose + self.step
+        self.alone() + self.step
+    }
+
+    /// What it costs without its neighbour.
+    pub(super) fn alone(&self) -> f64 {
+        self.data + self.pose
     }
 
     /// The fit of a frame that shows nothing: the motion is taken to be the last that was seen.

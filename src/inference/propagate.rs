@@ -132,7 +132,7 @@ impl Track {
             .into_iter()
             .map(|reading| solve(&alone, reading.state.motion, 30))
             .min_by(|a, b| a.cost().total_cmp(&b.cost()))
-            .filter(|anew| anew.cost() < fit.data + fit.pose)
+            .filter(|anew| anew.cost() < fit.alone())
             .map(|anew| FrameFit { step: step.cost(mean, &anew.motion), ..anew });
         match anew {
             Some(anew) => FrameFit { recovered: true, ..anew },

@@ -115,8 +115,8 @@ pub fn search(
         winner = most_probable(&trials)?;
     }
     // 7. what the winner lost, another hypothesis may have
-    let shape = trials[winner].hypothesis.shape.clone();
-    if let Some(relayed) = relayed(&run.tracking(&shape), &trials, winner) {
+    let tracking = run.tracking(&trials[winner].hypothesis.shape);
+    if let Some(relayed) = relayed(&tracking, &trials, winner) {
         trials[winner] = relayed;
     }
     (!journal.is_failing()).then_some(Search { trials, winner })

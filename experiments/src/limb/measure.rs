@@ -48,6 +48,11 @@ impl Arm {
             Self::Left => ("L", "_l"),
         }
     }
+
+    /// The names of shoulder, elbow and wrist.
+    pub fn joint_names(self) -> [String; 3] {
+        ["Shoulder", "Elbow", "Wrist"].map(|joint| format!("{}{joint}", self.affixes().0))
+    }
 }
 
 /// Shoulder, elbow and wrist; points of a model that has none of such names are the origin.
@@ -56,13 +61,12 @@ pub fn joints(body: &Posed<'_>) -> [Point3<f64>; 3] {
 }
 
 /// Shoulder, elbow and wrist of one arm; as [`joints`].
-pub fn joints_of(body: &Posed<'_>, arm: Arm) -> [Point3<f64>; 3] {
+fn joints_of(body: &Posed<'_>, arm: Arm) -> [Point3<f64>; 3] {
     let (points, names) = (body.points(), &body.model.points);
-    let of = |name: &str| {
-        let name = format!("{}{name}", arm.affixes().0);
+    let of = |name: String| {
         names.iter().position(|p| p.name == name).map_or_else(Point3::origin, |i| points[i])
     };
-    ["Shoulder", "Elbow", "Wrist"].map(of)
+    arm.joint_names().map(of)
 }
 
 /// Fitted against true.

@@ -5,7 +5,7 @@ mod measure;
 mod scene;
 
 pub use fit::{Freedom, LimbFit, aligned, widened};
-pub use measure::{Arm, LimbErrors, arm_errors, edges, joints, joints_of, limb_errors};
+pub use measure::{Arm, LimbErrors, arm_errors, edges, joints, limb_errors};
 pub use scene::{
     ArmTruth, ellipsoid_arm, front_pair, limb_arm, pose, surface_points, three_cameras, true_arm,
     views,

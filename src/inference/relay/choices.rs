@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use super::alone;
 use crate::inference::frame::FrameFit;
 use crate::inference::propagate::Tracking;
 use crate::inference::step::StepPrior;
@@ -37,11 +36,11 @@ impl Choices<'_> {
         for i in shown {
             let way_to = |fit: &FrameFit| {
                 let Some((last, costs)) = ways.last() else {
-                    return (alone(fit), 0);
+                    return (fit.alone(), 0);
                 };
                 let from = self.of(*last).zip(costs).enumerate();
                 let ways = from.map(|(c, (before, (cost, _)))| {
-                    (cost + self.step((*last, before), (i, fit)) + alone(fit), c)
+                    (cost + self.step((*last, before), (i, fit)) + fit.alone(), c)
                 });
                 ways.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f64::INFINITY, 0))
             };

@@ -18,11 +18,11 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 
 use self::choices::Choices;
-use super::frame::{FrameFit, FramePosterior};
+use super::frame::FrameFit;
 use super::hypothesis::Trial;
-use super::propagate::{Track, Tracking, solve};
+use super::keyframe::keyframe_fit;
+use super::propagate::{Track, Tracking};
 use super::step::MotionModel;
-use super::{Detail, Evidence};
 use crate::body::Motion;
 use crate::math::stats::median;
 
@@ -32,10 +32,8 @@ const LOST: f64 = 1.5;
 /// A frame is searched anew where it costs as many times as much as usual: before a track counts as lost in it
 /// ([`TrackOptions::recovery_ratio`](super::propagate::TrackOptions)).
 const UNUSUAL: f64 = 2.0;
-/// Poses of other frames from which it is searched: as many as canonical poses.
+/// Poses of other frames from which it is searched; the shipped persons have 14 canonical poses.
 const POSES: usize = 12;
-/// Iterations of a frame with the winner's shape.
-const ITERATIONS: usize = 30;
 
 /// The winner with what it lost; `None` where nothing is more probable.
 pub(super) fn relayed(tracking: &Tracking<'_>, trials: &[Trial], winner: usize) -> Option<Trial> {
@@ -48,7 +46,7 @@ pub(super) fn relayed(tracking: &Tracking<'_>, trials: &[Trial], winner: usize) 
     // 1. lost frames, from other hypotheses and from poses of other frames
     let mut others = of_hypotheses(tracking, trials, &own);
     others.extend(of_poses(tracking, &own));
-    others.retain(|i, fit| alone(fit) < alone(own[*i]));
+    others.retain(|i, fit| fit.alone() < own[*i].alone());
     if others.is_empty() {
         return None;
     }
@@ -63,11 +61,6 @@ pub(super) fn relayed(tracking: &Tracking<'_>, trials: &[Trial], winner: usize) 
     (relayed.energy() < won.energy()).then_some(relayed)
 }
 
-/// What a frame costs by itself.
-fn alone(fit: &FrameFit) -> f64 {
-    fit.data + fit.pose
-}
-
 /// The frames that another hypothesis fits far better, from its motions.
 fn of_hypotheses(
     tracking: &Tracking<'_>,
@@ -76,8 +69,8 @@ fn of_hypotheses(
 ) -> BTreeMap<usize, FrameFit> {
     let better = |i: usize| {
         let fits = trials.iter().filter_map(|trial| trial.frames[i].as_ref());
-        let best = fits.min_by(|a, b| alone(a).total_cmp(&alone(b)))?;
-        let is_lost = own[i].observations > 0.0 && alone(own[i]) > LOST * alone(best);
+        let best = fits.min_by(|a, b| a.alone().total_cmp(&b.alone()))?;
+        let is_lost = own[i].observations > 0.0 && own[i].alone() > LOST * best.alone();
         is_lost.then(|| (i, refitted(tracking, i, &best.motion)))
     };
     (0..own.len()).into_par_iter().filter_map(better).collect()
@@ -96,7 +89,7 @@ fn of_poses(tracking: &Tracking<'_>, own: &[&FrameFit]) -> BTreeMap<usize, Frame
             refitted(tracking, i, &start)
         };
         let fits = poses.par_iter().map(from);
-        Some((i, fits.min_by(|a, b| alone(a).total_cmp(&alone(b)))?))
+        Some((i, fits.min_by(|a, b| a.alone().total_cmp(&b.alone()))?))
     };
     worst(own, UNUSUAL * usual).into_iter().filter_map(found).collect()
 }
@@ -121,10 +114,7 @@ fn worst(own: &[&FrameFit], limit: f64) -> Vec<usize> {
 /// A frame by itself, from a motion.
 fn refitted(tracking: &Tracking<'_>, i: usize, start: &Motion) -> FrameFit {
     let Tracking { evidence, sequence, shape, .. } = *tracking;
-    let terms = evidence.terms(&sequence.frames[i], Detail::Fine);
-    let Evidence { model, pose_prior, .. } = evidence;
-    let posterior = FramePosterior { model, shape, pose_prior, step: None, terms: &terms };
-    FrameFit { recovered: true, ..solve(&posterior, start.clone(), ITERATIONS) }
+    FrameFit { recovered: true, ..keyframe_fit(evidence, sequence, i, shape, start.clone()) }
 }
 
 /// Adds the frames on both sides of others, as long as they are fitted better from there than the winner fits them.
@@ -133,9 +123,15 @@ fn follow_on(tracking: &Tracking<'_>, own: &[&FrameFit], others: &mut BTreeMap<u
     for i in from {
         let sides: [Vec<usize>; 2] = [(i + 1..own.len()).rev().collect(), (0..i).collect()];
         for ahead in sides {
-            let mut track = Track::new(ahead, i, &others[&i]);
-            while let Some((next, fit)) = track.advance(tracking, 1).pop() {
-                if others.contains_key(&next) || alone(&fit) >= alone(own[next]) {
+            let mut track = Track::new(ahead.clone(), i, &others[&i]);
+            for next in ahead.into_iter().rev() {
+                if others.contains_key(&next) {
+                    break;
+                }
+                let Some((_, fit)) = track.advance(tracking, 1).pop() else {
+                    break;
+                };
+                if fit.alone() >= own[next].alone() {
                     break;
                 }
                 others.insert(next, fit);
@@ -150,10 +146,11 @@ mod tests {
 
     use super::*;
     use crate::camera::CameraId;
-    use crate::inference::Sequence;
+    use crate::inference::frame::FramePosterior;
     use crate::inference::hypothesis::{Hypothesis, Origin};
-    use crate::inference::propagate::TrackOptions;
+    use crate::inference::propagate::{TrackOptions, solve};
     use crate::inference::start::StartOptions;
+    use crate::inference::{Detail, Evidence, Sequence};
     use crate::io::model;
     use crate::likelihood::{LikelihoodOptions, Measure};
     use crate::silhouette::{FrameIndex, FrameObservations, SilhouetteOptions, extract};

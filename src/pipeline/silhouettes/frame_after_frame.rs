@@ -7,7 +7,7 @@ use crate::inference::step::StepPrior;
 use crate::inference::{Detail, Evidence};
 use crate::likelihood::{LikelihoodOptions, Measure, SkinScale};
 use crate::pipeline::{PictureSource, Progress, span};
-use crate::silhouette::FrameObservations;
+use crate::silhouette::{FrameIndex, FrameObservations};
 use crate::solver::{Options, levenberg_marquardt};
 
 impl<P: PictureSource> SilhouetteSearch<'_, P> {
@@ -22,23 +22,24 @@ impl<P: PictureSource> SilhouetteSearch<'_, P> {
         let scale = SkinScale::new(self.model);
         let mut fitted = self.start.clone();
 
-        let mut last = None;
+        let mut last: Option<(FrameIndex, Motion)> = None;
         progress.begin("following", self.frames.len());
         for (frame, pictures) in self.pictures.pictures(span(self.frames)) {
             if let Some((_, motion)) = &last {
-                fitted.motions.insert(frame, Motion::clone(motion));
+                fitted.motions.insert(frame, motion.clone());
             }
             // 1, 2. contours from the body of the frame before
             let seen = self.sighting(self.model, &fitted, frame, &pictures, &scale);
             // 3. the body on stereo and contours
             if let (Ok(seen), Some(motion)) = (seen, fitted.motions.get_mut(&frame)) {
-                let before = last.as_ref().map(|(earlier, motion): &(usize, Motion)| {
-                    (StepPrior::new(self.model, (frame.0 - earlier) as f64 / fps), motion)
+                let interval_s = |earlier: FrameIndex| (frame.0 - earlier.0) as f64 / fps;
+                let step = last.as_ref().map(|(earlier, mean)| {
+                    (StepPrior::new(self.model, interval_s(*earlier)), mean)
                 });
-                let before = before.as_ref().map(|(step, motion)| (step, *motion));
-                *motion = fitted_motion(&evidence, &fitted.shape, &seen.observed, before, motion);
+                let step = step.as_ref().map(|(step, mean)| (step, *mean));
+                *motion = fitted_motion(&evidence, &fitted.shape, &seen.observed, step, motion);
             }
-            last = fitted.motions.get(&frame).map(|motion| (frame.0, motion.clone())).or(last);
+            last = fitted.motions.get(&frame).map(|motion| (frame, motion.clone())).or(last);
             progress.step();
         }
         progress.end();

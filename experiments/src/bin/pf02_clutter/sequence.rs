@@ -1,16 +1,14 @@
 //! A sequence on disk, what a pipeline makes of it, and how far that is from the truth.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use experiments::contours::{Score, mask_path, read_mask, score_of_view};
+use experiments::film::photographed;
 use maquette::Recording;
 use maquette::camera::CameraId;
 use maquette::image::{Mask, Picture};
 use maquette::io::folder::silhouettes::SilhouetteExtras;
-use maquette::io::model;
-use maquette::io::recording::filmed;
 use maquette::math::stats::median;
 use maquette::pipeline::silhouettes::SilhouettePipeline;
 use maquette::pipeline::{FrameRange, NoProgress};
@@ -52,14 +50,8 @@ impl Sequence {
         (frames, fps): (usize, f64),
         folder: &Path,
     ) -> Result<Self, Fault> {
-        let body = model::load("walker-metaballs", Path::new(""))?;
         let recipe = FilmRecipe { seed, frames, fps, ..FilmRecipe::default() };
-        let film = recipe.film(&body)?;
-        let recording = folder.join("recording");
-        if recording.is_dir() {
-            fs::remove_dir_all(&recording)?;
-        }
-        filmed::write(&film, &recording)?;
+        let film = photographed(&recipe, &folder.join("recording"))?;
         Ok(Self { film, folder: folder.to_owned() })
     }
 

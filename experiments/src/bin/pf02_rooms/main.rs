@@ -8,17 +8,15 @@
 
 use std::error::Error;
 use std::f64::consts::PI;
-use std::fs;
 use std::path::Path;
 use std::process::ExitCode;
 
 use experiments::contours::{Score, score_of_view};
+use experiments::film::photographed;
 use experiments::run::Run;
 use experiments::table::Table;
 use maquette::Recording;
 use maquette::io::folder::silhouettes::SilhouetteExtras;
-use maquette::io::model;
-use maquette::io::recording::filmed;
 use maquette::pipeline::silhouettes::{SilhouettePipeline, UNSURE_BACKING};
 use maquette::pipeline::{FrameRange, NoProgress};
 use maquette::synth::{Company, FilmRecipe, Staging};
@@ -122,12 +120,8 @@ struct Traced {
 
 /// Photographs a room, and finds the silhouettes as a user would.
 fn traced(recipe: &FilmRecipe, folder: &Path) -> Result<Traced, Fault> {
-    let film = recipe.film(&model::load("walker-metaballs", Path::new(""))?)?;
     let (recording, out) = (folder.join("recording"), folder.join("out"));
-    if recording.is_dir() {
-        fs::remove_dir_all(&recording)?;
-    }
-    filmed::write(&film, &recording)?;
+    let film = photographed(recipe, &recording)?;
 
     let files = SilhouetteFiles {
         folder: &out,

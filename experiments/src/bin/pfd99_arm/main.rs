@@ -10,19 +10,19 @@
 mod pictures;
 
 use std::error::Error;
-use std::fs;
 use std::path::Path;
 use std::process::ExitCode;
 
+use experiments::film::photographed;
 use experiments::limb::{Arm, LimbErrors, arm_errors};
 use experiments::metrics::{self, offset_errors_mm};
 use experiments::run::Run;
 use experiments::table::Table;
 use maquette::body::{Motion, Posed, Shape};
-use maquette::io::model;
-use maquette::io::recording::{filmed, synthetic};
+use maquette::io::recording::synthetic;
 use maquette::math::stats::{mean, median};
 use maquette::pipeline::stereo::StereoMethod;
+use maquette::silhouette::FrameIndex;
 use maquette::synth::{Film, FilmRecipe};
 use maquette::workflow::SilhouetteSource;
 use maquette::{FitOptions, FittedRecording, Recording};
@@ -63,14 +63,9 @@ impl Compared {
     /// Films, fits as a user would, and compares.
     fn new(seed: u64, folder: &Path) -> Result<Self, Fault> {
         // 1. the pictures
-        let person = model::load("walker-metaballs", Path::new(""))?;
-        let film = FilmRecipe { seed, frames: FRAMES, fps: FPS, ..FilmRecipe::default() };
-        let film = film.film(&person)?;
+        let recipe = FilmRecipe { seed, frames: FRAMES, fps: FPS, ..FilmRecipe::default() };
         let recording = folder.join("recording");
-        if recording.is_dir() {
-            fs::remove_dir_all(&recording)?;
-        }
-        filmed::write(&film, &recording)?;
+        let film = photographed(&recipe, &recording)?;
 
         // 2. the body
         let options = FitOptions {
@@ -84,12 +79,10 @@ impl Compared {
         let motions: Vec<Motion> = fit.result.motion.frames.iter().map(|f| f.motion()).collect();
 
         // 3. its arms
-        let truth = |i: usize| {
-            Posed::new(&film.synthetic.model, &film.synthetic.shape, &film.synthetic.motions[i])
-        };
         let errors = ARMS.map(|(_, arm)| {
             let fitted = motions.iter().map(|motion| Posed::new(&fit.model, &shape, motion));
-            fitted.enumerate().map(|(i, fitted)| arm_errors(&fitted, &truth(i), arm)).collect()
+            let truth = (0..FRAMES).filter_map(|i| film.synthetic.posed(FrameIndex(i)));
+            fitted.zip(truth).map(|(fitted, truth)| arm_errors(&fitted, &truth, arm)).collect()
         });
         Ok(Self { film, fit, shape, motions, errors })
     }
@@ -104,16 +97,14 @@ impl Compared {
     }
 
     /// Mean distance of an arm's joints after each one's own offset, mm.
-    fn offset_mm(&self, side: &str) -> f64 {
+    fn offset_mm(&self, arm: Arm) -> f64 {
         let fitted = metrics::trajectories(&self.fit.model, &self.shape, &self.motions, FPS);
         let truth = synthetic::trajectories(&self.film.synthetic);
-        let is_of_arm = |name: &str| {
-            name.starts_with(side)
-                && ["Shoulder", "Elbow", "Wrist"].iter().any(|j| name.ends_with(j))
-        };
+        let joints = arm.joint_names();
         let errors = offset_errors_mm(&truth, &fitted);
         let named = errors.iter().flat_map(|frame| metrics::LIMB_JOINTS.iter().zip(frame));
-        let of_arm = named.filter(|(name, _)| is_of_arm(name)).map(|(_, mm)| *mm);
+        let of_arm =
+            named.filter(|(name, _)| joints.iter().any(|joint| joint == *name)).map(|(_, mm)| *mm);
         mean(of_arm).unwrap_or(f64::NAN)
     }
 }
@@ -136,10 +127,9 @@ fn report(run: &mut Run, compared: &Compared) -> Result<(), Fault> {
         let middle = |value: &dyn Fn(&LimbErrors) -> f64| {
             median(&mut errors.iter().map(value).collect::<Vec<f64>>()).unwrap_or(f64::NAN)
         };
-        let side = if *arm == Arm::Right { "R" } else { "L" };
         let numbers = [
             ("joints_mm", middle(&|e| e.joints_mm)),
-            ("offset_mm", compared.offset_mm(side)),
+            ("offset_mm", compared.offset_mm(*arm)),
             ("elbow_deg", middle(&|e| e.elbow_deg.abs())),
             ("upper_arm_mm", middle(&|e| e.length_mm[0])),
             ("forearm_mm", middle(&|e| e.length_mm[1])),
