@@ -8,7 +8,8 @@
 //! argmin over c ∈ {0, 1}ⁿ of Σᵢ \[−log p(Zᵢ | mᵢ, s) − log p(mᵢ)\] − Σᵢ log p(mᵢ | mᵢ₋₁), mᵢ = mᵢ^cᵢ,
 //!
 //! by dynamic programming (A. Viterbi, *Error bounds for convolutional codes and an asymptotically optimum decoding algorithm*,
-//! IEEE Trans. Inf. Theory 13, 1967). It is no less probable than the winner's, for that is one of them.
+//! IEEE Trans. Inf. Theory 13, 1967). It is no less probable than the winner's, for that is one of them. Steps are those about the last
+//! motion; of tracks at constant velocity nothing is taken.
 
 mod choices;
 
