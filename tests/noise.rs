@@ -3,11 +3,12 @@
 //! Every number is drawn with a fixed seed. The tolerances are three to four standard errors of the estimates.
 
 use maquette::body::PartId;
-use maquette::inference::noise::Noise;
+use maquette::inference::noise::{DataWeights, Noise, SurfaceNoise};
 use maquette::likelihood::{PlacedResidual, Source};
 use maquette::solver::Loss;
 use nalgebra::{Vector2, Vector3};
 use rand::SeedableRng;
+use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
@@ -71,9 +72,12 @@ fn simulate(truth: Truth, seed: u64) -> Vec<Vec<PlacedResidual>> {
     (0..FRAMES).map(frame).collect()
 }
 
-fn estimated(truth: Truth, seed: u64) -> Noise {
-    let frames = simulate(truth, seed);
-    Noise::from_residuals(&frames)
+fn estimated(truth: Truth, seed: u64) -> SurfaceNoise {
+    of_outlines(&simulate(truth, seed))
+}
+
+fn of_outlines(frames: &[Vec<PlacedResidual>]) -> SurfaceNoise {
+    Noise::from_residuals(frames).outlines.expect("there are outlines")
 }
 
 #[test]
@@ -93,7 +97,7 @@ fn the_scale_is_found_whatever_it_is() {
         let noise = estimated(Truth { scale, ..INDEPENDENT }, 2);
         approx::assert_relative_eq!(noise.scale, scale, max_relative = 0.01);
         let weight = 1.0 / (noise.scale.powi(2) * noise.along_border * noise.together);
-        approx::assert_relative_eq!(noise.data_weight(), weight);
+        approx::assert_relative_eq!(noise.weight(), weight);
     }
 }
 
@@ -118,7 +122,7 @@ fn the_length_is_found_however_far_apart_the_rows_are() {
             rows.iter().step_by(every).map(wider).collect()
         };
         let thinned: Vec<_> = frames.iter().map(thinned).collect();
-        let found = Noise::from_residuals(&thinned).along_border;
+        let found = of_outlines(&thinned).along_border;
         approx::assert_relative_eq!(found, 4.0 * 0.95, max_relative = 0.15);
     }
 }
@@ -128,12 +132,12 @@ fn the_length_is_found_however_far_apart_the_rows_are() {
 #[test]
 fn a_few_short_rows_do_not_hide_that_neighbours_go_together() {
     let mut frames = simulate(Truth { scale: 1.0, length: 0.6 }, 5);
-    let whole = Noise::from_residuals(&frames).along_border;
+    let whole = of_outlines(&frames).along_border;
     for frame in &mut frames {
         let short = [1.0, -1.0].map(|value| PlacedResidual { weight: 0.01, ..row(0, 0, value) });
         frame.splice(0..0, short);
     }
-    let found = Noise::from_residuals(&frames).along_border;
+    let found = of_outlines(&frames).along_border;
     approx::assert_relative_eq!(found, whole, max_relative = 0.05);
 }
 
@@ -154,7 +158,7 @@ fn looks_that_go_together_are_worth_one() {
             rows.collect()
         };
         let frames: Vec<_> = (0..(10.0 * fps) as usize).map(frame).collect();
-        (Noise::from_residuals(&frames).together, (1.0 + rho) / (1.0 - rho))
+        (of_outlines(&frames).together, (1.0 + rho) / (1.0 - rho))
     };
     for fps in [25.0, 50.0] {
         let (found, in_time) = lasting(fps, 7);
@@ -172,7 +176,7 @@ fn what_stays_is_seen_once() {
         let frame =
             |_| fold.iter().enumerate().map(|(i, y)| row(0, i * ROWS_A_PLACE, *y)).collect();
         let frames: Vec<Vec<PlacedResidual>> = (0..count).map(frame).collect();
-        Noise::from_residuals(&frames).together
+        of_outlines(&frames).together
     };
     approx::assert_relative_eq!(stays(20), 20.0, max_relative = 1e-9);
     approx::assert_relative_eq!(stays(40), 40.0, max_relative = 1e-9);
@@ -187,7 +191,7 @@ fn a_few_wild_rows_change_little() {
             row.trust = Loss::Cauchy(3.0).evaluate(row.value).1;
         }
     }
-    let noise = Noise::from_residuals(&frames);
+    let noise = of_outlines(&frames);
     assert!((0.97..1.03).contains(&noise.scale), "{noise:?}");
 }
 
@@ -214,19 +218,59 @@ fn detections_that_err_alike_in_every_frame_count_as_few_and_change_nothing_of_t
     // of 80 clusters: a standard error of √(2/80)
     approx::assert_relative_eq!(found.together, 0.5 * (1.0 + FRAMES as f64), max_relative = 0.5);
     assert_eq!(Noise { keypoints: None, ..noise }, Noise::from_residuals(&outlines));
-    approx::assert_relative_eq!(noise.weights().surface, noise.data_weight());
-    approx::assert_relative_eq!(
-        noise.weights().keypoints,
-        1.0 / (found.scale.powi(2) * found.together)
-    );
+    let weights = noise.weights();
+    let of_outlines = noise.outlines.expect("there are outlines");
+    approx::assert_relative_eq!(weights.outlines, of_outlines.weight());
+    approx::assert_relative_eq!(weights.keypoints, 1.0 / (found.scale.powi(2) * found.together));
+}
+
+/// A cloud three times worse than stated, and outlines as they are stated.
+#[test]
+fn points_that_err_more_change_nothing_of_the_outlines() {
+    let outlines = simulate(INDEPENDENT, 13);
+    let worse = simulate(Truth { scale: 3.0, ..INDEPENDENT }, 14);
+    let mut frames = outlines.clone();
+    for (frame, points) in frames.iter_mut().zip(worse) {
+        frame.extend(points.into_iter().map(|row| PlacedResidual { source: Source::Cloud, ..row }));
+    }
+    let noise = Noise::from_residuals(&frames);
+    let points = noise.points.expect("there are points");
+    approx::assert_relative_eq!(points.scale, 3.0, max_relative = 0.01);
+    approx::assert_relative_eq!(noise.weights().points, points.weight());
+    assert_eq!(Noise { points: None, ..noise }, Noise::from_residuals(&outlines));
+}
+
+/// One point a place of 3 cm on a line, in any order: λ = w(1 + ρ)/(1 − ρ); what lies below ρ = 0.05 is left out, 5 % of it.
+#[test]
+fn the_length_over_which_points_err_together_is_found_in_any_order() {
+    const PLACES: usize = 200;
+    for length in [1.0, 2.0, 4.0] {
+        let rho = (-1.0_f64 / length).exp();
+        let mut rng = ChaCha8Rng::seed_from_u64(15);
+        let frame = |_| -> Vec<PlacedResidual> {
+            let mut last = normal(&mut rng);
+            let mut points: Vec<PlacedResidual> = (0..PLACES)
+                .map(|i| {
+                    last = rho * last + (1.0 - rho * rho).sqrt() * normal(&mut rng);
+                    let place_part = Vector3::new(0.01, 0.01, 0.03 * i as f64 + 0.01);
+                    PlacedResidual { source: Source::Cloud, place_part, ..row(0, 0, last) }
+                })
+                .collect();
+            points.shuffle(&mut rng);
+            points
+        };
+        let frames: Vec<_> = (0..FRAMES).map(frame).collect();
+        let found = Noise::from_residuals(&frames).points.expect("there are points");
+        let expected = 0.95 * WEIGHT * (1.0 + rho) / (1.0 - rho);
+        approx::assert_relative_eq!(found.along_border, expected, max_relative = 0.1);
+    }
 }
 
 #[test]
 fn nothing_seen_is_no_fault() {
     for frames in [vec![], vec![Vec::new(); 3]] {
         let noise = Noise::from_residuals(&frames);
-        let numbers = [noise.scale, noise.along_border, noise.together];
-        assert!(numbers.iter().all(|v| v.is_finite() && *v > 0.0), "{noise:?}");
-        assert!(noise.data_weight().is_finite());
+        assert_eq!(noise, Noise::default());
+        assert_eq!(noise.weights(), DataWeights::all(1.0));
     }
 }

@@ -201,7 +201,8 @@ impl Search<'_, '_> {
         };
         let noise = Noise::from_residuals(&posterior.residuals(&start));
         posterior.weights = noise.weights();
-        let contrasts = Contrasts::new(model, &looks, &start, &leverages, noise.data_weight());
+        let contrasts =
+            Contrasts::new(model, &looks, &start, &leverages, posterior.weights.outlines);
         posterior.contrasts = &contrasts;
         let counted = Counted { problem: &posterior, step: self.step };
         let solver = Options { max_iterations, damping: DAMPING, relative_decrease: TOLERANCE };

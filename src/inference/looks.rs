@@ -7,6 +7,7 @@ use super::detail::Detail;
 use super::evidence::{Evidence, Terms};
 use super::hull;
 use super::sequence::Sequence;
+use crate::likelihood::Source;
 use crate::silhouette::FrameObservations;
 
 /// Terms of −log p(Zᵢ | mᵢ, s) that one place and one moment of the body explain.
@@ -22,10 +23,23 @@ pub struct Look<'f> {
 /// A kind of data.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// Outlines, and points of the surface.
-    Surface,
+    /// Outlines.
+    Outlines,
+    /// Points of the surface.
+    Points,
     /// Detections of joints.
     Keypoints,
+}
+
+impl Kind {
+    /// The kind of what comes from a source.
+    pub(super) fn of(source: Source) -> Self {
+        match source {
+            Source::View(_) => Self::Outlines,
+            Source::Cloud => Self::Points,
+            Source::Keypoints(_) => Self::Keypoints,
+        }
+    }
 }
 
 /// What every frame of a sequence shows.
@@ -39,9 +53,9 @@ pub struct SequenceTerms<'f> {
 }
 
 impl<'f> Look<'f> {
-    /// Of the surface, by cameras that are trusted.
-    pub fn of_all(terms: Terms<'f>) -> Self {
-        Self { camera: None, kind: Kind::Surface, terms }
+    /// By cameras that are trusted.
+    fn of_all(kind: Kind, terms: Terms<'f>) -> Self {
+        Self { camera: None, kind, terms }
     }
 }
 
@@ -69,28 +83,29 @@ impl Evidence<'_> {
         SequenceTerms { thinned: looks(Detail::Thinned), all: looks(Detail::Fine), camera_prior }
     }
 
-    /// One look for the surface, and one for detections.
-    fn looks_of_all<'f>(&self, frame: &'f FrameObservations, detail: Detail) -> Vec<Look<'f>> {
+    /// What a frame shows before cameras that are trusted: one look for each kind.
+    pub fn looks_of_all<'f>(&self, frame: &'f FrameObservations, detail: Detail) -> Vec<Look<'f>> {
         let subject = hull::subject(self.rig, frame);
-        let mut surface = self.terms_of_views(&frame.views, subject, detail);
-        surface.extend(self.terms_of_points(frame, detail));
-        let terms = self.terms_of_detections(&frame.detections, subject);
-        let detected = Look { camera: None, kind: Kind::Keypoints, terms };
-        [Look::of_all(surface), detected].into_iter().filter(Look::shows_any).collect()
+        let looks = [
+            Look::of_all(Kind::Outlines, self.terms_of_views(&frame.views, subject, detail)),
+            Look::of_all(Kind::Points, self.terms_of_points(frame, detail)),
+            Look::of_all(Kind::Keypoints, self.terms_of_detections(&frame.detections, subject)),
+        ];
+        looks.into_iter().filter(Look::shows_any).collect()
     }
 
-    /// One look for each camera and kind, and one for the points.
+    /// One look at the outlines and one at the detections of each camera, and one at the points.
     fn looks<'f>(&self, frame: &'f FrameObservations, detail: Detail) -> Vec<Look<'f>> {
         let subject = hull::subject(self.rig, frame);
         let views = frame.views.iter().zip(self.view_terms(frame, detail));
         let views =
-            views.map(|((id, _), terms)| Look { camera: Some(id.0), kind: Kind::Surface, terms });
+            views.map(|((id, _), terms)| Look { camera: Some(id.0), kind: Kind::Outlines, terms });
         let detected = frame.detections.iter().map(|seen| Look {
             camera: Some(seen.0.0),
             kind: Kind::Keypoints,
             terms: self.terms_of_detections(std::slice::from_ref(seen), subject),
         });
-        let points = Look::of_all(self.terms_of_points(frame, detail));
+        let points = Look::of_all(Kind::Points, self.terms_of_points(frame, detail));
         views.chain(detected).chain([points]).filter(Look::shows_any).collect()
     }
 

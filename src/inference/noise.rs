@@ -6,8 +6,8 @@
 //!    robust loss lets through, κ² = Σwψ²/Σwρ′: the covariance of a robust estimate is κ²H⁻¹ (Huber's, H with the weights wρ′).
 //! 2. *along the border* neighbouring rows err together. Their score Σwψ has the variance Σᵢⱼwᵢwⱼψᵢψⱼ where Σwψ² was
 //!    stated: λ, the ratio of the two, is how many of the stated observations are worth one. With the autocorrelation ρ(u) of
-//!    ψ over the distance u along the border, in units of the stated correlation length, λ is ∫ρ(u)du where rows are close. The
-//!    points of a cloud have no border and are taken in their order.
+//!    ψ over the distance u along the border, in units of the stated correlation length, λ is ∫ρ(u)du where rows are close.
+//!    Points of a cloud have no border: u is the distance of two places on one part of the body.
 //! 3. *at one place of the body* looks err together, over time and cameras: soft tissue and cloth stay for some frames, a fold
 //!    smaller than the offsets know of stays for all, and cameras that show the same place show the same. Let y be the mean ψ
 //!    of one place, 3 cm wide, in one view of one frame. τ = Σ_places (Σy)²/Σ_places Σy² is how many looks are worth one: the
@@ -18,7 +18,10 @@
 //! ([`contrasts`](super::contrasts)). What is the same over a decimetre in every frame is not noise
 //! but an unknown of its own: the surface's offsets ([`SurfaceOffsets`](crate::body::SurfaceOffsets)).
 //!
-//! Detections of joints are another kind of data with a κ and a τ of their own. What a detector means by a joint is an unknown
+//! Each kind of data has a noise of its own. A matched point is off by its depth, and an outline by the person's border: with one
+//! κ, λ and τ for both, the points' faults weaken the outlines and the outlines' length along the border is given to points.
+//!
+//! Detections of joints have a κ and a τ. What a detector means by a joint is an unknown
 //! ([`keypoints`](crate::likelihood::Keypoints)); what it errs besides lasts from frame to frame, so the looks of
 //! one camera at one keypoint, along one axis of the picture, are a cluster. Their cost is divided by κ²τ.
 //!
@@ -30,18 +33,30 @@ use std::collections::BTreeMap;
 use super::Kind;
 use crate::likelihood::{Place, PlacedResidual, Source};
 
-/// How the residuals of a recording err.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+/// How the residuals of a recording err, kind by kind; `None` where it has none of a kind.
+#[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(default)]
 pub struct Noise {
+    /// Of outlines.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub outlines: Option<SurfaceNoise>,
+    /// Of points of the surface.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub points: Option<SurfaceNoise>,
+    /// Of detections of joints.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub keypoints: Option<KeypointNoise>,
+}
+
+/// How residuals of the surface err.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct SurfaceNoise {
     /// κ: how many times larger than stated the residuals are, as far as the robust loss lets them through.
     pub scale: f64,
     /// λ: how many of the stated independent observations along a border are worth one.
     pub along_border: f64,
     /// τ: how many looks at one place, by other cameras and in other frames, are worth one.
     pub together: f64,
-    /// How detections of joints err, if there are any.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub keypoints: Option<KeypointNoise>,
 }
 
 /// How the detections of a recording err.
@@ -56,8 +71,10 @@ pub struct KeypointNoise {
 /// How many times the cost of each kind of data counts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DataWeights {
-    /// Of outlines and points of the surface.
-    pub surface: f64,
+    /// Of outlines.
+    pub outlines: f64,
+    /// Of points of the surface.
+    pub points: f64,
     /// Of detections.
     pub keypoints: f64,
 }
@@ -65,49 +82,67 @@ pub struct DataWeights {
 impl DataWeights {
     /// The same of all.
     pub fn all(weight: f64) -> Self {
-        Self { surface: weight, keypoints: weight }
+        Self { outlines: weight, points: weight, keypoints: weight }
     }
 
     /// That of one kind.
     pub fn of(self, kind: Kind) -> f64 {
         match kind {
-            Kind::Surface => self.surface,
+            Kind::Outlines => self.outlines,
+            Kind::Points => self.points,
             Kind::Keypoints => self.keypoints,
         }
     }
 }
 
 impl Noise {
-    /// As stated: every row's σ and weight are right.
-    pub fn stated() -> Self {
-        Self { scale: 1.0, along_border: 1.0, together: 1.0, keypoints: None }
-    }
-
     /// From the residuals of every frame.
     pub fn from_residuals(frames: &[Vec<PlacedResidual>]) -> Self {
-        let is_keypoint = |r: &&PlacedResidual| matches!(r.source, Source::Keypoints(_));
-        let parted = frames.iter().map(|rows| rows.iter().partition(is_keypoint));
-        let (keypoints, surface): (Vec<Vec<_>>, Vec<Vec<_>>) = parted.unzip();
+        let of = |kind: Kind| -> Vec<Vec<&PlacedResidual>> {
+            let rows = frames.iter().map(|rows| rows.iter().filter(|r| Kind::of(r.source) == kind));
+            rows.map(Iterator::collect).collect()
+        };
         Self {
-            scale: scale(&surface),
-            along_border: along_border(&surface),
-            together: together(&surface),
-            keypoints: KeypointNoise::from_residuals(&keypoints),
+            outlines: SurfaceNoise::from_residuals(&of(Kind::Outlines)),
+            points: SurfaceNoise::from_residuals(&of(Kind::Points)),
+            keypoints: KeypointNoise::from_residuals(&of(Kind::Keypoints)),
         }
     }
 
-    /// The factor of the cost of outlines and points: 1/(κ²λτ).
-    pub fn data_weight(&self) -> f64 {
-        1.0 / (self.scale * self.scale * self.along_border * self.together)
-    }
-
-    /// The factors of all kinds of data.
+    /// The factors of all kinds of data; 1 of a kind of which there is none.
     pub fn weights(&self) -> DataWeights {
-        let of_keypoints = |noise: KeypointNoise| 1.0 / (noise.scale.powi(2) * noise.together);
         DataWeights {
-            surface: self.data_weight(),
-            keypoints: self.keypoints.map_or(1.0, of_keypoints),
+            outlines: self.outlines.map_or(1.0, |noise| noise.weight()),
+            points: self.points.map_or(1.0, |noise| noise.weight()),
+            keypoints: self.keypoints.map_or(1.0, |noise| noise.weight()),
         }
+    }
+
+    /// The factor of the data that chose between hypotheses: of outlines, or else of points, or else of detections.
+    pub fn data_weight(&self) -> f64 {
+        let of_surface = self.outlines.or(self.points).map(|noise| noise.weight());
+        of_surface.unwrap_or_else(|| self.weights().keypoints)
+    }
+}
+
+impl SurfaceNoise {
+    fn from_residuals(frames: &[Vec<&PlacedResidual>]) -> Option<Self> {
+        let is_seen = frames.iter().any(|rows| !rows.is_empty());
+        let of_points = |r: &&PlacedResidual| r.source == Source::Cloud;
+        let neighbours = match frames.iter().flatten().all(of_points) {
+            true => about_place,
+            false => along_border,
+        };
+        is_seen.then(|| Self {
+            scale: scale(frames),
+            along_border: neighbours(frames),
+            together: together(frames),
+        })
+    }
+
+    /// The factor of their cost: 1/(κ²λτ).
+    pub fn weight(&self) -> f64 {
+        1.0 / (self.scale.powi(2) * self.along_border * self.together)
     }
 }
 
@@ -120,6 +155,11 @@ impl KeypointNoise {
         }
         let is_seen = !clusters.is_empty();
         is_seen.then(|| Self { scale: scale(frames), together: worth_one(clusters.values()) })
+    }
+
+    /// The factor of their cost: 1/(κ²τ).
+    pub fn weight(&self) -> f64 {
+        1.0 / (self.scale.powi(2) * self.together)
     }
 }
 
@@ -185,6 +225,41 @@ fn along_border(frames: &[Vec<&PlacedResidual>]) -> f64 {
     let together = filled.take_while(|(product, weight)| product / weight > 0.05 * variance);
     let together: f64 = together.map(|(product, _)| product).sum();
     (own + 2.0 * together) / stated
+}
+
+/// λ of points: scores of one place together, and of pairs of places of a part that are nearer than where ρ first falls below 0.05.
+fn about_place(frames: &[Vec<&PlacedResidual>]) -> f64 {
+    const BINS: usize = 40;
+
+    let (mut own, mut own_weights, mut stated) = (0.0, 0.0, 0.0);
+    let mut pairs = [(0.0, 0.0); BINS];
+    for frame in frames {
+        stated += frame.iter().map(|r| r.weight * influence(r).powi(2)).sum::<f64>();
+        let places: Vec<(Place, (f64, f64))> =
+            scores(frame).into_iter().map(|((place, _), score)| (place, score)).collect();
+        for (i, ((part, cell), (score, weight))) in places.iter().enumerate() {
+            own += score * score;
+            own_weights += weight * weight;
+            let of_part = places[i + 1..].iter().take_while(|((other, _), _)| other == part);
+            for ((_, other_cell), (other, other_weight)) in of_part {
+                let apart =
+                    std::array::from_fn::<f64, 3, _>(|k| f64::from(cell[k] - other_cell[k]));
+                let bin = apart.iter().map(|d| d * d).sum::<f64>().sqrt().round() as usize;
+                if let Some((product, weights)) = pairs.get_mut(bin) {
+                    *product += score * other;
+                    *weights += weight * other_weight;
+                }
+            }
+        }
+    }
+    if stated <= 0.0 {
+        return 1.0;
+    }
+
+    let variance = own / own_weights;
+    let filled = pairs.iter().filter(|(_, weight)| *weight > 0.0);
+    let together = filled.take_while(|(product, weight)| product / weight > 0.05 * variance);
+    (own + 2.0 * together.map(|(product, _)| product).sum::<f64>()) / stated
 }
 
 /// τ.

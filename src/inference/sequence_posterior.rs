@@ -109,7 +109,7 @@ impl SequencePosterior<'_> {
     /// What cameras side by side see differently is told of the outlines of all.
     fn has_contrasts(&self, placed: &Placed<'_>) -> bool {
         let Look { camera, kind, .. } = placed.look;
-        camera.is_none() && *kind == Kind::Surface && self.contrasts.has(placed.recorded)
+        camera.is_none() && *kind == Kind::Outlines && self.contrasts.has(placed.recorded)
     }
 
     /// w of what a look shows.
@@ -130,14 +130,15 @@ impl SequencePosterior<'_> {
         let mut sum = LookSum::new(placed, m, shared);
 
         // blocks of the motion and of motion and shape look by look, of the shape all of one weight together
-        let [mut surface, mut keypoints, mut of_contrasts] =
-            [0; 3].map(|_| NormalEquations::zeros(n));
+        let [mut outlines, mut points, mut keypoints, mut of_contrasts] =
+            [0; 4].map(|_| NormalEquations::zeros(n));
         for look in placed {
             let body = Posed::new(self.model, &x.shape, &look.seen);
             let (weight, equations) = (
                 self.weight(look),
                 match look.look.kind {
-                    Kind::Surface => &mut surface,
+                    Kind::Outlines => &mut outlines,
+                    Kind::Points => &mut points,
                     Kind::Keypoints => &mut keypoints,
                 },
             );
@@ -150,7 +151,8 @@ impl SequencePosterior<'_> {
                 sum.carry(look, &of_contrasts, 1.0);
             }
         }
-        sum.add_shape(&surface, self.weights.surface);
+        sum.add_shape(&outlines, self.weights.outlines);
+        sum.add_shape(&points, self.weights.points);
         sum.add_shape(&keypoints, self.weights.keypoints);
         sum.add_shape(&of_contrasts, 1.0);
         sum
@@ -162,9 +164,9 @@ impl SequencePosterior<'_> {
             let body = Posed::new(self.model, &x.shape, &placed.seen);
             let residuals = placed.look.terms.iter().flat_map(|t| t.placed_residuals(&body));
             let source = |own: Source| match (placed.look.camera, placed.look.kind) {
-                (Some(camera), Kind::Surface) => Source::View(camera),
+                (Some(camera), Kind::Outlines) => Source::View(camera),
                 (Some(camera), Kind::Keypoints) => Source::Keypoints(camera),
-                (None, _) => own,
+                (_, Kind::Points) | (None, _) => own,
             };
             let named = residuals.map(|r| PlacedResidual { source: source(r.source), ..r });
             (placed.recorded, named.collect::<Vec<_>>())

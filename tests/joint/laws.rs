@@ -40,7 +40,7 @@ struct Posterior<'a> {
 impl<'a> Posterior<'a> {
     fn new(scene: &'a Scene, motion_model: MotionModel, measure: Measure) -> Self {
         let evidence = scene.evidence(measure);
-        let look = |f| vec![Look::of_all(evidence.terms(f, Detail::Coarse))];
+        let look = |f| evidence.looks_of_all(f, Detail::Coarse);
         Self {
             shape_prior: ShapePrior::new(&scene.model),
             pose_prior: PosePrior::new(&scene.model),
@@ -82,7 +82,7 @@ impl<'a> Posterior<'a> {
             chain_prior: &self.chain_prior,
             seconds: &SECONDS[..self.looks.len()],
             looks,
-            weights: DataWeights { surface: 0.4, keypoints: 0.7 },
+            weights: DataWeights { outlines: 0.4, points: 0.3, keypoints: 0.7 },
             contrasts: &self.contrasts,
         }
     }
@@ -362,7 +362,7 @@ fn no_residual_jumps_where_a_line_of_sight_comes_to_touch_another_limb() {
 fn the_sequence_posterior_is_linearized_right_with_all_terms_together() {
     let scene = Scene::arm(2);
     let looks = Posterior::new(&scene, MODELS[0], Measure::Both).looks;
-    assert_eq!(looks[0][0].terms.len(), 3);
+    assert_eq!(looks[0].iter().map(|look| look.terms.len()).sum::<usize>(), 3);
     check(&scene, Measure::Both, (1e-6, 1e-4));
 }
 

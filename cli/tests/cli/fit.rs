@@ -52,7 +52,9 @@ fn a_recording_is_fitted_from_end_to_end() {
     }
     // how sure, of every length, coefficient and frame
     assert!(result["shape"]["lengths"][0]["sd_m"].as_f64().is_some_and(|sd| sd > 0.0));
-    assert!(result["shape"]["noise"]["together"].as_f64().is_some_and(|tau| tau >= 1.0));
+    assert!(
+        result["shape"]["noise"]["outlines"]["together"].as_f64().is_some_and(|tau| tau >= 1.0)
+    );
     for frame in result["motion"]["frames"].as_array().expect("frames") {
         let sd = frame["sd"]["angles_rad"][0].as_f64();
         assert!(sd.is_some_and(|sd| sd > 0.0 && sd < 0.2), "{frame}");

@@ -123,8 +123,7 @@ impl Cycle<'_> {
     }
 
     fn terms(&self, length: usize) -> SequenceTerms<'_> {
-        let one =
-            |i, detail| vec![Look::of_all(self.evidence.terms(&self.frames[self.at(i)], detail))];
+        let one = |i, detail| self.evidence.looks_of_all(&self.frames[self.at(i)], detail);
         SequenceTerms {
             thinned: (0..length).map(|i| one(i, Detail::Thinned)).collect(),
             all: (0..length).map(|i| one(i, Detail::Fine)).collect(),

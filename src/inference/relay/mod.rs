@@ -46,7 +46,12 @@ pub(super) fn relayed(tracking: &Tracking<'_>, trials: &[Trial], winner: usize) 
 
     // 1. lost frames, from other hypotheses and from poses of other frames
     let mut others = of_hypotheses(tracking, trials, &own);
-    others.extend(of_poses(tracking, &own));
+    for (i, fit) in of_poses(tracking, &own) {
+        let known = others.get(&i).map_or(f64::INFINITY, FrameFit::alone);
+        if fit.alone() < known {
+            others.insert(i, fit);
+        }
+    }
     others.retain(|i, fit| fit.alone() < own[*i].alone());
     if others.is_empty() {
         return None;
