@@ -1,6 +1,7 @@
 //! Border pixels against the outlines of the projected ellipsoids (ZS06, App. C).
 //!
-//! *Published*: each border pixel's residual is its distance to the nearest ellipse.
+//! *Published*: each border pixel's residual is its distance to the nearest ellipse
+//! (`docs/ellipse-distance.md` derives it and lists what differs from the appendix).
 //!
 //! *Outline*: the published measure punishes neither a limb that sticks out of the silhouette nor a border
 //! pixel that lies inside the model. So, forwards, the residual is the signed distance to the outline of
