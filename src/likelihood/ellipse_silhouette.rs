@@ -30,7 +30,7 @@ use crate::solver::{Loss, NormalEquations};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Variant {
-    /// ZS06: distance to the nearest ellipse.
+    /// ZS06, App. C: distance to the nearest ellipse.
     Published,
     /// Signed distance to the union, and back.
     Outline,
@@ -74,7 +74,7 @@ impl Default for EllipseOptions {
 }
 
 impl EllipseOptions {
-    /// ZS06's own measure.
+    /// ZS06's own measure (App. C).
     pub fn published() -> Self {
         Self {
             variant: Variant::Published,
