@@ -143,7 +143,8 @@ impl<'a> ContactFit<'a> {
         let field = Field::from_body(&body);
         let mut sample = FieldSample::default();
         for contact in contacts {
-            let line = (contact.place_world - contact.origin_world).normalize();
+            let way = contact.place_world - contact.origin_world;
+            let Some(line) = way.try_normalize(1e-9) else { continue };
             if sample.update(&field, &contact.place_world.coords) {
                 contact.place_world += line * newton_step(&sample, &line);
             }
