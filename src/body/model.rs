@@ -174,9 +174,9 @@ pub struct BodyModel {
     pub followers: Vec<Turn>,
     /// Parts.
     pub parts: Vec<Part>,
-    /// Ellipsoids (ZS06).
+    /// Ellipsoids (ZS06, § Human body model).
     pub ellipsoids: Vec<Primitive>,
-    /// Metaballs (PF02).
+    /// Metaballs (PF02 § 2.2, eq. 2–4).
     pub metaballs: Vec<Primitive>,
     /// How far the surface of a person lies outside that of the model; `None`: nowhere.
     pub offsets: Option<SurfaceOffsets>,

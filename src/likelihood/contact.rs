@@ -5,7 +5,7 @@
 //! is a mixture in one dimension. It is climbed from the ball that the ray comes nearest to, first by mean
 //! shift, t ← Σ w a tᵢ/Σ w a (a step that never lowers F), then by Newton.
 //!
-//! **Differs**: PF02 write of the "lowest value" of F on the ray. Only the distance is lowest there; F is largest.
+//! **Differs**: PF02 § 3.2 writes of the "lowest value" of F on the ray. Only the distance is lowest there; F is largest.
 
 use nalgebra::Vector3;
 

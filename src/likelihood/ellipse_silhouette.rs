@@ -1,6 +1,7 @@
 //! Border pixels against the outlines of the projected ellipsoids (ZS06, App. C).
 //!
-//! *Published*: each border pixel's residual is its distance to the nearest ellipse.
+//! *Published*: each border pixel's residual is its distance to the nearest ellipse
+//! (`docs/ellipse-distance.md` derives it and lists what differs from the appendix).
 //!
 //! *Outline*: the published measure punishes neither a limb that sticks out of the silhouette nor a border
 //! pixel that lies inside the model. So, forwards, the residual is the signed distance to the outline of
@@ -29,7 +30,7 @@ use crate::solver::{Loss, NormalEquations};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Variant {
-    /// ZS06: distance to the nearest ellipse.
+    /// ZS06, App. C: distance to the nearest ellipse.
     Published,
     /// Signed distance to the union, and back.
     Outline,
@@ -73,7 +74,7 @@ impl Default for EllipseOptions {
 }
 
 impl EllipseOptions {
-    /// ZS06's own measure.
+    /// ZS06's own measure (App. C).
     pub fn published() -> Self {
         Self {
             variant: Variant::Published,

@@ -7,9 +7,9 @@ use crate::solver::Loss;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Measure {
-    /// Silhouettes with the outlines of the ellipsoids (ZS06).
+    /// Silhouettes with the outlines of the ellipsoids (ZS06, App. C).
     Ellipses,
-    /// Lines of sight and points with the skin of the metaballs (PF02).
+    /// Lines of sight and points with the skin of the metaballs (PF02 eq. 7, § 3.2).
     Metaballs,
     /// With both.
     Both,

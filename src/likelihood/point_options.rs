@@ -8,7 +8,7 @@ use crate::solver::Loss;
 pub enum PointResidual {
     /// Signed distance to the nearest place of the skin, metres.
     Distance,
-    /// PF02: T − F at the point, over the slope of a limb of radius 5 cm.
+    /// PF02 eq. 7: T − F at the point, over the slope of a limb of radius 5 cm.
     Field,
 }
 

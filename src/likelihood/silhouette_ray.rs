@@ -8,7 +8,7 @@
 //!
 //! dt*/dθ = −(rᵀ ∂p/∂θ)/(rᵀKr)
 //!
-//! (PF02's −(rᵀ ∂∇F/∂θ)/(rᵀ∇²F r): the same, as r·p = 0). The motion of x* does not change F, which is largest there. It
+//! (PF02 App. A.2's −(rᵀ ∂∇F/∂θ)/(rᵀ∇²F r): the same, as r·p = 0). The motion of x* does not change F, which is largest there. It
 //! changes the local length, by e = Σ wᵢ (αᵢ ∂ ln fᵢ + γᵢ ∂ ln Rᵢ)/∂t. So
 //! dr/dθ = Σ wᵢ (αᵢ ∂ ln fᵢ + γᵢ ∂ ln Rᵢ)/∂θ + b·∂p/∂θ with b = −r e/(rᵀKr): one row of
 //! [`FieldSlopes`](crate::body::metaball::FieldSlopes). The published residual depends on F alone and needs no second derivative.

@@ -25,7 +25,7 @@ use crate::body::{BodyModel, Motion, Posed, Shape};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Residual {
-    /// PF02: T − F, over the slope of a limb of radius 5 cm.
+    /// PF02 eq. 7: T − F, over the slope of a limb of radius 5 cm.
     Field,
     /// Distance to the skin, metres.
     Metric,
@@ -37,7 +37,7 @@ pub enum Residual {
 pub enum Derivatives {
     /// All: the gradient is that of the cost.
     Complete,
-    /// PF02's simpler variant: as if neither the contact on a ray moved nor the local length changed.
+    /// PF02 App. A.2's simpler variant: as if neither the contact on a ray moved nor the local length changed.
     FirstOrder,
 }
 

@@ -9,6 +9,7 @@
 //!
 //! κ > 0 with h₃ > 0 says that the whole ellipsoid lies in front of the camera's principal plane.
 //! Everything is linear in (c, A) but the division by κ, so derivatives need no differences.
+//! `docs/ellipse-distance.md` derives all of this, with a figure.
 
 use nalgebra::{Matrix2, Matrix3, Matrix3x4, SMatrix, Vector2, Vector3};
 

@@ -1,7 +1,7 @@
 //! The outline of a soft body that a camera is expected to see.
 //!
 //! *Outer* contours bound the body against the background; *inner* ones bound a limb against another limb behind it, as an
-//! arm in front of the trunk. They are kept apart, for the outer ones alone are the silhouette: PF02's frame 100 has a
+//! arm in front of the trunk. They are kept apart, for the outer ones alone are the silhouette: PF02 Fig. 3's frame 100 has a
 //! "circular silhouette curve at the inside of the model's arm" that "corresponds to nothing".
 //!
 //! The skin is that of the limb whose sum is largest, so the body is the union of its limbs' skins. The outer contours are

@@ -21,7 +21,7 @@
 //! | `ellipsoids.rs` | of a body without metaballs: a mesh for each ellipsoid                    |
 //! | `girth.rs`   | [`girths`]: how far it is around each limb                                  |
 //!
-//! **Differs** from PFD99: after the tessellation each vertex is moved onto F = T ([`Finish::Field`]; the paper's own is
+//! **Differs** from PFD99 § 3.1: after the tessellation each vertex is moved onto F = T ([`Finish::Field`]; the paper's own is
 //! [`Finish::Spline`]), and the sum that a ray sees is that of its limb (see [`BodyModel::limbs`]).
 //!
 //! [`BodyModel::limbs`]: crate::body::BodyModel::limbs
@@ -54,7 +54,7 @@ use surface::{Grid, Surface};
 /// Where the vertices of a skin stand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Finish {
-    /// On the B-spline patches (PFD99), which round off what lies between samples by some millimetres.
+    /// On the B-spline patches (PFD99 § 3.1), which round off what lies between samples by some millimetres.
     Spline,
     /// On F = T: moved there from the patches along ∇F, by 2 cm at most.
     Field,

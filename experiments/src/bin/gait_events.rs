@@ -2,6 +2,8 @@
 //!
 //! The plates' foot strike and foot off are where the vertical force passes 20 N. The walk's markers are analysed as
 //! they are, and once more with hips, knees, ankles and toes only, as a fit or a tracker of joint centres would give them.
+//!
+//! Starts: the body is found from nothing, as `maquette fit` does it.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};

@@ -4,6 +4,8 @@
 //! backwards by turns. What the cameras saw is shared between them, every frame's terms are its own. Timed are one
 //! linearisation, one step and the marginal covariances, and, for the memory, a whole joint optimum of one step.
 //! Then the whole joint optimum of seven cameras and 200 frames, from Algorithm 1's winner.
+//!
+//! Starts: the joint optima begin at Algorithm 1's winner, which is found from nothing.
 
 use std::error::Error;
 use std::fs;

@@ -6,6 +6,9 @@
 //! The points err each by itself here, so each counts as one observation. Where errors are taken to go together over 10 cm, as those
 //! of recordings do, all points of an arm count as some fifteen, and limbs stay nearer to the prior's mean, which is 14 % (upper arm) and
 //! 5 % (forearm) wider than this truth: that says nothing of the residual.
+//!
+//! Starts: the pose that brings the model's joints nearest to the true ones, and the mean of p(s), moved and turned by the stated
+//! distance and angle. How far off they may be is the question, so the truth must be known. The paper's are "rough".
 
 use std::error::Error;
 use std::process::ExitCode;

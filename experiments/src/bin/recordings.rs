@@ -3,6 +3,8 @@
 //!
 //! A limb is *wrong* if its tip is more than 10 cm off in more than a tenth of the frames: exchanged, or lost behind the body. It is
 //! announced if a note names the limb, or says that left and right can be exchanged.
+//!
+//! Starts: the body is found from nothing, as `maquette fit` does it.
 
 use std::error::Error;
 use std::process::ExitCode;

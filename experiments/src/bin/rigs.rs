@@ -4,6 +4,8 @@
 //! off by what a good one is, 0.03° and 1 mm about each axis; three cameras were touched after it, by 0.7° and 15 mm about each axis; the
 //! clocks of three, drawn anew, are off by up to three frames, in eighths of a frame. The default body is fitted with cameras and clocks
 //! as unknowns, with both trusted, and with the true ones.
+//!
+//! Starts: the body is found from nothing, as `maquette fit` does it.
 
 use std::error::Error;
 use std::path::Path;

@@ -1,6 +1,6 @@
 //! Silhouettes in clutter, from a model that predicts where to look (PF02 § 4): no background is subtracted.
 //!
-//! | stage (PF02)                                    | where                                       |
+//! | stage (PF02 § 4)                                | where                                       |
 //! |-------------------------------------------------|---------------------------------------------|
 //! | pictures without lenses, their depths           | [`UndistortedFrame`]                              |
 //! | before there is a model: what moves, by depth   | [`StillScenes::moving`]                     |

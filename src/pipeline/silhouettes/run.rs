@@ -23,7 +23,7 @@ const UNSURE: f64 = 0.45;
 /// spot in such rooms, it was .85 to .97, of a person of whom too little had been found .57 to .87.
 pub const UNSURE_BACKING: f64 = 0.8;
 
-/// Which pipeline of PF02.
+/// Which pipeline of PF02 (§ 4.1, § 4.3).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SilhouettePipeline {
     /// Active contours from the outline of the starting fit (§4.1).

@@ -10,7 +10,7 @@
 //! lengths: over them the edges' displacements are smoothed, and gaps without an edge are bridged.
 //!
 //! The internal energy is that of the *displacement* from the expected curve x⁰, the outline of the model.
-//! **Differs** from PF02 (and from Kass, Witkin & Terzopoulos, 1988), whose snake is at rest when it is straight: theirs
+//! **Differs** from PF02 § 4 (and from Kass, Witkin & Terzopoulos, 1988), whose snake is at rest when it is straight: theirs
 //! "forced it to retract from the sections of high curvature" and cut the elbow in its frame 100. [`Rest::Straight`] is theirs.
 //!
 //! Each step is implicit in the internal energy and explicit in the external one: (I + τA) d ← d + τ w (e − x), solved in

@@ -34,13 +34,13 @@ use multi_image::{Unmatched, fit};
 /// How surfaces are matched.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MatchOptions {
-    /// A patch has (2·radius + 1)² pixels. 5: 11 × 11; 6 is PFD99's 13 × 13, too large for a curved limb far away.
+    /// A patch has (2·radius + 1)² pixels. 5: 11 × 11; 6 is PFD99's 13 × 13 (§ 2.1), too large for a curved limb far away.
     pub radius_px: usize,
     /// The larger patch where that one fails. 8: 17 × 17.
     pub larger_radius_px: usize,
     /// Distance of neighbouring points in the template. 2.
     pub spacing_px: usize,
-    /// Images besides the template in which a point must be found. 2: triplets (PFD99).
+    /// Images besides the template in which a point must be found. 2: triplets (PFD99 § 2.1).
     pub least_images: usize,
     /// Least correlation coefficient of the template's patch with that of any image. Noise lowers the coefficient without
     /// harm; the standard deviation is the stricter test. 0.6.

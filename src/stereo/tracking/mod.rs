@@ -29,7 +29,7 @@ pub use trajectory::{TrackPoint, Trajectory};
 /// How points are followed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrackOptions {
-    /// A patch has (2·radius + 1)² pixels. 6: 13 × 13 (PFD99).
+    /// A patch has (2·radius + 1)² pixels. 6: 13 × 13 (PFD99 § 2.1).
     pub radius_px: usize,
     /// The larger patch in time where that one fails. 9: 19 × 19.
     pub larger_radius_px: usize,

@@ -66,7 +66,7 @@ pub struct FilmRecipe {
     pub distance: f64,
     /// Standard deviation of each pixel's noise, grey levels of 255.
     pub noise_sd: f32,
-    /// What else differs from PF02's sequences.
+    /// What else differs from PF02's sequences (Figs. 3, 4).
     pub staging: Staging,
 }
 
@@ -93,7 +93,7 @@ pub enum Company {
 }
 
 impl Default for Staging {
-    /// PF02's: the person waves and wanders, and is seen whole.
+    /// PF02 Fig. 3's: the person waves and wanders, and is seen whole.
     fn default() -> Self {
         Self { waving: 1.0, turned: 0.0, aimed_off: [0.0; 2], company: Company::Nobody }
     }

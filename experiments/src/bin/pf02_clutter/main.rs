@@ -4,6 +4,8 @@
 //! Two sequences of 300 frames, photographed by three cameras side by side (`maquette synth --clutter`), each given to
 //! `maquette silhouettes` with all three. A frame is in error where, in any camera, the overlap with the true mask is less
 //! than 0.9 or the contour is more than 4 px off on average. `--quick`: the first six seconds of the first sequence, every other frame.
+//!
+//! Starts: from nothing; the paper begins with a body that is already tracked.
 
 mod pictures;
 mod sequence;

@@ -4,6 +4,8 @@
 //! 400 draws: an ellipse of 5.5 and 4 cm turned at random, 40 points on the part of its border that slants at most 55°,
 //! off by 4 mm along the line of sight and 0.5 mm across it; the two lines of sight by 1 mm. Each is fitted with PF02's
 //! residual T − F and with the distance.
+//!
+//! Starts: the middle of the points, 4 cm farther from the camera, with axes of 5.5 and 5 cm. No truth enters but the long axis.
 
 mod ellipse;
 

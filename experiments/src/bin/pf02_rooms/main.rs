@@ -5,6 +5,8 @@
 //! fro, and one turns and wanders. Distance, baseline and frame rate of the cameras are drawn too. A frame is in error where,
 //! in any camera, the overlap with the true mask is less than 0.9 or the contour is more than 4 px off on average; it has a
 //! verdict where the whole is refused, or where the program warns that depth backs too little of a view's contour. `--quick`: the first two rooms, 16 frames each.
+//!
+//! Starts: from nothing.
 
 use std::error::Error;
 use std::f64::consts::PI;

@@ -6,6 +6,8 @@
 //! **Differs** from the paper, which fits an arm by itself, from joints that tracked points give: here the whole body is found from
 //! nothing, and both its arms are compared. The clouds are of correlation and not of least-squares matching (§ 2.1), with which the
 //! joint optimum fattens this body; trajectories (§ 2.2) have no part in it. `pfd99_matching` measures both.
+//!
+//! Starts: from nothing; the paper's user clicks on a few joints.
 
 mod pictures;
 

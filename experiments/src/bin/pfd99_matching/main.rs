@@ -2,6 +2,8 @@
 //!
 //! Middlebury's cloth (views 1, 3, 5 of `cloth3_7view`) for the matches, and a rendered man before three cameras
 //! (`trinocular`) for the points and the tracks. Both lie in `../shared/data`; skipped where they are absent.
+//!
+//! Starts: seeds are found by the program; the paper's user picks about ten. Tracks begin at matched points. No body has a part in it.
 
 mod cloth;
 mod mesh;

@@ -3,6 +3,8 @@
 //! A row is *silent* if the error is more than twice that of the clean recording, neither verdict nor note names its cause, and
 //! the stated standard deviations of the joint centres do not cover it. A row that only a note names is counted apart: a world
 //! that is 10 % too large shows what a person who is 10 % taller shows, so no program can do more than ask for the height.
+//!
+//! Starts: the body is found from nothing, as `maquette fit` does it.
 
 mod damage;
 

@@ -9,6 +9,8 @@
 //! | nearest     | nearest ellipse          | orthogonal                   | no        |
 //! | outline     | union of the ellipses    | orthogonal                   | yes       |
 //! | gradient    | union of the ellipses    | first order, the default     | yes       |
+//!
+//! Starts: every hypothesis is found from nothing, as in the paper.
 
 mod analysis;
 mod pictures;

@@ -1,11 +1,10 @@
 //! Elbows and wrists over time, drawn.
 
+use experiments::held::{ARMS, Arm, held_s};
 use experiments::picture::{Panel, colour, svg};
 use kuva::plot::LegendPosition;
 use maquette::io::points::trc::Trajectories;
 
-use crate::arms::{ARMS, Arm};
-use crate::recording::held_s;
 use crate::ways::{Scene, Way};
 
 /// Ways that are drawn, with their colours: frame by frame, and all frames at once.

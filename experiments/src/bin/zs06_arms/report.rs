@@ -2,13 +2,12 @@
 
 use std::error::Error;
 
+use experiments::held::{Summary, held, visible};
 use experiments::metrics::mpjpe_mm;
 use experiments::run::Run;
 use experiments::table::Table;
 use maquette::synth::Synthetic;
 
-use crate::arms::Summary;
-use crate::recording::{held, visible};
 use crate::ways::{Scene, Way};
 
 pub(crate) fn report(

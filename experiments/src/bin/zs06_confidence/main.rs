@@ -8,6 +8,9 @@
 //! - of the true a, which a user means.
 //!
 //! The bars are no ellipses, so all keyframes err to the same side.
+//!
+//! Starts: every frame begins at a = 0.5 and its true angle + 0.05 rad. Not from nothing: what is tested is the statement about
+//! optima, not how they are found (`zs06_arm` finds them).
 
 mod recording;
 

@@ -3,6 +3,8 @@
 //! The paper shows pictures and says that all lengths came out right and that an arm was lost about frame
 //! 120 and found again; here the same is measured: lengths, knee and hip angles, joint centres, joints lost
 //! and found again, with the published and the outline likelihood and with what lies between them.
+//!
+//! Starts: Algorithm 1 finds body, pose and heading from nothing, as in the paper.
 
 mod fit;
 mod pictures;

@@ -1,18 +1,22 @@
 //! How far a fitted arm is from the true one.
 
-use experiments::metrics::{Flexion, point};
 use maquette::io::points::trc::Trajectories;
 use maquette::math::stats::mean;
 use nalgebra::Vector3;
 
+use crate::metrics::{Flexion, point};
+
 /// Shoulder, elbow and wrist.
-#[derive(Clone, Copy)]
-pub(crate) struct Arm {
-    pub(crate) name: &'static str,
-    pub(crate) points: [&'static str; 3],
+#[derive(Debug, Clone, Copy)]
+pub struct Arm {
+    /// Its side.
+    pub name: &'static str,
+    /// Their names.
+    pub points: [&'static str; 3],
 }
 
-pub(crate) const ARMS: [Arm; 2] = [
+/// Both arms.
+pub const ARMS: [Arm; 2] = [
     Arm { name: "right", points: ["RShoulder", "RElbow", "RWrist"] },
     Arm { name: "left", points: ["LShoulder", "LElbow", "LWrist"] },
 ];
@@ -24,19 +28,25 @@ const LOST_DEG: f64 = 30.0;
 const STRAIGHT_DEG: f64 = 10.0;
 
 /// One frame of one arm, fitted against true.
-pub(crate) struct Error {
-    pub(crate) elbow_m: f64,
-    pub(crate) wrist_m: f64,
+#[derive(Debug)]
+pub struct ArmError {
+    /// Distance of the shoulders.
+    pub shoulder_m: f64,
+    /// Distance of the elbows.
+    pub elbow_m: f64,
+    /// Distance of the wrists.
+    pub wrist_m: f64,
     /// Between the directions of the upper arms.
-    pub(crate) shoulder_deg: f64,
+    pub shoulder_deg: f64,
     /// Difference of the flexions.
-    pub(crate) flexion_deg: f64,
+    pub flexion_deg: f64,
     /// Whether the forearm leaves the upper arm's line to the other side.
-    pub(crate) wrong_way: bool,
+    pub wrong_way: bool,
 }
 
-impl Error {
-    pub(crate) fn is_lost(&self) -> bool {
+impl ArmError {
+    /// A joint or the elbow's angle is far from the truth.
+    pub fn is_lost(&self) -> bool {
         self.elbow_m > LOST_M || self.wrist_m > LOST_M || self.flexion_deg.abs() > LOST_DEG
     }
 }
@@ -68,21 +78,25 @@ impl Bend {
 }
 
 impl Arm {
-    pub(crate) fn flexion(self) -> Flexion {
+    /// The elbow's flexion.
+    pub fn flexion(self) -> Flexion {
         let [shoulder, elbow, wrist] = self.points;
         Flexion(shoulder, elbow, wrist)
     }
 
-    pub(crate) fn error(
-        self,
-        truth: &Trajectories,
-        fit: &Trajectories,
-        frame: usize,
-    ) -> Option<Error> {
+    /// Shoulder, elbow and wrist in the first frame, metres; `None` where one is not known.
+    pub fn places(self, of: &Trajectories) -> Option<[[f64; 3]; 3]> {
+        let [a, b, c] = self.points.map(|name| point(of, name, 0));
+        Some([a?, b?, c?].map(|place| place.coords.into()))
+    }
+
+    /// One frame of a fit against the truth; `None` where a joint is not known.
+    pub fn error(self, truth: &Trajectories, fit: &Trajectories, frame: usize) -> Option<ArmError> {
         let (truth, fit) = (Bend::of(self, truth, frame)?, Bend::of(self, fit, frame)?);
         let off = |k: usize| (truth.points[k] - fit.points[k]).norm();
         let bent = truth.flexion_deg.min(fit.flexion_deg) > STRAIGHT_DEG;
-        Some(Error {
+        Some(ArmError {
+            shoulder_m: off(0),
             elbow_m: off(1),
             wrist_m: off(2),
             shoulder_deg: truth.upper().angle(&fit.upper()).to_degrees(),
@@ -93,28 +107,31 @@ impl Arm {
 }
 
 /// What one way makes of some frames of both arms.
-pub(crate) struct Summary {
-    pub(crate) lost: usize,
-    pub(crate) wrong_way: usize,
-    pub(crate) shoulder_deg: f64,
-    pub(crate) elbow_deg: f64,
-    pub(crate) wrist_median_mm: f64,
-    pub(crate) wrist_p95_mm: f64,
+#[derive(Debug, Clone, PartialEq)]
+pub struct Summary {
+    /// Frames in which an arm is lost.
+    pub lost: usize,
+    /// Frames in which an elbow bends to the other side.
+    pub wrong_way: usize,
+    /// Direction of the upper arms, root mean square.
+    pub shoulder_deg: f64,
+    /// Flexion of the elbows, root mean square.
+    pub elbow_deg: f64,
+    /// Distance of the wrists, median.
+    pub wrist_median_mm: f64,
+    /// Distance of the wrists that 95 % do not exceed.
+    pub wrist_p95_mm: f64,
 }
 
 impl Summary {
     /// Both arms in the frames that `counts` chooses.
-    pub(crate) fn of(
-        truth: &Trajectories,
-        fit: &Trajectories,
-        counts: impl Fn(usize) -> bool,
-    ) -> Self {
+    pub fn of(truth: &Trajectories, fit: &Trajectories, counts: impl Fn(usize) -> bool) -> Self {
         let frames = (0..truth.frames.len()).filter(|&f| counts(f));
         let each = frames.map(|f| ARMS.map(|arm| arm.error(truth, fit, f)));
-        let each: Vec<Vec<Error>> = each.map(|e| e.into_iter().flatten().collect()).collect();
+        let each: Vec<Vec<ArmError>> = each.map(|e| e.into_iter().flatten().collect()).collect();
         let all = || each.iter().flatten();
-        let any = |is: fn(&Error) -> bool| each.iter().filter(|f| f.iter().any(is)).count();
-        let rms = |value: fn(&Error) -> f64| {
+        let any = |is: fn(&ArmError) -> bool| each.iter().filter(|f| f.iter().any(is)).count();
+        let rms = |value: fn(&ArmError) -> f64| {
             mean(all().map(|e| value(e).powi(2))).map_or(f64::NAN, f64::sqrt)
         };
         let wrist = |q| {
@@ -124,7 +141,7 @@ impl Summary {
             wrists.get(place).copied().unwrap_or(f64::NAN)
         };
         Self {
-            lost: any(Error::is_lost),
+            lost: any(ArmError::is_lost),
             wrong_way: any(|e| e.wrong_way),
             shoulder_deg: rms(|e| e.shoulder_deg),
             elbow_deg: rms(|e| e.flexion_deg),
