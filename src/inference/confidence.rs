@@ -1,4 +1,4 @@
-//! p_ε,σ(K): how likely one of K keyframe estimates is within ε of the reported estimate (ZS06).
+//! p_ε,σ(K): how likely one of K keyframe estimates is within ε of the reported estimate (ZS06, after Algorithm 1; the equations have no numbers).
 //!
 //! The errors e = s̄ − s*ₖ of the estimates s*ₖ about the reported s̄ are N(0, σ), with σ by maximum likelihood from the K of them.
 //! One is within ε with p_ε,σ = ∫₋ε^ε p(e) de, at least one of K with p_ε,σ(K) = 1 − (1 − p_ε,σ)^K. As σ is estimated from K

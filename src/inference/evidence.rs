@@ -60,7 +60,7 @@ impl<'a> Evidence<'a> {
         }
     }
 
-    /// A model's priors and the ellipse likelihood alone (ZS06).
+    /// A model's priors and the ellipse likelihood alone (ZS06, App. C).
     pub fn with_ellipses(model: &'a BodyModel, rig: &'a Rig, ellipses: EllipseOptions) -> Self {
         let likelihood = LikelihoodOptions { ellipses, ..LikelihoodOptions::default() };
         Self::new(model, rig, likelihood, Measure::Ellipses)

@@ -1,6 +1,6 @@
 //! The joint optimum: every motion and the shape at once, and how sure each number is.
 //!
-//! ZS06 call the optimum of all of θ "technically intractable". With the shape as border, the Gauss–Newton
+//! ZS06 (§ on the model, before eq. 1) call the optimum of all of θ "technically intractable". With the shape as border, the Gauss–Newton
 //! matrix of eq. 1 is block-tridiagonal (block-pentadiagonal with constant velocity), and a step is one pass
 //! forwards and one backwards: O(n). Algorithm 1's winner is its start.
 //!

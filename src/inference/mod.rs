@@ -1,4 +1,4 @@
-//! p(θ | Z): ZS06's probability model and Algorithm 1.
+//! p(θ | Z): ZS06's probability model (eqs. 1–3) and Algorithm 1.
 //!
 //! E(s, m₁..ₙ) = −log p(s) + Σᵢ \[−log p(Zᵢ | mᵢ, s)\] + Σᵢ \[−log p(mᵢ | mᵢ₋₁)\] (eq. 1, in logarithms).
 //!

@@ -1,4 +1,4 @@
-//! Algorithm 1: the most probable shape and motion of a sequence, from keyframe hypotheses (ZS06).
+//! Algorithm 1: the most probable shape and motion of a sequence, from keyframe hypotheses (ZS06, eqs. 1–3).
 
 use rayon::prelude::*;
 
@@ -28,7 +28,7 @@ pub struct SearchOptions {
     pub pruning: Pruning,
 }
 
-/// Frames from one keyframe to the next (ZS06).
+/// Frames from one keyframe to the next (ZS06, Experiments: "each twentieth frame").
 const EVERY: usize = 20;
 /// Fewer keyframes leave the choice between readings and the spread σ uncertain: σ has a relative error of 1/√(2(K − 1)), 35 % at five.
 pub const ENOUGH_KEYFRAMES: usize = 5;

@@ -1,4 +1,4 @@
-//! How far the keyframes agree about the shape: p_ε,σ(K) of every coefficient and length (ZS06).
+//! How far the keyframes agree about the shape: p_ε,σ(K) of every coefficient and length (ZS06, after Algorithm 1).
 
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};

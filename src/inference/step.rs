@@ -10,7 +10,7 @@ use crate::solver::NormalEquations;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum MotionModel {
-    /// mᵢ about mᵢ₋₁ (ZS06).
+    /// mᵢ about mᵢ₋₁ (ZS06, eq. 3).
     ConstantPosition,
     /// mᵢ about mᵢ₋₁ ⊞ (mᵢ₋₁ ⊟ mᵢ₋₂).
     ConstantVelocity,
