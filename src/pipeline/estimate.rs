@@ -15,7 +15,7 @@ use crate::inference::frame::FrameFit;
 use crate::inference::noise::Noise;
 use crate::inference::search::Trial;
 use crate::inference::step::between;
-use crate::inference::{Evidence, Sequence};
+use crate::inference::{Evidence, Kind, Sequence};
 use crate::likelihood::Measure;
 
 /// What the last stage of a fit is given.
@@ -79,9 +79,9 @@ pub(super) struct Estimate {
 }
 
 impl Estimate {
-    /// How often the data's cost counts.
-    pub(super) fn data_weight(&self) -> f64 {
-        self.noise.map_or(1.0, |noise| noise.data_weight())
+    /// How often the cost of a kind of data counts.
+    pub(super) fn data_weight(&self, kind: Kind) -> f64 {
+        self.noise.map_or(1.0, |noise| noise.weights().of(kind))
     }
 
     /// The winner as it was tracked.

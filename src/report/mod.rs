@@ -22,6 +22,7 @@
 
 mod figure;
 mod identity;
+mod joints;
 mod kinematics;
 mod label;
 mod motion;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::Point2;
 
-use super::cameras::calibrated_name;
+use super::cameras::{calibrated_name, same_number};
 use super::layout::numbered_files::{self, Wanted};
 use super::layout::visible;
 use super::manifest::CameraFiles;
@@ -31,6 +31,32 @@ pub(super) struct DetectionFiles {
 }
 
 impl DetectionFiles {
+    /// Whether a recording has detections, or its manifest names some.
+    pub(super) fn are_promised(recording: &Recording) -> bool {
+        let is_named = recording.manifest.cameras.iter().any(|c| c.detections.is_some());
+        is_named || !folders_of(recording).unwrap_or_default().is_empty()
+    }
+
+    /// The cameras that have detections.
+    pub(super) fn detected(recording: &Recording, rig: &Rig) -> Result<Rig, RecordingError> {
+        let found = folders(recording, rig)?;
+        let is_found = |camera: &&Camera| found.iter().any(|(name, _)| *name == camera.name);
+        let cameras: Vec<Camera> = rig.cameras.iter().filter(is_found).cloned().collect();
+        match cameras.as_slice() {
+            [] => Err(strangers(recording, rig)?),
+            [one] => Err(RecordingError::OneCamera {
+                path: recording.path.clone(),
+                camera: one.name.clone(),
+            }),
+            _ => Ok(Rig { cameras }),
+        }
+    }
+
+    /// Whether there are any.
+    pub(super) fn is_empty(&self) -> bool {
+        self.cameras.iter().all(BTreeMap::is_empty)
+    }
+
     /// The detections that the manifest names, else those in the folder `pose`; of the cameras of the rig, whose files are shifted as
     /// `cameras` say.
     pub(super) fn find(
@@ -94,7 +120,14 @@ fn set_of(recording: &Recording, people: &[Person]) -> Result<Option<KeypointSet
         known: KeypointSet::names().collect::<Vec<_>>().join(", "),
     };
     if let Some(name) = &recording.manifest.keypoints {
-        return KeypointSet::by_name(name).map(Some).ok_or_else(|| unknown(format!("{name:?}")));
+        let set = KeypointSet::by_name(name).ok_or_else(|| unknown(format!("{name:?}")))?;
+        let of_others = people.iter().all(|person| person.len() != set.count);
+        return match people.first().filter(|_| of_others) {
+            Some(first) => {
+                Err(unknown(format!("people of {} points, {name} has {}", first.len(), set.count)))
+            }
+            None => Ok(Some(set)),
+        };
     }
     match people.first() {
         None => Ok(None),
@@ -112,12 +145,40 @@ fn folders(recording: &Recording, rig: &Rig) -> Result<Vec<(String, String)>, Re
     if !named.is_empty() {
         return Ok(named);
     }
-    let camera = |path: PathBuf| {
+    let found = folders_of(recording)?;
+    let names: Vec<String> = found.iter().map(|(name, _)| name.clone()).collect();
+    let camera = |(name, folder): (String, String)| {
+        let alike = calibrated_name(rig, &name);
+        Some((alike.or_else(|| same_number(rig, &names, &name))?, folder))
+    };
+    Ok(found.into_iter().filter_map(camera).collect())
+}
+
+/// The folders of detections of a recording whose manifest names none, each with what it is called after.
+fn folders_of(recording: &Recording) -> Result<Vec<(String, String)>, RecordingError> {
+    let named = |path: PathBuf| {
         let folder = path.file_name()?.to_string_lossy().into_owned();
-        let name = calibrated_name(rig, folder.strip_suffix(SUFFIX).unwrap_or(&folder))?;
+        let name = folder.strip_suffix(SUFFIX).unwrap_or(&folder).to_owned();
         path.is_dir().then(|| (name, format!("{FOLDER}/{folder}")))
     };
-    Ok(visible(&recording.folder.join(FOLDER))?.into_iter().filter_map(camera).collect())
+    Ok(visible(&recording.folder.join(FOLDER))?.into_iter().filter_map(named).collect())
+}
+
+/// Folders of which none is called after a calibrated camera.
+fn strangers(recording: &Recording, rig: &Rig) -> Result<RecordingError, RecordingError> {
+    let found = folders_of(recording)?;
+    let known: Vec<String> = rig.names().map(str::to_owned).collect();
+    let line = |(i, (_, folder)): (usize, &(String, String))| {
+        let name = known.get(i).map_or("…", String::as_str);
+        format!("{{ name = {name:?}, detections = {folder:?} }}")
+    };
+    let lines: Vec<String> = found.iter().enumerate().map(line).collect();
+    Ok(RecordingError::Strangers {
+        path: recording.path.clone(),
+        found: found.into_iter().map(|(name, _)| name).collect(),
+        lines: lines.join(", "),
+        known,
+    })
 }
 
 fn is_detection(path: &Path) -> bool {
