@@ -87,8 +87,22 @@ impl DetectionFiles {
             found.cameras[id.0] =
                 numbered.filter_map(|(number, path)| Some((frame(number)?, path))).collect();
         }
+        if seen.is_empty() {
+            seen = found.first_people()?;
+        }
         found.set = set_of(recording, &seen)?;
         Ok(found)
+    }
+
+    /// The people of the first picture that shows any.
+    fn first_people(&self) -> Result<Vec<Person>, RecordingError> {
+        for path in self.cameras.iter().flat_map(BTreeMap::values) {
+            let people = read(path)?;
+            if !people.is_empty() {
+                return Ok(people);
+            }
+        }
+        Ok(Vec::new())
     }
 
     /// Every file, in the order of the rig and the frames.
