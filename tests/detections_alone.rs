@@ -59,7 +59,7 @@ fn person(
         let mut noise = || NOISE_PX * rng.random_range(-1.0..1.0);
         pixel.map_or([0.0; 3], |at| [at.x + noise(), at.y + noise(), 0.9])
     };
-    COCO.iter().flat_map(|name| seen(name)).collect()
+    COCO.iter().flat_map(&mut seen).collect()
 }
 
 fn file(people: &[Vec<f64>]) -> String {
@@ -213,4 +213,45 @@ fn frames_without_files_and_the_wrong_name_of_a_set_are_read_or_told() {
     let fault = Recording::open(folder.path()).expect("a folder").with_fps(FPS).observations();
     let fault = fault.expect_err("17 points").to_string();
     assert!(fault.contains("people of 17 points, halpe26 has 26"), "{fault}");
+}
+
+#[test]
+fn a_table_of_each_camera_says_what_the_files_of_all_pictures_say() {
+    let walker = walker();
+    let folder = project(&walker, text_of(&walker));
+    let wanted = Recording::open(folder.path()).expect("a folder").with_fps(FPS).observations();
+    let wanted = wanted.expect("detections");
+
+    let tables = tempfile::tempdir().expect("a folder");
+    let mut manifest = String::from("fps = 25\n");
+    fs::write(tables.path().join("calibration.toml"), write_toml(&walker.rig)).expect("a file");
+    for (id, camera) in walker.rig.iter() {
+        let names =
+            COCO.iter().flat_map(|name| ["x", "y", "score"].map(|end| format!("{name}.{end}")));
+        let header = names.collect::<Vec<_>>().join(",");
+        let mut text = format!("track,frame_idx,instance.score,{header}\n");
+        for frame in 0..FRAMES {
+            let people: serde_json::Value =
+                serde_json::from_str(&text_of(&walker)(frame, id.0)).expect("JSON");
+            for person in people["people"].as_array().expect("people") {
+                let values = person["pose_keypoints_2d"].as_array().expect("points");
+                let values: Vec<String> = values.iter().map(ToString::to_string).collect();
+                text += &format!("t,{frame},1,{}\n", values.join(","));
+            }
+        }
+        fs::write(tables.path().join(format!("{}.csv", camera.name)), text).expect("a file");
+        let name = &camera.name;
+        manifest += &format!("[[camera]]\nname = {name:?}\ndetections = \"{name}.csv\"\n");
+    }
+    fs::write(tables.path().join("sequence.toml"), manifest).expect("a file");
+
+    let found = Recording::open(tables.path()).expect("a folder").observations();
+    let found = found.expect("detections");
+    assert_eq!(found.frames, wanted.frames);
+    for frame in 0..FRAMES {
+        assert_eq!(found.load_people(frame).unwrap(), wanted.load_people(frame).unwrap());
+    }
+    let inputs = found.checksums().expect("files");
+    let own = inputs.iter().filter(|input| input.input.starts_with("detections of "));
+    assert!(own.clone().count() == 4 && own.clone().all(|input| input.files == 1));
 }

@@ -11,10 +11,10 @@ use super::layout::visible;
 use super::manifest::CameraFiles;
 use super::{Recording, RecordingError};
 use crate::camera::{Camera, CameraId, Rig};
-use crate::io::detections::{self, KeypointSet, Person};
+use crate::io::detections::{self, KeypointSet, NamedPerson, Person};
 use crate::silhouette::{FrameIndex, Keypoint};
 
-/// Where they are looked for if the manifest names no place: Pose2Sim's `pose/<camera>_json/`.
+/// Where they are looked for if the manifest names no place: Pose2Sim's `pose/<camera>_json/`, or `pose/<camera>.csv` and `.json`.
 const FOLDER: &str = "pose";
 const SUFFIX: &str = "_json";
 /// Files of a camera that are read to know what they hold.
@@ -27,6 +27,8 @@ const OUTSIDE: f64 = 0.2;
 pub(super) struct DetectionFiles {
     /// By camera of the rig.
     cameras: Vec<BTreeMap<FrameIndex, PathBuf>>,
+    /// The people of each frame, of cameras whose pictures are all in one file.
+    tables: Vec<Option<BTreeMap<FrameIndex, Vec<NamedPerson>>>>,
     set: Option<KeypointSet>,
 }
 
@@ -66,10 +68,27 @@ impl DetectionFiles {
         fps: f64,
     ) -> Result<Self, RecordingError> {
         let folders = folders(recording, rig)?;
-        let mut found = Self { cameras: vec![BTreeMap::new(); rig.cameras.len()], set: None };
+        let count = rig.cameras.len();
+        let mut found =
+            Self { cameras: vec![BTreeMap::new(); count], tables: vec![None; count], set: None };
         let mut seen = Vec::new();
         for (camera, pattern) in folders {
             let Some((id, calibrated)) = rig.by_name(&camera) else { continue };
+            let shift =
+                cameras.iter().find(|c| c.name == camera).map_or(0, |c| c.beginning(fps).whole());
+            let frame = |number: u64| {
+                Some(FrameIndex(usize::try_from(number.checked_add_signed(shift)?).ok()?))
+            };
+            let whole = recording.folder.join(&pattern);
+            if detections::is_table(&whole) {
+                let table = table(&whole, calibrated)?.into_iter();
+                let table: BTreeMap<FrameIndex, Vec<NamedPerson>> =
+                    table.filter_map(|(number, people)| Some((frame(number)?, people))).collect();
+                found.cameras[id.0] = table.keys().map(|at| (*at, whole.clone())).collect();
+                found.tables[id.0] = Some(table);
+                continue;
+            }
+
             let wanted =
                 Wanted { key: &format!("camera {camera}: detections"), is_kind: is_detection };
             let files = numbered_files::list(&recording.folder, &pattern, &wanted)?;
@@ -77,11 +96,6 @@ impl DetectionFiles {
                 let pattern = recording.folder.join(pattern);
                 return Err(RecordingError::MissingDetections { pattern, camera });
             }
-            let shift =
-                cameras.iter().find(|c| c.name == camera).map_or(0, |c| c.beginning(fps).whole());
-            let frame = |number: u64| {
-                Some(FrameIndex(usize::try_from(number.checked_add_signed(shift)?).ok()?))
-            };
             seen.extend(sampled(&files.of_number, calibrated)?);
             let numbered = files.of_number.into_iter();
             found.cameras[id.0] =
@@ -96,7 +110,8 @@ impl DetectionFiles {
 
     /// The people of the first picture that shows any.
     fn first_people(&self) -> Result<Vec<Person>, RecordingError> {
-        for path in self.cameras.iter().flat_map(BTreeMap::values) {
+        let by_picture = self.cameras.iter().zip(&self.tables).filter(|(_, t)| t.is_none());
+        for path in by_picture.flat_map(|(files, _)| files.values()) {
             let people = read(path)?;
             if !people.is_empty() {
                 return Ok(people);
@@ -116,13 +131,19 @@ impl DetectionFiles {
         (id, camera): (CameraId, &Camera),
         frame: FrameIndex,
     ) -> Result<Vec<Vec<Keypoint>>, RecordingError> {
+        if let Some(Some(table)) = self.tables.get(id.0) {
+            let people = table.get(&frame).map_or(&[][..], Vec::as_slice).iter();
+            let people = people.map(|person| keypoints(camera, person.iter().copied()));
+            return Ok(people.filter(|person| !person.is_empty()).collect());
+        }
         let path = self.cameras.get(id.0).and_then(|files| files.get(&frame));
         let (Some(path), Some(set)) = (path, self.set) else {
             return Ok(Vec::new());
         };
         let people = read(path)?;
         let of_set = people.iter().filter(|person| person.len() == set.count);
-        Ok(of_set.map(|person| keypoints(&set, camera, person)).collect())
+        let named = |person: &Person| keypoints(camera, set.points().zip(person.iter().copied()));
+        Ok(of_set.map(named).collect())
     }
 }
 
@@ -168,12 +189,13 @@ fn folders(recording: &Recording, rig: &Rig) -> Result<Vec<(String, String)>, Re
     Ok(found.into_iter().filter_map(camera).collect())
 }
 
-/// The folders of detections of a recording whose manifest names none, each with what it is called after.
+/// The folders and tables of detections of a recording whose manifest names none, each with what it is called after.
 fn folders_of(recording: &Recording) -> Result<Vec<(String, String)>, RecordingError> {
     let named = |path: PathBuf| {
         let folder = path.file_name()?.to_string_lossy().into_owned();
-        let name = folder.strip_suffix(SUFFIX).unwrap_or(&folder).to_owned();
-        path.is_dir().then(|| (name, format!("{FOLDER}/{folder}")))
+        let stem = if path.is_dir() { folder.as_str() } else { path.file_stem()?.to_str()? };
+        let name = stem.strip_suffix(SUFFIX).unwrap_or(stem).to_owned();
+        (path.is_dir() || detections::is_table(&path)).then(|| (name, format!("{FOLDER}/{folder}")))
     };
     Ok(visible(&recording.folder.join(FOLDER))?.into_iter().filter_map(named).collect())
 }
@@ -211,23 +233,43 @@ fn sampled(files: &BTreeMap<u64, PathBuf>, camera: &Camera) -> Result<Vec<Person
     for path in files.values().step_by(step) {
         people.extend(read(path)?);
     }
-    let seen = people.iter().flatten().filter(|point| point[2] > 0.0);
+    check_size(camera, people.iter().flatten())?;
+    Ok(people)
+}
+
+/// The people of a camera all of whose pictures are in one file.
+fn table(path: &Path, camera: &Camera) -> Result<detections::Table, RecordingError> {
+    let table = detections::read_table(path)
+        .map_err(|reason| RecordingError::Detections { path: path.into(), reason })?;
+    let people = table.values().flatten().flatten();
+    check_size(camera, people.map(|(_, point)| point))?;
+    Ok(table)
+}
+
+/// Whether points may be of pictures of the calibrated size.
+fn check_size<'a>(
+    camera: &Camera,
+    points: impl Iterator<Item = &'a [f64; 3]>,
+) -> Result<(), RecordingError> {
+    let seen = points.filter(|point| point[2] > 0.0);
     let farthest =
         seen.fold([0.0_f64; 2], |far, point| [far[0].max(point[0]), far[1].max(point[1])]);
     let size = [camera.width_px, camera.height_px];
     match (0..2).any(|k| farthest[k] > (1.0 + OUTSIDE) * f64::from(size[k])) {
         true => Err(RecordingError::DetectionSize { camera: camera.name.clone(), farthest, size }),
-        false => Ok(people),
+        false => Ok(()),
     }
 }
 
 /// The points of a person that have a name and were seen.
-fn keypoints(set: &KeypointSet, camera: &Camera, person: &Person) -> Vec<Keypoint> {
-    let named = set.points().zip(person).filter(|(name, _)| !name.is_empty());
-    let seen = |(name, [x, y, confidence]): (&'static str, &[f64; 3])| {
-        let is_usable = *confidence > 0.0 && x.is_finite() && y.is_finite();
-        let pixel = is_usable.then(|| camera.undistort(&Point2::new(*x, *y)))??;
+fn keypoints(
+    camera: &Camera,
+    person: impl Iterator<Item = (&'static str, [f64; 3])>,
+) -> Vec<Keypoint> {
+    let seen = |(name, [x, y, confidence]): (&'static str, [f64; 3])| {
+        let is_usable = confidence > 0.0 && x.is_finite() && y.is_finite();
+        let pixel = is_usable.then(|| camera.undistort(&Point2::new(x, y)))??;
         Some(Keypoint { name, pixel, confidence: confidence.min(1.0) })
     };
-    named.filter_map(seen).collect()
+    person.filter(|(name, _)| !name.is_empty()).filter_map(seen).collect()
 }

@@ -152,7 +152,7 @@ pub enum RecordingError {
     Footage(#[from] FootageError),
     /// No camera has masks.
     #[error(
-        "{}: no masks, no detections and no pictures: expected masks/<camera>/, pose/<camera>_json/, videos/<camera>.* or images/<camera>/ beside the calibration, or masks, detections, video or images = … for each camera in sequence.toml{hint}",
+        "{}: no masks and no pictures: expected masks/<camera>/, pose/<camera>_json/ (detections), videos/<camera>.* or images/<camera>/ beside the calibration, or masks, detections, video or images = … for each camera in sequence.toml{hint}",
         path.display()
     )]
     NoMasks {

@@ -3,7 +3,7 @@
 use super::Seen;
 use crate::camera::{Camera, Ray, Rig, closest_point};
 use crate::inference::joints::{Joints, twin};
-use crate::math::stats::median;
+use crate::math::stats::{mean, median};
 use crate::silhouette::Keypoint;
 
 /// People of two pictures whose joints' lines of sight miss each other by more than this share of their size are not one.
@@ -20,33 +20,48 @@ pub(super) struct Group {
     pub(super) joints: Joints,
 }
 
-/// The people of a frame, those whose pictures agree best first.
+/// The people of a frame, those whom most pictures agree about first.
 pub(super) fn groups(rig: &Rig, people: &[Seen]) -> Vec<Group> {
     let misses = misses(rig, people);
-    let mut pairs: Vec<(f64, usize, usize)> = (0..people.len())
-        .flat_map(|i| (0..i).map(move |j| (i, j)))
-        .filter_map(|(i, j)| Some((misses[i][j]?, j, i)))
-        .filter(|(miss, ..)| *miss < MISS)
-        .collect();
-    pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
-
     let mut taken = vec![false; people.len()];
     let mut groups = Vec::new();
-    for (_, i, j) in pairs {
-        if taken[i] || taken[j] {
-            continue;
+    loop {
+        let mut grown = grown(&misses, people, &taken);
+        if grown.is_empty() {
+            return groups;
         }
-        let mut members = vec![i, j];
-        while let Some(next) = joining(&misses, people, &taken, &members) {
+        grown.sort_by(|a, b| b.0.total_cmp(&a.0));
+        for (_, mut members) in grown {
+            if members.iter().any(|member| taken[*member]) {
+                continue;
+            }
+            members.iter().for_each(|member| taken[*member] = true);
+            members.sort_unstable();
+            let seen = |member: &usize| (people[*member].camera, people[*member].detection.clone());
+            let detections: Vec<_> = members.iter().map(seen).collect();
+            groups.extend(Joints::new(rig, &detections).map(|joints| Group { members, joints }));
+        }
+    }
+}
+
+/// From each pair of people who are free, the group that it grows to, and how far it can be trusted: Σ over its members of how much less
+/// than the limit they miss each other, on the mean. A pair may agree by chance, as two cameras that face each other do about two people on
+/// one line; who is seen by more cameras is not.
+fn grown(misses: &[Vec<Option<f64>>], people: &[Seen], taken: &[bool]) -> Vec<(f64, Vec<usize>)> {
+    let free = || (0..people.len()).filter(|i| !taken[*i]);
+    let pairs = free().flat_map(|i| free().take_while(move |j| *j < i).map(move |j| (i, j)));
+    let grow = |(i, j): (usize, usize)| {
+        misses[i][j].filter(|miss| *miss < MISS)?;
+        let mut members = vec![j, i];
+        while let Some(next) = joining(misses, people, taken, &members) {
             members.push(next);
         }
-        members.iter().for_each(|member| taken[*member] = true);
-        members.sort_unstable();
-        let seen = |member: &usize| (people[*member].camera, people[*member].detection.clone());
-        let detections: Vec<_> = members.iter().map(seen).collect();
-        groups.extend(Joints::new(rig, &detections).map(|joints| Group { members, joints }));
-    }
-    groups
+        let pairs = members.iter().flat_map(|a| members.iter().map(move |b| (*a, *b)));
+        let all = pairs.filter(|(a, b)| b < a).map(|(a, b)| misses[a][b]);
+        let mean = mean(all.flatten())?;
+        Some((members.len() as f64 * (MISS - mean), members))
+    };
+    pairs.filter_map(grow).collect()
 }
 
 /// The person of another camera who misses a group least, on the mean over its members.

@@ -7,8 +7,9 @@
 //! d(a, b) = median_k ½(‖u_ak − π_a(X_k)‖/s_a + ‖u_bk − π_b(X_k)‖/s_b),
 //!
 //! s the person's size in each picture. So d has no unit of length, and a calibration in a wrong unit groups people as well. A joint may be
-//! that of the other side: a detector exchanges them now and then. The sizes must agree too, s_a z_a/f_a ≈ s_b z_b/f_b, z the depth. People
-//! are grouped from the pair of least d on; others join whose mean d to all of the group is least. d < 0.3, some 20 cm at the person: two
+//! that of the other side: a detector exchanges them now and then. The sizes must agree too, s_a z_a/f_a ≈ s_b z_b/f_b, z the depth. A
+//! group grows from a pair by those whose mean d to all of it is least, as long as that is below the limit, and of all such groups the one counts
+//! first of whose n members n·(0.3 − mean d) is greatest. d < 0.3, some 20 cm at the person: two
 //! people stand farther apart, and a camera that was turned by a degree, or is some frames late, still joins.
 //!
 //! # All frames
