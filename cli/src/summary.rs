@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::table::Table;
 use maquette::io::result::{HypothesisPart, OriginPart, OutcomePart, ResultFile};
-use maquette::pipeline::{CameraFound, counted};
+use maquette::pipeline::{CameraFound, CameraQuality, counted};
 
 /// What a run says at its end.
 #[derive(Debug)]
@@ -127,16 +127,17 @@ impl Summary<'_> {
         let cameras = &self.result.quality.cameras;
         let is_found = cameras.iter().any(|c| c.found != CameraFound::default());
         let found = if is_found { &["turned", "displaced", "late"][..] } else { &[] };
-        let mut table =
-            Table::new(&[&["camera", "frames", "overlap", "border off by", "RMS"], found].concat());
+        let has_masks = cameras.iter().any(|c| c.frames > 0 || c.detections.is_none());
+        let own: &[&str] = match has_masks {
+            true => &["camera", "frames", "overlap", "border off by", "RMS"],
+            false => &["camera", "frames", "joints off by", "of the person's size"],
+        };
+        let mut table = Table::new(&[own, found].concat());
         for camera in cameras {
-            let mut cells = vec![
-                camera.camera.clone(),
-                camera.frames.to_string(),
-                format!("{:.3}", camera.mean_iou),
-                or_dash(camera.median_px, |px| format!("{px:.1} px")),
-                or_dash(camera.rms_px, |px| format!("{px:.1} px")),
-            ];
+            let mut cells = match has_masks {
+                true => overlap_cells(camera),
+                false => joint_cells(camera),
+            };
             if is_found {
                 cells.extend(self.found(&camera.found));
             }
@@ -173,6 +174,27 @@ impl Summary<'_> {
     }
 }
 
+fn overlap_cells(camera: &CameraQuality) -> Vec<String> {
+    vec![
+        camera.camera.clone(),
+        camera.frames.to_string(),
+        format!("{:.3}", camera.mean_iou),
+        or_dash(camera.median_px, |px| format!("{px:.1} px")),
+        or_dash(camera.rms_px, |px| format!("{px:.1} px")),
+    ]
+}
+
+/// Without masks the detections tell.
+fn joint_cells(camera: &CameraQuality) -> Vec<String> {
+    let joints = camera.detections;
+    vec![
+        camera.camera.clone(),
+        joints.map_or(0, |joints| joints.pictures).to_string(),
+        or_dash(joints, |joints| format!("{:.1} px", joints.median_px)),
+        or_dash(joints, |joints| format!("{:.0} %", 100.0 * joints.median_of_size)),
+    ]
+}
+
 fn origin(hypothesis: &HypothesisPart) -> String {
     match (hypothesis.origin, hypothesis.reading) {
         (OriginPart::Prior, _) => "mean body".into(),
@@ -182,6 +204,6 @@ fn origin(hypothesis: &HypothesisPart) -> String {
     }
 }
 
-fn or_dash(value: Option<f64>, text: impl Fn(f64) -> String) -> String {
+fn or_dash<T>(value: Option<T>, text: impl Fn(T) -> String) -> String {
     value.map_or("–".into(), text)
 }

@@ -5,14 +5,23 @@
 //!
 //! X_k + R β_k,
 //!
-//! X_k the exported point, R the axes of its part, and β_k three coefficients of the body, metres, the same in all frames: 0 ± 2 cm along each
+//! X_k the exported point, R the axes that it is fixed to, and β_k three coefficients of the body, metres, the same in all frames: 0 ± 2 cm along each
 //! axis (E: half of what labels of one joint scatter by, [`KeypointOptions`](crate::likelihood::KeypointOptions)). That of a left
 //! keypoint is the mirror image of the right one's, by (βx, −βy, βz). Without them a detector's hip would drag the body.
+//!
+//! R are the axes of the last frame that the point's own turns leave alone: along the chain from the point to the root, the frame before
+//! the joints that do not move it, as those after a joint, and a twist of the bone that leads to it. For a wrist it is the forearm's without its
+//! twist, for a hip the pelvis, for a point that is no joint its own part. What does not move a point is often not seen at all: nothing
+//! shows how a hand turns, and a straight arm hides its twist. There β would be a lever by which the errors of single detections turn
+//! the hand, and the optimum would be one of long levers.
 
 use nalgebra::{DMatrix, Point3, Vector3};
 
 use super::jacobian::point_columns;
-use super::{BodyModel, CoefficientId, FrameId, Layout, NamedPoint, Posed, Shift};
+use super::{
+    BodyModel, CoefficientId, FrameId, Layout, Motion, NamedPoint, PartId, Posed, ScaledVector,
+    Shape, Shift,
+};
 
 /// σ of β along each axis, metres.
 pub const KEYPOINT_SD_M: f64 = 0.02;
@@ -50,7 +59,10 @@ impl BodyModel {
                 coefficient: coefficient(k),
                 direction: Vector3::ith(k, if k == 1 { mirror } else { 1.0 }),
             };
-            keypoint.places[0].1.shifts.extend((0..3).map(shift));
+            let (part, place) = &keypoint.places[0];
+            let mut meant = ScaledVector::fixed(Vector3::zeros());
+            meant.shifts.extend((0..3).map(shift));
+            keypoint.meant = Some((self.steady_frame(*part, place), meant));
             detailed.keypoints.push(keypoint);
         }
         let variance =
@@ -58,14 +70,37 @@ impl BodyModel {
         detailed.add_coefficients(&added, &variance);
         detailed
     }
+
+    /// The frame before the joints that do not move a point of a part, in any body near the mean.
+    fn steady_frame(&self, part: PartId, place: &ScaledVector) -> FrameId {
+        let mean = Shape(self.statistics.mean.clone());
+        let straight = Motion::straight(self);
+        let body = Posed::new(self, &mean, &straight);
+        let point = body.point(part, place);
+        let mut frame = FrameId::from_joint(self.parts[part.0].joint);
+        while let Some(turn) = self.turn(frame) {
+            let arm = point - Point3::from(body.frames[frame.0].origin_world);
+            if body.turns_world[frame.0].cross(&arm).norm() > STEADY_M {
+                break;
+            }
+            frame = turn.parent;
+        }
+        frame
+    }
 }
+
+/// Turns by a radian that move a point by less do not show, metres: half of what labels of one joint scatter by.
+const STEADY_M: f64 = KEYPOINT_SD_M;
 
 impl Posed<'_> {
     /// Where a named point is in the world: the mean of its places.
     pub fn named_point(&self, point: &NamedPoint) -> Point3<f64> {
         let places = point.places.iter();
         let sum: Vector3<f64> = places.map(|(part, at)| self.point(*part, at).coords).sum();
-        Point3::from(sum / point.places.len() as f64)
+        let meant = point.meant.as_ref().map_or_else(Vector3::zeros, |(frame, off)| {
+            self.frames[frame.0].world_from_frame * off.at(self.shape())
+        });
+        Point3::from(sum / point.places.len() as f64 + meant)
     }
 
     /// How it moves; `slopes` receives it.
@@ -76,6 +111,16 @@ impl Posed<'_> {
             let frame = FrameId::from_joint(self.model.parts[part.0].joint);
             point_columns(self, Layout::new(self.model), frame, place, |component, slope| {
                 slopes.push((component, slope * share));
+            });
+        }
+        // an offset is the difference of two points of its frame
+        if let Some((frame, off)) = &point.meant {
+            let (layout, origin) = (Layout::new(self.model), ScaledVector::fixed(Vector3::zeros()));
+            point_columns(self, layout, *frame, off, |component, slope| {
+                slopes.push((component, slope));
+            });
+            point_columns(self, layout, *frame, &origin, |component, slope| {
+                slopes.push((component, -slope));
             });
         }
         slopes.sort_by_key(|(component, _)| *component);
@@ -94,7 +139,7 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::body::{Motion, Shape, State, check_kinematics};
+    use crate::body::{State, check_kinematics};
 
     #[test]
     fn a_detectors_hips_are_mirror_images_and_move_with_their_own_coefficients() {
@@ -118,6 +163,42 @@ mod tests {
         approx::assert_relative_eq!(off("RHip"), Vector3::new(0.01, -0.02, 0.0), epsilon = 1e-12);
         approx::assert_relative_eq!(off("LHip"), Vector3::new(0.01, 0.02, 0.0), epsilon = 1e-12);
         approx::assert_relative_eq!(off("Neck"), Vector3::zeros(), epsilon = 1e-12);
+    }
+
+    #[test]
+    fn a_detectors_joint_does_not_turn_by_what_does_not_move_it_and_lies_on_the_joint_if_it_means_that()
+     {
+        let model = crate::io::model::load("human-metaballs", Path::new("")).unwrap().detailed();
+        let names: Vec<&str> = model.points.iter().map(|p| p.name.as_str()).collect();
+        let with = model.with_keypoints(&names);
+        let mut motion = Motion::rest(&with);
+        motion.angles.iter_mut().enumerate().for_each(|(i, a)| *a += 0.3 * (i as f64).sin());
+        let mut shape = Shape(with.statistics.mean.clone());
+        shape.0.iter_mut().take(model.coefficients.len()).enumerate().for_each(|(i, s)| {
+            *s += 0.01 * (2.0 * i as f64).cos();
+        });
+        let body = Posed::new(&with, &shape, &motion);
+        for keypoint in &with.keypoints {
+            let point = &with.points[with.point(&keypoint.name).unwrap()];
+            let off = body.named_point(keypoint) - body.named_point(point);
+            assert!(off.norm() < 1e-12, "{}: {off}", keypoint.name);
+        }
+
+        let axes = |name: &str| {
+            let keypoint = with.keypoints.iter().find(|k| k.name == name).unwrap();
+            let (frame, _) = keypoint.meant.as_ref().unwrap();
+            frame.0.checked_sub(1).map_or("root", |joint| with.joints[joint].name.as_str())
+        };
+        let found = ["RWrist", "LElbow", "RHip", "RKnee", "RAnkle", "Head"].map(axes);
+        let right = [
+            "elbow_flexion_r",
+            "shoulder_abduction_l",
+            "root",
+            "hip_abduction_r",
+            "knee_flexion_r",
+            "head_flexion",
+        ];
+        assert_eq!(found, right);
     }
 
     #[test]

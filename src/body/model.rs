@@ -104,6 +104,8 @@ pub struct NamedPoint {
     /// How uncertain its place in the flesh is: standard deviations along the axes of its (first) part, metres. Not used for a
     /// joint's centre, which has the part's.
     pub sd_m: Vector3<f64>,
+    /// Of a keypoint, how far from there a detector means it to be, along the axes of a frame.
+    pub meant: Option<(FrameId, ScaledVector)>,
 }
 
 /// Gaussian of the shape coefficients, p(s).

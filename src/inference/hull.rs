@@ -1,7 +1,9 @@
-//! Where the body of one frame is: from the visual hull, coarse voxels that every silhouette accepts, or from points on its surface.
+//! Where the body of one frame is: from the visual hull, coarse voxels that every silhouette accepts, from points on its surface, or from
+//! detections of its joints.
 
 use nalgebra::{Point3, Vector3};
 
+use super::joints::{self, Joints};
 use crate::camera::{Ray, Rig, closest_point};
 use crate::math::stats::median;
 use crate::silhouette::FrameObservations;
@@ -29,9 +31,11 @@ const HALF_DEPTH_M: f64 = 0.4;
 /// Fewer points do not tell where a body is.
 pub const LEAST_POINTS: usize = 200;
 
-/// Whether a frame tells where the body is: two cameras see it, or there are points enough.
+/// Whether a frame tells where the body is: two cameras see it or its joints, or there are points enough.
 pub fn locates_body(frame: &FrameObservations) -> bool {
-    frame.views.len() >= 2 || frame.points.len() >= LEAST_POINTS
+    frame.views.len() >= 2
+        || frame.points.len() >= LEAST_POINTS
+        || joints::may_locate(&frame.detections)
 }
 
 /// If no two lines of sight meet at more than this angle, degrees, their hull has no depth.
@@ -91,9 +95,10 @@ impl Hull {
     }
 }
 
-/// The point nearest to the rays through the silhouettes' centroids: where to look for the body.
+/// The point nearest to the rays through the silhouettes' centroids, or the middle of the joints: where to look for the body.
 pub fn subject(rig: &Rig, frame: &FrameObservations) -> Option<Point3<f64>> {
-    closest_point(&lines_of_sight(rig, frame))
+    let of_joints = || Joints::new(rig, &frame.detections).map(|joints| joints.middle());
+    closest_point(&lines_of_sight(rig, frame)).or_else(of_joints)
 }
 
 /// Carves the hull around the subject; `None` where no voxel survives.

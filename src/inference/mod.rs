@@ -6,7 +6,7 @@
 //! |-----------------------------------|------------------|
 //! | p(s), p(m), p(mᵢ given mᵢ₋₁)      | [`prior`]        |
 //! | eq. 2 and 3 as problems           | [`frame`]        |
-//! | a pose from nothing               | [`hull`], [`start`] |
+//! | a pose from nothing               | [`hull`], [`joints`], [`start`] |
 //! | one hypothesis along the chain    | [`propagate`]    |
 //! | Algorithm 1                       | [`search`]       |
 //! | what the winner lost              | `relay`          |
@@ -28,6 +28,7 @@ pub mod hull;
 mod hypothesis;
 pub mod instant;
 pub mod joint;
+pub mod joints;
 mod journal;
 mod keyframe;
 mod look_sum;

@@ -4,13 +4,18 @@
 //! body stands there in each canonical leg pose of its model, turned to each of eight headings, and a dozen damped
 //! iterations on thinned contours sort these starts. The best few try the canonical arm poses and are refined.
 //! Silhouettes confuse front and back: the best start of another heading is kept as a second reading.
+//!
+//! Where only detections show the body, their joints in space ([`Joints`]) give place, heading and size: the mean body, of the height that
+//! is as many times the mean's as the joints lie farther apart, stands with its joints where they are on the mean. Detections tell right
+//! from left, so no other heading is tried.
 
-use nalgebra::{DVector, Rotation3, Vector3};
+use nalgebra::{DVector, Point3, Rotation3, Vector3};
 use rayon::prelude::*;
 
 use super::detail::Detail;
 use super::frame::KeyframePosterior;
 use super::hull::{self, Hull};
+use super::joints::Joints;
 use super::{Evidence, Terms};
 use crate::body::{BodyModel, Limbs, Motion, Pose, Posed, Root, Shape, State};
 use crate::silhouette::FrameObservations;
@@ -61,7 +66,8 @@ pub(super) fn readings_by(
 ) -> Vec<Reading> {
     // 1. where the body is, and how tall
     let hull = hull::hull(evidence.rig, frame);
-    if hull.is_none() && evidence.model.root != Root::Fixed {
+    let joints = if hull.is_none() { Joints::new(evidence.rig, &frame.detections) } else { None };
+    if hull.is_none() && joints.is_none() && evidence.model.root != Root::Fixed {
         return Vec::new();
     }
 
@@ -71,8 +77,11 @@ pub(super) fn readings_by(
         let solver = solver_options(options.iterations, 1e-3);
         improve(evidence, &coarse_terms, state, &solver)
     };
-    let starts = starting_states(evidence, hull.as_ref(), options).into_par_iter();
-    let mut found: Vec<Reading> = starts.map(sort).collect();
+    let starts = match joints {
+        Some(joints) => states_at_joints(evidence.model, &joints, options),
+        None => starting_states(evidence, hull.as_ref(), options),
+    };
+    let mut found: Vec<Reading> = starts.into_par_iter().map(sort).collect();
     keep_best(&mut found, options.kept);
 
     // 3. the best of them try the arm poses
@@ -161,6 +170,58 @@ fn starting_states(
         states.extend(motions.into_iter().map(|motion| State { motion, shape: shape.clone() }));
     }
     states
+}
+
+/// Bones whose lengths tell how tall a person is.
+const BONES: [[&str; 2]; 10] = [
+    ["RHip", "RKnee"],
+    ["LHip", "LKnee"],
+    ["RKnee", "RAnkle"],
+    ["LKnee", "LAnkle"],
+    ["RShoulder", "RElbow"],
+    ["LShoulder", "LElbow"],
+    ["RElbow", "RWrist"],
+    ["LElbow", "LWrist"],
+    ["RHip", "RShoulder"],
+    ["LHip", "LShoulder"],
+];
+
+/// The body with its joints about where they are seen, in every canonical leg pose; at every heading where they do not tell it.
+fn states_at_joints(model: &BodyModel, joints: &Joints, options: &StartOptions) -> Vec<State> {
+    // as tall as its bones are long
+    let mean = Shape(model.statistics.mean.clone());
+    let at_rest = Posed::new(model, &mean, &Motion::rest(model)).points();
+    let place = |name: &str| model.point(name).map(|index| at_rest[index]);
+    let (low, high) = vertical_extent(model, &mean);
+    let ratio = joints.ratio(&BONES, place).unwrap_or(1.0);
+    let shape = shape_of_height(model, ratio * (high - low));
+
+    let all =
+        (0..options.headings).map(|i| std::f64::consts::TAU * i as f64 / options.headings as f64);
+    let headings = joints.heading().map_or_else(|| all.collect(), |heading| vec![heading]);
+    let legs = canonical_poses(model, Limbs::Legs);
+    let mut states = Vec::new();
+    for heading in headings {
+        let mut motion = Motion::rest(model);
+        motion.world_from_root = Rotation3::from_axis_angle(&Vector3::z_axis(), heading);
+        let mut motions: Vec<Motion> = vec![motion; legs.len().max(1)];
+        for (motion, pose) in motions.iter_mut().zip(&legs) {
+            pose.apply(motion);
+        }
+        for mut motion in motions {
+            motion.position_world += off_joints(model, &shape, &motion, joints);
+            states.push(State { motion, shape: shape.clone() });
+        }
+    }
+    states
+}
+
+/// How far the joints lie from the body's, on the mean.
+fn off_joints(model: &BodyModel, shape: &Shape, motion: &Motion, joints: &Joints) -> Vector3<f64> {
+    let points = Posed::new(model, shape, motion).points();
+    let off = |(name, seen): &(&str, Point3<f64>)| Some(seen - points[model.point(name)?]);
+    let all: Vec<Vector3<f64>> = joints.places.iter().filter_map(off).collect();
+    all.iter().sum::<Vector3<f64>>() / all.len().max(1) as f64
 }
 
 /// Lowest and highest point of the body at rest, about its root.

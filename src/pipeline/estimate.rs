@@ -79,7 +79,7 @@ pub(super) struct Estimate {
 }
 
 impl Estimate {
-    /// How often the data's cost counts.
+    /// How often the cost of the data that chose between hypotheses counts.
     pub(super) fn data_weight(&self) -> f64 {
         self.noise.map_or(1.0, |noise| noise.data_weight())
     }

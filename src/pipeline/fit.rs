@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::ambiguity::{facing_warning, outline_warnings, scale_warning};
 use super::camera_covariance::CameraCovariances;
+use super::detected::detection_qualities;
 use super::diagnosis::{CameraFaults, Diagnosis, Seen, lost_frames};
 use super::estimate::{Estimate, LastStage};
 use super::fitted::{FittedFrame, TriedHypothesis};
@@ -24,7 +25,7 @@ use crate::inference::joint::JointOptions;
 use crate::inference::noise::Noise;
 use crate::inference::search::{Journal, NoJournal, Search, Trial, search};
 use crate::inference::{Evidence, Sequence, ShapeConfidence};
-use crate::silhouette::{FrameObservations, Silhouette};
+use crate::silhouette::FrameObservations;
 
 /// The most probable shape and motion, what else was tried, and how good and how sure they are.
 #[derive(Debug, Clone)]
@@ -169,7 +170,8 @@ fn stages(
         cameras: &cameras,
     }
     .verdict();
-    notes.extend(facing_warning(&coarse, &hypotheses, found.winner, estimate.data_weight()));
+    let data_weight = estimate.data_weight();
+    notes.extend(facing_warning(&coarse, &hypotheses, found.winner, data_weight));
     notes.extend(outline_warnings(&coarse, sequence.frames, &sizes, &frames));
     notes.extend(scale_warning(model, &sizes, options.height_m));
     notes.extend(warnings(rig, sequence.frames, &frames, &cameras, &confidence));
@@ -230,9 +232,10 @@ fn measures(
     observations: &[FrameObservations],
     options: &EstimateOptions,
 ) -> Result<Measures, FitError> {
-    match observations.iter().any(|frame| frame.views.len() >= 2) {
-        true => Measures::choose(model, options.measure),
-        false => Measures::choose_for_points(model, options.measure),
+    let has_points = observations.iter().any(|frame| !frame.points.is_empty());
+    match has_points && !observations.iter().any(|frame| frame.views.len() >= 2) {
+        true => Measures::choose_for_points(model, options.measure),
+        false => Measures::choose(model, options.measure),
     }
 }
 
@@ -280,15 +283,16 @@ fn fitted_frames(
     let posed = |motion: &Motion| Posed::new(evidence.model, &estimate.shape, motion);
     let fitted = |(i, (observed, fit)): (usize, (&FrameObservations, &FrameFit))| {
         let body = posed(&fit.motion);
-        let shown = |(id, _): &(CameraId, Silhouette)| {
-            posed(&estimate.cameras[id.0].shown(layout, &motions, &times_s, i))
-        };
-        let bodies: Vec<Posed<'_>> = observed.views.iter().map(shown).collect();
+        let shown =
+            |id: CameraId| posed(&estimate.cameras[id.0].shown(layout, &motions, &times_s, i));
+        let bodies: Vec<Posed<'_>> = observed.views.iter().map(|(id, _)| shown(*id)).collect();
+        let detected: Vec<_> = observed.detections.iter().map(|(id, _)| shown(*id)).collect();
         FittedFrame {
             frame: observed.frame,
             points_world: body.points(),
             views: quality::view_qualities(evidence, observed, &bodies),
             points: points::point_quality(evidence, observed, &body),
+            detections: detection_qualities(evidence, observed, &detected),
             uncertainty: estimate.uncertainty.as_ref().map(|u| u.frames[i].clone()),
             fit: fit.clone(),
         }

@@ -40,6 +40,24 @@ pub enum FitError {
         /// Why its mask shows nobody.
         reason: Rejected,
     },
+    /// No detection of anybody.
+    #[error(
+        "the detections of {frames} frames show nobody: every confidence is 0, or no file lists people"
+    )]
+    NobodyDetected {
+        /// How many frames there are.
+        frames: usize,
+    },
+    /// Detections that are not of one person.
+    #[error(
+        "no two cameras see one person: the lines of sight to the joints in {pictures} pictures of {frames} frames miss each other; check the calibration, and that the numbers in the names of the files agree between cameras"
+    )]
+    DetectionsApart {
+        /// How many pictures show people.
+        pictures: usize,
+        /// Of how many frames.
+        frames: usize,
+    },
     /// Points without silhouettes, and too few of them.
     #[error(
         "no frame shows the person to two cameras and none has as many as {least} points ({most} at most): a search begins at one or the other"

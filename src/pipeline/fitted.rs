@@ -3,12 +3,13 @@
 use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
 
+use super::detected::DetectionQuality;
 use super::points::PointQuality;
 use super::quality::ViewQuality;
 use crate::inference::covariance::FrameUncertainty;
 use crate::inference::frame::FrameFit;
 use crate::inference::search::Trial;
-use crate::math::stats::mean;
+use crate::math::stats::{mean, median};
 use crate::silhouette::FrameIndex;
 
 /// One frame.
@@ -22,16 +23,29 @@ pub struct FittedFrame {
     pub uncertainty: Option<FrameUncertainty>,
     /// The model's points in the world, in the order of [`BodyModel::points`](crate::body::BodyModel::points).
     pub points_world: Vec<Point3<f64>>,
-    /// How well each silhouette is covered; empty where no camera saw anything and the motion is a guess.
+    /// How well each silhouette is covered; empty where no mask shows anything.
     pub views: Vec<ViewQuality>,
     /// How well its points agree with both; `None` if it has none.
     pub points: Option<PointQuality>,
+    /// How far its detections lie from the body.
+    pub detections: Vec<DetectionQuality>,
 }
 
 impl FittedFrame {
-    /// Whether anything was seen of the body: a silhouette, or points.
+    /// Whether anything was seen of the body: a silhouette, points, or a detection.
     pub fn is_observed(&self) -> bool {
-        !self.views.is_empty() || self.points.is_some()
+        self.cameras() > 0 || self.points.is_some()
+    }
+
+    /// Number of cameras that see the body: by a silhouette, or where there are none by a detection.
+    pub fn cameras(&self) -> usize {
+        self.views.len().max(self.detections.len())
+    }
+
+    /// Median over its pictures of how far detections lie off, over the person's size; `None` without any, or where silhouettes tell.
+    pub(super) fn detected_off(&self) -> Option<f64> {
+        let all = self.detections.iter().filter(|_| self.views.is_empty());
+        median(&mut all.map(|picture| picture.median_of_size).collect())
     }
 
     /// Mean overlap over the views; `None` without any.

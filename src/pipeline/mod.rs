@@ -2,11 +2,12 @@
 //!
 //! | stage                               | where                              |
 //! |-------------------------------------|------------------------------------|
+//! | 0. without masks: whose detections they are | [`person()`]              |
 //! | 1. do cameras and masks agree       | [`check_scene`]                    |
 //! | 2. Algorithm 1                      | [`crate::inference::search`]       |
 //! | 3. the joint optimum, and where the cameras look | [`crate::inference::joint`], [`crate::inference::camera_offset`] |
 //! | 4. how far the keyframes agree      | [`crate::inference::ShapeConfidence`] |
-//! | 5. how well the body covers the masks, and lies on the points | [`ViewQuality`], [`CameraQuality`], [`PointQuality`] |
+//! | 5. how well the body covers the masks, and lies on the points | [`ViewQuality`], [`CameraQuality`], [`PointQuality`], [`DetectionQuality`] |
 //! | 6. what a person should know of it  | [`Warning`]                        |
 
 mod ambiguity;
@@ -14,6 +15,7 @@ mod camera_covariance;
 mod camera_found;
 mod clock_line;
 mod counted;
+mod detected;
 mod diagnosis;
 mod estimate;
 mod fit;
@@ -27,6 +29,7 @@ mod memory;
 mod movement;
 mod options;
 mod overlap;
+mod person;
 mod points;
 mod progress;
 mod quality;
@@ -48,6 +51,7 @@ pub use camera_covariance::{CameraCovariances, POSE};
 pub use camera_found::{CameraFound, ClockFound, PoseFound};
 pub use clock_line::{ClockLine, Drift, TOLD_PPM, WindowClock, clock_line};
 pub use counted::counted;
+pub use detected::{DetectedQuality, DetectionQuality};
 pub use diagnosis::{Cause, HeadAxis, Reason, Verdict};
 pub use fit::{Fit, fit, fit_watched};
 pub use fit_error::FitError;
@@ -58,6 +62,7 @@ pub(crate) use measures::fits_points;
 pub use memory::MemoryPictures;
 pub use movement::{FittedBody, FittedMotion, FittedPoint, FramePose, FrameSd};
 pub use options::{Cameras, Clocks, EstimateOptions, FitTo, ObservationOptions};
+pub use person::{Beside, Person, person};
 pub use points::PointQuality;
 pub use progress::{NoProgress, Progress};
 pub use quality::{CameraQuality, ViewQuality};

@@ -103,18 +103,28 @@ pub enum FitTo {
     Silhouettes,
     /// Points alone.
     Points,
+    /// Detections alone.
+    Detections,
 }
 
 impl FitTo {
     /// Keeps what is fitted to of a frame.
     pub fn select(self, mut frame: FrameObservations) -> FrameObservations {
-        if self != Self::All {
-            frame.detections.clear();
-        }
+        let FrameObservations { views, points, detections, .. } = &mut frame;
         match self {
             Self::All => {}
-            Self::Silhouettes => frame.points.clear(),
-            Self::Points => frame.views.clear(),
+            Self::Silhouettes => {
+                points.clear();
+                detections.clear();
+            }
+            Self::Points => {
+                views.clear();
+                detections.clear();
+            }
+            Self::Detections => {
+                views.clear();
+                points.clear();
+            }
         }
         frame
     }

@@ -178,6 +178,7 @@ mod tests {
                 outside_m: outside.map(|(_, by_m)| by_m),
                 off_skin_m,
             }),
+            detections: Vec::new(),
         };
         let observed = |number| FrameObservations {
             points: vec![CloudPoint {

@@ -4,6 +4,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::camera_found::CameraFound;
+use super::detected::{DetectedQuality, DetectionQuality};
 use super::fitted::FittedFrame;
 use super::overlap::iou;
 use crate::body::{Posed, Shape};
@@ -45,6 +46,9 @@ pub struct CameraQuality {
     pub median_px: Option<f64>,
     /// Root mean square over all border points, px.
     pub rms_px: Option<f64>,
+    /// How far its detections lie from the body; `None` if it has none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub detections: Option<DetectedQuality>,
     /// By how much it was found to be off.
     #[serde(default)]
     pub found: CameraFound,
@@ -136,6 +140,9 @@ pub(super) fn camera_qualities(
         let square = |v: &&ViewQuality| Some(v.points as f64 * v.rms_px?.powi(2));
         let squares: f64 = views.iter().filter_map(square).sum();
 
+        let detected = frames.iter().flat_map(|frame| &frame.detections);
+        let detected: Vec<&DetectionQuality> =
+            detected.filter(|picture| picture.camera == camera.name).collect();
         let overlaps = views.iter().map(|view| view.iou);
         CameraQuality {
             camera: camera.name.clone(),
@@ -143,6 +150,7 @@ pub(super) fn camera_qualities(
             mean_iou: mean(overlaps).unwrap_or(0.0),
             median_px: median(&mut views.iter().filter_map(|v| v.median_px).collect()),
             rms_px: (points > 0).then(|| (squares / points as f64).sqrt()),
+            detections: DetectedQuality::new(&detected),
             found: *found,
         }
     };

@@ -130,6 +130,7 @@ mod tests {
             points_world: Vec::new(),
             views: Vec::new(),
             points: *points,
+            detections: Vec::new(),
         }
     }
 

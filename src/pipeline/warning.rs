@@ -40,6 +40,8 @@ pub enum Warning {
         /// How tall the body is, m.
         found_m: f64,
     },
+    /// Nothing but detections of joints.
+    DetectionsAlone,
     /// Limbs that lie before or behind the body in all cameras but one, or in all.
     HiddenLimbs {
         /// Their tips, and in which share of the frames.
@@ -77,6 +79,13 @@ pub enum Warning {
         frames: Frames,
         /// Their mean overlap.
         iou: f64,
+    },
+    /// Frames from whose detections the body lies much farther off than from the rest's.
+    LostJoints {
+        /// The frames.
+        frames: Frames,
+        /// By how much, over the person's size.
+        off: f64,
     },
     /// Points that lie outside the silhouettes.
     PointsOutside {
@@ -153,11 +162,15 @@ pub(super) fn warnings(
     confidence: &ShapeConfidence,
 ) -> Vec<Warning> {
     let mut warnings = overlap_warnings(frames, cameras);
+    let is_detected = frames.iter().any(|frame| !frame.detections.is_empty());
+    if is_detected && frames.iter().all(|f| f.views.is_empty() && f.points.is_none()) {
+        warnings.push(Warning::DetectionsAlone);
+    }
 
     let those = |is: &dyn Fn(&&FittedFrame) -> bool| {
         Frames(frames.iter().filter(is).map(|f| f.frame).collect())
     };
-    let (unseen, one) = (those(&|f| !f.is_observed()), those(&|f| f.views.len() == 1));
+    let (unseen, one) = (those(&|f| !f.is_observed()), those(&|f| f.cameras() == 1));
     let recovered = those(&|f| f.fit.recovered);
     for (frames, warning) in [
         (unseen, (|frames| Warning::Unseen { frames }) as fn(Frames) -> Warning),
@@ -197,9 +210,12 @@ fn overlap_warnings(frames: &[FittedFrame], cameras: &[CameraQuality]) -> Vec<Wa
 
     // frames
     let lost: Vec<&FittedFrame> = lost_frames(frames).into_iter().map(|i| &frames[i]).collect();
+    let those = |frames: &[&FittedFrame]| Frames(frames.iter().map(|frame| frame.frame).collect());
     if let Some(iou) = mean(lost.iter().filter_map(|frame| frame.mean_iou())) {
-        let frames = Frames(lost.iter().map(|frame| frame.frame).collect());
-        warnings.push(Warning::Lost { frames, iou });
+        warnings.push(Warning::Lost { frames: those(&lost), iou });
+    }
+    if let Some(off) = mean(lost.iter().filter_map(|frame| frame.detected_off())) {
+        warnings.push(Warning::LostJoints { frames: those(&lost), off });
     }
     warnings
 }

@@ -37,7 +37,11 @@ impl fmt::Display for Warning {
             ),
             Self::ScaleUnchecked { found_m } => write!(
                 f,
-                "the body is {found_m:.2} m tall; outlines alone do not show whether the calibration's unit of length and focal lengths are right: give the person's height (--height), and they are checked"
+                "the body is {found_m:.2} m tall; pictures alone do not show whether the calibration's unit of length and focal lengths are right: give the person's height (--height), and they are checked"
+            ),
+            Self::DetectionsAlone => write!(
+                f,
+                "no masks: the body is fitted to detections of joints alone, so how thick it is comes from its bones and the prior"
             ),
             Self::HiddenLimbs { limbs } => write!(
                 f,
@@ -84,6 +88,12 @@ impl Warning {
             Self::Lost { frames: of, iou } => write!(
                 f,
                 "the body fits {} much worse than the rest (overlap {iou:.2}): look at the overlays",
+                frames(of)
+            ),
+            Self::LostJoints { frames: of, off } => write!(
+                f,
+                "the body lies {:.0} % of the person's size from the detections of {}, much farther than in the rest",
+                100.0 * off,
                 frames(of)
             ),
             // points

@@ -2,11 +2,12 @@
 
 use maud::{Markup, html};
 
+use super::joints::stand_alone;
 use super::page::Page;
 use super::{ReportInput, Subject};
 use crate::gait::{Footwear, Side, Surface};
 use crate::io::gait::Sex;
-use crate::io::result::Program;
+use crate::io::result::ResultFile;
 
 pub(super) fn page(input: &ReportInput<'_>) -> Page {
     Page {
@@ -82,10 +83,9 @@ fn method(input: &ReportInput<'_>) -> Vec<Row> {
 
     match input.result {
         Some(result) => {
-            let cameras = &result.recording.cameras;
             let centres =
                 "places fixed to the fitted body; their standard deviations are those of the fit";
-            rows.push(("Measured by", measured_by(&result.program, &result.body, cameras)));
+            rows.push(("Measured by", measured_by(result)));
             rows.push(("Joint centres", centres.into()));
         }
         None => {
@@ -121,13 +121,19 @@ fn filter(input: &ReportInput<'_>) -> String {
 }
 
 /// By which program and cameras a fit was made.
-fn measured_by(program: &Program, body: &str, cameras: &[String]) -> String {
+fn measured_by(result: &ResultFile) -> String {
+    let ResultFile { program, body, recording, .. } = result;
+    let seen = if stand_alone(result) {
+        "joints that another program detected in the pictures"
+    } else {
+        "outlines"
+    };
     format!(
-        "{} {}: body model {body} fitted to the outlines of {} cameras ({}), without markers",
+        "{} {}: body model {body} fitted to the {seen} of {} cameras ({}), without markers",
         program.name,
         program.version,
-        cameras.len(),
-        cameras.join(", ")
+        recording.cameras.len(),
+        recording.cameras.join(", ")
     )
 }
 

@@ -22,6 +22,7 @@
 
 mod figure;
 mod identity;
+mod joints;
 mod kinematics;
 mod label;
 mod motion;
@@ -41,7 +42,7 @@ use crate::io::result::ResultFile;
 use crate::pipeline::FittedBody;
 
 pub use picture::{FramePicture, ImagePart, PictureBudget};
-pub use views::{CameraOutlines, Views, outline_points};
+pub use views::{CameraOutlines, Views, joint_marks, outline_points};
 
 /// Who was recorded, when and how, as the report shall state it.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]

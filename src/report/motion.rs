@@ -3,6 +3,7 @@
 use maud::{Markup, html};
 
 use super::ReportInput;
+use super::joints::stand_alone;
 use super::page::{Page, absent};
 
 pub(super) fn page(input: &ReportInput<'_>) -> Page {
@@ -61,12 +62,20 @@ fn cameras(input: &ReportInput<'_>) -> Markup {
                     label { input type="checkbox" id="camera-body" checked; " fitted body" }
                 }
                 p class="note" {
-                    "Yellow: recorded outline. Under it: "
+                    "Yellow: " (seen(input)) ". Under it: "
                     @if input.views.has_pictures() { "the recorded picture and the fitted body over it" } @else { "the fitted body" }
                     ". All without the lens's distortion."
                     @if input.views.every > 1 { " To keep this file small, every " (input.views.every) "th frame is shown here." }
                 }
             }
         }
+    }
+}
+
+/// What the cameras saw.
+fn seen(input: &ReportInput<'_>) -> &'static str {
+    match input.result.is_some_and(stand_alone) {
+        true => "joints that another program saw in the picture",
+        false => "recorded outline",
     }
 }

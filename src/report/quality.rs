@@ -6,6 +6,7 @@ use maud::{Markup, html};
 
 use super::ReportInput;
 use super::figure::{Axis, BOTH, Figure, axis_range};
+use super::joints::{joint_chart, joint_table, stand_alone};
 use super::label::words;
 use super::page::{Page, absent, number, probability};
 use super::rig_view::rig_view;
@@ -37,11 +38,20 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
 fn fit_quality(result: &ResultFile) -> Markup {
     html! {
         h3 { "Cameras" }
-        (camera_table(&result.quality.cameras))
+        @if stand_alone(result) {
+            (joint_table(&result.quality.cameras))
+        } @else {
+            (camera_table(&result.quality.cameras))
+        }
         (found_table(&result.quality.cameras, result.recording.fps))
         @if let Some(view) = rig_view(result) { (view) }
-        h3 { "Overlap over time" }
-        (overlap_chart(result))
+        @if stand_alone(result) {
+            h3 { "Distance of the detections over time" }
+            (joint_chart(result))
+        } @else {
+            h3 { "Overlap over time" }
+            (overlap_chart(result))
+        }
         h3 { "Missing" }
         (missing_table(&result.recording, &result.motion))
         h3 { "Agreement of the keyframes" }

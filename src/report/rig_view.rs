@@ -188,6 +188,7 @@ mod tests {
             mean_iou: 1.0,
             median_px: None,
             rms_px: None,
+            detections: None,
             found: CameraFound { pose, clock: None },
         }
     }

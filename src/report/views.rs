@@ -1,6 +1,6 @@
 //! The cameras' calibration, and the outline that each saw in every frame.
 
-use nalgebra::Point2;
+use nalgebra::{Point2, Vector2};
 use serde::{Serialize, Serializer};
 
 use super::picture::{FramePicture, ImagePart};
@@ -14,6 +14,8 @@ const PER_PX: f64 = 4.0;
 const POINTS_ALONG: f64 = 120.0;
 /// Borders shorter than this share of the longer side are left out.
 const SHORTEST: f64 = 0.05;
+/// Half the size of the mark on a detected joint, over the longer side of an image.
+const MARK: f64 = 0.006;
 /// Width and height of what is shown over those of the outline.
 const MARGIN: f64 = 1.2;
 /// Least width of what is shown over its height.
@@ -103,10 +105,21 @@ pub fn outline_points(camera: &Camera, mask: &Mask) -> Vec<Vec<i16>> {
     thinned.map(|border| quarters(camera, &border)).collect()
 }
 
+/// A small diamond about each joint that was detected, undistorted pixels, in place of an outline.
+pub fn joint_marks(camera: &Camera, joints_px: &[Point2<f64>]) -> Vec<Vec<i16>> {
+    let half = MARK * f64::from(camera.width_px.max(camera.height_px));
+    let corners = [[half, 0.0], [0.0, half], [-half, 0.0], [0.0, -half]].map(Vector2::from);
+    let mark = |joint: &Point2<f64>| in_quarters(corners.iter().map(move |corner| joint + corner));
+    joints_px.iter().map(mark).collect()
+}
+
 fn quarters(camera: &Camera, border: &[Point2<f64>]) -> Vec<i16> {
-    let straight = border.iter().filter_map(|p| camera.undistort(p));
+    in_quarters(border.iter().filter_map(|p| camera.undistort(p)))
+}
+
+fn in_quarters(points: impl Iterator<Item = Point2<f64>>) -> Vec<i16> {
     let quarter = |v: f64| (PER_PX * v).round().clamp(-32768.0, 32767.0) as i16;
-    straight.flat_map(|p| [quarter(p.x), quarter(p.y)]).collect()
+    points.flat_map(|p| [quarter(p.x), quarter(p.y)]).collect()
 }
 
 /// The least and the greatest x and y of lines in quarter pixels, px.

@@ -48,8 +48,8 @@ impl FrameObservations {
         }
     }
 
-    /// Whether anything was seen of the body: a silhouette, or points.
+    /// Whether anything was seen of the body: a silhouette, points, or a detection.
     pub fn is_observed(&self) -> bool {
-        !(self.views.is_empty() && self.points.is_empty())
+        !(self.views.is_empty() && self.points.is_empty() && self.detections.is_empty())
     }
 }

@@ -2,7 +2,8 @@
 
 use nalgebra::Point2;
 
-use super::Silhouette;
+use super::{FrameIndex, Silhouette};
+use crate::camera::CameraId;
 
 /// One named point of a person in one picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,6 +24,33 @@ pub struct Detection {
     /// The person's size in the picture: √ of the area of the silhouette, or of half the box around the keypoints, px.
     pub size_px: f64,
 }
+
+/// All people whom other programs see in the pictures of one frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FramePeople {
+    /// Which frame.
+    pub frame: FrameIndex,
+    /// The people in each picture that shows any, in the order of the rig.
+    pub pictures: Vec<(CameraId, Vec<Vec<Keypoint>>)>,
+}
+
+impl Detection {
+    /// Of keypoints whose person's silhouette is not known; `None` without any.
+    pub fn new(keypoints: Vec<Keypoint>) -> Option<Self> {
+        let first = keypoints.first()?.pixel;
+        let (low, high) = keypoints
+            .iter()
+            .fold((first, first), |(low, high), k| (low.inf(&k.pixel), high.sup(&k.pixel)));
+        let size = high - low;
+        // a person is wider than the joints of one who stands straight and is seen from the side
+        let narrowest = size.max() / SLENDER;
+        let size_px = (0.5 * size.x.max(narrowest) * size.y.max(narrowest)).sqrt();
+        (size_px > 0.0).then_some(Self { keypoints, size_px })
+    }
+}
+
+/// The box around a standing person is so many times as high as wide at most.
+const SLENDER: f64 = 4.0;
 
 /// A detection is the silhouette's if this share of its keypoints, by confidence, lies within it or near it.
 const LEAST_INSIDE: f64 = 0.5;

@@ -54,9 +54,12 @@ impl Derived<'_> {
             given => Ok(given?),
         };
         let has_masks = given.as_ref().is_ok_and(ObservationFiles::has_masks);
-        let fits_to_points = options.observations.fit_to == FitTo::Points;
-        let is_enough =
-            |files: &ObservationFiles| files.has_masks() || fits_to_points && files.has_points();
+        let fit_to = options.observations.fit_to;
+        let is_enough = |files: &ObservationFiles| {
+            files.has_masks()
+                || fit_to == FitTo::Points && files.has_points()
+                || fit_to == FitTo::Detections && files.has_detections()
+        };
         if options.stereo.is_none() && given.as_ref().is_ok_and(is_enough) {
             return Ok((given?, None));
         }
@@ -71,7 +74,8 @@ impl Derived<'_> {
             footage => footage?,
         };
         let is_free = options.silhouettes.is_none();
-        if is_free && given.is_err() && is_best_by_contours(&footage) {
+        let has_points = given.as_ref().is_ok_and(ObservationFiles::has_points);
+        if is_free && !has_masks && !has_points && is_best_by_contours(&footage) {
             self.progress.note(CONTOURS_CHOSEN);
             return self.contours(recording, &footage, options);
         }

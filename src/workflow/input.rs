@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use super::derived::Derived;
-use super::{Error, FitOptions};
+use super::{Error, FitOptions, detections};
 use crate::body::BodyModel;
 use crate::inference::Sequence;
 use crate::io::model::{self, ModelText};
@@ -52,6 +52,9 @@ impl FitInput {
         let fit_to = options.observations.fit_to;
         let observations = match contours {
             Some(found) => found.into_iter().map(|seen| fit_to.select(seen)).collect(),
+            None if detections::stand_alone(&files, fit_to) => {
+                detections::load(&mut files, options, derived.progress)?
+            }
             None => load(&files, options, derived.progress)?,
         };
         files.notes.extend(files.notes_on(&observations));

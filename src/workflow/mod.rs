@@ -22,6 +22,7 @@
 
 mod calibrate;
 mod derived;
+mod detections;
 mod error;
 mod export;
 mod fit;

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use nalgebra::{Point2, Point3};
 use rayon::prelude::*;
 
 use super::{Error, GaitStudy};
@@ -10,11 +11,13 @@ use crate::image::Picture;
 use crate::io::recording::footage::Footage;
 use crate::io::recording::{DerivedFiles, ObservationFiles, Recording};
 use crate::io::result::ResultFile;
+use crate::math::stats::median;
 use crate::pipeline::Progress;
 use crate::report::{
-    CameraOutlines, FramePicture, PictureBudget, ReportInput, Subject, Views, html, outline_points,
+    CameraOutlines, FramePicture, PictureBudget, ReportInput, Subject, Views, html, joint_marks,
+    outline_points,
 };
-use crate::silhouette::FrameIndex;
+use crate::silhouette::{FrameIndex, Keypoint};
 
 /// The recording that a report shows.
 #[derive(Clone, Copy)]
@@ -99,11 +102,14 @@ impl GaitStudy {
         let numbers = movement.first_frame..movement.first_frame + movement.frames;
         let frames: Vec<FrameIndex> = numbers.map(FrameIndex).collect();
         let outlines = |id: CameraId, frame: FrameIndex| -> Result<Vec<Vec<i16>>, Error> {
-            let mask = files.load_mask(id, frame)?;
-            let seen = mask.zip(files.rig.camera(id));
-            let borders = seen.map(|(mask, camera)| outline_points(camera, &mask));
             progress.step();
-            Ok(borders.unwrap_or_default())
+            let Some(camera) = files.rig.camera(id) else { return Ok(Vec::new()) };
+            if !files.has_masks() {
+                let joints = self.joints_px(camera, &files.people(id, frame)?, frame);
+                return Ok(joint_marks(camera, &joints));
+            }
+            let mask = files.load_mask(id, frame)?;
+            Ok(mask.map(|mask| outline_points(camera, &mask)).unwrap_or_default())
         };
 
         progress.begin("outlines", frames.len() * files.rig.cameras.len());
@@ -117,6 +123,29 @@ impl GaitStudy {
         }
         progress.end();
         Ok(cameras)
+    }
+
+    /// The joints of the one of several people in a picture whom the fitted body is nearest to.
+    fn joints_px(
+        &self,
+        camera: &Camera,
+        people: &[Vec<Keypoint>],
+        frame: FrameIndex,
+    ) -> Vec<Point2<f64>> {
+        let Some(motion) = self.result.as_ref().map(|result| &result.motion) else {
+            return Vec::new();
+        };
+        let fitted = motion.frames.iter().find(|part| part.frame == frame.0);
+        let off = |keypoint: &Keypoint| {
+            let index = motion.points.iter().position(|name| name == keypoint.name)?;
+            let at = camera.project_undistorted(&Point3::from(fitted?.points_m[index]))?;
+            Some((at - keypoint.pixel).norm())
+        };
+        let miss = |person: &&Vec<Keypoint>| {
+            median(&mut person.iter().filter_map(off).collect()).unwrap_or(f64::INFINITY)
+        };
+        let own = people.iter().min_by(|a, b| miss(a).total_cmp(&miss(b)));
+        own.into_iter().flatten().map(|keypoint| keypoint.pixel).collect()
     }
 
     /// Adds the pictures of as many frames as the report has room for.

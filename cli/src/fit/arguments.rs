@@ -171,6 +171,11 @@ const FITTED: &[Choice<FitTo>] = &[
     ("all", FitTo::All, "Outlines, and points and detections where there are any"),
     ("silhouettes", FitTo::Silhouettes, "Outlines alone"),
     ("points", FitTo::Points, "Points alone; masks only say where the person is"),
+    (
+        "detections",
+        FitTo::Detections,
+        "Detections of joints alone; masks, if there are any, only say which person",
+    ),
 ];
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -1,9 +1,11 @@
-//! Files of 2-D detections by other programs: OpenPose's JSON, as OpenPose, Pose2Sim, RTMPose and AlphaPose write it.
+//! Files of 2-D detections by other programs: OpenPose's JSON, as OpenPose, Pose2Sim, RTMPose and AlphaPose write it, and tables that hold
+//! all pictures of a camera ([`read_table`]).
 //!
-//! One file holds the people of one picture, in any order; a person is a list of x, y and confidence, three numbers for each point of a
-//! [`KeypointSet`]. A point that was not seen is 0, 0, 0.
+//! One file of OpenPose's holds the people of one picture, in any order; a person is a list of x, y and confidence, three numbers for each
+//! point of a [`KeypointSet`]. A point that was not seen is 0, 0, 0.
 
 mod sets;
+mod tables;
 
 use std::path::Path;
 
@@ -11,6 +13,7 @@ use serde::Deserialize;
 
 use super::input;
 pub use sets::KeypointSet;
+pub use tables::{NamedPerson, Table, is_table, read_table};
 
 /// One person in one picture: x and y, pixels of the recorded picture, and confidence, of each point of the set.
 pub type Person = Vec<[f64; 3]>;

@@ -1,18 +1,20 @@
-//! Pictures of the fit over the masks: `<camera>/%06d.png`, and as a film `<camera>.mp4`.
+//! Pictures of the fit over the masks, or without any over the detections of joints: `<camera>/%06d.png`, and as a film `<camera>.mp4`.
 
 use std::path::{Path, PathBuf};
 
+use nalgebra::Vector2;
 use rayon::prelude::*;
 
 use super::film;
 use super::png::{self, Effort};
 use super::{OutError, file_name, make_folder, write_encoded};
 use crate::body::{Motion, Posed};
-use crate::camera::CameraId;
-use crate::image::Picture;
+use crate::camera::{Camera, CameraId};
+use crate::image::{Mask, Picture};
 use crate::io::recording::{ObservationFiles, RecordingError};
 use crate::pipeline::{Fit, FittedFrame};
-use crate::render::{Canvas, overlay};
+use crate::render::{Canvas, Pen, overlay};
+use crate::silhouette::Keypoint;
 
 /// Why an overlay could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -75,17 +77,45 @@ pub fn write(
     Ok(films.into_iter().find_map(Result::err))
 }
 
-/// The body over the mask of a frame and a camera; `None` where there is no mask.
+/// The body over the mask of a frame and a camera, or over the detections of a recording without masks; `None` where there is neither.
 fn picture(
     recording: &ObservationFiles,
     fit: &Fit,
     shown: &Motion,
     (i, id): (usize, CameraId),
 ) -> Result<Option<Canvas>, RecordingError> {
-    let mask = recording.load_mask(id, fit.frames[i].frame)?;
+    let Some(camera) = fit.rig.camera(id) else { return Ok(None) };
     let body = Posed::new(&fit.model, &fit.shape, shown);
-    let over = |mask| Some(overlay(fit.rig.camera(id)?, &mask, &body));
-    Ok(mask.and_then(over))
+    let frame = fit.frames[i].frame;
+    if recording.has_masks() {
+        let mask = recording.load_mask(id, frame)?;
+        return Ok(mask.map(|mask| overlay(camera, &mask, &body)));
+    }
+
+    let people = recording.people(id, frame)?;
+    let nothing = Mask::from_fn(camera.width_px as usize, camera.height_px as usize, |_, _| false);
+    let mut canvas = overlay(camera, &nothing, &body);
+    draw_keypoints(&mut canvas, camera, people.iter().flatten());
+    Ok((!people.is_empty()).then_some(canvas))
+}
+
+/// Half the size of the cross on a keypoint, over the picture's larger side.
+const CROSS: f64 = 0.005;
+const KEYPOINT: [u8; 3] = [255, 214, 0];
+
+/// A cross on each keypoint, where the recorded picture shows it.
+fn draw_keypoints<'a>(
+    canvas: &mut Canvas,
+    camera: &Camera,
+    keypoints: impl Iterator<Item = &'a Keypoint>,
+) {
+    let half = CROSS * f64::from(camera.width_px.max(camera.height_px));
+    let cross = |keypoint: &Keypoint| {
+        let at = camera.distort(&keypoint.pixel);
+        [Vector2::new(half, half), Vector2::new(half, -half)].map(|arm| [at - arm, at + arm])
+    };
+    let segments: Vec<_> = keypoints.flat_map(cross).collect();
+    canvas.draw(&segments, Pen { color: KEYPOINT, opacity: 1.0, width_px: 0.4 * half });
 }
 
 /// Writes a picture as PNG.

@@ -135,11 +135,13 @@ pub fn from_result(
 /// Which of the first seven cameras saw the person, as bits, by the number of the frame.
 fn camera_bits(result: &ResultFile) -> BTreeMap<usize, u8> {
     let mut bits = BTreeMap::new();
-    for view in &result.quality.views {
+    let views = result.quality.views.iter().map(|view| (view.frame, &view.camera));
+    let detected = result.quality.detections.iter().map(|picture| (picture.frame, &picture.camera));
+    for (frame, camera) in views.chain(detected) {
         let mut names = result.recording.cameras.iter();
-        let camera = names.position(|name| *name == view.camera);
+        let camera = names.position(|name| name == camera);
         if let Some(camera) = camera.filter(|i| *i < 7) {
-            *bits.entry(view.frame.0).or_insert(0) |= 1_u8 << camera;
+            *bits.entry(frame.0).or_insert(0) |= 1_u8 << camera;
         }
     }
     bits

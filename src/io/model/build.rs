@@ -279,6 +279,7 @@ impl Builder<'_> {
                     name: format!("{prefix}{}", spec.name),
                     places: vec![(owner, at)],
                     sd_m: spec.sd.map(Vector3::from).or(of_part).unwrap_or_default(),
+                    meant: None,
                 });
             }
             return Ok(());
@@ -292,6 +293,7 @@ impl Builder<'_> {
             name: spec.name.clone(),
             places,
             sd_m: spec.sd.unwrap_or_default().into(),
+            meant: None,
         });
         Ok(())
     }

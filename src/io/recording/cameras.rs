@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::manifest::CameraFiles;
 use super::note::CalibrationNote;
-use super::{Recording, RecordingError, layout};
+use super::{DetectionFiles, Recording, RecordingError, layout};
 use crate::camera::{Camera, Rig};
 use crate::io::calibration::{self, CalibrationOptions};
 use crate::io::unknown_key::nearest;
@@ -74,6 +74,19 @@ impl Recording {
         Ok(calibration::select(&calibrated, &self.calibration_source(), &names)?)
     }
 
+    /// What is stated of each camera of a rig, and when it began.
+    pub(super) fn stated(&self, rig: &Rig) -> Vec<CameraFiles> {
+        let stated = |name: &str| {
+            let listed = self.manifest.cameras.iter().find(|c| c.name == name).cloned();
+            listed.unwrap_or_else(|| CameraFiles { name: name.into(), ..CameraFiles::default() })
+        };
+        let mut cameras: Vec<CameraFiles> = rig.names().map(stated).collect();
+        if let Some((_, offsets)) = &self.offsets {
+            offsets.apply(cameras.iter_mut());
+        }
+        cameras
+    }
+
     /// The files or folders that the calibration is read from, each with its camera where there is one for each.
     pub(super) fn calibration_paths(&self) -> Vec<(Option<String>, PathBuf)> {
         layout::calibration_paths(&self.folder, self.manifest.calibration.as_ref())
@@ -86,7 +99,7 @@ impl Recording {
     /// [`RecordingError`] if neither masks nor pictures are there, or the calibration is at fault.
     pub fn calibration(&self) -> Result<(Rig, CalibrationOptions), RecordingError> {
         let used = match self.masks() {
-            Ok(files) if files.has_masks() => files.rig,
+            Ok(files) if files.has_masks() || DetectionFiles::are_promised(self) => files.rig,
             _ => self.footage()?.rig,
         };
         let size = |camera: &Camera| (camera.name.clone(), [camera.width_px, camera.height_px]);
@@ -204,7 +217,7 @@ pub(super) fn calibrated_name(rig: &Rig, name: &str) -> Option<String> {
 }
 
 /// The only calibrated camera with the same last number (`0` for `cam_0`), if no other of the names has that number.
-fn same_number(rig: &Rig, names: &[String], name: &str) -> Option<String> {
+pub(super) fn same_number(rig: &Rig, names: &[String], name: &str) -> Option<String> {
     let number = |name: &str| {
         let before = name.trim_end_matches(|c: char| !c.is_ascii_digit());
         let digits = before.len() - before.trim_end_matches(|c: char| c.is_ascii_digit()).len();

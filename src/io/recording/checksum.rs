@@ -125,7 +125,10 @@ struct Input<'a> {
 
 impl<'a> Input<'a> {
     fn several(kind: &str, camera: &str, paths: impl Iterator<Item = &'a PathBuf>) -> Self {
-        Self { name: format!("{kind} of {camera}"), paths: paths.collect(), is_single: false }
+        // a file may hold all frames
+        let mut paths: Vec<&PathBuf> = paths.collect();
+        paths.dedup();
+        Self { name: format!("{kind} of {camera}"), paths, is_single: false }
     }
 
     fn checksum(&self) -> Result<InputChecksum, RecordingError> {

@@ -5,16 +5,16 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::Point2;
 
-use super::cameras::calibrated_name;
+use super::cameras::{calibrated_name, same_number};
 use super::layout::numbered_files::{self, Wanted};
 use super::layout::visible;
 use super::manifest::CameraFiles;
 use super::{Recording, RecordingError};
 use crate::camera::{Camera, CameraId, Rig};
-use crate::io::detections::{self, KeypointSet, Person};
+use crate::io::detections::{self, KeypointSet, NamedPerson, Person};
 use crate::silhouette::{FrameIndex, Keypoint};
 
-/// Where they are looked for if the manifest names no place: Pose2Sim's `pose/<camera>_json/`.
+/// Where they are looked for if the manifest names no place: Pose2Sim's `pose/<camera>_json/`, or `pose/<camera>.csv` and `.json`.
 const FOLDER: &str = "pose";
 const SUFFIX: &str = "_json";
 /// Files of a camera that are read to know what they hold.
@@ -27,10 +27,38 @@ const OUTSIDE: f64 = 0.2;
 pub(super) struct DetectionFiles {
     /// By camera of the rig.
     cameras: Vec<BTreeMap<FrameIndex, PathBuf>>,
+    /// The people of each frame, of cameras whose pictures are all in one file.
+    tables: Vec<Option<BTreeMap<FrameIndex, Vec<NamedPerson>>>>,
     set: Option<KeypointSet>,
 }
 
 impl DetectionFiles {
+    /// Whether a recording has detections, or its manifest names some.
+    pub(super) fn are_promised(recording: &Recording) -> bool {
+        let is_named = recording.manifest.cameras.iter().any(|c| c.detections.is_some());
+        is_named || !folders_of(recording).unwrap_or_default().is_empty()
+    }
+
+    /// The cameras that have detections.
+    pub(super) fn detected(recording: &Recording, rig: &Rig) -> Result<Rig, RecordingError> {
+        let found = folders(recording, rig)?;
+        let is_found = |camera: &&Camera| found.iter().any(|(name, _)| *name == camera.name);
+        let cameras: Vec<Camera> = rig.cameras.iter().filter(is_found).cloned().collect();
+        match cameras.as_slice() {
+            [] => Err(strangers(recording, rig)?),
+            [one] => Err(RecordingError::OneCamera {
+                path: recording.path.clone(),
+                camera: one.name.clone(),
+            }),
+            _ => Ok(Rig { cameras }),
+        }
+    }
+
+    /// Whether there are any.
+    pub(super) fn is_empty(&self) -> bool {
+        self.cameras.iter().all(BTreeMap::is_empty)
+    }
+
     /// The detections that the manifest names, else those in the folder `pose`; of the cameras of the rig, whose files are shifted as
     /// `cameras` say.
     pub(super) fn find(
@@ -40,10 +68,27 @@ impl DetectionFiles {
         fps: f64,
     ) -> Result<Self, RecordingError> {
         let folders = folders(recording, rig)?;
-        let mut found = Self { cameras: vec![BTreeMap::new(); rig.cameras.len()], set: None };
+        let count = rig.cameras.len();
+        let mut found =
+            Self { cameras: vec![BTreeMap::new(); count], tables: vec![None; count], set: None };
         let mut seen = Vec::new();
         for (camera, pattern) in folders {
             let Some((id, calibrated)) = rig.by_name(&camera) else { continue };
+            let shift =
+                cameras.iter().find(|c| c.name == camera).map_or(0, |c| c.beginning(fps).whole());
+            let frame = |number: u64| {
+                Some(FrameIndex(usize::try_from(number.checked_add_signed(shift)?).ok()?))
+            };
+            let whole = recording.folder.join(&pattern);
+            if detections::is_table(&whole) {
+                let table = table(&whole, calibrated)?.into_iter();
+                let table: BTreeMap<FrameIndex, Vec<NamedPerson>> =
+                    table.filter_map(|(number, people)| Some((frame(number)?, people))).collect();
+                found.cameras[id.0] = table.keys().map(|at| (*at, whole.clone())).collect();
+                found.tables[id.0] = Some(table);
+                continue;
+            }
+
             let wanted =
                 Wanted { key: &format!("camera {camera}: detections"), is_kind: is_detection };
             let files = numbered_files::list(&recording.folder, &pattern, &wanted)?;
@@ -51,18 +96,28 @@ impl DetectionFiles {
                 let pattern = recording.folder.join(pattern);
                 return Err(RecordingError::MissingDetections { pattern, camera });
             }
-            let shift =
-                cameras.iter().find(|c| c.name == camera).map_or(0, |c| c.beginning(fps).whole());
-            let frame = |number: u64| {
-                Some(FrameIndex(usize::try_from(number.checked_add_signed(shift)?).ok()?))
-            };
             seen.extend(sampled(&files.of_number, calibrated)?);
             let numbered = files.of_number.into_iter();
             found.cameras[id.0] =
                 numbered.filter_map(|(number, path)| Some((frame(number)?, path))).collect();
         }
+        if seen.is_empty() {
+            seen = found.first_people()?;
+        }
         found.set = set_of(recording, &seen)?;
         Ok(found)
+    }
+
+    /// The people of the first picture that shows any.
+    fn first_people(&self) -> Result<Vec<Person>, RecordingError> {
+        let by_picture = self.cameras.iter().zip(&self.tables).filter(|(_, t)| t.is_none());
+        for path in by_picture.flat_map(|(files, _)| files.values()) {
+            let people = read(path)?;
+            if !people.is_empty() {
+                return Ok(people);
+            }
+        }
+        Ok(Vec::new())
     }
 
     /// Every file, in the order of the rig and the frames.
@@ -76,13 +131,19 @@ impl DetectionFiles {
         (id, camera): (CameraId, &Camera),
         frame: FrameIndex,
     ) -> Result<Vec<Vec<Keypoint>>, RecordingError> {
+        if let Some(Some(table)) = self.tables.get(id.0) {
+            let people = table.get(&frame).map_or(&[][..], Vec::as_slice).iter();
+            let people = people.map(|person| keypoints(camera, person.iter().copied()));
+            return Ok(people.filter(|person| !person.is_empty()).collect());
+        }
         let path = self.cameras.get(id.0).and_then(|files| files.get(&frame));
         let (Some(path), Some(set)) = (path, self.set) else {
             return Ok(Vec::new());
         };
         let people = read(path)?;
         let of_set = people.iter().filter(|person| person.len() == set.count);
-        Ok(of_set.map(|person| keypoints(&set, camera, person)).collect())
+        let named = |person: &Person| keypoints(camera, set.points().zip(person.iter().copied()));
+        Ok(of_set.map(named).collect())
     }
 }
 
@@ -94,7 +155,14 @@ fn set_of(recording: &Recording, people: &[Person]) -> Result<Option<KeypointSet
         known: KeypointSet::names().collect::<Vec<_>>().join(", "),
     };
     if let Some(name) = &recording.manifest.keypoints {
-        return KeypointSet::by_name(name).map(Some).ok_or_else(|| unknown(format!("{name:?}")));
+        let set = KeypointSet::by_name(name).ok_or_else(|| unknown(format!("{name:?}")))?;
+        let of_others = people.iter().all(|person| person.len() != set.count);
+        return match people.first().filter(|_| of_others) {
+            Some(first) => {
+                Err(unknown(format!("people of {} points, {name} has {}", first.len(), set.count)))
+            }
+            None => Ok(Some(set)),
+        };
     }
     match people.first() {
         None => Ok(None),
@@ -112,12 +180,41 @@ fn folders(recording: &Recording, rig: &Rig) -> Result<Vec<(String, String)>, Re
     if !named.is_empty() {
         return Ok(named);
     }
-    let camera = |path: PathBuf| {
-        let folder = path.file_name()?.to_string_lossy().into_owned();
-        let name = calibrated_name(rig, folder.strip_suffix(SUFFIX).unwrap_or(&folder))?;
-        path.is_dir().then(|| (name, format!("{FOLDER}/{folder}")))
+    let found = folders_of(recording)?;
+    let names: Vec<String> = found.iter().map(|(name, _)| name.clone()).collect();
+    let camera = |(name, folder): (String, String)| {
+        let alike = calibrated_name(rig, &name);
+        Some((alike.or_else(|| same_number(rig, &names, &name))?, folder))
     };
-    Ok(visible(&recording.folder.join(FOLDER))?.into_iter().filter_map(camera).collect())
+    Ok(found.into_iter().filter_map(camera).collect())
+}
+
+/// The folders and tables of detections of a recording whose manifest names none, each with what it is called after.
+fn folders_of(recording: &Recording) -> Result<Vec<(String, String)>, RecordingError> {
+    let named = |path: PathBuf| {
+        let folder = path.file_name()?.to_string_lossy().into_owned();
+        let stem = if path.is_dir() { folder.as_str() } else { path.file_stem()?.to_str()? };
+        let name = stem.strip_suffix(SUFFIX).unwrap_or(stem).to_owned();
+        (path.is_dir() || detections::is_table(&path)).then(|| (name, format!("{FOLDER}/{folder}")))
+    };
+    Ok(visible(&recording.folder.join(FOLDER))?.into_iter().filter_map(named).collect())
+}
+
+/// Folders of which none is called after a calibrated camera.
+fn strangers(recording: &Recording, rig: &Rig) -> Result<RecordingError, RecordingError> {
+    let found = folders_of(recording)?;
+    let known: Vec<String> = rig.names().map(str::to_owned).collect();
+    let line = |(i, (_, folder)): (usize, &(String, String))| {
+        let name = known.get(i).map_or("…", String::as_str);
+        format!("{{ name = {name:?}, detections = {folder:?} }}")
+    };
+    let lines: Vec<String> = found.iter().enumerate().map(line).collect();
+    Ok(RecordingError::Strangers {
+        path: recording.path.clone(),
+        found: found.into_iter().map(|(name, _)| name).collect(),
+        lines: lines.join(", "),
+        known,
+    })
 }
 
 fn is_detection(path: &Path) -> bool {
@@ -136,23 +233,43 @@ fn sampled(files: &BTreeMap<u64, PathBuf>, camera: &Camera) -> Result<Vec<Person
     for path in files.values().step_by(step) {
         people.extend(read(path)?);
     }
-    let seen = people.iter().flatten().filter(|point| point[2] > 0.0);
+    check_size(camera, people.iter().flatten())?;
+    Ok(people)
+}
+
+/// The people of a camera all of whose pictures are in one file.
+fn table(path: &Path, camera: &Camera) -> Result<detections::Table, RecordingError> {
+    let table = detections::read_table(path)
+        .map_err(|reason| RecordingError::Detections { path: path.into(), reason })?;
+    let people = table.values().flatten().flatten();
+    check_size(camera, people.map(|(_, point)| point))?;
+    Ok(table)
+}
+
+/// Whether points may be of pictures of the calibrated size.
+fn check_size<'a>(
+    camera: &Camera,
+    points: impl Iterator<Item = &'a [f64; 3]>,
+) -> Result<(), RecordingError> {
+    let seen = points.filter(|point| point[2] > 0.0);
     let farthest =
         seen.fold([0.0_f64; 2], |far, point| [far[0].max(point[0]), far[1].max(point[1])]);
     let size = [camera.width_px, camera.height_px];
     match (0..2).any(|k| farthest[k] > (1.0 + OUTSIDE) * f64::from(size[k])) {
         true => Err(RecordingError::DetectionSize { camera: camera.name.clone(), farthest, size }),
-        false => Ok(people),
+        false => Ok(()),
     }
 }
 
 /// The points of a person that have a name and were seen.
-fn keypoints(set: &KeypointSet, camera: &Camera, person: &Person) -> Vec<Keypoint> {
-    let named = set.points().zip(person).filter(|(name, _)| !name.is_empty());
-    let seen = |(name, [x, y, confidence]): (&'static str, &[f64; 3])| {
-        let is_usable = *confidence > 0.0 && x.is_finite() && y.is_finite();
-        let pixel = is_usable.then(|| camera.undistort(&Point2::new(*x, *y)))??;
+fn keypoints(
+    camera: &Camera,
+    person: impl Iterator<Item = (&'static str, [f64; 3])>,
+) -> Vec<Keypoint> {
+    let seen = |(name, [x, y, confidence]): (&'static str, [f64; 3])| {
+        let is_usable = confidence > 0.0 && x.is_finite() && y.is_finite();
+        let pixel = is_usable.then(|| camera.undistort(&Point2::new(x, y)))??;
         Some(Keypoint { name, pixel, confidence: confidence.min(1.0) })
     };
-    named.filter_map(seen).collect()
+    person.filter(|(name, _)| !name.is_empty()).filter_map(seen).collect()
 }

@@ -152,7 +152,7 @@ pub enum RecordingError {
     Footage(#[from] FootageError),
     /// No camera has masks.
     #[error(
-        "{}: no masks and no pictures: expected masks/<camera>/, videos/<camera>.* or images/<camera>/ beside the calibration, or masks, video or images = … for each camera in sequence.toml{hint}",
+        "{}: no masks and no pictures: expected masks/<camera>/, pose/<camera>_json/ (detections), videos/<camera>.* or images/<camera>/ beside the calibration, or masks, detections, video or images = … for each camera in sequence.toml{hint}",
         path.display()
     )]
     NoMasks {
@@ -186,7 +186,7 @@ pub enum RecordingError {
     },
     /// A single camera.
     #[error(
-        "{}: only one camera ({camera}) has masks: one camera cannot tell size from distance; expected two or more",
+        "{}: only one camera ({camera}) has masks or detections: one camera cannot tell size from distance; expected two or more",
         path.display()
     )]
     OneCamera {

@@ -8,13 +8,13 @@ use super::layout::elsewhere;
 use super::layout::numbered_files::{self, NumberedFiles, Wanted};
 use super::manifest::{CameraFiles, Manifest};
 use super::points::PointFiles;
-use super::{Note, Recording, RecordingError, layout, mask_image};
+use super::{DetectionFiles, Note, Recording, RecordingError, layout, mask_image};
 use crate::camera::Rig;
 use crate::silhouette::FrameIndex;
 
 /// The cameras that are used, each with its masks.
 pub(super) struct MaskFiles {
-    /// The cameras that have masks, or all where none has.
+    /// The cameras that have masks; where none has, all, or without points those that have detections.
     pub(super) rig: Rig,
     /// Those that have masks, in the order of the rig.
     pub(super) cameras: Vec<(CameraFiles, NumberedFiles)>,
@@ -28,7 +28,10 @@ impl MaskFiles {
     ) -> Result<Self, RecordingError> {
         let masks = masks_of_cameras(recording, notes)?;
         if masks.is_empty() {
-            return Ok(Self { rig: recording.all_cameras()?, cameras: Vec::new() });
+            let rig = recording.all_cameras()?;
+            let has_points = PointFiles::are_promised(&recording.folder, &recording.manifest);
+            let rig = if has_points { rig } else { DetectionFiles::detected(recording, &rig)? };
+            return Ok(Self { rig, cameras: Vec::new() });
         }
 
         let size = |files: &NumberedFiles| {
@@ -58,7 +61,7 @@ impl MaskFiles {
     }
 }
 
-/// The cameras with masks, of the manifest or, where it lists none, of the folder; none if there are only points.
+/// The cameras with masks, of the manifest or, where it lists none, of the folder; none if there are only points or detections.
 fn cameras_with_masks(
     recording: &Recording,
     notes: &mut Vec<Note>,
@@ -73,7 +76,9 @@ fn cameras_with_masks(
     let (with, without): (Vec<_>, Vec<_>) =
         cameras.into_iter().partition(|camera| camera.masks.is_some());
 
-    if with.is_empty() && PointFiles::are_promised(folder, manifest) {
+    let is_promised =
+        PointFiles::are_promised(folder, manifest) || DetectionFiles::are_promised(recording);
+    if with.is_empty() && is_promised {
         return Ok(Vec::new());
     }
     if with.is_empty() {

@@ -4,6 +4,10 @@ use std::path::PathBuf;
 
 use crate::pipeline::Frames;
 
+fn counted_people(others: usize) -> String {
+    if others == 1 { "another person is seen".into() } else { format!("{others} others are seen") }
+}
+
 /// A note for the user on where cameras were calibrated, in one line.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
@@ -118,6 +122,23 @@ pub enum Note {
         "no frame has masks from two cameras: do the file numbers agree? offset_frames shifts them"
     )]
     NoCommonFrame,
+    /// Detections of other people.
+    #[error(
+        "detections: {} for half as long or longer than the person who is fitted, who is the one seen longest by most cameras",
+        counted_people(*others)
+    )]
+    OtherPeople {
+        /// How many.
+        others: usize,
+    },
+    /// A camera whose detections are of nobody whom the others see.
+    #[error(
+        "camera {camera}: none of its detections is of the person whom the others see: check its calibration and offset_frames"
+    )]
+    DetectedElsewhere {
+        /// The camera.
+        camera: String,
+    },
     /// Point clouds without a number in their names.
     #[error("points: {files} files without a frame number in their names: not used")]
     UnnumberedPoints {

@@ -15,7 +15,9 @@ use crate::camera::{CameraId, Rig};
 use crate::image::Mask;
 use crate::io::calibration;
 use crate::pipeline::{Frames, MaskSource};
-use crate::silhouette::{self, FrameIndex, FrameObservations, SilhouetteOptions};
+use crate::silhouette::{
+    self, FrameIndex, FrameObservations, FramePeople, Keypoint, SilhouetteOptions,
+};
 
 /// Calibrated masks and points of one person, frame by frame.
 ///
@@ -24,9 +26,9 @@ use crate::silhouette::{self, FrameIndex, FrameObservations, SilhouetteOptions};
 pub struct ObservationFiles {
     /// Frames per second.
     pub fps: f64,
-    /// The cameras that have masks, or all where none has, in the order of the manifest.
+    /// The cameras that have masks, in the order of the manifest; where none has, all, or without points those that have detections.
     pub rig: Rig,
-    /// The frames that have points or a mask from at least one camera, ascending.
+    /// The frames that have points or a mask from at least one camera, or, without any mask, detections; ascending.
     pub frames: Vec<FrameIndex>,
     /// The masks that are not there.
     pub missing: Vec<Missing>,
@@ -88,13 +90,16 @@ impl ObservationFiles {
             .map(|(camera, files)| masks::by_frame(camera, files, fps, &mut notes))
             .collect();
         masks.resize_with(rig.cameras.len(), BTreeMap::new);
+        let files: Vec<CameraFiles> = match is_masked {
+            true => cameras.into_iter().map(|(camera, _)| camera).collect(),
+            false => recording.stated(&rig),
+        };
         let mut beginnings: Vec<Beginning> =
-            cameras.iter().map(|(camera, _)| camera.beginning(fps)).collect();
+            files.iter().map(|camera| camera.beginning(fps)).collect();
         beginnings.resize(rig.cameras.len(), Beginning::default());
         recording.check_offsets(fps)?;
 
         // detections
-        let files: Vec<CameraFiles> = cameras.into_iter().map(|(camera, _)| camera).collect();
         let detections = match wanted {
             WantedPoints::Ignored => DetectionFiles::default(),
             _ => DetectionFiles::find(recording, &rig, &files, fps)?,
@@ -107,7 +112,8 @@ impl ObservationFiles {
         };
 
         // frames
-        let (frames, missing) = frames_and_missing(&rig, &masks, &points);
+        let alone = if is_masked { &[] } else { detections.of_cameras() };
+        let (frames, missing) = frames_and_missing(&rig, &masks, &points, alone);
         if frames.is_empty() && !is_masked && wanted == WantedPoints::Given {
             let (path, hint) = (recording.path.clone(), elsewhere::hint(&recording.folder));
             return Err(RecordingError::NoMasks { path, hint });
@@ -143,6 +149,39 @@ impl ObservationFiles {
     /// Whether a camera has masks.
     pub fn has_masks(&self) -> bool {
         self.masks.iter().any(|masks| !masks.is_empty())
+    }
+
+    /// Whether a camera has detections.
+    pub fn has_detections(&self) -> bool {
+        !self.detections.is_empty()
+    }
+
+    /// All people whom other programs see in the frame at `position` in [`ObservationFiles::frames`], in undistorted pixels.
+    ///
+    /// # Errors
+    /// [`RecordingError::Detections`] for the first file that cannot be read, and [`RecordingError::NoFrame`].
+    pub fn load_people(&self, position: usize) -> Result<FramePeople, RecordingError> {
+        let frame = self.frames.get(position).copied();
+        let frame = frame.ok_or(RecordingError::NoFrame { position, count: self.frames.len() })?;
+        let mut pictures = Vec::new();
+        for (id, camera) in self.rig.iter() {
+            let people = self.detections.load((id, camera), frame)?;
+            pictures.extend((!people.is_empty()).then_some((id, people)));
+        }
+        Ok(FramePeople { frame, pictures })
+    }
+
+    /// All people whom a camera's detections show in a frame, in undistorted pixels.
+    ///
+    /// # Errors
+    /// [`RecordingError::Detections`] for a file that cannot be read.
+    pub fn people(
+        &self,
+        camera: CameraId,
+        frame: FrameIndex,
+    ) -> Result<Vec<Vec<Keypoint>>, RecordingError> {
+        let known = self.rig.camera(camera);
+        known.map_or(Ok(Vec::new()), |known| self.detections.load((camera, known), frame))
     }
 
     /// Whether a frame has points.
@@ -273,14 +312,15 @@ fn never_together(rig: &Rig, masks: &[BTreeMap<FrameIndex, PathBuf>]) -> Vec<Not
     rig.names().enumerate().filter_map(note).collect()
 }
 
-/// The frames that have a mask or a cloud, and the masks that are missing.
+/// The frames that have a mask, a cloud or detections that stand alone, and the masks that are missing.
 fn frames_and_missing(
     rig: &Rig,
     masks: &[BTreeMap<FrameIndex, PathBuf>],
     points: &PointFiles,
+    detections: &[BTreeMap<FrameIndex, PathBuf>],
 ) -> (Vec<FrameIndex>, Vec<Missing>) {
-    let masked = masks.iter().flat_map(|m| m.keys().copied());
-    let frames: BTreeSet<FrameIndex> = masked.chain(points.frames()).collect();
+    let shown = masks.iter().chain(detections).flat_map(|m| m.keys().copied());
+    let frames: BTreeSet<FrameIndex> = shown.chain(points.frames()).collect();
     let frames: Vec<FrameIndex> = frames.into_iter().collect();
 
     let with_masks = rig.names().zip(masks).filter(|(_, m)| !m.is_empty());

@@ -144,7 +144,7 @@ fn frame(fitted: &FittedFrame, fps: f64) -> FramePart {
     FramePart {
         frame: fitted.frame.0,
         time_s: fitted.frame.0 as f64 / fps,
-        views: fitted.views.len(),
+        views: fitted.cameras(),
         recovered: fitted.fit.recovered,
         position_m: motion.position_world.into(),
         rotation_rad: motion.world_from_root.scaled_axis().into(),
@@ -201,5 +201,6 @@ fn quality(fit: &Fit, calibrated: &Rig) -> QualityPart {
         clocks_covariance: fit.camera_covariances.clocks.as_ref().map(rows),
         views: fit.frames.iter().flat_map(|fitted| fitted.views.clone()).collect(),
         points: fit.frames.iter().filter_map(|fitted| fitted.points).collect(),
+        detections: fit.frames.iter().flat_map(|fitted| fitted.detections.clone()).collect(),
     }
 }

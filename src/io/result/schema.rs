@@ -6,8 +6,8 @@ use crate::inference::confidence::Confidence;
 use crate::inference::noise::Noise;
 use crate::io::recording::{InputChecksum, Missing};
 use crate::pipeline::{
-    CameraQuality, EstimateOptions, FrameSd, MinusLogPosterior, ObservationOptions, PointQuality,
-    Verdict, ViewQuality,
+    CameraQuality, DetectionQuality, EstimateOptions, FrameSd, MinusLogPosterior,
+    ObservationOptions, PointQuality, Verdict, ViewQuality,
 };
 
 /// What a fit found, and what it was made from. Version 3.
@@ -264,4 +264,7 @@ pub struct QualityPart {
     pub views: Vec<ViewQuality>,
     /// Frame by frame, those that have points.
     pub points: Vec<PointQuality>,
+    /// Picture by picture, those that have detections of the person.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub detections: Vec<DetectionQuality>,
 }

@@ -19,6 +19,13 @@ pub enum Reason {
         /// Its limit.
         least: f64,
     },
+    /// Median over the cameras of how far detections lie from the body, over the person's size in the picture; where no mask tells.
+    Detections {
+        /// It.
+        found: f64,
+        /// Its limit.
+        most: f64,
+    },
     /// −log p(s) over ½n: 1 is usual.
     Body {
         /// It.

@@ -38,6 +38,14 @@ impl fmt::Display for Reason {
                     "the body overlaps the silhouettes by {found:.2} (at least {least:.2} is needed)"
                 )
             }
+            Self::Detections { found, most } => {
+                write!(
+                    f,
+                    "the detections lie {:.0} % of the person's size from the body (at most {:.0} %)",
+                    100.0 * found,
+                    100.0 * most
+                )
+            }
             Self::WrongPictures { found, .. } => {
                 write!(f, "the pictures of {found:.0} cameras are those of others, or mirrored")
             }

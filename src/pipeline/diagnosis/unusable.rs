@@ -10,6 +10,8 @@ use crate::pipeline::FittedFrame;
 
 /// An overlap below this is bad: bodies and masks of other people still overlap as much.
 pub(in crate::pipeline) const LEAST_OVERLAP: f64 = 0.65;
+/// Detections that lie farther from the body than this share of the person's size are not of it: three times what published labels scatter by.
+const MOST_DETECTED: f64 = 0.25;
 /// A shape this many times as improbable as usual is nobody's: upside-down cameras gave 43, people in clothes up to 8.
 const MOST_BODY: f64 = 10.0;
 /// Silhouettes of which less is thin have lost arms, hands and feet.
@@ -20,6 +22,8 @@ const MOST_LOST: f64 = 0.33;
 const MOST_DISPLACED_M: f64 = 1.0;
 /// A frame below this share of the median frame's overlap is lost.
 const LOST_SHARE: f64 = 0.8;
+/// One whose detections lie farther off than so many times the median frame's, and too far by themselves, is lost too.
+const LOST_OFF: f64 = 3.0;
 /// Above this overlap there is no reason to look for what the masks hold besides.
 pub(super) const GOOD_OVERLAP: f64 = 0.85;
 
@@ -30,11 +34,16 @@ impl Diagnosis<'_> {
         let overlap = overlap.filter(|iou| *iou < LEAST_OVERLAP);
         let overlap = overlap.map(|found| Reason::Overlap { found, least: LEAST_OVERLAP });
 
+        let detected = self.cameras.iter().filter(|camera| camera.frames == 0);
+        let detected = detected.filter_map(|camera| Some(camera.detections?.median_of_size));
+        let detected = median(&mut detected.collect()).filter(|found| *found > MOST_DETECTED);
+        let detected = detected.map(|found| Reason::Detections { found, most: MOST_DETECTED });
+
         let usual = 0.5 * self.shape.0.len() as f64;
         let found = self.evidence.shape_prior.cost(self.shape) / usual.max(0.5);
         let body = (found > MOST_BODY).then_some(Reason::Body { found, most: MOST_BODY });
 
-        let seen = self.frames.iter().filter(|f| !f.views.is_empty()).count();
+        let seen = self.frames.iter().filter(|f| f.cameras() > 0).count();
         let found = lost_frames(self.frames).len() as f64 / seen.max(1) as f64;
         let lost = (found > MOST_LOST).then_some(Reason::LostFrames { found, most: MOST_LOST });
 
@@ -42,7 +51,10 @@ impl Diagnosis<'_> {
         let thin = thin.filter(|found| *found < LEAST_THIN);
         let thin = thin.map(|found| Reason::ThinParts { found, least: LEAST_THIN });
 
-        [overlap, thin, body, lost, self.too_far_displaced()].into_iter().flatten().collect()
+        [overlap, detected, thin, body, lost, self.too_far_displaced()]
+            .into_iter()
+            .flatten()
+            .collect()
     }
 
     /// A camera that was found much farther from its calibrated place than a touch moves it.
@@ -74,13 +86,21 @@ impl Diagnosis<'_> {
     }
 }
 
-/// Positions of the frames that the body covers much worse than the rest.
+/// Positions of the frames that the body covers much worse than the rest, or from whose detections it lies much farther off.
 pub(in crate::pipeline) fn lost_frames(frames: &[FittedFrame]) -> Vec<usize> {
-    let overlaps = frames.iter().enumerate().filter_map(|(i, f)| Some((i, f.mean_iou()?)));
-    let overlaps: Vec<(usize, f64)> = overlaps.collect();
-    let usual = median(&mut overlaps.iter().map(|(_, iou)| *iou).collect()).unwrap_or(0.0);
-    let lost = overlaps.into_iter().filter(|(_, iou)| *iou < LOST_SHARE * usual);
-    lost.map(|(i, _)| i).collect()
+    let of = |value: &dyn Fn(&FittedFrame) -> Option<f64>| -> Vec<(usize, f64)> {
+        frames.iter().enumerate().filter_map(|(i, f)| Some((i, value(f)?))).collect()
+    };
+    let usual = |values: &[(usize, f64)]| median(&mut values.iter().map(|(_, v)| *v).collect());
+
+    let overlaps = of(&FittedFrame::mean_iou);
+    let usual_overlap = usual(&overlaps).unwrap_or(0.0);
+    let uncovered = overlaps.into_iter().filter(|(_, iou)| *iou < LOST_SHARE * usual_overlap);
+    let off = of(&FittedFrame::detected_off);
+    let usual_off = usual(&off).unwrap_or(0.0);
+    let far =
+        off.into_iter().filter(|(_, off)| *off > MOST_DETECTED && *off > LOST_OFF * usual_off);
+    uncovered.chain(far).map(|(i, _)| i).collect()
 }
 
 #[cfg(test)]
@@ -99,6 +119,7 @@ mod tests {
             mean_iou,
             median_px: None,
             rms_px: None,
+            detections: None,
             found: CameraFound::default(),
         }
     }

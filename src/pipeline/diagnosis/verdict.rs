@@ -269,6 +269,7 @@ mod tests {
             points_world: Vec::new(),
             views: Vec::new(),
             points: None,
+            detections: Vec::new(),
         }
     }
 

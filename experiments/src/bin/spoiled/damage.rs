@@ -35,7 +35,7 @@ impl Damage {
 }
 
 /// What a note says of the scale where nobody stated the person's height.
-const UNCHECKED: &str = "outlines alone do not show whether the calibration's unit of length";
+const UNCHECKED: &str = "pictures alone do not show whether the calibration's unit of length";
 /// What a note says of limbs.
 const HIDDEN: &str = "lies before or behind the body";
 

@@ -20,7 +20,7 @@ pub(super) fn fill(manifest: &mut Manifest, folder: &Path) {
     let detections = of_each(&manifest.detections);
 
     if manifest.cameras.is_empty() {
-        let found = [&masks, &images, &video].into_iter().flatten();
+        let found = [&masks, &images, &video, &detections].into_iter().flatten();
         let names: BTreeSet<&String> = found.flat_map(|(_, names)| names).collect();
         manifest.cameras = names.into_iter().map(|name| named(name)).collect();
     }

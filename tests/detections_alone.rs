@@ -1,0 +1,257 @@
+//! Detections of joints alone, without masks or pictures: a walker's body from OpenPose's files, and each way for the files to be bad.
+
+use std::fs;
+use std::path::Path;
+
+use maquette::body::Side;
+use maquette::io::calibration::write_toml;
+use maquette::io::model;
+use maquette::silhouette::FrameIndex;
+use maquette::synth::{Recipe, Ring, Synthetic};
+use maquette::{FitOptions, Recording};
+use nalgebra::{Point3, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use tempfile::TempDir;
+
+/// COCO's points, in the order of a file.
+const COCO: [&str; 17] = [
+    "Nose",
+    "LEye",
+    "REye",
+    "LEar",
+    "REar",
+    "LShoulder",
+    "RShoulder",
+    "LElbow",
+    "RElbow",
+    "LWrist",
+    "RWrist",
+    "LHip",
+    "RHip",
+    "LKnee",
+    "RKnee",
+    "LAnkle",
+    "RAnkle",
+];
+const FRAMES: usize = 20;
+const FPS: f64 = 25.0;
+const NOISE_PX: f64 = 1.0;
+
+fn walker() -> Synthetic {
+    let person = model::load("walker-metaballs", Path::new("")).expect("a shipped model");
+    let ring = Ring { cameras: 4, ..Ring::default() };
+    let recipe = Recipe { frames: Some(FRAMES), fps: FPS, ring, ..Recipe::default() };
+    recipe.walker(&person).expect("a walker")
+}
+
+/// What a detector writes of the walker, moved so far, in a picture of a camera: x, y, confidence of each point.
+fn person(
+    walker: &Synthetic,
+    (frame, camera): (usize, usize),
+    off: Vector3<f64>,
+    rng: &mut ChaCha8Rng,
+) -> Vec<f64> {
+    let points = walker.points(FrameIndex(frame)).expect("a frame");
+    let mut seen = |name: &&str| {
+        let at = walker.model.point(name).map(|index| points[index] + off);
+        let pixel = at.and_then(|at| walker.rig.cameras[camera].project(&at));
+        let mut noise = || NOISE_PX * rng.random_range(-1.0..1.0);
+        pixel.map_or([0.0; 3], |at| [at.x + noise(), at.y + noise(), 0.9])
+    };
+    COCO.iter().flat_map(&mut seen).collect()
+}
+
+fn file(people: &[Vec<f64>]) -> String {
+    let listed = people.iter().map(|person| format!("{{\"pose_keypoints_2d\": {person:?}}}"));
+    format!("{{\"people\": [{}]}}", listed.collect::<Vec<_>>().join(", "))
+}
+
+/// A Pose2Sim project without videos: a calibration, and what each picture's file holds.
+fn project(walker: &Synthetic, text: impl Fn(usize, usize) -> String) -> TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    let calibration = folder.path().join("calibration");
+    fs::create_dir_all(&calibration).expect("a folder");
+    fs::write(calibration.join("Calib_scene.toml"), write_toml(&walker.rig)).expect("a file");
+    for (id, camera) in walker.rig.iter() {
+        let pose = folder.path().join("pose").join(format!("{}_json", camera.name));
+        fs::create_dir_all(&pose).expect("a folder");
+        for frame in 0..FRAMES {
+            let name = format!("{}_{frame:06}.json", camera.name);
+            fs::write(pose.join(name), text(frame, id.0)).expect("a file");
+        }
+    }
+    folder
+}
+
+/// The walker, and in every second frame somebody beside, in any order; one camera takes each leg for the other for a while.
+fn text_of(walker: &Synthetic) -> impl Fn(usize, usize) -> String {
+    |frame, camera| {
+        let mut rng = ChaCha8Rng::seed_from_u64((100 * frame + camera) as u64);
+        let mut own = person(walker, (frame, camera), Vector3::zeros(), &mut rng);
+        if camera == 1 && (5..9).contains(&frame) {
+            for right in (0..COCO.len()).filter(|k| ["RHip", "RKnee", "RAnkle"].contains(&COCO[*k]))
+            {
+                (0..3).for_each(|k| own.swap(3 * right + k, 3 * (right - 1) + k));
+            }
+        }
+        let beside = person(walker, (frame, camera), Vector3::new(0.0, 1.2, 0.0), &mut rng);
+        match frame % 4 {
+            0 => file(&[beside, own]),
+            2 => file(&[own, beside]),
+            _ => file(&[own]),
+        }
+    }
+}
+
+fn fitted(folder: &Path) -> Result<maquette::FittedRecording, String> {
+    let fit = Recording::open(folder).map_err(|fault| fault.to_string())?;
+    fit.with_fps(FPS).fit(&FitOptions::default()).map_err(|fault| fault.to_string())
+}
+
+#[test]
+fn a_project_without_videos_gives_the_walkers_joints_and_angles_with_standard_deviations() {
+    let walker = walker();
+    let folder = project(&walker, text_of(&walker));
+    let fit = fitted(folder.path()).expect("a fit");
+    assert!(fit.result.verdict.is_usable(), "{:?}", fit.result.verdict);
+    assert!(fit.result.warnings.iter().any(|warning| warning.starts_with("no masks: ")));
+
+    // what a detector means by a joint is not known, so 2 cm are no error
+    let mut off = Vec::new();
+    for frame in &fit.result.motion.frames {
+        let truth = walker.points(FrameIndex(frame.frame)).expect("a frame");
+        let truth = |name: &str| truth[walker.model.point(name).expect("a joint")];
+        let place = |name: &str| {
+            let index = fit.result.motion.points.iter().position(|point| point == name);
+            Point3::from(frame.points_m[index.expect("a joint")])
+        };
+        let legs = |right: &str, left: &str| {
+            (place("RAnkle") - truth(right)).norm() + (place("LAnkle") - truth(left)).norm()
+        };
+        assert!(legs("RAnkle", "LAnkle") < legs("LAnkle", "RAnkle"), "frame {}", frame.frame);
+        assert!(frame.sd.is_some() && frame.views == 4);
+        off.extend(COCO[5..].iter().map(|name| (place(name) - truth(name)).norm()));
+    }
+    let mean_m = off.iter().sum::<f64>() / off.len() as f64;
+    assert!(mean_m < 0.025, "{mean_m}");
+
+    let knee = fit.angle("knee_flexion", Side::Left).expect("a knee");
+    let joint = walker.model.joint("knee_flexion_l").expect("a knee");
+    let off = knee.radians.iter().zip(&walker.motions).map(|(a, m)| a - m.angles[joint.0]);
+    let rms = (off.map(|off| off * off).sum::<f64>() / FRAMES as f64).sqrt().to_degrees();
+    assert!(rms < 5.0 && knee.sd.is_some(), "{rms}");
+}
+
+#[test]
+fn what_cannot_be_fitted_to_is_said_in_one_line() {
+    let walker = walker();
+    let own = |frame: usize, camera: usize| {
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        person(&walker, (frame, camera), Vector3::zeros(), &mut rng)
+    };
+    let unsure = |frame: usize, camera: usize| {
+        let mut person = own(frame, camera);
+        person.chunks_mut(3).for_each(|point| point[2] = 0.0);
+        file(&[person])
+    };
+    let without = |frame: usize, camera: usize| {
+        let person = own(frame, camera);
+        let places = person.chunks(3).flat_map(|point| [point[0], point[1]]).collect();
+        file(&[places])
+    };
+    let larger = |frame: usize, camera: usize| {
+        file(&[own(frame, camera).iter().map(|value| 3.0 * value).collect()])
+    };
+    let cut = |frame: usize, camera: usize| {
+        let text = file(&[own(frame, camera)]);
+        text[..text.len() / (1 + usize::from(frame == 3))].to_owned()
+    };
+    let alone = |frame: usize, camera: usize| match camera {
+        0 => file(&[own(frame, camera)]),
+        _ => file(&[]),
+    };
+    let strange = |_: usize, _: usize| file(&[vec![10.0, 10.0, 0.9, 20.0, 20.0, 0.9]]);
+    let apart = |frame: usize, camera: usize| {
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let off = Vector3::new(0.0, 0.0, 0.9 * camera as f64 - 1.2);
+        file(&[person(&walker, (frame, camera), off, &mut rng)])
+    };
+    for (text, part) in [
+        (&(|_, _| file(&[])) as &dyn Fn(usize, usize) -> String, "show nobody"),
+        (&unsure, "every confidence is 0"),
+        (&without, "three numbers for each point"),
+        (&larger, "another size"),
+        (&cut, "000003.json"),
+        (&alone, "no two cameras see one person"),
+        (&apart, "no two cameras see one person"),
+        (&strange, "people of 2 points"),
+    ] {
+        let fault = fitted(project(&walker, text).path()).expect_err(part);
+        assert!(fault.contains(part) && !fault.contains('\n'), "{part}: {fault}");
+    }
+}
+
+#[test]
+fn frames_without_files_and_the_wrong_name_of_a_set_are_read_or_told() {
+    let walker = walker();
+    let folder = project(&walker, text_of(&walker));
+    let pose = |camera: &str| folder.path().join(format!("pose/{camera}_json"));
+    let names: Vec<&str> = walker.rig.names().collect();
+    for frame in [4, 5, 11] {
+        for name in &names {
+            fs::remove_file(pose(name).join(format!("{name}_{frame:06}.json"))).expect("a file");
+        }
+    }
+    fs::remove_file(pose(names[0]).join(format!("{}_000002.json", names[0]))).expect("a file");
+    let files = Recording::open(folder.path()).expect("a folder").with_fps(FPS).observations();
+    let files = files.expect("detections");
+    assert_eq!(files.frames.len(), FRAMES - 3);
+    assert_eq!(files.load_people(2).expect("a frame").pictures.len(), 3);
+
+    fs::write(folder.path().join("sequence.toml"), "keypoints = \"halpe26\"\n").expect("a file");
+    let fault = Recording::open(folder.path()).expect("a folder").with_fps(FPS).observations();
+    let fault = fault.expect_err("17 points").to_string();
+    assert!(fault.contains("people of 17 points, halpe26 has 26"), "{fault}");
+}
+
+#[test]
+fn a_table_of_each_camera_says_what_the_files_of_all_pictures_say() {
+    let walker = walker();
+    let folder = project(&walker, text_of(&walker));
+    let wanted = Recording::open(folder.path()).expect("a folder").with_fps(FPS).observations();
+    let wanted = wanted.expect("detections");
+
+    let tables = tempfile::tempdir().expect("a folder");
+    let mut manifest = String::from("fps = 25\n");
+    fs::write(tables.path().join("calibration.toml"), write_toml(&walker.rig)).expect("a file");
+    for (id, camera) in walker.rig.iter() {
+        let names =
+            COCO.iter().flat_map(|name| ["x", "y", "score"].map(|end| format!("{name}.{end}")));
+        let header = names.collect::<Vec<_>>().join(",");
+        let mut text = format!("track,frame_idx,instance.score,{header}\n");
+        for frame in 0..FRAMES {
+            let people: serde_json::Value =
+                serde_json::from_str(&text_of(&walker)(frame, id.0)).expect("JSON");
+            for person in people["people"].as_array().expect("people") {
+                let values = person["pose_keypoints_2d"].as_array().expect("points");
+                let values: Vec<String> = values.iter().map(ToString::to_string).collect();
+                text += &format!("t,{frame},1,{}\n", values.join(","));
+            }
+        }
+        fs::write(tables.path().join(format!("{}.csv", camera.name)), text).expect("a file");
+        let name = &camera.name;
+        manifest += &format!("[[camera]]\nname = {name:?}\ndetections = \"{name}.csv\"\n");
+    }
+    fs::write(tables.path().join("sequence.toml"), manifest).expect("a file");
+
+    let found = Recording::open(tables.path()).expect("a folder").observations();
+    let found = found.expect("detections");
+    assert_eq!(found.frames, wanted.frames);
+    for frame in 0..FRAMES {
+        assert_eq!(found.load_people(frame).unwrap(), wanted.load_people(frame).unwrap());
+    }
+    let inputs = found.checksums().expect("files");
+    let own = inputs.iter().filter(|input| input.input.starts_with("detections of "));
+    assert!(own.clone().count() == 4 && own.clone().all(|input| input.files == 1));
+}
