@@ -103,8 +103,8 @@ impl Noise {
             rows.map(Iterator::collect).collect()
         };
         Self {
-            outlines: SurfaceNoise::from_residuals(&of(Kind::Outlines)),
-            points: SurfaceNoise::from_residuals(&of(Kind::Points)),
+            outlines: SurfaceNoise::from_residuals(&of(Kind::Outlines), along_border),
+            points: SurfaceNoise::from_residuals(&of(Kind::Points), about_place),
             keypoints: KeypointNoise::from_residuals(&of(Kind::Keypoints)),
         }
     }
@@ -126,13 +126,12 @@ impl Noise {
 }
 
 impl SurfaceNoise {
-    fn from_residuals(frames: &[Vec<&PlacedResidual>]) -> Option<Self> {
+    /// `neighbours` is how λ is found.
+    fn from_residuals(
+        frames: &[Vec<&PlacedResidual>],
+        neighbours: impl Fn(&[Vec<&PlacedResidual>]) -> f64,
+    ) -> Option<Self> {
         let is_seen = frames.iter().any(|rows| !rows.is_empty());
-        let of_points = |r: &&PlacedResidual| r.source == Source::Cloud;
-        let neighbours = match frames.iter().flatten().all(of_points) {
-            true => about_place,
-            false => along_border,
-        };
         is_seen.then(|| Self {
             scale: scale(frames),
             along_border: neighbours(frames),
@@ -219,12 +218,15 @@ fn along_border(frames: &[Vec<&PlacedResidual>]) -> f64 {
         return 1.0;
     }
 
-    let variance = stated / weights;
     // rows may lie farther apart than a bin is wide: some bins have no pair
+    (own + 2.0 * near(&pairs, stated / weights)) / stated
+}
+
+/// Σwᵢwⱼψᵢψⱼ of the pairs nearer than where ρ first falls below 0.05, of sums bin by bin; bins without a pair tell nothing.
+fn near(pairs: &[(f64, f64)], variance: f64) -> f64 {
     let filled = pairs.iter().filter(|(_, weight)| *weight > 0.0);
-    let together = filled.take_while(|(product, weight)| product / weight > 0.05 * variance);
-    let together: f64 = together.map(|(product, _)| product).sum();
-    (own + 2.0 * together) / stated
+    let near = filled.take_while(|(product, weight)| product / weight > 0.05 * variance);
+    near.map(|(product, _)| product).sum()
 }
 
 /// λ of points: scores of one place together, and of pairs of places of a part that are nearer than where ρ first falls below 0.05.
@@ -232,22 +234,21 @@ fn about_place(frames: &[Vec<&PlacedResidual>]) -> f64 {
     const BINS: usize = 40;
 
     let (mut own, mut own_weights, mut stated) = (0.0, 0.0, 0.0);
+    // Σwᵢwⱼψᵢψⱼ and Σwᵢwⱼ of the pairs so many places apart
     let mut pairs = [(0.0, 0.0); BINS];
     for frame in frames {
         stated += frame.iter().map(|r| r.weight * influence(r).powi(2)).sum::<f64>();
         let places: Vec<(Place, (f64, f64))> =
             scores(frame).into_iter().map(|((place, _), score)| (place, score)).collect();
-        for (i, ((part, cell), (score, weight))) in places.iter().enumerate() {
+
+        for (i, (place, (score, weight))) in places.iter().enumerate() {
             own += score * score;
             own_weights += weight * weight;
-            let of_part = places[i + 1..].iter().take_while(|((other, _), _)| other == part);
-            for ((_, other_cell), (other, other_weight)) in of_part {
-                let apart =
-                    std::array::from_fn::<f64, 3, _>(|k| f64::from(cell[k] - other_cell[k]));
-                let bin = apart.iter().map(|d| d * d).sum::<f64>().sqrt().round() as usize;
-                if let Some((product, weights)) = pairs.get_mut(bin) {
-                    *product += score * other;
-                    *weights += weight * other_weight;
+            let of_part = places[i + 1..].iter().take_while(|(other, _)| other.0 == place.0);
+            for (other_place, (other, other_weight)) in of_part {
+                if let Some(pair) = pairs.get_mut(places_apart(place, other_place)) {
+                    pair.0 += score * other;
+                    pair.1 += weight * other_weight;
                 }
             }
         }
@@ -255,11 +256,13 @@ fn about_place(frames: &[Vec<&PlacedResidual>]) -> f64 {
     if stated <= 0.0 {
         return 1.0;
     }
+    (own + 2.0 * near(&pairs, own / own_weights)) / stated
+}
 
-    let variance = own / own_weights;
-    let filled = pairs.iter().filter(|(_, weight)| *weight > 0.0);
-    let together = filled.take_while(|(product, weight)| product / weight > 0.05 * variance);
-    (own + 2.0 * together.map(|(product, _)| product).sum::<f64>()) / stated
+/// The distance of two places of a part, in places.
+fn places_apart((_, a): &Place, (_, b): &Place) -> usize {
+    let squares = a.iter().zip(b).map(|(a, b)| f64::from(a - b).powi(2));
+    squares.sum::<f64>().sqrt().round() as usize
 }
 
 /// τ.

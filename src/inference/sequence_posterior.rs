@@ -163,10 +163,11 @@ impl SequencePosterior<'_> {
         let of_look = |placed: &Placed<'_>| {
             let body = Posed::new(self.model, &x.shape, &placed.seen);
             let residuals = placed.look.terms.iter().flat_map(|t| t.placed_residuals(&body));
-            let source = |own: Source| match (placed.look.camera, placed.look.kind) {
-                (Some(camera), Kind::Outlines) => Source::View(camera),
-                (Some(camera), Kind::Keypoints) => Source::Keypoints(camera),
-                (_, Kind::Points) | (None, _) => own,
+            // a look of one camera counts its views from 0
+            let source = |own: Source| match (placed.look.camera, own) {
+                (Some(camera), Source::View(_)) => Source::View(camera),
+                (Some(camera), Source::Keypoints(_)) => Source::Keypoints(camera),
+                (_, own) => own,
             };
             let named = residuals.map(|r| PlacedResidual { source: source(r.source), ..r });
             (placed.recorded, named.collect::<Vec<_>>())

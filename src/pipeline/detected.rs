@@ -9,7 +9,7 @@ use crate::body::Posed;
 use crate::camera::CameraId;
 use crate::inference::Evidence;
 use crate::math::stats::median;
-use crate::silhouette::{Detection, FrameIndex, FrameObservations};
+use crate::silhouette::{Detection, FrameIndex, FrameObservations, distances_px};
 
 /// How far the detections of one picture lie from the body's points.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -57,11 +57,8 @@ pub(super) fn detection_qualities(
     let quality = |((id, detection), body): (&(CameraId, Detection), &Posed<'_>)| {
         let camera = evidence.rig.camera(*id)?;
         let points = body.points();
-        let off = |seen: &crate::silhouette::Keypoint| {
-            let at = camera.project_undistorted(&points[body.model.point(seen.name)?])?;
-            Some((seen.pixel - at).norm())
-        };
-        let mut all: Vec<f64> = detection.keypoints.iter().filter_map(off).collect();
+        let place = |name: &str| Some(points[body.model.point(name)?]);
+        let mut all = distances_px(&detection.keypoints, camera, place);
         let keypoints = all.len();
         let median_px = median(&mut all)?;
         Some(DetectionQuality {

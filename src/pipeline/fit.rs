@@ -170,8 +170,7 @@ fn stages(
         cameras: &cameras,
     }
     .verdict();
-    let data_weight = estimate.data_weight();
-    notes.extend(facing_warning(&coarse, &hypotheses, found.winner, data_weight));
+    notes.extend(facing_warning(&coarse, &hypotheses, found.winner, estimate.data_weight()));
     notes.extend(outline_warnings(&coarse, sequence.frames, &sizes, &frames));
     notes.extend(scale_warning(model, &sizes, options.height_m));
     notes.extend(warnings(rig, sequence.frames, &frames, &cameras, &confidence));

@@ -1,13 +1,11 @@
 //! How far detections of joints lie from the body, where no mask says how well it is covered.
 
-use std::collections::BTreeMap;
-
 use maud::{Markup, html};
 
-use super::figure::{Axis, BOTH, Figure, axis_range};
+use super::by_frame::{figure, spreads};
+use super::figure::{Axis, axis_range};
 use super::page::{absent, number};
 use crate::io::result::ResultFile;
-use crate::math::stats::mean;
 use crate::pipeline::{CameraQuality, DetectedQuality};
 
 /// Whether detections alone tell how good the fit is.
@@ -42,32 +40,18 @@ pub(super) fn joint_table(cameras: &[CameraQuality]) -> Markup {
 
 /// The distance in each frame, over its cameras.
 pub(super) fn joint_chart(result: &ResultFile) -> Markup {
-    let mut frames: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
-    for picture in &result.quality.detections {
-        frames.entry(picture.frame.0).or_default().push(picture.median_px);
-    }
-    let of = |(frame, off): (&usize, &Vec<f64>)| {
-        let least = off.iter().copied().fold(f64::INFINITY, f64::min);
-        let most = off.iter().copied().fold(0.0, f64::max);
-        (*frame as f64, least, mean(off.iter().copied()).unwrap_or(f64::NAN), most)
-    };
-    let all: Vec<_> = frames.iter().map(of).collect();
-    let means: Vec<_> = all.iter().map(|(frame, _, mean, _)| (*frame, *mean)).collect();
-    let band: Vec<_> = all.iter().map(|(frame, least, _, most)| (*frame, *least, *most)).collect();
+    let pictures = result.quality.detections.iter();
+    let off = spreads(result, pictures.map(|picture| (picture.frame, picture.median_px)));
+    let (range, step) = axis_range(off.iter().map(|off| off.most), (0.0, 1.0));
+    let y = Axis { label: "joints off, px".into(), range, step };
+    let figure = figure(result, &off, y);
 
-    let recording = &result.recording;
-    let ends = (recording.first_frame as f64, recording.last_frame as f64);
-    let (_, x_step) = axis_range(std::iter::empty(), ends);
-    let (y_range, y_step) = axis_range(band.iter().map(|b| b.2), (0.0, 1.0));
-    let x = Axis { label: "frame".into(), range: (ends.0, ends.1.max(ends.0 + 1.0)), step: x_step };
-    let y = Axis { label: "joints off, px".into(), range: y_range, step: y_step };
-    let figure = Figure::new("", x, y).wide().band(BOTH, 0.2, &band).line(BOTH, 1.5, &means);
     html! {
         @if figure.is_empty() {
             (absent("No chart: fewer than two frames have detections."))
         } @else {
             (figure.markup("Median distance of the detections from the body, frame by frame: mean of the cameras, and from the best to the worst of them."))
-            p class="note" { "Line: mean of the cameras. Tint: from the best to the worst of them." }
+            p class="note" { "Line: mean of the cameras. Tint: from the best to the worst of them. Gaps: frames without detections, or in which the body was lost." }
         }
     }
 }

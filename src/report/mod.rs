@@ -20,6 +20,7 @@
 //! | `label.rs`          | clinical names and signs                                              |
 //! | `bundle/`           | the page's program and style, built from `web/`                       |
 
+mod by_frame;
 mod figure;
 mod identity;
 mod joints;

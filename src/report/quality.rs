@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use maud::{Markup, html};
 
 use super::ReportInput;
-use super::figure::{Axis, BOTH, Figure, axis_range};
+use super::by_frame::{figure, spreads};
+use super::figure::{Axis, axis_range};
 use super::joints::{joint_chart, joint_table, stand_alone};
 use super::label::words;
 use super::page::{Page, absent, number, probability};
@@ -14,7 +15,6 @@ use crate::io::result::{
     FramePart, HypothesisPart, MotionPart, OriginPart, OutcomePart, RecordingPart, RejectedPart,
     ResultFile, ShapePart,
 };
-use crate::math::stats::mean;
 use crate::pipeline::{CameraFound, CameraQuality, PoseFound};
 use crate::silhouette::FrameIndex;
 
@@ -128,56 +128,12 @@ fn off(found: Option<(f64, Option<f64>)>, unit: f64, digits: usize) -> String {
     }
 }
 
-/// The overlap of a frame, over its cameras.
-struct Overlap {
-    frame: usize,
-    least: f64,
-    mean: f64,
-    most: f64,
-}
-
-/// The overlap frame by frame; NaN in frames that no camera saw, that are missing, and in which the body was lost.
-fn overlaps(result: &ResultFile) -> Vec<Overlap> {
-    let mut views: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
-    for view in &result.quality.views {
-        views.entry(view.frame.0).or_default().push(view.iou);
-    }
-
-    // of a frame that is lost nothing is stated
-    let frames = &result.motion.frames;
-    let is_stated = frames.iter().any(|part| part.sd.is_some());
-    let lost = frames.iter().filter(|part| is_stated && part.sd.is_none());
-    for part in lost {
-        views.remove(&part.frame);
-    }
-
-    let spacing = frames.windows(2).map(|w| w[1].frame - w[0].frame).min().unwrap_or(1);
-    let all = result.recording.first_frame..=result.recording.last_frame;
-    let overlap = |frame: usize| {
-        let views = views.get(&frame).map_or(&[][..], Vec::as_slice);
-        Overlap {
-            frame,
-            least: views.iter().copied().fold(f64::NAN, f64::min),
-            mean: mean(views.iter().copied()).unwrap_or(f64::NAN),
-            most: views.iter().copied().fold(f64::NAN, f64::max),
-        }
-    };
-    all.step_by(spacing.max(1)).map(overlap).collect()
-}
-
 /// Mean overlap of the views of each frame, and the band from the worst to the best view.
 fn overlap_chart(result: &ResultFile) -> Markup {
-    let overlaps = overlaps(result);
-    let means: Vec<_> = overlaps.iter().map(|o| (o.frame as f64, o.mean)).collect();
-    let band: Vec<_> = overlaps.iter().map(|o| (o.frame as f64, o.least, o.most)).collect();
-
-    let recording = &result.recording;
-    let ends = (recording.first_frame as f64, recording.last_frame as f64);
-    let (_, x_step) = axis_range(std::iter::empty(), ends);
-    let (y_range, y_step) = axis_range(band.iter().map(|b| b.1), (0.7, 1.0));
-    let x = Axis { label: "frame".into(), range: (ends.0, ends.1.max(ends.0 + 1.0)), step: x_step };
-    let y = Axis { label: "overlap (IoU)".into(), range: (y_range.0.max(0.0), 1.0), step: y_step };
-    let figure = Figure::new("", x, y).wide().band(BOTH, 0.2, &band).line(BOTH, 1.5, &means);
+    let overlaps = spreads(result, result.quality.views.iter().map(|view| (view.frame, view.iou)));
+    let (range, step) = axis_range(overlaps.iter().map(|overlap| overlap.least), (0.7, 1.0));
+    let y = Axis { label: "overlap (IoU)".into(), range: (range.0.max(0.0), 1.0), step };
+    let figure = figure(result, &overlaps, y);
 
     html! {
         @if figure.is_empty() {

@@ -1,9 +1,9 @@
 //! Detections: where another program sees the joints of a person in one picture.
 
-use nalgebra::Point2;
+use nalgebra::{Point2, Point3};
 
 use super::{FrameIndex, Silhouette};
-use crate::camera::CameraId;
+use crate::camera::{Camera, CameraId};
 
 /// One named point of a person in one picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,6 +47,19 @@ impl Detection {
         let size_px = (0.5 * size.x.max(narrowest) * size.y.max(narrowest)).sqrt();
         (size_px > 0.0).then_some(Self { keypoints, size_px })
     }
+}
+
+/// How far keypoints lie from where a body has them, undistorted px; of those that it has, and that are before the camera.
+pub fn distances_px(
+    keypoints: &[Keypoint],
+    camera: &Camera,
+    place_world: impl Fn(&str) -> Option<Point3<f64>>,
+) -> Vec<f64> {
+    let off = |seen: &Keypoint| {
+        let at = camera.project_undistorted(&place_world(seen.name)?)?;
+        Some((seen.pixel - at).norm())
+    };
+    keypoints.iter().filter_map(off).collect()
 }
 
 /// The box around a standing person is so many times as high as wide at most.

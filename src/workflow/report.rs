@@ -17,7 +17,7 @@ use crate::report::{
     CameraOutlines, FramePicture, PictureBudget, ReportInput, Subject, Views, html, joint_marks,
     outline_points,
 };
-use crate::silhouette::{FrameIndex, Keypoint};
+use crate::silhouette::{FrameIndex, Keypoint, distances_px};
 
 /// The recording that a report shows.
 #[derive(Clone, Copy)]
@@ -136,13 +136,12 @@ impl GaitStudy {
             return Vec::new();
         };
         let fitted = motion.frames.iter().find(|part| part.frame == frame.0);
-        let off = |keypoint: &Keypoint| {
-            let index = motion.points.iter().position(|name| name == keypoint.name)?;
-            let at = camera.project_undistorted(&Point3::from(fitted?.points_m[index]))?;
-            Some((at - keypoint.pixel).norm())
+        let place = |point: &str| {
+            let index = motion.points.iter().position(|name| name == point)?;
+            Some(Point3::from(fitted?.points_m[index]))
         };
         let miss = |person: &&Vec<Keypoint>| {
-            median(&mut person.iter().filter_map(off).collect()).unwrap_or(f64::INFINITY)
+            median(&mut distances_px(person, camera, place)).unwrap_or(f64::INFINITY)
         };
         let own = people.iter().min_by(|a, b| miss(a).total_cmp(&miss(b)));
         own.into_iter().flatten().map(|keypoint| keypoint.pixel).collect()

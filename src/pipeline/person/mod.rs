@@ -65,23 +65,26 @@ pub struct Beside {
 
 /// The person who is seen longest by most cameras; without any detection where no two cameras see one person.
 pub fn person(rig: &Rig, frames: &[FramePeople], fps: f64) -> Person {
+    // 1. the people of each frame, and over time
     let seen: Vec<Vec<Seen>> = frames.par_iter().map(Seen::of_frame).collect();
     let groups: Vec<_> = seen.par_iter().map(|people| groups::groups(rig, people)).collect();
     let times_s: Vec<f64> = frames.iter().map(|frame| frame.frame.0 as f64 / fps).collect();
     let tracks = tracks::tracks(&groups, &times_s);
 
+    // 2. who has most pictures
     let support = |track: &BTreeMap<usize, usize>| -> usize {
         track.iter().map(|(frame, group)| groups[*frame][*group].members.len()).sum()
     };
     let longest = tracks.iter().map(support).max().unwrap_or(0);
-    let best = tracks.iter().find(|track| support(track) == longest);
+    let own = tracks.iter().find(|track| support(track) == longest).cloned().unwrap_or_default();
     let mut members: Vec<Vec<usize>> = vec![Vec::new(); frames.len()];
     let mut known: BTreeMap<usize, &Joints> = BTreeMap::new();
-    for (frame, group) in best.into_iter().flatten() {
+    for (frame, group) in &own {
         members[*frame] = groups[*frame][*group].members.clone();
         known.insert(*frame, &groups[*frame][*group].joints);
     }
-    let own = best.cloned().unwrap_or_default();
+
+    // 3. pictures of them that no group has
     for (i, people) in seen.iter().enumerate() {
         let others = groups[i].iter().enumerate().filter(|(group, _)| own.get(&i) != Some(group));
         let taken: Vec<usize> = others.flat_map(|(_, group)| group.members.clone()).collect();
