@@ -49,6 +49,16 @@ impl Scanlines {
                 }
             }
         }
+        Self::from_cuts(cuts, rows)
+    }
+
+    /// What lies in runs of rows: the row, and where the run begins and ends.
+    pub fn from_runs(runs: impl IntoIterator<Item = (usize, [f64; 2])>, rows: EvenSteps) -> Self {
+        let cuts = runs.into_iter().flat_map(|(row, ends)| ends.map(|x| (row as u32, x as f32)));
+        Self::from_cuts(cuts.collect(), rows)
+    }
+
+    fn from_cuts(mut cuts: Vec<(u32, f32)>, rows: EvenSteps) -> Self {
         cuts.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
 
         // cumulative counts of the rows

@@ -54,14 +54,14 @@ pub fn hull(rig: &Rig, frame: &FrameObservations) -> Option<Hull> {
 }
 
 /// Whether any two lines of sight meet at a wide angle.
-fn has_depth(sights: &[Ray]) -> bool {
+pub fn has_depth(sights: &[Ray]) -> bool {
     let angle = |a: &Ray, b: &Ray| a.direction_world.angle(&b.direction_world).to_degrees();
     let mut pairs = sights.iter().enumerate();
     pairs.any(|(i, a)| sights[..i].iter().any(|b| angle(a, b) > LEAST_ANGLE_DEG))
 }
 
-/// The rays through the silhouettes' centroids.
-fn lines_of_sight(rig: &Rig, frame: &FrameObservations) -> Vec<Ray> {
+/// The lines of sight to the silhouettes' centroids.
+pub fn lines_of_sight(rig: &Rig, frame: &FrameObservations) -> Vec<Ray> {
     let views = frame.views.iter();
     views.map(|(camera, s)| rig.cameras[camera.0].ray(&s.centroid)).collect()
 }
@@ -143,13 +143,10 @@ pub fn carve(rig: &Rig, frame: &FrameObservations) -> Option<Hull> {
 fn occupied(rig: &Rig, frame: &FrameObservations, voxel: &Point3<f64>) -> bool {
     let (mut seen, mut missed) = (0, 0);
     for (camera, silhouette) in &frame.views {
-        let camera = &rig.cameras[camera.0];
-        let Some(pixel) = camera.project_undistorted(voxel) else {
+        let pixel = rig.cameras[camera.0].project_undistorted(voxel);
+        let Some(pixel) = pixel.filter(|pixel| silhouette.sees(pixel)) else {
             continue;
         };
-        if !camera.contains(&pixel) {
-            continue;
-        }
         seen += 1;
         missed += usize::from(!silhouette.contains(&pixel));
         if missed > 1 {

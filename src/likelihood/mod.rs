@@ -12,6 +12,7 @@
 //! Every term is ½ Σ w ρ((r/σ)²): r in the unit of its data, σ its standard deviation in that unit
 //! (PFD99 eq. 11), w the number of independent observations that a row stands for, ρ a robust loss.
 
+mod body_outline;
 mod contact;
 mod ellipse_distance;
 mod ellipse_silhouette;
@@ -34,6 +35,7 @@ mod skin_term;
 mod surface_point;
 mod union;
 
+pub use body_outline::BodyOutline;
 pub use ellipse_distance::EllipseDistance;
 pub use ellipse_silhouette::{EllipseOptions, EllipseSilhouette, EllipseView, Variant};
 pub use keypoints::{KeypointOptions, KeypointView, Keypoints};

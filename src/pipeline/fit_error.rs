@@ -40,6 +40,14 @@ pub enum FitError {
         /// Why its mask shows nobody.
         reason: Rejected,
     },
+    /// A person who was not found.
+    #[error("person {person} was asked for, and {} is seen: --person 1 to {people}", if *people == 1 { "one person".to_owned() } else { format!("{people} people") })]
+    NoPerson {
+        /// Who was asked for.
+        person: usize,
+        /// How many there are.
+        people: usize,
+    },
     /// No detection of anybody.
     #[error(
         "the detections of {frames} frames show nobody: every confidence is 0, or no file lists people"

@@ -20,6 +20,24 @@ pub struct ObservationOptions {
     pub silhouettes: SilhouetteOptions,
     /// Which of the observations are fitted to.
     pub fit_to: FitTo,
+    /// Who is looked for, and who is measured.
+    pub people: PeopleOptions,
+}
+
+/// Who is looked for in a recording, and who is measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PeopleOptions {
+    /// At most so many people, those who are in view longest; none: as many as the masks show.
+    pub most: Option<usize>,
+    /// Who is measured: 1 is the one who is in view longest and crosses the room.
+    pub person: usize,
+}
+
+impl Default for PeopleOptions {
+    fn default() -> Self {
+        Self { most: None, person: 1 }
+    }
 }
 
 /// The settings of the estimate, one for each stage of [`fit`](super::fit).

@@ -1,5 +1,7 @@
 //! From a mask to a silhouette.
 
+use std::sync::Arc;
+
 use nalgebra::{Point2, Vector2};
 
 use super::distance_map::MapExtent;
@@ -122,7 +124,7 @@ fn assembled(
 
     let extent = MapExtent { bounds, margin: options.map_margin, cells: options.map_cells };
     Some(Silhouette {
-        outside: DistanceMap::new(&polygons, image_outline(camera), &extent),
+        outside: Arc::new(DistanceMap::new(&polygons, image_outline(camera), &extent)),
         inside: inside(&polygons, bounds),
         contour: contour.points,
         area_px,
@@ -130,6 +132,7 @@ fn assembled(
         bounds,
         cut_px: contour.cut_px,
         pieces: contour.pieces,
+        others: Scanlines::default(),
     })
 }
 

@@ -75,7 +75,8 @@ impl Silhouette {
     pub fn detection(&self, people: Vec<Vec<Keypoint>>) -> Option<Detection> {
         let size_px = self.area_px.sqrt();
         let is_near = |k: &Keypoint| {
-            self.contains(&k.pixel) || self.outside.sample(&k.pixel).0 <= NEAR * size_px
+            let is_about = || self.outside.sample(&k.pixel).0 <= NEAR * size_px;
+            self.contains(&k.pixel) || self.sees(&k.pixel) && is_about()
         };
         let share = |keypoints: &[Keypoint]| {
             let all: f64 = keypoints.iter().map(|k| k.confidence).sum();

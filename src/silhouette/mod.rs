@@ -12,6 +12,7 @@ mod keypoints;
 mod options;
 mod outline;
 mod overlap;
+mod share;
 pub mod snake;
 mod support;
 

@@ -1,5 +1,7 @@
 //! A silhouette: its border, its inside, its outside.
 
+use std::sync::Arc;
+
 use nalgebra::{Point2, Vector2};
 
 use super::DistanceMap;
@@ -31,8 +33,8 @@ pub struct Silhouette {
     /// The outer and inner borders, piece after piece, without the parts on the image edge. Each piece runs with the
     /// person on the left as seen on the screen.
     pub contour: Vec<ContourPoint>,
-    /// Distance from a pixel outside to the silhouette.
-    pub outside: DistanceMap,
+    /// Distance from a pixel outside to the silhouette; of one person's share, to that of all people.
+    pub outside: Arc<DistanceMap>,
     /// Area without the holes, px².
     pub area_px: f64,
     /// Centroid of the area.
@@ -44,6 +46,8 @@ pub struct Silhouette {
     /// Index into `contour` of the first point of each unbroken piece of border.
     pub(super) pieces: Vec<usize>,
     pub(super) inside: Scanlines,
+    /// Where other people are seen, who may hide this one; empty unless this is one person's [share](Silhouette::share).
+    pub(super) others: Scanlines,
 }
 
 impl Silhouette {
@@ -52,9 +56,9 @@ impl Silhouette {
         self.inside.contains(pixel)
     }
 
-    /// Whether an undistorted pixel lies in the camera's image at all; nothing is known beyond.
+    /// Whether it is known if the person is seen at an undistorted pixel: it lies in the camera's image, and nobody else is seen there.
     pub fn sees(&self, pixel: &Point2<f64>) -> bool {
-        self.outside.sees(pixel)
+        self.outside.sees(pixel) && !self.others.contains(pixel)
     }
 
     /// Some of the contour's points, as equally spaced along each piece as they allow.
@@ -76,6 +80,7 @@ impl Silhouette {
         std::mem::size_of::<ContourPoint>() * self.contour.capacity()
             + std::mem::size_of::<usize>() * self.pieces.capacity()
             + self.inside.heap_bytes()
+            + self.others.heap_bytes()
             + self.outside.heap_bytes()
     }
 }

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::derived::Derived;
 use super::input::FitInput;
+use super::people::People;
 use super::{Error, FitOptions, FittedRecording};
 use crate::inference::search::{Journal, NoJournal};
 use crate::io::folder::journal::{DiskJournal, JournalError};
@@ -46,6 +47,7 @@ impl Recording {
         let out = OutFolder::open(folder.path())?;
         let derived = Derived { out: &out, is_resumed: false, progress: &NoProgress };
         let input = FitInput::read(self, options, &derived)?;
+        let input = People::part(input, &NoProgress)?.measured;
         let fit = search(&input, &NoJournal, &NoProgress)?;
         Ok(fitted(input, &fit))
     }
@@ -71,15 +73,41 @@ impl Recording {
             Derived { out: &out, is_resumed: folder.existing == Existing::Resume, progress };
         let input = FitInput::read(self, options, &derived)?;
 
-        // 2. fit, keeping what is finished
-        let journal = journal(&out, folder.existing, &input)?;
+        // 2. the people, and first those who are not measured: where the result stands all of it stands
+        let People { measured, others } = People::part(input, progress)?;
+        let kept: Vec<usize> = others.iter().map(|(number, _)| *number).collect();
+        for (number, other) in others {
+            progress.note(&format!("person {number}:"));
+            let path = out.person(number);
+            let folder = FitFolder { path: &path, ..folder };
+            let out = OutFolder::open(&path)?;
+            match self.fit_person(folder, &out, other, progress) {
+                Err(Error::Fit(fault)) => progress.note(&format!("person {number}: {fault}")),
+                fitted => drop(fitted?),
+            }
+        }
+        out.keep_people(&kept);
+
+        // 3. who is measured
+        self.fit_person(folder, &out, measured, progress)
+    }
+
+    /// Fits one person, keeping what is finished, and writes the result.
+    fn fit_person(
+        &self,
+        folder: FitFolder<'_>,
+        out: &OutFolder,
+        input: FitInput,
+        progress: &dyn Progress,
+    ) -> Result<FittedRecording, Error> {
+        let journal = journal(out, folder.existing, &input)?;
         journal.note().iter().for_each(|note| progress.note(note));
         let found = search(&input, &journal, progress);
         journal.into_whole()?;
         let fit = found.inspect_err(|_| out.abandon())?;
 
-        // 3. write the result, and only then replace an older one
-        let written = self.write_fit(folder, &out, input, &fit, progress);
+        // the result is whole before it replaces an older one
+        let written = self.write_fit(folder, out, input, &fit, progress);
         written.map_err(|fault| match fault {
             Error::Out(fault) | Error::Overlay(OverlayError::Out(fault)) => {
                 JournalError::NotKept(fault).into()

@@ -78,6 +78,19 @@ impl FitInput {
         })
     }
 
+    /// What is fitted of one person of several.
+    pub(super) fn of_person(&self, person: usize, observations: Vec<FrameObservations>) -> Self {
+        let mut options = self.options.clone();
+        options.observations.people.person = person;
+        Self {
+            files: self.files.clone(),
+            model: self.model.clone(),
+            checksums: self.checksums.clone(),
+            observations,
+            options,
+        }
+    }
+
     /// The frames with their time base.
     pub(super) fn sequence(&self) -> Sequence<'_> {
         Sequence { frames: &self.observations, fps: self.files.fps }

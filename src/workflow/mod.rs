@@ -8,6 +8,7 @@
 //! | `options.rs`  | [`FitOptions`]: how a recording is fitted                                     |
 //! | `fit.rs`      | `Recording::fit`, in memory, and `Recording::fit_into` a folder               |
 //! | `input.rs`    | everything that a fit is made from                                            |
+//! | `people.rs`   | what is fitted of each person of several                                     |
 //! | `derived.rs`  | what a recording lacks, made of its pictures: masks, contours, points         |
 //! | `masks.rs`, `silhouettes.rs`, `surface.rs` | masks cut out of pictures, silhouettes found in clutter, points measured by stereo, as files |
 //! | `fitted.rs`   | [`FittedRecording`]: lengths, angles, `result.json`                           |
@@ -32,6 +33,7 @@ mod gait;
 mod input;
 mod masks;
 mod options;
+mod people;
 #[cfg(feature = "report")]
 mod report;
 mod silhouettes;

@@ -9,7 +9,7 @@ use maquette::inference::search::Pruning;
 use maquette::io::folder::Existing;
 use maquette::likelihood::{EllipseOptions, Measure};
 use maquette::pipeline::stereo::StereoMethod;
-use maquette::pipeline::{Cameras, Clocks, FitTo, FrameRange};
+use maquette::pipeline::{Cameras, Clocks, FitTo, FrameRange, PeopleOptions};
 use maquette::workflow::SilhouetteSource;
 
 use crate::choice::{Choice, one_of};
@@ -86,6 +86,13 @@ pub(crate) struct FitArguments {
     /// What to fit to
     #[arg(long, value_parser = one_of(FITTED), default_value = "all")]
     fit_to: FitTo,
+    /// How many people are looked for in the masks at most: `auto`, or a number
+    #[arg(long, value_parser = most_people, default_value = "auto", value_name = "auto|NUMBER")]
+    people: MostPeople,
+    /// Who is measured, if there are several: 1 is the one who is in view longest and crosses the room (of several, the smallest); the
+    /// others' results are in OUT/people
+    #[arg(long, default_value_t = 1, value_name = "NUMBER")]
+    person: usize,
     #[command(flatten)]
     pub(super) threads: Threads,
     /// Draw the fit over the masks, into OUT/overlays
@@ -184,6 +191,18 @@ enum Switch {
     Off,
 }
 
+/// How many people are looked for; none: as many as there are.
+#[derive(Debug, Clone, Copy)]
+struct MostPeople(Option<usize>);
+
+fn most_people(text: &str) -> Result<MostPeople, String> {
+    let number = || text.parse().ok().filter(|number| (1..=9).contains(number));
+    match text {
+        "auto" => Ok(MostPeople(None)),
+        _ => number().map(|n| MostPeople(Some(n))).ok_or_else(|| "auto, or 1 to 9".into()),
+    }
+}
+
 impl FitArguments {
     pub(super) fn options(&self) -> FitOptions {
         let mut options = FitOptions {
@@ -194,6 +213,7 @@ impl FitArguments {
             ..FitOptions::default()
         };
         options.observations.fit_to = self.fit_to;
+        options.observations.people = PeopleOptions { most: self.people.0, person: self.person };
 
         let estimate = &mut options.estimate;
         estimate.search.keyframe_every = self.keyframe_every;

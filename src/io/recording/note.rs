@@ -131,6 +131,16 @@ pub enum Note {
         /// How many.
         others: usize,
     },
+    /// Masks of several people.
+    #[error(
+        "the masks show {people} people: person {person} is measured here, the others are in people/; --person and --people choose"
+    )]
+    SeveralPeople {
+        /// How many.
+        people: usize,
+        /// Who is measured.
+        person: usize,
+    },
     /// A camera whose detections are of nobody whom the others see.
     #[error(
         "camera {camera}: none of its detections is of the person whom the others see: check its calibration and offset_frames"

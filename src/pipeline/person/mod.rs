@@ -28,6 +28,8 @@
 mod groups;
 mod tracks;
 
+pub(super) use tracks::tracks;
+
 use std::collections::BTreeMap;
 
 use nalgebra::Point3;
@@ -69,7 +71,8 @@ pub fn person(rig: &Rig, frames: &[FramePeople], fps: f64) -> Person {
     let seen: Vec<Vec<Seen>> = frames.par_iter().map(Seen::of_frame).collect();
     let groups: Vec<_> = seen.par_iter().map(|people| groups::groups(rig, people)).collect();
     let times_s: Vec<f64> = frames.iter().map(|frame| frame.frame.0 as f64 / fps).collect();
-    let tracks = tracks::tracks(&groups, &times_s);
+    let middles = groups.iter().map(|frame| frame.iter().map(|g| g.joints.middle()).collect());
+    let tracks = tracks(&middles.collect::<Vec<_>>(), &times_s);
 
     // 2. who has most pictures
     let support = |track: &BTreeMap<usize, usize>| -> usize {

@@ -1,0 +1,223 @@
+//! Several people in masks: who they are, and what of the masks is each one's.
+//!
+//! # Model
+//! Person p has shape s_p and motion m_p. A mask of all of them is the union of what each covers, so its border is where the nearest of all
+//! outlines is, min_p d_p(x) = 0, d_p the signed distance to the outline of person p. Whose a border point x is, is hidden; given the
+//! bodies, with Student's t of scale σ for how borders lie about outlines,
+//!
+//! r_p(x) = t_ν(d_p(x)/σ) / Σ_q t_ν(d_q(x)/σ).
+//!
+//! That is the E step of a mixture; the M step is a fit of each body alone to the border points, each weighted by its r_p. Outside, a
+//! body must not stick out of the union. Inside the union, pixels that lie deepest in another's outline are unknown to this person, who
+//! may be hidden there. So each person has [observations](FrameObservations) of their own, and the fit is that of one person.
+//!
+//! # Start
+//! 1. The voxels that the masks of a frame leave, seen from above, have a peak for each person (`standing.rs`).
+//! 2. Peaks of consecutive frames are one person if nobody had to run faster than 5 m/s for it (`person/tracks.rs`). Who is there for less
+//!    than [`LEAST_SHARE`] of the frames is nobody. Where two who were apart before and after have one peak, each voxel is the nearer's.
+//! 3. Each one's share of the masks is what only their voxels show; to it a body is fitted, by Algorithm 1 with few keyframes.
+//! 4. These bodies give r; σ is 1.48 times the median of min_p |d_p|.
+//!
+//! # Who is measured
+//! The one who is in view longest; of several, the one who crosses the room; of several, the smallest: beside a child walks a parent.
+
+mod room;
+mod share;
+mod standing;
+
+use std::collections::BTreeMap;
+
+use nalgebra::Point3;
+use rayon::prelude::*;
+
+use self::room::Room;
+use self::standing::Standing;
+use super::fit::estimated;
+use super::person::tracks;
+use super::{EstimateOptions, FitError, Progress};
+use crate::body::{BodyModel, Posed};
+use crate::camera::Rig;
+use crate::inference::Sequence;
+use crate::inference::hull::{has_depth, lines_of_sight};
+use crate::inference::search::SearchOptions;
+use crate::math::stats::median;
+use crate::silhouette::FrameObservations;
+
+/// Who is in view for less than this share of the frames is nobody.
+const LEAST_SHARE: f64 = 0.2;
+/// Two people are in view equally long, or walk equally far, from this ratio on.
+const EQUAL: f64 = 0.8;
+/// Keyframes of the bodies that tell whose the borders are.
+const KEYFRAMES: usize = 3;
+
+/// One person over time: what they fill in each frame.
+struct Track {
+    /// Position of the frame → the person of that frame.
+    frames: BTreeMap<usize, Standing>,
+}
+
+/// Each person's share of a sequence of masks, the one who is measured first, without detections and points; empty if the masks show one
+/// person, or if nothing tells. At most `most` are looked for.
+///
+/// # Errors
+/// As [`fit`](super::fit).
+pub fn people(
+    model: &BodyModel,
+    rig: &Rig,
+    sequence: Sequence<'_>,
+    options: &EstimateOptions,
+    most: Option<usize>,
+    progress: &dyn Progress,
+) -> Result<Vec<Vec<FrameObservations>>, FitError> {
+    // 1., 2. who stands where, and who they are
+    let may_tell = |frame: &FrameObservations| has_depth(&lines_of_sight(rig, frame));
+    if most == Some(1) || !sequence.frames.iter().any(may_tell) {
+        return Ok(Vec::new());
+    }
+    let Some(room) = Room::new(rig, sequence.frames) else { return Ok(Vec::new()) };
+    let tracks = tracked(&room, rig, sequence, most);
+    if tracks.len() < 2 {
+        return Ok(Vec::new());
+    }
+
+    // 3. a body of each
+    let shares = of_everybody(sequence, tracks.len(), |i, frame| {
+        let voxels: Vec<_> = tracks
+            .iter()
+            .map(|track| track.frames.get(&i).map(|standing| standing.voxels.as_slice()))
+            .collect();
+        share::by_voxels(&room, rig, frame, &voxels)
+    });
+    let coarse = EstimateOptions {
+        joint: None,
+        search: SearchOptions {
+            keyframe_every: Some(sequence.frames.len().div_ceil(KEYFRAMES)),
+            ..options.search.clone()
+        },
+        ..options.clone()
+    };
+    let body = |frames: &Vec<FrameObservations>| {
+        let own = Sequence { frames, ..sequence };
+        estimated(model, rig, own, &coarse, progress)
+    };
+    let bodies: Vec<_> = shares.iter().map(body).collect::<Result<_, _>>()?;
+
+    // 4. whose the borders are
+    let posed = |i: usize| -> Vec<Option<Posed<'_>>> {
+        let people = tracks.iter().zip(&bodies);
+        let posed = people.map(|(track, body)| {
+            let is_there = track.frames.contains_key(&i);
+            is_there.then(|| Posed::new(model, &body.shape, &body.frames[i].motion))
+        });
+        posed.collect()
+    };
+    let frames = sequence.frames.par_iter().enumerate();
+    let spreads = frames.filter_map(|(i, frame)| share::spread_m(rig, frame, &posed(i)));
+    let spread_m = median(&mut spreads.collect()).unwrap_or(f64::INFINITY);
+    Ok(of_everybody(sequence, tracks.len(), |i, frame| {
+        share::by_bodies(rig, frame, &posed(i), spread_m)
+    }))
+}
+
+/// The shares of everybody in all frames, person by person.
+fn of_everybody(
+    sequence: Sequence<'_>,
+    people: usize,
+    shares: impl Fn(usize, &FrameObservations) -> Vec<FrameObservations> + Sync,
+) -> Vec<Vec<FrameObservations>> {
+    let frames = sequence.frames.par_iter().enumerate();
+    let frames: Vec<Vec<FrameObservations>> = frames.map(|(i, frame)| shares(i, frame)).collect();
+    let mut all: Vec<Vec<FrameObservations>> = vec![Vec::new(); people];
+    for frame in frames {
+        for (own, share) in all.iter_mut().zip(frame) {
+            own.push(share);
+        }
+    }
+    all
+}
+
+/// The people of a sequence, the one who is measured first.
+fn tracked(room: &Room, rig: &Rig, sequence: Sequence<'_>, most: Option<usize>) -> Vec<Track> {
+    let frames = sequence.frames.par_iter();
+    let standing: Vec<Vec<Standing>> =
+        frames.map(|frame| standing::standing(room, rig, frame)).collect();
+    let places: Vec<Vec<Point3<f64>>> =
+        standing.iter().map(|people| people.iter().map(|p| p.place).collect()).collect();
+    let times_s: Vec<f64> =
+        sequence.frames.iter().map(|f| f.frame.0 as f64 / sequence.fps).collect();
+    let shown = sequence.frames.iter().filter(|frame| frame.views.len() >= 2).count();
+
+    let mut found = tracks(&places, &times_s);
+    found.retain(|track| track.len() as f64 >= LEAST_SHARE * shown as f64);
+    found.sort_by_key(|track| std::cmp::Reverse(track.len()));
+    found.truncate(most.unwrap_or(usize::MAX));
+    let of_track = |track: &BTreeMap<usize, usize>| Track {
+        frames: track.iter().map(|(i, at)| (*i, standing[*i][*at].clone())).collect(),
+    };
+    let mut people: Vec<Track> = found.iter().map(of_track).collect();
+    if people.len() > 1 {
+        part_merged(room, &mut people, &standing);
+    }
+    let measured = measured(&people);
+    people.swap(0, measured);
+    people
+}
+
+/// Where one who is in view before and after a frame has no place of their own in it, parts the voxels of all by who is nearer.
+fn part_merged(room: &Room, people: &mut [Track], standing: &[Vec<Standing>]) {
+    for (i, of_frame) in standing.iter().enumerate() {
+        let places: Vec<Option<Point3<f64>>> = people.iter().map(|track| track.place(i)).collect();
+        let is_merged = |track: &Track| track.place(i).is_some() && !track.frames.contains_key(&i);
+        if !people.iter().any(is_merged) {
+            continue;
+        }
+
+        let mut voxels: Vec<Vec<usize>> = vec![Vec::new(); people.len()];
+        for voxel in of_frame.iter().flat_map(|standing| &standing.voxels) {
+            let at = room.place(*voxel);
+            let off = |person: &usize| {
+                places[*person].map_or(f64::INFINITY, |place| (place - at).xy().norm())
+            };
+            let nearest = (0..people.len()).min_by(|a, b| off(a).total_cmp(&off(b)));
+            nearest.into_iter().for_each(|person| voxels[person].push(*voxel));
+        }
+        for (track, voxels) in people.iter_mut().zip(voxels) {
+            if !voxels.is_empty() {
+                track.frames.insert(i, Standing::new(room, voxels));
+            }
+        }
+    }
+}
+
+impl Track {
+    /// Where the person is in a frame: seen there, or between where they were before and after.
+    fn place(&self, frame: usize) -> Option<Point3<f64>> {
+        let (i, before) = self.frames.range(..=frame).next_back()?;
+        let (j, after) = self.frames.range(frame..).next()?;
+        let part = (frame - i) as f64 / (j - i).max(1) as f64;
+        Some(before.place + (after.place - before.place) * part)
+    }
+
+    /// How far they walk: from one end of the recording to the other.
+    fn path_m(&self) -> f64 {
+        let ends = self.frames.values().next().zip(self.frames.values().next_back());
+        ends.map_or(0.0, |(first, last)| (last.place - first.place).xy().norm())
+    }
+
+    fn height_m(&self) -> f64 {
+        median(&mut self.frames.values().map(|standing| standing.height_m).collect()).unwrap_or(0.0)
+    }
+}
+
+/// Who is measured.
+fn measured(people: &[Track]) -> usize {
+    let mut rest: Vec<usize> = (0..people.len()).collect();
+    let mut keep = |value: &dyn Fn(&Track) -> f64| {
+        let most = rest.iter().map(|p| value(&people[*p])).fold(0.0, f64::max);
+        rest.retain(|p| value(&people[*p]) >= EQUAL * most);
+    };
+    keep(&|track| track.frames.len() as f64);
+    keep(&Track::path_m);
+    let height = |p: &usize| people[*p].height_m();
+    rest.into_iter().min_by(|a, b| height(a).total_cmp(&height(b))).unwrap_or(0)
+}

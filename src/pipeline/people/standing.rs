@@ -1,0 +1,188 @@
+//! Who stands where in one frame.
+//!
+//! Seen from above, the voxels that the masks leave are columns. V(x, y) is the volume of all columns within 0.2 m: a person is a peak of it.
+//! From the highest column down, each joins the peak that it touches; where two peaks meet at a saddle that is higher than half of the lower
+//! peak, they are one body (a leg ahead, an arm to the side), else two people (who may hold hands). What is lower than a child who walks, or
+//! explains nothing in the pictures that the others do not (two lines of sight cross where nobody stands), is nobody; its voxels go to the
+//! nearest person.
+
+use nalgebra::{Point3, Vector3};
+
+use super::room::Room;
+use crate::camera::Rig;
+use crate::silhouette::FrameObservations;
+
+/// What is within so far of a column belongs to one body, metres: half of a trunk's width.
+const AROUND_M: f64 = 0.2;
+/// Two peaks are one body if the saddle between them is higher than this share of the lower.
+const SADDLE: f64 = 0.5;
+/// The smallest child who walks, metres.
+const SMALLEST_M: f64 = 0.7;
+/// A person fills so much of the pictures' cells alone, over all that they fill, in the camera where it is most.
+const LEAST_OWN: f64 = 0.3;
+
+/// One person of a frame.
+#[derive(Debug, Clone)]
+pub(super) struct Standing {
+    /// The middle of their voxels.
+    pub(super) place: Point3<f64>,
+    /// From their lowest to their highest voxel, metres.
+    pub(super) height_m: f64,
+    pub(super) voxels: Vec<usize>,
+}
+
+impl Standing {
+    pub(super) fn new(room: &Room, voxels: Vec<usize>) -> Self {
+        let places = || voxels.iter().map(|v| room.place(*v));
+        let sum: Vector3<f64> = places().map(|p| p.coords).sum();
+        let heights = || places().map(|p| p.z);
+        let (low, high) =
+            (heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max));
+        Self {
+            place: (sum / voxels.len().max(1) as f64).into(),
+            height_m: high - low + room.voxel_m,
+            voxels,
+        }
+    }
+}
+
+/// The people of a frame.
+pub(super) fn standing(room: &Room, rig: &Rig, frame: &FrameObservations) -> Vec<Standing> {
+    let occupied = room.occupied(frame);
+    let (peak_of, peaks) = Columns::new(room, &occupied).peaks();
+    let mut bodies: Vec<Vec<usize>> = vec![Vec::new(); peaks];
+    for voxel in occupied {
+        bodies[peak_of[room.column(voxel).0]].push(voxel);
+    }
+
+    let bodies = bodies.into_iter().map(|voxels| Standing::new(room, voxels));
+    let (mut people, mut rest): (Vec<Standing>, Vec<Standing>) =
+        bodies.partition(|body| body.height_m >= SMALLEST_M);
+    while let Some(ghost) = ghost(room, rig, frame, &people) {
+        rest.push(people.remove(ghost));
+    }
+    for voxel in rest.into_iter().flat_map(|body| body.voxels) {
+        give(room, voxel, &mut people);
+    }
+    people.into_iter().map(|person| Standing::new(room, person.voxels)).collect()
+}
+
+/// Gives a voxel to the nearest of some people.
+fn give(room: &Room, voxel: usize, people: &mut [Standing]) {
+    let place = room.place(voxel);
+    let off = |person: &Standing| (person.place - place).xy().norm();
+    if let Some(nearest) = people.iter_mut().min_by(|a, b| off(a).total_cmp(&off(b))) {
+        nearest.voxels.push(voxel);
+    }
+}
+
+/// The one who explains least of the pictures alone, if it is too little.
+fn ghost(room: &Room, rig: &Rig, frame: &FrameObservations, people: &[Standing]) -> Option<usize> {
+    if people.len() < 2 {
+        return None;
+    }
+    let voxels: Vec<&[usize]> = people.iter().map(|person| person.voxels.as_slice()).collect();
+    let cells: Vec<_> =
+        frame.views.iter().map(|(id, _)| room.person_cells(rig, *id, &voxels)).collect();
+    let own = |person: usize| {
+        let shares = cells.iter().map(|cells| {
+            let (own, all) = cells.own_and_all(person);
+            own as f64 / all.max(1) as f64
+        });
+        shares.fold(0.0, f64::max)
+    };
+    let all = (0..people.len()).map(|person| (person, own(person)));
+    let least = all.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    (least.1 < LEAST_OWN).then_some(least.0)
+}
+
+/// The room from above.
+struct Columns {
+    width: usize,
+    /// Voxels within reach of each column; 0 of an empty one.
+    volume: Vec<usize>,
+}
+
+impl Columns {
+    fn new(room: &Room, occupied: &[usize]) -> Self {
+        let (width, height) = (room.counts[0], room.counts[1]);
+        let mut own = vec![0_usize; width * height];
+        occupied.iter().for_each(|voxel| own[room.column(*voxel).0] += 1);
+
+        let reach = AROUND_M / room.voxel_m;
+        let whole = reach as isize;
+        let disc = (-whole..=whole).flat_map(|j| (-whole..=whole).map(move |i| (i, j)));
+        let disc: Vec<(isize, isize)> =
+            disc.filter(|(i, j)| ((i * i + j * j) as f64).sqrt() <= reach).collect();
+        let around = |column: usize| {
+            let (x, y) = ((column % width) as isize, (column / width) as isize);
+            let near = disc.iter().map(|(i, j)| (x + i, y + j));
+            let near = near.filter(|(x, y)| {
+                (0..width as isize).contains(x) && (0..height as isize).contains(y)
+            });
+            near.map(|(x, y)| own[y as usize * width + x as usize]).sum()
+        };
+        let volume = (0..own.len()).map(|c| if own[c] > 0 { around(c) } else { 0 });
+        Self { width, volume: volume.collect() }
+    }
+
+    /// The peak that each column belongs to, and how many there are.
+    fn peaks(&self) -> (Vec<usize>, usize) {
+        let mut columns: Vec<usize> =
+            (0..self.volume.len()).filter(|column| self.volume[*column] > 0).collect();
+        columns.sort_by_key(|column| std::cmp::Reverse(self.volume[*column]));
+
+        // each column's peak, and each peak's height and what it was merged into
+        let mut of_column: Vec<Option<usize>> = vec![None; self.volume.len()];
+        let mut heights: Vec<usize> = Vec::new();
+        let mut into: Vec<usize> = Vec::new();
+        for column in columns {
+            let mut touched: Vec<usize> = self.around(column);
+            touched.retain(|beside| of_column[*beside].is_some());
+            let mut touched: Vec<usize> = touched
+                .iter()
+                .filter_map(|beside| of_column[*beside])
+                .map(|p| root(&into, p))
+                .collect();
+            touched.sort_unstable();
+            touched.dedup();
+            touched.sort_by_key(|peak| std::cmp::Reverse(heights[*peak]));
+            let Some(highest) = touched.first().copied() else {
+                of_column[column] = Some(heights.len());
+                into.push(heights.len());
+                heights.push(self.volume[column]);
+                continue;
+            };
+            of_column[column] = Some(highest);
+            for lower in &touched[1..] {
+                if self.volume[column] as f64 > SADDLE * heights[*lower] as f64 {
+                    into[*lower] = highest;
+                }
+            }
+        }
+
+        // numbered without gaps
+        let mut roots: Vec<usize> = (0..into.len()).filter(|peak| into[*peak] == *peak).collect();
+        roots.sort_by_key(|peak| std::cmp::Reverse(heights[*peak]));
+        let number = |peak: usize| roots.iter().position(|r| *r == root(&into, peak)).unwrap_or(0);
+        let of_column = of_column.into_iter().map(|peak| peak.map_or(0, number)).collect();
+        (of_column, roots.len())
+    }
+
+    fn around(&self, column: usize) -> Vec<usize> {
+        let (x, y) = ((column % self.width) as isize, (column / self.width) as isize);
+        let height = (self.volume.len() / self.width) as isize;
+        let near = (-1..=1).flat_map(|j| (-1..=1).map(move |i| (x + i, y + j)));
+        let near =
+            near.filter(|(x, y)| (0..self.width as isize).contains(x) && (0..height).contains(y));
+        near.map(|(x, y)| y as usize * self.width + x as usize).collect()
+    }
+}
+
+/// The peak that a peak was merged into.
+fn root(into: &[usize], mut peak: usize) -> usize {
+    while into[peak] != peak {
+        peak = into[peak];
+    }
+    peak
+}
