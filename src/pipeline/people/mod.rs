@@ -16,7 +16,8 @@
 //! 2. Peaks of consecutive frames are one person if nobody had to run faster than 5 m/s for it (`person/tracks.rs`). Who is there for less
 //!    than [`LEAST_SHARE`] of the frames is nobody. Where two who were apart before and after have one peak, each voxel is the nearer's.
 //! 3. Each one's share of the masks is what only their voxels show; to it a body is fitted, by Algorithm 1 with few keyframes.
-//! 4. These bodies give r; σ is 1.48 times the median of min_p |d_p|.
+//! 4. These bodies give r; σ is 1.48 times the median of min_p |d_p|. Whose body covers their share less than a fit must, is nobody: a leg far
+//!    ahead of its trunk, a thing. The others are fitted anew.
 //!
 //! # Who is measured
 //! The one who is in view longest; of several, the one who crosses the room; of several, the smallest: beside a child walks a parent.
@@ -32,14 +33,18 @@ use rayon::prelude::*;
 
 use self::room::Room;
 use self::standing::Standing;
+use super::diagnosis::LEAST_OVERLAP;
+use super::estimate::Estimate;
 use super::fit::estimated;
+use super::measures::Measures;
 use super::person::tracks;
+use super::quality::sampled_iou;
 use super::{EstimateOptions, FitError, Progress};
 use crate::body::{BodyModel, Posed};
 use crate::camera::Rig;
-use crate::inference::Sequence;
 use crate::inference::hull::{has_depth, lines_of_sight};
 use crate::inference::search::SearchOptions;
+use crate::inference::{Evidence, Sequence};
 use crate::math::stats::median;
 use crate::silhouette::FrameObservations;
 
@@ -69,54 +74,102 @@ pub fn people(
     most: Option<usize>,
     progress: &dyn Progress,
 ) -> Result<Vec<Vec<FrameObservations>>, FitError> {
-    // 1., 2. who stands where, and who they are
     let may_tell = |frame: &FrameObservations| has_depth(&lines_of_sight(rig, frame));
     if most == Some(1) || !sequence.frames.iter().any(may_tell) {
         return Ok(Vec::new());
     }
     let Some(room) = Room::new(rig, sequence.frames) else { return Ok(Vec::new()) };
-    let tracks = tracked(&room, rig, sequence, most);
-    if tracks.len() < 2 {
-        return Ok(Vec::new());
+
+    // 1., 2. who stands where, and who they are
+    let mut tracks = tracked(&room, rig, sequence, most);
+    while tracks.len() > 1 {
+        // 3. a body of each
+        let shares = of_everybody(sequence, tracks.len(), |i, frame| {
+            let voxels = tracks.iter().map(|track| track.frames.get(&i));
+            let voxels: Vec<_> = voxels.map(|own| own.map(|s| s.voxels.as_slice())).collect();
+            share::by_voxels(&room, rig, frame, &voxels)
+        });
+        let bodies = Bodies::fitted(model, rig, sequence.fps, options, &shares, progress)?;
+
+        // 4. whose the borders are, and who is nobody
+        let shares = bodies.shares(rig, sequence, &tracks);
+        let overlaps = bodies.overlaps(rig, options, &shares)?;
+        let least = (0..tracks.len()).min_by(|a, b| overlaps[*a].total_cmp(&overlaps[*b]));
+        match least.filter(|person| overlaps[*person] < LEAST_OVERLAP) {
+            Some(nobody) => {
+                let nobody = tracks.remove(nobody);
+                nobody.give(&room, &mut tracks);
+            }
+            None => return Ok(measured_first(&tracks, shares)),
+        }
+    }
+    Ok(Vec::new())
+}
+
+/// A body that was fitted coarsely to each person.
+struct Bodies<'a> {
+    model: &'a BodyModel,
+    people: Vec<Estimate>,
+}
+
+impl<'a> Bodies<'a> {
+    fn fitted(
+        model: &'a BodyModel,
+        rig: &Rig,
+        fps: f64,
+        options: &EstimateOptions,
+        shares: &[Vec<FrameObservations>],
+        progress: &dyn Progress,
+    ) -> Result<Self, FitError> {
+        let body = |frames: &Vec<FrameObservations>| {
+            let keyframe_every = Some(frames.len().div_ceil(KEYFRAMES));
+            let search = SearchOptions { keyframe_every, ..options.search.clone() };
+            let coarse = EstimateOptions { joint: None, search, ..options.clone() };
+            estimated(model, rig, Sequence { frames, fps }, &coarse, progress)
+        };
+        Ok(Self { model, people: shares.iter().map(body).collect::<Result<_, _>>()? })
     }
 
-    // 3. a body of each
-    let shares = of_everybody(sequence, tracks.len(), |i, frame| {
-        let voxels: Vec<_> = tracks
-            .iter()
-            .map(|track| track.frames.get(&i).map(|standing| standing.voxels.as_slice()))
-            .collect();
-        share::by_voxels(&room, rig, frame, &voxels)
-    });
-    let coarse = EstimateOptions {
-        joint: None,
-        search: SearchOptions {
-            keyframe_every: Some(sequence.frames.len().div_ceil(KEYFRAMES)),
-            ..options.search.clone()
-        },
-        ..options.clone()
-    };
-    let body = |frames: &Vec<FrameObservations>| {
-        let own = Sequence { frames, ..sequence };
-        estimated(model, rig, own, &coarse, progress)
-    };
-    let bodies: Vec<_> = shares.iter().map(body).collect::<Result<_, _>>()?;
-
-    // 4. whose the borders are
-    let posed = |i: usize| -> Vec<Option<Posed<'_>>> {
-        let people = tracks.iter().zip(&bodies);
+    /// The body of everybody who is there in a frame.
+    fn posed(&self, tracks: &[Track], frame: usize) -> Vec<Option<Posed<'_>>> {
+        let people = tracks.iter().zip(&self.people);
         let posed = people.map(|(track, body)| {
-            let is_there = track.frames.contains_key(&i);
-            is_there.then(|| Posed::new(model, &body.shape, &body.frames[i].motion))
+            let is_there = track.frames.contains_key(&frame);
+            is_there.then(|| Posed::new(self.model, &body.shape, &body.frames[frame].motion))
         });
         posed.collect()
-    };
-    let frames = sequence.frames.par_iter().enumerate();
-    let spreads = frames.filter_map(|(i, frame)| share::spread_m(rig, frame, &posed(i)));
-    let spread_m = median(&mut spreads.collect()).unwrap_or(f64::INFINITY);
-    Ok(of_everybody(sequence, tracks.len(), |i, frame| {
-        share::by_bodies(rig, frame, &posed(i), spread_m)
-    }))
+    }
+
+    /// Each person's share of the masks, by these bodies.
+    fn shares(
+        &self,
+        rig: &Rig,
+        sequence: Sequence<'_>,
+        tracks: &[Track],
+    ) -> Vec<Vec<FrameObservations>> {
+        let frames = sequence.frames.par_iter().enumerate();
+        let spread = |(i, frame)| share::spread_m(rig, frame, &self.posed(tracks, i));
+        let spread_m = median(&mut frames.filter_map(spread).collect()).unwrap_or(f64::INFINITY);
+        of_everybody(sequence, tracks.len(), |i, frame| {
+            share::by_bodies(rig, frame, &self.posed(tracks, i), spread_m)
+        })
+    }
+
+    /// How well each covers their share.
+    fn overlaps(
+        &self,
+        rig: &Rig,
+        options: &EstimateOptions,
+        shares: &[Vec<FrameObservations>],
+    ) -> Result<Vec<f64>, FitError> {
+        let measure = Measures::choose(self.model, options.measure)?.search;
+        let evidence = Evidence::new(self.model, rig, options.likelihood, measure);
+        let overlap = |(body, frames): (&Estimate, &Vec<FrameObservations>)| {
+            let fits: Vec<_> = body.frames.iter().cloned().map(Some).collect();
+            sampled_iou(&evidence, frames, &body.shape, &fits).unwrap_or(0.0)
+        };
+        Ok(self.people.iter().zip(shares).map(overlap).collect())
+    }
 }
 
 /// The shares of everybody in all frames, person by person.
@@ -158,8 +211,6 @@ fn tracked(room: &Room, rig: &Rig, sequence: Sequence<'_>, most: Option<usize>) 
     if people.len() > 1 {
         part_merged(room, &mut people, &standing);
     }
-    let measured = measured(&people);
-    people.swap(0, measured);
     people
 }
 
@@ -204,13 +255,25 @@ impl Track {
         ends.map_or(0.0, |(first, last)| (last.place - first.place).xy().norm())
     }
 
+    /// Gives all that they fill to the nearest of others.
+    fn give(self, room: &Room, others: &mut [Self]) {
+        for (frame, standing) in self.frames {
+            let mut there: Vec<&mut Standing> =
+                others.iter_mut().filter_map(|other| other.frames.get_mut(&frame)).collect();
+            standing.voxels.into_iter().for_each(|voxel| standing::give(room, voxel, &mut there));
+        }
+    }
+
     fn height_m(&self) -> f64 {
         median(&mut self.frames.values().map(|standing| standing.height_m).collect()).unwrap_or(0.0)
     }
 }
 
-/// Who is measured.
-fn measured(people: &[Track]) -> usize {
+/// The shares of the one who is measured before those of the others.
+fn measured_first(
+    people: &[Track],
+    mut shares: Vec<Vec<FrameObservations>>,
+) -> Vec<Vec<FrameObservations>> {
     let mut rest: Vec<usize> = (0..people.len()).collect();
     let mut keep = |value: &dyn Fn(&Track) -> f64| {
         let most = rest.iter().map(|p| value(&people[*p])).fold(0.0, f64::max);
@@ -219,5 +282,7 @@ fn measured(people: &[Track]) -> usize {
     keep(&|track| track.frames.len() as f64);
     keep(&Track::path_m);
     let height = |p: &usize| people[*p].height_m();
-    rest.into_iter().min_by(|a, b| height(a).total_cmp(&height(b))).unwrap_or(0)
+    let measured = rest.into_iter().min_by(|a, b| height(a).total_cmp(&height(b))).unwrap_or(0);
+    shares[..=measured].rotate_right(1);
+    shares
 }

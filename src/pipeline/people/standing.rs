@@ -61,16 +61,16 @@ pub(super) fn standing(room: &Room, rig: &Rig, frame: &FrameObservations) -> Vec
     while let Some(ghost) = ghost(room, rig, frame, &people) {
         rest.push(people.remove(ghost));
     }
-    for voxel in rest.into_iter().flat_map(|body| body.voxels) {
-        give(room, voxel, &mut people);
-    }
+    let mut there: Vec<&mut Standing> = people.iter_mut().collect();
+    let rest = rest.into_iter().flat_map(|body| body.voxels);
+    rest.for_each(|voxel| give(room, voxel, &mut there));
     people.into_iter().map(|person| Standing::new(room, person.voxels)).collect()
 }
 
 /// Gives a voxel to the nearest of some people.
-fn give(room: &Room, voxel: usize, people: &mut [Standing]) {
+pub(super) fn give(room: &Room, voxel: usize, people: &mut [&mut Standing]) {
     let place = room.place(voxel);
-    let off = |person: &Standing| (person.place - place).xy().norm();
+    let off = |person: &&mut Standing| (person.place - place).xy().norm();
     if let Some(nearest) = people.iter_mut().min_by(|a, b| off(a).total_cmp(&off(b))) {
         nearest.voxels.push(voxel);
     }
