@@ -23,6 +23,13 @@ pub struct Ellipsoid {
 }
 
 impl Ellipsoid {
+    /// Whether a point lies within: (x − c)ᵀ S⁻¹ (x − c) ≤ 1.
+    pub fn contains(&self, point: &Vector3<f64>) -> bool {
+        let offset = point - self.centre;
+        let solved = self.shape.cholesky().map(|root| root.solve(&offset));
+        solved.is_some_and(|solved| offset.dot(&solved) <= 1.0)
+    }
+
     /// Places of the numbers 3..9 in A; the numbers 0..3 are the centre.
     pub const INDEX: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
 }

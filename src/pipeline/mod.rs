@@ -2,7 +2,7 @@
 //!
 //! | stage                               | where                              |
 //! |-------------------------------------|------------------------------------|
-//! | 0. without masks: whose detections they are | [`person()`]              |
+//! | 0. whose the masks are, and the detections | [`people()`], [`detected_people`]              |
 //! | 1. do cameras and masks agree       | [`check_scene`]                    |
 //! | 2. Algorithm 1                      | [`crate::inference::search`]       |
 //! | 3. the joint optimum, and where the cameras look | [`crate::inference::joint`], [`crate::inference::camera_offset`] |
@@ -63,8 +63,8 @@ pub(crate) use measures::fits_points;
 pub use memory::MemoryPictures;
 pub use movement::{FittedBody, FittedMotion, FittedPoint, FramePose, FrameSd};
 pub use options::{Cameras, Clocks, EstimateOptions, FitTo, ObservationOptions, PeopleOptions};
-pub use people::people;
-pub use person::{Beside, Person, person};
+pub use people::{LEAST_SHARE, by_labels, people};
+pub use person::{Beside, Person, detected_people};
 pub use points::PointQuality;
 pub use progress::{NoProgress, Progress};
 pub use quality::{CameraQuality, ViewQuality};

@@ -143,3 +143,60 @@ fn joined(runs: Vec<(usize, [f64; 2])>) -> Vec<(usize, [f64; 2])> {
     }
     all
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::Camera;
+    use crate::image::Mask;
+    use crate::silhouette::{SilhouetteOptions, extract};
+    use crate::synth::Ring;
+
+    /// Two people who touch, left of x = 40 and right of it, and the camera that sees them.
+    fn touching() -> (Camera, Silhouette) {
+        let ring = Ring { width_px: 160, height_px: 120, ..Ring::default() };
+        let camera = ring.regular().cameras.remove(0);
+        let mask = Mask::from_fn(160, 120, |x, y| (20..70).contains(&x) && (20..100).contains(&y));
+        let silhouette = extract(&mask, &camera, &SilhouetteOptions::default()).unwrap();
+        (camera, silhouette)
+    }
+
+    #[test]
+    fn two_shares_have_each_border_point_once_and_each_others_pixels_are_unknown() {
+        let (_, both) = touching();
+        let is_left = |pixel: &Point2<f64>| pixel.x < 40.0;
+        let share = |is_own: &dyn Fn(&Point2<f64>) -> bool| {
+            both.share(|point| f64::from(u8::from(is_own(&point.pixel))), is_own).unwrap()
+        };
+        let (left, right) = (share(&is_left), share(&|pixel| !is_left(pixel)));
+
+        assert_eq!(left.contour.len() + right.contour.len(), both.contour.len());
+        assert!(left.contour.iter().all(|point| is_left(&point.pixel)));
+        approx::assert_relative_eq!(
+            left.area_px + right.area_px,
+            both.area_px,
+            max_relative = 0.02
+        );
+        approx::assert_relative_eq!(left.area_px / both.area_px, 0.4, epsilon = 0.02);
+        approx::assert_abs_diff_eq!(left.bounds.1.x, 40.0, epsilon = 1.5);
+
+        let (own, others, outside) =
+            (Point2::new(30.0, 60.0), Point2::new(60.0, 60.0), Point2::new(10.0, 60.0));
+        assert!(left.contains(&own) && left.sees(&own));
+        assert!(!left.contains(&others) && !left.sees(&others));
+        assert!(!left.contains(&outside) && left.sees(&outside));
+        // nobody is punished for being hidden
+        assert!(left.outside.sample(&others).0 <= 0.0 && left.outside.sample(&outside).0 > 5.0);
+    }
+
+    #[test]
+    fn half_a_probability_is_half_as_reliable_and_who_has_nothing_has_no_share() {
+        let (_, both) = touching();
+        let half = both.share(|_| 0.5, |_| true).unwrap();
+        let counted = |s: &Silhouette| s.contour.iter().map(ContourPoint::counted_px).sum::<f64>();
+        approx::assert_relative_eq!(counted(&half), 0.5 * counted(&both), max_relative = 1e-9);
+        assert_eq!(half.thinned(5.0).len(), both.thinned(5.0).len());
+        assert!(both.share(|_| 0.0, |_| true).is_none());
+        assert!(both.share(|_| 1.0, |_| false).is_none());
+    }
+}

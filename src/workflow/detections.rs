@@ -1,11 +1,14 @@
-//! What detections show of one person where there are no masks.
+//! What detections show of each person where there are no masks.
 
 use rayon::prelude::*;
 
 use super::{Error, FitOptions};
 use crate::io::recording::{Note, ObservationFiles, RecordingError};
-use crate::pipeline::{Beside, FitError, FitTo, Person, Progress, person};
+use crate::pipeline::{FitError, FitTo, Person, Progress, detected_people};
 use crate::silhouette::{FrameObservations, FramePeople};
+
+/// So many people are fitted, unless more are asked for.
+const MOST_PEOPLE: usize = 4;
 
 /// Whether detections are fitted to, and no mask says whose they are.
 pub(super) fn stand_alone(files: &ObservationFiles, fit_to: FitTo) -> bool {
@@ -13,34 +16,46 @@ pub(super) fn stand_alone(files: &ObservationFiles, fit_to: FitTo) -> bool {
     is_wanted && !files.has_masks() && files.has_detections()
 }
 
-/// The detections of the person who is seen longest, in the frames that were asked for, and points where there are any; what is odd is noted.
+/// The detections of each person, the one who is measured first, in the frames that were asked for, and points where there are any; what is
+/// odd is noted.
 pub(super) fn load(
     files: &mut ObservationFiles,
     options: &FitOptions,
     progress: &dyn Progress,
-) -> Result<Vec<FrameObservations>, Error> {
+) -> Result<Vec<Vec<FrameObservations>>, Error> {
     let positions = options.frames.positions(&files.frames)?;
-    let fit_to = options.observations.fit_to;
-
     progress.begin("reading detections", positions.len());
-    let load = |position: usize| -> Result<(FramePeople, FrameObservations), RecordingError> {
-        let people = files.load_people(position)?;
-        let mut seen = FrameObservations::nothing(people.frame);
-        files.load_points(&mut seen)?;
+    let load = |position: usize| {
+        let people = files.load_people(position);
         progress.step();
-        Ok((people, fit_to.select(seen)))
+        people
     };
     let loaded: Vec<Result<_, _>> = positions.into_par_iter().map(load).collect();
     progress.end();
 
     // the first fault in the order of the frames, whichever thread met one first
-    let loaded: Vec<_> = loaded.into_iter().collect::<Result<_, _>>()?;
-    let (people, mut observed): (Vec<_>, Vec<_>) = loaded.into_iter().unzip();
-    let found = person(&files.rig, &people, files.fps);
-    check(&found, files, people.len())?;
-    note(&found.beside, files);
-    found.into_observations(&mut observed);
-    Ok(observed)
+    let people: Vec<FramePeople> = loaded.into_iter().collect::<Result<_, _>>()?;
+    let most = options.observations.people.most.unwrap_or(MOST_PEOPLE);
+    let found = detected_people(&files.rig, &people, files.fps, most);
+    check(&found[0], files, people.len())?;
+    note(&found, files);
+    let mut all: Vec<_> = found.into_iter().map(Person::into_observations).collect();
+    if let [only] = all.as_mut_slice() {
+        add_points(files, options.observations.fit_to, only)?;
+    }
+    Ok(all)
+}
+
+/// Adds points to the observations of the only person.
+fn add_points(
+    files: &ObservationFiles,
+    fit_to: FitTo,
+    observed: &mut [FrameObservations],
+) -> Result<(), RecordingError> {
+    if fit_to == FitTo::All {
+        observed.iter_mut().try_for_each(|frame| files.load_points(frame))?;
+    }
+    Ok(())
 }
 
 /// Whether two cameras see one person, or there are points.
@@ -53,10 +68,10 @@ fn check(found: &Person, files: &ObservationFiles, frames: usize) -> Result<(), 
     }
 }
 
-fn note(beside: &Beside, files: &mut ObservationFiles) {
-    if beside.others > 0 {
-        files.notes.push(Note::OtherPeople { others: beside.others });
-    }
+fn note(found: &[Person], files: &mut ObservationFiles) {
+    let beside = &found[0].beside;
+    let others = (beside.others + 1).saturating_sub(found.len());
+    files.notes.extend((others > 0).then_some(Note::OtherPeople { others }));
     let elsewhere = beside.cameras.iter();
     let elsewhere = elsewhere.map(|camera| Note::DetectedElsewhere { camera: camera.clone() });
     files.notes.extend(elsewhere);

@@ -25,6 +25,8 @@ pub(super) struct FitInput {
     pub(super) model: BodyModel,
     /// What was seen in each frame that is fitted.
     pub(super) observations: Vec<FrameObservations>,
+    /// What was seen of others, where detections tell who they are.
+    pub(super) others: Vec<Vec<FrameObservations>>,
     pub(super) checksums: Vec<InputChecksum>,
     pub(super) options: OptionsPart,
 }
@@ -50,13 +52,15 @@ impl FitInput {
 
         // what is seen in each frame
         let fit_to = options.observations.fit_to;
-        let observations = match contours {
-            Some(found) => found.into_iter().map(|seen| fit_to.select(seen)).collect(),
+        let mut people = match contours {
+            Some(found) => vec![found.into_iter().map(|seen| fit_to.select(seen)).collect()],
             None if detections::stand_alone(&files, fit_to) => {
                 detections::load(&mut files, options, derived.progress)?
             }
-            None => load(&files, options, derived.progress)?,
+            None => vec![load(&files, options, derived.progress)?],
         };
+        let others = people.split_off(1);
+        let observations = people.remove(0);
         files.notes.extend(files.notes_on(&observations));
         if files.has_points() && !fits_points(&model, options.estimate.measure) {
             files.notes.push(Note::PointsUnfitted { body: model.name.clone() });
@@ -73,6 +77,7 @@ impl FitInput {
             files,
             model,
             observations,
+            others,
             checksums,
             options: OptionsPart { observations: options.observations, estimate },
         })
@@ -87,6 +92,7 @@ impl FitInput {
             model: self.model.clone(),
             checksums: self.checksums.clone(),
             observations,
+            others: Vec::new(),
             options,
         }
     }

@@ -1,11 +1,17 @@
 //! What is fitted of each person of a recording.
 
+use std::collections::BTreeSet;
+
+use rayon::prelude::*;
+
 use super::Error;
 use super::input::FitInput;
+use crate::camera::CameraId;
+use crate::image::Plane;
 use crate::inference::Sequence;
 use crate::io::recording::{Note, RecordingError};
-use crate::pipeline::{FitError, PeopleOptions, Progress, people};
-use crate::silhouette::FrameObservations;
+use crate::pipeline::{FitError, LEAST_SHARE, PeopleOptions, Progress, by_labels, people};
+use crate::silhouette::{FrameObservations, Silhouette};
 
 /// The person who is measured, and all others, numbered.
 pub(super) struct People {
@@ -14,18 +20,20 @@ pub(super) struct People {
 }
 
 impl People {
-    /// Those whom the masks show; where they show one, or nothing tells, it is everything that was seen.
+    /// Those whom masks or detections show; where they show one, or nothing tells, it is everything that was seen.
     pub(super) fn part(mut input: FitInput, progress: &dyn Progress) -> Result<Self, Error> {
         let PeopleOptions { most, person } = input.options.observations.people;
-        let has_points = input.observations.iter().any(|frame| !frame.points.is_empty());
-        let mut shares = match has_points {
-            true => Vec::new(),
-            false => {
-                let (model, rig) = (&input.model, &input.files.rig);
-                let sequence = Sequence { frames: &input.observations, fps: input.files.fps };
-                people(model, rig, sequence, &input.options.estimate, most, progress)?
-            }
-        };
+        let mut shares = std::mem::take(&mut input.others);
+        let are_detected = !shares.is_empty();
+        if are_detected {
+            shares.insert(0, std::mem::take(&mut input.observations));
+        } else if is_labelled(&input)? {
+            shares = labelled(&input, most.unwrap_or(usize::MAX))?;
+        } else if input.observations.iter().all(|frame| frame.points.is_empty()) {
+            let (model, rig) = (&input.model, &input.files.rig);
+            let sequence = Sequence { frames: &input.observations, fps: input.files.fps };
+            shares = people(model, rig, sequence, &input.options.estimate, most, progress)?;
+        }
         let of = shares.len().max(1);
         if !(1..=of).contains(&person) {
             return Err(FitError::NoPerson { person, people: of }.into());
@@ -35,7 +43,7 @@ impl People {
         }
 
         let has_detections = input.observations.iter().any(|frame| !frame.detections.is_empty());
-        if has_detections {
+        if has_detections && !are_detected {
             shares.iter_mut().flatten().try_for_each(|share| add_detections(&input, share))?;
         }
         input.files.notes.push(Note::SeveralPeople { people: of, person });
@@ -46,6 +54,56 @@ impl People {
         let (_, measured) = all.remove(person - 1);
         Ok(Self { measured, others: all })
     }
+}
+
+/// Whether the masks have a value for each person.
+fn is_labelled(input: &FitInput) -> Result<bool, RecordingError> {
+    let views =
+        input.observations.iter().flat_map(|seen| seen.views.iter().map(|v| (v.0, seen.frame)));
+    let first = views.into_iter().next();
+    Ok(match first {
+        Some((camera, frame)) => input.files.load_labels(camera, frame)?.is_some(),
+        None => false,
+    })
+}
+
+/// The shares of the people whose values the masks have, in the order of these; empty if it is one.
+fn labelled(input: &FitInput, most: usize) -> Result<Vec<Vec<FrameObservations>>, RecordingError> {
+    let (files, observed) = (&input.files, &input.observations);
+    let load = |seen: &FrameObservations| -> Result<Vec<(CameraId, Plane<u16>)>, RecordingError> {
+        let of_view = |(id, _): &(CameraId, Silhouette)| {
+            let labels = files.load_labels(*id, seen.frame);
+            labels.map(|labels| labels.map(|labels| (*id, labels))).transpose()
+        };
+        seen.views.iter().filter_map(of_view).collect()
+    };
+    let values = |labels: &[(CameraId, Plane<u16>)]| -> BTreeSet<u16> {
+        labels.iter().flat_map(|(_, labels)| labels.values()).copied().filter(|v| *v > 0).collect()
+    };
+
+    // who is there in frames enough
+    let loaded: Vec<Result<_, _>> =
+        observed.par_iter().map(|seen| Ok(values(&load(seen)?))).collect();
+    let loaded: Vec<BTreeSet<u16>> = loaded.into_iter().collect::<Result<_, RecordingError>>()?;
+    let everybody: BTreeSet<u16> = loaded.iter().flatten().copied().collect();
+    let frames = |value: &u16| loaded.iter().filter(|values| values.contains(value)).count();
+    let is_somebody = |value: &u16| frames(value) as f64 >= LEAST_SHARE * observed.len() as f64;
+    let people: Vec<u16> = everybody.into_iter().filter(is_somebody).take(most).collect();
+    if people.len() < 2 {
+        return Ok(Vec::new());
+    }
+
+    let share = |seen: &FrameObservations| -> Result<Vec<FrameObservations>, RecordingError> {
+        let labels = load(seen)?;
+        let own = |value: &u16| by_labels(&files.rig, seen, &labels, *value);
+        Ok(people.iter().map(own).collect())
+    };
+    let shares: Vec<Result<_, _>> = observed.par_iter().map(share).collect();
+    let mut all: Vec<Vec<FrameObservations>> = vec![Vec::new(); people.len()];
+    for frame in shares {
+        all.iter_mut().zip(frame?).for_each(|(own, share)| own.push(share));
+    }
+    Ok(all)
 }
 
 /// Adds the detections of the person whose share of the masks this is.

@@ -124,16 +124,16 @@ pub enum Note {
     NoCommonFrame,
     /// Detections of other people.
     #[error(
-        "detections: {} for half as long or longer than the person who is fitted, who is the one seen longest by most cameras",
+        "detections: {} for half as long or longer than the one seen longest, and not fitted; --people says how many are",
         counted_people(*others)
     )]
     OtherPeople {
         /// How many.
         others: usize,
     },
-    /// Masks of several people.
+    /// Several people are fitted.
     #[error(
-        "the masks show {people} people: person {person} is measured here, the others are in people/; --person and --people choose"
+        "{people} people are seen: person {person} is measured here, the others are in people/; --person and --people choose"
     )]
     SeveralPeople {
         /// How many.

@@ -8,11 +8,12 @@ use serde::{Deserialize, Serialize};
 use super::layout::elsewhere;
 use super::layout::numbered_files::NumberedFiles;
 use super::manifest::{Beginning, CameraFiles};
+use super::mask_image::Painted;
 use super::masks::{self, MaskFiles};
 use super::points::PointFiles;
 use super::{DetectionFiles, Note, Recording, RecordingError, mask_image};
 use crate::camera::{CameraId, Rig};
-use crate::image::Mask;
+use crate::image::{Mask, Plane};
 use crate::io::calibration;
 use crate::pipeline::{Frames, MaskSource};
 use crate::silhouette::{
@@ -257,7 +258,7 @@ impl ObservationFiles {
         Some(path)
     }
 
-    /// The mask of a camera in a frame as it was read; `None` if it is missing.
+    /// The mask of a camera in a frame as it was read, of everybody whom it shows; `None` if it is missing.
     ///
     /// # Errors
     /// [`RecordingError::Mask`] if it cannot be used.
@@ -266,12 +267,35 @@ impl ObservationFiles {
         camera: CameraId,
         frame: FrameIndex,
     ) -> Result<Option<Mask>, RecordingError> {
+        Ok(self.load_painted(camera, frame)?.map(Painted::everybody))
+    }
+
+    /// The value of each person in a mask, 0 for nobody; `None` if it is missing, or black and white.
+    ///
+    /// # Errors
+    /// As [`ObservationFiles::load_mask`].
+    pub fn load_labels(
+        &self,
+        camera: CameraId,
+        frame: FrameIndex,
+    ) -> Result<Option<Plane<u16>>, RecordingError> {
+        Ok(match self.load_painted(camera, frame)? {
+            Some(Painted::Labels(labels)) => Some(labels),
+            Some(Painted::White(_)) | None => None,
+        })
+    }
+
+    fn load_painted(
+        &self,
+        camera: CameraId,
+        frame: FrameIndex,
+    ) -> Result<Option<Painted>, RecordingError> {
         let (Some(path), Some(known)) = (self.mask_path(camera, frame), self.rig.camera(camera))
         else {
             return Ok(None);
         };
-        let mask = mask_image::read(path, [known.width_px, known.height_px]);
-        mask.map(Some).map_err(|fault| RecordingError::Mask {
+        let painted = mask_image::read(path, [known.width_px, known.height_px]);
+        painted.map(Some).map_err(|fault| RecordingError::Mask {
             path: path.into(),
             camera: known.name.clone(),
             frame,

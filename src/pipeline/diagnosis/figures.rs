@@ -19,14 +19,14 @@ use crate::silhouette::{FrameIndex, FrameObservations, SilhouetteOptions, extrac
 use crate::synth::{Recipe, Ring};
 
 /// A usual person, and cameras all around.
-pub(super) struct Figures {
-    pub(super) model: BodyModel,
-    pub(super) shape: Shape,
-    pub(super) rig: Rig,
+pub(in crate::pipeline) struct Figures {
+    pub(in crate::pipeline) model: BodyModel,
+    pub(in crate::pipeline) shape: Shape,
+    pub(in crate::pipeline) rig: Rig,
 }
 
 impl Figures {
-    pub(super) fn new() -> Self {
+    pub(in crate::pipeline) fn new() -> Self {
         let model = model::load("human-metaballs", Path::new("")).unwrap();
         let shape = Shape(model.statistics.mean.clone());
         let ring = Ring { width_px: 320, height_px: 240, focal_px: 250.0, ..Ring::default() };
@@ -34,19 +34,19 @@ impl Figures {
     }
 
     /// Upright, this far along x and y.
-    pub(super) fn standing(&self, x: f64, y: f64) -> Motion {
+    pub(in crate::pipeline) fn standing(&self, x: f64, y: f64) -> Motion {
         let mut motion = Motion::rest(&self.model);
         let lowest = self.posed(&motion).bounds().unwrap().0.z;
         motion.position_world += Vector3::new(x, y, -lowest);
         motion
     }
 
-    pub(super) fn posed(&self, motion: &Motion) -> Posed<'_> {
+    pub(in crate::pipeline) fn posed(&self, motion: &Motion) -> Posed<'_> {
         Posed::new(&self.model, &self.shape, motion)
     }
 
     /// What a diagnosis says of this person, of whom nothing but fitted frames and cameras is known.
-    pub(super) fn diagnosed<T>(
+    pub(in crate::pipeline) fn diagnosed<T>(
         &self,
         frames: &[FittedFrame],
         cameras: &[CameraQuality],
@@ -67,13 +67,13 @@ impl Figures {
     }
 
     /// The masks of one person, camera by camera.
-    pub(super) fn masks(&self, motion: &Motion) -> Vec<Mask> {
+    pub(in crate::pipeline) fn masks(&self, motion: &Motion) -> Vec<Mask> {
         let field = Field::from_body(&self.posed(motion));
         self.rig.cameras.iter().map(|camera| render::silhouette(camera, &field)).collect()
     }
 
     /// What masks show of one frame.
-    pub(super) fn frame(&self, number: usize, masks: &[Mask]) -> FrameObservations {
+    pub(in crate::pipeline) fn frame(&self, number: usize, masks: &[Mask]) -> FrameObservations {
         let mut seen = FrameObservations::nothing(FrameIndex(number));
         for ((id, camera), mask) in self.rig.iter().zip(masks) {
             let silhouette = extract(mask, camera, &SilhouetteOptions::default()).unwrap();
@@ -84,7 +84,7 @@ impl Figures {
 }
 
 /// What either mask shows.
-pub(super) fn joined(a: &[Mask], b: &[Mask]) -> Vec<Mask> {
+pub(in crate::pipeline) fn joined(a: &[Mask], b: &[Mask]) -> Vec<Mask> {
     let both = |(a, b): (&Mask, &Mask)| {
         Mask::from_fn(a.width(), a.height(), |x, y| a.is_foreground(x, y) || b.is_foreground(x, y))
     };
@@ -92,7 +92,7 @@ pub(super) fn joined(a: &[Mask], b: &[Mask]) -> Vec<Mask> {
 }
 
 /// A walker before a ring of cameras.
-pub(super) fn walker() -> (Rig, Vec<FrameObservations>) {
+pub(in crate::pipeline) fn walker() -> (Rig, Vec<FrameObservations>) {
     let person = model::load("walker-metaballs", Path::new("")).unwrap();
     let recipe = Recipe { frames: Some(16), fps: 25.0, ..Recipe::default() };
     let walker = recipe.walker(&person).unwrap();
@@ -110,7 +110,7 @@ pub(super) fn walker() -> (Rig, Vec<FrameObservations>) {
 }
 
 /// The same with a camera that shows everything so many frames late.
-pub(super) fn late(
+pub(in crate::pipeline) fn late(
     frames: &[FrameObservations],
     camera: usize,
     by: isize,

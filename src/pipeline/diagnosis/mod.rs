@@ -26,7 +26,7 @@ mod cameras;
 mod cause;
 mod coherence;
 #[cfg(test)]
-mod figures;
+pub(super) mod figures;
 mod proportions;
 mod room;
 mod seen;

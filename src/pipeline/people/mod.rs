@@ -16,8 +16,10 @@
 //! 2. Peaks of consecutive frames are one person if nobody had to run faster than 5 m/s for it (`person/tracks.rs`). Who is there for less
 //!    than [`LEAST_SHARE`] of the frames is nobody. Where two who were apart before and after have one peak, each voxel is the nearer's.
 //! 3. Each one's share of the masks is what only their voxels show; to it a body is fitted, by Algorithm 1 with few keyframes.
-//! 4. These bodies give r; σ is 1.48 times the median of min_p |d_p|. Whose body covers their share less than a fit must, is nobody: a leg far
-//!    ahead of its trunk, a thing. The others are fitted anew.
+//! 4. These bodies give r; σ is 1.48 times the median of min_p |d_p|. Whose body covers their share less than a fit must, or lies within another's
+//!    body, is nobody: a thing, or a leg far ahead of its trunk. The others are fitted anew.
+//!
+//! Masks with a value for each person need none of this: a value is a person in all cameras ([`by_labels`]).
 //!
 //! # Who is measured
 //! The one who is in view longest; of several, the one who crosses the room; of several, the smallest: beside a child walks a parent.
@@ -25,6 +27,8 @@
 mod room;
 mod share;
 mod standing;
+
+pub use share::by_labels;
 
 use std::collections::BTreeMap;
 
@@ -45,13 +49,16 @@ use crate::camera::Rig;
 use crate::inference::hull::{has_depth, lines_of_sight};
 use crate::inference::search::SearchOptions;
 use crate::inference::{Evidence, Sequence};
-use crate::math::stats::median;
+use crate::math::quadric::Ellipsoid;
+use crate::math::stats::{mean, median};
 use crate::silhouette::FrameObservations;
 
 /// Who is in view for less than this share of the frames is nobody.
-const LEAST_SHARE: f64 = 0.2;
+pub const LEAST_SHARE: f64 = 0.2;
 /// Two people are in view equally long, or walk equally far, from this ratio on.
 const EQUAL: f64 = 0.8;
+/// Two bodies do not fill the same room: the share of one's ellipsoids whose middle may lie within another, as both are fitted coarsely.
+const MOST_INSIDE: f64 = 0.1;
 /// Keyframes of the bodies that tell whose the borders are.
 const KEYFRAMES: usize = 3;
 
@@ -94,8 +101,11 @@ pub fn people(
         // 4. whose the borders are, and who is nobody
         let shares = bodies.shares(rig, sequence, &tracks);
         let overlaps = bodies.overlaps(rig, options, &shares)?;
-        let least = (0..tracks.len()).min_by(|a, b| overlaps[*a].total_cmp(&overlaps[*b]));
-        match least.filter(|person| overlaps[*person] < LEAST_OVERLAP) {
+        let inside = bodies.inside_others(&tracks);
+        let is_somebody = |p: &usize| overlaps[*p] >= LEAST_OVERLAP && inside[*p] <= MOST_INSIDE;
+        let worst = (0..tracks.len()).filter(|person| !is_somebody(person));
+        let seen = |person: &usize| overlaps[*person] * tracks[*person].frames.len() as f64;
+        match worst.min_by(|a, b| seen(a).total_cmp(&seen(b))) {
             Some(nobody) => {
                 let nobody = tracks.remove(nobody);
                 nobody.give(&room, &mut tracks);
@@ -153,6 +163,28 @@ impl<'a> Bodies<'a> {
         of_everybody(sequence, tracks.len(), |i, frame| {
             share::by_bodies(rig, frame, &self.posed(tracks, i), spread_m)
         })
+    }
+
+    /// The share of each one's ellipsoids whose middle lies within another's body, on the mean over the frames.
+    fn inside_others(&self, tracks: &[Track]) -> Vec<f64> {
+        let frames = self.people.iter().map(|body| body.frames.len()).max().unwrap_or(0);
+        let mut all: Vec<Vec<f64>> = vec![Vec::new(); tracks.len()];
+        for frame in 0..frames {
+            let ellipsoids = |body: Posed<'_>| body.ellipsoids();
+            let bodies = self.posed(tracks, frame).into_iter();
+            let bodies: Vec<_> = bodies.map(|body| body.map(ellipsoids)).collect();
+            for (person, own) in bodies.iter().enumerate() {
+                let Some(own) = own else { continue };
+                let others = bodies.iter().enumerate().filter(|(other, _)| *other != person);
+                let others: Vec<&Ellipsoid> =
+                    others.flat_map(|(_, body)| body.iter().flatten()).collect();
+                let is_inside =
+                    |e: &&Ellipsoid| others.iter().any(|other| other.contains(&e.centre));
+                let inside = own.iter().filter(is_inside).count();
+                all[person].push(inside as f64 / own.len().max(1) as f64);
+            }
+        }
+        all.into_iter().map(|shares| mean(shares).unwrap_or(0.0)).collect()
     }
 
     /// How well each covers their share.
@@ -249,10 +281,14 @@ impl Track {
         Some(before.place + (after.place - before.place) * part)
     }
 
-    /// How far they walk: from one end of the recording to the other.
-    fn path_m(&self) -> f64 {
+    fn presence(&self) -> Presence {
         let ends = self.frames.values().next().zip(self.frames.values().next_back());
-        ends.map_or(0.0, |(first, last)| (last.place - first.place).xy().norm())
+        let heights = self.frames.values().map(|standing| standing.height_m);
+        Presence {
+            frames: self.frames.len(),
+            path_m: ends.map_or(0.0, |(first, last)| (last.place - first.place).xy().norm()),
+            height_m: median(&mut heights.collect()).unwrap_or(0.0),
+        }
     }
 
     /// Gives all that they fill to the nearest of others.
@@ -263,10 +299,6 @@ impl Track {
             standing.voxels.into_iter().for_each(|voxel| standing::give(room, voxel, &mut there));
         }
     }
-
-    fn height_m(&self) -> f64 {
-        median(&mut self.frames.values().map(|standing| standing.height_m).collect()).unwrap_or(0.0)
-    }
 }
 
 /// The shares of the one who is measured before those of the others.
@@ -274,15 +306,29 @@ fn measured_first(
     people: &[Track],
     mut shares: Vec<Vec<FrameObservations>>,
 ) -> Vec<Vec<FrameObservations>> {
+    let measured = measured(&people.iter().map(Track::presence).collect::<Vec<_>>());
+    shares[..=measured].rotate_right(1);
+    shares
+}
+
+/// What tells who is measured.
+pub(super) struct Presence {
+    /// In how many frames they are seen.
+    pub(super) frames: usize,
+    /// How far they walk, from one end of the recording to the other.
+    pub(super) path_m: f64,
+    pub(super) height_m: f64,
+}
+
+/// Who of several people is measured; 0 of nobody.
+pub(super) fn measured(people: &[Presence]) -> usize {
     let mut rest: Vec<usize> = (0..people.len()).collect();
-    let mut keep = |value: &dyn Fn(&Track) -> f64| {
+    let mut keep = |value: fn(&Presence) -> f64| {
         let most = rest.iter().map(|p| value(&people[*p])).fold(0.0, f64::max);
         rest.retain(|p| value(&people[*p]) >= EQUAL * most);
     };
-    keep(&|track| track.frames.len() as f64);
-    keep(&Track::path_m);
-    let height = |p: &usize| people[*p].height_m();
-    let measured = rest.into_iter().min_by(|a, b| height(a).total_cmp(&height(b))).unwrap_or(0);
-    shares[..=measured].rotate_right(1);
-    shares
+    keep(|presence| presence.frames as f64);
+    keep(|presence| presence.path_m);
+    let height = |p: &usize| people[*p].height_m;
+    rest.into_iter().min_by(|a, b| height(a).total_cmp(&height(b))).unwrap_or(0)
 }

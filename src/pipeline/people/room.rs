@@ -159,25 +159,35 @@ impl Cells {
 }
 
 impl PersonCells<'_> {
-    /// Who may be seen at an undistorted pixel: bit p for person p. A voxel covers the cells around its middle's.
+    /// Who may be seen at an undistorted pixel: bit p for person p.
     pub(super) fn at(&self, pixel: &Point2<f64>) -> u32 {
         let recorded = self.camera.distort(pixel);
         let at = |pixel: f64| ((pixel + 0.5) / self.cells.side_px).floor() as isize;
-        let (x, y) = (at(recorded.x), at(recorded.y));
+        self.around(at(recorded.x), at(recorded.y))
+    }
+
+    /// Who may be seen in a cell: a voxel covers the cells around its middle's.
+    fn around(&self, x: isize, y: isize) -> u32 {
         let around = (-1..=1).flat_map(|j| (-1..=1).map(move |i| (x + i, y + j)));
-        around.map(|(x, y)| self.cell(x, y)).fold(0, |all, bits| all | bits)
+        let is_in = |(x, y): &(isize, isize)| {
+            (0..self.cells.width as isize).contains(x) && (0..self.height as isize).contains(y)
+        };
+        let near = around.filter(is_in);
+        let bits = near.map(|(x, y)| self.bits[y as usize * self.cells.width + x as usize]);
+        bits.fold(0, |all, bits| all | bits)
     }
 
-    fn cell(&self, x: isize, y: isize) -> u32 {
-        let is_in =
-            (0..self.cells.width as isize).contains(&x) && (0..self.height as isize).contains(&y);
-        if is_in { self.bits[y as usize * self.cells.width + x as usize] } else { 0 }
-    }
-
-    /// How many cells only one person fills, and how many that person fills.
-    pub(super) fn own_and_all(&self, person: usize) -> (usize, usize) {
-        let own = self.bits.iter().filter(|bits| **bits == 1 << person).count();
-        let all = self.bits.iter().filter(|bits| **bits & 1 << person != 0).count();
-        (own, all)
+    /// The share of what a mask shows of a person's voxels that it shows of nobody else's; 0 if it shows nothing of them.
+    pub(super) fn own_share(&self, silhouette: &Silhouette, person: usize) -> f64 {
+        let (mut own, mut all) = (0_usize, 0_usize);
+        for (cell, middle) in self.cells.middles.iter().enumerate() {
+            let is_theirs = self.bits[cell] & 1 << person != 0;
+            if is_theirs && middle.is_some_and(|middle| silhouette.contains(&middle)) {
+                let (x, y) = (cell % self.cells.width, cell / self.cells.width);
+                all += 1;
+                own += usize::from(self.around(x as isize, y as isize) == 1 << person);
+            }
+        }
+        own as f64 / all.max(1) as f64
     }
 }

@@ -5,6 +5,7 @@ use nalgebra::Point2;
 use super::room::{PersonCells, Room};
 use crate::body::{PartId, Posed};
 use crate::camera::{Camera, CameraId, Rig};
+use crate::image::Plane;
 use crate::likelihood::BodyOutline;
 use crate::math::stats::median;
 use crate::silhouette::{ContourPoint, FrameObservations, Silhouette};
@@ -13,6 +14,8 @@ use crate::silhouette::{ContourPoint, FrameObservations, Silhouette};
 const FREEDOM: f64 = 4.0;
 /// σ of normal deviates over the median of their size.
 const SD_OF_MEDIAN: f64 = 1.4826;
+/// Labels are looked at so many pixels around a border point.
+const BESIDE_PX: i32 = 2;
 /// Every so many border points are looked at where σ is estimated.
 const SPARSE: usize = 5;
 
@@ -41,6 +44,38 @@ pub(super) fn by_voxels(
         FrameObservations { views, ..FrameObservations::nothing(frame.frame) }
     };
     (0..people.len()).map(share).collect()
+}
+
+/// A person's share of a frame, by masks with a value for each: theirs is `value`.
+///
+/// Where two people meet in the picture there is no border of the union; a border point beside both is theirs by the share of its neighbours.
+pub fn by_labels(
+    rig: &Rig,
+    frame: &FrameObservations,
+    labels: &[(CameraId, Plane<u16>)],
+    value: u16,
+) -> FrameObservations {
+    let of_view = |(id, silhouette): &(CameraId, Silhouette)| {
+        let (_, labels) = labels.iter().find(|(camera, _)| camera == id)?;
+        let camera = &rig.cameras[id.0];
+        let at = |pixel: &Point2<f64>, (x, y): (i32, i32)| {
+            let recorded = camera.distort(pixel);
+            let near = |pixel: f64, off: i32| (pixel.round() + f64::from(off)).max(0.0) as usize;
+            labels.get(near(recorded.x, x), near(recorded.y, y)).unwrap_or(0)
+        };
+        let border = |point: &ContourPoint| {
+            let around = (-BESIDE_PX..=BESIDE_PX)
+                .flat_map(|y| (-BESIDE_PX..=BESIDE_PX).map(move |x| (x, y)));
+            let shown: Vec<u16> =
+                around.map(|off| at(&point.pixel, off)).filter(|label| *label > 0).collect();
+            let own = shown.iter().filter(|label| **label == value).count();
+            own as f64 / shown.len().max(1) as f64
+        };
+        let share = silhouette.share(border, |pixel| at(pixel, (0, 0)) == value);
+        share.map(|share| (*id, share))
+    };
+    let views = frame.views.iter().filter_map(of_view).collect();
+    FrameObservations { views, ..FrameObservations::nothing(frame.frame) }
 }
 
 /// Each person's share of a frame, by the bodies that were fitted to them; `spread_m` is σ.

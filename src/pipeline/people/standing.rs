@@ -1,10 +1,9 @@
 //! Who stands where in one frame.
 //!
-//! Seen from above, the voxels that the masks leave are columns. V(x, y) is the volume of all columns within 0.2 m: a person is a peak of it.
+//! Seen from above, the voxels that the masks leave are columns. V(x, y) is the volume of all columns within 0.12 m: a person is a peak of it.
 //! From the highest column down, each joins the peak that it touches; where two peaks meet at a saddle that is higher than half of the lower
-//! peak, they are one body (a leg ahead, an arm to the side), else two people (who may hold hands). What is lower than a child who walks, or
-//! explains nothing in the pictures that the others do not (two lines of sight cross where nobody stands), is nobody; its voxels go to the
-//! nearest person.
+//! peak, they are one body (a leg ahead, an arm to the side), else two people (who may hold hands). What is lower than a child who walks is
+//! part of the nearest person. What explains nothing in the pictures that the others do not is nobody: lines of sight cross where nobody stands.
 
 use nalgebra::{Point3, Vector3};
 
@@ -12,8 +11,8 @@ use super::room::Room;
 use crate::camera::Rig;
 use crate::silhouette::FrameObservations;
 
-/// What is within so far of a column belongs to one body, metres: half of a trunk's width.
-const AROUND_M: f64 = 0.2;
+/// What is within so far of a column belongs to one body, metres: half of a trunk's depth.
+const AROUND_M: f64 = 0.12;
 /// Two peaks are one body if the saddle between them is higher than this share of the lower.
 const SADDLE: f64 = 0.5;
 /// The smallest child who walks, metres.
@@ -56,10 +55,10 @@ pub(super) fn standing(room: &Room, rig: &Rig, frame: &FrameObservations) -> Vec
     }
 
     let bodies = bodies.into_iter().map(|voxels| Standing::new(room, voxels));
-    let (mut people, mut rest): (Vec<Standing>, Vec<Standing>) =
+    let (mut people, rest): (Vec<Standing>, Vec<Standing>) =
         bodies.partition(|body| body.height_m >= SMALLEST_M);
     while let Some(ghost) = ghost(room, rig, frame, &people) {
-        rest.push(people.remove(ghost));
+        people.remove(ghost);
     }
     let mut there: Vec<&mut Standing> = people.iter_mut().collect();
     let rest = rest.into_iter().flat_map(|body| body.voxels);
@@ -82,13 +81,11 @@ fn ghost(room: &Room, rig: &Rig, frame: &FrameObservations, people: &[Standing])
         return None;
     }
     let voxels: Vec<&[usize]> = people.iter().map(|person| person.voxels.as_slice()).collect();
-    let cells: Vec<_> =
-        frame.views.iter().map(|(id, _)| room.person_cells(rig, *id, &voxels)).collect();
+    let cells = frame.views.iter().map(|(id, _)| room.person_cells(rig, *id, &voxels));
+    let cells: Vec<_> = cells.collect();
     let own = |person: usize| {
-        let shares = cells.iter().map(|cells| {
-            let (own, all) = cells.own_and_all(person);
-            own as f64 / all.max(1) as f64
-        });
+        let views = cells.iter().zip(&frame.views);
+        let shares = views.map(|(cells, (_, silhouette))| cells.own_share(silhouette, person));
         shares.fold(0.0, f64::max)
     };
     let all = (0..people.len()).map(|person| (person, own(person)));
@@ -185,4 +182,53 @@ fn root(into: &[usize], mut peak: usize) -> usize {
         peak = into[peak];
     }
     peak
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::Motion;
+    use crate::pipeline::diagnosis::figures::{Figures, joined};
+
+    /// The people whom the masks of bodies that stand at these places show.
+    fn found(figures: &Figures, places: &[[f64; 2]]) -> Vec<Standing> {
+        let bodies: Vec<Motion> = places.iter().map(|[x, y]| figures.standing(*x, *y)).collect();
+        let masks = bodies.iter().map(|body| figures.masks(body));
+        let masks = masks.reduce(|a, b| joined(&a, &b)).unwrap();
+        let frame = figures.frame(0, &masks);
+        let room = Room::new(&figures.rig, std::slice::from_ref(&frame)).unwrap();
+        standing(&room, &figures.rig, &frame)
+    }
+
+    fn has(people: &[Standing], [x, y]: [f64; 2]) -> bool {
+        people.iter().any(|person| (person.place.x - x).hypot(person.place.y - y) < 0.1)
+    }
+
+    #[test]
+    fn one_who_stands_is_one_and_two_are_two_even_if_they_touch() {
+        let figures = Figures::new();
+        let alone = found(&figures, &[[0.1, 0.2]]);
+        assert!(alone.len() == 1 && has(&alone, [0.1, 0.2]), "{:?}", alone[0].place);
+        assert!((1.5..1.9).contains(&alone[0].height_m), "{}", alone[0].height_m);
+
+        // shoulders and arms are 50 cm wide
+        for apart in [0.6, 0.8, 1.2] {
+            let places = [[0.0, -0.5 * apart], [0.1, 0.5 * apart]];
+            let both = found(&figures, &places);
+            assert_eq!(both.len(), 2, "{apart} m");
+            assert!(places.iter().all(|place| has(&both, *place)), "{apart} m");
+            let voxels = both.iter().map(|person| person.voxels.len() as f64);
+            let [a, b] = voxels.collect::<Vec<_>>()[..] else { panic!("two") };
+            assert!((a / b).max(b / a) < 1.3, "{a} and {b} voxels");
+        }
+    }
+
+    #[test]
+    fn three_are_three_and_where_lines_of_sight_cross_is_nobody() {
+        let figures = Figures::new();
+        let places = [[0.0, -0.7], [0.6, 0.4], [-0.7, 0.3]];
+        let all = found(&figures, &places);
+        let found: Vec<_> = all.iter().map(|person| person.place).collect();
+        assert!(all.len() == 3 && places.iter().all(|place| has(&all, *place)), "{found:?}");
+    }
 }

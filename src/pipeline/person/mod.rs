@@ -1,4 +1,4 @@
-//! Which of the people in detections is fitted, where no silhouette tells: the one who is seen longest by most cameras.
+//! Who is in detections, where no silhouette tells.
 //!
 //! # One frame
 //! Two pictures show the same person if their joints lie on lines of sight that meet. For person a of one camera and b of another, X_k the
@@ -13,8 +13,8 @@
 //! people stand farther apart, and a camera that was turned by a degree, or is some frames late, still joins.
 //!
 //! # All frames
-//! Groups of consecutive frames that lie nearest to each other are one person, if nobody had to run faster than 5 m/s for it. Who has most
-//! pictures is fitted. Pictures that no group has, as where one camera alone sees the person, are added afterwards if they lie nearer than
+//! Groups of consecutive frames that lie nearest to each other are one person, if nobody had to run faster than 5 m/s for it. Who has half as
+//! many pictures as the one who has most is somebody. Pictures that no group has, as where one camera alone sees the person, are added afterwards if they lie nearer than
 //! 0.5 to the joints of the frames about them.
 //!
 //! # How large the person is
@@ -30,11 +30,14 @@ mod tracks;
 
 pub(super) use tracks::tracks;
 
+use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 use nalgebra::Point3;
 use rayon::prelude::*;
 
+use self::groups::Group;
+use super::people::{Presence, measured};
 use crate::camera::{CameraId, Rig};
 use crate::inference::joints::{Joints, twin};
 use crate::math::stats::median;
@@ -45,7 +48,7 @@ const FAR: f64 = 0.5;
 /// Joints are expected where they were so many seconds before or after at most.
 const MEMORY_S: f64 = 0.5;
 
-/// The person who is fitted.
+/// One of the people in a recording.
 #[derive(Debug, Clone)]
 pub struct Person {
     /// What is seen of them, in every frame.
@@ -54,7 +57,7 @@ pub struct Person {
     pub beside: Beside,
 }
 
-/// What detections show besides the person who is fitted.
+/// What detections show besides a person.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Beside {
     /// How many other people are followed for half as long or longer.
@@ -65,53 +68,98 @@ pub struct Beside {
     pub pictures: usize,
 }
 
-/// The person who is seen longest by most cameras; without any detection where no two cameras see one person.
-pub fn person(rig: &Rig, frames: &[FramePeople], fps: f64) -> Person {
+/// The people who are seen by two cameras or more for half as long as the one seen longest, at most `most` of them; the one who is measured
+/// comes [first](super::people()). Without any detection there is one of whom nothing is seen.
+pub fn detected_people(rig: &Rig, frames: &[FramePeople], fps: f64, most: usize) -> Vec<Person> {
     // 1. the people of each frame, and over time
     let seen: Vec<Vec<Seen>> = frames.par_iter().map(Seen::of_frame).collect();
     let groups: Vec<_> = seen.par_iter().map(|people| groups::groups(rig, people)).collect();
     let times_s: Vec<f64> = frames.iter().map(|frame| frame.frame.0 as f64 / fps).collect();
     let middles = groups.iter().map(|frame| frame.iter().map(|g| g.joints.middle()).collect());
-    let tracks = tracks(&middles.collect::<Vec<_>>(), &times_s);
+    let mut tracks = tracks(&middles.collect::<Vec<_>>(), &times_s);
 
-    // 2. who has most pictures
+    // 2. those who are in most pictures
     let support = |track: &BTreeMap<usize, usize>| -> usize {
         track.iter().map(|(frame, group)| groups[*frame][*group].members.len()).sum()
     };
-    let longest = tracks.iter().map(support).max().unwrap_or(0);
-    let own = tracks.iter().find(|track| support(track) == longest).cloned().unwrap_or_default();
-    let mut members: Vec<Vec<usize>> = vec![Vec::new(); frames.len()];
-    let mut known: BTreeMap<usize, &Joints> = BTreeMap::new();
-    for (frame, group) in &own {
-        members[*frame] = groups[*frame][*group].members.clone();
-        known.insert(*frame, &groups[*frame][*group].joints);
+    tracks.sort_by_key(|track| Reverse(support(track)));
+    let longest = tracks.first().map_or(0, support);
+    tracks.retain(|track| 2 * support(track) >= longest);
+    let others = tracks.len().saturating_sub(1);
+    tracks.truncate(most.max(1));
+    if tracks.is_empty() {
+        tracks.push(BTreeMap::new());
     }
+    let presences: Vec<Presence> = tracks.iter().map(|track| presence(&groups, track)).collect();
+    let measured = measured(&presences);
+    tracks[..=measured].rotate_right(1);
 
-    // 3. pictures of them that no group has
-    for (i, people) in seen.iter().enumerate() {
-        let others = groups[i].iter().enumerate().filter(|(group, _)| own.get(&i) != Some(group));
-        let taken: Vec<usize> = others.flat_map(|(_, group)| group.members.clone()).collect();
-        add_lone(rig, people, &expected(&known, &times_s, i), &taken, &mut members[i]);
-    }
+    // 3. what is seen of each
+    let recorded = Recorded { rig, frames, seen: &seen, groups: &groups, times_s: &times_s };
+    tracks.iter().map(|track| recorded.person(track, others)).collect()
+}
 
-    let detections = detections(rig, frames, &seen, &members, &known);
-    let others = tracks.iter().filter(|track| 2 * support(track) >= longest).count();
-    let beside = Beside {
-        others: others.saturating_sub(1),
-        cameras: never_seen_by(rig, frames, &detections),
-        pictures: frames.iter().map(|frame| frame.pictures.len()).sum(),
+/// How long a person is seen, how far they walk, and how tall they are.
+fn presence(groups: &[Vec<Group>], track: &BTreeMap<usize, usize>) -> Presence {
+    let joints: Vec<&Joints> = track.iter().map(|(i, group)| &groups[*i][*group].joints).collect();
+    let ends = joints.first().zip(joints.last());
+    let height = |joints: &&Joints| {
+        let heights = || joints.places.iter().map(|(_, place)| place.z);
+        Some(heights().reduce(f64::max)? - heights().reduce(f64::min)?)
     };
-    Person { detections, beside }
+    Presence {
+        frames: track.len(),
+        path_m: ends.map_or(0.0, |(a, b)| (b.middle() - a.middle()).xy().norm()),
+        height_m: median(&mut joints.iter().filter_map(height).collect()).unwrap_or(0.0),
+    }
+}
+
+/// All that detections show.
+struct Recorded<'a> {
+    rig: &'a Rig,
+    frames: &'a [FramePeople],
+    seen: &'a [Vec<Seen>],
+    groups: &'a [Vec<Group>],
+    times_s: &'a [f64],
+}
+
+impl Recorded<'_> {
+    /// Everything that is seen of the person of a track.
+    fn person(&self, track: &BTreeMap<usize, usize>, others: usize) -> Person {
+        let Self { rig, frames, seen, groups, times_s } = *self;
+        let mut members: Vec<Vec<usize>> = vec![Vec::new(); frames.len()];
+        let mut known: BTreeMap<usize, &Joints> = BTreeMap::new();
+        for (frame, group) in track {
+            members[*frame] = groups[*frame][*group].members.clone();
+            known.insert(*frame, &groups[*frame][*group].joints);
+        }
+
+        // pictures of them that no group has
+        for (i, people) in seen.iter().enumerate() {
+            let of_others =
+                groups[i].iter().enumerate().filter(|(group, _)| track.get(&i) != Some(group));
+            let taken: Vec<usize> = of_others.flat_map(|(_, g)| g.members.clone()).collect();
+            add_lone(rig, people, &expected(&known, times_s, i), &taken, &mut members[i]);
+        }
+
+        let detections = detections(rig, frames, seen, &members, &known);
+        let beside = Beside {
+            others,
+            cameras: never_seen_by(rig, frames, &detections),
+            pictures: frames.iter().map(|frame| frame.pictures.len()).sum(),
+        };
+        Person { detections, beside }
+    }
 }
 
 impl Person {
-    /// Adds what is seen of the person to the observations of the same frames.
-    pub fn into_observations(self, observed: &mut [FrameObservations]) {
-        for (frame, detections) in self.detections {
-            if let Ok(at) = observed.binary_search_by_key(&frame, |seen| seen.frame) {
-                observed[at].detections = detections;
-            }
-        }
+    /// What is seen of the person, frame by frame.
+    pub fn into_observations(self) -> Vec<FrameObservations> {
+        let of_frame = |(frame, detections)| FrameObservations {
+            detections,
+            ..FrameObservations::nothing(frame)
+        };
+        self.detections.into_iter().map(of_frame).collect()
     }
 }
 

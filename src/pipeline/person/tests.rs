@@ -66,6 +66,21 @@ fn off_px(rig: &Rig, found: &Person) -> (f64, usize) {
     worst
 }
 
+/// Who is measured.
+fn person(rig: &Rig, frames: &[FramePeople], fps: f64) -> Person {
+    detected_people(rig, frames, fps, 1).remove(0)
+}
+
+#[test]
+fn of_two_who_are_seen_long_enough_the_one_who_walks_comes_first() {
+    let (rig, frames) = recording(1);
+    let found = detected_people(&rig, &frames, FPS, 4);
+    assert_eq!(found.len(), 2);
+    assert!(off_px(&rig, &found[0]).0 < 1e-6);
+    let (off, pictures) = off_px(&rig, &found[1]);
+    assert!(off > 50.0 && pictures == 4 * 13, "{off} px in {pictures} pictures");
+}
+
 #[test]
 fn the_person_who_is_seen_longest_is_followed_among_two_and_among_twenty() {
     for bystanders in [0, 1, 19] {
