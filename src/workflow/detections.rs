@@ -10,10 +10,14 @@ use crate::silhouette::{FrameObservations, FramePeople};
 /// So many people are fitted, unless more are asked for.
 const MOST_PEOPLE: usize = 4;
 
-/// Whether detections are fitted to, and no mask says whose they are.
+/// Whether detections alone are fitted to.
 pub(super) fn stand_alone(files: &ObservationFiles, fit_to: FitTo) -> bool {
-    let is_wanted = matches!(fit_to, FitTo::All | FitTo::Detections);
-    is_wanted && !files.has_masks() && files.has_detections()
+    let is_wanted = match fit_to {
+        FitTo::Detections => true,
+        FitTo::All => !files.has_masks(),
+        FitTo::Silhouettes | FitTo::Points => false,
+    };
+    is_wanted && files.has_detections()
 }
 
 /// The detections of each person, the one who is measured first, in the frames that were asked for, and points where there are any; what is

@@ -59,6 +59,9 @@ pub const LEAST_SHARE: f64 = 0.2;
 const EQUAL: f64 = 0.8;
 /// Two bodies do not fill the same room: the share of one's ellipsoids whose middle may lie within another, as both are fitted coarsely.
 const MOST_INSIDE: f64 = 0.1;
+/// Before their first frame, and after their last, people are expected for so many frames, on the line of so many frames.
+const REACH: usize = 30;
+const STEADY: usize = 10;
 /// Keyframes of the bodies that tell whose the borders are.
 const KEYFRAMES: usize = 3;
 
@@ -246,23 +249,30 @@ fn tracked(room: &Room, rig: &Rig, sequence: Sequence<'_>, most: Option<usize>) 
     people
 }
 
-/// Where one who is in view before and after a frame has no place of their own in it, parts the voxels of all by who is nearer.
+/// Where one who is in view about a frame has no place of their own in it, but is somewhere in what is seen, parts the voxels of all by who is
+/// nearer.
 fn part_merged(room: &Room, people: &mut [Track], standing: &[Vec<Standing>]) {
+    let seen: Vec<BTreeMap<usize, Point3<f64>>> = people.iter().map(Track::places).collect();
     for (i, of_frame) in standing.iter().enumerate() {
-        let places: Vec<Option<Point3<f64>>> = people.iter().map(|track| track.place(i)).collect();
-        let is_merged = |track: &Track| track.place(i).is_some() && !track.frames.contains_key(&i);
-        if !people.iter().any(is_merged) {
+        let shown: Vec<usize> = of_frame.iter().flat_map(|s| s.voxels.iter().copied()).collect();
+        let place = |seen: &BTreeMap<usize, Point3<f64>>| {
+            let place = expected(seen, i)?;
+            standing::is_filled(room, &shown, &place).then_some(place)
+        };
+        let places: Vec<Option<Point3<f64>>> = seen.iter().map(place).collect();
+        let is_merged = |person: usize| places[person].is_some() && !seen[person].contains_key(&i);
+        if !(0..people.len()).any(is_merged) {
             continue;
         }
 
         let mut voxels: Vec<Vec<usize>> = vec![Vec::new(); people.len()];
-        for voxel in of_frame.iter().flat_map(|standing| &standing.voxels) {
-            let at = room.place(*voxel);
+        for voxel in shown {
+            let at = room.place(voxel);
             let off = |person: &usize| {
                 places[*person].map_or(f64::INFINITY, |place| (place - at).xy().norm())
             };
             let nearest = (0..people.len()).min_by(|a, b| off(a).total_cmp(&off(b)));
-            nearest.into_iter().for_each(|person| voxels[person].push(*voxel));
+            nearest.into_iter().for_each(|person| voxels[person].push(voxel));
         }
         for (track, voxels) in people.iter_mut().zip(voxels) {
             if !voxels.is_empty() {
@@ -272,13 +282,28 @@ fn part_merged(room: &Room, people: &mut [Track], standing: &[Vec<Standing>]) {
     }
 }
 
+/// Where a person is in a frame: seen there, between where they were before and after, or on from where they were within [`REACH`] frames.
+fn expected(seen: &BTreeMap<usize, Point3<f64>>, frame: usize) -> Option<Point3<f64>> {
+    let along = |(i, a): (&usize, &Point3<f64>), (j, b): (&usize, &Point3<f64>)| {
+        let part = (frame as f64 - *i as f64) / (*j as f64 - *i as f64);
+        if i == j { *a } else { a + (b - a) * part }
+    };
+    let (before, after) = (seen.range(..=frame).next_back(), seen.range(frame..).next());
+    match (before, after) {
+        (Some(before), Some(after)) => Some(along(before, after)),
+        (None, Some(first)) if first.0 - frame <= REACH => {
+            seen.iter().take(STEADY).last().map(|later| along(first, later))
+        }
+        (Some(last), None) if frame - last.0 <= REACH => {
+            seen.iter().rev().take(STEADY).last().map(|earlier| along(earlier, last))
+        }
+        _ => None,
+    }
+}
+
 impl Track {
-    /// Where the person is in a frame: seen there, or between where they were before and after.
-    fn place(&self, frame: usize) -> Option<Point3<f64>> {
-        let (i, before) = self.frames.range(..=frame).next_back()?;
-        let (j, after) = self.frames.range(frame..).next()?;
-        let part = (frame - i) as f64 / (j - i).max(1) as f64;
-        Some(before.place + (after.place - before.place) * part)
+    fn places(&self) -> BTreeMap<usize, Point3<f64>> {
+        self.frames.iter().map(|(frame, standing)| (*frame, standing.place)).collect()
     }
 
     fn presence(&self) -> Presence {

@@ -75,6 +75,18 @@ pub(super) fn give(room: &Room, voxel: usize, people: &mut [&mut Standing]) {
     }
 }
 
+/// Whether somebody may stand at a place: voxels near it reach as high as the smallest person.
+pub(super) fn is_filled(room: &Room, voxels: &[usize], place: &Point3<f64>) -> bool {
+    let near = voxels.iter().map(|voxel| room.place(*voxel));
+    let near = near.filter(|at| (at - place).xy().norm() <= AROUND_M);
+    let heights: Vec<f64> = near.map(|at| at.z).collect();
+    let (low, high) = (
+        heights.iter().copied().fold(f64::INFINITY, f64::min),
+        heights.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+    );
+    high - low >= SMALLEST_M
+}
+
 /// The one who explains least of the pictures alone, if it is too little.
 fn ghost(room: &Room, rig: &Rig, frame: &FrameObservations, people: &[Standing]) -> Option<usize> {
     if people.len() < 2 {

@@ -29,7 +29,8 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
 
     let kinds =
         Company::ALL.into_iter().flat_map(|company| [6, 4].map(|cameras| (company, cameras)));
-    let kinds: Vec<(Company, usize)> = kinds.collect();
+    let kinds: Vec<(Company, usize)> =
+        kinds.filter(|(company, _)| run.wants(company.name())).collect();
     let first = run.seed() * repeats;
     let scenes: Vec<(Company, usize, u64)> = kinds
         .iter()

@@ -105,11 +105,12 @@ impl Scene {
             rng.set_stream(WAY);
             let way = company.way(&mut rng);
             let motions = second.motions.clone();
-            let standing = motions.first()?;
+            let standing = motions.get(FRAMES / 2)?;
+            let middle = standing.position_world.xy().push(0.0);
             second.motions = motions
                 .iter()
                 .map(|motion| if company == Company::Stands { standing } else { motion })
-                .map(|motion| moved(motion, way))
+                .map(|motion| moved(motion, middle, way))
                 .collect();
             second.rig = people[0].rig.clone();
             people.push(second);
@@ -148,11 +149,11 @@ impl Scene {
     }
 }
 
-/// Turned about the origin and put aside.
-fn moved(motion: &Motion, (heading, aside): (f64, Vector3<f64>)) -> Motion {
+/// Turned about the middle of the path and put aside.
+fn moved(motion: &Motion, middle: Vector3<f64>, (heading, aside): (f64, Vector3<f64>)) -> Motion {
     let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), heading);
     Motion {
-        position_world: turn * motion.position_world + aside,
+        position_world: turn * (motion.position_world - middle) + middle + aside,
         world_from_root: turn * motion.world_from_root,
         ..motion.clone()
     }
