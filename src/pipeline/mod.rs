@@ -24,6 +24,7 @@ mod fitted;
 mod frame_range;
 mod hidden;
 mod joint_stage;
+mod lenses;
 mod measures;
 mod memory;
 mod movement;
@@ -57,6 +58,9 @@ pub use fit::{Fit, fit, fit_watched};
 pub use fit_error::FitError;
 pub use fitted::{FittedFrame, MinusLogPosterior, TriedHypothesis};
 pub use frame_range::{FrameRange, FrameRangeError, span};
+pub use lenses::{
+    LensError, PlaceSd, PlacedRig, Scale, Size, SizeError, Walker, placed_rig,
+};
 pub use measures::check_measure;
 pub(crate) use measures::fits_points;
 pub use memory::MemoryPictures;

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use nalgebra::{DMatrix, DVector, UnitQuaternion, Vector3};
 
 use super::fitted_source::FittedSource;
+use super::lenses::FoundByLenses;
 use super::{Error, FitOptions};
 use crate::camera::{Camera, Rig};
 use crate::inference::camera_offset::CameraOffset;
@@ -37,6 +38,12 @@ pub enum CalibrateError {
         /// Another.
         second: PathBuf,
     },
+    /// A recording that shows nothing that cameras can be placed by.
+    #[error("{}: cameras of which the lenses alone are known are placed by detections of joints, and there are none: expected pose/<camera>_json/", path.display())]
+    NoDetections {
+        /// The recording.
+        path: PathBuf,
+    },
     /// Nothing that the motion determines.
     #[error(
         "the motion determines no camera's place: the calibration's usual errors hold all of them; let the person walk through the whole room, or give more recordings"
@@ -55,6 +62,8 @@ pub struct RefinedRig {
     pub recordings: Vec<UsedRecording>,
     /// What should be known, each in one line.
     pub notes: Vec<String>,
+    /// Where the detections put the cameras, if lenses alone were known.
+    pub lenses: Option<FoundByLenses>,
     options: CalibrationOptions,
 }
 
@@ -108,6 +117,26 @@ impl RefinedRig {
         Ok(refined(told)?)
     }
 
+    /// Cameras where they are, without more being known of them.
+    pub(super) fn unrefined(rig: &Rig, options: CalibrationOptions) -> Self {
+        let (cameras, recordings, notes) = (Vec::new(), Vec::new(), Vec::new());
+        Self { rig: rig.clone(), cameras, recordings, notes, lenses: None, options }
+    }
+
+    /// The same in a world of the right size, and what it comes from.
+    pub(super) fn from(mut self, lenses: FoundByLenses) -> Self {
+        let factor = lenses.scale.factor;
+        for camera in &mut self.rig.cameras {
+            camera.camera_from_world.translation.vector *= factor;
+        }
+        for found in self.cameras.iter_mut().filter_map(|camera| camera.found.as_mut().ok()) {
+            found.displacement_m = found.displacement_m.map(|x| factor * x);
+            found.displacement_sd_m = found.displacement_sd_m.map(|x| factor * x);
+        }
+        self.lenses = Some(lenses);
+        self
+    }
+
     /// Writes the files, whose format follows from the name.
     ///
     /// # Errors
@@ -133,7 +162,7 @@ impl RefinedRig {
 }
 
 /// What one recording tells.
-struct Told {
+pub(super) struct Told {
     path: PathBuf,
     frames: usize,
     rig: Rig,
@@ -147,7 +176,7 @@ struct Told {
 }
 
 impl Told {
-    fn new(path: &Path, source: &FittedSource) -> Result<Self, Error> {
+    pub(super) fn new(path: &Path, source: &FittedSource) -> Result<Self, Error> {
         let result = &source.result;
         let with_pose = result.quality.cameras.iter().filter_map(|c| Some((c, c.found.pose?)));
         let (mut names, mut found) = (Vec::new(), Vec::new());
@@ -197,7 +226,7 @@ fn why_nothing(source: &FittedSource) -> String {
     }
 }
 
-fn refined(told: Vec<Told>) -> Result<RefinedRig, CalibrateError> {
+pub(super) fn refined(told: Vec<Told>) -> Result<RefinedRig, CalibrateError> {
     let rig = united(&told)?;
     let position = |name: &String| rig.by_name(name).map_or(0, |(id, _)| id.0);
     let evidence = |told: &Told| RigEvidence {
@@ -242,6 +271,7 @@ fn refined(told: Vec<Told>) -> Result<RefinedRig, CalibrateError> {
         rig: moved(&rig, &cameras),
         options: told[0].options.clone(),
         cameras,
+        lenses: None,
     })
 }
 

@@ -35,7 +35,7 @@ pub(in crate::io) use dispatch::unpaired;
 pub use dispatch::{read, read_per_camera, select};
 pub use error::{CalibrationError, Place};
 pub(in crate::io) use found::{files, find};
-pub use options::{CalibrationOptions, Unit};
+pub use options::{CalibrationOptions, Poses, Unit};
 pub use write::{CalibrationFile, CalibrationWriteError, Refined, check_name, write, write_toml};
 
 #[cfg(doc)]

@@ -90,7 +90,7 @@ impl Diagnosis<'_> {
         let is_unusable = !unusable.is_empty();
         let rig = self.evidence.rig;
         let Some(overlap) = self.overlap() else {
-            return Vec::new();
+            return self.of_detections(unusable);
         };
         let found = self.faults;
         let of_cameras = || self.of_cameras(unusable);
@@ -154,6 +154,16 @@ impl Diagnosis<'_> {
         let has_grown = matches!(cause, Some(Cause::Scale { factor }) if factor > 1.0);
         let still = if has_grown { still_parts(SMALL_STILL_PART) } else { None };
         still.or(cause).into_iter().collect()
+    }
+
+    /// What is wrong where there are detections and no masks: with the cameras, or with time and space.
+    fn of_detections(&self, unusable: &[Reason]) -> Vec<Cause> {
+        if self.cameras.iter().all(|camera| camera.detections.is_none()) {
+            return Vec::new();
+        }
+        let of_cameras = self.of_cameras(unusable);
+        let of_size = || self.too_fast().or_else(|| self.too_large()).into_iter().collect();
+        if of_cameras.is_empty() { of_size() } else { of_cameras }
     }
 
     /// What the silhouettes hold lies down, or is lower than a person.
