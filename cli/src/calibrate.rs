@@ -6,7 +6,7 @@ use std::time::Instant;
 use clap::Args;
 use maquette::io::calibration::check_name;
 use maquette::pipeline::Size;
-use maquette::workflow::{RefinedCamera, RefinedRig, UsedRecording};
+use maquette::workflow::{LensRig, RefinedCamera, RefinedRig, UsedRecording};
 use serde_json::{Value, json};
 
 use super::camera_fit::{CameraFitArguments, check_free};
@@ -88,21 +88,18 @@ impl CalibrateArguments {
         }
     }
 
-    fn rig(&self) -> Result<RefinedRig, CliError> {
-        let (fps, options, progress) = (self.fit.fps, self.fit.options(), self.output.progress());
-        match (self.from, self.size()?, self.recordings.as_slice()) {
-            (Known::Calibration, Size::Usual, recordings) => {
-                Ok(RefinedRig::of(recordings, fps, &options, &progress)?)
+    /// The only recording, where lenses alone are known; `None` where the places are too.
+    fn lenses_of(&self) -> Result<Option<&PathBuf>, CliError> {
+        let fault = |text: &str| Err(CliError::Arguments(text.into()));
+        match (self.from, self.recordings.as_slice()) {
+            (Known::Calibration, _) if self.height.is_some() || self.distance.is_some() => {
+                fault("--height and --distance are for --from lenses: a calibration has a size")
             }
-            (Known::Calibration, ..) => Err(CliError::Arguments(
-                "--height and --distance are for --from lenses: a calibration has a size".into(),
-            )),
-            (Known::Lenses, size, [recording]) => {
-                Ok(RefinedRig::from_lenses(recording, fps, size, &options, &progress)?)
-            }
-            (Known::Lenses, ..) => Err(CliError::Arguments(
-                "--from lenses: expected one recording; refine what it gives by others".into(),
-            )),
+            (Known::Calibration, _) => Ok(None),
+            (Known::Lenses, [recording]) => Ok(Some(recording)),
+            (Known::Lenses, _) => fault(
+                "--from lenses: expected one recording; what it gives can be refined by others",
+            ),
         }
     }
 }
@@ -114,26 +111,35 @@ pub(super) fn run(arguments: &CalibrateArguments) -> Result<(), CliError> {
 
 fn calibrate(arguments: &CalibrateArguments) -> Result<(), CliError> {
     let start = Instant::now();
-    let CalibrateArguments { out, fit, output, .. } = arguments;
+    let CalibrateArguments { recordings, out, fit, output, .. } = arguments;
     // before the minutes that the fits take
     check_name(out).map_err(maquette::Error::from)?;
     check_free(std::slice::from_ref(out), fit.existing())?;
 
-    let rig = arguments.rig()?;
+    if let Some(recording) = arguments.lenses_of()? {
+        let (size, options) = (arguments.size()?, fit.options());
+        let found = LensRig::of(recording, fit.fps, size, &options, &output.progress())?;
+        check_free(&found.files(out)?, fit.existing())?;
+        let written = found.write(out)?;
+        let seconds = start.elapsed().as_secs_f64();
+        output.summarise(
+            || lenses_text(&found, &written, seconds),
+            || lenses_json(&found, &written, seconds),
+        );
+        return Ok(());
+    }
+
+    let rig = RefinedRig::of(recordings, fit.fps, &fit.options(), &output.progress())?;
     check_free(&rig.files(out)?, fit.existing())?;
     let written = rig.write(out)?;
 
     print_notes(&rig.notes);
     let seconds = start.elapsed().as_secs_f64();
-    let text = || match &rig.lenses {
-        Some(found) => lenses_text(&rig, found, &written, seconds),
-        None => text(&rig, &written, seconds),
-    };
-    output.summarise(text, || as_json(&rig, &written, seconds));
+    output.summarise(|| text(&rig, &written, seconds), || as_json(&rig, &written, seconds));
     Ok(())
 }
 
-pub(super) fn length(x: [f64; 3]) -> f64 {
+fn length(x: [f64; 3]) -> f64 {
     x.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
@@ -202,7 +208,7 @@ fn as_json(rig: &RefinedRig, written: &[PathBuf], seconds: f64) -> Value {
     json!({
         "files": written.iter().map(|path| path.display().to_string()).collect::<Vec<_>>(),
         "seconds": seconds,
-        "lenses": rig.lenses.as_ref().map(lenses_json),
+        "lenses": null,
         "recordings": rig.recordings.iter().map(recording).collect::<Vec<_>>(),
         "cameras": rig.cameras.iter().map(camera).collect::<Vec<_>>(),
         "notes": rig.notes,

@@ -137,8 +137,7 @@ fn null_space(pairs: &[[Point2<f64>; 2]; 5]) -> Option<[Matrix3<f64>; 4]> {
 /// The ten cubics, a row each.
 fn constraints(basis: &[Matrix3<f64>; 4]) -> SMatrix<f64, 10, 20> {
     let e = |i: usize, j: usize| Polynomial::linear([0, 1, 2, 3].map(|k| basis[k][(i, j)]));
-    let square =
-        |i: usize, j: usize| Polynomial::sum((0..3).map(|k| e(i, k).times(&e(j, k))));
+    let square = |i: usize, j: usize| Polynomial::sum((0..3).map(|k| e(i, k).times(&e(j, k))));
     let squares = [0, 1, 2].map(|i| [0, 1, 2].map(|j| square(i, j)));
     let half_trace = Polynomial::sum((0..3).map(|i| squares[i][i])).scaled(-0.5);
 
@@ -229,9 +228,8 @@ mod tests {
         let mut draw = || rng.random_range(-1.0..1.0);
         let turn = Vector3::new(draw(), draw(), draw());
         let way = Vector3::new(draw(), draw(), 0.3 * draw());
-        let points: [Point3<f64>; 5] = std::array::from_fn(|_| {
-            Point3::new(draw(), draw(), 4.0 + flat * draw())
-        });
+        let points: [Point3<f64>; 5] =
+            std::array::from_fn(|_| Point3::new(draw(), draw(), 4.0 + flat * draw()));
         // about a point that both see
         let about = Translation3::new(0.0, 0.0, 4.0);
         let turn = Rigid3::rotation(turn);

@@ -113,8 +113,7 @@ impl KeypointView {
             let Some(target) = Target::of(model, keypoint.name) else { continue };
             let twin = Side::mirrored(keypoint.name).and_then(|name| Target::of(model, &name));
             let name = if twin.is_some() { &keypoint.name[1..] } else { keypoint.name };
-            let of_labels =
-                label_sigma_px(keypoint.name, detection.size_px, keypoint.confidence);
+            let of_labels = label_sigma_px(keypoint.name, detection.size_px, keypoint.confidence);
             let of_place = match target {
                 Target::Keypoint(_) => 0.0,
                 Target::Point(_) => KEYPOINT_SD_M * camera.intrinsics.focal_px() / depth_m,

@@ -5,11 +5,10 @@ use std::path::{Path, PathBuf};
 use nalgebra::{DMatrix, DVector, UnitQuaternion, Vector3};
 
 use super::fitted_source::FittedSource;
-use super::lenses::FoundByLenses;
 use super::{Error, FitOptions};
 use crate::camera::{Camera, Rig};
 use crate::inference::camera_offset::CameraOffset;
-use crate::io::calibration::{self, CalibrationOptions, Refined};
+use crate::io::calibration::{self, CalibrationOptions, CameraEstimate, Refined};
 use crate::io::folder::write_atomically;
 use crate::pipeline::{Cameras, Clocks, POSE, Progress, RigEstimate, RigEvidence, rig_estimate};
 
@@ -62,8 +61,6 @@ pub struct RefinedRig {
     pub recordings: Vec<UsedRecording>,
     /// What should be known, each in one line.
     pub notes: Vec<String>,
-    /// Where the detections put the cameras, if lenses alone were known.
-    pub lenses: Option<FoundByLenses>,
     options: CalibrationOptions,
 }
 
@@ -117,38 +114,14 @@ impl RefinedRig {
         Ok(refined(told)?)
     }
 
-    /// Cameras where they are, without more being known of them.
-    pub(super) fn unrefined(rig: &Rig, options: CalibrationOptions) -> Self {
-        let (cameras, recordings, notes) = (Vec::new(), Vec::new(), Vec::new());
-        Self { rig: rig.clone(), cameras, recordings, notes, lenses: None, options }
-    }
-
-    /// The same in a world of the right size, and what it comes from.
-    pub(super) fn from(mut self, lenses: FoundByLenses) -> Self {
-        let factor = lenses.scale.factor;
-        for camera in &mut self.rig.cameras {
-            camera.camera_from_world.translation.vector *= factor;
-        }
-        for found in self.cameras.iter_mut().filter_map(|camera| camera.found.as_mut().ok()) {
-            found.displacement_m = found.displacement_m.map(|x| factor * x);
-            found.displacement_sd_m = found.displacement_sd_m.map(|x| factor * x);
-        }
-        self.lenses = Some(lenses);
-        self
-    }
-
     /// Writes the files, whose format follows from the name.
     ///
     /// # Errors
     /// [`Error::CalibrationFile`] for a name that says no format and a camera that it cannot hold, and [`Error::Out`].
     pub fn write(&self, path: &Path) -> Result<Vec<PathBuf>, Error> {
-        let found: Vec<Refined> =
-            self.cameras.iter().filter_map(|camera| camera.found.clone().ok()).collect();
-        let files = calibration::write(&self.rig, path, &self.options, &found)?;
-        for file in &files {
-            write_atomically(&file.path, file.text.as_bytes())?;
-        }
-        Ok(files.into_iter().map(|file| file.path).collect())
+        let found = self.cameras.iter().filter_map(|camera| camera.found.clone().ok());
+        let found: Vec<CameraEstimate> = found.map(CameraEstimate::Refined).collect();
+        write_rig(&self.rig, path, &self.options, &found)
     }
 
     /// The files that [`RefinedRig::write`] writes.
@@ -156,13 +129,36 @@ impl RefinedRig {
     /// # Errors
     /// As there.
     pub fn files(&self, path: &Path) -> Result<Vec<PathBuf>, Error> {
-        let files = calibration::write(&self.rig, path, &self.options, &[])?;
-        Ok(files.into_iter().map(|file| file.path).collect())
+        written_files(&self.rig, path, &self.options)
     }
 }
 
+/// Writes the files of a rig, whose format follows from the name.
+pub(super) fn write_rig(
+    rig: &Rig,
+    path: &Path,
+    options: &CalibrationOptions,
+    known: &[CameraEstimate],
+) -> Result<Vec<PathBuf>, Error> {
+    let files = calibration::write(rig, path, options, known)?;
+    for file in &files {
+        write_atomically(&file.path, file.text.as_bytes())?;
+    }
+    Ok(files.into_iter().map(|file| file.path).collect())
+}
+
+/// The files that [`write_rig`] writes.
+pub(super) fn written_files(
+    rig: &Rig,
+    path: &Path,
+    options: &CalibrationOptions,
+) -> Result<Vec<PathBuf>, Error> {
+    let files = calibration::write(rig, path, options, &[])?;
+    Ok(files.into_iter().map(|file| file.path).collect())
+}
+
 /// What one recording tells.
-pub(super) struct Told {
+struct Told {
     path: PathBuf,
     frames: usize,
     rig: Rig,
@@ -176,7 +172,7 @@ pub(super) struct Told {
 }
 
 impl Told {
-    pub(super) fn new(path: &Path, source: &FittedSource) -> Result<Self, Error> {
+    fn new(path: &Path, source: &FittedSource) -> Result<Self, Error> {
         let result = &source.result;
         let with_pose = result.quality.cameras.iter().filter_map(|c| Some((c, c.found.pose?)));
         let (mut names, mut found) = (Vec::new(), Vec::new());
@@ -226,7 +222,7 @@ fn why_nothing(source: &FittedSource) -> String {
     }
 }
 
-pub(super) fn refined(told: Vec<Told>) -> Result<RefinedRig, CalibrateError> {
+fn refined(told: Vec<Told>) -> Result<RefinedRig, CalibrateError> {
     let rig = united(&told)?;
     let position = |name: &String| rig.by_name(name).map_or(0, |(id, _)| id.0);
     let evidence = |told: &Told| RigEvidence {
@@ -271,7 +267,6 @@ pub(super) fn refined(told: Vec<Told>) -> Result<RefinedRig, CalibrateError> {
         rig: moved(&rig, &cameras),
         options: told[0].options.clone(),
         cameras,
-        lenses: None,
     })
 }
 

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::{Error, FitOptions};
 use crate::io::recording::{Note, ObservationFiles, RecordingError};
-use crate::pipeline::{Beside, FitError, FitTo, Person, Progress, person};
+use crate::pipeline::{Beside, FitError, FitTo, Person, Progress, person, strangers};
 use crate::silhouette::{FrameObservations, FramePeople};
 
 /// Whether detections are fitted to, and no mask says whose they are.
@@ -37,15 +37,20 @@ pub(super) fn load(
     let loaded: Vec<_> = loaded.into_iter().collect::<Result<_, _>>()?;
     let (people, mut observed): (Vec<_>, Vec<_>) = loaded.into_iter().unzip();
     let found = person(&files.rig, &people, files.fps);
-    check(&found, files, people.len())?;
+    check(&found, files, &people)?;
     note(&found.beside, files);
     found.into_observations(&mut observed);
     Ok(observed)
 }
 
-/// Whether two cameras see one person, or there are points.
-fn check(found: &Person, files: &ObservationFiles, frames: usize) -> Result<(), FitError> {
+/// Whether two cameras see one person, or there are points; and no camera sees nobody of them because its pictures are another's.
+fn check(found: &Person, files: &ObservationFiles, people: &[FramePeople]) -> Result<(), FitError> {
     let is_found = found.detections.iter().any(|(_, seen)| seen.len() >= 2);
+    let frames = people.len();
+    if !is_found || !found.beside.cameras.is_empty() {
+        let mut causes = strangers(&files.rig, people).into_iter();
+        causes.next().map_or(Ok(()), |cause| Err(FitError::Cameras(cause)))?;
+    }
     match (is_found || files.has_points(), found.beside.pictures) {
         (true, _) => Ok(()),
         (false, 0) => Err(FitError::NobodyDetected { frames }),

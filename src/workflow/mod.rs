@@ -15,7 +15,7 @@
 //! | `report.rs`   | its report, with the feature `report`                                         |
 //! | `export.rs`   | its files for other programs                                                  |
 //! | `calibrate.rs` | [`RefinedRig`]: a calibration refined by a person who moves                  |
-//! | `lenses.rs`   | the same of cameras of which the lenses alone are known                       |
+//! | `lenses.rs`   | [`LensRig`]: the same of cameras of which the lenses alone are known         |
 //! | `sync/`       | [`SyncedRecording`]: when each camera began                                   |
 //! | `fitted_source.rs` | a fit that either of them looks at                                      |
 //! | `skin.rs`     | the skins of a fitted body                                                    |
@@ -48,7 +48,7 @@ pub use fit::FitFolder;
 pub use fitted::{AngleTrack, FittedRecording, Length};
 pub use gait::{GaitSource, GaitStudy, NormChoice};
 pub use input::DEFAULT_BODY;
-pub use lenses::FoundByLenses;
+pub use lenses::LensRig;
 pub use masks::{MaskFiles, WrittenMasks};
 pub use options::{FitOptions, SilhouetteSource};
 #[cfg(feature = "report")]

@@ -36,7 +36,9 @@ pub use dispatch::{read, read_per_camera, select};
 pub use error::{CalibrationError, Place};
 pub(in crate::io) use found::{files, find};
 pub use options::{CalibrationOptions, Poses, Unit};
-pub use write::{CalibrationFile, CalibrationWriteError, Refined, check_name, write, write_toml};
+pub use write::{
+    CalibrationFile, CalibrationWriteError, CameraEstimate, Refined, check_name, write, write_toml,
+};
 
 #[cfg(doc)]
 use crate::camera::Rig;

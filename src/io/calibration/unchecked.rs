@@ -214,8 +214,10 @@ impl UncheckedCamera {
         if options.poses == Poses::Ignored {
             return Ok(Rigid3::identity());
         }
-        let lacking: Vec<&Numbers> =
-            [&self.rotation, &self.translation].into_iter().filter(|n| n.values.is_empty()).collect();
+        let lacking: Vec<&Numbers> = [&self.rotation, &self.translation]
+            .into_iter()
+            .filter(|n| n.values.is_empty())
+            .collect();
         match lacking.as_slice() {
             [] => {}
             [one] => {

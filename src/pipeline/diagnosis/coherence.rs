@@ -25,6 +25,10 @@ const SAMPLED_FRAMES: usize = 8;
 const DETECTED_FRAMES: usize = 24;
 /// A bad hypothesis shows in every third of them.
 const FEW: usize = 3;
+/// Silhouettes that miss each other by less than this agree, metres: the step in which lines of sight are followed hides less. Detections by
+/// less than this besides what published labels scatter by: a detector that is worse before one camera is no fault of the camera.
+const QUIET_M: f64 = 0.001;
+const QUIET_JOINTS_M: f64 = 0.01;
 /// Border points of each silhouette that are looked at, and where a bad hypothesis need only show.
 const BORDER_POINTS: f64 = 48.0;
 const FEW_BORDER_POINTS: f64 = 16.0;
@@ -143,6 +147,14 @@ impl<'a> Scene<'a> {
         Self { rig, frames, sampled, shows }
     }
 
+    /// What misses each other by less agrees, metres.
+    pub(super) fn quiet_m(&self) -> f64 {
+        match self.shows {
+            Shows::Outlines => QUIET_M,
+            Shows::Joints => QUIET_JOINTS_M,
+        }
+    }
+
     /// Every camera as it is.
     pub(super) fn plain(&self) -> Vec<Option<Reading>> {
         self.rig.iter().map(|(id, _)| Some(Reading::plain(id))).collect()
@@ -167,7 +179,9 @@ impl<'a> Scene<'a> {
     ) -> Misses {
         let of_frame = |i: &usize| match self.shows {
             Shows::Outlines => Some(frame_misses(&self.views(*i, readings)?, border_points)),
-            Shows::Joints => Some(joint_misses::frame_misses(self.rig, &self.joints(*i, readings)?)),
+            Shows::Joints => {
+                Some(joint_misses::frame_misses(self.rig, &self.joints(*i, readings)?))
+            }
         };
         let frames: Vec<Option<Vec<(usize, f64)>>> = sampled.par_iter().map(of_frame).collect();
 

@@ -10,6 +10,7 @@
 //! | `coherence.rs`   | whether the silhouettes agree, whatever body they show            |
 //! | `joint_misses.rs` | the same of detections, where there are no silhouettes           |
 //! | `cameras.rs`     | exchanged, mirrored, late, zoomed and displaced cameras           |
+//! | `strangers.rs`   | exchanged and mirrored cameras, before anybody is fitted          |
 //! | `agreeing.rs`    | what the cameras show that agree, for the search                  |
 //! | `room.rs`        | what stands still in the masks                                    |
 //! | `volume.rs`      | what the silhouettes hold beside the body, and how tall it is     |
@@ -33,6 +34,7 @@ mod proportions;
 mod room;
 mod seen;
 mod stature;
+mod strangers;
 mod text;
 mod thin;
 mod unusable;
@@ -48,6 +50,7 @@ pub use cause::{Cause, Reason};
 pub(super) use proportions::likeliest_scale;
 pub(super) use seen::Seen;
 pub(super) use stature::stature_m;
+pub use strangers::strangers;
 pub(super) use unusable::{LEAST_OVERLAP, lost_frames};
 pub use upright::HeadAxis;
 pub(super) use verdict::Diagnosis;

@@ -262,6 +262,7 @@ mod tests {
     use crate::body::Motion;
     use crate::inference::frame::FrameFit;
     use crate::pipeline::diagnosis::figures::Figures;
+    use crate::pipeline::{DetectedQuality, PoseFound};
     use crate::silhouette::FrameIndex;
 
     fn fitted(motion: Motion) -> FittedFrame {
@@ -281,6 +282,45 @@ mod tests {
             points: None,
             detections: Vec::new(),
         }
+    }
+
+    #[test]
+    fn a_camera_that_the_optimum_found_touched_is_named_of_detections_alone_and_the_others_are_not()
+    {
+        let figures = Figures::new();
+        let camera = |name: &str, turn_deg: f64, pictures: usize| CameraQuality {
+            camera: name.into(),
+            frames: 0,
+            mean_iou: 0.0,
+            median_px: None,
+            rms_px: None,
+            detections: (pictures > 0).then_some(DetectedQuality {
+                pictures,
+                median_px: 3.0,
+                median_of_size: 0.03,
+            }),
+            found: CameraFound {
+                pose: Some(PoseFound {
+                    turn_deg: [turn_deg, 0.0, 0.0],
+                    turn_sd_deg: Some([0.2; 3]),
+                    displacement_m: [0.0; 3],
+                    displacement_sd_m: Some([0.01; 3]),
+                    used: true,
+                }),
+                clock: None,
+            },
+        };
+        let causes = |pictures: usize| {
+            let cameras = [camera("well", 0.1, pictures), camera("rolled", 4.1, pictures)];
+            figures.diagnosed(&[], &cameras, |diagnosis| diagnosis.causes(&[]))
+        };
+        let found = causes(10);
+        assert!(
+            matches!(&found[..], [Cause::Touched { camera, .. }] if camera == "rolled"),
+            "{found:?}"
+        );
+        // points alone were measured with the calibration
+        assert_eq!(causes(0), []);
     }
 
     #[test]

@@ -24,9 +24,7 @@ use super::sights::{Sight, Sights};
 use crate::camera::{Ray, closest_point};
 use crate::math::Rigid3;
 use crate::math::stats::median;
-use crate::solver::{
-    BorderedChain, Loss, Options, Problem, Solution, levenberg_marquardt,
-};
+use crate::solver::{BorderedChain, Loss, Options, Problem, Solution, levenberg_marquardt};
 
 /// ω and δ of a camera.
 pub(super) const POSE: usize = 6;

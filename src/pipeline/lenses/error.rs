@@ -45,7 +45,9 @@ pub enum LensError {
         place_sd_mm: f64,
     },
     /// A person of whom no ankles or neck are seen.
-    #[error("nothing tells which way is up: the person's ankles, neck and shoulders are never seen")]
+    #[error(
+        "nothing tells which way is up: the person's ankles, neck and shoulders are never seen"
+    )]
     NoUp,
     /// Nothing tells how large the person is.
     #[error("nothing tells how large the person is: no bone is seen whole")]

@@ -13,12 +13,15 @@
 //! same place. So it serves as a target's corner does, with an error of its own: σ as of published labels, times a factor a that is
 //! estimated, a² = median(‖e‖²/σ²)/(2 ln 2) over the share of the sights that is left beside the unknowns.
 //!
-//! Errors last for a while: a hundred sights of a knee may say no more than two. With the correlation r of the errors of consecutive
-//! frames, n frames count as n(1 − r)/(1 + r) (an autoregressive process), and variances are larger by its inverse.
+//! Errors last for a while: a hundred sights of a knee may say no more than two. With the correlation r_k of errors that are k frames
+//! apart, variances are larger by 1 + 2Σr_k, summed up to five times itself.
 //!
 //! # Scale
 //! Nothing in the pictures tells it. The bones say how tall the person is, in the rig's unit of length; the stature, if it is given, or else the mean body's, makes
 //! metres of it.
+//!
+//! # Source
+//! How long errors last: Sokal 1997, *Monte Carlo methods in statistical mechanics*, § 3 (the window).
 
 mod bundle;
 mod chain;
@@ -36,7 +39,9 @@ use rayon::prelude::*;
 use super::diagnosis::stature_m;
 use crate::body::{BodyModel, Motion, Posed, Shape};
 use crate::camera::Rig;
+use crate::inference::camera_offset::PoseErrors;
 use crate::inference::joints::{BONES, Joints};
+use crate::inference::rig_motion::RigMotion;
 use crate::math::Rigid3;
 use crate::math::stats::median;
 use crate::silhouette::FramePeople;
@@ -54,11 +59,16 @@ const MOST_FRAMES: usize = 400;
 /// Pairs from which the cameras are placed; the chain that fits best counts.
 const BEGINNINGS: usize = 3;
 const ITERATIONS: usize = 40;
+/// Correlations are summed over so many times their sum.
+const WINDOW: f64 = 5.0;
 /// Detections that lie so many times as far off as published labels are not of one person.
 const MOST_SPREAD: f64 = 3.0;
 /// A camera that is known less well than this is not calibrated: degrees and metres.
 const MOST_TURN_SD_DEG: f64 = 1.0;
 const MOST_PLACE_SD_M: f64 = 0.05;
+
+/// By how many times a prior is wider than what it is to say nothing of.
+const WIDER: f64 = 10.0;
 
 /// Cameras that were placed by a person.
 #[derive(Debug, Clone)]
@@ -93,6 +103,31 @@ pub struct Walker<'a> {
     pub height_m: Option<f64>,
     /// Frames a second.
     pub fps: f64,
+}
+
+impl PlacedRig {
+    /// By how much the cameras may be elsewhere, for a fit that refines them: ten times the root mean square of their standard deviations about and along each
+    /// axis. The fit sees the same detections again, so it must know next to nothing of the cameras beforehand.
+    pub fn errors(&self) -> PoseErrors {
+        let rms = |of: fn(&PlaceSd) -> f64| {
+            let squares = self.sds.iter().map(|sd| of(sd).powi(2) / 3.0);
+            (squares.sum::<f64>() / self.sds.len().max(1) as f64).sqrt()
+        };
+        PoseErrors {
+            turn_deg: WIDER * rms(|sd| sd.turn_deg),
+            displacement_m: WIDER * rms(|sd| sd.place_m),
+        }
+    }
+}
+
+/// How well each camera of a rig is known relative to the others, by the covariance of turns (rad) and displacements (m) of all of them.
+pub fn relative_sds(rig: &Rig, covariance: &DMatrix<f64>) -> Option<Vec<PlaceSd>> {
+    let centres: Vec<Point3<f64>> = rig.cameras.iter().map(|c| c.centre_world()).collect();
+    let relative = RigMotion::new(&centres)?.relative(covariance);
+    let sd = |first: usize| relative.view((first, first), (3, 3)).trace().max(0.0).sqrt();
+    let of_camera =
+        |c: usize| PlaceSd { turn_deg: sd(POSE * c).to_degrees(), place_m: sd(POSE * c + 3) };
+    Some((0..centres.len()).map(of_camera).collect())
 }
 
 /// Where the cameras of a rig are whose poses are not known, and are not looked at.
@@ -136,11 +171,8 @@ pub fn placed_rig(
         places: joints.places.iter().map(|(name, at)| (*name, at * metres.unit)).collect(),
     };
     let joints: Vec<Joints> = joints.iter().map(in_metres).collect();
-    let walk = Walk {
-        frames: &joints,
-        fps: walker.fps / stride as f64,
-        stature_m: metres.stature_m,
-    };
+    let walk =
+        Walk { frames: &joints, fps: walker.fps / stride as f64, stature_m: metres.stature_m };
     let world_from_cameras = walk.world_from_cameras().ok_or(LensError::NoUp)?;
     let mut placed = rig.clone();
     for (camera, pose) in placed.cameras.iter_mut().zip(adjusted.placed.poses.iter().flatten()) {
@@ -150,13 +182,7 @@ pub fn placed_rig(
         );
         camera.camera_from_world = pose * world_from_cameras.inverse();
     }
-    Ok(PlacedRig {
-        rig: placed,
-        sds,
-        spread,
-        sights: adjusted.seen(),
-        crowded: sights.crowded,
-    })
+    Ok(PlacedRig { rig: placed, sds, spread, sights: adjusted.seen(), crowded: sights.crowded })
 }
 
 /// The poses of all cameras, from the pairs that tell most.
@@ -185,7 +211,11 @@ fn started(rig: &Rig, sights: &Sights) -> Result<Vec<Option<Rigid3>>, LensError>
         None => Ok(poses),
         Some(apart) => Err(LensError::Apart {
             camera: rig.cameras[apart].name.clone(),
-            common: (0..count).filter(|c| *c != apart).map(|c| common([c, apart])).max().unwrap_or(0),
+            common: (0..count)
+                .filter(|c| *c != apart)
+                .map(|c| common([c, apart]))
+                .max()
+                .unwrap_or(0),
         }),
     }
 }
@@ -222,20 +252,33 @@ fn errors(
     seen.iter().zip(joints).map(error).collect()
 }
 
-/// (1 + r)/(1 − r): by how much variances are larger than those of errors that are independent.
+/// 1 + 2Σr_k: by how much variances are larger than those of errors that are independent.
 fn lasting(sights: &Sights, placed: &Placed) -> f64 {
-    let (mut product, mut square) = (0.0, 0.0);
-    for (pose, seen) in placed.poses.iter().zip(&sights.cameras) {
-        let errors = errors(pose.as_ref(), seen, &placed.joints);
-        for (now, next) in errors.iter().zip(errors.iter().skip(sights.joints.len())) {
-            if let (Some(now), Some(next)) = (now, next) {
-                product += now.dot(next);
-                square += 0.5 * (now.norm_squared() + next.norm_squared());
+    let of_camera =
+        |(pose, seen): (&Option<Rigid3>, &Vec<_>)| errors(pose.as_ref(), seen, &placed.joints);
+    let errors: Vec<_> = placed.poses.iter().zip(&sights.cameras).map(of_camera).collect();
+    let correlation = |k: usize| {
+        let (mut product, mut square) = (0.0, 0.0);
+        for errors in &errors {
+            let later = errors.iter().skip(k * sights.joints.len());
+            for (now, later) in errors.iter().zip(later) {
+                if let (Some(now), Some(later)) = (now, later) {
+                    product += now.dot(later);
+                    square += 0.5 * (now.norm_squared() + later.norm_squared());
+                }
             }
         }
+        if square > 0.0 { product / square } else { 0.0 }
+    };
+
+    let mut sum = 1.0;
+    for k in 1..sights.frames {
+        sum += 2.0 * correlation(k);
+        if k as f64 >= WINDOW * sum {
+            break;
+        }
     }
-    let r = if square > 0.0 { (product / square).clamp(0.0, 0.99) } else { 0.0 };
-    (1.0 + r) / (1.0 - r)
+    sum.max(1.0)
 }
 
 /// How well each camera is known, and which is known least.
@@ -247,9 +290,7 @@ fn sds(sights: &Sights, adjusted: &Adjusted, unit_m: f64) -> (Vec<PlaceSd>, usiz
         place_m: unit_m * sd(POSE * c + 3),
     };
     let all: Vec<PlaceSd> = (0..covariance.nrows() / POSE).map(of_camera).collect();
-    let share = |sd: &PlaceSd| {
-        (sd.turn_deg / MOST_TURN_SD_DEG).max(sd.place_m / MOST_PLACE_SD_M)
-    };
+    let share = |sd: &PlaceSd| (sd.turn_deg / MOST_TURN_SD_DEG).max(sd.place_m / MOST_PLACE_SD_M);
     let worst = (0..all.len()).max_by(|a, b| share(&all[*a]).total_cmp(&share(&all[*b])));
     (all, worst.unwrap_or(0))
 }

@@ -58,7 +58,8 @@ impl Pair {
         let of_two = sights.only(&cameras);
         let adjusted = |essential: &Matrix3<f64>| {
             let poses = poses_of_essential(essential).into_iter();
-            let placed = poses.map(|second| Placed::new(&of_two, vec![Some(Rigid3::identity()), Some(second)]));
+            let placed = poses
+                .map(|second| Placed::new(&of_two, vec![Some(Rigid3::identity()), Some(second)]));
             let before = |placed: &Placed| placed.joints.iter().flatten().count();
             let start = placed.max_by_key(before)?;
             let adjusted = Bundle::adjusted(&of_two, &start, ITERATIONS);
@@ -113,8 +114,8 @@ fn cost(essential: &Matrix3<f64>, pairs: &[[Sight; 2]]) -> f64 {
         let (at, other) = (a.at.to_homogeneous(), b.at.to_homogeneous());
         let line = essential * at;
         let back = essential.tr_mul(&other);
-        let variance = b.sigma.powi(2) * line.xy().norm_squared()
-            + a.sigma.powi(2) * back.xy().norm_squared();
+        let variance =
+            b.sigma.powi(2) * line.xy().norm_squared() + a.sigma.powi(2) * back.xy().norm_squared();
         (other.dot(&line).powi(2) / variance).min(WRONG * WRONG)
     };
     pairs.iter().map(square).sum()

@@ -34,9 +34,8 @@ pub(super) fn joints_of_frames(sights: &Sights, placed: &Placed) -> Vec<Joints> 
     let joints = sights.joints.len();
     let of_frame = |frame: usize| {
         let all = sights.joints.iter().enumerate();
-        let place = |(k, name): (usize, &&'static str)| {
-            Some((*name, placed.joints[frame * joints + k]?))
-        };
+        let place =
+            |(k, name): (usize, &&'static str)| Some((*name, placed.joints[frame * joints + k]?));
         Joints { places: all.filter_map(place).collect() }
     };
     (0..sights.frames).map(of_frame).collect()

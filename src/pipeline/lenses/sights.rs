@@ -48,8 +48,7 @@ impl Sights {
         }
 
         let of_all = alone.iter().flat_map(|(_, _, person)| &person.keypoints);
-        let mut joints: Vec<&'static str> =
-            of_all.map(|k| k.name).collect();
+        let mut joints: Vec<&'static str> = of_all.map(|k| k.name).collect();
         joints.sort_unstable();
         joints.dedup();
         let index: BTreeMap<&str, usize> =
@@ -78,9 +77,8 @@ impl Sights {
 
     /// Joints that both of two cameras see.
     pub(super) fn common(&self, a: usize, b: usize) -> Vec<usize> {
-        let both = |joint: &usize| {
-            self.cameras[a][*joint].is_some() && self.cameras[b][*joint].is_some()
-        };
+        let both =
+            |joint: &usize| self.cameras[a][*joint].is_some() && self.cameras[b][*joint].is_some();
         (0..self.count()).filter(both).collect()
     }
 

@@ -26,7 +26,7 @@ pub enum Size {
 pub struct Scale {
     /// The factor.
     pub factor: f64,
-    /// Its standard deviation over itself; `None` where it is given.
+    /// Its standard deviation over itself; `None` where a length is given, or nothing is known.
     pub sd: Option<f64>,
 }
 
@@ -73,10 +73,11 @@ impl Size {
     /// # Errors
     /// [`SizeError`].
     pub fn check(&self, rig: &Rig) -> Result<(), SizeError> {
-        let within = |name, metres: f64, [least, most]: [f64; 2]| match (least..=most).contains(&metres) {
-            true => Ok(()),
-            false => Err(SizeError::Length { name, metres, least, most }),
-        };
+        let within =
+            |name, metres: f64, [least, most]: [f64; 2]| match (least..=most).contains(&metres) {
+                true => Ok(()),
+                false => Err(SizeError::Length { name, metres, least, most }),
+            };
         match self {
             Self::Usual => Ok(()),
             Self::Height(metres) => within("--height", *metres, HEIGHTS_M),
@@ -102,10 +103,14 @@ impl Size {
         if let Self::Height(metres) = self { Some(*metres) } else { None }
     }
 
-    /// What makes a world of the right size of one in which a body of this shape was fitted between these cameras.
-    pub fn scale(&self, model: &BodyModel, shape: &Shape, rig: &Rig) -> Scale {
+    /// What makes a world of the right size of one in which a body of this shape was fitted between these cameras. Without a body it is as large
+    /// as detections make it.
+    pub fn scale(&self, model: &BodyModel, shape: Option<&Shape>, rig: &Rig) -> Scale {
         match self {
-            Self::Height(metres) => Scale { factor: metres / stature_m(model, shape), sd: None },
+            Self::Height(metres) => {
+                let found_m = shape.map_or(*metres, |shape| stature_m(model, shape));
+                Scale { factor: metres / found_m, sd: None }
+            }
             Self::Distance { cameras, metres } => {
                 let centre = |name: &String| Some(rig.by_name(name)?.1.centre_world());
                 let [a, b] = [0, 1].map(|k| centre(&cameras[k]));
@@ -113,8 +118,10 @@ impl Size {
                 Scale { factor: metres / found, sd: None }
             }
             Self::Usual => {
-                let (log, sd) = likeliest_scale(model, shape).unwrap_or((0.0, f64::INFINITY));
-                Scale { factor: (-log).exp(), sd: Some(sd) }
+                let mean = Shape(model.statistics.mean.clone());
+                let found = likeliest_scale(model, shape.unwrap_or(&mean));
+                let (log, sd) = found.map_or((0.0, None), |(log, sd)| (log, Some(sd)));
+                Scale { factor: (-log).exp(), sd }
             }
         }
     }

@@ -12,8 +12,21 @@ use crate::solver::check_linearization;
 use crate::synth::{Recipe, Ring, Synthetic};
 
 const NAMES: [&str; 15] = [
-    "RHip", "RKnee", "RAnkle", "LHip", "LKnee", "LAnkle", "RShoulder", "RElbow", "RWrist",
-    "LShoulder", "LElbow", "LWrist", "Neck", "RBigToe", "LBigToe",
+    "RHip",
+    "RKnee",
+    "RAnkle",
+    "LHip",
+    "LKnee",
+    "LAnkle",
+    "RShoulder",
+    "RElbow",
+    "RWrist",
+    "LShoulder",
+    "LElbow",
+    "LWrist",
+    "Neck",
+    "RBigToe",
+    "LBigToe",
 ];
 const FPS: f64 = 10.0;
 const NOISE_PX: f64 = 2.0;
@@ -83,9 +96,8 @@ fn off(found: &Rig, truth: &Rig) -> (f64, f64) {
                 let [a, b] = [a, b].map(|i| rig.cameras[i].camera_from_world.rotation);
                 b * a.inverse()
             };
-            let way = |rig: &Rig| {
-                (rig.cameras[a].centre_world() - rig.cameras[b].centre_world()).norm()
-            };
+            let way =
+                |rig: &Rig| (rig.cameras[a].centre_world() - rig.cameras[b].centre_world()).norm();
             turned = turned.max(turn(found).angle_to(&turn(truth)).to_degrees());
             displaced = displaced.max((way(found) / scale - way(truth)).abs());
         }
