@@ -272,7 +272,7 @@ fn left_out(scene: &Scene<'_>, now: &Now) -> Vec<Trial> {
         let miss_m = now.misses.cameras[camera].unwrap_or(0.0);
         let fault = CameraFault::Elsewhere { camera: CameraId(camera), miss_m };
         let trial = Hypothesis { fault, readings }.tried(scene, now)?;
-        (trial.left <= 1.0).then_some(trial)
+        (trial.left <= scene.most_left()).then_some(trial)
     };
     present(now).filter_map(without).collect()
 }

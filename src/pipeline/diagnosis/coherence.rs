@@ -155,6 +155,15 @@ impl<'a> Scene<'a> {
         }
     }
 
+    /// The share of the misses that leaving out a camera leaves at most: outlines of fewer cameras can only miss each other less, and
+    /// joints that fewer cameras see are less certain.
+    pub(super) fn most_left(&self) -> f64 {
+        match self.shows {
+            Shows::Outlines => 1.0,
+            Shows::Joints => f64::INFINITY,
+        }
+    }
+
     /// Every camera as it is.
     pub(super) fn plain(&self) -> Vec<Option<Reading>> {
         self.rig.iter().map(|(id, _)| Some(Reading::plain(id))).collect()
@@ -189,7 +198,16 @@ impl<'a> Scene<'a> {
             let all = frames.iter().flatten().flatten().filter(|(camera, _)| *camera == id);
             mean(all.map(|(_, miss)| *miss))
         };
-        let total = |views: &Option<Vec<(usize, f64)>>| mean(views.iter().flatten().map(|v| v.1));
+        // a camera that agrees takes nothing away, whichever is left out; of joints, which are many cameras' together, the sum counts
+        let total = |views: &Option<Vec<(usize, f64)>>| {
+            let misses = views.iter().flatten().map(|v| v.1);
+            match (self.shows, views) {
+                (Shows::Joints, Some(_)) => {
+                    Some(misses.sum::<f64>() / self.rig.cameras.len() as f64)
+                }
+                _ => mean(misses),
+            }
+        };
         Misses {
             cameras: (0..self.rig.cameras.len()).map(of_camera).collect(),
             frames: frames.iter().map(total).collect(),

@@ -92,7 +92,7 @@ impl Pair {
 fn proposals(all: &[[Sight; 2]], cameras: [usize; 2]) -> Vec<Matrix3<f64>> {
     // a stream for each pair: what is drawn depends on nothing else
     let mut rng = ChaCha8Rng::seed_from_u64(0);
-    rng.set_stream((cameras[0] << 16 | cameras[1]) as u64);
+    rng.set_stream(((cameras[0] << 16) | cameras[1]) as u64);
     let tried: Vec<[Sight; 2]> =
         sample(&mut rng, all.len(), TRIED.min(all.len())).iter().map(|i| all[i]).collect();
 

@@ -7,6 +7,8 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::*;
 use crate::camera::CameraId;
+#[cfg(test)]
+use crate::io::model;
 use crate::silhouette::{FrameIndex, Keypoint};
 use crate::solver::check_linearization;
 use crate::synth::{Recipe, Ring, Synthetic};
@@ -32,7 +34,7 @@ const FPS: f64 = 10.0;
 const NOISE_PX: f64 = 2.0;
 
 fn person() -> BodyModel {
-    crate::io::model::load("walker-metaballs", Path::new("")).unwrap()
+    model::load("walker-metaballs", Path::new("")).unwrap()
 }
 
 fn walker(frames: usize) -> Synthetic {
