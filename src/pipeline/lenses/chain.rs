@@ -49,7 +49,7 @@ fn next(sights: &Sights, pairs: &[Pair], placed: &Placed) -> Option<(usize, Rigi
 
     let by_pair = |pair: &Pair| {
         let other = pair.cameras.iter().copied().find(|c| *c != camera)?;
-        let pose = pose(sights, placed, [camera, other], &pair.from_other(camera))?;
+        let pose = pose(sights, placed, [camera, other], &pair.camera_from_other(camera))?;
         Some((misfit(sights, placed, camera, &pose)?, pose))
     };
     let best = leading(camera).filter_map(by_pair).min_by(|a, b| a.0.total_cmp(&b.0))?;

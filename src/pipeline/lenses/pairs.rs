@@ -80,7 +80,7 @@ impl Pair {
     }
 
     /// The pose of a camera of the pair from the other.
-    pub(super) fn from_other(&self, camera: usize) -> Rigid3 {
+    pub(super) fn camera_from_other(&self, camera: usize) -> Rigid3 {
         match camera == self.cameras[1] {
             true => self.second_from_first,
             false => self.second_from_first.inverse(),
