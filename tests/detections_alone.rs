@@ -279,6 +279,7 @@ fn cameras_of_which_the_lenses_alone_are_known_are_placed_by_the_walker_and_writ
     let cameras = [a.name.clone(), b.name.clone()];
     let found = |size: Size| {
         LensRig::of(folder.path(), Some(FPS), size, &FitOptions::default(), &NoProgress)
+            .map_err(|fault| fault.to_string())
     };
     let distance = Size::Distance { cameras: cameras.clone(), metres: apart(a, b) };
     let rig = found(distance).expect("a rig");
@@ -309,7 +310,7 @@ fn cameras_of_which_the_lenses_alone_are_known_are_placed_by_the_walker_and_writ
             "twice",
         ),
     ] {
-        let fault = found(size).expect_err(part).to_string();
+        let fault = found(size).expect_err(part);
         assert!(fault.contains(part) && !fault.contains('\n'), "{part}: {fault}");
     }
 }
