@@ -4,10 +4,13 @@ use std::fs;
 use std::path::Path;
 
 use maquette::body::Side;
-use maquette::io::calibration::write_toml;
+use maquette::camera::Camera;
+use maquette::io::calibration::{self, CalibrationOptions, write_toml};
 use maquette::io::model;
+use maquette::pipeline::{NoProgress, Size};
 use maquette::silhouette::FrameIndex;
 use maquette::synth::{Recipe, Ring, Synthetic};
+use maquette::workflow::LensRig;
 use maquette::{FitOptions, Recording};
 use nalgebra::{Point3, Vector3};
 use rand::{RngExt, SeedableRng};
@@ -254,4 +257,68 @@ fn a_table_of_each_camera_says_what_the_files_of_all_pictures_say() {
     let inputs = found.checksums().expect("files");
     let own = inputs.iter().filter(|input| input.input.starts_with("detections of "));
     assert!(own.clone().count() == 4 && own.clone().all(|input| input.files == 1));
+}
+
+#[test]
+fn cameras_of_which_the_lenses_alone_are_known_are_placed_by_the_walker_and_written() {
+    let walker = walker();
+    let folder = project(&walker, text_of_one(&walker));
+    let lenses: String = write_toml(&walker.rig)
+        .lines()
+        .filter(|line| !line.starts_with("rotation") && !line.starts_with("translation"))
+        .map(|line| format!("{line}\n"))
+        .collect();
+    fs::write(folder.path().join("calibration/Calib_scene.toml"), lenses).expect("a file");
+
+    // without poses a fit says what makes them
+    let fault = fitted(folder.path()).expect_err("no poses");
+    assert!(fault.contains("calibrate --from lenses") && !fault.contains('\n'), "{fault}");
+
+    let (a, b) = (&walker.rig.cameras[0], &walker.rig.cameras[1]);
+    let apart = |a: &Camera, b: &Camera| (a.centre_world() - b.centre_world()).norm();
+    let cameras = [a.name.clone(), b.name.clone()];
+    let found = |size: Size| {
+        LensRig::of(folder.path(), Some(FPS), size, &FitOptions::default(), &NoProgress)
+            .map_err(|fault| fault.to_string())
+    };
+    let distance = Size::Distance { cameras: cameras.clone(), metres: apart(a, b) };
+    let rig = found(distance).expect("a rig");
+    assert_eq!(rig.unrefined, None);
+    let out = folder.path().join("rig.toml");
+    rig.write(&out).expect("a file");
+    let text = fs::read_to_string(&out).expect("a file");
+    assert!(text.contains("[metadata.placed."), "{text}");
+
+    let read = calibration::read(&out, &CalibrationOptions::default()).expect("a calibration");
+    for (i, camera) in walker.rig.cameras.iter().enumerate() {
+        for (j, other) in walker.rig.cameras[..i].iter().enumerate() {
+            let off_m = apart(&read.cameras[i], &read.cameras[j]) - apart(camera, other);
+            let turned = read.cameras[i].camera_from_world.rotation
+                * read.cameras[j].camera_from_world.rotation.inverse();
+            let truly =
+                camera.camera_from_world.rotation * other.camera_from_world.rotation.inverse();
+            let off_deg = turned.angle_to(&truly).to_degrees();
+            assert!(off_m.abs() < 0.06 && off_deg < 0.6, "{i} {j}: {off_m} m {off_deg}°");
+        }
+    }
+
+    for (size, part) in [
+        (Size::Height(17.5), "--height = 17.5 m: expected 0.4 to 2.6 m"),
+        (Size::Distance { cameras: ["none".into(), cameras[0].clone()], metres: 1.0 }, "\"none\""),
+        (
+            Size::Distance { cameras: [cameras[0].clone(), cameras[0].clone()], metres: 1.0 },
+            "twice",
+        ),
+    ] {
+        let fault = found(size).expect_err(part);
+        assert!(fault.contains(part) && !fault.contains('\n'), "{part}: {fault}");
+    }
+}
+
+/// The walker alone.
+fn text_of_one(walker: &Synthetic) -> impl Fn(usize, usize) -> String {
+    |frame, camera| {
+        let mut rng = ChaCha8Rng::seed_from_u64((100 * frame + camera) as u64);
+        file(&[person(walker, (frame, camera), Vector3::zeros(), &mut rng)])
+    }
 }

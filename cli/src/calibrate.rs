@@ -5,11 +5,14 @@ use std::time::Instant;
 
 use clap::Args;
 use maquette::io::calibration::check_name;
-use maquette::workflow::{RefinedCamera, RefinedRig, UsedRecording};
+use maquette::pipeline::Size;
+use maquette::workflow::{LensRig, RefinedCamera, RefinedRig, UsedRecording};
 use serde_json::{Value, json};
 
 use super::camera_fit::{CameraFitArguments, check_free};
+use super::choice::{Choice, one_of};
 use super::error::CliError;
+use super::lenses_found::{lenses_json, lenses_text};
 use super::switches::{Output, Threads, print_notes};
 use super::table::Table;
 
@@ -19,13 +22,19 @@ Refine a calibration by a person who moves before the cameras.
 Reads recordings of one calibration, or the folders of finished fits of them, and writes the calibration with each camera \
 where the person shows it to be. The format follows from the name of OUT: *.toml (Pose2Sim, aniposelib), intri.yml \
 (EasyMocap, with extri.yml), *.yml or *.xml (OpenCV), {camera}.yml or {camera}.xml (OpenCV, a file for each camera), \
-*.qca.txt (Qualisys). A camera that the motion does not determine keeps its calibration. Lenses stay as they are.";
+*.qca.txt (Qualisys). A camera that the motion does not determine keeps its calibration. Lenses stay as they are.
+
+With --from lenses the poses in the calibration are not read and need not be there: the cameras are placed by the detections of a person who walks \
+through the room (pose/<camera>_json/), and then refined by the person's body. The person's height, or the distance of two cameras, says how \
+large the room is. The world is that of the walk: z up, the floor at 0, x along the walk.";
 
 pub(super) const EXAMPLES: &str = "\
 Examples:
   maquette calibrate my-recording --fps 50 --out rig.toml
   maquette calibrate monday tuesday out/wednesday --fps 50 --out rig.toml    (out/wednesday: a finished fit)
-  maquette calibrate out/me --out '{camera}.xml'";
+  maquette calibrate out/me --out '{camera}.xml'
+  maquette calibrate my-recording --fps 50 --from lenses --height 1.75 --out rig.toml
+  maquette calibrate my-recording --fps 50 --from lenses --distance cam_01 cam_02 3.42 --out rig.toml";
 
 /// Arguments of `maquette calibrate`.
 #[derive(Debug, Args)]
@@ -36,12 +45,63 @@ pub(super) struct CalibrateArguments {
     /// The calibration to write
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
+    /// What is known of the cameras
+    #[arg(long, value_name = "WHAT", default_value = "calibration", value_parser = one_of(&KNOWN))]
+    from: Known,
+    /// With --from lenses: the person's height without shoes, m [default: that of sequence.toml, or what people's bones are like]
+    #[arg(long, value_name = "METRES", allow_negative_numbers = true, conflicts_with = "distance")]
+    height: Option<f64>,
+    /// With --from lenses: the distance of two cameras, m, in the place of the height
+    #[arg(long, num_args = 3, value_names = ["CAMERA", "CAMERA", "METRES"], allow_negative_numbers = true)]
+    distance: Option<Vec<String>>,
     #[command(flatten)]
     fit: CameraFitArguments,
     #[command(flatten)]
     threads: Threads,
     #[command(flatten)]
     output: Output,
+}
+
+/// What is known of the cameras.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Known {
+    Calibration,
+    Lenses,
+}
+
+static KNOWN: [Choice<Known>; 2] = [
+    ("calibration", Known::Calibration, "lenses and places; the places are refined"),
+    ("lenses", Known::Lenses, "lenses alone; the places are found by a person who walks"),
+];
+
+impl CalibrateArguments {
+    /// What tells how large the world is.
+    fn size(&self) -> Result<Size, CliError> {
+        match (self.height, self.distance.as_deref()) {
+            (Some(metres), _) => Ok(Size::Height(metres)),
+            (None, Some([a, b, metres])) => {
+                let expected = || format!("--distance: expected metres, found {metres:?}");
+                let metres = metres.parse().map_err(|_| CliError::Arguments(expected()))?;
+                Ok(Size::Distance { cameras: [a.clone(), b.clone()], metres })
+            }
+            _ => Ok(Size::Usual),
+        }
+    }
+
+    /// The only recording, where lenses alone are known; `None` where the places are too.
+    fn lenses_of(&self) -> Result<Option<&PathBuf>, CliError> {
+        let fault = |text: &str| Err(CliError::Arguments(text.into()));
+        match (self.from, self.recordings.as_slice()) {
+            (Known::Calibration, _) if self.height.is_some() || self.distance.is_some() => {
+                fault("--height and --distance are for --from lenses: a calibration has a size")
+            }
+            (Known::Calibration, _) => Ok(None),
+            (Known::Lenses, [recording]) => Ok(Some(recording)),
+            (Known::Lenses, _) => fault(
+                "--from lenses: expected one recording; what it gives can be refined by others",
+            ),
+        }
+    }
 }
 
 /// Refines a calibration and writes it.
@@ -55,6 +115,19 @@ fn calibrate(arguments: &CalibrateArguments) -> Result<(), CliError> {
     // before the minutes that the fits take
     check_name(out).map_err(maquette::Error::from)?;
     check_free(std::slice::from_ref(out), fit.existing())?;
+
+    if let Some(recording) = arguments.lenses_of()? {
+        let (size, options) = (arguments.size()?, fit.options());
+        let found = LensRig::of(recording, fit.fps, size, &options, &output.progress())?;
+        check_free(&found.files(out)?, fit.existing())?;
+        let written = found.write(out)?;
+        let seconds = start.elapsed().as_secs_f64();
+        output.summarise(
+            || lenses_text(&found, &written, seconds),
+            || lenses_json(&found, &written, seconds),
+        );
+        return Ok(());
+    }
 
     let rig = RefinedRig::of(recordings, fit.fps, &fit.options(), &output.progress())?;
     check_free(&rig.files(out)?, fit.existing())?;
@@ -101,7 +174,6 @@ fn text(rig: &RefinedRig, written: &[PathBuf], seconds: f64) -> String {
         let why = camera.found.as_ref().err()?;
         Some(format!("  {} keeps its calibration: {why}\n", camera.camera))
     });
-    let files: Vec<String> = written.iter().map(|path| path.display().to_string()).collect();
     let recordings = match rig.recordings.len() {
         1 => "1 recording".into(),
         count => format!("{count} recordings"),
@@ -110,8 +182,13 @@ fn text(rig: &RefinedRig, written: &[PathBuf], seconds: f64) -> String {
         "{}{}{} from {recordings} in {seconds:.1} s\n",
         table.text(),
         kept.collect::<String>(),
-        files.join(", ")
+        names(written)
     )
+}
+
+pub(super) fn names(written: &[PathBuf]) -> String {
+    let files: Vec<String> = written.iter().map(|path| path.display().to_string()).collect();
+    files.join(", ")
 }
 
 fn as_json(rig: &RefinedRig, written: &[PathBuf], seconds: f64) -> Value {
@@ -131,6 +208,7 @@ fn as_json(rig: &RefinedRig, written: &[PathBuf], seconds: f64) -> Value {
     json!({
         "files": written.iter().map(|path| path.display().to_string()).collect::<Vec<_>>(),
         "seconds": seconds,
+        "lenses": null,
         "recordings": rig.recordings.iter().map(recording).collect::<Vec<_>>(),
         "cameras": rig.cameras.iter().map(camera).collect::<Vec<_>>(),
         "notes": rig.notes,

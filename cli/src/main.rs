@@ -37,6 +37,7 @@ mod export;
 mod fit;
 mod gait;
 mod interrupt;
+mod lenses_found;
 mod models;
 mod pictures;
 mod progress;

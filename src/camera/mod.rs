@@ -8,11 +8,13 @@
 //!
 //! A [`Rig`] is all cameras of a recording in one world; [`Rig::common_view`] says whether they look at one volume.
 //! [`UpAxis`] converts between that world, with Z up, and those of files.
+//! [`essential_matrices`] says how two cameras stand to each other whose lenses alone are known.
 //! [`check_projection`] is the law that every camera model here obeys.
 
 mod check;
 mod common_view;
 mod distortion;
+mod essential;
 mod intrinsics;
 mod pinhole;
 mod ray;
@@ -22,6 +24,7 @@ mod up_axis;
 pub use check::{ProjectionFault, check_projection};
 pub use common_view::{Blindness, CommonView};
 pub use distortion::Distortion;
+pub use essential::{essential_matrices, poses_of_essential};
 pub use intrinsics::Intrinsics;
 pub use pinhole::Camera;
 pub use ray::{Ray, closest_point};

@@ -21,6 +21,9 @@
 //! common to all of them is left to this prior. σ (E): 0.1° and 3 mm along each axis; of a clock, which was set to the nearest frame,
 //! the interval of frames over √12.
 //!
+//! Of cameras that were placed by detections σ is so wide that it says next to nothing. Then nothing would hold the world itself, and a smaller one has
+//! smaller residuals: so what all cameras have in common ([`RigMotion`]) is normal, with a usual calibration's σ.
+//!
 //! # Which cameras
 //! A camera that nothing crosses is held: the depth at which cameras side by side see a person is as uncertain as their turns, so their
 //! calibration must be trusted. The pose of a camera is free if two others look across its line of sight, its clock if one does.
@@ -31,6 +34,7 @@
 use nalgebra::{Matrix3, SMatrix, SVector, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
+use super::rig_motion::{COMMON, RigMotion};
 use super::sequence_state::SequenceState;
 use crate::body::Motion;
 use crate::camera::{Camera, Rig};
@@ -70,6 +74,23 @@ pub const DISPLACEMENT_SD_M: f64 = 0.003;
 /// Lines of sight at a larger angle than this cross, so that one says where along the other a body stands.
 const ACROSS_RAD: f64 = 0.35;
 
+/// What a calibration errs by: σ about and along each axis.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PoseErrors {
+    /// Of a turn, degrees.
+    pub turn_deg: f64,
+    /// Of a displacement, metres.
+    pub displacement_m: f64,
+}
+
+impl Default for PoseErrors {
+    /// Those of a usual calibration.
+    fn default() -> Self {
+        Self { turn_deg: TURN_SD.to_degrees(), displacement_m: DISPLACEMENT_SD_M }
+    }
+}
+
 /// p(c): what of each camera is unknown, and how far it may be off.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CameraPrior {
@@ -77,12 +98,16 @@ pub struct CameraPrior {
     free: Vec<Free>,
     /// σ of a clock, seconds.
     ahead_sd_s: f64,
+    /// σ of turn and displacement.
+    errors: PoseErrors,
+    /// What holds the world, where σ does not: the common part of all cameras, and its 1/σ².
+    held: Option<(RigMotion, SVector<f64, COMMON>)>,
 }
 
 impl CameraPrior {
     /// Every camera is where and when its calibration says.
     pub fn trusting() -> Self {
-        Self { free: Vec::new(), ahead_sd_s: 1.0 }
+        Self { free: Vec::new(), ahead_sd_s: 1.0, errors: PoseErrors::default(), held: None }
     }
 
     /// Of what is `allowed`, what the rig can tell about a body that moves as `state` does; frames are `interval_s` apart.
@@ -104,7 +129,29 @@ impl CameraPrior {
         Self {
             free: if is_any { free } else { Vec::new() },
             ahead_sd_s: interval_s / 12.0_f64.sqrt(),
+            errors: PoseErrors::default(),
+            held: None,
         }
+    }
+
+    /// The same of a calibration of these cameras that errs so. If all of them are unknown and it is no usual one, the world is held.
+    #[must_use]
+    pub fn with_errors(self, errors: PoseErrors, rig: &Rig) -> Self {
+        let is_loose = errors != PoseErrors::default()
+            && !self.is_trusting()
+            && self.free.iter().all(|free| free.pose);
+        let centres: Vec<_> = rig.cameras.iter().map(Camera::centre_world).collect();
+        let motion = is_loose.then(|| RigMotion::new(&centres)).flatten();
+        let held = motion.map(|motion| {
+            let weights = motion.weights(TURN_SD, DISPLACEMENT_SD_M);
+            (motion, weights)
+        });
+        Self { errors, held, ..self }
+    }
+
+    /// 1/σ² of turns and displacements.
+    fn weights(&self) -> (f64, f64) {
+        (self.errors.turn_deg.to_radians().powi(-2), self.errors.displacement_m.powi(-2))
     }
 
     /// Whether nothing is unknown.
@@ -130,7 +177,8 @@ impl CameraPrior {
     /// −log p, 0 where nothing is off.
     pub(super) fn cost(&self, cameras: &[CameraOffset]) -> f64 {
         let each = cameras.iter().zip(&self.free);
-        each.map(|(offset, free)| self.cost_of(offset, *free)).sum()
+        let each: f64 = each.map(|(offset, free)| self.cost_of(offset, *free)).sum();
+        each + self.held.as_ref().map_or(0.0, |held| world_cost(held, cameras))
     }
 
     fn cost_of(&self, offset: &CameraOffset, free: Free) -> f64 {
@@ -153,6 +201,9 @@ impl CameraPrior {
         for (camera, (offset, free)) in cameras.iter().zip(&self.free).enumerate() {
             self.linearize_of(offset, *free, first + COMPONENTS * camera, equations);
         }
+        if let Some(held) = &self.held {
+            linearize_world(held, cameras, first, equations);
+        }
         self.cost(cameras)
     }
 
@@ -168,7 +219,8 @@ impl CameraPrior {
         // log(exp(ω)R) = φ + J_r⁻¹(−φ) ω
         let by_turn = right_jacobian_inverse(&-turn);
         let weight = if free.pose { 7.0 / (1.0 + pose) } else { 0.0 };
-        let (of_turn, of_place) = (weight / TURN_SD.powi(2), weight / DISPLACEMENT_SD_M.powi(2));
+        let (of_turn, of_place) = self.weights();
+        let (of_turn, of_place) = (weight * of_turn, weight * of_place);
         let of_clock = if free.clock { 2.0 / (1.0 + ahead) / self.ahead_sd_s.powi(2) } else { 0.0 };
 
         let mut gradient = equations.gradient.rows_mut(first, COMPONENTS);
@@ -187,9 +239,56 @@ impl CameraPrior {
 
     /// z² of turn and displacement, and of the clock.
     fn squares(&self, offset: &CameraOffset) -> (f64, f64) {
-        let turn = offset.turn.scaled_axis().norm_squared() / TURN_SD.powi(2);
-        let place = offset.displacement_m.norm_squared() / DISPLACEMENT_SD_M.powi(2);
+        let (of_turn, of_place) = self.weights();
+        let turn = offset.turn.scaled_axis().norm_squared() * of_turn;
+        let place = offset.displacement_m.norm_squared() * of_place;
         (turn + place, (offset.ahead_s / self.ahead_sd_s).powi(2))
+    }
+}
+
+/// The common part g of all cameras.
+fn common(motion: &RigMotion, cameras: &[CameraOffset]) -> SVector<f64, COMMON> {
+    let part = |(c, offset): (usize, &CameraOffset)| {
+        let by = motion.common().fixed_view::<COMMON, 6>(0, 6 * c);
+        let turn = by.fixed_columns::<3>(0) * offset.turn.scaled_axis();
+        turn + by.fixed_columns::<3>(3) * offset.displacement_m
+    };
+    cameras.iter().enumerate().map(part).sum()
+}
+
+/// ½ Σ g²/σ².
+fn world_cost(held: &(RigMotion, SVector<f64, COMMON>), cameras: &[CameraOffset]) -> f64 {
+    let g = common(&held.0, cameras);
+    0.5 * g.component_mul(&g).dot(&held.1)
+}
+
+/// Gradient and Gauss–Newton matrix of the same.
+fn linearize_world(
+    held: &(RigMotion, SVector<f64, COMMON>),
+    cameras: &[CameraOffset],
+    first: usize,
+    equations: &mut NormalEquations,
+) {
+    let (motion, weights) = held;
+    let pull = common(motion, cameras).component_mul(weights);
+    let slope = |c: usize| {
+        let mut slope = motion.common().fixed_view::<COMMON, 6>(0, 6 * c).into_owned();
+        let by_turn = right_jacobian_inverse(&-cameras[c].turn.scaled_axis());
+        let turned = slope.fixed_columns::<3>(0) * by_turn;
+        slope.fixed_columns_mut::<3>(0).copy_from(&turned);
+        slope
+    };
+    let slopes: Vec<SMatrix<f64, COMMON, 6>> = (0..cameras.len()).map(slope).collect();
+    for (c, slope) in slopes.iter().enumerate() {
+        let own = first + COMPONENTS * c;
+        let mut gradient = equations.gradient.fixed_rows_mut::<6>(own);
+        gradient += slope.transpose() * pull;
+        for (d, other) in slopes.iter().enumerate() {
+            let weighed = SMatrix::<f64, COMMON, COMMON>::from_diagonal(weights) * other;
+            let place = (own, first + COMPONENTS * d);
+            let mut block = equations.hessian.fixed_view_mut::<6, 6>(place.0, place.1);
+            block += slope.transpose() * weighed;
+        }
     }
 }
 

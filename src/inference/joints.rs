@@ -29,6 +29,20 @@ const LEAST_JOINTS: usize = 4;
 /// The points of a detector that lie on the trunk.
 const TRUNK: [&str; 6] = ["RHip", "LHip", "Hip", "RShoulder", "LShoulder", "Neck"];
 
+/// Bones whose lengths tell how tall a person is.
+pub const BONES: [[&str; 2]; 10] = [
+    ["RHip", "RKnee"],
+    ["LHip", "LKnee"],
+    ["RKnee", "RAnkle"],
+    ["LKnee", "LAnkle"],
+    ["RShoulder", "RElbow"],
+    ["LShoulder", "LElbow"],
+    ["RElbow", "RWrist"],
+    ["LElbow", "LWrist"],
+    ["RHip", "RShoulder"],
+    ["LHip", "LShoulder"],
+];
+
 /// The joints of one person in one frame, in space.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Joints {

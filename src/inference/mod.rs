@@ -12,7 +12,7 @@
 //! | what the winner lost              | `relay`          |
 //! | eq. 1 as a problem of all frames  | [`chain`], [`sequence_posterior`] |
 //! | its optimum, how sure it is       | [`joint`], [`noise`], [`contrasts`], `spread`, [`covariance`] |
-//! | cameras and clocks as unknowns    | [`camera_offset`], [`instant`] |
+//! | cameras and clocks as unknowns    | [`camera_offset`], [`rig_motion`], [`instant`] |
 //! | p_ε,σ(K)                          | [`confidence`], [`ShapeConfidence`] |
 
 pub mod camera_offset;
@@ -37,6 +37,7 @@ pub mod noise;
 pub mod prior;
 pub mod propagate;
 mod relay;
+pub mod rig_motion;
 pub mod search;
 mod sequence;
 pub mod sequence_posterior;

@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use super::detail::Detail;
 use super::frame::KeyframePosterior;
 use super::hull::{self, Hull};
-use super::joints::Joints;
+use super::joints::{BONES, Joints};
 use super::{Evidence, Terms};
 use crate::body::{BodyModel, Limbs, Motion, Pose, Posed, Root, Shape, State};
 use crate::silhouette::FrameObservations;
@@ -171,20 +171,6 @@ fn starting_states(
     }
     states
 }
-
-/// Bones whose lengths tell how tall a person is.
-const BONES: [[&str; 2]; 10] = [
-    ["RHip", "RKnee"],
-    ["LHip", "LKnee"],
-    ["RKnee", "RAnkle"],
-    ["LKnee", "LAnkle"],
-    ["RShoulder", "RElbow"],
-    ["LShoulder", "LElbow"],
-    ["RElbow", "RWrist"],
-    ["LElbow", "LWrist"],
-    ["RHip", "RShoulder"],
-    ["LHip", "LShoulder"],
-];
 
 /// The body with its joints about where they are seen, in every canonical leg pose; at every heading where they do not tell it.
 fn states_at_joints(model: &BodyModel, joints: &Joints, options: &StartOptions) -> Vec<State> {

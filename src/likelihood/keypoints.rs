@@ -58,6 +58,12 @@ fn spread(name: &str) -> f64 {
     }
 }
 
+/// σ = a_k s/(√2 c) of the keypoint of this name, px, of a person of size s whom the detector sees with the confidence c.
+pub fn label_sigma_px(name: &str, size_px: f64, confidence: f64) -> f64 {
+    let name = if Side::mirrored(name).is_some() { &name[1..] } else { name };
+    spread(name) * size_px / (2.0_f64.sqrt() * confidence)
+}
+
 /// Where the point of a keypoint is in a body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Target {
@@ -107,8 +113,7 @@ impl KeypointView {
             let Some(target) = Target::of(model, keypoint.name) else { continue };
             let twin = Side::mirrored(keypoint.name).and_then(|name| Target::of(model, &name));
             let name = if twin.is_some() { &keypoint.name[1..] } else { keypoint.name };
-            let of_labels =
-                spread(name) * detection.size_px / (2.0_f64.sqrt() * keypoint.confidence);
+            let of_labels = label_sigma_px(keypoint.name, detection.size_px, keypoint.confidence);
             let of_place = match target {
                 Target::Keypoint(_) => 0.0,
                 Target::Point(_) => KEYPOINT_SD_M * camera.intrinsics.focal_px() / depth_m,

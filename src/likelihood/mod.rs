@@ -38,7 +38,7 @@ mod union;
 pub use body_outline::BodyOutline;
 pub use ellipse_distance::EllipseDistance;
 pub use ellipse_silhouette::{EllipseOptions, EllipseSilhouette, EllipseView, Variant};
-pub use keypoints::{KeypointOptions, KeypointView, Keypoints};
+pub use keypoints::{KeypointOptions, KeypointView, Keypoints, label_sigma_px};
 pub use options::{LikelihoodOptions, Measure};
 pub use parallax::{Contrast, Parallax, Quarter};
 pub use placed_residual::{Place, PlacedResidual, Source};

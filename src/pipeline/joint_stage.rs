@@ -102,7 +102,8 @@ impl JointStage<'_> {
             return CameraPrior::trusting();
         }
         let interval_s = 1.0 / self.sequence.fps;
-        CameraPrior::new(self.calibrated, start, self.free, interval_s)
+        let prior = CameraPrior::new(self.calibrated, start, self.free, interval_s);
+        prior.with_errors(self.options.calibration_errors, self.calibrated)
     }
 }
 

@@ -24,6 +24,7 @@ mod fitted;
 mod frame_range;
 mod hidden;
 mod joint_stage;
+mod lenses;
 mod measures;
 mod memory;
 mod movement;
@@ -53,11 +54,14 @@ pub use camera_found::{CameraFound, ClockFound, PoseFound};
 pub use clock_line::{ClockLine, Drift, TOLD_PPM, WindowClock, clock_line};
 pub use counted::counted;
 pub use detected::{DetectedQuality, DetectionQuality};
-pub use diagnosis::{Cause, HeadAxis, Reason, Verdict};
+pub use diagnosis::{Cause, HeadAxis, Reason, Verdict, strangers};
 pub use fit::{Fit, fit, fit_watched};
 pub use fit_error::FitError;
 pub use fitted::{FittedFrame, MinusLogPosterior, TriedHypothesis};
 pub use frame_range::{FrameRange, FrameRangeError, span};
+pub use lenses::{
+    LensError, PlaceSd, PlacedRig, Scale, Size, SizeError, Walker, placed_rig, relative_sds,
+};
 pub use measures::check_measure;
 pub(crate) use measures::fits_points;
 pub use memory::MemoryPictures;

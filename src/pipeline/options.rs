@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::inference::ConfidenceOptions;
-use crate::inference::camera_offset::Free;
+use crate::inference::camera_offset::{Free, PoseErrors};
 use crate::inference::joint::JointOptions;
 use crate::inference::search::SearchOptions;
 use crate::likelihood::{LikelihoodOptions, Measure};
@@ -56,6 +56,9 @@ pub struct EstimateOptions {
     /// Whether cameras may be a little elsewhere than their calibration says; only with the joint optimum, and without points,
     /// which were measured with the calibration.
     pub cameras: Cameras,
+    /// What the calibration errs by.
+    #[serde(skip_serializing_if = "is_usual")]
+    pub calibration_errors: PoseErrors,
     /// Whether their clocks may be off; as for `cameras`.
     pub clocks: Clocks,
     /// By how many frames the pictures of a camera are known to be ahead, by its name: where the estimate of its clock starts, and
@@ -78,12 +81,18 @@ impl Default for EstimateOptions {
             search: SearchOptions::default(),
             joint: Some(JointOptions::default()),
             cameras: Cameras::default(),
+            calibration_errors: PoseErrors::default(),
             clocks: Clocks::default(),
             ahead_frames: BTreeMap::new(),
             confidence: ConfidenceOptions::default(),
             height_m: None,
         }
     }
+}
+
+/// What most calibrations err by is not worth a line in a result.
+fn is_usual(errors: &PoseErrors) -> bool {
+    *errors == PoseErrors::default()
 }
 
 /// Where the cameras are.
@@ -160,10 +169,13 @@ impl EstimateOptions {
     /// # Errors
     /// [`InvalidOption`] for the first that is not.
     pub fn validate(&self) -> Result<(), InvalidOption> {
+        let displacement_m = self.calibration_errors.displacement_m;
         let ranges = [
             self.ranges_of_likelihood().as_slice(),
             self.ranges_of_search().as_slice(),
             &[
+                ("calibration_errors.turn_deg", self.calibration_errors.turn_deg, 1e-6, 180.0),
+                ("calibration_errors.displacement_m", displacement_m, 1e-9, 100.0),
                 ("height_m", self.height_m.unwrap_or(USUAL_HEIGHT_M), 0.4, 2.6),
                 ("epsilon_m", self.confidence.epsilon_m, 1e-6, 10.0),
                 ("epsilon_coefficient", self.confidence.epsilon_coefficient, 1e-6, 10.0),

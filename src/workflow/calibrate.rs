@@ -8,7 +8,7 @@ use super::fitted_source::FittedSource;
 use super::{Error, FitOptions};
 use crate::camera::{Camera, Rig};
 use crate::inference::camera_offset::CameraOffset;
-use crate::io::calibration::{self, CalibrationOptions, Refined};
+use crate::io::calibration::{self, CalibrationOptions, CameraEstimate, Refined};
 use crate::io::folder::write_atomically;
 use crate::pipeline::{Cameras, Clocks, POSE, Progress, RigEstimate, RigEvidence, rig_estimate};
 
@@ -36,6 +36,12 @@ pub enum CalibrateError {
         first: PathBuf,
         /// Another.
         second: PathBuf,
+    },
+    /// A recording that shows nothing that cameras can be placed by.
+    #[error("{}: cameras of which the lenses alone are known are placed by detections of joints, and there are none: expected pose/<camera>_json/", path.display())]
+    NoDetections {
+        /// The recording.
+        path: PathBuf,
     },
     /// Nothing that the motion determines.
     #[error(
@@ -113,13 +119,9 @@ impl RefinedRig {
     /// # Errors
     /// [`Error::CalibrationFile`] for a name that says no format and a camera that it cannot hold, and [`Error::Out`].
     pub fn write(&self, path: &Path) -> Result<Vec<PathBuf>, Error> {
-        let found: Vec<Refined> =
-            self.cameras.iter().filter_map(|camera| camera.found.clone().ok()).collect();
-        let files = calibration::write(&self.rig, path, &self.options, &found)?;
-        for file in &files {
-            write_atomically(&file.path, file.text.as_bytes())?;
-        }
-        Ok(files.into_iter().map(|file| file.path).collect())
+        let found = self.cameras.iter().filter_map(|camera| camera.found.clone().ok());
+        let found: Vec<CameraEstimate> = found.map(CameraEstimate::Refined).collect();
+        write_rig(&self.rig, path, &self.options, &found)
     }
 
     /// The files that [`RefinedRig::write`] writes.
@@ -127,9 +129,32 @@ impl RefinedRig {
     /// # Errors
     /// As there.
     pub fn files(&self, path: &Path) -> Result<Vec<PathBuf>, Error> {
-        let files = calibration::write(&self.rig, path, &self.options, &[])?;
-        Ok(files.into_iter().map(|file| file.path).collect())
+        written_files(&self.rig, path, &self.options)
     }
+}
+
+/// Writes the files of a rig, whose format follows from the name.
+pub(super) fn write_rig(
+    rig: &Rig,
+    path: &Path,
+    options: &CalibrationOptions,
+    known: &[CameraEstimate],
+) -> Result<Vec<PathBuf>, Error> {
+    let files = calibration::write(rig, path, options, known)?;
+    for file in &files {
+        write_atomically(&file.path, file.text.as_bytes())?;
+    }
+    Ok(files.into_iter().map(|file| file.path).collect())
+}
+
+/// The files that [`write_rig`] writes.
+pub(super) fn written_files(
+    rig: &Rig,
+    path: &Path,
+    options: &CalibrationOptions,
+) -> Result<Vec<PathBuf>, Error> {
+    let files = calibration::write(rig, path, options, &[])?;
+    Ok(files.into_iter().map(|file| file.path).collect())
 }
 
 /// What one recording tells.

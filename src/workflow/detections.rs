@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::{Error, FitOptions};
 use crate::io::recording::{Note, ObservationFiles, RecordingError};
-use crate::pipeline::{FitError, FitTo, Person, Progress, detected_people};
+use crate::pipeline::{FitError, FitTo, Person, Progress, detected_people, strangers};
 use crate::silhouette::{FrameObservations, FramePeople};
 
 /// So many people are fitted, unless more are asked for.
@@ -41,7 +41,7 @@ pub(super) fn load(
     let people: Vec<FramePeople> = loaded.into_iter().collect::<Result<_, _>>()?;
     let most = options.observations.people.most.unwrap_or(MOST_PEOPLE);
     let found = detected_people(&files.rig, &people, files.fps, most);
-    check(&found[0], files, people.len())?;
+    check(&found[0], files, &people)?;
     note(&found, files);
     let mut all: Vec<_> = found.into_iter().map(Person::into_observations).collect();
     if let [only] = all.as_mut_slice() {
@@ -62,9 +62,14 @@ fn add_points(
     Ok(())
 }
 
-/// Whether two cameras see one person, or there are points.
-fn check(found: &Person, files: &ObservationFiles, frames: usize) -> Result<(), FitError> {
+/// Whether two cameras see one person, or there are points; and no camera sees nobody of them because its pictures are another's.
+fn check(found: &Person, files: &ObservationFiles, people: &[FramePeople]) -> Result<(), FitError> {
     let is_found = found.detections.iter().any(|(_, seen)| seen.len() >= 2);
+    let frames = people.len();
+    if !is_found || !found.beside.cameras.is_empty() {
+        let mut causes = strangers(&files.rig, people).into_iter();
+        causes.next().map_or(Ok(()), |cause| Err(FitError::Cameras(cause)))?;
+    }
     match (is_found || files.has_points(), found.beside.pictures) {
         (true, _) => Ok(()),
         (false, 0) => Err(FitError::NobodyDetected { frames }),

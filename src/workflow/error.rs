@@ -15,7 +15,7 @@ use crate::io::recording::RecordingError;
 use crate::io::result::ResultError;
 use crate::pipeline::silhouettes::SilhouetteError;
 use crate::pipeline::stereo::StereoError;
-use crate::pipeline::{FitError, FrameRange, FrameRangeError};
+use crate::pipeline::{FitError, FrameRange, FrameRangeError, LensError, SizeError};
 use crate::skin::SkinError;
 
 /// Why a step from a recording to a report could not be done.
@@ -92,6 +92,12 @@ pub enum Error {
     /// A calibration that cannot be refined.
     #[error(transparent)]
     Calibrate(#[from] CalibrateError),
+    /// Cameras that a person's motion does not place.
+    #[error(transparent)]
+    Lenses(#[from] LensError),
+    /// A size of the world that cannot be used.
+    #[error(transparent)]
+    Size(#[from] SizeError),
     /// Clocks that cannot be found.
     #[error(transparent)]
     Sync(#[from] SyncError),

@@ -123,7 +123,7 @@ impl FitInput {
 }
 
 /// The body that was asked for, or that the recording names, and the fingerprints of all that it was read from.
-fn body(
+pub(super) fn body(
     options: &FitOptions,
     recording: &Recording,
 ) -> Result<(BodyModel, Vec<InputChecksum>), Error> {

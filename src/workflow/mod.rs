@@ -16,6 +16,7 @@
 //! | `report.rs`   | its report, with the feature `report`                                         |
 //! | `export.rs`   | its files for other programs                                                  |
 //! | `calibrate.rs` | [`RefinedRig`]: a calibration refined by a person who moves                  |
+//! | `lenses.rs`   | [`LensRig`]: the same of cameras of which the lenses alone are known         |
 //! | `sync/`       | [`SyncedRecording`]: when each camera began                                   |
 //! | `fitted_source.rs` | a fit that either of them looks at                                      |
 //! | `skin.rs`     | the skins of a fitted body                                                    |
@@ -31,6 +32,7 @@ mod fitted;
 mod fitted_source;
 mod gait;
 mod input;
+mod lenses;
 mod masks;
 mod options;
 mod people;
@@ -48,6 +50,7 @@ pub use fit::FitFolder;
 pub use fitted::{AngleTrack, FittedRecording, Length};
 pub use gait::{GaitSource, GaitStudy, NormChoice};
 pub use input::DEFAULT_BODY;
+pub use lenses::LensRig;
 pub use masks::{MaskFiles, WrittenMasks};
 pub use options::{FitOptions, SilhouetteSource};
 #[cfg(feature = "report")]

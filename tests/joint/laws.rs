@@ -6,7 +6,7 @@
 use std::fmt::Display;
 
 use maquette::body::{BodyModel, Layout, Motion, PartId, Posed, Shape};
-use maquette::inference::camera_offset::{CameraOffset, CameraPrior, Free};
+use maquette::inference::camera_offset::{CameraOffset, CameraPrior, Free, PoseErrors};
 use maquette::inference::chain::{ChainPrior, SWING_HZ};
 use maquette::inference::contrasts::{Contrasts, Leverages};
 use maquette::inference::noise::DataWeights;
@@ -235,6 +235,38 @@ fn the_sequence_posterior_is_linearized_right_before_cameras_that_are_unknown() 
         };
         is_kept_somewhere(name, fault);
     }
+}
+
+/// Cameras of which next to nothing is known beforehand, whose world is held instead.
+#[test]
+fn the_sequence_posterior_is_linearized_right_before_cameras_that_were_placed_by_detections() {
+    let scene = Scene::person("human-ellipsoids", 3);
+    let unknown = Posterior::before_unknown_cameras(&scene, Measure::Ellipses);
+    let errors = PoseErrors { turn_deg: 2.0, displacement_m: 0.1 };
+    let usual = unknown.camera_prior.clone();
+    let camera_prior = usual.clone().with_errors(errors, &scene.rig);
+    let posterior = Posterior { camera_prior, ..unknown };
+    let looks = posterior.looks();
+
+    // all displaced together cost what the world's own displacement does, ten standard deviations, and next to nothing each
+    let count = scene.rig.cameras.len();
+    let displacement_m = Vector3::new(0.03, 0.0, 0.0);
+    let together = CameraOffset { displacement_m, ..CameraOffset::none() };
+    let state = SequenceState { cameras: vec![together; count], ..scene.truth.clone() };
+    let cost = |camera_prior: &CameraPrior| {
+        SequencePosterior { camera_prior, ..posterior.problem(&looks) }.cost(&state)
+    };
+    let student = |square: f64| 3.5 * square.ln_1p() * count as f64;
+    let expected = 50.0 + student(0.09) - student(100.0);
+    let more = cost(&posterior.camera_prior) - cost(&usual);
+    assert!((more - expected).abs() < 1e-6, "{more} {expected}");
+
+    let fault = |seed: u64| {
+        let mut state = scene.moved(&scene.truth, 0.01, seed);
+        state.cameras = off(count);
+        check_linearization(&posterior.problem(&looks), &state, 1e-6, 0.02).err()
+    };
+    is_kept_somewhere("placed", fault);
 }
 
 /// What a camera shows of a body is the same whether the camera was moved or the body: its picture of the moved one is the one by which

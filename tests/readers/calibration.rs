@@ -3,14 +3,30 @@
 use crate::calibration_samples::*;
 use maquette::camera::{Distortion, UpAxis, check_projection};
 use maquette::io::calibration::{
-    CalibrationOptions, Unit, read, read_per_camera, select, write_toml,
+    CalibrationOptions, Poses, Unit, read, read_per_camera, select, write_toml,
 };
+use maquette::math::Rigid3;
 use nalgebra::Point3;
 use std::fs;
 use std::path::Path;
 
 fn defaults() -> CalibrationOptions {
     CalibrationOptions::default()
+}
+
+#[test]
+fn lenses_without_poses_are_read_where_these_are_not_wanted_and_refused_else() {
+    let is_pose = |line: &str| line.starts_with("rotation") || line.starts_with("translation");
+    let lines = POSE2SIM.lines().map(str::trim_start).filter(|line| !is_pose(line));
+    let lenses: String = lines.map(|line| format!("{line}\n")).collect();
+    let ignored = CalibrationOptions { poses: Poses::Ignored, ..defaults() };
+    for text in [lenses.as_str(), POSE2SIM] {
+        let rig = read_text("Calib_scene.toml", text, &ignored).unwrap();
+        assert!(rig.cameras.iter().all(|c| c.camera_from_world == Rigid3::identity()));
+        assert_eq!(rig.cameras[0].intrinsics, expected(lens()).cameras[0].intrinsics);
+    }
+    let fault = read_text("Calib_scene.toml", &lenses, &defaults()).unwrap_err().to_string();
+    assert!(fault.contains("rotation and translation are missing"), "{fault}");
 }
 
 #[test]

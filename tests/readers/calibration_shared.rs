@@ -20,6 +20,7 @@ fn seated() -> Option<Rig> {
         unit: Some(Unit::Millimetre),
         up: UpAxis::MinusZ,
         image_sizes_px: names.map(|name| (name.to_owned(), [644, 486])).into(),
+        ..CalibrationOptions::default()
     };
     Some(read_per_camera(&files, &options).expect("sound calibrations"))
 }

@@ -6,7 +6,8 @@ use std::path::Path;
 use crate::calibration_samples::*;
 use maquette::camera::{Camera, Distortion, Rig, UpAxis};
 use maquette::io::calibration::{
-    CalibrationOptions, CalibrationWriteError, Refined, Unit, read, read_per_camera, write,
+    CalibrationOptions, CalibrationWriteError, CameraEstimate, Refined, Unit, read,
+    read_per_camera, write,
 };
 
 /// Writes a rig under a name into a new folder, and gives the names of the files.
@@ -133,17 +134,23 @@ fn a_name_that_is_no_key_is_refused_where_it_would_be_one() {
 #[test]
 fn standard_deviations_stand_in_the_metadata_and_are_no_camera() {
     let rig = expected(lens());
-    let refined = |camera: &Camera| Refined {
-        camera: camera.name.clone(),
-        turn_deg: [0.1, 0.2, 0.3],
-        turn_sd_deg: [0.01; 3],
-        displacement_m: [0.001, 0.0, 0.0],
-        displacement_sd_m: [0.002; 3],
+    let refined = |camera: &Camera| {
+        CameraEstimate::Refined(Refined {
+            camera: camera.name.clone(),
+            turn_deg: [0.1, 0.2, 0.3],
+            turn_sd_deg: [0.01; 3],
+            displacement_m: [0.001, 0.0, 0.0],
+            displacement_sd_m: [0.002; 3],
+        })
     };
-    let refined: Vec<Refined> = rig.cameras.iter().map(refined).collect();
+    let mut known: Vec<CameraEstimate> = rig.cameras.iter().map(refined).collect();
+    let camera = rig.cameras[0].name.clone();
+    known.push(CameraEstimate::Placed { camera, turn_sd_deg: 0.25, place_sd_m: 0.004 });
     let path = Path::new("rig.toml");
-    let files = write(&rig, path, &CalibrationOptions::default(), &refined).unwrap();
+    let files = write(&rig, path, &CalibrationOptions::default(), &known).unwrap();
     let text = &files[0].text;
     assert!(text.contains("[metadata.refined.cam2]\nturn_deg = [ 0.1, 0.2, 0.3]"), "{text}");
+    let placed = "turn_sd_deg = 0.25\nplace_sd_m = 0.004\n";
+    assert!(text.contains("[metadata.placed.") && text.ends_with(placed), "{text}");
     assert_same(&read_text("rig.toml", text, &CalibrationOptions::default()).unwrap(), &rig);
 }

@@ -188,6 +188,23 @@ fn what_a_recording_does_not_determine_is_refused_in_one_line() {
 }
 
 #[test]
+fn cameras_without_places_need_one_recording_with_detections_and_nothing_else_takes_a_size() {
+    let arm = Arm::new();
+    let (recording, out) = (arm.recording(), arm.out("rig.toml"));
+    let lenses = ["--from", "lenses"];
+    let ran = calibrate(&[&recording], &out, &[&lenses[..], &["--fps", "10"]].concat());
+    ran.refused(&["recording: ", "placed by detections of joints, and there are none"]);
+    let ran = calibrate(&[&recording, &recording], &out, &lenses);
+    ran.refused(&["--from lenses: expected one recording"]);
+    let ran = calibrate(&[&recording], &out, &["--height", "1.7"]);
+    ran.refused(&["--height and --distance are for --from lenses"]);
+    let distance = ["--distance", "cam_01", "cam_02", "far"];
+    let ran = calibrate(&[&recording], &out, &[&lenses[..], &distance].concat());
+    ran.refused(&["--distance: expected metres, found \"far\""]);
+    assert!(!out.exists());
+}
+
+#[test]
 fn a_camera_that_sees_nobody_keeps_its_calibration_and_its_clock() {
     let arm = Arm::new();
     let fit = fitted(&arm, "out", |result| {

@@ -66,6 +66,11 @@ pub enum CalibrationError {
     /// A value that must be there is not.
     #[error("{place}: {key} is missing")]
     MissingKey { place: Place, key: String },
+    /// A camera whose lens alone is known.
+    #[error(
+        "{place}: rotation and translation are missing: `maquette calibrate --from lenses` finds them by a person who moves"
+    )]
+    NoPose { place: Place },
     /// Text where a number must be.
     #[error("{place}: {key}: expected a number, found {found:?}")]
     NotANumber { place: Place, key: String, found: String },

@@ -35,8 +35,10 @@ pub(in crate::io) use dispatch::unpaired;
 pub use dispatch::{read, read_per_camera, select};
 pub use error::{CalibrationError, Place};
 pub(in crate::io) use found::{files, find};
-pub use options::{CalibrationOptions, Unit};
-pub use write::{CalibrationFile, CalibrationWriteError, Refined, check_name, write, write_toml};
+pub use options::{CalibrationOptions, Poses, Unit};
+pub use write::{
+    CalibrationFile, CalibrationWriteError, CameraEstimate, Refined, check_name, write, write_toml,
+};
 
 #[cfg(doc)]
 use crate::camera::Rig;

@@ -17,6 +17,19 @@ pub struct CalibrationOptions {
     /// Used where the file states none; empty by default. For a Vicon file it is the part of the sensor that was
     /// recorded, in its middle; without it the whole sensor is taken.
     pub image_sizes_px: BTreeMap<String, [u32; 2]>,
+    /// Whether the poses of the cameras are read; they are by default.
+    #[serde(skip)]
+    pub poses: Poses,
+}
+
+/// Whether the poses in a calibration are read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Poses {
+    /// They are, and must be there.
+    #[default]
+    Read,
+    /// They are not, and need not be there: every camera stands in the origin. Lenses alone are wanted.
+    Ignored,
 }
 
 /// Unit of length.

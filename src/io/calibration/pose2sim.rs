@@ -1,7 +1,7 @@
 //! The TOML of Pose2Sim, aniposelib, caliscope and FreeMoCap.
 //!
 //! One table per camera, at the top or under `[cameras]`: `size`, `matrix`, `distortions`, `fisheye`, and the pose
-//! `x_cam = R(rotation)·X + translation` with a Rodrigues vector. Metres, except FreeMoCap's millimetres. Cameras are
+//! `x_cam = R(rotation)·X + translation` with a Rodrigues vector, which may be missing where lenses alone are wanted. Metres, except FreeMoCap's millimetres. Cameras are
 //! sorted by the key of their table; their name is `name`, or that key.
 
 use super::{
@@ -129,8 +129,8 @@ impl Section<'_> {
             size,
             matrix: self.numbers("matrix")?,
             lens: self.lens()?,
-            rotation: self.numbers("rotation")?,
-            translation: self.numbers("translation")?,
+            rotation: self.numbers_if_any("rotation")?,
+            translation: self.numbers_if_any("translation")?,
             unit,
         })
     }
@@ -166,6 +166,14 @@ impl Section<'_> {
         self.flatten(key, value, &mut values)?;
         let line = line_at(self.text, value.span().start);
         Ok(Numbers::new(self.path, line, key, values))
+    }
+
+    /// The same, or no numbers.
+    fn numbers_if_any(&self, key: &str) -> Result<Numbers, CalibrationError> {
+        match get(self.table, key) {
+            Some(_) => self.numbers(key),
+            None => Ok(Numbers::new(self.path, self.line, key, Vec::new())),
+        }
     }
 
     fn flatten(

@@ -1,6 +1,6 @@
 //! Numbers as found in a file, and their way to a [`Rig`]: every check and conversion that all formats share.
 
-use super::{CalibrationError, CalibrationOptions, Place, Unit};
+use super::{CalibrationError, CalibrationOptions, Place, Poses, Unit};
 use crate::camera::{Camera, Distortion, Intrinsics, Rig};
 use crate::math::Rigid3;
 use nalgebra::{Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
@@ -93,7 +93,7 @@ pub(super) struct UncheckedCamera {
     /// K, row by row.
     pub(super) matrix: Numbers,
     pub(super) lens: Lens,
-    /// `camera_from_world`: Rodrigues vector, or matrix row by row.
+    /// `camera_from_world`: Rodrigues vector, or matrix row by row; no numbers where the file has none.
     pub(super) rotation: Numbers,
     /// `camera_from_world`, in the file's unit.
     pub(super) translation: Numbers,
@@ -211,6 +211,21 @@ impl UncheckedCamera {
     }
 
     fn pose(&self, options: &CalibrationOptions) -> Result<Rigid3, CalibrationError> {
+        if options.poses == Poses::Ignored {
+            return Ok(Rigid3::identity());
+        }
+        let lacking: Vec<&Numbers> = [&self.rotation, &self.translation]
+            .into_iter()
+            .filter(|n| n.values.is_empty())
+            .collect();
+        match lacking.as_slice() {
+            [] => {}
+            [one] => {
+                let (place, key) = (self.place(), one.key.clone());
+                return Err(CalibrationError::MissingKey { place, key });
+            }
+            _ => return Err(CalibrationError::NoPose { place: self.place() }),
+        }
         let rotation = self.rotation(&self.rotation)?;
         let translation = Vector3::from(self.translation.exactly::<3>("3", &self.name)?);
         let metres = options.unit.unwrap_or(self.unit).in_metres();

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use super::manifest::CameraFiles;
 use super::note::CalibrationNote;
-use super::{DetectionFiles, Recording, RecordingError, layout};
+use super::{DetectionFiles, Recording, RecordingError, Stand, layout};
 use crate::camera::{Camera, Rig};
-use crate::io::calibration::{self, CalibrationOptions};
+use crate::io::calibration::{self, CalibrationOptions, Poses};
 use crate::io::unknown_key::nearest;
 
 /// The cameras that have files of one kind and are calibrated.
@@ -118,6 +118,12 @@ impl Recording {
     }
 
     fn read_calibration(&self, options: CalibrationOptions) -> Result<Rig, RecordingError> {
+        let poses = match &self.stand {
+            Stand::Found(rig) => return Ok(rig.clone()),
+            Stand::Unknown => Poses::Ignored,
+            Stand::Calibrated => Poses::Read,
+        };
+        let options = CalibrationOptions { poses, ..options };
         Ok(layout::read_calibration(&self.calibration_paths(), &options)?)
     }
 

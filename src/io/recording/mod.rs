@@ -35,6 +35,7 @@ pub mod synthetic;
 
 use std::path::{Path, PathBuf};
 
+use crate::camera::Rig;
 use crate::io::folder::file_name;
 use footage::Footage;
 use manifest::{Beginning, CameraFiles, Manifest};
@@ -71,6 +72,20 @@ pub struct Recording {
     offsets: Option<(PathBuf, Offsets)>,
     /// Replaces the manifest's frame rate.
     fps: Option<f64>,
+    /// Where the cameras are.
+    stand: Stand,
+}
+
+/// Where the cameras of a recording are.
+#[derive(Clone, Debug, Default)]
+enum Stand {
+    /// Where the calibration says.
+    #[default]
+    Calibrated,
+    /// Nobody knows: the calibration is read for its lenses.
+    Unknown,
+    /// Elsewhere than the calibration says.
+    Found(Rig),
 }
 
 /// What was made of a recording's pictures, in a folder of its own.
@@ -103,13 +118,26 @@ impl Recording {
             None => Manifest::default(),
         };
         let offsets = Offsets::find(&folder)?;
-        Ok(Self { path: path.into(), folder, manifest_path, manifest, offsets, fps: None })
+        let (fps, stand) = (None, Stand::default());
+        Ok(Self { path: path.into(), folder, manifest_path, manifest, offsets, fps, stand })
     }
 
     /// The same recording at this frame rate, Hz, which overrides its manifest and its videos; `None` leaves the rate to them.
     #[must_use]
     pub fn with_fps(self, fps: impl Into<Option<f64>>) -> Self {
         Self { fps: fps.into(), ..self }
+    }
+
+    /// The same recording, of whose calibration the lenses alone are read: every camera stands in the origin.
+    #[must_use]
+    pub fn with_lenses_alone(self) -> Self {
+        Self { stand: Stand::Unknown, ..self }
+    }
+
+    /// The same recording with these cameras in the place of its calibration.
+    #[must_use]
+    pub fn with_rig(self, rig: Rig) -> Self {
+        Self { stand: Stand::Found(rig), ..self }
     }
 
     /// The path that it was opened by.

@@ -42,15 +42,27 @@ impl CameraFaults {
 
         let shown = |frame: &FrameObservations, id: CameraId| {
             let number = frame.frame.0.checked_add_signed(-ahead[id.0])?;
-            let moment = frames.binary_search_by_key(&number, |f| f.frame.0).ok()?;
-            frames[moment].views.iter().find(|(camera, _)| *camera == id).cloned()
+            frames.binary_search_by_key(&number, |f| f.frame.0).ok().map(|moment| &frames[moment])
         };
         let agreeing = |frame: &FrameObservations| FrameObservations {
-            views: kept.iter().filter_map(|id| shown(frame, *id)).collect(),
+            views: of_cameras(&kept, |id| find(&shown(frame, id)?.views, id)),
+            detections: of_cameras(&kept, |id| find(&shown(frame, id)?.detections, id)),
             ..frame.clone()
         };
         Some(frames.iter().map(agreeing).collect())
     }
+}
+
+/// What each camera shows, of those that show something.
+fn of_cameras<T>(
+    cameras: &[CameraId],
+    shown: impl Fn(CameraId) -> Option<(CameraId, T)>,
+) -> Vec<(CameraId, T)> {
+    cameras.iter().filter_map(|id| shown(*id)).collect()
+}
+
+fn find<T: Clone>(all: &[(CameraId, T)], id: CameraId) -> Option<(CameraId, T)> {
+    all.iter().find(|(camera, _)| *camera == id).cloned()
 }
 
 #[cfg(test)]

@@ -73,8 +73,6 @@ impl CameraFaults {
     }
 }
 
-/// Silhouettes that miss each other by less than this agree, metres: the step in which lines of sight are followed hides less.
-const QUIET_M: f64 = 0.001;
 /// A hypothesis must leave less than this share of the misses, …
 const EXPLAINED: f64 = 0.6;
 /// … a shift in time, which comes in all sizes, less than this, …
@@ -227,7 +225,7 @@ fn moved_clock(scene: &Scene<'_>, now: &Now, fault: CameraFault) -> Option<Trial
 
 /// The hypothesis that explains most of the misses that there are `now`.
 fn next_fault(scene: &Scene<'_>, now: &Now) -> Option<Trial> {
-    if now.misses.mean_m() < QUIET_M {
+    if now.misses.mean_m() < scene.quiet_m() {
         return None;
     }
 
@@ -247,12 +245,12 @@ fn next_fault(scene: &Scene<'_>, now: &Now) -> Option<Trial> {
     let best = trials.into_iter().filter(Trial::explains).min_by(Trial::order);
 
     // the cause is what explains as much as leaving the camera out does
-    let odd = odd_one(without, now);
+    let odd = odd_one(scene, without, now);
     match (best, odd) {
         (Some(best), Some(odd)) => {
             // one camera less leaves less to miss, with four by far
             let looser = if present(now).count() > 4 { 1.5 } else { 3.5 };
-            let floor = looser * odd.left.max(0.25 * QUIET_M / now.misses.mean_m());
+            let floor = looser * odd.left.max(0.25 * scene.quiet_m() / now.misses.mean_m());
             Some(if best.left <= floor { best } else { odd })
         }
         (best, odd) => best.or(odd),
@@ -274,17 +272,17 @@ fn left_out(scene: &Scene<'_>, now: &Now) -> Vec<Trial> {
         let miss_m = now.misses.cameras[camera].unwrap_or(0.0);
         let fault = CameraFault::Elsewhere { camera: CameraId(camera), miss_m };
         let trial = Hypothesis { fault, readings }.tried(scene, now)?;
-        (trial.left <= 1.0).then_some(trial)
+        (trial.left <= scene.most_left()).then_some(trial)
     };
     present(now).filter_map(without).collect()
 }
 
 /// The first of the sorted trials, if the others agree much better without its camera than without another.
-fn odd_one(without: Vec<Trial>, now: &Now) -> Option<Trial> {
+fn odd_one(scene: &Scene<'_>, without: Vec<Trial>, now: &Now) -> Option<Trial> {
     let mut sorted = without.into_iter();
     let first = sorted.next()?;
     let usual = median(&mut sorted.map(|t| t.left).collect())?;
-    let is_odd = first.left < EXPLAINED * usual && usual * now.misses.mean_m() > QUIET_M;
+    let is_odd = first.left < EXPLAINED * usual && usual * now.misses.mean_m() > scene.quiet_m();
     is_odd.then_some(first)
 }
 

@@ -1,4 +1,4 @@
-//! Whether the silhouettes agree with each other, whatever body they show.
+//! Whether the silhouettes agree with each other, whatever body they show; where there are none, the detections (`joint_misses`).
 //!
 //! A point p on the border of a silhouette shows a point of the person, somewhere along its line of sight x(t); there every
 //! other camera sees the person too. By how much a line of sight *misses* the other silhouettes, in metres,
@@ -14,15 +14,21 @@
 use nalgebra::{Point2, Point3};
 use rayon::prelude::*;
 
-use super::shown_by_two;
+use super::joint_misses::{self, Sighted, as_read};
+use super::{detected_by_two, shown_by_two};
 use crate::camera::{Camera, CameraId, Ray, Rig, closest_point};
 use crate::math::stats::mean;
-use crate::silhouette::{FrameObservations, Silhouette};
+use crate::silhouette::{Detection, FrameObservations, Silhouette};
 
-/// Frames that are looked at, evenly spaced.
+/// Frames that are looked at, evenly spaced; of detections, which err more and cost less, more of them.
 const SAMPLED_FRAMES: usize = 8;
+const DETECTED_FRAMES: usize = 24;
 /// A bad hypothesis shows in every third of them.
 const FEW: usize = 3;
+/// Silhouettes that miss each other by less than this agree, metres: the step in which lines of sight are followed hides less. Detections by
+/// less than this besides what published labels scatter by: a detector that is worse before one camera is no fault of the camera.
+const QUIET_M: f64 = 0.001;
+const QUIET_JOINTS_M: f64 = 0.01;
 /// Border points of each silhouette that are looked at, and where a bad hypothesis need only show.
 const BORDER_POINTS: f64 = 48.0;
 const FEW_BORDER_POINTS: f64 = 16.0;
@@ -52,6 +58,27 @@ impl Reading {
     pub(super) fn plain(camera: CameraId) -> Self {
         Self { camera, late: 0, mirrored: false, zoom: 1.0 }
     }
+
+    /// Where the picture shows what the calibration puts at a pixel.
+    fn shown(&self, camera: &Camera, calibrated: Point2<f64>) -> Point2<f64> {
+        let middle = principal_point(camera);
+        self.unmirrored(camera, middle + (calibrated - middle) * self.zoom)
+    }
+
+    /// Where the calibration would put what the picture shows at a pixel.
+    pub(super) fn calibrated(&self, camera: &Camera, shown: Point2<f64>) -> Point2<f64> {
+        let middle = principal_point(camera);
+        middle + (self.unmirrored(camera, shown) - middle) / self.zoom
+    }
+
+    fn unmirrored(&self, camera: &Camera, pixel: Point2<f64>) -> Point2<f64> {
+        let last = f64::from(camera.width_px) - 1.0;
+        if self.mirrored { Point2::new(last - pixel.x, pixel.y) } else { pixel }
+    }
+}
+
+fn principal_point(camera: &Camera) -> Point2<f64> {
+    Point2::new(camera.intrinsics.cx_px, camera.intrinsics.cy_px)
 }
 
 /// The recording that hypotheses are about.
@@ -60,7 +87,19 @@ pub(super) struct Scene<'a> {
     pub(super) rig: &'a Rig,
     frames: &'a [FrameObservations],
     sampled: Vec<usize>,
+    /// What is compared.
+    shows: Shows,
 }
+
+/// What a recording is compared by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Shows {
+    Outlines,
+    Joints,
+}
+
+/// By camera of the rig, what its pictures show of a frame and how they are read.
+type AsRead<'a, T> = Vec<(usize, &'a T, Reading)>;
 
 /// By how much silhouettes miss each other, metres.
 #[derive(Debug, Clone, PartialEq)]
@@ -98,9 +137,31 @@ struct View<'a> {
 }
 
 impl<'a> Scene<'a> {
-    /// A recording; frames that fewer than two cameras show are not looked at.
+    /// A recording; frames that fewer than two cameras show are not looked at. Detections are where there are no outlines.
     pub(super) fn new(rig: &'a Rig, frames: &'a [FrameObservations]) -> Self {
-        Self { rig, frames, sampled: shown_by_two(frames, SAMPLED_FRAMES) }
+        let outlines = shown_by_two(frames, SAMPLED_FRAMES);
+        let (sampled, shows) = match outlines.is_empty() {
+            false => (outlines, Shows::Outlines),
+            true => (detected_by_two(frames, DETECTED_FRAMES), Shows::Joints),
+        };
+        Self { rig, frames, sampled, shows }
+    }
+
+    /// What misses each other by less agrees, metres.
+    pub(super) fn quiet_m(&self) -> f64 {
+        match self.shows {
+            Shows::Outlines => QUIET_M,
+            Shows::Joints => QUIET_JOINTS_M,
+        }
+    }
+
+    /// The share of the misses that leaving out a camera leaves at most: outlines of fewer cameras can only miss each other less, and
+    /// joints that fewer cameras see are less certain.
+    pub(super) fn most_left(&self) -> f64 {
+        match self.shows {
+            Shows::Outlines => 1.0,
+            Shows::Joints => f64::INFINITY,
+        }
     }
 
     /// Every camera as it is.
@@ -125,14 +186,28 @@ impl<'a> Scene<'a> {
         readings: &[Option<Reading>],
         border_points: f64,
     ) -> Misses {
-        let of_frame = |i: &usize| Some(frame_misses(&self.views(*i, readings)?, border_points));
+        let of_frame = |i: &usize| match self.shows {
+            Shows::Outlines => Some(frame_misses(&self.views(*i, readings)?, border_points)),
+            Shows::Joints => {
+                Some(joint_misses::frame_misses(self.rig, &self.joints(*i, readings)?))
+            }
+        };
         let frames: Vec<Option<Vec<(usize, f64)>>> = sampled.par_iter().map(of_frame).collect();
 
         let of_camera = |id: usize| {
             let all = frames.iter().flatten().flatten().filter(|(camera, _)| *camera == id);
             mean(all.map(|(_, miss)| *miss))
         };
-        let total = |views: &Option<Vec<(usize, f64)>>| mean(views.iter().flatten().map(|v| v.1));
+        // a camera that agrees takes nothing away, whichever is left out; of joints, which are many cameras' together, the sum counts
+        let total = |views: &Option<Vec<(usize, f64)>>| {
+            let misses = views.iter().flatten().map(|v| v.1);
+            match (self.shows, views) {
+                (Shows::Joints, Some(_)) => {
+                    Some(misses.sum::<f64>() / self.rig.cameras.len() as f64)
+                }
+                _ => mean(misses),
+            }
+        };
         Misses {
             cameras: (0..self.rig.cameras.len()).map(of_camera).collect(),
             frames: frames.iter().map(total).collect(),
@@ -162,25 +237,50 @@ impl<'a> Scene<'a> {
         pixels.iter().filter(is_alone).copied().collect()
     }
 
-    /// The silhouettes of a frame; `None` if a camera is not there at the moment at which it is read, but shows the frame.
+    /// The silhouettes of a frame; `None` as for [`Scene::read`].
     fn views(&self, position: usize, readings: &[Option<Reading>]) -> Option<Vec<View<'a>>> {
-        let shown = |frame: &'a FrameObservations, id: CameraId| {
-            frame.views.iter().find(|(c, _)| *c == id).map(|(_, silhouette)| silhouette)
+        let read = self.read(position, readings, |frame| &frame.views)?.into_iter();
+        let view = |(id, silhouette, reading)| View {
+            id,
+            camera: &self.rig.cameras[id],
+            silhouette,
+            reading,
         };
-        let mut views = Vec::new();
+        Some(read.map(view).collect())
+    }
+
+    /// The detections of a frame; `None` as for [`Scene::read`].
+    fn joints(&self, position: usize, readings: &[Option<Reading>]) -> Option<Vec<Sighted>> {
+        let read = self.read(position, readings, |frame| &frame.detections)?;
+        let sighted = |(id, detection, reading): &(usize, &Detection, Reading)| {
+            (CameraId(*id), as_read(&self.rig.cameras[*id], detection, reading))
+        };
+        Some(read.iter().map(sighted).collect())
+    }
+
+    /// What the cameras show of a frame; `None` if a camera is not there at the moment at which it is read, but shows the frame.
+    fn read<T>(
+        &self,
+        position: usize,
+        readings: &[Option<Reading>],
+        of_frame: impl Fn(&'a FrameObservations) -> &'a Vec<(CameraId, T)>,
+    ) -> Option<AsRead<'a, T>> {
+        let shown = |frame: &'a FrameObservations, id: CameraId| {
+            of_frame(frame).iter().find(|(c, _)| *c == id).map(|(_, seen)| seen)
+        };
+        let mut all = Vec::new();
         for (id, reading) in readings.iter().enumerate() {
             let Some(reading) = *reading else {
                 continue;
             };
             let moment = self.shifted(position, reading.late);
-            let camera = &self.rig.cameras[id];
             match moment.and_then(|frame| shown(frame, reading.camera)) {
-                Some(silhouette) => views.push(View { id, camera, silhouette, reading }),
+                Some(seen) => all.push((id, seen, reading)),
                 None if shown(&self.frames[position], reading.camera).is_some() => return None,
                 None => {}
             }
         }
-        Some(views)
+        Some(all)
     }
 
     /// The frame so many frame numbers on.
@@ -194,24 +294,12 @@ impl<'a> Scene<'a> {
 impl View<'_> {
     /// Where the picture shows what the calibration puts at a pixel.
     fn shown(&self, calibrated: Point2<f64>) -> Point2<f64> {
-        let middle = self.principal_point();
-        self.unmirrored(middle + (calibrated - middle) * self.reading.zoom)
+        self.reading.shown(self.camera, calibrated)
     }
 
     /// Where the calibration would put what the picture shows at a pixel.
     fn calibrated(&self, shown: Point2<f64>) -> Point2<f64> {
-        let middle = self.principal_point();
-        middle + (self.unmirrored(shown) - middle) / self.reading.zoom
-    }
-
-    fn unmirrored(&self, pixel: Point2<f64>) -> Point2<f64> {
-        let last = f64::from(self.camera.width_px) - 1.0;
-        if self.reading.mirrored { Point2::new(last - pixel.x, pixel.y) } else { pixel }
-    }
-
-    fn principal_point(&self) -> Point2<f64> {
-        let k = &self.camera.intrinsics;
-        Point2::new(k.cx_px, k.cy_px)
+        self.reading.calibrated(self.camera, shown)
     }
 }
 

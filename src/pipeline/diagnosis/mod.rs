@@ -8,7 +8,9 @@
 //! | `cause.rs`       | [`Reason`]s, [`Cause`]s, and those of the cameras                 |
 //! | `text.rs`        | all of it in plain words                                          |
 //! | `coherence.rs`   | whether the silhouettes agree, whatever body they show            |
+//! | `joint_misses.rs` | the same of detections, where there are no silhouettes           |
 //! | `cameras.rs`     | exchanged, mirrored, late, zoomed and displaced cameras           |
+//! | `strangers.rs`   | exchanged and mirrored cameras, before anybody is fitted          |
 //! | `agreeing.rs`    | what the cameras show that agree, for the search                  |
 //! | `room.rs`        | what stands still in the masks                                    |
 //! | `volume.rs`      | what the silhouettes hold beside the body, and how tall it is     |
@@ -27,10 +29,12 @@ mod cause;
 mod coherence;
 #[cfg(test)]
 pub(super) mod figures;
+mod joint_misses;
 mod proportions;
 mod room;
 mod seen;
 mod stature;
+mod strangers;
 mod text;
 mod thin;
 mod unusable;
@@ -43,8 +47,10 @@ use crate::silhouette::FrameObservations;
 pub(super) use cameras::CameraFaults;
 pub(super) use cause::camera_causes;
 pub use cause::{Cause, Reason};
+pub(super) use proportions::likeliest_scale;
 pub(super) use seen::Seen;
 pub(super) use stature::stature_m;
+pub use strangers::strangers;
 pub(super) use unusable::{LEAST_OVERLAP, lost_frames};
 pub use upright::HeadAxis;
 pub(super) use verdict::Diagnosis;
@@ -58,6 +64,19 @@ fn evenly(count: usize, most: usize) -> impl Iterator<Item = usize> {
 
 /// Positions of at most so many of the frames that two cameras show, evenly.
 fn shown_by_two(frames: &[FrameObservations], most: usize) -> Vec<usize> {
-    let shown: Vec<usize> = (0..frames.len()).filter(|i| frames[*i].views.len() >= 2).collect();
+    of_two(frames, most, |frame| frame.views.len())
+}
+
+/// The same of the frames in which two cameras have detections.
+fn detected_by_two(frames: &[FrameObservations], most: usize) -> Vec<usize> {
+    of_two(frames, most, |frame| frame.detections.len())
+}
+
+fn of_two(
+    frames: &[FrameObservations],
+    most: usize,
+    cameras: impl Fn(&FrameObservations) -> usize,
+) -> Vec<usize> {
+    let shown: Vec<usize> = (0..frames.len()).filter(|i| cameras(&frames[*i]) >= 2).collect();
     evenly(shown.len(), most).map(|i| shown[i]).collect()
 }

@@ -33,6 +33,18 @@ pub(super) fn wrong_scale(model: &BodyModel, shape: &Shape) -> Option<f64> {
     (cost(1.0) - best.1 > EVIDENCE).then_some(best.0)
 }
 
+/// ln λ of the most probable λ by which the world is too large, and its standard deviation, where nothing else is known of the scale:
+/// 1ᵀΣ⁻¹(l − μ)/1ᵀΣ⁻¹1 and 1/√(1ᵀΣ⁻¹1).
+pub(in crate::pipeline) fn likeliest_scale(model: &BodyModel, shape: &Shape) -> Option<(f64, f64)> {
+    let bones = bone_lengths(model);
+    let statistics = &model.statistics;
+    let n = bones.len();
+    let covariance = DMatrix::from_fn(n, n, |i, j| statistics.covariance[(bones[i], bones[j])]);
+    let offset = DVector::from_fn(n, |i, _| shape.0[bones[i]] - statistics.mean[bones[i]]);
+    let weights = covariance.cholesky()?.solve(&DVector::from_element(n, 1.0));
+    Some((weights.dot(&offset) / weights.sum(), 1.0 / weights.sum().sqrt()))
+}
+
 /// The coefficients that are logs of the distances between joints.
 fn bone_lengths(model: &BodyModel) -> Vec<usize> {
     let scales = model.joints.iter().flat_map(|joint| joint.translation.scale);
@@ -59,6 +71,12 @@ mod tests {
 
     #[test]
     fn a_giant_and_a_dwarf_are_a_wrong_world_and_a_tall_person_is_not() {
+        let model = crate::io::model::load("human-ellipsoids", Path::new("")).unwrap();
+        let mut shape = Shape(model.statistics.mean.clone());
+        bone_lengths(&model).into_iter().for_each(|bone| shape.0[bone] += 0.1);
+        let (log, sd) = likeliest_scale(&model, &shape).unwrap();
+        assert!((log - 0.1).abs() < 1e-9 && (0.01..0.08).contains(&sd), "{log} {sd}");
+
         assert_eq!(found(1.0), None);
         assert_eq!(found(1.12), None);
         assert!(found(1.4).unwrap() > 1.2);

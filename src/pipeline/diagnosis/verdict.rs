@@ -90,7 +90,7 @@ impl Diagnosis<'_> {
         let is_unusable = !unusable.is_empty();
         let rig = self.evidence.rig;
         let Some(overlap) = self.overlap() else {
-            return Vec::new();
+            return self.of_detections(unusable);
         };
         let found = self.faults;
         let of_cameras = || self.of_cameras(unusable);
@@ -154,6 +154,16 @@ impl Diagnosis<'_> {
         let has_grown = matches!(cause, Some(Cause::Scale { factor }) if factor > 1.0);
         let still = if has_grown { still_parts(SMALL_STILL_PART) } else { None };
         still.or(cause).into_iter().collect()
+    }
+
+    /// What is wrong where there are detections and no masks: with the cameras, or with time and space.
+    fn of_detections(&self, unusable: &[Reason]) -> Vec<Cause> {
+        if self.cameras.iter().all(|camera| camera.detections.is_none()) {
+            return Vec::new();
+        }
+        let of_cameras = self.of_cameras(unusable);
+        let of_size = || self.too_fast().or_else(|| self.too_large()).into_iter().collect();
+        if of_cameras.is_empty() { of_size() } else { of_cameras }
     }
 
     /// What the silhouettes hold lies down, or is lower than a person.
@@ -252,6 +262,7 @@ mod tests {
     use crate::body::Motion;
     use crate::inference::frame::FrameFit;
     use crate::pipeline::diagnosis::figures::Figures;
+    use crate::pipeline::{DetectedQuality, PoseFound};
     use crate::silhouette::FrameIndex;
 
     fn fitted(motion: Motion) -> FittedFrame {
@@ -271,6 +282,45 @@ mod tests {
             points: None,
             detections: Vec::new(),
         }
+    }
+
+    #[test]
+    fn a_camera_that_the_optimum_found_touched_is_named_of_detections_alone_and_the_others_are_not()
+    {
+        let figures = Figures::new();
+        let camera = |name: &str, turn_deg: f64, pictures: usize| CameraQuality {
+            camera: name.into(),
+            frames: 0,
+            mean_iou: 0.0,
+            median_px: None,
+            rms_px: None,
+            detections: (pictures > 0).then_some(DetectedQuality {
+                pictures,
+                median_px: 3.0,
+                median_of_size: 0.03,
+            }),
+            found: CameraFound {
+                pose: Some(PoseFound {
+                    turn_deg: [turn_deg, 0.0, 0.0],
+                    turn_sd_deg: Some([0.2; 3]),
+                    displacement_m: [0.0; 3],
+                    displacement_sd_m: Some([0.01; 3]),
+                    used: true,
+                }),
+                clock: None,
+            },
+        };
+        let causes = |pictures: usize| {
+            let cameras = [camera("well", 0.1, pictures), camera("rolled", 4.1, pictures)];
+            figures.diagnosed(&[], &cameras, |diagnosis| diagnosis.causes(&[]))
+        };
+        let found = causes(10);
+        assert!(
+            matches!(&found[..], [Cause::Touched { camera, .. }] if camera == "rolled"),
+            "{found:?}"
+        );
+        // points alone were measured with the calibration
+        assert_eq!(causes(0), []);
     }
 
     #[test]

@@ -42,6 +42,22 @@ pub struct Refined {
     pub displacement_sd_m: [f64; 3],
 }
 
+/// What is known of a camera of a calibration that was estimated.
+#[derive(Debug, Clone, PartialEq)]
+pub enum CameraEstimate {
+    /// One that was calibrated before.
+    Refined(Refined),
+    /// One of which the lens alone was known; standard deviations relative to the rig, over all axes.
+    Placed {
+        /// Its name.
+        camera: String,
+        /// Of its turn.
+        turn_sd_deg: f64,
+        /// Of its place.
+        place_sd_m: f64,
+    },
+}
+
 /// A file to be written.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CalibrationFile {
@@ -98,7 +114,7 @@ enum Format {
 /// In the place of a camera's name.
 const NAME: &str = "{camera}";
 
-/// The texts of the files that hold a rig, for a reader with these options; the format follows from the name. `refined` is written where the
+/// The texts of the files that hold a rig, for a reader with these options; the format follows from the name. `known` is written where the
 /// format has a place for it.
 ///
 /// # Errors
@@ -107,7 +123,7 @@ pub fn write(
     rig: &Rig,
     path: &Path,
     options: &CalibrationOptions,
-    refined: &[Refined],
+    known: &[CameraEstimate],
 ) -> Result<Vec<CalibrationFile>, CalibrationWriteError> {
     let format = format(path)?;
     let of_world = options.up.world_from_file();
@@ -120,7 +136,7 @@ pub fn write(
 
     let one = |text: String| vec![CalibrationFile { path: path.into(), text }];
     Ok(match format {
-        Format::Toml => one(toml::text(&rig, in_metres, refined)),
+        Format::Toml => one(toml::text(&rig, in_metres, known)),
         Format::Qualisys => one(qualisys::text(&rig, path)?),
         Format::OpenCv(syntax) => {
             let values = opencv::values(&rig, in_metres, path)?;

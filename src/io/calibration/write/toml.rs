@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::Refined;
+use super::CameraEstimate;
 use crate::camera::{Camera, Distortion, Rig};
 use crate::io::calibration::pose2sim::RADIAL_CORRECTION;
 
@@ -15,25 +15,31 @@ pub fn write_toml(rig: &Rig) -> String {
 }
 
 /// The same in a unit of so many metres; what is known of the cameras' estimates stands under `[metadata]`.
-pub(super) fn text(rig: &Rig, unit_m: f64, refined: &[Refined]) -> String {
+pub(super) fn text(rig: &Rig, unit_m: f64, known: &[CameraEstimate]) -> String {
     let mut text: String = rig.cameras.iter().map(|camera| section(camera, unit_m)).collect();
     if rig.by_name("metadata").is_none() {
-        let _ = writeln!(text, "[metadata]\nadjusted = {}\nerror = 0.0", !refined.is_empty());
-        text.extend(refined.iter().map(estimate));
+        let _ = writeln!(text, "[metadata]\nadjusted = {}\nerror = 0.0", !known.is_empty());
+        text.extend(known.iter().map(estimate));
     }
     text
 }
 
 /// A table below the metadata, which readers of calibrations pass over.
-fn estimate(refined: &Refined) -> String {
-    format!(
-        "\n[metadata.refined.{}]\nturn_deg = {}\nturn_sd_deg = {}\ndisplacement_m = {}\ndisplacement_sd_m = {}\n",
-        key(&refined.camera),
-        list(&refined.turn_deg),
-        list(&refined.turn_sd_deg),
-        list(&refined.displacement_m),
-        list(&refined.displacement_sd_m),
-    )
+fn estimate(known: &CameraEstimate) -> String {
+    match known {
+        CameraEstimate::Refined(refined) => format!(
+            "\n[metadata.refined.{}]\nturn_deg = {}\nturn_sd_deg = {}\ndisplacement_m = {}\ndisplacement_sd_m = {}\n",
+            key(&refined.camera),
+            list(&refined.turn_deg),
+            list(&refined.turn_sd_deg),
+            list(&refined.displacement_m),
+            list(&refined.displacement_sd_m),
+        ),
+        CameraEstimate::Placed { camera, turn_sd_deg, place_sd_m } => format!(
+            "\n[metadata.placed.{}]\nturn_sd_deg = {turn_sd_deg:?}\nplace_sd_m = {place_sd_m:?}\n",
+            key(camera),
+        ),
+    }
 }
 
 fn section(camera: &Camera, unit_m: f64) -> String {
