@@ -3,6 +3,7 @@
 //! | file          | holds                                                          |
 //! |---------------|----------------------------------------------------------------|
 //! | `fit.rs`      | `maquette fit`                                                  |
+//! | `session.rs`  | `maquette session`                                              |
 //! | `segment.rs`  | `maquette segment`                                              |
 //! | `silhouettes.rs` | `maquette silhouettes`                                       |
 //! | `export.rs`   | `maquette export`                                               |
@@ -43,6 +44,7 @@ mod progress;
 mod report;
 mod schema;
 mod segment;
+mod session;
 mod shell;
 mod silhouettes;
 mod skin;
@@ -93,6 +95,9 @@ enum Command {
     /// Fit a body to a recording: shape, motion and confidence
     #[command(long_about = fit::ABOUT, after_help = fit::EXAMPLES)]
     Fit(fit::FitArguments),
+    /// Fit several trials of one person with one body
+    #[command(long_about = session::ABOUT, after_help = session::EXAMPLES)]
+    Session(session::SessionArguments),
     /// Cut the person out of images or videos: masks for every camera and frame
     #[command(long_about = segment::ABOUT, after_help = segment::EXAMPLES)]
     Segment(segment::SegmentArguments),
@@ -141,6 +146,7 @@ impl Command {
     fn run(&self) -> Result<(), CliError> {
         match self {
             Self::Fit(arguments) => fit::run(arguments),
+            Self::Session(arguments) => session::run(arguments),
             Self::Segment(arguments) => segment::run(arguments),
             Self::Silhouettes(arguments) => silhouettes::run(arguments),
             Self::Skin(arguments) => skin::run(arguments),
@@ -171,7 +177,7 @@ impl Command {
     /// How to go on after a signal to stop.
     fn after_an_interruption(&self) -> &'static str {
         match self {
-            Self::Fit(_) => {
+            Self::Fit(_) | Self::Session(_) => {
                 "what was finished is kept in OUT: the same command with --resume, and without --overwrite, goes on there"
             }
             Self::Segment(_) | Self::Silhouettes(_) | Self::Stereo(_) => {

@@ -28,7 +28,9 @@
 //! # Source
 //! Lange, Little, Taylor 1989, *Robust statistical modeling using the t distribution*.
 
-use nalgebra::{Matrix3, SMatrix, SVector, UnitQuaternion, Vector3};
+use std::ops::Range;
+
+use nalgebra::{DVectorView, Matrix3, SMatrix, SVector, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::sequence_state::SequenceState;
@@ -74,15 +76,47 @@ const ACROSS_RAD: f64 = 0.35;
 #[derive(Debug, Clone, PartialEq)]
 pub struct CameraPrior {
     /// In the order of the rig; empty where all are trusted.
-    free: Vec<Free>,
-    /// σ of a clock, seconds.
+    cameras: Vec<Unknown>,
+    /// Components of all of them.
+    components: usize,
+}
+
+/// What of a camera is unknown, and where it stands among the components.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Unknown {
+    free: Free,
+    /// σ of its clock, seconds.
     ahead_sd_s: f64,
+    rows: CameraRows,
+    /// Whether its pose is that of a camera before it.
+    has_pose_of_another: bool,
+}
+
+/// Where the components of a camera stand among those of all.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CameraRows {
+    /// The first of ω, δt.
+    pose: usize,
+    /// δτ.
+    clock: usize,
+}
+
+impl CameraRows {
+    /// In the order of the components.
+    pub(super) fn all(self) -> [usize; COMPONENTS] {
+        std::array::from_fn(|k| if k == AHEAD { self.clock } else { self.pose + k })
+    }
+
+    /// Its own of the components of all cameras.
+    pub(super) fn of(self, shared: &DVectorView<'_, f64>) -> SVector<f64, COMPONENTS> {
+        self.all().map(|row| shared[row]).into()
+    }
 }
 
 impl CameraPrior {
     /// Every camera is where and when its calibration says.
     pub fn trusting() -> Self {
-        Self { free: Vec::new(), ahead_sd_s: 1.0 }
+        Self { cameras: Vec::new(), components: 0 }
     }
 
     /// Of what is `allowed`, what the rig can tell about a body that moves as `state` does; frames are `interval_s` apart.
@@ -100,46 +134,98 @@ impl CameraPrior {
             Free { pose: allowed.pose && across >= 2, clock: allowed.clock && across >= 1 }
         };
         let free: Vec<Free> = sights.iter().map(of_camera).collect();
-        let is_any = free.iter().any(|free| *free != Free::default());
-        Self {
-            free: if is_any { free } else { Vec::new() },
-            ahead_sd_s: interval_s / 12.0_f64.sqrt(),
+        if free.iter().all(|free| *free == Free::default()) {
+            return Self::trusting();
         }
+        let ahead_sd_s = interval_s / 12.0_f64.sqrt();
+        Self::of(free.into_iter().map(|free| (free, ahead_sd_s, None)))
+    }
+
+    /// Of several trials, each with the number of its cameras, one after the other. `same(i)` is the camera of an earlier trial that
+    /// camera i is, counted through all of them: it has not moved since, so both have one pose, which is free if it is in any of
+    /// the trials. Its clock was started anew and is its own.
+    pub fn of_trials(trials: &[(Self, usize)], same: impl Fn(usize) -> Option<usize>) -> Self {
+        if trials.iter().all(|(prior, _)| prior.is_trusting()) {
+            return Self::trusting();
+        }
+        let known = |prior: &Self, camera: usize| {
+            let unknown = prior.cameras.get(camera);
+            unknown.map_or((Free::default(), 1.0), |unknown| (unknown.free, unknown.ahead_sd_s))
+        };
+        let cameras = trials.iter().flat_map(|(prior, cameras)| {
+            (0..*cameras).map(|camera| known(prior, camera)).collect::<Vec<_>>()
+        });
+        let mut cameras: Vec<(Free, f64)> = cameras.collect();
+
+        // the last first: what is told of a camera is told of the first that it is
+        for i in (0..cameras.len()).rev() {
+            if let Some(first) = same(i) {
+                cameras[first].0.pose |= cameras[i].0.pose;
+            }
+        }
+        for i in 0..cameras.len() {
+            if let Some(first) = same(i) {
+                cameras[i].0.pose = cameras[first].0.pose;
+            }
+        }
+        let each = cameras.into_iter().enumerate();
+        Self::of(each.map(|(i, (free, ahead_sd_s))| (free, ahead_sd_s, same(i))))
+    }
+
+    /// What is free of each camera, σ of its clock, and the camera before it whose pose it has.
+    fn of(each: impl Iterator<Item = (Free, f64, Option<usize>)>) -> Self {
+        let (mut cameras, mut components) = (Vec::<Unknown>::new(), 0);
+        for (free, ahead_sd_s, same) in each {
+            let pose = same.map(|camera| cameras[camera].rows.pose);
+            let own = if pose.is_some() { 0 } else { AHEAD };
+            let rows = CameraRows { pose: pose.unwrap_or(components), clock: components + own };
+            cameras.push(Unknown { free, ahead_sd_s, rows, has_pose_of_another: pose.is_some() });
+            components += own + 1;
+        }
+        Self { cameras, components }
+    }
+
+    /// Of some of the cameras, each with a pose of its own.
+    #[must_use]
+    pub fn of_some(&self, cameras: Range<usize>) -> Self {
+        let some = self.cameras.get(cameras).unwrap_or(&[]);
+        Self::of(some.iter().map(|unknown| (unknown.free, unknown.ahead_sd_s, None)))
     }
 
     /// Whether nothing is unknown.
     pub fn is_trusting(&self) -> bool {
-        self.free.is_empty()
+        self.cameras.is_empty()
     }
 
     /// Number of the cameras that have components.
     pub(super) fn cameras(&self) -> usize {
-        self.free.len()
+        self.cameras.len()
+    }
+
+    /// Number of the components of all cameras.
+    pub(super) fn components(&self) -> usize {
+        self.components
+    }
+
+    /// Where those of a camera stand.
+    pub(super) fn rows(&self, camera: usize) -> CameraRows {
+        self.cameras[camera].rows
     }
 
     /// What of a camera is unknown.
     pub fn free(&self, camera: usize) -> Free {
-        self.free.get(camera).copied().unwrap_or_default()
+        self.cameras.get(camera).map(|unknown| unknown.free).unwrap_or_default()
     }
 
     /// Whether any clock is unknown.
     pub(super) fn has_clocks(&self) -> bool {
-        self.free.iter().any(|free| free.clock)
+        self.cameras.iter().any(|unknown| unknown.free.clock)
     }
 
     /// −log p, 0 where nothing is off.
     pub(super) fn cost(&self, cameras: &[CameraOffset]) -> f64 {
-        let each = cameras.iter().zip(&self.free);
-        each.map(|(offset, free)| self.cost_of(offset, *free)).sum()
-    }
-
-    fn cost_of(&self, offset: &CameraOffset, free: Free) -> f64 {
-        let (pose, ahead) = self.squares(offset);
-        let student = |is_free: bool, d: f64, square: f64| match is_free {
-            true => 0.5 * (1.0 + d) * square.ln_1p(),
-            false => 0.0,
-        };
-        student(free.pose, 6.0, pose) + student(free.clock, 1.0, ahead)
+        let each = cameras.iter().zip(&self.cameras);
+        each.map(|(offset, unknown)| unknown.cost(offset)).sum()
     }
 
     /// The same, with gradient and Gauss–Newton matrix added to the components from `first` on. Those that are not free stay where
@@ -150,39 +236,53 @@ impl CameraPrior {
         first: usize,
         equations: &mut NormalEquations,
     ) -> f64 {
-        for (camera, (offset, free)) in cameras.iter().zip(&self.free).enumerate() {
-            self.linearize_of(offset, *free, first + COMPONENTS * camera, equations);
+        for (offset, unknown) in cameras.iter().zip(&self.cameras) {
+            unknown.linearize(offset, first, equations);
         }
         self.cost(cameras)
     }
+}
 
-    fn linearize_of(
-        &self,
-        offset: &CameraOffset,
-        free: Free,
-        first: usize,
-        equations: &mut NormalEquations,
-    ) {
+impl Unknown {
+    fn cost(&self, offset: &CameraOffset) -> f64 {
         let (pose, ahead) = self.squares(offset);
+        let student = |is_free: bool, d: f64, square: f64| match is_free {
+            true => 0.5 * (1.0 + d) * square.ln_1p(),
+            false => 0.0,
+        };
+        let is_own = self.free.pose && !self.has_pose_of_another;
+        student(is_own, 6.0, pose) + student(self.free.clock, 1.0, ahead)
+    }
+
+    fn linearize(&self, offset: &CameraOffset, first: usize, equations: &mut NormalEquations) {
+        let (pose, ahead) = self.squares(offset);
+        let held = |is_free: bool| if is_free { 0.0 } else { 1.0 };
+
+        let clock = first + self.rows.clock;
+        let weight = if self.free.clock { 2.0 / (1.0 + ahead) } else { 0.0 };
+        let of_clock = weight / self.ahead_sd_s.powi(2);
+        equations.gradient[clock] += of_clock * offset.ahead_s;
+        equations.hessian[(clock, clock)] += of_clock + held(self.free.clock);
+        if self.has_pose_of_another {
+            return;
+        }
+
         let turn = offset.turn.scaled_axis();
         // log(exp(ω)R) = φ + J_r⁻¹(−φ) ω
         let by_turn = right_jacobian_inverse(&-turn);
-        let weight = if free.pose { 7.0 / (1.0 + pose) } else { 0.0 };
+        let weight = if self.free.pose { 7.0 / (1.0 + pose) } else { 0.0 };
         let (of_turn, of_place) = (weight / TURN_SD.powi(2), weight / DISPLACEMENT_SD_M.powi(2));
-        let of_clock = if free.clock { 2.0 / (1.0 + ahead) / self.ahead_sd_s.powi(2) } else { 0.0 };
-
-        let mut gradient = equations.gradient.rows_mut(first, COMPONENTS);
+        let first = first + self.rows.pose;
+        let mut gradient = equations.gradient.rows_mut(first, AHEAD);
         gradient.rows_mut(0, 3).gemv_tr(of_turn, &by_turn, &turn, 1.0);
         gradient.rows_mut(3, 3).axpy(of_place, &offset.displacement_m, 1.0);
-        gradient[AHEAD] += of_clock * offset.ahead_s;
 
-        let held = |is_free: bool| if is_free { 0.0 } else { 1.0 };
-        let mut hessian = equations.hessian.view_mut((first, first), (COMPONENTS, COMPONENTS));
+        let mut hessian = equations.hessian.view_mut((first, first), (AHEAD, AHEAD));
+        let one = Matrix3::identity();
         let mut turns = hessian.fixed_view_mut::<3, 3>(0, 0);
-        turns += by_turn.transpose() * by_turn * of_turn + Matrix3::identity() * held(free.pose);
+        turns += by_turn.transpose() * by_turn * of_turn + one * held(self.free.pose);
         let mut places = hessian.fixed_view_mut::<3, 3>(3, 3);
-        places += Matrix3::identity() * (of_place + held(free.pose));
-        hessian[(AHEAD, AHEAD)] += of_clock + held(free.clock);
+        places += one * (of_place + held(self.free.pose));
     }
 
     /// z² of turn and displacement, and of the clock.

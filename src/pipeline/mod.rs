@@ -24,6 +24,7 @@ mod fitted;
 mod frame_range;
 mod hidden;
 mod joint_stage;
+mod judged;
 mod measures;
 mod memory;
 mod movement;
@@ -36,6 +37,7 @@ mod quality;
 mod rig_estimate;
 mod scene;
 pub mod segment;
+mod session;
 pub mod silhouettes;
 mod sound;
 mod source;
@@ -69,6 +71,9 @@ pub use quality::{CameraQuality, ViewQuality};
 pub use rig_estimate::{RigEstimate, RigEvidence, Singular, rig_estimate};
 pub(crate) use scene::MOST_EMPTY_FRAMES;
 pub use scene::check_scene;
+pub use session::{
+    AloneFit, Disagreement, OtherCalibration, SessionFit, SessionTrial, disagreements, fit_session,
+};
 pub use sound::{ENVELOPE_HZ, sound_delay_s};
 pub use source::{FramePictures, MaskSource, PictureSource, PictureStream};
 pub use unseen::prior_angles_sd;

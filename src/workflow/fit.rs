@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use tempfile::TempDir;
+
 use super::derived::Derived;
 use super::input::FitInput;
 use super::{Error, FitOptions, FittedRecording};
@@ -47,7 +49,7 @@ impl Recording {
         let derived = Derived { out: &out, is_resumed: false, progress: &NoProgress };
         let input = FitInput::read(self, options, &derived)?;
         let fit = search(&input, &NoJournal, &NoProgress)?;
-        Ok(fitted(input, &fit))
+        Ok(fitted(&input, &fit))
     }
 
     /// Fits a body and writes the result into a folder, where a run that is stopped can be continued.
@@ -64,22 +66,42 @@ impl Recording {
         options: &FitOptions,
         progress: &dyn Progress,
     ) -> Result<FittedRecording, Error> {
-        // 1. read and check everything
+        let (out, input) = self.read_for(folder, options, progress)?;
+        self.fit_read(folder, &out, &input, progress)
+    }
+
+    /// Everything that a fit is made from, and the folder that it will be written into.
+    pub(super) fn read_for(
+        &self,
+        folder: FitFolder<'_>,
+        options: &FitOptions,
+        progress: &dyn Progress,
+    ) -> Result<(OutFolder, FitInput), Error> {
         check_out(folder.path, folder.existing)?;
         let out = OutFolder::open(folder.path)?;
         let derived =
             Derived { out: &out, is_resumed: folder.existing == Existing::Resume, progress };
         let input = FitInput::read(self, options, &derived)?;
+        Ok((out, input))
+    }
 
-        // 2. fit, keeping what is finished
-        let journal = journal(&out, folder.existing, &input)?;
+    /// Fits a body to what was read, and writes the result.
+    pub(super) fn fit_read(
+        &self,
+        folder: FitFolder<'_>,
+        out: &OutFolder,
+        input: &FitInput,
+        progress: &dyn Progress,
+    ) -> Result<FittedRecording, Error> {
+        // 1. fit, keeping what is finished
+        let journal = journal(out, folder.existing, input)?;
         journal.note().iter().for_each(|note| progress.note(note));
-        let found = search(&input, &journal, progress);
+        let found = search(input, &journal, progress);
         journal.into_whole()?;
         let fit = found.inspect_err(|_| out.abandon())?;
 
-        // 3. write the result, and only then replace an older one
-        let written = self.write_fit(folder, &out, input, &fit, progress);
+        // 2. write the result, and only then replace an older one
+        let written = self.write_fit(folder, out, input, &fit, progress);
         written.map_err(|fault| match fault {
             Error::Out(fault) | Error::Overlay(OverlayError::Out(fault)) => {
                 JournalError::NotKept(fault).into()
@@ -93,7 +115,7 @@ impl Recording {
         &self,
         folder: FitFolder<'_>,
         out: &OutFolder,
-        input: FitInput,
+        input: &FitInput,
         fit: &Fit,
         progress: &dyn Progress,
     ) -> Result<FittedRecording, Error> {
@@ -111,14 +133,24 @@ impl Recording {
         }
 
         let fitted = fitted(input, fit);
-        for (name, bytes) in fitted.result.files()? {
+        self.publish(out, scratch, &fitted.result)?;
+        Ok(fitted)
+    }
+
+    /// Puts a result, and where its recording is, into a folder, with what stands in its scratch folder already.
+    pub(super) fn publish(
+        &self,
+        out: &OutFolder,
+        scratch: TempDir,
+        result: &ResultFile,
+    ) -> Result<(), Error> {
+        for (name, bytes) in result.files()? {
             write_atomically(&scratch.path().join(name), &bytes)?;
         }
-        if let Some(text) = origin::text(self.path(), folder.path) {
+        if let Some(text) = origin::text(self.path(), out.path()) {
             write_atomically(&scratch.path().join(origin::ORIGIN), text.as_bytes())?;
         }
-        out.publish(scratch)?;
-        Ok(fitted)
+        Ok(out.publish(scratch)?)
     }
 }
 
@@ -139,7 +171,7 @@ fn search(input: &FitInput, journal: &dyn Journal, progress: &dyn Progress) -> R
     Ok(pipeline::fit_watched(model, rig, input.sequence(), options, journal, progress)?)
 }
 
-fn fitted(input: FitInput, fit: &Fit) -> FittedRecording {
+pub(super) fn fitted(input: &FitInput, fit: &Fit) -> FittedRecording {
     let result = ResultFile::new(
         fit,
         Provenance {

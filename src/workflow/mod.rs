@@ -16,6 +16,7 @@
 //! | `export.rs`   | its files for other programs                                                  |
 //! | `calibrate.rs` | [`RefinedRig`]: a calibration refined by a person who moves                  |
 //! | `sync/`       | [`SyncedRecording`]: when each camera began                                   |
+//! | `session/`    | [`Session`]: several trials of one person, with one body for all              |
 //! | `fitted_source.rs` | a fit that either of them looks at                                      |
 //! | `skin.rs`     | the skins of a fitted body                                                    |
 //! | `error.rs`    | [`Error`]                                                                     |
@@ -34,6 +35,7 @@ mod masks;
 mod options;
 #[cfg(feature = "report")]
 mod report;
+mod session;
 mod silhouettes;
 mod skin;
 mod surface;
@@ -50,6 +52,7 @@ pub use masks::{MaskFiles, WrittenMasks};
 pub use options::{FitOptions, SilhouetteSource};
 #[cfg(feature = "report")]
 pub use report::ReportedRecording;
+pub use session::{FittedSession, Session, SessionError, SessionFolder};
 pub use silhouettes::{SilhouetteFiles, WrittenSilhouettes};
 pub use skin::{RestingBody, SkinFiles, SkinnedPoses};
 pub use surface::SurfaceFiles;

@@ -50,6 +50,7 @@ pub(crate) fn deviations(
 ) -> Option<Vec<Deviation>> {
     let recipe = Recipe {
         seed,
+        trial: 0,
         make,
         frames: Some(FRAMES),
         fps: 30.0,
