@@ -10,5 +10,7 @@ mod places;
 mod recovery;
 #[path = "joint/scene.rs"]
 mod scene;
+#[path = "joint/trials.rs"]
+mod trials;
 #[path = "joint/unseen.rs"]
 mod unseen;

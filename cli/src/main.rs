@@ -9,6 +9,7 @@
 //! | `export.rs`   | `maquette export`                                               |
 //! | `gait.rs`     | `maquette gait`                                                 |
 //! | `report.rs`   | `maquette report`                                               |
+//! | `compare.rs`  | `maquette compare`                                              |
 //! | `subject.rs`  | who was recorded, for `gait` and `report`                       |
 //! | `synth.rs`    | `maquette synth`                                                |
 //! | `models.rs`   | `maquette models`                                               |
@@ -33,6 +34,7 @@
 mod calibrate;
 mod camera_fit;
 mod choice;
+mod compare;
 mod error;
 mod export;
 mod fit;
@@ -85,6 +87,9 @@ Examples:
     maquette fit my-recording --fps 50 --out out/me --overwrite --overlays
   the fitted body's skin, a mesh and a picture for each frame (models with metaballs):
     maquette skin out/me --picture
+  a folder of walks of one person, and what changed since the last session:
+    maquette session walks --out out/after
+    maquette compare out/before out/after --out out/change
   a recording of somebody else, with the truth:
     maquette synth out/somebody --seed 7
 
@@ -122,6 +127,9 @@ enum Command {
     /// Write a report for clinicians
     #[command(long_about = report::ABOUT, after_help = report::EXAMPLES)]
     Report(report::ReportArguments),
+    /// Compare two sessions of one person
+    #[command(long_about = compare::ABOUT, after_help = compare::EXAMPLES)]
+    Compare(compare::CompareArguments),
     /// Convert a fit to other programs' formats
     #[command(long_about = export::ABOUT, after_help = export::EXAMPLES)]
     Export(export::ExportArguments),
@@ -155,6 +163,7 @@ impl Command {
             Self::Sync(arguments) => sync::run(arguments),
             Self::Gait(arguments) => gait::run(arguments),
             Self::Report(arguments) => report::run(arguments),
+            Self::Compare(arguments) => compare::run(arguments),
             Self::Export(arguments) => export::run(arguments),
             Self::Models(arguments) => models::run(arguments),
             Self::Synth(arguments) => synth::run(arguments),

@@ -30,7 +30,7 @@ Examples:
   maquette session before.session/session.toml --out out/before
   maquette session walks --out out/before --resume --without walk3
   maquette report out/before
-  maquette compare out/before out/after";
+  maquette compare out/before out/after --out out/change";
 
 /// Arguments of `maquette session`.
 #[derive(Debug, Args)]

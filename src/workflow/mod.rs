@@ -52,7 +52,7 @@ pub use masks::{MaskFiles, WrittenMasks};
 pub use options::{FitOptions, SilhouetteSource};
 #[cfg(feature = "report")]
 pub use report::ReportedRecording;
-pub use session::{FittedSession, Session, SessionError, SessionFolder};
+pub use session::{Comparison, FittedSession, Session, SessionError, SessionFolder, SessionStudy};
 pub use silhouettes::{SilhouetteFiles, WrittenSilhouettes};
 pub use skin::{RestingBody, SkinFiles, SkinnedPoses};
 pub use surface::SurfaceFiles;

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::{ALONE, Session, SessionError, SessionFolder};
+use super::{ALONE, Session, SessionError, SessionFolder, named};
 use crate::io::folder::Existing;
 use crate::io::recording::Recording;
 use crate::io::result::ResultFile;
@@ -31,11 +31,7 @@ impl Session {
         let mut all: Vec<AloneTrial> = Vec::with_capacity(self.manifest.trials.len());
         for entry in &self.manifest.trials {
             let trial = self.fit_one(entry, folder, options, progress);
-            let named = |source: Error| {
-                let (name, source) = (entry.name.clone(), Box::new(source));
-                SessionError::Trial { name, source }
-            };
-            let trial = trial.map_err(named)?;
+            let trial = trial.map_err(|source| named(&entry.name, source))?;
             if let Some(why) = trial.fitted.result.verdict.why_unusable() {
                 return Err(SessionError::Unusable { name: trial.name, why }.into());
             }

@@ -54,6 +54,17 @@ pub enum SessionError {
         /// The names there are.
         known: String,
     },
+    /// Two sessions of two people.
+    #[error("the two sessions are of two people, {first} and {second}: what differs is no change")]
+    OtherPerson {
+        /// As the first says.
+        first: String,
+        /// As the second says.
+        second: String,
+    },
+    /// Two sessions without a number that both have.
+    #[error("the two sessions have no number in common: neither strides nor angles are in both")]
+    NothingInCommon,
     /// No trial.
     #[error("--without leaves no trial out of all")]
     NothingLeft,

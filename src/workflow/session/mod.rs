@@ -3,14 +3,23 @@
 //! | file       | holds                                                        |
 //! |------------|--------------------------------------------------------------|
 //! | `alone.rs` | each trial by itself, or what an earlier run has found of it   |
+//! | `study.rs` | [`SessionStudy`]: the gait of all trials                       |
+//! | `compare.rs` | [`Comparison`]: two sessions of one person                   |
+//! | `report.rs` | the reports of both, with the feature `report`                |
 //! | `error.rs` | [`SessionError`]                                              |
 
 mod alone;
+mod compare;
 mod error;
+#[cfg(feature = "report")]
+mod report;
+mod study;
 
 use std::path::{Path, PathBuf};
 
+pub use compare::Comparison;
 pub use error::SessionError;
+pub use study::SessionStudy;
 
 use super::fit::fitted;
 use super::{Error, FitOptions, FittedRecording};
@@ -222,6 +231,11 @@ impl FittedSession {
         let odd = self.file.disagreements.first();
         odd.map_or(Ok(()), |odd| Err(Error::Unusable(odd.line.clone())))
     }
+}
+
+/// A fault of one trial.
+fn named(name: &str, source: Error) -> Error {
+    SessionError::Trial { name: name.into(), source: Box::new(source) }.into()
 }
 
 /// The one body's lengths, beside what each trial found alone.
