@@ -91,10 +91,7 @@ fn summary(input: &SessionInput<'_>, all: &ReportInput<'_>) -> Page {
     rows.extend([
         ("Diagnosis", words(&stated.diagnosis)),
         ("Affected side", stated.affected_side.map_or("not stated", |side| side.words()).into()),
-        (
-            "Height, mass",
-            format!("{} m, {} kg", number(stated.height_m, 2), number(stated.mass_kg, 0)),
-        ),
+        ("Height, mass", size(stated.height_m, stated.mass_kg)),
         ("Operator", words(&file.operator)),
     ]);
     Page {
@@ -118,6 +115,13 @@ fn summary(input: &SessionInput<'_>, all: &ReportInput<'_>) -> Page {
         },
         is_brief: false,
     }
+}
+
+fn size(height_m: Option<f64>, mass_kg: Option<f64>) -> String {
+    let height = height_m.map(|height_m| format!("{height_m:.2} m"));
+    let mass = mass_kg.map(|mass_kg| format!("{mass_kg:.0} kg"));
+    let stated: Vec<String> = height.into_iter().chain(mass).collect();
+    if stated.is_empty() { "not stated".into() } else { stated.join(", ") }
 }
 
 /// The method without what is of one trial.

@@ -88,7 +88,7 @@ fn reach(freedom: f64) -> Option<f64> {
     if freedom < 30.0 {
         return Some(StudentsT::new(0.0, 1.0, freedom).ok()?.inverse_cdf(0.975));
     }
-    let z = 1.959_964;
+    let z: f64 = 1.959_964;
     let (first, second) = (z.powi(3) + z, 5.0 * z.powi(5) + 16.0 * z.powi(3) + 3.0 * z);
     Some(z + first / (4.0 * freedom) + second / (96.0 * freedom.powi(2)))
 }

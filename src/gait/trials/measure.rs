@@ -3,8 +3,8 @@
 //! | number              | value of a trial                                   | u, the fit's own standard deviation                    |
 //! |---------------------|----------------------------------------------------|--------------------------------------------------------|
 //! | a parameter         | mean over its strides                              | the uncertainty of one value (docs/gait.md)             |
-//! | an angle's range    | greatest less least of its mean curve              | that of the angle, mean over the cycle                  |
-//! | a Gait Variable Score | against the norm                                 | the same: an offset of the curve moves it by no more     |
+//! | an angle's range    | greatest less least of its mean curve              | not known: what the angle is off by in every frame, most of its SD, cancels |
+//! | a Gait Variable Score | against the norm                                 | that of the angle, mean over the cycle: an offset moves the score by no more |
 //! | Gait Profile Score  | root mean square of V scores                       | √Σ(GVS·u)²/(V·GPS), for variables that err by themselves |
 
 use crate::gait::{Angle, Curve, GaitAnalysis, Norm, Parameter, Side, VARIABLES, indices};
@@ -136,7 +136,7 @@ fn of_range(curve: &Curve) -> Measured {
         value: of(&curve.mean),
         strides: curve.strides.len(),
         strides_sd: mean_and_sd(&ranges).and_then(|(_, sd)| sd),
-        fit_sd: mean_fit_sd(curve),
+        fit_sd: None,
     }
 }
 
