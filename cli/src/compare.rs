@@ -50,8 +50,9 @@ pub(super) struct CompareArguments {
 /// Reads both, compares them, writes page and table.
 pub(super) fn run(arguments: &CompareArguments) -> Result<(), CliError> {
     check_out(&arguments.out, arguments.overwrite.existing())?;
-    let open = |path: &PathBuf| {
-        SessionStudy::open(path, arguments.body.as_deref(), norm_choice(arguments.norm.as_deref()))
+    let open = |path: &PathBuf| -> Result<SessionStudy, CliError> {
+        let norm = norm_choice(arguments.norm.as_deref());
+        Ok(SessionStudy::open(path, arguments.body.as_deref(), norm)?)
     };
     let comparison = Comparison::new(open(&arguments.before)?, open(&arguments.after)?)?;
 
