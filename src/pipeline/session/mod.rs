@@ -277,6 +277,3 @@ fn mean_shape<'a>(trials: impl Iterator<Item = &'a AloneFit> + Clone) -> Shape {
     let weighted = precision.cholesky().filter(|_| is_known).map(|all| all.solve(&right));
     Shape(weighted.unwrap_or_else(|| sum / trials.count().max(1) as f64))
 }
-
-#[cfg(test)]
-mod tests;

@@ -73,3 +73,62 @@ impl SharedRig {
         all
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use nalgebra::DVector;
+
+    use super::*;
+    use crate::body::Shape;
+    use crate::inference::{Sequence, ShapeConfidence};
+    use crate::io::model;
+    use crate::pipeline::{AloneFit, EstimateOptions};
+    use crate::synth::Ring;
+
+    #[test]
+    fn a_camera_of_another_calibration_is_named_and_its_pose_is_its_own() {
+        let model = model::load("walker-metaballs", Path::new("")).unwrap();
+        let shape = Shape(model.statistics.mean.clone());
+        let lengths_m = model.rest_lengths_m(&shape);
+        let alone = AloneFit {
+            shape: Shape(DVector::zeros(0)),
+            covariance: None,
+            motions: Vec::new(),
+            recovered: Vec::new(),
+            cameras: Vec::new(),
+            confidence: ShapeConfidence::from_trials(
+                &model,
+                &[],
+                &shape,
+                &lengths_m,
+                &crate::inference::ConfidenceOptions::default(),
+            ),
+        };
+        let rig = Ring { cameras: 4, ..Ring::default() }.regular();
+        let mut moved = rig.clone();
+        moved.cameras[1].camera_from_world.translation.vector.x += 0.01;
+
+        let options = EstimateOptions::default();
+        let sequence = Sequence { frames: &[], fps: 10.0 };
+        let trial = |name, rig| SessionTrial {
+            name,
+            rig,
+            sequence,
+            options: &options,
+            alone: alone.clone(),
+        };
+        let trials = [trial("a", &rig), trial("b", &rig), trial("c", &moved)];
+        let shared = SharedRig::new(&trials);
+        let same: Vec<Option<usize>> = (0..4).map(Some).collect();
+        assert_eq!(shared.same[4..8], same);
+        assert_eq!(shared.same[8..], [Some(0), None, Some(2), Some(3)]);
+        let line = shared.others[0].to_string();
+        let name = &rig.cameras[1].name;
+        assert!(
+            line.contains(&format!("trial c has another one of {name} than trial a")),
+            "{line}"
+        );
+    }
+}
