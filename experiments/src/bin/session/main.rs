@@ -1,7 +1,7 @@
 //! Five trials of one person fitted with one body, against each trial by itself.
 //!
 //! Each person: a body of `walker-metaballs`, of other flesh and proportions than the fitted body, made of a skin that follows the bones
-//! or dressed ([`Make`]), with joints where publications have them and leave them open ([`experiments::individual`]). Each of the five trials is another
+//! or dressed ([`Make`]), with joints where publications have them and leave them open (`experiments::individual`). Each of the five trials is another
 //! walk of that person before the same cameras, with masks whose errors are its own. Every trial is fitted alone as `maquette fit` does it, then all
 //! together as `maquette session` does.
 //!
