@@ -168,7 +168,7 @@ mod tests {
     fn the_quantile_is_that_of_the_tables_whatever_the_degrees_of_freedom() {
         for (freedom, expected) in [
             (1.0, 12.706),
-            (4.0, 2.776),
+            (4.0, 2.7764),
             (29.9, 2.0426),
             (30.0, 2.0423),
             (120.0, 1.9799),
