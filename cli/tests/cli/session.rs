@@ -87,8 +87,8 @@ fn a_session_that_is_none_is_refused_in_one_line() {
 #[test]
 fn two_walks_are_compared_and_one_trial_each_says_nothing_of_chance() {
     let arm = Arm::new();
-    let walks = [("slow.trc", 0.3), ("fast.trc", 0.4)].map(|(name, step)| {
-        fs::write(arm.out(name), Walker::new(step).trc()).expect("a file");
+    let walks = [("one.trc", 0.3), ("another.trc", 0.4)].map(|(name, heading)| {
+        fs::write(arm.out(name), Walker::new(heading).trc()).expect("a file");
         arm.out(name).display().to_string()
     });
     let out = arm.out("compared").display().to_string();
@@ -97,12 +97,13 @@ fn two_walks_are_compared_and_one_trial_each_says_nothing_of_chance() {
     let changes = check("compare", &said.out)["changes"].clone();
     let length = |change: &&Value| change["number"] == "step_length" && change["side"] == "left";
     let step = changes.as_array().expect("changes").iter().find(length).expect("step length");
-    assert!(step["change"].as_f64().is_some_and(|change| change > 0.02), "{step}");
+    // the same walk in another direction
+    assert!(step["change"].as_f64().is_some_and(|change| change.abs() < 0.02), "{step}");
     assert_eq!((&step["mdc"], &step["beyond_mdc"]), (&Value::Null, &Value::Bool(false)));
     let table = String::from_utf8(arm.bytes("compared", "changes.csv")).expect("UTF-8");
     assert!(
         table.starts_with("number,side,unit,before,") && table.contains("\nstep_length,left,m,")
     );
     let page = String::from_utf8(arm.bytes("compared", "compare.html")).expect("UTF-8");
-    assert!(page.contains("slow.trc") && page.contains("Nothing is known of chance"));
+    assert!(page.contains("one.trc") && page.contains("Nothing is known of chance"));
 }
