@@ -10,5 +10,9 @@ mod places;
 mod recovery;
 #[path = "joint/scene.rs"]
 mod scene;
+#[path = "joint/session.rs"]
+mod session;
+#[path = "joint/trials.rs"]
+mod trials;
 #[path = "joint/unseen.rs"]
 mod unseen;

@@ -3,11 +3,13 @@
 //! | file          | holds                                                          |
 //! |---------------|----------------------------------------------------------------|
 //! | `fit.rs`      | `maquette fit`                                                  |
+//! | `session.rs`  | `maquette session`                                              |
 //! | `segment.rs`  | `maquette segment`                                              |
 //! | `silhouettes.rs` | `maquette silhouettes`                                       |
 //! | `export.rs`   | `maquette export`                                               |
 //! | `gait.rs`     | `maquette gait`                                                 |
 //! | `report.rs`   | `maquette report`                                               |
+//! | `compare.rs`  | `maquette compare`                                              |
 //! | `subject.rs`  | who was recorded, for `gait` and `report`                       |
 //! | `synth.rs`    | `maquette synth`                                                |
 //! | `models.rs`   | `maquette models`                                               |
@@ -32,6 +34,7 @@
 mod calibrate;
 mod camera_fit;
 mod choice;
+mod compare;
 mod error;
 mod export;
 mod fit;
@@ -44,6 +47,7 @@ mod progress;
 mod report;
 mod schema;
 mod segment;
+mod session;
 mod shell;
 mod silhouettes;
 mod skin;
@@ -84,6 +88,9 @@ Examples:
     maquette fit my-recording --fps 50 --out out/me --overwrite --overlays
   the fitted body's skin, a mesh and a picture for each frame (models with metaballs):
     maquette skin out/me --picture
+  a folder of walks of one person, and what changed since the last session:
+    maquette session walks --out out/after
+    maquette compare out/before out/after --out out/change
   a recording of somebody else, with the truth:
     maquette synth out/somebody --seed 7
 
@@ -94,6 +101,9 @@ enum Command {
     /// Fit a body to a recording: shape, motion and confidence
     #[command(long_about = fit::ABOUT, after_help = fit::EXAMPLES)]
     Fit(fit::FitArguments),
+    /// Fit several trials of one person with one body
+    #[command(long_about = session::ABOUT, after_help = session::EXAMPLES)]
+    Session(session::SessionArguments),
     /// Cut the person out of images or videos: masks for every camera and frame
     #[command(long_about = segment::ABOUT, after_help = segment::EXAMPLES)]
     Segment(segment::SegmentArguments),
@@ -118,6 +128,9 @@ enum Command {
     /// Write a report for clinicians
     #[command(long_about = report::ABOUT, after_help = report::EXAMPLES)]
     Report(report::ReportArguments),
+    /// Compare two sessions of one person
+    #[command(long_about = compare::ABOUT, after_help = compare::EXAMPLES)]
+    Compare(compare::CompareArguments),
     /// Convert a fit to other programs' formats
     #[command(long_about = export::ABOUT, after_help = export::EXAMPLES)]
     Export(export::ExportArguments),
@@ -142,6 +155,7 @@ impl Command {
     fn run(&self) -> Result<(), CliError> {
         match self {
             Self::Fit(arguments) => fit::run(arguments),
+            Self::Session(arguments) => session::run(arguments),
             Self::Segment(arguments) => segment::run(arguments),
             Self::Silhouettes(arguments) => silhouettes::run(arguments),
             Self::Skin(arguments) => skin::run(arguments),
@@ -150,6 +164,7 @@ impl Command {
             Self::Sync(arguments) => sync::run(arguments),
             Self::Gait(arguments) => gait::run(arguments),
             Self::Report(arguments) => report::run(arguments),
+            Self::Compare(arguments) => compare::run(arguments),
             Self::Export(arguments) => export::run(arguments),
             Self::Models(arguments) => models::run(arguments),
             Self::Synth(arguments) => synth::run(arguments),
@@ -172,7 +187,7 @@ impl Command {
     /// How to go on after a signal to stop.
     fn after_an_interruption(&self) -> &'static str {
         match self {
-            Self::Fit(_) => {
+            Self::Fit(_) | Self::Session(_) => {
                 "what was finished is kept in OUT: the same command with --resume, and without --overwrite, goes on there"
             }
             Self::Segment(_) | Self::Silhouettes(_) | Self::Stereo(_) => {

@@ -8,10 +8,10 @@ use serde_json::json;
 use maquette::GaitStudy;
 use maquette::gait::GaitOptions;
 use maquette::io::folder::OutFolder;
-use maquette::workflow::GaitSource;
+use maquette::workflow::{GaitSource, SessionStudy};
 
 use super::error::CliError;
-use super::subject::SubjectArguments;
+use super::subject::{SubjectArguments, norm_choice};
 use super::switches::Output;
 
 pub(super) const ABOUT: &str = "\
@@ -19,7 +19,9 @@ Write a report that a clinician can read: one HTML file that needs nothing else.
 
 Reads the folder of a finished `maquette fit` and writes OUT/report.html: identity and method, quality, steps and \
 strides, joint angles against a norm, shape, and the body in motion. It opens in any browser without a network and \
-prints on A4. It shows what the cameras saw of the recording, which OUT names in recording.toml. docs/report.md explains every page.";
+prints on A4. It shows what the cameras saw of the recording, which OUT names in recording.toml. docs/report.md explains every page.
+
+Of a folder of `maquette session` it is one page of all trials, beside variation.csv; who walked stands in session.toml (docs/session.md).";
 
 pub(super) const EXAMPLES: &str = "\
 Examples:
@@ -30,7 +32,7 @@ Examples:
 /// Arguments of `maquette report`.
 #[derive(Debug, Args)]
 pub(super) struct ReportArguments {
-    /// Folder of a finished fit
+    /// Folder of a finished fit, or of a session
     out: PathBuf,
     #[command(flatten)]
     subject: SubjectArguments,
@@ -46,6 +48,9 @@ pub(super) struct ReportArguments {
 
 /// Reads the fit, analyses it and writes the report.
 pub(super) fn run(arguments: &ReportArguments) -> Result<(), CliError> {
+    if SessionStudy::is_session(&arguments.out) {
+        return of_session(arguments);
+    }
     let source = GaitSource { path: &arguments.out, body: arguments.body.as_deref(), fps: None };
     let study = GaitStudy::open(source, &GaitOptions::default())?;
     let study = arguments.subject.compare(study, arguments.norm.as_deref())?;
@@ -55,4 +60,16 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<(), CliError> {
     let path = arguments.out.join("report.html").display().to_string();
     arguments.output.summarise(|| format!("{path}\n"), || json!({ "report": path }));
     Ok(study.usable()?)
+}
+
+/// The page of all trials, and the table of how far numbers vary.
+fn of_session(arguments: &ReportArguments) -> Result<(), CliError> {
+    let norm = norm_choice(arguments.norm.as_deref());
+    let study = SessionStudy::open(&arguments.out, arguments.body.as_deref(), norm)?;
+    let out = OutFolder::open(&arguments.out)?;
+    out.write("variation.csv", &study.csv()?)?;
+    out.write("report.html", study.report()?.as_bytes())?;
+    let path = arguments.out.join("report.html").display().to_string();
+    arguments.output.summarise(|| format!("{path}\n"), || json!({ "report": path }));
+    Ok(())
 }

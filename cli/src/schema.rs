@@ -18,6 +18,8 @@ pub(super) struct SchemaArguments {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Verb {
     Fit,
+    Session,
+    Compare,
     Segment,
     Silhouettes,
     Skin,
@@ -35,6 +37,8 @@ enum Verb {
 pub(super) fn run(arguments: &SchemaArguments) {
     print(match arguments.command {
         Verb::Fit => include_str!("../schemas/fit.json"),
+        Verb::Session => include_str!("../schemas/session.json"),
+        Verb::Compare => include_str!("../schemas/compare.json"),
         Verb::Segment => include_str!("../schemas/segment.json"),
         Verb::Silhouettes => include_str!("../schemas/silhouettes.json"),
         Verb::Skin => include_str!("../schemas/skin.json"),

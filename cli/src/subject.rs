@@ -48,6 +48,15 @@ const SEXES: &[Choice<Sex>] = &[("female", Sex::Female, ""), ("male", Sex::Male,
 const FOOTWEAR: &[Choice<Footwear>] =
     &[("barefoot", Footwear::Barefoot, ""), ("shoes", Footwear::Shoes, "")];
 
+/// A file, `none`, or the shipped norm.
+pub(super) fn norm_choice(norm: Option<&str>) -> NormChoice<'_> {
+    match norm {
+        None => NormChoice::Shipped,
+        Some("none") => NormChoice::None,
+        Some(path) => NormChoice::File(Path::new(path)),
+    }
+}
+
 impl SubjectArguments {
     /// The study compared with a norm: a file, `none`, or the shipped one.
     pub(super) fn compare(
@@ -55,12 +64,7 @@ impl SubjectArguments {
         study: GaitStudy,
         norm: Option<&str>,
     ) -> Result<GaitStudy, CliError> {
-        let norm = match norm {
-            None => NormChoice::Shipped,
-            Some("none") => NormChoice::None,
-            Some(path) => NormChoice::File(Path::new(path)),
-        };
-        Ok(study.compared_with(norm, self.age, self.sex)?)
+        Ok(study.compared_with(norm_choice(norm), self.age, self.sex)?)
     }
 
     /// The report of a study that was made from this folder or file.

@@ -30,6 +30,9 @@ pub(super) struct SynthArguments {
     /// Who walks, and how: any number
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    /// Which trial of the person: another one has the same body and cameras, and a walk that differs a little
+    #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=1_000_000), conflicts_with = "clutter")]
+    trial: u32,
     /// Number of cameras around the person
     #[arg(long, default_value_t = 6, value_parser = clap::value_parser!(u16).range(1..=64))]
     cameras: u16,
@@ -108,6 +111,7 @@ fn ring(arguments: &SynthArguments, model: &BodyModel) -> Result<Written, CliErr
     let default = Recipe::default();
     let recipe = Recipe {
         seed: arguments.seed,
+        trial: arguments.trial.into(),
         frames: arguments.frames.map(|frames| frames as usize),
         fps: arguments.fps.unwrap_or(default.fps),
         make: match arguments.make {

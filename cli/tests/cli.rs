@@ -29,6 +29,8 @@ mod scene;
 mod schema;
 #[path = "cli/segment.rs"]
 mod segment;
+#[path = "cli/session.rs"]
+mod session;
 #[path = "cli/silhouettes.rs"]
 mod silhouettes;
 #[path = "cli/skin.rs"]

@@ -14,6 +14,7 @@
 //! | [`limb`]    | an arm of metaballs before cameras, and how a fitted arm is measured (PF02, PFD99) |
 //! | [`contours`] | how far silhouettes are from the true ones, and pictures of both                |
 //! | [`film`]    | films of a person before clutter, as recordings on disk                        |
+//! | [`individual`] | somebody whose joints lie where publications leave them open               |
 //! | [`held`]    | arms held where silhouettes hardly show them, and their errors (ZS06, Fig. 6)   |
 //! | [`walker`]  | a walking person of metaballs, seen by seven cameras                           |
 //! | [`metrics`] | how far fitted joint centres are from the true ones                             |
@@ -24,6 +25,7 @@ pub mod contours;
 pub mod expected;
 pub mod film;
 pub mod held;
+pub mod individual;
 pub mod limb;
 pub mod metrics;
 pub mod picture;

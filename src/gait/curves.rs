@@ -129,7 +129,7 @@ fn over_cycle(track: &[f64], cycle: &Cycle) -> Vec<f64> {
 }
 
 /// Mean and standard deviation, point by point.
-fn mean_curve(strides: &[Vec<f64>]) -> Option<(Vec<f64>, Option<Vec<f64>>)> {
+pub(super) fn mean_curve(strides: &[Vec<f64>]) -> Option<(Vec<f64>, Option<Vec<f64>>)> {
     let point = |i: usize| mean_and_sd(&strides.iter().map(|s| s[i]).collect::<Vec<_>>());
     let points: Vec<(f64, Option<f64>)> = (0..POINTS).map(point).collect::<Option<_>>()?;
     let sd = points.iter().map(|p| p.1).collect();

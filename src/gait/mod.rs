@@ -14,6 +14,7 @@
 //! | `segments.rs`   | orientations of parts; `landmark_axes.rs`: from places of the body |
 //! | `angle.rs`      | names and signs of joint angles; `angles.rs`: the angles of parts  |
 //! | `curves.rs`     | angles over the gait cycle                                         |
+//! | `trials/`       | several trials: spreads, and changes between sessions                |
 //! | `indices.rs`    | scores against healthy people; `beyond.rs`: numbers beyond theirs  |
 
 mod angle;
@@ -34,6 +35,7 @@ mod passes;
 mod peaks;
 mod plausible;
 mod segments;
+pub mod trials;
 
 pub use angle::Angle;
 pub use angles::{AngleTracks, cardan_zxy};

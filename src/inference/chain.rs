@@ -18,6 +18,11 @@
 //! says. The root has no rest: its velocity, of speed v, is renewed 2πf times a second: q = 2v²·2πf, and the velocity's own part
 //! is 2πf·ẋ²/4v².
 //!
+//! # Several trials
+//! Trials of one person lie end to end in one chain. Of a process that forgets, p(mᵢ | mᵢ₋₁) → p(mᵢ) as Δᵢ → ∞, so Δᵢ = ∞ says that
+//! frame i begins another trial: no factor reaches across, the frame has p(m) whole as the first one has, and the blocks of H that
+//! couple it to the frames before are 0. What is left between the trials is the border: s, and cameras that did not move.
+//!
 //! Every component of e depends on its own component of the motions alone, but for the three of the root's rotation
 //! φ = log(RₐᵀR_b): ∂φ/∂δ_b = J_r⁻¹(φ), ∂φ/∂δₐ = −J_r⁻¹(φ)ᵀ.
 //!
@@ -90,7 +95,8 @@ impl ChainPrior {
         }
     }
 
-    /// Sum of the factors whose last motion is that of frame `i`; `seconds[i]` lie between frames i − 1 and i.
+    /// Sum of the factors whose last motion is that of frame `i`; `seconds[i]` lie between frames i − 1 and i,
+    /// infinitely many where another trial begins.
     pub fn cost(&self, motions: &[Motion], seconds: &[f64], i: usize) -> f64 {
         self.factors(motions, seconds, i).iter().map(Factor::cost).sum()
     }
@@ -108,12 +114,13 @@ impl ChainPrior {
     }
 
     fn factors(&self, motions: &[Motion], seconds: &[f64], i: usize) -> Vec<Factor> {
-        if i == 0 {
+        if i == 0 || seconds[i].is_infinite() {
             return Vec::new();
         }
         let last = self.velocity(&motions[i - 1], &motions[i], seconds[i]);
         let mut factors = Vec::with_capacity(2);
-        if self.motion_model == MotionModel::ConstantVelocity && i > 1 {
+        let is_third = i > 1 && seconds[i - 1].is_finite();
+        if self.motion_model == MotionModel::ConstantVelocity && is_third {
             let before = self.velocity(&motions[i - 2], &motions[i - 1], seconds[i - 1]);
             let between = 0.5 * (seconds[i] + seconds[i - 1]);
             let precision = &self.acceleration / between;

@@ -3,9 +3,11 @@
 //! H⁻¹ of what was minimised is the covariance of all unknowns: the motions, s, where the joints lie in the flesh, how far the
 //! surface lies outside. A number q(θ) of the body has the variance J H⁻¹ Jᵀ, J = ∂q/∂θ.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector, Matrix3, SVector, Vector3};
 
-use super::camera_offset::COMPONENTS;
+use super::camera_offset::{COMPONENTS, CameraPrior};
 use super::sequence_state::SequenceState;
 use crate::body::{BodyModel, Layout, Motion, PartId, Posed, Shape};
 use crate::solver::BorderedChain;
@@ -54,10 +56,18 @@ impl Uncertainty {
         is_unknown.then(|| SVector::from_fn(|k, _| sd(k)))
     }
 
+    /// Covariance of the components of some of the cameras.
+    pub(super) fn of_cameras(&self, cameras: Range<usize>) -> DMatrix<f64> {
+        let end = (COMPONENTS * cameras.end).min(self.cameras.nrows());
+        let first = (COMPONENTS * cameras.start).min(end);
+        self.cameras.view((first, first), (end - first, end - first)).into_owned()
+    }
+
     /// From H of the chain at an optimum; `None` where H is singular.
     pub(super) fn new(
         model: &BodyModel,
         state: &SequenceState,
+        camera_prior: &CameraPrior,
         chain: &BorderedChain,
     ) -> Option<Self> {
         // frame by frame, in the order of the chain's marginals: backwards
@@ -76,9 +86,10 @@ impl Uncertainty {
 
         let p = state.shape.0.len();
         let covariance = shared.view((0, 0), (p, p)).into_owned();
-        let lengths_sd_m = lengths_sd_m(model, &state.shape, &covariance);
-        let of_cameras = COMPONENTS * state.cameras.len();
-        let cameras = shared.view((p, p), (of_cameras, of_cameras)).into_owned();
+        let lengths_sd_m = lengths_sd_m(&lengths_slopes(model, &state.shape), &covariance);
+        let rows = (0..state.cameras.len()).flat_map(|camera| camera_prior.rows(camera).all());
+        let rows: Vec<usize> = rows.map(|row| p + row).collect();
+        let cameras = DMatrix::from_fn(rows.len(), rows.len(), |i, j| shared[(rows[i], rows[j])]);
         Some(Self { shape: ShapeUncertainty { covariance, lengths_sd_m }, frames, cameras })
     }
 }
@@ -119,17 +130,26 @@ fn frame_uncertainty(model: &BodyModel, body: &Posed<'_>, all: &DMatrix<f64>) ->
     }
 }
 
-/// ∂‖b − a‖ = uᵀ(∂b − ∂a), u = (b − a)/‖b − a‖.
-fn lengths_sd_m(model: &BodyModel, shape: &Shape, covariance: &DMatrix<f64>) -> Vec<f64> {
+fn lengths_sd_m(slopes: &DMatrix<f64>, covariance: &DMatrix<f64>) -> Vec<f64> {
+    let variances = (slopes * covariance).component_mul(slopes).column_sum();
+    variances.iter().map(|variance| variance.max(0.0).sqrt()).collect()
+}
+
+/// How the lengths of a model at rest move with the coefficients of its shape, lengths × coefficients, m.
+///
+/// ∂‖b − a‖ = uᵀ(∂b − ∂a), u = (b − a)/‖b − a‖; 0 of a length whose ends are one point.
+pub fn lengths_slopes(model: &BodyModel, shape: &Shape) -> DMatrix<f64> {
     let rest = Motion::rest(model);
     let body = Posed::new(model, shape, &rest);
     let points = body.points();
     let first = Layout::new(model).motion();
-    let sd_m = |(_, from, to): &(String, usize, usize)| {
-        let along = (points[*to] - points[*from]).try_normalize(1e-12)?;
-        let moved = body.point_jacobian(*to) - body.point_jacobian(*from);
-        let gradient: DVector<f64> = moved.columns_range(first..).tr_mul(&along);
-        Some(gradient.dot(&(covariance * &gradient)).max(0.0).sqrt())
-    };
-    model.lengths.iter().map(|l| sd_m(l).unwrap_or(0.0)).collect()
+    let mut slopes = DMatrix::zeros(model.lengths.len(), shape.0.len());
+    for (i, (_, from, to)) in model.lengths.iter().enumerate() {
+        if let Some(along) = (points[*to] - points[*from]).try_normalize(1e-12) {
+            let moved = body.point_jacobian(*to) - body.point_jacobian(*from);
+            let gradient: DVector<f64> = moved.columns_range(first..).tr_mul(&along);
+            slopes.set_row(i, &gradient.transpose());
+        }
+    }
+    slopes
 }

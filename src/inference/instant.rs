@@ -8,6 +8,8 @@
 //! wⱼ Lagrange's polynomials of the frames' own times: frames may be missing. m moves by Σ wⱼ δⱼ with the three motions, and with
 //! the time by Σ ẇⱼ (mⱼ ⊟ mₖ). Both are to first order in the root's turn from one frame to the next.
 
+use std::ops::Range;
+
 use nalgebra::DVector;
 
 use crate::body::{Layout, Motion};
@@ -54,16 +56,32 @@ impl Instant {
         }
         Self { motion: layout.retract_motion(&motions[middle], &delta), frames, velocity }
     }
+
+    /// The same, of frames that are counted from another one on.
+    pub(super) fn after(mut self, frames: usize) -> Self {
+        self.frames.iter_mut().for_each(|(frame, _)| *frame += frames);
+        self
+    }
 }
 
-/// The time of each frame since the first; `seconds[i]` lie between frames i − 1 and i, the first is not read.
+/// The time of each frame since the first of its trial; `seconds[i]` lie between frames i − 1 and i, infinitely many where
+/// another trial begins, the first is not read.
 pub fn times_s(seconds: &[f64]) -> Vec<f64> {
     let mut time_s = 0.0;
     let later = seconds.iter().skip(1).map(|interval| {
-        time_s += interval;
+        time_s = if interval.is_finite() { time_s + interval } else { 0.0 };
         time_s
     });
     std::iter::once(0.0).chain(later).take(seconds.len()).collect()
+}
+
+/// The frames of the trial of each frame.
+pub(super) fn trials(seconds: &[f64]) -> Vec<Range<usize>> {
+    let begins = |i: &usize| *i == 0 || seconds[*i].is_infinite();
+    let first: Vec<usize> = (0..seconds.len()).filter(begins).collect();
+    let end = |k: usize| first.get(k + 1).copied().unwrap_or(seconds.len());
+    let whole = first.iter().enumerate().map(|(k, first)| *first..end(k));
+    whole.flat_map(|trial| std::iter::repeat_n(trial.clone(), trial.len())).collect()
 }
 
 /// The first of the frames about a moment, the middle one, and the one after the last.
@@ -109,6 +127,13 @@ mod tests {
             let sum: f64 = found.frames.iter().map(|(_, weight)| weight).sum();
             approx::assert_relative_eq!(sum, 1.0, epsilon = 1e-12);
         }
+    }
+
+    #[test]
+    fn each_trial_has_a_time_of_its_own() {
+        let seconds = [0.1, 0.1, 0.2, f64::INFINITY, 0.1];
+        assert_eq!(times_s(&seconds), [0.0, 0.1, 0.1 + 0.2, 0.0, 0.1]);
+        assert_eq!(trials(&seconds), [0..3, 0..3, 0..3, 3..5, 3..5]);
     }
 
     #[test]

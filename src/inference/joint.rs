@@ -10,6 +10,8 @@
 //! estimated by turns with the optimum: first in some rounds of a few steps before a part of the border points, then before all
 //! of them until E no longer falls. The covariance is the inverse of the last optimum's own matrix.
 
+use std::ops::Range;
+
 use nalgebra::DVector;
 
 use super::camera_offset::{CameraOffset, CameraPrior};
@@ -17,7 +19,7 @@ use super::chain::ChainPrior;
 use super::contrasts::{Contrasts, Leverages};
 use super::covariance::Uncertainty;
 use super::frame::FrameFit;
-use super::instant::times_s;
+use super::instant::{times_s, trials};
 use super::noise::{DataWeights, Noise};
 use super::prior::ShapePrior;
 use super::sequence_posterior::SequencePosterior;
@@ -81,6 +83,25 @@ impl JointOptimum {
         self
     }
 
+    /// What it says of one of the trials that it is of: of some frames and some cameras.
+    #[must_use]
+    pub fn of_trial(&self, frames: Range<usize>, cameras: Range<usize>) -> Self {
+        let part = |uncertainty: &Uncertainty| Uncertainty {
+            shape: uncertainty.shape.clone(),
+            frames: uncertainty.frames[frames.clone()].to_vec(),
+            cameras: uncertainty.of_cameras(cameras.clone()),
+        };
+        let known = cameras.start..cameras.end.min(self.cameras.len());
+        Self {
+            shape: self.shape.clone(),
+            frames: self.frames[frames.clone()].to_vec(),
+            cameras: self.cameras.get(known).map(<[_]>::to_vec).unwrap_or_default(),
+            noise: self.noise,
+            uncertainty: self.uncertainty.as_ref().map(part),
+            report: self.report.clone(),
+        }
+    }
+
     /// s and m₁..ₙ.
     pub fn state(&self) -> SequenceState {
         SequenceState {
@@ -114,7 +135,8 @@ pub fn joint_optimum(
 /// Steps in each of the rounds before the last, after which E falls by less than a hundredth.
 const APPROACH: [usize; 2] = [4, 6];
 
-/// The joint optimum of what each frame shows; `seconds[i]` lie between frames i − 1 and i. `step` is called
+/// The joint optimum of what each frame shows; `seconds[i]` lie between frames i − 1 and i, infinitely many where another trial
+/// begins ([`ChainPrior`]): trials share s, and the cameras that `terms` says are the same. `step` is called
 /// [`JointOptions::most_steps`] times at most, the last time when all is done.
 pub fn joint_optimum_from_terms<'a>(
     evidence: &Evidence<'_>,
@@ -143,7 +165,8 @@ pub fn joint_optimum_from_terms<'a>(
 
     let last = search.round(&terms.all, from, options.iterations);
     let Round { noise, frames, solution, .. } = last;
-    let uncertainty = Uncertainty::new(model, &solution.state, &solution.model);
+    let uncertainty =
+        Uncertainty::new(model, &solution.state, search.camera_prior, &solution.model);
     step();
     JointOptimum {
         frames,
@@ -217,17 +240,18 @@ impl Search<'_, '_> {
         looks: &'l [Vec<Look<'f>>],
         state: &SequenceState,
     ) -> Vec<Vec<&'l Look<'f>>> {
-        let times_s = times_s(self.seconds);
+        let (times_s, trials) = (times_s(self.seconds), trials(self.seconds));
         let half_s = 0.5 * self.seconds.iter().copied().fold(f64::INFINITY, f64::min);
-        let whole = -half_s..=times_s.last().unwrap_or(&0.0) + half_s;
-        let of_frame = |(looks, time_s): (&'l Vec<Look<'f>>, f64)| {
+        let of_frame = |(i, looks): (usize, &'l Vec<Look<'f>>)| {
+            let (time_s, last_s) = (times_s[i], times_s[trials[i].end - 1]);
+            let whole = -half_s..=last_s + half_s;
             let is_within = |look: &&Look<'_>| {
                 let offset = look.camera.and_then(|camera| state.cameras.get(camera));
                 whole.contains(&(time_s + offset.map_or(0.0, |offset| offset.ahead_s)))
             };
             looks.iter().filter(is_within).collect()
         };
-        looks.iter().zip(times_s.iter().copied()).map(of_frame).collect()
+        looks.iter().enumerate().map(of_frame).collect()
     }
 
     /// From where the next round starts.

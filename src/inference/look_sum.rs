@@ -11,7 +11,7 @@
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
 use super::Look;
-use super::camera_offset::{AHEAD, COMPONENTS, CameraOffset, Free};
+use super::camera_offset::{AHEAD, COMPONENTS, CameraOffset, CameraRows, Free};
 use super::instant::Instant;
 use crate::body::Motion;
 use crate::solver::{BorderedChain, Link, NormalEquations};
@@ -21,7 +21,8 @@ pub(super) const REACH: usize = 2;
 
 /// A camera that is an unknown.
 pub(super) struct Unknown {
-    pub(super) index: usize,
+    /// Where its components stand after those of the shape.
+    pub(super) rows: CameraRows,
     pub(super) offset: CameraOffset,
     pub(super) free: Free,
     pub(super) centre_world: Vector3<f64>,
@@ -89,14 +90,19 @@ impl LookSum {
         let of_camera = placed.camera.as_ref().map(|camera| {
             hessian.fill_upper_triangle_with_lower_triangle();
             let (back, slopes) = camera.slopes(placed);
-            let first = p + COMPONENTS * camera.index;
             let mut moved = &hessian * &slopes;
-            let mut own = self.corner.hessian.view_mut((first, first), (COMPONENTS, COMPONENTS));
-            own += slopes.tr_mul(&moved);
-            let mut with_shape = self.corner.hessian.view_mut((first, 0), (COMPONENTS, p));
-            with_shape += (&border * &slopes).transpose();
-            let mut own = self.corner.gradient.rows_mut(first, COMPONENTS);
-            own += slopes.tr_mul(&gradient);
+            let own = slopes.tr_mul(&moved);
+            let with_shape = (&border * &slopes).transpose();
+            let pulls = slopes.tr_mul(&gradient);
+            let rows = camera.rows.all().map(|row| p + row);
+            for (k, row) in rows.into_iter().enumerate() {
+                for (l, column) in rows.into_iter().enumerate() {
+                    self.corner.hessian[(row, column)] += own[(k, l)];
+                }
+                let mut of_shape = self.corner.hessian.view_mut((row, 0), (1, p));
+                of_shape += with_shape.row(k);
+                self.corner.gradient[row] += pulls[k];
+            }
 
             // from the body that the camera shows to the one in the world
             moved = moved.transpose();
@@ -109,7 +115,7 @@ impl LookSum {
                 let turned = back.transpose() * gradient.fixed_rows::<3>(0);
                 gradient.fixed_rows_mut::<3>(0).copy_from(&turned);
             }
-            (first, moved)
+            (rows, moved)
         });
 
         for (n, (j, w)) in placed.instant.frames.iter().enumerate() {
@@ -118,9 +124,11 @@ impl LookSum {
             link.diagonal += &hessian * (w * w);
             let mut of_shape = link.border.rows_mut(0, p);
             of_shape += &border * *w;
-            if let Some((first, moved)) = &of_camera {
-                let mut rows = link.border.rows_mut(*first, COMPONENTS);
-                rows += moved * *w;
+            if let Some((rows, moved)) = &of_camera {
+                for (k, row) in rows.iter().enumerate() {
+                    let mut of_camera = link.border.row_mut(*row);
+                    of_camera += moved.row(k) * *w;
+                }
             }
             for (k, v) in &placed.instant.frames[..n] {
                 link.couplings[j - k - 1] += &hessian * (w * v);

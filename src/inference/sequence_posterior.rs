@@ -11,11 +11,11 @@
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-use super::camera_offset::{COMPONENTS, CameraOffset, CameraPrior};
+use super::camera_offset::{CameraOffset, CameraPrior};
 use super::chain::ChainPrior;
 use super::contrasts::Contrasts;
 use super::frame::{FrameFit, data_cost, linearize_data, observations};
-use super::instant::{Instant, times_s};
+use super::instant::{Instant, times_s, trials};
 use super::look_sum::{LookSum, Placed, REACH, Unknown};
 use super::noise::DataWeights;
 use super::prior::{PosePrior, ShapePrior};
@@ -40,7 +40,7 @@ pub struct SequencePosterior<'a> {
     pub pose_prior: &'a PosePrior,
     /// p(m₁, …, mₙ), but for each frame's own part.
     pub chain_prior: &'a ChainPrior,
-    /// Seconds from the frame before; the first is not read: p(m₁) counts whole.
+    /// Seconds from the frame before, infinitely many where another trial begins; the first is not read: p(m₁) counts whole.
     pub seconds: &'a [f64],
     /// p(Zᵢ | mᵢ, s, c), frame by frame.
     pub looks: &'a [Vec<&'a Look<'a>>],
@@ -58,8 +58,8 @@ impl SequencePosterior<'_> {
     fn camera(&self, x: &SequenceState, look: &Look<'_>) -> Option<Unknown> {
         let index = look.camera?;
         Some(Unknown {
-            index,
             offset: *x.cameras.get(index)?,
+            rows: self.camera_prior.rows(index),
             free: self.camera_prior.free(index),
             centre_world: self.rig.cameras[index].centre_world().coords,
         })
@@ -67,13 +67,16 @@ impl SequencePosterior<'_> {
 
     /// Every look, by the frames about which it is.
     fn placed(&self, x: &SequenceState) -> Vec<Placed<'_>> {
-        let (layout, times_s) = (Layout::new(self.model), times_s(self.seconds));
-        let place = |(recorded, look)| {
+        let layout = Layout::new(self.model);
+        let (times_s, trials) = (times_s(self.seconds), trials(self.seconds));
+        let place = |(recorded, look): (usize, _)| {
             let camera = self.camera(x, look);
             let instant = match &camera {
                 Some(camera) if camera.free.clock => {
                     let time_s = times_s[recorded] + camera.offset.ahead_s;
-                    Instant::at(layout, &x.motions, &times_s, time_s)
+                    let trial = trials[recorded].clone();
+                    let (motions, times_s) = (&x.motions[trial.clone()], &times_s[trial.clone()]);
+                    Instant::at(layout, motions, times_s, time_s).after(trial.start)
                 }
                 _ => Instant::of_frame(&x.motions, recorded),
             };
@@ -126,7 +129,7 @@ impl SequencePosterior<'_> {
     fn linearize_chunk(&self, x: &SequenceState, placed: &[Placed<'_>]) -> LookSum {
         let layout = Layout::new(self.model);
         let (m, n) = (layout.motion(), layout.total());
-        let shared = n - m + COMPONENTS * x.cameras.len();
+        let shared = n - m + self.camera_prior.components();
         let mut sum = LookSum::new(placed, m, shared);
 
         // blocks of the motion and of motion and shape look by look, of the shape all of one weight together
@@ -225,7 +228,7 @@ impl Problem for SequencePosterior<'_> {
 
     fn empty_model(&self) -> BorderedChain {
         let layout = Layout::new(self.model);
-        let shared = layout.total() - layout.motion() + COMPONENTS * self.camera_prior.cameras();
+        let shared = layout.total() - layout.motion() + self.camera_prior.components();
         let of_clocks = if self.camera_prior.has_clocks() { REACH } else { 0 };
         let reach = self.chain_prior.reach().max(of_clocks);
         BorderedChain::zeros(self.looks.len(), layout.motion(), shared, reach)
@@ -283,8 +286,7 @@ impl Problem for SequencePosterior<'_> {
         };
         let shared = delta.rows_range(x.motions.len() * m..);
         let camera = |(c, camera): (usize, &CameraOffset)| {
-            let step = shared.fixed_rows::<COMPONENTS>(p + COMPONENTS * c).into_owned();
-            camera.retract(&step)
+            camera.retract(&self.camera_prior.rows(c).of(&shared.rows_range(p..)))
         };
         SequenceState {
             shape: Shape(&x.shape.0 + shared.rows(0, p)),

@@ -9,6 +9,7 @@
 //! | [`points`]      | point clouds, and points over time (TRC)                                       |
 //! | [`result`]      | what a fit leaves behind                                                       |
 //! | [`gait`]        | what gait analysis reads and leaves behind; norms                              |
+//! | [`session`]     | several trials of one person: who, where, and what was found                   |
 //! | [`export`]      | a fit in the formats of other programs                                         |
 //! | [`folder`]      | the folder that a run writes into                                              |
 //! | [`frame_rate`]  | which frame rates there are                                                    |
@@ -25,4 +26,5 @@ pub mod model;
 pub mod points;
 pub mod recording;
 pub mod result;
+pub mod session;
 mod unknown_key;

@@ -51,14 +51,16 @@ impl LastStage<'_> {
             progress: self.progress,
         };
         let start = state_of(model, self.sequence, winner);
+        let tracked = winner.frames.iter().flatten();
+        let recovered: Vec<bool> = tracked.map(|tracked| tracked.recovered).collect();
         let (free, asked) = (self.options.free(), self.options.asked());
         if asked == free {
-            return (Estimate::joint(stage(free).run(start), rig, winner), measure);
+            return (Estimate::joint(stage(free).run(start), rig, &recovered), measure);
         }
 
         // what is asked for and not used is estimated by the side
-        let told = Estimate::joint(stage(asked).run(start.clone()), rig, winner);
-        let mut used = Estimate::joint(stage(free).run(start), rig, winner);
+        let told = Estimate::joint(stage(asked).run(start.clone()), rig, &recovered);
+        let mut used = Estimate::joint(stage(free).run(start), rig, &recovered);
         used.tell_poses(told);
         (used, measure)
     }
@@ -97,8 +99,8 @@ impl Estimate {
         }
     }
 
-    /// The joint optimum that is reached from the winner.
-    fn joint(joined: Joined, calibrated: &Rig, winner: &Trial) -> Self {
+    /// The joint optimum. What Algorithm 1 had to search anew is still told: `recovered`, frame by frame.
+    pub(super) fn joint(joined: Joined, calibrated: &Rig, recovered: &[bool]) -> Self {
         let Joined { optimum: joint, prior: camera_prior, covariances } = joined;
         let found = |camera: usize| {
             let sd = joint.uncertainty.as_ref().and_then(|u| u.camera_sd(camera));
@@ -108,9 +110,8 @@ impl Estimate {
         };
         let cameras: Vec<CameraFound> = (0..calibrated.cameras.len()).map(found).collect();
 
-        // what Algorithm 1 had to search anew is still told
-        let frames = joint.frames.into_iter().zip(winner.frames.iter().flatten());
-        let frames = frames.map(|(fit, tracked)| FrameFit { recovered: tracked.recovered, ..fit });
+        let frames = joint.frames.into_iter().zip(recovered);
+        let frames = frames.map(|(fit, recovered)| FrameFit { recovered: *recovered, ..fit });
         Self {
             shape: joint.shape,
             frames: frames.collect(),

@@ -1,27 +1,18 @@
 //! The stages, one after the other.
 
-use rayon::prelude::*;
-
-use super::ambiguity::{facing_warning, outline_warnings, scale_warning};
+use super::ambiguity::facing_warning;
 use super::camera_covariance::CameraCovariances;
-use super::detected::detection_qualities;
-use super::diagnosis::{CameraFaults, Diagnosis, Seen, lost_frames};
+use super::diagnosis::{CameraFaults, Seen};
 use super::estimate::{Estimate, LastStage};
 use super::fitted::{FittedFrame, TriedHypothesis};
+use super::judged::Judge;
 use super::measures::Measures;
-use super::points;
 use super::quality::{self, CameraQuality};
-use super::unseen::{self, prior_angles_sd};
-use super::warning::warnings;
 use super::watch::WatchedJournal;
 use super::{EstimateOptions, FitError, NoProgress, Progress, Verdict, Warning, check_scene};
-use crate::body::{BodyModel, Layout, Motion, Posed, Shape};
+use crate::body::{BodyModel, Layout, Motion, Shape};
 use crate::camera::{CameraId, Rig};
-use crate::inference::chain::ChainPrior;
 use crate::inference::covariance::ShapeUncertainty;
-use crate::inference::frame::FrameFit;
-use crate::inference::instant::times_s;
-use crate::inference::joint::JointOptions;
 use crate::inference::noise::Noise;
 use crate::inference::search::{Journal, NoJournal, Search, Trial, search};
 use crate::inference::{Evidence, Sequence, ShapeConfidence};
@@ -143,58 +134,21 @@ fn stages(
     let (evidence, progress) = (&detailed, journal.progress);
     let stage = LastStage { evidence, sequence, measures, options, faults: &faults, progress };
     let (estimate, measure) = stage.run(&found.trials[found.winner]);
-    let looked_at = Evidence::new(&body, &estimate.rig, options.likelihood, measure);
-
     // 4. how far the keyframes agree
     journal.progress.begin("checks", 1);
-    let sizes = estimate.shape.first(model.coefficients.len());
-    let lengths_m = body.rest_lengths_m(&estimate.shape);
+    let reported =
+        (estimate.shape.first(model.coefficients.len()), body.rest_lengths_m(&estimate.shape));
     let (trials, epsilons) = (&found.trials, &options.confidence);
-    let confidence = ShapeConfidence::from_trials(model, trials, &sizes, &lengths_m, epsilons);
-
-    // 5. how well the body covers the masks
-    let frames = fitted_frames(&looked_at, sequence, &estimate);
-    let cameras = quality::camera_qualities(&estimate.rig, &frames, &estimate.cameras);
+    let confidence =
+        ShapeConfidence::from_trials(model, trials, &reported.0, &reported.1, epsilons);
     let hypotheses = all_tried(&coarse, sequence.frames, found.trials);
-
-    // 6. what it is worth, and what a person should know of it
-    let verdict = Diagnosis {
-        evidence: &coarse,
-        faults: &faults,
-        observations: sequence.frames,
-        fps: sequence.fps,
-        shape: &sizes,
-        uncertainty: estimate.uncertainty.as_ref().map(|u| &u.shape),
-        height_m: options.height_m,
-        frames: &frames,
-        cameras: &cameras,
-    }
-    .verdict();
     notes.extend(facing_warning(&coarse, &hypotheses, found.winner, estimate.data_weight()));
-    notes.extend(outline_warnings(&coarse, sequence.frames, &sizes, &frames));
-    notes.extend(scale_warning(model, &sizes, options.height_m));
-    notes.extend(warnings(rig, sequence.frames, &frames, &cameras, &confidence));
-    notes.extend(options.joint.and_then(|joint| unseen(model, sequence, &frames, &joint)));
-    notes.retain(|warning| verdict.causes.is_empty() || !warning.is_symptom());
 
+    // 5, 6. how well the body covers the masks, what it is worth, and what a person should know of it
+    let judge = Judge { coarse: &coarse, body: &body, sequence, measure, options, faults: &faults };
+    let fit = judge.fit(estimate, confidence, notes);
     journal.progress.step();
-    let fit = Fit {
-        verdict,
-        lengths_m,
-        uncertainty: estimate.uncertainty.map(|u| u.shape),
-        noise: estimate.noise,
-        rig: estimate.rig,
-        camera_covariances: estimate.covariances,
-        shape: estimate.shape,
-        model: body,
-        frames,
-        hypotheses,
-        winner: found.winner,
-        confidence,
-        cameras,
-        warnings: notes,
-    };
-    Ok(fit.without_false_certainty())
+    Ok(Fit { hypotheses, winner: found.winner, ..fit })
 }
 
 impl Fit {
@@ -207,26 +161,10 @@ impl Fit {
         let layout = Layout::new(&self.model);
         move |i, id| self.cameras[id.0].found.shown(layout, &motions, &times_s, i)
     }
-
-    /// Withholds the standard deviations and confidences of a fit that cannot be used, and of frames that are lost: they speak of
-    /// an optimum that is not the person.
-    fn without_false_certainty(mut self) -> Self {
-        for lost in lost_frames(&self.frames) {
-            self.frames[lost].uncertainty = None;
-        }
-        if !self.verdict.is_usable() {
-            self.uncertainty = None;
-            self.camera_covariances = CameraCovariances::default();
-            self.frames.iter_mut().for_each(|frame| frame.uncertainty = None);
-            self.cameras.iter_mut().for_each(|camera| camera.found.withhold());
-            self.confidence.withhold();
-        }
-        self
-    }
 }
 
 /// What the observations are compared with.
-fn measures(
+pub(super) fn measures(
     model: &BodyModel,
     observations: &[FrameObservations],
     options: &EstimateOptions,
@@ -257,48 +195,6 @@ fn searched(
         let causes = Seen { model, rig, faults, observations }.causes();
         FitError::NoHypothesis { frames: observations.len(), causes }
     })
-}
-
-/// What nothing sees of the body, by how much less sure the priors alone would be.
-fn unseen(
-    model: &BodyModel,
-    sequence: Sequence<'_>,
-    frames: &[FittedFrame],
-    joint: &JointOptions,
-) -> Option<Warning> {
-    let motions: Vec<Motion> = frames.iter().map(|f| f.fit.motion.clone()).collect();
-    let chain_prior = ChainPrior::new(model, joint.motion_model);
-    let prior = prior_angles_sd(model, &chain_prior, &motions, &sequence.intervals_s())?;
-    unseen::warning(model, frames, &prior)
-}
-
-fn fitted_frames(
-    evidence: &Evidence<'_>,
-    sequence: Sequence<'_>,
-    estimate: &Estimate,
-) -> Vec<FittedFrame> {
-    let (layout, times_s) = (Layout::new(evidence.model), times_s(&sequence.intervals_s()));
-    let motions: Vec<Motion> = estimate.frames.iter().map(|fit| fit.motion.clone()).collect();
-    let posed = |motion: &Motion| Posed::new(evidence.model, &estimate.shape, motion);
-    let fitted = |(i, (observed, fit)): (usize, (&FrameObservations, &FrameFit))| {
-        let body = posed(&fit.motion);
-        let shown =
-            |id: CameraId| posed(&estimate.cameras[id.0].shown(layout, &motions, &times_s, i));
-        let bodies: Vec<Posed<'_>> = observed.views.iter().map(|(id, _)| shown(*id)).collect();
-        let detected: Vec<_> = observed.detections.iter().map(|(id, _)| shown(*id)).collect();
-        FittedFrame {
-            frame: observed.frame,
-            points_world: body.points(),
-            views: quality::view_qualities(evidence, observed, &bodies),
-            points: points::point_quality(evidence, observed, &body),
-            detections: detection_qualities(evidence, observed, &detected),
-            uncertainty: estimate.uncertainty.as_ref().map(|u| u.frames[i].clone()),
-            fit: fit.clone(),
-        }
-    };
-
-    let frames = sequence.frames.par_iter().zip(&estimate.frames);
-    frames.enumerate().map(fitted).collect()
 }
 
 /// What became of each hypothesis.

@@ -96,7 +96,7 @@ impl JointStage<'_> {
     }
 
     /// What of the cameras is estimated; nothing where points were measured with them.
-    fn camera_prior(&self, start: &SequenceState) -> CameraPrior {
+    pub(super) fn camera_prior(&self, start: &SequenceState) -> CameraPrior {
         let has_points = self.sequence.frames.iter().any(|frame| !frame.points.is_empty());
         if has_points || self.model.root == Root::Fixed {
             return CameraPrior::trusting();
@@ -122,7 +122,7 @@ fn turn_towards(
 }
 
 /// The names of all keypoints of a sequence.
-fn detected_names(sequence: Sequence<'_>) -> Vec<&'static str> {
+pub(super) fn detected_names(sequence: Sequence<'_>) -> Vec<&'static str> {
     let detections = sequence.frames.iter().flat_map(|frame| &frame.detections);
     let names = detections.flat_map(|(_, detection)| detection.keypoints.iter().map(|k| k.name));
     names.collect::<BTreeSet<_>>().into_iter().collect()

@@ -24,6 +24,7 @@ mod fitted;
 mod frame_range;
 mod hidden;
 mod joint_stage;
+mod judged;
 mod lenses;
 mod measures;
 mod memory;
@@ -38,6 +39,7 @@ mod quality;
 mod rig_estimate;
 mod scene;
 pub mod segment;
+mod session;
 pub mod silhouettes;
 mod sound;
 mod source;
@@ -75,6 +77,9 @@ pub use quality::{CameraQuality, ViewQuality};
 pub use rig_estimate::{RigEstimate, RigEvidence, Singular, rig_estimate};
 pub(crate) use scene::MOST_EMPTY_FRAMES;
 pub use scene::check_scene;
+pub use session::{
+    AloneFit, Disagreement, OtherCalibration, SessionFit, SessionTrial, disagreements, fit_session,
+};
 pub use sound::{ENVELOPE_HZ, sound_delay_s};
 pub use source::{FramePictures, MaskSource, PictureSource, PictureStream};
 pub use unseen::prior_angles_sd;

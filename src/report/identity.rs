@@ -28,9 +28,9 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
     }
 }
 
-type Row = (&'static str, String);
+pub(super) type Row = (&'static str, String);
 
-fn table(rows: &[Row]) -> Markup {
+pub(super) fn table(rows: &[Row]) -> Markup {
     html! {
         table class="facts" {
             @for (name, value) in rows { tr { th scope="row" { (name) } td { (value) } } }
@@ -38,7 +38,7 @@ fn table(rows: &[Row]) -> Markup {
     }
 }
 
-fn person(subject: &Subject) -> Vec<Row> {
+pub(super) fn person(subject: &Subject) -> Vec<Row> {
     let or_not_stated = |text: &Option<String>| text.clone().unwrap_or_else(|| "not stated".into());
     vec![
         ("Person", or_not_stated(&subject.name)),
@@ -64,7 +64,7 @@ pub(super) fn age_and_sex(subject: &Subject) -> String {
     }
 }
 
-fn method(input: &ReportInput<'_>) -> Vec<Row> {
+pub(super) fn method(input: &ReportInput<'_>) -> Vec<Row> {
     let (gait, rate_hz) = (input.gait, input.movement.rate_hz);
     let frames = input.movement.frames;
     let seconds = frames as f64 / rate_hz;

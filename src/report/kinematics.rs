@@ -9,9 +9,9 @@ use super::page::{Page, absent, footwear_note, key};
 use super::spatiotemporal::{reason, remarks};
 use crate::gait::{Angle, Curve, Norm, Side};
 
-type Row = (&'static str, [Option<Angle>; 3]);
+pub(super) type Row = (&'static str, [Option<Angle>; 3]);
 
-const LEGS: [Row; 5] = [
+pub(super) const LEGS: [Row; 5] = [
     (
         "Pelvis",
         [Some(Angle::PelvisTilt), Some(Angle::PelvisObliquity), Some(Angle::PelvisRotation)],
@@ -22,7 +22,7 @@ const LEGS: [Row; 5] = [
     ("Trunk", [Some(Angle::TrunkTilt), Some(Angle::TrunkObliquity), Some(Angle::TrunkRotation)]),
 ];
 
-const ARMS: [Row; 2] = [
+pub(super) const ARMS: [Row; 2] = [
     (
         "Shoulder",
         [
@@ -67,7 +67,7 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
                 (footwear_note(norm.footwear, input.subject.footwear))
             }
             @if walks { (remarks(gait)) }
-            (grid(input, &LEGS, drawn))
+            (grid(&LEGS, |angle| panel(input, angle, drawn)))
             p class="note" {
                 @if walks {
                     "From foot strike to foot strike of the same side. Line: mean over strides. Tint: ± 1 SD of the fit, where it is known, as the norm's band is ± 1 SD between people. Dashed: foot off. "
@@ -75,7 +75,7 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
                 "Between systems a constant offset of some degrees is the rule: compare shapes and ranges first."
             }
             h3 class="arms" { "Arms" }
-            (grid(input, &ARMS, drawn))
+            (grid(&ARMS, |angle| panel(input, angle, drawn)))
         },
         is_brief: false,
     }
@@ -93,7 +93,7 @@ pub(super) fn consistency(input: &ReportInput<'_>) -> Page {
             } @else {
                 (key(None))
                 (remarks(gait))
-                (grid(input, &LEGS, Drawn::Strides))
+                (grid(&LEGS, |angle| panel(input, angle, Drawn::Strides)))
                 p class="note" { "Every stride that was used. The farther they lie apart, the less their mean tells." }
             }
         },
@@ -101,14 +101,15 @@ pub(super) fn consistency(input: &ReportInput<'_>) -> Page {
     }
 }
 
-fn grid(input: &ReportInput<'_>, rows: &[Row], drawn: Drawn) -> Markup {
+/// A chart for each joint and plane.
+pub(super) fn grid(rows: &[Row], panel: impl Fn(Angle) -> Markup) -> Markup {
     html! {
         div class="grid" {
             div {} @for plane in ["Sagittal", "Frontal", "Transverse"] { div class="plane" { (plane) } }
             @for (name, angles) in rows {
                 div class="joint" { span { (name) } }
                 @for angle in angles {
-                    @match angle { Some(angle) => (panel(input, *angle, drawn)), None => div {} }
+                    @match angle { Some(angle) => (panel(*angle)), None => div {} }
                 }
             }
         }
@@ -137,7 +138,7 @@ fn degrees(values: &[f64]) -> Vec<f64> {
 }
 
 /// Values over the cycle, % and degrees.
-fn over_percent(values: &[f64]) -> Vec<(f64, f64)> {
+pub(super) fn over_percent(values: &[f64]) -> Vec<(f64, f64)> {
     let step = 100.0 / (values.len() as f64 - 1.0);
     values.iter().enumerate().map(|(i, v)| (i as f64 * step, v.to_degrees())).collect()
 }
@@ -200,7 +201,7 @@ fn strides(figure: Figure, curve: &Curve) -> Figure {
     })
 }
 
-fn norm_band(norm: Option<&Norm>, angle: Angle) -> Option<Vec<(f64, f64, f64)>> {
+pub(super) fn norm_band(norm: Option<&Norm>, angle: Angle) -> Option<Vec<(f64, f64, f64)>> {
     let band = norm?.curves.get(&angle)?;
     let step = 100.0 / (band.mean.len() as f64 - 1.0);
     let points = band.mean.iter().zip(&band.sd).enumerate();
@@ -228,7 +229,7 @@ fn over_time(input: &ReportInput<'_>, angle: Angle) -> Figure {
 }
 
 /// A chart of an angle that has room for `values`, degrees.
-fn empty_figure(angle: Angle, x: Axis, values: impl Iterator<Item = f64>) -> Figure {
+pub(super) fn empty_figure(angle: Angle, x: Axis, values: impl Iterator<Item = f64>) -> Figure {
     let label = label::angle_label(angle);
     let (range, step) = axis_range(values, label.range);
     let y = Axis { label: label.axis(), range, step };

@@ -16,11 +16,15 @@
 //! | `scene.rs`          | what the page's program draws in them                                 |
 //! | `views.rs`          | cameras and the outlines that they saw                                |
 //! | `picture.rs`        | the pictures under the outlines, in few bytes                         |
+//! | `session.rs`        | several trials: [`session_html`]                                      |
+//! | `comparison.rs`     | two sessions: [`comparison_html`]                                     |
+//! | `variation.rs`      | how far numbers vary between strides and between trials               |
 //! | `figure.rs`         | one chart                                                             |
 //! | `label.rs`          | clinical names and signs                                              |
 //! | `bundle/`           | the page's program and style, built from `web/`                       |
 
 mod by_frame;
+mod comparison;
 mod figure;
 mod identity;
 mod joints;
@@ -33,8 +37,10 @@ mod quality;
 mod rig_view;
 mod scene;
 mod scores;
+mod session;
 mod shape;
 mod spatiotemporal;
+mod variation;
 mod views;
 
 use crate::gait::{Footwear, GaitAnalysis, Movement, Norm};
@@ -42,7 +48,9 @@ use crate::io::gait::Sex;
 use crate::io::result::ResultFile;
 use crate::pipeline::FittedBody;
 
+pub use comparison::{Compared, ComparisonInput, comparison_html};
 pub use picture::{FramePicture, ImagePart, PictureBudget};
+pub use session::{ReportedTrial, SessionInput, session_html};
 pub use views::{CameraOutlines, Views, joint_marks, outline_points};
 
 /// Who was recorded, when and how, as the report shall state it.
@@ -100,5 +108,5 @@ pub fn html(input: &ReportInput<'_>) -> Result<String, serde_json::Error> {
         motion::page(input),
     ];
     let banner = input.result.and_then(|result| page::banner(&result.verdict));
-    Ok(page::document(input.subject, banner.as_ref(), &pages, &scene))
+    Ok(page::document(input.subject, banner.as_ref(), &pages, Some(&scene)))
 }

@@ -26,15 +26,15 @@ pub(super) fn banner(verdict: &Verdict) -> Option<Markup> {
     Some(html! { p class="verdict" role="alert" { (headline) } })
 }
 
-/// The whole file. `scene` is JSON, the banner stands on every page.
+/// The whole file. `scene` is JSON for the page's program, without which nothing moves; the banner stands on every page.
 pub(super) fn document(
     subject: &Subject,
     banner: Option<&Markup>,
     pages: &[Page],
-    scene: &str,
+    scene: Option<&str>,
 ) -> String {
     // within a script element no text may look like its end
-    let scene = scene.replace('<', "\\u003c");
+    let scene = scene.map(|scene| scene.replace('<', "\\u003c"));
     let title = subject.name.as_ref().unwrap_or(&subject.recording);
     let markup = html! {
         (DOCTYPE)
@@ -52,7 +52,7 @@ pub(super) fn document(
                     nav aria-label="Pages" {
                         @for page in pages { a href={ "#" (page.id) } { (page.title) } }
                     }
-                    label { input type="checkbox" id="colour-blind"; " colour-blind safe" }
+                    @if scene.is_some() { label { input type="checkbox" id="colour-blind"; " colour-blind safe" } }
                 }
                 main {
                     @for (i, page) in pages.iter().enumerate() {
@@ -64,8 +64,10 @@ pub(super) fn document(
                         }
                     }
                 }
-                script type="application/json" id="scene" { (PreEscaped(scene)) }
-                script type="module" { (PreEscaped(SCRIPT)) }
+                @if let Some(scene) = scene {
+                    script type="application/json" id="scene" { (PreEscaped(scene)) }
+                    script type="module" { (PreEscaped(SCRIPT)) }
+                }
             }
         }
     };
@@ -152,7 +154,7 @@ mod tests {
 
     #[test]
     fn no_text_of_the_data_can_end_its_script() {
-        let page = document(&Subject::default(), None, &[], r#"{"name":"</script><b>"}"#);
+        let page = document(&Subject::default(), None, &[], Some(r#"{"name":"</script><b>"}"#));
         assert!(page.contains(r#"{"name":"\u003c/script>\u003cb>"}"#));
     }
 
@@ -162,7 +164,7 @@ mod tests {
         let reason = Reason::Overlap { found: 0.31, least: 0.65 };
         let unusable = Verdict { unusable: vec![reason], causes: vec![Cause::AllMirrored] };
         let pages = [page("one"), page("two")];
-        let text = document(&Subject::default(), banner(&unusable).as_ref(), &pages, "{}");
+        let text = document(&Subject::default(), banner(&unusable).as_ref(), &pages, Some("{}"));
         assert_eq!(
             text.matches("not usable: the body overlaps the silhouettes by 0.31").count(),
             2
@@ -177,7 +179,7 @@ mod tests {
     #[test]
     fn a_name_with_markup_stays_text() {
         let subject = Subject { name: Some("<img src=x>".into()), ..Subject::default() };
-        assert!(document(&subject, None, &[], "{}").contains("&lt;img src=x&gt;"));
+        assert!(document(&subject, None, &[], None).contains("&lt;img src=x&gt;"));
         assert!(!foot(&subject).contains(['<', 'x']));
     }
 

@@ -105,7 +105,7 @@ fn row(parameter: Parameter, gait: &GaitAnalysis, norm: Option<&Norm>) -> Markup
     }
 }
 
-fn digits(parameter: Parameter) -> usize {
+pub(super) fn digits(parameter: Parameter) -> usize {
     match parameter.unit() {
         "m" | "s" | "m/s" => 3,
         _ => 1,

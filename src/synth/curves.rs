@@ -38,6 +38,12 @@ impl Curve {
         }
     }
 
+    /// The same about its mean by `gain` times as much.
+    #[must_use]
+    pub(super) fn swung(&self, gain: f64) -> Self {
+        Self { mean: self.mean, ..self.varied(gain, 0.0) }
+    }
+
     /// θ'(φ) = θ(φ + advance).
     #[must_use]
     pub(super) fn advanced(&self, advance: f64) -> Self {

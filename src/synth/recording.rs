@@ -1,8 +1,9 @@
 //! A synthetic recording and its truth.
 
 use nalgebra::{Point3, Vector2};
-use rand::SeedableRng;
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
 
 use super::{
     BoundSkin, Make, Ring, SegmentationErrors, StereoPair, Walk, WalkError, WalkingStyle,
@@ -102,6 +103,9 @@ impl Synthetic {
 pub struct Recipe {
     /// Seed of everything that is drawn: body, walking style, places of the cameras, segmentation errors.
     pub seed: u64,
+    /// Which of the person's trials: 0 is the first. Another one has the same body and cameras; the person walks a little faster or
+    /// slower, with longer or shorter steps, through another place and in another direction, from another foot on.
+    pub trial: u64,
     /// Number of frames; `None` for one gait cycle.
     pub frames: Option<usize>,
     /// Frames per second.
@@ -122,6 +126,7 @@ impl Default for Recipe {
         let coefficients = [-0.12, 0.06, 0.0004, -0.0003];
         Self {
             seed: 1,
+            trial: 0,
             frames: None,
             fps: 50.0,
             make: Make::Metaballs,
@@ -142,6 +147,10 @@ const SCENE: u64 = 3;
 const SKIN: u64 = 5;
 const FIRST_MASK: u64 = 16;
 const FIRST_CLOUD: u64 = 1 << 40;
+const FIRST_TRIAL: u64 = 1 << 50;
+/// Standard deviations of a trial's place, m, and direction.
+const PLACE_SD_M: f64 = 0.1;
+const HEADING_SD: f64 = 0.05;
 
 /// One of a seed's random streams.
 pub(super) fn stream(seed: u64, number: u64) -> ChaCha8Rng {
@@ -162,6 +171,19 @@ pub(super) fn person(model: &BodyModel, seed: u64, middle_world: Vector2<f64>) -
 }
 
 impl Recipe {
+    /// The walk of this trial.
+    fn of_trial(&self, first: Walk) -> Walk {
+        if self.trial == 0 {
+            return first;
+        }
+        let mut rng = stream(self.seed, FIRST_TRIAL + self.trial);
+        let style = first.style.again(&mut rng);
+        let mut draw = || -> f64 { StandardNormal.sample(&mut rng) };
+        let heading = first.heading + HEADING_SD * draw();
+        let middle_world = first.middle_world + PLACE_SD_M * Vector2::new(draw(), draw());
+        Walk { style, heading, middle_world, start_phase: rng.random() }
+    }
+
     /// A person drawn from the model, who walks in a style of their own along x through the middle of the ring.
     ///
     /// # Errors
@@ -169,6 +191,7 @@ impl Recipe {
     pub fn walker(&self, model: &BodyModel) -> Result<Synthetic, WalkError> {
         let middle_world = self.ring.target_world.coords.xy();
         let (shape, walk) = person(model, self.seed, middle_world);
+        let walk = self.of_trial(walk);
         let cycle = (self.fps / walk.style.stride_hz).ceil() as usize;
         let mut motions = walk.motions(model, &shape, self.fps, self.frames.unwrap_or(cycle))?;
         let skin = self.make.skin(model, &shape, &mut stream(self.seed, SKIN))?;
@@ -184,7 +207,7 @@ impl Recipe {
             fps: self.fps,
             errors: self.errors,
             stereo: self.stereo,
-            seed: self.seed,
+            seed: self.seed.wrapping_add(self.trial << 32),
         })
     }
 }

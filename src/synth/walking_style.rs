@@ -33,6 +33,9 @@ const ADVANCE_SD: f64 = 0.015;
 /// Standard deviation that is left to each single curve, and to left against right, degrees.
 const SINGLE_SD_DEG: f64 = 0.4;
 
+/// Standard deviation of cadence and amplitude from trial to trial, relative.
+const TRIAL_SD: f64 = 0.02;
+
 /// What all curves of a person have in common.
 #[derive(Clone, Copy)]
 struct Person {
@@ -59,6 +62,20 @@ impl WalkingStyle {
     /// A healthy person's: cadence, step length, bend of the knees, swing and timing, drawn about the mean.
     pub fn personal(rng: &mut impl Rng) -> Self {
         Self::departing(&mut || bounded_normal(rng))
+    }
+
+    /// The same person on another trial: cadence and the amplitude of all movements differ by 2 % (E; healthy adults vary by 1 to 3 %
+    /// from trial to trial).
+    #[must_use]
+    pub fn again(&self, rng: &mut impl Rng) -> Self {
+        let mut draw = || 1.0 + TRIAL_SD * bounded_normal(rng);
+        let (faster, larger) = (draw(), draw());
+        let joints = self.joints.iter();
+        Self {
+            stride_hz: self.stride_hz * faster,
+            pelvis: self.pelvis.each_ref().map(|curve| curve.swung(larger)),
+            joints: joints.map(|(name, curve)| (name.clone(), curve.swung(larger))).collect(),
+        }
     }
 
     /// A style that departs from the mean by as many standard deviations as `draw` says.
@@ -116,6 +133,17 @@ mod tests {
             let (right, left) = (&style.joints["knee_flexion_r"], &style.joints["knee_flexion_l"]);
             approx::assert_relative_eq!(left.at(phase + 0.5), right.at(phase), epsilon = 1e-12);
         }
+    }
+
+    #[test]
+    fn another_trial_is_nearly_the_same_walk() {
+        let style = WalkingStyle::personal(&mut ChaCha8Rng::seed_from_u64(1));
+        let again = style.again(&mut ChaCha8Rng::seed_from_u64(2));
+        let faster = again.stride_hz / style.stride_hz;
+        assert!((1e-6..0.04).contains(&f64::abs(faster - 1.0)), "{faster}");
+        let knee = |style: &WalkingStyle| style.joints["knee_flexion_r"].clone();
+        assert_ne!(knee(&again), knee(&style));
+        approx::assert_relative_eq!(knee(&again).mean, knee(&style).mean, epsilon = 1e-12);
     }
 
     #[test]

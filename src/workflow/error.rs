@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::{CalibrateError, SyncError};
+use super::{CalibrateError, SessionError, SyncError};
 use crate::gait::{GaitError, MovementError};
 use crate::io::calibration::CalibrationWriteError;
 use crate::io::export::{BvhError, C3dError, GlbError};
@@ -13,6 +13,7 @@ use crate::io::gait::{GaitInputError, NormError};
 use crate::io::model::ModelFileError;
 use crate::io::recording::RecordingError;
 use crate::io::result::ResultError;
+use crate::io::session::SessionFileError;
 use crate::pipeline::silhouettes::SilhouetteError;
 use crate::pipeline::stereo::StereoError;
 use crate::pipeline::{FitError, FrameRange, FrameRangeError, LensError, SizeError};
@@ -104,6 +105,12 @@ pub enum Error {
     /// A calibration that cannot be written in a format.
     #[error(transparent)]
     CalibrationFile(#[from] CalibrationWriteError),
+    /// A session that cannot be read.
+    #[error(transparent)]
+    SessionFile(#[from] SessionFileError),
+    /// A session that cannot be made.
+    #[error(transparent)]
+    Session(#[from] SessionError),
     /// The folder of a fit that does not name its recording.
     #[error("{}: recording.toml names no recording: expected the folder of a fit as it was written; or give the recording", path.display())]
     NoOrigin {

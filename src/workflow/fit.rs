@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use tempfile::TempDir;
+
 use super::derived::Derived;
 use super::input::FitInput;
 use super::people::People;
@@ -49,7 +51,7 @@ impl Recording {
         let input = FitInput::read(self, options, &derived)?;
         let input = People::part(input, &NoProgress)?.measured;
         let fit = search(&input, &NoJournal, &NoProgress)?;
-        Ok(fitted(input, &fit))
+        Ok(fitted(&input, &fit))
     }
 
     /// Fits a body and writes the result into a folder, where a run that is stopped can be continued.
@@ -67,11 +69,7 @@ impl Recording {
         progress: &dyn Progress,
     ) -> Result<FittedRecording, Error> {
         // 1. read and check everything
-        check_out(folder.path, folder.existing)?;
-        let out = OutFolder::open(folder.path)?;
-        let derived =
-            Derived { out: &out, is_resumed: folder.existing == Existing::Resume, progress };
-        let input = FitInput::read(self, options, &derived)?;
+        let (out, input) = self.read_for(folder, options, progress)?;
 
         // 2. the people, and first those who are not measured: where the result stands all of it stands
         let People { measured, others } = People::part(input, progress)?;
@@ -81,7 +79,7 @@ impl Recording {
             let path = out.person(number);
             let folder = FitFolder { path: &path, ..folder };
             let out = OutFolder::open(&path)?;
-            match self.fit_person(folder, &out, other, progress) {
+            match self.fit_read(folder, &out, &other, progress) {
                 Err(Error::Fit(fault)) => progress.note(&format!("person {number}: {fault}")),
                 fitted => drop(fitted?),
             }
@@ -89,24 +87,40 @@ impl Recording {
         out.keep_people(&kept);
 
         // 3. who is measured
-        self.fit_person(folder, &out, measured, progress)
+        self.fit_read(folder, &out, &measured, progress)
     }
 
-    /// Fits one person, keeping what is finished, and writes the result.
-    fn fit_person(
+    /// Everything that a fit is made from, and the folder that it will be written into.
+    pub(super) fn read_for(
+        &self,
+        folder: FitFolder<'_>,
+        options: &FitOptions,
+        progress: &dyn Progress,
+    ) -> Result<(OutFolder, FitInput), Error> {
+        check_out(folder.path, folder.existing)?;
+        let out = OutFolder::open(folder.path)?;
+        let derived =
+            Derived { out: &out, is_resumed: folder.existing == Existing::Resume, progress };
+        let input = FitInput::read(self, options, &derived)?;
+        Ok((out, input))
+    }
+
+    /// Fits a body to what was read, and writes the result.
+    pub(super) fn fit_read(
         &self,
         folder: FitFolder<'_>,
         out: &OutFolder,
-        input: FitInput,
+        input: &FitInput,
         progress: &dyn Progress,
     ) -> Result<FittedRecording, Error> {
-        let journal = journal(out, folder.existing, &input)?;
+        // 1. fit, keeping what is finished
+        let journal = journal(out, folder.existing, input)?;
         journal.note().iter().for_each(|note| progress.note(note));
-        let found = search(&input, &journal, progress);
+        let found = search(input, &journal, progress);
         journal.into_whole()?;
         let fit = found.inspect_err(|_| out.abandon())?;
 
-        // the result is whole before it replaces an older one
+        // 2. write the result, and only then replace an older one
         let written = self.write_fit(folder, out, input, &fit, progress);
         written.map_err(|fault| match fault {
             Error::Out(fault) | Error::Overlay(OverlayError::Out(fault)) => {
@@ -121,7 +135,7 @@ impl Recording {
         &self,
         folder: FitFolder<'_>,
         out: &OutFolder,
-        input: FitInput,
+        input: &FitInput,
         fit: &Fit,
         progress: &dyn Progress,
     ) -> Result<FittedRecording, Error> {
@@ -139,14 +153,24 @@ impl Recording {
         }
 
         let fitted = fitted(input, fit);
-        for (name, bytes) in fitted.result.files()? {
+        self.publish(out, scratch, &fitted.result)?;
+        Ok(fitted)
+    }
+
+    /// Puts a result, and where its recording is, into a folder, with what stands in its scratch folder already.
+    pub(super) fn publish(
+        &self,
+        out: &OutFolder,
+        scratch: TempDir,
+        result: &ResultFile,
+    ) -> Result<(), Error> {
+        for (name, bytes) in result.files()? {
             write_atomically(&scratch.path().join(name), &bytes)?;
         }
-        if let Some(text) = origin::text(self.path(), folder.path) {
+        if let Some(text) = origin::text(self.path(), out.path()) {
             write_atomically(&scratch.path().join(origin::ORIGIN), text.as_bytes())?;
         }
-        out.publish(scratch)?;
-        Ok(fitted)
+        Ok(out.publish(scratch)?)
     }
 }
 
@@ -167,7 +191,7 @@ fn search(input: &FitInput, journal: &dyn Journal, progress: &dyn Progress) -> R
     Ok(pipeline::fit_watched(model, rig, input.sequence(), options, journal, progress)?)
 }
 
-fn fitted(input: FitInput, fit: &Fit) -> FittedRecording {
+pub(super) fn fitted(input: &FitInput, fit: &Fit) -> FittedRecording {
     let result = ResultFile::new(
         fit,
         Provenance {

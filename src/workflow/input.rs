@@ -104,22 +104,34 @@ impl FitInput {
 
     /// What the result depends on: two runs of one identity have the same result.
     pub(super) fn identity(&self) -> Value {
-        // numbered, for two files elsewhere may have one name
-        let inputs: serde_json::Map<String, Value> = (1..)
-            .zip(&self.checksums)
-            .map(|(i, c)| (format!("{i}: {}", c.input), c.blake3.clone().into()))
-            .collect();
         let number = |seen: Option<&FrameObservations>| seen.map(|seen| seen.frame.0);
-
-        json!({
-            "version": env!("CARGO_PKG_VERSION"),
-            "inputs": inputs,
-            "fps": self.files.fps,
-            "first frame": number(self.observations.first()),
-            "last frame": number(self.observations.last()),
-            "options": self.options,
-        })
+        let ends = [number(self.observations.first()), number(self.observations.last())];
+        let version = env!("CARGO_PKG_VERSION");
+        identity(version, &self.checksums, self.files.fps, ends, json!(self.options))
     }
+}
+
+/// What a result depends on; `ends` are the numbers of its first and last frame.
+pub(super) fn identity(
+    version: &str,
+    inputs: &[InputChecksum],
+    fps: f64,
+    ends: [Option<usize>; 2],
+    options: Value,
+) -> Value {
+    // numbered, for two files elsewhere may have one name
+    let inputs: serde_json::Map<String, Value> = (1..)
+        .zip(inputs)
+        .map(|(i, c)| (format!("{i}: {}", c.input), c.blake3.clone().into()))
+        .collect();
+    json!({
+        "version": version,
+        "inputs": inputs,
+        "fps": fps,
+        "first frame": ends[0],
+        "last frame": ends[1],
+        "options": options,
+    })
 }
 
 /// The body that was asked for, or that the recording names, and the fingerprints of all that it was read from.

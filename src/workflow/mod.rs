@@ -18,6 +18,7 @@
 //! | `calibrate.rs` | [`RefinedRig`]: a calibration refined by a person who moves                  |
 //! | `lenses.rs`   | [`LensRig`]: the same of cameras of which the lenses alone are known         |
 //! | `sync/`       | [`SyncedRecording`]: when each camera began                                   |
+//! | `session/`    | [`Session`]: several trials of one person, with one body for all              |
 //! | `fitted_source.rs` | a fit that either of them looks at                                      |
 //! | `skin.rs`     | the skins of a fitted body                                                    |
 //! | `error.rs`    | [`Error`]                                                                     |
@@ -38,6 +39,7 @@ mod options;
 mod people;
 #[cfg(feature = "report")]
 mod report;
+mod session;
 mod silhouettes;
 mod skin;
 mod surface;
@@ -55,6 +57,7 @@ pub use masks::{MaskFiles, WrittenMasks};
 pub use options::{FitOptions, SilhouetteSource};
 #[cfg(feature = "report")]
 pub use report::ReportedRecording;
+pub use session::{Comparison, FittedSession, Session, SessionError, SessionFolder, SessionStudy};
 pub use silhouettes::{SilhouetteFiles, WrittenSilhouettes};
 pub use skin::{RestingBody, SkinFiles, SkinnedPoses};
 pub use surface::SurfaceFiles;

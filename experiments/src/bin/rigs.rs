@@ -145,6 +145,7 @@ impl Recorded {
     fn new(walker: &BodyModel, seed: u64) -> Option<Self> {
         let recipe = Recipe {
             seed,
+            trial: 0,
             make: Make::Metaballs,
             frames: Some(MOMENTS * (FRAMES + 2 * MOST_LATE)),
             fps: FPS * MOMENTS as f64,

@@ -84,6 +84,7 @@ impl Holding {
             SegmentationErrors { border_sd_px: mild.border_sd_px * self.raggedness, ..mild };
         let recipe = Recipe {
             seed,
+            trial: 0,
             frames: Some(self.frames),
             fps: FPS,
             make: Make::Metaballs,

@@ -19,7 +19,7 @@
 mod dispatch;
 mod error;
 mod found;
-mod natural_order;
+pub(super) mod natural_order;
 mod opencv;
 mod opencv_storage;
 mod options;

@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 
 /// Compares names piece by piece, runs of digits as numbers; equal numbers of different length by their text.
-pub(super) fn natural(a: &str, b: &str) -> Ordering {
+pub(in crate::io) fn natural(a: &str, b: &str) -> Ordering {
     let (mut left, mut right) = (a, b);
     while !left.is_empty() && !right.is_empty() {
         let (x, rest_left) = piece(left);

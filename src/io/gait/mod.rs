@@ -5,9 +5,11 @@ mod people;
 mod read;
 mod schema;
 mod tables;
+mod trials;
 
 pub use norm::{NormError, SHIPPED_NORM, load_norm, parse_norm};
 pub use people::{Sex, add_parameters};
 pub use read::{GaitInput, GaitInputError, from_result, read_points};
 pub use schema::gait_file;
 pub use tables::{angles_csv, curves_csv, parameters_csv};
+pub use trials::{changes_csv, variation_csv};

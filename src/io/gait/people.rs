@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::norm::{NormError, ParameterPart, parameters, syntax};
 use crate::gait::{Footwear, Norm};
@@ -13,7 +13,7 @@ const SHIPPED: (&str, &str) =
     ("spatiotemporal", include_str!("../../../data/norms/spatiotemporal.toml"));
 
 /// A sex, as tables of healthy people distinguish it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Sex {
     /// Female.

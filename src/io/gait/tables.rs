@@ -96,6 +96,6 @@ fn degrees(angle: Option<f64>) -> String {
     known.map_or(String::new(), |a| format!("{:.4}", a.to_degrees()))
 }
 
-fn finished(writer: csv::Writer<Vec<u8>>) -> std::io::Result<Vec<u8>> {
+pub(super) fn finished(writer: csv::Writer<Vec<u8>>) -> std::io::Result<Vec<u8>> {
     writer.into_inner().map_err(|e| e.into_error())
 }

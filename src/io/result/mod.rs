@@ -8,10 +8,12 @@
 //! | `seal.rs`    | the sums at its end                                          |
 //! | `read.rs`    | a result read back                                          |
 //! | `check.rs`   | whether its numbers are ones that a fit can have            |
+//! | `alone.rs`   | a result of one trial of a session                          |
 //! | `joints.rs`  | [`trajectories`]: the points, in Pose2Sim's order            |
 //!
 //! The same fit gives the same bytes: no clock, no path of this machine.
 
+mod alone;
 mod check;
 mod joints;
 mod layout;

@@ -292,10 +292,10 @@ fn expected(seen: &BTreeMap<usize, Point3<f64>>, frame: usize) -> Option<Point3<
     match (before, after) {
         (Some(before), Some(after)) => Some(along(before, after)),
         (None, Some(first)) if first.0 - frame <= REACH => {
-            seen.iter().take(STEADY).last().map(|later| along(first, later))
+            seen.iter().take(STEADY).next_back().map(|later| along(first, later))
         }
         (Some(last), None) if frame - last.0 <= REACH => {
-            seen.iter().rev().take(STEADY).last().map(|earlier| along(earlier, last))
+            seen.iter().rev().take(STEADY).next_back().map(|earlier| along(earlier, last))
         }
         _ => None,
     }

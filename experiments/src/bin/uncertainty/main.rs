@@ -10,7 +10,6 @@
 //!
 //! Starts: the body is found from nothing, as `maquette fit` does it.
 
-mod person;
 mod recording;
 
 use std::error::Error;

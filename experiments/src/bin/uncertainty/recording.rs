@@ -1,5 +1,6 @@
 //! One simulated recording, fitted, and how far every number is from its truth.
 
+use experiments::individual::individual;
 use experiments::walker::observe;
 use maquette::body::{BodyModel, Posed};
 use maquette::inference::Sequence;
@@ -7,8 +8,6 @@ use maquette::inference::search::NoJournal;
 use maquette::pipeline::{EstimateOptions, Fit, FittedFrame, fit};
 use maquette::synth::{Make, Recipe, Ring, SegmentationErrors, Synthetic};
 use nalgebra::Vector3;
-
-use crate::person::individual;
 
 /// What a number is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -50,6 +49,7 @@ pub(crate) fn deviations(
 ) -> Option<Vec<Deviation>> {
     let recipe = Recipe {
         seed,
+        trial: 0,
         make,
         frames: Some(FRAMES),
         fps: 30.0,

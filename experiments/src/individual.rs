@@ -37,12 +37,8 @@ const UPWARDS: Axis = 2;
 /// 5° at wrist and head, 3° of inversion, 8° of the forearm's twist.
 const HABITS: f64 = 1.0 / 3.0;
 
-/// The person of this recipe: one draw for all frames. `body` holds the standard deviations; its places are not the person's.
-pub(crate) fn individual(
-    recipe: &Recipe,
-    body: &BodyModel,
-    walker: &BodyModel,
-) -> Option<BodyModel> {
+/// The person of this recipe: one draw for all frames and trials. `body` holds the standard deviations; its places are not the person's.
+pub fn individual(recipe: &Recipe, body: &BodyModel, walker: &BodyModel) -> Option<BodyModel> {
     let shape = recipe.walker(walker).ok()?.shape;
     let published = PLACES_M.iter().fold(walker.clone(), |person, (name, axis, by_m)| {
         moved(person, &shape, name, *axis, *by_m)

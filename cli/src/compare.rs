@@ -1,0 +1,112 @@
+//! `maquette compare`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use maquette::gait::trials::Change;
+use maquette::io::folder::{OutFolder, check_out};
+use maquette::workflow::{Comparison, SessionStudy};
+use serde_json::{Value, json};
+
+use crate::error::CliError;
+use crate::subject::norm_choice;
+use crate::switches::{Output, Overwrite, print_notes};
+use crate::table::Table;
+
+pub(super) const ABOUT: &str = "\
+Compare two sessions of one person: what changed, and whether it is more than chance.
+
+Takes the folders of two finished `maquette session`, the earlier one first. Folders of `maquette fit` and .trc files are taken too, as \
+sessions of one trial. Writes compare.html, which prints on A4, and changes.csv: of every number the change with its 95 % interval, and \
+the minimal detectable change, which a person who has not changed exceeds once in twenty times. docs/session.md explains both.";
+
+pub(super) const EXAMPLES: &str = "\
+Examples:
+  maquette compare out/before out/after --out out/change
+  maquette compare out/barefoot out/orthosis --out out/orthosis-effect";
+
+/// Arguments of `maquette compare`.
+#[derive(Debug, Args)]
+pub(super) struct CompareArguments {
+    /// Folder of the first session
+    before: PathBuf,
+    /// Folder of the second session
+    after: PathBuf,
+    /// Where to write compare.html and changes.csv; it must be empty or new
+    #[arg(long, value_name = "FOLDER")]
+    out: PathBuf,
+    /// Norm of healthy people: a .toml file, or none [default: schwartz-2008-free]
+    #[arg(long, value_name = "FILE|none")]
+    norm: Option<String>,
+    /// Body model of both, if it is not a shipped one
+    #[arg(long, value_name = "FILE")]
+    body: Option<String>,
+    #[command(flatten)]
+    overwrite: Overwrite,
+    #[command(flatten)]
+    output: Output,
+}
+
+/// Reads both, compares them, writes page and table.
+pub(super) fn run(arguments: &CompareArguments) -> Result<(), CliError> {
+    check_out(&arguments.out, arguments.overwrite.existing())?;
+    let open = |path: &PathBuf| -> Result<SessionStudy, CliError> {
+        let norm = norm_choice(arguments.norm.as_deref());
+        Ok(SessionStudy::open(path, arguments.body.as_deref(), norm)?)
+    };
+    let comparison = Comparison::new(open(&arguments.before)?, open(&arguments.after)?)?;
+
+    let out = OutFolder::open(&arguments.out)?;
+    out.write("changes.csv", &comparison.csv()?)?;
+    out.write("compare.html", comparison.report().as_bytes())?;
+    print_notes(&comparison.notes);
+    arguments.output.summarise(|| text(arguments, &comparison), || json(arguments, &comparison));
+    Ok(())
+}
+
+fn json(arguments: &CompareArguments, comparison: &Comparison) -> Value {
+    let change = |change: &Change| {
+        json!({
+            "number": change.measure.quantity.name(),
+            "side": change.measure.side.name(),
+            "unit": change.measure.quantity.unit(),
+            "before": change.before.mean,
+            "after": change.after.mean,
+            "change": change.difference,
+            "interval_95": change.interval.map(|(low, high)| [low, high]),
+            "mdc": change.detectable,
+            "beyond_mdc": change.is_detected(),
+        })
+    };
+    let changes: Vec<Value> = comparison.changes.iter().map(change).collect();
+    json!({ "out": arguments.out.display().to_string(), "changes": changes, "notes": comparison.notes })
+}
+
+/// The changes beyond chance, for a person.
+fn text(arguments: &CompareArguments, comparison: &Comparison) -> String {
+    let mut table =
+        Table::new(&["number", "side", "before", "after", "change", "95 % interval", "MDC"]);
+    let changes = &comparison.changes;
+    for change in changes.iter().filter(|change| change.is_detected()) {
+        let number = |value: f64| format!("{value:.2}");
+        let interval = change.interval.map(|(low, high)| format!("{low:.2} to {high:.2}"));
+        table.row(vec![
+            format!(
+                "{}, {}",
+                change.measure.quantity.name().replace('_', " "),
+                change.measure.quantity.unit()
+            ),
+            change.measure.side.name().into(),
+            number(change.before.mean),
+            number(change.after.mean),
+            number(change.difference),
+            interval.unwrap_or_default(),
+            change.detectable.map(number).unwrap_or_default(),
+        ]);
+    }
+    let detected = changes.iter().filter(|change| change.is_detected()).count();
+    let head = format!("{detected} of {} numbers changed by more than chance\n", changes.len());
+    let end = format!("Written into {}\n", arguments.out.display());
+    let all = [head, if detected > 0 { table.text() } else { String::new() }, end];
+    all.into_iter().filter(|section| !section.is_empty()).collect::<Vec<_>>().join("\n")
+}

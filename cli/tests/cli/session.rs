@@ -1,0 +1,109 @@
+//! Several trials of one person, and two sessions compared.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::arm::{Arm, Ran, run};
+use crate::schema::check;
+use crate::walker::Walker;
+
+fn copied(from: &Path, to: &Path) {
+    fs::create_dir_all(to).expect("a folder");
+    for entry in fs::read_dir(from).expect("a folder").flatten() {
+        let (path, place) = (entry.path(), to.join(entry.file_name()));
+        match path.is_dir() {
+            true => copied(&path, &place),
+            false => drop(fs::copy(&path, &place).expect("a file")),
+        }
+    }
+}
+
+/// A folder with the trials `wave2` and `wave10`.
+fn two_trials() -> Arm {
+    let arm = Arm::new();
+    for name in ["wave10", "wave2"] {
+        copied(&arm.recording(), &arm.out("trials").join(name));
+    }
+    arm
+}
+
+fn session(arm: &Arm, trials: &str, more: &[&str]) -> Ran {
+    let (trials, out) =
+        (arm.out(trials).display().to_string(), arm.out("out").display().to_string());
+    let options = ["--out", &out, "--fps", "10", "--body", "arm-2d", "--json", "--quiet"];
+    run(&[&["session", &trials][..], &options, more].concat())
+}
+
+#[test]
+fn a_folder_of_trials_gets_one_body_and_is_taken_up_again() {
+    let arm = two_trials();
+    let said = check("session", &session(&arm, "trials", &[]).succeeded().out);
+    let trials = said["session"]["trials"].as_array().expect("trials");
+    let names: Vec<&Value> = trials.iter().map(|trial| &trial["name"]).collect();
+    assert_eq!(names, ["wave2", "wave10"]);
+    assert_eq!(said["session"]["disagreements"].as_array().map(Vec::len), Some(0));
+
+    // one body, of which both trials together are surer than each alone
+    let of = |folder: &str| arm.result(&format!("out/{folder}"))["shape"].clone();
+    assert_eq!(of("trials/wave2")["coefficients"], of("trials/wave10")["coefficients"]);
+    let sd =
+        |folder: &str| of(folder)["lengths"][0]["sd_m"].as_f64().expect("a standard deviation");
+    assert!(sd("trials/wave2") < sd("alone/wave2"), "{} {}", sd("trials/wave2"), sd("alone/wave2"));
+
+    let written = arm.bytes("out", "session.json");
+    session(&arm, "trials", &[]).refused(&["not empty", "--resume"]);
+    let again = session(&arm, "trials", &["--resume"]).succeeded();
+    assert!(again.err.contains("trial wave2: taken up"), "{}", again.err);
+    assert_eq!(arm.bytes("out", "session.json"), written);
+
+    let fewer = session(&arm, "trials", &["--resume", "--without", "wave2"]).succeeded();
+    let fewer: Value = serde_json::from_str(&fewer.out).expect("JSON");
+    assert_eq!(fewer["session"]["without"][0], "wave2");
+    assert_eq!(fewer["session"]["trials"].as_array().map(Vec::len), Some(1));
+}
+
+#[test]
+fn a_session_that_is_none_is_refused_in_one_line() {
+    let arm = Arm::new();
+    fs::create_dir_all(arm.out("empty")).expect("a folder");
+    session(&arm, "empty", &[]).refused(&["empty: no recordings there", "session.toml"]);
+    session(&arm, "recording", &["--without", "walk"]).refused(&["--without walk", "recording"]);
+    session(&arm, "recording", &["--without", "recording"]).refused(&["leaves no trial"]);
+    for (text, expected) in [
+        ("[person]\nbirthdate = \"1953-04-12\"\n", "session.toml:2: unknown field `birthdate`"),
+        ("[person]\nbirth_date = \"53-4-12\"\n", "expected a day as 1953-04-12"),
+        ("[[trial]]\nrecording = \"nowhere\"\n", "trial nowhere: "),
+    ] {
+        fs::write(arm.out("empty").join("session.toml"), text).expect("a file");
+        session(&arm, "empty", &[]).refused(&[expected]);
+    }
+    let out = arm.out("compared").display().to_string();
+    let empty = arm.out("empty").display().to_string();
+    run(&["compare", &empty, &empty, "--out", &out]).refused(&["result.json: cannot be read"]);
+}
+
+#[test]
+fn two_walks_are_compared_and_one_trial_each_says_nothing_of_chance() {
+    let arm = Arm::new();
+    let walks = [("one.trc", 0.3), ("another.trc", 0.4)].map(|(name, heading)| {
+        fs::write(arm.out(name), Walker::new(heading).trc()).expect("a file");
+        arm.out(name).display().to_string()
+    });
+    let out = arm.out("compared").display().to_string();
+    let said = run(&["compare", &walks[0], &walks[1], "--out", &out, "--json"]).succeeded();
+    assert!(said.err.contains("one trial each"), "{}", said.err);
+    let changes = check("compare", &said.out)["changes"].clone();
+    let length = |change: &&Value| change["number"] == "step_length" && change["side"] == "left";
+    let step = changes.as_array().expect("changes").iter().find(length).expect("step length");
+    // the same walk in another direction
+    assert!(step["change"].as_f64().is_some_and(|change| change.abs() < 0.02), "{step}");
+    assert_eq!((&step["mdc"], &step["beyond_mdc"]), (&Value::Null, &Value::Bool(false)));
+    let table = String::from_utf8(arm.bytes("compared", "changes.csv")).expect("UTF-8");
+    assert!(
+        table.starts_with("number,side,unit,before,") && table.contains("\nstep_length,left,m,")
+    );
+    let page = String::from_utf8(arm.bytes("compared", "compare.html")).expect("UTF-8");
+    assert!(page.contains("one.trc") && page.contains("Nothing is known of chance"));
+}

@@ -1,0 +1,18 @@
+//! Several trials of one person: all strides together, how far numbers vary, and what changed from one session to another.
+//!
+//! | file         | holds                                                             |
+//! |--------------|-------------------------------------------------------------------|
+//! | `pooled.rs`  | [`pooled`]: all strides, as if of one trial                        |
+//! | `measure.rs` | [`Measure`]: one number of a walk; [`measured`]: all of a trial's   |
+//! | `spread.rs`  | [`Spread`]: its mean, and three standard deviations                |
+//! | `change.rs`  | [`Change`]: from one session to another, with its interval         |
+
+mod change;
+mod measure;
+mod pooled;
+mod spread;
+
+pub use change::{Change, changes};
+pub use measure::{Measure, Measured, Quantity, measured};
+pub use pooled::{NamedTrial, pooled};
+pub use spread::{Spread, spreads};

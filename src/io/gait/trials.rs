@@ -1,0 +1,83 @@
+//! Tables of several trials for spreadsheets: one heading line, a row for each number and side; SI units, degrees.
+
+use std::collections::BTreeMap;
+
+use super::tables::finished;
+use crate::gait::trials::{Change, Measure, Spread};
+
+/// How far every number varies, and its value in each trial.
+///
+/// # Errors
+/// None that a session can cause; the writer's, if it has any.
+pub fn variation_csv(
+    names: &[&str],
+    spreads: &BTreeMap<Measure, Spread>,
+) -> std::io::Result<Vec<u8>> {
+    let heading = [
+        "number",
+        "side",
+        "unit",
+        "mean",
+        "sd_strides",
+        "sd_trials",
+        "fit_sd",
+        "trials",
+        "strides",
+    ];
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(heading.iter().chain(names))?;
+    for (measure, spread) in spreads {
+        let mut row = named(*measure);
+        row.push(text(Some(spread.mean)));
+        row.extend([spread.between_strides, spread.between_trials, spread.fit].map(text));
+        row.extend([spread.trials, spread.strides].map(|count| count.to_string()));
+        row.extend(spread.values.iter().copied().map(text));
+        writer.write_record(row)?;
+    }
+    finished(writer)
+}
+
+/// Every change from one session to another.
+///
+/// # Errors
+/// As [`variation_csv`].
+pub fn changes_csv(changes: &[Change]) -> std::io::Result<Vec<u8>> {
+    let heading = [
+        "number",
+        "side",
+        "unit",
+        "before",
+        "before_sd",
+        "before_trials",
+        "after",
+        "after_sd",
+        "after_trials",
+        "change",
+        "low_95",
+        "high_95",
+        "mdc",
+        "beyond_mdc",
+    ];
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(heading)?;
+    for change in changes {
+        let mut row = named(change.measure);
+        for own in [&change.before, &change.after] {
+            row.extend([text(Some(own.mean)), text(own.between_trials), own.trials.to_string()]);
+        }
+        let (low, high) = change.interval.unzip();
+        row.extend([Some(change.difference), low, high, change.detectable].map(text));
+        row.push(change.is_detected().to_string());
+        writer.write_record(row)?;
+    }
+    finished(writer)
+}
+
+fn named(measure: Measure) -> Vec<String> {
+    let Measure { quantity, side } = measure;
+    vec![quantity.name(), side.name().into(), quantity.unit().into()]
+}
+
+fn text(value: Option<f64>) -> String {
+    value.filter(|v| v.is_finite()).map_or(String::new(), |v| format!("{v:.6}"))
+}

@@ -1,0 +1,153 @@
+//! The last stages of a fit: how well the body covers what was seen, what it is worth, and what a person should know of it.
+
+use rayon::prelude::*;
+
+use super::ambiguity::{outline_warnings, scale_warning};
+use super::camera_covariance::CameraCovariances;
+use super::detected::detection_qualities;
+use super::diagnosis::{CameraFaults, Diagnosis, lost_frames};
+use super::estimate::Estimate;
+use super::fitted::FittedFrame;
+use super::points;
+use super::quality;
+use super::unseen::{self, prior_angles_sd};
+use super::warning::warnings;
+use super::{EstimateOptions, Fit, Warning};
+use crate::body::{BodyModel, Layout, Motion, Posed};
+use crate::camera::CameraId;
+use crate::inference::chain::ChainPrior;
+use crate::inference::frame::FrameFit;
+use crate::inference::instant::times_s;
+use crate::inference::joint::JointOptions;
+use crate::inference::{Evidence, Sequence, ShapeConfidence};
+use crate::likelihood::Measure;
+use crate::silhouette::FrameObservations;
+
+/// What an estimate is judged by.
+pub(super) struct Judge<'a> {
+    /// The body of Algorithm 1 before the cameras as they are calibrated.
+    pub(super) coarse: &'a Evidence<'a>,
+    /// The body that was fitted.
+    pub(super) body: &'a BodyModel,
+    pub(super) sequence: Sequence<'a>,
+    /// What the estimate was compared by.
+    pub(super) measure: Measure,
+    pub(super) options: &'a EstimateOptions,
+    pub(super) faults: &'a CameraFaults,
+}
+
+impl Judge<'_> {
+    /// An estimate with what it is worth, without the hypotheses that it came from; `notes` is what is known already.
+    pub(super) fn fit(
+        &self,
+        estimate: Estimate,
+        confidence: ShapeConfidence,
+        mut notes: Vec<Warning>,
+    ) -> Fit {
+        let Self { coarse, body, sequence, measure, options, faults } = *self;
+        let (model, calibrated) = (coarse.model, coarse.rig);
+        let sizes = estimate.shape.first(model.coefficients.len());
+
+        // how well the body covers the masks
+        let looked_at = Evidence::new(body, &estimate.rig, options.likelihood, measure);
+        let frames = fitted_frames(&looked_at, sequence, &estimate);
+        let cameras = quality::camera_qualities(&estimate.rig, &frames, &estimate.cameras);
+
+        // what it is worth, and what a person should know of it
+        let verdict = Diagnosis {
+            evidence: coarse,
+            faults,
+            observations: sequence.frames,
+            fps: sequence.fps,
+            shape: &sizes,
+            uncertainty: estimate.uncertainty.as_ref().map(|u| &u.shape),
+            height_m: options.height_m,
+            frames: &frames,
+            cameras: &cameras,
+        }
+        .verdict();
+        notes.extend(outline_warnings(coarse, sequence.frames, &sizes, &frames));
+        notes.extend(scale_warning(model, &sizes, options.height_m));
+        notes.extend(warnings(calibrated, sequence.frames, &frames, &cameras, &confidence));
+        notes.extend(options.joint.and_then(|joint| unseen(model, sequence, &frames, &joint)));
+        notes.retain(|warning| verdict.causes.is_empty() || !warning.is_symptom());
+
+        let fit = Fit {
+            verdict,
+            lengths_m: body.rest_lengths_m(&estimate.shape),
+            uncertainty: estimate.uncertainty.map(|u| u.shape),
+            noise: estimate.noise,
+            rig: estimate.rig,
+            camera_covariances: estimate.covariances,
+            shape: estimate.shape,
+            model: body.clone(),
+            frames,
+            hypotheses: Vec::new(),
+            winner: 0,
+            confidence,
+            cameras,
+            warnings: notes,
+        };
+        fit.without_false_certainty()
+    }
+}
+
+impl Fit {
+    /// Withholds the standard deviations and confidences of a fit that cannot be used, and of frames that are lost: they speak of
+    /// an optimum that is not the person.
+    fn without_false_certainty(mut self) -> Self {
+        for lost in lost_frames(&self.frames) {
+            self.frames[lost].uncertainty = None;
+        }
+        if !self.verdict.is_usable() {
+            self.uncertainty = None;
+            self.camera_covariances = CameraCovariances::default();
+            self.frames.iter_mut().for_each(|frame| frame.uncertainty = None);
+            self.cameras.iter_mut().for_each(|camera| camera.found.withhold());
+            self.confidence.withhold();
+        }
+        self
+    }
+}
+
+/// What nothing sees of the body, by how much less sure the priors alone would be.
+fn unseen(
+    model: &BodyModel,
+    sequence: Sequence<'_>,
+    frames: &[FittedFrame],
+    joint: &JointOptions,
+) -> Option<Warning> {
+    let motions: Vec<Motion> = frames.iter().map(|f| f.fit.motion.clone()).collect();
+    let chain_prior = ChainPrior::new(model, joint.motion_model);
+    let prior = prior_angles_sd(model, &chain_prior, &motions, &sequence.intervals_s())?;
+    unseen::warning(model, frames, &prior)
+}
+
+fn fitted_frames(
+    evidence: &Evidence<'_>,
+    sequence: Sequence<'_>,
+    estimate: &Estimate,
+) -> Vec<FittedFrame> {
+    let (layout, times_s) = (Layout::new(evidence.model), times_s(&sequence.intervals_s()));
+    let motions: Vec<Motion> = estimate.frames.iter().map(|fit| fit.motion.clone()).collect();
+    let posed = |motion: &Motion| Posed::new(evidence.model, &estimate.shape, motion);
+    let fitted = |(i, (observed, fit)): (usize, (&FrameObservations, &FrameFit))| {
+        let body = posed(&fit.motion);
+        let shown =
+            |id: CameraId| posed(&estimate.cameras[id.0].shown(layout, &motions, &times_s, i));
+        let bodies: Vec<Posed<'_>> = observed.views.iter().map(|(id, _)| shown(*id)).collect();
+        let detected: Vec<_> = observed.detections.iter().map(|(id, _)| shown(*id)).collect();
+        FittedFrame {
+            frame: observed.frame,
+            points_world: body.points(),
+            views: quality::view_qualities(evidence, observed, &bodies),
+            points: points::point_quality(evidence, observed, &body),
+            detections: detection_qualities(evidence, observed, &detected),
+            uncertainty: estimate.uncertainty.as_ref().map(|u| u.frames[i].clone()),
+            fit: fit.clone(),
+        }
+    };
+
+    let frames = sequence.frames.par_iter().zip(&estimate.frames);
+    frames.enumerate().map(fitted).collect()
+}

@@ -1,0 +1,201 @@
+//! The comparison of two sessions: curves with bands, and a table of what changed.
+
+use maud::{Markup, html};
+
+use super::Subject;
+use super::figure::{Axis, BOTH, Colour, Figure, NORM};
+use super::identity::person;
+use super::kinematics::{ARMS, LEGS, empty_figure, grid, norm_band, over_percent};
+use super::label::angle_label;
+use super::page::{Page, absent, document, footwear_note, number};
+use super::variation::{digits_of, title};
+use crate::gait::trials::Change;
+use crate::gait::{Angle, Curve, GaitAnalysis, Norm, Side};
+
+/// One of the two sessions.
+#[derive(Debug, Clone, Copy)]
+pub struct Compared<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// Who, when, and how.
+    pub subject: &'a Subject,
+    /// Number of its trials.
+    pub trials: usize,
+    /// All strides together.
+    pub gait: &'a GaitAnalysis,
+}
+
+/// What a comparison shows.
+#[derive(Debug, Clone, Copy)]
+pub struct ComparisonInput<'a> {
+    /// The first session.
+    pub before: Compared<'a>,
+    /// The second one.
+    pub after: Compared<'a>,
+    /// What changed.
+    pub changes: &'a [Change],
+    /// What a person should know, each in one line.
+    pub notes: &'a [String],
+    /// Healthy people.
+    pub norm: Option<&'a Norm>,
+}
+
+/// The comparison as the text of one file.
+pub fn comparison_html(input: &ComparisonInput<'_>) -> String {
+    let pages =
+        [summary(input), table_page(input), curves(input, Side::Left), curves(input, Side::Right)];
+    document(input.after.subject, None, &pages, None)
+}
+
+fn summary(input: &ComparisonInput<'_>) -> Page {
+    let detected: Vec<&Change> = input.changes.iter().filter(|c| c.is_detected()).collect();
+    let known = input.changes.iter().filter(|c| c.detectable.is_some()).count();
+    let of = |own: &Compared<'_>| person(own.subject);
+    Page {
+        id: "identity",
+        title: "Two sessions",
+        body: html! {
+            table class="facts" {
+                tr { th scope="row" { "" } td { strong { (input.before.name) } } td { strong { (input.after.name) } } }
+                @for ((name, a), (_, b)) in of(&input.before).iter().zip(&of(&input.after)) {
+                    tr { th scope="row" { (name) } td { (a) } td { (b) } }
+                }
+                tr { th scope="row" { "Trials" } td { (input.before.trials) } td { (input.after.trials) } }
+            }
+            @if !input.notes.is_empty() {
+                h3 { "Before reading on" }
+                ul class="remarks" { @for note in input.notes { li { (note) } } }
+            }
+            h3 { "Changes that exceed the minimal detectable change" }
+            @if known == 0 {
+                (absent("Nothing is known of chance: a session of two trials or more is needed."))
+            } @else if detected.is_empty() {
+                p { "None of " (known) " numbers." }
+            } @else {
+                (table(&detected, input))
+                p class="note" { (detected.len()) " of " (known) " numbers. Of a person who has not changed, one in twenty exceeds it." }
+            }
+        },
+        is_brief: false,
+    }
+}
+
+fn table_page(input: &ComparisonInput<'_>) -> Page {
+    Page {
+        id: "changes",
+        title: "Changes",
+        body: html! {
+            @if let Some(norm) = input.norm { (footwear_note(norm.footwear, input.after.subject.footwear)) }
+            (table(&input.changes.iter().collect::<Vec<_>>(), input))
+            p class="note" {
+                "SD: between the trials of a session. Change: " (input.after.name) " less " (input.before.name) ", with its 95 % interval (Welch), "
+                "from the SD between trials and the fit's own. MDC: minimal detectable change, 1.96·√2·SEM of two sessions alike (Weir 2005), "
+                "which a person who has not changed exceeds once in twenty times; ● marks a change beyond it. Scores are against the norm."
+            }
+        },
+        is_brief: false,
+    }
+}
+
+fn table(changes: &[&Change], input: &ComparisonInput<'_>) -> Markup {
+    html! {
+        table class="numbers small" {
+            thead { tr {
+                th scope="col" { "Number" } th scope="col" { "Side" } th scope="col" { "Unit" }
+                th scope="col" { (input.before.name) } th scope="col" { "SD" }
+                th scope="col" { (input.after.name) } th scope="col" { "SD" }
+                th scope="col" { "Change" } th scope="col" { "95 % interval" } th scope="col" { "MDC" } th scope="col" { "" }
+            } }
+            tbody { @for change in changes { (row(change)) } }
+        }
+    }
+}
+
+fn row(change: &Change) -> Markup {
+    let (quantity, side) = (change.measure.quantity, change.measure.side);
+    let cell = |value: Option<f64>| number(value, digits_of(quantity));
+    html! {
+        tr {
+            th scope="row" { (title(quantity)) }
+            td class=(side.name()) { (side.name()) }
+            td { (quantity.unit()) }
+            td class="mean" { (cell(Some(change.before.mean))) } td { (cell(change.before.between_trials)) }
+            td class="mean" { (cell(Some(change.after.mean))) } td { (cell(change.after.between_trials)) }
+            td class="mean" { (cell(Some(change.difference))) }
+            td { @match change.interval {
+                Some((low, high)) => { (cell(Some(low))) " to " (cell(Some(high))) }
+                None => "–"
+            } }
+            td { (cell(change.detectable)) }
+            td { @if change.is_detected() { span aria-hidden="true" { "●" } span class="spoken" { "beyond the minimal detectable change" } } }
+        }
+    }
+}
+
+/// Mean curves of one side, each with its band.
+fn curves(input: &ComparisonInput<'_>, side: Side) -> Page {
+    let (id, title) = match side {
+        Side::Left => ("curves-left", "Curves, left"),
+        Side::Right => ("curves-right", "Curves, right"),
+    };
+    Page {
+        id,
+        title,
+        body: html! {
+            p class="key" {
+                span style={ "--c:" (BOTH) ";color:" (BOTH) } { (input.before.name) ", grey" }
+                span class=(side.name()) { (input.after.name) ", in colour" }
+                @if let Some(norm) = input.norm { span class="norm" { "norm: " (norm.name) ", mean ± 1 SD between people" } }
+            }
+            (grid(&LEGS, |angle| panel(input, angle, side)))
+            p class="note" { "From foot strike to foot strike of the same side. Line: mean over all strides of all trials. Tint: ± 1 SD between strides. Dashed: foot off." }
+            h3 class="arms" { "Arms" }
+            (grid(&ARMS, |angle| panel(input, angle, side)))
+        },
+        is_brief: false,
+    }
+}
+
+fn panel(input: &ComparisonInput<'_>, angle: Angle, side: Side) -> Markup {
+    let of = |own: &GaitAnalysis| {
+        own.curves.iter().find(|c| c.angle == angle && c.side == side).cloned()
+    };
+    let drawn = [(of(input.before.gait), BOTH), (of(input.after.gait), Colour::from(side))];
+    let label = angle_label(angle);
+    if drawn.iter().all(|(curve, _)| curve.is_none()) {
+        return html! { div class="panel empty" { strong { (label.title) } (absent("no whole stride shows it")) } };
+    }
+
+    let band = norm_band(input.norm, angle);
+    let known = drawn.iter().filter_map(|(curve, _)| curve.as_ref());
+    let values = known.flat_map(|curve| curve.mean.iter().map(|v| v.to_degrees()));
+    let of_norm = band.iter().flatten().flat_map(|p| [p.1, p.2]);
+    let cycle = Axis { label: "gait cycle, %".into(), range: (0.0, 100.0), step: 20.0 };
+    let mut figure = empty_figure(angle, cycle, values.chain(of_norm));
+    if let Some(band) = &band {
+        figure = figure.band(NORM, 0.2, band);
+    }
+    for (curve, colour) in &drawn {
+        if let Some(curve) = curve {
+            figure = one(figure, curve, *colour);
+        }
+    }
+    let description = format!(
+        "{}, {}, degrees: mean curves of {} and {}.",
+        label.title,
+        side.name(),
+        input.before.name,
+        input.after.name
+    );
+    html! { div class="panel" { (figure.markup(&description)) } }
+}
+
+fn one(mut figure: Figure, curve: &Curve, colour: Colour) -> Figure {
+    if let Some(sd) = &curve.sd {
+        let rows = over_percent(&curve.mean).into_iter().zip(sd.iter().map(|sd| sd.to_degrees()));
+        let band: Vec<_> = rows.map(|((x, mean), sd)| (x, mean - sd, mean + sd)).collect();
+        figure = figure.band(colour, 0.15, &band);
+    }
+    let figure = figure.rule(colour, 100.0 * curve.foot_off);
+    figure.line(colour, 2.0, &over_percent(&curve.mean))
+}

@@ -1,0 +1,77 @@
+//! Two sessions of one person compared.
+
+use super::SessionStudy;
+use crate::gait::trials::{Change, changes};
+use crate::io::gait::changes_csv;
+use crate::workflow::{Error, SessionError};
+
+/// Two sessions of one person, or two recordings, and what changed between them.
+#[derive(Debug)]
+pub struct Comparison {
+    /// The first.
+    pub before: SessionStudy,
+    /// The second.
+    pub after: SessionStudy,
+    /// Every number that both have.
+    pub changes: Vec<Change>,
+    /// What a person should know, each in one line.
+    pub notes: Vec<String>,
+}
+
+impl Comparison {
+    /// What changed from one session to another.
+    ///
+    /// # Errors
+    /// [`SessionError::OtherPerson`] if both name a person and not the same, and [`SessionError::NothingInCommon`].
+    pub fn new(before: SessionStudy, after: SessionStudy) -> Result<Self, Error> {
+        let id = |study: &SessionStudy| study.file.as_ref()?.person.id.clone();
+        if let (Some(first), Some(second)) = (id(&before), id(&after))
+            && first != second
+        {
+            return Err(SessionError::OtherPerson { first, second }.into());
+        }
+        let changes = changes(&before.spreads(), &after.spreads());
+        if changes.is_empty() {
+            return Err(SessionError::NothingInCommon.into());
+        }
+        let notes = notes(&before, &after);
+        Ok(Self { before, after, changes, notes })
+    }
+
+    /// The table of differences as comma-separated values, a row for each number and side.
+    ///
+    /// # Errors
+    /// [`Error::Table`], if the writer has any.
+    pub fn csv(&self) -> Result<Vec<u8>, Error> {
+        Ok(changes_csv(&self.changes)?)
+    }
+}
+
+fn notes(before: &SessionStudy, after: &SessionStudy) -> Vec<String> {
+    let mut notes = Vec::new();
+    match (before.trials.len(), after.trials.len()) {
+        (1, 1) => notes.push(
+            "one trial each: how far trials differ by chance is not known, so no interval and no minimal detectable change can be given".into(),
+        ),
+        (1, _) => notes.push(format!("{} has one trial: it is taken to vary as {} does", before.name, after.name)),
+        (_, 1) => notes.push(format!("{} has one trial: it is taken to vary as {} does", after.name, before.name)),
+        _ => {}
+    }
+    let footwear = |study: &SessionStudy| study.file.as_ref()?.person.footwear;
+    if let (Some(a), Some(b)) = (footwear(before), footwear(after))
+        && a != b
+    {
+        notes.push(format!(
+            "{} was walked {}, {} {}: shoes alone change steps and ankle angles",
+            before.name,
+            a.words(),
+            after.name,
+            b.words()
+        ));
+    }
+    for study in [before, after] {
+        let odd = study.file.iter().flat_map(|file| &file.disagreements);
+        notes.extend(odd.map(|odd| format!("{}: {}", study.name, odd.line)));
+    }
+    notes
+}

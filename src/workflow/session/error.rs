@@ -1,0 +1,71 @@
+//! Why a session cannot be made.
+
+use crate::workflow::Error;
+
+/// Why a session cannot be made.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SessionError {
+    /// A trial that cannot be fitted.
+    #[error("trial {name}: {source}")]
+    Trial {
+        /// Its name.
+        name: String,
+        /// Why.
+        source: Box<Error>,
+    },
+    /// A trial whose fit cannot be used.
+    #[error(
+        "trial {name}: {why}; what the other trials were found to be is kept: leave it out with --resume --without {name}"
+    )]
+    Unusable {
+        /// Its name.
+        name: String,
+        /// Its verdict.
+        why: String,
+    },
+    /// A trial that has no joint optimum.
+    #[error(
+        "trial {name}: it was fitted without the joint optimum, which all trials of a session share"
+    )]
+    NotJoint {
+        /// Its name.
+        name: String,
+    },
+    /// Trials of two body models.
+    #[error(
+        "trial {first} is fitted with the body {body}, trial {second} with {other}: give one with --body"
+    )]
+    TwoBodies {
+        /// A trial.
+        first: String,
+        /// Its body.
+        body: String,
+        /// Another trial.
+        second: String,
+        /// Its body.
+        other: String,
+    },
+    /// A trial that there is not.
+    #[error("--without {name}: no trial has that name: there are {known}")]
+    NoTrial {
+        /// As asked for.
+        name: String,
+        /// The names there are.
+        known: String,
+    },
+    /// Two sessions of two people.
+    #[error("the two sessions are of two people, {first} and {second}: what differs is no change")]
+    OtherPerson {
+        /// As the first says.
+        first: String,
+        /// As the second says.
+        second: String,
+    },
+    /// Two sessions without a number that both have.
+    #[error("the two sessions have no number in common: neither strides nor angles are in both")]
+    NothingInCommon,
+    /// No trial.
+    #[error("--without leaves no trial out of all")]
+    NothingLeft,
+}

@@ -1,0 +1,88 @@
+//! The gait of a session: of each trial, of all together, and how far numbers vary.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use super::FittedSession;
+use crate::gait::trials::{Measure, Measured, NamedTrial, Spread, measured, pooled, spreads};
+use crate::gait::{GaitAnalysis, GaitOptions, Norm};
+use crate::io::gait::variation_csv;
+use crate::io::session::{SESSION, SessionFile};
+use crate::workflow::{Error, GaitSource, GaitStudy, NormChoice};
+
+/// How somebody walks in the trials of one session, or in one recording.
+#[derive(Debug, Clone)]
+pub struct SessionStudy {
+    /// The name of its folder.
+    pub name: String,
+    /// Where it is.
+    pub path: PathBuf,
+    /// The session; `None` of one fit, or of points.
+    pub file: Option<SessionFile>,
+    /// Trial by trial: the name, and its analysis.
+    pub trials: Vec<(String, GaitStudy)>,
+}
+
+impl SessionStudy {
+    /// Whether a folder is that of a session.
+    pub fn is_session(path: &Path) -> bool {
+        path.join(SESSION).is_file()
+    }
+
+    /// Analyses the gait of every trial of a session, or of one fit or TRC, against a norm and people of their age. `body` is the
+    /// model, if it is not a shipped one.
+    ///
+    /// # Errors
+    /// [`Error::SessionFile`], and of each trial as [`GaitStudy::open`]; a trial without gait is named.
+    pub fn open(path: &Path, body: Option<&str>, norm: NormChoice<'_>) -> Result<Self, Error> {
+        let whole = path.canonicalize().unwrap_or_else(|_| path.into());
+        let name = whole.file_name().map(|name| name.to_string_lossy().into_owned());
+        let (name, options) = (name.unwrap_or_default(), GaitOptions::default());
+        if !Self::is_session(path) {
+            let study = GaitStudy::open(GaitSource { path, body, fps: None }, &options)?;
+            let study = study.compared_with(norm, None, None)?;
+            let trials = vec![(name.clone(), study)];
+            return Ok(Self { name, path: path.into(), file: None, trials });
+        }
+
+        let session = FittedSession::read(path, body)?;
+        let (age, sex) = (session.file.age_years(), session.file.person.sex);
+        let mut trials = Vec::with_capacity(session.trials.len());
+        for (part, fitted) in session.file.trials.iter().zip(&session.trials) {
+            let study =
+                fitted.gait_with(&options).map_err(|source| super::named(&part.name, source))?;
+            trials.push((part.name.clone(), study.compared_with(norm, age, sex)?));
+        }
+        Ok(Self { name, path: path.into(), file: Some(session.file), trials })
+    }
+
+    /// Healthy people, whom all trials are compared with.
+    pub fn norm(&self) -> Option<&Norm> {
+        self.trials.first()?.1.norm.as_ref()
+    }
+
+    /// All strides of all trials, as if of one; `None` without a trial.
+    pub fn pooled(&self) -> Option<GaitAnalysis> {
+        let named = |(name, study): &'_ (String, GaitStudy)| (name.clone(), study.analysis.clone());
+        let all: Vec<(String, GaitAnalysis)> = self.trials.iter().map(named).collect();
+        let all: Vec<NamedTrial<'_>> =
+            all.iter().map(|(name, gait)| NamedTrial { name, gait }).collect();
+        pooled(&all)
+    }
+
+    /// How far every number varies between strides and between trials, beside the fit's own standard deviation.
+    pub fn spreads(&self) -> BTreeMap<Measure, Spread> {
+        let of = |(_, study): &(String, GaitStudy)| measured(&study.analysis, study.norm.as_ref());
+        let trials: Vec<Vec<(Measure, Measured)>> = self.trials.iter().map(of).collect();
+        spreads(&trials)
+    }
+
+    /// The same as comma-separated values, a row for each number and side.
+    ///
+    /// # Errors
+    /// [`Error::Table`], if the writer has any.
+    pub fn csv(&self) -> Result<Vec<u8>, Error> {
+        let names: Vec<&str> = self.trials.iter().map(|(name, _)| name.as_str()).collect();
+        Ok(variation_csv(&names, &self.spreads())?)
+    }
+}
