@@ -41,7 +41,10 @@ pub enum FitError {
         reason: Rejected,
     },
     /// A person who was not found.
-    #[error("person {person} was asked for, and {} is seen: --person 1 to {people}", if *people == 1 { "one person".to_owned() } else { format!("{people} people") })]
+    #[error(
+        "person {person} was asked for, and {}",
+        if *people == 1 { "one person is seen".into() } else { format!("{people} people are seen: --person 1 to {people}") }
+    )]
     NoPerson {
         /// Who was asked for.
         person: usize,
