@@ -98,9 +98,15 @@ fn a_mask_that_cannot_be_used_is_named_with_camera_and_frame() {
     let folder = recording(&["a", "b"]);
     let path = folder.path().join("masks/b/000001.png");
     let whole = fs::read(&path).expect("a mask");
-    let labels = GrayImage::from_fn(SIZE.0, SIZE.1, |x, y| Luma([u8::from(is_person(x, y))]));
-    let mut label_bytes = std::io::Cursor::new(Vec::new());
-    labels.write_to(&mut label_bytes, ImageFormat::Png).expect("an image");
+    let labels = GrayImage::from_fn(SIZE.0, SIZE.1, |x, y| Luma([9 * u8::from(is_person(x, y))]));
+    let labels_as = |format: ImageFormat| {
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        labels.write_to(&mut bytes, format).expect("an image");
+        bytes.into_inner()
+    };
+    // a value for each person is a mask, where the file keeps it
+    write(path.clone(), labels_as(ImageFormat::Png));
+    assert_eq!(load(folder.path(), 1).expect("labels").views.len(), 2);
     for (bytes, part) in [
         (whole[..whole.len() / 2].to_vec(), "cannot be decoded"),
         (Vec::new(), "cannot be decoded"),
@@ -108,7 +114,7 @@ fn a_mask_that_cannot_be_used_is_named_with_camera_and_frame() {
         (with_size(&whole, 100_000, 100_000), "larger than 32768 × 32768 px"),
         (with_size(&whole, 640, 480), "the mask is 640 × 480 px, expected 64 × 48 px"),
         (with_size(&whole, 0, 48), "cannot be decoded"),
-        (label_bytes.into_inner(), "values are 0 to 1 of 255: these look like labels"),
+        (labels_as(ImageFormat::Jpeg), "a value for each person needs a file without loss (PNG)"),
     ] {
         write(path.clone(), bytes);
         assert_complains(
