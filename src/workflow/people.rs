@@ -1,6 +1,6 @@
 //! What is fitted of each person of a recording.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use rayon::prelude::*;
 
@@ -9,7 +9,7 @@ use super::input::FitInput;
 use crate::camera::CameraId;
 use crate::image::Plane;
 use crate::inference::Sequence;
-use crate::io::recording::{Note, RecordingError};
+use crate::io::recording::{Note, ObservationFiles, RecordingError};
 use crate::pipeline::{FitError, LEAST_SHARE, PeopleOptions, Progress, by_labels, people};
 use crate::silhouette::{FrameObservations, Silhouette};
 
@@ -46,9 +46,10 @@ impl People {
         if has_detections && !are_detected {
             shares.iter_mut().flatten().try_for_each(|share| add_detections(&input, share))?;
         }
-        input.files.notes.push(Note::SeveralPeople { people: of, person });
         let of_person = |(number, observations): (usize, Vec<FrameObservations>)| {
-            (number, input.of_person(number, observations))
+            let mut own = input.of_person(number, observations);
+            own.files.notes.push(Note::SeveralPeople { people: of, person: number });
+            (number, own)
         };
         let mut all: Vec<_> = (1..).zip(shares).map(of_person).collect();
         let (_, measured) = all.remove(person - 1);
@@ -58,9 +59,8 @@ impl People {
 
 /// Whether the masks have a value for each person.
 fn is_labelled(input: &FitInput) -> Result<bool, RecordingError> {
-    let views =
-        input.observations.iter().flat_map(|seen| seen.views.iter().map(|v| (v.0, seen.frame)));
-    let first = views.into_iter().next();
+    let first =
+        input.observations.iter().find_map(|seen| Some((seen.views.first()?.0, seen.frame)));
     Ok(match first {
         Some((camera, frame)) => input.files.load_labels(camera, frame)?.is_some(),
         None => false,
@@ -69,41 +69,45 @@ fn is_labelled(input: &FitInput) -> Result<bool, RecordingError> {
 
 /// The shares of the people whose values the masks have, in the order of these; empty if it is one.
 fn labelled(input: &FitInput, most: usize) -> Result<Vec<Vec<FrameObservations>>, RecordingError> {
-    let (files, observed) = (&input.files, &input.observations);
-    let load = |seen: &FrameObservations| -> Result<Vec<(CameraId, Plane<u16>)>, RecordingError> {
-        let of_view = |(id, _): &(CameraId, Silhouette)| {
-            let labels = files.load_labels(*id, seen.frame);
-            labels.map(|labels| labels.map(|labels| (*id, labels))).transpose()
-        };
-        seen.views.iter().filter_map(of_view).collect()
-    };
-    let values = |labels: &[(CameraId, Plane<u16>)]| -> BTreeSet<u16> {
-        labels.iter().flat_map(|(_, labels)| labels.values()).copied().filter(|v| *v > 0).collect()
-    };
+    let observed = &input.observations;
+    let frames: Vec<Result<_, _>> =
+        observed.par_iter().map(|seen| shares_by_value(&input.files, seen)).collect();
+    let mut frames: Vec<BTreeMap<u16, FrameObservations>> =
+        frames.into_iter().collect::<Result<_, RecordingError>>()?;
 
     // who is there in frames enough
-    let loaded: Vec<Result<_, _>> =
-        observed.par_iter().map(|seen| Ok(values(&load(seen)?))).collect();
-    let loaded: Vec<BTreeSet<u16>> = loaded.into_iter().collect::<Result<_, RecordingError>>()?;
-    let everybody: BTreeSet<u16> = loaded.iter().flatten().copied().collect();
-    let frames = |value: &u16| loaded.iter().filter(|values| values.contains(value)).count();
-    let is_somebody = |value: &u16| frames(value) as f64 >= LEAST_SHARE * observed.len() as f64;
+    let everybody: BTreeSet<u16> = frames.iter().flat_map(BTreeMap::keys).copied().collect();
+    let shown = |value: &u16| frames.iter().filter(|frame| frame.contains_key(value)).count();
+    let is_somebody = |value: &u16| shown(value) as f64 >= LEAST_SHARE * observed.len() as f64;
     let people: Vec<u16> = everybody.into_iter().filter(is_somebody).take(most).collect();
     if people.len() < 2 {
         return Ok(Vec::new());
     }
 
-    let share = |seen: &FrameObservations| -> Result<Vec<FrameObservations>, RecordingError> {
-        let labels = load(seen)?;
-        let own = |value: &u16| by_labels(&files.rig, seen, &labels, *value);
-        Ok(people.iter().map(own).collect())
+    let mut of_person = |value: &u16| -> Vec<FrameObservations> {
+        let shares = frames.iter_mut().zip(observed).map(|(frame, seen)| {
+            frame.remove(value).unwrap_or_else(|| FrameObservations::nothing(seen.frame))
+        });
+        shares.collect()
     };
-    let shares: Vec<Result<_, _>> = observed.par_iter().map(share).collect();
-    let mut all: Vec<Vec<FrameObservations>> = vec![Vec::new(); people.len()];
-    for frame in shares {
-        all.iter_mut().zip(frame?).for_each(|(own, share)| own.push(share));
-    }
-    Ok(all)
+    Ok(people.iter().map(&mut of_person).collect())
+}
+
+/// Each person's share of a frame, by the value that the masks have of them.
+fn shares_by_value(
+    files: &ObservationFiles,
+    seen: &FrameObservations,
+) -> Result<BTreeMap<u16, FrameObservations>, RecordingError> {
+    let of_view = |(id, _): &(CameraId, Silhouette)| {
+        let labels = files.load_labels(*id, seen.frame);
+        labels.map(|labels| labels.map(|labels| (*id, labels))).transpose()
+    };
+    let labels: Vec<(CameraId, Plane<u16>)> =
+        seen.views.iter().filter_map(of_view).collect::<Result<_, _>>()?;
+    let values = labels.iter().flat_map(|(_, labels)| labels.values()).copied();
+    let values: BTreeSet<u16> = values.filter(|value| *value > 0).collect();
+    let share = |value| (value, by_labels(&files.rig, seen, &labels, value));
+    Ok(values.into_iter().map(share).collect())
 }
 
 /// Adds the detections of the person whose share of the masks this is.

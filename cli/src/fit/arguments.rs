@@ -181,7 +181,7 @@ const FITTED: &[Choice<FitTo>] = &[
     (
         "detections",
         FitTo::Detections,
-        "Detections of joints alone; masks, if there are any, only say which person",
+        "Detections of joints alone, of each person whom two cameras see; masks are left out",
     ),
 ];
 

@@ -267,12 +267,10 @@ fn part_merged(room: &Room, people: &mut [Track], standing: &[Vec<Standing>]) {
 
         let mut voxels: Vec<Vec<usize>> = vec![Vec::new(); people.len()];
         for voxel in shown {
-            let at = room.place(voxel);
-            let off = |person: &usize| {
-                places[*person].map_or(f64::INFINITY, |place| (place - at).xy().norm())
-            };
-            let nearest = (0..people.len()).min_by(|a, b| off(a).total_cmp(&off(b)));
-            nearest.into_iter().for_each(|person| voxels[person].push(voxel));
+            let there = places.iter().enumerate();
+            let there = there.filter_map(|(person, place)| Some((person, (*place)?)));
+            let person = standing::nearest(room, voxel, there);
+            person.into_iter().for_each(|person| voxels[person].push(voxel));
         }
         for (track, voxels) in people.iter_mut().zip(voxels) {
             if !voxels.is_empty() {

@@ -34,14 +34,8 @@ impl Standing {
     pub(super) fn new(room: &Room, voxels: Vec<usize>) -> Self {
         let places = || voxels.iter().map(|v| room.place(*v));
         let sum: Vector3<f64> = places().map(|p| p.coords).sum();
-        let heights = || places().map(|p| p.z);
-        let (low, high) =
-            (heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max));
-        Self {
-            place: (sum / voxels.len().max(1) as f64).into(),
-            height_m: high - low + room.voxel_m,
-            voxels,
-        }
+        let height_m = extent(places().map(|p| p.z)) + room.voxel_m;
+        Self { place: (sum / voxels.len().max(1) as f64).into(), height_m, voxels }
     }
 }
 
@@ -66,12 +60,29 @@ pub(super) fn standing(room: &Room, rig: &Rig, frame: &FrameObservations) -> Vec
     people.into_iter().map(|person| Standing::new(room, person.voxels)).collect()
 }
 
+/// From the least to the largest of some heights; −∞ without any.
+fn extent(heights: impl Iterator<Item = f64>) -> f64 {
+    let ends = (f64::INFINITY, f64::NEG_INFINITY);
+    let (low, high) = heights.fold(ends, |(low, high), z| (low.min(z), high.max(z)));
+    high - low
+}
+
+/// Which of some places is nearest to a voxel, seen from above.
+pub(super) fn nearest(
+    room: &Room,
+    voxel: usize,
+    places: impl Iterator<Item = (usize, Point3<f64>)>,
+) -> Option<usize> {
+    let at = room.place(voxel);
+    let off = places.map(|(index, place)| (index, (place - at).xy().norm()));
+    off.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(index, _)| index)
+}
+
 /// Gives a voxel to the nearest of some people.
 pub(super) fn give(room: &Room, voxel: usize, people: &mut [&mut Standing]) {
-    let place = room.place(voxel);
-    let off = |person: &&mut Standing| (person.place - place).xy().norm();
-    if let Some(nearest) = people.iter_mut().min_by(|a, b| off(a).total_cmp(&off(b))) {
-        nearest.voxels.push(voxel);
+    let places = people.iter().map(|person| person.place).enumerate();
+    if let Some(person) = nearest(room, voxel, places) {
+        people[person].voxels.push(voxel);
     }
 }
 
@@ -79,12 +90,7 @@ pub(super) fn give(room: &Room, voxel: usize, people: &mut [&mut Standing]) {
 pub(super) fn is_filled(room: &Room, voxels: &[usize], place: &Point3<f64>) -> bool {
     let near = voxels.iter().map(|voxel| room.place(*voxel));
     let near = near.filter(|at| (at - place).xy().norm() <= AROUND_M);
-    let heights: Vec<f64> = near.map(|at| at.z).collect();
-    let (low, high) = (
-        heights.iter().copied().fold(f64::INFINITY, f64::min),
-        heights.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-    );
-    high - low >= SMALLEST_M
+    extent(near.map(|at| at.z)) >= SMALLEST_M
 }
 
 /// The one who explains least of the pictures alone, if it is too little.
