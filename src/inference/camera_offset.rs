@@ -36,7 +36,7 @@ use std::ops::Range;
 use nalgebra::{DVectorView, Matrix3, SMatrix, SVector, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::rig_motion::{COMMON, RigMotion};
+use super::rig_motion::{HeldWorld, RigMotion};
 use super::sequence_state::SequenceState;
 use crate::body::Motion;
 use crate::camera::{Camera, Rig};
@@ -100,8 +100,8 @@ pub struct CameraPrior {
     cameras: Vec<Unknown>,
     /// Components of all of them.
     components: usize,
-    /// What holds the world, where σ does not: the common part of all cameras, and its 1/σ².
-    held: Option<(RigMotion, SVector<f64, COMMON>)>,
+    /// What holds the world, where σ does not.
+    held: Option<HeldWorld>,
 }
 
 /// What of a camera is unknown, and where it stands among the components.
@@ -226,10 +226,7 @@ impl CameraPrior {
             && self.cameras.iter().all(|unknown| unknown.free.pose);
         let centres: Vec<_> = rig.cameras.iter().map(Camera::centre_world).collect();
         let motion = is_loose.then(|| RigMotion::new(&centres)).flatten();
-        let held = motion.map(|motion| {
-            let weights = motion.weights(TURN_SD, DISPLACEMENT_SD_M);
-            (motion, weights)
-        });
+        let held = motion.map(|motion| HeldWorld::new(motion, TURN_SD, DISPLACEMENT_SD_M));
         self.cameras.iter_mut().for_each(|unknown| unknown.errors = errors);
         Self { held, ..self }
     }
@@ -268,7 +265,7 @@ impl CameraPrior {
     pub(super) fn cost(&self, cameras: &[CameraOffset]) -> f64 {
         let each = cameras.iter().zip(&self.cameras);
         let each: f64 = each.map(|(offset, unknown)| unknown.cost(offset)).sum();
-        each + self.held.as_ref().map_or(0.0, |held| world_cost(held, cameras))
+        each + self.held.as_ref().map_or(0.0, |held| held.cost(&poses(cameras)))
     }
 
     /// The same, with gradient and Gauss–Newton matrix added to the components from `first` on. Those that are not free stay where
@@ -283,7 +280,7 @@ impl CameraPrior {
             unknown.linearize(offset, first, equations);
         }
         if let Some(held) = &self.held {
-            linearize_world(held, cameras, first, equations);
+            held.linearize(&poses(cameras), (first, COMPONENTS), equations);
         }
         self.cost(cameras)
     }
@@ -346,50 +343,9 @@ impl Unknown {
     }
 }
 
-/// The common part g of all cameras.
-fn common(motion: &RigMotion, cameras: &[CameraOffset]) -> SVector<f64, COMMON> {
-    let part = |(c, offset): (usize, &CameraOffset)| {
-        let by = motion.common().fixed_view::<COMMON, 6>(0, 6 * c);
-        let turn = by.fixed_columns::<3>(0) * offset.turn.scaled_axis();
-        turn + by.fixed_columns::<3>(3) * offset.displacement_m
-    };
-    cameras.iter().enumerate().map(part).sum()
-}
-
-/// ½ Σ g²/σ².
-fn world_cost(held: &(RigMotion, SVector<f64, COMMON>), cameras: &[CameraOffset]) -> f64 {
-    let g = common(&held.0, cameras);
-    0.5 * g.component_mul(&g).dot(&held.1)
-}
-
-/// Gradient and Gauss–Newton matrix of the same.
-fn linearize_world(
-    held: &(RigMotion, SVector<f64, COMMON>),
-    cameras: &[CameraOffset],
-    first: usize,
-    equations: &mut NormalEquations,
-) {
-    let (motion, weights) = held;
-    let pull = common(motion, cameras).component_mul(weights);
-    let slope = |c: usize| {
-        let mut slope = motion.common().fixed_view::<COMMON, 6>(0, 6 * c).into_owned();
-        let by_turn = right_jacobian_inverse(&-cameras[c].turn.scaled_axis());
-        let turned = slope.fixed_columns::<3>(0) * by_turn;
-        slope.fixed_columns_mut::<3>(0).copy_from(&turned);
-        slope
-    };
-    let slopes: Vec<SMatrix<f64, COMMON, 6>> = (0..cameras.len()).map(slope).collect();
-    for (c, slope) in slopes.iter().enumerate() {
-        let own = first + COMPONENTS * c;
-        let mut gradient = equations.gradient.fixed_rows_mut::<6>(own);
-        gradient += slope.transpose() * pull;
-        for (d, other) in slopes.iter().enumerate() {
-            let weighed = SMatrix::<f64, COMMON, COMMON>::from_diagonal(weights) * other;
-            let place = (own, first + COMPONENTS * d);
-            let mut block = equations.hessian.fixed_view_mut::<6, 6>(place.0, place.1);
-            block += slope.transpose() * weighed;
-        }
-    }
+/// Turns and displacements.
+fn poses(cameras: &[CameraOffset]) -> Vec<[Vector3<f64>; 2]> {
+    cameras.iter().map(|offset| [offset.turn.scaled_axis(), offset.displacement_m]).collect()
 }
 
 impl CameraOffset {

@@ -11,7 +11,10 @@
 //! # Source
 //! Triggs et al. 2000, *Bundle adjustment: a modern synthesis*, § 9.
 
-use nalgebra::{DMatrix, DVector, Point3, SVector, Vector3};
+use nalgebra::{DMatrix, DVector, Point3, SMatrix, SVector, Vector3};
+
+use crate::math::rotation::right_jacobian_inverse;
+use crate::solver::NormalEquations;
 
 /// ω and δ.
 const POSE: usize = 6;
@@ -54,11 +57,6 @@ impl RigMotion {
         Some(Self { moved, common, size_m: square.sqrt() })
     }
 
-    /// (NᵀMN)⁻¹NᵀM, 7 × 6 of each camera.
-    pub(super) fn common(&self) -> &DMatrix<f64> {
-        &self.common
-    }
-
     /// 1/σ² of α, β and κ, of a world whose axes and edges are known with these standard deviations (rad, m).
     pub(super) fn weights(&self, turn_sd: f64, displacement_sd_m: f64) -> SVector<f64, COMMON> {
         let sd = |k: usize| match k {
@@ -74,6 +72,65 @@ impl RigMotion {
         let n = self.moved.nrows();
         let rest = DMatrix::identity(n, n) - &self.moved * &self.common;
         &rest * covariance * rest.transpose()
+    }
+}
+
+/// −log p of what all cameras have in common: ½ Σ g²/σ².
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct HeldWorld {
+    motion: RigMotion,
+    /// 1/σ² of g.
+    weights: SVector<f64, COMMON>,
+}
+
+impl HeldWorld {
+    /// As sure as the turns and displacements of one camera of a usual calibration.
+    pub(super) fn new(motion: RigMotion, turn_sd: f64, displacement_sd_m: f64) -> Self {
+        let weights = motion.weights(turn_sd, displacement_sd_m);
+        Self { motion, weights }
+    }
+
+    /// g of turns and displacements.
+    fn common(&self, poses: &[[Vector3<f64>; 2]]) -> SVector<f64, COMMON> {
+        let part = |(c, [turn, way]): (usize, &[Vector3<f64>; 2])| {
+            let by = self.motion.common.fixed_view::<COMMON, POSE>(0, POSE * c);
+            let turned = by.fixed_columns::<3>(0) * turn;
+            turned + by.fixed_columns::<3>(3) * way
+        };
+        poses.iter().enumerate().map(part).sum()
+    }
+
+    pub(super) fn cost(&self, poses: &[[Vector3<f64>; 2]]) -> f64 {
+        let g = self.common(poses);
+        0.5 * g.component_mul(&g).dot(&self.weights)
+    }
+
+    /// Adds its gradient and Gauss–Newton matrix; the components of the first camera are from `first` on, those of the next `step` further.
+    pub(super) fn linearize(
+        &self,
+        poses: &[[Vector3<f64>; 2]],
+        (first, step): (usize, usize),
+        equations: &mut NormalEquations,
+    ) {
+        let pull = self.common(poses).component_mul(&self.weights);
+        let slope = |(c, [turn, _]): (usize, &[Vector3<f64>; 2])| {
+            let mut slope = self.motion.common.fixed_view::<COMMON, POSE>(0, POSE * c).into_owned();
+            let turned = slope.fixed_columns::<3>(0) * right_jacobian_inverse(&-turn);
+            slope.fixed_columns_mut::<3>(0).copy_from(&turned);
+            slope
+        };
+        let slopes: Vec<SMatrix<f64, COMMON, POSE>> = poses.iter().enumerate().map(slope).collect();
+        for (c, slope) in slopes.iter().enumerate() {
+            let own = first + step * c;
+            let mut gradient = equations.gradient.fixed_rows_mut::<POSE>(own);
+            gradient += slope.transpose() * pull;
+            for (d, other) in slopes.iter().enumerate() {
+                let weighed = SMatrix::<f64, COMMON, COMMON>::from_diagonal(&self.weights) * other;
+                let place = (own, first + step * d);
+                let mut block = equations.hessian.fixed_view_mut::<POSE, POSE>(place.0, place.1);
+                block += slope.transpose() * weighed;
+            }
+        }
     }
 }
 
@@ -95,7 +152,7 @@ mod tests {
             let (place, axis) = (centres[k / POSE].coords, k % POSE);
             if axis < 3 { turn[axis] } else { (turn.cross(&place) + larger * place)[axis - 3] }
         });
-        let found = motion.common() * &moved;
+        let found = &motion.common * &moved;
         assert!((found[6] - larger).abs() < 1e-12 && (found[2] - turn.z).abs() < 1e-12, "{found}");
         let world = &moved * moved.transpose();
         let left = motion.relative(&world);

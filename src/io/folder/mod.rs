@@ -6,6 +6,7 @@ pub mod jpeg;
 mod lock;
 pub mod origin;
 pub mod overlays;
+mod people;
 pub(super) mod png;
 pub mod segmented;
 pub mod silhouettes;
@@ -100,9 +101,6 @@ pub fn check_out(folder: &Path, existing: Existing) -> Result<(), OutError> {
 /// replaced: the result last, so that where it stands all of it stands.
 const RESULTS: [&str; 5] = ["overlays", "skin", "joints.trc", origin::ORIGIN, "result.json"];
 
-/// The folder of the people who are seen besides the one who is measured.
-const PEOPLE: &str = "people";
-
 /// Prefix of the names of unfinished files and folders.
 const UNFINISHED: &str = ".writing-";
 
@@ -191,24 +189,6 @@ impl OutFolder {
     /// Where the journal of a run is.
     pub fn journal(&self) -> PathBuf {
         self.path.join(".journal")
-    }
-
-    /// Where the results of a person are who is seen besides the one who is measured.
-    pub fn person(&self, number: usize) -> PathBuf {
-        self.path.join(PEOPLE).join(number.to_string())
-    }
-
-    /// Removes the results of people whom an older run found besides these.
-    pub fn keep_people(&self, kept: &[usize]) {
-        let people = self.path.join(PEOPLE);
-        for entry in fs::read_dir(&people).into_iter().flatten().flatten() {
-            let number = entry.file_name().to_string_lossy().parse::<usize>();
-            if number.is_ok_and(|number| !kept.contains(&number)) {
-                // what cannot be removed is told apart by its date
-                drop(fs::remove_dir_all(entry.path()));
-            }
-        }
-        drop(fs::remove_dir(people));
     }
 
     /// Takes back the journal that was begun.
