@@ -118,6 +118,8 @@ impl JointOptimum {
 /// body, and E itself is about a thousand: this fraction of it is two units. Lines of sight that come to touch another summit of
 /// a limb's field make E jump by a tenth of that.
 const TOLERANCE: f64 = 2e-3;
+/// The same of the rounds before the last, whose optimum is only where the noise is estimated anew.
+const ROUGHLY: f64 = 1e-2;
 /// The first λ of a round.
 const DAMPING: f64 = 1e-4;
 
@@ -158,15 +160,21 @@ pub fn joint_optimum_from_terms<'a>(
         shape_prior: evidence.shape_prior.clone(),
         leverages: Leverages::new(),
     };
-    for iterations in APPROACH {
-        let round = search.round(&terms.thinned, from, iterations);
+    for max_iterations in APPROACH {
+        let solver = Options { max_iterations, damping: DAMPING, relative_decrease: ROUGHLY };
+        let round = search.round(&terms.thinned, from, &solver);
         from = search.approached(round);
     }
 
-    let last = search.round(&terms.all, from, options.iterations);
-    let Round { noise, frames, solution, .. } = last;
+    let solver = Options {
+        max_iterations: options.iterations,
+        damping: DAMPING,
+        relative_decrease: TOLERANCE,
+    };
+    let Round { noise, solution, .. } = search.round(&terms.all, from, &solver);
     let uncertainty =
         Uncertainty::new(model, &solution.state, search.camera_prior, &solution.model);
+    let frames = search.frame_fits(&terms.all, &solution.state);
     step();
     JointOptimum {
         frames,
@@ -200,38 +208,55 @@ struct Approached {
 struct Round {
     noise: Noise,
     contrasts: Contrasts,
-    frames: Vec<FrameFit>,
     solution: Solution<SequenceState, BorderedChain>,
 }
 
 impl Search<'_, '_> {
     /// The optimum with residuals that err as they do at its start.
-    fn round(&self, looks: &[Vec<Look<'_>>], from: Approached, max_iterations: usize) -> Round {
-        let Evidence { model, rig, .. } = *self.evidence;
+    fn round(&self, looks: &[Vec<Look<'_>>], from: Approached, solver: &Options) -> Round {
         let Approached { state: start, shape_prior, leverages } = from;
         let looks = self.within(looks, &start);
-        let mut posterior = SequencePosterior {
-            model,
-            rig,
-            camera_prior: self.camera_prior,
-            shape_prior: &shape_prior,
-            pose_prior: &self.evidence.pose_prior,
-            chain_prior: &self.chain_prior,
-            seconds: self.seconds,
-            looks: &looks,
-            weights: DataWeights::all(1.0),
-            contrasts: &Contrasts::none(looks.len()),
-        };
+        let none = Contrasts::none(looks.len());
+        let mut posterior = self.posterior(&looks, &shape_prior, &none);
         let noise = Noise::from_residuals(&posterior.residuals(&start));
         posterior.weights = noise.weights();
+        let model = self.evidence.model;
         let contrasts =
             Contrasts::new(model, &looks, &start, &leverages, posterior.weights.outlines);
         posterior.contrasts = &contrasts;
+
         let counted = Counted { problem: &posterior, step: self.step };
-        let solver = Options { max_iterations, damping: DAMPING, relative_decrease: TOLERANCE };
-        let solution = levenberg_marquardt(&counted, start, &solver);
-        let frames = posterior.frame_fits(&solution.state);
-        Round { noise, frames, contrasts, solution }
+        let solution = levenberg_marquardt(&counted, start, solver);
+        Round { noise, contrasts, solution }
+    }
+
+    /// The motion of each frame and what it costs, data once.
+    fn frame_fits(&self, looks: &[Vec<Look<'_>>], state: &SequenceState) -> Vec<FrameFit> {
+        let looks = self.within(looks, state);
+        let none = Contrasts::none(looks.len());
+        self.posterior(&looks, &self.evidence.shape_prior, &none).frame_fits(state)
+    }
+
+    /// The posterior of looks, of data that count once.
+    fn posterior<'p>(
+        &'p self,
+        looks: &'p [Vec<&'p Look<'p>>],
+        shape_prior: &'p ShapePrior,
+        contrasts: &'p Contrasts,
+    ) -> SequencePosterior<'p> {
+        let Evidence { model, rig, pose_prior, .. } = self.evidence;
+        SequencePosterior {
+            model,
+            rig,
+            camera_prior: self.camera_prior,
+            shape_prior,
+            pose_prior,
+            chain_prior: &self.chain_prior,
+            seconds: self.seconds,
+            looks,
+            weights: DataWeights::all(1.0),
+            contrasts,
+        }
     }
 
     /// The looks at moments of the recording: what a late camera shows after its end is not compared.

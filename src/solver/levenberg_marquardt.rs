@@ -11,7 +11,7 @@ pub struct Options {
     pub max_iterations: usize,
     /// First λ; 0 would be Gauss–Newton.
     pub damping: f64,
-    /// Ends when an accepted step lowers the cost by less than this fraction of it, or a rejected one promised less.
+    /// The last step is the one that promises to lower the cost by less than this fraction of it, or that does so.
     pub relative_decrease: f64,
 }
 
@@ -50,7 +50,7 @@ pub struct Solution<S, M> {
     pub state: S,
     /// E(x).
     pub cost: f64,
-    /// g and H at x; H is the precision of the Laplace approximation.
+    /// g and H at x, or before the last step; H is the precision of the Laplace approximation.
     pub model: M,
     /// How it went.
     pub report: Report,
@@ -64,7 +64,8 @@ const MAX_DAMPING: f64 = 1e8;
 /// Minimises a problem from `start`.
 ///
 /// Every candidate is linearised at once: most are accepted, and a separate evaluation of the cost would be work done
-/// twice. A candidate of higher cost is dropped. The step is then shortened once: E along δ is taken for the parabola
+/// twice. Only the last is not: the step that promises less than the tolerance changes neither g nor H by anything that counts, and is
+/// taken if its cost is lower. A candidate of higher cost is dropped. The step is then shortened once: E along δ is taken for the parabola
 /// through E(x), its slope there and the cost that was dropped,
 ///
 /// t = −gᵀδ / 2(E(x ⊞ δ) − E(x) − gᵀδ),
@@ -104,6 +105,18 @@ pub fn levenberg_marquardt<P: Problem>(
             continue;
         };
 
+        // the last step
+        let promised = model.predicted_decrease(&delta);
+        if promised <= options.relative_decrease * cost.abs() {
+            let last = problem.retract(&state, &delta);
+            let last_cost = problem.cost(&last);
+            if last_cost < cost {
+                (state, cost) = (last, last_cost);
+                costs.push(cost);
+            }
+            break Termination::Converged;
+        }
+
         // try the step
         iterations += 1;
         let mut candidate = problem.retract(&state, &delta);
@@ -112,10 +125,7 @@ pub fn levenberg_marquardt<P: Problem>(
 
         let is_lower = candidate_cost < cost;
         if !is_lower {
-            // drop it; a shorter step promises even less
-            if model.predicted_decrease(&delta) <= options.relative_decrease * cost.abs() {
-                break Termination::Converged;
-            }
+            // drop it, and try a shorter one
             if negligible(&delta) {
                 break Termination::Stalled;
             }
@@ -241,7 +251,17 @@ mod tests {
     fn a_dropped_step_that_promised_less_than_the_tolerance_ends_it() {
         let solution = levenberg_marquardt(&Kink, 0.0, &Options::default());
         assert_eq!(solution.report.termination, Termination::Converged);
-        assert_eq!(solution.report.iterations, 1);
+        assert_eq!((solution.state, solution.report.iterations), (0.0, 0));
+    }
+
+    #[test]
+    fn the_last_step_is_taken_and_not_linearised() {
+        let options = Options { relative_decrease: 1e-2, ..Options::default() };
+        let solution = levenberg_marquardt(&Rosenbrock { slip: 0.0 }, [0.9, 0.8], &options);
+        let Report { termination, iterations, costs } = &solution.report;
+        assert_eq!(*termination, Termination::Converged);
+        assert_eq!(costs.len(), iterations + 2, "{costs:?}");
+        assert!(costs[costs.len() - 1] < costs[costs.len() - 2]);
     }
 
     /// ½x², which jumps up by 10 below 1.
