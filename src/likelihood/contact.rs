@@ -7,25 +7,28 @@
 //!
 //! **Differs**: PF02 § 3.2 writes of the "lowest value" of F on the ray. Only the distance is lowest there; F is largest.
 
+use std::ops::Range;
+
 use nalgebra::Vector3;
 
 use crate::body::metaball::{Field, NEGLIGIBLE};
+use crate::math::exponential::{LANES, exp};
 
 /// A climb ends with the first Newton step that is less than this, metres. The error that is left is of the order of its
 /// square over the size of a metaball, 1e-9 m, and r depends only on the square of that, because x* is a summit.
 const LAST_STEP_M: f64 = 1e-5;
 
-/// Metaballs whose fᵢ is less than e⁻¹⁸, 10⁻⁸, of the largest move no summit that one could see: half of that exponent.
-const FAINT: f64 = 9.0;
-
 /// A climb ends after so many steps in any case; most take four.
 const MOST_STEPS: usize = 60;
 
-/// A field as seen from one point.
+/// A field as seen from one point. Its metaballs stand limb after limb, so that each limb is a run of numbers.
 #[derive(Debug, Clone)]
-pub(super) struct RayField<'f> {
-    field: &'f Field,
+pub(super) struct RayField {
     origin_world: Vector3<f64>,
+    /// Index in [`Field::metaballs`].
+    balls: Vec<usize>,
+    /// The run of each limb.
+    limbs: Vec<Range<usize>>,
     /// P: xx, yy, zz, xy, xz, yz; one for each metaball.
     precision: [Vec<f64>; 6],
     /// Pe.
@@ -39,18 +42,24 @@ pub(super) struct RayField<'f> {
     /// The least dᵢ₀ of each limb.
     leasts: Vec<f64>,
     /// The metaballs of the limb that is being climbed.
-    bumps: Vec<Bump>,
+    bumps: Vec<Bumps>,
 }
 
-/// What one metaball adds along the ray.
+/// What some metaballs add along the ray.
 #[derive(Debug, Clone, Copy)]
-struct Bump {
-    nearest: f64,
-    at: f64,
-    sharpness: f64,
+struct Bumps {
+    nearest: [f64; LANES],
+    at: [f64; LANES],
+    sharpness: [f64; LANES],
 }
 
-/// ln F(t) and its derivatives, and where mean shift goes.
+impl Bumps {
+    /// Of metaballs that are too faint to be seen.
+    const NONE: Self =
+        Self { nearest: [f64::INFINITY; LANES], at: [0.0; LANES], sharpness: [0.0; LANES] };
+}
+
+/// F(t), the derivatives of ln F, and where mean shift goes.
 #[derive(Debug, Clone, Copy)]
 struct Slope {
     value: f64,
@@ -59,24 +68,35 @@ struct Slope {
     mean: f64,
 }
 
-impl<'f> RayField<'f> {
-    pub(super) fn new(field: &'f Field, origin_world: Vector3<f64>) -> Self {
+impl RayField {
+    pub(super) fn new(field: &Field, origin_world: Vector3<f64>) -> Self {
         const ENTRIES: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
-        let balls = &field.metaballs;
-        let precision = ENTRIES.map(|entry| balls.iter().map(|m| m.precision[entry]).collect());
-        let offset = |i: usize| balls[i].ellipsoid.centre - origin_world;
-        let pulls: Vec<_> = (0..balls.len()).map(|i| balls[i].precision * offset(i)).collect();
-        let constant = pulls.iter().enumerate().map(|(i, pull)| pull.dot(&offset(i)));
+        let balls: Vec<usize> = field.limbs.iter().flatten().copied().collect();
+        let mut end = 0;
+        let run = |limb: &Vec<usize>| {
+            let start = end;
+            end += limb.len();
+            start..end
+        };
+        let limbs = field.limbs.iter().map(run).collect();
 
+        let each = || balls.iter().map(|&ball| &field.metaballs[ball]);
+        let precision = ENTRIES.map(|entry| each().map(|m| m.precision[entry]).collect());
+        let offsets: Vec<_> = each().map(|m| m.ellipsoid.centre - origin_world).collect();
+        let pulls: Vec<_> = each().zip(&offsets).map(|(m, offset)| m.precision * offset).collect();
+        let constant = pulls.iter().zip(&offsets).map(|(pull, offset)| pull.dot(offset)).collect();
+
+        let count = balls.len();
         Self {
-            field,
             origin_world,
+            balls,
+            limbs,
             precision,
             pull: [0, 1, 2].map(|k| pulls.iter().map(|p| p[k]).collect()),
-            constant: constant.collect(),
-            sharpness: vec![0.0; balls.len()],
-            at: vec![0.0; balls.len()],
-            nearest: vec![0.0; balls.len()],
+            constant,
+            sharpness: vec![0.0; count],
+            at: vec![0.0; count],
+            nearest: vec![0.0; count],
             leasts: Vec::with_capacity(field.limbs.len()),
             bumps: Vec::new(),
         }
@@ -93,10 +113,7 @@ impl<'f> RayField<'f> {
     pub(super) fn turn_to(&mut self, direction: &Vector3<f64>) -> Option<usize> {
         self.approach(direction);
         self.leasts.clear();
-        for limb in &self.field.limbs {
-            let nearest = limb.iter().map(|&i| self.nearest[i]);
-            self.leasts.push(nearest.fold(f64::INFINITY, f64::min));
-        }
+        self.leasts.extend(self.limbs.iter().map(|run| least(&self.nearest[run.clone()])));
 
         let nearer = |a: &usize, b: &usize| self.leasts[*a].total_cmp(&self.leasts[*b]);
         let nearest = (0..self.leasts.len()).min_by(nearer)?;
@@ -107,35 +124,50 @@ impl<'f> RayField<'f> {
     /// most a value that is not `enough`.
     pub(super) fn contact(&mut self, limb: usize, enough: impl Fn(f64) -> bool) -> Option<f64> {
         let least = self.leasts[limb];
+        let run = self.limbs[limb].clone();
         // nowhere is F more than the sum of all summits
-        let balls = self.field.limbs[limb].len() as f64;
-        if !least.is_finite() || !enough(balls.ln() - 2.0 * least) {
+        if !least.is_finite() || !enough((run.len() as f64).ln() - 2.0 * least) {
             return None;
         }
 
         // the metaballs that are not too faint at the nearest one
-        self.bumps.clear();
-        let mut start = 0.0;
-        for &i in &self.field.limbs[limb] {
-            let nearest = self.nearest[i] - least;
-            if nearest < FAINT {
-                let (at, sharpness) = (self.at[i], self.sharpness[i]);
-                if nearest <= 0.0 {
-                    start = at;
-                }
-                self.bumps.push(Bump { nearest, at, sharpness });
-            }
-        }
+        let start = self.gather(run, least);
+        let summits = self.bumps.iter().map(|b| sum(exp(b.nearest.map(|d| -2.0 * d))));
+        enough(summits.sum::<f64>().ln() - 2.0 * least).then(|| climb(&self.bumps, start))
+    }
 
-        let summits: f64 = self.bumps.iter().map(|b| (-2.0 * b.nearest).exp()).sum();
-        enough(summits.ln() - 2.0 * least).then(|| climb(&self.bumps, start))
+    /// Gathers the metaballs of a run that are not too faint beside the nearest one, whose place is returned.
+    fn gather(&mut self, run: Range<usize>, least: f64) -> f64 {
+        self.bumps.clear();
+        let (mut start, mut count) = (0.0, 0);
+        for i in run {
+            let nearest = self.nearest[i] - least;
+            if nearest >= NEGLIGIBLE {
+                continue;
+            }
+            let lane = count % LANES;
+            if lane == 0 {
+                self.bumps.push(Bumps::NONE);
+            }
+            let last = &mut self.bumps[count / LANES];
+            last.nearest[lane] = nearest;
+            last.at[lane] = self.at[i];
+            last.sharpness[lane] = self.sharpness[i];
+            if nearest <= 0.0 {
+                start = self.at[i];
+            }
+            count += 1;
+        }
+        start
     }
 
     /// The metaballs of a limb that contribute where the present ray touches it.
     pub(super) fn near(&self, limb: usize, near: &mut Vec<usize>) {
         let reach = self.leasts[limb] + NEGLIGIBLE;
+        let run = self.limbs[limb].clone();
+        let all = self.balls[run.clone()].iter().zip(&self.nearest[run]);
         near.clear();
-        near.extend(self.field.limbs[limb].iter().filter(|&&i| self.nearest[i] < reach));
+        near.extend(all.filter(|(_, nearest)| **nearest < reach).map(|(ball, _)| *ball));
     }
 
     /// a, tᵢ and dᵢ₀ of every metaball.
@@ -164,8 +196,19 @@ impl<'f> RayField<'f> {
     }
 }
 
+/// The least of some numbers, none of which is NaN.
+fn least(numbers: &[f64]) -> f64 {
+    let lesser = |a: f64, b: f64| if b < a { b } else { a };
+    let (blocks, rest) = numbers.as_chunks::<LANES>();
+    let mut lanes = [f64::INFINITY; LANES];
+    for block in blocks {
+        lanes = std::array::from_fn(|k| lesser(lanes[k], block[k]));
+    }
+    lanes.into_iter().chain(rest.iter().copied()).fold(f64::INFINITY, lesser)
+}
+
 /// The summit reached from `start`.
-fn climb(bumps: &[Bump], start: f64) -> f64 {
+fn climb(bumps: &[Bumps], start: f64) -> f64 {
     let mut t = start;
     let mut here = slope(bumps, t);
     for _ in 0..MOST_STEPS {
@@ -186,28 +229,33 @@ fn climb(bumps: &[Bump], start: f64) -> f64 {
     t
 }
 
-fn slope(bumps: &[Bump], t: f64) -> Slope {
+fn slope(bumps: &[Bumps], t: f64) -> Slope {
     // F, the sums of its derivatives without their constant factors, and mean shift's
-    let (mut sum, mut first, mut second) = (0.0, 0.0, 0.0);
-    let (mut pull, mut weight) = (0.0, 0.0);
-    for bump in bumps {
-        let off = t - bump.at;
-        let lean = bump.sharpness * off;
-        let f = (-2.0 * (bump.nearest + lean * off)).exp();
-        sum += f;
-        first += f * lean;
-        second += f * (4.0 * lean * lean - bump.sharpness);
-        weight += f * bump.sharpness;
-        pull += f * bump.sharpness * bump.at;
+    let [mut value, mut first, mut second, mut pull, mut weight] = [[0.0; LANES]; 5];
+    for Bumps { nearest, at, sharpness } in bumps {
+        let lean: [f64; LANES] = std::array::from_fn(|k| sharpness[k] * (t - at[k]));
+        let f = exp(std::array::from_fn(|k| -2.0 * (nearest[k] + lean[k] * (t - at[k]))));
+        for k in 0..LANES {
+            value[k] += f[k];
+            first[k] += f[k] * lean[k];
+            second[k] += f[k] * (4.0 * lean[k] * lean[k] - sharpness[k]);
+            weight[k] += f[k] * sharpness[k];
+            pull[k] += f[k] * sharpness[k] * at[k];
+        }
     }
 
-    let first = -4.0 * first / sum;
+    let value = sum(value);
+    let first = -4.0 * sum(first) / value;
     Slope {
-        value: sum.ln(),
+        value,
         first,
-        second: 4.0 * second / sum - first * first,
-        mean: pull / weight,
+        second: 4.0 * sum(second) / value - first * first,
+        mean: sum(pull) / sum(weight),
     }
+}
+
+fn sum(lanes: [f64; LANES]) -> f64 {
+    (lanes[0] + lanes[1]) + (lanes[2] + lanes[3])
 }
 
 #[cfg(test)]
@@ -244,7 +292,7 @@ mod tests {
             let t = rays.contact(limb, |_| true).unwrap();
             let sample = field.sample(&rays.point(&direction, t)).unwrap();
             let slope = sample.log_gradient.dot(&direction);
-            let bend = direction.dot(&(sample.log_hessian * direction));
+            let bend = direction.dot(&(sample.log_hessian(&field) * direction));
             assert!((slope / bend).abs() < 1e-8 && bend < 0.0, "{slope} {bend}");
         }
     }

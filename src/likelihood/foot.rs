@@ -89,7 +89,7 @@ impl Foot {
             let y = sample.point_world;
             let (normal, out_m) = skin.normal(sample);
             let distance_m = (x - y).dot(&normal) - out_m;
-            let bend = Bend::new(sample, &normal);
+            let bend = Bend::new(field, sample, &normal);
             let along = bend.along_skin(&(x - y), distance_m);
             if out_m.abs().max(along.norm()) < LAST_STEP_M && step > 0 {
                 return distance_m.is_finite().then_some(Self { distance_m, normal });
@@ -103,16 +103,16 @@ impl Foot {
     /// The row of A dr + q·dn + s·dy; `sample` is that of the foot.
     pub(super) fn row(
         &self,
+        field: &Field,
         sample: &FieldSample,
         a: f64,
-        q: &Vector3<f64>,
-        s: &Vector3<f64>,
+        (q, s): (&Vector3<f64>, &Vector3<f64>),
     ) -> FootRow {
         let per_slope = 1.0 / sample.log_gradient.norm();
-        let bend = Bend::new(sample, &self.normal);
+        let log_hessian = sample.log_hessian(field);
+        let bend = Bend::of(&log_hessian, sample, &self.normal);
         let u = bend.inverse(&(q - s * self.distance_m), self.distance_m);
-        let of_distance =
-            a - s.dot(&self.normal) + u.dot(&(sample.log_hessian * self.normal)) * per_slope;
+        let of_distance = a - s.dot(&self.normal) + u.dot(&(log_hessian * self.normal)) * per_slope;
         FootRow { alpha: -of_distance * per_slope, b: -u * per_slope }
     }
 }
@@ -155,7 +155,7 @@ impl Skin<'_> {
         for _ in 0..MOST_PLACES {
             let y = sample.point_world;
             let distance_m = (x - y).dot(&normal);
-            let bend = Bend::new(sample, &normal);
+            let bend = Bend::new(self.field, sample, &normal);
             let whole = bend.along_skin(&(x - y), distance_m);
             let mut share = if whole.norm() < LAST_STEP_M { 0.0 } else { 1.0 };
             let is_nearer = |place: &Vector3<f64>| {
@@ -192,13 +192,18 @@ struct Bend {
 }
 
 impl Bend {
-    fn new(sample: &FieldSample, normal: &Vector3<f64>) -> Self {
+    fn new(field: &Field, sample: &FieldSample, normal: &Vector3<f64>) -> Self {
+        Self::of(&sample.log_hessian(field), sample, normal)
+    }
+
+    /// The same, from ∇² ln F there.
+    fn of(log_hessian: &Matrix3<f64>, sample: &FieldSample, normal: &Vector3<f64>) -> Self {
         let aside = if normal.x.abs() < 0.7 { Vector3::x() } else { Vector3::y() };
         let first = normal.cross(&aside);
         let first = first / first.norm();
         let tangents = Matrix3x2::from_columns(&[first, normal.cross(&first)]);
         let per_slope = 1.0 / sample.log_gradient.norm().max(1e-9);
-        let local = -(tangents.transpose() * sample.log_hessian * tangents) * per_slope;
+        let local = -(tangents.transpose() * log_hessian * tangents) * per_slope;
         Self { shape: tangents * local * tangents.transpose(), tangents, local }
     }
 
@@ -322,11 +327,11 @@ mod tests {
         for x in [[0.05, 0.1, 0.03], [0.2, 0.02, -0.05], [-0.1, 0.02, 0.025], [0.0, 0.6, 0.1]] {
             let x = Vector3::from(x);
             let (foot, sample) = found(&field, x);
-            let row = foot.row(&sample, 1.0, &q, &s);
+            let row = foot.row(&field, &sample, 1.0, (&q, &s));
             for k in 0..3 {
                 let d = Vector3::ith(k, 1.0);
-                let analytic =
-                    row.alpha * -sample.log_gradient.dot(&d) - row.b.dot(&(sample.log_hessian * d));
+                let analytic = row.alpha * -sample.log_gradient.dot(&d)
+                    - row.b.dot(&(sample.log_hessian(&field) * d));
                 let step = 1e-4;
                 // in the world of the body the foot moves by dy − d
                 let value = |h: f64| {

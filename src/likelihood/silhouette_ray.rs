@@ -185,7 +185,7 @@ struct LimbSearch<'a> {
 
 impl LimbSearch<'_> {
     /// Finds the limb that a line is least outside of: `touched`, and r there; `None` if there is no metaball before the camera.
-    fn touch(&mut self, rays: &mut RayField<'_>, direction: &Vector3<f64>) -> Option<SkinResidual> {
+    fn touch(&mut self, rays: &mut RayField, direction: &Vector3<f64>) -> Option<SkinResidual> {
         let RayOptions { residual, derivatives, .. } = *self.options;
         // the nearest first, to rule out most of the others
         let nearest = rays.turn_to(direction)?;

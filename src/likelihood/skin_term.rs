@@ -104,6 +104,7 @@ impl Touch<'_> {
     /// b: what the place's own motion along its line adds; `carried` is what the offset adds on the way.
     fn along(
         &self,
+        field: &Field,
         sample: &FieldSample,
         changes: &[BallChange],
         carried: &[FrameChange],
@@ -116,7 +117,7 @@ impl Touch<'_> {
         if !changes_with {
             return Vector3::zeros();
         }
-        let curvature = r.dot(&(sample.log_hessian * r));
+        let curvature = sample.log_curvature(field, r);
         if curvature > FLATTEST {
             return Vector3::zeros();
         }
@@ -127,6 +128,7 @@ impl Touch<'_> {
     /// α and b of the distance from a foot, and of what the offset adds as the foot moves.
     fn foot_slopes(
         &self,
+        field: &Field,
         sample: &FieldSample,
         changes: &mut [BallChange],
         carried: &[FrameChange],
@@ -136,7 +138,7 @@ impl Touch<'_> {
         };
         let of_offset: Vector3<f64> = carried.iter().map(|c| c.place).sum();
         let by_place = slope_in_space(sample, changes) + of_offset;
-        let row = foot.row(sample, 1.0, by_normal, &by_place);
+        let row = foot.row(field, sample, 1.0, (by_normal, &by_place));
         for change in changes {
             change.alpha += row.alpha;
         }
@@ -329,8 +331,8 @@ pub(super) fn rows(
         changes.extend(shares.map(|share| scale.change(&touch.residual, field, share)));
         let slope = touch.linearize_offset(body, field, sample, &mut changes, &mut carried);
         let b = match touch.place {
-            TouchPlace::Foot { .. } => touch.foot_slopes(sample, &mut changes, &carried),
-            _ => touch.along(sample, &changes, &carried),
+            TouchPlace::Foot { .. } => touch.foot_slopes(field, sample, &mut changes, &carried),
+            _ => touch.along(field, sample, &changes, &carried),
         };
         slopes.row_from_changes(sample, &changes, &carried, &b, &mut row);
 

@@ -1,6 +1,7 @@
 //! Mathematics that knows nothing of cameras or bodies: the lowest layer, which all others may use.
 
 mod differences;
+pub(crate) mod exponential;
 pub mod parabola;
 pub mod quadric;
 pub mod rotation;

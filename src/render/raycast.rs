@@ -124,12 +124,29 @@ impl CameraBall {
         Some(Self { limb, precision, pull, constant: centre.coords.dot(&pull), frame })
     }
 
-    /// d₀ and the bump on the ray t·`direction`; `None` if the ray stays farther than [`FARTHEST`].
-    fn bump(&self, direction: &Vector3<f64>) -> Option<Bump> {
+    /// How the ray t·`direction` comes near; `None` if it stays farther than [`FARTHEST`].
+    fn approach(&self, direction: &Vector3<f64>) -> Option<Approach> {
         let a = direction.dot(&(self.precision * direction));
         let at = direction.dot(&self.pull) / a;
         let nearest = self.constant - a * at * at;
-        (nearest < FARTHEST).then(|| Bump { peak: (-2.0 * nearest).exp(), at, sharpness: 4.0 * a })
+        (nearest < FARTHEST).then_some(Approach { limb: self.limb, nearest, at, a })
+    }
+}
+
+/// How a ray comes near to a metaball of a limb: d(t) = d₀ + a (t − t₀)².
+#[derive(Debug, Clone, Copy)]
+struct Approach {
+    limb: usize,
+    /// d₀.
+    nearest: f64,
+    /// t₀.
+    at: f64,
+    a: f64,
+}
+
+impl Approach {
+    fn bump(&self) -> Bump {
+        Bump { peak: (-2.0 * self.nearest).exp(), at: self.at, sharpness: 4.0 * self.a }
     }
 }
 
@@ -165,18 +182,20 @@ fn undistorted_tile(camera: &Camera, left: usize, top: usize) -> Option<Frame> {
 struct Caster<'a> {
     camera: &'a Camera,
     near: Vec<CameraBall>,
+    /// On the present ray.
+    approaches: Vec<Approach>,
     /// One for each limb.
     profiles: Vec<RayProfile>,
 }
 
 impl<'a> Caster<'a> {
     fn new(camera: &'a Camera, near: Vec<CameraBall>, limbs: usize) -> Self {
-        Self { camera, near, profiles: vec![RayProfile::default(); limbs] }
+        let profiles = vec![RayProfile::default(); limbs];
+        Self { camera, near, approaches: Vec::new(), profiles }
     }
 
-    /// The line of sight of a pixel, for which the profiles are emptied.
-    fn aimed(&mut self, x: usize, y: usize) -> Option<Vector3<f64>> {
-        self.profiles.iter_mut().for_each(|p| p.bumps.clear());
+    /// The line of sight of a pixel.
+    fn aimed(&self, x: usize, y: usize) -> Option<Vector3<f64>> {
         let pixel = Point2::new(x as f64, y as f64);
         let undistorted = self.camera.undistort(&pixel)?;
         Some(self.camera.intrinsics.normalized(&undistorted).push(1.0))
@@ -187,29 +206,48 @@ impl<'a> Caster<'a> {
         let Some(direction) = self.aimed(x, y) else {
             return false;
         };
+        // one metaball alone reaches T
+        let alone = -0.5 * THRESHOLD.ln();
+        let mut least = f64::INFINITY;
+        self.approaches.clear();
         for i in 0..self.near.len() {
-            let Some(bump) = self.near[i].bump(&direction) else {
+            let Some(approach) = self.near[i].approach(&direction) else {
                 continue;
             };
-
-            if bump.peak >= THRESHOLD && bump.at >= 0.0 {
+            if approach.nearest <= alone && approach.at >= 0.0 {
                 // the next pixel most likely meets the same metaball
                 self.near.swap(0, i);
                 return true;
             }
-            self.profiles[self.near[i].limb].bumps.push(bump);
+            least = least.min(approach.nearest);
+            self.approaches.push(approach);
         }
 
+        // as many as the nearest one do not
+        if self.approaches.len() as f64 * (-2.0 * least).exp() < THRESHOLD {
+            return false;
+        }
+        self.profile();
         self.profiles.iter().any(|p| p.reaches(THRESHOLD))
+    }
+
+    /// The field of each limb along the present ray.
+    fn profile(&mut self) {
+        self.profiles.iter_mut().for_each(|p| p.bumps.clear());
+        for approach in &self.approaches {
+            self.profiles[approach.limb].bumps.push(approach.bump());
+        }
     }
 
     /// The limbs that the line of sight of a pixel meets.
     fn limbs_hit(&mut self, x: usize, y: usize) -> impl Iterator<Item = usize> + '_ {
-        if let Some(direction) = self.aimed(x, y) {
-            for ball in &self.near {
-                self.profiles[ball.limb].bumps.extend(ball.bump(&direction));
-            }
-        }
+        let direction = self.aimed(x, y);
+        let balls = self.near.iter();
+        let approaches =
+            direction.into_iter().flat_map(|r| balls.clone().filter_map(move |b| b.approach(&r)));
+        self.approaches.clear();
+        self.approaches.extend(approaches);
+        self.profile();
         let profiles = self.profiles.iter().enumerate();
         profiles.filter(|(_, p)| p.reaches(THRESHOLD)).map(|(limb, _)| limb)
     }

@@ -45,7 +45,7 @@ pub fn check_field(
 
     let numeric =
         central_differences(3, STEP, |d| at(&field, &(x + Vector3::new(d[0], d[1], d[2]))));
-    compare("x", &in_space(&sample), &numeric)?;
+    compare("x", &in_space(&field, &sample), &numeric)?;
 
     let layout = Layout::new(model);
     let numeric = central_differences(layout.total(), STEP, |delta| {
@@ -62,10 +62,11 @@ fn numbers(sample: &FieldSample) -> DVector<f64> {
     DVector::from_iterator(4, std::iter::once(sample.log_value).chain(gradient))
 }
 
-fn in_space(sample: &FieldSample) -> DMatrix<f64> {
+fn in_space(field: &Field, sample: &FieldSample) -> DMatrix<f64> {
+    let log_hessian = sample.log_hessian(field);
     DMatrix::from_fn(4, 3, |row, k| match row.checked_sub(1) {
         None => sample.log_gradient[k],
-        Some(i) => sample.log_hessian[(i, k)],
+        Some(i) => log_hessian[(i, k)],
     })
 }
 

@@ -10,8 +10,8 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::Field;
 
-/// Metaballs whose fᵢ is less than e⁻³² of the largest are left out: half of that exponent.
-pub(crate) const NEGLIGIBLE: f64 = 16.0;
+/// Metaballs whose fᵢ is less than e⁻¹⁸, 10⁻⁸, of the largest are left out: half of that exponent.
+pub(crate) const NEGLIGIBLE: f64 = 9.0;
 
 /// What one metaball contributes at a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,13 +35,30 @@ pub struct FieldSample {
     pub log_value: f64,
     /// ∇ ln F, 1/m.
     pub log_gradient: Vector3<f64>,
-    /// ∇² ln F, 1/m².
-    pub log_hessian: Matrix3<f64>,
     /// The metaballs that contribute.
     pub shares: Vec<Share>,
 }
 
 impl FieldSample {
+    /// ∇² ln F, 1/m²; `field` is the one that was sampled.
+    pub fn log_hessian(&self, field: &Field) -> Matrix3<f64> {
+        let mut hessian = self.log_gradient * -self.log_gradient.transpose();
+        for Share { metaball, weight, pull } in &self.shares {
+            hessian += pull * (pull * (16.0 * weight)).transpose();
+            hessian -= field.metaballs[*metaball].precision * (4.0 * weight);
+        }
+        hessian
+    }
+
+    /// The second derivative of ln F along a unit vector r, 1/m²: rᵀ ∇² ln F r.
+    pub(crate) fn log_curvature(&self, field: &Field, r: &Vector3<f64>) -> f64 {
+        let each = self.shares.iter().map(|Share { metaball, weight, pull }| {
+            let precision = &field.metaballs[*metaball].precision;
+            weight * (16.0 * pull.dot(r).powi(2) - 4.0 * r.dot(&(precision * r)))
+        });
+        each.sum::<f64>() - self.log_gradient.dot(r).powi(2)
+    }
+
     /// The metaball of largest weight; `None` before any update.
     pub fn heaviest(&self) -> Option<usize> {
         let heavier = |a: &&Share, b: &&Share| a.weight.total_cmp(&b.weight);
@@ -101,22 +118,11 @@ impl FieldSample {
         }
 
         self.log_value = sum.ln() - 2.0 * least;
-        self.differentiate(field, 1.0 / sum);
-    }
-
-    /// ∇ ln F and ∇² ln F, from weights that `scale` makes add up to 1.
-    fn differentiate(&mut self, field: &Field, scale: f64) {
-        let mut gradient = Vector3::zeros();
-        let mut hessian = Matrix3::zeros();
+        self.log_gradient = Vector3::zeros();
         for share in &mut self.shares {
-            share.weight *= scale;
-            let pulled = share.pull * (-4.0 * share.weight);
-            gradient += pulled;
-            hessian -= pulled * (share.pull * 4.0).transpose();
-            hessian -= field.metaballs[share.metaball].precision * (4.0 * share.weight);
+            share.weight /= sum;
+            self.log_gradient -= share.pull * (4.0 * share.weight);
         }
-        self.log_gradient = gradient;
-        self.log_hessian = hessian - gradient * gradient.transpose();
     }
 }
 
@@ -152,6 +158,17 @@ mod tests {
         assert_eq!((sample.limb, sample.shares.len()), (1, 2));
         let beyond = field.sample(&Vector3::new(-0.01, 0.0, 0.0)).unwrap();
         assert_eq!((beyond.limb, beyond.heaviest()), (0, Some(0)));
+    }
+
+    #[test]
+    fn the_curvature_along_a_line_is_that_of_the_matrix_of_second_derivatives() {
+        let field = Field::new([ball(0.0), ball(0.1), ball(0.13)]);
+        let sample = field.sample(&Vector3::new(0.05, 0.04, -0.02)).unwrap();
+        for r in [Vector3::x(), Vector3::y(), Vector3::new(0.6, 0.0, -0.8)] {
+            let expected = r.dot(&(sample.log_hessian(&field) * r));
+            let found = sample.log_curvature(&field, &r);
+            approx::assert_relative_eq!(found, expected, max_relative = 1e-12);
+        }
     }
 
     #[test]

@@ -171,8 +171,8 @@ mod tests {
                 epsilon = 1e-12
             );
             approx::assert_relative_eq!(
-                sample.log_hessian,
-                expected.log_hessian,
+                sample.log_hessian(&field),
+                expected.log_hessian(&field),
                 max_relative = 1e-9,
                 epsilon = 1e-6
             );

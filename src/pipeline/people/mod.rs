@@ -59,9 +59,9 @@ pub const LEAST_SHARE: f64 = 0.2;
 const EQUAL: f64 = 0.8;
 /// Two bodies do not fill the same room: the share of one's ellipsoids whose middle may lie within another, as both are fitted coarsely.
 const MOST_INSIDE: f64 = 0.1;
-/// Before their first frame, and after their last, people are expected for so many frames, on the line of so many frames.
-const REACH: usize = 30;
-const STEADY: usize = 10;
+/// Before they are first seen, and after they are last seen, people are expected for so long, on the line of so long, s.
+const REACH_S: f64 = 0.6;
+const STEADY_S: f64 = 0.2;
 /// Keyframes of the bodies that tell whose the borders are.
 const KEYFRAMES: usize = 3;
 
@@ -244,19 +244,19 @@ fn tracked(room: &Room, rig: &Rig, sequence: Sequence<'_>, most: Option<usize>) 
     };
     let mut people: Vec<Track> = found.iter().map(of_track).collect();
     if people.len() > 1 {
-        part_merged(room, &mut people, &standing);
+        part_merged(room, &mut people, &standing, &times_s);
     }
     people
 }
 
 /// Where one who is in view about a frame has no place of their own in it, but is somewhere in what is seen, parts the voxels of all by who is
 /// nearer.
-fn part_merged(room: &Room, people: &mut [Track], standing: &[Vec<Standing>]) {
+fn part_merged(room: &Room, people: &mut [Track], standing: &[Vec<Standing>], times_s: &[f64]) {
     let seen: Vec<BTreeMap<usize, Point3<f64>>> = people.iter().map(Track::places).collect();
     for (i, of_frame) in standing.iter().enumerate() {
         let shown: Vec<usize> = of_frame.iter().flat_map(|s| s.voxels.iter().copied()).collect();
         let place = |seen: &BTreeMap<usize, Point3<f64>>| {
-            let place = expected(seen, i)?;
+            let place = expected(seen, times_s, i)?;
             standing::is_filled(room, &shown, &place).then_some(place)
         };
         let places: Vec<Option<Point3<f64>>> = seen.iter().map(place).collect();
@@ -280,20 +280,27 @@ fn part_merged(room: &Room, people: &mut [Track], standing: &[Vec<Standing>]) {
     }
 }
 
-/// Where a person is in a frame: seen there, between where they were before and after, or on from where they were within [`REACH`] frames.
-fn expected(seen: &BTreeMap<usize, Point3<f64>>, frame: usize) -> Option<Point3<f64>> {
+/// Where a person is in a frame: seen there, between where they were before and after, or on from where they were within [`REACH_S`].
+fn expected(
+    seen: &BTreeMap<usize, Point3<f64>>,
+    times_s: &[f64],
+    frame: usize,
+) -> Option<Point3<f64>> {
     let along = |(i, a): (&usize, &Point3<f64>), (j, b): (&usize, &Point3<f64>)| {
-        let part = (frame as f64 - *i as f64) / (*j as f64 - *i as f64);
+        let part = (times_s[frame] - times_s[*i]) / (times_s[*j] - times_s[*i]);
         if i == j { *a } else { a + (b - a) * part }
     };
+    let apart_s = |i: usize, j: usize| (times_s[i] - times_s[j]).abs();
     let (before, after) = (seen.range(..=frame).next_back(), seen.range(frame..).next());
     match (before, after) {
         (Some(before), Some(after)) => Some(along(before, after)),
-        (None, Some(first)) if first.0 - frame <= REACH => {
-            seen.iter().take(STEADY).next_back().map(|later| along(first, later))
+        (None, Some(first)) if apart_s(frame, *first.0) <= REACH_S => {
+            let steady = seen.iter().take_while(|(i, _)| apart_s(**i, *first.0) < STEADY_S);
+            steady.last().map(|later| along(first, later))
         }
-        (Some(last), None) if frame - last.0 <= REACH => {
-            seen.iter().rev().take(STEADY).next_back().map(|earlier| along(earlier, last))
+        (Some(last), None) if apart_s(frame, *last.0) <= REACH_S => {
+            let steady = seen.iter().rev().take_while(|(i, _)| apart_s(**i, *last.0) < STEADY_S);
+            steady.last().map(|earlier| along(earlier, last))
         }
         _ => None,
     }
