@@ -6,7 +6,7 @@ use maquette::body::{BodyModel, Motion, Posed, Shape};
 use maquette::camera::CameraId;
 use maquette::io::model;
 use maquette::silhouette::FrameIndex;
-use maquette::synth::{Walk, WalkError, WalkingStyle, draw_shape, sample_walker};
+use maquette::synth::{Ground, Walk, WalkError, WalkingStyle, draw_shape, sample_walker};
 use nalgebra::{Point3, Vector2};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -32,8 +32,13 @@ fn trial(name: &str, seed: u64) -> Trial {
         0 => (Shape(model.statistics.mean.clone()), WalkingStyle::normative()),
         _ => (draw_shape(&model, &mut rng), WalkingStyle::personal(&mut rng)),
     };
-    let walk =
-        Walk { style, heading: 0.0, middle_world: Vector2::new(0.5, -0.2), start_phase: 0.0 };
+    let walk = Walk {
+        style,
+        heading: 0.0,
+        middle_world: Vector2::new(0.5, -0.2),
+        start_phase: 0.0,
+        ground: Ground::Floor,
+    };
     let frames = (2.0 * FPS / walk.style.stride_hz) as usize;
     let motions = walk.motions(&model, &shape, FPS, frames).expect("it has feet");
     Trial { model, shape, walk, motions }
@@ -94,6 +99,29 @@ fn the_path_is_centred_where_it_was_asked_for() {
     let (first, last) = (&trial.motions[0], &trial.motions[trial.motions.len() - 1]);
     let middle = 0.5 * (first.position_world + last.position_world);
     approx::assert_relative_eq!(middle.xy(), Vector2::new(0.5, -0.2), epsilon = 1e-12);
+}
+
+#[test]
+fn a_belt_carries_the_person_back_evenly() {
+    let floor = trial("walker-metaballs", 2);
+    let belt = Walk { ground: Ground::Treadmill, ..floor.walk.clone() };
+    let motions =
+        belt.motions(&floor.model, &floor.shape, FPS, floor.motions.len()).expect("it has feet");
+    let (first, last) = (&motions[0], &motions[motions.len() - 1]);
+    approx::assert_relative_eq!(
+        first.position_world.xy(),
+        last.position_world.xy(),
+        epsilon = 1e-12
+    );
+
+    // the same poses, and one velocity between them and the floor's
+    let run = |i: usize| floor.motions[i].position_world - motions[i].position_world;
+    let velocity = run(1) - run(0);
+    assert!((0.9..1.75).contains(&(velocity.norm() * FPS)), "{velocity}");
+    for (i, (on_floor, on_belt)) in floor.motions.iter().zip(&motions).enumerate() {
+        assert_eq!(on_floor.angles, on_belt.angles);
+        approx::assert_relative_eq!(run(i), run(0) + velocity * i as f64, epsilon = 1e-9);
+    }
 }
 
 #[test]

@@ -11,7 +11,7 @@ use maquette::body::BodyModel;
 use maquette::io::recording::{filmed, synthetic};
 use maquette::io::{frame_rate, model};
 use maquette::pipeline::counted;
-use maquette::synth::{FilmRecipe, Make, Recipe, Ring, SegmentationErrors, StereoPair};
+use maquette::synth::{FilmRecipe, Ground, Make, Recipe, Ring, SegmentationErrors, StereoPair};
 
 pub(super) const ABOUT: &str = "\
 Make a recording of a walking person, with the truth beside it.
@@ -42,6 +42,9 @@ pub(super) struct SynthArguments {
     /// Frames per second [default: 50; with --clutter 25]
     #[arg(long, value_parser = rate)]
     fps: Option<f64>,
+    /// The person walks on a treadmill, and so stays in the middle of the cameras
+    #[arg(long, conflicts_with = "clutter")]
+    treadmill: bool,
     /// What the person is made of
     #[arg(long, value_enum, default_value_t = MadeOf::Metaballs)]
     make: MadeOf,
@@ -114,6 +117,7 @@ fn ring(arguments: &SynthArguments, model: &BodyModel) -> Result<Written, CliErr
         trial: arguments.trial.into(),
         frames: arguments.frames.map(|frames| frames as usize),
         fps: arguments.fps.unwrap_or(default.fps),
+        ground: if arguments.treadmill { Ground::Treadmill } else { Ground::Floor },
         make: match arguments.make {
             MadeOf::Metaballs => Make::Metaballs,
             MadeOf::Flesh => Make::Flesh,

@@ -44,5 +44,5 @@ pub use noise::SegmentationErrors;
 pub use recording::{Recipe, Synthetic, sample_walker};
 pub use scene::Ring;
 pub use shape::draw_shape;
-pub use walk::{Walk, WalkError};
+pub use walk::{Ground, Walk, WalkError};
 pub use walking_style::WalkingStyle;

@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::{
-    BoundSkin, Make, Ring, SegmentationErrors, StereoPair, Walk, WalkError, WalkingStyle,
+    BoundSkin, Ground, Make, Ring, SegmentationErrors, StereoPair, Walk, WalkError, WalkingStyle,
     draw_shape,
 };
 use crate::body::metaball::Field;
@@ -110,6 +110,8 @@ pub struct Recipe {
     pub frames: Option<usize>,
     /// Frames per second.
     pub fps: f64,
+    /// What the person walks on.
+    pub ground: Ground,
     /// What the person is made of.
     pub make: Make,
     /// The cameras.
@@ -129,6 +131,7 @@ impl Default for Recipe {
             trial: 0,
             frames: None,
             fps: 50.0,
+            ground: Ground::Floor,
             make: Make::Metaballs,
             ring: Ring {
                 distortion: Distortion::brown_conrady(&coefficients).unwrap_or(Distortion::None),
@@ -166,6 +169,7 @@ pub(super) fn person(model: &BodyModel, seed: u64, middle_world: Vector2<f64>) -
         heading: 0.0,
         middle_world,
         start_phase: 0.0,
+        ground: Ground::Floor,
     };
     (draw_shape(model, &mut stream(seed, BODY)), walk)
 }
@@ -181,7 +185,7 @@ impl Recipe {
         let mut draw = || -> f64 { StandardNormal.sample(&mut rng) };
         let heading = first.heading + HEADING_SD * draw();
         let middle_world = first.middle_world + PLACE_SD_M * Vector2::new(draw(), draw());
-        Walk { style, heading, middle_world, start_phase: rng.random() }
+        Walk { style, heading, middle_world, start_phase: rng.random(), ..first }
     }
 
     /// A person drawn from the model, who walks in a style of their own along x through the middle of the ring.
@@ -191,7 +195,7 @@ impl Recipe {
     pub fn walker(&self, model: &BodyModel) -> Result<Synthetic, WalkError> {
         let middle_world = self.ring.target_world.coords.xy();
         let (shape, walk) = person(model, self.seed, middle_world);
-        let walk = self.of_trial(walk);
+        let walk = Walk { ground: self.ground, ..self.of_trial(walk) };
         let cycle = (self.fps / walk.style.stride_hz).ceil() as usize;
         let mut motions = walk.motions(model, &shape, self.fps, self.frames.unwrap_or(cycle))?;
         let skin = self.make.skin(model, &shape, &mut stream(self.seed, SKIN))?;

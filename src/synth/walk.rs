@@ -7,7 +7,7 @@ use super::contact::{Foot, right_load};
 use crate::body::{BodyModel, Joint, Motion, Posed, Shape};
 use crate::skin::SkinError;
 
-/// A straight walk on the floor z = 0.
+/// A straight walk on z = 0.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Walk {
     /// How the person walks.
@@ -18,6 +18,18 @@ pub struct Walk {
     pub middle_world: Vector2<f64>,
     /// Phase of the first frame in the cycle of the right foot, 0 to 1.
     pub start_phase: f64,
+    /// What the person walks on.
+    pub ground: Ground,
+}
+
+/// What a person walks on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Ground {
+    /// The floor, which stays.
+    #[default]
+    Floor,
+    /// The belt of a treadmill, which is as fast as the person on the mean.
+    Treadmill,
 }
 
 /// Why a model cannot walk.
@@ -97,6 +109,9 @@ impl Walk {
             now = next;
         }
 
+        if self.ground == Ground::Treadmill {
+            carry_back(&mut motions);
+        }
         self.centre(&mut motions);
         Ok(motions)
     }
@@ -132,6 +147,18 @@ impl Walk {
         for motion in motions {
             motion.position_world += shift;
         }
+    }
+}
+
+/// Moves each motion back by as far as a belt has run that is as fast as all of them on the mean.
+fn carry_back(motions: &mut [Motion]) {
+    let (Some(first), Some(last)) = (motions.first(), motions.last()) else {
+        return;
+    };
+    let whole = (last.position_world - first.position_world).xy().push(0.0);
+    let steps = motions.len().saturating_sub(1).max(1) as f64;
+    for (i, motion) in motions.iter_mut().enumerate() {
+        motion.position_world -= whole * (i as f64 / steps);
     }
 }
 

@@ -8,7 +8,7 @@ use maquette::image::Mask;
 use maquette::io::model;
 use maquette::math::quadric::project;
 use maquette::silhouette::{FrameIndex, FrameObservations, SilhouetteOptions, extract};
-use maquette::synth::{Ring, Walk, WalkingStyle};
+use maquette::synth::{Ground, Ring, Walk, WalkingStyle};
 use nalgebra::Vector2;
 
 /// The shipped human.
@@ -29,6 +29,7 @@ pub(crate) fn walk(model: &BodyModel, shape: &Shape, fps: f64, frames: usize) ->
         heading: 0.2,
         middle_world: Vector2::new(0.05, -0.1),
         start_phase: 0.1,
+        ground: Ground::Floor,
     };
     walk.motions(model, shape, fps, frames).expect("the human has feet")
 }

@@ -9,7 +9,7 @@ use maquette::io::model;
 use maquette::io::points::trc::{Trajectories, write_trc};
 use maquette::pipeline::{FittedBody, FittedMotion, FramePose};
 use maquette::silhouette::FrameIndex;
-use maquette::synth::{Walk, WalkingStyle};
+use maquette::synth::{Ground, Walk, WalkingStyle};
 use nalgebra::{Point3, Vector2, Vector3};
 
 pub(crate) const RATE_HZ: f64 = 100.0;
@@ -37,6 +37,7 @@ impl Walker {
             heading,
             middle_world: Vector2::new(0.4, -0.3),
             start_phase: 0.2,
+            ground: Ground::Floor,
         };
         let motions = walk.motions(&model, &shape, RATE_HZ, FRAMES).expect("feet");
         Self::from_motions(model, shape, motions, heading)

@@ -16,7 +16,7 @@ use maquette::silhouette::{
     Detection, FrameIndex, FrameObservations, Keypoint, SilhouetteOptions, extract,
 };
 use maquette::stereo::{CloudPoint, Spread};
-use maquette::synth::{Ring, Walk, WalkingStyle};
+use maquette::synth::{Ground, Ring, Walk, WalkingStyle};
 use nalgebra::{DVector, Point3, Unit, Vector2, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -91,6 +91,7 @@ impl Scene {
             heading: 0.2,
             middle_world: Vector2::new(0.05, -0.1),
             start_phase: 0.1,
+            ground: Ground::Floor,
         };
         let shape = Shape(model.statistics.mean.clone());
         let motions = walk.motions(&model, &shape, FPS, frames).expect("feet");

@@ -145,13 +145,13 @@ impl Recorded {
     fn new(walker: &BodyModel, seed: u64) -> Option<Self> {
         let recipe = Recipe {
             seed,
-            trial: 0,
             make: Make::Metaballs,
             frames: Some(MOMENTS * (FRAMES + 2 * MOST_LATE)),
             fps: FPS * MOMENTS as f64,
             ring: Ring { cameras: CAMERAS, ..Ring::default() },
             errors: Some(SegmentationErrors::MILD),
             stereo: None,
+            ..Recipe::default()
         };
         let walk = recipe.walker(walker).ok()?;
 

@@ -96,7 +96,7 @@ impl Scene {
             ring: Ring { cameras, radius: 5.0, focal_px: 500.0, ..Ring::default() },
             errors: None,
             stereo: None,
-            trial: 0,
+            ..Recipe::default()
         };
         let first = recipe(seed, Make::Flesh).walker(walker).ok()?;
         let mut people = vec![first];

@@ -92,6 +92,7 @@ pub(crate) fn found(
         ring: Ring { cameras: 5, ..Ring::default() },
         errors: Some(SegmentationErrors::MILD),
         stereo: None,
+        ..Recipe::default()
     };
     let film = |seed, trial| Filmed::new(&recipe(seed, trial), body, walker);
     let filmed: Vec<Filmed> = (0..TRIALS).map(|trial| film(seed, trial)).collect::<Option<_>>()?;

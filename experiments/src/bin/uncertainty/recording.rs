@@ -49,13 +49,13 @@ pub(crate) fn deviations(
 ) -> Option<Vec<Deviation>> {
     let recipe = Recipe {
         seed,
-        trial: 0,
         make,
         frames: Some(FRAMES),
         fps: 30.0,
         ring: Ring { cameras: 5, ..Ring::default() },
         errors: Some(SegmentationErrors::MILD),
         stereo: None,
+        ..Recipe::default()
     };
     let truth = recipe.walker(&individual(&recipe, body, walker)?).ok()?;
     let observations = observe(&truth);
