@@ -59,7 +59,7 @@ fn without_reason(manifest: &str, decisions: &str) -> Vec<String> {
     dependencies
         .expect("a table")
         .keys()
-        .filter(|name| *name != env!("CARGO_PKG_NAME"))
+        .filter(|name| !["maquette", "maquette-cli"].contains(&name.as_str()))
         .filter(|name| !decisions.contains(&format!("| {name} |")))
         .cloned()
         .collect()

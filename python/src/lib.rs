@@ -1,0 +1,65 @@
+//! The extension module `maquette._maquette`: what the Python package `maquette` calls.
+//!
+//! It turns words into calls of the program and results into arrays, and computes nothing. Names, units and tables are
+//! made in Python, in `python/maquette/`.
+//!
+//! | file         | holds                                                    |
+//! |--------------|----------------------------------------------------------|
+//! | `fitted.rs`  | a fitted body                                            |
+//! | `arrays.rs`  | its frames as NumPy's arrays                             |
+//! | `study.rs`   | its gait                                                 |
+//! | `watch.rs`   | work without the interpreter's lock, which can be stopped |
+//! | `fault.rs`   | what went wrong, as an exception                         |
+
+mod arrays;
+mod fault;
+mod fitted;
+mod study;
+mod watch;
+
+use std::ffi::OsString;
+use std::io::Write;
+use std::path::PathBuf;
+
+use maquette::Recording;
+use maquette_cli::call;
+use pyo3::prelude::*;
+
+use fault::exception;
+use fitted::Fitted;
+use study::Study;
+use watch::{Listeners, watched};
+
+/// What `maquette fit` with these words finds and writes.
+#[pyfunction]
+fn fit(py: Python<'_>, words: Vec<OsString>, listeners: Listeners) -> PyResult<Fitted> {
+    watched(py, &listeners, |progress| call::fit(&words, progress)).map(Fitted::new)
+}
+
+/// The body and the height that a recording names; an exception if there is no such recording.
+#[pyfunction]
+fn recording(path: PathBuf) -> PyResult<(Option<String>, Option<f64>)> {
+    let recording =
+        Recording::open(path).map_err(|fault| exception(maquette::Error::from(fault)))?;
+    Ok((recording.body().map(str::to_owned), recording.height_m()))
+}
+
+/// Does what the words of the command line say, the program's name first, and gives the exit code.
+#[pyfunction]
+fn main(py: Python<'_>, words: Vec<OsString>) -> u8 {
+    let code = py.detach(|| maquette_cli::run(words));
+    // nobody flushes it when the interpreter ends; a reader that has closed it is no fault
+    let _ = std::io::stdout().flush();
+    code
+}
+
+/// The module's content.
+#[pymodule]
+fn _maquette(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_class::<Fitted>()?;
+    module.add_class::<Study>()?;
+    module.add_function(wrap_pyfunction!(fit, module)?)?;
+    module.add_function(wrap_pyfunction!(recording, module)?)?;
+    module.add_function(wrap_pyfunction!(main, module)?)
+}
