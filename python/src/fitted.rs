@@ -92,8 +92,8 @@ impl Fitted {
     }
 
     /// Numbers of the frames, of shape N.
-    fn frame_numbers<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u64>> {
-        of_frames(py, self.frames().iter().map(|frame| frame.frame as u64))
+    fn frame_numbers<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        of_frames(py, self.frames().iter().map(|frame| frame.frame as i64))
     }
 
     /// Their times in seconds, of shape N.
@@ -102,8 +102,8 @@ impl Fitted {
     }
 
     /// How many cameras see the person in each, of shape N.
-    fn views<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u64>> {
-        of_frames(py, self.frames().iter().map(|frame| frame.views as u64))
+    fn views<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        of_frames(py, self.frames().iter().map(|frame| frame.views as i64))
     }
 
     /// The joints' angles in radians, of shape N × A.

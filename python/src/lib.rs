@@ -44,6 +44,12 @@ fn recording(path: PathBuf) -> PyResult<(Option<String>, Option<f64>)> {
     Ok((recording.body().map(str::to_owned), recording.height_m()))
 }
 
+/// Where the recording is that the folder of a fit names.
+#[pyfunction]
+fn origin(folder: PathBuf) -> Option<PathBuf> {
+    maquette::io::folder::origin::read(&folder)
+}
+
 /// Does what the words of the command line say, the program's name first, and gives the exit code.
 #[pyfunction]
 fn main(py: Python<'_>, words: Vec<OsString>) -> u8 {
@@ -61,5 +67,6 @@ fn _maquette(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Study>()?;
     module.add_function(wrap_pyfunction!(fit, module)?)?;
     module.add_function(wrap_pyfunction!(recording, module)?)?;
+    module.add_function(wrap_pyfunction!(origin, module)?)?;
     module.add_function(wrap_pyfunction!(main, module)?)
 }

@@ -1,0 +1,40 @@
+"""Body shape and motion of a person, with standard deviations, from calibrated recordings.
+
+>>> import maquette
+>>> fit = maquette.Recording("data/sequences/walker").fit()  # doctest: +SKIP
+>>> fit.lengths  # doctest: +SKIP
+
+Numbers are in metres, seconds and radians unless an attribute ``units`` says otherwise; the world is right-handed
+with Z up. Every number is the program's, to the last bit.
+"""
+
+from __future__ import annotations
+
+from . import errors
+from ._fit import Fit, load
+from ._gait import Gait
+from ._maquette import __version__
+from ._recording import Recording
+from .errors import (
+    MaquetteError,
+    MaquetteWarning,
+    OptionError,
+    RecordingError,
+    ResultError,
+    UnusableError,
+)
+
+__all__ = [
+    "Fit",
+    "Gait",
+    "MaquetteError",
+    "MaquetteWarning",
+    "OptionError",
+    "Recording",
+    "RecordingError",
+    "ResultError",
+    "UnusableError",
+    "__version__",
+    "errors",
+    "load",
+]
