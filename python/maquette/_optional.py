@@ -27,7 +27,7 @@ def imported(name: str, extra: str) -> ModuleType:
     try:
         return import_module(name)
     except ModuleNotFoundError as fault:
-        if fault.name != package:
+        if (fault.name or "").partition(".")[0] != package:
             raise
         line = f"{package} is not installed: pip install 'maquette[{extra}]'"
         raise MissingPackageError(line) from None
