@@ -372,4 +372,3 @@ def _restored(result: bytes, body: str | None, origin: str | None) -> Fit:
         (scratch.path / _ORIGIN).write_text(f"path = {json.dumps(origin)}\n", encoding="utf-8")
     fitted = _maquette.Fitted.read(scratch.path, body)
     return Fit(fitted, folder=scratch.path, body=body, scratch=scratch)
-

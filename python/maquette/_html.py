@@ -36,9 +36,7 @@ def gait(result: dict[str, Any]) -> str:
     return _block(head, ("parameter", "side", "mean", "unit"), rows, result["notes"])
 
 
-def _block(
-    head: str, columns: Iterable[str], rows: Iterable[Iterable[str]], lines: Iterable[str]
-) -> str:
+def _block(head: str, columns: Iterable[str], rows: Iterable[Iterable[str]], lines: Iterable[str]) -> str:
     """A heading, a table, and lines below it."""
     table = "".join(_row("td", row) for row in rows)
     below = "".join(f"<p>{escape(line)}</p>" for line in lines)

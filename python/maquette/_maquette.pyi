@@ -5,15 +5,17 @@ from __future__ import annotations
 import os
 import pathlib
 from collections.abc import Callable, Sequence
-from typing import Optional, final
+from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 
+__all__ = ["Fitted", "Study", "__version__", "fit", "main", "origin", "recording"]
+
 __version__: str
 
 _Path = str | os.PathLike[str]
-_Listeners = tuple[Optional[Callable[[str, int, int], object]], Callable[[str], object]]
+_Listeners = tuple[Callable[[str, int, int], object] | None, Callable[[str], object]]
 _Floats = NDArray[np.float64]
 
 def fit(words: Sequence[str], listeners: _Listeners) -> Fitted:

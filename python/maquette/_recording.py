@@ -82,7 +82,7 @@ class Recording:
             Where the cameras are: where their calibration says (``trust``), about there (``refine``, the default),
             or as it says, with what would be refined told and not used (``check``).
         clocks
-            Whether they took their pictures at once (``trust``), or by clocks whose offsets are estimated (the default).
+            Whether they took their pictures at once (``trust``), or by clocks whose offsets are estimated (default).
         frames
             First and last frame, both included; default all.
         height

@@ -48,10 +48,7 @@ def lengths(result: Result) -> pd.DataFrame:
 def coefficients(result: Result) -> pd.DataFrame:
     """The shape coefficients, by name."""
     keys = ("name", "value", "prior_mean", "prior_sd")
-    rows = [
-        {key: part[key] for key in keys} | {"sd": _number(part["sd"])}
-        for part in result["shape"]["coefficients"]
-    ]
+    rows = [{key: part[key] for key in keys} | {"sd": _number(part["sd"])} for part in result["shape"]["coefficients"]]
     table = _frame(rows, "name", {})
     return table[["value", "sd", "prior_mean", "prior_sd"]]
 

@@ -135,7 +135,7 @@ impl Stage {
                     self.done += steps;
                     // a hypothesis more may be tried than was announced
                     self.steps = self.steps.max(self.done);
-                    is_news = true;
+                    is_news |= steps > 0;
                 }
                 Told::Noted(line) => drop(note.call1(py, (line,))?),
             }

@@ -37,9 +37,7 @@ def recording(tmp_path_factory: pytest.TempPathFactory, program: Program) -> pat
 
 
 @pytest.fixture(scope="session")
-def fitted_folder(
-    tmp_path_factory: pytest.TempPathFactory, program: Program, recording: pathlib.Path
-) -> pathlib.Path:
+def fitted_folder(tmp_path_factory: pytest.TempPathFactory, program: Program, recording: pathlib.Path) -> pathlib.Path:
     """The folder that the program fits it into."""
     folder = tmp_path_factory.mktemp("program") / "walk"
     made = program("fit", recording, "--out", folder, "--body", "human-ellipsoids", "--quiet")

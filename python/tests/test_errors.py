@@ -14,9 +14,7 @@ import maquette
 from maquette import errors
 
 
-def test_a_recording_that_does_not_exist_is_refused_when_it_is_named(
-    tmp_path: pathlib.Path, program: Program
-) -> None:
+def test_a_recording_that_does_not_exist_is_refused_when_it_is_named(tmp_path: pathlib.Path, program: Program) -> None:
     """Before anything is fitted."""
     nowhere = tmp_path / "nowhere"
     with pytest.raises(maquette.RecordingError) as fault:
@@ -53,9 +51,7 @@ def test_the_line_is_the_programs(
     assert isinstance(fault.value, maquette.MaquetteError)
 
 
-def test_masks_that_cannot_be_read_are_named(
-    recording: pathlib.Path, tmp_path: pathlib.Path, program: Program
-) -> None:
+def test_masks_that_cannot_be_read_are_named(recording: pathlib.Path, tmp_path: pathlib.Path, program: Program) -> None:
     """The file stands in the line."""
     odd = tmp_path / "odd"
     shutil.copytree(recording, odd)
@@ -69,7 +65,7 @@ def test_masks_that_cannot_be_read_are_named(
 
 def test_a_frame_rate_that_is_none_is_refused(recording: pathlib.Path) -> None:
     """As the program refuses it."""
-    with pytest.raises(maquette.RecordingError, match="frame rate|frames per second"):
+    with pytest.raises(maquette.RecordingError, match=r"frame rate|frames per second"):
         maquette.Recording(recording, fps=-1.0).fit()
 
 
@@ -99,9 +95,7 @@ def test_a_changed_result_is_refused(fitted_folder: pathlib.Path, tmp_path: path
         ("fit.gait(surface='sand')", "sand"),
     ],
 )
-def test_names_that_do_not_exist_are_value_errors(
-    fit: maquette.Fit, call: str, named: str
-) -> None:
+def test_names_that_do_not_exist_are_value_errors(fit: maquette.Fit, call: str, named: str) -> None:
     """The line names them, or those that do."""
     with pytest.raises(ValueError, match=named) as fault:
         eval(call, {"fit": fit})

@@ -13,18 +13,14 @@ from conftest import Program
 import maquette
 
 
-def test_the_result_is_the_programs_byte_for_byte(
-    fit: maquette.Fit, fitted_folder: pathlib.Path
-) -> None:
+def test_the_result_is_the_programs_byte_for_byte(fit: maquette.Fit, fitted_folder: pathlib.Path) -> None:
     """In memory, and with the files that it leaves."""
     written = (fitted_folder / "result.json").read_bytes()
     assert fit.json == written
     assert (fit.folder / "joints.trc").read_bytes() == (fitted_folder / "joints.trc").read_bytes()
 
 
-def test_every_option_is_the_programs(
-    recording: pathlib.Path, tmp_path: pathlib.Path, program: Program
-) -> None:
+def test_every_option_is_the_programs(recording: pathlib.Path, tmp_path: pathlib.Path, program: Program) -> None:
     """Those that change the result are in it; the same words give the same bytes."""
     short = maquette.Recording(recording, fps=40.0).fit(
         body="human-ellipsoids",
@@ -67,9 +63,7 @@ def test_a_result_without_the_joint_optimum_has_no_standard_deviations(
     assert bool(short.points["value"].notnull().all())
 
 
-def test_a_folder_is_written_continued_and_replaced_as_asked(
-    recording: pathlib.Path, tmp_path: pathlib.Path
-) -> None:
+def test_a_folder_is_written_continued_and_replaced_as_asked(recording: pathlib.Path, tmp_path: pathlib.Path) -> None:
     """A folder that holds a result is left alone unless somebody says otherwise."""
     rec = maquette.Recording(recording)
     first = rec.fit(body="human-ellipsoids", frames=(0, 9), out=tmp_path / "out", overlays=True)
@@ -77,9 +71,7 @@ def test_a_folder_is_written_continued_and_replaced_as_asked(
     assert first.folder == tmp_path / "out"
     with pytest.raises(maquette.errors.OutputError, match="not empty"):
         rec.fit(body="human-ellipsoids", frames=(0, 9), out=tmp_path / "out")
-    again = rec.fit(
-        body="human-ellipsoids", frames=(0, 9), out=tmp_path / "out", existing="overwrite"
-    )
+    again = rec.fit(body="human-ellipsoids", frames=(0, 9), out=tmp_path / "out", existing="overwrite")
     assert again.json == first.json
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import pathlib
 import signal
@@ -25,16 +26,14 @@ def test_a_callable_hears_of_every_stage_to_its_end(recording: pathlib.Path) -> 
         heard.append((stage, done, steps))
         threads.add(threading.get_ident())
 
-    maquette.Recording(recording).fit(
-        body="human-ellipsoids", frames=(0, 9), progress=progress
-    )
+    maquette.Recording(recording).fit(body="human-ellipsoids", frames=(0, 9), progress=progress)
     assert threads == {threading.get_ident()}
     stages = list(dict.fromkeys(stage for stage, _, _ in heard))
     assert stages[:3] == ["reading masks", "keyframes", "hypotheses"]
     assert ("reading masks", 10, 10) in heard
     assert all(done <= steps for _, done, steps in heard)
     # a stage goes on, or begins
-    for (before, was, _), (stage, done, _) in zip(heard, heard[1:], strict=False):
+    for (before, was, _), (stage, done, _) in itertools.pairwise(heard):
         assert done == 0 or (stage == before and done > was)
 
 
@@ -90,9 +89,7 @@ def test_other_threads_of_python_run_meanwhile(recording: pathlib.Path) -> None:
     assert ticks > 20 * seconds
 
 
-def test_bars_go_to_the_end_of_each_stage(
-    recording: pathlib.Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_bars_go_to_the_end_of_each_stage(recording: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
     """By tqdm, on standard error."""
     pytest.importorskip("tqdm")
     maquette.Recording(recording).fit(body="human-ellipsoids", frames=(0, 9), progress=True)
@@ -117,9 +114,7 @@ def test_without_tqdm_a_line_names_each_stage(capsys: pytest.CaptureFixture[str]
         ("matplotlib", "fit.plot()"),
     ],
 )
-def test_a_missing_package_is_named_with_what_installs_it(
-    fitted_folder: pathlib.Path, package: str, call: str
-) -> None:
+def test_a_missing_package_is_named_with_what_installs_it(fitted_folder: pathlib.Path, package: str, call: str) -> None:
     """And everything else works without it."""
     script = (
         f"import sys; sys.modules[{package!r}] = None\n"
@@ -128,8 +123,6 @@ def test_a_missing_package_is_named_with_what_installs_it(
         f"try: {call}\n"
         f"except maquette.errors.MissingPackageError as fault: print(fault)"
     )
-    run = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, check=True
-    )
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     extra = "plot" if package == "matplotlib" else package
     assert run.stdout == f"{package} is not installed: pip install 'maquette[{extra}]'\n"
