@@ -14,6 +14,10 @@ const FOLDERS: &[&str] = &[
     "examples",
     "experiments/expected",
     "experiments/src",
+    "python/maquette",
+    "python/notebooks",
+    "python/src",
+    "python/tests",
     "src",
     "tests",
 ];
@@ -34,6 +38,9 @@ const FILES: &[&str] = &[
     "experiments/Cargo.toml",
     "experiments/README.md",
     "justfile",
+    "python/Cargo.toml",
+    "python/README.md",
+    "python/pyproject.toml",
     "rustfmt.toml",
 ];
 

@@ -123,6 +123,6 @@ def test_a_missing_package_is_named_with_what_installs_it(fitted_folder: pathlib
         f"try: {call}\n"
         f"except maquette.errors.MissingPackageError as fault: print(fault)"
     )
-    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    run = subprocess.run([sys.executable, "-I", "-c", script], capture_output=True, text=True, check=True)
     extra = "plot" if package == "matplotlib" else package
     assert run.stdout == f"{package} is not installed: pip install 'maquette[{extra}]'\n"
