@@ -81,8 +81,11 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
 impl ExportArguments {
     /// The fit in each format, and where it was written: into the folder.
     pub(super) fn written(&self, study: &GaitStudy) -> Result<Vec<PathBuf>, CliError> {
-        let written = self.format.iter().map(|format| study.export(*format, &self.out));
-        Ok(written.collect::<Result<_, _>>()?)
+        let mut paths = Vec::new();
+        for format in &self.format {
+            paths.push(study.export(*format, &self.out)?);
+        }
+        Ok(paths)
     }
 }
 

@@ -48,11 +48,12 @@ class Fit:
         *,
         folder: pathlib.Path,
         body: str | None = None,
-        scratch: Scratch | None = None,
+        keeps: tuple[Scratch | None, ...] = (),
     ) -> None:
         self._fitted = fitted
         self._body = body
-        self._scratch = scratch
+        # temporary folders of the result and of its recording
+        self._keeps = keeps
         self.folder = folder
 
     # --- the result as it is -------------------------------------------------------------------
@@ -371,4 +372,4 @@ def _restored(result: bytes, body: str | None, origin: str | None) -> Fit:
         # TOML's basic strings are written as JSON's
         (scratch.path / _ORIGIN).write_text(f"path = {json.dumps(origin)}\n", encoding="utf-8")
     fitted = _maquette.Fitted.read(scratch.path, body)
-    return Fit(fitted, folder=scratch.path, body=body, scratch=scratch)
+    return Fit(fitted, folder=scratch.path, body=body, keeps=(scratch,))

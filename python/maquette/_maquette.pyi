@@ -10,7 +10,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Fitted", "Study", "__version__", "fit", "main", "origin", "recording"]
+__all__ = ["Fitted", "Study", "__version__", "fit", "main", "origin", "recording", "write_mask"]
 
 __version__: str
 
@@ -26,6 +26,9 @@ def recording(path: _Path) -> tuple[str | None, float | None]:
 
 def origin(folder: _Path) -> pathlib.Path | None:
     """Where the recording is that the folder of a fit names."""
+
+def write_mask(path: _Path, mask: NDArray[np.uint8]) -> None:
+    """Write a mask, grey values of shape (H, W), as a picture."""
 
 def main(words: Sequence[str]) -> int:
     """Do what the words of the command line say, and give the exit code."""

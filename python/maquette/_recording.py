@@ -5,9 +5,13 @@ from __future__ import annotations
 import os
 import pathlib
 import warnings
+from collections.abc import Sequence
 from typing import Literal
 
+from numpy.typing import ArrayLike
+
 from . import _maquette
+from ._arrays import Masks, written
 from ._fit import Fit
 from ._folder import Scratch
 from ._progress import ProgressChoice, closed, listener, note
@@ -39,6 +43,49 @@ class Recording:
         self.fps = fps
         #: The body model and the person's height (m) that its manifest names.
         self.body, self.height = _maquette.recording(os.fspath(path))
+        self._scratch: Scratch | None = None
+
+    @classmethod
+    def from_arrays(
+        cls,
+        masks: Masks,
+        K: ArrayLike,  # noqa: N803
+        R: ArrayLike,  # noqa: N803
+        t: ArrayLike,
+        distortion: Sequence[ArrayLike] | None = None,
+        *,
+        fps: float,
+        up: Literal["z", "-z", "y", "-y"] = "z",
+    ) -> Recording:
+        """Make a recording of C cameras from masks and a calibration in memory.
+
+        It lives in a temporary folder, for a recording's masks are files.
+
+        Parameters
+        ----------
+        masks
+            Of each camera N masks as bool or uint8, of shape (N, H, W): a mapping by the cameras' names, or one after
+            the other, also of shape (C, N, H, W). True, or any grey value but 0, is the person.
+        K
+            Camera matrices, px, of shape (C, 3, 3); pixel (0, 0) is the centre of the top-left pixel.
+        R, t
+            World to camera, x_camera = R x + t, in metres, of shapes (C, 3, 3) and (C, 3).
+        distortion
+            Of each camera 4, 5 or 8 coefficients in OpenCV's order; default none.
+        fps
+            Frames per second.
+        up
+            Which axis of the world points up. Results have Z up.
+
+        Raises
+        ------
+        OptionError
+            If an array has another shape or type.
+        """
+        scratch = written(masks, {"K": K, "R": R, "t": t}, distortion, up)
+        made = cls(scratch.path, fps=fps)
+        made._scratch = scratch
+        return made
 
     def __repr__(self) -> str:
         """The call that makes it."""
@@ -161,7 +208,7 @@ class Recording:
             fitted = _maquette.fit(given, (told, note))
         finally:
             closed(told)
-        fit = Fit(fitted, folder=folder, body=body, scratch=scratch)
+        fit = Fit(fitted, folder=folder, body=body, keeps=(scratch, self._scratch))
         if fit.why_unusable is not None:
             warnings.warn(fit.why_unusable, MaquetteWarning, stacklevel=2)
         return fit

@@ -21,8 +21,12 @@ use std::ffi::OsString;
 use std::io::Write;
 use std::path::PathBuf;
 
+use image::GrayImage;
 use maquette::Recording;
+use maquette::io::folder::OutError;
 use maquette_cli::call;
+use numpy::PyReadonlyArray2;
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use fault::exception;
@@ -50,6 +54,21 @@ fn origin(folder: PathBuf) -> Option<PathBuf> {
     maquette::io::folder::origin::read(&folder)
 }
 
+/// Writes a mask, grey values of shape H × W, as a picture.
+#[pyfunction]
+fn write_mask(path: PathBuf, mask: PyReadonlyArray2<'_, u8>) -> PyResult<()> {
+    let mask = mask.as_array();
+    let [height, width] = [mask.nrows(), mask.ncols()].map(|side| u32::try_from(side).ok());
+    let picture = width.zip(height).and_then(|(width, height)| {
+        GrayImage::from_raw(width, height, mask.iter().copied().collect())
+    });
+    let picture = picture.ok_or_else(|| PyValueError::new_err("a mask that is too large"))?;
+    picture.save(&path).map_err(|fault| {
+        let source = std::io::Error::other(fault);
+        exception(maquette::Error::from(OutError::Write { path, source }))
+    })
+}
+
 /// Does what the words of the command line say, the program's name first, and gives the exit code.
 #[pyfunction]
 fn main(py: Python<'_>, words: Vec<OsString>) -> u8 {
@@ -68,5 +87,6 @@ fn _maquette(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(fit, module)?)?;
     module.add_function(wrap_pyfunction!(recording, module)?)?;
     module.add_function(wrap_pyfunction!(origin, module)?)?;
+    module.add_function(wrap_pyfunction!(write_mask, module)?)?;
     module.add_function(wrap_pyfunction!(main, module)?)
 }
