@@ -49,8 +49,8 @@ impl Fitted {
     /// Reads the folder of a finished fit; `body` is its model, if it is not a shipped one.
     #[staticmethod]
     fn read(py: Python<'_>, folder: PathBuf, body: Option<String>) -> PyResult<Self> {
-        let read = py.detach(|| FittedRecording::read(&folder, body.as_deref()));
-        read.map(Self::new).map_err(exception)
+        let read = || FittedRecording::read(&folder, body.as_deref()).map_err(exception);
+        py.detach(read).map(Self::new)
     }
 
     /// `result.json`, byte by byte.
@@ -62,7 +62,7 @@ impl Fitted {
 
     /// Writes `result.json` and `joints.trc` into a folder.
     fn save(&self, py: Python<'_>, folder: PathBuf) -> PyResult<()> {
-        py.detach(|| self.fitted.save(&folder)).map_err(exception)
+        py.detach(|| self.fitted.save(&folder).map_err(exception))
     }
 
     /// Raises the verdict of a fit that cannot be used.

@@ -36,7 +36,7 @@ impl Study {
 
     /// Writes `gait.json`, `parameters.csv`, `curves.csv` and `angles.csv` into a folder.
     fn save(&self, py: Python<'_>, folder: PathBuf) -> PyResult<()> {
-        py.detach(|| self.study.save(&folder)).map_err(exception)
+        py.detach(|| self.study.save(&folder).map_err(exception))
     }
 
     /// Raises the verdict of a fit that cannot be used.
