@@ -7,13 +7,18 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser};
 use maquette::pipeline::Progress;
+use maquette::workflow::FittedSession;
 use maquette::{FittedRecording, GaitStudy};
+use serde_json::Value;
 
+use crate::compare::CompareArguments;
 use crate::error::CliError;
 use crate::export::ExportArguments;
 use crate::fit::FitArguments;
 use crate::gait::GaitArguments;
 use crate::report::ReportArguments;
+use crate::session::SessionArguments;
+use crate::synth::SynthArguments;
 
 /// The words of one command, without its name.
 #[derive(Debug, Parser)]
@@ -62,4 +67,28 @@ pub fn report(
 /// [`CliError`], whose line is the program's.
 pub fn export(fit: &FittedRecording, words: &[OsString]) -> Result<Vec<PathBuf>, CliError> {
     parsed::<ExportArguments>(words)?.written(&fit.gait()?)
+}
+
+/// What `maquette session` with these words finds and writes.
+///
+/// # Errors
+/// [`CliError`], whose line is the program's. A trial that cannot be used is none: it is named in the session.
+pub fn session(words: &[OsString], progress: &dyn Progress) -> Result<FittedSession, CliError> {
+    parsed::<SessionArguments>(words)?.call(progress)
+}
+
+/// What `maquette compare --json` with these words prints, and its page; nothing is written.
+///
+/// # Errors
+/// [`CliError`], whose line is the program's.
+pub fn compare(words: &[OsString]) -> Result<(Value, String), CliError> {
+    parsed::<CompareArguments>(words)?.call()
+}
+
+/// Writes what `maquette synth` with these words writes.
+///
+/// # Errors
+/// [`CliError`], whose line is the program's.
+pub fn synth(words: &[OsString]) -> Result<(), CliError> {
+    parsed::<SynthArguments>(words)?.written().map(drop)
 }

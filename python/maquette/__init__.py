@@ -15,6 +15,7 @@ from ._fit import Fit, load
 from ._gait import Gait
 from ._maquette import __version__
 from ._recording import Recording
+from ._session import Comparison, Session, session, synth
 from .errors import (
     MaquetteError,
     MaquetteWarning,
@@ -25,6 +26,7 @@ from .errors import (
 )
 
 __all__ = [
+    "Comparison",
     "Fit",
     "Gait",
     "MaquetteError",
@@ -33,8 +35,11 @@ __all__ = [
     "Recording",
     "RecordingError",
     "ResultError",
+    "Session",
     "UnusableError",
     "__version__",
     "errors",
     "load",
+    "session",
+    "synth",
 ]

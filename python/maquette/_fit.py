@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from . import _html, _maquette, _plot, _tables
 from ._folder import Scratch
 from ._gait import Gait
-from ._progress import ProgressChoice, closed, listener, note
+from ._progress import ProgressChoice, caution, closed, listener
 from ._words import Path, words
 from .errors import OptionError, UnusableError
 
@@ -277,7 +277,7 @@ class Fit:
         )
         told = listener(progress)
         try:
-            page = self._fitted.report(given, (told, note))
+            page = self._fitted.report(given, (told, caution))
         finally:
             closed(told)
         pathlib.Path(path).write_text(page, encoding="utf-8", newline="\n")

@@ -10,7 +10,20 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Fitted", "Study", "__version__", "fit", "main", "origin", "recording", "write_mask"]
+__all__ = [
+    "Fitted",
+    "Study",
+    "__version__",
+    "compare",
+    "fit",
+    "main",
+    "origin",
+    "recording",
+    "session",
+    "session_page",
+    "synth",
+    "write_mask",
+]
 
 __version__: str
 
@@ -26,6 +39,18 @@ def recording(path: _Path) -> tuple[str | None, float | None]:
 
 def origin(folder: _Path) -> pathlib.Path | None:
     """Where the recording is that the folder of a fit names."""
+
+def session(words: Sequence[str], listeners: _Listeners) -> str | None:
+    """Write what ``maquette session`` with these words writes, and give the verdict of one that cannot be used."""
+
+def session_page(folder: _Path, body: str | None) -> str:
+    """The page of all trials of a session."""
+
+def compare(words: Sequence[str]) -> tuple[str, str]:
+    """What ``maquette compare --json`` with these words prints, and its page."""
+
+def synth(words: Sequence[str]) -> None:
+    """Write what ``maquette synth`` with these words writes."""
 
 def write_mask(path: _Path, mask: NDArray[np.uint8]) -> None:
     """Write a mask, grey values of shape (H, W), as a picture."""

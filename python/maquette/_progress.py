@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import sys
 import warnings
 from collections.abc import Callable
@@ -16,8 +17,16 @@ Progress = Callable[[str, int, int], None]
 ProgressChoice = Union[Progress, bool, None]
 
 
-def note(line: str) -> None:
-    """Pass on what a run says that a person should know."""
+_LOG = logging.getLogger("maquette")
+
+
+def news(line: str) -> None:
+    """Log what a run tells on its way; what a person should know of it stands in the result too."""
+    _LOG.info(line)
+
+
+def caution(line: str) -> None:
+    """Warn of what stands in no result."""
     warnings.warn(line, MaquetteWarning, stacklevel=3)
 
 

@@ -14,7 +14,7 @@ from . import _maquette
 from ._arrays import Masks, written
 from ._fit import Fit
 from ._folder import Scratch
-from ._progress import ProgressChoice, closed, listener, note
+from ._progress import ProgressChoice, closed, listener, news
 from ._words import Path, words
 from .errors import MaquetteWarning
 
@@ -205,7 +205,7 @@ class Recording:
             overwrite=existing == "overwrite",
         )
         try:
-            fitted = _maquette.fit(given, (told, note))
+            fitted = _maquette.fit(given, (told, news))
         finally:
             closed(told)
         fit = Fit(fitted, folder=folder, body=body, keeps=(scratch, self._scratch))

@@ -45,6 +45,14 @@ def lengths(result: Result) -> pd.DataFrame:
     return table
 
 
+def session_lengths(result: Result) -> pd.DataFrame:
+    """The lengths of a session's one body, by name."""
+    rows = [
+        {"name": part["name"], "length": part["length_m"], "sd": _number(part["sd_m"])} for part in result["lengths"]
+    ]
+    return _frame(rows, "name", {"length": "m", "sd": "m"})
+
+
 def coefficients(result: Result) -> pd.DataFrame:
     """The shape coefficients, by name."""
     keys = ("name", "value", "prior_mean", "prior_sd")

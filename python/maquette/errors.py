@@ -42,7 +42,7 @@ class OutputError(MaquetteError):
 
 
 class ResultError(MaquetteError):
-    """A folder that holds no result, or one that was changed."""
+    """A folder that holds no result, or one that was changed; or trials that make no session."""
 
 
 class GaitError(MaquetteError):

@@ -29,7 +29,7 @@ fn class_of(fault: &Error) -> &'static str {
         Error::Model(_) => "BodyError",
         Error::Fit(_) | Error::Stereo(_) | Error::Silhouettes(_) => "FitError",
         Error::Out(_) | Error::Journal(_) | Error::Overlay(_) => "OutputError",
-        Error::Result(_) => "ResultError",
+        Error::Result(_) | Error::Session(_) | Error::SessionFile(_) => "ResultError",
         Error::GaitInput(_) | Error::Movement(_) | Error::Gait(_) | Error::Norm(_) => "GaitError",
         Error::Unusable(_) => "UnusableError",
         _ => "MaquetteError",

@@ -8,12 +8,14 @@
 //! | `fitted.rs`  | a fitted body                                            |
 //! | `arrays.rs`  | its frames as NumPy's arrays                             |
 //! | `study.rs`   | its gait                                                 |
+//! | `session.rs` | several walks of one person, and what changed between two days |
 //! | `watch.rs`   | work without the interpreter's lock, which can be stopped |
 //! | `fault.rs`   | what went wrong, as an exception                         |
 
 mod arrays;
 mod fault;
 mod fitted;
+mod session;
 mod study;
 mod watch;
 
@@ -46,6 +48,12 @@ fn recording(path: PathBuf) -> PyResult<(Option<String>, Option<f64>)> {
     let recording =
         Recording::open(path).map_err(|fault| exception(maquette::Error::from(fault)))?;
     Ok((recording.body().map(str::to_owned), recording.height_m()))
+}
+
+/// Writes what `maquette synth` with these words writes.
+#[pyfunction]
+fn synth(py: Python<'_>, words: Vec<OsString>) -> PyResult<()> {
+    py.detach(|| call::synth(&words).map_err(exception))
 }
 
 /// Where the recording is that the folder of a fit names.
@@ -87,6 +95,10 @@ fn _maquette(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(fit, module)?)?;
     module.add_function(wrap_pyfunction!(recording, module)?)?;
     module.add_function(wrap_pyfunction!(origin, module)?)?;
+    module.add_function(wrap_pyfunction!(session::session, module)?)?;
+    module.add_function(wrap_pyfunction!(session::session_page, module)?)?;
+    module.add_function(wrap_pyfunction!(session::compare, module)?)?;
+    module.add_function(wrap_pyfunction!(synth, module)?)?;
     module.add_function(wrap_pyfunction!(write_mask, module)?)?;
     module.add_function(wrap_pyfunction!(main, module)?)
 }

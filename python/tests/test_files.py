@@ -71,6 +71,16 @@ def test_the_report_is_the_programs(
         assert _numbered_anew(path.read_text()) == expected
 
 
+def test_a_report_without_its_recording_says_so(fitted_folder: pathlib.Path, tmp_path: pathlib.Path) -> None:
+    """And is written all the same."""
+    folder = tmp_path / "fit"
+    shutil.copytree(fitted_folder, folder)
+    (folder / "recording.toml").write_text('path = "nowhere"\n')
+    with pytest.warns(maquette.MaquetteWarning, match="the report is without camera views"):
+        maquette.load(folder).report(tmp_path / "report.html")
+    assert (tmp_path / "report.html").stat().st_size > 100_000
+
+
 @pytest.mark.parametrize("format", ["c3d", "trc", "mot", "sto", "bvh", "glb", "csv", "parquet"])
 def test_exports_are_the_programs(
     fit: maquette.Fit,

@@ -37,6 +37,27 @@ def test_a_callable_hears_of_every_stage_to_its_end(recording: pathlib.Path) -> 
         assert done == 0 or (stage == before and done > was)
 
 
+def test_news_of_a_run_is_logged(
+    recording: pathlib.Path, tmp_path: pathlib.Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Under the package's name; a step of a stopped run that was changed is news."""
+    rec = maquette.Recording(recording)
+    out = tmp_path / "out"
+
+    def progress(stage: str, done: int, steps: int) -> None:
+        if stage == "hypotheses":
+            raise LookupError
+
+    with pytest.raises(LookupError):
+        rec.fit(body="human-ellipsoids", frames=(0, 9), out=out, progress=progress)
+    kept = sorted(out.glob(".journal/keyframe-*.json"))[0]
+    kept.write_text(kept.read_text().replace("1", "2", 1))
+    with caplog.at_level("INFO", logger="maquette"):
+        rec.fit(body="human-ellipsoids", frames=(0, 9), out=out, existing="resume")
+    assert [record.name for record in caplog.records] == ["maquette"]
+    assert f"{kept.name}: changed since this run wrote it" in caplog.text
+
+
 def test_what_a_callable_raises_stops_the_run(recording: pathlib.Path) -> None:
     """And comes out of it."""
 
