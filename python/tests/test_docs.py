@@ -22,11 +22,11 @@ def test_every_snippet_of_the_page_runs(
     (tmp_path / "data").symlink_to(REPOSITORY / "data")
     monkeypatch.chdir(tmp_path)
     snippets = _snippets((REPOSITORY / "docs" / "python.md").read_text(encoding="utf-8"))
-    assert len(snippets) == 3
+    assert len(snippets) == 4
     names: dict[str, object] = {}
     for snippet in snippets:
         exec(compile(snippet, "docs/python.md", "exec"), names)
 
     made = {path.name for path in tmp_path.iterdir()}
-    assert made == {"data", "knees.png", "report.html", "walker.c3d", "out"}
+    assert made == {"data", "knees.png", "report.html", "walker.c3d", "out", "walks", "before.html"}
     assert "no frame of the recording lies in this range" in capsys.readouterr().out
