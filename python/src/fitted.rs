@@ -14,7 +14,7 @@ use pyo3::types::PyBytes;
 use crate::arrays::{of_frames, places, rows};
 use crate::fault::exception;
 use crate::study::Study;
-use crate::watch::{Listeners, watched};
+use crate::watch::{Listeners, in_own_pool, unlocked, watched};
 
 /// A fitted body: its files, and its frames as arrays.
 #[pyclass(frozen, module = "maquette._maquette")]
@@ -72,8 +72,7 @@ impl Fitted {
 
     /// What `maquette gait` with these words finds.
     fn gait(&self, py: Python<'_>, words: Vec<OsString>) -> PyResult<Study> {
-        let study = py.detach(|| call::gait(&self.fitted, &words));
-        study.map(Study::new).map_err(exception)
+        unlocked(py, || call::gait(&self.fitted, &words)).map(Study::new)
     }
 
     /// The page that `maquette report` with these words writes.
@@ -83,12 +82,14 @@ impl Fitted {
         words: Vec<OsString>,
         listeners: Listeners,
     ) -> PyResult<String> {
-        watched(py, &listeners, |progress| call::report(&self.fitted, &words, progress))
+        watched(py, &listeners, |progress| {
+            in_own_pool(|| call::report(&self.fitted, &words, progress))
+        })
     }
 
     /// Writes what `maquette export` with these words writes, into the folder itself, and says where.
     fn export(&self, py: Python<'_>, words: Vec<OsString>) -> PyResult<Vec<PathBuf>> {
-        py.detach(|| call::export(&self.fitted, &words)).map_err(exception)
+        unlocked(py, || call::export(&self.fitted, &words))
     }
 
     /// Numbers of the frames, of shape N.

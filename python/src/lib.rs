@@ -34,7 +34,7 @@ use pyo3::prelude::*;
 use fault::exception;
 use fitted::Fitted;
 use study::Study;
-use watch::{Listeners, watched};
+use watch::{Listeners, unlocked, watched};
 
 /// What `maquette fit` with these words finds and writes.
 #[pyfunction]
@@ -53,7 +53,7 @@ fn recording(path: PathBuf) -> PyResult<(Option<String>, Option<f64>)> {
 /// Writes what `maquette synth` with these words writes.
 #[pyfunction]
 fn synth(py: Python<'_>, words: Vec<OsString>) -> PyResult<()> {
-    py.detach(|| call::synth(&words).map_err(exception))
+    unlocked(py, || call::synth(&words))
 }
 
 /// Where the recording is that the folder of a fit names.

@@ -7,8 +7,7 @@ use maquette::workflow::{NormChoice, SessionStudy};
 use maquette_cli::call;
 use pyo3::prelude::*;
 
-use crate::fault::exception;
-use crate::watch::{Listeners, watched};
+use crate::watch::{Listeners, unlocked, watched};
 
 /// Writes what `maquette session` with these words writes, and gives the verdict of one that cannot be used.
 #[pyfunction]
@@ -28,15 +27,15 @@ pub(crate) fn session_page(
     folder: PathBuf,
     body: Option<String>,
 ) -> PyResult<String> {
-    py.detach(|| {
-        let study = SessionStudy::open(&folder, body.as_deref(), NormChoice::Shipped);
-        study.and_then(|study| study.report()).map_err(exception)
+    unlocked(py, || {
+        let study = SessionStudy::open(&folder, body.as_deref(), NormChoice::Shipped)?;
+        Ok(study.report()?)
     })
 }
 
 /// What `maquette compare --json` with these words prints, and its page.
 #[pyfunction]
 pub(crate) fn compare(py: Python<'_>, words: Vec<OsString>) -> PyResult<(String, String)> {
-    let (json, page) = py.detach(|| call::compare(&words).map_err(exception))?;
+    let (json, page) = unlocked(py, || call::compare(&words))?;
     Ok((json.to_string(), page))
 }

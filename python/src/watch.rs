@@ -13,6 +13,7 @@ use std::time::Duration;
 use maquette::pipeline::Progress;
 use maquette_cli::CliError;
 use pyo3::prelude::*;
+use rayon::ThreadPoolBuilder;
 
 use crate::fault::exception;
 
@@ -43,6 +44,24 @@ pub(crate) fn watched<T: Send>(
             }
         })
     })
+}
+
+/// Does some work without the interpreter's lock, on a pool of its own, and raises what it failed with.
+pub(crate) fn unlocked<T: Send>(
+    py: Python<'_>,
+    work: impl FnOnce() -> Result<T, CliError> + Send,
+) -> PyResult<T> {
+    py.detach(|| in_own_pool(work).map_err(exception))
+}
+
+/// Does some work on a pool of its own: a process that is forked has none of the threads of the global one, and would wait
+/// for them forever.
+pub(crate) fn in_own_pool<T: Send>(
+    work: impl FnOnce() -> Result<T, CliError> + Send,
+) -> Result<T, CliError> {
+    let pool = ThreadPoolBuilder::new().build();
+    let pool = pool.map_err(|source| CliError::Threads { threads: 0, source })?;
+    pool.install(work)
 }
 
 /// Passes on what is heard until the work has ended; what was raised meanwhile stops it.

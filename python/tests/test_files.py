@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
 import pathlib
 import pickle
 import re
 import shutil
+import signal
+import subprocess
+import time
 
 import numpy as np
 import pytest
-from conftest import Program
+from conftest import PROGRAM, Program
 
 import maquette
 from maquette._fit import Format
@@ -42,6 +46,26 @@ def test_a_fit_goes_to_another_process(fit: maquette.Fit) -> None:
     """As Dask and multiprocessing send it."""
     with multiprocessing.get_context("spawn").Pool(1) as pool:
         assert pool.apply(_thigh, (fit,)) == _thigh(fit)
+
+
+def _surface(path: pathlib.Path) -> int:
+    assert _forked is not None
+    return len(list(_forked.export("ply", path).glob("*.ply")))
+
+
+#: What a forked process finds in its memory.
+_forked: maquette.Fit | None = None
+
+
+@pytest.mark.skipif("fork" not in multiprocessing.get_all_start_methods(), reason="no fork here")
+@pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
+def test_a_forked_process_does_not_wait_for_threads_that_it_lacks(fit: maquette.Fit, tmp_path: pathlib.Path) -> None:
+    """Although its parent has worked on many threads before."""
+    global _forked
+    _forked = fit
+    assert _surface(tmp_path / "parent") == len(fit.frames)
+    with multiprocessing.get_context("fork").Pool(1) as pool:
+        assert pool.apply_async(_surface, (tmp_path / "child",)).get(timeout=60) == len(fit.frames)
 
 
 def _numbered_anew(page: str) -> str:
@@ -138,6 +162,21 @@ def test_a_notebook_shows_lengths_and_warnings(fit: maquette.Fit) -> None:
     assert f"<td>thigh</td><td>{100 * _thigh(fit):.1f}</td>" in page
     assert repr(fit) == "<Fit of human-ellipsoids: 80 frames of 4 cameras>"
     assert "step length" in fit.gait()._repr_html_()
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
+def test_the_command_can_be_stopped_as_the_program(recording: pathlib.Path, tmp_path: pathlib.Path) -> None:
+    """With one line that says how to go on, and the exit code of the signal."""
+    words: list[str | pathlib.Path] = [PROGRAM, "fit", recording, "--out", tmp_path / "out", "--quiet"]
+    with subprocess.Popen(words, stderr=subprocess.PIPE, text=True) as run:
+        while not (tmp_path / "out" / ".journal").exists():
+            assert run.poll() is None
+            time.sleep(0.05)
+        run.send_signal(signal.SIGINT)
+        _, told = run.communicate(timeout=30)
+    assert run.returncode == 130
+    assert told.startswith("stopped by SIGINT: what was finished is kept")
+    assert len(told.splitlines()) == 1
 
 
 def test_the_command_prints_and_ends_as_the_program_does(program: Program) -> None:
