@@ -54,7 +54,7 @@ class Fit:
         self._body = body
         # temporary folders of the result and of its recording
         self._keeps = keeps
-        self.folder = folder
+        self.folder: pathlib.Path = folder
 
     # --- the result as it is -------------------------------------------------------------------
 

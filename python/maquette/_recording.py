@@ -39,8 +39,10 @@ class Recording:
     """
 
     def __init__(self, path: Path, *, fps: float | None = None) -> None:
-        self.path = pathlib.Path(path)
+        self.path: pathlib.Path = pathlib.Path(path)
         self.fps = fps
+        self.body: str | None
+        self.height: float | None
         #: The body model and the person's height (m) that its manifest names.
         self.body, self.height = _maquette.recording(os.fspath(path))
         self._scratch: Scratch | None = None

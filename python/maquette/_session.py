@@ -39,7 +39,7 @@ class Session:
     """
 
     def __init__(self, folder: Path, *, body: str | None = None) -> None:
-        self.folder = pathlib.Path(folder)
+        self.folder: pathlib.Path = pathlib.Path(folder)
         self._body = body
         if not (self.folder / "session.json").is_file():
             raise ResultError(f"{self.folder}: expected the folder of a finished `maquette session`")

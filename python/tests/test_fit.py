@@ -88,7 +88,7 @@ def test_a_fit_that_cannot_be_used_warns_and_withholds_its_numbers(
         path.with_suffix(".moved").rename(other)
 
     with pytest.warns(maquette.MaquetteWarning) as caught:
-        fit = maquette.Recording(odd).fit(body="human-ellipsoids", frames=(0, 19))
+        fit = maquette.Recording(odd).fit(body="human-ellipsoids", frames=(0, 9))
     assert not fit.usable
     assert fit.why_unusable in [str(warning.message) for warning in caught]
     with pytest.raises(maquette.UnusableError) as verdict:
@@ -96,7 +96,7 @@ def test_a_fit_that_cannot_be_used_warns_and_withholds_its_numbers(
     with pytest.raises(maquette.UnusableError):
         _ = fit.angles
     assert "Not to be used" in fit._repr_html_()
-    words = ("--body", "human-ellipsoids", "--frames", "0:19", "--out", str(tmp_path / "out"))
+    words = ("--body", "human-ellipsoids", "--frames", "0:9", "--out", str(tmp_path / "out"))
     told = program("fit", odd, *words, "--quiet")
     assert told.returncode == 3
     assert f"error: {verdict.value}" in told.stderr.splitlines()
