@@ -29,9 +29,9 @@ def program() -> Program:
 
 @pytest.fixture(scope="session")
 def recording(tmp_path_factory: pytest.TempPathFactory, program: Program) -> pathlib.Path:
-    """A synthetic walk of 80 frames before four cameras."""
+    """A synthetic walk of 64 frames before four cameras."""
     folder = tmp_path_factory.mktemp("synthetic") / "walk"
-    made = program("synth", folder, "--seed", "3", "--frames", "80", "--cameras", "4", "--quiet")
+    made = program("synth", folder, "--seed", "3", "--frames", "64", "--cameras", "4", "--quiet")
     assert made.returncode == 0, made.stderr
     return folder
 

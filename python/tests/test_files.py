@@ -160,7 +160,7 @@ def test_a_notebook_shows_lengths_and_warnings(fit: maquette.Fit) -> None:
     """As HTML, escaped."""
     page = fit._repr_html_()
     assert f"<td>thigh</td><td>{100 * _thigh(fit):.1f}</td>" in page
-    assert repr(fit) == "<Fit of human-ellipsoids: 80 frames of 4 cameras>"
+    assert repr(fit) == "<Fit of human-ellipsoids: 64 frames of 4 cameras>"
     assert "step length" in fit.gait()._repr_html_()
 
 
