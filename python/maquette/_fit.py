@@ -54,7 +54,7 @@ class Fit:
         self._body = body
         # temporary folders of the result and of its recording
         self._keeps = keeps
-        self.folder: pathlib.Path = folder
+        self.folder: pathlib.Path = folder.absolute()
 
     # --- the result as it is -------------------------------------------------------------------
 

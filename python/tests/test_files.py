@@ -28,6 +28,19 @@ def test_a_saved_fit_is_the_same_again(fit: maquette.Fit, tmp_path: pathlib.Path
     assert again.angles.identical(fit.angles)
 
 
+def test_a_fit_stays_where_it_is_when_the_working_directory_changes(
+    fitted_folder: pathlib.Path, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A report finds the recording beside it."""
+    monkeypatch.chdir(fitted_folder.parent)
+    fit = maquette.load(fitted_folder.name)
+    monkeypatch.chdir(tmp_path)
+    assert fit.folder == fitted_folder
+    # without its recording it would warn
+    fit.report("report.html")
+    assert (tmp_path / "report.html").is_file()
+
+
 def test_a_pickled_fit_is_the_same_again(fit: maquette.Fit) -> None:
     """And still knows its recording."""
     again = pickle.loads(pickle.dumps(fit))
