@@ -36,7 +36,7 @@ def angles(dataset: xr.Dataset, names: tuple[str, ...]) -> Figure:
         for name in (name for name in shown if _base(name) == group):
             _curve(axis, dataset.sel(angle=name), name)
         axis.set_ylabel(f"{group.replace('_', ' ')} (°)")
-        axis.legend(loc="upper right")
+        axis.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
     axes[-1, 0].set_xlabel("time (s)")
     drawn: Figure = figure
     return drawn
