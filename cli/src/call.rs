@@ -11,6 +11,7 @@ use maquette::workflow::FittedSession;
 use maquette::{FittedRecording, GaitStudy};
 use serde_json::Value;
 
+use crate::calibrate::CalibrateArguments;
 use crate::compare::CompareArguments;
 use crate::error::CliError;
 use crate::export::ExportArguments;
@@ -91,4 +92,12 @@ pub fn compare(words: &[OsString]) -> Result<(Value, String), CliError> {
 /// [`CliError`], whose line is the program's.
 pub fn synth(words: &[OsString]) -> Result<(), CliError> {
     parsed::<SynthArguments>(words)?.written().map(drop)
+}
+
+/// What `maquette calibrate --json` with these words prints; the calibration is written.
+///
+/// # Errors
+/// [`CliError`], whose line is the program's.
+pub fn calibrate(words: &[OsString], progress: &dyn Progress) -> Result<Value, CliError> {
+    parsed::<CalibrateArguments>(words)?.call(progress)
 }

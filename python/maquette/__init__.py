@@ -11,6 +11,7 @@ with Z up. Every number is the program's, to the last bit.
 from __future__ import annotations
 
 from . import errors
+from ._calibrate import Calibration, calibrate
 from ._fit import Fit, load
 from ._gait import Gait
 from ._maquette import __version__
@@ -26,6 +27,7 @@ from .errors import (
 )
 
 __all__ = [
+    "Calibration",
     "Comparison",
     "Fit",
     "Gait",
@@ -38,6 +40,7 @@ __all__ = [
     "Session",
     "UnusableError",
     "__version__",
+    "calibrate",
     "errors",
     "load",
     "session",

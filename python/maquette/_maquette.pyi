@@ -14,6 +14,7 @@ __all__ = [
     "Fitted",
     "Study",
     "__version__",
+    "calibrate",
     "compare",
     "fit",
     "main",
@@ -48,6 +49,9 @@ def session_page(folder: _Path, body: str | None) -> str:
 
 def compare(words: Sequence[str]) -> tuple[str, str]:
     """What ``maquette compare --json`` with these words prints, and its page."""
+
+def calibrate(words: Sequence[str], listeners: _Listeners) -> str:
+    """What ``maquette calibrate --json`` with these words prints; the calibration is written."""
 
 def synth(words: Sequence[str]) -> None:
     """Write what ``maquette synth`` with these words writes."""

@@ -50,6 +50,13 @@ fn recording(path: PathBuf) -> PyResult<(Option<String>, Option<f64>)> {
     Ok((recording.body().map(str::to_owned), recording.height_m()))
 }
 
+/// What `maquette calibrate --json` with these words prints; the calibration is written.
+#[pyfunction]
+fn calibrate(py: Python<'_>, words: Vec<OsString>, listeners: Listeners) -> PyResult<String> {
+    let json = watched(py, &listeners, |progress| call::calibrate(&words, progress))?;
+    Ok(json.to_string())
+}
+
 /// Writes what `maquette synth` with these words writes.
 #[pyfunction]
 fn synth(py: Python<'_>, words: Vec<OsString>) -> PyResult<()> {
@@ -98,6 +105,7 @@ fn _maquette(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(session::session, module)?)?;
     module.add_function(wrap_pyfunction!(session::session_page, module)?)?;
     module.add_function(wrap_pyfunction!(session::compare, module)?)?;
+    module.add_function(wrap_pyfunction!(calibrate, module)?)?;
     module.add_function(wrap_pyfunction!(synth, module)?)?;
     module.add_function(wrap_pyfunction!(write_mask, module)?)?;
     module.add_function(wrap_pyfunction!(main, module)?)
