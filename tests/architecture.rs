@@ -30,7 +30,7 @@ const EDGE: &[&str] = &["io", "workflow"];
 /// Modules of `std` that read files, clock, environment or network.
 const WORLD: &[&str] = &["env", "fs", "io", "net", "process", "time"];
 
-/// What the program may name of the library: the front door, what it takes and hands back, and formats.
+/// What the program and the Python package may name of the library: the front door, what it takes and hands back, and formats.
 const FRONT: &[&str] = &[
     "Error",
     "FitOptions",
@@ -57,11 +57,13 @@ const HANDED_OVER: &[&str] = &[
 
 #[test]
 fn the_program_names_no_room_that_computes() {
-    let sources = sources_in("cli/src");
-    assert!(!sources.is_empty(), "no sources found");
-    let found: Vec<String> =
-        sources.iter().flat_map(|(path, text)| computing(path, text)).collect();
-    assert!(found.is_empty(), "{}", found.join("\n"));
+    for folder in ["cli/src", "python/src"] {
+        let sources = sources_in(folder);
+        assert!(!sources.is_empty(), "{folder}: no sources found");
+        let found: Vec<String> =
+            sources.iter().flat_map(|(path, text)| computing(path, text)).collect();
+        assert!(found.is_empty(), "{folder}:\n{}", found.join("\n"));
+    }
 }
 
 #[test]
@@ -88,7 +90,7 @@ fn computing(path: &Path, text: &str) -> Vec<String> {
     let line = |rest: &str| rest.split([';', '(', '\n']).next().unwrap_or_default().to_owned();
     named
         .filter(|rest| !is_allowed(rest))
-        .map(|rest| format!("cli/src/{}: {}", path.display(), line(rest)))
+        .map(|rest| format!("{}: {}", path.display(), line(rest)))
         .collect()
 }
 

@@ -14,6 +14,10 @@ const FOLDERS: &[&str] = &[
     "examples",
     "experiments/expected",
     "experiments/src",
+    "python/maquette",
+    "python/notebooks",
+    "python/src",
+    "python/tests",
     "src",
     "tests",
 ];
@@ -34,6 +38,9 @@ const FILES: &[&str] = &[
     "experiments/Cargo.toml",
     "experiments/README.md",
     "justfile",
+    "python/Cargo.toml",
+    "python/README.md",
+    "python/pyproject.toml",
     "rustfmt.toml",
 ];
 
@@ -59,7 +66,7 @@ fn without_reason(manifest: &str, decisions: &str) -> Vec<String> {
     dependencies
         .expect("a table")
         .keys()
-        .filter(|name| *name != env!("CARGO_PKG_NAME"))
+        .filter(|name| !["maquette", "maquette-cli"].contains(&name.as_str()))
         .filter(|name| !decisions.contains(&format!("| {name} |")))
         .cloned()
         .collect()

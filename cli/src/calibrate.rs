@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use clap::Args;
 use maquette::io::calibration::check_name;
-use maquette::pipeline::Size;
+use maquette::pipeline::{Progress, Size};
 use maquette::workflow::{LensRig, RefinedCamera, RefinedRig, UsedRecording};
 use serde_json::{Value, json};
 
@@ -104,39 +104,56 @@ impl CalibrateArguments {
     }
 }
 
-/// Refines a calibration and writes it.
-pub(super) fn run(arguments: &CalibrateArguments) -> Result<(), CliError> {
-    arguments.threads.run(|| calibrate(arguments))
+/// What there is to say of a calibration that was written.
+struct Said {
+    text: String,
+    json: Value,
+    notes: Vec<String>,
 }
 
-fn calibrate(arguments: &CalibrateArguments) -> Result<(), CliError> {
+/// Refines a calibration and writes it.
+pub(super) fn run(arguments: &CalibrateArguments) -> Result<(), CliError> {
+    let said = arguments.said(&arguments.output.progress())?;
+    print_notes(&said.notes);
+    arguments.output.summarise(|| said.text, || said.json);
+    Ok(())
+}
+
+impl CalibrateArguments {
+    fn said(&self, progress: &dyn Progress) -> Result<Said, CliError> {
+        self.threads.run(|| calibrate(self, progress))
+    }
+
+    /// What `--json` prints of the calibration, which is written.
+    pub(super) fn call(&self, progress: &dyn Progress) -> Result<Value, CliError> {
+        Ok(self.said(progress)?.json)
+    }
+}
+
+fn calibrate(arguments: &CalibrateArguments, progress: &dyn Progress) -> Result<Said, CliError> {
     let start = Instant::now();
-    let CalibrateArguments { recordings, out, fit, output, .. } = arguments;
+    let CalibrateArguments { recordings, out, fit, .. } = arguments;
     // before the minutes that the fits take
     check_name(out).map_err(maquette::Error::from)?;
     check_free(std::slice::from_ref(out), fit.existing())?;
 
     if let Some(recording) = arguments.lenses_of()? {
         let (size, options) = (arguments.size()?, fit.options());
-        let found = LensRig::of(recording, fit.fps, size, &options, &output.progress())?;
+        let found = LensRig::of(recording, fit.fps, size, &options, progress)?;
         check_free(&found.files(out)?, fit.existing())?;
         let written = found.write(out)?;
         let seconds = start.elapsed().as_secs_f64();
-        output.summarise(
-            || lenses_text(&found, &written, seconds),
-            || lenses_json(&found, &written, seconds),
-        );
-        return Ok(());
+        let text = lenses_text(&found, &written, seconds);
+        let json = lenses_json(&found, &written, seconds);
+        return Ok(Said { text, json, notes: Vec::new() });
     }
 
-    let rig = RefinedRig::of(recordings, fit.fps, &fit.options(), &output.progress())?;
+    let rig = RefinedRig::of(recordings, fit.fps, &fit.options(), progress)?;
     check_free(&rig.files(out)?, fit.existing())?;
     let written = rig.write(out)?;
-
-    print_notes(&rig.notes);
     let seconds = start.elapsed().as_secs_f64();
-    output.summarise(|| text(&rig, &written, seconds), || as_json(&rig, &written, seconds));
-    Ok(())
+    let (text, json) = (text(&rig, &written, seconds), as_json(&rig, &written, seconds));
+    Ok(Said { text, json, notes: rig.notes })
 }
 
 fn length(x: [f64; 3]) -> f64 {

@@ -47,14 +47,27 @@ pub(super) struct CompareArguments {
     output: Output,
 }
 
+impl CompareArguments {
+    /// Both, compared.
+    fn compared(&self) -> Result<Comparison, CliError> {
+        let open = |path: &PathBuf| -> Result<SessionStudy, CliError> {
+            let norm = norm_choice(self.norm.as_deref());
+            Ok(SessionStudy::open(path, self.body.as_deref(), norm)?)
+        };
+        Ok(Comparison::new(open(&self.before)?, open(&self.after)?)?)
+    }
+
+    /// What `--json` prints, and the page.
+    pub(super) fn call(&self) -> Result<(Value, String), CliError> {
+        let comparison = self.compared()?;
+        Ok((json(self, &comparison), comparison.report()))
+    }
+}
+
 /// Reads both, compares them, writes page and table.
 pub(super) fn run(arguments: &CompareArguments) -> Result<(), CliError> {
     check_out(&arguments.out, arguments.overwrite.existing())?;
-    let open = |path: &PathBuf| -> Result<SessionStudy, CliError> {
-        let norm = norm_choice(arguments.norm.as_deref());
-        Ok(SessionStudy::open(path, arguments.body.as_deref(), norm)?)
-    };
-    let comparison = Comparison::new(open(&arguments.before)?, open(&arguments.after)?)?;
+    let comparison = arguments.compared()?;
 
     let out = OutFolder::open(&arguments.out)?;
     out.write("changes.csv", &comparison.csv()?)?;

@@ -12,7 +12,8 @@ use maquette::synth::{FilmError, WalkError};
 
 /// Why a command could not be carried out.
 #[derive(Debug, thiserror::Error)]
-pub(super) enum CliError {
+#[non_exhaustive]
+pub enum CliError {
     /// Arguments that make no sense.
     #[error("{0}")]
     Arguments(String),
@@ -39,6 +40,16 @@ pub(super) enum CliError {
 }
 
 impl CliError {
+    /// Arguments that clap refuses.
+    pub(super) fn arguments(fault: &clap::Error) -> Self {
+        Self::Arguments(arguments_message(fault))
+    }
+
+    /// What went wrong, in one line that can be read.
+    pub fn line(&self) -> String {
+        one_line(&self.to_string())
+    }
+
     /// 3 for a result that is not to be used, 2 for what could not be done.
     pub(super) fn exit_code(&self) -> u8 {
         match self {
@@ -77,7 +88,7 @@ impl From<maquette::Error> for CliError {
 }
 
 /// What clap says about arguments, without usage and hints to help, in one line.
-pub(super) fn arguments_message(fault: &clap::Error) -> String {
+fn arguments_message(fault: &clap::Error) -> String {
     let text = fault.render().to_string();
     let lines: Vec<&str> = text
         .lines()

@@ -78,6 +78,17 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
     Ok(study.usable()?)
 }
 
+impl ExportArguments {
+    /// The fit in each format, and where it was written: into the folder.
+    pub(super) fn written(&self, study: &GaitStudy) -> Result<Vec<PathBuf>, CliError> {
+        let mut paths = Vec::new();
+        for format in &self.format {
+            paths.push(study.export(*format, &self.out)?);
+        }
+        Ok(paths)
+    }
+}
+
 /// All that are one file.
 fn default_formats() -> Vec<ExportFormat> {
     let is_one_file = |f: &ExportFormat| !matches!(f, ExportFormat::Ply | ExportFormat::Obj);

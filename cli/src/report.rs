@@ -5,10 +5,11 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::json;
 
-use maquette::GaitStudy;
 use maquette::gait::GaitOptions;
 use maquette::io::folder::OutFolder;
+use maquette::pipeline::Progress;
 use maquette::workflow::{GaitSource, SessionStudy};
+use maquette::{FittedRecording, GaitStudy};
 
 use super::error::CliError;
 use super::subject::{SubjectArguments, norm_choice};
@@ -54,12 +55,24 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<(), CliError> {
     let source = GaitSource { path: &arguments.out, body: arguments.body.as_deref(), fps: None };
     let study = GaitStudy::open(source, &GaitOptions::default())?;
     let study = arguments.subject.compare(study, arguments.norm.as_deref())?;
-    let text = arguments.subject.report(&study, &arguments.out, arguments.output)?;
+    let text = arguments.subject.report(&study, &arguments.out, &arguments.output.progress())?;
 
     OutFolder::open(&arguments.out)?.write("report.html", text.as_bytes())?;
     let path = arguments.out.join("report.html").display().to_string();
     arguments.output.summarise(|| format!("{path}\n"), || json!({ "report": path }));
     Ok(study.usable()?)
+}
+
+impl ReportArguments {
+    /// The page of a fit, whose files are in `out`.
+    pub(super) fn page(
+        &self,
+        fit: &FittedRecording,
+        progress: &dyn Progress,
+    ) -> Result<String, CliError> {
+        let study = self.subject.compare(fit.gait()?, self.norm.as_deref())?;
+        self.subject.report(&study, &self.out, progress)
+    }
 }
 
 /// The page of all trials, and the table of how far numbers vary.

@@ -7,6 +7,7 @@ use clap::Args;
 use maquette::FitOptions;
 use maquette::io::folder::Existing;
 use maquette::io::session::SessionFile;
+use maquette::pipeline::Progress;
 use maquette::workflow::{FittedSession, Session, SessionFolder};
 use serde_json::{Value, json};
 
@@ -72,6 +73,22 @@ impl SessionArguments {
     }
 }
 
+impl SessionArguments {
+    /// The session, which is written into a folder.
+    fn fitted(&self, progress: &dyn Progress) -> Result<FittedSession, CliError> {
+        let session = Session::open(&self.trials)?.without(&self.without)?;
+        let session = Session { fps: self.fps, ..session };
+        let folder = SessionFolder { path: &self.out, existing: self.existing() };
+        let options = FitOptions { body: self.body.clone(), ..FitOptions::default() };
+        Ok(session.fit_into(folder, &options, progress)?)
+    }
+
+    /// The same on as many threads as were asked for.
+    pub(super) fn call(&self, progress: &dyn Progress) -> Result<FittedSession, CliError> {
+        self.threads.run(|| self.fitted(progress))
+    }
+}
+
 /// Fits all trials and writes the session.
 pub(super) fn run(arguments: &SessionArguments) -> Result<(), CliError> {
     arguments.threads.run(|| fit(arguments))
@@ -79,11 +96,7 @@ pub(super) fn run(arguments: &SessionArguments) -> Result<(), CliError> {
 
 fn fit(arguments: &SessionArguments) -> Result<(), CliError> {
     let start = Instant::now();
-    let session = Session::open(&arguments.trials)?.without(&arguments.without)?;
-    let session = Session { fps: arguments.fps, ..session };
-    let folder = SessionFolder { path: &arguments.out, existing: arguments.existing() };
-    let options = FitOptions { body: arguments.body.clone(), ..FitOptions::default() };
-    let fitted = session.fit_into(folder, &options, &arguments.output.progress())?;
+    let fitted = arguments.fitted(&arguments.output.progress())?;
 
     let seconds = start.elapsed().as_secs_f64();
     let file = &fitted.file;

@@ -6,13 +6,13 @@ use clap::Args;
 use maquette::gait::Footwear;
 use maquette::io::folder::origin;
 use maquette::io::gait::Sex;
+use maquette::pipeline::Progress;
 use maquette::report::Subject;
 use maquette::workflow::{NormChoice, ReportedRecording};
 use maquette::{GaitStudy, Recording};
 
 use crate::choice::{Choice, one_of};
 use crate::error::CliError;
-use crate::switches::{Output, print_notes};
 
 /// Who was recorded, and how, for the report and for whom a walk is compared with.
 #[derive(Debug, Args)]
@@ -72,20 +72,20 @@ impl SubjectArguments {
         &self,
         study: &GaitStudy,
         from: &Path,
-        output: Output,
+        progress: &dyn Progress,
     ) -> Result<String, CliError> {
         if let Some(path) = &self.recording {
-            return self.report_with_views(study, from, path, output);
+            return self.report_with_views(study, from, path, progress);
         }
 
         // the recording that the fit was made from, if it is still there
         let Some(path) = origin::read(from) else {
             return Ok(study.report(&self.subject(from))?);
         };
-        match self.report_with_views(study, from, &path, output) {
+        match self.report_with_views(study, from, &path, progress) {
             Ok(text) => Ok(text),
             Err(fault) => {
-                print_notes(&[format!("the report is without camera views: {fault}")]);
+                progress.note(&format!("the report is without camera views: {fault}"));
                 Ok(study.report(&self.subject(&path))?)
             }
         }
@@ -96,13 +96,13 @@ impl SubjectArguments {
         study: &GaitStudy,
         out: &Path,
         recording: &Path,
-        output: Output,
+        progress: &dyn Progress,
     ) -> Result<String, CliError> {
         let shown = ReportedRecording {
             recording: &Recording::open(recording)?,
             out,
             pictures: !self.no_pictures,
-            progress: &output.progress(),
+            progress,
         };
         Ok(study.report_with_views(&self.subject(recording), shown)?)
     }

@@ -91,9 +91,7 @@ fn rate(text: &str) -> Result<f64, String> {
 
 /// Makes and writes the recording.
 pub(super) fn run(arguments: &SynthArguments) -> Result<(), CliError> {
-    let model = model::load(&arguments.body, Path::new(""))?;
-    let (frames, cameras, fps) =
-        if arguments.clutter { film(arguments, &model)? } else { ring(arguments, &model)? };
+    let (frames, cameras, fps) = arguments.written()?;
     let out = arguments.out.display().to_string();
     let counted = counted(frames, "frame");
     arguments.output.summarise(
@@ -108,7 +106,15 @@ pub(super) fn run(arguments: &SynthArguments) -> Result<(), CliError> {
 }
 
 /// Number of frames, number of cameras, frames per second.
-type Written = (usize, usize, f64);
+pub(super) type Written = (usize, usize, f64);
+
+impl SynthArguments {
+    /// The recording, which is written into its folder.
+    pub(super) fn written(&self) -> Result<Written, CliError> {
+        let model = model::load(&self.body, Path::new(""))?;
+        if self.clutter { film(self, &model) } else { ring(self, &model) }
+    }
+}
 
 fn ring(arguments: &SynthArguments, model: &BodyModel) -> Result<Written, CliError> {
     let default = Recipe::default();

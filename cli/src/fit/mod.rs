@@ -5,8 +5,9 @@ mod arguments;
 use std::time::Instant;
 
 pub(super) use arguments::{ABOUT, EXAMPLES, FitArguments};
-use maquette::Recording;
+use maquette::pipeline::Progress;
 use maquette::workflow::FitFolder;
+use maquette::{FittedRecording, Recording};
 
 use crate::complain;
 use crate::error::{CliError, one_line};
@@ -17,15 +18,24 @@ pub(super) fn run(arguments: &FitArguments) -> Result<(), CliError> {
     arguments.threads.run(|| fit(arguments))
 }
 
+impl FitArguments {
+    /// The fit, which is written into a folder.
+    fn fitted(&self, progress: &dyn Progress) -> Result<FittedRecording, CliError> {
+        let folder =
+            FitFolder { path: &self.out, existing: self.existing(), overlays: self.overlays };
+        let recording = Recording::open(&self.recording)?.with_fps(self.fps);
+        Ok(recording.fit_into(folder, &self.options(), progress)?)
+    }
+
+    /// The same on as many threads as were asked for.
+    pub(super) fn call(&self, progress: &dyn Progress) -> Result<FittedRecording, CliError> {
+        self.threads.run(|| self.fitted(progress))
+    }
+}
+
 fn fit(arguments: &FitArguments) -> Result<(), CliError> {
     let start = Instant::now();
-    let folder = FitFolder {
-        path: &arguments.out,
-        existing: arguments.existing(),
-        overlays: arguments.overlays,
-    };
-    let recording = Recording::open(&arguments.recording)?.with_fps(arguments.fps);
-    let fit = recording.fit_into(folder, &arguments.options(), &arguments.output.progress())?;
+    let fit = arguments.fitted(&arguments.output.progress())?;
 
     let summary = Summary {
         result: &fit.result,

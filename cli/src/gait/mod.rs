@@ -11,11 +11,11 @@ use crate::choice::{Choice, one_of};
 use crate::error::CliError;
 use crate::subject::SubjectArguments;
 use crate::switches::{Output, Overwrite};
-use maquette::GaitStudy;
 use maquette::gait::{GaitOptions, Surface};
 use maquette::io::folder::{check_out, write_atomically};
 use maquette::io::frame_rate;
 use maquette::workflow::GaitSource;
+use maquette::{FittedRecording, GaitStudy};
 use text::Summary;
 
 pub(super) const ABOUT: &str = "\
@@ -94,20 +94,15 @@ fn cutoff(text: &str) -> Result<f64, String> {
 pub(super) fn run(arguments: &GaitArguments) -> Result<(), CliError> {
     let source =
         GaitSource { path: &arguments.input, body: arguments.body.as_deref(), fps: arguments.fps };
-    let options = GaitOptions {
-        cutoff_hz: arguments.cutoff,
-        surface: arguments.surface,
-        pass: arguments.pass,
-        ..GaitOptions::default()
-    };
     let out = out_folder(arguments);
     check_out(&out, arguments.overwrite.existing())?;
-    let study = GaitStudy::open(source, &options)?;
+    let study = GaitStudy::open(source, &arguments.options())?;
     let study = arguments.subject.compare(study, arguments.norm.as_deref())?;
 
     study.save(&out)?;
     if arguments.report {
-        let text = arguments.subject.report(&study, &arguments.input, arguments.output)?;
+        let text =
+            arguments.subject.report(&study, &arguments.input, &arguments.output.progress())?;
         write_atomically(&out.join("report.html"), text.as_bytes())?;
     }
     let text = || {
@@ -122,6 +117,24 @@ pub(super) fn run(arguments: &GaitArguments) -> Result<(), CliError> {
     let json = || json!({ "out": out.display().to_string(), "gait": study.file() });
     arguments.output.summarise(text, json);
     Ok(study.usable()?)
+}
+
+impl GaitArguments {
+    /// How a walk is analysed.
+    fn options(&self) -> GaitOptions {
+        GaitOptions {
+            cutoff_hz: self.cutoff,
+            surface: self.surface,
+            pass: self.pass,
+            ..GaitOptions::default()
+        }
+    }
+
+    /// A fit's walk, compared with a norm.
+    pub(super) fn study(&self, fit: &FittedRecording) -> Result<GaitStudy, CliError> {
+        let study = fit.gait_with(&self.options())?;
+        self.subject.compare(study, self.norm.as_deref())
+    }
 }
 
 fn out_folder(arguments: &GaitArguments) -> PathBuf {

@@ -1,0 +1,103 @@
+//! Commands for a program of another language: the words of the command line in, values out, nothing printed.
+//!
+//! Options, their defaults and what is wrong with them are the program's, because the words are parsed as the program's are.
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+use clap::{Args, Parser};
+use maquette::pipeline::Progress;
+use maquette::workflow::FittedSession;
+use maquette::{FittedRecording, GaitStudy};
+use serde_json::Value;
+
+use crate::calibrate::CalibrateArguments;
+use crate::compare::CompareArguments;
+use crate::error::CliError;
+use crate::export::ExportArguments;
+use crate::fit::FitArguments;
+use crate::gait::GaitArguments;
+use crate::report::ReportArguments;
+use crate::session::SessionArguments;
+use crate::synth::SynthArguments;
+
+/// The words of one command, without its name.
+#[derive(Debug, Parser)]
+#[command(no_binary_name = true)]
+struct Words<T: Args> {
+    #[command(flatten)]
+    arguments: T,
+}
+
+fn parsed<T: Args>(words: &[OsString]) -> Result<T, CliError> {
+    let words = Words::try_parse_from(words).map_err(|fault| CliError::arguments(&fault))?;
+    Ok(words.arguments)
+}
+
+/// What `maquette fit` with these words finds and writes.
+///
+/// # Errors
+/// [`CliError`], whose line is the program's. A fit that cannot be used is none: its verdict is in the result.
+pub fn fit(words: &[OsString], progress: &dyn Progress) -> Result<FittedRecording, CliError> {
+    parsed::<FitArguments>(words)?.call(progress)
+}
+
+/// What `maquette gait` with these words finds of a fit; its input and the folder it writes into count for nothing.
+///
+/// # Errors
+/// [`CliError`], whose line is the program's.
+pub fn gait(fit: &FittedRecording, words: &[OsString]) -> Result<GaitStudy, CliError> {
+    parsed::<GaitArguments>(words)?.study(fit)
+}
+
+/// The page that `maquette report` with these words writes of a fit.
+///
+/// # Errors
+/// [`CliError`], whose line is the program's.
+pub fn report(
+    fit: &FittedRecording,
+    words: &[OsString],
+    progress: &dyn Progress,
+) -> Result<String, CliError> {
+    parsed::<ReportArguments>(words)?.page(fit, progress)
+}
+
+/// Writes a fit as `maquette export` with these words does, but into the folder itself, and says where.
+///
+/// # Errors
+/// [`CliError`], whose line is the program's.
+pub fn export(fit: &FittedRecording, words: &[OsString]) -> Result<Vec<PathBuf>, CliError> {
+    parsed::<ExportArguments>(words)?.written(&fit.gait()?)
+}
+
+/// What `maquette session` with these words finds and writes.
+///
+/// # Errors
+/// [`CliError`], whose line is the program's. A trial that cannot be used is none: it is named in the session.
+pub fn session(words: &[OsString], progress: &dyn Progress) -> Result<FittedSession, CliError> {
+    parsed::<SessionArguments>(words)?.call(progress)
+}
+
+/// What `maquette compare --json` with these words prints, and its page; nothing is written.
+///
+/// # Errors
+/// [`CliError`], whose line is the program's.
+pub fn compare(words: &[OsString]) -> Result<(Value, String), CliError> {
+    parsed::<CompareArguments>(words)?.call()
+}
+
+/// Writes what `maquette synth` with these words writes.
+///
+/// # Errors
+/// [`CliError`], whose line is the program's.
+pub fn synth(words: &[OsString]) -> Result<(), CliError> {
+    parsed::<SynthArguments>(words)?.written().map(drop)
+}
+
+/// What `maquette calibrate --json` with these words prints; the calibration is written.
+///
+/// # Errors
+/// [`CliError`], whose line is the program's.
+pub fn calibrate(words: &[OsString], progress: &dyn Progress) -> Result<Value, CliError> {
+    parsed::<CalibrateArguments>(words)?.call(progress)
+}

@@ -1,0 +1,48 @@
+"""Body shape and motion of a person, with standard deviations, from calibrated recordings.
+
+>>> import maquette
+>>> fit = maquette.Recording("data/sequences/walker").fit()  # doctest: +SKIP
+>>> fit.lengths  # doctest: +SKIP
+
+Numbers are in metres, seconds and radians unless an attribute ``units`` says otherwise; the world is right-handed
+with Z up. Every number is the program's, to the last bit.
+"""
+
+from __future__ import annotations
+
+from . import errors
+from ._calibrate import Calibration, calibrate
+from ._fit import Fit, load
+from ._gait import Gait
+from ._maquette import __version__
+from ._recording import Recording
+from ._session import Comparison, Session, session, synth
+from .errors import (
+    MaquetteError,
+    MaquetteWarning,
+    OptionError,
+    RecordingError,
+    ResultError,
+    UnusableError,
+)
+
+__all__ = [
+    "Calibration",
+    "Comparison",
+    "Fit",
+    "Gait",
+    "MaquetteError",
+    "MaquetteWarning",
+    "OptionError",
+    "Recording",
+    "RecordingError",
+    "ResultError",
+    "Session",
+    "UnusableError",
+    "__version__",
+    "calibrate",
+    "errors",
+    "load",
+    "session",
+    "synth",
+]

@@ -1,0 +1,16 @@
+"""The command ``maquette``."""
+
+from __future__ import annotations
+
+import sys
+
+from . import _maquette
+
+
+def main() -> int:
+    """Run the program with the words of the command line, and give its exit code."""
+    return _maquette.main(["maquette", *sys.argv[1:]])
+
+
+if __name__ == "__main__":
+    sys.exit(main())

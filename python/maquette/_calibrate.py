@@ -1,0 +1,110 @@
+"""Calibrations that a person who moves has refined."""
+
+from __future__ import annotations
+
+import json
+import os
+import pathlib
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Literal
+
+from ._maquette import calibrate as _calibrate
+from ._optional import imported
+from ._progress import ProgressChoice, closed, listener, news
+from ._words import Path, words
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_AXES = ("x", "y", "z")
+
+
+class Calibration:
+    """What was found of the cameras, and the files that it was written into."""
+
+    def __init__(self, result: dict[str, Any]) -> None:
+        self.result: dict[str, Any] = result
+        self.files: list[pathlib.Path] = [pathlib.Path(path) for path in result["files"]]
+
+    @property
+    def cameras(self) -> pd.DataFrame:
+        """Every camera of a refined calibration.
+
+        Returns
+        -------
+        pandas.DataFrame
+            By ``camera``: ``turn_x`` … ``turn_z`` (deg) about the world's axes and ``displacement_x`` …
+            ``displacement_z`` (m), each with its ``_sd``; not numbers where the camera keeps its calibration, and
+            ``kept`` says why. ``determined`` is how many of the six the motion determines. From lenses alone nothing
+            is refined, and ``result`` says what was found.
+        """
+        rows = [_row(part) for part in self.result["cameras"] if "turn_deg" in part]
+        pandas = imported("pandas", "pandas")
+        table: pd.DataFrame = pandas.DataFrame(rows, columns=list(_row({})))
+        table.attrs["units"] = {
+            column: "deg" if column.startswith("turn") else "m" for column in table.columns if "_" in column
+        }
+        return table.set_index("camera")
+
+    @property
+    def notes(self) -> list[str]:
+        """What a person should know."""
+        return list(self.result.get("notes") or [])
+
+
+def _row(part: dict[str, Any]) -> dict[str, Any]:
+    """One camera of the result as a row."""
+    row: dict[str, Any] = {"camera": part.get("camera")}
+    for name, unit in (("turn", "deg"), ("displacement", "m")):
+        for key, ending in ((f"{name}_{unit}", ""), (f"{name}_sd_{unit}", "_sd")):
+            values = part.get(key) or [float("nan")] * 3
+            row |= {f"{name}_{axis}{ending}": value for axis, value in zip(_AXES, values, strict=True)}
+    return row | {"determined": part.get("determined"), "kept": part.get("kept")}
+
+
+def calibrate(
+    recordings: Sequence[Path],
+    *,
+    out: Path,
+    from_: Literal["calibration", "lenses"] | None = None,
+    height: float | None = None,
+    fps: float | None = None,
+    body: str | None = None,
+    frames: tuple[int, int] | None = None,
+    threads: int | None = None,
+    overwrite: bool = False,
+    progress: ProgressChoice = None,
+) -> Calibration:
+    """Write the calibration that a person who moves before the cameras has refined.
+
+    This is ``maquette calibrate``; it runs as :meth:`Recording.fit` does.
+
+    Parameters
+    ----------
+    recordings
+        Recordings, or folders of finished fits.
+    out
+        The calibration to write; its ending says in which format (docs/formats.md, calibrations).
+    from_
+        What is known of the cameras: lenses and places (the default), or lenses alone.
+    height
+        Of lenses alone: the person's height without shoes, m.
+    fps, body, frames, threads, progress
+        As of :class:`Recording` and :meth:`Recording.fit`.
+    overwrite
+        Replace files that stand there.
+
+    Raises
+    ------
+    MaquetteError
+        With the one line that the program prints.
+    """
+    options = {"from": from_, "height": height, "fps": fps, "body": body, "frames": frames, "threads": threads}
+    given = words(None, out=out, overwrite=overwrite, **options)
+    paths = [os.fspath(path) for path in recordings]
+    told = listener(progress)
+    try:
+        result = _calibrate([*given, "--", *paths], (told, news))
+    finally:
+        closed(told)
+    return Calibration(json.loads(result))

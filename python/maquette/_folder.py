@@ -1,0 +1,23 @@
+"""A temporary folder that lives as long as a result."""
+
+from __future__ import annotations
+
+import os
+import pathlib
+import shutil
+import tempfile
+import weakref
+
+
+class Scratch:
+    """A folder that is removed with this object, or at the end of the interpreter, by the process that made it."""
+
+    def __init__(self) -> None:
+        self.path = pathlib.Path(tempfile.mkdtemp(prefix="maquette-"))
+        self._removal = weakref.finalize(self, _remove, self.path, os.getpid())
+
+
+def _remove(path: pathlib.Path, owner: int) -> None:
+    # a forked process has a copy of the object and not of the folder
+    if os.getpid() == owner:
+        shutil.rmtree(path, ignore_errors=True)
