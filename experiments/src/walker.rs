@@ -42,7 +42,6 @@ pub fn seen_by(cameras: usize, frames: Option<usize>, seed: u64) -> Result<Synth
     let body = model::load("walker-metaballs", Path::new(""))?;
     let recipe = Recipe {
         seed,
-        trial: 0,
         make: Make::Metaballs,
         frames,
         fps: 50.0,
@@ -57,6 +56,7 @@ pub fn seen_by(cameras: usize, frames: Option<usize>, seed: u64) -> Result<Synth
         },
         errors: Some(SegmentationErrors::MILD),
         stereo: None,
+        ..Recipe::default()
     };
     Ok(recipe.walker(&body)?)
 }

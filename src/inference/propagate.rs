@@ -1,12 +1,14 @@
 //! One hypothesis along the Markov chain, forwards and backwards from its keyframe (ZS06, Alg. 1, line 4).
 
+use nalgebra::Vector3;
+
 use super::frame::{FrameFit, FramePosterior};
 use super::start::{StartOptions, readings_by};
 use super::step::{MotionModel, StepPrior, extrapolate};
 use super::{Detail, Evidence, Sequence};
 use crate::body::{Layout, Motion, Shape};
 use crate::math::stats::median;
-use crate::solver::{Options, levenberg_marquardt};
+use crate::solver::{Options, Problem, levenberg_marquardt};
 
 /// Settings of the tracking.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -36,6 +38,32 @@ pub(super) struct Tracking<'a> {
     pub(super) options: &'a TrackOptions,
     /// How a lost frame is searched anew.
     pub(super) start: &'a StartOptions,
+    /// What the hypothesis that was followed first came to, frame by frame.
+    pub(super) leader: Option<&'a [Option<FrameFit>]>,
+}
+
+impl Tracking<'_> {
+    /// Where a motion gets to as the leader does between two frames; `None` where the leader faces another way.
+    ///
+    /// Hypotheses of one reading differ by their shape, and move alike: from there a step or two suffice. A leader that is lost leads
+    /// nowhere, so what it proposes is compared with the hypothesis' own prediction.
+    fn led(&self, (from, motion): &(usize, Motion), to: usize) -> Option<Motion> {
+        let leader = self.leader?;
+        let (before, after) = (leader[*from].as_ref()?, leader[to].as_ref()?);
+        let is_shown = before.observations > 0.0 && after.observations > 0.0;
+        let layout = Layout::new(self.evidence.model);
+        let way = layout.motion_difference(&before.motion, &after.motion);
+        let is_alike = facing(&before.motion).dot(&facing(motion)) > ALIKE;
+        (is_shown && is_alike).then(|| layout.retract_motion(motion, &way))
+    }
+}
+
+/// The cosine of the angle within which two bodies face the same way: 30°.
+const ALIKE: f64 = 0.866;
+
+/// Where the root's front points.
+fn facing(motion: &Motion) -> Vector3<f64> {
+    motion.world_from_root * Vector3::x()
 }
 
 /// A track that grows from its keyframe to one end of the sequence.
@@ -96,7 +124,7 @@ impl Track {
     }
 
     fn fit(&mut self, tracking: &Tracking<'_>, index: usize) -> FrameFit {
-        let Tracking { evidence, sequence, shape, options, start } = *tracking;
+        let Tracking { evidence, sequence, shape, options, start, .. } = *tracking;
         let frame = &sequence.frames[index];
         if !frame.is_observed() {
             return FrameFit::held(&evidence.pose_prior, self.last.1.clone());
@@ -111,7 +139,6 @@ impl Track {
             MotionModel::ConstantVelocity => &predicted,
         };
 
-        // the most probable motion from the prediction
         let terms = evidence.terms(frame, Detail::Fine);
         let posterior = FramePosterior {
             model: evidence.model,
@@ -120,7 +147,11 @@ impl Track {
             step: Some((&step, mean)),
             terms: &terms,
         };
-        let fit = solve(&posterior, predicted.clone(), options.iterations);
+        // from the prediction, or from where the leader's motion goes, if that is nearer
+        let led = tracking.led(&self.last, index);
+        let led = led.filter(|led| posterior.cost(led) < posterior.cost(&predicted));
+        let begin = led.unwrap_or_else(|| predicted.clone());
+        let fit = solve(&posterior, begin, options.iterations);
         if self.is_plausible(&fit, options.recovery_ratio) {
             return fit;
         }

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::facing::turned_hypothesis;
+use super::frame::FrameFit;
 use super::hypothesis::most_probable;
 pub use super::hypothesis::{Hypothesis, Origin, Search, Trial};
 pub use super::journal::{Journal, NoJournal};
@@ -80,8 +81,8 @@ const STRIDE: usize = 8;
 ///
 /// # Source
 /// ZS06, Algorithm 1. Differs: a keyframe gives one hypothesis for each reading (front, back); tracks run
-/// both ways from the keyframe; hypotheses that can no longer win are dropped, exactly; if no keyframe proposes that the person
-/// faces the other way, the winner turned around is one more hypothesis; where the winner lost a limb and another hypothesis did
+/// both ways from the keyframe, and those after the first begin in each frame where the first one's motion goes; hypotheses that can
+/// no longer win are dropped, exactly; if no keyframe proposes that the person faces the other way, the winner turned around is one more hypothesis; where the winner lost a limb and another hypothesis did
 /// not, its motion goes over into the other's (`relay`).
 pub fn search(
     evidence: &Evidence<'_>,
@@ -111,11 +112,12 @@ pub fn search(
     // 6. which way the person faces is compared in any case
     if let Some(turned) = turned_hypothesis(evidence, sequence, &trials, winner) {
         journal.hypotheses(1);
-        trials.push(run.follow(trials.len(), &turned, run.bound(&trials[winner])));
+        let before = Followed { bound: run.bound(&trials[winner]), leader: None };
+        trials.push(run.follow(trials.len(), &turned, before));
         winner = most_probable(&trials)?;
     }
     // 7. what the winner lost, another hypothesis may have
-    let tracking = run.tracking(&trials[winner].hypothesis.shape);
+    let tracking = run.tracking(&trials[winner].hypothesis.shape, None);
     if let Some(relayed) = relayed(&tracking, &trials, winner) {
         trials[winner] = relayed;
     }
@@ -128,6 +130,15 @@ struct Run<'a> {
     sequence: Sequence<'a>,
     options: &'a SearchOptions,
     journal: &'a dyn Journal,
+}
+
+/// What hypotheses that were followed before have come to.
+#[derive(Clone, Copy)]
+struct Followed<'t> {
+    /// The energy above which no other can win.
+    bound: f64,
+    /// The frames of the first.
+    leader: Option<&'t [Option<FrameFit>]>,
 }
 
 impl Run<'_> {
@@ -165,7 +176,9 @@ impl Run<'_> {
             if self.journal.is_failing() {
                 return Vec::new();
             }
-            let follow = |&index: &usize| (index, self.follow(index, &hypotheses[index], bound));
+            let leader = trials[promising].as_ref().map(|leader| leader.frames.as_slice());
+            let before = Followed { bound, leader };
+            let follow = |&index: &usize| (index, self.follow(index, &hypotheses[index], before));
             let done: Vec<(usize, Trial)> = batch.par_iter().map(follow).collect();
 
             for (index, trial) in done {
@@ -178,12 +191,12 @@ impl Run<'_> {
         trials.into_iter().flatten().collect()
     }
 
-    fn follow(&self, index: usize, hypothesis: &Hypothesis, bound: f64) -> Trial {
+    fn follow(&self, index: usize, hypothesis: &Hypothesis, before: Followed<'_>) -> Trial {
         let kept = self.journal.kept_trial(index);
         let (model, frames) = (self.evidence.model, self.sequence.frames.len());
         let is_of = |trial: &Trial| trial.hypothesis == *hypothesis && trial.fits(model, frames);
         kept.filter(is_of).unwrap_or_else(|| {
-            let trial = self.propagate(index, hypothesis, bound);
+            let trial = self.propagate(index, hypothesis, before);
             // one that was given up is neither finished nor pruned
             if !self.journal.is_failing() {
                 self.journal.keep_trial(index, &trial);
@@ -193,19 +206,25 @@ impl Run<'_> {
     }
 
     /// What tracks of a shape share.
-    fn tracking<'s>(&'s self, shape: &'s Shape) -> Tracking<'s> {
+    fn tracking<'s>(
+        &'s self,
+        shape: &'s Shape,
+        leader: Option<&'s [Option<FrameFit>]>,
+    ) -> Tracking<'s> {
         Tracking {
             evidence: self.evidence,
             sequence: self.sequence,
             shape,
             options: &self.options.track,
             start: &self.options.start,
+            leader,
         }
     }
 
-    /// Follows a hypothesis both ways until every frame is fitted or its partial sum exceeds `bound`.
-    fn propagate(&self, index: usize, hypothesis: &Hypothesis, bound: f64) -> Trial {
-        let tracking = self.tracking(&hypothesis.shape);
+    /// Follows a hypothesis both ways until every frame is fitted or its partial sum exceeds the bound.
+    fn propagate(&self, index: usize, hypothesis: &Hypothesis, before: Followed<'_>) -> Trial {
+        let Followed { bound, leader } = before;
+        let tracking = self.tracking(&hypothesis.shape, leader);
         let (k, n) = (hypothesis.keyframe, self.sequence.frames.len());
 
         // two tracks from the keyframe

@@ -84,7 +84,6 @@ impl Holding {
             SegmentationErrors { border_sd_px: mild.border_sd_px * self.raggedness, ..mild };
         let recipe = Recipe {
             seed,
-            trial: 0,
             frames: Some(self.frames),
             fps: FPS,
             make: Make::Metaballs,
@@ -99,6 +98,7 @@ impl Holding {
             },
             errors: (self.raggedness > 0.0).then_some(errors),
             stereo: None,
+            ..Recipe::default()
         };
         let mut recording = recipe.walker(&body)?;
         for (i, motion) in recording.motions.iter_mut().enumerate() {

@@ -225,6 +225,7 @@ mod tests {
             shape: &walker.shape,
             options: &TrackOptions::default(),
             start: &StartOptions::default(),
+            leader: None,
         };
         let knee = walker.model.joints.iter().position(|j| j.name == "knee_flexion_r").unwrap();
         let lost = |(i, motion): (usize, &Motion)| {
