@@ -201,3 +201,87 @@ pub(super) fn solve(
     let solution = levenberg_marquardt(posterior, start, &options);
     posterior.frame_fit(solution.state, solution.cost)
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use nalgebra::{Rotation3, Unit};
+
+    use super::*;
+    use crate::camera::CameraId;
+    use crate::io::model;
+    use crate::likelihood::{LikelihoodOptions, Measure};
+    use crate::silhouette::{FrameIndex, FrameObservations, SilhouetteOptions, extract};
+    use crate::synth::{Recipe, Ring, Synthetic};
+
+    fn walker() -> (Synthetic, Vec<FrameObservations>) {
+        let person = model::load("walker-metaballs", Path::new("")).unwrap();
+        let ring = Ring { width_px: 320, height_px: 240, focal_px: 250.0, ..Ring::default() };
+        let recipe = Recipe { frames: Some(2), fps: 12.5, ring, ..Recipe::default() };
+        let walker = recipe.walker(&person).unwrap();
+        let shown = |number: usize| {
+            let mut seen = FrameObservations::nothing(FrameIndex(number));
+            for (id, camera) in walker.rig.iter() {
+                let mask = walker.mask(seen.frame, id).unwrap();
+                let silhouette = extract(&mask, camera, &SilhouetteOptions::default());
+                seen.views.extend(silhouette.ok().map(|s| -> (CameraId, _) { (id, s) }));
+            }
+            seen
+        };
+        let frames = (0..2).map(shown).collect();
+        (walker, frames)
+    }
+
+    fn fitted(motion: &Motion) -> Option<FrameFit> {
+        let motion = motion.clone();
+        let (data, pose, step, observations) = (1.0, 0.0, 0.0, 1.0);
+        Some(FrameFit { motion, data, pose, step, observations, recovered: false })
+    }
+
+    #[test]
+    fn a_hypothesis_begins_where_the_leader_goes_unless_that_is_lost_or_faces_another_way() {
+        let (walker, frames) = walker();
+        let options = LikelihoodOptions::default();
+        let evidence = Evidence::new(&walker.model, &walker.rig, options, Measure::Metaballs);
+        let [first, second] = [0, 1].map(|i| walker.motions[i].clone());
+        let (start, track) =
+            (StartOptions::default(), TrackOptions { iterations: 1, ..TrackOptions::default() });
+        let tracking = |leader| Tracking {
+            evidence: &evidence,
+            sequence: Sequence { frames: &frames, fps: walker.fps },
+            shape: &walker.shape,
+            options: &track,
+            start: &start,
+            leader,
+        };
+
+        // as far as the leader goes
+        let right = [fitted(&first), fitted(&second)];
+        let mut own = first.clone();
+        own.angles[0] += 0.05;
+        own.position_world.y += 0.02;
+        let led = tracking(Some(&right)).led(&(0, own.clone()), 1).expect("it faces the same way");
+        let layout = Layout::new(&walker.model);
+        let way = layout.motion_difference(&first, &second);
+        approx::assert_relative_eq!(layout.motion_difference(&own, &led), way, epsilon = 1e-9);
+
+        // not of one that faces another way
+        let about = Unit::new_unchecked(Vector3::z());
+        let turn = Rotation3::from_axis_angle(&about, std::f64::consts::PI);
+        let away = Motion { world_from_root: turn * own.world_from_root, ..own };
+        assert_eq!(tracking(Some(&right)).led(&(0, away), 1), None);
+
+        // one step from there is better than one from where the person was; one that is lost changes nothing
+        let after = |leader| {
+            let start = fitted(&first).expect("it is one");
+            Track::new(vec![1], 0, &start).advance(&tracking(leader), 1).remove(0).1
+        };
+        let mut lost = second.clone();
+        lost.position_world.z += 0.3;
+        let lost = [fitted(&first), fitted(&lost)];
+        let alone = after(None);
+        assert!(after(Some(&right)).cost() < alone.cost());
+        assert_eq!(after(Some(&lost)), alone);
+    }
+}

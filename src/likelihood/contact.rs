@@ -18,6 +18,9 @@ use crate::math::exponential::{LANES, exp};
 /// square over the size of a metaball, 1e-9 m, and r depends only on the square of that, because x* is a summit.
 const LAST_STEP_M: f64 = 1e-5;
 
+/// Metaballs whose fᵢ is less than e⁻¹⁸, 10⁻⁸, of the largest move no summit that one could see: half of that exponent.
+const FAINT: f64 = 9.0;
+
 /// A climb ends after so many steps in any case; most take four.
 const MOST_STEPS: usize = 60;
 
@@ -142,7 +145,7 @@ impl RayField {
         let (mut start, mut count) = (0.0, 0);
         for i in run {
             let nearest = self.nearest[i] - least;
-            if nearest >= NEGLIGIBLE {
+            if nearest >= FAINT {
                 continue;
             }
             let lane = count % LANES;

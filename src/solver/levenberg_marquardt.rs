@@ -254,14 +254,39 @@ mod tests {
         assert_eq!((solution.state, solution.report.iterations), (0.0, 0));
     }
 
+    /// 10 + ½x².
+    struct Bowl;
+
+    impl Problem for Bowl {
+        type State = f64;
+        type Model = NormalEquations;
+        fn empty_model(&self) -> NormalEquations {
+            NormalEquations::zeros(1)
+        }
+        fn cost(&self, x: &f64) -> f64 {
+            10.0 + 0.5 * x * x
+        }
+        fn linearize(&self, x: &f64, equations: &mut NormalEquations) -> f64 {
+            equations.gradient[0] += x;
+            equations.hessian[(0, 0)] += 1.0;
+            self.cost(x)
+        }
+        fn retract(&self, x: &f64, delta: &DVector<f64>) -> f64 {
+            x + delta[0]
+        }
+    }
+
     #[test]
     fn the_last_step_is_taken_and_not_linearised() {
-        let options = Options { relative_decrease: 1e-2, ..Options::default() };
-        let solution = levenberg_marquardt(&Rosenbrock { slip: 0.0 }, [0.9, 0.8], &options);
+        let options = Options { damping: 0.1, relative_decrease: 1e-2, ..Options::default() };
+        let solution = levenberg_marquardt(&Bowl, 3.0, &options);
         let Report { termination, iterations, costs } = &solution.report;
-        assert_eq!(*termination, Termination::Converged);
-        assert_eq!(costs.len(), iterations + 2, "{costs:?}");
-        assert!(costs[costs.len() - 1] < costs[costs.len() - 2]);
+        assert_eq!((*termination, *iterations), (Termination::Converged, 1));
+        // from 3 to 0.27, and on; g is that of 0.27
+        assert_eq!(costs.len(), 3);
+        assert!(costs.is_sorted_by(|before, after| after < before), "{costs:?}");
+        assert!(solution.state < 0.01, "{}", solution.state);
+        approx::assert_relative_eq!(solution.model.gradient[0], 3.0 * 0.1 / 1.1, epsilon = 1e-6);
     }
 
     /// ½x², which jumps up by 10 below 1.

@@ -146,7 +146,7 @@ impl<'a> ContactFit<'a> {
             let way = contact.place_world - contact.origin_world;
             let Some(line) = way.try_normalize(1e-9) else { continue };
             if sample.update(&field, &contact.place_world.coords) {
-                contact.place_world += line * newton_step(&sample, &line);
+                contact.place_world += line * newton_step(&field, &sample, &line);
             }
         }
     }
@@ -165,8 +165,8 @@ impl<'a> ContactFit<'a> {
 }
 
 /// Where ln F has no summit near on the line the contact stays.
-fn newton_step(sample: &FieldSample, line: &Vector3<f64>) -> f64 {
+fn newton_step(field: &Field, sample: &FieldSample, line: &Vector3<f64>) -> f64 {
     let slope = line.dot(&sample.log_gradient);
-    let bend = line.dot(&(sample.log_hessian * line));
+    let bend = line.dot(&(sample.log_hessian(field) * line));
     if bend < 0.0 { (-slope / bend).clamp(-FARTHEST_STEP, FARTHEST_STEP) } else { 0.0 }
 }
