@@ -87,8 +87,7 @@ pub fn levenberg_marquardt<P: Problem>(
     let mut candidate_model = model.clone();
     let mut cost = problem.linearize(&state, &mut model);
     let mut costs = vec![cost];
-    let (mut lambda, mut growth) = (options.damping, 2.0);
-    let mut iterations = 0;
+    let (mut lambda, mut growth, mut iterations) = (options.damping, 2.0, 0);
 
     let termination = loop {
         if lambda > MAX_DAMPING {
@@ -108,10 +107,8 @@ pub fn levenberg_marquardt<P: Problem>(
         // the last step
         let promised = model.predicted_decrease(&delta);
         if promised <= options.relative_decrease * cost.abs() {
-            let last = problem.retract(&state, &delta);
-            let last_cost = problem.cost(&last);
-            if last_cost < cost {
-                (state, cost) = (last, last_cost);
+            if let Some(lower) = lower(problem, &state, cost, &delta) {
+                (state, cost) = lower;
                 costs.push(cost);
             }
             break Termination::Converged;
@@ -123,20 +120,20 @@ pub fn levenberg_marquardt<P: Problem>(
         candidate_model.clear();
         let mut candidate_cost = problem.linearize(&candidate, &mut candidate_model);
 
-        let is_lower = candidate_cost < cost;
-        if !is_lower {
+        if candidate_cost.is_nan() || candidate_cost >= cost {
             // drop it, and try a shorter one
             if negligible(&delta) {
                 break Termination::Stalled;
             }
             delta *= shortening(cost, candidate_cost, model.gradient().dot(&delta));
-            candidate = problem.retract(&state, &delta);
-            let is_lower = iterations < options.max_iterations && problem.cost(&candidate) < cost;
-            if !is_lower {
+            let may_go_on = iterations < options.max_iterations;
+            let shorter = may_go_on.then(|| lower(problem, &state, cost, &delta)).flatten();
+            let Some((shorter, _)) = shorter else {
                 lambda = (lambda * growth).max(1e-9);
                 growth *= 2.0;
                 continue;
-            }
+            };
+            candidate = shorter;
             iterations += 1;
             candidate_model.clear();
             candidate_cost = problem.linearize(&candidate, &mut candidate_model);
@@ -157,6 +154,18 @@ pub fn levenberg_marquardt<P: Problem>(
     };
 
     Solution { state, cost, model, report: Report { termination, iterations, costs } }
+}
+
+/// x ⊞ δ and its cost, if that is lower than the one of x.
+fn lower<P: Problem>(
+    problem: &P,
+    state: &P::State,
+    cost: f64,
+    delta: &DVector<f64>,
+) -> Option<(P::State, f64)> {
+    let candidate = problem.retract(state, delta);
+    let candidate_cost = problem.cost(&candidate);
+    (candidate_cost < cost).then_some((candidate, candidate_cost))
 }
 
 /// t: by how much a step is shortened behind which the cost is higher; `slope` is gᵀδ.
