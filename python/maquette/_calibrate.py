@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from ._maquette import calibrate as _calibrate
 from ._optional import imported
-from ._progress import ProgressChoice, closed, listener, news
+from ._progress import ProgressChoice, listening, news
 from ._words import Path, words
 
 if TYPE_CHECKING:
@@ -102,9 +102,6 @@ def calibrate(
     options = {"from": from_, "height": height, "fps": fps, "body": body, "frames": frames, "threads": threads}
     given = words(None, out=out, overwrite=overwrite, **options)
     paths = [os.fspath(path) for path in recordings]
-    told = listener(progress)
-    try:
+    with listening(progress) as told:
         result = _calibrate([*given, "--", *paths], (told, news))
-    finally:
-        closed(told)
     return Calibration(json.loads(result))

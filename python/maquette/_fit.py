@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _html, _maquette, _plot, _tables
-from ._folder import Scratch
+from ._folder import Scratch, written_page
 from ._gait import Gait
-from ._progress import ProgressChoice, caution, closed, listener
+from ._progress import ProgressChoice, caution, listening
 from ._words import Path, words
 from .errors import OptionError, UnusableError
 
@@ -275,13 +275,9 @@ class Fit:
             recording=recording,
             no_pictures=not pictures,
         )
-        told = listener(progress)
-        try:
+        with listening(progress) as told:
             page = self._fitted.report(given, (told, caution))
-        finally:
-            closed(told)
-        pathlib.Path(path).write_text(page, encoding="utf-8", newline="\n")
-        return pathlib.Path(path)
+        return written_page(path, page)
 
     def export(self, format: Format, path: Path) -> pathlib.Path:
         """Write the fit in a format of another program.

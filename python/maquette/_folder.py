@@ -1,4 +1,4 @@
-"""A temporary folder that lives as long as a result."""
+"""Files that are written: a temporary folder that lives as long as a result, and pages."""
 
 from __future__ import annotations
 
@@ -15,6 +15,12 @@ class Scratch:
     def __init__(self) -> None:
         self.path = pathlib.Path(tempfile.mkdtemp(prefix="maquette-"))
         self._removal = weakref.finalize(self, _remove, self.path, os.getpid())
+
+
+def written_page(path: str | os.PathLike[str], page: str) -> pathlib.Path:
+    """Write a page of HTML with the program's ends of lines."""
+    pathlib.Path(path).write_text(page, encoding="utf-8", newline="\n")
+    return pathlib.Path(path)
 
 
 def _remove(path: pathlib.Path, owner: int) -> None:

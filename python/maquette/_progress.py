@@ -5,7 +5,8 @@ from __future__ import annotations
 import logging
 import sys
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any, Union
 
 from ._optional import imported
@@ -30,8 +31,18 @@ def caution(line: str) -> None:
     warnings.warn(line, MaquetteWarning, stacklevel=3)
 
 
-def listener(progress: ProgressChoice) -> Progress | None:
-    """Turn what a caller has asked for into a function that is called."""
+@contextmanager
+def listening(progress: ProgressChoice) -> Iterator[Progress | None]:
+    """Give the function that is told of what a caller has asked for, and end what it shows."""
+    told = _listener(progress)
+    try:
+        yield told
+    finally:
+        if isinstance(told, Bars):
+            told.close()
+
+
+def _listener(progress: ProgressChoice) -> Progress | None:
     if progress is None or progress is False:
         return None
     if progress is True:
@@ -77,9 +88,3 @@ class Lines:
         if stage != self._stage:
             print(f"{stage} ({steps} steps)", file=sys.stderr)
             self._stage = stage
-
-
-def closed(progress: Progress | None) -> None:
-    """End what is shown."""
-    if isinstance(progress, Bars):
-        progress.close()

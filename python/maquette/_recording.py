@@ -14,7 +14,7 @@ from . import _maquette
 from ._arrays import Masks, written
 from ._fit import Fit
 from ._folder import Scratch
-from ._progress import ProgressChoice, closed, listener, news
+from ._progress import ProgressChoice, listening, news
 from ._words import Path, words
 from .errors import MaquetteWarning
 
@@ -181,7 +181,6 @@ class Recording:
         """
         scratch = Scratch() if out is None else None
         folder = scratch.path if scratch is not None else pathlib.Path(os.fspath(out or "."))
-        told = listener(progress)
         given = words(
             self.path,
             out=folder,
@@ -206,10 +205,8 @@ class Recording:
             resume=existing == "resume",
             overwrite=existing == "overwrite",
         )
-        try:
+        with listening(progress) as told:
             fitted = _maquette.fit(given, (told, news))
-        finally:
-            closed(told)
         fit = Fit(fitted, folder=folder, body=body, keeps=(scratch, self._scratch))
         if fit.why_unusable is not None:
             warnings.warn(fit.why_unusable, MaquetteWarning, stacklevel=2)

@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from . import _maquette, _tables
 from ._fit import Fit, load
+from ._folder import written_page
 from ._optional import imported
-from ._progress import ProgressChoice, closed, listener, news
+from ._progress import ProgressChoice, listening, news
 from ._recording import Existing
 from ._words import Path, words
 from .errors import MaquetteWarning, ResultError
@@ -74,9 +75,7 @@ class Session:
 
     def report(self, path: Path) -> pathlib.Path:
         """Write the page of all trials: one HTML file that needs nothing else."""
-        page = _maquette.session_page(self.folder, self._body)
-        pathlib.Path(path).write_text(page, encoding="utf-8", newline="\n")
-        return pathlib.Path(path)
+        return written_page(path, _maquette.session_page(self.folder, self._body))
 
     def compare(self, after: Session, *, norm: Path | Literal["none"] | None = None) -> Comparison:
         """Tell what has changed from this session to a later one of the same person.
@@ -131,8 +130,7 @@ class Comparison:
 
     def report(self, path: Path) -> pathlib.Path:
         """Write the comparison as one HTML file that needs nothing else."""
-        pathlib.Path(path).write_text(self._page, encoding="utf-8", newline="\n")
-        return pathlib.Path(path)
+        return written_page(path, self._page)
 
 
 def session(
@@ -173,11 +171,8 @@ def session(
     )
     left_out = [f"--without={name}" for name in without]
     paths = [os.fspath(path) for path in trials]
-    told = listener(progress)
-    try:
+    with listening(progress) as told:
         verdict = _maquette.session([*given, *left_out, "--", *paths], (told, news))
-    finally:
-        closed(told)
     if verdict is not None:
         warnings.warn(verdict, MaquetteWarning, stacklevel=2)
     return Session(out, body=body)

@@ -1,6 +1,6 @@
 //! Which way a person faces: silhouettes say little of it, so the other way is always a hypothesis.
 
-use nalgebra::{Rotation3, Vector2, Vector3};
+use nalgebra::{Rotation3, Vector3};
 
 use super::hypothesis::{Hypothesis, Origin, Trial};
 use super::start::refined;
@@ -9,12 +9,12 @@ use crate::body::{BodyModel, Motion, Root, State};
 
 /// Whether two bodies face to opposite sides, seen from above.
 fn faces_away(one: &Motion, other: &Motion) -> bool {
-    forwards(one).dot(&forwards(other)) < 0.0
+    forwards(one).xy().dot(&forwards(other).xy()) < 0.0
 }
 
-/// The horizontal direction of the root's x axis.
-fn forwards(motion: &Motion) -> Vector2<f64> {
-    motion.world_from_root.matrix().column(0).xy()
+/// The direction of the root's x axis.
+pub(super) fn forwards(motion: &Motion) -> Vector3<f64> {
+    motion.world_from_root * Vector3::x()
 }
 
 /// Whether one trial faces away from another in the first frame that both have.

@@ -1,7 +1,6 @@
 //! One hypothesis along the Markov chain, forwards and backwards from its keyframe (ZS06, Alg. 1, line 4).
 
-use nalgebra::Vector3;
-
+use super::facing::forwards;
 use super::frame::{FrameFit, FramePosterior};
 use super::start::{StartOptions, readings_by};
 use super::step::{MotionModel, StepPrior, extrapolate};
@@ -53,18 +52,13 @@ impl Tracking<'_> {
         let is_shown = before.observations > 0.0 && after.observations > 0.0;
         let layout = Layout::new(self.evidence.model);
         let way = layout.motion_difference(&before.motion, &after.motion);
-        let is_alike = facing(&before.motion).dot(&facing(motion)) > ALIKE;
+        let is_alike = forwards(&before.motion).dot(&forwards(motion)) > ALIKE;
         (is_shown && is_alike).then(|| layout.retract_motion(motion, &way))
     }
 }
 
 /// The cosine of the angle within which two bodies face the same way: 30°.
 const ALIKE: f64 = 0.866;
-
-/// Where the root's front points.
-fn facing(motion: &Motion) -> Vector3<f64> {
-    motion.world_from_root * Vector3::x()
-}
 
 /// A track that grows from its keyframe to one end of the sequence.
 #[derive(Debug, Clone)]
@@ -203,10 +197,10 @@ pub(super) fn solve(
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use std::path::Path;
 
-    use nalgebra::{Rotation3, Unit};
+    use nalgebra::{Rotation3, Unit, Vector3};
 
     use super::*;
     use crate::camera::CameraId;
@@ -215,10 +209,14 @@ mod tests {
     use crate::silhouette::{FrameIndex, FrameObservations, SilhouetteOptions, extract};
     use crate::synth::{Recipe, Ring, Synthetic};
 
-    fn walker() -> (Synthetic, Vec<FrameObservations>) {
+    /// A walker, and what small pictures show of them.
+    pub(in crate::inference) fn walker(
+        frames: usize,
+        fps: f64,
+    ) -> (Synthetic, Vec<FrameObservations>) {
         let person = model::load("walker-metaballs", Path::new("")).unwrap();
         let ring = Ring { width_px: 320, height_px: 240, focal_px: 250.0, ..Ring::default() };
-        let recipe = Recipe { frames: Some(2), fps: 12.5, ring, ..Recipe::default() };
+        let recipe = Recipe { frames: Some(frames), fps, ring, ..Recipe::default() };
         let walker = recipe.walker(&person).unwrap();
         let shown = |number: usize| {
             let mut seen = FrameObservations::nothing(FrameIndex(number));
@@ -229,7 +227,7 @@ mod tests {
             }
             seen
         };
-        let frames = (0..2).map(shown).collect();
+        let frames = (0..frames).map(shown).collect();
         (walker, frames)
     }
 
@@ -241,7 +239,7 @@ mod tests {
 
     #[test]
     fn a_hypothesis_begins_where_the_leader_goes_unless_that_is_lost_or_faces_another_way() {
-        let (walker, frames) = walker();
+        let (walker, frames) = walker(2, 12.5);
         let options = LikelihoodOptions::default();
         let evidence = Evidence::new(&walker.model, &walker.rig, options, Measure::Metaballs);
         let [first, second] = [0, 1].map(|i| walker.motions[i].clone());

@@ -2,7 +2,8 @@
 //!
 //! At a keyframe nothing is known about m. The hull (or the points, without silhouettes) gives place and height. The
 //! body stands there in each canonical leg pose of its model, turned to each of eight headings, and a dozen damped
-//! iterations on thinned contours sort these starts. The best few try the canonical arm poses and are refined.
+//! iterations on thinned contours sort these starts: half of them by the motion alone, and the better half of the starts by the others.
+//! The best few try the canonical arm poses and are refined.
 //! Silhouettes confuse front and back: the best start of another heading is kept as a second reading.
 //!
 //! Where only detections show the body, their joints in space ([`Joints`]) give place, heading and size: the mean body, of the height that
@@ -13,6 +14,7 @@ use nalgebra::{DVector, Point3, Rotation3, Vector3};
 use rayon::prelude::*;
 
 use super::detail::Detail;
+use super::facing::forwards;
 use super::frame::{FramePosterior, KeyframePosterior};
 use super::hull::{self, Hull};
 use super::joints::{BONES, Joints};
@@ -110,11 +112,11 @@ pub(super) fn refined(evidence: &Evidence<'_>, terms: &Terms<'_>, state: State) 
     improve(evidence, terms, state, &solver_options(30, 1e-4))
 }
 
-/// The share of the starts that go on with their shape, and of the iterations that all take without.
+/// Half of the starts go on with their shape, after half of the iterations, which all of them take without.
 const PROMISING: usize = 2;
 
-/// A dozen iterations from each of the more promising starts: a third, and those are told by a third of the iterations, of the motion
-/// alone (one round of successive halving: Jamieson & Talwalkar, *Non-stochastic best arm identification*, AISTATS 2016).
+/// All iterations from the better half of the starts; which half that is, is told by half of the iterations, of the motion alone (one
+/// round of successive halving: Jamieson & Talwalkar, *Non-stochastic best arm identification*, AISTATS 2016).
 fn sorted(
     evidence: &Evidence<'_>,
     terms: &Terms<'_>,
@@ -278,7 +280,7 @@ fn shape_of_height(model: &BodyModel, height: f64) -> Shape {
 
 /// The best reading of each side that the body can face; these are more than 90° apart.
 fn distinct_headings(readings: Vec<Reading>) -> Vec<Reading> {
-    let forward = |r: &Reading| r.state.motion.world_from_root * Vector3::x();
+    let forward = |r: &Reading| forwards(&r.state.motion);
     let mut distinct: Vec<Reading> = Vec::new();
     for reading in readings {
         let turned_away = |kept: &Reading| forward(kept).dot(&forward(&reading)) < 0.0;

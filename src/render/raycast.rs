@@ -223,7 +223,7 @@ impl<'a> Caster<'a> {
             self.approaches.push(approach);
         }
 
-        // as many as the nearest one do not
+        // all together do not if as many as the nearest one would not
         if self.approaches.len() as f64 * (-2.0 * least).exp() < THRESHOLD {
             return false;
         }
@@ -241,12 +241,10 @@ impl<'a> Caster<'a> {
 
     /// The limbs that the line of sight of a pixel meets.
     fn limbs_hit(&mut self, x: usize, y: usize) -> impl Iterator<Item = usize> + '_ {
-        let direction = self.aimed(x, y);
-        let balls = self.near.iter();
-        let approaches =
-            direction.into_iter().flat_map(|r| balls.clone().filter_map(move |b| b.approach(&r)));
         self.approaches.clear();
-        self.approaches.extend(approaches);
+        if let Some(direction) = self.aimed(x, y) {
+            self.approaches.extend(self.near.iter().filter_map(|ball| ball.approach(&direction)));
+        }
         self.profile();
         let profiles = self.profiles.iter().enumerate();
         profiles.filter(|(_, p)| p.reaches(THRESHOLD)).map(|(limb, _)| limb)

@@ -148,43 +148,20 @@ fn follow_on(tracking: &Tracking<'_>, own: &[&FrameFit], others: &mut BTreeMap<u
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
     use super::*;
-    use crate::camera::CameraId;
     use crate::inference::frame::FramePosterior;
     use crate::inference::hypothesis::{Hypothesis, Origin};
+    use crate::inference::propagate::tests::walker;
     use crate::inference::propagate::{TrackOptions, solve};
     use crate::inference::start::StartOptions;
     use crate::inference::{Detail, Evidence, Sequence};
-    use crate::io::model;
     use crate::likelihood::{LikelihoodOptions, Measure};
-    use crate::silhouette::{FrameIndex, FrameObservations, SilhouetteOptions, extract};
-    use crate::synth::{Recipe, Ring, Synthetic};
 
     const FRAMES: usize = 14;
     /// From this frame on the winner has lost a shank.
     const LOST_FROM: usize = 8;
     /// How far its knee is bent too much, radians.
     const BENT: f64 = 1.5;
-
-    fn walker() -> (Synthetic, Vec<FrameObservations>) {
-        let person = model::load("walker-metaballs", Path::new("")).unwrap();
-        let ring = Ring { width_px: 320, height_px: 240, focal_px: 250.0, ..Ring::default() };
-        let recipe = Recipe { frames: Some(FRAMES), fps: 25.0, ring, ..Recipe::default() };
-        let walker = recipe.walker(&person).unwrap();
-        let shown = |number: usize| {
-            let mut seen = FrameObservations::nothing(FrameIndex(number));
-            for (id, camera) in walker.rig.iter() {
-                let mask = walker.mask(seen.frame, id).unwrap();
-                let silhouette = extract(&mask, camera, &SilhouetteOptions::default());
-                seen.views.extend(silhouette.ok().map(|s| -> (CameraId, _) { (id, s) }));
-            }
-            seen
-        };
-        let frames = (0..FRAMES).map(shown).collect();
-        (walker, frames)
-    }
 
     /// A trial of the true shape from its first frame, of some motions.
     fn trial(tracking: &Tracking<'_>, motions: Vec<Option<Motion>>) -> Trial {
@@ -216,7 +193,7 @@ mod tests {
 
     #[test]
     fn a_lost_shank_is_found_in_another_hypothesis_and_from_the_poses_of_other_frames() {
-        let (walker, frames) = walker();
+        let (walker, frames) = walker(FRAMES, 25.0);
         let options = LikelihoodOptions::default();
         let evidence = Evidence::new(&walker.model, &walker.rig, options, Measure::Metaballs);
         let tracking = Tracking {
