@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import sys
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from typing import Any, Union
 
@@ -32,7 +32,7 @@ def caution(line: str) -> None:
 
 
 @contextmanager
-def listening(progress: ProgressChoice) -> Iterator[Progress | None]:
+def listening(progress: ProgressChoice) -> Generator[Progress | None, None, None]:
     """Give the function that is told of what a caller has asked for, and end what it shows."""
     told = _listener(progress)
     try:
