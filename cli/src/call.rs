@@ -6,6 +6,7 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 use clap::{Args, Parser};
+use maquette::io::recording::InputChecksum;
 use maquette::pipeline::Progress;
 use maquette::workflow::FittedSession;
 use maquette::{FittedRecording, GaitStudy};
@@ -40,6 +41,14 @@ fn parsed<T: Args>(words: &[OsString]) -> Result<T, CliError> {
 /// [`CliError`], whose line is the program's. A fit that cannot be used is none: its verdict is in the result.
 pub fn fit(words: &[OsString], progress: &dyn Progress) -> Result<FittedRecording, CliError> {
     parsed::<FitArguments>(words)?.call(progress)
+}
+
+/// Fingerprints of everything that `maquette fit` with these words reads.
+///
+/// # Errors
+/// [`CliError`], whose line is the program's.
+pub fn inputs(words: &[OsString]) -> Result<Vec<InputChecksum>, CliError> {
+    parsed::<FitArguments>(words)?.inputs()
 }
 
 /// What `maquette gait` with these words finds of a fit; its input and the folder it writes into count for nothing.

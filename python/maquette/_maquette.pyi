@@ -17,6 +17,7 @@ __all__ = [
     "calibrate",
     "compare",
     "fit",
+    "inputs",
     "main",
     "origin",
     "recording",
@@ -34,6 +35,9 @@ _Floats = NDArray[np.float64]
 
 def fit(words: Sequence[str], listeners: _Listeners) -> Fitted:
     """What ``maquette fit`` with these words finds and writes."""
+
+def inputs(words: Sequence[str]) -> list[tuple[str, str]]:
+    """Each input that ``maquette fit`` with these words reads: its name and BLAKE3."""
 
 def recording(path: _Path) -> tuple[str | None, float | None]:
     """The body and the height in metres that a recording names."""

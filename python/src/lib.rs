@@ -42,6 +42,13 @@ fn fit(py: Python<'_>, words: Vec<OsString>, listeners: Listeners) -> PyResult<F
     watched(py, &listeners, |progress| call::fit(&words, progress)).map(Fitted::new)
 }
 
+/// Fingerprints of everything that `maquette fit` with these words reads: each input's name and BLAKE3.
+#[pyfunction]
+fn inputs(py: Python<'_>, words: Vec<OsString>) -> PyResult<Vec<(String, String)>> {
+    let inputs = unlocked(py, || call::inputs(&words))?;
+    Ok(inputs.into_iter().map(|sum| (sum.input, sum.blake3)).collect())
+}
+
 /// The body and the height that a recording names; an exception if there is no such recording.
 #[pyfunction]
 fn recording(path: PathBuf) -> PyResult<(Option<String>, Option<f64>)> {
@@ -100,6 +107,7 @@ fn _maquette(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Fitted>()?;
     module.add_class::<Study>()?;
     module.add_function(wrap_pyfunction!(fit, module)?)?;
+    module.add_function(wrap_pyfunction!(inputs, module)?)?;
     module.add_function(wrap_pyfunction!(recording, module)?)?;
     module.add_function(wrap_pyfunction!(origin, module)?)?;
     module.add_function(wrap_pyfunction!(session::session, module)?)?;

@@ -1,5 +1,6 @@
 //! What a recording lacks, made of its pictures and kept in a folder: masks, contours, points.
 
+use super::given::Given;
 use super::masks::cut_masks;
 use super::surface::measure_points;
 use super::{DEFAULT_BODY, Error, FitOptions, SilhouetteSource, silhouettes};
@@ -9,7 +10,7 @@ use crate::io::folder::stereo::{self, StereoExtras, StereoFolder};
 use crate::io::recording::footage::{Footage, FootageError, FootageNote};
 use crate::io::recording::{DerivedFiles, Note, ObservationFiles, Recording, RecordingError};
 use crate::pipeline::stereo::{StereoMethod, StereoOptions};
-use crate::pipeline::{FitTo, Progress, span};
+use crate::pipeline::{Progress, span};
 use crate::silhouette::FrameObservations;
 use crate::stereo::SideBySide;
 
@@ -44,25 +45,12 @@ impl Derived<'_> {
         }
 
         // what the recording has
-        let given = match options.stereo {
-            // its points are what is to be measured
-            Some(_) => recording.masks(),
-            None => recording.observations(),
-        };
-        let given = match given {
-            Err(fault @ RecordingError::NoMasks { .. }) => Err(fault),
-            given => Ok(given?),
-        };
-        let has_masks = given.as_ref().is_ok_and(ObservationFiles::has_masks);
-        let fit_to = options.observations.fit_to;
-        let is_enough = |files: &ObservationFiles| {
-            files.has_masks()
-                || fit_to == FitTo::Points && files.has_points()
-                || fit_to == FitTo::Detections && files.has_detections()
-        };
-        if options.stereo.is_none() && given.as_ref().is_ok_and(is_enough) {
-            return Ok((given?, None));
+        let given = Given::of(recording, options)?;
+        if given.is_enough(options) {
+            return Ok((given.0?, None));
         }
+        let Given(given) = given;
+        let has_masks = given.as_ref().is_ok_and(ObservationFiles::has_masks);
 
         // what its pictures give
         let footage = match recording.footage() {

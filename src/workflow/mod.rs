@@ -10,6 +10,7 @@
 //! | `input.rs`    | everything that a fit is made from                                            |
 //! | `people.rs`   | what is fitted of each person of several                                     |
 //! | `derived.rs`  | what a recording lacks, made of its pictures: masks, contours, points         |
+//! | `given.rs`    | what a recording has before that, and fingerprints of what a fit reads        |
 //! | `masks.rs`, `silhouettes.rs`, `surface.rs` | masks cut out of pictures, silhouettes found in clutter, points measured by stereo, as files |
 //! | `fitted.rs`   | [`FittedRecording`]: lengths, angles, `result.json`                           |
 //! | `gait.rs`     | [`GaitStudy`]: a gait analysis, of a fit or of points of any system           |
@@ -32,6 +33,7 @@ mod fit;
 mod fitted;
 mod fitted_source;
 mod gait;
+mod given;
 mod input;
 mod lenses;
 mod masks;

@@ -5,6 +5,7 @@ mod arguments;
 use std::time::Instant;
 
 pub(super) use arguments::{ABOUT, EXAMPLES, FitArguments};
+use maquette::io::recording::InputChecksum;
 use maquette::pipeline::Progress;
 use maquette::workflow::FitFolder;
 use maquette::{FittedRecording, Recording};
@@ -19,12 +20,20 @@ pub(super) fn run(arguments: &FitArguments) -> Result<(), CliError> {
 }
 
 impl FitArguments {
+    fn recording(&self) -> Result<Recording, CliError> {
+        Ok(Recording::open(&self.recording)?.with_fps(self.fps))
+    }
+
+    /// Fingerprints of everything that the fit reads.
+    pub(super) fn inputs(&self) -> Result<Vec<InputChecksum>, CliError> {
+        Ok(self.recording()?.inputs(&self.options())?)
+    }
+
     /// The fit, which is written into a folder.
     fn fitted(&self, progress: &dyn Progress) -> Result<FittedRecording, CliError> {
         let folder =
             FitFolder { path: &self.out, existing: self.existing(), overlays: self.overlays };
-        let recording = Recording::open(&self.recording)?.with_fps(self.fps);
-        Ok(recording.fit_into(folder, &self.options(), progress)?)
+        Ok(self.recording()?.fit_into(folder, &self.options(), progress)?)
     }
 
     /// The same on as many threads as were asked for.

@@ -92,6 +92,12 @@ impl Recording {
         layout::calibration_paths(&self.folder, self.manifest.calibration.as_ref())
     }
 
+    /// Every file of the calibration.
+    pub(super) fn calibration_files(&self) -> Vec<PathBuf> {
+        let paths = self.calibration_paths();
+        paths.iter().flat_map(|(_, source)| calibration::files(source)).collect()
+    }
+
     /// The whole calibration, in metres with Z up, and how its files are read: also of cameras without masks or pictures, if their size is
     /// stated.
     ///

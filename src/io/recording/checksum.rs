@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::{ObservationFiles, RecordingError};
+use super::footage::Footage;
+use super::{ObservationFiles, Recording, RecordingError};
 use crate::io::input;
 
 /// Fingerprint of one input: a file, all masks, detections or pictures of a camera, or all points.
@@ -29,16 +30,6 @@ impl InputChecksum {
 }
 
 impl ObservationFiles {
-    /// A file's path relative to the recording's folder; of a file elsewhere its name and that of its folder.
-    fn name_of(&self, path: &Path) -> String {
-        if let Ok(relative) = path.strip_prefix(&self.folder) {
-            return relative.display().to_string();
-        }
-        let folder = path.parent().and_then(Path::file_name);
-        let name = folder.into_iter().chain(path.file_name());
-        name.collect::<PathBuf>().display().to_string()
-    }
-
     /// Fingerprints of everything that the recording is read from: manifest, calibration, each camera's masks, the
     /// points, and the pictures that these were made from.
     ///
@@ -88,11 +79,8 @@ impl ObservationFiles {
 
     /// All inputs, in the order in which the result lists them.
     fn inputs(&self) -> Vec<Input<'_>> {
-        let descriptions = self.descriptions.iter().map(|path| Input {
-            name: self.name_of(path),
-            paths: vec![path],
-            is_single: true,
-        });
+        let descriptions =
+            self.descriptions.iter().map(|path| Input::description(&self.folder, path));
         let with_masks = self.rig.cameras.iter().zip(&self.masks);
         let with_masks = with_masks.filter(|(_, masks)| !masks.is_empty());
         let masks =
@@ -112,6 +100,35 @@ impl ObservationFiles {
     }
 }
 
+impl Recording {
+    /// Fingerprints of a recording's pictures, and of the files that say what it consists of.
+    ///
+    /// # Errors
+    /// [`RecordingError::Read`] for a file that cannot be read.
+    pub fn picture_checksums(
+        &self,
+        footage: &Footage,
+    ) -> Result<Vec<InputChecksum>, RecordingError> {
+        let descriptions: Vec<PathBuf> =
+            self.descriptions().chain(self.calibration_files()).collect();
+        let descriptions = descriptions.iter().map(|path| Input::description(self.folder(), path));
+        let pictures = footage.rig.names().zip(&footage.cameras);
+        let pictures = pictures
+            .map(|(name, camera)| Input::several("pictures", name, camera.paths().into_iter()));
+        descriptions.chain(pictures).map(|input| input.checksum()).collect()
+    }
+}
+
+/// A file's path relative to the recording's folder; of a file elsewhere its name and that of its folder.
+fn name_of(folder: &Path, path: &Path) -> String {
+    if let Ok(relative) = path.strip_prefix(folder) {
+        return relative.display().to_string();
+    }
+    let folder = path.parent().and_then(Path::file_name);
+    let name = folder.into_iter().chain(path.file_name());
+    name.collect::<PathBuf>().display().to_string()
+}
+
 /// What the names of a body's files begin with.
 const BODY: &str = "body ";
 
@@ -124,6 +141,10 @@ struct Input<'a> {
 }
 
 impl<'a> Input<'a> {
+    fn description(folder: &Path, path: &'a PathBuf) -> Self {
+        Self { name: name_of(folder, path), paths: vec![path], is_single: true }
+    }
+
     fn several(kind: &str, camera: &str, paths: impl Iterator<Item = &'a PathBuf>) -> Self {
         // a file may hold all frames
         let mut paths: Vec<&PathBuf> = paths.collect();

@@ -14,7 +14,6 @@ use super::points::PointFiles;
 use super::{DetectionFiles, Note, Recording, RecordingError, mask_image};
 use crate::camera::{CameraId, Rig};
 use crate::image::{Mask, Plane};
-use crate::io::calibration;
 use crate::pipeline::{Frames, MaskSource};
 use crate::silhouette::{
     self, FrameIndex, FrameObservations, FramePeople, Keypoint, SilhouetteOptions,
@@ -129,8 +128,6 @@ impl ObservationFiles {
             notes.extend(never_together(&rig, &masks));
         }
 
-        let calibration = recording.calibration_paths();
-        let calibration = calibration.iter().flat_map(|(_, source)| calibration::files(source));
         Ok(Self {
             fps,
             rig,
@@ -139,7 +136,7 @@ impl ObservationFiles {
             notes,
             beginnings,
             folder: recording.folder.clone(),
-            descriptions: recording.descriptions().chain(calibration).collect(),
+            descriptions: recording.descriptions().chain(recording.calibration_files()).collect(),
             masks,
             points,
             detections,

@@ -1,0 +1,232 @@
+"""A study: the table of its trials, how they are fitted, and where the results go."""
+
+from __future__ import annotations
+
+import inspect
+import os
+import pathlib
+import re
+import sys
+from collections.abc import Hashable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+from .._fit import Fit
+from .._optional import imported
+from .._recording import Recording
+from .._session import session
+from .._words import Path
+from ..errors import OptionError
+from ._task import Task
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+#: What one fit is of.
+Unit = Literal["trial", "session"]
+
+#: Columns that say what a trial is; columns of options have a dot, and all others describe the person or the trial.
+_TRIAL, _RECORDING, _SESSION = "trial", "recording", "session"
+#: What a name may consist of: it becomes the name of a file.
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
+#: What a study decides by itself.
+_OWN = {"self", "out", "existing", "progress", "threads", "overlays", "trials", "without"}
+_KEYS = {"trials", "results", "unit", "fit", "gait"}
+
+
+@dataclass(frozen=True)
+class Study:
+    """What :func:`read` has read.
+
+    Attributes
+    ----------
+    path : pathlib.Path
+        The file.
+    results : str
+        Folder for the results, or an address that fsspec knows, such as ``s3://bucket/study``.
+    unit : {"trial", "session"}
+        Whether each trial has a body of its own, or the trials of a session share one.
+    table : pandas.DataFrame
+        A row for each trial; its index is the name.
+    options, gait : dict
+        Options of :meth:`maquette.Recording.fit` (or :func:`maquette.session`) and of :meth:`maquette.Fit.gait`.
+    """
+
+    path: pathlib.Path
+    results: str
+    unit: Unit
+    table: pd.DataFrame
+    options: dict[str, Any]
+    gait: dict[str, Any]
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the tasks: of the trials, or of the sessions."""
+        names = self.table[_SESSION] if self.unit == "session" else self.table.index
+        return list(dict.fromkeys(str(name) for name in names))
+
+    def tasks(self) -> Iterator[Task]:
+        """What is to be done, in the order of the table."""
+        if self.unit == "session":
+            groups = self.table.groupby(_SESSION, sort=False)
+            yield from (self._task(str(name), rows) for name, rows in groups)
+        else:
+            # row by row: a study may have a million
+            yield from (self._task(str(name), self.table.iloc[[at]]) for at, name in enumerate(self.table.index))
+
+    def task(self, name: str) -> Task:
+        """The task of this name."""
+        column = self.table[_SESSION] if self.unit == "session" else self.table.index
+        rows = self.table[column == name]
+        if rows.empty:
+            raise OptionError(f"{self.path}: no {self.unit} named {name!r}")
+        return self._task(name, rows)
+
+    def task_of(self, trial: str) -> Task:
+        """The task that a trial belongs to."""
+        return self.task(str(self.table[_SESSION][trial]) if self.unit == "session" else trial)
+
+    def _task(self, name: str, rows: pd.DataFrame) -> Task:
+        here = os.fspath(self.path.parent.absolute())
+        recordings = [os.path.join(here, recording) for recording in rows[_RECORDING]]  # noqa: PTH118, may be a URL
+        return Task(
+            name=name,
+            trials=tuple(zip((str(trial) for trial in rows.index), recordings, strict=True)),
+            options=self.options | _options_of(name, rows, "fit."),
+            gait=self.gait | _options_of(name, rows, "gait."),
+            is_session=self.unit == "session",
+            results=self.results,
+        )
+
+    @property
+    def described(self) -> pd.DataFrame:
+        """What the table says of each trial beside its recording and options."""
+        kept = [column for column in self.table.columns if column != _RECORDING and "." not in column]
+        return self.table[kept]
+
+
+def read(path: Path) -> Study:
+    """Read a study.
+
+    Parameters
+    ----------
+    path
+        A ``study.toml``; docs/scale.md of the repository describes it.
+
+    Raises
+    ------
+    OptionError
+        If the file or its table says what cannot be.
+    """
+    path = pathlib.Path(path)
+    stated = _toml(path)
+    _check_known(f"{path}", stated, _KEYS)
+    unit = stated.get("unit", "trial")
+    if unit not in ("trial", "session"):
+        raise OptionError(f'{path}: unit: expected "trial" or "session", found {unit!r}')
+    results = stated.get("results", "results")
+    if "://" not in results:
+        results = str((path.parent / results).absolute())
+    study = Study(
+        path=path,
+        results=results,
+        unit=unit,
+        table=_table(path.parent / stated.get("trials", "trials.csv"), unit),
+        options=stated.get("fit", {}),
+        gait=stated.get("gait", {}),
+    )
+    _check_options(study)
+    return study
+
+
+def _toml_loads(text: str) -> dict[str, Any]:
+    name = "tomllib" if sys.version_info >= (3, 11) else "tomli"
+    stated: dict[str, Any] = imported(name, "study").loads(text)
+    return stated
+
+
+def _toml(path: pathlib.Path) -> dict[str, Any]:
+    try:
+        text = path.read_text(encoding="utf-8")
+    except OSError as fault:
+        raise OptionError(f"cannot read {path}: {fault.strerror}") from None
+    try:
+        stated: dict[str, Any] = _toml_loads(text)
+    except ValueError as fault:
+        raise OptionError(f"{path}: {fault}") from None
+    return stated
+
+
+def _table(path: pathlib.Path, unit: Unit) -> pd.DataFrame:
+    """The trials by name, with absolute paths or addresses."""
+    pandas = imported("pandas", "study")
+    names = dict.fromkeys((_TRIAL, _RECORDING, _SESSION), str)
+    try:
+        if path.suffix == ".parquet":
+            table: pd.DataFrame = pandas.read_parquet(path)
+        else:
+            table = pandas.read_csv(path, dtype=names)
+    except (OSError, ValueError) as fault:
+        raise OptionError(f"cannot read {path}: {fault}") from None
+
+    needed = [_TRIAL, _RECORDING] + ([_SESSION] if unit == "session" else [])
+    for column in needed:
+        if column not in table.columns:
+            raise OptionError(f"{path}: expected a column {column!r}, found {', '.join(map(str, table.columns))}")
+        empty = table.index[table[column].isna()]
+        if len(empty):
+            raise OptionError(f"{path}: row {empty[0] + 1}: {column} is empty")
+    for column in needed[::2]:
+        _check_names(path, column, table[column].astype(str))
+    twice = table[_TRIAL][table[_TRIAL].duplicated()]
+    if len(twice):
+        raise OptionError(f"{path}: trial {twice.iloc[0]} stands there twice")
+    return table.astype({column: str for column in needed}).set_index(_TRIAL)
+
+
+def _check_names(path: pathlib.Path, column: str, names: pd.Series[str]) -> None:
+    odd = names[~names.str.fullmatch(_NAME)]
+    if len(odd):
+        raise OptionError(
+            f"{path}: row {_number(odd.index[0]) + 1}: {column} {odd.iloc[0]!r}: "
+            "expected letters of ASCII, digits, dots, hyphens and underscores"
+        )
+
+
+def _number(label: Hashable) -> int:
+    return int(str(label))
+
+
+def _check_options(study: Study) -> None:
+    """Every option is one of the calls that the study makes; their values are checked when they are used."""
+    call: Any = session if study.unit == "session" else Recording.fit
+    fit = (set(inspect.signature(call).parameters) | {"fps"}) - _OWN
+    gait = set(inspect.signature(Fit.gait).parameters) - _OWN
+    _check_known(f"{study.path}: [fit]", study.options, fit)
+    _check_known(f"{study.path}: [gait]", study.gait, gait)
+    columns = [str(column) for column in study.table.columns if "." in str(column)]
+    _check_known(f"{study.path}: the table", columns, {f"fit.{name}" for name in fit} | {f"gait.{name}" for name in gait})
+
+
+def _check_known(where: str, found: Any, known: set[str]) -> None:
+    for name in found:
+        if name not in known:
+            raise OptionError(f"{where}: {name!r} is none of {', '.join(sorted(known))}")
+
+
+def _options_of(name: str, rows: pd.DataFrame, prefix: str) -> dict[str, Any]:
+    """Options that the table states; the trials of one task have the same."""
+    options: dict[str, Any] = {}
+    for column in rows.columns:
+        if not column.startswith(prefix):
+            continue
+        values = rows[column].dropna().unique().tolist()
+        if len(values) > 1:
+            raise OptionError(f"{name}: {column} is not the same for all its trials: {values[0]}, {values[1]}")
+        # whole numbers become fractions in a column with gaps
+        options |= {column.removeprefix(prefix): _whole(value) for value in values}
+    return options
+
+
+def _whole(value: Any) -> Any:
+    return int(value) if isinstance(value, float) and value.is_integer() else value
