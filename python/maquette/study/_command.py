@@ -87,8 +87,7 @@ def _study(parser: argparse.ArgumentParser) -> None:
 def _run(arguments: argparse.Namespace) -> None:
     study = read(arguments.study)
     client = arguments.scheduler and imported("distributed", "study").Client(arguments.scheduler)
-    progress = False if arguments.quiet else True
-    tally = run(study, client, jobs=arguments.jobs, memory_gib=arguments.memory_gib, progress=progress)
+    tally = run(study, client, jobs=arguments.jobs, memory_gib=arguments.memory_gib, progress=not arguments.quiet)
     for outcome in outcomes(study):
         if outcome.reason is not None:
             print(f"{outcome.name}: {outcome.status}: {outcome.reason}", file=sys.stderr)

@@ -38,15 +38,12 @@ def outcomes(tasks: Iterator[Task], client: Client, work: Work | None) -> Iterat
 
     submit(islice(tasks, max(_LEAST, _AHEAD * sum(client.nthreads().values()))))
     for batch in ended.batches():
-        done = [(future, waiting.pop(future)) for future in batch]
+        done = {future: waiting.pop(future) for future in batch}
         submit(islice(tasks, len(done)))
-        for future, task in done:
-            yield _outcome(future, task)
-
-
-def _outcome(future: Future[Any], task: Task) -> Outcome:
-    fault = future.exception()
-    if fault is not None:
-        return lost(task, fault)
-    outcome: Outcome = future.result()
-    return outcome
+        # all results of a batch come together
+        ended_well: list[Outcome] = client.gather(list(done), errors="skip")
+        yield from ended_well
+        names = {outcome.name for outcome in ended_well}
+        for future, task in done.items():
+            if task.name not in names:
+                yield lost(task, future.exception() or "its worker took the result with it")

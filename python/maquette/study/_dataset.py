@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 DATASET = "dataset"
 #: Rows that are written at once, and rows after which another file begins: some 10 to 50 MB.
 _GROUP, _FILE = 100_000, 1_000_000
-#: Columns that the task adds to those of the fit.
-_OF_TASK = {"key": "string", "wall_s": "float64", "cpu_s": "float64"}
 
 
 def gather(study: Study) -> str:
@@ -80,11 +78,10 @@ class _Trials:
         pyarrow = imported("pyarrow", "study")
         described = study.described
         columns = pyarrow.Schema.from_pandas(described, preserve_index=False)
-        known = {*_rows.TABLES["trials"], *_OF_TASK}
-        self._columns = [column for column in columns.names if column not in known]
+        self._columns = list(columns.names)
         self._described = described
         self._unit = study.unit
-        text, of_task = pyarrow.field("trial", pyarrow.string()), _rows.schema_of(_OF_TASK)
+        text, of_task = pyarrow.field("trial", pyarrow.string()), _rows.schema_of(_rows.OF_TASK)
         own = [columns.field(column) for column in self._columns]
         self.schema = pyarrow.schema([text, *own, *list(_rows.schema("trials"))[1:], *of_task])
 

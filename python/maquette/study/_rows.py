@@ -53,6 +53,11 @@ TABLES: dict[str, dict[str, str]] = {
     "scores": {"trial": "string", "side": "string", "angle": "string", "gvs_deg": "float64"},
 }
 
+#: Columns that the task adds to those of the trials.
+OF_TASK = {"key": "string", "wall_s": "float64", "cpu_s": "float64"}
+#: What the table of a study cannot have as a column of its own.
+OWN_COLUMNS = {*TABLES["trials"], *OF_TASK} - {"trial"}
+
 
 def write(folder: pathlib.Path, fits: dict[str, Fit], gait: dict[str, Any]) -> None:
     """Write the rows of each fit, by the name of its trial, as ``rows/<table>.parquet``."""

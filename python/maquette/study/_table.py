@@ -17,6 +17,7 @@ from .._recording import Recording
 from .._session import session
 from .._words import Path
 from ..errors import OptionError
+from ._rows import OWN_COLUMNS
 from ._task import Task
 
 if TYPE_CHECKING:
@@ -62,36 +63,38 @@ class Study:
     @property
     def names(self) -> list[str]:
         """Names of the tasks: of the trials, or of the sessions."""
-        names = self.table[_SESSION] if self.unit == "session" else self.table.index
-        return list(dict.fromkeys(str(name) for name in names))
+        return list(dict.fromkeys(self._column))
 
     def tasks(self) -> Iterator[Task]:
         """What is to be done, in the order of the table."""
         if self.unit == "session":
-            groups = self.table.groupby(_SESSION, sort=False)
-            yield from (self._task(str(name), rows) for name, rows in groups)
+            for name in self.names:
+                yield self.task(name)
         else:
-            # row by row: a study may have a million
-            yield from (self._task(str(name), self.table.iloc[[at]]) for at, name in enumerate(self.table.index))
+            yield from (self._task(str(row[_TRIAL]), [row]) for row in _rows(self.table))
 
     def task(self, name: str) -> Task:
         """The task of this name."""
-        column = self.table[_SESSION] if self.unit == "session" else self.table.index
-        rows = self.table[column == name]
-        if rows.empty:
+        rows = list(_rows(self.table[self._column == name]))
+        if not rows:
             raise OptionError(f"{self.path}: no {self.unit} named {name!r}")
         return self._task(name, rows)
 
     def task_of(self, trial: str) -> Task:
         """The task that a trial belongs to."""
-        return self.task(str(self.table[_SESSION][trial]) if self.unit == "session" else trial)
+        return self.task(str(self._column[trial]))
 
-    def _task(self, name: str, rows: pd.DataFrame) -> Task:
+    @property
+    def _column(self) -> pd.Series[str]:
+        """Of each trial the name of its task."""
+        return self.table[_SESSION] if self.unit == "session" else self.table.index.to_series()
+
+    def _task(self, name: str, rows: list[dict[str, Any]]) -> Task:
         here = os.fspath(self.path.parent.absolute())
-        recordings = [os.path.join(here, recording) for recording in rows[_RECORDING]]  # noqa: PTH118, may be a URL
+        recordings = [os.path.join(here, row[_RECORDING]) for row in rows]  # noqa: PTH118, may be an address
         return Task(
             name=name,
-            trials=tuple(zip((str(trial) for trial in rows.index), recordings, strict=True)),
+            trials=tuple(zip((str(row[_TRIAL]) for row in rows), recordings, strict=True)),
             options=self.options | _options_of(name, rows, "fit."),
             gait=self.gait | _options_of(name, rows, "gait."),
             is_session=self.unit == "session",
@@ -178,10 +181,13 @@ def _table(path: pathlib.Path, unit: Unit) -> pd.DataFrame:
             raise OptionError(f"{path}: row {empty[0] + 1}: {column} is empty")
     for column in needed[::2]:
         _check_names(path, column, table[column].astype(str))
+    for column in map(str, table.columns):
+        if column in OWN_COLUMNS:
+            raise OptionError(f"{path}: column {column!r} is one of the dataset's own")
     twice = table[_TRIAL][table[_TRIAL].duplicated()]
     if len(twice):
         raise OptionError(f"{path}: trial {twice.iloc[0]} stands there twice")
-    return table.astype({column: str for column in needed}).set_index(_TRIAL)
+    return table.astype(dict.fromkeys(needed, str)).set_index(_TRIAL)
 
 
 def _check_names(path: pathlib.Path, column: str, names: pd.Series[str]) -> None:
@@ -205,7 +211,9 @@ def _check_options(study: Study) -> None:
     _check_known(f"{study.path}: [fit]", study.options, fit)
     _check_known(f"{study.path}: [gait]", study.gait, gait)
     columns = [str(column) for column in study.table.columns if "." in str(column)]
-    _check_known(f"{study.path}: the table", columns, {f"fit.{name}" for name in fit} | {f"gait.{name}" for name in gait})
+    _check_known(
+        f"{study.path}: the table", columns, {f"fit.{name}" for name in fit} | {f"gait.{name}" for name in gait}
+    )
 
 
 def _check_known(where: str, found: Any, known: set[str]) -> None:
@@ -214,17 +222,27 @@ def _check_known(where: str, found: Any, known: set[str]) -> None:
             raise OptionError(f"{where}: {name!r} is none of {', '.join(sorted(known))}")
 
 
-def _options_of(name: str, rows: pd.DataFrame, prefix: str) -> dict[str, Any]:
+def _rows(table: pd.DataFrame) -> Iterator[dict[str, Any]]:
+    """Row by row, for a study may have a million; what is empty is left out."""
+    columns = [_TRIAL, *table.columns]
+    for row in table.itertuples(name=None):
+        # a value that is not a number is unlike itself
+        yield {
+            column: value for column, value in zip(columns, row, strict=True) if value is not None and value == value
+        }
+
+
+def _options_of(name: str, rows: list[dict[str, Any]], prefix: str) -> dict[str, Any]:
     """Options that the table states; the trials of one task have the same."""
     options: dict[str, Any] = {}
-    for column in rows.columns:
-        if not column.startswith(prefix):
-            continue
-        values = rows[column].dropna().unique().tolist()
-        if len(values) > 1:
-            raise OptionError(f"{name}: {column} is not the same for all its trials: {values[0]}, {values[1]}")
-        # whole numbers become fractions in a column with gaps
-        options |= {column.removeprefix(prefix): _whole(value) for value in values}
+    for row in rows:
+        for column, value in row.items():
+            if not column.startswith(prefix):
+                continue
+            # whole numbers become fractions in a column with gaps
+            option, stated = column.removeprefix(prefix), _whole(value)
+            if options.setdefault(option, stated) != stated:
+                raise OptionError(f"{name}: {column} is not the same for all its trials: {options[option]}, {stated}")
     return options
 
 

@@ -16,7 +16,7 @@ from typing import Any, Literal
 from .._fit import Fit
 from .._recording import Recording
 from .._session import session
-from ..errors import BodyError, FitError, MaquetteError, MaquetteWarning, OptionError, RecordingError, ResultError
+from ..errors import BodyError, FitError, MaquetteWarning, OptionError, RecordingError, ResultError
 from . import _rows
 from ._key import key_of
 from ._store import Store, local
