@@ -8,18 +8,15 @@ import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Generator
 from contextlib import contextmanager
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from study_files import HEAD, all_memory, contents, nothing, unlucky, walks, written
 
 from maquette import study
-
-if TYPE_CHECKING:
-    from distributed import Client
 
 pytestmark = pytest.mark.filterwarnings("default")
 pytest.importorskip("pyarrow")
@@ -32,7 +29,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> pathlib.Path:
 
 
 @contextmanager
-def workers(**options: Any) -> Iterator[Client]:
+def workers(**options: Any) -> Generator[Any]:
     """Two workers of one thread."""
     distributed = pytest.importorskip("distributed")
     options = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None} | options

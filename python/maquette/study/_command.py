@@ -77,7 +77,11 @@ def _report_words(parser: argparse.ArgumentParser) -> None:
 
 def _workflow_words(parser: argparse.ArgumentParser) -> None:
     parser.description = "Print where the workflow for Snakemake is."
-    parser.set_defaults(call=lambda _: print(SNAKEFILE))
+    parser.set_defaults(call=_workflow)
+
+
+def _workflow(_: argparse.Namespace) -> None:
+    print(SNAKEFILE)
 
 
 def _study(parser: argparse.ArgumentParser) -> None:

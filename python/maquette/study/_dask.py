@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import islice
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from .._optional import imported
 from ._task import Outcome, Task, Work, compute, lost
-
-if TYPE_CHECKING:
-    from distributed import Client, Future
 
 #: Tasks that wait for each thread of a worker: enough that none is idle, few enough that a million fit in no memory.
 _AHEAD = 8
@@ -20,14 +17,14 @@ _LEAST = 64
 _RETRIES = 2
 
 
-def outcomes(tasks: Iterator[Task], client: Client, work: Work | None) -> Iterator[Outcome]:
+def outcomes(tasks: Iterator[Task], client: Any, work: Work | None) -> Iterator[Outcome]:
     """Do tasks on the workers of a client, in any order.
 
     A task whose worker ends goes to another one; Dask gives up after as many as its ``allowed-failures`` says.
     """
     distributed = imported("distributed", "study")
     ended = distributed.as_completed(with_results=False)
-    waiting: dict[Future[Any], Task] = {}
+    waiting: dict[Any, Task] = {}
 
     def submit(more: Iterator[Task]) -> None:
         for task in more:

@@ -13,7 +13,10 @@ from ._task import Outcome
 
 if TYPE_CHECKING:
     import pandas as pd
-    import pyarrow as pa
+
+#: Of pyarrow, which states no types.
+Table = Any
+Schema = Any
 
 #: Folder of the dataset, below the results.
 DATASET = "dataset"
@@ -55,13 +58,13 @@ def gather(study: Study) -> str:
     return store.path(DATASET)
 
 
-def _rows_of(store: Store, outcome: Outcome, study: Study) -> dict[str, pa.Table]:
+def _rows_of(store: Store, outcome: Outcome, study: Study) -> dict[str, Table]:
     """The rows of a fit by table."""
     if outcome.key is None:
         return {}
     parquet, pyarrow = imported("pyarrow.parquet", "study"), imported("pyarrow", "study")
     paths = {store.path("fits", outcome.key, "rows", f"{table}.parquet"): table for table in _rows.TABLES}
-    found: dict[str, pa.Table] = {}
+    found: dict[str, Table] = {}
     for path, content in store.contents(list(paths)).items():
         rows = parquet.read_table(pyarrow.BufferReader(content))
         if study.unit == "trial":
@@ -85,7 +88,7 @@ class _Trials:
         own = [columns.field(column) for column in self._columns]
         self.schema = pyarrow.schema([text, *own, *list(_rows.schema("trials"))[1:], *of_task])
 
-    def of(self, outcome: Outcome, rows: pa.Table | None) -> pa.Table:
+    def of(self, outcome: Outcome, rows: Table | None) -> Table:
         """A row for each trial of a task: also of one that has no fit."""
         fitted = {row["trial"]: row for row in rows.to_pylist()} if rows is not None else {}
         task = {"key": outcome.key, "wall_s": outcome.wall_s, "cpu_s": outcome.cpu_s}
@@ -95,26 +98,26 @@ class _Trials:
             names = list(self._described.index[self._described["session"] == outcome.name])
         return self._table([fitted.get(name, without) | task | {"trial": name} for name in names])
 
-    def _table(self, rows: list[dict[str, Any]]) -> pa.Table:
+    def _table(self, rows: list[dict[str, Any]]) -> Table:
         own: pd.DataFrame = self._described.loc[[row["trial"] for row in rows], self._columns]
         merged = [mine | row for mine, row in zip(own.to_dict("records"), rows, strict=True)]
         pyarrow = imported("pyarrow", "study")
-        table: pa.Table = pyarrow.Table.from_pylist(merged, schema=self.schema)
+        table: Table = pyarrow.Table.from_pylist(merged, schema=self.schema)
         return table
 
 
 class _Writer:
     """The Parquet files of one table."""
 
-    def __init__(self, store: Store, table: str, schema: pa.Schema) -> None:
+    def __init__(self, store: Store, table: str, schema: Schema) -> None:
         self._store, self._table, self._schema = store, table, schema
-        self._waiting: list[pa.Table] = []
+        self._waiting: list[Table] = []
         self._rows = self._of_file = self._files = 0
         self._file: Any = None
         self._writer: Any = None
         store.make(f"{DATASET}/{table}")
 
-    def add(self, rows: pa.Table) -> None:
+    def add(self, rows: Table) -> None:
         """Add rows, which are written once they are many."""
         self._waiting.append(rows.select(self._schema.names))
         self._rows += len(rows)

@@ -58,7 +58,8 @@ def _main() -> None:
     if len(sys.argv) > 1:
         import resource
 
-        resource.setrlimit(resource.RLIMIT_DATA, (int(sys.argv[1]),) * 2)
+        share = int(sys.argv[1])
+        resource.setrlimit(resource.RLIMIT_DATA, (share, share))
     print(compute(Task.of_json(sys.stdin.read())).json())
 
 

@@ -91,7 +91,8 @@ def _reasons(trials: pd.DataFrame) -> list[dict[str, Any]]:
 def _groups(values: pd.DataFrame) -> dict[str, list[dict[str, Any]]]:
     """Of each quantity its number, quantiles, the median of u, and a histogram."""
     groups: dict[str, list[dict[str, Any]]] = {}
-    for (group, quantity, unit), rows in values.groupby(["group", "quantity", "unit"], sort=False):
+    for key, rows in values.groupby(["group", "quantity", "unit"], sort=False):
+        group, quantity, unit = map(str, key)
         low, median, high = rows["value"].quantile([0.05, 0.5, 0.95])
         row = {"quantity": quantity.replace("_", " "), "unit": unit, "n": len(rows), "low": low, "median": median}
         row |= {"high": high, "u": rows["u"].median(), "histogram": _histogram(rows["value"]), "spread": None}

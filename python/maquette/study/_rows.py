@@ -125,15 +125,20 @@ def _trial(fit: Fit) -> dict[str, Any]:
 
 def _scores(gait: Gait) -> Rows:
     """Gait variable scores, where there is a norm."""
-    parts = (gait.result["indices"] or {}).get("variables", [])
+    parts = _indices(gait).get("variables", [])
     return [{"side": part["side"], "angle": part["angle"], "gvs_deg": part["score"]} for part in parts]
 
 
 def _profile_scores(gait: Gait) -> dict[str, Any]:
     """Gait profile scores, where all angles of theirs are known."""
-    indices = gait.result["indices"] or {}
+    indices = _indices(gait)
     columns = {"gps_deg": "both", "gps_left_deg": "left", "gps_right_deg": "right"}
     return {column: indices.get(name) for column, name in columns.items()}
+
+
+def _indices(gait: Gait) -> dict[str, Any]:
+    indices: dict[str, Any] | None = gait.result["indices"]
+    return indices or {}
 
 
 def _strides(gait: Gait) -> Rows:

@@ -38,7 +38,7 @@ class Tally:
         How many were computed now; the others were there.
     """
 
-    of: Counter[Status] = field(default_factory=Counter)
+    of: Counter[Status] = field(default_factory=Counter[Status])
     computed: int = 0
 
     def add(self, outcome: Outcome) -> None:

@@ -99,7 +99,7 @@ def local(recording: str, scratch: pathlib.Path) -> pathlib.Path:
     if "://" not in recording:
         return pathlib.Path(recording)
     files, path = imported("fsspec.core", "study").url_to_fs(recording)
-    copy = scratch / uuid.uuid4().hex / path.rstrip("/").rpartition("/")[2]
+    copy = scratch / uuid.uuid4().hex / str(path).rstrip("/").rpartition("/")[2]
     copy.parent.mkdir()
     files.get(path.rstrip("/") + "/", f"{copy}/", recursive=True)
     return copy

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import inspect
-import os
 import pathlib
 import re
 import sys
@@ -90,8 +89,7 @@ class Study:
         return self.table[_SESSION] if self.unit == "session" else self.table.index.to_series()
 
     def _task(self, name: str, rows: list[dict[str, Any]]) -> Task:
-        here = os.fspath(self.path.parent.absolute())
-        recordings = [os.path.join(here, row[_RECORDING]) for row in rows]  # noqa: PTH118, may be an address
+        recordings = [_absolute(self.path.parent, row[_RECORDING]) for row in rows]
         return Task(
             name=name,
             trials=tuple(zip((str(row[_TRIAL]) for row in rows), recordings, strict=True)),
@@ -127,12 +125,9 @@ def read(path: Path) -> Study:
     unit = stated.get("unit", "trial")
     if unit not in ("trial", "session"):
         raise OptionError(f'{path}: unit: expected "trial" or "session", found {unit!r}')
-    results = stated.get("results", "results")
-    if "://" not in results:
-        results = str((path.parent / results).absolute())
     study = Study(
         path=path,
-        results=results,
+        results=_absolute(path.parent, stated.get("results", "results")),
         unit=unit,
         table=_table(path.parent / stated.get("trials", "trials.csv"), unit),
         options=stated.get("fit", {}),
@@ -146,6 +141,11 @@ def _toml_loads(text: str) -> dict[str, Any]:
     name = "tomllib" if sys.version_info >= (3, 11) else "tomli"
     stated: dict[str, Any] = imported(name, "study").loads(text)
     return stated
+
+
+def _absolute(folder: pathlib.Path, place: str) -> str:
+    """A path seen from a folder; an address as it is."""
+    return place if "://" in place else str((folder / place).absolute())
 
 
 def _toml(path: pathlib.Path) -> dict[str, Any]:

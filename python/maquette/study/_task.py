@@ -10,7 +10,7 @@ import time
 import traceback
 import warnings
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal
 
 from .._fit import Fit
@@ -137,7 +137,7 @@ def compute(task: Task, work: Work | None = None) -> Outcome:
             # without its inputs it has no name, and is tried again by the next run
             return Outcome(task.name, "failed", str(fault))
         if (done := store.outcome(key)) is not None:
-            return Outcome(**done | {"name": task.name, "key": key, "is_new": False})
+            return replace(Outcome(**done), name=task.name, is_new=False)
 
         folder = pathlib.Path(scratch) / "fit"
         folder.mkdir()
