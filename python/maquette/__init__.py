@@ -16,7 +16,8 @@ from ._fit import Fit, load
 from ._gait import Gait
 from ._maquette import __version__
 from ._recording import Recording
-from ._session import Comparison, Session, session, synth
+from ._session import Comparison, Session, session
+from ._synth import synth
 from .errors import (
     MaquetteError,
     MaquetteWarning,
