@@ -24,6 +24,7 @@
 //! | `camera_fit.rs` | the fit and the files of both                                 |
 //! | `choice.rs`   | arguments that choose a value of the library by its name        |
 //! | `pictures.rs` | the recording, frames and folder of `segment`, `silhouettes`, `stereo` |
+//! | `said.rs`     | what a command has to say, for a person and as JSON             |
 //! | `schema.rs`   | `maquette schema`; the schemas are in `cli/schemas`             |
 //! | `shell.rs`    | `maquette completions`, `maquette man`                          |
 //! | `progress.rs` | a bar for each stage                                            |
@@ -50,6 +51,7 @@ mod models;
 mod pictures;
 mod progress;
 mod report;
+mod said;
 mod schema;
 mod segment;
 mod session;

@@ -15,8 +15,11 @@ from ._calibrate import Calibration, calibrate
 from ._fit import Fit, load
 from ._gait import Gait
 from ._maquette import __version__
+from ._pictures import segment, silhouettes, stereo
 from ._recording import Recording
 from ._session import Comparison, Session, session
+from ._skin import skin
+from ._sync import Offsets, sync
 from ._synth import synth
 from .errors import (
     MaquetteError,
@@ -34,6 +37,7 @@ __all__ = [
     "Gait",
     "MaquetteError",
     "MaquetteWarning",
+    "Offsets",
     "OptionError",
     "Recording",
     "RecordingError",
@@ -44,6 +48,11 @@ __all__ = [
     "calibrate",
     "errors",
     "load",
+    "segment",
     "session",
+    "silhouettes",
+    "skin",
+    "stereo",
+    "sync",
     "synth",
 ]

@@ -68,6 +68,7 @@ def calibrate(
     out: Path,
     from_: Literal["calibration", "lenses"] | None = None,
     height: float | None = None,
+    distance: tuple[str, str, float] | None = None,
     fps: float | None = None,
     body: str | None = None,
     frames: tuple[int, int] | None = None,
@@ -89,6 +90,8 @@ def calibrate(
         What is known of the cameras: lenses and places (the default), or lenses alone.
     height
         Of lenses alone: the person's height without shoes, m.
+    distance
+        Of lenses alone, in the place of the height: two cameras and how far they stand from each other, m.
     fps, body, frames, threads, progress
         As of :class:`Recording` and :meth:`Recording.fit`.
     overwrite
@@ -101,6 +104,9 @@ def calibrate(
     """
     options = {"from": from_, "height": height, "fps": fps, "body": body, "frames": frames, "threads": threads}
     given = words(None, out=out, overwrite=overwrite, **options)
+    if distance is not None:
+        first, second, metres = distance
+        given += ["--distance", first, second, repr(float(metres))]
     paths = [os.fspath(path) for path in recordings]
     with listening(progress) as told:
         result = _calibrate([*given, "--", *paths], (told, news))

@@ -20,8 +20,13 @@ __all__ = [
     "main",
     "origin",
     "recording",
+    "segment",
     "session",
     "session_page",
+    "silhouettes",
+    "skin",
+    "stereo",
+    "sync",
     "synth",
     "write_mask",
 ]
@@ -52,6 +57,21 @@ def compare(words: Sequence[str]) -> tuple[str, str]:
 
 def calibrate(words: Sequence[str], listeners: _Listeners) -> str:
     """What ``maquette calibrate --json`` with these words prints; the calibration is written."""
+
+def sync(words: Sequence[str], listeners: _Listeners) -> str:
+    """What ``maquette sync --json`` with these words prints; the offsets are written."""
+
+def segment(words: Sequence[str], listeners: _Listeners) -> str:
+    """What ``maquette segment --json`` with these words prints; the masks are written."""
+
+def silhouettes(words: Sequence[str], listeners: _Listeners) -> str:
+    """What ``maquette silhouettes --json`` with these words prints; the silhouettes are written."""
+
+def stereo(words: Sequence[str], listeners: _Listeners) -> str:
+    """What ``maquette stereo --json`` with these words prints; the points are written."""
+
+def skin(words: Sequence[str], listeners: _Listeners) -> str:
+    """What ``maquette skin --json`` with these words prints; the skins are written."""
 
 def synth(words: Sequence[str]) -> None:
     """Write what ``maquette synth`` with these words writes."""

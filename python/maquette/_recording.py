@@ -109,6 +109,13 @@ class Recording:
         made._scratch = scratch
         return made
 
+    @staticmethod
+    def stated(recording: Recording | Path, fps: float | None) -> tuple[Path, float | None]:
+        """Where a recording is, and its frames per second as far as somebody states them; ``fps`` goes first."""
+        if isinstance(recording, Recording):
+            return recording.path, recording.fps if fps is None else fps
+        return recording, fps
+
     def __repr__(self) -> str:
         """The call that makes it."""
         fps = "" if self.fps is None else f", fps={self.fps!r}"

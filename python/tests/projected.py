@@ -34,9 +34,9 @@ HALPE_26 = {
 }
 
 
-def cameras_of(recording: pathlib.Path) -> dict[str, Any]:
-    """K, R, t and distortion of the cameras of a synthetic recording, as arrays."""
-    text = (recording / "calibration.toml").read_text()
+def cameras_of(calibration: pathlib.Path) -> dict[str, Any]:
+    """K, R, t and distortion of the cameras of a calibration that the program has written, as arrays."""
+    text = calibration.read_text()
 
     def numbers(key: str) -> NDArray[np.float64]:
         found = re.findall(rf"^{key} = (\[.*?\])$", text, flags=re.DOTALL | re.MULTILINE)

@@ -27,7 +27,7 @@ def arrays(recording: pathlib.Path) -> dict[str, Any]:
 
     return {
         "masks": {name: masks(name) for name in names},
-        **cameras_of(recording),
+        **cameras_of(recording / "calibration.toml"),
     }
 
 
