@@ -18,6 +18,7 @@ from ._maquette import __version__
 from ._pictures import segment, silhouettes, stereo
 from ._recording import Recording
 from ._session import Comparison, Session, session
+from ._show import Viewer
 from ._skin import skin
 from ._sync import Offsets, sync
 from ._synth import synth
@@ -44,6 +45,7 @@ __all__ = [
     "ResultError",
     "Session",
     "UnusableError",
+    "Viewer",
     "__version__",
     "calibrate",
     "errors",

@@ -8,15 +8,13 @@ import pathlib
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
+from . import _camera_table
 from ._maquette import calibrate as _calibrate
-from ._optional import imported
 from ._progress import ProgressChoice, listening, news
 from ._words import Path, words
 
 if TYPE_CHECKING:
     import pandas as pd
-
-_AXES = ("x", "y", "z")
 
 
 class Calibration:
@@ -39,12 +37,7 @@ class Calibration:
             is refined, and ``result`` says what was found.
         """
         rows = [_row(part) for part in self.result["cameras"] if "turn_deg" in part]
-        pandas = imported("pandas", "pandas")
-        table: pd.DataFrame = pandas.DataFrame(rows, columns=list(_row({})))
-        table.attrs["units"] = {
-            column: "deg" if column.startswith("turn") else "m" for column in table.columns if "_" in column
-        }
-        return table.set_index("camera")
+        return _camera_table.table(rows, list(_row({})), {})
 
     @property
     def notes(self) -> list[str]:
@@ -54,12 +47,8 @@ class Calibration:
 
 def _row(part: dict[str, Any]) -> dict[str, Any]:
     """One camera of the result as a row."""
-    row: dict[str, Any] = {"camera": part.get("camera")}
-    for name, unit in (("turn", "deg"), ("displacement", "m")):
-        for key, ending in ((f"{name}_{unit}", ""), (f"{name}_sd_{unit}", "_sd")):
-            values = part.get(key) or [float("nan")] * 3
-            row |= {f"{name}_{axis}{ending}": value for axis, value in zip(_AXES, values, strict=True)}
-    return row | {"determined": part.get("determined"), "kept": part.get("kept")}
+    known = {"determined": part.get("determined"), "kept": part.get("kept")}
+    return {"camera": part.get("camera"), **_camera_table.place(part), **known}
 
 
 def calibrate(
