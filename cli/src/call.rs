@@ -21,6 +21,7 @@ use crate::report::ReportArguments;
 use crate::segment::SegmentArguments;
 use crate::session::SessionArguments;
 use crate::silhouettes::SilhouettesArguments;
+use crate::simulate::SimulateArguments;
 use crate::skin::SkinArguments;
 use crate::stereo::StereoArguments;
 use crate::sync::SyncArguments;
@@ -97,6 +98,14 @@ pub fn compare(words: &[OsString]) -> Result<(Value, String), CliError> {
 /// [`CliError`], whose line is the program's.
 pub fn synth(words: &[OsString]) -> Result<(), CliError> {
     parsed::<SynthArguments>(words)?.written().map(drop)
+}
+
+/// Writes what `maquette simulate` with these words writes.
+///
+/// # Errors
+/// [`CliError`], whose line is the program's.
+pub fn simulate(words: &[OsString]) -> Result<(), CliError> {
+    parsed::<SimulateArguments>(words)?.said().map(drop)
 }
 
 /// What `maquette calibrate --json` with these words prints; the calibration is written.

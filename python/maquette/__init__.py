@@ -21,7 +21,7 @@ from ._session import Comparison, Session, session
 from ._show import Viewer
 from ._skin import skin
 from ._sync import Offsets, sync
-from ._synth import synth
+from ._synth import simulate, synth
 from .errors import (
     MaquetteError,
     MaquetteWarning,
@@ -53,6 +53,7 @@ __all__ = [
     "segment",
     "session",
     "silhouettes",
+    "simulate",
     "skin",
     "stereo",
     "sync",

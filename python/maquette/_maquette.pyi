@@ -24,6 +24,7 @@ __all__ = [
     "session",
     "session_page",
     "silhouettes",
+    "simulate",
     "skin",
     "stereo",
     "sync",
@@ -75,6 +76,9 @@ def skin(words: Sequence[str], listeners: _Listeners) -> str:
 
 def synth(words: Sequence[str]) -> None:
     """Write what ``maquette synth`` with these words writes."""
+
+def simulate(words: Sequence[str]) -> None:
+    """Write what ``maquette simulate`` with these words writes."""
 
 def write_mask(path: _Path, mask: NDArray[np.uint8]) -> None:
     """Write a mask, grey values of shape (H, W), as a picture."""

@@ -1,4 +1,4 @@
-"""Recordings of a simulated walker, with the truth beside them."""
+"""Recordings of a simulated walker, or of a fitted body, with the truth beside them."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import pathlib
 from typing import Literal
 
 from . import _maquette
+from ._fit import Fit
 from ._words import Path, words
 
 
@@ -82,4 +83,57 @@ def synth(
         body=body,
     )
     _maquette.synth(given)
+    return pathlib.Path(out)
+
+
+def simulate(
+    fit: Fit | Path,
+    out: Path,
+    *,
+    seed: int = 1,
+    noise: Literal["none", "mild"] | None = None,
+    recording: Path | None = None,
+    body: Path | None = None,
+) -> pathlib.Path:
+    """Make a recording of a fitted body by the fit's own cameras, with the truth beside it.
+
+    This is ``maquette simulate``: a parametric bootstrap. Shape and motion are those of the fit, and the cameras stand
+    where it found them, with clocks that agree. A fit of the new recording shows how far it lies from a truth that is
+    known.
+
+    Parameters
+    ----------
+    fit
+        A usable fit of a body with metaballs, or the folder of one.
+    out
+        Folder to write into; it must be empty or new.
+    seed
+        Errors of the masks.
+    noise
+        Segmentation errors of the masks; default mild.
+    recording
+        The recording that was fitted, which has the cameras; default where the fit found it.
+    body
+        Body model of the fit, if it is not a shipped one.
+
+    Returns
+    -------
+    pathlib.Path
+        The folder, as of :func:`synth`. Frame 0 is the first that was fitted.
+
+    Raises
+    ------
+    UnusableError
+        Of a fit that is not to be used.
+    MaquetteError
+        With the one line that the program prints.
+
+    Examples
+    --------
+    >>> again = maquette.simulate(fit, "again", seed=2)  # doctest: +SKIP
+    >>> maquette.Recording(again).fit().lengths["length"] - fit.lengths["length"]  # doctest: +SKIP
+    """
+    folder, own = (fit.folder, fit._body) if isinstance(fit, Fit) else (pathlib.Path(fit), None)
+    model = own if body is None else body
+    _maquette.simulate(words(folder, out=out, seed=seed, noise=noise, recording=recording, body=model))
     return pathlib.Path(out)

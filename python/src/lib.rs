@@ -58,6 +58,12 @@ fn synth(py: Python<'_>, words: Vec<OsString>) -> PyResult<()> {
     unlocked(py, || call::synth(&words))
 }
 
+/// Writes what `maquette simulate` with these words writes.
+#[pyfunction]
+fn simulate(py: Python<'_>, words: Vec<OsString>) -> PyResult<()> {
+    unlocked(py, || call::simulate(&words))
+}
+
 /// Where the recording is that the folder of a fit names.
 #[pyfunction]
 fn origin(folder: PathBuf) -> Option<PathBuf> {
@@ -107,6 +113,7 @@ fn _maquette(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(files::stereo, module)?)?;
     module.add_function(wrap_pyfunction!(files::skin, module)?)?;
     module.add_function(wrap_pyfunction!(synth, module)?)?;
+    module.add_function(wrap_pyfunction!(simulate, module)?)?;
     module.add_function(wrap_pyfunction!(write_mask, module)?)?;
     module.add_function(wrap_pyfunction!(main, module)?)
 }

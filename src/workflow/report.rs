@@ -5,13 +5,13 @@ use std::path::Path;
 use nalgebra::{Point2, Point3};
 use rayon::prelude::*;
 
+use super::fitted_files::fitted_files;
 use super::{Error, FittedRecording, GaitStudy};
 use crate::camera::{Camera, CameraId};
 use crate::image::Picture;
 use crate::io::gait::from_result;
 use crate::io::recording::footage::Footage;
-use crate::io::recording::{DerivedFiles, ObservationFiles, Recording};
-use crate::io::result::ResultFile;
+use crate::io::recording::{ObservationFiles, Recording};
 use crate::math::stats::median;
 use crate::pipeline::Progress;
 use crate::report::{
@@ -208,25 +208,4 @@ fn add(
     if let (Some(picture), Some(part)) = (picture, view.part(at)) {
         view.pictures.extend(FramePicture::new(camera, picture, (at, part), budget));
     }
-}
-
-/// What the body was fitted to; where masks or points were made of pictures, those of the fit's folder, and the pictures.
-fn fitted_files(
-    result: Option<&ResultFile>,
-    recording: &Recording,
-    out: &Path,
-) -> Result<(ObservationFiles, Option<Footage>), Error> {
-    let inputs = result.map_or(&[][..], |result| &result.inputs);
-    let has = |start: &str| inputs.iter().any(|input| input.input.starts_with(start));
-    if !has("pictures of ") {
-        return Ok((recording.observations()?, None));
-    }
-    let footage = recording.footage()?;
-    let files = recording.with_derived(DerivedFiles {
-        footage: &footage,
-        folder: out,
-        has_masks: has("masks of ") && out.join("masks").is_dir(),
-        has_points: has("points") && out.join("points").is_dir(),
-    })?;
-    Ok((files, Some(footage)))
 }
