@@ -13,7 +13,8 @@ use super::camera_fit::{CameraFitArguments, check_free};
 use super::choice::{Choice, one_of};
 use super::error::CliError;
 use super::lenses_found::{lenses_json, lenses_text};
-use super::switches::{Output, Threads, print_notes};
+use super::said::Said;
+use super::switches::{Output, Threads};
 use super::table::Table;
 
 pub(super) const ABOUT: &str = "\
@@ -104,29 +105,16 @@ impl CalibrateArguments {
     }
 }
 
-/// What there is to say of a calibration that was written.
-struct Said {
-    text: String,
-    json: Value,
-    notes: Vec<String>,
-}
-
 /// Refines a calibration and writes it.
 pub(super) fn run(arguments: &CalibrateArguments) -> Result<(), CliError> {
-    let said = arguments.said(&arguments.output.progress())?;
-    print_notes(&said.notes);
-    arguments.output.summarise(|| said.text, || said.json);
+    arguments.said(&arguments.output.progress())?.print(arguments.output);
     Ok(())
 }
 
 impl CalibrateArguments {
-    fn said(&self, progress: &dyn Progress) -> Result<Said, CliError> {
+    /// What there is to say of the calibration, which is written.
+    pub(super) fn said(&self, progress: &dyn Progress) -> Result<Said, CliError> {
         self.threads.run(|| calibrate(self, progress))
-    }
-
-    /// What `--json` prints of the calibration, which is written.
-    pub(super) fn call(&self, progress: &dyn Progress) -> Result<Value, CliError> {
-        Ok(self.said(progress)?.json)
     }
 }
 

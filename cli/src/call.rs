@@ -19,7 +19,13 @@ use crate::export::ExportArguments;
 use crate::fit::FitArguments;
 use crate::gait::GaitArguments;
 use crate::report::ReportArguments;
+use crate::segment::SegmentArguments;
 use crate::session::SessionArguments;
+use crate::silhouettes::SilhouettesArguments;
+use crate::simulate::SimulateArguments;
+use crate::skin::SkinArguments;
+use crate::stereo::StereoArguments;
+use crate::sync::SyncArguments;
 use crate::synth::SynthArguments;
 
 /// The words of one command, without its name.
@@ -103,10 +109,58 @@ pub fn synth(words: &[OsString]) -> Result<(), CliError> {
     parsed::<SynthArguments>(words)?.written().map(drop)
 }
 
+/// Writes what `maquette simulate` with these words writes.
+///
+/// # Errors
+/// [`CliError`], whose line is the program's.
+pub fn simulate(words: &[OsString]) -> Result<(), CliError> {
+    parsed::<SimulateArguments>(words)?.said().map(drop)
+}
+
 /// What `maquette calibrate --json` with these words prints; the calibration is written.
 ///
 /// # Errors
 /// [`CliError`], whose line is the program's.
 pub fn calibrate(words: &[OsString], progress: &dyn Progress) -> Result<Value, CliError> {
-    parsed::<CalibrateArguments>(words)?.call(progress)
+    Ok(parsed::<CalibrateArguments>(words)?.said(progress)?.json)
+}
+
+/// What `maquette sync --json` with these words prints; the offsets are written.
+///
+/// # Errors
+/// [`CliError`], whose line is the program's.
+pub fn sync(words: &[OsString], progress: &dyn Progress) -> Result<Value, CliError> {
+    Ok(parsed::<SyncArguments>(words)?.said(progress)?.json)
+}
+
+/// What `maquette segment --json` with these words prints; the masks are written.
+///
+/// # Errors
+/// [`CliError`], whose line is the program's.
+pub fn segment(words: &[OsString], progress: &dyn Progress) -> Result<Value, CliError> {
+    Ok(parsed::<SegmentArguments>(words)?.said(progress)?.json)
+}
+
+/// What `maquette silhouettes --json` with these words prints; the silhouettes are written.
+///
+/// # Errors
+/// [`CliError`], whose line is the program's. Silhouettes that are nobody's are none: `failure` says why.
+pub fn silhouettes(words: &[OsString], progress: &dyn Progress) -> Result<Value, CliError> {
+    Ok(parsed::<SilhouettesArguments>(words)?.found(progress)?.said.json)
+}
+
+/// What `maquette stereo --json` with these words prints; the points are written.
+///
+/// # Errors
+/// [`CliError`], whose line is the program's.
+pub fn stereo(words: &[OsString], progress: &dyn Progress) -> Result<Value, CliError> {
+    Ok(parsed::<StereoArguments>(words)?.said(progress)?.json)
+}
+
+/// What `maquette skin --json` with these words prints; the skins are written.
+///
+/// # Errors
+/// [`CliError`], whose line is the program's.
+pub fn skin(words: &[OsString], progress: &dyn Progress) -> Result<Value, CliError> {
+    Ok(parsed::<SkinArguments>(words)?.said(progress)?.json)
 }

@@ -16,6 +16,7 @@
 //! | `compare.rs`  | `maquette compare`                                              |
 //! | `subject.rs`  | who was recorded, for `gait` and `report`                       |
 //! | `synth.rs`    | `maquette synth`                                                |
+//! | `simulate.rs` | `maquette simulate`                                             |
 //! | `models.rs`   | `maquette models`                                               |
 //! | `skin.rs`     | `maquette skin`, and the skins of `maquette models`             |
 //! | `stereo.rs`   | `maquette stereo`                                               |
@@ -24,6 +25,7 @@
 //! | `camera_fit.rs` | the fit and the files of both                                 |
 //! | `choice.rs`   | arguments that choose a value of the library by its name        |
 //! | `pictures.rs` | the recording, frames and folder of `segment`, `silhouettes`, `stereo` |
+//! | `said.rs`     | what a command has to say, for a person and as JSON             |
 //! | `schema.rs`   | `maquette schema`; the schemas are in `cli/schemas`             |
 //! | `shell.rs`    | `maquette completions`, `maquette man`                          |
 //! | `progress.rs` | a bar for each stage                                            |
@@ -50,11 +52,13 @@ mod models;
 mod pictures;
 mod progress;
 mod report;
+mod said;
 mod schema;
 mod segment;
 mod session;
 mod shell;
 mod silhouettes;
+mod simulate;
 mod skin;
 mod stereo;
 mod subject;
@@ -146,6 +150,9 @@ enum Command {
     /// Make a synthetic recording of a walking person, with the truth
     #[command(long_about = synth::ABOUT)]
     Synth(synth::SynthArguments),
+    /// Make a synthetic recording of a fitted body, by the fit's own cameras
+    #[command(long_about = simulate::ABOUT, after_help = simulate::EXAMPLES)]
+    Simulate(simulate::SimulateArguments),
     /// Print the JSON Schema of what a command prints with --json
     #[command(long_about = schema::ABOUT)]
     Schema(schema::SchemaArguments),
@@ -174,6 +181,7 @@ impl Command {
             Self::Export(arguments) => export::run(arguments),
             Self::Models(arguments) => models::run(arguments),
             Self::Synth(arguments) => synth::run(arguments),
+            Self::Simulate(arguments) => simulate::run(arguments),
 
             // what the program says of itself
             Self::Schema(arguments) => {

@@ -31,6 +31,7 @@ enum Verb {
     Export,
     Models,
     Synth,
+    Simulate,
 }
 
 /// Prints a schema.
@@ -50,5 +51,6 @@ pub(super) fn run(arguments: &SchemaArguments) {
         Verb::Export => include_str!("../schemas/export.json"),
         Verb::Models => include_str!("../schemas/models.json"),
         Verb::Synth => include_str!("../schemas/synth.json"),
+        Verb::Simulate => include_str!("../schemas/simulate.json"),
     });
 }

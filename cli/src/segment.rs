@@ -5,12 +5,14 @@ use std::time::Instant;
 
 use clap::Args;
 use maquette::io::folder::segmented::{MaskExtras, QualityRow};
+use maquette::pipeline::Progress;
 use maquette::workflow::{MaskFiles, WrittenMasks};
 use serde_json::{Value, json};
 
 use super::error::CliError;
 use super::pictures::PictureArguments;
-use super::switches::{Threads, print_notes};
+use super::said::Said;
+use super::switches::Threads;
 use super::table::Table;
 
 pub(super) const ABOUT: &str = "\
@@ -42,24 +44,32 @@ pub(super) struct SegmentArguments {
 
 /// Segments a recording and writes the masks.
 pub(super) fn run(arguments: &SegmentArguments) -> Result<(), CliError> {
-    arguments.threads.run(|| segment(arguments))
+    let output = arguments.pictures.output;
+    arguments.said(&output.progress())?.print(output);
+    Ok(())
 }
 
-fn segment(arguments: &SegmentArguments) -> Result<(), CliError> {
+impl SegmentArguments {
+    /// What there is to say of the masks, which are written.
+    pub(super) fn said(&self, progress: &dyn Progress) -> Result<Said, CliError> {
+        self.threads.run(|| segment(self, progress))
+    }
+}
+
+fn segment(arguments: &SegmentArguments, progress: &dyn Progress) -> Result<Said, CliError> {
     let start = Instant::now();
-    let (pictures, output) = (&arguments.pictures, arguments.pictures.output);
+    let pictures = &arguments.pictures;
     let recording = pictures.open()?;
     let files = MaskFiles {
         folder: pictures.out(),
         frames: pictures.frames(),
         extras: MaskExtras { probability: arguments.probability, overlays: arguments.overlays },
     };
-    let written = recording.write_masks(&files, &output.progress())?;
+    let written = recording.write_masks(&files, progress)?;
 
-    print_notes(&written.notes);
     let (out, seconds) = (pictures.out(), start.elapsed().as_secs_f64());
-    output.summarise(|| summary(&written, out, seconds), || as_json(&written, out, seconds));
-    Ok(())
+    let (text, json) = (summary(&written, out, seconds), as_json(&written, out, seconds));
+    Ok(Said { text, json, notes: written.notes })
 }
 
 /// A camera's masks, and the means of their quality.

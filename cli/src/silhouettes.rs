@@ -6,6 +6,7 @@ use std::time::Instant;
 use clap::Args;
 use maquette::io::folder::silhouettes::{ContourRow, SilhouetteExtras};
 use maquette::math::stats::mean;
+use maquette::pipeline::Progress;
 use maquette::pipeline::silhouettes::SilhouettePipeline;
 use maquette::workflow::{DEFAULT_BODY, SilhouetteFiles, WrittenSilhouettes};
 use serde_json::{Value, json};
@@ -14,7 +15,8 @@ use super::choice::{Choice, one_of};
 use super::complain;
 use super::error::CliError;
 use super::pictures::PictureArguments;
-use super::switches::{Threads, print_notes};
+use super::said::Said;
+use super::switches::Threads;
 use super::table::Table;
 
 pub(super) const ABOUT: &str = "\
@@ -75,12 +77,36 @@ pub(super) struct SilhouettesArguments {
 
 /// Finds the silhouettes of a recording and writes them.
 pub(super) fn run(arguments: &SilhouettesArguments) -> Result<(), CliError> {
-    arguments.threads.run(|| silhouettes(arguments))
+    let output = arguments.pictures.output;
+    let found = arguments.found(&output.progress())?;
+    if let Some(line) = found.warning.as_ref().filter(|_| found.failure.is_none()) {
+        complain("warning", line);
+    }
+    found.said.print(output);
+    found.failure.map_or(Ok(()), |why| Err(maquette::Error::Unusable(why).into()))
 }
 
-fn silhouettes(arguments: &SilhouettesArguments) -> Result<(), CliError> {
+/// Silhouettes that were written.
+pub(super) struct FoundSilhouettes {
+    pub(super) said: Said,
+    warning: Option<String>,
+    /// Why they are nobody's.
+    failure: Option<String>,
+}
+
+impl SilhouettesArguments {
+    /// The silhouettes, which are written.
+    pub(super) fn found(&self, progress: &dyn Progress) -> Result<FoundSilhouettes, CliError> {
+        self.threads.run(|| silhouettes(self, progress))
+    }
+}
+
+fn silhouettes(
+    arguments: &SilhouettesArguments,
+    progress: &dyn Progress,
+) -> Result<FoundSilhouettes, CliError> {
     let start = Instant::now();
-    let (pictures, output) = (&arguments.pictures, arguments.pictures.output);
+    let pictures = &arguments.pictures;
     let recording = pictures.open()?;
     let files = SilhouetteFiles {
         folder: pictures.out(),
@@ -90,15 +116,12 @@ fn silhouettes(arguments: &SilhouettesArguments) -> Result<(), CliError> {
         start: arguments.fit.as_deref(),
         extras: SilhouetteExtras { overlays: arguments.overlays, stages: arguments.stages },
     };
-    let written = recording.write_silhouettes(&files, &output.progress())?;
+    let written = recording.write_silhouettes(&files, progress)?;
 
-    if let Some(line) = written.warning.as_ref().filter(|_| written.failure.is_none()) {
-        complain("warning", line);
-    }
-    print_notes(&written.notes);
     let (out, seconds) = (pictures.out(), start.elapsed().as_secs_f64());
-    output.summarise(|| summary(&written, out, seconds), || as_json(&written, out, seconds));
-    written.failure.map_or(Ok(()), |why| Err(maquette::Error::Unusable(why).into()))
+    let (text, json) = (summary(&written, out, seconds), as_json(&written, out, seconds));
+    let said = Said { text, json, notes: written.notes };
+    Ok(FoundSilhouettes { said, warning: written.warning, failure: written.failure })
 }
 
 fn as_json(written: &WrittenSilhouettes, out: &Path, seconds: f64) -> Value {

@@ -5,14 +5,14 @@ use std::path::PathBuf;
 use clap::{ArgGroup, Args};
 use maquette::FittedRecording;
 use maquette::io::export::mesh::MeshFormat;
-use maquette::pipeline::FrameRange;
-use maquette::pipeline::counted;
+use maquette::pipeline::{FrameRange, Progress, counted};
 use maquette::skin::SkinOptions;
 use maquette::workflow::{SkinFiles, SkinnedPoses};
 use serde_json::json;
 
 use super::choice::{Choice, one_of};
 use super::error::CliError;
+use super::said::Said;
 use super::switches::Output;
 
 pub(super) const ABOUT: &str = "\
@@ -67,25 +67,31 @@ const FORMATS: &[Choice<MeshFormat>] = &[
 
 /// Makes and writes the skins.
 pub(super) fn run(arguments: &SkinArguments) -> Result<(), CliError> {
-    let fit = FittedRecording::read(&arguments.out, arguments.body.as_deref())?;
-    let folder = arguments.out.join("skin");
-    let files = SkinFiles {
-        folder: &folder,
-        poses: arguments.poses(),
-        format: arguments.format,
-        options: SkinOptions::with_around(arguments.around),
-        pictures: arguments.picture,
-    };
-    let skins = fit.write_skins(&files, &arguments.output.progress())?;
-    let (folder, body) = (folder.display().to_string(), &fit.model.name);
-    arguments.output.summarise(
-        || format!("{folder}: {} of {body}\n", counted(skins, "skin")),
-        || json!({ "out": folder, "body": body, "skins": skins }),
-    );
+    arguments.said(&arguments.output.progress())?.print(arguments.output);
     Ok(())
 }
 
 impl SkinArguments {
+    /// What there is to say of the skins, which are written.
+    pub(super) fn said(&self, progress: &dyn Progress) -> Result<Said, CliError> {
+        let fit = FittedRecording::read(&self.out, self.body.as_deref())?;
+        let folder = self.out.join("skin");
+        let files = SkinFiles {
+            folder: &folder,
+            poses: self.poses(),
+            format: self.format,
+            options: SkinOptions::with_around(self.around),
+            pictures: self.picture,
+        };
+        let skins = fit.write_skins(&files, progress)?;
+        let (folder, body) = (folder.display().to_string(), &fit.model.name);
+        Ok(Said {
+            text: format!("{folder}: {} of {body}\n", counted(skins, "skin")),
+            json: json!({ "out": folder, "body": body, "skins": skins }),
+            notes: Vec::new(),
+        })
+    }
+
     fn poses(&self) -> SkinnedPoses {
         match (self.rest, self.frame) {
             (true, _) => SkinnedPoses::Rest,

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use clap::Args;
+use maquette::pipeline::Progress;
 use maquette::pipeline::counted;
 use maquette::pipeline::stereo::{StereoMethod, StereoOptions, SurfaceSummary};
 use maquette::workflow::SurfaceFiles;
@@ -11,7 +12,7 @@ use serde_json::{Value, json};
 use super::choice::{Choice, one_of};
 use super::error::CliError;
 use super::pictures::PictureArguments;
-use super::switches::print_notes;
+use super::said::Said;
 
 pub(super) const ABOUT: &str = "\
 Measure points of the surface from cameras that stand side by side.
@@ -103,20 +104,26 @@ fn depth(text: &str) -> Result<(f64, f64), String> {
 
 /// Measures and writes.
 pub(super) fn run(arguments: &StereoArguments) -> Result<(), CliError> {
-    let (pictures, output) = (&arguments.pictures, arguments.pictures.output);
-    let recording = pictures.open()?;
-    let files = SurfaceFiles {
-        folder: pictures.out(),
-        frames: pictures.frames(),
-        options: arguments.settings.options(),
-        pictures: arguments.settings.pictures,
-    };
-    let found = recording.write_surface(&files, &output.progress())?;
-
-    print_notes(&found.notes);
-    let out = pictures.out();
-    output.summarise(|| summary(&found, out), || as_json(&found, out));
+    let output = arguments.pictures.output;
+    arguments.said(&output.progress())?.print(output);
     Ok(())
+}
+
+impl StereoArguments {
+    /// What there is to say of the points, which are written.
+    pub(super) fn said(&self, progress: &dyn Progress) -> Result<Said, CliError> {
+        let (pictures, settings) = (&self.pictures, &self.settings);
+        let recording = pictures.open()?;
+        let files = SurfaceFiles {
+            folder: pictures.out(),
+            frames: pictures.frames(),
+            options: settings.options(),
+            pictures: settings.pictures,
+        };
+        let found = recording.write_surface(&files, progress)?;
+        let (text, json) = (summary(&found, pictures.out()), as_json(&found, pictures.out()));
+        Ok(Said { text, json, notes: found.notes })
+    }
 }
 
 fn as_json(found: &SurfaceSummary, out: &Path) -> Value {

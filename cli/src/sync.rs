@@ -4,12 +4,14 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
+use maquette::pipeline::Progress;
 use maquette::workflow::{SyncOptions, SyncedCamera, SyncedRecording};
 use serde_json::{Value, json};
 
 use super::camera_fit::{CameraFitArguments, check_free};
 use super::error::CliError;
-use super::switches::{Output, Threads, print_notes};
+use super::said::Said;
+use super::switches::{Output, Threads};
 use super::table::Table;
 
 pub(super) const ABOUT: &str = "\
@@ -50,39 +52,46 @@ pub(super) struct SyncArguments {
 
 /// Finds the clocks of a recording and writes them.
 pub(super) fn run(arguments: &SyncArguments) -> Result<(), CliError> {
-    arguments.threads.run(|| sync(arguments))
+    arguments.said(&arguments.output.progress())?.print(arguments.output);
+    Ok(())
 }
 
-fn sync(arguments: &SyncArguments) -> Result<(), CliError> {
-    let start = Instant::now();
-    let SyncArguments { recording, fit, output, .. } = arguments;
-    let existing = fit.existing();
-    if let Some(out) = &arguments.out {
-        check_free(std::slice::from_ref(out), existing)?;
-    } else {
-        // before the minutes that the fits take; of a finished fit the recording's folder is known only afterwards
-        let folder = if recording.is_dir() {
-            recording
-        } else {
-            recording.parent().unwrap_or(Path::new(""))
-        };
-        check_free(&[folder.join("offsets.toml")], existing)?;
+impl SyncArguments {
+    /// What there is to say of the clocks, which are written.
+    pub(super) fn said(&self, progress: &dyn Progress) -> Result<Said, CliError> {
+        self.threads.run(|| sync(self, progress))
     }
+
+    /// The file to write, as far as it is known before the minutes that the fits take: of a finished fit the recording's folder is
+    /// known only afterwards.
+    fn expected_file(&self) -> PathBuf {
+        let folder = match self.recording.is_dir() {
+            true => self.recording.as_path(),
+            false => self.recording.parent().unwrap_or(Path::new("")),
+        };
+        self.out.clone().unwrap_or_else(|| folder.join("offsets.toml"))
+    }
+}
+
+fn sync(arguments: &SyncArguments, progress: &dyn Progress) -> Result<Said, CliError> {
+    let start = Instant::now();
+    let SyncArguments { recording, fit, .. } = arguments;
+    let existing = fit.existing();
+    check_free(&[arguments.expected_file()], existing)?;
 
     let options = SyncOptions {
         fit: fit.options(),
         windows: arguments.windows.map(usize::from),
         sound: !arguments.no_sound,
     };
-    let synced = SyncedRecording::of(recording, fit.fps, &options, &output.progress())?;
+    let synced = SyncedRecording::of(recording, fit.fps, &options, progress)?;
     let out = arguments.out.clone().unwrap_or_else(|| synced.file());
     check_free(std::slice::from_ref(&out), existing)?;
     synced.write(&out)?;
 
-    print_notes(&synced.notes);
     let seconds = start.elapsed().as_secs_f64();
-    output.summarise(|| text(&synced, &out, seconds), || as_json(&synced, &out, seconds));
-    Ok(())
+    let (text, json) = (text(&synced, &out, seconds), as_json(&synced, &out, seconds));
+    Ok(Said { text, json, notes: synced.notes })
 }
 
 fn text(synced: &SyncedRecording, out: &Path, seconds: f64) -> String {

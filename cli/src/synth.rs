@@ -74,12 +74,22 @@ enum MadeOf {
     Dressed,
 }
 
+/// Segmentation errors of masks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Noise {
+pub(super) enum Noise {
     /// Exact masks
     None,
     /// As from a good background subtraction
     Mild,
+}
+
+impl Noise {
+    pub(super) fn errors(self) -> Option<SegmentationErrors> {
+        match self {
+            Self::None => None,
+            Self::Mild => Some(SegmentationErrors::MILD),
+        }
+    }
 }
 
 fn rate(text: &str) -> Result<f64, String> {
@@ -130,10 +140,7 @@ fn ring(arguments: &SynthArguments, model: &BodyModel) -> Result<Written, CliErr
             MadeOf::Dressed => Make::Dressed,
         },
         ring: Ring { cameras: arguments.cameras.into(), ..default.ring },
-        errors: match arguments.noise {
-            Noise::None => None,
-            Noise::Mild => Some(SegmentationErrors::MILD),
-        },
+        errors: arguments.noise.errors(),
         stereo: arguments.points.then(StereoPair::default),
     };
 

@@ -33,6 +33,8 @@ mod segment;
 mod session;
 #[path = "cli/silhouettes.rs"]
 mod silhouettes;
+#[path = "cli/simulate.rs"]
+mod simulate;
 #[path = "cli/skin.rs"]
 mod skin;
 #[path = "cli/stereo.rs"]

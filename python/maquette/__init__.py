@@ -15,8 +15,13 @@ from ._calibrate import Calibration, calibrate
 from ._fit import Fit, load
 from ._gait import Gait
 from ._maquette import __version__
+from ._pictures import segment, silhouettes, stereo
 from ._recording import Recording
-from ._session import Comparison, Session, session, synth
+from ._session import Comparison, Session, session
+from ._show import Viewer
+from ._skin import skin
+from ._sync import Offsets, sync
+from ._synth import simulate, synth
 from .errors import (
     MaquetteError,
     MaquetteWarning,
@@ -33,16 +38,24 @@ __all__ = [
     "Gait",
     "MaquetteError",
     "MaquetteWarning",
+    "Offsets",
     "OptionError",
     "Recording",
     "RecordingError",
     "ResultError",
     "Session",
     "UnusableError",
+    "Viewer",
     "__version__",
     "calibrate",
     "errors",
     "load",
+    "segment",
     "session",
+    "silhouettes",
+    "simulate",
+    "skin",
+    "stereo",
+    "sync",
     "synth",
 ]

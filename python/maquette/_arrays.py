@@ -1,105 +1,91 @@
-"""Masks and cameras that are arrays, written as the folder of a recording."""
+"""What cameras saw, and the cameras, as arrays in memory that are written as the folder of a recording."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from typing import Union
+from typing import NamedTuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _maquette
+from . import _detection_arrays, _mask_arrays
+from ._camera_arrays import Cameras, SizeChoice, calibration, stated_sizes
+from ._detection_arrays import Keypoints
 from ._folder import Scratch
 from .errors import OptionError
 
 #: Of each camera, by name or in order, an array of shape (N, H, W).
 Masks = Union[Mapping[str, ArrayLike], Sequence[ArrayLike], NDArray[np.bool_], NDArray[np.uint8]]
+#: Of each camera, by name or in order, an array of shape (N, P, J, 3) or (N, J, 3).
+Detections = Union[Mapping[str, ArrayLike], Sequence[ArrayLike], NDArray[np.float64], NDArray[np.float32]]
 #: Keys of OpenCV's file storage.
 _NAME = re.compile(r"[A-Za-z0-9_-]+")
 
 
-def written(masks: Masks, cameras: Mapping[str, ArrayLike], distortion: Sequence[ArrayLike] | None, up: str) -> Scratch:
-    """Write masks and calibration into a temporary folder that is a recording.
+class Seen(NamedTuple):
+    """What the cameras saw."""
 
-    Parameters
-    ----------
-    masks
-        Of each camera, of shape (N, H, W).
-    cameras
-        ``K``, ``R`` and ``t`` of all cameras, of shapes (C, 3, 3), (C, 3, 3) and (C, 3).
-    distortion
-        Of each camera, in OpenCV's order; None for none.
-    up
-        Which axis of the cameras' world points up.
+    masks: Masks | None
+    detections: Detections | None
+    #: Which points the detections are.
+    keypoints: Keypoints | None
+    #: Width and height of the pictures, px; None for those of the masks.
+    size: SizeChoice
+
+
+def written(seen: Seen, cameras: Cameras, up: str) -> Scratch:
+    """Write what was seen and a calibration into a temporary folder that is a recording.
+
+    ``up`` says which axis of the cameras' world points up.
     """
-    named = _named(masks)
-    stacks = {name: _stack(name, stack) for name, stack in named.items()}
-    matrices = {key: _of_all(key, value, len(stacks)) for key, value in cameras.items()}
-    lenses = _lenses(distortion, len(stacks))
+    names = _names(seen)
+    masks = _by_camera("masks", seen.masks, names)
+    stacks = {name: _mask_arrays.stack(name, stack) for name, stack in masks.items()}
+    detections = _by_camera("detections", seen.detections, names)
+    people = {name: _detection_arrays.people(name, array) for name, array in detections.items()}
+    if seen.size is None and not stacks:
+        raise OptionError("size: expected the width and height of the pictures, for there are no masks that have it")
+    of_masks = {name: (stack.shape[2], stack.shape[1]) for name, stack in stacks.items()}
+    text = calibration(cameras, of_masks if seen.size is None else stated_sizes(names, seen.size))
 
     scratch = Scratch()
-    text = ["%YAML:1.0", "---", "names:", *(f'  - "{name}"' for name in stacks)]
-    for number, (name, stack) in enumerate(stacks.items()):
-        for key, entry in (("K", "K"), ("Rot", "R"), ("T", "t")):
-            text += _matrix(f"{key}_{name}", matrices[entry][number])
-        text += _matrix(f"dist_{name}", lenses[number])
-        text += [f"W_{name}: {stack.shape[2]}", f"H_{name}: {stack.shape[1]}"]
-        _write(scratch, name, stack)
-    (scratch.path / "calibration.yml").write_text("\n".join([*text, ""]), encoding="utf-8")
-    (scratch.path / "sequence.toml").write_text(f'up = "{up}"\n', encoding="utf-8")
+    for name, stack in stacks.items():
+        _mask_arrays.write(scratch.path / "masks" / name, stack)
+    for name, array in people.items():
+        _detection_arrays.write(scratch.path / "pose" / f"{name}_json", array)
+    (scratch.path / "calibration.yml").write_text(text, encoding="utf-8")
+    (scratch.path / "sequence.toml").write_text(_manifest(seen.keypoints, up), encoding="utf-8")
     return scratch
 
 
-def _named(masks: Masks) -> dict[str, ArrayLike]:
-    """The masks by the name of their camera."""
-    if isinstance(masks, Mapping):
-        named = dict(masks)
-    else:
-        named = {f"cam_{number:02}": stack for number, stack in enumerate(masks, 1)}
+def _manifest(keypoints: Keypoints | None, up: str) -> str:
+    stated = [f'up = "{up}"', *([] if keypoints is None else [f'keypoints = "{keypoints}"'])]
+    return "\n".join([*stated, ""])
+
+
+def _names(seen: Seen) -> list[str]:
+    """The cameras: those of the masks, or without masks those of the detections."""
+    named = seen.detections if seen.masks is None else seen.masks
+    if named is None:
+        raise OptionError("masks: expected masks, detections or both, found neither")
+    if not isinstance(named, Mapping):
+        return [f"cam_{number:02}" for number in range(1, len(named) + 1)]
     odd = [name for name in named if not _NAME.fullmatch(name)]
     if odd:
-        raise OptionError(f"masks: camera {odd[0]!r}: expected a name of letters, digits, - and _")
-    return named
+        raise OptionError(f"camera {odd[0]!r}: expected a name of letters, digits, - and _")
+    return list(named)
 
 
-def _stack(name: str, stack: ArrayLike) -> NDArray[np.uint8]:
-    """One camera's masks as pictures; truth becomes white, grey values stay, for they may name people."""
-    array = np.asarray(stack)
-    if array.ndim != 3 or array.dtype.name not in ("bool", "uint8"):
-        found = f"found {array.dtype} of shape {array.shape}"
-        raise OptionError(f"masks of camera {name}: expected bool or uint8 of shape (N, H, W), {found}")
-    return array.astype(np.uint8) * np.uint8(255) if array.dtype.name == "bool" else array.astype(np.uint8)
-
-
-def _of_all(key: str, value: ArrayLike, cameras: int) -> NDArray[np.float64]:
-    """Matrices or vectors of all cameras."""
-    array = np.asarray(value, dtype=np.float64)
-    shape = (cameras, 3) if key == "t" else (cameras, 3, 3)
-    if array.shape != shape:
-        raise OptionError(f"{key}: expected shape {shape}, one for each camera's masks, found {array.shape}")
-    return array
-
-
-def _lenses(distortion: Sequence[ArrayLike] | None, cameras: int) -> list[NDArray[np.float64]]:
-    """The coefficients of each camera."""
-    given = [np.zeros(4)] * cameras if distortion is None else distortion
-    if len(given) != cameras:
-        raise OptionError(f"distortion: expected {cameras} rows, one for each camera's masks, found {len(given)}")
-    return [np.asarray(lens, dtype=np.float64).ravel() for lens in given]
-
-
-def _matrix(key: str, values: NDArray[np.float64]) -> list[str]:
-    """A matrix in OpenCV's file storage, with as many digits as give the same numbers back."""
-    rows = values if values.ndim == 2 else values[:, np.newaxis]
-    data = ", ".join(repr(float(value)) for value in rows.ravel())
-    shape = [f"  rows: {rows.shape[0]}", f"  cols: {rows.shape[1]}", "  dt: d"]
-    return [f"{key}: !!opencv-matrix", *shape, f"  data: [ {data} ]"]
-
-
-def _write(scratch: Scratch, name: str, stack: NDArray[np.uint8]) -> None:
-    """The masks of one camera, a picture for each frame."""
-    folder = scratch.path / "masks" / name
-    folder.mkdir(parents=True)
-    for frame, mask in enumerate(stack):
-        _maquette.write_mask(folder / f"{frame:06}.png", np.ascontiguousarray(mask))
+def _by_camera(key: str, arrays: Masks | Detections | None, names: Sequence[str]) -> dict[str, ArrayLike]:
+    """The arrays by the name of their camera."""
+    if arrays is None:
+        return {}
+    if isinstance(arrays, Mapping):
+        strange = [name for name in arrays if name not in names]
+        if strange:
+            raise OptionError(f"{key}: no camera is named {strange[0]!r}: there are {', '.join(names)}")
+        return dict(arrays)
+    if len(arrays) != len(names):
+        raise OptionError(f"{key}: expected {len(names)} arrays, one for each camera, found {len(arrays)}")
+    return dict(zip(names, arrays, strict=True))

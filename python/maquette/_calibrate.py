@@ -8,15 +8,13 @@ import pathlib
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
+from . import _camera_table
 from ._maquette import calibrate as _calibrate
-from ._optional import imported
 from ._progress import ProgressChoice, listening, news
 from ._words import Path, words
 
 if TYPE_CHECKING:
     import pandas as pd
-
-_AXES = ("x", "y", "z")
 
 
 class Calibration:
@@ -39,12 +37,7 @@ class Calibration:
             is refined, and ``result`` says what was found.
         """
         rows = [_row(part) for part in self.result["cameras"] if "turn_deg" in part]
-        pandas = imported("pandas", "pandas")
-        table: pd.DataFrame = pandas.DataFrame(rows, columns=list(_row({})))
-        table.attrs["units"] = {
-            column: "deg" if column.startswith("turn") else "m" for column in table.columns if "_" in column
-        }
-        return table.set_index("camera")
+        return _camera_table.table(rows, list(_row({})), {})
 
     @property
     def notes(self) -> list[str]:
@@ -54,12 +47,8 @@ class Calibration:
 
 def _row(part: dict[str, Any]) -> dict[str, Any]:
     """One camera of the result as a row."""
-    row: dict[str, Any] = {"camera": part.get("camera")}
-    for name, unit in (("turn", "deg"), ("displacement", "m")):
-        for key, ending in ((f"{name}_{unit}", ""), (f"{name}_sd_{unit}", "_sd")):
-            values = part.get(key) or [float("nan")] * 3
-            row |= {f"{name}_{axis}{ending}": value for axis, value in zip(_AXES, values, strict=True)}
-    return row | {"determined": part.get("determined"), "kept": part.get("kept")}
+    known = {"determined": part.get("determined"), "kept": part.get("kept")}
+    return {"camera": part.get("camera"), **_camera_table.place(part), **known}
 
 
 def calibrate(
@@ -68,6 +57,7 @@ def calibrate(
     out: Path,
     from_: Literal["calibration", "lenses"] | None = None,
     height: float | None = None,
+    distance: tuple[str, str, float] | None = None,
     fps: float | None = None,
     body: str | None = None,
     frames: tuple[int, int] | None = None,
@@ -89,6 +79,8 @@ def calibrate(
         What is known of the cameras: lenses and places (the default), or lenses alone.
     height
         Of lenses alone: the person's height without shoes, m.
+    distance
+        Of lenses alone, in the place of the height: two cameras and how far they stand from each other, m.
     fps, body, frames, threads, progress
         As of :class:`Recording` and :meth:`Recording.fit`.
     overwrite
@@ -101,6 +93,9 @@ def calibrate(
     """
     options = {"from": from_, "height": height, "fps": fps, "body": body, "frames": frames, "threads": threads}
     given = words(None, out=out, overwrite=overwrite, **options)
+    if distance is not None:
+        first, second, metres = distance
+        given += ["--distance", first, second, repr(float(metres))]
     paths = [os.fspath(path) for path in recordings]
     with listening(progress) as told:
         result = _calibrate([*given, "--", *paths], (told, news))

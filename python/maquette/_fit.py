@@ -12,10 +12,11 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _html, _maquette, _plot, _tables
+from . import _camera_table, _html, _maquette, _plot, _tables
 from ._folder import Scratch, written_page
 from ._gait import Gait
 from ._progress import ProgressChoice, caution, listening
+from ._show import Viewer
 from ._words import Path, words
 from .errors import OptionError, UnusableError
 
@@ -157,6 +158,22 @@ class Fit:
             metres as ``length_<name>``.
         """
         return _tables.hypotheses(self.result)
+
+    # --- cameras ---------------------------------------------------------------------------------
+
+    @property
+    def cameras(self) -> pd.DataFrame:
+        """Every camera: how well the body covers what it saw, and how far it was found to be from its calibration.
+
+        Returns
+        -------
+        pandas.DataFrame
+            By ``camera``: ``frames`` in which it sees the person, mean overlap ``iou``, ``median`` distance of outlines
+            (px); ``turn_x`` … ``turn_z`` (deg) about its own centre and ``displacement_x`` … ``displacement_z`` (m),
+            world axes, each with its ``_sd``; by how much its pictures are ``ahead`` of the recording's time (s), and
+            ``ahead_sd``. What was not estimated is not a number. ``attrs["units"]`` has the units.
+        """
+        return _camera_table.of_fit(self.result)
 
     # --- motion ------------------------------------------------------------------------------------
 
@@ -322,6 +339,26 @@ class Fit:
         matplotlib.figure.Figure
         """
         return _plot.angles(self.angles, angles)
+
+    def show(self, *, width: int | str = "100%", height: int = 480) -> Viewer:
+        """Show the fitted body in 3-D as it moves.
+
+        A notebook shows it where it is the last line of a cell: to play, to turn by dragging, to zoom by the wheel.
+        Elsewhere :meth:`Viewer.save` writes it as a page.
+
+        Parameters
+        ----------
+        width
+            Of its frame: pixels, or a share of the notebook's width.
+        height
+            Of its frame, pixels.
+
+        Raises
+        ------
+        GaitError
+            Of fewer than 10 frames, and of a body that has no legs.
+        """
+        return Viewer(self._fitted.viewer(), str(self.result["body"]), width, height)
 
     def __repr__(self) -> str:
         """The body, the frames, and whether it can be used."""

@@ -21,8 +21,14 @@ __all__ = [
     "main",
     "origin",
     "recording",
+    "segment",
     "session",
     "session_page",
+    "silhouettes",
+    "simulate",
+    "skin",
+    "stereo",
+    "sync",
     "synth",
     "write_mask",
 ]
@@ -57,8 +63,26 @@ def compare(words: Sequence[str]) -> tuple[str, str]:
 def calibrate(words: Sequence[str], listeners: _Listeners) -> str:
     """What ``maquette calibrate --json`` with these words prints; the calibration is written."""
 
+def sync(words: Sequence[str], listeners: _Listeners) -> str:
+    """What ``maquette sync --json`` with these words prints; the offsets are written."""
+
+def segment(words: Sequence[str], listeners: _Listeners) -> str:
+    """What ``maquette segment --json`` with these words prints; the masks are written."""
+
+def silhouettes(words: Sequence[str], listeners: _Listeners) -> str:
+    """What ``maquette silhouettes --json`` with these words prints; the silhouettes are written."""
+
+def stereo(words: Sequence[str], listeners: _Listeners) -> str:
+    """What ``maquette stereo --json`` with these words prints; the points are written."""
+
+def skin(words: Sequence[str], listeners: _Listeners) -> str:
+    """What ``maquette skin --json`` with these words prints; the skins are written."""
+
 def synth(words: Sequence[str]) -> None:
     """Write what ``maquette synth`` with these words writes."""
+
+def simulate(words: Sequence[str]) -> None:
+    """Write what ``maquette simulate`` with these words writes."""
 
 def write_mask(path: _Path, mask: NDArray[np.uint8]) -> None:
     """Write a mask, grey values of shape (H, W), as a picture."""
@@ -77,6 +101,7 @@ class Fitted:
     def check_usable(self) -> None: ...
     def gait(self, words: Sequence[str]) -> Study: ...
     def report(self, words: Sequence[str], listeners: _Listeners) -> str: ...
+    def viewer(self) -> str: ...
     def export(self, words: Sequence[str]) -> list[pathlib.Path]: ...
     def frame_numbers(self) -> NDArray[np.int64]: ...
     def times_s(self) -> _Floats: ...

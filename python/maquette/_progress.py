@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import sys
 import warnings
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Iterable
 from contextlib import contextmanager
 from typing import Any, Union
 
@@ -29,6 +29,12 @@ def news(line: str) -> None:
 def caution(line: str) -> None:
     """Warn of what stands in no result."""
     warnings.warn(line, MaquetteWarning, stacklevel=3)
+
+
+def cautions(lines: Iterable[str]) -> None:
+    """Warn of each, with the line that has called the package's own function."""
+    for line in lines:
+        warnings.warn(line, MaquetteWarning, stacklevel=4)
 
 
 @contextmanager

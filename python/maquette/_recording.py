@@ -11,7 +11,9 @@ from typing import Literal
 from numpy.typing import ArrayLike
 
 from . import _maquette
-from ._arrays import Masks, written
+from ._arrays import Detections, Masks, Seen, written
+from ._camera_arrays import Cameras, SizeChoice
+from ._detection_arrays import Keypoints
 from ._fit import Fit
 from ._folder import Scratch
 from ._progress import ProgressChoice, listening, news
@@ -50,30 +52,42 @@ class Recording:
     @classmethod
     def from_arrays(
         cls,
-        masks: Masks,
+        masks: Masks | None,
         K: ArrayLike,  # noqa: N803
         R: ArrayLike,  # noqa: N803
         t: ArrayLike,
         distortion: Sequence[ArrayLike] | None = None,
         *,
+        detections: Detections | None = None,
+        keypoints: Keypoints | None = None,
+        size: SizeChoice = None,
         fps: float,
         up: Literal["z", "-z", "y", "-y"] = "z",
     ) -> Recording:
-        """Make a recording of C cameras from masks and a calibration in memory.
+        """Make a recording of C cameras from masks, detections of joints, or both, and a calibration in memory.
 
-        It lives in a temporary folder, for a recording's masks are files.
+        It lives in a temporary folder, for a recording consists of files.
 
         Parameters
         ----------
         masks
             Of each camera N masks as bool or uint8, of shape (N, H, W): a mapping by the cameras' names, or one after
-            the other, also of shape (C, N, H, W). True, or any grey value but 0, is the person.
+            the other, also of shape (C, N, H, W). True, or any grey value but 0, is the person. None if there are
+            detections alone.
         K
             Camera matrices, px, of shape (C, 3, 3); pixel (0, 0) is the centre of the top-left pixel.
         R, t
             World to camera, x_camera = R x + t, in metres, of shapes (C, 3, 3) and (C, 3).
         distortion
             Of each camera 4, 5 or 8 coefficients in OpenCV's order; default none.
+        detections
+            Of each camera, by name or in order, the J joints of P people in N frames: x and y in pixels of the recorded
+            picture, and confidence, of shape (N, P, J, 3), or (N, J, 3) of one person. What is not a number, or has no
+            confidence, was not seen. People may stand in any order. docs/detections.md says what a fit makes of them.
+        keypoints
+            Which joints they are and in which order, e.g. ``"halpe26"``; default by their number J.
+        size
+            Width and height of the pictures, px, of shape (2,) or (C, 2); default that of the masks.
         fps
             Frames per second.
         up
@@ -83,11 +97,24 @@ class Recording:
         ------
         OptionError
             If an array has another shape or type.
+
+        Examples
+        --------
+        >>> rec = maquette.Recording.from_arrays(  # doctest: +SKIP
+        ...     None, K, R, t, detections=found, keypoints="coco17", size=(1920, 1080), fps=50
+        ... )
         """
-        scratch = written(masks, {"K": K, "R": R, "t": t}, distortion, up)
+        scratch = written(Seen(masks, detections, keypoints, size), Cameras(K, R, t, distortion), up)
         made = cls(scratch.path, fps=fps)
         made._scratch = scratch
         return made
+
+    @staticmethod
+    def stated(recording: Recording | Path, fps: float | None) -> tuple[Path, float | None]:
+        """Where a recording is, and its frames per second as far as somebody states them; ``fps`` goes first."""
+        if isinstance(recording, Recording):
+            return recording.path, recording.fps if fps is None else fps
+        return recording, fps
 
     def __repr__(self) -> str:
         """The call that makes it."""

@@ -8,7 +8,7 @@ from typing import Union
 
 #: A folder or a file.
 Path = Union[str, "os.PathLike[str]"]
-Value = Union[str, int, float, bool, "os.PathLike[str]", Sequence[int], None]
+Value = Union[str, int, float, bool, "os.PathLike[str]", Sequence[float], None]
 
 
 def words(positional: Path | None = None, **options: Value) -> list[str]:
@@ -35,7 +35,7 @@ def _option(name: str, value: Value) -> list[str]:
     return [f"{switch}={_text(value)}"]
 
 
-def _text(value: str | float | os.PathLike[str] | Sequence[int]) -> str:
+def _text(value: str | float | os.PathLike[str] | Sequence[float]) -> str:
     """A value as the program reads it; floats with as many digits as give the same number back."""
     if isinstance(value, (str, os.PathLike)):
         return os.fspath(value)

@@ -34,7 +34,7 @@ class BodyError(MaquetteError):
 
 
 class FitError(MaquetteError):
-    """Observations that no body can be fitted to."""
+    """Observations that no body can be fitted to, or that do not tell what they were asked for."""
 
 
 class OutputError(MaquetteError):

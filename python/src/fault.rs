@@ -25,9 +25,15 @@ fn class(fault: &CliError) -> &'static str {
 
 fn class_of(fault: &Error) -> &'static str {
     match fault {
+        Error::Size(_) => "OptionError",
         Error::Recording(_) | Error::FrameRange(_) | Error::OneInstant => "RecordingError",
         Error::Model(_) => "BodyError",
-        Error::Fit(_) | Error::Stereo(_) | Error::Silhouettes(_) => "FitError",
+        Error::Fit(_)
+        | Error::Stereo(_)
+        | Error::Silhouettes(_)
+        | Error::Calibrate(_)
+        | Error::Lenses(_)
+        | Error::Sync(_) => "FitError",
         Error::Out(_) | Error::Journal(_) | Error::Overlay(_) => "OutputError",
         Error::Result(_) | Error::Session(_) | Error::SessionFile(_) => "ResultError",
         Error::GaitInput(_) | Error::Movement(_) | Error::Gait(_) | Error::Norm(_) => "GaitError",

@@ -87,6 +87,11 @@ impl Fitted {
         })
     }
 
+    /// A page that shows the body as it moves.
+    fn viewer(&self, py: Python<'_>) -> PyResult<String> {
+        unlocked(py, || Ok(self.fitted.viewer()?))
+    }
+
     /// Writes what `maquette export` with these words writes, into the folder itself, and says where.
     fn export(&self, py: Python<'_>, words: Vec<OsString>) -> PyResult<Vec<PathBuf>> {
         unlocked(py, || call::export(&self.fitted, &words))

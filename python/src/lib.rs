@@ -9,11 +9,13 @@
 //! | `arrays.rs`  | its frames as NumPy's arrays                             |
 //! | `study.rs`   | its gait                                                 |
 //! | `session.rs` | several walks of one person, and what changed between two days |
+//! | `files.rs`   | commands that write files and tell what they have found  |
 //! | `watch.rs`   | work without the interpreter's lock, which can be stopped |
 //! | `fault.rs`   | what went wrong, as an exception                         |
 
 mod arrays;
 mod fault;
+mod files;
 mod fitted;
 mod session;
 mod study;
@@ -57,17 +59,16 @@ fn recording(path: PathBuf) -> PyResult<(Option<String>, Option<f64>)> {
     Ok((recording.body().map(str::to_owned), recording.height_m()))
 }
 
-/// What `maquette calibrate --json` with these words prints; the calibration is written.
-#[pyfunction]
-fn calibrate(py: Python<'_>, words: Vec<OsString>, listeners: Listeners) -> PyResult<String> {
-    let json = watched(py, &listeners, |progress| call::calibrate(&words, progress))?;
-    Ok(json.to_string())
-}
-
 /// Writes what `maquette synth` with these words writes.
 #[pyfunction]
 fn synth(py: Python<'_>, words: Vec<OsString>) -> PyResult<()> {
     unlocked(py, || call::synth(&words))
+}
+
+/// Writes what `maquette simulate` with these words writes.
+#[pyfunction]
+fn simulate(py: Python<'_>, words: Vec<OsString>) -> PyResult<()> {
+    unlocked(py, || call::simulate(&words))
 }
 
 /// Where the recording is that the folder of a fit names.
@@ -113,8 +114,14 @@ fn _maquette(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(session::session, module)?)?;
     module.add_function(wrap_pyfunction!(session::session_page, module)?)?;
     module.add_function(wrap_pyfunction!(session::compare, module)?)?;
-    module.add_function(wrap_pyfunction!(calibrate, module)?)?;
+    module.add_function(wrap_pyfunction!(files::calibrate, module)?)?;
+    module.add_function(wrap_pyfunction!(files::sync, module)?)?;
+    module.add_function(wrap_pyfunction!(files::segment, module)?)?;
+    module.add_function(wrap_pyfunction!(files::silhouettes, module)?)?;
+    module.add_function(wrap_pyfunction!(files::stereo, module)?)?;
+    module.add_function(wrap_pyfunction!(files::skin, module)?)?;
     module.add_function(wrap_pyfunction!(synth, module)?)?;
+    module.add_function(wrap_pyfunction!(simulate, module)?)?;
     module.add_function(wrap_pyfunction!(write_mask, module)?)?;
     module.add_function(wrap_pyfunction!(main, module)?)
 }

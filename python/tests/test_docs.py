@@ -28,5 +28,5 @@ def test_every_snippet_of_the_page_runs(
         exec(compile(snippet, "docs/python.md", "exec"), names)
 
     made = {path.name for path in tmp_path.iterdir()}
-    assert made == {"data", "knees.png", "report.html", "walker.c3d", "out", "walks", "before.html"}
+    assert made == {"data", "knees.png", "report.html", "body.html", "walker.c3d", "out", "walks", "before.html"}
     assert "no frame of the recording lies in this range" in capsys.readouterr().out

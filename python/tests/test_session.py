@@ -1,4 +1,4 @@
-"""Sessions and synthetic recordings are the program's."""
+"""Sessions and what changed between them are the program's."""
 
 from __future__ import annotations
 
@@ -58,19 +58,6 @@ def test_a_comparison_is_the_programs(days: list[maquette.Session], tmp_path: pa
     assert ("speed", "left") in table.index or ("step_length", "left") in table.index
     comparison.report(tmp_path / "change.html")
     assert (tmp_path / "change.html").stat().st_size > 10_000
-
-
-def test_a_synthetic_recording_is_the_programs(tmp_path: pathlib.Path, program: Program) -> None:
-    """File by file."""
-    folder = maquette.synth(tmp_path / "package", seed=9, cameras=2, frames=3, noise="none", make="flesh")
-    words = "--seed 9 --cameras 2 --frames 3 --noise none --make flesh --quiet"
-    program("synth", tmp_path / "program", *words.split())
-    made = sorted(path.relative_to(folder) for path in folder.rglob("*") if path.is_file())
-    assert len(made) == 10
-    for path in made:
-        assert (folder / path).read_bytes() == (tmp_path / "program" / path).read_bytes()
-    with pytest.raises(maquette.MaquetteError, match="not empty"):
-        maquette.synth(folder)
 
 
 def test_a_folder_without_a_session_is_refused(tmp_path: pathlib.Path) -> None:

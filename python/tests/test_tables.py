@@ -52,6 +52,25 @@ def test_points_have_joints_and_axes(fit: maquette.Fit) -> None:
     assert bool((head > points["value"].sel(joint="Hip", axis="z")).all())
 
 
+def test_cameras_have_what_was_found_of_them(fit: maquette.Fit) -> None:
+    """Turns, displacements and clocks with their standard deviations; what was not estimated is not a number."""
+    table = fit.cameras
+    parts = fit.result["quality"]["cameras"]
+    assert list(table.index) == fit.result["recording"]["cameras"]
+    assert_array_equal(table["iou"], [part["mean_iou"] for part in parts])
+    found = [part for part in parts if part["found"]["pose"] is not None]
+    assert found
+    for part in found:
+        row = {column: table[column].to_dict()[part["camera"]] for column in table.columns}
+        pose = part["found"]["pose"]
+        assert [row[f"turn_{axis}"] for axis in "xyz"] == pose["turn_deg"]
+        assert [row[f"displacement_{axis}_sd"] for axis in "xyz"] == pose["displacement_sd_m"]
+        assert row["ahead"] == part["found"]["clock"]["ahead_s"]
+    assert len(found) < len(parts) or table["turn_x"].notna().all()
+    assert table.attrs["units"]["turn_x_sd"] == "deg"
+    assert table.attrs["units"]["ahead"] == "s"
+
+
 def test_the_covariance_is_that_of_the_coefficients(fit: maquette.Fit) -> None:
     """Its diagonal is the square of their standard deviations."""
     covariance, coefficients = fit.covariance, fit.coefficients

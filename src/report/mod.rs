@@ -16,6 +16,7 @@
 //! | `scene.rs`          | what the page's program draws in them                                 |
 //! | `views.rs`          | cameras and the outlines that they saw                                |
 //! | `picture.rs`        | the pictures under the outlines, in few bytes                         |
+//! | `viewer.rs`         | the moving body alone: [`viewer_html`]                                |
 //! | `session.rs`        | several trials: [`session_html`]                                      |
 //! | `comparison.rs`     | two sessions: [`comparison_html`]                                     |
 //! | `variation.rs`      | how far numbers vary between strides and between trials               |
@@ -41,6 +42,7 @@ mod session;
 mod shape;
 mod spatiotemporal;
 mod variation;
+mod viewer;
 mod views;
 
 use crate::gait::{Footwear, GaitAnalysis, Movement, Norm};
@@ -51,6 +53,7 @@ use crate::pipeline::FittedBody;
 pub use comparison::{Compared, ComparisonInput, comparison_html};
 pub use picture::{FramePicture, ImagePart, PictureBudget};
 pub use session::{ReportedTrial, SessionInput, session_html};
+pub use viewer::{ViewerInput, viewer_html};
 pub use views::{CameraOutlines, Views, joint_marks, outline_points};
 
 /// Who was recorded, when and how, as the report shall state it.

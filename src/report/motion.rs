@@ -5,34 +5,22 @@ use maud::{Markup, html};
 use super::ReportInput;
 use super::joints::stand_alone;
 use super::page::{Page, absent};
+use crate::gait::Movement;
 
 pub(super) fn page(input: &ReportInput<'_>) -> Page {
-    let last = input.movement.frames.saturating_sub(1);
-    let first = input.movement.first_frame;
-
     Page {
         id: "motion",
         title: "Motion",
         body: html! {
-            p class="absent" id="no-webgl" hidden { "This browser shows no 3-D (WebGL is off): the curves follow the slider, the body does not." }
+            (no_webgl("the curves follow the slider, the body does not"))
             @if input.body.is_none() {
                 (absent("Points of another system: lines between the points in place of a fitted body."))
             }
             div class="player" {
-                div class="stage" {
-                    canvas id="stage" tabindex="0" role="img" aria-label="The moving body in 3-D. Arrow keys turn it, plus and minus zoom." {}
-                }
+                (stage())
                 (cameras(input))
             }
-            div class="controls" {
-                button type="button" id="play" aria-label="Play" { "▶" }
-                input type="range" id="time" min="0" max=(last) value="0" step="1"
-                    aria-label={ "Frame, from " (first) " to " (first + last) };
-                output id="clock" for="time" {}
-                label { "speed " select id="speed" {
-                    option value="1" { "1" } option value="0.5" { "½" } option value="0.25" { "¼" } option value="0.1" { "⅒" }
-                } }
-            }
+            (controls(input.movement))
             @if !input.views.cameras.is_empty() {
                 div class="sheet" id="sheet" role="img" aria-label="The fitted body under the recorded outline, all cameras, middle frame" {}
             }
@@ -43,6 +31,36 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
             div id="curves" role="img" aria-label="Joint angles over time, with a line at the shown frame" {}
         },
         is_brief: false,
+    }
+}
+
+/// What is shown in the place of the body by a browser that cannot.
+pub(super) fn no_webgl(instead: &str) -> Markup {
+    html! { p class="absent" id="no-webgl" hidden { "This browser shows no 3-D (WebGL is off): " (instead) "." } }
+}
+
+/// The room of the moving body.
+pub(super) fn stage() -> Markup {
+    html! {
+        div class="stage" {
+            canvas id="stage" tabindex="0" role="img" aria-label="The moving body in 3-D. Arrow keys turn it, plus and minus zoom." {}
+        }
+    }
+}
+
+/// What moves it.
+pub(super) fn controls(movement: &Movement) -> Markup {
+    let (first, last) = (movement.first_frame, movement.frames.saturating_sub(1));
+    html! {
+        div class="controls" {
+            button type="button" id="play" aria-label="Play" { "▶" }
+            input type="range" id="time" min="0" max=(last) value="0" step="1"
+                aria-label={ "Frame, from " (first) " to " (first + last) };
+            output id="clock" for="time" {}
+            label { "speed " select id="speed" {
+                option value="1" { "1" } option value="0.5" { "½" } option value="0.25" { "¼" } option value="0.1" { "⅒" }
+            } }
+        }
     }
 }
 

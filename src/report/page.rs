@@ -33,8 +33,6 @@ pub(super) fn document(
     pages: &[Page],
     scene: Option<&str>,
 ) -> String {
-    // within a script element no text may look like its end
-    let scene = scene.map(|scene| scene.replace('<', "\\u003c"));
     let title = subject.name.as_ref().unwrap_or(&subject.recording);
     let markup = html! {
         (DOCTYPE)
@@ -43,7 +41,7 @@ pub(super) fn document(
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 title { "Motion report · " (title) }
-                style { (PreEscaped(STYLE)) (PreEscaped(style_of_sides())) (PreEscaped(foot(subject))) }
+                (style()) style { (PreEscaped(foot(subject))) }
             }
             body {
                 a class="skip" href="#identity" { "Skip to the report" }
@@ -64,14 +62,26 @@ pub(super) fn document(
                         }
                     }
                 }
-                @if let Some(scene) = scene {
-                    script type="application/json" id="scene" { (PreEscaped(scene)) }
-                    script type="module" { (PreEscaped(SCRIPT)) }
-                }
+                @if let Some(scene) = scene { (program(scene)) }
             }
         }
     };
     markup.into_string()
+}
+
+/// How a page looks.
+pub(super) fn style() -> Markup {
+    html! { style { (PreEscaped(STYLE)) (PreEscaped(style_of_sides())) } }
+}
+
+/// The page's program, and `scene`, which is JSON.
+pub(super) fn program(scene: &str) -> Markup {
+    // within a script element no text may look like its end
+    let scene = scene.replace('<', "\\u003c");
+    html! {
+        script type="application/json" id="scene" { (PreEscaped(scene)) }
+        script type="module" { (PreEscaped(SCRIPT)) }
+    }
 }
 
 /// Who, when, and the number of the page at the foot of each sheet of paper.

@@ -90,16 +90,27 @@ impl<'a> Scene<'a> {
         };
 
         Self {
-            fps: movement.rate_hz,
-            first_frame: movement.first_frame,
-            frames: movement.frames,
-            floor_m: floor_m(movement, input.body),
-            body: input.body.map(body_part),
-            points: points(movement),
             tracks: input.gait.angles.iter().map(track).collect(),
             events: &input.gait.events,
             views: &input.views.cameras,
             picture_every: input.views.every.max(1),
+            ..Self::of_body(movement, input.body)
+        }
+    }
+
+    /// The moving body alone.
+    pub(super) fn of_body(movement: &Movement, body: Option<&FittedBody>) -> Self {
+        Self {
+            fps: movement.rate_hz,
+            first_frame: movement.first_frame,
+            frames: movement.frames,
+            floor_m: floor_m(movement, body),
+            body: body.map(body_part),
+            points: points(movement),
+            tracks: Vec::new(),
+            events: &[],
+            views: &[],
+            picture_every: 1,
         }
     }
 }

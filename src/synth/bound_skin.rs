@@ -1,6 +1,6 @@
 //! A skin that bones move.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Point3, Vector3};
 
 use crate::body::{BodyModel, Motion, PartId, Posed, Shape};
 use crate::skin::{SkinError, SkinnedMesh, skinned};
@@ -30,6 +30,27 @@ impl BoundSkin {
     pub(super) fn new(model: &BodyModel, shape: &Shape) -> Result<Self, SkinError> {
         let skin = skinned(model, shape)?;
         Ok(Self { bind_poses: part_poses(model, shape, &skin.bind), skin })
+    }
+
+    /// The skin of a fitted body: b(p) outside that of the model, as its [offsets](crate::body::SurfaceOffsets) say.
+    ///
+    /// # Errors
+    /// [`SkinError`] if the body cannot have a skin.
+    pub fn fitted(model: &BodyModel, shape: &Shape) -> Result<Self, SkinError> {
+        let mut bound = Self::new(model, shape)?;
+        let SkinnedMesh { mesh, bind, parts, weights } = &mut bound.skin;
+        let body = Posed::new(model, shape, bind);
+        for (i, vertex) in mesh.vertices.iter_mut().enumerate() {
+            let place: Point3<f64> = (*vertex).into();
+            let offset_m = |part: &u8| {
+                let part = PartId(usize::from(*part));
+                body.surface_offset(part, &body.in_part(part, &place)).map_or(0.0, |b| b.value_m)
+            };
+            let shares = parts[i].iter().zip(weights[i]);
+            let out_m: f64 = shares.map(|(part, weight)| f64::from(weight) * offset_m(part)).sum();
+            *vertex += mesh.normals[i] * out_m;
+        }
+        Ok(bound)
     }
 
     /// The skin as the parts move it: v ↦ Σₖ wₖ·(Rₖ R⁰ₖᵀ (v − o⁰ₖ) + oₖ).

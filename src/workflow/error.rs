@@ -150,6 +150,14 @@ pub enum Error {
         /// Last fitted frame.
         last: usize,
     },
+    /// A frame that a simulation lacks.
+    #[error(
+        "frame {frame} was not fitted: expected all frames from the first to the last, so that their motion is known"
+    )]
+    FrameGap {
+        /// The first that is lacking.
+        frame: usize,
+    },
     /// A mesh of no known format.
     #[error("--skin {}: expected a name that ends in .ply or .obj", path.display())]
     MeshFormat {

@@ -21,6 +21,8 @@
 //! | `sync/`       | [`SyncedRecording`]: when each camera began                                   |
 //! | `session/`    | [`Session`]: several trials of one person, with one body for all              |
 //! | `fitted_source.rs` | a fit that either of them looks at                                      |
+//! | `fitted_files.rs` | what a fit was made from, for its report and its simulation             |
+//! | `simulate.rs` | the recording that its cameras would have made of a fitted body              |
 //! | `skin.rs`     | the skins of a fitted body                                                    |
 //! | `error.rs`    | [`Error`]                                                                     |
 
@@ -31,6 +33,7 @@ mod error;
 mod export;
 mod fit;
 mod fitted;
+mod fitted_files;
 mod fitted_source;
 mod gait;
 mod given;
@@ -43,6 +46,7 @@ mod people;
 mod report;
 mod session;
 mod silhouettes;
+mod simulate;
 mod skin;
 mod surface;
 mod sync;
@@ -61,6 +65,7 @@ pub use options::{FitOptions, SilhouetteSource};
 pub use report::ReportedRecording;
 pub use session::{Comparison, FittedSession, Session, SessionError, SessionFolder, SessionStudy};
 pub use silhouettes::{SilhouetteFiles, WrittenSilhouettes};
+pub use simulate::Simulation;
 pub use skin::{RestingBody, SkinFiles, SkinnedPoses};
 pub use surface::SurfaceFiles;
 pub use sync::{

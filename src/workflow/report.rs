@@ -5,17 +5,18 @@ use std::path::Path;
 use nalgebra::{Point2, Point3};
 use rayon::prelude::*;
 
-use super::{Error, GaitStudy};
+use super::fitted_files::fitted_files;
+use super::{Error, FittedRecording, GaitStudy};
 use crate::camera::{Camera, CameraId};
 use crate::image::Picture;
+use crate::io::gait::from_result;
 use crate::io::recording::footage::Footage;
-use crate::io::recording::{DerivedFiles, ObservationFiles, Recording};
-use crate::io::result::ResultFile;
+use crate::io::recording::{ObservationFiles, Recording};
 use crate::math::stats::median;
 use crate::pipeline::Progress;
 use crate::report::{
-    CameraOutlines, FramePicture, PictureBudget, ReportInput, Subject, Views, html, joint_marks,
-    outline_points,
+    CameraOutlines, FramePicture, PictureBudget, ReportInput, Subject, ViewerInput, Views, html,
+    joint_marks, outline_points, viewer_html,
 };
 use crate::silhouette::{FrameIndex, Keypoint, distances_px};
 
@@ -35,6 +36,21 @@ pub struct ReportedRecording<'a> {
 impl std::fmt::Debug for ReportedRecording<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "ReportedRecording({:?} fitted into {:?})", self.recording.path(), self.out)
+    }
+}
+
+impl FittedRecording {
+    /// A page that shows the fitted body as it moves: one HTML text that needs nothing else.
+    ///
+    /// # Errors
+    /// [`Error::GaitInput`] of fewer than 10 frames and of a body that has no legs, and [`Error::Json`], if the serialiser has any.
+    pub fn viewer(&self) -> Result<String, Error> {
+        let input = from_result(&self.result, self.model.clone(), None)?;
+        Ok(viewer_html(&ViewerInput {
+            body: input.body.as_ref(),
+            movement: &input.movement,
+            verdict: &self.result.verdict,
+        })?)
     }
 }
 
@@ -192,25 +208,4 @@ fn add(
     if let (Some(picture), Some(part)) = (picture, view.part(at)) {
         view.pictures.extend(FramePicture::new(camera, picture, (at, part), budget));
     }
-}
-
-/// What the body was fitted to; where masks or points were made of pictures, those of the fit's folder, and the pictures.
-fn fitted_files(
-    result: Option<&ResultFile>,
-    recording: &Recording,
-    out: &Path,
-) -> Result<(ObservationFiles, Option<Footage>), Error> {
-    let inputs = result.map_or(&[][..], |result| &result.inputs);
-    let has = |start: &str| inputs.iter().any(|input| input.input.starts_with(start));
-    if !has("pictures of ") {
-        return Ok((recording.observations()?, None));
-    }
-    let footage = recording.footage()?;
-    let files = recording.with_derived(DerivedFiles {
-        footage: &footage,
-        folder: out,
-        has_masks: has("masks of ") && out.join("masks").is_dir(),
-        has_points: has("points") && out.join("points").is_dir(),
-    })?;
-    Ok((files, Some(footage)))
 }

@@ -1,4 +1,4 @@
-// The moving part of the report: slider, body, cameras, curves.
+// The moving part of the report: slider, body, cameras, curves. A page that shows the body alone has the first two.
 import './report.css'
 import { makeBody } from './body'
 import { Curves } from './curves'
@@ -18,7 +18,8 @@ try {
 } catch {
   get('no-webgl')!.hidden = false
 }
-const curves = new Curves(scene, get('curves')!, get<HTMLSelectElement>('group')!, seek)
+const place = get('curves')
+const curves = place && new Curves(scene, place, get<HTMLSelectElement>('group')!, seek)
 
 function seek(frame: number) {
   const at = Math.min(Math.max(Math.round(frame), 0), scene.frames - 1)
@@ -31,7 +32,7 @@ function seek(frame: number) {
   document.body.dataset.frame = String(number)
   stage?.follow(at)
   drawCamera(at)
-  curves.show(at)
+  curves?.show(at)
 }
 
 function drawCamera(frame: number) {
@@ -98,22 +99,22 @@ get('play')!.addEventListener('click', play)
 for (const id of ['camera-choice', 'camera-body']) {
   get(id)?.addEventListener('change', () => drawCamera(Number(slider.value)))
 }
-get<HTMLInputElement>('colour-blind')!.addEventListener('change', (event) => {
+get<HTMLInputElement>('colour-blind')?.addEventListener('change', (event) => {
   document.body.classList.toggle('cb', (event.target as HTMLInputElement).checked)
   body.paint?.()
   stage?.draw()
-  curves.draw()
+  curves?.draw()
 })
 // on paper the curves keep the size that they have here: drawn anew they would lose their place
-addEventListener('beforeprint', () => curves.hold(true))
-addEventListener('afterprint', () => curves.hold(false))
+addEventListener('beforeprint', () => curves?.hold(true))
+addEventListener('afterprint', () => curves?.hold(false))
 addEventListener('resize', () => stage?.draw())
 
 seek(0)
 document.body.dataset.ready = String(Math.round(performance.now()))
 // what stands still can wait until the page answers
 setTimeout(async () => {
-  if (stage) painter = new Painter(body, scene.picture_every)
+  if (stage && document.querySelector('#camera, #sheet, img[data-portrait]')) painter = new Painter(body, scene.picture_every)
   fillPortraits()
   await fillSheet()
   seek(Number(slider.value))

@@ -5,7 +5,7 @@ use std::fs;
 use crate::arm::{Arm, FRAMES, run};
 
 /// The arm of the recording, with metaballs beside its ellipsoids.
-fn soft_arm(arm: &Arm) -> String {
+pub(crate) fn soft_arm(arm: &Arm) -> String {
     let mut text = String::from(include_str!("../../../data/models/arm-2d.toml"));
     text = text.replace("name = \"arm-2d\"", "name = \"soft-arm\"");
     for (part, scale) in [("upper", "share:a"), ("lower", "rest:a")] {

@@ -14356,14 +14356,14 @@ try {
 } catch {
 	fh("no-webgl").hidden = !1;
 }
-var _h = new Pm(dh, fh("curves"), fh("group"), vh);
-function vh(e) {
+var _h = fh("curves"), vh = _h && new Pm(dh, _h, fh("group"), yh);
+function yh(e) {
 	let t = Math.min(Math.max(Math.round(e), 0), dh.frames - 1);
 	ph.value = String(t);
 	let n = dh.first_frame + t, r = mh.pose(t), i = `frame ${n} · ${(t / dh.fps).toFixed(2)} s${r ? "" : " · nobody seen"}`;
-	fh("clock").textContent = i, ph.setAttribute("aria-valuetext", i), document.body.dataset.frame = String(n), hh?.follow(t), yh(t), _h.show(t);
+	fh("clock").textContent = i, ph.setAttribute("aria-valuetext", i), document.body.dataset.frame = String(n), hh?.follow(t), bh(t), vh?.show(t);
 }
-function yh(e) {
+function bh(e) {
 	let t = fh("camera"), n = fh("camera-choice");
 	if (!t || !n || !gh) return;
 	let r = dh.views[Number(n.value)], i = () => gh.camera(r, e, t, 420, fh("camera-body")?.checked);
@@ -14371,7 +14371,7 @@ function yh(e) {
 		Number(ph.value) === e && dh.views[Number(n.value)] === r && i();
 	});
 }
-async function bh() {
+async function xh() {
 	let e = fh("sheet");
 	if (!e || !gh) return;
 	let t = Math.floor(dh.frames / 2);
@@ -14381,28 +14381,28 @@ async function bh() {
 		a.textContent = `${n.name}, frame ${dh.first_frame + t}`, gh.camera(n, t, i, 260), r.append(i, a), e.append(r);
 	}
 }
-function xh() {
+function Sh() {
 	for (let e of document.querySelectorAll("img[data-portrait]")) {
 		let t = gh?.portrait(e.dataset.portrait);
 		t ? e.src = t : e.closest("figure")?.remove();
 	}
 }
-var Sh = 0;
-function Ch() {
+var Ch = 0;
+function wh() {
 	let e = fh("play");
-	if (Sh) cancelAnimationFrame(Sh), Sh = 0;
+	if (Ch) cancelAnimationFrame(Ch), Ch = 0;
 	else {
 		let [e, t] = [performance.now(), Number(ph.value)], n = (r) => {
-			t = (t + (r - e) / 1e3 * dh.fps * Number(fh("speed").value)) % dh.frames, e = r, vh(Math.floor(t)), Sh = requestAnimationFrame(n);
+			t = (t + (r - e) / 1e3 * dh.fps * Number(fh("speed").value)) % dh.frames, e = r, yh(Math.floor(t)), Ch = requestAnimationFrame(n);
 		};
-		Sh = requestAnimationFrame(n);
+		Ch = requestAnimationFrame(n);
 	}
-	e.textContent = Sh ? "⏸" : "▶", e.setAttribute("aria-label", Sh ? "Pause" : "Play");
+	e.textContent = Ch ? "⏸" : "▶", e.setAttribute("aria-label", Ch ? "Pause" : "Play");
 }
-ph.addEventListener("input", () => vh(Number(ph.value))), fh("play").addEventListener("click", Ch);
-for (let e of ["camera-choice", "camera-body"]) fh(e)?.addEventListener("change", () => yh(Number(ph.value)));
-fh("colour-blind").addEventListener("change", (e) => {
-	document.body.classList.toggle("cb", e.target.checked), mh.paint?.(), hh?.draw(), _h.draw();
-}), addEventListener("beforeprint", () => _h.hold(!0)), addEventListener("afterprint", () => _h.hold(!1)), addEventListener("resize", () => hh?.draw()), vh(0), document.body.dataset.ready = String(Math.round(performance.now())), setTimeout(async () => {
-	hh && (gh = new Rm(mh, dh.picture_every)), xh(), await bh(), vh(Number(ph.value)), document.body.dataset.complete = String(Math.round(performance.now()));
+ph.addEventListener("input", () => yh(Number(ph.value))), fh("play").addEventListener("click", wh);
+for (let e of ["camera-choice", "camera-body"]) fh(e)?.addEventListener("change", () => bh(Number(ph.value)));
+fh("colour-blind")?.addEventListener("change", (e) => {
+	document.body.classList.toggle("cb", e.target.checked), mh.paint?.(), hh?.draw(), vh?.draw();
+}), addEventListener("beforeprint", () => vh?.hold(!0)), addEventListener("afterprint", () => vh?.hold(!1)), addEventListener("resize", () => hh?.draw()), yh(0), document.body.dataset.ready = String(Math.round(performance.now())), setTimeout(async () => {
+	hh && document.querySelector("#camera, #sheet, img[data-portrait]") && (gh = new Rm(mh, dh.picture_every)), Sh(), await xh(), yh(Number(ph.value)), document.body.dataset.complete = String(Math.round(performance.now()));
 });
