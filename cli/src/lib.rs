@@ -8,6 +8,7 @@
 //! | `call.rs`     | commands that give values                                       |
 //! | `fit.rs`      | `maquette fit`                                                  |
 //! | `session.rs`  | `maquette session`                                              |
+//! | `study.rs`    | where `maquette study` is                                       |
 //! | `segment.rs`  | `maquette segment`                                              |
 //! | `silhouettes.rs` | `maquette silhouettes`                                       |
 //! | `export.rs`   | `maquette export`                                               |
@@ -61,6 +62,7 @@ mod silhouettes;
 mod simulate;
 mod skin;
 mod stereo;
+mod study;
 mod subject;
 mod summary;
 mod switches;
@@ -114,6 +116,9 @@ enum Command {
     /// Fit several trials of one person with one body
     #[command(long_about = session::ABOUT, after_help = session::EXAMPLES)]
     Session(session::SessionArguments),
+    /// Fit the trials of many people, and gather one dataset (with the Python package)
+    #[command(long_about = study::ABOUT)]
+    Study(study::StudyArguments),
     /// Cut the person out of images or videos: masks for every camera and frame
     #[command(long_about = segment::ABOUT, after_help = segment::EXAMPLES)]
     Segment(segment::SegmentArguments),
@@ -169,6 +174,7 @@ impl Command {
         match self {
             Self::Fit(arguments) => fit::run(arguments),
             Self::Session(arguments) => session::run(arguments),
+            Self::Study(arguments) => study::run(arguments),
             Self::Segment(arguments) => segment::run(arguments),
             Self::Silhouettes(arguments) => silhouettes::run(arguments),
             Self::Skin(arguments) => skin::run(arguments),

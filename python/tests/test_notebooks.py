@@ -13,7 +13,7 @@ NOTEBOOKS = sorted((REPOSITORY / "python" / "notebooks").glob("*.ipynb"))
 
 def test_there_are_notebooks() -> None:
     """Otherwise the next test would test nothing."""
-    assert [path.stem for path in NOTEBOOKS] == ["first_fit", "own_masks"]
+    assert [path.stem for path in NOTEBOOKS] == ["cohort", "first_fit", "own_masks"]
 
 
 @pytest.mark.filterwarnings("default")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import os
 import pathlib
 import signal
@@ -14,6 +15,7 @@ from importlib import import_module
 from typing import Any
 
 import pytest
+from conftest import REPOSITORY
 from study_files import HEAD, all_memory, contents, nothing, unlucky, walks, written
 
 from maquette import study
@@ -123,3 +125,32 @@ def test_snakemake_runs_a_study(folder: pathlib.Path, tmp_path: pathlib.Path) ->
     assert [outcome.status for outcome in study.outcomes(cohort)] == ["usable"] * 3
     trials = import_module("pandas").read_parquet(f"{cohort.results}/dataset/trials")
     assert list(trials["trial"]) == ["t0", "t1", "t2"]
+
+
+def test_workers_are_asked_of_slurm() -> None:
+    """One core each, in the queue of the script."""
+    pytest.importorskip("dask_jobqueue")
+    with _script("on_slurm").cluster() as cluster:
+        job = cluster.job_script()
+    assert "#SBATCH -p short" in job
+    assert "#SBATCH --cpus-per-task=1" in job
+    assert "--nthreads 1" in job
+
+
+def test_workers_are_asked_of_kubernetes() -> None:
+    """Of one core and the image that was named."""
+    pytest.importorskip("dask_kubernetes")
+    specification = _script("on_kubernetes").specification("an/image:1")
+    (container,) = specification["spec"]["worker"]["spec"]["containers"]
+    assert container["image"] == "an/image:1"
+    assert container["resources"]["limits"]["cpu"] == "1"
+
+
+def _script(name: str) -> Any:
+    """A script of `python/clusters` as a module."""
+    found = importlib.util.spec_from_file_location(name, REPOSITORY / "python" / "clusters" / f"{name}.py")
+    assert found is not None
+    assert found.loader is not None
+    script = importlib.util.module_from_spec(found)
+    found.loader.exec_module(script)
+    return script
