@@ -14,6 +14,8 @@ const FOLDERS: &[&str] = &[
     "examples",
     "experiments/expected",
     "experiments/src",
+    "python/clusters",
+    "python/experiments",
     "python/maquette",
     "python/notebooks",
     "python/src",
