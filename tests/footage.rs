@@ -2,6 +2,8 @@
 
 #[path = "footage/faults.rs"]
 mod faults;
+#[path = "footage/inputs.rs"]
+mod inputs;
 #[path = "footage/layouts.rs"]
 mod layouts;
 #[path = "footage/sound.rs"]
