@@ -6,6 +6,8 @@
 
 Numbers are in metres, seconds and radians unless an attribute ``units`` says otherwise; the world is right-handed
 with Z up. Every number is the program's, to the last bit.
+
+NumPy, pandas, xarray and matplotlib are imported by what needs them, so that a call is as quick as the program.
 """
 
 from __future__ import annotations

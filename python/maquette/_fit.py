@@ -9,9 +9,6 @@ import tempfile
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
 from . import _camera_table, _html, _maquette, _plot, _tables
 from ._folder import Scratch, written_page
 from ._gait import Gait
@@ -21,9 +18,11 @@ from ._words import Path, words
 from .errors import OptionError, UnusableError
 
 if TYPE_CHECKING:
+    import numpy as np
     import pandas as pd
     import xarray as xr
     from matplotlib.figure import Figure
+    from numpy.typing import NDArray
 
 #: A format of another program.
 Format = Literal["c3d", "trc", "mot", "sto", "bvh", "glb", "csv", "parquet", "ply", "obj"]

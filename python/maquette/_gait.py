@@ -7,8 +7,6 @@ import pathlib
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from . import _html, _maquette
 from ._optional import imported
 from ._words import Path
@@ -77,6 +75,8 @@ class Gait:
             ``mean``, ``sd`` between strides and ``fit_sd``, the standard deviation that the fit states, over
             (side, angle, percent), degrees; not a number where there is none.
         """
+        import numpy as np
+
         curves = self.result["curves"]
         names = list(dict.fromkeys(curve["angle"] for curve in curves))
         count = len(curves[0]["mean_deg"]) if curves else 0
@@ -109,6 +109,8 @@ class Gait:
         UnusableError
             Of a fit that is not to be used.
         """
+        import numpy as np
+
         self._study.check_usable()
         tracks = self._study.tracks()
         first, rate = self._study.time_base()

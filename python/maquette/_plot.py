@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from ._optional import imported
 from .errors import OptionError
 
@@ -49,6 +47,8 @@ def _base(name: str) -> str:
 
 def _curve(axis: Axes, of: xr.Dataset, name: str) -> None:
     """One angle, with its band where its standard deviations are known."""
+    import numpy as np
+
     time, value = of["time"].values, np.degrees(of["value"].values)
     spread = _BAND * np.degrees(of["sd"].values)
     side = {"_r": "right", "_l": "left"}.get(name[-2:], name)

@@ -6,19 +6,21 @@ import os
 import pathlib
 import warnings
 from collections.abc import Sequence
-from typing import Literal
-
-from numpy.typing import ArrayLike
+from typing import TYPE_CHECKING, Literal
 
 from . import _maquette
-from ._arrays import Detections, Masks, Seen, written
-from ._camera_arrays import Cameras, SizeChoice
-from ._detection_arrays import Keypoints
 from ._fit import Fit
 from ._folder import Scratch
 from ._progress import ProgressChoice, listening, news
 from ._words import Path, words
 from .errors import MaquetteWarning
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from ._arrays import Detections, Masks
+    from ._camera_arrays import SizeChoice
+    from ._detection_arrays import Keypoints
 
 #: What to do with a folder that holds something.
 Existing = Literal["refuse", "resume", "overwrite"]
@@ -104,6 +106,9 @@ class Recording:
         ...     None, K, R, t, detections=found, keypoints="coco17", size=(1920, 1080), fps=50
         ... )
         """
+        from ._arrays import Seen, written
+        from ._camera_arrays import Cameras
+
         scratch = written(Seen(masks, detections, keypoints, size), Cameras(K, R, t, distortion), up)
         made = cls(scratch.path, fps=fps)
         made._scratch = scratch

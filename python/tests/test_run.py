@@ -110,6 +110,17 @@ def test_other_threads_of_python_run_meanwhile(recording: pathlib.Path) -> None:
     assert ticks > 20 * seconds
 
 
+def test_a_run_imports_no_package_that_it_does_not_need(recording: pathlib.Path, tmp_path: pathlib.Path) -> None:
+    """NumPy and the like take longer to import than a call may cost."""
+    script = (
+        "import sys, maquette\n"
+        f"maquette.Recording({str(recording)!r}).fit(body='human-ellipsoids', frames=(0, 9), joint=False)\n"
+        "print(sorted({'numpy', 'pandas', 'xarray', 'matplotlib', 'tqdm'} & set(sys.modules)))"
+    )
+    run = subprocess.run([sys.executable, "-I", "-c", script], capture_output=True, text=True, check=True)
+    assert run.stdout == "[]\n"
+
+
 def test_bars_go_to_the_end_of_each_stage(recording: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
     """By tqdm, on standard error."""
     pytest.importorskip("tqdm")
