@@ -103,7 +103,7 @@ class Fit:
         """What a person should know, in plain words; the verdict first."""
         return list(self.result["warnings"])
 
-    # --- shape -----------------------------------------------------------------------------------
+    # --- shape and cameras -----------------------------------------------------------------------------------
 
     @property
     def lengths(self) -> pd.DataFrame:
@@ -157,8 +157,6 @@ class Fit:
             metres as ``length_<name>``.
         """
         return _tables.hypotheses(self.result)
-
-    # --- cameras ---------------------------------------------------------------------------------
 
     @property
     def cameras(self) -> pd.DataFrame:
@@ -332,25 +330,18 @@ class Fit:
         ----------
         *angles
             Names of angles of the model; default flexion of hips, knees and ankles, as far as the body has them.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
         """
         return _plot.angles(self.angles, angles)
 
     def show(self, *, width: int | str = "100%", height: int = 480) -> Viewer:
         """Show the fitted body in 3-D as it moves.
 
-        A notebook shows it where it is the last line of a cell: to play, to turn by dragging, to zoom by the wheel.
-        Elsewhere :meth:`Viewer.save` writes it as a page.
+        A notebook shows it: to play, to turn by dragging, to zoom by the wheel. :meth:`Viewer.save` writes a page.
 
         Parameters
         ----------
-        width
-            Of its frame: pixels, or a share of the notebook's width.
-        height
-            Of its frame, pixels.
+        width, height
+            Of its frame, pixels; the width may also be a share of the notebook's.
 
         Raises
         ------
