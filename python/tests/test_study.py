@@ -127,6 +127,13 @@ def test_a_session_has_one_body_for_its_trials(tmp_path: pathlib.Path) -> None:
     assert list(lengths["first"]) == list(lengths["second"])
 
 
+def test_files_of_options_are_found_from_everywhere(tmp_path: pathlib.Path) -> None:
+    """They are seen from the study's folder, and shipped bodies are no files."""
+    cohort = written(tmp_path, "a,x,mine.toml", "b,x,human-ellipsoids", columns="trial,recording,fit.body", head="")
+    assert cohort.task("a").options == {"body": str(tmp_path / "mine.toml")}
+    assert cohort.task("b").options == {"body": "human-ellipsoids"}
+
+
 def test_a_process_that_ends_is_a_row_and_not_the_end(cohort: study.Study, tmp_path: pathlib.Path) -> None:
     """One that needs more memory than its share."""
     alone = written(tmp_path, f"a,{cohort.task('a').trials[0][1]}")

@@ -10,7 +10,8 @@ A fit is kept under a name that is made from all it depends on: what was done is
 
 | module          | holds                                                            |
 |-----------------|------------------------------------------------------------------|
-| `_table.py`     | `study.toml` and its table                                       |
+| `_study.py`     | a study: its trials and their tasks                              |
+| `_table.py`     | how it is read: `study.toml` and its table                       |
 | `_task.py`      | one task: from a recording to its folder                         |
 | `_key.py`       | what a result depends on, as its name                            |
 | `_store.py`     | folders under such names, on a disk or in an object store        |
@@ -29,7 +30,8 @@ from __future__ import annotations
 from ._dataset import gather
 from ._report import report
 from ._run import SNAKEFILE, Tally, outcomes, run
-from ._table import Study, read
+from ._study import Study
+from ._table import read
 from ._task import Outcome, Task, compute
 
 __all__ = ["SNAKEFILE", "Outcome", "Study", "Tally", "Task", "compute", "gather", "outcomes", "read", "report", "run"]

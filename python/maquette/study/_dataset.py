@@ -8,7 +8,7 @@ from .._optional import imported
 from . import _rows
 from ._run import outcomes
 from ._store import Store
-from ._table import Study
+from ._study import Study
 from ._task import Outcome
 
 if TYPE_CHECKING:

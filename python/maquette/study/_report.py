@@ -18,7 +18,7 @@ from ..errors import MaquetteError, MaquetteWarning, ResultError
 from . import _numbers
 from ._dataset import DATASET
 from ._store import Store, local
-from ._table import Study
+from ._study import Study
 
 if TYPE_CHECKING:
     import pandas as pd

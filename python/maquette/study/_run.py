@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from .._progress import ProgressChoice, listening
 from . import _dask, _processes
 from ._store import Store
-from ._table import Study
+from ._study import Study
 from ._task import Outcome, Status, Work
 
 if TYPE_CHECKING:
