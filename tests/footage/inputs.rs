@@ -16,8 +16,8 @@ fn filmed() -> TempDir {
 }
 
 fn inputs(folder: &TempDir) -> Vec<InputChecksum> {
-    let recording = Recording::open(folder.path()).unwrap();
-    recording.inputs(&FitOptions::default()).unwrap()
+    let recording = Recording::open(folder.path()).expect("a recording");
+    recording.inputs(&FitOptions::default()).expect("inputs")
 }
 
 #[test]
