@@ -3,6 +3,11 @@
 from __future__ import annotations
 
 import pathlib
+import time
+from typing import Any
+
+import fsspec
+from fsspec.implementations.local import LocalFileSystem
 
 import maquette
 from maquette import study
@@ -52,3 +57,22 @@ def unlucky(task: Task, recordings: list[pathlib.Path], folder: pathlib.Path) ->
         once.touch()
         raise OSError(f"{once.name}: input/output error")
     return "usable", None
+
+
+class SlowFileSystem(LocalFileSystem):
+    """A disk behind a slow network: `slow:///path`."""
+
+    protocol = "slow"
+
+    def cat_file(self, path: str, *arguments: Any, **options: Any) -> Any:
+        """Read a file."""
+        time.sleep(0.3)
+        return super().cat_file(path, *arguments, **options)
+
+    def pipe_file(self, path: str, *arguments: Any, **options: Any) -> Any:
+        """Write a file."""
+        time.sleep(0.3)
+        return super().pipe_file(path, *arguments, **options)
+
+
+fsspec.register_implementation("slow", SlowFileSystem, clobber=True)

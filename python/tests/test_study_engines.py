@@ -93,6 +93,17 @@ def test_what_cannot_be_read_for_once_is_tried_again(folder: pathlib.Path, tmp_p
         assert study.run(cohort, client, work=unlucky).of == {"usable": 6}
 
 
+def test_a_slow_file_system_changes_nothing(folder: pathlib.Path, tmp_path: pathlib.Path) -> None:
+    """Nor does a worker that is killed while it writes."""
+    cohort = _study(tmp_path, folder, head=HEAD.replace('"results"', f'"slow://{tmp_path}/results"'))
+    with workers() as client:
+        killer = threading.Timer(1.0, lambda: os.kill(next(iter(client.run(os.getpid).values())), signal.SIGKILL))
+        killer.start()
+        assert study.run(cohort, client, work=nothing).of == {"usable": 6}
+        killer.join()
+        assert study.run(cohort, client, work=nothing).computed == 0
+
+
 def test_an_object_store_holds_the_results(folder: pathlib.Path, tmp_path: pathlib.Path) -> None:
     """By fsspec; workers that are threads share the one in memory."""
     cohort = _study(tmp_path, folder, head=HEAD.replace('"results"', '"memory://study"'))
