@@ -59,7 +59,7 @@ def unlucky(task: Task, recordings: list[pathlib.Path], folder: pathlib.Path) ->
     return "usable", None
 
 
-class SlowFileSystem(LocalFileSystem):
+class SlowFileSystem(LocalFileSystem):  # type: ignore[misc]
     """A disk behind a slow network: `slow:///path`."""
 
     protocol = "slow"

@@ -22,6 +22,8 @@ Schema = Any
 DATASET = "dataset"
 #: Rows that are written at once, and rows after which another file begins: some 10 to 50 MB.
 _GROUP, _FILE = 100_000, 1_000_000
+#: So many tables that wait are joined.
+_TABLES = 1000
 
 
 def gather(study: Study) -> str:
@@ -123,6 +125,9 @@ class _Writer:
         self._rows += len(rows)
         if self._rows >= _GROUP:
             self._write()
+        elif len(self._waiting) >= _TABLES:
+            # a table of few rows takes much more memory than its rows
+            self._waiting = [self._joined()]
 
     def close(self) -> None:
         """Write what waits, and a file without rows where there are none."""
@@ -131,18 +136,22 @@ class _Writer:
         self._end()
 
     def _write(self) -> None:
-        pyarrow, parquet = imported("pyarrow", "study"), imported("pyarrow.parquet", "study")
         if self._writer is None:
+            parquet = imported("pyarrow.parquet", "study")
             path = self._store.path(DATASET, self._table, f"part-{self._files:05}.parquet")
             self._file = self._store.open(path)
             self._writer = parquet.ParquetWriter(self._file, self._schema, compression="zstd")
             self._files += 1
-        rows = pyarrow.concat_tables([self._schema.empty_table(), *self._waiting])
-        self._writer.write_table(rows)
+        self._writer.write_table(self._joined())
         self._of_file += self._rows
         self._waiting, self._rows = [], 0
         if self._of_file >= _FILE:
             self._end()
+
+    def _joined(self) -> Table:
+        """All that waits as one table."""
+        concat = imported("pyarrow", "study").concat_tables
+        return concat([self._schema.empty_table(), *self._waiting]).combine_chunks()
 
     def _end(self) -> None:
         if self._writer is not None:
