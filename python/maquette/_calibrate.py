@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import pathlib
 from collections.abc import Sequence
@@ -10,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from . import _camera_table
 from ._maquette import calibrate as _calibrate
-from ._progress import ProgressChoice, listening, news
+from ._progress import ProgressChoice, asked
 from ._words import Path, words
 
 if TYPE_CHECKING:
@@ -97,6 +96,4 @@ def calibrate(
         first, second, metres = distance
         given += ["--distance", first, second, repr(float(metres))]
     paths = [os.fspath(path) for path in recordings]
-    with listening(progress) as told:
-        result = _calibrate([*given, "--", *paths], (told, news))
-    return Calibration(json.loads(result))
+    return Calibration(asked(_calibrate, [*given, "--", *paths], progress))

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import pathlib
-from collections.abc import Callable, Sequence
-from typing import Any, Literal
+from collections.abc import Sequence
+from typing import Literal
 
 from . import _maquette
-from ._progress import Progress, ProgressChoice, cautions, listening, news
+from ._progress import Command, ProgressChoice, asked, cautions
 from ._recording import Recording
 from ._words import Path, words
 
@@ -228,12 +227,8 @@ def stereo(
     return pathlib.Path(out)
 
 
-_Call = Callable[[Sequence[str], tuple[Progress | None, Callable[[str], object]]], str]
-
-
-def _write(call: _Call, given: Sequence[str], progress: ProgressChoice) -> None:
+def _write(call: Command, given: Sequence[str], progress: ProgressChoice) -> None:
     """Do what a command with these words does, and warn of what a person should know of it."""
-    with listening(progress) as told:
-        result: dict[str, Any] = json.loads(call(given, (told, news)))
+    result = asked(call, given, progress)
     verdict = result.get("failure") or result.get("warning")
     cautions([*([] if verdict is None else [verdict]), *result["notes"]])

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import logging
 import sys
 import warnings
-from collections.abc import Callable, Generator, Iterable
+from collections.abc import Callable, Generator, Iterable, Sequence
 from contextlib import contextmanager
 from typing import Any, Union
 
@@ -16,6 +17,8 @@ from .errors import MaquetteWarning, MissingPackageError
 Progress = Callable[[str, int, int], None]
 #: A function, bars, or nothing.
 ProgressChoice = Union[Progress, bool, None]
+#: A call of the extension with the words of a command, and who is told of stages and of news; what it tells is JSON.
+Command = Callable[[Sequence[str], "tuple[Progress | None, Callable[[str], object]]"], str]
 
 
 _LOG = logging.getLogger("maquette")
@@ -35,6 +38,13 @@ def cautions(lines: Iterable[str]) -> None:
     """Warn of each, with the line that has called the package's own function."""
     for line in lines:
         warnings.warn(line, MaquetteWarning, stacklevel=4)
+
+
+def asked(call: Command, given: Sequence[str], progress: ProgressChoice) -> dict[str, Any]:
+    """What a command with these words tells in JSON, while somebody listens."""
+    with listening(progress) as told:
+        result: dict[str, Any] = json.loads(call(given, (told, news)))
+    return result
 
 
 @contextmanager

@@ -6,13 +6,13 @@ import pathlib
 from typing import Literal
 
 from . import _maquette
-from ._fit import Fit
-from ._progress import ProgressChoice, listening, news
+from ._fit_or_folder import FitOrFolder, stated
+from ._progress import ProgressChoice, asked
 from ._words import Path, words
 
 
 def skin(
-    fit: Fit | Path,
+    fit: FitOrFolder,
     *,
     frames: tuple[int, int] | None = None,
     frame: int | None = None,
@@ -60,9 +60,8 @@ def skin(
     MaquetteError
         With the one line that the program prints.
     """
-    folder, own = (fit.folder, fit._body) if isinstance(fit, Fit) else (pathlib.Path(fit), None)
+    folder, model = stated(fit, body)
     options = {"frames": frames, "frame": frame, "rest": rest, "format": format, "around": around, "picture": picture}
-    given = words(folder, **options, body=own if body is None else body)
-    with listening(progress) as told:
-        _maquette.skin(given, (told, news))
+    given = words(folder, **options, body=model)
+    asked(_maquette.skin, given, progress)
     return folder / "skin"

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import pathlib
 from typing import TYPE_CHECKING, Any
 
 from . import _maquette
 from ._optional import imported
-from ._progress import ProgressChoice, listening, news
+from ._progress import ProgressChoice, asked
 from ._recording import Recording
 from ._words import Path, words
 
@@ -145,5 +144,4 @@ def sync(
         threads=threads,
         overwrite=overwrite,
     )
-    with listening(progress) as told:
-        return Offsets(json.loads(_maquette.sync(given, (told, news))))
+    return Offsets(asked(_maquette.sync, given, progress))

@@ -6,7 +6,7 @@ import pathlib
 from typing import Literal
 
 from . import _maquette
-from ._fit import Fit
+from ._fit_or_folder import FitOrFolder, stated
 from ._words import Path, words
 
 
@@ -87,7 +87,7 @@ def synth(
 
 
 def simulate(
-    fit: Fit | Path,
+    fit: FitOrFolder,
     out: Path,
     *,
     seed: int = 1,
@@ -133,7 +133,6 @@ def simulate(
     >>> again = maquette.simulate(fit, "again", seed=2)  # doctest: +SKIP
     >>> maquette.Recording(again).fit().lengths["length"] - fit.lengths["length"]  # doctest: +SKIP
     """
-    folder, own = (fit.folder, fit._body) if isinstance(fit, Fit) else (pathlib.Path(fit), None)
-    model = own if body is None else body
+    folder, model = stated(fit, body)
     _maquette.simulate(words(folder, out=out, seed=seed, noise=noise, recording=recording, body=model))
     return pathlib.Path(out)

@@ -5,21 +5,12 @@ import { mkdirSync, statSync, writeFileSync } from 'node:fs'
 import { resolve } from 'node:path'
 import { pathToFileURL } from 'node:url'
 import assert from 'node:assert/strict'
-import { chromium } from 'playwright-core'
+import { opened } from './browser.mjs'
 
 const [report, out, kind = 'gait'] = process.argv.slice(2)
 mkdirSync(out, { recursive: true })
-const browser = await chromium.launch({
-  executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
-  args: ['--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking',
-    '--disable-component-update', '--disable-sync', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
-})
+const { browser, page, faults, requests } = await opened({ width: 1100, height: 1800 })
 try {
-  const page = await browser.newPage({ viewport: { width: 1100, height: 1800 } })
-  const faults = [], requests = []
-  page.on('console', (message) => { if (['error', 'warning'].includes(message.type()) && !/GPU stall|GL Driver Message/.test(message.text())) faults.push(message.text()) })
-  page.on('pageerror', (fault) => faults.push(fault.message))
-  page.on('request', (request) => requests.push(request.url()))
   await page.goto(pathToFileURL(resolve(report)).href)
   await page.waitForFunction(() => document.body.dataset.complete)
   const { ready, complete } = await page.evaluate(() => ({ ...document.body.dataset }))

@@ -3,21 +3,12 @@
 //   node test/viewer.mjs VIEWER.html OUT
 import { mkdirSync, readFileSync } from 'node:fs'
 import assert from 'node:assert/strict'
-import { chromium } from 'playwright-core'
+import { opened } from './browser.mjs'
 
 const [viewer, out] = process.argv.slice(2)
 mkdirSync(out, { recursive: true })
-const browser = await chromium.launch({
-  executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
-  args: ['--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking',
-    '--disable-component-update', '--disable-sync', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
-})
+const { browser, page, faults, requests } = await opened({ width: 900, height: 560 })
 try {
-  const page = await browser.newPage({ viewport: { width: 900, height: 560 } })
-  const faults = [], requests = []
-  page.on('console', (message) => { if (['error', 'warning'].includes(message.type()) && !/GPU stall|GL Driver Message/.test(message.text())) faults.push(message.text()) })
-  page.on('pageerror', (fault) => faults.push(fault.message))
-  page.on('request', (request) => requests.push(request.url()))
   // as a notebook shows it
   await page.setContent('<iframe sandbox="allow-scripts" width="100%" height="480"></iframe>')
   await page.evaluate((text) => { document.querySelector('iframe').srcdoc = text }, readFileSync(viewer, 'utf8'))

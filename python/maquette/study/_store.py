@@ -91,7 +91,7 @@ class Store:
 
     def get(self, key: str, folder: pathlib.Path) -> None:
         """Copy the folder of a key."""
-        self._files.get(self.path("fits", key) + "/", f"{folder}/", recursive=True)
+        _copy(self._files, self.path("fits", key), folder)
 
 
 def local(recording: str, scratch: pathlib.Path) -> pathlib.Path:
@@ -101,5 +101,10 @@ def local(recording: str, scratch: pathlib.Path) -> pathlib.Path:
     files, path = imported("fsspec.core", "study").url_to_fs(recording)
     copy = scratch / uuid.uuid4().hex / str(path).rstrip("/").rpartition("/")[2]
     copy.parent.mkdir()
-    files.get(path.rstrip("/") + "/", f"{copy}/", recursive=True)
+    _copy(files, path, copy)
     return copy
+
+
+def _copy(files: Any, path: str, folder: pathlib.Path) -> None:
+    """Copy a folder of a file system, under another name; the slashes say that neither is a parent."""
+    files.get(path.rstrip("/") + "/", f"{folder}/", recursive=True)
