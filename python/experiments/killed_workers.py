@@ -20,7 +20,8 @@ from distributed import Client, LocalCluster
 
 from maquette import study
 from maquette.study import Task
-from maquette.study._task import Status, fitted
+from maquette.study._compute import fitted
+from maquette.study._task import Status
 
 
 def main() -> None:

@@ -168,6 +168,22 @@ def test_the_command_does_all_of_it(cohort: study.Study, program: Program, tmp_p
     assert "thigh, m" in text
 
 
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["--jobs", "0"], "error: jobs: expected 1 or more, found 0"),
+        (["--memory-gib", "much"], "error: argument --memory-gib: invalid float value: 'much'"),
+        (["--speed", "9"], "error: unrecognized arguments: --speed 9"),
+    ],
+)
+def test_words_that_make_no_sense_are_refused(
+    cohort: study.Study, program: Program, words: list[str], told: str
+) -> None:
+    """In one line."""
+    failed = program("study", cohort.path, "--quiet", *words)
+    assert (failed.returncode, failed.stderr) == (2, told + "\n")
+
+
 def test_a_page_before_a_dataset_is_refused(tmp_path: pathlib.Path, program: Program) -> None:
     """In one line."""
     written(tmp_path, "a,nowhere")

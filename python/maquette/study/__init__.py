@@ -12,7 +12,8 @@ A fit is kept under a name that is made from all it depends on: what was done is
 |-----------------|------------------------------------------------------------------|
 | `_study.py`     | a study: its trials and their tasks                              |
 | `_table.py`     | how it is read: `study.toml` and its table                       |
-| `_task.py`      | one task: from a recording to its folder                         |
+| `_task.py`      | one task, and what became of it                                  |
+| `_compute.py`   | doing it: from a recording to its folder                         |
 | `_key.py`       | what a result depends on, as its name                            |
 | `_store.py`     | folders under such names, on a disk or in an object store        |
 | `_rows.py`      | a fit as rows of the dataset                                     |
@@ -27,11 +28,12 @@ A fit is kept under a name that is made from all it depends on: what was done is
 
 from __future__ import annotations
 
+from ._compute import compute
 from ._dataset import gather
 from ._report import report
 from ._run import SNAKEFILE, Tally, outcomes, run
 from ._study import Study
 from ._table import read
-from ._task import Outcome, Task, compute
+from ._task import Outcome, Task
 
 __all__ = ["SNAKEFILE", "Outcome", "Study", "Tally", "Task", "compute", "gather", "outcomes", "read", "report", "run"]

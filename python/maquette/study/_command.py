@@ -5,14 +5,15 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
+from typing import NoReturn
 
 from .._optional import imported
 from ..errors import MaquetteError
+from ._compute import compute
 from ._dataset import gather
 from ._report import report
 from ._run import SNAKEFILE, outcomes, run
 from ._table import read
-from ._task import compute
 
 _ABOUT = """\
 Fit all trials of a study: `maquette study STUDY` does what is to be done and gathers the dataset.
@@ -21,11 +22,20 @@ What was done before, with the same inputs, options and version, is not done aga
 its one line. docs/scale.md of the repository describes study.toml, clusters, and what a trial costs."""
 
 
+class _Parser(argparse.ArgumentParser):
+    """Says what is wrong as the program does: in one line."""
+
+    def error(self, message: str) -> NoReturn:
+        """End with the line."""
+        print(f"error: {message}", file=sys.stderr)
+        sys.exit(2)
+
+
 def main(words: Sequence[str]) -> int:
     """Do what the words after ``maquette study`` say, and give the exit code."""
     parsers = {"task": _task_words, "gather": _gather_words, "report": _report_words, "workflow": _workflow_words}
     name = words[0] if words else "--help"
-    parser = argparse.ArgumentParser(prog="maquette study", formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = _Parser(prog="maquette study", formatter_class=argparse.RawDescriptionHelpFormatter)
     if name in parsers:
         parser.prog += f" {name}"
         words = words[1:]

@@ -7,7 +7,8 @@ from itertools import islice
 from typing import Any
 
 from .._optional import imported
-from ._task import Outcome, Task, Work, compute, lost
+from ._compute import Work, compute, lost
+from ._task import Outcome, Task
 
 #: Tasks that wait for each thread of a worker: enough that none is idle, few enough that a million fit in no memory.
 _AHEAD = 8

@@ -6,13 +6,10 @@ import hashlib
 import json
 import os
 import pathlib
-from typing import TYPE_CHECKING
 
 from .. import _maquette
 from .._words import words
-
-if TYPE_CHECKING:
-    from ._task import Task
+from ._task import Task
 
 #: Raised where the rows of a fit change.
 _ROWS = 1

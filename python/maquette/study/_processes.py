@@ -5,13 +5,14 @@ from __future__ import annotations
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from functools import partial
 from itertools import islice
 
 from ..errors import OptionError
-from ._task import Outcome, Task, compute, lost
+from ._compute import compute, lost
+from ._task import Outcome, Task
 
 #: How often a task is tried whose process ends.
 _ATTEMPTS = 3
@@ -23,7 +24,10 @@ def outcomes(tasks: Iterator[Task], jobs: int, memory_gib: float | None) -> Iter
     if jobs < 1:
         raise OptionError(f"jobs: expected 1 or more, found {jobs}")
     share = None if memory_gib is None else int(memory_gib * _GIB / jobs)
-    done = partial(_in_process, share=share)
+    return _ended(tasks, jobs, partial(_in_process, share=share))
+
+
+def _ended(tasks: Iterator[Task], jobs: int, done: Callable[[Task], Outcome]) -> Iterator[Outcome]:
     with ThreadPoolExecutor(jobs) as threads:
         waiting: set[Future[Outcome]] = {threads.submit(done, task) for task in islice(tasks, 2 * jobs)}
         while waiting:

@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING
 
 from .._progress import ProgressChoice, listening
 from . import _dask, _processes
+from ._compute import Work
 from ._store import Store
 from ._study import Study
-from ._task import Outcome, Status, Work
+from ._task import Outcome, Status
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -84,7 +85,7 @@ def run(
         A task that fails never ends the run: :func:`outcomes` has its one line.
     """
     if client is None:
-        ended = _processes.outcomes(study.tasks(), jobs or os.cpu_count() or 1, memory_gib)
+        ended = _processes.outcomes(study.tasks(), os.cpu_count() or 1 if jobs is None else jobs, memory_gib)
     else:
         ended = _dask.outcomes(study.tasks(), client, work)
     tally, count = Tally(), len(study.names)
