@@ -1,6 +1,7 @@
 //! What went wrong, in one line.
 
 use maquette::io::folder::OutError;
+use maquette::io::folder::pdf::PdfError;
 use maquette::io::gait::NormError;
 use maquette::io::model::ModelFileError;
 use maquette::io::recording::RecordingError;
@@ -76,6 +77,7 @@ from_library!(
     ModelFileError,
     NormError,
     OutError,
+    PdfError,
     RecordingError,
     ResultError,
     StereoError

@@ -6,7 +6,7 @@ use clap::Args;
 use serde_json::json;
 
 use maquette::gait::GaitOptions;
-use maquette::io::folder::OutFolder;
+use maquette::io::folder::{OutFolder, pdf};
 use maquette::pipeline::Progress;
 use maquette::workflow::{GaitSource, SessionStudy};
 use maquette::{FittedRecording, GaitStudy};
@@ -28,6 +28,7 @@ pub(super) const EXAMPLES: &str = "\
 Examples:
   maquette report out/me
   maquette report out/me --recording my-recording --no-pictures
+  maquette report out/me --pdf
   maquette report out/me --subject 'P 017' --age 72 --sex female --date 2026-03-02 --footwear barefoot";
 
 /// Arguments of `maquette report`.
@@ -43,6 +44,9 @@ pub(super) struct ReportArguments {
     /// Body model of the fit, if it is not a shipped one
     #[arg(long, value_name = "FILE")]
     body: Option<String>,
+    /// Also write report.pdf, printed by an installed Chromium or Chrome; the variable CHROME names another one
+    #[arg(long)]
+    pdf: bool,
     #[command(flatten)]
     output: Output,
 }
@@ -57,9 +61,7 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<(), CliError> {
     let study = arguments.subject.compare(study, arguments.norm.as_deref())?;
     let text = arguments.subject.report(&study, &arguments.out, &arguments.output.progress())?;
 
-    OutFolder::open(&arguments.out)?.write("report.html", text.as_bytes())?;
-    let path = arguments.out.join("report.html").display().to_string();
-    arguments.output.summarise(|| format!("{path}\n"), || json!({ "report": path }));
+    arguments.write(&OutFolder::open(&arguments.out)?, &text)?;
     Ok(study.usable()?)
 }
 
@@ -73,6 +75,20 @@ impl ReportArguments {
         let study = self.subject.compare(fit.gait()?, self.norm.as_deref())?;
         self.subject.report(&study, &self.out, progress)
     }
+
+    /// Writes the page, prints it if that is asked for, and says where both are.
+    fn write(&self, out: &OutFolder, text: &str) -> Result<(), CliError> {
+        out.write("report.html", text.as_bytes())?;
+        let page = out.path().join("report.html");
+        let pdf = self.pdf.then(|| pdf::print(&page)).transpose()?;
+
+        let named = |path: &PathBuf| path.display().to_string();
+        let all = [Some(&page), pdf.as_ref()].into_iter().flatten();
+        let text = || all.map(|path| named(path) + "\n").collect::<String>();
+        let json = || json!({ "report": named(&page), "pdf": pdf.as_ref().map(named) });
+        self.output.summarise(text, json);
+        Ok(())
+    }
 }
 
 /// The page of all trials, and the table of how far numbers vary.
@@ -81,8 +97,5 @@ fn of_session(arguments: &ReportArguments) -> Result<(), CliError> {
     let study = SessionStudy::open(&arguments.out, arguments.body.as_deref(), norm)?;
     let out = OutFolder::open(&arguments.out)?;
     out.write("variation.csv", &study.csv()?)?;
-    out.write("report.html", study.report()?.as_bytes())?;
-    let path = arguments.out.join("report.html").display().to_string();
-    arguments.output.summarise(|| format!("{path}\n"), || json!({ "report": path }));
-    Ok(())
+    arguments.write(&out, &study.report()?)
 }

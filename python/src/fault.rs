@@ -34,7 +34,7 @@ fn class_of(fault: &Error) -> &'static str {
         | Error::Calibrate(_)
         | Error::Lenses(_)
         | Error::Sync(_) => "FitError",
-        Error::Out(_) | Error::Journal(_) | Error::Overlay(_) => "OutputError",
+        Error::Out(_) | Error::Journal(_) | Error::Overlay(_) | Error::Pdf(_) => "OutputError",
         Error::Result(_) | Error::Session(_) | Error::SessionFile(_) => "ResultError",
         Error::GaitInput(_) | Error::Movement(_) | Error::Gait(_) | Error::Norm(_) => "GaitError",
         Error::Unusable(_) => "UnusableError",

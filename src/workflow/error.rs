@@ -9,6 +9,7 @@ use crate::io::export::{BvhError, C3dError, GlbError};
 use crate::io::folder::OutError;
 use crate::io::folder::journal::JournalError;
 use crate::io::folder::overlays::OverlayError;
+use crate::io::folder::pdf::PdfError;
 use crate::io::gait::{GaitInputError, NormError};
 use crate::io::model::ModelFileError;
 use crate::io::recording::RecordingError;
@@ -57,6 +58,9 @@ pub enum Error {
     /// Pictures of the fit.
     #[error(transparent)]
     Overlay(#[from] OverlayError),
+    /// A page that cannot be printed.
+    #[error(transparent)]
+    Pdf(#[from] PdfError),
     /// A result that cannot be read, or is of another body.
     #[error(transparent)]
     Result(#[from] ResultError),

@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Output;
 
 use assert_cmd::Command;
 use image::{GrayImage, Luma};
@@ -177,10 +178,10 @@ pub(crate) fn program() -> &'static str {
 
 pub(crate) fn run<S: AsRef<str>>(arguments: &[S]) -> Ran {
     let arguments = arguments.iter().map(AsRef::as_ref);
-    let output = Command::new(program()).args(arguments).output().expect("the program starts");
-    Ran {
-        code: output.status.code(),
-        out: String::from_utf8(output.stdout).expect("UTF-8"),
-        err: String::from_utf8(output.stderr).expect("UTF-8"),
-    }
+    ran(&Command::new(program()).args(arguments).output().expect("the program starts"))
+}
+
+pub(crate) fn ran(output: &Output) -> Ran {
+    let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).expect("UTF-8");
+    Ran { code: output.status.code(), out: text(&output.stdout), err: text(&output.stderr) }
 }

@@ -1,10 +1,16 @@
 //! What a report shows of the recording that was fitted.
 
 use std::fs;
+#[cfg(unix)]
+use std::os::unix::fs::PermissionsExt;
 
+#[cfg(unix)]
+use assert_cmd::Command;
 use image::{Rgb, RgbImage};
 
 use crate::arm::{Arm, run};
+#[cfg(unix)]
+use crate::arm::{program, ran};
 use crate::schema::check;
 
 /// A walk of ten frames before three cameras, with masks and with pictures of one colour.
@@ -61,4 +67,51 @@ fn a_report_finds_its_recording_shows_its_pictures_and_refuses_another_one() {
     assert!(page.contains("No camera views"));
     let moved = place.out("moved").display().to_string();
     assert!(report(&["--recording", &moved]).1.contains("\"jpeg\""));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_report_is_printed_by_the_browser_that_is_named_or_an_installed_one() {
+    let place = Arm::new();
+    let recording = filmed(&place, "walk", "1");
+    let out = place.out("out").display().to_string();
+    let fit = ["fit", &recording, "--out", &out, "--keyframe-every", "9", "--joint", "off"];
+    run(&[&fit[..], &["--quiet"]].concat()).succeeded();
+
+    let report = |browser: Option<&str>| {
+        let mut program = Command::new(program());
+        program.args(["report", &out, "--pdf", "--json", "--quiet"]);
+        program.env_remove("CHROME").envs(browser.map(|name| ("CHROME", name)));
+        ran(&program.output().expect("the program starts"))
+    };
+    let script = |text: &str| {
+        let path = place.out("browser");
+        fs::write(&path, format!("#!/bin/sh\n{text}\n")).expect("a file");
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).expect("a program");
+        path.display().to_string()
+    };
+    let pdf = place.out("out/report.pdf");
+
+    let prints =
+        script("for word; do case $word in --print-to-pdf=*) echo %PDF > ${word#*=};; esac; done");
+    let said = report(Some(&prints)).succeeded();
+    assert_eq!(check("report", &said.out)["pdf"], pdf.display().to_string());
+    assert_eq!((fs::read(&pdf).expect("a PDF"), said.err), (b"%PDF\n".to_vec(), String::new()));
+
+    // the page stays, and no PDF of another page beside it
+    fs::remove_file(place.out("out/report.html")).expect("removed");
+    report(Some(&script("echo noise >&2; exit 9")))
+        .refused(&["report.html: no PDF", "browser wrote none"]);
+    assert!(place.out("out/report.html").exists() && !pdf.exists());
+    report(Some("no-such-browser")).refused(&["no-such-browser", "print it"]);
+
+    let installed = report(None);
+    if installed.err.contains("no Chromium or Chrome is installed") {
+        eprintln!("skipped: no browser is installed here");
+        return;
+    }
+    installed.succeeded();
+    let printed = fs::read(&pdf).expect("a PDF");
+    let text = String::from_utf8_lossy(&printed);
+    assert!(text.starts_with("%PDF-") && text.contains("/MediaBox [0 0 594"), "on A4");
 }

@@ -6,6 +6,7 @@ pub mod jpeg;
 mod lock;
 pub mod origin;
 pub mod overlays;
+pub mod pdf;
 mod people;
 pub(super) mod png;
 pub mod segmented;
