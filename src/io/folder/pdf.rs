@@ -92,18 +92,21 @@ impl Printer {
         // an older page's
         let _ = fs::remove_file(&pdf);
 
+        let mut failed = None;
         for browser in &self.browsers {
             match self.print_with(browser, page, &pdf) {
                 Ok(()) => return Ok(pdf),
                 Err(fault) if fault.kind() == io::ErrorKind::NotFound => {}
-                Err(fault) => {
-                    return Err(PdfError::Browser {
-                        page: page.into(),
-                        browser: browser.to_string_lossy().into_owned(),
-                        reason: fault.to_string(),
-                    });
-                }
+                Err(fault) => failed = failed.or(Some((browser, fault))),
             }
+        }
+
+        if let Some((browser, fault)) = failed {
+            return Err(PdfError::Browser {
+                page: page.into(),
+                browser: browser.to_string_lossy().into_owned(),
+                reason: fault.to_string(),
+            });
         }
         let names = self.browsers.iter().map(|name| name.to_string_lossy());
         let looked_for = names.filter(|name| !name.contains([' ', '\\'])).collect::<Vec<_>>();
@@ -127,6 +130,10 @@ impl Printer {
                 .stdout(Stdio::null())
                 .stderr(Stdio::null())
                 .spawn()
+                .map_err(|fault| match fault.kind() {
+                    io::ErrorKind::NotFound => fault,
+                    _ => io::Error::other(format!("cannot be run: {fault}")),
+                })
         };
 
         // within its sandbox; where the machine has none, without: the page is our own
@@ -180,21 +187,22 @@ fn address(page: &Path) -> String {
     address
 }
 
-#[cfg(all(test, unix))]
+#[cfg(test)]
+#[cfg(unix)]
 mod tests {
     use super::*;
     use std::os::unix::fs::PermissionsExt;
 
     /// A folder with a page, and a browser that does what a script says. `$pdf` is the file that it is asked for.
     fn printed(script: &str, limit: Duration) -> (tempfile::TempDir, Result<PathBuf, String>) {
-        let folder = tempfile::tempdir().unwrap();
+        let folder = tempfile::tempdir().expect("a folder");
         let page = folder.path().join("a page #1.html");
-        fs::write(&page, "<p>page").unwrap();
-        fs::write(page.with_extension("pdf"), "an older page").unwrap();
+        fs::write(&page, "<p>page").expect("written");
+        fs::write(page.with_extension("pdf"), "an older page").expect("written");
         let browser = folder.path().join("browser");
         let find = "for word; do case $word in --print-to-pdf=*) pdf=${word#*=};; esac; done";
-        fs::write(&browser, format!("#!/bin/sh\n{find}\n{script}\n")).unwrap();
-        fs::set_permissions(&browser, fs::Permissions::from_mode(0o755)).unwrap();
+        fs::write(&browser, format!("#!/bin/sh\n{find}\n{script}\n")).expect("written");
+        fs::set_permissions(&browser, fs::Permissions::from_mode(0o755)).expect("written");
         let browsers = vec!["no-such-browser".into(), browser.into()];
         let done = Printer { browsers, limit }.print(&page).map_err(|fault| fault.to_string());
         (folder, done)
