@@ -2,6 +2,8 @@
 
 #[path = "gait/exports.rs"]
 mod exports;
+#[path = "gait/stated.rs"]
+mod stated;
 #[allow(dead_code, reason = "a walker shared with the tests of the program")]
 #[path = "gait/walker.rs"]
 mod walker;

@@ -82,7 +82,7 @@ pub fn report(
 /// # Errors
 /// [`CliError`], whose line is the program's.
 pub fn export(fit: &FittedRecording, words: &[OsString]) -> Result<Vec<PathBuf>, CliError> {
-    parsed::<ExportArguments>(words)?.written(&fit.gait()?)
+    parsed::<ExportArguments>(words)?.written(fit)
 }
 
 /// What `maquette session` with these words finds and writes.

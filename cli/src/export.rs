@@ -3,13 +3,14 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use maquette::GaitStudy;
 use maquette::gait::GaitOptions;
 use maquette::workflow::{ExportFormat, GaitSource};
+use maquette::{FittedRecording, GaitStudy};
 use serde_json::json;
 
 use super::choice::{Choice, one_of};
 use super::error::CliError;
+use super::subject::EventArguments;
 use super::switches::Output;
 
 pub(super) const ABOUT: &str = "\
@@ -32,6 +33,8 @@ pub(super) struct ExportArguments {
     /// Formats, with commas between them [default: all formats that are a single file]
     #[arg(long, value_parser = one_of(FORMATS), value_delimiter = ',')]
     format: Vec<ExportFormat>,
+    #[command(flatten)]
+    events: EventArguments,
     /// Body model of the fit, if it is not a shipped one
     #[arg(long, value_name = "FILE")]
     body: Option<String>,
@@ -59,7 +62,12 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
         return Err(maquette::Error::NoFit { path }.into());
     }
     let study = GaitStudy::open(
-        GaitSource { path: &arguments.out, body: arguments.body.as_deref(), fps: None },
+        GaitSource {
+            path: &arguments.out,
+            body: arguments.body.as_deref(),
+            fps: None,
+            events: arguments.events.choice(),
+        },
         &GaitOptions::default(),
     )?;
 
@@ -80,7 +88,8 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
 
 impl ExportArguments {
     /// The fit in each format, and where it was written: into the folder.
-    pub(super) fn written(&self, study: &GaitStudy) -> Result<Vec<PathBuf>, CliError> {
+    pub(super) fn written(&self, fit: &FittedRecording) -> Result<Vec<PathBuf>, CliError> {
+        let study = fit.gait_in(&self.out, self.events.choice(), &GaitOptions::default())?;
         let mut paths = Vec::new();
         for format in &self.format {
             paths.push(study.export(*format, &self.out)?);

@@ -12,7 +12,7 @@ use maquette::workflow::{GaitSource, SessionStudy};
 use maquette::{FittedRecording, GaitStudy};
 
 use super::error::CliError;
-use super::subject::{SubjectArguments, norm_choice};
+use super::subject::{EventArguments, SubjectArguments, norm_choice};
 use super::switches::Output;
 
 pub(super) const ABOUT: &str = "\
@@ -41,6 +41,8 @@ pub(super) struct ReportArguments {
     /// Norm of healthy people: a .toml file, or none [default: schwartz-2008-free]
     #[arg(long, value_name = "FILE|none")]
     norm: Option<String>,
+    #[command(flatten)]
+    events: EventArguments,
     /// Body model of the fit, if it is not a shipped one
     #[arg(long, value_name = "FILE")]
     body: Option<String>,
@@ -56,7 +58,12 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<(), CliError> {
     if SessionStudy::is_session(&arguments.out) {
         return of_session(arguments);
     }
-    let source = GaitSource { path: &arguments.out, body: arguments.body.as_deref(), fps: None };
+    let source = GaitSource {
+        path: &arguments.out,
+        body: arguments.body.as_deref(),
+        fps: None,
+        events: arguments.events.choice(),
+    };
     let study = GaitStudy::open(source, &GaitOptions::default())?;
     let study = arguments.subject.compare(study, arguments.norm.as_deref())?;
     let text = arguments.subject.report(&study, &arguments.out, &arguments.output.progress())?;
@@ -72,7 +79,8 @@ impl ReportArguments {
         fit: &FittedRecording,
         progress: &dyn Progress,
     ) -> Result<String, CliError> {
-        let study = self.subject.compare(fit.gait()?, self.norm.as_deref())?;
+        let gait = fit.gait_in(&self.out, self.events.choice(), &GaitOptions::default())?;
+        let study = self.subject.compare(gait, self.norm.as_deref())?;
         self.subject.report(&study, &self.out, progress)
     }
 

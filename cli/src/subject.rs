@@ -8,7 +8,7 @@ use maquette::io::folder::origin;
 use maquette::io::gait::Sex;
 use maquette::pipeline::Progress;
 use maquette::report::Subject;
-use maquette::workflow::{NormChoice, ReportedRecording};
+use maquette::workflow::{EventChoice, NormChoice, ReportedRecording};
 use maquette::{GaitStudy, Recording};
 
 use crate::choice::{Choice, one_of};
@@ -54,6 +54,24 @@ pub(super) fn norm_choice(norm: Option<&str>) -> NormChoice<'_> {
         None => NormChoice::Shipped,
         Some("none") => NormChoice::None,
         Some(path) => NormChoice::File(Path::new(path)),
+    }
+}
+
+/// Who says when feet strike and leave.
+#[derive(Debug, Args)]
+pub(super) struct EventArguments {
+    /// Foot strikes and foot offs as a person corrected them, or none [default: events.json of OUT, if it is there]
+    #[arg(long, value_name = "FILE|none")]
+    events: Option<PathBuf>,
+}
+
+impl EventArguments {
+    pub(super) fn choice(&self) -> EventChoice<'_> {
+        match self.events.as_deref() {
+            None => EventChoice::Beside,
+            Some(path) if path == "none" => EventChoice::Detected,
+            Some(path) => EventChoice::File(path),
+        }
     }
 }
 

@@ -8,6 +8,8 @@ mod arm;
 mod cameras;
 #[path = "cli/changed.rs"]
 mod changed;
+#[path = "gait/events.rs"]
+mod events;
 #[path = "cli/fit.rs"]
 mod fit;
 #[path = "gait/program.rs"]

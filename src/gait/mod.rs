@@ -9,6 +9,7 @@
 //! | `movement.rs`   | a moving body; `complete.rs`: places without a marker              |
 //! | `course.rs`     | direction of walking, floor or belt                                |
 //! | `events.rs`     | foot strike and foot off; `peaks.rs`, `filter.rs`: signals          |
+//! | `stated.rs`     | the same, as a person states them                                   |
 //! | `cycles.rs`     | strides                                                            |
 //! | `parameters.rs` | speed, cadence, steps, phases                                      |
 //! | `segments.rs`   | orientations of parts; `landmark_axes.rs`: from places of the body |
@@ -35,6 +36,7 @@ mod passes;
 mod peaks;
 mod plausible;
 mod segments;
+mod stated;
 pub mod trials;
 
 pub use angle::Angle;
@@ -49,6 +51,7 @@ pub use landmark::{Landmark, Paired, Side};
 pub use movement::{Movement, MovementError, Track, Used};
 pub use parameters::{Parameter, Parameters, Statistic};
 pub use segments::{Axes, Limb, Segment, Segments};
+pub use stated::{EventSource, StatedEvent};
 
 use movement::by_axis;
 
@@ -93,6 +96,8 @@ pub struct GaitAnalysis {
     pub leg_length_m: Option<f64>,
     /// Foot strikes and foot offs.
     pub events: Vec<Event>,
+    /// Who says when they are.
+    pub event_source: EventSource,
     /// How far the two methods for them agree.
     pub agreement: Vec<Agreement>,
     /// Strides.
@@ -149,15 +154,38 @@ pub enum GaitError {
 /// # Errors
 /// [`GaitError::NoPelvis`].
 pub fn analyse(movement: &Movement, options: &GaitOptions) -> Result<GaitAnalysis, GaitError> {
+    analysis(movement, None, options)
+}
+
+/// The same with foot strikes and foot offs that a person states, in the place of those that are found. The two of one foot
+/// take turns.
+///
+/// # Errors
+/// As [`analyse`].
+pub fn analyse_stated(
+    movement: &Movement,
+    events: &[StatedEvent],
+    options: &GaitOptions,
+) -> Result<GaitAnalysis, GaitError> {
+    analysis(movement, Some(events), options)
+}
+
+fn analysis(
+    movement: &Movement,
+    stated: Option<&[StatedEvent]>,
+    options: &GaitOptions,
+) -> Result<GaitAnalysis, GaitError> {
     // 1. one pass through the room, without what is faster than a body moves
-    let (movement, pass_note) = passes::one_pass(movement, options.pass)?;
+    let passes::OnePass { movement, frames, note: pass_note } =
+        passes::one_pass(movement, options.pass)?;
     let movement = &smoothed(&movement, options.cutoff_hz);
     // 2. direction of walking, floor or belt
     let course = Course::find(movement, options.surface).ok_or(GaitError::NoPelvis)?;
-    // 3. events by two methods, and the strides between them
-    let events = match course.is_backwards() {
-        true => Vec::new(),
-        false => events::events(movement, &course, options),
+    // 3. events by two methods or a person, and the strides between them
+    let (events, event_source) = match stated {
+        Some(stated) => (stated::events(movement, &frames, stated), EventSource::Person),
+        None if course.is_backwards() => (Vec::new(), EventSource::Detected),
+        None => (events::events(movement, &course, options), EventSource::Detected),
     };
     let cycles = cycles::cycles(&events, movement.rate_hz);
     let (cycles, refused) = plausible::strides(movement, cycles);
@@ -178,7 +206,11 @@ pub fn analyse(movement: &Movement, options: &GaitOptions) -> Result<GaitAnalysi
     // 6. how far the methods for events agree, and what a person should know
     let kinds = [EventKind::Strike, EventKind::Off].into_iter();
     let agreement = kinds.filter_map(|kind| events::agreement(&events, kind));
-    let mut notes = notes(&course, &events, &cycles);
+    let mut notes = match event_source {
+        EventSource::Person => vec![stated::note(&events)],
+        EventSource::Detected => Vec::from_iter(why_no_events(&course, &events)),
+    };
+    notes.extend(stride_notes(&events, &cycles));
     notes.extend(pass_note.into_iter().chain(refused));
     notes.extend(plausible::frame_rate_note(&parameters));
     notes.extend(movement.remarks());
@@ -190,6 +222,7 @@ pub fn analyse(movement: &Movement, options: &GaitOptions) -> Result<GaitAnalysi
         unknown: segments.unknown.iter().map(|(a, why)| (*a, *why)).collect(),
         course,
         events,
+        event_source,
         cycles,
         parameters,
         angles,
@@ -208,20 +241,22 @@ fn smoothed(movement: &Movement, cutoff_hz: f64) -> Movement {
     smooth
 }
 
-fn notes(course: &Course, events: &[Event], cycles: &[Cycle]) -> Vec<String> {
-    let mut notes = Vec::new();
+/// Why no events were found.
+fn why_no_events(course: &Course, events: &[Event]) -> Option<String> {
     if course.is_backwards() {
-        notes.push(format!(
+        return Some(format!(
             "walks backwards, at {:.2} m/s: foot strike and foot off are defined for walking forwards; angles over time only",
             course.speed_m_s.abs().max(course.belt_m_s.abs())
         ));
-        return notes;
     }
+    let no_steps = "no steps: the feet do not swing past the pelvis in turn; angles over time only";
+    events.is_empty().then(|| no_steps.into())
+}
 
+/// Which strides the events lack.
+fn stride_notes(events: &[Event], cycles: &[Cycle]) -> Vec<String> {
+    let mut notes = Vec::new();
     if events.is_empty() {
-        notes.push(
-            "no steps: the feet do not swing past the pelvis in turn; angles over time only".into(),
-        );
         return notes;
     }
 

@@ -13,11 +13,18 @@ use super::segments::unknown;
 /// A person who is not seen for longer than this may have turned meanwhile, seconds.
 const APART_S: f64 = 0.2;
 
-/// The movement in one pass, the longest if none is asked for, and what to say if there are others.
-pub(super) fn one_pass(
-    movement: &Movement,
-    pass: Option<usize>,
-) -> Result<(Cow<'_, Movement>, Option<String>), GaitError> {
+/// One pass of a movement.
+pub(super) struct OnePass<'a> {
+    /// The movement, with nothing known outside of the pass.
+    pub(super) movement: Cow<'a, Movement>,
+    /// The frames of the pass, from the first one of the movement.
+    pub(super) frames: Range<usize>,
+    /// What to say if there are others.
+    pub(super) note: Option<String>,
+}
+
+/// The movement in one pass, the longest if none is asked for.
+pub(super) fn one_pass(movement: &Movement, pass: Option<usize>) -> Result<OnePass<'_>, GaitError> {
     let passes = passes(movement);
     let longest = || (0..passes.len()).max_by_key(|i| (passes[*i].len(), std::cmp::Reverse(*i)));
     let chosen = match pass {
@@ -28,7 +35,8 @@ pub(super) fn one_pass(
         None => longest(),
     };
     let Some(chosen) = chosen.filter(|_| passes.len() > 1) else {
-        return Ok((Cow::Borrowed(movement), None));
+        let frames = 0..movement.frames;
+        return Ok(OnePass { movement: Cow::Borrowed(movement), frames, note: None });
     };
 
     let number = |frame: usize| movement.first_frame + frame;
@@ -41,7 +49,8 @@ pub(super) fn one_pass(
         shown.join(", "),
         chosen + 1
     );
-    Ok((Cow::Owned(within(movement, &passes[chosen])), Some(note)))
+    let frames = passes[chosen].clone();
+    Ok(OnePass { movement: Cow::Owned(within(movement, &frames)), frames, note: Some(note) })
 }
 
 /// The frames in which the hips are known, without a long gap.

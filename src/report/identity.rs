@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::joints::stand_alone;
 use super::page::Page;
 use super::{ReportInput, Subject};
-use crate::gait::{Footwear, Side, Surface};
+use crate::gait::{EventSource, Footwear, Side, Surface};
 use crate::io::gait::Sex;
 use crate::io::result::ResultFile;
 
@@ -93,10 +93,7 @@ pub(super) fn method(input: &ReportInput<'_>) -> Vec<Row> {
         }
     }
 
-    rows.push((
-        "Events",
-        "foot strike by the heel's speed, foot off by the toe's place (docs/gait.md)".into(),
-    ));
+    rows.push(("Events", events(gait.event_source).into()));
     rows.push(("Filter", filter(input)));
 
     if let Some(norm) = input.norm {
@@ -106,6 +103,17 @@ pub(super) fn method(input: &ReportInput<'_>) -> Vec<Row> {
         }
     }
     rows
+}
+
+fn events(source: EventSource) -> &'static str {
+    match source {
+        EventSource::Detected => {
+            "foot strike by the heel's speed, foot off by the toe's place (docs/gait.md)"
+        }
+        EventSource::Person => {
+            "foot strikes and foot offs as a person corrected them (events.json)"
+        }
+    }
 }
 
 fn filter(input: &ReportInput<'_>) -> String {

@@ -13,6 +13,7 @@
 //! | `scores.rs`         | key points of the curves, and scores against healthy people           |
 //! | `shape.rs`          | lengths and girths of the body                                        |
 //! | `motion.rs`         | empty frames for the moving body, its curves and its cameras          |
+//! | `event_editor.rs`   | the line of time on which foot strikes and offs are corrected         |
 //! | `scene.rs`          | what the page's program draws in them                                 |
 //! | `views.rs`          | cameras and the outlines that they saw                                |
 //! | `picture.rs`        | the pictures under the outlines, in few bytes                         |
@@ -26,6 +27,7 @@
 
 mod by_frame;
 mod comparison;
+mod event_editor;
 mod figure;
 mod identity;
 mod joints;
@@ -108,7 +110,7 @@ pub fn html(input: &ReportInput<'_>) -> Result<String, serde_json::Error> {
         kinematics::consistency(input),
         scores::page(input),
         shape::page(input),
-        motion::page(input),
+        motion::page(input, event_editor::editor(input)),
     ];
     let banner = input.result.and_then(|result| page::banner(&result.verdict));
     Ok(page::document(input.subject, banner.as_ref(), &pages, Some(&scene)))

@@ -7,7 +7,8 @@ use super::joints::stand_alone;
 use super::page::{Page, absent};
 use crate::gait::Movement;
 
-pub(super) fn page(input: &ReportInput<'_>) -> Page {
+/// The page; `events` stands above the curves.
+pub(super) fn page(input: &ReportInput<'_>, events: Option<Markup>) -> Page {
     Page {
         id: "motion",
         title: "Motion",
@@ -24,6 +25,7 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
             @if !input.views.cameras.is_empty() {
                 div class="sheet" id="sheet" role="img" aria-label="The fitted body under the recorded outline, all cameras, middle frame" {}
             }
+            @if let Some(events) = events { (events) }
             div class="choice" {
                 label { "curves " select id="group" {} }
                 span class="key" { span class="left" { "left" } span class="right" { "right" } }

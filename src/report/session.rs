@@ -51,7 +51,7 @@ pub fn session_html(input: &SessionInput<'_>) -> Result<String, serde_json::Erro
         ReportInput { gait: input.pooled, subject: input.subject, norm: input.norm, ..*first };
     let names: Vec<&str> = input.trials.iter().map(|trial| trial.name).collect();
     let scene = serde_json::to_string(&scene::Scene::new(first))?;
-    let moving = motion::page(first);
+    let moving = motion::page(first, None);
     let pages = [
         summary(input, &all),
         trials(input),

@@ -10,7 +10,7 @@ use crate::io::folder::OutError;
 use crate::io::folder::journal::JournalError;
 use crate::io::folder::overlays::OverlayError;
 use crate::io::folder::pdf::PdfError;
-use crate::io::gait::{GaitInputError, NormError};
+use crate::io::gait::{EventsError, GaitInputError, NormError};
 use crate::io::model::ModelFileError;
 use crate::io::recording::RecordingError;
 use crate::io::result::ResultError;
@@ -73,6 +73,9 @@ pub enum Error {
     /// A movement without gait.
     #[error(transparent)]
     Gait(#[from] GaitError),
+    /// Corrected events that cannot be used.
+    #[error(transparent)]
+    Events(#[from] EventsError),
     /// A norm that cannot be used.
     #[error(transparent)]
     Norm(#[from] NormError),

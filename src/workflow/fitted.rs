@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Error, GaitStudy};
+use super::{Error, EventChoice, GaitStudy};
 use crate::body::BodyModel;
 use crate::gait::{Angle, GaitOptions, Side};
 use crate::io::folder::OutFolder;
@@ -109,8 +109,22 @@ impl FittedRecording {
     /// # Errors
     /// As [`FittedRecording::gait`].
     pub fn gait_with(&self, options: &GaitOptions) -> Result<GaitStudy, Error> {
+        self.gait_in(Path::new(""), EventChoice::Detected, options)
+    }
+
+    /// The same with the foot strikes and foot offs that a person states, in the folder of the fit or in a file.
+    ///
+    /// # Errors
+    /// As [`FittedRecording::gait`], and [`Error::Events`] names file and event.
+    pub fn gait_in(
+        &self,
+        folder: &Path,
+        events: EventChoice<'_>,
+        options: &GaitOptions,
+    ) -> Result<GaitStudy, Error> {
         let input = from_result(&self.result, self.model.clone(), None)?;
-        GaitStudy::new(input, Some(self.result.clone()), options)
+        let events = events.read(folder, &input.movement)?;
+        GaitStudy::new(input, Some(self.result.clone()), events.as_deref(), options)
     }
 
     /// Writes `result.json` and `joints.trc` into a folder, which is made where there is none.

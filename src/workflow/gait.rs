@@ -5,11 +5,14 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::{Error, FittedRecording};
-use crate::gait::{GaitAnalysis, GaitOptions, Indices, Norm, analyse, indices};
+use crate::gait::{
+    GaitAnalysis, GaitOptions, Indices, Movement, Norm, StatedEvent, analyse, analyse_stated,
+    indices,
+};
 use crate::io::folder::OutFolder;
 use crate::io::gait::{
-    GaitInput, SHIPPED_NORM, Sex, add_parameters, angles_csv, curves_csv, from_result, gait_file,
-    load_norm, parameters_csv, parse_norm, read_points,
+    EVENTS, GaitInput, SHIPPED_NORM, Sex, add_parameters, angles_csv, curves_csv, from_result,
+    gait_file, load_norm, parameters_csv, parse_norm, read_events, read_points,
 };
 use crate::io::result::ResultFile;
 
@@ -35,6 +38,20 @@ pub struct GaitSource<'a> {
     pub body: Option<&'a str>,
     /// Frames per second, in place of what the source states.
     pub fps: Option<f64>,
+    /// Foot strikes and foot offs.
+    pub events: EventChoice<'a>,
+}
+
+/// Who says when feet strike and leave.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum EventChoice<'a> {
+    /// A person, by the `events.json` of the fit's folder, which the report's page saves; the program where there is none.
+    #[default]
+    Beside,
+    /// A person, by such a file.
+    File(&'a Path),
+    /// The program.
+    Detected,
 }
 
 /// Whom a walk is compared with.
@@ -53,27 +70,33 @@ impl GaitStudy {
     /// Reads a fit or points of any system and analyses the gait, against the shipped norm.
     ///
     /// # Errors
-    /// [`Error::GaitInput`] and [`Error::Result`] name file and line, [`Error::Gait`] says why there is no gait.
+    /// [`Error::GaitInput`] and [`Error::Result`] name file and line, [`Error::Events`] file and event, [`Error::Gait`] says why
+    /// there is no gait.
     ///
     /// ```no_run
     /// # fn main() -> Result<(), maquette::Error> {
     /// use maquette::GaitStudy;
     /// use maquette::gait::GaitOptions;
-    /// use maquette::workflow::GaitSource;
+    /// use maquette::workflow::{EventChoice, GaitSource};
     ///
     /// let path = std::path::Path::new("walk.trc");
-    /// let study = GaitStudy::open(GaitSource { path, body: None, fps: None }, &GaitOptions::default())?;
+    /// let source = GaitSource { path, body: None, fps: None, events: EventChoice::Beside };
+    /// let study = GaitStudy::open(source, &GaitOptions::default())?;
     /// println!("{} strides", study.analysis.cycles.len());
     /// # Ok(())
     /// # }
     /// ```
     pub fn open(source: GaitSource<'_>, options: &GaitOptions) -> Result<Self, Error> {
-        if !source.path.is_dir() {
-            return Self::new(read_points(source.path, source.fps)?, None, options);
-        }
-        let FittedRecording { result, model } = FittedRecording::read(source.path, source.body)?;
-        let input = from_result(&result, model, source.fps)?;
-        Self::new(input, Some(result), options)
+        let (input, result) = match source.path.is_dir() {
+            true => {
+                let fitted = FittedRecording::read(source.path, source.body)?;
+                let input = from_result(&fitted.result, fitted.model, source.fps)?;
+                (input, Some(fitted.result))
+            }
+            false => (read_points(source.path, source.fps)?, None),
+        };
+        let events = source.events.read(source.path, &input.movement)?;
+        Self::new(input, result, events.as_deref(), options)
     }
 
     /// Whether the fit can be used; points always can.
@@ -85,13 +108,17 @@ impl GaitStudy {
         why.map_or(Ok(()), |why| Err(Error::Unusable(why)))
     }
 
-    /// Analyses a movement, against the shipped norm; of a fit that cannot be used all numbers are withheld.
+    /// Analyses a movement, with the events that a person states if one does, against the shipped norm; of a fit that cannot be used all numbers are withheld.
     pub(super) fn new(
         input: GaitInput,
         result: Option<ResultFile>,
+        events: Option<&[StatedEvent]>,
         options: &GaitOptions,
     ) -> Result<Self, Error> {
-        let mut analysis = analyse(&input.movement, options)?;
+        let mut analysis = match events {
+            Some(events) => analyse_stated(&input.movement, events, options)?,
+            None => analyse(&input.movement, options)?,
+        };
         if let Some(why) = result.as_ref().and_then(|result| result.verdict.why_unusable()) {
             analysis = analysis.withheld(why);
         }
@@ -145,6 +172,22 @@ impl GaitStudy {
     /// How far the angles lie from those of healthy people; `None` without a norm, or an angle of it.
     pub fn indices(&self) -> Option<Indices> {
         indices(&self.analysis.curves, self.norm.as_ref()?)
+    }
+}
+
+impl EventChoice<'_> {
+    /// The events that a person states of a movement, which is that of a fit's folder or of points; `None`: the program finds them.
+    pub(super) fn read(
+        self,
+        source: &Path,
+        movement: &Movement,
+    ) -> Result<Option<Vec<StatedEvent>>, Error> {
+        let beside = source.join(EVENTS);
+        Ok(match self {
+            Self::File(path) => Some(read_events(path, movement)?),
+            Self::Beside if beside.exists() => Some(read_events(&beside, movement)?),
+            Self::Beside | Self::Detected => None,
+        })
     }
 }
 

@@ -37,6 +37,11 @@ export class Curves {
     this.showSoon()
   }
 
+  /** Draws the ticks of the events anew. */
+  mark() {
+    this.charts.forEach((chart) => chart.redraw(false, false))
+  }
+
   /** Moves the line. */
   show(frame: number) {
     this.at = frame
@@ -57,14 +62,14 @@ export class Curves {
   }
 
   private chart(tracks: Track[]): uPlot {
-    const { fps, frames, events } = this.scene
+    const { fps, frames } = this.scene
     const times = Array.from({ length: frames }, (_, i) => i / fps)
     const known = (v: number) => (Number.isFinite(v) ? v : null)
     const values = tracks.map((track) => Array.from(floats(track.values), known))
     const colour = (side: string) => getComputedStyle(document.body).getPropertyValue(`--${side}`).trim()
     const start = this.scene.first_frame / fps
     const strikes = (chart: uPlot) => {
-      for (const event of events) {
+      for (const event of this.scene.events) {
         const x = chart.valToPos(event.time_s - start, 'x', true)
         chart.ctx.fillStyle = colour(event.side)
         const { top, height } = chart.bbox

@@ -2,6 +2,7 @@
 import './report.css'
 import { makeBody } from './body'
 import { Curves } from './curves'
+import { EventEditor } from './events'
 import { Painter } from './picture'
 import { readScene } from './scene'
 import { Stage } from './stage'
@@ -20,6 +21,7 @@ try {
 }
 const place = get('curves')
 const curves = place && new Curves(scene, place, get<HTMLSelectElement>('group')!, seek)
+const editor = get('events') && new EventEditor(scene, seek, () => curves?.mark())
 
 function seek(frame: number) {
   const at = Math.min(Math.max(Math.round(frame), 0), scene.frames - 1)
@@ -33,6 +35,7 @@ function seek(frame: number) {
   stage?.follow(at)
   drawCamera(at)
   curves?.show(at)
+  editor?.show(at)
 }
 
 function drawCamera(frame: number) {

@@ -30,6 +30,9 @@ export type View = {
 
 export type Track = { name: string; title: string; axis: string; side: Side; values: string }
 
+/** A foot strike or foot off; its time counts from the recording's frame 0. */
+export type FootEvent = { side: Side; kind: 'strike' | 'off'; time_s: number }
+
 export type Scene = {
   fps: number
   first_frame: number
@@ -38,7 +41,7 @@ export type Scene = {
   body: { poses: string; bind: string; parts: number; flesh: Skin | Ellipsoids } | null
   points: { names: string[]; places: string }
   tracks: Track[]
-  events: { side: Side; kind: 'strike' | 'off'; time_s: number }[]
+  events: FootEvent[]
   views: View[]
   /** Every so many frames have pictures. */
   picture_every: number

@@ -9,7 +9,7 @@ use serde_json::json;
 
 use crate::choice::{Choice, one_of};
 use crate::error::CliError;
-use crate::subject::SubjectArguments;
+use crate::subject::{EventArguments, SubjectArguments};
 use crate::switches::{Output, Overwrite};
 use maquette::gait::{GaitOptions, Surface};
 use maquette::io::folder::{check_out, write_atomically};
@@ -57,6 +57,8 @@ pub(super) struct GaitArguments {
     /// Show parameters without units, scaled by leg length (Hof 1996)
     #[arg(long)]
     normalised: bool,
+    #[command(flatten)]
+    events: EventArguments,
     /// Body model of the fit, if it is not a shipped one
     #[arg(long, value_name = "FILE")]
     body: Option<String>,
@@ -92,8 +94,12 @@ fn cutoff(text: &str) -> Result<f64, String> {
 
 /// Reads, analyses, writes, prints.
 pub(super) fn run(arguments: &GaitArguments) -> Result<(), CliError> {
-    let source =
-        GaitSource { path: &arguments.input, body: arguments.body.as_deref(), fps: arguments.fps };
+    let source = GaitSource {
+        path: &arguments.input,
+        body: arguments.body.as_deref(),
+        fps: arguments.fps,
+        events: arguments.events.choice(),
+    };
     let out = out_folder(arguments);
     check_out(&out, arguments.overwrite.existing())?;
     let study = GaitStudy::open(source, &arguments.options())?;
@@ -132,7 +138,7 @@ impl GaitArguments {
 
     /// A fit's walk, compared with a norm.
     pub(super) fn study(&self, fit: &FittedRecording) -> Result<GaitStudy, CliError> {
-        let study = fit.gait_with(&self.options())?;
+        let study = fit.gait_in(&self.input, self.events.choice(), &self.options())?;
         self.subject.compare(study, self.norm.as_deref())
     }
 }

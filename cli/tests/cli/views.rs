@@ -7,6 +7,7 @@ use std::os::unix::fs::PermissionsExt;
 #[cfg(unix)]
 use assert_cmd::Command;
 use image::{Rgb, RgbImage};
+use serde_json::json;
 
 use crate::arm::{Arm, run};
 #[cfg(unix)]
@@ -57,6 +58,22 @@ fn a_report_finds_its_recording_shows_its_pictures_and_refuses_another_one() {
     let (_, page) = report(&["--no-pictures"]);
     assert!(!page.contains("\"jpeg\"") && page.contains("\"cam_02\""), "outlines only");
 
+    // events that a person has put beside the fit, and of another recording
+    let fps = place.result("out")["recording"]["fps"].clone();
+    let events = |frames: usize| {
+        let event = json!({ "side": "left", "kind": "off", "frame": 4 });
+        let file = json!({
+            "format": "maquette-events", "version": 1, "fps": fps, "first_frame": 0, "frames": frames, "events": [event],
+        });
+        file.to_string()
+    };
+    fs::write(place.out("out/events.json"), events(10)).expect("written");
+    assert!(report(&[]).1.contains("as a person corrected them"));
+    assert!(!report(&["--events", "none"]).1.contains("as a person corrected them"));
+    fs::write(place.out("out/events.json"), events(11)).expect("written");
+    run(&["report", &out]).refused(&["out/events.json: frames 11, but"]);
+    fs::remove_file(place.out("out/events.json")).expect("removed");
+
     // another person before the same cameras
     let other = filmed(&place, "other", "2");
     run(&["report", &out, "--recording", &other]).refused(&["other", "not the recording"]);
@@ -71,6 +88,7 @@ fn a_report_finds_its_recording_shows_its_pictures_and_refuses_another_one() {
 
 #[cfg(unix)]
 #[test]
+#[allow(clippy::print_stderr, reason = "a test that is skipped says so")]
 fn a_report_is_printed_by_the_browser_that_is_named_or_an_installed_one() {
     let place = Arm::new();
     let recording = filmed(&place, "walk", "1");

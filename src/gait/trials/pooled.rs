@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::gait::curves::{Curve, mean_curve};
 use crate::gait::parameters::{Parameters, Statistic};
-use crate::gait::{Angle, GaitAnalysis, Side};
+use crate::gait::{Angle, EventSource, GaitAnalysis, Side};
 use crate::math::stats::{mean, mean_and_sd};
 
 /// A trial's analysis and its name.
@@ -31,6 +31,7 @@ pub fn pooled(trials: &[NamedTrial<'_>]) -> Option<GaitAnalysis> {
         course: first.course.clone(),
         leg_length_m: mean(trials.iter().filter_map(|trial| trial.gait.leg_length_m)),
         events: Vec::new(),
+        event_source: source(trials),
         agreement: Vec::new(),
         cycles: trials.iter().flat_map(|trial| trial.gait.cycles.clone()).collect(),
         parameters: parameters(trials),
@@ -39,6 +40,15 @@ pub fn pooled(trials: &[NamedTrial<'_>]) -> Option<GaitAnalysis> {
         unknown: first.unknown.clone(),
         notes: noted.collect(),
     })
+}
+
+/// A person, if one has corrected the events of any trial.
+fn source(trials: &[NamedTrial<'_>]) -> EventSource {
+    let is_corrected = |trial: &NamedTrial<'_>| trial.gait.event_source == EventSource::Person;
+    match trials.iter().any(is_corrected) {
+        true => EventSource::Person,
+        false => EventSource::Detected,
+    }
 }
 
 fn parameters(trials: &[NamedTrial<'_>]) -> Parameters {

@@ -1,5 +1,6 @@
 //! What gait analysis reads and writes: points or a fit in; `gait.json` and tables out; norms of healthy people.
 
+mod events;
 mod norm;
 mod people;
 mod read;
@@ -7,6 +8,7 @@ mod schema;
 mod tables;
 mod trials;
 
+pub use events::{EVENTS, EventFault, EventsError, read_events};
 pub use norm::{NormError, SHIPPED_NORM, load_norm, parse_norm};
 pub use people::{Sex, add_parameters};
 pub use read::{GaitInput, GaitInputError, from_result, read_points};

@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use super::read::GaitInput;
 use crate::gait::{
-    Agreement, Angle, Curve, Event, Extremes, GaitAnalysis, Indices, Norm, Parameter, Side,
-    Statistic, Surface, Used, indices,
+    Agreement, Angle, Curve, Event, EventSource, Extremes, GaitAnalysis, Indices, Norm, Parameter,
+    Side, Statistic, Surface, Used, indices,
 };
 
 /// A gait analysis. Version 1.
@@ -35,6 +35,8 @@ struct GaitFile<'a> {
     used: &'a [Used],
     /// Foot strikes and foot offs, by time.
     events: &'a [Event],
+    /// Who says when they are: `detected`, or a `person` who has corrected them.
+    event_source: EventSource,
     /// How far the two methods agree.
     agreement: &'a [Agreement],
     /// Spatiotemporal parameters.
@@ -164,6 +166,7 @@ pub fn gait_file<'a>(
         leg_length_m: gait.leg_length_m,
         used: &input.movement.used,
         events: &gait.events,
+        event_source: gait.event_source,
         agreement: &gait.agreement,
         parameters: parameters(gait),
         curves: gait.curves.iter().map(curve).collect(),

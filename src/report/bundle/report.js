@@ -13659,6 +13659,9 @@ var Nm = [
 		let e = Nm.find(([e]) => e === this.choice.value)?.[1] ?? [], t = (e) => this.scene.tracks.filter((t) => t.name === e);
 		this.charts = e.map(t).filter((e) => e.length > 0).map((e) => this.chart(e)), this.showSoon();
 	}
+	mark() {
+		this.charts.forEach((e) => e.redraw(!1, !1));
+	}
 	show(e) {
 		this.at = e;
 		for (let t of this.charts) {
@@ -13676,10 +13679,10 @@ var Nm = [
 		this.place.style.width = e ? `${this.place.clientWidth}px` : "";
 	}
 	chart(e) {
-		let { fps: t, frames: n, events: r } = this.scene, i = Array.from({ length: n }, (e, n) => n / t), a = (e) => Number.isFinite(e) ? e : null, o = e.map((e) => Array.from(hl(e.values), a)), s = (e) => getComputedStyle(document.body).getPropertyValue(`--${e}`).trim(), c = this.scene.first_frame / t, l = (e) => {
-			for (let t of r) {
-				let n = e.valToPos(t.time_s - c, "x", !0);
-				e.ctx.fillStyle = s(t.side);
+		let { fps: t, frames: n } = this.scene, r = Array.from({ length: n }, (e, n) => n / t), i = (e) => Number.isFinite(e) ? e : null, a = e.map((e) => Array.from(hl(e.values), i)), o = (e) => getComputedStyle(document.body).getPropertyValue(`--${e}`).trim(), s = this.scene.first_frame / t, c = (e) => {
+			for (let t of this.scene.events) {
+				let n = e.valToPos(t.time_s - s, "x", !0);
+				e.ctx.fillStyle = o(t.side);
 				let { top: r, height: i } = e.bbox, a = t.kind === "strike" ? 12 : 6;
 				e.ctx.fillRect(n, r + i - a * devicePixelRatio, 1.5 * devicePixelRatio, a * devicePixelRatio);
 			}
@@ -13711,13 +13714,13 @@ var Nm = [
 			}],
 			series: [{}, ...e.map((e) => ({
 				label: e.side,
-				stroke: s(e.side),
+				stroke: o(e.side),
 				width: 1.8,
 				points: { show: !1 },
 				dash: e.side === "left" && document.body.classList.contains("cb") ? [6, 3] : void 0
 			}))],
-			hooks: { draw: [l] }
-		}, [i, ...o], this.place);
+			hooks: { draw: [c] }
+		}, [r, ...a], this.place);
 	}
 	pointed(e, t) {
 		let n = t.clientX - e.over.getBoundingClientRect().left, r = Math.round(e.posToVal(n, "x") * this.scene.fps);
@@ -13730,9 +13733,143 @@ var Nm = [
 			height: 150
 		})), this.showSoon());
 	}
+}, Fm = ["left", "right"], Im = {
+	strike: "▼",
+	off: "△"
+}, Lm = {
+	strike: "strikes",
+	off: "leaves"
+}, Rm = (e) => document.getElementById(e);
+function zm(e) {
+	for (let t of Fm) {
+		let n = e.filter((e) => e.side === t).sort((e, t) => e.frame - t.frame);
+		for (let e = 1; e < n.length; e++) {
+			let [r, i] = [n[e - 1], n[e]], a = `frames ${Vm(r.frame)} and ${Vm(i.frame)}`;
+			if (r.kind === i.kind) {
+				let e = i.kind === "strike" ? "an off" : "a strike";
+				return `The ${t} foot ${Lm[i.kind]} at ${a}, without ${e} between.`;
+			}
+			if (r.frame >= i.frame) return `The ${t} foot strikes and leaves at once, at frame ${Vm(i.frame)}.`;
+		}
+	}
+	return null;
+}
+var Bm = (e) => Math.round(e * 1e4) / 1e4, Vm = (e) => String(Math.round(e * 10) / 10), Hm = class {
+	scene;
+	seek;
+	changed;
+	found;
+	marks;
+	chosen = null;
+	isSaved = !0;
+	at = 0;
+	lanes = /* @__PURE__ */ new Map();
+	constructor(e, t, n) {
+		this.scene = e, this.seek = t, this.changed = n, this.found = e.events.map(({ side: t, kind: n, time_s: r }) => ({
+			side: t,
+			kind: n,
+			frame: Bm(r * e.fps)
+		})), this.marks = this.found.map((e) => ({ ...e }));
+		for (let e of Fm) {
+			let t = document.createElement("div");
+			t.className = `lane ${e}`, t.addEventListener("keydown", (e) => this.pressed(e)), this.lanes.set(e, t), Rm("event-lanes").append(t);
+		}
+		for (let e of document.querySelectorAll("#events [data-kind]")) e.addEventListener("click", () => this.add(e.dataset.side, e.dataset.kind));
+		Rm("event-delete").addEventListener("click", () => this.remove()), Rm("event-undo").addEventListener("click", () => this.undo()), Rm("event-save").addEventListener("click", () => this.save()), addEventListener("beforeunload", (e) => {
+			this.isSaved || e.preventDefault();
+		}), this.draw();
+	}
+	show(e) {
+		this.at = e;
+		for (let t of document.querySelectorAll(".lane i")) t.style.left = this.place(this.scene.first_frame + e);
+	}
+	add(e, t) {
+		let n = {
+			side: e,
+			kind: t,
+			frame: this.scene.first_frame + this.at
+		};
+		this.marks.push(n), this.chosen = n, this.edited();
+	}
+	remove() {
+		this.marks = this.marks.filter((e) => e !== this.chosen), this.chosen = null, this.edited();
+	}
+	undo() {
+		this.marks = this.found.map((e) => ({ ...e })), this.chosen = null, this.edited(), this.isSaved = !0;
+	}
+	move(e, t) {
+		let { first_frame: n, frames: r } = this.scene;
+		e.frame = Math.min(Math.max(Math.round(t), n), n + r - 1), this.edited(), this.seek(e.frame - n);
+	}
+	pressed(e) {
+		let t = {
+			ArrowLeft: -1,
+			ArrowRight: 1
+		}[e.key];
+		if (this.chosen) {
+			if (t) this.move(this.chosen, this.chosen.frame + t);
+			else if (e.key === "Delete" || e.key === "Backspace") this.remove();
+			else return;
+			e.preventDefault();
+		}
+	}
+	save() {
+		let { fps: e, first_frame: t, frames: n } = this.scene, r = {
+			format: "maquette-events",
+			version: 1,
+			fps: e,
+			first_frame: t,
+			frames: n,
+			events: [...this.marks].sort((e, t) => e.frame - t.frame)
+		}, i = document.createElement("a");
+		i.href = URL.createObjectURL(new Blob([JSON.stringify(r, null, 1)], { type: "application/json" })), i.download = "events.json", i.click(), URL.revokeObjectURL(i.href), this.isSaved = !0, this.say("Saved as events.json among the downloads.");
+	}
+	edited() {
+		this.isSaved = !1;
+		let { fps: e } = this.scene;
+		this.scene.events = this.marks.map(({ side: t, kind: n, frame: r }) => ({
+			side: t,
+			kind: n,
+			time_s: r / e
+		})), this.draw(), this.changed();
+	}
+	draw() {
+		for (let [e, t] of this.lanes) {
+			let n = document.createElement("span");
+			n.textContent = e;
+			let r = this.marks.filter((t) => t.side === e).sort((e, t) => e.frame - t.frame);
+			t.replaceChildren(n, document.createElement("i"), ...r.map((e) => this.button(e)));
+		}
+		this.show(this.at), document.querySelector(".lane .chosen")?.focus({ preventScroll: !0 });
+		let e = zm(this.marks);
+		Rm("event-delete").disabled = !this.chosen, Rm("event-save").disabled = e !== null, this.say(e ?? "");
+	}
+	button(e) {
+		let t = document.createElement("button");
+		return t.type = "button", t.textContent = Im[e.kind], t.title = `${e.side} foot ${e.kind}, frame ${Vm(e.frame)}`, t.setAttribute("aria-label", t.title), t.classList.toggle("chosen", e === this.chosen), t.style.left = this.place(e.frame), t.addEventListener("pointerdown", (t) => this.drag(e, t)), t.addEventListener("focus", () => this.choose(e)), t;
+	}
+	choose(e) {
+		e === this.chosen && document.activeElement?.classList.contains("chosen") || (this.chosen = e, this.draw(), this.seek(Math.round(e.frame) - this.scene.first_frame));
+	}
+	drag(e, t) {
+		t.preventDefault(), this.choose(e);
+		let n = this.lanes.get(e.side).getBoundingClientRect(), { first_frame: r, frames: i } = this.scene, a = (a) => {
+			let o = Math.round(r + (a.clientX - n.left) / n.width * (i - 1));
+			Math.abs(a.clientX - t.clientX) > 2 && o !== e.frame && this.move(e, o);
+		}, o = () => {
+			removeEventListener("pointermove", a), removeEventListener("pointerup", o), removeEventListener("pointercancel", o);
+		};
+		addEventListener("pointermove", a), addEventListener("pointerup", o), addEventListener("pointercancel", o);
+	}
+	place(e) {
+		return `${100 * (e - this.scene.first_frame) / Math.max(this.scene.frames - 1, 1)}%`;
+	}
+	say(e) {
+		Rm("event-says").textContent = e;
+	}
 };
 // src/picture.ts
-function Fm(e) {
+function Um(e) {
 	let [t, n, r, i] = [
 		Infinity,
 		Infinity,
@@ -13747,14 +13884,14 @@ function Fm(e) {
 		height: i - n
 	} : null;
 }
-var Im = class {
+var Wm = class {
 	view;
 	lines;
 	size;
 	pictures = /* @__PURE__ */ new Map();
 	constructor(e) {
 		this.view = e, this.lines = vl(e);
-		let t = this.lines.map(Fm).filter((e) => e !== null), n = 1.2 * Math.max(...t.map((e) => e.height));
+		let t = this.lines.map(Um).filter((e) => e !== null), n = 1.2 * Math.max(...t.map((e) => e.height));
 		for (let t of e.pictures) {
 			let e = new Image();
 			e.src = `data:image/jpeg;base64,${t.jpeg}`, this.pictures.set(t.frame, {
@@ -13772,7 +13909,7 @@ var Im = class {
 		return this.pictures.get(e);
 	}
 	crop(e) {
-		let t = Fm(this.lines[e] ?? []), [n, r] = this.view.size_px;
+		let t = Um(this.lines[e] ?? []), [n, r] = this.view.size_px;
 		if (!t) return {
 			left: -.5,
 			top: -.5,
@@ -13787,13 +13924,13 @@ var Im = class {
 		};
 	}
 };
-function Lm(e, t) {
+function Gm(e, t) {
 	let { width: n, height: r } = t, [i, a, , , o] = e.intrinsics_px, [s, c] = [e.intrinsics_px[2] - t.left, e.intrinsics_px[3] - t.top], [l, u] = [.05, 100], d = new Ta();
 	d.projectionMatrix.set(2 * i / n, 2 * o / n, (2 * s + 1) / n - 1, 0, 0, -2 * a / r, 1 - (2 * c + 1) / r, 0, 0, 0, (u + l) / (u - l), -2 * u * l / (u - l), 0, 0, 1, 0), d.projectionMatrixInverse.copy(d.projectionMatrix).invert();
 	let f = e.camera_from_world, p = new qt().set(f[0], f[1], f[2], f[9], f[3], f[4], f[5], f[10], f[6], f[7], f[8], f[11], 0, 0, 0, 1).invert();
 	return d.matrixAutoUpdate = !1, d.matrix.copy(p), d.matrixWorld.copy(p), d.matrixWorldInverse.copy(p).invert(), d.matrixWorldAutoUpdate = !1, d;
 }
-var Rm = class {
+var Km = class {
 	body;
 	every;
 	renderer;
@@ -13813,7 +13950,7 @@ var Rm = class {
 		return this.room.add(this.body.object), this.renderer.setSize(t, n, !1), this.renderer.render(this.room, e), r?.add(this.body.object), this.renderer.domElement;
 	}
 	seenBy(e) {
-		let t = this.seen.get(e) ?? new Im(e);
+		let t = this.seen.get(e) ?? new Wm(e);
 		return this.seen.set(e, t), t;
 	}
 	shown(e, t) {
@@ -13835,7 +13972,7 @@ var Rm = class {
 			let { left: e, top: t, width: n, height: r } = u.at;
 			l.drawImage(u.image, (e - s.left) * c, (t - s.top) * c, n * c, r * c), l.globalAlpha = .5;
 		}
-		(i || !u) && l.drawImage(this.shot(Lm(e, s), n.width, n.height), 0, 0), l.globalAlpha = 1, o !== t && this.body.pose(t);
+		(i || !u) && l.drawImage(this.shot(Gm(e, s), n.width, n.height), 0, 0), l.globalAlpha = 1, o !== t && this.body.pose(t);
 		for (let [e, t] of [["#222", 3.4], ["#ffc400", 1.8]]) {
 			l.strokeStyle = e, l.lineWidth = t;
 			for (let e of a.lines[o] ?? []) {
@@ -13850,7 +13987,7 @@ var Rm = class {
 		let t = new Gn().setFromObject(this.body.object, !0), n = t.getSize(new X()), r = t.getCenter(new X()), i = .53 * Math.max(n.z, .1), a = e === "front" ? .53 * n.y : .3 * n.z, o = new Aa(-a, a, i, -i, .01, 20), s = e === "front" ? new X(1, 0, 0) : new X(0, -1, 0);
 		return o.up.set(0, 0, 1), o.position.copy(r).addScaledVector(s, 5), o.lookAt(r), o.updateMatrixWorld(), this.shot(o, Math.round(700 * a / i), 700).toDataURL("image/png");
 	}
-}, zm = { type: "change" }, Bm = { type: "start" }, Vm = { type: "end" }, Hm = new Fr(), Um = new Or(), Wm = Math.cos(70 * Ct.DEG2RAD), Gm = new X(), Km = 2 * Math.PI, qm = {
+}, qm = { type: "change" }, Jm = { type: "start" }, Ym = { type: "end" }, Xm = new Fr(), Zm = new Or(), Qm = Math.cos(70 * Ct.DEG2RAD), $m = new X(), eh = 2 * Math.PI, th = {
 	NONE: -1,
 	ROTATE: 0,
 	DOLLY: 1,
@@ -13859,9 +13996,9 @@ var Rm = class {
 	TOUCH_PAN: 4,
 	TOUCH_DOLLY_PAN: 5,
 	TOUCH_DOLLY_ROTATE: 6
-}, Jm = 1e-6, Ym = class extends Qa {
+}, nh = 1e-6, rh = class extends Qa {
 	constructor(n, r = null) {
-		super(n, r), this.state = qm.NONE, this.target = new X(), this.cursor = new X(), this.minDistance = 0, this.maxDistance = Infinity, this.minZoom = 0, this.maxZoom = Infinity, this.minTargetRadius = 0, this.maxTargetRadius = Infinity, this.minPolarAngle = 0, this.maxPolarAngle = Math.PI, this.minAzimuthAngle = -Infinity, this.maxAzimuthAngle = Infinity, this.enableDamping = !1, this.dampingFactor = .05, this.enableZoom = !0, this.zoomSpeed = 1, this.enableRotate = !0, this.rotateSpeed = 1, this.keyRotateSpeed = 1, this.enablePan = !0, this.panSpeed = 1, this.screenSpacePanning = !0, this.keyPanSpeed = 7, this.zoomToCursor = !1, this.autoRotate = !1, this.autoRotateSpeed = 2, this.keys = {
+		super(n, r), this.state = th.NONE, this.target = new X(), this.cursor = new X(), this.minDistance = 0, this.maxDistance = Infinity, this.minZoom = 0, this.maxZoom = Infinity, this.minTargetRadius = 0, this.maxTargetRadius = Infinity, this.minPolarAngle = 0, this.maxPolarAngle = Math.PI, this.minAzimuthAngle = -Infinity, this.maxAzimuthAngle = Infinity, this.enableDamping = !1, this.dampingFactor = .05, this.enableZoom = !0, this.zoomSpeed = 1, this.enableRotate = !0, this.rotateSpeed = 1, this.keyRotateSpeed = 1, this.enablePan = !0, this.panSpeed = 1, this.screenSpacePanning = !0, this.keyPanSpeed = 7, this.zoomToCursor = !1, this.autoRotate = !1, this.autoRotateSpeed = 2, this.keys = {
 			LEFT: "ArrowLeft",
 			UP: "ArrowUp",
 			RIGHT: "ArrowRight",
@@ -13873,7 +14010,7 @@ var Rm = class {
 		}, this.touches = {
 			ONE: t.ROTATE,
 			TWO: t.DOLLY_PAN
-		}, this.target0 = this.target.clone(), this.position0 = this.object.position.clone(), this.zoom0 = this.object.zoom, this._cursorStyle = "auto", this._domElementKeyEvents = null, this._lastPosition = new X(), this._lastQuaternion = new wt(), this._lastTargetPosition = new X(), this._quat = new wt().setFromUnitVectors(n.up, new X(0, 1, 0)), this._quatInverse = this._quat.clone().invert(), this._spherical = new Xa(), this._sphericalDelta = new Xa(), this._scale = 1, this._panOffset = new X(), this._rotateStart = new Y(), this._rotateEnd = new Y(), this._rotateDelta = new Y(), this._panStart = new Y(), this._panEnd = new Y(), this._panDelta = new Y(), this._dollyStart = new Y(), this._dollyEnd = new Y(), this._dollyDelta = new Y(), this._dollyDirection = new X(), this._mouse = new Y(), this._performCursorZoom = !1, this._pointers = [], this._pointerPositions = {}, this._controlActive = !1, this._onPointerMove = Zm.bind(this), this._onPointerDown = Xm.bind(this), this._onPointerUp = Qm.bind(this), this._onContextMenu = ah.bind(this), this._onMouseWheel = th.bind(this), this._onKeyDown = nh.bind(this), this._onTouchStart = rh.bind(this), this._onTouchMove = ih.bind(this), this._onMouseDown = $m.bind(this), this._onMouseMove = eh.bind(this), this._interceptControlDown = oh.bind(this), this._interceptControlUp = sh.bind(this), this.domElement !== null && this.connect(this.domElement), this.update();
+		}, this.target0 = this.target.clone(), this.position0 = this.object.position.clone(), this.zoom0 = this.object.zoom, this._cursorStyle = "auto", this._domElementKeyEvents = null, this._lastPosition = new X(), this._lastQuaternion = new wt(), this._lastTargetPosition = new X(), this._quat = new wt().setFromUnitVectors(n.up, new X(0, 1, 0)), this._quatInverse = this._quat.clone().invert(), this._spherical = new Xa(), this._sphericalDelta = new Xa(), this._scale = 1, this._panOffset = new X(), this._rotateStart = new Y(), this._rotateEnd = new Y(), this._rotateDelta = new Y(), this._panStart = new Y(), this._panEnd = new Y(), this._panDelta = new Y(), this._dollyStart = new Y(), this._dollyEnd = new Y(), this._dollyDelta = new Y(), this._dollyDirection = new X(), this._mouse = new Y(), this._performCursorZoom = !1, this._pointers = [], this._pointerPositions = {}, this._controlActive = !1, this._onPointerMove = ah.bind(this), this._onPointerDown = ih.bind(this), this._onPointerUp = oh.bind(this), this._onContextMenu = ph.bind(this), this._onMouseWheel = lh.bind(this), this._onKeyDown = uh.bind(this), this._onTouchStart = dh.bind(this), this._onTouchMove = fh.bind(this), this._onMouseDown = sh.bind(this), this._onMouseMove = ch.bind(this), this._interceptControlDown = mh.bind(this), this._interceptControlUp = hh.bind(this), this.domElement !== null && this.connect(this.domElement), this.update();
 	}
 	set cursorStyle(e) {
 		this._cursorStyle = e, e === "grab" ? this.domElement.style.cursor = "grab" : this.domElement.style.cursor = "auto";
@@ -13888,7 +14025,7 @@ var Rm = class {
 		}), this.domElement.style.touchAction = "none";
 	}
 	disconnect() {
-		this.state = qm.NONE, this.domElement.removeEventListener("pointerdown", this._onPointerDown), this.domElement.ownerDocument.removeEventListener("pointermove", this._onPointerMove), this.domElement.ownerDocument.removeEventListener("pointerup", this._onPointerUp), this.domElement.removeEventListener("pointercancel", this._onPointerUp), this.domElement.removeEventListener("wheel", this._onMouseWheel), this.domElement.removeEventListener("contextmenu", this._onContextMenu), this.stopListenToKeyEvents(), this.domElement.ownerDocument.removeEventListener("keydown", this._interceptControlDown, { capture: !0 }), this.domElement.ownerDocument.removeEventListener("keyup", this._interceptControlUp, { capture: !0 }), this._controlActive = !1, this._pointers.length = 0, this._pointerPositions = {}, this.domElement.style.touchAction = "", this.domElement.style.cursor = "auto";
+		this.state = th.NONE, this.domElement.removeEventListener("pointerdown", this._onPointerDown), this.domElement.ownerDocument.removeEventListener("pointermove", this._onPointerMove), this.domElement.ownerDocument.removeEventListener("pointerup", this._onPointerUp), this.domElement.removeEventListener("pointercancel", this._onPointerUp), this.domElement.removeEventListener("wheel", this._onMouseWheel), this.domElement.removeEventListener("contextmenu", this._onContextMenu), this.stopListenToKeyEvents(), this.domElement.ownerDocument.removeEventListener("keydown", this._interceptControlDown, { capture: !0 }), this.domElement.ownerDocument.removeEventListener("keyup", this._interceptControlUp, { capture: !0 }), this._controlActive = !1, this._pointers.length = 0, this._pointerPositions = {}, this.domElement.style.touchAction = "", this.domElement.style.cursor = "auto";
 	}
 	dispose() {
 		this.disconnect();
@@ -13912,7 +14049,7 @@ var Rm = class {
 		this.target0.copy(this.target), this.position0.copy(this.object.position), this.zoom0 = this.object.zoom;
 	}
 	reset() {
-		this.target.copy(this.target0), this.object.position.copy(this.position0), this.object.zoom = this.zoom0, this.object.updateProjectionMatrix(), this.dispatchEvent(zm), this.update(), this.state = qm.NONE;
+		this.target.copy(this.target0), this.object.position.copy(this.position0), this.object.zoom = this.zoom0, this.object.updateProjectionMatrix(), this.dispatchEvent(qm), this.update(), this.state = th.NONE;
 	}
 	pan(e, t) {
 		this._pan(e, t), this.update();
@@ -13931,19 +14068,19 @@ var Rm = class {
 	}
 	update(e = null) {
 		let t = this.object.position;
-		Gm.copy(t).sub(this.target), Gm.applyQuaternion(this._quat), this._spherical.setFromVector3(Gm), this.autoRotate && this.state === qm.NONE && this._rotateLeft(this._getAutoRotationAngle(e)), this.enableDamping ? (this._spherical.theta += this._sphericalDelta.theta * this.dampingFactor, this._spherical.phi += this._sphericalDelta.phi * this.dampingFactor) : (this._spherical.theta += this._sphericalDelta.theta, this._spherical.phi += this._sphericalDelta.phi);
+		$m.copy(t).sub(this.target), $m.applyQuaternion(this._quat), this._spherical.setFromVector3($m), this.autoRotate && this.state === th.NONE && this._rotateLeft(this._getAutoRotationAngle(e)), this.enableDamping ? (this._spherical.theta += this._sphericalDelta.theta * this.dampingFactor, this._spherical.phi += this._sphericalDelta.phi * this.dampingFactor) : (this._spherical.theta += this._sphericalDelta.theta, this._spherical.phi += this._sphericalDelta.phi);
 		let n = this.minAzimuthAngle, r = this.maxAzimuthAngle;
-		isFinite(n) && isFinite(r) && (n < -Math.PI ? n += Km : n > Math.PI && (n -= Km), r < -Math.PI ? r += Km : r > Math.PI && (r -= Km), n <= r ? this._spherical.theta = Math.max(n, Math.min(r, this._spherical.theta)) : this._spherical.theta = this._spherical.theta > (n + r) / 2 ? Math.max(n, this._spherical.theta) : Math.min(r, this._spherical.theta)), this._spherical.phi = Math.max(this.minPolarAngle, Math.min(this.maxPolarAngle, this._spherical.phi)), this._spherical.makeSafe(), this.enableDamping === !0 ? this.target.addScaledVector(this._panOffset, this.dampingFactor) : this.target.add(this._panOffset), this.target.sub(this.cursor), this.target.clampLength(this.minTargetRadius, this.maxTargetRadius), this.target.add(this.cursor);
+		isFinite(n) && isFinite(r) && (n < -Math.PI ? n += eh : n > Math.PI && (n -= eh), r < -Math.PI ? r += eh : r > Math.PI && (r -= eh), n <= r ? this._spherical.theta = Math.max(n, Math.min(r, this._spherical.theta)) : this._spherical.theta = this._spherical.theta > (n + r) / 2 ? Math.max(n, this._spherical.theta) : Math.min(r, this._spherical.theta)), this._spherical.phi = Math.max(this.minPolarAngle, Math.min(this.maxPolarAngle, this._spherical.phi)), this._spherical.makeSafe(), this.enableDamping === !0 ? this.target.addScaledVector(this._panOffset, this.dampingFactor) : this.target.add(this._panOffset), this.target.sub(this.cursor), this.target.clampLength(this.minTargetRadius, this.maxTargetRadius), this.target.add(this.cursor);
 		let i = !1;
 		if (this.zoomToCursor && this._performCursorZoom || this.object.isOrthographicCamera) this._spherical.radius = this._clampDistance(this._spherical.radius);
 		else {
 			let e = this._spherical.radius;
 			this._spherical.radius = this._clampDistance(this._spherical.radius * this._scale), i = e != this._spherical.radius;
 		}
-		if (Gm.setFromSpherical(this._spherical), Gm.applyQuaternion(this._quatInverse), t.copy(this.target).add(Gm), this.object.lookAt(this.target), this.enableDamping === !0 ? (this._sphericalDelta.theta *= 1 - this.dampingFactor, this._sphericalDelta.phi *= 1 - this.dampingFactor, this._panOffset.multiplyScalar(1 - this.dampingFactor)) : (this._sphericalDelta.set(0, 0, 0), this._panOffset.set(0, 0, 0)), this.zoomToCursor && this._performCursorZoom) {
+		if ($m.setFromSpherical(this._spherical), $m.applyQuaternion(this._quatInverse), t.copy(this.target).add($m), this.object.lookAt(this.target), this.enableDamping === !0 ? (this._sphericalDelta.theta *= 1 - this.dampingFactor, this._sphericalDelta.phi *= 1 - this.dampingFactor, this._panOffset.multiplyScalar(1 - this.dampingFactor)) : (this._sphericalDelta.set(0, 0, 0), this._panOffset.set(0, 0, 0)), this.zoomToCursor && this._performCursorZoom) {
 			let e = null;
 			if (this.object.isPerspectiveCamera) {
-				let t = Gm.length();
+				let t = $m.length();
 				e = this._clampDistance(t * this._scale);
 				let n = t - e;
 				this.object.position.addScaledVector(this._dollyDirection, n), this.object.updateMatrixWorld(), i = !!n;
@@ -13953,17 +14090,17 @@ var Rm = class {
 				let n = this.object.zoom;
 				this.object.zoom = Math.max(this.minZoom, Math.min(this.maxZoom, this.object.zoom / this._scale)), this.object.updateProjectionMatrix(), i = n !== this.object.zoom;
 				let r = new X(this._mouse.x, this._mouse.y, 0);
-				r.unproject(this.object), this.object.position.sub(r).add(t), this.object.updateMatrixWorld(), e = Gm.length();
+				r.unproject(this.object), this.object.position.sub(r).add(t), this.object.updateMatrixWorld(), e = $m.length();
 			} else console.warn("WARNING: OrbitControls.js encountered an unknown camera type - zoom to cursor disabled."), this.zoomToCursor = !1;
-			e !== null && (this.screenSpacePanning ? this.target.set(0, 0, -1).transformDirection(this.object.matrix).multiplyScalar(e).add(this.object.position) : (Hm.origin.copy(this.object.position), Hm.direction.set(0, 0, -1).transformDirection(this.object.matrix), Math.abs(this.object.up.dot(Hm.direction)) < Wm ? this.object.lookAt(this.target) : (Um.setFromNormalAndCoplanarPoint(this.object.up, this.target), Hm.intersectPlane(Um, this.target))));
+			e !== null && (this.screenSpacePanning ? this.target.set(0, 0, -1).transformDirection(this.object.matrix).multiplyScalar(e).add(this.object.position) : (Xm.origin.copy(this.object.position), Xm.direction.set(0, 0, -1).transformDirection(this.object.matrix), Math.abs(this.object.up.dot(Xm.direction)) < Qm ? this.object.lookAt(this.target) : (Zm.setFromNormalAndCoplanarPoint(this.object.up, this.target), Xm.intersectPlane(Zm, this.target))));
 		} else if (this.object.isOrthographicCamera) {
 			let e = this.object.zoom;
 			this.object.zoom = Math.max(this.minZoom, Math.min(this.maxZoom, this.object.zoom / this._scale)), e !== this.object.zoom && (this.object.updateProjectionMatrix(), i = !0);
 		}
-		return this._scale = 1, this._performCursorZoom = !1, i || this._lastPosition.distanceToSquared(this.object.position) > Jm || 8 * (1 - this._lastQuaternion.dot(this.object.quaternion)) > Jm || this._lastTargetPosition.distanceToSquared(this.target) > Jm ? (this.dispatchEvent(zm), this._lastPosition.copy(this.object.position), this._lastQuaternion.copy(this.object.quaternion), this._lastTargetPosition.copy(this.target), !0) : !1;
+		return this._scale = 1, this._performCursorZoom = !1, i || this._lastPosition.distanceToSquared(this.object.position) > nh || 8 * (1 - this._lastQuaternion.dot(this.object.quaternion)) > nh || this._lastTargetPosition.distanceToSquared(this.target) > nh ? (this.dispatchEvent(qm), this._lastPosition.copy(this.object.position), this._lastQuaternion.copy(this.object.quaternion), this._lastTargetPosition.copy(this.target), !0) : !1;
 	}
 	_getAutoRotationAngle(e) {
-		return e === null ? Km / 60 / 60 * this.autoRotateSpeed : Km / 60 * this.autoRotateSpeed * e;
+		return e === null ? eh / 60 / 60 * this.autoRotateSpeed : eh / 60 * this.autoRotateSpeed * e;
 	}
 	_getZoomScale(e) {
 		let t = Math.abs(e * .01);
@@ -13976,17 +14113,17 @@ var Rm = class {
 		this._sphericalDelta.phi -= e;
 	}
 	_panLeft(e, t) {
-		Gm.setFromMatrixColumn(t, 0), Gm.multiplyScalar(-e), this._panOffset.add(Gm);
+		$m.setFromMatrixColumn(t, 0), $m.multiplyScalar(-e), this._panOffset.add($m);
 	}
 	_panUp(e, t) {
-		this.screenSpacePanning === !0 ? Gm.setFromMatrixColumn(t, 1) : (Gm.setFromMatrixColumn(t, 0), Gm.crossVectors(this.object.up, Gm)), Gm.multiplyScalar(e), this._panOffset.add(Gm);
+		this.screenSpacePanning === !0 ? $m.setFromMatrixColumn(t, 1) : ($m.setFromMatrixColumn(t, 0), $m.crossVectors(this.object.up, $m)), $m.multiplyScalar(e), this._panOffset.add($m);
 	}
 	_pan(e, t) {
 		let n = this.domElement;
 		if (this.object.isPerspectiveCamera) {
 			let r = this.object.position;
-			Gm.copy(r).sub(this.target);
-			let i = Gm.length();
+			$m.copy(r).sub(this.target);
+			let i = $m.length();
 			i *= Math.tan(this.object.fov / 2 * Math.PI / 180), this._panLeft(2 * e * i / n.clientHeight, this.object.matrix), this._panUp(2 * t * i / n.clientHeight, this.object.matrix);
 		} else this.object.isOrthographicCamera ? (this._panLeft(e * (this.object.right - this.object.left) / this.object.zoom / n.clientWidth, this.object.matrix), this._panUp(t * (this.object.top - this.object.bottom) / this.object.zoom / n.clientHeight, this.object.matrix)) : (console.warn("WARNING: OrbitControls.js encountered an unknown camera type - pan disabled."), this.enablePan = !1);
 	}
@@ -14017,7 +14154,7 @@ var Rm = class {
 	_handleMouseMoveRotate(e) {
 		this._rotateEnd.set(e.clientX, e.clientY), this._rotateDelta.subVectors(this._rotateEnd, this._rotateStart).multiplyScalar(this.rotateSpeed);
 		let t = this.domElement;
-		this._rotateLeft(Km * this._rotateDelta.x / t.clientHeight), this._rotateUp(Km * this._rotateDelta.y / t.clientHeight), this._rotateStart.copy(this._rotateEnd), this.update();
+		this._rotateLeft(eh * this._rotateDelta.x / t.clientHeight), this._rotateUp(eh * this._rotateDelta.y / t.clientHeight), this._rotateStart.copy(this._rotateEnd), this.update();
 	}
 	_handleMouseMoveDolly(e) {
 		this._dollyEnd.set(e.clientX, e.clientY), this._dollyDelta.subVectors(this._dollyEnd, this._dollyStart), this._dollyDelta.y > 0 ? this._dollyOut(this._getZoomScale(this._dollyDelta.y)) : this._dollyDelta.y < 0 && this._dollyIn(this._getZoomScale(this._dollyDelta.y)), this._dollyStart.copy(this._dollyEnd), this.zoomToCursor && (this._performCursorZoom = !0, this._dollyDirection.set(this._mouse.x, this._mouse.y, 1).unproject(this.object).sub(this.object.position).normalize()), this.update();
@@ -14032,15 +14169,15 @@ var Rm = class {
 		let t = !1;
 		switch (e.code) {
 			case this.keys.UP:
-				e.ctrlKey || e.metaKey || e.shiftKey ? this.enableRotate && this._rotateUp(Km * this.keyRotateSpeed / this.domElement.clientHeight) : this.enablePan && this._pan(0, this.keyPanSpeed), t = !0;
+				e.ctrlKey || e.metaKey || e.shiftKey ? this.enableRotate && this._rotateUp(eh * this.keyRotateSpeed / this.domElement.clientHeight) : this.enablePan && this._pan(0, this.keyPanSpeed), t = !0;
 				break;
 			case this.keys.BOTTOM:
-				e.ctrlKey || e.metaKey || e.shiftKey ? this.enableRotate && this._rotateUp(-Km * this.keyRotateSpeed / this.domElement.clientHeight) : this.enablePan && this._pan(0, -this.keyPanSpeed), t = !0;
+				e.ctrlKey || e.metaKey || e.shiftKey ? this.enableRotate && this._rotateUp(-eh * this.keyRotateSpeed / this.domElement.clientHeight) : this.enablePan && this._pan(0, -this.keyPanSpeed), t = !0;
 				break;
 			case this.keys.LEFT:
-				e.ctrlKey || e.metaKey || e.shiftKey ? this.enableRotate && this._rotateLeft(Km * this.keyRotateSpeed / this.domElement.clientHeight) : this.enablePan && this._pan(this.keyPanSpeed, 0), t = !0;
+				e.ctrlKey || e.metaKey || e.shiftKey ? this.enableRotate && this._rotateLeft(eh * this.keyRotateSpeed / this.domElement.clientHeight) : this.enablePan && this._pan(this.keyPanSpeed, 0), t = !0;
 				break;
-			case this.keys.RIGHT: e.ctrlKey || e.metaKey || e.shiftKey ? this.enableRotate && this._rotateLeft(-Km * this.keyRotateSpeed / this.domElement.clientHeight) : this.enablePan && this._pan(-this.keyPanSpeed, 0), t = !0;
+			case this.keys.RIGHT: e.ctrlKey || e.metaKey || e.shiftKey ? this.enableRotate && this._rotateLeft(-eh * this.keyRotateSpeed / this.domElement.clientHeight) : this.enablePan && this._pan(-this.keyPanSpeed, 0), t = !0;
 		}
 		t && (e.preventDefault(), this.update());
 	}
@@ -14076,7 +14213,7 @@ var Rm = class {
 		}
 		this._rotateDelta.subVectors(this._rotateEnd, this._rotateStart).multiplyScalar(this.rotateSpeed);
 		let t = this.domElement;
-		this._rotateLeft(Km * this._rotateDelta.x / t.clientHeight), this._rotateUp(Km * this._rotateDelta.y / t.clientHeight), this._rotateStart.copy(this._rotateEnd);
+		this._rotateLeft(eh * this._rotateDelta.x / t.clientHeight), this._rotateUp(eh * this._rotateDelta.y / t.clientHeight), this._rotateStart.copy(this._rotateEnd);
 	}
 	_handleTouchMovePan(e) {
 		if (this._pointers.length === 1) this._panEnd.set(e.pageX, e.pageY);
@@ -14135,16 +14272,16 @@ var Rm = class {
 		return e.ctrlKey && !this._controlActive && (n.deltaY *= 10), n;
 	}
 };
-function Xm(e) {
+function ih(e) {
 	this.enabled !== !1 && (this._pointers.length === 0 && (this.domElement.setPointerCapture(e.pointerId), this.domElement.ownerDocument.addEventListener("pointermove", this._onPointerMove), this.domElement.ownerDocument.addEventListener("pointerup", this._onPointerUp)), this._isTrackingPointer(e) || (this._addPointer(e), e.pointerType === "touch" ? this._onTouchStart(e) : this._onMouseDown(e), this._cursorStyle === "grab" && (this.domElement.style.cursor = "grabbing")));
 }
-function Zm(e) {
+function ah(e) {
 	this.enabled !== !1 && (e.pointerType === "touch" ? this._onTouchMove(e) : this._onMouseMove(e));
 }
-function Qm(e) {
+function oh(e) {
 	switch (this._removePointer(e), this._pointers.length) {
 		case 0:
-			this.domElement.releasePointerCapture(e.pointerId), this.domElement.ownerDocument.removeEventListener("pointermove", this._onPointerMove), this.domElement.ownerDocument.removeEventListener("pointerup", this._onPointerUp), this.dispatchEvent(Vm), this.state = qm.NONE, this._cursorStyle === "grab" && (this.domElement.style.cursor = "grab");
+			this.domElement.releasePointerCapture(e.pointerId), this.domElement.ownerDocument.removeEventListener("pointermove", this._onPointerMove), this.domElement.ownerDocument.removeEventListener("pointerup", this._onPointerUp), this.dispatchEvent(Ym), this.state = th.NONE, this._cursorStyle === "grab" && (this.domElement.style.cursor = "grab");
 			break;
 		case 1:
 			let t = this._pointers[0], n = this._pointerPositions[t];
@@ -14155,7 +14292,7 @@ function Qm(e) {
 			});
 	}
 }
-function $m(t) {
+function sh(t) {
 	let n;
 	switch (t.button) {
 		case 0:
@@ -14172,135 +14309,135 @@ function $m(t) {
 	switch (n) {
 		case e.DOLLY:
 			if (this.enableZoom === !1) return;
-			this._handleMouseDownDolly(t), this.state = qm.DOLLY;
+			this._handleMouseDownDolly(t), this.state = th.DOLLY;
 			break;
 		case e.ROTATE:
 			if (t.ctrlKey || t.metaKey || t.shiftKey) {
 				if (this.enablePan === !1) return;
-				this._handleMouseDownPan(t), this.state = qm.PAN;
+				this._handleMouseDownPan(t), this.state = th.PAN;
 			} else {
 				if (this.enableRotate === !1) return;
-				this._handleMouseDownRotate(t), this.state = qm.ROTATE;
+				this._handleMouseDownRotate(t), this.state = th.ROTATE;
 			}
 			break;
 		case e.PAN:
 			if (t.ctrlKey || t.metaKey || t.shiftKey) {
 				if (this.enableRotate === !1) return;
-				this._handleMouseDownRotate(t), this.state = qm.ROTATE;
+				this._handleMouseDownRotate(t), this.state = th.ROTATE;
 			} else {
 				if (this.enablePan === !1) return;
-				this._handleMouseDownPan(t), this.state = qm.PAN;
+				this._handleMouseDownPan(t), this.state = th.PAN;
 			}
 			break;
-		default: this.state = qm.NONE;
+		default: this.state = th.NONE;
 	}
-	this.state !== qm.NONE && this.dispatchEvent(Bm);
+	this.state !== th.NONE && this.dispatchEvent(Jm);
 }
-function eh(e) {
+function ch(e) {
 	switch (this.state) {
-		case qm.ROTATE:
+		case th.ROTATE:
 			if (this.enableRotate === !1) return;
 			this._handleMouseMoveRotate(e);
 			break;
-		case qm.DOLLY:
+		case th.DOLLY:
 			if (this.enableZoom === !1) return;
 			this._handleMouseMoveDolly(e);
 			break;
-		case qm.PAN:
+		case th.PAN:
 			if (this.enablePan === !1) return;
 			this._handleMouseMovePan(e);
 	}
 }
-function th(e) {
-	this.enabled !== !1 && this.enableZoom !== !1 && this.state === qm.NONE && (e.preventDefault(), this.dispatchEvent(Bm), this._handleMouseWheel(this._customWheelEvent(e)), this.dispatchEvent(Vm));
+function lh(e) {
+	this.enabled !== !1 && this.enableZoom !== !1 && this.state === th.NONE && (e.preventDefault(), this.dispatchEvent(Jm), this._handleMouseWheel(this._customWheelEvent(e)), this.dispatchEvent(Ym));
 }
-function nh(e) {
+function uh(e) {
 	this.enabled !== !1 && this._handleKeyDown(e);
 }
-function rh(e) {
+function dh(e) {
 	switch (this._trackPointer(e), this._pointers.length) {
 		case 1:
 			switch (this.touches.ONE) {
 				case t.ROTATE:
 					if (this.enableRotate === !1) {
-						this.state = qm.NONE;
+						this.state = th.NONE;
 						break;
 					}
-					this._handleTouchStartRotate(e), this.state = qm.TOUCH_ROTATE;
+					this._handleTouchStartRotate(e), this.state = th.TOUCH_ROTATE;
 					break;
 				case t.PAN:
 					if (this.enablePan === !1) {
-						this.state = qm.NONE;
+						this.state = th.NONE;
 						break;
 					}
-					this._handleTouchStartPan(e), this.state = qm.TOUCH_PAN;
+					this._handleTouchStartPan(e), this.state = th.TOUCH_PAN;
 					break;
-				default: this.state = qm.NONE;
+				default: this.state = th.NONE;
 			}
 			break;
 		case 2:
 			switch (this.touches.TWO) {
 				case t.DOLLY_PAN:
 					if (this.enableZoom === !1 && this.enablePan === !1) return;
-					this._handleTouchStartDollyPan(e), this.state = qm.TOUCH_DOLLY_PAN;
+					this._handleTouchStartDollyPan(e), this.state = th.TOUCH_DOLLY_PAN;
 					break;
 				case t.DOLLY_ROTATE:
 					if (this.enableZoom === !1 && this.enableRotate === !1) return;
-					this._handleTouchStartDollyRotate(e), this.state = qm.TOUCH_DOLLY_ROTATE;
+					this._handleTouchStartDollyRotate(e), this.state = th.TOUCH_DOLLY_ROTATE;
 					break;
-				default: this.state = qm.NONE;
+				default: this.state = th.NONE;
 			}
 			break;
-		default: this.state = qm.NONE;
+		default: this.state = th.NONE;
 	}
-	this.state !== qm.NONE && this.dispatchEvent(Bm);
+	this.state !== th.NONE && this.dispatchEvent(Jm);
 }
-function ih(e) {
+function fh(e) {
 	switch (this._trackPointer(e), this.state) {
-		case qm.TOUCH_ROTATE:
+		case th.TOUCH_ROTATE:
 			if (this.enableRotate === !1) return;
 			this._handleTouchMoveRotate(e), this.update();
 			break;
-		case qm.TOUCH_PAN:
+		case th.TOUCH_PAN:
 			if (this.enablePan === !1) return;
 			this._handleTouchMovePan(e), this.update();
 			break;
-		case qm.TOUCH_DOLLY_PAN:
+		case th.TOUCH_DOLLY_PAN:
 			if (this.enableZoom === !1 && this.enablePan === !1) return;
 			this._handleTouchMoveDollyPan(e), this.update();
 			break;
-		case qm.TOUCH_DOLLY_ROTATE:
+		case th.TOUCH_DOLLY_ROTATE:
 			if (this.enableZoom === !1 && this.enableRotate === !1) return;
 			this._handleTouchMoveDollyRotate(e), this.update();
 			break;
-		default: this.state = qm.NONE;
+		default: this.state = th.NONE;
 	}
 }
-function ah(e) {
+function ph(e) {
 	this.enabled !== !1 && e.preventDefault();
 }
-function oh(e) {
+function mh(e) {
 	e.key === "Control" && (this._controlActive = !0, this.domElement.ownerDocument.addEventListener("keyup", this._interceptControlUp, {
 		passive: !0,
 		capture: !0
 	}));
 }
-function sh(e) {
+function hh(e) {
 	e.key === "Control" && (this._controlActive = !1, this.domElement.ownerDocument.removeEventListener("keyup", this._interceptControlUp, {
 		passive: !0,
 		capture: !0
 	}));
 }
 // src/stage.ts
-function ch(e, t) {
-	let { names: n, places: r } = e.points, i = lh ??= hl(r), a = new X(), o = 0;
+function gh(e, t) {
+	let { names: n, places: r } = e.points, i = _h ??= hl(r), a = new X(), o = 0;
 	for (let e = 0; e < n.length; e++) {
 		let r = 3 * (t * n.length + e);
 		Number.isFinite(i[r]) && (a.add(new X().fromArray(i, r)), o++);
 	}
 	return o ? a.divideScalar(o) : null;
 }
-var lh, uh = class {
+var _h, vh = class {
 	scene;
 	renderer;
 	room = new An();
@@ -14315,16 +14452,16 @@ var lh, uh = class {
 			preserveDrawingBuffer: !0
 		}), this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2)), this.room.background = new Q(16777215);
 		let r = new Ma(16777215, 2.2);
-		r.position.set(2, -3, 5), this.room.add(new Na(16777215, 1.3), r, t.object, this.grid), this.grid.rotation.x = Math.PI / 2, this.grid.position.z = e.floor_m, this.camera.up.set(0, 0, 1), this.controls = new Ym(this.camera, n), this.controls.enablePan = !1, this.controls.addEventListener("change", () => this.draw()), this.lookFromTheSide(), n.addEventListener("keydown", (e) => this.key(e));
+		r.position.set(2, -3, 5), this.room.add(new Na(16777215, 1.3), r, t.object, this.grid), this.grid.rotation.x = Math.PI / 2, this.grid.position.z = e.floor_m, this.camera.up.set(0, 0, 1), this.controls = new rh(this.camera, n), this.controls.enablePan = !1, this.controls.addEventListener("change", () => this.draw()), this.lookFromTheSide(), n.addEventListener("keydown", (e) => this.key(e));
 	}
 	lookFromTheSide() {
-		let e = ch(this.scene, 0) ?? new X(0, 0, 1), t = (ch(this.scene, this.scene.frames - 1) ?? e).clone().sub(e).setZ(0);
+		let e = gh(this.scene, 0) ?? new X(0, 0, 1), t = (gh(this.scene, this.scene.frames - 1) ?? e).clone().sub(e).setZ(0);
 		t.length() < .3 && t.set(1, 0, 0), t.normalize();
 		let n = new X(t.y, -t.x, 0).multiplyScalar(3.8).addScaledVector(t, 1.7).setZ(.5);
 		this.controls.target.copy(e), this.camera.position.copy(e).add(n), this.controls.update();
 	}
 	follow(e) {
-		let t = ch(this.scene, e);
+		let t = gh(this.scene, e);
 		t && (this.camera.position.add(t.clone().sub(this.controls.target)), this.controls.target.copy(t)), this.controls.update(), this.draw();
 	}
 	draw() {
@@ -14350,59 +14487,59 @@ var lh, uh = class {
 		else return;
 		e.preventDefault(), this.camera.position.copy(this.controls.target).add(t), this.controls.update(), this.draw();
 	}
-}, dh = pl(), fh = (e) => document.getElementById(e), ph = fh("time"), mh = bl(dh), hh = null, gh = null;
+}, yh = pl(), bh = (e) => document.getElementById(e), xh = bh("time"), Sh = bl(yh), Ch = null, wh = null;
 try {
-	hh = new uh(dh, mh, fh("stage"));
+	Ch = new vh(yh, Sh, bh("stage"));
 } catch {
-	fh("no-webgl").hidden = !1;
+	bh("no-webgl").hidden = !1;
 }
-var _h = fh("curves"), vh = _h && new Pm(dh, _h, fh("group"), yh);
-function yh(e) {
-	let t = Math.min(Math.max(Math.round(e), 0), dh.frames - 1);
-	ph.value = String(t);
-	let n = dh.first_frame + t, r = mh.pose(t), i = `frame ${n} · ${(t / dh.fps).toFixed(2)} s${r ? "" : " · nobody seen"}`;
-	fh("clock").textContent = i, ph.setAttribute("aria-valuetext", i), document.body.dataset.frame = String(n), hh?.follow(t), bh(t), vh?.show(t);
+var Th = bh("curves"), Eh = Th && new Pm(yh, Th, bh("group"), Oh), Dh = bh("events") && new Hm(yh, Oh, () => Eh?.mark());
+function Oh(e) {
+	let t = Math.min(Math.max(Math.round(e), 0), yh.frames - 1);
+	xh.value = String(t);
+	let n = yh.first_frame + t, r = Sh.pose(t), i = `frame ${n} · ${(t / yh.fps).toFixed(2)} s${r ? "" : " · nobody seen"}`;
+	bh("clock").textContent = i, xh.setAttribute("aria-valuetext", i), document.body.dataset.frame = String(n), Ch?.follow(t), kh(t), Eh?.show(t), Dh?.show(t);
 }
-function bh(e) {
-	let t = fh("camera"), n = fh("camera-choice");
-	if (!t || !n || !gh) return;
-	let r = dh.views[Number(n.value)], i = () => gh.camera(r, e, t, 420, fh("camera-body")?.checked);
-	i(), gh.waiting(r, e)?.then(() => {
-		Number(ph.value) === e && dh.views[Number(n.value)] === r && i();
+function kh(e) {
+	let t = bh("camera"), n = bh("camera-choice");
+	if (!t || !n || !wh) return;
+	let r = yh.views[Number(n.value)], i = () => wh.camera(r, e, t, 420, bh("camera-body")?.checked);
+	i(), wh.waiting(r, e)?.then(() => {
+		Number(xh.value) === e && yh.views[Number(n.value)] === r && i();
 	});
 }
-async function xh() {
-	let e = fh("sheet");
-	if (!e || !gh) return;
-	let t = Math.floor(dh.frames / 2);
-	await Promise.all(dh.views.map((e) => gh.waiting(e, t))), mh.pose(t);
-	for (let n of dh.views) {
+async function Ah() {
+	let e = bh("sheet");
+	if (!e || !wh) return;
+	let t = Math.floor(yh.frames / 2);
+	await Promise.all(yh.views.map((e) => wh.waiting(e, t))), Sh.pose(t);
+	for (let n of yh.views) {
 		let r = document.createElement("figure"), i = document.createElement("canvas"), a = document.createElement("figcaption");
-		a.textContent = `${n.name}, frame ${dh.first_frame + t}`, gh.camera(n, t, i, 260), r.append(i, a), e.append(r);
+		a.textContent = `${n.name}, frame ${yh.first_frame + t}`, wh.camera(n, t, i, 260), r.append(i, a), e.append(r);
 	}
 }
-function Sh() {
+function jh() {
 	for (let e of document.querySelectorAll("img[data-portrait]")) {
-		let t = gh?.portrait(e.dataset.portrait);
+		let t = wh?.portrait(e.dataset.portrait);
 		t ? e.src = t : e.closest("figure")?.remove();
 	}
 }
-var Ch = 0;
-function wh() {
-	let e = fh("play");
-	if (Ch) cancelAnimationFrame(Ch), Ch = 0;
+var Mh = 0;
+function Nh() {
+	let e = bh("play");
+	if (Mh) cancelAnimationFrame(Mh), Mh = 0;
 	else {
-		let [e, t] = [performance.now(), Number(ph.value)], n = (r) => {
-			t = (t + (r - e) / 1e3 * dh.fps * Number(fh("speed").value)) % dh.frames, e = r, yh(Math.floor(t)), Ch = requestAnimationFrame(n);
+		let [e, t] = [performance.now(), Number(xh.value)], n = (r) => {
+			t = (t + (r - e) / 1e3 * yh.fps * Number(bh("speed").value)) % yh.frames, e = r, Oh(Math.floor(t)), Mh = requestAnimationFrame(n);
 		};
-		Ch = requestAnimationFrame(n);
+		Mh = requestAnimationFrame(n);
 	}
-	e.textContent = Ch ? "⏸" : "▶", e.setAttribute("aria-label", Ch ? "Pause" : "Play");
+	e.textContent = Mh ? "⏸" : "▶", e.setAttribute("aria-label", Mh ? "Pause" : "Play");
 }
-ph.addEventListener("input", () => yh(Number(ph.value))), fh("play").addEventListener("click", wh);
-for (let e of ["camera-choice", "camera-body"]) fh(e)?.addEventListener("change", () => bh(Number(ph.value)));
-fh("colour-blind")?.addEventListener("change", (e) => {
-	document.body.classList.toggle("cb", e.target.checked), mh.paint?.(), hh?.draw(), vh?.draw();
-}), addEventListener("beforeprint", () => vh?.hold(!0)), addEventListener("afterprint", () => vh?.hold(!1)), addEventListener("resize", () => hh?.draw()), yh(0), document.body.dataset.ready = String(Math.round(performance.now())), setTimeout(async () => {
-	hh && document.querySelector("#camera, #sheet, img[data-portrait]") && (gh = new Rm(mh, dh.picture_every)), Sh(), await xh(), yh(Number(ph.value)), document.body.dataset.complete = String(Math.round(performance.now()));
+xh.addEventListener("input", () => Oh(Number(xh.value))), bh("play").addEventListener("click", Nh);
+for (let e of ["camera-choice", "camera-body"]) bh(e)?.addEventListener("change", () => kh(Number(xh.value)));
+bh("colour-blind")?.addEventListener("change", (e) => {
+	document.body.classList.toggle("cb", e.target.checked), Sh.paint?.(), Ch?.draw(), Eh?.draw();
+}), addEventListener("beforeprint", () => Eh?.hold(!0)), addEventListener("afterprint", () => Eh?.hold(!1)), addEventListener("resize", () => Ch?.draw()), Oh(0), document.body.dataset.ready = String(Math.round(performance.now())), setTimeout(async () => {
+	Ch && document.querySelector("#camera, #sheet, img[data-portrait]") && (wh = new Km(Sh, yh.picture_every)), jh(), await Ah(), Oh(Number(xh.value)), document.body.dataset.complete = String(Math.round(performance.now()));
 });

@@ -8,7 +8,7 @@ use crate::gait::trials::{Measure, Measured, NamedTrial, Spread, measured, poole
 use crate::gait::{GaitAnalysis, GaitOptions, Norm};
 use crate::io::gait::variation_csv;
 use crate::io::session::{SESSION, SessionFile};
-use crate::workflow::{Error, GaitSource, GaitStudy, NormChoice};
+use crate::workflow::{Error, EventChoice, GaitSource, GaitStudy, NormChoice};
 
 /// How somebody walks in the trials of one session, or in one recording.
 #[derive(Debug, Clone)]
@@ -39,7 +39,8 @@ impl SessionStudy {
         let name = whole.file_name().map(|name| name.to_string_lossy().into_owned());
         let (name, options) = (name.unwrap_or_default(), GaitOptions::default());
         if !Self::is_session(path) {
-            let study = GaitStudy::open(GaitSource { path, body, fps: None }, &options)?;
+            let source = GaitSource { path, body, fps: None, events: EventChoice::Beside };
+            let study = GaitStudy::open(source, &options)?;
             let study = study.compared_with(norm, None, None)?;
             let trials = vec![(name.clone(), study)];
             return Ok(Self { name, path: path.into(), file: None, trials });
@@ -49,8 +50,9 @@ impl SessionStudy {
         let (age, sex) = (session.file.age_years(), session.file.person.sex);
         let mut trials = Vec::with_capacity(session.trials.len());
         for (part, fitted) in session.file.trials.iter().zip(&session.trials) {
-            let study =
-                fitted.gait_with(&options).map_err(|source| super::named(&part.name, source))?;
+            let study = fitted
+                .gait_in(&path.join(&part.folder), EventChoice::Beside, &options)
+                .map_err(|source| super::named(&part.name, source))?;
             trials.push((part.name.clone(), study.compared_with(norm, age, sex)?));
         }
         Ok(Self { name, path: path.into(), file: Some(session.file), trials })
