@@ -211,6 +211,7 @@ class Fit:
         cutoff: float | None = None,
         surface: Literal["ground", "treadmill"] | None = None,
         pass_: int | None = None,
+        events: Path | Literal["none"] | None = None,
         norm: Path | Literal["none"] | None = None,
         age: int | None = None,
         sex: Literal["female", "male"] | None = None,
@@ -225,6 +226,9 @@ class Fit:
             What the person walks on; default detected.
         pass_
             Which pass through the room, if the person leaves and comes back; default the longest.
+        events
+            Foot strikes and foot offs as a person corrected them on the report's page; ``"none"`` for those that the
+            program finds. Default ``events.json`` of the fit's folder, if it is there.
         norm
             Healthy people to compare with: a ``.toml`` file or ``"none"``; default the shipped norm.
         age, sex
@@ -235,7 +239,8 @@ class Fit:
         GaitError
             Says why there is no gait to be analysed.
         """
-        options = {"cutoff": cutoff, "surface": surface, "pass": pass_, "norm": norm, "age": age, "sex": sex}
+        options = {"cutoff": cutoff, "surface": surface, "pass": pass_, "events": events}
+        options |= {"norm": norm, "age": age, "sex": sex}
         return Gait(self._fitted.gait(words(self.folder, **options)))
 
     # --- files -----------------------------------------------------------------------------------------
@@ -255,6 +260,7 @@ class Fit:
         date: str | None = None,
         condition: str | None = None,
         footwear: Literal["barefoot", "shoes"] | None = None,
+        events: Path | Literal["none"] | None = None,
         norm: Path | Literal["none"] | None = None,
         recording: Path | None = None,
         pictures: bool = True,
@@ -268,7 +274,7 @@ class Fit:
             The file.
         subject, age, sex, date, condition, footwear
             Who was recorded and how, as the report should say it.
-        norm
+        events, norm
             As of :meth:`gait`.
         recording
             The recording, which shows what the cameras saw; default where the fit found it.
@@ -285,6 +291,7 @@ class Fit:
             date=date,
             condition=condition,
             footwear=footwear,
+            events=events,
             norm=norm,
             recording=recording,
             no_pictures=not pictures,
@@ -313,8 +320,10 @@ class Fit:
         is_folder = format in ("ply", "obj")
         if not is_folder and path.suffix != f".{format}":
             raise OptionError(f"{path}: expected a name that ends in .{format}")
+        corrected = self.folder / "events.json"
+        events = corrected if corrected.exists() else None
         with tempfile.TemporaryDirectory(prefix="maquette-") as scratch:
-            (written,) = self._fitted.export(words(scratch, format=format))
+            (written,) = self._fitted.export(words(scratch, format=format, events=events))
             if is_folder:
                 shutil.copytree(written, path, dirs_exist_ok=True)
             else:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import json
+import pathlib
+
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
@@ -146,3 +149,21 @@ def test_options_of_gait_are_heard(fit: maquette.Fit) -> None:
     assert aged != gait.result["norm"]["parameters_source"]
     with pytest.raises(maquette.errors.GaitError):
         fit.gait(pass_=7)
+
+
+def test_events_that_a_person_corrected_stand_in_the_place_of_those_that_are_found(
+    fit: maquette.Fit, tmp_path: pathlib.Path
+) -> None:
+    """From a file as the report's page saves it."""
+    found = fit.gait().result
+    fps = found["fps"]
+    events = [{"side": e["side"], "kind": e["kind"], "frame": e["time_s"] * fps} for e in found["events"]]
+    head = {"format": "maquette-events", "version": 1, "fps": fps, "first_frame": 0, "frames": found["frames"]}
+    path = tmp_path / "events.json"
+    path.write_text(json.dumps({**head, "events": events[1:]}), encoding="utf-8")
+    corrected = fit.gait(events=path).result
+    assert (found["event_source"], corrected["event_source"]) == ("detected", "person")
+    assert len(corrected["events"]) == len(events) - 1
+    path.write_text(json.dumps({**head, "frames": 1, "events": []}), encoding="utf-8")
+    with pytest.raises(maquette.errors.GaitError, match="events.json: frames 1, but"):
+        fit.gait(events=path)
