@@ -113,13 +113,34 @@ addEventListener('beforeprint', () => curves?.hold(true))
 addEventListener('afterprint', () => curves?.hold(false))
 addEventListener('resize', () => stage?.draw())
 
+/**
+ * Keeps the page loading until everything is drawn, for a browser that prints as soon as it has loaded: a document within it that is
+ * being written. Gives what ends that.
+ */
+function keepLoading(): () => void {
+  const frame = document.createElement('iframe')
+  frame.hidden = true
+  document.body.append(frame)
+  const written = frame.contentDocument
+  written?.open()
+  return () => { written?.close(); frame.remove() }
+}
+
 seek(0)
 document.body.dataset.ready = String(Math.round(performance.now()))
 // what stands still can wait until the page answers
+const loaded = keepLoading()
 setTimeout(async () => {
-  if (stage && document.querySelector('#camera, #sheet, img[data-portrait]')) painter = new Painter(body, scene.picture_every)
-  fillPortraits()
-  await fillSheet()
-  seek(Number(slider.value))
+  try {
+    if (stage && document.querySelector('#camera, #sheet, img[data-portrait]')) painter = new Painter(body, scene.picture_every)
+    fillPortraits()
+    await fillSheet()
+    // the camera's own picture too
+    const view = scene.views[Number(get<HTMLSelectElement>('camera-choice')?.value)]
+    if (view && painter) await painter.waiting(view, Number(slider.value))
+    seek(Number(slider.value))
+  } finally {
+    loaded()
+  }
   document.body.dataset.complete = String(Math.round(performance.now()))
 })

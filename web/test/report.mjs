@@ -11,8 +11,10 @@ const [report, out, kind = 'gait'] = process.argv.slice(2)
 mkdirSync(out, { recursive: true })
 const { browser, page, faults, requests } = await opened({ width: 1100, height: 1800 })
 try {
+  await page.addInitScript(() => addEventListener('load', () => { window.completeWhenLoaded = document.body.dataset.complete }))
   await page.goto(pathToFileURL(resolve(report)).href)
-  await page.waitForFunction(() => document.body.dataset.complete)
+  // whoever prints the page when it has loaded prints all of it
+  assert.ok(await page.evaluate(() => window.completeWhenLoaded), 'loaded before all was drawn')
   const { ready, complete } = await page.evaluate(() => ({ ...document.body.dataset }))
 
   // nothing is asked of a network, and nothing went wrong

@@ -55,19 +55,16 @@ const LIMIT: Duration = Duration::from_secs(120);
 /// How often a browser that prints is looked at.
 const PAUSE: Duration = Duration::from_millis(20);
 
-/// What draws the moving body without a graphics card, and gives the page's program the time to finish, in milliseconds of its own clock.
-const DRAWS: [&str; 4] = [
-    "--use-gl=angle",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-    "--virtual-time-budget=20000",
-];
+/// What draws the moving body without a graphics card.
+const DRAWS: [&str; 3] =
+    ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
 /// What keeps a browser from asking anybody for anything, and from the person's own windows and profile.
 const ALONE: [&str; 4] =
     ["--headless", "--no-first-run", "--disable-background-networking", "--disable-sync"];
 
-/// Prints a page into the PDF beside it, `report.pdf` of `report.html`, and says where that is. The browser is the one that the
-/// variable `CHROME` names, or else an installed one.
+/// Prints a page into the PDF beside it, `report.pdf` of `report.html`, and says where that is. It is printed when it has loaded,
+/// which the report's page has when all of it is drawn. The browser is the one that the variable `CHROME` names, or else an
+/// installed one.
 ///
 /// # Errors
 /// [`PdfError`] says what to do. There is no PDF then, not even one of an older page.

@@ -14540,6 +14540,24 @@ xh.addEventListener("input", () => Oh(Number(xh.value))), bh("play").addEventLis
 for (let e of ["camera-choice", "camera-body"]) bh(e)?.addEventListener("change", () => kh(Number(xh.value)));
 bh("colour-blind")?.addEventListener("change", (e) => {
 	document.body.classList.toggle("cb", e.target.checked), Sh.paint?.(), Ch?.draw(), Eh?.draw();
-}), addEventListener("beforeprint", () => Eh?.hold(!0)), addEventListener("afterprint", () => Eh?.hold(!1)), addEventListener("resize", () => Ch?.draw()), Oh(0), document.body.dataset.ready = String(Math.round(performance.now())), setTimeout(async () => {
-	Ch && document.querySelector("#camera, #sheet, img[data-portrait]") && (wh = new Km(Sh, yh.picture_every)), jh(), await Ah(), Oh(Number(xh.value)), document.body.dataset.complete = String(Math.round(performance.now()));
+}), addEventListener("beforeprint", () => Eh?.hold(!0)), addEventListener("afterprint", () => Eh?.hold(!1)), addEventListener("resize", () => Ch?.draw());
+function Ph() {
+	let e = document.createElement("iframe");
+	e.hidden = !0, document.body.append(e);
+	let t = e.contentDocument;
+	return t?.open(), () => {
+		t?.close(), e.remove();
+	};
+}
+Oh(0), document.body.dataset.ready = String(Math.round(performance.now()));
+var Fh = Ph();
+setTimeout(async () => {
+	try {
+		Ch && document.querySelector("#camera, #sheet, img[data-portrait]") && (wh = new Km(Sh, yh.picture_every)), jh(), await Ah();
+		let e = yh.views[Number(bh("camera-choice")?.value)];
+		e && wh && await wh.waiting(e, Number(xh.value)), Oh(Number(xh.value));
+	} finally {
+		Fh();
+	}
+	document.body.dataset.complete = String(Math.round(performance.now()));
 });
