@@ -8,7 +8,7 @@
 //! and how far the surface lies outside the model's. Where cameras are not trusted, their places and clocks are unknowns too
 //! ([`CameraPrior`]). How much the data count ([`Noise`], [`Contrasts`]) and how far surfaces lie outside (`spread`) are
 //! estimated by turns with the optimum: first in some rounds of a few steps before a part of the border points, then before all
-//! of them until E no longer falls. The covariance is the inverse of the last optimum's own matrix.
+//! of them until E no longer falls ([`Rounds`]). The covariance is the inverse of the last optimum's own matrix.
 
 use std::ops::Range;
 
@@ -38,18 +38,53 @@ pub struct JointOptions {
     pub iterations: usize,
     /// How a motion follows the others.
     pub motion_model: MotionModel,
+    /// Which rounds are made.
+    pub rounds: Rounds,
+}
+
+/// Rounds of a few steps before a part of the border points, and a last one of many steps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Rounds {
+    /// From Algorithm 1's winner to the optimum before all border points.
+    #[default]
+    All,
+    /// To the optimum before a part of the border points: from there the optimum of several trials starts.
+    Thinned,
+    /// From such an optimum to that before all border points: one round fewer.
+    FromThinned,
+}
+
+impl Rounds {
+    /// The most steps of each round before the last.
+    fn approach(self) -> &'static [usize] {
+        match self {
+            Self::All => &APPROACH,
+            Self::Thinned | Self::FromThinned => &APPROACH[..1],
+        }
+    }
+
+    /// What the last round looks at.
+    fn last<'t, 'f>(self, terms: &'t SequenceTerms<'f>) -> &'t [Vec<Look<'f>>] {
+        match self {
+            Self::All | Self::FromThinned => &terms.all,
+            Self::Thinned => &terms.thinned,
+        }
+    }
 }
 
 impl Default for JointOptions {
     fn default() -> Self {
-        Self { iterations: 25, motion_model: MotionModel::ConstantVelocity }
+        let motion_model = MotionModel::ConstantVelocity;
+        Self { iterations: 25, motion_model, rounds: Rounds::All }
     }
 }
 
 impl JointOptions {
     /// Steps of the work at most: in each round the first linearisation and one for each iteration, and the standard deviations.
     pub fn most_steps(&self) -> usize {
-        let approach: usize = APPROACH.iter().map(|iterations| iterations + 1).sum();
+        let approach = self.rounds.approach();
+        let approach: usize = approach.iter().map(|iterations| iterations + 1).sum();
         approach + (self.iterations + 1) + 1
     }
 }
@@ -160,7 +195,7 @@ pub fn joint_optimum_from_terms<'a>(
         shape_prior: evidence.shape_prior.clone(),
         leverages: Leverages::new(),
     };
-    for max_iterations in APPROACH {
+    for &max_iterations in options.rounds.approach() {
         let solver = Options { max_iterations, damping: DAMPING, relative_decrease: ROUGHLY };
         let round = search.round(&terms.thinned, from, &solver);
         from = search.approached(round);
@@ -171,10 +206,11 @@ pub fn joint_optimum_from_terms<'a>(
         damping: DAMPING,
         relative_decrease: TOLERANCE,
     };
-    let Round { noise, solution, .. } = search.round(&terms.all, from, &solver);
+    let looks = options.rounds.last(terms);
+    let Round { noise, solution, .. } = search.round(looks, from, &solver);
     let uncertainty =
         Uncertainty::new(model, &solution.state, search.camera_prior, &solution.model);
-    let frames = search.frame_fits(&terms.all, &solution.state);
+    let frames = search.frame_fits(looks, &solution.state);
     step();
     JointOptimum {
         frames,

@@ -1,7 +1,7 @@
 //! Truth in, estimate out.
 
 use maquette::inference::SequenceState;
-use maquette::inference::joint::{JointOptimum, JointOptions, joint_optimum};
+use maquette::inference::joint::{JointOptimum, JointOptions, Rounds, joint_optimum};
 use maquette::inference::step::MotionModel;
 use maquette::likelihood::Measure;
 
@@ -108,4 +108,28 @@ fn both_motion_models_find_it_and_not_the_same_way() {
         [MotionModel::ConstantPosition, MotionModel::ConstantVelocity].map(with);
     assert!(after(&scene, &position) < 5.0 && after(&scene, &velocity) < 5.0);
     assert_ne!(position.frames, velocity.frames);
+}
+
+#[test]
+fn an_optimum_before_a_part_of_the_border_leads_to_that_before_all() {
+    let scene = Scene::arm(8);
+    let evidence = scene.evidence(Measure::Metaballs);
+    let optimum = |start, rounds| {
+        let options = JointOptions { rounds, ..JointOptions::default() };
+        joint_optimum(&evidence, scene.sequence(), start, &options)
+    };
+    let at_once = optimum(start(&scene, 0.1), Rounds::All);
+    let thinned = optimum(start(&scene, 0.1), Rounds::Thinned);
+    let later = optimum(thinned.state(), Rounds::FromThinned);
+
+    // a part of the border is another optimum; from there the way leads to the same
+    let known = at_once.uncertainty.as_ref().expect("the matrix is regular");
+    let sd = known.shape.covariance.diagonal().map(f64::sqrt);
+    let apart =
+        |other: &JointOptimum| (&other.shape.0 - &at_once.shape.0).component_div(&sd).amax();
+    let (apart_later, apart_thinned) = (apart(&later), apart(&thinned));
+    assert!(
+        apart_later < 0.5 && apart_thinned > 2.0 * apart_later,
+        "{apart_later} {apart_thinned}"
+    );
 }

@@ -11,7 +11,7 @@
 //! is estimated from all trials together ([`Noise`](crate::inference::noise::Noise)): what repeats at one place of the body in every trial, a
 //! fold or a wrong girth, counts once however many trials there are.
 //!
-//! The start is what each trial was found to be alone, its motion with the mean shape s̄ = (Σ Λₖ)⁻¹ Σ Λₖ sₖ, Λₖ the inverse covariance of
+//! The start is what each trial was found to be alone before a part of its border points ([`Rounds::Thinned`]), its motion with the mean shape s̄ = (Σ Λₖ)⁻¹ Σ Λₖ sₖ, Λₖ the inverse covariance of
 //! trial k's shape.
 //!
 //! | file           | holds                                        |
@@ -40,7 +40,7 @@ use super::{CameraFound, EstimateOptions, Fit, FitError, NoProgress, Progress, c
 use crate::body::{BodyModel, Motion, Shape};
 use crate::camera::Rig;
 use crate::inference::camera_offset::{CameraOffset, CameraPrior};
-use crate::inference::joint::{JointOptimum, JointOptions, joint_optimum_from_terms};
+use crate::inference::joint::{JointOptimum, JointOptions, Rounds, joint_optimum_from_terms};
 use crate::inference::{Evidence, Look, Sequence, SequenceState, SequenceTerms, ShapeConfidence};
 use rig::SharedRig;
 
@@ -147,6 +147,7 @@ impl Session<'_> {
             self.trials.iter().flat_map(|trial| detected_names(trial.sequence)).collect();
         let detected = self.body.with_keypoints(&distinct(names));
         let joint = first.options.joint.unwrap_or_default();
+        let joint = JointOptions { rounds: Rounds::FromThinned, ..joint };
 
         // what each trial shows, its cameras counted through all trials
         let state = self.start(shared);

@@ -23,6 +23,7 @@ pub use study::SessionStudy;
 
 use super::fit::fitted;
 use super::{Error, FitOptions, FittedRecording};
+use crate::inference::joint::{JointOptions, Rounds};
 use crate::io::folder::{Existing, OutFolder, check_out};
 use crate::io::session::{
     DisagreementPart, SESSION, SessionFile, SessionLength, SessionManifest, TrialPart, session_of,
@@ -110,9 +111,11 @@ impl Session {
         let mut options = options.clone();
         let estimate = &mut options.estimate;
         estimate.height_m = estimate.height_m.or(self.manifest.person.height_m);
+        let asked = estimate.joint;
+        estimate.joint = asked.map(|joint| JointOptions { rounds: Rounds::Thinned, ..joint });
 
         // 1. each trial alone
-        let alone = self.fit_alone(folder, &options, progress)?;
+        let mut alone = self.fit_alone(folder, &options, progress)?;
         let trials = alone.iter().map(AloneTrial::session_trial).collect::<Result<Vec<_>, _>>()?;
         let model = &alone[0].input.model;
 
@@ -122,6 +125,9 @@ impl Session {
         drop(trials);
 
         // 3. trial by trial, and the session last
+        for trial in &mut alone {
+            trial.input.options.estimate.joint = asked;
+        }
         let fitted = self.write_trials(folder.path, &alone, &found)?;
         let file = self.file(&alone, &fitted, &found, &odd);
         out.write(SESSION, file.text()?.as_bytes())?;

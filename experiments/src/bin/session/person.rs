@@ -7,6 +7,7 @@ use experiments::metrics::rms;
 use experiments::walker::observe;
 use maquette::body::BodyModel;
 use maquette::inference::Sequence;
+use maquette::inference::joint::{JointOptions, Rounds};
 use maquette::inference::search::NoJournal;
 use maquette::math::stats::mean;
 use maquette::pipeline::{
@@ -27,7 +28,7 @@ pub(crate) struct Found {
     /// The same in standard deviations.
     pub(crate) alone_z: Vec<f64>,
     pub(crate) together_z: Vec<f64>,
-    /// Time of all trials alone and together, over that of all alone.
+    /// Time of the session over that of a fit of each trial.
     pub(crate) times: f64,
     /// Trials that were named although they are of this person.
     pub(crate) wrongly_named: usize,
@@ -97,15 +98,24 @@ pub(crate) fn found(
     let film = |seed, trial| Filmed::new(&recipe(seed, trial), body, walker);
     let filmed: Vec<Filmed> = (0..TRIALS).map(|trial| film(seed, trial)).collect::<Option<_>>()?;
     let options = EstimateOptions::default();
+    let fit_all = |options: &EstimateOptions| -> Option<Vec<Fit>> {
+        filmed.iter().map(|trial| trial.fit(body, options)).collect()
+    };
 
+    // each trial as `maquette fit` fits it
     let start = Instant::now();
-    let fits: Vec<Fit> =
-        filmed.iter().map(|trial| trial.fit(body, &options)).collect::<Option<_>>()?;
-    let alone_s = start.elapsed().as_secs_f64();
+    let single = fit_all(&options)?;
+    let single_s = start.elapsed().as_secs_f64();
+
+    // and as `maquette session` does
+    let start = Instant::now();
+    let joint = JointOptions { rounds: Rounds::Thinned, ..JointOptions::default() };
+    let options = EstimateOptions { joint: Some(joint), ..options };
+    let fits = fit_all(&options)?;
     let trials: Vec<SessionTrial<'_>> =
         filmed.iter().zip(&fits).map(|(trial, fit)| session_trial(trial, fit, &options)).collect();
     let together = fit_session(body, &trials, &NoProgress).ok()?;
-    let times = start.elapsed().as_secs_f64() / alone_s;
+    let times = start.elapsed().as_secs_f64() / single_s;
 
     // somebody else in the place of the last trial
     let other = film(seed + 50, 0)?;
@@ -117,7 +127,7 @@ pub(crate) fn found(
 
     let off = |fit: &Fit| deviations(body, &filmed[0].truth, fit);
     let (together, together_z) = off(together.fits.first()?)?;
-    let alone: Vec<(Vec<f64>, Vec<f64>)> = fits.iter().map(off).collect::<Option<_>>()?;
+    let alone: Vec<(Vec<f64>, Vec<f64>)> = single.iter().map(off).collect::<Option<_>>()?;
     Some(Found {
         alone_z: alone.iter().flat_map(|(_, z)| z.clone()).collect(),
         alone: alone.into_iter().map(|(pct, _)| pct).collect(),
