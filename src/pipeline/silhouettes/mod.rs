@@ -39,6 +39,7 @@ pub use error::SilhouetteError;
 pub use filter::{Edges, FilteredEdges, disparity_mask};
 pub use run::{
     FoundSilhouettes, FrameSilhouettes, SilhouettePipeline, SilhouetteSearch, UNSURE_BACKING,
+    UNSURE_RELIABILITY,
 };
 pub use scene::{FrameSighting, Scene};
 pub use starting_fit::StartingFit;

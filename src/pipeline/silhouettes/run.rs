@@ -17,7 +17,7 @@ const TURNS: usize = 4;
 
 /// Mean reliability below which contours are not to be trusted: of people it was .54 to .70, of an arm sought in a person
 /// .17 to .38.
-const UNSURE: f64 = 0.45;
+pub const UNSURE_RELIABILITY: f64 = 0.45;
 
 /// Backing below which contours are doubted. Of right contours of `maquette synth --clutter`, and of persons who walk on the
 /// spot in such rooms, it was .85 to .97, of a person of whom too little had been found .57 to .87.
@@ -94,7 +94,7 @@ impl FoundSilhouettes {
 
     /// That the contours of this body hardly lie on edges, or that depth backs too little of them; `None` where neither is so.
     pub fn doubt(&self, body: &str) -> Option<String> {
-        let Some(reliability) = self.reliability.filter(|mean| *mean < UNSURE) else {
+        let Some(reliability) = self.reliability.filter(|mean| *mean < UNSURE_RELIABILITY) else {
             let (first, count) = (self.doubtful.first()?, self.doubtful.len());
             return Some(format!(
                 "in {count} of {} frames (the first is {first}) less than {:.0} % of the contour of a view and of what stands out in depth about it is explained by {body}: see backing in quality.csv, and look with --overlays",

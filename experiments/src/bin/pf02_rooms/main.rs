@@ -4,7 +4,8 @@
 //! walks on the spot, one does so turned away, of one the feet are out of view and of one a side, behind one a cart goes to and
 //! fro, and one turns and wanders. Distance, baseline and frame rate of the cameras are drawn too. A frame is in error where,
 //! in any camera, the overlap with the true mask is less than 0.9 or the contour is more than 4 px off on average; it has a
-//! verdict where the whole is refused, or where the program warns that depth backs too little of a view's contour. `--quick`: the first two rooms, 16 frames each.
+//! verdict where the program refuses the whole, warns that the contours hardly lie on edges, or warns that depth backs too little of one
+//! of the frame's contours. `--quick`: the first two rooms, 16 frames each.
 //!
 //! Starts: from nothing.
 
@@ -19,7 +20,8 @@ use experiments::run::Run;
 use experiments::table::Table;
 use maquette::Recording;
 use maquette::io::folder::silhouettes::SilhouetteExtras;
-use maquette::pipeline::silhouettes::{SilhouettePipeline, UNSURE_BACKING};
+use maquette::math::stats::mean;
+use maquette::pipeline::silhouettes::{SilhouettePipeline, UNSURE_BACKING, UNSURE_RELIABILITY};
 use maquette::pipeline::{FrameRange, NoProgress};
 use maquette::synth::{Company, FilmRecipe, Staging};
 use maquette::workflow::{DEFAULT_BODY, SilhouetteFiles};
@@ -148,6 +150,8 @@ fn traced(recipe: &FilmRecipe, folder: &Path) -> Result<Traced, Fault> {
         overlap: 0.0,
         failure,
     };
+    let reliability = mean(rows.iter().map(|row| row.reliability));
+    let is_doubted = reliability.is_some_and(|mean| mean < UNSURE_RELIABILITY);
     let mut scores: Vec<Score> = Vec::new();
     for frame in 0..found.frames {
         let truth = recording.join("truth");
@@ -156,6 +160,7 @@ fn traced(recipe: &FilmRecipe, folder: &Path) -> Result<Traced, Fault> {
         let views: Vec<Score> = views.collect::<Result<_, _>>()?;
         let mut of_frame = rows.iter().filter(|row| row.frame == frame).peekable();
         let has_verdict = found.failure.is_some()
+            || is_doubted
             || of_frame.peek().is_none()
             || of_frame.any(|row| row.backing.is_some_and(|backing| backing < UNSURE_BACKING));
 
