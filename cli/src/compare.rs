@@ -35,7 +35,7 @@ pub(super) struct CompareArguments {
     /// Where to write compare.html and changes.csv; it must be empty or new
     #[arg(long, value_name = "FOLDER")]
     out: PathBuf,
-    /// Norm of healthy people: a .toml file, or none [default: schwartz-2008-free]
+    /// Norm of healthy people: a .toml file, or none [default: the shipped one of their age]
     #[arg(long, value_name = "FILE|none")]
     norm: Option<String>,
     /// Body model of both, if it is not a shipped one

@@ -36,7 +36,11 @@ fn class_of(fault: &Error) -> &'static str {
         | Error::Sync(_) => "FitError",
         Error::Out(_) | Error::Journal(_) | Error::Overlay(_) => "OutputError",
         Error::Result(_) | Error::Session(_) | Error::SessionFile(_) => "ResultError",
-        Error::GaitInput(_) | Error::Movement(_) | Error::Gait(_) | Error::Norm(_) => "GaitError",
+        Error::GaitInput(_)
+        | Error::Movement(_)
+        | Error::Gait(_)
+        | Error::Norm(_)
+        | Error::OwnNorm(_) => "GaitError",
         Error::Unusable(_) => "UnusableError",
         _ => "MaquetteError",
     }

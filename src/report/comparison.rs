@@ -4,10 +4,10 @@ use maud::{Markup, html};
 
 use super::Subject;
 use super::figure::{Axis, BOTH, Colour, Figure, NORM};
-use super::identity::person;
+use super::identity::{cautions, person};
 use super::kinematics::{ARMS, LEGS, empty_figure, grid, norm_band, over_percent};
 use super::label::angle_label;
-use super::page::{Page, absent, document, footwear_note, number};
+use super::page::{Page, absent, document, number};
 use super::variation::{digits_of, title};
 use crate::gait::trials::Change;
 use crate::gait::{Angle, Curve, GaitAnalysis, Norm, Side};
@@ -85,7 +85,7 @@ fn table_page(input: &ComparisonInput<'_>) -> Page {
         id: "changes",
         title: "Changes",
         body: html! {
-            @if let Some(norm) = input.norm { (footwear_note(norm.footwear, input.after.subject.footwear)) }
+            @if let Some(norm) = input.norm { (cautions(norm, input.after.subject)) }
             (table(&input.changes.iter().collect::<Vec<_>>(), input))
             p class="note" {
                 "SD: between the trials of a session. Change: " (input.after.name) " less " (input.before.name) ", with its 95 % interval (Welch), "
@@ -145,7 +145,7 @@ fn curves(input: &ComparisonInput<'_>, side: Side) -> Page {
             p class="key" {
                 span style={ "--c:" (BOTH) ";color:" (BOTH) } { (input.before.name) ", grey" }
                 span class=(side.name()) { (input.after.name) ", in colour" }
-                @if let Some(norm) = input.norm { span class="norm" { "norm: " (norm.name) ", mean ± 1 SD between people" } }
+                @if let Some(norm) = input.norm.filter(|norm| !norm.curves.is_empty()) { span class="norm" { "norm: " (norm.name) ", mean ± 1 SD between people" } }
             }
             (grid(&LEGS, |angle| panel(input, angle, side)))
             p class="note" { "From foot strike to foot strike of the same side. Line: mean over all strides of all trials. Tint: ± 1 SD between strides. Dashed: foot off." }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::{CalibrateError, SessionError, SyncError};
+use super::{CalibrateError, OwnNormError, SessionError, SyncError};
 use crate::gait::{GaitError, MovementError};
 use crate::io::calibration::CalibrationWriteError;
 use crate::io::export::{BvhError, C3dError, GlbError};
@@ -69,6 +69,9 @@ pub enum Error {
     /// A movement without gait.
     #[error(transparent)]
     Gait(#[from] GaitError),
+    /// A norm that cannot be made.
+    #[error(transparent)]
+    OwnNorm(#[from] OwnNormError),
     /// A norm that cannot be used.
     #[error(transparent)]
     Norm(#[from] NormError),

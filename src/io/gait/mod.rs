@@ -1,13 +1,15 @@
 //! What gait analysis reads and writes: points or a fit in; `gait.json` and tables out; norms of healthy people.
 
 mod norm;
+mod norm_text;
 mod people;
 mod read;
 mod schema;
 mod tables;
 mod trials;
 
-pub use norm::{NormError, SHIPPED_NORM, load_norm, parse_norm};
+pub use norm::{NormError, load_norm, parse_norm, shipped_norm};
+pub use norm_text::norm_text;
 pub use people::{Sex, add_parameters};
 pub use read::{GaitInput, GaitInputError, from_result, read_points};
 pub use schema::gait_file;

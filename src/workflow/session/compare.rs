@@ -23,18 +23,28 @@ impl Comparison {
     ///
     /// # Errors
     /// [`SessionError::OtherPerson`] if both name a person and not the same, and [`SessionError::NothingInCommon`].
-    pub fn new(before: SessionStudy, after: SessionStudy) -> Result<Self, Error> {
+    pub fn new(before: SessionStudy, mut after: SessionStudy) -> Result<Self, Error> {
         let id = |study: &SessionStudy| study.file.as_ref()?.person.id.clone();
         if let (Some(first), Some(second)) = (id(&before), id(&after))
             && first != second
         {
             return Err(SessionError::OtherPerson { first, second }.into());
         }
+        // a person who has aged from one norm into another is compared with one of them
+        let has_other_norm = after.norm() != before.norm();
+        if has_other_norm {
+            let norm = before.norm().cloned();
+            after.trials.iter_mut().for_each(|(_, study)| study.norm.clone_from(&norm));
+        }
+
         let changes = changes(&before.spreads(), &after.spreads());
         if changes.is_empty() {
             return Err(SessionError::NothingInCommon.into());
         }
-        let notes = notes(&before, &after);
+        let mut notes = notes(&before, &after);
+        if has_other_norm {
+            notes.push(format!("both are compared with the norm of the age in {}", before.name));
+        }
         Ok(Self { before, after, changes, notes })
     }
 
