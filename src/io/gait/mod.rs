@@ -14,4 +14,4 @@ pub use people::{Sex, add_parameters};
 pub use read::{GaitInput, GaitInputError, from_result, read_points};
 pub use schema::gait_file;
 pub use tables::{angles_csv, curves_csv, parameters_csv};
-pub use trials::{changes_csv, variation_csv};
+pub use trials::{changes_csv, curve_changes_csv, variation_csv};
