@@ -10,7 +10,7 @@ mod walker;
 
 use maquette::gait::{
     Angle, Cycle, EventKind, GaitAnalysis, GaitError, GaitOptions, Landmark, Movement,
-    MovementError, Paired, Parameter, Side, Surface, analyse,
+    MovementError, Paired, Parameter, Side, Surface, analyse, of_people,
 };
 use nalgebra::Vector3;
 use walker::{STRIDE_S, Walker};
@@ -335,4 +335,44 @@ fn a_walk_read_at_half_or_twice_its_frame_rate_is_told() {
     assert_eq!(note(1.0), None);
     assert!(note(0.5).is_some_and(|note| note.contains("seems too low")));
     assert!(note(2.0).is_some_and(|note| note.contains("seems too high")));
+}
+
+/// A person whose left knee bends by so many radians more in every percent, and who walks so much faster.
+fn bending(gait: &GaitAnalysis, more: f64) -> GaitAnalysis {
+    let mut own = gait.clone();
+    let knee =
+        |c: &&mut maquette::gait::Curve| c.angle == Angle::KneeFlexion && c.side == Side::Left;
+    for curve in own.curves.iter_mut().filter(knee) {
+        curve.mean.iter_mut().for_each(|v| *v += more);
+    }
+    for side in Side::BOTH {
+        if let Some(speed) = own.parameters.get_mut(&(Parameter::Speed, side)) {
+            speed.mean += more;
+        }
+    }
+    own
+}
+
+#[test]
+fn a_norm_of_people_is_their_mean_and_the_standard_deviation_between_them() {
+    let gait = analysed(&Walker::new(0.3));
+    let people = [-0.1, 0.0, 0.1].map(|more| bending(&gait, more));
+    // one of them has two trials, and counts once
+    let norm = of_people(&[vec![&people[0]], vec![&people[1], &people[1]], vec![&people[2]]]);
+
+    // half of what the left knee differs by, as a person is the mean of both sides
+    let (knee, n) = &norm.curves[&Angle::KneeFlexion];
+    assert_eq!(*n, 3);
+    approx::assert_relative_eq!(knee.sd[20], 0.05, epsilon = 1e-9);
+    let of = |side| gait.curves.iter().find(|c| c.angle == Angle::KneeFlexion && c.side == side);
+    let both: Vec<f64> = Side::BOTH.into_iter().filter_map(of).map(|c| c.mean[40]).collect();
+    approx::assert_relative_eq!(knee.mean[20], 0.5 * (both[0] + both[1]), epsilon = 1e-9);
+    let (speed, sd, _) = norm.parameters[&Parameter::Speed];
+    approx::assert_relative_eq!(sd, 0.1, epsilon = 1e-9);
+    let own = 0.5
+        * (mean(&gait, Parameter::Speed, Side::Left) + mean(&gait, Parameter::Speed, Side::Right));
+    approx::assert_relative_eq!(speed, own, epsilon = 1e-9);
+
+    // two people have no norm
+    assert!(of_people(&[vec![&people[0]], vec![&people[2]]]).curves.is_empty());
 }

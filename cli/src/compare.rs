@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use maquette::gait::trials::Change;
+use maquette::gait::trials::{Change, CurveChange, Stretch};
 use maquette::io::folder::{OutFolder, check_out};
 use maquette::workflow::{Comparison, SessionStudy};
 use serde_json::{Value, json};
@@ -18,7 +18,8 @@ Compare two sessions of one person: what changed, and whether it is more than ch
 
 Takes the folders of two finished `maquette session`, the earlier one first. Folders of `maquette fit` and .trc files are taken too, as \
 sessions of one trial. Writes compare.html, which prints on A4, and changes.csv: of every number the change with its 95 % interval, and \
-the minimal detectable change, which a person who has not changed exceeds once in twenty times. docs/session.md explains both.";
+the minimal detectable change, which a person who has not changed exceeds once in twenty times. With three trials or more in both, \
+curve_changes.csv and bars under the curves tell where over the cycle they differ. docs/session.md explains all.";
 
 pub(super) const EXAMPLES: &str = "\
 Examples:
@@ -32,10 +33,10 @@ pub(super) struct CompareArguments {
     before: PathBuf,
     /// Folder of the second session
     after: PathBuf,
-    /// Where to write compare.html and changes.csv; it must be empty or new
+    /// Where to write compare.html, changes.csv and curve_changes.csv; it must be empty or new
     #[arg(long, value_name = "FOLDER")]
     out: PathBuf,
-    /// Norm of healthy people: a .toml file, or none [default: schwartz-2008-free]
+    /// Norm of healthy people: a .toml file, or none [default: the shipped one of their age]
     #[arg(long, value_name = "FILE|none")]
     norm: Option<String>,
     /// Body model of both, if it is not a shipped one
@@ -71,6 +72,7 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<(), CliError> {
 
     let out = OutFolder::open(&arguments.out)?;
     out.write("changes.csv", &comparison.csv()?)?;
+    out.write("curve_changes.csv", &comparison.curves_csv()?)?;
     out.write("compare.html", comparison.report().as_bytes())?;
     print_notes(&comparison.notes);
     arguments.output.summarise(|| text(arguments, &comparison), || json(arguments, &comparison));
@@ -92,7 +94,27 @@ fn json(arguments: &CompareArguments, comparison: &Comparison) -> Value {
         })
     };
     let changes: Vec<Value> = comparison.changes.iter().map(change).collect();
-    json!({ "out": arguments.out.display().to_string(), "changes": changes, "notes": comparison.notes })
+    let curves: Vec<Value> = comparison.curves.iter().map(curve_json).collect();
+    json!({
+        "out": arguments.out.display().to_string(),
+        "changes": changes,
+        "curves": curves,
+        "notes": comparison.notes,
+    })
+}
+
+fn curve_json(curve: &CurveChange) -> Value {
+    let stretch = |s: &Stretch| json!({ "from_percent": s.from, "to_percent": s.to, "peak_t": s.peak, "p": s.p });
+    let test = &curve.test;
+    json!({
+        "angle": curve.angle.name(),
+        "side": curve.side.name(),
+        "trials": curve.trials,
+        "freedom": test.field.freedom,
+        "fwhm_percent": test.field.fwhm,
+        "threshold_t": test.threshold,
+        "stretches": test.stretches.iter().map(stretch).collect::<Vec<_>>(),
+    })
 }
 
 /// The changes beyond chance, for a person.
@@ -119,7 +141,14 @@ fn text(arguments: &CompareArguments, comparison: &Comparison) -> String {
     }
     let detected = changes.iter().filter(|change| change.is_detected()).count();
     let head = format!("{detected} of {} numbers changed by more than chance\n", changes.len());
+    let differ = comparison.curves.iter().filter(|curve| !curve.test.stretches.is_empty()).count();
+    let curves = match comparison.curves.len() {
+        0 => String::new(),
+        all => {
+            format!("{differ} of {all} curves differ somewhere in the cycle by more than chance\n")
+        }
+    };
     let end = format!("Written into {}\n", arguments.out.display());
-    let all = [head, if detected > 0 { table.text() } else { String::new() }, end];
+    let all = [head, if detected > 0 { table.text() } else { String::new() }, curves, end];
     all.into_iter().filter(|section| !section.is_empty()).collect::<Vec<_>>().join("\n")
 }

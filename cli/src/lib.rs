@@ -15,6 +15,7 @@
 //! | `gait.rs`     | `maquette gait`                                                 |
 //! | `report.rs`   | `maquette report`                                               |
 //! | `compare.rs`  | `maquette compare`                                              |
+//! | `norm.rs`     | `maquette norm`                                                 |
 //! | `subject.rs`  | who was recorded, for `gait` and `report`                       |
 //! | `synth.rs`    | `maquette synth`                                                |
 //! | `simulate.rs` | `maquette simulate`                                             |
@@ -50,6 +51,7 @@ mod gait;
 mod interrupt;
 mod lenses_found;
 mod models;
+mod norm;
 mod pictures;
 mod progress;
 mod report;
@@ -146,6 +148,9 @@ enum Command {
     /// Compare two sessions of one person
     #[command(long_about = compare::ABOUT, after_help = compare::EXAMPLES)]
     Compare(compare::CompareArguments),
+    /// Make a norm of walks of healthy people
+    #[command(long_about = norm::ABOUT, after_help = norm::EXAMPLES)]
+    Norm(norm::NormArguments),
     /// Convert a fit to other programs' formats
     #[command(long_about = export::ABOUT, after_help = export::EXAMPLES)]
     Export(export::ExportArguments),
@@ -184,6 +189,7 @@ impl Command {
             Self::Gait(arguments) => gait::run(arguments),
             Self::Report(arguments) => report::run(arguments),
             Self::Compare(arguments) => compare::run(arguments),
+            Self::Norm(arguments) => norm::run(arguments),
             Self::Export(arguments) => export::run(arguments),
             Self::Models(arguments) => models::run(arguments),
             Self::Synth(arguments) => synth::run(arguments),

@@ -38,7 +38,7 @@ pub(super) struct ReportArguments {
     out: PathBuf,
     #[command(flatten)]
     subject: SubjectArguments,
-    /// Norm of healthy people: a .toml file, or none [default: schwartz-2008-free]
+    /// Norm of healthy people: a .toml file, or none [default: the shipped one of their age]
     #[arg(long, value_name = "FILE|none")]
     norm: Option<String>,
     #[command(flatten)]

@@ -20,10 +20,10 @@ pub(super) struct SubjectArguments {
     /// Who was recorded, as the report should name them
     #[arg(long, value_name = "TEXT")]
     subject: Option<String>,
-    /// Their age in completed years, which chooses the norm of steps and strides
+    /// Their age in completed years, which chooses the norms
     #[arg(long, value_name = "YEARS")]
     age: Option<u32>,
-    /// Their sex, which does too
+    /// Their sex, which chooses the norm of steps and strides with it
     #[arg(long, value_parser = one_of(SEXES))]
     sex: Option<Sex>,
     /// When it was recorded
@@ -45,7 +45,7 @@ pub(super) struct SubjectArguments {
 
 const SEXES: &[Choice<Sex>] = &[("female", Sex::Female, ""), ("male", Sex::Male, "")];
 
-const FOOTWEAR: &[Choice<Footwear>] =
+pub(super) const FOOTWEAR: &[Choice<Footwear>] =
     &[("barefoot", Footwear::Barefoot, ""), ("shoes", Footwear::Shoes, "")];
 
 /// A file, `none`, or the shipped norm.

@@ -40,7 +40,8 @@ fn class_of(fault: &Error) -> &'static str {
         | Error::Movement(_)
         | Error::Gait(_)
         | Error::Events(_)
-        | Error::Norm(_) => "GaitError",
+        | Error::Norm(_)
+        | Error::OwnNorm(_) => "GaitError",
         Error::Unusable(_) => "UnusableError",
         _ => "MaquetteError",
     }

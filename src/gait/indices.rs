@@ -47,6 +47,10 @@ pub struct Norm {
     pub name: String,
     /// Where the numbers are from, and of whom.
     pub source: String,
+    /// First and last year of life of the people of the curves, if they are known.
+    pub ages: Option<[u32; 2]>,
+    /// What to know before a person is compared with the curves, each in one line.
+    pub remarks: Vec<String>,
     /// Angles over the cycle at [`SCORE_POINTS`] points, radians.
     pub curves: BTreeMap<Angle, Band>,
     /// Mean and standard deviation of parameters, in their units.
@@ -60,6 +64,13 @@ pub struct Norm {
 }
 
 impl Norm {
+    /// What to know before a person in this footwear is compared with the curves, each in one line.
+    pub fn cautions(&self, person: Option<Footwear>) -> Vec<String> {
+        let of_footwear = Footwear::caution(self.footwear, person);
+        let of_footwear = of_footwear.filter(|_| !self.curves.is_empty());
+        of_footwear.into_iter().chain(self.remarks.iter().cloned()).collect()
+    }
+
     /// Where a parameter lies beyond those of healthy people; `None` within, and where the norm has none.
     pub fn beyond(&self, parameter: Parameter, value: f64) -> Option<Beyond> {
         let (mean, sd) = self.parameters.get(&parameter)?;

@@ -17,6 +17,7 @@
 //! | `curves.rs`     | angles over the gait cycle                                         |
 //! | `trials/`       | several trials: spreads, and changes between sessions                |
 //! | `indices.rs`    | scores against healthy people; `beyond.rs`: numbers beyond theirs  |
+//! | `own_norm.rs`   | healthy people of one's own, from several walks                    |
 
 mod angle;
 mod angles;
@@ -31,6 +32,7 @@ mod indices;
 mod landmark;
 mod landmark_axes;
 mod movement;
+mod own_norm;
 mod parameters;
 mod passes;
 mod peaks;
@@ -49,6 +51,7 @@ pub use events::{Agreement, Event, EventKind};
 pub use indices::{Band, Indices, Norm, SCORE_POINTS, VARIABLES, indices};
 pub use landmark::{Landmark, Paired, Side};
 pub use movement::{Movement, MovementError, Track, Used};
+pub use own_norm::{LEAST_PEOPLE, OfPeople, of_people};
 pub use parameters::{Parameter, Parameters, Statistic};
 pub use segments::{Axes, Limb, Segment, Segments};
 pub use stated::{EventSource, StatedEvent};

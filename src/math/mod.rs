@@ -4,6 +4,7 @@ mod differences;
 pub(crate) mod exponential;
 pub mod parabola;
 pub mod quadric;
+pub mod random_field;
 pub mod rotation;
 pub mod stats;
 

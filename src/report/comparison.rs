@@ -4,12 +4,12 @@ use maud::{Markup, html};
 
 use super::Subject;
 use super::figure::{Axis, BOTH, Colour, Figure, NORM};
-use super::identity::person;
+use super::identity::{cautions, person};
 use super::kinematics::{ARMS, LEGS, empty_figure, grid, norm_band, over_percent};
 use super::label::angle_label;
-use super::page::{Page, absent, document, footwear_note, number};
+use super::page::{Page, absent, document, number};
 use super::variation::{digits_of, title};
-use crate::gait::trials::Change;
+use crate::gait::trials::{Change, CurveChange, Stretch};
 use crate::gait::{Angle, Curve, GaitAnalysis, Norm, Side};
 
 /// One of the two sessions.
@@ -34,6 +34,8 @@ pub struct ComparisonInput<'a> {
     pub after: Compared<'a>,
     /// What changed.
     pub changes: &'a [Change],
+    /// Where over the cycle curves differ.
+    pub curves: &'a [CurveChange],
     /// What a person should know, each in one line.
     pub notes: &'a [String],
     /// Healthy people.
@@ -85,7 +87,7 @@ fn table_page(input: &ComparisonInput<'_>) -> Page {
         id: "changes",
         title: "Changes",
         body: html! {
-            @if let Some(norm) = input.norm { (footwear_note(norm.footwear, input.after.subject.footwear)) }
+            @if let Some(norm) = input.norm { (cautions(norm, input.after.subject)) }
             (table(&input.changes.iter().collect::<Vec<_>>(), input))
             p class="note" {
                 "SD: between the trials of a session. Change: " (input.after.name) " less " (input.before.name) ", with its 95 % interval (Welch), "
@@ -145,10 +147,10 @@ fn curves(input: &ComparisonInput<'_>, side: Side) -> Page {
             p class="key" {
                 span style={ "--c:" (BOTH) ";color:" (BOTH) } { (input.before.name) ", grey" }
                 span class=(side.name()) { (input.after.name) ", in colour" }
-                @if let Some(norm) = input.norm { span class="norm" { "norm: " (norm.name) ", mean ± 1 SD between people" } }
+                @if let Some(norm) = input.norm.filter(|norm| !norm.curves.is_empty()) { span class="norm" { "norm: " (norm.name) ", mean ± 1 SD between people" } }
             }
             (grid(&LEGS, |angle| panel(input, angle, side)))
-            p class="note" { "From foot strike to foot strike of the same side. Line: mean over all strides of all trials. Tint: ± 1 SD between strides. Dashed: foot off." }
+            p class="note" { "From foot strike to foot strike of the same side. Line: mean over all strides of all trials. Tint: ± 1 SD between strides. Dashed: foot off." (tested(input)) }
             h3 class="arms" { "Arms" }
             (grid(&ARMS, |angle| panel(input, angle, side)))
         },
@@ -175,19 +177,54 @@ fn panel(input: &ComparisonInput<'_>, angle: Angle, side: Side) -> Markup {
     if let Some(band) = &band {
         figure = figure.band(NORM, 0.2, band);
     }
+    let test = input.curves.iter().find(|c| c.angle == angle && c.side == side);
+    if let Some(change) = test {
+        figure = with_stretches(figure, change);
+    }
     for (curve, colour) in &drawn {
         if let Some(curve) = curve {
             figure = one(figure, curve, *colour);
         }
     }
+    let (before, after) = (input.before.name, input.after.name);
+    let side = side.name();
+    let where_off = test.map_or(String::new(), in_words);
     let description = format!(
-        "{}, {}, degrees: mean curves of {} and {}.",
-        label.title,
-        side.name(),
-        input.before.name,
-        input.after.name
+        "{}, {side}, degrees: mean curves of {before} and {after}.{where_off}",
+        label.title
     );
     html! { div class="panel" { (figure.markup(&description)) } }
+}
+
+/// How the bars below the curves were found.
+fn tested(input: &ComparisonInput<'_>) -> String {
+    match input.curves.first() {
+        Some(_) => " Bars on the lower edge: the sessions differ by more than chance (statistical parametric mapping, t of the trials' mean \
+            curves, α = 0.05 for each curve: one curve in twenty has a bar without any change; docs/session.md)."
+            .into(),
+        None => String::new(),
+    }
+}
+
+/// Bars on the lower edge where the sessions differ by more than chance.
+fn with_stretches(mut figure: Figure, change: &CurveChange) -> Figure {
+    let (low, high) = figure.height();
+    for stretch in &change.test.stretches {
+        // a stretch of a single place would not be seen
+        let (from, to) = (stretch.from - 0.25, stretch.to + 0.25);
+        let bar = [from, to].map(|x| (x.clamp(0.0, 100.0), low, low + 0.035 * (high - low)));
+        figure = figure.band(BOTH, 0.95, &bar);
+    }
+    figure
+}
+
+fn in_words(change: &CurveChange) -> String {
+    let stretch = |s: &Stretch| {
+        let p = if s.p < 0.001 { "below 0.001".into() } else { format!("{:.3}", s.p) };
+        format!(" They differ from {:.0} to {:.0} % of the cycle, p {p}.", s.from, s.to)
+    };
+    let all: String = change.test.stretches.iter().map(stretch).collect();
+    if all.is_empty() { " They do not differ by more than chance.".into() } else { all }
 }
 
 fn one(mut figure: Figure, curve: &Curve, colour: Colour) -> Figure {

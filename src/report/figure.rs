@@ -126,6 +126,11 @@ impl Figure {
         self
     }
 
+    /// The range of its upright axis.
+    pub(super) fn height(&self) -> (f64, f64) {
+        self.axes[1].range
+    }
+
     /// Whether nothing is drawn in it.
     pub(super) fn is_empty(&self) -> bool {
         self.plots.is_empty()

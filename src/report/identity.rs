@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::joints::stand_alone;
 use super::page::Page;
 use super::{ReportInput, Subject};
-use crate::gait::{EventSource, Footwear, Side, Surface};
+use crate::gait::{EventSource, Footwear, Norm, Side, Surface};
 use crate::io::gait::Sex;
 use crate::io::result::ResultFile;
 
@@ -25,6 +25,15 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
             }
         },
         is_brief: false,
+    }
+}
+
+/// What to know before a person is compared with the curves of a norm.
+pub(super) fn cautions(norm: &Norm, subject: &Subject) -> Markup {
+    html! {
+        @for caution in norm.cautions(subject.footwear) {
+            p class="absent" { "Before comparing with the norm: " (caution) "." }
+        }
     }
 }
 

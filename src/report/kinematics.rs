@@ -4,8 +4,9 @@ use maud::{Markup, html};
 
 use super::ReportInput;
 use super::figure::{Axis, Colour, Figure, NORM, axis_range};
+use super::identity::cautions;
 use super::label;
-use super::page::{Page, absent, footwear_note, key};
+use super::page::{Page, absent, key};
 use super::spatiotemporal::{reason, remarks};
 use crate::gait::{Angle, Curve, Norm, Side};
 
@@ -49,7 +50,8 @@ enum Drawn {
 pub(super) fn page(input: &ReportInput<'_>) -> Page {
     let gait = input.gait;
     let walks = !gait.curves.is_empty();
-    let norm = input.norm.filter(|_| walks).map(|norm| norm.name.as_str());
+    let compared = input.norm.filter(|_| walks);
+    let norm = compared.filter(|norm| !norm.curves.is_empty()).map(|norm| norm.name.as_str());
     let drawn = match walks {
         true => Drawn::Means,
         false => Drawn::Time,
@@ -63,9 +65,7 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
                 (absent(&format!("Angles over time, not over the gait cycle: {}.", reason(gait))))
             }
             (key(norm))
-            @if let Some(norm) = input.norm.filter(|_| walks) {
-                (footwear_note(norm.footwear, input.subject.footwear))
-            }
+            @if let Some(norm) = compared { (cautions(norm, input.subject)) }
             @if walks { (remarks(gait)) }
             (grid(&LEGS, |angle| panel(input, angle, drawn)))
             p class="note" {

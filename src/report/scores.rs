@@ -3,8 +3,9 @@
 use maud::{Markup, html};
 
 use super::ReportInput;
+use super::identity::cautions;
 use super::label;
-use super::page::{Page, absent, footwear_note, mark, mark_legend, number};
+use super::page::{Page, absent, mark, mark_legend, number};
 use super::spatiotemporal::reason;
 use crate::gait::{Curve, Indices, Norm, Side, VARIABLES, indices};
 use crate::math::stats::mean;
@@ -27,7 +28,7 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
                     @if input.norm.is_some() { (mark_legend()) "An angle is compared with the norm at its own place in the cycle." }
                 }
                 h3 { "Scores against the norm" }
-                @if let Some(norm) = input.norm { (footwear_note(norm.footwear, input.subject.footwear)) }
+                @if let Some(norm) = input.norm { (cautions(norm, input.subject)) }
                 @match &indices {
                     Some(indices) => (scores(indices)),
                     None => (absent("No scores: no norm has a curve in common with this recording.")),

@@ -46,7 +46,7 @@ fn norm_in_words(input: &ReportInput<'_>) -> String {
         let source = norm.parameters_source.as_ref().unwrap_or(&norm.source);
         return format!("mean ± SD between people, {source}.");
     }
-    let shipped = "Published tables that come with the program: ages 5 to 13, and 70 to 89 by sex; \
+    let shipped = "Published tables that come with the program: ages 5 to 13, 21 to 37, 50 to 69, and 70 to 89 by sex; \
         --norm takes those of your laboratory.";
     let why = match input.subject.age_years {
         None => "as the age was not stated (--age, --sex)".into(),

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::{CalibrateError, SessionError, SyncError};
+use super::{CalibrateError, OwnNormError, SessionError, SyncError};
 use crate::gait::{GaitError, MovementError};
 use crate::io::calibration::CalibrationWriteError;
 use crate::io::export::{BvhError, C3dError, GlbError};
@@ -76,6 +76,9 @@ pub enum Error {
     /// Corrected events that cannot be used.
     #[error(transparent)]
     Events(#[from] EventsError),
+    /// A norm that cannot be made.
+    #[error(transparent)]
+    OwnNorm(#[from] OwnNormError),
     /// A norm that cannot be used.
     #[error(transparent)]
     Norm(#[from] NormError),

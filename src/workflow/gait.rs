@@ -11,8 +11,8 @@ use crate::gait::{
 };
 use crate::io::folder::OutFolder;
 use crate::io::gait::{
-    EVENTS, GaitInput, SHIPPED_NORM, Sex, add_parameters, angles_csv, curves_csv, from_result,
-    gait_file, load_norm, parameters_csv, parse_norm, read_events, read_points,
+    EVENTS, GaitInput, Sex, add_parameters, angles_csv, curves_csv, from_result, gait_file,
+    load_norm, parameters_csv, read_events, read_points, shipped_norm,
 };
 use crate::io::result::ResultFile;
 
@@ -57,7 +57,7 @@ pub enum EventChoice<'a> {
 /// Whom a walk is compared with.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum NormChoice<'a> {
-    /// The norm that comes with the library.
+    /// The norm that comes with the library for the person's age.
     #[default]
     Shipped,
     /// A file of one's own.
@@ -123,7 +123,7 @@ impl GaitStudy {
             analysis = analysis.withheld(why);
         }
 
-        Ok(Self { analysis, norm: NormChoice::Shipped.read()?, input, result })
+        Ok(Self { analysis, norm: NormChoice::Shipped.read(None)?, input, result })
     }
 
     /// The same compared with another norm, and its steps and strides with people of this age and sex.
@@ -136,7 +136,7 @@ impl GaitStudy {
         age_years: Option<u32>,
         sex: Option<Sex>,
     ) -> Result<Self, Error> {
-        let mut norm = norm.read()?;
+        let mut norm = norm.read(age_years)?;
         // a laboratory's own parameters stay
         if let (Some(norm), Some(age)) = (&mut norm, age_years)
             && norm.parameters.is_empty()
@@ -192,9 +192,9 @@ impl EventChoice<'_> {
 }
 
 impl NormChoice<'_> {
-    fn read(self) -> Result<Option<Norm>, Error> {
+    fn read(self, age_years: Option<u32>) -> Result<Option<Norm>, Error> {
         Ok(match self {
-            Self::Shipped => Some(parse_norm(SHIPPED_NORM.1, Path::new(SHIPPED_NORM.0))?),
+            Self::Shipped => Some(shipped_norm(age_years)?),
             Self::File(path) => Some(load_norm(path)?),
             Self::None => None,
         })

@@ -14,6 +14,7 @@
 //! | `masks.rs`, `silhouettes.rs`, `surface.rs` | masks cut out of pictures, silhouettes found in clutter, points measured by stereo, as files |
 //! | `fitted.rs`   | [`FittedRecording`]: lengths, angles, `result.json`                           |
 //! | `gait.rs`     | [`GaitStudy`]: a gait analysis, of a fit or of points of any system           |
+//! | `own_norm.rs` | [`NormPeople`]: a norm of several people's walks                              |
 //! | `report.rs`   | its report, with the feature `report`                                         |
 //! | `export.rs`   | its files for other programs                                                  |
 //! | `calibrate.rs` | [`RefinedRig`]: a calibration refined by a person who moves                  |
@@ -41,6 +42,7 @@ mod input;
 mod lenses;
 mod masks;
 mod options;
+mod own_norm;
 mod people;
 #[cfg(feature = "report")]
 mod report;
@@ -61,6 +63,7 @@ pub use input::DEFAULT_BODY;
 pub use lenses::LensRig;
 pub use masks::{MaskFiles, WrittenMasks};
 pub use options::{FitOptions, SilhouetteSource};
+pub use own_norm::{NormPeople, OwnNormError};
 #[cfg(feature = "report")]
 pub use report::ReportedRecording;
 pub use session::{Comparison, FittedSession, Session, SessionError, SessionFolder, SessionStudy};

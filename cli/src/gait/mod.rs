@@ -51,7 +51,7 @@ pub(super) struct GaitArguments {
     /// Cutoff of the low-pass filter on all points, Hz; 0 turns it off
     #[arg(long, value_name = "HZ", default_value_t = GaitOptions::default().cutoff_hz, value_parser = cutoff)]
     cutoff: f64,
-    /// Norm of healthy people: a .toml file, or none [default: schwartz-2008-free]
+    /// Norm of healthy people: a .toml file, or none [default: the shipped one of their age]
     #[arg(long, value_name = "FILE|none")]
     norm: Option<String>,
     /// Show parameters without units, scaled by leg length (Hof 1996)

@@ -145,8 +145,11 @@ impl Summary<'_> {
     }
 
     fn scores(&self) -> String {
-        let (Some(indices), Some(norm)) = (self.study.indices(), &self.study.norm) else {
-            return String::new();
+        let Some(norm) = &self.study.norm else { return String::new() };
+        let cautions = norm.cautions(self.footwear);
+        let cautions: String = cautions.iter().map(|line| format!("  ! {line}\n")).collect();
+        let Some(indices) = self.study.indices() else {
+            return if norm.curves.is_empty() { cautions } else { String::new() };
         };
         let mut table = Table::new(&["score, °", "left", "right"]);
         let score = |value: Option<f64>| value.map_or("–".into(), degrees);
@@ -165,9 +168,7 @@ impl Summary<'_> {
                 format!("  GPS of both sides: {}°\n", degrees(v))
             });
 
-        let caution = Footwear::caution(norm.footwear, self.footwear);
-        let caution = caution.map_or(String::new(), |caution| format!("  ! {caution}\n"));
-        format!("{}{both}  against {}: {}\n{caution}", table.text(), norm.name, norm.source)
+        format!("{}{both}  against {}: {}\n{cautions}", table.text(), norm.name, norm.source)
     }
 
     fn remarks(&self) -> String {

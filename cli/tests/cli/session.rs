@@ -107,3 +107,32 @@ fn two_walks_are_compared_and_one_trial_each_says_nothing_of_chance() {
     let page = String::from_utf8(arm.bytes("compared", "compare.html")).expect("UTF-8");
     assert!(page.contains("one.trc") && page.contains("Nothing is known of chance"));
 }
+
+#[test]
+fn a_norm_of_three_people_is_read_by_gait_and_one_of_fewer_is_refused() {
+    let arm = Arm::new();
+    let people = [0.2, 0.3, 0.4].map(|heading| {
+        let name = format!("{heading}.trc");
+        fs::write(arm.out(&name), Walker::new(heading).trc()).expect("a file");
+        arm.out(&name).display().to_string()
+    });
+    let [a, b, c] = people.each_ref().map(String::as_str);
+    let norm = arm.out("norm.toml").display().to_string();
+    let end = ["--out", &norm, "--footwear", "shoes", "--json"];
+
+    run(&[&["norm", a, b][..], &end].concat()).refused(&["three people or more", "2 given"]);
+    run(&[&["norm", a, b, a][..], &end].concat()).refused(&["of the same recording"]);
+    let said = run(&[&["norm", a, b, c][..], &end].concat()).succeeded();
+    assert_eq!(check("norm", &said.out)["people"], 3);
+    run(&[&["norm", a, b, c][..], &end].concat()).refused(&["norm.toml"]);
+
+    // the same person lies on their own norm
+    let out = arm.out("compared").display().to_string();
+    let said =
+        run(&["gait", a, "--norm", &norm, "--footwear", "barefoot", "--out", &out]).succeeded();
+    assert!(said.out.contains("walked in shoes, this person barefoot"), "{}", said.out);
+    let score = said.out.lines().find(|line| line.contains("GVS knee_flexion")).expect("a score");
+    let score: f64 =
+        score.split_whitespace().nth(2).and_then(|v| v.parse().ok()).expect("a number");
+    assert!(score < 0.5, "{score}");
+}

@@ -120,8 +120,30 @@ fn an_age_and_a_sex_choose_the_norm_of_steps() {
     let trc = Walker::new(0.0).trc();
     let (text, _) = said(&trc, &["--age", "72", "--sex", "female"]).expect("a walk");
     assert!(text.contains("1.160 ± 0.200"), "{text}");
-    let (text, _) = said(&trc, &["--age", "34", "--sex", "female"]).expect("a walk");
+    let (text, _) = said(&trc, &["--age", "34"]).expect("a walk");
+    assert!(text.contains("1.245 ± 0.153"), "{text}");
+    let (text, _) = said(&trc, &["--age", "44", "--sex", "female"]).expect("a walk");
     assert!(!text.contains(" ± 0."), "{text}");
+}
+
+#[test]
+fn an_age_chooses_the_norm_of_angles_or_says_that_there_is_none() {
+    let trc = Walker::new(0.0).trc();
+    let of = |age: &str| said(&trc, &["--age", age, "--footwear", "shoes"]).expect("a walk").0;
+    let adult = of("34");
+    assert!(
+        adult.contains("against fukuchi-2018-young: Fukuchi, Fukuchi & Duarte 2018"),
+        "{adult}"
+    );
+    assert!(adult.contains("walked barefoot, this person in shoes"), "{adult}");
+    assert!(of("9").contains("against schwartz-2008-free"));
+    let nobody = of("19");
+    assert!(!nobody.contains("GVS") && nobody.contains("! no norm that comes with"), "{nobody}");
+    let (unknown, _) = said(&trc, &[]).expect("a walk");
+    assert!(
+        unknown.contains("no age is stated, so angles are compared with children"),
+        "{unknown}"
+    );
 }
 
 #[test]

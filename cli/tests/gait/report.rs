@@ -56,7 +56,8 @@ fn the_column_norm_says_whose_it_is_or_why_it_is_empty() {
     };
     assert!(said(&["--age", "80", "--sex", "male"]).contains("men of 80 to 84 years"));
     assert!(said(&[]).contains("as the age was not stated"));
-    assert!(said(&["--age", "34"]).contains("no table for: 34 years"));
+    assert!(said(&["--age", "34"]).contains("24 adults of 21 to 37 years"));
+    assert!(said(&["--age", "44"]).contains("no table for: 44 years"));
 }
 
 #[test]

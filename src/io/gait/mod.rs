@@ -2,6 +2,7 @@
 
 mod events;
 mod norm;
+mod norm_text;
 mod people;
 mod read;
 mod schema;
@@ -9,9 +10,10 @@ mod tables;
 mod trials;
 
 pub use events::{EVENTS, EventFault, EventsError, read_events};
-pub use norm::{NormError, SHIPPED_NORM, load_norm, parse_norm};
+pub use norm::{NormError, load_norm, parse_norm, shipped_norm};
+pub use norm_text::norm_text;
 pub use people::{Sex, add_parameters};
 pub use read::{GaitInput, GaitInputError, from_result, read_points};
 pub use schema::gait_file;
 pub use tables::{angles_csv, curves_csv, parameters_csv};
-pub use trials::{changes_csv, variation_csv};
+pub use trials::{changes_csv, curve_changes_csv, variation_csv};

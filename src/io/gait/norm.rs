@@ -8,9 +8,13 @@ use serde::Deserialize;
 use crate::gait::{Angle, Band, Footwear, Norm, Parameter, SCORE_POINTS};
 use crate::io::input;
 
-/// The shipped norm: its name and text.
-pub const SHIPPED_NORM: (&str, &str) =
-    ("schwartz-2008-free", include_str!("../../../data/norms/schwartz-2008-free.toml"));
+/// The shipped norms, name and text; an age takes the first whose ages hold it.
+const SHIPPED: [(&str, &str); 4] = [
+    ("schwartz-2008-free", include_str!("../../../data/norms/schwartz-2008-free.toml")),
+    ("fukuchi-2018-young", include_str!("../../../data/norms/fukuchi-2018-young.toml")),
+    ("fukuchi-2018-older", include_str!("../../../data/norms/fukuchi-2018-older.toml")),
+    ("fukuchi-2018-adults", include_str!("../../../data/norms/fukuchi-2018-adults.toml")),
+];
 
 /// Why a norm cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -59,6 +63,11 @@ struct NormFile {
     source: String,
     /// What its people wore.
     footwear: Option<Footwear>,
+    /// First and last year of life of its people.
+    ages: Option<[u32; 2]>,
+    /// What to know before a person is compared with it.
+    #[serde(default)]
+    remarks: Vec<String>,
     #[serde(default)]
     curve: BTreeMap<String, CurvePart>,
     #[serde(default)]
@@ -77,6 +86,34 @@ struct CurvePart {
 pub(super) struct ParameterPart {
     mean: f64,
     sd: f64,
+}
+
+/// The shipped norm of people of this age, in completed years.
+///
+/// Without an age it is that of children, whose nine curves are of the conventional model, and a remark says so. An age of which
+/// no shipped norm has people has one without curves.
+///
+/// # Errors
+/// [`NormError`].
+pub fn shipped_norm(age_years: Option<u32>) -> Result<Norm, NormError> {
+    for (name, text) in SHIPPED {
+        let mut norm = parse_norm(text, Path::new(name))?;
+        let Some(age) = age_years else {
+            let line = "no age is stated, so angles are compared with children (--age, or the session's birth date, chooses)";
+            norm.remarks.push(line.into());
+            return Ok(norm);
+        };
+        if norm.ages.is_some_and(|[first, last]| (first..=last).contains(&age)) {
+            return Ok(norm);
+        }
+    }
+
+    let (name, source) = ("none".into(), "no shipped norm has angles of people of this age".into());
+    let remarks = vec![
+        "no norm that comes with the program has angles of people of this age (--norm takes yours)"
+            .into(),
+    ];
+    Ok(Norm { name, source, remarks, ..Norm::default() })
 }
 
 /// The norm of a file.
@@ -98,6 +135,8 @@ pub fn parse_norm(text: &str, path: &Path) -> Result<Norm, NormError> {
     let mut norm = Norm {
         name: file.name,
         source: file.source,
+        ages: file.ages,
+        remarks: file.remarks,
         footwear: file.footwear,
         parameters_footwear: file.footwear,
         parameters: parameters(file.parameter, path)?,
@@ -148,10 +187,68 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_shipped_norm_has_the_nine_curves_of_the_profile_score() {
-        let norm = parse_norm(SHIPPED_NORM.1, Path::new(SHIPPED_NORM.0)).unwrap();
-        for angle in crate::gait::VARIABLES {
-            assert!(norm.curves.contains_key(&angle), "{}", angle.name());
+    fn every_shipped_norm_has_the_nine_curves_of_the_profile_score_and_its_own_name() {
+        for (name, text) in SHIPPED {
+            let norm = parse_norm(text, Path::new(name)).unwrap();
+            assert_eq!(norm.name, name);
+            assert!(norm.ages.is_some_and(|[first, last]| first < last), "{name}");
+            for angle in crate::gait::VARIABLES {
+                assert!(norm.curves.contains_key(&angle), "{name}: {}", angle.name());
+            }
+        }
+    }
+
+    #[test]
+    fn the_norm_of_angles_is_that_of_the_age() {
+        let name = |age| shipped_norm(age).unwrap().name;
+        for (age, expected) in [
+            (9, "schwartz-2008-free"),
+            (17, "schwartz-2008-free"),
+            (21, "fukuchi-2018-young"),
+            (37, "fukuchi-2018-young"),
+            (44, "fukuchi-2018-adults"),
+            (72, "fukuchi-2018-older"),
+            (19, "none"),
+            (90, "none"),
+        ] {
+            assert_eq!(name(Some(age)), expected, "{age}");
+        }
+        let nobody = shipped_norm(Some(19)).unwrap();
+        assert!(nobody.curves.is_empty() && nobody.cautions(None).len() == 1);
+
+        // without an age it is that of children, and says so
+        let unknown = shipped_norm(None).unwrap();
+        assert_eq!(unknown.name, "schwartz-2008-free");
+        assert!(unknown.cautions(None).iter().any(|line| line.contains("--age")));
+        assert!(shipped_norm(Some(9)).unwrap().remarks.is_empty());
+    }
+
+    /// What every healthy walk has, in degrees and percent of the cycle: a wrong sign, axis or time breaks one of them.
+    #[test]
+    fn every_shipped_norm_walks_as_people_do() {
+        for (name, text) in SHIPPED {
+            let norm = parse_norm(text, Path::new(name)).unwrap();
+            let at =
+                |angle: Angle, percent: usize| norm.curves[&angle].mean[percent / 2].to_degrees();
+            let top = |angle: Angle, percents: std::ops::Range<usize>| {
+                let places = percents.step_by(2).map(|percent| (at(angle, percent), percent));
+                places.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap()
+            };
+            let holds = |what: &str, found: f64, range: std::ops::RangeInclusive<f64>| {
+                assert!(range.contains(&found), "{name}: {what}: {found}");
+            };
+            let (knee, when) = top(Angle::KneeFlexion, 0..101);
+            holds("knee in swing", knee, 55.0..=70.0);
+            holds("its time", when as f64, 68.0..=76.0);
+            holds("hip at strike", at(Angle::HipFlexion, 0), 25.0..=40.0);
+            holds("hip before foot off", at(Angle::HipFlexion, 52), -15.0..=0.0);
+            holds("dorsiflexion in stance", top(Angle::AnkleDorsiflexion, 30..56).0, 8.0..=15.0);
+            holds("push-off", at(Angle::AnkleDorsiflexion, 64), -25.0..=-8.0);
+            holds("anterior tilt", at(Angle::PelvisTilt, 0), 5.0..=15.0);
+            holds("own side up in loading", at(Angle::PelvisObliquity, 14), 2.0..=7.0);
+            holds("own side forwards at strike", at(Angle::PelvisRotation, 0), 2.0..=8.0);
+            holds("hip adduction in stance", top(Angle::HipAdduction, 10..30).0, 3.0..=9.0);
+            holds("toes outwards in stance", at(Angle::FootProgression, 26), -15.0..=-2.0);
         }
     }
 

@@ -110,6 +110,8 @@ struct NormPart<'a> {
     source: &'a str,
     /// Where those of steps and strides are from, if from elsewhere.
     parameters_source: Option<&'a str>,
+    /// What to know before comparing with its curves.
+    remarks: &'a [String],
 }
 
 /// An angle that cannot be known.
@@ -175,6 +177,7 @@ pub fn gait_file<'a>(
             name: &norm.name,
             source: &norm.source,
             parameters_source: norm.parameters_source.as_deref(),
+            remarks: &norm.remarks,
         }),
         unknown: gait.unknown.iter().map(unknown).collect(),
         notes: &gait.notes,

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::tables::finished;
-use crate::gait::trials::{Change, Measure, Spread};
+use crate::gait::trials::{Change, CurveChange, Measure, Spread};
 
 /// How far every number varies, and its value in each trial.
 ///
@@ -69,6 +69,41 @@ pub fn changes_csv(changes: &[Change]) -> std::io::Result<Vec<u8>> {
         row.extend([Some(change.difference), low, high, change.detectable].map(text));
         row.push(change.is_detected().to_string());
         writer.write_record(row)?;
+    }
+    finished(writer)
+}
+
+/// Where over the cycle curves differ: a row for each stretch, and one without it for a curve that differs nowhere.
+///
+/// # Errors
+/// As [`variation_csv`].
+pub fn curve_changes_csv(curves: &[CurveChange]) -> std::io::Result<Vec<u8>> {
+    let heading = [
+        "angle",
+        "side",
+        "before_trials",
+        "after_trials",
+        "freedom",
+        "fwhm_percent",
+        "threshold_t",
+        "from_percent",
+        "to_percent",
+        "peak_t",
+        "p",
+    ];
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(heading)?;
+    for CurveChange { angle, side, trials, test } in curves {
+        let mut curve = vec![angle.name().to_owned(), side.name().to_owned()];
+        curve.extend(trials.map(|count| count.to_string()));
+        curve.extend([test.field.freedom, test.field.fwhm, test.threshold].map(Some).map(text));
+        for stretch in &test.stretches {
+            let numbers = [stretch.from, stretch.to, stretch.peak, stretch.p];
+            writer.write_record(curve.iter().cloned().chain(numbers.map(Some).map(text)))?;
+        }
+        if test.stretches.is_empty() {
+            writer.write_record(curve.iter().cloned().chain([None; 4].map(text)))?;
+        }
     }
     finished(writer)
 }

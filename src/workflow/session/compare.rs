@@ -1,8 +1,8 @@
 //! Two sessions of one person compared.
 
 use super::SessionStudy;
-use crate::gait::trials::{Change, changes};
-use crate::io::gait::changes_csv;
+use crate::gait::trials::{Change, CurveChange, LEAST_TRIALS, changes, curve_changes};
+use crate::io::gait::{changes_csv, curve_changes_csv};
 use crate::workflow::{Error, SessionError};
 
 /// Two sessions of one person, or two recordings, and what changed between them.
@@ -14,6 +14,8 @@ pub struct Comparison {
     pub after: SessionStudy,
     /// Every number that both have.
     pub changes: Vec<Change>,
+    /// Where over the cycle curves differ, of every curve that both sessions have in three trials or more.
+    pub curves: Vec<CurveChange>,
     /// What a person should know, each in one line.
     pub notes: Vec<String>,
 }
@@ -23,19 +25,44 @@ impl Comparison {
     ///
     /// # Errors
     /// [`SessionError::OtherPerson`] if both name a person and not the same, and [`SessionError::NothingInCommon`].
-    pub fn new(before: SessionStudy, after: SessionStudy) -> Result<Self, Error> {
+    pub fn new(before: SessionStudy, mut after: SessionStudy) -> Result<Self, Error> {
         let id = |study: &SessionStudy| study.file.as_ref()?.person.id.clone();
         if let (Some(first), Some(second)) = (id(&before), id(&after))
             && first != second
         {
             return Err(SessionError::OtherPerson { first, second }.into());
         }
+        // a person who has aged from one norm into another is compared with one of them
+        let has_other_norm = after.norm() != before.norm();
+        if has_other_norm {
+            let norm = before.norm().cloned();
+            after.trials.iter_mut().for_each(|(_, study)| study.norm.clone_from(&norm));
+        }
+
         let changes = changes(&before.spreads(), &after.spreads());
         if changes.is_empty() {
             return Err(SessionError::NothingInCommon.into());
         }
-        let notes = notes(&before, &after);
-        Ok(Self { before, after, changes, notes })
+        let mut notes = notes(&before, &after);
+        if has_other_norm {
+            notes.push(format!("both are compared with the norm of the age in {}", before.name));
+        }
+        let [a, b] = [&before, &after].map(SessionStudy::curves);
+        let curves = curve_changes(&a, &b);
+        if curves.is_empty() {
+            notes.push(format!(
+                "whole curves are not tested: that needs {LEAST_TRIALS} trials or more in each session"
+            ));
+        }
+        Ok(Self { before, after, changes, curves, notes })
+    }
+
+    /// Where curves differ, as comma-separated values: a row for each stretch of the cycle, and one for each curve without any.
+    ///
+    /// # Errors
+    /// As [`csv`](Self::csv).
+    pub fn curves_csv(&self) -> Result<Vec<u8>, Error> {
+        Ok(curve_changes_csv(&self.curves)?)
     }
 
     /// The table of differences as comma-separated values, a row for each number and side.

@@ -76,6 +76,7 @@ impl Comparison {
             before: Compared { name: &a.0, subject: &subjects[0], trials: a.1, gait: &before },
             after: Compared { name: &b.0, subject: &subjects[1], trials: b.1, gait: &after },
             changes: &self.changes,
+            curves: &self.curves,
             notes: &self.notes,
             norm: self.after.norm(),
         })

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::FittedSession;
 use crate::gait::trials::{Measure, Measured, NamedTrial, Spread, measured, pooled, spreads};
-use crate::gait::{GaitAnalysis, GaitOptions, Norm};
+use crate::gait::{Curve, GaitAnalysis, GaitOptions, Norm};
 use crate::io::gait::variation_csv;
 use crate::io::session::{SESSION, SessionFile};
 use crate::workflow::{Error, EventChoice, GaitSource, GaitStudy, NormChoice};
@@ -61,6 +61,11 @@ impl SessionStudy {
     /// Healthy people, whom all trials are compared with.
     pub fn norm(&self) -> Option<&Norm> {
         self.trials.first()?.1.norm.as_ref()
+    }
+
+    /// The mean curves of each trial.
+    pub(super) fn curves(&self) -> Vec<&[Curve]> {
+        self.trials.iter().map(|(_, study)| study.analysis.curves.as_slice()).collect()
     }
 
     /// All strides of all trials, as if of one; `None` without a trial.
