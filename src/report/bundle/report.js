@@ -14555,9 +14555,8 @@ setTimeout(async () => {
 	try {
 		Ch && document.querySelector("#camera, #sheet, img[data-portrait]") && (wh = new Km(Sh, yh.picture_every)), jh(), await Ah();
 		let e = yh.views[Number(bh("camera-choice")?.value)];
-		e && wh && await wh.waiting(e, Number(xh.value)), Oh(Number(xh.value));
+		e && wh && await wh.waiting(e, Number(xh.value)), Oh(Number(xh.value)), document.body.dataset.complete = String(Math.round(performance.now()));
 	} finally {
 		Fh();
 	}
-	document.body.dataset.complete = String(Math.round(performance.now()));
 });
