@@ -165,5 +165,5 @@ def test_events_that_a_person_corrected_stand_in_the_place_of_those_that_are_fou
     assert (found["event_source"], corrected["event_source"]) == ("detected", "person")
     assert len(corrected["events"]) == len(events) - 1
     path.write_text(json.dumps({**head, "frames": 1, "events": []}), encoding="utf-8")
-    with pytest.raises(maquette.errors.GaitError, match="events.json: frames 1, but"):
+    with pytest.raises(maquette.errors.GaitError, match=r"events\.json: frames 1, but"):
         fit.gait(events=path)
