@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::inference::ConfidenceOptions;
 use crate::inference::camera_offset::{Free, PoseErrors};
-use crate::inference::joint::JointOptions;
+use crate::inference::joint::{JointOptions, Rounds};
 use crate::inference::search::SearchOptions;
 use crate::likelihood::{LikelihoodOptions, Measure};
 use crate::silhouette::{FrameObservations, InvalidOption, SilhouetteOptions};
@@ -188,6 +188,14 @@ impl EstimateOptions {
             Some((name, value, least, most)) => Err(InvalidOption { name, value, least, most }),
             None => Ok(()),
         }
+    }
+
+    /// The same for a trial of a session by itself: to the optimum from which that of all trials starts
+    /// ([`fit_session`](super::fit_session)).
+    #[must_use]
+    pub fn of_trial_alone(&self) -> Self {
+        let joint = self.joint.map(|joint| JointOptions { rounds: Rounds::Thinned, ..joint });
+        Self { joint, ..self.clone() }
     }
 
     /// What of the cameras is estimated to be told of.

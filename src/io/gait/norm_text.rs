@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::gait::{Footwear, Norm};
+use crate::gait::Norm;
 
 /// Least standard deviation that is written, in the unit of its row: a norm without spread cannot be read.
 const LEAST_SD: f64 = 0.001;
@@ -11,12 +11,8 @@ const LEAST_SD: f64 = 0.001;
 pub fn norm_text(norm: &Norm) -> String {
     let quoted = |text: &str| toml::Value::String(text.into()).to_string();
     let mut text = format!("name = {}\nsource = {}\n", quoted(&norm.name), quoted(&norm.source));
-    if let Some(footwear) = norm.footwear {
-        let word = match footwear {
-            Footwear::Barefoot => "barefoot",
-            Footwear::Shoes => "shoes",
-        };
-        let _ = writeln!(text, "footwear = \"{word}\"");
+    if let Some(Ok(word)) = norm.footwear.map(toml::Value::try_from) {
+        let _ = writeln!(text, "footwear = {word}");
     }
     if let Some([first, last]) = norm.ages {
         let _ = writeln!(text, "ages = [{first}, {last}]");

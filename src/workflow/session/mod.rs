@@ -23,7 +23,6 @@ pub use study::SessionStudy;
 
 use super::fit::fitted;
 use super::{Error, FitOptions, FittedRecording};
-use crate::inference::joint::{JointOptions, Rounds};
 use crate::io::folder::{Existing, OutFolder, check_out};
 use crate::io::session::{
     DisagreementPart, SESSION, SessionFile, SessionLength, SessionManifest, TrialPart, session_of,
@@ -112,7 +111,7 @@ impl Session {
         let estimate = &mut options.estimate;
         estimate.height_m = estimate.height_m.or(self.manifest.person.height_m);
         let asked = estimate.joint;
-        estimate.joint = asked.map(|joint| JointOptions { rounds: Rounds::Thinned, ..joint });
+        *estimate = estimate.of_trial_alone();
 
         // 1. each trial alone
         let mut alone = self.fit_alone(folder, &options, progress)?;
@@ -124,7 +123,7 @@ impl Session {
         let found = fit_session(model, &trials, progress)?;
         drop(trials);
 
-        // 3. trial by trial, and the session last
+        // 3. trial by trial, with the options that were asked for, and the session last
         for trial in &mut alone {
             trial.input.options.estimate.joint = asked;
         }

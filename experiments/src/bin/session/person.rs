@@ -7,7 +7,6 @@ use experiments::metrics::rms;
 use experiments::walker::observe;
 use maquette::body::BodyModel;
 use maquette::inference::Sequence;
-use maquette::inference::joint::{JointOptions, Rounds};
 use maquette::inference::search::NoJournal;
 use maquette::math::stats::mean;
 use maquette::pipeline::{
@@ -109,8 +108,7 @@ pub(crate) fn found(
 
     // and as `maquette session` does
     let start = Instant::now();
-    let joint = JointOptions { rounds: Rounds::Thinned, ..JointOptions::default() };
-    let options = EstimateOptions { joint: Some(joint), ..options };
+    let options = options.of_trial_alone();
     let fits = fit_all(&options)?;
     let trials: Vec<SessionTrial<'_>> =
         filmed.iter().zip(&fits).map(|(trial, fit)| session_trial(trial, fit, &options)).collect();
