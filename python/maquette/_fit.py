@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import json
 import pathlib
-import shutil
 import tempfile
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
 from . import _camera_table, _html, _maquette, _plot, _tables
-from ._folder import Scratch, written_page
+from ._folder import Scratch, copied, written_page
 from ._gait import Gait
 from ._progress import ProgressChoice, caution, listening
 from ._show import Viewer
@@ -230,9 +229,9 @@ class Fit:
             Foot strikes and foot offs as a person corrected them on the report's page; ``"none"`` for those that the
             program finds. Default ``events.json`` of the fit's folder, if it is there.
         norm
-            Healthy people to compare with: a ``.toml`` file or ``"none"``; default the shipped norm.
+            Healthy people to compare with: a ``.toml`` file or ``"none"``; default the shipped norm of the age.
         age, sex
-            Choose the norm of steps and strides; years.
+            Choose the norms, the sex that of steps and strides alone; years.
 
         Raises
         ------
@@ -317,18 +316,12 @@ class Fit:
             If there is no such format, or the file's ending is another.
         """
         path = pathlib.Path(path)
-        is_folder = format in ("ply", "obj")
-        if not is_folder and path.suffix != f".{format}":
+        if format not in ("ply", "obj") and path.suffix != f".{format}":
             raise OptionError(f"{path}: expected a name that ends in .{format}")
-        corrected = self.folder / "events.json"
-        events = corrected if corrected.exists() else None
+        events = beside if (beside := self.folder / "events.json").exists() else None
         with tempfile.TemporaryDirectory(prefix="maquette-") as scratch:
             (written,) = self._fitted.export(words(scratch, format=format, events=events))
-            if is_folder:
-                shutil.copytree(written, path, dirs_exist_ok=True)
-            else:
-                shutil.copyfile(written, path)
-        return path
+            return copied(written, path)
 
     # --- pictures -----------------------------------------------------------------------------------
 

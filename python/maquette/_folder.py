@@ -23,6 +23,15 @@ def written_page(path: str | os.PathLike[str], page: str) -> pathlib.Path:
     return pathlib.Path(path)
 
 
+def copied(written: str | os.PathLike[str], path: pathlib.Path) -> pathlib.Path:
+    """Copy a file, or all that a folder holds, to where it is wanted."""
+    if pathlib.Path(written).is_dir():
+        shutil.copytree(written, path, dirs_exist_ok=True)
+    else:
+        shutil.copyfile(written, path)
+    return path
+
+
 def _remove(path: pathlib.Path, owner: int) -> None:
     # a forked process has a copy of the object and not of the folder
     if os.getpid() == owner:

@@ -85,7 +85,7 @@ class Session:
         after
             The later one.
         norm
-            Healthy people to compare with; default the shipped norm.
+            Healthy people to compare with; default the shipped norm of the age.
         """
         # the words ask for a folder, and nothing is written
         given = words(out=os.devnull, norm=norm, body=self._body)
