@@ -2,7 +2,7 @@
 
 use super::ambiguity::facing_warning;
 use super::camera_covariance::CameraCovariances;
-use super::diagnosis::{CameraFaults, Seen};
+use super::diagnosis::{CameraFaults, Parted, Seen};
 use super::estimate::{Estimate, LastStage};
 use super::fitted::{FittedFrame, TriedHypothesis};
 use super::judged::Judge;
@@ -121,6 +121,8 @@ fn stages(
 ) -> Result<Fit, FitError> {
     // 1. do cameras and masks agree
     let mut notes = check_scene(model, rig, sequence.frames)?;
+    let parted = Parted::new(rig, sequence.frames);
+    let sequence = Sequence { frames: &parted.frames, ..sequence };
 
     // 2. Algorithm 1, before the cameras that agree
     let measures = measures(model, sequence.frames, options)?;
@@ -145,7 +147,15 @@ fn stages(
     notes.extend(facing_warning(&coarse, &hypotheses, found.winner, estimate.data_weight()));
 
     // 5, 6. how well the body covers the masks, what it is worth, and what a person should know of it
-    let judge = Judge { coarse: &coarse, body: &body, sequence, measure, options, faults: &faults };
+    let judge = Judge {
+        coarse: &coarse,
+        body: &body,
+        sequence,
+        measure,
+        options,
+        faults: &faults,
+        left_out: &parted.causes,
+    };
     let fit = judge.fit(estimate, confidence, notes);
     journal.progress.step();
     Ok(Fit { hypotheses, winner: found.winner, ..fit })

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::ambiguity::{outline_warnings, scale_warning};
 use super::camera_covariance::CameraCovariances;
 use super::detected::detection_qualities;
-use super::diagnosis::{CameraFaults, Diagnosis, lost_frames};
+use super::diagnosis::{CameraFaults, Cause, Diagnosis, lost_frames};
 use super::estimate::Estimate;
 use super::fitted::FittedFrame;
 use super::points;
@@ -34,6 +34,8 @@ pub(super) struct Judge<'a> {
     pub(super) measure: Measure,
     pub(super) options: &'a EstimateOptions,
     pub(super) faults: &'a CameraFaults,
+    /// What was left out of the recording.
+    pub(super) left_out: &'a [Cause],
 }
 
 impl Judge<'_> {
@@ -44,7 +46,7 @@ impl Judge<'_> {
         confidence: ShapeConfidence,
         mut notes: Vec<Warning>,
     ) -> Fit {
-        let Self { coarse, body, sequence, measure, options, faults } = *self;
+        let Self { coarse, body, sequence, measure, options, faults, left_out } = *self;
         let (model, calibrated) = (coarse.model, coarse.rig);
         let sizes = estimate.shape.first(model.coefficients.len());
 
@@ -57,6 +59,7 @@ impl Judge<'_> {
         let verdict = Diagnosis {
             evidence: coarse,
             faults,
+            left_out,
             observations: sequence.frames,
             fps: sequence.fps,
             shape: &sizes,

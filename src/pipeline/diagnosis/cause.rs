@@ -139,6 +139,20 @@ pub enum Cause {
         /// By how much, m.
         miss_m: f64,
     },
+    /// The masks of some cameras lack a part of the person that the others see. They were left out.
+    PartsHidden {
+        /// The cameras.
+        cameras: Vec<String>,
+        /// The largest share of the person that a camera lacks, median over its frames.
+        share: f64,
+    },
+    /// The masks of some cameras hold something that the others do not see. They were left out.
+    PartsAlone {
+        /// The cameras.
+        cameras: Vec<String>,
+        /// The largest share of a mask that it is, median over its frames.
+        share: f64,
+    },
     /// The masks have lost arms, hands and feet.
     ThinPartsGone,
     /// The silhouettes show less than a whole person.

@@ -61,6 +61,7 @@ impl Figures {
         say(&Diagnosis {
             evidence: &Evidence::new(model, rig, LikelihoodOptions::default(), Measure::Metaballs),
             faults: &CameraFaults::of(rig, &[]),
+            left_out: &[],
             observations: &[],
             fps: 25.0,
             shape: &self.shape,

@@ -12,6 +12,7 @@
 //! | `cameras.rs`     | exchanged, mirrored, late, zoomed and displaced cameras           |
 //! | `strangers.rs`   | exchanged and mirrored cameras, before anybody is fitted          |
 //! | `agreeing.rs`    | what the cameras show that agree, for the search                  |
+//! | `parts.rs`       | cameras that lack a part of the person, or hold something else    |
 //! | `room.rs`        | what stands still in the masks                                    |
 //! | `volume.rs`      | what the silhouettes hold beside the body, and how tall it is     |
 //! | `thin.rs`        | whether the masks have lost arms, hands and feet                  |
@@ -30,6 +31,7 @@ mod coherence;
 #[cfg(test)]
 pub(super) mod figures;
 mod joint_misses;
+mod parts;
 mod proportions;
 mod room;
 mod seen;
@@ -47,6 +49,7 @@ use crate::silhouette::FrameObservations;
 pub(super) use cameras::CameraFaults;
 pub(super) use cause::camera_causes;
 pub use cause::{Cause, Reason};
+pub(super) use parts::Parted;
 pub(super) use proportions::likeliest_scale;
 pub(super) use seen::Seen;
 pub(super) use stature::stature_m;

@@ -167,6 +167,18 @@ impl Cause {
                 "the outlines of all cameras miss each other, by {:.0} mm: thin parts (arms, hands, feet) are lost in the masks, or the masks hold more than the person; segment again",
                 1e3 * miss_m
             ),
+            Self::PartsHidden { cameras, share } => write!(
+                f,
+                "{} left out where the masks lack a part of the person that the other cameras see, up to {:.0} %: hidden by furniture, or lost in the masks",
+                were(cameras),
+                100.0 * share
+            ),
+            Self::PartsAlone { cameras, share } => write!(
+                f,
+                "{} left out where the masks hold something that the other cameras do not see, up to {:.0} % of their area: furniture or somebody else; segment again",
+                were(cameras),
+                100.0 * share
+            ),
             Self::ThinPartsGone => write!(
                 f,
                 "the masks have lost the thin parts (arms, hands, feet): clean them up with a smaller disk, or segment again"
@@ -201,6 +213,15 @@ impl Cause {
                 "no cause was found: look at the overlays (--overlays): does every mask show one whole person, and nothing else?"
             ),
         }
+    }
+}
+
+/// `cam_01 and cam_02 were`.
+fn were(cameras: &[String]) -> String {
+    match cameras.split_last() {
+        Some((last, [])) => format!("{last} was"),
+        Some((last, others)) => format!("{} and {last} were", others.join(", ")),
+        None => "no camera was".into(),
     }
 }
 

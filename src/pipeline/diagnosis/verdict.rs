@@ -57,6 +57,8 @@ pub(in crate::pipeline) struct Diagnosis<'a> {
     pub(in crate::pipeline) evidence: &'a Evidence<'a>,
     /// What is wrong with these cameras, whatever body they show.
     pub(in crate::pipeline) faults: &'a CameraFaults,
+    /// What was left out of it.
+    pub(in crate::pipeline) left_out: &'a [Cause],
     pub(in crate::pipeline) observations: &'a [FrameObservations],
     pub(in crate::pipeline) fps: f64,
     pub(in crate::pipeline) shape: &'a Shape,
@@ -76,6 +78,7 @@ impl Diagnosis<'_> {
         if causes.is_empty() && !unusable.is_empty() {
             causes.push(Cause::Unknown);
         }
+        let causes = [self.left_out, &causes].concat();
         Verdict { unusable, causes }
     }
 

@@ -30,7 +30,7 @@ pub use agreement::{Disagreement, disagreements};
 pub use rig::OtherCalibration;
 
 use super::camera_covariance::CameraCovariances;
-use super::diagnosis::CameraFaults;
+use super::diagnosis::{CameraFaults, Parted};
 use super::estimate::Estimate;
 use super::fit::measures;
 use super::joint_stage::{Joined, JointStage, detected_names};
@@ -97,6 +97,13 @@ pub fn fit_session(
     progress: &dyn Progress,
 ) -> Result<SessionFit, FitError> {
     let body = model.detailed();
+    let parted: Vec<Parted<'_>> =
+        trials.iter().map(|trial| Parted::new(trial.rig, trial.sequence.frames)).collect();
+    let trials = trials.iter().zip(&parted).map(|(trial, parted)| SessionTrial {
+        sequence: Sequence { frames: &parted.frames, ..trial.sequence },
+        ..trial.clone()
+    });
+    let trials: &[SessionTrial<'_>] = &trials.collect::<Vec<_>>();
     let faults: Vec<CameraFaults> =
         trials.iter().map(|trial| CameraFaults::of(trial.rig, trial.sequence.frames)).collect();
     let measures: Vec<Measures> = trials
@@ -122,6 +129,7 @@ pub fn fit_session(
             measure: measures[k].joint,
             options: trial.options,
             faults: &faults[k],
+            left_out: &parted[k].causes,
         };
         let estimate = Estimate::joint(joined, trial.rig, &trial.alone.recovered);
         fits.push(judge.fit(estimate, trial.alone.confidence.clone(), notes));

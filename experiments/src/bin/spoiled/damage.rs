@@ -120,6 +120,15 @@ fn masks() -> Vec<Damage> {
             })
         }),
         damage("legs behind a table", "less than a standing person", table),
+        damage("lower half lost in every second camera", "lack a part of the person", |r| {
+            r.with_masks(|_, c, m| if c % 2 == 1 { half(m) } else { Some(m.clone()) })
+        }),
+        damage("a wardrobe in two cameras", "that the other cameras do not see", |r| {
+            let last = r.rig.cameras.len() - 1;
+            r.with_masks(move |_, c, m| {
+                Some(if c == 1 || c == last { joined(m, &wardrobe(m)) } else { m.clone() })
+            })
+        }),
         damage("stale picture of the room", "never moves", |r| {
             let first = r.masks[0].clone();
             r.with_masks(move |_, c, m| Some(joined(m, first[c].as_ref()?)))
@@ -297,6 +306,20 @@ fn mirrored(mask: &Mask) -> Mask {
 
 fn joined(a: &Mask, b: &Mask) -> Mask {
     Mask::from_fn(a.width(), a.height(), |x, y| a.is_foreground(x, y) || b.is_foreground(x, y))
+}
+
+/// What is above the middle of the person.
+fn half(mask: &Mask) -> Option<Mask> {
+    let (top, bottom) = rows(mask)?;
+    Some(kept(mask, |_, y| y < (top + bottom) / 2))
+}
+
+/// A box of a tenth of the picture's width.
+fn wardrobe(mask: &Mask) -> Mask {
+    let (w, h) = (mask.width(), mask.height());
+    let is_wardrobe =
+        |x, y| (w * 5 / 8..w * 29 / 40).contains(&x) && (h / 4..h * 4 / 5).contains(&y);
+    Mask::from_fn(w, h, is_wardrobe)
 }
 
 /// Two boxes, elsewhere in each camera.
