@@ -18,7 +18,8 @@ use std::borrow::Cow;
 use nalgebra::{Point2, Point3};
 use rayon::prelude::*;
 
-use super::cause::{Cause, name};
+use super::cameras::CameraFaults;
+use super::cause::{Cause, camera_causes, name};
 use crate::camera::{Camera, CameraId, Ray, Rig, closest_point};
 use crate::math::stats::median;
 use crate::silhouette::{FrameObservations, Silhouette};
@@ -71,7 +72,7 @@ impl<'a> Parted<'a> {
         };
         let share = |(id, _)| found(id) as f64 / shown(id).max(1) as f64;
         let shares: Vec<f64> = rig.iter().map(share).collect();
-        if shares.iter().all(|share| *share <= NAMED) {
+        if shares.iter().all(|share| *share <= NAMED) || has_wrong_pictures(rig, frames) {
             return Self { frames: Cow::Borrowed(frames), causes: Vec::new() };
         }
 
@@ -89,6 +90,12 @@ impl<'a> Parted<'a> {
         let causes = causes(rig, &named.collect::<Vec<_>>());
         Self { frames: Cow::Owned(kept.collect()), causes }
     }
+}
+
+/// Whether cameras are exchanged or mirrored: what these lack is shown elsewhere.
+fn has_wrong_pictures(rig: &Rig, frames: &[FrameObservations]) -> bool {
+    let causes = camera_causes(rig, &CameraFaults::of(rig, frames));
+    causes.iter().any(|cause| cause.wrong_pictures(rig) > 0)
 }
 
 /// The cameras that lack a part, and those that hold something else.
@@ -309,6 +316,13 @@ mod tests {
         let (causes, left) = said(wardrobe, as_calibrated);
         assert!(matches!(&causes[..], [Cause::PartsAlone { .. }]), "{causes:?}");
         assert_eq!(left, Figures::new().rig.cameras.len() - 1);
+    }
+
+    #[test]
+    fn cameras_that_are_exchanged_keep_their_views() {
+        let cameras = Figures::new().rig.cameras.len();
+        let exchanged = |rig: &mut Rig| rig.cameras.swap(0, 3);
+        assert_eq!(said(|_, mask| mask.clone(), exchanged), (Vec::new(), cameras));
     }
 
     #[test]
