@@ -6,12 +6,13 @@ use clap::Args;
 use serde_json::json;
 
 use maquette::gait::GaitOptions;
-use maquette::io::folder::{OutFolder, pdf};
+use maquette::io::folder::OutFolder;
 use maquette::pipeline::Progress;
 use maquette::workflow::{GaitSource, SessionStudy};
 use maquette::{FittedRecording, GaitStudy};
 
 use super::error::CliError;
+use super::page::{PageArguments, Written};
 use super::subject::{EventArguments, SubjectArguments, norm_choice};
 use super::switches::Output;
 
@@ -46,9 +47,8 @@ pub(super) struct ReportArguments {
     /// Body model of the fit, if it is not a shipped one
     #[arg(long, value_name = "FILE")]
     body: Option<String>,
-    /// Also write report.pdf, printed by an installed Chromium or Chrome; the variable CHROME names another one
-    #[arg(long)]
-    pdf: bool,
+    #[command(flatten)]
+    page: PageArguments,
     #[command(flatten)]
     output: Output,
 }
@@ -86,9 +86,7 @@ impl ReportArguments {
 
     /// Writes the page, prints it if that is asked for, and says where both are.
     fn write(&self, out: &OutFolder, text: &str) -> Result<(), CliError> {
-        out.write("report.html", text.as_bytes())?;
-        let page = out.path().join("report.html");
-        let pdf = self.pdf.then(|| pdf::print(&page)).transpose()?;
+        let Written { page, pdf } = self.page.write(out, "report.html", text)?;
 
         let named = |path: &PathBuf| path.display().to_string();
         let all = [Some(&page), pdf.as_ref()].into_iter().flatten();
