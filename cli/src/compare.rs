@@ -65,7 +65,7 @@ impl CompareArguments {
     /// What `--json` prints, and the page.
     pub(super) fn call(&self) -> Result<(Value, String), CliError> {
         let comparison = self.compared()?;
-        Ok((json(self, &comparison, None), comparison.report()))
+        Ok((json(self, &comparison, None), comparison.report(self.page.language())))
     }
 }
 
@@ -78,7 +78,8 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<(), CliError> {
     out.write("changes.csv", &comparison.csv()?)?;
     out.write("curve_changes.csv", &comparison.curves_csv()?)?;
     print_notes(&comparison.notes);
-    let written = arguments.page.write(&out, "compare.html", &comparison.report())?;
+    let page = comparison.report(arguments.page.language());
+    let written = arguments.page.write(&out, "compare.html", &page)?;
     let json = || json(arguments, &comparison, written.pdf.as_deref());
     arguments.output.summarise(|| text(arguments, &comparison), json);
     Ok(())

@@ -112,6 +112,11 @@ fn two_walks_are_compared_and_one_trial_each_says_nothing_of_chance() {
     );
     let page = String::from_utf8(arm.bytes("compared", "compare.html")).expect("UTF-8");
     assert!(page.contains("one.trc") && page.contains("Nothing is known of chance"));
+    let german =
+        ["compare", &walks[0], &walks[1], "--out", &out, "--overwrite", "--language", "de"];
+    run(&german).succeeded();
+    let page = String::from_utf8(arm.bytes("compared", "compare.html")).expect("UTF-8");
+    assert!(page.contains("lang=\"de\"") && page.contains("Über den Zufall ist nichts bekannt"));
 }
 
 #[cfg(unix)]
