@@ -94,7 +94,7 @@ fn table(gait: &GaitAnalysis, norm: Option<&Norm>, words: &Words) -> Markup {
                         th colspan="4" scope="colgroup" class="right" { (words.of("Right")) }
                         th rowspan="2" scope="col" { "R/L, %" }
                         th rowspan="2" scope="col" { (words.of("Norm")) }
-                        th rowspan="2" scope="col" { (words.of("Normal­ised")) }
+                        th rowspan="2" scope="col" { (words.of("Normalised")) }
                     }
                     tr { @for _ in 0..2 { @for name in [words.of("mean"), "SD", "u", "n"] { th scope="col" { (name) } } } }
                 }
