@@ -77,6 +77,14 @@ pub fn report(
     parsed::<ReportArguments>(words)?.page(fit, progress)
 }
 
+/// The page of all trials that `maquette report` with these words writes of a session.
+///
+/// # Errors
+/// [`CliError`], whose line is the program's.
+pub fn session_page(words: &[OsString]) -> Result<String, CliError> {
+    parsed::<ReportArguments>(words)?.session_page()
+}
+
 /// Writes a fit as `maquette export` with these words does, but into the folder itself, and says where.
 ///
 /// # Errors

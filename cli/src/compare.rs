@@ -1,6 +1,6 @@
 //! `maquette compare`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use maquette::gait::trials::{Change, CurveChange, Stretch};
@@ -9,6 +9,7 @@ use maquette::workflow::{Comparison, SessionStudy};
 use serde_json::{Value, json};
 
 use crate::error::CliError;
+use crate::page::PageArguments;
 use crate::subject::norm_choice;
 use crate::switches::{Output, Overwrite, print_notes};
 use crate::table::Table;
@@ -24,6 +25,7 @@ curve_changes.csv and bars under the curves tell where over the cycle they diffe
 pub(super) const EXAMPLES: &str = "\
 Examples:
   maquette compare out/before out/after --out out/change
+  maquette compare out/before out/after --out out/change --pdf
   maquette compare out/barefoot out/orthosis --out out/orthosis-effect";
 
 /// Arguments of `maquette compare`.
@@ -43,6 +45,8 @@ pub(super) struct CompareArguments {
     #[arg(long, value_name = "FILE")]
     body: Option<String>,
     #[command(flatten)]
+    page: PageArguments,
+    #[command(flatten)]
     overwrite: Overwrite,
     #[command(flatten)]
     output: Output,
@@ -61,7 +65,7 @@ impl CompareArguments {
     /// What `--json` prints, and the page.
     pub(super) fn call(&self) -> Result<(Value, String), CliError> {
         let comparison = self.compared()?;
-        Ok((json(self, &comparison), comparison.report()))
+        Ok((json(self, &comparison, None), comparison.report(self.page.language())))
     }
 }
 
@@ -73,13 +77,15 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<(), CliError> {
     let out = OutFolder::open(&arguments.out)?;
     out.write("changes.csv", &comparison.csv()?)?;
     out.write("curve_changes.csv", &comparison.curves_csv()?)?;
-    out.write("compare.html", comparison.report().as_bytes())?;
     print_notes(&comparison.notes);
-    arguments.output.summarise(|| text(arguments, &comparison), || json(arguments, &comparison));
+    let page = comparison.report(arguments.page.language());
+    let written = arguments.page.write(&out, "compare.html", &page)?;
+    let json = || json(arguments, &comparison, written.pdf.as_deref());
+    arguments.output.summarise(|| text(arguments, &comparison), json);
     Ok(())
 }
 
-fn json(arguments: &CompareArguments, comparison: &Comparison) -> Value {
+fn json(arguments: &CompareArguments, comparison: &Comparison, pdf: Option<&Path>) -> Value {
     let change = |change: &Change| {
         json!({
             "number": change.measure.quantity.name(),
@@ -97,6 +103,7 @@ fn json(arguments: &CompareArguments, comparison: &Comparison) -> Value {
     let curves: Vec<Value> = comparison.curves.iter().map(curve_json).collect();
     json!({
         "out": arguments.out.display().to_string(),
+        "pdf": pdf.map(|pdf| pdf.display().to_string()),
         "changes": changes,
         "curves": curves,
         "notes": comparison.notes,

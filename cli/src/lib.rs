@@ -52,6 +52,7 @@ mod interrupt;
 mod lenses_found;
 mod models;
 mod norm;
+mod page;
 mod pictures;
 mod progress;
 mod report;

@@ -6,12 +6,13 @@ use clap::Args;
 use serde_json::json;
 
 use maquette::gait::GaitOptions;
-use maquette::io::folder::{OutFolder, pdf};
+use maquette::io::folder::OutFolder;
 use maquette::pipeline::Progress;
 use maquette::workflow::{GaitSource, SessionStudy};
 use maquette::{FittedRecording, GaitStudy};
 
 use super::error::CliError;
+use super::page::{PageArguments, Written};
 use super::subject::{EventArguments, SubjectArguments, norm_choice};
 use super::switches::Output;
 
@@ -28,7 +29,7 @@ pub(super) const EXAMPLES: &str = "\
 Examples:
   maquette report out/me
   maquette report out/me --recording my-recording --no-pictures
-  maquette report out/me --pdf
+  maquette report out/me --pdf --language de
   maquette report out/me --subject 'P 017' --age 72 --sex female --date 2026-03-02 --footwear barefoot";
 
 /// Arguments of `maquette report`.
@@ -46,9 +47,8 @@ pub(super) struct ReportArguments {
     /// Body model of the fit, if it is not a shipped one
     #[arg(long, value_name = "FILE")]
     body: Option<String>,
-    /// Also write report.pdf, printed by an installed Chromium or Chrome; the variable CHROME names another one
-    #[arg(long)]
-    pdf: bool,
+    #[command(flatten)]
+    page: PageArguments,
     #[command(flatten)]
     output: Output,
 }
@@ -66,7 +66,9 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<(), CliError> {
     };
     let study = GaitStudy::open(source, &GaitOptions::default())?;
     let study = arguments.subject.compare(study, arguments.norm.as_deref())?;
-    let text = arguments.subject.report(&study, &arguments.out, &arguments.output.progress())?;
+    let language = arguments.page.language();
+    let progress = arguments.output.progress();
+    let text = arguments.subject.report(&study, &arguments.out, language, &progress)?;
 
     arguments.write(&OutFolder::open(&arguments.out)?, &text)?;
     Ok(study.usable()?)
@@ -81,14 +83,23 @@ impl ReportArguments {
     ) -> Result<String, CliError> {
         let gait = fit.gait_in(&self.out, self.events.choice(), &GaitOptions::default())?;
         let study = self.subject.compare(gait, self.norm.as_deref())?;
-        self.subject.report(&study, &self.out, progress)
+        self.subject.report(&study, &self.out, self.page.language(), progress)
+    }
+
+    /// The trials of a session.
+    fn session(&self) -> Result<SessionStudy, CliError> {
+        let norm = norm_choice(self.norm.as_deref());
+        Ok(SessionStudy::open(&self.out, self.body.as_deref(), norm)?)
+    }
+
+    /// The page of a session.
+    pub(super) fn session_page(&self) -> Result<String, CliError> {
+        Ok(self.session()?.report(self.page.language())?)
     }
 
     /// Writes the page, prints it if that is asked for, and says where both are.
     fn write(&self, out: &OutFolder, text: &str) -> Result<(), CliError> {
-        out.write("report.html", text.as_bytes())?;
-        let page = out.path().join("report.html");
-        let pdf = self.pdf.then(|| pdf::print(&page)).transpose()?;
+        let Written { page, pdf } = self.page.write(out, "report.html", text)?;
 
         let named = |path: &PathBuf| path.display().to_string();
         let all = [Some(&page), pdf.as_ref()].into_iter().flatten();
@@ -101,9 +112,8 @@ impl ReportArguments {
 
 /// The page of all trials, and the table of how far numbers vary.
 fn of_session(arguments: &ReportArguments) -> Result<(), CliError> {
-    let norm = norm_choice(arguments.norm.as_deref());
-    let study = SessionStudy::open(&arguments.out, arguments.body.as_deref(), norm)?;
+    let study = arguments.session()?;
     let out = OutFolder::open(&arguments.out)?;
     out.write("variation.csv", &study.csv()?)?;
-    arguments.write(&out, &study.report()?)
+    arguments.write(&out, &study.report(arguments.page.language())?)
 }

@@ -7,7 +7,7 @@ use maquette::gait::Footwear;
 use maquette::io::folder::origin;
 use maquette::io::gait::Sex;
 use maquette::pipeline::Progress;
-use maquette::report::Subject;
+use maquette::report::{Language, Subject};
 use maquette::workflow::{EventChoice, NormChoice, ReportedRecording};
 use maquette::{GaitStudy, Recording};
 
@@ -90,39 +90,33 @@ impl SubjectArguments {
         &self,
         study: &GaitStudy,
         from: &Path,
+        language: Language,
         progress: &dyn Progress,
     ) -> Result<String, CliError> {
+        let with_views = |recording: &Path| {
+            let shown = ReportedRecording {
+                recording: &Recording::open(recording)?,
+                out: from,
+                pictures: !self.no_pictures,
+                progress,
+            };
+            Ok(study.report_with_views(&self.subject(recording), shown, language)?)
+        };
         if let Some(path) = &self.recording {
-            return self.report_with_views(study, from, path, progress);
+            return with_views(path);
         }
 
         // the recording that the fit was made from, if it is still there
         let Some(path) = origin::read(from) else {
-            return Ok(study.report(&self.subject(from))?);
+            return Ok(study.report(&self.subject(from), language)?);
         };
-        match self.report_with_views(study, from, &path, progress) {
+        match with_views(&path) {
             Ok(text) => Ok(text),
-            Err(fault) => {
+            Err::<_, CliError>(fault) => {
                 progress.note(&format!("the report is without camera views: {fault}"));
-                Ok(study.report(&self.subject(&path))?)
+                Ok(study.report(&self.subject(&path), language)?)
             }
         }
-    }
-
-    fn report_with_views(
-        &self,
-        study: &GaitStudy,
-        out: &Path,
-        recording: &Path,
-        progress: &dyn Progress,
-    ) -> Result<String, CliError> {
-        let shown = ReportedRecording {
-            recording: &Recording::open(recording)?,
-            out,
-            pictures: !self.no_pictures,
-            progress,
-        };
-        Ok(study.report_with_views(&self.subject(recording), shown)?)
     }
 
     /// What they wore, as stated.

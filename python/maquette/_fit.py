@@ -263,6 +263,7 @@ class Fit:
         norm: Path | Literal["none"] | None = None,
         recording: Path | None = None,
         pictures: bool = True,
+        language: Literal["en", "de"] | None = None,
         progress: ProgressChoice = None,
     ) -> pathlib.Path:
         """Write the page that a clinician reads: one HTML file that needs nothing else.
@@ -279,6 +280,8 @@ class Fit:
             The recording, which shows what the cameras saw; default where the fit found it.
         pictures
             Show the recorded pictures under the outlines.
+        language
+            Of the page; default English.
         progress
             As of :meth:`Recording.fit`.
         """
@@ -294,6 +297,7 @@ class Fit:
             norm=norm,
             recording=recording,
             no_pictures=not pictures,
+            language=language,
         )
         with listening(progress) as told:
             page = self._fitted.report(given, (told, caution))

@@ -54,7 +54,7 @@ def origin(folder: _Path) -> pathlib.Path | None:
 def session(words: Sequence[str], listeners: _Listeners) -> str | None:
     """Write what ``maquette session`` with these words writes, and give the verdict of one that cannot be used."""
 
-def session_page(folder: _Path, body: str | None) -> str:
+def session_page(words: Sequence[str]) -> str:
     """The page of all trials of a session."""
 
 def compare(words: Sequence[str]) -> tuple[str, str]:

@@ -73,11 +73,17 @@ class Session:
         """What a person should know: trials of somebody else first."""
         return [part["line"] for part in self.result["disagreements"]] + list(self.result["notes"])
 
-    def report(self, path: Path) -> pathlib.Path:
-        """Write the page of all trials: one HTML file that needs nothing else."""
-        return written_page(path, _maquette.session_page(self.folder, self._body))
+    def report(self, path: Path, *, language: Literal["en", "de"] | None = None) -> pathlib.Path:
+        """Write the page of all trials, in English unless asked otherwise: one HTML file that needs nothing else."""
+        return written_page(path, _maquette.session_page(words(self.folder, body=self._body, language=language)))
 
-    def compare(self, after: Session, *, norm: Path | Literal["none"] | None = None) -> Comparison:
+    def compare(
+        self,
+        after: Session,
+        *,
+        norm: Path | Literal["none"] | None = None,
+        language: Literal["en", "de"] | None = None,
+    ) -> Comparison:
         """Tell what has changed from this session to a later one of the same person.
 
         Parameters
@@ -86,9 +92,11 @@ class Session:
             The later one.
         norm
             Healthy people to compare with; default the shipped norm of the age.
+        language
+            Of the page; default English.
         """
         # the words ask for a folder, and nothing is written
-        given = words(out=os.devnull, norm=norm, body=self._body)
+        given = words(out=os.devnull, norm=norm, body=self._body, language=language)
         both = ["--", str(self.folder), str(after.folder)]
         return Comparison(*_maquette.compare([*given, *both]))
 

@@ -1,9 +1,7 @@
 //! Several walks of one person with one body, and what changed between two days.
 
 use std::ffi::OsString;
-use std::path::PathBuf;
 
-use maquette::workflow::{NormChoice, SessionStudy};
 use maquette_cli::call;
 use pyo3::prelude::*;
 
@@ -20,17 +18,10 @@ pub(crate) fn session(
     Ok(fitted.usable().err().map(|verdict| verdict.to_string()))
 }
 
-/// The page of all trials of a session.
+/// The page of all trials that `maquette report` with these words writes.
 #[pyfunction]
-pub(crate) fn session_page(
-    py: Python<'_>,
-    folder: PathBuf,
-    body: Option<String>,
-) -> PyResult<String> {
-    unlocked(py, || {
-        let study = SessionStudy::open(&folder, body.as_deref(), NormChoice::Shipped)?;
-        Ok(study.report()?)
-    })
+pub(crate) fn session_page(py: Python<'_>, words: Vec<OsString>) -> PyResult<String> {
+    unlocked(py, || call::session_page(&words))
 }
 
 /// What `maquette compare --json` with these words prints, and its page.

@@ -41,6 +41,8 @@ def test_a_session_is_the_programs_byte_for_byte(
     assert lengths[0].equals(first.lengths["length"])
     page = first.report(tmp_path / "report.html").read_text()
     assert "walk_1" in page
+    german = first.report(tmp_path / "bericht.html", language="de").read_text()
+    assert '<html lang="de">' in german
     with pytest.raises(maquette.ResultError, match="walk_0, walk_1"):
         first.trial("walk_7")
 

@@ -1,5 +1,7 @@
 //! Numbers beyond those of healthy people.
 
+use std::fmt;
+
 use serde::{Deserialize, Serialize};
 
 /// A number is marked that lies beyond the mean of healthy people by more than so many standard deviations between them.
@@ -62,20 +64,51 @@ impl Footwear {
 
     /// What to know before a person is compared with a norm, whose people walked in this or in nobody knows what; `None` where
     /// both walked alike.
-    pub fn caution(norm: Option<Self>, person: Option<Self>) -> Option<String> {
-        Some(match (norm, person) {
-            (Some(norm), Some(person)) if norm == person => return None,
-            (Some(norm), Some(person)) => format!(
+    pub fn caution(norm: Option<Self>, person: Option<Self>) -> Option<FootwearCaution> {
+        match (norm, person) {
+            (Some(norm), Some(person)) if norm == person => None,
+            (Some(norm), Some(person)) => Some(FootwearCaution::Differs { norm, person }),
+            (Some(norm), None) => Some(FootwearCaution::NotStated { norm }),
+            (None, _) => Some(FootwearCaution::NormUnknown),
+        }
+    }
+}
+
+/// What to know of footwear before a person is compared with a norm; as text one line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FootwearCaution {
+    /// They walked in different things.
+    Differs {
+        /// The people of the norm.
+        norm: Footwear,
+        /// The person.
+        person: Footwear,
+    },
+    /// Nobody said what the person wore.
+    NotStated {
+        /// The people of the norm.
+        norm: Footwear,
+    },
+    /// What the people of the norm wore is not known.
+    NormUnknown,
+}
+
+impl fmt::Display for FootwearCaution {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Differs { norm, person } => write!(
+                f,
                 "the people of the norm walked {}, this person {}: footwear changes steps and ankles",
                 norm.words(),
                 person.words()
             ),
-            (Some(norm), None) => format!(
+            Self::NotStated { norm } => write!(
+                f,
                 "the people of the norm walked {}; what this person wore is not stated (--footwear)",
                 norm.words()
             ),
-            (None, _) => "what the people of the norm wore is not known".into(),
-        })
+            Self::NormUnknown => f.write_str("what the people of the norm wore is not known"),
+        }
     }
 }
 
@@ -94,9 +127,11 @@ mod tests {
     fn only_like_footwear_is_compared_without_a_word() {
         use Footwear::{Barefoot, Shoes};
         assert_eq!(Footwear::caution(Some(Barefoot), Some(Barefoot)), None);
-        let differ = Footwear::caution(Some(Shoes), Some(Barefoot)).unwrap();
+        let differ = Footwear::caution(Some(Shoes), Some(Barefoot)).unwrap().to_string();
         assert!(differ.contains("walked in shoes, this person barefoot"), "{differ}");
-        assert!(Footwear::caution(Some(Shoes), None).unwrap().contains("--footwear"));
-        assert!(Footwear::caution(None, Some(Shoes)).unwrap().contains("not known"));
+        let unstated = Footwear::caution(Some(Shoes), None).unwrap().to_string();
+        assert!(unstated.contains("--footwear"), "{unstated}");
+        let unknown = Footwear::caution(None, Some(Shoes)).unwrap().to_string();
+        assert!(unknown.contains("not known"), "{unknown}");
     }
 }

@@ -68,7 +68,11 @@ impl Norm {
     pub fn cautions(&self, person: Option<Footwear>) -> Vec<String> {
         let of_footwear = Footwear::caution(self.footwear, person);
         let of_footwear = of_footwear.filter(|_| !self.curves.is_empty());
-        of_footwear.into_iter().chain(self.remarks.iter().cloned()).collect()
+        of_footwear
+            .map(|caution| caution.to_string())
+            .into_iter()
+            .chain(self.remarks.iter().cloned())
+            .collect()
     }
 
     /// Where a parameter lies beyond those of healthy people; `None` within, and where the norm has none.

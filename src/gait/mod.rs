@@ -43,7 +43,7 @@ pub mod trials;
 
 pub use angle::Angle;
 pub use angles::{AngleTracks, cardan_zxy};
-pub use beyond::{BEYOND_SD, Beyond, Footwear};
+pub use beyond::{BEYOND_SD, Beyond, Footwear, FootwearCaution};
 pub use course::{Course, Surface};
 pub use curves::{Curve, Extremes, KeyPoints, POINTS};
 pub use cycles::Cycle;

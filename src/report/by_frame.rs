@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::Words;
 use super::figure::{Axis, BOTH, Figure, axis_range};
 use crate::io::result::ResultFile;
 use crate::math::stats::mean;
@@ -48,13 +49,14 @@ pub(super) fn spreads(
 }
 
 /// The means as a line, in a band from the least to the most.
-pub(super) fn figure(result: &ResultFile, spreads: &[Spread], y: Axis) -> Figure {
+pub(super) fn figure(result: &ResultFile, spreads: &[Spread], y: Axis, words: &Words) -> Figure {
     let means: Vec<_> = spreads.iter().map(|s| (s.frame as f64, s.mean)).collect();
     let band: Vec<_> = spreads.iter().map(|s| (s.frame as f64, s.least, s.most)).collect();
 
     let recording = &result.recording;
     let ends = (recording.first_frame as f64, recording.last_frame as f64);
     let (_, step) = axis_range(std::iter::empty(), ends);
-    let x = Axis { label: "frame".into(), range: (ends.0, ends.1.max(ends.0 + 1.0)), step };
+    let x =
+        Axis { label: words.of("frame").into(), range: (ends.0, ends.1.max(ends.0 + 1.0)), step };
     Figure::new("", x, y).wide().band(BOTH, 0.2, &band).line(BOTH, 1.5, &means)
 }

@@ -1,14 +1,16 @@
 //! The comparison of two sessions: curves with bands, and a table of what changed.
 
+use std::fmt::Display;
+
 use maud::{Markup, html};
 
-use super::Subject;
 use super::figure::{Axis, BOTH, Colour, Figure, NORM};
 use super::identity::{cautions, person};
-use super::kinematics::{ARMS, LEGS, empty_figure, grid, norm_band, over_percent};
-use super::label::angle_label;
-use super::page::{Page, absent, document, number};
+use super::kinematics::{arms, empty_figure, grid, legs, norm_band, over_percent};
+use super::label::{angle_label, side_name};
+use super::page::{Page, absent, document};
 use super::variation::{digits_of, title};
+use super::{Subject, Words};
 use crate::gait::trials::{Change, CurveChange, Stretch};
 use crate::gait::{Angle, Curve, GaitAnalysis, Norm, Side};
 
@@ -40,59 +42,66 @@ pub struct ComparisonInput<'a> {
     pub notes: &'a [String],
     /// Healthy people.
     pub norm: Option<&'a Norm>,
+    /// What the page says.
+    pub words: &'a Words,
 }
 
 /// The comparison as the text of one file.
 pub fn comparison_html(input: &ComparisonInput<'_>) -> String {
     let pages =
         [summary(input), table_page(input), curves(input, Side::Left), curves(input, Side::Right)];
-    document(input.after.subject, None, &pages, None)
+    document(input.after.subject, None, &pages, None, input.words)
 }
 
-fn summary(input: &ComparisonInput<'_>) -> Page {
+fn summary<'a>(input: &ComparisonInput<'a>) -> Page<'a> {
+    let words = input.words;
     let detected: Vec<&Change> = input.changes.iter().filter(|c| c.is_detected()).collect();
     let known = input.changes.iter().filter(|c| c.detectable.is_some()).count();
-    let of = |own: &Compared<'_>| person(own.subject);
+    let of = |own: &Compared<'_>| person(own.subject, words);
     Page {
         id: "identity",
-        title: "Two sessions",
+        title: words.of("Two sessions"),
         body: html! {
             table class="facts" {
-                tr { th scope="row" { "" } td { strong { (input.before.name) } } td { strong { (input.after.name) } } }
+                tr { td {} td { strong { (input.before.name) } } td { strong { (input.after.name) } } }
                 @for ((name, a), (_, b)) in of(&input.before).iter().zip(&of(&input.after)) {
                     tr { th scope="row" { (name) } td { (a) } td { (b) } }
                 }
-                tr { th scope="row" { "Trials" } td { (input.before.trials) } td { (input.after.trials) } }
+                tr { th scope="row" { (words.of("Trials")) } td { (input.before.trials) } td { (input.after.trials) } }
             }
             @if !input.notes.is_empty() {
-                h3 { "Before reading on" }
-                ul class="remarks" { @for note in input.notes { li { (note) } } }
+                h3 { (words.of("Before reading on")) }
+                ul class="remarks" { @for note in input.notes { li { (words.line(note)) } } }
             }
-            h3 { "Changes that exceed the minimal detectable change" }
+            h3 { (words.of("Changes that exceed the minimal detectable change")) }
             @if known == 0 {
-                (absent("Nothing is known of chance: a session of two trials or more is needed."))
+                (absent(words.of("Nothing is known of chance: a session of two trials or more is needed.")))
             } @else if detected.is_empty() {
-                p { "None of " (known) " numbers." }
+                p { (words.fill("None of {n} numbers.", &[("n", &known)])) }
             } @else {
                 (table(&detected, input))
-                p class="note" { (detected.len()) " of " (known) " numbers. Of a person who has not changed, one in twenty exceeds it." }
+                p class="note" {
+                    (words.fill("{n} of {all} numbers. Of a person who has not changed, one in twenty exceeds it.", &[("n", &detected.len()), ("all", &known)]))
+                }
             }
         },
         is_brief: false,
     }
 }
 
-fn table_page(input: &ComparisonInput<'_>) -> Page {
+fn table_page<'a>(input: &ComparisonInput<'a>) -> Page<'a> {
+    let words = input.words;
     Page {
         id: "changes",
-        title: "Changes",
+        title: words.of("Changes"),
         body: html! {
-            @if let Some(norm) = input.norm { (cautions(norm, input.after.subject)) }
+            @if let Some(norm) = input.norm { (cautions(norm, input.after.subject, words)) }
             (table(&input.changes.iter().collect::<Vec<_>>(), input))
             p class="note" {
-                "SD: between the trials of a session. Change: " (input.after.name) " less " (input.before.name) ", with its 95 % interval (Welch), "
-                "from the SD between trials and the fit's own. MDC: minimal detectable change, 1.96·√2·SEM of two sessions alike (Weir 2005), "
-                "which a person who has not changed exceeds once in twenty times; ● marks a change beyond it. Scores are against the norm."
+                (words.fill("SD: between the trials of a session. Change: {after} less {before}, with its 95 % interval (Welch), \
+                    from the SD between trials and the fit's own.", &[("after", &input.after.name), ("before", &input.before.name)])) " "
+                (words.of("MDC: minimal detectable change, 1.96·√2·SEM of two sessions alike (Weir 2005), \
+                    which a person who has not changed exceeds once in twenty times; ● marks a change beyond it. Scores are against the norm."))
             }
         },
         is_brief: false,
@@ -100,59 +109,69 @@ fn table_page(input: &ComparisonInput<'_>) -> Page {
 }
 
 fn table(changes: &[&Change], input: &ComparisonInput<'_>) -> Markup {
+    let words = input.words;
     html! {
-        table class="numbers small" {
-            thead { tr {
-                th scope="col" { "Number" } th scope="col" { "Side" } th scope="col" { "Unit" }
-                th scope="col" { (input.before.name) } th scope="col" { "SD" }
-                th scope="col" { (input.after.name) } th scope="col" { "SD" }
-                th scope="col" { "Change" } th scope="col" { "95 % interval" } th scope="col" { "MDC" } th scope="col" { "" }
-            } }
-            tbody { @for change in changes { (row(change)) } }
+        div class="scroll" role="group" tabindex="0" aria-label=(words.of("Table")) {
+            table class="numbers small" {
+                thead { tr {
+                    th scope="col" { (words.of("Number")) } th scope="col" { (words.of("Side")) } th scope="col" { (words.of("Unit")) }
+                    th scope="col" { (input.before.name) } th scope="col" { "SD" }
+                    th scope="col" { (input.after.name) } th scope="col" { "SD" }
+                    th scope="col" { (words.of("Change")) } th scope="col" { (words.of("95 % interval")) } th scope="col" { "MDC" } td {}
+                } }
+                tbody { @for change in changes { (row(change, words)) } }
+            }
         }
     }
 }
 
-fn row(change: &Change) -> Markup {
+fn row(change: &Change, words: &Words) -> Markup {
     let (quantity, side) = (change.measure.quantity, change.measure.side);
-    let cell = |value: Option<f64>| number(value, digits_of(quantity));
+    let cell = |value: Option<f64>| words.number(value, digits_of(quantity));
     html! {
         tr {
-            th scope="row" { (title(quantity)) }
-            td class=(side.name()) { (side.name()) }
-            td { (quantity.unit()) }
+            th scope="row" { (title(quantity, words)) }
+            td class=(side.name()) { (side_name(side, words)) }
+            td { (words.known(quantity.unit())) }
             td class="mean" { (cell(Some(change.before.mean))) } td { (cell(change.before.between_trials)) }
             td class="mean" { (cell(Some(change.after.mean))) } td { (cell(change.after.between_trials)) }
             td class="mean" { (cell(Some(change.difference))) }
             td { @match change.interval {
-                Some((low, high)) => { (cell(Some(low))) " to " (cell(Some(high))) }
+                Some((low, high)) => { (words.fill("{low} to {high}", &[("low", &cell(Some(low))), ("high", &cell(Some(high)))])) }
                 None => "–"
             } }
             td { (cell(change.detectable)) }
-            td { @if change.is_detected() { span aria-hidden="true" { "●" } span class="spoken" { "beyond the minimal detectable change" } } }
+            td { @if change.is_detected() { span aria-hidden="true" { "●" } span class="spoken" { (words.of("beyond the minimal detectable change")) } } }
         }
     }
 }
 
 /// Mean curves of one side, each with its band.
-fn curves(input: &ComparisonInput<'_>, side: Side) -> Page {
+fn curves<'a>(input: &ComparisonInput<'a>, side: Side) -> Page<'a> {
+    let words = input.words;
     let (id, title) = match side {
-        Side::Left => ("curves-left", "Curves, left"),
-        Side::Right => ("curves-right", "Curves, right"),
+        Side::Left => ("curves-left", words.of("Curves, left")),
+        Side::Right => ("curves-right", words.of("Curves, right")),
     };
     Page {
         id,
         title,
         body: html! {
             p class="key" {
-                span style={ "--c:" (BOTH) ";color:" (BOTH) } { (input.before.name) ", grey" }
-                span class=(side.name()) { (input.after.name) ", in colour" }
-                @if let Some(norm) = input.norm.filter(|norm| !norm.curves.is_empty()) { span class="norm" { "norm: " (norm.name) ", mean ± 1 SD between people" } }
+                span class="both" { (words.fill("{session}, grey", &[("session", &input.before.name)])) }
+                span class=(side.name()) { (words.fill("{session}, in colour", &[("session", &input.after.name)])) }
+                @if let Some(norm) = input.norm.filter(|norm| !norm.curves.is_empty()) { span class="norm" { (words.fill("norm: {norm}, mean ± 1 SD between people", &[("norm", &norm.name)])) } }
             }
-            (grid(&LEGS, |angle| panel(input, angle, side)))
-            p class="note" { "From foot strike to foot strike of the same side. Line: mean over all strides of all trials. Tint: ± 1 SD between strides. Dashed: foot off." (tested(input)) }
-            h3 class="arms" { "Arms" }
-            (grid(&ARMS, |angle| panel(input, angle, side)))
+            (grid(&legs(words), words, |angle| panel(input, angle, side)))
+            p class="note" {
+                (words.of("From foot strike to foot strike of the same side. Line: mean over all strides of all trials. Tint: ± 1 SD between strides. Dashed: foot off."))
+                @if !input.curves.is_empty() {
+                    " " (words.of("Bars on the lower edge: the sessions differ by more than chance (statistical parametric mapping, t of the trials' mean \
+                        curves, α = 0.05 for each curve: one curve in twenty has a bar without any change; docs/session.md)."))
+                }
+            }
+            h3 class="arms" { (words.of("Arms")) }
+            (grid(&arms(words), words, |angle| panel(input, angle, side)))
         },
         is_brief: false,
     }
@@ -163,17 +182,18 @@ fn panel(input: &ComparisonInput<'_>, angle: Angle, side: Side) -> Markup {
         own.curves.iter().find(|c| c.angle == angle && c.side == side).cloned()
     };
     let drawn = [(of(input.before.gait), BOTH), (of(input.after.gait), Colour::from(side))];
-    let label = angle_label(angle);
+    let words = input.words;
+    let label = angle_label(angle, words);
     if drawn.iter().all(|(curve, _)| curve.is_none()) {
-        return html! { div class="panel empty" { strong { (label.title) } (absent("no whole stride shows it")) } };
+        return html! { div class="panel empty" { strong { (label.title) } (absent(words.of("no whole stride shows it"))) } };
     }
 
     let band = norm_band(input.norm, angle);
     let known = drawn.iter().filter_map(|(curve, _)| curve.as_ref());
     let values = known.flat_map(|curve| curve.mean.iter().map(|v| v.to_degrees()));
     let of_norm = band.iter().flatten().flat_map(|p| [p.1, p.2]);
-    let cycle = Axis { label: "gait cycle, %".into(), range: (0.0, 100.0), step: 20.0 };
-    let mut figure = empty_figure(angle, cycle, values.chain(of_norm));
+    let cycle = Axis { label: words.of("gait cycle, %").into(), range: (0.0, 100.0), step: 20.0 };
+    let mut figure = empty_figure((angle, words), cycle, values.chain(of_norm));
     if let Some(band) = &band {
         figure = figure.band(NORM, 0.2, band);
     }
@@ -187,23 +207,15 @@ fn panel(input: &ComparisonInput<'_>, angle: Angle, side: Side) -> Markup {
         }
     }
     let (before, after) = (input.before.name, input.after.name);
-    let side = side.name();
-    let where_off = test.map_or(String::new(), in_words);
-    let description = format!(
-        "{}, {side}, degrees: mean curves of {before} and {after}.{where_off}",
-        label.title
-    );
-    html! { div class="panel" { (figure.markup(&description)) } }
-}
-
-/// How the bars below the curves were found.
-fn tested(input: &ComparisonInput<'_>) -> String {
-    match input.curves.first() {
-        Some(_) => " Bars on the lower edge: the sessions differ by more than chance (statistical parametric mapping, t of the trials' mean \
-            curves, α = 0.05 for each curve: one curve in twenty has a bar without any change; docs/session.md)."
-            .into(),
-        None => String::new(),
+    let side = side_name(side, words);
+    let values: [(&str, &dyn Display); 4] =
+        [("angle", &label.title), ("side", &side), ("before", &before), ("after", &after)];
+    let mut description =
+        words.fill("{angle}, {side}, degrees: mean curves of {before} and {after}.", &values);
+    if let Some(test) = test {
+        description += &in_words(test, words);
     }
+    html! { div class="panel" { (figure.markup(&description, words)) } }
 }
 
 /// Bars on the lower edge where the sessions differ by more than chance.
@@ -218,13 +230,24 @@ fn with_stretches(mut figure: Figure, change: &CurveChange) -> Figure {
     figure
 }
 
-fn in_words(change: &CurveChange) -> String {
+fn in_words(change: &CurveChange, words: &Words) -> String {
     let stretch = |s: &Stretch| {
-        let p = if s.p < 0.001 { "below 0.001".into() } else { format!("{:.3}", s.p) };
-        format!(" They differ from {:.0} to {:.0} % of the cycle, p {p}.", s.from, s.to)
+        let p = match s.p {
+            p if p < 0.001 => format!("< {}", words.decimal(0.001)),
+            p => words.number(Some(p), 3),
+        };
+        let (from, to) = (format!("{:.0}", s.from), format!("{:.0}", s.to));
+        let values: [(&str, &dyn Display); 3] = [("from", &from), ("to", &to), ("p", &p)];
+        format!(
+            " {}",
+            words.fill("They differ from {from} to {to} % of the cycle, p {p}.", &values)
+        )
     };
     let all: String = change.test.stretches.iter().map(stretch).collect();
-    if all.is_empty() { " They do not differ by more than chance.".into() } else { all }
+    match all.is_empty() {
+        true => format!(" {}", words.of("They do not differ by more than chance.")),
+        false => all,
+    }
 }
 
 fn one(mut figure: Figure, curve: &Curve, colour: Colour) -> Figure {

@@ -1,16 +1,18 @@
 //! One small chart, as SVG. Only this file names the plotting library.
 
 use std::fmt;
+use std::sync::Arc;
 
 use kuva::backend::svg::SvgBackend;
 use kuva::plot::{BandPlot, LinePlot};
 use kuva::render::annotations::ReferenceLine;
 use kuva::render::figure::Figure as Sheet;
-use kuva::render::layout::Layout;
+use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
 use kuva::render::theme::Theme;
 use maud::{Markup, PreEscaped, html};
 
+use super::Words;
 use crate::gait::Side;
 
 /// A colour, red, green and blue; written `#rrggbb`.
@@ -36,12 +38,16 @@ impl fmt::Display for Colour {
 }
 
 /// The colours of the sides as the page's style has them: `--left`, `--right`, and for colour-blind readers others, which
-/// also replace those in the charts (Okabe & Ito 2008).
+/// also replace those in the charts (Okabe & Ito 2008). In the dark they are lighter, but for what is drawn on white.
 pub(super) fn style_of_sides() -> String {
     let [left, right] = Side::BOTH.map(Colour::from);
     let mut style = format!(
         ":root {{ --left: {left}; --right: {right} }} .cb {{ --left: #d55e00; --right: #0072b2 }} \
-         .cb [stroke=\"{left}\"] {{ stroke-dasharray: 6 3 }}"
+         .cb [stroke=\"{left}\"] {{ stroke-dasharray: 6 3 }} \
+         @media screen and (prefers-color-scheme: dark) {{ \
+         :root {{ --left: #ff8a96; --right: #7db3ff }} .cb {{ --left: #f29a4a; --right: #5ab4ec }} \
+         .chart, #curves, .stage {{ --left: {left}; --right: {right}; --ink: #1c1f24 }} \
+         .cb .chart, .cb #curves, .cb .stage {{ --left: #d55e00; --right: #0072b2 }} }}"
     );
     for (side, colour) in [("left", left), ("right", right)] {
         for what in ["stroke", "fill"] {
@@ -137,8 +143,8 @@ impl Figure {
     }
 
     /// The chart, with a text for those who do not see it.
-    pub(super) fn markup(self, description: &str) -> Markup {
-        let layout = self.layout();
+    pub(super) fn markup(self, description: &str, words: &Words) -> Markup {
+        let layout = self.layout(words);
         let sheet = Sheet::new(1, 1)
             .with_plots(vec![self.plots])
             .with_layouts(vec![layout])
@@ -154,7 +160,13 @@ impl Figure {
         }
     }
 
-    fn layout(&self) -> Layout {
+    fn layout(&self, words: &Words) -> Layout {
+        let ticks = match words.is_decimal_comma() {
+            true => TickFormat::Custom(Arc::new(|value| {
+                TickFormat::Auto.format(value).replace('.', ",")
+            })),
+            false => TickFormat::Auto,
+        };
         let theme = Theme {
             grid_color: "#e6e6e6".into(),
             font_family: Some("Helvetica, Arial, sans-serif".into()),
@@ -168,6 +180,7 @@ impl Figure {
             .with_y_axis_max(y.range.1)
             .with_x_tick_step(x.step)
             .with_y_tick_step(y.step)
+            .with_tick_format(ticks)
             .with_theme(theme)
             .with_title(&self.title)
             .with_x_label(&x.label)
@@ -204,6 +217,7 @@ pub(super) fn axis_range(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::report::Language;
 
     fn axis(range: (f64, f64)) -> Axis {
         Axis { label: "a".into(), range, step: 0.5 * (range.1 - range.0) }
@@ -217,7 +231,7 @@ mod tests {
         let figure = Figure::new("t", axis((0.0, 4.0)), axis((0.0, 2.0))).line(left, 1.0, &points);
         let figure = figure.band(left, 0.2, &band);
         assert_eq!(figure.plots.len(), 4);
-        let text = figure.markup("two pieces").into_string();
+        let text = figure.markup("two pieces", &Words::new(Language::English)).into_string();
         assert!(text.contains("viewBox=\"0 0 280 206\""), "{text}");
         assert!(text.contains("aria-label=\"two pieces\"") && text.contains(&left.to_string()));
         assert!(!text.contains("NaN"));

@@ -1,39 +1,58 @@
 //! The grids of joint angles: a row for each joint, a column for each plane.
 
+use std::fmt::Display;
+
 use maud::{Markup, html};
 
-use super::ReportInput;
 use super::figure::{Axis, Colour, Figure, NORM, axis_range};
 use super::identity::cautions;
 use super::label;
-use super::page::{Page, absent, key};
-use super::spatiotemporal::{reason, remarks};
+use super::page::{Page, key};
+use super::spatiotemporal::{missing, remarks};
+use super::{ReportInput, Words};
 use crate::gait::{Angle, Curve, Norm, Side};
 
-pub(super) type Row = (&'static str, [Option<Angle>; 3]);
+pub(super) type Row<'a> = (&'a str, [Option<Angle>; 3]);
 
-pub(super) const LEGS: [Row; 5] = [
-    (
-        "Pelvis",
-        [Some(Angle::PelvisTilt), Some(Angle::PelvisObliquity), Some(Angle::PelvisRotation)],
-    ),
-    ("Hip", [Some(Angle::HipFlexion), Some(Angle::HipAdduction), Some(Angle::HipRotation)]),
-    ("Knee", [Some(Angle::KneeFlexion), Some(Angle::KneeAdduction), Some(Angle::KneeRotation)]),
-    ("Ankle, foot", [Some(Angle::AnkleDorsiflexion), None, Some(Angle::FootProgression)]),
-    ("Trunk", [Some(Angle::TrunkTilt), Some(Angle::TrunkObliquity), Some(Angle::TrunkRotation)]),
-];
+/// The rows of the grid: pelvis, legs, and trunk.
+pub(super) fn legs(words: &Words) -> [Row<'_>; 5] {
+    [
+        (
+            words.of("Pelvis"),
+            [Some(Angle::PelvisTilt), Some(Angle::PelvisObliquity), Some(Angle::PelvisRotation)],
+        ),
+        (
+            words.of("Hip"),
+            [Some(Angle::HipFlexion), Some(Angle::HipAdduction), Some(Angle::HipRotation)],
+        ),
+        (
+            words.of("Knee"),
+            [Some(Angle::KneeFlexion), Some(Angle::KneeAdduction), Some(Angle::KneeRotation)],
+        ),
+        (
+            words.of("Ankle, foot"),
+            [Some(Angle::AnkleDorsiflexion), None, Some(Angle::FootProgression)],
+        ),
+        (
+            words.of("Trunk"),
+            [Some(Angle::TrunkTilt), Some(Angle::TrunkObliquity), Some(Angle::TrunkRotation)],
+        ),
+    ]
+}
 
-pub(super) const ARMS: [Row; 2] = [
-    (
-        "Shoulder",
-        [
-            Some(Angle::ShoulderFlexion),
-            Some(Angle::ShoulderAdduction),
-            Some(Angle::ShoulderRotation),
-        ],
-    ),
-    ("Elbow", [Some(Angle::ElbowFlexion), None, None]),
-];
+pub(super) fn arms(words: &Words) -> [Row<'_>; 2] {
+    [
+        (
+            words.of("Shoulder"),
+            [
+                Some(Angle::ShoulderFlexion),
+                Some(Angle::ShoulderAdduction),
+                Some(Angle::ShoulderRotation),
+            ],
+        ),
+        (words.of("Elbow"), [Some(Angle::ElbowFlexion), None, None]),
+    ]
+}
 
 /// What a grid draws for each angle.
 #[derive(Debug, Clone, Copy)]
@@ -47,7 +66,8 @@ enum Drawn {
 }
 
 /// Means over the cycle, or everything over time where nobody walks.
-pub(super) fn page(input: &ReportInput<'_>) -> Page {
+pub(super) fn page<'a>(input: &ReportInput<'a>) -> Page<'a> {
+    let words = input.words;
     let gait = input.gait;
     let walks = !gait.curves.is_empty();
     let compared = input.norm.filter(|_| walks);
@@ -59,42 +79,43 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
 
     Page {
         id: "kinematics",
-        title: "Kinematics",
+        title: words.of("Kinematics"),
         body: html! {
             @if !walks {
-                (absent(&format!("Angles over time, not over the gait cycle: {}.", reason(gait))))
+                (missing(words.of("Angles over time, not over the gait cycle:"), gait, words))
             }
-            (key(norm))
-            @if let Some(norm) = compared { (cautions(norm, input.subject)) }
-            @if walks { (remarks(gait)) }
-            (grid(&LEGS, |angle| panel(input, angle, drawn)))
+            (key(norm, words))
+            @if let Some(norm) = compared { (cautions(norm, input.subject, words)) }
+            @if walks { (remarks(gait, words)) }
+            (grid(&legs(words), words, |angle| panel(input, angle, drawn)))
             p class="note" {
                 @if walks {
-                    "From foot strike to foot strike of the same side. Line: mean over strides. Tint: ± 1 SD of the fit, where it is known, as the norm's band is ± 1 SD between people. Dashed: foot off. "
+                    (words.of("From foot strike to foot strike of the same side. Line: mean over strides. Tint: ± 1 SD of the fit, where it is known, \
+                        as the norm's band is ± 1 SD between people. Dashed: foot off.")) " "
                 }
-                "Between systems a constant offset of some degrees is the rule: compare shapes and ranges first."
+                (words.of("Between systems a constant offset of some degrees is the rule: compare shapes and ranges first."))
             }
-            h3 class="arms" { "Arms" }
-            (grid(&ARMS, |angle| panel(input, angle, drawn)))
+            h3 class="arms" { (words.of("Arms")) }
+            (grid(&arms(words), words, |angle| panel(input, angle, drawn)))
         },
         is_brief: false,
     }
 }
 
 /// Every stride.
-pub(super) fn consistency(input: &ReportInput<'_>) -> Page {
-    let gait = input.gait;
+pub(super) fn consistency<'a>(input: &ReportInput<'a>) -> Page<'a> {
+    let (gait, words) = (input.gait, input.words);
     Page {
         id: "consistency",
-        title: "Consistency",
+        title: words.of("Consistency"),
         body: html! {
             @if gait.curves.is_empty() {
-                (absent(&format!("No strides to be compared: {}.", reason(gait))))
+                (missing(words.of("No strides to be compared:"), gait, words))
             } @else {
-                (key(None))
-                (remarks(gait))
-                (grid(&LEGS, |angle| panel(input, angle, Drawn::Strides)))
-                p class="note" { "Every stride that was used. The farther they lie apart, the less their mean tells." }
+                (key(None, words))
+                (remarks(gait, words))
+                (grid(&legs(words), words, |angle| panel(input, angle, Drawn::Strides)))
+                p class="note" { (words.of("Every stride that was used. The farther they lie apart, the less their mean tells.")) }
             }
         },
         is_brief: gait.curves.is_empty(),
@@ -102,10 +123,11 @@ pub(super) fn consistency(input: &ReportInput<'_>) -> Page {
 }
 
 /// A chart for each joint and plane.
-pub(super) fn grid(rows: &[Row], panel: impl Fn(Angle) -> Markup) -> Markup {
+pub(super) fn grid(rows: &[Row<'_>], words: &Words, panel: impl Fn(Angle) -> Markup) -> Markup {
+    let planes = [words.of("Sagittal"), words.of("Frontal"), words.of("Transverse")];
     html! {
         div class="grid" {
-            div {} @for plane in ["Sagittal", "Frontal", "Transverse"] { div class="plane" { (plane) } }
+            div {} @for plane in planes { div class="plane" { (plane) } }
             @for (name, angles) in rows {
                 div class="joint" { span { (name) } }
                 @for angle in angles {
@@ -118,19 +140,23 @@ pub(super) fn grid(rows: &[Row], panel: impl Fn(Angle) -> Markup) -> Markup {
 
 /// One angle, or the reason why it is absent.
 fn panel(input: &ReportInput<'_>, angle: Angle, drawn: Drawn) -> Markup {
+    let words = input.words;
     let figure = match drawn {
         Drawn::Time => over_time(input, angle),
         Drawn::Means | Drawn::Strides => over_cycle(input, angle, drawn),
     };
     if figure.is_empty() {
         let unknown = input.gait.unknown.iter().find(|(a, _)| *a == angle);
-        let reason = unknown.map_or("no whole stride shows it", |(_, reason)| reason);
+        let reason = match unknown {
+            Some((_, reason)) => words.line(reason),
+            None => html! { (words.of("no whole stride shows it")) },
+        };
         return html! {
-            div class="panel empty" { strong { (label::angle_label(angle).title) } (absent(reason)) }
+            div class="panel empty" { strong { (label::angle_label(angle, words).title) } p class="absent" { (reason) } }
         };
     }
     let description = description(input, angle);
-    html! { div class="panel" { (figure.markup(&description)) } }
+    html! { div class="panel" { (figure.markup(&description, words)) } }
 }
 
 fn degrees(values: &[f64]) -> Vec<f64> {
@@ -165,8 +191,9 @@ fn over_cycle(input: &ReportInput<'_>, angle: Angle, drawn: Drawn) -> Figure {
         _ => degrees(&c.mean),
     });
     let norm_values = band.iter().flatten().flat_map(|p| [p.1, p.2]);
-    let cycle = Axis { label: "gait cycle, %".into(), range: (0.0, 100.0), step: 20.0 };
-    let mut figure = empty_figure(angle, cycle, curve_values.chain(norm_values));
+    let cycle =
+        Axis { label: input.words.of("gait cycle, %").into(), range: (0.0, 100.0), step: 20.0 };
+    let mut figure = empty_figure((angle, input.words), cycle, curve_values.chain(norm_values));
 
     if let Some(band) = &band {
         figure = figure.band(NORM, 0.3, band);
@@ -217,8 +244,8 @@ fn over_time(input: &ReportInput<'_>, angle: Angle) -> Figure {
     let values = tracks.iter().filter_map(|(_, track)| *track).flatten();
     let last_s = (input.movement.frames.max(2) - 1) as f64 / rate_hz;
     let (_, step) = axis_range(std::iter::empty(), (0.0, last_s));
-    let time = Axis { label: "time, s".into(), range: (0.0, last_s), step };
-    let mut figure = empty_figure(angle, time, values.map(|v| v.to_degrees()));
+    let time = Axis { label: input.words.of("time, s").into(), range: (0.0, last_s), step };
+    let mut figure = empty_figure((angle, input.words), time, values.map(|v| v.to_degrees()));
 
     for (side, track) in tracks {
         let at = |(i, v): (usize, &f64)| (i as f64 / rate_hz, v.to_degrees());
@@ -229,8 +256,12 @@ fn over_time(input: &ReportInput<'_>, angle: Angle) -> Figure {
 }
 
 /// A chart of an angle that has room for `values`, degrees.
-pub(super) fn empty_figure(angle: Angle, x: Axis, values: impl Iterator<Item = f64>) -> Figure {
-    let label = label::angle_label(angle);
+pub(super) fn empty_figure(
+    (angle, words): (Angle, &Words),
+    x: Axis,
+    values: impl Iterator<Item = f64>,
+) -> Figure {
+    let label = label::angle_label(angle, words);
     let (range, step) = axis_range(values, label.range);
     let y = Axis { label: label.axis(), range, step };
     Figure::new(label.title, x, y)
@@ -238,8 +269,12 @@ pub(super) fn empty_figure(angle: Angle, x: Axis, values: impl Iterator<Item = f
 
 /// The chart in words.
 fn description(input: &ReportInput<'_>, angle: Angle) -> String {
-    let label = label::angle_label(angle);
-    let mut text = format!("{}, degrees, positive: {}.", label.title, angle.positive());
+    let words = input.words;
+    let (title, positive) = (label::angle_label(angle, words).title, words.known(angle.positive()));
+    let mut text = words.fill(
+        "{angle}, degrees, positive: {positive}.",
+        &[("angle", &title), ("positive", &positive)],
+    );
     for side in Side::BOTH {
         let mut curves = input.gait.curves.iter();
         let curve = curves.find(|c| c.angle == angle && c.side == side);
@@ -248,7 +283,14 @@ fn description(input: &ReportInput<'_>, angle: Angle) -> String {
             continue;
         };
         let (least, greatest) = least_and_greatest(&degrees(values));
-        text += &format!(" {}: {least:.0} to {greatest:.0}.", side.name());
+        let side = label::side_name(side, words);
+        let values: [(&str, &dyn Display); 3] = [
+            ("side", &side),
+            ("least", &format!("{least:.0}")),
+            ("greatest", &format!("{greatest:.0}")),
+        ];
+        text += " ";
+        text += &words.fill("{side}: {least} to {greatest}.", &values);
     }
     text
 }

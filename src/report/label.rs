@@ -1,19 +1,20 @@
 //! What clinicians call angles and parameters, and which way each axis points.
 
-use crate::gait::{Angle, Parameter};
+use super::Words;
+use crate::gait::{Angle, Parameter, Side};
 
 /// How an angle is labelled.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Label {
+pub(super) struct Label<'a> {
     /// Heading of its chart.
-    pub(super) title: &'static str,
+    pub(super) title: &'a str,
     /// Short words for a negative and a positive value.
-    pub(super) signs: (&'static str, &'static str),
+    pub(super) signs: (&'a str, &'a str),
     /// Least range of its chart, degrees.
     pub(super) range: (f64, f64),
 }
 
-impl Label {
+impl Label<'_> {
     /// `Ext ‹ ° › Flex`.
     pub(super) fn axis(self) -> String {
         format!("{} ‹ ° › {}", self.signs.0, self.signs.1)
@@ -21,51 +22,63 @@ impl Label {
 }
 
 /// The label of an angle.
-pub(super) fn angle_label(angle: Angle) -> Label {
+pub(super) fn angle_label(angle: Angle, words: &Words) -> Label<'_> {
+    let flexion = (words.of("Ext"), words.of("Flex"));
+    let adduction = (words.of("Abd"), words.of("Add"));
+    let rotation = (words.of("Ext rot"), words.of("Int rot"));
+    let tilt = (words.of("Post"), words.of("Ant"));
+    let obliquity = (words.of("Down"), words.of("Up"));
+    let varus = (words.of("Valg"), words.of("Var"));
+    let dorsiflexion = (words.of("Plan"), words.of("Dors"));
     let (title, signs, range) = match angle {
-        Angle::PelvisTilt => ("Pelvic tilt", ("Post", "Ant"), (-10.0, 30.0)),
-        Angle::PelvisObliquity => ("Pelvic obliquity", ("Down", "Up"), (-20.0, 20.0)),
-        Angle::PelvisRotation => ("Pelvic rotation", ("Ext", "Int"), (-20.0, 20.0)),
-        Angle::HipFlexion => ("Hip flexion", ("Ext", "Flex"), (-20.0, 60.0)),
-        Angle::HipAdduction => ("Hip adduction", ("Abd", "Add"), (-20.0, 20.0)),
-        Angle::HipRotation => ("Hip rotation", ("Ext", "Int"), (-30.0, 30.0)),
-        Angle::KneeFlexion => ("Knee flexion", ("Ext", "Flex"), (-10.0, 80.0)),
-        Angle::KneeAdduction => ("Knee adduction", ("Valg", "Var"), (-20.0, 20.0)),
-        Angle::KneeRotation => ("Knee rotation", ("Ext", "Int"), (-30.0, 30.0)),
-        Angle::AnkleDorsiflexion => ("Ankle dorsiflexion", ("Plan", "Dors"), (-30.0, 30.0)),
-        Angle::FootProgression => ("Foot progression", ("Ext", "Int"), (-30.0, 30.0)),
-        Angle::TrunkTilt => ("Trunk tilt", ("Post", "Ant"), (-20.0, 20.0)),
-        Angle::TrunkObliquity => ("Trunk obliquity", ("Down", "Up"), (-20.0, 20.0)),
-        Angle::TrunkRotation => ("Trunk rotation", ("Ext", "Int"), (-20.0, 20.0)),
-        Angle::ShoulderFlexion => ("Shoulder flexion", ("Ext", "Flex"), (-40.0, 40.0)),
-        Angle::ShoulderAdduction => ("Shoulder adduction", ("Abd", "Add"), (-30.0, 10.0)),
-        Angle::ShoulderRotation => ("Shoulder rotation", ("Ext", "Int"), (-30.0, 30.0)),
-        Angle::ElbowFlexion => ("Elbow flexion", ("Ext", "Flex"), (0.0, 60.0)),
+        Angle::PelvisTilt => (words.of("Pelvic tilt"), tilt, (-10.0, 30.0)),
+        Angle::PelvisObliquity => (words.of("Pelvic obliquity"), obliquity, (-20.0, 20.0)),
+        Angle::PelvisRotation => (words.of("Pelvic rotation"), rotation, (-20.0, 20.0)),
+        Angle::HipFlexion => (words.of("Hip flexion"), flexion, (-20.0, 60.0)),
+        Angle::HipAdduction => (words.of("Hip adduction"), adduction, (-20.0, 20.0)),
+        Angle::HipRotation => (words.of("Hip rotation"), rotation, (-30.0, 30.0)),
+        Angle::KneeFlexion => (words.of("Knee flexion"), flexion, (-10.0, 80.0)),
+        Angle::KneeAdduction => (words.of("Knee adduction"), varus, (-20.0, 20.0)),
+        Angle::KneeRotation => (words.of("Knee rotation"), rotation, (-30.0, 30.0)),
+        Angle::AnkleDorsiflexion => (words.of("Ankle dorsiflexion"), dorsiflexion, (-30.0, 30.0)),
+        Angle::FootProgression => (words.of("Foot progression"), rotation, (-30.0, 30.0)),
+        Angle::TrunkTilt => (words.of("Trunk tilt"), tilt, (-20.0, 20.0)),
+        Angle::TrunkObliquity => (words.of("Trunk obliquity"), obliquity, (-20.0, 20.0)),
+        Angle::TrunkRotation => (words.of("Trunk rotation"), rotation, (-20.0, 20.0)),
+        Angle::ShoulderFlexion => (words.of("Shoulder flexion"), flexion, (-40.0, 40.0)),
+        Angle::ShoulderAdduction => (words.of("Shoulder adduction"), adduction, (-30.0, 10.0)),
+        Angle::ShoulderRotation => (words.of("Shoulder rotation"), rotation, (-30.0, 30.0)),
+        Angle::ElbowFlexion => (words.of("Elbow flexion"), flexion, (0.0, 60.0)),
     };
 
     Label { title, signs, range }
 }
 
 /// The name of a parameter.
-pub(super) fn parameter_name(parameter: Parameter) -> &'static str {
+pub(super) fn parameter_name(parameter: Parameter, words: &Words) -> &str {
     match parameter {
-        Parameter::Speed => "Walking speed",
-        Parameter::Cadence => "Cadence",
-        Parameter::StrideLength => "Stride length",
-        Parameter::StrideTime => "Stride time",
-        Parameter::StepLength => "Step length",
-        Parameter::StepTime => "Step time",
-        Parameter::StepWidth => "Step width",
-        Parameter::StanceTime => "Stance time",
-        Parameter::SwingTime => "Swing time",
-        Parameter::Stance => "Stance",
-        Parameter::Swing => "Swing",
-        Parameter::SingleSupport => "Single support",
-        Parameter::DoubleSupport => "Double support, both",
+        Parameter::Speed => words.of("Walking speed"),
+        Parameter::Cadence => words.of("Cadence"),
+        Parameter::StrideLength => words.of("Stride length"),
+        Parameter::StrideTime => words.of("Stride time"),
+        Parameter::StepLength => words.of("Step length"),
+        Parameter::StepTime => words.of("Step time"),
+        Parameter::StepWidth => words.of("Step width"),
+        Parameter::StanceTime => words.of("Stance time"),
+        Parameter::SwingTime => words.of("Swing time"),
+        Parameter::Stance => words.of("Stance"),
+        Parameter::Swing => words.of("Swing"),
+        Parameter::SingleSupport => words.of("Single support"),
+        Parameter::DoubleSupport => words.of("Double support, both"),
     }
 }
 
-/// A name of a model or of a file as words: `upper_arm_r` is `upper arm r`.
-pub(super) fn words(name: &str) -> String {
-    name.replace('_', " ")
+/// A name of a model as words: `upper_arm` is `upper arm`.
+pub(super) fn part_name(name: &str, words: &Words) -> String {
+    words.known(&name.replace('_', " ")).to_owned()
+}
+
+/// The name of a side.
+pub(super) fn side_name(side: Side, words: &Words) -> &str {
+    words.known(side.name())
 }

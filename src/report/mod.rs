@@ -23,6 +23,7 @@
 //! | `variation.rs`      | how far numbers vary between strides and between trials               |
 //! | `figure.rs`         | one chart                                                             |
 //! | `label.rs`          | clinical names and signs                                              |
+//! | `words.rs`          | what a page says, in the language of its reader; `language/` has it   |
 //! | `bundle/`           | the page's program and style, built from `web/`                       |
 
 mod by_frame;
@@ -46,6 +47,7 @@ mod spatiotemporal;
 mod variation;
 mod viewer;
 mod views;
+mod words;
 
 use crate::gait::{Footwear, GaitAnalysis, Movement, Norm};
 use crate::io::gait::Sex;
@@ -57,6 +59,7 @@ pub use picture::{FramePicture, ImagePart, PictureBudget};
 pub use session::{ReportedTrial, SessionInput, session_html};
 pub use viewer::{ViewerInput, viewer_html};
 pub use views::{CameraOutlines, Views, joint_marks, outline_points};
+pub use words::{Language, Words};
 
 /// Who was recorded, when and how, as the report shall state it.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -94,6 +97,8 @@ pub struct ReportInput<'a> {
     pub norm: Option<&'a Norm>,
     /// What the cameras saw; empty if the recording is not at hand.
     pub views: &'a Views,
+    /// What the page says.
+    pub words: &'a Words,
 }
 
 /// The report as the text of one file.
@@ -112,6 +117,6 @@ pub fn html(input: &ReportInput<'_>) -> Result<String, serde_json::Error> {
         shape::page(input),
         motion::page(input, event_editor::editor(input)),
     ];
-    let banner = input.result.and_then(|result| page::banner(&result.verdict));
-    Ok(page::document(input.subject, banner.as_ref(), &pages, Some(&scene)))
+    let banner = input.result.and_then(|result| page::banner(&result.verdict, input.words));
+    Ok(page::document(input.subject, banner.as_ref(), &pages, Some(&scene), input.words))
 }

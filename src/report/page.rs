@@ -2,9 +2,9 @@
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::Subject;
 use super::figure::style_of_sides;
-use crate::gait::{BEYOND_SD, Beyond, Footwear};
+use super::{Subject, Words};
+use crate::gait::{BEYOND_SD, Beyond, Footwear, FootwearCaution};
 use crate::pipeline::Verdict;
 
 const SCRIPT: &str = include_str!("bundle/report.js");
@@ -12,50 +12,51 @@ const STYLE: &str = include_str!("bundle/report.css");
 
 /// One page: its name in links, its heading and what it shows.
 #[derive(Debug)]
-pub(super) struct Page {
+pub(super) struct Page<'a> {
     pub(super) id: &'static str,
-    pub(super) title: &'static str,
+    pub(super) title: &'a str,
     pub(super) body: Markup,
     /// A few lines only: on paper they follow the page before.
     pub(super) is_brief: bool,
 }
 
 /// What is printed across every page of a fit that cannot be used.
-pub(super) fn banner(verdict: &Verdict) -> Option<Markup> {
+pub(super) fn banner(verdict: &Verdict, words: &Words) -> Option<Markup> {
     let headline = verdict.why_unusable()?;
-    Some(html! { p class="verdict" role="alert" { (headline) } })
+    Some(html! { p class="verdict" role="alert" { (words.line(&headline)) } })
 }
 
 /// The whole file. `scene` is JSON for the page's program, without which nothing moves; the banner stands on every page.
 pub(super) fn document(
     subject: &Subject,
     banner: Option<&Markup>,
-    pages: &[Page],
+    pages: &[Page<'_>],
     scene: Option<&str>,
+    words: &Words,
 ) -> String {
     let title = subject.name.as_ref().unwrap_or(&subject.recording);
     let markup = html! {
         (DOCTYPE)
-        html lang="en" {
+        html lang=(words.code()) {
             head {
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
-                title { "Motion report · " (title) }
+                title { (words.of("Motion report")) " · " (title) }
                 (style()) style { (PreEscaped(foot(subject))) }
             }
             body {
-                a class="skip" href="#identity" { "Skip to the report" }
+                a class="skip" href="#identity" { (words.of("Skip to the report")) }
                 header class="bar" {
                     strong { "Maquette" }
-                    nav aria-label="Pages" {
+                    nav aria-label=(words.of("Pages")) {
                         @for page in pages { a href={ "#" (page.id) } { (page.title) } }
                     }
-                    @if scene.is_some() { label { input type="checkbox" id="colour-blind"; " colour-blind safe" } }
+                    @if scene.is_some() { label { input type="checkbox" id="colour-blind"; " " (words.of("colour-blind safe")) } }
                 }
                 main {
                     @for (i, page) in pages.iter().enumerate() {
                         section id=(page.id) class=[page.is_brief.then_some("brief")] aria-labelledby={ (page.id) "-title" } {
-                            @if i == 0 { h1 { "Motion report" } }
+                            @if i == 0 { h1 { (words.of("Motion report")) } }
                             h2 id={ (page.id) "-title" } { (page.title) }
                             @if let Some(banner) = banner { (banner) }
                             (page.body)
@@ -97,28 +98,44 @@ fn foot(subject: &Subject) -> String {
 }
 
 /// The mark of a number beyond the norm, which is also read aloud.
-pub(super) fn mark(beyond: Option<Beyond>) -> Markup {
+pub(super) fn mark(beyond: Option<Beyond>, words: &Words) -> Markup {
     html! {
         @if let Some(beyond) = beyond {
-            span class="beyond" { span aria-hidden="true" { (beyond.mark()) } span class="spoken" { (beyond.words()) } }
+            span class="beyond" { span aria-hidden="true" { (beyond.mark()) } span class="spoken" { (words.known(beyond.words())) } }
         }
     }
 }
 
 /// What to know before a person is compared with a norm; nothing where both walked alike.
-pub(super) fn footwear_note(norm: Option<Footwear>, person: Option<Footwear>) -> Markup {
+pub(super) fn footwear_note(
+    norm: Option<Footwear>,
+    person: Option<Footwear>,
+    words: &Words,
+) -> Markup {
+    let of = |footwear: Footwear| words.known(footwear.words());
+    let caution = Footwear::caution(norm, person).map(|caution| match caution {
+        FootwearCaution::Differs { norm, person } => words.fill(
+            "the people of the norm walked {norm}, this person {person}: footwear changes steps and ankles",
+            &[("norm", &of(norm)), ("person", &of(person))],
+        ),
+        FootwearCaution::NotStated { norm } => words.fill(
+            "the people of the norm walked {norm}; what this person wore is not stated (--footwear)",
+            &[("norm", &of(norm))],
+        ),
+        FootwearCaution::NormUnknown => words.of("what the people of the norm wore is not known").into(),
+    });
     html! {
-        @if let Some(caution) = Footwear::caution(norm, person) {
-            p class="absent" { "Before comparing with the norm: " (caution) "." }
+        @if let Some(caution) = caution {
+            p class="absent" { (words.of("Before comparing with the norm:")) " " (caution) "." }
         }
     }
 }
 
 /// What the marks mean.
-pub(super) fn mark_legend() -> Markup {
+pub(super) fn mark_legend(words: &Words) -> Markup {
     html! {
         span aria-hidden="true" { (Beyond::Above.mark()) " " (Beyond::Below.mark()) }
-        " marked: beyond the norm's mean by more than " (BEYOND_SD) " SD between people. "
+        " " (words.fill("marked: beyond the norm's mean by more than {n} SD between people.", &[("n", &BEYOND_SD)])) " "
     }
 }
 
@@ -127,32 +144,12 @@ pub(super) fn absent(reason: &str) -> Markup {
     html! { p class="absent" { (reason) } }
 }
 
-/// A number with digits after the point; a dash if it is absent or not finite.
-pub(super) fn number(value: Option<f64>, digits: usize) -> String {
-    match value.filter(|v| v.is_finite()) {
-        // zero has no sign
-        Some(value) if value.abs() < 0.5 * 0.1_f64.powi(digits as i32) => {
-            format!("{:.digits$}", 0.0)
-        }
-        Some(value) => format!("{value:.digits$}").replace('-', "−"),
-        None => "–".into(),
-    }
-}
-
-/// A probability; none is printed as 1.
-pub(super) fn probability(value: Option<f64>) -> String {
-    match value {
-        Some(value) if value > 0.999 => "> 0.999".into(),
-        _ => number(value, 3),
-    }
-}
-
 /// The key of the two sides, for every page with curves.
-pub(super) fn key(norm: Option<&str>) -> Markup {
+pub(super) fn key(norm: Option<&str>, words: &Words) -> Markup {
     html! {
         p class="key" {
-            span class="left" { "left" } span class="right" { "right" }
-            @if let Some(norm) = norm { span class="norm" { "norm: " (norm) ", mean ± 1 SD between people" } }
+            span class="left" { (words.known("left")) } span class="right" { (words.known("right")) }
+            @if let Some(norm) = norm { span class="norm" { (words.fill("norm: {norm}, mean ± 1 SD between people", &[("norm", &norm)])) } }
         }
     }
 }
@@ -161,10 +158,21 @@ pub(super) fn key(norm: Option<&str>) -> Markup {
 mod tests {
     use super::*;
     use crate::pipeline::{Cause, Reason};
+    use crate::report::Language;
+
+    fn english() -> Words {
+        Words::new(Language::English)
+    }
 
     #[test]
     fn no_text_of_the_data_can_end_its_script() {
-        let page = document(&Subject::default(), None, &[], Some(r#"{"name":"</script><b>"}"#));
+        let page = document(
+            &Subject::default(),
+            None,
+            &[],
+            Some(r#"{"name":"</script><b>"}"#),
+            &english(),
+        );
         assert!(page.contains(r#"{"name":"\u003c/script>\u003cb>"}"#));
     }
 
@@ -174,7 +182,13 @@ mod tests {
         let reason = Reason::Overlap { found: 0.31, least: 0.65 };
         let unusable = Verdict { unusable: vec![reason], causes: vec![Cause::AllMirrored] };
         let pages = [page("one"), page("two")];
-        let text = document(&Subject::default(), banner(&unusable).as_ref(), &pages, Some("{}"));
+        let text = document(
+            &Subject::default(),
+            banner(&unusable, &english()).as_ref(),
+            &pages,
+            Some("{}"),
+            &english(),
+        );
         assert_eq!(
             text.matches("not usable: the body overlaps the silhouettes by 0.31").count(),
             2
@@ -183,13 +197,13 @@ mod tests {
 
         let late = Cause::Late { camera: "a".into(), frames: 2 };
         let usable = Verdict { unusable: Vec::new(), causes: vec![late] };
-        assert!(banner(&usable).is_none());
+        assert!(banner(&usable, &english()).is_none());
     }
 
     #[test]
     fn a_name_with_markup_stays_text() {
         let subject = Subject { name: Some("<img src=x>".into()), ..Subject::default() };
-        assert!(document(&subject, None, &[], None).contains("&lt;img src=x&gt;"));
+        assert!(document(&subject, None, &[], None, &english()).contains("&lt;img src=x&gt;"));
         assert!(!foot(&subject).contains(['<', 'x']));
     }
 
@@ -199,13 +213,5 @@ mod tests {
             assert!(!text.contains("@import") && !text.contains("sourceMappingURL"));
             assert!(!text.contains("</script"));
         }
-    }
-
-    #[test]
-    fn what_is_not_there_is_a_dash() {
-        assert_eq!(number(None, 1), "–");
-        assert_eq!(number(Some(f64::NAN), 1), "–");
-        assert_eq!(number(Some(-1.26), 1), "−1.3");
-        assert_eq!(number(Some(-0.04), 1), "0.0");
     }
 }

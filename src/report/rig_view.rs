@@ -7,6 +7,7 @@
 use maud::{Markup, html};
 use nalgebra::{UnitQuaternion, Vector2, Vector3};
 
+use super::Words;
 use super::figure::{BOTH, NORM};
 use crate::io::result::{PlacePart, ResultFile};
 use crate::pipeline::{CameraQuality, PoseFound};
@@ -23,7 +24,7 @@ const DRAWN_SHARE: f64 = 0.1;
 const DRAWN_TURN_DEG: f64 = 30.0;
 
 /// The view, if it is known where the cameras stand and anything was found of them.
-pub(super) fn rig_view(result: &ResultFile) -> Option<Markup> {
+pub(super) fn rig_view(result: &ResultFile, words: &Words) -> Option<Markup> {
     let (cameras, places) = (&result.quality.cameras, &result.quality.places);
     let has_poses = cameras.iter().any(|camera| camera.found.pose.is_some());
     if !has_poses || places.len() != cameras.len() {
@@ -33,23 +34,27 @@ pub(super) fn rig_view(result: &ResultFile) -> Option<Markup> {
     let path: Vec<Vector2<f64>> = result.motion.frames.iter().map(|f| flat(f.position_m)).collect();
     let view = View::new(places, cameras, &path);
     let is_told = |camera: &CameraQuality| camera.found.pose.is_some_and(|pose| !pose.used);
-    let words = match cameras.iter().any(is_told) {
-        true => "It is told here and not used: the fit takes the cameras as calibrated.",
-        false => "The fit takes the cameras where they were found.",
+    let used = match cameras.iter().any(is_told) {
+        true => words.of("It is told here and not used: the fit takes the cameras as calibrated."),
+        false => words.of("The fit takes the cameras where they were found."),
     };
+    let (larger, turned) = (factor(view.larger, words), factor(view.turned_more, words));
     Some(html! {
-        (view.drawing(places, cameras, &path))
+        (view.drawing(places, cameras, &path, words))
         p class="note" {
-            "The rig from above, x to the right and y up. Dashed: as calibrated; drawn through: as found, displacements "
-            (factor(view.larger)) ", turns " (factor(view.turned_more)) ". The thin line is the person's way. Labels: turn and displacement ± one standard "
-            "deviation. " (words)
+            (words.fill("The rig from above, x to the right and y up. Dashed: as calibrated; drawn through: as found, displacements \
+                {larger}, turns {turned}.", &[("larger", &larger), ("turned", &turned)])) " "
+            (words.of("The thin line is the person's way. Labels: turn and displacement ± one standard deviation.")) " " (used)
         }
     })
 }
 
 /// `20 times as large`.
-fn factor(times: f64) -> String {
-    if times > 1.0 { format!("{times:.0} times as large") } else { "as large as they are".into() }
+fn factor(times: f64, words: &Words) -> String {
+    match times > 1.0 {
+        true => words.fill("{n} times as large", &[("n", &format!("{times:.0}"))]),
+        false => words.of("as large as they are").into(),
+    }
 }
 
 fn flat(v: [f64; 3]) -> Vector2<f64> {
@@ -95,15 +100,16 @@ impl View {
         places: &[PlacePart],
         cameras: &[CameraQuality],
         path: &[Vector2<f64>],
+        words: &Words,
     ) -> Markup {
         let [width, height] = SIZE;
         let (bar_px, bar_y) = (self.px_per_m, height - 12.0);
         html! {
-            div class="chart" role="img" aria-label="The cameras from above, as calibrated and as found" {
+            div class="chart" role="img" aria-label=(words.of("The cameras from above, as calibrated and as found")) {
                 svg viewBox=(format!("0 0 {width} {height}")) xmlns="http://www.w3.org/2000/svg"
                     font-family="Helvetica, Arial, sans-serif" font-size="12" fill="none" {
                     polyline points=(points(path.iter().map(|p| self.px(*p)))) stroke=(NORM) stroke-width="1" {}
-                    @for (camera, place) in cameras.iter().zip(places) { (self.camera(camera, place)) }
+                    @for (camera, place) in cameras.iter().zip(places) { (self.camera(camera, place, words)) }
                     line x1="16" y1=(bar_y) x2=(number(16.0 + bar_px)) y2=(bar_y) stroke=(BOTH) stroke-width="2" {}
                     text x="16" y=(bar_y - 6.0) fill=(BOTH) { "1 m" }
                 }
@@ -112,7 +118,7 @@ impl View {
     }
 
     /// A camera as calibrated, as found, and its label.
-    fn camera(&self, camera: &CameraQuality, place: &PlacePart) -> Markup {
+    fn camera(&self, camera: &CameraQuality, place: &PlacePart, words: &Words) -> Markup {
         let pose = camera.found.pose;
         let looks = Vector3::from(place.looks);
         let calibrated = self.px(flat(place.centre_m));
@@ -127,7 +133,8 @@ impl View {
         let is_left = calibrated.x < 0.5 * SIZE[0];
         let beside = if is_left { -14.0 } else { 14.0 };
         let anchor = if is_left { "end" } else { "start" };
-        let label = pose.map_or("as calibrated".into(), |pose| label(&pose));
+        let label =
+            pose.map_or(words.of("as calibrated").into(), |pose| words.decimal(label(&pose)));
         html! {
             polygon points=(points(wedge(calibrated, &looks).into_iter())) stroke=(NORM) stroke-dasharray="4 3" {}
             @if let Some(found) = found {
@@ -180,6 +187,7 @@ fn round_down(times: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::pipeline::CameraFound;
+    use crate::report::Language;
 
     fn camera(name: &str, pose: Option<PoseFound>) -> CameraQuality {
         CameraQuality {
@@ -224,7 +232,8 @@ mod tests {
 
         let calibrated = view.px(Vector2::new(-4.0, 0.0));
         let moved = view.px(Vector2::new(-3.6, 0.0));
-        let text = view.drawing(&places, &cameras, &[]).into_string();
+        let text =
+            view.drawing(&places, &cameras, &[], &Words::new(Language::English)).into_string();
         for at in [calibrated, moved] {
             let first = format!("points=\"{:.1},{:.1} ", at.x, at.y);
             assert!(text.contains(&first), "{first} {text}");

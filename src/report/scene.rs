@@ -1,11 +1,13 @@
 //! What the page's program needs: the body, its motion, its curves. Numbers in base64, little endian.
 
+use std::collections::BTreeMap;
+
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 use serde::Serialize;
 
-use super::{CameraOutlines, ReportInput, label};
+use super::{CameraOutlines, ReportInput, Words, label};
 use crate::body::{BodyModel, Motion, PartId, Posed, Primitive, Shape};
 use crate::gait::{Angle, Event, Movement, Side};
 use crate::math::stats::median;
@@ -23,11 +25,13 @@ pub(super) struct Scene<'a> {
     body: Option<BodyPart>,
     /// Places of named points: f32, frames × points × 3.
     points: Points,
-    tracks: Vec<TrackPart>,
+    tracks: Vec<TrackPart<'a>>,
     events: &'a [Event],
     views: &'a [CameraOutlines],
     /// Every so many frames have pictures.
     picture_every: usize,
+    /// What the program says in another language than English.
+    words: &'a BTreeMap<String, String>,
 }
 
 /// The fitted body.
@@ -67,9 +71,9 @@ struct Points {
 
 /// One angle of one side over time, degrees: f32.
 #[derive(Debug, Serialize)]
-struct TrackPart {
+struct TrackPart<'a> {
     name: &'static str,
-    title: &'static str,
+    title: &'a str,
     axis: String,
     side: Side,
     values: String,
@@ -79,7 +83,7 @@ impl<'a> Scene<'a> {
     pub(super) fn new(input: &ReportInput<'a>) -> Self {
         let movement = input.movement;
         let track = |((side, angle), values): (&(Side, Angle), &Vec<f64>)| {
-            let label = label::angle_label(*angle);
+            let label = label::angle_label(*angle, input.words);
             TrackPart {
                 name: angle.name(),
                 title: label.title,
@@ -94,12 +98,16 @@ impl<'a> Scene<'a> {
             events: &input.gait.events,
             views: &input.views.cameras,
             picture_every: input.views.every.max(1),
-            ..Self::of_body(movement, input.body)
+            ..Self::of_body(movement, input.body, input.words)
         }
     }
 
     /// The moving body alone.
-    pub(super) fn of_body(movement: &Movement, body: Option<&FittedBody>) -> Self {
+    pub(super) fn of_body(
+        movement: &Movement,
+        body: Option<&FittedBody>,
+        words: &'a Words,
+    ) -> Self {
         Self {
             fps: movement.rate_hz,
             first_frame: movement.first_frame,
@@ -111,6 +119,7 @@ impl<'a> Scene<'a> {
             events: &[],
             views: &[],
             picture_every: 1,
+            words: words.program(),
         }
     }
 }

@@ -2,22 +2,23 @@
 
 use maud::{Markup, html};
 
-use super::ReportInput;
-use super::label::words;
-use super::page::{Page, absent, number};
+use super::label::part_name;
+use super::page::{Page, absent};
+use super::{ReportInput, Words};
 use crate::io::result::{LengthPart, ResultFile};
 use crate::skin::{Girth, girths};
 
-pub(super) fn page(input: &ReportInput<'_>) -> Page {
+pub(super) fn page<'a>(input: &ReportInput<'a>) -> Page<'a> {
+    let words = input.words;
     Page {
         id: "shape",
-        title: "Shape",
+        title: words.of("Shape"),
         body: match input.result {
             Some(result) => fitted_shape(result, input),
             None => html! {
-                (absent("Points of another system: no body was fitted."))
+                (absent(words.of("Points of another system: no body was fitted.")))
                 @if let Some(leg) = input.gait.leg_length_m {
-                    p { "Leg length, hip to knee to ankle: " (number(Some(100.0 * leg), 1)) " cm." }
+                    p { (words.fill("Leg length, hip to knee to ankle: {cm} cm.", &[("cm", &words.number(Some(100.0 * leg), 1))])) }
                 }
             },
         },
@@ -26,61 +27,67 @@ pub(super) fn page(input: &ReportInput<'_>) -> Page {
 }
 
 fn fitted_shape(result: &ResultFile, input: &ReportInput<'_>) -> Markup {
+    let words = input.words;
+    let portraits = [("front", words.of("from the front")), ("side", words.of("from the side"))];
     let covariance = result.shape.covariance.as_deref();
     let girths = input.body.map(|body| girths(&body.model, &body.shape, covariance));
 
     html! {
         div class="shape" {
             div class="portraits" {
-                @for (view, name) in [("front", "from the front"), ("side", "from the side")] {
+                @for (view, name) in portraits {
                     figure {
-                        img data-portrait=(view) alt={ "The fitted body, " (name) };
+                        img data-portrait=(view) alt={ (words.of("The fitted body,")) " " (name) };
                         figcaption { (name) }
                     }
                 }
             }
             div {
-                (length_table(&result.shape.lengths))
-                @if let Some(girths) = &girths { (girth_table(girths)) }
+                (length_table(&result.shape.lengths, words))
+                @if let Some(girths) = &girths { (girth_table(girths, words)) }
             }
         }
         p class="note" {
-            "± is the standard deviation that the fit gives the length"
+            (words.of("± is the standard deviation that the fit gives the length"))
             @if result.shape.lengths.iter().all(|l| l.sd_m.is_none()) {
-                "; it is absent because this fit was made without the joint optimum"
+                (words.of("; it is absent because this fit was made without the joint optimum"))
             }
-            ". Joint centres lie inside the body, where outlines do not show them: the lengths also rest on statistics of people. "
-            "Girths: around the limb in the middle of the length and square to it."
+            ". " (words.of("Joint centres lie inside the body, where outlines do not show them: the lengths also rest on statistics of people."))
+            " " (words.of("Girths: around the limb in the middle of the length and square to it."))
         }
     }
 }
 
-fn length_table(lengths: &[LengthPart]) -> Markup {
+fn length_table(lengths: &[LengthPart], words: &Words) -> Markup {
     html! {
-        table class="numbers" {
-            thead { tr {
-                th scope="col" { "Length" } th scope="col" { "cm" } th scope="col" { "± cm" }
-            } }
-            tbody { @for length in lengths { tr {
-                th scope="row" { (words(&length.name)) }
-                td class="mean" { (number(Some(100.0 * length.length_m), 1)) }
-                td { (number(length.sd_m.map(|sd| 100.0 * sd), 1)) }
-            } } }
+        div class="scroll" role="group" tabindex="0" aria-label=(words.of("Table")) {
+            table class="numbers" {
+                thead { tr {
+                    th scope="col" { (words.of("Length")) } th scope="col" { "cm" } th scope="col" { "± cm" }
+                } }
+                tbody { @for length in lengths { tr {
+                    th scope="row" { (part_name(&length.name, words)) }
+                    td class="mean" { (words.number(Some(100.0 * length.length_m), 1)) }
+                    td { (words.number(length.sd_m.map(|sd| 100.0 * sd), 1)) }
+                } } }
+            }
         }
     }
 }
 
-fn girth_table(girths: &[Girth]) -> Markup {
+fn girth_table(girths: &[Girth], words: &Words) -> Markup {
     html! {
-        table class="numbers" {
-            thead { tr {
-                th scope="col" { "Girth, mid-length" } th scope="col" { "cm" } th scope="col" { "± cm" }
-            } }
-            tbody { @for girth in girths { tr {
-                th scope="row" { (words(&girth.name)) }
-                td class="mean" { (number(Some(100.0 * girth.girth_m), 1)) }
-                td { (number(girth.sd_m.map(|sd| 100.0 * sd), 1)) }
-            } } }
+        div class="scroll" role="group" tabindex="0" aria-label=(words.of("Table")) {
+            table class="numbers" {
+                thead { tr {
+                    th scope="col" { (words.of("Girth, mid-length")) } th scope="col" { "cm" } th scope="col" { "± cm" }
+                } }
+                tbody { @for girth in girths { tr {
+                    th scope="row" { (part_name(&girth.name, words)) }
+                    td class="mean" { (words.number(Some(100.0 * girth.girth_m), 1)) }
+                    td { (words.number(girth.sd_m.map(|sd| 100.0 * sd), 1)) }
+                } } }
+            }
         }
     }
 }
@@ -89,6 +96,7 @@ fn girth_table(girths: &[Girth]) -> Markup {
 mod tests {
     use super::*;
     use crate::inference::confidence::Confidence;
+    use crate::report::Language;
 
     #[test]
     fn no_probability_that_reads_as_accuracy_stands_beside_a_length() {
@@ -102,7 +110,7 @@ mod tests {
             sd_m: Some(0.012),
             confidence,
         };
-        let table = length_table(&[thigh]).into_string();
+        let table = length_table(&[thigh], &Words::new(Language::English)).into_string();
         assert!(table.contains("41.0") && table.contains("1.2"), "{table}");
         assert!(!table.contains("0.999") && !table.contains("ε"), "{table}");
     }

@@ -5,6 +5,7 @@ use maud::{DOCTYPE, html};
 use super::motion::{controls, no_webgl, stage};
 use super::page::{banner, program, style};
 use super::scene::Scene;
+use super::{Language, Words};
 use crate::gait::Movement;
 use crate::pipeline::{FittedBody, Verdict};
 
@@ -24,7 +25,8 @@ pub struct ViewerInput<'a> {
 /// # Errors
 /// The serialiser's, if it has any.
 pub fn viewer_html(input: &ViewerInput<'_>) -> Result<String, serde_json::Error> {
-    let scene = serde_json::to_string(&Scene::of_body(input.movement, input.body))?;
+    let words = Words::new(Language::English);
+    let scene = serde_json::to_string(&Scene::of_body(input.movement, input.body, &words))?;
     let markup = html! {
         (DOCTYPE)
         html lang="en" {
@@ -34,10 +36,10 @@ pub fn viewer_html(input: &ViewerInput<'_>) -> Result<String, serde_json::Error>
                 (style())
             }
             body class="viewer" {
-                @if let Some(banner) = banner(input.verdict) { (banner) }
-                (no_webgl("nothing is shown of the body"))
-                (stage())
-                (controls(input.movement))
+                @if let Some(banner) = banner(input.verdict, &words) { (banner) }
+                (no_webgl("This browser shows no 3-D (WebGL is off): nothing is shown of the body."))
+                (stage(&words))
+                (controls(input.movement, &words))
                 (program(&scene))
             }
         }

@@ -15,8 +15,8 @@ use crate::io::recording::{ObservationFiles, Recording};
 use crate::math::stats::median;
 use crate::pipeline::Progress;
 use crate::report::{
-    CameraOutlines, FramePicture, PictureBudget, ReportInput, Subject, ViewerInput, Views, html,
-    joint_marks, outline_points, viewer_html,
+    CameraOutlines, FramePicture, Language, PictureBudget, ReportInput, Subject, ViewerInput,
+    Views, Words, html, joint_marks, outline_points, viewer_html,
 };
 use crate::silhouette::{FrameIndex, Keypoint, distances_px};
 
@@ -59,8 +59,8 @@ impl GaitStudy {
     ///
     /// # Errors
     /// [`Error::Json`], if the serialiser has any.
-    pub fn report(&self, subject: &Subject) -> Result<String, Error> {
-        self.report_of(subject, &Views::default())
+    pub fn report(&self, subject: &Subject, language: Language) -> Result<String, Error> {
+        self.report_of(subject, &Views::default(), language)
     }
 
     /// The same with what the cameras of the recording saw.
@@ -72,11 +72,17 @@ impl GaitStudy {
         &self,
         subject: &Subject,
         shown: ReportedRecording<'_>,
+        language: Language,
     ) -> Result<String, Error> {
-        self.report_of(subject, &self.views(shown)?)
+        self.report_of(subject, &self.views(shown)?, language)
     }
 
-    fn report_of(&self, subject: &Subject, views: &Views) -> Result<String, Error> {
+    fn report_of(
+        &self,
+        subject: &Subject,
+        views: &Views,
+        language: Language,
+    ) -> Result<String, Error> {
         Ok(html(&ReportInput {
             subject,
             result: self.result.as_ref(),
@@ -85,6 +91,7 @@ impl GaitStudy {
             gait: &self.analysis,
             norm: self.norm.as_ref(),
             views,
+            words: &Words::new(language),
         })?)
     }
 

@@ -92,7 +92,7 @@ function lines(scene: Scene): Body {
   const colours = new BufferAttribute(new Float32Array(6 * known.length), 3)
   geometry.setAttribute('color', colours)
   const paint = () => {
-    const style = getComputedStyle(document.body)
+    const style = getComputedStyle(document.getElementById('stage') ?? document.body)
     known.forEach(({ side }, i) => {
       const colour = new Color(style.getPropertyValue(`--${side}`).trim())
       for (const end of [2 * i, 2 * i + 1]) colours.setXYZ(end, colour.r, colour.g, colour.b)

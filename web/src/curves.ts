@@ -2,13 +2,14 @@
 import uPlot from 'uplot'
 import 'uplot/dist/uPlot.min.css'
 import { floats, type Scene, type Track } from './scene'
+import { decimal, say } from './words'
 
-const GROUPS: [string, string[]][] = [
-  ['hip, knee, ankle', ['hip_flexion', 'knee_flexion', 'ankle_dorsiflexion']],
-  ['pelvis', ['pelvis_tilt', 'pelvis_obliquity', 'pelvis_rotation']],
-  ['hip', ['hip_flexion', 'hip_adduction', 'hip_rotation']],
-  ['trunk', ['trunk_tilt', 'trunk_obliquity', 'trunk_rotation']],
-  ['arms', ['shoulder_flexion', 'shoulder_adduction', 'elbow_flexion']],
+const groups = (): [string, string[]][] => [
+  [say('hip, knee, ankle'), ['hip_flexion', 'knee_flexion', 'ankle_dorsiflexion']],
+  [say('pelvis'), ['pelvis_tilt', 'pelvis_obliquity', 'pelvis_rotation']],
+  [say('hip'), ['hip_flexion', 'hip_adduction', 'hip_rotation']],
+  [say('trunk'), ['trunk_tilt', 'trunk_obliquity', 'trunk_rotation']],
+  [say('arms'), ['shoulder_flexion', 'shoulder_adduction', 'elbow_flexion']],
 ]
 
 export class Curves {
@@ -20,7 +21,7 @@ export class Curves {
     private seek: (frame: number) => void,
   ) {
     const isThere = (name: string) => scene.tracks.some((track) => track.name === name)
-    for (const [title, names] of GROUPS) {
+    for (const [title, names] of groups()) {
       if (names.some(isThere)) choice.add(new Option(title, title))
     }
     choice.addEventListener('change', () => this.draw())
@@ -31,7 +32,7 @@ export class Curves {
   /** Draws the chosen group anew, in the colours of the page. */
   draw() {
     this.charts.forEach((chart) => chart.destroy())
-    const names = GROUPS.find(([title]) => title === this.choice.value)?.[1] ?? []
+    const names = groups().find(([title]) => title === this.choice.value)?.[1] ?? []
     const of = (name: string) => this.scene.tracks.filter((track) => track.name === name)
     this.charts = names.map(of).filter((tracks) => tracks.length > 0).map((tracks) => this.chart(tracks))
     this.showSoon()
@@ -66,7 +67,7 @@ export class Curves {
     const times = Array.from({ length: frames }, (_, i) => i / fps)
     const known = (v: number) => (Number.isFinite(v) ? v : null)
     const values = tracks.map((track) => Array.from(floats(track.values), known))
-    const colour = (side: string) => getComputedStyle(document.body).getPropertyValue(`--${side}`).trim()
+    const colour = (side: string) => getComputedStyle(this.place).getPropertyValue(`--${side}`).trim()
     const start = this.scene.first_frame / fps
     const strikes = (chart: uPlot) => {
       for (const event of this.scene.events) {
@@ -89,7 +90,8 @@ export class Curves {
         },
       },
       scales: { x: { time: false } },
-      axes: [{ size: 24, font: '11px sans-serif', values: (_, at) => at.map((v) => `${v} s`) }, { size: 40, font: '11px sans-serif' }],
+      axes: [{ size: 24, font: '11px sans-serif', values: (_, at) => at.map((v) => `${decimal(v)} s`) },
+        { size: 40, font: '11px sans-serif', values: (_, at) => at.map((v) => decimal(v)) }],
       series: [{}, ...tracks.map((track) => ({
         label: track.side, stroke: colour(track.side), width: 1.8, points: { show: false },
         dash: track.side === 'left' && document.body.classList.contains('cb') ? [6, 3] : undefined,

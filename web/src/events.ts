@@ -1,5 +1,6 @@
 // Foot strikes and foot offs on a line of time for each foot: a person moves, adds and deletes them, and saves events.json.
 import type { FootEvent, Scene, Side } from './scene'
+import { decimal, say } from './words'
 
 type Kind = FootEvent['kind']
 
@@ -8,7 +9,6 @@ type Mark = { side: Side; kind: Kind; frame: number }
 
 const SIDES: Side[] = ['left', 'right']
 const SIGNS = { strike: '▼', off: '△' }
-const WORDS = { strike: 'strikes', off: 'leaves' }
 const get = <T extends HTMLElement>(id: string) => document.getElementById(id) as T
 
 /** What is wrong with events as they stand, in words; as src/io/gait/events.rs checks them. */
@@ -17,19 +17,22 @@ function fault(marks: Mark[]): string | null {
     const own = marks.filter((mark) => mark.side === side).sort((a, b) => a.frame - b.frame)
     for (let i = 1; i < own.length; i++) {
       const [before, after] = [own[i - 1], own[i]]
-      const frames = `frames ${text(before.frame)} and ${text(after.frame)}`
+      const foot = nameOf(side)
       if (before.kind === after.kind) {
-        const lacking = after.kind === 'strike' ? 'an off' : 'a strike'
-        return `The ${side} foot ${WORDS[after.kind]} at ${frames}, without ${lacking} between.`
+        const frames = { side: foot, before: text(before.frame), after: text(after.frame) }
+        return after.kind === 'strike'
+          ? say('The {side} foot strikes at frames {before} and {after}, without an off between.', frames)
+          : say('The {side} foot leaves at frames {before} and {after}, without a strike between.', frames)
       }
-      if (before.frame >= after.frame) return `The ${side} foot strikes and leaves at once, at frame ${text(after.frame)}.`
+      if (before.frame >= after.frame) return say('The {side} foot strikes and leaves at once, at frame {frame}.', { side: foot, frame: text(after.frame) })
     }
   }
   return null
 }
 
 const rounded = (frame: number) => Math.round(frame * 1e4) / 1e4
-const text = (frame: number) => String(Math.round(frame * 10) / 10)
+const text = (frame: number) => decimal(frame, { maximumFractionDigits: 1 })
+const nameOf = (side: Side) => (side === 'left' ? say('left') : say('right'))
 
 export class EventEditor {
   private found: Mark[]
@@ -115,7 +118,7 @@ export class EventEditor {
     link.click()
     URL.revokeObjectURL(link.href)
     this.isSaved = true
-    this.say('Saved as events.json among the downloads.')
+    this.tell(say('Saved as events.json among the downloads.'))
   }
 
   // --- what is shown ---------------------------------------------------------------------------------
@@ -131,7 +134,7 @@ export class EventEditor {
   private draw() {
     for (const [side, lane] of this.lanes) {
       const name = document.createElement('span')
-      name.textContent = side
+      name.textContent = nameOf(side)
       const own = this.marks.filter((mark) => mark.side === side).sort((a, b) => a.frame - b.frame)
       lane.replaceChildren(name, document.createElement('i'), ...own.map((mark) => this.button(mark)))
     }
@@ -141,14 +144,15 @@ export class EventEditor {
     const wrong = fault(this.marks)
     get<HTMLButtonElement>('event-delete').disabled = !this.chosen
     get<HTMLButtonElement>('event-save').disabled = wrong !== null
-    this.say(wrong ?? '')
+    this.tell(wrong ?? '')
   }
 
   private button(mark: Mark): HTMLElement {
     const button = document.createElement('button')
     button.type = 'button'
     button.textContent = SIGNS[mark.kind]
-    button.title = `${mark.side} foot ${mark.kind}, frame ${text(mark.frame)}`
+    const kind = mark.kind === 'strike' ? say('strike') : say('off')
+    button.title = say('{side} foot {kind}, frame {frame}', { side: nameOf(mark.side), kind, frame: text(mark.frame) })
     button.setAttribute('aria-label', button.title)
     button.classList.toggle('chosen', mark === this.chosen)
     button.style.left = this.place(mark.frame)
@@ -188,7 +192,7 @@ export class EventEditor {
     return `${(100 * (frame - this.scene.first_frame)) / Math.max(this.scene.frames - 1, 1)}%`
   }
 
-  private say(words: string) {
+  private tell(words: string) {
     get('event-says').textContent = words
   }
 }

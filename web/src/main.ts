@@ -6,6 +6,7 @@ import { EventEditor } from './events'
 import { Painter } from './picture'
 import { readScene } from './scene'
 import { Stage } from './stage'
+import { decimal, say } from './words'
 
 const scene = readScene()
 const get = <T extends HTMLElement>(id: string) => document.getElementById(id) as T | null
@@ -28,7 +29,8 @@ function seek(frame: number) {
   slider.value = String(at)
   const number = scene.first_frame + at
   const isSeen = body.pose(at)
-  const text = `frame ${number} · ${(at / scene.fps).toFixed(2)} s${isSeen ? '' : ' · nobody seen'}`
+  const seconds = decimal(at / scene.fps, { minimumFractionDigits: 2, maximumFractionDigits: 2 })
+  const text = say('frame {frame} · {s} s', { frame: number, s: seconds }) + (isSeen ? '' : ` · ${say('nobody seen')}`)
   get('clock')!.textContent = text
   slider.setAttribute('aria-valuetext', text)
   document.body.dataset.frame = String(number)
@@ -62,7 +64,7 @@ async function fillSheet() {
     const figure = document.createElement('figure')
     const canvas = document.createElement('canvas')
     const caption = document.createElement('figcaption')
-    caption.textContent = `${view.name}, frame ${scene.first_frame + middle}`
+    caption.textContent = say('{camera}, frame {frame}', { camera: view.name, frame: scene.first_frame + middle })
     painter.camera(view, middle, canvas, 260)
     figure.append(canvas, caption)
     sheet.append(figure)
@@ -94,7 +96,7 @@ function play() {
     playing = requestAnimationFrame(tick)
   }
   button.textContent = playing ? '⏸' : '▶'
-  button.setAttribute('aria-label', playing ? 'Pause' : 'Play')
+  button.setAttribute('aria-label', playing ? say('Pause') : say('Play'))
 }
 
 slider.addEventListener('input', () => seek(Number(slider.value)))
@@ -112,6 +114,7 @@ get<HTMLInputElement>('colour-blind')?.addEventListener('change', (event) => {
 addEventListener('beforeprint', () => curves?.hold(true))
 addEventListener('afterprint', () => curves?.hold(false))
 addEventListener('resize', () => stage?.draw())
+matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => curves?.draw())
 
 /**
  * Keeps the page loading until everything is drawn, for a browser that prints as soon as it has loaded: a document within it that is

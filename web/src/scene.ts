@@ -45,10 +45,14 @@ export type Scene = {
   views: View[]
   /** Every so many frames have pictures. */
   picture_every: number
+  /** What the program says in another language than English. */
+  words: Record<string, string>
 }
 
+let scene: Scene | undefined
+
 export function readScene(): Scene {
-  return JSON.parse(document.getElementById('scene')!.textContent!)
+  return (scene ??= JSON.parse(document.getElementById('scene')!.textContent!) as Scene)
 }
 
 function bytes(text: string): ArrayBuffer {

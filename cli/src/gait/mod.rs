@@ -9,6 +9,7 @@ use serde_json::json;
 
 use crate::choice::{Choice, one_of};
 use crate::error::CliError;
+use crate::page::LanguageArgument;
 use crate::subject::{EventArguments, SubjectArguments};
 use crate::switches::{Output, Overwrite};
 use maquette::gait::{GaitOptions, Surface};
@@ -65,6 +66,8 @@ pub(super) struct GaitArguments {
     /// Also write report.html, for clinicians
     #[arg(long)]
     report: bool,
+    #[command(flatten)]
+    language: LanguageArgument,
     #[command(flatten, next_help_heading = "About the person and the report")]
     subject: SubjectArguments,
     #[command(flatten)]
@@ -107,8 +110,8 @@ pub(super) fn run(arguments: &GaitArguments) -> Result<(), CliError> {
 
     study.save(&out)?;
     if arguments.report {
-        let text =
-            arguments.subject.report(&study, &arguments.input, &arguments.output.progress())?;
+        let (language, progress) = (arguments.language.get(), arguments.output.progress());
+        let text = arguments.subject.report(&study, &arguments.input, language, &progress)?;
         write_atomically(&out.join("report.html"), text.as_bytes())?;
     }
     let text = || {

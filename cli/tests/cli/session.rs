@@ -1,11 +1,17 @@
 //! Several trials of one person, and two sessions compared.
 
 use std::fs;
+#[cfg(unix)]
+use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
+#[cfg(unix)]
+use std::process::Command;
 
 use serde_json::Value;
 
 use crate::arm::{Arm, Ran, run};
+#[cfg(unix)]
+use crate::arm::{program, ran};
 use crate::schema::check;
 use crate::walker::Walker;
 
@@ -106,6 +112,39 @@ fn two_walks_are_compared_and_one_trial_each_says_nothing_of_chance() {
     );
     let page = String::from_utf8(arm.bytes("compared", "compare.html")).expect("UTF-8");
     assert!(page.contains("one.trc") && page.contains("Nothing is known of chance"));
+    let german =
+        ["compare", &walks[0], &walks[1], "--out", &out, "--overwrite", "--language", "de"];
+    run(&german).succeeded();
+    let page = String::from_utf8(arm.bytes("compared", "compare.html")).expect("UTF-8");
+    assert!(page.contains("lang=\"de\"") && page.contains("Über den Zufall ist nichts bekannt"));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_comparison_is_printed_beside_its_page_or_says_why_not() {
+    let arm = Arm::new();
+    let walk = arm.out("walk.trc").display().to_string();
+    fs::write(&walk, Walker::new(0.3).trc()).expect("a file");
+    let out = arm.out("compared").display().to_string();
+    let browser = arm.out("browser");
+    let compare = |script: &str| {
+        fs::write(&browser, format!("#!/bin/sh\n{script}\n")).expect("a file");
+        fs::set_permissions(&browser, fs::Permissions::from_mode(0o755)).expect("a program");
+        let mut program = Command::new(program());
+        let words = ["compare", &walk, &walk, "--out", &out, "--overwrite", "--pdf", "--json"];
+        program.args(words).env("CHROME", &browser);
+        ran(&program.output().expect("the program starts"))
+    };
+    let pdf = arm.out("compared/compare.pdf");
+
+    let prints = "for word; do case $word in --print-to-pdf=*) echo %PDF > ${word#*=};; esac; done";
+    let said = compare(prints).succeeded();
+    assert_eq!(check("compare", &said.out)["pdf"], pdf.display().to_string());
+    assert_eq!(fs::read(&pdf).expect("a PDF"), b"%PDF\n");
+
+    let said = compare("exit 9");
+    assert!(said.err.contains("compare.html: no PDF of it: "), "{}", said.err);
+    assert!(arm.out("compared/compare.html").exists() && !pdf.exists());
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! `maquette gait --report` from outside; the page in a browser is tested by `web/test/report.mjs`.
 
+use std::collections::BTreeSet;
+
 use assert_cmd::Command;
 
 use crate::walker::Walker;
@@ -73,4 +75,37 @@ fn numbers_beyond_the_norm_are_marked_and_its_footwear_is_said() {
     assert!(barefoot.contains("▼") && barefoot.contains("below the norm"), "{barefoot}");
     assert!(barefoot.contains("walked in shoes, this person barefoot"), "{barefoot}");
     assert!(!said("shoes").contains("Before comparing"));
+}
+
+/// What a person reads on a page, piece by piece, but pieces that are marked as English.
+fn pieces(report: &str) -> BTreeSet<&str> {
+    let body = report.split("<main>").nth(1).expect("a main part");
+    let body = body.split("<script").next().unwrap_or_default();
+    let tags = body.split('<').filter_map(|part| part.split_once('>'));
+    let own = tags.filter(|(tag, _)| !tag.contains("lang=\"en\"")).map(|(_, text)| text.trim());
+    own.filter(|text| text.chars().filter(|c| c.is_alphabetic()).count() > 3).collect()
+}
+
+#[test]
+fn in_german_no_english_is_left_but_names_and_what_is_marked() {
+    let trc = Walker::new(0.4).trc();
+    let person = ["--subject", "P 017", "--age", "30", "--sex", "female", "--date", "heute"];
+    let english = report_of(&trc, &[&person[..], &["--language", "en"]].concat());
+    assert_eq!(english, report_of(&trc, &person), "English unless asked otherwise");
+
+    let german = report_of(&trc, &[&person[..], &["--language", "de"]].concat());
+    assert!(german.contains("<html lang=\"de\">"));
+    let steps = page(&german, "spatiotemporal");
+    for text in ["Doppelschrittlänge", "Standphase", "Kadenz", "Schritte/min", "1,"] {
+        assert!(steps.contains(text), "{text}: {steps}");
+    }
+    let both: Vec<&str> = pieces(&english).intersection(&pieces(&german)).copied().collect();
+    let names = [
+        "Abd", "Ext", "Person", "Norm", "Filter", "Gait", "Sagittal", "Frontal", "walk.trc",
+        "P 017", "heute",
+    ];
+    let is_name = |text: &&&str| names.iter().any(|name| text.starts_with(name));
+    // the norm's own name and source stand in its file
+    let left = both.iter().filter(|text| !is_name(text) && !text.contains("20"));
+    assert_eq!(left.collect::<Vec<_>>(), [&""; 0]);
 }

@@ -11355,17 +11355,16 @@ var fl = class {
 		let t = this.getContext();
 		t.drawingBufferColorSpace = jt._getDrawingBufferColorSpace(e), t.unpackColorSpace = jt._getUnpackColorSpace();
 	}
-};
-// src/scene.ts
-function pl() {
-	return JSON.parse(document.getElementById("scene").textContent);
+}, pl;
+function ml() {
+	return pl ??= JSON.parse(document.getElementById("scene").textContent);
 }
-function ml(e) {
+function hl(e) {
 	return Uint8Array.from(atob(e), (e) => e.charCodeAt(0)).buffer;
 }
-var hl = (e) => new Float32Array(ml(e)), gl = (e) => new Uint32Array(ml(e)), _l = (e) => new Uint8Array(ml(e));
-function vl(e) {
-	let t = new Int16Array(ml(e.outlines)), n = [];
+var gl = (e) => new Float32Array(hl(e)), _l = (e) => new Uint32Array(hl(e)), vl = (e) => new Uint8Array(hl(e));
+function yl(e) {
+	let t = new Int16Array(hl(e.outlines)), n = [];
 	for (let e = 0; e < t.length;) {
 		let r = [];
 		for (let n = t[e++]; n > 0; n--) {
@@ -11377,12 +11376,12 @@ function vl(e) {
 	return n;
 }
 // src/body.ts
-var yl = new Ji({ color: 14268580 });
-function bl(e) {
-	return e.body ? xl(e.body) : Tl(e);
-}
+var bl = new Ji({ color: 14268580 });
 function xl(e) {
-	let t = new Sn(), n = hl(e.poses), r = hl(e.bind), i = Array.from({ length: e.parts }, () => new si());
+	return e.body ? Sl(e.body) : El(e);
+}
+function Sl(e) {
+	let t = new Sn(), n = gl(e.poses), r = gl(e.bind), i = Array.from({ length: e.parts }, () => new si());
 	t.add(...i);
 	let a = (e, n) => {
 		let r = Number.isFinite(e[n]);
@@ -11391,26 +11390,26 @@ function xl(e) {
 			r && (t.position.fromArray(e, a), t.quaternion.fromArray(e, a + 3));
 		}), t.updateMatrixWorld(!0), r;
 	};
-	return a(r, 0), e.flesh.kind === "skin" ? t.add(Sl(e.flesh, i)) : Cl(e.flesh, i), {
+	return a(r, 0), e.flesh.kind === "skin" ? t.add(Cl(e.flesh, i)) : wl(e.flesh, i), {
 		object: t,
 		pose: (t) => a(n, t * 7 * e.parts),
 		rest: () => a(r, 0)
 	};
 }
-function Sl(e, t) {
+function Cl(e, t) {
 	let n = new wr();
-	n.setAttribute("position", new lr(hl(e.vertices), 3)), n.setAttribute("normal", new lr(hl(e.normals), 3)), n.setAttribute("skinIndex", new lr(_l(e.bones), 4)), n.setAttribute("skinWeight", new lr(hl(e.weights), 4)), n.setIndex(new lr(gl(e.triangles), 1));
-	let r = new oi(n, yl);
+	n.setAttribute("position", new lr(gl(e.vertices), 3)), n.setAttribute("normal", new lr(gl(e.normals), 3)), n.setAttribute("skinIndex", new lr(vl(e.bones), 4)), n.setAttribute("skinWeight", new lr(gl(e.weights), 4)), n.setIndex(new lr(_l(e.triangles), 1));
+	let r = new oi(n, bl);
 	return r.frustumCulled = !1, r.bind(new di(t), new qt()), r;
 }
-function Cl(e, t) {
+function wl(e, t) {
 	let n = new Li(1, 32, 20);
 	for (let { part: r, centre: i, turn: a, radii: o } of e.ellipsoids) {
-		let e = new Jr(n, yl);
+		let e = new Jr(n, bl);
 		e.position.copy(new X(...i)), e.quaternion.copy(new wt(...a)), e.scale.copy(new X(...o)), t[r].add(e);
 	}
 }
-var wl = [
+var Tl = [
 	"shoulder hip",
 	"hip knee",
 	"knee ankle",
@@ -11420,8 +11419,8 @@ var wl = [
 	"shoulder elbow",
 	"elbow wrist"
 ];
-function Tl(e) {
-	let { names: t, places: n } = e.points, r = hl(n), i = (e, n) => t.indexOf(`${e} ${n}`), a = ["left", "right"].flatMap((e) => wl.map((t) => ({
+function El(e) {
+	let { names: t, places: n } = e.points, r = gl(n), i = (e, n) => t.indexOf(`${e} ${n}`), a = ["left", "right"].flatMap((e) => Tl.map((t) => ({
 		side: e,
 		pair: t.split(" ").map((t) => i(e, t))
 	})));
@@ -11434,7 +11433,7 @@ function Tl(e) {
 	let l = new lr(new Float32Array(6 * o.length), 3);
 	s.setAttribute("color", l);
 	let u = () => {
-		let e = getComputedStyle(document.body);
+		let e = getComputedStyle(document.getElementById("stage") ?? document.body);
 		o.forEach(({ side: t }, n) => {
 			let r = new Q(e.getPropertyValue(`--${t}`).trim());
 			for (let e of [2 * n, 2 * n + 1]) l.setXYZ(e, r.r, r.g, r.b);
@@ -11457,65 +11456,65 @@ function Tl(e) {
 	};
 }
 // node_modules/uplot/dist/uPlot.esm.js
-var El = !0, Dl = "uplot", Ol = "u-hz", kl = "u-vt", Al = "u-title", jl = "u-wrap", Ml = "u-under", Nl = "u-over", Pl = "u-axis", Fl = "u-off", Il = "u-select", Ll = "u-cursor-x", Rl = "u-cursor-y", zl = "u-cursor-pt", Bl = "u-legend", Vl = "u-live", Hl = "u-inline", Ul = "u-series", Wl = "u-marker", Gl = "u-label", Kl = "u-value", ql = "width", Jl = "height", Yl = "top", Xl = "bottom", Zl = "left", Ql = "right", $l = "#000", eu = "#0000", tu = "mousemove", nu = "mousedown", ru = "mouseup", iu = "mouseenter", au = "mouseleave", ou = "dblclick", su = "resize", cu = "scroll", lu = "change", uu = "dppxchange", du = "--", fu = typeof window < "u", pu = fu ? document : null, mu = fu ? window : null, hu = fu ? navigator : null, gu, _u;
-function vu() {
+var Dl = !0, Ol = "uplot", kl = "u-hz", Al = "u-vt", jl = "u-title", Ml = "u-wrap", Nl = "u-under", Pl = "u-over", Fl = "u-axis", Il = "u-off", Ll = "u-select", Rl = "u-cursor-x", zl = "u-cursor-y", Bl = "u-cursor-pt", Vl = "u-legend", Hl = "u-live", Ul = "u-inline", Wl = "u-series", Gl = "u-marker", Kl = "u-label", ql = "u-value", Jl = "width", Yl = "height", Xl = "top", Zl = "bottom", Ql = "left", $l = "right", eu = "#000", tu = "#0000", nu = "mousemove", ru = "mousedown", iu = "mouseup", au = "mouseenter", ou = "mouseleave", su = "dblclick", cu = "resize", lu = "scroll", uu = "change", du = "dppxchange", fu = "--", pu = typeof window < "u", mu = pu ? document : null, hu = pu ? window : null, gu = pu ? navigator : null, _u, vu;
+function yu() {
 	let e = devicePixelRatio;
-	gu != e && (gu = e, _u && Nu(lu, _u, vu), _u = matchMedia(`(min-resolution: ${gu - .001}dppx) and (max-resolution: ${gu + .001}dppx)`), Mu(lu, _u, vu), mu.dispatchEvent(new CustomEvent(uu)));
+	_u != e && (_u = e, vu && Pu(uu, vu, yu), vu = matchMedia(`(min-resolution: ${_u - .001}dppx) and (max-resolution: ${_u + .001}dppx)`), Nu(uu, vu, yu), hu.dispatchEvent(new CustomEvent(du)));
 }
-function yu(e, t) {
+function bu(e, t) {
 	if (t != null) {
 		let n = e.classList;
 		!n.contains(t) && n.add(t);
 	}
 }
-function bu(e, t) {
+function xu(e, t) {
 	let n = e.classList;
 	n.contains(t) && n.remove(t);
 }
-function xu(e, t, n) {
+function Su(e, t, n) {
 	e.style[t] = n + "px";
 }
-function Su(e, t, n, r) {
-	let i = pu.createElement(e);
-	return t != null && yu(i, t), n?.insertBefore(i, r), i;
+function Cu(e, t, n, r) {
+	let i = mu.createElement(e);
+	return t != null && bu(i, t), n?.insertBefore(i, r), i;
 }
-function Cu(e, t) {
-	return Su("div", e, t);
+function wu(e, t) {
+	return Cu("div", e, t);
 }
-var wu = /* @__PURE__ */ new WeakMap();
-function Tu(e, t, n, r, i) {
+var Tu = /* @__PURE__ */ new WeakMap();
+function Eu(e, t, n, r, i) {
 	let a = "translate(" + t + "px," + n + "px)";
-	a != wu.get(e) && (e.style.transform = a, wu.set(e, a), t < 0 || n < 0 || t > r || n > i ? yu(e, Fl) : bu(e, Fl));
+	a != Tu.get(e) && (e.style.transform = a, Tu.set(e, a), t < 0 || n < 0 || t > r || n > i ? bu(e, Il) : xu(e, Il));
 }
-var Eu = /* @__PURE__ */ new WeakMap();
-function Du(e, t, n) {
+var Du = /* @__PURE__ */ new WeakMap();
+function Ou(e, t, n) {
 	let r = t + n;
-	r != Eu.get(e) && (Eu.set(e, r), e.style.background = t, e.style.borderColor = n);
+	r != Du.get(e) && (Du.set(e, r), e.style.background = t, e.style.borderColor = n);
 }
-var Ou = /* @__PURE__ */ new WeakMap();
-function ku(e, t, n, r) {
+var ku = /* @__PURE__ */ new WeakMap();
+function Au(e, t, n, r) {
 	let i = t + "" + n;
-	i != Ou.get(e) && (Ou.set(e, i), e.style.height = n + "px", e.style.width = t + "px", e.style.marginLeft = r ? -t / 2 + "px" : 0, e.style.marginTop = r ? -n / 2 + "px" : 0);
+	i != ku.get(e) && (ku.set(e, i), e.style.height = n + "px", e.style.width = t + "px", e.style.marginLeft = r ? -t / 2 + "px" : 0, e.style.marginTop = r ? -n / 2 + "px" : 0);
 }
-var Au = { passive: !0 }, ju = {
-	...Au,
+var ju = { passive: !0 }, Mu = {
+	...ju,
 	capture: !0
 };
-function Mu(e, t, n, r) {
-	t.addEventListener(e, n, r ? ju : Au);
-}
 function Nu(e, t, n, r) {
-	t.removeEventListener(e, n, Au);
+	t.addEventListener(e, n, r ? Mu : ju);
 }
-fu && vu();
 function Pu(e, t, n, r) {
+	t.removeEventListener(e, n, ju);
+}
+pu && yu();
+function Fu(e, t, n, r) {
 	let i;
 	n ||= 0, r ||= t.length - 1;
 	let a = r <= 2147483647;
-	for (; r - n > 1;) i = a ? n + r >> 1 : nd((n + r) / 2), t[i] < e ? n = i : r = i;
+	for (; r - n > 1;) i = a ? n + r >> 1 : rd((n + r) / 2), t[i] < e ? n = i : r = i;
 	return e - t[n] <= t[r] - e ? n : r;
 }
-function Fu(e) {
+function Iu(e) {
 	return (t, n, r) => {
 		let i = -1, a = -1;
 		for (let a = n; a <= r; a++) if (e(t[a])) {
@@ -11529,9 +11528,9 @@ function Fu(e) {
 		return [i, a];
 	};
 }
-var Iu = (e) => e != null, Lu = (e) => e != null && e > 0, Ru = Fu(Iu), zu = Fu(Lu);
-function Bu(e, t, n, r = 0, i = !1) {
-	let a = i ? zu : Ru, o = i ? Lu : Iu;
+var Lu = (e) => e != null, Ru = (e) => e != null && e > 0, zu = Iu(Lu), Bu = Iu(Ru);
+function Vu(e, t, n, r = 0, i = !1) {
+	let a = i ? Bu : zu, o = i ? Ru : Lu;
 	[t, n] = a(e, t, n);
 	let s = e[t], c = e[t];
 	if (t > -1) {
@@ -11542,106 +11541,106 @@ function Bu(e, t, n, r = 0, i = !1) {
 			o(t) && (t < s ? s = t : t > c && (c = t));
 		}
 	}
-	return [s ?? pd, c ?? -pd];
-}
-function Vu(e, t, n, r) {
-	let i = cd(e), a = cd(t);
-	e == t && (i == -1 ? (e *= n, t /= n) : (e /= n, t *= n));
-	let o = n == 10 ? ld : ud, s = i == 1 ? nd : id, c = a == 1 ? id : nd, l = s(o(td(e))), u = c(o(td(t))), d = sd(n, l), f = sd(n, u);
-	return n == 10 && (l < 0 && (d = kd(d, -l)), u < 0 && (f = kd(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = Od(e, d), t = Dd(t, f)), [e, t];
+	return [s ?? md, c ?? -md];
 }
 function Hu(e, t, n, r) {
-	let i = Vu(e, t, n, r);
+	let i = ld(e), a = ld(t);
+	e == t && (i == -1 ? (e *= n, t /= n) : (e /= n, t *= n));
+	let o = n == 10 ? ud : dd, s = i == 1 ? rd : ad, c = a == 1 ? ad : rd, l = s(o(nd(e))), u = c(o(nd(t))), d = cd(n, l), f = cd(n, u);
+	return n == 10 && (l < 0 && (d = Ad(d, -l)), u < 0 && (f = Ad(f, -u))), r || n == 2 ? (e = d * i, t = f * a) : (e = kd(e, d), t = Od(t, f)), [e, t];
+}
+function Uu(e, t, n, r) {
+	let i = Hu(e, t, n, r);
 	return e == 0 && (i[0] = 0), t == 0 && (i[1] = 0), i;
 }
-var Uu = .1, Wu = {
+var Wu = .1, Gu = {
 	mode: 3,
-	pad: Uu
-}, Gu = {
+	pad: Wu
+}, Ku = {
 	pad: 0,
 	soft: null,
 	mode: 0
-}, Ku = {
-	min: Gu,
-	max: Gu
+}, qu = {
+	min: Ku,
+	max: Ku
 };
-function qu(e, t, n, r) {
-	return Bd(n) ? Xu(e, t, n) : (Gu.pad = n, Gu.soft = r ? 0 : null, Gu.mode = r ? 3 : 0, Xu(e, t, Ku));
+function Ju(e, t, n, r) {
+	return Vd(n) ? Zu(e, t, n) : (Ku.pad = n, Ku.soft = r ? 0 : null, Ku.mode = r ? 3 : 0, Zu(e, t, qu));
 }
-function Ju(e, t) {
+function Yu(e, t) {
 	return e ?? t;
 }
-function Yu(e, t, n) {
-	for (t = Ju(t, 0), n = Ju(n, e.length - 1); t <= n;) {
+function Xu(e, t, n) {
+	for (t = Yu(t, 0), n = Yu(n, e.length - 1); t <= n;) {
 		if (e[t] != null) return !0;
 		t++;
 	}
 	return !1;
 }
-function Xu(e, t, n) {
-	let r = n.min, i = n.max, a = Ju(r.pad, 0), o = Ju(i.pad, 0), s = Ju(r.hard, -pd), c = Ju(i.hard, pd), l = Ju(r.soft, pd), u = Ju(i.soft, -pd), d = Ju(r.mode, 0), f = Ju(i.mode, 0), p = t - e, m = ld(p), h = od(td(e), td(t)), g = td(ld(h) - m);
-	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != pd && (a = 0), f == 2 && u != -pd && (o = 0)));
-	let _ = p || h || 1e3, v = sd(10, nd(ld(_))), y = kd(Od(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : pd, x = od(s, y < b && e >= b ? b : ad(b, y)), S = kd(Dd(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -pd, w = ad(c, S > C && t <= C ? C : od(C, S));
+function Zu(e, t, n) {
+	let r = n.min, i = n.max, a = Yu(r.pad, 0), o = Yu(i.pad, 0), s = Yu(r.hard, -md), c = Yu(i.hard, md), l = Yu(r.soft, md), u = Yu(i.soft, -md), d = Yu(r.mode, 0), f = Yu(i.mode, 0), p = t - e, m = ud(p), h = sd(nd(e), nd(t)), g = nd(ud(h) - m);
+	(p < 1e-24 || g > 10) && (p = 0, (e == 0 || t == 0) && (p = 1e-24, d == 2 && l != md && (a = 0), f == 2 && u != -md && (o = 0)));
+	let _ = p || h || 1e3, v = cd(10, rd(ud(_))), y = Ad(kd(e - _ * (p == 0 ? e == 0 ? .1 : 1 : a), v / 10), 24), b = e >= l && (d == 1 || d == 3 && y <= l || d == 2 && y >= l) ? l : md, x = sd(s, y < b && e >= b ? b : od(b, y)), S = Ad(Od(t + _ * (p == 0 ? t == 0 ? .1 : 1 : o), v / 10), 24), C = t <= u && (f == 1 || f == 3 && S >= u || f == 2 && S <= u) ? u : -md, w = od(c, S > C && t <= C ? C : sd(C, S));
 	return x == w && x == 0 && (w = 100), [x, w];
 }
-var Zu = new Intl.NumberFormat(fu ? hu.language : "en-US"), Qu = (e) => Zu.format(e), $u = Math, ed = $u.PI, td = $u.abs, nd = $u.floor, rd = $u.round, id = $u.ceil, ad = $u.min, od = $u.max, sd = $u.pow, cd = $u.sign, ld = $u.log10, ud = $u.log2, dd = (e, t = 1) => $u.sinh(e) * t, fd = (e, t = 1) => $u.asinh(e / t), pd = Infinity;
-function md(e) {
-	return (ld((e ^ e >> 31) - (e >> 31)) | 0) + 1;
+var Qu = new Intl.NumberFormat(pu ? gu.language : "en-US"), $u = (e) => Qu.format(e), ed = Math, td = ed.PI, nd = ed.abs, rd = ed.floor, id = ed.round, ad = ed.ceil, od = ed.min, sd = ed.max, cd = ed.pow, ld = ed.sign, ud = ed.log10, dd = ed.log2, fd = (e, t = 1) => ed.sinh(e) * t, pd = (e, t = 1) => ed.asinh(e / t), md = Infinity;
+function hd(e) {
+	return (ud((e ^ e >> 31) - (e >> 31)) | 0) + 1;
 }
-function hd(e, t, n) {
-	return ad(od(e, t), n);
-}
-function gd(e) {
-	return typeof e == "function";
+function gd(e, t, n) {
+	return od(sd(e, t), n);
 }
 function _d(e) {
-	return gd(e) ? e : () => e;
+	return typeof e == "function";
 }
-var vd = () => {}, yd = (e) => e, bd = (e, t) => t, xd = (e) => null, Sd = (e) => !0, Cd = (e, t) => e == t, wd = /\.\d*?(?=9{6,}|0{6,})/gm, Td = (e) => {
-	if (Ld(e) || Ad.has(e)) return e;
-	let t = `${e}`, n = t.match(wd);
+function vd(e) {
+	return _d(e) ? e : () => e;
+}
+var yd = () => {}, bd = (e) => e, xd = (e, t) => t, Sd = (e) => null, Cd = (e) => !0, wd = (e, t) => e == t, Td = /\.\d*?(?=9{6,}|0{6,})/gm, Ed = (e) => {
+	if (Rd(e) || jd.has(e)) return e;
+	let t = `${e}`, n = t.match(Td);
 	if (n == null) return e;
 	let r = n[0].length - 1;
 	if (t.indexOf("e-") != -1) {
 		let [e, n] = t.split("e");
-		return +`${Td(e)}e${n}`;
+		return +`${Ed(e)}e${n}`;
 	}
-	return kd(e, r);
+	return Ad(e, r);
 };
-function Ed(e, t) {
-	return Td(kd(Td(e / t)) * t);
-}
 function Dd(e, t) {
-	return Td(id(Td(e / t)) * t);
+	return Ed(Ad(Ed(e / t)) * t);
 }
 function Od(e, t) {
-	return Td(nd(Td(e / t)) * t);
+	return Ed(ad(Ed(e / t)) * t);
 }
-function kd(e, t = 0) {
-	if (Ld(e)) return e;
+function kd(e, t) {
+	return Ed(rd(Ed(e / t)) * t);
+}
+function Ad(e, t = 0) {
+	if (Rd(e)) return e;
 	let n = 10 ** t;
-	return rd(e * n * (1 + 2 ** -52)) / n;
+	return id(e * n * (1 + 2 ** -52)) / n;
 }
-var Ad = /* @__PURE__ */ new Map();
-function jd(e) {
+var jd = /* @__PURE__ */ new Map();
+function Md(e) {
 	return (("" + e).split(".")[1] || "").length;
 }
-function Md(e, t, n, r) {
-	let i = [], a = r.map(jd);
+function Nd(e, t, n, r) {
+	let i = [], a = r.map(Md);
 	for (let o = t; o < n; o++) {
-		let t = td(o), n = kd(sd(e, o), t);
+		let t = nd(o), n = Ad(cd(e, o), t);
 		for (let s = 0; s < r.length; s++) {
-			let c = e == 10 ? +`${r[s]}e${o}` : r[s] * n, l = (o >= 0 ? 0 : t) + (o >= a[s] ? 0 : a[s]), u = e == 10 ? c : kd(c, l);
-			i.push(u), Ad.set(u, l);
+			let c = e == 10 ? +`${r[s]}e${o}` : r[s] * n, l = (o >= 0 ? 0 : t) + (o >= a[s] ? 0 : a[s]), u = e == 10 ? c : Ad(c, l);
+			i.push(u), jd.set(u, l);
 		}
 	}
 	return i;
 }
-var Nd = {}, Pd = [], Fd = [null, null], Id = Array.isArray, Ld = Number.isInteger, Rd = (e) => e === void 0;
-function zd(e) {
+var Pd = {}, Fd = [], Id = [null, null], Ld = Array.isArray, Rd = Number.isInteger, zd = (e) => e === void 0;
+function Bd(e) {
 	return typeof e == "string";
 }
-function Bd(e) {
+function Vd(e) {
 	let t = !1;
 	if (e != null) {
 		let n = e.constructor;
@@ -11649,35 +11648,35 @@ function Bd(e) {
 	}
 	return t;
 }
-function Vd(e) {
+function Hd(e) {
 	return typeof e == "object" && !!e;
 }
-var Hd = Object.getPrototypeOf(Uint8Array), Ud = "__proto__";
-function Wd(e, t = Bd) {
+var Ud = Object.getPrototypeOf(Uint8Array), Wd = "__proto__";
+function Gd(e, t = Vd) {
 	let n;
-	if (Id(e)) {
+	if (Ld(e)) {
 		let r = e.find((e) => e != null);
-		if (Id(r) || t(r)) {
+		if (Ld(r) || t(r)) {
 			n = Array(e.length);
-			for (let r = 0; r < e.length; r++) n[r] = Wd(e[r], t);
+			for (let r = 0; r < e.length; r++) n[r] = Gd(e[r], t);
 		} else n = e.slice();
-	} else if (e instanceof Hd) n = e.slice();
+	} else if (e instanceof Ud) n = e.slice();
 	else if (t(e)) {
 		n = {};
-		for (let r in e) r != Ud && (n[r] = Wd(e[r], t));
+		for (let r in e) r != Wd && (n[r] = Gd(e[r], t));
 	} else n = e;
 	return n;
 }
-function Gd(e) {
+function Kd(e) {
 	let t = arguments;
 	for (let n = 1; n < t.length; n++) {
 		let r = t[n];
-		for (let t in r) t != Ud && (Bd(e[t]) ? Gd(e[t], Wd(r[t])) : e[t] = Wd(r[t]));
+		for (let t in r) t != Wd && (Vd(e[t]) ? Kd(e[t], Gd(r[t])) : e[t] = Gd(r[t]));
 	}
 	return e;
 }
-var Kd = 0, qd = 1, Jd = 2;
-function Yd(e, t, n) {
+var qd = 0, Jd = 1, Yd = 2;
+function Xd(e, t, n) {
 	for (let r = 0, i, a = -1; r < t.length; r++) {
 		let o = t[r];
 		if (o > a) {
@@ -11686,11 +11685,11 @@ function Yd(e, t, n) {
 		}
 	}
 }
-function Xd(e, t) {
-	if ($d(e)) {
+function Zd(e, t) {
+	if (ef(e)) {
 		let t = e[0].slice();
 		for (let n = 1; n < e.length; n++) t.push(...e[n].slice(1));
-		return ef(t[0]) || (t = Qd(t)), t;
+		return tf(t[0]) || (t = $d(t)), t;
 	}
 	let n = /* @__PURE__ */ new Set();
 	for (let t = 0; t < e.length; t++) {
@@ -11702,18 +11701,18 @@ function Xd(e, t) {
 	for (let n = 0; n < e.length; n++) {
 		let o = e[n], s = o[0];
 		for (let e = 1; e < o.length; e++) {
-			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : qd, d = [];
+			let c = o[e], l = Array(i).fill(void 0), u = t ? t[n][e] : Jd, d = [];
 			for (let e = 0; e < c.length; e++) {
 				let t = c[e], n = a.get(s[e]);
-				t === null ? u != Kd && (l[n] = t, u == Jd && d.push(n)) : l[n] = t;
+				t === null ? u != qd && (l[n] = t, u == Yd && d.push(n)) : l[n] = t;
 			}
-			Yd(l, d, i), r.push(l);
+			Xd(l, d, i), r.push(l);
 		}
 	}
 	return r;
 }
-var Zd = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
-function Qd(e) {
+var Qd = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
+function $d(e) {
 	let t = e[0], n = t.length, r = Array(n);
 	for (let e = 0; e < r.length; e++) r[e] = e;
 	r.sort((e, n) => t[e] - t[n]);
@@ -11725,7 +11724,7 @@ function Qd(e) {
 	}
 	return i;
 }
-function $d(e) {
+function ef(e) {
 	let t = e[0][0], n = t.length;
 	for (let r = 1; r < e.length; r++) {
 		let i = e[r][0];
@@ -11736,14 +11735,14 @@ function $d(e) {
 	}
 	return !0;
 }
-function ef(e, t = 100) {
+function tf(e, t = 100) {
 	let n = e.length;
 	if (n <= 1) return !0;
 	let r = 0, i = n - 1;
 	for (; r <= i && e[r] == null;) r++;
 	for (; i >= r && e[i] == null;) i--;
 	if (i <= r) return !0;
-	let a = od(1, nd((i - r + 1) / t));
+	let a = sd(1, rd((i - r + 1) / t));
 	for (let t = e[r], n = r + a; n <= i; n += a) {
 		let r = e[n];
 		if (r != null) {
@@ -11753,7 +11752,7 @@ function ef(e, t = 100) {
 	}
 	return !0;
 }
-var tf = [
+var nf = [
 	"January",
 	"February",
 	"March",
@@ -11766,7 +11765,7 @@ var tf = [
 	"October",
 	"November",
 	"December"
-], nf = [
+], rf = [
 	"Sunday",
 	"Monday",
 	"Tuesday",
@@ -11775,33 +11774,33 @@ var tf = [
 	"Friday",
 	"Saturday"
 ];
-function rf(e) {
+function af(e) {
 	return e.slice(0, 3);
 }
-var af = nf.map(rf), of = {
-	MMMM: tf,
-	MMM: tf.map(rf),
-	WWWW: nf,
-	WWW: af
+var of = rf.map(af), sf = {
+	MMMM: nf,
+	MMM: nf.map(af),
+	WWWW: rf,
+	WWW: of
 };
-function sf(e) {
+function cf(e) {
 	return (e < 10 ? "0" : "") + e;
 }
-function cf(e) {
+function lf(e) {
 	return (e < 10 ? "00" : e < 100 ? "0" : "") + e;
 }
-var lf = {
+var uf = {
 	YYYY: (e) => e.getFullYear(),
 	YY: (e) => (e.getFullYear() + "").slice(2),
 	MMMM: (e, t) => t.MMMM[e.getMonth()],
 	MMM: (e, t) => t.MMM[e.getMonth()],
-	MM: (e) => sf(e.getMonth() + 1),
+	MM: (e) => cf(e.getMonth() + 1),
 	M: (e) => e.getMonth() + 1,
-	DD: (e) => sf(e.getDate()),
+	DD: (e) => cf(e.getDate()),
 	D: (e) => e.getDate(),
 	WWWW: (e, t) => t.WWWW[e.getDay()],
 	WWW: (e, t) => t.WWW[e.getDay()],
-	HH: (e) => sf(e.getHours()),
+	HH: (e) => cf(e.getHours()),
 	H: (e) => e.getHours(),
 	h: (e) => {
 		let t = e.getHours();
@@ -11810,35 +11809,35 @@ var lf = {
 	AA: (e) => e.getHours() >= 12 ? "PM" : "AM",
 	aa: (e) => e.getHours() >= 12 ? "pm" : "am",
 	a: (e) => e.getHours() >= 12 ? "p" : "a",
-	mm: (e) => sf(e.getMinutes()),
+	mm: (e) => cf(e.getMinutes()),
 	m: (e) => e.getMinutes(),
-	ss: (e) => sf(e.getSeconds()),
+	ss: (e) => cf(e.getSeconds()),
 	s: (e) => e.getSeconds(),
-	fff: (e) => cf(e.getMilliseconds())
+	fff: (e) => lf(e.getMilliseconds())
 };
-function uf(e, t) {
-	t ||= of;
+function df(e, t) {
+	t ||= sf;
 	let n = [], r = /\{([a-z]+)\}|[^{]+/gi, i;
-	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? lf[i[1]] : i[0]);
+	for (; i = r.exec(e);) n.push(i[0][0] == "{" ? uf[i[1]] : i[0]);
 	return (e) => {
 		let r = "";
 		for (let i = 0; i < n.length; i++) r += typeof n[i] == "string" ? n[i] : n[i](e, t);
 		return r;
 	};
 }
-var df = new Intl.DateTimeFormat().resolvedOptions().timeZone;
-function ff(e, t) {
+var ff = new Intl.DateTimeFormat().resolvedOptions().timeZone;
+function pf(e, t) {
 	let n;
-	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == df ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
+	return t == "UTC" || t == "Etc/UTC" ? n = /* @__PURE__ */ new Date(+e + e.getTimezoneOffset() * 6e4) : t == ff ? n = e : (n = new Date(e.toLocaleString("en-US", { timeZone: t })), n.setMilliseconds(e.getMilliseconds())), n;
 }
-var pf = (e) => e % 1 == 0, mf = [
+var mf = (e) => e % 1 == 0, hf = [
 	1,
 	2,
 	2.5,
 	5
-], hf = Md(10, -32, 0, mf), gf = Md(10, 0, 32, mf), _f = gf.filter(pf), vf = hf.concat(gf), yf = "\n", bf = "{YYYY}", xf = yf + bf, Sf = "{M}/{D}", Cf = yf + Sf, wf = Cf + "/{YY}", Tf = "{aa}", Ef = "{h}:{mm}" + Tf, Df = yf + Ef, Of = ":{ss}", kf = null;
-function Af(e) {
-	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? Md(10, 0, 3, mf).filter(pf) : Md(10, -3, 0, mf)).concat([
+], gf = Nd(10, -32, 0, hf), _f = Nd(10, 0, 32, hf), vf = _f.filter(mf), yf = gf.concat(_f), bf = "\n", xf = "{YYYY}", Sf = bf + xf, Cf = "{M}/{D}", wf = bf + Cf, Tf = wf + "/{YY}", Ef = "{aa}", Df = "{h}:{mm}" + Ef, Of = bf + Df, kf = ":{ss}", Af = null;
+function jf(e) {
+	let t = e * 1e3, n = t * 60, r = n * 60, i = r * 24, a = i * 30, o = i * 365, s = (e == 1 ? Nd(10, 0, 3, hf).filter(mf) : Nd(10, -3, 0, hf)).concat([
 		t,
 		t * 5,
 		t * 10,
@@ -11882,100 +11881,100 @@ function Af(e) {
 	]), c = [
 		[
 			o,
-			bf,
-			kf,
-			kf,
-			kf,
-			kf,
-			kf,
-			kf,
+			xf,
+			Af,
+			Af,
+			Af,
+			Af,
+			Af,
+			Af,
 			1
 		],
 		[
 			i * 28,
 			"{MMM}",
-			xf,
-			kf,
-			kf,
-			kf,
-			kf,
-			kf,
+			Sf,
+			Af,
+			Af,
+			Af,
+			Af,
+			Af,
 			1
 		],
 		[
 			i,
+			Cf,
 			Sf,
-			xf,
-			kf,
-			kf,
-			kf,
-			kf,
-			kf,
+			Af,
+			Af,
+			Af,
+			Af,
+			Af,
 			1
 		],
 		[
 			r,
-			"{h}" + Tf,
+			"{h}" + Ef,
+			Tf,
+			Af,
 			wf,
-			kf,
-			Cf,
-			kf,
-			kf,
-			kf,
+			Af,
+			Af,
+			Af,
 			1
 		],
 		[
 			n,
-			Ef,
+			Df,
+			Tf,
+			Af,
 			wf,
-			kf,
-			Cf,
-			kf,
-			kf,
-			kf,
+			Af,
+			Af,
+			Af,
 			1
 		],
 		[
 			t,
+			kf,
+			Tf + " " + Df,
+			Af,
+			wf + " " + Df,
+			Af,
 			Of,
-			wf + " " + Ef,
-			kf,
-			Cf + " " + Ef,
-			kf,
-			Df,
-			kf,
+			Af,
 			1
 		],
 		[
 			e,
-			Of + ".{fff}",
-			wf + " " + Ef,
-			kf,
-			Cf + " " + Ef,
-			kf,
-			Df,
-			kf,
+			kf + ".{fff}",
+			Tf + " " + Df,
+			Af,
+			wf + " " + Df,
+			Af,
+			Of,
+			Af,
 			1
 		]
 	];
 	function l(t) {
 		return (s, c, l, u, d, f) => {
-			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = kd(g * e, 3), v = Bf(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = kd(v * e, 3);
+			let p = [], m = d >= o, h = d >= a && d < o, g = t(l), _ = Ad(g * e, 3), v = Vf(g.getFullYear(), m ? 0 : g.getMonth(), h || m ? 1 : g.getDate()), y = Ad(v * e, 3);
 			if (h || m) {
-				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : kd(Bf(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(rd(i / e)), c = s.getFullYear(), l = s.getMonth();
+				let n = h ? d / a : 0, r = m ? d / o : 0, i = _ == y ? _ : Ad(Vf(v.getFullYear() + r, v.getMonth() + n, 1) * e, 3), s = new Date(id(i / e)), c = s.getFullYear(), l = s.getMonth();
 				for (let a = 0; i <= u; a++) {
-					let o = Bf(c + r * a, l + n * a, 1), s = o - t(kd(o * e, 3));
-					i = kd((+o + s) * e, 3), i <= u && p.push(i);
+					let o = Vf(c + r * a, l + n * a, 1), s = o - t(Ad(o * e, 3));
+					i = Ad((+o + s) * e, 3), i <= u && p.push(i);
 				}
 			} else {
-				let a = d >= i ? i : d, o = y + (nd(l) - nd(_)) + Dd(_ - y, a);
+				let a = d >= i ? i : d, o = y + (rd(l) - rd(_)) + Od(_ - y, a);
 				p.push(o);
 				let m = t(o), h = m.getHours() + m.getMinutes() / n + m.getSeconds() / r, g = d / r, v = f / s.axes[c]._space;
-				for (; o = kd(o + d, e == 1 ? 0 : 3), !(o > u);) if (g > 1) {
-					let e = nd(kd(h + g, 6)) % 24, n = t(o).getHours() - e;
+				for (; o = Ad(o + d, e == 1 ? 0 : 3), !(o > u);) if (g > 1) {
+					let e = rd(Ad(h + g, 6)) % 24, n = t(o).getHours() - e;
 					n > 1 && (n = -1), o -= n * r, h = (h + g) % 24;
 					let i = p[p.length - 1];
-					kd((o - i) / d, 3) * v >= .7 && p.push(o);
+					Ad((o - i) / d, 3) * v >= .7 && p.push(o);
 				} else p.push(o);
 			}
 			return p;
@@ -11987,12 +11986,12 @@ function Af(e) {
 		l
 	];
 }
-var [jf, Mf, Nf] = Af(1), [Pf, Ff, If] = Af(.001);
-Md(2, -53, 53, [1]);
-function Lf(e, t) {
+var [Mf, Nf, Pf] = jf(1), [Ff, If, Lf] = jf(.001);
+Nd(2, -53, 53, [1]);
+function Rf(e, t) {
 	return e.map((e) => e.map((n, r) => r == 0 || r == 8 || n == null ? n : t(r == 1 || e[8] == 0 ? n : e[1] + n)));
 }
-function Rf(e, t) {
+function zf(e, t) {
 	return (n, r, i, a, o) => {
 		let s = t.find((e) => o >= e[0]) || t[t.length - 1], c, l, u, d, f, p;
 		return r.map((t) => {
@@ -12001,98 +12000,98 @@ function Rf(e, t) {
 		});
 	};
 }
-function zf(e, t) {
-	let n = uf(t);
+function Bf(e, t) {
+	let n = df(t);
 	return (t, r, i, a, o) => r.map((t) => n(e(t)));
 }
-function Bf(e, t, n) {
+function Vf(e, t, n) {
 	return new Date(e, t, n);
 }
-function Vf(e, t) {
+function Hf(e, t) {
 	return t(e);
 }
-var Hf = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
-function Uf(e, t) {
-	return (n, r, i, a) => a == null ? du : t(e(r));
-}
+var Uf = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
 function Wf(e, t) {
+	return (n, r, i, a) => a == null ? fu : t(e(r));
+}
+function Gf(e, t) {
 	let n = e.series[t];
 	return n.width ? n.stroke(e, t) : n.points.width ? n.points.stroke(e, t) : null;
 }
-function Gf(e, t) {
+function Kf(e, t) {
 	return e.series[t].fill(e, t);
 }
-var Kf = {
+var qf = {
 	show: !0,
 	live: !0,
 	isolate: !1,
-	mount: vd,
+	mount: yd,
 	markers: {
 		show: !0,
 		width: 2,
-		stroke: Wf,
-		fill: Gf,
+		stroke: Gf,
+		fill: Kf,
 		dash: "solid"
 	},
 	idx: null,
 	idxs: null,
 	values: []
 };
-function qf(e, t) {
-	let n = e.cursor.points, r = Cu(), i = n.size(e, t);
-	xu(r, ql, i), xu(r, Jl, i);
-	let a = i / -2;
-	xu(r, "marginLeft", a), xu(r, "marginTop", a);
-	let o = n.width(e, t, i);
-	return o && xu(r, "borderWidth", o), r;
-}
 function Jf(e, t) {
-	let n = e.series[t].points;
-	return n._fill || n._stroke;
+	let n = e.cursor.points, r = wu(), i = n.size(e, t);
+	Su(r, Jl, i), Su(r, Yl, i);
+	let a = i / -2;
+	Su(r, "marginLeft", a), Su(r, "marginTop", a);
+	let o = n.width(e, t, i);
+	return o && Su(r, "borderWidth", o), r;
 }
 function Yf(e, t) {
 	let n = e.series[t].points;
-	return n._stroke || n._fill;
+	return n._fill || n._stroke;
 }
 function Xf(e, t) {
+	let n = e.series[t].points;
+	return n._stroke || n._fill;
+}
+function Zf(e, t) {
 	return e.series[t].points.size;
 }
-var Zf = [0, 0];
-function Qf(e, t, n) {
-	return Zf[0] = t, Zf[1] = n, Zf;
+var Qf = [0, 0];
+function $f(e, t, n) {
+	return Qf[0] = t, Qf[1] = n, Qf;
 }
-function $f(e, t, n, r = !0) {
+function ep(e, t, n, r = !0) {
 	return (e) => {
 		e.button != 0 || r && e.target != t || n(e);
 	};
 }
-function ep(e, t, n, r = !0) {
+function tp(e, t, n, r = !0) {
 	return (e) => {
 		r && e.target != t || n(e);
 	};
 }
-var tp = {
+var np = {
 	show: !0,
 	x: !0,
 	y: !0,
 	lock: !1,
-	move: Qf,
+	move: $f,
 	points: {
 		one: !1,
-		show: qf,
-		size: Xf,
+		show: Jf,
+		size: Zf,
 		width: 0,
-		stroke: Yf,
-		fill: Jf
+		stroke: Xf,
+		fill: Yf
 	},
 	bind: {
-		mousedown: $f,
-		mouseup: $f,
-		click: $f,
-		dblclick: $f,
-		mousemove: ep,
-		mouseleave: ep,
-		mouseenter: ep
+		mousedown: ep,
+		mouseup: ep,
+		click: ep,
+		dblclick: ep,
+		mousemove: tp,
+		mouseleave: tp,
+		mouseenter: tp
 	},
 	drag: {
 		setScale: !0,
@@ -12122,139 +12121,139 @@ var tp = {
 	dataIdx: null,
 	idxs: null,
 	event: null
-}, np = {
+}, rp = {
 	show: !0,
 	stroke: "rgba(0,0,0,0.07)",
 	width: 2
-}, rp = Gd({}, np, { filter: bd }), ip = Gd({}, rp, { size: 10 }), ap = Gd({}, np, { show: !1 }), op = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", sp = "bold " + op, cp = 1.5, lp = {
+}, ip = Kd({}, rp, { filter: xd }), ap = Kd({}, ip, { size: 10 }), op = Kd({}, rp, { show: !1 }), sp = "12px system-ui, -apple-system, \"Segoe UI\", Roboto, \"Helvetica Neue\", Arial, \"Noto Sans\", sans-serif, \"Apple Color Emoji\", \"Segoe UI Emoji\", \"Segoe UI Symbol\", \"Noto Color Emoji\"", cp = "bold " + sp, lp = 1.5, up = {
 	show: !0,
 	scale: "x",
-	stroke: $l,
+	stroke: eu,
 	space: 50,
 	gap: 5,
 	alignTo: 1,
 	size: 50,
 	labelGap: 0,
 	labelSize: 30,
-	labelFont: sp,
+	labelFont: cp,
 	side: 2,
-	grid: rp,
-	ticks: ip,
-	border: ap,
-	font: op,
-	lineGap: cp,
+	grid: ip,
+	ticks: ap,
+	border: op,
+	font: sp,
+	lineGap: lp,
 	rotate: 0
-}, up = "Value", dp = "Time", fp = {
+}, dp = "Value", fp = "Time", pp = {
 	show: !0,
 	scale: "x",
 	auto: !1,
 	sorted: 1,
-	min: pd,
+	min: md,
 	max: -Infinity,
 	idxs: []
 };
-function pp(e, t, n, r, i) {
-	return t.map((e) => e == null ? "" : Qu(e));
-}
-function mp(e, t, n, r, i, a, o) {
-	let s = [], c = Ad.get(i) || 0;
-	n = o ? n : kd(Dd(n, i), c);
-	for (let e = n; e <= r; e = kd(e + i, c)) s.push(Object.is(e, -0) ? 0 : e);
-	return s;
+function mp(e, t, n, r, i) {
+	return t.map((e) => e == null ? "" : $u(e));
 }
 function hp(e, t, n, r, i, a, o) {
-	let s = [], c = e.scales[e.axes[t].scale].log;
-	i = sd(c, nd((c == 10 ? ld : ud)(n))), c == 10 && (i = vf[Pu(i, vf)]);
-	let l = n, u = i * c;
-	c == 10 && (u = vf[Pu(u, vf)]);
-	do
-		s.push(l), l += i, c == 10 && !Ad.has(l) && (l = kd(l, Ad.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = vf[Pu(u, vf)]));
-	while (l <= r);
+	let s = [], c = jd.get(i) || 0;
+	n = o ? n : Ad(Od(n, i), c);
+	for (let e = n; e <= r; e = Ad(e + i, c)) s.push(Object.is(e, -0) ? 0 : e);
 	return s;
 }
 function gp(e, t, n, r, i, a, o) {
-	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? hp(e, t, od(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
-	return (n < -s ? hp(e, t, od(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
+	let s = [], c = e.scales[e.axes[t].scale].log;
+	i = cd(c, rd((c == 10 ? ud : dd)(n))), c == 10 && (i = yf[Fu(i, yf)]);
+	let l = n, u = i * c;
+	c == 10 && (u = yf[Fu(u, yf)]);
+	do
+		s.push(l), l += i, c == 10 && !jd.has(l) && (l = Ad(l, jd.get(i))), l >= u && (i = l, u = i * c, c == 10 && (u = yf[Fu(u, yf)]));
+	while (l <= r);
+	return s;
 }
-var _p = /./, vp = /[12357]/, yp = /[125]/, bp = /1/, xp = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
-function Sp(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? _p : c(7, o) - u >= l ? vp : c(5, o) - u >= l ? yp : bp;
-	if (d == bp) {
-		let e = td(c(1, o) - u);
-		if (e < l) return xp(t.slice().reverse(), s.distr, d, id(l / e)).reverse();
-	}
-	return xp(t, s.distr, d, 1);
+function _p(e, t, n, r, i, a, o) {
+	let s = e.scales[e.axes[t].scale].asinh, c = r > s ? gp(e, t, sd(s, n), r, i) : [s], l = r >= 0 && n <= 0 ? [0] : [];
+	return (n < -s ? gp(e, t, sd(s, -r), -n, i) : [s]).reverse().map((e) => -e).concat(l, c);
 }
+var vp = /./, yp = /[12357]/, bp = /[125]/, xp = /1/, Sp = (e, t, n, r) => e.map((e, i) => t == 4 && e == 0 || i % r == 0 && n.test(e.toExponential()[+(e < 0)]) ? e : null);
 function Cp(e, t, n, r, i) {
-	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = td(c(1, o) - c(2, o));
-	return l < s ? xp(t.slice().reverse(), 3, _p, id(s / l)).reverse() : t;
+	let a = e.axes[n], o = a.scale, s = e.scales[o], c = e.valToPos, l = a._space, u = c(10, o), d = c(9, o) - u >= l ? vp : c(7, o) - u >= l ? yp : c(5, o) - u >= l ? bp : xp;
+	if (d == xp) {
+		let e = nd(c(1, o) - u);
+		if (e < l) return Sp(t.slice().reverse(), s.distr, d, ad(l / e)).reverse();
+	}
+	return Sp(t, s.distr, d, 1);
 }
-function wp(e, t, n, r) {
-	return r == null ? du : t == null ? "" : Qu(t);
+function wp(e, t, n, r, i) {
+	let a = e.axes[n], o = a.scale, s = a._space, c = e.valToPos, l = nd(c(1, o) - c(2, o));
+	return l < s ? Sp(t.slice().reverse(), 3, vp, ad(s / l)).reverse() : t;
 }
-var Tp = {
+function Tp(e, t, n, r) {
+	return r == null ? fu : t == null ? "" : $u(t);
+}
+var Ep = {
 	show: !0,
 	scale: "y",
-	stroke: $l,
+	stroke: eu,
 	space: 30,
 	gap: 5,
 	alignTo: 1,
 	size: 50,
 	labelGap: 0,
 	labelSize: 30,
-	labelFont: sp,
+	labelFont: cp,
 	side: 3,
-	grid: rp,
-	ticks: ip,
-	border: ap,
-	font: op,
-	lineGap: cp,
+	grid: ip,
+	ticks: ap,
+	border: op,
+	font: sp,
+	lineGap: lp,
 	rotate: 0
 };
-function Ep(e, t) {
-	return kd((3 + (e || 1) * 2) * t, 3);
-}
 function Dp(e, t) {
-	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = td(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * gu);
+	return Ad((3 + (e || 1) * 2) * t, 3);
+}
+function Op(e, t) {
+	let { scale: n, idxs: r } = e.series[0], i = e._data[0], a = e.valToPos(i[r[0]], n, !0), o = nd(e.valToPos(i[r[1]], n, !0) - a) / (e.series[t].points.space * _u);
 	return r[1] - r[0] <= o;
 }
-var Op = {
+var kp = {
 	scale: null,
 	auto: !0,
 	sorted: 0,
-	min: pd,
+	min: md,
 	max: -Infinity
-}, kp = (e, t, n, r, i) => i, Ap = {
+}, Ap = (e, t, n, r, i) => i, jp = {
 	show: !0,
 	auto: !0,
 	sorted: 0,
-	gaps: kp,
+	gaps: Ap,
 	alpha: 1,
-	facets: [Gd({}, Op, { scale: "x" }), Gd({}, Op, { scale: "y" })]
-}, jp = {
+	facets: [Kd({}, kp, { scale: "x" }), Kd({}, kp, { scale: "y" })]
+}, Mp = {
 	scale: "y",
 	auto: !0,
 	sorted: 0,
 	show: !0,
 	spanGaps: !1,
-	gaps: kp,
+	gaps: Ap,
 	alpha: 1,
 	points: {
-		show: Dp,
+		show: Op,
 		filter: null
 	},
 	values: null,
-	min: pd,
+	min: md,
 	max: -Infinity,
 	idxs: [],
 	path: null,
 	clip: null
 };
-function Mp(e, t, n, r, i) {
+function Np(e, t, n, r, i) {
 	return n / 10;
 }
-var Np = {
-	time: El,
+var Pp = {
+	time: Dl,
 	auto: !0,
 	distr: 1,
 	log: 10,
@@ -12263,12 +12262,12 @@ var Np = {
 	max: null,
 	dir: 1,
 	ori: 0
-}, Pp = Gd({}, Np, {
+}, Fp = Kd({}, Pp, {
 	time: !1,
 	ori: 1
-}), Fp = {};
-function Ip(e, t) {
-	let n = Fp[e];
+}), Ip = {};
+function Lp(e, t) {
+	let n = Ip[e];
 	return n || (n = {
 		key: e,
 		plots: [],
@@ -12281,38 +12280,38 @@ function Ip(e, t) {
 		pub(e, t, r, i, a, o, s) {
 			for (let c = 0; c < n.plots.length; c++) n.plots[c] != t && n.plots[c].pub(e, t, r, i, a, o, s);
 		}
-	}, e != null && (Fp[e] = n)), n;
+	}, e != null && (Ip[e] = n)), n;
 }
-var Lp = 1, Rp = 2;
-function zp(e, t, n) {
+var Rp = 1, zp = 2;
+function Bp(e, t, n) {
 	let r = e.mode, i = e.series[t], a = r == 2 ? e._data[t] : e._data, o = e.scales, s = e.bbox, c = a[0], l = r == 2 ? a[1] : a[t], u = r == 2 ? o[i.facets[0].scale] : o[e.series[0].scale], d = r == 2 ? o[i.facets[1].scale] : o[i.scale], f = s.left, p = s.top, m = s.width, h = s.height, g = e.valToPosH, _ = e.valToPosV;
-	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, Jp, Xp, Qp, em, nm) : n(i, c, l, u, d, _, g, p, f, h, m, Yp, Zp, $p, tm, rm);
+	return u.ori == 0 ? n(i, c, l, u, d, g, _, f, p, m, h, Yp, Zp, $p, tm, rm) : n(i, c, l, u, d, _, g, p, f, h, m, Xp, Qp, em, nm, im);
 }
-function Bp(e, t) {
-	let n = 0, r = 0, i = Ju(e.bands, Pd);
+function Vp(e, t) {
+	let n = 0, r = 0, i = Yu(e.bands, Fd);
 	for (let e = 0; e < i.length; e++) {
 		let a = i[e];
 		a.series[0] == t ? n = a.dir : a.series[1] == t && (a.dir == 1 ? r |= 1 : r |= 2);
 	}
 	return [n, r == 1 ? -1 : r == 2 ? 1 : r == 3 ? 2 : 0];
 }
-function Vp(e, t, n, r, i) {
+function Hp(e, t, n, r, i) {
 	let a = e.mode, o = e.series[t], s = a == 2 ? o.facets[1].scale : o.scale, c = e.scales[s];
 	return i == -1 ? c.min : i == 1 ? c.max : c.distr == 3 ? c.dir == 1 ? c.min : c.max : 0;
 }
-function Hp(e, t, n, r, i, a) {
-	return zp(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
-		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? Xp : Zp, v, y;
+function Up(e, t, n, r, i, a) {
+	return Bp(e, t, (e, t, o, s, c, l, u, d, f, p, m) => {
+		let h = e.pxRound, g = s.dir * (s.ori == 0 ? 1 : -1), _ = s.ori == 0 ? Zp : Qp, v, y;
 		g == 1 ? (v = n, y = r) : (v = r, y = n);
 		let b = h(l(t[v], s, p, d)), x = h(u(o[v], c, m, f)), S = h(l(t[y], s, p, d)), C = h(u(a == 1 ? c.max : c.min, c, m, f)), w = new Path2D(i);
 		return _(w, S, C), _(w, b, C), _(w, b, x), w;
 	});
 }
-function Up(e, t, n, r, i, a) {
+function Wp(e, t, n, r, i, a) {
 	let o = null;
 	if (e.length > 0) {
 		o = new Path2D();
-		let s = t == 0 ? Qp : $p, c = n;
+		let s = t == 0 ? $p : em, c = n;
 		for (let t = 0; t < e.length; t++) {
 			let n = e[t];
 			if (n[1] > n[0]) {
@@ -12325,11 +12324,11 @@ function Up(e, t, n, r, i, a) {
 	}
 	return o;
 }
-function Wp(e, t, n) {
+function Gp(e, t, n) {
 	let r = e[e.length - 1];
 	r && r[0] == t ? r[1] = n : e.push([t, n]);
 }
-function Gp(e, t, n, r, i, a, o) {
+function Kp(e, t, n, r, i, a, o) {
 	let s = [], c = e.length;
 	for (let l = i == 1 ? n : r; l >= n && l <= r; l += i) if (t[l] === null) {
 		let u = l, d = l;
@@ -12342,11 +12341,11 @@ function Gp(e, t, n, r, i, a, o) {
 	}
 	return s;
 }
-function Kp(e) {
-	return e == 0 ? yd : e == 1 ? rd : (t) => Ed(t, e);
-}
 function qp(e) {
-	let t = e == 0 ? Jp : Yp, n = e == 0 ? (e, t, n, r, i, a) => {
+	return e == 0 ? bd : e == 1 ? id : (t) => Dd(t, e);
+}
+function Jp(e) {
+	let t = e == 0 ? Yp : Xp, n = e == 0 ? (e, t, n, r, i, a) => {
 		e.arcTo(t, n, r, i, a);
 	} : (e, t, n, r, i, a) => {
 		e.arcTo(n, t, i, r, a);
@@ -12356,36 +12355,36 @@ function qp(e) {
 		e.rect(n, t, i, r);
 	};
 	return (e, i, a, o, s, c = 0, l = 0) => {
-		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = ad(c, o / 2, s / 2), l = ad(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
+		c == 0 && l == 0 ? r(e, i, a, o, s) : (c = od(c, o / 2, s / 2), l = od(l, o / 2, s / 2), t(e, i + c, a), n(e, i + o, a, i + o, a + s, c), n(e, i + o, a + s, i, a + s, l), n(e, i, a + s, i, a, l), n(e, i, a, i + o, a, c), e.closePath());
 	};
 }
-var Jp = (e, t, n) => {
+var Yp = (e, t, n) => {
 	e.moveTo(t, n);
-}, Yp = (e, t, n) => {
-	e.moveTo(n, t);
 }, Xp = (e, t, n) => {
-	e.lineTo(t, n);
+	e.moveTo(n, t);
 }, Zp = (e, t, n) => {
+	e.lineTo(t, n);
+}, Qp = (e, t, n) => {
 	e.lineTo(n, t);
-}, Qp = qp(0), $p = qp(1), em = (e, t, n, r, i, a) => {
+}, $p = Jp(0), em = Jp(1), tm = (e, t, n, r, i, a) => {
 	e.arc(t, n, r, i, a);
-}, tm = (e, t, n, r, i, a) => {
+}, nm = (e, t, n, r, i, a) => {
 	e.arc(n, t, r, i, a);
-}, nm = (e, t, n, r, i, a, o) => {
-	e.bezierCurveTo(t, n, r, i, a, o);
 }, rm = (e, t, n, r, i, a, o) => {
+	e.bezierCurveTo(t, n, r, i, a, o);
+}, im = (e, t, n, r, i, a, o) => {
 	e.bezierCurveTo(n, t, i, r, o, a);
 };
-function im(e) {
-	return (e, t, n, r, i) => zp(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
+function am(e) {
+	return (e, t, n, r, i) => Bp(e, t, (t, a, o, s, c, l, u, d, f, p, m) => {
 		let { pxRound: h, points: g } = t, _, v;
-		s.ori == 0 ? (_ = Jp, v = em) : (_ = Yp, v = tm);
-		let y = kd(g.width * gu, 3), b = (g.size - g.width) / 2 * gu, x = kd(b * 2, 3), S = new Path2D(), C = new Path2D(), { left: w, top: T, width: E, height: D } = e.bbox;
-		Qp(C, w - x, T - x, E + x * 2, D + x * 2);
+		s.ori == 0 ? (_ = Yp, v = tm) : (_ = Xp, v = nm);
+		let y = Ad(g.width * _u, 3), b = (g.size - g.width) / 2 * _u, x = Ad(b * 2, 3), S = new Path2D(), C = new Path2D(), { left: w, top: T, width: E, height: D } = e.bbox;
+		$p(C, w - x, T - x, E + x * 2, D + x * 2);
 		let O = (e) => {
 			if (o[e] != null) {
 				let t = h(l(a[e], s, p, d)), n = h(u(o[e], c, m, f));
-				_(S, t + b, n), v(S, t, n, b, 0, ed * 2);
+				_(S, t + b, n), v(S, t, n, b, 0, td * 2);
 			}
 		};
 		if (i) i.forEach(O);
@@ -12398,25 +12397,25 @@ function im(e) {
 		};
 	});
 }
-function am(e) {
+function om(e) {
 	return (t, n, r, i, a, o) => {
 		r != i && (a != r && o != r && e(t, n, r), a != i && o != i && e(t, n, i), e(t, n, o));
 	};
 }
-var om = am(Xp), sm = am(Zp);
-function cm(e) {
-	let t = Ju(e?.alignGaps, 0);
-	return (e, n, r, i) => zp(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
-		[r, i] = Ru(s, r, i);
+var sm = om(Zp), cm = om(Qp);
+function lm(e) {
+	let t = Yu(e?.alignGaps, 0);
+	return (e, n, r, i) => Bp(e, n, (a, o, s, c, l, u, d, f, p, m, h) => {
+		[r, i] = zu(s, r, i);
 		let g = a.pxRound, _ = (e) => g(u(e, c, m, f)), v = (e) => g(d(e, l, h, p)), y, b;
-		c.ori == 0 ? (y = Xp, b = om) : (y = Zp, b = sm);
+		c.ori == 0 ? (y = Zp, b = sm) : (y = Qp, b = cm);
 		let x = c.dir * (c.ori == 0 ? 1 : -1), S = {
 			stroke: new Path2D(),
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: Lp
+			flags: Rp
 		}, C = S.stroke, w = !1;
 		if (i - r >= m * 4) {
 			let t = (t) => e.posToVal(t, c.key, !0), n = null, a = null, l, u, d, f = _(o[x == 1 ? r : i]), p = _(o[r]), m = _(o[i]), h = t(x == 1 ? p + 1 : m - 1);
@@ -12429,29 +12428,29 @@ function cm(e) {
 			let t = s[e];
 			t === null ? w = !0 : t != null && y(C, _(o[e]), v(t));
 		}
-		let [T, E] = Bp(e, n);
+		let [T, E] = Vp(e, n);
 		if (a.fill != null || T != 0) {
 			let t = S.fill = new Path2D(C), s = v(a.fillTo(e, n, a.min, a.max, T)), c = _(o[r]), l = _(o[i]);
 			x == -1 && ([l, c] = [c, l]), y(t, l, s), y(t, c, s);
 		}
 		if (!a.spanGaps) {
 			let l = [];
-			w && l.push(...Gp(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = Up(l, c.ori, f, p, m, h);
+			w && l.push(...Kp(o, s, r, i, x, _, t)), S.gaps = l = a.gaps(e, n, r, i, l), S.clip = Wp(l, c.ori, f, p, m, h);
 		}
-		return E != 0 && (S.band = E == 2 ? [Hp(e, n, r, i, C, -1), Hp(e, n, r, i, C, 1)] : Hp(e, n, r, i, C, E)), S;
+		return E != 0 && (S.band = E == 2 ? [Up(e, n, r, i, C, -1), Up(e, n, r, i, C, 1)] : Up(e, n, r, i, C, E)), S;
 	});
 }
-function lm(e) {
-	let t = Ju(e.align, 1), n = Ju(e.ascDesc, !1), r = Ju(e.alignGaps, 0), i = Ju(e.extend, !1);
-	return (e, a, o, s) => zp(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
-		[o, s] = Ru(u, o, s);
-		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? Xp : Zp, T = {
+function um(e) {
+	let t = Yu(e.align, 1), n = Yu(e.ascDesc, !1), r = Yu(e.alignGaps, 0), i = Yu(e.extend, !1);
+	return (e, a, o, s) => Bp(e, a, (c, l, u, d, f, p, m, h, g, _, v) => {
+		[o, s] = zu(u, o, s);
+		let y = c.pxRound, { left: b, width: x } = e.bbox, S = (e) => y(p(e, d, _, h)), C = (e) => y(m(e, f, v, g)), w = d.ori == 0 ? Zp : Qp, T = {
 			stroke: new Path2D(),
 			fill: null,
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: Lp
+			flags: Rp
 		}, E = T.stroke, D = d.dir * (d.ori == 0 ? 1 : -1), O = C(u[D == 1 ? o : s]), k = S(l[D == 1 ? o : s]), A = k, j = k;
 		i && t == -1 && (j = b, w(E, j, O)), w(E, k, O);
 		for (let e = D == 1 ? o : s; e >= o && e <= s; e += D) {
@@ -12462,50 +12461,50 @@ function lm(e) {
 		}
 		let M = A;
 		i && t == 1 && (M = b + x, w(E, M, O));
-		let [ee, N] = Bp(e, a);
+		let [ee, N] = Vp(e, a);
 		if (c.fill != null || ee != 0) {
 			let t = T.fill = new Path2D(E), n = C(c.fillTo(e, a, c.min, c.max, ee));
 			w(t, M, n), w(t, j, n);
 		}
 		if (!c.spanGaps) {
 			let i = [];
-			i.push(...Gp(l, u, o, s, D, S, r));
-			let f = c.width * gu / 2, p = n || t == 1 ? f : -f, m = n || t == -1 ? -f : f;
+			i.push(...Kp(l, u, o, s, D, S, r));
+			let f = c.width * _u / 2, p = n || t == 1 ? f : -f, m = n || t == -1 ? -f : f;
 			i.forEach((e) => {
 				e[0] += p, e[1] += m;
-			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = Up(i, d.ori, h, g, _, v);
+			}), T.gaps = i = c.gaps(e, a, o, s, i), T.clip = Wp(i, d.ori, h, g, _, v);
 		}
-		return N != 0 && (T.band = N == 2 ? [Hp(e, a, o, s, E, -1), Hp(e, a, o, s, E, 1)] : Hp(e, a, o, s, E, N)), T;
+		return N != 0 && (T.band = N == 2 ? [Up(e, a, o, s, E, -1), Up(e, a, o, s, E, 1)] : Up(e, a, o, s, E, N)), T;
 	});
 }
-function um(e, t, n, r, i, a, o = pd) {
+function dm(e, t, n, r, i, a, o = md) {
 	if (e.length > 1) {
 		let s = null;
 		for (let c = 0, l = Infinity; c < e.length; c++) if (t[c] !== void 0) {
 			if (s != null) {
-				let t = td(e[c] - e[s]);
-				t < l && (l = t, o = td(n(e[c], r, i, a) - n(e[s], r, i, a)));
+				let t = nd(e[c] - e[s]);
+				t < l && (l = t, o = nd(n(e[c], r, i, a) - n(e[s], r, i, a)));
 			}
 			s = c;
 		}
 	}
 	return o;
 }
-function dm(e) {
-	e ||= Nd;
-	let t = Ju(e.size, [
+function fm(e) {
+	e ||= Pd;
+	let t = Yu(e.size, [
 		.6,
-		pd,
+		md,
 		1
 	]), n = e.align || 0, r = e.gap || 0, i = e.radius;
 	i = i == null ? [0, 0] : typeof i == "number" ? [i, 0] : i;
-	let a = _d(i), o = 1 - t[0], s = Ju(t[1], pd), c = Ju(t[2], 1), l = Ju(e.disp, Nd), u = Ju(e.each, (e) => {}), { fill: d, stroke: f } = l;
-	return (e, t, i, p) => zp(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
-		let T = m.pxRound, E = n, D = r * gu, O = s * gu, k = c * gu, A, j;
+	let a = vd(i), o = 1 - t[0], s = Yu(t[1], md), c = Yu(t[2], 1), l = Yu(e.disp, Pd), u = Yu(e.each, (e) => {}), { fill: d, stroke: f } = l;
+	return (e, t, i, p) => Bp(e, t, (m, h, g, _, v, y, b, x, S, C, w) => {
+		let T = m.pxRound, E = n, D = r * _u, O = s * _u, k = c * _u, A, j;
 		_.ori == 0 ? [A, j] = a(e, t) : [j, A] = a(e, t);
-		let M = _.dir * (_.ori == 0 ? 1 : -1), ee = _.ori == 0 ? Qp : $p, N = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
+		let M = _.dir * (_.ori == 0 ? 1 : -1), ee = _.ori == 0 ? $p : em, N = _.ori == 0 ? u : (e, t, n, r, i, a, o) => {
 			u(e, t, n, i, r, o, a);
-		}, te = Ju(e.bands, Pd).find((e) => e.series[0] == t), P = te == null ? 0 : te.dir, ne = m.fillTo(e, t, m.min, m.max, P), F = T(b(ne, v, w, S)), I, re, ie, ae = C, L = T(m.width * gu), R = !1, oe = null, se = null, ce = null, le = null;
+		}, te = Yu(e.bands, Fd).find((e) => e.series[0] == t), P = te == null ? 0 : te.dir, ne = m.fillTo(e, t, m.min, m.max, P), F = T(b(ne, v, w, S)), I, re, ie, ae = C, L = T(m.width * _u), R = !1, oe = null, se = null, ce = null, le = null;
 		d != null && (L == 0 || f != null) && (R = !0, oe = d.values(e, t, i, p), se = /* @__PURE__ */ new Map(), new Set(oe).forEach((e) => {
 			e != null && se.set(e, new Path2D());
 		}), L > 0 && (ce = f.values(e, t, i, p), le = /* @__PURE__ */ new Map(), new Set(ce).forEach((e) => {
@@ -12515,11 +12514,11 @@ function dm(e) {
 		if (ue != null && de != null) {
 			E = 1, h = ue.values(e, t, i, p), ue.unit == 2 && (h = h.map((t) => e.posToVal(x + t * C, _.key, !0)));
 			let n = de.values(e, t, i, p);
-			re = de.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), ae = um(h, g, y, _, C, x, ae), ie = ae - re + D;
-		} else ae = um(h, g, y, _, C, x, ae), ie = ae * o + D, re = ae - ie;
-		ie < 1 && (ie = 0), L >= re / 2 && (L = 0), ie < 5 && (T = yd);
+			re = de.unit == 2 ? n[0] * C : y(n[0], _, C, x) - y(0, _, C, x), ae = dm(h, g, y, _, C, x, ae), ie = ae - re + D;
+		} else ae = dm(h, g, y, _, C, x, ae), ie = ae * o + D, re = ae - ie;
+		ie < 1 && (ie = 0), L >= re / 2 && (L = 0), ie < 5 && (T = bd);
 		let fe = ie > 0, pe = ae - ie - (fe ? L : 0);
-		re = T(hd(pe, k, O)), I = (E == 0 ? re / 2 : E == M ? 0 : re) - E * M * ((E == 0 ? D / 2 : 0) + (fe ? L / 2 : 0));
+		re = T(gd(pe, k, O)), I = (E == 0 ? re / 2 : E == M ? 0 : re) - E * M * ((E == 0 ? D / 2 : 0) + (fe ? L / 2 : 0));
 		let me = {
 			stroke: null,
 			fill: null,
@@ -12542,21 +12541,21 @@ function dm(e) {
 				if (r - e == 0) continue;
 				F = b(e, v, w, S);
 			}
-			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(Ju(r, ne), v, w, S), o = T(i - I), s = T(od(a, F)), c = T(ad(a, F)), u = s - c;
+			let i = y(_.distr != 2 || l != null ? h[n] : n, _, C, x), a = b(Yu(r, ne), v, w, S), o = T(i - I), s = T(sd(a, F)), c = T(od(a, F)), u = s - c;
 			if (r != null) {
 				let i = r < 0 ? ve : _e, a = r < 0 ? _e : ve;
-				R ? (L > 0 && ce[n] != null && ee(le.get(ce[n]), o, c + nd(L / 2), re, od(0, u - L), i, a), oe[n] != null && ee(se.get(oe[n]), o, c + nd(L / 2), re, od(0, u - L), i, a)) : ee(he, o, c + nd(L / 2), re, od(0, u - L), i, a), N(e, t, n, o - L / 2, c, re + L, u);
+				R ? (L > 0 && ce[n] != null && ee(le.get(ce[n]), o, c + rd(L / 2), re, sd(0, u - L), i, a), oe[n] != null && ee(se.get(oe[n]), o, c + rd(L / 2), re, sd(0, u - L), i, a)) : ee(he, o, c + rd(L / 2), re, sd(0, u - L), i, a), N(e, t, n, o - L / 2, c, re + L, u);
 			}
 		}
 		return L > 0 ? me.stroke = R ? le : he : R || (me._fill = m.width == 0 ? m._fill : m._stroke ?? m._fill, me.width = 0), me.fill = R ? se : he, me;
 	});
 }
-function fm(e, t) {
-	let n = Ju(t?.alignGaps, 0);
-	return (t, r, i, a) => zp(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
-		[i, a] = Ru(c, i, a);
+function pm(e, t) {
+	let n = Yu(t?.alignGaps, 0);
+	return (t, r, i, a) => Bp(t, r, (o, s, c, l, u, d, f, p, m, h, g) => {
+		[i, a] = zu(c, i, a);
 		let _ = o.pxRound, v = (e) => _(d(e, l, h, p)), y = (e) => _(f(e, u, g, m)), b, x, S;
-		l.ori == 0 ? (b = Jp, S = Xp, x = nm) : (b = Yp, S = Zp, x = rm);
+		l.ori == 0 ? (b = Yp, S = Zp, x = rm) : (b = Xp, S = Qp, x = im);
 		let C = l.dir * (l.ori == 0 ? 1 : -1), w = v(s[C == 1 ? i : a]), T = w, E = [], D = [];
 		for (let e = C == 1 ? i : a; e >= i && e <= a; e += C) if (c[e] != null) {
 			let t = s[e], n = v(t);
@@ -12568,23 +12567,23 @@ function fm(e, t) {
 			clip: null,
 			band: null,
 			gaps: null,
-			flags: Lp
-		}, k = O.stroke, [A, j] = Bp(t, r);
+			flags: Rp
+		}, k = O.stroke, [A, j] = Vp(t, r);
 		if (o.fill != null || A != 0) {
 			let e = O.fill = new Path2D(k), n = y(o.fillTo(t, r, o.min, o.max, A));
 			S(e, T, n), S(e, w, n);
 		}
 		if (!o.spanGaps) {
 			let e = [];
-			e.push(...Gp(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = Up(e, l.ori, p, m, h, g);
+			e.push(...Kp(s, c, i, a, C, v, n)), O.gaps = e = o.gaps(t, r, i, a, e), O.clip = Wp(e, l.ori, p, m, h, g);
 		}
-		return j != 0 && (O.band = j == 2 ? [Hp(t, r, i, a, k, -1), Hp(t, r, i, a, k, 1)] : Hp(t, r, i, a, k, j)), O;
+		return j != 0 && (O.band = j == 2 ? [Up(t, r, i, a, k, -1), Up(t, r, i, a, k, 1)] : Up(t, r, i, a, k, j)), O;
 	});
 }
-function pm(e) {
-	return fm(mm, e);
+function mm(e) {
+	return pm(hm, e);
 }
-function mm(e, t, n, r, i, a) {
+function hm(e, t, n, r, i, a) {
 	let o = e.length;
 	if (o < 2) return null;
 	let s = new Path2D();
@@ -12599,62 +12598,62 @@ function mm(e, t, n, r, i, a) {
 	}
 	return s;
 }
-var hm = /* @__PURE__ */ new Set();
-function gm() {
-	for (let e of hm) e.syncRect(!0);
+var gm = /* @__PURE__ */ new Set();
+function _m() {
+	for (let e of gm) e.syncRect(!0);
 }
-fu && (Mu(su, mu, gm), Mu(cu, mu, gm, !0), Mu(uu, mu, () => {
-	Mm.pxRatio = gu;
+pu && (Nu(cu, hu, _m), Nu(lu, hu, _m, !0), Nu(du, hu, () => {
+	Nm.pxRatio = _u;
 }));
-var _m = cm(), vm = im();
-function ym(e, t, n, r) {
-	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => xm(e, r, t, n));
+var vm = lm(), ym = am();
+function bm(e, t, n, r) {
+	return (r ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((e, r) => Sm(e, r, t, n));
 }
-function bm(e, t) {
-	return e.map((e, n) => n == 0 ? {} : Gd({}, t, e));
+function xm(e, t) {
+	return e.map((e, n) => n == 0 ? {} : Kd({}, t, e));
 }
-function xm(e, t, n, r) {
-	return Gd({}, t == 0 ? n : r, e);
+function Sm(e, t, n, r) {
+	return Kd({}, t == 0 ? n : r, e);
 }
-function Sm(e, t, n) {
-	return t == null ? Fd : [t, n];
+function Cm(e, t, n) {
+	return t == null ? Id : [t, n];
 }
-var Cm = Sm;
-function wm(e, t, n) {
-	return t == null ? Fd : qu(t, n, Uu, !0);
+var wm = Cm;
+function Tm(e, t, n) {
+	return t == null ? Id : Ju(t, n, Wu, !0);
 }
-function Tm(e, t, n, r) {
-	return t == null ? Fd : Vu(t, n, e.scales[r].log, !1);
+function Em(e, t, n, r) {
+	return t == null ? Id : Hu(t, n, e.scales[r].log, !1);
 }
-var Em = Tm;
-function Dm(e, t, n, r) {
-	return t == null ? Fd : Hu(t, n, e.scales[r].log, !1);
+var Dm = Em;
+function Om(e, t, n, r) {
+	return t == null ? Id : Uu(t, n, e.scales[r].log, !1);
 }
-var Om = Dm;
-function km(e, t, n, r, i) {
-	let a = od(md(e), md(t)), o = t - e, s = Pu(i / r * o, n);
+var km = Om;
+function Am(e, t, n, r, i) {
+	let a = sd(hd(e), hd(t)), o = t - e, s = Fu(i / r * o, n);
 	do {
 		let e = n[s], t = r * e / o;
-		if (t >= i && a + (e < 5 ? Ad.get(e) : 0) <= 17) return [e, t];
+		if (t >= i && a + (e < 5 ? jd.get(e) : 0) <= 17) return [e, t];
 	} while (++s < n.length);
 	return [0, 0];
 }
-function Am(e) {
+function jm(e) {
 	let t, n;
-	return e = e.replace(/(\d+)px/, (e, r) => (t = rd((n = +r) * gu)) + "px"), [
+	return e = e.replace(/(\d+)px/, (e, r) => (t = id((n = +r) * _u)) + "px"), [
 		e,
 		t,
 		n
 	];
 }
-function jm(e) {
+function Mm(e) {
 	e.show && [e.font, e.labelFont].forEach((e) => {
-		let t = kd(e[2] * gu, 1);
+		let t = Ad(e[2] * _u, 1);
 		e[0] = e[0].replace(/[0-9.]+px/, t + "px"), e[1] = t;
 	});
 }
-function Mm(e, t, n) {
-	let r = { mode: Ju(e.mode, 1) }, i = r.mode;
+function Nm(e, t, n) {
+	let r = { mode: Yu(e.mode, 1) }, i = r.mode;
 	function a(e, t, n, r) {
 		let i = t.valToPct(e);
 		return r + n * (t.dir == -1 ? 1 - i : i);
@@ -12669,33 +12668,33 @@ function Mm(e, t, n) {
 	r.valToPosH = a, r.valToPosV = o;
 	let c = !1;
 	r.status = 0;
-	let l = r.root = Cu(Dl);
-	if (e.id != null && (l.id = e.id), yu(l, e.class), e.title) {
-		let t = Cu(Al, l);
+	let l = r.root = wu(Ol);
+	if (e.id != null && (l.id = e.id), bu(l, e.class), e.title) {
+		let t = wu(jl, l);
 		t.textContent = e.title;
 	}
-	let u = Su("canvas"), d = r.ctx = u.getContext("2d"), f = Cu(jl, l);
-	Mu("click", f, (e) => {
+	let u = Cu("canvas"), d = r.ctx = u.getContext("2d"), f = wu(Ml, l);
+	Nu("click", f, (e) => {
 		e.target === m && (Xt != Kt || Zt != qt) && $t.click(r, e);
 	}, !0);
-	let p = r.under = Cu(Ml, f);
+	let p = r.under = wu(Nl, f);
 	f.appendChild(u);
-	let m = r.over = Cu(Nl, f);
-	e = Wd(e);
-	let h = +Ju(e.pxAlign, 1), g = Kp(h);
+	let m = r.over = wu(Pl, f);
+	e = Gd(e);
+	let h = +Yu(e.pxAlign, 1), g = qp(h);
 	(e.plugins || []).forEach((t) => {
 		t.opts && (e = t.opts(r, e) || e);
 	});
-	let _ = e.ms || .001, v = r.series = i == 1 ? ym(e.series || [], fp, jp, !1) : bm(e.series || [null], Ap), y = r.axes = ym(e.axes || [], lp, Tp, !0), b = r.scales = {}, x = r.bands = e.bands || [];
+	let _ = e.ms || .001, v = r.series = i == 1 ? bm(e.series || [], pp, Mp, !1) : xm(e.series || [null], jp), y = r.axes = bm(e.axes || [], up, Ep, !0), b = r.scales = {}, x = r.bands = e.bands || [];
 	x.forEach((e) => {
-		e.fill = _d(e.fill || null), e.dir = Ju(e.dir, -1);
+		e.fill = vd(e.fill || null), e.dir = Yu(e.dir, -1);
 	});
 	let S = i == 2 ? v[1].facets[0].scale : v[0].scale, C = {
 		axes: At,
 		series: St
 	}, w = (e.drawOrder || ["axes", "series"]).map((e) => C[e]);
 	function T(e) {
-		let t = e.distr == 3 ? (t) => ld(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => fd(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
+		let t = e.distr == 3 ? (t) => ud(t > 0 ? t : e.clamp(r, t, e.min, e.max, e.key)) : e.distr == 4 ? (t) => pd(t, e.asinh) : e.distr == 100 ? (t) => e.fwd(t) : (e) => e;
 		return (n) => {
 			let r = t(n), { _min: i, _max: a } = e, o = a - i;
 			return (r - i) / o;
@@ -12704,30 +12703,30 @@ function Mm(e, t, n) {
 	function E(t) {
 		let n = b[t];
 		if (n == null) {
-			let r = (e.scales || Nd)[t] || Nd;
+			let r = (e.scales || Pd)[t] || Pd;
 			if (r.from != null) {
 				E(r.from);
-				let e = Gd({}, b[r.from], r, { key: t });
+				let e = Kd({}, b[r.from], r, { key: t });
 				e.valToPct = T(e), b[t] = e;
 			} else {
-				n = b[t] = Gd({}, t == S ? Np : Pp, r), n.key = t;
-				let e = n.time, a = n.range, o = Id(a);
+				n = b[t] = Kd({}, t == S ? Pp : Fp, r), n.key = t;
+				let e = n.time, a = n.range, o = Ld(a);
 				if ((t != S || i == 2 && !e) && (o && (a[0] == null || a[1] == null) && (a = {
-					min: a[0] == null ? Wu : {
+					min: a[0] == null ? Gu : {
 						mode: 1,
 						hard: a[0],
 						soft: a[0]
 					},
-					max: a[1] == null ? Wu : {
+					max: a[1] == null ? Gu : {
 						mode: 1,
 						hard: a[1],
 						soft: a[1]
 					}
-				}, o = !1), !o && Bd(a))) {
+				}, o = !1), !o && Vd(a))) {
 					let e = a;
-					a = (t, n, r) => n == null ? Fd : qu(n, r, e);
+					a = (t, n, r) => n == null ? Id : Ju(n, r, e);
 				}
-				n.range = _d(a || (e ? Cm : t == S ? n.distr == 3 ? Em : n.distr == 4 ? Om : Sm : n.distr == 3 ? Tm : n.distr == 4 ? Dm : wm)), n.auto = _d(!o && n.auto), n.clamp = _d(n.clamp || Mp), n._min = n._max = null, n.valToPct = T(n);
+				n.range = vd(a || (e ? wm : t == S ? n.distr == 3 ? Dm : n.distr == 4 ? km : Cm : n.distr == 3 ? Em : n.distr == 4 ? Om : Tm)), n.auto = vd(!o && n.auto), n.clamp = vd(n.clamp || Np), n._min = n._max = null, n.valToPct = T(n);
 			}
 		}
 	}
@@ -12738,7 +12737,7 @@ function Mm(e, t, n) {
 	});
 	for (let t in e.scales) E(t);
 	let D = b[S], O = D.distr, k, A;
-	D.ori == 0 ? (yu(l, Ol), k = a, A = o) : (yu(l, kl), k = o, A = a);
+	D.ori == 0 ? (bu(l, kl), k = a, A = o) : (bu(l, Al), k = o, A = a);
 	let j = {};
 	for (let e in b) {
 		let t = b[e];
@@ -12747,35 +12746,35 @@ function Mm(e, t, n) {
 			max: t.max
 		}, t.min = t.max = null);
 	}
-	let M = e.tzDate || ((e) => new Date(rd(e / _))), ee = e.fmtDate || uf, N = _ == 1 ? Nf(M) : If(M), te = Rf(M, Lf(_ == 1 ? Mf : Ff, ee)), P = Uf(M, Vf(Hf, ee)), ne = [], F = r.legend = Gd({}, Kf, e.legend), I = r.cursor = Gd({}, tp, { drag: { y: i == 2 } }, e.cursor), re = F.show, ie = I.show, ae = F.markers;
-	F.idxs = ne, ae.width = _d(ae.width), ae.dash = _d(ae.dash), ae.stroke = _d(ae.stroke), ae.fill = _d(ae.fill);
+	let M = e.tzDate || ((e) => new Date(id(e / _))), ee = e.fmtDate || df, N = _ == 1 ? Pf(M) : Lf(M), te = zf(M, Rf(_ == 1 ? Nf : If, ee)), P = Wf(M, Hf(Uf, ee)), ne = [], F = r.legend = Kd({}, qf, e.legend), I = r.cursor = Kd({}, np, { drag: { y: i == 2 } }, e.cursor), re = F.show, ie = I.show, ae = F.markers;
+	F.idxs = ne, ae.width = vd(ae.width), ae.dash = vd(ae.dash), ae.stroke = vd(ae.stroke), ae.fill = vd(ae.fill);
 	let L, R, oe, se = [], ce = [], le, ue = !1, de = {};
 	if (F.live) {
 		let e = v[1] ? v[1].values : null;
 		ue = e != null, le = ue ? e(r, 1, 0) : { _: 0 };
-		for (let e in le) de[e] = du;
+		for (let e in le) de[e] = fu;
 	}
 	if (re) {
-		if (L = Su("table", Bl, l), oe = Su("tbody", null, L), F.mount(r, L), ue) {
-			R = Su("thead", null, L, oe);
-			let e = Su("tr", null, R);
-			for (var fe in Su("th", null, e), le) Su("th", Gl, e).textContent = fe;
-		} else yu(L, Hl), F.live && yu(L, Vl);
+		if (L = Cu("table", Vl, l), oe = Cu("tbody", null, L), F.mount(r, L), ue) {
+			R = Cu("thead", null, L, oe);
+			let e = Cu("tr", null, R);
+			for (var fe in Cu("th", null, e), le) Cu("th", Kl, e).textContent = fe;
+		} else bu(L, Ul), F.live && bu(L, Hl);
 	}
 	let pe = { show: !0 }, me = { show: !1 };
 	function he(e, t) {
-		if (t == 0 && (ue || !F.live || i == 2)) return Fd;
-		let n = [], a = Su("tr", Ul, oe, oe.childNodes[t]);
-		yu(a, e.class), e.show || yu(a, Fl);
-		let o = Su("th", null, a);
+		if (t == 0 && (ue || !F.live || i == 2)) return Id;
+		let n = [], a = Cu("tr", Wl, oe, oe.childNodes[t]);
+		bu(a, e.class), e.show || bu(a, Il);
+		let o = Cu("th", null, a);
 		if (ae.show) {
-			let e = Cu(Wl, o);
+			let e = wu(Gl, o);
 			if (t > 0) {
 				let n = ae.width(r, t);
 				n && (e.style.border = n + "px " + ae.dash(r, t) + " " + ae.stroke(r, t)), e.style.background = ae.fill(r, t);
 			}
 		}
-		let s = Cu(Gl, o);
+		let s = wu(Kl, o);
 		for (var c in e.label instanceof HTMLElement ? s.appendChild(e.label) : s.textContent = e.label, t > 0 && (ae.show || (s.style.color = e.width > 0 ? ae.stroke(r, t) : ae.fill(r, t)), _e("click", o, (t) => {
 			if (I._lock) return;
 			ze(t);
@@ -12786,10 +12785,10 @@ function Mm(e, t, n) {
 					r > 0 && cn(r, e ? r == n ? pe : me : pe, !0, Kn.setSeries);
 				});
 			} else cn(n, { show: !e.show }, !0, Kn.setSeries);
-		}, !1), He && _e(iu, o, (t) => {
+		}, !1), He && _e(au, o, (t) => {
 			I._lock || (ze(t), cn(v.indexOf(e), gn, !0, Kn.setSeries));
 		}, !1)), le) {
-			let e = Su("td", Kl, a);
+			let e = Cu("td", ql, a);
 			e.textContent = "--", n.push(e);
 		}
 		return [a, n];
@@ -12797,11 +12796,11 @@ function Mm(e, t, n) {
 	let ge = /* @__PURE__ */ new Map();
 	function _e(e, t, n, i = !0) {
 		let a = ge.get(t) || {}, o = I.bind[e](r, t, n, i);
-		o && (Mu(e, t, a[e] = o), ge.set(t, a));
+		o && (Nu(e, t, a[e] = o), ge.set(t, a));
 	}
 	function ve(e, t, n) {
 		let r = ge.get(t) || {};
-		for (let n in r) (e == null || n == e) && (Nu(n, t, r[n]), delete r[n]);
+		for (let n in r) (e == null || n == e) && (Pu(n, t, r[n]), delete r[n]);
 		e ?? ge.delete(t);
 	}
 	let ye = 0, be = 0, z = 0, B = 0, xe = 0, Se = 0, Ce = xe, we = Se, Te = z, Ee = B, De = 0, Oe = 0, V = 0, ke = 0;
@@ -12813,7 +12812,7 @@ function Mm(e, t, n) {
 	function Pe(e, t) {
 		r.width = ye = z = e, r.height = be = B = t, xe = Se = 0, Le(), Re();
 		let n = r.bbox;
-		De = n.left = Ed(xe * gu, .5), Oe = n.top = Ed(Se * gu, .5), V = n.width = Ed(z * gu, .5), ke = n.height = Ed(B * gu, .5);
+		De = n.left = Dd(xe * _u, .5), Oe = n.top = Dd(Se * _u, .5), V = n.width = Dd(z * _u, .5), ke = n.height = Dd(B * _u, .5);
 	}
 	function Fe() {
 		let e = !1, t = 0;
@@ -12856,10 +12855,10 @@ function Mm(e, t, n) {
 	if (I.dataIdx == null) {
 		let e = I.hover, n = e.skip = new Set(e.skip ?? []);
 		n.add(void 0);
-		let r = e.prox = _d(e.prox), i = e.bias ??= 0;
+		let r = e.prox = vd(e.prox), i = e.bias ??= 0;
 		I.dataIdx = (e, a, o, s) => {
 			if (a == 0) return o;
-			let c = o, l = r(e, a, o, s) ?? pd, u = l >= 0 && l < pd, d = D.ori == 0 ? z : B, f = I.left, p = t[0], m = t[a];
+			let c = o, l = r(e, a, o, s) ?? md, u = l >= 0 && l < md, d = D.ori == 0 ? z : B, f = I.left, p = t[0], m = t[a];
 			if (n.has(m[o])) {
 				c = null;
 				let e = null, t = null, r;
@@ -12871,7 +12870,7 @@ function Mm(e, t, n) {
 						i <= a ? i <= l && (c = e) : a <= l && (c = t);
 					} else c = t == null ? e : e == null ? t : o - e <= t - o ? e : t;
 				}
-			} else u && td(f - k(p[o], D, d, 0)) > l && (c = null);
+			} else u && nd(f - k(p[o], D, d, 0)) > l && (c = null);
 			return c;
 		};
 	}
@@ -12880,29 +12879,29 @@ function Mm(e, t, n) {
 	};
 	I.idxs = ne, I._lock = !1;
 	let Be = I.points;
-	Be.show = _d(Be.show), Be.size = _d(Be.size), Be.stroke = _d(Be.stroke), Be.width = _d(Be.width), Be.fill = _d(Be.fill);
-	let Ve = r.focus = Gd({}, e.focus || { alpha: .3 }, I.focus), He = Ve.prox >= 0, Ue = He && Be.one, We = [], Ge = [], Ke = [];
+	Be.show = vd(Be.show), Be.size = vd(Be.size), Be.stroke = vd(Be.stroke), Be.width = vd(Be.width), Be.fill = vd(Be.fill);
+	let Ve = r.focus = Kd({}, e.focus || { alpha: .3 }, I.focus), He = Ve.prox >= 0, Ue = He && Be.one, We = [], Ge = [], Ke = [];
 	function qe(e, t) {
 		let n = Be.show(r, t);
-		if (n instanceof HTMLElement) return yu(n, zl), yu(n, e.class), Tu(n, -10, -10, z, B), m.insertBefore(n, We[t]), n;
+		if (n instanceof HTMLElement) return bu(n, Bl), bu(n, e.class), Eu(n, -10, -10, z, B), m.insertBefore(n, We[t]), n;
 	}
 	function G(e, t) {
 		if (i == 1 || t > 0) {
 			let t = i == 1 && b[e.scale].time, n = e.value;
-			e.value = t ? zd(n) ? Uf(M, Vf(n, ee)) : n || P : n || wp, e.label = e.label || (t ? dp : up);
+			e.value = t ? Bd(n) ? Wf(M, Hf(n, ee)) : n || P : n || Tp, e.label = e.label || (t ? fp : dp);
 		}
 		if (Ue || t > 0) {
-			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || _m || xd, e.fillTo = _d(e.fillTo || Vp), e.pxAlign = +Ju(e.pxAlign, h), e.pxRound = Kp(e.pxAlign), e.stroke = _d(e.stroke || null), e.fill = _d(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
-			let t = Ep(od(1, e.width), 1), n = e.points = Gd({}, {
+			e.width = e.width == null ? 1 : e.width, e.paths = e.paths || vm || Sd, e.fillTo = vd(e.fillTo || Hp), e.pxAlign = +Yu(e.pxAlign, h), e.pxRound = qp(e.pxAlign), e.stroke = vd(e.stroke || null), e.fill = vd(e.fill || null), e._stroke = e._fill = e._paths = e._focus = null;
+			let t = Dp(sd(1, e.width), 1), n = e.points = Kd({}, {
 				size: t,
-				width: od(1, t * .2),
+				width: sd(1, t * .2),
 				stroke: e.stroke,
 				space: t * 2,
-				paths: vm,
+				paths: ym,
 				_stroke: null,
 				_fill: null
 			}, e.points);
-			n.show = _d(n.show), n.filter = _d(n.filter), n.fill = _d(n.fill), n.stroke = _d(n.stroke), n.paths = _d(n.paths), n.pxAlign = e.pxAlign;
+			n.show = vd(n.show), n.filter = vd(n.filter), n.fill = vd(n.fill), n.stroke = vd(n.stroke), n.paths = vd(n.paths), n.pxAlign = e.pxAlign;
 		}
 		if (re) {
 			let n = he(e, t);
@@ -12916,7 +12915,7 @@ function Mm(e, t, n) {
 		Wn("addSeries", t);
 	}
 	function K(e, t) {
-		t ??= v.length, e = i == 1 ? xm(e, t, fp, jp) : xm(e, t, {}, Ap), v.splice(t, 0, e), G(v[t], t);
+		t ??= v.length, e = i == 1 ? Sm(e, t, pp, Mp) : Sm(e, t, {}, jp), v.splice(t, 0, e), G(v[t], t);
 	}
 	r.addSeries = K;
 	function Je(e) {
@@ -12939,23 +12938,23 @@ function Mm(e, t, n) {
 			let n = e.side % 2, i = b[e.scale];
 			i ??= (e.scale = n ? v[1].scale : S, b[e.scale]);
 			let a = i.time;
-			e.size = _d(e.size), e.space = _d(e.space), e.rotate = _d(e.rotate), Id(e.incrs) && e.incrs.forEach((e) => {
-				!Ad.has(e) && Ad.set(e, jd(e));
-			}), e.incrs = _d(e.incrs || (i.distr == 2 ? _f : a ? _ == 1 ? jf : Pf : vf)), e.splits = _d(e.splits || (a && i.distr == 1 ? N : i.distr == 3 ? hp : i.distr == 4 ? gp : mp)), e.stroke = _d(e.stroke), e.grid.stroke = _d(e.grid.stroke), e.ticks.stroke = _d(e.ticks.stroke), e.border.stroke = _d(e.border.stroke);
+			e.size = vd(e.size), e.space = vd(e.space), e.rotate = vd(e.rotate), Ld(e.incrs) && e.incrs.forEach((e) => {
+				!jd.has(e) && jd.set(e, Md(e));
+			}), e.incrs = vd(e.incrs || (i.distr == 2 ? vf : a ? _ == 1 ? Mf : Ff : yf)), e.splits = vd(e.splits || (a && i.distr == 1 ? N : i.distr == 3 ? gp : i.distr == 4 ? _p : hp)), e.stroke = vd(e.stroke), e.grid.stroke = vd(e.grid.stroke), e.ticks.stroke = vd(e.ticks.stroke), e.border.stroke = vd(e.border.stroke);
 			let o = e.values;
-			e.values = Id(o) && !Id(o[0]) ? _d(o) : a ? Id(o) ? Rf(M, Lf(o, ee)) : zd(o) ? zf(M, o) : o || te : o || pp, e.filter = _d(e.filter || (i.distr >= 3 && i.log == 10 ? Sp : i.distr == 3 && i.log == 2 ? Cp : bd)), e.font = Am(e.font), e.labelFont = Am(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (Ye[t] = !0, e._el = Cu(Pl, f));
+			e.values = Ld(o) && !Ld(o[0]) ? vd(o) : a ? Ld(o) ? zf(M, Rf(o, ee)) : Bd(o) ? Bf(M, o) : o || te : o || mp, e.filter = vd(e.filter || (i.distr >= 3 && i.log == 10 ? Cp : i.distr == 3 && i.log == 2 ? wp : xd)), e.font = jm(e.font), e.labelFont = jm(e.labelFont), e._size = e.size(r, null, t, 0), e._space = e._rotate = e._incrs = e._found = e._splits = e._values = null, e._size > 0 && (Ye[t] = !0, e._el = wu(Fl, f));
 		}
 	}
 	function Ze(e, t, n, r) {
 		let [i, a, o, s] = n, c = t % 2, l = 0;
-		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? rd(lp.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? rd(Tp.size / 2) : 0), l;
+		return c == 0 && (s || a) && (l = t == 0 && !i || t == 2 && !o ? id(up.size / 3) : 0), c == 1 && (i || o) && (l = t == 1 && !a || t == 3 && !s ? id(Ep.size / 2) : 0), l;
 	}
 	let Qe = r.padding = (e.padding || [
 		Ze,
 		Ze,
 		Ze,
 		Ze
-	]).map((e) => _d(Ju(e, Ze))), $e = r._padding = Qe.map((e, t) => e(r, t, Ye, 0)), et, tt = null, q = null, J = i == 1 ? v[0].idxs : null, nt = null, rt = !1;
+	]).map((e) => vd(Yu(e, Ze))), $e = r._padding = Qe.map((e, t) => e(r, t, Ye, 0)), et, tt = null, q = null, J = i == 1 ? v[0].idxs : null, nt = null, rt = !1;
 	function it(e, n) {
 		if (t = e ?? [], r.data = r._data = t, i == 2) {
 			et = 0;
@@ -12979,19 +12978,19 @@ function Mm(e, t, n) {
 	function at() {
 		rt = !0;
 		let e, n;
-		i == 1 && (et > 0 ? (tt = J[0] = 0, q = J[1] = et - 1, e = t[0][tt], n = t[0][q], O == 2 ? (e = tt, n = q) : e == n && (O == 3 ? [e, n] = Vu(e, e, D.log, !1) : O == 4 ? [e, n] = Hu(e, e, D.log, !1) : D.time ? n = e + rd(86400 / _) : [e, n] = qu(e, n, Uu, !0))) : (tt = J[0] = e = null, q = J[1] = n = null)), sn(S, e, n);
+		i == 1 && (et > 0 ? (tt = J[0] = 0, q = J[1] = et - 1, e = t[0][tt], n = t[0][q], O == 2 ? (e = tt, n = q) : e == n && (O == 3 ? [e, n] = Hu(e, e, D.log, !1) : O == 4 ? [e, n] = Uu(e, e, D.log, !1) : D.time ? n = e + id(86400 / _) : [e, n] = Ju(e, n, Wu, !0))) : (tt = J[0] = e = null, q = J[1] = n = null)), sn(S, e, n);
 	}
 	let ot, st, ct, lt, ut, dt, ft, pt, mt, ht;
 	function gt(e, t, n, r, i, a) {
-		e ??= eu, n ??= Pd, r ??= "butt", i ??= eu, a ??= "round", e != ot && (d.strokeStyle = ot = e), i != st && (d.fillStyle = st = i), t != ct && (d.lineWidth = ct = t), a != ut && (d.lineJoin = ut = a), r != dt && (d.lineCap = dt = r), n != lt && d.setLineDash(lt = n);
+		e ??= tu, n ??= Fd, r ??= "butt", i ??= tu, a ??= "round", e != ot && (d.strokeStyle = ot = e), i != st && (d.fillStyle = st = i), t != ct && (d.lineWidth = ct = t), a != ut && (d.lineJoin = ut = a), r != dt && (d.lineCap = dt = r), n != lt && d.setLineDash(lt = n);
 	}
 	function _t(e, t, n, r) {
 		t != st && (d.fillStyle = st = t), e != ft && (d.font = ft = e), n != pt && (d.textAlign = pt = n), r != mt && (d.textBaseline = mt = r);
 	}
 	function vt(e, t, n, i, a = 0) {
 		if (i.length > 0 && e.auto(r, rt) && (t == null || t.min == null)) {
-			let t = Ju(tt, 0), r = Ju(q, i.length - 1), o = n.min == null ? Bu(i, t, r, a, e.distr == 3) : [n.min, n.max];
-			e.min = ad(e.min, n.min = o[0]), e.max = od(e.max, n.max = o[1]);
+			let t = Yu(tt, 0), r = Yu(q, i.length - 1), o = n.min == null ? Vu(i, t, r, a, e.distr == 3) : [n.min, n.max];
+			e.min = od(e.min, n.min = o[0]), e.max = sd(e.max, n.max = o[1]);
 		}
 	}
 	let yt = {
@@ -13012,13 +13011,13 @@ function Mm(e, t, n) {
 		for (let t in j) {
 			let n = j[t];
 			if (n != null) {
-				let a = e[t] = Wd(b[t], Vd);
-				if (n.min != null) Gd(a, n);
+				let a = e[t] = Gd(b[t], Hd);
+				if (n.min != null) Kd(a, n);
 				else if (t != S || i == 2) {
 					if (et == 0 && a.from == null) {
 						let e = a.range(r, null, null, t);
 						a.min = e[0], a.max = e[1];
-					} else a.min = pd, a.max = -Infinity;
+					} else a.min = md, a.max = -Infinity;
 				}
 			}
 		}
@@ -13030,7 +13029,7 @@ function Mm(e, t, n) {
 					let s = e[i];
 					if (a == 0) {
 						let e = s.range(r, s.min, s.max, i);
-						s.min = e[0], s.max = e[1], tt = Pu(s.min, t[0]), q = Pu(s.max, t[0]), q - tt > 1 && (t[0][tt] < s.min && tt++, t[0][q] > s.max && q--), n.min = nt[tt], n.max = nt[q];
+						s.min = e[0], s.max = e[1], tt = Fu(s.min, t[0]), q = Fu(s.max, t[0]), q - tt > 1 && (t[0][tt] < s.min && tt++, t[0][q] > s.max && q--), n.min = nt[tt], n.max = nt[q];
 					} else n.show && n.auto && vt(s, o, n, t[a], n.sorted);
 					n.idxs[0] = tt, n.idxs[1] = q;
 				} else if (a > 0 && n.show && n.auto) {
@@ -13041,7 +13040,7 @@ function Mm(e, t, n) {
 			for (let t in e) {
 				let n = e[t], i = j[t];
 				if (n.from == null && (i == null || i.min == null)) {
-					let e = n.range(r, n.min == pd ? null : n.min, n.max == -Infinity ? null : n.max, t);
+					let e = n.range(r, n.min == md ? null : n.min, n.max == -Infinity ? null : n.max, t);
 					n.min = e[0], n.max = e[1];
 				}
 			}
@@ -13063,7 +13062,7 @@ function Mm(e, t, n) {
 			if (i.min != r.min || i.max != r.max) {
 				i.min = r.min, i.max = r.max;
 				let e = i.distr;
-				i._min = e == 3 ? ld(i.min) : e == 4 ? fd(i.min, i.asinh) : e == 100 ? i.fwd(i.min) : i.min, i._max = e == 3 ? ld(i.max) : e == 4 ? fd(i.max, i.asinh) : e == 100 ? i.fwd(i.max) : i.max, n[t] = a = !0;
+				i._min = e == 3 ? ud(i.min) : e == 4 ? pd(i.min, i.asinh) : e == 100 ? i.fwd(i.min) : i.min, i._max = e == 3 ? ud(i.max) : e == 4 ? pd(i.max, i.asinh) : e == 100 ? i.fwd(i.max) : i.max, n[t] = a = !0;
 			}
 		}
 		if (a) {
@@ -13076,7 +13075,7 @@ function Mm(e, t, n) {
 		for (let e in j) j[e] = null;
 	}
 	function xt(e) {
-		let t = hd(tt - 1, 0, et - 1), n = hd(q + 1, 0, et - 1);
+		let t = gd(tt - 1, 0, et - 1), n = gd(q + 1, 0, et - 1);
 		for (; e[t] == null && t > 0;) t--;
 		for (; e[n] == null && n < et - 1;) n++;
 		return [t, n];
@@ -13110,7 +13109,7 @@ function Mm(e, t, n) {
 	}
 	function Y(e, t) {
 		let n = t ? v[e].points : v[e], { stroke: r, fill: i, clip: a, flags: o, _stroke: s = n._stroke, _fill: c = n._fill, _width: l = n.width } = n._paths;
-		l = kd(l * gu, 3);
+		l = Ad(l * _u, 3);
 		let u = null, f = l % 2 / 2;
 		t && c == null && (c = l > 0 ? "#fff" : s);
 		let p = n.pxAlign == 1 && f > 0;
@@ -13124,15 +13123,15 @@ function Mm(e, t, n) {
 		let p = !1;
 		u != 0 && x.forEach((m, h) => {
 			if (m.series[0] == e) {
-				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || Nd).band;
-				Id(_) && (_ = m.dir == 1 ? _[0] : _[1]);
+				let e = v[m.series[1]], g = t[m.series[1]], _ = (e._paths || Pd).band;
+				Ld(_) && (_ = m.dir == 1 ? _[0] : _[1]);
 				let y, b = null;
-				e.show && _ && Yu(g, tt, q) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, X(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
+				e.show && _ && Xu(g, tt, q) ? (b = m.fill(r, h) || s, y = e._paths.clip) : _ = null, X(n, i, a, o, b, c, l, u, d, f, y, _), p = !0;
 			}
 		}), p || X(n, i, a, o, s, c, l, u, d, f);
 	}
 	function X(e, t, n, r, i, a, o, s, c, l, u, f) {
-		gt(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), Et(i, o), Tt(e, a, t)) : s & Rp ? (Et(i, o), d.clip(f), Tt(e, a, t)) : s & Lp && (d.save(), d.clip(f), u && d.clip(u), Et(i, o), d.restore(), Tt(e, a, t)) : (Et(i, o), Tt(e, a, t)), (c || l || f) && d.restore();
+		gt(e, t, n, r, i), (c || l || f) && (d.save(), c && d.clip(c), l && d.clip(l)), f ? (s & 3) == 3 ? (d.clip(f), u && d.clip(u), Et(i, o), Tt(e, a, t)) : s & zp ? (Et(i, o), d.clip(f), Tt(e, a, t)) : s & Rp && (d.save(), d.clip(f), u && d.clip(u), Et(i, o), d.restore(), Tt(e, a, t)) : (Et(i, o), Tt(e, a, t)), (c || l || f) && d.restore();
 	}
 	function Tt(e, t, n) {
 		n > 0 && (t instanceof Map ? t.forEach((e, t) => {
@@ -13149,7 +13148,7 @@ function Mm(e, t, n) {
 		if (i <= 0) o = [0, 0];
 		else {
 			let s = a._space = a.space(r, e, t, n, i);
-			o = km(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
+			o = Am(t, n, a._incrs = a.incrs(r, e, t, n, i, s), i, s);
 		}
 		return a._found = o;
 	}
@@ -13176,7 +13175,7 @@ function Mm(e, t, n) {
 			let f = a.distr == 2, p = n._splits = n.splits(r, i, c, l, u, d, f), m = a.distr == 2 ? p.map((e) => nt[e]) : p, h = a.distr == 2 ? nt[p[1]] - nt[p[0]] : u, g = n._values = n.values(r, n.filter(r, m, i, d, h), i, d, h);
 			n._rotate = o == 2 ? n.rotate(r, g, i, d) : 0;
 			let _ = n._size;
-			n._size = id(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
+			n._size = ad(n.size(r, g, i, e)), _ != null && n._size != _ && (t = !1);
 		}), t;
 	}
 	function kt(e) {
@@ -13192,16 +13191,16 @@ function Mm(e, t, n) {
 			if (!t.show || !t._show) continue;
 			let n = t.side, i = n % 2, a, o, c = t.stroke(r, e), l = n == 0 || n == 3 ? -1 : 1, [u, f] = t._found;
 			if (t.label != null) {
-				let s = t.labelGap * l, p = rd((t._lpos + s) * gu);
-				_t(t.labelFont[0], c, "center", n == 2 ? Yl : Xl), d.save(), i == 1 ? (a = o = 0, d.translate(p, rd(Oe + ke / 2)), d.rotate((n == 3 ? -ed : ed) / 2)) : (a = rd(De + V / 2), o = p);
-				let m = gd(t.label) ? t.label(r, e, u, f) : t.label;
+				let s = t.labelGap * l, p = id((t._lpos + s) * _u);
+				_t(t.labelFont[0], c, "center", n == 2 ? Xl : Zl), d.save(), i == 1 ? (a = o = 0, d.translate(p, id(Oe + ke / 2)), d.rotate((n == 3 ? -td : td) / 2)) : (a = id(De + V / 2), o = p);
+				let m = _d(t.label) ? t.label(r, e, u, f) : t.label;
 				d.fillText(m, a, o), d.restore();
 			}
 			if (f == 0) continue;
-			let p = b[t.scale], m = i == 0 ? V : ke, h = i == 0 ? De : Oe, _ = t._splits, v = p.distr == 2 ? _.map((e) => nt[e]) : _, x = p.distr == 2 ? nt[_[1]] - nt[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = rd(w * gu), E = rd((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * gu), D = t._rotate * -ed / 180, O = g(t._pos * gu), k = O + (T + E) * l;
+			let p = b[t.scale], m = i == 0 ? V : ke, h = i == 0 ? De : Oe, _ = t._splits, v = p.distr == 2 ? _.map((e) => nt[e]) : _, x = p.distr == 2 ? nt[_[1]] - nt[_[0]] : u, S = t.ticks, C = t.border, w = S.show ? S.size : 0, T = id(w * _u), E = id((t.alignTo == 2 ? t._size - w - t.gap : t.gap) * _u), D = t._rotate * -td / 180, O = g(t._pos * _u), k = O + (T + E) * l;
 			o = i == 0 ? k : 0, a = i == 1 ? k : 0;
 			let A = t.font[0];
-			_t(A, c, t.align == 1 ? Zl : t.align == 2 ? Ql : D > 0 ? Zl : D < 0 ? Ql : i == 0 ? "center" : n == 3 ? Ql : Zl, D || i == 1 ? "middle" : n == 2 ? Yl : Xl);
+			_t(A, c, t.align == 1 ? Ql : t.align == 2 ? $l : D > 0 ? Ql : D < 0 ? $l : i == 0 ? "center" : n == 3 ? $l : Ql, D || i == 1 ? "middle" : n == 2 ? Xl : Zl);
 			let j = t.font[1] * t.lineGap, M = _.map((e) => g(s(e, p, m, h))), ee = t._values;
 			for (let e = 0; e < ee.length; e++) {
 				let t = ee[e];
@@ -13214,9 +13213,9 @@ function Mm(e, t, n) {
 					}
 				}
 			}
-			S.show && Dt(M, S.filter(r, v, e, f, x), i, n, O, T, kd(S.width * gu, 3), S.stroke(r, e), S.dash, S.cap);
+			S.show && Dt(M, S.filter(r, v, e, f, x), i, n, O, T, Ad(S.width * _u, 3), S.stroke(r, e), S.dash, S.cap);
 			let N = t.grid;
-			N.show && Dt(M, N.filter(r, v, e, f, x), i, i == 0 ? 2 : 1, i == 0 ? Oe : De, i == 0 ? ke : V, kd(N.width * gu, 3), N.stroke(r, e), N.dash, N.cap), C.show && Dt([O], [1], +(i == 0), i == 0 ? 1 : 2, i == 1 ? Oe : De, i == 1 ? ke : V, kd(C.width * gu, 3), C.stroke(r, e), C.dash, C.cap);
+			N.show && Dt(M, N.filter(r, v, e, f, x), i, i == 0 ? 2 : 1, i == 0 ? Oe : De, i == 0 ? ke : V, Ad(N.width * _u, 3), N.stroke(r, e), N.dash, N.cap), C.show && Dt([O], [1], +(i == 0), i == 0 ? 1 : 2, i == 1 ? Oe : De, i == 1 ? ke : V, Ad(C.width * _u, 3), C.stroke(r, e), C.dash, C.cap);
 		}
 		Wn("drawAxes");
 	}
@@ -13234,7 +13233,7 @@ function Mm(e, t, n) {
 		Pt.length = 0;
 	}
 	function It() {
-		Mt ||= (Zd(Rt), !0);
+		Mt ||= (Qd(Rt), !0);
 	}
 	function Lt(e, t = !1) {
 		Mt = !0, Nt = t, e(r), Rt(), t && Pt.length > 0 && queueMicrotask(Ft);
@@ -13242,26 +13241,26 @@ function Mm(e, t, n) {
 	r.batch = Lt;
 	function Rt() {
 		if (Ae &&= (bt(), !1), H &&= (Fe(), !1), je) {
-			if (xu(p, Zl, xe), xu(p, Yl, Se), xu(p, ql, z), xu(p, Jl, B), xu(m, Zl, xe), xu(m, Yl, Se), xu(m, ql, z), xu(m, Jl, B), xu(f, ql, ye), xu(f, Jl, be), u.width = rd(ye * gu), u.height = rd(be * gu), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
+			if (Su(p, Ql, xe), Su(p, Xl, Se), Su(p, Jl, z), Su(p, Yl, B), Su(m, Ql, xe), Su(m, Xl, Se), Su(m, Jl, z), Su(m, Yl, B), Su(f, Jl, ye), Su(f, Yl, be), u.width = id(ye * _u), u.height = id(be * _u), y.forEach(({ _el: e, _show: t, _size: n, _pos: r, side: i }) => {
 				if (e != null) {
 					if (t) {
 						let t = i === 3 || i === 0 ? n : 0, a = i % 2 == 1;
-						xu(e, a ? "left" : "top", r - t), xu(e, a ? "width" : "height", n), xu(e, a ? "top" : "left", a ? Se : xe), xu(e, a ? "height" : "width", a ? B : z), bu(e, Fl);
-					} else yu(e, Fl);
+						Su(e, a ? "left" : "top", r - t), Su(e, a ? "width" : "height", n), Su(e, a ? "top" : "left", a ? Se : xe), Su(e, a ? "height" : "width", a ? B : z), xu(e, Il);
+					} else bu(e, Il);
 				}
 			}), ot = st = ct = ut = dt = ft = pt = mt = lt = null, ht = 1, Q(!0), xe != Ce || Se != we || z != Te || B != Ee) {
 				jt(!1);
 				let e = z / Te, t = B / Ee;
 				if (ie && !Me && I.left >= 0) {
-					I.left *= e, I.top *= t, Ht && Tu(Ht, rd(I.left), 0, z, B), Ut && Tu(Ut, 0, rd(I.top), z, B);
+					I.left *= e, I.top *= t, Ht && Eu(Ht, id(I.left), 0, z, B), Ut && Eu(Ut, 0, id(I.top), z, B);
 					for (let n = 0; n < We.length; n++) {
 						let r = We[n];
-						r != null && (Ge[n] *= e, Ke[n] *= t, Tu(r, id(Ge[n]), id(Ke[n]), z, B));
+						r != null && (Ge[n] *= e, Ke[n] *= t, Eu(r, ad(Ge[n]), ad(Ke[n]), z, B));
 					}
 				}
 				if (nn.show && !U && nn.left >= 0 && nn.width > 0) {
 					nn.left *= e, nn.width *= e, nn.top *= t, nn.height *= t;
-					for (let e in jn) xu(rn, e, nn[e]);
+					for (let e in jn) Su(rn, e, nn[e]);
 				}
 				Ce = xe, we = Se, Te = z, Ee = B;
 			}
@@ -13284,32 +13283,32 @@ function Mm(e, t, n) {
 				n.min = n.max, n.max = e;
 			}
 			if (et > 1 && n.min != null && n.max != null && n.max - n.min < 1e-16) return;
-			e == S && i.distr == 2 && et > 0 && (n.min = Pu(n.min, t[0]), n.max = Pu(n.max, t[0]), n.min == n.max && n.max++), j[e] = n, Ae = !0, It();
+			e == S && i.distr == 2 && et > 0 && (n.min = Fu(n.min, t[0]), n.max = Fu(n.max, t[0]), n.min == n.max && n.max++), j[e] = n, Ae = !0, It();
 		}
 	}
 	r.setScale = zt;
 	let Bt, Vt, Ht, Ut, Wt, Gt, Kt, qt, Jt, Yt, Xt, Zt, Qt = !1, $t = I.drag, en = $t.x, tn = $t.y;
-	ie && (I.x && (Bt = Cu(Ll, m)), I.y && (Vt = Cu(Rl, m)), D.ori == 0 ? (Ht = Bt, Ut = Vt) : (Ht = Vt, Ut = Bt), Xt = I.left, Zt = I.top);
-	let nn = r.select = Gd({
+	ie && (I.x && (Bt = wu(Rl, m)), I.y && (Vt = wu(zl, m)), D.ori == 0 ? (Ht = Bt, Ut = Vt) : (Ht = Vt, Ut = Bt), Xt = I.left, Zt = I.top);
+	let nn = r.select = Kd({
 		show: !0,
 		over: !0,
 		left: 0,
 		width: 0,
 		top: 0,
 		height: 0
-	}, e.select), rn = nn.show ? Cu(Il, nn.over ? m : p) : null;
+	}, e.select), rn = nn.show ? wu(Ll, nn.over ? m : p) : null;
 	function an(e, t) {
 		if (nn.show) {
-			for (let t in e) nn[t] = e[t], t in jn && xu(rn, t, e[t]);
+			for (let t in e) nn[t] = e[t], t in jn && Su(rn, t, e[t]);
 			t !== !1 && Wn("setSelect");
 		}
 	}
 	r.setSelect = an;
 	function on(e) {
-		if (v[e].show) re && bu(se[e], Fl);
-		else if (re && yu(se[e], Fl), ie) {
+		if (v[e].show) re && xu(se[e], Il);
+		else if (re && bu(se[e], Il), ie) {
 			let t = Ue ? We[0] : We[e];
-			t != null && Tu(t, -10, -10, z, B);
+			t != null && Eu(t, -10, -10, z, B);
 		}
 	}
 	function sn(e, t, n) {
@@ -13325,10 +13324,10 @@ function Mm(e, t, n) {
 	}
 	r.setSeries = cn;
 	function ln(e, t) {
-		Gd(x[e], t);
+		Kd(x[e], t);
 	}
 	function un(e, t) {
-		e.fill = _d(e.fill || null), e.dir = Ju(e.dir, -1), t ??= x.length, x.splice(t, 0, e);
+		e.fill = vd(e.fill || null), e.dir = Yu(e.dir, -1), t ??= x.length, x.splice(t, 0, e);
 	}
 	function dn(e) {
 		e == null ? x.length = 0 : x.splice(e, 1);
@@ -13349,28 +13348,28 @@ function Mm(e, t, n) {
 			}), hn = e, n && It();
 		}
 	}
-	re && He && _e(au, L, (e) => {
+	re && He && _e(ou, L, (e) => {
 		I._lock || (ze(e), hn != null && cn(null, gn, !0, Kn.setSeries));
 	});
 	function vn(e, t, n) {
 		let r = b[t];
-		n && (e = e / gu - (r.ori == 1 ? Se : xe));
+		n && (e = e / _u - (r.ori == 1 ? Se : xe));
 		let i = z;
 		r.ori == 1 && (i = B, e = i - e), r.dir == -1 && (e = i - e);
 		let a = r._min, o = r._max, s = e / i, c = a + (o - a) * s, l = r.distr;
-		return l == 3 ? sd(10, c) : l == 4 ? dd(c, r.asinh) : l == 100 ? r.bwd(c) : c;
+		return l == 3 ? cd(10, c) : l == 4 ? fd(c, r.asinh) : l == 100 ? r.bwd(c) : c;
 	}
 	function yn(e, n) {
-		return Pu(vn(e, S, n), t[0], tt, q);
+		return Fu(vn(e, S, n), t[0], tt, q);
 	}
-	r.valToIdx = (e) => Pu(e, t[0]), r.posToIdx = yn, r.posToVal = vn, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? V : z, n ? De : 0) : o(e, b[t], n ? ke : B, n ? Oe : 0), r.setCursor = (e, t, n) => {
+	r.valToIdx = (e) => Fu(e, t[0]), r.posToIdx = yn, r.posToVal = vn, r.valToPos = (e, t, n) => b[t].ori == 0 ? a(e, b[t], n ? V : z, n ? De : 0) : o(e, b[t], n ? ke : B, n ? Oe : 0), r.setCursor = (e, t, n) => {
 		Xt = e.left, Zt = e.top, Dn(null, t, n);
 	};
 	function bn(e, t) {
-		xu(rn, Zl, nn.left = e), xu(rn, ql, nn.width = t);
+		Su(rn, Ql, nn.left = e), Su(rn, Jl, nn.width = t);
 	}
 	function xn(e, t) {
-		xu(rn, Yl, nn.top = e), xu(rn, Jl, nn.height = t);
+		Su(rn, Xl, nn.top = e), Su(rn, Yl, nn.height = t);
 	}
 	let Sn = D.ori == 0 ? bn : xn, Cn = D.ori == 1 ? bn : xn;
 	function wn() {
@@ -13383,7 +13382,7 @@ function Mm(e, t, n) {
 	function Tn(e, t) {
 		if (e != null && (e.idxs ? e.idxs.forEach((e, t) => {
 			ne[t] = e;
-		}) : Rd(e.idx) || ne.fill(e.idx), F.idx = ne[0]), re && F.live) {
+		}) : zd(e.idx) || ne.fill(e.idx), F.idx = ne[0]), re && F.live) {
 			for (let e = 0; e < v.length; e++) (e > 0 || i == 1 && !ue) && En(e, ne[e]);
 			wn();
 		}
@@ -13395,27 +13394,27 @@ function Mm(e, t, n) {
 		ue ? o = i.values(r, e, n) ?? de : (o = i.value(r, n == null ? null : a[n], e, n), o = o == null ? de : { _: o }), F.values[e] = o;
 	}
 	function Dn(e, n, a) {
-		Jt = Xt, Yt = Zt, [Xt, Zt] = I.move(r, Xt, Zt), I.left = Xt, I.top = Zt, ie && (Ht && Tu(Ht, rd(Xt), 0, z, B), Ut && Tu(Ut, 0, rd(Zt), z, B));
+		Jt = Xt, Yt = Zt, [Xt, Zt] = I.move(r, Xt, Zt), I.left = Xt, I.top = Zt, ie && (Ht && Eu(Ht, id(Xt), 0, z, B), Ut && Eu(Ut, 0, id(Zt), z, B));
 		let o, s = tt > q;
-		pn = pd, mn = null;
+		pn = md, mn = null;
 		let c = D.ori == 0 ? z : B, l = D.ori == 1 ? z : B;
 		if (Xt < 0 || et == 0 || s) {
 			o = I.idx = null;
 			for (let e = 0; e < v.length; e++) {
 				let t = We[e];
-				t != null && Tu(t, -10, -10, z, B);
+				t != null && Eu(t, -10, -10, z, B);
 			}
 			He && cn(null, gn, !0, e == null && Kn.setSeries), F.live && (ne.fill(o), W = !0);
 		} else {
 			let e, n, a;
-			i == 1 && (e = D.ori == 0 ? Xt : Zt, n = vn(e, S), o = I.idx = Pu(n, t[0], tt, q), a = k(t[0][o], D, c, 0));
+			i == 1 && (e = D.ori == 0 ? Xt : Zt, n = vn(e, S), o = I.idx = Fu(n, t[0], tt, q), a = k(t[0][o], D, c, 0));
 			let s = -10, u = -10, d = 0, f = 0, p = !0, m = "", h = "";
 			for (let e = +(i == 2); e < v.length; e++) {
 				let g = v[e], _ = ne[e], y = _ == null ? null : i == 1 ? t[e][_] : t[e][1][_], x = I.dataIdx(r, e, o, n), S = x == null ? null : i == 1 ? t[e][x] : t[e][1][x];
 				if (W = W || S != y || x != _, ne[e] = x, e > 0 && g.show) {
 					let n = x == null ? -10 : x == o ? a : k(i == 1 ? t[0][x] : t[e][0][x], D, c, 0), _ = S == null ? -10 : A(S, i == 1 ? b[g.scale] : b[g.facets[1].scale], l, 0);
 					if (He && S != null) {
-						let t = D.ori == 1 ? Xt : Zt, n = td(Ve.dist(r, e, x, _, t));
+						let t = D.ori == 1 ? Xt : Zt, n = nd(Ve.dist(r, e, x, _, t));
 						if (n < pn) {
 							let r = Ve.bias;
 							if (r != 0) {
@@ -13436,7 +13435,7 @@ function Mm(e, t, n) {
 						if (v = Be.fill(r, e), g = Be.stroke(r, e), Ue) e == mn && pn <= Ve.prox && (s = c, u = l, d = a, f = o, p = y, m = v, h = g);
 						else {
 							let t = We[e];
-							t != null && (Ge[e] = c, Ke[e] = l, ku(t, a, o, y), Du(t, v, g), Tu(t, id(c), id(l), z, B));
+							t != null && (Ge[e] = c, Ke[e] = l, Au(t, a, o, y), Ou(t, v, g), Eu(t, ad(c), ad(l), z, B));
 						}
 					}
 				}
@@ -13445,7 +13444,7 @@ function Mm(e, t, n) {
 				let e = Ve.prox;
 				if (W || (hn == null ? pn <= e : pn > e || mn != hn)) {
 					let e = We[0];
-					e != null && (Ge[0] = s, Ke[0] = u, ku(e, d, f, p), Du(e, m, h), Tu(e, id(s), id(u), z, B));
+					e != null && (Ge[0] = s, Ke[0] = u, Au(e, d, f, p), Ou(e, m, h), Eu(e, ad(s), ad(u), z, B));
 				}
 			}
 		}
@@ -13454,10 +13453,10 @@ function Mm(e, t, n) {
 				let [t, n] = Kn.scales, [r, i] = Kn.match, [a, o] = e.cursor.sync.scales, s = e.cursor.drag;
 				if (en = s._x, tn = s._y, en || tn) {
 					let { left: s, top: u, width: d, height: f } = e.select, p = e.scales[a].ori, m = e.posToVal, h, g, _, v, y, x = t != null && r(t, a), S = n != null && i(n, o);
-					x && en ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), Sn(ad(v, y), td(y - v))) : Sn(0, c), S && tn ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = A(m(h, o), _, l, 0), y = A(m(h + g, o), _, l, 0), Cn(ad(v, y), td(y - v))) : Cn(0, l);
+					x && en ? (p == 0 ? (h = s, g = d) : (h = u, g = f), _ = b[t], v = k(m(h, a), _, c, 0), y = k(m(h + g, a), _, c, 0), Sn(od(v, y), nd(y - v))) : Sn(0, c), S && tn ? (p == 1 ? (h = s, g = d) : (h = u, g = f), _ = b[n], v = A(m(h, o), _, l, 0), y = A(m(h + g, o), _, l, 0), Cn(od(v, y), nd(y - v))) : Cn(0, l);
 				} else Mn();
 			} else {
-				let e = td(Jt - Wt), t = td(Yt - Gt);
+				let e = nd(Jt - Wt), t = nd(Yt - Gt);
 				if (D.ori == 1) {
 					let n = e;
 					e = t, t = n;
@@ -13466,7 +13465,7 @@ function Mm(e, t, n) {
 				let n = $t.uni;
 				n == null ? $t.x && $t.y && (en || tn) && (en = tn = !0) : en && tn && (en = e >= n, tn = t >= n, !en && !tn && (t > e ? tn = !0 : en = !0));
 				let r, i;
-				en && (D.ori == 0 ? (r = Kt, i = Xt) : (r = qt, i = Zt), Sn(ad(r, i), td(i - r)), tn || Cn(0, l)), tn && (D.ori == 1 ? (r = Kt, i = Xt) : (r = qt, i = Zt), Cn(ad(r, i), td(i - r)), en || Sn(0, c)), !en && !tn && (Sn(0, 0), Cn(0, 0));
+				en && (D.ori == 0 ? (r = Kt, i = Xt) : (r = qt, i = Zt), Sn(od(r, i), nd(i - r)), tn || Cn(0, l)), tn && (D.ori == 1 ? (r = Kt, i = Xt) : (r = qt, i = Zt), Cn(od(r, i), nd(i - r)), en || Sn(0, c)), !en && !tn && (Sn(0, 0), Cn(0, 0));
 			}
 		}
 		if ($t._x = en, $t._y = tn, e == null) {
@@ -13475,7 +13474,7 @@ function Mm(e, t, n) {
 					let [e, t] = Kn.scales;
 					Kn.values[0] = e == null ? null : vn(D.ori == 0 ? Xt : Zt, e), Kn.values[1] = t == null ? null : vn(D.ori == 1 ? Xt : Zt, t);
 				}
-				Yn(tu, r, Xt, Zt, z, B, o);
+				Yn(nu, r, Xt, Zt, z, B, o);
 			}
 			if (He) {
 				let e = a && Kn.setSeries, t = Ve.prox;
@@ -13507,7 +13506,7 @@ function Mm(e, t, n) {
 				n = i, i = e;
 			}
 		}
-		u && (t == null || t.cursor.event.type == tu) && ((n <= 1 || n >= z - 1) && (n = Ed(n, z)), (i <= 1 || i >= B - 1) && (i = Ed(i, B))), l ? (Wt = n, Gt = i, [Kt, qt] = I.move(r, n, i)) : (Xt = n, Zt = i);
+		u && (t == null || t.cursor.event.type == nu) && ((n <= 1 || n >= z - 1) && (n = Dd(n, z)), (i <= 1 || i >= B - 1) && (i = Dd(i, B))), l ? (Wt = n, Gt = i, [Kt, qt] = I.move(r, n, i)) : (Xt = n, Zt = i);
 	}
 	let jn = {
 		width: 0,
@@ -13520,7 +13519,7 @@ function Mm(e, t, n) {
 	}
 	let Nn, Pn, Fn, In;
 	function Ln(e, t, n, i, a, o, s) {
-		Qt = !0, en = tn = $t._x = $t._y = !1, An(e, t, n, i, a, o, s, !0, !1), e != null && (_e(ru, pu, Rn, !1), Yn(nu, r, Kt, qt, z, B, null));
+		Qt = !0, en = tn = $t._x = $t._y = !1, An(e, t, n, i, a, o, s, !0, !1), e != null && (_e(iu, mu, Rn, !1), Yn(ru, r, Kt, qt, z, B, null));
 		let { left: c, top: l, width: u, height: d } = nn;
 		Nn = c, Pn = l, Fn = u, In = d;
 	}
@@ -13531,11 +13530,11 @@ function Mm(e, t, n) {
 			let e = c, t = u, n = l, r = d;
 			if (D.ori == 1 && (e = l, t = d, n = c, r = u), en && sn(S, vn(e, S), vn(e + t, S)), tn) for (let e in b) {
 				let t = b[e];
-				e != S && t.from == null && t.min != pd && sn(e, vn(n + r, e), vn(n, e));
+				e != S && t.from == null && t.min != md && sn(e, vn(n + r, e), vn(n, e));
 			}
 			Mn();
 		} else I.lock && (I._lock = !I._lock, Dn(t, !0, e != null));
-		e != null && (ve(ru, pu), Yn(ru, r, Xt, Zt, z, B, null));
+		e != null && (ve(iu, mu), Yn(iu, r, Xt, Zt, z, B, null));
 	}
 	function zn(e, t, n, r, i, a, o) {
 		if (I._lock) return;
@@ -13548,19 +13547,19 @@ function Mm(e, t, n) {
 		Xt = -10, Zt = -10, ne.fill(null), Dn(null, !0, !0), s && (Qt = s);
 	}
 	function Bn(e, t, n, i, a, o, s) {
-		I._lock || (ze(e), at(), Mn(), e != null && Yn(ou, r, Xt, Zt, z, B, null));
+		I._lock || (ze(e), at(), Mn(), e != null && Yn(su, r, Xt, Zt, z, B, null));
 	}
 	function Vn() {
-		y.forEach(jm), Ne(r.width, r.height, !0);
+		y.forEach(Mm), Ne(r.width, r.height, !0);
 	}
-	Mu(uu, mu, Vn);
+	Nu(du, hu, Vn);
 	let Hn = {};
 	Hn.mousedown = Ln, Hn.mousemove = kn, Hn.mouseup = Rn, Hn.dblclick = Bn, Hn.setSeries = (e, t, n, i) => {
 		let a = Kn.match[2];
 		n = a(r, t, n), n != -1 && cn(n, i, !0, !1);
-	}, ie && (_e(nu, m, Ln), _e(tu, m, kn), _e(iu, m, (e) => {
+	}, ie && (_e(ru, m, Ln), _e(nu, m, kn), _e(au, m, (e) => {
 		ze(e), Q(!1);
-	}), _e(au, m, zn), _e(ou, m, Bn), hm.add(r), r.syncRect = Q);
+	}), _e(ou, m, zn), _e(su, m, Bn), gm.add(r), r.syncRect = Q);
 	let Un = r.hooks = e.hooks || {};
 	function Wn(e, t, n) {
 		Nt ? Pt.push([
@@ -13574,23 +13573,23 @@ function Mm(e, t, n) {
 	(e.plugins || []).forEach((e) => {
 		for (let t in e.hooks) Un[t] = (Un[t] || []).concat(e.hooks[t]);
 	});
-	let Gn = (e, t, n) => n, Kn = Gd({
+	let Gn = (e, t, n) => n, Kn = Kd({
 		key: null,
 		setSeries: !1,
 		filters: {
-			pub: Sd,
-			sub: Sd
+			pub: Cd,
+			sub: Cd
 		},
 		scales: [S, v[1] ? v[1].scale : null],
 		match: [
-			Cd,
-			Cd,
+			wd,
+			wd,
 			Gn
 		],
 		values: [null, null]
 	}, I.sync);
 	Kn.match.length == 2 && Kn.match.push(Gn), I.sync = Kn;
-	let qn = Kn.key, Jn = Ip(qn);
+	let qn = Kn.key, Jn = Lp(qn);
 	function Yn(e, t, n, r, i, a, o) {
 		Kn.filters.pub(e, t, n, r, i, a, o) && Jn.pub(e, t, n, r, i, a, o);
 	}
@@ -13600,7 +13599,7 @@ function Mm(e, t, n) {
 	}
 	r.pub = Xn;
 	function Zn() {
-		Jn.unsub(r), hm.delete(r), ge.clear(), Nu(uu, mu, Vn), l.remove(), L?.remove(), Wn("destroy");
+		Jn.unsub(r), gm.delete(r), ge.clear(), Pu(du, hu, Vn), l.remove(), L?.remove(), Wn("destroy");
 	}
 	r.destroy = Zn;
 	function Qn() {
@@ -13608,40 +13607,51 @@ function Mm(e, t, n) {
 	}
 	return v.forEach(G), y.forEach(Xe), n ? n instanceof HTMLElement ? (n.appendChild(l), Qn()) : n(r, Qn) : Qn(), r;
 }
-Mm.assign = Gd, Mm.fmtNum = Qu, Mm.rangeNum = qu, Mm.rangeLog = Vu, Mm.rangeAsinh = Hu, Mm.orient = zp, Mm.pxRatio = gu, Mm.join = Xd, Mm.fmtDate = uf, Mm.tzDate = ff, Mm.sync = Ip;
+Nm.assign = Kd, Nm.fmtNum = $u, Nm.rangeNum = Ju, Nm.rangeLog = Hu, Nm.rangeAsinh = Uu, Nm.orient = Bp, Nm.pxRatio = _u, Nm.join = Zd, Nm.fmtDate = df, Nm.tzDate = pf, Nm.sync = Lp;
 {
-	Mm.addGap = Wp, Mm.clipGaps = Up;
-	let e = Mm.paths = { points: im };
-	e.linear = cm, e.stepped = lm, e.bars = dm, e.spline = pm;
+	Nm.addGap = Gp, Nm.clipGaps = Wp;
+	let e = Nm.paths = { points: am };
+	e.linear = lm, e.stepped = um, e.bars = fm, e.spline = mm;
+}
+// src/words.ts
+var { words: Pm } = ml(), Fm = document.documentElement.lang;
+function Im(e, t = {}) {
+	return (Pm[e] ?? e).replace(/{(\w+)}/g, (e, n) => String(t[n] ?? e));
+}
+function Lm(e, t = {}) {
+	return e.toLocaleString(Fm, {
+		useGrouping: !1,
+		...t
+	});
 }
 // src/curves.ts
-var Nm = [
-	["hip, knee, ankle", [
+var Rm = () => [
+	[Im("hip, knee, ankle"), [
 		"hip_flexion",
 		"knee_flexion",
 		"ankle_dorsiflexion"
 	]],
-	["pelvis", [
+	[Im("pelvis"), [
 		"pelvis_tilt",
 		"pelvis_obliquity",
 		"pelvis_rotation"
 	]],
-	["hip", [
+	[Im("hip"), [
 		"hip_flexion",
 		"hip_adduction",
 		"hip_rotation"
 	]],
-	["trunk", [
+	[Im("trunk"), [
 		"trunk_tilt",
 		"trunk_obliquity",
 		"trunk_rotation"
 	]],
-	["arms", [
+	[Im("arms"), [
 		"shoulder_flexion",
 		"shoulder_adduction",
 		"elbow_flexion"
 	]]
-], Pm = class {
+], zm = class {
 	scene;
 	place;
 	choice;
@@ -13651,12 +13661,12 @@ var Nm = [
 	constructor(e, t, n, r) {
 		this.scene = e, this.place = t, this.choice = n, this.seek = r;
 		let i = (t) => e.tracks.some((e) => e.name === t);
-		for (let [e, t] of Nm) t.some(i) && n.add(new Option(e, e));
+		for (let [e, t] of Rm()) t.some(i) && n.add(new Option(e, e));
 		n.addEventListener("change", () => this.draw()), new ResizeObserver(() => this.fit()).observe(t), this.draw();
 	}
 	draw() {
 		this.charts.forEach((e) => e.destroy());
-		let e = Nm.find(([e]) => e === this.choice.value)?.[1] ?? [], t = (e) => this.scene.tracks.filter((t) => t.name === e);
+		let e = Rm().find(([e]) => e === this.choice.value)?.[1] ?? [], t = (e) => this.scene.tracks.filter((t) => t.name === e);
 		this.charts = e.map(t).filter((e) => e.length > 0).map((e) => this.chart(e)), this.showSoon();
 	}
 	mark() {
@@ -13679,7 +13689,7 @@ var Nm = [
 		this.place.style.width = e ? `${this.place.clientWidth}px` : "";
 	}
 	chart(e) {
-		let { fps: t, frames: n } = this.scene, r = Array.from({ length: n }, (e, n) => n / t), i = (e) => Number.isFinite(e) ? e : null, a = e.map((e) => Array.from(hl(e.values), i)), o = (e) => getComputedStyle(document.body).getPropertyValue(`--${e}`).trim(), s = this.scene.first_frame / t, c = (e) => {
+		let { fps: t, frames: n } = this.scene, r = Array.from({ length: n }, (e, n) => n / t), i = (e) => Number.isFinite(e) ? e : null, a = e.map((e) => Array.from(gl(e.values), i)), o = (e) => getComputedStyle(this.place).getPropertyValue(`--${e}`).trim(), s = this.scene.first_frame / t, c = (e) => {
 			for (let t of this.scene.events) {
 				let n = e.valToPos(t.time_s - s, "x", !0);
 				e.ctx.fillStyle = o(t.side);
@@ -13687,7 +13697,7 @@ var Nm = [
 				e.ctx.fillRect(n, r + i - a * devicePixelRatio, 1.5 * devicePixelRatio, a * devicePixelRatio);
 			}
 		};
-		return new Mm({
+		return new Nm({
 			width: this.place.clientWidth,
 			height: 150,
 			title: `${e[0].title}   (${e[0].axis})`,
@@ -13707,10 +13717,11 @@ var Nm = [
 			axes: [{
 				size: 24,
 				font: "11px sans-serif",
-				values: (e, t) => t.map((e) => `${e} s`)
+				values: (e, t) => t.map((e) => `${Lm(e)} s`)
 			}, {
 				size: 40,
-				font: "11px sans-serif"
+				font: "11px sans-serif",
+				values: (e, t) => t.map((e) => Lm(e))
 			}],
 			series: [{}, ...e.map((e) => ({
 				label: e.side,
@@ -13733,28 +13744,32 @@ var Nm = [
 			height: 150
 		})), this.showSoon());
 	}
-}, Fm = ["left", "right"], Im = {
+}, Bm = ["left", "right"], Vm = {
 	strike: "▼",
 	off: "△"
-}, Lm = {
-	strike: "strikes",
-	off: "leaves"
-}, Rm = (e) => document.getElementById(e);
-function zm(e) {
-	for (let t of Fm) {
+}, Hm = (e) => document.getElementById(e);
+function Um(e) {
+	for (let t of Bm) {
 		let n = e.filter((e) => e.side === t).sort((e, t) => e.frame - t.frame);
 		for (let e = 1; e < n.length; e++) {
-			let [r, i] = [n[e - 1], n[e]], a = `frames ${Vm(r.frame)} and ${Vm(i.frame)}`;
+			let [r, i] = [n[e - 1], n[e]], a = Km(t);
 			if (r.kind === i.kind) {
-				let e = i.kind === "strike" ? "an off" : "a strike";
-				return `The ${t} foot ${Lm[i.kind]} at ${a}, without ${e} between.`;
+				let e = {
+					side: a,
+					before: Gm(r.frame),
+					after: Gm(i.frame)
+				};
+				return i.kind === "strike" ? Im("The {side} foot strikes at frames {before} and {after}, without an off between.", e) : Im("The {side} foot leaves at frames {before} and {after}, without a strike between.", e);
 			}
-			if (r.frame >= i.frame) return `The ${t} foot strikes and leaves at once, at frame ${Vm(i.frame)}.`;
+			if (r.frame >= i.frame) return Im("The {side} foot strikes and leaves at once, at frame {frame}.", {
+				side: a,
+				frame: Gm(i.frame)
+			});
 		}
 	}
 	return null;
 }
-var Bm = (e) => Math.round(e * 1e4) / 1e4, Vm = (e) => String(Math.round(e * 10) / 10), Hm = class {
+var Wm = (e) => Math.round(e * 1e4) / 1e4, Gm = (e) => Lm(e, { maximumFractionDigits: 1 }), Km = (e) => Im(e === "left" ? "left" : "right"), qm = class {
 	scene;
 	seek;
 	changed;
@@ -13768,14 +13783,14 @@ var Bm = (e) => Math.round(e * 1e4) / 1e4, Vm = (e) => String(Math.round(e * 10)
 		this.scene = e, this.seek = t, this.changed = n, this.found = e.events.map(({ side: t, kind: n, time_s: r }) => ({
 			side: t,
 			kind: n,
-			frame: Bm(r * e.fps)
+			frame: Wm(r * e.fps)
 		})), this.marks = this.found.map((e) => ({ ...e }));
-		for (let e of Fm) {
+		for (let e of Bm) {
 			let t = document.createElement("div");
-			t.className = `lane ${e}`, t.addEventListener("keydown", (e) => this.pressed(e)), this.lanes.set(e, t), Rm("event-lanes").append(t);
+			t.className = `lane ${e}`, t.addEventListener("keydown", (e) => this.pressed(e)), this.lanes.set(e, t), Hm("event-lanes").append(t);
 		}
 		for (let e of document.querySelectorAll("#events [data-kind]")) e.addEventListener("click", () => this.add(e.dataset.side, e.dataset.kind));
-		Rm("event-delete").addEventListener("click", () => this.remove()), Rm("event-undo").addEventListener("click", () => this.undo()), Rm("event-save").addEventListener("click", () => this.save()), addEventListener("beforeunload", (e) => {
+		Hm("event-delete").addEventListener("click", () => this.remove()), Hm("event-undo").addEventListener("click", () => this.undo()), Hm("event-save").addEventListener("click", () => this.save()), addEventListener("beforeunload", (e) => {
 			this.isSaved || e.preventDefault();
 		}), this.draw();
 	}
@@ -13822,7 +13837,7 @@ var Bm = (e) => Math.round(e * 1e4) / 1e4, Vm = (e) => String(Math.round(e * 10)
 			frames: n,
 			events: [...this.marks].sort((e, t) => e.frame - t.frame)
 		}, i = document.createElement("a");
-		i.href = URL.createObjectURL(new Blob([JSON.stringify(r, null, 1)], { type: "application/json" })), i.download = "events.json", i.click(), URL.revokeObjectURL(i.href), this.isSaved = !0, this.say("Saved as events.json among the downloads.");
+		i.href = URL.createObjectURL(new Blob([JSON.stringify(r, null, 1)], { type: "application/json" })), i.download = "events.json", i.click(), URL.revokeObjectURL(i.href), this.isSaved = !0, this.tell(Im("Saved as events.json among the downloads."));
 	}
 	edited() {
 		this.isSaved = !1;
@@ -13836,17 +13851,23 @@ var Bm = (e) => Math.round(e * 1e4) / 1e4, Vm = (e) => String(Math.round(e * 10)
 	draw() {
 		for (let [e, t] of this.lanes) {
 			let n = document.createElement("span");
-			n.textContent = e;
+			n.textContent = Km(e);
 			let r = this.marks.filter((t) => t.side === e).sort((e, t) => e.frame - t.frame);
 			t.replaceChildren(n, document.createElement("i"), ...r.map((e) => this.button(e)));
 		}
 		this.show(this.at), document.querySelector(".lane .chosen")?.focus({ preventScroll: !0 });
-		let e = zm(this.marks);
-		Rm("event-delete").disabled = !this.chosen, Rm("event-save").disabled = e !== null, this.say(e ?? "");
+		let e = Um(this.marks);
+		Hm("event-delete").disabled = !this.chosen, Hm("event-save").disabled = e !== null, this.tell(e ?? "");
 	}
 	button(e) {
 		let t = document.createElement("button");
-		return t.type = "button", t.textContent = Im[e.kind], t.title = `${e.side} foot ${e.kind}, frame ${Vm(e.frame)}`, t.setAttribute("aria-label", t.title), t.classList.toggle("chosen", e === this.chosen), t.style.left = this.place(e.frame), t.addEventListener("pointerdown", (t) => this.drag(e, t)), t.addEventListener("focus", () => this.choose(e)), t;
+		t.type = "button", t.textContent = Vm[e.kind];
+		let n = e.kind === "strike" ? Im("strike") : Im("off");
+		return t.title = Im("{side} foot {kind}, frame {frame}", {
+			side: Km(e.side),
+			kind: n,
+			frame: Gm(e.frame)
+		}), t.setAttribute("aria-label", t.title), t.classList.toggle("chosen", e === this.chosen), t.style.left = this.place(e.frame), t.addEventListener("pointerdown", (t) => this.drag(e, t)), t.addEventListener("focus", () => this.choose(e)), t;
 	}
 	choose(e) {
 		e === this.chosen && document.activeElement?.classList.contains("chosen") || (this.chosen = e, this.draw(), this.seek(Math.round(e.frame) - this.scene.first_frame));
@@ -13864,12 +13885,12 @@ var Bm = (e) => Math.round(e * 1e4) / 1e4, Vm = (e) => String(Math.round(e * 10)
 	place(e) {
 		return `${100 * (e - this.scene.first_frame) / Math.max(this.scene.frames - 1, 1)}%`;
 	}
-	say(e) {
-		Rm("event-says").textContent = e;
+	tell(e) {
+		Hm("event-says").textContent = e;
 	}
 };
 // src/picture.ts
-function Um(e) {
+function Jm(e) {
 	let [t, n, r, i] = [
 		Infinity,
 		Infinity,
@@ -13884,14 +13905,14 @@ function Um(e) {
 		height: i - n
 	} : null;
 }
-var Wm = class {
+var Ym = class {
 	view;
 	lines;
 	size;
 	pictures = /* @__PURE__ */ new Map();
 	constructor(e) {
-		this.view = e, this.lines = vl(e);
-		let t = this.lines.map(Um).filter((e) => e !== null), n = 1.2 * Math.max(...t.map((e) => e.height));
+		this.view = e, this.lines = yl(e);
+		let t = this.lines.map(Jm).filter((e) => e !== null), n = 1.2 * Math.max(...t.map((e) => e.height));
 		for (let t of e.pictures) {
 			let e = new Image();
 			e.src = `data:image/jpeg;base64,${t.jpeg}`, this.pictures.set(t.frame, {
@@ -13909,7 +13930,7 @@ var Wm = class {
 		return this.pictures.get(e);
 	}
 	crop(e) {
-		let t = Um(this.lines[e] ?? []), [n, r] = this.view.size_px;
+		let t = Jm(this.lines[e] ?? []), [n, r] = this.view.size_px;
 		if (!t) return {
 			left: -.5,
 			top: -.5,
@@ -13924,13 +13945,13 @@ var Wm = class {
 		};
 	}
 };
-function Gm(e, t) {
+function Xm(e, t) {
 	let { width: n, height: r } = t, [i, a, , , o] = e.intrinsics_px, [s, c] = [e.intrinsics_px[2] - t.left, e.intrinsics_px[3] - t.top], [l, u] = [.05, 100], d = new Ta();
 	d.projectionMatrix.set(2 * i / n, 2 * o / n, (2 * s + 1) / n - 1, 0, 0, -2 * a / r, 1 - (2 * c + 1) / r, 0, 0, 0, (u + l) / (u - l), -2 * u * l / (u - l), 0, 0, 1, 0), d.projectionMatrixInverse.copy(d.projectionMatrix).invert();
 	let f = e.camera_from_world, p = new qt().set(f[0], f[1], f[2], f[9], f[3], f[4], f[5], f[10], f[6], f[7], f[8], f[11], 0, 0, 0, 1).invert();
 	return d.matrixAutoUpdate = !1, d.matrix.copy(p), d.matrixWorld.copy(p), d.matrixWorldInverse.copy(p).invert(), d.matrixWorldAutoUpdate = !1, d;
 }
-var Km = class {
+var Zm = class {
 	body;
 	every;
 	renderer;
@@ -13950,7 +13971,7 @@ var Km = class {
 		return this.room.add(this.body.object), this.renderer.setSize(t, n, !1), this.renderer.render(this.room, e), r?.add(this.body.object), this.renderer.domElement;
 	}
 	seenBy(e) {
-		let t = this.seen.get(e) ?? new Wm(e);
+		let t = this.seen.get(e) ?? new Ym(e);
 		return this.seen.set(e, t), t;
 	}
 	shown(e, t) {
@@ -13972,7 +13993,7 @@ var Km = class {
 			let { left: e, top: t, width: n, height: r } = u.at;
 			l.drawImage(u.image, (e - s.left) * c, (t - s.top) * c, n * c, r * c), l.globalAlpha = .5;
 		}
-		(i || !u) && l.drawImage(this.shot(Gm(e, s), n.width, n.height), 0, 0), l.globalAlpha = 1, o !== t && this.body.pose(t);
+		(i || !u) && l.drawImage(this.shot(Xm(e, s), n.width, n.height), 0, 0), l.globalAlpha = 1, o !== t && this.body.pose(t);
 		for (let [e, t] of [["#222", 3.4], ["#ffc400", 1.8]]) {
 			l.strokeStyle = e, l.lineWidth = t;
 			for (let e of a.lines[o] ?? []) {
@@ -13987,7 +14008,7 @@ var Km = class {
 		let t = new Gn().setFromObject(this.body.object, !0), n = t.getSize(new X()), r = t.getCenter(new X()), i = .53 * Math.max(n.z, .1), a = e === "front" ? .53 * n.y : .3 * n.z, o = new Aa(-a, a, i, -i, .01, 20), s = e === "front" ? new X(1, 0, 0) : new X(0, -1, 0);
 		return o.up.set(0, 0, 1), o.position.copy(r).addScaledVector(s, 5), o.lookAt(r), o.updateMatrixWorld(), this.shot(o, Math.round(700 * a / i), 700).toDataURL("image/png");
 	}
-}, qm = { type: "change" }, Jm = { type: "start" }, Ym = { type: "end" }, Xm = new Fr(), Zm = new Or(), Qm = Math.cos(70 * Ct.DEG2RAD), $m = new X(), eh = 2 * Math.PI, th = {
+}, Qm = { type: "change" }, $m = { type: "start" }, eh = { type: "end" }, th = new Fr(), nh = new Or(), rh = Math.cos(70 * Ct.DEG2RAD), ih = new X(), ah = 2 * Math.PI, oh = {
 	NONE: -1,
 	ROTATE: 0,
 	DOLLY: 1,
@@ -13996,9 +14017,9 @@ var Km = class {
 	TOUCH_PAN: 4,
 	TOUCH_DOLLY_PAN: 5,
 	TOUCH_DOLLY_ROTATE: 6
-}, nh = 1e-6, rh = class extends Qa {
+}, sh = 1e-6, ch = class extends Qa {
 	constructor(n, r = null) {
-		super(n, r), this.state = th.NONE, this.target = new X(), this.cursor = new X(), this.minDistance = 0, this.maxDistance = Infinity, this.minZoom = 0, this.maxZoom = Infinity, this.minTargetRadius = 0, this.maxTargetRadius = Infinity, this.minPolarAngle = 0, this.maxPolarAngle = Math.PI, this.minAzimuthAngle = -Infinity, this.maxAzimuthAngle = Infinity, this.enableDamping = !1, this.dampingFactor = .05, this.enableZoom = !0, this.zoomSpeed = 1, this.enableRotate = !0, this.rotateSpeed = 1, this.keyRotateSpeed = 1, this.enablePan = !0, this.panSpeed = 1, this.screenSpacePanning = !0, this.keyPanSpeed = 7, this.zoomToCursor = !1, this.autoRotate = !1, this.autoRotateSpeed = 2, this.keys = {
+		super(n, r), this.state = oh.NONE, this.target = new X(), this.cursor = new X(), this.minDistance = 0, this.maxDistance = Infinity, this.minZoom = 0, this.maxZoom = Infinity, this.minTargetRadius = 0, this.maxTargetRadius = Infinity, this.minPolarAngle = 0, this.maxPolarAngle = Math.PI, this.minAzimuthAngle = -Infinity, this.maxAzimuthAngle = Infinity, this.enableDamping = !1, this.dampingFactor = .05, this.enableZoom = !0, this.zoomSpeed = 1, this.enableRotate = !0, this.rotateSpeed = 1, this.keyRotateSpeed = 1, this.enablePan = !0, this.panSpeed = 1, this.screenSpacePanning = !0, this.keyPanSpeed = 7, this.zoomToCursor = !1, this.autoRotate = !1, this.autoRotateSpeed = 2, this.keys = {
 			LEFT: "ArrowLeft",
 			UP: "ArrowUp",
 			RIGHT: "ArrowRight",
@@ -14010,7 +14031,7 @@ var Km = class {
 		}, this.touches = {
 			ONE: t.ROTATE,
 			TWO: t.DOLLY_PAN
-		}, this.target0 = this.target.clone(), this.position0 = this.object.position.clone(), this.zoom0 = this.object.zoom, this._cursorStyle = "auto", this._domElementKeyEvents = null, this._lastPosition = new X(), this._lastQuaternion = new wt(), this._lastTargetPosition = new X(), this._quat = new wt().setFromUnitVectors(n.up, new X(0, 1, 0)), this._quatInverse = this._quat.clone().invert(), this._spherical = new Xa(), this._sphericalDelta = new Xa(), this._scale = 1, this._panOffset = new X(), this._rotateStart = new Y(), this._rotateEnd = new Y(), this._rotateDelta = new Y(), this._panStart = new Y(), this._panEnd = new Y(), this._panDelta = new Y(), this._dollyStart = new Y(), this._dollyEnd = new Y(), this._dollyDelta = new Y(), this._dollyDirection = new X(), this._mouse = new Y(), this._performCursorZoom = !1, this._pointers = [], this._pointerPositions = {}, this._controlActive = !1, this._onPointerMove = ah.bind(this), this._onPointerDown = ih.bind(this), this._onPointerUp = oh.bind(this), this._onContextMenu = ph.bind(this), this._onMouseWheel = lh.bind(this), this._onKeyDown = uh.bind(this), this._onTouchStart = dh.bind(this), this._onTouchMove = fh.bind(this), this._onMouseDown = sh.bind(this), this._onMouseMove = ch.bind(this), this._interceptControlDown = mh.bind(this), this._interceptControlUp = hh.bind(this), this.domElement !== null && this.connect(this.domElement), this.update();
+		}, this.target0 = this.target.clone(), this.position0 = this.object.position.clone(), this.zoom0 = this.object.zoom, this._cursorStyle = "auto", this._domElementKeyEvents = null, this._lastPosition = new X(), this._lastQuaternion = new wt(), this._lastTargetPosition = new X(), this._quat = new wt().setFromUnitVectors(n.up, new X(0, 1, 0)), this._quatInverse = this._quat.clone().invert(), this._spherical = new Xa(), this._sphericalDelta = new Xa(), this._scale = 1, this._panOffset = new X(), this._rotateStart = new Y(), this._rotateEnd = new Y(), this._rotateDelta = new Y(), this._panStart = new Y(), this._panEnd = new Y(), this._panDelta = new Y(), this._dollyStart = new Y(), this._dollyEnd = new Y(), this._dollyDelta = new Y(), this._dollyDirection = new X(), this._mouse = new Y(), this._performCursorZoom = !1, this._pointers = [], this._pointerPositions = {}, this._controlActive = !1, this._onPointerMove = uh.bind(this), this._onPointerDown = lh.bind(this), this._onPointerUp = dh.bind(this), this._onContextMenu = vh.bind(this), this._onMouseWheel = mh.bind(this), this._onKeyDown = hh.bind(this), this._onTouchStart = gh.bind(this), this._onTouchMove = _h.bind(this), this._onMouseDown = fh.bind(this), this._onMouseMove = ph.bind(this), this._interceptControlDown = yh.bind(this), this._interceptControlUp = bh.bind(this), this.domElement !== null && this.connect(this.domElement), this.update();
 	}
 	set cursorStyle(e) {
 		this._cursorStyle = e, e === "grab" ? this.domElement.style.cursor = "grab" : this.domElement.style.cursor = "auto";
@@ -14025,7 +14046,7 @@ var Km = class {
 		}), this.domElement.style.touchAction = "none";
 	}
 	disconnect() {
-		this.state = th.NONE, this.domElement.removeEventListener("pointerdown", this._onPointerDown), this.domElement.ownerDocument.removeEventListener("pointermove", this._onPointerMove), this.domElement.ownerDocument.removeEventListener("pointerup", this._onPointerUp), this.domElement.removeEventListener("pointercancel", this._onPointerUp), this.domElement.removeEventListener("wheel", this._onMouseWheel), this.domElement.removeEventListener("contextmenu", this._onContextMenu), this.stopListenToKeyEvents(), this.domElement.ownerDocument.removeEventListener("keydown", this._interceptControlDown, { capture: !0 }), this.domElement.ownerDocument.removeEventListener("keyup", this._interceptControlUp, { capture: !0 }), this._controlActive = !1, this._pointers.length = 0, this._pointerPositions = {}, this.domElement.style.touchAction = "", this.domElement.style.cursor = "auto";
+		this.state = oh.NONE, this.domElement.removeEventListener("pointerdown", this._onPointerDown), this.domElement.ownerDocument.removeEventListener("pointermove", this._onPointerMove), this.domElement.ownerDocument.removeEventListener("pointerup", this._onPointerUp), this.domElement.removeEventListener("pointercancel", this._onPointerUp), this.domElement.removeEventListener("wheel", this._onMouseWheel), this.domElement.removeEventListener("contextmenu", this._onContextMenu), this.stopListenToKeyEvents(), this.domElement.ownerDocument.removeEventListener("keydown", this._interceptControlDown, { capture: !0 }), this.domElement.ownerDocument.removeEventListener("keyup", this._interceptControlUp, { capture: !0 }), this._controlActive = !1, this._pointers.length = 0, this._pointerPositions = {}, this.domElement.style.touchAction = "", this.domElement.style.cursor = "auto";
 	}
 	dispose() {
 		this.disconnect();
@@ -14049,7 +14070,7 @@ var Km = class {
 		this.target0.copy(this.target), this.position0.copy(this.object.position), this.zoom0 = this.object.zoom;
 	}
 	reset() {
-		this.target.copy(this.target0), this.object.position.copy(this.position0), this.object.zoom = this.zoom0, this.object.updateProjectionMatrix(), this.dispatchEvent(qm), this.update(), this.state = th.NONE;
+		this.target.copy(this.target0), this.object.position.copy(this.position0), this.object.zoom = this.zoom0, this.object.updateProjectionMatrix(), this.dispatchEvent(Qm), this.update(), this.state = oh.NONE;
 	}
 	pan(e, t) {
 		this._pan(e, t), this.update();
@@ -14068,19 +14089,19 @@ var Km = class {
 	}
 	update(e = null) {
 		let t = this.object.position;
-		$m.copy(t).sub(this.target), $m.applyQuaternion(this._quat), this._spherical.setFromVector3($m), this.autoRotate && this.state === th.NONE && this._rotateLeft(this._getAutoRotationAngle(e)), this.enableDamping ? (this._spherical.theta += this._sphericalDelta.theta * this.dampingFactor, this._spherical.phi += this._sphericalDelta.phi * this.dampingFactor) : (this._spherical.theta += this._sphericalDelta.theta, this._spherical.phi += this._sphericalDelta.phi);
+		ih.copy(t).sub(this.target), ih.applyQuaternion(this._quat), this._spherical.setFromVector3(ih), this.autoRotate && this.state === oh.NONE && this._rotateLeft(this._getAutoRotationAngle(e)), this.enableDamping ? (this._spherical.theta += this._sphericalDelta.theta * this.dampingFactor, this._spherical.phi += this._sphericalDelta.phi * this.dampingFactor) : (this._spherical.theta += this._sphericalDelta.theta, this._spherical.phi += this._sphericalDelta.phi);
 		let n = this.minAzimuthAngle, r = this.maxAzimuthAngle;
-		isFinite(n) && isFinite(r) && (n < -Math.PI ? n += eh : n > Math.PI && (n -= eh), r < -Math.PI ? r += eh : r > Math.PI && (r -= eh), n <= r ? this._spherical.theta = Math.max(n, Math.min(r, this._spherical.theta)) : this._spherical.theta = this._spherical.theta > (n + r) / 2 ? Math.max(n, this._spherical.theta) : Math.min(r, this._spherical.theta)), this._spherical.phi = Math.max(this.minPolarAngle, Math.min(this.maxPolarAngle, this._spherical.phi)), this._spherical.makeSafe(), this.enableDamping === !0 ? this.target.addScaledVector(this._panOffset, this.dampingFactor) : this.target.add(this._panOffset), this.target.sub(this.cursor), this.target.clampLength(this.minTargetRadius, this.maxTargetRadius), this.target.add(this.cursor);
+		isFinite(n) && isFinite(r) && (n < -Math.PI ? n += ah : n > Math.PI && (n -= ah), r < -Math.PI ? r += ah : r > Math.PI && (r -= ah), n <= r ? this._spherical.theta = Math.max(n, Math.min(r, this._spherical.theta)) : this._spherical.theta = this._spherical.theta > (n + r) / 2 ? Math.max(n, this._spherical.theta) : Math.min(r, this._spherical.theta)), this._spherical.phi = Math.max(this.minPolarAngle, Math.min(this.maxPolarAngle, this._spherical.phi)), this._spherical.makeSafe(), this.enableDamping === !0 ? this.target.addScaledVector(this._panOffset, this.dampingFactor) : this.target.add(this._panOffset), this.target.sub(this.cursor), this.target.clampLength(this.minTargetRadius, this.maxTargetRadius), this.target.add(this.cursor);
 		let i = !1;
 		if (this.zoomToCursor && this._performCursorZoom || this.object.isOrthographicCamera) this._spherical.radius = this._clampDistance(this._spherical.radius);
 		else {
 			let e = this._spherical.radius;
 			this._spherical.radius = this._clampDistance(this._spherical.radius * this._scale), i = e != this._spherical.radius;
 		}
-		if ($m.setFromSpherical(this._spherical), $m.applyQuaternion(this._quatInverse), t.copy(this.target).add($m), this.object.lookAt(this.target), this.enableDamping === !0 ? (this._sphericalDelta.theta *= 1 - this.dampingFactor, this._sphericalDelta.phi *= 1 - this.dampingFactor, this._panOffset.multiplyScalar(1 - this.dampingFactor)) : (this._sphericalDelta.set(0, 0, 0), this._panOffset.set(0, 0, 0)), this.zoomToCursor && this._performCursorZoom) {
+		if (ih.setFromSpherical(this._spherical), ih.applyQuaternion(this._quatInverse), t.copy(this.target).add(ih), this.object.lookAt(this.target), this.enableDamping === !0 ? (this._sphericalDelta.theta *= 1 - this.dampingFactor, this._sphericalDelta.phi *= 1 - this.dampingFactor, this._panOffset.multiplyScalar(1 - this.dampingFactor)) : (this._sphericalDelta.set(0, 0, 0), this._panOffset.set(0, 0, 0)), this.zoomToCursor && this._performCursorZoom) {
 			let e = null;
 			if (this.object.isPerspectiveCamera) {
-				let t = $m.length();
+				let t = ih.length();
 				e = this._clampDistance(t * this._scale);
 				let n = t - e;
 				this.object.position.addScaledVector(this._dollyDirection, n), this.object.updateMatrixWorld(), i = !!n;
@@ -14090,17 +14111,17 @@ var Km = class {
 				let n = this.object.zoom;
 				this.object.zoom = Math.max(this.minZoom, Math.min(this.maxZoom, this.object.zoom / this._scale)), this.object.updateProjectionMatrix(), i = n !== this.object.zoom;
 				let r = new X(this._mouse.x, this._mouse.y, 0);
-				r.unproject(this.object), this.object.position.sub(r).add(t), this.object.updateMatrixWorld(), e = $m.length();
+				r.unproject(this.object), this.object.position.sub(r).add(t), this.object.updateMatrixWorld(), e = ih.length();
 			} else console.warn("WARNING: OrbitControls.js encountered an unknown camera type - zoom to cursor disabled."), this.zoomToCursor = !1;
-			e !== null && (this.screenSpacePanning ? this.target.set(0, 0, -1).transformDirection(this.object.matrix).multiplyScalar(e).add(this.object.position) : (Xm.origin.copy(this.object.position), Xm.direction.set(0, 0, -1).transformDirection(this.object.matrix), Math.abs(this.object.up.dot(Xm.direction)) < Qm ? this.object.lookAt(this.target) : (Zm.setFromNormalAndCoplanarPoint(this.object.up, this.target), Xm.intersectPlane(Zm, this.target))));
+			e !== null && (this.screenSpacePanning ? this.target.set(0, 0, -1).transformDirection(this.object.matrix).multiplyScalar(e).add(this.object.position) : (th.origin.copy(this.object.position), th.direction.set(0, 0, -1).transformDirection(this.object.matrix), Math.abs(this.object.up.dot(th.direction)) < rh ? this.object.lookAt(this.target) : (nh.setFromNormalAndCoplanarPoint(this.object.up, this.target), th.intersectPlane(nh, this.target))));
 		} else if (this.object.isOrthographicCamera) {
 			let e = this.object.zoom;
 			this.object.zoom = Math.max(this.minZoom, Math.min(this.maxZoom, this.object.zoom / this._scale)), e !== this.object.zoom && (this.object.updateProjectionMatrix(), i = !0);
 		}
-		return this._scale = 1, this._performCursorZoom = !1, i || this._lastPosition.distanceToSquared(this.object.position) > nh || 8 * (1 - this._lastQuaternion.dot(this.object.quaternion)) > nh || this._lastTargetPosition.distanceToSquared(this.target) > nh ? (this.dispatchEvent(qm), this._lastPosition.copy(this.object.position), this._lastQuaternion.copy(this.object.quaternion), this._lastTargetPosition.copy(this.target), !0) : !1;
+		return this._scale = 1, this._performCursorZoom = !1, i || this._lastPosition.distanceToSquared(this.object.position) > sh || 8 * (1 - this._lastQuaternion.dot(this.object.quaternion)) > sh || this._lastTargetPosition.distanceToSquared(this.target) > sh ? (this.dispatchEvent(Qm), this._lastPosition.copy(this.object.position), this._lastQuaternion.copy(this.object.quaternion), this._lastTargetPosition.copy(this.target), !0) : !1;
 	}
 	_getAutoRotationAngle(e) {
-		return e === null ? eh / 60 / 60 * this.autoRotateSpeed : eh / 60 * this.autoRotateSpeed * e;
+		return e === null ? ah / 60 / 60 * this.autoRotateSpeed : ah / 60 * this.autoRotateSpeed * e;
 	}
 	_getZoomScale(e) {
 		let t = Math.abs(e * .01);
@@ -14113,17 +14134,17 @@ var Km = class {
 		this._sphericalDelta.phi -= e;
 	}
 	_panLeft(e, t) {
-		$m.setFromMatrixColumn(t, 0), $m.multiplyScalar(-e), this._panOffset.add($m);
+		ih.setFromMatrixColumn(t, 0), ih.multiplyScalar(-e), this._panOffset.add(ih);
 	}
 	_panUp(e, t) {
-		this.screenSpacePanning === !0 ? $m.setFromMatrixColumn(t, 1) : ($m.setFromMatrixColumn(t, 0), $m.crossVectors(this.object.up, $m)), $m.multiplyScalar(e), this._panOffset.add($m);
+		this.screenSpacePanning === !0 ? ih.setFromMatrixColumn(t, 1) : (ih.setFromMatrixColumn(t, 0), ih.crossVectors(this.object.up, ih)), ih.multiplyScalar(e), this._panOffset.add(ih);
 	}
 	_pan(e, t) {
 		let n = this.domElement;
 		if (this.object.isPerspectiveCamera) {
 			let r = this.object.position;
-			$m.copy(r).sub(this.target);
-			let i = $m.length();
+			ih.copy(r).sub(this.target);
+			let i = ih.length();
 			i *= Math.tan(this.object.fov / 2 * Math.PI / 180), this._panLeft(2 * e * i / n.clientHeight, this.object.matrix), this._panUp(2 * t * i / n.clientHeight, this.object.matrix);
 		} else this.object.isOrthographicCamera ? (this._panLeft(e * (this.object.right - this.object.left) / this.object.zoom / n.clientWidth, this.object.matrix), this._panUp(t * (this.object.top - this.object.bottom) / this.object.zoom / n.clientHeight, this.object.matrix)) : (console.warn("WARNING: OrbitControls.js encountered an unknown camera type - pan disabled."), this.enablePan = !1);
 	}
@@ -14154,7 +14175,7 @@ var Km = class {
 	_handleMouseMoveRotate(e) {
 		this._rotateEnd.set(e.clientX, e.clientY), this._rotateDelta.subVectors(this._rotateEnd, this._rotateStart).multiplyScalar(this.rotateSpeed);
 		let t = this.domElement;
-		this._rotateLeft(eh * this._rotateDelta.x / t.clientHeight), this._rotateUp(eh * this._rotateDelta.y / t.clientHeight), this._rotateStart.copy(this._rotateEnd), this.update();
+		this._rotateLeft(ah * this._rotateDelta.x / t.clientHeight), this._rotateUp(ah * this._rotateDelta.y / t.clientHeight), this._rotateStart.copy(this._rotateEnd), this.update();
 	}
 	_handleMouseMoveDolly(e) {
 		this._dollyEnd.set(e.clientX, e.clientY), this._dollyDelta.subVectors(this._dollyEnd, this._dollyStart), this._dollyDelta.y > 0 ? this._dollyOut(this._getZoomScale(this._dollyDelta.y)) : this._dollyDelta.y < 0 && this._dollyIn(this._getZoomScale(this._dollyDelta.y)), this._dollyStart.copy(this._dollyEnd), this.zoomToCursor && (this._performCursorZoom = !0, this._dollyDirection.set(this._mouse.x, this._mouse.y, 1).unproject(this.object).sub(this.object.position).normalize()), this.update();
@@ -14169,15 +14190,15 @@ var Km = class {
 		let t = !1;
 		switch (e.code) {
 			case this.keys.UP:
-				e.ctrlKey || e.metaKey || e.shiftKey ? this.enableRotate && this._rotateUp(eh * this.keyRotateSpeed / this.domElement.clientHeight) : this.enablePan && this._pan(0, this.keyPanSpeed), t = !0;
+				e.ctrlKey || e.metaKey || e.shiftKey ? this.enableRotate && this._rotateUp(ah * this.keyRotateSpeed / this.domElement.clientHeight) : this.enablePan && this._pan(0, this.keyPanSpeed), t = !0;
 				break;
 			case this.keys.BOTTOM:
-				e.ctrlKey || e.metaKey || e.shiftKey ? this.enableRotate && this._rotateUp(-eh * this.keyRotateSpeed / this.domElement.clientHeight) : this.enablePan && this._pan(0, -this.keyPanSpeed), t = !0;
+				e.ctrlKey || e.metaKey || e.shiftKey ? this.enableRotate && this._rotateUp(-ah * this.keyRotateSpeed / this.domElement.clientHeight) : this.enablePan && this._pan(0, -this.keyPanSpeed), t = !0;
 				break;
 			case this.keys.LEFT:
-				e.ctrlKey || e.metaKey || e.shiftKey ? this.enableRotate && this._rotateLeft(eh * this.keyRotateSpeed / this.domElement.clientHeight) : this.enablePan && this._pan(this.keyPanSpeed, 0), t = !0;
+				e.ctrlKey || e.metaKey || e.shiftKey ? this.enableRotate && this._rotateLeft(ah * this.keyRotateSpeed / this.domElement.clientHeight) : this.enablePan && this._pan(this.keyPanSpeed, 0), t = !0;
 				break;
-			case this.keys.RIGHT: e.ctrlKey || e.metaKey || e.shiftKey ? this.enableRotate && this._rotateLeft(-eh * this.keyRotateSpeed / this.domElement.clientHeight) : this.enablePan && this._pan(-this.keyPanSpeed, 0), t = !0;
+			case this.keys.RIGHT: e.ctrlKey || e.metaKey || e.shiftKey ? this.enableRotate && this._rotateLeft(-ah * this.keyRotateSpeed / this.domElement.clientHeight) : this.enablePan && this._pan(-this.keyPanSpeed, 0), t = !0;
 		}
 		t && (e.preventDefault(), this.update());
 	}
@@ -14213,7 +14234,7 @@ var Km = class {
 		}
 		this._rotateDelta.subVectors(this._rotateEnd, this._rotateStart).multiplyScalar(this.rotateSpeed);
 		let t = this.domElement;
-		this._rotateLeft(eh * this._rotateDelta.x / t.clientHeight), this._rotateUp(eh * this._rotateDelta.y / t.clientHeight), this._rotateStart.copy(this._rotateEnd);
+		this._rotateLeft(ah * this._rotateDelta.x / t.clientHeight), this._rotateUp(ah * this._rotateDelta.y / t.clientHeight), this._rotateStart.copy(this._rotateEnd);
 	}
 	_handleTouchMovePan(e) {
 		if (this._pointers.length === 1) this._panEnd.set(e.pageX, e.pageY);
@@ -14272,16 +14293,16 @@ var Km = class {
 		return e.ctrlKey && !this._controlActive && (n.deltaY *= 10), n;
 	}
 };
-function ih(e) {
+function lh(e) {
 	this.enabled !== !1 && (this._pointers.length === 0 && (this.domElement.setPointerCapture(e.pointerId), this.domElement.ownerDocument.addEventListener("pointermove", this._onPointerMove), this.domElement.ownerDocument.addEventListener("pointerup", this._onPointerUp)), this._isTrackingPointer(e) || (this._addPointer(e), e.pointerType === "touch" ? this._onTouchStart(e) : this._onMouseDown(e), this._cursorStyle === "grab" && (this.domElement.style.cursor = "grabbing")));
 }
-function ah(e) {
+function uh(e) {
 	this.enabled !== !1 && (e.pointerType === "touch" ? this._onTouchMove(e) : this._onMouseMove(e));
 }
-function oh(e) {
+function dh(e) {
 	switch (this._removePointer(e), this._pointers.length) {
 		case 0:
-			this.domElement.releasePointerCapture(e.pointerId), this.domElement.ownerDocument.removeEventListener("pointermove", this._onPointerMove), this.domElement.ownerDocument.removeEventListener("pointerup", this._onPointerUp), this.dispatchEvent(Ym), this.state = th.NONE, this._cursorStyle === "grab" && (this.domElement.style.cursor = "grab");
+			this.domElement.releasePointerCapture(e.pointerId), this.domElement.ownerDocument.removeEventListener("pointermove", this._onPointerMove), this.domElement.ownerDocument.removeEventListener("pointerup", this._onPointerUp), this.dispatchEvent(eh), this.state = oh.NONE, this._cursorStyle === "grab" && (this.domElement.style.cursor = "grab");
 			break;
 		case 1:
 			let t = this._pointers[0], n = this._pointerPositions[t];
@@ -14292,7 +14313,7 @@ function oh(e) {
 			});
 	}
 }
-function sh(t) {
+function fh(t) {
 	let n;
 	switch (t.button) {
 		case 0:
@@ -14309,135 +14330,135 @@ function sh(t) {
 	switch (n) {
 		case e.DOLLY:
 			if (this.enableZoom === !1) return;
-			this._handleMouseDownDolly(t), this.state = th.DOLLY;
+			this._handleMouseDownDolly(t), this.state = oh.DOLLY;
 			break;
 		case e.ROTATE:
 			if (t.ctrlKey || t.metaKey || t.shiftKey) {
 				if (this.enablePan === !1) return;
-				this._handleMouseDownPan(t), this.state = th.PAN;
+				this._handleMouseDownPan(t), this.state = oh.PAN;
 			} else {
 				if (this.enableRotate === !1) return;
-				this._handleMouseDownRotate(t), this.state = th.ROTATE;
+				this._handleMouseDownRotate(t), this.state = oh.ROTATE;
 			}
 			break;
 		case e.PAN:
 			if (t.ctrlKey || t.metaKey || t.shiftKey) {
 				if (this.enableRotate === !1) return;
-				this._handleMouseDownRotate(t), this.state = th.ROTATE;
+				this._handleMouseDownRotate(t), this.state = oh.ROTATE;
 			} else {
 				if (this.enablePan === !1) return;
-				this._handleMouseDownPan(t), this.state = th.PAN;
+				this._handleMouseDownPan(t), this.state = oh.PAN;
 			}
 			break;
-		default: this.state = th.NONE;
+		default: this.state = oh.NONE;
 	}
-	this.state !== th.NONE && this.dispatchEvent(Jm);
+	this.state !== oh.NONE && this.dispatchEvent($m);
 }
-function ch(e) {
+function ph(e) {
 	switch (this.state) {
-		case th.ROTATE:
+		case oh.ROTATE:
 			if (this.enableRotate === !1) return;
 			this._handleMouseMoveRotate(e);
 			break;
-		case th.DOLLY:
+		case oh.DOLLY:
 			if (this.enableZoom === !1) return;
 			this._handleMouseMoveDolly(e);
 			break;
-		case th.PAN:
+		case oh.PAN:
 			if (this.enablePan === !1) return;
 			this._handleMouseMovePan(e);
 	}
 }
-function lh(e) {
-	this.enabled !== !1 && this.enableZoom !== !1 && this.state === th.NONE && (e.preventDefault(), this.dispatchEvent(Jm), this._handleMouseWheel(this._customWheelEvent(e)), this.dispatchEvent(Ym));
+function mh(e) {
+	this.enabled !== !1 && this.enableZoom !== !1 && this.state === oh.NONE && (e.preventDefault(), this.dispatchEvent($m), this._handleMouseWheel(this._customWheelEvent(e)), this.dispatchEvent(eh));
 }
-function uh(e) {
+function hh(e) {
 	this.enabled !== !1 && this._handleKeyDown(e);
 }
-function dh(e) {
+function gh(e) {
 	switch (this._trackPointer(e), this._pointers.length) {
 		case 1:
 			switch (this.touches.ONE) {
 				case t.ROTATE:
 					if (this.enableRotate === !1) {
-						this.state = th.NONE;
+						this.state = oh.NONE;
 						break;
 					}
-					this._handleTouchStartRotate(e), this.state = th.TOUCH_ROTATE;
+					this._handleTouchStartRotate(e), this.state = oh.TOUCH_ROTATE;
 					break;
 				case t.PAN:
 					if (this.enablePan === !1) {
-						this.state = th.NONE;
+						this.state = oh.NONE;
 						break;
 					}
-					this._handleTouchStartPan(e), this.state = th.TOUCH_PAN;
+					this._handleTouchStartPan(e), this.state = oh.TOUCH_PAN;
 					break;
-				default: this.state = th.NONE;
+				default: this.state = oh.NONE;
 			}
 			break;
 		case 2:
 			switch (this.touches.TWO) {
 				case t.DOLLY_PAN:
 					if (this.enableZoom === !1 && this.enablePan === !1) return;
-					this._handleTouchStartDollyPan(e), this.state = th.TOUCH_DOLLY_PAN;
+					this._handleTouchStartDollyPan(e), this.state = oh.TOUCH_DOLLY_PAN;
 					break;
 				case t.DOLLY_ROTATE:
 					if (this.enableZoom === !1 && this.enableRotate === !1) return;
-					this._handleTouchStartDollyRotate(e), this.state = th.TOUCH_DOLLY_ROTATE;
+					this._handleTouchStartDollyRotate(e), this.state = oh.TOUCH_DOLLY_ROTATE;
 					break;
-				default: this.state = th.NONE;
+				default: this.state = oh.NONE;
 			}
 			break;
-		default: this.state = th.NONE;
+		default: this.state = oh.NONE;
 	}
-	this.state !== th.NONE && this.dispatchEvent(Jm);
+	this.state !== oh.NONE && this.dispatchEvent($m);
 }
-function fh(e) {
+function _h(e) {
 	switch (this._trackPointer(e), this.state) {
-		case th.TOUCH_ROTATE:
+		case oh.TOUCH_ROTATE:
 			if (this.enableRotate === !1) return;
 			this._handleTouchMoveRotate(e), this.update();
 			break;
-		case th.TOUCH_PAN:
+		case oh.TOUCH_PAN:
 			if (this.enablePan === !1) return;
 			this._handleTouchMovePan(e), this.update();
 			break;
-		case th.TOUCH_DOLLY_PAN:
+		case oh.TOUCH_DOLLY_PAN:
 			if (this.enableZoom === !1 && this.enablePan === !1) return;
 			this._handleTouchMoveDollyPan(e), this.update();
 			break;
-		case th.TOUCH_DOLLY_ROTATE:
+		case oh.TOUCH_DOLLY_ROTATE:
 			if (this.enableZoom === !1 && this.enableRotate === !1) return;
 			this._handleTouchMoveDollyRotate(e), this.update();
 			break;
-		default: this.state = th.NONE;
+		default: this.state = oh.NONE;
 	}
 }
-function ph(e) {
+function vh(e) {
 	this.enabled !== !1 && e.preventDefault();
 }
-function mh(e) {
+function yh(e) {
 	e.key === "Control" && (this._controlActive = !0, this.domElement.ownerDocument.addEventListener("keyup", this._interceptControlUp, {
 		passive: !0,
 		capture: !0
 	}));
 }
-function hh(e) {
+function bh(e) {
 	e.key === "Control" && (this._controlActive = !1, this.domElement.ownerDocument.removeEventListener("keyup", this._interceptControlUp, {
 		passive: !0,
 		capture: !0
 	}));
 }
 // src/stage.ts
-function gh(e, t) {
-	let { names: n, places: r } = e.points, i = _h ??= hl(r), a = new X(), o = 0;
+function xh(e, t) {
+	let { names: n, places: r } = e.points, i = Sh ??= gl(r), a = new X(), o = 0;
 	for (let e = 0; e < n.length; e++) {
 		let r = 3 * (t * n.length + e);
 		Number.isFinite(i[r]) && (a.add(new X().fromArray(i, r)), o++);
 	}
 	return o ? a.divideScalar(o) : null;
 }
-var _h, vh = class {
+var Sh, Ch = class {
 	scene;
 	renderer;
 	room = new An();
@@ -14452,16 +14473,16 @@ var _h, vh = class {
 			preserveDrawingBuffer: !0
 		}), this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2)), this.room.background = new Q(16777215);
 		let r = new Ma(16777215, 2.2);
-		r.position.set(2, -3, 5), this.room.add(new Na(16777215, 1.3), r, t.object, this.grid), this.grid.rotation.x = Math.PI / 2, this.grid.position.z = e.floor_m, this.camera.up.set(0, 0, 1), this.controls = new rh(this.camera, n), this.controls.enablePan = !1, this.controls.addEventListener("change", () => this.draw()), this.lookFromTheSide(), n.addEventListener("keydown", (e) => this.key(e));
+		r.position.set(2, -3, 5), this.room.add(new Na(16777215, 1.3), r, t.object, this.grid), this.grid.rotation.x = Math.PI / 2, this.grid.position.z = e.floor_m, this.camera.up.set(0, 0, 1), this.controls = new ch(this.camera, n), this.controls.enablePan = !1, this.controls.addEventListener("change", () => this.draw()), this.lookFromTheSide(), n.addEventListener("keydown", (e) => this.key(e));
 	}
 	lookFromTheSide() {
-		let e = gh(this.scene, 0) ?? new X(0, 0, 1), t = (gh(this.scene, this.scene.frames - 1) ?? e).clone().sub(e).setZ(0);
+		let e = xh(this.scene, 0) ?? new X(0, 0, 1), t = (xh(this.scene, this.scene.frames - 1) ?? e).clone().sub(e).setZ(0);
 		t.length() < .3 && t.set(1, 0, 0), t.normalize();
 		let n = new X(t.y, -t.x, 0).multiplyScalar(3.8).addScaledVector(t, 1.7).setZ(.5);
 		this.controls.target.copy(e), this.camera.position.copy(e).add(n), this.controls.update();
 	}
 	follow(e) {
-		let t = gh(this.scene, e);
+		let t = xh(this.scene, e);
 		t && (this.camera.position.add(t.clone().sub(this.controls.target)), this.controls.target.copy(t)), this.controls.update(), this.draw();
 	}
 	draw() {
@@ -14487,61 +14508,70 @@ var _h, vh = class {
 		else return;
 		e.preventDefault(), this.camera.position.copy(this.controls.target).add(t), this.controls.update(), this.draw();
 	}
-}, yh = pl(), bh = (e) => document.getElementById(e), xh = bh("time"), Sh = bl(yh), Ch = null, wh = null;
+}, wh = ml(), Th = (e) => document.getElementById(e), Eh = Th("time"), Dh = xl(wh), Oh = null, kh = null;
 try {
-	Ch = new vh(yh, Sh, bh("stage"));
+	Oh = new Ch(wh, Dh, Th("stage"));
 } catch {
-	bh("no-webgl").hidden = !1;
+	Th("no-webgl").hidden = !1;
 }
-var Th = bh("curves"), Eh = Th && new Pm(yh, Th, bh("group"), Oh), Dh = bh("events") && new Hm(yh, Oh, () => Eh?.mark());
-function Oh(e) {
-	let t = Math.min(Math.max(Math.round(e), 0), yh.frames - 1);
-	xh.value = String(t);
-	let n = yh.first_frame + t, r = Sh.pose(t), i = `frame ${n} · ${(t / yh.fps).toFixed(2)} s${r ? "" : " · nobody seen"}`;
-	bh("clock").textContent = i, xh.setAttribute("aria-valuetext", i), document.body.dataset.frame = String(n), Ch?.follow(t), kh(t), Eh?.show(t), Dh?.show(t);
+var Ah = Th("curves"), jh = Ah && new zm(wh, Ah, Th("group"), Nh), Mh = Th("events") && new qm(wh, Nh, () => jh?.mark());
+function Nh(e) {
+	let t = Math.min(Math.max(Math.round(e), 0), wh.frames - 1);
+	Eh.value = String(t);
+	let n = wh.first_frame + t, r = Dh.pose(t), i = Im("frame {frame} · {s} s", {
+		frame: n,
+		s: Lm(t / wh.fps, {
+			minimumFractionDigits: 2,
+			maximumFractionDigits: 2
+		})
+	}) + (r ? "" : ` · ${Im("nobody seen")}`);
+	Th("clock").textContent = i, Eh.setAttribute("aria-valuetext", i), document.body.dataset.frame = String(n), Oh?.follow(t), Ph(t), jh?.show(t), Mh?.show(t);
 }
-function kh(e) {
-	let t = bh("camera"), n = bh("camera-choice");
-	if (!t || !n || !wh) return;
-	let r = yh.views[Number(n.value)], i = () => wh.camera(r, e, t, 420, bh("camera-body")?.checked);
-	i(), wh.waiting(r, e)?.then(() => {
-		Number(xh.value) === e && yh.views[Number(n.value)] === r && i();
+function Ph(e) {
+	let t = Th("camera"), n = Th("camera-choice");
+	if (!t || !n || !kh) return;
+	let r = wh.views[Number(n.value)], i = () => kh.camera(r, e, t, 420, Th("camera-body")?.checked);
+	i(), kh.waiting(r, e)?.then(() => {
+		Number(Eh.value) === e && wh.views[Number(n.value)] === r && i();
 	});
 }
-async function Ah() {
-	let e = bh("sheet");
-	if (!e || !wh) return;
-	let t = Math.floor(yh.frames / 2);
-	await Promise.all(yh.views.map((e) => wh.waiting(e, t))), Sh.pose(t);
-	for (let n of yh.views) {
+async function Fh() {
+	let e = Th("sheet");
+	if (!e || !kh) return;
+	let t = Math.floor(wh.frames / 2);
+	await Promise.all(wh.views.map((e) => kh.waiting(e, t))), Dh.pose(t);
+	for (let n of wh.views) {
 		let r = document.createElement("figure"), i = document.createElement("canvas"), a = document.createElement("figcaption");
-		a.textContent = `${n.name}, frame ${yh.first_frame + t}`, wh.camera(n, t, i, 260), r.append(i, a), e.append(r);
+		a.textContent = Im("{camera}, frame {frame}", {
+			camera: n.name,
+			frame: wh.first_frame + t
+		}), kh.camera(n, t, i, 260), r.append(i, a), e.append(r);
 	}
 }
-function jh() {
+function Ih() {
 	for (let e of document.querySelectorAll("img[data-portrait]")) {
-		let t = wh?.portrait(e.dataset.portrait);
+		let t = kh?.portrait(e.dataset.portrait);
 		t ? e.src = t : e.closest("figure")?.remove();
 	}
 }
-var Mh = 0;
-function Nh() {
-	let e = bh("play");
-	if (Mh) cancelAnimationFrame(Mh), Mh = 0;
+var Lh = 0;
+function Rh() {
+	let e = Th("play");
+	if (Lh) cancelAnimationFrame(Lh), Lh = 0;
 	else {
-		let [e, t] = [performance.now(), Number(xh.value)], n = (r) => {
-			t = (t + (r - e) / 1e3 * yh.fps * Number(bh("speed").value)) % yh.frames, e = r, Oh(Math.floor(t)), Mh = requestAnimationFrame(n);
+		let [e, t] = [performance.now(), Number(Eh.value)], n = (r) => {
+			t = (t + (r - e) / 1e3 * wh.fps * Number(Th("speed").value)) % wh.frames, e = r, Nh(Math.floor(t)), Lh = requestAnimationFrame(n);
 		};
-		Mh = requestAnimationFrame(n);
+		Lh = requestAnimationFrame(n);
 	}
-	e.textContent = Mh ? "⏸" : "▶", e.setAttribute("aria-label", Mh ? "Pause" : "Play");
+	e.textContent = Lh ? "⏸" : "▶", e.setAttribute("aria-label", Im(Lh ? "Pause" : "Play"));
 }
-xh.addEventListener("input", () => Oh(Number(xh.value))), bh("play").addEventListener("click", Nh);
-for (let e of ["camera-choice", "camera-body"]) bh(e)?.addEventListener("change", () => kh(Number(xh.value)));
-bh("colour-blind")?.addEventListener("change", (e) => {
-	document.body.classList.toggle("cb", e.target.checked), Sh.paint?.(), Ch?.draw(), Eh?.draw();
-}), addEventListener("beforeprint", () => Eh?.hold(!0)), addEventListener("afterprint", () => Eh?.hold(!1)), addEventListener("resize", () => Ch?.draw());
-function Ph() {
+Eh.addEventListener("input", () => Nh(Number(Eh.value))), Th("play").addEventListener("click", Rh);
+for (let e of ["camera-choice", "camera-body"]) Th(e)?.addEventListener("change", () => Ph(Number(Eh.value)));
+Th("colour-blind")?.addEventListener("change", (e) => {
+	document.body.classList.toggle("cb", e.target.checked), Dh.paint?.(), Oh?.draw(), jh?.draw();
+}), addEventListener("beforeprint", () => jh?.hold(!0)), addEventListener("afterprint", () => jh?.hold(!1)), addEventListener("resize", () => Oh?.draw()), matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => jh?.draw());
+function zh() {
 	let e = document.createElement("iframe");
 	e.hidden = !0, document.body.append(e);
 	let t = e.contentDocument;
@@ -14549,14 +14579,14 @@ function Ph() {
 		t?.close(), e.remove();
 	};
 }
-Oh(0), document.body.dataset.ready = String(Math.round(performance.now()));
-var Fh = Ph();
+Nh(0), document.body.dataset.ready = String(Math.round(performance.now()));
+var Bh = zh();
 setTimeout(async () => {
 	try {
-		Ch && document.querySelector("#camera, #sheet, img[data-portrait]") && (wh = new Km(Sh, yh.picture_every)), jh(), await Ah();
-		let e = yh.views[Number(bh("camera-choice")?.value)];
-		e && wh && await wh.waiting(e, Number(xh.value)), Oh(Number(xh.value)), document.body.dataset.complete = String(Math.round(performance.now()));
+		Oh && document.querySelector("#camera, #sheet, img[data-portrait]") && (kh = new Zm(Dh, wh.picture_every)), Ih(), await Fh();
+		let e = wh.views[Number(Th("camera-choice")?.value)];
+		e && kh && await kh.waiting(e, Number(Eh.value)), Nh(Number(Eh.value)), document.body.dataset.complete = String(Math.round(performance.now()));
 	} finally {
-		Fh();
+		Bh();
 	}
 });

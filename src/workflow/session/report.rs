@@ -3,8 +3,8 @@
 use super::{Comparison, SessionStudy};
 use crate::io::session::SessionFile;
 use crate::report::{
-    Compared, ComparisonInput, ReportInput, ReportedTrial, SessionInput, Subject, Views,
-    comparison_html, session_html,
+    Compared, ComparisonInput, Language, ReportInput, ReportedTrial, SessionInput, Subject, Views,
+    Words, comparison_html, session_html,
 };
 use crate::workflow::Error;
 
@@ -28,13 +28,13 @@ impl SessionStudy {
     ///
     /// # Errors
     /// [`Error::Json`], if the serialiser has any.
-    pub fn report(&self) -> Result<String, Error> {
+    pub fn report(&self, language: Language) -> Result<String, Error> {
         let subject = self.subject();
         let (Some(file), Some(pooled)) = (&self.file, self.pooled()) else {
-            let study = self.trials.first().map(|(_, study)| study.report(&subject));
+            let study = self.trials.first().map(|(_, study)| study.report(&subject, language));
             return study.unwrap_or_else(|| Ok(String::new()));
         };
-        let (views, spreads) = (Views::default(), self.spreads());
+        let (views, spreads, words) = (Views::default(), self.spreads(), Words::new(language));
         let trials: Vec<ReportedTrial<'_>> = self
             .trials
             .iter()
@@ -48,6 +48,7 @@ impl SessionStudy {
                     gait: &study.analysis,
                     norm: study.norm.as_ref(),
                     views: &views,
+                    words: &words,
                 },
             })
             .collect();
@@ -64,7 +65,7 @@ impl SessionStudy {
 
 impl Comparison {
     /// The comparison as one HTML page that needs nothing else.
-    pub fn report(&self) -> String {
+    pub fn report(&self, language: Language) -> String {
         let sides = [&self.before, &self.after];
         let subjects = sides.map(SessionStudy::subject);
         let [Some(before), Some(after)] = sides.map(SessionStudy::pooled) else {
@@ -79,6 +80,7 @@ impl Comparison {
             curves: &self.curves,
             notes: &self.notes,
             norm: self.after.norm(),
+            words: &Words::new(language),
         })
     }
 }
