@@ -138,16 +138,15 @@ impl fmt::Display for Cause {
                 if *late_frames > 0.0 { "late" } else { "early" },
                 late_frames.abs()
             ),
-            of_scene => of_scene.fmt_scene(f),
+            of_masks => of_masks.fmt_masks(f),
         }
     }
 }
 
 impl Cause {
-    /// What is wrong with the masks, the world or the body.
-    fn fmt_scene(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    /// What is wrong with the masks.
+    fn fmt_masks(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            // the masks
             Self::StillParts { cameras, share } => write!(
                 f,
                 "the masks of {} hold something that never moves, up to {:.0} % of the person's area: furniture, a second person who stays in place, or a stale picture of the empty room; segment again",
@@ -187,8 +186,13 @@ impl Cause {
                 f,
                 "what the silhouettes show is {height_m:.2} m tall, less than a standing person: the legs or other parts are hidden, cut off or lost in the masks (or the person sits or crouches, or the unit of the calibration is wrong)"
             ),
+            of_scene => of_scene.fmt_scene(f),
+        }
+    }
 
-            // the world
+    /// What is wrong with the world or the body.
+    fn fmt_scene(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
             Self::Turned { head } => write!(
                 f,
                 "the person's head points along {} of the world, not up: set another `up` in sequence.toml (z, -z, y or -y)",
