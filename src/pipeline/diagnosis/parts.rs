@@ -3,7 +3,7 @@
 //! The line of sight x(t) of a pixel in a silhouette meets the person where most cameras see something. A camera sees a place if it
 //! lies at most [`BORDER_M`] outside of its silhouette, so that small turns, delays and ragged masks do not count. Where
 //! [`AGREEING`] cameras and half of those that look see the place, a camera that looks there and does not see it *lacks* the pixel.
-//! Where fewer see any place of the line, the pixel stands *alone*. It is *off* where less than [`NEARLY_ALL`] do. Of camera b
+//! Where fewer than half see any place of the line, the pixel stands *alone*; of two against two nobody knows. It is *off* where less than [`NEARLY_ALL`] do. Of camera b
 //!
 //! ```text
 //! lacks(b) = median over the other cameras a of the share of a's pixels that b lacks
@@ -245,7 +245,7 @@ impl Sight {
         let is_believed = most >= AGREEING && 2 * most >= looking;
         let is_judged = looking >= AGREEING;
         Self {
-            is_alone: is_judged && !is_believed,
+            is_alone: is_judged && 2 * most < looking,
             is_off: is_judged && (most as f64) < NEARLY_ALL * looking as f64,
             lacked: if is_believed { lacked } else { nobody },
         }
