@@ -45,20 +45,25 @@ pub fn seen_by(cameras: usize, frames: Option<usize>, seed: u64) -> Result<Synth
         make: Make::Metaballs,
         frames,
         fps: 50.0,
-        ring: Ring {
-            cameras,
-            radius: 6.0,
-            height: 2.2,
-            focal_px: 560.0,
-            width_px: 800,
-            height_px: 600,
-            ..Ring::default()
-        },
+        ring: wide_ring(cameras),
         errors: Some(SegmentationErrors::MILD),
         stereo: None,
         ..Recipe::default()
     };
     Ok(recipe.walker(&body)?)
+}
+
+/// Cameras so far away that the whole walk is seen.
+pub fn wide_ring(cameras: usize) -> Ring {
+    Ring {
+        cameras,
+        radius: 6.0,
+        height: 2.2,
+        focal_px: 560.0,
+        width_px: 800,
+        height_px: 600,
+        ..Ring::default()
+    }
 }
 
 /// The silhouettes of every frame.

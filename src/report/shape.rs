@@ -59,33 +59,29 @@ fn fitted_shape(result: &ResultFile, input: &ReportInput<'_>) -> Markup {
 }
 
 fn length_table(lengths: &[LengthPart], words: &Words) -> Markup {
-    html! {
-        div class="scroll" role="group" tabindex="0" aria-label=(words.of("Table")) {
-            table class="numbers" {
-                thead { tr {
-                    th scope="col" { (words.of("Length")) } th scope="col" { "cm" } th scope="col" { "± cm" }
-                } }
-                tbody { @for length in lengths { tr {
-                    th scope="row" { (part_name(&length.name, words)) }
-                    td class="mean" { (words.number(Some(100.0 * length.length_m), 1)) }
-                    td { (words.number(length.sd_m.map(|sd| 100.0 * sd), 1)) }
-                } } }
-            }
-        }
-    }
+    let row = |length: &LengthPart| (part_name(&length.name, words), length.length_m, length.sd_m);
+    size_table(words.of("Length"), lengths.iter().map(row), words)
 }
 
 fn girth_table(girths: &[Girth], words: &Words) -> Markup {
+    let row = |girth: &Girth| (part_name(&girth.name, words), girth.girth_m, girth.sd_m);
+    size_table(words.of("Girth, mid-length"), girths.iter().map(row), words)
+}
+
+/// Name, metres and their standard deviation, row by row.
+fn size_table(
+    heading: &str,
+    rows: impl Iterator<Item = (String, f64, Option<f64>)>,
+    words: &Words,
+) -> Markup {
     html! {
         div class="scroll" role="group" tabindex="0" aria-label=(words.of("Table")) {
             table class="numbers" {
-                thead { tr {
-                    th scope="col" { (words.of("Girth, mid-length")) } th scope="col" { "cm" } th scope="col" { "± cm" }
-                } }
-                tbody { @for girth in girths { tr {
-                    th scope="row" { (part_name(&girth.name, words)) }
-                    td class="mean" { (words.number(Some(100.0 * girth.girth_m), 1)) }
-                    td { (words.number(girth.sd_m.map(|sd| 100.0 * sd), 1)) }
+                thead { tr { th scope="col" { (heading) } th scope="col" { "cm" } th scope="col" { "± cm" } } }
+                tbody { @for (name, metres, sd_m) in rows { tr {
+                    th scope="row" { (name) }
+                    td class="mean" { (words.number(Some(100.0 * metres), 1)) }
+                    td { (words.number(sd_m.map(|sd| 100.0 * sd), 1)) }
                 } } }
             }
         }

@@ -33,12 +33,12 @@ const QUIET_JOINTS_M: f64 = 0.01;
 const BORDER_POINTS: f64 = 48.0;
 const FEW_BORDER_POINTS: f64 = 16.0;
 /// How far before and behind the subject a line of sight is followed, and in which steps, metres.
-const REACH_M: f64 = 1.6;
+pub(super) const REACH_M: f64 = 1.6;
 const STEP_M: f64 = 0.04;
 /// A line of sight that misses by more than this misses altogether, metres.
 const MOST_M: f64 = 0.3;
 /// What so many of the cameras that could see it see is there: of three others all, for two of them agree about many places.
-const NEARLY_ALL: f64 = 0.75;
+pub(super) const NEARLY_ALL: f64 = 0.75;
 
 /// How the pictures of a camera are read: as they are, or by a hypothesis.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,9 +1,10 @@
-//! Silhouettes that lack a part of the person, or hold something else: an apron of furniture before one camera, a wardrobe in its mask.
+//! Silhouettes that lack a part of the person, or hold something else: a table stands before one camera, a wardrobe is in its mask.
 //!
 //! The line of sight x(t) of a pixel in a silhouette meets the person where most cameras see something. A camera sees a place if it
 //! lies at most [`BORDER_M`] outside of its silhouette, so that small turns, delays and ragged masks do not count. Where
 //! [`AGREEING`] cameras and half of those that look see the place, a camera that looks there and does not see it *lacks* the pixel.
-//! Where fewer than half see any place of the line, the pixel stands *alone*; of two against two nobody knows. It is *off* where less than [`NEARLY_ALL`] do. Of camera b
+//! Where fewer than half see any place of the line, the pixel stands *alone*; of two against two nobody knows. It is *off* where
+//! fewer than [`NEARLY_ALL`] do. Of camera b
 //!
 //! ```text
 //! lacks(b) = median over the other cameras a of the share of a's pixels that b lacks
@@ -20,6 +21,7 @@ use rayon::prelude::*;
 
 use super::cameras::CameraFaults;
 use super::cause::{Cause, camera_causes, name};
+use super::coherence::{NEARLY_ALL, REACH_M};
 use crate::camera::{Camera, CameraId, Ray, Rig, closest_point};
 use crate::math::stats::median;
 use crate::silhouette::{FrameObservations, Silhouette};
@@ -28,8 +30,6 @@ use crate::silhouette::{FrameObservations, Silhouette};
 const PIXELS: f64 = 64.0;
 /// So many cameras are believed against one.
 const AGREEING: usize = 3;
-/// Of places of the person, so many of the cameras that look there see something.
-const NEARLY_ALL: f64 = 0.75;
 /// What lies no farther outside of a silhouette is its border: cameras that were touched show it so far off, metres.
 const BORDER_M: f64 = 0.1;
 /// More than an arm and less than a leg, of a person's area: those are 5 and 20 % of the mass (de Leva 1996).
@@ -39,8 +39,7 @@ const MORE: f64 = 2.0;
 /// A camera is named if it is so in more than this share of the frames that it shows, and left out of all of them beyond the other.
 const NAMED: f64 = 0.1;
 const ALWAYS: f64 = 0.25;
-/// How far before and behind the subject a line of sight is followed, and in which steps, metres.
-const REACH_M: f64 = 1.6;
+/// The steps in which a line of sight is followed, metres: what is nearer to a silhouette than two of them is its border.
 const STEP_M: f64 = 0.05;
 
 /// A recording without the views that lack a part of the person or hold something else.
@@ -182,6 +181,7 @@ struct Shares {
     off: f64,
 }
 
+/// The shares of each view.
 fn shares(views: &[View<'_>]) -> Vec<Shares> {
     let sights: Vec<Ray> = views.iter().map(|v| v.camera.ray(&v.shown.centroid)).collect();
     let Some(subject) = closest_point(&sights) else {

@@ -5,6 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use experiments::individual::individual;
+use experiments::walker::wide_ring;
 use maquette::body::{BodyModel, Posed};
 use maquette::gait::trials::{Change, Measure, Quantity, measured};
 use maquette::gait::{GaitOptions, Norm, Side, analyse};
@@ -13,7 +14,7 @@ use maquette::io::recording::synthetic;
 use maquette::pipeline::{FittedMotion, FramePose, NoProgress};
 use maquette::silhouette::FrameIndex;
 use maquette::synth::{
-    Curve, Ground, Make, Recipe, Ring, SegmentationErrors, Synthetic, Walk, WalkingStyle,
+    Curve, Ground, Make, Recipe, SegmentationErrors, Synthetic, Walk, WalkingStyle,
 };
 use maquette::workflow::{
     Comparison, FitOptions, NormChoice, Session, SessionFolder, SessionStudy,
@@ -82,16 +83,7 @@ impl Person {
             make,
             frames: Some(FRAMES),
             fps: FPS,
-            // so wide that the whole walk is seen
-            ring: Ring {
-                cameras: 5,
-                radius: 6.0,
-                height: 2.2,
-                focal_px: 560.0,
-                width_px: 800,
-                height_px: 600,
-                ..Ring::default()
-            },
+            ring: wide_ring(5),
             errors: Some(SegmentationErrors::MILD),
             stereo: None,
             ..Recipe::default()
