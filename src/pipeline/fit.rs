@@ -2,7 +2,7 @@
 
 use super::ambiguity::facing_warning;
 use super::camera_covariance::CameraCovariances;
-use super::diagnosis::{CameraFaults, Parted, Seen};
+use super::diagnosis::{CameraFaults, Cleared, Seen};
 use super::estimate::{Estimate, LastStage};
 use super::fitted::{FittedFrame, TriedHypothesis};
 use super::judged::Judge;
@@ -121,8 +121,8 @@ fn stages(
 ) -> Result<Fit, FitError> {
     // 1. do cameras and masks agree
     let mut notes = check_scene(model, rig, sequence.frames)?;
-    let parted = Parted::new(rig, sequence.frames);
-    let sequence = Sequence { frames: &parted.frames, ..sequence };
+    let cleared = Cleared::new(rig, sequence.frames);
+    let sequence = Sequence { frames: &cleared.frames, ..sequence };
 
     // 2. Algorithm 1, before the cameras that agree
     let measures = measures(model, sequence.frames, options)?;
@@ -154,7 +154,7 @@ fn stages(
         measure,
         options,
         faults: &faults,
-        left_out: &parted.causes,
+        left_out: &cleared.causes,
     };
     let fit = judge.fit(estimate, confidence, notes);
     journal.progress.step();

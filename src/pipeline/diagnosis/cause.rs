@@ -139,6 +139,13 @@ pub enum Cause {
         /// By how much, m.
         miss_m: f64,
     },
+    /// Masks hold canes, crutches, a walking frame or poles. They were taken out.
+    Rods {
+        /// The cameras.
+        cameras: Vec<String>,
+        /// The share of masks that hold some.
+        share: f64,
+    },
     /// The masks of some cameras lack a part of the person that the others see. They were left out.
     PartsHidden {
         /// The cameras.

@@ -12,6 +12,8 @@
 //! | `cameras.rs`     | exchanged, mirrored, late, zoomed and displaced cameras           |
 //! | `strangers.rs`   | exchanged and mirrored cameras, before anybody is fitted          |
 //! | `agreeing.rs`    | what the cameras show that agree, for the search                  |
+//! | `cleared.rs`     | what of the masks can be used: without the two below              |
+//! | `rods.rs`        | walking aids in the masks                                         |
 //! | `parts.rs`       | cameras that lack a part of the person, or hold something else    |
 //! | `room.rs`        | what stands still in the masks                                    |
 //! | `volume.rs`      | what the silhouettes hold beside the body, and how tall it is     |
@@ -27,12 +29,14 @@
 mod agreeing;
 mod cameras;
 mod cause;
+mod cleared;
 mod coherence;
 #[cfg(test)]
 pub(super) mod figures;
 mod joint_misses;
 mod parts;
 mod proportions;
+mod rods;
 mod room;
 mod seen;
 mod stature;
@@ -49,8 +53,9 @@ use crate::silhouette::FrameObservations;
 pub(super) use cameras::CameraFaults;
 pub(super) use cause::camera_causes;
 pub use cause::{Cause, Reason};
-pub(super) use parts::Parted;
+pub(super) use cleared::Cleared;
 pub(super) use proportions::likeliest_scale;
+pub(super) use rods::WithoutRods;
 pub(super) use seen::Seen;
 pub(super) use stature::stature_m;
 pub use strangers::strangers;

@@ -44,10 +44,10 @@ const STEP_M: f64 = 0.05;
 
 /// A recording without the views that lack a part of the person or hold something else.
 #[derive(Debug, Clone)]
-pub(in crate::pipeline) struct Parted<'a> {
-    pub(in crate::pipeline) frames: Cow<'a, [FrameObservations]>,
+pub(super) struct Parted<'a> {
+    pub(super) frames: Cow<'a, [FrameObservations]>,
     /// The cameras whose views were left out.
-    pub(in crate::pipeline) causes: Vec<Cause>,
+    pub(super) causes: Vec<Cause>,
 }
 
 /// What is wrong with a view.
@@ -60,7 +60,7 @@ enum Wrong {
 }
 
 impl<'a> Parted<'a> {
-    pub(in crate::pipeline) fn new(rig: &Rig, frames: &'a [FrameObservations]) -> Self {
+    pub(super) fn new(rig: &Rig, frames: Cow<'a, [FrameObservations]>) -> Self {
         let wrong: Vec<Vec<(CameraId, Wrong)>> =
             frames.par_iter().map(|frame| wrong_views(rig, frame)).collect();
 
@@ -71,8 +71,8 @@ impl<'a> Parted<'a> {
         };
         let share = |(id, _)| found(id) as f64 / shown(id).max(1) as f64;
         let shares: Vec<f64> = rig.iter().map(share).collect();
-        if shares.iter().all(|share| *share <= NAMED) || has_wrong_pictures(rig, frames) {
-            return Self { frames: Cow::Borrowed(frames), causes: Vec::new() };
+        if shares.iter().all(|share| *share <= NAMED) || has_wrong_pictures(rig, &frames) {
+            return Self { frames, causes: Vec::new() };
         }
 
         let kept = frames.iter().zip(&wrong).map(|(frame, wrong)| {
@@ -276,7 +276,7 @@ mod tests {
         let frames = [figures.frame(0, &masks), figures.frame(1, &masks)];
         let mut calibrated = figures.rig.clone();
         rig(&mut calibrated);
-        let parted = Parted::new(&calibrated, &frames);
+        let parted = Parted::new(&calibrated, Cow::Borrowed(&frames));
         (parted.causes, parted.frames[1].views.len())
     }
 

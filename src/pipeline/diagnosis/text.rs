@@ -166,6 +166,11 @@ impl Cause {
                 "the outlines of all cameras miss each other, by {:.0} mm: thin parts (arms, hands, feet) are lost in the masks, or the masks hold more than the person; segment again",
                 1e3 * miss_m
             ),
+            Self::Rods { share, .. } => write!(
+                f,
+                "{:.0} % of the masks hold something longer than a hand and thinner than a wrist, as canes, crutches and walking frames are: it was taken out of them",
+                100.0 * share
+            ),
             Self::PartsHidden { cameras, share } => write!(
                 f,
                 "{} left out where the masks lack a part of the person that the other cameras see, up to {:.0} %: hidden by furniture, or lost in the masks",

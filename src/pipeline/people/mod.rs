@@ -37,7 +37,7 @@ use rayon::prelude::*;
 
 use self::room::Room;
 use self::standing::Standing;
-use super::diagnosis::LEAST_OVERLAP;
+use super::diagnosis::{LEAST_OVERLAP, WithoutRods};
 use super::estimate::Estimate;
 use super::fit::estimated;
 use super::measures::Measures;
@@ -88,10 +88,12 @@ pub fn people(
     if most == Some(1) || !sequence.frames.iter().any(may_tell) {
         return Ok(Vec::new());
     }
-    let Some(room) = Room::new(rig, sequence.frames) else { return Ok(Vec::new()) };
+    let without_rods = WithoutRods::new(rig, sequence.frames);
+    let standing = Sequence { frames: &without_rods.frames, ..sequence };
+    let Some(room) = Room::new(rig, standing.frames) else { return Ok(Vec::new()) };
 
     // 1., 2. who stands where, and who they are
-    let mut tracks = tracked(&room, rig, sequence, most);
+    let mut tracks = tracked(&room, rig, standing, most);
     while tracks.len() > 1 {
         // 3. a body of each
         let shares = of_everybody(sequence, tracks.len(), |i, frame| {

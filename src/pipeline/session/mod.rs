@@ -30,7 +30,7 @@ pub use agreement::{Disagreement, disagreements};
 pub use rig::OtherCalibration;
 
 use super::camera_covariance::CameraCovariances;
-use super::diagnosis::{CameraFaults, Parted};
+use super::diagnosis::{CameraFaults, Cleared};
 use super::estimate::Estimate;
 use super::fit::measures;
 use super::joint_stage::{Joined, JointStage, detected_names};
@@ -97,10 +97,10 @@ pub fn fit_session(
     progress: &dyn Progress,
 ) -> Result<SessionFit, FitError> {
     let body = model.detailed();
-    let parted: Vec<Parted<'_>> =
-        trials.iter().map(|trial| Parted::new(trial.rig, trial.sequence.frames)).collect();
-    let trials = trials.iter().zip(&parted).map(|(trial, parted)| SessionTrial {
-        sequence: Sequence { frames: &parted.frames, ..trial.sequence },
+    let cleared: Vec<Cleared<'_>> =
+        trials.iter().map(|trial| Cleared::new(trial.rig, trial.sequence.frames)).collect();
+    let trials = trials.iter().zip(&cleared).map(|(trial, cleared)| SessionTrial {
+        sequence: Sequence { frames: &cleared.frames, ..trial.sequence },
         ..trial.clone()
     });
     let trials: &[SessionTrial<'_>] = &trials.collect::<Vec<_>>();
@@ -129,7 +129,7 @@ pub fn fit_session(
             measure: measures[k].joint,
             options: trial.options,
             faults: &faults[k],
-            left_out: &parted[k].causes,
+            left_out: &cleared[k].causes,
         };
         let estimate = Estimate::joint(joined, trial.rig, &trial.alone.recovered);
         fits.push(judge.fit(estimate, trial.alone.confidence.clone(), notes));

@@ -1,0 +1,25 @@
+//! What of a recording's masks can be used.
+
+use std::borrow::Cow;
+
+use super::cause::Cause;
+use super::parts::Parted;
+use super::rods::WithoutRods;
+use crate::camera::Rig;
+use crate::silhouette::FrameObservations;
+
+/// A recording without the rods in its masks, and without views that lack a part of the person or hold something else.
+#[derive(Debug, Clone)]
+pub(in crate::pipeline) struct Cleared<'a> {
+    pub(in crate::pipeline) frames: Cow<'a, [FrameObservations]>,
+    /// What was left out.
+    pub(in crate::pipeline) causes: Vec<Cause>,
+}
+
+impl<'a> Cleared<'a> {
+    pub(in crate::pipeline) fn new(rig: &Rig, frames: &'a [FrameObservations]) -> Self {
+        let WithoutRods { frames, cause } = WithoutRods::new(rig, frames);
+        let Parted { frames, causes } = Parted::new(rig, frames);
+        Self { frames, causes: cause.into_iter().chain(causes).collect() }
+    }
+}
