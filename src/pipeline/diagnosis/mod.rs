@@ -13,6 +13,7 @@
 //! | `strangers.rs`   | exchanged and mirrored cameras, before anybody is fitted          |
 //! | `agreeing.rs`    | what the cameras show that agree, for the search                  |
 //! | `parts.rs`       | cameras that lack a part of the person, or hold something else    |
+//! | `cropped.rs`     | masks that end at an upright line inside the picture              |
 //! | `room.rs`        | what stands still in the masks                                    |
 //! | `volume.rs`      | what the silhouettes hold beside the body, and how tall it is     |
 //! | `thin.rs`        | whether the masks have lost arms, hands and feet                  |
@@ -28,6 +29,7 @@ mod agreeing;
 mod cameras;
 mod cause;
 mod coherence;
+mod cropped;
 #[cfg(test)]
 pub(super) mod figures;
 mod joint_misses;

@@ -178,6 +178,11 @@ impl Cause {
                 were(cameras),
                 100.0 * share
             ),
+            Self::Cropped { cameras } => write!(
+                f,
+                "the masks of {} end at one upright line inside the picture, time and again: a part of the picture is cut off, or was never segmented; segment whole pictures",
+                cameras.join(", ")
+            ),
             Self::ThinPartsGone => write!(
                 f,
                 "the masks have lost the thin parts (arms, hands, feet): clean them up with a smaller disk, or segment again"
