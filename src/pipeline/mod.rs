@@ -44,6 +44,7 @@ pub mod silhouettes;
 mod sound;
 mod source;
 pub mod stereo;
+mod strayed;
 mod unseen;
 mod warning;
 mod warning_text;

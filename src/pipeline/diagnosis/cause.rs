@@ -153,6 +153,11 @@ pub enum Cause {
         /// The largest share of a mask that it is, median over its frames.
         share: f64,
     },
+    /// The joint optimum put some cameras farther from their calibrated places than anybody moves one. They were left out.
+    Strayed {
+        /// The cameras.
+        cameras: Vec<String>,
+    },
     /// The masks of half of the cameras or more end at one upright line inside the picture.
     Cropped {
         /// The cameras.

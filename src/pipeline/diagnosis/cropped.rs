@@ -97,6 +97,9 @@ mod tests {
         let of = |cut: usize| said(0.005, |camera, x, width| camera >= cut || x >= width / 2);
         assert_eq!(of(1), None);
         let found = of(cameras.div_ceil(2));
-        assert!(matches!(&found, Some(Cause::Cropped { cameras }) if cameras.len() > 1), "{found:?}");
+        assert!(
+            matches!(&found, Some(Cause::Cropped { cameras }) if cameras.len() > 1),
+            "{found:?}"
+        );
     }
 }
