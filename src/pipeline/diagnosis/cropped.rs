@@ -100,17 +100,17 @@ mod tests {
     #[test]
     fn masks_that_end_at_one_upright_line_are_told_and_those_of_a_whole_person_are_not() {
         let cameras = Figures::new().rig.cameras.len();
-        for step_m in [0.0, 0.005, 0.1] {
+        for step_m in [0.0, 0.005, 0.04] {
             assert_eq!(said(step_m, |_, _, is_person| is_person), None, "{step_m}");
         }
-        let right = said(0.1, |_, [x, _], is_person| is_person && x >= 0.5);
-        let left = said(0.1, |_, [x, _], is_person| is_person && x < 0.5);
+        let right = said(0.04, |_, [x, _], is_person| is_person && x >= 0.5);
+        let left = said(0.04, |_, [x, _], is_person| is_person && x < 0.5);
         for found in [right, left] {
             let Some(Cause::Cropped { cameras: named }) = &found else { panic!("{found:?}") };
             assert!(2 * named.len() >= cameras, "{named:?}");
         }
         assert_eq!(
-            said(0.1, |camera, [x, _], is_person| is_person && (camera > 0 || x >= 0.5)),
+            said(0.04, |camera, [x, _], is_person| is_person && (camera > 0 || x >= 0.5)),
             None
         );
     }
@@ -120,6 +120,6 @@ mod tests {
         let wardrobe = |_: usize, [x, y]: [f64; 2], is_person: bool| {
             is_person || (0.05..0.2).contains(&x) && (0.2..0.9).contains(&y)
         };
-        assert_eq!(said(0.1, wardrobe), None);
+        assert_eq!(said(0.04, wardrobe), None);
     }
 }
