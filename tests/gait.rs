@@ -1,5 +1,8 @@
 //! Gait analysis of walks that are known, and of what is no walk, and the exports.
 
+#[cfg(feature = "report")]
+#[path = "gait/compared.rs"]
+mod compared;
 #[path = "gait/exports.rs"]
 mod exports;
 #[path = "gait/stated.rs"]

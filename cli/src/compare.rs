@@ -106,7 +106,8 @@ fn json(arguments: &CompareArguments, comparison: &Comparison, pdf: Option<&Path
         "pdf": pdf.map(|pdf| pdf.display().to_string()),
         "changes": changes,
         "curves": curves,
-        "notes": comparison.notes,
+        "one_body": comparison.one_body.name(),
+        "notes": comparison.lines(),
     })
 }
 
@@ -156,6 +157,7 @@ fn text(arguments: &CompareArguments, comparison: &Comparison) -> String {
         }
     };
     let end = format!("Written into {}\n", arguments.out.display());
-    let all = [head, if detected > 0 { table.text() } else { String::new() }, curves, end];
+    let bodies = comparison.two_bodies().map_or_else(String::new, |line| format!("!! {line}\n"));
+    let all = [bodies, head, if detected > 0 { table.text() } else { String::new() }, curves, end];
     all.into_iter().filter(|section| !section.is_empty()).collect::<Vec<_>>().join("\n")
 }

@@ -8,6 +8,7 @@ use super::fitted::{FittedFrame, TriedHypothesis};
 use super::judged::Judge;
 use super::measures::Measures;
 use super::quality::{self, CameraQuality};
+use super::strayed::Strayed;
 use super::watch::WatchedJournal;
 use super::{EstimateOptions, FitError, NoProgress, Progress, Verdict, Warning, check_scene};
 use crate::body::{BodyModel, Layout, Motion, Shape};
@@ -135,7 +136,17 @@ fn stages(
     let detailed = Evidence::new(&body, rig, options.likelihood, measures.search);
     let (evidence, progress) = (&detailed, journal.progress);
     let stage = LastStage { evidence, sequence, measures, options, faults: &faults, progress };
-    let (estimate, measure) = stage.run(&found.trials[found.winner]);
+    let winner = &found.trials[found.winner];
+    let first = stage.run(winner);
+    let strayed = Strayed::of(&first.0, rig, sequence.frames);
+    let others = strayed.as_ref().map(|strayed| (&strayed.frames[..], &strayed.faults));
+    let (frames, faults) = others.unwrap_or((sequence.frames, &faults));
+    let sequence = Sequence { frames, ..sequence };
+    let (estimate, measure) = match strayed.is_some() {
+        true => LastStage { sequence, faults, ..stage }.run(winner),
+        false => first,
+    };
+
     // 4. how far the keyframes agree
     journal.progress.begin("checks", 1);
     let reported =
@@ -147,14 +158,16 @@ fn stages(
     notes.extend(facing_warning(&coarse, &hypotheses, found.winner, estimate.data_weight()));
 
     // 5, 6. how well the body covers the masks, what it is worth, and what a person should know of it
+    let mut left_out = cleared.causes.clone();
+    left_out.extend(strayed.as_ref().map(|strayed| strayed.cause.clone()));
     let judge = Judge {
         coarse: &coarse,
         body: &body,
         sequence,
         measure,
         options,
-        faults: &faults,
-        left_out: &cleared.causes,
+        faults,
+        left_out: &left_out,
     };
     let fit = judge.fit(estimate, confidence, notes);
     journal.progress.step();

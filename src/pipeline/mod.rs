@@ -44,6 +44,7 @@ pub mod silhouettes;
 mod sound;
 mod source;
 pub mod stereo;
+mod strayed;
 mod unseen;
 mod warning;
 mod warning_text;
@@ -78,7 +79,8 @@ pub use rig_estimate::{RigEstimate, RigEvidence, Singular, rig_estimate};
 pub(crate) use scene::MOST_EMPTY_FRAMES;
 pub use scene::check_scene;
 pub use session::{
-    AloneFit, Disagreement, OtherCalibration, SessionFit, SessionTrial, disagreements, fit_session,
+    AloneFit, Disagreement, OneBody, OtherCalibration, SessionFit, SessionTrial, disagreements,
+    fit_session, one_body,
 };
 pub use sound::{ENVELOPE_HZ, sound_delay_s};
 pub use source::{FramePictures, MaskSource, PictureSource, PictureStream};

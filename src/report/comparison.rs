@@ -13,6 +13,7 @@ use super::variation::{digits_of, title};
 use super::{Subject, Words};
 use crate::gait::trials::{Change, CurveChange, Stretch};
 use crate::gait::{Angle, Curve, GaitAnalysis, Norm, Side};
+use crate::pipeline::OneBody;
 
 /// One of the two sessions.
 #[derive(Debug, Clone, Copy)]
@@ -38,7 +39,9 @@ pub struct ComparisonInput<'a> {
     pub changes: &'a [Change],
     /// Where over the cycle curves differ.
     pub curves: &'a [CurveChange],
-    /// What a person should know, each in one line.
+    /// Whether both have one body.
+    pub one_body: &'a OneBody,
+    /// What else a person should know, each in one line.
     pub notes: &'a [String],
     /// Healthy people.
     pub norm: Option<&'a Norm>,
@@ -69,9 +72,13 @@ fn summary<'a>(input: &ComparisonInput<'a>) -> Page<'a> {
                 }
                 tr { th scope="row" { (words.of("Trials")) } td { (input.before.trials) } td { (input.after.trials) } }
             }
-            @if !input.notes.is_empty() {
+            @let two_bodies = two_bodies(input);
+            @if two_bodies.is_some() || !input.notes.is_empty() {
                 h3 { (words.of("Before reading on")) }
-                ul class="remarks" { @for note in input.notes { li { (words.line(note)) } } }
+                ul class="remarks" {
+                    @if let Some(line) = &two_bodies { li { strong { (line) } } }
+                    @for note in input.notes { li { (words.line(note)) } }
+                }
             }
             h3 { (words.of("Changes that exceed the minimal detectable change")) }
             @if known == 0 {
@@ -89,6 +96,29 @@ fn summary<'a>(input: &ComparisonInput<'a>) -> Page<'a> {
     }
 }
 
+/// That the two have two bodies, where it is so.
+fn two_bodies(input: &ComparisonInput<'_>) -> Option<String> {
+    let OneBody::No(odd) = input.one_body else {
+        return None;
+    };
+    let words = input.words;
+    let metres = |length: f64| words.number(Some(length), 3);
+    let length = odd.length.replace('_', " ");
+    Some(words.fill(
+        "The bodies differ: the {length} is {first} m in {before} and {second} m in {after} (all lengths: χ² {chi} of {degrees}): two people, \
+            a person who has grown, or a calibration of another scale. No change is to be trusted before that is known.",
+        &[
+            ("length", &words.known(&length)),
+            ("first", &metres(odd.others_m)),
+            ("before", &input.before.name),
+            ("second", &metres(odd.own_m)),
+            ("after", &input.after.name),
+            ("chi", &words.number(Some(odd.chi_square), 0)),
+            ("degrees", &odd.degrees),
+        ],
+    ))
+}
+
 fn table_page<'a>(input: &ComparisonInput<'a>) -> Page<'a> {
     let words = input.words;
     Page {
@@ -96,6 +126,7 @@ fn table_page<'a>(input: &ComparisonInput<'a>) -> Page<'a> {
         title: words.of("Changes"),
         body: html! {
             @if let Some(norm) = input.norm { (cautions(norm, input.after.subject, words)) }
+            @if let Some(line) = two_bodies(input) { p { strong { (line) } } }
             (table(&input.changes.iter().collect::<Vec<_>>(), input))
             p class="note" {
                 (words.fill("SD: between the trials of a session. Change: {after} less {before}, with its 95 % interval (Welch), \

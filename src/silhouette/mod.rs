@@ -24,5 +24,5 @@ pub use keypoints::{Detection, FramePeople, Keypoint, distances_px};
 pub use options::{InvalidOption, SilhouetteOptions};
 pub use outline::{ContourPoint, Silhouette};
 pub use overlap::{Overlap, OverlapGrid};
-pub(crate) use rods::Cells;
+pub(crate) use rods::CellMask;
 pub use support::{ShrunkSize, Support, SupportOptions, Volume};

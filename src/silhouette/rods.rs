@@ -6,7 +6,7 @@
 //! more than [`REACH_M`] and what is longer than [`LENGTH_M`] is no part of the person.
 //!
 //! Two tubes in line, or a tube in line with a hand, are thicker. They are found by the other cameras, which see them apart: so a
-//! silhouette is handed out as [`Cells`], whose slender part is looked at again.
+//! silhouette is handed out as [`CellMask`], whose slender part is looked at again.
 
 use std::collections::HashSet;
 
@@ -33,7 +33,7 @@ const SLENDER_M: f64 = 0.08;
 
 /// What a silhouette holds, in square cells of the size of the person.
 #[derive(Debug, Clone)]
-pub(crate) struct Cells {
+pub(crate) struct CellMask {
     /// With a margin of nothing around it.
     mask: Mask,
     /// Of the first cell.
@@ -41,7 +41,7 @@ pub(crate) struct Cells {
     side_px: f64,
 }
 
-impl Cells {
+impl CellMask {
     /// Of a person at a distance where a metre measures `px_per_m`; `None` if the pixels are too large.
     pub(crate) fn new(silhouette: &Silhouette, px_per_m: f64) -> Option<Self> {
         let side_px = CELL_M * px_per_m;
@@ -127,10 +127,10 @@ impl Silhouette {
     /// The silhouette of cells of it, before a camera; the rest is background. Of its border only what was a border before is sure.
     ///
     /// `None` if there is nothing.
-    pub(crate) fn within(&self, own: &Cells, camera: &Camera) -> Option<Self> {
+    pub(crate) fn within(&self, own: &CellMask, camera: &Camera) -> Option<Self> {
         let lengths_px: f64 = self.contour.iter().map(|point| point.length_px).sum();
         let spacing = lengths_px / self.contour.len() as f64 / own.side_px;
-        let was_border = Cells { mask: widened(&own.around(&self.contour), 1), ..*own };
+        let was_border = CellMask { mask: widened(&own.around(&self.contour), 1), ..*own };
         let border_point = |cell: &Point2<f64>| {
             let pixel = own.corner + (cell.coords + Vector2::repeat(0.5)) * own.side_px;
             let reliability = f64::from(u8::from(was_border.contain(&pixel)));
@@ -206,7 +206,7 @@ mod tests {
     }
 
     fn own(silhouette: &Silhouette) -> Option<Silhouette> {
-        let own = Cells::new(silhouette, PX_PER_M)?.without_rods()?;
+        let own = CellMask::new(silhouette, PX_PER_M)?.without_rods()?;
         silhouette.within(&own, &camera())
     }
 
@@ -245,9 +245,9 @@ mod tests {
     #[test]
     fn slender_cells_go_where_nobody_owns_them() {
         let silhouette = silhouette(|_, _| false);
-        let all = Cells::new(&silhouette, PX_PER_M).unwrap();
+        let all = CellMask::new(&silhouette, PX_PER_M).unwrap();
         let left = all.without_slender(|pixel| pixel.x < 1.4 * PX_PER_M);
-        let has = |cells: &Cells, x: f64, y: f64| cells.contain(&(Point2::new(x, y) * PX_PER_M));
+        let has = |cells: &CellMask, x: f64, y: f64| cells.contain(&(Point2::new(x, y) * PX_PER_M));
         assert!(has(&all, 1.5, 0.43) && !has(&left, 1.5, 0.43));
         assert!(has(&left, 1.3, 0.43) && has(&left, 0.95, 0.7));
         // what is thick is nobody's question
@@ -256,6 +256,6 @@ mod tests {
 
     #[test]
     fn pixels_that_are_too_large_tell_nothing() {
-        assert!(Cells::new(&silhouette(cane), 50.0).is_none());
+        assert!(CellMask::new(&silhouette(cane), 50.0).is_none());
     }
 }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::tables::finished;
 use crate::gait::trials::{Change, CurveChange, Measure, Spread};
+use crate::pipeline::OneBody;
 
 /// How far every number varies, and its value in each trial.
 ///
@@ -37,11 +38,11 @@ pub fn variation_csv(
     finished(writer)
 }
 
-/// Every change from one session to another.
+/// Every change from one session to another, and in each row whether both have one body.
 ///
 /// # Errors
 /// As [`variation_csv`].
-pub fn changes_csv(changes: &[Change]) -> std::io::Result<Vec<u8>> {
+pub fn changes_csv(changes: &[Change], one_body: &OneBody) -> std::io::Result<Vec<u8>> {
     let heading = [
         "number",
         "side",
@@ -57,6 +58,7 @@ pub fn changes_csv(changes: &[Change]) -> std::io::Result<Vec<u8>> {
         "high_95",
         "mdc",
         "beyond_mdc",
+        "one_body",
     ];
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(heading)?;
@@ -68,6 +70,7 @@ pub fn changes_csv(changes: &[Change]) -> std::io::Result<Vec<u8>> {
         let (low, high) = change.interval.unzip();
         row.extend([Some(change.difference), low, high, change.detectable].map(text));
         row.push(change.is_detected().to_string());
+        row.push(one_body.name().to_owned());
         writer.write_record(row)?;
     }
     finished(writer)

@@ -14,15 +14,13 @@ impl ResultFile {
         if coefficients.len() != model.detailed().coefficients.len() {
             return None;
         }
-        let matrix =
-            |rows: &Vec<Vec<f64>>| DMatrix::from_fn(rows.len(), rows.len(), |i, j| rows[i][j]);
         let of_keyframes = coefficients.iter().filter_map(|c| c.confidence.clone());
         Some(AloneFit {
             shape: Shape(DVector::from_iterator(
                 coefficients.len(),
                 coefficients.iter().map(|c| c.value),
             )),
-            covariance: self.shape.covariance.as_ref().map(matrix),
+            covariance: self.shape_covariance(),
             motions: self.motion.frames.iter().map(|frame| frame.motion()).collect(),
             recovered: self.motion.frames.iter().map(|frame| frame.recovered).collect(),
             cameras: self.quality.cameras.iter().map(|camera| camera.found).collect(),
@@ -33,6 +31,12 @@ impl ResultFile {
                 all_lengths: self.shape.all_lengths.clone(),
             },
         })
+    }
+
+    /// The covariance of the shape's coefficients; `None` where it is not known, or withheld.
+    pub fn shape_covariance(&self) -> Option<DMatrix<f64>> {
+        let rows = self.shape.covariance.as_ref()?;
+        Some(DMatrix::from_fn(rows.len(), rows.len(), |i, j| rows[i][j]))
     }
 
     /// With the hypotheses of another result: those of the trial alone, from which this one was reached.

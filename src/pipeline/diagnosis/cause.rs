@@ -160,6 +160,16 @@ pub enum Cause {
         /// The largest share of a mask that it is, median over its frames.
         share: f64,
     },
+    /// The joint optimum put some cameras farther from their calibrated places than anybody moves one. They were left out.
+    Strayed {
+        /// The cameras.
+        cameras: Vec<String>,
+    },
+    /// The masks of half of the cameras or more end at one upright line inside the picture.
+    Cropped {
+        /// The cameras.
+        cameras: Vec<String>,
+    },
     /// The masks have lost arms, hands and feet.
     ThinPartsGone,
     /// The silhouettes show less than a whole person.

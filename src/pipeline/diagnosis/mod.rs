@@ -15,6 +15,7 @@
 //! | `cleared.rs`     | what of the masks can be used: without the two below              |
 //! | `rods.rs`        | walking aids in the masks                                         |
 //! | `parts.rs`       | cameras that lack a part of the person, or hold something else    |
+//! | `cropped.rs`     | masks that end at an upright line inside the picture              |
 //! | `room.rs`        | what stands still in the masks                                    |
 //! | `volume.rs`      | what the silhouettes hold beside the body, and how tall it is     |
 //! | `thin.rs`        | whether the masks have lost arms, hands and feet                  |
@@ -31,6 +32,7 @@ mod cameras;
 mod cause;
 mod cleared;
 mod coherence;
+mod cropped;
 #[cfg(test)]
 pub(super) mod figures;
 mod joint_misses;
@@ -54,12 +56,13 @@ pub(super) use cameras::CameraFaults;
 pub(super) use cause::camera_causes;
 pub use cause::{Cause, Reason};
 pub(super) use cleared::Cleared;
+pub(super) use parts::AGREEING;
 pub(super) use proportions::likeliest_scale;
 pub(super) use rods::WithoutRods;
 pub(super) use seen::Seen;
 pub(super) use stature::stature_m;
 pub use strangers::strangers;
-pub(super) use unusable::{LEAST_OVERLAP, lost_frames};
+pub(super) use unusable::{LEAST_OVERLAP, MOST_DISPLACED_M, lost_frames};
 pub use upright::HeadAxis;
 pub(super) use verdict::Diagnosis;
 pub use verdict::Verdict;

@@ -29,7 +29,7 @@ use crate::silhouette::{FrameObservations, Silhouette};
 /// Pixels of each silhouette that are looked at, about.
 const PIXELS: f64 = 64.0;
 /// So many cameras are believed against one.
-const AGREEING: usize = 3;
+pub(in crate::pipeline) const AGREEING: usize = 3;
 /// What lies no farther outside of a silhouette is its border: cameras that were touched show it so far off, metres.
 const BORDER_M: f64 = 0.1;
 /// More than an arm and less than a leg, of a person's area: those are 5 and 20 % of the mass (de Leva 1996).

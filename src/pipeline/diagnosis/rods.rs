@@ -1,6 +1,6 @@
 //! Walking aids: canes, crutches and frames are in the masks, and no part of the body.
 //!
-//! Where silhouettes hold rods ([`Cells::without_rods`]) they are taken out of all masks before anybody is fitted. Then what is
+//! Where silhouettes hold rods ([`CellMask::without_rods`]) they are taken out of all masks before anybody is fitted. Then what is
 //! slender in a mask must be seen by all other cameras but one at some place of its line of sight: two rods in line, or a rod in line
 //! with a hand, are as thick as a limb, and other cameras see them apart. A rod of one mask among many is an error of that mask, and stays.
 
@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use super::cause::{Cause, name};
 use super::shown_by_two;
 use crate::camera::{Camera, CameraId, Ray, Rig, closest_point};
-use crate::silhouette::{Cells, FrameObservations, Silhouette};
+use crate::silhouette::{CellMask, FrameObservations, Silhouette};
 
 /// Frames that are looked at first.
 const SAMPLED_FRAMES: usize = 6;
@@ -79,7 +79,7 @@ fn cleaned(rig: &Rig, frame: &FrameObservations) -> FrameObservations {
 struct View<'a> {
     camera: &'a Camera,
     /// What it holds without its rods; `None` if its pixels are too large to tell.
-    own: Option<Cells>,
+    own: Option<CellMask>,
     has_rods: bool,
 }
 
@@ -91,8 +91,8 @@ fn views<'a>(rig: &'a Rig, frame: &FrameObservations) -> Option<(Point3<f64>, Ve
         let camera = &rig.cameras[id.0];
         let depth_m = (camera.camera_from_world * subject).z;
         let px_per_m = camera.intrinsics.focal_px() / depth_m;
-        let whole = (depth_m > 0.0).then(|| Cells::new(shown, px_per_m)).flatten();
-        let without = whole.as_ref().and_then(Cells::without_rods);
+        let whole = (depth_m > 0.0).then(|| CellMask::new(shown, px_per_m)).flatten();
+        let without = whole.as_ref().and_then(CellMask::without_rods);
         View { camera, has_rods: without.is_some(), own: without.or(whole) }
     };
     let views = frame.views.iter().map(of_view).collect();

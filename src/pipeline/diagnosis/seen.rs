@@ -2,6 +2,7 @@
 
 use super::cameras::CameraFaults;
 use super::cause::{Cause, camera_causes, name};
+use super::cropped::cropped;
 use super::room::{alone_shares, stale_shares};
 use super::thin::thin_share;
 use super::unusable::LEAST_THIN;
@@ -30,6 +31,9 @@ impl Seen<'_> {
     /// The first hypothesis that holds, where no body could be found.
     pub(in crate::pipeline) fn causes(&self) -> Vec<Cause> {
         let is_person = self.model.root != Root::Fixed;
+        if let Some(cropped) = self.cropped() {
+            return vec![cropped];
+        }
         if let Some(cut_off) = self.cut_off().filter(|_| is_person) {
             return vec![cut_off];
         }
@@ -43,10 +47,15 @@ impl Seen<'_> {
         camera_causes(self.rig, self.faults)
     }
 
+    /// Masks that end at an upright line inside the picture, in half of the cameras or more.
+    pub(super) fn cropped(&self) -> Option<Cause> {
+        cropped(self.rig, self.observations)
+    }
+
     /// What all silhouettes together hold is lower than a standing person.
     fn cut_off(&self) -> Option<Cause> {
         let size_m = size_m(&volumes(self.rig, self.observations, &self.faults.readings))?;
-        cut_off(self.model, size_m.z)
+        cut_off(body_size(self.model), size_m.z)
     }
 
     /// A picture of the person in all masks of half of the cameras: a body that stays there covers them fairly.
@@ -66,9 +75,9 @@ impl Seen<'_> {
     }
 }
 
-/// Silhouettes that hold something lower than a standing person.
-pub(super) fn cut_off(model: &BodyModel, height_m: f64) -> Option<Cause> {
-    (height_m < WHOLE * body_size(model)).then_some(Cause::CutOff { height_m })
+/// Silhouettes that hold something lower than a person who stands and is `usual_m` tall.
+pub(super) fn cut_off(usual_m: f64, height_m: f64) -> Option<Cause> {
+    (height_m < WHOLE * usual_m).then_some(Cause::CutOff { height_m })
 }
 
 /// What stands still in more than `least` of a camera's silhouettes.

@@ -183,6 +183,16 @@ impl Cause {
                 were(cameras),
                 100.0 * share
             ),
+            Self::Strayed { cameras } => write!(
+                f,
+                "{} left out, for no place near the calibrated one explains what they show: the masks hold something that the other cameras do not see, or lack a part of the person, or the camera was moved far; look at the masks, or calibrate again",
+                were(cameras)
+            ),
+            Self::Cropped { cameras } => write!(
+                f,
+                "the masks of {} end at one upright line inside the picture, time and again: a part of the picture is cut off, or was never segmented; segment whole pictures",
+                cameras.join(", ")
+            ),
             Self::ThinPartsGone => write!(
                 f,
                 "the masks have lost the thin parts (arms, hands, feet): clean them up with a smaller disk, or segment again"

@@ -19,7 +19,7 @@ pub(super) const LEAST_THIN: f64 = 0.02;
 /// More lost frames than this share, and nobody knows which are right.
 const MOST_LOST: f64 = 0.33;
 /// Cameras are kicked and bumped by less, metres.
-const MOST_DISPLACED_M: f64 = 1.0;
+pub(in crate::pipeline) const MOST_DISPLACED_M: f64 = 1.0;
 /// A frame below this share of the median frame's overlap is lost.
 const LOST_SHARE: f64 = 0.8;
 /// One whose detections lie farther off than so many times the median frame's, and too far by themselves, is lost too.

@@ -16,6 +16,7 @@ use crate::body::{Posed, Root, Shape};
 use crate::inference::Evidence;
 use crate::inference::covariance::ShapeUncertainty;
 use crate::math::stats::{mean, median};
+use crate::pipeline::scene::body_size;
 use crate::pipeline::{CameraFound, CameraQuality, FittedFrame};
 use crate::silhouette::FrameObservations;
 
@@ -105,8 +106,8 @@ impl Diagnosis<'_> {
             return if of_cameras.is_empty() { of_body() } else { of_cameras };
         }
         let seen = self.seen();
-        if let Some(pieces) = seen.pieces_of_room() {
-            return vec![pieces];
+        if let Some(cause) = seen.cropped().or_else(|| seen.pieces_of_room()) {
+            return vec![cause];
         }
         if found.explain_nearly_all() {
             return of_cameras();
@@ -169,11 +170,14 @@ impl Diagnosis<'_> {
         if of_cameras.is_empty() { of_size() } else { of_cameras }
     }
 
-    /// What the silhouettes hold lies down, or is lower than a person.
+    /// What the silhouettes hold lies down, or is lower than a person: than the fitted one, unless that cannot be used.
     fn of_size(&self, volumes: &[Volume], unusable: &[Reason]) -> Option<Cause> {
-        let size_m = size_m(volumes)?;
-        let is_low = || cut_off(self.evidence.model, size_m.z).filter(|_| !unusable.is_empty());
-        self.turned(size_m.imax()).or_else(is_low)
+        let (size_m, model) = (size_m(volumes)?, self.evidence.model);
+        let usual_m = match unusable.is_empty() {
+            true => stature_m(model, self.shape),
+            false => body_size(model),
+        };
+        self.turned(size_m.imax()).or_else(|| cut_off(usual_m, size_m.z))
     }
 
     /// The recording without the body.

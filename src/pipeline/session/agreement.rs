@@ -1,4 +1,4 @@
-//! Whether all trials are of one person: by their lengths.
+//! Whether all trials are of one person, and two sessions: by their lengths.
 //!
 //! Trial k alone found the lengths ℓₖ at rest with the covariance Cₖ = J Σₖ Jᵀ, J their slopes with respect to the shape. All trials
 //! together find ℓ̄ with C̄, the prior (ℓ₀, C₀) counted once:
@@ -20,7 +20,7 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::SessionTrial;
-use crate::body::BodyModel;
+use crate::body::{BodyModel, Shape};
 use crate::inference::covariance::lengths_slopes;
 
 /// A trial whose lengths are not those of the others.
@@ -40,6 +40,29 @@ pub struct Disagreement {
     pub own_m: f64,
     /// The same in all others together, m.
     pub others_m: f64,
+}
+
+/// Whether two fits show one body.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub enum OneBody {
+    /// One of them states no standard deviations, or their body models differ.
+    #[default]
+    Unknown,
+    /// Their lengths agree.
+    Yes,
+    /// Their lengths do not: the second is the trial, the first the others.
+    No(Disagreement),
+}
+
+impl OneBody {
+    /// `yes`, `no` or `unknown`.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Unknown => "unknown",
+            Self::Yes => "yes",
+            Self::No(_) => "no",
+        }
+    }
 }
 
 /// w.
@@ -62,27 +85,69 @@ struct Lengths {
 /// lengths have standard deviations. `model` has no details.
 pub fn disagreements(model: &BodyModel, trials: &[SessionTrial<'_>]) -> Vec<Disagreement> {
     let body = model.detailed();
-    let prior = &body.statistics;
-    let of = |shape: &DVector<f64>, covariance: &DMatrix<f64>| {
-        let shape = crate::body::Shape(shape.clone());
-        let slopes = lengths_slopes(&body, &shape);
-        let metres = DVector::from_vec(body.rest_lengths_m(&shape));
-        Lengths { metres, covariance: &slopes * covariance * slopes.transpose() }
-    };
-    let prior = of(&prior.mean, &prior.covariance);
+    let prior = Lengths::of_prior(&body);
     let known = trials.iter().enumerate().filter_map(|(k, trial)| {
         let alone = &trial.alone;
-        Some((k, of(&alone.shape.0, alone.covariance.as_ref()?)))
+        Some((k, Lengths::new(&body, &alone.shape, alone.covariance.as_ref()?)))
     });
 
     let mut left: Vec<(usize, Lengths)> = known.collect();
-    let names = body.lengths.iter().map(|(name, ..)| name.clone()).collect::<Vec<_>>();
+    let names = names(&body);
     let mut found = Vec::new();
     while let Some(odd) = oddest(&left, &prior, &names) {
         left.retain(|(k, _)| *k != odd.trial);
         found.push(odd);
     }
     found
+}
+
+/// Whether two fits show one body, by the test of a session's trials. `body` is the model of both with its details; of each fit the
+/// shape and its covariance.
+pub fn one_body(
+    body: &BodyModel,
+    before: (&Shape, &DMatrix<f64>),
+    after: (&Shape, &DMatrix<f64>),
+) -> OneBody {
+    let [before, after] = [before, after].map(|(s, covariance)| Lengths::new(body, s, covariance));
+    one_of_two(before, after, &Lengths::of_prior(body), &names(body))
+}
+
+fn one_of_two(before: Lengths, after: Lengths, prior: &Lengths, names: &[String]) -> OneBody {
+    let both = [(0, before), (1, after)];
+    let tested = || {
+        let all = pooled(&both, prior)?;
+        test(1, &both[1].1, &all, &both[0].1, names)
+    };
+    match tested() {
+        None => OneBody::Unknown,
+        Some(found) if found.is_sure() => OneBody::No(found),
+        Some(_) => OneBody::Yes,
+    }
+}
+
+fn names(body: &BodyModel) -> Vec<String> {
+    body.lengths.iter().map(|(name, ..)| name.clone()).collect()
+}
+
+impl Lengths {
+    fn new(body: &BodyModel, shape: &Shape, covariance: &DMatrix<f64>) -> Self {
+        let slopes = lengths_slopes(body, shape);
+        let metres = DVector::from_vec(body.rest_lengths_m(shape));
+        Self { metres, covariance: &slopes * covariance * slopes.transpose() }
+    }
+
+    fn of_prior(body: &BodyModel) -> Self {
+        let prior = &body.statistics;
+        Self::new(body, &Shape(prior.mean.clone()), &prior.covariance)
+    }
+}
+
+impl Disagreement {
+    /// Whether it is beyond chance, and more than a fold of cloth.
+    fn is_sure(&self) -> bool {
+        let share = (self.own_m / self.others_m - 1.0).abs();
+        self.probability < IMPROBABLE && share > LEAST_SHARE
+    }
 }
 
 /// The trial of the largest χ², if it is not of the person of the others.
@@ -96,9 +161,8 @@ fn oddest(trials: &[(usize, Lengths)], prior: &Lengths, names: &[String]) -> Opt
         let others = pooled(&rest, prior)?;
         test(*k, own, &all, &others, names)
     });
-    let oddest = tested.max_by(|a, b| a.chi_square.total_cmp(&b.chi_square))?;
-    let share = (oddest.own_m / oddest.others_m - 1.0).abs();
-    (oddest.probability < IMPROBABLE && share > LEAST_SHARE).then_some(oddest)
+    let oddest = tested.max_by(|a, b| a.chi_square.total_cmp(&b.chi_square));
+    oddest.filter(Disagreement::is_sure)
 }
 
 /// ℓ̄ and C̄; `None` where a covariance has no inverse.
@@ -208,6 +272,21 @@ mod tests {
             let odd = oddest_of(&trials).unwrap();
             assert_eq!(odd.trial, k);
             assert!(odd.own_m < odd.others_m && odd.degrees == 3, "{odd:?}");
+        }
+    }
+
+    #[test]
+    fn two_sessions_of_one_person_have_one_body_and_those_of_two_have_not() {
+        let mut rng = ChaCha8Rng::seed_from_u64(5);
+        let [person, other] =
+            [vec![0.45, 0.43, 0.32], vec![0.38, 0.36, 0.27]].map(DVector::from_vec);
+        let said = |a: Lengths, b: Lengths| one_of_two(a, b, &prior(), &names());
+        for _ in 0..200 {
+            // the widened χ² is beyond 1/1000 of its own once in 10⁸ times
+            assert_eq!(said(trial(&person, &mut rng), trial(&person, &mut rng)), OneBody::Yes);
+            let found = said(trial(&person, &mut rng), trial(&other, &mut rng));
+            let OneBody::No(odd) = &found else { panic!("{found:?}") };
+            assert!(odd.own_m < odd.others_m, "{odd:?}");
         }
     }
 

@@ -17,7 +17,7 @@
 //! | file           | holds                                        |
 //! |----------------|----------------------------------------------|
 //! | `rig.rs`       | which cameras of the trials are the same      |
-//! | `agreement.rs` | [`disagreements`]: a trial of somebody else   |
+//! | `agreement.rs` | [`disagreements`]: a trial of somebody else; [`one_body`]: whether two sessions are of one person |
 
 mod agreement;
 mod rig;
@@ -26,7 +26,7 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
-pub use agreement::{Disagreement, disagreements};
+pub use agreement::{Disagreement, OneBody, disagreements, one_body};
 pub use rig::OtherCalibration;
 
 use super::camera_covariance::CameraCovariances;

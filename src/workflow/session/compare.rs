@@ -3,6 +3,7 @@
 use super::SessionStudy;
 use crate::gait::trials::{Change, CurveChange, LEAST_TRIALS, changes, curve_changes};
 use crate::io::gait::{changes_csv, curve_changes_csv};
+use crate::pipeline::OneBody;
 use crate::workflow::{Error, SessionError};
 
 /// Two sessions of one person, or two recordings, and what changed between them.
@@ -16,7 +17,9 @@ pub struct Comparison {
     pub changes: Vec<Change>,
     /// Where over the cycle curves differ, of every curve that both sessions have in three trials or more.
     pub curves: Vec<CurveChange>,
-    /// What a person should know, each in one line.
+    /// Whether the lengths of both can be those of one body.
+    pub one_body: OneBody,
+    /// What else a person should know, each in one line.
     pub notes: Vec<String>,
 }
 
@@ -54,7 +57,31 @@ impl Comparison {
                 "whole curves are not tested: that needs {LEAST_TRIALS} trials or more in each session"
             ));
         }
-        Ok(Self { before, after, changes, curves, notes })
+        let one_body = before.one_body_with(&after);
+        Ok(Self { before, after, changes, curves, one_body, notes })
+    }
+
+    /// That the two have two bodies, in one line; `None` where they have one, or that is not known.
+    pub fn two_bodies(&self) -> Option<String> {
+        let OneBody::No(odd) = &self.one_body else {
+            return None;
+        };
+        Some(format!(
+            "the bodies differ: the {} is {:.3} m in {}, {:.3} m in {} (all lengths: χ² {:.0} of {}): two people, a person who has \
+             grown, or a calibration of another scale; no change below is to be trusted before that is known",
+            odd.length.replace('_', " "),
+            odd.others_m,
+            self.before.name,
+            odd.own_m,
+            self.after.name,
+            odd.chi_square,
+            odd.degrees
+        ))
+    }
+
+    /// All that a person should know, each in one line.
+    pub fn lines(&self) -> Vec<String> {
+        self.two_bodies().into_iter().chain(self.notes.iter().cloned()).collect()
     }
 
     /// Where curves differ, as comma-separated values: a row for each stretch of the cycle, and one for each curve without any.
@@ -70,7 +97,7 @@ impl Comparison {
     /// # Errors
     /// [`Error::Table`], if the writer has any.
     pub fn csv(&self) -> Result<Vec<u8>, Error> {
-        Ok(changes_csv(&self.changes)?)
+        Ok(changes_csv(&self.changes, &self.one_body)?)
     }
 }
 

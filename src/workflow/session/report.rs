@@ -78,6 +78,7 @@ impl Comparison {
             after: Compared { name: &b.0, subject: &subjects[1], trials: b.1, gait: &after },
             changes: &self.changes,
             curves: &self.curves,
+            one_body: &self.one_body,
             notes: &self.notes,
             norm: self.after.norm(),
             words: &Words::new(language),

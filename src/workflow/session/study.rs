@@ -3,11 +3,14 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use nalgebra::DMatrix;
+
 use super::FittedSession;
 use crate::gait::trials::{Measure, Measured, NamedTrial, Spread, measured, pooled, spreads};
 use crate::gait::{Curve, GaitAnalysis, GaitOptions, Norm};
 use crate::io::gait::variation_csv;
 use crate::io::session::{SESSION, SessionFile};
+use crate::pipeline::{FittedBody, OneBody, one_body};
 use crate::workflow::{Error, EventChoice, GaitSource, GaitStudy, NormChoice};
 
 /// How somebody walks in the trials of one session, or in one recording.
@@ -56,6 +59,24 @@ impl SessionStudy {
             trials.push((part.name.clone(), study.compared_with(norm, age, sex)?));
         }
         Ok(Self { name, path: path.into(), file: Some(session.file), trials })
+    }
+
+    /// Whether another session has the same body, by the lengths of both.
+    pub(super) fn one_body_with(&self, other: &Self) -> OneBody {
+        match (self.body(), other.body()) {
+            (Some((body, own)), Some((others, other))) if body.model == others.model => {
+                one_body(&body.model, (&body.shape, &own), (&others.shape, &other))
+            }
+            _ => OneBody::Unknown,
+        }
+    }
+
+    /// The body of all trials, and the covariance of its shape; `None` of points, and of a fit that states none.
+    fn body(&self) -> Option<(&FittedBody, DMatrix<f64>)> {
+        let (_, study) = self.trials.first()?;
+        let body = study.input.body.as_ref()?;
+        let covariance = study.result.as_ref()?.shape_covariance()?;
+        (covariance.nrows() == body.shape.0.len()).then_some((body, covariance))
     }
 
     /// Healthy people, whom all trials are compared with.
