@@ -36,6 +36,8 @@ pub const ENOUGH_KEYFRAMES: usize = 5;
 /// More keyframes tell little more: σ is known to 20 %. Each proposes a body that is carried through all frames, so the search would cost
 /// the square of the recording's length.
 pub const MOST_KEYFRAMES: usize = 13;
+/// Keyframes of a trial of a session at least.
+const LEAST_OF_A_TRIAL: usize = 2;
 
 impl SearchOptions {
     /// Frames from one keyframe to the next, in a recording of so many frames.
@@ -43,6 +45,15 @@ impl SearchOptions {
         let enough = frames.saturating_sub(1) / (ENOUGH_KEYFRAMES - 1);
         let few = frames.div_ceil(MOST_KEYFRAMES);
         self.keyframe_every.unwrap_or(EVERY.min(enough).max(few)).max(1)
+    }
+
+    /// The same for one of so many trials of one person, of so many frames: the keyframes of all are hypotheses of one shape, so
+    /// [`MOST_KEYFRAMES`] are enough for all together. A spacing that was asked for stays.
+    #[must_use]
+    pub fn of_trial(&self, trials: usize, frames: usize) -> Self {
+        let of_each = MOST_KEYFRAMES.div_ceil(trials.max(1)).max(LEAST_OF_A_TRIAL);
+        let fewer = (of_each < ENOUGH_KEYFRAMES).then(|| frames.div_ceil(of_each).max(1));
+        Self { keyframe_every: self.keyframe_every.or(fewer), ..self.clone() }
     }
 }
 
@@ -280,5 +291,18 @@ mod tests {
             assert_eq!(third.keyframe_spacing(frames), 3);
         }
         assert_eq!(20_000_usize.div_ceil(default.keyframe_spacing(20_000)), 13);
+    }
+
+    #[test]
+    fn trials_of_one_person_have_enough_keyframes_together() {
+        let default = SearchOptions::default();
+        let keyframes = |trials: usize, frames: usize| {
+            frames.div_ceil(default.of_trial(trials, frames).keyframe_spacing(frames))
+        };
+        assert_eq!([1, 3, 5, 7, 10].map(|trials| keyframes(trials, 60)), [5, 5, 3, 2, 2]);
+        // as many as a long recording has, or those of a long trial
+        assert_eq!((keyframes(2, 400), keyframes(10, 400)), (13, 2));
+        let asked = SearchOptions { keyframe_every: Some(7), ..default.clone() };
+        assert_eq!(asked.of_trial(10, 60).keyframe_every, Some(7));
     }
 }

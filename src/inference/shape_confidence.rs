@@ -48,7 +48,19 @@ impl ShapeConfidence {
         reported_m: &[f64],
         options: &ConfidenceOptions,
     ) -> Self {
-        let shapes: Vec<&Shape> = best_readings(trials).iter().map(|h| &h.shape).collect();
+        let hypotheses = trials.iter().map(|trial| &trial.hypothesis);
+        let shapes: Vec<&Shape> = best_readings(hypotheses).iter().map(|h| &h.shape).collect();
+        Self::from_shapes(model, &shapes, reported, reported_m, options)
+    }
+
+    /// The same, of the shapes s*ₖ themselves: of several recordings of one person, all that their keyframes found.
+    pub fn from_shapes(
+        model: &BodyModel,
+        shapes: &[&Shape],
+        reported: &Shape,
+        reported_m: &[f64],
+        options: &ConfidenceOptions,
+    ) -> Self {
         let coefficients: Vec<DVector<f64>> = shapes.iter().map(|s| s.0.clone()).collect();
         let lengths: Vec<DVector<f64>> =
             shapes.iter().map(|s| DVector::from_vec(model.rest_lengths_m(s))).collect();
@@ -77,9 +89,11 @@ impl ShapeConfidence {
 }
 
 /// The most probable reading of each keyframe, in the order of the keyframes.
-fn best_readings(trials: &[Trial]) -> Vec<&Hypothesis> {
+pub(crate) fn best_readings<'a>(
+    hypotheses: impl Iterator<Item = &'a Hypothesis>,
+) -> Vec<&'a Hypothesis> {
     let mut best: Vec<&Hypothesis> = Vec::new();
-    for hypothesis in trials.iter().map(|trial| &trial.hypothesis) {
+    for hypothesis in hypotheses {
         if !matches!(hypothesis.origin, Origin::Keyframe(_)) {
             continue;
         }

@@ -7,7 +7,7 @@ use maquette::inference::covariance::lengths_slopes;
 use maquette::inference::search::NoJournal;
 use maquette::io::model;
 use maquette::pipeline::{
-    AloneFit, CameraQuality, EstimateOptions, Fit, NoProgress, SessionTrial, fit, fit_session,
+    CameraQuality, EstimateOptions, Fit, NoProgress, SessionTrial, fit, fit_session,
 };
 use maquette::silhouette::{FrameIndex, FrameObservations, SilhouetteOptions, extract};
 use maquette::synth::{Recipe, Ring, Synthetic};
@@ -31,18 +31,6 @@ fn walk(seed: u64, trial: u64) -> (Synthetic, Vec<FrameObservations>) {
     (truth, observed)
 }
 
-/// The fit of a trial alone.
-fn alone(found: &Fit) -> AloneFit {
-    AloneFit {
-        shape: found.shape.clone(),
-        covariance: found.uncertainty.as_ref().map(|u| u.covariance.clone()),
-        motions: found.frames.iter().map(|frame| frame.fit.motion.clone()).collect(),
-        recovered: vec![false; found.frames.len()],
-        cameras: found.cameras.iter().map(|camera| camera.found).collect(),
-        confidence: found.confidence.clone(),
-    }
-}
-
 #[test]
 fn two_trials_have_one_body_that_is_surer_and_one_pose_of_each_camera() {
     let body = model::load("human-ellipsoids", Path::new("")).expect("it is there");
@@ -56,7 +44,7 @@ fn two_trials_have_one_body_that_is_surer_and_one_pose_of_each_camera() {
             let found =
                 fit(&body, &truth.rig, sequence, &options, &NoJournal).expect("it is there");
             let (rig, options) = (&truth.rig, &options);
-            SessionTrial { name: "walk", rig, sequence, options, alone: alone(&found) }
+            SessionTrial { name: "walk", rig, sequence, options, alone: (&found).into() }
         })
         .collect();
 
@@ -69,6 +57,11 @@ fn two_trials_have_one_body_that_is_surer_and_one_pose_of_each_camera() {
         let pose = |camera: &CameraQuality| camera.found.pose.map(|p| p.turn_deg);
         assert_eq!(pose(a), pose(b));
     }
+
+    // the keyframes of all are hypotheses of the one body
+    let of_each = trials.iter().map(|trial| trial.alone.keyframes.len());
+    assert_eq!(first.confidence.keyframes(), of_each.sum::<usize>());
+    assert_eq!(first.confidence, second.confidence);
 
     // with twice as much seen, each length is surer than alone, and the trial's place is its own
     let sd = |fit: &Fit| fit.uncertainty.clone().expect("it is there").lengths_sd_m;

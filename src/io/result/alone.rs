@@ -1,10 +1,12 @@
 //! A result of one trial of a session: what it was found to be alone, and its search beside what all trials found.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::ResultFile;
+use super::schema::{HypothesisPart, OriginPart};
 use crate::body::{BodyModel, Shape};
-use crate::inference::ShapeConfidence;
 use crate::pipeline::AloneFit;
 
 impl ResultFile {
@@ -14,7 +16,6 @@ impl ResultFile {
         if coefficients.len() != model.detailed().coefficients.len() {
             return None;
         }
-        let of_keyframes = coefficients.iter().filter_map(|c| c.confidence.clone());
         Some(AloneFit {
             shape: Shape(DVector::from_iterator(
                 coefficients.len(),
@@ -24,13 +25,21 @@ impl ResultFile {
             motions: self.motion.frames.iter().map(|frame| frame.motion()).collect(),
             recovered: self.motion.frames.iter().map(|frame| frame.recovered).collect(),
             cameras: self.quality.cameras.iter().map(|camera| camera.found).collect(),
-            confidence: ShapeConfidence {
-                coefficients: of_keyframes.collect(),
-                lengths: self.shape.lengths.iter().map(|l| l.confidence.clone()).collect(),
-                all_coefficients: self.shape.all_coefficients.clone(),
-                all_lengths: self.shape.all_lengths.clone(),
-            },
+            keyframes: self.keyframe_shapes(),
         })
+    }
+
+    /// What each keyframe found of the shape: its most probable reading, in the order of the keyframes.
+    fn keyframe_shapes(&self) -> Vec<Shape> {
+        let mut best: BTreeMap<usize, &HypothesisPart> = BTreeMap::new();
+        for part in self.hypotheses.iter().filter(|part| part.origin == OriginPart::Keyframe) {
+            let kept = best.entry(part.keyframe).or_insert(part);
+            if part.keyframe_cost < kept.keyframe_cost {
+                *kept = part;
+            }
+        }
+        let shape = |part: &HypothesisPart| Shape(DVector::from_column_slice(&part.coefficients));
+        best.into_values().map(shape).collect()
     }
 
     /// The covariance of the shape's coefficients; `None` where it is not known, or withheld.

@@ -41,7 +41,9 @@ use crate::body::{BodyModel, Motion, Shape};
 use crate::camera::Rig;
 use crate::inference::camera_offset::{CameraOffset, CameraPrior};
 use crate::inference::joint::{JointOptimum, JointOptions, Rounds, joint_optimum_from_terms};
-use crate::inference::{Evidence, Look, Sequence, SequenceState, SequenceTerms, ShapeConfidence};
+use crate::inference::{
+    Evidence, Look, Sequence, SequenceState, SequenceTerms, ShapeConfidence, best_readings,
+};
 use rig::SharedRig;
 
 /// A trial of a session, and what it was found to be alone.
@@ -72,8 +74,22 @@ pub struct AloneFit {
     pub recovered: Vec<bool>,
     /// By how much its cameras were off, in the order of the rig.
     pub cameras: Vec<CameraFound>,
-    /// How far its keyframes agree.
-    pub confidence: ShapeConfidence,
+    /// s*ₖ, what each of its keyframes found: the most probable reading.
+    pub keyframes: Vec<Shape>,
+}
+
+impl From<&Fit> for AloneFit {
+    fn from(fit: &Fit) -> Self {
+        let hypotheses = fit.hypotheses.iter().map(|tried| &tried.trial.hypothesis);
+        Self {
+            shape: fit.shape.clone(),
+            covariance: fit.uncertainty.as_ref().map(|u| u.covariance.clone()),
+            motions: fit.frames.iter().map(|frame| frame.fit.motion.clone()).collect(),
+            recovered: fit.frames.iter().map(|frame| frame.fit.recovered).collect(),
+            cameras: fit.cameras.iter().map(|camera| camera.found).collect(),
+            keyframes: best_readings(hypotheses).into_iter().map(|h| h.shape.clone()).collect(),
+        }
+    }
 }
 
 /// The trials with one body.
@@ -117,6 +133,7 @@ pub fn fit_session(
     let joined = session.optimum(&shared, progress);
 
     // 2. what each trial is worth with it
+    let keyframes: Vec<&Shape> = trials.iter().flat_map(|trial| &trial.alone.keyframes).collect();
     progress.begin("checks", trials.len());
     let mut fits = Vec::with_capacity(trials.len());
     for (k, (trial, joined)) in trials.iter().zip(joined).enumerate() {
@@ -132,7 +149,14 @@ pub fn fit_session(
             left_out: &cleared[k].causes,
         };
         let estimate = Estimate::joint(joined, trial.rig, &trial.alone.recovered);
-        fits.push(judge.fit(estimate, trial.alone.confidence.clone(), notes));
+        let confidence = ShapeConfidence::from_shapes(
+            model,
+            &keyframes,
+            &estimate.shape.first(model.coefficients.len()),
+            &body.rest_lengths_m(&estimate.shape),
+            &trial.options.confidence,
+        );
+        fits.push(judge.fit(estimate, confidence, notes));
         progress.step();
     }
     progress.end();

@@ -76,35 +76,23 @@ impl SharedRig {
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
     use nalgebra::DVector;
 
     use super::*;
     use crate::body::Shape;
-    use crate::inference::{Sequence, ShapeConfidence};
-    use crate::io::model;
+    use crate::inference::Sequence;
     use crate::pipeline::{AloneFit, EstimateOptions};
     use crate::synth::Ring;
 
     #[test]
     fn a_camera_of_another_calibration_is_named_and_its_pose_is_its_own() {
-        let model = model::load("walker-metaballs", Path::new("")).unwrap();
-        let shape = Shape(model.statistics.mean.clone());
-        let lengths_m = model.rest_lengths_m(&shape);
         let alone = AloneFit {
             shape: Shape(DVector::zeros(0)),
             covariance: None,
             motions: Vec::new(),
             recovered: Vec::new(),
             cameras: Vec::new(),
-            confidence: ShapeConfidence::from_trials(
-                &model,
-                &[],
-                &shape,
-                &lengths_m,
-                &crate::inference::ConfidenceOptions::default(),
-            ),
+            keyframes: Vec::new(),
         };
         let rig = Ring { cameras: 4, ..Ring::default() }.regular();
         let mut moved = rig.clone();

@@ -10,7 +10,7 @@ use maquette::inference::Sequence;
 use maquette::inference::search::NoJournal;
 use maquette::math::stats::mean;
 use maquette::pipeline::{
-    AloneFit, EstimateOptions, Fit, NoProgress, SessionTrial, disagreements, fit, fit_session,
+    EstimateOptions, Fit, NoProgress, SessionTrial, disagreements, fit, fit_session,
 };
 use maquette::silhouette::FrameObservations;
 use maquette::synth::{Make, Recipe, Ring, SegmentationErrors, Synthetic};
@@ -109,6 +109,8 @@ pub(crate) fn found(
     // and as `maquette session` does
     let start = Instant::now();
     let options = options.of_trial_alone();
+    let search = options.search.of_trial(TRIALS as usize, frames);
+    let options = EstimateOptions { search, ..options };
     let fits = fit_all(&options)?;
     let trials: Vec<SessionTrial<'_>> =
         filmed.iter().zip(&fits).map(|(trial, fit)| session_trial(trial, fit, &options)).collect();
@@ -147,14 +149,7 @@ fn session_trial<'a>(
         rig: &trial.truth.rig,
         sequence: trial.sequence(),
         options,
-        alone: AloneFit {
-            shape: fit.shape.clone(),
-            covariance: fit.uncertainty.as_ref().map(|u| u.covariance.clone()),
-            motions: fit.frames.iter().map(|frame| frame.fit.motion.clone()).collect(),
-            recovered: fit.frames.iter().map(|frame| frame.fit.recovered).collect(),
-            cameras: fit.cameras.iter().map(|camera| camera.found).collect(),
-            confidence: fit.confidence.clone(),
-        },
+        alone: fit.into(),
     }
 }
 
