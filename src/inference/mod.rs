@@ -52,5 +52,5 @@ pub use evidence::{Evidence, Terms};
 pub use looks::{Kind, Look, SequenceTerms};
 pub use sequence::Sequence;
 pub use sequence_state::SequenceState;
-pub(crate) use shape_confidence::best_readings;
 pub use shape_confidence::{ConfidenceOptions, ShapeConfidence};
+pub(crate) use shape_confidence::{best_readings, keyframe_shapes};

@@ -48,8 +48,7 @@ impl ShapeConfidence {
         reported_m: &[f64],
         options: &ConfidenceOptions,
     ) -> Self {
-        let hypotheses = trials.iter().map(|trial| &trial.hypothesis);
-        let shapes: Vec<&Shape> = best_readings(hypotheses).iter().map(|h| &h.shape).collect();
+        let shapes = keyframe_shapes(trials.iter().map(|trial| &trial.hypothesis));
         Self::from_shapes(model, &shapes, reported, reported_m, options)
     }
 
@@ -88,19 +87,27 @@ impl ShapeConfidence {
     }
 }
 
-/// The most probable reading of each keyframe, in the order of the keyframes.
-pub(crate) fn best_readings<'a>(
+/// s*ₖ of hypotheses: of each keyframe its most probable reading.
+pub(crate) fn keyframe_shapes<'a>(
     hypotheses: impl Iterator<Item = &'a Hypothesis>,
-) -> Vec<&'a Hypothesis> {
-    let mut best: Vec<&Hypothesis> = Vec::new();
-    for hypothesis in hypotheses {
-        if !matches!(hypothesis.origin, Origin::Keyframe(_)) {
-            continue;
-        }
-        match best.iter_mut().find(|h| h.keyframe == hypothesis.keyframe) {
-            Some(other) if hypothesis.keyframe_cost < other.keyframe_cost => *other = hypothesis,
+) -> Vec<&'a Shape> {
+    let of_keyframes = hypotheses.filter(|h| matches!(h.origin, Origin::Keyframe(_)));
+    let best = best_readings(of_keyframes, |h| (h.keyframe, h.keyframe_cost));
+    best.into_iter().map(|h| &h.shape).collect()
+}
+
+/// The most probable reading of each keyframe, in the order of the keyframes; `of` tells its keyframe and its cost.
+pub(crate) fn best_readings<T>(
+    readings: impl Iterator<Item = T>,
+    of: impl Fn(&T) -> (usize, f64),
+) -> Vec<T> {
+    let mut best: Vec<T> = Vec::new();
+    for reading in readings {
+        let (keyframe, cost) = of(&reading);
+        match best.iter_mut().find(|other| of(other).0 == keyframe) {
+            Some(other) if cost < of(other).1 => *other = reading,
             Some(_) => {}
-            None => best.push(hypothesis),
+            None => best.push(reading),
         }
     }
     best

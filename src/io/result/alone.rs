@@ -1,12 +1,11 @@
 //! A result of one trial of a session: what it was found to be alone, and its search beside what all trials found.
 
-use std::collections::BTreeMap;
-
 use nalgebra::{DMatrix, DVector};
 
 use super::ResultFile;
 use super::schema::{HypothesisPart, OriginPart};
 use crate::body::{BodyModel, Shape};
+use crate::inference::best_readings;
 use crate::pipeline::AloneFit;
 
 impl ResultFile {
@@ -31,15 +30,10 @@ impl ResultFile {
 
     /// What each keyframe found of the shape: its most probable reading, in the order of the keyframes.
     fn keyframe_shapes(&self) -> Vec<Shape> {
-        let mut best: BTreeMap<usize, &HypothesisPart> = BTreeMap::new();
-        for part in self.hypotheses.iter().filter(|part| part.origin == OriginPart::Keyframe) {
-            let kept = best.entry(part.keyframe).or_insert(part);
-            if part.keyframe_cost < kept.keyframe_cost {
-                *kept = part;
-            }
-        }
+        let of_keyframes = self.hypotheses.iter().filter(|h| h.origin == OriginPart::Keyframe);
+        let best = best_readings(of_keyframes, |h| (h.keyframe, h.keyframe_cost));
         let shape = |part: &HypothesisPart| Shape(DVector::from_column_slice(&part.coefficients));
-        best.into_values().map(shape).collect()
+        best.into_iter().map(shape).collect()
     }
 
     /// The covariance of the shape's coefficients; `None` where it is not known, or withheld.

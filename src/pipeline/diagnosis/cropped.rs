@@ -1,13 +1,14 @@
 //! Cameras whose masks end at one upright line inside the picture: what lies beyond it was cut off, or never segmented.
 //!
 //! A person who walks or sways touches the outermost column of all their masks with a hand, once. A picture that was cut ends there
-//! again and again, and over much of the person's height, now more of it and now less. Furniture has the same edge always. Only left and right are looked at: floors make level edges of their own,
-//! and a person who is cut off below is told by the height.
+//! again and again, and over much of the person's height, now more of it and now less. Furniture has the same edge
+//! always. Only left and right are looked at: floors make level edges of their own, and a person who is cut off below is told by the
+//! height.
 
 use super::cause::{Cause, name};
 use crate::camera::{Camera, CameraId, Rig};
 use crate::math::stats::median;
-use crate::silhouette::{FrameObservations, Silhouette};
+use crate::silhouette::{ContourPoint, FrameObservations, Silhouette};
 
 /// A border this near to the line lies on it, px of the recorded picture: the borders of a mask are known to half a pixel.
 const ON_LINE_PX: f64 = 1.0;
@@ -17,7 +18,6 @@ const CUT_SHARE: f64 = 1.0 / 3.0;
 const LEAST_FRAMES: usize = 3;
 /// … and this share of all that it shows.
 const LEAST_SHARE: f64 = 0.1;
-
 /// Of the cut masks the edge changes by this share of the person's height, from the tenth part with the shortest to the tenth with the
 /// longest: legs part and close, arms swing.
 const MOVES: f64 = 0.1;
@@ -32,7 +32,8 @@ pub(super) fn cropped(rig: &Rig, frames: &[FrameObservations]) -> Option<Cause> 
     let shown: Vec<_> = shown.filter(|(.., views)| !views.is_empty()).collect();
 
     let ends = |camera: &Camera, views: &[&Silhouette]| {
-        ends_at_line(views, |x_px| -x_px, camera) || ends_at_line(views, |x_px| x_px, camera)
+        let columns: Vec<_> = views.iter().map(|view| columns(view, camera)).collect();
+        ends_at_line(views, &columns, -1.0) || ends_at_line(views, &columns, 1.0)
     };
     let found = shown.iter().filter(|(_, camera, views)| ends(camera, views));
     let cameras: Vec<String> = found.map(|(id, ..)| name(rig, *id)).collect();
@@ -40,23 +41,25 @@ pub(super) fn cropped(rig: &Rig, frames: &[FrameObservations]) -> Option<Cause> 
     are_many.then_some(Cause::Cropped { cameras })
 }
 
-/// Whether many silhouettes end at the column of a camera's picture that lies farthest outward of all that they reach.
-fn ends_at_line(views: &[&Silhouette], outward: fn(f64) -> f64, camera: &Camera) -> bool {
-    let columns = |view: &Silhouette| -> Vec<(f64, f64)> {
-        let column = |pixel| outward(camera.distort(pixel).x);
-        view.contour.iter().map(|point| (column(&point.pixel), point.length_px)).collect()
-    };
-    let columns: Vec<Vec<(f64, f64)>> = views.iter().map(|view| columns(view)).collect();
-    let line = columns.iter().flatten().map(|(x_px, _)| *x_px).fold(f64::NEG_INFINITY, f64::max);
+/// Of each border point its column in the recorded picture, px, and the length that it stands for, px.
+fn columns(view: &Silhouette, camera: &Camera) -> Vec<(f64, f64)> {
+    let of_point = |point: &ContourPoint| (camera.distort(&point.pixel).x, point.length_px);
+    view.contour.iter().map(of_point).collect()
+}
+
+/// Whether many silhouettes end at the column that lies farthest of all that they reach: to the right, or to the left for −1.
+fn ends_at_line(views: &[&Silhouette], columns: &[Vec<(f64, f64)>], outward: f64) -> bool {
+    let all = columns.iter().flatten().map(|(x_px, _)| outward * x_px);
+    let line = all.fold(f64::NEG_INFINITY, f64::max);
 
     // how much of its height each silhouette that is cut has on the line
     let edge = |(view, columns): (&&Silhouette, &Vec<(f64, f64)>)| {
-        let on_line = columns.iter().filter(|(x_px, _)| line - x_px < ON_LINE_PX);
+        let on_line = columns.iter().filter(|(x_px, _)| line - outward * x_px < ON_LINE_PX);
         let length_px: f64 = on_line.map(|(_, length_px)| length_px).sum();
         let height_px = view.bounds.1.y - view.bounds.0.y;
         (length_px > CUT_SHARE * height_px).then_some((length_px, height_px))
     };
-    let cut: Vec<(f64, f64)> = views.iter().zip(&columns).filter_map(edge).collect();
+    let cut: Vec<(f64, f64)> = views.iter().zip(columns).filter_map(edge).collect();
     let is_often =
         cut.len() >= LEAST_FRAMES && cut.len() as f64 >= LEAST_SHARE * views.len() as f64;
     is_often && moves(cut)

@@ -23,6 +23,7 @@ use super::cameras::CameraFaults;
 use super::cause::{Cause, camera_causes, name};
 use super::coherence::{NEARLY_ALL, REACH_M};
 use crate::camera::{Camera, CameraId, Ray, Rig, closest_point};
+use crate::inference::hull::lines_of_sight;
 use crate::math::stats::median;
 use crate::silhouette::{FrameObservations, Silhouette};
 
@@ -123,10 +124,9 @@ fn causes(rig: &Rig, found: &[(CameraId, Wrong)]) -> Vec<Cause> {
 fn wrong_views(rig: &Rig, frame: &FrameObservations) -> Vec<(CameraId, Wrong)> {
     let views: Vec<View<'_>> =
         frame.views.iter().map(|(id, s)| View { camera: &rig.cameras[id.0], shown: s }).collect();
-    if views.len() <= AGREEING {
-        return Vec::new();
-    }
-    let shares = shares(&views).into_iter().zip(&frame.views);
+    let subject = closest_point(&lines_of_sight(rig, frame));
+    let Some(subject) = subject.filter(|_| views.len() > AGREEING) else { return Vec::new() };
+    let shares = shares(&views, &subject).into_iter().zip(&frame.views);
     let wrong = shares.filter_map(|(Shares { lacks, alone, off }, (id, _))| {
         if lacks > LEAST_SHARE && lacks > MORE * off {
             Some((*id, Wrong::Lacks(lacks)))
@@ -182,14 +182,10 @@ struct Shares {
 }
 
 /// The shares of each view.
-fn shares(views: &[View<'_>]) -> Vec<Shares> {
-    let sights: Vec<Ray> = views.iter().map(|v| v.camera.ray(&v.shown.centroid)).collect();
-    let Some(subject) = closest_point(&sights) else {
-        return vec![Shares::default(); views.len()];
-    };
+fn shares(views: &[View<'_>], subject: &Point3<f64>) -> Vec<Shares> {
     let seen = |own: usize| {
         let rays = views[own].pixels().map(|pixel| views[own].camera.ray(&pixel));
-        let sights: Vec<Sight> = rays.map(|ray| Sight::along(&ray, &subject, views, own)).collect();
+        let sights: Vec<Sight> = rays.map(|ray| Sight::along(&ray, subject, views, own)).collect();
         let share = |is_so: &dyn Fn(&Sight) -> bool| {
             sights.iter().filter(|s| is_so(s)).count() as f64 / sights.len().max(1) as f64
         };

@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use super::cause::{Cause, name};
 use super::shown_by_two;
 use crate::camera::{Camera, CameraId, Ray, Rig, closest_point};
+use crate::inference::hull::lines_of_sight;
 use crate::silhouette::{CellMask, FrameObservations, Silhouette};
 
 /// Frames that are looked at first.
@@ -85,8 +86,7 @@ struct View<'a> {
 
 /// The middle of the person, and what each camera shows; `None` if the cameras do not look at one place.
 fn views<'a>(rig: &'a Rig, frame: &FrameObservations) -> Option<(Point3<f64>, Vec<View<'a>>)> {
-    let sight = |(id, shown): &(CameraId, Silhouette)| rig.cameras[id.0].ray(&shown.centroid);
-    let subject = closest_point(&frame.views.iter().map(sight).collect::<Vec<Ray>>())?;
+    let subject = closest_point(&lines_of_sight(rig, frame))?;
     let of_view = |(id, shown): &(CameraId, Silhouette)| {
         let camera = &rig.cameras[id.0];
         let depth_m = (camera.camera_from_world * subject).z;
@@ -110,8 +110,7 @@ fn is_seen(ray: &Ray, subject: &Point3<f64>, views: &[View<'_>], own: usize) -> 
             let pixel = view.camera.project_undistorted(&place)?;
             Some(view.own.as_ref()?.contain(&pixel))
         };
-        let seen: Vec<bool> = others.filter_map(sees).collect();
-        seen.iter().filter(|sees| !**sees).count() <= 1
+        others.filter_map(sees).filter(|sees| !sees).count() <= 1
     })
 }
 

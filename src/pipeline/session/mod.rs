@@ -42,7 +42,7 @@ use crate::camera::Rig;
 use crate::inference::camera_offset::{CameraOffset, CameraPrior};
 use crate::inference::joint::{JointOptimum, JointOptions, Rounds, joint_optimum_from_terms};
 use crate::inference::{
-    Evidence, Look, Sequence, SequenceState, SequenceTerms, ShapeConfidence, best_readings,
+    Evidence, Look, Sequence, SequenceState, SequenceTerms, ShapeConfidence, keyframe_shapes,
 };
 use rig::SharedRig;
 
@@ -87,7 +87,7 @@ impl From<&Fit> for AloneFit {
             motions: fit.frames.iter().map(|frame| frame.fit.motion.clone()).collect(),
             recovered: fit.frames.iter().map(|frame| frame.fit.recovered).collect(),
             cameras: fit.cameras.iter().map(|camera| camera.found).collect(),
-            keyframes: best_readings(hypotheses).into_iter().map(|h| h.shape.clone()).collect(),
+            keyframes: keyframe_shapes(hypotheses).into_iter().cloned().collect(),
         }
     }
 }
