@@ -1,6 +1,6 @@
 //! Where lines of sight touch the ellipsoids of a posed body, and how far the person's surface lies outside there.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Point3, Vector3};
 
 use crate::body::{Offset, PartId, Posed};
 use crate::camera::Ray;
@@ -25,17 +25,21 @@ impl<'a> EllipsoidSurface<'a> {
     /// The part of an ellipsoid, and in its axes the point of a ray that is nearest to the ellipsoid's centre in the
     /// ellipsoid's own measure.
     pub(super) fn contact(&self, index: usize, ray: &Ray) -> (PartId, Vector3<f64>) {
+        let part = self.body.model.ellipsoids[index].part;
+        (part, self.body.in_part(part, &self.touched(index, ray)))
+    }
+
+    fn touched(&self, index: usize, ray: &Ray) -> Point3<f64> {
         let (centre, inverse) = &self.inverses[index];
         let pull = inverse * ray.direction_world.into_inner();
         let offset = centre - ray.origin_world.coords;
-        let touched = ray.point_at(offset.dot(&pull) / ray.direction_world.dot(&pull));
-        let part = self.body.model.ellipsoids[index].part;
-        (part, self.body.in_part(part, &touched))
+        ray.point_at(offset.dot(&pull) / ray.direction_world.dot(&pull))
     }
 
     /// b where a ray touches an ellipsoid; `None` for a model without offsets.
     pub(super) fn offset(&self, index: usize, ray: &Ray) -> Option<Offset> {
-        let (part, touched) = self.contact(index, ray);
-        self.body.surface_offset(part, &touched)
+        let from_centre = self.touched(index, ray).coords - self.inverses[index].0;
+        let home = self.body.home_by_ellipsoid(index, &from_centre)?;
+        self.body.surface_offset(self.body.model.ellipsoids[index].part, &home)
     }
 }

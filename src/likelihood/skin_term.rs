@@ -1,13 +1,14 @@
 //! What lines of sight and points have in common: each touches the field at one place and gives one row of the normal equations.
 //!
 //! A person's surface lies b outside the model's ([`SurfaceOffsets`](crate::body::SurfaceOffsets)), so the residual at x is the
-//! skin distance r at x − b n, n the normal outwards. Where parts meet, b = Σ Wₖ bₖ(pₖ): pₖ is x in the axes of part k, Wₖ the
-//! sum of the weights w of its metaballs. With u = ∂r/∂b, the derivative of r along −n,
+//! skin distance r at x − b n, n the normal outwards. Where parts meet, b = Σ Wₖ bₖ(pₖ): Wₖ is the sum of the weights w of the
+//! metaballs of part k, and pₖ = Σ wᵢ pᵢ/Wₖ the place that x has in the mean body, by each of them. With u = ∂r/∂b, the derivative of r
+//! along −n,
 //!
-//! dr/dθ = ∂r/∂θ at a fixed b + u Σ Wₖ (φ of bₖ) + u Σ Wₖ ∇bₖ·(dx − vₖ) + u Σ (bᵢ − b) wᵢ ∂ ln fᵢ/∂θ,
+//! dr/dθ = ∂r/∂θ at a fixed b + u Σ Wₖ (φ of bₖ) + u Σ wᵢ ∇bᵢ·(dx − vᵢ) + u Σ (bᵢ + ∇bᵢ·(pᵢ − pₖ) − b) wᵢ ∂ ln fᵢ/∂θ,
 //!
-//! dx the motion of x along its line, vₖ that of the part past it, bᵢ that of the part of metaball i. The last two sums say that
-//! the surface's unevenness is fixed to the bones. x, where F is largest on a line, and the slopes of F are taken at x − b n: what
+//! dx the motion of x along its line, vᵢ that of metaball i with its centre past it, bᵢ and ∇bᵢ those of its part. The last two sums say
+//! that the surface's unevenness is fixed to the flesh. x, where F is largest on a line, and the slopes of F are taken at x − b n: what
 //! that leaves out is of second order in b.
 //!
 //! A point is compared by its foot ([`foot`](super::foot)), and there nothing is left out: the residual is r − b, b at the foot, and
@@ -20,8 +21,8 @@ use super::limb_sums::LimbSums;
 use super::offset_row::OffsetRow;
 use super::skin_distance::{PosedScale, SkinResidual};
 use super::{PlacedResidual, Source};
-use crate::body::metaball::{BallChange, Field, FieldRow, FieldSample, FieldSlopes, FrameChange};
-use crate::body::{FrameId, Layout, Offset, PartId, Posed};
+use crate::body::metaball::{BallChange, Field, FieldRow, FieldSample, FieldSlopes, Share};
+use crate::body::{Layout, Offset, PartId, Posed};
 use crate::solver::{Loss, NormalEquations};
 
 /// One observation where it touches the field.
@@ -84,10 +85,10 @@ pub(super) struct PartOffset {
     part: PartId,
     /// W.
     weight: f64,
-    /// bₖ.
-    offset: Offset,
-    /// ∂bₖ/∂p, world.
-    gradient_world: Vector3<f64>,
+    /// p: where the mean body has the place, in the part's axes.
+    home: Vector3<f64>,
+    /// bₖ; none as long as p is summed up.
+    offset: Option<Offset>,
 }
 
 /// A line along which the curvature of ln F is above this has no defined summit, 1/m².
@@ -101,16 +102,11 @@ impl Touch<'_> {
         (self.weight * rho, self.weight * slope * precision)
     }
 
-    /// b: what the place's own motion along its line adds; `carried` is what the offset adds on the way.
-    fn along(
-        &self,
-        field: &Field,
-        sample: &FieldSample,
-        changes: &[BallChange],
-        carried: &[FrameChange],
-    ) -> Vector3<f64> {
+    /// b: what the place's own motion along its line adds.
+    fn along(&self, field: &Field, sample: &FieldSample, changes: &[BallChange]) -> Vector3<f64> {
         // only the local length and the offset change with the motion: F is at its summit
-        let changes_with = self.residual.gamma.abs() >= f64::MIN_POSITIVE || !carried.is_empty();
+        let changes_with =
+            self.residual.gamma.abs() >= f64::MIN_POSITIVE || !self.offsets.is_empty();
         let TouchPlace::Summit(r) = self.place else {
             return Vector3::zeros();
         };
@@ -121,8 +117,7 @@ impl Touch<'_> {
         if curvature > FLATTEST {
             return Vector3::zeros();
         }
-        let of_offset: f64 = carried.iter().map(|c| c.place.dot(r)).sum();
-        r * (-(slope_in_space(sample, changes).dot(r) + of_offset) / curvature)
+        r * (-slope_in_space(sample, changes).dot(r) / curvature)
     }
 
     /// α and b of the distance from a foot, and of what the offset adds as the foot moves.
@@ -131,13 +126,11 @@ impl Touch<'_> {
         field: &Field,
         sample: &FieldSample,
         changes: &mut [BallChange],
-        carried: &[FrameChange],
     ) -> Vector3<f64> {
         let TouchPlace::Foot { foot, by_normal } = &self.place else {
             return Vector3::zeros();
         };
-        let of_offset: Vector3<f64> = carried.iter().map(|c| c.place).sum();
-        let by_place = slope_in_space(sample, changes) + of_offset;
+        let by_place = slope_in_space(sample, changes);
         let row = foot.row(field, sample, 1.0, (by_normal, &by_place));
         for change in changes {
             change.alpha += row.alpha;
@@ -145,16 +138,14 @@ impl Touch<'_> {
         row.b
     }
 
-    /// ∂r/∂b; what b changes with the weights of the parts is added to `changes`, and with the places on them to `carried`.
+    /// ∂r/∂b; what b changes with the metaballs is added to `changes`.
     fn linearize_offset(
         &self,
         body: &Posed<'_>,
         field: &Field,
         sample: &FieldSample,
         changes: &mut [BallChange],
-        carried: &mut Vec<FrameChange>,
     ) -> f64 {
-        carried.clear();
         let inwards = sample.log_gradient.try_normalize(f64::MIN_POSITIVE);
         let Some(inwards) = inwards.filter(|_| !self.offsets.is_empty()) else {
             return 0.0;
@@ -164,23 +155,27 @@ impl Touch<'_> {
             _ => slope_in_space(sample, changes).dot(&inwards),
         };
 
-        // ∂wᵢ = wᵢ (∂ ln fᵢ − Σ wⱼ ∂ ln fⱼ)
-        let value = |metaball: usize| {
-            let part = field.source(metaball).map(|source| body.model.metaballs[source].part);
-            let own = self.offsets.iter().find(|o| Some(o.part) == part);
-            own.map_or(0.0, |o| o.offset.value_m)
-        };
-        if self.offsets.len() > 1 {
-            let mean: f64 = sample.shares.iter().map(|s| s.weight * value(s.metaball)).sum();
-            for (share, change) in sample.shares.iter().zip(changes) {
-                change.alpha += slope * (value(share.metaball) - mean);
-            }
+        // ∂wᵢ = wᵢ (∂ ln fᵢ − Σ wⱼ ∂ ln fⱼ), and places move with their metaballs
+        let mean: f64 = self.offsets.iter().map(PartOffset::outside_m).sum();
+        for (share, change) in sample.shares.iter().zip(changes) {
+            change.alpha -= slope * mean;
+            let Some((part, home)) = home(body, field, sample, share) else { continue };
+            let own = self.offsets.iter().find(|own| own.part == part);
+            let Some((own, offset)) = own.and_then(|own| Some((own, own.offset?))) else {
+                continue;
+            };
+            let here = offset.value_m + offset.gradient.dot(&(home - own.home));
+            change.alpha += slope * here;
+            change.place += turned(body, field, share, &offset.gradient) * slope;
         }
-        carried.extend(self.offsets.iter().map(|o| FrameChange {
-            frame: FrameId::from_joint(body.model.parts[o.part.0].joint),
-            place: o.gradient_world * (o.weight * slope),
-        }));
         slope
+    }
+}
+
+impl PartOffset {
+    /// W bₖ, metres.
+    fn outside_m(&self) -> f64 {
+        self.offset.map_or(0.0, |offset| self.weight * offset.value_m)
     }
 }
 
@@ -239,19 +234,53 @@ pub(super) fn offset_m(
         return 0.0;
     }
 
-    // the parts that are at the place
+    // the parts that are at the place, and where the mean body has it
     for share in sample.shares.iter().filter(|share| share.weight > LEAST_WEIGHT) {
-        let x = sample.point_world.into();
-        let Some((part, place)) = place(body, field, share.metaball, &x) else { continue };
-        if let Some(own) = offsets.iter_mut().find(|o| o.part == part) {
-            own.weight += share.weight;
-        } else if let Some(offset) = body.surface_offset(part, &place) {
-            let gradient_world = body.world_from_part(part) * offset.gradient;
-            offsets.push(PartOffset { part, weight: share.weight, offset, gradient_world });
+        let Some((part, home)) = home(body, field, sample, share) else { continue };
+        let weighted = home * share.weight;
+        match offsets.iter_mut().find(|own| own.part == part) {
+            Some(own) => {
+                own.weight += share.weight;
+                own.home += weighted;
+            }
+            None => offsets.push(PartOffset {
+                part,
+                weight: share.weight,
+                home: weighted,
+                offset: None,
+            }),
         }
     }
+    for own in offsets.iter_mut() {
+        own.home /= own.weight;
+        own.offset = body.surface_offset(own.part, &own.home);
+    }
 
-    offsets.iter().map(|o| o.weight * o.offset.value_m).sum()
+    offsets.iter().map(PartOffset::outside_m).sum()
+}
+
+/// The part of a metaball, and where the mean body has the place of a sample by this metaball, in the part's axes.
+fn home(
+    body: &Posed<'_>,
+    field: &Field,
+    sample: &FieldSample,
+    share: &Share,
+) -> Option<(PartId, Vector3<f64>)> {
+    let source = field.source(share.metaball)?;
+    let from_centre = sample.point_world - field.metaballs[share.metaball].ellipsoid.centre;
+    let home = body.home_by_metaball(source, &from_centre)?;
+    Some((body.model.metaballs[source].part, home))
+}
+
+/// A direction in the axes of a metaball's frame, in the world.
+fn turned(
+    body: &Posed<'_>,
+    field: &Field,
+    share: &Share,
+    direction: &Vector3<f64>,
+) -> Vector3<f64> {
+    let source = field.source(share.metaball);
+    source.map_or(*direction, |source| body.world_from_metaball(source) * direction)
 }
 
 /// The part of a metaball, and a place in its axes.
@@ -323,22 +352,23 @@ pub(super) fn rows(
     let scale = term.scale(body, field);
     let layout = Layout::new(body.model);
     let mut row = FieldRow::default();
-    let (mut changes, mut carried, mut offsets) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut changes, mut offsets) = (Vec::new(), Vec::new());
 
     term.touches(body, field, &scale, |touch, sample| {
         let shares = sample.shares.iter();
         changes.clear();
         changes.extend(shares.map(|share| scale.change(&touch.residual, field, share)));
-        let slope = touch.linearize_offset(body, field, sample, &mut changes, &mut carried);
+        let slope = touch.linearize_offset(body, field, sample, &mut changes);
         let b = match touch.place {
-            TouchPlace::Foot { .. } => touch.foot_slopes(field, sample, &mut changes, &carried),
-            _ => touch.along(field, sample, &changes, &carried),
+            TouchPlace::Foot { .. } => touch.foot_slopes(field, sample, &mut changes),
+            _ => touch.along(field, sample, &changes),
         };
-        slopes.row_from_changes(sample, &changes, &carried, &b, &mut row);
+        slopes.row_from_changes(sample, &changes, &b, &mut row);
 
         offsets.clear();
-        let parts = touch.offsets.iter();
-        offsets.extend(parts.map(|o| OffsetRow::new(&o.offset, layout, o.weight * slope)));
+        let row_of =
+            |own: &PartOffset| Some(OffsetRow::new(&own.offset?, layout, own.weight * slope));
+        offsets.extend(touch.offsets.iter().filter_map(row_of));
         each(touch, &SkinRow { limb: sample.limb, values: &row.values, offsets: &offsets });
     });
 }

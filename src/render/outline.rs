@@ -155,8 +155,7 @@ impl LinesOfSight<'_> {
     fn offset_px(&self, point: &OutlinePoint) -> f64 {
         let sight = self.camera.intrinsics.normalized(&point.pixel).push(1.0);
         let place = self.camera.camera_from_world.inverse() * Point3::from(sight * point.depth_m);
-        let place = self.body.in_part(point.part, &place);
-        let offset = self.body.surface_offset(point.part, &place);
+        let offset = self.body.surface_offset_at(point.part, &place);
         let focal_px = self.camera.intrinsics.focal_px();
         offset.map_or(0.0, |offset| offset.value_m * focal_px / point.depth_m)
     }

@@ -44,7 +44,7 @@ impl BoundSkin {
             let place: Point3<f64> = (*vertex).into();
             let offset_m = |part: &u8| {
                 let part = PartId(usize::from(*part));
-                body.surface_offset(part, &body.in_part(part, &place)).map_or(0.0, |b| b.value_m)
+                body.surface_offset_at(part, &place).map_or(0.0, |b| b.value_m)
             };
             let shares = parts[i].iter().zip(weights[i]);
             let out_m: f64 = shares.map(|(part, weight)| f64::from(weight) * offset_m(part)).sum();

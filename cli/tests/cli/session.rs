@@ -51,12 +51,13 @@ fn a_folder_of_trials_gets_one_body_and_is_taken_up_again() {
     assert_eq!(names, ["wave2", "wave10"]);
     assert_eq!(said["session"]["disagreements"].as_array().map(Vec::len), Some(0));
 
-    // one body, of which both trials together are surer than each alone
+    // one body; a trial that is the other one again tells nothing new of it
     let of = |folder: &str| arm.result(&format!("out/{folder}"))["shape"].clone();
     assert_eq!(of("trials/wave2")["coefficients"], of("trials/wave10")["coefficients"]);
     let sd =
         |folder: &str| of(folder)["lengths"][0]["sd_m"].as_f64().expect("a standard deviation");
-    assert!(sd("trials/wave2") < sd("alone/wave2"), "{} {}", sd("trials/wave2"), sd("alone/wave2"));
+    let (together, alone) = (sd("trials/wave2"), sd("alone/wave2"));
+    assert!((0.8..1.2).contains(&(together / alone)), "{together} {alone}");
 
     let written = arm.bytes("out", "session.json");
     session(&arm, "trials", &[]).refused(&["not empty", "--resume"]);

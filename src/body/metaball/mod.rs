@@ -23,7 +23,7 @@ pub use field::{Field, Metaball};
 pub(crate) use sample::NEGLIGIBLE;
 pub use sample::{FieldSample, Share};
 pub use sampler::Sampler;
-pub use slopes::{BallChange, FieldRow, FieldSlopes, FrameChange};
+pub use slopes::{BallChange, FieldRow, FieldSlopes};
 
 /// T: the skin is where F = T (PF02 eq. 2).
 pub const THRESHOLD: f64 = 0.5;

@@ -10,8 +10,7 @@
 //! - radius a along the axis e, ȧ = ∂a/∂θ, v = e·u: 4 w a ȧ ((β − 4 b·u) v² + 2 v (b·e)/a²).
 //!
 //! A residual may depend on more of a metaball than fᵢ: on something else that is fixed to it, whose gradient in space is γ.
-//! That adds w γ to h, and w (ȧ/a) times its slope with respect to ln a to a radius. Or on something that is fixed to a frame,
-//! and not to what the frame carries: its gradient in space adds to the frame's h.
+//! That adds w γ to h, and w (ȧ/a) times its slope with respect to ln a to a radius.
 //!
 //! So a frame passes on two vectors, Σq and Σh, whatever hangs on it, and each joint costs one cross product.
 
@@ -95,15 +94,6 @@ pub struct BallChange {
     pub radii: Vector3<f64>,
 }
 
-/// How a residual depends on the place in a frame, apart from the metaballs that it carries.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FrameChange {
-    /// The frame.
-    pub frame: FrameId,
-    /// The gradient in space, world, 1/m.
-    pub place: Vector3<f64>,
-}
-
 /// One row of a Jacobian, for the components of a limb, and the memory to compute it.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FieldRow {
@@ -180,7 +170,7 @@ impl FieldSlopes {
         let change =
             |share: &Share| BallChange { alpha: alpha(share.metaball), ..BallChange::default() };
         let changes: Vec<_> = sample.shares.iter().map(change).collect();
-        self.row_from_changes(sample, &changes, &[], b, row);
+        self.row_from_changes(sample, &changes, b, row);
     }
 
     /// [`row`](Self::row) of a residual that depends on more of each metaball: one change for each of [`FieldSample::shares`].
@@ -188,7 +178,6 @@ impl FieldSlopes {
         &self,
         sample: &FieldSample,
         changes: &[BallChange],
-        carried: &[FrameChange],
         b: &Vector3<f64>,
         row: &mut FieldRow,
     ) {
@@ -219,10 +208,6 @@ impl FieldSlopes {
                     4.0 * w * radius.slope * v * ((beta - 4.0 * along) * v + bend)
                         + w * change.radii[radius.axis] * radius.slope * radius.precision;
             }
-        }
-
-        for FrameChange { frame, place } in carried {
-            row.pulls[frame.0].add(Pull { q: Vector3::zeros(), h: *place });
         }
 
         self.pass_down(branch, &sample.point_world, b, row);
