@@ -104,6 +104,7 @@ mod tests {
             part: PartId(part),
             frame: FrameId::from_joint(joint_of(part)),
             centre: fixed([0.1, 0.0, 0.0]),
+            home: Vector3::zeros(),
             radii: fixed([0.1; 3]),
             part_from_primitive: Rotation3::identity(),
         };

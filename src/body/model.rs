@@ -73,6 +73,8 @@ pub struct Primitive {
     pub frame: FrameId,
     /// Centre in its frame.
     pub centre: ScaledVector,
+    /// The same in the mean body; only of a [detailed](BodyModel::detailed) body, whose offsets are found by it.
+    pub home: Vector3<f64>,
     /// Semi-axes along the primitive's own axes.
     pub radii: ScaledVector,
     /// Orientation in its frame.

@@ -35,10 +35,6 @@ pub struct SurfaceOffsets {
     first: CoefficientId,
     /// The part of each coefficient; of mirror images, the right one.
     owners: Vec<PartId>,
-    /// Where the mean body has the centre of each ellipsoid, in the axes of its part.
-    ellipsoid_homes: Vec<Vector3<f64>>,
-    /// The same of each metaball.
-    metaball_homes: Vec<Vector3<f64>>,
 }
 
 /// b at a place, and what it depends on.
@@ -200,17 +196,7 @@ impl SurfaceOffsets {
             };
             grids[left] = grids[right].map(mirrored);
         }
-        let homes = |primitives: &[Primitive]| {
-            let home = |p: &Primitive| body.in_part(p.part, &body.primitive(p).centre.into());
-            primitives.iter().map(home).collect()
-        };
-        Self {
-            grids,
-            first: CoefficientId(model.coefficients.len()),
-            owners,
-            ellipsoid_homes: homes(&model.ellipsoids),
-            metaball_homes: homes(&model.metaballs),
-        }
+        Self { grids, first: CoefficientId(model.coefficients.len()), owners }
     }
 
     /// Number of coefficients.
@@ -234,6 +220,10 @@ impl BodyModel {
     /// its surface lies outside (metres).
     pub fn detailed(&self) -> Self {
         let mut detailed = self.with_places();
+        let mean = Shape(detailed.statistics.mean.clone());
+        for primitive in detailed.ellipsoids.iter_mut().chain(&mut detailed.metaballs) {
+            primitive.home = primitive.centre.at(&mean);
+        }
         let offsets = SurfaceOffsets::new(&detailed);
         let names: Vec<String> =
             offsets.owners.iter().enumerate().map(|(k, part)| self.offset_name(k, *part)).collect();
@@ -286,59 +276,42 @@ impl Posed<'_> {
         self.model.offsets.as_ref().map_or(0.0, of)
     }
 
-    /// The mean body's place of what lies so far from the centre of an ellipsoid, in the axes of its part; `None` for a model
-    /// without offsets.
-    pub(crate) fn home_by_ellipsoid(
+    /// The place that the mean body has so far from the centre of a primitive, in the axes of its part.
+    pub(crate) fn home(
         &self,
-        index: usize,
+        primitive: &Primitive,
         from_centre_world: &Vector3<f64>,
-    ) -> Option<Vector3<f64>> {
-        let home = self.model.offsets.as_ref()?.ellipsoid_homes[index];
-        Some(home + self.in_frame(&self.model.ellipsoids[index], from_centre_world))
+    ) -> Vector3<f64> {
+        primitive.home + self.world_from_frame_of(primitive).tr_mul(from_centre_world)
     }
 
-    /// The same of a metaball.
-    pub(crate) fn home_by_metaball(
-        &self,
-        index: usize,
-        from_centre_world: &Vector3<f64>,
-    ) -> Option<Vector3<f64>> {
-        let home = self.model.offsets.as_ref()?.metaball_homes[index];
-        Some(home + self.in_frame(&self.model.metaballs[index], from_centre_world))
+    /// Orientation of the frame of a primitive in the world.
+    pub(crate) fn world_from_frame_of(&self, primitive: &Primitive) -> Matrix3<f64> {
+        self.frames[primitive.frame.0].world_from_frame
     }
 
-    /// Orientation of the frame of a metaball in the world.
-    pub(crate) fn world_from_metaball(&self, index: usize) -> Matrix3<f64> {
-        self.frames[self.model.metaballs[index].frame.0].world_from_frame
-    }
-
-    fn in_frame(&self, primitive: &Primitive, direction_world: &Vector3<f64>) -> Vector3<f64> {
-        self.frames[primitive.frame.0].world_from_frame.tr_mul(direction_world)
-    }
-
-    /// b at a place of the world on a part: that of the mean of the places by all that the part is made of, each with its
-    /// share exp(−2d) of a field; `None` for a model without offsets and a part without flesh.
+    /// b at a place of the world on a part: that of the mean of the places by its metaballs, or where the body has none by its ellipsoids,
+    /// each with its share exp(−2d) of a field; `None` for a model without offsets and a part without flesh.
     pub(crate) fn surface_offset_at(&self, part: PartId, place: &Point3<f64>) -> Option<Offset> {
-        let (primitives, _) = self.solids();
-        let is_ellipsoid = !self.model.ellipsoids.is_empty();
-        let own = primitives.iter().enumerate().filter(|(_, primitive)| primitive.part == part);
-        let shares = own.filter_map(|(index, primitive)| {
+        let primitives = match self.model.metaballs.as_slice() {
+            [] => &self.model.ellipsoids,
+            metaballs => metaballs,
+        };
+        let own = primitives.iter().filter(|primitive| primitive.part == part);
+        let near = own.filter_map(|primitive| {
             let solid = self.primitive(primitive);
             let x = place.coords - solid.centre;
-            let home = match is_ellipsoid {
-                true => self.home_by_ellipsoid(index, &x)?,
-                false => self.home_by_metaball(index, &x)?,
-            };
-            Some((x.dot(&solid.shape.cholesky()?.solve(&x)), home))
+            let distance = x.dot(&solid.shape.cholesky()?.solve(&x));
+            Some((distance, self.home(primitive, &x)))
         });
-        let shares: Vec<(f64, Vector3<f64>)> = shares.collect();
+        let near: Vec<(f64, Vector3<f64>)> = near.collect();
 
-        let least = shares.iter().map(|(distance, _)| *distance).fold(f64::INFINITY, f64::min);
-        let weight = |distance: f64| (-2.0 * (distance - least)).exp();
-        let total: f64 = shares.iter().map(|(distance, _)| weight(*distance)).sum();
-        let homes = shares.iter().map(|(distance, home)| home * (weight(*distance) / total));
-        let home = homes.reduce(|sum, home| sum + home)?;
-        self.surface_offset(part, &home)
+        let least = near.iter().map(|(distance, _)| *distance).fold(f64::INFINITY, f64::min);
+        let share = |distance: &f64| (-2.0 * (distance - least)).exp();
+        let weighted = near.iter().map(|(distance, home)| home * share(distance));
+        let sum = weighted.reduce(|sum, home| sum + home)?;
+        let total: f64 = near.iter().map(|(distance, _)| share(distance)).sum();
+        self.surface_offset(part, &(sum / total))
     }
 
     /// b at a place of a part, as the mean body has it, in the part's axes; `None` for a model without offsets.

@@ -38,8 +38,8 @@ impl<'a> EllipsoidSurface<'a> {
 
     /// b where a ray touches an ellipsoid; `None` for a model without offsets.
     pub(super) fn offset(&self, index: usize, ray: &Ray) -> Option<Offset> {
+        let ellipsoid = &self.body.model.ellipsoids[index];
         let from_centre = self.touched(index, ray).coords - self.inverses[index].0;
-        let home = self.body.home_by_ellipsoid(index, &from_centre)?;
-        self.body.surface_offset(self.body.model.ellipsoids[index].part, &home)
+        self.body.surface_offset(ellipsoid.part, &self.body.home(ellipsoid, &from_centre))
     }
 }

@@ -22,7 +22,7 @@ use super::offset_row::OffsetRow;
 use super::skin_distance::{PosedScale, SkinResidual};
 use super::{PlacedResidual, Source};
 use crate::body::metaball::{BallChange, Field, FieldRow, FieldSample, FieldSlopes, Share};
-use crate::body::{Layout, Offset, PartId, Posed};
+use crate::body::{Layout, Offset, PartId, Posed, Primitive};
 use crate::solver::{Loss, NormalEquations};
 
 /// One observation where it touches the field.
@@ -159,14 +159,14 @@ impl Touch<'_> {
         let mean: f64 = self.offsets.iter().map(PartOffset::outside_m).sum();
         for (share, change) in sample.shares.iter().zip(changes) {
             change.alpha -= slope * mean;
-            let Some((part, home)) = home(body, field, sample, share) else { continue };
-            let own = self.offsets.iter().find(|own| own.part == part);
+            let Some((ball, home)) = home(body, field, sample, share) else { continue };
+            let own = self.offsets.iter().find(|own| own.part == ball.part);
             let Some((own, offset)) = own.and_then(|own| Some((own, own.offset?))) else {
                 continue;
             };
             let here = offset.value_m + offset.gradient.dot(&(home - own.home));
             change.alpha += slope * here;
-            change.place += turned(body, field, share, &offset.gradient) * slope;
+            change.place += body.world_from_frame_of(ball) * offset.gradient * slope;
         }
         slope
     }
@@ -236,15 +236,15 @@ pub(super) fn offset_m(
 
     // the parts that are at the place, and where the mean body has it
     for share in sample.shares.iter().filter(|share| share.weight > LEAST_WEIGHT) {
-        let Some((part, home)) = home(body, field, sample, share) else { continue };
+        let Some((ball, home)) = home(body, field, sample, share) else { continue };
         let weighted = home * share.weight;
-        match offsets.iter_mut().find(|own| own.part == part) {
+        match offsets.iter_mut().find(|own| own.part == ball.part) {
             Some(own) => {
                 own.weight += share.weight;
                 own.home += weighted;
             }
             None => offsets.push(PartOffset {
-                part,
+                part: ball.part,
                 weight: share.weight,
                 home: weighted,
                 offset: None,
@@ -259,28 +259,16 @@ pub(super) fn offset_m(
     offsets.iter().map(PartOffset::outside_m).sum()
 }
 
-/// The part of a metaball, and where the mean body has the place of a sample by this metaball, in the part's axes.
-fn home(
-    body: &Posed<'_>,
+/// The metaball of a share in the model, and where the mean body has the place of the sample by it, in the axes of its part.
+fn home<'b>(
+    body: &'b Posed<'_>,
     field: &Field,
     sample: &FieldSample,
     share: &Share,
-) -> Option<(PartId, Vector3<f64>)> {
-    let source = field.source(share.metaball)?;
+) -> Option<(&'b Primitive, Vector3<f64>)> {
+    let ball = &body.model.metaballs[field.source(share.metaball)?];
     let from_centre = sample.point_world - field.metaballs[share.metaball].ellipsoid.centre;
-    let home = body.home_by_metaball(source, &from_centre)?;
-    Some((body.model.metaballs[source].part, home))
-}
-
-/// A direction in the axes of a metaball's frame, in the world.
-fn turned(
-    body: &Posed<'_>,
-    field: &Field,
-    share: &Share,
-    direction: &Vector3<f64>,
-) -> Vector3<f64> {
-    let source = field.source(share.metaball);
-    source.map_or(*direction, |source| body.world_from_metaball(source) * direction)
+    Some((ball, body.home(ball, &from_centre)))
 }
 
 /// The part of a metaball, and a place in its axes.

@@ -60,6 +60,7 @@ impl Builder<'_> {
             part,
             frame: self.frame_following(spec.follows, owner, frames)?,
             centre,
+            home: Vector3::zeros(),
             radii: self.scaled(Vector3::from(spec.radii), radii_scale, side, &place)?,
             part_from_primitive: side.turn(spec.turn_deg),
         })
