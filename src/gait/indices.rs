@@ -4,8 +4,17 @@
 //! Analysis Profile is the GVS of all nine variables of both sides. GPS of one side = root mean square of its nine GVS;
 //! the GPS of both sides takes the pelvis from the left, and hip, knee, ankle and foot of both, fifteen in all.
 //!
+//! A constant offset of a curve, from another idea of where joints lie and what neutral is, goes into the score in full. With d the
+//! difference at the points, d̄ its mean over the cycle, and GVS₀ the root mean square of d − d̄,
+//!
+//! GVS² = d̄² + GVS₀².
+//!
+//! GVS₀ is the score *without offset*, and GPS₀ the root mean square of nine of them. It does not see a person who really holds a joint
+//! differently all the time.
+//!
 //! # Source
-//! Baker et al., Gait Posture 30 (2009) 265–269.
+//! GVS and GPS: Baker et al., Gait Posture 30 (2009) 265–269. GVS₀ is ours; that offset and form of curves are told apart is as in
+//! Iosa et al., BioMed Res. Int. 2014, 214156.
 
 use std::collections::BTreeMap;
 
@@ -89,17 +98,50 @@ impl Norm {
     }
 }
 
-/// The scores of a walk, radians.
+/// How far curves lie from those of healthy people, root mean square, radians.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Score {
+    /// GVS or GPS.
+    pub whole: f64,
+    /// GVS₀ or GPS₀.
+    pub without_offset: f64,
+}
+
+/// The scores of a walk.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Indices {
     /// The Movement Analysis Profile: the GVS of each variable that is known.
-    pub variables: BTreeMap<(Side, Angle), f64>,
+    pub variables: BTreeMap<(Side, Angle), Score>,
     /// GPS of the left side; only where all nine variables are known.
-    pub left: Option<f64>,
+    pub left: Option<Score>,
     /// GPS of the right side.
-    pub right: Option<f64>,
+    pub right: Option<Score>,
     /// GPS of both.
-    pub both: Option<f64>,
+    pub both: Option<Score>,
+}
+
+impl Score {
+    /// Of differences at the points of a cycle.
+    fn of_differences(differences: &[f64]) -> Self {
+        let count = differences.len() as f64;
+        let offset = differences.iter().sum::<f64>() / count;
+        let root_mean = |of: &dyn Fn(&f64) -> f64| {
+            (differences.iter().map(|d| of(d).powi(2)).sum::<f64>() / count).sqrt()
+        };
+        Self { whole: root_mean(&|d| *d), without_offset: root_mean(&|d| d - offset) }
+    }
+
+    /// The root mean square of several scores.
+    fn together(scores: &[Self]) -> Self {
+        let root_mean = |of: fn(&Self) -> f64| {
+            let squares: f64 = scores.iter().map(|score| of(score).powi(2)).sum();
+            (squares / scores.len() as f64).sqrt()
+        };
+        Self {
+            whole: root_mean(|score| score.whole),
+            without_offset: root_mean(|score| score.without_offset),
+        }
+    }
 }
 
 /// The scores of curves against a norm; `None` if they have no variable in common.
@@ -107,26 +149,25 @@ pub fn indices(curves: &[Curve], norm: &Norm) -> Option<Indices> {
     let score = |curve: &Curve| {
         let band = norm.curves.get(&curve.angle)?;
         let step = (POINTS - 1) / (SCORE_POINTS - 1);
-        let squares = (0..SCORE_POINTS).map(|i| (curve.mean[i * step] - band.mean[i]).powi(2));
-        let score = (squares.sum::<f64>() / SCORE_POINTS as f64).sqrt();
+        let differences = (0..SCORE_POINTS).map(|i| curve.mean[i * step] - band.mean[i]);
+        let score = Score::of_differences(&differences.collect::<Vec<_>>());
         Some(((curve.side, curve.angle), score))
     };
     let scored = curves.iter().filter(|c| VARIABLES.contains(&c.angle));
-    let variables: BTreeMap<_, f64> = scored.filter_map(score).collect();
+    let variables: BTreeMap<_, Score> = scored.filter_map(score).collect();
 
-    let sum_of_squares = |side: Side, angles: &[Angle]| -> Option<f64> {
-        let square = |angle: &Angle| variables.get(&(side, *angle)).map(|score| score * score);
-        angles.iter().map(square).sum()
+    let of = |side: Side, angles: &[Angle]| -> Option<Vec<Score>> {
+        angles.iter().map(|angle| variables.get(&(side, *angle)).copied()).collect()
     };
-    let left = sum_of_squares(Side::Left, &VARIABLES);
-    let right = sum_of_squares(Side::Right, &VARIABLES);
-    let right_leg = sum_of_squares(Side::Right, &VARIABLES[3..]);
+    let left = of(Side::Left, &VARIABLES);
+    let right_leg = of(Side::Right, &VARIABLES[3..]);
+    let both = left.clone().zip(right_leg).map(|(left, leg)| [left, leg].concat());
 
-    let root_mean = |sum: Option<f64>, n: usize| sum.map(|s| (s / n as f64).sqrt());
+    let profile = |scores: Option<Vec<Score>>| scores.map(|scores| Score::together(&scores));
     let indices = Indices {
-        left: root_mean(left, VARIABLES.len()),
-        right: root_mean(right, VARIABLES.len()),
-        both: root_mean(left.zip(right_leg).map(|(a, b)| a + b), 15),
+        left: profile(left),
+        right: profile(of(Side::Right, &VARIABLES)),
+        both: profile(both),
         variables,
     };
     (!indices.variables.is_empty()).then_some(indices)
@@ -162,8 +203,23 @@ mod tests {
         let found = indices(&curves, &norm).unwrap();
         assert_eq!(found.variables.len(), 18);
         for gps in [found.left, found.right, found.both] {
-            approx::assert_relative_eq!(gps.unwrap(), 0.1, epsilon = 1e-12);
+            approx::assert_relative_eq!(gps.unwrap().whole, 0.1, epsilon = 1e-12);
+            approx::assert_relative_eq!(gps.unwrap().without_offset, 0.0, epsilon = 1e-12);
         }
+    }
+
+    #[test]
+    fn offset_and_what_is_left_make_up_the_score() {
+        let (mut curves, norm) = walk(0.1);
+        for curve in &mut curves {
+            for (i, angle) in curve.mean.iter_mut().enumerate() {
+                *angle += 0.05 * (std::f64::consts::TAU * i as f64 / 100.0).sin();
+            }
+        }
+        let found = indices(&curves, &norm).unwrap().both.unwrap();
+        // a sine of amplitude a over whole periods has the root mean square a/√2, but for the one point that is there twice
+        approx::assert_relative_eq!(found.without_offset, 0.05 / 2_f64.sqrt(), max_relative = 0.02);
+        approx::assert_relative_eq!(found.whole, found.without_offset.hypot(0.1), epsilon = 1e-12);
     }
 
     #[test]

@@ -48,7 +48,7 @@ pub use course::{Course, Surface};
 pub use curves::{Curve, Extremes, KeyPoints, POINTS};
 pub use cycles::Cycle;
 pub use events::{Agreement, Event, EventKind};
-pub use indices::{Band, Indices, Norm, SCORE_POINTS, VARIABLES, indices};
+pub use indices::{Band, Indices, Norm, SCORE_POINTS, Score, VARIABLES, indices};
 pub use landmark::{Landmark, Paired, Side};
 pub use movement::{Movement, MovementError, Track, Used};
 pub use own_norm::{LEAST_PEOPLE, OfPeople, of_people};

@@ -7,7 +7,7 @@ use super::label;
 use super::page::{Page, absent, mark, mark_legend};
 use super::spatiotemporal::missing;
 use super::{ReportInput, Words};
-use crate::gait::{Curve, Indices, Norm, Side, VARIABLES, indices};
+use crate::gait::{Curve, Indices, Norm, Score, Side, VARIABLES, indices};
 use crate::math::stats::mean;
 
 pub(super) fn page<'a>(input: &ReportInput<'a>) -> Page<'a> {
@@ -88,7 +88,7 @@ fn scores(indices: &Indices, words: &Words) -> Markup {
         div class="scroll" role="group" tabindex="0" aria-label=(words.of("Table")) {
             table class="numbers scores" {
                 thead { tr {
-                    th scope="col" { (words.of("Gait Variable Score, °")) }
+                    th scope="col" { (words.of("Gait Variable Score, ° (without offset)")) }
                     th scope="col" class="left" { (words.of("Left")) } th scope="col" class="right" { (words.of("Right")) }
                 } }
 
@@ -108,11 +108,14 @@ fn scores(indices: &Indices, words: &Words) -> Markup {
 
         p class="note" {
             (words.fill("Root mean square distance from the norm's mean (Baker 2009); a full bar is {n}°.", &[("n", &FULL_BAR_DEG)])) " "
-            @match indices.both.map(f64::to_degrees) {
-                Some(both) => (words.fill("Gait Profile Score of both sides: {n}°.", &[("n", &words.number(Some(both), 1))])),
+            @match indices.both {
+                Some(both) => (words.fill("Gait Profile Score of both sides: {n}° ({rest}°).", &[
+                    ("n", &degrees(both.whole, words)), ("rest", &degrees(both.without_offset, words))
+                ])),
                 None => (words.of("A Gait Profile Score needs all nine variables; that of both sides is absent.")),
             }
-            " " (words.of("Healthy people score 5–6° with the norm's own system; offsets between systems go into these scores in full."))
+            " " (words.of("Healthy people score 5–6° with the norm's own system; offsets between systems go into these scores in full.")) " "
+            (words.of("In brackets: the same after the mean over the cycle is taken from each curve and from the norm. An offset does not count there, and neither does a joint that is held differently all the time."))
         }
     }
 }
@@ -120,12 +123,19 @@ fn scores(indices: &Indices, words: &Words) -> Markup {
 /// Degrees that fill a bar.
 const FULL_BAR_DEG: f64 = 30.0;
 
+fn degrees(angle: f64, words: &Words) -> String {
+    words.number(Some(angle.to_degrees()), 1)
+}
+
 /// A score in degrees, and its bar.
-fn bar(score: Option<f64>, side: Side, words: &Words) -> Markup {
-    let degrees = score.map(f64::to_degrees);
-    let percent = degrees.map_or(0.0, |d| (100.0 * d / FULL_BAR_DEG).clamp(0.0, 100.0));
+fn bar(score: Option<Score>, side: Side, words: &Words) -> Markup {
+    let whole_deg = score.map_or(0.0, |score| score.whole.to_degrees());
+    let percent = (100.0 * whole_deg / FULL_BAR_DEG).clamp(0.0, 100.0);
     html! {
-        span class="score" { (words.number(degrees, 1)) }
+        @match score {
+            Some(score) => span class="score" { (degrees(score.whole, words)) " " small { "(" (degrees(score.without_offset, words)) ")" } },
+            None => span class="score" { (words.number(None, 1)) },
+        }
         span class={ "bar " (side.name()) } aria-hidden="true" { span style={ "width:" (format!("{percent:.0}")) "%" } {} }
     }
 }

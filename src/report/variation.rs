@@ -78,6 +78,9 @@ pub(super) fn title(quantity: Quantity, words: &Words) -> String {
         Quantity::VariableScore(angle) => words
             .fill("{angle}, Gait Variable Score", &[("angle", &angle_label(angle, words).title)]),
         Quantity::ProfileScore => words.of("Gait Profile Score").into(),
+        Quantity::ProfileScoreWithoutOffset => {
+            words.of("Gait Profile Score without offsets").into()
+        }
     }
 }
 

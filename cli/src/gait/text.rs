@@ -5,8 +5,8 @@ use std::path::Path;
 use crate::table::Table;
 use maquette::GaitStudy;
 use maquette::gait::{
-    BEYOND_SD, Beyond, Course, Curve, EventKind, Footwear, Parameter, Side, Statistic, Surface,
-    Used, VARIABLES,
+    BEYOND_SD, Beyond, Course, Curve, EventKind, Footwear, Parameter, Score, Side, Statistic,
+    Surface, Used, VARIABLES,
 };
 use maquette::math::stats::mean;
 
@@ -151,22 +151,29 @@ impl Summary<'_> {
         let Some(indices) = self.study.indices() else {
             return if norm.curves.is_empty() { cautions } else { String::new() };
         };
-        let mut table = Table::new(&["score, °", "left", "right"]);
-        let score = |value: Option<f64>| value.map_or("–".into(), degrees);
+        let mut table =
+            Table::new(&["score, °", "left", "right", "left, no offset", "right, no offset"]);
+        let row = |name: String, [left, right]: [Option<Score>; 2]| {
+            let cell = |value: Option<f64>| value.map_or("–".into(), degrees);
+            let whole = [left, right].map(|score| cell(score.map(|s| s.whole)));
+            let rest = [left, right].map(|score| cell(score.map(|s| s.without_offset)));
+            [name].into_iter().chain(whole).chain(rest).collect()
+        };
 
         for angle in VARIABLES {
-            let [left, right] =
-                Side::BOTH.map(|side| score(indices.variables.get(&(side, angle)).copied()));
-            table.row(vec![format!("GVS {}", angle.name()), left, right]);
+            let scores = Side::BOTH.map(|side| indices.variables.get(&(side, angle)).copied());
+            table.row(row(format!("GVS {}", angle.name()), scores));
         }
+        table.row(row("GPS".into(), [indices.left, indices.right]));
 
-        table.row(vec!["GPS".into(), score(indices.left), score(indices.right)]);
-
-        let both = indices
-            .both
-            .map_or("  GPS of both sides: – (it needs all nine variables)\n".into(), |v| {
-                format!("  GPS of both sides: {}°\n", degrees(v))
-            });
+        let both = match indices.both {
+            None => "  GPS of both sides: – (it needs all nine variables)\n".into(),
+            Some(Score { whole, without_offset }) => format!(
+                "  GPS of both sides: {}°; {}° without the offsets of the curves\n",
+                degrees(whole),
+                degrees(without_offset)
+            ),
+        };
 
         format!("{}{both}  against {}: {}\n{cautions}", table.text(), norm.name, norm.source)
     }

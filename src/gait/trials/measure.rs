@@ -6,6 +6,7 @@
 //! | an angle's range    | greatest less least of its mean curve              | not known: what the angle is off by in every frame, most of its SD, cancels |
 //! | a Gait Variable Score | against the norm                                 | that of the angle, mean over the cycle: an offset moves the score by no more |
 //! | Gait Profile Score  | root mean square of V scores                       | √Σ(GVS·u)²/(V·GPS), for variables that err by themselves |
+//! | the same without offsets | likewise                                      | not known, as of a range |
 
 use crate::gait::{Angle, Curve, GaitAnalysis, Norm, Parameter, Side, VARIABLES, indices};
 use crate::math::stats::{mean, mean_and_sd};
@@ -21,6 +22,8 @@ pub enum Quantity {
     VariableScore(Angle),
     /// Gait Profile Score of a side, degrees.
     ProfileScore,
+    /// The same without the offsets of the curves, degrees.
+    ProfileScoreWithoutOffset,
 }
 
 /// A number of one side.
@@ -61,6 +64,7 @@ impl Quantity {
             Self::Range(angle) => format!("{}_range", angle.name()),
             Self::VariableScore(angle) => format!("{}_gvs", angle.name()),
             Self::ProfileScore => "gps".into(),
+            Self::ProfileScoreWithoutOffset => "gps_without_offset".into(),
         }
     }
 }
@@ -96,20 +100,25 @@ pub fn measured(gait: &GaitAnalysis, norm: Option<&Norm>) -> Vec<(Measure, Measu
     let scores = norm.and_then(|norm| indices(&gait.curves, norm));
     let Some(scores) = scores else { return all };
     let score = |angle, side| {
-        let (score, curve) = (*scores.variables.get(&(side, angle))?, curve(angle, side)?);
-        Some(of_score(score.to_degrees(), curve))
+        let (score, curve) = (scores.variables.get(&(side, angle))?, curve(angle, side)?);
+        Some(of_score(score.whole.to_degrees(), curve))
     };
     for angle in VARIABLES {
         add(Quantity::VariableScore(angle), &|side| score(angle, side));
     }
+    let of_side = |side| match side {
+        Side::Left => scores.left,
+        Side::Right => scores.right,
+    };
+    let variables = |side| -> Option<Vec<Measured>> {
+        VARIABLES.iter().map(|angle| score(*angle, side)).collect()
+    };
     add(Quantity::ProfileScore, &|side| {
-        let value = match side {
-            Side::Left => scores.left,
-            Side::Right => scores.right,
-        };
-        let variables: Option<Vec<Measured>> =
-            VARIABLES.iter().map(|angle| score(*angle, side)).collect();
-        Some(profile(value?.to_degrees(), &variables?))
+        Some(profile(of_side(side)?.whole.to_degrees(), &variables(side)?))
+    });
+    add(Quantity::ProfileScoreWithoutOffset, &|side| {
+        let value = of_side(side)?.without_offset.to_degrees();
+        Some(Measured { value, fit_sd: None, ..profile(value, &variables(side)?) })
     });
     all
 }

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::read::GaitInput;
 use crate::gait::{
     Agreement, Angle, Curve, Event, EventSource, Extremes, GaitAnalysis, Indices, Norm, Parameter,
-    Side, Statistic, Surface, Used, indices,
+    Score, Side, Statistic, Surface, Used, indices,
 };
 
 /// A gait analysis. Version 1.
@@ -134,6 +134,19 @@ struct IndicesPart {
     right: Option<f64>,
     /// GPS of both.
     both: Option<f64>,
+    /// The same without the offsets of the curves.
+    without_offset: ProfilePart,
+}
+
+/// GPS₀, degrees.
+#[derive(Debug, Serialize)]
+struct ProfilePart {
+    /// Of the left side.
+    left: Option<f64>,
+    /// Of the right side.
+    right: Option<f64>,
+    /// Of both.
+    both: Option<f64>,
 }
 
 /// The score of one variable.
@@ -145,6 +158,8 @@ struct VariablePart {
     side: Side,
     /// GVS, degrees.
     score: f64,
+    /// GVS₀, degrees.
+    without_offset: f64,
 }
 
 /// What `gait.json` holds.
@@ -231,16 +246,24 @@ fn extremes(extremes: Extremes) -> Extremes {
 
 fn scores(indices: &Indices) -> IndicesPart {
     let variables = indices.variables.iter();
-    let part = |(&(side, angle), score): (&(Side, Angle), &f64)| VariablePart {
+    let part = |(&(side, angle), score): (&(Side, Angle), &Score)| VariablePart {
         angle,
         side,
-        score: score.to_degrees(),
+        score: score.whole.to_degrees(),
+        without_offset: score.without_offset.to_degrees(),
     };
+    let whole = |score: Option<Score>| Some(score?.whole.to_degrees());
+    let rest = |score: Option<Score>| Some(score?.without_offset.to_degrees());
 
     IndicesPart {
         variables: variables.map(part).collect(),
-        left: indices.left.map(f64::to_degrees),
-        right: indices.right.map(f64::to_degrees),
-        both: indices.both.map(f64::to_degrees),
+        left: whole(indices.left),
+        right: whole(indices.right),
+        both: whole(indices.both),
+        without_offset: ProfilePart {
+            left: rest(indices.left),
+            right: rest(indices.right),
+            both: rest(indices.both),
+        },
     }
 }
