@@ -18,7 +18,7 @@ pub(super) const ABOUT: &str = "\
 Compare two sessions of one person: what changed, and whether it is more than chance.
 
 Takes the folders of two finished `maquette session`, the earlier one first. Folders of `maquette fit` and .trc files are taken too, as \
-sessions of one trial. Writes compare.html, which prints on A4, and changes.csv: of every number the change with its 95 % interval, and \
+sessions of one trial. One session alone is compared by the conditions of its trials, which have one body: such a difference is surer. Writes compare.html, which prints on A4, and changes.csv: of every number the change with its 95 % interval, and \
 the minimal detectable change, which a person who has not changed exceeds once in twenty times. With three trials or more in both, \
 curve_changes.csv and bars under the curves tell where over the cycle they differ. docs/session.md explains all.";
 
@@ -26,15 +26,19 @@ pub(super) const EXAMPLES: &str = "\
 Examples:
   maquette compare out/before out/after --out out/change
   maquette compare out/before out/after --out out/change --pdf
-  maquette compare out/barefoot out/orthosis --out out/orthosis-effect";
+  maquette compare out/both --out out/change                          (a session of trials of two conditions)
+  maquette compare out/all --conditions barefoot orthosis --out out/orthosis-effect";
 
 /// Arguments of `maquette compare`.
 #[derive(Debug, Args)]
 pub(super) struct CompareArguments {
     /// Folder of the first session
     before: PathBuf,
-    /// Folder of the second session
-    after: PathBuf,
+    /// Folder of the second session; left out, the first is compared by the conditions of its trials
+    after: Option<PathBuf>,
+    /// Which two conditions of one session [default: the only two]
+    #[arg(long, num_args = 2, value_names = ["FIRST", "SECOND"], conflicts_with = "after")]
+    conditions: Vec<String>,
     /// Where to write compare.html, changes.csv and curve_changes.csv; it must be empty or new
     #[arg(long, value_name = "FOLDER")]
     out: PathBuf,
@@ -59,7 +63,15 @@ impl CompareArguments {
             let norm = norm_choice(self.norm.as_deref());
             Ok(SessionStudy::open(path, self.body.as_deref(), norm)?)
         };
-        Ok(Comparison::new(open(&self.before)?, open(&self.after)?)?)
+        let before = open(&self.before)?;
+        let Some(after) = &self.after else {
+            let named = match self.conditions.as_slice() {
+                [first, second] => Some([first.as_str(), second]),
+                _ => None,
+            };
+            return Ok(Comparison::of_conditions(&before, named)?);
+        };
+        Ok(Comparison::new(before, open(after)?)?)
     }
 
     /// What `--json` prints, and the page.

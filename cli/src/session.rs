@@ -19,7 +19,8 @@ use crate::table::Table;
 pub(super) const ABOUT: &str = "\
 Fit several trials of one person with one body.
 
-Give the folders of the recordings, or one folder that holds them, or a session.toml that names the person and the trials. Every \
+Give the folders of the recordings, or one folder that holds them, or a session.toml that names the person and the trials. Several \
+folders of recordings are conditions of one session, which `maquette compare` compares. Every \
 trial is fitted alone first, as `maquette fit` does it. Then all get one body: the lengths, the clothes and the places of the \
 cameras are the same in all trials, and each trial has its own motion. A trial whose lengths are not those of the others is named. The \
 result goes into OUT: session.json, trials/NAME with the files of a fit, and alone/NAME with each trial by itself.";
@@ -28,6 +29,7 @@ pub(super) const EXAMPLES: &str = "\
 Examples:
   maquette session walks --out out/before                 (a folder of walks)
   maquette session walk1 walk2 walk3 --fps 50 --out out/before
+  maquette session before after --out out/both            (two folders of walks: two conditions)
   maquette session before.session/session.toml --out out/before
   maquette session walks --out out/before --resume --without walk3
   maquette report out/before

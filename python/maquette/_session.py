@@ -100,6 +100,28 @@ class Session:
         both = ["--", str(self.folder), str(after.folder)]
         return Comparison(*_maquette.compare([*given, *both]))
 
+    def compare_conditions(
+        self,
+        conditions: tuple[str, str] | None = None,
+        *,
+        norm: Path | Literal["none"] | None = None,
+        language: Literal["en", "de"] | None = None,
+    ) -> Comparison:
+        """Tell what differs between two conditions of the trials, which have one body: surer than between two sessions.
+
+        Parameters
+        ----------
+        conditions
+            Which, the earlier one first; default the only two.
+        norm
+            Healthy people to compare with; default the shipped norm of the age.
+        language
+            Of the page; default English.
+        """
+        given = words(out=os.devnull, norm=norm, body=self._body, language=language)
+        named = [] if conditions is None else ["--conditions", *conditions]
+        return Comparison(*_maquette.compare([*given, *named, "--", str(self.folder)]))
+
     def __repr__(self) -> str:
         """The folder and the trials."""
         return f"<Session {str(self.folder)!r}: {len(self.names)} trials>"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import pathlib
+import shutil
 
 import pytest
 from conftest import Program
@@ -60,6 +61,24 @@ def test_a_comparison_is_the_programs(days: list[maquette.Session], tmp_path: pa
     assert ("speed", "left") in table.index or ("step_length", "left") in table.index
     comparison.report(tmp_path / "change.html")
     assert (tmp_path / "change.html").stat().st_size > 10_000
+
+
+def test_two_conditions_of_a_session_are_compared(days: list[maquette.Session], tmp_path: pathlib.Path) -> None:
+    """Where its trials have two."""
+    one = days[0]
+    with pytest.raises(maquette.MaquetteError, match="expected two, found none"):
+        one.compare_conditions()
+    copy = tmp_path / "conditions"
+    shutil.copytree(one.folder, copy)
+    result = json.loads((copy / "session.json").read_text())
+    for trial, condition in zip(result["trials"], ["barefoot", "shoes"], strict=True):
+        trial["condition"] = condition
+    (copy / "session.json").write_text(json.dumps(result))
+    session = maquette.Session(copy)
+    with pytest.raises(maquette.MaquetteError, match="barefoot, shoes"):
+        session.compare_conditions(("barefoot", "sandals"))
+    table = session.compare_conditions(("shoes", "barefoot")).changes
+    assert list(table["change"]) == [-change for change in session.compare_conditions().changes["change"]]
 
 
 def test_a_folder_without_a_session_is_refused(tmp_path: pathlib.Path) -> None:

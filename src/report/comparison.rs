@@ -129,13 +129,31 @@ fn table_page<'a>(input: &ComparisonInput<'a>) -> Page<'a> {
             @if let Some(line) = two_bodies(input) { p { strong { (line) } } }
             (table(&input.changes.iter().collect::<Vec<_>>(), input))
             p class="note" {
-                (words.fill("SD: between the trials of a session. Change: {after} less {before}, with its 95 % interval (Welch), \
-                    from the SD between trials and the fit's own.", &[("after", &input.after.name), ("before", &input.before.name)])) " "
+                (made_of(input)) " "
                 (words.of("MDC: minimal detectable change, 1.96·√2·SEM of two sessions alike (Weir 2005), \
                     which a person who has not changed exceeds once in twenty times; ● marks a change beyond it. Scores are against the norm."))
             }
         },
         is_brief: false,
+    }
+}
+
+/// What the intervals are made of.
+fn made_of(input: &ComparisonInput<'_>) -> String {
+    let names =
+        [("after", &input.after.name as &dyn std::fmt::Display), ("before", &input.before.name)];
+    let has_fit = |change: &Change| change.before.fit.is_some() || change.after.fit.is_some();
+    match input.changes.iter().any(has_fit) {
+        true => input.words.fill(
+            "SD: between the trials of a session. Change: {after} less {before}, with its 95 % interval (Welch), \
+             from the SD between trials and the fit's own.",
+            &names,
+        ),
+        false => input.words.fill(
+            "SD: between the trials of each. Change: {after} less {before}, with its 95 % interval (Welch), \
+             from the SD between trials.",
+            &names,
+        ),
     }
 }
 

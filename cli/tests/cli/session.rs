@@ -7,6 +7,10 @@ use std::path::Path;
 #[cfg(unix)]
 use std::process::Command;
 
+use maquette::gait::Parameter;
+use maquette::gait::trials::{Change, Quantity};
+use maquette::io::session::{Person, SessionFile, TrialPart};
+use maquette::workflow::{Comparison, NormChoice, SessionStudy};
 use serde_json::Value;
 
 use crate::arm::{Arm, Ran, run};
@@ -120,6 +124,82 @@ fn two_walks_are_compared_and_one_trial_each_says_nothing_of_chance() {
     run(&german).succeeded();
     let page = String::from_utf8(arm.bytes("compared", "compare.html")).expect("UTF-8");
     assert!(page.contains("lang=\"de\"") && page.contains("Über den Zufall ist nichts bekannt"));
+}
+
+/// Two barefoot walks and two in shoes, and one of no condition.
+fn of_conditions(arm: &Arm) -> SessionStudy {
+    let names = ["walk_1", "walk_2", "walk_3", "walk_4", "walk_5"];
+    let conditions = ["barefoot", "barefoot", "shoes", "shoes"].map(|name| Some(name.to_owned()));
+    let mut file = SessionFile::new(Person::default(), "human-ellipsoids".into());
+    let mut trials = Vec::new();
+    for ((k, name), condition) in
+        names.into_iter().enumerate().zip(conditions.into_iter().chain([None]))
+    {
+        let path = arm.out(name).with_extension("trc");
+        fs::write(&path, Walker::new(0.3 + 0.1 * k as f64).trc()).expect("a file");
+        let alone = SessionStudy::open(&path, None, NormChoice::Shipped).expect("a walk");
+        let (_, mut study) = alone.trials.into_iter().next().expect("one trial");
+        // far more than the walks differ by
+        let parameters = study.analysis.parameters.values_mut();
+        parameters.for_each(|statistic| statistic.uncertainty = Some(0.1 * statistic.mean.abs()));
+        trials.push((name.to_owned(), study));
+        let (folder, alone) = (path.clone(), path);
+        let (frames, fps, verdict) = (0, 100.0, None);
+        let name = name.into();
+        file.trials.push(TrialPart { name, condition, folder, alone, frames, fps, verdict });
+    }
+    SessionStudy { name: "both".into(), path: arm.out("both"), file: Some(file), trials }
+}
+
+#[test]
+fn conditions_of_a_session_have_one_body_and_its_uncertainty_cancels() {
+    let arm = Arm::new();
+    let session = of_conditions(&arm);
+    let comparison = Comparison::of_conditions(&session, None).expect("two conditions");
+    let names = |study: &SessionStudy| -> Vec<String> {
+        study.trials.iter().map(|(name, _)| name.clone()).collect()
+    };
+    assert_eq!(names(&comparison.before), ["walk_1", "walk_2"]);
+    assert_eq!(names(&comparison.after), ["walk_3", "walk_4"]);
+    assert!(comparison.notes.iter().any(|note| note.contains("have one body")));
+
+    let step = |comparison: &Comparison| {
+        let is_step = |change: &&Change| {
+            change.measure.quantity == Quantity::Parameter(Parameter::StepLength)
+        };
+        let (low, high) =
+            comparison.changes.iter().find(is_step).and_then(|c| c.interval).expect("an interval");
+        high - low
+    };
+    let mut alone = [comparison.before.clone(), comparison.after.clone()];
+    alone.iter_mut().for_each(|study| study.file = None);
+    let [before, after] = alone;
+    let apart = Comparison::new(before, after).expect("two sessions");
+    assert!(step(&comparison) < 0.2 * step(&apart), "{} {}", step(&comparison), step(&apart));
+
+    let turned = Comparison::of_conditions(&session, Some(["shoes", "barefoot"])).expect("both");
+    assert_eq!(names(&turned.before), ["walk_3", "walk_4"]);
+    let refused = |named| Comparison::of_conditions(&session, named).unwrap_err().to_string();
+    assert!(refused(Some(["shoes", "sandals"])).contains("sandals: no trial has that condition"));
+}
+
+#[test]
+fn a_session_of_other_than_two_conditions_is_not_compared_with_itself() {
+    let arm = Arm::new();
+    let walk = arm.out("walk.trc").display().to_string();
+    fs::write(&walk, Walker::new(0.3).trc()).expect("a file");
+    let out = arm.out("compared").display().to_string();
+    run(&["compare", &walk, "--out", &out]).refused(&["expected two, found none", "session.toml"]);
+    let named = ["--conditions", "a", "b"];
+    run(&[&["compare", &walk, "--out", &out][..], &named].concat())
+        .refused(&["a: no trial has that condition"]);
+
+    let mut session = of_conditions(&arm);
+    if let Some(file) = &mut session.file {
+        file.trials[4].condition = Some("sandals".into());
+    }
+    let refused = Comparison::of_conditions(&session, None).unwrap_err().to_string();
+    assert!(refused.contains("found barefoot, shoes, sandals"), "{refused}");
 }
 
 #[cfg(unix)]

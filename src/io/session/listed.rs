@@ -11,10 +11,11 @@ use crate::io::calibration::natural_order::natural;
 const OF_A_RECORDING: [&str; 7] =
     ["sequence.toml", "masks", "videos", "images", "points", "pose", "synchronized_videos"];
 
-/// The session that some paths are: one `session.toml` or the folder that it is in, one folder of recordings, or recordings.
+/// The session that some paths are: one `session.toml` or the folder that it is in, one folder of recordings, or recordings. Of
+/// several folders of recordings each is a condition, and its trials are named after it.
 ///
 /// # Errors
-/// [`SessionFileError`] if there is nothing to fit, or two trials have one name.
+/// [`SessionFileError`] if there is nothing to fit, two trials have one name, or one of several folders is a session of its own.
 pub fn session_of(paths: &[PathBuf]) -> Result<SessionManifest, SessionFileError> {
     if let [path] = paths {
         let manifest = if path.is_dir() { path.join(MANIFEST) } else { path.clone() };
@@ -22,19 +23,37 @@ pub fn session_of(paths: &[PathBuf]) -> Result<SessionManifest, SessionFileError
             return SessionManifest::read(&manifest);
         }
         if path.is_dir() && !is_recording(path) {
-            return of_folder(path);
+            return of_trials(of_folder(path)?);
         }
     }
-    of_recordings(paths)
+    let trials: Vec<Vec<TrialEntry>> =
+        paths.iter().map(|path| of_path(path)).collect::<Result<_, _>>()?;
+    of_trials(trials.concat())
 }
 
-fn of_recordings(paths: &[PathBuf]) -> Result<SessionManifest, SessionFileError> {
-    let trials = paths.iter().map(|path| TrialEntry::of(path)).collect();
+fn of_trials(trials: Vec<TrialEntry>) -> Result<SessionManifest, SessionFileError> {
     SessionManifest { trials, ..SessionManifest::default() }.with_distinct_names()
 }
 
+/// A recording, or the recordings of a condition.
+fn of_path(path: &Path) -> Result<Vec<TrialEntry>, SessionFileError> {
+    if !path.is_dir() || is_recording(path) {
+        return Ok(vec![TrialEntry::of(path)]);
+    }
+    if path.join(MANIFEST).is_file() {
+        return Err(SessionFileError::OneOfSeveral { path: path.join(MANIFEST) });
+    }
+    let condition = TrialEntry::of(path).name;
+    let of_condition = |trial: TrialEntry| TrialEntry {
+        name: format!("{condition}_{}", trial.name),
+        condition: Some(condition.clone()),
+        ..trial
+    };
+    Ok(of_folder(path)?.into_iter().map(of_condition).collect())
+}
+
 /// The recordings in a folder, in the order in which people count.
-fn of_folder(path: &Path) -> Result<SessionManifest, SessionFileError> {
+fn of_folder(path: &Path) -> Result<Vec<TrialEntry>, SessionFileError> {
     let entries = fs::read_dir(path)
         .map_err(|source| SessionFileError::Read { path: path.into(), source })?;
     let folders = entries.flatten().map(|entry| entry.path());
@@ -43,7 +62,7 @@ fn of_folder(path: &Path) -> Result<SessionManifest, SessionFileError> {
     found.sort_by(|a, b| natural(&name(a), &name(b)));
     match found.is_empty() {
         true => Err(SessionFileError::NoRecordings { path: path.into() }),
-        false => of_recordings(&found),
+        false => Ok(found.iter().map(|path| TrialEntry::of(path)).collect()),
     }
 }
 
@@ -73,6 +92,20 @@ mod tests {
         assert_eq!(names(&[folder.path().into()]), ["walk1", "walk2", "walk10"]);
         // one recording is a session of one trial
         assert_eq!(names(&[folder.path().join("walk2")]), ["walk2"]);
+        // several folders of recordings are conditions
+        let walks = folder.path().to_path_buf();
+        let other = folder.path().join("notes");
+        fs::create_dir_all(other.join("walk1/masks")).unwrap();
+        let session = session_of(&[other.clone(), walks.join("walk2")]).unwrap();
+        let trials = session.trials.iter();
+        let trials: Vec<_> = trials.map(|t| (t.name.as_str(), t.condition.as_deref())).collect();
+        assert_eq!(trials, [("notes_walk1", Some("notes")), ("walk2", None)]);
+        fs::write(other.join(MANIFEST), "").unwrap();
+        let refused = session_of(&[other.clone(), walks.join("walk2")]).unwrap_err().to_string();
+        assert!(refused.contains("notes/session.toml: "), "{refused}");
+        fs::remove_dir_all(&other).unwrap();
+        fs::create_dir_all(&other).unwrap();
+
         let nothing = session_of(&[folder.path().join("notes")]).unwrap_err().to_string();
         assert!(nothing.contains("notes: no recordings there"), "{nothing}");
     }

@@ -56,6 +56,12 @@ pub enum SessionFileError {
         /// The folder.
         path: PathBuf,
     },
+    /// A session among several folders.
+    #[error("{}: one of several folders is a session of its own: name the trials of all and their conditions in one session.toml, and give that alone", path.display())]
+    OneOfSeveral {
+        /// Its file.
+        path: PathBuf,
+    },
     /// Two trials of one name.
     #[error("two trials are named {name}: {} and {}; give them names in a session.toml", first.display(), second.display())]
     SameName {

@@ -1,12 +1,19 @@
-//! Two sessions of one person compared.
+//! Two sessions of one person compared, or two conditions of one session.
+//!
+//! The trials of a session have one body. What the fit has wrong with it, most of its standard deviation u, is wrong in both conditions alike
+//! and cancels in their difference: only trials say how far a change may be chance. Of two sessions, each with a body of its own, u counts twice.
+
+use std::collections::BTreeMap;
 
 use super::SessionStudy;
-use crate::gait::trials::{Change, CurveChange, LEAST_TRIALS, changes, curve_changes};
+use crate::gait::trials::{
+    Change, CurveChange, LEAST_TRIALS, Measure, Spread, changes, curve_changes,
+};
 use crate::io::gait::{changes_csv, curve_changes_csv};
 use crate::pipeline::OneBody;
 use crate::workflow::{Error, SessionError};
 
-/// Two sessions of one person, or two recordings, and what changed between them.
+/// Two sessions of one person, two conditions of a session, or two recordings, and what changed between them.
 #[derive(Debug)]
 pub struct Comparison {
     /// The first.
@@ -43,22 +50,56 @@ impl Comparison {
         }
 
         let changes = changes(&before.spreads(), &after.spreads());
-        if changes.is_empty() {
-            return Err(SessionError::NothingInCommon.into());
-        }
         let mut notes = notes(&before, &after);
         if has_other_norm {
             notes.push(format!("both are compared with the norm of the age in {}", before.name));
         }
-        let [a, b] = [&before, &after].map(SessionStudy::curves);
+        let one_body = before.one_body_with(&after);
+        Self { before, after, changes, curves: Vec::new(), one_body, notes }.with_curves()
+    }
+
+    /// What differs between two conditions of the trials of a session; between the only two, if none are named.
+    ///
+    /// # Errors
+    /// [`SessionError::Conditions`], [`SessionError::NoCondition`] and [`SessionError::NothingInCommon`].
+    pub fn of_conditions(session: &SessionStudy, named: Option<[&str; 2]>) -> Result<Self, Error> {
+        let known = session.conditions();
+        let listed = || if known.is_empty() { "none".into() } else { known.join(", ") };
+        let [first, second] = match (named, known.as_slice()) {
+            (Some(named), _) => named,
+            (None, [first, second]) => [first.as_str(), second],
+            (None, _) => {
+                let (name, found) = (session.name.clone(), listed());
+                return Err(SessionError::Conditions { name, found }.into());
+            }
+        };
+        let unknown = [first, second].into_iter().find(|name| !known.iter().any(|k| k == name));
+        if let Some(condition) = unknown {
+            let (condition, known) = (condition.into(), listed());
+            return Err(SessionError::NoCondition { condition, known }.into());
+        }
+
+        let [before, after] = [first, second].map(|name| session.of_condition(name));
+        let changes = changes(&of_trials_alone(&before), &of_trials_alone(&after));
+        let mut notes = notes(&before, &after);
+        notes.push("both are of one session and have one body: what the fit has wrong with it cancels, if clothes and shoes are the same in both".into());
+        Self { before, after, changes, curves: Vec::new(), one_body: OneBody::Yes, notes }
+            .with_curves()
+    }
+
+    /// Tests whole curves.
+    fn with_curves(mut self) -> Result<Self, Error> {
+        if self.changes.is_empty() {
+            return Err(SessionError::NothingInCommon.into());
+        }
+        let [a, b] = [&self.before, &self.after].map(SessionStudy::curves);
         let curves = curve_changes(&a, &b);
         if curves.is_empty() {
-            notes.push(format!(
+            self.notes.push(format!(
                 "whole curves are not tested: that needs {LEAST_TRIALS} trials or more in each session"
             ));
         }
-        let one_body = before.one_body_with(&after);
-        Ok(Self { before, after, changes, curves, one_body, notes })
+        Ok(Self { curves, ..self })
     }
 
     /// That the two have two bodies, in one line; `None` where they have one, or that is not known.
@@ -101,6 +142,12 @@ impl Comparison {
     }
 }
 
+/// Every number with how far its trials vary, and no u.
+fn of_trials_alone(study: &SessionStudy) -> BTreeMap<Measure, Spread> {
+    let spreads = study.spreads().into_iter();
+    spreads.map(|(measure, spread)| (measure, Spread { fit: None, ..spread })).collect()
+}
+
 fn notes(before: &SessionStudy, after: &SessionStudy) -> Vec<String> {
     let mut notes = Vec::new();
     match (before.trials.len(), after.trials.len()) {
@@ -124,7 +171,9 @@ fn notes(before: &SessionStudy, after: &SessionStudy) -> Vec<String> {
         ));
     }
     for study in [before, after] {
+        let is_own = |trial: &String| study.trials.iter().any(|(name, _)| name == trial);
         let odd = study.file.iter().flat_map(|file| &file.disagreements);
+        let odd = odd.filter(|odd| is_own(&odd.trial));
         notes.extend(odd.map(|odd| format!("{}: {}", study.name, odd.line)));
     }
     notes

@@ -65,6 +65,25 @@ pub enum SessionError {
     /// Two sessions without a number that both have.
     #[error("the two sessions have no number in common: neither strides nor angles are in both")]
     NothingInCommon,
+    /// One session, whose trials are not of two conditions.
+    #[error(
+        "{name}: a session alone is compared by the conditions of its trials: expected two, found {found}; name two with --conditions, or give each \
+         [[trial]] of session.toml its condition"
+    )]
+    Conditions {
+        /// Its name.
+        name: String,
+        /// The conditions there are.
+        found: String,
+    },
+    /// A condition that no trial has.
+    #[error("--conditions {condition}: no trial has that condition: there are {known}")]
+    NoCondition {
+        /// As asked for.
+        condition: String,
+        /// Those there are.
+        known: String,
+    },
     /// No trial.
     #[error("--without leaves no trial out of all")]
     NothingLeft,

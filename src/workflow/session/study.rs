@@ -61,6 +61,32 @@ impl SessionStudy {
         Ok(Self { name, path: path.into(), file: Some(session.file), trials })
     }
 
+    /// The conditions of its trials, each once, in the order of the trials.
+    pub fn conditions(&self) -> Vec<String> {
+        let mut conditions: Vec<String> = Vec::new();
+        let trials = self.file.iter().flat_map(|file| &file.trials);
+        for condition in trials.filter_map(|trial| trial.condition.as_ref()) {
+            if !conditions.contains(condition) {
+                conditions.push(condition.clone());
+            }
+        }
+        conditions
+    }
+
+    /// The trials of one condition, as a session of its name.
+    pub(super) fn of_condition(&self, condition: &str) -> Self {
+        let parts = self.file.iter().flat_map(|file| &file.trials);
+        let of_it = |name: &String| {
+            let mut own = parts.clone().filter(|part| part.name == *name);
+            own.any(|part| part.condition.as_deref() == Some(condition))
+        };
+        Self {
+            name: condition.into(),
+            trials: self.trials.iter().filter(|(name, _)| of_it(name)).cloned().collect(),
+            ..self.clone()
+        }
+    }
+
     /// Whether another session has the same body, by the lengths of both.
     pub(super) fn one_body_with(&self, other: &Self) -> OneBody {
         match (self.body(), other.body()) {

@@ -2,7 +2,7 @@
 
 use std::error::Error;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use experiments::individual::individual;
 use experiments::walker::wide_ring;
@@ -40,8 +40,23 @@ const CADENCE_SD: f64 = 0.04;
 const PLACE_SD_M: f64 = 0.1;
 const HEADING_SD: f64 = 0.05;
 
+/// How two days are compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Way {
+    /// Each day has a session, with a body of its own.
+    TwoSessions,
+    /// The days are conditions of one session, with one body.
+    OneSession,
+}
+
+impl Way {
+    pub(crate) const ALL: [(Self, &str); 2] =
+        [(Self::TwoSessions, "two_sessions"), (Self::OneSession, "one_session")];
+}
+
 /// A change and its interval.
 pub(crate) struct Found {
+    pub(crate) way: Way,
     pub(crate) name: &'static str,
     pub(crate) side: &'static str,
     pub(crate) truth: f64,
@@ -96,14 +111,14 @@ impl Person {
         Some(Self { seed, filmed, days: [first, second], rng })
     }
 
-    /// Films both days, fits them and compares them.
+    /// Films both days, fits them and compares them in both ways.
     pub(crate) fn changes(
         mut self,
         trials: u64,
         folder: &Path,
         numbers: &[(&'static str, Quantity)],
     ) -> Result<Vec<Found>, Box<dyn Error>> {
-        let mut studies = Vec::new();
+        let mut places = Vec::new();
         for (day, style) in self.days.clone().iter().enumerate() {
             let place = folder.join(format!("{}_{day}", self.seed));
             for trial in 0..trials {
@@ -115,23 +130,24 @@ impl Person {
                 };
                 synthetic::write(&filmed, &place.join(format!("walk_{trial}")))?;
             }
-            let out = folder.join(format!("{}_{day}_out", self.seed));
-            let options =
-                FitOptions { body: Some("human-ellipsoids".into()), ..FitOptions::default() };
-            let session = SessionFolder { path: &out, existing: Existing::Overwrite };
-            Session::open(&[place])?.fit_into(session, &options, &NoProgress)?;
-            studies.push(SessionStudy::open(&out, None, NormChoice::Shipped)?);
+            places.push(place);
         }
 
-        let after = studies.pop().ok_or("two days")?;
-        let before = studies.pop().ok_or("two days")?;
+        let out = folder.join("out");
+        let before = fitted(&places[..1], &out)?;
         let norm = before.norm().cloned();
         let truths =
             [self.truth(&self.days[0], norm.as_ref())?, self.truth(&self.days[1], norm.as_ref())?];
-        let comparison = Comparison::new(before, after)?;
+        let apart = Comparison::new(before, fitted(&places[1..], &out)?)?;
+        let together = Comparison::of_conditions(&fitted(&places, &out)?, None)?;
         fs::remove_dir_all(folder)?;
-        let found = |change: &Change| found(change, &truths, numbers);
-        Ok(comparison.changes.iter().filter_map(found).collect())
+
+        let ways = [(Way::TwoSessions, apart), (Way::OneSession, together)];
+        let found = ways.iter().flat_map(|(way, comparison)| {
+            let changes = comparison.changes.iter();
+            changes.filter_map(|change| found(*way, change, &truths, numbers))
+        });
+        Ok(found.collect())
     }
 
     /// A walk of a day, somewhere in the room.
@@ -206,8 +222,17 @@ fn changed(style: &WalkingStyle, rng: &mut ChaCha8Rng) -> WalkingStyle {
     }
 }
 
+/// A session of these folders of trials.
+fn fitted(places: &[PathBuf], out: &Path) -> Result<SessionStudy, Box<dyn Error>> {
+    let options = FitOptions { body: Some("human-ellipsoids".into()), ..FitOptions::default() };
+    let session = SessionFolder { path: out, existing: Existing::Overwrite };
+    Session::open(places)?.fit_into(session, &options, &NoProgress)?;
+    Ok(SessionStudy::open(out, None, NormChoice::Shipped)?)
+}
+
 /// The change of one of the numbers, with the true one; `None` of another number, and where there is no interval.
 fn found(
+    way: Way,
     change: &Change,
     truths: &[Vec<(Measure, f64)>; 2],
     numbers: &[(&'static str, Quantity)],
@@ -223,5 +248,5 @@ fn found(
         Side::Right => "right",
     };
     let truth = of(&truths[1])? - of(&truths[0])?;
-    Some(Found { name, side, truth, found: change.difference, low, high })
+    Some(Found { way, name, side, truth, found: change.difference, low, high })
 }

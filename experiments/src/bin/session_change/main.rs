@@ -2,7 +2,8 @@
 //!
 //! Each person, of another make than the fitted body as in `session`, walks five trials on each of two days. Between the days the gait truly changes, by drawn
 //! amounts: the bend of the knees, the length of the steps, and the cadence. Within a day trials differ as `maquette synth --trial` has it. Every
-//! recording is written, fitted and compared as `maquette session` and `maquette compare` do it.
+//! recording is written, fitted and compared as `maquette session` and `maquette compare` do it, in two ways: each day a session with a body of its own, and both
+//! days the conditions of one session, with one body.
 //!
 //! The true change is that of the walk about which the trials of a day are drawn, by the same analysis of the true motion. Told: the share of intervals that hold it,
 //! for the range of the knee, the step length and the Gait Profile Score of each side, with its standard error between persons; how far
@@ -24,7 +25,7 @@ use maquette::io::model;
 use maquette::math::stats::mean;
 use maquette::synth::Make;
 
-use days::{Found, Person};
+use days::{Found, Person, Way};
 
 /// Makes in turn.
 const MAKES: [Make; 2] = [Make::Flesh, Make::Dressed];
@@ -50,7 +51,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     }
 
     let mut all: Vec<Vec<Found>> = Vec::new();
-    let names = ["person", "number", "side", "true change", "found", "low", "high", "holds"];
+    let names = ["way", "person", "number", "side", "true change", "found", "low", "high", "holds"];
     let mut table = Table::new("changes", &names);
     for k in 0..persons {
         let seed = 100 * run.seed() + k;
@@ -60,7 +61,8 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         for change in &found {
             let numbers = [change.truth, change.found, change.low, change.high];
             let numbers = numbers.map(|number| format!("{number:.3}"));
-            let names = [seed.to_string(), change.name.into(), change.side.into()];
+            let way = format!("{:?}", change.way);
+            let names = [way, seed.to_string(), change.name.into(), change.side.into()];
             let holds = [change.holds().to_string()];
             table.row(names.into_iter().chain(numbers).chain(holds));
         }
@@ -70,21 +72,33 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     }
     run.table("changes between two sessions", &table)?;
 
-    let every = || all.iter().flatten();
+    for (way, name) in Way::ALL {
+        numbers_of(&mut run, way, name, &all);
+    }
+    Ok(run.finish()?)
+}
+
+/// What one way of comparing says.
+fn numbers_of(run: &mut Run, way: Way, way_name: &str, persons: &[Vec<Found>]) {
+    let every = || persons.iter().flatten().filter(|change| change.way == way);
     for (name, _) in NUMBERS {
         let own = || every().filter(|change| change.name == name);
-        run.number(format!("{name}_holds_pct"), share_pct(own()));
-        run.number(format!("{name}_off_se"), rms(own().map(Found::off_se)));
-        run.number(format!("{name}_half_width"), mean(own().map(Found::half)).unwrap_or(f64::NAN));
+        let half = mean(own().map(Found::half)).unwrap_or(f64::NAN);
+        run.number(format!("{way_name}_{name}_holds_pct"), share_pct(own()));
+        run.number(format!("{way_name}_{name}_off_se"), rms(own().map(Found::off_se)));
+        run.number(format!("{way_name}_{name}_half_width"), half);
     }
-    run.number("intervals", every().count() as f64);
-    run.number("holds_pct", share_pct(every()));
+    run.number(format!("{way_name}_intervals"), every().count() as f64);
+    run.number(format!("{way_name}_holds_pct"), share_pct(every()));
     // intervals of one person err together, so persons are what is counted
-    let shares: Vec<f64> = all.iter().map(|person| share_pct(person.iter())).collect();
+    let of_person = |person: &Vec<Found>| share_pct(person.iter().filter(|own| own.way == way));
+    let shares: Vec<f64> = persons.iter().map(of_person).collect();
     let middle = mean(shares.iter().copied()).unwrap_or(f64::NAN);
     let sd = rms(shares.iter().map(|share| share - middle));
-    run.number("holds_se_pct", sd / (shares.len() as f64 - 1.0).max(1.0).sqrt());
-    Ok(run.finish()?)
+    run.number(
+        format!("{way_name}_holds_se_pct"),
+        sd / (shares.len() as f64 - 1.0).max(1.0).sqrt(),
+    );
 }
 
 /// The share of intervals that hold the truth, per cent.
