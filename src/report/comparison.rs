@@ -63,7 +63,7 @@ fn summary<'a>(input: &ComparisonInput<'a>) -> Page<'a> {
     let of = |own: &Compared<'_>| person(own.subject, words);
     Page {
         id: "identity",
-        title: words.of("Two sessions"),
+        title: words.of("What is compared"),
         body: html! {
             table class="facts" {
                 tr { td {} td { strong { (input.before.name) } } td { strong { (input.after.name) } } }
@@ -140,8 +140,7 @@ fn table_page<'a>(input: &ComparisonInput<'a>) -> Page<'a> {
 
 /// What the intervals are made of.
 fn made_of(input: &ComparisonInput<'_>) -> String {
-    let names =
-        [("after", &input.after.name as &dyn std::fmt::Display), ("before", &input.before.name)];
+    let names = [("after", &input.after.name as &dyn Display), ("before", &input.before.name)];
     let has_fit = |change: &Change| change.before.fit.is_some() || change.after.fit.is_some();
     match input.changes.iter().any(has_fit) {
         true => input.words.fill(

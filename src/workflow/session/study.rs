@@ -80,10 +80,12 @@ impl SessionStudy {
             let mut own = parts.clone().filter(|part| part.name == *name);
             own.any(|part| part.condition.as_deref() == Some(condition))
         };
+        let file = self.file.clone();
         Self {
             name: condition.into(),
+            path: self.path.clone(),
+            file: file.map(|file| SessionFile { condition: Some(condition.into()), ..file }),
             trials: self.trials.iter().filter(|(name, _)| of_it(name)).cloned().collect(),
-            ..self.clone()
         }
     }
 
