@@ -18,8 +18,9 @@ pub(super) const ABOUT: &str = "\
 Compare two sessions of one person: what changed, and whether it is more than chance.
 
 Takes the folders of two finished `maquette session`, the earlier one first. Folders of `maquette fit` and .trc files are taken too, as \
-sessions of one trial. One session alone is compared by the conditions of its trials, which have one body: such a difference is surer. Writes compare.html, which prints on A4, and changes.csv: of every number the change with its 95 % interval, and \
-the minimal detectable change, which a person who has not changed exceeds once in twenty times. With three trials or more in both, \
+sessions of one trial. One session alone is compared by the conditions of its trials, which have one body: such a difference is surer. \
+Writes compare.html, which prints on A4, and changes.csv: of every number the change with its 95 % interval, and the minimal \
+detectable change, which a person who has not changed exceeds once in twenty times. With three trials or more in both, \
 curve_changes.csv and bars under the curves tell where over the cycle they differ. docs/session.md explains all.";
 
 pub(super) const EXAMPLES: &str = "\

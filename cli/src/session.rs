@@ -20,8 +20,8 @@ pub(super) const ABOUT: &str = "\
 Fit several trials of one person with one body.
 
 Give the folders of the recordings, or one folder that holds them, or a session.toml that names the person and the trials. Several \
-folders of recordings are conditions of one session, which `maquette compare` compares. Every \
-trial is fitted alone first, as `maquette fit` does it. Then all get one body: the lengths, the clothes and the places of the \
+folders of recordings are conditions of one session, which `maquette compare` compares. Every trial is fitted \
+alone first, as `maquette fit` does it. Then all get one body: the lengths, the clothes and the places of the \
 cameras are the same in all trials, and each trial has its own motion. A trial whose lengths are not those of the others is named. The \
 result goes into OUT: session.json, trials/NAME with the files of a fit, and alone/NAME with each trial by itself.";
 

@@ -76,16 +76,14 @@ impl SessionStudy {
     /// The trials of one condition, as a session of its name.
     pub(super) fn of_condition(&self, condition: &str) -> Self {
         let parts = self.file.iter().flat_map(|file| &file.trials);
-        let of_it = |name: &String| {
-            let mut own = parts.clone().filter(|part| part.name == *name);
-            own.any(|part| part.condition.as_deref() == Some(condition))
-        };
+        let own = parts.filter(|part| part.condition.as_deref() == Some(condition));
+        let own: Vec<&String> = own.map(|part| &part.name).collect();
         let file = self.file.clone();
         Self {
             name: condition.into(),
             path: self.path.clone(),
             file: file.map(|file| SessionFile { condition: Some(condition.into()), ..file }),
-            trials: self.trials.iter().filter(|(name, _)| of_it(name)).cloned().collect(),
+            trials: self.trials.iter().filter(|(name, _)| own.contains(&name)).cloned().collect(),
         }
     }
 
