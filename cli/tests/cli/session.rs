@@ -181,6 +181,7 @@ fn conditions_of_a_session_have_one_body_and_its_uncertainty_cancels() {
     assert_eq!(names(&turned.before), ["walk_3", "walk_4"]);
     let refused = |named| Comparison::of_conditions(&session, named).unwrap_err().to_string();
     assert!(refused(Some(["shoes", "sandals"])).contains("sandals: no trial has that condition"));
+    assert!(refused(Some(["shoes", "shoes"])).contains("expected two that differ"));
 }
 
 #[test]

@@ -61,7 +61,7 @@ impl Comparison {
     /// What differs between two conditions of the trials of a session; between the only two, if none are named.
     ///
     /// # Errors
-    /// [`SessionError::Conditions`], [`SessionError::NoCondition`] and [`SessionError::NothingInCommon`].
+    /// [`SessionError::Conditions`], [`SessionError::NoCondition`], [`SessionError::SameCondition`] and [`SessionError::NothingInCommon`].
     pub fn of_conditions(session: &SessionStudy, named: Option<[&str; 2]>) -> Result<Self, Error> {
         let known = session.conditions();
         let listed = || if known.is_empty() { "none".into() } else { known.join(", ") };
@@ -77,6 +77,9 @@ impl Comparison {
         if let Some(condition) = unknown {
             let (condition, known) = (condition.into(), listed());
             return Err(SessionError::NoCondition { condition, known }.into());
+        }
+        if first == second {
+            return Err(SessionError::SameCondition { condition: first.into() }.into());
         }
 
         let [before, after] = [first, second].map(|name| session.of_condition(name));

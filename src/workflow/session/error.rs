@@ -84,6 +84,12 @@ pub enum SessionError {
         /// Those there are.
         known: String,
     },
+    /// One condition beside itself.
+    #[error("--conditions {condition} {condition}: expected two that differ")]
+    SameCondition {
+        /// As asked for.
+        condition: String,
+    },
     /// No trial.
     #[error("--without leaves no trial out of all")]
     NothingLeft,
