@@ -14,7 +14,8 @@ from maquette import study
 from maquette.study import Task
 from maquette.study._task import Status
 
-HEAD = 'results = "results"\n\n[fit]\nbody = "human-ellipsoids"\n'
+# Of 8 frames two are keyframes.
+HEAD = 'results = "results"\n\n[fit]\nbody = "human-ellipsoids"\nkeyframe_every = 4\n'
 
 
 def walks(folder: pathlib.Path, count: int) -> pathlib.Path:

@@ -41,7 +41,8 @@ def cohort(folder: pathlib.Path) -> study.Study:
 def test_a_fit_of_a_study_is_the_program_s(cohort: study.Study, program: Program, tmp_path: pathlib.Path) -> None:
     """To the last bit."""
     recording = cohort.task("a").trials[0][1]
-    made = program("fit", recording, "--out", tmp_path / "a", "--body", "human-ellipsoids", "--quiet")
+    options = ("--body", "human-ellipsoids", "--keyframe-every", "4")
+    made = program("fit", recording, "--out", tmp_path / "a", *options, "--quiet")
     assert made.returncode == 0, made.stderr
     key = next(outcome.key for outcome in study.outcomes(cohort) if outcome.name == "a")
     result = pathlib.Path(cohort.results, "fits", str(key), "result.json")

@@ -59,8 +59,9 @@ def test_workers_that_are_killed_lose_nothing_and_change_nothing(folder: pathlib
             nonlocal count
             while count < 3 and not over.wait(1.0):
                 pids = list(client.run(os.getpid, on_error="ignore").values())
-                os.kill(pids[count % len(pids)], signal.SIGKILL)
-                count += 1
+                if pids:
+                    os.kill(pids[count % len(pids)], signal.SIGKILL)
+                    count += 1
 
         killer = threading.Thread(target=kill)
         killer.start()

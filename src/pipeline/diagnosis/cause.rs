@@ -160,6 +160,13 @@ pub enum Cause {
         /// The largest share of a mask that it is, median over its frames.
         share: f64,
     },
+    /// The masks of some cameras hold things that stand still while the person walks. The things were left out.
+    Things {
+        /// The cameras.
+        cameras: Vec<String>,
+        /// The largest share of a mask that they are.
+        share: f64,
+    },
     /// The joint optimum put some cameras farther from their calibrated places than anybody moves one. They were left out.
     Strayed {
         /// The cameras.

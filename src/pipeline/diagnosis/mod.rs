@@ -12,8 +12,9 @@
 //! | `cameras.rs`     | exchanged, mirrored, late, zoomed and displaced cameras           |
 //! | `strangers.rs`   | exchanged and mirrored cameras, before anybody is fitted          |
 //! | `agreeing.rs`    | what the cameras show that agree, for the search                  |
-//! | `cleared.rs`     | what of the masks can be used: without the two below              |
+//! | `cleared.rs`     | what of the masks can be used: without the three below            |
 //! | `rods.rs`        | walking aids in the masks                                         |
+//! | `still.rs`       | things that stand still in the masks of some cameras              |
 //! | `parts.rs`       | cameras that lack a part of the person, or hold something else    |
 //! | `cropped.rs`     | masks that end at an upright line inside the picture              |
 //! | `room.rs`        | what stands still in the masks                                    |
@@ -42,6 +43,7 @@ mod rods;
 mod room;
 mod seen;
 mod stature;
+mod still;
 mod strangers;
 mod text;
 mod thin;

@@ -122,11 +122,8 @@ fn causes(rig: &Rig, found: &[(CameraId, Wrong)]) -> Vec<Cause> {
 
 /// What of a frame's views cannot be used; none where too few would be left.
 fn wrong_views(rig: &Rig, frame: &FrameObservations) -> Vec<(CameraId, Wrong)> {
-    let views: Vec<View<'_>> =
-        frame.views.iter().map(|(id, s)| View { camera: &rig.cameras[id.0], shown: s }).collect();
-    let subject = closest_point(&lines_of_sight(rig, frame));
-    let Some(subject) = subject.filter(|_| views.len() > AGREEING) else { return Vec::new() };
-    let shares = shares(&views, &subject).into_iter().zip(&frame.views);
+    let Some(views) = Views::of(rig, frame) else { return Vec::new() };
+    let shares = shares(&views).into_iter().zip(&frame.views);
     let wrong = shares.filter_map(|(Shares { lacks, alone, off }, (id, _))| {
         if lacks > LEAST_SHARE && lacks > MORE * off {
             Some((*id, Wrong::Lacks(lacks)))
@@ -137,12 +134,45 @@ fn wrong_views(rig: &Rig, frame: &FrameObservations) -> Vec<(CameraId, Wrong)> {
         }
     });
     let wrong: Vec<(CameraId, Wrong)> = wrong.collect();
-    if views.len() - wrong.len() >= AGREEING { wrong } else { Vec::new() }
+    if frame.views.len() - wrong.len() >= AGREEING { wrong } else { Vec::new() }
+}
+
+/// What the cameras show of one frame.
+#[derive(Debug, Clone)]
+pub(super) struct Views<'a> {
+    views: Vec<View<'a>>,
+    /// The middle of the person.
+    subject: Point3<f64>,
+}
+
+impl<'a> Views<'a> {
+    /// `None` if the cameras do not look at one place, or if they are too few to believe most of them.
+    pub(super) fn of(rig: &'a Rig, frame: &'a FrameObservations) -> Option<Self> {
+        let view = |(id, shown): &'a (CameraId, Silhouette)| View {
+            id: *id,
+            camera: &rig.cameras[id.0],
+            shown,
+        };
+        let views: Vec<View<'a>> = frame.views.iter().map(view).collect();
+        let subject = closest_point(&lines_of_sight(rig, frame));
+        subject.filter(|_| views.len() > AGREEING).map(|subject| Self { views, subject })
+    }
+
+    /// What the cameras see along the line of sight of a pixel of one of them; `None` if that shows nothing.
+    pub(super) fn sight(&self, camera: CameraId, pixel: &Point2<f64>) -> Option<Sight> {
+        let own = self.views.iter().position(|view| view.id == camera)?;
+        Some(self.sight_of(own, pixel))
+    }
+
+    fn sight_of(&self, own: usize, pixel: &Point2<f64>) -> Sight {
+        Sight::along(&self.views[own].camera.ray(pixel), &self.subject, &self.views, own)
+    }
 }
 
 /// A silhouette and its camera.
 #[derive(Debug, Clone, Copy)]
 struct View<'a> {
+    id: CameraId,
     camera: &'a Camera,
     shown: &'a Silhouette,
 }
@@ -182,10 +212,11 @@ struct Shares {
 }
 
 /// The shares of each view.
-fn shares(views: &[View<'_>], subject: &Point3<f64>) -> Vec<Shares> {
+fn shares(seen_by: &Views<'_>) -> Vec<Shares> {
+    let views = &seen_by.views;
     let seen = |own: usize| {
-        let rays = views[own].pixels().map(|pixel| views[own].camera.ray(&pixel));
-        let sights: Vec<Sight> = rays.map(|ray| Sight::along(&ray, subject, views, own)).collect();
+        let sights: Vec<Sight> =
+            views[own].pixels().map(|pixel| seen_by.sight_of(own, &pixel)).collect();
         let share = |is_so: &dyn Fn(&Sight) -> bool| {
             sights.iter().filter(|s| is_so(s)).count() as f64 / sights.len().max(1) as f64
         };
@@ -204,9 +235,9 @@ fn shares(views: &[View<'_>], subject: &Point3<f64>) -> Vec<Shares> {
 
 /// What the cameras see along the line of sight of a pixel.
 #[derive(Debug, Clone)]
-struct Sight {
+pub(super) struct Sight {
     is_alone: bool,
-    is_off: bool,
+    pub(super) is_off: bool,
     /// View by view, whether it lacks what the others see.
     lacked: Vec<bool>,
 }

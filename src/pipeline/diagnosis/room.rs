@@ -14,9 +14,9 @@ use crate::silhouette::{FrameObservations, Silhouette};
 /// Frames that are looked at.
 const SAMPLED_FRAMES: usize = 24;
 /// Pixels across a picture that are looked at.
-const ACROSS: f64 = 120.0;
+pub(super) const ACROSS: f64 = 120.0;
 /// What is foreground in this share of the frames stands still, and is not the body if that covers it in less than half of them.
-const STILL: f64 = 0.9;
+pub(super) const STILL: f64 = 0.9;
 /// What stands still is a picture of somebody if the smallest silhouette holds less than this share of what the usual one holds besides, …
 const MOST_UNCOVERED: f64 = 0.33;
 /// … and if it is most of a person, whom the rest overlaps, but not all: of somebody who stands still it is a larger share.
@@ -85,7 +85,7 @@ pub(super) fn stale_shares(rig: &Rig, frames: &[FrameObservations]) -> Vec<(Came
 }
 
 /// What a camera shows in a frame.
-fn shown(frame: &FrameObservations, camera: CameraId) -> Option<&Silhouette> {
+pub(super) fn shown(frame: &FrameObservations, camera: CameraId) -> Option<&Silhouette> {
     frame.views.iter().find(|(id, _)| *id == camera).map(|(_, silhouette)| silhouette)
 }
 
@@ -96,7 +96,7 @@ fn is_still(pixel: &Point2<f64>, views: &[&Silhouette]) -> bool {
 }
 
 /// The distance of the cells that are looked at, and their middles.
-fn step_px(camera: &Camera) -> f64 {
+pub(super) fn step_px(camera: &Camera) -> f64 {
     f64::from(camera.width_px) / ACROSS
 }
 

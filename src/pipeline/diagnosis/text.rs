@@ -166,6 +166,26 @@ impl Cause {
                 "the outlines of all cameras miss each other, by {:.0} mm: thin parts (arms, hands, feet) are lost in the masks, or the masks hold more than the person; segment again",
                 1e3 * miss_m
             ),
+            Self::Cropped { cameras } => write!(
+                f,
+                "the masks of {} end at one upright line inside the picture, time and again: a part of the picture is cut off, or was never segmented; segment whole pictures",
+                cameras.join(", ")
+            ),
+            Self::ThinPartsGone => write!(
+                f,
+                "the masks have lost the thin parts (arms, hands, feet): clean them up with a smaller disk, or segment again"
+            ),
+            Self::CutOff { height_m } => write!(
+                f,
+                "what the silhouettes show is {height_m:.2} m tall, less than a standing person: the legs or other parts are hidden, cut off or lost in the masks (or the person sits or crouches, or the unit of the calibration is wrong)"
+            ),
+            left_out => left_out.fmt_left_out(f),
+        }
+    }
+
+    /// What was left out.
+    fn fmt_left_out(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
             Self::Rods { share, .. } => write!(
                 f,
                 "{:.0} % of the masks hold something longer than a hand and thinner than a wrist, as canes, crutches and walking frames are: it was taken out of them",
@@ -183,23 +203,16 @@ impl Cause {
                 were(cameras),
                 100.0 * share
             ),
+            Self::Things { cameras, share } => write!(
+                f,
+                "the masks of {} hold something that stands still while the person walks, up to {:.0} % of their area: it was left out",
+                cameras.join(", "),
+                100.0 * share
+            ),
             Self::Strayed { cameras } => write!(
                 f,
                 "{} left out, for no place near the calibrated one explains what they show: the masks hold something that the other cameras do not see, or lack a part of the person, or the camera was moved far; look at the masks, or calibrate again",
                 were(cameras)
-            ),
-            Self::Cropped { cameras } => write!(
-                f,
-                "the masks of {} end at one upright line inside the picture, time and again: a part of the picture is cut off, or was never segmented; segment whole pictures",
-                cameras.join(", ")
-            ),
-            Self::ThinPartsGone => write!(
-                f,
-                "the masks have lost the thin parts (arms, hands, feet): clean them up with a smaller disk, or segment again"
-            ),
-            Self::CutOff { height_m } => write!(
-                f,
-                "what the silhouettes show is {height_m:.2} m tall, less than a standing person: the legs or other parts are hidden, cut off or lost in the masks (or the person sits or crouches, or the unit of the calibration is wrong)"
             ),
             of_scene => of_scene.fmt_scene(f),
         }
