@@ -11,6 +11,7 @@ mod keypoints;
 mod limbs;
 pub mod metaball;
 mod model;
+mod offset_grid;
 mod offsets;
 mod places;
 mod posed;

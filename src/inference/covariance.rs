@@ -7,7 +7,8 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector, Matrix3, SVector, Vector3};
 
-use super::camera_offset::{COMPONENTS, CameraPrior};
+use super::camera_offset::COMPONENTS;
+use super::camera_prior::CameraPrior;
 use super::sequence_state::SequenceState;
 use crate::body::{BodyModel, Layout, Motion, PartId, Posed, Shape};
 use crate::solver::BorderedChain;

@@ -14,7 +14,8 @@ use std::ops::Range;
 
 use nalgebra::DVector;
 
-use super::camera_offset::{CameraOffset, CameraPrior};
+use super::camera_offset::CameraOffset;
+use super::camera_prior::CameraPrior;
 use super::chain::ChainPrior;
 use super::contrasts::{Contrasts, Leverages};
 use super::covariance::Uncertainty;

@@ -11,7 +11,8 @@
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
 use super::Look;
-use super::camera_offset::{AHEAD, COMPONENTS, CameraOffset, CameraRows, Free};
+use super::camera_offset::{AHEAD, COMPONENTS, CameraOffset};
+use super::camera_prior::{CameraRows, Free};
 use super::instant::Instant;
 use crate::body::Motion;
 use crate::solver::{BorderedChain, Link, NormalEquations};

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::camera_offset::CameraPrior;
+use super::camera_prior::CameraPrior;
 use super::detail::Detail;
 use super::evidence::{Evidence, Terms};
 use super::hull;

@@ -12,10 +12,11 @@
 //! | what the winner lost              | `relay`          |
 //! | eq. 1 as a problem of all frames  | [`chain`], [`sequence_posterior`] |
 //! | its optimum, how sure it is       | [`joint`], [`noise`], [`contrasts`], `spread`, [`covariance`] |
-//! | cameras and clocks as unknowns    | [`camera_offset`], [`rig_motion`], [`instant`] |
+//! | cameras and clocks as unknowns    | [`camera_offset`], [`camera_prior`], [`rig_motion`], [`instant`] |
 //! | p_ε,σ(K)                          | [`confidence`], [`ShapeConfidence`] |
 
 pub mod camera_offset;
+pub mod camera_prior;
 pub mod chain;
 pub mod confidence;
 pub mod contrasts;

@@ -11,7 +11,8 @@
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-use super::camera_offset::{CameraOffset, CameraPrior};
+use super::camera_offset::CameraOffset;
+use super::camera_prior::CameraPrior;
 use super::chain::ChainPrior;
 use super::contrasts::Contrasts;
 use super::frame::{FrameFit, data_cost, linearize_data, observations};

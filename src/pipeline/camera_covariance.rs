@@ -6,7 +6,8 @@
 
 use nalgebra::DMatrix;
 
-use crate::inference::camera_offset::{AHEAD, COMPONENTS, CameraPrior};
+use crate::inference::camera_offset::{AHEAD, COMPONENTS};
+use crate::inference::camera_prior::CameraPrior;
 use crate::inference::joint::JointOptimum;
 
 /// Components of a camera's pose: ω, δt.

@@ -4,9 +4,8 @@ use nalgebra::{SVector, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
 use crate::body::{Layout, Motion};
-use crate::inference::camera_offset::{
-    AHEAD, COMPONENTS, CameraOffset, DISPLACEMENT_SD_M, Free, TURN_SD,
-};
+use crate::inference::camera_offset::{AHEAD, COMPONENTS, CameraOffset};
+use crate::inference::camera_prior::{DISPLACEMENT_SD_M, Free, TURN_SD};
 use crate::inference::instant::Instant;
 
 /// By how much a camera was found to be off; what was not estimated is not there.

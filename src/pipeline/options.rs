@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::inference::ConfidenceOptions;
-use crate::inference::camera_offset::{Free, PoseErrors};
+use crate::inference::camera_prior::{Free, PoseErrors};
 use crate::inference::joint::{JointOptions, Rounds};
 use crate::inference::search::SearchOptions;
 use crate::likelihood::{LikelihoodOptions, Measure};

@@ -34,7 +34,7 @@
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::camera_covariance::POSE;
-use crate::inference::camera_offset::{DISPLACEMENT_SD_M, TURN_SD};
+use crate::inference::camera_prior::{DISPLACEMENT_SD_M, TURN_SD};
 
 /// What a recording says of the cameras whose poses it estimated.
 #[derive(Debug, Clone, PartialEq)]

@@ -6,7 +6,8 @@
 use std::fmt::Display;
 
 use maquette::body::{BodyModel, Layout, Motion, PartId, Posed, Shape};
-use maquette::inference::camera_offset::{CameraOffset, CameraPrior, Free, PoseErrors};
+use maquette::inference::camera_offset::CameraOffset;
+use maquette::inference::camera_prior::{CameraPrior, Free, PoseErrors};
 use maquette::inference::chain::{ChainPrior, SWING_HZ};
 use maquette::inference::contrasts::{Contrasts, Leverages};
 use maquette::inference::noise::DataWeights;

@@ -1,7 +1,7 @@
 //! Joints elsewhere in the flesh, and surfaces outside the model's, are found and keep the intervals honest.
 
 use maquette::body::{BodyModel, Posed, Shape};
-use maquette::inference::camera_offset::CameraPrior;
+use maquette::inference::camera_prior::CameraPrior;
 use maquette::inference::joint::{JointOptimum, JointOptions, joint_optimum};
 use maquette::inference::{Evidence, Sequence};
 use maquette::likelihood::{LikelihoodOptions, Measure};

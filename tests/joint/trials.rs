@@ -3,7 +3,8 @@
 use maquette::body::Layout;
 use maquette::camera::Rig;
 use maquette::inference::SequenceState;
-use maquette::inference::camera_offset::{CameraOffset, CameraPrior, Free};
+use maquette::inference::camera_offset::CameraOffset;
+use maquette::inference::camera_prior::{CameraPrior, Free};
 use maquette::inference::chain::ChainPrior;
 use maquette::inference::contrasts::Contrasts;
 use maquette::inference::noise::DataWeights;

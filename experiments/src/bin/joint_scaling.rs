@@ -19,7 +19,7 @@ use experiments::table::Table;
 use experiments::walker;
 use maquette::body::BodyModel;
 use maquette::inference::SequenceState;
-use maquette::inference::camera_offset::CameraPrior;
+use maquette::inference::camera_prior::CameraPrior;
 use maquette::inference::chain::ChainPrior;
 use maquette::inference::contrasts::Contrasts;
 use maquette::inference::joint::{JointOptions, joint_optimum, joint_optimum_from_terms};

@@ -1,5 +1,6 @@
 //! The folder that a result is written into: nothing in it is lost, nothing in it is ever half written.
 
+mod files;
 mod film;
 pub mod journal;
 pub mod jpeg;
@@ -14,10 +15,14 @@ pub mod silhouettes;
 pub mod stereo;
 mod table;
 
-use std::fs::{self, File};
-use std::io::{self, Write};
+use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 
+pub(crate) use files::make_folder;
+pub use files::write_atomically;
+use files::{UNFINISHED, remove_unfinished, sync_folder};
+pub(super) use files::{file_name, parent_of, write_encoded};
 use lock::FolderLock;
 use tempfile::TempDir;
 
@@ -101,9 +106,6 @@ pub fn check_out(folder: &Path, existing: Existing) -> Result<(), OutError> {
 /// Everything that a run writes into the folder but its journal, and the skins made of it, in the order in which it is
 /// replaced: the result last, so that where it stands all of it stands.
 const RESULTS: [&str; 5] = ["overlays", "skin", "joints.trc", origin::ORIGIN, "result.json"];
-
-/// Prefix of the names of unfinished files and folders.
-const UNFINISHED: &str = ".writing-";
 
 /// A folder that results are written into, by nobody else as long as this value lives.
 #[derive(Debug)]
@@ -248,89 +250,9 @@ fn replace(new: &Path, place: &Path) -> io::Result<()> {
     }
 }
 
-/// Removes what a run that was stopped was writing; what cannot be removed does no harm.
-fn remove_unfinished(folder: &Path) {
-    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-        let path = entry.path();
-        if entry.file_name().to_string_lossy().starts_with(UNFINISHED) {
-            let removed =
-                if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
-            drop(removed);
-        }
-    }
-}
-
-/// Writes a file beside its place and moves it there, so that it is whole or absent.
-///
-/// # Errors
-/// [`OutError::Write`] names the file.
-pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), OutError> {
-    let write = || {
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(UNFINISHED);
-        // as any new file, for others to read as the user's mask allows
-        #[cfg(unix)]
-        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        let mut file = builder.tempfile_in(parent_of(path))?;
-        file.write_all(bytes)?;
-        file.as_file().sync_all()?;
-        file.persist(path).map_err(|error| error.error)?;
-        sync_folder(parent_of(path));
-        Ok(())
-    };
-    write().map_err(|source| OutError::write(path, source))
-}
-
-/// Brings the names in a folder to the disk; a file system that cannot do so keeps an order of its own.
-fn sync_folder(folder: &Path) {
-    let _ = File::open(folder).and_then(|folder| folder.sync_all());
-}
-
-/// Makes a folder within one that is written into.
-pub(crate) fn make_folder(path: &Path) -> Result<(), OutError> {
-    fs::create_dir_all(path).map_err(|source| OutError::write(path, source))
-}
-
-/// The folder that a file or folder is in.
-pub(super) fn parent_of(path: &Path) -> &Path {
-    match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    }
-}
-
-/// Writes a file, if it could be encoded.
-pub(super) fn write_encoded(path: &Path, file: io::Result<Vec<u8>>) -> Result<(), OutError> {
-    file.and_then(|bytes| fs::write(path, bytes)).map_err(|source| OutError::write(path, source))
-}
-
-/// A camera's name as the name of a folder, without characters that a folder's name cannot have.
-pub(super) fn file_name(camera: &str) -> String {
-    let plain = |c: char| {
-        if c.is_alphanumeric() || "-_. ".contains(c) { c } else { '_' }
-    };
-    let name: String = camera.chars().map(plain).collect();
-    match name.trim_matches(['.', ' ']) {
-        "" => "camera".into(),
-        name => name.into(),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[cfg(unix)]
-    #[test]
-    fn a_file_can_be_read_by_whom_the_users_mask_allows() {
-        use std::os::unix::fs::PermissionsExt;
-        let folder = tempfile::tempdir().unwrap();
-        let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode();
-        let (plain, ours) = (folder.path().join("plain"), folder.path().join("ours"));
-        fs::write(&plain, "a").unwrap();
-        write_atomically(&ours, b"a").unwrap();
-        assert_eq!(mode(&ours), mode(&plain));
-    }
 
     #[test]
     fn a_folder_that_holds_something_is_left_alone_unless_told_otherwise() {
@@ -354,19 +276,6 @@ mod tests {
             let refused = check_out(&path, Existing::Overwrite);
             assert!(matches!(refused, Err(OutError::NotAFolder { .. })));
         }
-    }
-
-    #[test]
-    fn a_file_appears_whole_and_leaves_nothing_beside_it() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("result.json");
-        write_atomically(&path, b"old").unwrap();
-        write_atomically(&path, b"new").unwrap();
-        assert_eq!(fs::read(&path).unwrap(), b"new");
-        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
-        let nowhere = folder.path().join("no/where");
-        let message = write_atomically(&nowhere, b"").unwrap_err().to_string();
-        assert!(message.contains("no/where: cannot be written"), "{message}");
     }
 
     #[test]
@@ -407,13 +316,5 @@ mod tests {
         assert_eq!(fs::read(at("result.json")).unwrap(), b"new");
         assert_eq!(fs::read(at("notes.txt")).unwrap(), b"mine");
         assert!(!at("overlays").exists() && !at(".writing-abc").exists());
-    }
-
-    #[test]
-    fn no_camera_can_be_named_out_of_its_folder() {
-        assert_eq!(file_name("cam_01"), "cam_01");
-        assert_eq!(file_name("../../left"), "_.._left");
-        assert_eq!(file_name("a/b\\c:d"), "a_b_c_d");
-        assert_eq!(file_name(".."), "camera");
     }
 }

@@ -2,7 +2,7 @@
 
 use super::cameras::{CameraFault, CameraFaults};
 use crate::camera::CameraId;
-use crate::inference::camera_offset::Free;
+use crate::inference::camera_prior::Free;
 use crate::silhouette::FrameObservations;
 
 impl CameraFaults {

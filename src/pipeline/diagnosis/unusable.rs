@@ -106,7 +106,8 @@ pub(in crate::pipeline) fn lost_frames(frames: &[FittedFrame]) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::inference::camera_offset::{CameraOffset, Free};
+    use crate::inference::camera_offset::CameraOffset;
+    use crate::inference::camera_prior::Free;
     use crate::pipeline::diagnosis::figures::Figures;
     use crate::pipeline::diagnosis::upright::HeadAxis;
     use crate::pipeline::{CameraFound, CameraQuality};

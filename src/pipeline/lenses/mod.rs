@@ -39,7 +39,7 @@ use rayon::prelude::*;
 use super::diagnosis::stature_m;
 use crate::body::{BodyModel, Motion, Posed, Shape};
 use crate::camera::Rig;
-use crate::inference::camera_offset::PoseErrors;
+use crate::inference::camera_prior::PoseErrors;
 use crate::inference::joints::{BONES, Joints};
 use crate::inference::rig_motion::RigMotion;
 use crate::math::Rigid3;

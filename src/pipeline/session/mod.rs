@@ -39,7 +39,8 @@ use super::measures::Measures;
 use super::{CameraFound, EstimateOptions, Fit, FitError, NoProgress, Progress, check_scene};
 use crate::body::{BodyModel, Motion, Shape};
 use crate::camera::Rig;
-use crate::inference::camera_offset::{CameraOffset, CameraPrior};
+use crate::inference::camera_offset::CameraOffset;
+use crate::inference::camera_prior::CameraPrior;
 use crate::inference::joint::{JointOptimum, JointOptions, Rounds, joint_optimum_from_terms};
 use crate::inference::{
     Evidence, Look, Sequence, SequenceState, SequenceTerms, ShapeConfidence, keyframe_shapes,

@@ -7,7 +7,7 @@ use super::{SilhouetteError, StillScenes, UndistortedFrame};
 use crate::body::{BodyModel, Motion, Shape};
 use crate::camera::CameraId;
 use crate::inference::SequenceState;
-use crate::inference::camera_offset::CameraPrior;
+use crate::inference::camera_prior::CameraPrior;
 use crate::inference::joint::{JointOptions, joint_optimum_from_terms};
 use crate::inference::{Evidence, Sequence};
 use crate::likelihood::Measure;
