@@ -16,6 +16,7 @@ from maquette.study._task import Status
 
 # Of 8 frames two are keyframes.
 HEAD = 'results = "results"\n\n[fit]\nbody = "human-ellipsoids"\nkeyframe_every = 4\n'
+OF_SESSIONS = 'unit = "session"\nresults = "results"\n\n[fit]\nbody = "human-ellipsoids"\n'
 
 
 def walks(folder: pathlib.Path, count: int) -> pathlib.Path:

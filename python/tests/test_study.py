@@ -9,7 +9,7 @@ from importlib import import_module
 
 import pytest
 from conftest import Program
-from study_files import HEAD, contents, walks, written
+from study_files import HEAD, OF_SESSIONS, contents, walks, written
 
 import maquette
 from maquette import study
@@ -120,7 +120,7 @@ def test_a_session_has_one_body_for_its_trials(tmp_path: pathlib.Path) -> None:
     for number in range(2):
         maquette.synth(tmp_path / f"{number}", seed=100, trial=number, cameras=3, frames=8)
     rows = ("first,p,0", "second,p,1")
-    cohort = written(tmp_path, *rows, columns="trial,session,recording", head='unit = "session"\n' + HEAD)
+    cohort = written(tmp_path, *rows, columns="trial,session,recording", head=OF_SESSIONS)
     assert study.run(cohort, jobs=1).of == {"usable": 1}
     study.gather(cohort)
     pandas = import_module("pandas")
