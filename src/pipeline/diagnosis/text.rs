@@ -205,7 +205,7 @@ impl Cause {
             ),
             Self::Things { cameras, share } => write!(
                 f,
-                "the masks of {} hold something that stands still while the person walks, up to {:.0} % of their area: it was left out",
+                "the masks of {} hold something that never moves while the person walks, up to {:.0} % of their area: it was left out",
                 cameras.join(", "),
                 100.0 * share
             ),
