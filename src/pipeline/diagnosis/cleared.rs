@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use super::cause::Cause;
 use super::parts::Parted;
 use super::rods::WithoutRods;
-use super::still::WithoutThings;
+use super::things::WithoutThings;
 use crate::camera::Rig;
 use crate::silhouette::FrameObservations;
 

@@ -14,10 +14,10 @@
 //! | `agreeing.rs`    | what the cameras show that agree, for the search                  |
 //! | `cleared.rs`     | what of the masks can be used: without the three below            |
 //! | `rods.rs`        | walking aids in the masks                                         |
-//! | `still.rs`       | things that stand still in the masks of some cameras              |
+//! | `things.rs`      | what never moves while the person walks, taken out of the masks   |
 //! | `parts.rs`       | cameras that lack a part of the person, or hold something else    |
 //! | `cropped.rs`     | masks that end at an upright line inside the picture              |
-//! | `room.rs`        | what stands still in the masks                                    |
+//! | `room.rs`        | what stands still in the masks, and stays there                   |
 //! | `volume.rs`      | what the silhouettes hold beside the body, and how tall it is     |
 //! | `thin.rs`        | whether the masks have lost arms, hands and feet                  |
 //! | `upright.rs`     | whether the person stands along another axis                      |
@@ -43,10 +43,10 @@ mod rods;
 mod room;
 mod seen;
 mod stature;
-mod still;
 mod strangers;
 mod text;
 mod thin;
+mod things;
 mod unusable;
 mod upright;
 mod verdict;

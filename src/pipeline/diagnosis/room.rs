@@ -14,9 +14,9 @@ use crate::silhouette::{FrameObservations, Silhouette};
 /// Frames that are looked at.
 const SAMPLED_FRAMES: usize = 24;
 /// Pixels across a picture that are looked at.
-pub(super) const ACROSS: f64 = 120.0;
+const ACROSS: f64 = 120.0;
 /// What is foreground in this share of the frames stands still, and is not the body if that covers it in less than half of them.
-pub(super) const STILL: f64 = 0.9;
+const STILL: f64 = 0.9;
 /// What stands still is a picture of somebody if the smallest silhouette holds less than this share of what the usual one holds besides, …
 const MOST_UNCOVERED: f64 = 0.33;
 /// … and if it is most of a person, whom the rest overlaps, but not all: of somebody who stands still it is a larger share.
@@ -53,12 +53,12 @@ pub(super) fn alone_shares(rig: &Rig, frames: &[FrameObservations]) -> Vec<(Came
         let views: Vec<&Silhouette> = sampled.iter().filter_map(of_frame).collect();
         let middle = sampled.iter().filter(|frame| of_frame(frame).is_some());
         let middle = middle.copied().nth(views.len() / 2).unwrap_or(0);
-        let still = cells(camera).filter(|pixel| is_still(pixel, &views));
+        let still = Cells::of(camera).middles().filter(|pixel| is_still(pixel, &views));
         let still: Vec<Point2<f64>> = still.collect();
         let area_px =
             median(&mut views.iter().map(|s| s.area_px).collect()).unwrap_or(f64::INFINITY);
         let alone = scene.alone(middle, id, &still).len() as f64;
-        (id, alone * step_px(camera).powi(2) / area_px)
+        (id, Cells::of(camera).area_px(alone) / area_px)
     };
     cameras.into_par_iter().map(share).collect()
 }
@@ -70,10 +70,12 @@ pub(super) fn stale_shares(rig: &Rig, frames: &[FrameObservations]) -> Vec<(Came
     let share = |(id, camera): (CameraId, &Camera)| {
         let of_frame = |frame: &usize| shown(&frames[*frame], id);
         let views: Vec<&Silhouette> = sampled.iter().filter_map(of_frame).collect();
-        let count =
-            |s: &&Silhouette| cells(camera).filter(|pixel| s.contains(pixel)).count() as f64;
+        let count = |s: &&Silhouette| {
+            Cells::of(camera).middles().filter(|pixel| s.contains(pixel)).count() as f64
+        };
         let mut areas: Vec<f64> = views.iter().map(count).collect();
-        let still = cells(camera).filter(|pixel| is_still(pixel, &views)).count() as f64;
+        let still =
+            Cells::of(camera).middles().filter(|pixel| is_still(pixel, &views)).count() as f64;
         let least = areas.iter().copied().fold(f64::INFINITY, f64::min);
         let usual = median(&mut areas)?;
         let (uncovered, share) = (least - still, still / usual);
@@ -92,21 +94,44 @@ pub(super) fn shown(frame: &FrameObservations, camera: CameraId) -> Option<&Silh
 /// Whether a pixel is foreground in nearly all silhouettes.
 fn is_still(pixel: &Point2<f64>, views: &[&Silhouette]) -> bool {
     let shown = views.iter().filter(|s| s.contains(pixel)).count();
-    shown as f64 >= STILL * views.len() as f64
+    in_nearly_all(shown, views.len())
 }
 
-/// The distance of the cells that are looked at, and their middles.
-pub(super) fn step_px(camera: &Camera) -> f64 {
-    f64::from(camera.width_px) / ACROSS
+/// The cells of a camera's picture that are looked at: squares, row by row.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Cells {
+    pub(super) columns: usize,
+    pub(super) rows: usize,
+    pub(super) step_px: f64,
 }
 
-fn cells(camera: &Camera) -> impl Iterator<Item = Point2<f64>> {
-    let step = step_px(camera);
-    let rows = (f64::from(camera.height_px) / step) as usize;
-    (0..rows * ACROSS as usize).map(move |cell| {
-        let (x, y) = (cell % ACROSS as usize, cell / ACROSS as usize);
-        Point2::new((x as f64 + 0.5) * step, (y as f64 + 0.5) * step)
-    })
+impl Cells {
+    pub(super) fn of(camera: &Camera) -> Self {
+        let step_px = f64::from(camera.width_px) / ACROSS;
+        let rows = (f64::from(camera.height_px) / step_px) as usize;
+        Self { columns: ACROSS as usize, rows, step_px }
+    }
+
+    /// The middle of one of them.
+    pub(super) fn middle(self, x: usize, y: usize) -> Point2<f64> {
+        Point2::new((x as f64 + 0.5) * self.step_px, (y as f64 + 0.5) * self.step_px)
+    }
+
+    /// The middles of all.
+    fn middles(self) -> impl Iterator<Item = Point2<f64>> {
+        let cells = 0..self.rows * self.columns;
+        cells.map(move |cell| self.middle(cell % self.columns, cell / self.columns))
+    }
+
+    /// The area of so many, px².
+    fn area_px(self, count: f64) -> f64 {
+        count * self.step_px.powi(2)
+    }
+}
+
+/// Whether what is foreground in so many of the frames is so in nearly all.
+pub(super) fn in_nearly_all(shown: usize, frames: usize) -> bool {
+    shown as f64 >= STILL * frames as f64
 }
 
 fn still_share(camera: &Camera, views: &[(&Silhouette, Vec<Covering>)]) -> f64 {
@@ -118,10 +143,10 @@ fn still_share(camera: &Camera, views: &[(&Silhouette, Vec<Covering>)]) -> f64 {
         let covered = || {
             views.iter().filter(|(_, body)| body.iter().any(|part| part.contains(pixel))).count()
         };
-        shown as f64 >= STILL * views.len() as f64 && 2 * covered() < views.len()
+        in_nearly_all(shown, views.len()) && 2 * covered() < views.len()
     };
-    let still = cells(camera).filter(is_still).count();
-    still as f64 * step_px(camera).powi(2) / area_px
+    let still = Cells::of(camera).middles().filter(is_still).count();
+    Cells::of(camera).area_px(still as f64) / area_px
 }
 
 #[cfg(test)]

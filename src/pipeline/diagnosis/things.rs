@@ -21,7 +21,7 @@ use rayon::prelude::*;
 
 use super::cause::{Cause, name};
 use super::parts::Views;
-use super::room::{ACROSS, STILL, shown, step_px};
+use super::room::{Cells, in_nearly_all, shown};
 use super::{evenly, shown_by_two};
 use crate::camera::{Camera, CameraId, Ray, Rig, closest_point};
 use crate::image::{Component, Connectivity, Mask, Region, Runs, widened};
@@ -83,48 +83,59 @@ fn things(rig: &Rig, frames: &[FrameObservations]) -> Vec<(CameraId, Thing)> {
     let pictures =
         cameras.into_par_iter().filter_map(|(id, camera)| Picture::new(id, camera, &sampled));
     let pictures: Vec<Picture<'_>> = pictures.collect();
-    let may_hold = |picture: &&Picture<'_>| picture.share(&picture.still) >= LEAST_SHARE;
-    if !pictures.iter().any(|picture| may_hold(&picture)) || !walks(&pictures, sampled.len()) {
+    let may_hold = |picture: &Picture<'_>| picture.share(&picture.still) >= LEAST_SHARE;
+    if !pictures.iter().any(may_hold) {
         return Vec::new();
     }
 
+    let people: Vec<People> = pictures.par_iter().map(Picture::people).collect();
+    if !walks(&pictures, &people, sampled.len()) {
+        return Vec::new();
+    }
     let followed = evenly(sampled.len(), FOLLOWED_FRAMES);
     let followed: Vec<Views<'_>> = followed.filter_map(|i| Views::of(rig, sampled[i])).collect();
-    let holding = pictures.par_iter().filter(may_hold);
-    holding.filter_map(|picture| Some((picture.id, picture.thing(&followed)?))).collect()
+    let holding = pictures.par_iter().zip(&people).filter(|(picture, _)| may_hold(picture));
+    let thing = |(picture, people): (&Picture<'_>, &People)| {
+        Some((picture.id, picture.thing(people, &followed)?))
+    };
+    holding.filter_map(thing).collect()
 }
 
 /// Whether the person goes through the room.
-fn walks(pictures: &[Picture<'_>], frames: usize) -> bool {
+fn walks(pictures: &[Picture<'_>], people: &[People], frames: usize) -> bool {
     let place = |frame: usize| {
-        let rays = pictures.iter().filter_map(|picture| picture.to_person(frame));
+        let rays = pictures.iter().zip(people);
+        let rays = rays.filter_map(|(picture, people)| Some(picture.towards(&people[frame]?)));
         closest_point(&rays.collect::<Vec<Ray>>())
     };
     let places: Vec<Point3<f64>> = (0..frames).filter_map(place).collect();
     places.iter().any(|to| places.iter().any(|from| nalgebra::distance(from, to) > WALK_M))
 }
 
+/// Frame by frame where the person is who moves; `None` where there is nobody, or not a whole person.
+type People = Vec<Option<Region>>;
+
 /// The picture of a camera in some frames, in cells.
 #[derive(Debug)]
 struct Picture<'a> {
     id: CameraId,
     camera: &'a Camera,
-    step_px: f64,
-    /// What is foreground in nearly all frames.
+    cells: Cells,
+    /// What each frame shows.
+    frames: Vec<Option<Mask>>,
+    /// What is foreground in nearly all of them.
     still: Mask,
     /// The median silhouette's.
     area: f64,
-    /// Frame by frame where the person is who moves; `None` where there is nobody, or not a whole person.
-    people: Vec<Option<Region>>,
 }
 
 impl<'a> Picture<'a> {
     /// `None` if too few frames have one.
     fn new(id: CameraId, camera: &'a Camera, sampled: &[&FrameObservations]) -> Option<Self> {
-        let step_px = step_px(camera);
-        let rows = (f64::from(camera.height_px) / step_px) as usize;
+        let cells = Cells::of(camera);
         let in_cells = |silhouette: &Silhouette| {
-            Mask::from_fn(ACROSS as usize, rows, |x, y| silhouette.contains(&middle(x, y, step_px)))
+            let is_inside = |x, y| silhouette.contains(&cells.middle(x, y));
+            Mask::from_fn(cells.columns, cells.rows, is_inside)
         };
         let frames: Vec<Option<Mask>> =
             sampled.iter().map(|frame| shown(frame, id).map(in_cells)).collect();
@@ -133,13 +144,12 @@ impl<'a> Picture<'a> {
             return None;
         }
 
-        let still = Mask::from_fn(ACROSS as usize, rows, |x, y| {
+        let still = Mask::from_fn(cells.columns, cells.rows, |x, y| {
             let shown = seen.iter().filter(|mask| mask.is_foreground(x, y)).count();
-            shown as f64 >= STILL * seen.len() as f64
+            in_nearly_all(shown, seen.len())
         });
         let area = median(&mut seen.iter().map(|mask| area(mask)).collect())?;
-        let people = frames.iter().map(|mask| moving(mask.as_ref()?, &still)).collect();
-        Some(Self { id, camera, step_px, still, area, people })
+        Some(Self { id, camera, cells, frames, still, area })
     }
 
     /// Of the area of the median silhouette.
@@ -147,32 +157,35 @@ impl<'a> Picture<'a> {
         area(cells) / self.area
     }
 
-    /// The line of sight to the middle of the person who moves.
-    fn to_person(&self, frame: usize) -> Option<Ray> {
-        let person = self.people[frame]?;
+    fn people(&self) -> People {
+        self.frames.iter().map(|mask| moving(mask.as_ref()?, &self.still)).collect()
+    }
+
+    /// The line of sight to the middle of a person.
+    fn towards(&self, person: &Region) -> Ray {
         let middle = [person.left + person.right, person.top + person.bottom];
-        let [x, y] = middle.map(|twice| 0.5 * twice as f64 * self.step_px);
-        Some(self.camera.ray(&Point2::new(x, y)))
+        let [x, y] = middle.map(|twice| 0.5 * twice as f64 * self.cells.step_px);
+        self.camera.ray(&Point2::new(x, y))
     }
 
     /// What of it shows things; `None` if that is nothing.
-    fn thing(&self, followed: &[Views<'_>]) -> Option<Thing> {
+    fn thing(&self, people: &People, followed: &[Views<'_>]) -> Option<Thing> {
         let is_off = |x: usize, y: usize| {
-            let pixel = middle(x, y, self.step_px);
+            let pixel = self.cells.middle(x, y);
             let sights = followed.iter().filter_map(|views| views.sight(self.id, &pixel));
             let off: Vec<bool> = sights.map(|sight| sight.is_off).collect();
             2 * off.iter().filter(|is_off| **is_off).count() > off.len()
         };
         let is_apart = |x: usize, y: usize| {
-            let people = self.people.iter().flatten();
+            let people = people.iter().flatten();
             people.filter(|person| is_apart(person, x, y)).count() >= LEAST_APART
         };
-        let cells = Mask::from_fn(self.still.width(), self.still.height(), |x, y| {
+        let things = Mask::from_fn(self.cells.columns, self.cells.rows, |x, y| {
             self.still.is_foreground(x, y) && (is_apart(x, y) || is_off(x, y))
         });
-        let share = self.share(&cells);
-        let thing = Thing { cells: widened(&cells, 1), step_px: self.step_px, share };
-        (share >= LEAST_SHARE).then_some(thing)
+        let share = self.share(&things);
+        let step_px = self.cells.step_px;
+        (share >= LEAST_SHARE).then(|| Thing { cells: widened(&things, 1), step_px, share })
     }
 }
 
@@ -206,10 +219,6 @@ fn beside(frame: &FrameObservations, things: &[(CameraId, Thing)]) -> FrameObser
     };
     beside.views = beside.views.into_iter().filter_map(of_view).collect();
     beside
-}
-
-fn middle(x: usize, y: usize, step_px: f64) -> Point2<f64> {
-    Point2::new(x as f64 + 0.5, y as f64 + 0.5) * step_px
 }
 
 fn area(cells: &Mask) -> f64 {
