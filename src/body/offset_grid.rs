@@ -4,6 +4,8 @@
 //! not 0 at a place, and they add up to one. Both sides of the body are alike: the place of a left part is that of its mirror image
 //! on the right, and a part in the middle has one half.
 
+use std::ops::Range;
+
 use nalgebra::Vector3;
 
 /// Distance of the nodes along a part, metres: errors of the surface go together over so much.
@@ -71,6 +73,11 @@ impl Grid {
 
     pub(super) fn nodes(self) -> usize {
         self.along * self.around()
+    }
+
+    /// The coefficients of its nodes.
+    pub(super) fn coefficients(self) -> Range<usize> {
+        self.first..self.first + self.nodes()
     }
 
     /// The nodes around a place.

@@ -129,12 +129,12 @@ fn flesh_box(body: &Posed<'_>, part: PartId) -> Option<(Vector3<f64>, Vector3<f6
 }
 
 impl Posed<'_> {
-    /// The greatest b anywhere, metres, not less than 0.
-    pub(crate) fn greatest_offset_m(&self) -> f64 {
-        let of = |offsets: &SurfaceOffsets| {
-            self.shape.0.rows(offsets.first.0, offsets.count()).max().max(0.0)
-        };
-        self.model.offsets.as_ref().map_or(0.0, of)
+    /// The greatest b anywhere on a part, metres, not less than 0.
+    pub(crate) fn greatest_offset_m(&self, part: PartId) -> f64 {
+        let Some(offsets) = &self.model.offsets else { return 0.0 };
+        let Some(grid) = offsets.grids[part.0] else { return 0.0 };
+        let all = self.shape.0.rows(offsets.first.0, offsets.count());
+        all.rows_range(grid.coefficients()).max().max(0.0)
     }
 
     /// The place that the mean body has so far from the centre of a primitive, in the axes of its part.

@@ -20,13 +20,14 @@ const COARSE_POINTS: usize = 600;
 /// To approach an optimum so many are enough: they share the weights of all, see [`PointOptions`](crate::likelihood::PointOptions).
 const THINNED_POINTS: usize = 1500;
 /// They look at so few samples of each ellipse's outline.
-const COARSE_BACK_SAMPLES: usize = 12;
+const COARSE_BACK_SAMPLES: usize = 6;
 
 impl Detail {
     /// The distance between neighbouring border points, m.
     pub(super) fn spacing_m(self) -> f64 {
         match self {
-            Self::Coarse | Self::Thinned => 0.05,
+            Self::Coarse => 0.15,
+            Self::Thinned => 0.05,
             Self::Fine => 0.02,
         }
     }

@@ -37,7 +37,7 @@ pub struct StartOptions {
 
 impl Default for StartOptions {
     fn default() -> Self {
-        Self { headings: 8, iterations: 12, kept: 6 }
+        Self { headings: 8, iterations: 12, kept: 8 }
     }
 }
 

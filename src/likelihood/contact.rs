@@ -32,20 +32,34 @@ pub(super) struct RayField {
     balls: Vec<usize>,
     /// The run of each limb.
     limbs: Vec<Range<usize>>,
-    /// P: xx, yy, zz, xy, xz, yz; one for each metaball.
+    seen: SeenBalls,
+    on_ray: Approach,
+    /// The least dᵢ₀ of each limb.
+    leasts: Vec<f64>,
+    /// The metaballs of the limb that is being climbed.
+    bumps: Vec<Bumps>,
+}
+
+/// Metaballs as seen from a point: one number for each.
+#[derive(Debug, Clone)]
+struct SeenBalls {
+    /// P: xx, yy, zz, xy, xz, yz.
     precision: [Vec<f64>; 6],
     /// Pe.
     pull: [Vec<f64>; 3],
     /// eᵀPe.
     constant: Vec<f64>,
-    /// a, tᵢ and dᵢ₀ on the present ray.
+}
+
+/// How near a ray comes to each metaball.
+#[derive(Debug, Clone)]
+struct Approach {
+    /// a.
     sharpness: Vec<f64>,
+    /// tᵢ.
     at: Vec<f64>,
+    /// dᵢ₀, infinite behind the origin.
     nearest: Vec<f64>,
-    /// The least dᵢ₀ of each limb.
-    leasts: Vec<f64>,
-    /// The metaballs of the limb that is being climbed.
-    bumps: Vec<Bumps>,
 }
 
 /// What some metaballs add along the ray.
@@ -60,6 +74,13 @@ impl Bumps {
     /// Of metaballs that are too faint to be seen.
     const NONE: Self =
         Self { nearest: [f64::INFINITY; LANES], at: [0.0; LANES], sharpness: [0.0; LANES] };
+}
+
+/// Where F is largest, and ln F there.
+#[derive(Debug, Clone, Copy)]
+struct Summit {
+    at: f64,
+    log_value: f64,
 }
 
 /// F(t), the derivatives of ln F, and where mean shift goes.
@@ -94,12 +115,16 @@ impl RayField {
             origin_world,
             balls,
             limbs,
-            precision,
-            pull: [0, 1, 2].map(|k| pulls.iter().map(|p| p[k]).collect()),
-            constant,
-            sharpness: vec![0.0; count],
-            at: vec![0.0; count],
-            nearest: vec![0.0; count],
+            seen: SeenBalls {
+                precision,
+                pull: [0, 1, 2].map(|k| pulls.iter().map(|p| p[k]).collect()),
+                constant,
+            },
+            on_ray: Approach {
+                sharpness: vec![0.0; count],
+                at: vec![0.0; count],
+                nearest: vec![0.0; count],
+            },
             leasts: Vec::with_capacity(field.limbs.len()),
             bumps: Vec::new(),
         }
@@ -114,9 +139,10 @@ impl RayField {
     ///
     /// Metaballs that the ray comes closest to behind its origin do not count; `None` if none is left.
     pub(super) fn turn_to(&mut self, direction: &Vector3<f64>) -> Option<usize> {
-        self.approach(direction);
+        approach(&self.seen, direction, &mut self.on_ray);
+        let nearest = &self.on_ray.nearest;
         self.leasts.clear();
-        self.leasts.extend(self.limbs.iter().map(|run| least(&self.nearest[run.clone()])));
+        self.leasts.extend(self.limbs.iter().map(|run| least(&nearest[run.clone()])));
 
         let nearer = |a: &usize, b: &usize| self.leasts[*a].total_cmp(&self.leasts[*b]);
         let nearest = (0..self.leasts.len()).min_by(nearer)?;
@@ -135,16 +161,21 @@ impl RayField {
 
         // the metaballs that are not too faint at the nearest one
         let start = self.gather(run, least);
-        let summits = self.bumps.iter().map(|b| sum(exp(b.nearest.map(|d| -2.0 * d))));
-        enough(summits.sum::<f64>().ln() - 2.0 * least).then(|| climb(&self.bumps, start))
+        let summits = sum_of_summits(&self.bumps);
+        if !enough(summits.ln() - 2.0 * least) {
+            return None;
+        }
+        let summit = climb(&self.bumps, start);
+        enough(summit.log_value - 2.0 * least).then_some(summit.at)
     }
 
     /// Gathers the metaballs of a run that are not too faint beside the nearest one, whose place is returned.
     fn gather(&mut self, run: Range<usize>, least: f64) -> f64 {
+        let on_ray = &self.on_ray;
         self.bumps.clear();
         let (mut start, mut count) = (0.0, 0);
         for i in run {
-            let nearest = self.nearest[i] - least;
+            let nearest = on_ray.nearest[i] - least;
             if nearest >= FAINT {
                 continue;
             }
@@ -154,10 +185,10 @@ impl RayField {
             }
             let last = &mut self.bumps[count / LANES];
             last.nearest[lane] = nearest;
-            last.at[lane] = self.at[i];
-            last.sharpness[lane] = self.sharpness[i];
+            last.at[lane] = on_ray.at[i];
+            last.sharpness[lane] = on_ray.sharpness[i];
             if nearest <= 0.0 {
-                start = self.at[i];
+                start = on_ray.at[i];
             }
             count += 1;
         }
@@ -168,34 +199,35 @@ impl RayField {
     pub(super) fn near(&self, limb: usize, near: &mut Vec<usize>) {
         let reach = self.leasts[limb] + NEGLIGIBLE;
         let run = self.limbs[limb].clone();
-        let all = self.balls[run.clone()].iter().zip(&self.nearest[run]);
+        let all = self.balls[run.clone()].iter().zip(&self.on_ray.nearest[run]);
         near.clear();
         near.extend(all.filter(|(_, nearest)| **nearest < reach).map(|(ball, _)| *ball));
     }
+}
 
-    /// a, tᵢ and dᵢ₀ of every metaball.
-    fn approach(&mut self, direction: &Vector3<f64>) {
-        let (x, y, z) = (direction.x, direction.y, direction.z);
-        let squares = [x * x, y * y, z * z, 2.0 * x * y, 2.0 * x * z, 2.0 * y * z];
+/// How near a ray comes to every metaball. The bits are the same for every instruction set; only the width of the loop differs.
+#[multiversion::multiversion(targets("x86_64+avx2"))]
+fn approach(balls: &SeenBalls, direction: &Vector3<f64>, on_ray: &mut Approach) {
+    let (x, y, z) = (direction.x, direction.y, direction.z);
+    let squares = [x * x, y * y, z * z, 2.0 * x * y, 2.0 * x * z, 2.0 * y * z];
 
-        // slices of one length: the loop needs no checks of bounds and is vectorised
-        let n = self.constant.len();
-        let [p0, p1, p2, p3, p4, p5] = self.precision.each_ref().map(|p| &p[..n]);
-        let [q0, q1, q2] = self.pull.each_ref().map(|p| &p[..n]);
-        let constant = &self.constant[..n];
-        let (sharpness, at) = (&mut self.sharpness[..n], &mut self.at[..n]);
-        let nearest = &mut self.nearest[..n];
+    // slices of one length: the loop needs no checks of bounds and is vectorised
+    let n = balls.constant.len();
+    let [p0, p1, p2, p3, p4, p5] = balls.precision.each_ref().map(|p| &p[..n]);
+    let [q0, q1, q2] = balls.pull.each_ref().map(|p| &p[..n]);
+    let constant = &balls.constant[..n];
+    let (sharpness, at) = (&mut on_ray.sharpness[..n], &mut on_ray.at[..n]);
+    let nearest = &mut on_ray.nearest[..n];
 
-        for i in 0..n {
-            let a = (p0[i] * squares[0] + p1[i] * squares[1] + p2[i] * squares[2])
-                + (p3[i] * squares[3] + p4[i] * squares[4] + p5[i] * squares[5]);
-            let along = q0[i] * x + q1[i] * y + q2[i] * z;
-            let t = along / a;
-            sharpness[i] = a;
-            at[i] = t;
-            let d = constant[i] - along * t;
-            nearest[i] = if t > 0.0 { d } else { f64::INFINITY };
-        }
+    for i in 0..n {
+        let a = (p0[i] * squares[0] + p1[i] * squares[1] + p2[i] * squares[2])
+            + (p3[i] * squares[3] + p4[i] * squares[4] + p5[i] * squares[5]);
+        let along = q0[i] * x + q1[i] * y + q2[i] * z;
+        let t = along / a;
+        sharpness[i] = a;
+        at[i] = t;
+        let d = constant[i] - along * t;
+        nearest[i] = if t > 0.0 { d } else { f64::INFINITY };
     }
 }
 
@@ -210,14 +242,24 @@ fn least(numbers: &[f64]) -> f64 {
     lanes.into_iter().chain(rest.iter().copied()).fold(f64::INFINITY, lesser)
 }
 
-/// The summit reached from `start`.
-fn climb(bumps: &[Bumps], start: f64) -> f64 {
+/// The sum of each metaball's own summit: F is nowhere more.
+#[multiversion::multiversion(targets("x86_64+avx2"))]
+fn sum_of_summits(bumps: &[Bumps]) -> f64 {
+    bumps.iter().map(|b| sum(exp(b.nearest.map(|d| -2.0 * d)))).sum()
+}
+
+/// The summit reached from `start`; the bits are those of every instruction set.
+#[multiversion::multiversion(targets("x86_64+avx2"))]
+fn climb(bumps: &[Bumps], start: f64) -> Summit {
     let mut t = start;
     let mut here = slope(bumps, t);
+    // what the last step adds to ln F
+    let mut gained = 0.0;
     for _ in 0..MOST_STEPS {
         let newton = -here.first / here.second;
         if here.second < 0.0 && newton.abs() < LAST_STEP_M {
             t += newton;
+            gained = 0.5 * here.first * newton;
             break;
         }
         // Newton only where it climbs: elsewhere mean shift does
@@ -229,9 +271,10 @@ fn climb(bumps: &[Bumps], start: f64) -> f64 {
         }
         (t, here) = (next, there);
     }
-    t
+    Summit { at: t, log_value: here.value.ln() + gained }
 }
 
+#[inline(always)]
 fn slope(bumps: &[Bumps], t: f64) -> Slope {
     // F, the sums of its derivatives without their constant factors, and mean shift's
     let [mut value, mut first, mut second, mut pull, mut weight] = [[0.0; LANES]; 5];
@@ -257,6 +300,7 @@ fn slope(bumps: &[Bumps], t: f64) -> Slope {
     }
 }
 
+#[inline(always)]
 fn sum(lanes: [f64; LANES]) -> f64 {
     (lanes[0] + lanes[1]) + (lanes[2] + lanes[3])
 }

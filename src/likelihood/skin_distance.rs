@@ -64,9 +64,16 @@ pub(super) struct PosedScale<'a> {
     scale: &'a SkinScale,
     /// Of each of [`Field::metaballs`].
     balls: Vec<LocalLength>,
-    /// Of each limb the least and the greatest R, m.
-    limbs: Vec<(f64, f64)>,
-    /// By how much offsets may make r less than that of the model's surface, m.
+    /// Of each of [`Field::limbs`].
+    limbs: Vec<LimbScale>,
+}
+
+/// Bounds of what is the same all over a limb, m.
+#[derive(Debug, Clone, Copy)]
+struct LimbScale {
+    /// The least R and the greatest.
+    lengths_m: (f64, f64),
+    /// By how much offsets may make r less than that of the model's surface.
     most_outside_m: f64,
 }
 
@@ -144,11 +151,17 @@ impl SkinScale {
 
         let limb = |limb: &Vec<usize>| {
             let ranges = limb.iter().filter_map(|&ball| Some(balls.get(ball)?.range_m()));
-            ranges.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or_default()
+            let offset_m = |&ball: &usize| {
+                let primitive = body.model.metaballs.get(field.source(ball)?)?;
+                Some(body.greatest_offset_m(primitive.part))
+            };
+            LimbScale {
+                lengths_m: ranges.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or_default(),
+                most_outside_m: STEEPEST * limb.iter().filter_map(offset_m).fold(0.0, f64::max),
+            }
         };
         let limbs = field.limbs.iter().map(limb).collect();
-        let most_outside_m = STEEPEST * body.greatest_offset_m();
-        PosedScale { scale: self, balls, limbs, most_outside_m }
+        PosedScale { scale: self, balls, limbs }
     }
 }
 
@@ -179,15 +192,15 @@ impl PosedScale<'_> {
 
     /// A bound below which no residual of a limb lies where its ln F is not more than this.
     pub(super) fn least_m(&self, kind: Residual, limb: usize, most_log_value: f64) -> f64 {
+        let LimbScale { lengths_m, most_outside_m } = self.limbs[limb];
         let of_model_m = match kind {
             Residual::Field => field_residual(most_log_value).distance_m,
             Residual::Metric => {
                 let past = self.scale.psi(most_log_value).0 - self.scale.at_skin;
-                let (least_m, greatest_m) = self.limbs[limb];
-                past * if past > 0.0 { least_m } else { greatest_m }
+                past * if past > 0.0 { lengths_m.0 } else { lengths_m.1 }
             }
         };
-        of_model_m - self.most_outside_m
+        of_model_m - most_outside_m
     }
 
     /// The residual's derivatives in what can change of a metaball.
@@ -286,8 +299,8 @@ mod tests {
         let sample = field.sample(&Vector3::new(x, 0.0, 0.0)).unwrap();
         let mean = scale.balls[0];
         let balls = vec![mean.with_radii(&mean.radii, Matrix3::identity())];
-        let limbs = vec![balls[0].range_m()];
-        let posed = PosedScale { scale, balls, limbs, most_outside_m: 0.0 };
+        let limbs = vec![LimbScale { lengths_m: balls[0].range_m(), most_outside_m: 0.0 }];
+        let posed = PosedScale { scale, balls, limbs };
         posed.residual(kind, Derivatives::Complete, &sample)
     }
 

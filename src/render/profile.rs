@@ -61,16 +61,41 @@ impl RayProfile {
 
     /// Whether F reaches `level` anywhere on t ≥ 0.
     ///
-    /// By climbing from every bump's own summit: t ← Σ k f t₀ / Σ k f, a step that never lowers F (Carreira-Perpiñán 2000,
-    /// fixed-point iteration for the modes of a Gaussian mixture). Most rays need no step: one bump alone reaches the level,
-    /// or all peaks together do not.
+    /// By climbing from the bumps' own summits: t ← Σ k f t₀ / Σ k f, a step that never lowers F (Carreira-Perpiñán 2000,
+    /// fixed-point iteration for the modes of a Gaussian mixture). On a line a climb passes no mode, so what starts between a start and its
+    /// mode ends there, too: from both ends inwards, a ray with one mode needs two climbs. Most rays need no step: one bump alone reaches
+    /// the level, or all peaks together do not.
     pub(super) fn reaches(&self, level: f64) -> bool {
         let peaks: f64 = self.bumps.iter().map(|b| b.peak).sum();
         if peaks < level {
             return false;
         }
         let alone = |b: &Bump| b.at >= 0.0 && b.peak >= level;
-        self.bumps.iter().any(alone) || self.bumps.iter().any(|b| self.climb(b, level).1 >= level)
+        self.bumps.iter().any(alone) || self.any_mode_reaches(level)
+    }
+
+    fn any_mode_reaches(&self, level: f64) -> bool {
+        // only starts between these two are still to be followed
+        let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+        let by_place = |a: &&Bump, b: &&Bump| a.at.total_cmp(&b.at);
+        let between = |low: f64, high: f64| {
+            self.bumps.iter().filter(move |bump| low < bump.at && bump.at < high)
+        };
+        loop {
+            let Some(first) = between(low, high).min_by(by_place) else { return false };
+            let (mode, value) = self.climb(first, level);
+            low = mode.max(first.at);
+            if value >= level {
+                return true;
+            }
+
+            let Some(last) = between(low, high).max_by(by_place) else { return false };
+            let (mode, value) = self.climb(last, level);
+            high = mode.min(last.at);
+            if value >= level {
+                return true;
+            }
+        }
     }
 
     /// Where climbing from a bump's summit ends, and F there; ends as soon as it is `enough`.

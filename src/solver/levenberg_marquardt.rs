@@ -60,17 +60,21 @@ pub struct Solution<S, M> {
 const SHORTEST: f64 = 0.1;
 /// λ beyond which no step lowers the cost.
 const MAX_DAMPING: f64 = 1e8;
+/// A step that promises less than this many times the tolerance is likely the last.
+const LIKELY_LAST: f64 = 10.0;
 
 /// Minimises a problem from `start`.
 ///
-/// Every candidate is linearised at once: most are accepted, and a separate evaluation of the cost would be work done
-/// twice. Only the last is not: the step that promises less than the tolerance changes neither g nor H by anything that counts, and is
-/// taken if its cost is lower. A candidate of higher cost is dropped. The step is then shortened once: E along δ is taken for the parabola
+/// A candidate is linearised at once, as most are accepted, and a separate evaluation of the cost would be work done twice. One that is
+/// likely the last is not: its cost is evaluated alone, and it is linearised only where it lowers the cost by more than the tolerance.
+/// A step that promises less than the tolerance, or keeps less, changes neither g nor H by anything that counts, and is taken if its
+/// cost is lower. A candidate of higher cost is dropped. The step is then shortened once: E along δ is taken for the parabola
 /// through E(x), its slope there and the cost that was dropped,
 ///
 /// t = −gᵀδ / 2(E(x ⊞ δ) − E(x) − gᵀδ),
 ///
-/// which needs no linearisation where it fails. A cost with small jumps rises behind one of them at any λ that does not
+/// which needs no linearisation where it fails. Where the parabola falls by less than the tolerance, that is the last step, too. A cost
+/// with small jumps rises behind one of them at any λ that does not
 /// change the step, and Nielsen's rule alone came to a λ that does after five or six linearisations. If x ⊞ tδ is no better either, λ
 /// grows by that rule.
 ///
@@ -82,97 +86,194 @@ pub fn levenberg_marquardt<P: Problem>(
     start: P::State,
     options: &Options,
 ) -> Solution<P::State, P::Model> {
-    let mut state = start;
-    let mut model = problem.empty_model();
-    let mut candidate_model = model.clone();
-    let mut cost = problem.linearize(&state, &mut model);
-    let mut costs = vec![cost];
-    let (mut lambda, mut growth, mut iterations) = (options.damping, 2.0, 0);
-
+    let mut descent = Descent::new(problem, start, options);
     let termination = loop {
-        if lambda > MAX_DAMPING {
-            break Termination::Stalled;
-        }
-        if iterations >= options.max_iterations {
-            break Termination::OutOfIterations;
-        }
-
-        // more damping where H is not positive definite
-        let step = model.minimizer(lambda);
-        let Some(mut delta) = step.filter(|d| d.iter().all(|v| v.is_finite())) else {
-            lambda = (lambda * 10.0).max(1e-6);
-            continue;
-        };
-
-        // the last step
-        let promised = model.predicted_decrease(&delta);
-        if promised <= options.relative_decrease * cost.abs() {
-            if let Some(lower) = lower(problem, &state, cost, &delta) {
-                (state, cost) = lower;
-                costs.push(cost);
-            }
-            break Termination::Converged;
-        }
-
-        // try the step
-        iterations += 1;
-        let mut candidate = problem.retract(&state, &delta);
-        candidate_model.clear();
-        let mut candidate_cost = problem.linearize(&candidate, &mut candidate_model);
-
-        if candidate_cost.is_nan() || candidate_cost >= cost {
-            // drop it, and try a shorter one
-            if negligible(&delta) {
-                break Termination::Stalled;
-            }
-            delta *= shortening(cost, candidate_cost, model.gradient().dot(&delta));
-            let may_go_on = iterations < options.max_iterations;
-            let shorter = may_go_on.then(|| lower(problem, &state, cost, &delta)).flatten();
-            let Some((shorter, _)) = shorter else {
-                lambda = (lambda * growth).max(1e-9);
-                growth *= 2.0;
-                continue;
-            };
-            candidate = shorter;
-            iterations += 1;
-            candidate_model.clear();
-            candidate_cost = problem.linearize(&candidate, &mut candidate_model);
-        }
-
-        // take it, and trust the model as far as it was right
-        let (decrease, promised) = (cost - candidate_cost, model.predicted_decrease(&delta));
-        let gain = decrease / promised.max(f64::MIN_POSITIVE);
-        lambda *= (1.0 - (2.0 * gain - 1.0).powi(3)).clamp(0.1, 1.0);
-        growth = 2.0;
-        state = candidate;
-        std::mem::swap(&mut model, &mut candidate_model);
-        cost = candidate_cost;
-        costs.push(cost);
-        if decrease <= options.relative_decrease * cost.abs() {
-            break Termination::Converged;
+        if let Some(termination) = descent.advance() {
+            break termination;
         }
     };
 
+    let Descent { state, cost, model, iterations, costs, .. } = descent;
     Solution { state, cost, model, report: Report { termination, iterations, costs } }
 }
 
-/// x ⊞ δ and its cost, if that is lower than the one of x.
-fn lower<P: Problem>(
-    problem: &P,
-    state: &P::State,
+/// Where a minimisation has come to.
+struct Descent<'p, P: Problem> {
+    problem: &'p P,
+    options: &'p Options,
+    state: P::State,
     cost: f64,
-    delta: &DVector<f64>,
-) -> Option<(P::State, f64)> {
-    let candidate = problem.retract(state, delta);
-    let candidate_cost = problem.cost(&candidate);
-    (candidate_cost < cost).then_some((candidate, candidate_cost))
+    model: P::Model,
+    /// The model at a candidate.
+    candidate_model: P::Model,
+    lambda: f64,
+    growth: f64,
+    iterations: usize,
+    costs: Vec<f64>,
 }
 
-/// t: by how much a step is shortened behind which the cost is higher; `slope` is gᵀδ.
-fn shortening(cost: f64, dropped: f64, slope: f64) -> f64 {
-    let t = -slope / (2.0 * (dropped - cost - slope));
-    // a dropped cost that is not finite says only that the step was too long
-    if t.is_finite() { t.clamp(SHORTEST, 0.5) } else { SHORTEST }
+/// Whether [`Descent::candidate_model`] is that of a candidate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Linearized {
+    Already,
+    NotYet,
+}
+
+impl<'p, P: Problem> Descent<'p, P> {
+    fn new(problem: &'p P, state: P::State, options: &'p Options) -> Self {
+        let mut model = problem.empty_model();
+        let candidate_model = model.clone();
+        let cost = problem.linearize(&state, &mut model);
+        Self {
+            problem,
+            options,
+            state,
+            cost,
+            model,
+            candidate_model,
+            lambda: options.damping,
+            growth: 2.0,
+            iterations: 0,
+            costs: vec![cost],
+        }
+    }
+
+    /// Tries one step; why it was the last.
+    fn advance(&mut self) -> Option<Termination> {
+        if self.lambda > MAX_DAMPING {
+            return Some(Termination::Stalled);
+        }
+        if self.iterations >= self.options.max_iterations {
+            return Some(Termination::OutOfIterations);
+        }
+
+        // more damping where H is not positive definite
+        let step = self.model.minimizer(self.lambda);
+        let Some(delta) = step.filter(|d| d.iter().all(|v| v.is_finite())) else {
+            self.lambda = (self.lambda * 10.0).max(1e-6);
+            return None;
+        };
+
+        // the last step
+        let promised = self.model.predicted_decrease(&delta);
+        if promised <= self.tolerance() {
+            self.take_if_lower(&delta);
+            return Some(Termination::Converged);
+        }
+
+        // try the step
+        self.iterations += 1;
+        let candidate = self.problem.retract(&self.state, &delta);
+        let (cost, linearized) = match promised <= LIKELY_LAST * self.tolerance() {
+            true => (self.problem.cost(&candidate), Linearized::NotYet),
+            false => (self.linearize(&candidate), Linearized::Already),
+        };
+        match cost < self.cost {
+            true => self.take(candidate, cost, linearized, &delta),
+            false => self.shorten(delta, cost),
+        }
+    }
+
+    /// The decrease below which a step is the last.
+    fn tolerance(&self) -> f64 {
+        self.options.relative_decrease * self.cost.abs()
+    }
+
+    /// The cost of a candidate, and its model.
+    fn linearize(&mut self, candidate: &P::State) -> f64 {
+        self.candidate_model.clear();
+        self.problem.linearize(candidate, &mut self.candidate_model)
+    }
+
+    /// Takes a step that lowers the cost, and trusts the model as far as it was right.
+    fn take(
+        &mut self,
+        candidate: P::State,
+        cost: f64,
+        linearized: Linearized,
+        delta: &DVector<f64>,
+    ) -> Option<Termination> {
+        let decrease = self.cost - cost;
+        let is_last = decrease <= self.options.relative_decrease * cost.abs();
+        if linearized == Linearized::NotYet && !is_last {
+            self.linearize(&candidate);
+        }
+
+        let gain = decrease / self.model.predicted_decrease(delta).max(f64::MIN_POSITIVE);
+        self.lambda *= (1.0 - (2.0 * gain - 1.0).powi(3)).clamp(0.1, 1.0);
+        self.growth = 2.0;
+        self.go_to(candidate, cost);
+        if linearized == Linearized::Already || !is_last {
+            std::mem::swap(&mut self.model, &mut self.candidate_model);
+        }
+        is_last.then_some(Termination::Converged)
+    }
+
+    /// Tries a shorter step where the cost behind δ is not lower.
+    fn shorten(&mut self, mut delta: DVector<f64>, dropped: f64) -> Option<Termination> {
+        if negligible(&delta) {
+            return Some(Termination::Stalled);
+        }
+        let parabola = Parabola::new(self.cost, dropped, self.model.gradient().dot(&delta));
+        delta *= parabola.step();
+        if parabola.is_known() && parabola.promised <= self.tolerance() {
+            self.take_if_lower(&delta);
+            return Some(Termination::Converged);
+        }
+
+        if self.iterations < self.options.max_iterations {
+            let shorter = self.problem.retract(&self.state, &delta);
+            let cost = self.problem.cost(&shorter);
+            if cost < self.cost {
+                self.iterations += 1;
+                return self.take(shorter, cost, Linearized::NotYet, &delta);
+            }
+        }
+        self.lambda = (self.lambda * self.growth).max(1e-9);
+        self.growth *= 2.0;
+        None
+    }
+
+    fn take_if_lower(&mut self, delta: &DVector<f64>) {
+        let candidate = self.problem.retract(&self.state, delta);
+        let cost = self.problem.cost(&candidate);
+        if cost < self.cost {
+            self.go_to(candidate, cost);
+        }
+    }
+
+    fn go_to(&mut self, state: P::State, cost: f64) {
+        self.state = state;
+        self.cost = cost;
+        self.costs.push(cost);
+    }
+}
+
+/// E along a step behind which the cost is higher.
+#[derive(Debug, Clone, Copy)]
+struct Parabola {
+    /// t: where on the step it is least; not finite where the dropped cost is not.
+    least: f64,
+    /// By how much it falls to there.
+    promised: f64,
+}
+
+impl Parabola {
+    /// `slope` is gᵀδ.
+    fn new(cost: f64, dropped: f64, slope: f64) -> Self {
+        let least = -slope / (2.0 * (dropped - cost - slope));
+        Self { least, promised: -0.5 * slope * least }
+    }
+
+    /// Whether it says anything: a dropped cost far above the other says only that the step was too long.
+    fn is_known(self) -> bool {
+        self.least >= SHORTEST
+    }
+
+    /// By how much the step is shortened.
+    fn step(self) -> f64 {
+        if self.least.is_finite() { self.least.clamp(SHORTEST, 0.5) } else { SHORTEST }
+    }
 }
 
 fn negligible(delta: &DVector<f64>) -> bool {
@@ -264,12 +365,12 @@ mod tests {
     }
 
     /// ½x² and its least value, which jumps up below 1.
-    struct Parabola {
+    struct Ledge {
         least: f64,
         jump: f64,
     }
 
-    impl Problem for Parabola {
+    impl Problem for Ledge {
         type State = f64;
         type Model = NormalEquations;
         fn empty_model(&self) -> NormalEquations {
@@ -291,7 +392,7 @@ mod tests {
     #[test]
     fn the_last_step_is_taken_and_not_linearised() {
         let options = Options { damping: 0.1, relative_decrease: 1e-2, ..Options::default() };
-        let solution = levenberg_marquardt(&Parabola { least: 10.0, jump: 0.0 }, 3.0, &options);
+        let solution = levenberg_marquardt(&Ledge { least: 10.0, jump: 0.0 }, 3.0, &options);
         let Report { termination, iterations, costs } = &solution.report;
         assert_eq!((*termination, *iterations), (Termination::Converged, 1));
         // from 3 to 0.27, and on; g is that of 0.27
@@ -304,7 +405,7 @@ mod tests {
     #[test]
     fn a_step_behind_a_jump_is_shortened_and_needs_no_other_damping() {
         let options = Options { max_iterations: 2, ..Options::default() };
-        let solution = levenberg_marquardt(&Parabola { least: 0.0, jump: 10.0 }, 3.0, &options);
+        let solution = levenberg_marquardt(&Ledge { least: 0.0, jump: 10.0 }, 3.0, &options);
         // from 3 towards 0, where the cost is 10: t = 9 / 2(10 − 4.5 + 9)
         approx::assert_relative_eq!(solution.state, 3.0 * (1.0 - 9.0 / 29.0), max_relative = 1e-2);
         assert_eq!((solution.report.iterations, solution.report.costs.len()), (2, 2));

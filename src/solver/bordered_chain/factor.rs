@@ -1,6 +1,7 @@
 //! The Cholesky factor of a chain, one pass forwards; and the step −H⁻¹g, one pass forwards and one backwards.
 
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 use super::BorderedChain;
 
@@ -25,6 +26,9 @@ pub(super) struct FactorLink {
     pub(super) border: DMatrix<f64>,
 }
 
+/// Frames that are summed one after the other, so that sums do not depend on the number of threads.
+const CHUNK: usize = 8;
+
 impl Factor {
     /// Cholesky factor of H + λ·(diag H + ε); `None` where that is not positive definite.
     pub(super) fn new(chain: &BorderedChain, lambda: f64) -> Option<Self> {
@@ -36,7 +40,6 @@ impl Factor {
         };
 
         let mut links: Vec<FactorLink> = Vec::with_capacity(chain.links.len());
-        let mut corner = damped(&chain.corner);
         for (i, link) in chain.links.iter().enumerate() {
             // L(i, i−k), the farthest first: each needs those that are farther
             let reach = link.couplings.len();
@@ -63,9 +66,13 @@ impl Factor {
 
             let diagonal = diagonal.cholesky()?.unpack();
             divide_by_transpose(&mut border, &diagonal);
-            corner.gemm(-1.0, &border, &border.transpose(), 1.0);
             links.push(FactorLink { diagonal, couplings, border });
         }
+
+        // the corner without what all frames explain
+        let explained: Vec<DMatrix<f64>> = links.par_chunks(CHUNK).map(explained).collect();
+        let mut corner = damped(&chain.corner);
+        explained.iter().for_each(|part| corner -= part);
 
         // a chain that shares nothing has no corner
         let corner = if corner.is_empty() { corner } else { corner.cholesky()?.unpack() };
@@ -114,6 +121,16 @@ impl Factor {
         }
         Columns { frames, shared }
     }
+}
+
+/// Σ BBᵀ of the borders of some frames.
+fn explained(links: &[FactorLink]) -> DMatrix<f64> {
+    let shared = links[0].border.nrows();
+    let mut sum = DMatrix::zeros(shared, shared);
+    for link in links {
+        sum.gemm(1.0, &link.border, &link.border.transpose(), 1.0);
+    }
+    sum
 }
 
 /// block ← block · L⁻ᵀ.
