@@ -131,3 +131,31 @@ fn a_person_who_has_not_changed_exceeds_the_threshold_once_in_twenty_times() {
     assert!(is_one_in_twenty(share(beyond), experiments), "{}", share(beyond));
     assert!(!is_one_in_twenty(share(beyond_at_a_place), experiments));
 }
+
+#[test]
+fn sides_that_are_alike_differ_once_in_twenty_times_however_much_trials_vary() {
+    let mut rng = ChaCha8Rng::seed_from_u64(2016);
+    let (experiments, mut beyond, mut beyond_unpaired) = (2000, 0, 0);
+    for _ in 0..experiments {
+        let trials = smooth_noise(5, &mut rng);
+        let mut side = || -> Vec<Vec<f64>> {
+            let own = smooth_noise(5, &mut rng);
+            let sum = |(trial, own): (&Vec<f64>, Vec<f64>)| {
+                trial.iter().zip(own).map(|(trial, own)| 3.0 * trial + own).collect()
+            };
+            trials.iter().zip(own).map(sum).collect()
+        };
+        let (left, right) = (side(), side());
+        let found = CurveTest::paired(&slices(&left), &slices(&right)).expect("five trials");
+        approx::assert_relative_eq!(found.field.freedom, 4.0);
+        beyond += usize::from(!found.stretches.is_empty());
+        beyond_unpaired += usize::from(!compared(&left, &right).stretches.is_empty());
+    }
+    let share = |count: usize| count as f64 / experiments as f64;
+    assert!(is_one_in_twenty(share(beyond), experiments), "{}", share(beyond));
+    // as if of two sessions, what both sides share hides how they differ
+    assert!(share(beyond_unpaired) < 0.005, "{}", share(beyond_unpaired));
+
+    let two = smooth_noise(2, &mut rng);
+    assert!(CurveTest::paired(&slices(&two), &slices(&two)).is_none());
+}

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use maquette::gait::trials::{Change, CurveChange, Stretch};
+use maquette::gait::trials::{Change, CurveChange, Sides, Stretch};
 use maquette::io::folder::{OutFolder, check_out};
 use maquette::workflow::{Comparison, SessionStudy};
 use serde_json::{Value, json};
@@ -19,6 +19,7 @@ Compare two sessions of one person: what changed, and whether it is more than ch
 
 Takes the folders of two finished `maquette session`, the earlier one first. Folders of `maquette fit` and .trc files are taken too, as \
 sessions of one trial. One session alone is compared by the conditions of its trials, which have one body: such a difference is surer. \
+With --sides, the right side of one session is compared with its left. \
 Writes compare.html, which prints on A4, and changes.csv: of every number the change with its 95 % interval, and the minimal \
 detectable change, which a person who has not changed exceeds once in twenty times. With three trials or more in both, \
 curve_changes.csv and bars under the curves tell where over the cycle they differ. docs/session.md explains all.";
@@ -28,7 +29,8 @@ Examples:
   maquette compare out/before out/after --out out/change
   maquette compare out/before out/after --out out/change --pdf
   maquette compare out/both --out out/change                          (a session of trials of two conditions)
-  maquette compare out/all --conditions barefoot orthosis --out out/orthosis-effect";
+  maquette compare out/all --conditions barefoot orthosis --out out/orthosis-effect
+  maquette compare out/before --sides --out out/right-and-left";
 
 /// Arguments of `maquette compare`.
 #[derive(Debug, Args)]
@@ -40,6 +42,9 @@ pub(super) struct CompareArguments {
     /// Which two conditions of one session [default: the only two]
     #[arg(long, num_args = 2, value_names = ["FIRST", "SECOND"], conflicts_with = "after")]
     conditions: Vec<String>,
+    /// How the right side differs from the left, trial by trial, in one session
+    #[arg(long, conflicts_with_all = ["after", "conditions"])]
+    sides: bool,
     /// Where to write compare.html, changes.csv and curve_changes.csv; it must be empty or new
     #[arg(long, value_name = "FOLDER")]
     out: PathBuf,
@@ -65,6 +70,9 @@ impl CompareArguments {
             Ok(SessionStudy::open(path, self.body.as_deref(), norm)?)
         };
         let before = open(&self.before)?;
+        if self.sides {
+            return Ok(Comparison::of_sides(&before)?);
+        }
         let Some(after) = &self.after else {
             let named = match self.conditions.as_slice() {
                 [first, second] => Some([first.as_str(), second]),
@@ -102,7 +110,7 @@ fn json(arguments: &CompareArguments, comparison: &Comparison, pdf: Option<&Path
     let change = |change: &Change| {
         json!({
             "number": change.measure.quantity.name(),
-            "side": change.measure.side.name(),
+            "side": comparison.sides.name(change.measure.side),
             "unit": change.measure.quantity.unit(),
             "before": change.before.mean,
             "after": change.after.mean,
@@ -113,7 +121,8 @@ fn json(arguments: &CompareArguments, comparison: &Comparison, pdf: Option<&Path
         })
     };
     let changes: Vec<Value> = comparison.changes.iter().map(change).collect();
-    let curves: Vec<Value> = comparison.curves.iter().map(curve_json).collect();
+    let curve = |curve: &CurveChange| curve_json(curve, comparison.sides);
+    let curves: Vec<Value> = comparison.curves.iter().map(curve).collect();
     json!({
         "out": arguments.out.display().to_string(),
         "pdf": pdf.map(|pdf| pdf.display().to_string()),
@@ -124,12 +133,12 @@ fn json(arguments: &CompareArguments, comparison: &Comparison, pdf: Option<&Path
     })
 }
 
-fn curve_json(curve: &CurveChange) -> Value {
+fn curve_json(curve: &CurveChange, sides: Sides) -> Value {
     let stretch = |s: &Stretch| json!({ "from_percent": s.from, "to_percent": s.to, "peak_t": s.peak, "p": s.p });
     let test = &curve.test;
     json!({
         "angle": curve.angle.name(),
-        "side": curve.side.name(),
+        "side": sides.name(curve.side),
         "trials": curve.trials,
         "freedom": test.field.freedom,
         "fwhm_percent": test.field.fwhm,
@@ -140,8 +149,12 @@ fn curve_json(curve: &CurveChange) -> Value {
 
 /// The changes beyond chance, for a person.
 fn text(arguments: &CompareArguments, comparison: &Comparison) -> String {
+    let [first, second, difference, verb] = match comparison.sides {
+        Sides::Same => ["before", "after", "change", "changed"],
+        Sides::Opposite => ["left", "right", "right less left", "differ between the sides"],
+    };
     let mut table =
-        Table::new(&["number", "side", "before", "after", "change", "95 % interval", "MDC"]);
+        Table::new(&["number", "side", first, second, difference, "95 % interval", "MDC"]);
     let changes = &comparison.changes;
     for change in changes.iter().filter(|change| change.is_detected()) {
         let number = |value: f64| format!("{value:.2}");
@@ -152,7 +165,7 @@ fn text(arguments: &CompareArguments, comparison: &Comparison) -> String {
                 change.measure.quantity.name().replace('_', " "),
                 change.measure.quantity.unit()
             ),
-            change.measure.side.name().into(),
+            comparison.sides.name(change.measure.side).into(),
             number(change.before.mean),
             number(change.after.mean),
             number(change.difference),
@@ -161,7 +174,7 @@ fn text(arguments: &CompareArguments, comparison: &Comparison) -> String {
         ]);
     }
     let detected = changes.iter().filter(|change| change.is_detected()).count();
-    let head = format!("{detected} of {} numbers changed by more than chance\n", changes.len());
+    let head = format!("{detected} of {} numbers {verb} by more than chance\n", changes.len());
     let differ = comparison.curves.iter().filter(|curve| !curve.test.stretches.is_empty()).count();
     let curves = match comparison.curves.len() {
         0 => String::new(),

@@ -122,13 +122,31 @@ class Session:
         named = [] if conditions is None else ["--conditions", *conditions]
         return Comparison(*_maquette.compare([*given, *named, "--", str(self.folder)]))
 
+    def compare_sides(
+        self,
+        *,
+        norm: Path | Literal["none"] | None = None,
+        language: Literal["en", "de"] | None = None,
+    ) -> Comparison:
+        """Tell how the right side differs from the left, trial by trial; ``before`` is the left side.
+
+        Parameters
+        ----------
+        norm
+            Healthy people to compare with; default the shipped norm of the age.
+        language
+            Of the page; default English.
+        """
+        given = words(out=os.devnull, norm=norm, body=self._body, language=language)
+        return Comparison(*_maquette.compare([*given, "--sides", "--", str(self.folder)]))
+
     def __repr__(self) -> str:
         """The folder and the trials."""
         return f"<Session {str(self.folder)!r}: {len(self.names)} trials>"
 
 
 class Comparison:
-    """What has changed between two sessions of one person; docs/session.md defines every number."""
+    """What has changed between two sessions of one person, or what differs between conditions or sides of one; docs/session.md defines every number."""
 
     def __init__(self, result: str, page: str) -> None:
         self._page = page

@@ -81,6 +81,13 @@ def test_two_conditions_of_a_session_are_compared(days: list[maquette.Session], 
     assert list(table["change"]) == [-change for change in session.compare_conditions().changes["change"]]
 
 
+def test_the_sides_of_a_session_are_compared(days: list[maquette.Session]) -> None:
+    """The right one less the left one."""
+    table = days[0].compare_sides().changes
+    assert set(table.index.get_level_values("side")) == {"both"}
+    assert list(table["change"]) == pytest.approx(list(table["after"] - table["before"]))
+
+
 def test_a_folder_without_a_session_is_refused(tmp_path: pathlib.Path) -> None:
     """As is a session of nothing."""
     with pytest.raises(maquette.ResultError, match="expected the folder of a finished"):

@@ -1,9 +1,10 @@
-//! The comparison of two sessions: curves with bands, and a table of what changed.
+//! The comparison of two sessions, or of two sides: curves with bands, and a table of what differs.
 
 use std::fmt::Display;
 
 use maud::{Markup, html};
 
+use super::comparison_words as said;
 use super::figure::{Axis, BOTH, Colour, Figure, NORM};
 use super::identity::{cautions, person};
 use super::kinematics::{arms, empty_figure, grid, legs, norm_band, over_percent};
@@ -11,11 +12,11 @@ use super::label::{angle_label, side_name};
 use super::page::{Page, absent, document};
 use super::variation::{digits_of, title};
 use super::{Subject, Words};
-use crate::gait::trials::{Change, CurveChange, Stretch};
+use crate::gait::trials::{Change, CurveChange, Sides, Stretch};
 use crate::gait::{Angle, Curve, GaitAnalysis, Norm, Side};
 use crate::pipeline::OneBody;
 
-/// One of the two sessions.
+/// One of the two sessions, or one of the sides.
 #[derive(Debug, Clone, Copy)]
 pub struct Compared<'a> {
     /// Its name.
@@ -35,6 +36,8 @@ pub struct ComparisonInput<'a> {
     pub before: Compared<'a>,
     /// The second one.
     pub after: Compared<'a>,
+    /// Which side is compared with which.
+    pub sides: Sides,
     /// What changed.
     pub changes: &'a [Change],
     /// Where over the cycle curves differ.
@@ -51,9 +54,24 @@ pub struct ComparisonInput<'a> {
 
 /// The comparison as the text of one file.
 pub fn comparison_html(input: &ComparisonInput<'_>) -> String {
-    let pages =
-        [summary(input), table_page(input), curves(input, Side::Left), curves(input, Side::Right)];
+    let input = &in_words(input);
+    let mut pages = vec![summary(input), table_page(input)];
+    match input.sides {
+        Sides::Same => pages.extend(Side::BOTH.map(|side| curves(input, side))),
+        Sides::Opposite => pages.push(curves(input, Side::Right)),
+    }
     document(input.after.subject, None, &pages, None, input.words)
+}
+
+/// Sides have the names of the page's language.
+fn in_words<'a>(input: &ComparisonInput<'a>) -> ComparisonInput<'a> {
+    let mut input = *input;
+    if input.sides == Sides::Opposite {
+        for own in [&mut input.before, &mut input.after] {
+            own.name = input.words.known(own.name);
+        }
+    }
+    input
 }
 
 fn summary<'a>(input: &ComparisonInput<'a>) -> Page<'a> {
@@ -66,11 +84,19 @@ fn summary<'a>(input: &ComparisonInput<'a>) -> Page<'a> {
         title: words.of("What is compared"),
         body: html! {
             table class="facts" {
-                tr { td {} td { strong { (input.before.name) } } td { strong { (input.after.name) } } }
-                @for ((name, a), (_, b)) in of(&input.before).iter().zip(&of(&input.after)) {
-                    tr { th scope="row" { (name) } td { (a) } td { (b) } }
+                @match input.sides {
+                    Sides::Same => {
+                        tr { td {} td { strong { (input.before.name) } } td { strong { (input.after.name) } } }
+                        @for ((name, a), (_, b)) in of(&input.before).iter().zip(&of(&input.after)) {
+                            tr { th scope="row" { (name) } td { (a) } td { (b) } }
+                        }
+                        tr { th scope="row" { (words.of("Trials")) } td { (input.before.trials) } td { (input.after.trials) } }
+                    }
+                    Sides::Opposite => {
+                        @for (name, value) in of(&input.before) { tr { th scope="row" { (name) } td { (value) } } }
+                        tr { th scope="row" { (words.of("Trials")) } td { (input.before.trials) } }
+                    }
                 }
-                tr { th scope="row" { (words.of("Trials")) } td { (input.before.trials) } td { (input.after.trials) } }
             }
             @let two_bodies = two_bodies(input);
             @if two_bodies.is_some() || !input.notes.is_empty() {
@@ -80,16 +106,14 @@ fn summary<'a>(input: &ComparisonInput<'a>) -> Page<'a> {
                     @for note in input.notes { li { (words.line(note)) } }
                 }
             }
-            h3 { (words.of("Changes that exceed the minimal detectable change")) }
+            h3 { (said::beyond(input.sides, words)) }
             @if known == 0 {
                 (absent(words.of("Nothing is known of chance: a session of two trials or more is needed.")))
             } @else if detected.is_empty() {
                 p { (words.fill("None of {n} numbers.", &[("n", &known)])) }
             } @else {
                 (table(&detected, input))
-                p class="note" {
-                    (words.fill("{n} of {all} numbers. Of a person who has not changed, one in twenty exceeds it.", &[("n", &detected.len()), ("all", &known)]))
-                }
+                p class="note" { (said::by_chance(input.sides, (detected.len(), known), words)) }
             }
         },
         is_brief: false,
@@ -123,15 +147,13 @@ fn table_page<'a>(input: &ComparisonInput<'a>) -> Page<'a> {
     let words = input.words;
     Page {
         id: "changes",
-        title: words.of("Changes"),
+        title: said::changes(input.sides, words),
         body: html! {
             @if let Some(norm) = input.norm { (cautions(norm, input.after.subject, words)) }
             @if let Some(line) = two_bodies(input) { p { strong { (line) } } }
             (table(&input.changes.iter().collect::<Vec<_>>(), input))
             p class="note" {
-                (made_of(input)) " "
-                (words.of("MDC: minimal detectable change, 1.96·√2·SEM of two sessions alike (Weir 2005), \
-                    which a person who has not changed exceeds once in twenty times; ● marks a change beyond it. Scores are against the norm."))
+                (made_of(input)) " " (said::detectable(input.sides, words))
             }
         },
         is_brief: false,
@@ -140,6 +162,9 @@ fn table_page<'a>(input: &ComparisonInput<'a>) -> Page<'a> {
 
 /// What the intervals are made of.
 fn made_of(input: &ComparisonInput<'_>) -> String {
+    if input.sides == Sides::Opposite {
+        return said::made_of_sides(input.words).into();
+    }
     let names = [("after", &input.after.name as &dyn Display), ("before", &input.before.name)];
     let has_fit = |change: &Change| change.before.fit.is_some() || change.after.fit.is_some();
     match input.changes.iter().any(has_fit) {
@@ -162,24 +187,27 @@ fn table(changes: &[&Change], input: &ComparisonInput<'_>) -> Markup {
         div class="scroll" role="group" tabindex="0" aria-label=(words.of("Table")) {
             table class="numbers small" {
                 thead { tr {
-                    th scope="col" { (words.of("Number")) } th scope="col" { (words.of("Side")) } th scope="col" { (words.of("Unit")) }
+                    th scope="col" { (words.of("Number")) }
+                    @if input.sides == Sides::Same { th scope="col" { (words.of("Side")) } }
+                    th scope="col" { (words.of("Unit")) }
                     th scope="col" { (input.before.name) } th scope="col" { "SD" }
                     th scope="col" { (input.after.name) } th scope="col" { "SD" }
-                    th scope="col" { (words.of("Change")) } th scope="col" { (words.of("95 % interval")) } th scope="col" { "MDC" } td {}
+                    th scope="col" { (said::change(input.sides, words)) } th scope="col" { (words.of("95 % interval")) } th scope="col" { "MDC" } td {}
                 } }
-                tbody { @for change in changes { (row(change, words)) } }
+                tbody { @for change in changes { (row(change, input)) } }
             }
         }
     }
 }
 
-fn row(change: &Change, words: &Words) -> Markup {
+fn row(change: &Change, input: &ComparisonInput<'_>) -> Markup {
+    let words = input.words;
     let (quantity, side) = (change.measure.quantity, change.measure.side);
     let cell = |value: Option<f64>| words.number(value, digits_of(quantity));
     html! {
         tr {
             th scope="row" { (title(quantity, words)) }
-            td class=(side.name()) { (side_name(side, words)) }
+            @if input.sides == Sides::Same { td class=(side.name()) { (side_name(side, words)) } }
             td { (words.known(quantity.unit())) }
             td class="mean" { (cell(Some(change.before.mean))) } td { (cell(change.before.between_trials)) }
             td class="mean" { (cell(Some(change.after.mean))) } td { (cell(change.after.between_trials)) }
@@ -194,12 +222,13 @@ fn row(change: &Change, words: &Words) -> Markup {
     }
 }
 
-/// Mean curves of one side, each with its band.
+/// Mean curves of one side, or of both where they are compared, each with its band.
 fn curves<'a>(input: &ComparisonInput<'a>, side: Side) -> Page<'a> {
     let words = input.words;
-    let (id, title) = match side {
-        Side::Left => ("curves-left", words.of("Curves, left")),
-        Side::Right => ("curves-right", words.of("Curves, right")),
+    let (id, title) = match (input.sides, side) {
+        (Sides::Opposite, _) => ("curves", words.of("Curves")),
+        (Sides::Same, Side::Left) => ("curves-left", words.of("Curves, left")),
+        (Sides::Same, Side::Right) => ("curves-right", words.of("Curves, right")),
     };
     Page {
         id,
@@ -214,8 +243,7 @@ fn curves<'a>(input: &ComparisonInput<'a>, side: Side) -> Page<'a> {
             p class="note" {
                 (words.of("From foot strike to foot strike of the same side. Line: mean over all strides of all trials. Tint: ± 1 SD between strides. Dashed: foot off."))
                 @if !input.curves.is_empty() {
-                    " " (words.of("Bars on the lower edge: the sessions differ by more than chance (statistical parametric mapping, t of the trials' mean \
-                        curves, α = 0.05 for each curve: one curve in twenty has a bar without any change; docs/session.md)."))
+                    " " (said::bars(input.sides, words))
                 }
             }
             h3 class="arms" { (words.of("Arms")) }
@@ -226,10 +254,12 @@ fn curves<'a>(input: &ComparisonInput<'a>, side: Side) -> Page<'a> {
 }
 
 fn panel(input: &ComparisonInput<'_>, angle: Angle, side: Side) -> Markup {
-    let of = |own: &GaitAnalysis| {
+    let of = |own: &GaitAnalysis, side: Side| {
         own.curves.iter().find(|c| c.angle == angle && c.side == side).cloned()
     };
-    let drawn = [(of(input.before.gait), BOTH), (of(input.after.gait), Colour::from(side))];
+    let before_side = if input.sides == Sides::Same { side } else { Side::Left };
+    let before = of(input.before.gait, before_side);
+    let drawn = [(before, BOTH), (of(input.after.gait, side), Colour::from(side))];
     let words = input.words;
     let label = angle_label(angle, words);
     if drawn.iter().all(|(curve, _)| curve.is_none()) {
@@ -258,10 +288,9 @@ fn panel(input: &ComparisonInput<'_>, angle: Angle, side: Side) -> Markup {
     let side = side_name(side, words);
     let values: [(&str, &dyn Display); 4] =
         [("angle", &label.title), ("side", &side), ("before", &before), ("after", &after)];
-    let mut description =
-        words.fill("{angle}, {side}, degrees: mean curves of {before} and {after}.", &values);
+    let mut description = said::description(input.sides, &values, words);
     if let Some(test) = test {
-        description += &in_words(test, words);
+        description += &stretches_in_words(test, words);
     }
     html! { div class="panel" { (figure.markup(&description, words)) } }
 }
@@ -278,7 +307,7 @@ fn with_stretches(mut figure: Figure, change: &CurveChange) -> Figure {
     figure
 }
 
-fn in_words(change: &CurveChange, words: &Words) -> String {
+fn stretches_in_words(change: &CurveChange, words: &Words) -> String {
     let stretch = |s: &Stretch| {
         let p = match s.p {
             p if p < 0.001 => format!("< {}", words.decimal(0.001)),

@@ -19,7 +19,8 @@
 //! | `picture.rs`        | the pictures under the outlines, in few bytes                         |
 //! | `viewer.rs`         | the moving body alone: [`viewer_html`]                                |
 //! | `session.rs`        | several trials: [`session_html`]                                      |
-//! | `comparison.rs`     | two sessions: [`comparison_html`]                                     |
+//! | `comparison.rs`     | two sessions, or two sides: [`comparison_html`]                       |
+//! | `comparison_words.rs` | what its page says of each                                          |
 //! | `variation.rs`      | how far numbers vary between strides and between trials               |
 //! | `figure.rs`         | one chart                                                             |
 //! | `label.rs`          | clinical names and signs                                              |
@@ -28,6 +29,7 @@
 
 mod by_frame;
 mod comparison;
+mod comparison_words;
 mod event_editor;
 mod figure;
 mod identity;

@@ -185,6 +185,40 @@ fn conditions_of_a_session_have_one_body_and_its_uncertainty_cancels() {
 }
 
 #[test]
+fn the_right_side_is_compared_with_the_left_of_the_same_trials() {
+    let arm = Arm::new();
+    let session = of_conditions(&arm);
+    let comparison = Comparison::of_sides(&session).expect("two sides");
+    let is_step =
+        |change: &&Change| change.measure.quantity == Quantity::Parameter(Parameter::StepLength);
+    let steps: Vec<&Change> = comparison.changes.iter().filter(is_step).collect();
+    let [step] = steps.as_slice() else { panic!("{steps:?}") };
+    // the walker's sides are alike; what the fit does not know is the same for both
+    let (low, high) = step.interval.expect("an interval of five trials");
+    assert!(low < high && high - low < 0.1 * step.before.mean, "{low} to {high}");
+    approx::assert_abs_diff_eq!(step.difference, 0.0, epsilon = 0.02);
+    let table = String::from_utf8(comparison.csv().expect("a table")).expect("UTF-8");
+    assert!(table.contains("\nstep_length,both,m,") && !table.contains(",left,"), "{table}");
+
+    let walk = arm.out("walk_1.trc").display().to_string();
+    let out = arm.out("sides").display().to_string();
+    let words = ["compare", &walk, "--sides", "--out", &out, "--json"];
+    let said = run(&words).succeeded();
+    assert!(said.err.contains("one trial: how far trials differ"), "{}", said.err);
+    let said = check("compare", &said.out);
+    let sides: Vec<&Value> =
+        said["changes"].as_array().expect("changes").iter().map(|change| &change["side"]).collect();
+    assert!(!sides.is_empty() && sides.iter().all(|side| **side == "both"), "{sides:?}");
+    run(&[&words[..], &["--overwrite", "--language", "de"]].concat()).succeeded();
+    let page = String::from_utf8(arm.bytes("sides", "compare.html")).expect("UTF-8");
+    assert!(
+        page.contains("Rechte Seite minus linke Seite") && page.contains("ein Versuch"),
+        "page"
+    );
+    run(&["compare", &walk, &walk, "--sides", "--out", &out]).refused(&["--sides"]);
+}
+
+#[test]
 fn a_session_of_other_than_two_conditions_is_not_compared_with_itself() {
     let arm = Arm::new();
     let walk = arm.out("walk.trc").display().to_string();

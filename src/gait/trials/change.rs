@@ -50,7 +50,7 @@ impl Change {
 }
 
 /// Beyond ± this a standard normal number lies once in twenty times.
-const ONCE_IN_TWENTY: f64 = 1.96;
+pub(super) const ONCE_IN_TWENTY: f64 = 1.96;
 
 /// Every number that both sessions have.
 pub fn changes(
@@ -84,7 +84,7 @@ fn change(measure: Measure, before: &Spread, after: &Spread) -> Change {
 }
 
 /// t₀.₉₇₅(ν): of many degrees of freedom by its expansion in 1/ν (Abramowitz & Stegun 26.7.5), right to 10⁻⁴ there.
-fn reach(freedom: f64) -> Option<f64> {
+pub(super) fn reach(freedom: f64) -> Option<f64> {
     if freedom < 30.0 {
         return Some(StudentsT::new(0.0, 1.0, freedom).ok()?.inverse_cdf(0.975));
     }

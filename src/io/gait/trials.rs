@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::tables::finished;
-use crate::gait::trials::{Change, CurveChange, Measure, Spread};
+use crate::gait::trials::{Change, CurveChange, Measure, Sides, Spread};
 use crate::pipeline::OneBody;
 
 /// How far every number varies, and its value in each trial.
@@ -28,7 +28,7 @@ pub fn variation_csv(
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(heading.iter().chain(names))?;
     for (measure, spread) in spreads {
-        let mut row = named(*measure);
+        let mut row = named(*measure, Sides::Same);
         row.push(text(Some(spread.mean)));
         row.extend([spread.between_strides, spread.between_trials, spread.fit].map(text));
         row.extend([spread.trials, spread.strides].map(|count| count.to_string()));
@@ -38,11 +38,15 @@ pub fn variation_csv(
     finished(writer)
 }
 
-/// Every change from one session to another, and in each row whether both have one body.
+/// Every change from one session to another, or from one side to the other, and in each row whether both have one body.
 ///
 /// # Errors
 /// As [`variation_csv`].
-pub fn changes_csv(changes: &[Change], one_body: &OneBody) -> std::io::Result<Vec<u8>> {
+pub fn changes_csv(
+    changes: &[Change],
+    sides: Sides,
+    one_body: &OneBody,
+) -> std::io::Result<Vec<u8>> {
     let heading = [
         "number",
         "side",
@@ -63,7 +67,7 @@ pub fn changes_csv(changes: &[Change], one_body: &OneBody) -> std::io::Result<Ve
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(heading)?;
     for change in changes {
-        let mut row = named(change.measure);
+        let mut row = named(change.measure, sides);
         for own in [&change.before, &change.after] {
             row.extend([text(Some(own.mean)), text(own.between_trials), own.trials.to_string()]);
         }
@@ -80,7 +84,7 @@ pub fn changes_csv(changes: &[Change], one_body: &OneBody) -> std::io::Result<Ve
 ///
 /// # Errors
 /// As [`variation_csv`].
-pub fn curve_changes_csv(curves: &[CurveChange]) -> std::io::Result<Vec<u8>> {
+pub fn curve_changes_csv(curves: &[CurveChange], sides: Sides) -> std::io::Result<Vec<u8>> {
     let heading = [
         "angle",
         "side",
@@ -97,7 +101,7 @@ pub fn curve_changes_csv(curves: &[CurveChange]) -> std::io::Result<Vec<u8>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(heading)?;
     for CurveChange { angle, side, trials, test } in curves {
-        let mut curve = vec![angle.name().to_owned(), side.name().to_owned()];
+        let mut curve = vec![angle.name().to_owned(), sides.name(*side).to_owned()];
         curve.extend(trials.map(|count| count.to_string()));
         curve.extend([test.field.freedom, test.field.fwhm, test.threshold].map(Some).map(text));
         for stretch in &test.stretches {
@@ -111,9 +115,9 @@ pub fn curve_changes_csv(curves: &[CurveChange]) -> std::io::Result<Vec<u8>> {
     finished(writer)
 }
 
-fn named(measure: Measure) -> Vec<String> {
+fn named(measure: Measure, sides: Sides) -> Vec<String> {
     let Measure { quantity, side } = measure;
-    vec![quantity.name(), side.name().into(), quantity.unit().into()]
+    vec![quantity.name(), sides.name(side).into(), quantity.unit().into()]
 }
 
 fn text(value: Option<f64>) -> String {

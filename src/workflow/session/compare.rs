@@ -1,4 +1,4 @@
-//! Two sessions of one person compared, or two conditions of one session.
+//! Two sessions of one person compared, or two conditions or the two sides of one session.
 //!
 //! The trials of a session have one body. What the fit has wrong with it, most of its standard deviation u, is wrong in both conditions alike
 //! and cancels in their difference: only trials say how far a change may be chance. Of two sessions, each with a body of its own, u counts twice.
@@ -7,19 +7,22 @@ use std::collections::BTreeMap;
 
 use super::SessionStudy;
 use crate::gait::trials::{
-    Change, CurveChange, LEAST_TRIALS, Measure, Spread, changes, curve_changes,
+    Change, CurveChange, LEAST_TRIALS, Measure, Sides, Spread, changes, curve_changes,
+    curve_side_differences, side_differences,
 };
 use crate::io::gait::{changes_csv, curve_changes_csv};
 use crate::pipeline::OneBody;
 use crate::workflow::{Error, SessionError};
 
-/// Two sessions of one person, two conditions of a session, or two recordings, and what changed between them.
+/// Two sessions of one person, two recordings, or two conditions or the two sides of a session, and what differs between them.
 #[derive(Debug)]
 pub struct Comparison {
-    /// The first.
+    /// The first; of sides, the left one's.
     pub before: SessionStudy,
-    /// The second.
+    /// The second; of sides, the right one's.
     pub after: SessionStudy,
+    /// Which side is compared with which.
+    pub sides: Sides,
     /// Every number that both have.
     pub changes: Vec<Change>,
     /// Where over the cycle curves differ, of every curve that both sessions have in three trials or more.
@@ -55,7 +58,8 @@ impl Comparison {
             notes.push(format!("both are compared with the norm of the age in {}", before.name));
         }
         let one_body = before.one_body_with(&after);
-        Self { before, after, changes, curves: Vec::new(), one_body, notes }.with_curves()
+        let (sides, curves) = (Sides::Same, Vec::new());
+        Self { before, after, sides, changes, curves, one_body, notes }.with_curves()
     }
 
     /// What differs between two conditions of the trials of a session; between the only two, if none are named.
@@ -86,8 +90,26 @@ impl Comparison {
         let changes = changes(&of_trials_alone(&before), &of_trials_alone(&after));
         let mut notes = notes(&before, &after);
         notes.push("both are of one session and have one body: what the fit has wrong with it cancels, if clothes and shoes are the same in both".into());
-        Self { before, after, changes, curves: Vec::new(), one_body: OneBody::Yes, notes }
-            .with_curves()
+        let (sides, curves, one_body) = (Sides::Same, Vec::new(), OneBody::Yes);
+        Self { before, after, sides, changes, curves, one_body, notes }.with_curves()
+    }
+
+    /// How the right side differs from the left in the trials of a session.
+    ///
+    /// # Errors
+    /// [`SessionError::NothingInCommon`].
+    pub fn of_sides(session: &SessionStudy) -> Result<Self, Error> {
+        let side = |name: &str| SessionStudy { name: name.into(), ..session.clone() };
+        let [before, after] = ["left", "right"].map(side);
+        let changes = side_differences(&session.spreads());
+        let mut notes = vec![
+            "both sides of the body are fitted alike: of legs that are not equally long, half of the difference is taken for motion".to_owned(),
+        ];
+        if session.trials.len() == 1 {
+            notes.push("one trial: how far trials differ by chance is not known, so no interval and no minimal detectable change can be given".into());
+        }
+        let (sides, curves, one_body) = (Sides::Opposite, Vec::new(), OneBody::Yes);
+        Self { before, after, sides, changes, curves, one_body, notes }.with_curves()
     }
 
     /// Tests whole curves.
@@ -96,10 +118,17 @@ impl Comparison {
             return Err(SessionError::NothingInCommon.into());
         }
         let [a, b] = [&self.before, &self.after].map(SessionStudy::curves);
-        let curves = curve_changes(&a, &b);
+        let curves = match self.sides {
+            Sides::Same => curve_changes(&a, &b),
+            Sides::Opposite => curve_side_differences(&a),
+        };
         if curves.is_empty() {
+            let of = match self.sides {
+                Sides::Same => "in each session",
+                Sides::Opposite => "of both sides",
+            };
             self.notes.push(format!(
-                "whole curves are not tested: that needs {LEAST_TRIALS} trials or more in each session"
+                "whole curves are not tested: that needs {LEAST_TRIALS} trials or more {of}"
             ));
         }
         Ok(Self { curves, ..self })
@@ -133,7 +162,7 @@ impl Comparison {
     /// # Errors
     /// As [`csv`](Self::csv).
     pub fn curves_csv(&self) -> Result<Vec<u8>, Error> {
-        Ok(curve_changes_csv(&self.curves)?)
+        Ok(curve_changes_csv(&self.curves, self.sides)?)
     }
 
     /// The table of differences as comma-separated values, a row for each number and side.
@@ -141,7 +170,7 @@ impl Comparison {
     /// # Errors
     /// [`Error::Table`], if the writer has any.
     pub fn csv(&self) -> Result<Vec<u8>, Error> {
-        Ok(changes_csv(&self.changes, &self.one_body)?)
+        Ok(changes_csv(&self.changes, self.sides, &self.one_body)?)
     }
 }
 

@@ -76,6 +76,7 @@ impl Comparison {
         comparison_html(&ComparisonInput {
             before: Compared { name: &a.0, subject: &subjects[0], trials: a.1, gait: &before },
             after: Compared { name: &b.0, subject: &subjects[1], trials: b.1, gait: &after },
+            sides: self.sides,
             changes: &self.changes,
             curves: &self.curves,
             one_body: &self.one_body,
