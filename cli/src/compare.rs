@@ -121,8 +121,7 @@ fn json(arguments: &CompareArguments, comparison: &Comparison, pdf: Option<&Path
         })
     };
     let changes: Vec<Value> = comparison.changes.iter().map(change).collect();
-    let curve = |curve: &CurveChange| curve_json(curve, comparison.sides);
-    let curves: Vec<Value> = comparison.curves.iter().map(curve).collect();
+    let curves: Vec<Value> = comparison.curves.iter().map(curve_json).collect();
     json!({
         "out": arguments.out.display().to_string(),
         "pdf": pdf.map(|pdf| pdf.display().to_string()),
@@ -133,12 +132,12 @@ fn json(arguments: &CompareArguments, comparison: &Comparison, pdf: Option<&Path
     })
 }
 
-fn curve_json(curve: &CurveChange, sides: Sides) -> Value {
+fn curve_json(curve: &CurveChange) -> Value {
     let stretch = |s: &Stretch| json!({ "from_percent": s.from, "to_percent": s.to, "peak_t": s.peak, "p": s.p });
     let test = &curve.test;
     json!({
         "angle": curve.angle.name(),
-        "side": sides.name(curve.side),
+        "side": curve.side.name(),
         "trials": curve.trials,
         "freedom": test.field.freedom,
         "fwhm_percent": test.field.fwhm,

@@ -243,7 +243,8 @@ fn curves<'a>(input: &ComparisonInput<'a>, side: Side) -> Page<'a> {
             p class="note" {
                 (words.of("From foot strike to foot strike of the same side. Line: mean over all strides of all trials. Tint: ± 1 SD between strides. Dashed: foot off."))
                 @if !input.curves.is_empty() {
-                    " " (said::bars(input.sides, words))
+                    " " (words.of("Bars on the lower edge: the sessions differ by more than chance (statistical parametric mapping, t of the trials' mean \
+                        curves, α = 0.05 for each curve: one curve in twenty has a bar without any change; docs/session.md)."))
                 }
             }
             h3 class="arms" { (words.of("Arms")) }

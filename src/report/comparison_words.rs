@@ -43,7 +43,8 @@ pub(super) fn by_chance(sides: Sides, (n, all): (usize, usize), words: &Words) -
 
 pub(super) fn made_of_sides(words: &Words) -> &str {
     words.of(
-        "SD: between the trials. Difference: right less left, with its 95 % interval, from the differences within each trial.",
+        "SD: between the trials. Difference: right less left, with its 95 % interval, from the differences within each trial and the \
+         fit's own SD of each side.",
     )
 }
 
@@ -56,19 +57,6 @@ pub(super) fn detectable(sides: Sides, words: &Words) -> &str {
         Sides::Opposite => words.of(
             "MDC: 1.96·SEM of the differences, which a person who walks evenly exceeds once in twenty times; ● marks a difference \
              beyond it. Scores are against the norm.",
-        ),
-    }
-}
-
-pub(super) fn bars(sides: Sides, words: &Words) -> &str {
-    match sides {
-        Sides::Same => words.of(
-            "Bars on the lower edge: the sessions differ by more than chance (statistical parametric mapping, t of the trials' mean \
-             curves, α = 0.05 for each curve: one curve in twenty has a bar without any change; docs/session.md).",
-        ),
-        Sides::Opposite => words.of(
-            "Bars on the lower edge: the sides differ by more than chance (statistical parametric mapping, t of the differences \
-             within each trial, α = 0.05 for each curve: one curve in twenty has a bar of a person who walks evenly; docs/session.md).",
         ),
     }
 }

@@ -193,9 +193,11 @@ fn the_right_side_is_compared_with_the_left_of_the_same_trials() {
         |change: &&Change| change.measure.quantity == Quantity::Parameter(Parameter::StepLength);
     let steps: Vec<&Change> = comparison.changes.iter().filter(is_step).collect();
     let [step] = steps.as_slice() else { panic!("{steps:?}") };
-    // the walker's sides are alike; what the fit does not know is the same for both
+    // the walker's sides are alike, and of each the fit is said not to know a tenth
     let (low, high) = step.interval.expect("an interval of five trials");
-    assert!(low < high && high - low < 0.1 * step.before.mean, "{low} to {high}");
+    let known = (high - low) / step.before.mean;
+    assert!((2.0 * 1.96 * 0.1..0.8).contains(&known), "{low} to {high}");
+    assert!(comparison.curves.is_empty() && comparison.notes.len() == 2);
     approx::assert_abs_diff_eq!(step.difference, 0.0, epsilon = 0.02);
     let table = String::from_utf8(comparison.csv().expect("a table")).expect("UTF-8");
     assert!(table.contains("\nstep_length,both,m,") && !table.contains(",left,"), "{table}");

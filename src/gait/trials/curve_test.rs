@@ -5,10 +5,6 @@
 //!
 //! t = (b − a) / √(s²(1/K_a + 1/K_b)), s² pooled over both sessions, ν = K_a + K_b − 2.
 //!
-//! Two sides of the same trials are compared by their differences dₖ, right less left, of K trials that have both:
-//!
-//! t = d̄ / √(s²/K), s² of the differences, ν = K − 1.
-//!
 //! Two curves of a person who has not changed exceed ± t* anywhere once in twenty times, and each stretch beyond t* has a
 //! probability, both by random field theory ([`TField`]) with the smoothness of the residuals.
 //!
@@ -82,46 +78,15 @@ impl CurveTest {
         residuals.extend(off(after, &means_after));
         let freedom = residuals.len() as f64 - 2.0;
         let share = 1.0 / before.len() as f64 + 1.0 / after.len() as f64;
-        let differences =
-            means_after.iter().zip(&means_before).map(|(after, before)| after - before);
-        Self::of_means(&differences.collect::<Vec<_>>(), &residuals, (freedom, share))
-    }
-
-    /// Compares two curves of each trial; `None` as [`CurveTest::new`].
-    pub fn paired(before: &[&[f64]], after: &[&[f64]]) -> Option<Self> {
-        let places = before.first()?.len();
-        let pairs = before.iter().zip(after);
-        let less = |(before, after): (&&[f64], &&[f64])| -> Vec<f64> {
-            after.iter().zip(*before).map(|(after, before)| after - before).collect()
-        };
-        let differences: Vec<Vec<f64>> = pairs.map(less).collect();
-        let differences: Vec<&[f64]> = differences.iter().map(Vec::as_slice).collect();
-        let is_whole =
-            differences.iter().all(|d| d.len() == places && d.iter().all(|v| v.is_finite()));
-        if !is_whole || differences.len() < LEAST_TRIALS {
-            return None;
-        }
-
-        let means = means(&differences, places);
-        let count = differences.len() as f64;
-        Self::of_means(&means, &off(&differences, &means), (count - 1.0, 1.0 / count))
-    }
-
-    /// The test of differences at every place, whose variance is `share` of that of the residuals.
-    fn of_means(
-        differences: &[f64],
-        residuals: &[Vec<f64>],
-        (freedom, share): (f64, f64),
-    ) -> Option<Self> {
-        let t_at = |(at, difference): (usize, &f64)| {
+        let t_at = |at: usize| {
             let squares: f64 = residuals.iter().map(|r| r[at] * r[at]).sum();
             let sem = (squares / freedom * share).sqrt();
-            difference / sem.max(f64::MIN_POSITIVE)
+            (means_after[at] - means_before[at]) / sem.max(f64::MIN_POSITIVE)
         };
-        let t: Vec<f64> = differences.iter().enumerate().map(t_at).collect();
+        let t: Vec<f64> = (0..places).map(t_at).collect();
 
         // how high it may be by chance
-        let field = TField { freedom, places: t.len(), fwhm: fwhm(residuals)? };
+        let field = TField { freedom, places, fwhm: fwhm(&residuals)? };
         let threshold = field.height(0.5 * ALPHA);
         let stretches = stretches(&t, &field, threshold);
         Some(Self { t, field, threshold, stretches })
@@ -139,27 +104,11 @@ pub fn curve_changes(before: &[&[Curve]], after: &[&[Curve]]) -> Vec<CurveChange
     pairs.filter_map(changed).collect()
 }
 
-/// Every curve that three trials or more have of both sides: the right one's less the left one's.
-pub fn curve_side_differences(trials: &[&[Curve]]) -> Vec<CurveChange> {
-    let changed = |angle| {
-        let pairs = trials.iter().filter_map(|trial| {
-            Some((mean_of(trial, angle, Side::Left)?, mean_of(trial, angle, Side::Right)?))
-        });
-        let (left, right): (Vec<&[f64]>, Vec<&[f64]>) = pairs.unzip();
-        let test = CurveTest::paired(&left, &right)?;
-        Some(CurveChange { angle, side: Side::Right, trials: [left.len(), right.len()], test })
-    };
-    Angle::ALL.into_iter().filter_map(changed).collect()
-}
-
 /// One curve of each trial that has it.
 fn of<'a>(trials: &[&'a [Curve]], angle: Angle, side: Side) -> Vec<&'a [f64]> {
-    trials.iter().filter_map(|curves| mean_of(curves, angle, side)).collect()
-}
-
-fn mean_of(curves: &[Curve], angle: Angle, side: Side) -> Option<&[f64]> {
-    let own = curves.iter().find(|curve| curve.angle == angle && curve.side == side);
-    own.map(|curve| curve.mean.as_slice())
+    let is_it = |curve: &&Curve| curve.angle == angle && curve.side == side;
+    let own = trials.iter().filter_map(|curves| curves.iter().find(is_it));
+    own.map(|curve| curve.mean.as_slice()).collect()
 }
 
 fn means(group: &[&[f64]], places: usize) -> Vec<f64> {

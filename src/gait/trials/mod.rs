@@ -17,9 +17,7 @@ mod sides;
 mod spread;
 
 pub use change::{Change, changes};
-pub use curve_test::{
-    CurveChange, CurveTest, LEAST_TRIALS, Stretch, curve_changes, curve_side_differences,
-};
+pub use curve_test::{CurveChange, CurveTest, LEAST_TRIALS, Stretch, curve_changes};
 pub use measure::{Measure, Measured, Quantity, measured};
 pub use pooled::{NamedTrial, pooled};
 pub use sides::{Sides, side_differences};

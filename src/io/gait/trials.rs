@@ -84,7 +84,7 @@ pub fn changes_csv(
 ///
 /// # Errors
 /// As [`variation_csv`].
-pub fn curve_changes_csv(curves: &[CurveChange], sides: Sides) -> std::io::Result<Vec<u8>> {
+pub fn curve_changes_csv(curves: &[CurveChange]) -> std::io::Result<Vec<u8>> {
     let heading = [
         "angle",
         "side",
@@ -101,7 +101,7 @@ pub fn curve_changes_csv(curves: &[CurveChange], sides: Sides) -> std::io::Resul
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(heading)?;
     for CurveChange { angle, side, trials, test } in curves {
-        let mut curve = vec![angle.name().to_owned(), sides.name(*side).to_owned()];
+        let mut curve = vec![angle.name().to_owned(), side.name().to_owned()];
         curve.extend(trials.map(|count| count.to_string()));
         curve.extend([test.field.freedom, test.field.fwhm, test.threshold].map(Some).map(text));
         for stretch in &test.stretches {

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use super::SessionStudy;
 use crate::gait::trials::{
     Change, CurveChange, LEAST_TRIALS, Measure, Sides, Spread, changes, curve_changes,
-    curve_side_differences, side_differences,
+    side_differences,
 };
 use crate::io::gait::{changes_csv, curve_changes_csv};
 use crate::pipeline::OneBody;
@@ -104,12 +104,16 @@ impl Comparison {
         let changes = side_differences(&session.spreads());
         let mut notes = vec![
             "both sides of the body are fitted alike: of legs that are not equally long, half of the difference is taken for motion".to_owned(),
+            "what cameras see of one side and not of the other is off in the same way in every trial: intervals hold the fit's own SD of each side, and curves are not tested".to_owned(),
         ];
         if session.trials.len() == 1 {
             notes.push("one trial: how far trials differ by chance is not known, so no interval and no minimal detectable change can be given".into());
         }
+        if changes.is_empty() {
+            return Err(SessionError::NothingInCommon.into());
+        }
         let (sides, curves, one_body) = (Sides::Opposite, Vec::new(), OneBody::Yes);
-        Self { before, after, sides, changes, curves, one_body, notes }.with_curves()
+        Ok(Self { before, after, sides, changes, curves, one_body, notes })
     }
 
     /// Tests whole curves.
@@ -118,17 +122,10 @@ impl Comparison {
             return Err(SessionError::NothingInCommon.into());
         }
         let [a, b] = [&self.before, &self.after].map(SessionStudy::curves);
-        let curves = match self.sides {
-            Sides::Same => curve_changes(&a, &b),
-            Sides::Opposite => curve_side_differences(&a),
-        };
+        let curves = curve_changes(&a, &b);
         if curves.is_empty() {
-            let of = match self.sides {
-                Sides::Same => "in each session",
-                Sides::Opposite => "of both sides",
-            };
             self.notes.push(format!(
-                "whole curves are not tested: that needs {LEAST_TRIALS} trials or more {of}"
+                "whole curves are not tested: that needs {LEAST_TRIALS} trials or more in each session"
             ));
         }
         Ok(Self { curves, ..self })
@@ -162,7 +159,7 @@ impl Comparison {
     /// # Errors
     /// As [`csv`](Self::csv).
     pub fn curves_csv(&self) -> Result<Vec<u8>, Error> {
-        Ok(curve_changes_csv(&self.curves, self.sides)?)
+        Ok(curve_changes_csv(&self.curves)?)
     }
 
     /// The table of differences as comma-separated values, a row for each number and side.
