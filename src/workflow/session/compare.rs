@@ -17,9 +17,9 @@ use crate::workflow::{Error, SessionError};
 /// Two sessions of one person, two recordings, or two conditions or the two sides of a session, and what differs between them.
 #[derive(Debug)]
 pub struct Comparison {
-    /// The first; of sides, the left one's.
+    /// The first.
     pub before: SessionStudy,
-    /// The second; of sides, the right one's.
+    /// The second; of sides the same.
     pub after: SessionStudy,
     /// Which side is compared with which.
     pub sides: Sides,
@@ -99,8 +99,7 @@ impl Comparison {
     /// # Errors
     /// [`SessionError::NothingInCommon`].
     pub fn of_sides(session: &SessionStudy) -> Result<Self, Error> {
-        let side = |name: &str| SessionStudy { name: name.into(), ..session.clone() };
-        let [before, after] = ["left", "right"].map(side);
+        let [before, after] = [session.clone(), session.clone()];
         let changes = side_differences(&session.spreads());
         let mut notes = vec![
             "both sides of the body are fitted alike: of legs that are not equally long, half of the difference is taken for motion".to_owned(),

@@ -1,6 +1,8 @@
 //! The report of a session and of a comparison; with the feature `report`.
 
 use super::{Comparison, SessionStudy};
+use crate::gait::Side;
+use crate::gait::trials::Sides;
 use crate::io::session::SessionFile;
 use crate::report::{
     Compared, ComparisonInput, Language, ReportInput, ReportedTrial, SessionInput, Subject, Views,
@@ -71,11 +73,14 @@ impl Comparison {
         let [Some(before), Some(after)] = sides.map(SessionStudy::pooled) else {
             return String::new();
         };
-        let compared = |study: &'_ SessionStudy| (study.name.clone(), study.trials.len());
-        let [a, b] = sides.map(compared);
+        let names = match self.sides {
+            Sides::Same => sides.map(|study| study.name.as_str()),
+            Sides::Opposite => Side::BOTH.map(Side::name),
+        };
+        let [a, b] = [0, 1].map(|k| (names[k], sides[k].trials.len()));
         comparison_html(&ComparisonInput {
-            before: Compared { name: &a.0, subject: &subjects[0], trials: a.1, gait: &before },
-            after: Compared { name: &b.0, subject: &subjects[1], trials: b.1, gait: &after },
+            before: Compared { name: a.0, subject: &subjects[0], trials: a.1, gait: &before },
+            after: Compared { name: b.0, subject: &subjects[1], trials: b.1, gait: &after },
             sides: self.sides,
             changes: &self.changes,
             curves: &self.curves,
