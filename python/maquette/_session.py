@@ -146,7 +146,7 @@ class Session:
 
 
 class Comparison:
-    """What has changed between two sessions, or differs between conditions or sides of one; docs/session.md defines all."""
+    """What has changed between two sessions, or differs between conditions or sides of one; see docs/session.md."""
 
     def __init__(self, result: str, page: str) -> None:
         self._page = page
