@@ -71,9 +71,7 @@ fn change(measure: Measure, before: &Spread, after: &Spread) -> Change {
     let interval = known.and_then(|known| {
         let variance = of_fit + known.iter().map(|own| own.variance).sum::<f64>();
         let spent: f64 = known.iter().map(|own| own.variance.powi(2) / own.freedom).sum();
-        let freedom = if spent > 0.0 { variance.powi(2) / spent } else { f64::INFINITY };
-        let half = reach(freedom)? * variance.sqrt();
-        Some((difference - half, difference + half))
+        interval(difference, variance, spent)
     });
     let detectable = pooled.map(|variance| {
         let of_means = variance / before.trials as f64 + variance / after.trials as f64;
@@ -83,8 +81,15 @@ fn change(measure: Measure, before: &Spread, after: &Spread) -> Change {
     Change { measure, before, after, difference, interval, detectable }
 }
 
+/// The 95 % interval of a difference of this variance; `spent` is Σ v²/ν over the parts v of it that trials tell (Satterthwaite).
+pub(super) fn interval(difference: f64, variance: f64, spent: f64) -> Option<(f64, f64)> {
+    let freedom = if spent > 0.0 { variance.powi(2) / spent } else { f64::INFINITY };
+    let half = reach(freedom)? * variance.sqrt();
+    Some((difference - half, difference + half))
+}
+
 /// t₀.₉₇₅(ν): of many degrees of freedom by its expansion in 1/ν (Abramowitz & Stegun 26.7.5), right to 10⁻⁴ there.
-pub(super) fn reach(freedom: f64) -> Option<f64> {
+fn reach(freedom: f64) -> Option<f64> {
     if freedom < 30.0 {
         return Some(StudentsT::new(0.0, 1.0, freedom).ok()?.inverse_cdf(0.975));
     }

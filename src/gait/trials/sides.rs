@@ -15,7 +15,7 @@
 
 use std::collections::BTreeMap;
 
-use super::change::{Change, ONCE_IN_TWENTY, reach};
+use super::change::{Change, ONCE_IN_TWENTY, interval};
 use super::measure::Measure;
 use super::spread::Spread;
 use crate::gait::Side;
@@ -61,9 +61,7 @@ fn difference(measure: Measure, left: &Spread, right: &Spread) -> Option<Change>
     let of_fit = [left, right].map(|side| side.fit.unwrap_or(0.0).powi(2)).iter().sum::<f64>();
     let known = sd.map(|sd| sd * sd / count).map(|of_trials| (of_trials, of_trials + of_fit));
     let interval = known.and_then(|(of_trials, variance)| {
-        let freedom = (count - 1.0) * (variance / of_trials).powi(2);
-        let half = reach(freedom)? * variance.sqrt();
-        Some((difference - half, difference + half))
+        interval(difference, variance, of_trials.powi(2) / (count - 1.0))
     });
     let detectable = known.map(|(_, variance)| ONCE_IN_TWENTY * variance.sqrt());
     Some(Change { measure, before, after, difference, interval, detectable })
@@ -134,6 +132,13 @@ mod tests {
         let (low, high) = change.interval.unwrap();
         approx::assert_relative_eq!(high - low, 2.0 * 1.96 * sem, max_relative = 1e-3);
         assert!(!change.is_detected());
+    }
+
+    #[test]
+    fn sides_that_differ_by_the_same_in_every_trial_have_an_interval_of_no_width() {
+        let (left, right) = ([0.5, 0.75].map(Some), [0.75, 1.0].map(Some));
+        let found = side_differences(&session(&left, &right, None));
+        assert_eq!(found[0].interval, Some((0.25, 0.25)));
     }
 
     #[test]
