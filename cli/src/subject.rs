@@ -32,6 +32,9 @@ pub(super) struct SubjectArguments {
     /// With an orthosis, on a slope, …
     #[arg(long, value_name = "TEXT")]
     condition: Option<String>,
+    /// They stand still in it: a fit of the same body, or a .trc of the same markers. Angles are counted from that pose
+    #[arg(long, value_name = "FOLDER|FILE")]
+    neutral: Option<PathBuf>,
     /// What they wore on their feet; a norm of other footwear is compared with a caution
     #[arg(long, value_parser = one_of(FOOTWEAR))]
     footwear: Option<Footwear>,
@@ -76,12 +79,16 @@ impl EventArguments {
 }
 
 impl SubjectArguments {
-    /// The study compared with a norm: a file, `none`, or the shipped one.
+    /// The study with angles from the standing pose, if there is one, compared with a norm: a file, `none`, or the shipped one.
     pub(super) fn compare(
         &self,
         study: GaitStudy,
         norm: Option<&str>,
     ) -> Result<GaitStudy, CliError> {
+        let study = match &self.neutral {
+            Some(standing) => study.from_standing(standing)?,
+            None => study,
+        };
         Ok(study.compared_with(norm_choice(norm), self.age, self.sex)?)
     }
 

@@ -11,7 +11,9 @@ use maquette::body::BodyModel;
 use maquette::io::recording::{filmed, synthetic};
 use maquette::io::{frame_rate, model};
 use maquette::pipeline::counted;
-use maquette::synth::{FilmRecipe, Ground, Make, Recipe, Ring, SegmentationErrors, StereoPair};
+use maquette::synth::{
+    Action, FilmRecipe, Ground, Make, Recipe, Ring, SegmentationErrors, StereoPair,
+};
 
 pub(super) const ABOUT: &str = "\
 Make a recording of a walking person, with the truth beside it.
@@ -45,6 +47,9 @@ pub(super) struct SynthArguments {
     /// The person walks on a treadmill, and so stays in the middle of the cameras
     #[arg(long, conflicts_with = "clutter")]
     treadmill: bool,
+    /// The person stands still, for the zero of the angles of other trials
+    #[arg(long, conflicts_with_all = ["clutter", "treadmill"])]
+    standing: bool,
     /// What the person is made of
     #[arg(long, value_enum, default_value_t = MadeOf::Metaballs)]
     make: MadeOf,
@@ -133,6 +138,7 @@ fn ring(arguments: &SynthArguments, model: &BodyModel) -> Result<Written, CliErr
         trial: arguments.trial.into(),
         frames: arguments.frames.map(|frames| frames as usize),
         fps: arguments.fps.unwrap_or(default.fps),
+        action: if arguments.standing { Action::Stand } else { Action::Walk },
         ground: if arguments.treadmill { Ground::Treadmill } else { Ground::Floor },
         make: match arguments.make {
             MadeOf::Metaballs => Make::Metaballs,

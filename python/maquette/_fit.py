@@ -214,6 +214,7 @@ class Fit:
         norm: Path | Literal["none"] | None = None,
         age: int | None = None,
         sex: Literal["female", "male"] | None = None,
+        neutral: Path | None = None,
     ) -> Gait:
         """Analyse how the person walks.
 
@@ -232,6 +233,8 @@ class Fit:
             Healthy people to compare with: a ``.toml`` file or ``"none"``; default the shipped norm of the age.
         age, sex
             Choose the norms, the sex that of steps and strides alone; years.
+        neutral
+            Folder of a fit of the same body, in which the person stands still: angles are counted from that pose.
 
         Raises
         ------
@@ -239,7 +242,7 @@ class Fit:
             Says why there is no gait to be analysed.
         """
         options = {"cutoff": cutoff, "surface": surface, "pass": pass_, "events": events}
-        options |= {"norm": norm, "age": age, "sex": sex}
+        options |= {"norm": norm, "age": age, "sex": sex, "neutral": neutral}
         return Gait(self._fitted.gait(words(self.folder, **options)))
 
     # --- files -----------------------------------------------------------------------------------------

@@ -19,6 +19,7 @@ def synth(
     frames: int | None = None,
     fps: float | None = None,
     treadmill: bool = False,
+    standing: bool = False,
     make: Literal["metaballs", "flesh", "dressed"] | None = None,
     noise: Literal["none", "mild"] | None = None,
     points: bool = False,
@@ -42,6 +43,8 @@ def synth(
         With ``clutter`` there are always three cameras; frames are 300 and frames per second 25 by default.
     treadmill
         The person walks on a treadmill, and so stays in the middle of the cameras.
+    standing
+        The person stands still, for the zero of the angles of other trials.
     make
         What the person is made of; default metaballs.
     noise
@@ -76,6 +79,7 @@ def synth(
         frames=frames,
         fps=fps,
         treadmill=treadmill,
+        standing=standing,
         make=make,
         noise=noise,
         points=points,

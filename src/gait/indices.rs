@@ -16,12 +16,13 @@
 //! GVS and GPS: Baker et al., Gait Posture 30 (2009) 265–269. GVS₀ is ours; that offset and form of curves are told apart is as in
 //! Iosa et al., BioMed Res. Int. 2014, 214156.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::angle::Angle;
 use super::beyond::{Beyond, Footwear};
 use super::curves::{Curve, POINTS};
 use super::landmark::Side;
+use super::neutral::Zero;
 use super::parameters::Parameter;
 
 /// Points at which a score compares: every 2 % of the cycle.
@@ -70,6 +71,10 @@ pub struct Norm {
     pub footwear: Option<Footwear>,
     /// What the people of the parameters wore, if it is known.
     pub parameters_footwear: Option<Footwear>,
+    /// What its angles are counted from.
+    pub zero: Zero,
+    /// Angles that the walk counts from another zero: only the form of their curves compares.
+    pub only_form: BTreeSet<Angle>,
 }
 
 impl Norm {
@@ -90,9 +95,24 @@ impl Norm {
         Beyond::new(value, *mean, *sd)
     }
 
+    /// The same for a walk whose angles are counted from this.
+    pub fn for_zero(mut self, zero: Zero) -> Self {
+        if self.zero != zero {
+            let from_a_pose = self.curves.keys().filter(|angle| !angle.is_against_heading());
+            self.only_form = from_a_pose.copied().collect();
+            self.remarks.push("the walk and the norm count angles from another zero, a standing pose and anatomical axes: only the form of curves is compared, by scores without offset".into());
+        }
+        self
+    }
+
+    /// What healthy people's curves of an angle are; `None` where only their form compares.
+    pub fn band(&self, angle: Angle) -> Option<&Band> {
+        self.curves.get(&angle).filter(|_| !self.only_form.contains(&angle))
+    }
+
     /// Where an angle lies beyond those of healthy people at the same place of the cycle, in percent; radians.
     pub fn beyond_at(&self, angle: Angle, percent: usize, value: f64) -> Option<Beyond> {
-        let band = self.curves.get(&angle)?;
+        let band = self.band(angle)?;
         let at = (percent * (SCORE_POINTS - 1) + 50) / 100;
         Beyond::new(value, *band.mean.get(at)?, *band.sd.get(at)?)
     }
@@ -101,8 +121,8 @@ impl Norm {
 /// How far curves lie from those of healthy people, root mean square, radians.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Score {
-    /// GVS or GPS.
-    pub whole: f64,
+    /// GVS or GPS; `None` where the norm counts the angle, or one of the nine, from another zero.
+    pub whole: Option<f64>,
     /// GVS₀ or GPS₀.
     pub without_offset: f64,
 }
@@ -128,19 +148,15 @@ impl Score {
         let root_mean = |of: &dyn Fn(&f64) -> f64| {
             (differences.iter().map(|d| of(d).powi(2)).sum::<f64>() / count).sqrt()
         };
-        Self { whole: root_mean(&|d| *d), without_offset: root_mean(&|d| d - offset) }
+        Self { whole: Some(root_mean(&|d| *d)), without_offset: root_mean(&|d| d - offset) }
     }
 
     /// The root mean square of several scores.
     fn together(scores: &[Self]) -> Self {
-        let root_mean = |of: fn(&Self) -> f64| {
-            let squares: f64 = scores.iter().map(|score| of(score).powi(2)).sum();
-            (squares / scores.len() as f64).sqrt()
-        };
-        Self {
-            whole: root_mean(|score| score.whole),
-            without_offset: root_mean(|score| score.without_offset),
-        }
+        let root_mean = |squares: f64| (squares / scores.len() as f64).sqrt();
+        let whole: Option<f64> = scores.iter().map(|score| Some(score.whole?.powi(2))).sum();
+        let rest = scores.iter().map(|score| score.without_offset.powi(2)).sum();
+        Self { whole: whole.map(root_mean), without_offset: root_mean(rest) }
     }
 }
 
@@ -150,7 +166,8 @@ pub fn indices(curves: &[Curve], norm: &Norm) -> Option<Indices> {
         let band = norm.curves.get(&curve.angle)?;
         let step = (POINTS - 1) / (SCORE_POINTS - 1);
         let differences = (0..SCORE_POINTS).map(|i| curve.mean[i * step] - band.mean[i]);
-        let score = Score::of_differences(&differences.collect::<Vec<_>>());
+        let mut score = Score::of_differences(&differences.collect::<Vec<_>>());
+        score.whole = score.whole.filter(|_| norm.band(curve.angle).is_some());
         Some(((curve.side, curve.angle), score))
     };
     let scored = curves.iter().filter(|c| VARIABLES.contains(&c.angle));
@@ -203,7 +220,7 @@ mod tests {
         let found = indices(&curves, &norm).unwrap();
         assert_eq!(found.variables.len(), 18);
         for gps in [found.left, found.right, found.both] {
-            approx::assert_relative_eq!(gps.unwrap().whole, 0.1, epsilon = 1e-12);
+            approx::assert_relative_eq!(gps.unwrap().whole.unwrap(), 0.1, epsilon = 1e-12);
             approx::assert_relative_eq!(gps.unwrap().without_offset, 0.0, epsilon = 1e-12);
         }
     }
@@ -219,7 +236,24 @@ mod tests {
         let found = indices(&curves, &norm).unwrap().both.unwrap();
         // a sine of amplitude a over whole periods has the root mean square a/√2, but for the one point that is there twice
         approx::assert_relative_eq!(found.without_offset, 0.05 / 2_f64.sqrt(), max_relative = 0.02);
-        approx::assert_relative_eq!(found.whole, found.without_offset.hypot(0.1), epsilon = 1e-12);
+        approx::assert_relative_eq!(
+            found.whole.unwrap(),
+            found.without_offset.hypot(0.1),
+            epsilon = 1e-12
+        );
+    }
+
+    #[test]
+    fn of_angles_from_another_zero_only_the_form_is_scored() {
+        let (curves, norm) = walk(0.1);
+        let found = indices(&curves, &norm.clone().for_zero(Zero::Standing)).unwrap();
+        let both = found.both.unwrap();
+        assert_eq!(both.whole, None);
+        approx::assert_relative_eq!(both.without_offset, 0.0, epsilon = 1e-12);
+        // against the direction of walking there is no standing pose
+        let score = |angle| found.variables[&(Side::Left, angle)].whole;
+        assert!(score(Angle::FootProgression).is_some() && score(Angle::KneeFlexion).is_none());
+        assert_eq!(norm.clone().for_zero(Zero::Anatomical), norm);
     }
 
     #[test]

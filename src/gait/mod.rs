@@ -16,6 +16,7 @@
 //! | `angle.rs`      | names and signs of joint angles; `angles.rs`: the angles of parts  |
 //! | `curves.rs`     | angles over the gait cycle                                         |
 //! | `trials/`       | several trials: spreads, and changes between sessions                |
+//! | `neutral.rs`    | a standing pose as the zero of angles                              |
 //! | `indices.rs`    | scores against healthy people; `beyond.rs`: numbers beyond theirs  |
 //! | `own_norm.rs`   | healthy people of one's own, from several walks                    |
 
@@ -32,6 +33,7 @@ mod indices;
 mod landmark;
 mod landmark_axes;
 mod movement;
+mod neutral;
 mod own_norm;
 mod parameters;
 mod passes;
@@ -51,6 +53,7 @@ pub use events::{Agreement, Event, EventKind};
 pub use indices::{Band, Indices, Norm, SCORE_POINTS, Score, VARIABLES, indices};
 pub use landmark::{Landmark, Paired, Side};
 pub use movement::{Movement, MovementError, Track, Used};
+pub use neutral::{NeutralError, NeutralPose, Zero};
 pub use own_norm::{LEAST_PEOPLE, OfPeople, of_people};
 pub use parameters::{Parameter, Parameters, Statistic};
 pub use segments::{Axes, Limb, Segment, Segments};
@@ -111,6 +114,8 @@ pub struct GaitAnalysis {
     pub angles: AngleTracks,
     /// Angles over the cycle.
     pub curves: Vec<Curve>,
+    /// The standing pose that angles are counted from, if they are.
+    pub neutral: Option<NeutralPose>,
     /// Angles that cannot be known, and why.
     pub unknown: Vec<(Angle, &'static str)>,
     /// What a person should know.
@@ -230,6 +235,7 @@ fn analysis(
         parameters,
         angles,
         curves,
+        neutral: None,
         notes,
     })
 }

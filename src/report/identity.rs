@@ -7,7 +7,7 @@ use maud::{Markup, html};
 use super::joints::stand_alone;
 use super::page::{Page, footwear_note};
 use super::{ReportInput, Subject, Words};
-use crate::gait::{EventSource, Norm, Side, Surface};
+use crate::gait::{EventSource, NeutralPose, Norm, Side, Surface};
 use crate::io::gait::Sex;
 use crate::io::result::ResultFile;
 
@@ -119,6 +119,9 @@ pub(super) fn method<'a>(input: &ReportInput<'a>) -> Vec<Row<'a>> {
 
     rows.push((words.of("Events"), events(gait.event_source, words).into()));
     rows.push((words.of("Filter"), filter(input)));
+    if let Some(pose) = &gait.neutral {
+        rows.push((words.of("Zero of angles"), zero(pose, words)));
+    }
 
     if let Some(norm) = input.norm {
         rows.push((words.of("Norm"), format!("{}: {}", norm.name, norm.source)));
@@ -138,6 +141,13 @@ fn events(source: EventSource, words: &Words) -> &str {
             words.of("foot strikes and foot offs as a person corrected them (events.json)")
         }
     }
+}
+
+fn zero(pose: &NeutralPose, words: &Words) -> String {
+    words.fill(
+        "the standing pose in {trial}, but for rotation of pelvis and trunk and for foot progression; a joint that cannot reach it does not show",
+        &[("trial", &pose.source)],
+    )
 }
 
 fn filter(input: &ReportInput<'_>) -> String {

@@ -229,7 +229,7 @@ fn strides(figure: Figure, curve: &Curve) -> Figure {
 }
 
 pub(super) fn norm_band(norm: Option<&Norm>, angle: Angle) -> Option<Vec<(f64, f64, f64)>> {
-    let band = norm?.curves.get(&angle)?;
+    let band = norm?.band(angle)?;
     let step = 100.0 / (band.mean.len() as f64 - 1.0);
     let points = band.mean.iter().zip(&band.sd).enumerate();
     let at = |(i, (mean, sd)): (usize, (&f64, &f64))| {

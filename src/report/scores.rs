@@ -110,7 +110,7 @@ fn scores(indices: &Indices, words: &Words) -> Markup {
             (words.fill("Root mean square distance from the norm's mean (Baker 2009); a full bar is {n}°.", &[("n", &FULL_BAR_DEG)])) " "
             @match indices.both {
                 Some(both) => (words.fill("Gait Profile Score of both sides: {n}° ({rest}°).", &[
-                    ("n", &degrees(both.whole, words)), ("rest", &degrees(both.without_offset, words))
+                    ("n", &degrees(both.whole, words)), ("rest", &degrees(Some(both.without_offset), words))
                 ])),
                 None => (words.of("A Gait Profile Score needs all nine variables; that of both sides is absent.")),
             }
@@ -123,17 +123,17 @@ fn scores(indices: &Indices, words: &Words) -> Markup {
 /// Degrees that fill a bar.
 const FULL_BAR_DEG: f64 = 30.0;
 
-fn degrees(angle: f64, words: &Words) -> String {
-    words.number(Some(angle.to_degrees()), 1)
+fn degrees(angle: Option<f64>, words: &Words) -> String {
+    words.number(angle.map(f64::to_degrees), 1)
 }
 
 /// A score in degrees, and its bar.
 fn bar(score: Option<Score>, side: Side, words: &Words) -> Markup {
-    let whole_deg = score.map_or(0.0, |score| score.whole.to_degrees());
+    let whole_deg = score.and_then(|score| score.whole).map_or(0.0, f64::to_degrees);
     let percent = (100.0 * whole_deg / FULL_BAR_DEG).clamp(0.0, 100.0);
     html! {
         @match score {
-            Some(score) => span class="score" { (degrees(score.whole, words)) " " small { "(" (degrees(score.without_offset, words)) ")" } },
+            Some(score) => span class="score" { (degrees(score.whole, words)) " " small { "(" (degrees(Some(score.without_offset), words)) ")" } },
             None => span class="score" { (words.number(None, 1)) },
         }
         span class={ "bar " (side.name()) } aria-hidden="true" { span style={ "width:" (format!("{percent:.0}")) "%" } {} }

@@ -13,7 +13,7 @@ use super::{
 };
 use crate::gait::trials::{Measure, Quantity, Spread};
 use crate::gait::{Angle, GaitAnalysis, Norm, Parameter, Side};
-use crate::io::session::SessionFile;
+use crate::io::session::{SessionFile, TrialPart};
 
 /// A trial and what its own report shows.
 #[derive(Debug, Clone, Copy)]
@@ -164,7 +164,14 @@ fn headlines(spreads: &BTreeMap<Measure, Spread>, words: &Words) -> Markup {
 /// What each trial is worth.
 fn trials<'a>(input: &SessionInput<'_>, words: &'a Words) -> Page<'a> {
     let file = input.file;
-    let strides = |gait: &GaitAnalysis, side| gait.cycles.iter().filter(|c| c.side == side).count();
+    let strides = |name: &str, side| {
+        let trial = input.trials.iter().find(|trial| trial.name == name)?;
+        Some(trial.input.gait.cycles.iter().filter(|c| c.side == side).count())
+    };
+    let condition = |part: &TrialPart| match (&part.condition, part.standing) {
+        (_, true) => html! { (words.of("standing: the zero of all angles")) },
+        (condition, false) => html! { (condition.as_deref().unwrap_or("–")) },
+    };
     let names = [
         words.of("Trial"),
         words.of("Condition"),
@@ -180,11 +187,11 @@ fn trials<'a>(input: &SessionInput<'_>, words: &'a Words) -> Page<'a> {
             div class="scroll" role="group" tabindex="0" aria-label=(words.of("Table")) {
                 table class="numbers" {
                     thead { tr { @for name in names { th scope="col" { (name) } } } }
-                    tbody { @for (part, trial) in file.trials.iter().zip(input.trials) { tr {
+                    tbody { @for part in &file.trials { tr {
                         th scope="row" { (part.name) }
-                        td { (part.condition.as_deref().unwrap_or("–")) }
+                        td { (condition(part)) }
                         td { (words.number(Some(part.frames as f64 / part.fps), 1)) }
-                        @for side in Side::BOTH { td { (strides(trial.input.gait, side)) } }
+                        @for side in Side::BOTH { td { @match strides(&part.name, side) { Some(count) => (count), None => "–" } } }
                         td { (verdict(input, &part.name, part.verdict.as_deref(), words)) }
                     } } }
                 }

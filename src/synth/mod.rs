@@ -41,7 +41,7 @@ pub use curves::Curve;
 pub use film::{Company, Film, FilmError, FilmRecipe, Shot, Staging, Studio};
 pub use make::Make;
 pub use noise::SegmentationErrors;
-pub use recording::{Recipe, Synthetic, sample_walker};
+pub use recording::{Action, Recipe, Synthetic, sample_walker};
 pub use scene::Ring;
 pub use shape::draw_shape;
 pub use walk::{Ground, Walk, WalkError};

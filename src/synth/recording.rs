@@ -110,6 +110,8 @@ pub struct Recipe {
     pub frames: Option<usize>,
     /// Frames per second.
     pub fps: f64,
+    /// What the person does.
+    pub action: Action,
     /// What the person walks on.
     pub ground: Ground,
     /// What the person is made of.
@@ -122,6 +124,16 @@ pub struct Recipe {
     pub stereo: Option<StereoPair>,
 }
 
+/// What a person does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Action {
+    /// Walks.
+    #[default]
+    Walk,
+    /// Stands still, every joint at rest.
+    Stand,
+}
+
 impl Default for Recipe {
     /// The sample recording: one gait cycle at 50 Hz, six cameras with a little distortion, mild errors.
     fn default() -> Self {
@@ -131,6 +143,7 @@ impl Default for Recipe {
             trial: 0,
             frames: None,
             fps: 50.0,
+            action: Action::Walk,
             ground: Ground::Floor,
             make: Make::Metaballs,
             ring: Ring {
@@ -195,7 +208,10 @@ impl Recipe {
     pub fn walker(&self, model: &BodyModel) -> Result<Synthetic, WalkError> {
         let middle_world = self.ring.target_world.coords.xy();
         let (shape, walk) = person(model, self.seed, middle_world);
-        let walk = Walk { ground: self.ground, ..self.of_trial(walk) };
+        let mut walk = Walk { ground: self.ground, ..self.of_trial(walk) };
+        if self.action == Action::Stand {
+            walk.style = WalkingStyle::standing();
+        }
         let cycle = (self.fps / walk.style.stride_hz).ceil() as usize;
         let mut motions = walk.motions(model, &shape, self.fps, self.frames.unwrap_or(cycle))?;
         let skin = self.make.skin(model, &shape, &mut stream(self.seed, SKIN))?;

@@ -64,6 +64,13 @@ impl WalkingStyle {
         Self::departing(&mut || bounded_normal(rng))
     }
 
+    /// Somebody who stands still: every joint at rest.
+    pub fn standing() -> Self {
+        let still = || Curve { mean: 0.0, harmonics: Vec::new() };
+        let pelvis = [still(), still(), still()];
+        Self { stride_hz: STRIDE_HZ, pelvis, joints: BTreeMap::new() }
+    }
+
     /// The same person on another trial: cadence and the amplitude of all movements differ by 2 % (E; healthy adults vary by 1 to 3 %
     /// from trial to trial).
     #[must_use]

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::{CalibrateError, OwnNormError, SessionError, SyncError};
+use super::{CalibrateError, OwnNormError, SessionError, StandingError, SyncError};
 use crate::gait::{GaitError, MovementError};
 use crate::io::calibration::CalibrationWriteError;
 use crate::io::export::{BvhError, C3dError, GlbError};
@@ -73,6 +73,9 @@ pub enum Error {
     /// A movement without gait.
     #[error(transparent)]
     Gait(#[from] GaitError),
+    /// A standing pose that cannot be used.
+    #[error(transparent)]
+    Standing(#[from] StandingError),
     /// Corrected events that cannot be used.
     #[error(transparent)]
     Events(#[from] EventsError),

@@ -1,13 +1,13 @@
 //! A gait analysis with what it was made from, of a fit or of points of any system.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
 use super::{Error, FittedRecording};
 use crate::gait::{
-    GaitAnalysis, GaitOptions, Indices, Movement, Norm, StatedEvent, analyse, analyse_stated,
-    indices,
+    GaitAnalysis, GaitOptions, Indices, Movement, NeutralError, NeutralPose, Norm, StatedEvent,
+    analyse, analyse_stated, indices,
 };
 use crate::io::folder::OutFolder;
 use crate::io::gait::{
@@ -65,6 +65,53 @@ pub enum NormChoice<'a> {
     /// Nobody.
     None,
 }
+
+/// Why a trial gives no zero for the angles of another.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum StandingError {
+    /// A fit and points.
+    #[error(
+        "{}: a standing pose and a walk are both fits of one body, or both points of one set of markers",
+        path.display()
+    )]
+    OtherKind {
+        /// The standing trial.
+        path: PathBuf,
+    },
+    /// Another person.
+    #[error(
+        "{}: the legs are {there_m:.3} m long there and {here_m:.3} m in the walk: another person, or another scale",
+        path.display()
+    )]
+    OtherPerson {
+        /// The standing trial.
+        path: PathBuf,
+        /// Hip to knee to ankle.
+        there_m: f64,
+        /// In the walk.
+        here_m: f64,
+    },
+    /// A fit that cannot be used.
+    #[error("{}: {why}", path.display())]
+    Unusable {
+        /// The standing trial.
+        path: PathBuf,
+        /// Why.
+        why: String,
+    },
+    /// Nobody who stands still.
+    #[error("{name}: {source}")]
+    Neutral {
+        /// The standing trial.
+        name: String,
+        /// Why.
+        source: NeutralError,
+    },
+}
+
+/// Legs that differ by more of their length are not of one person.
+const OTHER_LEGS: f64 = 0.05;
 
 impl GaitStudy {
     /// Reads a fit or points of any system and analyses the gait, against the shipped norm.
@@ -126,6 +173,49 @@ impl GaitStudy {
         Ok(Self { analysis, norm: NormChoice::Shipped.read(None)?, input, result })
     }
 
+    /// The same with angles from the pose of somebody who stands still, in the folder of a fit by the same body or a TRC file of the same markers.
+    ///
+    /// # Errors
+    /// [`Error::Standing`], and as [`GaitStudy::open`] of that trial.
+    pub fn from_standing(self, standing: &Path) -> Result<Self, Error> {
+        let path = || standing.to_path_buf();
+        let (input, result) = match (&self.input.body, standing.is_dir()) {
+            (Some(body), true) => {
+                let result = ResultFile::read(standing)?;
+                (from_result(&result, body.model.clone(), None)?, Some(result))
+            }
+            (None, false) => (read_points(standing, None)?, None),
+            _ => return Err(StandingError::OtherKind { path: path() }.into()),
+        };
+        let stands = Self::new(input, result, None, &GaitOptions::default())?;
+        if let Err(fault) = stands.usable() {
+            return Err(StandingError::Unusable { path: path(), why: fault.to_string() }.into());
+        }
+        let lengths = stands.analysis.leg_length_m.zip(self.analysis.leg_length_m);
+        if let Some((there_m, here_m)) = lengths
+            && (there_m / here_m - 1.0).abs() > OTHER_LEGS
+        {
+            return Err(StandingError::OtherPerson { path: path(), there_m, here_m }.into());
+        }
+        let pose = stands.neutral_pose(&standing.display().to_string())?;
+        Ok(self.from_neutral(&pose))
+    }
+
+    /// How the person of this trial stands.
+    ///
+    /// # Errors
+    /// [`Error::Standing`] if they do not stand still.
+    pub(super) fn neutral_pose(&self, name: &str) -> Result<NeutralPose, Error> {
+        let named = |source| StandingError::Neutral { name: name.into(), source };
+        Ok(NeutralPose::of(&self.analysis, name).map_err(named)?)
+    }
+
+    /// The same with angles from a standing pose.
+    pub(super) fn from_neutral(self, pose: &NeutralPose) -> Self {
+        let analysis = self.analysis.from_neutral(pose);
+        Self { norm: self.norm.map(|norm| norm.for_zero(analysis.zero())), analysis, ..self }
+    }
+
     /// The same compared with another norm, and its steps and strides with people of this age and sex.
     ///
     /// # Errors
@@ -143,6 +233,7 @@ impl GaitStudy {
         {
             add_parameters(norm, age, sex)?;
         }
+        let norm = norm.map(|norm| norm.for_zero(self.analysis.zero()));
         Ok(Self { norm, ..self })
     }
 

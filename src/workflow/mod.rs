@@ -58,7 +58,7 @@ pub use error::Error;
 pub use export::ExportFormat;
 pub use fit::FitFolder;
 pub use fitted::{AngleTrack, FittedRecording, Length};
-pub use gait::{EventChoice, GaitSource, GaitStudy, NormChoice};
+pub use gait::{EventChoice, GaitSource, GaitStudy, NormChoice, StandingError};
 pub use input::DEFAULT_BODY;
 pub use lenses::LensRig;
 pub use masks::{MaskFiles, WrittenMasks};

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::session::SessionStudy;
 use super::{Error, NormChoice};
-use crate::gait::{Footwear, GaitAnalysis, LEAST_PEOPLE, Norm, OfPeople, of_people};
+use crate::gait::{Footwear, GaitAnalysis, LEAST_PEOPLE, Norm, OfPeople, Zero, of_people};
 use crate::io::folder::origin;
 
 /// People whose norm is made.
@@ -55,6 +55,16 @@ pub enum OwnNormError {
         /// In words.
         other: &'static str,
     },
+    /// Angles from a standing pose, and angles from anatomical axes.
+    #[error(
+        "{first} has a standing trial, {second} has none: a norm counts the angles of all its people from one zero"
+    )]
+    Zero {
+        /// A path.
+        first: String,
+        /// Another path.
+        second: String,
+    },
     /// A walk that cannot be used.
     #[error("{path}: {why}")]
     Unusable {
@@ -87,11 +97,12 @@ impl NormPeople<'_> {
         for person in &people {
             walks.push(usable(person)?);
         }
+        let zero = one_zero(&people)?;
         let common = of_people(&walks);
         if common.curves.is_empty() && common.parameters.is_empty() {
             return Err(OwnNormError::NothingInCommon.into());
         }
-        Ok(self.named(common, &people, footwear))
+        Ok(Norm { zero, ..self.named(common, &people, footwear) })
     }
 
     fn named(&self, common: OfPeople, people: &[SessionStudy], footwear: Option<Footwear>) -> Norm {
@@ -160,6 +171,21 @@ fn usable(person: &SessionStudy) -> Result<Vec<&GaitAnalysis>, OwnNormError> {
         }
     }
     Ok(person.trials.iter().map(|(_, study)| &study.analysis).collect())
+}
+
+/// What the angles of all are counted from.
+fn one_zero(people: &[SessionStudy]) -> Result<Zero, OwnNormError> {
+    let zero =
+        |person: &&SessionStudy| person.trials.first().map(|(_, study)| study.analysis.zero());
+    let of = |wanted| people.iter().find(|person| zero(person) == Some(wanted));
+    match (of(Zero::Standing), of(Zero::Anatomical)) {
+        (Some(first), Some(second)) => {
+            let (first, second) = (shown(&first.path), shown(&second.path));
+            Err(OwnNormError::Zero { first, second })
+        }
+        (Some(_), None) => Ok(Zero::Standing),
+        (None, _) => Ok(Zero::Anatomical),
+    }
 }
 
 fn bodies(people: &[SessionStudy]) -> BTreeSet<String> {

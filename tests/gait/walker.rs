@@ -16,6 +16,8 @@ pub(crate) const RATE_HZ: f64 = 100.0;
 /// Of the mean of healthy adults, 0.94 strides a second.
 pub(crate) const STRIDE_S: f64 = 1.0 / 0.94;
 const FRAMES: usize = 420;
+/// How far the knees bend in a squat, radians.
+const SQUAT_KNEES: f64 = 1.5;
 
 #[derive(Clone)]
 pub(crate) struct Walker {
@@ -60,17 +62,27 @@ impl Walker {
 
     /// Somebody who bends hips and knees twice, feet in their place.
     pub(crate) fn squat() -> Self {
+        Self::on_the_spot(|frame| 0.5 * (1.0 - (0.03 * frame as f64).cos()))
+    }
+
+    /// Somebody who stands still with knees bent, radians.
+    pub(crate) fn standing(knees: f64) -> Self {
+        Self::on_the_spot(|_| knees / SQUAT_KNEES)
+    }
+
+    /// Somebody whose hips, knees and ankles bend by a share of a squat, frame by frame.
+    fn on_the_spot(bend: impl Fn(usize) -> f64) -> Self {
         let mut walker = Self::new(0.0);
         let joint = |name: &str| walker.model.joint(name).expect("a leg").0;
         let [hips, knees, ankles] = ["hip_flexion", "knee_flexion", "ankle_dorsiflexion"]
             .map(|name| [joint(&format!("{name}_l")), joint(&format!("{name}_r"))]);
         let foot = walker.model.point("LAnkle").expect("an ankle");
         for (i, motion) in walker.motions.iter_mut().enumerate() {
-            let bend = 0.5 * (1.0 - (0.03 * i as f64).cos());
+            let bend = bend(i);
             *motion = Motion::rest(&walker.model);
             for side in 0..2 {
                 motion.angles[hips[side]] = 1.2 * bend;
-                motion.angles[knees[side]] = 1.5 * bend;
+                motion.angles[knees[side]] = SQUAT_KNEES * bend;
                 motion.angles[ankles[side]] = 0.3 * bend;
             }
             // stand on the ankle

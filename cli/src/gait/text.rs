@@ -39,8 +39,11 @@ impl Summary<'_> {
         let (frames, fps) = (movement.frames, movement.rate_hz);
         let input = self.input.display();
         let named = movement.used.len();
+        let zero = gait.neutral.as_ref().map_or(String::new(), |pose| {
+            format!("angles are counted from the standing pose in {}\n", pose.source)
+        });
         format!(
-            "{input}: {frames} frames at {fps} Hz, {surface}{leg}; {named} points of the body were found (their names are in gait.json)\n"
+            "{input}: {frames} frames at {fps} Hz, {surface}{leg}; {named} points of the body were found (their names are in gait.json)\n{zero}"
         )
     }
 
@@ -155,7 +158,7 @@ impl Summary<'_> {
             Table::new(&["score, °", "left", "right", "left, no offset", "right, no offset"]);
         let row = |name: String, [left, right]: [Option<Score>; 2]| {
             let cell = |value: Option<f64>| value.map_or("–".into(), degrees);
-            let whole = [left, right].map(|score| cell(score.map(|s| s.whole)));
+            let whole = [left, right].map(|score| cell(score.and_then(|s| s.whole)));
             let rest = [left, right].map(|score| cell(score.map(|s| s.without_offset)));
             [name].into_iter().chain(whole).chain(rest).collect()
         };
@@ -170,7 +173,7 @@ impl Summary<'_> {
             None => "  GPS of both sides: – (it needs all nine variables)\n".into(),
             Some(Score { whole, without_offset }) => format!(
                 "  GPS of both sides: {}°; {}° without the offsets of the curves\n",
-                degrees(whole),
+                whole.map_or("– ".into(), degrees),
                 degrees(without_offset)
             ),
         };

@@ -81,7 +81,7 @@ fn a_session_that_is_none_is_refused_in_one_line() {
     fs::create_dir_all(arm.out("empty")).expect("a folder");
     session(&arm, "empty", &[]).refused(&["empty: no recordings there", "session.toml"]);
     session(&arm, "recording", &["--without", "walk"]).refused(&["--without walk", "recording"]);
-    session(&arm, "recording", &["--without", "recording"]).refused(&["leaves no trial"]);
+    session(&arm, "recording", &["--without", "recording"]).refused(&["leaves no walk"]);
     for (text, expected) in [
         ("[person]\nbirthdate = \"1953-04-12\"\n", "session.toml:2: unknown field `birthdate`"),
         ("[person]\nbirth_date = \"53-4-12\"\n", "expected a day as 1953-04-12"),
@@ -146,7 +146,9 @@ fn of_conditions(arm: &Arm) -> SessionStudy {
         let (folder, alone) = (path.clone(), path);
         let (frames, fps, verdict) = (0, 100.0, None);
         let name = name.into();
-        file.trials.push(TrialPart { name, condition, folder, alone, frames, fps, verdict });
+        let standing = false;
+        let part = TrialPart { name, condition, standing, folder, alone, frames, fps, verdict };
+        file.trials.push(part);
     }
     SessionStudy { name: "both".into(), path: arm.out("both"), file: Some(file), trials }
 }

@@ -49,6 +49,53 @@ fn a_walk_gives_tables_and_four_files() {
     }
 }
 
+/// What the program says of a walk with angles from a standing pose.
+fn said_from(standing: &Walker, more: &[&str]) -> Result<(String, TempDir), String> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("standing.trc");
+    std::fs::write(&path, standing.trc()).expect("a file");
+    let path = path.display().to_string();
+    said(&Walker::new(0.4).trc(), &[&["--neutral", &path], more].concat())
+}
+
+/// `gait.json`, and the mean curve of the left knee's flexion in it.
+fn of_the_knee(folder: &TempDir) -> (serde_json::Value, Vec<f64>) {
+    let json = std::fs::read_to_string(folder.path().join("walk_gait/gait.json"));
+    let json: serde_json::Value = serde_json::from_str(&json.expect("gait.json")).expect("JSON");
+    let curves = json["curves"].as_array().expect("curves");
+    let knee = curves.iter().find(|c| c["angle"] == "knee_flexion" && c["side"] == "left");
+    let mean = knee.expect("a knee")["mean_deg"].as_array().expect("a curve").clone();
+    (json, mean.iter().filter_map(serde_json::Value::as_f64).collect())
+}
+
+#[test]
+fn angles_are_counted_from_a_standing_pose() {
+    let (_, whole) = said(&Walker::new(0.4).trc(), &[]).expect("a walk");
+    let bent = 0.2_f64;
+    let (text, folder) = said_from(&Walker::standing(bent), &[]).expect("a walk");
+    let ((_, before), (json, after)) = (of_the_knee(&whole), of_the_knee(&folder));
+    for (before, after) in before.iter().zip(&after) {
+        approx::assert_relative_eq!(before - after, bent.to_degrees(), epsilon = 0.3);
+    }
+    assert_eq!(json["neutral"]["angles"].as_array().map(Vec::is_empty), Some(false));
+    assert!(text.contains("angles are counted from the standing pose in "), "{text}");
+    // a norm of anatomical axes compares by form alone
+    let score = text.lines().find(|line| line.contains("GVS knee_flexion")).expect("a score");
+    assert_eq!(score.split_whitespace().nth(2), Some("–"), "{score}");
+    assert!(json["indices"]["variables"][3]["without_offset"].is_number());
+}
+
+#[test]
+fn a_trial_that_is_no_standing_pose_of_the_person_is_refused() {
+    let line = said_from(&Walker::squat(), &[]).expect_err("somebody who moves");
+    assert!(line.contains("flexion varies by ± "), "{line}");
+    let child = Walker::standing(0.1).scaled(0.7);
+    let line = said_from(&child, &[]).expect_err("another person");
+    assert!(line.contains("another person, or another scale"), "{line}");
+    let line = said(&Walker::new(0.4).trc(), &["--neutral", "."]).expect_err("a folder");
+    assert!(line.contains("both fits of one body, or both points"), "{line}");
+}
+
 #[test]
 fn spaces_for_tabs_are_read_as_tabs_are() {
     let trc = Walker::new(0.4).trc();

@@ -101,7 +101,7 @@ pub fn measured(gait: &GaitAnalysis, norm: Option<&Norm>) -> Vec<(Measure, Measu
     let Some(scores) = scores else { return all };
     let score = |angle, side| {
         let (score, curve) = (scores.variables.get(&(side, angle))?, curve(angle, side)?);
-        Some(of_score(score.whole.to_degrees(), curve))
+        Some(of_score(score.whole?.to_degrees(), curve))
     };
     for angle in VARIABLES {
         add(Quantity::VariableScore(angle), &|side| score(angle, side));
@@ -114,11 +114,16 @@ pub fn measured(gait: &GaitAnalysis, norm: Option<&Norm>) -> Vec<(Measure, Measu
         VARIABLES.iter().map(|angle| score(*angle, side)).collect()
     };
     add(Quantity::ProfileScore, &|side| {
-        Some(profile(of_side(side)?.whole.to_degrees(), &variables(side)?))
+        Some(profile(of_side(side)?.whole?.to_degrees(), &variables(side)?))
     });
     add(Quantity::ProfileScoreWithoutOffset, &|side| {
-        let value = of_side(side)?.without_offset.to_degrees();
-        Some(Measured { value, fit_sd: None, ..profile(value, &variables(side)?) })
+        let strides = VARIABLES.iter().filter_map(|angle| Some(curve(*angle, side)?.strides.len()));
+        Some(Measured {
+            value: of_side(side)?.without_offset.to_degrees(),
+            strides: strides.min().unwrap_or(0),
+            strides_sd: None,
+            fit_sd: None,
+        })
     });
     all
 }

@@ -37,6 +37,7 @@ pub fn pooled(trials: &[NamedTrial<'_>]) -> Option<GaitAnalysis> {
         parameters: parameters(trials),
         angles: BTreeMap::new(),
         curves: curves(trials),
+        neutral: first.neutral.clone(),
         unknown: first.unknown.clone(),
         notes: noted.collect(),
     })

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use crate::gait::{Angle, Band, Footwear, Norm, Parameter, SCORE_POINTS};
+use crate::gait::{Angle, Band, Footwear, Norm, Parameter, SCORE_POINTS, Zero};
 use crate::io::input;
 
 /// The shipped norms, name and text; an age takes the first whose ages hold it.
@@ -63,6 +63,9 @@ struct NormFile {
     source: String,
     /// What its people wore.
     footwear: Option<Footwear>,
+    /// What its angles are counted from.
+    #[serde(default)]
+    zero: Zero,
     /// First and last year of life of its people.
     ages: Option<[u32; 2]>,
     /// What to know before a person is compared with it.
@@ -138,6 +141,7 @@ pub fn parse_norm(text: &str, path: &Path) -> Result<Norm, NormError> {
         ages: file.ages,
         remarks: file.remarks,
         footwear: file.footwear,
+        zero: file.zero,
         parameters_footwear: file.footwear,
         parameters: parameters(file.parameter, path)?,
         ..Norm::default()

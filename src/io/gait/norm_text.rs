@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::gait::Norm;
+use crate::gait::{Norm, Zero};
 
 /// Least standard deviation that is written, in the unit of its row: a norm without spread cannot be read.
 const LEAST_SD: f64 = 0.001;
@@ -13,6 +13,9 @@ pub fn norm_text(norm: &Norm) -> String {
     let mut text = format!("name = {}\nsource = {}\n", quoted(&norm.name), quoted(&norm.source));
     if let Some(Ok(word)) = norm.footwear.map(toml::Value::try_from) {
         let _ = writeln!(text, "footwear = {word}");
+    }
+    if norm.zero == Zero::Standing {
+        text += "zero = \"standing\"\n";
     }
     if let Some([first, last]) = norm.ages {
         let _ = writeln!(text, "ages = [{first}, {last}]");
@@ -53,6 +56,7 @@ mod tests {
         norm.source = "a \"quoted\" source".into();
         norm.parameters.insert(crate::gait::Parameter::Speed, (1.25, 0.15));
         norm.parameters_footwear = norm.footwear;
+        norm.zero = Zero::Standing;
         let read = parse_norm(&norm_text(&norm), Path::new("own.toml")).unwrap();
         for (angle, band) in &norm.curves {
             for (ours, theirs) in

@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use super::read::GaitInput;
 use crate::gait::{
-    Agreement, Angle, Curve, Event, EventSource, Extremes, GaitAnalysis, Indices, Norm, Parameter,
-    Score, Side, Statistic, Surface, Used, indices,
+    Agreement, Angle, Curve, Event, EventSource, Extremes, GaitAnalysis, Indices, NeutralPose,
+    Norm, Parameter, Score, Side, Statistic, Surface, Used, indices,
 };
 
 /// A gait analysis. Version 1.
@@ -47,6 +47,8 @@ struct GaitFile<'a> {
     indices: Option<IndicesPart>,
     /// The norm.
     norm: Option<NormPart<'a>>,
+    /// The standing pose that angles are counted from; `None`: anatomical axes.
+    neutral: Option<NeutralPart<'a>>,
     /// Angles that cannot be known, and why.
     unknown: Vec<UnknownPart>,
     /// What a person should know.
@@ -123,6 +125,26 @@ struct UnknownPart {
     reason: &'static str,
 }
 
+/// A standing pose.
+#[derive(Debug, Serialize)]
+struct NeutralPart<'a> {
+    /// The trial that shows it.
+    source: &'a str,
+    /// Its angles.
+    angles: Vec<NeutralAngle>,
+}
+
+/// An angle of a standing pose.
+#[derive(Debug, Serialize)]
+struct NeutralAngle {
+    /// Which.
+    angle: Angle,
+    /// Whose.
+    side: Side,
+    /// What was taken from it.
+    deg: f64,
+}
+
 /// Scores against a norm, degrees.
 #[derive(Debug, Serialize)]
 struct IndicesPart {
@@ -156,8 +178,8 @@ struct VariablePart {
     angle: Angle,
     /// Whose.
     side: Side,
-    /// GVS, degrees.
-    score: f64,
+    /// GVS, degrees; absent where the norm counts the angle from another zero.
+    score: Option<f64>,
     /// GVS₀, degrees.
     without_offset: f64,
 }
@@ -194,9 +216,20 @@ pub fn gait_file<'a>(
             parameters_source: norm.parameters_source.as_deref(),
             remarks: &norm.remarks,
         }),
+        neutral: gait.neutral.as_ref().map(neutral),
         unknown: gait.unknown.iter().map(unknown).collect(),
         notes: &gait.notes,
     }
+}
+
+fn neutral(pose: &NeutralPose) -> NeutralPart<'_> {
+    let angles = pose.angles.iter();
+    let angles = angles.map(|(&(side, angle), radians)| NeutralAngle {
+        angle,
+        side,
+        deg: radians.to_degrees(),
+    });
+    NeutralPart { source: &pose.source, angles: angles.collect() }
 }
 
 fn parameters(gait: &GaitAnalysis) -> Vec<ParameterPart<'_>> {
@@ -249,10 +282,10 @@ fn scores(indices: &Indices) -> IndicesPart {
     let part = |(&(side, angle), score): (&(Side, Angle), &Score)| VariablePart {
         angle,
         side,
-        score: score.whole.to_degrees(),
+        score: score.whole.map(f64::to_degrees),
         without_offset: score.without_offset.to_degrees(),
     };
-    let whole = |score: Option<Score>| Some(score?.whole.to_degrees());
+    let whole = |score: Option<Score>| Some(score?.whole?.to_degrees());
     let rest = |score: Option<Score>| Some(score?.without_offset.to_degrees());
 
     IndicesPart {

@@ -16,7 +16,7 @@ pub fn curves_csv(gait: &GaitAnalysis, norm: Option<&Norm>) -> std::io::Result<V
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(heading.map(str::to_owned).into_iter().chain(stride_names))?;
     for curve in &gait.curves {
-        let band = norm.and_then(|norm| norm.curves.get(&curve.angle));
+        let band = norm.and_then(|norm| norm.band(curve.angle));
         for percent in 0..curve.mean.len() {
             writer.write_record(curve_row(curve, band, percent, strides))?;
         }

@@ -73,6 +73,9 @@ pub struct TrialPart {
     /// What is particular to it.
     #[serde(default)]
     pub condition: Option<String>,
+    /// Whether the person stands still in it: the zero of the angles of all others.
+    #[serde(default)]
+    pub standing: bool,
     /// The folder of its result with the one body, from that of the session.
     pub folder: PathBuf,
     /// The folder of its fit alone.
@@ -184,6 +187,7 @@ mod tests {
         let trial = TrialPart {
             name: "walk_1".into(),
             condition: None,
+            standing: false,
             folder: "trials/walk_1".into(),
             alone: "alone/walk_1".into(),
             frames: 90,

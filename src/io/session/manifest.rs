@@ -40,6 +40,9 @@ pub struct TrialEntry {
     /// What is particular to it.
     #[serde(default)]
     pub condition: Option<String>,
+    /// Whether the person stands still in it: the zero of the angles of all others.
+    #[serde(default)]
+    pub standing: bool,
 }
 
 impl SessionManifest {
@@ -57,6 +60,9 @@ impl SessionManifest {
         })?;
         if manifest.trials.is_empty() {
             return Err(SessionFileError::NoTrials { path: path.into() });
+        }
+        if manifest.trials.iter().all(|trial| trial.standing) {
+            return Err(SessionFileError::NoWalks { path: path.into() });
         }
         let folder = path.parent().unwrap_or(Path::new(""));
         let trials = manifest.trials.into_iter();
@@ -86,7 +92,8 @@ impl TrialEntry {
         let whole = recording.canonicalize().unwrap_or_else(|_| recording.into());
         let folder = if whole.is_file() { whole.parent().unwrap_or(&whole) } else { &whole };
         let name = folder.file_name().map(|name| name.to_string_lossy().into_owned());
-        Self { name: name.unwrap_or_default(), recording: recording.into(), condition: None }
+        let name = name.unwrap_or_default();
+        Self { name, recording: recording.into(), condition: None, standing: false }
     }
 
     /// The name of its folder.
@@ -97,7 +104,7 @@ impl TrialEntry {
     fn below(self, folder: &Path) -> Self {
         let own = Self::of(&folder.join(&self.recording));
         let name = if self.name.is_empty() { own.name } else { self.name };
-        Self { name, recording: own.recording, condition: self.condition }
+        Self { name, recording: own.recording, ..self }
     }
 }
 
@@ -131,6 +138,8 @@ mod tests {
         let fault = read("[person]\nbirth_date = \"12.4.53\"\n").unwrap_err();
         assert!(fault.contains(":2: ") && fault.contains("1953-04-12"), "{fault}");
         assert!(read("[person]\nid = \"x\"").unwrap_err().contains("no trials"));
+        let standing = read("[[trial]]\nrecording = \"a\"\nstanding = true");
+        assert!(standing.unwrap_err().contains("every trial is a standing one"));
         let twice = read("[[trial]]\nrecording = \"a/w\"\n[[trial]]\nrecording = \"b/w\"");
         assert!(twice.unwrap_err().contains("two trials are named w"));
     }

@@ -47,6 +47,12 @@ pub enum SessionFileError {
         /// The file.
         path: PathBuf,
     },
+    /// A `session.toml` that names no walk.
+    #[error("{}: every trial is a standing one: expected a walk as well", path.display())]
+    NoWalks {
+        /// The file.
+        path: PathBuf,
+    },
     /// A folder without recordings.
     #[error(
         "{}: no recordings there: expected session.toml, or folders that each hold masks, videos, images or a sequence.toml",

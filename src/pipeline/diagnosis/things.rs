@@ -41,6 +41,8 @@ const LEAST_SHARE: f64 = 0.02;
 const LEAST_APART: usize = 3;
 /// Of the height of the foreground around them what a person has at least who is not mostly still.
 const WHOLE: f64 = 0.75;
+/// Of its area likewise: of a trunk that stays where it is, only a rim moves.
+const HALF: f64 = 0.5;
 /// Of a person's height what they may reach beside what of them is not still.
 const REACH: f64 = 0.1;
 /// So often what is left is looked at again.
@@ -225,18 +227,22 @@ fn area(cells: &Mask) -> f64 {
     Runs::from_mask(cells).area() as f64
 }
 
-/// Where the largest piece is of what is foreground and not still; `None` unless it is nearly as tall as the piece of foreground around it.
+/// Where the largest piece is of what is foreground and not still; `None` unless it is nearly as tall as the piece of foreground around it, and
+/// half of it.
 fn moving(seen: &Mask, still: &Mask) -> Option<Region> {
     let pieces =
         |mask: &Mask| -> Vec<Component> { Runs::from_mask(mask).components(Connectivity::Eight).0 };
     let rest = Mask::from_fn(seen.width(), seen.height(), |x, y| {
         seen.is_foreground(x, y) && !still.is_foreground(x, y)
     });
-    let person = pieces(&rest).into_iter().max_by_key(|piece| piece.area)?.region;
-    let around = pieces(seen).into_iter().filter(|piece| holds(&piece.region, &person));
-    let around = around.min_by_key(|piece| piece.area)?.region;
-    let height = |region: &Region| (region.bottom - region.top) as f64;
-    (height(&person) >= WHOLE * height(&around)).then_some(person)
+    let person = pieces(&rest).into_iter().max_by_key(|piece| piece.area)?;
+    let around = pieces(seen).into_iter().filter(|piece| holds(&piece.region, &person.region));
+    let around = around.min_by_key(|piece| piece.area)?;
+
+    let height = |piece: &Component| (piece.region.bottom - piece.region.top) as f64;
+    let is_whole = height(&person) >= WHOLE * height(&around)
+        && person.area as f64 >= HALF * around.area as f64;
+    is_whole.then_some(person.region)
 }
 
 fn holds(outer: &Region, inner: &Region) -> bool {

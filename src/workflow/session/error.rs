@@ -91,6 +91,6 @@ pub enum SessionError {
         condition: String,
     },
     /// No trial.
-    #[error("--without leaves no trial out of all")]
+    #[error("--without leaves no walk of all trials")]
     NothingLeft,
 }

@@ -87,7 +87,7 @@ impl Session {
                 return Err(SessionError::NoTrial { name, known }.into());
             }
         }
-        if trials.is_empty() {
+        if trials.iter().all(|trial| trial.standing) {
             return Err(SessionError::NothingLeft.into());
         }
         self.without.extend_from_slice(names);
@@ -164,6 +164,7 @@ impl Session {
         let trials = entries.map(|(entry, fitted)| TrialPart {
             name: entry.name.clone(),
             condition: entry.condition.clone(),
+            standing: entry.standing,
             folder: Path::new(TRIALS).join(entry.folder()),
             alone: Path::new(ALONE).join(entry.folder()),
             frames: fitted.result.recording.frames,

@@ -7,9 +7,9 @@ use nalgebra::DMatrix;
 
 use super::FittedSession;
 use crate::gait::trials::{Measure, Measured, NamedTrial, Spread, measured, pooled, spreads};
-use crate::gait::{Curve, GaitAnalysis, GaitOptions, Norm};
+use crate::gait::{Curve, GaitAnalysis, GaitOptions, NeutralPose, Norm};
 use crate::io::gait::variation_csv;
-use crate::io::session::{SESSION, SessionFile};
+use crate::io::session::{SESSION, SessionFile, TrialPart};
 use crate::pipeline::{FittedBody, OneBody, one_body};
 use crate::workflow::{Error, EventChoice, GaitSource, GaitStudy, NormChoice};
 
@@ -22,7 +22,7 @@ pub struct SessionStudy {
     pub path: PathBuf,
     /// The session; `None` of one fit, or of points.
     pub file: Option<SessionFile>,
-    /// Trial by trial: the name, and its analysis.
+    /// Walk by walk: the name of the trial, and its analysis. Standing trials are the zero of their angles.
     pub trials: Vec<(String, GaitStudy)>,
 }
 
@@ -51,12 +51,19 @@ impl SessionStudy {
 
         let session = FittedSession::read(path, body)?;
         let (age, sex) = (session.file.age_years(), session.file.person.sex);
-        let mut trials = Vec::with_capacity(session.trials.len());
+        let (mut trials, mut poses) = (Vec::with_capacity(session.trials.len()), Vec::new());
         for (part, fitted) in session.file.trials.iter().zip(&session.trials) {
             let study = fitted
                 .gait_in(&path.join(&part.folder), EventChoice::Beside, &options)
                 .map_err(|source| super::named(&part.name, source))?;
-            trials.push((part.name.clone(), study.compared_with(norm, age, sex)?));
+            match part.standing {
+                true => poses.push(study.neutral_pose(&part.name)?),
+                false => trials.push((part.name.clone(), study.compared_with(norm, age, sex)?)),
+            }
+        }
+        if let Some(pose) = NeutralPose::mean_of(&poses) {
+            let from_pose = |(name, study): (String, GaitStudy)| (name, study.from_neutral(&pose));
+            trials = trials.into_iter().map(from_pose).collect();
         }
         Ok(Self { name, path: path.into(), file: Some(session.file), trials })
     }
@@ -64,8 +71,7 @@ impl SessionStudy {
     /// The conditions of its trials, each once, in the order of the trials.
     pub fn conditions(&self) -> Vec<String> {
         let mut conditions: Vec<String> = Vec::new();
-        let trials = self.file.iter().flat_map(|file| &file.trials);
-        for condition in trials.filter_map(|trial| trial.condition.as_ref()) {
+        for condition in self.walks().filter_map(|trial| trial.condition.as_ref()) {
             if !conditions.contains(condition) {
                 conditions.push(condition.clone());
             }
@@ -73,9 +79,15 @@ impl SessionStudy {
         conditions
     }
 
+    /// The trials that are no standing pose.
+    fn walks(&self) -> impl Iterator<Item = &TrialPart> {
+        let trials = self.file.iter().flat_map(|file| &file.trials);
+        trials.filter(|trial| !trial.standing)
+    }
+
     /// The trials of one condition, as a session of its name.
     pub(super) fn of_condition(&self, condition: &str) -> Self {
-        let parts = self.file.iter().flat_map(|file| &file.trials);
+        let parts = self.walks();
         let own = parts.filter(|part| part.condition.as_deref() == Some(condition));
         let own: Vec<&String> = own.map(|part| &part.name).collect();
         let file = self.file.clone();
