@@ -86,7 +86,7 @@ impl SubjectArguments {
         norm: Option<&str>,
     ) -> Result<GaitStudy, CliError> {
         let study = match &self.neutral {
-            Some(standing) => study.from_standing(standing)?,
+            Some(standing) => study.counted_from_standing(standing)?,
             None => study,
         };
         Ok(study.compared_with(norm_choice(norm), self.age, self.sex)?)

@@ -105,7 +105,7 @@ impl GaitAnalysis {
     }
 
     /// The same with angles from a standing pose, for those that it has.
-    pub fn from_neutral(mut self, pose: &NeutralPose) -> Self {
+    pub fn counted_from(mut self, pose: &NeutralPose) -> Self {
         for (key, track) in &mut self.angles {
             let zero = pose.angles.get(key).copied().unwrap_or(0.0);
             track.iter_mut().for_each(|value| *value -= zero);
@@ -192,7 +192,7 @@ mod tests {
         let (stands, bends) = (standing(0.1, 0.0), standing(0.35, 0.0));
         let pose = NeutralPose::of(&stands, "standing").unwrap();
         let turned = &bends.angles[&(Side::Left, Angle::FootProgression)];
-        let from = bends.clone().from_neutral(&pose);
+        let from = bends.clone().counted_from(&pose);
         assert_eq!((bends.zero(), from.zero()), (Zero::Anatomical, Zero::Standing));
         assert_eq!(&from.angles[&(Side::Left, Angle::FootProgression)], turned);
         for side in Side::BOTH {

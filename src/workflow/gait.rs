@@ -177,7 +177,7 @@ impl GaitStudy {
     ///
     /// # Errors
     /// [`Error::Standing`], and as [`GaitStudy::open`] of that trial.
-    pub fn from_standing(self, standing: &Path) -> Result<Self, Error> {
+    pub fn counted_from_standing(self, standing: &Path) -> Result<Self, Error> {
         let path = || standing.to_path_buf();
         let (input, result) = match (&self.input.body, standing.is_dir()) {
             (Some(body), true) => {
@@ -198,7 +198,7 @@ impl GaitStudy {
             return Err(StandingError::OtherPerson { path: path(), there_m, here_m }.into());
         }
         let pose = stands.neutral_pose(&standing.display().to_string())?;
-        Ok(self.from_neutral(&pose))
+        Ok(self.counted_from(&pose))
     }
 
     /// How the person of this trial stands.
@@ -211,8 +211,8 @@ impl GaitStudy {
     }
 
     /// The same with angles from a standing pose.
-    pub(super) fn from_neutral(self, pose: &NeutralPose) -> Self {
-        let analysis = self.analysis.from_neutral(pose);
+    pub(super) fn counted_from(self, pose: &NeutralPose) -> Self {
+        let analysis = self.analysis.counted_from(pose);
         Self { norm: self.norm.map(|norm| norm.for_zero(analysis.zero())), analysis, ..self }
     }
 

@@ -62,7 +62,7 @@ impl SessionStudy {
             }
         }
         if let Some(pose) = NeutralPose::mean_of(&poses) {
-            let from_pose = |(name, study): (String, GaitStudy)| (name, study.from_neutral(&pose));
+            let from_pose = |(name, study): (String, GaitStudy)| (name, study.counted_from(&pose));
             trials = trials.into_iter().map(from_pose).collect();
         }
         Ok(Self { name, path: path.into(), file: Some(session.file), trials })
