@@ -98,7 +98,7 @@ impl Norm {
     /// The same for a walk whose angles are counted from this.
     pub fn for_zero(mut self, zero: Zero) -> Self {
         if self.zero != zero {
-            let from_a_pose = self.curves.keys().filter(|angle| !angle.is_against_heading());
+            let from_a_pose = self.curves.keys().filter(|angle| angle.has_standing_zero());
             self.only_form = from_a_pose.copied().collect();
             self.remarks.push("the walk and the norm count angles from another zero, a standing pose and anatomical axes: only the form of curves is compared, by scores without offset".into());
         }

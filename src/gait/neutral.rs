@@ -5,7 +5,8 @@
 //! median of the same angle over a standing trial, the angle *from the standing pose* is α − ᾱ. What both trials err by alike cancels.
 //! So does what the person cannot do: of a knee that never straightens it shows nothing.
 //!
-//! Angles against the direction of walking have no standing pose: rotation of pelvis and trunk, and foot progression. They stay.
+//! Some angles stay as they are. Those against the direction of walking have no standing pose: rotation of pelvis and trunk, and foot progression. And an
+//! arm that hangs straight does not show how the shoulder is rotated.
 
 use std::collections::BTreeMap;
 
@@ -70,7 +71,7 @@ impl NeutralPose {
     /// [`NeutralError`].
     pub fn of(gait: &GaitAnalysis, source: &str) -> Result<Self, NeutralError> {
         check_still(&gait.angles)?;
-        let standing = gait.angles.iter().filter(|((_, angle), _)| !angle.is_against_heading());
+        let standing = gait.angles.iter().filter(|((_, angle), _)| angle.has_standing_zero());
         let pose =
             |(key, track): (&(Side, Angle), &Vec<f64>)| Some((*key, median(&mut known(track))?));
         Ok(Self { source: source.into(), angles: standing.filter_map(pose).collect() })
@@ -117,9 +118,12 @@ impl GaitAnalysis {
 }
 
 impl Angle {
-    /// Whether it is measured against the direction of walking.
-    pub(super) fn is_against_heading(self) -> bool {
-        matches!(self, Self::PelvisRotation | Self::TrunkRotation | Self::FootProgression)
+    /// Whether somebody who stands shows its zero: not where it is measured against the direction of walking, nor the turn of an upper
+    /// arm, which a straight elbow does not show.
+    pub(super) fn has_standing_zero(self) -> bool {
+        let against_heading =
+            matches!(self, Self::PelvisRotation | Self::TrunkRotation | Self::FootProgression);
+        !against_heading && self != Self::ShoulderRotation
     }
 }
 

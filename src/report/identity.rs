@@ -145,7 +145,7 @@ fn events(source: EventSource, words: &Words) -> &str {
 
 fn zero(pose: &NeutralPose, words: &Words) -> String {
     words.fill(
-        "the standing pose in {trial}, but for rotation of pelvis and trunk and for foot progression; a joint that cannot reach it does not show",
+        "the standing pose in {trial}, but for rotation of pelvis, trunk and shoulders and for foot progression; a joint that cannot reach it does not show",
         &[("trial", &pose.source)],
     )
 }
