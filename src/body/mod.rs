@@ -21,7 +21,6 @@ mod state;
 
 pub use check::check_kinematics;
 pub use jacobian::EllipsoidJacobians;
-pub(crate) use jacobian::Matrix9xX;
 pub use keypoints::{KEYPOINT_SD_M, PointSlopes};
 pub use model::{
     BodyModel, CoefficientId, FrameId, Joint, JointId, Limbs, ModelError, NamedPoint, Part, PartId,

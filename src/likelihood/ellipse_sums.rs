@@ -8,7 +8,7 @@
 use nalgebra::{DMatrix, SMatrix, SVector};
 
 use super::offset_row::OffsetRow;
-use crate::body::{EllipsoidJacobians, Matrix9xX};
+use crate::body::EllipsoidJacobians;
 use crate::math::quadric::ProjectionJacobian;
 use crate::solver::NormalEquations;
 
@@ -129,7 +129,6 @@ impl EllipseSums<9> {
 
         let mut half: DMatrix<f64> = DMatrix::zeros(dimension, dimension);
         let mut row = SparseRow::new(dimension);
-        let mut transposed = Transposed::default();
         for (i, gradient) in self.gradients.iter().enumerate() {
             for (component, slope) in free(i) {
                 equations.gradient[component] += slope.dot(gradient);
@@ -143,13 +142,9 @@ impl EllipseSums<9> {
             self.offsets_of(i).for_each(|(component, sum)| row.add(component, sum));
 
             // A
-            transposed.set(&jacobians.values[i], free(i).count());
             row.drain(|column, pull| {
                 let mut target = half.column_mut(column);
-                let product = transposed.multiply(pull);
-                for (component, value) in jacobians.components[i].iter().zip(product) {
-                    target[*component] += value;
-                }
+                free(i).for_each(|(component, slope)| target[component] += slope.dot(pull));
             });
         }
 
@@ -171,40 +166,6 @@ impl EllipseSums<9> {
     fn offsets_of(&self, i: usize) -> impl Iterator<Item = (usize, &SVector<f64, 9>)> {
         let places = self.offset_places[i].iter().enumerate();
         places.filter(|(_, place)| **place != NONE).map(|(c, p)| (c, &self.offsets[*p as usize].2))
-    }
-}
-
-/// The first columns of a Jacobian as 9 rows, so that a product with it runs along them.
-#[derive(Default)]
-struct Transposed {
-    rows: Vec<f64>,
-    product: Vec<f64>,
-}
-
-impl Transposed {
-    fn set(&mut self, jacobian: &Matrix9xX, columns: usize) {
-        self.rows.clear();
-        for k in 0..9 {
-            self.rows.extend(jacobian.row(k).iter().take(columns));
-        }
-        self.product.resize(columns, 0.0);
-    }
-
-    /// Jᵀv.
-    fn multiply(&mut self, v: &SVector<f64, 9>) -> &[f64] {
-        self.product.fill(0.0);
-        add_rows(&self.rows, v.as_ref(), &mut self.product);
-        &self.product
-    }
-}
-
-/// Adds the rows, each times its factor, in their order.
-#[multiversion::multiversion(targets("x86_64+avx2"))]
-fn add_rows(rows: &[f64], factors: &[f64; 9], sums: &mut [f64]) {
-    for (row, factor) in rows.chunks_exact(sums.len().max(1)).zip(factors) {
-        for (sum, value) in sums.iter_mut().zip(row) {
-            *sum += factor * value;
-        }
     }
 }
 
@@ -238,26 +199,6 @@ impl SparseRow {
             visit(column, &self.columns[column]);
             self.columns[column] = SVector::zeros();
             self.is_touched[column] = false;
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use nalgebra::DVector;
-
-    use super::*;
-
-    #[test]
-    fn a_product_along_rows_is_that_of_the_transposed_matrix() {
-        let jacobian = Matrix9xX::from_fn(7, |k, column| (3.0 * k as f64 - column as f64).sin());
-        let v = SVector::<f64, 9>::from_fn(|k, _| (k as f64).cos());
-        let mut transposed = Transposed::default();
-        for columns in [7, 4, 0] {
-            transposed.set(&jacobian, columns);
-            let product = DVector::from_column_slice(transposed.multiply(&v));
-            let plain = jacobian.columns(0, columns).tr_mul(&v);
-            approx::assert_relative_eq!(product, plain, epsilon = 1e-14);
         }
     }
 }
