@@ -79,7 +79,7 @@ pub fn session_html(input: &SessionInput<'_>) -> Result<String, serde_json::Erro
 }
 
 /// The numbers of page one.
-const HEADLINES: [Quantity; 7] = [
+const HEADLINES: [Quantity; 8] = [
     Quantity::Parameter(Parameter::Speed),
     Quantity::Parameter(Parameter::Cadence),
     Quantity::Parameter(Parameter::StepLength),
@@ -87,6 +87,7 @@ const HEADLINES: [Quantity; 7] = [
     Quantity::Parameter(Parameter::Stance),
     Quantity::Range(Angle::KneeFlexion),
     Quantity::ProfileScore,
+    Quantity::ProfileScoreWithoutOffset,
 ];
 
 /// Who it was, what was found, and how it was measured.
