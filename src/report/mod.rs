@@ -19,6 +19,7 @@
 //! | `picture.rs`        | the pictures under the outlines, in few bytes                         |
 //! | `viewer.rs`         | the moving body alone: [`viewer_html`]                                |
 //! | `session.rs`        | several trials: [`session_html`]                                      |
+//! | `glance.rs`         | a walk at a glance, from the side                                     |
 //! | `comparison.rs`     | two sessions, or two sides: [`comparison_html`]                       |
 //! | `comparison_words.rs` | what its page says of each                                          |
 //! | `variation.rs`      | how far numbers vary between strides and between trials               |
@@ -32,6 +33,7 @@ mod comparison;
 mod comparison_words;
 mod event_editor;
 mod figure;
+mod glance;
 mod identity;
 mod joints;
 mod kinematics;

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use maud::{Markup, html};
 
+use super::glance::glance;
 use super::identity::{self, method, or_not_stated, person};
 use super::label::part_name;
 use super::page::{self, Page};
@@ -165,9 +166,9 @@ fn headlines(spreads: &BTreeMap<Measure, Spread>, words: &Words) -> Markup {
 /// What each trial is worth.
 fn trials<'a>(input: &SessionInput<'_>, words: &'a Words) -> Page<'a> {
     let file = input.file;
+    let walk = |name: &str| input.trials.iter().find(|trial| trial.name == name);
     let strides = |name: &str, side| {
-        let trial = input.trials.iter().find(|trial| trial.name == name)?;
-        Some(trial.input.gait.cycles.iter().filter(|c| c.side == side).count())
+        Some(walk(name)?.input.gait.cycles.iter().filter(|c| c.side == side).count())
     };
     let condition = |part: &TrialPart| match (&part.condition, part.standing) {
         (_, true) => html! { (words.of("standing: the zero of all angles")) },
@@ -175,6 +176,7 @@ fn trials<'a>(input: &SessionInput<'_>, words: &'a Words) -> Page<'a> {
     };
     let names = [
         words.of("Trial"),
+        words.of("From the side"),
         words.of("Condition"),
         words.of("Seconds"),
         words.of("Strides left"),
@@ -190,6 +192,7 @@ fn trials<'a>(input: &SessionInput<'_>, words: &'a Words) -> Page<'a> {
                     thead { tr { @for name in names { th scope="col" { (name) } } } }
                     tbody { @for part in &file.trials { tr {
                         th scope="row" { (part.name) }
+                        td { @if let Some(picture) = walk(&part.name).and_then(|walk| glance(&walk.input)) { (picture) } }
                         td { (condition(part)) }
                         td { (words.number(Some(part.frames as f64 / part.fps), 1)) }
                         @for side in Side::BOTH { td { @match strides(&part.name, side) { Some(count) => (count), None => "–" } } }
