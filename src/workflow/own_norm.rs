@@ -175,9 +175,7 @@ fn usable(person: &SessionStudy) -> Result<Vec<&GaitAnalysis>, OwnNormError> {
 
 /// What the angles of all are counted from.
 fn one_zero(people: &[SessionStudy]) -> Result<Zero, OwnNormError> {
-    let zero =
-        |person: &&SessionStudy| person.trials.first().map(|(_, study)| study.analysis.zero());
-    let of = |wanted| people.iter().find(|person| zero(person) == Some(wanted));
+    let of = |wanted| people.iter().find(|person| person.zero() == wanted);
     match (of(Zero::Standing), of(Zero::Anatomical)) {
         (Some(first), Some(second)) => {
             let (first, second) = (shown(&first.path), shown(&second.path));

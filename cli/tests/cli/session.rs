@@ -1,5 +1,6 @@
 //! Several trials of one person, and two sessions compared.
 
+use std::collections::BTreeMap;
 use std::fs;
 #[cfg(unix)]
 use std::os::unix::fs::PermissionsExt;
@@ -7,8 +8,8 @@ use std::path::Path;
 #[cfg(unix)]
 use std::process::Command;
 
-use maquette::gait::Parameter;
 use maquette::gait::trials::{Change, Quantity};
+use maquette::gait::{NeutralPose, Parameter};
 use maquette::io::session::{Person, SessionFile, TrialPart};
 use maquette::workflow::{Comparison, NormChoice, SessionStudy};
 use serde_json::Value;
@@ -239,6 +240,29 @@ fn a_session_of_other_than_two_conditions_is_not_compared_with_itself() {
     }
     let refused = Comparison::of_conditions(&session, None).unwrap_err().to_string();
     assert!(refused.contains("found barefoot, shoes, sandals"), "{refused}");
+}
+
+#[test]
+fn sessions_of_which_one_has_a_standing_trial_are_not_compared() {
+    let arm = Arm::new();
+    let of = |name: &str, heading: f64| {
+        let path = arm.out(name);
+        fs::write(&path, Walker::new(heading).trc()).expect("a file");
+        SessionStudy::open(&path, None, NormChoice::Shipped).expect("a walk")
+    };
+    let (plain, mut standing) = (of("plain.trc", 0.3), of("standing.trc", 0.4));
+    for (_, study) in &mut standing.trials {
+        let pose = NeutralPose { source: "still".into(), angles: BTreeMap::new() };
+        study.analysis = study.analysis.clone().counted_from(&pose);
+    }
+    for [before, after] in [[&plain, &standing], [&standing, &plain]] {
+        let refused = Comparison::new(before.clone(), after.clone()).unwrap_err().to_string();
+        assert!(
+            refused.contains("standing.trc has a standing trial, plain.trc has none"),
+            "{refused}"
+        );
+    }
+    assert!(Comparison::new(standing.clone(), standing).is_ok());
 }
 
 #[cfg(unix)]

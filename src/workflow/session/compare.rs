@@ -6,6 +6,7 @@
 use std::collections::BTreeMap;
 
 use super::SessionStudy;
+use crate::gait::Zero;
 use crate::gait::trials::{
     Change, CurveChange, LEAST_TRIALS, Measure, Sides, Spread, changes, curve_changes,
     side_differences,
@@ -37,13 +38,19 @@ impl Comparison {
     /// What changed from one session to another.
     ///
     /// # Errors
-    /// [`SessionError::OtherPerson`] if both name a person and not the same, and [`SessionError::NothingInCommon`].
+    /// [`SessionError::OtherPerson`] if both name a person and not the same, [`SessionError::OtherZero`] if only one has a standing trial,
+    /// and [`SessionError::NothingInCommon`].
     pub fn new(before: SessionStudy, mut after: SessionStudy) -> Result<Self, Error> {
         let id = |study: &SessionStudy| study.file.as_ref()?.person.id.clone();
         if let (Some(first), Some(second)) = (id(&before), id(&after))
             && first != second
         {
             return Err(SessionError::OtherPerson { first, second }.into());
+        }
+        match (before.zero(), after.zero()) {
+            (Zero::Standing, Zero::Anatomical) => return Err(other_zero(&before, &after)),
+            (Zero::Anatomical, Zero::Standing) => return Err(other_zero(&after, &before)),
+            _ => {}
         }
         // a person who has aged from one norm into another is compared with one of them
         let has_other_norm = after.norm() != before.norm();
@@ -168,6 +175,11 @@ impl Comparison {
     pub fn csv(&self) -> Result<Vec<u8>, Error> {
         Ok(changes_csv(&self.changes, self.sides, &self.one_body)?)
     }
+}
+
+fn other_zero(standing: &SessionStudy, other: &SessionStudy) -> Error {
+    let (standing, other) = (standing.name.clone(), other.name.clone());
+    SessionError::OtherZero { standing, other }.into()
 }
 
 /// Every number with how far its trials vary, and no u.

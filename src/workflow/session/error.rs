@@ -62,6 +62,16 @@ pub enum SessionError {
         /// As the second says.
         second: String,
     },
+    /// Angles from a standing pose, and angles from anatomical axes.
+    #[error(
+        "{standing} has a standing trial, {other} has none: their angles are counted from another zero; make {standing} again with --resume --without its standing trial"
+    )]
+    OtherZero {
+        /// A session.
+        standing: String,
+        /// The other.
+        other: String,
+    },
     /// Two sessions without a number that both have.
     #[error("the two sessions have no number in common: neither strides nor angles are in both")]
     NothingInCommon,

@@ -7,7 +7,7 @@ use nalgebra::DMatrix;
 
 use super::FittedSession;
 use crate::gait::trials::{Measure, Measured, NamedTrial, Spread, measured, pooled, spreads};
-use crate::gait::{Curve, GaitAnalysis, GaitOptions, NeutralPose, Norm};
+use crate::gait::{Curve, GaitAnalysis, GaitOptions, NeutralPose, Norm, Zero};
 use crate::io::gait::variation_csv;
 use crate::io::session::{SESSION, SessionFile, TrialPart};
 use crate::pipeline::{FittedBody, OneBody, one_body};
@@ -120,6 +120,11 @@ impl SessionStudy {
     /// Healthy people, whom all trials are compared with.
     pub fn norm(&self) -> Option<&Norm> {
         self.trials.first()?.1.norm.as_ref()
+    }
+
+    /// What the angles of its walks are counted from.
+    pub fn zero(&self) -> Zero {
+        self.trials.first().map_or(Zero::Anatomical, |(_, study)| study.analysis.zero())
     }
 
     /// The mean curves of each trial.
