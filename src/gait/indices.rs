@@ -16,7 +16,7 @@
 //! GVS and GPS: Baker et al., Gait Posture 30 (2009) 265–269. GVS₀ is ours; that offset and form of curves are told apart is as in
 //! Iosa et al., BioMed Res. Int. 2014, 214156.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use super::angle::Angle;
 use super::beyond::{Beyond, Footwear};
@@ -73,9 +73,12 @@ pub struct Norm {
     pub parameters_footwear: Option<Footwear>,
     /// What its angles are counted from.
     pub zero: Zero,
-    /// Angles that the walk counts from another zero: only the form of their curves compares.
-    pub only_form: BTreeSet<Angle>,
+    /// What those of the walk are counted from that is compared with it.
+    pub walk_zero: Zero,
 }
+
+/// What to know where both are not the same.
+const OTHER_ZERO: &str = "the walk and the norm count angles from another zero, a standing pose and anatomical axes: only the form of curves is compared, by scores without offset";
 
 impl Norm {
     /// What to know before a person in this footwear is compared with the curves, each in one line.
@@ -97,17 +100,18 @@ impl Norm {
 
     /// The same for a walk whose angles are counted from this.
     pub fn for_zero(mut self, zero: Zero) -> Self {
+        self.walk_zero = zero;
+        self.remarks.retain(|remark| remark != OTHER_ZERO);
         if self.zero != zero {
-            let from_a_pose = self.curves.keys().filter(|angle| angle.has_standing_zero());
-            self.only_form = from_a_pose.copied().collect();
-            self.remarks.push("the walk and the norm count angles from another zero, a standing pose and anatomical axes: only the form of curves is compared, by scores without offset".into());
+            self.remarks.push(OTHER_ZERO.into());
         }
         self
     }
 
     /// What healthy people's curves of an angle are; `None` where only their form compares.
     pub fn band(&self, angle: Angle) -> Option<&Band> {
-        self.curves.get(&angle).filter(|_| !self.only_form.contains(&angle))
+        let has_one_zero = self.zero == self.walk_zero || !angle.has_standing_zero();
+        self.curves.get(&angle).filter(|_| has_one_zero)
     }
 
     /// Where an angle lies beyond those of healthy people at the same place of the cycle, in percent; radians.
@@ -253,7 +257,7 @@ mod tests {
         // against the direction of walking there is no standing pose
         let score = |angle| found.variables[&(Side::Left, angle)].whole;
         assert!(score(Angle::FootProgression).is_some() && score(Angle::KneeFlexion).is_none());
-        assert_eq!(norm.clone().for_zero(Zero::Anatomical), norm);
+        assert_eq!(norm.clone().for_zero(Zero::Standing).for_zero(Zero::Anatomical), norm);
     }
 
     #[test]

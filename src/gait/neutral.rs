@@ -107,9 +107,9 @@ impl GaitAnalysis {
 
     /// The same with angles from a standing pose, for those that it has.
     pub fn counted_from(mut self, pose: &NeutralPose) -> Self {
-        for (key, track) in &mut self.angles {
-            let zero = pose.angles.get(key).copied().unwrap_or(0.0);
-            track.iter_mut().for_each(|value| *value -= zero);
+        for (key, zero) in &pose.angles {
+            let values = self.angles.get_mut(key).into_iter().flatten();
+            values.for_each(|value| *value -= zero);
         }
         self.curves.iter_mut().for_each(|curve| pose.shift(curve));
         self.neutral = Some(pose.clone());

@@ -1,9 +1,10 @@
 //! A walk at a glance: legs and trunk from the side, at some instants.
 
 use maud::{Markup, html};
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 
 use super::ReportInput;
+use super::drawing::points;
 use crate::gait::{Landmark, Paired, Side};
 
 /// Instants that are drawn, evenly in time.
@@ -18,7 +19,7 @@ const LEG: [Paired; 4] = [Paired::Hip, Paired::Knee, Paired::Ankle, Paired::Toe]
 /// A line of the picture, cm from the side, up negative.
 struct Line {
     colour: &'static str,
-    points: Vec<[f64; 2]>,
+    points: Vec<Vector2<f64>>,
 }
 
 /// The picture of a trial; `None` where no leg is known.
@@ -32,14 +33,11 @@ pub(super) fn glance(input: &ReportInput<'_>) -> Option<Markup> {
     };
     let ((left, width), (top, height)) = (ends(0)?, ends(1)?);
 
-    let path = |line: &Line| -> String {
-        line.points.iter().map(|[x, y]| format!("{x:.0},{y:.0} ")).collect()
-    };
     Some(html! {
         svg viewBox=(format!("{left:.0} {top:.0} {width:.0} {height:.0}")) height=(HEIGHT_PX) role="img"
             aria-label=(input.words.of("The walk from the side")) {
             g fill="none" stroke-width=(LINE_CM) stroke-linejoin="round" stroke-linecap="round" {
-                @for line in &lines { polyline style={ "stroke:" (line.colour) } points=(path(line).trim_end()) {} }
+                @for line in &lines { polyline style={ "stroke:" (line.colour) } points=(points(line.points.iter().copied())) {} }
             }
         }
     })
@@ -53,8 +51,8 @@ fn instant(input: &ReportInput<'_>, instant: usize) -> Vec<Line> {
     // on a belt the person goes as far as the belt comes
     let carried_m = course.belt_m_s * frame as f64 / movement.rate_hz;
     let from_the_side =
-        |place: &Vector3<f64>| [100.0 * (place.dot(forwards) + carried_m), -100.0 * place.z];
-    let places = |places: &[Landmark]| -> Vec<[f64; 2]> {
+        |place: &Vector3<f64>| 100.0 * Vector2::new(place.dot(forwards) + carried_m, -place.z);
+    let places = |places: &[Landmark]| -> Vec<Vector2<f64>> {
         let tracks = places.iter().filter_map(|place| movement.track(*place)?.get(frame));
         tracks.filter(|place| place.x.is_finite()).map(from_the_side).collect()
     };

@@ -19,6 +19,7 @@
 //! | `picture.rs`        | the pictures under the outlines, in few bytes                         |
 //! | `viewer.rs`         | the moving body alone: [`viewer_html`]                                |
 //! | `session.rs`        | several trials: [`session_html`]                                      |
+//! | `drawing.rs`        | places in a drawing, as SVG writes them                               |
 //! | `glance.rs`         | a walk at a glance, from the side                                     |
 //! | `comparison.rs`     | two sessions, or two sides: [`comparison_html`]                       |
 //! | `comparison_words.rs` | what its page says of each                                          |
@@ -31,6 +32,7 @@
 mod by_frame;
 mod comparison;
 mod comparison_words;
+mod drawing;
 mod event_editor;
 mod figure;
 mod glance;

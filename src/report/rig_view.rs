@@ -8,6 +8,7 @@ use maud::{Markup, html};
 use nalgebra::{UnitQuaternion, Vector2, Vector3};
 
 use super::Words;
+use super::drawing::{number, points};
 use super::figure::{BOTH, NORM};
 use crate::io::result::{PlacePart, ResultFile};
 use crate::pipeline::{CameraQuality, PoseFound};
@@ -166,14 +167,6 @@ fn wedge(at: Vector2<f64>, looks: &Vector3<f64>) -> [Vector2<f64>; 3] {
         at + SIGHT_PX * way
     };
     [at, ray(HALF_VIEW), ray(-HALF_VIEW)]
-}
-
-fn points(places: impl Iterator<Item = Vector2<f64>>) -> String {
-    places.map(|p| format!("{},{}", number(p.x), number(p.y))).collect::<Vec<_>>().join(" ")
-}
-
-fn number(px: f64) -> String {
-    format!("{px:.1}")
 }
 
 /// 1, 2 or 5 times a power of ten, at least 1.

@@ -156,7 +156,10 @@ impl GaitStudy {
             })?;
 
         let movement = &self.input.movement;
-        let segments = movement.segments.as_ref();
+        // how sure an angle is that is counted from a standing pose is not known
+        let pose = self.analysis.neutral.as_ref();
+        let is_counted = pose.is_some_and(|pose| pose.angles.contains_key(&(side, angle)));
+        let segments = movement.segments.as_ref().filter(|_| !is_counted);
         Ok(AngleTrack {
             first_frame: movement.first_frame,
             rate_hz: movement.rate_hz,

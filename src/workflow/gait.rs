@@ -93,10 +93,10 @@ pub enum StandingError {
         here_m: f64,
     },
     /// A fit that cannot be used.
-    #[error("{}: {why}", path.display())]
+    #[error("{name}: {why}")]
     Unusable {
         /// The standing trial.
-        path: PathBuf,
+        name: String,
         /// Why.
         why: String,
     },
@@ -188,24 +188,26 @@ impl GaitStudy {
             _ => return Err(StandingError::OtherKind { path: path() }.into()),
         };
         let stands = Self::new(input, result, None, &GaitOptions::default())?;
-        if let Err(fault) = stands.usable() {
-            return Err(StandingError::Unusable { path: path(), why: fault.to_string() }.into());
-        }
+        let pose = stands.neutral_pose(&standing.display().to_string())?;
         let lengths = stands.analysis.leg_length_m.zip(self.analysis.leg_length_m);
         if let Some((there_m, here_m)) = lengths
             && (there_m / here_m - 1.0).abs() > OTHER_LEGS
         {
             return Err(StandingError::OtherPerson { path: path(), there_m, here_m }.into());
         }
-        let pose = stands.neutral_pose(&standing.display().to_string())?;
         Ok(self.counted_from(&pose))
     }
 
     /// How the person of this trial stands.
     ///
     /// # Errors
-    /// [`Error::Standing`] if they do not stand still.
+    /// [`Error::Standing`] if the fit cannot be used or they do not stand still.
     pub(super) fn neutral_pose(&self, name: &str) -> Result<NeutralPose, Error> {
+        if let Err(fault) = self.usable() {
+            return Err(
+                StandingError::Unusable { name: name.into(), why: fault.to_string() }.into()
+            );
+        }
         let named = |source| StandingError::Neutral { name: name.into(), source };
         Ok(NeutralPose::of(&self.analysis, name).map_err(named)?)
     }

@@ -51,20 +51,26 @@ impl SessionStudy {
 
         let session = FittedSession::read(path, body)?;
         let (age, sex) = (session.file.age_years(), session.file.person.sex);
-        let (mut trials, mut poses) = (Vec::with_capacity(session.trials.len()), Vec::new());
+        let (mut walks, mut poses) = (Vec::with_capacity(session.trials.len()), Vec::new());
         for (part, fitted) in session.file.trials.iter().zip(&session.trials) {
             let study = fitted
                 .gait_in(&path.join(&part.folder), EventChoice::Beside, &options)
                 .map_err(|source| super::named(&part.name, source))?;
             match part.standing {
                 true => poses.push(study.neutral_pose(&part.name)?),
-                false => trials.push((part.name.clone(), study.compared_with(norm, age, sex)?)),
+                false => walks.push((part.name.clone(), study)),
             }
         }
-        if let Some(pose) = NeutralPose::mean_of(&poses) {
-            let from_pose = |(name, study): (String, GaitStudy)| (name, study.counted_from(&pose));
-            trials = trials.into_iter().map(from_pose).collect();
-        }
+
+        let pose = NeutralPose::mean_of(&poses);
+        let compared = |(name, study): (String, GaitStudy)| {
+            let study = match &pose {
+                Some(pose) => study.counted_from(pose),
+                None => study,
+            };
+            Ok((name, study.compared_with(norm, age, sex)?))
+        };
+        let trials = walks.into_iter().map(compared).collect::<Result<_, Error>>()?;
         Ok(Self { name, path: path.into(), file: Some(session.file), trials })
     }
 
