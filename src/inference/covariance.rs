@@ -1,7 +1,7 @@
 //! How sure the joint optimum is: covariances of motions and shape, carried on to angles, points and lengths.
 //!
-//! H⁻¹ of what was minimised is the covariance of all unknowns: the motions, s, where the joints lie in the flesh, how far the
-//! surface lies outside. A number q(θ) of the body has the variance J H⁻¹ Jᵀ, J = ∂q/∂θ.
+//! Σ is the covariance of all unknowns (`repeated_error.rs`): the motions, s, where the joints lie in the flesh, how far the
+//! surface lies outside. A number q(θ) of the body has the variance J Σ Jᵀ, J = ∂q/∂θ.
 
 use std::ops::Range;
 
@@ -9,9 +9,9 @@ use nalgebra::{DMatrix, DVector, Matrix3, SVector, Vector3};
 
 use super::camera_offset::COMPONENTS;
 use super::camera_prior::CameraPrior;
+use super::repeated_error::RepeatedError;
 use super::sequence_state::SequenceState;
 use crate::body::{BodyModel, Layout, Motion, PartId, Posed, Shape};
-use crate::solver::BorderedChain;
 
 /// How far the joint optimum may be from the truth, as far as a bias that returns in every frame can be known.
 #[derive(Debug, Clone, PartialEq)]
@@ -64,21 +64,25 @@ impl Uncertainty {
         self.cameras.view((first, first), (end - first, end - first)).into_owned()
     }
 
-    /// From H of the chain at an optimum; `None` where H is singular.
+    /// From the covariances of an optimum's error; `None` where a matrix is singular.
     pub(super) fn new(
         model: &BodyModel,
         state: &SequenceState,
         camera_prior: &CameraPrior,
-        chain: &BorderedChain,
+        error: &RepeatedError,
     ) -> Option<Self> {
+        let RepeatedError { passes, stays } = error;
         // frame by frame, in the order of the chain's marginals: backwards
         let (mut frames, mut shared) = (Vec::new(), DMatrix::zeros(0, 0));
-        let complete = chain.marginals(|i, marginal| {
+        let complete = passes.marginals(|i, marginal| {
             if shared.is_empty() {
                 shared = marginal.shared.clone();
             }
             let body = Posed::new(model, &state.shape, &state.motions[i]);
-            frames.push(frame_uncertainty(model, &body, &marginal.covariance()));
+            let mut covariance = marginal.covariance();
+            let mut of_motion = covariance.view_mut((0, 0), stays.shape());
+            of_motion += stays;
+            frames.push(frame_uncertainty(model, &body, &covariance));
         });
         frames.reverse();
         if !complete || frames.len() != state.motions.len() {

@@ -8,7 +8,8 @@
 //! and how far the surface lies outside the model's. Where cameras are not trusted, their places and clocks are unknowns too
 //! ([`CameraPrior`]). How much the data count ([`Noise`], [`Contrasts`]) and how far surfaces lie outside (`spread`) are
 //! estimated by turns with the optimum: first in some rounds of a few steps before a part of the border points, then before all
-//! of them until E no longer falls ([`Rounds`]). The covariance is the inverse of the last optimum's own matrix.
+//! of them until E no longer falls ([`Rounds`]). The covariance follows from the last optimum's matrix and from what of the residuals
+//! stays from frame to frame (`repeated_error.rs`).
 
 use std::ops::Range;
 
@@ -23,6 +24,7 @@ use super::frame::FrameFit;
 use super::instant::{times_s, trials};
 use super::noise::{DataWeights, Noise};
 use super::prior::ShapePrior;
+use super::repeated_error::RepeatedError;
 use super::sequence_posterior::SequencePosterior;
 use super::sequence_state::SequenceState;
 use super::spread::with_spreads;
@@ -208,9 +210,9 @@ pub fn joint_optimum_from_terms<'a>(
         relative_decrease: TOLERANCE,
     };
     let looks = options.rounds.last(terms);
-    let Round { noise, solution, .. } = search.round(looks, from, &solver);
-    let uncertainty =
-        Uncertainty::new(model, &solution.state, search.camera_prior, &solution.model);
+    let round = search.round(looks, from, &solver);
+    let uncertainty = search.uncertainty(looks, &round);
+    let Round { noise, solution, .. } = round;
     let frames = search.frame_fits(looks, &solution.state);
     step();
     JointOptimum {
@@ -244,6 +246,7 @@ struct Approached {
 /// An optimum, and the noise with which it was sought.
 struct Round {
     noise: Noise,
+    shape_prior: ShapePrior,
     contrasts: Contrasts,
     solution: Solution<SequenceState, BorderedChain>,
 }
@@ -264,7 +267,17 @@ impl Search<'_, '_> {
 
         let counted = Counted { problem: &posterior, step: self.step };
         let solution = levenberg_marquardt(&counted, start, solver);
-        Round { noise, contrasts, solution }
+        Round { noise, shape_prior, contrasts, solution }
+    }
+
+    /// How sure an optimum is.
+    fn uncertainty(&self, looks: &[Vec<Look<'_>>], round: &Round) -> Option<Uncertainty> {
+        let Round { noise, shape_prior, contrasts, solution } = round;
+        let Solution { state, model: chain, .. } = solution;
+        let looks = self.within(looks, state);
+        let posterior = self.posterior(&looks, shape_prior, contrasts);
+        let error = RepeatedError::new(&posterior, state, chain, noise)?;
+        Uncertainty::new(self.evidence.model, state, self.camera_prior, &error)
     }
 
     /// The motion of each frame and what it costs, data once.

@@ -11,7 +11,7 @@
 //! | Algorithm 1                       | [`search`]       |
 //! | what the winner lost              | `relay`          |
 //! | eq. 1 as a problem of all frames  | [`chain`], [`sequence_posterior`] |
-//! | its optimum, how sure it is       | [`joint`], [`noise`], [`contrasts`], `spread`, [`covariance`] |
+//! | its optimum, how sure it is       | [`joint`], [`noise`], [`contrasts`], `spread`, `repeated_error`, [`covariance`] |
 //! | cameras and clocks as unknowns    | [`camera_offset`], [`camera_prior`], [`rig_motion`], [`instant`] |
 //! | p_ε,σ(K)                          | [`confidence`], [`ShapeConfidence`] |
 
@@ -38,6 +38,7 @@ pub mod noise;
 pub mod prior;
 pub mod propagate;
 mod relay;
+mod repeated_error;
 pub mod rig_motion;
 pub mod search;
 mod sequence;

@@ -14,7 +14,10 @@
 //!    variance of the sum of a place's scores over what it would be if they were independent (cluster-robust, with places as
 //!    clusters). A recording with twice the frames in the same time has twice the τ, and says as much.
 //!
-//! The data's cost is divided by κ²λτ, for all unknowns alike; what cameras side by side see differently counts more
+//!    Of one frame's looks alone it is τ₁.
+//!
+//! The data's cost is divided by κ²λτ, for all unknowns alike. What that says of the error of a motion, which is another in every
+//! frame, is in `repeated_error.rs`. What cameras side by side see differently counts more
 //! ([`contrasts`](super::contrasts)). What is the same over a decimetre in every frame is not noise
 //! but an unknown of its own: the surface's offsets ([`SurfaceOffsets`](crate::body::SurfaceOffsets)).
 //!
@@ -57,6 +60,8 @@ pub struct SurfaceNoise {
     pub along_border: f64,
     /// τ: how many looks at one place, by other cameras and in other frames, are worth one.
     pub together: f64,
+    /// τ₁: how many looks at one place in one frame are worth one.
+    pub in_one_frame: f64,
 }
 
 /// How the detections of a recording err.
@@ -118,6 +123,33 @@ impl Noise {
         }
     }
 
+    /// The same within one frame.
+    pub fn weights_in_frame(&self) -> DataWeights {
+        DataWeights {
+            outlines: self.outlines.map_or(1.0, |noise| noise.weight_in_frame()),
+            points: self.points.map_or(1.0, |noise| noise.weight_in_frame()),
+            keypoints: self.keypoints.map_or(1.0, |noise| noise.weight_in_frame()),
+        }
+    }
+
+    /// 1 − τ₁/τ: the share of the variance that stays from frame to frame, of the first kind of data that there is.
+    pub fn staying_share(&self) -> f64 {
+        let of_surface = self.outlines.or(self.points);
+        let of_surface = of_surface.map(|noise| noise.weight() / noise.weight_in_frame());
+        let of_keypoints = self.keypoints.map(|noise| noise.weight() / noise.weight_in_frame());
+        1.0 - of_surface.or(of_keypoints).unwrap_or(1.0)
+    }
+
+    /// ν: how many independent observations residuals are worth.
+    pub fn independent(&self, frames: &[Vec<PlacedResidual>]) -> f64 {
+        let of_surface = |noise: SurfaceNoise| 1.0 / (noise.along_border * noise.together);
+        let outlines = self.outlines.map_or(0.0, of_surface);
+        let points = self.points.map_or(0.0, of_surface);
+        let keypoints = self.keypoints.map_or(0.0, |noise| 1.0 / noise.together);
+        let each = DataWeights { outlines, points, keypoints };
+        frames.iter().flatten().map(|r| r.weight * each.of(Kind::of(r.source))).sum()
+    }
+
     /// The factor of the data that chose between hypotheses: of outlines, or else of points, or else of detections.
     pub fn data_weight(&self) -> f64 {
         let of_surface = self.outlines.or(self.points).map(|noise| noise.weight());
@@ -136,12 +168,18 @@ impl SurfaceNoise {
             scale: scale(frames),
             along_border: neighbours(frames),
             together: together(frames),
+            in_one_frame: in_one_frame(frames),
         })
     }
 
     /// The factor of their cost: 1/(κ²λτ).
     pub fn weight(&self) -> f64 {
         1.0 / (self.scale.powi(2) * self.along_border * self.together)
+    }
+
+    /// The same within one frame: 1/(κ²λτ₁).
+    pub fn weight_in_frame(&self) -> f64 {
+        1.0 / (self.scale.powi(2) * self.along_border * self.in_one_frame)
     }
 }
 
@@ -159,6 +197,11 @@ impl KeypointNoise {
     /// The factor of their cost: 1/(κ²τ).
     pub fn weight(&self) -> f64 {
         1.0 / (self.scale.powi(2) * self.together)
+    }
+
+    /// The same within one frame, where each is a cluster: 1/κ².
+    pub fn weight_in_frame(&self) -> f64 {
+        self.scale.powi(-2)
     }
 }
 
@@ -275,6 +318,17 @@ fn together(frames: &[Vec<&PlacedResidual>]) -> f64 {
         }
     }
     worth_one(places.values())
+}
+
+/// τ₁.
+fn in_one_frame(frames: &[Vec<&PlacedResidual>]) -> f64 {
+    let mut clusters: BTreeMap<(usize, Place), (f64, f64)> = BTreeMap::new();
+    for (i, frame) in frames.iter().enumerate() {
+        for ((place, _), (sum, weight)) in scores(frame) {
+            add(clusters.entry((i, place)).or_default(), sum / weight.max(1e-12));
+        }
+    }
+    worth_one(clusters.values())
 }
 
 /// Adds y to the Σy and Σy² of a cluster.

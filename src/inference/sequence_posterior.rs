@@ -215,6 +215,34 @@ impl SequencePosterior<'_> {
         let frames: f64 = x.motions.iter().enumerate().map(of_frame).sum();
         frames + self.camera_prior.cost(&x.cameras)
     }
+
+    /// The priors' part of g and H, added to the chain: of each motion, of what they share and of the steps.
+    pub(super) fn linearize_priors(&self, x: &SequenceState, model: &mut BorderedChain) -> f64 {
+        // limits and rest of each frame
+        let mut cost = 0.0;
+        let m = Layout::new(self.model).motion();
+        let mut equations = NormalEquations::zeros(m);
+        for (i, link) in model.links.iter_mut().enumerate() {
+            equations.hessian.fill(0.0);
+            equations.gradient.fill(0.0);
+            cost +=
+                self.pose_prior.linearize_lasting(&x.motions[i], self.lasts_s(i), &mut equations);
+            link.diagonal += &equations.hessian;
+            link.gradient += &equations.gradient;
+        }
+
+        // what they share: the shape and the cameras
+        let mut corner = NormalEquations::zeros(model.corner_gradient.len());
+        cost += self.shape_prior.linearize(&x.shape, 0, &mut corner);
+        cost += self.camera_prior.linearize(&x.cameras, x.shape.0.len(), &mut corner);
+        model.corner += corner.hessian;
+        model.corner_gradient += corner.gradient;
+
+        // how each follows the ones before
+        let steps = (0..x.motions.len())
+            .map(|i| self.chain_prior.linearize(&x.motions, self.seconds, i, &mut model.links));
+        cost + steps.sum::<f64>()
+    }
 }
 
 /// Clears all but the block of the shape.
@@ -253,30 +281,7 @@ impl Problem for SequencePosterior<'_> {
             cost += sum.cost;
             sum.add_to(model);
         }
-
-        // limits and rest of each frame
-        let m = Layout::new(self.model).motion();
-        let mut equations = NormalEquations::zeros(m);
-        for (i, link) in model.links.iter_mut().enumerate() {
-            equations.hessian.fill(0.0);
-            equations.gradient.fill(0.0);
-            cost +=
-                self.pose_prior.linearize_lasting(&x.motions[i], self.lasts_s(i), &mut equations);
-            link.diagonal += &equations.hessian;
-            link.gradient += &equations.gradient;
-        }
-
-        // what they share: the shape and the cameras
-        let mut corner = NormalEquations::zeros(model.corner_gradient.len());
-        cost += self.shape_prior.linearize(&x.shape, 0, &mut corner);
-        cost += self.camera_prior.linearize(&x.cameras, x.shape.0.len(), &mut corner);
-        model.corner += corner.hessian;
-        model.corner_gradient += corner.gradient;
-
-        // how each follows the ones before
-        let steps = (0..x.motions.len())
-            .map(|i| self.chain_prior.linearize(&x.motions, self.seconds, i, &mut model.links));
-        cost + steps.sum::<f64>()
+        cost + self.linearize_priors(x, model)
     }
 
     fn retract(&self, x: &SequenceState, delta: &DVector<f64>) -> SequenceState {

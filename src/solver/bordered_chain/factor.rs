@@ -70,9 +70,7 @@ impl Factor {
         }
 
         // the corner without what all frames explain
-        let explained: Vec<DMatrix<f64>> = links.par_chunks(CHUNK).map(explained).collect();
-        let mut corner = damped(&chain.corner);
-        explained.iter().for_each(|part| corner -= part);
+        let corner = damped(&chain.corner) - explained_by_all(&links);
 
         // a chain that shares nothing has no corner
         let corner = if corner.is_empty() { corner } else { corner.cholesky()?.unpack() };
@@ -121,6 +119,13 @@ impl Factor {
         }
         Columns { frames, shared }
     }
+}
+
+/// Σ BBᵀ of the borders of all frames.
+pub(super) fn explained_by_all(links: &[FactorLink]) -> DMatrix<f64> {
+    let shared = links.first().map_or(0, |link| link.border.nrows());
+    let parts: Vec<DMatrix<f64>> = links.par_chunks(CHUNK).map(explained).collect();
+    parts.iter().fold(DMatrix::zeros(shared, shared), |sum, part| sum + part)
 }
 
 /// Σ BBᵀ of the borders of some frames.

@@ -21,7 +21,7 @@ use nalgebra::{DMatrix, DVector};
 pub use marginals::Marginal;
 
 use super::QuadraticModel;
-use factor::Factor;
+use factor::{Factor, explained_by_all};
 
 /// One frame's part of the model.
 #[derive(Debug, Clone)]
@@ -61,6 +61,15 @@ impl BorderedChain {
             corner: DMatrix::zeros(p, p),
             corner_gradient: DVector::zeros(p),
         }
+    }
+
+    /// The same chain given what is shared, of which the covariance is `shared`; `None` where one of them is not positive definite.
+    ///
+    /// C = Σ⁻¹ + Σᵢ BᵢAᵢ⁻¹Bᵢᵀ: then H⁻¹ has Σ in its corner.
+    pub fn with_shared_covariance(mut self, shared: &DMatrix<f64>) -> Option<Self> {
+        let factor = Factor::new(&self, 0.0)?;
+        self.corner = shared.clone().cholesky()?.inverse() + explained_by_all(&factor.links);
+        Some(self)
     }
 
     fn largest_diagonal(&self) -> f64 {

@@ -1,0 +1,99 @@
+//! How an optimum errs: by what stays from frame to frame, and by what passes.
+//!
+//! A surface that lies elsewhere than the model's at a place of the body does so in every frame. So the noise model divides the data
+//! by τ, the looks at one place that are worth one, and τ grows with the number of frames ([`noise`](super::noise)). H of that weight says how
+//! sure s is, which all frames share. It does not say how sure a motion is: each frame has its own, and would be found the less surely the longer the
+//! recording is. The error of mᵢ is
+//!
+//! mᵢ − m̂ᵢ = (∂mᵢ/∂s)(s − ŝ) + δ + eᵢ,
+//!
+//! three parts that are independent. With Dᵢ the data's part of H in frame i, and P the precision of p(m):
+//!
+//! - s − ŝ: Σ_s, the shared block of H⁻¹.
+//! - δ stays. The data of all frames together say where it is, A = Σᵢ Dᵢ/(κ²λτ), and the prior draws it to rest: it is as far off as what
+//!   stays in the data moves it, Cov δ = (1 − τ₁/τ) (A + P)⁻¹ A (A + P)⁻¹. τ₁ looks at a place are worth one within a frame; the
+//!   rest of τ is what stays.
+//! - eᵢ passes: the chain of all frames, given s, with the weight 1/(κ²λτ₁). A part that nobody sees keeps the prior's deviation here.
+//!
+//! *Leverage.* An optimum follows what errs, and its residuals are smaller for that. The data are worth ν = Σ w/(λτ) independent
+//! observations. Of these the unknowns that stay follow
+//!
+//! q = p − tr(Λ₀ Σ_s) + m − tr(P (A + P)⁻¹),
+//!
+//! p and m their numbers, Λ₀ the precision of the shared prior. So what stays has f = ν/(ν − q) times the variance that residuals show:
+//! Σ_s⁻¹ ← Λ₀ + (Σ_s⁻¹ − Λ₀)/f and Cov δ ← f Cov δ.
+//!
+//! # Source
+//! Variance components of repeated measures: Laird & Ware 1982, *Random-effects models for longitudinal data*. q: Spiegelhalter et
+//! al. 2002, *Bayesian measures of model complexity*, § 2.4; with flat priors f is n/(n − p) of ordinary least squares.
+
+use nalgebra::DMatrix;
+
+use super::noise::Noise;
+use super::prior::PosePrior;
+use super::sequence_posterior::SequencePosterior;
+use super::sequence_state::SequenceState;
+use crate::body::{Layout, Motion};
+use crate::solver::{BorderedChain, NormalEquations, Problem};
+
+/// The covariances of an optimum's error.
+pub(super) struct RepeatedError {
+    /// Σ_s, and H of eᵢ.
+    pub(super) passes: BorderedChain,
+    /// Cov δ, m × m.
+    pub(super) stays: DMatrix<f64>,
+}
+
+/// The most of the data that the unknowns are taken to follow: beyond it residuals say nothing.
+const MOST_FOLLOWED: f64 = 0.9;
+
+impl RepeatedError {
+    /// Of an optimum of a posterior with this noise, of which `chain` is H; `None` where a matrix is singular.
+    pub(super) fn new(
+        posterior: &SequencePosterior<'_>,
+        optimum: &SequenceState,
+        chain: &BorderedChain,
+        noise: &Noise,
+    ) -> Option<Self> {
+        // the priors of H, and the data without them
+        let mut priors = posterior.empty_model();
+        posterior.linearize_priors(optimum, &mut priors);
+        let mut shared_prior = priors.corner.clone();
+        shared_prior.fill_upper_triangle_with_lower_triangle();
+        let m = Layout::new(posterior.model).motion();
+        let pose_prior = precision(posterior.pose_prior, optimum.motions.first()?, m);
+        let mut data = DMatrix::zeros(m, m);
+        for (link, prior) in chain.links.iter().zip(&priors.links) {
+            data += &link.diagonal - &prior.diagonal;
+        }
+        data.fill_upper_triangle_with_lower_triangle();
+
+        // what stays
+        let shared = chain.shared_covariance()?;
+        let still = (&data + &pose_prior).cholesky()?.inverse();
+        let followed = count(&shared, &shared_prior) + count(&still, &pose_prior);
+        let observations = noise.independent(&posterior.residuals(optimum));
+        let leverage = 1.0 / (1.0 - (followed / observations).min(MOST_FOLLOWED));
+        let of_data = (shared.cholesky()?.inverse() - &shared_prior) / leverage;
+        let shared = (of_data + shared_prior).cholesky()?.inverse();
+        let stays = &still * data * &still * (leverage * noise.staying_share());
+
+        // what passes
+        let in_frames = SequencePosterior { weights: noise.weights_in_frame(), ..*posterior };
+        let mut passes = posterior.empty_model();
+        in_frames.linearize(optimum, &mut passes);
+        Some(Self { passes: passes.with_shared_covariance(&shared)?, stays })
+    }
+}
+
+/// How many unknowns the data determine: n − tr(Λ₀Σ).
+fn count(covariance: &DMatrix<f64>, prior: &DMatrix<f64>) -> f64 {
+    covariance.nrows() as f64 - covariance.component_mul(prior).sum()
+}
+
+/// P.
+fn precision(prior: &PosePrior, motion: &Motion, m: usize) -> DMatrix<f64> {
+    let mut equations = NormalEquations::zeros(m);
+    prior.linearize(motion, &mut equations);
+    equations.hessian
+}
