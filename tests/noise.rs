@@ -176,10 +176,38 @@ fn what_stays_is_seen_once() {
         let frame =
             |_| fold.iter().enumerate().map(|(i, y)| row(0, i * ROWS_A_PLACE, *y)).collect();
         let frames: Vec<Vec<PlacedResidual>> = (0..count).map(frame).collect();
-        of_outlines(&frames).together
+        Noise::from_residuals(&frames)
     };
-    approx::assert_relative_eq!(stays(20), 20.0, max_relative = 1e-9);
-    approx::assert_relative_eq!(stays(40), 40.0, max_relative = 1e-9);
+    for count in [1, 20, 40] {
+        let noise = stays(count);
+        let outlines = noise.outlines.expect("there are outlines");
+        approx::assert_relative_eq!(outlines.together, count as f64, max_relative = 1e-9);
+        approx::assert_relative_eq!(outlines.in_one_frame, 1.0, max_relative = 1e-9);
+        let share = 1.0 - 1.0 / count as f64;
+        approx::assert_relative_eq!(noise.staying_share(), share, epsilon = 1e-9);
+    }
+}
+
+/// What passes does not stay, and what all cameras see alike is one look of a frame.
+#[test]
+fn what_all_cameras_share_in_a_frame_does_not_stay() {
+    let mut rng = ChaCha8Rng::seed_from_u64(13);
+    let frame = |_| -> Vec<PlacedResidual> {
+        let shared: Vec<f64> = (0..ROWS).map(|_| normal(&mut rng)).collect();
+        let view =
+            |view| shared.iter().enumerate().map(move |(i, y)| row(view, i * ROWS_A_PLACE, *y));
+        (0..VIEWS).flat_map(view).collect()
+    };
+    let frames: Vec<_> = (0..FRAMES).map(frame).collect();
+    let noise = Noise::from_residuals(&frames);
+    let in_one_frame = noise.outlines.map(|outlines| outlines.in_one_frame);
+    approx::assert_relative_eq!(in_one_frame.unwrap(), VIEWS as f64, max_relative = 1e-9);
+    // 150 squares: three standard errors of τ
+    assert!(noise.staying_share().abs() < 0.35, "{noise:?}");
+
+    // of ROWS·FRAMES values that were drawn, λ of a row each: as many independent observations
+    let independent = (ROWS * FRAMES) as f64;
+    approx::assert_relative_eq!(noise.independent(&frames), independent, max_relative = 0.45);
 }
 
 #[test]

@@ -125,6 +125,26 @@ fn its_marginals_are_blocks_of_the_dense_inverse() {
     }
 }
 
+/// Σᵢᵢ of a frame is what it is at a fixed shared part, and what the shared part carries: A⁻¹ + GΣGᵀ, G = −A⁻¹Bᵀ.
+#[test]
+fn given_what_is_shared_frames_follow_it_and_keep_their_own() {
+    for (frames, m, p, reach) in SIZES {
+        let (chain, dense) = random(frames, m, p, reach);
+        let n = frames * m;
+        let spread = DMatrix::from_fn(p, p, |i, j| if i == j { 2.0 } else { 0.3 });
+        let own = dense.view((0, 0), (n, n)).into_owned().cholesky().unwrap().inverse();
+        let follows = -&own * dense.view((n, 0), (p, n)).transpose();
+        let expected = &own + &follows * &spread * follows.transpose();
+
+        let given = chain.with_shared_covariance(&spread).unwrap();
+        assert!(given.marginals(|i, marginal| {
+            let of_frame = expected.view((i * m, i * m), (m, m)).into_owned();
+            approx::assert_relative_eq!(*marginal.frame, of_frame, epsilon = 1e-12);
+            approx::assert_relative_eq!(*marginal.shared, spread, epsilon = 1e-12);
+        }));
+    }
+}
+
 #[test]
 fn marginals_of_a_long_stiff_chain_stay_those_of_the_dense_inverse() {
     let (n, m) = (150, 2);
