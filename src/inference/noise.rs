@@ -116,44 +116,53 @@ impl Noise {
 
     /// The factors of all kinds of data; 1 of a kind of which there is none.
     pub fn weights(&self) -> DataWeights {
-        DataWeights {
-            outlines: self.outlines.map_or(1.0, |noise| noise.weight()),
-            points: self.points.map_or(1.0, |noise| noise.weight()),
-            keypoints: self.keypoints.map_or(1.0, |noise| noise.weight()),
-        }
+        self.of_each(SurfaceNoise::weight, KeypointNoise::weight)
     }
 
     /// The same within one frame.
     pub fn weights_in_frame(&self) -> DataWeights {
-        DataWeights {
-            outlines: self.outlines.map_or(1.0, |noise| noise.weight_in_frame()),
-            points: self.points.map_or(1.0, |noise| noise.weight_in_frame()),
-            keypoints: self.keypoints.map_or(1.0, |noise| noise.weight_in_frame()),
-        }
+        self.of_each(SurfaceNoise::weight_in_frame, KeypointNoise::weight_in_frame)
     }
 
-    /// 1 − τ₁/τ: the share of the variance that stays from frame to frame, of the first kind of data that there is.
+    /// 1 − τ₁/τ: the share of the variance that stays from frame to frame, of the data that chose between hypotheses.
     pub fn staying_share(&self) -> f64 {
-        let of_surface = self.outlines.or(self.points);
-        let of_surface = of_surface.map(|noise| noise.weight() / noise.weight_in_frame());
-        let of_keypoints = self.keypoints.map(|noise| noise.weight() / noise.weight_in_frame());
-        1.0 - of_surface.or(of_keypoints).unwrap_or(1.0)
+        1.0 - self.data_weight() / self.weights_in_frame().of(self.chooses())
     }
 
     /// ν: how many independent observations residuals are worth.
     pub fn independent(&self, frames: &[Vec<PlacedResidual>]) -> f64 {
-        let of_surface = |noise: SurfaceNoise| 1.0 / (noise.along_border * noise.together);
-        let outlines = self.outlines.map_or(0.0, of_surface);
-        let points = self.points.map_or(0.0, of_surface);
-        let keypoints = self.keypoints.map_or(0.0, |noise| 1.0 / noise.together);
-        let each = DataWeights { outlines, points, keypoints };
-        frames.iter().flatten().map(|r| r.weight * each.of(Kind::of(r.source))).sum()
+        let worth = self.of_each(
+            |noise| 1.0 / (noise.along_border * noise.together),
+            |noise| 1.0 / noise.together,
+        );
+        frames.iter().flatten().map(|r| r.weight * worth.of(Kind::of(r.source))).sum()
     }
 
-    /// The factor of the data that chose between hypotheses: of outlines, or else of points, or else of detections.
+    /// The factor of the data that chose between hypotheses.
     pub fn data_weight(&self) -> f64 {
-        let of_surface = self.outlines.or(self.points).map(|noise| noise.weight());
-        of_surface.unwrap_or_else(|| self.weights().keypoints)
+        self.weights().of(self.chooses())
+    }
+
+    /// What chose between hypotheses: outlines, or else points, or else detections.
+    fn chooses(&self) -> Kind {
+        match (self.outlines, self.points) {
+            (Some(_), _) => Kind::Outlines,
+            (None, Some(_)) => Kind::Points,
+            (None, None) => Kind::Keypoints,
+        }
+    }
+
+    /// A number of each kind of data; 1 of a kind of which there is none.
+    fn of_each(
+        &self,
+        of_surface: impl Fn(&SurfaceNoise) -> f64,
+        of_keypoints: impl Fn(&KeypointNoise) -> f64,
+    ) -> DataWeights {
+        DataWeights {
+            outlines: self.outlines.as_ref().map_or(1.0, &of_surface),
+            points: self.points.as_ref().map_or(1.0, &of_surface),
+            keypoints: self.keypoints.as_ref().map_or(1.0, of_keypoints),
+        }
     }
 }
 
@@ -167,8 +176,8 @@ impl SurfaceNoise {
         is_seen.then(|| Self {
             scale: scale(frames),
             along_border: neighbours(frames),
-            together: together(frames),
-            in_one_frame: in_one_frame(frames),
+            together: together(frames, |_, place| place),
+            in_one_frame: together(frames, |frame, place| (frame, place)),
         })
     }
 
@@ -308,24 +317,13 @@ fn places_apart((_, a): &Place, (_, b): &Place) -> usize {
     squares.sum::<f64>().sqrt().round() as usize
 }
 
-/// τ.
-fn together(frames: &[Vec<&PlacedResidual>]) -> f64 {
-    // Σy and Σy² of each place
-    let mut places: BTreeMap<Place, (f64, f64)> = BTreeMap::new();
-    for frame in frames {
-        for ((place, _), (sum, weight)) in scores(frame) {
-            add(places.entry(place).or_default(), sum / weight.max(1e-12));
-        }
-    }
-    worth_one(places.values())
-}
-
-/// τ₁.
-fn in_one_frame(frames: &[Vec<&PlacedResidual>]) -> f64 {
-    let mut clusters: BTreeMap<(usize, Place), (f64, f64)> = BTreeMap::new();
+/// τ, or τ₁, of the looks that `cluster` puts together by their frame and place.
+fn together<K: Ord>(frames: &[Vec<&PlacedResidual>], cluster: impl Fn(usize, Place) -> K) -> f64 {
+    // Σy and Σy² of each cluster
+    let mut clusters: BTreeMap<K, (f64, f64)> = BTreeMap::new();
     for (i, frame) in frames.iter().enumerate() {
         for ((place, _), (sum, weight)) in scores(frame) {
-            add(clusters.entry((i, place)).or_default(), sum / weight.max(1e-12));
+            add(clusters.entry(cluster(i, place)).or_default(), sum / weight.max(1e-12));
         }
     }
     worth_one(clusters.values())

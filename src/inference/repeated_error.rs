@@ -61,7 +61,7 @@ impl RepeatedError {
         let mut shared_prior = priors.corner.clone();
         shared_prior.fill_upper_triangle_with_lower_triangle();
         let m = Layout::new(posterior.model).motion();
-        let pose_prior = precision(posterior.pose_prior, optimum.motions.first()?, m);
+        let pose_prior = pose_precision(posterior.pose_prior, optimum.motions.first()?, m);
         let mut data = DMatrix::zeros(m, m);
         for (link, prior) in chain.links.iter().zip(&priors.links) {
             data += &link.diagonal - &prior.diagonal;
@@ -75,14 +75,14 @@ impl RepeatedError {
         let observations = noise.independent(&posterior.residuals(optimum));
         let leverage = 1.0 / (1.0 - (followed / observations).min(MOST_FOLLOWED));
         let of_data = (shared.cholesky()?.inverse() - &shared_prior) / leverage;
-        let shared = (of_data + shared_prior).cholesky()?.inverse();
+        let precision = of_data + shared_prior;
         let stays = &still * data * &still * (leverage * noise.staying_share());
 
         // what passes
         let in_frames = SequencePosterior { weights: noise.weights_in_frame(), ..*posterior };
         let mut passes = posterior.empty_model();
         in_frames.linearize(optimum, &mut passes);
-        Some(Self { passes: passes.with_shared_covariance(&shared)?, stays })
+        Some(Self { passes: passes.with_shared_precision(&precision)?, stays })
     }
 }
 
@@ -92,7 +92,7 @@ fn count(covariance: &DMatrix<f64>, prior: &DMatrix<f64>) -> f64 {
 }
 
 /// P.
-fn precision(prior: &PosePrior, motion: &Motion, m: usize) -> DMatrix<f64> {
+fn pose_precision(prior: &PosePrior, motion: &Motion, m: usize) -> DMatrix<f64> {
     let mut equations = NormalEquations::zeros(m);
     prior.linearize(motion, &mut equations);
     equations.hessian

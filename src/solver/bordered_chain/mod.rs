@@ -63,12 +63,12 @@ impl BorderedChain {
         }
     }
 
-    /// The same chain given what is shared, of which the covariance is `shared`; `None` where one of them is not positive definite.
+    /// The same chain given what is shared, with this precision Λ; `None` where the chain is not positive definite.
     ///
-    /// C = Σ⁻¹ + Σᵢ BᵢAᵢ⁻¹Bᵢᵀ: then H⁻¹ has Σ in its corner.
-    pub fn with_shared_covariance(mut self, shared: &DMatrix<f64>) -> Option<Self> {
+    /// C = Λ + Σᵢ BᵢAᵢ⁻¹Bᵢᵀ: then H⁻¹ has Λ⁻¹ in its corner.
+    pub fn with_shared_precision(mut self, shared: &DMatrix<f64>) -> Option<Self> {
         let factor = Factor::new(&self, 0.0)?;
-        self.corner = shared.clone().cholesky()?.inverse() + explained_by_all(&factor.links);
+        self.corner = shared + explained_by_all(&factor.links);
         Some(self)
     }
 

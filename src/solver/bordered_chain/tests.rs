@@ -136,7 +136,8 @@ fn given_what_is_shared_frames_follow_it_and_keep_their_own() {
         let follows = -&own * dense.view((n, 0), (p, n)).transpose();
         let expected = &own + &follows * &spread * follows.transpose();
 
-        let given = chain.with_shared_covariance(&spread).unwrap();
+        let precision = spread.clone().cholesky().unwrap().inverse();
+        let given = chain.with_shared_precision(&precision).unwrap();
         assert!(given.marginals(|i, marginal| {
             let of_frame = expected.view((i * m, i * m), (m, m)).into_owned();
             approx::assert_relative_eq!(*marginal.frame, of_frame, epsilon = 1e-12);
