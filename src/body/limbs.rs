@@ -48,6 +48,13 @@ impl BodyModel {
         carrying().filter(is_tip).map(limb).collect()
     }
 
+    /// The two parts of each joint at which the skin folds.
+    pub(crate) fn folds(&self) -> Vec<(PartId, PartId)> {
+        let parents = self.part_parents();
+        let folding = (0..self.parts.len()).filter(|&part| self.parts[part].folds);
+        folding.filter_map(|part| Some((PartId(parents[part]?), PartId(part)))).collect()
+    }
+
     /// The part on which each part sits.
     pub(crate) fn part_parents(&self) -> Vec<Option<usize>> {
         let first_at = |joint| self.parts.iter().position(|p| p.joint == joint);
@@ -126,6 +133,7 @@ mod tests {
                     joint: joint_of(i),
                     pivot: Vec::new(),
                     sd_m: Vector3::zeros(),
+                    folds: false,
                 })
                 .collect(),
             ellipsoids: Vec::new(),

@@ -94,6 +94,8 @@ pub struct Part {
     /// How uncertain the joint's place in the flesh is: standard deviations along the part's axes, metres. Sources differ on
     /// where a joint is, and no silhouette shows it.
     pub sd_m: Vector3<f64>,
+    /// Whether the skin at its joint folds as it bends.
+    pub folds: bool,
 }
 
 /// A point fixed to a part, as exported: a joint centre or a landmark.

@@ -22,6 +22,7 @@ use super::contrasts::{Contrasts, Leverages};
 use super::covariance::Uncertainty;
 use super::frame::FrameFit;
 use super::instant::{times_s, trials};
+use super::looks::without_folds;
 use super::noise::{DataWeights, Noise};
 use super::prior::ShapePrior;
 use super::repeated_error::RepeatedError;
@@ -211,7 +212,7 @@ pub fn joint_optimum_from_terms<'a>(
     };
     let looks = options.rounds.last(terms);
     let round = search.round(looks, from, &solver);
-    let uncertainty = search.uncertainty(looks, &round);
+    let uncertainty = search.uncertainty(&round);
     let Round { noise, solution, .. } = round;
     let frames = search.frame_fits(looks, &solution.state);
     step();
@@ -244,7 +245,9 @@ struct Approached {
 }
 
 /// An optimum, and the noise with which it was sought.
-struct Round {
+struct Round<'l> {
+    /// What it looked at.
+    looks: Vec<Vec<Look<'l>>>,
     noise: Noise,
     shape_prior: ShapePrior,
     contrasts: Contrasts,
@@ -252,27 +255,47 @@ struct Round {
 }
 
 impl Search<'_, '_> {
-    /// The optimum with residuals that err as they do at its start.
-    fn round(&self, looks: &[Vec<Look<'_>>], from: Approached, solver: &Options) -> Round {
+    /// The optimum with residuals that err as they do at its start, without what lies in folds of the skin there.
+    fn round<'l>(
+        &self,
+        looks: &'l [Vec<Look<'_>>],
+        from: Approached,
+        solver: &Options,
+    ) -> Round<'l> {
         let Approached { state: start, shape_prior, leverages } = from;
-        let looks = self.within(looks, &start);
+        let whole = self.within(looks, &start);
+        let open = self.without_folds(&whole, &start);
+        let looks = self.within(&open, &start);
+
         let none = Contrasts::none(looks.len());
         let mut posterior = self.posterior(&looks, &shape_prior, &none);
         let noise = Noise::from_residuals(&posterior.residuals(&start));
         posterior.weights = noise.weights();
+        // a fold looks alike to cameras side by side
         let model = self.evidence.model;
         let contrasts =
-            Contrasts::new(model, &looks, &start, &leverages, posterior.weights.outlines);
+            Contrasts::new(model, &whole, &start, &leverages, posterior.weights.outlines);
         posterior.contrasts = &contrasts;
 
         let counted = Counted { problem: &posterior, step: self.step };
         let solution = levenberg_marquardt(&counted, start, solver);
-        Round { noise, shape_prior, contrasts, solution }
+        Round { looks: open, noise, shape_prior, contrasts, solution }
+    }
+
+    /// The same without the data that lie in folds of the skin.
+    fn without_folds<'l>(
+        &self,
+        looks: &[Vec<&'l Look<'_>>],
+        state: &SequenceState,
+    ) -> Vec<Vec<Look<'l>>> {
+        let none = Contrasts::none(looks.len());
+        let posterior = self.posterior(looks, &self.evidence.shape_prior, &none);
+        without_folds(looks, &posterior.bodies(state))
     }
 
     /// How sure an optimum is.
-    fn uncertainty(&self, looks: &[Vec<Look<'_>>], round: &Round) -> Option<Uncertainty> {
-        let Round { noise, shape_prior, contrasts, solution } = round;
+    fn uncertainty(&self, round: &Round<'_>) -> Option<Uncertainty> {
+        let Round { looks, noise, shape_prior, contrasts, solution } = round;
         let Solution { state, model: chain, .. } = solution;
         let looks = self.within(looks, state);
         let posterior = self.posterior(&looks, shape_prior, contrasts);
@@ -330,7 +353,7 @@ impl Search<'_, '_> {
     }
 
     /// From where the next round starts.
-    fn approached(&self, round: Round) -> Approached {
+    fn approached(&self, round: Round<'_>) -> Approached {
         let model = self.evidence.model;
         let Solution { state, model: chain, .. } = round.solution;
         let with_spreads = |covariance| {

@@ -7,7 +7,8 @@ use super::detail::Detail;
 use super::evidence::{Evidence, Terms};
 use super::hull;
 use super::sequence::Sequence;
-use crate::likelihood::Source;
+use crate::body::Posed;
+use crate::likelihood::{Source, Term};
 use crate::silhouette::FrameObservations;
 
 /// Terms of −log p(Zᵢ | mᵢ, s) that one place and one moment of the body explain.
@@ -60,9 +61,29 @@ impl<'f> Look<'f> {
 }
 
 impl Look<'_> {
+    /// The same without the data that lie in folds of the skin at a pose.
+    fn without_folds(&self, body: &Posed<'_>) -> Look<'_> {
+        let terms = self.terms.iter();
+        let terms = terms.map(|term| -> Box<dyn Term + '_> {
+            term.without_folds(body).unwrap_or_else(|| Box::new(&**term))
+        });
+        Look { camera: self.camera, kind: self.kind, terms: terms.collect() }
+    }
+
     fn shows_any(&self) -> bool {
         !self.terms.is_empty()
     }
+}
+
+/// Looks, frame by frame, without the data that lie in folds of the skin; `bodies` are as each look sees them.
+pub(super) fn without_folds<'l>(
+    looks: &[Vec<&'l Look<'_>>],
+    bodies: &[Posed<'_>],
+) -> Vec<Vec<Look<'l>>> {
+    let all: Vec<&'l Look<'_>> = looks.iter().flatten().copied().collect();
+    let without = all.par_iter().zip(bodies).map(|(look, body)| look.without_folds(body));
+    let mut without = without.collect::<Vec<_>>().into_iter();
+    looks.iter().map(|looks| without.by_ref().take(looks.len()).collect()).collect()
 }
 
 impl Evidence<'_> {

@@ -66,8 +66,8 @@ impl SequencePosterior<'_> {
         })
     }
 
-    /// Every look, by the frames about which it is.
-    fn placed(&self, x: &SequenceState) -> Vec<Placed<'_>> {
+    /// Every look, frame by frame.
+    fn in_frames(&self, x: &SequenceState) -> Vec<Placed<'_>> {
         let layout = Layout::new(self.model);
         let (times_s, trials) = (times_s(self.seconds), trials(self.seconds));
         let place = |(recorded, look): (usize, _)| {
@@ -91,9 +91,20 @@ impl SequencePosterior<'_> {
         };
         let looks = self.looks.iter().enumerate();
         let looks = looks.flat_map(|(i, looks)| looks.iter().map(move |look| (i, *look)));
-        let mut placed: Vec<Placed<'_>> = looks.map(place).collect();
+        looks.map(place).collect()
+    }
+
+    /// Every look, by the frames about which it is.
+    fn placed(&self, x: &SequenceState) -> Vec<Placed<'_>> {
+        let mut placed = self.in_frames(x);
         placed.sort_by_key(Placed::middle);
         placed
+    }
+
+    /// The body as every look sees it, frame by frame.
+    pub(super) fn bodies<'s>(&'s self, x: &'s SequenceState) -> Vec<Posed<'s>> {
+        let posed = |placed: Placed<'_>| Posed::new(self.model, &x.shape, &placed.seen);
+        self.in_frames(x).into_iter().map(posed).collect()
     }
 
     /// −log p of what a look shows, with E_d.

@@ -18,6 +18,7 @@ mod ellipse_distance;
 mod ellipse_silhouette;
 mod ellipse_sums;
 mod ellipsoid_surface;
+mod folds;
 mod foot;
 mod keypoints;
 mod limb_sums;
@@ -67,8 +68,42 @@ pub trait Term: Send + Sync {
     fn linearize(&self, body: &Posed<'_>, equations: &mut NormalEquations) -> f64;
     /// The residuals at a pose, those of one source in the order of its data (along a border).
     fn placed_residuals(&self, body: &Posed<'_>) -> Vec<PlacedResidual>;
+    /// The same without the data that lie in folds of the skin at a pose; `None` if none do.
+    fn without_folds(&self, _body: &Posed<'_>) -> Option<Box<dyn Term>> {
+        None
+    }
     /// What cameras side by side see differently, of a kind of data that can tell.
     fn parallax(&self, _body: &Posed<'_>) -> Option<Parallax> {
         None
+    }
+}
+
+impl<T: Term + ?Sized> Term for &T {
+    fn name(&self) -> &'static str {
+        (**self).name()
+    }
+
+    fn cost(&self, body: &Posed<'_>) -> f64 {
+        (**self).cost(body)
+    }
+
+    fn observations(&self) -> f64 {
+        (**self).observations()
+    }
+
+    fn linearize(&self, body: &Posed<'_>, equations: &mut NormalEquations) -> f64 {
+        (**self).linearize(body, equations)
+    }
+
+    fn placed_residuals(&self, body: &Posed<'_>) -> Vec<PlacedResidual> {
+        (**self).placed_residuals(body)
+    }
+
+    fn without_folds(&self, body: &Posed<'_>) -> Option<Box<dyn Term>> {
+        (**self).without_folds(body)
+    }
+
+    fn parallax(&self, body: &Posed<'_>) -> Option<Parallax> {
+        (**self).parallax(body)
     }
 }

@@ -30,6 +30,7 @@
 
 use nalgebra::Vector2;
 
+use super::folds;
 use super::nearest_limb::NearestLimb;
 use super::skin_distance::{PosedScale, SkinScale};
 use super::skin_term::{self, SkinTerm, SkinTouch, Touch};
@@ -114,6 +115,16 @@ impl Term for PointField {
 
     fn placed_residuals(&self, body: &Posed<'_>) -> Vec<PlacedResidual> {
         skin_term::placed(self, body)
+    }
+
+    fn without_folds(&self, body: &Posed<'_>) -> Option<Box<dyn Term>> {
+        let folded = folds::folded(self, body)?;
+        let kept = folds::kept(Source::Cloud, self.points.len(), &folded);
+        Some(Box::new(Self {
+            points: kept.iter().map(|&i| self.points[i]).collect(),
+            weights: kept.iter().map(|&i| self.weights[i]).collect(),
+            ..self.clone()
+        }))
     }
 }
 

@@ -24,6 +24,7 @@
 use nalgebra::{Vector2, Vector3};
 
 use super::contact::RayField;
+use super::folds;
 use super::skin_distance::{Derivatives, PosedScale, Residual, SkinResidual, SkinScale};
 use super::skin_term::{self, PartOffset, SkinTerm, SkinTouch, Touch, TouchPlace};
 use super::{Parallax, PlacedResidual, Source, Term};
@@ -282,6 +283,13 @@ impl Term for SilhouetteRays {
 
     fn placed_residuals(&self, body: &Posed<'_>) -> Vec<PlacedResidual> {
         skin_term::placed(self, body)
+    }
+
+    fn without_folds(&self, body: &Posed<'_>) -> Option<Box<dyn Term>> {
+        let folded = folds::folded(self, body)?;
+        let views = self.views.iter().enumerate();
+        let kept = views.map(|(i, view)| folds::kept(Source::View(i), view.len(), &folded));
+        Some(Box::new(self.only(&kept.collect::<Vec<_>>())))
     }
 
     fn parallax(&self, body: &Posed<'_>) -> Option<Parallax> {

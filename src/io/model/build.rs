@@ -148,7 +148,7 @@ impl Builder<'_> {
         };
 
         self.carried.push(carried);
-        self.model.parts.push(Part { name, joint, pivot, sd_m: spec.sd.into() });
+        self.model.parts.push(Part { name, joint, pivot, sd_m: spec.sd.into(), folds: spec.folds });
         self.scales.push(spec.scale.clone());
         Ok(())
     }
@@ -162,6 +162,7 @@ impl Builder<'_> {
             ("turn_deg", is_any(spec.turn_deg)),
             ("pivot", spec.pivot.is_some()),
             ("sd", is_any(spec.sd)),
+            ("folds", spec.folds),
         ];
         match given.into_iter().find(|(_, is_given)| *is_given) {
             Some((key, _)) if spec.joints.is_empty() => Err(ModelFileError::NoJoint {

@@ -74,6 +74,8 @@ pub(super) struct PartSpec {
     #[serde(default)]
     pub(super) sd: [f64; 3],
     #[serde(default)]
+    pub(super) folds: bool,
+    #[serde(default)]
     pub(super) scale: [String; 3],
     #[serde(default, rename = "joint")]
     pub(super) joints: Vec<JointSpec>,

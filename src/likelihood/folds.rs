@@ -1,0 +1,113 @@
+//! Where the skin folds: about the joint of a hinge, such as knee and elbow.
+//!
+//! Flesh there follows both bones by shares that differ between people, garments and makers of bodies, and it folds. A metaball turns with
+//! one bone. Flesh that follows the other by a share w which the model has not is moved by w θ h, where the joint is bent by θ and
+//! lies h away. That is little, but it is the same whenever the joint is bent alike, and so it looks like a joint that lies elsewhere:
+//! a skin that is the model's own, but follows both bones by the shares of their metaballs, misfits by 1 to 3 mm, and draws
+//! the knee a centimetre backwards and down (see docs/decisions, 0032).
+//!
+//! So data that touch a fold say nothing in the joint optimum. A place lies in a fold where both bones' metaballs have more than
+//! [`SHARE`] of the field. Where joint and bones are, is known from where each part moves as one. Which data lie in folds is decided
+//! once, where a round of the optimum begins: E is the same function for all steps of a round. Decided at each step, E would
+//! fall as folds grow.
+
+use super::Source;
+use super::skin_term::SkinTerm;
+use crate::body::metaball::{Field, FieldSample};
+use crate::body::{BodyModel, PartId, Posed};
+
+/// The least share of either bone: 10 cm from a joint that is bent by 1 rad, it moves the skin by 1 mm.
+const SHARE: f64 = 0.01;
+
+/// The folds of a body.
+struct Folds<'a> {
+    model: &'a BodyModel,
+    field: &'a Field,
+    /// The two parts of each.
+    pairs: Vec<(PartId, PartId)>,
+}
+
+impl Folds<'_> {
+    /// Whether a place lies in one.
+    fn contain(&self, sample: &FieldSample) -> bool {
+        let share_of = |part: PartId| -> f64 {
+            let is_own = |ball: usize| {
+                self.field.source(ball).is_some_and(|i| self.model.metaballs[i].part == part)
+            };
+            let own = sample.shares.iter().filter(|share| is_own(share.metaball));
+            own.map(|share| share.weight).sum()
+        };
+        self.pairs.iter().any(|(above, below)| share_of(*above).min(share_of(*below)) > SHARE)
+    }
+}
+
+/// The data of a term that lie in folds of a body; `None` if there are none.
+pub(super) fn folded(term: &impl SkinTerm, body: &Posed<'_>) -> Option<Vec<(Source, usize)>> {
+    let pairs = body.model.folds();
+    if pairs.is_empty() {
+        return None;
+    }
+    let field = Field::from_body(body);
+    let folds = Folds { model: body.model, field: &field, pairs };
+    let mut inside = Vec::new();
+    term.touches(body, &field, &term.scale(body, &field), |touch, sample| {
+        if folds.contain(sample) {
+            inside.push((touch.source, touch.index));
+        }
+    });
+    (!inside.is_empty()).then_some(inside)
+}
+
+/// Of so many data of a source those that do not lie in folds.
+pub(super) fn kept(source: Source, count: usize, folded: &[(Source, usize)]) -> Vec<usize> {
+    let mut is_kept = vec![true; count];
+    let own = folded.iter().filter(|(from, _)| *from == source);
+    own.for_each(|(_, index)| is_kept[*index] = false);
+    (0..count).filter(|&i| is_kept[i]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use nalgebra::Point3;
+
+    use super::*;
+    use crate::body::{Motion, Shape};
+    use crate::likelihood::{PointField, PointOptions, SkinScale, SurfacePoint, Term};
+
+    /// How many of the points on a line along the right leg's front a term keeps, from a height to another above the knee.
+    fn kept_between(model: &BodyModel, low_m: f64, high_m: f64) -> usize {
+        let shape = Shape(model.statistics.mean.clone());
+        let motion = Motion::straight(model);
+        let body = Posed::new(model, &shape, &motion);
+        let shank = model.parts.iter().position(|p| p.name == "shank_r").unwrap();
+        let knee = body.origin_of_part(PartId(shank));
+        let point = |i: i32| {
+            let up_m = low_m + (high_m - low_m) * f64::from(i) / 10.0;
+            SurfacePoint::isotropic(Point3::new(knee.x + 0.06, knee.y, knee.z + up_m), 0.002)
+        };
+        let points = (0..10).map(point).collect();
+        let term = PointField::new(points, PointOptions::default(), SkinScale::new(model));
+        let without = term.without_folds(&body);
+        without.map_or(10, |without| without.placed_residuals(&body).len())
+    }
+
+    #[test]
+    fn points_about_the_knee_are_left_out_and_those_of_thigh_and_shank_stay() {
+        let mut model = crate::io::model::load("human-metaballs", Path::new("")).unwrap();
+        assert_eq!(kept_between(&model, -0.03, 0.03), 0);
+        assert_eq!(kept_between(&model, 0.12, 0.2), 10);
+        assert_eq!(kept_between(&model, -0.2, -0.12), 10);
+        model.parts.iter_mut().for_each(|part| part.folds = false);
+        assert_eq!(kept_between(&model, -0.03, 0.03), 10);
+    }
+
+    #[test]
+    fn of_each_source_only_its_own_data_are_left_out() {
+        let folded = [(Source::View(0), 1), (Source::View(1), 0), (Source::View(1), 3)];
+        assert_eq!(kept(Source::View(0), 3, &folded), [0, 2]);
+        assert_eq!(kept(Source::View(1), 4, &folded), [1, 2]);
+        assert_eq!(kept(Source::Cloud, 2, &folded), [0, 1]);
+    }
+}
