@@ -17,7 +17,7 @@ fn fitted(scene: &Scene, model: &BodyModel, measure: Measure) -> JointOptimum {
 
 #[test]
 fn lengths_of_a_person_are_less_sure_than_if_the_joints_were_known() {
-    let scene = Scene::person("human-metaballs", 3);
+    let scene = Scene::person("human-metaballs", 6);
     let mut known = scene.model.clone();
     known.parts.iter_mut().for_each(|p| p.sd_m.fill(0.0));
     known.points.iter_mut().for_each(|p| p.sd_m.fill(0.0));
