@@ -123,7 +123,8 @@ impl Term for PointField {
         Some(Box::new(Self {
             points: kept.iter().map(|&i| self.points[i]).collect(),
             weights: kept.iter().map(|&i| self.weights[i]).collect(),
-            ..self.clone()
+            options: self.options,
+            scale: self.scale.clone(),
         }))
     }
 }
