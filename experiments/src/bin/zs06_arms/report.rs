@@ -33,7 +33,8 @@ pub(crate) fn report(
     }
     for (when, counts) in [("held", true), ("swinging", false)] {
         for way in ways {
-            let s = Summary::of(&scene.truth, &way.fit, |f| is_held(f) == counts);
+            let is_counted = |f: usize| is_held(f) == counts;
+            let s = Summary::of(&scene.truth, &way.fit, is_counted);
             let mut number = |what: &str, value| {
                 run.number(format!("{}_{when}_{what}", way.name), value);
             };
@@ -41,6 +42,9 @@ pub(crate) fn report(
             number("wrong_way", s.wrong_way as f64);
             number("shoulder_deg", s.shoulder_deg);
             number("elbow_deg", s.elbow_deg);
+            if let Some(z) = way.elbow_rms_z(&scene.truth, is_counted) {
+                number("elbow_rms_z", z);
+            }
             number("wrist_median_mm", s.wrist_median_mm);
             number("wrist_p95_mm", s.wrist_p95_mm);
         }

@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use experiments::held::ARMS;
 use experiments::metrics::trajectories;
 use maquette::body::{BodyModel, Motion, Shape};
 use maquette::camera::Rig;
@@ -11,6 +12,7 @@ use maquette::inference::search::{Hypothesis, Journal, NoJournal, SearchOptions,
 use maquette::inference::{Evidence, Sequence};
 use maquette::io::points::trc::Trajectories;
 use maquette::likelihood::{EllipseOptions, LikelihoodOptions, Measure};
+use maquette::math::stats::mean;
 use maquette::silhouette::FrameObservations;
 
 /// What is fitted, and the truth.
@@ -32,6 +34,25 @@ pub(crate) struct Way {
     /// Standard deviations of the elbows' flexion, degrees, frame by frame: right, left; only of the joint optimum.
     pub(crate) elbow_sd_deg: Vec<[f64; 2]>,
     pub(crate) seconds: f64,
+}
+
+impl Way {
+    /// Errors of the elbows' flexion over their standard deviations, root mean square, in the frames that `counts` chooses;
+    /// `None` where no standard deviation is stated.
+    pub(crate) fn elbow_rms_z(
+        &self,
+        truth: &Trajectories,
+        counts: impl Fn(usize) -> bool,
+    ) -> Option<f64> {
+        let frames = self.elbow_sd_deg.iter().enumerate().filter(|(frame, _)| counts(*frame));
+        let squares = frames.flat_map(|(frame, sd_deg)| {
+            let errors = ARMS.into_iter().zip(sd_deg);
+            errors.filter_map(move |(arm, sd_deg)| {
+                Some((arm.error(truth, &self.fit, frame)?.flexion_deg / sd_deg).powi(2))
+            })
+        });
+        mean(squares).map(f64::sqrt)
+    }
 }
 
 /// The hypothesis of one keyframe, for a search that is to follow no other.
