@@ -129,7 +129,7 @@ fn two_bodies(input: &ComparisonInput<'_>) -> Option<String> {
     let metres = |length: f64| words.number(Some(length), 3);
     let length = odd.length.replace('_', " ");
     Some(words.fill(
-        "The bodies differ: the {length} is {first} m in {before} and {second} m in {after} (all lengths: χ² {chi} of {degrees}): two people, \
+        "The bodies differ: {length} {first} m in {before}, {second} m in {after} (all lengths: F({m}, {nu}) = {f}): two people, \
             a person who has grown, or a calibration of another scale. No change is to be trusted before that is known.",
         &[
             ("length", &words.known(&length)),
@@ -137,8 +137,9 @@ fn two_bodies(input: &ComparisonInput<'_>) -> Option<String> {
             ("before", &input.before.name),
             ("second", &metres(odd.own_m)),
             ("after", &input.after.name),
-            ("chi", &words.number(Some(odd.chi_square), 0)),
-            ("degrees", &odd.degrees),
+            ("m", &odd.degrees[0]),
+            ("nu", &odd.degrees[1]),
+            ("f", &words.number(Some(odd.f), 0)),
         ],
     ))
 }

@@ -38,8 +38,8 @@ fn two_bodies_are_told_in_a_line_in_the_table_and_on_the_page_in_each_language()
     let mut comparison = compared();
     comparison.one_body = OneBody::No(Disagreement {
         trial: 1,
-        chi_square: 162.0,
-        degrees: 8,
+        f: 20.3,
+        degrees: [8, 12],
         probability: 1e-30,
         length: "shank".into(),
         own_m: 0.433,
@@ -47,12 +47,11 @@ fn two_bodies_are_told_in_a_line_in_the_table_and_on_the_page_in_each_language()
     });
 
     let first = comparison.lines().swap_remove(0);
-    let said =
-        "the shank is 0.518 m in before.trc, 0.433 m in after.trc (all lengths: χ² 162 of 8)";
+    let said = "shank 0.518 m in before.trc, 0.433 m in after.trc (all lengths: F(8, 12) = 20)";
     assert!(first.contains(said), "{first}");
     assert!(column(&comparison).iter().all(|said| said == "no"));
     let page = comparison.report(Language::English);
-    assert!(page.contains("the shank is 0.518 m in before.trc and 0.433 m in after.trc"));
+    assert!(page.contains("The bodies differ: shank 0.518 m in before.trc, 0.433 m in after.trc"));
     let page = comparison.report(Language::German);
     assert!(page.contains("Unterschenkel 0,518 m in before.trc, 0,433 m in after.trc"));
 }

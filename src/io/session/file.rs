@@ -95,11 +95,11 @@ pub struct TrialPart {
 pub struct DisagreementPart {
     /// Its name.
     pub trial: String,
-    /// χ² of its lengths.
-    pub chi_square: f64,
-    /// Degrees of freedom.
-    pub degrees: usize,
-    /// The probability of such a χ² of the same person.
+    /// F of its lengths.
+    pub f: f64,
+    /// The degrees of freedom of numerator and denominator.
+    pub degrees: [usize; 2],
+    /// The probability of such an F of the same person.
     pub probability: f64,
     /// In one line, with what to do.
     pub line: String,

@@ -1,23 +1,27 @@
 //! Whether all trials are of one person, and two sessions: by their lengths.
 //!
-//! Trial k alone found the lengths ℓₖ at rest with the covariance Cₖ = J Σₖ Jᵀ, J their slopes with respect to the shape. All trials
-//! together find ℓ̄ with C̄, the prior (ℓ₀, C₀) counted once:
+//! Trial k alone found the lengths ℓₖ at rest with the covariance Cₖ = J Σₖ Jᵀ, J their slopes with respect to the shape. The n others
+//! found, each by what is known of it,
 //!
-//! C̄⁻¹ = Σ Cₖ⁻¹ − (K − 1) C₀⁻¹,  ℓ̄ = C̄ (Σ Cₖ⁻¹ ℓₖ − (K − 1) C₀⁻¹ ℓ₀).
+//! ℓ̄ = C̄ Σ Cⱼ⁻¹ ℓⱼ,  C̄⁻¹ = Σ Cⱼ⁻¹,  j ≠ k.
 //!
-//! Of one person, ℓ̄ is ℓₖ with more known, so ℓₖ − ℓ̄ has the covariance Cₖ − C̄ and
+//! It is a mean of trials, and not what all their data say together with one prior: where the same flesh draws every trial to the same side, that lies far
+//! beyond all of them. Trials of one person err alike, by λ of what they state: of one person ℓₖ − ℓ̄ has the covariance λ(Cₖ + C̄). The others tell λ, with
+//! what recordings of other people told before:
 //!
-//! χ² = (ℓₖ − ℓ̄)ᵀ (w²(Cₖ − C̄))⁻¹ (ℓₖ − ℓ̄)
+//! λ̂ = (ν₀ + Σ (ℓⱼ − ℓ̄)ᵀ Cⱼ⁻¹ (ℓⱼ − ℓ̄)) / ν,  ν = ν₀ + (n − 1) m,
 //!
-//! is χ²-distributed with as many degrees of freedom as there are directions in which C̄ is less than Cₖ. w = 1.5 widens the standard
-//! deviations: 95 % intervals of lengths hold 81 to 90 % of the truths (docs/results.md). The trial of the largest χ² is
-//! named if its probability is below 1/1000 and a length differs by more than 3 %; the others are tested again without it.
+//! F = (ℓₖ − ℓ̄)ᵀ (Cₖ + C̄)⁻¹ (ℓₖ − ℓ̄) / (m λ̂)
+//!
+//! is F-distributed with m and ν degrees of freedom, m the directions in which lengths vary. ν₀ = 12: the mean squares of errors over standard deviations were .6 to
+//! 1.7 in five recordings (docs/results.md, RMS z), as much as χ²/ν varies with ν = 12. The trial of the largest F is named if its probability is below
+//! 1/1000 and a length differs by more than 3 %; the others are tested again without it.
 //!
 //! # Source
-//! The covariance of a difference between an estimate and one with more data: Hausman 1978, *Specification tests in econometrics*.
+//! A scale that is common to all covariances, with a conjugate prior: Gelman et al. 2013, *Bayesian data analysis*, 3rd ed., § 3.2.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
-use statrs::distribution::{ChiSquared, ContinuousCDF};
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use super::SessionTrial;
 use crate::body::{BodyModel, Shape};
@@ -28,11 +32,11 @@ use crate::inference::covariance::lengths_slopes;
 pub struct Disagreement {
     /// Its position among the trials.
     pub trial: usize,
-    /// χ².
-    pub chi_square: f64,
-    /// Degrees of freedom.
-    pub degrees: usize,
-    /// The probability of such a χ² and larger ones, if it is the same person.
+    /// F of all lengths.
+    pub f: f64,
+    /// Its degrees of freedom: m, ν.
+    pub degrees: [usize; 2],
+    /// The probability of such an F and larger ones, if it is the same person.
     pub probability: f64,
     /// The name of the length that differs most, by its standard deviation.
     pub length: String,
@@ -65,13 +69,13 @@ impl OneBody {
     }
 }
 
-/// w.
-const WIDER: f64 = 1.5;
+/// ν₀.
+const KNOWN_BEFORE: usize = 12;
 /// A disagreement is less probable than this if all trials are of one person.
 const IMPROBABLE: f64 = 1e-3;
 /// And a length differs by more than this share of it.
 const LEAST_SHARE: f64 = 0.03;
-/// Directions in which less is known than this part of the largest are rounding.
+/// Directions in which lengths vary by less than this part of the largest variance are rounding.
 const ROUNDING: f64 = 1e-3;
 
 /// The lengths of a trial, and how sure they are.
@@ -85,7 +89,6 @@ struct Lengths {
 /// lengths have standard deviations. `model` has no details.
 pub fn disagreements(model: &BodyModel, trials: &[SessionTrial<'_>]) -> Vec<Disagreement> {
     let body = model.detailed();
-    let prior = Lengths::of_prior(&body);
     let known = trials.iter().enumerate().filter_map(|(k, trial)| {
         let alone = &trial.alone;
         Some((k, Lengths::new(&body, &alone.shape, alone.covariance.as_ref()?)))
@@ -94,7 +97,7 @@ pub fn disagreements(model: &BodyModel, trials: &[SessionTrial<'_>]) -> Vec<Disa
     let mut left: Vec<(usize, Lengths)> = known.collect();
     let names = names(&body);
     let mut found = Vec::new();
-    while let Some(odd) = oddest(&left, &prior, &names) {
+    while let Some(odd) = oddest(&left, &names) {
         left.retain(|(k, _)| *k != odd.trial);
         found.push(odd);
     }
@@ -109,16 +112,12 @@ pub fn one_body(
     after: (&Shape, &DMatrix<f64>),
 ) -> OneBody {
     let [before, after] = [before, after].map(|(s, covariance)| Lengths::new(body, s, covariance));
-    one_of_two(before, after, &Lengths::of_prior(body), &names(body))
+    one_of_two(&before, &after, &names(body))
 }
 
-fn one_of_two(before: Lengths, after: Lengths, prior: &Lengths, names: &[String]) -> OneBody {
-    let both = [(0, before), (1, after)];
-    let tested = || {
-        let all = pooled(&both, prior)?;
-        test(1, &both[1].1, &all, &both[0].1, names)
-    };
-    match tested() {
+fn one_of_two(before: &Lengths, after: &Lengths, names: &[String]) -> OneBody {
+    let alone = Mean { lengths: before.clone(), trials: 1, squares: 0.0 };
+    match test(1, after, &alone, names) {
         None => OneBody::Unknown,
         Some(found) if found.is_sure() => OneBody::No(found),
         Some(_) => OneBody::Yes,
@@ -135,11 +134,6 @@ impl Lengths {
         let metres = DVector::from_vec(body.rest_lengths_m(shape));
         Self { metres, covariance: &slopes * covariance * slopes.transpose() }
     }
-
-    fn of_prior(body: &BodyModel) -> Self {
-        let prior = &body.statistics;
-        Self::new(body, &Shape(prior.mean.clone()), &prior.covariance)
-    }
 }
 
 impl Disagreement {
@@ -150,34 +144,46 @@ impl Disagreement {
     }
 }
 
-/// The trial of the largest χ², if it is not of the person of the others.
-fn oddest(trials: &[(usize, Lengths)], prior: &Lengths, names: &[String]) -> Option<Disagreement> {
+/// What some trials found together.
+struct Mean {
+    /// ℓ̄ and C̄.
+    lengths: Lengths,
+    /// n.
+    trials: usize,
+    /// Σ (ℓⱼ − ℓ̄)ᵀ Cⱼ⁻¹ (ℓⱼ − ℓ̄).
+    squares: f64,
+}
+
+impl Mean {
+    /// Of at least one trial; `None` where a covariance has no inverse.
+    fn new(trials: &[&Lengths]) -> Option<Self> {
+        let precisions = trials.iter().map(|own| precision(&own.covariance));
+        let precisions: Vec<DMatrix<f64>> = precisions.collect::<Option<_>>()?;
+        let weighted =
+            precisions.iter().zip(trials).map(|(precision, own)| precision * &own.metres);
+        let covariance = precision(&precisions.iter().sum())?;
+        let metres = &covariance * weighted.sum::<DVector<f64>>();
+
+        let square = |(precision, own): (&DMatrix<f64>, &&Lengths)| {
+            let off = &own.metres - &metres;
+            off.dot(&(precision * &off))
+        };
+        let squares = precisions.iter().zip(trials).map(square).sum();
+        Some(Self { lengths: Lengths { metres, covariance }, trials: trials.len(), squares })
+    }
+}
+
+/// The trial of the largest F, if it is not of the person of the others.
+fn oddest(trials: &[(usize, Lengths)], names: &[String]) -> Option<Disagreement> {
     if trials.len() < 2 {
         return None;
     }
-    let all = pooled(trials, prior)?;
     let tested = trials.iter().filter_map(|(k, own)| {
-        let rest: Vec<_> = trials.iter().filter(|(other, _)| other != k).cloned().collect();
-        let others = pooled(&rest, prior)?;
-        test(*k, own, &all, &others, names)
+        let others = trials.iter().filter(|(other, _)| other != k).map(|(_, lengths)| lengths);
+        test(*k, own, &Mean::new(&others.collect::<Vec<_>>())?, names)
     });
-    let oddest = tested.max_by(|a, b| a.chi_square.total_cmp(&b.chi_square));
+    let oddest = tested.max_by(|a, b| a.f.total_cmp(&b.f));
     oddest.filter(Disagreement::is_sure)
-}
-
-/// ℓ̄ and C̄; `None` where a covariance has no inverse.
-fn pooled(trials: &[(usize, Lengths)], prior: &Lengths) -> Option<Lengths> {
-    let times = trials.len() as f64 - 1.0;
-    let of_prior = precision(&prior.covariance)?;
-    let mut all = &of_prior * -times;
-    let mut right = &of_prior * &prior.metres * -times;
-    for (_, own) in trials {
-        let precision = precision(&own.covariance)?;
-        right += &precision * &own.metres;
-        all += precision;
-    }
-    let covariance = precision(&all)?;
-    Some(Lengths { metres: &covariance * right, covariance })
 }
 
 /// The inverse of a symmetric matrix, over the directions that are more than rounding.
@@ -189,34 +195,32 @@ fn precision(covariance: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     is_usable.then(|| eigen.recompose())
 }
 
-/// χ² of a trial, and the length by which it differs most from the others.
-fn test(
-    trial: usize,
-    own: &Lengths,
-    all: &Lengths,
-    others: &Lengths,
-    names: &[String],
-) -> Option<Disagreement> {
-    let difference = &own.metres - &all.metres;
-    let less = (&own.covariance - &all.covariance) * WIDER.powi(2);
-    let eigen = SymmetricEigen::new(0.5 * (&less + less.transpose()));
+/// F of a trial, and the length by which it differs most from the others.
+fn test(trial: usize, own: &Lengths, others: &Mean, names: &[String]) -> Option<Disagreement> {
+    let mean = &others.lengths;
+    let difference = &own.metres - &mean.metres;
+    let covariance = &own.covariance + &mean.covariance;
+    let eigen = SymmetricEigen::new(0.5 * (&covariance + covariance.transpose()));
     let least = ROUNDING * eigen.eigenvalues.amax();
     let along = eigen.eigenvectors.tr_mul(&difference);
     let known = (0..along.len()).filter(|k| eigen.eigenvalues[*k] > least);
     let squares: Vec<f64> = known.map(|k| along[k].powi(2) / eigen.eigenvalues[k]).collect();
 
-    let (chi_square, degrees) = (squares.iter().sum::<f64>(), squares.len());
-    let probability = ChiSquared::new(degrees as f64).ok()?.sf(chi_square);
-    let by_sd = |k: &usize| difference[*k].abs() / less[(*k, *k)].max(least).sqrt();
+    let m = squares.len();
+    let nu = KNOWN_BEFORE + (others.trials - 1) * m;
+    let scale = (KNOWN_BEFORE as f64 + others.squares) / nu as f64;
+    let f = squares.iter().sum::<f64>() / (m as f64 * scale);
+    let probability = FisherSnedecor::new(m as f64, nu as f64).ok()?.sf(f);
+    let by_sd = |k: &usize| difference[*k].abs() / covariance[(*k, *k)].max(least).sqrt();
     let length = (0..names.len()).max_by(|a, b| by_sd(a).total_cmp(&by_sd(b)))?;
     Some(Disagreement {
         trial,
-        chi_square,
-        degrees,
+        f,
+        degrees: [m, nu],
         probability,
         length: names[length].clone(),
         own_m: own.metres[length],
-        others_m: others.metres[length],
+        others_m: mean.metres[length],
     })
 }
 
@@ -253,7 +257,7 @@ mod tests {
 
     fn oddest_of(trials: &[Lengths]) -> Option<Disagreement> {
         let trials: Vec<_> = trials.iter().cloned().enumerate().collect();
-        oddest(&trials, &prior(), &names())
+        oddest(&trials, &names())
     }
 
     #[test]
@@ -261,7 +265,6 @@ mod tests {
         let mut rng = ChaCha8Rng::seed_from_u64(3);
         let person = DVector::from_vec(vec![0.45, 0.43, 0.32]);
         for _ in 0..200 {
-            // the widened χ² is beyond 1/1000 of its own once in 10⁸ times
             let same: Vec<Lengths> = (0..4).map(|_| trial(&person, &mut rng)).collect();
             assert_eq!(oddest_of(&same), None);
         }
@@ -271,7 +274,7 @@ mod tests {
             trials[k] = trial(&other, &mut rng);
             let odd = oddest_of(&trials).unwrap();
             assert_eq!(odd.trial, k);
-            assert!(odd.own_m < odd.others_m && odd.degrees == 3, "{odd:?}");
+            assert!(odd.own_m < odd.others_m && odd.degrees == [3, 18], "{odd:?}");
         }
     }
 
@@ -280,9 +283,8 @@ mod tests {
         let mut rng = ChaCha8Rng::seed_from_u64(5);
         let [person, other] =
             [vec![0.45, 0.43, 0.32], vec![0.38, 0.36, 0.27]].map(DVector::from_vec);
-        let said = |a: Lengths, b: Lengths| one_of_two(a, b, &prior(), &names());
+        let said = |a: Lengths, b: Lengths| one_of_two(&a, &b, &names());
         for _ in 0..200 {
-            // the widened χ² is beyond 1/1000 of its own once in 10⁸ times
             assert_eq!(said(trial(&person, &mut rng), trial(&person, &mut rng)), OneBody::Yes);
             let found = said(trial(&person, &mut rng), trial(&other, &mut rng));
             let OneBody::No(odd) = &found else { panic!("{found:?}") };
@@ -290,16 +292,57 @@ mod tests {
         }
     }
 
+    /// Ten trials that err alike, in a direction of which each alone knows little: all data together with one prior would lie beyond
+    /// all of them.
     #[test]
-    fn all_together_are_one_measurement_with_the_prior_once() {
+    fn what_draws_all_trials_alike_names_none() {
         let mut rng = ChaCha8Rng::seed_from_u64(4);
-        let person = DVector::from_vec(vec![0.45, 0.43, 0.32]);
-        let trials: Vec<_> = (0..3).map(|k| (k, trial(&person, &mut rng))).collect();
-        let all = pooled(&trials, &prior()).unwrap();
-        let of_data = DMatrix::from_diagonal_element(3, 3, 3.0 / 0.008_f64.powi(2));
-        let expected = precision(&(of_data + precision(&prior().covariance).unwrap())).unwrap();
-        approx::assert_relative_eq!(all.covariance, expected, max_relative = 1e-6);
-        let one = pooled(&trials[..1], &prior()).unwrap();
-        approx::assert_relative_eq!(one.metres, trials[0].1.metres, max_relative = 1e-6);
+        let drawn = DVector::from_vec(vec![0.43, 0.42, 0.52]);
+        let sd = DVector::from_vec(vec![0.008, 0.008, 0.04]);
+        let of_data = DMatrix::from_diagonal(&sd.map(|sd| 1.0 / (sd * sd)));
+        let prior = prior();
+        let of_prior = precision(&prior.covariance).unwrap();
+        let covariance = precision(&(&of_data + &of_prior)).unwrap();
+        let mut trial = || {
+            let noise =
+                sd.map(|sd| 0.1 * sd * Distribution::<f64>::sample(&StandardNormal, &mut rng));
+            let right = &of_data * (&drawn + noise) + &of_prior * &prior.metres;
+            Lengths { metres: &covariance * right, covariance: covariance.clone() }
+        };
+        let trials: Vec<Lengths> = (0..10).map(|_| trial()).collect();
+        assert_eq!(oddest_of(&trials), None);
+    }
+
+    #[test]
+    fn the_mean_of_trials_weighs_each_by_what_it_knows() {
+        let of = |metres: f64, sd: f64| Lengths {
+            metres: DVector::from_element(1, metres),
+            covariance: DMatrix::from_element(1, 1, sd * sd),
+        };
+        let mean = Mean::new(&[&of(0.40, 0.01), &of(0.46, 0.02)]).unwrap();
+        approx::assert_relative_eq!(mean.lengths.metres[0], 0.412, max_relative = 1e-9);
+        approx::assert_relative_eq!(mean.lengths.covariance[(0, 0)], 8e-5, max_relative = 1e-9);
+        // 1.2 and 2.4 of their standard deviations
+        approx::assert_relative_eq!(mean.squares, 7.2, max_relative = 1e-9);
+    }
+
+    /// Twelve degrees of freedom say that errors are as stated; trials that vary less make a small difference a large one.
+    #[test]
+    fn trials_that_vary_little_name_a_difference_that_one_trial_would_not() {
+        let of = |metres: f64| Lengths {
+            metres: DVector::from_element(1, metres),
+            covariance: DMatrix::from_element(1, 1, 1e-4),
+        };
+        let name = ["thigh".to_owned()];
+        let against = |others: &[f64]| {
+            let trials = std::iter::once(0.46).chain(others.iter().copied()).map(of);
+            let trials: Vec<_> = trials.enumerate().collect();
+            oddest(&trials, &name).map(|odd| (odd.trial, odd.degrees))
+        };
+        assert_eq!(against(&[0.42]), None);
+        let alike = [0.42; 30];
+        assert_eq!(against(&alike), Some((0, [1, 41])));
+        let spread: Vec<f64> = (0..30).map(|i| if i % 2 == 0 { 0.40 } else { 0.44 }).collect();
+        assert_eq!(against(&spread), None);
     }
 }

@@ -142,16 +142,16 @@ impl Comparison {
         let OneBody::No(odd) = &self.one_body else {
             return None;
         };
+        let [m, nu] = odd.degrees;
         Some(format!(
-            "the bodies differ: the {} is {:.3} m in {}, {:.3} m in {} (all lengths: χ² {:.0} of {}): two people, a person who has \
+            "the bodies differ: {} {:.3} m in {}, {:.3} m in {} (all lengths: F({m}, {nu}) = {:.0}): two people, a person who has \
              grown, or a calibration of another scale; no change below is to be trusted before that is known",
             odd.length.replace('_', " "),
             odd.others_m,
             self.before.name,
             odd.own_m,
             self.after.name,
-            odd.chi_square,
-            odd.degrees
+            odd.f
         ))
     }
 

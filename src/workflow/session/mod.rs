@@ -173,7 +173,7 @@ impl Session {
         });
         let odd = odd.iter().map(|odd| DisagreementPart {
             trial: manifest.trials[odd.trial].name.clone(),
-            chi_square: odd.chi_square,
+            f: odd.f,
             degrees: odd.degrees,
             probability: odd.probability,
             line: self.disagreement_line(odd),
@@ -199,14 +199,14 @@ impl Session {
             2 => "leave one of the two out".to_owned(),
             _ => format!("leave it out with --without {name}"),
         };
+        let [m, nu] = odd.degrees;
         format!(
-            "trial {name} disagrees: its {} is {:.3} m, that of the other trials {:.3} m (all lengths: χ² {:.0} of {}): \
+            "trial {name} disagrees: {} {:.3} m, {:.3} m in the other trials (all lengths: F({m}, {nu}) = {:.0}): \
              another person, or a trial that failed; {left_out}",
             odd.length.replace('_', " "),
             odd.own_m,
             odd.others_m,
-            odd.chi_square,
-            odd.degrees
+            odd.f
         )
     }
 }
