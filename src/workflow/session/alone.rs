@@ -1,4 +1,8 @@
 //! Each trial of a session by itself, or what an earlier run has found of it.
+//!
+//! Two trials at a time: what of a fit is one step after the other leaves processors idle, and another fit uses them.
+
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde_json::{Value, json};
 
@@ -29,21 +33,24 @@ impl Session {
         options: &FitOptions,
         progress: &dyn Progress,
     ) -> Result<Vec<AloneTrial>, Error> {
-        let mut all: Vec<AloneTrial> = Vec::with_capacity(self.manifest.trials.len());
-        for entry in &self.manifest.trials {
-            let trial = self.fit_one(entry, folder, options, progress);
+        let trials = &self.manifest.trials;
+        progress.begin("trials alone", trials.len());
+        let all = two_at_a_time(trials, |entry| {
+            let trial = self.fit_one(entry, folder, options, &InPart(progress));
             let trial = trial.map_err(|source| named(&entry.name, source))?;
             if let Some(why) = trial.fitted.result.verdict.why_unusable() {
-                return Err(SessionError::Unusable { name: trial.name, why }.into());
+                return Err(Error::from(SessionError::Unusable { name: trial.name, why }));
             }
-            if let Some(first) = all.first().filter(|first| first.input.model != trial.input.model)
-            {
-                let [body, other] =
-                    [&first.input, &trial.input].map(|input| input.model.name.clone());
-                let (first, second) = (first.name.clone(), trial.name);
-                return Err(SessionError::TwoBodies { first, body, second, other }.into());
-            }
-            all.push(trial);
+            progress.step();
+            Ok(trial)
+        })?;
+        progress.end();
+
+        let differs = |trial: &&AloneTrial| trial.input.model != all[0].input.model;
+        if let Some(other) = all.iter().find(differs) {
+            let [(first, body), (second, other)] =
+                [&all[0], other].map(|trial| (trial.name.clone(), trial.input.model.name.clone()));
+            return Err(SessionError::TwoBodies { first, body, second, other }.into());
         }
         Ok(all)
     }
@@ -90,6 +97,38 @@ impl Session {
     }
 }
 
+/// Does some work on all, in their order, two at a time; none is begun after one has failed.
+fn two_at_a_time<T: Sync, R: Send>(
+    all: &[T],
+    work: impl Fn(&T) -> Result<R, Error> + Sync,
+) -> Result<Vec<R>, Error> {
+    let has_failed = AtomicBool::new(false);
+    let every_other = |first: usize| {
+        let left = all.iter().skip(first).step_by(2);
+        let left = left.take_while(|_| !has_failed.load(Ordering::Relaxed));
+        left.map(&work)
+            .inspect(|done| _ = has_failed.fetch_or(done.is_err(), Ordering::Relaxed))
+            .collect::<Result<Vec<R>, Error>>()
+    };
+    let (even, odd) = rayon::join(|| every_other(0), || every_other(1));
+    let mut odd = odd?.into_iter();
+    Ok(even?.into_iter().flat_map(|done| [Some(done), odd.next()]).flatten().collect())
+}
+
+/// Passes on what the user should know of one trial of several; its steps count for none of the whole, but the work may be
+/// stopped at each.
+struct InPart<'a>(&'a dyn Progress);
+
+impl Progress for InPart<'_> {
+    fn advance(&self, _steps: usize) {
+        self.0.advance(0);
+    }
+
+    fn note(&self, line: &str) {
+        self.0.note(line);
+    }
+}
+
 /// The result of an earlier run of the same inputs and options, with any number of keyframes unless one is asked for: a session
 /// of more or fewer trials has other numbers.
 fn taken_up(path: &std::path::Path, input: &mut FitInput) -> Option<FittedRecording> {
@@ -124,5 +163,34 @@ impl AloneTrial {
             options: &self.input.options.estimate,
             alone: alone.ok_or_else(|| SessionError::NotJoint { name: self.name.clone() })?,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_are_done_in_their_order_and_none_is_begun_after_one_has_failed() {
+        for n in 0..6 {
+            let all: Vec<usize> = (0..n).collect();
+            assert_eq!(
+                two_at_a_time(&all, |i| Ok(10 * i)).unwrap(),
+                all.iter().map(|i| 10 * i).collect::<Vec<_>>()
+            );
+        }
+        let begun = std::sync::Mutex::new(Vec::new());
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        let failed = pool.install(|| {
+            two_at_a_time(&[0, 1, 2, 3, 4, 5], |i| {
+                begun.lock().unwrap().push(*i);
+                match i {
+                    2 => Err(SessionError::NothingLeft.into()),
+                    _ => Ok(()),
+                }
+            })
+        });
+        assert!(matches!(failed, Err(Error::Session(_))), "{failed:?}");
+        assert_eq!(*begun.lock().unwrap(), [0, 2]);
     }
 }
