@@ -78,10 +78,21 @@ impl Recorded {
     /// # Errors
     /// As [`model::load`].
     pub fn fit(&self) -> Result<Result<Fit, FitError>, Box<dyn Error>> {
+        self.fit_with(EstimateOptions::default())
+    }
+
+    /// The same with other options.
+    ///
+    /// # Errors
+    /// As [`model::load`].
+    pub fn fit_with(
+        &self,
+        options: EstimateOptions,
+    ) -> Result<Result<Fit, FitError>, Box<dyn Error>> {
         let body = model::load(DEFAULT_BODY, Path::new(""))?;
         let frames = self.observations();
         let sequence = Sequence { frames: &frames, fps: self.fps };
-        let options = EstimateOptions { height_m: self.given_m, ..EstimateOptions::default() };
+        let options = EstimateOptions { height_m: self.given_m, ..options };
         Ok(fit(&body, &self.rig, sequence, &options, &NoJournal))
     }
 

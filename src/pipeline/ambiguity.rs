@@ -40,11 +40,7 @@ pub(super) fn facing_warning(
 ///
 /// `data_weight` is what the recording's own noise leaves of the residuals' stated weight. A hypothesis that was dropped on its
 /// way costs as much in the frames that it was spared as in those that it was followed through.
-pub fn facing_log_odds(
-    hypotheses: &[TriedHypothesis],
-    winner: usize,
-    data_weight: f64,
-) -> Option<f64> {
+fn facing_log_odds(hypotheses: &[TriedHypothesis], winner: usize, data_weight: f64) -> Option<f64> {
     let won = &hypotheses[winner].trial;
     let energy = |tried: &TriedHypothesis| {
         let followed = tried.fitted.max(1) as f64 / tried.trial.frames.len().max(1) as f64;

@@ -51,7 +51,6 @@ mod warning_text;
 mod watch;
 
 pub use crate::inference::covariance::ShapeUncertainty;
-pub use ambiguity::facing_log_odds;
 pub use camera_covariance::{CameraCovariances, POSE};
 pub use camera_found::{CameraFound, ClockFound, PoseFound};
 pub use clock_line::{ClockLine, Drift, TOLD_PPM, WindowClock, clock_line};
